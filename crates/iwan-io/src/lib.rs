@@ -1,0 +1,1 @@
+//! Reading and writing records and tables of results.

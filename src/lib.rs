@@ -1,0 +1,2 @@
+//! Ring-down of bolted structures with Iwan friction models: one door to all crates.
+pub use iwan_core as core;
