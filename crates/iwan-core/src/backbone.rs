@@ -1,0 +1,156 @@
+//! The virgin curve of a joint law, in closed form.
+//!
+//! Any parallel-series Iwan model is known by its virgin (backbone) curve F(u):
+//! its slider density is ρ(u) = -F''(u), and by Masing's rule so are all loops.
+//! A further family of joints is one file that implements [`Backbone`].
+
+use crate::quadrature::Rule;
+
+/// Micro-slip of the form F(u) = stiffness·u - coefficient·u^exponent for |u| <= limit.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct PowerLaw {
+    /// Initial stiffness K_T.
+    pub stiffness: f64,
+    /// Coefficient R / ((χ+1)(χ+2)) of the softening term.
+    pub coefficient: f64,
+    /// Exponent χ + 2 of the softening term.
+    pub exponent: f64,
+    /// Displacement φ_max up to which the form holds.
+    pub limit: f64,
+}
+
+/// A backbone (virgin loading) curve and what follows from it.
+///
+/// All functions take a joint displacement `u` of either sign in the user's
+/// length unit. Odd: [`force`](Self::force). Even: all others.
+pub trait Backbone {
+    /// Stiffness K_T at zero displacement (all sliders stick), > 0.
+    fn initial_stiffness(&self) -> f64;
+
+    /// Force F_S when all sliders slip, > 0.
+    fn slip_force(&self) -> f64;
+
+    /// Strengths of the weakest and of the strongest slider: no slip below the first
+    /// displacement, macro-slip above the second.
+    fn strengths(&self) -> (f64, f64);
+
+    /// Force F(u) on the virgin curve.
+    fn force(&self, u: f64) -> f64;
+
+    /// Tangent stiffness K(u) = dF/du: 0 at and beyond macro-slip.
+    fn tangent(&self, u: f64) -> f64;
+
+    /// Work G(u) = ∫ F du from 0 to u.
+    fn energy(&self, u: f64) -> f64;
+
+    /// Energy D(u) dissipated in one closed cycle between -u and u.
+    ///
+    /// Masing's rule gives D = 8 G(u) - 4 u F(u); laws with a closed form override
+    /// this, because the difference loses digits at small u.
+    fn dissipation(&self, u: f64) -> f64 {
+        let u = u.abs();
+        8.0 * self.energy(u) - 4.0 * u * self.force(u)
+    }
+
+    /// Secant stiffness F(u)/u, K_T at u = 0.
+    fn secant(&self, u: f64) -> f64 {
+        if u == 0.0 { self.initial_stiffness() } else { self.force(u) / u }
+    }
+
+    /// First-harmonic (harmonic-balance) stiffness K_1(u) = (1/πu) ∮ F cos θ dθ over a closed
+    /// cycle of amplitude u, K_T at u = 0.
+    ///
+    /// With Masing's rule K_1 = -(4/πu) ∫ F(u sin²(θ/2)) cos θ dθ from 0 to π; the rest state
+    /// beyond macro-slip is integrated in closed form.
+    fn harmonic_stiffness(&self, u: f64) -> f64 {
+        first_harmonic(self, u.abs())
+    }
+
+    /// Force and tangent at once: laws that share a power between them override this.
+    #[inline]
+    fn force_and_tangent(&self, u: f64) -> (f64, f64) {
+        (self.force(u), self.tangent(u))
+    }
+
+    /// Total stiffness ∫ ρ of the sliders of strength < φ, for φ >= 0.
+    fn stiffness_below(&self, phi: f64) -> f64;
+
+    /// Total slip force ∫ ρ φ of the sliders of strength < φ, for φ >= 0.
+    fn force_below(&self, phi: f64) -> f64;
+
+    /// The micro-slip power law, where the law has that form: lets the half-cycle map
+    /// reuse one power for a whole half cycle.
+    fn power_law(&self) -> Option<PowerLaw> {
+        None
+    }
+}
+
+/// Panels of the first-harmonic quadrature between kinks.
+const PANELS: u32 = 4;
+
+pub(crate) fn first_harmonic<B: Backbone + ?Sized>(law: &B, u: f64) -> f64 {
+    const RULE: Rule<16> = Rule::gauss_legendre();
+    let (weakest, strongest) = law.strengths();
+    if u <= weakest {
+        return law.initial_stiffness();
+    }
+    let angle = |z: f64| 2.0 * libm::asin(libm::sqrt((z / u).min(1.0)));
+    let (first, last) = (angle(weakest), angle(strongest));
+    let integrand = |theta: f64| {
+        let half = libm::sin(0.5 * theta);
+        law.force(u * half * half) * libm::cos(theta)
+    };
+    // Below the weakest strength F = K_T z, so that with z = u sin²(θ/2) the integral is elementary.
+    let stuck =
+        0.5 * law.initial_stiffness() * u * (libm::sin(first) - 0.5 * (first + 0.5 * libm::sin(2.0 * first)));
+    // θ = first + (last - first) s²: flattens the u^(χ+2) corner at the start.
+    let span = last - first;
+    let width = 1.0 / f64::from(PANELS);
+    let slipping: f64 = (0..PANELS)
+        .map(|i| {
+            let from = f64::from(i) * width;
+            RULE.integrate(from, from + width, |s| 2.0 * s * span * integrand(first + span * s * s))
+        })
+        .sum();
+    let sliding = -law.slip_force() * libm::sin(last);
+    -4.0 / (core::f64::consts::PI * u) * (stuck + slipping + sliding)
+}
+
+impl<B: Backbone + ?Sized> Backbone for &B {
+    fn initial_stiffness(&self) -> f64 {
+        (**self).initial_stiffness()
+    }
+    fn slip_force(&self) -> f64 {
+        (**self).slip_force()
+    }
+    fn strengths(&self) -> (f64, f64) {
+        (**self).strengths()
+    }
+    fn force(&self, u: f64) -> f64 {
+        (**self).force(u)
+    }
+    fn tangent(&self, u: f64) -> f64 {
+        (**self).tangent(u)
+    }
+    fn energy(&self, u: f64) -> f64 {
+        (**self).energy(u)
+    }
+    fn dissipation(&self, u: f64) -> f64 {
+        (**self).dissipation(u)
+    }
+    fn harmonic_stiffness(&self, u: f64) -> f64 {
+        (**self).harmonic_stiffness(u)
+    }
+    fn force_and_tangent(&self, u: f64) -> (f64, f64) {
+        (**self).force_and_tangent(u)
+    }
+    fn stiffness_below(&self, phi: f64) -> f64 {
+        (**self).stiffness_below(phi)
+    }
+    fn force_below(&self, phi: f64) -> f64 {
+        (**self).force_below(phi)
+    }
+    fn power_law(&self) -> Option<PowerLaw> {
+        (**self).power_law()
+    }
+}

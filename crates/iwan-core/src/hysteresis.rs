@@ -1,0 +1,26 @@
+//! What every evaluation of the hysteretic joint force can do.
+
+/// A joint law with memory: parameters in `self`, the history in a state of its own.
+///
+/// One law drives any number of joints; a snapshot is a clone of the state.
+///
+/// `State` is what the joint remembers of its past.
+pub trait Hysteresis<State> {
+    /// The displacement u at which the state stands.
+    fn displacement(&self, state: &State) -> f64;
+
+    /// The joint force F at the state.
+    fn joint_force(&self, state: &State) -> f64;
+
+    /// Moves monotonically to the displacement `u` and returns the force there.
+    ///
+    /// NaN moves nothing; check inputs before.
+    fn advance(&self, state: &mut State, u: f64) -> f64;
+
+    /// Moves to the displacement u' with stiffness·(u' - u) + F(u') - F(u) = `load` and returns
+    /// u' - u: one implicit time step. `stiffness` > 0 makes the solution unique.
+    fn solve(&self, state: &mut State, stiffness: f64, load: f64) -> f64;
+
+    /// Elastic energy ½∫ρ x² stored in the sliders' springs: what the joint could give back.
+    fn stored_energy(&self, state: &State) -> f64;
+}

@@ -1,0 +1,272 @@
+//! The continuum: Masing's rule with return-point memory, exact and without sliders.
+//!
+//! The state is a stack of reversal points. On the branch that left the latest one,
+//! (u_a, F_a), in direction d, the force is F_a + 2 d F_virgin(|u - u_a|/2); where the branch
+//! meets the reversal before, that loop closes, both points are forgotten and the outer branch
+//! goes on (G. Masing, 1926; D. J. Segalman and M. J. Starr, Int. J. Non-Linear Mech. 43:74, 2008,
+//! doi:10.1016/j.ijnonlinmec.2007.10.010). The outermost loop closes on the virgin curve.
+
+use crate::backbone::Backbone;
+use crate::error::Error;
+use crate::hysteresis::Hysteresis;
+
+/// A point at which the motion turned round.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub struct Reversal {
+    /// Displacement there.
+    u: f64,
+    /// Force there.
+    force: f64,
+}
+
+/// The state of a [`Continuum`]: where it stands and the reversal points not yet forgotten.
+///
+/// `S` holds the stack: an array makes the state `Copy`, a slice or vector lends the caller's
+/// memory. A decaying oscillation adds one entry per half cycle. When the stack is full the
+/// innermost loop is forgotten and [`forgotten`](Self::forgotten) grows by the force that this may cost.
+#[derive(Debug, Clone, Copy)]
+pub struct Reversals<S> {
+    u: f64,
+    force: f64,
+    tangent: f64,
+    direction: f64,
+    /// Displacement at which the virgin curve starts: moved by macro-slip.
+    origin: f64,
+    depth: usize,
+    forgotten: f64,
+    stack: S,
+}
+
+/// The branch on which a state moves.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Branch {
+    /// Where it left.
+    pub(crate) start: Reversal,
+    /// 2 behind a reversal (Masing), 1 on the virgin curve.
+    pub(crate) scale: f64,
+    /// Direction of motion, ±1.
+    pub(crate) direction: f64,
+    /// Where it closes a loop and ends (infinite on the virgin curve).
+    pub(crate) end: f64,
+}
+
+impl Branch {
+    /// Displacement on the virgin curve that corresponds to `u`, >= 0.
+    #[inline]
+    pub(crate) fn virgin_distance(&self, u: f64) -> f64 {
+        (self.direction * (u - self.start.u) / self.scale).max(0.0)
+    }
+
+    #[inline]
+    pub(crate) fn force_and_tangent<B: Backbone>(&self, law: &B, u: f64) -> (f64, f64) {
+        let (force, tangent) = law.force_and_tangent(self.virgin_distance(u));
+        (self.start.force + self.scale * self.direction * force, tangent)
+    }
+
+    /// Whether `u` lies beyond the end.
+    #[inline]
+    pub(crate) fn passed_by(&self, u: f64) -> bool {
+        self.direction * (u - self.end) > 0.0
+    }
+}
+
+/// A closed-form law evaluated by return-point memory.
+#[derive(Debug, Clone, Copy)]
+pub struct Continuum<B> {
+    law: B,
+}
+
+impl<B: Backbone> Continuum<B> {
+    /// The continuum of a law.
+    #[must_use]
+    pub const fn new(law: B) -> Self {
+        Self { law }
+    }
+
+    /// The law.
+    pub const fn law(&self) -> &B {
+        &self.law
+    }
+
+    /// The virgin state, with room for `stack.len()` >= 2 reversals.
+    ///
+    /// # Errors
+    /// [`Error::Length`].
+    pub fn virgin<S: AsMut<[Reversal]>>(&self, mut stack: S) -> Result<Reversals<S>, Error> {
+        let found = stack.as_mut().len();
+        if found < 2 {
+            return Err(Error::Length { name: "stack", needed: 2, found });
+        }
+        let tangent = self.law.initial_stiffness();
+        let (u, force, direction, origin, depth, forgotten) = (0.0, 0.0, 1.0, 0.0, 0, 0.0);
+        Ok(Reversals { u, force, tangent, direction, origin, depth, forgotten, stack })
+    }
+}
+
+impl<S: AsRef<[Reversal]> + AsMut<[Reversal]>> Reversals<S> {
+    /// Bound on the force error from loops forgotten because the stack was full; 0 = exact.
+    ///
+    /// Sliders are non-expansive: two histories of one population never drift apart, so the force gap at
+    /// the moment of forgetting bounds all later ones, and the gaps add.
+    pub const fn forgotten(&self) -> f64 {
+        self.forgotten
+    }
+
+    /// Direction of motion, ±1.
+    pub(crate) const fn direction(&self) -> f64 {
+        self.direction
+    }
+
+    #[inline]
+    pub(crate) fn branch(&self) -> Branch {
+        self.branch_at(self.depth, self.direction)
+    }
+
+    /// The branch in `direction` with `depth` reversals remembered.
+    #[inline]
+    fn branch_at(&self, depth: usize, direction: f64) -> Branch {
+        if depth == 0 {
+            let start = Reversal { u: self.origin, force: 0.0 };
+            return Branch { start, scale: 1.0, direction, end: direction * f64::INFINITY };
+        }
+        let start = self.stack.as_ref()[depth - 1];
+        // The loop around the first reversal closes at its mirror image on the virgin curve.
+        let end = if depth == 1 { 2.0 * self.origin - start.u } else { self.stack.as_ref()[depth - 2].u };
+        Branch { start, scale: 2.0, direction, end }
+    }
+
+    /// Puts the state at `u` on the present branch, with the force and tangent there.
+    #[inline]
+    pub(crate) fn rest_at(&mut self, u: f64, (force, tangent): (f64, f64)) {
+        (self.u, self.force, self.tangent) = (u, force, tangent);
+    }
+
+    /// Forgets the loops that motion up to `u` closes and returns the branch that holds there.
+    #[inline]
+    pub(crate) fn close_loops_before(&mut self, u: f64) -> Branch {
+        let mut branch = self.branch();
+        while branch.passed_by(u) {
+            self.depth = self.depth.saturating_sub(2);
+            branch = self.branch();
+        }
+        branch
+    }
+
+    /// Turns round where the state stands.
+    pub(crate) fn reverse<B: Backbone>(&mut self, law: &B) {
+        let travelled = self.branch().virgin_distance(self.u);
+        let strongest = law.strengths().1;
+        let direction = self.direction;
+        (self.direction, self.tangent) = (-direction, law.initial_stiffness());
+        if travelled == 0.0 {
+            // No way gone since the last reversal: it is undone.
+            self.depth = self.depth.saturating_sub(1);
+            self.tangent = self.branch().force_and_tangent(law, self.u).1;
+            return;
+        }
+        if travelled >= strongest {
+            // Macro-slip wipes the memory; the virgin curve now starts φ_max behind.
+            (self.depth, self.origin) = (0, self.u - direction * strongest);
+        } else if self.depth == self.stack.as_ref().len() {
+            self.forget_innermost(law, direction);
+        }
+        self.stack.as_mut()[self.depth] = Reversal { u: self.u, force: self.force };
+        self.depth += 1;
+    }
+
+    /// Makes room by dropping the smallest loop as if it had closed.
+    fn forget_innermost<B: Backbone>(&mut self, law: &B, direction: f64) {
+        self.depth -= 2;
+        let (merged, _) = self.branch_at(self.depth, direction).force_and_tangent(law, self.u);
+        self.forgotten += (merged - self.force).abs();
+        self.force = merged;
+    }
+}
+
+/// Newton's second-order error is accepted below this share of the step: the force is then
+/// exact to rounding.
+const NEWTON_ERROR: f64 = 1e-18;
+
+impl<B: Backbone, S: AsRef<[Reversal]> + AsMut<[Reversal]>> Hysteresis<Reversals<S>> for Continuum<B> {
+    fn displacement(&self, state: &Reversals<S>) -> f64 {
+        state.u
+    }
+
+    #[inline]
+    fn joint_force(&self, state: &Reversals<S>) -> f64 {
+        state.force
+    }
+
+    fn advance(&self, state: &mut Reversals<S>, u: f64) -> f64 {
+        let du = u - state.u;
+        if du != 0.0 && !du.is_nan() {
+            if du * state.direction < 0.0 {
+                state.reverse(&self.law);
+            }
+            let branch = state.close_loops_before(u);
+            state.rest_at(u, branch.force_and_tangent(&self.law, u));
+        }
+        state.force
+    }
+
+    /// Newton's method: the force is concave along a monotone motion, loops closing included, so
+    /// the iteration starts short of the solution and never passes it; trial points touch no state
+    /// but the loops that the solution closes as well. At the small steps of a ring-down one evaluation does.
+    #[inline]
+    fn solve(&self, state: &mut Reversals<S>, stiffness: f64, load: f64) -> f64 {
+        if load == 0.0 || load.is_nan() {
+            return 0.0;
+        }
+        if load * state.direction < 0.0 {
+            state.reverse(&self.law);
+        }
+        let (u, force, tangent) = (state.u, state.force, state.tangent);
+        let mut du = load / (stiffness + tangent);
+        loop {
+            let branch = state.close_loops_before(u + du);
+            let (trial_force, k) = branch.force_and_tangent(&self.law, u + du);
+            let step = (load - stiffness * du - (trial_force - force)) / (stiffness + k);
+            let error = (tangent - k).abs() * step * step;
+            du += step;
+            let small = step.abs() <= f64::EPSILON * du.abs();
+            if small || (error <= NEWTON_ERROR * (stiffness + k) * du * du && !branch.passed_by(u + du)) {
+                state.rest_at(u + du, (trial_force + k * step, k));
+                return du;
+            }
+        }
+    }
+
+    /// ½∫ρ x², range by range of the sliders that last slipped together: those weaker than the
+    /// way of the present branch, then those between the ways of two successive branches.
+    fn stored_energy(&self, state: &Reversals<S>) -> f64 {
+        let mut energy = 0.0;
+        let mut low = [0.0; 3];
+        let (mut sign, mut anchor, mut until) = (state.direction, None, state.u);
+        for depth in (0..=state.depth).rev() {
+            let branch = state.branch_at(depth, sign);
+            let high = moments(&self.law, branch.virgin_distance(until));
+            energy += range_energy(sign, anchor.map_or(0.0, |a: f64| state.u - a), low, high);
+            low = high;
+            (sign, anchor, until) = (-sign, Some(branch.start.u), branch.start.u);
+        }
+        // Sliders that never slipped follow the displacement.
+        energy + range_energy(0.0, state.u - state.origin, low, moments(&self.law, f64::INFINITY))
+    }
+}
+
+/// ∫ρ, ∫ρφ and ∫ρφ² of the strengths below `phi`.
+fn moments<B: Backbone>(law: &B, phi: f64) -> [f64; 3] {
+    let strongest = law.strengths().1;
+    if phi >= strongest {
+        let slip = law.slip_force();
+        return [law.initial_stiffness(), slip, strongest * slip - 0.25 * law.dissipation(strongest)];
+    }
+    let below = law.force_below(phi);
+    [law.stiffness_below(phi), below, phi * below - 0.25 * law.dissipation(phi)]
+}
+
+/// ½∫ρ (s φ + w)² between two strengths, from the moments below them.
+fn range_energy(s: f64, w: f64, low: [f64; 3], high: [f64; 3]) -> f64 {
+    let [m0, m1, m2] = [high[0] - low[0], high[1] - low[1], high[2] - low[2]];
+    0.5 * (s * s * m2 + 2.0 * s * w * m1 + w * w * m0)
+}

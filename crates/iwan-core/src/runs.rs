@@ -1,0 +1,253 @@
+//! Run-length memory: the exact force of N sliders at a cost independent of N.
+//!
+//! All sliders start unloaded and see the same displacement, so the state of the
+//! whole population is a direction d, a frontier (the sliders below it slip in
+//! direction d) and a short list of *runs*: ranges of sliders that last slipped
+//! together, in direction s, and have moved as one since the displacement a at
+//! which they stuck. Slider i of such a run has the extension s φ_i + (u - a); the
+//! virgin run has s = 0. With K(j) = Σ k of the sliders from j on, M(j) = Σ k φ
+//! below j and e the end of the topmost run,
+//!
+//! F(u) = (d - s) M(j) + s M(e) + C + (u - a) K(j),
+//!
+//! where C, fixed when the run was made, is the force of all older runs at a. The force is a
+//! function of the state and not a sum over the past, so rounding does not drift.
+
+use crate::error::{Error, check_length};
+use crate::hysteresis::Hysteresis;
+use crate::sliders::{Slider, Sliders};
+
+/// Sliders that last slipped together: those from the frontier (or the end of the run above) to `end`.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub struct Run {
+    /// One past the last slider.
+    end: usize,
+    /// Direction in which they slipped last; 0 = never.
+    sign: f64,
+    /// Displacement at which they stuck.
+    anchor: f64,
+    /// Force of all older runs at `anchor`.
+    carried: f64,
+}
+
+/// The state of a population under run-length memory.
+///
+/// `S` holds the runs: an array makes the state `Copy`, a slice or vector lends the
+/// caller's memory. One entry per slider always suffices: runs own disjoint, non-empty ranges.
+#[derive(Debug, Clone, Copy)]
+pub struct Runs<S> {
+    u: f64,
+    direction: f64,
+    frontier: usize,
+    /// Index of the topmost run.
+    top: usize,
+    runs: S,
+}
+
+/// Breaks passed one by one before the search along the strengths begins to gallop.
+const WALK: usize = 4;
+
+/// The straight piece of F(u) on which a state stands, in the distance x = u - anchor.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Segment {
+    pub(crate) anchor: f64,
+    /// Force at x = 0 on the extended straight line.
+    pub(crate) base: f64,
+    /// Slope.
+    pub(crate) stiffness: f64,
+    /// Distance direction·x at which the next slider breaks loose.
+    pub(crate) reach: f64,
+}
+
+impl<'a> Sliders<'a> {
+    /// The virgin state. `runs` has at least one entry per slider.
+    ///
+    /// # Errors
+    /// [`Error::Length`].
+    pub fn virgin<S: AsMut<[Run]>>(&self, mut runs: S) -> Result<Runs<S>, Error> {
+        let slice = runs.as_mut();
+        if slice.len() < self.len() {
+            check_length("runs", slice.len(), self.len())?;
+        }
+        slice[0] = self.untouched();
+        Ok(Runs { u: 0.0, direction: 1.0, frontier: 0, top: 0, runs })
+    }
+
+    fn untouched(&self) -> Run {
+        Run { end: self.len(), ..Run::default() }
+    }
+}
+
+impl<S: AsRef<[Run]> + AsMut<[Run]>> Runs<S> {
+    #[inline]
+    fn run(&self) -> &Run {
+        &self.runs.as_ref()[self.top]
+    }
+
+    /// Direction of motion, ±1.
+    #[inline]
+    pub(crate) fn direction(&self) -> f64 {
+        self.direction
+    }
+
+    /// Records a displacement on the present segment.
+    #[inline]
+    pub(crate) fn rest_at(&mut self, u: f64) {
+        self.u = u;
+    }
+
+    /// How far, in units of its strength, a slider of the topmost run moves from the run's anchor
+    /// until it slips: 2 when the run slipped the other way, 1 when virgin, 0 when it slipped this
+    /// way and only comes back to its limit.
+    #[inline]
+    fn travel(&self) -> f64 {
+        1.0 - self.run().sign * self.direction
+    }
+
+    #[inline]
+    pub(crate) fn segment(&self, table: &[Slider]) -> Segment {
+        self.segment_at(table, self.frontier)
+    }
+
+    /// The segment with the frontier at slider `j` of the topmost run.
+    #[inline]
+    fn segment_at(&self, table: &[Slider], j: usize) -> Segment {
+        let run = self.run();
+        let next = &table[j];
+        let base = (self.direction - run.sign) * next.slip_force_below
+            + (run.sign * table[run.end].slip_force_below + run.carried);
+        let reach = self.travel() * next.strength;
+        Segment { anchor: run.anchor, base, stiffness: next.stiffness_from, reach }
+    }
+
+    /// Turns round: the sliders that were slipping become a run.
+    pub(crate) fn reverse(&mut self, table: &[Slider]) {
+        let j = self.frontier;
+        if j > 0 {
+            let run = *self.run();
+            let carried = run.sign * (table[run.end].slip_force_below - table[j].slip_force_below)
+                + run.carried
+                + (self.u - run.anchor) * table[j].stiffness_from;
+            if run.end > j {
+                self.top += 1;
+            }
+            self.runs.as_mut()[self.top] = Run { end: j, sign: self.direction, anchor: self.u, carried };
+            self.frontier = 0;
+        }
+        self.direction = -self.direction;
+    }
+
+    /// Moves the frontier past all sliders for which `slips(segment that ends with their break)`.
+    pub(crate) fn pass_breaks(&mut self, table: &[Slider], slips: impl Fn(&Segment) -> bool) {
+        while slips(&self.segment(table)) {
+            let end = self.run().end;
+            self.frontier = if self.travel() == 0.0 { end } else { self.first_stuck(table, end, &slips) };
+            if self.frontier == end {
+                self.exhaust(table.len() - 1);
+            }
+        }
+    }
+
+    /// First slider behind the frontier, up to `end`, that does not slip; the frontier's own does.
+    fn first_stuck(&self, table: &[Slider], end: usize, slips: &impl Fn(&Segment) -> bool) -> usize {
+        let slips_at = |j: usize| slips(&self.segment_at(table, j));
+        let (mut low, mut step) = (self.frontier, 1);
+        // Invariant: `low` slips.
+        while low + step < end && slips_at(low + step) {
+            low += step;
+            if low - self.frontier >= WALK {
+                step *= 2;
+            }
+        }
+        let mut high = (low + step).min(end);
+        while high - low > 1 {
+            let middle = low + (high - low) / 2;
+            if slips_at(middle) {
+                low = middle;
+            } else {
+                high = middle;
+            }
+        }
+        high
+    }
+
+    /// Drops the topmost run after its last slider has slipped.
+    fn exhaust(&mut self, sliders: usize) {
+        if self.top > 0 {
+            self.top -= 1;
+        } else {
+            // Everything slips: an empty virgin run stands for "no one left to slip".
+            self.runs.as_mut()[0] = Run { end: sliders, anchor: self.u, ..Run::default() };
+        }
+    }
+
+    #[inline]
+    fn force_in(&self, table: &[Slider]) -> f64 {
+        let segment = self.segment(table);
+        segment.base + (self.u - segment.anchor) * segment.stiffness
+    }
+}
+
+impl<S: AsRef<[Run]> + AsMut<[Run]>> Hysteresis<Runs<S>> for Sliders<'_> {
+    fn displacement(&self, state: &Runs<S>) -> f64 {
+        state.u
+    }
+
+    #[inline]
+    fn joint_force(&self, state: &Runs<S>) -> f64 {
+        state.force_in(self.table())
+    }
+
+    #[inline]
+    fn advance(&self, state: &mut Runs<S>, u: f64) -> f64 {
+        let table = self.table();
+        let du = u - state.u;
+        if du * state.direction < 0.0 {
+            state.reverse(table);
+        }
+        if du != 0.0 && !du.is_nan() {
+            let direction = state.direction;
+            state.pass_breaks(table, |s| direction * (u - s.anchor) > s.reach);
+            state.u = u;
+        }
+        state.force_in(table)
+    }
+
+    /// The equation is monotone and piecewise linear, so the sign of `load` is the direction
+    /// before anything is solved, and no iteration is needed.
+    fn solve(&self, state: &mut Runs<S>, stiffness: f64, load: f64) -> f64 {
+        let table = self.table();
+        if load * state.direction < 0.0 {
+            state.reverse(table);
+        }
+        let (u, force, direction) = (state.u, state.force_in(table), state.direction);
+        // Load that brings the displacement to the end of a segment.
+        state.pass_breaks(table, |s| {
+            let x = direction * s.reach;
+            let needed = stiffness * (x - (u - s.anchor)) + (s.base + s.stiffness * x - force);
+            direction * load > direction * needed
+        });
+        let s = state.segment(table);
+        let x = u - s.anchor;
+        let du = (load - (s.base + s.stiffness * x - force)) / (stiffness + s.stiffness);
+        state.u = u + du;
+        du
+    }
+
+    fn stored_energy(&self, state: &Runs<S>) -> f64 {
+        let mut run = state.top;
+        let runs = state.runs.as_ref();
+        let energy = |(i, (phi, k)): (usize, (f64, f64))| {
+            let extension = if i < state.frontier {
+                phi
+            } else {
+                while i >= runs[run].end {
+                    run -= 1;
+                }
+                runs[run].sign * phi + (state.u - runs[run].anchor)
+            };
+            0.5 * k * extension * extension
+        };
+        self.elements().enumerate().map(energy).sum()
+    }
+}
