@@ -181,6 +181,34 @@ impl<S: AsRef<[Run]> + AsMut<[Run]>> Runs<S> {
         }
     }
 
+    /// Moves to the displacement u' with stiffness·(u' - u) + F(u') - F(u) = `load`; returns u' - u.
+    ///
+    /// The equation is monotone and piecewise linear, so the sign of `load` is the direction
+    /// before anything is solved, and no iteration is needed.
+    pub(crate) fn solve_step(&mut self, table: &[Slider], stiffness: f64, load: f64) -> f64 {
+        if load * self.direction < 0.0 {
+            self.reverse(table);
+        }
+        let (u, force, direction) = (self.u, self.force_in(table), self.direction);
+        // Load that brings the displacement to the end of a segment.
+        self.pass_breaks(table, |s| {
+            let x = direction * s.reach;
+            let needed = stiffness * (x - (u - s.anchor)) + (s.base + s.stiffness * x - force);
+            direction * load > direction * needed
+        });
+        let s = self.segment(table);
+        let x = u - s.anchor;
+        let du = (load - (s.base + s.stiffness * x - force)) / (stiffness + s.stiffness);
+        self.u = u + du;
+        du
+    }
+
+    /// Displacement at which the state stands.
+    #[inline]
+    pub(crate) fn displacement(&self) -> f64 {
+        self.u
+    }
+
     #[inline]
     fn force_in(&self, table: &[Slider]) -> f64 {
         let segment = self.segment(table);
@@ -213,25 +241,8 @@ impl<S: AsRef<[Run]> + AsMut<[Run]>> Hysteresis<Runs<S>> for Sliders<'_> {
         state.force_in(table)
     }
 
-    /// The equation is monotone and piecewise linear, so the sign of `load` is the direction
-    /// before anything is solved, and no iteration is needed.
     fn solve(&self, state: &mut Runs<S>, stiffness: f64, load: f64) -> f64 {
-        let table = self.table();
-        if load * state.direction < 0.0 {
-            state.reverse(table);
-        }
-        let (u, force, direction) = (state.u, state.force_in(table), state.direction);
-        // Load that brings the displacement to the end of a segment.
-        state.pass_breaks(table, |s| {
-            let x = direction * s.reach;
-            let needed = stiffness * (x - (u - s.anchor)) + (s.base + s.stiffness * x - force);
-            direction * load > direction * needed
-        });
-        let s = state.segment(table);
-        let x = u - s.anchor;
-        let du = (load - (s.base + s.stiffness * x - force)) / (stiffness + s.stiffness);
-        state.u = u + du;
-        du
+        state.solve_step(self.table(), stiffness, load)
     }
 
     fn stored_energy(&self, state: &Runs<S>) -> f64 {

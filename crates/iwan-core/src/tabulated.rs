@@ -15,14 +15,14 @@ pub struct DensityPoint {
 /// A density ρ(φ) that is linear between given points, zero outside, with an optional
 /// Dirac at the last point.
 ///
-/// The points live in a slice of the caller's.
-#[derive(Debug, Clone, Copy)]
-pub struct Tabulated<'a> {
-    points: &'a [DensityPoint],
+/// `P` holds the points: a slice lends the caller's memory, an array or vector owns it.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Tabulated<P> {
+    points: P,
     dirac: f64,
 }
 
-impl<'a> Tabulated<'a> {
+impl<P: AsRef<[DensityPoint]> + AsMut<[DensityPoint]>> Tabulated<P> {
     /// From `strength` φ_i (length, ascending, >= 0) and `density` ρ_i (stiffness/length, >= 0)
     /// at two or more points, and the stiffness `dirac` >= 0 of a slider at the last strength.
     /// `buffer` has as many entries as there are points.
@@ -30,17 +30,13 @@ impl<'a> Tabulated<'a> {
     /// # Errors
     /// [`Error::Length`], or [`Error::Entry`] with the first entry out of order or range,
     /// or [`Error::OutOfRange`] when the whole density is zero.
-    pub fn new(
-        strength: &[f64],
-        density: &[f64],
-        dirac: f64,
-        buffer: &'a mut [DensityPoint],
-    ) -> Result<Self, Error> {
+    pub fn new(strength: &[f64], density: &[f64], dirac: f64, mut buffer: P) -> Result<Self, Error> {
+        let points = buffer.as_mut();
         if strength.len() < 2 {
             return Err(Error::Length { name: "strength", needed: 2, found: strength.len() });
         }
         crate::error::check_length("density", density.len(), strength.len())?;
-        crate::error::check_length("buffer", buffer.len(), strength.len())?;
+        crate::error::check_length("buffer", points.len(), strength.len())?;
         check("dirac", dirac, dirac >= 0.0, "must be a finite number >= 0")?;
         for (index, (&value, &rho)) in strength.iter().zip(density).enumerate() {
             let ordered = if index == 0 { value >= 0.0 } else { value > strength[index - 1] };
@@ -54,18 +50,21 @@ impl<'a> Tabulated<'a> {
             }
             let mut point = DensityPoint { strength: value, density: rho, moments: [0.0; 3] };
             if index > 0 {
-                point.moments = buffer[index - 1].moments_up_to(value, rho);
+                point.moments = points[index - 1].moments_up_to(value, rho);
             }
-            buffer[index] = point;
+            points[index] = point;
         }
         let joint = Self { points: buffer, dirac };
         let k_t = joint.initial_stiffness();
         check("density", k_t, k_t > 0.0, "must not vanish everywhere")?;
         Ok(joint)
     }
+}
 
+impl<P: AsRef<[DensityPoint]>> Tabulated<P> {
     fn last(&self) -> &DensityPoint {
-        &self.points[self.points.len() - 1]
+        let points = self.points.as_ref();
+        &points[points.len() - 1]
     }
 
     /// ∫ ρ, ∫ ρ φ and ∫ ρ φ² over the strengths below `phi`, the Dirac included once it slips.
@@ -76,11 +75,12 @@ impl<'a> Tabulated<'a> {
             let f = self.dirac * last.strength;
             return [m0 + self.dirac, m1 + f, m2 + f * last.strength];
         }
-        let next = self.points.partition_point(|p| p.strength <= phi);
+        let points = self.points.as_ref();
+        let next = points.partition_point(|p| p.strength <= phi);
         if next == 0 {
             return [0.0; 3];
         }
-        let (a, b) = (&self.points[next - 1], &self.points[next]);
+        let (a, b) = (&points[next - 1], &points[next]);
         let share = (phi - a.strength) / (b.strength - a.strength);
         a.moments_up_to(phi, a.density + share * (b.density - a.density))
     }
@@ -103,7 +103,7 @@ impl DensityPoint {
     }
 }
 
-impl Backbone for Tabulated<'_> {
+impl<P: AsRef<[DensityPoint]>> Backbone for Tabulated<P> {
     fn initial_stiffness(&self) -> f64 {
         self.last().moments[0] + self.dirac
     }
@@ -113,7 +113,7 @@ impl Backbone for Tabulated<'_> {
     }
 
     fn strengths(&self) -> (f64, f64) {
-        (self.points[0].strength, self.last().strength)
+        (self.points.as_ref()[0].strength, self.last().strength)
     }
 
     fn force(&self, u: f64) -> f64 {

@@ -1,0 +1,19 @@
+//! Ring-downs of modes with Iwan joints, where the allocation-free core meets memory.
+//!
+//! [`Mode`] + [`Pulse`](iwan_core::Pulse) + [`Settings`] -> [`simulate`] -> [`Response`].
+
+mod error;
+mod joint;
+mod mode;
+mod quality;
+mod response;
+mod run;
+mod settings;
+mod simulate;
+
+pub use error::SimulationError;
+pub use joint::{JointLaw, TabulatedDensity};
+pub use mode::{Mode, Point};
+pub use response::{Quality, Response, superpose};
+pub use settings::{JointKind, Method, Settings};
+pub use simulate::{Observer, simulate, simulate_all};

@@ -1,0 +1,49 @@
+//! Error estimates from companion runs at half the sampling rate.
+
+use std::ops::ControlFlow;
+
+use iwan_core::Newmark;
+
+use crate::run::{Task, newmark};
+use crate::{JointKind, Quality, Response, SimulationError};
+
+/// Shortest response, in coarse samples, on which an estimate means anything.
+const FEWEST: usize = 8;
+
+/// Largest difference to every `stride`-th sample of a finer response, relative to its peak.
+pub(crate) fn difference(coarse: &Response, fine: &Response, stride: usize) -> f64 {
+    let peak = fine.peak_displacement();
+    if peak == 0.0 {
+        return 0.0;
+    }
+    let pairs = coarse.displacement.iter().zip(fine.displacement.iter().step_by(stride));
+    pairs.fold(0.0, |most: f64, (a, b)| most.max((a - b).abs())) / peak
+}
+
+/// Estimates for a Newmark run: time-step error by Richardson extrapolation from the double step (the
+/// scheme's `order` 1 or 2), discretisation error against the continuum at that step.
+pub(crate) fn of_newmark(
+    task: Task<'_>,
+    fine: &Response,
+    scheme_at: impl Fn(f64) -> Result<Newmark, iwan_core::Error>,
+    order: i32,
+    joint: JointKind,
+) -> Result<Quality, SimulationError> {
+    let mut quality = fine.quality;
+    let force: Vec<f64> = task.force.iter().copied().step_by(2).collect();
+    let coarse = Task { force: &force, dt: 2.0 * task.dt, samples: task.samples.div_ceil(2), ..task };
+    let linear = task.mode.joint.is_none();
+    quality.discretisation_error = (linear || joint == JointKind::Continuum).then_some(0.0);
+    // A prewarped double step may already be too long for the mode: then there is nothing to compare.
+    let Some(scheme) = scheme_at(coarse.dt).ok().filter(|_| coarse.samples >= FEWEST) else {
+        return Ok(quality);
+    };
+    let run = |joint| newmark(coarse, &scheme, joint, &mut |_| ControlFlow::Continue(()));
+    let sliders = run(joint)?;
+    quality.time_step_error =
+        Some(difference(&sliders, fine, 2) / f64::from(2_i32.pow(order.unsigned_abs()) - 1));
+    if quality.discretisation_error.is_none() {
+        quality.discretisation_error = Some(difference(&sliders, &run(JointKind::Continuum)?, 1));
+    }
+    Ok(quality)
+}

@@ -1,0 +1,109 @@
+//! What a simulation returns.
+
+use iwan_core::{EnergyBalance, Samples};
+
+use crate::Mode;
+
+/// How far a response can be trusted. All errors are relative to the peak displacement.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Quality {
+    /// Estimated error from the time step (or, for methods without one, of the method); none if it was
+    /// not asked for or the response is too short to tell.
+    pub time_step_error: Option<f64>,
+    /// Estimated error from cutting the density into sliders; 0 for the continuum.
+    pub discretisation_error: Option<f64>,
+    /// Bound on the force error from reversals forgotten for lack of room; 0 = exact.
+    pub forgotten_force: f64,
+}
+
+/// Response of one mode: one sample per `dt`, the initial state first.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Response {
+    /// Time between samples, s.
+    pub dt: f64,
+    /// Modal displacement q (mass^½·length).
+    pub displacement: Vec<f64>,
+    /// Modal velocity q'.
+    pub velocity: Vec<f64>,
+    /// Modal acceleration q''.
+    pub acceleration: Vec<f64>,
+    /// Modal joint force F_J.
+    pub joint_force: Vec<f64>,
+    /// Energy balance over the whole response.
+    pub energy: EnergyBalance,
+    /// Error estimates.
+    pub quality: Quality,
+    /// Strength φ_max of the strongest slider; infinite for a linear mode.
+    pub strongest: f64,
+    /// Wall-clock time of the integration itself, s.
+    pub seconds: f64,
+}
+
+impl Response {
+    /// Zeros for `samples` samples.
+    pub(crate) fn zeros(dt: f64, samples: usize) -> Self {
+        let zeros = || vec![0.0; samples];
+        Self {
+            dt,
+            displacement: zeros(),
+            velocity: zeros(),
+            acceleration: zeros(),
+            joint_force: zeros(),
+            strongest: f64::INFINITY,
+            ..Self::default()
+        }
+    }
+
+    /// The buffers, lent to the core.
+    pub(crate) fn samples(&mut self) -> Samples<'_> {
+        Samples {
+            displacement: &mut self.displacement,
+            velocity: &mut self.velocity,
+            acceleration: &mut self.acceleration,
+            joint_force: &mut self.joint_force,
+        }
+    }
+
+    /// Times of the samples, s.
+    pub fn times(&self) -> impl ExactSizeIterator<Item = f64> + '_ {
+        (0..self.displacement.len()).map(|n| n as f64 * self.dt)
+    }
+
+    /// Number of time steps.
+    #[must_use]
+    pub fn steps(&self) -> usize {
+        self.displacement.len().saturating_sub(1)
+    }
+
+    /// Largest |q|.
+    #[must_use]
+    pub fn peak_displacement(&self) -> f64 {
+        self.displacement.iter().fold(0.0, |peak, q| peak.max(q.abs()))
+    }
+
+    /// Largest |q| in units of φ_max: macro-slip above 1.
+    #[must_use]
+    pub fn slip_ratio(&self) -> f64 {
+        self.peak_displacement() / self.strongest
+    }
+}
+
+/// Physical responses at the points named in the modes' outputs: Σ φ_r q_r, as displacement, velocity
+/// and acceleration. Points come in the order in which the modes first name them.
+#[must_use]
+pub fn superpose(modes: &[Mode], responses: &[Response]) -> Vec<(String, [Vec<f64>; 3])> {
+    let mut points: Vec<(String, [Vec<f64>; 3])> = Vec::new();
+    for (mode, response) in modes.iter().zip(responses) {
+        let modal = [&response.displacement, &response.velocity, &response.acceleration];
+        for point in &mode.outputs {
+            let index = points.iter().position(|(name, _)| *name == point.name).unwrap_or_else(|| {
+                points.push((point.name.clone(), modal.map(|samples| vec![0.0; samples.len()])));
+                points.len() - 1
+            });
+            for (sum, samples) in points[index].1.iter_mut().zip(modal) {
+                sum.iter_mut().zip(samples).for_each(|(s, q)| *s += point.shape * q);
+            }
+        }
+    }
+    points
+}

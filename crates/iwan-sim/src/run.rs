@@ -1,0 +1,142 @@
+//! One mode, one method, no questions asked.
+
+use std::ops::ControlFlow;
+use std::time::Instant;
+
+use iwan_core::{
+    Backbone, Continuum, Error, Hysteresis, JointEnergy, Newmark, NoJoint, Oscillator, Reversal, Run,
+    Samples, Slider, Sliders, TabledFourParameter,
+};
+
+use crate::joint::with_law;
+use crate::{JointKind, JointLaw, Mode, Response, SimulationError};
+
+/// Steps between two calls of the observer, and the unit in which long runs are cut.
+const CHUNK: usize = 1 << 16;
+
+/// Called with the share done (0 to 1); breaking off ends the run with [`SimulationError::Interrupted`].
+pub(crate) type Progress<'a> = &'a mut dyn FnMut(f64) -> ControlFlow<()>;
+
+/// A run of one mode: force samples (modal, from t = 0, zero behind the last) and time axis.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Task<'a> {
+    pub(crate) mode: &'a Mode,
+    pub(crate) force: &'a [f64],
+    pub(crate) dt: f64,
+    pub(crate) samples: usize,
+}
+
+/// Newmark's scheme on a joint represented as asked.
+pub(crate) fn newmark(
+    task: Task<'_>,
+    scheme: &Newmark,
+    joint: JointKind,
+    progress: Progress<'_>,
+) -> Result<Response, SimulationError> {
+    let oscillator = task.mode.oscillator()?;
+    let stepping = Stepping { task, scheme, oscillator };
+    let Some(law) = &task.mode.joint else {
+        return stepping.run(
+            &NoJoint,
+            0.0,
+            |j, s, v, f, out| scheme.integrate(&oscillator, j, s, v, f, out),
+            progress,
+        );
+    };
+    let mut response = match joint {
+        JointKind::Sliders { bins, grid } => {
+            let mut table = vec![Slider::default(); Sliders::table_len(bins)];
+            let sliders = with_law!(law, law => Sliders::discretise(law, grid, bins, &mut table))?;
+            let state = sliders.virgin(vec![Run::default(); sliders.len()])?;
+            stepping.run(
+                &sliders,
+                state,
+                |j, s, v, f, out| scheme.integrate_sliders(&oscillator, j, s, v, f, out),
+                progress,
+            )?
+        }
+        JointKind::Continuum => match law {
+            JointLaw::FourParameter(law) => stepping.continuum(TabledFourParameter::new(*law), progress)?,
+            law => with_law!(law, law => stepping.continuum(law, progress))?,
+        },
+    };
+    response.strongest = law.strengths().1;
+    Ok(response)
+}
+
+/// Room for the reversals of a run: two a cycle in a decay, and some for the force.
+pub(crate) fn stack(task: &Task<'_>) -> Vec<Reversal> {
+    const MOST: f64 = 1e6;
+    let half_cycles = 2.0 * task.mode.frequency * task.dt * task.samples as f64;
+    vec![Reversal::default(); 64 + half_cycles.min(MOST) as usize]
+}
+
+struct Stepping<'a> {
+    task: Task<'a>,
+    scheme: &'a Newmark,
+    oscillator: Oscillator,
+}
+
+impl Stepping<'_> {
+    fn continuum<B: Backbone>(&self, law: B, progress: Progress<'_>) -> Result<Response, SimulationError> {
+        let joint = Continuum::new(law);
+        let mut forgotten = 0.0;
+        let state = joint.virgin(stack(&self.task))?;
+        let step = |j: &Continuum<B>,
+                    s: &mut iwan_core::Reversals<Vec<Reversal>>,
+                    v,
+                    f: &[f64],
+                    out: &mut Samples<'_>| {
+            let end = self.scheme.integrate(&self.oscillator, j, s, v, f, out);
+            forgotten = s.forgotten();
+            end
+        };
+        let mut response = self.run(&joint, state, step, progress)?;
+        response.quality.forgotten_force = forgotten;
+        Ok(response)
+    }
+
+    /// Integrates chunk by chunk, balances the energy and checks that all is finite.
+    fn run<S, J: Hysteresis<S>>(
+        &self,
+        joint: &J,
+        mut state: S,
+        mut step: impl FnMut(&J, &mut S, f64, &[f64], &mut Samples<'_>) -> Result<f64, Error>,
+        progress: Progress<'_>,
+    ) -> Result<Response, SimulationError> {
+        let Task { mode, force, dt, samples } = self.task;
+        let mut response = Response::zeros(dt, samples);
+        joint.advance(&mut state, mode.initial.0);
+        let (start, mut velocity) = (joint.stored_energy(&state), mode.initial.1);
+        let clock = Instant::now();
+        let mut first = 0;
+        loop {
+            let last = (first + CHUNK).min(samples - 1);
+            let rest = force.get(first..).unwrap_or(&[]);
+            velocity = step(joint, &mut state, velocity, rest, &mut response.samples().between(first, last))?;
+            first = last;
+            if progress(last as f64 / (samples - 1).max(1) as f64).is_break() {
+                return Err(SimulationError::Interrupted);
+            }
+            if first == samples - 1 {
+                break;
+            }
+        }
+        response.seconds = clock.elapsed().as_secs_f64();
+        let stored = JointEnergy { start, end: joint.stored_energy(&state) };
+        response.energy = self.scheme.energy(&self.oscillator, stored, force, &response.samples());
+        finite(response)
+    }
+}
+
+/// Passes a response on unless NaN or infinity crept in.
+pub(crate) fn finite(response: Response) -> Result<Response, SimulationError> {
+    let bad = |n: &usize| {
+        let values = [response.displacement[*n], response.velocity[*n], response.acceleration[*n]];
+        !values.iter().all(|x| x.is_finite())
+    };
+    match (0..response.displacement.len()).find(bad) {
+        Some(n) => Err(SimulationError::NotFinite { time: n as f64 * response.dt }),
+        None => Ok(response),
+    }
+}

@@ -1,0 +1,81 @@
+//! How to simulate.
+
+use iwan_core::Grid;
+
+/// How the joint's density is represented in time stepping.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum JointKind {
+    /// A population of Jenkins elements.
+    Sliders {
+        /// Number of bins into which the density is cut.
+        bins: usize,
+        /// Where the bins lie.
+        grid: Grid,
+    },
+    /// The exact continuum by return-point memory.
+    Continuum,
+}
+
+impl JointKind {
+    /// The default: 100 graded bins.
+    #[must_use]
+    pub fn default_sliders() -> Self {
+        Self::Sliders { bins: 100, grid: Grid::graded(100) }
+    }
+}
+
+/// The method of integration.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Method {
+    /// Newmark-β time stepping.
+    Newmark {
+        /// β: 1/4 is average acceleration.
+        beta: f64,
+        /// γ: 1/2 has no numerical damping.
+        gamma: f64,
+        /// Removes the period error at small amplitude; average acceleration only.
+        prewarp: bool,
+        /// Sliders or continuum.
+        joint: JointKind,
+    },
+    /// Half-cycle energy map once the force has settled; the force itself is stepped (Newmark, continuum).
+    HalfCycle,
+    /// Averaging (Shetty and Allen, J. Vib. Acoust. 142(5), 2020) once the force has settled: approximate.
+    Averaging,
+    /// Event-driven exact solution of a population of sliders: the reference, slow.
+    Event {
+        /// Number of bins into which the density is cut.
+        bins: usize,
+        /// Where the bins lie.
+        grid: Grid,
+    },
+}
+
+impl Method {
+    /// The default: prewarped average acceleration on 100 graded bins.
+    #[must_use]
+    pub fn default_newmark() -> Self {
+        Self::Newmark { beta: 0.25, gamma: 0.5, prewarp: true, joint: JointKind::default_sliders() }
+    }
+}
+
+/// Time axis and method of a simulation.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Settings {
+    /// Time between samples, s; also the time step of Newmark's method.
+    pub dt: f64,
+    /// Length of the response, s: samples at 0, dt, … up to the last one not after it.
+    pub duration: f64,
+    /// Method of integration.
+    pub method: Method,
+    /// Whether to estimate time-step and discretisation error by companion runs.
+    pub quality: bool,
+}
+
+impl Settings {
+    /// Default method with quality figures.
+    #[must_use]
+    pub fn new(dt: f64, duration: f64) -> Self {
+        Self { dt, duration, method: Method::default_newmark(), quality: true }
+    }
+}

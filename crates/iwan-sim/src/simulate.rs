@@ -1,0 +1,141 @@
+//! From modes and a force to responses.
+
+use std::ops::ControlFlow;
+use std::sync::Mutex;
+
+use iwan_core::{Error, Newmark, Pulse};
+
+use crate::run::{self, Task};
+use crate::{Method, Mode, Response, Settings, SimulationError, quality};
+
+/// Called from time to time with the share of the work done (0 to 1); `Break` stops the simulation.
+pub type Observer<'a> = &'a mut (dyn FnMut(f64) -> ControlFlow<()> + Send);
+
+/// Simulates one mode under `force` (physical; the mode's `shape_at_force` makes it modal).
+///
+/// ```
+/// use iwan_core::{FourParameter, Pulse};
+/// use iwan_sim::{JointLaw, Mode, Settings, simulate};
+/// let joint = FourParameter::new(4.45e4, 239.4, -0.183, 0.3)?;
+/// let mode = Mode::new("bending 1", 124.0, Some(JointLaw::FourParameter(joint)));
+/// let blow = Pulse::Haversine { amplitude: 1000.0, duration: 1.6e-3 };
+/// let response = simulate(&mode, &blow, &Settings::new(1e-5, 0.2))?;
+/// assert_eq!(response.steps(), 20_000);
+/// assert!(response.energy.error() < 1e-10);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+///
+/// # Errors
+/// [`SimulationError::Parameter`] for values out of range, [`SimulationError::NotFinite`] on overflow.
+pub fn simulate(mode: &Mode, force: &Pulse<'_>, settings: &Settings) -> Result<Response, SimulationError> {
+    simulate_observed(mode, force, settings, &mut |_| ControlFlow::Continue(()))
+}
+
+/// Simulates several modes on up to `threads` threads: the same bits whatever their number.
+///
+/// # Errors
+/// [`SimulationError::Mode`] with the name of the first mode that failed, or
+/// [`SimulationError::Interrupted`] when the observer broke off.
+pub fn simulate_all(
+    modes: &[Mode],
+    force: &Pulse<'_>,
+    settings: &Settings,
+    threads: usize,
+    observer: Observer<'_>,
+) -> Result<Vec<Response>, SimulationError> {
+    let done = Mutex::new((vec![0.0; modes.len()], observer));
+    let next = Mutex::new(0..modes.len());
+    let one = |index: usize| {
+        let mut report = |share: f64| {
+            let mut guard = done.lock().unwrap_or_else(std::sync::PoisonError::into_inner);
+            let (shares, observer) = &mut *guard;
+            shares[index] = share;
+            observer(shares.iter().sum::<f64>() / shares.len() as f64)
+        };
+        simulate_observed(&modes[index], force, settings, &mut report)
+    };
+    let work = || {
+        let mut finished = Vec::new();
+        loop {
+            let index = next.lock().unwrap_or_else(std::sync::PoisonError::into_inner).next();
+            let Some(index) = index else { return finished };
+            finished.push((index, one(index)));
+        }
+    };
+    let mut results: Vec<_> = std::thread::scope(|scope| {
+        let workers: Vec<_> = (1..threads.clamp(1, modes.len().max(1))).map(|_| scope.spawn(work)).collect();
+        let mut results = work();
+        for worker in workers {
+            match worker.join() {
+                Ok(finished) => results.extend(finished),
+                Err(panic) => std::panic::resume_unwind(panic),
+            }
+        }
+        results
+    });
+    results.sort_by_key(|(index, _)| *index);
+    results.into_iter().map(|(index, result)| result.map_err(|e| in_mode(&modes[index], e))).collect()
+}
+
+fn in_mode(mode: &Mode, error: SimulationError) -> SimulationError {
+    match error {
+        SimulationError::Interrupted => error,
+        source => SimulationError::Mode { mode: mode.name.clone(), source: Box::new(source) },
+    }
+}
+
+/// Number of samples on the time axis.
+fn sample_count(settings: &Settings) -> Result<usize, Error> {
+    /// More samples than this do not fit any machine's memory.
+    const MOST: f64 = 1e11;
+    let range = |name, value: f64, ok: bool, allowed| {
+        if ok && value.is_finite() { Ok(()) } else { Err(Error::OutOfRange { name, value, allowed }) }
+    };
+    range("time step", settings.dt, settings.dt > 0.0, "must be a finite number of seconds > 0")?;
+    range("duration", settings.duration, settings.duration > 0.0, "must be a finite number of seconds > 0")?;
+    let steps = (settings.duration / settings.dt * (1.0 + 4.0 * f64::EPSILON)).floor();
+    range("duration / time step", steps, (1.0..MOST).contains(&steps), "must be between 1 and 1e11 steps")?;
+    Ok(steps as usize + 1)
+}
+
+/// The modal force at the samples, up to the last one that is not zero.
+fn modal_force(mode: &Mode, force: &Pulse<'_>, dt: f64, samples: usize) -> Vec<f64> {
+    let settled = (force.settled() / dt).min(samples as f64) as usize + 2;
+    let constant = force.at(force.settled() + dt) != 0.0;
+    let mut history = vec![0.0; if constant { samples } else { settled.min(samples) }];
+    let used = force.sample(dt, &mut history);
+    history.truncate(used);
+    history.iter_mut().for_each(|p| *p *= mode.shape_at_force);
+    history
+}
+
+fn simulate_observed(
+    mode: &Mode,
+    force: &Pulse<'_>,
+    settings: &Settings,
+    progress: run::Progress<'_>,
+) -> Result<Response, SimulationError> {
+    let force = force.checked()?;
+    let (dt, samples) = (settings.dt, sample_count(settings)?);
+    let oscillator = mode.oscillator()?;
+    let history = modal_force(mode, &force, dt, samples);
+    let task = Task { mode, force: &history, dt, samples };
+    match settings.method {
+        Method::Newmark { beta, gamma, prewarp, joint } => {
+            let scheme_at = |dt| match prewarp {
+                true if beta == 0.25 && gamma == 0.5 => Newmark::prewarped(dt, oscillator.omega0()),
+                true => {
+                    Err(Error::Unsupported { what: "prewarp goes with beta = 0.25 and gamma = 0.5 only" })
+                }
+                false => Newmark::new(dt, beta, gamma),
+            };
+            let mut response = run::newmark(task, &scheme_at(dt)?, joint, progress)?;
+            if settings.quality {
+                let order = if gamma == 0.5 { 2 } else { 1 };
+                response.quality = quality::of_newmark(task, &response, scheme_at, order, joint)?;
+            }
+            Ok(response)
+        }
+        _ => Err(Error::Unsupported { what: "this method" }.into()),
+    }
+}
