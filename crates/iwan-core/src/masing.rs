@@ -14,9 +14,9 @@ use crate::hysteresis::Hysteresis;
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct Reversal {
     /// Displacement there.
-    u: f64,
+    pub(crate) u: f64,
     /// Force there.
-    force: f64,
+    pub(crate) force: f64,
 }
 
 /// The state of a [`Continuum`]: where it stands and the reversal points not yet forgotten.
@@ -61,6 +61,16 @@ impl Branch {
     pub(crate) fn force_and_tangent<B: Backbone>(&self, law: &B, u: f64) -> (f64, f64) {
         let (force, tangent) = law.force_and_tangent(self.virgin_distance(u));
         (self.start.force + self.scale * self.direction * force, tangent)
+    }
+
+    /// Whether the branch left at `u`.
+    pub(crate) fn start_is(&self, u: f64) -> bool {
+        self.start.u == u
+    }
+
+    /// Work ∫F du from the start of the branch to `u`.
+    pub(crate) fn work<B: Backbone>(&self, law: &B, u: f64) -> f64 {
+        self.start.force * (u - self.start.u) + self.scale * self.scale * law.energy(self.virgin_distance(u))
     }
 
     /// Whether `u` lies beyond the end.
@@ -146,10 +156,15 @@ impl<S: AsRef<[Reversal]> + AsMut<[Reversal]>> Reversals<S> {
     pub(crate) fn close_loops_before(&mut self, u: f64) -> Branch {
         let mut branch = self.branch();
         while branch.passed_by(u) {
-            self.depth = self.depth.saturating_sub(2);
+            self.forget_closed_loop();
             branch = self.branch();
         }
         branch
+    }
+
+    /// Goes on behind the end of a branch: the loop that closes there is forgotten.
+    pub(crate) fn forget_closed_loop(&mut self) {
+        self.depth = self.depth.saturating_sub(2);
     }
 
     /// Turns round where the state stands.

@@ -148,6 +148,15 @@ impl<S: AsRef<[Run]> + AsMut<[Run]>> Runs<S> {
         }
     }
 
+    /// The slider at the frontier (or the whole run that comes back to its limit) begins to slip.
+    pub(crate) fn break_loose(&mut self, table: &[Slider]) {
+        let end = self.run().end;
+        self.frontier = if self.travel() == 0.0 { end } else { self.frontier + 1 };
+        if self.frontier == end {
+            self.exhaust(table.len() - 1);
+        }
+    }
+
     /// First slider behind the frontier, up to `end`, that does not slip; the frontier's own does.
     fn first_stuck(&self, table: &[Slider], end: usize, slips: &impl Fn(&Segment) -> bool) -> usize {
         let slips_at = |j: usize| slips(&self.segment_at(table, j));

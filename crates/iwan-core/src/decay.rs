@@ -1,0 +1,324 @@
+//! Free decay by half cycles, from any state, with output at uniform times.
+
+use crate::backbone::Backbone;
+use crate::energy::{EnergyBalance, JointEnergy};
+use crate::error::Error;
+use crate::half_cycle::{HalfCycle, Map};
+use crate::hysteresis::Hysteresis;
+use crate::masing::{Branch, Continuum, Reversal, Reversals};
+use crate::oscillator::Oscillator;
+use crate::response::Samples;
+
+/// Free decay of a mode under a constant force: the half-cycle energy map.
+///
+/// Exact but for the quadrature in the phase (10 nodes a half cycle). A start in mid-motion, and half cycles
+/// that close older loops, are integrated by an adaptive Runge-Kutta method up to the next reversal.
+///
+/// ```
+/// use iwan_core::{Backbone, Decay, FourParameter, Oscillator, ResidualStiffness, Reversal};
+/// let joint = FourParameter::new(4.45e4, 239.4, -0.183, 0.3)?;
+/// let mode = Oscillator::new(124.0, 0.0, joint.k_t(), ResidualStiffness::Positive)?;
+/// let start = (0.1 * joint.phi_max(), 0.0);
+/// let mut decay = Decay::new(&mode, &joint, 0.0, start, [Reversal::default(); 64])?;
+/// let first = decay.next().unwrap();
+/// // What friction took from the first half cycle is half a closed loop of the mean amplitude, nearly.
+/// let lost = 0.5 * mode.k_inf() * (start.0.powi(2) - first.displacement.powi(2))
+///     + joint.energy(start.0) - joint.energy(first.displacement);
+/// let mean = 0.5 * (start.0 - first.displacement);
+/// assert!((lost / (0.5 * joint.dissipation(mean)) - 1.0).abs() < 0.01);
+/// # Ok::<(), iwan_core::Error>(())
+/// ```
+#[derive(Debug, Clone)]
+pub struct Decay<'a, B, S> {
+    map: Map<'a, B>,
+    oscillator: Oscillator,
+    joint: Continuum<&'a B>,
+    memory: Reversals<S>,
+    /// Time, displacement and velocity up to which the memory stands.
+    now: Motion,
+    /// The half cycle under way from `now`, and the last one finished.
+    under_way: Option<HalfCycle>,
+    last: Option<HalfCycle>,
+    start: (f64, f64),
+    stored: f64,
+    /// Work of the constant force, of the damper and on the joint.
+    work: [f64; 3],
+}
+
+/// A state of motion.
+#[derive(Debug, Clone, Copy, PartialEq)]
+struct Motion {
+    time: f64,
+    q: f64,
+    v: f64,
+}
+
+/// A reversal of a free decay.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct TurningPoint {
+    /// Time since the start, s.
+    pub time: f64,
+    /// Displacement there.
+    pub displacement: f64,
+    /// Joint force there.
+    pub joint_force: f64,
+}
+
+impl<'a, B: Backbone, S: AsRef<[Reversal]> + AsMut<[Reversal]>> Decay<'a, B, S> {
+    /// From rest history: the joint is loaded along the virgin curve up to the displacement `start.0` and
+    /// released with the velocity `start.1`; `load` is a constant force. `stack` has room for the
+    /// reversals: one per half cycle, at least two.
+    ///
+    /// # Errors
+    /// [`Error::Length`]; [`Error::OutOfRange`] when K_∞ <= 0 or a value is not finite.
+    pub fn new(
+        oscillator: &Oscillator,
+        law: &'a B,
+        load: f64,
+        start: (f64, f64),
+        stack: S,
+    ) -> Result<Self, Error> {
+        let joint = Continuum::new(law);
+        let mut memory = joint.virgin(stack)?;
+        joint.advance(&mut memory, start.0);
+        Self::from_memory(oscillator, law, load, memory, start.1)
+    }
+
+    /// From a state that time stepping has reached: `memory` and `velocity`.
+    ///
+    /// # Errors
+    /// [`Error::OutOfRange`] when K_∞ <= 0 or a value is not finite.
+    pub fn from_memory(
+        oscillator: &Oscillator,
+        law: &'a B,
+        load: f64,
+        memory: Reversals<S>,
+        velocity: f64,
+    ) -> Result<Self, Error> {
+        let joint = Continuum::new(law);
+        let q = joint.displacement(&memory);
+        for (name, value) in [("load", load), ("displacement", q), ("velocity", velocity)] {
+            crate::error::check(name, value, true, "must be a finite number")?;
+        }
+        let map = Map::new(oscillator, law, load)?;
+        let stored = joint.stored_energy(&memory);
+        let now = Motion { time: 0.0, q, v: velocity };
+        let (under_way, last, start, work) = (None, None, (q, velocity), [0.0; 3]);
+        let oscillator = *oscillator;
+        let mut decay = Self { map, oscillator, joint, memory, now, under_way, last, start, stored, work };
+        if velocity == 0.0 {
+            decay.turn_towards_equilibrium();
+        } else if velocity * decay.memory.direction() < 0.0 {
+            decay.memory.reverse(law);
+        }
+        Ok(decay)
+    }
+
+    /// The joint's memory as it stands at the last turning point.
+    pub fn memory(&self) -> &Reversals<S> {
+        &self.memory
+    }
+
+    /// At rest: makes the memory point the way the mass will move.
+    fn turn_towards_equilibrium(&mut self) {
+        let pull = self.acceleration(&self.memory.branch(), self.now.q, 0.0);
+        if pull * self.memory.direction() < 0.0 {
+            self.memory.reverse(self.map.law);
+        }
+        self.set_out();
+    }
+
+    /// Begins the half cycle from a reversal, if the map covers it.
+    fn set_out(&mut self) {
+        let branch = self.memory.branch();
+        self.under_way = if branch.scale == 2.0 && branch.start_is(self.now.q) {
+            self.map.half_cycle(branch, self.last.as_ref())
+        } else {
+            None
+        };
+    }
+
+    fn acceleration(&self, branch: &Branch, q: f64, v: f64) -> f64 {
+        let (force, _) = branch.force_and_tangent(self.map.law, q);
+        self.map.load - self.map.viscous * v - self.map.k_inf * q - force
+    }
+
+    /// Moves to the next turning point; none when the mass has come to rest.
+    #[allow(clippy::should_implement_trait)]
+    pub fn next(&mut self) -> Option<TurningPoint> {
+        match self.under_way {
+            Some(half) => self.finish(&half),
+            None => {
+                if !self.march(f64::INFINITY) {
+                    return None;
+                }
+            }
+        }
+        let (time, displacement) = (self.now.time, self.now.q);
+        Some(TurningPoint { time, displacement, joint_force: self.joint.joint_force(&self.memory) })
+    }
+
+    /// Completes a half cycle of the map and sets out on the next.
+    fn finish(&mut self, half: &HalfCycle) {
+        let (before, end) = (self.now.q, half.end());
+        self.joint.advance(&mut self.memory, end);
+        self.work[0] += self.map.load * (end - before);
+        self.work[1] += half.viscous;
+        self.work[2] += half.joint;
+        self.now = Motion { time: self.now.time + half.duration, q: end, v: 0.0 };
+        self.last = Some(*half);
+        self.memory.reverse(self.map.law);
+        self.set_out();
+    }
+
+    /// Displacement and velocity at the time `t`, which must not lie before the last call's.
+    fn motion_at(&mut self, t: f64) -> (f64, f64) {
+        loop {
+            match self.under_way {
+                Some(half) if t - self.now.time <= half.duration => return half.at(t - self.now.time),
+                Some(half) => self.finish(&half),
+                None => {
+                    if !self.march(t) {
+                        return (self.now.q, self.now.v);
+                    }
+                }
+            }
+        }
+    }
+
+    /// Writes the samples at 0, dt, 2 dt, … from the start; call it once, on a fresh decay.
+    ///
+    /// # Errors
+    /// [`Error::Length`], or [`Error::OutOfRange`] when `dt` is not a finite number > 0.
+    pub fn sample(&mut self, dt: f64, out: &mut Samples<'_>) -> Result<(), Error> {
+        crate::error::check("time step", dt, dt > 0.0, "must be a finite number of seconds > 0")?;
+        let samples = out.checked_len()?;
+        for n in 0..samples {
+            let (q, v) = self.motion_at(n as f64 * dt);
+            let branch = self.memory.branch();
+            let (force, _) = branch.force_and_tangent(self.map.law, q);
+            let a = self.map.load - self.map.viscous * v - self.map.k_inf * q - force;
+            out.set(n, [q, v, a, force]);
+        }
+        Ok(())
+    }
+
+    /// Energy balance from the start to the last turning point.
+    #[must_use]
+    pub fn energy(&self) -> EnergyBalance {
+        let stored = JointEnergy { start: self.stored, end: self.joint.stored_energy(&self.memory) };
+        EnergyBalance::close(&self.oscillator, [self.start, (self.now.q, self.now.v)], stored, self.work)
+    }
+}
+
+/// Relative error per Runge-Kutta step.
+const STEP_TOLERANCE: f64 = 1e-13;
+
+/// Mid-motion: adaptive integration on the branch, loop by loop.
+impl<B: Backbone, S: AsRef<[Reversal]> + AsMut<[Reversal]>> Decay<'_, B, S> {
+    /// Integrates up to the time `until` (false) or the next reversal (true); false as well at rest.
+    fn march(&mut self, until: f64) -> bool {
+        let longest = 0.05 / libm::sqrt(self.map.k_inf + self.map.law.initial_stiffness());
+        let mut h = longest;
+        if self.now.v == 0.0 && self.acceleration(&self.memory.branch(), self.now.q, 0.0) == 0.0 {
+            return false;
+        }
+        while self.now.time < until {
+            let branch = self.memory.branch();
+            h = h.min(until - self.now.time).min(longest);
+            let (next, error) = self.step(&branch, h);
+            let scale = libm::fabs(self.now.v) + libm::fabs(next.v) + f64::MIN_POSITIVE;
+            let shrink = libm::pow(STEP_TOLERANCE * scale / (error + f64::MIN_POSITIVE), 0.2);
+            if error > STEP_TOLERANCE * scale && h > 1e-6 * longest {
+                h *= (0.9 * shrink).clamp(0.1, 0.9);
+                continue;
+            }
+            let turns = branch.direction * next.v <= 0.0;
+            let closes = branch.passed_by(next.q);
+            if !(turns || closes) {
+                self.accept(&branch, next);
+                h *= (0.9 * shrink).clamp(0.5, 4.0);
+                continue;
+            }
+            let turning = turns.then(|| self.locate(&branch, h, |m| (m.v, self.acceleration(&branch, m.q, m.v))));
+            let closing = closes.then(|| self.locate(&branch, h, |m| (m.q - branch.end, m.v)));
+            match (turning, closing) {
+                (Some(t), c) if c.is_none_or(|c| t.time <= c.time) => {
+                    self.accept(&branch, Motion { v: 0.0, ..t });
+                    self.memory.reverse(self.map.law);
+                    self.set_out();
+                    return true;
+                }
+                (_, Some(c)) => {
+                    self.accept(&branch, Motion { q: branch.end, ..c });
+                    self.memory.forget_closed_loop();
+                }
+                _ => return false,
+            }
+        }
+        false
+    }
+
+    /// Takes over the end of a step, with the works by Simpson's rule on its midpoint.
+    fn accept(&mut self, branch: &Branch, next: Motion) {
+        let middle = self.step(branch, 0.5 * (next.time - self.now.time)).0;
+        let power = |v: f64| v * v * self.map.viscous;
+        let h = next.time - self.now.time;
+        self.work[0] += self.map.load * (next.q - self.now.q);
+        self.work[1] += h / 6.0 * (power(self.now.v) + 4.0 * power(middle.v) + power(next.v));
+        self.work[2] += branch.work(self.map.law, next.q) - branch.work(self.map.law, self.now.q);
+        self.memory.rest_at(next.q, branch.force_and_tangent(self.map.law, next.q));
+        self.now = next;
+    }
+
+    /// The time within a step of length `h` at which a function of the motion crosses zero, by Newton's
+    /// method on steps from the present state.
+    fn locate(&self, branch: &Branch, h: f64, f: impl Fn(&Motion) -> (f64, f64)) -> Motion {
+        let (mut low, mut high, mut at) = (0.0, h, h);
+        let sign = f(&self.step(branch, h).0).0;
+        for _ in 0..60 {
+            let motion = self.step(branch, at).0;
+            let (value, rate) = f(&motion);
+            if value * sign > 0.0 { high = at } else { low = at }
+            let newton = at - value / rate;
+            let next = if newton > low && newton < high { newton } else { 0.5 * (low + high) };
+            if libm::fabs(next - at) <= 4.0 * f64::EPSILON * h {
+                break;
+            }
+            at = next;
+        }
+        self.step(branch, at).0
+    }
+
+    /// One step of Dormand and Prince's 5(4) pair (J. Comput. Appl. Math. 6:19, 1980,
+    /// doi:10.1016/0771-050X(80)90013-3), and the difference of its two velocities.
+    fn step(&self, branch: &Branch, h: f64) -> (Motion, f64) {
+        const A: [&[f64]; 6] = [
+            &[1.0 / 5.0],
+            &[3.0 / 40.0, 9.0 / 40.0],
+            &[44.0 / 45.0, -56.0 / 15.0, 32.0 / 9.0],
+            &[19372.0 / 6561.0, -25360.0 / 2187.0, 64448.0 / 6561.0, -212.0 / 729.0],
+            &[9017.0 / 3168.0, -355.0 / 33.0, 46732.0 / 5247.0, 49.0 / 176.0, -5103.0 / 18656.0],
+            &[35.0 / 384.0, 0.0, 500.0 / 1113.0, 125.0 / 192.0, -2187.0 / 6784.0, 11.0 / 84.0],
+        ];
+        const ERROR: [f64; 7] = [
+            71.0 / 57600.0,
+            0.0,
+            -71.0 / 16695.0,
+            71.0 / 1920.0,
+            -17253.0 / 339_200.0,
+            22.0 / 525.0,
+            -1.0 / 40.0,
+        ];
+        let Motion { time, q, v } = self.now;
+        let mut slopes = [(v, self.acceleration(branch, q, v)); 7];
+        let mut end = (q, v);
+        for (stage, row) in A.iter().enumerate() {
+            let sum = row.iter().zip(&slopes).fold((0.0, 0.0), |s, (a, k)| (s.0 + a * k.0, s.1 + a * k.1));
+            end = (q + h * sum.0, v + h * sum.1);
+            slopes[stage + 1] = (end.1, self.acceleration(branch, end.0, end.1));
+        }
+        let error: f64 = ERROR.iter().zip(&slopes).map(|(e, k)| e * k.1).sum();
+        (Motion { time: time + h, q: end.0, v: end.1 }, libm::fabs(h * error))
+    }
+}
