@@ -24,7 +24,7 @@ const MOST_COLUMNS: usize = 10_000;
 pub struct Columns {
     names: Vec<String>,
     units: Vec<String>,
-    columns: Vec<Vec<f64>>,
+    values: Vec<Vec<f64>>,
     warnings: Vec<Warning>,
 }
 
@@ -45,19 +45,19 @@ impl Columns {
     #[must_use]
     pub fn column(&self, name: &str) -> Option<&[f64]> {
         let at = self.names.iter().position(|n| n == name)?;
-        Some(&self.columns[at])
+        Some(&self.values[at])
     }
 
     /// All columns.
     #[must_use]
     pub fn columns(&self) -> &[Vec<f64>] {
-        &self.columns
+        &self.values
     }
 
     /// Number of rows.
     #[must_use]
     pub fn rows(&self) -> usize {
-        self.columns.first().map_or(0, Vec::len)
+        self.values.first().map_or(0, Vec::len)
     }
 
     /// What the reader noticed.
@@ -95,18 +95,18 @@ pub fn parse_table(file: &Path, bytes: &[u8]) -> Result<Columns, ReadError> {
         let place = format!("line {}", layout.first_row);
         return Err(source.malformed(place, found, format!("at most {MOST_COLUMNS}")));
     }
-    let columns = read_rows(&source, &layout)?;
+    let values = read_rows(&source, &layout)?;
     let (names, units) = label(&layout);
     let skipped = layout.preamble;
     let warnings = if skipped > 0 { vec![Warning::Preamble { lines: skipped }] } else { Vec::new() };
-    Ok(Columns { names, units, columns, warnings })
+    Ok(Columns { names, units, values, warnings })
 }
 
 /// Time and channels of a text file.
 pub(crate) fn parse(source: Source, options: &ReadOptions) -> Result<Raw, ReadError> {
     let table = parse_table(source.file, source.bytes)?;
     let labels = table.names.into_iter().zip(table.units);
-    let variables = labels.zip(table.columns).map(|((name, unit), values)| {
+    let variables = labels.zip(table.values).map(|((name, unit), values)| {
         let name = chosen_name(name, &unit, options);
         Variable { name, unit, rows: values.len(), columns: 1, values }
     });

@@ -70,7 +70,9 @@ fn function(
     let factor = units::time_factor(&header.abscissa_unit).unwrap_or(1.0);
     if factor != 1.0 {
         warnings.push(Warning::TimeScaled { unit: header.abscissa_unit.clone(), factor });
-        times.iter_mut().for_each(|t| *t *= factor);
+        for t in &mut times {
+            *t *= factor;
+        }
     }
     let axis = if header.even {
         Axis::Even { start: header.start * factor, step: header.step * factor }
@@ -119,17 +121,10 @@ fn join(
 ) -> Result<Raw, ReadError> {
     let (mut axis, mut channels): (Option<Axis>, Vec<Channel>) = (None, Vec::new());
     for function in functions {
-        if let (Some(axis), Some(first)) = (&axis, channels.first()) {
-            if let Some((found, expected)) = difference(axis, &function.axis) {
-                let (name, reference) = (function.channel.name, first.name.clone());
-                return Err(ReadError::Mismatch {
-                    file: source.file.into(),
-                    name,
-                    found,
-                    expected,
-                    reference,
-                });
-            }
+        let unlike = axis.as_ref().and_then(|a| difference(a, &function.axis)).zip(channels.first());
+        if let Some(((found, expected), first)) = unlike {
+            let (file, name) = (source.file.into(), function.channel.name);
+            return Err(ReadError::Mismatch { file, name, found, expected, reference: first.name.clone() });
         }
         axis.get_or_insert(function.axis);
         channels.push(function.channel);

@@ -73,10 +73,8 @@ pub(crate) fn split_unit(header: &str) -> (String, String) {
         }
     }
     for unit in ["_s", "_ms", "_us"] {
-        if let Some(name) = header.strip_suffix(unit) {
-            if is_time_name(name) {
-                return (name.into(), unit[1..].into());
-            }
+        if let Some(name) = header.strip_suffix(unit).filter(|name| is_time_name(name)) {
+            return (name.into(), unit[1..].into());
         }
     }
     (header.into(), String::new())

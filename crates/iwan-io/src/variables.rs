@@ -81,7 +81,7 @@ impl Chooser<'_> {
         }
         let chosen = !self.options.channels.is_empty();
         let channels = if chosen {
-            self.named_channels(variables, length, &names)?
+            self.named_channels(&variables, length, &names)?
         } else {
             self.all_channels(variables, length, &names, &mut warnings)?
         };
@@ -151,7 +151,7 @@ impl Chooser<'_> {
 
     fn named_channels(
         &self,
-        variables: Vec<Variable>,
+        variables: &[Variable],
         length: Option<usize>,
         names: &str,
     ) -> Result<Vec<Variable>, ReadError> {

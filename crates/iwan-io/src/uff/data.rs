@@ -25,7 +25,7 @@ pub(super) fn read(
     let (times, values) = match section.binary {
         Some(binary) => binary_values(section, header, binary),
         None if header.even => (Vec::new(), text_values(source, section, &widths(header))?),
-        None => unzip(text_values(source, section, &widths(header))?),
+        None => unzip(&text_values(source, section, &widths(header))?),
     };
     check_count(source, section, header, values.len(), warnings)?;
     Ok((times, values))
@@ -51,7 +51,7 @@ fn check_count(
     Ok(())
 }
 
-fn unzip(pairs: Vec<f64>) -> (Vec<f64>, Vec<f64>) {
+fn unzip(pairs: &[f64]) -> (Vec<f64>, Vec<f64>) {
     pairs.chunks_exact(2).map(|p| (p[0], p[1])).unzip()
 }
 
@@ -65,7 +65,7 @@ fn binary_values(section: &Section, header: &Header, binary: Binary) -> (Vec<f64
     }
     let wide = header.points.checked_mul(16) == Some(data.len() as u64);
     if kind == Kind::F32 || wide {
-        return unzip(to_f64(data, kind, order));
+        return unzip(&to_f64(data, kind, order));
     }
     let (mut times, mut values) = (Vec::new(), Vec::new());
     for pair in data.chunks_exact(12) {

@@ -136,8 +136,8 @@ fn warn_of_bytes(section: &Section, warnings: &mut Vec<Warning>) {
     }
 }
 
-/// Length of binary data: as many bytes as promised if a `-1` line follows them, else as many as the number of points
-/// needs if a `-1` line follows these, else up to the first `-1` line, else up to the end of the file.
+/// Length of binary data: as many bytes as the number of points needs if a `-1` line follows them, else as many as
+/// promised if a `-1` line follows these (the closing one rather than the opening one of the next dataset), else up to the first `-1` line, else up to the end of the file.
 fn binary_length(rest: &[u8], promised: Option<u64>, header: &[&[u8]]) -> usize {
     let fields: Vec<u64> = header[6]
         .split(u8::is_ascii_whitespace)
@@ -149,16 +149,19 @@ fn binary_length(rest: &[u8], promised: Option<u64>, header: &[&[u8]]) -> usize 
     let even = fields.get(2) != Some(&0);
     let sizes: &[u64] = match (kind, even) {
         (Some(2), true) => &[4],
-        (Some(2), false) | (Some(5), true) => &[8],
-        (Some(4), true) => &[8],
+        (Some(2), false) | (Some(4 | 5), true) => &[8],
         (Some(4), false) => &[12, 16],
         (Some(6), true) => &[16],
         _ => &[],
     };
     let by_points = sizes.iter().filter_map(|size| points.checked_mul(*size));
-    let fits = |n: &usize| *n > 0 && rest.get(*n..).is_some_and(|after| closes(after).is_some());
-    let candidates = promised.into_iter().chain(by_points).filter_map(|n| usize::try_from(n).ok());
-    candidates.filter(fits).next().unwrap_or_else(|| first_closing(rest))
+    let candidates: Vec<usize> =
+        by_points.chain(promised).filter_map(|n| usize::try_from(n).ok()).filter(|n| *n > 0).collect();
+    let after = |n: usize| rest.get(n..).filter(|after| closes(after).is_some());
+    let surely = |n: &usize| after(*n).is_some_and(|after| is_last_or_followed(without_line_end(after)));
+    let strict = candidates.iter().copied().find(surely);
+    let loose = || candidates.iter().copied().find(|n| after(*n).is_some());
+    strict.or_else(loose).unwrap_or_else(|| first_closing(rest))
 }
 
 /// Offset of the first `-1` line in binary data, its line end before it not counted.
@@ -199,11 +202,15 @@ fn is_last_or_followed(mark: &[u8]) -> bool {
 
 /// Offset behind the closing `-1` line when `after` starts with one, a line end before it allowed.
 fn closes(after: &[u8]) -> Option<usize> {
-    let start = after.strip_prefix(b"\r").unwrap_or(after);
-    let start = start.strip_prefix(b"\n").unwrap_or(start);
+    let start = without_line_end(after);
     let (line, next) = line_at(start, 0)?;
     let short = &line[..line.len().min(80)];
     (is_delimiter(short) && line.len() <= 82).then_some(after.len() - start.len() + next)
+}
+
+fn without_line_end(bytes: &[u8]) -> &[u8] {
+    let bytes = bytes.strip_prefix(b"\r").unwrap_or(bytes);
+    bytes.strip_prefix(b"\n").unwrap_or(bytes)
 }
 
 fn skip_to_delimiter(bytes: &[u8], mut at: usize) -> usize {
