@@ -10,7 +10,7 @@ mod matrix;
 use crate::assemble::Raw;
 use crate::bytes::Order;
 use crate::error::ReadError;
-use crate::inflate::read_limited;
+use crate::inflate::{most, read_limited};
 use crate::options::ReadOptions;
 use crate::source::Source;
 use crate::units;
@@ -32,7 +32,7 @@ pub(crate) fn parse(source: Source, options: &ReadOptions) -> Result<Raw, ReadEr
             continue;
         }
         let place = format!("compressed variable at byte {}", element.offset);
-        let bytes = read_limited(&mut ZlibDecoder::new(element.data), element.data.len())
+        let bytes = read_limited(&mut ZlibDecoder::new(element.data), most(element.data.len()))
             .map_err(|e| source.malformed(&place, e.to_string(), "zlib data"))?;
         let mut inside = Cursor::new(&source, &bytes, order, 0);
         while let Some(inner) = inside.next()? {
@@ -96,7 +96,7 @@ fn is_level_4(bytes: &[u8]) -> bool {
     })
 }
 
-/// Numeric arrays, with the unit from a text field `unit` or `units` beside them: `s, m/s^2` names that of the time
+/// Numeric arrays, with the unit from a text field `unit` or `units` beside or above them: `s, m/s^2` names that of the time
 /// and that of the rest.
 fn with_units(found: Found) -> Vec<Variable> {
     let mut variables = found.arrays;
@@ -106,8 +106,12 @@ fn with_units(found: Found) -> Vec<Variable> {
         }
         let parent = name.rsplit_once('.').map_or("", |(parent, _)| parent);
         let (time, rest) = text.split_once(',').unwrap_or(("", text));
+        let inside = |name: &str| match name.strip_prefix(parent) {
+            Some(rest) if !parent.is_empty() => rest.starts_with('.'),
+            _ => parent.is_empty() && !name.contains('.'),
+        };
         for v in &mut variables {
-            if v.name.rsplit_once('.').map_or("", |(parent, _)| parent) == parent {
+            if inside(&v.name) {
                 let unit = if units::is_time_name(&v.name) { time } else { rest };
                 v.unit = unit.trim().into();
             }

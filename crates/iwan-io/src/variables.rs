@@ -193,12 +193,16 @@ impl Chooser<'_> {
                 }
             };
         };
-        let (fitting, others): (Vec<_>, Vec<_>) = vectors.into_iter().partition(|v| v.values.len() == length);
+        let fits = |v: &Variable| v.values.len() == length && !units::is_time_name(&v.name);
+        let (fitting, others): (Vec<_>, Vec<_>) = vectors.into_iter().partition(fits);
         if fitting.is_empty() {
             return Err(self.ambiguous(&format!("no channel has {length} samples as the time has"), names));
         }
         warnings.extend(others.into_iter().map(|v| {
-            let reason = format!("it has {} values, the time has {length}", v.values.len());
+            let reason = match v.values.len() {
+                n if n == length => "it is a second time by its name".into(),
+                n => format!("it has {n} values, the time has {length}"),
+            };
             Warning::LeftOut { name: v.name, reason }
         }));
         Ok(fitting)
@@ -281,6 +285,14 @@ mod tests {
         assert_eq!(names, ["acc[0]", "acc[1]", "acc[2]", "acc[3]"]);
         assert_eq!(raw.channels[1].values, [1.0, 5.0, 9.0]);
         assert_eq!(raw.channels[1].quantity, Quantity::Acceleration);
+    }
+
+    #[test]
+    fn a_second_time_is_no_channel() {
+        let variables = vec![array("a.t", 3, 1), array("a.x", 3, 1), array("b.t", 3, 1), array("y", 2, 1)];
+        let raw = choose(variables, &ReadOptions::default()).unwrap();
+        assert_eq!(raw.channels.len(), 1);
+        assert!(matches!(&raw.warnings[..], [Warning::LeftOut { name, .. }, _] if name == "b.t"));
     }
 
     #[test]

@@ -2,6 +2,7 @@
 #![allow(clippy::unwrap_used)]
 
 use iwan_io::{Quantity, ReadError, ReadOptions, Record, Warning, parse_table, read_bytes};
+use std::fmt::Write;
 use std::path::Path;
 
 fn read_with(text: &[u8], options: &ReadOptions) -> Result<Record, ReadError> {
@@ -78,9 +79,10 @@ fn damaged_rows_are_named_by_line_and_column() {
 
 #[test]
 fn uneven_times_are_refused_or_resampled() {
-    let text: String =
-        (0..40).map(|i| format!("{},{}\n", f64::from(i * i), f64::from(i * i) * 2.0)).collect();
-    let text = format!("t,a\n{text}");
+    let mut text = "t,a\n".to_string();
+    for i in 0..40 {
+        writeln!(text, "{},{}", i * i, 2 * i * i).unwrap();
+    }
     assert!(refused(&text).contains("--resample"), "{}", refused(&text));
     let options = ReadOptions { resample: true, ..Default::default() };
     let record = read_with(text.as_bytes(), &options).unwrap();

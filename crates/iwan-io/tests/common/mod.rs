@@ -63,8 +63,10 @@ pub fn uff_header(first: &str, data_type: u8, n: usize, even: bool, name: &str) 
 pub fn uff_ascii(n: usize, name: &str) -> Vec<u8> {
     let mut out = uff_header("    58", 2, n, true, name);
     for line in wave(n).chunks(6) {
-        let text: String = line.iter().map(|v| format!("{v:>13.5e}")).collect();
-        writeln!(out, "{text}").unwrap();
+        for v in line {
+            write!(out, "{v:>13.5e}").unwrap();
+        }
+        out.push(b'\n');
     }
     out.extend(b"    -1\n");
     out
@@ -132,7 +134,9 @@ pub fn mat_struct(name: &str, fields: &[(&str, Vec<u8>)], big: bool) -> Vec<u8> 
         })
         .collect();
     out.extend(element(1, &names, big));
-    fields.iter().for_each(|(_, f)| out.extend(f));
+    for (_, field) in fields {
+        out.extend(field);
+    }
     element(14, &out, big)
 }
 
