@@ -1,0 +1,93 @@
+//! Numbers of all stored types to f64, and a cursor that never reads past the end.
+
+/// Byte order of stored numbers.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Order {
+    Little,
+    Big,
+}
+
+/// Stored types of numbers.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Kind {
+    I8,
+    U8,
+    I16,
+    U16,
+    I32,
+    U32,
+    I64,
+    U64,
+    F32,
+    F64,
+}
+
+impl Kind {
+    /// Bytes of one number.
+    pub(crate) fn size(self) -> usize {
+        match self {
+            Self::I8 | Self::U8 => 1,
+            Self::I16 | Self::U16 => 2,
+            Self::I32 | Self::U32 | Self::F32 => 4,
+            Self::I64 | Self::U64 | Self::F64 => 8,
+        }
+    }
+}
+
+macro_rules! numbers {
+    ($bytes:expr, $order:expr, $type:ty, $convert:expr) => {
+        $bytes
+            .chunks_exact(size_of::<$type>())
+            .map(|chunk| {
+                let mut raw = [0; size_of::<$type>()];
+                raw.copy_from_slice(chunk);
+                let value = match $order {
+                    Order::Little => <$type>::from_le_bytes(raw),
+                    Order::Big => <$type>::from_be_bytes(raw),
+                };
+                $convert(value)
+            })
+            .collect()
+    };
+}
+
+/// Whole numbers in `bytes` as f64; a part of one at the end is left out. 64-bit integers above 2^53 are rounded.
+pub(crate) fn to_f64(bytes: &[u8], kind: Kind, order: Order) -> Vec<f64> {
+    match kind {
+        Kind::I8 => numbers!(bytes, order, i8, f64::from),
+        Kind::U8 => numbers!(bytes, order, u8, f64::from),
+        Kind::I16 => numbers!(bytes, order, i16, f64::from),
+        Kind::U16 => numbers!(bytes, order, u16, f64::from),
+        Kind::I32 => numbers!(bytes, order, i32, f64::from),
+        Kind::U32 => numbers!(bytes, order, u32, f64::from),
+        Kind::I64 => numbers!(bytes, order, i64, |v| v as f64),
+        Kind::U64 => numbers!(bytes, order, u64, |v| v as f64),
+        Kind::F32 => numbers!(bytes, order, f32, f64::from),
+        Kind::F64 => numbers!(bytes, order, f64, |v| v),
+    }
+}
+
+/// One unsigned 32-bit number at the start of `bytes`.
+pub(crate) fn u32_at(bytes: &[u8], offset: usize, order: Order) -> Option<u32> {
+    let chunk = bytes.get(offset..offset.checked_add(4)?)?;
+    let raw = [chunk[0], chunk[1], chunk[2], chunk[3]];
+    Some(match order {
+        Order::Little => u32::from_le_bytes(raw),
+        Order::Big => u32::from_be_bytes(raw),
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn all_types_become_f64_in_both_orders() {
+        assert_eq!(to_f64(&(-2_i16).to_be_bytes(), Kind::I16, Order::Big), [-2.0]);
+        assert_eq!(to_f64(&1.5_f32.to_le_bytes(), Kind::F32, Order::Little), [1.5]);
+        assert_eq!(to_f64(&[255, 1], Kind::I8, Order::Little), [-1.0, 1.0]);
+        assert_eq!(to_f64(&[1, 2, 3], Kind::U16, Order::Little), [513.0]);
+        assert_eq!(u32_at(&[0, 0, 0, 1, 9], 0, Order::Big), Some(1));
+        assert_eq!(u32_at(&[0, 0, 0], 0, Order::Big), None);
+    }
+}

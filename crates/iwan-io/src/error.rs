@@ -1,0 +1,156 @@
+//! Why a file could not be read: where, what was found, what is allowed, what helps.
+
+use crate::record::RecordError;
+use std::path::PathBuf;
+
+/// Why a file could not be read.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum ReadError {
+    /// The operating system refused the file.
+    #[error("{}: cannot be read: {source}; check the path and the permissions", .file.display())]
+    Io {
+        /// File.
+        file: PathBuf,
+        /// Reason given by the operating system.
+        source: std::io::Error,
+    },
+    /// Neither the content nor the extension is one of the known formats.
+    #[error("{}: unknown format ({found}); known are csv, tsv, txt, npy, npz, uff, unv and mat (v5): export to one of these", .file.display())]
+    UnknownFormat {
+        /// File.
+        file: PathBuf,
+        /// What was looked at.
+        found: String,
+    },
+    /// A known format in a variant that is not read.
+    #[error("{}: {place}: {found} cannot be read; {remedy}", .file.display())]
+    Unsupported {
+        /// File.
+        file: PathBuf,
+        /// Dataset, variable, key or column.
+        place: String,
+        /// What stands there.
+        found: String,
+        /// What helps.
+        remedy: String,
+    },
+    /// The bytes break the rules of the format.
+    #[error("{}: {place}: found {found}, expected {expected}; export the file again, or repair this place", .file.display())]
+    Malformed {
+        /// File.
+        file: PathBuf,
+        /// Line, column, dataset, variable or byte offset.
+        place: String,
+        /// What stands there.
+        found: String,
+        /// What may stand there.
+        expected: String,
+    },
+    /// The file ends long before what its header promises.
+    #[error("{}: {place}: the file is cut short: {promised} {what} promised, {found} there; copy or export the file again, or put the true count into the header if nothing is missing", .file.display())]
+    CutShort {
+        /// File.
+        file: PathBuf,
+        /// Dataset, variable or byte offset.
+        place: String,
+        /// What is counted: points or bytes.
+        what: &'static str,
+        /// Number promised by the header.
+        promised: u64,
+        /// Number found.
+        found: u64,
+    },
+    /// No time is stored and no rate was given.
+    #[error("{}: {found}; give the sampling rate with --rate HZ, or name the time with --time NAME (there are: {names})", .file.display())]
+    NoTime {
+        /// File.
+        file: PathBuf,
+        /// What was looked at.
+        found: String,
+        /// Names in the file.
+        names: String,
+    },
+    /// A name given by the user does not stand in the file.
+    #[error("{}: there is no {role} '{name}'; there are: {names}", .file.display())]
+    UnknownName {
+        /// File.
+        file: PathBuf,
+        /// `time` or `channel`.
+        role: &'static str,
+        /// Name given.
+        name: String,
+        /// Names in the file.
+        names: String,
+    },
+    /// What the file holds does not tell which channels are meant.
+    #[error("{}: {found}; choose with --channel NAME, or --quantity for channels that measure different things (there are: {names})", .file.display())]
+    Ambiguous {
+        /// File.
+        file: PathBuf,
+        /// Why it is not clear.
+        found: String,
+        /// Names in the file.
+        names: String,
+    },
+    /// A channel is not as long as the time, or channels differ in their sampling.
+    #[error("{}: '{name}' has {found}, expected {expected} as '{reference}' has; choose channels that belong together with --channel NAME", .file.display())]
+    Mismatch {
+        /// File.
+        file: PathBuf,
+        /// Channel.
+        name: String,
+        /// Its length or sampling.
+        found: String,
+        /// Length or sampling expected.
+        expected: String,
+        /// What sets the expectation.
+        reference: String,
+    },
+    /// The times do not increase.
+    #[error("{}: '{name}' does not increase at sample {sample} (counted from 0): {value} s after {previous} s; times must increase: sort or cut the record, or give --rate HZ", .file.display())]
+    TimeOrder {
+        /// File.
+        file: PathBuf,
+        /// Name of the time vector.
+        name: String,
+        /// Index of the sample, counted from 0.
+        sample: usize,
+        /// Its time in seconds.
+        value: f64,
+        /// Time before it in seconds.
+        previous: f64,
+    },
+    /// The times increase unevenly.
+    #[error("{}: '{name}' is not uniform: the interval before sample {sample} (counted from 0) is {interval:e} s, the mean is {dt:e} s, allowed is a deviation of {allowed:.1e} of it; resample with --resample, or give --rate HZ", .file.display())]
+    NotUniform {
+        /// File.
+        file: PathBuf,
+        /// Name of the time vector.
+        name: String,
+        /// Index of the sample after the worst interval.
+        sample: usize,
+        /// The worst interval in seconds.
+        interval: f64,
+        /// Mean interval in seconds.
+        dt: f64,
+        /// Relative deviation allowed.
+        allowed: f64,
+    },
+    /// The rate given is not a positive finite number.
+    #[error("{}: the rate is {value} Hz; it must be finite and greater than 0: give --rate HZ", .file.display())]
+    Rate {
+        /// File.
+        file: PathBuf,
+        /// Rate given in Hz.
+        value: f64,
+    },
+    /// The values do not make a record.
+    #[error("{}: {source}", .file.display())]
+    Record {
+        /// File.
+        file: PathBuf,
+        /// What is wrong with them.
+        source: RecordError,
+    },
+}

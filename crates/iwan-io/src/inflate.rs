@@ -1,0 +1,32 @@
+//! Decompression that cannot run away.
+
+use std::io::{self, Read};
+
+/// No deflate stream grows by more than this factor (RFC 1951: 258 bytes from two bits at best).
+const MOST_GROWTH: u64 = 1032;
+
+/// The bytes that deflate can make of `compressed` bytes at most.
+pub(crate) fn most(compressed: usize) -> u64 {
+    (compressed as u64).saturating_add(64).saturating_mul(MOST_GROWTH)
+}
+
+/// Reads to the end, but no more than `most` bytes.
+pub(crate) fn read_limited(reader: &mut impl Read, most: u64) -> io::Result<Vec<u8>> {
+    let mut bytes = Vec::new();
+    reader.take(most.saturating_add(1)).read_to_end(&mut bytes)?;
+    if bytes.len() as u64 > most {
+        return Err(io::Error::other(format!("more than {most} bytes after decompression")));
+    }
+    Ok(bytes)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn an_endless_stream_is_stopped() {
+        assert!(read_limited(&mut io::repeat(7), most(1)).is_err());
+        assert_eq!(read_limited(&mut &[1, 2][..], 2).unwrap(), [1, 2]);
+    }
+}

@@ -1,0 +1,168 @@
+//! Arrays: numeric ones, text, and structs of arrays.
+
+use super::element::{Cursor, Element, Kind};
+use crate::bytes::{Order, to_f64, u32_at};
+use crate::error::ReadError;
+use crate::source::{Source, decode, shorten};
+use crate::variables::Variable;
+
+/// Structs inside structs are followed to this depth.
+const DEEPEST: usize = 8;
+
+/// Longest name of a field, as in MATLAB itself.
+const LONGEST_NAME: usize = 64;
+
+/// What a file holds, by path.
+#[derive(Default)]
+pub(super) struct Found {
+    pub(super) arrays: Vec<Variable>,
+    pub(super) texts: Vec<(String, String)>,
+    /// Path and what stands there, for arrays that cannot be channels.
+    pub(super) refused: Vec<(String, String)>,
+}
+
+pub(super) struct Reader<'s> {
+    pub(super) source: &'s Source<'s>,
+    pub(super) order: Order,
+}
+
+struct Head {
+    class: u8,
+    complex: bool,
+    dims: Vec<usize>,
+    name: String,
+}
+
+impl Reader<'_> {
+    /// A variable of the file; other elements (such as the file's own workspace data) are passed over.
+    pub(super) fn top(&self, element: &Element, found: &mut Found) -> Result<(), ReadError> {
+        if element.kind == Kind::Matrix { self.matrix(element, None, 0, found) } else { Ok(()) }
+    }
+
+    fn matrix(
+        &self,
+        element: &Element,
+        path: Option<&str>,
+        depth: usize,
+        found: &mut Found,
+    ) -> Result<(), ReadError> {
+        if element.data.is_empty() {
+            return Ok(());
+        }
+        let mut cursor = Cursor::new(self.source, element.data, self.order, element.offset + 8);
+        let Some(head) = self.head(&mut cursor, element)? else { return Ok(()) };
+        let path = path.unwrap_or(&head.name);
+        match head.class {
+            2 if depth < DEEPEST => self.fields(&mut cursor, &head, path, depth, found),
+            4 => {
+                let data = cursor.expect("text")?;
+                found.texts.push((path.into(), text(&data, self.order)));
+                Ok(())
+            }
+            6..=15 if !head.complex && head.dims.len() == 2 => {
+                found.arrays.push(self.numeric(&mut cursor, &head, path)?);
+                Ok(())
+            }
+            class => {
+                found.refused.push((path.into(), describe(class, &head)));
+                Ok(())
+            }
+        }
+    }
+
+    /// Flags, dimensions and name; none for an opaque object, which has its own layout.
+    fn head(&self, cursor: &mut Cursor, element: &Element) -> Result<Option<Head>, ReadError> {
+        let place = format!("array at byte {}", element.offset);
+        let flags = cursor.expect("array flags")?;
+        let Some(flags) = u32_at(flags.data, 0, self.order) else {
+            return Err(self.source.malformed(place, "short array flags", "8 bytes"));
+        };
+        let [class, bits, ..] = flags.to_le_bytes();
+        if class == 17 {
+            return Ok(None);
+        }
+        let dims = cursor.expect("dimensions")?;
+        let dims = dims.data.chunks_exact(4).map(|c| u32_at(c, 0, self.order));
+        let dims = dims.map(|d| d.and_then(|d| usize::try_from(d).ok()).unwrap_or(0)).collect();
+        let name = decode(cursor.expect("name")?.data);
+        Ok(Some(Head { class, complex: bits & 8 != 0, dims, name }))
+    }
+
+    fn numeric(&self, cursor: &mut Cursor, head: &Head, path: &str) -> Result<Variable, ReadError> {
+        let place = || format!("variable '{}'", shorten(path, 80));
+        let (rows, columns) = (head.dims[0], head.dims[1]);
+        let data = cursor.expect("numbers")?;
+        let Kind::Number(kind) = data.kind else {
+            return Err(self.source.malformed(place(), format!("{:?} data", data.kind), "numbers"));
+        };
+        let values = to_f64(data.data, kind, self.order);
+        if rows.checked_mul(columns) != Some(values.len()) {
+            let found = format!("{} values for {rows} x {columns}", values.len());
+            return Err(self.source.malformed(place(), found, "as many values as the dimensions say"));
+        }
+        Ok(Variable { name: path.into(), unit: String::new(), rows, columns, values })
+    }
+
+    fn fields(
+        &self,
+        cursor: &mut Cursor,
+        head: &Head,
+        path: &str,
+        depth: usize,
+        found: &mut Found,
+    ) -> Result<(), ReadError> {
+        let width = cursor.expect("length of field names")?;
+        let width = u32_at(width.data, 0, self.order).and_then(|w| usize::try_from(w).ok()).unwrap_or(0);
+        if width == 0 || width > LONGEST_NAME {
+            let place = format!("struct '{}'", shorten(path, 80));
+            let found = format!("field names of {width} bytes");
+            return Err(self.source.malformed(place, found, format!("1 to {LONGEST_NAME}")));
+        }
+        let names: Vec<String> = cursor.expect("field names")?.data.chunks_exact(width).map(name).collect();
+        let single = head.dims.iter().all(|d| *d == 1);
+        // The elements of the file bound this loop, whatever the dimensions say.
+        let mut number = 0;
+        while !names.is_empty() {
+            number += 1;
+            for field in &names {
+                let Some(element) = cursor.next()? else { return Ok(()) };
+                let owner = if single { path.to_string() } else { format!("{path}({number})") };
+                if element.kind == Kind::Matrix {
+                    self.matrix(&element, Some(&format!("{owner}.{field}")), depth + 1, found)?;
+                }
+            }
+        }
+        Ok(())
+    }
+}
+
+fn name(bytes: &[u8]) -> String {
+    decode(bytes.split(|b| *b == 0).next().unwrap_or_default())
+}
+
+fn text(data: &Element, order: Order) -> String {
+    let unit = match data.kind {
+        Kind::Text(n) => n,
+        Kind::Number(kind) => kind.size(),
+        _ => 1,
+    };
+    if unit == 1 {
+        return decode(data.data);
+    }
+    let low = if order == Order::Little { 0 } else { unit - 1 };
+    let high = if order == Order::Little { 1 } else { unit - 2 };
+    let units = data.data.chunks_exact(unit).map(|c| u16::from_le_bytes([c[low], c[high]]));
+    char::decode_utf16(units).map(|c| c.unwrap_or(char::REPLACEMENT_CHARACTER)).collect()
+}
+
+fn describe(class: u8, head: &Head) -> String {
+    match class {
+        1 => "a cell array".into(),
+        2 => format!("a struct more than {DEEPEST} levels deep"),
+        3 => "an object".into(),
+        5 => "a sparse array".into(),
+        6..=15 if head.complex => "a complex array".into(),
+        6..=15 => format!("an array of {} dimensions", head.dims.len()),
+        other => format!("an array of class {other}"),
+    }
+}

@@ -1,0 +1,44 @@
+//! What the user may say about a file before it is read.
+
+use crate::record::Quantity;
+
+/// Formats of records.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+#[non_exhaustive]
+pub enum Format {
+    /// Columns of numbers as text: comma, semicolon, tab or white space between them.
+    Text,
+    /// One NumPy array.
+    Npy,
+    /// Several NumPy arrays in a zip archive.
+    Npz,
+    /// Universal file format, dataset 58 and 58b.
+    Uff,
+    /// MATLAB level 5.
+    Mat,
+}
+
+/// What the user says about a file; the default says nothing and everything is found out.
+///
+/// ```
+/// use iwan_io::{read_bytes, ReadOptions};
+/// let options = ReadOptions { rate: Some(100.0), ..ReadOptions::default() };
+/// let record = read_bytes("one.csv".as_ref(), b"acc [m/s^2]\n1\n2\n3\n", &options)?;
+/// assert_eq!((record.dt(), record.unit()), (0.01, "m/s^2"));
+/// # Ok::<(), iwan_io::ReadError>(())
+/// ```
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct ReadOptions {
+    /// Format; otherwise found from content and extension.
+    pub format: Option<Format>,
+    /// Name of the time vector: a column, a variable, or a struct field such as `HIdata.time`.
+    pub time: Option<String>,
+    /// Names of the channels in the order wanted; empty = all that fit.
+    pub channels: Vec<String>,
+    /// Sampling rate in Hz, finite and > 0; goes before what the file says.
+    pub rate: Option<f64>,
+    /// Quantity; goes before what the file says, and chooses among channels of several quantities.
+    pub quantity: Option<Quantity>,
+    /// Interpolate non-uniform samples onto a uniform grid instead of refusing them.
+    pub resample: bool,
+}

@@ -1,0 +1,99 @@
+//! One door to all formats.
+
+use crate::assemble::{Raw, assemble};
+use crate::error::ReadError;
+use crate::options::{Format, ReadOptions};
+use crate::record::Record;
+use crate::source::{Source, decode, shorten};
+use crate::{mat, npy, npz, text, uff};
+use std::path::Path;
+
+/// Reads a record; the format is found from the content and, where that does not tell, from the extension.
+///
+/// Memory: at most 64 bytes for each byte of the file; for compressed files (NPZ, MAT), of the decompressed file,
+/// which deflate limits to 1032 times the file. No count in a header is trusted for an allocation.
+///
+/// # Errors
+/// [`ReadError`] names the file, the place in it, what stands there, what is allowed and what helps.
+///
+/// ```no_run
+/// use iwan_io::{read, ReadOptions};
+/// let options = ReadOptions {
+///     time: Some("HIdata.time".into()),
+///     channels: vec!["HIdata.acc1".into(), "HIdata.acc3".into()],
+///     ..ReadOptions::default()
+/// };
+/// let record = read("hammer.mat", &options)?;
+/// # Ok::<(), iwan_io::ReadError>(())
+/// ```
+pub fn read(path: impl AsRef<Path>, options: &ReadOptions) -> Result<Record, ReadError> {
+    let file = path.as_ref();
+    let bytes = std::fs::read(file).map_err(|source| ReadError::Io { file: file.into(), source })?;
+    read_bytes(file, &bytes, options)
+}
+
+/// The same from bytes in memory; `file` serves the extension and the messages only.
+///
+/// # Errors
+/// As [`read`].
+pub fn read_bytes(file: &Path, bytes: &[u8], options: &ReadOptions) -> Result<Record, ReadError> {
+    let source = Source { file, bytes };
+    let raw = parse(source, options)?;
+    assemble(&source, raw, options)
+}
+
+fn parse(source: Source, options: &ReadOptions) -> Result<Raw, ReadError> {
+    let format = options.format.or_else(|| by_content(source.bytes)).or_else(|| by_extension(source.file));
+    match format {
+        Some(Format::Text) => text::parse(source, options),
+        Some(Format::Npy) => npy::parse(source, options),
+        Some(Format::Npz) => npz::parse(source, options),
+        Some(Format::Uff) => uff::parse(source, options),
+        Some(Format::Mat) => mat::parse(source, options),
+        None => {
+            let start: String = decode(&source.bytes[..source.bytes.len().min(16)]);
+            let start: String = start.chars().map(|c| if c.is_control() { '.' } else { c }).collect();
+            let extension = source.file.extension().unwrap_or_default().display();
+            let found = format!("extension '{extension}', content '{}'", shorten(&start, 16));
+            Err(ReadError::UnknownFormat { file: source.file.into(), found })
+        }
+    }
+}
+
+fn by_content(bytes: &[u8]) -> Option<Format> {
+    if bytes.starts_with(npy::MAGIC) {
+        Some(Format::Npy)
+    } else if bytes.starts_with(b"PK\x03\x04") || bytes.starts_with(b"PK\x05\x06") {
+        Some(Format::Npz)
+    } else if matches!(bytes.get(126..128), Some(b"IM" | b"MI")) && bytes.starts_with(b"MATLAB")
+        || bytes.starts_with(b"\x89HDF")
+    {
+        Some(Format::Mat)
+    } else if opens_dataset(bytes) {
+        Some(Format::Uff)
+    } else {
+        None
+    }
+}
+
+/// A line `-1` behind four blanks, then a line that starts with a dataset number.
+fn opens_dataset(bytes: &[u8]) -> bool {
+    let start = &bytes[..bytes.len().min(400)];
+    let mut lines = start.split(|b| *b == b'\n').map(<[u8]>::trim_ascii).filter(|l| !l.is_empty());
+    let number = |line: &[u8]| line.first().is_some_and(u8::is_ascii_digit);
+    let word = |line: &[u8]| line.split(u8::is_ascii_whitespace).next().map_or(0, <[u8]>::len);
+    start.starts_with(b"    -1")
+        && lines.next() == Some(b"-1")
+        && lines.next().is_some_and(|line| number(line) && word(line) <= 6)
+}
+
+fn by_extension(file: &Path) -> Option<Format> {
+    match file.extension()?.to_str()?.to_lowercase().as_str() {
+        "csv" | "tsv" | "txt" | "dat" | "asc" => Some(Format::Text),
+        "npy" => Some(Format::Npy),
+        "npz" => Some(Format::Npz),
+        "uff" | "unv" | "uf" | "bunv" => Some(Format::Uff),
+        "mat" => Some(Format::Mat),
+        _ => None,
+    }
+}

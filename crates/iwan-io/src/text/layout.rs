@@ -1,0 +1,226 @@
+//! How a text file is laid out: separator, decimal sign, header.
+
+use crate::error::ReadError;
+use crate::record::Quantity;
+use crate::source::{Source, decode, shorten};
+use crate::units;
+use std::borrow::Cow;
+
+/// Lines looked at to find the first row of numbers.
+const PROBED_LINES: usize = 200;
+
+/// What stands between columns.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Separator {
+    Tab,
+    Semicolon,
+    Comma,
+    /// Any run of spaces and tabs.
+    Space,
+}
+
+impl Separator {
+    pub(super) fn byte(self) -> u8 {
+        match self {
+            Self::Tab | Self::Space => b'\t',
+            Self::Semicolon => b';',
+            Self::Comma => b',',
+        }
+    }
+
+    fn decimal_comma(self) -> bool {
+        self != Self::Comma
+    }
+
+    fn split(self, line: &[u8]) -> Vec<&[u8]> {
+        let mut fields: Vec<&[u8]> = match self {
+            Self::Space => line.split(u8::is_ascii_whitespace).filter(|f| !f.is_empty()).collect(),
+            other => line.split(|b| *b == other.byte()).map(<[u8]>::trim_ascii).collect(),
+        };
+        if fields.len() > 1 && fields.last().is_some_and(|f| f.is_empty()) {
+            fields.pop();
+        }
+        fields
+    }
+}
+
+/// How a text file is laid out.
+#[derive(Debug)]
+pub(super) struct Layout {
+    pub(super) separator: Separator,
+    /// Number of columns.
+    pub(super) fields: usize,
+    /// Line of the first row of numbers, counted from 1.
+    pub(super) first_row: usize,
+    pub(super) names: Vec<String>,
+    pub(super) units: Vec<String>,
+    /// Lines skipped above the header.
+    pub(super) preamble: usize,
+    offset: usize,
+}
+
+struct Line<'a> {
+    text: &'a [u8],
+    offset: usize,
+    number: usize,
+}
+
+impl Layout {
+    /// Finds the separator under which a row of numbers comes first; with equal lines tab, semicolon, comma, space.
+    pub(super) fn detect(source: &Source) -> Result<Self, ReadError> {
+        use Separator::{Comma, Semicolon, Space, Tab};
+        let bytes = source.bytes;
+        if bytes.starts_with(&[0xff, 0xfe]) || bytes.starts_with(&[0xfe, 0xff]) {
+            return Err(source.unsupported("byte 0", "UTF-16 text", "save it as UTF-8"));
+        }
+        let lines: Vec<Line> = lines(bytes).take(PROBED_LINES).collect();
+        let first = |s: Separator| {
+            let found = lines.iter().position(|l| !is_comment(l.text) && is_row(s, l.text, 2));
+            found.map(|at| (at, s))
+        };
+        let several = [Tab, Semicolon, Comma, Space].into_iter().filter_map(first).min_by_key(|(at, _)| *at);
+        let single = lines.iter().position(|l| !is_comment(l.text) && is_row(Comma, l.text, 1));
+        let single = single.or_else(|| lines.iter().position(|l| is_row(Space, l.text, 1)));
+        let separator = |at: usize| if is_row(Comma, lines[at].text, 1) { Comma } else { Space };
+        match (several, single) {
+            (Some((at, s)), Some(one)) if at <= one => Ok(Self::at(&lines, at, s)),
+            (Some((at, s)), None) => Ok(Self::at(&lines, at, s)),
+            (_, Some(one)) => Ok(Self::at(&lines, one, separator(one))),
+            (None, None) => Err(no_row(source, &lines)),
+        }
+    }
+
+    /// The layout with the first row at line `at`, or above it where a row is only damaged.
+    fn at(lines: &[Line], at: usize, separator: Separator) -> Self {
+        let fields = separator.split(lines[at].text).len();
+        let damaged = |l: &Line| {
+            let cells = separator.split(l.text);
+            !is_comment(l.text) && cells.len() == fields && number(cells[0], separator).is_some()
+        };
+        let at = lines[..at].iter().position(damaged).unwrap_or(at);
+        let above: Vec<&Line> = lines[..at].iter().filter(|l| !l.text.trim_ascii().is_empty()).collect();
+        let (names, units, used) = header(&above, separator, fields);
+        let plain = above.iter().filter(|l| !is_comment(l.text)).count();
+        let (first_row, offset) = (lines[at].number, lines[at].offset);
+        Self { separator, fields, first_row, names, units, preamble: plain.saturating_sub(used), offset }
+    }
+
+    /// The rows, with runs of white space turned into tabs where white space separates.
+    pub(super) fn body<'a>(&self, bytes: &'a [u8]) -> Cow<'a, [u8]> {
+        let body = &bytes[self.offset..];
+        if self.separator != Separator::Space {
+            return Cow::Borrowed(body);
+        }
+        let mut out = Vec::with_capacity(body.len() + 1);
+        for line in body.split(|b| *b == b'\n') {
+            for (i, field) in self.separator.split(line).into_iter().enumerate() {
+                if i > 0 {
+                    out.push(b'\t');
+                }
+                out.extend_from_slice(field);
+            }
+            out.push(b'\n');
+        }
+        Cow::Owned(out)
+    }
+
+    /// Number of fields in a row, an empty one at the end not counted.
+    pub(super) fn count(&self, record: &csv::ByteRecord) -> usize {
+        let n = record.len();
+        let empty = |i: usize| record[i].trim_ascii().is_empty();
+        match n {
+            0 => 0,
+            1 if empty(0) => 0,
+            n if n == self.fields + 1 && empty(n - 1) => n - 1,
+            n => n,
+        }
+    }
+
+    pub(super) fn number(&self, field: &[u8]) -> Option<f64> {
+        number(field, self.separator)
+    }
+}
+
+/// Names and units from the lines just above the rows, and how many uncommented lines they took.
+fn header(above: &[&Line], separator: Separator, fields: usize) -> (Vec<String>, Vec<String>, usize) {
+    let cells = |l: &Line| -> Option<Vec<String>> {
+        let text = l.text.trim_ascii();
+        let text = if is_comment(text) { text[1..].trim_ascii() } else { text };
+        let cells: Vec<String> = split_quoted(separator, text);
+        (cells.len() == fields).then_some(cells)
+    };
+    let words =
+        |row: &[String]| row.iter().all(|c| !c.is_empty() && number(c.as_bytes(), separator).is_none());
+    let Some((last, rest)) = above.split_last() else { return (Vec::new(), Vec::new(), 0) };
+    let Some(lower) = cells(last) else { return (Vec::new(), Vec::new(), 0) };
+    let plain = |l: &Line| usize::from(!is_comment(l.text));
+    if let Some(line) = rest.last().filter(|l| words(&lower) && plain(l) == plain(last)) {
+        let known = lower.iter().any(|u| is_unit(u));
+        if let Some(upper) = cells(line).filter(|row| known && words(row)) {
+            return (upper, lower, plain(line) + plain(last));
+        }
+    }
+    (lower, Vec::new(), plain(last))
+}
+
+fn split_quoted(separator: Separator, text: &[u8]) -> Vec<String> {
+    if separator == Separator::Space {
+        return separator.split(text).into_iter().map(decode).collect();
+    }
+    let mut reader =
+        csv::ReaderBuilder::new().has_headers(false).delimiter(separator.byte()).from_reader(text);
+    let mut record = csv::ByteRecord::new();
+    let read = reader.read_byte_record(&mut record).unwrap_or(false);
+    let mut cells: Vec<String> = record.iter().map(|c| decode(c.trim_ascii())).collect();
+    if cells.len() > 1 && cells.last().is_some_and(String::is_empty) {
+        cells.pop();
+    }
+    if read { cells } else { Vec::new() }
+}
+
+fn is_unit(text: &str) -> bool {
+    units::quantity_of_unit(text) != Quantity::Unknown || units::time_factor(text).is_some()
+}
+
+/// Whether a line is a comment.
+pub(super) fn is_comment(line: &[u8]) -> bool {
+    matches!(line.trim_ascii_start().first(), Some(b'#' | b'%'))
+}
+
+fn is_row(separator: Separator, line: &[u8], least: usize) -> bool {
+    let fields = separator.split(line);
+    fields.len() >= least && fields.iter().all(|f| number(f, separator).is_some())
+}
+
+fn number(field: &[u8], separator: Separator) -> Option<f64> {
+    let text = std::str::from_utf8(field).ok()?.trim().trim_matches('"').trim();
+    if let Ok(value) = text.parse() {
+        return Some(value);
+    }
+    if text.len() > 64 {
+        return None;
+    }
+    let comma = separator.decimal_comma() && text.bytes().filter(|b| *b == b',').count() == 1;
+    let text = if comma { text.replace(',', ".") } else { text.into() };
+    text.replace(['d', 'D'], "e").parse().ok() // Fortran writes 1.0D+00
+}
+
+fn lines(bytes: &[u8]) -> impl Iterator<Item = Line<'_>> {
+    let start = if bytes.starts_with(&[0xef, 0xbb, 0xbf]) { 3 } else { 0 };
+    let mut offset = start;
+    bytes[start..].split(|b| *b == b'\n').enumerate().map(move |(i, text)| {
+        let line = Line { text, offset, number: i + 1 };
+        offset += text.len() + 1;
+        line
+    })
+}
+
+fn no_row(source: &Source, lines: &[Line]) -> ReadError {
+    let first = lines.iter().find(|l| !l.text.trim_ascii().is_empty());
+    let found = first.map_or("an empty file".into(), |l| {
+        let text: String = decode(l.text.trim_ascii()).chars().filter(|c| !c.is_control()).collect();
+        format!("'{}' and no row of numbers in the first {} lines", shorten(&text, 40), lines.len())
+    });
+    let place = format!("line {}", first.map_or(1, |l| l.number));
+    source.malformed(place, found, "rows of numbers between comma, semicolon, tab or white space")
+}

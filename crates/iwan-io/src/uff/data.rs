@@ -1,0 +1,131 @@
+//! Record 12 of a dataset 58: the values, as text or in binary.
+
+use super::header::Header;
+use super::sections::{Binary, Section, line_at};
+use crate::bytes::{Kind, to_f64};
+use crate::error::ReadError;
+use crate::source::{Source, decode, shorten};
+use crate::warning::Warning;
+
+/// A dataset with less than this part of its promised points is taken for a file cut short.
+const LEAST_PART: f64 = 0.9;
+
+/// Times (empty for an even abscissa) and values.
+pub(super) fn read(
+    source: &Source,
+    section: &Section,
+    header: &Header,
+    warnings: &mut Vec<Warning>,
+) -> Result<(Vec<f64>, Vec<f64>), ReadError> {
+    if !matches!(header.data_type, 2 | 4) {
+        let place = format!("{}, record 7, field 1", section.place());
+        let found = format!("ordinate data type {}", header.data_type);
+        return Err(source.malformed(place, found, "2 or 4 (real), 5 or 6 (complex)"));
+    }
+    let (times, values) = match section.binary {
+        Some(binary) => binary_values(section, header, binary),
+        None if header.even => (Vec::new(), text_values(source, section, &widths(header))?),
+        None => unzip(&text_values(source, section, &widths(header))?),
+    };
+    check_count(source, section, header, values.len(), warnings)?;
+    Ok((times, values))
+}
+
+fn check_count(
+    source: &Source,
+    section: &Section,
+    header: &Header,
+    found: usize,
+    warnings: &mut Vec<Warning>,
+) -> Result<(), ReadError> {
+    let promised = header.points;
+    if found == 0 || (found as f64) < LEAST_PART * promised as f64 {
+        return Err(source.cut_short(section.place(), "points", promised, found as u64));
+    }
+    if promised != found as u64 {
+        warnings.push(Warning::Count { place: section.place(), promised, found });
+    }
+    if !section.closed {
+        warnings.push(Warning::Unclosed { place: section.place() });
+    }
+    Ok(())
+}
+
+fn unzip(pairs: &[f64]) -> (Vec<f64>, Vec<f64>) {
+    pairs.chunks_exact(2).map(|p| (p[0], p[1])).unzip()
+}
+
+/// Even: one number after the other. Uneven: abscissa and ordinate in turn; in double precision the abscissa has four
+/// bytes by the format's own rule (addendum B), eight in files of some programs: the number of bytes tells.
+fn binary_values(section: &Section, header: &Header, binary: Binary) -> (Vec<f64>, Vec<f64>) {
+    let (data, order) = (section.data, binary.order);
+    let kind = if header.data_type == 4 { Kind::F64 } else { Kind::F32 };
+    if header.even {
+        return (Vec::new(), to_f64(data, kind, order));
+    }
+    let wide = header.points.checked_mul(16) == Some(data.len() as u64);
+    if kind == Kind::F32 || wide {
+        return unzip(&to_f64(data, kind, order));
+    }
+    let (mut times, mut values) = (Vec::new(), Vec::new());
+    for pair in data.chunks_exact(12) {
+        times.extend(to_f64(&pair[..4], Kind::F32, order));
+        values.extend(to_f64(&pair[4..], Kind::F64, order));
+    }
+    (times, values)
+}
+
+/// Widths of the fields of a line in turn: 6E13.5, 4E20.12, 2(E13.5,E20.12).
+fn widths(header: &Header) -> [usize; 2] {
+    match (header.data_type, header.even) {
+        (4, true) => [20, 20],
+        (4, false) => [13, 20],
+        _ => [13, 13],
+    }
+}
+
+fn text_values(source: &Source, section: &Section, widths: &[usize; 2]) -> Result<Vec<f64>, ReadError> {
+    let mut values = Vec::with_capacity(section.data.len() / 13);
+    let (mut at, mut number) = (0, 0);
+    while let Some((line, next)) = line_at(section.data, at) {
+        at = next;
+        number += 1;
+        let before = values.len();
+        if push_words(line, &mut values).is_some() {
+            continue;
+        }
+        values.truncate(before);
+        if push_fields(line, widths, &mut values).is_none() {
+            let place = format!("{}, data line {number}", section.place());
+            let found = format!("'{}'", shorten(decode(line).trim(), 80));
+            return Err(source.malformed(place, found, "numbers"));
+        }
+    }
+    Ok(values)
+}
+
+/// Numbers between blanks.
+fn push_words(line: &[u8], values: &mut Vec<f64>) -> Option<()> {
+    for word in line.split(u8::is_ascii_whitespace).filter(|w| !w.is_empty()) {
+        values.push(number(word)?);
+    }
+    Some(())
+}
+
+/// Numbers in columns, for lines where they touch each other.
+fn push_fields(mut line: &[u8], widths: &[usize; 2], values: &mut Vec<f64>) -> Option<()> {
+    for width in widths.iter().cycle() {
+        if line.trim_ascii().is_empty() {
+            return Some(());
+        }
+        let (field, rest) = line.split_at((*width).min(line.len()));
+        values.push(number(field.trim_ascii())?);
+        line = rest;
+    }
+    Some(())
+}
+
+fn number(word: &[u8]) -> Option<f64> {
+    let text = std::str::from_utf8(word).ok()?;
+    text.parse().ok().or_else(|| text.replace(['D', 'd'], "e").parse().ok())
+}

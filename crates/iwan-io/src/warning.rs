@@ -1,0 +1,103 @@
+//! What a reader noticed in a file and put right, or left as it is.
+
+use crate::record::Quantity;
+
+/// One remark about a file that could be read all the same.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum Warning {
+    /// A header promises another number of points than the file holds; what is there was read.
+    #[error("{place}: the header promises {promised} points, the file holds {found}; these were read")]
+    Count {
+        /// Dataset or variable.
+        place: String,
+        /// Number of points in the header.
+        promised: u64,
+        /// Number of points read.
+        found: usize,
+    },
+    /// A UFF 58b header promises another number of data bytes than the file holds; the points are whole.
+    #[error("{place}: the header promises {promised} data bytes, the file holds {found}; these were read")]
+    Bytes {
+        /// Dataset.
+        place: String,
+        /// Number of bytes in the header.
+        promised: u64,
+        /// Number of bytes up to the end of the dataset.
+        found: usize,
+    },
+    /// The line that closes a UFF dataset is missing at the end of the file.
+    #[error("{place}: the closing line '-1' is missing at the end of the file")]
+    Unclosed {
+        /// Dataset.
+        place: String,
+    },
+    /// The time column is written in too few digits to be exactly uniform.
+    #[error("the times are rounded to {quantum:e} s; taken as uniform with the mean interval {dt:e} s")]
+    RoundedTime {
+        /// Step of the rounding in seconds.
+        quantum: f64,
+        /// Mean interval in seconds.
+        dt: f64,
+    },
+    /// The samples were interpolated onto a uniform grid.
+    #[error(
+        "the times are not uniform (an interval differs by {deviation:.3} of the mean {dt:e} s); resampled"
+    )]
+    Resampled {
+        /// Largest deviation of an interval relative to the mean one.
+        deviation: f64,
+        /// Interval of the new grid in seconds.
+        dt: f64,
+    },
+    /// The rate given by the user differs from the file's by more than 1e-3.
+    #[error("the rate given, {used} Hz, was used in place of the file's, {stored} Hz")]
+    RateReplaced {
+        /// Rate of the file in Hz.
+        stored: f64,
+        /// Rate given and used, in Hz.
+        used: f64,
+    },
+    /// Times were converted to seconds.
+    #[error("times in {unit} were multiplied by {factor:e} to give seconds")]
+    TimeScaled {
+        /// Unit of the file.
+        unit: String,
+        /// Factor to seconds.
+        factor: f64,
+    },
+    /// A column was taken as time because it increases uniformly.
+    #[error("'{name}' increases uniformly and was taken as time in seconds")]
+    TimeAssumed {
+        /// Name of the column.
+        name: String,
+    },
+    /// A channel or dataset was not read.
+    #[error("'{name}' was left out: {reason}")]
+    LeftOut {
+        /// Name of the channel, dataset or variable.
+        name: String,
+        /// Why.
+        reason: String,
+    },
+    /// The user's word on the quantity replaced the file's.
+    #[error("the file says {stored}, {used} was used as told")]
+    QuantityReplaced {
+        /// Quantity of the file.
+        stored: Quantity,
+        /// Quantity given and used.
+        used: Quantity,
+    },
+    /// The chosen channels measure different things or have different units.
+    #[error("the channels measure different things: {list}")]
+    Mixed {
+        /// Channels with quantity and unit.
+        list: String,
+    },
+    /// Lines above the table that are neither comments, names nor numbers.
+    #[error("{lines} lines above the table were skipped")]
+    Preamble {
+        /// Number of lines.
+        lines: usize,
+    },
+}

@@ -1,0 +1,164 @@
+//! NumPy, universal and MATLAB files in their variants.
+#![allow(clippy::unwrap_used)]
+
+mod common;
+
+use common::{element, mat_array, mat_file, mat_struct, times, uff_ascii, uff_binary, uff_header, wave};
+use iwan_io::{Quantity, ReadError, ReadOptions, Record, Warning, read_bytes};
+use std::path::Path;
+
+fn read(name: &str, bytes: &[u8]) -> Result<Record, ReadError> {
+    read_bytes(Path::new(name), bytes, &ReadOptions::default())
+}
+
+fn refused(name: &str, bytes: &[u8]) -> String {
+    read(name, bytes).unwrap_err().to_string()
+}
+
+#[test]
+fn npy_types_orders_and_shapes() {
+    let rate = ReadOptions { rate: Some(10.0), ..Default::default() };
+    let one = |descr, shape, data: &[u8]| {
+        let bytes = common::npy(descr, false, shape, data);
+        read_bytes(Path::new("acc.npy"), &bytes, &rate).unwrap().channel(0).to_vec()
+    };
+    let single: Vec<u8> = [3.0_f32, 1.5, 2.0].iter().flat_map(|v| v.to_be_bytes()).collect();
+    assert_eq!(one(">f4", "(3,)", &single), [3.0, 1.5, 2.0]);
+    assert_eq!(one("|i1", "(3,)", &[255, 4, 1]), [-1.0, 4.0, 1.0]);
+    assert_eq!(one("<u2", "(1, 2)", &[9, 1, 2, 0]), [265.0, 2.0]);
+    let table = read("a.npy", &common::npy_table(50)).unwrap();
+    assert_eq!((table.dt(), table.channel(0)), (1.0 / 128.0, &wave(50)[..]));
+    let columns: Vec<u8> = times(9).iter().chain(&wave(9)).flat_map(|v| v.to_le_bytes()).collect();
+    let fortran = read("a.npy", &common::npy("<f8", true, "(9, 2)", &columns)).unwrap();
+    let rows = read("a.npy", &common::npy("<f8", false, "(2, 9)", &columns)).unwrap();
+    assert_eq!(fortran.samples(), rows.samples());
+    assert!(refused("a.npy", &common::npy("<c16", false, "(1,)", &[0; 16])).contains("'<c16'"));
+    let huge = common::npy("<f8", false, "(99999999999, 99999999999)", &[0; 16]);
+    assert!(refused("a.npy", &huge).contains("cut short"));
+}
+
+#[test]
+fn npz_finds_time_and_channels() {
+    let record = read("a.npz", &common::npz(40)).unwrap();
+    assert_eq!((record.names()[0].as_str(), record.quantity()), ("acc", Quantity::Acceleration));
+    assert_eq!((record.dt(), record.channel(0)), (1.0 / 128.0, &wave(40)[..]));
+}
+
+#[test]
+fn universal_files_in_all_number_types() {
+    for (big, double) in [(false, false), (false, true), (true, false), (true, true)] {
+        let record = read("a.uff", &uff_binary(&wave(30), big, double, "tip")).unwrap();
+        assert_eq!((record.names()[0].as_str(), record.unit()), ("tip", "m/s2"));
+        let close = |(a, b): (&f64, &f64)| (a - b).abs() < if double { 1e-300 } else { 1e-7 };
+        assert!(record.channel(0).iter().zip(&wave(30)).all(close));
+        assert!(record.warnings().is_empty());
+    }
+}
+
+#[test]
+fn other_datasets_are_skipped_and_channels_joined() {
+    let other = b"    -1\n    15\n         1         0         0        11  0.0  0.0  0.0\n    -1\n";
+    let file =
+        [&other[..], &uff_ascii(20, "a"), other, &uff_binary(&wave(20), false, true, "b"), other].concat();
+    let record = read("a.unv", &file).unwrap();
+    assert_eq!((record.names(), record.len()), (&["a".to_string(), "b".to_string()][..], 20));
+    let options = ReadOptions { channels: vec!["b".into()], ..Default::default() };
+    assert_eq!(read_bytes(Path::new("a.unv"), &file, &options).unwrap().names(), ["b"]);
+    let uneven = [uff_ascii(20, "a"), uff_ascii(21, "b")].concat();
+    assert!(refused("a.unv", &uneven).contains("'b' has 21 samples"));
+    assert!(refused("a.unv", other).contains("without dataset 58"));
+}
+
+#[test]
+fn data_that_look_like_a_closing_line_are_data() {
+    let mut values = wave(30);
+    values[7] = f64::from_le_bytes(*b"\n    -1\n");
+    let record = read("a.uff", &uff_binary(&values, false, true, "a")).unwrap();
+    assert_eq!(record.channel(0), values);
+}
+
+#[test]
+fn uneven_abscissas_are_times() {
+    for (wide, data_type) in [(false, 2), (true, 4)] {
+        let mut file = uff_header("    58", data_type, 5, false, "a");
+        for i in 0..5 {
+            let t = f64::from(i) * 0.25;
+            let ordinate = if wide { format!("{t:>20.12e}") } else { format!("{t:>13.5e}") };
+            file.extend(format!("{t:>13.5e}{ordinate}\n").bytes());
+        }
+        file.extend(b"    -1\n");
+        let record = read("a.uff", &file).unwrap();
+        assert_eq!((record.dt(), record.channel(0)), (0.25, &[0.0, 0.25, 0.5, 0.75, 1.0][..]));
+    }
+    let first = "    58b     1     2          11          60     0     0           0           0";
+    let mut file = uff_header(first, 4, 5, false, "a");
+    for i in 0..5_u8 {
+        file.extend((f32::from(i) * 0.25).to_le_bytes());
+        file.extend(f64::from(i).to_le_bytes());
+    }
+    file.extend(b"    -1\n");
+    let record = read("a.uff", &file).unwrap();
+    assert_eq!((record.dt(), record.channel(0)), (0.25, &[0.0, 1.0, 2.0, 3.0, 4.0][..]));
+}
+
+#[test]
+fn values_that_touch_are_read_by_column() {
+    let mut file = uff_header("    58", 2, 3, true, "a");
+    file.extend(b"-1.00000E+100-2.00000E+000-3.00000E-001\n    -1\n");
+    assert_eq!(read("a.uff", &file).unwrap().channel(0), [-1e100, -2.0, -0.3]);
+}
+
+#[test]
+fn files_cut_or_miscounted() {
+    let whole = uff_binary(&wave(100), false, false, "a");
+    let cut = &whole[..whole.len() - 200];
+    assert!(matches!(read("a.uff", cut), Err(ReadError::CutShort { promised: 100, .. })));
+    let nearly = read("a.uff", &whole[..whole.len() - 16]).unwrap();
+    assert!(nearly.warnings().iter().any(|w| matches!(w, Warning::Unclosed { .. })));
+    assert!(nearly.warnings().iter().any(|w| matches!(w, Warning::Count { promised: 100, .. })));
+}
+
+#[test]
+fn matlab_structs_plain_and_compressed_in_both_orders() {
+    for (compressed, big) in [(false, false), (true, false), (false, true), (true, true)] {
+        let record = read("a.mat", &common::mat(40, compressed, big)).unwrap();
+        assert_eq!(record.names(), ["d.s.acc"]);
+        assert_eq!((record.dt(), record.channel(0)), (1.0 / 128.0, &wave(40)[..]));
+    }
+}
+
+#[test]
+fn matlab_stores_small_numbers_in_small_types() {
+    let fs = mat_array("fs", 1, 1, 2, &[50], false);
+    let a = mat_array("a", 1, 4, 1, &[1, 255, 3, 4], false);
+    let record = read("a.mat", &mat_file(&[fs, a], false, false)).unwrap();
+    assert_eq!((record.dt(), record.channel(0)), (0.02, &[1.0, -1.0, 3.0, 4.0][..]));
+}
+
+#[test]
+fn other_matlab_levels_get_a_remedy() {
+    let mut v73 = b"MATLAB 7.3 MAT-file, Platform: GLNXA64".to_vec();
+    v73.resize(124, b' ');
+    v73.extend(b"\x00\x02IM\x00\x00");
+    assert!(refused("a.mat", &v73).contains("-v7"));
+    let v4: Vec<u8> = [0_u32, 3, 1, 0, 2].iter().flat_map(|w| w.to_le_bytes()).chain(*b"a\0").collect();
+    assert!(refused("a.mat", &v4).contains("v4"));
+    assert!(refused("a.mat", b"no").contains("128 bytes"));
+}
+
+#[test]
+fn deep_structs_and_bombs_end_early() {
+    let mut inner = mat_array("", 1, 2, 2, &[1, 2], false);
+    for _ in 0..60 {
+        inner = mat_struct("s", &[("f", inner)], false);
+    }
+    assert!(read("a.mat", &mat_file(&[inner], false, false)).is_err());
+    let claims = [&element(9, &[0; 8], false)[..4], &[0xff; 4][..]].concat();
+    assert!(refused("a.mat", &mat_file(&[claims], false, false)).contains("cut short"));
+}
+
+#[test]
+fn unknown_content_is_named_with_the_formats_that_are_known() {
+    assert!(refused("a.wav", b"RIFF....WAVE").contains("uff"));
+    assert!(matches!(iwan_io::read("no/such.csv", &ReadOptions::default()), Err(ReadError::Io { .. })));
+}

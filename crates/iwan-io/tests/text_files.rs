@@ -1,0 +1,134 @@
+//! Text files as instruments, spreadsheets and programs write them.
+#![allow(clippy::unwrap_used)]
+
+use iwan_io::{Quantity, ReadError, ReadOptions, Record, Warning, parse_table, read_bytes};
+use std::fmt::Write;
+use std::path::Path;
+
+fn read_with(text: &[u8], options: &ReadOptions) -> Result<Record, ReadError> {
+    read_bytes(Path::new("a.csv"), text, options)
+}
+
+fn accepted(text: &str) -> Record {
+    read_with(text.as_bytes(), &ReadOptions::default()).unwrap()
+}
+
+fn refused(text: &str) -> String {
+    read_with(text.as_bytes(), &ReadOptions::default()).unwrap_err().to_string()
+}
+
+#[test]
+fn the_same_record_in_many_layouts() {
+    for text in [
+        "t,acc\n0,1\n0.5,2\n1,4\n",
+        "t;acc\n0;1\n0,5;2\n1;4\n",
+        "t\tacc\r\n0\t1\r\n0,5\t2\r\n1\t4\r\n",
+        "  t   acc\n 0.0  1\n 0.5 2 \n 1.0\t4\n",
+        "\u{feff}t,acc\n0,1\n0.5,2\n1,4",
+        "# t,acc\n0,1\n0.5,2\n% remark\n1,4\n\n",
+        "t,acc,\n0,1,\n0.5,2,\n1,4,\n",
+        "\"t\",\"acc\"\n\"0\",\"1\"\n0.5,2\n1,4\n",
+        "Instrument 7\nSerial: 12\nt,acc\n0,1\n0.5,2\n1,4\n",
+        "t,acc\n0,1.0D+00\n5.0D-01,2\n1,4\n",
+    ] {
+        let record = accepted(text);
+        assert_eq!((record.dt(), record.start()), (0.5, 0.0), "{text}");
+        assert_eq!(record.channel(0), [1.0, 2.0, 4.0], "{text}");
+        assert_eq!(record.names(), ["acc"], "{text}");
+        assert_eq!(record.quantity(), Quantity::Acceleration, "{text}");
+    }
+}
+
+#[test]
+fn units_come_from_the_header_or_a_second_one() {
+    for text in ["Time [ms],a [g]\n0,1\n1,2\n2,3\n", "Time,a\nms,g\n0,1\n1,2\n2,3\n"] {
+        let record = accepted(text);
+        assert!((record.dt() - 1e-3).abs() < 1e-15, "{text}");
+        assert_eq!((record.unit(), record.quantity()), ("g", Quantity::Acceleration), "{text}");
+        assert!(matches!(record.warnings(), [Warning::TimeScaled { .. }]), "{text}");
+    }
+}
+
+#[test]
+fn a_first_column_that_increases_uniformly_is_the_time() {
+    let record = accepted("0,5\n0.1,7\n0.2,6\n");
+    assert_eq!(record.names(), ["column 2"]);
+    assert!(matches!(record.warnings(), [Warning::TimeAssumed { .. }]));
+}
+
+#[test]
+fn without_a_time_the_rate_is_asked_for() {
+    let text = "a,b\n3,5\n1,7\n2,6\n";
+    assert!(refused(text).contains("--rate HZ"), "{}", refused(text));
+    let record = read_with(text.as_bytes(), &ReadOptions { rate: Some(4.0), ..Default::default() }).unwrap();
+    assert_eq!((record.dt(), record.channels()), (0.25, 2));
+    let zero = ReadOptions { rate: Some(0.0), ..Default::default() };
+    assert!(matches!(read_with(text.as_bytes(), &zero), Err(ReadError::Rate { value: 0.0, .. })));
+}
+
+#[test]
+fn damaged_rows_are_named_by_line_and_column() {
+    assert!(refused("t,a\n0,1\n1,x\n2,3\n").contains("line 3, column 2: found 'x'"));
+    assert!(refused("t,a\n0,abc\n1,2\n2,3\n").contains("line 2, column 2: found 'abc'"));
+    assert!(refused("t,a\n0,1\n1\n2,3\n").contains("line 3: found 1 fields"));
+    assert!(refused("t,a\n0,1\n1,\n2,3\n").contains("line 3"));
+    assert!(refused("t,a\n0,1\n1,NaN\n2,3\n").contains("'a', sample 1"));
+    assert!(refused("").contains("an empty file"));
+    assert!(refused("just words\n").contains("rows of numbers"));
+}
+
+#[test]
+fn uneven_times_are_refused_or_resampled() {
+    let mut text = "t,a\n".to_string();
+    for i in 0..40 {
+        writeln!(text, "{},{}", i * i, 2 * i * i).unwrap();
+    }
+    assert!(refused(&text).contains("--resample"), "{}", refused(&text));
+    let options = ReadOptions { resample: true, ..Default::default() };
+    let record = read_with(text.as_bytes(), &options).unwrap();
+    assert_eq!((record.len(), record.dt()), (40, 39.0));
+    for (i, v) in record.channel(0).iter().enumerate() {
+        assert!((v - 78.0 * i as f64).abs() < 1e-9);
+    }
+    assert!(matches!(record.warnings(), [Warning::Resampled { .. }]));
+    assert!(refused("t,a\n0,1\n2,1\n1,1\n").contains("does not increase at sample 2"));
+}
+
+#[test]
+fn columns_of_several_quantities_need_a_choice() {
+    let text = "t,tip.displacement,tip.velocity\n0,1,2\n1,3,4\n2,5,7\n";
+    assert!(refused(text).contains("--quantity"), "{}", refused(text));
+    let options = ReadOptions { quantity: Some(Quantity::Velocity), ..Default::default() };
+    let record = read_with(text.as_bytes(), &options).unwrap();
+    assert_eq!(
+        (record.names(), record.channel(0)),
+        (&["tip.velocity".to_string()][..], &[2.0, 4.0, 7.0][..])
+    );
+    let hammer = accepted("t,force [N],a1 [m/s^2],a2 [m/s^2]\n0,1,2,3\n1,1,2,3\n2,1,2,3\n");
+    assert_eq!((hammer.channels(), hammer.quantity()), (2, Quantity::Acceleration));
+    assert!(matches!(hammer.warnings(), [Warning::LeftOut { .. }]));
+}
+
+#[test]
+fn a_rate_given_goes_before_the_times() {
+    let options = ReadOptions { rate: Some(10.0), ..Default::default() };
+    let record = read_with(b"t,a\n5,1\n6,2\n8,3\n", &options).unwrap();
+    assert_eq!((record.dt(), record.start()), (0.1, 5.0));
+    assert!(matches!(record.warnings(), [Warning::RateReplaced { .. }]));
+}
+
+#[test]
+fn latin_1_headers_and_utf_16_files() {
+    let record = read_with(b"t;a [m/s\xb2]\n0;1\n1;2\n2;3\n", &ReadOptions::default()).unwrap();
+    assert_eq!((record.unit(), record.quantity()), ("m/s\u{b2}", Quantity::Acceleration));
+    let wide: Vec<u8> = "\u{feff}t,a\n0,1\n".encode_utf16().flat_map(u16::to_le_bytes).collect();
+    let error = read_with(&wide, &ReadOptions::default()).unwrap_err().to_string();
+    assert!(error.contains("UTF-8"), "{error}");
+}
+
+#[test]
+fn a_force_history_is_a_table() {
+    let table = parse_table(Path::new("f.txt"), b"# haversine\nt force\n0 0\n1e-3 10\n5e-3 0\n").unwrap();
+    assert_eq!(table.names(), ["t", "force"]);
+    assert_eq!((table.rows(), table.column("t").unwrap()), (3, &[0.0, 1e-3, 5e-3][..]));
+}
