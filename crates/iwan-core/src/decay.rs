@@ -4,6 +4,7 @@ use crate::backbone::Backbone;
 use crate::energy::{EnergyBalance, JointEnergy};
 use crate::error::Error;
 use crate::half_cycle::{HalfCycle, Map};
+use crate::phase::Phase;
 use crate::hysteresis::Hysteresis;
 use crate::masing::{Branch, Continuum, Reversal, Reversals};
 use crate::oscillator::Oscillator;
@@ -11,7 +12,7 @@ use crate::response::Samples;
 
 /// Free decay of a mode under a constant force: the half-cycle energy map.
 ///
-/// Exact but for the quadrature in the phase (10 nodes a half cycle). A start in mid-motion, and half cycles
+/// Exact but for the quadrature in the phase (12 nodes a half cycle). A start in mid-motion, and half cycles
 /// that close older loops, are integrated by an adaptive Runge-Kutta method up to the next reversal.
 ///
 /// ```
@@ -39,6 +40,8 @@ pub struct Decay<'a, B, S> {
     /// The half cycle under way from `now`, and the last one finished.
     under_way: Option<HalfCycle>,
     last: Option<HalfCycle>,
+    /// The speed within `under_way`, once asked for.
+    phase: Option<Phase>,
     start: (f64, f64),
     stored: f64,
     /// Work of the constant force, of the damper and on the joint.
@@ -103,9 +106,9 @@ impl<'a, B: Backbone, S: AsRef<[Reversal]> + AsMut<[Reversal]>> Decay<'a, B, S> 
         let map = Map::new(oscillator, law, load)?;
         let stored = joint.stored_energy(&memory);
         let now = Motion { time: 0.0, q, v: velocity };
-        let (under_way, last, start, work) = (None, None, (q, velocity), [0.0; 3]);
+        let (under_way, last, phase, start, work) = (None, None, None, (q, velocity), [0.0; 3]);
         let oscillator = *oscillator;
-        let mut decay = Self { map, oscillator, joint, memory, now, under_way, last, start, stored, work };
+        let mut decay = Self { map, oscillator, joint, memory, now, under_way, last, phase, start, stored, work };
         if velocity == 0.0 {
             decay.turn_towards_equilibrium();
         } else if velocity * decay.memory.direction() < 0.0 {
@@ -161,13 +164,18 @@ impl<'a, B: Backbone, S: AsRef<[Reversal]> + AsMut<[Reversal]>> Decay<'a, B, S> 
     /// Completes a half cycle of the map and sets out on the next.
     fn finish(&mut self, half: &HalfCycle) {
         let (before, end) = (self.now.q, half.end());
-        self.joint.advance(&mut self.memory, end);
         self.work[0] += self.map.load * (end - before);
         self.work[1] += half.viscous;
         self.work[2] += half.joint;
         self.now = Motion { time: self.now.time + half.duration, q: end, v: 0.0 };
         self.last = Some(*half);
-        self.memory.reverse(self.map.law);
+        self.phase = None;
+        if half.is_micro_slip() {
+            self.memory.turn_within(end, half.force, self.map.law);
+        } else {
+            self.joint.advance(&mut self.memory, end);
+            self.memory.reverse(self.map.law);
+        }
         self.set_out();
     }
 
@@ -175,7 +183,10 @@ impl<'a, B: Backbone, S: AsRef<[Reversal]> + AsMut<[Reversal]>> Decay<'a, B, S> 
     fn motion_at(&mut self, t: f64) -> (f64, f64) {
         loop {
             match self.under_way {
-                Some(half) if t - self.now.time <= half.duration => return half.at(t - self.now.time),
+                Some(half) if t - self.now.time <= half.duration => {
+                    let phase = self.phase.get_or_insert_with(|| self.map.phase(&half));
+                    return half.at(phase, t - self.now.time);
+                }
                 Some(half) => self.finish(&half),
                 None => {
                     if !self.march(t) {

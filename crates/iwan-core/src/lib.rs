@@ -15,6 +15,8 @@ mod plain;
 mod power;
 mod pulse;
 mod events;
+mod phase;
+mod micro_slip;
 mod half_cycle;
 mod decay;
 mod averaging;

@@ -189,6 +189,19 @@ impl<S: AsRef<[Reversal]> + AsMut<[Reversal]>> Reversals<S> {
         self.depth += 1;
     }
 
+    /// Moves to `u`, short of the strongest slider and of the end of the branch, where the force is `force`, and turns
+    /// round: [`reverse`](Self::reverse) without its questions.
+    #[inline]
+    pub(crate) fn turn_within<B: Backbone>(&mut self, u: f64, force: f64, law: &B) {
+        (self.u, self.force, self.tangent) = (u, force, law.initial_stiffness());
+        if self.depth == self.stack.as_ref().len() {
+            self.forget_innermost(law, self.direction);
+        }
+        self.stack.as_mut()[self.depth] = Reversal { u, force: self.force };
+        self.depth += 1;
+        self.direction = -self.direction;
+    }
+
     /// Makes room by dropping the smallest loop as if it had closed.
     fn forget_innermost<B: Backbone>(&mut self, law: &B, direction: f64) {
         self.depth -= 2;
