@@ -36,12 +36,13 @@ pub(crate) struct MicroSlip {
     /// τ at the nodes.
     tau: [f64; NODES],
     /// Binomial coefficients of (1 + e)^(p-1).
-    series: [f64; 9],
+    series: [f64; 8],
     /// Duration and damping W/L² over ε, for argument ε·to_unit - 1 from -1 to 1.
     to_unit: f64,
     terms: usize,
     durations: [f64; TERMS],
     dampings: [f64; TERMS],
+    damping_slopes: [f64; TERMS],
 }
 
 /// A half cycle found: what the next one starts from.
@@ -88,13 +89,14 @@ impl MicroSlip {
             terms,
             durations: [0.0; TERMS],
             dampings: [0.0; TERMS],
+            damping_slopes: [0.0; TERMS],
         };
         micro.fill_table();
         let good = [0.05, 0.97].iter().all(|share| {
             let softening = share * steepest;
             let (duration, damping) = micro.shape_by_quadrature(softening);
-            let near = |table, exact: f64| libm::fabs(micro.tabled(table, softening) - exact) <= TABLE_TOLERANCE * exact;
-            near(&micro.durations, duration) && near(&micro.dampings, damping)
+            let near = |found: f64, exact: f64| libm::fabs(found - exact) <= TABLE_TOLERANCE * exact;
+            near(micro.duration(softening), duration) && near(micro.damping(softening).0, damping)
         });
         good.then_some(micro)
     }
@@ -128,20 +130,17 @@ impl MicroSlip {
         (panel.duration(), 0.25 * self.viscous * work)
     }
 
-    /// A tabled function of the softening.
-    #[inline]
-    fn tabled(&self, table: &[f64; TERMS], softening: f64) -> f64 {
-        let s = softening * self.to_unit - 1.0;
-        table[..self.terms].iter().rev().fold(0.0, |sum, c| sum * s + c)
-    }
-
     /// Tabled damping W/L², and its derivative times ε.
     #[inline]
     fn damping(&self, softening: f64) -> (f64, f64) {
         let s = softening * self.to_unit - 1.0;
-        let step = |(value, slope): (f64, f64), c: &f64| (value * s + c, slope * s + value);
-        let (value, slope) = self.dampings[..self.terms].iter().rev().fold((0.0, 0.0), step);
-        (value, slope * self.to_unit * softening)
+        (sixteen(&self.dampings, s), sixteen(&self.damping_slopes, s) * (s + 1.0))
+    }
+
+    /// Tabled duration.
+    #[inline]
+    fn duration(&self, softening: f64) -> f64 {
+        sixteen(&self.durations, softening * self.to_unit - 1.0)
     }
 
     /// ε of a travel.
@@ -177,6 +176,9 @@ impl MicroSlip {
             }
             (before, now) = (now, next);
         }
+        for j in 1..n {
+            self.damping_slopes[j - 1] = j as f64 * self.dampings[j];
+        }
     }
 
     /// The half cycle under the pull `s`: the root of s - (½ω² + damping) L + ρ L^p, which is P(L) = W over L.
@@ -207,7 +209,7 @@ impl MicroSlip {
         if !(at.length > 0.0 && at.length <= self.longest) {
             return None;
         }
-        at.duration = self.tabled(&self.durations, self.softening(&at));
+        at.duration = self.duration(self.softening(&at));
         at.force = (self.stiffness - self.drop * at.power) * at.length;
         Some(at)
     }
@@ -305,12 +307,28 @@ const fn logarithm(x: f64) -> f64 {
 }
 
 /// Coefficients of e, e², … in (1 + e)^p.
-fn binomial(p: f64) -> [f64; 9] {
+fn binomial(p: f64) -> [f64; 8] {
     let mut coefficient = 1.0;
     core::array::from_fn(|k| {
         coefficient *= (p - k as f64) / (k as f64 + 1.0);
         coefficient
     })
+}
+
+/// Σ c_k x^k of eight terms, pairs first: short chains for the processor.
+#[inline]
+fn eight(c: &[f64; 8], x: f64) -> f64 {
+    let x2 = x * x;
+    ((c[0] + c[1] * x) + (c[2] + c[3] * x) * x2) + ((c[4] + c[5] * x) + (c[6] + c[7] * x) * x2) * (x2 * x2)
+}
+
+/// The same of sixteen.
+#[inline]
+fn sixteen(c: &[f64; TERMS], x: f64) -> f64 {
+    let (low, high) = c.split_at(8);
+    let half = |c: &[f64]| eight(&core::array::from_fn(|k| c[k]), x);
+    let x4 = (x * x) * (x * x);
+    half(low) + half(high) * (x4 * x4)
 }
 
 impl Travel {
@@ -319,7 +337,7 @@ impl Travel {
 
     /// The next travel if the ratio of successive travels goes on changing as it did.
     #[inline]
-    fn continued(&self, series: &[f64; 9], power: f64) -> Self {
+    fn continued(&self, series: &[f64; 8], power: f64) -> Self {
         let next = 2.0 * self.ratio - self.ratio_before;
         let fresh = Self { ratio: 1.0, ratio_before: self.ratio, age: self.age + 1, ..*self };
         fresh.moved(next - 1.0, series, power)
@@ -327,17 +345,11 @@ impl Travel {
 
     /// The travel (1 + e) L, with (1 + e)^(p-1) by its binomial series where that is exact.
     #[inline]
-    fn moved(self, e: f64, series: &[f64; 9], power: f64) -> Self {
+    fn moved(self, e: f64, series: &[f64; 8], power: f64) -> Self {
         let (length, ratio) = (self.length + self.length * e, self.ratio + self.ratio * e);
-        let horner = |terms: &[f64]| terms.iter().rev().fold(0.0, |sum, c| (sum + c) * e);
-        let size = libm::fabs(e);
-        let gain = if size < 1e-4 {
-            horner(&series[..4])
-        } else if size < 0.03 {
-            horner(series)
-        } else {
-            return Self { length, ratio, power: libm::pow(length, power), age: 0, ..self };
-        };
-        Self { length, ratio, power: self.power + self.power * gain, ..self }
+        if libm::fabs(e) < 0.02 {
+            return Self { length, ratio, power: self.power + self.power * (e * eight(series, e)), ..self };
+        }
+        Self { length, ratio, power: libm::pow(length, power), age: 0, ..self }
     }
 }
