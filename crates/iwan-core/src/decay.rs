@@ -4,10 +4,10 @@ use crate::backbone::Backbone;
 use crate::energy::{EnergyBalance, JointEnergy};
 use crate::error::Error;
 use crate::half_cycle::{HalfCycle, Map};
-use crate::phase::Phase;
 use crate::hysteresis::Hysteresis;
 use crate::masing::{Branch, Continuum, Reversal, Reversals};
 use crate::oscillator::Oscillator;
+use crate::phase::Phase;
 use crate::response::Samples;
 
 /// Free decay of a mode under a constant force: the half-cycle energy map.
@@ -108,7 +108,8 @@ impl<'a, B: Backbone, S: AsRef<[Reversal]> + AsMut<[Reversal]>> Decay<'a, B, S> 
         let now = Motion { time: 0.0, q, v: velocity };
         let (half, under_way, phase, start, work) = (None, false, None, (q, velocity), [0.0; 3]);
         let oscillator = *oscillator;
-        let mut decay = Self { map, oscillator, joint, memory, now, half, under_way, phase, start, stored, work };
+        let mut decay =
+            Self { map, oscillator, joint, memory, now, half, under_way, phase, start, stored, work };
         if velocity == 0.0 {
             decay.turn_towards_equilibrium();
         } else if velocity * decay.memory.direction() < 0.0 {
@@ -256,7 +257,8 @@ impl<B: Backbone, S: AsRef<[Reversal]> + AsMut<[Reversal]>> Decay<'_, B, S> {
                 h *= (0.9 * shrink).clamp(0.5, 4.0);
                 continue;
             }
-            let turning = turns.then(|| self.locate(&branch, h, |m| (m.v, self.acceleration(&branch, m.q, m.v))));
+            let turning =
+                turns.then(|| self.locate(&branch, h, |m| (m.v, self.acceleration(&branch, m.q, m.v))));
             let closing = closes.then(|| self.locate(&branch, h, |m| (m.q - branch.end, m.v)));
             match (turning, closing) {
                 (Some(t), c) if c.is_none_or(|c| t.time <= c.time) => {
@@ -295,7 +297,11 @@ impl<B: Backbone, S: AsRef<[Reversal]> + AsMut<[Reversal]>> Decay<'_, B, S> {
         for _ in 0..60 {
             let motion = self.step(branch, at).0;
             let (value, rate) = f(&motion);
-            if value * sign > 0.0 { high = at } else { low = at }
+            if value * sign > 0.0 {
+                high = at
+            } else {
+                low = at
+            }
             let newton = at - value / rate;
             let next = if newton > low && newton < high { newton } else { 0.5 * (low + high) };
             if libm::fabs(next - at) <= 4.0 * f64::EPSILON * h {

@@ -103,7 +103,8 @@ impl MicroSlip {
 
     /// Ω at the nodes for the softening ε, the damper's part by fixed-point passes.
     fn omega(&self, softening: f64) -> [f64; NODES] {
-        let base: [f64; NODES] = core::array::from_fn(|i| self.omega_squared * (1.0 - softening * self.tau[i]));
+        let base: [f64; NODES] =
+            core::array::from_fn(|i| self.omega_squared * (1.0 - softening * self.tau[i]));
         let mut omega = base.map(libm::sqrt);
         if self.viscous == 0.0 {
             return omega;
@@ -172,7 +173,8 @@ impl MicroSlip {
             for j in 0..n {
                 self.durations[j] += c.0 * now[j];
                 self.dampings[j] += c.1 * now[j];
-                next[j] = if j > 0 { if k == 0 { now[j - 1] } else { 2.0 * now[j - 1] } } else { 0.0 } - before[j];
+                next[j] =
+                    if j > 0 { if k == 0 { now[j - 1] } else { 2.0 * now[j - 1] } } else { 0.0 } - before[j];
             }
             (before, now) = (now, next);
         }
@@ -186,10 +188,9 @@ impl MicroSlip {
     #[inline]
     pub(crate) fn travel(&self, pull: f64, last: Option<&Travel>) -> Option<Travel> {
         const MOST: u32 = 60;
-        let mut at = last.filter(|t| t.age < Travel::OLDEST).map_or_else(
-            || self.first_guess(pull, last),
-            |t| t.continued(&self.series, self.exponent - 1.0),
-        );
+        let mut at = last
+            .filter(|t| t.age < Travel::OLDEST)
+            .map_or_else(|| self.first_guess(pull, last), |t| t.continued(&self.series, self.exponent - 1.0));
         let power = self.exponent - 1.0;
         for _ in 0..MOST {
             let (damping, damping_slope) = self.damping(self.softening(&at));
@@ -218,7 +219,16 @@ impl MicroSlip {
         let length = last.map_or(2.0 * pull / self.omega_squared, |t| t.length * t.ratio);
         let length = length.min(self.longest);
         let power = libm::pow(length, self.exponent - 1.0);
-        Travel { length, damping: 0.0, duration: 0.0, force: 0.0, power, ratio: 1.0, ratio_before: 1.0, age: 0 }
+        Travel {
+            length,
+            damping: 0.0,
+            duration: 0.0,
+            force: 0.0,
+            power,
+            ratio: 1.0,
+            ratio_before: 1.0,
+            age: 0,
+        }
     }
 
     /// Ω over the half cycle, for dense output.
