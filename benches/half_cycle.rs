@@ -8,7 +8,8 @@ use iwan::core::{
 };
 use support::{Buffers, DT, Population, SHARES, joint, newmark, oscillator};
 
-const DURATIONS: [(&str, f64); 2] = [("0.2s", 0.2), ("2s", 2.0)];
+/// Ring-downs, by time steps.
+const RING_DOWNS: [(&str, usize); 2] = [("0.2 s", 20_000), ("2 s", 200_000)];
 
 /// Half cycles of a free decay from `amplitude` within `duration`; returns their number.
 fn half_cycles<B: Backbone>(law: &B, amplitude: f64, duration: f64, stack: &mut [Reversal]) -> u64 {
@@ -59,9 +60,8 @@ fn ring_downs(criterion: &mut Criterion) {
     let mut stack = vec![Reversal::default(); 1024];
     let mut population = Population::new(Grid::graded(100), 100);
     let sliders = population.sliders();
-    for (name, duration) in DURATIONS {
-        let samples = (duration / DT).round() as usize + 1;
-        let mut out = Buffers::new(samples);
+    for (name, steps) in RING_DOWNS {
+        let (mut out, duration) = (Buffers::new(steps + 1), steps as f64 * DT);
         for (slip, share) in SHARES {
             let id = |what: &str| BenchmarkId::new(format!("{name}/{slip}"), what);
             let start = share * law.phi_max();
@@ -122,11 +122,11 @@ fn output(criterion: &mut Criterion) {
 fn averaging(criterion: &mut Criterion) {
     let mut group = criterion.benchmark_group("averaging");
     let law = joint();
-    for (name, duration) in DURATIONS {
+    for (name, steps) in RING_DOWNS {
         for (slip, share) in SHARES {
             let start = (share * law.phi_max(), 0.0);
             group.bench_function(BenchmarkId::new(name, slip), |b| {
-                b.iter(|| Averaging::new(&oscillator(), &law, start).expect("mode 1").at(duration));
+                b.iter(|| Averaging::new(&oscillator(), &law, start).expect("mode 1").at(steps as f64 * DT));
             });
         }
     }

@@ -5,8 +5,7 @@
 #![allow(dead_code, reason = "each bench takes what it needs")]
 
 use iwan::core::{
-    Backbone, FourParameter, Grid, Newmark, Oscillator, Pulse, ResidualStiffness, Run, Samples, Slider,
-    Sliders,
+    FourParameter, Grid, Newmark, Oscillator, Pulse, ResidualStiffness, Run, Samples, Slider, Sliders,
 };
 
 pub(crate) const DT: f64 = 1e-5;
@@ -64,7 +63,9 @@ impl Population {
 
     /// One slider a line, strength and stiffness: what the peers read.
     pub(crate) fn lines(&self) -> String {
-        self.strength.iter().zip(&self.stiffness).map(|(phi, k)| format!("{phi:e} {k:e}\n")).collect()
+        let lines: Vec<_> =
+            self.strength.iter().zip(&self.stiffness).map(|(phi, k)| format!("{phi:e} {k:e}")).collect();
+        lines.join("\n")
     }
 }
 
