@@ -1,0 +1,33 @@
+//! `iwan`: ring-downs of bolted structures with Iwan friction models, from the command line.
+
+mod failure;
+mod output;
+mod scenario;
+mod args;
+mod summary;
+mod results;
+mod progress;
+mod commands;
+mod run;
+
+use std::process::ExitCode;
+
+use clap::Parser;
+
+fn main() -> ExitCode {
+    let cli = match args::Cli::try_parse() {
+        Ok(cli) => cli,
+        Err(error) => {
+            // Help and version go to stdout with code 0, usage errors to stderr with code 2.
+            let _ = error.print();
+            return ExitCode::from(u8::try_from(error.exit_code()).unwrap_or(2));
+        }
+    };
+    match run::run(cli.command) {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(failure) => {
+            output::message(&failure.to_string());
+            ExitCode::from(failure.code())
+        }
+    }
+}
