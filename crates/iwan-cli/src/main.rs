@@ -7,6 +7,7 @@ mod args;
 mod summary;
 mod results;
 mod progress;
+mod cycles;
 mod commands;
 mod run;
 
