@@ -8,6 +8,7 @@ mod summary;
 mod results;
 mod progress;
 mod cycles;
+mod report;
 mod commands;
 mod run;
 

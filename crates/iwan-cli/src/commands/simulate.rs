@@ -9,6 +9,7 @@ use crate::args::{Format, SimulateArgs};
 use crate::failure::Failure;
 use crate::output;
 use crate::progress::{self, Progress};
+use crate::report;
 use crate::results::Results;
 use crate::scenario::{self, Force, Scenario, Source, built_in};
 use crate::summary::{ModeSummary, PointSummary, Summary};
@@ -133,8 +134,10 @@ fn write(
     results.add_table(response_name(format), &table, format)?;
     progress::check_interrupt()?;
     results.add("summary.json", summary.json().as_bytes())?;
-    results.add("report.html", b"")?;
-    results.add("scenario.toml", scenario::to_toml(scenario, FORCE_FILE).as_bytes())?;
+    let toml = scenario::to_toml(scenario, FORCE_FILE);
+    let page = report::render(&report::Input { scenario, toml: &toml, responses, points, summary });
+    results.add("report.html", page.as_bytes())?;
+    results.add("scenario.toml", toml.as_bytes())?;
     if let Force::File(file) = &scenario.force {
         results.add(FORCE_FILE, &file.bytes)?;
     }

@@ -1,0 +1,207 @@
+//! The figures of a response.
+
+use iwan_core::Backbone;
+use iwan_sim::{Mode, Response};
+
+use super::decimate::{history, thin};
+use super::figure::{Axis, Figure, Layer, Mark, colour};
+use crate::cycles::{Cycle, Extreme, extremes};
+
+/// Stretches of a history: more than the figure has room for is not seen.
+const BINS: usize = 700;
+
+/// Points of a measured curve.
+const MEASURED: usize = 400;
+
+/// Points of a closed form.
+const CURVE: usize = 121;
+
+/// Points of a loop.
+const LOOP: usize = 240;
+
+/// How far closed forms run beyond the amplitudes of the response.
+const BEYOND: f64 = 1.6;
+
+/// A response with what was read off it.
+#[derive(Debug)]
+pub(crate) struct Decay<'a> {
+    pub(crate) mode: &'a Mode,
+    pub(crate) response: &'a Response,
+    /// Cycles after the force has settled.
+    pub(crate) cycles: Vec<Cycle>,
+    /// Time at which it has.
+    pub(crate) settled: f64,
+}
+
+/// A history of one quantity.
+pub(crate) fn of_history(title: String, quantity: &str, samples: &[f64], dt: f64, caption: &str) -> Figure {
+    Figure {
+        title,
+        caption: caption.into(),
+        x: Axis::linear("time", "s"),
+        y: Axis::linear(quantity, ""),
+        layers: vec![Layer::new(Mark::Line, colour::BLUE, history(samples, dt, BINS))],
+        marker: None,
+    }
+}
+
+/// The force, sampled as the simulation sees it, up to where it ends.
+pub(crate) fn of_force(samples: &[f64], dt: f64, caption: String) -> Figure {
+    let mut figure = of_history("Force".into(), "force", samples, dt, "");
+    figure.caption = caption;
+    figure.layers[0].colour = colour::VERMILLION;
+    figure
+}
+
+impl Decay<'_> {
+    /// All figures of the mode.
+    pub(crate) fn figures(&self) -> Vec<Figure> {
+        let mut figures = vec![self.displacement(), self.acceleration()];
+        if !self.cycles.is_empty() {
+            figures.push(self.envelope());
+        }
+        figures.extend(self.hysteresis());
+        figures.push(self.frequency());
+        figures.push(self.damping());
+        figures.extend(self.dissipation());
+        figures
+    }
+
+    fn displacement(&self) -> Figure {
+        let (q, dt) = (&self.response.displacement, self.response.dt);
+        let caption = "Modal displacement q, with the amplitude between its successive extremes.";
+        let mut figure = of_history("Displacement".into(), "modal displacement q", q, dt, caption);
+        let side = |sign: f64| {
+            let points = self.cycles.iter().map(|c| (c.t, sign * c.amplitude)).collect::<Vec<_>>();
+            Layer::new(Mark::Line, colour::VERMILLION, thin(&points, MEASURED))
+        };
+        if !self.cycles.is_empty() {
+            figure.layers.push(side(1.0).named("envelope"));
+            figure.layers.push(side(-1.0));
+        }
+        figure
+    }
+
+    fn acceleration(&self) -> Figure {
+        let caption = "Modal acceleration q''.";
+        let (a, dt) = (&self.response.acceleration, self.response.dt);
+        of_history("Acceleration".into(), "modal acceleration q\u{2033}", a, dt, caption)
+    }
+
+    fn envelope(&self) -> Figure {
+        let points: Vec<_> = self.cycles.iter().map(|c| (c.t, c.amplitude)).collect();
+        Figure {
+            title: "Envelope".into(),
+            caption: "Amplitude at successive extremes on a logarithmic axis: a linear mode is a straight line, \
+                friction bends it."
+                .into(),
+            x: Axis::linear("time", "s"),
+            y: Axis::log("amplitude of q", ""),
+            layers: vec![Layer::new(Mark::Dots, colour::BLUE, thin(&points, MEASURED))],
+            marker: None,
+        }
+    }
+
+    /// First, middle and last loop after the force, and the virgin curve.
+    fn hysteresis(&self) -> Option<Figure> {
+        let law = self.mode.joint.as_ref()?;
+        let response = self.response;
+        let first = (self.settled / response.dt).ceil();
+        let first = if first < response.displacement.len() as f64 { first as usize } else { 0 };
+        let mut turns = extremes(&response.displacement, response.dt, first);
+        if turns.len() < 3 {
+            turns = extremes(&response.displacement, response.dt, 0);
+        }
+        let cycles: Vec<&[Extreme]> = turns.windows(3).collect();
+        let reach = response.peak_displacement();
+        let virgin = |n: usize| {
+            let u = reach * (n as f64 / (CURVE - 1) as f64);
+            (u, law.force(u))
+        };
+        let mut layers = vec![
+            Layer::new(Mark::Dashed, colour::GREY, (0..CURVE).map(virgin).collect()).named("virgin curve"),
+        ];
+        let last = cycles.len().saturating_sub(1);
+        let chosen = [("first", 0, colour::BLUE), ("middle", last / 2, colour::VERMILLION), ("last", last, colour::GREEN)];
+        for (name, index, colour) in chosen {
+            let Some(cycle) = cycles.get(index) else { break };
+            let at = |n: usize| (response.displacement[n], response.joint_force[n]);
+            let points: Vec<_> = (cycle[0].sample..=cycle[2].sample).map(at).collect();
+            let name = format!("{name} cycle");
+            layers.push(Layer::new(Mark::Line, colour, thin(&points, LOOP)).named(name));
+        }
+        Some(Figure {
+            title: "Hysteresis of the joint".into(),
+            caption: "Joint force F over modal displacement in the first, middle and last cycle after the force; \
+                the area of a loop is the energy lost in it."
+                .into(),
+            x: Axis::linear("modal displacement q", ""),
+            y: Axis::linear("joint force F", ""),
+            layers,
+            marker: None,
+        })
+    }
+
+    fn frequency(&self) -> Figure {
+        let measured = |c: &Cycle| (c.amplitude, c.frequency);
+        let closed = |a: f64| self.mode.frequency_at(a).unwrap_or(f64::NAN);
+        let caption = "Line: first-harmonic balance in closed form. Points: time between extremes of the response.";
+        self.against_amplitude("Frequency", caption, Axis::linear("frequency", "Hz"), measured, closed)
+    }
+
+    fn damping(&self) -> Figure {
+        let measured = |c: &Cycle| (c.amplitude, 100.0 * c.damping_ratio);
+        let closed = |a: f64| 100.0 * self.mode.damping_ratio_at(a).unwrap_or(f64::NAN);
+        let caption = "Line: viscous part and friction loss per cycle in closed form. Points: logarithmic decrement of \
+            the response.";
+        self.against_amplitude("Damping ratio", caption, Axis::log("damping ratio", "%"), measured, closed)
+    }
+
+    fn dissipation(&self) -> Option<Figure> {
+        let law = self.mode.joint.as_ref()?;
+        let measured = |c: &Cycle| (c.amplitude, c.dissipation);
+        let caption = "Energy lost in the joint per cycle. Line: closed form D(a), slope \u{3c7}+3 in micro-slip for a \
+            four-parameter joint. Points: areas of the response's loops.";
+        let axis = Axis::log("energy per cycle", "");
+        Some(self.against_amplitude("Dissipation per cycle", caption, axis, measured, |a| law.dissipation(a)))
+    }
+
+    /// A closed form as a line and what was measured as points.
+    fn against_amplitude(
+        &self,
+        title: &str,
+        caption: &str,
+        y: Axis,
+        measured: impl Fn(&Cycle) -> (f64, f64),
+        closed: impl Fn(f64) -> f64,
+    ) -> Figure {
+        let (low, high) = self.amplitudes();
+        let curve = |n: usize| {
+            let a = low * (high / low).powf(n as f64 / (CURVE - 1) as f64);
+            (a, closed(a))
+        };
+        let points: Vec<_> = self.cycles.iter().map(measured).collect();
+        let line = Layer::new(Mark::Line, colour::GREY, (0..CURVE).map(curve).collect());
+        let dots = Layer::new(Mark::Dots, colour::BLUE, thin(&points, MEASURED));
+        let mut layers = vec![line.named("closed form")];
+        if !dots.points.is_empty() {
+            layers.push(dots.named("from the response"));
+        }
+        let phi_max = self.mode.joint.as_ref().map(|law| (law.strengths().1, "\u{3c6}_max: macro-slip"));
+        let (title, caption, x) = (title.into(), caption.into(), Axis::log("amplitude of q", ""));
+        Figure { title, caption, x, y, layers, marker: phi_max }
+    }
+
+    /// Range of amplitudes of the closed forms: the response's own, and φ_max where it is near.
+    fn amplitudes(&self) -> (f64, f64) {
+        let measured = self.cycles.iter().map(|c| c.amplitude);
+        let peak = self.response.peak_displacement();
+        let fallback = if peak > 0.0 { peak } else { 1.0 };
+        let (low, high) =
+            measured.fold((fallback, fallback), |(low, high): (f64, f64), a| (low.min(a), high.max(a)));
+        let low = if low < high { low } else { 0.01 * high };
+        let near = self.response.strongest < 3.0 * high;
+        let end = if near { high.max(self.response.strongest) } else { high };
+        (low / BEYOND, end * BEYOND)
+    }
+}
