@@ -139,16 +139,18 @@ fn tables(summary: &Summary) -> Markup {
     let energy: Vec<(&str, &dyn Fn(&ModeSummary) -> String)> =
         cells.iter().map(|(label, cell)| (*label, cell as &dyn Fn(&ModeSummary) -> String)).collect();
     html! {
-        h2 id="summary" { "Summary" }
+        div.tables {
+        section { h2 id="summary" { "Summary" }
         (table(summary, &rows))
         p.caption {
             "The slip ratio is the peak displacement over \u{3c6}_max: the joint slips as a whole above 1. Errors are "
             "relative to the peak displacement, the energy error to the largest energy in play."
-        }
-        h2 { "Energy balance" }
+        } }
+        section { h2 { "Energy balance" }
         (table(summary, &energy))
         p.caption {
             "Start and input equal losses, what is left at the end, and the residual: what the integration gained or lost."
+        } }
         }
     }
 }

@@ -109,7 +109,8 @@ struct Plane {
 impl Plane {
     fn of(figure: &Figure) -> Self {
         let points = || figure.layers.iter().flat_map(|layer| &layer.points);
-        let histories = figure.x.kind == Kind::Linear && figure.x.unit == "s";
+        let lines = figure.layers.iter().all(|layer| layer.mark != Mark::Dots);
+        let histories = figure.x.kind == Kind::Linear && figure.x.unit == "s" && lines;
         Self {
             x: Scale::around(figure.x.kind, points().map(|p| p.0), !histories),
             y: Scale::around(figure.y.kind, points().map(|p| p.1), true),
@@ -135,7 +136,7 @@ impl Figure {
     /// The figure with its caption.
     pub(crate) fn draw(&self) -> Markup {
         let plane = Plane::of(self);
-        let (x_ticks, y_ticks) = (plane.x.ticks(6.0), plane.y.ticks(5.0));
+        let (x_ticks, y_ticks) = (plane.x.ticks(6.0), plane.y.ticks(6.0));
         let box_ = format!("0 0 {WIDTH} {HEIGHT}");
         html! {
             figure {
@@ -143,7 +144,7 @@ impl Figure {
                 svg viewBox=(box_) role="img" aria-label=(self.title) {
                     (grid(&plane, &x_ticks, &y_ticks))
                     @for layer in &self.layers { (draw_layer(&plane, layer)) }
-                    (draw_marker(&plane, self.marker))
+                    (self.draw_marker(&plane))
                     rect class="frame" x=(LEFT) y=(TOP) width=(RIGHT - LEFT) height=(BOTTOM - TOP) {}
                     (self.axis_titles(x_ticks.exponent, y_ticks.exponent))
                     (self.legend())
@@ -151,6 +152,27 @@ impl Figure {
                 p.caption { (self.caption) }
             }
         }
+    }
+
+    fn draw_marker(&self, plane: &Plane) -> Markup {
+        let shown = self.marker.filter(|(value, _)| plane.x.contains(*value));
+        html! {
+            @if let Some((value, label)) = shown {
+                @let x = plane.x(value);
+                @let left = x > 0.75 * RIGHT;
+                @let y = if self.is_high_beyond(plane, value) { BOTTOM - 9.0 } else { TOP + 18.0 };
+                line.marker x1=(format!("{x:.1}")) x2=(format!("{x:.1}")) y1=(TOP) y2=(BOTTOM) {}
+                text.key x=(format!("{:.1}", if left { x - 6.0 } else { x + 6.0 })) y=(y)
+                    text-anchor=(if left { "end" } else { "start" }) { (label) }
+            }
+        }
+    }
+
+    /// Whether the first layer runs in the upper half beyond `x`: a label goes below it then.
+    fn is_high_beyond(&self, plane: &Plane, x: f64) -> bool {
+        let beyond = self.layers.iter().take(1).flat_map(|layer| &layer.points).filter(|p| p.0 >= x);
+        let (sum, count) = beyond.fold((0.0, 0.0), |(sum, n), p| (sum + plane.y.share(p.1), n + 1.0));
+        sum > 0.5 * count
     }
 
     fn axis_titles(&self, x_exponent: i32, y_exponent: i32) -> Markup {
@@ -211,19 +233,6 @@ fn path(places: &[(f64, f64)], layer: &Layer) -> Markup {
     }
     let dash = (layer.mark == Mark::Dashed).then_some("6 4");
     html! { path d=(d) fill="none" stroke=(layer.colour) stroke-dasharray=[dash] {} }
-}
-
-fn draw_marker(plane: &Plane, marker: Option<(f64, &str)>) -> Markup {
-    let shown = marker.filter(|(value, _)| plane.x.contains(*value));
-    html! {
-        @if let Some((value, label)) = shown {
-            @let x = plane.x(value);
-            @let left = x > 0.8 * RIGHT;
-            line.marker x1=(format!("{x:.1}")) x2=(format!("{x:.1}")) y1=(TOP) y2=(BOTTOM) {}
-            text.key x=(format!("{:.1}", if left { x - 6.0 } else { x + 6.0 })) y=(BOTTOM - 8.0)
-                text-anchor=(if left { "end" } else { "start" }) { (label) }
-        }
-    }
 }
 
 fn grid(plane: &Plane, x_ticks: &Ticks, y_ticks: &Ticks) -> Markup {

@@ -85,7 +85,7 @@ impl Decay<'_> {
     fn acceleration(&self) -> Figure {
         let caption = "Modal acceleration q''.";
         let (a, dt) = (&self.response.acceleration, self.response.dt);
-        of_history("Acceleration".into(), "modal acceleration q\u{2033}", a, dt, caption)
+        of_history("Acceleration".into(), "modal acceleration q''", a, dt, caption)
     }
 
     fn envelope(&self) -> Figure {
@@ -102,44 +102,53 @@ impl Decay<'_> {
         }
     }
 
-    /// First, middle and last loop after the force, and the virgin curve.
-    fn hysteresis(&self) -> Option<Figure> {
-        let law = self.mode.joint.as_ref()?;
+    /// The first, middle and last cycle after the force (or of the whole response, where it never settles), as
+    /// displacement and joint force.
+    fn loops(&self) -> Vec<(&'static str, &'static str, Vec<(f64, f64)>)> {
         let response = self.response;
-        let first = (self.settled / response.dt).ceil();
-        let first = if first < response.displacement.len() as f64 { first as usize } else { 0 };
-        let mut turns = extremes(&response.displacement, response.dt, first);
-        if turns.len() < 3 {
-            turns = extremes(&response.displacement, response.dt, 0);
-        }
+        let turns_from = |first| extremes(&response.displacement, response.dt, first);
+        let first = (self.settled / response.dt).ceil().min(response.displacement.len() as f64) as usize;
+        let turns = Some(turns_from(first)).filter(|t| t.len() > 2).unwrap_or_else(|| turns_from(0));
         let cycles: Vec<&[Extreme]> = turns.windows(3).collect();
-        let reach = response.peak_displacement();
-        let virgin = |n: usize| {
-            let u = reach * (n as f64 / (CURVE - 1) as f64);
-            (u, law.force(u))
+        let Some(last) = cycles.len().checked_sub(1) else { return Vec::new() };
+        let at = |n: usize| (response.displacement[n], response.joint_force[n]);
+        let points = |cycle: &[Extreme]| (cycle[0].sample..=cycle[2].sample).map(at).collect::<Vec<_>>();
+        [("first cycle", 0, colour::BLUE), ("middle cycle", last / 2, colour::VERMILLION), ("last cycle", last, colour::GREEN)]
+            .map(|(name, index, colour)| (name, colour, thin(&points(cycles[index]), LOOP)))
+            .into()
+    }
+
+    /// The loops with the virgin curve, and the same less the stuck joint's line, which shows thin loops too.
+    fn hysteresis(&self) -> Vec<Figure> {
+        let Some(law) = &self.mode.joint else { return Vec::new() };
+        let (reach, k_t) = (self.response.peak_displacement(), law.initial_stiffness());
+        let at = |n: usize| reach * (n as f64 / (CURVE - 1) as f64);
+        let virgin: Vec<_> = (0..CURVE).map(|n| (at(n), law.force(at(n)))).collect();
+        let loops = self.loops();
+        let figure = |title: &str, caption: &str, y: &str, less: f64| {
+            let shown = |points: &[(f64, f64)]| points.iter().map(|&(q, f)| (q, f - less * q)).collect();
+            let mut layers = vec![Layer::new(Mark::Dashed, colour::GREY, shown(&virgin)).named("virgin curve")];
+            for (name, colour, points) in &loops {
+                layers.push(Layer::new(Mark::Line, colour, shown(points)).named(*name));
+            }
+            let (title, caption, x) = (title.into(), caption.into(), Axis::linear("modal displacement q", ""));
+            Figure { title, caption, x, y: Axis::linear(y, ""), layers, marker: None }
         };
-        let mut layers = vec![
-            Layer::new(Mark::Dashed, colour::GREY, (0..CURVE).map(virgin).collect()).named("virgin curve"),
-        ];
-        let last = cycles.len().saturating_sub(1);
-        let chosen = [("first", 0, colour::BLUE), ("middle", last / 2, colour::VERMILLION), ("last", last, colour::GREEN)];
-        for (name, index, colour) in chosen {
-            let Some(cycle) = cycles.get(index) else { break };
-            let at = |n: usize| (response.displacement[n], response.joint_force[n]);
-            let points: Vec<_> = (cycle[0].sample..=cycle[2].sample).map(at).collect();
-            let name = format!("{name} cycle");
-            layers.push(Layer::new(Mark::Line, colour, thin(&points, LOOP)).named(name));
-        }
-        Some(Figure {
-            title: "Hysteresis of the joint".into(),
-            caption: "Joint force F over modal displacement in the first, middle and last cycle after the force; \
-                the area of a loop is the energy lost in it."
-                .into(),
-            x: Axis::linear("modal displacement q", ""),
-            y: Axis::linear("joint force F", ""),
-            layers,
-            marker: None,
-        })
+        vec![
+            figure(
+                "Hysteresis of the joint",
+                "Joint force F in the first, middle and last cycle after the force; the area of a loop is the energy \
+                 lost in it.",
+                "joint force F",
+                0.0,
+            ),
+            figure(
+                "Slip in the joint",
+                "The same less the line of the stuck joint: what slip takes off the force. The areas are the same.",
+                "F \u{2212} K_T q",
+                k_t,
+            ),
+        ]
     }
 
     fn frequency(&self) -> Figure {
@@ -153,7 +162,8 @@ impl Decay<'_> {
         let measured = |c: &Cycle| (c.amplitude, 100.0 * c.damping_ratio);
         let closed = |a: f64| 100.0 * self.mode.damping_ratio_at(a).unwrap_or(f64::NAN);
         let caption = "Line: viscous part and friction loss per cycle in closed form. Points: logarithmic decrement of \
-            the response.";
+            the response; where the joint softens, amplitudes fall faster than the energy balance of a linear \
+            oscillator says.";
         self.against_amplitude("Damping ratio", caption, Axis::log("damping ratio", "%"), measured, closed)
     }
 

@@ -80,7 +80,7 @@ impl Scale {
     /// About `count` ticks at round values.
     pub(crate) fn ticks(&self, count: f64) -> Ticks {
         match self.kind {
-            Kind::Log if self.high / self.low > 8.0 => self.decades(),
+            Kind::Log if self.high / self.low > 1.8 => self.decades(),
             _ => self.even(count),
         }
     }
@@ -88,17 +88,14 @@ impl Scale {
     fn even(&self, count: f64) -> Ticks {
         let rough = (self.high - self.low) / count;
         let power = 10f64.powf(rough.log10().floor());
-        let step = [1.0, 2.0, 5.0, 10.0].iter().map(|m| m * power).find(|s| *s >= rough).unwrap_or(rough);
+        let round = [(1.0, 0), (2.0, 0), (2.5, 1), (5.0, 0), (10.0, 0)];
+        let fits = |(m, _): &&(f64, i32)| m * power >= 0.999 * rough;
+        let (step, extra) = round.iter().find(fits).map_or((rough, 1), |(m, extra)| (m * power, *extra));
         let largest = self.low.abs().max(self.high.abs());
-        let exponent = match largest.log10().floor() as i32 {
-            e @ (-2..=4) => {
-                let _ = e;
-                0
-            }
-            e => e.div_euclid(3) * 3,
-        };
+        let magnitude = largest.log10().floor() as i32;
+        let exponent = if (-2..=4).contains(&magnitude) { 0 } else { magnitude.div_euclid(3) * 3 };
         let unit = 10f64.powi(exponent);
-        let digits = (-(step / unit).log10().floor()).clamp(0.0, 9.0) as usize;
+        let digits = (-(step / unit * (1.0 + 1e-9)).log10().floor() as i32 + extra).clamp(0, 12) as usize;
         let first = (self.low / step).ceil() as i64;
         let last = (self.high / step).floor() as i64;
         let tick = |i: i64| {
@@ -113,13 +110,19 @@ impl Scale {
         let (first, last) = (self.low.log10().floor() as i32, self.high.log10().ceil() as i32);
         // Not more labels than fit.
         let every = ((last - first) / 8 + 1).max(1);
-        let few = self.high / self.low < 300.0;
+        let ratio = self.high / self.low;
+        let few = |m: u8| match ratio {
+            r if r < 3.0 => m < 8,
+            r if r < 8.0 => matches!(m, 2 | 3 | 4 | 5 | 7),
+            r if r < 30.0 => matches!(m, 2 | 3 | 5),
+            r => r < 300.0 && matches!(m, 2 | 5),
+        };
         let mut ticks = Vec::new();
         for decade in first..=last {
             let power = 10f64.powi(decade);
             for m in 1..10 {
                 let value = f64::from(m) * power;
-                let labelled = (m == 1 && decade % every == 0) || (few && (m == 2 || m == 5));
+                let labelled = (m == 1 && decade % every == 0) || few(m);
                 if self.contains(value) {
                     ticks.push(Tick { value, label: labelled.then(|| power_of_ten(m, decade)) });
                 }
@@ -156,14 +159,14 @@ mod tests {
     use super::*;
 
     fn labels(scale: &Scale) -> Vec<String> {
-        scale.ticks(5.0).ticks.into_iter().filter_map(|t| t.label).collect()
+        scale.ticks(7.0).ticks.into_iter().filter_map(|t| t.label).collect()
     }
 
     #[test]
     fn linear_ticks_are_round_and_short() {
         let scale = Scale::around(Kind::Linear, [-0.0071, 0.0069].into_iter(), false);
         assert_eq!(scale.ticks(5.0).exponent, -3);
-        assert_eq!(labels(&scale), ["\u{2212}5", "0", "5"]);
+        assert_eq!(labels(&scale), ["\u{2212}6", "\u{2212}4", "\u{2212}2", "0", "2", "4", "6"]);
         let scale = Scale::around(Kind::Linear, [123.2, 124.1].into_iter(), false);
         assert_eq!(labels(&scale), ["123.2", "123.4", "123.6", "123.8", "124.0"]);
     }
