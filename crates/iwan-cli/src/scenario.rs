@@ -10,6 +10,9 @@ mod source;
 mod write;
 
 
+#[cfg(test)]
+mod schema_tests;
+
 pub(crate) use builtin::{BuiltIn, SCHEMA, built_in, find};
 pub(crate) use force::Force;
 pub(crate) use method::{MethodKeys, Representation};
