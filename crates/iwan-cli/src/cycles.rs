@@ -51,8 +51,8 @@ pub(crate) fn extremes(samples: &[f64], dt: f64, first: usize) -> Vec<Extreme> {
 /// The extreme of the quartic through five samples, or of the parabola through three at the ends.
 fn extreme(y: &[f64], dt: f64, n: usize) -> Extreme {
     let fits = n >= 2 && n + 2 < y.len();
-    let [a, b, c, d, e] = if fits { [-2, -1, 0, 1, 2] } else { [0, -1, 0, 1, 0] }
-        .map(|k: isize| y[n.saturating_add_signed(k)]);
+    let [a, b, c, d, e] =
+        if fits { [-2, -1, 0, 1, 2] } else { [0, -1, 0, 1, 0] }.map(|k: isize| y[n.saturating_add_signed(k)]);
     // Central differences: derivatives in units of one sample.
     let (d1, d2, d3, d4) = if fits {
         let d1 = (a - 8.0 * b + 8.0 * d - e) / 12.0;
@@ -156,12 +156,8 @@ mod tests {
         let joint = FourParameter::new(4.45e4, 239.4, -0.183, 0.3)?;
         let mut mode = Mode::new("m", 124.0, Some(JointLaw::FourParameter(joint)));
         mode.initial.0 = 0.3 * joint.phi_max();
-        let continuum = Method::Newmark {
-            beta: 0.25,
-            gamma: 0.5,
-            prewarp: true,
-            joint: iwan_sim::JointKind::Continuum,
-        };
+        let continuum =
+            Method::Newmark { beta: 0.25, gamma: 0.5, prewarp: true, joint: iwan_sim::JointKind::Continuum };
         let settings = Settings { method: continuum, ..Settings::new(1e-5, 0.2) };
         let response = simulate(&mode, &Pulse::None, &settings)?;
         let found = cycles(&response, 0.0);

@@ -1,16 +1,16 @@
 //! `iwan`: ring-downs of bolted structures with Iwan friction models, from the command line.
 
+mod args;
+mod commands;
+mod cycles;
 mod failure;
 mod output;
-mod scenario;
-mod args;
-mod summary;
-mod results;
 mod progress;
-mod cycles;
 mod report;
-mod commands;
+mod results;
 mod run;
+mod scenario;
+mod summary;
 
 use std::process::ExitCode;
 

@@ -73,7 +73,11 @@ fn head(summary: &Summary) -> Markup {
 
 fn verdict(summary: &Summary) -> Markup {
     let worst = |of: fn(&ModeSummary) -> Option<f64>| {
-        summary.modes.iter().filter_map(of).fold(None, |most: Option<f64>, e| Some(most.map_or(e, |m| m.max(e))))
+        summary
+            .modes
+            .iter()
+            .filter_map(of)
+            .fold(None, |most: Option<f64>, e| Some(most.map_or(e, |m| m.max(e))))
     };
     let shown = |error: Option<f64>| error.map_or_else(|| "not estimated".into(), |e| format!("{e:.1e}"));
     let step = shown(worst(|m| m.time_step_error));
@@ -179,8 +183,20 @@ fn force_and_points(input: &Input<'_>) -> Markup {
     let mut figures: Vec<Figure> = force(input).into_iter().collect();
     for (name, [displacement, _, acceleration]) in input.points.iter().take(MOST) {
         let caption = "All modes together.";
-        figures.push(of_history(format!("Displacement at {name}"), "displacement", displacement, dt, caption));
-        figures.push(of_history(format!("Acceleration at {name}"), "acceleration", acceleration, dt, caption));
+        figures.push(of_history(
+            format!("Displacement at {name}"),
+            "displacement",
+            displacement,
+            dt,
+            caption,
+        ));
+        figures.push(of_history(
+            format!("Acceleration at {name}"),
+            "acceleration",
+            acceleration,
+            dt,
+            caption,
+        ));
     }
     html! {
         h2 id="force" { "Force and points" }

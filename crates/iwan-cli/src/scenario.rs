@@ -9,7 +9,6 @@ mod section;
 mod source;
 mod write;
 
-
 #[cfg(test)]
 mod schema_tests;
 
@@ -26,7 +25,7 @@ use iwan_sim::{Method, Mode, Settings};
 use toml::de::DeTable;
 
 use crate::failure::Failure;
-use section::Section;
+use section::{Section, plain};
 
 /// Keys at the top of a scenario.
 pub(crate) const KEYS: &[&str] = &["title", "mode", "force", "time", "method"];
@@ -61,7 +60,11 @@ impl Scenario {
         let document = DeTable::parse(text).map_err(|error| {
             let start = error.span().map_or(0, |span| span.start);
             let message = format!("not valid TOML: {}", error.message().trim().replace('\n', "; "));
-            source.failure(start, &message, "correct this place; `iwan scenario paper-modal` prints a valid file")
+            source.failure(
+                start,
+                &message,
+                "correct this place; `iwan scenario paper-modal` prints a valid file",
+            )
         })?;
         let top = Section::new(source, "the scenario", (document.get_ref(), document.span()), KEYS)?;
         let settings = read_settings(source, &top, overrides)?;
@@ -89,7 +92,12 @@ impl Scenario {
     }
 
     /// Checks that the time step can follow every mode and that the response fits the memory.
-    fn check_sampling(&self, source: &Source, top: &Section<'_>, overrides: &Overrides) -> Result<(), Failure> {
+    fn check_sampling(
+        &self,
+        source: &Source,
+        top: &Section<'_>,
+        overrides: &Overrides,
+    ) -> Result<(), Failure> {
         let time = time_section(source, top)?;
         let fail = |message: &str, remedy: &str| match overrides.step.or(overrides.duration) {
             Some(_) => Failure::input(format!("{}: {message}", flags(overrides)), remedy),
@@ -100,12 +108,16 @@ impl Scenario {
         let points: BTreeSet<_> = self.modes.iter().flat_map(|m| &m.mode.outputs).map(|p| &p.name).collect();
         let numbers = steps * (1 + 4 * self.modes.len() + 3 * points.len()) as f64;
         if steps < 1.0 {
+            let (dt, duration) = (plain(dt), plain(duration));
             let message = format!("step = {dt} is longer than duration = {duration}: there would be no step");
             return Err(fail(&message, "shorten step or lengthen duration"));
         }
         if numbers > MOST_NUMBERS {
             let message = format!("{steps:.3e} steps would need {:.0} GB of memory", numbers * 8e-9);
-            return Err(fail(&message, "lengthen step or shorten duration (both in s); at most 8 GB are used"));
+            return Err(fail(
+                &message,
+                "lengthen step or shorten duration (both in s); at most 8 GB are used",
+            ));
         }
         let Method::Newmark { prewarp: true, .. } = method else { return Ok(()) };
         for ScenarioMode { mode, .. } in &self.modes {
@@ -113,8 +125,10 @@ impl Scenario {
             if iwan_core::Newmark::prewarped(dt, omega0).is_err() {
                 let limit = 0.5 / mode.frequency;
                 let message = format!(
-                    "step = {dt} is too long for mode \"{}\" at {} Hz: must be below half its period, {limit:.4e} s",
-                    mode.name, mode.frequency
+                    "step = {} is too long for mode \"{}\" at {} Hz: must be below half its period, {limit:.4e} s",
+                    plain(dt),
+                    mode.name,
+                    mode.frequency
                 );
                 return Err(fail(&message, "shorten step: 20 and more samples a cycle are advisable"));
             }
@@ -148,7 +162,8 @@ fn read_settings(source: &Source, top: &Section<'_>, overrides: &Overrides) -> R
         if value > 0.0 && value.is_finite() {
             return Ok(value);
         }
-        let message = format!("{key} = {value} is out of range: must be a finite number of seconds > 0");
+        let message =
+            format!("{key} = {} is out of range: must be a finite number of seconds > 0", plain(value));
         Err(time.failure(key, &message, &format!("give {key} in seconds")))
     };
     let (dt, duration) = (seconds("step", overrides.step)?, seconds("duration", overrides.duration)?);
@@ -211,7 +226,11 @@ fn read_modes(source: &Source, top: &Section<'_>) -> Result<Vec<ScenarioMode>, F
     let points = modes.iter().flat_map(|m| &m.mode.outputs);
     if let Some(point) = points.map(|p| p.name.as_str()).find(|p| names.contains(p)) {
         let message = format!("outputs: the point \"{point}\" has the name of a mode");
-        return Err(top.failure("mode", &message, "rename the point: columns are called after modes and points"));
+        return Err(top.failure(
+            "mode",
+            &message,
+            "rename the point: columns are called after modes and points",
+        ));
     }
     Ok(modes)
 }

@@ -236,7 +236,8 @@ impl Summary {
 fn block(modes: &[ModeSummary]) -> String {
     let width = |m: &ModeSummary| m.name.chars().count().max(10);
     let line = |label: &str, cell: &dyn Fn(&ModeSummary) -> String| {
-        let cells: String = modes.iter().map(|m| format!("  {:>width$}", cell(m), width = width(m))).collect();
+        let cells: String =
+            modes.iter().map(|m| format!("  {:>width$}", cell(m), width = width(m))).collect();
         format!("{label:<22}{cells}\n")
     };
     let head = line("mode", &|m| m.name.clone());

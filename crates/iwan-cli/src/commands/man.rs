@@ -14,7 +14,10 @@ pub(crate) fn run(args: &ManArgs) -> Result<(), Failure> {
         None => whole,
         Some(name) => whole.find_subcommand(name).cloned().ok_or_else(|| {
             let known: Vec<_> = whole.get_subcommands().map(clap::Command::get_name).collect();
-            Failure::input(format!("there is no command \"{name}\""), format!("choose one of {}", known.join(", ")))
+            Failure::input(
+                format!("there is no command \"{name}\""),
+                format!("choose one of {}", known.join(", ")),
+            )
         })?,
     };
     let mut text = Vec::new();

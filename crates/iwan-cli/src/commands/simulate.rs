@@ -33,7 +33,11 @@ pub(crate) fn run(args: &SimulateArgs) -> Result<(), Failure> {
     let files = file_names(&scenario, args.format);
     let results = Results::open(args.out.as_deref(), DEFAULT_FOLDER, args.force, &files)?;
     progress::catch_interrupts();
-    let note = |text: &str| if !args.common.quiet { output::message(text) };
+    let note = |text: &str| {
+        if !args.common.quiet {
+            output::message(text)
+        }
+    };
     scenario.notes().iter().for_each(|n| note(&format!("note: {n}")));
 
     let clock = Instant::now();
@@ -73,7 +77,9 @@ fn compute(scenario: &Scenario, args: &SimulateArgs) -> Result<Vec<Response>, Si
     let bar = Progress::new("simulating", args.common.quiet);
     let force = scenario.force.pulse();
     let threads = args.common.thread_count();
-    iwan_sim::simulate_all(&scenario.modes(), &force, &scenario.settings, threads, &mut |share| bar.report(share))
+    iwan_sim::simulate_all(&scenario.modes(), &force, &scenario.settings, threads, &mut |share| {
+        bar.report(share)
+    })
 }
 
 /// A failed computation in the user's terms: what could not be set up is bad input, the rest failed.
@@ -91,12 +97,7 @@ fn explain(name: &str, error: SimulationError) -> Failure {
     }
 }
 
-fn summarise(
-    scenario: &Scenario,
-    name: &str,
-    responses: &[Response],
-    points: &[PointResponse],
-) -> Summary {
+fn summarise(scenario: &Scenario, name: &str, responses: &[Response], points: &[PointResponse]) -> Summary {
     let modes: Vec<_> =
         scenario.modes.iter().zip(responses).map(|(m, r)| ModeSummary::new(&m.mode, r)).collect();
     Summary {

@@ -92,9 +92,10 @@ impl Decay<'_> {
         let points: Vec<_> = self.cycles.iter().map(|c| (c.t, c.amplitude)).collect();
         Figure {
             title: "Envelope".into(),
-            caption: "Amplitude at successive extremes on a logarithmic axis: a linear mode is a straight line, \
+            caption:
+                "Amplitude at successive extremes on a logarithmic axis: a linear mode is a straight line, \
                 friction bends it."
-                .into(),
+                    .into(),
             x: Axis::linear("time", "s"),
             y: Axis::log("amplitude of q", ""),
             layers: vec![Layer::new(Mark::Dots, colour::BLUE, thin(&points, MEASURED))],
@@ -113,9 +114,13 @@ impl Decay<'_> {
         let Some(last) = cycles.len().checked_sub(1) else { return Vec::new() };
         let at = |n: usize| (response.displacement[n], response.joint_force[n]);
         let points = |cycle: &[Extreme]| (cycle[0].sample..=cycle[2].sample).map(at).collect::<Vec<_>>();
-        [("first cycle", 0, colour::BLUE), ("middle cycle", last / 2, colour::VERMILLION), ("last cycle", last, colour::GREEN)]
-            .map(|(name, index, colour)| (name, colour, thin(&points(cycles[index]), LOOP)))
-            .into()
+        [
+            ("first cycle", 0, colour::BLUE),
+            ("middle cycle", last / 2, colour::VERMILLION),
+            ("last cycle", last, colour::GREEN),
+        ]
+        .map(|(name, index, colour)| (name, colour, thin(&points(cycles[index]), LOOP)))
+        .into()
     }
 
     /// The loops with the virgin curve, and the same less the stuck joint's line, which shows thin loops too.
@@ -127,11 +132,13 @@ impl Decay<'_> {
         let loops = self.loops();
         let figure = |title: &str, caption: &str, y: &str, less: f64| {
             let shown = |points: &[(f64, f64)]| points.iter().map(|&(q, f)| (q, f - less * q)).collect();
-            let mut layers = vec![Layer::new(Mark::Dashed, colour::GREY, shown(&virgin)).named("virgin curve")];
+            let mut layers =
+                vec![Layer::new(Mark::Dashed, colour::GREY, shown(&virgin)).named("virgin curve")];
             for (name, colour, points) in &loops {
                 layers.push(Layer::new(Mark::Line, colour, shown(points)).named(*name));
             }
-            let (title, caption, x) = (title.into(), caption.into(), Axis::linear("modal displacement q", ""));
+            let (title, caption, x) =
+                (title.into(), caption.into(), Axis::linear("modal displacement q", ""));
             Figure { title, caption, x, y: Axis::linear(y, ""), layers, marker: None }
         };
         vec![
@@ -154,7 +161,8 @@ impl Decay<'_> {
     fn frequency(&self) -> Figure {
         let measured = |c: &Cycle| (c.amplitude, c.frequency);
         let closed = |a: f64| self.mode.frequency_at(a).unwrap_or(f64::NAN);
-        let caption = "Line: first-harmonic balance in closed form. Points: time between extremes of the response.";
+        let caption =
+            "Line: first-harmonic balance in closed form. Points: time between extremes of the response.";
         self.against_amplitude("Frequency", caption, Axis::linear("frequency", "Hz"), measured, closed)
     }
 

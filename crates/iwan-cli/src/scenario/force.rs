@@ -59,7 +59,9 @@ impl Force {
         let number = |key| section.number(key);
         let endless = |key| section.number_or(key, f64::INFINITY);
         let pulse = match kind.name {
-            "haversine" => Pulse::Haversine { amplitude: number("amplitude")?, duration: number("duration")? },
+            "haversine" => {
+                Pulse::Haversine { amplitude: number("amplitude")?, duration: number("duration")? }
+            }
             "half-sine" => Pulse::HalfSine { amplitude: number("amplitude")?, duration: number("duration")? },
             "step" => Pulse::Step { amplitude: number("amplitude")?, duration: endless("duration")? },
             "sine" => Pulse::Sine {
@@ -116,7 +118,12 @@ fn read_file(path: &PathBuf, step: f64) -> Result<ForceFile, Problem> {
         return Err(problem(format!("sample {} is not finite: {}, {}", row + 1, time[row], force[row])));
     }
     if let Some(row) = (1..time.len()).find(|&i| time[i] <= time[i - 1]) {
-        return Err(problem(format!("the time does not ascend at sample {}: {} after {}", row + 1, time[row], time[row - 1])));
+        return Err(problem(format!(
+            "the time does not ascend at sample {}: {} after {}",
+            row + 1,
+            time[row],
+            time[row - 1]
+        )));
     }
     if time[0] < 0.0 {
         return Err(problem(format!("the time starts at {} s, before t = 0", time[0])));
@@ -147,7 +154,13 @@ fn resample(time: &[f64], force: &[f64], step: f64) -> Vec<f64> {
         let next = time.partition_point(|&x| x <= t);
         match next {
             0 => 0.0,
-            _ if next == time.len() => if t == last { force[next - 1] } else { 0.0 },
+            _ if next == time.len() => {
+                if t == last {
+                    force[next - 1]
+                } else {
+                    0.0
+                }
+            }
             _ => {
                 let share = (t - time[next - 1]) / (time[next] - time[next - 1]);
                 force[next - 1] + share * (force[next] - force[next - 1])

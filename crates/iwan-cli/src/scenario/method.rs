@@ -80,7 +80,11 @@ impl MethodKeys {
         let bins = self.sliders.unwrap_or_else(default_sliders);
         if bins > MOST_SLIDERS {
             let message = format!("sliders = {bins} is out of range: must be at most {MOST_SLIDERS}");
-            return problem("sliders", &message, "choose joint = \"continuum\" for the limit of many sliders");
+            return problem(
+                "sliders",
+                &message,
+                "choose joint = \"continuum\" for the limit of many sliders",
+            );
         }
         let grid = match self.grid {
             Some(GridKind::Uniform) => Grid::Uniform,
@@ -113,9 +117,11 @@ impl MethodKeys {
         }
         // The range of β and γ does not depend on the step.
         iwan_core::Newmark::new(1.0, beta, gamma).map_err(|error| match error {
-            iwan_core::Error::OutOfRange { name, value, allowed } => {
-                (name, format!("{name} = {value} is out of range: {allowed}"), format!("give {name} a value in that range"))
-            }
+            iwan_core::Error::OutOfRange { name, value, allowed } => (
+                name,
+                format!("{name} = {value} is out of range: {allowed}"),
+                format!("give {name} a value in that range"),
+            ),
             other => ("kind", other.to_string(), String::new()),
         })?;
         Ok(Method::Newmark { beta, gamma, prewarp, joint })

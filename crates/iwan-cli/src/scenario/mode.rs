@@ -7,9 +7,10 @@ use iwan_sim::{Mode, Point};
 use toml::de::DeTable;
 
 use super::joint::{self, Joint};
-use super::section::Section;
+use super::section::{Section, plain};
 use super::source::Source;
 use crate::failure::Failure;
+use crate::summary::short;
 
 /// Keys of a mode.
 pub(crate) const KEYS: &[&str] = &[
@@ -81,14 +82,26 @@ fn read_joint(
 }
 
 fn oscillator_failure(section: &Section<'_>, error: iwan_core::Error) -> Failure {
+    use iwan_core::Error::OutOfRange;
     match error {
-        iwan_core::Error::OutOfRange { name: "k_t", value, .. } => section.failure(
-            "joint",
-            &format!("k_t = {value} of the joint is not below (2 pi frequency)^2: K_inf = omega0^2 - k_t <= 0"),
-            "lower k_t, raise frequency (both in the same units?), \
-             or set allow_negative_residual = true in this mode if that is meant",
+        OutOfRange { name: "k_t", value, .. } => {
+            let frequency = section.number("frequency").unwrap_or(f64::NAN);
+            let limit = short((2.0 * std::f64::consts::PI * frequency).powi(2));
+            let message = format!(
+                "k_t = {} of the joint must be below omega0^2 = (2 pi frequency)^2 = {limit}, so that \
+                 K_inf = omega0^2 - k_t > 0",
+                plain(value)
+            );
+            let remedy = "lower k_t or raise frequency (are both in the same units?), or set \
+                allow_negative_residual = true in this mode if that is meant";
+            section.failure("joint", &message, remedy)
+        }
+        OutOfRange { name: "damping_ratio", value, allowed } => section.failure(
+            "damping_ratio",
+            &format!("damping_ratio = {} is out of range: {allowed}", plain(value)),
+            "give damping_ratio as a ratio: 0.01 is 1 %",
         ),
-        error => section.out_of_range(error, |name| name.replace("initial displacement", "initial").replace("initial velocity", "initial")),
+        error => section.out_of_range(error, |name| name.split(' ').next().unwrap_or(name).to_string()),
     }
 }
 
@@ -101,7 +114,11 @@ fn read_outputs(source: &Source, mode: &Section<'_>) -> Result<Vec<Point>, Failu
         }
         if !shape.is_finite() {
             let message = format!("{name} = {shape} is out of range: must be a finite number");
-            return Err(section.failure(&name, &message, "give the mass-normalised mode shape at this point"));
+            return Err(section.failure(
+                &name,
+                &message,
+                "give the mass-normalised mode shape at this point",
+            ));
         }
         Ok(Point { name, shape })
     };

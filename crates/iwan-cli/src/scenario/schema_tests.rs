@@ -3,7 +3,9 @@
 use serde_json::Value;
 
 use super::section::{Kind, known};
-use super::{BuiltIn, KEYS, Overrides, SCHEMA, Scenario, Source, built_in, force, joint, method, mode, to_toml};
+use super::{
+    BuiltIn, KEYS, Overrides, SCHEMA, Scenario, Source, built_in, force, joint, method, mode, to_toml,
+};
 
 fn schema() -> Value {
     serde_json::from_str(SCHEMA).unwrap()
@@ -57,7 +59,9 @@ fn as_json(text: &str) -> Value {
             DeValue::Float(f) => f.as_str().parse::<f64>().unwrap().into(),
             DeValue::Boolean(b) => (*b).into(),
             DeValue::Array(a) => a.iter().map(|v| convert(v.get_ref())).collect(),
-            DeValue::Table(t) => t.iter().map(|(k, v)| (k.get_ref().to_string(), convert(v.get_ref()))).collect(),
+            DeValue::Table(t) => {
+                t.iter().map(|(k, v)| (k.get_ref().to_string(), convert(v.get_ref()))).collect()
+            }
             DeValue::Datetime(d) => d.to_string().into(),
         }
     }

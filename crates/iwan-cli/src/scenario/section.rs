@@ -69,9 +69,9 @@ impl<'a> Section<'a> {
         let names = kinds.iter().map(|k| k.name).collect::<Vec<_>>().join(", ");
         let name = match section.optional_text("kind")? {
             Some(name) => name,
-            None => default.map(String::from).ok_or_else(|| {
-                section.missing("kind", &format!("add kind = one of {names}"))
-            })?,
+            None => default
+                .map(String::from)
+                .ok_or_else(|| section.missing("kind", &format!("add kind = one of {names}")))?,
         };
         let Some(kind) = kinds.iter().find(|k| k.name == name) else {
             return Err(section.choice_failure("kind", &name, &names));
@@ -79,8 +79,11 @@ impl<'a> Section<'a> {
         for (key, _) in section.table {
             let given = key.get_ref().as_ref();
             if given != "kind" && !kind.keys.contains(&given) {
-                let owners: Vec<_> =
-                    kinds.iter().filter(|k| k.keys.contains(&given)).map(|k| format!("\"{}\"", k.name)).collect();
+                let owners: Vec<_> = kinds
+                    .iter()
+                    .filter(|k| k.keys.contains(&given))
+                    .map(|k| format!("\"{}\"", k.name))
+                    .collect();
                 let message = format!("`{given}` does not apply to kind = \"{name}\" in {}", section.title);
                 let remedy = format!("remove it, or choose kind = {}", owners.join(" or "));
                 return Err(source.failure(key.span().start, &message, &remedy));
@@ -158,7 +161,8 @@ impl<'a> Section<'a> {
         match usize::from_str_radix(integer.as_str(), integer.radix()) {
             Ok(count) if count >= 1 => Ok(Some(count)),
             _ => {
-                let message = format!("{key} = {} is out of range: must be a whole number >= 1", integer.as_str());
+                let message =
+                    format!("{key} = {} is out of range: must be a whole number >= 1", integer.as_str());
                 Err(self.failure(key, &message, &format!("give {key} as a whole number >= 1")))
             }
         }
@@ -168,7 +172,8 @@ impl<'a> Section<'a> {
     pub(crate) fn optional_text(&self, key: &str) -> Result<Option<String>, Failure> {
         let Some(value) = self.value(key) else { return Ok(None) };
         let text = value.get_ref().as_str();
-        text.map(|t| Some(t.to_string())).ok_or_else(|| self.wrong_type(key, value.get_ref(), "a text in quotes"))
+        text.map(|t| Some(t.to_string()))
+            .ok_or_else(|| self.wrong_type(key, value.get_ref(), "a text in quotes"))
     }
 
     /// A text that must be there.
@@ -218,7 +223,10 @@ impl<'a> Section<'a> {
     }
 
     /// A table that may be left out.
-    pub(crate) fn optional_table(&self, key: &str) -> Result<Option<(&'a DeTable<'a>, Range<usize>)>, Failure> {
+    pub(crate) fn optional_table(
+        &self,
+        key: &str,
+    ) -> Result<Option<(&'a DeTable<'a>, Range<usize>)>, Failure> {
         let Some(value) = self.value(key) else { return Ok(None) };
         match value.get_ref().as_table() {
             Some(table) => Ok(Some((table, value.span()))),
@@ -248,7 +256,7 @@ impl<'a> Section<'a> {
             Error::OutOfRange { name, value, allowed } => {
                 let key = key_of(name);
                 let shown = self.optional_number(&key).ok().flatten().unwrap_or(value);
-                let message = format!("{key} = {shown} is out of range: {allowed}");
+                let message = format!("{key} = {} is out of range: {allowed}", plain(shown));
                 self.failure(&key, &message, &format!("give {key} a value in that range"))
             }
             Error::Length { name, .. } | Error::Entry { name, .. } => {
@@ -257,6 +265,14 @@ impl<'a> Section<'a> {
             }
             Error::Unsupported { what } => self.failure("kind", what, "choose another combination"),
         }
+    }
+}
+
+/// A number for a message: with an exponent where it would be long.
+pub(crate) fn plain(value: f64) -> String {
+    match value.abs() {
+        x if x == 0.0 || !x.is_finite() || (1e-4..1e9).contains(&x) => value.to_string(),
+        _ => format!("{value:e}"),
     }
 }
 

@@ -28,14 +28,18 @@ impl Source {
     pub(crate) fn read(path: &Path) -> Result<Self, Failure> {
         let name = path.display().to_string();
         let fail = |what: String, remedy: &str| Failure::input(format!("{name}: {what}"), remedy);
-        let unreadable =
-            |e| fail(format!("cannot be read: {e}"), "check the path; `iwan scenario paper-modal` prints a start");
+        let unreadable = |e| {
+            fail(format!("cannot be read: {e}"), "check the path; `iwan scenario paper-modal` prints a start")
+        };
         let meta = std::fs::metadata(path).map_err(unreadable)?;
         if meta.is_dir() {
             return Err(fail("is a folder".into(), "give the scenario file (.toml) inside it"));
         }
         if meta.len() > LARGEST {
-            return Err(fail("is too large for a scenario (over 16 MB)".into(), "give the scenario file (.toml)"));
+            return Err(fail(
+                "is too large for a scenario (over 16 MB)".into(),
+                "give the scenario file (.toml)",
+            ));
         }
         let bytes = std::fs::read(path).map_err(unreadable)?;
         let binary = "save it as plain text (UTF-8); `iwan scenario paper-modal` prints a start";

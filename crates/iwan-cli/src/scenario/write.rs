@@ -10,7 +10,8 @@ use super::{Force, Scenario, ScenarioMode};
 
 /// The scenario as TOML; a force from a file is called `force_file`.
 pub(crate) fn to_toml(scenario: &Scenario, force_file: &str) -> String {
-    let mut out = format!("# Written by iwan {}: the run with all defaults filled in.\n", env!("CARGO_PKG_VERSION"));
+    let mut out =
+        format!("# Written by iwan {}: the run with all defaults filled in.\n", env!("CARGO_PKG_VERSION"));
     if let Some(title) = &scenario.title {
         line(&mut out, "title", &quoted(title));
     }
@@ -66,8 +67,11 @@ fn write_mode(out: &mut String, ScenarioMode { mode, joint }: &ScenarioMode) {
     number(out, "shape_at_force", mode.shape_at_force);
     if !mode.outputs.is_empty() {
         let names: Vec<_> = mode.outputs.iter().map(|p| quoted(&p.name)).collect();
-        let pairs: Vec<_> =
-            names.iter().zip(&mode.outputs).map(|(name, p)| (name.as_str(), format!("{:?}", p.shape))).collect();
+        let pairs: Vec<_> = names
+            .iter()
+            .zip(&mode.outputs)
+            .map(|(name, p)| (name.as_str(), format!("{:?}", p.shape)))
+            .collect();
         line(out, "outputs", &inline(&pairs));
     }
     let (displacement, velocity) = mode.initial;
@@ -83,13 +87,9 @@ fn joint_table(joint: &Joint) -> String {
     let n = |key: &'static str, value: &f64| (key, format!("{value:?}"));
     let list = |key: &'static str, values: &[f64]| (key, format!("{values:?}"));
     match joint {
-        Joint::FourParameter { k_t, f_s, chi, beta } => inline(&[
-            kind("four-parameter"),
-            n("k_t", k_t),
-            n("f_s", f_s),
-            n("chi", chi),
-            n("beta", beta),
-        ]),
+        Joint::FourParameter { k_t, f_s, chi, beta } => {
+            inline(&[kind("four-parameter"), n("k_t", k_t), n("f_s", f_s), n("chi", chi), n("beta", beta)])
+        }
         Joint::Jenkins { k_t, f_s } => inline(&[kind("jenkins"), n("k_t", k_t), n("f_s", f_s)]),
         Joint::Uniform { k_t, f_s, width } => {
             inline(&[kind("uniform"), n("k_t", k_t), n("f_s", f_s), n("width", width)])
