@@ -91,12 +91,12 @@ pub(crate) struct Figure {
 /// The plane of the drawing, in its own units.
 const WIDTH: f64 = 600.0;
 const HEIGHT: f64 = 350.0;
-const LEFT: f64 = 78.0;
-const RIGHT: f64 = 586.0;
+const LEFT: f64 = 84.0;
+const RIGHT: f64 = 578.0;
 const TOP: f64 = 30.0;
 const BOTTOM: f64 = 296.0;
 /// Width of a character of the legend.
-const CHARACTER: f64 = 6.6;
+const CHARACTER: f64 = 7.3;
 /// Room for the mark of a legend entry, and between entries.
 const KEY: f64 = 44.0;
 
@@ -177,7 +177,7 @@ impl Figure {
 
     fn axis_titles(&self, x_exponent: i32, y_exponent: i32) -> Markup {
         let (middle_x, middle_y) = (0.5 * (LEFT + RIGHT), 0.5 * (TOP + BOTTOM));
-        let turned = format!("translate(18 {middle_y}) rotate(-90)");
+        let turned = format!("translate(17 {middle_y}) rotate(-90)");
         html! {
             text.label x=(middle_x) y=(HEIGHT - 10.0) text-anchor="middle" { (self.x.title(x_exponent)) }
             text.label transform=(turned) text-anchor="middle" { (self.y.title(y_exponent)) }
@@ -209,7 +209,7 @@ impl Figure {
 fn draw_key(layer: &Layer, x: f64, y: f64) -> Markup {
     match layer.mark {
         Mark::Dots => html! { circle cx=(x + 14.0) cy=(y) r="3" fill=(layer.colour) {} },
-        _ => path(&[(x + 2.0, y), (x + 24.0, y)], layer),
+        _ => path(&[(x + 4.0, y), (x + 24.0, y)], layer),
     }
 }
 

@@ -116,8 +116,8 @@ impl Decay<'_> {
         let points = |cycle: &[Extreme]| (cycle[0].sample..=cycle[2].sample).map(at).collect::<Vec<_>>();
         [
             ("first cycle", 0, colour::BLUE),
-            ("middle cycle", last / 2, colour::VERMILLION),
-            ("last cycle", last, colour::GREEN),
+            ("middle", last / 2, colour::VERMILLION),
+            ("last", last, colour::GREEN),
         ]
         .map(|(name, index, colour)| (name, colour, thin(&points(cycles[index]), LOOP)))
         .into()
