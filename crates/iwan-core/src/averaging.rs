@@ -69,7 +69,8 @@ impl<'a, B: Backbone> Averaging<'a, B> {
         if amplitude <= 0.0 {
             return viscous;
         }
-        self.law.dissipation(amplitude) / (2.0 * PI * amplitude * amplitude * self.frequency(amplitude)) + viscous
+        self.law.dissipation(amplitude) / (2.0 * PI * amplitude * amplitude * self.frequency(amplitude))
+            + viscous
     }
 
     fn slow(&self, log_amplitude: f64, phase: f64) -> Slow {

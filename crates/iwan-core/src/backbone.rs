@@ -78,6 +78,9 @@ pub trait Backbone {
     /// Total slip force ∫ ρ φ of the sliders of strength < φ, for φ >= 0.
     fn force_below(&self, phi: f64) -> f64;
 
+    /// Whether the tangent K(u) is smooth between the strengths of the weakest and the strongest slider.
+    fn is_smooth(&self) -> bool;
+
     /// The micro-slip power law, where the law has that form: lets the half-cycle map
     /// reuse one power for a whole half cycle.
     fn power_law(&self) -> Option<PowerLaw> {
@@ -149,6 +152,9 @@ impl<B: Backbone + ?Sized> Backbone for &B {
     }
     fn force_below(&self, phi: f64) -> f64 {
         (**self).force_below(phi)
+    }
+    fn is_smooth(&self) -> bool {
+        (**self).is_smooth()
     }
     fn power_law(&self) -> Option<PowerLaw> {
         (**self).power_law()

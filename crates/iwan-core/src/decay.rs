@@ -4,10 +4,10 @@ use crate::backbone::Backbone;
 use crate::energy::{EnergyBalance, JointEnergy};
 use crate::error::Error;
 use crate::half_cycle::{HalfCycle, Map};
-use crate::phase::Phase;
 use crate::hysteresis::Hysteresis;
 use crate::masing::{Branch, Continuum, Reversal, Reversals};
 use crate::oscillator::Oscillator;
+use crate::phase::Phase;
 use crate::response::Samples;
 
 /// Free decay of a mode under a constant force: the half-cycle energy map.
@@ -37,10 +37,10 @@ pub struct Decay<'a, B, S> {
     memory: Reversals<S>,
     /// Time, displacement and velocity up to which the memory stands.
     now: Motion,
-    /// The half cycle under way from `now`, and the last one finished.
-    under_way: Option<HalfCycle>,
-    last: Option<HalfCycle>,
-    /// The speed within `under_way`, once asked for.
+    /// The latest half cycle of the map, and whether it is under way from `now`.
+    half: Option<HalfCycle>,
+    under_way: bool,
+    /// The speed within the half cycle under way, once asked for.
     phase: Option<Phase>,
     start: (f64, f64),
     stored: f64,
@@ -106,9 +106,10 @@ impl<'a, B: Backbone, S: AsRef<[Reversal]> + AsMut<[Reversal]>> Decay<'a, B, S> 
         let map = Map::new(oscillator, law, load)?;
         let stored = joint.stored_energy(&memory);
         let now = Motion { time: 0.0, q, v: velocity };
-        let (under_way, last, phase, start, work) = (None, None, None, (q, velocity), [0.0; 3]);
+        let (half, under_way, phase, start, work) = (None, false, None, (q, velocity), [0.0; 3]);
         let oscillator = *oscillator;
-        let mut decay = Self { map, oscillator, joint, memory, now, under_way, last, phase, start, stored, work };
+        let mut decay =
+            Self { map, oscillator, joint, memory, now, half, under_way, phase, start, stored, work };
         if velocity == 0.0 {
             decay.turn_towards_equilibrium();
         } else if velocity * decay.memory.direction() < 0.0 {
@@ -132,12 +133,17 @@ impl<'a, B: Backbone, S: AsRef<[Reversal]> + AsMut<[Reversal]>> Decay<'a, B, S> 
     }
 
     /// Begins the half cycle from a reversal, if the map covers it.
+    #[inline]
     fn set_out(&mut self) {
         let branch = self.memory.branch();
-        self.under_way = if branch.scale == 2.0 && branch.start_is(self.now.q) {
-            self.map.half_cycle(branch, self.last.as_ref())
-        } else {
-            None
+        self.under_way = branch.scale == 2.0 && branch.start_is(self.now.q) && {
+            match self.map.half_cycle(branch, self.half.as_ref()) {
+                Some(half) => {
+                    self.half = Some(half);
+                    true
+                }
+                None => false,
+            }
         };
     }
 
@@ -149,26 +155,24 @@ impl<'a, B: Backbone, S: AsRef<[Reversal]> + AsMut<[Reversal]>> Decay<'a, B, S> 
     /// Moves to the next turning point; none when the mass has come to rest.
     #[allow(clippy::should_implement_trait)]
     pub fn next(&mut self) -> Option<TurningPoint> {
-        match self.under_way {
-            Some(half) => self.finish(&half),
-            None => {
-                if !self.march(f64::INFINITY) {
-                    return None;
-                }
-            }
+        if self.under_way {
+            self.finish();
+        } else if !self.march(f64::INFINITY) {
+            return None;
         }
         let (time, displacement) = (self.now.time, self.now.q);
         Some(TurningPoint { time, displacement, joint_force: self.joint.joint_force(&self.memory) })
     }
 
-    /// Completes a half cycle of the map and sets out on the next.
-    fn finish(&mut self, half: &HalfCycle) {
+    /// Completes the half cycle of the map and sets out on the next.
+    #[inline]
+    fn finish(&mut self) {
+        let Some(half) = &self.half else { return };
         let (before, end) = (self.now.q, half.end());
         self.work[0] += self.map.load * (end - before);
         self.work[1] += half.viscous;
         self.work[2] += half.joint;
         self.now = Motion { time: self.now.time + half.duration, q: end, v: 0.0 };
-        self.last = Some(*half);
         self.phase = None;
         if half.is_micro_slip() {
             self.memory.turn_within(end, half.force, self.map.law);
@@ -182,13 +186,15 @@ impl<'a, B: Backbone, S: AsRef<[Reversal]> + AsMut<[Reversal]>> Decay<'a, B, S> 
     /// Displacement and velocity at the time `t`, which must not lie before the last call's.
     fn motion_at(&mut self, t: f64) -> (f64, f64) {
         loop {
-            match self.under_way {
-                Some(half) if t - self.now.time <= half.duration => {
-                    let phase = self.phase.get_or_insert_with(|| self.map.phase(&half));
-                    return half.at(phase, t - self.now.time);
+            match &self.half {
+                Some(half) if self.under_way => {
+                    if t - self.now.time <= half.duration {
+                        let phase = self.phase.get_or_insert_with(|| self.map.phase(half));
+                        return half.at(phase, t - self.now.time);
+                    }
+                    self.finish();
                 }
-                Some(half) => self.finish(&half),
-                None => {
+                _ => {
                     if !self.march(t) {
                         return (self.now.q, self.now.v);
                     }
@@ -251,7 +257,8 @@ impl<B: Backbone, S: AsRef<[Reversal]> + AsMut<[Reversal]>> Decay<'_, B, S> {
                 h *= (0.9 * shrink).clamp(0.5, 4.0);
                 continue;
             }
-            let turning = turns.then(|| self.locate(&branch, h, |m| (m.v, self.acceleration(&branch, m.q, m.v))));
+            let turning =
+                turns.then(|| self.locate(&branch, h, |m| (m.v, self.acceleration(&branch, m.q, m.v))));
             let closing = closes.then(|| self.locate(&branch, h, |m| (m.q - branch.end, m.v)));
             match (turning, closing) {
                 (Some(t), c) if c.is_none_or(|c| t.time <= c.time) => {
@@ -290,7 +297,11 @@ impl<B: Backbone, S: AsRef<[Reversal]> + AsMut<[Reversal]>> Decay<'_, B, S> {
         for _ in 0..60 {
             let motion = self.step(branch, at).0;
             let (value, rate) = f(&motion);
-            if value * sign > 0.0 { high = at } else { low = at }
+            if value * sign > 0.0 {
+                high = at
+            } else {
+                low = at
+            }
             let newton = at - value / rate;
             let next = if newton > low && newton < high { newton } else { 0.5 * (low + high) };
             if libm::fabs(next - at) <= 4.0 * f64::EPSILON * h {

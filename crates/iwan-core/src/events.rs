@@ -143,7 +143,13 @@ impl<'a> EventDriven<'a> {
     }
 
     /// From the time `t` to `t + dt`.
-    fn advance<S: AsRef<[Run]> + AsMut<[Run]>>(&self, state: &mut Runs<S>, motion: &mut Motion, t: f64, dt: f64) {
+    fn advance<S: AsRef<[Run]> + AsMut<[Run]>>(
+        &self,
+        state: &mut Runs<S>,
+        motion: &mut Motion,
+        t: f64,
+        dt: f64,
+    ) {
         let mut elapsed = 0.0;
         while elapsed < dt {
             let stretch = self.force.stretch(t + elapsed);
@@ -188,7 +194,8 @@ impl<'a> EventDriven<'a> {
         let v = if matches!(event, Event::Turn) { 0.0 } else { velocity.at(passed) };
         let power = |t: f64| self.force_scale * stretch.at(t) * velocity.at(t);
         motion.work[0] += RULE.integrate(0.0, passed, power);
-        motion.work[1] += self.oscillator.viscous() * RULE.integrate(0.0, passed, |t| velocity.at(t) * velocity.at(t));
+        motion.work[1] +=
+            self.oscillator.viscous() * RULE.integrate(0.0, passed, |t| velocity.at(t) * velocity.at(t));
         let mean = 0.5 * ((q - segment.anchor) + (motion.q - segment.anchor));
         motion.work[2] += (segment.base + segment.stiffness * mean) * (q - motion.q);
         (motion.q, motion.v) = (q, v);
@@ -259,7 +266,8 @@ fn departed(velocity: &Series, h: f64) -> f64 {
 impl Stretch {
     /// Force at `t` from the start of the stretch.
     fn at(&self, t: f64) -> f64 {
-        let wave = if self.amplitude == 0.0 { 0.0 } else { self.amplitude * libm::cos(self.omega * t + self.phase) };
+        let wave =
+            if self.amplitude == 0.0 { 0.0 } else { self.amplitude * libm::cos(self.omega * t + self.phase) };
         self.offset + self.slope * t + wave
     }
 

@@ -213,6 +213,10 @@ impl Backbone for FourParameter {
         (self.force_from_power(u, p), self.tangent_from_power(p))
     }
 
+    fn is_smooth(&self) -> bool {
+        true
+    }
+
     fn stiffness_below(&self, phi: f64) -> f64 {
         self.k_power * self.power(phi).min(1.0) + if phi > self.phi_max { self.s } else { 0.0 }
     }
@@ -294,6 +298,10 @@ impl Backbone for TabledFourParameter {
         let p = self.table.at((u * self.inverse_phi_max).abs());
         (u * (self.law.k_t - self.softening * p), self.law.tangent_from_power(p))
     }
+    fn is_smooth(&self) -> bool {
+        true
+    }
+
     fn stiffness_below(&self, phi: f64) -> f64 {
         self.law.stiffness_below(phi)
     }

@@ -84,7 +84,12 @@ impl<'a, B: Backbone> Map<'a, B> {
     /// [`Error::OutOfRange`] unless K_∞ > 0: without it the mass need not turn round.
     pub(crate) fn new(oscillator: &Oscillator, law: &'a B, load: f64) -> Result<Self, Error> {
         let k_inf = oscillator.k_inf();
-        crate::error::check("k_inf", k_inf, k_inf > 0.0, "the half-cycle map needs K_inf = omega0^2 - k_t > 0")?;
+        crate::error::check(
+            "k_inf",
+            k_inf,
+            k_inf > 0.0,
+            "the half-cycle map needs K_inf = omega0^2 - k_t > 0",
+        )?;
         let viscous = oscillator.viscous();
         let micro = law.power_law().and_then(|power| MicroSlip::new(k_inf, viscous, &power));
         Ok(Self { law, k_inf, viscous, load, micro })
@@ -121,7 +126,10 @@ impl<'a, B: Backbone> Map<'a, B> {
     #[inline]
     fn works(&self, branch: Branch, pull: f64, length: f64, damping: f64) -> (f64, f64) {
         let viscous = damping * length * length;
-        (viscous, (branch.direction * branch.start.force + pull - 0.5 * self.k_inf * length) * length - viscous)
+        (
+            viscous,
+            (branch.direction * branch.start.force + pull - 0.5 * self.k_inf * length) * length - viscous,
+        )
     }
 
     #[inline]
@@ -217,7 +225,8 @@ impl<'a, B: Backbone> Map<'a, B> {
                 let lost = self.viscous * (work_before + width * inside - node.share * total);
                 panel.omega[i] = libm::sqrt(2.0 * (node.gained - lost) / node.sine_squared);
             }
-            let weighted = |rate: &dyn Fn(usize) -> f64| (0..NODES).map(|j| RULE.weights[j] * rate(j)).sum::<f64>();
+            let weighted =
+                |rate: &dyn Fn(usize) -> f64| (0..NODES).map(|j| RULE.weights[j] * rate(j)).sum::<f64>();
             work_before += width * weighted(&|j| rates[j]);
             work += width * weighted(&|j| nodes[j].sine_squared * panel.omega[j]);
         }

@@ -55,6 +55,10 @@ impl Backbone for Jenkins {
         4.0 * self.f_s * (u.abs() - self.strength).max(0.0)
     }
 
+    fn is_smooth(&self) -> bool {
+        true
+    }
+
     fn stiffness_below(&self, phi: f64) -> f64 {
         if phi > self.strength { self.k_t } else { 0.0 }
     }

@@ -1,25 +1,25 @@
 //! Iwan friction models and modal single-degree-of-freedom ring-down, without an allocator.
 #![no_std]
 
+mod averaging;
 mod backbone;
+mod decay;
 mod energy;
 mod error;
+mod events;
 mod four_parameter;
+mod half_cycle;
 mod hysteresis;
 mod jenkins;
 mod masing;
+mod micro_slip;
 mod newmark;
 mod no_joint;
 mod oscillator;
+mod phase;
 mod plain;
 mod power;
 mod pulse;
-mod events;
-mod phase;
-mod micro_slip;
-mod half_cycle;
-mod decay;
-mod averaging;
 pub mod quadrature;
 mod response;
 mod runs;

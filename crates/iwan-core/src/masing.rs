@@ -29,7 +29,11 @@ pub struct Reversals<S> {
     u: f64,
     force: f64,
     tangent: f64,
-    direction: f64,
+    branch: Branch,
+    /// Where the implicit step after the next should end if steps are equal, …
+    expected: f64,
+    /// … from the displacement before the last implicit step and its backward differences.
+    trail: [f64; 4],
     /// Displacement at which the virgin curve starts: moved by macro-slip.
     origin: f64,
     depth: usize,
@@ -44,6 +48,8 @@ pub(crate) struct Branch {
     pub(crate) start: Reversal,
     /// 2 behind a reversal (Masing), 1 on the virgin curve.
     pub(crate) scale: f64,
+    /// Direction of motion over scale: turns displacements into those of the virgin curve.
+    to_virgin: f64,
     /// Direction of motion, ±1.
     pub(crate) direction: f64,
     /// Where it closes a loop and ends (infinite on the virgin curve).
@@ -51,10 +57,16 @@ pub(crate) struct Branch {
 }
 
 impl Branch {
+    /// The virgin curve from `origin`.
+    fn virgin(origin: f64, direction: f64) -> Self {
+        let start = Reversal { u: origin, force: 0.0 };
+        Self { start, scale: 1.0, to_virgin: direction, direction, end: direction * f64::INFINITY }
+    }
+
     /// Displacement on the virgin curve that corresponds to `u`, >= 0.
     #[inline]
     pub(crate) fn virgin_distance(&self, u: f64) -> f64 {
-        (self.direction * (u - self.start.u) / self.scale).max(0.0)
+        (self.to_virgin * (u - self.start.u)).max(0.0)
     }
 
     #[inline]
@@ -108,8 +120,19 @@ impl<B: Backbone> Continuum<B> {
             return Err(Error::Length { name: "stack", needed: 2, found });
         }
         let tangent = self.law.initial_stiffness();
-        let (u, force, direction, origin, depth, forgotten) = (0.0, 0.0, 1.0, 0.0, 0, 0.0);
-        Ok(Reversals { u, force, tangent, direction, origin, depth, forgotten, stack })
+        let (u, force, origin, depth, forgotten) = (0.0, 0.0, 0.0, 0, 0.0);
+        Ok(Reversals {
+            u,
+            force,
+            tangent,
+            branch: Branch::virgin(origin, 1.0),
+            expected: 0.0,
+            trail: [0.0; 4],
+            origin,
+            depth,
+            forgotten,
+            stack,
+        })
     }
 }
 
@@ -124,25 +147,25 @@ impl<S: AsRef<[Reversal]> + AsMut<[Reversal]>> Reversals<S> {
 
     /// Direction of motion, ±1.
     pub(crate) const fn direction(&self) -> f64 {
-        self.direction
+        self.branch.direction
     }
 
+    /// The branch on which the state moves.
     #[inline]
     pub(crate) fn branch(&self) -> Branch {
-        self.branch_at(self.depth, self.direction)
+        self.branch
     }
 
     /// The branch in `direction` with `depth` reversals remembered.
     #[inline]
     fn branch_at(&self, depth: usize, direction: f64) -> Branch {
         if depth == 0 {
-            let start = Reversal { u: self.origin, force: 0.0 };
-            return Branch { start, scale: 1.0, direction, end: direction * f64::INFINITY };
+            return Branch::virgin(self.origin, direction);
         }
         let start = self.stack.as_ref()[depth - 1];
         // The loop around the first reversal closes at its mirror image on the virgin curve.
         let end = if depth == 1 { 2.0 * self.origin - start.u } else { self.stack.as_ref()[depth - 2].u };
-        Branch { start, scale: 2.0, direction, end }
+        Branch { start, scale: 2.0, to_virgin: 0.5 * direction, direction, end }
     }
 
     /// Puts the state at `u` on the present branch, with the force and tangent there.
@@ -151,63 +174,89 @@ impl<S: AsRef<[Reversal]> + AsMut<[Reversal]>> Reversals<S> {
         (self.u, self.force, self.tangent) = (u, force, tangent);
     }
 
+    /// Ends an implicit step at `u`: the cubic through the trail of steps, two steps on, tells where the next
+    /// should end, well before that step is due.
+    #[inline]
+    fn step_to(&mut self, u: f64, force_and_tangent: (f64, f64)) {
+        let [a, first, second, _] = self.trail;
+        let da = self.u - a;
+        let (dda, ddda) = (da - first, (da - first) - second);
+        self.trail = [self.u, da, dda, ddda];
+        self.expected = (self.u + 2.0 * da) + (3.0 * dda + 4.0 * ddda);
+        self.rest_at(u, force_and_tangent);
+    }
+
     /// Forgets the loops that motion up to `u` closes and returns the branch that holds there.
     #[inline]
     pub(crate) fn close_loops_before(&mut self, u: f64) -> Branch {
-        let mut branch = self.branch();
-        while branch.passed_by(u) {
+        while self.branch.passed_by(u) {
             self.forget_closed_loop();
-            branch = self.branch();
         }
-        branch
+        self.branch
     }
 
     /// Goes on behind the end of a branch: the loop that closes there is forgotten.
     pub(crate) fn forget_closed_loop(&mut self) {
         self.depth = self.depth.saturating_sub(2);
+        self.branch = self.branch_at(self.depth, self.branch.direction);
     }
 
     /// Turns round where the state stands.
     pub(crate) fn reverse<B: Backbone>(&mut self, law: &B) {
-        let travelled = self.branch().virgin_distance(self.u);
-        let strongest = law.strengths().1;
-        let direction = self.direction;
-        (self.direction, self.tangent) = (-direction, law.initial_stiffness());
+        let travelled = self.branch.virgin_distance(self.u);
+        let (direction, strongest) = (self.branch.direction, law.strengths().1);
         if travelled == 0.0 {
             // No way gone since the last reversal: it is undone.
             self.depth = self.depth.saturating_sub(1);
-            self.tangent = self.branch().force_and_tangent(law, self.u).1;
-            return;
+            self.branch = self.branch_at(self.depth, -direction);
+            self.tangent = self.branch.force_and_tangent(law, self.u).1;
+        } else {
+            if travelled >= strongest {
+                // Macro-slip wipes the memory; the virgin curve now starts φ_max behind.
+                (self.depth, self.origin) = (0, self.u - direction * strongest);
+            }
+            self.turn(law);
         }
-        if travelled >= strongest {
-            // Macro-slip wipes the memory; the virgin curve now starts φ_max behind.
-            (self.depth, self.origin) = (0, self.u - direction * strongest);
-        } else if self.depth == self.stack.as_ref().len() {
-            self.forget_innermost(law, direction);
-        }
-        self.stack.as_mut()[self.depth] = Reversal { u: self.u, force: self.force };
-        self.depth += 1;
     }
 
     /// Moves to `u`, short of the strongest slider and of the end of the branch, where the force is `force`, and turns
     /// round: [`reverse`](Self::reverse) without its questions.
     #[inline]
     pub(crate) fn turn_within<B: Backbone>(&mut self, u: f64, force: f64, law: &B) {
-        (self.u, self.force, self.tangent) = (u, force, law.initial_stiffness());
+        (self.u, self.force) = (u, force);
+        self.turn(law);
+    }
+
+    /// Remembers the present point and leaves it the other way.
+    #[inline]
+    fn turn<B: Backbone>(&mut self, law: &B) {
+        let direction = self.branch.direction;
         if self.depth == self.stack.as_ref().len() {
-            self.forget_innermost(law, self.direction);
+            self.forget_innermost(law, direction);
         }
-        self.stack.as_mut()[self.depth] = Reversal { u, force: self.force };
+        self.stack.as_mut()[self.depth] = Reversal { u: self.u, force: self.force };
         self.depth += 1;
-        self.direction = -self.direction;
+        self.branch = self.branch_at(self.depth, -direction);
+        self.tangent = law.initial_stiffness();
     }
 
     /// Makes room by dropping the smallest loop as if it had closed.
+    #[cold]
     fn forget_innermost<B: Backbone>(&mut self, law: &B, direction: f64) {
         self.depth -= 2;
         let (merged, _) = self.branch_at(self.depth, direction).force_and_tangent(law, self.u);
         self.forgotten += (merged - self.force).abs();
         self.force = merged;
+    }
+}
+
+impl<B: Backbone> Continuum<B> {
+    /// Whether neither the weakest nor the strongest slider breaks loose between `a` and `b`.
+    #[inline]
+    fn no_corner(&self, branch: &Branch, a: f64, b: f64) -> bool {
+        let (weakest, strongest) = self.law.strengths();
+        let (a, b) = (branch.virgin_distance(a), branch.virgin_distance(b));
+        (a < weakest) == (b < weakest) && (a < strongest) == (b < strongest)
     }
 }
 
@@ -228,7 +277,7 @@ impl<B: Backbone, S: AsRef<[Reversal]> + AsMut<[Reversal]>> Hysteresis<Reversals
     fn advance(&self, state: &mut Reversals<S>, u: f64) -> f64 {
         let du = u - state.u;
         if du != 0.0 && !du.is_nan() {
-            if du * state.direction < 0.0 {
+            if du * state.branch.direction < 0.0 {
                 state.reverse(&self.law);
             }
             let branch = state.close_loops_before(u);
@@ -237,30 +286,44 @@ impl<B: Backbone, S: AsRef<[Reversal]> + AsMut<[Reversal]>> Hysteresis<Reversals
         state.force
     }
 
-    /// Newton's method: the force is concave along a monotone motion, loops closing included, so
-    /// the iteration starts short of the solution and never passes it; trial points touch no state
-    /// but the loops that the solution closes as well. At the small steps of a ring-down one evaluation does.
+    /// Newton's method: along a monotone motion the force is concave, loops closing included, so that after one
+    /// round the iteration stands short of the solution and never passes it; trial points touch no state but
+    /// the loops that the solution closes as well. It starts from the trail of past displacements, known
+    /// well before `load` is: at the small steps of a ring-down one evaluation does, and nothing waits for it.
     #[inline]
     fn solve(&self, state: &mut Reversals<S>, stiffness: f64, load: f64) -> f64 {
         if load == 0.0 || load.is_nan() {
             return 0.0;
         }
-        if load * state.direction < 0.0 {
+        let expected = state.expected;
+        if load * state.branch.direction < 0.0 {
             state.reverse(&self.law);
         }
         let (u, force, tangent) = (state.u, state.force, state.tangent);
-        let mut du = load / (stiffness + tangent);
+        let mut branch = state.branch;
+        let mut trial = expected;
+        let ahead =
+            branch.direction * (expected - u) > 0.0 && branch.direction * (branch.end - expected) >= 0.0;
+        if !(ahead && self.law.is_smooth()) {
+            trial = u + load / (stiffness + tangent);
+            branch = state.close_loops_before(trial);
+        }
         loop {
-            let branch = state.close_loops_before(u + du);
-            let (trial_force, k) = branch.force_and_tangent(&self.law, u + du);
-            let step = (load - stiffness * du - (trial_force - force)) / (stiffness + k);
-            let error = (tangent - k).abs() * step * step;
-            du += step;
+            let (trial_force, k) = branch.force_and_tangent(&self.law, trial);
+            let inverse = 1.0 / (stiffness + k);
+            let way = trial - u;
+            let step = (load - stiffness * way - (trial_force - force)) * inverse;
+            let error = ((tangent - k) * step * step).abs();
+            let du = way + step;
             let small = step.abs() <= f64::EPSILON * du.abs();
-            if small || (error <= NEWTON_ERROR * (stiffness + k) * du * du && !branch.passed_by(u + du)) {
-                state.rest_at(u + du, (trial_force + k * step, k));
+            let accurate = error <= NEWTON_ERROR * (stiffness * du * way).abs()
+                && self.no_corner(&branch, trial, u + du);
+            if (small || accurate) && !branch.passed_by(u + du) {
+                state.step_to(u + du, (trial_force + k * step, k));
                 return du;
             }
+            trial = u + du;
+            branch = state.close_loops_before(trial);
         }
     }
 
@@ -269,7 +332,7 @@ impl<B: Backbone, S: AsRef<[Reversal]> + AsMut<[Reversal]>> Hysteresis<Reversals
     fn stored_energy(&self, state: &Reversals<S>) -> f64 {
         let mut energy = 0.0;
         let mut low = [0.0; 3];
-        let (mut sign, mut anchor, mut until) = (state.direction, None, state.u);
+        let (mut sign, mut anchor, mut until) = (state.branch.direction, None, state.u);
         for depth in (0..=state.depth).rev() {
             let branch = state.branch_at(depth, sign);
             let high = moments(&self.law, branch.virgin_distance(until));

@@ -36,12 +36,13 @@ pub(crate) struct MicroSlip {
     /// τ at the nodes.
     tau: [f64; NODES],
     /// Binomial coefficients of (1 + e)^(p-1).
-    series: [f64; 9],
+    series: [f64; 8],
     /// Duration and damping W/L² over ε, for argument ε·to_unit - 1 from -1 to 1.
     to_unit: f64,
     terms: usize,
     durations: [f64; TERMS],
     dampings: [f64; TERMS],
+    damping_slopes: [f64; TERMS],
 }
 
 /// A half cycle found: what the next one starts from.
@@ -88,20 +89,22 @@ impl MicroSlip {
             terms,
             durations: [0.0; TERMS],
             dampings: [0.0; TERMS],
+            damping_slopes: [0.0; TERMS],
         };
         micro.fill_table();
         let good = [0.05, 0.97].iter().all(|share| {
             let softening = share * steepest;
             let (duration, damping) = micro.shape_by_quadrature(softening);
-            let near = |table, exact: f64| libm::fabs(micro.tabled(table, softening) - exact) <= TABLE_TOLERANCE * exact;
-            near(&micro.durations, duration) && near(&micro.dampings, damping)
+            let near = |found: f64, exact: f64| libm::fabs(found - exact) <= TABLE_TOLERANCE * exact;
+            near(micro.duration(softening), duration) && near(micro.damping(softening).0, damping)
         });
         good.then_some(micro)
     }
 
     /// Ω at the nodes for the softening ε, the damper's part by fixed-point passes.
     fn omega(&self, softening: f64) -> [f64; NODES] {
-        let base: [f64; NODES] = core::array::from_fn(|i| self.omega_squared * (1.0 - softening * self.tau[i]));
+        let base: [f64; NODES] =
+            core::array::from_fn(|i| self.omega_squared * (1.0 - softening * self.tau[i]));
         let mut omega = base.map(libm::sqrt);
         if self.viscous == 0.0 {
             return omega;
@@ -128,20 +131,17 @@ impl MicroSlip {
         (panel.duration(), 0.25 * self.viscous * work)
     }
 
-    /// A tabled function of the softening.
-    #[inline]
-    fn tabled(&self, table: &[f64; TERMS], softening: f64) -> f64 {
-        let s = softening * self.to_unit - 1.0;
-        table[..self.terms].iter().rev().fold(0.0, |sum, c| sum * s + c)
-    }
-
     /// Tabled damping W/L², and its derivative times ε.
     #[inline]
     fn damping(&self, softening: f64) -> (f64, f64) {
         let s = softening * self.to_unit - 1.0;
-        let step = |(value, slope): (f64, f64), c: &f64| (value * s + c, slope * s + value);
-        let (value, slope) = self.dampings[..self.terms].iter().rev().fold((0.0, 0.0), step);
-        (value, slope * self.to_unit * softening)
+        (sixteen(&self.dampings, s), sixteen(&self.damping_slopes, s) * (s + 1.0))
+    }
+
+    /// Tabled duration.
+    #[inline]
+    fn duration(&self, softening: f64) -> f64 {
+        sixteen(&self.durations, softening * self.to_unit - 1.0)
     }
 
     /// ε of a travel.
@@ -173,9 +173,13 @@ impl MicroSlip {
             for j in 0..n {
                 self.durations[j] += c.0 * now[j];
                 self.dampings[j] += c.1 * now[j];
-                next[j] = if j > 0 { if k == 0 { now[j - 1] } else { 2.0 * now[j - 1] } } else { 0.0 } - before[j];
+                next[j] =
+                    if j > 0 { if k == 0 { now[j - 1] } else { 2.0 * now[j - 1] } } else { 0.0 } - before[j];
             }
             (before, now) = (now, next);
+        }
+        for j in 1..n {
+            self.damping_slopes[j - 1] = j as f64 * self.dampings[j];
         }
     }
 
@@ -184,10 +188,9 @@ impl MicroSlip {
     #[inline]
     pub(crate) fn travel(&self, pull: f64, last: Option<&Travel>) -> Option<Travel> {
         const MOST: u32 = 60;
-        let mut at = last.filter(|t| t.age < Travel::OLDEST).map_or_else(
-            || self.first_guess(pull, last),
-            |t| t.continued(&self.series, self.exponent - 1.0),
-        );
+        let mut at = last
+            .filter(|t| t.age < Travel::OLDEST)
+            .map_or_else(|| self.first_guess(pull, last), |t| t.continued(&self.series, self.exponent - 1.0));
         let power = self.exponent - 1.0;
         for _ in 0..MOST {
             let (damping, damping_slope) = self.damping(self.softening(&at));
@@ -207,7 +210,7 @@ impl MicroSlip {
         if !(at.length > 0.0 && at.length <= self.longest) {
             return None;
         }
-        at.duration = self.tabled(&self.durations, self.softening(&at));
+        at.duration = self.duration(self.softening(&at));
         at.force = (self.stiffness - self.drop * at.power) * at.length;
         Some(at)
     }
@@ -216,7 +219,16 @@ impl MicroSlip {
         let length = last.map_or(2.0 * pull / self.omega_squared, |t| t.length * t.ratio);
         let length = length.min(self.longest);
         let power = libm::pow(length, self.exponent - 1.0);
-        Travel { length, damping: 0.0, duration: 0.0, force: 0.0, power, ratio: 1.0, ratio_before: 1.0, age: 0 }
+        Travel {
+            length,
+            damping: 0.0,
+            duration: 0.0,
+            force: 0.0,
+            power,
+            ratio: 1.0,
+            ratio_before: 1.0,
+            age: 0,
+        }
     }
 
     /// Ω over the half cycle, for dense output.
@@ -305,12 +317,28 @@ const fn logarithm(x: f64) -> f64 {
 }
 
 /// Coefficients of e, e², … in (1 + e)^p.
-fn binomial(p: f64) -> [f64; 9] {
+fn binomial(p: f64) -> [f64; 8] {
     let mut coefficient = 1.0;
     core::array::from_fn(|k| {
         coefficient *= (p - k as f64) / (k as f64 + 1.0);
         coefficient
     })
+}
+
+/// Σ c_k x^k of eight terms, pairs first: short chains for the processor.
+#[inline]
+fn eight(c: &[f64; 8], x: f64) -> f64 {
+    let x2 = x * x;
+    ((c[0] + c[1] * x) + (c[2] + c[3] * x) * x2) + ((c[4] + c[5] * x) + (c[6] + c[7] * x) * x2) * (x2 * x2)
+}
+
+/// The same of sixteen.
+#[inline]
+fn sixteen(c: &[f64; TERMS], x: f64) -> f64 {
+    let (low, high) = c.split_at(8);
+    let half = |c: &[f64]| eight(&core::array::from_fn(|k| c[k]), x);
+    let x4 = (x * x) * (x * x);
+    half(low) + half(high) * (x4 * x4)
 }
 
 impl Travel {
@@ -319,7 +347,7 @@ impl Travel {
 
     /// The next travel if the ratio of successive travels goes on changing as it did.
     #[inline]
-    fn continued(&self, series: &[f64; 9], power: f64) -> Self {
+    fn continued(&self, series: &[f64; 8], power: f64) -> Self {
         let next = 2.0 * self.ratio - self.ratio_before;
         let fresh = Self { ratio: 1.0, ratio_before: self.ratio, age: self.age + 1, ..*self };
         fresh.moved(next - 1.0, series, power)
@@ -327,17 +355,11 @@ impl Travel {
 
     /// The travel (1 + e) L, with (1 + e)^(p-1) by its binomial series where that is exact.
     #[inline]
-    fn moved(self, e: f64, series: &[f64; 9], power: f64) -> Self {
+    fn moved(self, e: f64, series: &[f64; 8], power: f64) -> Self {
         let (length, ratio) = (self.length + self.length * e, self.ratio + self.ratio * e);
-        let horner = |terms: &[f64]| terms.iter().rev().fold(0.0, |sum, c| (sum + c) * e);
-        let size = libm::fabs(e);
-        let gain = if size < 1e-4 {
-            horner(&series[..4])
-        } else if size < 0.03 {
-            horner(series)
-        } else {
-            return Self { length, ratio, power: libm::pow(length, power), age: 0, ..self };
-        };
-        Self { length, ratio, power: self.power + self.power * gain, ..self }
+        if libm::fabs(e) < 0.02 {
+            return Self { length, ratio, power: self.power + self.power * (e * eight(series, e)), ..self };
+        }
+        Self { length, ratio, power: libm::pow(length, power), age: 0, ..self }
     }
 }

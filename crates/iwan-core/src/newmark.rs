@@ -20,6 +20,15 @@ pub struct Newmark {
     force_scale: f64,
 }
 
+/// q'_{n+1} from Δq, q'_n and q''_n, and the load of the step's equation from the latter two.
+struct Coefficients {
+    velocity_increment: f64,
+    velocity_velocity: f64,
+    velocity_acceleration: f64,
+    load_velocity: f64,
+    load_acceleration: f64,
+}
+
 impl Newmark {
     /// Average acceleration, β = 1/4 and γ = 1/2: unconditionally stable, no numerical damping,
     /// period error (ω dt)²/12.
@@ -90,6 +99,19 @@ impl Newmark {
         Ok(stiffness)
     }
 
+    /// The coefficients of the step for the viscous coefficient `c`.
+    fn coefficients(&self, c: f64) -> Coefficients {
+        let (b, g, h) = (self.beta, self.gamma, self.step);
+        let (velocity_velocity, velocity_acceleration) = (1.0 - g / b, h * (1.0 - 0.5 * g / b));
+        Coefficients {
+            velocity_increment: g / (b * h),
+            velocity_velocity,
+            velocity_acceleration,
+            load_velocity: 1.0 / (b * h) - c * velocity_velocity,
+            load_acceleration: (0.5 / b - 1.0) - c * velocity_acceleration,
+        }
+    }
+
     /// Integrates from the state (`velocity` and where the joint's `state` stands) over the samples.
     ///
     /// `force` holds one sample per time step, the first at the initial state, and is zero behind its end.
@@ -107,23 +129,23 @@ impl Newmark {
     ) -> Result<f64, Error> {
         let samples = out.checked_len()?;
         let stiffness = self.checked_effective_stiffness(oscillator)?;
-        let (b, g, h) = (self.beta, self.gamma, self.step);
         let (k, c) = (oscillator.k_inf(), oscillator.viscous());
+        let of = self.coefficients(c);
         let (mut q, mut v) = (joint.displacement(state), velocity);
         let mut joint_force = joint.joint_force(state);
-        let mut a = force_at(force, 0) - c * v - k * q - joint_force;
+        let mut p = force_at(force, 0);
+        let mut a = p - c * v - (k * q + joint_force);
         out.set(0, [q, v, a, joint_force]);
         for n in 1..samples {
-            let p = self.force_scale * force_at(force, n);
             // The scheme's acceleration balances the scaled force.
-            let a_scheme = a + (self.force_scale - 1.0) * force_at(force, n - 1);
-            let v_guess = (1.0 - g / b) * v + h * (1.0 - 0.5 * g / b) * a_scheme;
-            let load = p - k * q - joint_force + v / (b * h) + (0.5 / b - 1.0) * a_scheme - c * v_guess;
-            let dq = joint.solve(state, stiffness, load);
+            let a_scheme = a + (self.force_scale - 1.0) * p;
+            p = force_at(force, n);
+            let known = (self.force_scale * p + of.load_velocity * v) - (k * q + joint_force);
+            let dq = joint.solve(state, stiffness, known + of.load_acceleration * a_scheme);
             q = joint.displacement(state);
-            v = g / (b * h) * dq + v_guess;
+            v = of.velocity_increment * dq + (of.velocity_velocity * v + of.velocity_acceleration * a_scheme);
             joint_force = joint.joint_force(state);
-            a = force_at(force, n) - c * v - k * q - joint_force;
+            a = p - c * v - (k * q + joint_force);
             out.set(n, [q, v, a, joint_force]);
         }
         Ok(v)

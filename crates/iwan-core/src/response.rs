@@ -44,6 +44,16 @@ impl Samples<'_> {
         }
     }
 
+    /// The samples from `first` on.
+    pub(crate) fn tail(&mut self, first: usize) -> Samples<'_> {
+        Samples {
+            displacement: &mut self.displacement[first..],
+            velocity: &mut self.velocity[first..],
+            acceleration: &mut self.acceleration[first..],
+            joint_force: &mut self.joint_force[first..],
+        }
+    }
+
     #[inline]
     pub(crate) fn set(&mut self, n: usize, [q, v, a, f]: [f64; 4]) {
         (self.displacement[n], self.velocity[n]) = (q, v);

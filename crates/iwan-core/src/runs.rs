@@ -59,6 +59,14 @@ pub(crate) struct Segment {
     pub(crate) reach: f64,
 }
 
+impl Segment {
+    /// What the straight line lies above `force` at the displacement `u`.
+    #[inline]
+    pub(crate) fn gap(&self, u: f64, force: f64) -> f64 {
+        self.base + self.stiffness * (u - self.anchor) - force
+    }
+}
+
 impl<'a> Sliders<'a> {
     /// The virgin state. `runs` has at least one entry per slider.
     ///
@@ -138,13 +146,16 @@ impl<S: AsRef<[Run]> + AsMut<[Run]>> Runs<S> {
     }
 
     /// Moves the frontier past all sliders for which `slips(segment that ends with their break)`.
+    #[inline]
     pub(crate) fn pass_breaks(&mut self, table: &[Slider], slips: impl Fn(&Segment) -> bool) {
         while slips(&self.segment(table)) {
             let end = self.run().end;
-            self.frontier = if self.travel() == 0.0 { end } else { self.first_stuck(table, end, &slips) };
-            if self.frontier == end {
-                self.exhaust(table.len() - 1);
+            let stuck = if self.travel() == 0.0 { end } else { self.first_stuck(table, end, &slips) };
+            self.frontier = stuck;
+            if stuck < end {
+                break;
             }
+            self.exhaust(table.len() - 1);
         }
     }
 
@@ -190,26 +201,24 @@ impl<S: AsRef<[Run]> + AsMut<[Run]>> Runs<S> {
         }
     }
 
-    /// Moves to the displacement u' with stiffness·(u' - u) + F(u') - F(u) = `load`; returns u' - u.
+    /// Prepares the step with stiffness·(u' - u) + F(u') - F(u) = `load`: turns round and passes breaks as
+    /// needed, so that u' lies on the present segment. Returns F(u).
     ///
     /// The equation is monotone and piecewise linear, so the sign of `load` is the direction
     /// before anything is solved, and no iteration is needed.
-    pub(crate) fn solve_step(&mut self, table: &[Slider], stiffness: f64, load: f64) -> f64 {
+    #[inline]
+    pub(crate) fn aim(&mut self, table: &[Slider], stiffness: f64, load: f64) -> f64 {
         if load * self.direction < 0.0 {
             self.reverse(table);
         }
         let (u, force, direction) = (self.u, self.force_in(table), self.direction);
-        // Load that brings the displacement to the end of a segment.
+        // The load that brings the displacement to the end of a segment is passed.
         self.pass_breaks(table, |s| {
             let x = direction * s.reach;
             let needed = stiffness * (x - (u - s.anchor)) + (s.base + s.stiffness * x - force);
             direction * load > direction * needed
         });
-        let s = self.segment(table);
-        let x = u - s.anchor;
-        let du = (load - (s.base + s.stiffness * x - force)) / (stiffness + s.stiffness);
-        self.u = u + du;
-        du
+        force
     }
 
     /// Displacement at which the state stands.
@@ -251,7 +260,12 @@ impl<S: AsRef<[Run]> + AsMut<[Run]>> Hysteresis<Runs<S>> for Sliders<'_> {
     }
 
     fn solve(&self, state: &mut Runs<S>, stiffness: f64, load: f64) -> f64 {
-        state.solve_step(self.table(), stiffness, load)
+        let table = self.table();
+        let force = state.aim(table, stiffness, load);
+        let s = state.segment(table);
+        let du = (load - s.gap(state.u, force)) / (stiffness + s.stiffness);
+        state.u += du;
+        du
     }
 
     fn stored_energy(&self, state: &Runs<S>) -> f64 {

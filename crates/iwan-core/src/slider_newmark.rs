@@ -1,10 +1,14 @@
 //! Average acceleration on a population of sliders, without Newton's method.
 //!
-//! With s = K_∞ q + F_J(q) and w = (4/h) q', one step of the average-acceleration rule is
-//! keff Δq + ΔF_J = r with r = p_n + p_{n+1} + w - 2 s and keff = 4/h² + 2c/h + K_∞. F_J is
-//! piecewise linear with slope K(j), so Δq = r / (keff + K(j)) until a slider breaks loose, and the
-//! next residual is r' = (p_{n+1} + p_{n+2} - w - 2 s) + g r with g = (8/h² - 2 (K_∞ + K(j))) / (keff + K(j)):
-//! between breaks the steps depend on each other through one product and one sum.
+//! With s = K_∞ q + F_J(q), w = (4/h) q' and l = p_n + p_{n+1} (times the prewarping factor), one step of the
+//! average-acceleration rule is keff Δq + ΔF_J = r with r = l + w - 2 s and keff = 4/h² + 2c/h + K_∞. F_J
+//! is piecewise linear with slope K, so Δq = r/(keff + K) until a slider breaks loose, and
+//!
+//! r' = e + (8/h² - 2 (K_∞ + K)) Δq,   e = l' - w - 2 s,
+//! e' = l'' + (w - 2 s) - (8/h² + 2 (K_∞ + K)) Δq :
+//!
+//! between breaks a step waits for the one before through one product and one sum, and all else
+//! (outputs, w, s, the tests for a break) is taken from the state and runs beside, so nothing drifts.
 
 use crate::error::Error;
 use crate::newmark::Newmark;
@@ -13,47 +17,188 @@ use crate::response::{Samples, force_at};
 use crate::runs::{Run, Runs};
 use crate::sliders::{Slider, Sliders};
 
-/// The constants of one step while no slider breaks loose.
-#[derive(Clone, Copy)]
-struct Piece {
-    /// Displacement from which x is counted.
-    anchor: f64,
-    /// Joint force and its slope at x.
-    joint: f64,
-    joint_slope: f64,
-    /// K_∞ q + F_J and its slope at x.
-    restoring: f64,
-    slope: f64,
-    /// 1 / (keff + K) and the gain of the residual.
-    inverse: f64,
-    gain: f64,
-    direction: f64,
-    /// End of the piece, in direction·x.
-    reach: f64,
-}
-
+/// The scheme's constants.
 struct Scheme {
     k_inf: f64,
+    viscous: f64,
+    /// keff.
     stiffness: f64,
     /// 8/h².
     inertia: f64,
+    /// h/4.
+    to_velocity: f64,
+}
+
+/// The constants of one step while no slider breaks loose; x is counted from `anchor`.
+#[derive(Clone, Copy)]
+struct Piece {
+    anchor: f64,
+    /// End of the piece, in direction·x.
+    reach: f64,
+    /// Joint force and its slope at x.
+    joint: f64,
+    joint_slope: f64,
+    /// 2 s = 2 (K_∞ q + F_J) and its slope at x.
+    twice_held: f64,
+    twice_slope: f64,
+    /// 1/(keff + K), and the gains of r' and e'.
+    inverse: f64,
+    gain: f64,
+    loss: f64,
+}
+
+/// What one step hands to the next.
+#[derive(Clone, Copy)]
+struct Motion {
+    x: f64,
+    w: f64,
+    twice_s: f64,
+    r: f64,
+}
+
+/// The applied force, and l of a step.
+trait Load: Copy {
+    /// Force at sample `n` and sum of the forces at the ends of the step from it.
+    fn at(&self, n: usize) -> (f64, f64);
+}
+
+#[derive(Clone, Copy)]
+struct Applied<'a> {
+    force: &'a [f64],
+    scale: f64,
+}
+
+impl Load for Applied<'_> {
+    #[inline]
+    fn at(&self, n: usize) -> (f64, f64) {
+        let p = force_at(self.force, n);
+        (p, self.scale * (p + force_at(self.force, n + 1)))
+    }
+}
+
+#[derive(Clone, Copy)]
+struct Free;
+
+impl Load for Free {
+    #[inline]
+    fn at(&self, _: usize) -> (f64, f64) {
+        (0.0, 0.0)
+    }
 }
 
 impl Scheme {
+    #[inline]
     fn piece<S: AsRef<[Run]> + AsMut<[Run]>>(&self, table: &[Slider], state: &Runs<S>) -> Piece {
         let segment = state.segment(table);
-        let slope = self.k_inf + segment.stiffness;
+        let twice_slope = 2.0 * (self.k_inf + segment.stiffness);
         let inverse = 1.0 / (self.stiffness + segment.stiffness);
         Piece {
             anchor: segment.anchor,
+            reach: segment.reach,
             joint: segment.base,
             joint_slope: segment.stiffness,
-            restoring: self.k_inf * segment.anchor + segment.base,
-            slope,
+            twice_held: 2.0 * (self.k_inf * segment.anchor + segment.base),
+            twice_slope,
             inverse,
-            gain: (self.inertia - 2.0 * slope) * inverse,
-            direction: state.direction(),
-            reach: segment.reach,
+            gain: (self.inertia - twice_slope) * inverse,
+            loss: (self.inertia + twice_slope) * inverse,
+        }
+    }
+
+    /// Writes sample `n`, at which the force is `p`.
+    #[inline]
+    fn write(&self, piece: &Piece, motion: &Motion, p: f64, n: usize, out: &mut Samples<'_>) {
+        let v = self.to_velocity * motion.w;
+        let a = (p - self.viscous * v) - 0.5 * motion.twice_s;
+        out.set(n, [piece.anchor + motion.x, v, a, piece.joint + piece.joint_slope * motion.x]);
+    }
+
+    /// Steps from sample `n` on for as long as no slider breaks loose and the motion keeps its direction;
+    /// returns the last sample written.
+    #[inline]
+    fn glide<const UP: bool>(
+        &self,
+        piece: &Piece,
+        motion: &mut Motion,
+        load: impl Load,
+        n: usize,
+        out: &mut Samples<'_>,
+    ) -> usize {
+        let (piece, mut m) = (*piece, *motion);
+        let end = if UP { piece.reach } else { -piece.reach };
+        let mut out = out.tail(n + 1);
+        let steps = out.displacement.len();
+        let mut e = (load.at(n + 1).1 - m.w) - m.twice_s;
+        let mut done = steps;
+        for i in 0..steps {
+            let dq = m.r * piece.inverse;
+            let x = m.x + dq;
+            if !(if UP { m.r >= 0.0 && x <= end } else { m.r <= 0.0 && x >= end }) {
+                done = i;
+                break;
+            }
+            let r = e + piece.gain * m.r;
+            let (p, _) = load.at(n + i + 1);
+            e = (load.at(n + i + 2).1 + (m.w - m.twice_s)) - piece.loss * m.r;
+            m = Motion {
+                x,
+                w: self.inertia * dq - m.w,
+                twice_s: piece.twice_held + piece.twice_slope * x,
+                r,
+            };
+            self.write(&piece, &m, p, i, &mut out);
+        }
+        *motion = m;
+        n + done
+    }
+
+    /// One step in which sliders break loose or the motion turns round.
+    #[inline]
+    fn cross<S: AsRef<[Run]> + AsMut<[Run]>>(
+        &self,
+        table: &[Slider],
+        state: &mut Runs<S>,
+        piece: &mut Piece,
+        motion: &mut Motion,
+        load: f64,
+    ) {
+        let from = piece.anchor + motion.x;
+        state.rest_at(from);
+        let force = state.aim(table, self.stiffness, motion.r);
+        *piece = self.piece(table, state);
+        let start = from - piece.anchor;
+        let dq = (motion.r - (piece.joint + piece.joint_slope * start - force)) * piece.inverse;
+        let (x, w) = (start + dq, self.inertia * dq - motion.w);
+        let twice_s = piece.twice_held + piece.twice_slope * x;
+        *motion = Motion { x, w, twice_s, r: (load + w) - twice_s };
+    }
+
+    /// Steps from sample `first` to sample `last`.
+    #[inline]
+    fn march<S: AsRef<[Run]> + AsMut<[Run]>>(
+        &self,
+        table: &[Slider],
+        state: &mut Runs<S>,
+        (piece, motion): (&mut Piece, &mut Motion),
+        load: impl Load,
+        (first, last): (usize, usize),
+        out: &mut Samples<'_>,
+    ) {
+        let mut out = out.between(0, last);
+        let mut n = first;
+        loop {
+            n = if state.direction() > 0.0 {
+                self.glide::<true>(piece, motion, load, n, &mut out)
+            } else {
+                self.glide::<false>(piece, motion, load, n, &mut out)
+            };
+            if n == last {
+                break;
+            }
+            n += 1;
+            let (p, next) = load.at(n);
+            self.cross(table, state, piece, motion, next);
+            self.write(piece, motion, p, n, &mut out);
         }
     }
 }
@@ -77,45 +222,21 @@ impl Newmark {
         if !self.is_average_acceleration() {
             return self.integrate(oscillator, sliders, state, velocity, force, out);
         }
-        let samples = out.checked_len()?;
-        let stiffness = self.checked_effective_stiffness(oscillator)?;
-        let h = self.step();
-        let scheme = Scheme { k_inf: oscillator.k_inf(), stiffness, inertia: 8.0 / (h * h) };
-        let (c, scale) = (oscillator.viscous(), self.force_scale());
-        let (table, to_velocity) = (sliders.table(), 0.25 * h);
+        let last = out.checked_len()? - 1;
+        let (stiffness, h) = (self.checked_effective_stiffness(oscillator)?, self.step());
+        let (k_inf, viscous) = (oscillator.k_inf(), oscillator.viscous());
+        let scheme = Scheme { k_inf, viscous, stiffness, inertia: 8.0 / (h * h), to_velocity: 0.25 * h };
+        let (table, load) = (sliders.table(), Applied { force, scale: self.force_scale() });
         let mut piece = scheme.piece(table, state);
-        let mut x = state.displacement() - piece.anchor;
-        let mut s = piece.restoring + piece.slope * x;
-        let mut w = velocity / to_velocity;
-        let mut p = force_at(force, 0);
-        let joint = piece.joint + piece.joint_slope * x;
-        out.set(0, [piece.anchor + x, velocity, p - c * velocity - s, joint]);
-        let mut next = force_at(force, 1);
-        let mut r = (scale * (p + next) + w) - 2.0 * s;
-        for n in 1..samples {
-            p = next;
-            next = force_at(force, n + 1);
-            let load = scale * (p + next);
-            let mut y = x + r * piece.inverse;
-            if piece.direction * r >= 0.0 && piece.direction * y <= piece.reach {
-                let dq = r * piece.inverse;
-                r = ((load - w) - 2.0 * s) + piece.gain * r;
-                w = scheme.inertia * dq - w;
-                s = piece.restoring + piece.slope * y;
-            } else {
-                state.rest_at(piece.anchor + x);
-                let dq = state.solve_step(table, stiffness, r);
-                piece = scheme.piece(table, state);
-                y = state.displacement() - piece.anchor;
-                w = scheme.inertia * dq - w;
-                s = piece.restoring + piece.slope * y;
-                r = (load + w) - 2.0 * s;
-            }
-            x = y;
-            let v = to_velocity * w;
-            out.set(n, [piece.anchor + x, v, (p - c * v) - s, piece.joint + piece.joint_slope * x]);
-        }
-        state.rest_at(piece.anchor + x);
-        Ok(to_velocity * w)
+        let x = state.displacement() - piece.anchor;
+        let (w, twice_s) = (velocity / scheme.to_velocity, piece.twice_held + piece.twice_slope * x);
+        let (p, first_load) = load.at(0);
+        let mut motion = Motion { x, w, twice_s, r: (first_load + w) - twice_s };
+        scheme.write(&piece, &motion, p, 0, out);
+        let forced = force.len().min(last);
+        scheme.march(table, state, (&mut piece, &mut motion), load, (0, forced), out);
+        scheme.march(table, state, (&mut piece, &mut motion), Free, (forced, last), out);
+        state.rest_at(piece.anchor + motion.x);
+        Ok(scheme.to_velocity * motion.w)
     }
 }

@@ -257,6 +257,10 @@ impl Backbone for Sliders<'_> {
         self.elements().map(|(phi, k)| k * jenkins_harmonic(phi / u.abs())).sum()
     }
 
+    fn is_smooth(&self) -> bool {
+        false
+    }
+
     fn stiffness_below(&self, phi: f64) -> f64 {
         self.elements().take_while(|e| e.0 < phi).map(|e| e.1).sum()
     }

@@ -142,6 +142,10 @@ impl<P: AsRef<[DensityPoint]>> Backbone for Tabulated<P> {
         4.0 * (u * m1 - m2)
     }
 
+    fn is_smooth(&self) -> bool {
+        false
+    }
+
     fn stiffness_below(&self, phi: f64) -> f64 {
         self.moments(phi)[0] - if phi == self.last().strength { self.dirac } else { 0.0 }
     }

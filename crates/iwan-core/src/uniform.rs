@@ -79,6 +79,10 @@ impl Backbone for Uniform {
         4.0 * self.density * (u * below - second)
     }
 
+    fn is_smooth(&self) -> bool {
+        true
+    }
+
     fn stiffness_below(&self, phi: f64) -> f64 {
         self.density * self.into_band(phi.min(self.strongest))
     }

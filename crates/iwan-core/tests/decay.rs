@@ -34,7 +34,14 @@ fn table(law: &impl Backbone, grid: Grid, bins: usize) -> Vec<(f64, f64)> {
 }
 
 /// The event-driven response of a population from a displaced start.
-fn events(elements: &[(f64, f64)], zeta: f64, start: (f64, f64), dt: f64, samples: usize, angle: f64) -> Buffers {
+fn events(
+    elements: &[(f64, f64)],
+    zeta: f64,
+    start: (f64, f64),
+    dt: f64,
+    samples: usize,
+    angle: f64,
+) -> Buffers {
     let (strength, stiffness): (Vec<_>, Vec<_>) = elements.iter().copied().unzip();
     let mut table = vec![Slider::default(); strength.len() + 1];
     let sliders = Sliders::from_elements(&strength, &stiffness, &mut table).unwrap();
@@ -62,7 +69,11 @@ fn event_driven_solution_is_self_consistent() {
         let coarse = events(&elements, zeta, start, 1e-3, 201, 0.5);
         let fine = events(&elements, zeta, start, 1.25e-4, 1601, 0.23);
         let every_eighth: Vec<f64> = fine.0[0].iter().copied().step_by(8).collect();
-        assert!(worst(&coarse.0[0], &every_eighth) < 1e-11, "{ratio} {zeta}: {}", worst(&coarse.0[0], &every_eighth));
+        assert!(
+            worst(&coarse.0[0], &every_eighth) < 1e-11,
+            "{ratio} {zeta}: {}",
+            worst(&coarse.0[0], &every_eighth)
+        );
     }
 }
 
@@ -77,7 +88,8 @@ fn half_cycle_map_is_exact_on_a_slider_population_without_damper() {
     for ratio in [0.01, 0.3, 1.0, 3.0] {
         let start = (ratio * joint.phi_max(), 0.0);
         let mut decay =
-            Decay::new(&oscillator(&sliders, 0.0), &sliders, 0.0, start, vec![Reversal::default(); 64]).unwrap();
+            Decay::new(&oscillator(&sliders, 0.0), &sliders, 0.0, start, vec![Reversal::default(); 64])
+                .unwrap();
         let response = events(&elements, 0.0, start, 1e-6, 40_001, 0.5);
         let q = &response.0[0];
         let turns = (1..q.len() - 1).filter(|&n| (q[n] - q[n - 1]) * (q[n + 1] - q[n]) < 0.0);
@@ -85,7 +97,8 @@ fn half_cycle_map_is_exact_on_a_slider_population_without_damper() {
             // Parabola through three samples around the turn.
             let (a, b) = (0.5 * (q[n + 1] - q[n - 1]), q[n + 1] - 2.0 * q[n] + q[n - 1]);
             let peak = q[n] - 0.5 * a * a / b;
-            println!("{ratio} {:e}", turn.displacement / peak - 1.0);assert!((turn.displacement / peak - 1.0).abs() < 1e-7, "{ratio}: {} {peak}", turn.displacement);
+            println!("{ratio} {:e}", turn.displacement / peak - 1.0);
+            assert!((turn.displacement / peak - 1.0).abs() < 1e-7, "{ratio}: {} {peak}", turn.displacement);
         }
     }
 }
@@ -124,7 +137,8 @@ fn energy_balance_of_the_map_closes() {
         for velocity in [0.0, 0.3, -0.7] {
             let start = (ratio * joint.phi_max(), velocity);
             let mut decay =
-                Decay::new(&oscillator(&joint, zeta), &joint, 3.0, start, vec![Reversal::default(); 128]).unwrap();
+                Decay::new(&oscillator(&joint, zeta), &joint, 3.0, start, vec![Reversal::default(); 128])
+                    .unwrap();
             for _ in 0..60 {
                 decay.next().unwrap();
             }

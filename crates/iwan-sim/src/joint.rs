@@ -77,6 +77,9 @@ impl Backbone for JointLaw {
     fn force_below(&self, phi: f64) -> f64 {
         with_law!(self, law => law.force_below(phi))
     }
+    fn is_smooth(&self) -> bool {
+        with_law!(self, law => law.is_smooth())
+    }
     fn power_law(&self) -> Option<PowerLaw> {
         with_law!(self, law => law.power_law())
     }
