@@ -1,4 +1,9 @@
 //! `iwan`: ring-downs of bolted structures with Iwan friction models, from the command line.
+#![allow(
+    clippy::cast_possible_truncation,
+    clippy::cast_sign_loss,
+    reason = "numbers of samples, pixels and digits are small and not negative"
+)]
 
 mod args;
 mod commands;

@@ -110,8 +110,14 @@ fn navigation(summary: &Summary) -> Markup {
     }
 }
 
+/// A line of a table: its label, and how a mode shows it.
+type TableRow<'a> = (&'a str, &'a dyn Fn(&ModeSummary) -> String);
+
+/// A part of the energy balance with its label.
+type EnergyPart = (&'static str, fn(&Energy) -> f64);
+
 /// A table with the modes side by side.
-fn table(summary: &Summary, rows: &[(&str, &dyn Fn(&ModeSummary) -> String)]) -> Markup {
+fn table(summary: &Summary, rows: &[TableRow<'_>]) -> Markup {
     html! {
         div.wide {
             table {
@@ -127,9 +133,9 @@ fn table(summary: &Summary, rows: &[(&str, &dyn Fn(&ModeSummary) -> String)]) ->
 }
 
 fn tables(summary: &Summary) -> Markup {
-    let rows: Vec<(&str, &dyn Fn(&ModeSummary) -> String)> =
+    let rows: Vec<TableRow<'_>> =
         ROWS.iter().map(|(label, cell)| (*label, cell as &dyn Fn(&ModeSummary) -> String)).collect();
-    let energy: [(&str, fn(&Energy) -> f64); 8] = [
+    let energy: [EnergyPart; 8] = [
         ("at the start", |e| e.initial),
         ("put in by the force", |e| e.input),
         ("lost in viscous damping", |e| e.viscous),
@@ -140,7 +146,7 @@ fn tables(summary: &Summary) -> Markup {
         ("residual", |e| e.residual),
     ];
     let cells = energy.map(|(label, of)| (label, move |m: &ModeSummary| short(of(&m.energy))));
-    let energy: Vec<(&str, &dyn Fn(&ModeSummary) -> String)> =
+    let energy: Vec<TableRow<'_>> =
         cells.iter().map(|(label, cell)| (*label, cell as &dyn Fn(&ModeSummary) -> String)).collect();
     html! {
         div.tables {

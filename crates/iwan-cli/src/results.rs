@@ -47,7 +47,7 @@ impl Results {
     /// Adds a file from memory.
     pub(crate) fn add(&mut self, name: &str, content: &[u8]) -> Result<(), Failure> {
         self.names.push(name.into());
-        self.folder.write(name, |w| w.write_all(content)).map_err(failed)
+        self.folder.write(name, |w| w.write_all(content)).map_err(|e| failed(&e))
     }
 
     /// Adds a table.
@@ -58,16 +58,16 @@ impl Results {
             Format::Npz => table.npz_to(w),
             Format::Parquet => table.parquet_to(w),
         });
-        written.map_err(failed)
+        written.map_err(|e| failed(&e))
     }
 
     /// Makes all files visible.
     pub(crate) fn commit(self) -> Result<(), Failure> {
-        self.folder.commit().map_err(failed)
+        self.folder.commit().map_err(|e| failed(&e))
     }
 }
 
-fn failed(error: WriteError) -> Failure {
+fn failed(error: &WriteError) -> Failure {
     Failure::Computation(error.to_string())
 }
 

@@ -1,5 +1,6 @@
 //! What a simulation says about itself: `summary.json`, the table on the terminal, and warnings in words.
 
+use std::fmt::Write;
 use std::path::PathBuf;
 
 use iwan_core::{Backbone, EnergyBalance};
@@ -227,7 +228,8 @@ impl Summary {
         }
         for p in &self.points {
             let [q, v, a] = [p.peak_displacement, p.peak_velocity, p.peak_acceleration].map(short);
-            text.push_str(&format!("{:<22} {q:>12}  {v:>12}  {a:>12}\n", p.name));
+            // Writing to a string cannot fail.
+            let _ = writeln!(text, "{:<22} {q:>12}  {v:>12}  {a:>12}", p.name);
         }
         text
     }
@@ -236,9 +238,9 @@ impl Summary {
 fn block(modes: &[ModeSummary]) -> String {
     let width = |m: &ModeSummary| m.name.chars().count().max(10);
     let line = |label: &str, cell: &dyn Fn(&ModeSummary) -> String| {
-        let cells: String =
+        let cells: Vec<_> =
             modes.iter().map(|m| format!("  {:>width$}", cell(m), width = width(m))).collect();
-        format!("{label:<22}{cells}\n")
+        format!("{label:<22}{}\n", cells.concat())
     };
     let head = line("mode", &|m| m.name.clone());
     ROWS.iter().fold(head, |text, (label, cell)| text + &line(label, cell))

@@ -1,4 +1,5 @@
 //! Bad input: exit code 2, one clear message with file, place, value and remedy, nothing written.
+#![allow(clippy::unwrap_used, reason = "tests may panic")]
 
 mod common;
 
@@ -124,14 +125,14 @@ fn force_files_are_checked() {
         ("not finite", "t,force\n0,1\n1,nan\n"),
         ("empty", ""),
     ];
-    let mut shown = String::new();
+    let mut shown = Vec::new();
     for (name, text) in files {
         let place = folder(&scenario);
         std::fs::write(place.path().join("blow.csv"), text).unwrap();
         let output = iwan(place.path(), "simulate in.toml --out out");
         assert_eq!(output.status.code(), Some(2), "{name}");
         assert_eq!(names(place.path()), ["blow.csv", "in.toml"], "{name}");
-        shown.push_str(&format!("{name}\n{}\n", String::from_utf8(output.stderr).unwrap()));
+        shown.push(format!("{name}\n{}", String::from_utf8(output.stderr).unwrap()));
     }
-    insta::assert_snapshot!(shown);
+    insta::assert_snapshot!(shown.join("\n"));
 }

@@ -1,4 +1,5 @@
 //! Help, lists, completions and manual pages.
+#![allow(clippy::unwrap_used, reason = "tests may panic")]
 
 mod common;
 

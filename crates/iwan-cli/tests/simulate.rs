@@ -1,4 +1,5 @@
 //! `iwan simulate`: files, contract, repeatability.
+#![allow(clippy::unwrap_used, reason = "tests may panic")]
 
 mod common;
 

@@ -35,13 +35,13 @@ pub(crate) fn run(args: &SimulateArgs) -> Result<(), Failure> {
     progress::catch_interrupts();
     let note = |text: &str| {
         if !args.common.quiet {
-            output::message(text)
+            output::message(text);
         }
     };
     scenario.notes().iter().for_each(|n| note(&format!("note: {n}")));
 
     let clock = Instant::now();
-    let responses = compute(&scenario, args).map_err(|error| explain(&source.name, error))?;
+    let responses = compute(&scenario, args).map_err(|error| explain(&source.name, &error))?;
     let seconds = clock.elapsed().as_secs_f64();
     let points = superpose(&scenario.modes(), &responses);
     let mut summary = summarise(&scenario, &source.name, &responses, &points);
@@ -83,8 +83,8 @@ fn compute(scenario: &Scenario, args: &SimulateArgs) -> Result<Vec<Response>, Si
 }
 
 /// A failed computation in the user's terms: what could not be set up is bad input, the rest failed.
-fn explain(name: &str, error: SimulationError) -> Failure {
-    let root = match &error {
+fn explain(name: &str, error: &SimulationError) -> Failure {
+    let root = match error {
         SimulationError::Mode { source, .. } => source,
         other => other,
     };

@@ -37,7 +37,8 @@ mod tests {
 
     #[test]
     fn peaks_survive_and_time_ascends() {
-        let samples: Vec<f64> = (0..100_000).map(|n| (n as f64 * 0.37).sin()).chain([7.0, -0.5]).collect();
+        let samples: Vec<f64> =
+            (0..100_000).map(|n| (f64::from(n) * 0.37).sin()).chain([7.0, -0.5]).collect();
         let points = history(&samples, 1e-3, 300);
         assert!(points.len() <= 602 && points.is_sorted_by(|a, b| a.0 < b.0));
         assert!(points.iter().any(|p| p.1 == 7.0) && points.last().is_some_and(|p| p.1 == -0.5));

@@ -33,6 +33,9 @@ pub(crate) struct Decay<'a> {
     pub(crate) settled: f64,
 }
 
+/// A loop of the joint: name, colour, displacement and force.
+type Loop = (&'static str, &'static str, Vec<(f64, f64)>);
+
 /// A history of one quantity.
 pub(crate) fn of_history(title: String, quantity: &str, samples: &[f64], dt: f64, caption: &str) -> Figure {
     Figure {
@@ -105,7 +108,7 @@ impl Decay<'_> {
 
     /// The first, middle and last cycle after the force (or of the whole response, where it never settles), as
     /// displacement and joint force.
-    fn loops(&self) -> Vec<(&'static str, &'static str, Vec<(f64, f64)>)> {
+    fn loops(&self) -> Vec<Loop> {
         let response = self.response;
         let turns_from = |first| extremes(&response.displacement, response.dt, first);
         let first = (self.settled / response.dt).ceil().min(response.displacement.len() as f64) as usize;

@@ -184,13 +184,11 @@ impl<'a> Section<'a> {
     /// One of several words, or none.
     pub(crate) fn choice<T: Copy>(&self, key: &str, choices: &[(&str, T)]) -> Result<Option<T>, Failure> {
         let Some(given) = self.optional_text(key)? else { return Ok(None) };
-        match choices.iter().find(|(name, _)| *name == given) {
-            Some((_, value)) => Ok(Some(*value)),
-            None => {
-                let names = choices.iter().map(|(name, _)| *name).collect::<Vec<_>>().join(", ");
-                Err(self.choice_failure(key, &given, &names))
-            }
+        if let Some((_, value)) = choices.iter().find(|(name, _)| *name == given) {
+            return Ok(Some(*value));
         }
+        let names = choices.iter().map(|(name, _)| *name).collect::<Vec<_>>().join(", ");
+        Err(self.choice_failure(key, &given, &names))
     }
 
     /// A switch that may be left out.

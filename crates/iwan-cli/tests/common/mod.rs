@@ -1,5 +1,10 @@
 //! Running the program in a folder of its own.
-#![allow(dead_code, reason = "each test file uses its part")]
+#![allow(
+    dead_code,
+    unreachable_pub,
+    clippy::unwrap_used,
+    reason = "each test file uses its part; tests may panic"
+)]
 
 use std::path::Path;
 use std::process::Output;
