@@ -5,8 +5,8 @@ mod figure;
 mod figures;
 mod scale;
 
-use iwan_core::Pulse;
-use iwan_sim::Response;
+use iwan_core::{Backbone, Pulse};
+use iwan_sim::{Mode, Response};
 use maud::{DOCTYPE, Markup, PreEscaped, html};
 
 use crate::cycles::cycles;
@@ -226,7 +226,7 @@ fn modes(input: &Input<'_>) -> Markup {
     html! {
         @for (n, ((mode, response), summary)) in each.enumerate() {
             h2 id=(format!("mode-{n}")) { (mode.mode.name) }
-            p { (describe(summary)) }
+            p { (describe(&mode.mode, summary)) }
             (grid(&Decay { mode: &mode.mode, response, cycles: cycles(response, settled), settled }.figures()))
         }
         (left_out(input.responses.len(), "modes"))
@@ -234,24 +234,28 @@ fn modes(input: &Input<'_>) -> Markup {
 }
 
 /// The mode in a sentence.
-fn describe(mode: &ModeSummary) -> String {
-    let what = match (mode.phi_max, mode.slip_ratio) {
+fn describe(mode: &Mode, summary: &ModeSummary) -> String {
+    let strengths = mode.joint.as_ref().map(Backbone::strengths);
+    let what = match (strengths, summary.slip_ratio) {
         (None, _) => "linear, without a joint".into(),
-        (Some(phi), ratio) if ratio >= 1.0 => {
+        (Some((weakest, _)), _) if summary.peak_displacement <= weakest => {
+            format!("stuck: the peak does not reach the weakest slider's strength {}", short(weakest))
+        }
+        (Some((_, phi)), ratio) if ratio >= 1.0 => {
             format!("macro-slip: the peak is {} times \u{3c6}_max = {}", short(ratio), short(phi))
         }
-        (Some(phi), ratio) => {
+        (Some((_, phi)), ratio) => {
             format!("micro-slip: the peak reaches {} of \u{3c6}_max = {}", short(ratio), short(phi))
         }
     };
-    let (viscous, friction) = (mode.energy.viscous, mode.energy.friction);
+    let (viscous, friction) = (summary.energy.viscous, summary.energy.friction);
     let lost = viscous + friction;
-    let share = if lost > 0.0 && mode.phi_max.is_some() {
-        format!(" Friction takes {:.1} % of the energy lost.", 100.0 * friction / lost)
+    let share = if lost > 0.0 && strengths.is_some() {
+        format!(" Friction takes {:.1} % of the energy lost.", (100.0 * friction / lost).max(0.0))
     } else {
         String::new()
     };
-    format!("{} Hz at small amplitude; {what}.{share}", short(mode.frequency))
+    format!("{} Hz at small amplitude; {what}.{share}", short(summary.frequency))
 }
 
 fn repeat(input: &Input<'_>) -> Markup {

@@ -90,9 +90,10 @@ fn explain(name: &str, error: &SimulationError) -> Failure {
     };
     match root {
         SimulationError::Interrupted => Failure::Interrupted,
-        SimulationError::Parameter(_) => {
-            Failure::input(format!("{name}: {error}"), "change this value in the scenario")
-        }
+        SimulationError::Parameter(_) => Failure::input(
+            format!("{name}: {error}"),
+            "change this in the scenario, or choose another method",
+        ),
         _ => Failure::Computation(format!("{name}: {error}")),
     }
 }

@@ -72,7 +72,10 @@ impl Decay<'_> {
 
     fn displacement(&self) -> Figure {
         let (q, dt) = (&self.response.displacement, self.response.dt);
-        let caption = "Modal displacement q, with the amplitude between its successive extremes.";
+        let caption = match self.cycles.len() {
+            0 => "Modal displacement q.",
+            _ => "Modal displacement q, with the amplitude between its successive extremes after the force.",
+        };
         let mut figure = of_history("Displacement".into(), "modal displacement q", q, dt, caption);
         let side = |sign: f64| {
             let points = self.cycles.iter().map(|c| (c.t, sign * c.amplitude)).collect::<Vec<_>>();
@@ -147,7 +150,7 @@ impl Decay<'_> {
         vec![
             figure(
                 "Hysteresis of the joint",
-                "Joint force F in the first, middle and last cycle after the force; the area of a loop is the energy \
+                "Joint force F in the first, middle and last cycle (after the force, where it ends); the area of a loop is the energy \
                  lost in it.",
                 "joint force F",
                 0.0,
@@ -209,7 +212,11 @@ impl Decay<'_> {
             layers.push(dots.named("from the response"));
         }
         let phi_max = self.mode.joint.as_ref().map(|law| (law.strengths().1, "\u{3c6}_max: macro-slip"));
-        let (title, caption, x) = (title.into(), caption.into(), Axis::log("amplitude of q", ""));
+        let caption = match self.cycles.len() {
+            0 => "Line: closed form. There is no free decay from which points could be read.".into(),
+            _ => caption.into(),
+        };
+        let (title, x) = (title.into(), Axis::log("amplitude of q", ""));
         Figure { title, caption, x, y, layers, marker: phi_max }
     }
 
