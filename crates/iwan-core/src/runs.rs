@@ -41,7 +41,7 @@ pub struct Runs<S> {
     frontier: usize,
     /// Index of the topmost run.
     top: usize,
-    runs: S,
+    list: S,
 }
 
 /// Breaks passed one by one before the search along the strengths begins to gallop.
@@ -67,7 +67,7 @@ impl Segment {
     }
 }
 
-impl<'a> Sliders<'a> {
+impl Sliders<'_> {
     /// The virgin state. `runs` has at least one entry per slider.
     ///
     /// # Errors
@@ -78,7 +78,7 @@ impl<'a> Sliders<'a> {
             check_length("runs", slice.len(), self.len())?;
         }
         slice[0] = self.untouched();
-        Ok(Runs { u: 0.0, direction: 1.0, frontier: 0, top: 0, runs })
+        Ok(Runs { u: 0.0, direction: 1.0, frontier: 0, top: 0, list: runs })
     }
 
     fn untouched(&self) -> Run {
@@ -89,7 +89,7 @@ impl<'a> Sliders<'a> {
 impl<S: AsRef<[Run]> + AsMut<[Run]>> Runs<S> {
     #[inline]
     fn run(&self) -> &Run {
-        &self.runs.as_ref()[self.top]
+        &self.list.as_ref()[self.top]
     }
 
     /// Direction of motion, ±1.
@@ -139,7 +139,7 @@ impl<S: AsRef<[Run]> + AsMut<[Run]>> Runs<S> {
             if run.end > j {
                 self.top += 1;
             }
-            self.runs.as_mut()[self.top] = Run { end: j, sign: self.direction, anchor: self.u, carried };
+            self.list.as_mut()[self.top] = Run { end: j, sign: self.direction, anchor: self.u, carried };
             self.frontier = 0;
         }
         self.direction = -self.direction;
@@ -197,7 +197,7 @@ impl<S: AsRef<[Run]> + AsMut<[Run]>> Runs<S> {
             self.top -= 1;
         } else {
             // Everything slips: an empty virgin run stands for "no one left to slip".
-            self.runs.as_mut()[0] = Run { end: sliders, anchor: self.u, ..Run::default() };
+            self.list.as_mut()[0] = Run { end: sliders, anchor: self.u, ..Run::default() };
         }
     }
 
@@ -270,7 +270,7 @@ impl<S: AsRef<[Run]> + AsMut<[Run]>> Hysteresis<Runs<S>> for Sliders<'_> {
 
     fn stored_energy(&self, state: &Runs<S>) -> f64 {
         let mut run = state.top;
-        let runs = state.runs.as_ref();
+        let runs = state.list.as_ref();
         let energy = |(i, (phi, k)): (usize, (f64, f64))| {
             let extension = if i < state.frontier {
                 phi

@@ -200,6 +200,7 @@ impl<'a> Sliders<'a> {
     }
 
     /// Strength φ and stiffness k of each slider, weakest first.
+    #[must_use]
     pub fn elements(&self) -> impl ExactSizeIterator<Item = (f64, f64)> + '_ {
         self.table[..self.len()].iter().map(|s| (s.strength, s.stiffness))
     }

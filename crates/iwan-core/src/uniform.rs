@@ -34,7 +34,7 @@ impl Uniform {
     }
 
     /// Displacement into the band of strengths, 0 before it.
-    fn into_band(&self, u: f64) -> f64 {
+    fn beyond_weakest(&self, u: f64) -> f64 {
         (u.abs() - self.weakest).max(0.0)
     }
 }
@@ -56,24 +56,24 @@ impl Backbone for Uniform {
         if u.abs() >= self.strongest {
             return self.f_s.copysign(u);
         }
-        let x = self.into_band(u);
+        let x = self.beyond_weakest(u);
         self.k_t * u - (0.5 * self.density * x * x).copysign(u)
     }
 
     fn tangent(&self, u: f64) -> f64 {
-        if u.abs() >= self.strongest { 0.0 } else { self.k_t - self.density * self.into_band(u) }
+        if u.abs() >= self.strongest { 0.0 } else { self.k_t - self.density * self.beyond_weakest(u) }
     }
 
     fn energy(&self, u: f64) -> f64 {
         let within = u.abs().min(self.strongest);
-        let x = self.into_band(within);
+        let x = self.beyond_weakest(within);
         0.5 * self.k_t * within * within - self.density * x * x * x / 6.0 + self.f_s * (u.abs() - within)
     }
 
     /// D = 4 ∫ ρ φ (u - φ) dφ over the strengths below u.
     fn dissipation(&self, u: f64) -> f64 {
         let u = u.abs();
-        let x = self.into_band(u.min(self.strongest));
+        let x = self.beyond_weakest(u.min(self.strongest));
         let below = x * (self.weakest + 0.5 * x);
         let second = x * (self.weakest * self.weakest + x * (self.weakest + x / 3.0));
         4.0 * self.density * (u * below - second)
@@ -84,11 +84,11 @@ impl Backbone for Uniform {
     }
 
     fn stiffness_below(&self, phi: f64) -> f64 {
-        self.density * self.into_band(phi.min(self.strongest))
+        self.density * self.beyond_weakest(phi.min(self.strongest))
     }
 
     fn force_below(&self, phi: f64) -> f64 {
-        let x = self.into_band(phi.min(self.strongest));
+        let x = self.beyond_weakest(phi.min(self.strongest));
         self.density * x * (self.weakest + 0.5 * x)
     }
 

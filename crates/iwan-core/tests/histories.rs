@@ -1,4 +1,5 @@
 //! The fast evaluations of the hysteretic force against the plain loop, on random histories.
+#![allow(clippy::unwrap_used, clippy::print_stdout, reason = "a failed test may panic and say why")]
 
 use iwan_core::{
     Backbone, Continuum, FourParameter, Grid, Hysteresis, Plain, Reversal, Run, Slider, Sliders,
