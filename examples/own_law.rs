@@ -13,7 +13,6 @@ struct Sine {
 }
 
 impl Sine {
-    /// Angle of the sine at the displacement u, 0 to π/2.
     fn angle(&self, u: f64) -> f64 {
         (u.abs() * self.k_t / self.f_s).min(FRAC_PI_2)
     }
@@ -55,8 +54,15 @@ pub(crate) fn main() -> Result<(), Box<dyn Error>> {
     let joint = Continuum::new(&law);
     let mut state = joint.virgin(vec![Reversal::default(); 64])?;
     joint.advance(&mut state, start);
-    let (scheme, mut steps) = (Newmark::prewarped(dt, mode.omega0())?, [0; 4].map(|_| vec![0.0; 10_001]));
-    scheme.integrate(&mode, &joint, &mut state, 0.0, &[], &mut samples(&mut steps))?;
+    let mut steps = [0; 4].map(|_| vec![0.0; 10_001]);
+    Newmark::prewarped(dt, mode.omega0())?.integrate(
+        &mode,
+        &joint,
+        &mut state,
+        0.0,
+        &[],
+        &mut samples(&mut steps),
+    )?;
 
     let worst = map[0].iter().zip(&steps[0]).fold(0.0_f64, |worst, (a, b)| worst.max((a - b).abs()));
     println!("largest difference over 0.1 s: {:.1e} of the start", worst / start);
