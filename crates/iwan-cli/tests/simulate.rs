@@ -176,7 +176,7 @@ fn quiet_is_quiet_and_warnings_are_words() {
 #[test]
 fn an_overflow_is_a_failed_computation() {
     let place = folder(&SMALL.replace("amplitude = 4000.0", "amplitude = 1e308"));
-    let output = iwan(place.path(), "simulate in.toml --out out");
+    let output = iwan(place.path(), "simulate in.toml --out new/folder/out");
     assert_eq!(output.status.code(), Some(1), "{}", shown(&output));
     assert_eq!(names(place.path()), ["in.toml"]);
 }
