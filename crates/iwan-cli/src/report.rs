@@ -79,7 +79,7 @@ fn verdict(summary: &Summary) -> Markup {
             .filter_map(of)
             .fold(None, |most: Option<f64>, e| Some(most.map_or(e, |m| m.max(e))))
     };
-    let shown = |error: Option<f64>| error.map_or_else(|| "not estimated".into(), |e| format!("{e:.1e}"));
+    let shown = |error: Option<f64>| error.map_or_else(|| "not estimated".into(), crate::summary::error);
     let step = shown(worst(|m| m.time_step_error));
     let sliders = shown(worst(|m| m.discretisation_error));
     let energy = shown(worst(|m| Some(m.energy_error)));

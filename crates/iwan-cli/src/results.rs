@@ -14,7 +14,28 @@ use crate::failure::Failure;
 pub(crate) struct Results {
     folder: Folder,
     path: PathBuf,
-    names: Vec<String>,
+    /// Dropped after the folder: by then what was staged has gone.
+    _parents: Parents,
+}
+
+/// Folders above the results that are not there yet: removed again where nothing appeared in them.
+#[derive(Debug)]
+struct Parents(Vec<PathBuf>);
+
+impl Parents {
+    fn missing(path: &Path) -> Self {
+        let above = path.ancestors().skip(1).filter(|p| !p.as_os_str().is_empty());
+        Self(above.take_while(|p| p.symlink_metadata().is_err()).map(Path::to_path_buf).collect())
+    }
+}
+
+impl Drop for Parents {
+    fn drop(&mut self) {
+        // The innermost first; a folder that is not empty stays, which is what is wanted.
+        for path in &self.0 {
+            let _ = std::fs::remove_dir(path);
+        }
+    }
 }
 
 impl Results {
@@ -27,6 +48,7 @@ impl Results {
         names: &[&str],
     ) -> Result<Self, Failure> {
         let path = given.map_or_else(|| free(default, force), Path::to_path_buf);
+        let parents = Parents::missing(&path);
         let input = |error: WriteError| match error {
             WriteError::Exists { path } => Failure::input(
                 format!("{} exists already; nothing was written", path.display()),
@@ -36,7 +58,7 @@ impl Results {
         };
         let folder = Folder::stage(&path, force).map_err(input)?;
         folder.check(names).map_err(input)?;
-        Ok(Self { folder, path, names: Vec::new() })
+        Ok(Self { folder, path, _parents: parents })
     }
 
     /// The folder.
@@ -46,13 +68,11 @@ impl Results {
 
     /// Adds a file from memory.
     pub(crate) fn add(&mut self, name: &str, content: &[u8]) -> Result<(), Failure> {
-        self.names.push(name.into());
         self.folder.write(name, |w| w.write_all(content)).map_err(|e| failed(&e))
     }
 
     /// Adds a table.
     pub(crate) fn add_table(&mut self, name: &str, table: &Table<'_>, format: Format) -> Result<(), Failure> {
-        self.names.push(name.into());
         let written = self.folder.write(name, |w| match format {
             Format::Csv => table.csv_to(w),
             Format::Npz => table.npz_to(w),

@@ -138,6 +138,12 @@ impl ModeSummary {
                 percent(error)
             ));
         }
+        if self.energy_error > LARGE_ERROR {
+            warnings.push(format!(
+                "mode \"{name}\": the method leaves {} of the energy unaccounted for: compare with another method",
+                percent(self.energy_error)
+            ));
+        }
         if self.samples_per_cycle < COARSE {
             warnings.push(format!(
                 "mode \"{name}\": only {:.1} samples in a cycle; {COARSE} and more are advisable: shorten step",
@@ -183,6 +189,11 @@ pub(crate) fn short(value: f64) -> String {
     }
 }
 
+/// An error with two digits: its size is what matters.
+pub(crate) fn error(value: f64) -> String {
+    if value == 0.0 { "0".into() } else { format!("{value:.1e}") }
+}
+
 /// A number that may be missing.
 fn optional(value: Option<f64>) -> String {
     value.map_or_else(|| "-".into(), short)
@@ -199,9 +210,9 @@ pub(crate) const ROWS: &[Row] = &[
     ("peak displacement", |m| short(m.peak_displacement)),
     ("final displacement", |m| short(m.final_displacement)),
     ("slip ratio", |m| short(m.slip_ratio)),
-    ("energy error", |m| format!("{:.1e}", m.energy_error)),
-    ("time-step error", |m| m.time_step_error.map_or_else(|| "-".into(), |e| format!("{e:.1e}"))),
-    ("discretisation error", |m| m.discretisation_error.map_or_else(|| "-".into(), |e| format!("{e:.1e}"))),
+    ("energy error", |m| error(m.energy_error)),
+    ("time-step error", |m| m.time_step_error.map_or_else(|| "-".into(), error)),
+    ("discretisation error", |m| m.discretisation_error.map_or_else(|| "-".into(), error)),
     ("samples in a cycle", |m| format!("{:.0}", m.samples_per_cycle)),
     ("steps", |m| m.steps.to_string()),
     ("seconds", |m| format!("{:.2e}", m.seconds)),

@@ -90,8 +90,9 @@ fn columns_and_keys_are_the_contract() {
 
 #[test]
 fn the_text_summary() {
+    // The continuum: its numbers do not depend on how densities are cut.
     let place = folder(SMALL);
-    let output = iwan(place.path(), "simulate in.toml --out out");
+    let output = iwan(place.path(), "simulate in.toml --out out --joint continuum");
     // Times differ from run to run.
     let kept: Vec<_> =
         shown(&output).lines().filter(|l| !l.starts_with("seconds")).map(String::from).collect();
@@ -176,7 +177,7 @@ fn quiet_is_quiet_and_warnings_are_words() {
 #[test]
 fn an_overflow_is_a_failed_computation() {
     let place = folder(&SMALL.replace("amplitude = 4000.0", "amplitude = 1e308"));
-    let output = iwan(place.path(), "simulate in.toml --out out");
+    let output = iwan(place.path(), "simulate in.toml --out new/folder/out");
     assert_eq!(output.status.code(), Some(1), "{}", shown(&output));
     assert_eq!(names(place.path()), ["in.toml"]);
 }
@@ -212,6 +213,34 @@ fn rest_is_a_result_too() {
     assert!(page.contains("a &lt;b&gt; &amp;") && !page.contains("NaN"));
 }
 
+#[test]
+fn methods_agree_and_repeat() {
+    let place = folder(SMALL);
+    let mut finals = Vec::new();
+    for method in ["newmark", "half-cycle", "averaging", "event"] {
+        run(place.path(), &format!("in.toml --step 2e-5 --method {method} --out {method}"));
+        let summary = run(place.path(), &format!("{method}/scenario.toml --out {method}-2"));
+        assert_eq!(summary["method"], method);
+        let [one, two] = ["", "-2"].map(|n| bytes(place.path(), &format!("{method}{n}/response.csv")));
+        assert!(one == two, "{method} does not repeat");
+        finals.push(summary["modes"][0]["final_displacement"].as_f64().unwrap());
+    }
+    let peak = 0.004;
+    assert!(finals.iter().all(|q| (q - finals[0]).abs() < 0.03 * peak), "{finals:?}");
+}
+
+#[test]
+fn missing_parents_are_made_and_other_files_kept() {
+    let place = folder(SMALL);
+    std::fs::create_dir_all(place.path().join("a")).unwrap();
+    std::fs::write(place.path().join("a/mine.txt"), "mine").unwrap();
+    run(place.path(), "in.toml --out a");
+    run(place.path(), "in.toml --out a/b/c");
+    let expected = ["b", "mine.txt", "report.html", "response.csv", "scenario.toml", "summary.json"];
+    assert_eq!(names(&place.path().join("a")), expected);
+    assert_eq!(names(&place.path().join("a/b")), ["c"]);
+}
+
 #[cfg(unix)]
 #[test]
 fn ctrl_c_leaves_nothing_behind() {
@@ -223,7 +252,11 @@ fn ctrl_c_leaves_nothing_behind() {
         .stderr(std::process::Stdio::piped())
         .spawn()
         .unwrap();
-    std::thread::sleep(std::time::Duration::from_millis(150));
+    // The hidden folder for the results appears once Ctrl-C is being watched for.
+    let started = std::time::Instant::now();
+    while names(place.path()).len() == 1 && started.elapsed().as_secs() < 60 {
+        std::thread::sleep(std::time::Duration::from_millis(5));
+    }
     let id = child.id().to_string();
     assert!(std::process::Command::new("kill").args(["-INT", &id]).status().unwrap().success());
     let code = child.wait().unwrap().code();

@@ -31,8 +31,8 @@ pub(crate) fn run(args: &SimulateArgs) -> Result<(), Failure> {
     };
     let scenario = Scenario::read(&source, &args.changes.overrides())?;
     let files = file_names(&scenario, args.format);
-    let results = Results::open(args.out.as_deref(), DEFAULT_FOLDER, args.force, &files)?;
     progress::catch_interrupts();
+    let results = Results::open(args.out.as_deref(), DEFAULT_FOLDER, args.force, &files)?;
     let note = |text: &str| {
         if !args.common.quiet {
             output::message(text);
