@@ -42,6 +42,15 @@ pub mod book {
     /// ```
     pub mod examples {}
 
+    /// Virgin curve and loops, loss per cycle, two ring-downs: mode 1 of the paper's Table 2.
+    ///
+    #[doc = include_str!("../book/src/img/loops.svg")]
+    ///
+    #[doc = include_str!("../book/src/img/loss.svg")]
+    ///
+    #[doc = include_str!("../book/src/img/ring_down.svg")]
+    pub mod figures {}
+
     #[doc = include_str!("../book/src/validation.md")]
     pub mod validation {}
 }

@@ -18,6 +18,7 @@ macro_rules! examples {
 }
 
 examples! {
+    figures "../examples/figures/main.rs",
     first_ring_down "../examples/first_ring_down.rs",
     half_cycles "../examples/half_cycles.rs",
     own_law "../examples/own_law.rs",
