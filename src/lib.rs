@@ -1,3 +1,5 @@
-//! Ring-down of bolted structures with Iwan friction models: one door to all crates.
+#![doc = include_str!("../README.md")]
+
 pub use iwan_core as core;
+pub use iwan_io as io;
 pub use iwan_sim as sim;
