@@ -12,7 +12,8 @@ fn paths_in_the_pages_exist() {
         let quoted = text.split('`').skip(1).step_by(2);
         let linked = text.split("](").skip(1).filter_map(|rest| rest.split(')').next());
         let is_path = |s: &&str| {
-            let prefixes = ["crates/", "src/", "tests/", "benches", "scripts/", "book/", "examples/", "LICENSE"];
+            let prefixes =
+                ["crates/", "src/", "tests/", "benches", "scripts/", "book/", "examples/", "LICENSE"];
             s.ends_with(".md") || prefixes.iter().any(|p| s.starts_with(p))
         };
         for path in quoted.chain(linked).filter(is_path).filter(|s| !s.contains(char::is_whitespace)) {
@@ -31,6 +32,9 @@ fn every_room_of_the_core_is_in_the_plan() {
     let small = ["lib.rs", "error.rs", "quadrature.rs", "power.rs", "response.rs", "no_joint.rs"];
     for entry in std::fs::read_dir(root.join("crates/iwan-core/src")).expect("iwan-core") {
         let name = entry.expect("entry").file_name().into_string().expect("ASCII");
-        assert!(small.contains(&name.as_str()) || plan.contains(&name), "{name} is missing in ARCHITECTURE.md");
+        assert!(
+            small.contains(&name.as_str()) || plan.contains(&name),
+            "{name} is missing in ARCHITECTURE.md"
+        );
     }
 }
