@@ -1,5 +1,7 @@
-//! Ring-down of bolted structures with Iwan friction models: one door to all crates.
+#![doc = include_str!("../README.md")]
+
 pub use iwan_core as core;
+pub use iwan_io as io;
 pub use iwan_sim as sim;
 
 /// The book: theory, use and validation. Its Rust code is compiled and run by `cargo test --doc`.

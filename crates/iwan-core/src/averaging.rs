@@ -14,6 +14,19 @@ use crate::oscillator::Oscillator;
 use crate::response::Samples;
 
 /// Free decay of a mode by averaging.
+///
+/// ```
+/// use iwan_core::{Averaging, Backbone, FourParameter, Oscillator, ResidualStiffness};
+/// let joint = FourParameter::new(4.45e4, 239.4, -0.183, 0.3)?;
+/// let mode = Oscillator::new(124.0, 0.0, joint.k_t(), ResidualStiffness::Positive)?;
+/// let amplitude = 0.1 * joint.phi_max();
+/// let mut decay = Averaging::new(&mode, &joint, (amplitude, 0.0))?;
+/// // After a tenth of a period the amplitude has fallen at the rate D/(2π a² ω).
+/// let t = 0.1 / 124.0;
+/// let fallen = (amplitude / decay.at(t).0).ln();
+/// assert!((fallen / (t * decay.decay_rate(amplitude)) - 1.0).abs() < 1e-3);
+/// # Ok::<(), iwan_core::Error>(())
+/// ```
 #[derive(Debug, Clone, Copy)]
 pub struct Averaging<'a, B> {
     oscillator: Oscillator,

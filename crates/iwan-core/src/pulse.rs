@@ -5,6 +5,15 @@ use core::f64::consts::PI;
 use crate::error::{Error, check};
 
 /// A force f(t) for t >= 0, zero before. Amplitudes in the user's force unit, times in s.
+///
+/// ```
+/// use iwan_core::Pulse;
+/// let blow = Pulse::Haversine { amplitude: 1000.0, duration: 1.6e-3 }.checked()?;
+/// assert!((blow.at(0.8e-3) - 1000.0).abs() < 1e-9);
+/// assert_eq!(blow.at(2e-3), 0.0);
+/// assert_eq!(blow.settled(), 1.6e-3);
+/// # Ok::<(), iwan_core::Error>(())
+/// ```
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Pulse<'a> {
     /// No force: free decay from the initial conditions.

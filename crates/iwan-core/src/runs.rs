@@ -34,6 +34,18 @@ pub struct Run {
 ///
 /// `S` holds the runs: an array makes the state `Copy`, a slice or vector lends the
 /// caller's memory. One entry per slider always suffices: runs own disjoint, non-empty ranges.
+///
+/// ```
+/// use iwan_core::{Hysteresis, Run, Slider, Sliders};
+/// let mut table = [Slider::default(); 3];
+/// let sliders = Sliders::from_elements(&[0.1, 0.3], &[2.0, 1.0], &mut table)?;
+/// let mut state = sliders.virgin([Run::default(); 2])?;
+/// assert!((sliders.advance(&mut state, 0.2) - 0.4).abs() < 1e-15); // the first slips, the second holds
+/// let snapshot = state;
+/// assert!((sliders.advance(&mut state, 5.0) - 0.5).abs() < 1e-15); // both slip
+/// assert!((sliders.joint_force(&snapshot) - 0.4).abs() < 1e-15);
+/// # Ok::<(), iwan_core::Error>(())
+/// ```
 #[derive(Debug, Clone, Copy)]
 pub struct Runs<S> {
     u: f64,

@@ -85,20 +85,6 @@ fn in_mode(mode: &Mode, error: SimulationError) -> SimulationError {
     }
 }
 
-/// Number of samples on the time axis.
-fn sample_count(settings: &Settings) -> Result<usize, Error> {
-    /// More samples than this do not fit any machine's memory.
-    const MOST: f64 = 1e11;
-    let range = |name, value: f64, ok: bool, allowed| {
-        if ok && value.is_finite() { Ok(()) } else { Err(Error::OutOfRange { name, value, allowed }) }
-    };
-    range("time step", settings.dt, settings.dt > 0.0, "must be a finite number of seconds > 0")?;
-    range("duration", settings.duration, settings.duration > 0.0, "must be a finite number of seconds > 0")?;
-    let steps = (settings.duration / settings.dt * (1.0 + 4.0 * f64::EPSILON)).floor();
-    range("duration / time step", steps, (1.0..MOST).contains(&steps), "must be between 1 and 1e11 steps")?;
-    Ok(steps as usize + 1)
-}
-
 /// Number of steps after which the force no longer changes.
 fn settled_after(force: &Pulse<'_>, dt: f64, samples: usize) -> Result<usize, Error> {
     let steps = (force.settled() / dt * (1.0 - 4.0 * f64::EPSILON)).ceil();
@@ -117,7 +103,7 @@ fn simulate_observed(
     progress: run::Progress<'_>,
 ) -> Result<Response, SimulationError> {
     let force = force.checked()?;
-    let (dt, samples) = (settings.dt, sample_count(settings)?);
+    let (dt, samples) = (settings.dt, settings.samples()?);
     let oscillator = mode.oscillator()?;
     let history = run::modal_force(mode, &force, dt, samples);
     let task = Task { mode, force: &history, dt, samples };
