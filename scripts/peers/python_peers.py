@@ -104,7 +104,7 @@ def main():
     amplitude = float(sys.argv[2])
     peers = [
         (vectorised, 1e-6, "NumPy vectorised"),
-        (solve_ivp, 0.2, "SciPy RK45"),
+        (solve_ivp, 1e-2, "SciPy RK45"),
         (opensees, 1e-3, "OpenSeesPy"),
     ]
     for run, tolerance, name in peers:
