@@ -7,7 +7,7 @@ use crate::half_cycle::{HalfCycle, Map};
 use crate::hysteresis::Hysteresis;
 use crate::masing::{Branch, Continuum, Reversal, Reversals};
 use crate::oscillator::Oscillator;
-use crate::phase::Phase;
+use crate::phase::PhaseClock;
 use crate::response::Samples;
 
 /// Free decay of a mode under a constant force: the half-cycle energy map.
@@ -40,8 +40,8 @@ pub struct Decay<'a, B, S> {
     /// The latest half cycle of the map, and whether it is under way from `now`.
     half: Option<HalfCycle>,
     under_way: bool,
-    /// The speed within the half cycle under way, once asked for.
-    phase: Option<Phase>,
+    /// The clock of the half cycle under way, once asked for.
+    clock: Option<PhaseClock>,
     start: (f64, f64),
     stored: f64,
     /// Work of the constant force, of the damper and on the joint.
@@ -106,10 +106,10 @@ impl<'a, B: Backbone, S: AsRef<[Reversal]> + AsMut<[Reversal]>> Decay<'a, B, S> 
         let map = Map::new(oscillator, law, load)?;
         let stored = joint.stored_energy(&memory);
         let now = Motion { time: 0.0, q, v: velocity };
-        let (half, under_way, phase, start, work) = (None, false, None, (q, velocity), [0.0; 3]);
+        let (half, under_way, clock, start, work) = (None, false, None, (q, velocity), [0.0; 3]);
         let oscillator = *oscillator;
         let mut decay =
-            Self { map, oscillator, joint, memory, now, half, under_way, phase, start, stored, work };
+            Self { map, oscillator, joint, memory, now, half, under_way, clock, start, stored, work };
         if velocity == 0.0 {
             decay.turn_towards_equilibrium();
         } else if velocity * decay.memory.direction() < 0.0 {
@@ -176,7 +176,7 @@ impl<'a, B: Backbone, S: AsRef<[Reversal]> + AsMut<[Reversal]>> Decay<'a, B, S> 
         self.work[1] += half.viscous;
         self.work[2] += half.joint;
         self.now = Motion { time: self.now.time + half.duration, q: end, v: 0.0 };
-        self.phase = None;
+        self.clock = None;
         if half.is_micro_slip() {
             self.memory.turn_within(end, half.force, self.map.law);
         } else {
@@ -192,8 +192,8 @@ impl<'a, B: Backbone, S: AsRef<[Reversal]> + AsMut<[Reversal]>> Decay<'a, B, S> 
             match &self.half {
                 Some(half) if self.under_way => {
                     if t - self.now.time <= half.duration {
-                        let phase = self.phase.get_or_insert_with(|| self.map.phase(half));
-                        return half.at(phase, t - self.now.time);
+                        let clock = self.clock.get_or_insert_with(|| self.map.clock(half));
+                        return half.at(clock, t - self.now.time);
                     }
                     self.finish();
                 }

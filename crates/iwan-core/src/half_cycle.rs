@@ -16,7 +16,7 @@ use crate::error::Error;
 use crate::masing::Branch;
 use crate::micro_slip::{MOST_PASSES, MicroSlip, PASS_TOLERANCE, Travel};
 use crate::oscillator::Oscillator;
-use crate::phase::{MATRIX, NODES, PANELS, Phase, RULE};
+use crate::phase::{MATRIX, NODES, PANELS, Phase, PhaseClock, RULE};
 
 /// One half cycle from reversal to reversal.
 #[derive(Debug, Clone, Copy)]
@@ -60,9 +60,9 @@ impl HalfCycle {
         self.micro.is_some()
     }
 
-    /// Displacement and velocity at the time `t` after its start; `phase` is its Ω.
-    pub(crate) fn at(&self, phase: &Phase, t: f64) -> (f64, f64) {
-        let (theta, omega) = phase.at(t);
+    /// Displacement and velocity at the time `t` after its start; `clock` is its own.
+    pub(crate) fn at(&self, clock: &PhaseClock, t: f64) -> (f64, f64) {
+        let (theta, omega) = clock.at(t);
         let (s, d) = (libm::sin(0.5 * theta), self.branch.direction);
         let q = self.branch.start.u + d * self.length * s * s;
         (q, d * 0.5 * self.length * libm::sin(theta) * omega)
@@ -184,11 +184,11 @@ impl<'a, B: Backbone> Map<'a, B> {
         (length > 0.0).then_some(length)
     }
 
-    /// Ω of a half cycle, for dense output.
-    pub(crate) fn phase(&self, half: &HalfCycle) -> Phase {
+    /// The clock of a half cycle, for dense output.
+    pub(crate) fn clock(&self, half: &HalfCycle) -> PhaseClock {
         match (&self.micro, &half.micro) {
-            (Some(micro), Some(travel)) => micro.phase(travel),
-            _ => self.passes(half.length).0,
+            (Some(micro), Some(travel)) => micro.phase(travel).clock(),
+            _ => self.passes(half.length).0.clock(),
         }
     }
 
