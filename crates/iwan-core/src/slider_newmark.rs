@@ -14,7 +14,7 @@ use crate::error::Error;
 use crate::newmark::Newmark;
 use crate::oscillator::Oscillator;
 use crate::response::{Samples, force_at};
-use crate::runs::{Run, Runs};
+use crate::runs::{Run, Runs, Segment};
 use crate::sliders::{Slider, Sliders};
 
 /// The scheme's constants.
@@ -46,6 +46,9 @@ struct Piece {
     gain: f64,
     loss: f64,
 }
+
+/// Breaks passed one by one in a step before the general search takes over.
+const WALK: usize = 4;
 
 /// What one step hands to the next.
 #[derive(Clone, Copy)]
@@ -88,8 +91,7 @@ impl Load for Free {
 
 impl Scheme {
     #[inline]
-    fn piece<S: AsRef<[Run]> + AsMut<[Run]>>(&self, table: &[Slider], state: &Runs<S>) -> Piece {
-        let segment = state.segment(table);
+    fn piece(&self, segment: &Segment) -> Piece {
         let twice_slope = 2.0 * (self.k_inf + segment.stiffness);
         let inverse = 1.0 / (self.stiffness + segment.stiffness);
         Piece {
@@ -128,6 +130,8 @@ impl Scheme {
         let end = if UP { piece.reach } else { -piece.reach };
         let mut out = out.tail(n + 1);
         let steps = out.displacement.len();
+        // The compiler then knows that all four are as long.
+        out = out.first(steps);
         let mut e = (load.at(n + 1).1 - m.w) - m.twice_s;
         let mut done = steps;
         for i in 0..steps {
@@ -152,8 +156,46 @@ impl Scheme {
         n + done
     }
 
-    /// One step in which sliders break loose or the motion turns round.
+    /// One step in which a few sliders of the topmost run break loose; false, and nothing done, when it
+    /// is more than that.
     #[inline]
+    fn slip<S: AsRef<[Run]> + AsMut<[Run]>>(
+        &self,
+        table: &[Slider],
+        state: &mut Runs<S>,
+        piece: &mut Piece,
+        motion: &mut Motion,
+        load: f64,
+    ) -> bool {
+        let (direction, x) = (state.direction(), motion.x);
+        let force = piece.joint + piece.joint_slope * x;
+        for breaks in 1..=WALK {
+            let Some(next) = state.segment_after(table, breaks) else { return false };
+            let rest = direction * (motion.r - (next.base + next.stiffness * x - force));
+            let room = next.reach - direction * x;
+            if !(rest > 0.0) {
+                return false;
+            }
+            if rest <= (self.stiffness + next.stiffness) * room {
+                state.pass(breaks);
+                *piece = self.piece(&next);
+                self.settle(piece, motion, direction * rest * piece.inverse, load);
+                return true;
+            }
+        }
+        false
+    }
+
+    /// Ends a step of `dq` on a new piece.
+    #[inline]
+    fn settle(&self, piece: &Piece, motion: &mut Motion, dq: f64, load: f64) {
+        let (x, w) = (motion.x + dq, self.inertia * dq - motion.w);
+        let twice_s = piece.twice_held + piece.twice_slope * x;
+        *motion = Motion { x, w, twice_s, r: (load + w) - twice_s };
+    }
+
+    /// One step in which sliders break loose or the motion turns round.
+    #[inline(never)]
     fn cross<S: AsRef<[Run]> + AsMut<[Run]>>(
         &self,
         table: &[Slider],
@@ -165,12 +207,11 @@ impl Scheme {
         let from = piece.anchor + motion.x;
         state.rest_at(from);
         let force = state.aim(table, self.stiffness, motion.r);
-        *piece = self.piece(table, state);
+        *piece = self.piece(&state.segment(table));
         let start = from - piece.anchor;
         let dq = (motion.r - (piece.joint + piece.joint_slope * start - force)) * piece.inverse;
-        let (x, w) = (start + dq, self.inertia * dq - motion.w);
-        let twice_s = piece.twice_held + piece.twice_slope * x;
-        *motion = Motion { x, w, twice_s, r: (load + w) - twice_s };
+        motion.x = start;
+        self.settle(piece, motion, dq, load);
     }
 
     /// Steps from sample `first` to sample `last`.
@@ -197,7 +238,9 @@ impl Scheme {
             }
             n += 1;
             let (p, next) = load.at(n);
-            self.cross(table, state, piece, motion, next);
+            if !self.slip(table, state, piece, motion, next) {
+                self.cross(table, state, piece, motion, next);
+            }
             self.write(piece, motion, p, n, &mut out);
         }
     }
@@ -227,7 +270,7 @@ impl Newmark {
         let (k_inf, viscous) = (oscillator.k_inf(), oscillator.viscous());
         let scheme = Scheme { k_inf, viscous, stiffness, inertia: 8.0 / (h * h), to_velocity: 0.25 * h };
         let (table, load) = (sliders.table(), Applied { force, scale: self.force_scale() });
-        let mut piece = scheme.piece(table, state);
+        let mut piece = scheme.piece(&state.segment(table));
         let x = state.displacement() - piece.anchor;
         let (w, twice_s) = (velocity / scheme.to_velocity, piece.twice_held + piece.twice_slope * x);
         let (p, first_load) = load.at(0);
