@@ -172,15 +172,16 @@ impl Scheme {
         let force = piece.joint + piece.joint_slope * x;
         for breaks in 1..=WALK {
             let Some(next) = state.segment_after(table, breaks) else { return false };
-            let rest = direction * (2.0 * motion.r - (next.base + next.stiffness * x - force));
-            let room = next.reach - direction * x;
-            if !(rest > 0.0) {
+            let rest = motion.r - 0.5 * (next.base + next.stiffness * x - force);
+            let room = 0.5 * (self.stiffness + next.stiffness) * (next.reach - direction * x);
+            // NaN as well as a motion that turns round.
+            if !(direction * rest > 0.0) {
                 return false;
             }
-            if rest <= (self.stiffness + next.stiffness) * room {
+            if direction * rest <= room {
                 state.pass(breaks);
                 *piece = self.piece(&next);
-                self.settle(piece, motion, 0.5 * direction * rest * piece.inverse, load);
+                self.settle(piece, motion, rest * piece.inverse, load);
                 return true;
             }
         }
