@@ -78,7 +78,9 @@ impl Branch {
     /// Displacement on the virgin curve that corresponds to `u`, >= 0.
     #[inline]
     pub(crate) fn virgin_distance(&self, u: f64) -> f64 {
-        (self.to_virgin * (u - self.start.u)).max(0.0)
+        let distance = self.to_virgin * (u - self.start.u);
+        // `f64::max` would ask for NaN as well.
+        if distance > 0.0 { distance } else { 0.0 }
     }
 
     #[inline]
@@ -271,7 +273,8 @@ impl<B: Backbone> Continuum<B> {
     fn no_corner(&self, branch: &Branch, a: f64, b: f64) -> bool {
         let (weakest, strongest) = self.law.strengths();
         let (a, b) = (branch.virgin_distance(a), branch.virgin_distance(b));
-        (a < weakest) == (b < weakest) && (a < strongest) == (b < strongest)
+        let inside = |x: f64| x >= weakest && x < strongest;
+        (inside(a) && inside(b)) || ((a < weakest) == (b < weakest) && (a < strongest) == (b < strongest))
     }
 }
 
