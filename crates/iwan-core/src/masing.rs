@@ -164,6 +164,12 @@ impl<S: AsRef<[Reversal]> + AsMut<[Reversal]>> Reversals<S> {
         self.branch.direction
     }
 
+    /// The branch on which the state moves, where it is kept.
+    #[inline]
+    pub(crate) fn branch_ref(&self) -> &Branch {
+        &self.branch
+    }
+
     /// The branch on which the state moves.
     #[inline]
     pub(crate) fn branch(&self) -> Branch {

@@ -184,13 +184,16 @@ impl MicroSlip {
     }
 
     /// The half cycle under the pull `s`: the root of s - (½ω² + damping) L + ρ L^p, which is P(L) = W over L.
-    /// None beyond micro-slip. Convex and falling, so Newton's method needs no guard.
+    /// `last` is the half cycle before and becomes this one; beyond micro-slip it stays, and the answer is false.
+    /// Convex and falling, so Newton's method needs no guard.
     #[inline]
-    pub(crate) fn travel(&self, pull: f64, last: Option<&Travel>) -> Option<Travel> {
+    pub(crate) fn travel(&self, pull: f64, last: &mut Travel) -> bool {
         const MOST: u32 = 60;
-        let mut at = last
-            .filter(|t| t.age < Travel::OLDEST)
-            .map_or_else(|| self.first_guess(pull, last), |t| t.continued(&self.series, self.exponent - 1.0));
+        let mut at = if last.age < Travel::OLDEST {
+            last.continued(&self.series, self.exponent - 1.0)
+        } else {
+            self.first_guess(pull, last)
+        };
         let power = self.exponent - 1.0;
         for _ in 0..MOST {
             let (damping, damping_slope) = self.damping(self.softening(&at));
@@ -208,15 +211,18 @@ impl MicroSlip {
             }
         }
         if !(at.length > 0.0 && at.length <= self.longest) {
-            return None;
+            return false;
         }
         at.duration = self.duration(self.softening(&at));
         at.force = (self.stiffness - self.drop * at.power) * at.length;
-        Some(at)
+        *last = at;
+        true
     }
 
-    fn first_guess(&self, pull: f64, last: Option<&Travel>) -> Travel {
-        let length = last.map_or(2.0 * pull / self.omega_squared, |t| t.length * t.ratio);
+    #[cold]
+    fn first_guess(&self, pull: f64, last: &Travel) -> Travel {
+        let length =
+            if last.is_some() { last.length * last.ratio } else { 2.0 * pull / self.omega_squared };
         let length = length.min(self.longest);
         let power = libm::pow(length, self.exponent - 1.0);
         Travel {
@@ -344,6 +350,24 @@ fn sixteen(c: &[f64; TERMS], x: f64) -> f64 {
 impl Travel {
     /// Rounding grows by a unit in the last place per update: this many are harmless.
     const OLDEST: u32 = 64;
+
+    /// Nothing to start from.
+    pub(crate) const NONE: Self = Self {
+        length: 0.0,
+        damping: 0.0,
+        duration: 0.0,
+        force: 0.0,
+        power: 0.0,
+        ratio: 1.0,
+        ratio_before: 1.0,
+        age: Self::OLDEST,
+    };
+
+    /// Whether there is a half cycle in micro-slip.
+    #[inline]
+    pub(crate) fn is_some(&self) -> bool {
+        self.length > 0.0
+    }
 
     /// The next travel if the ratio of successive travels goes on changing as it did.
     #[inline]
