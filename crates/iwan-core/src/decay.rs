@@ -136,9 +136,8 @@ impl<'a, B: Backbone, S: AsRef<[Reversal]> + AsMut<[Reversal]>> Decay<'a, B, S> 
     #[inline]
     fn set_out(&mut self) {
         let branch = self.memory.branch_ref();
-        self.under_way = branch.scale == 2.0
-            && branch.start_is(self.now.q)
-            && self.map.half_cycle(branch, &mut self.half);
+        self.under_way =
+            branch.scale == 2.0 && branch.start_is(self.now.q) && self.map.half_cycle(branch, &mut self.half);
     }
 
     fn acceleration(&self, branch: &Branch, q: f64, v: f64) -> f64 {

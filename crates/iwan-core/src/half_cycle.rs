@@ -135,7 +135,8 @@ impl<'a, B: Backbone> Map<'a, B> {
             return false;
         }
         let Travel { length, damping, duration, force, .. } = half.micro;
-        (half.length, half.duration, half.force) = (length, duration, branch.start.force + branch.direction * force);
+        (half.length, half.duration, half.force) =
+            (length, duration, branch.start.force + branch.direction * force);
         (half.viscous, half.joint) = self.works(branch, pull, length, damping);
         true
     }

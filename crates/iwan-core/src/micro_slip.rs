@@ -203,12 +203,13 @@ impl MicroSlip {
             let newton = (pull / at.length - linear + self.rho * at.power) * inverse;
             // Halley's correction: the second derivative costs nothing here.
             let change = newton * (1.0 + 0.5 * power * steep * inverse * newton);
-            at = at.moved(change, &self.series, power);
             // The error is cubed: nothing is left to gain.
             if libm::fabs(change) < 1e-4 {
+                at = at.nudged(change, &self.series);
                 at.damping = damping + power * damping_slope * change;
                 break;
             }
+            at = at.moved(change, &self.series, power);
         }
         if !(at.length > 0.0 && at.length <= self.longest) {
             return false;
@@ -221,8 +222,7 @@ impl MicroSlip {
 
     #[cold]
     fn first_guess(&self, pull: f64, last: &Travel) -> Travel {
-        let length =
-            if last.is_some() { last.length * last.ratio } else { 2.0 * pull / self.omega_squared };
+        let length = if last.is_some() { last.length * last.ratio } else { 2.0 * pull / self.omega_squared };
         let length = length.min(self.longest);
         let power = libm::pow(length, self.exponent - 1.0);
         Travel {
@@ -375,6 +375,14 @@ impl Travel {
         let next = 2.0 * self.ratio - self.ratio_before;
         let fresh = Self { ratio: 1.0, ratio_before: self.ratio, age: self.age + 1, ..*self };
         fresh.moved(next - 1.0, series, power)
+    }
+
+    /// The travel (1 + e) L for |e| < 1e-4, where four terms of the series are exact.
+    #[inline]
+    fn nudged(self, e: f64, c: &[f64; 8]) -> Self {
+        let (length, ratio) = (self.length + self.length * e, self.ratio + self.ratio * e);
+        let growth = (c[0] * e + c[1] * (e * e)) + (c[2] + c[3] * e) * (e * e * e);
+        Self { length, ratio, power: self.power + self.power * growth, ..self }
     }
 
     /// The travel (1 + e) L, with (1 + e)^(p-1) by its binomial series where that is exact.

@@ -145,12 +145,7 @@ impl Scheme {
             let r = e + piece.gain * m.r;
             let (p, _) = load.at(n + i + 1);
             e = (load.at(n + i + 2).1 + (m.w - m.s)) - piece.loss * m.r;
-            m = Motion {
-                x,
-                w: self.inertia * dq - m.w,
-                s: piece.held + piece.slope * x,
-                r,
-            };
+            m = Motion { x, w: self.inertia * dq - m.w, s: piece.held + piece.slope * x, r };
             self.write(&piece, &m, p, i, &mut out);
         }
         *motion = m;
