@@ -6,7 +6,7 @@ use crate::support::{
 use iwan::core::{Backbone, Continuum, Decay, Hysteresis, Reversal, Run, Sliders, TabledFourParameter};
 use std::error::Error;
 use std::fmt::Write;
-use std::process::Command;
+use std::process::{Command, Stdio};
 use std::time::Instant;
 
 pub(crate) type Outcome<T> = Result<T, Box<dyn Error>>;
@@ -250,9 +250,9 @@ pub(crate) fn python(python: &str, script: &str) -> Outcome<Vec<(String, f64)>> 
         let mut out = Buffers::new(STEPS + 1);
         let mut population = population("uniform", bins);
         run_sliders(&population.sliders(), &mut vec![Run::default(); bins + 1], &force(1e3), &mut out);
-        let output = Command::new(python).args([script, &path, "1000"]).output()?;
+        let output = Command::new(python).args([script, &path, "1000"]).stderr(Stdio::inherit()).output()?;
         if !output.status.success() {
-            return Err(format!("{script}: {}", String::from_utf8_lossy(&output.stderr)).into());
+            return Err(format!("{script}: {}", output.status).into());
         }
         for line in String::from_utf8(output.stdout)?.lines() {
             let mut words = line.splitn(4, ' ');

@@ -8,15 +8,30 @@
 use core::f64::consts::PI;
 
 use crate::backbone::Backbone;
+use crate::energy::EnergyBalance;
 use crate::error::{Error, check};
 use crate::oscillator::Oscillator;
 use crate::response::Samples;
 
 /// Free decay of a mode by averaging.
+///
+/// ```
+/// use iwan_core::{Averaging, Backbone, FourParameter, Oscillator, ResidualStiffness};
+/// let joint = FourParameter::new(4.45e4, 239.4, -0.183, 0.3)?;
+/// let mode = Oscillator::new(124.0, 0.0, joint.k_t(), ResidualStiffness::Positive)?;
+/// let amplitude = 0.1 * joint.phi_max();
+/// let mut decay = Averaging::new(&mode, &joint, (amplitude, 0.0))?;
+/// // After a tenth of a period the amplitude has fallen at the rate D/(2π a² ω).
+/// let t = 0.1 / 124.0;
+/// let fallen = (amplitude / decay.at(t).0).ln();
+/// assert!((fallen / (t * decay.decay_rate(amplitude)) - 1.0).abs() < 1e-3);
+/// # Ok::<(), iwan_core::Error>(())
+/// ```
 #[derive(Debug, Clone, Copy)]
 pub struct Averaging<'a, B> {
     oscillator: Oscillator,
     law: &'a B,
+    start: Slow,
     time: f64,
     now: Slow,
     next: Option<(f64, Slow)>,
@@ -42,7 +57,8 @@ impl<'a, B: Backbone> Averaging<'a, B> {
         check("displacement", q, true, "must be a finite number")?;
         check("velocity", v, true, "must be a finite number")?;
         let unset = Slow { log_amplitude: 0.0, phase: 0.0, rates: (0.0, 0.0) };
-        let mut decay = Self { oscillator: *oscillator, law, time: 0.0, now: unset, next: None };
+        let mut decay =
+            Self { oscillator: *oscillator, law, start: unset, time: 0.0, now: unset, next: None };
         // Amplitude and frequency depend on each other, weakly.
         let mut omega = oscillator.omega0();
         for _ in 0..50 {
@@ -52,7 +68,8 @@ impl<'a, B: Backbone> Averaging<'a, B> {
                 break;
             }
         }
-        decay.now = decay.slow(libm::log(libm::hypot(q, v / omega)), libm::atan2(-v / omega, q));
+        decay.start = decay.slow(libm::log(libm::hypot(q, v / omega)), libm::atan2(-v / omega, q));
+        decay.now = decay.start;
         Ok(decay)
     }
 
@@ -107,6 +124,44 @@ impl<'a, B: Backbone> Averaging<'a, B> {
             self.time += h;
             (self.now, self.next) = (next, None);
         }
+    }
+
+    /// Energy balance from the start to the time `t` in terms of the amplitude: what friction and damper took by the
+    /// averaged equations against the energy at the turning points ½ K_∞ a² + G(a). The residual is averaging's own.
+    #[must_use]
+    pub fn energy(&self, t: f64) -> EnergyBalance {
+        let mut decay = Self { time: 0.0, now: self.start, next: None, ..*self };
+        let elastic = |a: f64| 0.5 * self.oscillator.k_inf() * a * a;
+        let stored = |a: f64| self.law.energy(a) - 0.25 * self.law.dissipation(a);
+        // Powers of friction and damper.
+        let powers = |a: f64| {
+            let omega = self.frequency(a);
+            let damper = 0.5 * self.oscillator.viscous() * (omega * a) * (omega * a);
+            [self.law.dissipation(a) * omega / (2.0 * PI), damper]
+        };
+        let first = decay.at(0.0).0;
+        let mut balance =
+            EnergyBalance { initial: elastic(first) + stored(first), ..EnergyBalance::default() };
+        let mut last = first;
+        let mut from = 0.0;
+        while from < t {
+            let to = (from + decay.step_length()).min(t);
+            let middle = decay.at(0.5 * (from + to)).0;
+            let end = decay.at(to).0;
+            let [a, b, c] = [last, middle, end].map(powers);
+            let simpson = |k: usize| (to - from) / 6.0 * (a[k] + 4.0 * b[k] + c[k]);
+            balance.friction += simpson(0);
+            balance.viscous += simpson(1);
+            (last, from) = (end, to);
+        }
+        (balance.elastic, balance.stored, balance.scale) = (elastic(last), stored(last), balance.initial);
+        let left = balance.elastic + balance.stored;
+        balance.residual = balance.initial - left - balance.friction - balance.viscous;
+        balance
+    }
+
+    fn step_length(&self) -> f64 {
+        2.0 * PI / self.now.rates.1
     }
 
     /// Writes the samples at 0, dt, 2 dt, …: q = a cos θ, q' = -a ω sin θ and the first harmonic of the joint force.

@@ -146,7 +146,10 @@ impl<'a, B: Backbone, S: AsRef<[Reversal]> + AsMut<[Reversal]>> Decay<'a, B, S> 
     }
 
     /// Moves to the next turning point; none when the mass has come to rest.
-    #[allow(clippy::should_implement_trait)]
+    #[expect(
+        clippy::should_implement_trait,
+        reason = "an iterator would hide that the decay goes on behind it"
+    )]
     pub fn next(&mut self) -> Option<TurningPoint> {
         if self.under_way {
             self.finish();
@@ -287,9 +290,9 @@ impl<B: Backbone, S: AsRef<[Reversal]> + AsMut<[Reversal]>> Decay<'_, B, S> {
             let motion = self.step(branch, at).0;
             let (value, rate) = f(&motion);
             if value * sign > 0.0 {
-                high = at
+                high = at;
             } else {
-                low = at
+                low = at;
             }
             let newton = at - value / rate;
             let next = if newton > low && newton < high { newton } else { 0.5 * (low + high) };

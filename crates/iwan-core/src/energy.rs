@@ -45,6 +45,20 @@ impl EnergyBalance {
         if self.scale > 0.0 { self.residual.abs() / self.scale } else { 0.0 }
     }
 
+    /// The balance of this response followed by `next`, which starts where this one ends.
+    #[must_use]
+    pub fn then(&self, next: &Self) -> Self {
+        Self {
+            initial: self.initial,
+            input: self.input + next.input,
+            viscous: self.viscous + next.viscous,
+            friction: self.friction + next.friction,
+            residual: self.residual + next.residual,
+            scale: self.scale.max(next.scale),
+            ..*next
+        }
+    }
+
     /// Completes a balance from the works and the states at both ends.
     ///
     /// `start` and `end` are displacement and velocity, `joint_work` is ∫ F_J dq.

@@ -107,6 +107,17 @@ impl Branch {
 }
 
 /// A closed-form law evaluated by return-point memory.
+///
+/// ```
+/// use iwan_core::{Backbone, Continuum, FourParameter, Hysteresis, Reversal};
+/// let joint = FourParameter::new(4.45e4, 239.4, -0.183, 0.3)?;
+/// let law = Continuum::new(joint);
+/// let mut state = law.virgin([Reversal::default(); 16])?;
+/// let top = law.advance(&mut state, 4e-3);
+/// let down = law.advance(&mut state, 1e-3);
+/// assert!((down - (top - 2.0 * joint.force(1.5e-3))).abs() < 1e-10); // Masing
+/// # Ok::<(), iwan_core::Error>(())
+/// ```
 #[derive(Debug, Clone, Copy)]
 pub struct Continuum<B> {
     law: B,

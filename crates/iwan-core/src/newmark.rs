@@ -10,6 +10,19 @@ use crate::oscillator::Oscillator;
 use crate::response::{Samples, force_at};
 
 /// The scheme's parameters for one step size.
+///
+/// ```
+/// use iwan_core::{Newmark, NoJoint, Oscillator, ResidualStiffness, Samples};
+/// // A linear mode of 1 Hz, released at q = 1 and prewarped: exact after a quarter period.
+/// let mode = Oscillator::new(1.0, 0.0, 0.0, ResidualStiffness::Positive)?;
+/// let (mut q, mut v, mut a, mut f) = ([0.0; 26], [0.0; 26], [0.0; 26], [0.0; 26]);
+/// let mut out = Samples { displacement: &mut q, velocity: &mut v, acceleration: &mut a, joint_force: &mut f };
+/// let scheme = Newmark::prewarped(0.01, mode.omega0())?;
+/// scheme.integrate(&mode, &NoJoint, &mut 1.0, 0.0, &[], &mut out)?;
+/// assert!(q[25].abs() < 1e-12);
+/// assert!((v[25] + mode.omega0()).abs() < 1e-10);
+/// # Ok::<(), iwan_core::Error>(())
+/// ```
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Newmark {
     beta: f64,

@@ -5,6 +5,17 @@ use crate::hysteresis::Hysteresis;
 use crate::sliders::Sliders;
 
 /// The plain loop over a population; the fast kernels are tested against it.
+///
+/// ```
+/// use iwan_core::{Hysteresis, Plain, Slider, Sliders};
+/// let mut table = [Slider::default(); 3];
+/// let sliders = Sliders::from_elements(&[0.1, 0.3], &[2.0, 1.0], &mut table)?;
+/// let plain = Plain::new(sliders);
+/// let mut state = plain.virgin([0.0; 2])?;
+/// assert!((plain.advance(&mut state, 0.2) - (2.0 * 0.1 + 1.0 * 0.2)).abs() < 1e-15);
+/// assert!((plain.advance(&mut state, 0.15) - (2.0 * 0.05 + 1.0 * 0.15)).abs() < 1e-15);
+/// # Ok::<(), iwan_core::Error>(())
+/// ```
 #[derive(Debug, Clone, Copy)]
 pub struct Plain<'a> {
     sliders: Sliders<'a>,

@@ -5,6 +5,15 @@ use core::f64::consts::PI;
 use crate::error::{Error, check};
 
 /// A force f(t) for t >= 0, zero before. Amplitudes in the user's force unit, times in s.
+///
+/// ```
+/// use iwan_core::Pulse;
+/// let blow = Pulse::Haversine { amplitude: 1000.0, duration: 1.6e-3 }.checked()?;
+/// assert!((blow.at(0.8e-3) - 1000.0).abs() < 1e-9);
+/// assert_eq!(blow.at(2e-3), 0.0);
+/// assert_eq!(blow.settled(), 1.6e-3);
+/// # Ok::<(), iwan_core::Error>(())
+/// ```
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Pulse<'a> {
     /// No force: free decay from the initial conditions.
@@ -183,6 +192,9 @@ impl Pulse<'_> {
     }
 
     /// Writes f(n dt) for n = 0, 1, …; returns how many samples come before the force is zero for good.
+    ///
+    /// A force that ends abruptly within a step keeps its impulse: its last sample is weighted so that
+    /// the trapezoidal rule integrates it to the end, which keeps time stepping second order.
     pub fn sample(&self, dt: f64, out: &mut [f64]) -> usize {
         let mut last = 0;
         for (n, value) in out.iter_mut().enumerate() {
@@ -191,6 +203,36 @@ impl Pulse<'_> {
                 last = n + 1;
             }
         }
+        if let Some((end, value)) = self.abrupt_end(dt) {
+            let n = libm::floor(end * (1.0 + 4.0 * f64::EPSILON));
+            if let Some(sample) = out.get_mut(n as usize) {
+                *sample = value * (0.5 + (end - n).max(0.0));
+                last = last.max(n as usize + 1);
+            }
+        }
         last
+    }
+
+    /// End of a force that stops while it acts, in steps, and the force at the last sample before.
+    fn abrupt_end(&self, dt: f64) -> Option<(f64, f64)> {
+        let before = |end: f64| libm::floor(end * (1.0 + 4.0 * f64::EPSILON)) * dt;
+        let (duration, endless) = match *self {
+            Self::Sampled { samples, .. } => {
+                let end = self.settled() / dt;
+                let (last, at) = (samples[samples.len() - 1], before(end));
+                // The last sample itself where the axes meet, else on the line to it.
+                let value = if at >= self.settled() { last } else { self.at(at) };
+                return (last != 0.0).then_some((end, value));
+            }
+            Self::Step { amplitude, duration } => {
+                (duration, Self::Step { amplitude, duration: f64::INFINITY })
+            }
+            Self::Sine { amplitude, frequency, duration } => {
+                (duration, Self::Sine { amplitude, frequency, duration: f64::INFINITY })
+            }
+            _ => return None,
+        };
+        let end = duration / dt;
+        duration.is_finite().then(|| (end, endless.at(before(end))))
     }
 }

@@ -34,6 +34,18 @@ pub struct Run {
 ///
 /// `S` holds the runs: an array makes the state `Copy`, a slice or vector lends the
 /// caller's memory. One entry per slider always suffices: runs own disjoint, non-empty ranges.
+///
+/// ```
+/// use iwan_core::{Hysteresis, Run, Slider, Sliders};
+/// let mut table = [Slider::default(); 3];
+/// let sliders = Sliders::from_elements(&[0.1, 0.3], &[2.0, 1.0], &mut table)?;
+/// let mut state = sliders.virgin([Run::default(); 2])?;
+/// assert!((sliders.advance(&mut state, 0.2) - 0.4).abs() < 1e-15); // the first slips, the second holds
+/// let snapshot = state;
+/// assert!((sliders.advance(&mut state, 5.0) - 0.5).abs() < 1e-15); // both slip
+/// assert!((sliders.joint_force(&snapshot) - 0.4).abs() < 1e-15);
+/// # Ok::<(), iwan_core::Error>(())
+/// ```
 #[derive(Debug, Clone, Copy)]
 pub struct Runs<S> {
     u: f64,
@@ -41,7 +53,7 @@ pub struct Runs<S> {
     frontier: usize,
     /// Index of the topmost run.
     top: usize,
-    runs: S,
+    list: S,
 }
 
 /// Breaks passed one by one before the search along the strengths begins to gallop.
@@ -67,7 +79,7 @@ impl Segment {
     }
 }
 
-impl<'a> Sliders<'a> {
+impl Sliders<'_> {
     /// The virgin state. `runs` has at least one entry per slider.
     ///
     /// # Errors
@@ -78,7 +90,7 @@ impl<'a> Sliders<'a> {
             check_length("runs", slice.len(), self.len())?;
         }
         slice[0] = self.untouched();
-        Ok(Runs { u: 0.0, direction: 1.0, frontier: 0, top: 0, runs })
+        Ok(Runs { u: 0.0, direction: 1.0, frontier: 0, top: 0, list: runs })
     }
 
     fn untouched(&self) -> Run {
@@ -89,7 +101,7 @@ impl<'a> Sliders<'a> {
 impl<S: AsRef<[Run]> + AsMut<[Run]>> Runs<S> {
     #[inline]
     fn run(&self) -> &Run {
-        &self.runs.as_ref()[self.top]
+        &self.list.as_ref()[self.top]
     }
 
     /// Direction of motion, ±1.
@@ -152,7 +164,7 @@ impl<S: AsRef<[Run]> + AsMut<[Run]>> Runs<S> {
             if run.end > j {
                 self.top += 1;
             }
-            self.runs.as_mut()[self.top] = Run { end: j, sign: self.direction, anchor: self.u, carried };
+            self.list.as_mut()[self.top] = Run { end: j, sign: self.direction, anchor: self.u, carried };
             self.frontier = 0;
         }
         self.direction = -self.direction;
@@ -210,7 +222,7 @@ impl<S: AsRef<[Run]> + AsMut<[Run]>> Runs<S> {
             self.top -= 1;
         } else {
             // Everything slips: an empty virgin run stands for "no one left to slip".
-            self.runs.as_mut()[0] = Run { end: sliders, anchor: self.u, ..Run::default() };
+            self.list.as_mut()[0] = Run { end: sliders, anchor: self.u, ..Run::default() };
         }
     }
 
@@ -283,7 +295,7 @@ impl<S: AsRef<[Run]> + AsMut<[Run]>> Hysteresis<Runs<S>> for Sliders<'_> {
 
     fn stored_energy(&self, state: &Runs<S>) -> f64 {
         let mut run = state.top;
-        let runs = state.runs.as_ref();
+        let runs = state.list.as_ref();
         let energy = |(i, (phi, k)): (usize, (f64, f64))| {
             let extension = if i < state.frontier {
                 phi

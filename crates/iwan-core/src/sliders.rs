@@ -37,13 +37,15 @@ pub enum Grid {
 }
 
 impl Grid {
-    /// The default grid for `bins` bins: geometric from 4.5e-4 φ_max, which is ratio 1.08 at 100 bins.
+    /// The default grid for `bins` bins: geometric from 0.01/bins φ_max, which is ratio 1.0975 at 100 bins.
     ///
-    /// At 100 bins the dissipation per cycle is then within 0.3 % of the continuum from 0.001 to
-    /// 0.3 φ_max; the error falls as the inverse square of the number of bins.
+    /// At 100 bins the dissipation per cycle is then within 0.5 % of the continuum from 0.001 to
+    /// 0.3 φ_max; the error falls nearly as the inverse square of the number of bins.
     #[must_use]
     pub fn graded(bins: usize) -> Self {
-        Self::Geometric { ratio: libm::pow(1.08, 100.0 / (bins.max(1) as f64)) }
+        let smallest = 0.01 / bins.max(1) as f64;
+        let steps = bins.saturating_sub(1).max(1) as f64;
+        Self::Geometric { ratio: libm::pow(smallest, -1.0 / steps) }
     }
 
     /// Upper edge of bin `i` of `n` between the strengths `low` and `high`.
@@ -200,6 +202,7 @@ impl<'a> Sliders<'a> {
     }
 
     /// Strength φ and stiffness k of each slider, weakest first.
+    #[must_use]
     pub fn elements(&self) -> impl ExactSizeIterator<Item = (f64, f64)> + '_ {
         self.table[..self.len()].iter().map(|s| (s.strength, s.stiffness))
     }

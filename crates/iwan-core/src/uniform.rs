@@ -10,6 +10,14 @@ use crate::error::{Error, check};
 ///
 /// `width` = 1 is the full band 0 … 2 F_S/K_T (the four-parameter joint with χ = 0, β = 0),
 /// `width` -> 0 a Jenkins element.
+///
+/// ```
+/// use iwan_core::{Backbone, Uniform};
+/// let joint = Uniform::new(1000.0, 5.0, 1.0)?; // strengths from 0 to 0.01
+/// assert!((joint.force(0.005) - (5.0 - 1.25)).abs() < 1e-12); // K_T u - ½ (K_T/0.01) u²
+/// assert_eq!(joint.force(0.02), 5.0);
+/// # Ok::<(), iwan_core::Error>(())
+/// ```
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Uniform {
     k_t: f64,
@@ -34,7 +42,7 @@ impl Uniform {
     }
 
     /// Displacement into the band of strengths, 0 before it.
-    fn into_band(&self, u: f64) -> f64 {
+    fn beyond_weakest(&self, u: f64) -> f64 {
         (u.abs() - self.weakest).max(0.0)
     }
 }
@@ -56,24 +64,24 @@ impl Backbone for Uniform {
         if u.abs() >= self.strongest {
             return self.f_s.copysign(u);
         }
-        let x = self.into_band(u);
+        let x = self.beyond_weakest(u);
         self.k_t * u - (0.5 * self.density * x * x).copysign(u)
     }
 
     fn tangent(&self, u: f64) -> f64 {
-        if u.abs() >= self.strongest { 0.0 } else { self.k_t - self.density * self.into_band(u) }
+        if u.abs() >= self.strongest { 0.0 } else { self.k_t - self.density * self.beyond_weakest(u) }
     }
 
     fn energy(&self, u: f64) -> f64 {
         let within = u.abs().min(self.strongest);
-        let x = self.into_band(within);
+        let x = self.beyond_weakest(within);
         0.5 * self.k_t * within * within - self.density * x * x * x / 6.0 + self.f_s * (u.abs() - within)
     }
 
     /// D = 4 ∫ ρ φ (u - φ) dφ over the strengths below u.
     fn dissipation(&self, u: f64) -> f64 {
         let u = u.abs();
-        let x = self.into_band(u.min(self.strongest));
+        let x = self.beyond_weakest(u.min(self.strongest));
         let below = x * (self.weakest + 0.5 * x);
         let second = x * (self.weakest * self.weakest + x * (self.weakest + x / 3.0));
         4.0 * self.density * (u * below - second)
@@ -84,11 +92,11 @@ impl Backbone for Uniform {
     }
 
     fn stiffness_below(&self, phi: f64) -> f64 {
-        self.density * self.into_band(phi.min(self.strongest))
+        self.density * self.beyond_weakest(phi.min(self.strongest))
     }
 
     fn force_below(&self, phi: f64) -> f64 {
-        let x = self.into_band(phi.min(self.strongest));
+        let x = self.beyond_weakest(phi.min(self.strongest));
         self.density * x * (self.weakest + 0.5 * x)
     }
 

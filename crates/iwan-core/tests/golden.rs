@@ -2,6 +2,7 @@
 //!
 //! Provenance: the formulas of `FourParameter`'s documentation evaluated at 40 digits (mpmath) for
 //! Table 1 and the three modes of Table 2 of Deaner et al., rounded to 16 digits.
+#![allow(clippy::unwrap_used, clippy::print_stdout, reason = "a failed test may panic and say why")]
 
 use iwan_core::{Backbone, FourParameter};
 

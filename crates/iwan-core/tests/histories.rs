@@ -1,4 +1,5 @@
 //! The fast evaluations of the hysteretic force against the plain loop, on random histories.
+#![allow(clippy::unwrap_used, clippy::print_stdout, reason = "a failed test may panic and say why")]
 
 use iwan_core::{
     Backbone, Continuum, FourParameter, Grid, Hysteresis, Plain, Reversal, Run, Slider, Sliders,
@@ -36,10 +37,9 @@ fn displacements(legs: &[Leg], strengths: &[f64]) -> Vec<f64> {
     for leg in legs {
         let here = *path.last().unwrap();
         match *leg {
-            Leg::Step(x) => path.push(here + x * scale),
+            Leg::Step(x) | Leg::Jump(x) => path.push(here + x * scale),
             Leg::Plateau => path.extend([here, here]),
             Leg::NegativeZero => path.extend([0.0, -0.0, 0.0]),
-            Leg::Jump(x) => path.push(here + x * scale),
             Leg::Far(x) => path.push(x * scale),
             Leg::Decay { amplitude, ratio, cycles } => {
                 let mut a = amplitude * scale;
@@ -76,7 +76,7 @@ fn population() -> impl Strategy<Value = (Vec<f64>, Vec<f64>)> {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig { cases: 10_000, ..ProptestConfig::default() })]
+    #![proptest_config(ProptestConfig { cases: 10_000, failure_persistence: None, ..ProptestConfig::default() })]
 
     /// Run-length memory, and Masing's rule on the same population, to 1e-13 of the largest force.
     #[test]

@@ -3,6 +3,8 @@
 //! [`Mode`] + [`Pulse`](iwan_core::Pulse) + [`Settings`] -> [`simulate`] -> [`Response`].
 
 mod error;
+mod event;
+mod free_decay;
 mod joint;
 mod mode;
 mod quality;

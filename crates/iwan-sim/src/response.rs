@@ -65,6 +65,7 @@ impl Response {
     }
 
     /// Times of the samples, s.
+    #[must_use]
     pub fn times(&self) -> impl ExactSizeIterator<Item = f64> + '_ {
         (0..self.displacement.len()).map(|n| n as f64 * self.dt)
     }

@@ -4,7 +4,7 @@ use std::ops::ControlFlow;
 use std::time::Instant;
 
 use iwan_core::{
-    Backbone, Continuum, Error, Hysteresis, JointEnergy, Newmark, NoJoint, Oscillator, Reversal, Run,
+    Backbone, Continuum, Error, Hysteresis, JointEnergy, Newmark, NoJoint, Oscillator, Pulse, Reversal, Run,
     Samples, Slider, Sliders, TabledFourParameter,
 };
 
@@ -24,6 +24,19 @@ pub(crate) struct Task<'a> {
     pub(crate) force: &'a [f64],
     pub(crate) dt: f64,
     pub(crate) samples: usize,
+}
+
+/// The modal force at the samples, up to the last one that is not zero.
+pub(crate) fn modal_force(mode: &Mode, force: &Pulse<'_>, dt: f64, samples: usize) -> Vec<f64> {
+    let settled = (force.settled() / dt).min(samples as f64) as usize + 2;
+    let constant = force.at(force.settled() + dt) != 0.0;
+    let mut history = vec![0.0; if constant { samples } else { settled.min(samples) }];
+    let used = force.sample(dt, &mut history);
+    history.truncate(used);
+    for p in &mut history {
+        *p *= mode.shape_at_force;
+    }
+    history
 }
 
 /// Newmark's scheme on a joint represented as asked.

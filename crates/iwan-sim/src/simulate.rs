@@ -5,8 +5,9 @@ use std::sync::Mutex;
 
 use iwan_core::{Error, Newmark, Pulse};
 
+use crate::free_decay::{self, Decaying};
 use crate::run::{self, Task};
-use crate::{Method, Mode, Response, Settings, SimulationError, quality};
+use crate::{Method, Mode, Response, Settings, SimulationError, event, quality};
 
 /// Called from time to time with the share of the work done (0 to 1); `Break` stops the simulation.
 pub type Observer<'a> = &'a mut (dyn FnMut(f64) -> ControlFlow<()> + Send);
@@ -84,29 +85,15 @@ fn in_mode(mode: &Mode, error: SimulationError) -> SimulationError {
     }
 }
 
-/// Number of samples on the time axis.
-fn sample_count(settings: &Settings) -> Result<usize, Error> {
-    /// More samples than this do not fit any machine's memory.
-    const MOST: f64 = 1e11;
-    let range = |name, value: f64, ok: bool, allowed| {
-        if ok && value.is_finite() { Ok(()) } else { Err(Error::OutOfRange { name, value, allowed }) }
-    };
-    range("time step", settings.dt, settings.dt > 0.0, "must be a finite number of seconds > 0")?;
-    range("duration", settings.duration, settings.duration > 0.0, "must be a finite number of seconds > 0")?;
-    let steps = (settings.duration / settings.dt * (1.0 + 4.0 * f64::EPSILON)).floor();
-    range("duration / time step", steps, (1.0..MOST).contains(&steps), "must be between 1 and 1e11 steps")?;
-    Ok(steps as usize + 1)
-}
-
-/// The modal force at the samples, up to the last one that is not zero.
-fn modal_force(mode: &Mode, force: &Pulse<'_>, dt: f64, samples: usize) -> Vec<f64> {
-    let settled = (force.settled() / dt).min(samples as f64) as usize + 2;
-    let constant = force.at(force.settled() + dt) != 0.0;
-    let mut history = vec![0.0; if constant { samples } else { settled.min(samples) }];
-    let used = force.sample(dt, &mut history);
-    history.truncate(used);
-    history.iter_mut().for_each(|p| *p *= mode.shape_at_force);
-    history
+/// Number of steps after which the force no longer changes.
+fn settled_after(force: &Pulse<'_>, dt: f64, samples: usize) -> Result<usize, Error> {
+    let steps = (force.settled() / dt * (1.0 - 4.0 * f64::EPSILON)).ceil();
+    if steps < samples as f64 - 1.0 {
+        return Ok(steps as usize);
+    }
+    let what = "half-cycle and averaging need a force that settles within the duration: use newmark or event, or a \
+        longer duration";
+    Err(Error::Unsupported { what })
 }
 
 fn simulate_observed(
@@ -116,9 +103,9 @@ fn simulate_observed(
     progress: run::Progress<'_>,
 ) -> Result<Response, SimulationError> {
     let force = force.checked()?;
-    let (dt, samples) = (settings.dt, sample_count(settings)?);
+    let (dt, samples) = (settings.dt, settings.samples()?);
     let oscillator = mode.oscillator()?;
-    let history = modal_force(mode, &force, dt, samples);
+    let history = run::modal_force(mode, &force, dt, samples);
     let task = Task { mode, force: &history, dt, samples };
     match settings.method {
         Method::Newmark { beta, gamma, prewarp, joint } => {
@@ -136,6 +123,16 @@ fn simulate_observed(
             }
             Ok(response)
         }
-        _ => Err(Error::Unsupported { what: "this method" }.into()),
+        method @ (Method::HalfCycle | Method::Averaging) => {
+            let settled = settled_after(&force, dt, samples)?;
+            free_decay::simulate(
+                Decaying { task, force: &force, method, settled },
+                settings.quality,
+                progress,
+            )
+        }
+        Method::Event { bins, grid } => {
+            event::simulate(task, &force, (bins, grid), settings.quality, progress)
+        }
     }
 }

@@ -1,0 +1,52 @@
+//! No step and no force call allocates: counted by an allocator.
+
+#![allow(clippy::unwrap_used, reason = "a failed test may panic and say why")]
+
+use iwan_core::{
+    Averaging, Continuum, Decay, EventDriven, FourParameter, Grid, Hysteresis, Newmark, Oscillator, Plain,
+    Pulse, ResidualStiffness, Reversal, Run, Samples, Slider, Sliders, TabledFourParameter,
+};
+
+#[test]
+fn nothing_allocates() {
+    let mut buffers: [Vec<f64>; 4] = std::array::from_fn(|_| vec![0.0; 2001]);
+    let [displacement, velocity, acceleration, joint_force] = &mut buffers;
+    let mut out = Samples { displacement, velocity, acceleration, joint_force };
+    let counted = allocation_counter::measure(|| run_everything(&mut out));
+    assert_eq!(counted.count_total, 0, "allocations in iwan-core: {counted:?}");
+}
+
+fn run_everything(out: &mut Samples<'_>) {
+    let joint = FourParameter::new(4.45e4, 239.4, -0.183, 0.3).unwrap();
+    let oscillator = Oscillator::new(124.0, 2.5e-4, 4.45e4, ResidualStiffness::Positive).unwrap();
+    let mut table = [Slider::default(); Sliders::table_len(100)];
+    let sliders = Sliders::discretise(&joint, Grid::graded(100), 100, &mut table).unwrap();
+    let pulse = Pulse::Haversine { amplitude: 1000.0, duration: 1.6e-3 };
+    let mut force = [0.0; 200];
+    let used = pulse.sample(1e-5, &mut force);
+    let scheme = Newmark::prewarped(1e-5, oscillator.omega0()).unwrap();
+
+    let mut runs = sliders.virgin([Run::default(); 101]).unwrap();
+    scheme.integrate_sliders(&oscillator, &sliders, &mut runs, 0.0, &force[..used], out).unwrap();
+    let mut runs = sliders.virgin([Run::default(); 101]).unwrap();
+    scheme.integrate(&oscillator, &sliders, &mut runs, 0.0, &force[..used], out).unwrap();
+    let plain = Plain::new(sliders);
+    let mut extensions = plain.virgin([0.0; 101]).unwrap();
+    scheme.integrate(&oscillator, &plain, &mut extensions, 0.0, &force[..used], out).unwrap();
+    let continuum = Continuum::new(TabledFourParameter::new(joint));
+    let mut reversals = continuum.virgin([Reversal::default(); 64]).unwrap();
+    scheme.integrate(&oscillator, &continuum, &mut reversals, 0.0, &force[..used], out).unwrap();
+    for u in [1e-3, -2e-2, 5e-4, 0.0] {
+        sliders.advance(&mut runs, u);
+        plain.advance(&mut extensions, u);
+        continuum.advance(&mut reversals, u);
+    }
+    let start = (0.3 * joint.phi_max(), 0.1);
+    Decay::new(&oscillator, &joint, 0.0, start, [Reversal::default(); 64])
+        .unwrap()
+        .sample(1e-5, out)
+        .unwrap();
+    Averaging::new(&oscillator, &joint, start).unwrap().sample(1e-5, out).unwrap();
+    let mut runs = sliders.virgin([Run::default(); 101]).unwrap();
+    EventDriven::new(&oscillator, sliders, pulse, 1.0).unwrap().integrate(&mut runs, 0.0, 1e-5, out).unwrap();
+}

@@ -1,0 +1,78 @@
+//! The event-driven reference on a mode.
+
+use std::ops::ControlFlow;
+use std::time::Instant;
+
+use iwan_core::{Backbone, EventDriven, Grid, Hysteresis, Jenkins, Newmark, Pulse, Run, Slider, Sliders};
+
+use crate::joint::with_law;
+use crate::run::{Progress, Task, finite, newmark};
+use crate::{JointKind, Quality, Response, SimulationError, quality};
+
+/// Angle per series in the companion run that estimates the error: the default is 0.5.
+const COMPANION_ANGLE: f64 = 0.31;
+
+/// Event-driven run, with error estimates when `wanted`.
+pub(crate) fn simulate(
+    task: Task<'_>,
+    force: &Pulse<'_>,
+    (bins, grid): (usize, Grid),
+    wanted: bool,
+    progress: Progress<'_>,
+) -> Result<Response, SimulationError> {
+    let mut response = run(task, force, (bins, grid), None)?;
+    if progress(0.5).is_break() {
+        return Err(SimulationError::Interrupted);
+    }
+    if wanted {
+        let companion = run(task, force, (bins, grid), Some(COMPANION_ANGLE))?;
+        response.quality = Quality {
+            time_step_error: Some(quality::difference(&companion, &response, 1)),
+            discretisation_error: discretisation(task, JointKind::Sliders { bins, grid })?,
+            forgotten_force: 0.0,
+        };
+    }
+    if progress(1.0).is_break() {
+        return Err(SimulationError::Interrupted);
+    }
+    Ok(response)
+}
+
+fn run(
+    task: Task<'_>,
+    force: &Pulse<'_>,
+    (bins, grid): (usize, Grid),
+    angle: Option<f64>,
+) -> Result<Response, SimulationError> {
+    let Task { mode, dt, samples, .. } = task;
+    let oscillator = mode.oscillator()?;
+    let mut table = vec![Slider::default(); Sliders::table_len(bins)];
+    let sliders = match &mode.joint {
+        Some(law) => with_law!(law, law => Sliders::discretise(law, grid, bins, &mut table))?,
+        // A linear mode: one slider of no weight that never slips.
+        None => Sliders::discretise(&Jenkins::new(1e-150, 1e150)?, grid, bins, &mut table)?,
+    };
+    let mut state = sliders.virgin(vec![Run::default(); sliders.len()])?;
+    sliders.advance(&mut state, mode.initial.0);
+    let mut solver = EventDriven::new(&oscillator, sliders, *force, mode.shape_at_force)?;
+    if let Some(angle) = angle {
+        solver = solver.with_angle(angle)?;
+    }
+    let mut response = Response::zeros(dt, samples);
+    let clock = Instant::now();
+    let energy = solver.integrate(&mut state, mode.initial.1, dt, &mut response.samples())?;
+    response.seconds = clock.elapsed().as_secs_f64();
+    response.energy = energy;
+    response.strongest = mode.joint.as_ref().map_or(f64::INFINITY, |law| law.strengths().1);
+    finite(response)
+}
+
+/// Sliders against the continuum, both by Newmark's method at the sampling interval: none where that is too long.
+fn discretisation(task: Task<'_>, joint: JointKind) -> Result<Option<f64>, SimulationError> {
+    if task.mode.joint.is_none() {
+        return Ok(Some(0.0));
+    }
+    let Ok(scheme) = Newmark::prewarped(task.dt, task.mode.oscillator()?.omega0()) else { return Ok(None) };
+    let run = |joint| newmark(task, &scheme, joint, &mut |_| ControlFlow::Continue(()));
+    Ok(Some(quality::difference(&run(joint)?, &run(JointKind::Continuum)?, 1)))
+}

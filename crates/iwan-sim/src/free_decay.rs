@@ -1,0 +1,169 @@
+//! Methods for free decay: the force is stepped until it has settled, the decay that follows is not.
+
+use std::ops::ControlFlow;
+use std::time::Instant;
+
+use iwan_core::{
+    Averaging, Backbone, Continuum, Decay, EnergyBalance, Error, Hysteresis, JointEnergy, Newmark,
+    Oscillator, Pulse, Reversal, Reversals,
+};
+
+use crate::joint::with_law;
+use crate::run::{self, Progress, Task, finite, stack};
+use crate::{Method, Quality, Response, SimulationError, quality};
+
+/// Time steps of the forced part per small-amplitude period, at least.
+const STEPS_A_PERIOD: f64 = 4000.0;
+
+/// The forced part, sampled finely, and the state that it ends in.
+struct Forced<S> {
+    memory: Reversals<S>,
+    velocity: f64,
+    energy: EnergyBalance,
+}
+
+/// What a free-decay method is given besides the mode: force, method, number of samples until the force has settled.
+#[derive(Clone, Copy)]
+pub(crate) struct Decaying<'a> {
+    pub(crate) task: Task<'a>,
+    pub(crate) force: &'a Pulse<'a>,
+    pub(crate) method: Method,
+    pub(crate) settled: usize,
+}
+
+/// Half-cycle map or averaging, with the error estimate when `quality` is wanted.
+pub(crate) fn simulate(
+    job: Decaying<'_>,
+    wanted: bool,
+    progress: Progress<'_>,
+) -> Result<Response, SimulationError> {
+    let Some(law) = &job.task.mode.joint else { return linear(job) };
+    with_law!(law, law => {
+        let mut response = decay(job, law, STEPS_A_PERIOD)?;
+        if progress(0.5).is_break() {
+            return Err(SimulationError::Interrupted);
+        }
+        if wanted {
+            response.quality = estimate(job, law, &response)?;
+        }
+        if progress(1.0).is_break() {
+            return Err(SimulationError::Interrupted);
+        }
+        Ok(response)
+    })
+}
+
+/// Error of the forced part's steps by halving their number; for averaging, the distance to the map as well.
+fn estimate<B: Backbone>(
+    job: Decaying<'_>,
+    law: &B,
+    response: &Response,
+) -> Result<Quality, SimulationError> {
+    let coarse = decay(job, law, 0.5 * STEPS_A_PERIOD)?;
+    let mut error = quality::difference(&coarse, response, 1) / 3.0;
+    if job.method == Method::Averaging {
+        let exact = decay(Decaying { method: Method::HalfCycle, ..job }, law, STEPS_A_PERIOD)?;
+        error = error.max(quality::difference(&exact, response, 1));
+    }
+    Ok(Quality { time_step_error: Some(error), discretisation_error: Some(0.0), ..response.quality })
+}
+
+fn decay<B: Backbone>(job: Decaying<'_>, law: &B, steps: f64) -> Result<Response, SimulationError> {
+    let Task { mode, dt, samples, .. } = job.task;
+    let oscillator = mode.oscillator()?;
+    let mut response = Response::zeros(dt, samples);
+    response.strongest = law.strengths().1;
+    let clock = Instant::now();
+    let forced = forced(job, &oscillator, law, steps, &mut response)?;
+    let load = mode.shape_at_force * job.force.at(job.force.settled() + dt);
+    let length = (samples - 1 - job.settled) as f64 * dt;
+    let mut buffers = response.samples();
+    let mut out = buffers.between(job.settled, samples - 1);
+    let (energy, forgotten) = if job.method == Method::Averaging {
+        if load != 0.0 {
+            return Err(Error::Unsupported {
+                what: "averaging needs a force that ends: use half-cycle, newmark or event",
+            }
+            .into());
+        }
+        let start = (Continuum::new(law).displacement(&forced.memory), forced.velocity);
+        let mut decay = Averaging::new(&oscillator, law, start)?;
+        decay.sample(dt, &mut out)?;
+        (decay.energy(length), forced.memory.forgotten())
+    } else {
+        let mut decay = Decay::from_memory(&oscillator, law, load, forced.memory, forced.velocity)?;
+        decay.sample(dt, &mut out)?;
+        (decay.energy(), decay.memory().forgotten())
+    };
+    response.seconds = clock.elapsed().as_secs_f64();
+    response.energy = forced.energy.then(&energy);
+    response.quality.forgotten_force = forgotten;
+    finite(response)
+}
+
+/// Steps the forced part (continuum, average acceleration) at a fraction of the sampling interval.
+fn forced<B: Backbone>(
+    job: Decaying<'_>,
+    oscillator: &Oscillator,
+    law: &B,
+    steps: f64,
+    response: &mut Response,
+) -> Result<Forced<Vec<Reversal>>, SimulationError> {
+    let Task { mode, dt, .. } = job.task;
+    let joint = Continuum::new(law);
+    let mut memory = joint.virgin(stack(&job.task))?;
+    joint.advance(&mut memory, mode.initial.0);
+    let velocity = mode.initial.1;
+    if job.settled == 0 {
+        return Ok(Forced { memory, velocity, energy: EnergyBalance::default() });
+    }
+    // An even number, so that half of it is another.
+    let fraction = 2 * (0.5 * dt * mode.frequency * steps).ceil().max(1.0) as usize;
+    let scheme = Newmark::prewarped(dt / fraction as f64, oscillator.omega0())?;
+    let mut fine = Response::zeros(dt / fraction as f64, job.settled * fraction + 1);
+    let force = run::modal_force(mode, job.force, fine.dt, fine.displacement.len());
+    let start = joint.stored_energy(&memory);
+    let velocity =
+        scheme.integrate(oscillator, &joint, &mut memory, velocity, &force, &mut fine.samples())?;
+    let stored = JointEnergy { start, end: joint.stored_energy(&memory) };
+    let energy = scheme.energy(oscillator, stored, &force, &fine.samples());
+    let histories = [&fine.displacement, &fine.velocity, &fine.acceleration, &fine.joint_force];
+    let targets = [
+        &mut response.displacement,
+        &mut response.velocity,
+        &mut response.acceleration,
+        &mut response.joint_force,
+    ];
+    for (history, target) in histories.into_iter().zip(targets) {
+        target.iter_mut().zip(history.iter().step_by(fraction)).for_each(|(t, h)| *t = *h);
+    }
+    Ok(Forced { memory, velocity, energy })
+}
+
+/// A linear mode has nothing to map: prewarped stepping at a fraction of the sampling interval.
+fn linear(job: Decaying<'_>) -> Result<Response, SimulationError> {
+    let Task { mode, dt, samples, .. } = job.task;
+    let fraction = 2 * (0.5 * dt * mode.frequency * STEPS_A_PERIOD).ceil().max(1.0) as usize;
+    let run = |fraction: usize| {
+        let count = (samples - 1) * fraction + 1;
+        let force = run::modal_force(mode, job.force, dt / fraction as f64, count);
+        let task = Task { force: &force, dt: dt / fraction as f64, samples: count, ..job.task };
+        let scheme = Newmark::prewarped(task.dt, mode.oscillator()?.omega0())?;
+        let fine =
+            run::newmark(task, &scheme, crate::JointKind::Continuum, &mut |_| ControlFlow::Continue(()))?;
+        let thin = |v: &Vec<f64>| v.iter().copied().step_by(fraction).collect();
+        Ok::<_, SimulationError>(Response {
+            dt,
+            displacement: thin(&fine.displacement),
+            velocity: thin(&fine.velocity),
+            acceleration: thin(&fine.acceleration),
+            joint_force: thin(&fine.joint_force),
+            ..fine
+        })
+    };
+    let mut response = run(fraction)?;
+    let error = quality::difference(&run(fraction / 2)?, &response, 1) / 3.0;
+    response.quality =
+        Quality { time_step_error: Some(error), discretisation_error: Some(0.0), ..response.quality };
+    Ok(response)
+}
