@@ -120,19 +120,20 @@ impl Linear {
     pub(crate) fn run(&self, force: &[f64], out: &mut Buffers) {
         let forced = force.len().min(STEPS);
         let at = |n: usize| force.get(n).copied().unwrap_or(0.0);
-        let mut motion = [0.0, 0.0, at(0) + at(1)];
+        let mean = |n: usize| 0.5 * (at(n) + at(n + 1));
+        let mut motion = [0.0, 0.0, mean(0)];
         let Samples { displacement, velocity, acceleration, joint_force } = out.samples();
         (displacement[0], velocity[0], acceleration[0], joint_force[0]) = (0.0, 0.0, at(0), 0.0);
         let cut = forced + 1;
         let (d, v) = (displacement.split_at_mut(cut), velocity.split_at_mut(cut));
         let (a, f) = (acceleration.split_at_mut(cut), joint_force.split_at_mut(cut));
-        let load = |i: usize| (at(i + 1), at(i + 1) + at(i + 2), at(i + 2) + at(i + 3));
+        let load = |i: usize| (at(i + 1), mean(i + 1), mean(i + 2));
         motion = self.steps(motion, [&mut d.0[1..], &mut v.0[1..], &mut a.0[1..], &mut f.0[1..]], load);
-        self.steps(motion, [d.1, v.1, a.1, f.1], |_| (0.0, 0.0, 0.0));
+        self.steps(motion, [d.1, v.1, a.1, f.1], |_| (-0.0, -0.0, -0.0));
     }
 
-    /// Steps through the buffers from (q, w = 4 q'/h, r); `load(i)` is the force at the end of step i and the sums
-    /// of the forces at the ends of the two steps behind it.
+    /// Steps through the buffers from (q, w = 2 q'/h, r), r half the load of the step's equation; `load(i)` is the force at
+    /// the end of step i and the mean forces of the two steps behind it (-0.0 leaves a sum as it is).
     #[inline]
     fn steps(
         &self,
@@ -140,22 +141,24 @@ impl Linear {
         out: [&mut [f64]; 4],
         load: impl Fn(usize) -> (f64, f64, f64),
     ) -> [f64; 3] {
-        let k = self.k_inf + self.joint;
-        let (inertia, inverse) = (8.0 / (DT * DT), 1.0 / (4.0 / (DT * DT) + 2.0 * self.viscous / DT + k));
-        let (gain, loss) = ((inertia - 2.0 * k) * inverse, (inertia + 2.0 * k) * inverse);
+        let (k, damping) = (self.k_inf + self.joint, -self.viscous);
+        let inertia = 4.0 / (DT * DT);
+        let inverse = 2.0 / (inertia + 2.0 * self.viscous / DT + k);
+        let (gain, loss) = ((inertia - k) * inverse, (inertia + k) * inverse);
         let [mut q, mut w, mut r] = start;
-        let mut e = (load(0).1 - w) - 2.0 * k * q;
+        let mut s = k * q;
+        let mut e = (load(0).1 - w) - s;
         let [displacement, velocity, acceleration, joint_force] = out;
         let outputs = displacement.iter_mut().zip(velocity).zip(acceleration).zip(joint_force);
         for (i, (((q_out, v_out), a_out), f_out)) in outputs.enumerate() {
             let (p, _, next) = load(i);
-            let (dq, held) = (r * inverse, 2.0 * k * q);
-            let r_next = e + gain * r;
-            e = (next + (w - held)) - loss * r;
+            let (dq, r_next) = (r * inverse, e + gain * r);
+            e = (next + (w - s)) - loss * r;
             (q, w, r) = (q + dq, inertia * dq - w, r_next);
-            let v = 0.25 * DT * w;
+            s = k * q;
+            let v = 0.5 * DT * w;
             (*q_out, *v_out) = (q, v);
-            (*a_out, *f_out) = ((p - self.viscous * v) - k * q, self.joint * q);
+            (*a_out, *f_out) = ((p + damping * v) - s, self.joint * q);
         }
         [q, w, r]
     }
