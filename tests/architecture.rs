@@ -14,7 +14,7 @@ fn paths_in_the_pages_exist() {
         let is_path = |s: &&str| {
             let prefixes =
                 ["crates/", "src/", "tests/", "benches", "scripts/", "book/", "examples/", "LICENSE"];
-            s.ends_with(".md") || prefixes.iter().any(|p| s.starts_with(p))
+            Path::new(s).extension().is_some_and(|e| e == "md") || prefixes.iter().any(|p| s.starts_with(p))
         };
         for path in quoted.chain(linked).filter(is_path).filter(|s| !s.contains(char::is_whitespace)) {
             assert!(root.join(path).exists(), "{page} names {path}, which does not exist");

@@ -68,7 +68,8 @@ impl Newmark {
     ///
     /// The formulas get the step h' = (2/ω0) tan(ω0 dt/2), which maps the rule's frequency back onto
     /// ω0 (the bilinear transform's prewarping), and the force the factor ω0 dt / sin(ω0 dt),
-    /// which gives an impulse its exact response.
+    /// which gives an impulse its exact response. That factor shifts what a lasting force does meanwhile, such as a static
+    /// displacement, by (ω0 dt)²/6, which is 1e-5 at 124 Hz and dt = 1e-5 s: of second order, as the scheme is.
     ///
     /// # Errors
     /// [`Error::OutOfRange`] unless 0 < ω0 dt < π (two samples a cycle).

@@ -70,7 +70,7 @@ impl FixedPower {
         let d2 = d * d;
         let tail = (c[0] + c[1] * d) + d2 * ((c[2] + c[3] * d) + d2 * (c[4] + c[5] * d));
         let head = self.octaves[octave] * cell.power;
-        head + head * (d * tail)
+        head + (head * d) * tail
     }
 }
 

@@ -129,6 +129,19 @@ impl<S: AsRef<[Run]> + AsMut<[Run]>> Runs<S> {
         self.segment_at(table, self.frontier)
     }
 
+    /// The segment after `breaks` more sliders of the topmost run, if that has so many and one left.
+    #[inline]
+    pub(crate) fn segment_after(&self, table: &[Slider], breaks: usize) -> Option<Segment> {
+        let j = self.frontier + breaks;
+        (j < self.run().end && self.travel() > 0.0).then(|| self.segment_at(table, j))
+    }
+
+    /// That many sliders of the topmost run slip.
+    #[inline]
+    pub(crate) fn pass(&mut self, breaks: usize) {
+        self.frontier += breaks;
+    }
+
     /// The segment with the frontier at slider `j` of the topmost run.
     #[inline]
     fn segment_at(&self, table: &[Slider], j: usize) -> Segment {
