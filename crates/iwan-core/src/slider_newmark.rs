@@ -169,8 +169,7 @@ impl Scheme {
             let Some(next) = state.segment_after(table, breaks) else { return false };
             let rest = motion.r - 0.5 * (next.base + next.stiffness * x - force);
             let room = 0.5 * (self.stiffness + next.stiffness) * (next.reach - direction * x);
-            // NaN as well as a motion that turns round.
-            if !(direction * rest > 0.0) {
+            if direction * rest <= 0.0 {
                 return false;
             }
             if direction * rest <= room {
