@@ -55,7 +55,7 @@ pub(crate) fn field(peer: Option<&str>, half_cycles: usize) -> Outcome<Vec<Conte
                     let path = write_population(grid, bins)?;
                     let (program, form) = (program.to_owned(), form.to_owned());
                     let name = format!("C {form} {grid} N={bins} P=1000");
-                    let run = move || Ok(call_peer(&program, &path, &form, 1e3, 3)?[0]);
+                    let run = move || Ok(call_peer(&program, &path, &form, 1e3, 5)?[0]);
                     field.push(Contestant { name, run: Box::new(run) });
                 }
             }
