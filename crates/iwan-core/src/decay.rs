@@ -70,7 +70,7 @@ pub struct TurningPoint {
 impl<'a, B: Backbone, S: AsRef<[Reversal]> + AsMut<[Reversal]>> Decay<'a, B, S> {
     /// From rest history: the joint is loaded along the virgin curve up to the displacement `start.0` and
     /// released with the velocity `start.1`; `load` is a constant force. `stack` has room for the
-    /// reversals: one per half cycle, at least two.
+    /// reversals: one per half cycle, at least three.
     ///
     /// # Errors
     /// [`Error::Length`]; [`Error::OutOfRange`] when K_∞ <= 0 or a value is not finite.
@@ -145,7 +145,7 @@ impl<'a, B: Backbone, S: AsRef<[Reversal]> + AsMut<[Reversal]>> Decay<'a, B, S> 
         self.map.load - self.map.viscous * v - self.map.k_inf * q - force
     }
 
-    /// Moves to the next turning point; none when the mass has come to rest.
+    /// Moves to the next turning point; none when the mass has come to rest or creeps towards it.
     #[expect(
         clippy::should_implement_trait,
         reason = "an iterator would hide that the decay goes on behind it"
@@ -220,6 +220,9 @@ impl<'a, B: Backbone, S: AsRef<[Reversal]> + AsMut<[Reversal]>> Decay<'a, B, S> 
     }
 }
 
+/// Steps after which a motion without reversal is called creeping: 50,000 rad of the mode at the least.
+const MOST_STEPS: u32 = 1_000_000;
+
 /// Relative error per Runge-Kutta step.
 const STEP_TOLERANCE: f64 = 1e-13;
 
@@ -232,13 +235,19 @@ impl<B: Backbone, S: AsRef<[Reversal]> + AsMut<[Reversal]>> Decay<'_, B, S> {
         if self.now.v == 0.0 && self.acceleration(&self.memory.branch(), self.now.q, 0.0) == 0.0 {
             return false;
         }
-        while self.now.time < until {
+        for _ in 0..MOST_STEPS {
+            if self.now.time >= until {
+                return false;
+            }
             let branch = self.memory.branch();
             h = h.min(until - self.now.time).min(longest);
             let (next, error) = self.step(&branch, h);
             let scale = libm::fabs(self.now.v) + libm::fabs(next.v) + f64::MIN_POSITIVE;
             let shrink = libm::pow(STEP_TOLERANCE * scale / (error + f64::MIN_POSITIVE), 0.2);
-            if error > STEP_TOLERANCE * scale && h > 1e-6 * longest {
+            let (force, _) = branch.force_and_tangent(self.map.law, next.q);
+            let forces = libm::fabs(self.map.k_inf * next.q) + libm::fabs(force) + libm::fabs(self.map.load);
+            let noise = f64::EPSILON * forces * h;
+            if error > STEP_TOLERANCE * scale + noise && h > 1e-6 * longest {
                 h *= (0.9 * shrink).clamp(0.1, 0.9);
                 continue;
             }

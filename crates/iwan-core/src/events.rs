@@ -167,14 +167,16 @@ impl<'a> EventDriven<'a> {
     ) {
         let mut elapsed = 0.0;
         while elapsed < dt {
-            let stretch = self.force.stretch(t + elapsed);
-            let fastest = self.oscillator.omega0().max(libm::fabs(stretch.omega));
-            let mut h = (dt - elapsed).min(self.angle / fastest);
-            // A change of formula closer than rounding is passed over.
-            let change = stretch.until - (t + elapsed);
-            if change > 1e-12 * dt {
-                h = h.min(change);
+            let now = t + elapsed;
+            let mut stretch = self.force.stretch(now);
+            // A change of formula closer than rounding has already happened.
+            if stretch.until - now <= 1e-12 * dt {
+                stretch = self.force.stretch(stretch.until);
             }
+            let stiffest = libm::sqrt(libm::fabs(self.oscillator.k_inf()));
+            let fastest = self.oscillator.omega0().max(libm::fabs(stretch.omega)).max(stiffest);
+            let mut h = (dt - elapsed).min(self.angle / fastest);
+            h = h.min(stretch.until - now);
             let last = h >= dt - elapsed;
             let passed = self.piece(state, motion, &stretch, h);
             elapsed = if last && passed >= h { dt } else { elapsed + passed };

@@ -68,6 +68,8 @@ impl FourParameter {
         let k_t = k_power + s;
         check("k_t", k_t, k_power > 0.0, "r phi_max^(chi+1) must neither overflow nor vanish")?;
         let f_s = phi_max * (k_power * (chi + 1.0) / (chi + 2.0) + s);
+        check("f_s", f_s, f_s > 0.0, "k_t phi_max must neither overflow nor vanish")?;
+        check("beta", s / k_power, true, "s / (k_t - s) must not overflow")?;
         Ok(Self {
             k_t,
             f_s,

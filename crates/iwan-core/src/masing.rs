@@ -135,14 +135,14 @@ impl<B: Backbone> Continuum<B> {
         &self.law
     }
 
-    /// The virgin state, with room for `stack.len()` >= 2 reversals.
+    /// The virgin state, with room for `stack.len()` >= 3 reversals.
     ///
     /// # Errors
     /// [`Error::Length`].
     pub fn virgin<S: AsMut<[Reversal]>>(&self, mut stack: S) -> Result<Reversals<S>, Error> {
         let found = stack.as_mut().len();
-        if found < 2 {
-            return Err(Error::Length { name: "stack", needed: 2, found });
+        if found < 3 {
+            return Err(Error::Length { name: "stack", needed: 3, found });
         }
         let tangent = self.law.initial_stiffness();
         let (u, force, origin, depth, forgotten) = (0.0, 0.0, 0.0, 0, 0.0);
@@ -299,6 +299,9 @@ impl<B: Backbone> Continuum<B> {
 /// exact to rounding.
 const NEWTON_ERROR: f64 = 1e-18;
 
+/// Newton's method needs a handful of rounds; a law so crooked that this many do not do is met as well as they did.
+const MOST_ROUNDS: u32 = 100;
+
 impl<B: Backbone, S: AsRef<[Reversal]> + AsMut<[Reversal]>> Hysteresis<Reversals<S>> for Continuum<B> {
     fn displacement(&self, state: &Reversals<S>) -> f64 {
         state.u
@@ -311,7 +314,7 @@ impl<B: Backbone, S: AsRef<[Reversal]> + AsMut<[Reversal]>> Hysteresis<Reversals
 
     fn advance(&self, state: &mut Reversals<S>, u: f64) -> f64 {
         let du = u - state.u;
-        if du != 0.0 && !du.is_nan() {
+        if du != 0.0 && du.is_finite() {
             if du * state.branch.direction < 0.0 {
                 state.reverse(&self.law);
             }
@@ -327,7 +330,7 @@ impl<B: Backbone, S: AsRef<[Reversal]> + AsMut<[Reversal]>> Hysteresis<Reversals
     /// well before `load` is: at the small steps of a ring-down one evaluation does, and nothing waits for it.
     #[inline]
     fn solve(&self, state: &mut Reversals<S>, stiffness: f64, load: f64) -> f64 {
-        if load == 0.0 || load.is_nan() {
+        if load == 0.0 {
             return 0.0;
         }
         let next = if self.law.is_smooth() { state.look_ahead(&self.law) } else { Prepared::NOTHING };
@@ -344,7 +347,7 @@ impl<B: Backbone, S: AsRef<[Reversal]> + AsMut<[Reversal]>> Hysteresis<Reversals
             branch = state.close_loops_before(at.u);
             (at.force, at.tangent) = branch.force_and_tangent(&self.law, at.u);
         }
-        loop {
+        for round in 0.. {
             let Prepared { u: trial, force: trial_force, tangent: k } = at;
             let inverse = 1.0 / (stiffness + k);
             let way = trial - u;
@@ -358,10 +361,21 @@ impl<B: Backbone, S: AsRef<[Reversal]> + AsMut<[Reversal]>> Hysteresis<Reversals
                 state.rest_at(u + du, (trial_force + k * step, k));
                 return du;
             }
+            // Where rounding of forces and displacements hides the rest, Newton's method has nothing left to find.
+            let force_scale = load.abs() + force.abs() + trial_force.abs();
+            let noise = 4.0 * f64::EPSILON * (u.abs() + trial.abs() + force_scale * inverse);
+            if step.abs() <= noise || round == MOST_ROUNDS {
+                state.rest_at(u + du, (trial_force + k * step, k));
+                return du;
+            }
+            if !step.is_finite() {
+                break;
+            }
             at.u = u + du;
             branch = state.close_loops_before(at.u);
             (at.force, at.tangent) = branch.force_and_tangent(&self.law, at.u);
         }
+        f64::NAN
     }
 
     /// ½∫ρ x², range by range of the sliders that last slipped together: those weaker than the

@@ -173,7 +173,7 @@ impl<S: AsRef<[Run]> + AsMut<[Run]>> Runs<S> {
     /// Moves the frontier past all sliders for which `slips(segment that ends with their break)`.
     #[inline]
     pub(crate) fn pass_breaks(&mut self, table: &[Slider], slips: impl Fn(&Segment) -> bool) {
-        while slips(&self.segment(table)) {
+        while self.frontier + 1 < table.len() && slips(&self.segment(table)) {
             let end = self.run().end;
             let stuck = if self.travel() == 0.0 { end } else { self.first_stuck(table, end, &slips) };
             self.frontier = stuck;
@@ -273,10 +273,10 @@ impl<S: AsRef<[Run]> + AsMut<[Run]>> Hysteresis<Runs<S>> for Sliders<'_> {
     fn advance(&self, state: &mut Runs<S>, u: f64) -> f64 {
         let table = self.table();
         let du = u - state.u;
-        if du * state.direction < 0.0 {
+        if du * state.direction < 0.0 && du.is_finite() {
             state.reverse(table);
         }
-        if du != 0.0 && !du.is_nan() {
+        if du != 0.0 && du.is_finite() {
             let direction = state.direction;
             state.pass_breaks(table, |s| direction * (u - s.anchor) > s.reach);
             state.u = u;
@@ -285,6 +285,9 @@ impl<S: AsRef<[Run]> + AsMut<[Run]>> Hysteresis<Runs<S>> for Sliders<'_> {
     }
 
     fn solve(&self, state: &mut Runs<S>, stiffness: f64, load: f64) -> f64 {
+        if !load.is_finite() {
+            return f64::NAN;
+        }
         let table = self.table();
         let force = state.aim(table, stiffness, load);
         let s = state.segment(table);

@@ -85,6 +85,22 @@ fn in_mode(mode: &Mode, error: SimulationError) -> SimulationError {
     }
 }
 
+/// Refuses what cannot be sampled or would never end.
+fn check_scales(mode: &Mode, force: &Pulse<'_>, settings: &Settings) -> Result<(), Error> {
+    const MOST_CYCLES: f64 = 1e9;
+    let cycles = mode.frequency * settings.duration;
+    if cycles > MOST_CYCLES {
+        let allowed = "must be at most 1e9 cycles";
+        return Err(Error::OutOfRange { name: "frequency * duration", value: cycles, allowed });
+    }
+    let stepped = matches!(settings.method, Method::Newmark { .. });
+    if stepped && settings.dt > force.longest_step() {
+        let allowed = "must be at most a quarter of the force's duration or period, or the force is not seen";
+        return Err(Error::OutOfRange { name: "time step", value: settings.dt, allowed });
+    }
+    Ok(())
+}
+
 /// Number of steps after which the force no longer changes.
 fn settled_after(force: &Pulse<'_>, dt: f64, samples: usize) -> Result<usize, Error> {
     let steps = (force.settled() / dt * (1.0 - 4.0 * f64::EPSILON)).ceil();
@@ -104,6 +120,7 @@ fn simulate_observed(
 ) -> Result<Response, SimulationError> {
     let force = force.checked()?;
     let (dt, samples) = (settings.dt, settings.samples()?);
+    check_scales(mode, &force, settings)?;
     let oscillator = mode.oscillator()?;
     let history = run::modal_force(mode, &force, dt, samples);
     let task = Task { mode, force: &history, dt, samples };
@@ -119,7 +136,7 @@ fn simulate_observed(
             let mut response = run::newmark(task, &scheme_at(dt)?, joint, progress)?;
             if settings.quality {
                 let order = if gamma == 0.5 { 2 } else { 1 };
-                response.quality = quality::of_newmark(task, &response, scheme_at, order, joint)?;
+                response.quality = quality::of_newmark(task, &response, scheme_at, order, joint);
             }
             Ok(response)
         }
