@@ -127,7 +127,7 @@ impl ModeSummary {
         let name = &self.name;
         if let Some(error) = self.time_step_error.filter(|e| *e > LARGE_ERROR) {
             warnings.push(format!(
-                "mode \"{name}\": the time step contributes an error of about {} of the peak: shorten step",
+                "mode \"{name}\": step and method contribute an error of about {} of the peak: shorten step or compare with another method",
                 percent(error)
             ));
         }

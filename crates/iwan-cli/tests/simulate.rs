@@ -164,7 +164,8 @@ fn nothing_is_overwritten_without_force() {
 
 #[test]
 fn quiet_is_quiet_and_warnings_are_words() {
-    let coarse = SMALL.replace("step = 1.0e-4", "step = 1.0e-3");
+    let coarse =
+        SMALL.replace("step = 1.0e-4", "step = 1.0e-3").replace("duration = 1.6e-3", "duration = 8.0e-3");
     let place = folder(&coarse);
     let output = iwan(place.path(), "simulate in.toml --out loud");
     let text = String::from_utf8_lossy(&output.stderr).into_owned();

@@ -182,7 +182,7 @@ fn values_that_are_not_finite_move_nothing() {
         .integrate_sliders(&oscillator(0.0), &sliders, &mut runs, 0.0, &forces, &mut out.samples())
         .unwrap();
     scheme.integrate(&oscillator(0.0), &continuum, &mut reversals, 0.0, &forces, &mut out.samples()).unwrap();
-    assert!(out.0[0][99].is_nan());
+    assert!(out.0[1][99].is_nan());
 }
 
 #[test]
