@@ -152,6 +152,34 @@ impl Scheme {
         n + done
     }
 
+    /// One step in which the next slider alone breaks loose, onto the piece `ahead`; false, and nothing done,
+    /// when the step does not end there.
+    #[inline]
+    fn slip_once<S: AsRef<[Run]> + AsMut<[Run]>>(
+        &self,
+        state: &mut Runs<S>,
+        piece: &mut Piece,
+        motion: &mut Motion,
+        ahead: &Piece,
+        load: f64,
+    ) -> bool {
+        let (direction, x) = (state.direction(), motion.x);
+        let gap = (ahead.joint - piece.joint) + (ahead.joint_slope - piece.joint_slope) * x;
+        let rest = motion.r - 0.5 * gap;
+        let dq = rest * ahead.inverse;
+        let end = x + dq;
+        if direction * rest > 0.0 && direction * end <= ahead.reach {
+            state.pass(1);
+            // As in gliding: the residual does not wait for the new state.
+            let r = ((load - motion.w) - (ahead.held + ahead.slope * x)) + ahead.gain * rest;
+            let (w, s) = (self.inertia * dq - motion.w, ahead.held + ahead.slope * end);
+            *motion = Motion { x: end, w, s, r };
+            *piece = *ahead;
+            return true;
+        }
+        false
+    }
+
     /// One step in which a few sliders of the topmost run break loose; false, and nothing done, when it
     /// is more than that.
     #[inline]
@@ -224,6 +252,8 @@ impl Scheme {
         let mut out = out.between(0, last);
         let mut n = first;
         loop {
+            // Made ready while the steps before the break run.
+            let ahead = state.segment_after(table, 1).map(|segment| self.piece(&segment));
             n = if state.direction() > 0.0 {
                 self.glide::<true>(piece, motion, load, n, &mut out)
             } else {
@@ -234,7 +264,8 @@ impl Scheme {
             }
             n += 1;
             let (p, next) = load.at(n);
-            if !self.slip(table, state, piece, motion, next) {
+            let slips = ahead.is_some_and(|ahead| self.slip_once(state, piece, motion, &ahead, next));
+            if !slips && !self.slip(table, state, piece, motion, next) {
                 self.cross(table, state, piece, motion, next);
             }
             self.write(piece, motion, p, n, &mut out);
