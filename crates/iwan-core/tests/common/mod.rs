@@ -1,5 +1,7 @@
 //! What several tests share.
 
+#![allow(dead_code, reason = "not every test uses all of it")]
+
 use iwan_core::Samples;
 
 /// Displacement, velocity, acceleration and joint force of a response.
