@@ -1,0 +1,13 @@
+//! From a ring-down record to the parameters of an Iwan joint, with an honest word on what the record can tell.
+//!
+//! The way of the data: record → [`signal`] (band-pass, envelope, frequency) → curves (damping, dissipation and
+//! force against amplitude) → start, fit (parameters) → refine, profile (intervals). Units are the
+//! user's own consistent set; frequencies in Hz, times in seconds, damping as a ratio.
+//!
+//! Method: Deaner, Allen, Starr, Segalman, *Investigation of Modal Iwan Models for Structures with Bolted Joints*
+//! ("the paper" in this documentation; equation numbers are the paper's).
+
+mod error;
+pub mod signal;
+
+pub use error::Error;
