@@ -9,5 +9,6 @@
 
 mod error;
 pub mod signal;
+mod smooth;
 
 pub use error::Error;
