@@ -7,8 +7,14 @@
 //! Method: Deaner, Allen, Starr, Segalman, *Investigation of Modal Iwan Models for Structures with Bolted Joints*
 //! ("the paper" in this documentation; equation numbers are the paper's).
 
+pub mod curves;
 mod error;
+mod least_squares;
+pub mod modal;
+mod parameters;
+pub mod refine;
 pub mod signal;
 mod smooth;
 
 pub use error::Error;
+pub use parameters::{Parameter, Parameters};

@@ -88,7 +88,8 @@ pub(crate) struct Traces {
 /// let t = |n: usize| n as f64 / 4096.0;
 /// let x: Vec<f64> = (0..8192).map(|n| (-zeta * omega * t(n)).exp() * (omega * (1.0 - zeta * zeta).sqrt() * t(n)).cos()).collect();
 /// let envelope = envelope(&x, 1.0 / 4096.0, Method::Hilbert, &Options::default())?;
-/// assert!(envelope.damping_ratio.iter().all(|z| (z / zeta - 1.0).abs() < 0.01));
+/// let (_, frequency, damping_ratio) = envelope.at(1.0).unwrap();
+/// assert!((frequency - 80.0).abs() < 0.001 && (damping_ratio / zeta - 1.0).abs() < 0.002);
 /// # Ok::<(), iwan_ident::Error>(())
 /// ```
 pub fn envelope(x: &[f64], dt: f64, method: Method, options: &Options) -> Result<Envelope, Error> {

@@ -17,6 +17,8 @@ const CYCLES: usize = 8;
 const ABOVE_NOISE: f64 = 5.0;
 /// Relative residual that is noted, and the one that is refused, when one spectral line makes most of it.
 const SECOND_LINE: (f64, f64) = (0.01, 0.1);
+/// Part of the residual's power in one line that makes it a component and not noise.
+const SHARE: f64 = 0.5;
 /// Highest degree of polynomials in time.
 pub(crate) const MAX_ORDER: usize = 12;
 
@@ -287,7 +289,7 @@ impl Isolated {
             .collect();
         let rms = (left.iter().map(|z| z.norm_sqr()).sum::<f64>() / left.len() as f64).sqrt();
         let (offset, relative, part) = strongest_line(&left, raw.t[1] - raw.t[0]);
-        if rms < SECOND_LINE.0 || part < 0.3 {
+        if rms < SECOND_LINE.0 || part < SHARE {
             return Ok(());
         }
         let finding = format!(

@@ -11,6 +11,8 @@ use crate::error::{Error, check, check_dt, check_samples};
 const REACH: (f64, f64) = (0.75, 1.3);
 /// … but not beyond the geometric mean with a neighbouring peak of at least this part of its height, …
 const NEIGHBOUR: f64 = 0.03;
+/// and of this many times the median line, which noise alone does not reach, …
+const ABOVE_MEDIAN: f64 = 5.0;
 /// … nor beyond this part of the Nyquist frequency.
 const NYQUIST_PART: f64 = 0.95;
 /// A peak needs this many cycles in the record: below lie offset and drift.
@@ -74,11 +76,14 @@ impl Spectrum {
 
     /// Nearest peak on one side of line `k` that stands by itself: high enough, with a valley of half its height before.
     fn neighbour(&self, k: usize, lines: impl Iterator<Item = usize>) -> Option<f64> {
+        let mut sorted = self.lines.clone();
+        let middle = sorted.len() / 2;
+        let median = *sorted.select_nth_unstable_by(middle, f64::total_cmp).1;
+        let least = (NEIGHBOUR * self.lines[k]).max(ABOVE_MEDIAN * median);
         let mut valley = self.lines[k];
         for i in lines {
             valley = valley.min(self.lines[i]);
-            let high = self.lines[i] >= NEIGHBOUR * self.lines[k];
-            if high && self.is_peak(i) && valley < 0.5 * self.lines[i] {
+            if self.lines[i] >= least && self.is_peak(i) && valley < 0.5 * self.lines[i] {
                 return Some(self.frequency(i));
             }
         }
@@ -89,7 +94,7 @@ impl Spectrum {
 /// The automatic band around the highest spectral peak, or around the highest within 20 % of `near` (Hz).
 ///
 /// Rule: 0.75 to 1.3 times the peak's frequency, cut at the geometric mean with the next peak on either side that has
-/// 3 % of its height and a valley before it, and at 95 % of the Nyquist frequency.
+/// 3 % of its height, stands out of the noise and has a valley before it, and at 95 % of the Nyquist frequency.
 ///
 /// # Errors
 /// [`Error::Refused`] when there is no peak that lasts five cycles; [`Error::NotFinite`], [`Error::TooShort`],
