@@ -9,8 +9,8 @@ use nalgebra::{DMatrix, DVector};
 /// Residuals into the second argument; false where there are none.
 pub(crate) type Residuals<'a> = dyn FnMut(&[f64], &mut [f64]) -> bool + 'a;
 
-/// Relative reduction of the sum of squares at which the search ends.
-const TOLERANCE: f64 = 1e-10;
+/// Relative reduction of the sum of squares at which a search ends that wants the minimum itself.
+pub(crate) const TOLERANCE: f64 = 1e-10;
 /// Half step of the central differences, in coordinates of order one.
 const STEP: f64 = 1e-5;
 
@@ -18,20 +18,19 @@ const STEP: f64 = 1e-5;
 #[derive(Debug, Clone)]
 pub(crate) struct Minimum {
     pub(crate) x: Vec<f64>,
-    /// Sum of squares.
-    pub(crate) cost: f64,
     /// Whether it ended by itself and not by the number of iterations.
     pub(crate) converged: bool,
 }
 
-/// Searches from `start` for the least sum of squares of `count` residuals over the coordinates that are `free`.
+/// Searches from `start` for the least sum of squares of `count` residuals over the coordinates that are `free`, until
+/// an iteration reduces it by less than the tolerance.
 /// None when the start has no residuals.
 pub(crate) fn minimise(
     residuals: &mut Residuals<'_>,
     count: usize,
     start: &[f64],
     free: &[usize],
-    iterations: usize,
+    (iterations, tolerance): (usize, f64),
 ) -> Option<Minimum> {
     let mut x = start.to_vec();
     let (mut r, mut trial) = (vec![0.0; count], vec![0.0; count]);
@@ -55,11 +54,11 @@ pub(crate) fn minimise(
             }
             damping *= 10.0;
         }
-        if reduced.is_none_or(|part| part < TOLERANCE) {
-            return Some(Minimum { x, cost, converged: true });
+        if reduced.is_none_or(|part| part < tolerance) {
+            return Some(Minimum { x, converged: true });
         }
     }
-    Some(Minimum { x, cost, converged: false })
+    Some(Minimum { x, converged: false })
 }
 
 fn evaluate(residuals: &mut Residuals<'_>, x: &[f64], r: &mut [f64]) -> Option<f64> {
@@ -114,14 +113,14 @@ mod tests {
             (r[0], r[1]) = (10.0 * (x[1] - x[0] * x[0]), 1.0 - x[0]);
             true
         };
-        let found = minimise(&mut rosenbrock, 2, &[-1.2, 1.0], &[0, 1], 200).unwrap();
+        let found = minimise(&mut rosenbrock, 2, &[-1.2, 1.0], &[0, 1], (200, TOLERANCE)).unwrap();
         assert!((found.x[0] - 1.0).abs() < 1e-6 && found.converged);
-        let held = minimise(&mut rosenbrock, 2, &[0.5, 0.0], &[1], 200).unwrap();
+        let held = minimise(&mut rosenbrock, 2, &[0.5, 0.0], &[1], (200, TOLERANCE)).unwrap();
         assert!((held.x[1] - 0.25).abs() < 1e-9 && held.x[0] == 0.5);
     }
 
     #[test]
     fn no_residuals_no_minimum() {
-        assert!(minimise(&mut |_, _| false, 2, &[0.0], &[0], 10).is_none());
+        assert!(minimise(&mut |_, _| false, 2, &[0.0], &[0], (10, TOLERANCE)).is_none());
     }
 }

@@ -11,7 +11,7 @@ use iwan_core::{Decay, Reversal, Samples};
 
 use crate::curves::Quantity;
 use crate::error::{Error, check, check_dt, check_samples};
-use crate::least_squares::{Minimum, minimise};
+use crate::least_squares::{Minimum, TOLERANCE, minimise};
 use crate::parameters::{COUNT, Parameter, Parameters};
 
 /// Samples per cycle that are compared, at least: more say little more about a sinusoid.
@@ -94,13 +94,13 @@ impl Task {
         self.records.iter().map(|r| r.within(seconds)).sum()
     }
 
-    /// Unknowns without those that are held and without `also`.
-    pub(crate) fn free(&self, also: Option<usize>) -> Vec<usize> {
+    /// Unknowns without those that are held.
+    pub(crate) fn free(&self) -> Vec<usize> {
         let all = COUNT + 2 * self.records.len();
-        (0..all).filter(|j| !self.held.contains(j) && Some(*j) != also).collect()
+        (0..all).filter(|j| !self.held.contains(j)).collect()
     }
 
-    /// Residuals over the first `seconds` of each record, relative to its root mean square.
+    /// Residuals over the first `seconds` (infinite: all) of each record, relative to its root mean square.
     pub(crate) fn residuals(&self, x: &[f64], seconds: f64, out: &mut [f64], work: &mut Workspace) -> bool {
         let parameters = Parameters::from_coordinates(x);
         let mut from = 0;
@@ -128,7 +128,7 @@ impl Task {
         work: &mut Workspace,
     ) -> Option<Minimum> {
         let mut residuals = |x: &[f64], out: &mut [f64]| self.residuals(x, seconds, out, work);
-        minimise(&mut residuals, self.count(seconds), x, free, ITERATIONS)
+        minimise(&mut residuals, self.count(seconds), x, free, (ITERATIONS, TOLERANCE))
     }
 
     fn longest(&self) -> f64 {
@@ -159,7 +159,7 @@ impl Thinned {
     }
 
     fn within(&self, seconds: f64) -> usize {
-        ((seconds / self.dt) as usize).clamp(16.min(self.samples.len()), self.samples.len())
+        ((seconds / self.dt).round() as usize).clamp(16.min(self.samples.len()), self.samples.len())
     }
 
     fn first_displacement(&self, frequency: f64) -> f64 {
@@ -227,14 +227,14 @@ impl Workspace {
 pub fn refine(records: &[RingDown<'_>], first: &Parameters, held: &[Parameter]) -> Result<Refined, Error> {
     first.model()?;
     let task = Task::new(records, first, held)?;
-    let (_, minimum) = solve(&task, first)?;
+    let minimum = solve(&task, first)?;
     Ok(task.refined(&minimum))
 }
 
 /// Searches with longer and longer horizons.
-pub(crate) fn solve(task: &Task, first: &Parameters) -> Result<(Workspace, Minimum), Error> {
+pub(crate) fn solve(task: &Task, first: &Parameters) -> Result<Minimum, Error> {
     let mut work = Workspace::default();
-    let (mut x, free, end) = (task.start(first), task.free(None), task.longest());
+    let (mut x, free, end) = (task.start(first), task.free(), task.longest());
     let mut seconds = FIRST_CYCLES / first.frequency;
     loop {
         let found = task.search(&x, seconds, &free, &mut work).ok_or_else(|| Error::Refused {
@@ -242,19 +242,16 @@ pub(crate) fn solve(task: &Task, first: &Parameters) -> Result<(Workspace, Minim
             remedy: "start nearer to the solution",
         })?;
         x.clone_from(&found.x);
-        if seconds >= end {
-            return Ok((work, found));
+        if seconds == f64::INFINITY {
+            return Ok(found);
         }
-        seconds = (2.0 * seconds).min(end);
-        if seconds > 0.99 * end {
-            seconds = end;
-        }
+        seconds = if 2.0 * seconds < end { 2.0 * seconds } else { f64::INFINITY };
     }
 }
 
 impl Task {
     pub(crate) fn refined(&self, minimum: &Minimum) -> Refined {
-        let (x, seconds) = (&minimum.x, self.longest());
+        let (x, seconds) = (&minimum.x, f64::INFINITY);
         let mut out = vec![0.0; self.count(seconds)];
         self.residuals(x, seconds, &mut out, &mut Workspace::default());
         let (mut residual, mut from) = (Vec::new(), 0);

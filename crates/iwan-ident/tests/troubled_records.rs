@@ -143,7 +143,7 @@ fn noise_ends_the_window_and_standard_deviations_hold() {
 #[test]
 fn silence_noise_and_steady_vibration_are_refused() {
     let refused = |x: &[f64]| envelope(x, DT, Method::Hilbert, &Options::default()).unwrap_err().to_string();
-    assert!(refused(&[0.0; 4096]).contains("no spectral peak"));
+    assert!(refused(&vec![0.0; 4096]).contains("no spectral peak"));
     let steady = record(|t| (OMEGA * t).sin() * (1.0 + 0.01 * t));
     assert!(!refused(&steady).is_empty());
     let mut random = noise(3);

@@ -287,7 +287,9 @@ impl Isolated {
                 ratio.exp() - 1.0
             })
             .collect();
-        let rms = (left.iter().map(|z| z.norm_sqr()).sum::<f64>() / left.len() as f64).sqrt();
+        let rms = (left.iter().map(rustfft::num_complex::Complex64::norm_sqr).sum::<f64>()
+            / left.len() as f64)
+            .sqrt();
         let (offset, relative, part) = strongest_line(&left, raw.t[1] - raw.t[0]);
         if rms < SECOND_LINE.0 || part < SHARE {
             return Ok(());

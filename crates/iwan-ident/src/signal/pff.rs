@@ -39,12 +39,12 @@ fn fit_peak(x: &[f64], n: f64, omega: f64) -> Option<(f64, f64)> {
         return None;
     }
     let (mut matrix, mut right) = (Matrix4::zeros(), Vector4::zeros());
-    for i in from as usize..=to as usize {
-        let s = i as f64 - n;
+    for (i, x) in x[from as usize..=to as usize].iter().enumerate() {
+        let s = from + i as f64 - n;
         let (sine, cosine) = (omega * s).sin_cos();
         let row = Vector4::new(cosine, s / reach * cosine, sine, s / reach * sine);
         matrix += row * row.transpose();
-        right += row * x[i];
+        right += row * *x;
     }
     let c = matrix.cholesky()?.solve(&right);
     let shift = (c[2] / c[0]).atan() / omega;
