@@ -1,3 +1,58 @@
-//! Ring-down of bolted structures with Iwan friction models: one door to all crates.
+#![doc = include_str!("../README.md")]
+
 pub use iwan_core as core;
+pub use iwan_io as io;
 pub use iwan_sim as sim;
+
+/// The book: theory, use and validation. Its Rust code is compiled and run by `cargo test --doc`.
+pub mod book {
+    #[doc = include_str!("../book/src/introduction.md")]
+    pub mod introduction {}
+
+    #[doc = include_str!("../book/src/theory.md")]
+    pub mod theory {}
+
+    #[doc = include_str!("../book/src/memory.md")]
+    pub mod memory {}
+
+    #[doc = include_str!("../book/src/oscillator.md")]
+    pub mod oscillator {}
+
+    #[doc = include_str!("../book/src/steppers.md")]
+    pub mod steppers {}
+
+    #[doc = include_str!("../book/src/guide.md")]
+    pub mod guide {}
+
+    /// Four short programs; `cargo run --release --example NAME` runs one.
+    ///
+    /// # A first ring-down
+    /// ```
+    #[doc = include_str!("../examples/first_ring_down.rs")]
+    /// ```
+    /// # Half cycles
+    /// ```
+    #[doc = include_str!("../examples/half_cycles.rs")]
+    /// ```
+    /// # A law of one's own
+    /// ```
+    #[doc = include_str!("../examples/own_law.rs")]
+    /// ```
+    /// # Which method
+    /// ```
+    #[doc = include_str!("../examples/which_method.rs")]
+    /// ```
+    pub mod examples {}
+
+    /// Virgin curve and loops, loss per cycle, two ring-downs: mode 1 of the paper's Table 2.
+    ///
+    #[doc = include_str!("../book/src/img/loops.svg")]
+    ///
+    #[doc = include_str!("../book/src/img/loss.svg")]
+    ///
+    #[doc = include_str!("../book/src/img/ring_down.svg")]
+    pub mod figures {}
+
+    #[doc = include_str!("../book/src/validation.md")]
+    pub mod validation {}
+}

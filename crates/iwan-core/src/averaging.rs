@@ -14,6 +14,19 @@ use crate::oscillator::Oscillator;
 use crate::response::Samples;
 
 /// Free decay of a mode by averaging.
+///
+/// ```
+/// use iwan_core::{Averaging, Backbone, FourParameter, Oscillator, ResidualStiffness};
+/// let joint = FourParameter::new(4.45e4, 239.4, -0.183, 0.3)?;
+/// let mode = Oscillator::new(124.0, 0.0, joint.k_t(), ResidualStiffness::Positive)?;
+/// let amplitude = 0.1 * joint.phi_max();
+/// let mut decay = Averaging::new(&mode, &joint, (amplitude, 0.0))?;
+/// // After a tenth of a period the amplitude has fallen at the rate D/(2π a² ω).
+/// let t = 0.1 / 124.0;
+/// let fallen = (amplitude / decay.at(t).0).ln();
+/// assert!((fallen / (t * decay.decay_rate(amplitude)) - 1.0).abs() < 1e-3);
+/// # Ok::<(), iwan_core::Error>(())
+/// ```
 #[derive(Debug, Clone, Copy)]
 pub struct Averaging<'a, B> {
     oscillator: Oscillator,
@@ -70,7 +83,8 @@ impl<'a, B: Backbone> Averaging<'a, B> {
     #[must_use]
     pub fn decay_rate(&self, amplitude: f64) -> f64 {
         let viscous = 0.5 * self.oscillator.viscous();
-        if amplitude <= 0.0 {
+        // Where a² underflows, friction has long vanished beside it.
+        if amplitude * amplitude <= f64::MIN_POSITIVE {
             return viscous;
         }
         self.law.dissipation(amplitude) / (2.0 * PI * amplitude * amplitude * self.frequency(amplitude))
@@ -98,6 +112,9 @@ impl<'a, B: Backbone> Averaging<'a, B> {
 
     /// Amplitude a and phase θ at the time `t` since the start, not before the last call's.
     pub fn at(&mut self, t: f64) -> (f64, f64) {
+        if self.start.log_amplitude == f64::NEG_INFINITY {
+            return (0.0, self.start.phase);
+        }
         loop {
             let (h, next) = self.next.unwrap_or_else(|| self.step());
             self.next = Some((h, next));
@@ -131,7 +148,7 @@ impl<'a, B: Backbone> Averaging<'a, B> {
             EnergyBalance { initial: elastic(first) + stored(first), ..EnergyBalance::default() };
         let mut last = first;
         let mut from = 0.0;
-        while from < t {
+        while from < t && first > 0.0 {
             let to = (from + decay.step_length()).min(t);
             let middle = decay.at(0.5 * (from + to)).0;
             let end = decay.at(to).0;
@@ -159,7 +176,7 @@ impl<'a, B: Backbone> Averaging<'a, B> {
         check("time step", dt, dt > 0.0, "must be a finite number of seconds > 0")?;
         for n in 0..out.checked_len()? {
             let (a, theta) = self.at(n as f64 * dt);
-            if a == 0.0 {
+            if a * a <= f64::MIN_POSITIVE {
                 out.set(n, [0.0; 4]);
                 continue;
             }

@@ -7,7 +7,7 @@ use crate::half_cycle::{HalfCycle, Map};
 use crate::hysteresis::Hysteresis;
 use crate::masing::{Branch, Continuum, Reversal, Reversals};
 use crate::oscillator::Oscillator;
-use crate::phase::Phase;
+use crate::phase::PhaseClock;
 use crate::response::Samples;
 
 /// Free decay of a mode under a constant force: the half-cycle energy map.
@@ -38,10 +38,10 @@ pub struct Decay<'a, B, S> {
     /// Time, displacement and velocity up to which the memory stands.
     now: Motion,
     /// The latest half cycle of the map, and whether it is under way from `now`.
-    half: Option<HalfCycle>,
+    half: HalfCycle,
     under_way: bool,
-    /// The speed within the half cycle under way, once asked for.
-    phase: Option<Phase>,
+    /// The clock of the half cycle under way, once asked for.
+    clock: Option<PhaseClock>,
     start: (f64, f64),
     stored: f64,
     /// Work of the constant force, of the damper and on the joint.
@@ -70,7 +70,7 @@ pub struct TurningPoint {
 impl<'a, B: Backbone, S: AsRef<[Reversal]> + AsMut<[Reversal]>> Decay<'a, B, S> {
     /// From rest history: the joint is loaded along the virgin curve up to the displacement `start.0` and
     /// released with the velocity `start.1`; `load` is a constant force. `stack` has room for the
-    /// reversals: one per half cycle, at least two.
+    /// reversals: one per half cycle, at least three.
     ///
     /// # Errors
     /// [`Error::Length`]; [`Error::OutOfRange`] when K_∞ <= 0 or a value is not finite.
@@ -106,10 +106,10 @@ impl<'a, B: Backbone, S: AsRef<[Reversal]> + AsMut<[Reversal]>> Decay<'a, B, S> 
         let map = Map::new(oscillator, law, load)?;
         let stored = joint.stored_energy(&memory);
         let now = Motion { time: 0.0, q, v: velocity };
-        let (half, under_way, phase, start, work) = (None, false, None, (q, velocity), [0.0; 3]);
+        let (half, under_way, clock, start, work) = (HalfCycle::NONE, false, None, (q, velocity), [0.0; 3]);
         let oscillator = *oscillator;
         let mut decay =
-            Self { map, oscillator, joint, memory, now, half, under_way, phase, start, stored, work };
+            Self { map, oscillator, joint, memory, now, half, under_way, clock, start, stored, work };
         if velocity == 0.0 {
             decay.turn_towards_equilibrium();
         } else if velocity * decay.memory.direction() < 0.0 {
@@ -135,16 +135,9 @@ impl<'a, B: Backbone, S: AsRef<[Reversal]> + AsMut<[Reversal]>> Decay<'a, B, S> 
     /// Begins the half cycle from a reversal, if the map covers it.
     #[inline]
     fn set_out(&mut self) {
-        let branch = self.memory.branch();
-        self.under_way = branch.scale == 2.0 && branch.start_is(self.now.q) && {
-            match self.map.half_cycle(branch, self.half.as_ref()) {
-                Some(half) => {
-                    self.half = Some(half);
-                    true
-                }
-                None => false,
-            }
-        };
+        let branch = self.memory.branch_ref();
+        self.under_way =
+            branch.scale == 2.0 && branch.start_is(self.now.q) && self.map.half_cycle(branch, &mut self.half);
     }
 
     fn acceleration(&self, branch: &Branch, q: f64, v: f64) -> f64 {
@@ -152,7 +145,7 @@ impl<'a, B: Backbone, S: AsRef<[Reversal]> + AsMut<[Reversal]>> Decay<'a, B, S> 
         self.map.load - self.map.viscous * v - self.map.k_inf * q - force
     }
 
-    /// Moves to the next turning point; none when the mass has come to rest.
+    /// Moves to the next turning point; none when the mass has come to rest or creeps towards it.
     #[expect(
         clippy::should_implement_trait,
         reason = "an iterator would hide that the decay goes on behind it"
@@ -170,13 +163,13 @@ impl<'a, B: Backbone, S: AsRef<[Reversal]> + AsMut<[Reversal]>> Decay<'a, B, S> 
     /// Completes the half cycle of the map and sets out on the next.
     #[inline]
     fn finish(&mut self) {
-        let Some(half) = &self.half else { return };
+        let half = &self.half;
         let (before, end) = (self.now.q, half.end());
         self.work[0] += self.map.load * (end - before);
         self.work[1] += half.viscous;
         self.work[2] += half.joint;
         self.now = Motion { time: self.now.time + half.duration, q: end, v: 0.0 };
-        self.phase = None;
+        self.clock = None;
         if half.is_micro_slip() {
             self.memory.turn_within(end, half.force, self.map.law);
         } else {
@@ -189,19 +182,15 @@ impl<'a, B: Backbone, S: AsRef<[Reversal]> + AsMut<[Reversal]>> Decay<'a, B, S> 
     /// Displacement and velocity at the time `t`, which must not lie before the last call's.
     fn motion_at(&mut self, t: f64) -> (f64, f64) {
         loop {
-            match &self.half {
-                Some(half) if self.under_way => {
-                    if t - self.now.time <= half.duration {
-                        let phase = self.phase.get_or_insert_with(|| self.map.phase(half));
-                        return half.at(phase, t - self.now.time);
-                    }
-                    self.finish();
+            if self.under_way {
+                let half = &self.half;
+                if t - self.now.time <= half.duration {
+                    let clock = self.clock.get_or_insert_with(|| self.map.clock(half));
+                    return half.at(clock, t - self.now.time);
                 }
-                _ => {
-                    if !self.march(t) {
-                        return (self.now.q, self.now.v);
-                    }
-                }
+                self.finish();
+            } else if !self.march(t) {
+                return (self.now.q, self.now.v);
             }
         }
     }
@@ -231,6 +220,9 @@ impl<'a, B: Backbone, S: AsRef<[Reversal]> + AsMut<[Reversal]>> Decay<'a, B, S> 
     }
 }
 
+/// Steps after which a motion without reversal is called creeping: 50,000 rad of the mode at the least.
+const MOST_STEPS: u32 = 1_000_000;
+
 /// Relative error per Runge-Kutta step.
 const STEP_TOLERANCE: f64 = 1e-13;
 
@@ -243,13 +235,19 @@ impl<B: Backbone, S: AsRef<[Reversal]> + AsMut<[Reversal]>> Decay<'_, B, S> {
         if self.now.v == 0.0 && self.acceleration(&self.memory.branch(), self.now.q, 0.0) == 0.0 {
             return false;
         }
-        while self.now.time < until {
+        for _ in 0..MOST_STEPS {
+            if self.now.time >= until {
+                return false;
+            }
             let branch = self.memory.branch();
             h = h.min(until - self.now.time).min(longest);
             let (next, error) = self.step(&branch, h);
             let scale = libm::fabs(self.now.v) + libm::fabs(next.v) + f64::MIN_POSITIVE;
             let shrink = libm::pow(STEP_TOLERANCE * scale / (error + f64::MIN_POSITIVE), 0.2);
-            if error > STEP_TOLERANCE * scale && h > 1e-6 * longest {
+            let (force, _) = branch.force_and_tangent(self.map.law, next.q);
+            let forces = libm::fabs(self.map.k_inf * next.q) + libm::fabs(force) + libm::fabs(self.map.load);
+            let noise = f64::EPSILON * forces * h;
+            if error > STEP_TOLERANCE * scale + noise && h > 1e-6 * longest {
                 h *= (0.9 * shrink).clamp(0.1, 0.9);
                 continue;
             }

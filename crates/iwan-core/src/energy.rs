@@ -25,7 +25,7 @@ pub struct EnergyBalance {
     pub friction: f64,
     /// What the integration gained or lost.
     pub residual: f64,
-    /// Largest energy in play: what the residual is measured against.
+    /// Largest of the initial energy, the net input and the kinetic energy at the end: what the residual is measured against.
     pub scale: f64,
 }
 

@@ -16,12 +16,14 @@ use crate::error::Error;
 use crate::masing::Branch;
 use crate::micro_slip::{MOST_PASSES, MicroSlip, PASS_TOLERANCE, Travel};
 use crate::oscillator::Oscillator;
-use crate::phase::{MATRIX, NODES, PANELS, Phase, RULE};
+use crate::phase::{MATRIX, NODES, PANELS, Phase, PhaseClock, RULE};
 
 /// One half cycle from reversal to reversal.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct HalfCycle {
-    branch: Branch,
+    /// Displacement at its start, and direction of motion ±1.
+    start: f64,
+    direction: f64,
     /// Travel L.
     length: f64,
     /// Work of the viscous damper.
@@ -33,7 +35,7 @@ pub(crate) struct HalfCycle {
     /// Joint force at its end.
     pub(crate) force: f64,
     /// In micro-slip under a power law: what the next half cycle starts from.
-    micro: Option<Travel>,
+    micro: Travel,
 }
 
 /// What a node of the quadrature needs in every pass.
@@ -48,10 +50,22 @@ struct Node {
 }
 
 impl HalfCycle {
+    /// No half cycle yet.
+    pub(crate) const NONE: Self = Self {
+        start: 0.0,
+        direction: 1.0,
+        length: 0.0,
+        viscous: 0.0,
+        joint: 0.0,
+        duration: 0.0,
+        force: 0.0,
+        micro: Travel::NONE,
+    };
+
     /// Displacement at its end.
     #[inline]
     pub(crate) fn end(&self) -> f64 {
-        self.branch.start.u + self.branch.direction * self.length
+        self.start + self.direction * self.length
     }
 
     /// Whether it stayed in micro-slip under a power law.
@@ -60,11 +74,11 @@ impl HalfCycle {
         self.micro.is_some()
     }
 
-    /// Displacement and velocity at the time `t` after its start; `phase` is its Ω.
-    pub(crate) fn at(&self, phase: &Phase, t: f64) -> (f64, f64) {
-        let (theta, omega) = phase.at(t);
-        let (s, d) = (libm::sin(0.5 * theta), self.branch.direction);
-        let q = self.branch.start.u + d * self.length * s * s;
+    /// Displacement and velocity at the time `t` after its start; `clock` is its own.
+    pub(crate) fn at(&self, clock: &PhaseClock, t: f64) -> (f64, f64) {
+        let (theta, omega) = clock.at(t);
+        let (s, d) = (libm::sin(0.5 * theta), self.direction);
+        let q = self.start + d * self.length * s * s;
         (q, d * 0.5 * self.length * libm::sin(theta) * omega)
     }
 }
@@ -95,36 +109,41 @@ impl<'a, B: Backbone> Map<'a, B> {
         Ok(Self { law, k_inf, viscous, load, micro })
     }
 
-    /// The half cycle that leaves the reversal at which `branch` starts; none when the mass rests in
-    /// equilibrium or the half cycle would close the loop around it (the caller then steps).
+    /// Turns `half`, the half cycle before, into the one that leaves the reversal at which `branch` starts; false
+    /// when the mass rests in equilibrium or the half cycle would close the loop around it (the caller then steps).
     ///
-    /// `last` is the half cycle before, a start value.
+    /// In place, because copies of what was just written would wait for the stores.
     #[inline]
-    pub(crate) fn half_cycle(&self, branch: Branch, last: Option<&HalfCycle>) -> Option<HalfCycle> {
+    pub(crate) fn half_cycle(&self, branch: &Branch, half: &mut HalfCycle) -> bool {
         let pull = branch.direction * (self.load - self.k_inf * branch.start.u - branch.start.force);
         if pull.is_nan() || pull <= 0.0 {
-            return None;
+            return false;
         }
-        let found = self.micro_slip(branch, pull, last).or_else(|| self.any_slip(branch, pull))?;
-        if !branch.passed_by(found.end()) {
-            return Some(found);
+        if !(self.micro_slip(branch, pull, half) || self.any_slip(branch, pull, half)) {
+            return false;
         }
+        (half.start, half.direction) = (branch.start.u, branch.direction);
         // A loop that closes in macro-slip leaves no trace in the force.
-        let strongest = self.law.strengths().1 * (1.0 - 4.0 * f64::EPSILON);
-        (branch.virgin_distance(branch.end) >= strongest).then_some(found)
+        let strongest = || self.law.strengths().1 * (1.0 - 4.0 * f64::EPSILON);
+        !branch.passed_by(half.end()) || branch.virgin_distance(branch.end) >= strongest()
     }
 
     #[inline]
-    fn micro_slip(&self, branch: Branch, pull: f64, last: Option<&HalfCycle>) -> Option<HalfCycle> {
-        let travel = self.micro.as_ref()?.travel(pull, last.and_then(|h| h.micro.as_ref()))?;
-        let force = branch.start.force + branch.direction * travel.force;
-        let works = self.works(branch, pull, travel.length, travel.damping);
-        Some(Self::assemble(branch, travel.length, works, travel.duration, force, Some(travel)))
+    fn micro_slip(&self, branch: &Branch, pull: f64, half: &mut HalfCycle) -> bool {
+        let Some(micro) = &self.micro else { return false };
+        if !micro.travel(pull, &mut half.micro) {
+            return false;
+        }
+        let Travel { length, damping, duration, force, .. } = half.micro;
+        (half.length, half.duration, half.force) =
+            (length, duration, branch.start.force + branch.direction * force);
+        (half.viscous, half.joint) = self.works(branch, pull, length, damping);
+        true
     }
 
     /// Works of the damper and on the joint: P(L) = W leaves the latter from the pull and the residual spring.
     #[inline]
-    fn works(&self, branch: Branch, pull: f64, length: f64, damping: f64) -> (f64, f64) {
+    fn works(&self, branch: &Branch, pull: f64, length: f64, damping: f64) -> (f64, f64) {
         let viscous = damping * length * length;
         (
             viscous,
@@ -132,26 +151,15 @@ impl<'a, B: Backbone> Map<'a, B> {
         )
     }
 
-    #[inline]
-    fn assemble(
-        branch: Branch,
-        length: f64,
-        (viscous, joint): (f64, f64),
-        duration: f64,
-        force: f64,
-        micro: Option<Travel>,
-    ) -> HalfCycle {
-        HalfCycle { branch, length, viscous, joint, duration, force, micro }
-    }
-
     /// Any law, any amplitude.
     #[cold]
-    fn any_slip(&self, branch: Branch, pull: f64) -> Option<HalfCycle> {
+    fn any_slip(&self, branch: &Branch, pull: f64, half: &mut HalfCycle) -> bool {
         // G >= 0, so P < 0 here, and P is concave: Newton's method comes down monotonically.
         let mut length = 2.0 * pull / self.k_inf;
         let (mut damping, mut duration) = (0.0, 0.0);
         for _ in 0..MOST_PASSES {
-            length = self.root(pull, damping, length)?;
+            let Some(root) = self.root(pull, damping, length) else { return false };
+            length = root;
             let (phase, work) = self.passes(length);
             let before = core::mem::replace(&mut duration, phase.duration());
             if self.viscous == 0.0 || libm::fabs(duration - before) <= PASS_TOLERANCE * duration {
@@ -160,9 +168,9 @@ impl<'a, B: Backbone> Map<'a, B> {
             damping = 0.25 * self.viscous * work;
         }
         let force = branch.force_and_tangent(self.law, branch.start.u + branch.direction * length).0;
-        let works = self.works(branch, pull, length, damping);
-        let half = Self::assemble(branch, length, works, duration, force, None);
-        (duration > 0.0 && duration.is_finite()).then_some(half)
+        let (viscous, joint) = self.works(branch, pull, length, damping);
+        *half = HalfCycle { length, viscous, joint, duration, force, ..HalfCycle::NONE };
+        duration > 0.0 && duration.is_finite()
     }
 
     /// L with P(L) = damping·L², by Newton's method from `guess`.
@@ -184,11 +192,11 @@ impl<'a, B: Backbone> Map<'a, B> {
         (length > 0.0).then_some(length)
     }
 
-    /// Ω of a half cycle, for dense output.
-    pub(crate) fn phase(&self, half: &HalfCycle) -> Phase {
-        match (&self.micro, &half.micro) {
-            (Some(micro), Some(travel)) => micro.phase(travel),
-            _ => self.passes(half.length).0,
+    /// The clock of a half cycle, for dense output.
+    pub(crate) fn clock(&self, half: &HalfCycle) -> PhaseClock {
+        match &self.micro {
+            Some(micro) if half.micro.is_some() => micro.phase(&half.micro).clock(),
+            _ => self.passes(half.length).0.clock(),
         }
     }
 

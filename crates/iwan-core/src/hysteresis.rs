@@ -14,11 +14,11 @@ pub trait Hysteresis<State> {
 
     /// Moves monotonically to the displacement `u` and returns the force there.
     ///
-    /// NaN moves nothing; check inputs before.
+    /// A displacement that is not finite moves nothing; check inputs before.
     fn advance(&self, state: &mut State, u: f64) -> f64;
 
     /// Moves to the displacement u' with stiffness·(u' - u) + F(u') - F(u) = `load` and returns
-    /// u' - u: one implicit time step. `stiffness` > 0 makes the solution unique.
+    /// u' - u: one implicit time step. `stiffness` > 0 makes the solution unique; a load that is not finite gives NaN.
     fn solve(&self, state: &mut State, stiffness: f64, load: f64) -> f64;
 
     /// Elastic energy ½∫ρ x² stored in the sliders' springs: what the joint could give back.

@@ -4,6 +4,15 @@ use crate::backbone::Backbone;
 use crate::error::{Error, check};
 
 /// A Jenkins element: stiffness `k_t` up to the slip force `f_s`.
+///
+/// ```
+/// use iwan_core::{Backbone, Jenkins};
+/// let joint = Jenkins::new(1000.0, 5.0)?; // slips at 0.005
+/// assert_eq!(joint.force(0.002), 2.0);
+/// assert_eq!(joint.force(-0.02), -5.0);
+/// assert!((joint.dissipation(0.02) - 4.0 * 5.0 * 0.015).abs() < 1e-15);
+/// # Ok::<(), iwan_core::Error>(())
+/// ```
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Jenkins {
     k_t: f64,

@@ -184,13 +184,16 @@ impl MicroSlip {
     }
 
     /// The half cycle under the pull `s`: the root of s - (½ω² + damping) L + ρ L^p, which is P(L) = W over L.
-    /// None beyond micro-slip. Convex and falling, so Newton's method needs no guard.
+    /// `last` is the half cycle before and becomes this one; beyond micro-slip it stays, and the answer is false.
+    /// Convex and falling, so Newton's method needs no guard.
     #[inline]
-    pub(crate) fn travel(&self, pull: f64, last: Option<&Travel>) -> Option<Travel> {
+    pub(crate) fn travel(&self, pull: f64, last: &mut Travel) -> bool {
         const MOST: u32 = 60;
-        let mut at = last
-            .filter(|t| t.age < Travel::OLDEST)
-            .map_or_else(|| self.first_guess(pull, last), |t| t.continued(&self.series, self.exponent - 1.0));
+        let mut at = if last.age < Travel::OLDEST {
+            last.continued(&self.series, self.exponent - 1.0)
+        } else {
+            self.first_guess(pull, last)
+        };
         let power = self.exponent - 1.0;
         for _ in 0..MOST {
             let (damping, damping_slope) = self.damping(self.softening(&at));
@@ -200,23 +203,26 @@ impl MicroSlip {
             let newton = (pull / at.length - linear + self.rho * at.power) * inverse;
             // Halley's correction: the second derivative costs nothing here.
             let change = newton * (1.0 + 0.5 * power * steep * inverse * newton);
-            at = at.moved(change, &self.series, power);
             // The error is cubed: nothing is left to gain.
             if libm::fabs(change) < 1e-4 {
+                at = at.nudged(change, &self.series);
                 at.damping = damping + power * damping_slope * change;
                 break;
             }
+            at = at.moved(change, &self.series, power);
         }
         if !(at.length > 0.0 && at.length <= self.longest) {
-            return None;
+            return false;
         }
         at.duration = self.duration(self.softening(&at));
         at.force = (self.stiffness - self.drop * at.power) * at.length;
-        Some(at)
+        *last = at;
+        true
     }
 
-    fn first_guess(&self, pull: f64, last: Option<&Travel>) -> Travel {
-        let length = last.map_or(2.0 * pull / self.omega_squared, |t| t.length * t.ratio);
+    #[cold]
+    fn first_guess(&self, pull: f64, last: &Travel) -> Travel {
+        let length = if last.is_some() { last.length * last.ratio } else { 2.0 * pull / self.omega_squared };
         let length = length.min(self.longest);
         let power = libm::pow(length, self.exponent - 1.0);
         Travel {
@@ -345,12 +351,38 @@ impl Travel {
     /// Rounding grows by a unit in the last place per update: this many are harmless.
     const OLDEST: u32 = 64;
 
+    /// Nothing to start from.
+    pub(crate) const NONE: Self = Self {
+        length: 0.0,
+        damping: 0.0,
+        duration: 0.0,
+        force: 0.0,
+        power: 0.0,
+        ratio: 1.0,
+        ratio_before: 1.0,
+        age: Self::OLDEST,
+    };
+
+    /// Whether there is a half cycle in micro-slip.
+    #[inline]
+    pub(crate) fn is_some(&self) -> bool {
+        self.length > 0.0
+    }
+
     /// The next travel if the ratio of successive travels goes on changing as it did.
     #[inline]
     fn continued(&self, series: &[f64; 8], power: f64) -> Self {
         let next = 2.0 * self.ratio - self.ratio_before;
         let fresh = Self { ratio: 1.0, ratio_before: self.ratio, age: self.age + 1, ..*self };
         fresh.moved(next - 1.0, series, power)
+    }
+
+    /// The travel (1 + e) L for |e| < 1e-4, where four terms of the series are exact.
+    #[inline]
+    fn nudged(self, e: f64, c: &[f64; 8]) -> Self {
+        let (length, ratio) = (self.length + self.length * e, self.ratio + self.ratio * e);
+        let growth = (c[0] * e + c[1] * (e * e)) + (c[2] + c[3] * e) * (e * e * e);
+        Self { length, ratio, power: self.power + self.power * growth, ..self }
     }
 
     /// The travel (1 + e) L, with (1 + e)^(p-1) by its binomial series where that is exact.

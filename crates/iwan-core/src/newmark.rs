@@ -10,6 +10,19 @@ use crate::oscillator::Oscillator;
 use crate::response::{Samples, force_at};
 
 /// The scheme's parameters for one step size.
+///
+/// ```
+/// use iwan_core::{Newmark, NoJoint, Oscillator, ResidualStiffness, Samples};
+/// // A linear mode of 1 Hz, released at q = 1 and prewarped: exact after a quarter period.
+/// let mode = Oscillator::new(1.0, 0.0, 0.0, ResidualStiffness::Positive)?;
+/// let (mut q, mut v, mut a, mut f) = ([0.0; 26], [0.0; 26], [0.0; 26], [0.0; 26]);
+/// let mut out = Samples { displacement: &mut q, velocity: &mut v, acceleration: &mut a, joint_force: &mut f };
+/// let scheme = Newmark::prewarped(0.01, mode.omega0())?;
+/// scheme.integrate(&mode, &NoJoint, &mut 1.0, 0.0, &[], &mut out)?;
+/// assert!(q[25].abs() < 1e-12);
+/// assert!((v[25] + mode.omega0()).abs() < 1e-10);
+/// # Ok::<(), iwan_core::Error>(())
+/// ```
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Newmark {
     beta: f64,
@@ -55,7 +68,8 @@ impl Newmark {
     ///
     /// The formulas get the step h' = (2/ω0) tan(ω0 dt/2), which maps the rule's frequency back onto
     /// ω0 (the bilinear transform's prewarping), and the force the factor ω0 dt / sin(ω0 dt),
-    /// which gives an impulse its exact response.
+    /// which gives an impulse its exact response. That factor shifts what a lasting force does meanwhile, such as a static
+    /// displacement, by (ω0 dt)²/6, which is 1e-5 at 124 Hz and dt = 1e-5 s: of second order, as the scheme is.
     ///
     /// # Errors
     /// [`Error::OutOfRange`] unless 0 < ω0 dt < π (two samples a cycle).

@@ -6,6 +6,16 @@
 use crate::error::{Error, check};
 
 /// Viscous damping and residual stiffness of a mass-normalised mode; the joint is kept beside it.
+///
+/// ```
+/// use iwan_core::{Oscillator, ResidualStiffness};
+/// let mode = Oscillator::new(10.0, 0.01, 1000.0, ResidualStiffness::Positive)?;
+/// assert!((mode.k_inf() - (62.83185307179586_f64.powi(2) - 1000.0)).abs() < 1e-9);
+/// assert!((mode.viscous() - 1.2566370614359172).abs() < 1e-12);
+/// // A joint stiffer than its mode is refused unless it is meant.
+/// assert!(Oscillator::new(10.0, 0.01, 4000.0, ResidualStiffness::Positive).is_err());
+/// # Ok::<(), iwan_core::Error>(())
+/// ```
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Oscillator {
     omega0: f64,

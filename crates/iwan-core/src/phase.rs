@@ -36,29 +36,90 @@ impl Panel {
         self.half_width() * RULE.weights.iter().zip(&self.omega).map(|(w, o)| w / o).sum::<f64>()
     }
 
-    /// Time from the start of the panel to the phase `theta`, and Ω there, from the polynomial through
-    /// the 1/Ω at the nodes (in Legendre form).
-    fn time_at(&self, theta: f64) -> (f64, f64) {
-        let x = (theta - self.from) / self.half_width() - 1.0;
-        let (mut time, mut slowness) = (0.0, 0.0);
-        // Legendre polynomials at x, and at the nodes for the coefficients.
-        let (mut p, mut below) = (1.0, 0.0);
+    /// The Legendre coefficients of the polynomial through the 1/Ω at the nodes.
+    fn slowness(&self) -> [f64; NODES] {
+        // Legendre polynomials at the nodes, by the three-term recurrence.
         let (mut at, mut before) = ([1.0; NODES], [0.0; NODES]);
-        for k in 0..NODES {
+        core::array::from_fn(|k| {
             let (order, double) = (k as f64, 2.0 * k as f64 + 1.0);
             let sum: f64 = (0..NODES).map(|j| RULE.weights[j] * at[j] / self.omega[j]).sum();
-            let above = (double * x * p - order * below) / (order + 1.0);
-            let lower = if k == 0 { -1.0 } else { below };
-            slowness += 0.5 * double * sum * p;
-            time += 0.5 * sum * (above - lower);
             for j in 0..NODES {
                 let next = (double * RULE.nodes[j] * at[j] - order * before[j]) / (order + 1.0);
                 (before[j], at[j]) = (at[j], next);
             }
+            0.5 * double * sum
+        })
+    }
+}
+
+/// Time as a function of the phase within a panel.
+#[derive(Debug, Clone, Copy)]
+struct Clock {
+    from: f64,
+    half_width: f64,
+    duration: f64,
+    slowness: [f64; NODES],
+}
+
+impl Clock {
+    fn new(panel: &Panel) -> Self {
+        let (half_width, duration) = (panel.half_width(), panel.duration());
+        Self { from: panel.from, half_width, duration, slowness: panel.slowness() }
+    }
+
+    /// Time from the start of the panel to the phase `theta`, and Ω there. ∫P_k is (P_{k+1} - P_{k-1})/(2k+1).
+    fn time_at(&self, theta: f64) -> (f64, f64) {
+        let x = (theta - self.from) / self.half_width - 1.0;
+        let (mut time, mut slowness) = (0.0, 0.0);
+        let (mut p, mut below) = (1.0, 0.0);
+        for (k, c) in self.slowness.iter().enumerate() {
+            let (above, lower) = (RISE[k] * x * p - FALL[k] * below, if k == 0 { -1.0 } else { below });
+            slowness += c * p;
+            time += c * SHARE_OF_ORDER[k] * (above - lower);
             (below, p) = (p, above);
         }
-        (self.half_width() * time, 1.0 / slowness)
+        (self.half_width * time, 1.0 / slowness)
     }
+
+    /// The phase at the time `t` from the start of the panel, and Ω there: Newton's method on a function that
+    /// is all but straight.
+    fn phase_at(&self, t: f64) -> (f64, f64) {
+        let mut theta = self.from + 2.0 * self.half_width * (t / self.duration).clamp(0.0, 1.0);
+        let mut omega = 0.0;
+        for _ in 0..8 {
+            let (time, rate) = self.time_at(theta);
+            let step = (t - time) * rate;
+            (theta, omega) = (theta + step, rate);
+            if libm::fabs(step) < 1e-9 {
+                break;
+            }
+        }
+        (theta, omega)
+    }
+}
+
+/// (2k+1)/(k+1), k/(k+1) and 1/(2k+1).
+const RISE: [f64; NODES] = orders(true);
+const FALL: [f64; NODES] = orders(false);
+const SHARE_OF_ORDER: [f64; NODES] = {
+    let mut share = [1.0; NODES];
+    let mut k = 0;
+    while k < NODES {
+        share[k] = 1.0 / (2.0 * k as f64 + 1.0);
+        k += 1;
+    }
+    share
+};
+
+const fn orders(rise: bool) -> [f64; NODES] {
+    let mut factor = [0.0; NODES];
+    let mut k = 0;
+    while k < NODES {
+        let order = k as f64;
+        factor[k] = if rise { 2.0 * order + 1.0 } else { order } / (order + 1.0);
+        k += 1;
+    }
+    factor
 }
 
 /// Ω over a whole half cycle.
@@ -104,28 +165,30 @@ impl Phase {
         self.panels().iter().map(Panel::duration).sum()
     }
 
-    /// Phase and Ω at the time `t` after the start, by Newton's method on a function that is all but straight.
+    /// The clock of the half cycle, for dense output.
+    pub(crate) fn clock(&self) -> PhaseClock {
+        let clocks = core::array::from_fn(|i| Clock::new(&self.panels[i.min(self.used - 1)]));
+        PhaseClock { clocks, used: self.used }
+    }
+}
+
+/// Phase and Ω as functions of time over a whole half cycle.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct PhaseClock {
+    clocks: [Clock; PANELS],
+    used: usize,
+}
+
+impl PhaseClock {
+    /// Phase and Ω at the time `t` after the start.
     pub(crate) fn at(&self, t: f64) -> (f64, f64) {
         let mut left = t;
-        let mut panel = &self.panels[0];
-        let mut duration = panel.duration();
-        for next in &self.panels()[1..] {
-            if left <= duration {
-                break;
+        for clock in &self.clocks[..self.used - 1] {
+            if left <= clock.duration {
+                return clock.phase_at(left);
             }
-            left -= duration;
-            (panel, duration) = (next, next.duration());
+            left -= clock.duration;
         }
-        let mut theta = panel.from + (panel.to - panel.from) * (left / duration).clamp(0.0, 1.0);
-        let mut omega = 0.0;
-        for _ in 0..8 {
-            let (time, rate) = panel.time_at(theta);
-            let step = (left - time) * rate;
-            (theta, omega) = (theta + step, rate);
-            if libm::fabs(step) < 1e-9 {
-                break;
-            }
-        }
-        (theta, omega)
+        self.clocks[self.used - 1].phase_at(left)
     }
 }

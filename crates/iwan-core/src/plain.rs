@@ -5,6 +5,17 @@ use crate::hysteresis::Hysteresis;
 use crate::sliders::Sliders;
 
 /// The plain loop over a population; the fast kernels are tested against it.
+///
+/// ```
+/// use iwan_core::{Hysteresis, Plain, Slider, Sliders};
+/// let mut table = [Slider::default(); 3];
+/// let sliders = Sliders::from_elements(&[0.1, 0.3], &[2.0, 1.0], &mut table)?;
+/// let plain = Plain::new(sliders);
+/// let mut state = plain.virgin([0.0; 2])?;
+/// assert!((plain.advance(&mut state, 0.2) - (2.0 * 0.1 + 1.0 * 0.2)).abs() < 1e-15);
+/// assert!((plain.advance(&mut state, 0.15) - (2.0 * 0.05 + 1.0 * 0.15)).abs() < 1e-15);
+/// # Ok::<(), iwan_core::Error>(())
+/// ```
 #[derive(Debug, Clone, Copy)]
 pub struct Plain<'a> {
     sliders: Sliders<'a>,
@@ -48,7 +59,7 @@ impl<S: AsRef<[f64]> + AsMut<[f64]>> Hysteresis<Extensions<S>> for Plain<'_> {
     /// Each extension follows the displacement and stops at its slider's strength (Eq. 2).
     fn advance(&self, state: &mut Extensions<S>, u: f64) -> f64 {
         let du = u - state.u;
-        if !du.is_nan() {
+        if du.is_finite() {
             for ((phi, _), x) in self.sliders.elements().zip(state.extension.as_mut()) {
                 *x = (*x + du).max(-phi).min(phi);
             }
@@ -60,6 +71,9 @@ impl<S: AsRef<[f64]> + AsMut<[f64]>> Hysteresis<Extensions<S>> for Plain<'_> {
     /// Newton's method on a concave, piecewise-linear function: from zero it never overshoots and
     /// ends exactly, after at most one round per slider.
     fn solve(&self, state: &mut Extensions<S>, stiffness: f64, load: f64) -> f64 {
+        if !load.is_finite() {
+            return f64::NAN;
+        }
         let direction = 1.0_f64.copysign(load);
         let mut du = 0.0;
         for _ in 0..=self.sliders.len() {

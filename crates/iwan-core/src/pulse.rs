@@ -5,6 +5,15 @@ use core::f64::consts::PI;
 use crate::error::{Error, check};
 
 /// A force f(t) for t >= 0, zero before. Amplitudes in the user's force unit, times in s.
+///
+/// ```
+/// use iwan_core::Pulse;
+/// let blow = Pulse::Haversine { amplitude: 1000.0, duration: 1.6e-3 }.checked()?;
+/// assert!((blow.at(0.8e-3) - 1000.0).abs() < 1e-9);
+/// assert_eq!(blow.at(2e-3), 0.0);
+/// assert_eq!(blow.settled(), 1.6e-3);
+/// # Ok::<(), iwan_core::Error>(())
+/// ```
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Pulse<'a> {
     /// No force: free decay from the initial conditions.
@@ -146,6 +155,16 @@ impl Pulse<'_> {
         }
     }
 
+    /// Longest time step, s, that samples the force at all: a quarter of a pulse's duration or of a sine's period.
+    #[must_use]
+    pub fn longest_step(&self) -> f64 {
+        match *self {
+            Self::Haversine { duration, .. } | Self::HalfSine { duration, .. } => 0.25 * duration,
+            Self::Sine { frequency, .. } => 0.25 / frequency,
+            _ => f64::INFINITY,
+        }
+    }
+
     /// The stretch that begins at, or runs on at, time `t`, with its formula counted from `t`.
     pub(crate) fn stretch(&self, t: f64) -> Stretch {
         let cosine = |offset: f64, amplitude: f64, omega: f64, phase: f64, until: f64| Stretch {
@@ -197,7 +216,9 @@ impl Pulse<'_> {
         if let Some((end, value)) = self.abrupt_end(dt) {
             let n = libm::floor(end * (1.0 + 4.0 * f64::EPSILON));
             if let Some(sample) = out.get_mut(n as usize) {
-                *sample = value * (0.5 + (end - n).max(0.0));
+                // The first sample stands for half a step only.
+                let weight = if n == 0.0 { 2.0 * end } else { 0.5 + (end - n).max(0.0) };
+                *sample = value * weight;
                 last = last.max(n as usize + 1);
             }
         }

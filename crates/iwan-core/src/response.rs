@@ -54,6 +54,16 @@ impl Samples<'_> {
         }
     }
 
+    /// The first `count` samples.
+    pub(crate) fn first(self, count: usize) -> Self {
+        Self {
+            displacement: &mut self.displacement[..count],
+            velocity: &mut self.velocity[..count],
+            acceleration: &mut self.acceleration[..count],
+            joint_force: &mut self.joint_force[..count],
+        }
+    }
+
     #[inline]
     pub(crate) fn set(&mut self, n: usize, [q, v, a, f]: [f64; 4]) {
         (self.displacement[n], self.velocity[n]) = (q, v);

@@ -34,6 +34,18 @@ pub struct Run {
 ///
 /// `S` holds the runs: an array makes the state `Copy`, a slice or vector lends the
 /// caller's memory. One entry per slider always suffices: runs own disjoint, non-empty ranges.
+///
+/// ```
+/// use iwan_core::{Hysteresis, Run, Slider, Sliders};
+/// let mut table = [Slider::default(); 3];
+/// let sliders = Sliders::from_elements(&[0.1, 0.3], &[2.0, 1.0], &mut table)?;
+/// let mut state = sliders.virgin([Run::default(); 2])?;
+/// assert!((sliders.advance(&mut state, 0.2) - 0.4).abs() < 1e-15); // the first slips, the second holds
+/// let snapshot = state;
+/// assert!((sliders.advance(&mut state, 5.0) - 0.5).abs() < 1e-15); // both slip
+/// assert!((sliders.joint_force(&snapshot) - 0.4).abs() < 1e-15);
+/// # Ok::<(), iwan_core::Error>(())
+/// ```
 #[derive(Debug, Clone, Copy)]
 pub struct Runs<S> {
     u: f64,
@@ -117,6 +129,19 @@ impl<S: AsRef<[Run]> + AsMut<[Run]>> Runs<S> {
         self.segment_at(table, self.frontier)
     }
 
+    /// The segment after `breaks` more sliders of the topmost run, if that has so many and one left.
+    #[inline]
+    pub(crate) fn segment_after(&self, table: &[Slider], breaks: usize) -> Option<Segment> {
+        let j = self.frontier + breaks;
+        (j < self.run().end && self.travel() > 0.0).then(|| self.segment_at(table, j))
+    }
+
+    /// That many sliders of the topmost run slip.
+    #[inline]
+    pub(crate) fn pass(&mut self, breaks: usize) {
+        self.frontier += breaks;
+    }
+
     /// The segment with the frontier at slider `j` of the topmost run.
     #[inline]
     fn segment_at(&self, table: &[Slider], j: usize) -> Segment {
@@ -148,7 +173,7 @@ impl<S: AsRef<[Run]> + AsMut<[Run]>> Runs<S> {
     /// Moves the frontier past all sliders for which `slips(segment that ends with their break)`.
     #[inline]
     pub(crate) fn pass_breaks(&mut self, table: &[Slider], slips: impl Fn(&Segment) -> bool) {
-        while slips(&self.segment(table)) {
+        while self.frontier + 1 < table.len() && slips(&self.segment(table)) {
             let end = self.run().end;
             let stuck = if self.travel() == 0.0 { end } else { self.first_stuck(table, end, &slips) };
             self.frontier = stuck;
@@ -248,10 +273,10 @@ impl<S: AsRef<[Run]> + AsMut<[Run]>> Hysteresis<Runs<S>> for Sliders<'_> {
     fn advance(&self, state: &mut Runs<S>, u: f64) -> f64 {
         let table = self.table();
         let du = u - state.u;
-        if du * state.direction < 0.0 {
+        if du * state.direction < 0.0 && du.is_finite() {
             state.reverse(table);
         }
-        if du != 0.0 && !du.is_nan() {
+        if du != 0.0 && du.is_finite() {
             let direction = state.direction;
             state.pass_breaks(table, |s| direction * (u - s.anchor) > s.reach);
             state.u = u;
@@ -260,6 +285,9 @@ impl<S: AsRef<[Run]> + AsMut<[Run]>> Hysteresis<Runs<S>> for Sliders<'_> {
     }
 
     fn solve(&self, state: &mut Runs<S>, stiffness: f64, load: f64) -> f64 {
+        if !load.is_finite() {
+            return f64::NAN;
+        }
         let table = self.table();
         let force = state.aim(table, stiffness, load);
         let s = state.segment(table);

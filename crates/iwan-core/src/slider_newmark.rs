@@ -1,11 +1,11 @@
 //! Average acceleration on a population of sliders, without Newton's method.
 //!
-//! With s = K_∞ q + F_J(q), w = (4/h) q' and l = p_n + p_{n+1} (times the prewarping factor), one step of the
-//! average-acceleration rule is keff Δq + ΔF_J = r with r = l + w - 2 s and keff = 4/h² + 2c/h + K_∞. F_J
-//! is piecewise linear with slope K, so Δq = r/(keff + K) until a slider breaks loose, and
+//! With s = K_∞ q + F_J(q), w = (2/h) q' and l = ½(p_n + p_{n+1}) (times the prewarping factor), one step of the
+//! average-acceleration rule is keff Δq + ΔF_J = 2 r with r = l + w - s and keff = 4/h² + 2c/h + K_∞. F_J
+//! is piecewise linear with slope K, so Δq = 2 r/(keff + K) until a slider breaks loose, and
 //!
-//! r' = e + (8/h² - 2 (K_∞ + K)) Δq,   e = l' - w - 2 s,
-//! e' = l'' + (w - 2 s) - (8/h² + 2 (K_∞ + K)) Δq :
+//! r' = e + (4/h² - (K_∞ + K)) Δq,   e = l' - w - s,
+//! e' = l'' + (w - s) - (4/h² + (K_∞ + K)) Δq :
 //!
 //! between breaks a step waits for the one before through one product and one sum, and all else
 //! (outputs, w, s, the tests for a break) is taken from the state and runs beside, so nothing drifts.
@@ -14,18 +14,19 @@ use crate::error::Error;
 use crate::newmark::Newmark;
 use crate::oscillator::Oscillator;
 use crate::response::{Samples, force_at};
-use crate::runs::{Run, Runs};
+use crate::runs::{Run, Runs, Segment};
 use crate::sliders::{Slider, Sliders};
 
 /// The scheme's constants.
 struct Scheme {
     k_inf: f64,
-    viscous: f64,
+    /// -c.
+    damping: f64,
     /// keff.
     stiffness: f64,
-    /// 8/h².
+    /// 4/h².
     inertia: f64,
-    /// h/4.
+    /// h/2.
     to_velocity: f64,
 }
 
@@ -38,27 +39,30 @@ struct Piece {
     /// Joint force and its slope at x.
     joint: f64,
     joint_slope: f64,
-    /// 2 s = 2 (K_∞ q + F_J) and its slope at x.
-    twice_held: f64,
-    twice_slope: f64,
-    /// 1/(keff + K), and the gains of r' and e'.
+    /// s = K_∞ q + F_J at x = 0 and its slope.
+    held: f64,
+    slope: f64,
+    /// 2/(keff + K), and the gains of r' and e'.
     inverse: f64,
     gain: f64,
     loss: f64,
 }
+
+/// Breaks passed one by one in a step before the general search takes over.
+const WALK: usize = 4;
 
 /// What one step hands to the next.
 #[derive(Clone, Copy)]
 struct Motion {
     x: f64,
     w: f64,
-    twice_s: f64,
+    s: f64,
     r: f64,
 }
 
-/// The applied force, and l of a step.
+/// The applied force, and l of a step. Nothing is -0.0, which leaves every sum as it is.
 trait Load: Copy {
-    /// Force at sample `n` and sum of the forces at the ends of the step from it.
+    /// Force at sample `n` and mean force of the step from it.
     fn at(&self, n: usize) -> (f64, f64);
 }
 
@@ -72,7 +76,7 @@ impl Load for Applied<'_> {
     #[inline]
     fn at(&self, n: usize) -> (f64, f64) {
         let p = force_at(self.force, n);
-        (p, self.scale * (p + force_at(self.force, n + 1)))
+        (p, 0.5 * self.scale * (p + force_at(self.force, n + 1)))
     }
 }
 
@@ -82,26 +86,25 @@ struct Free;
 impl Load for Free {
     #[inline]
     fn at(&self, _: usize) -> (f64, f64) {
-        (0.0, 0.0)
+        (-0.0, -0.0)
     }
 }
 
 impl Scheme {
     #[inline]
-    fn piece<S: AsRef<[Run]> + AsMut<[Run]>>(&self, table: &[Slider], state: &Runs<S>) -> Piece {
-        let segment = state.segment(table);
-        let twice_slope = 2.0 * (self.k_inf + segment.stiffness);
-        let inverse = 1.0 / (self.stiffness + segment.stiffness);
+    fn piece(&self, segment: &Segment) -> Piece {
+        let slope = self.k_inf + segment.stiffness;
+        let inverse = 2.0 / (self.stiffness + segment.stiffness);
         Piece {
             anchor: segment.anchor,
             reach: segment.reach,
             joint: segment.base,
             joint_slope: segment.stiffness,
-            twice_held: 2.0 * (self.k_inf * segment.anchor + segment.base),
-            twice_slope,
+            held: self.k_inf * segment.anchor + segment.base,
+            slope,
             inverse,
-            gain: (self.inertia - twice_slope) * inverse,
-            loss: (self.inertia + twice_slope) * inverse,
+            gain: (self.inertia - slope) * inverse,
+            loss: (self.inertia + slope) * inverse,
         }
     }
 
@@ -109,7 +112,7 @@ impl Scheme {
     #[inline]
     fn write(&self, piece: &Piece, motion: &Motion, p: f64, n: usize, out: &mut Samples<'_>) {
         let v = self.to_velocity * motion.w;
-        let a = (p - self.viscous * v) - 0.5 * motion.twice_s;
+        let a = (p + self.damping * v) - motion.s;
         out.set(n, [piece.anchor + motion.x, v, a, piece.joint + piece.joint_slope * motion.x]);
     }
 
@@ -128,7 +131,9 @@ impl Scheme {
         let end = if UP { piece.reach } else { -piece.reach };
         let mut out = out.tail(n + 1);
         let steps = out.displacement.len();
-        let mut e = (load.at(n + 1).1 - m.w) - m.twice_s;
+        // The compiler then knows that all four are as long.
+        out = out.first(steps);
+        let mut e = (load.at(n + 1).1 - m.w) - m.s;
         let mut done = steps;
         for i in 0..steps {
             let dq = m.r * piece.inverse;
@@ -139,21 +144,54 @@ impl Scheme {
             }
             let r = e + piece.gain * m.r;
             let (p, _) = load.at(n + i + 1);
-            e = (load.at(n + i + 2).1 + (m.w - m.twice_s)) - piece.loss * m.r;
-            m = Motion {
-                x,
-                w: self.inertia * dq - m.w,
-                twice_s: piece.twice_held + piece.twice_slope * x,
-                r,
-            };
+            e = (load.at(n + i + 2).1 + (m.w - m.s)) - piece.loss * m.r;
+            m = Motion { x, w: self.inertia * dq - m.w, s: piece.held + piece.slope * x, r };
             self.write(&piece, &m, p, i, &mut out);
         }
         *motion = m;
         n + done
     }
 
-    /// One step in which sliders break loose or the motion turns round.
+    /// One step in which a few sliders of the topmost run break loose; false, and nothing done, when it
+    /// is more than that.
     #[inline]
+    fn slip<S: AsRef<[Run]> + AsMut<[Run]>>(
+        &self,
+        table: &[Slider],
+        state: &mut Runs<S>,
+        piece: &mut Piece,
+        motion: &mut Motion,
+        load: f64,
+    ) -> bool {
+        let (direction, x) = (state.direction(), motion.x);
+        let force = piece.joint + piece.joint_slope * x;
+        for breaks in 1..=WALK {
+            let Some(next) = state.segment_after(table, breaks) else { return false };
+            let rest = motion.r - 0.5 * (next.base + next.stiffness * x - force);
+            let room = 0.5 * (self.stiffness + next.stiffness) * (next.reach - direction * x);
+            if direction * rest <= 0.0 || rest.is_nan() {
+                return false;
+            }
+            if direction * rest <= room {
+                state.pass(breaks);
+                *piece = self.piece(&next);
+                self.settle(piece, motion, rest * piece.inverse, load);
+                return true;
+            }
+        }
+        false
+    }
+
+    /// Ends a step of `dq` on a new piece.
+    #[inline]
+    fn settle(&self, piece: &Piece, motion: &mut Motion, dq: f64, load: f64) {
+        let (x, w) = (motion.x + dq, self.inertia * dq - motion.w);
+        let s = piece.held + piece.slope * x;
+        *motion = Motion { x, w, s, r: (load + w) - s };
+    }
+
+    /// One step in which sliders break loose or the motion turns round.
+    #[inline(never)]
     fn cross<S: AsRef<[Run]> + AsMut<[Run]>>(
         &self,
         table: &[Slider],
@@ -164,13 +202,12 @@ impl Scheme {
     ) {
         let from = piece.anchor + motion.x;
         state.rest_at(from);
-        let force = state.aim(table, self.stiffness, motion.r);
-        *piece = self.piece(table, state);
+        let force = state.aim(table, self.stiffness, 2.0 * motion.r);
+        *piece = self.piece(&state.segment(table));
         let start = from - piece.anchor;
-        let dq = (motion.r - (piece.joint + piece.joint_slope * start - force)) * piece.inverse;
-        let (x, w) = (start + dq, self.inertia * dq - motion.w);
-        let twice_s = piece.twice_held + piece.twice_slope * x;
-        *motion = Motion { x, w, twice_s, r: (load + w) - twice_s };
+        let dq = (motion.r - 0.5 * (piece.joint + piece.joint_slope * start - force)) * piece.inverse;
+        motion.x = start;
+        self.settle(piece, motion, dq, load);
     }
 
     /// Steps from sample `first` to sample `last`.
@@ -197,7 +234,9 @@ impl Scheme {
             }
             n += 1;
             let (p, next) = load.at(n);
-            self.cross(table, state, piece, motion, next);
+            if !self.slip(table, state, piece, motion, next) {
+                self.cross(table, state, piece, motion, next);
+            }
             self.write(piece, motion, p, n, &mut out);
         }
     }
@@ -224,14 +263,14 @@ impl Newmark {
         }
         let last = out.checked_len()? - 1;
         let (stiffness, h) = (self.checked_effective_stiffness(oscillator)?, self.step());
-        let (k_inf, viscous) = (oscillator.k_inf(), oscillator.viscous());
-        let scheme = Scheme { k_inf, viscous, stiffness, inertia: 8.0 / (h * h), to_velocity: 0.25 * h };
+        let (k_inf, damping) = (oscillator.k_inf(), -oscillator.viscous());
+        let scheme = Scheme { k_inf, damping, stiffness, inertia: 4.0 / (h * h), to_velocity: 0.5 * h };
         let (table, load) = (sliders.table(), Applied { force, scale: self.force_scale() });
-        let mut piece = scheme.piece(table, state);
+        let mut piece = scheme.piece(&state.segment(table));
         let x = state.displacement() - piece.anchor;
-        let (w, twice_s) = (velocity / scheme.to_velocity, piece.twice_held + piece.twice_slope * x);
+        let (w, s) = (velocity / scheme.to_velocity, piece.held + piece.slope * x);
         let (p, first_load) = load.at(0);
-        let mut motion = Motion { x, w, twice_s, r: (first_load + w) - twice_s };
+        let mut motion = Motion { x, w, s, r: (first_load + w) - s };
         scheme.write(&piece, &motion, p, 0, out);
         let forced = force.len().min(last);
         scheme.march(table, state, (&mut piece, &mut motion), load, (0, forced), out);

@@ -16,6 +16,15 @@ pub struct DensityPoint {
 /// Dirac at the last point.
 ///
 /// `P` holds the points: a slice lends the caller's memory, an array or vector owns it.
+///
+/// ```
+/// use iwan_core::{Backbone, DensityPoint, Tabulated};
+/// // A constant density of 1e5 up to 0.01: K_T = 1000, F_S = 1e5 · 0.01²/2.
+/// let joint = Tabulated::new(&[0.0, 0.01], &[1e5, 1e5], 0.0, [DensityPoint::default(); 2])?;
+/// assert!((joint.initial_stiffness() - 1000.0).abs() < 1e-9);
+/// assert!((joint.slip_force() - 5.0).abs() < 1e-12);
+/// # Ok::<(), iwan_core::Error>(())
+/// ```
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Tabulated<P> {
     points: P,

@@ -10,6 +10,14 @@ use crate::error::{Error, check};
 ///
 /// `width` = 1 is the full band 0 … 2 F_S/K_T (the four-parameter joint with χ = 0, β = 0),
 /// `width` -> 0 a Jenkins element.
+///
+/// ```
+/// use iwan_core::{Backbone, Uniform};
+/// let joint = Uniform::new(1000.0, 5.0, 1.0)?; // strengths from 0 to 0.01
+/// assert!((joint.force(0.005) - (5.0 - 1.25)).abs() < 1e-12); // K_T u - ½ (K_T/0.01) u²
+/// assert_eq!(joint.force(0.02), 5.0);
+/// # Ok::<(), iwan_core::Error>(())
+/// ```
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Uniform {
     k_t: f64,

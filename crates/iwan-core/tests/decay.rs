@@ -1,10 +1,14 @@
 //! Free decay: half-cycle map, averaging and Newmark against the event-driven solution.
 #![allow(clippy::unwrap_used, clippy::print_stdout, reason = "a failed test may panic and say why")]
 
+mod common;
+
 use iwan_core::{
     Averaging, Backbone, Continuum, Decay, EventDriven, FourParameter, Grid, Newmark, Oscillator, Pulse,
-    ResidualStiffness, Reversal, Run, Samples, Slider, Sliders, TabledFourParameter,
+    ResidualStiffness, Reversal, Run, Slider, Sliders, TabledFourParameter,
 };
+
+use common::{Buffers, worst};
 
 fn mode_1() -> FourParameter {
     FourParameter::new(4.45e4, 239.4, -0.183, 0.3).unwrap()
@@ -12,19 +16,6 @@ fn mode_1() -> FourParameter {
 
 fn oscillator(joint: &impl Backbone, zeta: f64) -> Oscillator {
     Oscillator::new(124.0, zeta, joint.initial_stiffness(), ResidualStiffness::Positive).unwrap()
-}
-
-struct Buffers([Vec<f64>; 4]);
-
-impl Buffers {
-    fn new(samples: usize) -> Self {
-        Self(std::array::from_fn(|_| vec![0.0; samples]))
-    }
-
-    fn samples(&mut self) -> Samples<'_> {
-        let [displacement, velocity, acceleration, joint_force] = &mut self.0;
-        Samples { displacement, velocity, acceleration, joint_force }
-    }
 }
 
 fn table(law: &impl Backbone, grid: Grid, bins: usize) -> Vec<(f64, f64)> {
@@ -52,11 +43,6 @@ fn events(
     let balance = solver.integrate(&mut state, start.1, dt, &mut out.samples()).unwrap();
     assert!(balance.error() < 1e-14 * (elements.len() as f64).max(100.0), "{balance:?}");
     out
-}
-
-fn worst(a: &[f64], b: &[f64]) -> f64 {
-    let peak = b.iter().fold(0.0_f64, |m, x| m.max(x.abs()));
-    a.iter().zip(b).fold(0.0_f64, |m, (x, y)| m.max((x - y).abs())) / peak
 }
 
 #[test]

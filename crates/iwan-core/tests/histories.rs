@@ -37,10 +37,9 @@ fn displacements(legs: &[Leg], strengths: &[f64]) -> Vec<f64> {
     for leg in legs {
         let here = *path.last().unwrap();
         match *leg {
-            Leg::Step(x) => path.push(here + x * scale),
+            Leg::Step(x) | Leg::Jump(x) => path.push(here + x * scale),
             Leg::Plateau => path.extend([here, here]),
             Leg::NegativeZero => path.extend([0.0, -0.0, 0.0]),
-            Leg::Jump(x) => path.push(here + x * scale),
             Leg::Far(x) => path.push(x * scale),
             Leg::Decay { amplitude, ratio, cycles } => {
                 let mut a = amplitude * scale;

@@ -2,12 +2,16 @@
 
 #![allow(clippy::unwrap_used, clippy::print_stdout, reason = "a failed test may panic and say why")]
 
+mod common;
+
 use std::ops::{Add, Div, Mul, Neg, Sub};
 
 use iwan_core::{
     Backbone, Continuum, EventDriven, FourParameter, Grid, Hysteresis, JointEnergy, Newmark, Oscillator,
-    Plain, Pulse, ResidualStiffness, Reversal, Run, Samples, Slider, Sliders, TabledFourParameter,
+    Plain, Pulse, ResidualStiffness, Reversal, Run, Slider, Sliders, TabledFourParameter,
 };
+
+use common::{Buffers, worst};
 
 fn mode_1() -> FourParameter {
     FourParameter::new(4.45e4, 239.4, -0.183, 0.3).unwrap()
@@ -15,19 +19,6 @@ fn mode_1() -> FourParameter {
 
 fn haversine(amplitude: f64) -> Pulse<'static> {
     Pulse::Haversine { amplitude, duration: 1.6e-3 }
-}
-
-struct Buffers([Vec<f64>; 4]);
-
-impl Buffers {
-    fn new(samples: usize) -> Self {
-        Self(std::array::from_fn(|_| vec![0.0; samples]))
-    }
-
-    fn samples(&mut self) -> Samples<'_> {
-        let [displacement, velocity, acceleration, joint_force] = &mut self.0;
-        Samples { displacement, velocity, acceleration, joint_force }
-    }
 }
 
 fn force(pulse: Pulse<'_>, dt: f64, samples: usize) -> Vec<f64> {
@@ -65,12 +56,6 @@ fn run_continuum(scheme: &Newmark, oscillator: &Oscillator, force: &[f64], sampl
     scheme.integrate(oscillator, &joint, &mut state, 0.0, force, &mut out.samples()).unwrap();
     assert_eq!(state.forgotten(), 0.0);
     out
-}
-
-fn worst(a: &[f64], b: &[f64]) -> f64 {
-    assert_eq!(a.len(), b.len());
-    let peak = b.iter().fold(0.0_f64, |m, x| m.max(x.abs()));
-    a.iter().zip(b).fold(0.0_f64, |m, (x, y)| m.max((x - y).abs())) / peak
 }
 
 /// The time-domain check of mode 1 with K_0 = (2π·125)²: three independent codes agree on these digits.

@@ -18,6 +18,8 @@ const STEP: f64 = 1e-5;
 #[derive(Debug, Clone)]
 pub(crate) struct Minimum {
     pub(crate) x: Vec<f64>,
+    /// Sum of squares.
+    pub(crate) cost: f64,
     /// Whether it ended by itself and not by the number of iterations.
     pub(crate) converged: bool,
 }
@@ -55,10 +57,10 @@ pub(crate) fn minimise(
             damping *= 10.0;
         }
         if reduced.is_none_or(|part| part < tolerance) {
-            return Some(Minimum { x, converged: true });
+            return Some(Minimum { x, cost, converged: true });
         }
     }
-    Some(Minimum { x, converged: false })
+    Some(Minimum { x, cost, converged: false })
 }
 
 fn evaluate(residuals: &mut Residuals<'_>, x: &[f64], r: &mut [f64]) -> Option<f64> {

@@ -16,8 +16,13 @@ use crate::parameters::{COUNT, Parameter, Parameters};
 
 /// Samples per cycle that are compared, at least: more say little more about a sinusoid.
 const PER_CYCLE: f64 = 20.0;
-/// Cycles of the first search; each next one takes twice as many, so that the phase is never lost.
-const FIRST_CYCLES: f64 = 4.0;
+/// Cycles of the first search; each next one takes twice as many, so that the phase is never lost. A short first search
+/// can end in a valley of its own: further beginnings are tried until two of them agree, and the best is kept.
+const FIRST_CYCLES: [f64; 4] = [4.0, 8.0, 3.0, 6.0];
+/// Relative difference in the sum of squares at which two searches agree.
+const AGREE: f64 = 1e-4;
+/// Relative residual (root mean square) at which nothing is left to improve.
+const NOTHING_LEFT: f64 = 1e-6;
 /// Iterations of one search.
 const ITERATIONS: usize = 60;
 
@@ -231,16 +236,35 @@ pub fn refine(records: &[RingDown<'_>], first: &Parameters, held: &[Parameter]) 
     Ok(task.refined(&minimum))
 }
 
-/// Searches with longer and longer horizons.
-pub(crate) fn solve(task: &Task, first: &Parameters) -> Result<Minimum, Error> {
+/// The best of several searches.
+fn solve(task: &Task, first: &Parameters) -> Result<Minimum, Error> {
+    let mut best: Option<Minimum> = None;
+    for cycles in FIRST_CYCLES {
+        let found = lengthening(task, first, cycles)?;
+        let nothing_left = found.cost <= NOTHING_LEFT * NOTHING_LEFT * task.count(f64::INFINITY) as f64;
+        let agreed = best.as_ref().is_some_and(|b| (b.cost - found.cost).abs() <= AGREE * b.cost);
+        if best.as_ref().is_none_or(|b| found.cost < b.cost) {
+            best = Some(found);
+        }
+        if nothing_left || agreed {
+            break;
+        }
+    }
+    best.ok_or_else(no_ring_down)
+}
+
+fn no_ring_down() -> Error {
+    let finding = "the start values have no ring-down".into();
+    Error::Refused { finding, remedy: "start nearer to the solution" }
+}
+
+/// Searches with longer and longer horizons, the first of so many `cycles`.
+fn lengthening(task: &Task, first: &Parameters, cycles: f64) -> Result<Minimum, Error> {
     let mut work = Workspace::default();
     let (mut x, free, end) = (task.start(first), task.free(), task.longest());
-    let mut seconds = FIRST_CYCLES / first.frequency;
+    let mut seconds = if cycles / first.frequency < end { cycles / first.frequency } else { f64::INFINITY };
     loop {
-        let found = task.search(&x, seconds, &free, &mut work).ok_or_else(|| Error::Refused {
-            finding: "the start values have no ring-down".into(),
-            remedy: "start nearer to the solution",
-        })?;
+        let found = task.search(&x, seconds, &free, &mut work).ok_or_else(no_ring_down)?;
         x.clone_from(&found.x);
         if seconds == f64::INFINITY {
             return Ok(found);

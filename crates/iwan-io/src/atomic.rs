@@ -24,6 +24,12 @@ pub enum WriteError {
         /// Name given.
         path: PathBuf,
     },
+    /// A folder stands where a file is to go.
+    #[error("{}: is a folder, and folders are never overwritten; move it away or choose another place", .path.display())]
+    Folder {
+        /// Destination.
+        path: PathBuf,
+    },
     /// The operating system refused a step.
     #[error("{}: cannot {action}: {source}; check that the folder exists, may be written to and has space", .path.display())]
     Io {
@@ -142,8 +148,12 @@ impl Folder {
     /// Says early, before a long computation, whether these names may be written.
     ///
     /// # Errors
-    /// [`WriteError::Exists`] for the first name that exists, unless overwriting was asked for.
+    /// [`WriteError::Folder`] for the first name that is a folder; [`WriteError::Exists`] for the first name that
+    /// exists, unless overwriting was asked for.
     pub fn check(&self, names: &[&str]) -> Result<(), WriteError> {
+        if let Some(name) = names.iter().find(|name| self.target.join(name).is_dir()) {
+            return Err(WriteError::Folder { path: self.target.join(name) });
+        }
         let taken = |name: &&&str| self.target.join(name).symlink_metadata().is_ok();
         match names.iter().find(taken).filter(|_| !self.force) {
             Some(name) => Err(WriteError::Exists { path: self.target.join(name) }),
@@ -303,5 +313,19 @@ mod tests {
         folder.write("b", |w| w.write_all(b"1")).unwrap();
         folder.commit().unwrap();
         assert_eq!(names(place.path()), ["a", "b"]);
+    }
+
+    /// Overwriting once deleted a folder that stood in the place of a file, with all that was in it.
+    #[test]
+    fn folders_are_never_overwritten() {
+        let place = tempfile::tempdir().unwrap();
+        let inner = place.path().join("report.html");
+        fs::create_dir(&inner).unwrap();
+        fs::write(inner.join("precious"), "x").unwrap();
+        let folder = Folder::stage(place.path(), true).unwrap();
+        assert!(matches!(folder.check(&["report.html"]), Err(WriteError::Folder { .. })));
+        let mut folder = folder;
+        assert!(folder.write("report.html", |_| Ok(())).is_err());
+        assert!(inner.join("precious").exists());
     }
 }

@@ -29,7 +29,7 @@ pub struct Response {
     pub acceleration: Vec<f64>,
     /// Modal joint force F_J.
     pub joint_force: Vec<f64>,
-    /// Energy balance over the whole response.
+    /// Energy balance over the whole response; by the half-cycle map up to the last turning point in it.
     pub energy: EnergyBalance,
     /// Error estimates.
     pub quality: Quality,

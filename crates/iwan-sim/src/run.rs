@@ -149,6 +149,9 @@ pub(crate) fn finite(response: Response) -> Result<Response, SimulationError> {
         !values.iter().all(|x| x.is_finite())
     };
     match (0..response.displacement.len()).find(bad) {
+        None if !response.energy.scale.is_finite() || !response.energy.residual.is_finite() => {
+            Err(SimulationError::NotFinite { time: 0.0 })
+        }
         Some(n) => Err(SimulationError::NotFinite { time: n as f64 * response.dt }),
         None => Ok(response),
     }

@@ -1,6 +1,6 @@
 //! How to simulate.
 
-use iwan_core::Grid;
+use iwan_core::{Error, Grid};
 
 /// How the joint's density is represented in time stepping.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -77,5 +77,39 @@ impl Settings {
     #[must_use]
     pub fn new(dt: f64, duration: f64) -> Self {
         Self { dt, duration, method: Method::default_newmark(), quality: true }
+    }
+
+    /// Number of samples of the response, the initial state included.
+    ///
+    /// ```
+    /// assert_eq!(iwan_sim::Settings::new(1e-5, 0.2).samples()?, 20_001);
+    /// # Ok::<(), iwan_core::Error>(())
+    /// ```
+    ///
+    /// # Errors
+    /// [`Error::OutOfRange`] when the time step or the duration is not a finite number > 0, or their ratio is not
+    /// between 1 and 1e11.
+    pub fn samples(&self) -> Result<usize, Error> {
+        /// More samples than this do not fit any machine's memory.
+        const MOST: f64 = 1e11;
+        let positive = |name, value: f64| {
+            let allowed = "must be a finite number of seconds > 0";
+            if value > 0.0 && value.is_finite() {
+                Ok(())
+            } else {
+                Err(Error::OutOfRange { name, value, allowed })
+            }
+        };
+        positive("time step", self.dt)?;
+        positive("duration", self.duration)?;
+        let value = (self.duration / self.dt * (1.0 + 4.0 * f64::EPSILON)).floor();
+        if (1.0..MOST).contains(&value) {
+            return Ok(value as usize + 1);
+        }
+        Err(Error::OutOfRange {
+            name: "duration / time step",
+            value,
+            allowed: "must be between 1 and 1e11 steps",
+        })
     }
 }

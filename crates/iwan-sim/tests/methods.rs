@@ -166,3 +166,47 @@ fn bad_values_are_named() {
     let stop = simulate_all(&[mode()], &BLOW, &settings, 1, &mut |_| std::ops::ControlFlow::Break(()));
     assert_eq!(stop.unwrap_err(), SimulationError::Interrupted);
 }
+
+/// What the time step cannot see is refused, and companions that fail cost only their estimate.
+#[test]
+fn unseen_forces_and_failing_companions() {
+    let settings = Settings::new(1e-5, 0.1);
+    let short = Pulse::Haversine { amplitude: 300.0, duration: 0.9e-5 };
+    let message = simulate(&mode(), &short, &settings).unwrap_err().to_string();
+    assert!(message.contains("time step") && message.contains("quarter"), "{message}");
+    let alias = Pulse::Sine { amplitude: 1.0, frequency: 100_124.0, duration: f64::INFINITY };
+    assert!(simulate(&mode(), &alias, &settings).is_err());
+    let joint = JointLaw::Jenkins(Jenkins::new(1e6, 20.0).unwrap());
+    let soft = Mode { residual: iwan_core::ResidualStiffness::Any, ..Mode::new("m", 10.0, Some(joint)) };
+    let response = simulate(&soft, &Pulse::None, &Settings::new(1.5e-3, 0.1)).unwrap();
+    assert_eq!(response.quality.time_step_error, None);
+    // A step shorter than the time step keeps its impulse.
+    let tap = Pulse::Step { amplitude: 1000.0, duration: 1e-6 };
+    let (coarse, exact) = (
+        run(&mode(), &tap, newmark(JointKind::Continuum), 1e-5),
+        run(&mode(), &tap, Method::Event { bins: 2000, grid: Grid::graded(2000) }, 1e-5),
+    );
+    assert!(distance(&coarse, &exact) < 6e-3, "{}", distance(&coarse, &exact));
+}
+
+#[test]
+fn overflow_is_never_silent() {
+    for method in [Method::default_newmark(), Method::HalfCycle, Method::Averaging] {
+        let huge = Pulse::Haversine { amplitude: 1e300, duration: 1.6e-3 };
+        let result = simulate(&mode(), &huge, &Settings { method, ..Settings::new(1e-5, 0.05) });
+        assert!(
+            matches!(result, Err(SimulationError::NotFinite { .. })),
+            "{method:?}: {:?}",
+            result.map(|r| r.energy)
+        );
+    }
+}
+
+#[test]
+fn the_map_claims_no_perfection() {
+    let mode = Mode { initial: (1e-3, 0.0), ..mode() };
+    let map = run(&mode, &Pulse::None, Method::HalfCycle, 1e-4);
+    assert!(map.quality.time_step_error.unwrap() > 0.0);
+    let event = run(&mode, &Pulse::None, Method::Event { bins: 50, grid: Grid::graded(50) }, 1e-5);
+    assert!(event.quality.time_step_error.unwrap() > 0.0);
+}

@@ -1,0 +1,6 @@
+//! One file per subcommand.
+
+pub(crate) mod completions;
+pub(crate) mod man;
+pub(crate) mod scenario;
+pub(crate) mod simulate;

@@ -1,0 +1,46 @@
+//! How a command can fail, and with which exit code.
+
+use std::fmt;
+
+/// A failure with the message for the user.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) enum Failure {
+    /// Bad usage or input: exit code 2.
+    Input {
+        /// What is wrong, and where.
+        message: String,
+        /// What helps.
+        remedy: String,
+    },
+    /// The computation failed: exit code 1.
+    Computation(String),
+    /// Interrupted by the user: exit code 130, as shells expect it.
+    Interrupted,
+}
+
+impl Failure {
+    /// Bad input and what helps.
+    pub(crate) fn input(message: impl Into<String>, remedy: impl Into<String>) -> Self {
+        Self::Input { message: message.into(), remedy: remedy.into() }
+    }
+
+    /// The exit code.
+    pub(crate) const fn code(&self) -> u8 {
+        match self {
+            Self::Input { .. } => 2,
+            Self::Computation(_) => 1,
+            Self::Interrupted => 130,
+        }
+    }
+}
+
+impl fmt::Display for Failure {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Input { message, remedy } if remedy.is_empty() => write!(f, "error: {message}"),
+            Self::Input { message, remedy } => write!(f, "error: {message}\nremedy: {remedy}"),
+            Self::Computation(message) => write!(f, "error: {message}"),
+            Self::Interrupted => f.write_str("interrupted: nothing was written"),
+        }
+    }
+}

@@ -1,0 +1,56 @@
+//! Long histories as short lines that look the same.
+
+/// Points of `samples` at `dt`, as smallest and largest of each of `bins` stretches in their order; short
+/// histories stay as they are.
+pub(crate) fn history(samples: &[f64], dt: f64, bins: usize) -> Vec<(f64, f64)> {
+    let point = |n: usize| (n as f64 * dt, samples[n]);
+    if samples.len() <= 2 * bins {
+        return (0..samples.len()).map(point).collect();
+    }
+    let mut kept = vec![0];
+    for bin in 0..bins {
+        let range = bin * samples.len() / bins..(bin + 1) * samples.len() / bins;
+        let by_value = |a: &usize, b: &usize| samples[*a].total_cmp(&samples[*b]);
+        let (low, high) = (range.clone().min_by(by_value), range.max_by(by_value));
+        kept.extend(low);
+        kept.extend(high);
+    }
+    kept.push(samples.len() - 1);
+    kept.sort_unstable();
+    kept.dedup();
+    kept.into_iter().map(point).collect()
+}
+
+/// About `most` of the points, evenly picked, both ends among them.
+pub(crate) fn thin<T: Copy>(points: &[T], most: usize) -> Vec<T> {
+    let stride = points.len().div_ceil(most.max(1)).max(1);
+    let mut kept: Vec<T> = points.iter().copied().step_by(stride).collect();
+    if let (Some(last), false) = (points.last(), (points.len().max(1) - 1).is_multiple_of(stride)) {
+        kept.push(*last);
+    }
+    kept
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn peaks_survive_and_time_ascends() {
+        let samples: Vec<f64> =
+            (0..100_000).map(|n| (f64::from(n) * 0.37).sin()).chain([7.0, -0.5]).collect();
+        let points = history(&samples, 1e-3, 300);
+        assert!(points.len() <= 602 && points.is_sorted_by(|a, b| a.0 < b.0));
+        assert!(points.iter().any(|p| p.1 == 7.0) && points.last().is_some_and(|p| p.1 == -0.5));
+        assert_eq!(history(&[1.0, 2.0], 0.5, 300), [(0.0, 1.0), (0.5, 2.0)]);
+    }
+
+    #[test]
+    fn thinning_keeps_both_ends() {
+        let points: Vec<u32> = (0..1001).collect();
+        let few = thin(&points, 10);
+        assert!(few.len() <= 12 && few[0] == 0 && few.last() == Some(&1000));
+        assert_eq!(thin(&[1, 2, 3], 10), [1, 2, 3]);
+        assert_eq!(thin::<u32>(&[], 10), [0u32; 0]);
+    }
+}

@@ -1,0 +1,102 @@
+//! Where results go: a folder whose files appear together or not at all.
+
+use std::io::Write;
+use std::path::{Path, PathBuf};
+
+use iwan_io::Table;
+use iwan_io::atomic::{Folder, WriteError};
+
+use crate::args::Format;
+use crate::failure::Failure;
+
+/// A folder that is being filled.
+#[derive(Debug)]
+pub(crate) struct Results {
+    folder: Folder,
+    path: PathBuf,
+    /// Dropped after the folder: by then what was staged has gone.
+    _parents: Parents,
+}
+
+/// Folders above the results that are not there yet: removed again where nothing appeared in them.
+#[derive(Debug)]
+struct Parents(Vec<PathBuf>);
+
+impl Parents {
+    fn missing(path: &Path) -> Self {
+        let above = path.ancestors().skip(1).filter(|p| !p.as_os_str().is_empty());
+        Self(above.take_while(|p| p.symlink_metadata().is_err()).map(Path::to_path_buf).collect())
+    }
+}
+
+impl Drop for Parents {
+    fn drop(&mut self) {
+        // The innermost first; a folder that is not empty stays, which is what is wanted.
+        for path in &self.0 {
+            let _ = std::fs::remove_dir(path);
+        }
+    }
+}
+
+impl Results {
+    /// Chooses the folder and says early whether it can be written: `given` by the user, else `default` or, where
+    /// that is taken, the next free number behind it.
+    pub(crate) fn open(
+        given: Option<&Path>,
+        default: &str,
+        force: bool,
+        names: &[&str],
+    ) -> Result<Self, Failure> {
+        let path = given.map_or_else(|| free(default, force), Path::to_path_buf);
+        let parents = Parents::missing(&path);
+        let input = |error: WriteError| match error {
+            WriteError::Exists { path } => Failure::input(
+                format!("{} exists already; nothing was written", path.display()),
+                "choose another folder with --out, or overwrite with --force",
+            ),
+            other => Failure::input(other.to_string(), "choose a folder you may write to with --out DIR"),
+        };
+        let folder = Folder::stage(&path, force).map_err(input)?;
+        folder.check(names).map_err(input)?;
+        Ok(Self { folder, path, _parents: parents })
+    }
+
+    /// The folder.
+    pub(crate) fn path(&self) -> &Path {
+        &self.path
+    }
+
+    /// Adds a file from memory.
+    pub(crate) fn add(&mut self, name: &str, content: &[u8]) -> Result<(), Failure> {
+        self.folder.write(name, |w| w.write_all(content)).map_err(|e| failed(&e))
+    }
+
+    /// Adds a table.
+    pub(crate) fn add_table(&mut self, name: &str, table: &Table<'_>, format: Format) -> Result<(), Failure> {
+        let written = self.folder.write(name, |w| match format {
+            Format::Csv => table.csv_to(w),
+            Format::Npz => table.npz_to(w),
+            Format::Parquet => table.parquet_to(w),
+        });
+        written.map_err(|e| failed(&e))
+    }
+
+    /// Makes all files visible.
+    pub(crate) fn commit(self) -> Result<(), Failure> {
+        self.folder.commit().map_err(|e| failed(&e))
+    }
+}
+
+fn failed(error: &WriteError) -> Failure {
+    Failure::Computation(error.to_string())
+}
+
+/// `default`, or the first of `default-2`, `default-3`, … that does not exist.
+fn free(default: &str, force: bool) -> PathBuf {
+    let first = PathBuf::from(default);
+    if force || first.symlink_metadata().is_err() {
+        return first;
+    }
+    let numbered = (2..).map(|n: u32| PathBuf::from(format!("{default}-{n}")));
+    numbered.into_iter().find(|path| path.symlink_metadata().is_err()).unwrap_or(first)
+}

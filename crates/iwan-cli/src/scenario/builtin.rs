@@ -1,0 +1,41 @@
+//! The scenarios that are built in, and the schema of the format.
+
+use super::source::Source;
+
+/// A scenario that is built in.
+#[derive(Debug)]
+pub(crate) struct BuiltIn {
+    /// Name on the command line.
+    pub(crate) name: &'static str,
+    /// What it shows, in one line.
+    pub(crate) about: &'static str,
+    /// The file.
+    pub(crate) text: &'static str,
+}
+
+/// All of them, the default first.
+static ALL: &[BuiltIn] = &[BuiltIn {
+    name: "paper-modal",
+    about: "the beam of Deaner et al. (2015): three modal Iwan oscillators, hammer blow at the tip",
+    text: include_str!("../../scenarios/paper-modal.toml"),
+}];
+
+/// JSON Schema (draft 2020-12) of scenario files.
+pub(crate) const SCHEMA: &str = include_str!("../../schema/scenario.schema.json");
+
+/// All built-in scenarios, the default first.
+pub(crate) fn built_in() -> &'static [BuiltIn] {
+    ALL
+}
+
+/// The built-in scenario of this name.
+pub(crate) fn find(name: &str) -> Option<&'static BuiltIn> {
+    ALL.iter().find(|b| b.name == name)
+}
+
+impl BuiltIn {
+    /// The text with its name, for reading.
+    pub(crate) fn source(&self) -> Source {
+        Source::built_in(self.name, self.text)
+    }
+}

@@ -1,0 +1,182 @@
+//! `[force]`: the force history.
+
+use std::path::PathBuf;
+
+use iwan_core::Pulse;
+
+use super::section::{Kind, Section};
+use super::source::Source;
+use crate::failure::Failure;
+
+/// The force histories and their keys.
+pub(crate) const KINDS: &[Kind] = &[
+    Kind { name: "haversine", keys: &["amplitude", "duration"] },
+    Kind { name: "half-sine", keys: &["amplitude", "duration"] },
+    Kind { name: "step", keys: &["amplitude", "duration"] },
+    Kind { name: "sine", keys: &["amplitude", "frequency", "duration"] },
+    Kind { name: "file", keys: &["path"] },
+    Kind { name: "none", keys: &[] },
+];
+
+/// A force history.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) enum Force {
+    /// One of the formulas of the library, under its name in the scenario.
+    Formula(&'static str, Pulse<'static>),
+    /// Samples from a file.
+    File(ForceFile),
+}
+
+/// A force history from a file.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct ForceFile {
+    /// The file's bytes, handed on with the results so that the run can be repeated.
+    pub(crate) bytes: Vec<u8>,
+    /// Time between the samples, s.
+    pub(crate) dt: f64,
+    /// The samples from t = 0.
+    pub(crate) samples: Vec<f64>,
+    /// What the user should know about the reading.
+    pub(crate) notes: Vec<String>,
+}
+
+impl Force {
+    /// The force for the simulation.
+    pub(crate) fn pulse(&self) -> Pulse<'_> {
+        match self {
+            Self::Formula(_, pulse) => *pulse,
+            Self::File(file) => Pulse::Sampled { dt: file.dt, samples: &file.samples },
+        }
+    }
+
+    /// Reads and checks the table; `step` is the time step, on which uneven samples are interpolated.
+    pub(super) fn read(
+        source: &Source,
+        section: &Section<'_>,
+        kind: &'static Kind,
+        step: f64,
+    ) -> Result<Self, Failure> {
+        let number = |key| section.number(key);
+        let endless = |key| section.number_or(key, f64::INFINITY);
+        let pulse = match kind.name {
+            "haversine" => {
+                Pulse::Haversine { amplitude: number("amplitude")?, duration: number("duration")? }
+            }
+            "half-sine" => Pulse::HalfSine { amplitude: number("amplitude")?, duration: number("duration")? },
+            "step" => Pulse::Step { amplitude: number("amplitude")?, duration: endless("duration")? },
+            "sine" => Pulse::Sine {
+                amplitude: number("amplitude")?,
+                frequency: number("frequency")?,
+                duration: endless("duration")?,
+            },
+            "none" => Pulse::None,
+            _ => {
+                let path = source.folder.join(section.text("path")?);
+                return read_file(&path, step)
+                    .map(Self::File)
+                    .map_err(|(message, remedy)| section.failure("path", &message, &remedy));
+            }
+        };
+        let key_of = |name: &str| name.trim_start_matches("force ").to_string();
+        let pulse = pulse.checked().map_err(|error| section.out_of_range(error, key_of))?;
+        Ok(Self::Formula(kind.name, pulse))
+    }
+
+    /// The same history with another amplitude; none for forces that have none.
+    pub(super) fn with_amplitude(self, value: f64) -> Option<Self> {
+        let Self::Formula(name, mut pulse) = self else { return None };
+        match &mut pulse {
+            Pulse::Haversine { amplitude, .. }
+            | Pulse::HalfSine { amplitude, .. }
+            | Pulse::Step { amplitude, .. }
+            | Pulse::Sine { amplitude, .. } => *amplitude = value,
+            Pulse::None | Pulse::Sampled { .. } => return None,
+        }
+        Some(Self::Formula(name, pulse))
+    }
+}
+
+/// Message and remedy.
+type Problem = (String, String);
+
+fn read_file(path: &PathBuf, step: f64) -> Result<ForceFile, Problem> {
+    let two = "give a text file of two columns, time in s and force, the time ascending from t >= 0";
+    let problem = |what: String| (format!("{}: {what}", path.display()), two.to_string());
+    let bytes = std::fs::read(path).map_err(|e| {
+        let remedy = "check `path`: it is relative to the scenario file";
+        (format!("{}: cannot be read: {e}", path.display()), remedy.to_string())
+    })?;
+    let columns = iwan_io::parse_table(path, &bytes).map_err(|e| (e.to_string(), two.to_string()))?;
+    let mut notes: Vec<String> = columns.warnings().iter().map(ToString::to_string).collect();
+    let [time, force] = columns.columns() else {
+        return Err(problem(format!("has {} columns, not 2", columns.columns().len())));
+    };
+    if time.len() < 2 {
+        return Err(problem("has fewer than two samples".into()));
+    }
+    if let Some(row) = (0..time.len()).find(|&i| !(time[i].is_finite() && force[i].is_finite())) {
+        return Err(problem(format!("sample {} is not finite: {}, {}", row + 1, time[row], force[row])));
+    }
+    if let Some(row) = (1..time.len()).find(|&i| time[i] <= time[i - 1]) {
+        return Err(problem(format!(
+            "the time does not ascend at sample {}: {} after {}",
+            row + 1,
+            time[row],
+            time[row - 1]
+        )));
+    }
+    if time[0] < 0.0 {
+        return Err(problem(format!("the time starts at {} s, before t = 0", time[0])));
+    }
+    let dt = time[time.len() - 1] / (time.len() - 1) as f64;
+    let (dt, samples) = if is_uniform(time, dt) {
+        (dt, force.clone())
+    } else {
+        notes.push(format!(
+            "{}: the samples are uneven or do not start at t = 0: interpolated linearly at the time step",
+            path.display()
+        ));
+        (step, resample(time, force, step))
+    };
+    Ok(ForceFile { bytes, dt, samples, notes })
+}
+
+/// Whether the times are n·dt, to a thousandth of a step.
+fn is_uniform(time: &[f64], dt: f64) -> bool {
+    time.iter().enumerate().all(|(n, t)| (t - n as f64 * dt).abs() <= 1e-3 * dt)
+}
+
+/// Linear interpolation at n·step; zero before the first sample and behind the last.
+fn resample(time: &[f64], force: &[f64], step: f64) -> Vec<f64> {
+    let last = time[time.len() - 1];
+    let count = (last / step).floor() as usize + 2;
+    let at = |t: f64| {
+        let next = time.partition_point(|&x| x <= t);
+        match next {
+            0 => 0.0,
+            _ if next == time.len() => {
+                if t == last {
+                    force[next - 1]
+                } else {
+                    0.0
+                }
+            }
+            _ => {
+                let share = (t - time[next - 1]) / (time[next] - time[next - 1]);
+                force[next - 1] + share * (force[next] - force[next - 1])
+            }
+        }
+    };
+    (0..count).map(|n| at(n as f64 * step)).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn uneven_samples_are_interpolated() {
+        let samples = resample(&[1.0, 2.0, 4.0], &[0.0, 10.0, 30.0], 0.5);
+        assert_eq!(samples, [0.0, 0.0, 0.0, 5.0, 10.0, 15.0, 20.0, 25.0, 30.0, 0.0]);
+    }
+}

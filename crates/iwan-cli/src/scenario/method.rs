@@ -1,0 +1,167 @@
+//! `[method]` and `[time]`: how to simulate.
+
+use iwan_core::Grid;
+use iwan_sim::{JointKind, Method};
+
+use super::section::{Kind, Section};
+use crate::failure::Failure;
+
+/// The methods and their keys.
+pub(crate) const KINDS: &[Kind] = &[
+    Kind { name: "newmark", keys: &["joint", "sliders", "grid", "prewarp", "beta", "gamma"] },
+    Kind { name: "half-cycle", keys: &[] },
+    Kind { name: "averaging", keys: &[] },
+    Kind { name: "event", keys: &["sliders", "grid"] },
+];
+
+/// Keys of the time axis.
+pub(crate) const TIME_KEYS: &[&str] = &["step", "duration"];
+
+/// More sliders than this gain nothing and fill the memory.
+const MOST_SLIDERS: usize = 10_000_000;
+
+/// How the joint is represented.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, clap::ValueEnum)]
+pub(crate) enum Representation {
+    /// A population of Jenkins elements
+    Sliders,
+    /// The exact continuum
+    Continuum,
+}
+
+/// Where the bins of the density lie.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum GridKind {
+    /// Geometric, fine at small strengths.
+    Graded,
+    /// Equal widths.
+    Uniform,
+}
+
+/// A method as written: what was left out is none.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct MethodKeys {
+    pub(crate) kind: &'static str,
+    pub(crate) joint: Option<Representation>,
+    pub(crate) sliders: Option<usize>,
+    pub(crate) grid: Option<GridKind>,
+    pub(crate) prewarp: Option<bool>,
+    pub(crate) beta: Option<f64>,
+    pub(crate) gamma: Option<f64>,
+}
+
+impl MethodKeys {
+    /// The method of this name with nothing said about it.
+    pub(crate) const fn named(kind: &'static str) -> Self {
+        Self { kind, joint: None, sliders: None, grid: None, prewarp: None, beta: None, gamma: None }
+    }
+
+    /// Reads the table.
+    pub(super) fn read(section: &Section<'_>, kind: &'static Kind) -> Result<Self, Failure> {
+        let representations =
+            [("sliders", Representation::Sliders), ("continuum", Representation::Continuum)];
+        Ok(Self {
+            joint: section.choice("joint", &representations)?,
+            sliders: section.optional_count("sliders")?,
+            grid: section.choice("grid", &[("graded", GridKind::Graded), ("uniform", GridKind::Uniform)])?,
+            prewarp: section.optional_flag("prewarp")?,
+            beta: section.optional_number("beta")?,
+            gamma: section.optional_number("gamma")?,
+            ..Self::named(kind.name)
+        })
+    }
+
+    /// The method with its defaults.
+    ///
+    /// # Errors
+    /// Key, message and remedy.
+    pub(super) fn resolve(&self) -> Result<Method, (&'static str, String, String)> {
+        let problem = |key, message: &str, remedy: &str| Err((key, message.to_string(), remedy.to_string()));
+        let bins = self.sliders.unwrap_or_else(default_sliders);
+        if bins > MOST_SLIDERS {
+            let message = format!("sliders = {bins} is out of range: must be at most {MOST_SLIDERS}");
+            return problem(
+                "sliders",
+                &message,
+                "choose joint = \"continuum\" for the limit of many sliders",
+            );
+        }
+        let grid = match self.grid {
+            Some(GridKind::Uniform) => Grid::Uniform,
+            _ => Grid::graded(bins),
+        };
+        match self.kind {
+            "half-cycle" => return Ok(Method::HalfCycle),
+            "averaging" => return Ok(Method::Averaging),
+            "event" => return Ok(Method::Event { bins, grid }),
+            _ => {}
+        }
+        let joint = match self.joint {
+            Some(Representation::Continuum) => {
+                for (key, given) in [("sliders", self.sliders.is_some()), ("grid", self.grid.is_some())] {
+                    if given {
+                        let message = format!("`{key}` does not apply to joint = \"continuum\"");
+                        return problem(key, &message, "remove it, or choose joint = \"sliders\"");
+                    }
+                }
+                JointKind::Continuum
+            }
+            _ => JointKind::Sliders { bins, grid },
+        };
+        let (beta, gamma) = (self.beta.unwrap_or(0.25), self.gamma.unwrap_or(0.5));
+        let average = beta == 0.25 && gamma == 0.5;
+        let prewarp = self.prewarp.unwrap_or(average);
+        if prewarp && !average {
+            let message = "prewarp = true goes with beta = 0.25 and gamma = 0.5 only";
+            return problem("prewarp", message, "set prewarp = false, or leave beta and gamma out");
+        }
+        // The range of β and γ does not depend on the step.
+        iwan_core::Newmark::new(1.0, beta, gamma).map_err(|error| match error {
+            iwan_core::Error::OutOfRange { name, value, allowed } => (
+                name,
+                format!("{name} = {value} is out of range: {allowed}"),
+                format!("give {name} a value in that range"),
+            ),
+            other => ("kind", other.to_string(), String::new()),
+        })?;
+        Ok(Method::Newmark { beta, gamma, prewarp, joint })
+    }
+}
+
+/// Sliders where the scenario does not say: the library's default.
+fn default_sliders() -> usize {
+    match JointKind::default_sliders() {
+        JointKind::Sliders { bins, .. } => bins,
+        JointKind::Continuum => 1,
+    }
+}
+
+impl MethodKeys {
+    /// With what the command line says instead.
+    pub(super) fn overridden(self, overrides: &super::Overrides) -> Result<Self, Failure> {
+        let mut keys = match overrides.method {
+            Some(kind) if kind != self.kind => {
+                let applies = |key| KINDS.iter().any(|k| k.name == kind && k.keys.contains(&key));
+                let bins = self.sliders.filter(|_| applies("sliders"));
+                Self { sliders: bins, grid: self.grid.filter(|_| applies("grid")), ..Self::named(kind) }
+            }
+            _ => self,
+        };
+        let given = [("sliders", overrides.sliders.is_some()), ("joint", overrides.joint.is_some())];
+        for (key, given) in given {
+            let owner = KINDS.iter().find(|k| k.name == keys.kind);
+            if given && !owner.is_some_and(|k| k.keys.contains(&key)) {
+                let message = format!("--{key} does not apply to the method {}", keys.kind);
+                return Err(Failure::input(message, format!("leave --{key} out, or add --method newmark")));
+            }
+        }
+        if let Some(joint) = overrides.joint {
+            keys.joint = Some(joint);
+            if joint == Representation::Continuum {
+                (keys.sliders, keys.grid) = (None, None);
+            }
+        }
+        keys.sliders = overrides.sliders.or(keys.sliders);
+        Ok(keys)
+    }
+}

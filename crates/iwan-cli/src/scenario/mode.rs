@@ -1,0 +1,139 @@
+//! `[[mode]]`: an oscillator with its joint.
+
+use std::ops::Range;
+
+use iwan_core::ResidualStiffness;
+use iwan_sim::{Mode, Point};
+use toml::de::DeTable;
+
+use super::joint::{self, Joint};
+use super::section::{Section, plain};
+use super::source::Source;
+use crate::failure::Failure;
+use crate::summary::short;
+
+/// Keys of a mode.
+pub(crate) const KEYS: &[&str] = &[
+    "name",
+    "frequency",
+    "damping_ratio",
+    "joint",
+    "shape_at_force",
+    "outputs",
+    "initial",
+    "allow_negative_residual",
+];
+
+/// Keys of a mode's initial conditions.
+pub(crate) const INITIAL_KEYS: &[&str] = &["displacement", "velocity"];
+
+/// A mode with its joint as written.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct ScenarioMode {
+    pub(crate) mode: Mode,
+    pub(crate) joint: Option<Joint>,
+}
+
+impl ScenarioMode {
+    /// Reads and checks one mode; `index` counts from 0.
+    pub(super) fn read(
+        source: &Source,
+        index: usize,
+        place: (&DeTable<'_>, Range<usize>),
+    ) -> Result<Self, Failure> {
+        let section = Section::new(source, format!("mode {}", index + 1), place, KEYS)?;
+        let name = section.text("name")?;
+        if name.trim().is_empty() || name.chars().any(char::is_control) {
+            let message = "name is empty or has control characters";
+            return Err(section.failure("name", message, "give the mode a readable name"));
+        }
+        let section = section.renamed(format!("mode \"{name}\""));
+        let joint = section.optional_table("joint")?.map(|table| read_joint(source, &section, table));
+        let (joint, law) = joint.transpose()?.unzip();
+        let residual = match section.optional_flag("allow_negative_residual")? {
+            Some(true) => ResidualStiffness::Any,
+            _ => ResidualStiffness::Positive,
+        };
+        let mode = Mode {
+            frequency: section.number("frequency")?,
+            damping_ratio: section.number_or("damping_ratio", 0.0)?,
+            joint: law,
+            residual,
+            shape_at_force: section.number_or("shape_at_force", 1.0)?,
+            outputs: read_outputs(source, &section)?,
+            initial: read_initial(source, &section)?,
+            name,
+        };
+        mode.oscillator().map_err(|error| oscillator_failure(&section, error))?;
+        Ok(Self { mode, joint })
+    }
+}
+
+fn read_joint(
+    source: &Source,
+    mode: &Section<'_>,
+    place: (&DeTable<'_>, Range<usize>),
+) -> Result<(Joint, iwan_sim::JointLaw), Failure> {
+    let title = format!("joint of {}", mode.title());
+    let (section, kind) = Section::kind(source, title, place, joint::KINDS, Some("four-parameter"))?;
+    let joint = Joint::read(&section, kind)?;
+    let law = joint.law().map_err(|error| section.out_of_range(error, joint::key_of))?;
+    Ok((joint, law))
+}
+
+fn oscillator_failure(section: &Section<'_>, error: iwan_core::Error) -> Failure {
+    use iwan_core::Error::OutOfRange;
+    match error {
+        OutOfRange { name: "k_t", value, .. } => {
+            let frequency = section.number("frequency").unwrap_or(f64::NAN);
+            let limit = short((2.0 * std::f64::consts::PI * frequency).powi(2));
+            let message = format!(
+                "k_t = {} of the joint must be below omega0^2 = (2 pi frequency)^2 = {limit}, so that \
+                 K_inf = omega0^2 - k_t > 0",
+                plain(value)
+            );
+            let remedy = "lower k_t or raise frequency (are both in the same units?), or set \
+                allow_negative_residual = true in this mode if that is meant";
+            section.failure("joint", &message, remedy)
+        }
+        OutOfRange { name: "damping_ratio", value, allowed } => section.failure(
+            "damping_ratio",
+            &format!("damping_ratio = {} is out of range: {allowed}", plain(value)),
+            "give damping_ratio as a ratio: 0.01 is 1 %",
+        ),
+        error => section.out_of_range(error, |name| name.split(' ').next().unwrap_or(name).to_string()),
+    }
+}
+
+fn read_outputs(source: &Source, mode: &Section<'_>) -> Result<Vec<Point>, Failure> {
+    let Some(place) = mode.optional_table("outputs")? else { return Ok(Vec::new()) };
+    let (section, entries) = Section::entries(source, &format!("outputs of {}", mode.title()), place)?;
+    let point = |(name, shape): (String, f64)| {
+        if name.trim().is_empty() || name.chars().any(char::is_control) {
+            return Err(section.failure(&name, "a point needs a readable name", "give the point a name"));
+        }
+        if !shape.is_finite() {
+            let message = format!("{name} = {shape} is out of range: must be a finite number");
+            return Err(section.failure(
+                &name,
+                &message,
+                "give the mass-normalised mode shape at this point",
+            ));
+        }
+        Ok(Point { name, shape })
+    };
+    entries.into_iter().map(point).collect()
+}
+
+fn read_initial(source: &Source, mode: &Section<'_>) -> Result<(f64, f64), Failure> {
+    let Some(place) = mode.optional_table("initial")? else { return Ok((0.0, 0.0)) };
+    let section = Section::new(source, format!("initial of {}", mode.title()), place, INITIAL_KEYS)?;
+    let number = |key| match section.number_or(key, 0.0)? {
+        value if value.is_finite() => Ok(value),
+        value => {
+            let message = format!("{key} = {value} is out of range: must be a finite number");
+            Err(section.failure(key, &message, &format!("give {key} a finite value")))
+        }
+    };
+    Ok((number("displacement")?, number("velocity")?))
+}

@@ -1,0 +1,157 @@
+//! The shipped JSON Schema and the reader agree: same keys, same files accepted and refused.
+#![allow(clippy::unwrap_used, reason = "tests may panic")]
+
+use serde_json::Value;
+
+use super::section::{Kind, known};
+use super::{
+    BuiltIn, KEYS, Overrides, SCHEMA, Scenario, Source, built_in, force, joint, method, mode, to_toml,
+};
+
+fn schema() -> Value {
+    serde_json::from_str(SCHEMA).unwrap()
+}
+
+fn keys_at(pointer: &str) -> Vec<String> {
+    let schema = schema();
+    let properties = schema.pointer(pointer).and_then(Value::as_object).unwrap();
+    properties.keys().cloned().collect()
+}
+
+fn same(mut a: Vec<String>, b: &[&str]) {
+    let mut b: Vec<String> = b.iter().map(ToString::to_string).collect();
+    a.sort();
+    b.sort();
+    assert_eq!(a, b);
+}
+
+#[test]
+fn plain_tables_have_the_same_keys() {
+    same(keys_at("/properties"), KEYS);
+    same(keys_at("/$defs/mode/properties"), mode::KEYS);
+    same(keys_at("/$defs/initial/properties"), mode::INITIAL_KEYS);
+    same(keys_at("/$defs/time/properties"), method::TIME_KEYS);
+}
+
+#[test]
+fn every_kind_has_the_same_keys() {
+    let tables: [(&str, &'static [Kind]); 3] =
+        [("joint", joint::KINDS), ("force", force::KINDS), ("method", method::KINDS)];
+    for (table, kinds) in tables {
+        let schema = schema();
+        let variants = schema.pointer(&format!("/$defs/{table}/oneOf")).and_then(Value::as_array).unwrap();
+        assert_eq!(variants.len(), kinds.len());
+        for (n, kind) in kinds.iter().enumerate() {
+            assert_eq!(variants[n]["properties"]["kind"]["const"], kind.name);
+            let keys: Vec<_> = ["kind"].iter().chain(kind.keys).copied().collect();
+            same(keys_at(&format!("/$defs/{table}/oneOf/{n}/properties")), &keys);
+        }
+        assert_eq!(known(kinds)[0], "kind");
+    }
+}
+
+/// A scenario's text as the schema sees it.
+fn as_json(text: &str) -> Value {
+    fn convert(value: &toml::de::DeValue<'_>) -> Value {
+        use toml::de::DeValue;
+        match value {
+            DeValue::String(s) => s.as_ref().into(),
+            DeValue::Integer(i) => i.as_str().parse::<i64>().unwrap().into(),
+            DeValue::Float(f) => f.as_str().parse::<f64>().unwrap().into(),
+            DeValue::Boolean(b) => (*b).into(),
+            DeValue::Array(a) => a.iter().map(|v| convert(v.get_ref())).collect(),
+            DeValue::Table(t) => {
+                t.iter().map(|(k, v)| (k.get_ref().to_string(), convert(v.get_ref()))).collect()
+            }
+            DeValue::Datetime(d) => d.to_string().into(),
+        }
+    }
+    let table = toml::de::DeTable::parse(text).unwrap();
+    table.get_ref().iter().map(|(k, v)| (k.get_ref().to_string(), convert(v.get_ref()))).collect()
+}
+
+fn read(text: &str) -> Result<Scenario, crate::failure::Failure> {
+    Scenario::read(&Source::built_in("test.toml", text), &Overrides::default())
+}
+
+const GOOD: &str = "\
+[[mode]]
+name = 'a'
+frequency = 100
+joint = { k_t = 1e4, f_s = 10.0, chi = -0.5, beta = 0.1 }
+initial = { displacement = 1e-4 }
+[force]
+kind = 'none'
+[time]
+step = 1e-4
+duration = 0.1
+";
+
+#[test]
+fn shipped_scenarios_are_valid_and_written_ones_too() {
+    let validator = jsonschema::validator_for(&schema()).unwrap();
+    let texts = built_in().iter().map(|b: &BuiltIn| b.text).chain([GOOD]);
+    for text in texts {
+        assert!(validator.is_valid(&as_json(text)));
+        let scenario = read(text).unwrap();
+        let written = to_toml(&scenario, "force.csv");
+        assert!(validator.is_valid(&as_json(&written)), "{written}");
+        assert_eq!(read(&written).unwrap(), scenario);
+    }
+}
+
+#[test]
+fn every_variant_is_valid_and_survives_writing() {
+    let validator = jsonschema::validator_for(&schema()).unwrap();
+    let joint = "joint = { k_t = 1e4, f_s = 10.0, chi = -0.5, beta = 0.1 }";
+    let none = "kind = 'none'";
+    let variants = [
+        (joint, "joint = { kind = 'jenkins', k_t = 1e4, f_s = 10.0 }"),
+        (joint, "joint = { kind = 'uniform', k_t = 1e4, f_s = 10.0, width = 0.5 }"),
+        (joint, "joint = { kind = 'tabulated', strength = [0.0, 1e-3], density = [1e7, 1e6], dirac = 10.0 }"),
+        (joint, "joint = { k_t = 1e6, f_s = 10.0, chi = 0, beta = 0 }\nallow_negative_residual = true"),
+        (joint, "outputs = { tip = 1, \"left end\" = -2.5 }\ndamping_ratio = 0.01"),
+        (none, "kind = 'haversine'\namplitude = 1\nduration = 1e-3"),
+        (none, "kind = 'half-sine'\namplitude = -1.5\nduration = 1e-3"),
+        (none, "kind = 'step'\namplitude = 1"),
+        (none, "kind = 'step'\namplitude = 1\nduration = 0.01"),
+        (none, "kind = 'sine'\namplitude = 1\nfrequency = 90\n"),
+        ("[time]", "[method]\nkind = 'half-cycle'\n[time]"),
+        ("[time]", "[method]\nkind = 'averaging'\n[time]"),
+        ("[time]", "[method]\nkind = 'event'\nsliders = 10\ngrid = 'uniform'\n[time]"),
+        ("[time]", "[method]\njoint = 'continuum'\n[time]"),
+        ("[time]", "[method]\nbeta = 0.3\ngamma = 0.6\n[time]"),
+        ("[time]", "[method]\nprewarp = false\nsliders = 50\ngrid = 'uniform'\n[time]"),
+    ];
+    for (from, to) in variants {
+        let text = GOOD.replace(from, to);
+        assert!(validator.is_valid(&as_json(&text)), "{text}");
+        let scenario = read(&text).unwrap();
+        assert_eq!(read(&to_toml(&scenario, "x")).unwrap(), scenario, "{text}");
+    }
+}
+
+#[test]
+fn what_the_schema_refuses_the_reader_refuses() {
+    let validator = jsonschema::validator_for(&schema()).unwrap();
+    let bad = [
+        ("frequency = 100", "frequency = -100"),
+        ("frequency = 100", "frequncy = 100"),
+        ("frequency = 100", "frequency = 'fast'"),
+        ("name = 'a'", "name = ''"),
+        ("chi = -0.5", "chi = -1.0"),
+        ("beta = 0.1", "beta = 0.1, gamma = 1"),
+        ("beta = 0.1", "beta = 0.1, kind = 'none'"),
+        ("kind = 'none'", "kind = 'none'\namplitude = 1"),
+        ("kind = 'none'", "kind = 'haversine'\namplitude = 1"),
+        ("step = 1e-4", "step = 0"),
+        ("[time]", "[method]\nkind = 'half-cycle'\nsliders = 10\n[time]"),
+        ("[time]", "[method]\nsliders = 0\n[time]"),
+        ("[time]", "[extra]\n[time]"),
+    ];
+    for (from, to) in bad {
+        let text = GOOD.replace(from, to);
+        assert!(!validator.is_valid(&as_json(&text)), "{text}");
+        assert!(read(&text).is_err(), "{text}");
+    }
+}

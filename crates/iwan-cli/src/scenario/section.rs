@@ -1,0 +1,286 @@
+//! A table of a scenario, read key by key with messages that name file, line, key and remedy.
+
+use std::ops::Range;
+
+use toml::Spanned;
+use toml::de::{DeTable, DeValue};
+
+use super::source::Source;
+use crate::failure::Failure;
+
+/// One of several variants of a table, told apart by the key `kind`.
+#[derive(Debug)]
+pub(crate) struct Kind {
+    /// Value of `kind`.
+    pub(crate) name: &'static str,
+    /// Keys that go with it, `kind` itself left out.
+    pub(crate) keys: &'static [&'static str],
+}
+
+/// A table with its title and place.
+#[derive(Debug)]
+pub(crate) struct Section<'a> {
+    source: &'a Source,
+    title: String,
+    table: &'a DeTable<'a>,
+    span: Range<usize>,
+}
+
+impl<'a> Section<'a> {
+    /// A table that may hold the `known` keys only.
+    pub(crate) fn new(
+        source: &'a Source,
+        title: impl Into<String>,
+        (table, span): (&'a DeTable<'a>, Range<usize>),
+        known: &[&str],
+    ) -> Result<Self, Failure> {
+        let section = Self { source, title: title.into(), table, span };
+        match section.table.keys().find(|key| !known.contains(&key.get_ref().as_ref())) {
+            Some(key) => Err(section.unknown(key, known)),
+            None => Ok(section),
+        }
+    }
+
+    fn unknown(&self, key: &Spanned<toml::de::DeString<'_>>, known: &[&str]) -> Failure {
+        let given = key.get_ref().as_ref();
+        let nearest = known
+            .iter()
+            .map(|k| (strsim::damerau_levenshtein(&given.to_lowercase(), k), *k))
+            .min()
+            .filter(|(distance, k)| *distance <= 2.max(k.len() / 2));
+        let list = known.join(", ");
+        let remedy = match nearest {
+            Some((_, k)) => format!("did you mean `{k}`? Known here: {list}"),
+            None => format!("remove it; known here: {list}"),
+        };
+        self.source.failure(key.span().start, &format!("unknown key `{given}` in {}", self.title), &remedy)
+    }
+
+    /// The variant of the table: its keys are checked, other variants' keys are named as such.
+    pub(crate) fn kind(
+        source: &'a Source,
+        title: impl Into<String>,
+        place: (&'a DeTable<'a>, Range<usize>),
+        kinds: &'static [Kind],
+        default: Option<&str>,
+    ) -> Result<(Self, &'static Kind), Failure> {
+        let every = known(kinds);
+        let section = Self::new(source, title, place, &every)?;
+        let names = kinds.iter().map(|k| k.name).collect::<Vec<_>>().join(", ");
+        let name = match section.optional_text("kind")? {
+            Some(name) => name,
+            None => default
+                .map(String::from)
+                .ok_or_else(|| section.missing("kind", &format!("add kind = one of {names}")))?,
+        };
+        let Some(kind) = kinds.iter().find(|k| k.name == name) else {
+            return Err(section.choice_failure("kind", &name, &names));
+        };
+        for (key, _) in section.table {
+            let given = key.get_ref().as_ref();
+            if given != "kind" && !kind.keys.contains(&given) {
+                let owners: Vec<_> = kinds
+                    .iter()
+                    .filter(|k| k.keys.contains(&given))
+                    .map(|k| format!("\"{}\"", k.name))
+                    .collect();
+                let message = format!("`{given}` does not apply to kind = \"{name}\" in {}", section.title);
+                let remedy = format!("remove it, or choose kind = {}", owners.join(" or "));
+                return Err(source.failure(key.span().start, &message, &remedy));
+            }
+        }
+        Ok((section, kind))
+    }
+
+    /// The same table under another title.
+    pub(crate) fn renamed(self, title: String) -> Self {
+        Self { title, ..self }
+    }
+
+    /// Title for messages.
+    pub(crate) fn title(&self) -> &str {
+        &self.title
+    }
+
+    fn value(&self, key: &str) -> Option<&'a Spanned<DeValue<'a>>> {
+        self.table.iter().find(|(k, _)| k.get_ref().as_ref() == key).map(|(_, v)| v)
+    }
+
+    /// A failure at the value of `key`, or at the table when the key is not there.
+    pub(crate) fn failure(&self, key: &str, message: &str, remedy: &str) -> Failure {
+        let start = self.value(key).map_or(self.span.start, |v| v.span().start);
+        self.source.failure(start, &format!("{}: {message}", self.title), remedy)
+    }
+
+    fn missing(&self, key: &str, remedy: &str) -> Failure {
+        self.failure(key, &format!("the key `{key}` is missing"), remedy)
+    }
+
+    fn choice_failure(&self, key: &str, given: &str, names: &str) -> Failure {
+        self.failure(key, &format!("{key} = \"{given}\" is not known"), &format!("choose one of {names}"))
+    }
+
+    fn wrong_type(&self, key: &str, found: &DeValue<'_>, wanted: &str) -> Failure {
+        let article = if found.type_str().starts_with(['a', 'i']) { "an" } else { "a" };
+        let message = format!("{key} is {article} {}, not {wanted}", found.type_str());
+        self.failure(key, &message, &format!("give {key} as {wanted}"))
+    }
+
+    /// A number that may be left out.
+    pub(crate) fn optional_number(&self, key: &str) -> Result<Option<f64>, Failure> {
+        self.value(key).map(|v| self.to_number(key, v)).transpose()
+    }
+
+    /// A number with a default.
+    pub(crate) fn number_or(&self, key: &str, default: f64) -> Result<f64, Failure> {
+        Ok(self.optional_number(key)?.unwrap_or(default))
+    }
+
+    /// A number that must be there.
+    pub(crate) fn number(&self, key: &str) -> Result<f64, Failure> {
+        self.optional_number(key)?.ok_or_else(|| self.missing(key, &format!("add {key} = NUMBER")))
+    }
+
+    fn to_number(&self, key: &str, value: &Spanned<DeValue<'_>>) -> Result<f64, Failure> {
+        match value.get_ref() {
+            DeValue::Float(float) => Ok(float.as_str().parse().unwrap_or(f64::NAN)),
+            DeValue::Integer(integer) => i64::from_str_radix(integer.as_str(), integer.radix())
+                .map(|i| i as f64)
+                .or_else(|_| integer.as_str().parse())
+                .map_err(|_| self.wrong_type(key, value.get_ref(), "a number")),
+            other => Err(self.wrong_type(key, other, "a number")),
+        }
+    }
+
+    /// A whole number >= 1 that may be left out.
+    pub(crate) fn optional_count(&self, key: &str) -> Result<Option<usize>, Failure> {
+        let Some(value) = self.value(key) else { return Ok(None) };
+        let DeValue::Integer(integer) = value.get_ref() else {
+            return Err(self.wrong_type(key, value.get_ref(), "a whole number >= 1"));
+        };
+        match usize::from_str_radix(integer.as_str(), integer.radix()) {
+            Ok(count) if count >= 1 => Ok(Some(count)),
+            _ => {
+                let message =
+                    format!("{key} = {} is out of range: must be a whole number >= 1", integer.as_str());
+                Err(self.failure(key, &message, &format!("give {key} as a whole number >= 1")))
+            }
+        }
+    }
+
+    /// A text that may be left out.
+    pub(crate) fn optional_text(&self, key: &str) -> Result<Option<String>, Failure> {
+        let Some(value) = self.value(key) else { return Ok(None) };
+        let text = value.get_ref().as_str();
+        text.map(|t| Some(t.to_string()))
+            .ok_or_else(|| self.wrong_type(key, value.get_ref(), "a text in quotes"))
+    }
+
+    /// A text that must be there.
+    pub(crate) fn text(&self, key: &str) -> Result<String, Failure> {
+        self.optional_text(key)?.ok_or_else(|| self.missing(key, &format!("add {key} = \"...\"")))
+    }
+
+    /// One of several words, or none.
+    pub(crate) fn choice<T: Copy>(&self, key: &str, choices: &[(&str, T)]) -> Result<Option<T>, Failure> {
+        let Some(given) = self.optional_text(key)? else { return Ok(None) };
+        if let Some((_, value)) = choices.iter().find(|(name, _)| *name == given) {
+            return Ok(Some(*value));
+        }
+        let names = choices.iter().map(|(name, _)| *name).collect::<Vec<_>>().join(", ");
+        Err(self.choice_failure(key, &given, &names))
+    }
+
+    /// A switch that may be left out.
+    pub(crate) fn optional_flag(&self, key: &str) -> Result<Option<bool>, Failure> {
+        let Some(value) = self.value(key) else { return Ok(None) };
+        let flag = value.get_ref().as_bool();
+        flag.map(Some).ok_or_else(|| self.wrong_type(key, value.get_ref(), "true or false"))
+    }
+
+    /// A list of numbers that must be there.
+    pub(crate) fn numbers(&self, key: &str) -> Result<Vec<f64>, Failure> {
+        let Some(value) = self.value(key) else {
+            return Err(self.missing(key, &format!("add {key} = [NUMBER, ...]")));
+        };
+        let Some(array) = value.get_ref().as_array() else {
+            return Err(self.wrong_type(key, value.get_ref(), "a list of numbers"));
+        };
+        array.iter().map(|v| self.to_number(key, v)).collect()
+    }
+
+    /// The tables of an array of tables, or one table alone; empty when the key is not there.
+    pub(crate) fn tables(&self, key: &str) -> Result<Vec<(&'a DeTable<'a>, Range<usize>)>, Failure> {
+        let Some(value) = self.value(key) else { return Ok(Vec::new()) };
+        let wanted = format!("an array of tables ([[{key}]])");
+        let Some(array) = value.get_ref().as_array() else {
+            return Err(self.wrong_type(key, value.get_ref(), &wanted));
+        };
+        let table = |v: &'a Spanned<DeValue<'a>>| v.get_ref().as_table().map(|t| (t, v.span()));
+        array.iter().map(|v| table(v).ok_or_else(|| self.wrong_type(key, v.get_ref(), &wanted))).collect()
+    }
+
+    /// A table that may be left out.
+    pub(crate) fn optional_table(
+        &self,
+        key: &str,
+    ) -> Result<Option<(&'a DeTable<'a>, Range<usize>)>, Failure> {
+        let Some(value) = self.value(key) else { return Ok(None) };
+        match value.get_ref().as_table() {
+            Some(table) => Ok(Some((table, value.span()))),
+            None => Err(self.wrong_type(key, value.get_ref(), "a table")),
+        }
+    }
+
+    /// All entries as numbers, in the order of the file: for tables with free keys.
+    pub(crate) fn entries(
+        source: &'a Source,
+        title: &str,
+        (table, span): (&'a DeTable<'a>, Range<usize>),
+    ) -> Result<(Self, Vec<(String, f64)>), Failure> {
+        let section = Self { source, title: title.into(), table, span };
+        let entry = |(key, value): (&Spanned<toml::de::DeString<'_>>, &Spanned<DeValue<'_>>)| {
+            let name = key.get_ref().to_string();
+            section.to_number(&name, value).map(|number| (name, number))
+        };
+        let entries = section.table.iter().map(entry).collect::<Result<_, _>>()?;
+        Ok((section, entries))
+    }
+
+    /// Puts file, line and remedy to an error of the libraries about a value of this table.
+    pub(crate) fn out_of_range(&self, error: iwan_core::Error, key_of: impl Fn(&str) -> String) -> Failure {
+        use iwan_core::Error;
+        match error {
+            Error::OutOfRange { name, value, allowed } => {
+                let key = key_of(name);
+                let shown = self.optional_number(&key).ok().flatten().unwrap_or(value);
+                let message = format!("{key} = {} is out of range: {allowed}", plain(shown));
+                self.failure(&key, &message, &format!("give {key} a value in that range"))
+            }
+            Error::Length { name, .. } | Error::Entry { name, .. } => {
+                let key = key_of(name);
+                self.failure(&key, &error.to_string(), &format!("give {key} a value in that range"))
+            }
+            Error::Unsupported { what } => self.failure("kind", what, "choose another combination"),
+        }
+    }
+}
+
+/// A number for a message: with an exponent where it would be long.
+pub(crate) fn plain(value: f64) -> String {
+    match value.abs() {
+        x if x == 0.0 || !x.is_finite() || (1e-4..1e9).contains(&x) => value.to_string(),
+        _ => format!("{value:e}"),
+    }
+}
+
+/// All keys of the variants, `kind` first, each once.
+pub(crate) fn known(kinds: &[Kind]) -> Vec<&'static str> {
+    let mut keys = vec!["kind"];
+    for key in kinds.iter().flat_map(|k| k.keys) {
+        if !keys.contains(key) {
+            keys.push(key);
+        }
+    }
+    keys
+}

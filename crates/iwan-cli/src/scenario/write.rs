@@ -1,0 +1,164 @@
+//! A scenario written out, with all defaults filled in: reading it gives the same bits again.
+
+use std::fmt::Write;
+
+use iwan_core::{Grid, Pulse, ResidualStiffness};
+use iwan_sim::{JointKind, Method, Settings};
+
+use super::joint::Joint;
+use super::{Force, Scenario, ScenarioMode};
+
+/// The scenario as TOML; a force from a file is called `force_file`.
+pub(crate) fn to_toml(scenario: &Scenario, force_file: &str) -> String {
+    let mut out =
+        format!("# Written by iwan {}: the run with all defaults filled in.\n", env!("CARGO_PKG_VERSION"));
+    if let Some(title) = &scenario.title {
+        line(&mut out, "title", &quoted(title));
+    }
+    for mode in &scenario.modes {
+        write_mode(&mut out, mode);
+    }
+    write_force(&mut out, &scenario.force, force_file);
+    write_time(&mut out, &scenario.settings);
+    write_method(&mut out, &scenario.settings.method);
+    out
+}
+
+/// `key = value`. Writing to a string cannot fail.
+fn line(out: &mut String, key: &str, value: &str) {
+    let _ = writeln!(out, "{key} = {value}");
+}
+
+fn number(out: &mut String, key: &str, value: f64) {
+    line(out, key, &format!("{value:?}"));
+}
+
+/// A basic string of TOML.
+fn quoted(text: &str) -> String {
+    let mut out = String::from("\"");
+    for c in text.chars() {
+        match c {
+            '"' => out.push_str("\\\""),
+            '\\' => out.push_str("\\\\"),
+            c if c.is_control() => {
+                let _ = write!(out, "\\u{:04X}", u32::from(c));
+            }
+            c => out.push(c),
+        }
+    }
+    out.push('"');
+    out
+}
+
+/// `{ key = value, ... }`.
+fn inline(pairs: &[(&str, String)]) -> String {
+    let pairs: Vec<_> = pairs.iter().map(|(key, value)| format!("{key} = {value}")).collect();
+    format!("{{ {} }}", pairs.join(", "))
+}
+
+fn write_mode(out: &mut String, ScenarioMode { mode, joint }: &ScenarioMode) {
+    out.push_str("\n[[mode]]\n");
+    line(out, "name", &quoted(&mode.name));
+    number(out, "frequency", mode.frequency);
+    number(out, "damping_ratio", mode.damping_ratio);
+    if let Some(joint) = joint {
+        line(out, "joint", &joint_table(joint));
+    }
+    number(out, "shape_at_force", mode.shape_at_force);
+    if !mode.outputs.is_empty() {
+        let names: Vec<_> = mode.outputs.iter().map(|p| quoted(&p.name)).collect();
+        let pairs: Vec<_> = names
+            .iter()
+            .zip(&mode.outputs)
+            .map(|(name, p)| (name.as_str(), format!("{:?}", p.shape)))
+            .collect();
+        line(out, "outputs", &inline(&pairs));
+    }
+    let (displacement, velocity) = mode.initial;
+    let initial = [("displacement", format!("{displacement:?}")), ("velocity", format!("{velocity:?}"))];
+    line(out, "initial", &inline(&initial));
+    if mode.residual == ResidualStiffness::Any {
+        line(out, "allow_negative_residual", "true");
+    }
+}
+
+fn joint_table(joint: &Joint) -> String {
+    let kind = |name| ("kind", quoted(name));
+    let n = |key: &'static str, value: &f64| (key, format!("{value:?}"));
+    let list = |key: &'static str, values: &[f64]| (key, format!("{values:?}"));
+    match joint {
+        Joint::FourParameter { k_t, f_s, chi, beta } => {
+            inline(&[kind("four-parameter"), n("k_t", k_t), n("f_s", f_s), n("chi", chi), n("beta", beta)])
+        }
+        Joint::Jenkins { k_t, f_s } => inline(&[kind("jenkins"), n("k_t", k_t), n("f_s", f_s)]),
+        Joint::Uniform { k_t, f_s, width } => {
+            inline(&[kind("uniform"), n("k_t", k_t), n("f_s", f_s), n("width", width)])
+        }
+        Joint::Tabulated { strength, density, dirac } => inline(&[
+            kind("tabulated"),
+            list("strength", strength),
+            list("density", density),
+            n("dirac", dirac),
+        ]),
+    }
+}
+
+fn write_force(out: &mut String, force: &Force, force_file: &str) {
+    out.push_str("\n[force]\n");
+    let Force::Formula(kind, pulse) = force else {
+        line(out, "kind", "\"file\"");
+        line(out, "path", &quoted(force_file));
+        return;
+    };
+    line(out, "kind", &quoted(kind));
+    match *pulse {
+        Pulse::Haversine { amplitude, duration }
+        | Pulse::HalfSine { amplitude, duration }
+        | Pulse::Step { amplitude, duration } => {
+            number(out, "amplitude", amplitude);
+            number(out, "duration", duration);
+        }
+        Pulse::Sine { amplitude, frequency, duration } => {
+            number(out, "amplitude", amplitude);
+            number(out, "frequency", frequency);
+            number(out, "duration", duration);
+        }
+        Pulse::None | Pulse::Sampled { .. } => {}
+    }
+}
+
+fn write_time(out: &mut String, settings: &Settings) {
+    out.push_str("\n[time]\n");
+    number(out, "step", settings.dt);
+    number(out, "duration", settings.duration);
+}
+
+fn write_method(out: &mut String, method: &Method) {
+    out.push_str("\n[method]\n");
+    match *method {
+        Method::Newmark { beta, gamma, prewarp, joint } => {
+            line(out, "kind", "\"newmark\"");
+            match joint {
+                JointKind::Sliders { bins, grid } => {
+                    line(out, "joint", "\"sliders\"");
+                    write_bins(out, bins, grid);
+                }
+                JointKind::Continuum => line(out, "joint", "\"continuum\""),
+            }
+            line(out, "prewarp", &prewarp.to_string());
+            number(out, "beta", beta);
+            number(out, "gamma", gamma);
+        }
+        Method::HalfCycle => line(out, "kind", "\"half-cycle\""),
+        Method::Averaging => line(out, "kind", "\"averaging\""),
+        Method::Event { bins, grid } => {
+            line(out, "kind", "\"event\"");
+            write_bins(out, bins, grid);
+        }
+    }
+}
+
+fn write_bins(out: &mut String, bins: usize, grid: Grid) {
+    line(out, "sliders", &bins.to_string());
+    line(out, "grid", if grid == Grid::Uniform { "\"uniform\"" } else { "\"graded\"" });
+}

@@ -1,0 +1,258 @@
+//! What a simulation says about itself: `summary.json`, the table on the terminal, and warnings in words.
+
+use std::fmt::Write;
+use std::path::PathBuf;
+
+use iwan_core::{Backbone, EnergyBalance};
+use iwan_sim::{Mode, Response};
+use serde::Serialize;
+
+/// An estimated error above this is worth a warning.
+const LARGE_ERROR: f64 = 0.01;
+
+/// Fewer samples in a cycle than this are coarse.
+const COARSE: f64 = 20.0;
+
+/// The summary of a simulation.
+#[derive(Debug, Clone, Serialize)]
+pub(crate) struct Summary {
+    /// Version of iwan.
+    pub(crate) version: &'static str,
+    /// The scenario's title, or its name.
+    pub(crate) scenario: String,
+    /// The method's name.
+    pub(crate) method: &'static str,
+    /// Time between samples, s.
+    pub(crate) time_step: f64,
+    /// Length of the response, s.
+    pub(crate) duration: f64,
+    /// One entry per mode.
+    pub(crate) modes: Vec<ModeSummary>,
+    /// One entry per physical point.
+    pub(crate) points: Vec<PointSummary>,
+    /// What the user should look at.
+    pub(crate) warnings: Vec<String>,
+    /// Wall-clock time of all modes and error estimates together, s.
+    pub(crate) seconds: f64,
+    /// Names of the files.
+    pub(crate) files: Vec<String>,
+    /// Where they are: on standard output only, so that the folder may be moved.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(crate) folder: Option<PathBuf>,
+}
+
+/// The summary of one mode. Modal units; errors relative to the peak displacement.
+#[derive(Debug, Clone, Serialize)]
+pub(crate) struct ModeSummary {
+    pub(crate) name: String,
+    /// Hz at small amplitude.
+    pub(crate) frequency: f64,
+    /// Viscous damping ratio.
+    pub(crate) damping_ratio: f64,
+    /// Onset of macro-slip; none for a linear mode.
+    pub(crate) phi_max: Option<f64>,
+    pub(crate) peak_displacement: f64,
+    pub(crate) peak_acceleration: f64,
+    pub(crate) final_displacement: f64,
+    pub(crate) slip_ratio: f64,
+    pub(crate) energy_error: f64,
+    pub(crate) time_step_error: Option<f64>,
+    pub(crate) discretisation_error: Option<f64>,
+    pub(crate) forgotten_force: f64,
+    pub(crate) samples_per_cycle: f64,
+    pub(crate) steps: usize,
+    pub(crate) seconds: f64,
+    pub(crate) energy: Energy,
+}
+
+/// The energy balance: initial + input = kinetic + elastic + stored + viscous + friction + residual.
+#[derive(Debug, Clone, Copy, Serialize)]
+pub(crate) struct Energy {
+    pub(crate) initial: f64,
+    pub(crate) input: f64,
+    pub(crate) kinetic: f64,
+    pub(crate) elastic: f64,
+    pub(crate) stored: f64,
+    pub(crate) viscous: f64,
+    pub(crate) friction: f64,
+    pub(crate) residual: f64,
+}
+
+/// The summary of one physical point.
+#[derive(Debug, Clone, Serialize)]
+pub(crate) struct PointSummary {
+    pub(crate) name: String,
+    pub(crate) peak_displacement: f64,
+    pub(crate) peak_velocity: f64,
+    pub(crate) peak_acceleration: f64,
+}
+
+impl From<&EnergyBalance> for Energy {
+    fn from(e: &EnergyBalance) -> Self {
+        let EnergyBalance { initial, input, kinetic, elastic, stored, viscous, friction, residual, .. } = *e;
+        Self { initial, input, kinetic, elastic, stored, viscous, friction, residual }
+    }
+}
+
+fn peak(values: &[f64]) -> f64 {
+    values.iter().fold(0.0, |most, x| most.max(x.abs()))
+}
+
+impl ModeSummary {
+    /// Of a mode and its response.
+    pub(crate) fn new(mode: &Mode, response: &Response) -> Self {
+        Self {
+            name: mode.name.clone(),
+            frequency: mode.frequency,
+            damping_ratio: mode.damping_ratio,
+            phi_max: mode.joint.as_ref().map(|law| law.strengths().1),
+            peak_displacement: response.peak_displacement(),
+            peak_acceleration: peak(&response.acceleration),
+            final_displacement: response.displacement.last().copied().unwrap_or(0.0),
+            slip_ratio: response.slip_ratio(),
+            energy_error: response.energy.error(),
+            time_step_error: response.quality.time_step_error,
+            discretisation_error: response.quality.discretisation_error,
+            forgotten_force: response.quality.forgotten_force,
+            samples_per_cycle: 1.0 / (mode.frequency * response.dt),
+            steps: response.steps(),
+            seconds: response.seconds,
+            energy: Energy::from(&response.energy),
+        }
+    }
+
+    /// What the user should look at, in words.
+    pub(crate) fn warnings(&self) -> Vec<String> {
+        let mut warnings = Vec::new();
+        let name = &self.name;
+        if let Some(error) = self.time_step_error.filter(|e| *e > LARGE_ERROR) {
+            warnings.push(format!(
+                "mode \"{name}\": step and method contribute an error of about {} of the peak: shorten step or compare with another method",
+                percent(error)
+            ));
+        }
+        if let Some(error) = self.discretisation_error.filter(|e| *e > LARGE_ERROR) {
+            warnings.push(format!(
+                "mode \"{name}\": cutting the joint into sliders contributes an error of about {} of the peak: \
+                 take more sliders or joint = \"continuum\"",
+                percent(error)
+            ));
+        }
+        if self.energy_error > LARGE_ERROR {
+            warnings.push(format!(
+                "mode \"{name}\": the method leaves {} of the energy unaccounted for: compare with another method",
+                percent(self.energy_error)
+            ));
+        }
+        if self.samples_per_cycle < COARSE {
+            warnings.push(format!(
+                "mode \"{name}\": only {:.1} samples in a cycle; {COARSE} and more are advisable: shorten step",
+                self.samples_per_cycle
+            ));
+        }
+        if self.forgotten_force > 0.0 {
+            warnings.push(format!(
+                "mode \"{name}\": reversals were forgotten for lack of room; the joint force is off by at most {:.3e}",
+                self.forgotten_force
+            ));
+        }
+        warnings
+    }
+}
+
+impl PointSummary {
+    /// Of displacement, velocity and acceleration at a point.
+    pub(crate) fn new(name: &str, [displacement, velocity, acceleration]: &[Vec<f64>; 3]) -> Self {
+        Self {
+            name: name.into(),
+            peak_displacement: peak(displacement),
+            peak_velocity: peak(velocity),
+            peak_acceleration: peak(acceleration),
+        }
+    }
+}
+
+/// 0.0123 as "1.2 %".
+fn percent(share: f64) -> String {
+    format!("{:.2} %", 100.0 * share)
+}
+
+/// A number with four digits, plain where that is short.
+pub(crate) fn short(value: f64) -> String {
+    match value.abs() {
+        0.0 => "0".into(),
+        x if (1e-3..1e5).contains(&x) => {
+            let digits = (3 - x.log10().floor() as i32).clamp(0, 6) as usize;
+            format!("{value:.digits$}")
+        }
+        _ => format!("{value:.3e}"),
+    }
+}
+
+/// An error with two digits: its size is what matters.
+pub(crate) fn error(value: f64) -> String {
+    if value == 0.0 { "0".into() } else { format!("{value:.1e}") }
+}
+
+/// A number that may be missing.
+fn optional(value: Option<f64>) -> String {
+    value.map_or_else(|| "-".into(), short)
+}
+
+/// One line of the table: what it is, and how a mode shows it.
+type Row = (&'static str, fn(&ModeSummary) -> String);
+
+/// The lines of the table, here and in the report.
+pub(crate) const ROWS: &[Row] = &[
+    ("frequency, Hz", |m| short(m.frequency)),
+    ("viscous damping ratio", |m| short(m.damping_ratio)),
+    ("phi_max", |m| optional(m.phi_max)),
+    ("peak displacement", |m| short(m.peak_displacement)),
+    ("final displacement", |m| short(m.final_displacement)),
+    ("slip ratio", |m| short(m.slip_ratio)),
+    ("energy error", |m| error(m.energy_error)),
+    ("time-step error", |m| m.time_step_error.map_or_else(|| "-".into(), error)),
+    ("discretisation error", |m| m.discretisation_error.map_or_else(|| "-".into(), error)),
+    ("samples in a cycle", |m| format!("{:.0}", m.samples_per_cycle)),
+    ("steps", |m| m.steps.to_string()),
+    ("seconds", |m| format!("{:.2e}", m.seconds)),
+];
+
+/// Modes side by side in the table.
+const ABREAST: usize = 4;
+
+impl Summary {
+    /// The summary as JSON text.
+    pub(crate) fn json(&self) -> String {
+        // Numbers, texts and lists: serialisation cannot fail.
+        let mut text = serde_json::to_string_pretty(self).unwrap_or_default();
+        text.push('\n');
+        text
+    }
+
+    /// The summary as a table of text.
+    pub(crate) fn table(&self) -> String {
+        let blocks: Vec<_> = self.modes.chunks(ABREAST).map(block).collect();
+        let mut text = blocks.join("\n");
+        if !self.points.is_empty() {
+            text.push_str("\npeaks                  displacement      velocity  acceleration\n");
+        }
+        for p in &self.points {
+            let [q, v, a] = [p.peak_displacement, p.peak_velocity, p.peak_acceleration].map(short);
+            // Writing to a string cannot fail.
+            let _ = writeln!(text, "{:<22} {q:>12}  {v:>12}  {a:>12}", p.name);
+        }
+        text
+    }
+}
+
+fn block(modes: &[ModeSummary]) -> String {
+    let width = |m: &ModeSummary| m.name.chars().count().max(10);
+    let line = |label: &str, cell: &dyn Fn(&ModeSummary) -> String| {
+        let cells: Vec<_> =
+            modes.iter().map(|m| format!("  {:>width$}", cell(m), width = width(m))).collect();
+        format!("{label:<22}{}\n", cells.concat())
+    };
+    let head = line("mode", &|m| m.name.clone());
+    ROWS.iter().fold(head, |text, (label, cell)| text + &line(label, cell))
+}

@@ -1,0 +1,191 @@
+//! Every mended bug has a test named after it.
+
+#![allow(clippy::unwrap_used, clippy::print_stdout, reason = "a failed test may panic and say why")]
+
+mod common;
+
+use iwan_core::{
+    Averaging, Continuum, Decay, EventDriven, FourParameter, Grid, Hysteresis, Jenkins, Newmark, Oscillator,
+    Plain, Pulse, ResidualStiffness, Reversal, Run, Slider, Sliders, TabledFourParameter,
+};
+use proptest::prelude::*;
+
+use common::Buffers;
+
+fn mode_1() -> FourParameter {
+    FourParameter::new(4.45e4, 239.4, -0.183, 0.3).unwrap()
+}
+
+fn oscillator(zeta: f64) -> Oscillator {
+    Oscillator::new(124.0, zeta, 4.45e4, ResidualStiffness::Positive).unwrap()
+}
+
+/// Steps below the last place of the displacement once went round for ever.
+#[test]
+fn continuum_steps_end_when_the_motion_has_died_away() {
+    for (zeta, load, steps) in
+        [(0.05, 0.0, 30_000), (0.5, 200.0, 50_000), (0.1, 200.0, 50_000), (0.02, 0.0, 50_000)]
+    {
+        let joint = Continuum::new(TabledFourParameter::new(mode_1()));
+        let mut out = Buffers::new(steps + 1);
+        let mut state = joint.virgin(vec![Reversal::default(); 512]).unwrap();
+        let force = vec![load; steps + 1];
+        let scheme = Newmark::prewarped(1e-4, oscillator(zeta).omega0()).unwrap();
+        scheme.integrate(&oscillator(zeta), &joint, &mut state, 0.5, &force, &mut out.samples()).unwrap();
+        let end = out.0[0][steps];
+        let scale = load / (oscillator(zeta).omega0().powi(2)) + 1e-7;
+        assert!(end.abs() < 1.2 * scale, "{zeta} {load}: {end}");
+    }
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig { cases: 2000, failure_persistence: None, ..ProptestConfig::default() })]
+
+    /// Implicit steps of any size on any law end, and solve their equation to rounding.
+    #[test]
+    fn implicit_steps_of_any_size_end(
+        chi in prop_oneof![Just(-0.999), -0.99..0.7],
+        beta in prop_oneof![Just(0.0), 0.0..2.0],
+        log_stiffness in -1.0..9.0,
+        loads in prop::collection::vec((-20.0..2.0, any::<bool>()), 1..40),
+    ) {
+        let law = FourParameter::new(1.0, 1.0, chi, beta).unwrap();
+        let joint = Continuum::new(TabledFourParameter::new(law));
+        let mut state = joint.virgin(vec![Reversal::default(); 64]).unwrap();
+        let stiffness = 10.0_f64.powf(log_stiffness);
+        for (log_load, up) in loads {
+            let load = 10.0_f64.powf(log_load) * stiffness * if up { 1.0 } else { -1.0 };
+            let (u, force) = (joint.displacement(&state), joint.joint_force(&state));
+            let du = joint.solve(&mut state, stiffness, load);
+            let rest = load - stiffness * du - (joint.joint_force(&state) - force);
+            let scale = load.abs() + 1.0 + stiffness * u.abs();
+            prop_assert!(rest.abs() <= 1e-12 * scale, "load {load}, u {u}, du {du}: {rest}");
+        }
+    }
+
+    /// With three places in the stack the bound on what was forgotten holds (with two it did not).
+    #[test]
+    fn forgotten_force_is_a_bound(places in 3_usize..7, turns in prop::collection::vec(-1.5..1.5, 1..60)) {
+        let joint = mode_1();
+        let law = Continuum::new(joint);
+        let mut short = law.virgin(vec![Reversal::default(); places]).unwrap();
+        let mut long = law.virgin(vec![Reversal::default(); 128]).unwrap();
+        for turn in turns {
+            let u = turn * joint.phi_max();
+            let gap = (law.advance(&mut short, u) - law.advance(&mut long, u)).abs();
+            prop_assert!(gap <= short.forgotten() * (1.0 + 1e-9) + 1e-12 * joint.f_s(), "{gap} {}", short.forgotten());
+        }
+    }
+}
+
+#[test]
+fn two_places_for_reversals_are_refused() {
+    assert!(Continuum::new(mode_1()).virgin([Reversal::default(); 2]).is_err());
+}
+
+/// Averaging once went round for ever when a² underflowed, and gave NaN at rest.
+#[test]
+fn averaging_dies_away_and_rests() {
+    let (joint, mut out) = (mode_1(), Buffers::new(1201));
+    for start in [(1e-3, 0.0), (1e-320, 0.0), (0.0, 0.0)] {
+        let mut decay = Averaging::new(&oscillator(0.3), &joint, start).unwrap();
+        decay.sample(1e-2, &mut out.samples()).unwrap();
+        assert!(out.0.iter().flatten().all(|x| x.is_finite()));
+        assert!(out.0[0][1200].abs() < 1e-300);
+        assert!(decay.energy(12.0).residual.is_finite());
+    }
+}
+
+/// A pulse that ends between samples, one unit in the last place behind a sub-step, once ran on.
+#[test]
+fn events_follow_a_force_that_ends_between_samples() {
+    let linear = Jenkins::new(1e-150, 1e150).unwrap();
+    let mode = Oscillator::new(124.0, 2.5e-4, 0.0, ResidualStiffness::Positive).unwrap();
+    let run = |pulse: Pulse<'_>, dt: f64, samples: usize| {
+        let mut table = [Slider::default(); 3];
+        let sliders = Sliders::discretise(&linear, Grid::Uniform, 1, &mut table).unwrap();
+        let mut state = sliders.virgin([Run::default(); 1]).unwrap();
+        let mut out = Buffers::new(samples);
+        EventDriven::new(&mode, sliders, pulse, 1.0)
+            .unwrap()
+            .integrate(&mut state, 0.0, dt, &mut out.samples())
+            .unwrap();
+        out.0[0].clone()
+    };
+    let (w, z) = (mode.omega0(), mode.damping_ratio());
+    let wd = w * (1.0 - z * z).sqrt();
+    // Unit step response, and the difference of two for a step that ends.
+    let step = |t: f64| {
+        if t <= 0.0 {
+            0.0
+        } else {
+            (1.0 - (-z * w * t).exp() * ((wd * t).cos() + z * w / wd * (wd * t).sin())) / (w * w)
+        }
+    };
+    let (dt, duration) = (0.005, 0.0272913);
+    let found = run(Pulse::Step { amplitude: 1.0, duration }, dt, 41);
+    for (n, q) in found.iter().enumerate() {
+        let t = dt * n as f64;
+        assert!((q - (step(t) - step(t - duration))).abs() < 1e-13 * 2.0 / (w * w) + 1e-20, "{n}");
+    }
+    // A half-sine: the same whatever the sampling.
+    let pulse = Pulse::HalfSine { amplitude: 1.0, duration: 5.05e-5 };
+    let (coarse, fine) = (run(pulse, 1.0 / 51200.0, 65), run(pulse, 0.25 / 51200.0, 257));
+    for (n, q) in coarse.iter().enumerate() {
+        assert!((q - fine[4 * n]).abs() < 1e-12 * 1e-6, "{n}: {q} {}", fine[4 * n]);
+    }
+}
+
+/// A mode that creeps towards equilibrium once took steps without end.
+#[test]
+fn creeping_ends() {
+    let joint = mode_1();
+    let mut out = Buffers::new(50_001);
+    Decay::new(&oscillator(0.999), &joint, 300.0, (0.0, 0.0), [Reversal::default(); 64])
+        .unwrap()
+        .sample(1e-4, &mut out.samples())
+        .unwrap();
+    let end = out.0[0][50_000];
+    assert!((oscillator(0.999).k_inf() * end + out.0[3][50_000] - 300.0).abs() < 1e-6, "{end}");
+    let mut overdamped =
+        Decay::new(&oscillator(0.999), &joint, 300.0, (0.0, 0.0), [Reversal::default(); 64]).unwrap();
+    assert!(std::iter::from_fn(|| overdamped.next()).take(100).count() < 100);
+}
+
+/// Infinite displacements and loads once sent the search along the strengths round for ever.
+#[test]
+fn values_that_are_not_finite_move_nothing() {
+    let joint = mode_1();
+    let mut table = [Slider::default(); Sliders::table_len(20)];
+    let sliders = Sliders::discretise(&joint, Grid::graded(20), 20, &mut table).unwrap();
+    let (plain, continuum) = (Plain::new(sliders), Continuum::new(joint));
+    let mut runs = sliders.virgin([Run::default(); 21]).unwrap();
+    let mut extensions = plain.virgin([0.0; 21]).unwrap();
+    let mut reversals = continuum.virgin([Reversal::default(); 8]).unwrap();
+    let force = sliders.advance(&mut runs, 1e-3);
+    plain.advance(&mut extensions, 1e-3);
+    let smooth = continuum.advance(&mut reversals, 1e-3);
+    for bad in [f64::INFINITY, f64::NEG_INFINITY, f64::NAN] {
+        assert_eq!(sliders.advance(&mut runs, bad), force);
+        assert_eq!(continuum.advance(&mut reversals, bad), smooth);
+        assert!(plain.advance(&mut extensions, bad).is_finite());
+        assert!(sliders.solve(&mut runs, 1e5, bad).is_nan());
+        assert!(plain.solve(&mut extensions, 1e5, bad).is_nan());
+        assert!(continuum.solve(&mut reversals, 1e5, bad).is_nan());
+        assert!(continuum.solve(&mut reversals, f64::NAN, 1.0).is_nan());
+    }
+    assert!(sliders.solve(&mut runs, 0.5, 4e307).is_finite());
+    let mut out = Buffers::new(100);
+    let scheme = Newmark::average_acceleration(1e-5).unwrap();
+    let forces = [1.0, f64::NAN, 2.0, f64::INFINITY, 0.0];
+    scheme
+        .integrate_sliders(&oscillator(0.0), &sliders, &mut runs, 0.0, &forces, &mut out.samples())
+        .unwrap();
+    scheme.integrate(&oscillator(0.0), &continuum, &mut reversals, 0.0, &forces, &mut out.samples()).unwrap();
+    assert!(out.0[1][99].is_nan());
+}
+
+#[test]
+fn densities_that_overflow_are_refused() {
+    assert!(FourParameter::from_density(1.0, 0.0, 1e300, 1e300).is_err());
+}
