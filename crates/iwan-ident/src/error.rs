@@ -1,0 +1,102 @@
+//! Why an identification was refused: which value, what is allowed, what helps.
+
+/// A record, option or result that the methods cannot work with.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum Error {
+    /// A number outside its range (NaN and infinities included).
+    #[error("{name} = {value} is out of range: {allowed}; {remedy}")]
+    OutOfRange {
+        /// Name of the quantity.
+        name: &'static str,
+        /// The value that was given or found.
+        value: f64,
+        /// The allowed range, in words and numbers.
+        allowed: String,
+        /// What helps.
+        remedy: &'static str,
+    },
+    /// A slice of the wrong length.
+    #[error("{name} has {found} entries, {needed} are needed")]
+    Length {
+        /// Name of the slice.
+        name: &'static str,
+        /// Number of entries needed.
+        needed: usize,
+        /// Number of entries found.
+        found: usize,
+    },
+    /// Fewer samples, peaks or cycles than a method needs.
+    #[error("{what}: {found} found, at least {needed} needed; {remedy}")]
+    TooShort {
+        /// What is counted.
+        what: &'static str,
+        /// Number found.
+        found: usize,
+        /// Smallest number that is enough.
+        needed: usize,
+        /// What helps.
+        remedy: &'static str,
+    },
+    /// A sample that is NaN or infinite.
+    #[error("{name}[{index}] = {value} is not a finite number; cut the record there or repair the sample")]
+    NotFinite {
+        /// Name of the slice.
+        name: &'static str,
+        /// Index of the first wrong sample.
+        index: usize,
+        /// The sample.
+        value: f64,
+    },
+    /// The record shows something that the method must not smooth over.
+    #[error("{finding}; {remedy}")]
+    Refused {
+        /// What was found, with numbers.
+        finding: String,
+        /// What helps.
+        remedy: &'static str,
+    },
+    /// A model refused its parameters.
+    #[error(transparent)]
+    Model(#[from] iwan_core::Error),
+}
+
+/// Passes `value` on when `ok` holds and it is finite, names it otherwise.
+pub(crate) fn check(
+    name: &'static str,
+    value: f64,
+    ok: bool,
+    allowed: &str,
+    remedy: &'static str,
+) -> Result<f64, Error> {
+    if ok && value.is_finite() {
+        return Ok(value);
+    }
+    Err(Error::OutOfRange { name, value, allowed: allowed.to_owned(), remedy })
+}
+
+/// All samples finite, and at least `needed` of them.
+pub(crate) fn check_samples(
+    name: &'static str,
+    x: &[f64],
+    needed: usize,
+    remedy: &'static str,
+) -> Result<(), Error> {
+    if let Some(index) = x.iter().position(|v| !v.is_finite()) {
+        return Err(Error::NotFinite { name, index, value: x[index] });
+    }
+    if x.len() < needed {
+        return Err(Error::TooShort { what: "samples", found: x.len(), needed, remedy });
+    }
+    Ok(())
+}
+
+/// Compares the length of a slice with what is needed.
+pub(crate) fn check_length(name: &'static str, found: usize, needed: usize) -> Result<(), Error> {
+    if found == needed { Ok(()) } else { Err(Error::Length { name, needed, found }) }
+}
+
+/// A sampling interval in seconds.
+pub(crate) fn check_dt(dt: f64) -> Result<f64, Error> {
+    check("dt", dt, dt > 0.0, "a sampling interval > 0 s", "give the sampling interval in seconds")
+}

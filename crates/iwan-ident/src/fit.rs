@@ -1,0 +1,176 @@
+//! Joint weighted least squares on dissipation and frequency against amplitude, and the verdict on the model.
+//!
+//! Forward model: averaging with the first harmonic, ω² = K_∞ + K_1(u) and D = D_joint(u) + 2π ζ_v ω0 ω u². It is first
+//! order in the damping; [`refine`](mod@crate::refine) goes on from here on the record itself.
+
+use std::f64::consts::TAU;
+
+use iwan_core::Backbone;
+
+use crate::curves::Curves;
+use crate::error::{Error, check};
+use crate::least_squares::{TOLERANCE, minimise};
+use crate::parameters::{COUNT, Parameter, Parameters};
+
+/// Least relative standard deviation of a dissipation: what averaging neglects.
+const DISSIPATION_FLOOR: f64 = 5e-3;
+/// Least standard deviation of a frequency, relative to it: the same.
+const FREQUENCY_FLOOR: f64 = 1e-5;
+/// The model is adequate if dissipation is missed by at most this part (root mean square) …
+const DISSIPATION_MISFIT: f64 = 0.03;
+/// … and frequency by at most this part of its measured shift, unless noise explains more.
+const FREQUENCY_MISFIT: f64 = 0.1;
+/// Misfit in standard deviations that noise explains.
+const NOISE: f64 = 2.0;
+const ITERATIONS: usize = 300;
+
+/// What a set of curves and a model have in common, and what not.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Fit {
+    /// The parameters.
+    pub parameters: Parameters,
+    /// Root-mean-square misfit of ln D.
+    pub dissipation_misfit: f64,
+    /// Root-mean-square misfit of the frequency, Hz.
+    pub frequency_misfit: f64,
+    /// Measured range of the frequency, Hz.
+    pub frequency_shift: f64,
+    /// Largest displacement amplitude over φ_max: macro-slip is seen from 1 on.
+    pub slip_ratio: f64,
+    /// Whether one four-parameter joint with a viscous damper matches dissipation and frequency together.
+    pub adequate: bool,
+    /// What does not fit, in words and numbers.
+    pub misfit: String,
+}
+
+/// Dissipation per cycle and frequency (Hz) of the model at a displacement amplitude.
+///
+/// # Errors
+/// [`Error::Model`].
+///
+/// ```
+/// use iwan_ident::{Parameters, fit::predict};
+/// let mode = Parameters { frequency: 124.0, damping_ratio: 0.0, k_t: 4.45e4, f_s: 239.4, chi: -0.183, beta: 0.3 };
+/// let (dissipation, frequency) = predict(&mode, 0.5 * 0.009329393723670242)?;
+/// assert!((dissipation - 0.2699369136316001).abs() < 1e-12); // golden number of D(φ_max/2)
+/// assert!(frequency < 124.0);
+/// # Ok::<(), iwan_ident::Error>(())
+/// ```
+pub fn predict(parameters: &Parameters, displacement: f64) -> Result<(f64, f64), Error> {
+    let (oscillator, joint) = parameters.model()?;
+    let omega = (oscillator.k_inf() + joint.harmonic_stiffness(displacement)).sqrt();
+    let viscous = TAU * 0.5 * oscillator.viscous() * omega * displacement * displacement;
+    Ok((joint.dissipation(displacement) + viscous, omega / TAU))
+}
+
+/// Entries of curves with a positive dissipation, as (displacement, ln D, its deviation, frequency, its deviation).
+type Entry = [f64; 5];
+
+fn entries(curves: &[Curves]) -> Vec<Entry> {
+    let one = |c: &Curves, i: usize| {
+        let d = c.dissipation[i];
+        let deviation = c.log_dissipation_sd[i].max(DISSIPATION_FLOOR);
+        let frequency = c.frequency_sd[i].max(FREQUENCY_FLOOR * c.frequency[i]);
+        (d > 0.0).then(|| [c.displacement[i], d.ln(), deviation, c.frequency[i], frequency])
+    };
+    curves
+        .iter()
+        .flat_map(|c| (0..c.t.len()).filter_map(move |i| one(c, i)))
+        .filter(|e| e.iter().all(|v| v.is_finite()))
+        .collect()
+}
+
+/// Fits the model to the curves of one or several force levels, from `first`; parameters in `held` keep their values.
+///
+/// # Errors
+/// [`Error::TooShort`] with fewer than eight usable entries; [`Error::Model`]; [`Error::Refused`] when no search succeeds.
+pub fn fit(curves: &[Curves], first: &Parameters, held: &[Parameter]) -> Result<Fit, Error> {
+    first.model()?;
+    let entries = entries(curves);
+    if entries.len() < 8 {
+        let remedy = "record longer or louder";
+        return Err(Error::TooShort {
+            what: "entries with a positive dissipation",
+            found: entries.len(),
+            needed: 8,
+            remedy,
+        });
+    }
+    let free: Vec<usize> = (0..COUNT).filter(|j| !held.contains(&Parameter::ALL[*j])).collect();
+    let mut residuals =
+        |x: &[f64], out: &mut [f64]| residuals(&entries, &Parameters::from_coordinates(x), out);
+    let count = 2 * entries.len();
+    let found = minimise(&mut residuals, count, &first.coordinates(), &free, (ITERATIONS, TOLERANCE))
+        .ok_or_else(|| Error::Refused {
+            finding: "the start values have no curves".into(),
+            remedy: "start nearer to the solution",
+        })?;
+    let parameters = Parameters::from_coordinates(&found.x);
+    verdict(&entries, parameters)
+}
+
+/// Fits from several starts and keeps the best: slopes and knees can be mistaken for one another.
+///
+/// # Errors
+/// As [`fit`]; the first error when no start succeeds.
+pub fn fit_from(curves: &[Curves], starts: &[Parameters], held: &[Parameter]) -> Result<Fit, Error> {
+    check("starts", starts.len() as f64, !starts.is_empty(), "at least one", "give start values")?;
+    let quality = |f: &Fit| {
+        f.dissipation_misfit / DISSIPATION_MISFIT
+            + f.frequency_misfit / f.frequency_shift.max(f64::MIN_POSITIVE)
+    };
+    let fits: Vec<_> = starts.iter().map(|first| fit(curves, first, held)).collect();
+    let best = fits.iter().flatten().min_by(|a, b| quality(a).total_cmp(&quality(b))).cloned();
+    best.map_or_else(
+        || fits.into_iter().next().unwrap_or(Err(Error::Length { name: "starts", needed: 1, found: 0 })),
+        Ok,
+    )
+}
+
+fn residuals(entries: &[Entry], parameters: &Parameters, out: &mut [f64]) -> bool {
+    for (i, [u, log, log_sd, frequency, frequency_sd]) in entries.iter().enumerate() {
+        let Ok((d, f)) = predict(parameters, *u) else { return false };
+        (out[2 * i], out[2 * i + 1]) = ((log - d.ln()) / log_sd, (frequency - f) / frequency_sd);
+    }
+    true
+}
+
+/// How far off the model is, and whether that matters.
+fn verdict(entries: &[Entry], parameters: Parameters) -> Result<Fit, Error> {
+    let n = entries.len() as f64;
+    let (mut square, mut noise) = ([0.0; 2], [0.0; 2]);
+    let (mut range, mut largest) = ((f64::INFINITY, f64::NEG_INFINITY), 0.0_f64);
+    for [u, log, log_sd, frequency, frequency_sd] in entries {
+        let (d, f) = predict(&parameters, *u)?;
+        let pairs = [(log - d.ln(), log_sd), (frequency - f, frequency_sd)];
+        for (i, (r, sd)) in pairs.into_iter().enumerate() {
+            square[i] += r * r / n;
+            noise[i] += sd * sd / n;
+        }
+        range = (range.0.min(*frequency), range.1.max(*frequency));
+        largest = largest.max(*u);
+    }
+    let (square, noise) = (square.map(f64::sqrt), noise.map(f64::sqrt));
+    let shift = range.1 - range.0;
+    let limits = [DISSIPATION_MISFIT.max(NOISE * noise[0]), (FREQUENCY_MISFIT * shift).max(NOISE * noise[1])];
+    let adequate = square[0] <= limits[0] && square[1] <= limits[1];
+    let misfit = format!(
+        "dissipation is missed by {:.2} % (limit {:.2} %), frequency by {:.4} Hz of a shift of {shift:.4} Hz (limit {:.4} Hz): one \
+        four-parameter Iwan joint with a viscous damper {} dissipation and frequency together",
+        100.0 * square[0],
+        100.0 * limits[0],
+        square[1],
+        limits[1],
+        if adequate { "matches" } else { "does not match" }
+    );
+    let slip_ratio = largest / parameters.model()?.1.phi_max();
+    Ok(Fit {
+        parameters,
+        dissipation_misfit: square[0],
+        frequency_misfit: square[1],
+        frequency_shift: shift,
+        slip_ratio,
+        adequate,
+        misfit,
+    })
+}

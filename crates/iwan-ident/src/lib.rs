@@ -1,0 +1,22 @@
+//! From a ring-down record to the parameters of an Iwan joint, with an honest word on what the record can tell.
+//!
+//! The way of the data: record → [`signal`] (band-pass, envelope, frequency) → [`curves`] (damping, dissipation and
+//! force against amplitude) → [`mod@start`], [`mod@fit`] (parameters) → [`mod@refine`] (on the record itself). Units are the
+//! user's own consistent set; frequencies in Hz, times in seconds, damping as a ratio.
+//!
+//! Method: Deaner, Allen, Starr, Segalman, *Investigation of Modal Iwan Models for Structures with Bolted Joints*
+//! ("the paper" in this documentation; equation numbers are the paper's).
+
+pub mod curves;
+mod error;
+pub mod fit;
+mod least_squares;
+pub mod modal;
+mod parameters;
+pub mod refine;
+pub mod signal;
+mod smooth;
+pub mod start;
+
+pub use error::Error;
+pub use parameters::{Parameter, Parameters};

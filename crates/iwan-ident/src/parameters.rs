@@ -1,0 +1,158 @@
+//! The parameters of a modal Iwan oscillator, and the coordinates in which they are sought.
+
+use std::f64::consts::TAU;
+
+use iwan_core::{FourParameter, Oscillator, ResidualStiffness};
+
+use crate::error::Error;
+
+/// Number of parameters.
+pub(crate) const COUNT: usize = 6;
+
+/// One mode with a four-parameter Iwan joint and a viscous damper in parallel (Eq. 5).
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Parameters {
+    /// Small-amplitude frequency ω0/2π, Hz.
+    pub frequency: f64,
+    /// Viscous damping ratio ζ_v.
+    pub damping_ratio: f64,
+    /// Joint stiffness K_T, 1/s² (mass-normalised), below ω0².
+    pub k_t: f64,
+    /// Slip force F_S, mass-normalised.
+    pub f_s: f64,
+    /// Power χ, -1 < χ < 1.
+    pub chi: f64,
+    /// Ratio β.
+    pub beta: f64,
+}
+
+/// One of the six parameters.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub enum Parameter {
+    /// Small-amplitude frequency.
+    Frequency,
+    /// Viscous damping ratio.
+    DampingRatio,
+    /// Joint stiffness.
+    KT,
+    /// Slip force.
+    FS,
+    /// Power of the density.
+    Chi,
+    /// Ratio of the Dirac to the power-law part.
+    Beta,
+}
+
+impl Parameter {
+    /// All six, in the order of the coordinates.
+    pub const ALL: [Self; COUNT] =
+        [Self::Frequency, Self::DampingRatio, Self::KT, Self::FS, Self::Chi, Self::Beta];
+
+    /// Name in results: `frequency`, `damping_ratio`, `k_t`, `f_s`, `chi`, `beta`.
+    #[must_use]
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Frequency => "frequency",
+            Self::DampingRatio => "damping_ratio",
+            Self::KT => "k_t",
+            Self::FS => "f_s",
+            Self::Chi => "chi",
+            Self::Beta => "beta",
+        }
+    }
+}
+
+impl Parameters {
+    /// One of them by name.
+    #[must_use]
+    pub const fn get(&self, parameter: Parameter) -> f64 {
+        match parameter {
+            Parameter::Frequency => self.frequency,
+            Parameter::DampingRatio => self.damping_ratio,
+            Parameter::KT => self.k_t,
+            Parameter::FS => self.f_s,
+            Parameter::Chi => self.chi,
+            Parameter::Beta => self.beta,
+        }
+    }
+
+    /// The joint and the oscillator that holds it.
+    ///
+    /// # Errors
+    /// [`Error::Model`] when a value is out of range.
+    ///
+    /// ```
+    /// use iwan_ident::Parameters;
+    /// let mode = Parameters { frequency: 124.0, damping_ratio: 0.0, k_t: 4.45e4, f_s: 239.4, chi: -0.183, beta: 0.3 };
+    /// let (oscillator, joint) = mode.model()?;
+    /// assert!((joint.phi_max() - 0.009329393723670242).abs() < 1e-15);
+    /// assert!(oscillator.k_inf() > 0.0);
+    /// # Ok::<(), iwan_ident::Error>(())
+    /// ```
+    pub fn model(&self) -> Result<(Oscillator, FourParameter), Error> {
+        let joint = FourParameter::new(self.k_t, self.f_s, self.chi, self.beta)?;
+        let positive = ResidualStiffness::Positive;
+        Ok((Oscillator::new(self.frequency, self.damping_ratio, self.k_t, positive)?, joint))
+    }
+
+    /// Coordinates without bounds: ln f, √ζ_v, logit(K_T/ω0²), ln F_S, logit((χ+1)/2), ln β.
+    pub(crate) fn coordinates(&self) -> [f64; COUNT] {
+        let omega = TAU * self.frequency;
+        let beta = self.beta.max(1e-6);
+        [
+            self.frequency.ln(),
+            self.damping_ratio.max(1e-10).sqrt() * ROOT,
+            logit(self.k_t / (omega * omega)),
+            self.f_s.ln(),
+            logit(0.5 * (self.chi + 1.0)),
+            beta.ln(),
+        ]
+    }
+
+    /// The inverse of [`coordinates`](Self::coordinates).
+    pub(crate) fn from_coordinates(x: &[f64]) -> Self {
+        let frequency = x[0].exp();
+        let omega = TAU * frequency;
+        Self {
+            frequency,
+            damping_ratio: (x[1] / ROOT).powi(2),
+            k_t: omega * omega * logistic(x[2]),
+            f_s: x[3].exp(),
+            chi: 2.0 * logistic(x[4]) - 1.0,
+            beta: x[5].exp(),
+        }
+    }
+}
+
+/// Scales √ζ_v: a damping ratio of 0.1 % has the coordinate 1.
+const ROOT: f64 = 31.622776601683793;
+
+fn logit(p: f64) -> f64 {
+    let p = p.clamp(1e-9, 1.0 - 1e-9);
+    (p / (1.0 - p)).ln()
+}
+
+fn logistic(x: f64) -> f64 {
+    1.0 / (1.0 + (-x).exp())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn coordinates_and_back() {
+        let mode = Parameters {
+            frequency: 124.0,
+            damping_ratio: 1e-3,
+            k_t: 4.45e4,
+            f_s: 239.4,
+            chi: -0.183,
+            beta: 0.3,
+        };
+        let back = Parameters::from_coordinates(&mode.coordinates());
+        for p in Parameter::ALL {
+            assert!((back.get(p) / mode.get(p) - 1.0).abs() < 1e-12, "{}", p.name());
+        }
+    }
+}

@@ -1,0 +1,75 @@
+//! What a record may suffer from: clipped peaks, a tail that was cut off and filled up.
+
+use std::ops::Range;
+
+/// Equal samples in a row at an extreme value that count as clipped, …
+const CLIPPED_RUN: usize = 3;
+/// … in at least so many places: a digitised crest can be flat once.
+const CLIPPED_PLACES: usize = 2;
+
+/// Runs of equal samples, at least `shortest` long.
+fn runs(x: &[f64], shortest: usize) -> impl Iterator<Item = Range<usize>> + '_ {
+    let mut from = 0;
+    (1..=x.len()).filter_map(move |i| {
+        if i < x.len() && x[i] == x[from] {
+            return None;
+        }
+        let run = from..i;
+        from = i;
+        (run.len() >= shortest).then_some(run)
+    })
+}
+
+/// The first sample behind the last clipped one, when the record is clipped.
+///
+/// Clipped: the largest or the smallest value of the record stands three times in a row, in two places or more.
+pub(crate) fn clipped_until(x: &[f64]) -> Option<usize> {
+    let rails = x.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), v| (a.min(*v), b.max(*v)));
+    let at_rail = |run: &Range<usize>| x[run.start] == rails.0 || x[run.start] == rails.1;
+    if rails.0 == rails.1 {
+        return None;
+    }
+    let ends: Vec<usize> = runs(x, CLIPPED_RUN).filter(at_rail).map(|run| run.end).collect();
+    (ends.len() >= CLIPPED_PLACES).then(|| ends.last().copied()).flatten()
+}
+
+/// Where the record ends in truth: the start of the first run of `longest` equal samples behind its largest sample.
+pub(crate) fn stops_at(x: &[f64], longest: usize) -> Option<usize> {
+    let top = (0..x.len()).max_by(|&i, &j| x[i].abs().total_cmp(&x[j].abs()))?;
+    runs(x, longest.max(8)).find(|run| run.end > top + longest).map(|run| run.start)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn decay(n: usize) -> f64 {
+        (-1e-3 * n as f64).exp() * (0.2 * n as f64).sin()
+    }
+
+    #[test]
+    fn clipping_is_told_from_a_flat_crest() {
+        let clean: Vec<f64> = (0..2000).map(decay).collect();
+        let clipped: Vec<f64> = clean.iter().map(|x| x.clamp(-0.6, 0.7)).collect();
+        assert_eq!(clipped_until(&clean), None);
+        let until = clipped_until(&clipped).unwrap();
+        assert!((clean[until..].iter().all(|x| x.abs() < 0.7)) && until < 600);
+        let mut flat = clean;
+        flat[7] = 1.5;
+        flat[8] = 1.5;
+        flat[9] = 1.5;
+        assert_eq!(clipped_until(&flat), None);
+        assert_eq!(clipped_until(&[0.0; 50]), None);
+    }
+
+    #[test]
+    fn a_filled_up_tail_is_found_and_a_quiet_start_is_not() {
+        let mut x: Vec<f64> = (0..2000).map(decay).collect();
+        assert_eq!(stops_at(&x, 16), None);
+        x[1500..].fill(0.0);
+        assert_eq!(stops_at(&x, 16), Some(1500));
+        let mut late = vec![0.0; 500];
+        late.extend((0..1000).map(decay));
+        assert_eq!(stops_at(&late, 16), None);
+    }
+}

@@ -1,0 +1,310 @@
+//! One mode out of a record: defects, band, filter, and the window in which the result can be trusted.
+
+use std::ops::Range;
+
+use super::defects::{clipped_until, stops_at};
+use super::filter::{Butterworth, Passband};
+use super::raw::{Raw, raw, widened};
+use super::spectrum::{Band, automatic_band, given_band, strongest_line};
+use crate::error::{Error, check, check_dt, check_samples};
+use crate::smooth::{Points, Polynomial, Smooth};
+
+/// Times the filter's memory that are cut off at each end: e^-4 = 2 % of a transient is left.
+const MEMORIES: f64 = 4.0;
+/// The window needs so many cycles.
+const CYCLES: usize = 8;
+/// The window ends where the amplitude falls to so many standard deviations of the noise in the band.
+const ABOVE_NOISE: f64 = 5.0;
+/// Relative residual that is noted, and the one that is refused, when one spectral line makes most of it.
+const SECOND_LINE: (f64, f64) = (0.01, 0.1);
+/// Part of the residual's power in one line that makes it a component and not noise.
+const SHARE: f64 = 0.5;
+/// Highest degree of polynomials in time.
+pub(crate) const MAX_ORDER: usize = 12;
+
+/// How a mode is taken out of a record. `Options::default()` finds everything itself.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Options {
+    /// Band in Hz as (low, high); none: [`automatic_band`].
+    pub band: Option<(f64, f64)>,
+    /// Rough frequency of the mode in Hz, for the automatic band; none: the highest spectral peak.
+    pub near: Option<f64>,
+    /// Order of the Butterworth filter; 0: no filter, for records of one mode that start in free decay.
+    pub filter_order: usize,
+    /// Window in seconds from the first sample; none: from 4 filter memories behind the largest amplitude to 4 before
+    /// the end, or to where the mode sinks into noise.
+    pub window: Option<(f64, f64)>,
+    /// Degree of the polynomials (Hilbert) or number of spline intervals (peaks); none: Schwarz's criterion.
+    pub order: Option<usize>,
+}
+
+impl Default for Options {
+    fn default() -> Self {
+        Self { band: None, near: None, filter_order: 3, window: None, order: None }
+    }
+}
+
+/// A mode by itself.
+#[derive(Debug, Clone)]
+pub struct Isolated {
+    /// The band-passed record, all of it.
+    pub samples: Vec<f64>,
+    /// Sampling interval, s.
+    pub dt: f64,
+    /// Band and spectral peak, Hz.
+    pub band: Band,
+    /// Samples between which amplitude and frequency can be trusted.
+    pub window: Range<usize>,
+    /// Standard deviation of the noise in the band, in the unit of the record (0 when it is not seen).
+    pub noise: f64,
+    /// What was found and done, in words.
+    pub notes: Vec<String>,
+    /// Independent values a second behind the filter.
+    pub(crate) bandwidth: f64,
+    /// Relative scatter of the amplitude apart from noise.
+    pub(crate) scatter: f64,
+    pub(crate) raw: Raw,
+}
+
+/// Takes one mode out of a uniformly sampled record `x` (any unit, every `dt` seconds).
+///
+/// In this order: samples are checked; a tail of equal samples is cut off; the window starts behind the last clipped
+/// sample; band and filter; trimming by the filter's memory; end at the noise. Each step leaves a note.
+///
+/// # Errors
+/// [`Error::Refused`] for a record with two modes in the band, without decay, or clipped to its end;
+/// [`Error::TooShort`], [`Error::NotFinite`], [`Error::OutOfRange`].
+pub fn isolate(x: &[f64], dt: f64, options: &Options) -> Result<Isolated, Error> {
+    check_dt(dt)?;
+    check_samples("record", x, 64, "record longer")?;
+    let mut notes = Vec::new();
+    let mut band = band(x, dt, options)?;
+    let end = stops_at(x, (0.5 / (band.peak * dt)).ceil() as usize).unwrap_or(x.len());
+    if end < x.len() {
+        notes.push(format!("the samples are constant from {:.6} s on: cut there", end as f64 * dt));
+        check_samples("record before its constant tail", &x[..end], 64, "record longer")?;
+        band = self::band(&x[..end], dt, options)?;
+    }
+    let x = &x[..end];
+    let automatic = if options.band.is_none() { " (automatic)" } else { "" };
+    notes
+        .push(format!("band {:.6} to {:.6} Hz{automatic}, peak at {:.6} Hz", band.low, band.high, band.peak));
+    let (samples, trim, bandwidth) = filtered(x, dt, band, options)?;
+    let window = window(x, &samples, dt, trim, options, &mut notes)?;
+    let mut mode = Isolated {
+        raw: raw(&samples, &window, dt, band.peak),
+        samples,
+        dt,
+        band,
+        window,
+        noise: 0.0,
+        notes,
+        bandwidth,
+        scatter: 0.0,
+    };
+    mode.end_at_noise()?;
+    mode.refuse_second_line()?;
+    Ok(mode)
+}
+
+fn band(x: &[f64], dt: f64, options: &Options) -> Result<Band, Error> {
+    let Some((low, high)) = options.band else { return automatic_band(x, dt, options.near) };
+    let nyquist = 0.5 / dt;
+    let allowed = format!("0 < low < high < {nyquist} Hz (Nyquist)");
+    let remedy = "move the band, or sample faster";
+    check("band low", low, low > 0.0 && low < high, &allowed, remedy)?;
+    check("band high", high, high < nyquist, &allowed, remedy)?;
+    given_band(x, dt, low, high)
+}
+
+/// The filtered record, samples to trim at each end, and independent values a second.
+fn filtered(x: &[f64], dt: f64, band: Band, options: &Options) -> Result<(Vec<f64>, usize, f64), Error> {
+    if options.filter_order == 0 {
+        return Ok((x.to_vec(), 0, 0.5 / dt));
+    }
+    let pass = Passband::Band { low: band.low, high: band.high };
+    let filter = Butterworth::new(options.filter_order, pass, dt)?;
+    let trim = (MEMORIES * filter.memory() / dt).ceil() as usize;
+    Ok((filter.forward_backward(x)?, trim, band.high - band.low))
+}
+
+/// The trusted window before noise is looked at.
+fn window(
+    x: &[f64],
+    samples: &[f64],
+    dt: f64,
+    trim: usize,
+    options: &Options,
+    notes: &mut Vec<String>,
+) -> Result<Range<usize>, Error> {
+    let n = samples.len();
+    let top = (0..n).max_by(|&i, &j| samples[i].abs().total_cmp(&samples[j].abs())).unwrap_or(0);
+    let mut start = if options.filter_order == 0 && options.window.is_some() { 0 } else { top + trim };
+    if let Some(clipped) = clipped_until(x) {
+        let seconds = clipped as f64 * dt;
+        notes.push(format!("clipped up to {seconds:.6} s: the window starts behind it"));
+        start = start.max(clipped + trim);
+    }
+    let mut end = n.saturating_sub(trim);
+    if let Some((from, to)) = options.window {
+        let allowed = format!("0 <= start < end <= {} s", n as f64 * dt);
+        check("window start", from, from >= 0.0 && from < to, &allowed, "give the window as start:end")?;
+        let wanted = (from / dt).ceil() as usize;
+        if wanted < start {
+            notes.push(format!(
+                "the window was to start at {from} s: filter, impact or clipping reach to {:.6} s",
+                start as f64 * dt
+            ));
+        }
+        (start, end) = (start.max(wanted), end.min((to / dt) as usize));
+    }
+    if start + 16 > end {
+        return Err(Error::Refused {
+            finding: format!(
+                "nothing is left between {:.6} s (largest amplitude, clipping and filter transient) and {:.6} s",
+                start as f64 * dt,
+                end as f64 * dt
+            ),
+            remedy: "record longer, widen the band, or set a lower input range",
+        });
+    }
+    Ok(start..end)
+}
+
+impl Isolated {
+    /// Time of the sample `n`, s from the first.
+    #[must_use]
+    pub fn time(&self, n: usize) -> f64 {
+        n as f64 * self.dt
+    }
+
+    /// Start and end of the trusted window, s from the first sample.
+    #[must_use]
+    pub fn trusted(&self) -> (f64, f64) {
+        (self.time(self.window.start), self.time(self.window.end - 1))
+    }
+
+    /// The samples of the window and one cycle to either side, and the index of the first: peaks and crossings then
+    /// cover the whole window.
+    pub(crate) fn stretch(&self) -> (usize, &[f64]) {
+        let range = widened(&self.window, self.samples.len(), 1.0 / (self.band.peak * self.dt));
+        (range.start, &self.samples[range])
+    }
+
+    /// Weight of a logarithm of an amplitude or of a phase at this amplitude: scatter and noise together.
+    pub(crate) fn weight(&self, amplitude: f64) -> f64 {
+        if self.noise == 0.0 { 1.0 } else { 1.0 / (1.0 + (self.noise / (self.scatter * amplitude)).powi(2)) }
+    }
+
+    /// Number of independent values among `count` over the window.
+    pub(crate) fn effective(&self, count: usize) -> f64 {
+        (self.window.len() as f64 * self.dt * self.bandwidth).min(count as f64).max(2.0)
+    }
+
+    pub(crate) fn points<'a>(&self, t: &'a [f64], y: &'a [f64], weight: &'a [f64]) -> Points<'a> {
+        Points { t, y, weight, effective: self.effective(t.len()) }
+    }
+
+    /// Cuts the window where the mode sinks into the noise, which is estimated from the scatter of the amplitude.
+    fn end_at_noise(&mut self) -> Result<(), Error> {
+        for _ in 0..4 {
+            self.enough_cycles()?;
+            let fit = self.estimate_noise();
+            let limit = ABOVE_NOISE * self.noise;
+            let sunk = self.raw.t.iter().position(|&t| fit.at(t).value.exp() < limit);
+            let Some(at) = sunk else { break };
+            let t = self.raw.t[at];
+            self.notes
+                .push(format!("the mode sinks into noise (amplitude {limit:.6}) at {t:.6} s: cut there"));
+            self.window.end = (t / self.dt) as usize;
+            if self.window.end > self.window.start {
+                self.raw = raw(&self.samples, &self.window, self.dt, self.band.peak);
+            }
+        }
+        let fit = self.estimate_noise();
+        let ends = [0, self.raw.t.len() - 1].map(|i| fit.at(self.raw.t[i]).value);
+        if ends[1] >= ends[0] {
+            return Err(Error::Refused {
+                finding: format!(
+                    "the amplitude does not decay: {:.6} to {:.6}",
+                    ends[0].exp(),
+                    ends[1].exp()
+                ),
+                remedy: "choose a window in free decay, or another band",
+            });
+        }
+        Ok(())
+    }
+
+    fn enough_cycles(&self) -> Result<(), Error> {
+        let length = self.window.end.saturating_sub(self.window.start) as f64 * self.dt;
+        let found = (length * self.band.peak) as usize;
+        if found >= CYCLES && self.raw.t.len() >= 4 * CYCLES - 12 {
+            return Ok(());
+        }
+        let remedy = "record longer or louder, widen the band, or lower the filter order";
+        Err(Error::TooShort {
+            what: "cycles of the mode in the trusted window",
+            found,
+            needed: CYCLES,
+            remedy,
+        })
+    }
+
+    /// Scatter of the log amplitude: a constant part where it is loud, noise over amplitude where it is not.
+    fn estimate_noise(&mut self) -> Polynomial {
+        let count = self.raw.t.len();
+        let weight = vec![1.0; count];
+        let fit =
+            Polynomial::fit(&self.points(&self.raw.t, &self.raw.log_amplitude, &weight), None, MAX_ORDER);
+        let mut squares: Vec<(f64, f64)> = (0..count)
+            .map(|i| {
+                let log = fit.at(self.raw.t[i]).value;
+                (log.exp(), (self.raw.log_amplitude[i] - log).powi(2))
+            })
+            .collect();
+        squares.sort_by(|a, b| b.0.total_cmp(&a.0));
+        let quarter = count.div_ceil(4);
+        let mean = |part: &[(f64, f64)], f: &dyn Fn(&(f64, f64)) -> f64| {
+            part.iter().map(f).sum::<f64>() / part.len() as f64
+        };
+        self.scatter = mean(&squares[..quarter], &|s| s.1).sqrt().max(1e-12);
+        self.noise = mean(&squares[count - quarter..], &|s| s.1 * s.0 * s.0).sqrt();
+        fit
+    }
+
+    /// Looks for a second spectral line in what the smooth envelope leaves over.
+    fn refuse_second_line(&mut self) -> Result<(), Error> {
+        let raw = &self.raw;
+        let weight = vec![1.0; raw.t.len()];
+        let fits = [&raw.log_amplitude, &raw.phase]
+            .map(|y| Polynomial::fit(&self.points(&raw.t, y, &weight), None, MAX_ORDER));
+        let left: Vec<_> = (0..raw.t.len())
+            .map(|i| {
+                let [log, phase] = [&fits[0], &fits[1]].map(|fit| fit.at(raw.t[i]).value);
+                let ratio =
+                    rustfft::num_complex::Complex64::new(raw.log_amplitude[i] - log, raw.phase[i] - phase);
+                ratio.exp() - 1.0
+            })
+            .collect();
+        let rms = (left.iter().map(rustfft::num_complex::Complex64::norm_sqr).sum::<f64>()
+            / left.len() as f64)
+            .sqrt();
+        let (offset, relative, part) = strongest_line(&left, raw.t[1] - raw.t[0]);
+        if rms < SECOND_LINE.0 || part < SHARE {
+            return Ok(());
+        }
+        let finding = format!(
+            "a second component {:.3} Hz from {:.3} Hz is {:.1} % of the first: the envelope beats",
+            offset.abs(),
+            self.band.peak,
+            100.0 * relative
+        );
+        if rms < SECOND_LINE.1 {
+            self.notes.push(finding);
+            return Ok(());
+        }
+        let remedy = "narrow the band to one mode, or separate the modes by mode shapes (modal filter)";
+        Err(Error::Refused { finding, remedy })
+    }
+}

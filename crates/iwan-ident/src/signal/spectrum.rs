@@ -1,0 +1,183 @@
+//! Hann-windowed spectrum, its peak, and the automatic band around it.
+
+use std::f64::consts::PI;
+
+use rustfft::FftPlanner;
+use rustfft::num_complex::Complex64;
+
+use crate::error::{Error, check, check_dt, check_samples};
+
+/// The automatic band reaches from 0.75 to 1.3 times the peak's frequency …
+const REACH: (f64, f64) = (0.75, 1.3);
+/// … but not beyond the geometric mean with a neighbouring peak of at least this part of its height, …
+const NEIGHBOUR: f64 = 0.03;
+/// and of this many times the median line, which noise alone does not reach, …
+const ABOVE_MEDIAN: f64 = 5.0;
+/// … nor beyond this part of the Nyquist frequency.
+const NYQUIST_PART: f64 = 0.95;
+/// A peak needs this many cycles in the record: below lie offset and drift.
+const CYCLES: f64 = 5.0;
+
+/// A band in Hz and the spectral peak in it.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Band {
+    /// Lower edge, Hz.
+    pub low: f64,
+    /// Upper edge, Hz.
+    pub high: f64,
+    /// Frequency of the highest spectral line within, Hz.
+    pub peak: f64,
+}
+
+/// Hann-windowed amplitude spectrum of a record without its straight line.
+struct Spectrum {
+    /// Spacing of the lines, Hz.
+    step: f64,
+    lines: Vec<f64>,
+}
+
+impl Spectrum {
+    fn new(x: &[f64], dt: f64) -> Self {
+        let n = x.len();
+        let middle = 0.5 * (n as f64 - 1.0);
+        let mean = x.iter().sum::<f64>() / n as f64;
+        let moment =
+            |f: &dyn Fn(f64, f64) -> f64| -> f64 { (0..n).map(|i| f(i as f64 - middle, x[i])).sum() };
+        let slope = moment(&|s, x| s * x) / moment(&|s, _| s * s);
+        let mut z: Vec<Complex64> = (0..n)
+            .map(|i| {
+                let hann = (PI * (i as f64 + 0.5) / n as f64).sin().powi(2);
+                Complex64::new(hann * (x[i] - mean - slope * (i as f64 - middle)), 0.0)
+            })
+            .collect();
+        FftPlanner::new().plan_fft_forward(n).process(&mut z);
+        Self { step: 1.0 / (n as f64 * dt), lines: z[..=n / 2].iter().map(|z| z.norm()).collect() }
+    }
+
+    /// The highest line between two frequencies that is a maximum among its neighbours.
+    fn highest(&self, low: f64, high: f64) -> Option<usize> {
+        let inside = |k: &usize| (low..=high).contains(&(*k as f64 * self.step)) && self.is_peak(*k);
+        (1..self.lines.len().saturating_sub(1))
+            .filter(inside)
+            .max_by(|&i, &j| self.lines[i].total_cmp(&self.lines[j]))
+    }
+
+    fn is_peak(&self, k: usize) -> bool {
+        self.lines[k] > self.lines[k - 1] && self.lines[k] >= self.lines[k + 1]
+    }
+
+    /// Frequency of the peak at line `k`, by a parabola through the logarithms.
+    fn frequency(&self, k: usize) -> f64 {
+        let [a, b, c] = [k - 1, k, k + 1].map(|k| self.lines[k].max(f64::MIN_POSITIVE).ln());
+        let curvature = a - 2.0 * b + c;
+        let shift = if curvature < 0.0 { (0.5 * (a - c) / curvature).clamp(-0.5, 0.5) } else { 0.0 };
+        (k as f64 + shift) * self.step
+    }
+
+    /// Nearest peak on one side of line `k` that stands by itself: high enough, with a valley of half its height before.
+    fn neighbour(&self, k: usize, lines: impl Iterator<Item = usize>) -> Option<f64> {
+        let mut sorted = self.lines.clone();
+        let middle = sorted.len() / 2;
+        let median = *sorted.select_nth_unstable_by(middle, f64::total_cmp).1;
+        let least = (NEIGHBOUR * self.lines[k]).max(ABOVE_MEDIAN * median);
+        let mut valley = self.lines[k];
+        for i in lines {
+            valley = valley.min(self.lines[i]);
+            if self.lines[i] >= least && self.is_peak(i) && valley < 0.5 * self.lines[i] {
+                return Some(self.frequency(i));
+            }
+        }
+        None
+    }
+}
+
+/// The automatic band around the highest spectral peak, or around the highest within 20 % of `near` (Hz).
+///
+/// Rule: 0.75 to 1.3 times the peak's frequency, cut at the geometric mean with the next peak on either side that has
+/// 3 % of its height, stands out of the noise and has a valley before it, and at 95 % of the Nyquist frequency.
+///
+/// # Errors
+/// [`Error::Refused`] when there is no peak that lasts five cycles; [`Error::NotFinite`], [`Error::TooShort`],
+/// [`Error::OutOfRange`] for `dt` and `near`.
+///
+/// ```
+/// let wave = |f: f64, n: usize| (std::f64::consts::TAU * f * n as f64 / 1000.0).sin();
+/// let x: Vec<f64> = (0..4000).map(|n| 7.0 + wave(80.0, n) + 0.3 * wave(125.0, n)).collect();
+/// let band = iwan_ident::signal::automatic_band(&x, 1e-3, None)?;
+/// assert!((band.peak - 80.0).abs() < 0.01 && (band.low - 60.0).abs() < 0.01);
+/// assert!((band.high - 100.0).abs() < 0.01); // the square root of 80·125
+/// # Ok::<(), iwan_ident::Error>(())
+/// ```
+pub fn automatic_band(x: &[f64], dt: f64, near: Option<f64>) -> Result<Band, Error> {
+    let nyquist = 0.5 / check_dt(dt)?;
+    check_samples("record", x, 16, "record longer")?;
+    let spectrum = Spectrum::new(x, dt);
+    let mut range = (CYCLES * spectrum.step, nyquist);
+    if let Some(near) = near {
+        let allowed = format!("between 0 and the Nyquist frequency {nyquist} Hz");
+        check("near", near, near > 0.0 && near < nyquist, &allowed, "give a frequency in Hz")?;
+        range = (0.8 * near, 1.25 * near);
+    }
+    let k = spectrum.highest(range.0, range.1).ok_or_else(|| Error::Refused {
+        finding: format!("no spectral peak between {:.6} and {:.6} Hz", range.0, range.1),
+        remedy: "name the band, or check that the record holds a ring-down of more than five cycles",
+    })?;
+    let peak = spectrum.frequency(k);
+    // A Hann-windowed line is four lines wide.
+    let above = spectrum.neighbour(k, k + 2..spectrum.lines.len() - 1);
+    let below = spectrum.neighbour(k, (1..k.saturating_sub(1)).rev());
+    let high = above.map_or(f64::INFINITY, |f| (f * peak).sqrt());
+    let low = below.map_or(0.0, |f| (f * peak).sqrt());
+    Ok(Band {
+        low: low.max(REACH.0 * peak),
+        high: high.min(REACH.1 * peak).min(NYQUIST_PART * nyquist),
+        peak,
+    })
+}
+
+/// The peak within a band that the user names.
+pub(crate) fn given_band(x: &[f64], dt: f64, low: f64, high: f64) -> Result<Band, Error> {
+    let spectrum = Spectrum::new(x, dt);
+    let k = spectrum.highest(low, high).ok_or_else(|| Error::Refused {
+        finding: format!("no spectral peak between {low} and {high} Hz"),
+        remedy: "move or widen the band; `automatic_band` finds the highest peak",
+    })?;
+    Ok(Band { low, high, peak: spectrum.frequency(k) })
+}
+
+/// The line that carries most of a complex residual: frequency (Hz, signed), relative amplitude, part of the power.
+pub(crate) fn strongest_line(z: &[Complex64], dt: f64) -> (f64, f64, f64) {
+    let n = z.len();
+    let hann = |i: usize| (PI * (i as f64 + 0.5) / n as f64).sin().powi(2);
+    let mut lines: Vec<Complex64> = z.iter().enumerate().map(|(i, z)| z * hann(i)).collect();
+    FftPlanner::new().plan_fft_forward(n).process(&mut lines);
+    let power: Vec<f64> = lines.iter().map(Complex64::norm_sqr).collect();
+    let total: f64 = power.iter().sum();
+    let k = (0..n).max_by(|&i, &j| power[i].total_cmp(&power[j])).unwrap_or(0);
+    let near: f64 = (0..7).map(|j| power[(k + n + j - 3) % n]).sum();
+    let signed = if 2 * k > n { k as f64 - n as f64 } else { k as f64 };
+    (signed / (n as f64 * dt), 2.0 * power[k].sqrt() / n as f64, near / total.max(f64::MIN_POSITIVE))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn offset_and_drift_are_not_peaks() {
+        let x: Vec<f64> =
+            (0..4000).map(|n| 50.0 + 0.01 * f64::from(n) + (0.5 * f64::from(n)).sin()).collect();
+        let band = automatic_band(&x, 1e-3, None).unwrap();
+        assert!((band.peak - 500.0 / std::f64::consts::TAU).abs() < 0.02, "{band:?}");
+        assert!(automatic_band(&[1.0; 100], 1e-3, None).is_err());
+    }
+
+    #[test]
+    fn near_chooses_a_weaker_mode() {
+        let wave = |f: f64, n: i32| (std::f64::consts::TAU * f * f64::from(n) / 1000.0).sin();
+        let x: Vec<f64> = (0..4000).map(|n| wave(80.0, n) + 0.01 * wave(222.0, n)).collect();
+        let band = automatic_band(&x, 1e-3, Some(220.0)).unwrap();
+        assert!((band.peak - 222.0).abs() < 0.01 && band.low > 160.0, "{band:?}");
+        assert!(automatic_band(&x, 1e-3, Some(600.0)).is_err());
+    }
+}

@@ -1,0 +1,103 @@
+//! How far the methods disagree on one record.
+
+use super::envelope::{Envelope, Method};
+use super::isolate::{Options, isolate};
+use crate::error::Error;
+
+/// Points at which methods are compared.
+const POINTS: usize = 200;
+
+/// Largest differences between methods over the window that all of them trust.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Spread {
+    /// Start and end of that window, s.
+    pub window: (f64, f64),
+    /// Largest difference in amplitude over the mean of the methods.
+    pub amplitude: f64,
+    /// Largest difference in frequency, Hz.
+    pub frequency: f64,
+    /// Largest difference in damping ratio over the mean of the methods.
+    pub damping_ratio: f64,
+    /// Median over time of that difference.
+    pub median_damping_ratio: f64,
+}
+
+impl Spread {
+    /// Compares envelopes of one record; none when they have no window in common or there are fewer than two.
+    #[must_use]
+    pub fn of(envelopes: &[Envelope]) -> Option<Self> {
+        let start = envelopes.iter().map(|e| e.trusted.0).fold(f64::NEG_INFINITY, f64::max);
+        let end = envelopes.iter().map(|e| e.trusted.1).fold(f64::INFINITY, f64::min);
+        if envelopes.len() < 2 || start >= end {
+            return None;
+        }
+        let mut spread = Self {
+            window: (start, end),
+            amplitude: 0.0,
+            frequency: 0.0,
+            damping_ratio: 0.0,
+            median_damping_ratio: 0.0,
+        };
+        let mut damping = Vec::with_capacity(POINTS + 1);
+        for i in 0..=POINTS {
+            let t = (start + (end - start) * i as f64 / POINTS as f64).min(end);
+            let all: Vec<_> = envelopes.iter().filter_map(|e| e.at(t)).collect();
+            let (a, f, z) = (
+                range(all.iter().map(|e| e.0)),
+                range(all.iter().map(|e| e.1)),
+                range(all.iter().map(|e| e.2)),
+            );
+            spread.amplitude = spread.amplitude.max(a.0 / a.1);
+            spread.frequency = spread.frequency.max(f.0);
+            damping.push(z.0 / z.1.abs());
+        }
+        damping.sort_by(f64::total_cmp);
+        (spread.damping_ratio, spread.median_damping_ratio) = (damping[POINTS], damping[POINTS / 2]);
+        Some(spread)
+    }
+}
+
+/// Largest difference and mean.
+fn range(values: impl Iterator<Item = f64>) -> (f64, f64) {
+    let start = (f64::INFINITY, f64::NEG_INFINITY, 0.0, 0.0);
+    let all = values.fold(start, |s, v| (s.0.min(v), s.1.max(v), s.2 + v, s.3 + 1.0));
+    (all.1 - all.0, all.2 / all.3)
+}
+
+/// What the methods say on one mode of a record.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Opinions {
+    /// One envelope per method that could be used, in the order of [`Method::ALL`].
+    pub envelopes: Vec<Envelope>,
+    /// Why the others could not.
+    pub refused: Vec<(Method, Error)>,
+    /// How far they disagree.
+    pub spread: Option<Spread>,
+}
+
+/// Envelope and frequency by all methods.
+///
+/// # Errors
+/// As [`isolate`](super::isolate()); what a single method refuses stands in the result.
+///
+/// ```
+/// use iwan_ident::signal::{Options, opinions};
+/// let decay = |n: usize| (-1.0 * n as f64 / 4096.0).exp() * (500.0 * n as f64 / 4096.0).cos();
+/// let x: Vec<f64> = (0..8192).map(decay).collect();
+/// let opinions = opinions(&x, 1.0 / 4096.0, &Options::default())?;
+/// assert!(opinions.spread.is_some_and(|s| s.median_damping_ratio < 0.01));
+/// # Ok::<(), iwan_ident::Error>(())
+/// ```
+pub fn opinions(x: &[f64], dt: f64, options: &Options) -> Result<Opinions, Error> {
+    let mode = isolate(x, dt, options)?;
+    let (mut envelopes, mut refused) = (Vec::new(), Vec::new());
+    for method in Method::ALL {
+        let order = options.order.filter(|_| method == Method::Hilbert);
+        match mode.envelope(method, order) {
+            Ok(envelope) => envelopes.push(envelope),
+            Err(error) => refused.push((method, error)),
+        }
+    }
+    let spread = Spread::of(&envelopes);
+    Ok(Opinions { envelopes, refused, spread })
+}

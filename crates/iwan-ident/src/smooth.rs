@@ -1,0 +1,58 @@
+//! Smooth curves through noisy points, with slopes and their standard deviations.
+
+mod local;
+mod polynomial;
+mod spline;
+
+pub(crate) use local::LocalFit;
+pub(crate) use polynomial::Polynomial;
+pub(crate) use spline::Spline;
+
+/// Value and slope of a smooth curve, each with its standard deviation.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Smoothed {
+    pub(crate) value: f64,
+    pub(crate) slope: f64,
+    pub(crate) value_sd: f64,
+    pub(crate) slope_sd: f64,
+}
+
+/// A curve that was fitted to points.
+pub(crate) trait Smooth {
+    /// The curve at `t`, within the range of the points.
+    fn at(&self, t: f64) -> Smoothed;
+}
+
+/// Points (t, y) with weights; `effective` is the number of independent ones among them.
+///
+/// Neighbouring samples behind a filter of bandwidth B repeat each other: about B values a second are independent.
+/// Criteria and variances use that number in place of the count.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Points<'a> {
+    pub(crate) t: &'a [f64],
+    pub(crate) y: &'a [f64],
+    pub(crate) weight: &'a [f64],
+    pub(crate) effective: f64,
+}
+
+impl Points<'_> {
+    /// Middle and half length of the range of times.
+    fn scale(&self) -> (f64, f64) {
+        let (first, last) = (self.t[0], self.t[self.t.len() - 1]);
+        (0.5 * (first + last), 0.5 * (last - first))
+    }
+
+    /// Schwarz's criterion (BIC) for a fit with `terms` coefficients and the weighted sum of squares `rss`.
+    fn criterion(&self, rss: f64, terms: usize) -> f64 {
+        // Below rounding of the data, a smaller sum says nothing.
+        let total: f64 = self.t.iter().zip(self.weight).zip(self.y).map(|((_, w), y)| w * y * y).sum();
+        let n = self.t.len() as f64;
+        self.effective * ((rss / n).max(1e-26 * total / n)).max(f64::MIN_POSITIVE).ln()
+            + terms as f64 * self.effective.ln()
+    }
+
+    /// Variance of a value of weight 1, times count over effective count.
+    fn variance(&self, rss: f64, terms: usize) -> f64 {
+        rss / (self.effective - terms as f64).max(1.0)
+    }
+}

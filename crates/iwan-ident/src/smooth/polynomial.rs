@@ -1,0 +1,127 @@
+//! Weighted least squares by polynomials that are orthogonal on the points themselves.
+//!
+//! G. E. Forsythe, Generation and use of orthogonal polynomials for data-fitting with a digital computer, J. SIAM
+//! 5(2), 74-88, 1957: a three-term recurrence; with equal weights these are the discrete Legendre polynomials.
+//! Coefficients do not change with the order, and have independent errors.
+
+use super::{Points, Smooth, Smoothed};
+
+/// A fitted polynomial.
+#[derive(Debug, Clone)]
+pub(crate) struct Polynomial {
+    centre: f64,
+    half: f64,
+    /// Recurrence p_{k+1} = (s - a_k) p_k - b_k p_{k-1} in scaled time s.
+    recurrence: Vec<(f64, f64)>,
+    coefficients: Vec<f64>,
+    /// Variances of the coefficients.
+    variances: Vec<f64>,
+}
+
+impl Polynomial {
+    /// The fit of the order that Schwarz's criterion likes best, from 1 to `max`; or of the order `given`.
+    pub(crate) fn fit(points: &Points<'_>, given: Option<usize>, max: usize) -> Self {
+        let (centre, half) = points.scale();
+        let max = given.unwrap_or(max).min(points.t.len().saturating_sub(2));
+        let s: Vec<f64> = points.t.iter().map(|t| (t - centre) / half).collect();
+        let (mut now, mut before) = (vec![1.0; s.len()], vec![0.0; s.len()]);
+        let mut residual = points.y.to_vec();
+        let mut fit = Self { centre, half, recurrence: vec![], coefficients: vec![], variances: vec![] };
+        let (mut norms, mut sums) = (Vec::new(), Vec::new());
+        for k in 0..=max {
+            let weighted =
+                |f: &dyn Fn(usize) -> f64| -> f64 { (0..s.len()).map(|i| points.weight[i] * f(i)).sum() };
+            let norm = weighted(&|i| now[i] * now[i]);
+            let coefficient = weighted(&|i| now[i] * residual[i]) / norm;
+            residual.iter_mut().zip(&now).for_each(|(r, p)| *r -= coefficient * p);
+            sums.push(weighted(&|i| residual[i] * residual[i]));
+            let a = weighted(&|i| s[i] * now[i] * now[i]) / norm;
+            let b = if k == 0 { 0.0 } else { norm / norms[k - 1] };
+            for i in 0..s.len() {
+                let next = (s[i] - a) * now[i] - b * before[i];
+                before[i] = std::mem::replace(&mut now[i], next);
+            }
+            norms.push(norm);
+            fit.coefficients.push(coefficient);
+            fit.recurrence.push((a, b));
+        }
+        let score = |k: usize| points.criterion(sums[k], k + 1);
+        let best = (1..=max).min_by(|&i, &j| score(i).total_cmp(&score(j))).unwrap_or(max);
+        let order = given.map_or(best, |_| max);
+        fit.coefficients.truncate(order + 1);
+        fit.recurrence.truncate(order + 1);
+        let variance = points.variance(sums[order], order + 1);
+        fit.variances = norms[..=order].iter().map(|norm| variance / norm).collect();
+        fit
+    }
+
+    /// Degree of the polynomial.
+    pub(crate) fn order(&self) -> usize {
+        self.coefficients.len() - 1
+    }
+}
+
+impl Smooth for Polynomial {
+    fn at(&self, t: f64) -> Smoothed {
+        let s = (t - self.centre) / self.half;
+        let (mut now, mut before) = ((1.0, 0.0), (0.0, 0.0));
+        let mut sum = [0.0; 4];
+        for ((&(a, b), c), v) in self.recurrence.iter().zip(&self.coefficients).zip(&self.variances) {
+            let terms = [c * now.0, c * now.1, v * now.0 * now.0, v * now.1 * now.1];
+            sum.iter_mut().zip(terms).for_each(|(sum, term)| *sum += term);
+            let next = ((s - a) * now.0 - b * before.0, now.0 + (s - a) * now.1 - b * before.1);
+            before = std::mem::replace(&mut now, next);
+        }
+        let [value, slope, value_variance, slope_variance] = sum;
+        Smoothed {
+            value,
+            slope: slope / self.half,
+            value_sd: value_variance.sqrt(),
+            slope_sd: slope_variance.sqrt() / self.half,
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn times() -> Vec<f64> {
+        (0..200).map(|i| 3.0 + 0.01 * f64::from(i) + 0.003 * f64::from(i % 3)).collect()
+    }
+
+    fn points<'a>(t: &'a [f64], y: &'a [f64], weight: &'a [f64]) -> Points<'a> {
+        Points { t, y, weight, effective: t.len() as f64 }
+    }
+
+    #[test]
+    fn a_cubic_is_found_exactly_and_its_order_as_well() {
+        let t = times();
+        let y: Vec<f64> = t.iter().map(|t| 1.0 - 2.0 * t + 0.5 * t * t * t).collect();
+        let weight: Vec<f64> = t.iter().map(|t| (-3.0 * t).exp()).collect();
+        let fit = Polynomial::fit(&points(&t, &y, &weight), None, 12);
+        assert_eq!(fit.order(), 3);
+        let at = fit.at(4.2);
+        assert!((at.value - (1.0 - 8.4 + 0.5 * 4.2_f64.powi(3))).abs() < 1e-11);
+        assert!((at.slope - (-2.0 + 1.5 * 4.2 * 4.2)).abs() < 1e-9);
+    }
+
+    #[test]
+    fn standard_deviation_of_a_mean_is_sigma_over_root_n() {
+        let t = times();
+        let y: Vec<f64> = (0..200).map(|i| f64::from(1 - 2 * (i % 2))).collect();
+        let fit = Polynomial::fit(&points(&t, &y, &[1.0; 200]), Some(0), 12);
+        assert!((fit.at(4.0).value_sd - 1.0 / 199.0_f64.sqrt()).abs() < 1e-6);
+    }
+
+    #[test]
+    fn high_orders_under_steep_weights_stay_accurate() {
+        let t = times();
+        let y: Vec<f64> = t.iter().map(|t| (2.0 * t).sin()).collect();
+        let weight: Vec<f64> = t.iter().map(|t| (-6.0 * t).exp()).collect();
+        let fit = Polynomial::fit(&points(&t, &y, &weight), Some(12), 12);
+        for t in [3.0, 3.5, 4.0, 4.9] {
+            assert!((fit.at(t).slope - 2.0 * (2.0 * t).cos()).abs() < 1e-6);
+        }
+    }
+}
