@@ -1,5 +1,16 @@
 //! Nodes, elements and named sets: what every reader delivers and the assembly starts from.
 
+mod abaqus;
+mod error;
+mod gmsh;
+mod labels;
+mod read;
+mod sets;
+mod source;
+
+pub use error::{MeshError, MeshWarning};
+pub use read::{MeshFile, read, read_bytes};
+
 use std::collections::BTreeMap;
 
 /// Topology of an element; the formulation on it is chosen by the analysis.
