@@ -1,6 +1,7 @@
 //! Nodes, elements and named sets: what every reader delivers and the assembly starts from.
 
 mod abaqus;
+pub mod check;
 mod error;
 mod gmsh;
 mod labels;

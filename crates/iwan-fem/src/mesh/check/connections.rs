@@ -1,0 +1,184 @@
+//! Ties and joints that cannot work.
+
+use std::collections::BTreeMap;
+
+use super::super::Mesh;
+use super::finding::{Defect, Remark, list};
+use super::nodes::distance;
+use super::{Connection, Findings, Link};
+
+/// Nodes are on a line when none is farther from it than this share of its length.
+const ON_A_LINE: f64 = 1e-3;
+/// A gap between the two sides larger than this share of the smaller side is worth a remark.
+const GAP: f64 = 0.1;
+
+/// A link under examination.
+struct Case<'a> {
+    mesh: &'a Mesh,
+    link: &'a Link<'a>,
+    findings: &'a mut Findings,
+}
+
+/// Checks every link by itself, then all together.
+pub(super) fn check(mesh: &Mesh, sizes: &[f64], links: &[Link], findings: &mut Findings) {
+    for link in links {
+        let mut case = Case { mesh, link, findings };
+        if case.sides_are_apart() {
+            match link.connection {
+                Connection::Interface => case.interface(),
+                Connection::NodeToNode => case.pairs(sizes),
+            }
+        }
+    }
+    followers(mesh, links, findings);
+}
+
+impl Case<'_> {
+    fn defect(&mut self, reason: String, remedy: &'static str) {
+        let name = self.link.name.into();
+        self.findings.defects.push(Defect::Link { name, reason, remedy });
+    }
+
+    fn remark(&mut self, reason: String) {
+        self.findings.remarks.push(Remark::Link { name: self.link.name.into(), reason });
+    }
+
+    fn labels(&self, nodes: &[usize]) -> String {
+        list(nodes, |node| self.mesh.node_labels[*node].to_string())
+    }
+
+    /// Whether both sides have nodes, and none in common.
+    fn sides_are_apart(&mut self) -> bool {
+        let (face, patch) = (self.link.face, self.link.patch);
+        if face.is_empty() || patch.is_empty() {
+            let side = if face.is_empty() { "face" } else { "patch" };
+            self.defect(format!("its {side} has no nodes"), "name a set with nodes");
+            return false;
+        }
+        let mut sorted = patch.to_vec();
+        sorted.sort_unstable();
+        let common: Vec<usize> = face.iter().copied().filter(|n| sorted.binary_search(n).is_ok()).collect();
+        if !common.is_empty() {
+            let reason = format!("face and patch share the nodes {}", self.labels(&common));
+            self.defect(reason, "the two sides need nodes of their own: do not merge them when meshing");
+        }
+        common.is_empty()
+    }
+
+    fn interface(&mut self) {
+        let (face, patch) = (self.link.face, self.link.patch);
+        let remedy = "take at least three nodes that are not on one line, such as all nodes of the footprint";
+        if patch.len() < 3 {
+            let reason =
+                format!("its patch has only the nodes {}: their motion has no rotation", self.labels(patch));
+            return self.defect(reason, remedy);
+        }
+        if on_a_line(self.mesh, patch) {
+            let reason = format!(
+                "the nodes of its patch are on one line ({}): it has no rotation about it",
+                self.labels(patch)
+            );
+            return self.defect(reason, remedy);
+        }
+        if face.len() < 3 || on_a_line(self.mesh, face) {
+            let nodes = self.labels(face);
+            self.remark(format!(
+                "the nodes of its face ({nodes}) are on one line: the part can turn about it"
+            ));
+        }
+        let (gap, a, b) = nearest(self.mesh, face, patch);
+        let size = extent(self.mesh, face).min(extent(self.mesh, patch));
+        let between =
+            format!("(between nodes {} and {})", self.mesh.node_labels[a], self.mesh.node_labels[b]);
+        if gap > size {
+            let reason = format!("face and patch are {gap:.3e} apart {between}, farther than either is wide");
+            self.defect(reason, "name sets that face each other");
+        } else if gap > GAP * size {
+            self.remark(format!("face and patch are {gap:.3e} apart {between}"));
+        }
+    }
+
+    fn pairs(&mut self, sizes: &[f64]) {
+        let (face, patch) = (self.link.face, self.link.patch);
+        if face.len() != patch.len() {
+            let reason = format!("it connects {} nodes with {}", face.len(), patch.len());
+            return self.defect(reason, "node-to-node joints need as many nodes on one side as on the other");
+        }
+        for (a, b) in face.iter().zip(patch) {
+            let gap = distance(self.mesh.positions[*a], self.mesh.positions[*b]);
+            if gap > sizes[*a].min(sizes[*b]) {
+                let (a, b) = (self.mesh.node_labels[*a], self.mesh.node_labels[*b]);
+                let reason = format!("nodes {a} and {b} are {gap:.3e} apart, farther than the next node");
+                self.defect(reason, "pair nodes at the same place");
+            }
+        }
+    }
+}
+
+/// A node can follow one link only, and nothing can follow a node that follows.
+fn followers(mesh: &Mesh, links: &[Link], findings: &mut Findings) {
+    let mut leader: BTreeMap<usize, &str> = BTreeMap::new();
+    let mut report = |name: &str, node: usize, reason: String, remedy| {
+        let reason = format!("node {} {reason}", mesh.node_labels[node]);
+        findings.defects.push(Defect::Link { name: name.into(), reason, remedy });
+    };
+    for link in links {
+        let twice =
+            link.face.iter().find_map(|node| leader.insert(*node, link.name).map(|other| (*node, other)));
+        if let Some((node, other)) = twice {
+            let reason = format!("of its face is on the face of {other} already");
+            report(
+                link.name,
+                node,
+                reason,
+                "a node can follow one tie or joint only: give each a face of its own",
+            );
+        }
+    }
+    for link in links {
+        let follower = link.patch.iter().find_map(|node| Some((*node, *leader.get(node)?)));
+        if let Some((node, other)) = follower.filter(|(_, other)| *other != link.name) {
+            let reason = format!("of its patch follows {other}");
+            report(link.name, node, reason, "swap face and patch of one of the two");
+        }
+    }
+}
+
+/// Whether all nodes are on one line, or at one point.
+fn on_a_line(mesh: &Mesh, nodes: &[usize]) -> bool {
+    let at = |node: &usize| mesh.positions[*node];
+    let first = at(&nodes[0]);
+    let Some(far) = nodes.iter().map(at).max_by(|a, b| distance(first, *a).total_cmp(&distance(first, *b)))
+    else {
+        return true;
+    };
+    let length = distance(first, far);
+    let along: [f64; 3] = std::array::from_fn(|axis| (far[axis] - first[axis]) / length);
+    let off = |position: [f64; 3]| {
+        let arm: [f64; 3] = std::array::from_fn(|axis| position[axis] - first[axis]);
+        let share: f64 = arm.iter().zip(along).map(|(a, b)| a * b).sum();
+        distance(arm, along.map(|a| a * share))
+    };
+    length == 0.0 || nodes.iter().map(at).all(|position| off(position) <= ON_A_LINE * length)
+}
+
+/// Length of the diagonal of the box around the nodes.
+fn extent(mesh: &Mesh, nodes: &[usize]) -> f64 {
+    let (mut low, mut high) = ([f64::INFINITY; 3], [f64::NEG_INFINITY; 3]);
+    for node in nodes {
+        for (axis, x) in mesh.positions[*node].into_iter().enumerate() {
+            low[axis] = low[axis].min(x);
+            high[axis] = high[axis].max(x);
+        }
+    }
+    distance(low, high)
+}
+
+/// The smallest distance between the two sides, and where it is.
+fn nearest(mesh: &Mesh, face: &[usize], patch: &[usize]) -> (f64, usize, usize) {
+    let pairs = face.iter().flat_map(|a| patch.iter().map(move |b| (*a, *b)));
+    pairs.fold((f64::INFINITY, face[0], patch[0]), |best, (a, b)| {
+        let gap = distance(mesh.positions[a], mesh.positions[b]);
+        if gap < best.0 { (gap, a, b) } else { best }
+    })
+}
