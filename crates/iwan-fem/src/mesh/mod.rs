@@ -1,7 +1,8 @@
 //! Nodes, elements and named sets: what every reader delivers and the assembly starts from.
 
 mod abaqus;
-pub mod check;
+pub mod beam;
+pub mod block;
 mod error;
 mod gmsh;
 mod labels;

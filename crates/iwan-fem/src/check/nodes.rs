@@ -2,10 +2,10 @@
 
 use std::collections::BTreeSet;
 
-use super::super::{Mesh, Shape};
 use super::finding::{Defect, Remark};
 use super::parts::Parts;
 use super::{COINCIDENT, Findings, Link};
+use crate::mesh::{Mesh, Shape};
 
 /// Corners at the ends of the edges of a hexahedron.
 const EDGES: [(usize, usize); 12] =

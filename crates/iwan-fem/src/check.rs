@@ -2,21 +2,22 @@
 
 mod connections;
 mod finding;
-mod jacobian;
 mod nodes;
 mod parts;
 mod quality;
 
 pub use finding::{Defect, Remark};
 
-use super::Mesh;
+use crate::mesh::Mesh;
 
 /// How two groups of nodes are connected.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Connection {
-    /// The nodes of the face follow the rigid motion of the patch, with or without slip.
-    Interface,
-    /// Each node of the face follows the node of the patch at the same position in the list.
+    /// The face follows the patch, whose nodes move as one rigid body.
+    Rigid,
+    /// The face follows the rigid motion that fits the patch best.
+    Averaging,
+    /// Each node of the face follows the node of the patch at its place.
     NodeToNode,
 }
 

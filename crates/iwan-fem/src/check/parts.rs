@@ -1,8 +1,8 @@
 //! Parts: what elements connect, and what ties and joints connect.
 
-use super::super::Mesh;
 use super::finding::Defect;
 use super::{Findings, Link};
+use crate::mesh::Mesh;
 
 /// Parts of a mesh: sets of nodes that elements connect.
 pub(super) struct Parts {

@@ -2,10 +2,10 @@
 
 use std::collections::BTreeMap;
 
-use super::super::Mesh;
 use super::finding::{Defect, Remark, list};
 use super::nodes::distance;
-use super::{Connection, Findings, Link};
+use super::{COINCIDENT, Connection, Findings, Link};
+use crate::mesh::Mesh;
 
 /// Nodes are on a line when none is farther from it than this share of its length.
 const ON_A_LINE: f64 = 1e-3;
@@ -25,7 +25,7 @@ pub(super) fn check(mesh: &Mesh, sizes: &[f64], links: &[Link], findings: &mut F
         let mut case = Case { mesh, link, findings };
         if case.sides_are_apart() {
             match link.connection {
-                Connection::Interface => case.interface(),
+                Connection::Rigid | Connection::Averaging => case.interface(),
                 Connection::NodeToNode => case.pairs(sizes),
             }
         }
@@ -99,47 +99,33 @@ impl Case<'_> {
     }
 
     fn pairs(&mut self, sizes: &[f64]) {
-        let (face, patch) = (self.link.face, self.link.patch);
-        if face.len() != patch.len() {
-            let reason = format!("it connects {} nodes with {}", face.len(), patch.len());
-            return self.defect(reason, "node-to-node joints need as many nodes on one side as on the other");
-        }
-        for (a, b) in face.iter().zip(patch) {
-            let gap = distance(self.mesh.positions[*a], self.mesh.positions[*b]);
-            if gap > sizes[*a].min(sizes[*b]) {
-                let (a, b) = (self.mesh.node_labels[*a], self.mesh.node_labels[*b]);
-                let reason = format!("nodes {a} and {b} are {gap:.3e} apart, farther than the next node");
-                self.defect(reason, "pair nodes at the same place");
-            }
+        let alone = |node: &usize| {
+            let (gap, _, other) = nearest(self.mesh, &[*node], self.link.patch);
+            gap > COINCIDENT * sizes[*node].min(sizes[other])
+        };
+        let alone: Vec<usize> = self.link.face.iter().copied().filter(alone).collect();
+        if !alone.is_empty() {
+            let reason = format!(
+                "the nodes {} of its face have no node of the patch at their place",
+                self.labels(&alone)
+            );
+            self.defect(reason, "let the meshes match there, or use a joint of the whole interface");
         }
     }
 }
 
-/// A node can follow one link only, and nothing can follow a node that follows.
+/// A node can follow one link only.
 fn followers(mesh: &Mesh, links: &[Link], findings: &mut Findings) {
-    let mut leader: BTreeMap<usize, &str> = BTreeMap::new();
-    let mut report = |name: &str, node: usize, reason: String, remedy| {
-        let reason = format!("node {} {reason}", mesh.node_labels[node]);
-        findings.defects.push(Defect::Link { name: name.into(), reason, remedy });
-    };
+    let mut leaders: BTreeMap<usize, &str> = BTreeMap::new();
     for link in links {
-        let twice =
-            link.face.iter().find_map(|node| leader.insert(*node, link.name).map(|other| (*node, other)));
-        if let Some((node, other)) = twice {
-            let reason = format!("of its face is on the face of {other} already");
-            report(
-                link.name,
-                node,
-                reason,
-                "a node can follow one tie or joint only: give each a face of its own",
-            );
-        }
-    }
-    for link in links {
-        let follower = link.patch.iter().find_map(|node| Some((*node, *leader.get(node)?)));
-        if let Some((node, other)) = follower.filter(|(_, other)| *other != link.name) {
-            let reason = format!("of its patch follows {other}");
-            report(link.name, node, reason, "swap face and patch of one of the two");
+        let rigid = if link.connection == Connection::Rigid { link.patch } else { &[] };
+        let mut nodes = link.face.iter().chain(rigid);
+        if let Some((node, other)) = nodes.find_map(|node| Some((*node, leaders.insert(*node, link.name)?))) {
+            let (name, node) = (link.name.into(), mesh.node_labels[node]);
+            let reason = format!("its node {node} follows {other} already");
+            let remedy =
+                "give each tie or joint nodes of its own; patches that share nodes must be averaging";
+            findings.defects.push(Defect::Link { name, reason, remedy });
         }
     }
 }

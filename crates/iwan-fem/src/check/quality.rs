@@ -1,8 +1,9 @@
 //! Elements one by one: shape and nodes.
 
-use super::super::{Element, Mesh};
+use super::Findings;
 use super::finding::{Defect, Remark};
-use super::{Findings, jacobian};
+use crate::element::{corner_quality, least_quality_inside};
+use crate::mesh::{Element, Mesh};
 
 /// A scaled determinant below this is none: an angle of 0.06 thousandths of a degree.
 const NONE: f64 = 1e-6;
@@ -51,8 +52,8 @@ impl Lists {
             return;
         }
         let positions: Vec<[f64; 3]> = element.nodes.iter().map(|n| mesh.positions[*n]).collect();
-        let corners = jacobian::at_corners(element.shape, &positions);
-        let inside = jacobian::least_inside(element.shape, &positions);
+        let corners = corner_quality(element.shape, &positions);
+        let inside = least_quality_inside(element.shape, &positions);
         let (worst, least) = corners
             .iter()
             .enumerate()
