@@ -99,10 +99,7 @@ fn inverted_folded_and_flat_elements() {
         mesh.positions[corner][0] = 3.0 + 2e-9 * mesh.positions[corner][1];
     }
     let all = found(&mesh, &[]);
-    assert!(
-        all[0].starts_with("collapsed element 4: the Jacobian determinant is not positive inside;"),
-        "{all:?}"
-    );
+    assert!(all[0].starts_with("collapsed element 4: without volume, or"), "{all:?}");
     let mut mesh = bar();
     mesh.elements[2].nodes[5] = mesh.elements[2].nodes[4];
     let label = mesh.node_labels[mesh.elements[2].nodes[4]];

@@ -16,7 +16,7 @@ pub enum Defect {
         /// Element and the node at its worst corner.
         corners: Vec<(u64, u64)>,
     },
-    /// Elements without volume, or with a determinant that is not positive inside.
+    /// Elements with a determinant that is not positive inside, or an edge of no length.
     Collapsed {
         /// Elements.
         elements: Vec<u64>,
@@ -124,7 +124,7 @@ impl fmt::Display for Defect {
             ),
             Self::Collapsed { elements } => write!(
                 f,
-                "collapsed {}: the Jacobian determinant is not positive inside; move its nodes apart, or delete it",
+                "collapsed {}: without volume, or the Jacobian determinant is not positive inside; move its nodes apart, or delete it",
                 counted("element", elements, &numbers(elements))
             ),
             Self::RepeatedNode { elements } => write!(

@@ -5,7 +5,7 @@ use std::collections::BTreeSet;
 use super::finding::{Defect, Remark};
 use super::parts::Parts;
 use super::{COINCIDENT, Findings, Link};
-use crate::mesh::{Mesh, Shape};
+use crate::mesh::{Element, Mesh, Shape};
 
 /// Corners at the ends of the edges of a hexahedron.
 const EDGES: [(usize, usize); 12] =
@@ -20,15 +20,18 @@ pub(super) fn orphans(mesh: &Mesh, parts: &Parts, findings: &mut Findings) {
     }
 }
 
+/// Lengths of the twelve edges of an element, from corner to corner.
+pub(super) fn edges(mesh: &Mesh, element: &Element) -> [f64; 12] {
+    EDGES.map(|(a, b)| distance(mesh.positions[element.nodes[a]], mesh.positions[element.nodes[b]]))
+}
+
 /// For each node the shortest distance to a neighbour along an edge; infinite for nodes without an element.
 pub(super) fn sizes(mesh: &Mesh) -> Vec<f64> {
     let mut sizes = vec![f64::INFINITY; mesh.positions.len()];
     for element in &mesh.elements {
         let share = if element.shape == Shape::Hex20 { 0.5 } else { 1.0 };
-        let length = |(a, b): &(usize, usize)| {
-            share * distance(mesh.positions[element.nodes[*a]], mesh.positions[element.nodes[*b]])
-        };
-        let shortest = EDGES.iter().map(length).filter(|d| *d > 0.0).fold(f64::INFINITY, f64::min);
+        let lengths = edges(mesh, element).into_iter().filter(|length| *length > 0.0);
+        let shortest = share * lengths.fold(f64::INFINITY, f64::min);
         for node in &element.nodes {
             sizes[*node] = sizes[*node].min(shortest);
         }

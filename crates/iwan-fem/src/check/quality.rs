@@ -1,11 +1,11 @@
 //! Elements one by one: shape and nodes.
 
-use super::Findings;
 use super::finding::{Defect, Remark};
+use super::{Findings, nodes};
 use crate::element::{corner_quality, least_quality_inside};
 use crate::mesh::{Element, Mesh};
 
-/// A scaled determinant below this is none: an angle of 0.06 thousandths of a degree.
+/// A scaled determinant below this is none: an angle of 0.06 thousandths of a degree. So is a ratio of edges.
 const NONE: f64 = 1e-6;
 /// Below this an element is called badly distorted.
 const POOR: f64 = 0.1;
@@ -60,7 +60,7 @@ impl Lists {
             .fold((0, f64::INFINITY), |worst, (corner, j)| if *j < worst.1 { (corner, *j) } else { worst });
         if corners.iter().all(|j| *j < -NONE) {
             self.inverted.push(element.label);
-        } else if inside <= NONE {
+        } else if inside <= NONE || is_flat(mesh, element) {
             self.collapsed.push(element.label);
         } else if least <= NONE {
             self.corners.push((element.label, mesh.node_labels[element.nodes[worst]]));
@@ -68,6 +68,13 @@ impl Lists {
             self.distorted.push((element.label, least.min(inside)));
         }
     }
+}
+
+/// Whether an edge is next to nothing beside the longest.
+fn is_flat(mesh: &Mesh, element: &Element) -> bool {
+    let lengths = nodes::edges(mesh, element);
+    let longest = lengths.into_iter().fold(0.0, f64::max);
+    lengths.into_iter().any(|length| length <= NONE * longest)
 }
 
 /// A node that occurs twice.
