@@ -1,9 +1,34 @@
 //! Every kind of bad mesh and impossible joint is named, with the numbers of the file.
 
-use iwan_fem::check::{Connection, Findings, Link, check};
-use iwan_fem::mesh::beam::{Configuration, INTERFACES, beam};
+use iwan_fem::check::Findings;
+use iwan_fem::mesh::beam::Configuration;
 use iwan_fem::mesh::block::{block, uniform};
 use iwan_fem::mesh::{Element, Mesh, Shape};
+use iwan_fem::{Interface, Joint, Material, Patch, Structure, Support, paper};
+
+const RIGID: Interface = Interface::Whole(Patch::Rigid);
+const AVERAGING: Interface = Interface::Whole(Patch::Averaging);
+
+/// A tie between nodes.
+#[derive(Clone, Copy)]
+struct Link<'a> {
+    name: &'a str,
+    interface: Interface,
+    face: &'a [usize],
+    patch: &'a [usize],
+}
+
+fn structure(mesh: &Mesh, links: &[Link]) -> Structure {
+    let steel = Material::new(28.0e6, 0.29, 7.48e-4).expect("steel");
+    let mut structure = Structure::new(mesh.clone(), steel);
+    for link in links {
+        let sets = [format!("{} face", link.name), format!("{} patch", link.name)];
+        structure.mesh.node_sets.insert(sets[0].clone(), link.face.to_vec());
+        structure.mesh.node_sets.insert(sets[1].clone(), link.patch.to_vec());
+        structure.joints.push(Joint::new(link.name, &sets[0], &sets[1], link.interface));
+    }
+    structure
+}
 
 /// A bar of four unit cubes along x; nodes numbered from 1, elements from 1.
 fn bar() -> Mesh {
@@ -42,35 +67,26 @@ fn texts(findings: &Findings) -> Vec<String> {
 }
 
 fn found(mesh: &Mesh, links: &[Link]) -> Vec<String> {
-    texts(&check(mesh, links))
+    texts(&structure(mesh, links).check())
 }
 
 #[test]
 fn the_papers_beam_is_sound_with_its_joints_and_in_pieces_without() {
     for configuration in [Configuration::A, Configuration::B] {
-        let mesh = beam(configuration, 1);
-        let sets: Vec<_> = INTERFACES
-            .iter()
-            .map(|(name, ..)| {
-                (&mesh.node_sets[&format!("{name} face")], &mesh.node_sets[&format!("{name} patch")])
-            })
-            .collect();
-        let links: Vec<Link> = INTERFACES
-            .iter()
-            .zip(&sets)
-            .map(|((name, ..), (face, patch))| Link { name, connection: Connection::Rigid, face, patch })
-            .collect();
-        assert_eq!(found(&mesh, &links), Vec::<String>::new());
-        assert_eq!(check(&mesh, &links).message(), None);
+        let mut beam = paper::structure(configuration, 1).expect("the paper's beam");
+        assert_eq!(texts(&beam.check()), Vec::<String>::new());
+        assert_eq!(beam.check().message(), None);
+        // One joint fewer: one part in the air, and touching the beam.
+        beam.joints.pop();
+        assert_eq!(texts(&beam.check()).len(), 2);
         // Without the joints the link and the two free washers hang in the air, and touch the beam.
-        let alone = found(&mesh, &[]);
+        beam.joints.clear();
+        let alone = texts(&beam.check());
         assert_eq!(alone.len(), 4, "{alone:?}");
         assert!(
             alone[..3].iter().all(|t| t.starts_with("the part of ") && t.contains("is at the place of node"))
         );
         assert!(alone[3].starts_with("remark: nodes of two parts at the same place"), "{}", alone[3]);
-        // One joint fewer: one part in the air.
-        assert_eq!(found(&mesh, &links[..3]).len(), 2);
     }
 }
 
@@ -159,7 +175,7 @@ fn a_slit_within_a_part_is_a_defect() {
     let all = found(&mesh, &[]);
     assert!(all.len() == 1 && all[0].starts_with(&expected), "{all:?}");
     // The two sides of a joint may be in one part.
-    let links = [Link { name: "crack", connection: Connection::NodeToNode, face: &[copy], patch: &[own] }];
+    let links = [Link { name: "crack", interface: Interface::NodeToNode, face: &[copy], patch: &[own] }];
     assert_eq!(found(&mesh, &links), Vec::<String>::new());
 }
 
@@ -177,8 +193,8 @@ fn parts_that_touch_need_a_tie_or_joint() {
         )
     );
     assert!(all[1].starts_with("remark: nodes of two parts") && all.len() == 2, "{all:?}");
-    for connection in [Connection::Rigid, Connection::Averaging, Connection::NodeToNode] {
-        let links = [Link { name: "tie", connection, face: &other, patch: &own }];
+    for interface in [RIGID, AVERAGING, Interface::NodeToNode] {
+        let links = [Link { name: "seam", interface, face: &other, patch: &own }];
         assert_eq!(found(&mesh, &links), Vec::<String>::new());
     }
     let apart = with(bar(), &bar(), 7.0);
@@ -194,12 +210,15 @@ fn joints_that_cannot_work() {
     let lead: Vec<_> = plane(&mesh, 4.0, 0).into_iter().filter(|n| !near.contains(n)).collect();
     let far = plane(&mesh, 0.0, 0);
     let label = |n: usize| mesh.node_labels[n];
-    let with_joint = |connection, face: &[usize], patch: &[usize]| {
-        let link = Link { name: "joint \"bolt\"", connection, face, patch };
+    let with_joint = |interface, face: &[usize], patch: &[usize]| {
+        let link = Link { name: "bolt", interface, face, patch };
         found(&mesh, &[link]).into_iter().filter(|t| t.contains("bolt")).collect::<Vec<_>>()
     };
-    let rigid = |face: &[usize], patch: &[usize]| with_joint(Connection::Rigid, face, patch).join("; ");
-    assert_eq!(rigid(&[], &lead), "joint \"bolt\": its face has no nodes; name a set with nodes");
+    let rigid = |face: &[usize], patch: &[usize]| with_joint(RIGID, face, patch).join("; ");
+    assert_eq!(
+        rigid(&[], &lead),
+        "tie `bolt`: the node set `bolt face` has no members; choose another, or fill it when meshing"
+    );
     assert!(rigid(&near, &near).contains(&format!("face and patch share the nodes {}", label(near[0]))));
     assert!(rigid(&near, &lead[..2]).contains(&format!(
         "only the nodes {}, {}:",
@@ -209,23 +228,24 @@ fn joints_that_cannot_work() {
     let line: Vec<_> = [1.0, 2.0, 3.0, 4.0].iter().map(|x| node(&mesh, [*x, 0.0, 0.0])).collect();
     assert!(rigid(&near, &line).contains("the nodes of its patch are on one line"));
     assert!(rigid(&near, &far).contains("apart (between nodes"), "{}", rigid(&near, &far));
-    assert!(rigid(&near[..2], &lead).starts_with("remark: joint \"bolt\": the nodes of its face"));
-    let pairs = with_joint(Connection::NodeToNode, &near, &lead[1..]).join("; ");
+    assert!(rigid(&near[..2], &lead).starts_with("remark: tie `bolt`: the nodes of its face"));
+    let pairs = with_joint(Interface::NodeToNode, &near, &lead[1..]).join("; ");
     assert!(
         pairs.contains(&format!("the nodes {} of its face have no node of the patch", label(near[0]))),
         "{pairs}"
     );
-    let two = |connection| {
-        let one = Link { name: "one", connection, face: &near, patch: &lead };
+    let two = |interface| {
+        let one = Link { name: "one", interface, face: &near, patch: &lead };
         let other = Link { name: "other", face: &far, ..one };
         found(&mesh, &[one, other])
     };
     assert!(
-        two(Connection::Rigid)
+        two(RIGID)
             .iter()
-            .any(|t| t.contains(&format!("other: its node {} follows one already", label(lead[0]))))
+            .any(|t| t
+                .contains(&format!("tie `other`: its node {} follows tie `one` already", label(lead[0]))))
     );
-    assert!(!two(Connection::Averaging).iter().any(|t| t.contains("already")));
+    assert!(!two(AVERAGING).iter().any(|t| t.contains("already")));
 }
 
 #[test]
@@ -249,4 +269,19 @@ fn twenty_node_elements_are_checked_with_their_edges() {
     let all = found(&mesh, &[]);
     let expected = format!("folded element {} at node {}", mesh.elements[0].label, mesh.node_labels[corner]);
     assert!(all.len() == 1 && all[0].starts_with(&expected), "{all:?}");
+}
+
+#[test]
+fn sets_that_are_missing_are_named_with_those_that_are_there() {
+    let mut structure = structure(&bar(), &[]);
+    let nodes = "root".to_string();
+    structure.supports.push(Support { name: "clamp".into(), nodes, fixed: [true; 3] });
+    structure.materials.push(("steel parts".into(), structure.material));
+    assert_eq!(
+        texts(&structure.check()),
+        [
+            "support `clamp`: there is no node set `root`: the mesh has no node sets; name them when meshing",
+            "a material: there is no element set `steel parts`; choose one of block"
+        ]
+    );
 }

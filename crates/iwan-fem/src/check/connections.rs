@@ -4,8 +4,9 @@ use std::collections::BTreeMap;
 
 use super::finding::{Defect, Remark, list};
 use super::nodes::distance;
-use super::{COINCIDENT, Connection, Findings, Link};
+use super::{COINCIDENT, Findings, Link};
 use crate::mesh::Mesh;
+use crate::structure::{Interface, Patch};
 
 /// Nodes are on a line when none is farther from it than this share of its length.
 const ON_A_LINE: f64 = 1e-3;
@@ -24,9 +25,9 @@ pub(super) fn check(mesh: &Mesh, sizes: &[f64], links: &[Link], findings: &mut F
     for link in links {
         let mut case = Case { mesh, link, findings };
         if case.sides_are_apart() {
-            match link.connection {
-                Connection::Rigid | Connection::Averaging => case.interface(),
-                Connection::NodeToNode => case.pairs(sizes),
+            match link.interface {
+                Interface::Whole(_) => case.interface(),
+                Interface::NodeToNode => case.pairs(sizes),
             }
         }
     }
@@ -35,26 +36,21 @@ pub(super) fn check(mesh: &Mesh, sizes: &[f64], links: &[Link], findings: &mut F
 
 impl Case<'_> {
     fn defect(&mut self, reason: String, remedy: &'static str) {
-        let name = self.link.name.into();
+        let name = self.link.name.clone();
         self.findings.defects.push(Defect::Link { name, reason, remedy });
     }
 
     fn remark(&mut self, reason: String) {
-        self.findings.remarks.push(Remark::Link { name: self.link.name.into(), reason });
+        self.findings.remarks.push(Remark::Link { name: self.link.name.clone(), reason });
     }
 
     fn labels(&self, nodes: &[usize]) -> String {
         list(nodes, |node| self.mesh.node_labels[*node].to_string())
     }
 
-    /// Whether both sides have nodes, and none in common.
+    /// Whether both sides have nodes (sets without are reported elsewhere), and none in common.
     fn sides_are_apart(&mut self) -> bool {
         let (face, patch) = (self.link.face, self.link.patch);
-        if face.is_empty() || patch.is_empty() {
-            let side = if face.is_empty() { "face" } else { "patch" };
-            self.defect(format!("its {side} has no nodes"), "name a set with nodes");
-            return false;
-        }
         let mut sorted = patch.to_vec();
         sorted.sort_unstable();
         let common: Vec<usize> = face.iter().copied().filter(|n| sorted.binary_search(n).is_ok()).collect();
@@ -62,7 +58,7 @@ impl Case<'_> {
             let reason = format!("face and patch share the nodes {}", self.labels(&common));
             self.defect(reason, "the two sides need nodes of their own: do not merge them when meshing");
         }
-        common.is_empty()
+        common.is_empty() && !face.is_empty() && !patch.is_empty()
     }
 
     fn interface(&mut self) {
@@ -118,10 +114,11 @@ impl Case<'_> {
 fn followers(mesh: &Mesh, links: &[Link], findings: &mut Findings) {
     let mut leaders: BTreeMap<usize, &str> = BTreeMap::new();
     for link in links {
-        let rigid = if link.connection == Connection::Rigid { link.patch } else { &[] };
+        let rigid = if link.interface == Interface::Whole(Patch::Rigid) { link.patch } else { &[] };
         let mut nodes = link.face.iter().chain(rigid);
-        if let Some((node, other)) = nodes.find_map(|node| Some((*node, leaders.insert(*node, link.name)?))) {
-            let (name, node) = (link.name.into(), mesh.node_labels[node]);
+        if let Some((node, other)) = nodes.find_map(|node| Some((*node, leaders.insert(*node, &link.name)?)))
+        {
+            let (name, node) = (link.name.clone(), mesh.node_labels[node]);
             let reason = format!("its node {node} follows {other} already");
             let remedy =
                 "give each tie or joint nodes of its own; patches that share nodes must be averaging";

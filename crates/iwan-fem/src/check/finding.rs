@@ -59,6 +59,26 @@ pub enum Defect {
         /// What helps.
         remedy: &'static str,
     },
+    /// A set that does not exist.
+    MissingSet {
+        /// Who refers to it.
+        user: String,
+        /// `node` or `element`.
+        kind: &'static str,
+        /// Its name.
+        name: String,
+        /// The sets there are.
+        known: Vec<String>,
+    },
+    /// A set without members.
+    EmptySet {
+        /// Who refers to it.
+        user: String,
+        /// `node` or `element`.
+        kind: &'static str,
+        /// Its name.
+        name: String,
+    },
     /// No elements at all.
     Empty,
 }
@@ -159,6 +179,25 @@ impl fmt::Display for Defect {
                 }
             }
             Self::Link { name, reason, remedy } => write!(f, "{name}: {reason}; {remedy}"),
+            Self::MissingSet { user, kind, name, known } if known.is_empty() => {
+                write!(
+                    f,
+                    "{user}: there is no {kind} set `{name}`: the mesh has no {kind} sets; name them when meshing"
+                )
+            }
+            Self::MissingSet { user, kind, name, known } => {
+                write!(
+                    f,
+                    "{user}: there is no {kind} set `{name}`; choose one of {}",
+                    list(known, String::clone)
+                )
+            }
+            Self::EmptySet { user, kind, name } => {
+                write!(
+                    f,
+                    "{user}: the {kind} set `{name}` has no members; choose another, or fill it when meshing"
+                )
+            }
             Self::Empty => f.write_str("the mesh has no elements; export the volumes with their hexahedra"),
         }
     }
