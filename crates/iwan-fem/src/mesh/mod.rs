@@ -9,6 +9,7 @@ mod labels;
 mod read;
 mod sets;
 mod source;
+pub mod vtu;
 
 pub use error::{MeshError, MeshWarning};
 pub use read::{MeshFile, read, read_bytes};
