@@ -1,6 +1,7 @@
 //! One file per subcommand.
 
 pub(crate) mod completions;
+pub(crate) mod envelope;
 pub(crate) mod man;
 pub(crate) mod scenario;
 pub(crate) mod simulate;

@@ -8,9 +8,11 @@
 mod args;
 mod commands;
 mod cycles;
+mod extraction;
 mod failure;
 mod output;
 mod progress;
+mod records;
 mod report;
 mod results;
 mod run;

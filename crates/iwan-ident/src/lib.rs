@@ -7,6 +7,7 @@
 //! Method: Deaner, Allen, Starr, Segalman, *Investigation of Modal Iwan Models for Structures with Bolted Joints*
 //! ("the paper" in this documentation; equation numbers are the paper's).
 
+pub mod combination;
 pub mod curves;
 mod error;
 pub mod fit;
