@@ -7,8 +7,10 @@
 //! Method: Deaner, Allen, Starr, Segalman, *Investigation of Modal Iwan Models for Structures with Bolted Joints*
 //! ("the paper" in this documentation; equation numbers are the paper's).
 
+mod chart;
 pub mod curves;
 mod error;
+mod features;
 pub mod fit;
 mod least_squares;
 pub mod modal;
