@@ -7,9 +7,10 @@ use std::f64::consts::TAU;
 
 use iwan_core::Backbone;
 
+use crate::chart::Chart;
 use crate::curves::Curves;
 use crate::error::{Error, check};
-use crate::least_squares::{TOLERANCE, minimise};
+use crate::least_squares::{Search, TOLERANCE};
 use crate::parameters::{COUNT, Parameter, Parameters};
 
 /// Least relative standard deviation of a dissipation: what averaging neglects.
@@ -96,17 +97,27 @@ pub fn fit(curves: &[Curves], first: &Parameters, held: &[Parameter]) -> Result<
             remedy,
         });
     }
-    let free: Vec<usize> = (0..COUNT).filter(|j| !held.contains(&Parameter::ALL[*j])).collect();
-    let mut residuals =
-        |x: &[f64], out: &mut [f64]| residuals(&entries, &Parameters::from_coordinates(x), out);
-    let count = 2 * entries.len();
-    let found = minimise(&mut residuals, count, &first.coordinates(), &free, (ITERATIONS, TOLERANCE))
-        .ok_or_else(|| Error::Refused {
-            finding: "the start values have no curves".into(),
-            remedy: "start nearer to the solution",
-        })?;
-    let parameters = Parameters::from_coordinates(&found.x);
+    let chart = Chart::holding(held, middle(&entries));
+    let free = (0..COUNT).filter(|j| held.iter().all(|h| chart.index(*h) != *j)).collect();
+    let search = Search {
+        count: 2 * entries.len(),
+        free,
+        bounds: chart.bounds().to_vec(),
+        iterations: ITERATIONS,
+        tolerance: TOLERANCE,
+    };
+    let mut residuals = |x: &[f64], out: &mut [f64]| residuals(&entries, &chart.parameters(x), out);
+    let found = search.run(&mut residuals, &chart.coordinates(first)?).ok_or_else(|| Error::Refused {
+        finding: "the start values have no curves".into(),
+        remedy: "start nearer to the solution",
+    })?;
+    let parameters = chart.parameters(&found.x);
     verdict(&entries, parameters)
+}
+
+/// Geometric mean of the displacements.
+fn middle(entries: &[Entry]) -> f64 {
+    (entries.iter().map(|e| e[0].ln()).sum::<f64>() / entries.len() as f64).exp()
 }
 
 /// Fits from several starts and keeps the best: slopes and knees can be mistaken for one another.

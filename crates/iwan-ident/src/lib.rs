@@ -7,10 +7,12 @@
 //! Method: Deaner, Allen, Starr, Segalman, *Investigation of Modal Iwan Models for Structures with Bolted Joints*
 //! ("the paper" in this documentation; equation numbers are the paper's).
 
+mod chart;
 pub mod combination;
 pub mod curves;
 pub mod density;
 mod error;
+mod features;
 pub mod fit;
 mod least_squares;
 pub mod modal;
