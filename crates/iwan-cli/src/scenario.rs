@@ -11,7 +11,7 @@ mod schema_tests;
 
 pub(crate) use builtin::{SCHEMA, built_in};
 pub(crate) use force::Force;
-pub(crate) use iwan_input::Source;
+pub(crate) use iwan_input::{Joint, Source};
 pub(crate) use method::{MethodKeys, Representation};
 pub(crate) use mode::ScenarioMode;
 pub(crate) use write::to_toml;

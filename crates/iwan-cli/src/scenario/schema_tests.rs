@@ -3,7 +3,7 @@
 
 use serde_json::Value;
 
-use super::{BuiltIn, KEYS, Overrides, SCHEMA, Scenario, Source, built_in, force, method, mode, to_toml};
+use super::{KEYS, Overrides, SCHEMA, Scenario, Source, built_in, force, method, mode, to_toml};
 use iwan_input::{Kind, known};
 
 fn schema() -> Value {
