@@ -35,7 +35,7 @@ pub use energy::{EnergyBalance, JointEnergy};
 pub use error::Error;
 pub use events::EventDriven;
 pub use four_parameter::{FourParameter, TabledFourParameter};
-pub use hysteresis::Hysteresis;
+pub use hysteresis::{Hysteresis, Trial};
 pub use jenkins::Jenkins;
 pub use masing::{Continuum, Reversal, Reversals};
 pub use newmark::Newmark;

@@ -13,6 +13,8 @@
 //! where C, fixed when the run was made, is the force of all older runs at a. The force is a
 //! function of the state and not a sum over the past, so rounding does not drift.
 
+mod trial;
+
 use crate::error::{Error, check_length};
 use crate::hysteresis::Hysteresis;
 use crate::sliders::{Slider, Sliders};
