@@ -45,7 +45,7 @@ pub use plain::{Extensions, Plain};
 pub use power::FixedPower;
 pub use pulse::Pulse;
 pub use response::Samples;
-pub use runs::{Run, Runs};
+pub use runs::{Run, Runs, Straight};
 pub use sliders::{Grid, Slider, Sliders};
 pub use tabulated::{DensityPoint, Tabulated};
 pub use uniform::Uniform;
