@@ -9,7 +9,7 @@ use crate::element::ElementMatrices;
 use crate::error::Error;
 use crate::factor::Analysis;
 use crate::joint::{SlipUnknown, connect};
-use crate::sparse::Symmetric;
+use crate::sparse::{Symmetric, add_scaled, largest};
 use crate::structure::Structure;
 
 /// Matrices of a structure in the unknowns y, x = T y: K_∞ without joints, M, and the slips on which the joints act.
@@ -42,6 +42,9 @@ impl Structure {
         Ok(Assembled { structure, transformation, stiffness, mass, slips, analysis: OnceLock::new() })
     }
 }
+
+/// Forces above this part of the largest stiffness times the motion are not rounding: the motion is held somewhere.
+const STRAINED: f64 = 1e-12;
 
 /// Unknowns of an element, ascending, and its displacements in them.
 struct Local {
@@ -254,6 +257,31 @@ impl Assembled {
     #[must_use]
     pub fn rigid_motion(&self, motion: usize) -> Vec<f64> {
         self.transformation.places.iter().map(|place| place.rigid(motion, [0.0; 3])).collect()
+    }
+
+    /// Mass-normalised rigid motions that strain nothing: six of a free structure.
+    pub(crate) fn free_motions(&self) -> Vec<Vec<f64>> {
+        let mut motions: Vec<Vec<f64>> = Vec::new();
+        for motion in 0..6 {
+            let mut vector = self.rigid_motion(motion);
+            let strain = largest(&self.stiffness.times(&vector));
+            if strain > STRAINED * self.stiffness.largest() * largest(&vector) {
+                continue;
+            }
+            self.remove(&mut vector, &motions);
+            let length = self.mass.form(&vector, &vector).sqrt();
+            vector.iter_mut().for_each(|x| *x /= length);
+            motions.push(vector);
+        }
+        motions
+    }
+
+    /// Takes the parts along mass-normalised motions off a vector.
+    pub(crate) fn remove(&self, from: &mut [f64], motions: &[Vec<f64>]) {
+        for motion in motions {
+            let part = self.mass.form(motion, from);
+            add_scaled(from, -part, motion);
+        }
     }
 
     /// Total mass.

@@ -69,6 +69,9 @@ pub enum Error {
         /// What helps.
         remedy: &'static str,
     },
+    /// An observer broke the analysis off.
+    #[error("interrupted")]
+    Interrupted,
     /// A joint law or a force refused its parameters.
     #[error(transparent)]
     Model(#[from] iwan_core::Error),

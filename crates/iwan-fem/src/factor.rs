@@ -17,7 +17,7 @@ use faer::{Conj, MatMut, Par, Side};
 use crate::dofs::Place;
 use crate::error::Error;
 use crate::ordering::nested_dissection;
-use crate::sparse::Symmetric;
+use crate::sparse::{Symmetric, largest};
 
 /// Largest backward error ‖A z - b‖ / (‖A‖ ‖z‖) that a sound factorisation leaves; usual is 1e-16.
 const SOUND: f64 = 1e-10;
@@ -43,11 +43,6 @@ impl Analysis {
         let symbolic = factorize_symbolic_cholesky(order, Side::Lower, ordering, parameters)
             .map_err(|e| failed(format!("the pattern of the factor does not fit into memory ({e:?})")))?;
         Ok(Self { symbolic: Arc::new(symbolic) })
-    }
-
-    /// Entries of the factor.
-    pub(crate) fn entries(&self) -> usize {
-        self.symbolic.len_val()
     }
 }
 
@@ -227,11 +222,9 @@ fn probe(matrix: &Symmetric, solve: impl Fn(&mut [f64])) -> Result<(), Error> {
     let right = random(matrix.order(), 1);
     let mut solution = right.clone();
     solve(&mut solution);
-    let largest =
-        |x: &[f64]| x.iter().fold(0.0_f64, |m, x| if x.is_nan() { f64::NAN } else { m.max(x.abs()) });
     let mut residual = matrix.times(&solution);
     residual.iter_mut().zip(&right).for_each(|(r, b)| *r -= b);
-    let scale = largest(matrix.parts().2) * largest(&solution);
+    let scale = matrix.largest() * largest(&solution);
     let error = largest(&residual) / scale;
     if error <= SOUND {
         return Ok(());

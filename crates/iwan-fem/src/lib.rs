@@ -5,15 +5,23 @@
 
 mod assembly;
 mod constraints;
+mod contact;
 mod dofs;
 mod eigen;
 mod element;
 mod error;
 mod factor;
+mod full_stepper;
 mod joint;
 mod material;
 pub mod mesh;
 mod modes;
+mod quasi_static;
+mod reduced_transient;
+mod reduction;
+mod slip_solver;
+mod transient;
+
 mod ordering;
 pub mod paper;
 
@@ -24,11 +32,15 @@ mod structure;
 pub mod check;
 
 pub use assembly::Assembled;
+pub use contact::Population;
 pub use dofs::Unknown;
 pub use element::{ElementMatrices, Formulation, Inertia};
 pub use error::Error;
 pub use joint::SlipUnknown;
 pub use material::Material;
 pub use modes::{Class, Contact, JointMode, Modes};
+pub use quasi_static::{ModalCurves, QuasiStatic};
+pub use reduction::{Basis, Reduced};
 pub use sparse::Symmetric;
 pub use structure::{Interface, Joint, Law, Lump, Patch, Slip, Structure, Support};
+pub use transient::{History, Output, Progress, SlipHistory, Transient, TruthResponse};

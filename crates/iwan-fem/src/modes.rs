@@ -108,6 +108,12 @@ impl Assembled {
         self.modes_and_factor(contact, count).map(|(modes, _)| modes)
     }
 
+    /// K + σM, factored.
+    pub(crate) fn shifted_factor(&self, contact: Contact) -> Result<Cholesky, Error> {
+        let (stiffness, analysis) = (self.stiffness(contact), self.analysis()?);
+        Problem { stiffness: &stiffness, mass: self.mass(), shift: self.shift(), analysis }.factor()
+    }
+
     /// The modes and the factor of K + σM that led to them.
     pub(crate) fn modes_and_factor(
         &self,

@@ -66,6 +66,11 @@ impl Symmetric {
         self.values[self.starts[j] as usize]
     }
 
+    /// Largest |entry|.
+    pub(crate) fn largest(&self) -> f64 {
+        largest(&self.values)
+    }
+
     /// Adds `value` at (`i`, `j`) and, implicitly, at (`j`, `i`). The entry must be in the pattern.
     pub(crate) fn add(&mut self, i: usize, j: usize, value: f64) {
         let (row, column) = (i.max(j) as u32, i.min(j));
@@ -156,6 +161,32 @@ impl Symmetric {
     }
 }
 
+impl Symmetric {
+    /// `x`ᵀ A `x` in doubled precision: where stiffness is large and strain small, the terms cancel.
+    ///
+    /// T. Ogita, S. M. Rump and S. Oishi, SIAM J. Sci. Comput. 26:1955, 2005, doi:10.1137/030601818.
+    pub(crate) fn square(&self, x: &[f64]) -> f64 {
+        let (mut sum, mut rest) = (0.0_f64, 0.0);
+        for (j, &xj) in x.iter().enumerate() {
+            let (rows, values) = self.column(j);
+            for (k, (&i, &value)) in rows.iter().zip(values).enumerate() {
+                let xi = x[i as usize];
+                // Off the diagonal each entry stands for two.
+                let weight = if k == 0 { value } else { 2.0 * value };
+                let product = xi * xj;
+                let lost = xi.mul_add(xj, -product);
+                let term = product * weight;
+                let total = sum + term;
+                let carried = total - sum;
+                rest += (sum - (total - carried)) + (term - carried);
+                rest += product.mul_add(weight, -term) + lost * weight;
+                sum = total;
+            }
+        }
+        sum + rest
+    }
+}
+
 /// Inner product, in eight partial sums: vectorises, and always in the same order.
 pub(crate) fn dot(x: &[f64], y: &[f64]) -> f64 {
     assert_eq!(x.len(), y.len(), "vectors of one length");
@@ -168,6 +199,11 @@ pub(crate) fn dot(x: &[f64], y: &[f64]) -> f64 {
         }
     }
     tail + ((sums[0] + sums[4]) + (sums[1] + sums[5])) + ((sums[2] + sums[6]) + (sums[3] + sums[7]))
+}
+
+/// Largest |x|; NaN when there is one.
+pub(crate) fn largest(x: &[f64]) -> f64 {
+    x.iter().fold(0.0, |m, x| if x.is_nan() || x.abs() > m { x.abs() } else { m })
 }
 
 /// `y` += `factor` `x`.
