@@ -11,6 +11,7 @@ use crate::curves::{Curves, ForceAxis, Quantity};
 use crate::error::{Error, check};
 use crate::fit::{Fit, fit_from};
 use crate::least_squares::Minimum;
+use crate::likelihood::Likelihood;
 use crate::parameters::{Parameter, Parameters};
 use crate::profile::{Extent, Profile, Profiles, profiles, slip_seen};
 use crate::refine::{Refined, RingDown, Task};
@@ -67,7 +68,7 @@ impl Linear {
 }
 
 /// What records tell about a mode.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone)]
 pub struct Identification {
     /// The parameters.
     pub parameters: Parameters,
@@ -75,6 +76,8 @@ pub struct Identification {
     pub profiles: Profiles,
     /// The refinement behind them.
     pub refined: Refined,
+    /// The records' likelihood, for samplers.
+    pub likelihood: Likelihood,
     /// Start values off the curves of the loudest record.
     pub start: Start,
     /// The fit on the curves that the refinement began with.
@@ -200,6 +203,11 @@ impl<'a> Prepared<'a> {
 /// assert!(found.verdict.adequate && found.profile(Parameter::Chi).identifiable());
 /// assert!((found.parameters.chi + 0.183).abs() < 0.004);
 /// assert!(found.profile(Parameter::FS).high.is_none() && !found.profile(Parameter::Beta).identifiable());
+/// // For a sampler: nothing is likelier than the best fit, by more than the rounding of the search.
+/// let mut likelihood = found.likelihood.clone();
+/// let starts = likelihood.starts().to_vec();
+/// let other = Parameters { chi: -0.19, ..found.parameters };
+/// assert!(likelihood.log(&found.parameters, &starts) > likelihood.log(&other, &starts));
 /// # Ok::<(), iwan_ident::Error>(())
 /// ```
 pub fn identify(sources: &[Source<'_>], settings: &Settings) -> Result<Identification, Error> {
@@ -225,6 +233,7 @@ pub fn identify(sources: &[Source<'_>], settings: &Settings) -> Result<Identific
         notes: prepared.iter().flat_map(Prepared::notes).chain(start.notes.iter().cloned()).collect(),
         envelopes: prepared.iter().map(|p| p.envelope.clone()).collect(),
         first_samples: prepared.iter().map(|p| p.first).collect(),
+        likelihood: Likelihood::new(&task, profiles.variance, refined.starts.clone()),
         profiles,
         refined,
         start,

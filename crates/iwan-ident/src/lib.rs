@@ -14,6 +14,7 @@ mod features;
 pub mod fit;
 pub mod identify;
 mod least_squares;
+pub mod likelihood;
 pub mod modal;
 mod parameters;
 pub mod profile;

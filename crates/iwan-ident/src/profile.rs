@@ -65,6 +65,8 @@ pub struct Profiles {
     pub parameters: Vec<Profile>,
     /// Deviance at the ends of the intervals: the square of Student's t.
     pub limit: f64,
+    /// Variance of the whitened residuals that the deviances are in units of.
+    pub(crate) variance: f64,
 }
 
 /// What all profiles of a task share.
@@ -150,7 +152,7 @@ pub(crate) fn profiles(
     if let Some(best) = best {
         return Err(best.clone());
     }
-    Ok(Profiles { parameters: results.into_iter().flatten().collect(), limit: scale.limit })
+    Ok(Profiles { parameters: results.into_iter().flatten().collect(), limit: scale.limit, variance: scale.variance })
 }
 
 /// Deviance of the best fit without macro-slip about the best fit; none where a held parameter decides on that.

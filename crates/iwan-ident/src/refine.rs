@@ -112,7 +112,7 @@ struct Prepared {
 }
 
 /// Buffers that all evaluations of a search share.
-#[derive(Debug, Default)]
+#[derive(Debug, Clone, Default)]
 pub(crate) struct Workspace {
     stack: Vec<Reversal>,
     model: Vec<Complex64>,
@@ -225,11 +225,30 @@ impl Task {
 
     /// Whitened residuals over each record's standard deviation.
     pub(crate) fn residuals(&self, x: &[f64], out: &mut [f64], work: &mut Workspace) -> bool {
-        self.each_model(x, work, |record, model, range| {
+        let starts = self.starts_at(x);
+        self.residuals_of(&self.chart.parameters(x), &starts, out, work)
+    }
+
+    /// The same for parameters and the turning points of the records.
+    pub(crate) fn residuals_of(
+        &self,
+        parameters: &Parameters,
+        starts: &[(f64, f64)],
+        out: &mut [f64],
+        work: &mut Workspace,
+    ) -> bool {
+        self.each_model(parameters, starts, work, |record, model, range| {
             record.whitening.apply(model);
             let left = record.white.iter().zip(model.iter()).map(|(z, m)| (z - m) / record.scale);
             out[range].chunks_exact_mut(2).zip(left).for_each(|(o, r)| (o[0], o[1]) = (r.re, r.im));
         })
+    }
+
+    /// Displacement and time of each record's turning point.
+    fn starts_at(&self, x: &[f64]) -> Vec<(f64, f64)> {
+        let omega = TAU * self.chart.parameters(x).frequency;
+        let own = x[COUNT..].chunks_exact(OWN);
+        own.zip(&self.records).map(|(own, record)| record.start_at(own, omega)).collect()
     }
 
     /// Whitened sum of squares; none where there is no model.
@@ -242,7 +261,8 @@ impl Task {
     /// Differences of log amplitudes and of unwrapped phases, weighted by amplitude.
     fn log_residuals(&self, x: &[f64], out: &mut [f64], work: &mut Workspace) -> bool {
         out.fill(0.0);
-        self.each_model(x, work, |record, model, range| {
+        let starts = self.starts_at(x);
+        self.each_model(&self.chart.parameters(x), &starts, work, |record, model, range| {
             let loud = record.loud();
             let loudest = record.amplitudes.iter().map(|z| z.norm()).fold(0.0, f64::max);
             let mut turned = (Complex64::new(1.0, 0.0), 0.0);
@@ -258,17 +278,16 @@ impl Task {
 
     fn each_model(
         &self,
-        x: &[f64],
+        parameters: &Parameters,
+        starts: &[(f64, f64)],
         work: &mut Workspace,
         mut compare: impl FnMut(&Prepared, &mut [Complex64], std::ops::Range<usize>),
     ) -> bool {
-        let parameters = self.chart.parameters(x);
-        let (omega, mut from) = (TAU * parameters.frequency, 0);
-        for (own, record) in x[COUNT..].chunks_exact(OWN).zip(&self.records) {
+        let mut from = 0;
+        for (start, record) in starts.iter().zip(&self.records) {
             work.model.resize(record.windows.count, Complex64::default());
-            let start = record.start_at(own, omega);
             let (stack, model) = (&mut work.stack, &mut work.model);
-            if !record.windows.of_model(&parameters, start, record.quantity, stack, model) {
+            if !record.windows.of_model(parameters, *start, record.quantity, stack, model) {
                 return false;
             }
             compare(record, model, from..from + 2 * record.windows.count);
@@ -422,9 +441,7 @@ impl Task {
 
     /// The largest amplitude of the model's ring-downs.
     fn loudest(&self, x: &[f64]) -> f64 {
-        let omega = TAU * self.chart.parameters(x).frequency;
-        let starts = x[COUNT..].chunks_exact(OWN).zip(&self.records);
-        starts.map(|(own, r)| r.start_at(own, omega).0.abs()).fold(0.0, f64::max)
+        self.starts_at(x).iter().map(|start| start.0.abs()).fold(0.0, f64::max)
     }
 
     /// Whether no record reaches φ_max.
@@ -463,7 +480,6 @@ impl Task {
         let mut out = vec![0.0; self.count()];
         self.residuals(&minimum.x, &mut out, &mut Workspace::default());
         let parameters = self.chart.parameters(&minimum.x);
-        let omega = TAU * parameters.frequency;
         let (mut noise, mut square, mut total, mut product, mut from) = (vec![], 0.0, 0.0, 0.0, 0);
         for record in &self.records {
             let n = 2 * record.windows.count;
@@ -478,11 +494,7 @@ impl Task {
         }
         Refined {
             parameters,
-            starts: minimum.x[COUNT..]
-                .chunks_exact(OWN)
-                .zip(&self.records)
-                .map(|(own, record)| record.start_at(own, omega))
-                .collect(),
+            starts: self.starts_at(&minimum.x),
             noise,
             relative_residual: (square / total).sqrt(),
             correlation: product / minimum.cost.max(f64::MIN_POSITIVE),
