@@ -191,6 +191,7 @@ impl<'a> Prepared<'a> {
 /// ```
 /// use iwan_core::{Decay, Reversal, Samples};
 /// use iwan_ident::{Parameter, Parameters, curves::Quantity, identify::{Settings, Source, identify}};
+/// use iwan_ident::likelihood::Buffers;
 /// let truth = Parameters { frequency: 124.0, damping_ratio: 1e-3, k_t: 4.45e4, f_s: 239.4, chi: -0.183, beta: 0.3 };
 /// let (oscillator, joint) = truth.model()?;
 /// let (dt, mut out) = (2e-4, [vec![0.0; 2000], vec![0.0; 2000], vec![0.0; 2000], vec![0.0; 2000]]);
@@ -204,10 +205,10 @@ impl<'a> Prepared<'a> {
 /// assert!((found.parameters.chi + 0.183).abs() < 0.004);
 /// assert!(found.profile(Parameter::FS).high.is_none() && !found.profile(Parameter::Beta).identifiable());
 /// // For a sampler: nothing is likelier than the best fit, by more than the rounding of the search.
-/// let mut likelihood = found.likelihood.clone();
-/// let starts = likelihood.starts().to_vec();
+/// let (likelihood, mut buffers) = (&found.likelihood, Buffers::default());
 /// let other = Parameters { chi: -0.19, ..found.parameters };
-/// assert!(likelihood.log(&found.parameters, &starts) > likelihood.log(&other, &starts));
+/// let best = likelihood.log(&found.parameters, likelihood.starts(), &mut buffers).unwrap();
+/// assert!(best > likelihood.log(&other, likelihood.starts(), &mut buffers).unwrap());
 /// # Ok::<(), iwan_ident::Error>(())
 /// ```
 pub fn identify(sources: &[Source<'_>], settings: &Settings) -> Result<Identification, Error> {
@@ -233,7 +234,7 @@ pub fn identify(sources: &[Source<'_>], settings: &Settings) -> Result<Identific
         notes: prepared.iter().flat_map(Prepared::notes).chain(start.notes.iter().cloned()).collect(),
         envelopes: prepared.iter().map(|p| p.envelope.clone()).collect(),
         first_samples: prepared.iter().map(|p| p.first).collect(),
-        likelihood: Likelihood::new(&task, profiles.variance, refined.starts.clone()),
+        likelihood: Likelihood::new(&task, profiles.variance, &refined.parameters, &refined.starts),
         profiles,
         refined,
         start,
