@@ -5,6 +5,9 @@ pub(crate) mod envelope;
 mod extracted;
 mod figure;
 mod figures;
+pub(crate) mod fit;
+mod fitted;
+mod intervals;
 mod scale;
 
 use iwan_core::{Backbone, Pulse};

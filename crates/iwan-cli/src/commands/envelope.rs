@@ -8,11 +8,12 @@ use crate::args::{EnvelopeArgs, Format};
 use crate::extraction::Extraction;
 use crate::failure::Failure;
 use crate::output;
+use crate::parallel::in_parallel;
 use crate::progress;
-use crate::records::{self, Recording, Units};
+use crate::records::{self, Recording, Units, Wanted};
 use crate::report;
 use crate::results::Results;
-pub(crate) use summary::{EnvelopeSummary, agreement};
+pub(crate) use summary::{EnvelopeSummary, RecordSummary, agreement};
 
 /// Folder for results when none was given.
 const DEFAULT_FOLDER: &str = "iwan-envelope";
@@ -31,6 +32,7 @@ pub(crate) fn run(args: &EnvelopeArgs) -> Result<(), Failure> {
     recording.warnings.iter().for_each(|w| note(&format!("warning: {w}")));
 
     let extractions = extract(&recording, args)?;
+    progress::check_interrupt()?;
     let units = units(&recording, args);
     let mut summary = EnvelopeSummary::new(&recording, &extractions, &units);
     summary.files = files.iter().map(ToString::to_string).collect();
@@ -45,13 +47,10 @@ pub(crate) fn run(args: &EnvelopeArgs) -> Result<(), Failure> {
 
 fn extract(recording: &Recording, args: &EnvelopeArgs) -> Result<Vec<Extraction>, Failure> {
     let recordings = std::slice::from_ref(recording);
-    let mut found = Vec::new();
-    for wanted in records::modes(recordings, &args.records)? {
-        let method = args.method.method();
-        found.push(Extraction::new(recordings, &wanted, 0, method, args.records.force_axis)?);
-        progress::check_interrupt()?;
-    }
-    Ok(found)
+    let wanted = records::modes(recordings, &args.records)?;
+    let (method, axis) = (args.method.method(), args.records.force_axis);
+    let one = |mode: &Wanted| Extraction::new(recordings, mode, 0, method, axis);
+    in_parallel(&wanted, args.common.thread_count(), &one).into_iter().collect()
 }
 
 fn units(recording: &Recording, args: &EnvelopeArgs) -> Units {
