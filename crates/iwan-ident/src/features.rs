@@ -130,11 +130,6 @@ impl Windows {
             }
         }
     }
-
-    /// ∫ w dt: an oscillation of constant amplitude A at ω_r has |z| = A/2 times this.
-    pub(crate) fn area(&self) -> f64 {
-        1.5 * self.hop
-    }
 }
 
 /// Turns amplitudes with white noise in the record into values with independent noise of equal variance.

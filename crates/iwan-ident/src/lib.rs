@@ -14,14 +14,18 @@ pub mod density;
 mod error;
 mod features;
 pub mod fit;
+pub mod identify;
 mod least_squares;
 pub mod modal;
 mod non_negative;
 mod parameters;
+pub mod profile;
 pub mod refine;
 pub mod signal;
 mod smooth;
 pub mod start;
+mod verdict;
 
 pub use error::Error;
 pub use parameters::{Parameter, Parameters};
+pub use verdict::Verdict;

@@ -74,6 +74,18 @@ impl Parameters {
         }
     }
 
+    /// One of them by name, to be changed.
+    pub const fn get_mut(&mut self, parameter: Parameter) -> &mut f64 {
+        match parameter {
+            Parameter::Frequency => &mut self.frequency,
+            Parameter::DampingRatio => &mut self.damping_ratio,
+            Parameter::KT => &mut self.k_t,
+            Parameter::FS => &mut self.f_s,
+            Parameter::Chi => &mut self.chi,
+            Parameter::Beta => &mut self.beta,
+        }
+    }
+
     /// The joint and the oscillator that holds it.
     ///
     /// # Errors

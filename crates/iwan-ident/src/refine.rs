@@ -42,9 +42,13 @@ const HOPS: [(usize, f64); 10] = [
     (5, -0.03),
     (5, 0.03),
 ];
+/// Relative residual that hides the creases.
+const CREASE: f64 = 5e-4;
 /// Rounds of hops, and the part of the sum of squares to which a round must bring it down for another one.
 const ROUNDS: usize = 8;
 const WORTH: f64 = 0.9;
+/// Relative reduction of the sum of squares at which searches end that are not the last.
+const ROUGH: f64 = 1e-4;
 /// Starts that the last search goes on from.
 const KEPT: usize = 3;
 /// Least standard deviation, relative to a record's amplitudes: the forward model's own error.
@@ -194,6 +198,10 @@ impl Task {
         self.records.iter().map(|r| 2 * r.windows.count).sum()
     }
 
+    pub(crate) fn held(&self) -> &[Parameter] {
+        &self.held
+    }
+
     /// Unknowns without those that are held.
     pub(crate) fn free(&self) -> Vec<usize> {
         let all = COUNT + OWN * self.records.len();
@@ -218,6 +226,13 @@ impl Task {
             let left = record.white.iter().zip(model.iter()).map(|(z, m)| (z - m) / record.scale);
             out[range].chunks_exact_mut(2).zip(left).for_each(|(o, r)| (o[0], o[1]) = (r.re, r.im));
         })
+    }
+
+    /// Whitened sum of squares; none where there is no model.
+    pub(crate) fn cost(&self, x: &[f64], work: &mut Workspace) -> Option<f64> {
+        let mut out = vec![0.0; self.count()];
+        let cost = self.residuals(x, &mut out, work).then(|| out.iter().map(|r| r * r).sum::<f64>());
+        cost.filter(|c| c.is_finite())
     }
 
     /// Differences of log amplitudes and of unwrapped phases, weighted by amplitude.
@@ -258,14 +273,14 @@ impl Task {
         true
     }
 
-    pub(crate) fn search(&self, free: Vec<usize>, iterations: usize) -> Search {
-        Search { count: self.count(), free, bounds: self.bounds(), iterations, tolerance: TOLERANCE }
+    pub(crate) fn search(&self, free: Vec<usize>, (iterations, tolerance): (usize, f64)) -> Search {
+        Search { count: self.count(), free, bounds: self.bounds(), iterations, tolerance }
     }
 
-    /// The least whitened sum of squares from `x`.
-    pub(crate) fn minimise(&self, x: &[f64], free: Vec<usize>, work: &mut Workspace) -> Option<Minimum> {
+    /// The least whitened sum of squares from `x`, until an iteration brings less than the relative `tolerance`.
+    pub(crate) fn minimise(&self, x: &[f64], free: Vec<usize>, tolerance: f64, work: &mut Workspace) -> Option<Minimum> {
         let mut residuals = |x: &[f64], out: &mut [f64]| self.residuals(x, out, work);
-        self.search(free, ITERATIONS.1).run(&mut residuals, x)
+        self.search(free, (ITERATIONS.1, tolerance)).run(&mut residuals, x)
     }
 
     /// Sets each record's standard deviation to that of its residuals at `x`.
@@ -316,7 +331,7 @@ impl Task {
     pub(crate) fn solve(&mut self, first: &Parameters) -> Result<Minimum, Error> {
         let mut work = Workspace::default();
         let mut log = |x: &[f64], out: &mut [f64]| self.log_residuals(x, out, &mut work);
-        let search = self.search(self.free(), ITERATIONS.0);
+        let search = self.search(self.free(), (ITERATIONS.0, ROUGH));
         let mut found: Vec<Minimum> =
             self.starts(first)?.iter().filter_map(|x| search.run(&mut log, x)).collect();
         found.sort_by(|a, b| a.cost.total_cmp(&b.cost));
@@ -324,15 +339,18 @@ impl Task {
         self.weigh(&nearest.x, &mut work);
         let mut best: Option<Minimum> = None;
         for near in found.iter().take(KEPT) {
-            let minimum = self.minimise(&near.x, self.free(), &mut work);
+            let minimum = self.minimise(&near.x, self.free(), ROUGH, &mut work);
             best = best.into_iter().chain(minimum).min_by(|a, b| a.cost.total_cmp(&b.cost));
         }
         let best = best.ok_or_else(no_ring_down)?;
         self.weigh(&best.x, &mut work);
-        let best = self.minimise(&best.x, self.free(), &mut work).ok_or_else(no_ring_down)?;
+        let best = self.minimise(&best.x, self.free(), TOLERANCE, &mut work).ok_or_else(no_ring_down)?;
+        if self.refined(&best).relative_residual > CREASE {
+            return Ok(best);
+        }
         let best = self.hop(best, &mut work);
         self.weigh(&best.x, &mut work);
-        self.minimise(&best.x, self.free(), &mut work).ok_or_else(no_ring_down)
+        self.minimise(&best.x, self.free(), TOLERANCE, &mut work).ok_or_else(no_ring_down)
     }
 
     /// Leaves creases of the sum of squares: it has one wherever an amplitude of the ring-down equals φ_max, because
@@ -349,7 +367,9 @@ impl Task {
                 x[coordinate] = (x[coordinate] + step).clamp(low, high);
                 let others = free.iter().copied().filter(|j| *j != coordinate).collect();
                 let found =
-                    self.minimise(&x, others, work).and_then(|m| self.minimise(&m.x, free.clone(), work));
+                    self
+                    .minimise(&x, others, ROUGH, work)
+                    .and_then(|m| self.minimise(&m.x, free.clone(), ROUGH, work));
                 best = found.filter(|f| f.cost < best.cost).unwrap_or(best);
             }
             if best.cost > WORTH * before {
@@ -357,6 +377,29 @@ impl Task {
             }
         }
         best
+    }
+
+    /// Goes on from a better minimum than the last.
+    pub(crate) fn resume(&mut self, better: &Minimum) -> Result<Minimum, Error> {
+        let mut work = Workspace::default();
+        let found = self.minimise(&better.x, self.free(), ROUGH, &mut work).ok_or_else(no_ring_down)?;
+        self.weigh(&found.x, &mut work);
+        self.minimise(&found.x, self.free(), TOLERANCE, &mut work).ok_or_else(no_ring_down)
+    }
+
+    /// The records without a joint: `linear` holds one that is as good as none.
+    pub(crate) fn without_joint(&self, linear: &Parameters, minimum: &Minimum) -> Result<(Self, Minimum), Error> {
+        let joint = [Parameter::KT, Parameter::FS, Parameter::Chi, Parameter::Beta];
+        let mut task = self.clone();
+        task.held.extend(joint.iter().filter(|p| !self.held.contains(p)));
+        task.chart = Chart::holding(&task.held, self.chart.amplitude);
+        let mut x = task.coordinates(linear)?;
+        x[COUNT..].copy_from_slice(&minimum.x[COUNT..]);
+        let mut work = Workspace::default();
+        let mut log = |x: &[f64], out: &mut [f64]| task.log_residuals(x, out, &mut work);
+        let near = task.search(task.free(), (ITERATIONS.0, ROUGH)).run(&mut log, &x).ok_or_else(no_ring_down)?;
+        let found = task.minimise(&near.x, task.free(), TOLERANCE, &mut work).ok_or_else(no_ring_down)?;
+        Ok((task, found))
     }
 
     pub(crate) fn refined(&self, minimum: &Minimum) -> Refined {
