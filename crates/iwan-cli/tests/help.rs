@@ -36,6 +36,8 @@ fn usage_errors_exit_with_2() {
         "simulate --format xlsx",
         "simulate a.toml b.toml",
         "envelope",
+        "fit",
+        "fit a.csv --hold x=1",
         "envelope a.csv --method fourier",
         "scenario nonsense",
         "scenario --list paper-modal",
@@ -69,7 +71,7 @@ fn completions_and_manual_pages_name_every_command() {
         let output = iwan(place.path(), arguments);
         assert!(output.status.success());
         let text = String::from_utf8(output.stdout).unwrap();
-        for command in ["simulate", "envelope", "scenario", "completions", "man"] {
+        for command in ["simulate", "envelope", "fit", "scenario", "completions", "man"] {
             assert!(text.contains(command), "{arguments}: {command}");
         }
     }

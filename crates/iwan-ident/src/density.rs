@@ -24,13 +24,15 @@ use iwan_core::{Backbone, DensityPoint, Oscillator, ResidualStiffness, Tabulated
 
 use crate::curves::Curves;
 use crate::error::Error;
-use crate::fit::Fit;
+use crate::verdict::Verdict;
 use problem::Problem;
 
 /// Least relative standard deviation of a dissipation and of a frequency: what averaging neglects, as in the fit.
 const FLOORS: (f64, f64) = (5e-3, 1e-5);
 /// Entries of one curve that are used, at most: neighbours say the same.
 const ENTRIES: usize = 150;
+/// A slope d ln ω/d ln u beyond this is noise.
+const STEEPEST: f64 = 0.3;
 /// Entries that are needed.
 const NEEDED: usize = 8;
 /// Mean squared residual up to which the curves count as explained.
@@ -130,13 +132,23 @@ pub fn density(curves: &[Curves], evidence: Evidence) -> Result<FreeForm, Error>
 }
 
 /// The usable entries of a curve, thinned.
+///
+/// Curves take the energy of a cycle from the velocity amplitude v = ω u (Eq. 7); where ω falls with u, v falls slower than
+/// u does. The energy itself falls as the work of the force at the tips, (K_∞ + F(u)/u) u du, which is ω² u du but for
+/// a hundredth of the softening: D of a cycle is that of the curves over 1 + d ln ω/d ln u.
 fn entries(curves: &Curves) -> Vec<Entry> {
     let stride = curves.t.len().div_ceil(ENTRIES).max(1);
+    let last = curves.t.len().saturating_sub(1);
+    let log_ratio = |v: &[f64], i: usize| (v[(i + 1).min(last)] / v[i.saturating_sub(1)]).ln();
+    let slope = |i: usize| {
+        let slope = log_ratio(&curves.frequency, i) / log_ratio(&curves.displacement, i);
+        if slope.abs() < STEEPEST { slope } else { 0.0 }
+    };
     let entry = |i: usize| {
         let omega = TAU * curves.frequency[i];
         Entry {
             displacement: curves.displacement[i],
-            dissipation: curves.dissipation[i],
+            dissipation: curves.dissipation[i] / (1.0 + slope(i)),
             log_sd: curves.log_dissipation_sd[i].max(FLOORS.0),
             omega,
             omega_sd: (TAU * curves.frequency_sd[i]).max(FLOORS.1 * omega),
@@ -203,7 +215,7 @@ impl FreeForm {
 
     /// What the free form says about the four-parameter one, in words and numbers.
     #[must_use]
-    pub fn words(&self, four: &Fit) -> String {
+    pub fn words(&self, four: &Verdict) -> String {
         let explains = self.mean_square < EXPLAINED;
         let verdict = match (self.evidence, explains) {
             (Evidence::Both, true) if four.adequate => "both forms match",

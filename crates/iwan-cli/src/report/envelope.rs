@@ -21,14 +21,14 @@ pub(crate) struct Input<'a> {
 pub(crate) fn render(input: &Input<'_>) -> String {
     let record = &input.summary.record;
     let body = html! {
-        h1 { "Envelope of " (record.file) }
+        h1 { "Envelope of " (record.name()) }
         p.about { (record.text().trim_end()) ". Written by iwan " (input.summary.version) "." }
         (units(input.units))
         @for warning in &input.summary.warnings { div.verdict.look { (warning) } }
         nav { @for (n, x) in input.extractions.iter().enumerate() { a href=(format!("#mode-{n}")) { (x.name) } } }
         @for (n, x) in input.extractions.iter().enumerate() { (mode(n, x, input)) }
     };
-    page(&format!("{} \u{2013} iwan envelope", record.file), &body)
+    page(&format!("{} \u{2013} iwan envelope", record.name()), &body)
 }
 
 /// What the units are.
@@ -79,7 +79,7 @@ fn verdict(x: &Extraction) -> Markup {
 }
 
 /// With a capital letter and a full stop.
-pub(super) fn sentence(words: &str) -> String {
+fn sentence(words: &str) -> String {
     let mut letters = words.chars();
     let first = letters.next().map(|c| c.to_uppercase().to_string()).unwrap_or_default();
     format!("{first}{}.", letters.as_str())

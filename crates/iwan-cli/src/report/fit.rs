@@ -2,7 +2,7 @@
 
 use maud::{Markup, html};
 
-use super::envelope::{sentence, units};
+use super::envelope::units;
 use super::extracted::Extracted;
 use super::fitted::Fitted;
 use super::{grid, intervals, page};
@@ -53,8 +53,10 @@ fn mode(n: usize, i: &Identified, fit: &ModeFit, units: &Units) -> Markup {
     html! {
         h2 id=(format!("mode-{n}")) { (fit.name) }
         (verdict(fit))
-        div.tables { section { (table(fit)) } section { (notes(fit)) } }
+        (table(fit))
         (intervals::draw(fit))
+        p { "What was found on the way:" }
+        (notes(fit))
         h2 { "Curves and fit" }
         (grid(&curves))
         h2 { "Record and model" }
@@ -81,7 +83,7 @@ fn verdict(fit: &ModeFit) -> Markup {
                 @else if fit.adequate { "One four-parameter Iwan joint with a viscous damper matches these records." }
                 @else { "One four-parameter Iwan joint with a viscous damper does not match these records." }
             } }
-            ul { @for words in &fit.in_words { li { (sentence(words)) } } }
+            ul { @for words in &fit.in_words { li { (words) } } }
         }
     }
 }

@@ -54,6 +54,11 @@ impl Fitted<'_> {
         &self.i.found.parameters
     }
 
+    /// Behind the title of a figure, where there are several records.
+    fn suffix(&self, n: usize) -> String {
+        if self.i.extractions.len() == 1 { String::new() } else { format!(", record {}", n + 1) }
+    }
+
     /// Name of a record in legends.
     fn record_name(&self, n: usize) -> String {
         if self.i.extractions.len() == 1 { "record".into() } else { format!("record {}", n + 1) }
@@ -65,7 +70,7 @@ impl Fitted<'_> {
         let seconds = CYCLES / self.parameters().frequency;
         let cycles = (seconds / c.dt) as usize;
         let last = c.record.len();
-        let name = self.record_name(n);
+        let suffix = self.suffix(n);
         let of = |title: &str, caption: String, range: std::ops::Range<usize>, bins| {
             let start = c.start + range.start as f64 * c.dt;
             let points = |samples: &[f64]| -> Vec<(f64, f64)> {
@@ -75,7 +80,7 @@ impl Fitted<'_> {
                     .collect()
             };
             self.over_time(
-                format!("{title}, {name}"),
+                format!("{title}{suffix}"),
                 caption,
                 vec![
                     Layer::new(Mark::Line, colour::BLUE, points(&c.record)).named(if c.unfiltered {
@@ -98,7 +103,7 @@ impl Fitted<'_> {
                 0..last,
                 BINS,
             ),
-            self.residual(c, &name),
+            self.residual(c, &suffix),
             of("The first cycles", near.clone(), 0..cycles.min(last), CURVE * 4),
             of("The last cycles", near, last.saturating_sub(cycles)..last, CURVE * 4),
         ]
@@ -109,12 +114,12 @@ impl Fitted<'_> {
         Figure { title, caption, x: Axis::linear("time", "s"), y, layers, marker: None }
     }
 
-    fn residual(&self, c: &Comparison, name: &str) -> Figure {
+    fn residual(&self, c: &Comparison, suffix: &str) -> Figure {
         let points = history(&c.residual(), c.dt, BINS).into_iter().map(|(t, y)| (c.start + t, y)).collect();
         let caption =
             "Noise alone is even in time; a swelling and shrinking residual is what the model misses.";
         let layer = Layer::new(Mark::Line, colour::GREY, points).named("record less model");
-        self.over_time(format!("Residual, {name}"), caption.into(), vec![layer])
+        self.over_time(format!("Residual{suffix}"), caption.into(), vec![layer])
     }
 
     /// Frequency and damping against amplitude, dissipation against force.
@@ -268,12 +273,12 @@ impl Fitted<'_> {
         ];
         let mut layers = vec![
             Layer::new(Mark::Area, colour::ORANGE, area).named("informed"),
-            Layer::new(Mark::Line, colour::VERMILLION, visible(four)).named("four-parameter"),
+            Layer::new(Mark::Line, colour::VERMILLION, visible(four)).named("4 parameters"),
         ];
         for d in &self.i.densities {
             let (mark, colour, name) = match d.evidence {
                 Evidence::Both => (Mark::Line, colour::BLUE, "free form"),
-                Evidence::Dissipation => (Mark::Dashed, colour::GREEN, "free, dissipation alone"),
+                Evidence::Dissipation => (Mark::Dashed, colour::GREEN, "from dissipation"),
             };
             layers.push(Layer::new(mark, colour, visible(free(d))).named(name));
         }
@@ -326,10 +331,38 @@ impl Fitted<'_> {
             layers: vec![
                 Layer::new(Mark::Dashed, colour::VERMILLION, vec![(ends.0, limit), (ends.1, limit)])
                     .named("95 %"),
-                Layer::new(Mark::Line, colour::BLUE, points.clone()),
+                Layer::new(Mark::Line, colour::BLUE, between(&points, profile.value)),
                 Layer::new(Mark::Dots, colour::BLUE, points),
             ],
             marker: Some((profile.value, "best")),
         }
+    }
+}
+
+/// Points between those of a profile, straight in the signed root of the deviance: a parabola stays one.
+fn between(points: &[(f64, f64)], best: f64) -> Vec<(f64, f64)> {
+    const STEPS: u32 = 12;
+    let root = |p: &(f64, f64)| p.1.max(0.0).sqrt().copysign(p.0 - best);
+    let inner = |pair: &[(f64, f64)]| {
+        let (a, b) = (root(&pair[0]), root(&pair[1]));
+        let (from, to) = (pair[0].0, pair[1].0);
+        let point = move |k: u32| {
+            let s = f64::from(k) / f64::from(STEPS);
+            (from + s * (to - from), (a + s * (b - a)).powi(2))
+        };
+        (0..=STEPS).map(point)
+    };
+    points.windows(2).flat_map(inner).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn parabolas_stay_parabolas() {
+        let points = [-2.0, 0.0, 1.0].map(|x: f64| (3.0 + x, x * x));
+        let all = between(&points, 3.0);
+        assert!(all.len() > 20 && all.iter().all(|(x, y)| ((x - 3.0).powi(2) - y).abs() < 1e-12));
     }
 }

@@ -13,7 +13,7 @@ const VALUES: f64 = 330.0;
 const LEFT: f64 = 350.0;
 const RIGHT: f64 = 800.0;
 /// Widest and narrowest scale: ln of the ratio to the best value.
-const WIDEST: f64 = 2.302585092994046;
+const WIDEST: f64 = std::f64::consts::LN_10;
 const NARROWEST: f64 = 0.01;
 
 /// An end of a bar.

@@ -177,8 +177,12 @@ pub(crate) fn is_alone(x: &[f64], dt: f64, band: &Band) -> bool {
     };
     let stands_out = |k: usize| {
         // Higher than what surrounds it: a skirt does not.
-        let around = (line(0.97 * k as f64 * spectrum.step).min(k - 2), line(1.03 * k as f64 * spectrum.step).max(k + 2));
-        let lowest = |from: usize, to: usize| spectrum.lines[from..to].iter().copied().fold(f64::INFINITY, f64::min);
+        let around = (
+            line(0.97 * k as f64 * spectrum.step).min(k - 2),
+            line(1.03 * k as f64 * spectrum.step).max(k + 2),
+        );
+        let lowest =
+            |from: usize, to: usize| spectrum.lines[from..to].iter().copied().fold(f64::INFINITY, f64::min);
         let edge = around.1.min(spectrum.lines.len() - 1);
         spectrum.is_peak(k)
             && spectrum.lines[k] >= least

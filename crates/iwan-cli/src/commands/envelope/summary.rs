@@ -1,7 +1,7 @@
 //! What an extraction says about itself: `summary.json` and the text on the terminal.
 
 use std::fmt::Write;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use iwan_ident::curves::ForceAxis;
 use iwan_ident::signal::{Envelope, Spread};
@@ -142,6 +142,11 @@ impl RecordSummary {
             samples: record.len(),
             start: record.start(),
         }
+    }
+
+    /// Name of the file without its folders.
+    pub(crate) fn name(&self) -> &str {
+        Path::new(&self.file).file_name().and_then(|n| n.to_str()).unwrap_or(&self.file)
     }
 
     /// In a line or two.

@@ -173,7 +173,7 @@ impl FitSummary {
 
     /// What the scenario is called.
     pub(crate) fn title(&self) -> String {
-        let files: Vec<&str> = self.records.iter().map(|r| r.file.as_str()).collect();
+        let files: Vec<&str> = self.records.iter().map(RecordSummary::name).collect();
         format!("Fit of {}", files.join(", "))
     }
 
@@ -283,7 +283,8 @@ pub(crate) fn value(e: &Estimate) -> String {
 
 /// What the records tell and what not.
 fn in_words(i: &Identified) -> Vec<String> {
-    let densities = i.densities.iter().map(|d| d.words(&i.found.verdict));
+    // By averaging, as the fit on the curves: misfits of one kind.
+    let densities = i.densities.iter().map(|d| d.words(&i.found.fit.verdict));
     i.found.in_words().into_iter().chain(densities).collect()
 }
 
