@@ -8,9 +8,13 @@
 mod args;
 mod commands;
 mod cycles;
+mod extraction;
 mod failure;
+mod identified;
 mod output;
+mod parallel;
 mod progress;
+mod records;
 mod report;
 mod results;
 mod run;
