@@ -273,12 +273,17 @@ fn on_curves(curves: &[Curves], held: &[(Parameter, f64)]) -> Result<(Start, Fit
 fn minimum_and_profiles(task: &mut Task, first: &Parameters) -> Result<(Minimum, Profiles), Error> {
     let mut minimum = task.solve(first)?;
     let first = task.coordinates(first)?;
-    let mut round = 0;
+    let (mut round, mut finished) = (0, false);
     loop {
         let micro_slip = task.micro_slip(&[&minimum.x, &first]);
         let extent = if slip_seen(task, &minimum, micro_slip.as_ref()) { Extent::Full } else { Extent::MicroSlip };
-        if let (Extent::MicroSlip, Some(without)) = (extent, &micro_slip) {
-            minimum = without.clone();
+        match (extent, &micro_slip) {
+            (Extent::MicroSlip, Some(without)) => minimum = without.clone(),
+            _ if finished => {}
+            _ => {
+                (minimum, finished) = (task.finish(&minimum)?, true);
+                continue;
+            }
         }
         match profiles(task, &minimum, micro_slip.as_ref(), (extent, round > ANEW)) {
             Ok(profiles) => return Ok((minimum, profiles)),

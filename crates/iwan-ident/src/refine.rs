@@ -30,7 +30,7 @@ const DIRACS: [f64; 2] = [0.02, 0.4];
 /// Part of ω0² that the joint has at most where nothing else limits it.
 const MOST_JOINT: f64 = 0.9;
 /// φ_max over the largest amplitude where no record reaches it: any larger one would do.
-const KNEE_UNSEEN: f64 = 2.0;
+pub(crate) const KNEE_UNSEEN: f64 = 2.0;
 /// Iterations of the first search from each start, and of the last.
 const ITERATIONS: (usize, usize) = (30, 100);
 /// Hops over creases, as coordinate (K_T or F_S, β/(1+β)) and step.
@@ -302,8 +302,9 @@ impl Task {
 
     /// The least whitened sum of squares from `x`, until an iteration brings less than the relative `tolerance`.
     pub(crate) fn minimise(&self, x: &[f64], free: Vec<usize>, tolerance: f64, work: &mut Workspace) -> Option<Minimum> {
+        let iterations = if tolerance > TOLERANCE { ITERATIONS.0 } else { ITERATIONS.1 };
         let mut residuals = |x: &[f64], out: &mut [f64]| self.residuals(x, out, work);
-        self.search(free, (ITERATIONS.1, tolerance)).run(&mut residuals, x)
+        self.search(free, (iterations, tolerance)).run(&mut residuals, x)
     }
 
     /// Sets each record's standard deviation to that of its residuals at `x`.
@@ -350,7 +351,7 @@ impl Task {
         Ok(starts)
     }
 
-    /// The best of all searches.
+    /// The best of all searches, roughly.
     pub(crate) fn solve(&mut self, first: &Parameters) -> Result<Minimum, Error> {
         let mut work = Workspace::default();
         let mut log = |x: &[f64], out: &mut [f64]| self.log_residuals(x, out, &mut work);
@@ -367,13 +368,20 @@ impl Task {
         }
         let best = best.ok_or_else(no_ring_down)?;
         self.weigh(&best.x, &mut work);
-        let best = self.minimise(&best.x, self.free(), TOLERANCE, &mut work).ok_or_else(no_ring_down)?;
-        if self.refined(&best).relative_residual > CREASE {
-            return Ok(best);
+        let cost = self.cost(&best.x, &mut work).ok_or_else(no_ring_down)?;
+        Ok(Minimum { cost, ..best })
+    }
+
+    /// The minimum itself, next to a rough one.
+    pub(crate) fn finish(&mut self, rough: &Minimum) -> Result<Minimum, Error> {
+        let mut work = Workspace::default();
+        let mut best = self.minimise(&rough.x, self.free(), TOLERANCE, &mut work).ok_or_else(no_ring_down)?;
+        if self.refined(&best).relative_residual < CREASE {
+            best = self.hop(best, &mut work);
+            self.weigh(&best.x, &mut work);
+            best = self.minimise(&best.x, self.free(), TOLERANCE, &mut work).ok_or_else(no_ring_down)?;
         }
-        let best = self.hop(best, &mut work);
-        self.weigh(&best.x, &mut work);
-        self.minimise(&best.x, self.free(), TOLERANCE, &mut work).ok_or_else(no_ring_down)
+        Ok(best)
     }
 
     /// Leaves creases of the sum of squares: it has one wherever an amplitude of the ring-down equals φ_max, because
@@ -563,6 +571,7 @@ fn no_ring_down() -> Error {
 pub fn refine(records: &[RingDown<'_>], first: &Parameters, held: &[Parameter]) -> Result<Refined, Error> {
     first.model()?;
     let mut task = Task::new(records, first, held)?;
-    let minimum = task.solve(first)?;
+    let rough = task.solve(first)?;
+    let minimum = task.finish(&rough)?;
     Ok(task.refined(&minimum))
 }

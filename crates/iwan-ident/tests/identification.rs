@@ -106,10 +106,10 @@ fn coverage(truth: &Parameters, clean: &[f64], dt: f64, decibels: f64, repetitio
 #[test]
 fn try_it() {
     let dt = 1.0 / 5000.0;
-    for (ratio, level) in [(1.5, 40.0), (0.3, 40.0), (0.3, 20.0), (1.5, 20.0)] {
+    for (ratio, level) in [(1.5, 20.0), (0.3, 40.0)] {
         let now = std::time::Instant::now();
         let clean = record(&MODE_1, ratio, dt, 1500);
-        coverage(&MODE_1, &clean, dt, level, 24);
+        coverage(&MODE_1, &clean, dt, level, 16);
         eprintln!("ratio {ratio} {level} {:?}", now.elapsed());
     }
 }
