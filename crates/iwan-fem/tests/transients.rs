@@ -134,12 +134,12 @@ fn demodulate(acceleration: &[f64], dt: f64, near: f64, time: f64) -> (f64, f64)
     let half = (3.0 / near / dt).round() as usize;
     let at = |centre: usize| -> (f64, f64) {
         let (mut c, mut s) = (0.0, 0.0);
-        for k in centre - half..=centre + half {
+        for (k, a) in acceleration.iter().enumerate().take(centre + half + 1).skip(centre - half) {
             let u = (k as f64 - centre as f64) / half as f64;
             let weight = 0.5 * (1.0 + (std::f64::consts::PI * u).cos());
             let phase = omega * k as f64 * dt;
-            c += weight * acceleration[k] * phase.cos();
-            s -= weight * acceleration[k] * phase.sin();
+            c += weight * a * phase.cos();
+            s -= weight * a * phase.sin();
         }
         (c.hypot(s) * 2.0 / half as f64, s.atan2(c))
     };
