@@ -172,21 +172,32 @@ pub(crate) enum Format {
     Parquet,
 }
 
-/// Print a built-in scenario file as a start for your own
+/// Print a built-in scenario or structure file as a start for your own
 ///
-/// Without a name the built-in scenarios are listed.
+/// Without a name the built-in files are listed.
 #[derive(Debug, Args)]
 #[command(after_help = "Examples:\n  iwan scenario --list\n  iwan scenario paper-modal > beam.toml\n  \
-    iwan scenario --schema > scenario.schema.json")]
+    iwan scenario paper-a > structure.toml\n  \
+    iwan scenario --schema structure > structure.schema.json")]
 pub(crate) struct ScenarioArgs {
-    /// Name of the scenario
+    /// Name of the scenario or structure
     pub(crate) name: Option<String>,
-    /// List the built-in scenarios
+    /// List the built-in files
     #[arg(long, conflicts_with = "name")]
     list: bool,
-    /// Print the JSON Schema of scenario files, for editors and checks
-    #[arg(long, conflicts_with_all = ["name", "list"])]
-    pub(crate) schema: bool,
+    /// Print the JSON Schema of scenario files, or of structure files, for editors and checks
+    #[arg(long, value_enum, value_name = "OF", num_args = 0..=1, default_missing_value = "scenario",
+        conflicts_with_all = ["name", "list"])]
+    pub(crate) schema: Option<SchemaOf>,
+}
+
+/// Formats with a JSON Schema.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub(crate) enum SchemaOf {
+    /// Scenario files
+    Scenario,
+    /// Structure files
+    Structure,
 }
 
 /// Print completions for a shell

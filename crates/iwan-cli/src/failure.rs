@@ -2,6 +2,8 @@
 
 use std::fmt;
 
+use iwan_input::InputError;
+
 /// A failure with the message for the user.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) enum Failure {
@@ -40,6 +42,12 @@ impl Failure {
             Self::Computation(_) => 1,
             Self::Interrupted => 130,
         }
+    }
+}
+
+impl From<InputError> for Failure {
+    fn from(InputError { message, remedy }: InputError) -> Self {
+        Self::Input { message, remedy }
     }
 }
 

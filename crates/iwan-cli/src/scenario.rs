@@ -2,31 +2,26 @@
 
 mod builtin;
 mod force;
-mod joint;
 mod method;
 mod mode;
-mod section;
-mod source;
 mod write;
 
 #[cfg(test)]
 mod schema_tests;
 
-pub(crate) use builtin::{BuiltIn, SCHEMA, built_in, find};
+pub(crate) use builtin::{SCHEMA, built_in};
 pub(crate) use force::Force;
-pub(crate) use joint::Joint;
+pub(crate) use iwan_input::{Joint, Source};
 pub(crate) use method::{MethodKeys, Representation};
 pub(crate) use mode::ScenarioMode;
-pub(crate) use source::Source;
 pub(crate) use write::to_toml;
 
 use std::collections::BTreeSet;
 
 use iwan_sim::{Method, Mode, Settings};
-use toml::de::DeTable;
 
-use crate::failure::Failure;
-use section::{Section, plain};
+use iwan_input::InputError;
+use iwan_input::{Section, plain};
 
 /// Keys at the top of a scenario.
 pub(crate) const KEYS: &[&str] = &["title", "mode", "force", "time", "method"];
@@ -56,17 +51,8 @@ pub(crate) struct Overrides {
 
 impl Scenario {
     /// Reads and checks a scenario, with changes from the command line.
-    pub(crate) fn read(source: &Source, overrides: &Overrides) -> Result<Self, Failure> {
-        let text = source.text.trim_start_matches('\u{feff}');
-        let document = DeTable::parse(text).map_err(|error| {
-            let start = error.span().map_or(0, |span| span.start);
-            let message = format!("not valid TOML: {}", error.message().trim().replace('\n', "; "));
-            source.failure(
-                start,
-                &message,
-                "correct this place; `iwan scenario paper-modal` prints a valid file",
-            )
-        })?;
+    pub(crate) fn read(source: &Source, overrides: &Overrides) -> Result<Self, InputError> {
+        let document = source.document("paper-modal")?;
         let top = Section::new(source, "the scenario", (document.get_ref(), document.span()), KEYS)?;
         let settings = read_settings(source, &top, overrides)?;
         let scenario = Self {
@@ -98,10 +84,10 @@ impl Scenario {
         source: &Source,
         top: &Section<'_>,
         overrides: &Overrides,
-    ) -> Result<(), Failure> {
+    ) -> Result<(), InputError> {
         let time = time_section(source, top)?;
         let fail = |message: &str, remedy: &str| match overrides.step.or(overrides.duration) {
-            Some(_) => Failure::input(format!("{}: {message}", flags(overrides)), remedy),
+            Some(_) => InputError::new(format!("{}: {message}", flags(overrides)), remedy),
             None => time.failure("step", message, remedy),
         };
         let Settings { dt, duration, method, .. } = self.settings;
@@ -145,7 +131,7 @@ fn flags(overrides: &Overrides) -> String {
     step.into_iter().chain(duration).collect::<Vec<_>>().join(" and ")
 }
 
-fn time_section<'a>(source: &'a Source, top: &Section<'a>) -> Result<Section<'a>, Failure> {
+fn time_section<'a>(source: &'a Source, top: &Section<'a>) -> Result<Section<'a>, InputError> {
     match top.optional_table("time")? {
         Some(place) => Section::new(source, "[time]", place, method::TIME_KEYS),
         None => Err(top.failure(
@@ -156,7 +142,7 @@ fn time_section<'a>(source: &'a Source, top: &Section<'a>) -> Result<Section<'a>
     }
 }
 
-fn read_settings(source: &Source, top: &Section<'_>, overrides: &Overrides) -> Result<Settings, Failure> {
+fn read_settings(source: &Source, top: &Section<'_>, overrides: &Overrides) -> Result<Settings, InputError> {
     let time = time_section(source, top)?;
     let seconds = |key, instead: Option<f64>| {
         let value = instead.map_or_else(|| time.number(key), Ok)?;
@@ -172,7 +158,7 @@ fn read_settings(source: &Source, top: &Section<'_>, overrides: &Overrides) -> R
     Ok(Settings { method, ..Settings::new(dt, duration) })
 }
 
-fn read_method(source: &Source, top: &Section<'_>, overrides: &Overrides) -> Result<Method, Failure> {
+fn read_method(source: &Source, top: &Section<'_>, overrides: &Overrides) -> Result<Method, InputError> {
     let section = match top.optional_table("method")? {
         Some(place) => Some(Section::kind(source, "[method]", place, method::KINDS, Some("newmark"))?),
         None => None,
@@ -184,7 +170,7 @@ fn read_method(source: &Source, top: &Section<'_>, overrides: &Overrides) -> Res
     let keys = written.overridden(overrides)?;
     keys.resolve().map_err(|(key, message, remedy)| match &section {
         Some((section, _)) if keys == written => section.failure(key, &message, &remedy),
-        _ => Failure::input(message, remedy),
+        _ => InputError::new(message, remedy),
     })
 }
 
@@ -193,7 +179,7 @@ fn read_force(
     top: &Section<'_>,
     step: f64,
     overrides: &Overrides,
-) -> Result<Force, Failure> {
+) -> Result<Force, InputError> {
     let Some(place) = top.optional_table("force")? else {
         let remedy = "add [force] with kind = \"haversine\", amplitude and duration, or kind = \"none\"";
         return Err(top.failure("force", "the table [force] is missing", remedy));
@@ -203,11 +189,11 @@ fn read_force(
     let Some(amplitude) = overrides.amplitude else { return Ok(force) };
     force.with_amplitude(amplitude).ok_or_else(|| {
         let message = format!("--amplitude does not apply to a force of kind = \"{}\"", kind.name);
-        Failure::input(message, "leave --amplitude out, or choose another force in the scenario")
+        InputError::new(message, "leave --amplitude out, or choose another force in the scenario")
     })
 }
 
-fn read_modes(source: &Source, top: &Section<'_>) -> Result<Vec<ScenarioMode>, Failure> {
+fn read_modes(source: &Source, top: &Section<'_>) -> Result<Vec<ScenarioMode>, InputError> {
     let tables = top.tables("mode")?;
     if tables.is_empty() {
         let remedy = "add [[mode]] with name and frequency; `iwan scenario paper-modal` prints an example";

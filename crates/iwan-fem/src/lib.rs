@@ -31,6 +31,8 @@ mod sparse;
 
 mod structure;
 
+pub mod check;
+
 pub use assembly::Assembled;
 pub use contact::Population;
 pub use converged::Converged;

@@ -26,7 +26,7 @@ pub(crate) type PointResponse = (String, [Vec<f64>; 3]);
 /// Runs the command.
 pub(crate) fn run(args: &SimulateArgs) -> Result<(), Failure> {
     let source = match &args.scenario {
-        Some(path) => Source::read(path)?,
+        Some(path) => Source::read(path, "scenario", "paper-modal")?,
         None => built_in()[0].source(),
     };
     let scenario = Scenario::read(&source, &args.changes.overrides())?;

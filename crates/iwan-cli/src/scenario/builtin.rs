@@ -1,6 +1,6 @@
 //! The scenarios that are built in, and the schema of the format.
 
-use super::source::Source;
+use iwan_input::Source;
 
 /// A scenario that is built in.
 #[derive(Debug)]
@@ -23,14 +23,9 @@ static ALL: &[BuiltIn] = &[BuiltIn {
 /// JSON Schema (draft 2020-12) of scenario files.
 pub(crate) const SCHEMA: &str = include_str!("../../schema/scenario.schema.json");
 
-/// All built-in scenarios, the default first.
+/// All built-in scenarios, the default first; structures are in [`iwan_input::BUILT_IN_STRUCTURES`].
 pub(crate) fn built_in() -> &'static [BuiltIn] {
     ALL
-}
-
-/// The built-in scenario of this name.
-pub(crate) fn find(name: &str) -> Option<&'static BuiltIn> {
-    ALL.iter().find(|b| b.name == name)
 }
 
 impl BuiltIn {

@@ -4,9 +4,9 @@ use std::path::PathBuf;
 
 use iwan_core::Pulse;
 
-use super::section::{Kind, Section};
-use super::source::Source;
-use crate::failure::Failure;
+use iwan_input::InputError;
+use iwan_input::Source;
+use iwan_input::{Kind, Section};
 
 /// The force histories and their keys.
 pub(crate) const KINDS: &[Kind] = &[
@@ -55,7 +55,7 @@ impl Force {
         section: &Section<'_>,
         kind: &'static Kind,
         step: f64,
-    ) -> Result<Self, Failure> {
+    ) -> Result<Self, InputError> {
         let number = |key| section.number(key);
         let endless = |key| section.number_or(key, f64::INFINITY);
         let pulse = match kind.name {

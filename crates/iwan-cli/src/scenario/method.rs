@@ -3,8 +3,8 @@
 use iwan_core::Grid;
 use iwan_sim::{JointKind, Method};
 
-use super::section::{Kind, Section};
-use crate::failure::Failure;
+use iwan_input::InputError;
+use iwan_input::{Kind, Section};
 
 /// The methods and their keys.
 pub(crate) const KINDS: &[Kind] = &[
@@ -57,7 +57,7 @@ impl MethodKeys {
     }
 
     /// Reads the table.
-    pub(super) fn read(section: &Section<'_>, kind: &'static Kind) -> Result<Self, Failure> {
+    pub(super) fn read(section: &Section<'_>, kind: &'static Kind) -> Result<Self, InputError> {
         let representations =
             [("sliders", Representation::Sliders), ("continuum", Representation::Continuum)];
         Ok(Self {
@@ -138,7 +138,7 @@ fn default_sliders() -> usize {
 
 impl MethodKeys {
     /// With what the command line says instead.
-    pub(super) fn overridden(self, overrides: &super::Overrides) -> Result<Self, Failure> {
+    pub(super) fn overridden(self, overrides: &super::Overrides) -> Result<Self, InputError> {
         let mut keys = match overrides.method {
             Some(kind) if kind != self.kind => {
                 let applies = |key| KINDS.iter().any(|k| k.name == kind && k.keys.contains(&key));
@@ -152,7 +152,7 @@ impl MethodKeys {
             let owner = KINDS.iter().find(|k| k.name == keys.kind);
             if given && !owner.is_some_and(|k| k.keys.contains(&key)) {
                 let message = format!("--{key} does not apply to the method {}", keys.kind);
-                return Err(Failure::input(message, format!("leave --{key} out, or add --method newmark")));
+                return Err(InputError::new(message, format!("leave --{key} out, or add --method newmark")));
             }
         }
         if let Some(joint) = overrides.joint {

@@ -6,11 +6,11 @@ use iwan_core::ResidualStiffness;
 use iwan_sim::{Mode, Point};
 use toml::de::DeTable;
 
-use super::joint::{self, Joint};
-use super::section::{Section, plain};
-use super::source::Source;
-use crate::failure::Failure;
 use crate::summary::short;
+use iwan_input::InputError;
+use iwan_input::Joint;
+use iwan_input::Source;
+use iwan_input::{Section, plain};
 
 /// Keys of a mode.
 pub(crate) const KEYS: &[&str] = &[
@@ -40,7 +40,7 @@ impl ScenarioMode {
         source: &Source,
         index: usize,
         place: (&DeTable<'_>, Range<usize>),
-    ) -> Result<Self, Failure> {
+    ) -> Result<Self, InputError> {
         let section = Section::new(source, format!("mode {}", index + 1), place, KEYS)?;
         let name = section.text("name")?;
         if name.trim().is_empty() || name.chars().any(char::is_control) {
@@ -73,15 +73,11 @@ fn read_joint(
     source: &Source,
     mode: &Section<'_>,
     place: (&DeTable<'_>, Range<usize>),
-) -> Result<(Joint, iwan_sim::JointLaw), Failure> {
-    let title = format!("joint of {}", mode.title());
-    let (section, kind) = Section::kind(source, title, place, joint::KINDS, Some("four-parameter"))?;
-    let joint = Joint::read(&section, kind)?;
-    let law = joint.law().map_err(|error| section.out_of_range(error, joint::key_of))?;
-    Ok((joint, law))
+) -> Result<(Joint, iwan_sim::JointLaw), InputError> {
+    Joint::read(source, format!("joint of {}", mode.title()), place)
 }
 
-fn oscillator_failure(section: &Section<'_>, error: iwan_core::Error) -> Failure {
+fn oscillator_failure(section: &Section<'_>, error: iwan_core::Error) -> InputError {
     use iwan_core::Error::OutOfRange;
     match error {
         OutOfRange { name: "k_t", value, .. } => {
@@ -105,7 +101,7 @@ fn oscillator_failure(section: &Section<'_>, error: iwan_core::Error) -> Failure
     }
 }
 
-fn read_outputs(source: &Source, mode: &Section<'_>) -> Result<Vec<Point>, Failure> {
+fn read_outputs(source: &Source, mode: &Section<'_>) -> Result<Vec<Point>, InputError> {
     let Some(place) = mode.optional_table("outputs")? else { return Ok(Vec::new()) };
     let (section, entries) = Section::entries(source, &format!("outputs of {}", mode.title()), place)?;
     let point = |(name, shape): (String, f64)| {
@@ -125,7 +121,7 @@ fn read_outputs(source: &Source, mode: &Section<'_>) -> Result<Vec<Point>, Failu
     entries.into_iter().map(point).collect()
 }
 
-fn read_initial(source: &Source, mode: &Section<'_>) -> Result<(f64, f64), Failure> {
+fn read_initial(source: &Source, mode: &Section<'_>) -> Result<(f64, f64), InputError> {
     let Some(place) = mode.optional_table("initial")? else { return Ok((0.0, 0.0)) };
     let section = Section::new(source, format!("initial of {}", mode.title()), place, INITIAL_KEYS)?;
     let number = |key| match section.number_or(key, 0.0)? {

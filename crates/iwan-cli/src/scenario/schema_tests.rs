@@ -3,10 +3,8 @@
 
 use serde_json::Value;
 
-use super::section::{Kind, known};
-use super::{
-    BuiltIn, KEYS, Overrides, SCHEMA, Scenario, Source, built_in, force, joint, method, mode, to_toml,
-};
+use super::{KEYS, Overrides, SCHEMA, Scenario, Source, built_in, force, method, mode, to_toml};
+use iwan_input::{Kind, known};
 
 fn schema() -> Value {
     serde_json::from_str(SCHEMA).unwrap()
@@ -36,7 +34,7 @@ fn plain_tables_have_the_same_keys() {
 #[test]
 fn every_kind_has_the_same_keys() {
     let tables: [(&str, &'static [Kind]); 3] =
-        [("joint", joint::KINDS), ("force", force::KINDS), ("method", method::KINDS)];
+        [("joint", iwan_input::LAWS), ("force", force::KINDS), ("method", method::KINDS)];
     for (table, kinds) in tables {
         let schema = schema();
         let variants = schema.pointer(&format!("/$defs/{table}/oneOf")).and_then(Value::as_array).unwrap();
@@ -70,7 +68,7 @@ fn as_json(text: &str) -> Value {
     table.get_ref().iter().map(|(k, v)| (k.get_ref().to_string(), convert(v.get_ref()))).collect()
 }
 
-fn read(text: &str) -> Result<Scenario, crate::failure::Failure> {
+fn read(text: &str) -> Result<Scenario, iwan_input::InputError> {
     Scenario::read(&Source::built_in("test.toml", text), &Overrides::default())
 }
 
@@ -90,7 +88,7 @@ duration = 0.1
 #[test]
 fn shipped_scenarios_are_valid_and_written_ones_too() {
     let validator = jsonschema::validator_for(&schema()).unwrap();
-    let texts = built_in().iter().map(|b: &BuiltIn| b.text).chain([GOOD]);
+    let texts = built_in().iter().map(|b| b.text).chain([GOOD]);
     for text in texts {
         assert!(validator.is_valid(&as_json(text)));
         let scenario = read(text).unwrap();

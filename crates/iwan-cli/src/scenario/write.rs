@@ -5,8 +5,8 @@ use std::fmt::Write;
 use iwan_core::{Grid, Pulse, ResidualStiffness};
 use iwan_sim::{JointKind, Method, Settings};
 
-use super::joint::Joint;
 use super::{Force, Scenario, ScenarioMode};
+use iwan_input::Joint;
 
 /// The scenario as TOML; a force from a file is called `force_file`.
 pub(crate) fn to_toml(scenario: &Scenario, force_file: &str) -> String {

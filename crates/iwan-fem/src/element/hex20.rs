@@ -37,7 +37,7 @@ const NODES: [[f64; 3]; 20] = {
 };
 
 /// N_i and ∂N_i/∂ξ_a at a point of the reference cube.
-fn functions(at: [f64; 3]) -> ([f64; 20], [[f64; 3]; 20]) {
+pub(super) fn functions(at: [f64; 3]) -> ([f64; 20], [[f64; 3]; 20]) {
     let (mut values, mut derivatives) = ([0.0; 20], [[0.0; 3]; 20]);
     for (i, node) in NODES.iter().enumerate() {
         // Each direction contributes 1 + x_i x, or the bubble 1 - x² along a mid-edge node's own edge.

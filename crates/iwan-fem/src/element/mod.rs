@@ -5,10 +5,12 @@ mod hex20;
 mod hex8;
 mod hex8_incompatible;
 mod isotropic;
+mod quality;
 
 use crate::material::Material;
 use crate::mesh::Shape;
 pub(crate) use geometry::NoVolume;
+pub(crate) use quality::{corner_quality, least_quality_inside};
 
 /// Formulation of eight-node hexahedra; twenty-node ones are always fully integrated.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]

@@ -1,7 +1,18 @@
 //! Nodes, elements and named sets: what every reader delivers and the assembly starts from.
 
+mod abaqus;
 pub mod beam;
 pub mod block;
+mod error;
+mod gmsh;
+mod labels;
+mod read;
+mod sets;
+mod source;
+pub mod vtu;
+
+pub use error::{MeshError, MeshWarning};
+pub use read::{MeshFile, read, read_bytes};
 
 use std::collections::BTreeMap;
 

@@ -1,13 +1,17 @@
-//! `joint = { ... }` of a mode.
+//! Joint laws: `joint = { ... }` of a mode, `law = { ... }` of a slip.
+
+use std::ops::Range;
 
 use iwan_core::{Error, FourParameter, Jenkins, Uniform};
 use iwan_sim::JointLaw;
+use toml::de::DeTable;
 
-use super::section::{Kind, Section};
-use crate::failure::Failure;
+use crate::error::InputError;
+use crate::section::{Kind, Section};
+use crate::source::Source;
 
 /// The joint laws and their keys.
-pub(crate) const KINDS: &[Kind] = &[
+pub const LAWS: &[Kind] = &[
     Kind { name: "four-parameter", keys: &["k_t", "f_s", "chi", "beta"] },
     Kind { name: "jenkins", keys: &["k_t", "f_s"] },
     Kind { name: "uniform", keys: &["k_t", "f_s", "width"] },
@@ -16,16 +20,35 @@ pub(crate) const KINDS: &[Kind] = &[
 
 /// A joint as written, kept beside the law so that it can be written again.
 #[derive(Debug, Clone, PartialEq)]
-pub(crate) enum Joint {
+#[allow(missing_docs, reason = "the fields carry the names of the keys, which are those of the laws")]
+pub enum Joint {
+    /// Segalman's four-parameter Iwan joint ([`FourParameter`]).
     FourParameter { k_t: f64, f_s: f64, chi: f64, beta: f64 },
+    /// One Jenkins element ([`Jenkins`]).
     Jenkins { k_t: f64, f_s: f64 },
+    /// Iwan's uniform band of strengths ([`Uniform`]).
     Uniform { k_t: f64, f_s: f64, width: f64 },
+    /// A density given point by point ([`JointLaw::tabulated`]).
     Tabulated { strength: Vec<f64>, density: Vec<f64>, dirac: f64 },
 }
 
 impl Joint {
-    /// Reads the table's values; [`law`](Self::law) checks them.
-    pub(super) fn read(section: &Section<'_>, kind: &Kind) -> Result<Self, Failure> {
+    /// Reads and checks a table under the `title` for messages; without `kind` it is a four-parameter joint.
+    ///
+    /// # Errors
+    /// [`InputError`] with the place, what stands there and what helps.
+    pub fn read<'a>(
+        source: &'a Source,
+        title: String,
+        place: (&'a DeTable<'a>, Range<usize>),
+    ) -> Result<(Self, JointLaw), InputError> {
+        let (section, kind) = Section::kind(source, title, place, LAWS, Some("four-parameter"))?;
+        let joint = Self::values(&section, kind)?;
+        let law = joint.law().map_err(|error| section.out_of_range(error, key_of))?;
+        Ok((joint, law))
+    }
+
+    fn values(section: &Section<'_>, kind: &Kind) -> Result<Self, InputError> {
         let number = |key| section.number(key);
         Ok(match kind.name {
             "four-parameter" => Self::FourParameter {
@@ -45,7 +68,7 @@ impl Joint {
     }
 
     /// The joint law.
-    pub(super) fn law(&self) -> Result<JointLaw, Error> {
+    fn law(&self) -> Result<JointLaw, Error> {
         match self {
             Self::FourParameter { k_t, f_s, chi, beta } => {
                 FourParameter::new(*k_t, *f_s, *chi, *beta).map(JointLaw::FourParameter)
@@ -58,7 +81,7 @@ impl Joint {
 }
 
 /// The key behind a name in an error of the libraries.
-pub(super) fn key_of(name: &str) -> String {
+fn key_of(name: &str) -> String {
     match name {
         "phi_max" | "f_s/k_t" => "f_s",
         "k_t/width" => "width",

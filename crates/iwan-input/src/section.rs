@@ -1,25 +1,25 @@
-//! A table of a scenario, read key by key with messages that name file, line, key and remedy.
+//! A table of an input file, read key by key with messages that name file, line, key and remedy.
 
 use std::ops::Range;
 
 use toml::Spanned;
 use toml::de::{DeTable, DeValue};
 
-use super::source::Source;
-use crate::failure::Failure;
+use crate::error::InputError;
+use crate::source::Source;
 
 /// One of several variants of a table, told apart by the key `kind`.
 #[derive(Debug)]
-pub(crate) struct Kind {
+pub struct Kind {
     /// Value of `kind`.
-    pub(crate) name: &'static str,
+    pub name: &'static str,
     /// Keys that go with it, `kind` itself left out.
-    pub(crate) keys: &'static [&'static str],
+    pub keys: &'static [&'static str],
 }
 
 /// A table with its title and place.
 #[derive(Debug)]
-pub(crate) struct Section<'a> {
+pub struct Section<'a> {
     source: &'a Source,
     title: String,
     table: &'a DeTable<'a>,
@@ -28,12 +28,15 @@ pub(crate) struct Section<'a> {
 
 impl<'a> Section<'a> {
     /// A table that may hold the `known` keys only.
-    pub(crate) fn new(
+    ///
+    /// # Errors
+    /// [`InputError`] with the place, what stands there and what helps.
+    pub fn new(
         source: &'a Source,
         title: impl Into<String>,
         (table, span): (&'a DeTable<'a>, Range<usize>),
         known: &[&str],
-    ) -> Result<Self, Failure> {
+    ) -> Result<Self, InputError> {
         let section = Self { source, title: title.into(), table, span };
         match section.table.keys().find(|key| !known.contains(&key.get_ref().as_ref())) {
             Some(key) => Err(section.unknown(key, known)),
@@ -41,29 +44,27 @@ impl<'a> Section<'a> {
         }
     }
 
-    fn unknown(&self, key: &Spanned<toml::de::DeString<'_>>, known: &[&str]) -> Failure {
+    fn unknown(&self, key: &Spanned<toml::de::DeString<'_>>, known: &[&str]) -> InputError {
         let given = key.get_ref().as_ref();
-        let nearest = known
-            .iter()
-            .map(|k| (strsim::damerau_levenshtein(&given.to_lowercase(), k), *k))
-            .min()
-            .filter(|(distance, k)| *distance <= 2.max(k.len() / 2));
         let list = known.join(", ");
-        let remedy = match nearest {
-            Some((_, k)) => format!("did you mean `{k}`? Known here: {list}"),
+        let remedy = match nearest(given, known) {
+            Some(k) => format!("did you mean `{k}`? Known here: {list}"),
             None => format!("remove it; known here: {list}"),
         };
         self.source.failure(key.span().start, &format!("unknown key `{given}` in {}", self.title), &remedy)
     }
 
     /// The variant of the table: its keys are checked, other variants' keys are named as such.
-    pub(crate) fn kind(
+    ///
+    /// # Errors
+    /// [`InputError`] with the place, what stands there and what helps.
+    pub fn kind(
         source: &'a Source,
         title: impl Into<String>,
         place: (&'a DeTable<'a>, Range<usize>),
         kinds: &'static [Kind],
         default: Option<&str>,
-    ) -> Result<(Self, &'static Kind), Failure> {
+    ) -> Result<(Self, &'static Kind), InputError> {
         let every = known(kinds);
         let section = Self::new(source, title, place, &every)?;
         let names = kinds.iter().map(|k| k.name).collect::<Vec<_>>().join(", ");
@@ -93,12 +94,14 @@ impl<'a> Section<'a> {
     }
 
     /// The same table under another title.
-    pub(crate) fn renamed(self, title: String) -> Self {
+    #[must_use]
+    pub fn renamed(self, title: String) -> Self {
         Self { title, ..self }
     }
 
     /// Title for messages.
-    pub(crate) fn title(&self) -> &str {
+    #[must_use]
+    pub fn title(&self) -> &str {
         &self.title
     }
 
@@ -107,41 +110,51 @@ impl<'a> Section<'a> {
     }
 
     /// A failure at the value of `key`, or at the table when the key is not there.
-    pub(crate) fn failure(&self, key: &str, message: &str, remedy: &str) -> Failure {
+    #[must_use]
+    pub fn failure(&self, key: &str, message: &str, remedy: &str) -> InputError {
         let start = self.value(key).map_or(self.span.start, |v| v.span().start);
         self.source.failure(start, &format!("{}: {message}", self.title), remedy)
     }
 
-    fn missing(&self, key: &str, remedy: &str) -> Failure {
+    fn missing(&self, key: &str, remedy: &str) -> InputError {
         self.failure(key, &format!("the key `{key}` is missing"), remedy)
     }
 
-    fn choice_failure(&self, key: &str, given: &str, names: &str) -> Failure {
+    fn choice_failure(&self, key: &str, given: &str, names: &str) -> InputError {
         self.failure(key, &format!("{key} = \"{given}\" is not known"), &format!("choose one of {names}"))
     }
 
-    fn wrong_type(&self, key: &str, found: &DeValue<'_>, wanted: &str) -> Failure {
+    fn wrong_type(&self, key: &str, found: &DeValue<'_>, wanted: &str) -> InputError {
         let article = if found.type_str().starts_with(['a', 'i']) { "an" } else { "a" };
         let message = format!("{key} is {article} {}, not {wanted}", found.type_str());
         self.failure(key, &message, &format!("give {key} as {wanted}"))
     }
 
     /// A number that may be left out.
-    pub(crate) fn optional_number(&self, key: &str) -> Result<Option<f64>, Failure> {
+    ///
+    /// # Errors
+    /// [`InputError`] with the place, what stands there and what helps.
+    pub fn optional_number(&self, key: &str) -> Result<Option<f64>, InputError> {
         self.value(key).map(|v| self.to_number(key, v)).transpose()
     }
 
     /// A number with a default.
-    pub(crate) fn number_or(&self, key: &str, default: f64) -> Result<f64, Failure> {
+    ///
+    /// # Errors
+    /// [`InputError`] with the place, what stands there and what helps.
+    pub fn number_or(&self, key: &str, default: f64) -> Result<f64, InputError> {
         Ok(self.optional_number(key)?.unwrap_or(default))
     }
 
     /// A number that must be there.
-    pub(crate) fn number(&self, key: &str) -> Result<f64, Failure> {
+    ///
+    /// # Errors
+    /// [`InputError`] with the place, what stands there and what helps.
+    pub fn number(&self, key: &str) -> Result<f64, InputError> {
         self.optional_number(key)?.ok_or_else(|| self.missing(key, &format!("add {key} = NUMBER")))
     }
 
-    fn to_number(&self, key: &str, value: &Spanned<DeValue<'_>>) -> Result<f64, Failure> {
+    fn to_number(&self, key: &str, value: &Spanned<DeValue<'_>>) -> Result<f64, InputError> {
         match value.get_ref() {
             DeValue::Float(float) => Ok(float.as_str().parse().unwrap_or(f64::NAN)),
             DeValue::Integer(integer) => i64::from_str_radix(integer.as_str(), integer.radix())
@@ -153,7 +166,10 @@ impl<'a> Section<'a> {
     }
 
     /// A whole number >= 1 that may be left out.
-    pub(crate) fn optional_count(&self, key: &str) -> Result<Option<usize>, Failure> {
+    ///
+    /// # Errors
+    /// [`InputError`] with the place, what stands there and what helps.
+    pub fn optional_count(&self, key: &str) -> Result<Option<usize>, InputError> {
         let Some(value) = self.value(key) else { return Ok(None) };
         let DeValue::Integer(integer) = value.get_ref() else {
             return Err(self.wrong_type(key, value.get_ref(), "a whole number >= 1"));
@@ -169,7 +185,10 @@ impl<'a> Section<'a> {
     }
 
     /// A text that may be left out.
-    pub(crate) fn optional_text(&self, key: &str) -> Result<Option<String>, Failure> {
+    ///
+    /// # Errors
+    /// [`InputError`] with the place, what stands there and what helps.
+    pub fn optional_text(&self, key: &str) -> Result<Option<String>, InputError> {
         let Some(value) = self.value(key) else { return Ok(None) };
         let text = value.get_ref().as_str();
         text.map(|t| Some(t.to_string()))
@@ -177,12 +196,18 @@ impl<'a> Section<'a> {
     }
 
     /// A text that must be there.
-    pub(crate) fn text(&self, key: &str) -> Result<String, Failure> {
+    ///
+    /// # Errors
+    /// [`InputError`] with the place, what stands there and what helps.
+    pub fn text(&self, key: &str) -> Result<String, InputError> {
         self.optional_text(key)?.ok_or_else(|| self.missing(key, &format!("add {key} = \"...\"")))
     }
 
     /// One of several words, or none.
-    pub(crate) fn choice<T: Copy>(&self, key: &str, choices: &[(&str, T)]) -> Result<Option<T>, Failure> {
+    ///
+    /// # Errors
+    /// [`InputError`] with the place, what stands there and what helps.
+    pub fn choice<T: Copy>(&self, key: &str, choices: &[(&str, T)]) -> Result<Option<T>, InputError> {
         let Some(given) = self.optional_text(key)? else { return Ok(None) };
         if let Some((_, value)) = choices.iter().find(|(name, _)| *name == given) {
             return Ok(Some(*value));
@@ -192,14 +217,51 @@ impl<'a> Section<'a> {
     }
 
     /// A switch that may be left out.
-    pub(crate) fn optional_flag(&self, key: &str) -> Result<Option<bool>, Failure> {
+    ///
+    /// # Errors
+    /// [`InputError`] with the place, what stands there and what helps.
+    pub fn optional_flag(&self, key: &str) -> Result<Option<bool>, InputError> {
         let Some(value) = self.value(key) else { return Ok(None) };
         let flag = value.get_ref().as_bool();
         flag.map(Some).ok_or_else(|| self.wrong_type(key, value.get_ref(), "true or false"))
     }
 
+    /// Whether `key` is there.
+    #[must_use]
+    pub fn has(&self, key: &str) -> bool {
+        self.value(key).is_some()
+    }
+
+    /// Whether the value of `key` is a text.
+    #[must_use]
+    pub fn is_text(&self, key: &str) -> bool {
+        self.value(key).is_some_and(|v| v.get_ref().is_str())
+    }
+
+    /// A list of texts that must be there.
+    ///
+    /// # Errors
+    /// [`InputError`] where it is missing or something else.
+    ///
+    /// # Errors
+    /// [`InputError`] with the place, what stands there and what helps.
+    pub fn texts(&self, key: &str) -> Result<Vec<String>, InputError> {
+        let Some(value) = self.value(key) else {
+            return Err(self.missing(key, &format!("add {key} = [\"...\", ...]")));
+        };
+        let wanted = "a list of texts in quotes";
+        let Some(array) = value.get_ref().as_array() else {
+            return Err(self.wrong_type(key, value.get_ref(), wanted));
+        };
+        let text = |v: &Spanned<DeValue<'_>>| v.get_ref().as_str().map(str::to_string);
+        array.iter().map(|v| text(v).ok_or_else(|| self.wrong_type(key, v.get_ref(), wanted))).collect()
+    }
+
     /// A list of numbers that must be there.
-    pub(crate) fn numbers(&self, key: &str) -> Result<Vec<f64>, Failure> {
+    ///
+    /// # Errors
+    /// [`InputError`] with the place, what stands there and what helps.
+    pub fn numbers(&self, key: &str) -> Result<Vec<f64>, InputError> {
         let Some(value) = self.value(key) else {
             return Err(self.missing(key, &format!("add {key} = [NUMBER, ...]")));
         };
@@ -210,7 +272,10 @@ impl<'a> Section<'a> {
     }
 
     /// The tables of an array of tables, or one table alone; empty when the key is not there.
-    pub(crate) fn tables(&self, key: &str) -> Result<Vec<(&'a DeTable<'a>, Range<usize>)>, Failure> {
+    ///
+    /// # Errors
+    /// [`InputError`] with the place, what stands there and what helps.
+    pub fn tables(&self, key: &str) -> Result<Vec<(&'a DeTable<'a>, Range<usize>)>, InputError> {
         let Some(value) = self.value(key) else { return Ok(Vec::new()) };
         let wanted = format!("an array of tables ([[{key}]])");
         let Some(array) = value.get_ref().as_array() else {
@@ -221,10 +286,10 @@ impl<'a> Section<'a> {
     }
 
     /// A table that may be left out.
-    pub(crate) fn optional_table(
-        &self,
-        key: &str,
-    ) -> Result<Option<(&'a DeTable<'a>, Range<usize>)>, Failure> {
+    ///
+    /// # Errors
+    /// [`InputError`] with the place, what stands there and what helps.
+    pub fn optional_table(&self, key: &str) -> Result<Option<(&'a DeTable<'a>, Range<usize>)>, InputError> {
         let Some(value) = self.value(key) else { return Ok(None) };
         match value.get_ref().as_table() {
             Some(table) => Ok(Some((table, value.span()))),
@@ -233,11 +298,14 @@ impl<'a> Section<'a> {
     }
 
     /// All entries as numbers, in the order of the file: for tables with free keys.
-    pub(crate) fn entries(
+    ///
+    /// # Errors
+    /// [`InputError`] with the place, what stands there and what helps.
+    pub fn entries(
         source: &'a Source,
         title: &str,
         (table, span): (&'a DeTable<'a>, Range<usize>),
-    ) -> Result<(Self, Vec<(String, f64)>), Failure> {
+    ) -> Result<(Self, Vec<(String, f64)>), InputError> {
         let section = Self { source, title: title.into(), table, span };
         let entry = |(key, value): (&Spanned<toml::de::DeString<'_>>, &Spanned<DeValue<'_>>)| {
             let name = key.get_ref().to_string();
@@ -248,7 +316,8 @@ impl<'a> Section<'a> {
     }
 
     /// Puts file, line and remedy to an error of the libraries about a value of this table.
-    pub(crate) fn out_of_range(&self, error: iwan_core::Error, key_of: impl Fn(&str) -> String) -> Failure {
+    #[must_use]
+    pub fn out_of_range(&self, error: iwan_core::Error, key_of: impl Fn(&str) -> String) -> InputError {
         use iwan_core::Error;
         match error {
             Error::OutOfRange { name, value, allowed } => {
@@ -266,8 +335,17 @@ impl<'a> Section<'a> {
     }
 }
 
+/// The name nearest to `given`, if one is near.
+#[must_use]
+pub fn nearest<'a>(given: &str, known: &[&'a str]) -> Option<&'a str> {
+    let distance = |name: &str| strsim::damerau_levenshtein(&given.to_lowercase(), &name.to_lowercase());
+    let nearest = known.iter().map(|name| (distance(name), *name)).min();
+    nearest.filter(|(distance, name)| *distance <= 2.max(name.len() / 2)).map(|(_, name)| name)
+}
+
 /// A number for a message: with an exponent where it would be long.
-pub(crate) fn plain(value: f64) -> String {
+#[must_use]
+pub fn plain(value: f64) -> String {
     match value.abs() {
         x if x == 0.0 || !x.is_finite() || (1e-4..1e9).contains(&x) => value.to_string(),
         _ => format!("{value:e}"),
@@ -275,7 +353,8 @@ pub(crate) fn plain(value: f64) -> String {
 }
 
 /// All keys of the variants, `kind` first, each once.
-pub(crate) fn known(kinds: &[Kind]) -> Vec<&'static str> {
+#[must_use]
+pub fn known(kinds: &[Kind]) -> Vec<&'static str> {
     let mut keys = vec!["kind"];
     for key in kinds.iter().flat_map(|k| k.keys) {
         if !keys.contains(key) {

@@ -1,0 +1,110 @@
+//! `*ELEMENT`.
+
+use super::super::error::MeshError;
+use super::super::labels::Labels;
+use super::super::source::{Source, quote};
+use super::super::{Element, Shape};
+use super::Reader;
+use super::definitions::{Definition, Kind};
+use super::keyword::Keyword;
+use super::lines::Lines;
+use super::nodes::whole;
+
+/// An element type, and what it is read as where the name promises a formulation of its own.
+struct Type {
+    name: &'static str,
+    shape: Shape,
+    read_as: Option<&'static str>,
+}
+
+const HEX8: Option<&str> = Some("a hexahedron of 8 nodes");
+const HEX20: Option<&str> = Some("a hexahedron of 20 nodes");
+
+static TYPES: &[Type] = &[
+    Type { name: "C3D8", shape: Shape::Hex8, read_as: HEX8 },
+    Type { name: "C3D8I", shape: Shape::Hex8, read_as: None },
+    Type { name: "C3D8R", shape: Shape::Hex8, read_as: HEX8 },
+    Type { name: "C3D20", shape: Shape::Hex20, read_as: None },
+    Type { name: "C3D20R", shape: Shape::Hex20, read_as: HEX20 },
+];
+
+impl Reader {
+    /// Reads numbers and nodes; the nodes stay numbers of the file until [`resolve`].
+    pub(super) fn elements(&mut self, lines: &mut Lines, keyword: &Keyword) -> Result<(), MeshError> {
+        keyword.only(lines.source, &["TYPE", "ELSET"])?;
+        let given = keyword.required(lines.source, "TYPE")?;
+        let Some(kind) = TYPES.iter().find(|t| t.name.eq_ignore_ascii_case(given)) else {
+            let found = format!("element type {}", quote(given.as_bytes(), 40));
+            let names: Vec<_> = TYPES.iter().map(|t| t.name).collect();
+            let remedy = format!("mesh with hexahedra; read are {}", names.join(", "));
+            return Err(keyword.refused(lines.source, &found, &remedy));
+        };
+        if let Some(read_as) = kind.read_as {
+            self.formulations.entry(kind.name).or_insert((keyword.line, read_as));
+        }
+        let first = self.elements.len();
+        while let Some(element) = element(lines, kind)? {
+            self.element_lines.push(element.1);
+            self.elements.push(element.0);
+        }
+        if let Some(name) = keyword.value("ELSET") {
+            let added = self.elements[first..].iter().map(|e| e.label).collect();
+            self.definitions.push(Definition::of(Kind::Elements, name, keyword.line, added));
+        }
+        Ok(())
+    }
+}
+
+/// The next element and the byte of its line; lines that end in a comma continue.
+fn element(lines: &mut Lines, kind: &Type) -> Result<Option<(Element, usize)>, MeshError> {
+    let Some(mut line) = lines.next_data() else { return Ok(None) };
+    let offset = line.offset;
+    let mut fields = line.fields();
+    let label = whole(lines.source, &line, fields.next().unwrap_or_default(), "the number of an element")?;
+    let wanted = kind.shape.nodes();
+    let mut nodes = Vec::with_capacity(wanted);
+    loop {
+        for field in fields {
+            let node = whole(lines.source, &line, field, format_args!("a node of element {label}"))?;
+            // A number that no index can hold is no node of this file; it is found out when nodes are looked up.
+            nodes.push(usize::try_from(node).unwrap_or(usize::MAX));
+            if nodes.len() > wanted {
+                let found = format!("element {label} with more than {wanted} nodes");
+                let expected = format!("the {wanted} nodes of {}", kind.name);
+                return Err(lines.source.malformed(format!("line {}", line.number), found, expected));
+            }
+        }
+        if nodes.len() == wanted {
+            return Ok(Some((Element { label, shape: kind.shape, nodes }, offset)));
+        }
+        let next = if line.continues() { lines.next_data() } else { None };
+        let Some(next) = next else {
+            let found = format!("element {label} with {} nodes", nodes.len());
+            let expected = format!(
+                "the {wanted} nodes of {} (a line ends in a comma when the next continues it)",
+                kind.name
+            );
+            return Err(lines.source.malformed(format!("line {}", line.number), found, expected));
+        };
+        line = next;
+        fields = line.fields();
+    }
+}
+
+/// From numbers of the file to indices.
+pub(super) fn resolve(
+    source: Source,
+    elements: &mut [Element],
+    lines: &[usize],
+    nodes: &Labels,
+) -> Result<(), MeshError> {
+    for (element, offset) in elements.iter_mut().zip(lines) {
+        for node in &mut element.nodes {
+            *node = nodes.index(*node as u64).ok_or_else(|| {
+                let place = format!("line {}, element {}", source.line(*offset), element.label);
+                source.malformed(place, format!("node {node}"), "the number of a node of this file")
+            })?;
+        }
+    }
+    Ok(())
+}

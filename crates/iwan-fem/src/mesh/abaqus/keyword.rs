@@ -1,0 +1,91 @@
+//! `*NAME, PARAMETER=VALUE, FLAG`.
+
+use super::super::error::MeshError;
+use super::super::source::{Source, quote};
+use super::lines::{Line, Lines};
+
+/// A keyword with its parameters, continued lines joined.
+#[derive(Debug)]
+pub(super) struct Keyword {
+    /// In capitals, single blanks between words, without the star.
+    pub(super) name: String,
+    /// Line, counted from 1.
+    pub(super) line: usize,
+    parameters: Vec<(String, Option<String>)>,
+}
+
+impl Keyword {
+    /// Reads the keyword that begins in `line`.
+    pub(super) fn parse(lines: &mut Lines, line: Line) -> Result<Self, MeshError> {
+        let mut fields = line.fields();
+        let name = words(fields.next().unwrap_or_default()).trim_start_matches('*').trim().to_string();
+        let mut parameters: Vec<_> = fields.map(parameter).collect();
+        let mut last = line;
+        while last.continues() {
+            let Some(next) = lines.next_data() else {
+                let place = format!("line {}", last.number);
+                return Err(lines.source.malformed(place, "a comma at the end", "a line that continues it"));
+            };
+            parameters.extend(next.fields().map(parameter));
+            last = next;
+        }
+        parameters.retain(|(name, _)| !name.is_empty());
+        Ok(Self { name, line: line.number, parameters })
+    }
+
+    /// Where it is, for messages.
+    pub(super) fn place(&self) -> String {
+        format!("line {}", self.line)
+    }
+
+    pub(super) fn refused(&self, source: Source, found: &str, remedy: &str) -> MeshError {
+        source.unsupported(self.place(), found, remedy)
+    }
+
+    /// Whether a parameter is there, with or without a value.
+    pub(super) fn has(&self, name: &str) -> bool {
+        self.parameters.iter().any(|p| p.0 == name)
+    }
+
+    /// Value of a parameter.
+    pub(super) fn value(&self, name: &str) -> Option<&str> {
+        self.parameters.iter().find(|p| p.0 == name).and_then(|p| p.1.as_deref())
+    }
+
+    /// Value of a parameter that must be there.
+    pub(super) fn required(&self, source: Source, name: &str) -> Result<&str, MeshError> {
+        self.value(name).filter(|value| !value.is_empty()).ok_or_else(|| {
+            source.malformed(self.place(), format!("*{} without {name}", self.name), format!("{name}=..."))
+        })
+    }
+
+    /// Refuses parameters other than `known`: they would change the meaning of the data.
+    pub(super) fn only(&self, source: Source, known: &[&str]) -> Result<(), MeshError> {
+        let Some((name, _)) = self.parameters.iter().find(|p| !known.contains(&p.0.as_str())) else {
+            return Ok(());
+        };
+        let found = format!("parameter {} of *{}", quote(name.as_bytes(), 40), self.name);
+        let remedy = format!("write the data out without it; read are {}", known.join(", "));
+        Err(self.refused(source, &found, &remedy))
+    }
+}
+
+/// Capitals, single blanks.
+fn words(bytes: &[u8]) -> String {
+    let text = String::from_utf8_lossy(bytes).to_uppercase();
+    text.split_whitespace().collect::<Vec<_>>().join(" ")
+}
+
+fn parameter(field: &[u8]) -> (String, Option<String>) {
+    match field.iter().position(|b| *b == b'=') {
+        Some(at) => (words(&field[..at]), Some(label(&field[at + 1..]))),
+        None => (words(field), None),
+    }
+}
+
+/// A label as it was written, without quotes.
+pub(super) fn label(bytes: &[u8]) -> String {
+    let bytes = bytes.trim_ascii();
+    let bytes = bytes.strip_prefix(b"\"").and_then(|b| b.strip_suffix(b"\"")).unwrap_or(bytes);
+    String::from_utf8_lossy(bytes).into_owned()
+}

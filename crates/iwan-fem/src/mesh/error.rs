@@ -1,0 +1,87 @@
+//! Why a mesh file could not be read, and what a reader noticed in one that could.
+
+use std::path::PathBuf;
+
+/// Why a mesh file could not be read: file, place, what stands there, what is allowed, what helps.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum MeshError {
+    /// The operating system refused the file.
+    #[error("{}: cannot be read: {source}; check the path and the permissions", .file.display())]
+    Io {
+        /// File.
+        file: PathBuf,
+        /// Reason given by the operating system.
+        source: std::io::Error,
+    },
+    /// Neither a Gmsh nor an Abaqus mesh.
+    #[error("{}: unknown format ({found}); known are Gmsh MSH 4.1 (.msh) and Abaqus input (.inp): export to one of these", .file.display())]
+    UnknownFormat {
+        /// File.
+        file: PathBuf,
+        /// What was looked at.
+        found: String,
+    },
+    /// Something the format allows and this reader does not take.
+    #[error("{}: {place}: {found} cannot be read; {remedy}", .file.display())]
+    Unsupported {
+        /// File.
+        file: PathBuf,
+        /// Line or byte, element or node.
+        place: String,
+        /// What stands there.
+        found: String,
+        /// What helps.
+        remedy: String,
+    },
+    /// The bytes break the rules of the format.
+    #[error("{}: {place}: found {found}, expected {expected}; export the mesh again, or repair this place", .file.display())]
+    Malformed {
+        /// File.
+        file: PathBuf,
+        /// Line or byte, element or node.
+        place: String,
+        /// What stands there.
+        found: String,
+        /// What may stand there.
+        expected: String,
+    },
+}
+
+/// One remark about a mesh file that could be read all the same.
+#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+#[non_exhaustive]
+pub enum MeshWarning {
+    /// A keyword or section that means nothing to a mesh was passed over.
+    #[error(
+        "{name} was passed over ({times} times, first at {place}): only nodes, elements and sets are read"
+    )]
+    PassedOver {
+        /// Keyword or section.
+        name: String,
+        /// Line or byte of the first one.
+        place: String,
+        /// How often it occurs.
+        times: usize,
+    },
+    /// An element type that names a formulation; the analysis chooses its own.
+    #[error(
+        "{place}: {found} is read as {read_as}; the formulation is chosen by the structure, not by the mesh file"
+    )]
+    Formulation {
+        /// Line of the first such block.
+        place: String,
+        /// Element type of the file.
+        found: String,
+        /// What it is read as.
+        read_as: &'static str,
+    },
+    /// Named groups that no entity refers to, or groups without entities.
+    #[error("{place}: {reason}")]
+    Groups {
+        /// Section.
+        place: String,
+        /// What is odd.
+        reason: String,
+    },
+}

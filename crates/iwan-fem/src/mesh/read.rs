@@ -1,0 +1,51 @@
+//! One door to all mesh formats.
+
+use std::path::Path;
+
+use super::error::{MeshError, MeshWarning};
+use super::source::{Source, quote};
+use super::{Mesh, abaqus, gmsh};
+
+/// A mesh file, read.
+#[derive(Debug, Clone, PartialEq)]
+pub struct MeshFile {
+    /// The mesh as the file has it; [`check`](crate::check::check) tells whether it can be computed with.
+    pub mesh: Mesh,
+    /// What was passed over or read in another sense than the file's.
+    pub warnings: Vec<MeshWarning>,
+}
+
+/// Reads a mesh: Gmsh MSH 4.1 (ASCII or binary) or Abaqus input; the format is found from the content and, where that
+/// does not tell, from the extension.
+///
+/// Gmsh: hexahedra of 8 and 20 nodes; a physical group of volumes gives a set of elements and a set of their nodes, a
+/// group of points, curves or surfaces a set of nodes. Abaqus: `*NODE`, `*ELEMENT` (C3D8, C3D8I, C3D8R, C3D20,
+/// C3D20R), `*NSET`, `*ELSET`.
+///
+/// Memory: at most 160 bytes for each byte of the file, and 64 KiB. No count in a file is trusted for an allocation.
+///
+/// # Errors
+/// [`MeshError`] names the file, the place in it, what stands there, what is allowed and what helps.
+pub fn read(path: impl AsRef<Path>) -> Result<MeshFile, MeshError> {
+    let file = path.as_ref();
+    let bytes = std::fs::read(file).map_err(|source| MeshError::Io { file: file.into(), source })?;
+    read_bytes(file, &bytes)
+}
+
+/// The same from bytes in memory; `file` serves the extension and the messages only.
+///
+/// # Errors
+/// As [`read`].
+pub fn read_bytes(file: &Path, bytes: &[u8]) -> Result<MeshFile, MeshError> {
+    let source = Source { file, bytes };
+    let content = bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes).trim_ascii_start();
+    let extension = file.extension().unwrap_or_default().to_ascii_lowercase();
+    if content.starts_with(b"$") || extension == "msh" {
+        gmsh::parse(source)
+    } else if content.starts_with(b"*") || extension == "inp" {
+        abaqus::parse(source)
+    } else {
+        let found = format!("extension '{}', content {}", extension.display(), quote(content, 16));
+        Err(MeshError::UnknownFormat { file: file.into(), found })
+    }
+}

@@ -1,0 +1,164 @@
+//! Small meshes and their files.
+#![allow(dead_code, reason = "every test file uses some of these")]
+
+use std::fmt::Write as _;
+
+/// Corners of the unit hexahedron in the order of `Shape`.
+pub(crate) const CORNERS: [[f64; 3]; 8] = [
+    [0.0, 0.0, 0.0],
+    [1.0, 0.0, 0.0],
+    [1.0, 1.0, 0.0],
+    [0.0, 1.0, 0.0],
+    [0.0, 0.0, 1.0],
+    [1.0, 0.0, 1.0],
+    [1.0, 1.0, 1.0],
+    [0.0, 1.0, 1.0],
+];
+
+/// Edges whose middles are the nodes 8 to 19 in the order of `Shape`.
+pub(crate) const EDGES: [(usize, usize); 12] =
+    [(0, 1), (1, 2), (2, 3), (3, 0), (4, 5), (5, 6), (6, 7), (7, 4), (0, 4), (1, 5), (2, 6), (3, 7)];
+
+/// Edges in Gmsh's order of the same nodes (Gmsh reference manual, "Node ordering").
+pub(crate) const GMSH_EDGES: [(usize, usize); 12] =
+    [(0, 1), (0, 3), (0, 4), (1, 2), (1, 5), (2, 3), (2, 6), (3, 7), (4, 5), (4, 7), (5, 6), (6, 7)];
+
+/// Corners, then the middles of the edges.
+pub(crate) fn hex20(edges: &[(usize, usize); 12]) -> Vec<[f64; 3]> {
+    let middle = |(a, b): &(usize, usize)| std::array::from_fn(|i| 0.5 * (CORNERS[*a][i] + CORNERS[*b][i]));
+    CORNERS.iter().copied().chain(edges.iter().map(middle)).collect()
+}
+
+/// How the numbers of a MSH file are written.
+#[derive(Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Encoding {
+    Ascii,
+    Little,
+    Big,
+}
+
+/// Writes MSH files number by number.
+pub(crate) struct Msh {
+    encoding: Encoding,
+    pub(crate) bytes: Vec<u8>,
+}
+
+impl Msh {
+    pub(crate) fn new(encoding: Encoding) -> Self {
+        let mut msh = Self { encoding, bytes: Vec::new() };
+        let kind = u8::from(encoding != Encoding::Ascii);
+        msh.text(&format!("$MeshFormat\n4.1 {kind} 8\n"));
+        if encoding != Encoding::Ascii {
+            msh.int(1);
+            msh.text("\n");
+        }
+        msh.text("$EndMeshFormat\n");
+        msh
+    }
+
+    pub(crate) fn text(&mut self, text: &str) -> &mut Self {
+        self.bytes.extend_from_slice(text.as_bytes());
+        self
+    }
+
+    fn put(&mut self, little: &[u8], text: impl std::fmt::Display) -> &mut Self {
+        match self.encoding {
+            Encoding::Ascii => self.text(&format!("{text} ")),
+            Encoding::Little => {
+                self.bytes.extend_from_slice(little);
+                self
+            }
+            Encoding::Big => {
+                self.bytes.extend(little.iter().rev());
+                self
+            }
+        }
+    }
+
+    pub(crate) fn int(&mut self, value: i32) -> &mut Self {
+        self.put(&value.to_le_bytes(), value)
+    }
+
+    pub(crate) fn ints(&mut self, values: &[i32]) -> &mut Self {
+        for value in values {
+            self.int(*value);
+        }
+        self
+    }
+
+    pub(crate) fn size(&mut self, value: u64) -> &mut Self {
+        self.put(&value.to_le_bytes(), value)
+    }
+
+    pub(crate) fn sizes(&mut self, values: &[u64]) -> &mut Self {
+        for value in values {
+            self.size(*value);
+        }
+        self
+    }
+
+    pub(crate) fn numbers(&mut self, values: &[f64]) -> &mut Self {
+        for v in values {
+            self.put(&v.to_le_bytes(), v);
+        }
+        self
+    }
+
+    /// One element on `points` numbered from 11, as volume 1 in the groups 5 "block" and 6 without a name, its bottom as
+    /// surface 2 in the group 7 "bottom face".
+    pub(crate) fn block(encoding: Encoding, points: &[[f64; 3]], kind: i32) -> Self {
+        let mut msh = Self::new(encoding);
+        msh.text(
+            "$PhysicalNames\n3\n2 7 \"bottom face\"\n3 5 \"block\"\n1 9 \"nothing\"\n$EndPhysicalNames\n",
+        );
+        msh.text("$Entities\n").sizes(&[1, 0, 1, 1]);
+        msh.int(1).numbers(&[0.0; 3]).size(0);
+        msh.int(2).numbers(&[0.0; 6]).size(1).int(7).size(2).ints(&[3, -4]);
+        msh.int(1).numbers(&[0.0; 6]).size(2).ints(&[5, 6]).size(0).text("\n$EndEntities\n");
+        let count = points.len() as u64;
+        msh.text("$Nodes\n").sizes(&[2, count, 11, 10 + count]);
+        msh.ints(&[2, 2, 1]).sizes(&[4, 11, 12, 13, 14]);
+        for point in &points[..4] {
+            msh.numbers(point).numbers(&[0.5, 0.5]);
+        }
+        msh.ints(&[3, 1, 0]).size(count - 4);
+        for label in 15..11 + count {
+            msh.size(label);
+        }
+        for point in &points[4..] {
+            msh.numbers(point);
+        }
+        msh.text("\n$EndNodes\n$Elements\n").sizes(&[2, 2, 1, 2]);
+        msh.ints(&[2, 2, 3]).sizes(&[1, 1, 11, 12, 13, 14]);
+        msh.ints(&[3, 1, kind]).sizes(&[1, 2]);
+        for label in 11..11 + count {
+            msh.size(label);
+        }
+        msh.text("\n$EndElements\n");
+        msh
+    }
+}
+
+/// Nodes of an Abaqus file, numbered from 11.
+pub(crate) fn inp_nodes(points: &[[f64; 3]]) -> String {
+    points.iter().zip(11..).fold("*NODE\n".into(), |mut text, ([x, y, z], label)| {
+        writeln!(text, "{label}, {x}, {y}, {z}").expect("a string takes every text");
+        text
+    })
+}
+
+/// An Abaqus file with one element of each shape and sets of every kind.
+pub(crate) fn inp() -> String {
+    let shifted = hex20(&EDGES).into_iter().map(|[x, y, z]| [x, y, z + 2.0]);
+    let points: Vec<_> = CORNERS.into_iter().chain(shifted).collect();
+    let labels: Vec<_> = (19..39).map(|n: u32| n.to_string()).collect();
+    format!(
+        "*HEADING\na block\n{}** a comment\n*Element, type=C3D8, elset=Small\n1, 11, 12, 13, 14, 15, 16, 17, 18\n\
+         *ELEMENT, TYPE=C3D20,\n ELSET=LARGE\n 2, {},\n{}\n*NSET, NSET=Bottom, GENERATE\n11, 14\n\
+         *NSET, NSET=odd\n11, 13,\n 15\n*NSET, NSET=both\nBOTTOM, odd\n*NSET, NSET=all small, ELSET=small\n\
+         *ELSET, ELSET=every\nsmall, LARGE\n*MATERIAL, NAME=STEEL\n*ELASTIC\n210000, 0.3\n*STEP\n*END STEP\n",
+        inp_nodes(&points),
+        labels[..15].join(", "),
+        labels[15..].join(", ")
+    )
+}

@@ -1,0 +1,183 @@
+//! Gmsh and Abaqus files: what is read, and what the errors say.
+
+mod common;
+
+use common::{CORNERS, EDGES, Encoding, GMSH_EDGES, Msh, hex20, inp, inp_nodes};
+use iwan_fem::mesh::{MeshFile, Shape, read, read_bytes};
+use std::path::Path;
+
+fn msh(bytes: &[u8]) -> Result<MeshFile, String> {
+    read_bytes(Path::new("a.msh"), bytes).map_err(|e| e.to_string())
+}
+
+fn abaqus(text: &str) -> Result<MeshFile, String> {
+    read_bytes(Path::new("a.inp"), text.as_bytes()).map_err(|e| e.to_string())
+}
+
+#[test]
+fn gmsh_in_three_encodings_is_one_mesh() {
+    let read = |encoding| msh(&Msh::block(encoding, &CORNERS, 5).bytes).unwrap();
+    let ascii = read(Encoding::Ascii);
+    let mesh = &ascii.mesh;
+    assert_eq!(mesh.positions, CORNERS);
+    assert_eq!(mesh.node_labels, [11, 12, 13, 14, 15, 16, 17, 18]);
+    assert_eq!(mesh.elements.len(), 1);
+    assert_eq!((mesh.elements[0].label, mesh.elements[0].shape), (2, Shape::Hex8));
+    assert_eq!(mesh.elements[0].nodes, [0, 1, 2, 3, 4, 5, 6, 7]);
+    assert_eq!(mesh.node_sets["bottom face"], [0, 1, 2, 3]);
+    assert_eq!(mesh.node_sets["block"].len(), 8);
+    assert_eq!(mesh.element_sets["block"], [0]);
+    assert_eq!(mesh.element_sets["volume 6"], [0]);
+    assert!(mesh.node_sets["nothing"].is_empty() && !mesh.element_sets.contains_key("nothing"));
+    assert_eq!(ascii, read(Encoding::Little));
+    assert_eq!(ascii, read(Encoding::Big));
+}
+
+#[test]
+fn mid_edge_nodes_of_gmsh_come_in_the_order_of_the_shape() {
+    for encoding in [Encoding::Ascii, Encoding::Little] {
+        let mesh = msh(&Msh::block(encoding, &hex20(&GMSH_EDGES), 17).bytes).unwrap().mesh;
+        let element = &mesh.elements[0];
+        assert_eq!(element.shape, Shape::Hex20);
+        let positions: Vec<_> = element.nodes.iter().map(|n| mesh.positions[*n]).collect();
+        assert_eq!(positions, hex20(&EDGES));
+    }
+}
+
+#[test]
+fn abaqus_nodes_elements_and_sets() {
+    let MeshFile { mesh, warnings } = abaqus(&inp()).unwrap();
+    assert_eq!(mesh.positions.len(), 28);
+    assert_eq!((mesh.node_labels[0], mesh.node_labels[27]), (11, 38));
+    assert_eq!(mesh.elements[0].nodes, [0, 1, 2, 3, 4, 5, 6, 7]);
+    let large = &mesh.elements[1];
+    assert_eq!((large.label, large.shape, &large.nodes), (2, Shape::Hex20, &(8..28).collect()));
+    assert_eq!(mesh.node_sets["Bottom"], [0, 1, 2, 3]);
+    assert_eq!(mesh.node_sets["odd"], [0, 2, 4]);
+    assert_eq!(mesh.node_sets["both"], [0, 1, 2, 3, 4]);
+    assert_eq!(mesh.node_sets["all small"], [0, 1, 2, 3, 4, 5, 6, 7]);
+    assert_eq!(mesh.element_sets["Small"], [0]);
+    assert_eq!(mesh.element_sets["every"], [0, 1]);
+    let texts: Vec<_> = warnings.iter().map(ToString::to_string).collect();
+    assert!(texts[0].starts_with("line 33: C3D8 is read as a hexahedron of 8 nodes"), "{texts:?}");
+    let passed: Vec<_> = texts[1..].iter().map(|t| t.split(' ').next().unwrap()).collect();
+    assert_eq!(passed, ["*ELASTIC", "*END", "*HEADING", "*MATERIAL", "*STEP"]);
+}
+
+#[test]
+fn abaqus_capitals_blanks_and_exponents() {
+    let text = format!(
+        "{}19, 1.5D0, -2.d-1,\r\n * element , TYPE = c3d8r\n 7 ,11,12,13,14,\n15,16,17,18\n*Nset, nset=\"My Set\"\n19\n*nset,NSET=MY SET\n11\n",
+        inp_nodes(&CORNERS)
+    );
+    let mesh = abaqus(&text).unwrap().mesh;
+    assert_eq!(mesh.positions[8], [1.5, -0.2, 0.0]);
+    assert_eq!(mesh.elements[0].label, 7);
+    assert_eq!(mesh.node_sets.keys().collect::<Vec<_>>(), ["My Set"]);
+    assert_eq!(mesh.node_sets["My Set"], [0, 8]);
+}
+
+#[test]
+fn one_part_in_its_own_place_is_read_as_if_alone() {
+    let body = format!("{}*ELEMENT, TYPE=C3D8I\n1,11,12,13,14,15,16,17,18\n", inp_nodes(&CORNERS));
+    let part = format!(
+        "*PART, NAME=P\n{body}*END PART\n*ASSEMBLY, NAME=A\n*INSTANCE, NAME=P-1, PART=P\n*END INSTANCE\n\
+         *NSET, NSET=tip, INSTANCE=P-1\n12\n*END ASSEMBLY\n"
+    );
+    let read = abaqus(&part).unwrap();
+    assert_eq!(read.mesh.node_sets["tip"], [1]);
+    assert!(read.warnings.is_empty(), "{:?}", read.warnings);
+    let moved = part.replace("PART=P\n", "PART=P\n1.0, 0.0, 0.0\n");
+    assert!(
+        abaqus(&moved).unwrap_err().contains("line 16: an instance that is moved or turned cannot be read")
+    );
+    let second = part.replace("*ASSEMBLY", "*PART, NAME=Q\n*END PART\n*ASSEMBLY");
+    assert!(
+        abaqus(&second)
+            .unwrap_err()
+            .contains("*PART, the second of its kind, cannot be read; write the model")
+    );
+}
+
+#[test]
+fn errors_of_abaqus_files_name_line_element_and_node() {
+    let nodes = inp_nodes(&CORNERS);
+    let cases = [
+        (
+            "*ELEMENT, TYPE=C3D4\n1,11,12,13,14\n",
+            "line 10: element type 'C3D4' cannot be read; mesh with hexahedra",
+        ),
+        ("*ELEMENT, ELSET=A\n1,11\n", "line 10: found *ELEMENT without TYPE, expected TYPE=..."),
+        ("*ELEMENT, TYPE=C3D8\n3,11,12,13,14,15,16,17,99\n", "line 11, element 3: found node 99"),
+        ("*ELEMENT, TYPE=C3D8\n3,11,12,13,14,15,16,17\n", "line 11: found element 3 with 7 nodes"),
+        (
+            "*ELEMENT, TYPE=C3D8\n3,11,12,13,14,15,16,17,18,11\n",
+            "line 11: found element 3 with more than 8 nodes",
+        ),
+        (
+            "*ELEMENT, TYPE=C3D8\n3,11,x,13,14,15,16,17,18\n",
+            "line 11: found 'x', expected a node of element 3",
+        ),
+        ("*NODE\n12, 0, 0, 0\n", "line 11: found node 12, which stands in line 3 already"),
+        ("*NODE\n19, 0, nan, 0\n", "line 11: found 'nan', expected y of node 19: a finite number"),
+        ("*NODE, SYSTEM=C\n", "line 10: parameter 'SYSTEM' of *NODE cannot be read"),
+        ("*NSET, NSET=S\n11, nowhere\n", "line 10, node set 'S': found the name \"nowhere\""),
+        ("*NSET, NSET=S\n11, 45\n", "line 10, node set 'S': found node 45"),
+        ("*NSET, NSET=S, GENERATE\n14, 11\n", "found the range 14 to 11, expected first <= last"),
+        ("*ELSET, ELSET=S\n5\n", "line 10, element set 'S': found element 5"),
+        (
+            "*INCLUDE, INPUT=more.inp\n",
+            "line 10: *INCLUDE, another file, cannot be read; put the text of that file",
+        ),
+        ("*ELEMENT, TYPE=C3D8,\n", "line 10: found a comma at the end"),
+    ];
+    for (text, expected) in cases {
+        let error = abaqus(&format!("{nodes}{text}")).unwrap_err();
+        assert!(error.starts_with("a.inp: ") && error.contains(expected), "{text}\n{error}\n{expected}");
+    }
+    assert!(abaqus("11, 0, 0\n").unwrap_err().contains("line 1: found '11, 0, 0', expected a keyword"));
+}
+
+#[test]
+fn errors_of_gmsh_files_name_the_place() {
+    let sound = String::from_utf8(Msh::block(Encoding::Ascii, &CORNERS, 5).bytes).unwrap();
+    let cases = [
+        ("4.1 0 8", "2.2 0 8", "line 2: MSH version '2.2' cannot be read; save as MSH 4.1"),
+        ("4.1 0 8", "4.1 0 7", "line 2: found data size '7', expected 8 or 4"),
+        ("3 1 5 1 2", "3 1 4 1 2", "line 17: element 2, a 4-node tetrahedron (type 4), cannot be read"),
+        ("3 1 5 1 2", "3 1 92 1 2", "line 17: element type 92 cannot be read; mesh in first or second order"),
+        ("17 18 \n$EndEl", "17 99 \n$EndEl", "line 17, element 2: found node 99"),
+        ("17 18 \n$EndEl", "17 \n$EndEl", "found '$EndElements', expected a node of element 2"),
+        ("2 8 11 18", "2 9 11 18", "found 8 nodes in the blocks, expected 9"),
+        ("2 8 11 18", "99999 8 11 18", "found 99999, expected the number of blocks of nodes: at most"),
+        ("15 16 17 18 ", "15 16 17 15 ", "found node 15 twice"),
+        ("0 0 1 1 0 1", "0 0 1 inf 0 1", "found inf, expected x of node 16: a finite number"),
+        ("$EndNodes", "$EndNode", "found '$EndNode', expected $EndNodes"),
+        ("$Elements", "$Others", "found the end of the file, expected $EndOthers"),
+        ("$Entities", "$PartitionedEntities", "a partitioned mesh cannot be read"),
+        ("2 7 \"bottom", "2 7 bottom", "line 6: found '2 7 bottom face\"', expected dimension"),
+    ];
+    for (old, new, expected) in cases {
+        assert!(sound.contains(old), "{old} is not in\n{sound}");
+        let error = msh(sound.replacen(old, new, 1).as_bytes()).unwrap_err();
+        assert!(error.starts_with("a.msh: ") && error.contains(expected), "{new}\n{error}\n{expected}");
+    }
+    let mut binary = Msh::block(Encoding::Little, &CORNERS, 5).bytes;
+    binary.truncate(binary.len() - 40);
+    let error = msh(&binary).unwrap_err();
+    assert!(error.contains(": byte ") && error.contains("expected a node of element 2"), "{error}");
+}
+
+#[test]
+fn other_files_are_told_apart() {
+    let error = read_bytes(Path::new("a.stl"), b"solid a").unwrap_err().to_string();
+    assert_eq!(
+        error,
+        "a.stl: unknown format (extension 'stl', content 'solid a'); known are Gmsh MSH 4.1 (.msh) and Abaqus input (.inp): export to one of these"
+    );
+    assert!(
+        read("no/such/file.msh").unwrap_err().to_string().starts_with("no/such/file.msh: cannot be read: ")
+    );
+    // The content counts more than the extension.
+    assert!(read_bytes(Path::new("a.txt"), inp().as_bytes()).is_ok());
+}

@@ -1,0 +1,161 @@
+//! `[[support]]`, `[[lump]]`, `[[load]]` and `[[output]]`: where the structure ends and the world begins.
+
+use iwan_fem::mesh::Mesh;
+use iwan_fem::{Lump, Support};
+
+use super::sets::{direction, known, triple};
+use crate::error::InputError;
+use crate::section::{Section, plain};
+use crate::source::Source;
+
+/// Keys of a support.
+pub(super) const SUPPORT_KEYS: &[&str] = &["name", "nodes", "fixed"];
+/// Keys of a lumped mass or spring.
+pub(super) const LUMP_KEYS: &[&str] = &["name", "nodes", "mass", "stiffness"];
+/// Keys of a load.
+pub(super) const LOAD_KEYS: &[&str] = &["name", "nodes", "direction", "factor"];
+/// Keys of an output.
+pub(super) const OUTPUT_KEYS: &[&str] = &["name", "nodes", "direction"];
+
+/// Where the force of a scenario acts.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Load {
+    /// Name for messages and reports.
+    pub name: String,
+    /// Node set; all nodes take equal shares.
+    pub nodes: String,
+    /// Direction, of length 1.
+    pub direction: [f64; 3],
+    /// Total force of this load over the force of the scenario.
+    pub factor: f64,
+}
+
+/// A point whose motion is wanted.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Output {
+    /// Name: columns of the response begin with it.
+    pub name: String,
+    /// Node set; the mean of all nodes is taken.
+    pub nodes: String,
+    /// Direction, of length 1.
+    pub direction: [f64; 3],
+}
+
+/// The table under its own name, which must be given and not `taken`.
+pub(super) fn name<'a>(
+    section: Section<'a>,
+    word: &str,
+    taken: impl Fn(&str) -> bool,
+) -> Result<(Section<'a>, String), InputError> {
+    let name = section.text("name")?;
+    if name.trim().is_empty() || name.chars().any(char::is_control) {
+        let message = "name is empty or has control characters";
+        return Err(section.failure("name", message, "give it a readable name"));
+    }
+    if taken(&name) {
+        let message = format!("name = \"{name}\" is taken already");
+        return Err(section.failure("name", &message, "give each a name of its own"));
+    }
+    Ok((section.renamed(format!("{word} \"{name}\"")), name))
+}
+
+/// All tables of one kind.
+fn each<T>(
+    source: &Source,
+    top: &Section<'_>,
+    (word, keys): (&str, &[&str]),
+    name_of: impl Fn(&T) -> &str,
+    mut read: impl FnMut(&Section<'_>, String) -> Result<T, InputError>,
+) -> Result<Vec<T>, InputError> {
+    let mut all: Vec<T> = Vec::new();
+    for (index, place) in top.tables(word)?.into_iter().enumerate() {
+        let section = Section::new(source, format!("{word} {}", index + 1), place, keys)?;
+        let taken = |given: &str| all.iter().any(|other| name_of(other) == given);
+        let (section, name) = name(section, word, taken)?;
+        all.push(read(&section, name)?);
+    }
+    Ok(all)
+}
+
+pub(super) fn supports(source: &Source, top: &Section<'_>, mesh: &Mesh) -> Result<Vec<Support>, InputError> {
+    each(
+        source,
+        top,
+        ("support", SUPPORT_KEYS),
+        |s: &Support| &s.name,
+        |section, name| {
+            let mut fixed = [false; 3];
+            for axis in section.texts("fixed")? {
+                let Some(axis) = ["x", "y", "z"].iter().position(|known| *known == axis) else {
+                    let message = format!("fixed: \"{axis}\" is not known");
+                    return Err(section.failure("fixed", &message, "choose from \"x\", \"y\", \"z\""));
+                };
+                fixed[axis] = true;
+            }
+            if fixed == [false; 3] {
+                return Err(section.failure(
+                    "fixed",
+                    "it fixes no direction",
+                    "name at least one of \"x\", \"y\", \"z\"",
+                ));
+            }
+            Ok(Support { name, nodes: known(section, "nodes", "node", &mesh.node_sets)?, fixed })
+        },
+    )
+}
+
+pub(super) fn lumps(source: &Source, top: &Section<'_>, mesh: &Mesh) -> Result<Vec<Lump>, InputError> {
+    each(
+        source,
+        top,
+        ("lump", LUMP_KEYS),
+        |l: &Lump| &l.name,
+        |section, name| {
+            let mass = section.number_or("mass", 0.0)?;
+            let stiffness = if section.has("stiffness") { triple(section, "stiffness")? } else { [0.0; 3] };
+            for (key, value) in [("mass", mass)].into_iter().chain(stiffness.map(|k| ("stiffness", k))) {
+                if !(value.is_finite() && value >= 0.0) {
+                    let message =
+                        format!("{key} = {} is out of range: must be a finite number >= 0", plain(value));
+                    return Err(section.failure(key, &message, &format!("give {key} a value >= 0")));
+                }
+            }
+            Ok(Lump { name, nodes: known(section, "nodes", "node", &mesh.node_sets)?, mass, stiffness })
+        },
+    )
+}
+
+pub(super) fn loads(source: &Source, top: &Section<'_>, mesh: &Mesh) -> Result<Vec<Load>, InputError> {
+    each(
+        source,
+        top,
+        ("load", LOAD_KEYS),
+        |l: &Load| &l.name,
+        |section, name| {
+            let factor = section.number_or("factor", 1.0)?;
+            if !factor.is_finite() {
+                let message = format!("factor = {factor} is out of range: must be a finite number");
+                return Err(section.failure(
+                    "factor",
+                    &message,
+                    "leave it out for the force of the scenario itself",
+                ));
+            }
+            let nodes = known(section, "nodes", "node", &mesh.node_sets)?;
+            Ok(Load { name, nodes, direction: direction(section, "direction")?, factor })
+        },
+    )
+}
+
+pub(super) fn outputs(source: &Source, top: &Section<'_>, mesh: &Mesh) -> Result<Vec<Output>, InputError> {
+    each(
+        source,
+        top,
+        ("output", OUTPUT_KEYS),
+        |o: &Output| &o.name,
+        |section, name| {
+            let nodes = known(section, "nodes", "node", &mesh.node_sets)?;
+            Ok(Output { name, nodes, direction: direction(section, "direction")? })
+        },
+    )
+}

@@ -1,0 +1,89 @@
+//! `[[joint]]` and `[[tie]]`.
+
+use std::ops::Range;
+use std::sync::Arc;
+
+use iwan_fem::mesh::Mesh;
+use iwan_fem::{Interface, Joint, Law, Patch};
+use toml::de::DeTable;
+
+use super::ends::name;
+use super::sets::{direction, known};
+use crate::error::InputError;
+use crate::joint;
+use crate::section::Section;
+use crate::source::Source;
+
+/// Keys of a joint.
+pub(super) const JOINT_KEYS: &[&str] = &["name", "face", "patch", "motion", "slip"];
+/// Keys of a tie.
+pub(super) const TIE_KEYS: &[&str] = &["name", "face", "patch", "motion"];
+/// Keys of a slip.
+pub(super) const SLIP_KEYS: &[&str] = &["direction", "law"];
+
+/// Ways in which a face follows a patch.
+const MOTIONS: &[(&str, Interface)] = &[
+    ("rigid", Interface::Whole(Patch::Rigid)),
+    ("averaging", Interface::Whole(Patch::Averaging)),
+    ("node-to-node", Interface::NodeToNode),
+];
+
+/// Joints, then ties.
+pub(super) fn read(source: &Source, top: &Section<'_>, mesh: &Mesh) -> Result<Vec<Joint>, InputError> {
+    let mut joints: Vec<Joint> = Vec::new();
+    for (word, keys) in [("joint", JOINT_KEYS), ("tie", TIE_KEYS)] {
+        for (index, place) in top.tables(word)?.into_iter().enumerate() {
+            let section = Section::new(source, format!("{word} {}", index + 1), place, keys)?;
+            let taken = |given: &str| joints.iter().any(|joint| joint.name == given);
+            let (section, name) = name(section, word, taken)?;
+            let face = known(&section, "face", "node", &mesh.node_sets)?;
+            let patch = known(&section, "patch", "node", &mesh.node_sets)?;
+            let motion = section.choice("motion", MOTIONS)?.unwrap_or(Interface::Whole(Patch::default()));
+            let mut joint = Joint::new(name, face, patch, motion);
+            if word == "joint" {
+                joint = slips(source, &section, joint)?;
+            }
+            joints.push(joint);
+        }
+    }
+    Ok(joints)
+}
+
+fn slips(source: &Source, section: &Section<'_>, mut joint: Joint) -> Result<Joint, InputError> {
+    let places = section.tables("slip")?;
+    if places.is_empty() || places.len() > 3 {
+        let message = format!("it slips in {} directions", places.len());
+        let remedy = "give one to three slip = [{ direction = \"x\", law = { ... } }, ...]; without any it is a [[tie]]";
+        return Err(section.failure("slip", &message, remedy));
+    }
+    for (index, place) in places.into_iter().enumerate() {
+        let title = format!("slip {} of {}", index + 1, section.title());
+        let (direction, law) = slip(source, title, place)?;
+        let along = |other: [f64; 3]| other.iter().zip(direction).map(|(a, b)| a * b).sum::<f64>();
+        if let Some(other) = joint.slips.iter().position(|slip| along(slip.direction).abs() > ORTHOGONAL) {
+            let message = format!("its directions {} and {} are not orthogonal", other + 1, index + 1);
+            return Err(section.failure("slip", &message, "give directions at right angles"));
+        }
+        joint = joint.slip(direction, law);
+    }
+    Ok(joint)
+}
+
+/// Cosine between directions that count as orthogonal: rounding of seven digits.
+const ORTHOGONAL: f64 = 1e-6;
+
+fn slip<'a>(
+    source: &'a Source,
+    title: String,
+    place: (&'a DeTable<'a>, Range<usize>),
+) -> Result<([f64; 3], Option<Law>), InputError> {
+    let section = Section::new(source, title, place, SLIP_KEYS)?;
+    let law = match section.optional_table("law")? {
+        Some(place) => {
+            let (_, law) = joint::Joint::read(source, format!("law of {}", section.title()), place)?;
+            Some(Arc::new(law) as Law)
+        }
+        None => None,
+    };
+    Ok((direction(&section, "direction")?, law))
+}

@@ -1,0 +1,85 @@
+//! `[mesh]`: a file, the paper's beam, or a block.
+
+use iwan_fem::mesh::beam::{Configuration, beam};
+use iwan_fem::mesh::block::{block, uniform};
+use iwan_fem::mesh::{self, Mesh};
+
+use super::sets::triple;
+use crate::error::InputError;
+use crate::section::{Kind, Section};
+use crate::source::Source;
+
+/// Where meshes come from, with their keys.
+pub(super) const KINDS: &[Kind] = &[
+    Kind { name: "file", keys: &["path"] },
+    Kind { name: "paper-beam", keys: &["configuration", "refinement"] },
+    Kind { name: "block", keys: &["size", "cells"] },
+];
+
+/// More elements than this are not generated: they would not fit the memory of the analyses.
+const MOST_ELEMENTS: f64 = 2e6;
+
+/// The mesh, and what its reader remarked.
+pub(super) fn read(source: &Source, top: &Section<'_>) -> Result<(Mesh, Vec<String>), InputError> {
+    let Some(place) = top.optional_table("mesh")? else {
+        let remedy = "add [mesh] with path = \"FILE.msh\" (Gmsh 4.1) or \"FILE.inp\" (Abaqus)";
+        return Err(top.failure("mesh", "the table [mesh] is missing", remedy));
+    };
+    let (section, kind) = Section::kind(source, "[mesh]", place, KINDS, Some("file"))?;
+    match kind.name {
+        "file" => from_file(source, &section),
+        "paper-beam" => paper_beam(&section).map(|mesh| (mesh, Vec::new())),
+        _ => brick(&section).map(|mesh| (mesh, Vec::new())),
+    }
+}
+
+fn from_file(source: &Source, section: &Section<'_>) -> Result<(Mesh, Vec<String>), InputError> {
+    let path = source.folder.join(section.text("path")?);
+    let read = mesh::read(&path).map_err(|error| {
+        section.failure(
+            "path",
+            &error.to_string(),
+            "the path is relative to the structure file; Gmsh 4.1 and Abaqus are read",
+        )
+    })?;
+    let notes = read.warnings.iter().map(|warning| format!("{}: {warning}", path.display())).collect();
+    Ok((read.mesh, notes))
+}
+
+fn paper_beam(section: &Section<'_>) -> Result<Mesh, InputError> {
+    let configurations = [("A", Configuration::A), ("B", Configuration::B)];
+    let configuration = section.choice("configuration", &configurations)?.ok_or_else(|| {
+        section.failure(
+            "configuration",
+            "the key `configuration` is missing",
+            "add configuration = \"A\" or \"B\"",
+        )
+    })?;
+    let refinement = section.optional_count("refinement")?.unwrap_or(1);
+    size(section, "refinement", 662.0 * (refinement as f64).powi(3))?;
+    Ok(beam(configuration, refinement))
+}
+
+fn brick(section: &Section<'_>) -> Result<Mesh, InputError> {
+    let (sides, cells) = (triple(section, "size")?, triple(section, "cells")?);
+    if sides.iter().any(|side| *side <= 0.0) {
+        let message = format!("size = {sides:?} is out of range: all three must be > 0");
+        return Err(section.failure("size", &message, "give the three lengths of the block"));
+    }
+    if cells.iter().any(|count| *count < 1.0 || count.fract() != 0.0) {
+        let message = format!("cells = {cells:?} is out of range: all three must be whole numbers >= 1");
+        return Err(section.failure("cells", &message, "give the number of elements along each side"));
+    }
+    size(section, "cells", cells.iter().product())?;
+    let lines = |axis: usize| uniform(0.0, sides[axis], cells[axis] as usize);
+    Ok(block(&[lines(0), lines(1), lines(2)]))
+}
+
+fn size(section: &Section<'_>, key: &str, elements: f64) -> Result<(), InputError> {
+    if elements <= MOST_ELEMENTS {
+        return Ok(());
+    }
+    let message =
+        format!("{key} would give {elements:.0} elements; at most {MOST_ELEMENTS:.0} are computed with");
+    Err(section.failure(key, &message, "take a coarser mesh"))
+}
