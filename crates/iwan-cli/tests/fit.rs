@@ -165,6 +165,8 @@ fn a_linear_mode_needs_no_joint() {
         _ => format!("{line}\n"),
     });
     std::fs::write(place.path().join("tap.csv"), noisy.collect::<String>()).unwrap();
+    let output = iwan(place.path(), "fit tap.csv --out words");
+    assert!(shown(&output).contains("mode 1: a linear mode is enough"), "{}", shown(&output));
     let fit = run(place.path(), "tap.csv --out out");
     let mode = &fit["modes"][0];
     assert_eq!(mode["linear"]["is_enough"], true, "{}", mode["linear"]);

@@ -9,7 +9,7 @@ use crate::element::ElementMatrices;
 use crate::error::Error;
 use crate::factor::Analysis;
 use crate::joint::{SlipUnknown, connect};
-use crate::sparse::{Symmetric, add_scaled, largest};
+use crate::sparse::{Symmetric, add_scaled, largest, scale};
 use crate::structure::Structure;
 
 /// Matrices of a structure in the unknowns y, x = T y: K_∞ without joints, M, and the slips on which the joints act.
@@ -34,7 +34,9 @@ impl Structure {
         let extras = equations.extra.len();
         let transformation = equations.eliminate()?;
         let displacements = transformation.places.len() - extras;
-        slips.iter_mut().for_each(|slip| slip.unknown += displacements);
+        for slip in &mut slips {
+            slip.unknown += displacements;
+        }
         let (stiffness, mass) = assemble_elements(self, &transformation)?;
         let (stiffness, mass) = add_lumps(self, &transformation, stiffness, &mass)?;
         check_held(self, &transformation, &stiffness)?;
@@ -95,7 +97,9 @@ impl Local {
             for (b, other) in self.rows.iter().enumerate() {
                 let Some(value) = entry(a, b) else { continue };
                 for &(p, c) in row {
-                    other.iter().for_each(|&(q, d)| scratch[p * m + q] += c * d * value);
+                    for &(q, d) in other {
+                        scratch[p * m + q] += c * d * value;
+                    }
                 }
             }
         }
@@ -191,7 +195,7 @@ fn check_held(
 ) -> Result<(), Error> {
     for (j, place) in transformation.places.iter().enumerate() {
         if let Unknown::Displacement { node, .. } = place.unknown
-            && !(stiffness.diagonal_entry(j) > 0.0)
+            && stiffness.diagonal_entry(j) == 0.0
         {
             return Err(Error::Node {
                 label: structure.mesh.node_labels[node],
@@ -270,7 +274,7 @@ impl Assembled {
             }
             self.remove(&mut vector, &motions);
             let length = self.mass.form(&vector, &vector).sqrt();
-            vector.iter_mut().for_each(|x| *x /= length);
+            scale(&mut vector, 1.0 / length);
             motions.push(vector);
         }
         motions
@@ -314,7 +318,9 @@ impl Assembled {
         for (axis, component) in force.into_iter().enumerate() {
             crate::error::check("load", component, true, "must be finite")?;
             let share = component / nodes.len() as f64;
-            nodes.iter().for_each(|&node| self.transformation.add_force(3 * node + axis, share, &mut out));
+            for &node in nodes {
+                self.transformation.add_force(3 * node + axis, share, &mut out);
+            }
         }
         Ok(out)
     }

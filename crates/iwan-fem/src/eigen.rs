@@ -10,7 +10,7 @@ use faer::{Accum, Mat, MatMut, MatRef, Par, Side};
 
 use crate::error::Error;
 use crate::factor::{Analysis, Cholesky, negative_eigenvalues, random};
-use crate::sparse::{Symmetric, add_scaled, dot};
+use crate::sparse::{Symmetric, add_scaled, dot, scale};
 
 /// Columns per block.
 const BLOCK: usize = 8;
@@ -173,7 +173,7 @@ impl<'a> Search<'a> {
         for _ in 0..3 {
             self.remove_basis(&mut column);
             let length = self.mass.form(&column, &column).sqrt();
-            column.iter_mut().for_each(|x| *x /= length);
+            scale(&mut column, 1.0 / length);
         }
         column
     }
@@ -242,7 +242,7 @@ impl<'a> Search<'a> {
             }
             let rest = self.mass.form(column, column).max(0.0).sqrt();
             if rest > DEPENDENT * length {
-                column.iter_mut().for_each(|x| *x /= rest);
+                scale(column, 1.0 / rest);
                 self.basis.extend_from_slice(column);
             } else {
                 let fresh = self.random_column();

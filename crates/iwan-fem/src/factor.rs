@@ -12,7 +12,7 @@ use faer::sparse::linalg::cholesky::{
     factorize_symbolic_cholesky,
 };
 use faer::sparse::{SparseColMatRef, SymbolicSparseColMatRef};
-use faer::{Conj, MatMut, Par, Side};
+use faer::{Conj, MatMut, Par, Side, Spec};
 
 use crate::dofs::Place;
 use crate::error::Error;
@@ -76,7 +76,7 @@ impl Cholesky {
     pub(crate) fn new(analysis: &Analysis, matrix: &Symmetric) -> Result<Self, Error> {
         let symbolic = Arc::clone(&analysis.symbolic);
         let mut values = vec![0.0; symbolic.len_val()];
-        let mut buffer = memory(symbolic.factorize_numeric_llt_scratch::<f64>(Par::Seq, Default::default()))?;
+        let mut buffer = memory(symbolic.factorize_numeric_llt_scratch::<f64>(Par::Seq, Spec::default()))?;
         let stack = MemStack::new(&mut buffer);
         let none = llt::factor::LltRegularization::default();
         symbolic
@@ -87,7 +87,7 @@ impl Cholesky {
                 none,
                 Par::Seq,
                 stack,
-                Default::default(),
+                Spec::default(),
             )
             .map_err(|e| failed(format!("the matrix is not positive definite ({e:?})")))?;
         let factor = Self { symbolic, values };
@@ -185,7 +185,7 @@ fn backward_step(factor: &SupernodalLltRef<'_, u32, f64>, s: usize, x: &mut [f64
 pub(crate) fn negative_eigenvalues(analysis: &Analysis, matrix: &Symmetric) -> Result<usize, Error> {
     let symbolic = &analysis.symbolic;
     let mut values = vec![0.0; symbolic.len_val()];
-    let mut buffer = memory(symbolic.factorize_numeric_ldlt_scratch::<f64>(Par::Seq, Default::default()))?;
+    let mut buffer = memory(symbolic.factorize_numeric_ldlt_scratch::<f64>(Par::Seq, Spec::default()))?;
     let none = ldlt::factor::LdltRegularization::default();
     let stack = MemStack::new(&mut buffer);
     symbolic
@@ -196,7 +196,7 @@ pub(crate) fn negative_eigenvalues(analysis: &Analysis, matrix: &Symmetric) -> R
             none,
             Par::Seq,
             stack,
-            Default::default(),
+            Spec::default(),
         )
         .map_err(|e| failed(format!("the shifted matrix has no LDL' factors ({e:?})")))?;
     probe(matrix, |x| {

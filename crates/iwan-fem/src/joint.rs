@@ -18,7 +18,10 @@ pub struct SlipUnknown {
 
 impl std::fmt::Debug for SlipUnknown {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        f.debug_struct("SlipUnknown").field("name", &self.name).field("unknown", &self.unknown).finish()
+        f.debug_struct("SlipUnknown")
+            .field("name", &self.name)
+            .field("unknown", &self.unknown)
+            .finish_non_exhaustive()
     }
 }
 
@@ -26,7 +29,7 @@ impl std::fmt::Debug for SlipUnknown {
 pub(crate) type Slips = Vec<SlipUnknown>;
 
 /// Writes the equations of all joints, then of all supports.
-pub(crate) fn connect<'a>(structure: &'a Structure) -> Result<(Equations<'a>, Slips), Error> {
+pub(crate) fn connect(structure: &Structure) -> Result<(Equations<'_>, Slips), Error> {
     let (mut equations, mut slips) = (Equations::new(&structure.mesh), Slips::new());
     for (index, joint) in structure.joints.iter().enumerate() {
         let name = format!("joint `{}`", joint.name);
@@ -162,7 +165,7 @@ impl Writer<'_, '_> {
                 .map(|&other| (other, distance(at, self.position(other))))
                 .min_by(|a, b| a.1.total_cmp(&b.1))
                 .expect("the patch has nodes");
-            if !(gap <= 1e-6 * size) {
+            if gap > 1e-6 * size {
                 return Err(Error::Node {
                     label: self.equations.mesh().node_labels[node],
                     finding: format!(

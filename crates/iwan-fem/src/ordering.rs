@@ -83,7 +83,9 @@ impl Nodes {
         };
         let (below, above) = (border(low, high), border(high, low));
         let (separator, cut_off) = if below.len() <= above.len() { (below, low) } else { (above, high) };
-        separator.iter().for_each(|&node| side[node as usize] = 0);
+        for &node in &separator {
+            side[node as usize] = 0;
+        }
         let of = |which: u32| part.iter().copied().filter(|&node| side[node as usize] == which).collect();
         let (first, second): (Vec<u32>, Vec<u32>) = (of(cut_off), of(low + high - cut_off));
         self.dissect(first, order, side, mark);

@@ -13,7 +13,7 @@ use crate::error::{Error, check};
 use crate::factor::Cholesky;
 use crate::modes::{Contact, Modes};
 use crate::slip_solver::{inverse_of, search_line};
-use crate::sparse::{add_scaled, dot};
+use crate::sparse::{add_scaled, dot, scale};
 
 /// Curves of one mode over amplitude; all vectors have one entry per modal displacement.
 #[derive(Debug, Clone, PartialEq, Default)]
@@ -99,7 +99,7 @@ impl Assembled {
             let mut z = vec![0.0; self.unknowns()];
             for _ in 0..REFINEMENTS {
                 let mut right = self.mass().times(&z);
-                right.iter_mut().for_each(|x| *x *= self.shift());
+                scale(&mut right, self.shift());
                 right[unknown] += 1.0;
                 factor.solve(&mut right);
                 self.remove(&mut right, &free);

@@ -11,7 +11,7 @@ use crate::assembly::Assembled;
 use crate::error::Error;
 use crate::factor::Cholesky;
 use crate::modes::{Contact, Modes};
-use crate::sparse::{add_scaled, dot};
+use crate::sparse::{add_scaled, dot, scale};
 
 /// What spans the reduced model.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -121,7 +121,7 @@ fn attachment_vectors(assembled: &Assembled, modes: &Modes, factor: &Cholesky) -
             }
         }
         let length = assembled.mass().form(&z, &z).sqrt();
-        z.iter_mut().for_each(|x| *x /= length);
+        scale(&mut z, 1.0 / length);
         z
     };
     assembled.slips().iter().map(|slip| vector(slip.unknown)).collect()

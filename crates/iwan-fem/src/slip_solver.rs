@@ -267,7 +267,7 @@ pub(crate) fn search_line(slope: f64, mut fall: impl FnMut(f64) -> Option<f64>) 
             high = Some((length, here));
         }
         let Some((end, below)) = high else { return false };
-        if !(end - low.0 > 1e-12) {
+        if end - low.0 <= 1e-12 {
             return false;
         }
         // Secant, kept off the ends.

@@ -33,7 +33,9 @@ impl Symmetric {
             let below = entries.range((j, j + 1)..(j + 1, 0)).map(|(&(_, i), _)| i);
             std::iter::once(j).chain(below).collect()
         }));
-        entries.iter().for_each(|(&(j, i), &value)| matrix.add(i as usize, j as usize, value));
+        for (&(j, i), &value) in entries {
+            matrix.add(i as usize, j as usize, value);
+        }
         matrix
     }
 
@@ -199,6 +201,13 @@ pub(crate) fn dot(x: &[f64], y: &[f64]) -> f64 {
         }
     }
     tail + ((sums[0] + sums[4]) + (sums[1] + sums[5])) + ((sums[2] + sums[6]) + (sums[3] + sums[7]))
+}
+
+/// `x` *= `factor`.
+pub(crate) fn scale(x: &mut [f64], factor: f64) {
+    for x in x {
+        *x *= factor;
+    }
 }
 
 /// Largest |x|; NaN when there is one.

@@ -166,7 +166,9 @@ impl Structure {
         let sets = &self.mesh.element_sets;
         for (name, material) in &self.materials {
             let set = sets.get(name).ok_or_else(|| missing("a material", "element", name, sets.keys()))?;
-            set.iter().for_each(|&e| of[e] = *material);
+            for &e in set {
+                of[e] = *material;
+            }
         }
         Ok(of)
     }

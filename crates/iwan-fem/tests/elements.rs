@@ -1,4 +1,5 @@
 //! What every element must do: symmetry, rigid motion, patch test, mass, pure bending.
+#![allow(clippy::unwrap_used, reason = "a failed test may panic")]
 
 use iwan_fem::mesh::Shape;
 use iwan_fem::{ElementMatrices, Error, Formulation, Inertia, Material};

@@ -1,4 +1,5 @@
 //! Modal curves from static loads: an independent prototype, Masing's rule, and a ring-down in one mode.
+#![allow(clippy::unwrap_used, reason = "a failed test may panic")]
 
 use std::f64::consts::PI;
 

@@ -61,5 +61,5 @@ fn a_series_names_its_files_in_time() {
 #[test]
 #[should_panic(expected = "field short has a value or vector for each node")]
 fn a_field_of_another_length_is_a_mistake() {
-    grid(&beam(Configuration::A, 1), &[Field { name: "short", values: &[1.0] }]);
+    let _ = grid(&beam(Configuration::A, 1), &[Field { name: "short", values: &[1.0] }]);
 }

@@ -237,8 +237,8 @@ impl FreeForm {
         let what =
             if self.evidence == Evidence::Both { "to both curves" } else { "to the dissipation alone" };
         format!(
-            "free-form density {what}: dissipation is missed by {:.2} % (four-parameter {:.2} %), frequency by {:.4} Hz \
-             (four-parameter {:.4} Hz); strengths from {:.4e} to {:.4e} are informed by the record: {verdict}",
+            "free-form density {what}: dissipation is missed by {:.2} % (four parameters fitted to the same curves: \
+             {:.2} %), frequency by {:.4} Hz ({:.4} Hz); strengths from {:.4e} to {:.4e} are informed by the record: {verdict}",
             100.0 * self.dissipation_misfit,
             100.0 * four.dissipation_misfit,
             self.frequency_misfit,

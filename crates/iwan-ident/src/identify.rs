@@ -11,8 +11,9 @@ use crate::curves::{Curves, ForceAxis, Quantity};
 use crate::error::{Error, check};
 use crate::fit::{Fit, fit_from};
 use crate::least_squares::Minimum;
+use crate::likelihood::Likelihood;
 use crate::parameters::{Parameter, Parameters};
-use crate::profile::{Profile, Profiles, profiles};
+use crate::profile::{Extent, Profile, Profiles, profiles, slip_seen};
 use crate::refine::{Refined, RingDown, Task};
 use crate::signal::{Envelope, Isolated, Method, Options, isolate};
 use crate::start::{Start, start};
@@ -67,7 +68,7 @@ impl Linear {
 }
 
 /// What records tell about a mode.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone)]
 pub struct Identification {
     /// The parameters.
     pub parameters: Parameters,
@@ -75,6 +76,8 @@ pub struct Identification {
     pub profiles: Profiles,
     /// The refinement behind them.
     pub refined: Refined,
+    /// The records' likelihood, for samplers.
+    pub likelihood: Likelihood,
     /// Start values off the curves of the loudest record.
     pub start: Start,
     /// The fit on the curves that the refinement began with.
@@ -121,15 +124,9 @@ impl Identification {
             let name = profile.parameter.name();
             words.extend(match (profile.held, profile.low, profile.high) {
                 (true, ..) | (_, Some(_), Some(_)) => None,
-                (_, Some(low), None) => {
-                    Some(format!("{name} > {low:.4e}, no upper bound from these records"))
-                }
-                (_, None, Some(high)) => {
-                    Some(format!("{name} < {high:.4e}, no lower bound from these records"))
-                }
-                (_, None, None) => {
-                    Some(format!("{name} is open on both sides: these records do not tell it"))
-                }
+                (_, Some(low), None) => Some(format!("{name} > {low:.4e}, no upper bound from these records")),
+                (_, None, Some(high)) => Some(format!("{name} < {high:.4e}, no lower bound from these records")),
+                (_, None, None) => Some(format!("{name} is open on both sides: these records do not tell it")),
             });
         }
         words
@@ -178,9 +175,7 @@ impl<'a> Prepared<'a> {
     fn notes(&self) -> impl Iterator<Item = String> + '_ {
         let seconds = self.first as f64 * self.source.dt;
         let what = match self.band {
-            None => {
-                "no other line stands out of the spectrum: the model is compared with the record as it is"
-            }
+            None => "no other line stands out of the spectrum: the model is compared with the record as it is",
             Some(_) => "the model is compared with the record in the band",
         };
         let own = format!("{what}, from {seconds:.6} s on");
@@ -196,6 +191,7 @@ impl<'a> Prepared<'a> {
 /// ```
 /// use iwan_core::{Decay, Reversal, Samples};
 /// use iwan_ident::{Parameter, Parameters, curves::Quantity, identify::{Settings, Source, identify}};
+/// use iwan_ident::likelihood::Buffers;
 /// let truth = Parameters { frequency: 124.0, damping_ratio: 1e-3, k_t: 4.45e4, f_s: 239.4, chi: -0.183, beta: 0.3 };
 /// let (oscillator, joint) = truth.model()?;
 /// let (dt, mut out) = (2e-4, [vec![0.0; 2000], vec![0.0; 2000], vec![0.0; 2000], vec![0.0; 2000]]);
@@ -208,6 +204,11 @@ impl<'a> Prepared<'a> {
 /// assert!(found.verdict.adequate && found.profile(Parameter::Chi).identifiable());
 /// assert!((found.parameters.chi + 0.183).abs() < 0.004);
 /// assert!(found.profile(Parameter::FS).high.is_none() && !found.profile(Parameter::Beta).identifiable());
+/// // For a sampler: nothing is likelier than the best fit, by more than the rounding of the search.
+/// let (likelihood, mut buffers) = (&found.likelihood, Buffers::default());
+/// let other = Parameters { chi: -0.19, ..found.parameters };
+/// let best = likelihood.log(&found.parameters, likelihood.starts(), &mut buffers).unwrap();
+/// assert!(best > likelihood.log(&other, likelihood.starts(), &mut buffers).unwrap());
 /// # Ok::<(), iwan_ident::Error>(())
 /// ```
 pub fn identify(sources: &[Source<'_>], settings: &Settings) -> Result<Identification, Error> {
@@ -233,6 +234,7 @@ pub fn identify(sources: &[Source<'_>], settings: &Settings) -> Result<Identific
         notes: prepared.iter().flat_map(Prepared::notes).chain(start.notes.iter().cloned()).collect(),
         envelopes: prepared.iter().map(|p| p.envelope.clone()).collect(),
         first_samples: prepared.iter().map(|p| p.first).collect(),
+        likelihood: Likelihood::new(&task, profiles.variance, &refined.parameters, &refined.starts),
         profiles,
         refined,
         start,
@@ -267,30 +269,35 @@ fn on_curves(curves: &[Curves], held: &[(Parameter, f64)]) -> Result<(Start, Fit
     Ok((start, fit))
 }
 
-/// Searches until no profile finds a better minimum.
+/// Searches until no profile finds a better minimum. Where the records do not see macro-slip, the best fit without it.
 fn minimum_and_profiles(task: &mut Task, first: &Parameters) -> Result<(Minimum, Profiles), Error> {
     let mut minimum = task.solve(first)?;
-    for _ in 0..ANEW {
-        match profiles(task, &minimum) {
-            Ok(profiles) => return Ok((minimum, profiles)),
-            Err(better) => minimum = task.resume(&better)?,
+    let first = task.coordinates(first)?;
+    let (mut round, mut finished) = (0, false);
+    loop {
+        let micro_slip = task.micro_slip(&[&minimum.x, &first]);
+        let extent = if slip_seen(task, &minimum, micro_slip.as_ref()) { Extent::Full } else { Extent::MicroSlip };
+        match (extent, &micro_slip) {
+            (Extent::MicroSlip, Some(without)) => minimum = without.clone(),
+            _ if finished => {}
+            _ => {
+                (minimum, finished) = (task.finish(&minimum)?, true);
+                continue;
+            }
         }
+        match profiles(task, &minimum, micro_slip.as_ref(), (extent, round > ANEW)) {
+            Ok(profiles) => return Ok((minimum, profiles)),
+            Err(better) => match task.resume(&better, &minimum) {
+                Some(deeper) if round < ANEW => minimum = deeper,
+                _ => round = ANEW,
+            },
+        }
+        round += 1;
     }
-    Err(Error::Refused {
-        finding: format!(
-            "the search does not settle: profiles went on to find better parameters {ANEW} times"
-        ),
-        remedy: "hold a parameter, or record longer",
-    })
 }
 
 /// The linear mode on the same records, from the mean damping of the curves.
-fn linear(
-    task: &Task,
-    minimum: &Minimum,
-    parameters: &Parameters,
-    curves: &[Curves],
-) -> Result<Linear, Error> {
+fn linear(task: &Task, minimum: &Minimum, parameters: &Parameters, curves: &[Curves]) -> Result<Linear, Error> {
     let ratios: Vec<f64> = curves.iter().flat_map(|c| c.damping_ratio.iter().copied()).collect();
     let damping_ratio = (ratios.iter().sum::<f64>() / ratios.len() as f64).max(0.0);
     let omega_squared = (TAU * parameters.frequency).powi(2);
@@ -315,12 +322,7 @@ fn linear(
 
 impl Prepared<'_> {
     /// Curves of the model's ring-down by the same filter and envelope, at those times of the record's that both cover.
-    fn model_curves(
-        &self,
-        parameters: &Parameters,
-        start: (f64, f64),
-        settings: &Settings,
-    ) -> Result<Curves, Error> {
+    fn model_curves(&self, parameters: &Parameters, start: (f64, f64), settings: &Settings) -> Result<Curves, Error> {
         let (dt, late) = (self.source.dt, self.first as f64 * self.source.dt + start.1);
         let count = (self.isolated.samples.len() as f64 - late / dt) as usize;
         let samples = ring_down(parameters, start.0, (dt, count), self.source.quantity)?;

@@ -13,7 +13,7 @@ use std::f64::consts::{PI, TAU};
 use iwan_core::Reversal;
 use rustfft::num_complex::Complex64;
 
-use crate::chart::Chart;
+use crate::chart::{Chart, Scales};
 use crate::curves::Quantity;
 use crate::error::{Error, check, check_dt, check_samples};
 use crate::features::{Whitening, Windows};
@@ -25,8 +25,12 @@ const OWN: usize = 2;
 /// Windows whose amplitude is below this part of the largest do not enter the first search.
 const LOUD: f64 = 0.03;
 /// φ_max over the largest amplitude, and β/(1+β), of the further starts.
-const KNEES: [f64; 3] = [0.4, 1.0, 2.5];
+const KNEES: [f64; 4] = [0.4, 1.0, 2.5, 10.0];
 const DIRACS: [f64; 2] = [0.02, 0.4];
+/// Part of ω0² that the joint has at most where nothing else limits it.
+const MOST_JOINT: f64 = 0.9;
+/// φ_max over the largest amplitude where no record reaches it: any larger one would do.
+pub(crate) const KNEE_UNSEEN: f64 = 2.0;
 /// Iterations of the first search from each start, and of the last.
 const ITERATIONS: (usize, usize) = (30, 100);
 /// Hops over creases, as coordinate (K_T or F_S, β/(1+β)) and step.
@@ -51,7 +55,7 @@ const WORTH: f64 = 0.9;
 const ROUGH: f64 = 1e-4;
 /// Starts that the last search goes on from.
 const KEPT: usize = 3;
-/// Least standard deviation, relative to a record's amplitudes: the forward model's own error.
+/// Standard deviation that is put down to the forward model's own error, relative to a record's amplitudes.
 const NOISE_FLOOR: f64 = 1e-6;
 
 /// A ring-down in free decay: one mode, mass-normalised.
@@ -108,7 +112,7 @@ struct Prepared {
 }
 
 /// Buffers that all evaluations of a search share.
-#[derive(Debug, Default)]
+#[derive(Debug, Clone, Default)]
 pub(crate) struct Workspace {
     stack: Vec<Reversal>,
     model: Vec<Complex64>,
@@ -221,11 +225,30 @@ impl Task {
 
     /// Whitened residuals over each record's standard deviation.
     pub(crate) fn residuals(&self, x: &[f64], out: &mut [f64], work: &mut Workspace) -> bool {
-        self.each_model(x, work, |record, model, range| {
+        let starts = self.starts_at(x);
+        self.residuals_of(&self.chart.parameters(x), &starts, out, work)
+    }
+
+    /// The same for parameters and the turning points of the records.
+    pub(crate) fn residuals_of(
+        &self,
+        parameters: &Parameters,
+        starts: &[(f64, f64)],
+        out: &mut [f64],
+        work: &mut Workspace,
+    ) -> bool {
+        self.each_model(parameters, starts, work, |record, model, range| {
             record.whitening.apply(model);
             let left = record.white.iter().zip(model.iter()).map(|(z, m)| (z - m) / record.scale);
             out[range].chunks_exact_mut(2).zip(left).for_each(|(o, r)| (o[0], o[1]) = (r.re, r.im));
         })
+    }
+
+    /// Displacement and time of each record's turning point.
+    fn starts_at(&self, x: &[f64]) -> Vec<(f64, f64)> {
+        let omega = TAU * self.chart.parameters(x).frequency;
+        let own = x[COUNT..].chunks_exact(OWN);
+        own.zip(&self.records).map(|(own, record)| record.start_at(own, omega)).collect()
     }
 
     /// Whitened sum of squares; none where there is no model.
@@ -238,7 +261,8 @@ impl Task {
     /// Differences of log amplitudes and of unwrapped phases, weighted by amplitude.
     fn log_residuals(&self, x: &[f64], out: &mut [f64], work: &mut Workspace) -> bool {
         out.fill(0.0);
-        self.each_model(x, work, |record, model, range| {
+        let starts = self.starts_at(x);
+        self.each_model(&self.chart.parameters(x), &starts, work, |record, model, range| {
             let loud = record.loud();
             let loudest = record.amplitudes.iter().map(|z| z.norm()).fold(0.0, f64::max);
             let mut turned = (Complex64::new(1.0, 0.0), 0.0);
@@ -254,17 +278,16 @@ impl Task {
 
     fn each_model(
         &self,
-        x: &[f64],
+        parameters: &Parameters,
+        starts: &[(f64, f64)],
         work: &mut Workspace,
         mut compare: impl FnMut(&Prepared, &mut [Complex64], std::ops::Range<usize>),
     ) -> bool {
-        let parameters = self.chart.parameters(x);
-        let (omega, mut from) = (TAU * parameters.frequency, 0);
-        for (own, record) in x[COUNT..].chunks_exact(OWN).zip(&self.records) {
+        let mut from = 0;
+        for (start, record) in starts.iter().zip(&self.records) {
             work.model.resize(record.windows.count, Complex64::default());
-            let start = record.start_at(own, omega);
             let (stack, model) = (&mut work.stack, &mut work.model);
-            if !record.windows.of_model(&parameters, start, record.quantity, stack, model) {
+            if !record.windows.of_model(parameters, *start, record.quantity, stack, model) {
                 return false;
             }
             compare(record, model, from..from + 2 * record.windows.count);
@@ -278,15 +301,10 @@ impl Task {
     }
 
     /// The least whitened sum of squares from `x`, until an iteration brings less than the relative `tolerance`.
-    pub(crate) fn minimise(
-        &self,
-        x: &[f64],
-        free: Vec<usize>,
-        tolerance: f64,
-        work: &mut Workspace,
-    ) -> Option<Minimum> {
+    pub(crate) fn minimise(&self, x: &[f64], free: Vec<usize>, tolerance: f64, work: &mut Workspace) -> Option<Minimum> {
+        let iterations = if tolerance > TOLERANCE { ITERATIONS.0 } else { ITERATIONS.1 };
         let mut residuals = |x: &[f64], out: &mut [f64]| self.residuals(x, out, work);
-        self.search(free, (ITERATIONS.1, tolerance)).run(&mut residuals, x)
+        self.search(free, (iterations, tolerance)).run(&mut residuals, x)
     }
 
     /// Sets each record's standard deviation to that of its residuals at `x`.
@@ -301,7 +319,7 @@ impl Task {
             let n = 2 * record.windows.count;
             let square: f64 = out[from..from + n].iter().map(|r| r * r).sum();
             let deviation = record.scale * (square / (n as f64 - unknowns).max(1.0)).sqrt();
-            record.scale = deviation.max(NOISE_FLOOR * record.root_mean_square());
+            record.scale = deviation.max(1e-3 * NOISE_FLOOR * record.root_mean_square());
             from += n;
         }
     }
@@ -316,7 +334,7 @@ impl Task {
                 let (phi_max, beta) = (knee * loudest, dirac / (1.0 - dirac));
                 let power = joint.r() * phi_max.powf(first.chi + 1.0) / (first.chi + 1.0);
                 let c = (first.chi + 1.0) / (first.chi + 2.0);
-                let k_t = (power * (1.0 + beta)).min(0.9 * (TAU * first.frequency).powi(2));
+                let k_t = (power * (1.0 + beta)).min(MOST_JOINT * (TAU * first.frequency).powi(2));
                 let f_s = phi_max * k_t * (beta + c) / (1.0 + beta);
                 let mut start = Parameters { k_t, f_s, beta, ..*first };
                 for parameter in &self.held {
@@ -333,7 +351,7 @@ impl Task {
         Ok(starts)
     }
 
-    /// The best of all searches.
+    /// The best of all searches, roughly.
     pub(crate) fn solve(&mut self, first: &Parameters) -> Result<Minimum, Error> {
         let mut work = Workspace::default();
         let mut log = |x: &[f64], out: &mut [f64]| self.log_residuals(x, out, &mut work);
@@ -350,13 +368,20 @@ impl Task {
         }
         let best = best.ok_or_else(no_ring_down)?;
         self.weigh(&best.x, &mut work);
-        let best = self.minimise(&best.x, self.free(), TOLERANCE, &mut work).ok_or_else(no_ring_down)?;
-        if self.refined(&best).relative_residual > CREASE {
-            return Ok(best);
+        let cost = self.cost(&best.x, &mut work).ok_or_else(no_ring_down)?;
+        Ok(Minimum { cost, ..best })
+    }
+
+    /// The minimum itself, next to a rough one.
+    pub(crate) fn finish(&mut self, rough: &Minimum) -> Result<Minimum, Error> {
+        let mut work = Workspace::default();
+        let mut best = self.minimise(&rough.x, self.free(), TOLERANCE, &mut work).ok_or_else(no_ring_down)?;
+        if self.refined(&best).relative_residual < CREASE {
+            best = self.hop(best, &mut work);
+            self.weigh(&best.x, &mut work);
+            best = self.minimise(&best.x, self.free(), TOLERANCE, &mut work).ok_or_else(no_ring_down)?;
         }
-        let best = self.hop(best, &mut work);
-        self.weigh(&best.x, &mut work);
-        self.minimise(&best.x, self.free(), TOLERANCE, &mut work).ok_or_else(no_ring_down)
+        Ok(best)
     }
 
     /// Leaves creases of the sum of squares: it has one wherever an amplitude of the ring-down equals φ_max, because
@@ -372,7 +397,8 @@ impl Task {
                 let (mut x, (low, high)) = (best.x.clone(), self.bounds()[coordinate]);
                 x[coordinate] = (x[coordinate] + step).clamp(low, high);
                 let others = free.iter().copied().filter(|j| *j != coordinate).collect();
-                let found = self
+                let found =
+                    self
                     .minimise(&x, others, ROUGH, work)
                     .and_then(|m| self.minimise(&m.x, free.clone(), ROUGH, work));
                 best = found.filter(|f| f.cost < best.cost).unwrap_or(best);
@@ -384,20 +410,61 @@ impl Task {
         best
     }
 
-    /// Goes on from a better minimum than the last.
-    pub(crate) fn resume(&mut self, better: &Minimum) -> Result<Minimum, Error> {
+    /// The least sum of squares when the joint never slips as a whole: no Dirac, φ_max as large as ω0² allows; from
+    /// several points. None where a held parameter or that limit forbids it.
+    pub(crate) fn micro_slip(&self, from: &[&[f64]]) -> Option<Minimum> {
+        let (stiffness, dirac) = (self.chart.index(Parameter::KT), self.chart.index(Parameter::Beta));
+        let free = self.free();
+        let given = !(free.contains(&stiffness) && free.contains(&dirac));
+        if self.chart.scales != Scales::SofteningAndStiffness || given {
+            return None;
+        }
+        let others: Vec<usize> = free.into_iter().filter(|j| *j != stiffness && *j != dirac).collect();
         let mut work = Workspace::default();
-        let found = self.minimise(&better.x, self.free(), ROUGH, &mut work).ok_or_else(no_ring_down)?;
-        self.weigh(&found.x, &mut work);
-        self.minimise(&found.x, self.free(), TOLERANCE, &mut work).ok_or_else(no_ring_down)
+        let mut best: Option<Minimum> = None;
+        for x in from {
+            let mut x = x.to_vec();
+            (x[stiffness], x[dirac]) = (MOST_JOINT.ln(), 0.0);
+            let mut log = |x: &[f64], out: &mut [f64]| self.log_residuals(x, out, &mut work);
+            let near = self.search(others.clone(), (ITERATIONS.0, ROUGH)).run(&mut log, &x);
+            let found = near.and_then(|m| self.minimise(&m.x, others.clone(), TOLERANCE, &mut work));
+            best = best.into_iter().chain(found).min_by(|a, b| a.cost.total_cmp(&b.cost));
+        }
+        best.filter(|found| self.is_micro_slip(&found.x)).map(|found| self.with_near_knee(found))
+    }
+
+    /// The same ring-downs with φ_max at twice the largest amplitude.
+    fn with_near_knee(&self, found: Minimum) -> Minimum {
+        let p = self.chart.parameters(&found.x);
+        let Ok((oscillator, joint)) = p.model() else { return found };
+        let phi_max = KNEE_UNSEEN * self.loudest(&found.x);
+        let k_t = joint.r() * phi_max.powf(p.chi + 1.0) / (p.chi + 1.0);
+        if k_t >= MOST_JOINT * oscillator.omega0().powi(2) {
+            return found;
+        }
+        let mut x = found.x.clone();
+        x[self.chart.index(Parameter::KT)] = (k_t / oscillator.omega0().powi(2)).ln();
+        Minimum { x, ..found }
+    }
+
+    /// The largest amplitude of the model's ring-downs.
+    fn loudest(&self, x: &[f64]) -> f64 {
+        self.starts_at(x).iter().map(|start| start.0.abs()).fold(0.0, f64::max)
+    }
+
+    /// Whether no record reaches φ_max.
+    fn is_micro_slip(&self, x: &[f64]) -> bool {
+        self.chart.parameters(x).model().is_ok_and(|(_, joint)| joint.phi_max() > self.loudest(x))
+    }
+
+    /// Goes on from a better point; none when its valley is not deeper.
+    pub(crate) fn resume(&self, better: &Minimum, than: &Minimum) -> Option<Minimum> {
+        let found = self.minimise(&better.x, self.free(), TOLERANCE, &mut Workspace::default())?;
+        (found.cost < than.cost).then_some(found)
     }
 
     /// The records without a joint: `linear` holds one that is as good as none.
-    pub(crate) fn without_joint(
-        &self,
-        linear: &Parameters,
-        minimum: &Minimum,
-    ) -> Result<(Self, Minimum), Error> {
+    pub(crate) fn without_joint(&self, linear: &Parameters, minimum: &Minimum) -> Result<(Self, Minimum), Error> {
         let joint = [Parameter::KT, Parameter::FS, Parameter::Chi, Parameter::Beta];
         let mut task = self.clone();
         task.held.extend(joint.iter().filter(|p| !self.held.contains(p)));
@@ -406,17 +473,21 @@ impl Task {
         x[COUNT..].copy_from_slice(&minimum.x[COUNT..]);
         let mut work = Workspace::default();
         let mut log = |x: &[f64], out: &mut [f64]| task.log_residuals(x, out, &mut work);
-        let near =
-            task.search(task.free(), (ITERATIONS.0, ROUGH)).run(&mut log, &x).ok_or_else(no_ring_down)?;
+        let near = task.search(task.free(), (ITERATIONS.0, ROUGH)).run(&mut log, &x).ok_or_else(no_ring_down)?;
         let found = task.minimise(&near.x, task.free(), TOLERANCE, &mut work).ok_or_else(no_ring_down)?;
         Ok((task, found))
+    }
+
+    /// Variance of residuals that the forward model itself accounts for.
+    pub(crate) fn least_variance(&self) -> f64 {
+        let floor = |r: &Prepared| (NOISE_FLOOR * r.root_mean_square() / r.scale).powi(2);
+        self.records.iter().map(floor).fold(0.0, f64::max)
     }
 
     pub(crate) fn refined(&self, minimum: &Minimum) -> Refined {
         let mut out = vec![0.0; self.count()];
         self.residuals(&minimum.x, &mut out, &mut Workspace::default());
         let parameters = self.chart.parameters(&minimum.x);
-        let omega = TAU * parameters.frequency;
         let (mut noise, mut square, mut total, mut product, mut from) = (vec![], 0.0, 0.0, 0.0, 0);
         for record in &self.records {
             let n = 2 * record.windows.count;
@@ -431,11 +502,7 @@ impl Task {
         }
         Refined {
             parameters,
-            starts: minimum.x[COUNT..]
-                .chunks_exact(OWN)
-                .zip(&self.records)
-                .map(|(own, record)| record.start_at(own, omega))
-                .collect(),
+            starts: self.starts_at(&minimum.x),
             noise,
             relative_residual: (square / total).sqrt(),
             correlation: product / minimum.cost.max(f64::MIN_POSITIVE),
@@ -504,6 +571,7 @@ fn no_ring_down() -> Error {
 pub fn refine(records: &[RingDown<'_>], first: &Parameters, held: &[Parameter]) -> Result<Refined, Error> {
     first.model()?;
     let mut task = Task::new(records, first, held)?;
-    let minimum = task.solve(first)?;
+    let rough = task.solve(first)?;
+    let minimum = task.finish(&rough)?;
     Ok(task.refined(&minimum))
 }

@@ -8,8 +8,9 @@ use iwan_sim::{Method, Settings};
 
 use crate::args::{FitArgs, Format};
 use crate::commands::simulate::columns;
+use crate::extraction::Extraction;
 use crate::failure::Failure;
-use crate::identified::{Identified, step};
+use crate::identified::{Identified, extract, step};
 use crate::output;
 use crate::parallel::in_parallel;
 use crate::progress::{self, Progress};
@@ -63,8 +64,13 @@ fn identify_all(
     let (method, axis, threads) = (args.method.method(), args.records.force_axis, args.common.thread_count());
     let (recordings, hold) = (recordings.to_vec(), args.hold.clone());
     let work = move || {
-        let one = |mode: &Wanted| Identified::new(&recordings, mode, method, axis, &hold);
-        in_parallel(&wanted, threads, &one).into_iter().collect()
+        let first = |mode: &Wanted| extract(&recordings, mode, method);
+        let extracted: Result<Vec<_>, Failure> = in_parallel(&wanted, threads, &first).into_iter().collect();
+        let pairs: Vec<_> = wanted.into_iter().zip(extracted?).collect();
+        let then = |(mode, extractions): &(Wanted, Vec<Extraction>)| {
+            Identified::new(&recordings, mode, extractions.clone(), axis, &hold)
+        };
+        in_parallel(&pairs, threads, &then).into_iter().collect()
     };
     Progress::busy("identifying", args.common.quiet).wait(work)?
 }

@@ -58,7 +58,7 @@ impl Jacobian {
         let determinant = j[0][0] * cofactor(0, 0) + j[0][1] * cofactor(0, 1) + j[0][2] * cofactor(0, 2);
         let size: f64 = j.iter().map(|row| row.iter().map(|x| x * x).sum::<f64>().sqrt()).product();
         // A determinant this small against the edges is rounding: the element is flat.
-        if !(determinant > 1e-12 * size) {
+        if determinant.is_nan() || determinant <= 1e-12 * size {
             return Err(NoVolume { determinant, point });
         }
         let inverse = std::array::from_fn(|b| std::array::from_fn(|a| cofactor(a, b) / determinant));

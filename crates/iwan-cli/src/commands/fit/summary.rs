@@ -251,7 +251,11 @@ impl ModeFit {
 
     /// Writing to a string cannot fail.
     fn write(&self, text: &mut String) {
-        let verdict = if self.adequate { "the model matches" } else { "THE MODEL DOES NOT MATCH" };
+        let verdict = match (self.linear.is_enough, self.adequate) {
+            (true, _) => "a linear mode is enough, the joint is not needed",
+            (_, true) => "the model matches",
+            (_, false) => "THE MODEL DOES NOT MATCH",
+        };
         let _ = writeln!(text, "\n{}: {verdict}", self.name);
         let _ = writeln!(text, "\n{:<24}{:>14}   95 % interval", "parameter", "value");
         for (label, _, of) in &ROWS {

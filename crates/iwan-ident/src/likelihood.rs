@@ -1,0 +1,69 @@
+//! The likelihood of records as a function, for samplers.
+
+use std::f64::consts::TAU;
+
+use crate::parameters::Parameters;
+use crate::refine::{Task, Workspace};
+
+/// Logarithm of the likelihood of the records behind an identification, up to a constant.
+///
+/// That of the complex amplitudes in windows that [`refine`](mod@crate::refine) compares, whitened; their variance is
+/// that about the best fit, widened where neighbours are correlated, as in the profiles.
+#[derive(Debug, Clone)]
+pub struct Likelihood {
+    task: Task,
+    /// Variance of the residuals in their unit.
+    variance: f64,
+    parameters: Parameters,
+    starts: Vec<(f64, f64)>,
+}
+
+/// Buffers that evaluations one after the other share.
+#[derive(Debug, Default)]
+pub struct Buffers {
+    work: Workspace,
+    residuals: Vec<f64>,
+}
+
+impl Likelihood {
+    pub(crate) fn new(
+        task: &Task,
+        variance: f64,
+        parameters: &Parameters,
+        starts: &[(f64, f64)],
+    ) -> Self {
+        Self { task: task.clone(), variance, parameters: *parameters, starts: starts.to_vec() }
+    }
+
+    /// The best fit.
+    #[must_use]
+    pub fn parameters(&self) -> &Parameters {
+        &self.parameters
+    }
+
+    /// Of each record at the best fit: displacement at the turning point next to its first sample, and its time in s from
+    /// there.
+    #[must_use]
+    pub fn starts(&self) -> &[(f64, f64)] {
+        &self.starts
+    }
+
+    /// Time in s by which the phase of a start is one radian.
+    #[must_use]
+    pub fn radian(&self) -> f64 {
+        1.0 / (TAU * self.parameters.frequency)
+    }
+
+    /// ln of the likelihood of parameters and of each record's start, less that of a perfect match: -½ Σ r²/σ². None where
+    /// they are no model, where there is no ring-down, and with another number of starts than of records.
+    ///
+    /// An example: [`identify`](crate::identify::identify).
+    #[must_use]
+    pub fn log(&self, parameters: &Parameters, starts: &[(f64, f64)], buffers: &mut Buffers) -> Option<f64> {
+        buffers.residuals.resize(self.task.count(), 0.0);
+        let known = starts.len() == self.starts.len()
+            && self.task.residuals_of(parameters, starts, &mut buffers.residuals, &mut buffers.work);
+        let square: f64 = buffers.residuals.iter().map(|r| r * r).sum();
+        (known && square.is_finite()).then(|| -0.5 * square / self.variance)
+    }
+}
