@@ -11,6 +11,9 @@ use crate::failure::Failure;
 /// Shapes less alike than this are not the same mode.
 pub(crate) const ALIKE: f64 = 0.9;
 
+/// Modes that are taken when none are named.
+const DEFAULT_MODES: usize = 3;
+
 /// An elastic mode.
 #[derive(Debug, Clone)]
 pub(crate) struct Elastic {
@@ -80,6 +83,23 @@ impl Linear {
     /// Frequency of its slipping counterpart, Hz.
     pub(crate) fn frequency_slipping(&self, mode: &Elastic) -> f64 {
         self.slipping.frequency(mode.pair.slipping)
+    }
+
+    /// The mode of this name; hyphens may stand for blanks.
+    pub(crate) fn named(&self, name: &str) -> Result<&Elastic, Failure> {
+        let wanted = name.replace('-', " ");
+        self.elastic.iter().find(|mode| mode.name == wanted).ok_or_else(|| {
+            let known: Vec<_> = self.elastic.iter().map(|mode| mode.name.as_str()).collect();
+            let message = format!("{}: there is no mode \"{name}\"", self.source);
+            Failure::input(message, format!("choose from {}", known.join(", ")))
+        })
+    }
+
+    /// The first bending modes, or the first of all where nothing bends.
+    pub(crate) fn first_bending(&self) -> Vec<Elastic> {
+        let bending = self.elastic.iter().filter(|mode| mode.class == Class::Bending);
+        let bending: Vec<Elastic> = bending.take(DEFAULT_MODES).cloned().collect();
+        if bending.is_empty() { self.elastic.iter().take(DEFAULT_MODES).cloned().collect() } else { bending }
     }
 
     /// What the user should know about the modes.

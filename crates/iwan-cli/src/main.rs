@@ -21,6 +21,7 @@ mod results;
 mod run;
 mod scenario;
 mod summary;
+mod truth;
 
 use std::process::ExitCode;
 

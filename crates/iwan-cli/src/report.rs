@@ -12,6 +12,7 @@ pub(crate) mod modes;
 pub(crate) mod quasi_static;
 mod scale;
 mod solid;
+pub(crate) mod truth;
 
 use iwan_core::{Backbone, Pulse};
 use iwan_sim::{Mode, Response};

@@ -4,6 +4,7 @@ mod builtin;
 mod force;
 mod method;
 mod mode;
+mod structure;
 mod write;
 
 #[cfg(test)]
@@ -14,6 +15,7 @@ pub(crate) use force::Force;
 pub(crate) use iwan_input::{Joint, Source};
 pub(crate) use method::{MethodKeys, Representation};
 pub(crate) use mode::ScenarioMode;
+pub(crate) use structure::{Model, OnStructure, population};
 pub(crate) use write::to_toml;
 
 use std::collections::BTreeSet;
@@ -24,7 +26,7 @@ use iwan_input::InputError;
 use iwan_input::{Section, plain};
 
 /// Keys at the top of a scenario.
-pub(crate) const KEYS: &[&str] = &["title", "mode", "force", "time", "method"];
+pub(crate) const KEYS: &[&str] = &["title", "mode", "structure", "force", "time", "method"];
 
 /// More numbers than this (8 GB) are not kept in memory.
 const MOST_NUMBERS: f64 = 1e9;
@@ -33,7 +35,10 @@ const MOST_NUMBERS: f64 = 1e9;
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Scenario {
     pub(crate) title: Option<String>,
+    /// Empty on a structure.
     pub(crate) modes: Vec<ScenarioMode>,
+    /// The structure, where there is one instead of modes.
+    pub(crate) structure: Option<OnStructure>,
     pub(crate) force: Force,
     pub(crate) settings: Settings,
 }
@@ -54,10 +59,13 @@ impl Scenario {
     pub(crate) fn read(source: &Source, overrides: &Overrides) -> Result<Self, InputError> {
         let document = source.document("paper-modal")?;
         let top = Section::new(source, "the scenario", (document.get_ref(), document.span()), KEYS)?;
-        let settings = read_settings(source, &top, overrides)?;
+        let structure = OnStructure::read(source, &top)?;
+        let settings = read_settings(source, &top, overrides, structure.is_some())?;
+        let modes = if structure.is_some() { Vec::new() } else { read_modes(source, &top)? };
         let scenario = Self {
             title: top.optional_text("title")?,
-            modes: read_modes(source, &top)?,
+            modes,
+            structure,
             force: read_force(source, &top, settings.dt, overrides)?,
             settings,
         };
@@ -142,7 +150,12 @@ fn time_section<'a>(source: &'a Source, top: &Section<'a>) -> Result<Section<'a>
     }
 }
 
-fn read_settings(source: &Source, top: &Section<'_>, overrides: &Overrides) -> Result<Settings, InputError> {
+fn read_settings(
+    source: &Source,
+    top: &Section<'_>,
+    overrides: &Overrides,
+    structure: bool,
+) -> Result<Settings, InputError> {
     let time = time_section(source, top)?;
     let seconds = |key, instead: Option<f64>| {
         let value = instead.map_or_else(|| time.number(key), Ok)?;
@@ -154,11 +167,16 @@ fn read_settings(source: &Source, top: &Section<'_>, overrides: &Overrides) -> R
         Err(time.failure(key, &message, &format!("give {key} in seconds")))
     };
     let (dt, duration) = (seconds("step", overrides.step)?, seconds("duration", overrides.duration)?);
-    let method = read_method(source, top, overrides)?;
+    let method = read_method(source, top, overrides, structure)?;
     Ok(Settings { method, ..Settings::new(dt, duration) })
 }
 
-fn read_method(source: &Source, top: &Section<'_>, overrides: &Overrides) -> Result<Method, InputError> {
+fn read_method(
+    source: &Source,
+    top: &Section<'_>,
+    overrides: &Overrides,
+    structure: bool,
+) -> Result<Method, InputError> {
     let section = match top.optional_table("method")? {
         Some(place) => Some(Section::kind(source, "[method]", place, method::KINDS, Some("newmark"))?),
         None => None,
@@ -167,7 +185,14 @@ fn read_method(source: &Source, top: &Section<'_>, overrides: &Overrides) -> Res
         Some((section, kind)) => MethodKeys::read(section, kind)?,
         None => MethodKeys::named("newmark"),
     };
-    let keys = written.overridden(overrides)?;
+    let mut keys = written.overridden(overrides)?;
+    if structure {
+        keys = keys.on_structure().map_err(|(key, message, remedy)| match &section {
+            Some((section, _)) if keys == written => section.failure(key, &message, &remedy),
+            _ => InputError::new(message, remedy),
+        })?;
+    }
+    let written = MethodKeys { prewarp: keys.prewarp, ..written };
     keys.resolve().map_err(|(key, message, remedy)| match &section {
         Some((section, _)) if keys == written => section.failure(key, &message, &remedy),
         _ => InputError::new(message, remedy),
@@ -196,7 +221,7 @@ fn read_force(
 fn read_modes(source: &Source, top: &Section<'_>) -> Result<Vec<ScenarioMode>, InputError> {
     let tables = top.tables("mode")?;
     if tables.is_empty() {
-        let remedy = "add [[mode]] with name and frequency; `iwan scenario paper-modal` prints an example";
+        let remedy = "add [[mode]] with name and frequency (`iwan scenario paper-modal` prints an example), or [structure]";
         return Err(top.failure("mode", "there is no mode", remedy));
     }
     let mut modes: Vec<ScenarioMode> = Vec::new();

@@ -7,6 +7,8 @@ use iwan_core::{Backbone, EnergyBalance};
 use iwan_sim::{Mode, Response};
 use serde::Serialize;
 
+use crate::commands::modes::Size;
+
 /// An estimated error above this is worth a warning.
 const LARGE_ERROR: f64 = 0.01;
 
@@ -30,6 +32,9 @@ pub(crate) struct Summary {
     pub(crate) modes: Vec<ModeSummary>,
     /// One entry per physical point.
     pub(crate) points: Vec<PointSummary>,
+    /// The structure and its joints, where the scenario has one.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(crate) structure: Option<StructureSummary>,
     /// What the user should look at.
     pub(crate) warnings: Vec<String>,
     /// Wall-clock time of all modes and error estimates together, s.
@@ -39,6 +44,46 @@ pub(crate) struct Summary {
     /// Where they are: on standard output only, so that the folder may be moved.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(crate) folder: Option<PathBuf>,
+}
+
+/// What a run on a structure says beyond its modes.
+#[derive(Debug, Clone, Serialize)]
+pub(crate) struct StructureSummary {
+    pub(crate) title: String,
+    pub(crate) size: Size,
+    /// `reduced` or `full`.
+    pub(crate) model: &'static str,
+    /// Modes in the basis of the reduced model.
+    pub(crate) basis: Option<usize>,
+    /// Estimated error of the reduction (accelerations of the outputs), where it was sought.
+    pub(crate) basis_error: Option<f64>,
+    /// Whether that reached the tolerance.
+    pub(crate) converged: Option<bool>,
+    /// One entry per slip.
+    pub(crate) slips: Vec<SlipSummary>,
+}
+
+/// The summary of one slip of a joint.
+#[derive(Debug, Clone, Serialize)]
+pub(crate) struct SlipSummary {
+    pub(crate) name: String,
+    pub(crate) peak_slip: f64,
+    pub(crate) peak_force: f64,
+    /// Largest slip over the strength of the strongest slider.
+    pub(crate) slip_ratio: f64,
+}
+
+impl StructureSummary {
+    /// What the user should look at, in words.
+    pub(crate) fn warnings(&self) -> Vec<String> {
+        let (Some(basis), Some(error), Some(false)) = (self.basis, self.basis_error, self.converged) else {
+            return Vec::new();
+        };
+        vec![format!(
+            "the reduction to {basis} modes is off by about {}, more than the tolerance: choose model = \"full\" or a larger tolerance",
+            percent(error)
+        )]
+    }
 }
 
 /// The summary of one mode. Modal units; errors relative to the peak displacement.
@@ -163,11 +208,16 @@ impl ModeSummary {
 impl PointSummary {
     /// Of displacement, velocity and acceleration at a point.
     pub(crate) fn new(name: &str, [displacement, velocity, acceleration]: &[Vec<f64>; 3]) -> Self {
+        Self::of_peaks(name, [peak(displacement), peak(velocity), peak(acceleration)])
+    }
+
+    /// Of the peaks of displacement, velocity and acceleration.
+    pub(crate) fn of_peaks(name: &str, [displacement, velocity, acceleration]: [f64; 3]) -> Self {
         Self {
             name: name.into(),
-            peak_displacement: peak(displacement),
-            peak_velocity: peak(velocity),
-            peak_acceleration: peak(acceleration),
+            peak_displacement: displacement,
+            peak_velocity: velocity,
+            peak_acceleration: acceleration,
         }
     }
 }
@@ -241,6 +291,14 @@ impl Summary {
             let [q, v, a] = [p.peak_displacement, p.peak_velocity, p.peak_acceleration].map(short);
             // Writing to a string cannot fail.
             let _ = writeln!(text, "{:<22} {q:>12}  {v:>12}  {a:>12}", p.name);
+        }
+        let slips = self.structure.iter().flat_map(|structure| &structure.slips);
+        for (n, slip) in slips.enumerate() {
+            if n == 0 {
+                text.push_str("\npeaks                          slip         force    slip ratio\n");
+            }
+            let [s, f, r] = [slip.peak_slip, slip.peak_force, slip.slip_ratio].map(short);
+            let _ = writeln!(text, "{:<22} {s:>12}  {f:>12}  {r:>12}", slip.name);
         }
         text
     }

@@ -87,9 +87,83 @@ fn a_mode_that_no_joint_softens_is_called_linear() {
     assert!(String::from_utf8(output.stderr).unwrap().contains("warning: bending 2: K_T = -2.4"));
 }
 
+const BLOW: &str = "\
+title = 'a blow'
+[structure]
+name = 'paper-a'
+[force]
+kind = 'haversine'
+amplitude = 10.0
+duration = 1.6e-3
+[time]
+step = 1e-5
+duration = 0.03
+";
+
+/// Peaks of spec and prototype at 10 lbf, the reduced model with a basis of its own choice.
+#[test]
+fn a_blow_on_the_papers_beam() {
+    let place = folder(&BLOW.replace("name = 'paper-a'", "name = 'paper-a'\nframes = 3"));
+    let found = json(&iwan(place.path(), "simulate in.toml --json --quiet --out o"));
+    for (mode, peak) in found["modes"].as_array().unwrap().iter().zip([220.78, 328.67, 337.47]) {
+        close(&mode["peak_acceleration"], peak, 2e-3);
+        assert!(mode["energy_error"].as_f64().unwrap() < 1e-12);
+        assert!(mode["time_step_error"].as_f64().unwrap() < 0.02);
+        assert!(mode["discretisation_error"].as_f64().unwrap() < 0.01);
+        assert_eq!(mode["steps"], 3000);
+    }
+    close(&found["modes"][0]["slip_ratio"], 0.0289, 0.02);
+    assert_eq!(found["points"][0]["name"], "tip");
+    let structure = &found["structure"];
+    assert_eq!((&structure["model"], &structure["converged"]), (&"reduced".into(), &true.into()));
+    assert_eq!(structure["slips"].as_array().unwrap().len(), 8);
+    let read = |name: &str| std::fs::read_to_string(place.path().join("o").join(name)).unwrap();
+    let response = read("response.csv");
+    let head = response.lines().next().unwrap();
+    assert!(head.starts_with(
+        "t,bending 1.displacement,bending 1.velocity,bending 1.acceleration,bending 1.joint_force,"
+    ));
+    assert!(
+        head.contains(",tip.displacement,tip.velocity,tip.acceleration,left link x.slip,left link x.force,")
+    );
+    assert_eq!(response.lines().count(), 3002);
+    let series = read("response.pvd");
+    assert!(series.contains("timestep=\"0.03\" part=\"0\" file=\"frame-2.vtu\""), "{series}");
+    assert!(place.path().join("o/frame-2.vtu").exists());
+    let report = read("report.html");
+    assert!(report.contains("Joint left link x") && !report.contains("NaN"));
+    // The run as written repeats it to the last bit.
+    json(&iwan(place.path(), "simulate o/scenario.toml --json --quiet --out again"));
+    assert_eq!(std::fs::read_to_string(place.path().join("again/response.csv")).unwrap(), response);
+}
+
+/// In micro-slip the modal joint force is next to K_T q.
+#[test]
+fn full_and_reduced_models_agree() {
+    let short = BLOW.replace("duration = 0.03", "duration = 0.004");
+    let fixed = short.replace("name = 'paper-a'", "name = 'paper-a'\nbasis = 50");
+    let place = folder(&short.replace("name = 'paper-a'", "name = 'paper-a'\nmodel = 'full'"));
+    std::fs::write(place.path().join("reduced.toml"), fixed).unwrap();
+    let full = json(&iwan(place.path(), "simulate in.toml --json --quiet --out full"));
+    let reduced = json(&iwan(place.path(), "simulate reduced.toml --json --quiet --out reduced"));
+    for mode in 0..3 {
+        let peak = full["modes"][mode]["peak_displacement"].as_f64().unwrap();
+        close(&reduced["modes"][mode]["peak_displacement"], peak, 1e-4);
+        assert!(full["modes"][mode]["time_step_error"].is_null());
+    }
+    let table = std::fs::read_to_string(place.path().join("full/response.csv")).unwrap();
+    let rows: Vec<Vec<f64>> =
+        table.lines().skip(1).map(|line| line.split(',').map(|x| x.parse().unwrap()).collect()).collect();
+    let last = rows.last().unwrap();
+    assert!((last[4] / (4.708e4 * last[1]) - 1.0).abs() < 0.1, "{} {}", last[4], last[1]);
+}
+
 #[test]
 fn what_cannot_be_computed_is_named_and_nothing_is_written() {
     let structure = block();
+    let missing = BLOW.replace("name = 'paper-a'", "path = 'none.toml'");
+    let unnamed = BLOW.replace("name = 'paper-a'", "name = 'paper-a'\nmodes = ['bending 99']");
+    let loose = BLOW.replace("name = 'paper-a'", "path = 'block.toml'");
     let cases = [
         (
             "modes bad.toml --out o",
@@ -101,6 +175,9 @@ fn what_cannot_be_computed_is_named_and_nothing_is_written() {
             "[msh]\n",
             "bad.toml:1:2: unknown key `msh` in the structure\nremedy: did you mean `mesh`?",
         ),
+        ("simulate bad.toml --out o", &loose, "the structure has no [[load]]: the force acts nowhere"),
+        ("simulate bad.toml --out o", &unnamed, "paper-a: there is no mode \"bending 99\""),
+        ("simulate bad.toml --out o", &missing, "none.toml: cannot be read"),
         ("quasi-static --out o --mode bending-77", "", "paper-a: there is no mode \"bending-77\""),
         ("quasi-static --out o --from 2 --to 1", "", "the range of modal displacements is empty"),
         ("quasi-static bad.toml --out o", &structure, "the structure has no joint with a law"),
@@ -108,6 +185,7 @@ fn what_cannot_be_computed_is_named_and_nothing_is_written() {
     for (arguments, text, expected) in cases {
         let place = folder("");
         std::fs::write(place.path().join("bad.toml"), text).unwrap();
+        std::fs::write(place.path().join("block.toml"), &structure).unwrap();
         let output = iwan(place.path(), arguments);
         assert_eq!(output.status.code(), Some(2), "{}", shown(&output));
         let message = String::from_utf8(output.stderr).unwrap();

@@ -24,6 +24,8 @@ mod reduction;
 mod slip_solver;
 mod transient;
 
+mod modal_force;
+
 mod ordering;
 pub mod paper;
 

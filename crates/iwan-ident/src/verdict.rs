@@ -38,9 +38,9 @@ impl Verdict {
     /// From ln D and frequency (Hz) at the same amplitudes.
     pub(crate) fn new(dissipation: &[Compared], frequency: &[Compared]) -> Self {
         let [d, f] = [dissipation, frequency].map(root_mean_squares);
-        let range = frequency.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |r, c| {
-            (r.0.min(c.measured), r.1.max(c.measured))
-        });
+        let range = frequency
+            .iter()
+            .fold((f64::INFINITY, f64::NEG_INFINITY), |r, c| (r.0.min(c.measured), r.1.max(c.measured)));
         let shift = range.1 - range.0;
         let smallest = SHIFT_FLOOR * range.1;
         let limits = [DISSIPATION.max(NOISE * d.1), (FREQUENCY * shift).max(NOISE * f.1).max(smallest)];
@@ -61,9 +61,9 @@ impl Verdict {
 /// Of the misfit and of the noise.
 fn root_mean_squares(values: &[Compared]) -> (f64, f64) {
     let n = values.len() as f64;
-    let sum = values.iter().fold((0.0, 0.0), |s, c| {
-        (s.0 + (c.measured - c.model).powi(2) / n, s.1 + c.deviation.powi(2) / n)
-    });
+    let sum = values
+        .iter()
+        .fold((0.0, 0.0), |s, c| (s.0 + (c.measured - c.model).powi(2) / n, s.1 + c.deviation.powi(2) / n));
     (sum.0.sqrt(), sum.1.sqrt())
 }
 
@@ -75,7 +75,11 @@ mod tests {
     fn noise_excuses_what_it_explains_and_no_more() {
         let values = |deviation: f64| -> Vec<Compared> {
             (0..10)
-                .map(|i| Compared { measured: 0.1 * f64::from(i), deviation, model: 0.1 * f64::from(i) + 0.05 })
+                .map(|i| Compared {
+                    measured: 0.1 * f64::from(i),
+                    deviation,
+                    model: 0.1 * f64::from(i) + 0.05,
+                })
                 .collect()
         };
         let exact: Vec<Compared> = values(0.0).iter().map(|c| Compared { model: c.measured, ..*c }).collect();

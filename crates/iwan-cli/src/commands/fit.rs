@@ -134,7 +134,13 @@ fn as_scenario(identified: &[Identified], title: &str) -> Result<Scenario, iwan_
         longest = longest.max(c.record.len() as f64 * c.dt);
     }
     let settings = Settings { method: Method::HalfCycle, ..Settings::new(shortest, longest) };
-    Ok(Scenario { title: Some(title.into()), modes, force: Force::Formula("none", Pulse::None), settings })
+    Ok(Scenario {
+        title: Some(title.into()),
+        modes,
+        structure: None,
+        force: Force::Formula("none", Pulse::None),
+        settings,
+    })
 }
 
 /// The columns of the curves: all modes and records below each other, told apart by their numbers.

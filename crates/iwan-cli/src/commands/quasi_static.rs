@@ -4,7 +4,7 @@ mod summary;
 
 use std::time::Instant;
 
-use iwan_fem::{Class, ModalCurves};
+use iwan_fem::ModalCurves;
 use iwan_ident::quasi_static::{StaticCurves, StaticFit, fit_static};
 use iwan_io::Table;
 
@@ -22,8 +22,6 @@ const DEFAULT_FOLDER: &str = "iwan-quasi-static";
 const FILES: [&str; 3] = ["curves.csv", "summary.json", "report.html"];
 /// Elastic modes among which names are looked up.
 const MODES: usize = 40;
-/// Modes that are taken when none are named.
-const DEFAULT_MODES: usize = 3;
 /// Range of displacements over where the first joint begins macro-slip.
 const RANGE: (f64, f64) = (1e-3, 10.0);
 /// A joint stiffness below this part of ω0² is no joint's: the mode is linear.
@@ -68,23 +66,12 @@ pub(crate) fn run(args: &QuasiStaticArgs) -> Result<(), Failure> {
     output::result(&if args.common.json { summary.json() } else { summary.table() })
 }
 
-/// The modes that were named; without names the first bending modes, or the first of all where nothing bends.
+/// The modes that were named, or the first bending modes.
 fn chosen(linear: &Linear, names: &[String]) -> Result<Vec<Elastic>, Failure> {
     if names.is_empty() {
-        let bending = linear.elastic.iter().filter(|mode| mode.class == Class::Bending);
-        let bending: Vec<Elastic> = bending.take(DEFAULT_MODES).cloned().collect();
-        let first = || linear.elastic.iter().take(DEFAULT_MODES).cloned().collect();
-        return Ok(if bending.is_empty() { first() } else { bending });
+        return Ok(linear.first_bending());
     }
-    let one = |name: &String| {
-        let wanted = name.replace('-', " ");
-        linear.elastic.iter().find(|mode| mode.name == wanted).cloned().ok_or_else(|| {
-            let known: Vec<_> = linear.elastic.iter().map(|mode| mode.name.as_str()).collect();
-            let message = format!("{}: there is no mode \"{name}\"", linear.source);
-            Failure::input(message, format!("choose --mode from {}", known.join(", ")))
-        })
-    };
-    names.iter().map(one).collect()
+    names.iter().map(|name| linear.named(name).cloned()).collect()
 }
 
 fn analyse(linear: &Linear, args: &QuasiStaticArgs) -> Result<Vec<Analysed>, Failure> {

@@ -1,5 +1,7 @@
 //! `iwan simulate`: from a scenario to responses, a summary and a report.
 
+mod structure;
+
 use std::time::Instant;
 
 use iwan_io::Table;
@@ -30,6 +32,9 @@ pub(crate) fn run(args: &SimulateArgs) -> Result<(), Failure> {
         None => built_in()[0].source(),
     };
     let scenario = Scenario::read(&source, &args.changes.overrides())?;
+    if let Some(on) = &scenario.structure {
+        return structure::run(args, &source.name, &scenario, on);
+    }
     let files = file_names(&scenario, args.format);
     progress::catch_interrupts();
     let results = Results::open(args.out.as_deref(), DEFAULT_FOLDER, args.force, &files)?;
@@ -114,6 +119,7 @@ fn summarise(scenario: &Scenario, name: &str, responses: &[Response], points: &[
         duration: scenario.settings.duration,
         warnings: modes.iter().flat_map(ModeSummary::warnings).collect(),
         modes,
+        structure: None,
         points: points.iter().map(|(name, samples)| PointSummary::new(name, samples)).collect(),
         seconds: 0.0,
         files: Vec::new(),

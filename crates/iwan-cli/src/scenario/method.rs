@@ -128,6 +128,26 @@ impl MethodKeys {
     }
 }
 
+impl MethodKeys {
+    /// The method on a structure: average acceleration on all unknowns, the frequencies of which cannot all be prewarped.
+    ///
+    /// # Errors
+    /// Key, message and remedy.
+    pub(super) fn on_structure(self) -> Result<Self, (&'static str, String, String)> {
+        let remedy = "a structure is integrated by kind = \"newmark\" with joint, sliders and grid only";
+        let given = [
+            ("kind", self.kind != "newmark"),
+            ("prewarp", self.prewarp == Some(true)),
+            ("beta", self.beta.is_some_and(|beta| beta != 0.25)),
+            ("gamma", self.gamma.is_some_and(|gamma| gamma != 0.5)),
+        ];
+        match given.into_iter().find(|(_, given)| *given) {
+            Some((key, _)) => Err((key, format!("this {key} does not apply to a structure"), remedy.into())),
+            None => Ok(Self { prewarp: Some(false), ..self }),
+        }
+    }
+}
+
 /// Sliders where the scenario does not say: the library's default.
 fn default_sliders() -> usize {
     match JointKind::default_sliders() {

@@ -3,7 +3,7 @@
 
 use serde_json::Value;
 
-use super::{KEYS, Overrides, SCHEMA, Scenario, Source, built_in, force, method, mode, to_toml};
+use super::{KEYS, Overrides, SCHEMA, Scenario, Source, built_in, force, method, mode, structure, to_toml};
 use iwan_input::{Kind, known};
 
 fn schema() -> Value {
@@ -29,6 +29,7 @@ fn plain_tables_have_the_same_keys() {
     same(keys_at("/$defs/mode/properties"), mode::KEYS);
     same(keys_at("/$defs/initial/properties"), mode::INITIAL_KEYS);
     same(keys_at("/$defs/time/properties"), method::TIME_KEYS);
+    same(keys_at("/$defs/structure/properties"), structure::KEYS);
 }
 
 #[test]
@@ -126,6 +127,64 @@ fn every_variant_is_valid_and_survives_writing() {
         assert!(validator.is_valid(&as_json(&text)), "{text}");
         let scenario = read(&text).unwrap();
         assert_eq!(read(&to_toml(&scenario, "x")).unwrap(), scenario, "{text}");
+    }
+}
+
+const ON_STRUCTURE: &str = "\
+[structure]
+name = 'paper-a'
+[force]
+kind = 'haversine'
+amplitude = 10
+duration = 1.6e-3
+[time]
+step = 1e-5
+duration = 0.01
+";
+
+#[test]
+fn structures_are_valid_and_survive_writing() {
+    let validator = jsonschema::validator_for(&schema()).unwrap();
+    let variants = [
+        "name = 'paper-a'",
+        "name = 'paper-b'\nmodel = 'full'",
+        "name = 'paper-a'\nbasis = 50\nframes = 10",
+        "path = 'beam.toml'\ntolerance = 1e-3\nmodes = ['bending 1', 'torsion 1']",
+        "name = 'paper-a'\n[method]\njoint = 'continuum'",
+        "name = 'paper-a'\n[method]\nprewarp = false\nsliders = 20\ngrid = 'uniform'",
+    ];
+    for variant in variants {
+        let text = ON_STRUCTURE.replace("name = 'paper-a'", variant);
+        assert!(validator.is_valid(&as_json(&text)), "{text}");
+        let scenario = read(&text).unwrap();
+        let written = to_toml(&scenario, "x");
+        assert!(validator.is_valid(&as_json(&written)), "{written}");
+        assert_eq!(
+            read(&written).unwrap(),
+            Scenario { structure: read(&written).unwrap().structure, ..scenario }
+        );
+    }
+    let bad = [
+        "name = 'paper-c'",
+        "model = 'full'",
+        "name = 'paper-a'\npath = 'beam.toml'",
+        "name = 'paper-a'\nbasis = 0",
+        "name = 'paper-a'\ntolerance = 0",
+        "name = 'paper-a'\nmodel = 'quick'",
+        "name = 'paper-a'\n[[mode]]\nname = 'a'\nfrequency = 1",
+    ];
+    for variant in bad {
+        let text = ON_STRUCTURE.replace("name = 'paper-a'", variant);
+        assert!(!validator.is_valid(&as_json(&text)), "{text}");
+        assert!(read(&text).is_err(), "{text}");
+    }
+    for refused in ["model = 'full'\nbasis = 3", "model = 'full'\nframes = 3", "basis = 3\ntolerance = 1e-3"]
+    {
+        assert!(read(&ON_STRUCTURE.replace("[force]", &format!("{refused}\n[force]"))).is_err());
+    }
+    for method in ["prewarp = true", "kind = 'half-cycle'", "beta = 0.3\ngamma = 0.6"] {
+        let error = read(&format!("{ON_STRUCTURE}[method]\n{method}\n")).unwrap_err().to_string();
+        assert!(error.contains("does not apply to a structure"), "{error}");
     }
 }
 

@@ -5,7 +5,8 @@ use std::fmt::Write;
 use iwan_core::{Grid, Pulse, ResidualStiffness};
 use iwan_sim::{JointKind, Method, Settings};
 
-use super::{Force, Scenario, ScenarioMode};
+use super::structure::{Model, Origin};
+use super::{Force, OnStructure, Scenario, ScenarioMode};
 use iwan_input::Joint;
 
 /// The scenario as TOML; a force from a file is called `force_file`.
@@ -17,6 +18,9 @@ pub(crate) fn to_toml(scenario: &Scenario, force_file: &str) -> String {
     }
     for mode in &scenario.modes {
         write_mode(&mut out, mode);
+    }
+    if let Some(structure) = &scenario.structure {
+        write_structure(&mut out, structure);
     }
     write_force(&mut out, &scenario.force, force_file);
     write_time(&mut out, &scenario.settings);
@@ -79,6 +83,31 @@ fn write_mode(out: &mut String, ScenarioMode { mode, joint }: &ScenarioMode) {
     line(out, "initial", &inline(&initial));
     if mode.residual == ResidualStiffness::Any {
         line(out, "allow_negative_residual", "true");
+    }
+}
+
+fn write_structure(out: &mut String, structure: &OnStructure) {
+    out.push_str("\n[structure]\n");
+    match &structure.origin {
+        // Absolute where that is known: the scenario is written into another folder.
+        Origin::File(path) => {
+            let path = path.canonicalize().unwrap_or_else(|_| path.clone());
+            line(out, "path", &quoted(&path.display().to_string()));
+        }
+        Origin::BuiltIn(name) => line(out, "name", &quoted(name)),
+    }
+    line(out, "model", if structure.model == Model::Full { "\"full\"" } else { "\"reduced\"" });
+    match structure.model {
+        Model::Full => {}
+        Model::Basis(modes) => line(out, "basis", &modes.to_string()),
+        Model::Tolerance(tolerance) => number(out, "tolerance", tolerance),
+    }
+    if !structure.modes.is_empty() {
+        let names: Vec<String> = structure.modes.iter().map(|name| quoted(name)).collect();
+        line(out, "modes", &format!("[{}]", names.join(", ")));
+    }
+    if structure.frames > 0 {
+        line(out, "frames", &structure.frames.to_string());
     }
 }
 

@@ -1,0 +1,138 @@
+//! `[structure]`: a scenario on a finite-element structure instead of modes.
+
+use std::path::PathBuf;
+
+use iwan_core::Grid;
+use iwan_fem::Population;
+use iwan_input::{BUILT_IN_STRUCTURES, InputError, Section, Source, StructureFile, plain};
+use iwan_sim::{JointKind, Method};
+
+/// Keys of the table.
+pub(crate) const KEYS: &[&str] = &["path", "name", "model", "basis", "tolerance", "modes", "frames"];
+
+/// Relative error of the outputs' accelerations at which the basis grows no more.
+const DEFAULT_TOLERANCE: f64 = 1e-2;
+
+/// Where the structure comes from.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) enum Origin {
+    /// A file.
+    File(PathBuf),
+    /// A built-in structure, by its name.
+    BuiltIn(&'static str),
+}
+
+/// Which model is integrated.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) enum Model {
+    /// All unknowns.
+    Full,
+    /// This many stuck modes and the attachment vectors of the slips.
+    Basis(usize),
+    /// The same with as many modes as the outputs' accelerations need for this relative error.
+    Tolerance(f64),
+}
+
+/// The table as written, with its defaults.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct OnStructure {
+    pub(crate) origin: Origin,
+    pub(crate) model: Model,
+    /// Modes whose modal coordinates are recorded; none named: the first three bending modes.
+    pub(crate) modes: Vec<String>,
+    /// Number of pictures of the moving structure for ParaView.
+    pub(crate) frames: usize,
+}
+
+impl OnStructure {
+    /// Reads the table, if there is one.
+    pub(super) fn read(source: &Source, top: &Section<'_>) -> Result<Option<Self>, InputError> {
+        let Some(place) = top.optional_table("structure")? else { return Ok(None) };
+        let section = Section::new(source, "[structure]", place, KEYS)?;
+        if top.has("mode") {
+            let message = "[structure] and [[mode]] exclude each other";
+            return Err(top.failure("mode", message, "keep the modes, or the structure they belong to"));
+        }
+        let model = model(&section)?;
+        let frames = section.optional_count("frames")?.unwrap_or(0);
+        if frames > 0 && model == Model::Full {
+            let message = "frames are made from the reduced model";
+            return Err(section.failure(
+                "frames",
+                message,
+                "choose model = \"reduced\", or leave frames out",
+            ));
+        }
+        let modes = if section.has("modes") { section.texts("modes")? } else { Vec::new() };
+        Ok(Some(Self { origin: origin(source, &section)?, model, modes, frames }))
+    }
+
+    /// The structure file, and its name for messages.
+    pub(crate) fn load(&self) -> Result<(String, StructureFile), InputError> {
+        let source = match &self.origin {
+            Origin::File(path) => Source::read(path, "structure", BUILT_IN_STRUCTURES[0].0)?,
+            Origin::BuiltIn(name) => {
+                let text = BUILT_IN_STRUCTURES.iter().find(|b| b.0 == *name).map_or("", |b| b.2);
+                Source::built_in(name, text)
+            }
+        };
+        Ok((source.name.clone(), StructureFile::read(&source)?))
+    }
+}
+
+fn origin(source: &Source, section: &Section<'_>) -> Result<Origin, InputError> {
+    let names: Vec<(&str, &'static str)> = BUILT_IN_STRUCTURES.iter().map(|b| (b.0, b.0)).collect();
+    match (section.optional_text("path")?, section.choice("name", &names)?) {
+        (Some(path), None) => Ok(Origin::File(source.folder.join(path))),
+        (None, Some(name)) => Ok(Origin::BuiltIn(name)),
+        (given, _) => {
+            let message = if given.is_some() {
+                "`path` and `name` exclude each other"
+            } else {
+                "the key `path` is missing"
+            };
+            let remedy = "give path = \"FILE.toml\", or name = \"paper-a\" for a built-in structure";
+            Err(section.failure("path", message, remedy))
+        }
+    }
+}
+
+fn model(section: &Section<'_>) -> Result<Model, InputError> {
+    let full = section.choice("model", &[("reduced", false), ("full", true)])?.unwrap_or(false);
+    let basis = section.optional_count("basis")?;
+    let tolerance = section.optional_number("tolerance")?;
+    for (key, given) in [("basis", basis.is_some()), ("tolerance", tolerance.is_some())] {
+        if full && given {
+            let message = format!("`{key}` does not apply to model = \"full\"");
+            return Err(section.failure(key, &message, "remove it, or choose model = \"reduced\""));
+        }
+    }
+    match (full, basis, tolerance) {
+        (true, ..) => Ok(Model::Full),
+        (_, Some(_), Some(_)) => {
+            let message = "`basis` and `tolerance` exclude each other";
+            Err(section.failure("basis", message, "fix the number of modes, or the error they may cause"))
+        }
+        (_, Some(modes), None) => Ok(Model::Basis(modes)),
+        (_, None, tolerance) => {
+            let tolerance = tolerance.unwrap_or(DEFAULT_TOLERANCE);
+            if tolerance > 0.0 && tolerance.is_finite() {
+                return Ok(Model::Tolerance(tolerance));
+            }
+            let message =
+                format!("tolerance = {} is out of range: must be a finite number > 0", plain(tolerance));
+            Err(section.failure("tolerance", &message, "give a relative error such as 1e-2"))
+        }
+    }
+}
+
+/// How the joints of a structure are evaluated under a scenario's method: average acceleration without prewarping.
+pub(crate) fn population(method: &Method) -> Population {
+    match *method {
+        Method::Newmark { joint: JointKind::Sliders { bins, grid: Grid::Uniform }, .. } => {
+            Population::Sliders { bins, grid: Grid::Uniform }
+        }
+        Method::Newmark { joint: JointKind::Sliders { bins, .. }, .. } => Population::graded(bins),
+        _ => Population::Continuum,
+    }
+}
