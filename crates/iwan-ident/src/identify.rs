@@ -124,9 +124,15 @@ impl Identification {
             let name = profile.parameter.name();
             words.extend(match (profile.held, profile.low, profile.high) {
                 (true, ..) | (_, Some(_), Some(_)) => None,
-                (_, Some(low), None) => Some(format!("{name} > {low:.4e}, no upper bound from these records")),
-                (_, None, Some(high)) => Some(format!("{name} < {high:.4e}, no lower bound from these records")),
-                (_, None, None) => Some(format!("{name} is open on both sides: these records do not tell it")),
+                (_, Some(low), None) => {
+                    Some(format!("{name} > {low:.4e}, no upper bound from these records"))
+                }
+                (_, None, Some(high)) => {
+                    Some(format!("{name} < {high:.4e}, no lower bound from these records"))
+                }
+                (_, None, None) => {
+                    Some(format!("{name} is open on both sides: these records do not tell it"))
+                }
             });
         }
         words
@@ -175,7 +181,9 @@ impl<'a> Prepared<'a> {
     fn notes(&self) -> impl Iterator<Item = String> + '_ {
         let seconds = self.first as f64 * self.source.dt;
         let what = match self.band {
-            None => "no other line stands out of the spectrum: the model is compared with the record as it is",
+            None => {
+                "no other line stands out of the spectrum: the model is compared with the record as it is"
+            }
             Some(_) => "the model is compared with the record in the band",
         };
         let own = format!("{what}, from {seconds:.6} s on");
@@ -230,7 +238,7 @@ pub fn identify(sources: &[Source<'_>], settings: &Settings) -> Result<Identific
     let linear = linear(&task, &minimum, &refined.parameters, &curves)?;
     Ok(Identification {
         parameters: refined.parameters,
-        verdict: verdict(&curves, &model_curves),
+        verdict: verdict(&curves, &model_curves, refined.leaves_noise(task.count())),
         notes: prepared.iter().flat_map(Prepared::notes).chain(start.notes.iter().cloned()).collect(),
         envelopes: prepared.iter().map(|p| p.envelope.clone()).collect(),
         first_samples: prepared.iter().map(|p| p.first).collect(),
@@ -276,7 +284,8 @@ fn minimum_and_profiles(task: &mut Task, first: &Parameters) -> Result<(Minimum,
     let (mut round, mut finished) = (0, false);
     loop {
         let micro_slip = task.micro_slip(&[&minimum.x, &first]);
-        let extent = if slip_seen(task, &minimum, micro_slip.as_ref()) { Extent::Full } else { Extent::MicroSlip };
+        let extent =
+            if slip_seen(task, &minimum, micro_slip.as_ref()) { Extent::Full } else { Extent::MicroSlip };
         match (extent, &micro_slip) {
             (Extent::MicroSlip, Some(without)) => minimum = without.clone(),
             _ if finished => {}
@@ -297,7 +306,12 @@ fn minimum_and_profiles(task: &mut Task, first: &Parameters) -> Result<(Minimum,
 }
 
 /// The linear mode on the same records, from the mean damping of the curves.
-fn linear(task: &Task, minimum: &Minimum, parameters: &Parameters, curves: &[Curves]) -> Result<Linear, Error> {
+fn linear(
+    task: &Task,
+    minimum: &Minimum,
+    parameters: &Parameters,
+    curves: &[Curves],
+) -> Result<Linear, Error> {
     let ratios: Vec<f64> = curves.iter().flat_map(|c| c.damping_ratio.iter().copied()).collect();
     let damping_ratio = (ratios.iter().sum::<f64>() / ratios.len() as f64).max(0.0);
     let omega_squared = (TAU * parameters.frequency).powi(2);
@@ -322,7 +336,12 @@ fn linear(task: &Task, minimum: &Minimum, parameters: &Parameters, curves: &[Cur
 
 impl Prepared<'_> {
     /// Curves of the model's ring-down by the same filter and envelope, at those times of the record's that both cover.
-    fn model_curves(&self, parameters: &Parameters, start: (f64, f64), settings: &Settings) -> Result<Curves, Error> {
+    fn model_curves(
+        &self,
+        parameters: &Parameters,
+        start: (f64, f64),
+        settings: &Settings,
+    ) -> Result<Curves, Error> {
         let (dt, late) = (self.source.dt, self.first as f64 * self.source.dt + start.1);
         let count = (self.isolated.samples.len() as f64 - late / dt) as usize;
         let samples = ring_down(parameters, start.0, (dt, count), self.source.quantity)?;
@@ -358,7 +377,7 @@ fn ring_down(
 }
 
 /// Compares curves and the model's at the times they share.
-fn verdict(curves: &[Curves], model: &[Curves]) -> Verdict {
+fn verdict(curves: &[Curves], model: &[Curves], noise_only: bool) -> Verdict {
     let (mut dissipation, mut frequency) = (vec![], vec![]);
     for (record, model) in curves.iter().zip(model) {
         for (j, t) in model.t.iter().enumerate() {
@@ -377,5 +396,5 @@ fn verdict(curves: &[Curves], model: &[Curves]) -> Verdict {
             });
         }
     }
-    Verdict::new(&dissipation, &frequency)
+    Verdict::new(&dissipation, &frequency, noise_only)
 }

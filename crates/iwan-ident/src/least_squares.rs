@@ -106,7 +106,12 @@ impl Search {
     }
 
     /// Derivatives of the residuals, which are `r` at `x`, with respect to the free coordinates.
-    pub(crate) fn jacobian(&self, residuals: &mut Residuals<'_>, x: &[f64], r: &[f64]) -> Option<DMatrix<f64>> {
+    pub(crate) fn jacobian(
+        &self,
+        residuals: &mut Residuals<'_>,
+        x: &[f64],
+        r: &[f64],
+    ) -> Option<DMatrix<f64>> {
         let (mut above, mut below) = (vec![0.0; self.count], r.to_vec());
         let mut jacobian = DMatrix::zeros(self.count, self.free.len());
         for (column, &j) in self.free.iter().enumerate() {

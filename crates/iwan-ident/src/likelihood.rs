@@ -26,12 +26,7 @@ pub struct Buffers {
 }
 
 impl Likelihood {
-    pub(crate) fn new(
-        task: &Task,
-        variance: f64,
-        parameters: &Parameters,
-        starts: &[(f64, f64)],
-    ) -> Self {
+    pub(crate) fn new(task: &Task, variance: f64, parameters: &Parameters, starts: &[(f64, f64)]) -> Self {
         Self { task: task.clone(), variance, parameters: *parameters, starts: starts.to_vec() }
     }
 

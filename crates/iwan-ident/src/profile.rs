@@ -85,10 +85,10 @@ struct Scale {
 impl Scale {
     fn new(task: &Task, minimum: &Minimum, settled: bool) -> Self {
         let freedom = (task.count() - task.free().len()) as f64;
-        let correlation = task.refined(minimum).correlation;
+        let refined = task.refined(minimum);
+        let r = refined.correlation;
         // Neighbours that agree say the same twice.
-        let significant = correlation > 2.0 / (task.count() as f64).sqrt();
-        let inflation = if significant { (1.0 + correlation) / (1.0 - correlation.min(0.9)) } else { 1.0 };
+        let inflation = if refined.leaves_noise(task.count()) { 1.0 } else { (1.0 + r) / (1.0 - r.min(0.9)) };
         Self {
             variance: inflation * (minimum.cost / freedom).max(task.least_variance()),
             limit: student(freedom / inflation).powi(2),
@@ -149,16 +149,23 @@ pub(crate) fn profiles(
         let (task, scale) = (&*task, &scale);
         let handles: Vec<_> = Parameter::ALL
             .iter()
-            .map(|parameter| scope.spawn(move || profile(task, (minimum, micro_slip), (scale, extent), *parameter)))
+            .map(|parameter| {
+                scope.spawn(move || profile(task, (minimum, micro_slip), (scale, extent), *parameter))
+            })
             .collect();
-        let joined = handles.into_iter().map(|h| h.join().unwrap_or_else(|panic| std::panic::resume_unwind(panic)));
+        let joined =
+            handles.into_iter().map(|h| h.join().unwrap_or_else(|panic| std::panic::resume_unwind(panic)));
         joined.collect()
     });
     let best = results.iter().filter_map(|r| r.as_ref().err()).min_by(|a, b| a.cost.total_cmp(&b.cost));
     if let Some(best) = best {
         return Err(best.clone());
     }
-    Ok(Profiles { parameters: results.into_iter().flatten().collect(), limit: scale.limit, variance: scale.variance })
+    Ok(Profiles {
+        parameters: results.into_iter().flatten().collect(),
+        limit: scale.limit,
+        variance: scale.variance,
+    })
 }
 
 /// Deviance of the best fit without macro-slip about the best fit; none where a held parameter decides on that.
@@ -209,7 +216,11 @@ fn profile(
                 Some(of(&full))
             }
         };
-        if *direction < 0.0 { profile.low = at } else { profile.high = at }
+        if *direction < 0.0 {
+            profile.low = at
+        } else {
+            profile.high = at
+        }
         profile.points.extend(walk.points.iter().map(|p| (of(&p.2), p.1)));
     }
     profile.points.sort_by(|a, b| a.0.total_cmp(&b.0));
@@ -224,10 +235,8 @@ impl Walk<'_> {
     fn deviance(&mut self, at: f64) -> Result<Option<f64>, Minimum> {
         let mut beginnings = self.beginnings(at, &self.nearest(at));
         beginnings.extend(self.micro_slip.into_iter().flat_map(|m| self.beginnings(at, &m.x)));
-        let mut ways: Vec<(f64, Vec<f64>)> = beginnings
-            .into_iter()
-            .filter_map(|x| Some((self.task.cost(&x, &mut self.work)?, x)))
-            .collect();
+        let mut ways: Vec<(f64, Vec<f64>)> =
+            beginnings.into_iter().filter_map(|x| Some((self.task.cost(&x, &mut self.work)?, x))).collect();
         ways.sort_by(|a, b| a.0.total_cmp(&b.0));
         ways.truncate(WAYS);
         let mut best: Option<Minimum> = None;

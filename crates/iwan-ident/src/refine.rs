@@ -88,6 +88,13 @@ pub struct Refined {
     pub converged: bool,
 }
 
+impl Refined {
+    /// Whether what is left of `count` values looks like white noise: neighbours are not correlated.
+    pub(crate) fn leaves_noise(&self, count: usize) -> bool {
+        self.correlation < 2.0 / (count as f64).sqrt()
+    }
+}
+
 /// The records in the form that the searches work on.
 #[derive(Debug, Clone)]
 pub(crate) struct Task {
@@ -301,7 +308,13 @@ impl Task {
     }
 
     /// The least whitened sum of squares from `x`, until an iteration brings less than the relative `tolerance`.
-    pub(crate) fn minimise(&self, x: &[f64], free: Vec<usize>, tolerance: f64, work: &mut Workspace) -> Option<Minimum> {
+    pub(crate) fn minimise(
+        &self,
+        x: &[f64],
+        free: Vec<usize>,
+        tolerance: f64,
+        work: &mut Workspace,
+    ) -> Option<Minimum> {
         let iterations = if tolerance > TOLERANCE { ITERATIONS.0 } else { ITERATIONS.1 };
         let mut residuals = |x: &[f64], out: &mut [f64]| self.residuals(x, out, work);
         self.search(free, (iterations, tolerance)).run(&mut residuals, x)
@@ -397,8 +410,7 @@ impl Task {
                 let (mut x, (low, high)) = (best.x.clone(), self.bounds()[coordinate]);
                 x[coordinate] = (x[coordinate] + step).clamp(low, high);
                 let others = free.iter().copied().filter(|j| *j != coordinate).collect();
-                let found =
-                    self
+                let found = self
                     .minimise(&x, others, ROUGH, work)
                     .and_then(|m| self.minimise(&m.x, free.clone(), ROUGH, work));
                 best = found.filter(|f| f.cost < best.cost).unwrap_or(best);
@@ -464,7 +476,11 @@ impl Task {
     }
 
     /// The records without a joint: `linear` holds one that is as good as none.
-    pub(crate) fn without_joint(&self, linear: &Parameters, minimum: &Minimum) -> Result<(Self, Minimum), Error> {
+    pub(crate) fn without_joint(
+        &self,
+        linear: &Parameters,
+        minimum: &Minimum,
+    ) -> Result<(Self, Minimum), Error> {
         let joint = [Parameter::KT, Parameter::FS, Parameter::Chi, Parameter::Beta];
         let mut task = self.clone();
         task.held.extend(joint.iter().filter(|p| !self.held.contains(p)));
@@ -473,7 +489,8 @@ impl Task {
         x[COUNT..].copy_from_slice(&minimum.x[COUNT..]);
         let mut work = Workspace::default();
         let mut log = |x: &[f64], out: &mut [f64]| task.log_residuals(x, out, &mut work);
-        let near = task.search(task.free(), (ITERATIONS.0, ROUGH)).run(&mut log, &x).ok_or_else(no_ring_down)?;
+        let near =
+            task.search(task.free(), (ITERATIONS.0, ROUGH)).run(&mut log, &x).ok_or_else(no_ring_down)?;
         let found = task.minimise(&near.x, task.free(), TOLERANCE, &mut work).ok_or_else(no_ring_down)?;
         Ok((task, found))
     }

@@ -90,6 +90,10 @@ fn the_brake_reuss_beam_is_no_single_four_parameter_joint() {
         let fit = fit(&[curves], &first.parameters, &[]).unwrap();
         eprintln!("{:?}", fit.parameters);
         eprintln!("{}", fit.verdict.misfit);
-        assert!(!fit.verdict.adequate && fit.verdict.misfit.contains("does not match"), "{}", fit.verdict.misfit);
+        assert!(
+            !fit.verdict.adequate && fit.verdict.misfit.contains("does not match"),
+            "{}",
+            fit.verdict.misfit
+        );
     }
 }

@@ -91,7 +91,10 @@ fn coverage(truth: &Parameters, clean: &[f64], dt: f64, decibels: f64, repetitio
             }
         }
     }
-    eprintln!("{decibels} dB: covered {:?} of {:?} closed, missed {:?}", count.covered, count.closed, count.missed);
+    eprintln!(
+        "{decibels} dB: covered {:?} of {:?} closed, missed {:?}",
+        count.covered, count.closed, count.missed
+    );
     count
 }
 
@@ -141,7 +144,8 @@ fn micro_slip_tells_the_power_and_the_level_and_leaves_the_rest_open() {
 #[test]
 fn two_force_levels_are_one_structure() {
     let dt = 1.0 / 5000.0;
-    let records = [noisy(&record(&MODE_1, 0.3, dt, 1200), 40.0, 5), noisy(&record(&MODE_1, 1.5, dt, 1200), 40.0, 6)];
+    let records =
+        [noisy(&record(&MODE_1, 0.3, dt, 1200), 40.0, 5), noisy(&record(&MODE_1, 1.5, dt, 1200), 40.0, 6)];
     let found = identified(&records, dt);
     assert!(found.verdict.adequate, "{}", found.verdict.misfit);
     for p in Parameter::ALL {
