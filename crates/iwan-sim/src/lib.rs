@@ -4,6 +4,7 @@
 
 mod error;
 mod event;
+mod force_history;
 mod free_decay;
 mod joint;
 mod mode;
@@ -14,6 +15,7 @@ mod settings;
 mod simulate;
 
 pub use error::SimulationError;
+pub use force_history::force_history;
 pub use joint::{JointLaw, TabulatedDensity};
 pub use mode::{Mode, Point};
 pub use response::{Quality, Response, superpose};

@@ -1,0 +1,321 @@
+//! Records: uniformly sampled channels, from files or arrays.
+
+use std::path::PathBuf;
+
+use iwan_io::{Format, Quantity, ReadOptions};
+use numpy::ndarray::Axis;
+use numpy::{PyArray1, PyArray2, PyArrayMethods, PyUntypedArrayMethods};
+use pyo3::IntoPyObjectExt;
+use pyo3::prelude::*;
+
+use crate::array::{Numbers, array, freeze, frozen_rows};
+use crate::errors::{reading, value, wrong_type};
+use crate::laws::Remake;
+use crate::options::unknown;
+use crate::work;
+
+const QUANTITIES: [(&str, Quantity); 5] = [
+    ("acceleration", Quantity::Acceleration),
+    ("velocity", Quantity::Velocity),
+    ("displacement", Quantity::Displacement),
+    ("force", Quantity::Force),
+    ("unknown", Quantity::Unknown),
+];
+
+const FORMATS: [(&str, Format); 5] = [
+    ("text", Format::Text),
+    ("npy", Format::Npy),
+    ("npz", Format::Npz),
+    ("uff", Format::Uff),
+    ("mat", Format::Mat),
+];
+
+/// A choice by its name.
+fn choose<T: Copy>(argument: &str, given: &str, choices: &[(&str, T)]) -> PyResult<T> {
+    let found = choices.iter().find(|(name, _)| *name == given);
+    let names = || choices.iter().map(|(name, _)| *name).collect::<Vec<_>>();
+    found.map(|(_, choice)| *choice).ok_or_else(|| unknown(argument, given, &names()))
+}
+
+/// One or many channels sampled together at a constant interval; checked once, frozen, picklable.
+///
+/// `samples`: real numbers, channels x samples (or one dimension for one channel), all finite, at least two;
+/// `dt`: sampling interval > 0 (s); `names`: one for each channel; `quantity`: "acceleration", "velocity", "displacement",
+/// "force" or "unknown"; `unit`: as text; `start`: time of the first sample (s).
+///
+/// Raises `iwan.InvalidValueError` naming channel and sample.
+///
+/// >>> record = iwan.Record([[0.0, 1.0, 4.0]], dt=0.5, names=["tip"], quantity="displacement", unit="m")
+/// >>> record.t, record.channel("tip")
+/// (array([0. , 0.5, 1. ]), array([0., 1., 4.]))
+#[pyclass(frozen, module = "iwan")]
+#[derive(Debug)]
+pub(crate) struct Record {
+    dt: f64,
+    start: f64,
+    names: Vec<String>,
+    quantity: Quantity,
+    unit: String,
+    warnings: Vec<String>,
+    /// Channels x samples, float64, read-only.
+    #[pyo3(get)]
+    samples: Py<PyArray2<f64>>,
+}
+
+impl Record {
+    fn wrap(py: Python<'_>, record: &iwan_io::Record) -> PyResult<Self> {
+        Ok(Self {
+            dt: record.dt(),
+            start: record.start(),
+            names: record.names().to_vec(),
+            quantity: record.quantity(),
+            unit: record.unit().to_owned(),
+            warnings: record.warnings().iter().map(ToString::to_string).collect(),
+            samples: frozen_rows(py, record.samples())?,
+        })
+    }
+
+    /// Index of a channel by name or number; the only one when neither is given.
+    fn index(&self, channel: Option<&Bound<'_, PyAny>>) -> PyResult<usize> {
+        let n = self.names.len();
+        let names = || format!("'{}'", self.names.join("', '"));
+        let Some(channel) = channel else {
+            let several =
+                || value(format!("the record has {n} channels ({}): choose one with channel=", names()));
+            return if n == 1 { Ok(0) } else { Err(several()) };
+        };
+        if let Ok(name) = channel.extract::<String>() {
+            let found = self.names.iter().position(|other| *other == name);
+            return found
+                .ok_or_else(|| value(format!("there is no channel '{name}': there are {}", names())));
+        }
+        let Ok(i) = channel.extract::<i64>() else {
+            return Err(wrong_type("channel must be the name or the number of a channel"));
+        };
+        let size = usize::try_from(i.unsigned_abs()).ok();
+        let index = if i < 0 { size.and_then(|size| n.checked_sub(size)) } else { size };
+        let found = index.filter(|index| *index < n);
+        found.ok_or_else(|| value(format!("channel {i} is out of range: the record has {n} channels")))
+    }
+}
+
+/// One channel to work on.
+pub(crate) struct Channel {
+    pub(crate) samples: Vec<f64>,
+    pub(crate) dt: f64,
+    /// Time of the first sample, s.
+    pub(crate) start: f64,
+}
+
+impl Channel {
+    /// A channel of a record, or a bare array with `dt`.
+    pub(crate) fn read(
+        record: &Bound<'_, PyAny>,
+        dt: Option<f64>,
+        channel: Option<&Bound<'_, PyAny>>,
+    ) -> PyResult<Self> {
+        let record = match record.cast::<Record>() {
+            Ok(_) if dt.is_some() => {
+                return Err(value("dt goes with a bare array: a Record has its own"));
+            }
+            Ok(record) => record.clone(),
+            Err(_) => {
+                let Some(dt) = dt else {
+                    return Err(value(
+                        "dt is missing: a bare array needs its sampling interval in seconds, dt=",
+                    ));
+                };
+                let fresh = Record::new(record, dt, None, "unknown", "", 0.0)?;
+                Bound::new(record.py(), fresh)?
+            }
+        };
+        let this = record.get();
+        let index = this.index(channel)?;
+        let view = this.samples.bind(record.py()).readonly();
+        let samples = view.as_array().index_axis(Axis(0), index).to_vec();
+        Ok(Self { samples, dt: this.dt, start: this.start })
+    }
+}
+
+#[pymethods]
+impl Record {
+    #[new]
+    #[pyo3(signature = (samples, *, dt, names = None, quantity = "unknown", unit = "", start = 0.0))]
+    fn new(
+        samples: &Bound<'_, PyAny>,
+        dt: f64,
+        names: Option<Vec<String>>,
+        quantity: &str,
+        unit: &str,
+        start: f64,
+    ) -> PyResult<Self> {
+        let py = samples.py();
+        let Numbers { values, shape } = Numbers::read("samples", samples)?;
+        let (channels, length) = match shape[..] {
+            [n] => (1, n),
+            [channels, n] => (channels, n),
+            _ => {
+                return Err(value(format!(
+                    "samples has the shape {shape:?}: give channels x samples, or one dimension for one channel"
+                )));
+            }
+        };
+        let rows: Vec<Vec<f64>> = if length == 0 {
+            vec![Vec::new(); channels]
+        } else {
+            values.chunks(length).map(<[f64]>::to_vec).collect()
+        };
+        let names = names.unwrap_or_else(|| (0..channels).map(|i| format!("channel {i}")).collect());
+        let record = iwan_io::Record::new(dt, rows, names).and_then(|record| record.with_start(start));
+        let record = record.map_err(|error| value(error.to_string()))?;
+        Self::wrap(py, &record.with_quantity(choose("quantity", quantity, &QUANTITIES)?, unit))
+    }
+
+    /// Sampling interval, s.
+    #[getter]
+    fn dt(&self) -> f64 {
+        self.dt
+    }
+
+    /// Sampling rate, Hz.
+    #[getter]
+    fn rate(&self) -> f64 {
+        1.0 / self.dt
+    }
+
+    /// Time of the first sample, s.
+    #[getter]
+    fn start(&self) -> f64 {
+        self.start
+    }
+
+    /// Names of the channels.
+    #[getter]
+    fn names(&self) -> Vec<String> {
+        self.names.clone()
+    }
+
+    /// What the samples measure: "acceleration", "velocity", "displacement", "force" or "unknown".
+    #[getter]
+    fn quantity(&self) -> String {
+        self.quantity.to_string()
+    }
+
+    /// Unit of the samples as text; empty when not known.
+    #[getter]
+    fn unit(&self) -> &str {
+        &self.unit
+    }
+
+    /// What the reader of the file noticed, in words.
+    #[getter]
+    fn warnings(&self) -> Vec<String> {
+        self.warnings.clone()
+    }
+
+    /// Times of the samples, s, float64 array.
+    #[getter]
+    fn t(&self, py: Python<'_>) -> Py<PyArray1<f64>> {
+        array(py, (0..self.__len__(py)).map(|i| self.start + i as f64 * self.dt).collect())
+    }
+
+    /// Samples of one channel by name or number: a read-only view of `samples`. Without an argument the only channel.
+    ///
+    /// Raises `iwan.InvalidValueError` naming the channels there are.
+    ///
+    /// >>> iwan.Record([[1.0, 2.0], [3.0, 4.0]], dt=0.1, names=["root", "tip"]).channel("tip")
+    /// array([3., 4.])
+    #[pyo3(signature = (channel = None))]
+    fn channel<'py>(
+        &self,
+        py: Python<'py>,
+        channel: Option<&Bound<'py, PyAny>>,
+    ) -> PyResult<Bound<'py, PyAny>> {
+        let row = self.samples.bind(py).get_item(self.index(channel)?)?;
+        freeze(&row)?;
+        Ok(row)
+    }
+
+    /// Number of samples of each channel.
+    fn __len__(&self, py: Python<'_>) -> usize {
+        self.samples.bind(py).shape()[1]
+    }
+
+    fn __repr__(&self, py: Python<'_>) -> String {
+        let (n, channels, dt) = (self.__len__(py), self.names.len(), self.dt);
+        let unit = if self.unit.is_empty() { String::new() } else { format!(" [{}]", self.unit) };
+        format!("<iwan.Record: {} of {channels} channels{unit}, {n} samples every {dt:?} s>", self.quantity)
+    }
+
+    fn __eq__(&self, py: Python<'_>, other: &Bound<'_, PyAny>) -> bool {
+        let Ok(other) = other.cast::<Self>() else { return false };
+        let other = other.get();
+        let same = |a: &Py<PyArray2<f64>>, b: &Py<PyArray2<f64>>| {
+            a.bind(py).readonly().as_array() == b.bind(py).readonly().as_array()
+        };
+        (self.dt, self.start, &self.names, self.quantity, &self.unit)
+            == (other.dt, other.start, &other.names, other.quantity, &other.unit)
+            && same(&self.samples, &other.samples)
+    }
+
+    fn __reduce__<'py>(slf: &Bound<'py, Self>) -> PyResult<Remake<'py>> {
+        let (py, this) = (slf.py(), slf.get());
+        let names = this.names.clone();
+        let described = (names, this.quantity.to_string(), &this.unit, this.warnings.clone());
+        let arguments = (this.samples.clone_ref(py), this.dt, this.start, described);
+        Ok((py.import("iwan._native")?.getattr("_record")?, arguments.into_bound_py_any(py)?))
+    }
+}
+
+/// Names, quantity, unit and warnings, as pickled.
+type Described = (Vec<String>, String, String, Vec<String>);
+
+/// Makes a pickled `Record` again.
+#[pyfunction]
+pub(crate) fn _record(
+    samples: &Bound<'_, PyAny>,
+    dt: f64,
+    start: f64,
+    described: Described,
+) -> PyResult<Record> {
+    let (names, quantity, unit, warnings) = described;
+    Ok(Record { warnings, ..Record::new(samples, dt, Some(names), &quantity, &unit, start)? })
+}
+
+/// Reads a record from a file: CSV and other text (header and delimiter are found), NPY/NPZ, UFF/UNV dataset 58 and 58b,
+/// MATLAB v5 .mat.
+///
+/// `path`: str or path-like; `format`: "text", "npy", "npz", "uff" or "mat" where content and extension do not tell;
+/// `time`: name of the time vector, such as "HIdata.time"; `channels`: names, in the order wanted (all that fit by default);
+/// `rate` (Hz) where no time is stored; `quantity`: goes before what the file says; `resample`: interpolate samples that
+/// are not uniform.
+///
+/// Returns a `Record`. Raises `iwan.MissingFileError` (a `FileNotFoundError`) or `iwan.FileError` (an `OSError`) when the file
+/// cannot be read, `iwan.RecordError` (a `ValueError`) naming the place in the file and what helps when its content is no record.
+///
+/// >>> with open("tip.csv", "w") as file:
+/// ...     _ = file.write("time [s],tip [m/s^2]\n0.0,1.0\n0.5,2.0\n1.0,4.0\n")
+/// >>> record = iwan.read_record("tip.csv")
+/// >>> record.quantity, record.unit, record.dt, record.channel("tip")
+/// ('acceleration', 'm/s^2', 0.5, array([1., 2., 4.]))
+#[pyfunction]
+#[pyo3(signature = (
+    path, *, format = None, time = None, channels = Vec::new(), rate = None, quantity = None, resample = false
+))]
+#[expect(clippy::too_many_arguments, reason = "keyword arguments of Python")]
+pub(crate) fn read_record(
+    py: Python<'_>,
+    path: PathBuf,
+    format: Option<&str>,
+    time: Option<String>,
+    channels: Vec<String>,
+    rate: Option<f64>,
+    quantity: Option<&str>,
+    resample: bool,
+) -> PyResult<Record> {
+    let format = format.map(|name| choose("format", name, &FORMATS)).transpose()?;
+    let quantity = quantity.map(|name| choose("quantity", name, &QUANTITIES)).transpose()?;
+    let options = ReadOptions { format, time, channels, rate, quantity, resample };
+    let record = work::run(py, true, move |_| iwan_io::read(path, &options))?;
+    Record::wrap(py, &record.map_err(|error| reading(&error))?)
+}
