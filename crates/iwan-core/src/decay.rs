@@ -67,6 +67,20 @@ pub struct TurningPoint {
     pub joint_force: f64,
 }
 
+/// A point on the way of a half cycle and its share of time: Σ `weight` f is ∫ f dt over the half cycle, exact for
+/// smooth f as the map itself.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct PathNode {
+    /// Time since the start, s.
+    pub time: f64,
+    /// Displacement.
+    pub displacement: f64,
+    /// Velocity.
+    pub velocity: f64,
+    /// Weight in time, s.
+    pub weight: f64,
+}
+
 impl<'a, B: Backbone, S: AsRef<[Reversal]> + AsMut<[Reversal]>> Decay<'a, B, S> {
     /// From rest history: the joint is loaded along the virgin curve up to the displacement `start.0` and
     /// released with the velocity `start.1`; `load` is a constant force. `stack` has room for the
@@ -158,6 +172,36 @@ impl<'a, B: Backbone, S: AsRef<[Reversal]> + AsMut<[Reversal]>> Decay<'a, B, S> 
         }
         let (time, displacement) = (self.now.time, self.now.q);
         Some(TurningPoint { time, displacement, joint_force: self.joint.joint_force(&self.memory) })
+    }
+
+    /// As [`next`](Self::next), and hands over the nodes of the half cycle on the way, in the order of time: for
+    /// integrals over the motion that need no uniform samples. None as well where the map does not cover the half cycle
+    /// (a start in mid-motion, an older loop that closes).
+    ///
+    /// ```
+    /// use iwan_core::{Decay, FourParameter, Oscillator, ResidualStiffness, Reversal};
+    /// let joint = FourParameter::new(4.45e4, 239.4, -0.183, 0.3)?;
+    /// let mode = Oscillator::new(124.0, 1e-3, joint.k_t(), ResidualStiffness::Positive)?;
+    /// let mut decay = Decay::new(&mode, &joint, 0.0, (0.01, 0.0), [Reversal::default(); 64])?;
+    /// let (mut travel, mut duration) = (0.0, 0.0);
+    /// let end = decay.next_with(|node| {
+    ///     travel += node.weight * node.velocity;
+    ///     duration += node.weight;
+    /// });
+    /// assert!((0.01 + travel - end.unwrap().displacement).abs() < 1e-12);
+    /// assert!((duration - end.unwrap().time).abs() < 1e-15);
+    /// # Ok::<(), iwan_core::Error>(())
+    /// ```
+    pub fn next_with(&mut self, mut visit: impl FnMut(PathNode)) -> Option<TurningPoint> {
+        if !self.under_way {
+            return None;
+        }
+        let (half, start) = (&self.half, self.now.time);
+        self.map.phase(half).visit(|theta, omega, time, weight| {
+            let (displacement, velocity) = half.motion(theta, omega);
+            visit(PathNode { time: start + time, displacement, velocity, weight });
+        });
+        self.next()
     }
 
     /// Completes the half cycle of the map and sets out on the next.

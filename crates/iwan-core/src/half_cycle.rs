@@ -77,9 +77,13 @@ impl HalfCycle {
     /// Displacement and velocity at the time `t` after its start; `clock` is its own.
     pub(crate) fn at(&self, clock: &PhaseClock, t: f64) -> (f64, f64) {
         let (theta, omega) = clock.at(t);
-        let (s, d) = (libm::sin(0.5 * theta), self.direction);
-        let q = self.start + d * self.length * s * s;
-        (q, d * 0.5 * self.length * libm::sin(theta) * omega)
+        self.motion(theta, omega)
+    }
+
+    /// Displacement and velocity at a phase and its Ω.
+    pub(crate) fn motion(&self, theta: f64, omega: f64) -> (f64, f64) {
+        let ((s, c), d) = (libm::sincos(0.5 * theta), self.direction);
+        (self.start + d * self.length * s * s, d * self.length * s * c * omega)
     }
 }
 
@@ -194,9 +198,14 @@ impl<'a, B: Backbone> Map<'a, B> {
 
     /// The clock of a half cycle, for dense output.
     pub(crate) fn clock(&self, half: &HalfCycle) -> PhaseClock {
+        self.phase(half).clock()
+    }
+
+    /// Ω over a half cycle.
+    pub(crate) fn phase(&self, half: &HalfCycle) -> Phase {
         match &self.micro {
-            Some(micro) if half.micro.is_some() => micro.phase(&half.micro).clock(),
-            _ => self.passes(half.length).0.clock(),
+            Some(micro) if half.micro.is_some() => micro.phase(&half.micro),
+            _ => self.passes(half.length).0,
         }
     }
 

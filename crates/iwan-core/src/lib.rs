@@ -30,7 +30,7 @@ mod uniform;
 
 pub use averaging::Averaging;
 pub use backbone::{Backbone, PowerLaw};
-pub use decay::{Decay, TurningPoint};
+pub use decay::{Decay, PathNode, TurningPoint};
 pub use energy::{EnergyBalance, JointEnergy};
 pub use error::Error;
 pub use events::EventDriven;

@@ -36,6 +36,16 @@ impl Panel {
         self.half_width() * RULE.weights.iter().zip(&self.omega).map(|(w, o)| w / o).sum::<f64>()
     }
 
+    /// Times of the nodes from the start of the panel, with their weights dt.
+    fn times(&self) -> [(f64, f64); NODES] {
+        let width = self.half_width();
+        let slowness = self.omega.map(|o| width / o);
+        core::array::from_fn(|i| {
+            let time: f64 = MATRIX[i].iter().zip(&slowness).map(|(b, s)| b * s).sum();
+            (time, RULE.weights[i] * slowness[i])
+        })
+    }
+
     /// The Legendre coefficients of the polynomial through the 1/Ω at the nodes.
     fn slowness(&self) -> [f64; NODES] {
         // Legendre polynomials at the nodes, by the three-term recurrence.
@@ -163,6 +173,17 @@ impl Phase {
 
     pub(crate) fn duration(&self) -> f64 {
         self.panels().iter().map(Panel::duration).sum()
+    }
+
+    /// Phase, Ω, time from the start of the half cycle and weight dt of each node, in the order of time.
+    pub(crate) fn visit(&self, mut node: impl FnMut(f64, f64, f64, f64)) {
+        let mut before = 0.0;
+        for panel in self.panels() {
+            for (i, (time, weight)) in panel.times().into_iter().enumerate() {
+                node(panel.phase(i), panel.omega[i], before + time, weight);
+            }
+            before += panel.duration();
+        }
     }
 
     /// The clock of the half cycle, for dense output.

@@ -137,6 +137,34 @@ impl Curves {
         Ok(self)
     }
 
+    /// The same curves `late` seconds later, by straight lines at those of the `times` that they cover.
+    #[must_use]
+    pub(crate) fn at(&self, late: f64, times: &[f64]) -> Self {
+        let own: Vec<f64> = self.t.iter().map(|t| t + late).collect();
+        let covered = |t: &f64| own.first().is_some_and(|a| a <= t) && own.last().is_some_and(|b| t <= b);
+        let t: Vec<f64> = times.iter().copied().filter(covered).collect();
+        let places: Vec<(usize, f64)> = t
+            .iter()
+            .map(|t| {
+                let i = own.partition_point(|s| s <= t).clamp(1, own.len() - 1);
+                (i, (t - own[i - 1]) / (own[i] - own[i - 1]))
+            })
+            .collect();
+        let between = |v: &[f64]| places.iter().map(|&(i, s)| v[i - 1] + s * (v[i] - v[i - 1])).collect();
+        Self {
+            displacement: between(&self.displacement),
+            frequency: between(&self.frequency),
+            damping_ratio: between(&self.damping_ratio),
+            dissipation: between(&self.dissipation),
+            force: between(&self.force),
+            axis: self.axis,
+            log_dissipation_sd: between(&self.log_dissipation_sd),
+            frequency_sd: between(&self.frequency_sd),
+            independent: self.independent,
+            t,
+        }
+    }
+
     /// Slope of ln D over ln force by weighted least squares over the entries with a force in `range`: χ + 3 in
     /// micro-slip. None with fewer than three such entries, or where D <= 0.
     #[must_use]

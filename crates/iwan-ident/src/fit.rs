@@ -7,21 +7,17 @@ use std::f64::consts::TAU;
 
 use iwan_core::Backbone;
 
+use crate::chart::Chart;
 use crate::curves::Curves;
 use crate::error::{Error, check};
-use crate::least_squares::{TOLERANCE, minimise};
+use crate::least_squares::{Search, TOLERANCE};
 use crate::parameters::{COUNT, Parameter, Parameters};
+use crate::verdict::{Compared, Verdict};
 
 /// Least relative standard deviation of a dissipation: what averaging neglects.
 const DISSIPATION_FLOOR: f64 = 5e-3;
 /// Least standard deviation of a frequency, relative to it: the same.
 const FREQUENCY_FLOOR: f64 = 1e-5;
-/// The model is adequate if dissipation is missed by at most this part (root mean square) …
-const DISSIPATION_MISFIT: f64 = 0.03;
-/// … and frequency by at most this part of its measured shift, unless noise explains more.
-const FREQUENCY_MISFIT: f64 = 0.1;
-/// Misfit in standard deviations that noise explains.
-const NOISE: f64 = 2.0;
 const ITERATIONS: usize = 300;
 
 /// What a set of curves and a model have in common, and what not.
@@ -29,18 +25,10 @@ const ITERATIONS: usize = 300;
 pub struct Fit {
     /// The parameters.
     pub parameters: Parameters,
-    /// Root-mean-square misfit of ln D.
-    pub dissipation_misfit: f64,
-    /// Root-mean-square misfit of the frequency, Hz.
-    pub frequency_misfit: f64,
-    /// Measured range of the frequency, Hz.
-    pub frequency_shift: f64,
     /// Largest displacement amplitude over φ_max: macro-slip is seen from 1 on.
     pub slip_ratio: f64,
-    /// Whether one four-parameter joint with a viscous damper matches dissipation and frequency together.
-    pub adequate: bool,
-    /// What does not fit, in words and numbers.
-    pub misfit: String,
+    /// How far off the model is.
+    pub verdict: Verdict,
 }
 
 /// Dissipation per cycle and frequency (Hz) of the model at a displacement amplitude.
@@ -96,17 +84,27 @@ pub fn fit(curves: &[Curves], first: &Parameters, held: &[Parameter]) -> Result<
             remedy,
         });
     }
-    let free: Vec<usize> = (0..COUNT).filter(|j| !held.contains(&Parameter::ALL[*j])).collect();
-    let mut residuals =
-        |x: &[f64], out: &mut [f64]| residuals(&entries, &Parameters::from_coordinates(x), out);
-    let count = 2 * entries.len();
-    let found = minimise(&mut residuals, count, &first.coordinates(), &free, (ITERATIONS, TOLERANCE))
-        .ok_or_else(|| Error::Refused {
-            finding: "the start values have no curves".into(),
-            remedy: "start nearer to the solution",
-        })?;
-    let parameters = Parameters::from_coordinates(&found.x);
-    verdict(&entries, parameters)
+    let chart = Chart::holding(held, middle(&entries));
+    let free = (0..COUNT).filter(|j| held.iter().all(|h| chart.index(*h) != *j)).collect();
+    let search = Search {
+        count: 2 * entries.len(),
+        free,
+        bounds: chart.bounds().to_vec(),
+        iterations: ITERATIONS,
+        tolerance: TOLERANCE,
+    };
+    let mut residuals = |x: &[f64], out: &mut [f64]| residuals(&entries, &chart.parameters(x), out);
+    let found = search.run(&mut residuals, &chart.coordinates(first)?).ok_or_else(|| Error::Refused {
+        finding: "the start values have no curves".into(),
+        remedy: "start nearer to the solution",
+    })?;
+    let parameters = chart.parameters(&found.x);
+    judged(&entries, parameters)
+}
+
+/// Geometric mean of the displacements.
+fn middle(entries: &[Entry]) -> f64 {
+    (entries.iter().map(|e| e[0].ln()).sum::<f64>() / entries.len() as f64).exp()
 }
 
 /// Fits from several starts and keeps the best: slopes and knees can be mistaken for one another.
@@ -115,9 +113,11 @@ pub fn fit(curves: &[Curves], first: &Parameters, held: &[Parameter]) -> Result<
 /// As [`fit`]; the first error when no start succeeds.
 pub fn fit_from(curves: &[Curves], starts: &[Parameters], held: &[Parameter]) -> Result<Fit, Error> {
     check("starts", starts.len() as f64, !starts.is_empty(), "at least one", "give start values")?;
+    let entries = entries(curves);
     let quality = |f: &Fit| {
-        f.dissipation_misfit / DISSIPATION_MISFIT
-            + f.frequency_misfit / f.frequency_shift.max(f64::MIN_POSITIVE)
+        let mut out = vec![0.0; 2 * entries.len()];
+        let known = residuals(&entries, &f.parameters, &mut out);
+        if known { out.iter().map(|r| r * r).sum::<f64>() } else { f64::INFINITY }
     };
     let fits: Vec<_> = starts.iter().map(|first| fit(curves, first, held)).collect();
     let best = fits.iter().flatten().min_by(|a, b| quality(a).total_cmp(&quality(b))).cloned();
@@ -135,42 +135,15 @@ fn residuals(entries: &[Entry], parameters: &Parameters, out: &mut [f64]) -> boo
     true
 }
 
-/// How far off the model is, and whether that matters.
-fn verdict(entries: &[Entry], parameters: Parameters) -> Result<Fit, Error> {
-    let n = entries.len() as f64;
-    let (mut square, mut noise) = ([0.0; 2], [0.0; 2]);
-    let (mut range, mut largest) = ((f64::INFINITY, f64::NEG_INFINITY), 0.0_f64);
-    for [u, log, log_sd, frequency, frequency_sd] in entries {
+/// The fit with its verdict.
+fn judged(entries: &[Entry], parameters: Parameters) -> Result<Fit, Error> {
+    let (mut dissipation, mut frequency) = (vec![], vec![]);
+    for [u, log, log_sd, measured, deviation] in entries {
         let (d, f) = predict(&parameters, *u)?;
-        let pairs = [(log - d.ln(), log_sd), (frequency - f, frequency_sd)];
-        for (i, (r, sd)) in pairs.into_iter().enumerate() {
-            square[i] += r * r / n;
-            noise[i] += sd * sd / n;
-        }
-        range = (range.0.min(*frequency), range.1.max(*frequency));
-        largest = largest.max(*u);
+        dissipation.push(Compared { measured: *log, deviation: *log_sd, model: d.ln() });
+        frequency.push(Compared { measured: *measured, deviation: *deviation, model: f });
     }
-    let (square, noise) = (square.map(f64::sqrt), noise.map(f64::sqrt));
-    let shift = range.1 - range.0;
-    let limits = [DISSIPATION_MISFIT.max(NOISE * noise[0]), (FREQUENCY_MISFIT * shift).max(NOISE * noise[1])];
-    let adequate = square[0] <= limits[0] && square[1] <= limits[1];
-    let misfit = format!(
-        "dissipation is missed by {:.2} % (limit {:.2} %), frequency by {:.4} Hz of a shift of {shift:.4} Hz (limit {:.4} Hz): one \
-        four-parameter Iwan joint with a viscous damper {} dissipation and frequency together",
-        100.0 * square[0],
-        100.0 * limits[0],
-        square[1],
-        limits[1],
-        if adequate { "matches" } else { "does not match" }
-    );
+    let largest = entries.iter().map(|e| e[0]).fold(0.0, f64::max);
     let slip_ratio = largest / parameters.model()?.1.phi_max();
-    Ok(Fit {
-        parameters,
-        dissipation_misfit: square[0],
-        frequency_misfit: square[1],
-        frequency_shift: shift,
-        slip_ratio,
-        adequate,
-        misfit,
-    })
+    Ok(Fit { parameters, slip_ratio, verdict: Verdict::new(&dissipation, &frequency) })
 }

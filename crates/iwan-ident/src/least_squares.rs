@@ -1,8 +1,8 @@
-//! Non-linear least squares without bounds, by Levenberg's and Marquardt's method (J. J. Moré, 1978, without the
-//! trust region: damping by the diagonal), with central differences.
+//! Non-linear least squares between bounds, by Levenberg's and Marquardt's method (J. J. Moré, 1978, without the
+//! trust region: damping by the diagonal), with central differences and projection onto the bounds.
 //!
-//! The problems here have up to a dozen unknowns in coordinates that have no bounds by construction; that is why no
-//! bounded solver is needed.
+//! The problems here have a dozen unknowns and residuals that cost microseconds; what a search shall not do is leave the
+//! region in which a model exists, or stop where a bound and a valley meet.
 
 use nalgebra::{DMatrix, DVector};
 
@@ -11,8 +11,25 @@ pub(crate) type Residuals<'a> = dyn FnMut(&[f64], &mut [f64]) -> bool + 'a;
 
 /// Relative reduction of the sum of squares at which a search ends that wants the minimum itself.
 pub(crate) const TOLERANCE: f64 = 1e-10;
-/// Half step of the central differences, in coordinates of order one.
+/// Half step of the differences, in coordinates of order one.
 const STEP: f64 = 1e-5;
+/// Longest step of a coordinate in one iteration.
+const LONGEST: f64 = 1.0;
+
+/// Where a search goes and when it ends.
+#[derive(Debug, Clone)]
+pub(crate) struct Search {
+    /// Number of residuals.
+    pub(crate) count: usize,
+    /// Coordinates that are sought; the others keep their values.
+    pub(crate) free: Vec<usize>,
+    /// Lower and upper bound of each coordinate.
+    pub(crate) bounds: Vec<(f64, f64)>,
+    /// Most iterations.
+    pub(crate) iterations: usize,
+    /// Relative reduction of the sum of squares at which it ends.
+    pub(crate) tolerance: f64,
+}
 
 /// Where a search ended.
 #[derive(Debug, Clone)]
@@ -24,43 +41,113 @@ pub(crate) struct Minimum {
     pub(crate) converged: bool,
 }
 
-/// Searches from `start` for the least sum of squares of `count` residuals over the coordinates that are `free`, until
-/// an iteration reduces it by less than the tolerance.
-/// None when the start has no residuals.
-pub(crate) fn minimise(
-    residuals: &mut Residuals<'_>,
-    count: usize,
-    start: &[f64],
-    free: &[usize],
-    (iterations, tolerance): (usize, f64),
-) -> Option<Minimum> {
-    let mut x = start.to_vec();
-    let (mut r, mut trial) = (vec![0.0; count], vec![0.0; count]);
-    let mut cost = evaluate(residuals, &x, &mut r)?;
-    let mut damping = 1e-3;
-    for _ in 0..iterations {
-        let (matrix, gradient) = normal(residuals, &x, &r, free)?;
-        let mut reduced = None;
-        while damping < 1e12 {
-            let step = solve(&matrix, &gradient, damping);
-            let mut next = x.clone();
-            if let Some(step) = step {
-                free.iter().zip(step.iter()).for_each(|(&j, s)| next[j] -= s.clamp(-2.0, 2.0));
-                if let Some(lower) = evaluate(residuals, &next, &mut trial).filter(|c| *c < cost) {
+impl Search {
+    /// The least sum of squares from `start`; none when the start has no residuals.
+    pub(crate) fn run(&self, residuals: &mut Residuals<'_>, start: &[f64]) -> Option<Minimum> {
+        let mut x = start.to_vec();
+        let (mut r, mut trial) = (vec![0.0; self.count], vec![0.0; self.count]);
+        let mut cost = evaluate(residuals, &x, &mut r)?;
+        let mut damping = 1e-3;
+        for _ in 0..self.iterations {
+            let jacobian = self.jacobian(residuals, &x)?;
+            // By orthogonal factors, not normal equations: valleys here are a million times longer than wide.
+            let factors = jacobian.qr();
+            let mut rotated = DVector::from_column_slice(&r);
+            factors.q_tr_mul(&mut rotated);
+            let (matrix, rotated) = (factors.r(), rotated.rows(0, self.free.len()).into_owned());
+            let mut reduced = None;
+            while damping < 1e12 {
+                let next = self.step(&x, &matrix, &rotated, damping);
+                if let Some(lower) =
+                    next.as_ref().and_then(|next| evaluate(residuals, next, &mut trial)).filter(|c| *c < cost)
+                {
                     reduced = Some((cost - lower) / cost);
-                    (x, cost) = (next, lower);
+                    (x, cost) = (next.unwrap_or_default(), lower);
                     std::mem::swap(&mut r, &mut trial);
                     damping = (damping * 0.1).max(1e-15);
                     break;
                 }
+                damping *= 10.0;
             }
-            damping *= 10.0;
+            if reduced.is_none_or(|part| part < self.tolerance) {
+                return Some(Minimum { x, cost, converged: true });
+            }
         }
-        if reduced.is_none_or(|part| part < tolerance) {
-            return Some(Minimum { x, cost, converged: true });
+        Some(Minimum { x, cost, converged: false })
+    }
+
+    /// Derivatives of the residuals with respect to the free coordinates; one-sided at a bound.
+    pub(crate) fn jacobian(&self, residuals: &mut Residuals<'_>, x: &[f64]) -> Option<DMatrix<f64>> {
+        let (mut above, mut below) = (vec![0.0; self.count], vec![0.0; self.count]);
+        let mut jacobian = DMatrix::zeros(self.count, self.free.len());
+        for (column, &j) in self.free.iter().enumerate() {
+            let mut moved = x.to_vec();
+            let (high, low) = ((x[j] + STEP).min(self.bounds[j].1), (x[j] - STEP).max(self.bounds[j].0));
+            moved[j] = high;
+            evaluate(residuals, &moved, &mut above)?;
+            moved[j] = low;
+            evaluate(residuals, &moved, &mut below)?;
+            let slope = |(a, b): (&f64, &f64)| (a - b) / (high - low);
+            jacobian
+                .column_mut(column)
+                .iter_mut()
+                .zip(above.iter().zip(&below).map(slope))
+                .for_each(|(j, s)| *j = s);
+        }
+        Some(jacobian)
+    }
+
+    /// The damped step from `x` for the triangular factor and the rotated residuals; coordinates that would leave their
+    /// bounds from there stay.
+    fn step(
+        &self,
+        x: &[f64],
+        matrix: &DMatrix<f64>,
+        rotated: &DVector<f64>,
+        damping: f64,
+    ) -> Option<Vec<f64>> {
+        let mut moving: Vec<usize> = (0..self.free.len()).collect();
+        loop {
+            let step = damped(&matrix.select_columns(&moving), rotated, damping)?;
+            let leaves = |&(k, &i): &(usize, &usize)| {
+                let (low, high) = self.bounds[self.free[i]];
+                let at = x[self.free[i]];
+                (at <= low && step[k] > 0.0) || (at >= high && step[k] < 0.0)
+            };
+            let stays = moving.iter().enumerate().find(leaves).map(|(k, _)| k);
+            let Some(k) = stays else {
+                let mut next = x.to_vec();
+                for (k, &i) in moving.iter().enumerate() {
+                    let j = self.free[i];
+                    next[j] =
+                        (x[j] - step[k].clamp(-LONGEST, LONGEST)).clamp(self.bounds[j].0, self.bounds[j].1);
+                }
+                return Some(next);
+            };
+            moving.remove(k);
+            if moving.is_empty() {
+                return None;
+            }
         }
     }
-    Some(Minimum { x, cost, converged: false })
+}
+
+/// The least |A s - r|² + damping·|D s|², D the column norms of A.
+fn damped(matrix: &DMatrix<f64>, rotated: &DVector<f64>, damping: f64) -> Option<DVector<f64>> {
+    let (rows, columns) = matrix.shape();
+    let mut stacked = DMatrix::zeros(rows + columns, columns);
+    stacked.view_mut((0, 0), (rows, columns)).copy_from(matrix);
+    let norms: Vec<f64> = matrix.column_iter().map(|c| c.norm()).collect();
+    // Without any effect a coordinate stays where it is.
+    let floor = 1e-7 * norms.iter().fold(f64::MIN_POSITIVE, |m, n| m.max(*n));
+    for (i, norm) in norms.iter().enumerate() {
+        stacked[(rows + i, i)] = damping.sqrt() * norm.max(floor);
+    }
+    let mut right = DVector::zeros(rows + columns);
+    right.rows_mut(0, rows).copy_from(rotated);
+    let factors = stacked.qr();
+    factors.q_tr_mul(&mut right);
+    factors.r().solve_upper_triangular(&right.rows(0, columns))
 }
 
 fn evaluate(residuals: &mut Residuals<'_>, x: &[f64], r: &mut [f64]) -> Option<f64> {
@@ -69,60 +156,39 @@ fn evaluate(residuals: &mut Residuals<'_>, x: &[f64], r: &mut [f64]) -> Option<f
     (found && cost.is_finite()).then_some(cost)
 }
 
-/// Normal matrix JᵀJ and gradient Jᵀr over the free coordinates.
-fn normal(
-    residuals: &mut Residuals<'_>,
-    x: &[f64],
-    r: &[f64],
-    free: &[usize],
-) -> Option<(DMatrix<f64>, DVector<f64>)> {
-    let (mut above, mut below) = (vec![0.0; r.len()], vec![0.0; r.len()]);
-    let mut jacobian = DMatrix::zeros(r.len(), free.len());
-    for (column, &j) in free.iter().enumerate() {
-        let mut moved = x.to_vec();
-        moved[j] = x[j] + STEP;
-        evaluate(residuals, &moved, &mut above)?;
-        moved[j] = x[j] - STEP;
-        evaluate(residuals, &moved, &mut below)?;
-        let slope = |(a, b): (&f64, &f64)| (a - b) / (2.0 * STEP);
-        jacobian
-            .column_mut(column)
-            .iter_mut()
-            .zip(above.iter().zip(&below).map(slope))
-            .for_each(|(j, s)| *j = s);
-    }
-    let gradient = jacobian.tr_mul(&DVector::from_column_slice(r));
-    Some((jacobian.tr_mul(&jacobian), gradient))
-}
-
-/// The damped step; coordinates without any effect stay where they are.
-fn solve(matrix: &DMatrix<f64>, gradient: &DVector<f64>, damping: f64) -> Option<DVector<f64>> {
-    let largest = matrix.diagonal().max();
-    let mut damped = matrix.clone();
-    for i in 0..matrix.nrows() {
-        damped[(i, i)] += damping * matrix[(i, i)].max(1e-14 * largest);
-    }
-    damped.cholesky().map(|factor| factor.solve(gradient))
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
 
+    fn search(count: usize, free: &[usize], bounds: &[(f64, f64)]) -> Search {
+        Search { count, free: free.to_vec(), bounds: bounds.to_vec(), iterations: 200, tolerance: TOLERANCE }
+    }
+
+    const NONE: (f64, f64) = (f64::NEG_INFINITY, f64::INFINITY);
+
+    fn rosenbrock(x: &[f64], r: &mut [f64]) -> bool {
+        (r[0], r[1]) = (10.0 * (x[1] - x[0] * x[0]), 1.0 - x[0]);
+        true
+    }
+
     #[test]
     fn rosenbrock_valley() {
-        let mut rosenbrock = |x: &[f64], r: &mut [f64]| {
-            (r[0], r[1]) = (10.0 * (x[1] - x[0] * x[0]), 1.0 - x[0]);
-            true
-        };
-        let found = minimise(&mut rosenbrock, 2, &[-1.2, 1.0], &[0, 1], (200, TOLERANCE)).unwrap();
+        let found = search(2, &[0, 1], &[NONE; 2]).run(&mut rosenbrock, &[-1.2, 1.0]).unwrap();
         assert!((found.x[0] - 1.0).abs() < 1e-6 && found.converged);
-        let held = minimise(&mut rosenbrock, 2, &[0.5, 0.0], &[1], (200, TOLERANCE)).unwrap();
+        let held = search(2, &[1], &[NONE; 2]).run(&mut rosenbrock, &[0.5, 0.0]).unwrap();
         assert!((held.x[1] - 0.25).abs() < 1e-9 && held.x[0] == 0.5);
     }
 
     #[test]
+    fn a_bound_in_the_valley_ends_the_search_on_it() {
+        // On x0 = 0.5 the least sum is at x1 = 0.25.
+        let bounds = [(-2.0, 0.5), NONE];
+        let found = search(2, &[0, 1], &bounds).run(&mut rosenbrock, &[-1.2, 1.0]).unwrap();
+        assert!(found.x[0] == 0.5 && (found.x[1] - 0.25).abs() < 1e-6, "{:?}", found.x);
+    }
+
+    #[test]
     fn no_residuals_no_minimum() {
-        assert!(minimise(&mut |_, _| false, 2, &[0.0], &[0], (10, TOLERANCE)).is_none());
+        assert!(search(2, &[0], &[NONE]).run(&mut |_, _| false, &[0.0]).is_none());
     }
 }

@@ -7,16 +7,22 @@
 //! Method: Deaner, Allen, Starr, Segalman, *Investigation of Modal Iwan Models for Structures with Bolted Joints*
 //! ("the paper" in this documentation; equation numbers are the paper's).
 
+mod chart;
 pub mod curves;
 mod error;
+mod features;
 pub mod fit;
+pub mod identify;
 mod least_squares;
 pub mod modal;
 mod parameters;
+pub mod profile;
 pub mod refine;
 pub mod signal;
 mod smooth;
 pub mod start;
+mod verdict;
 
 pub use error::Error;
 pub use parameters::{Parameter, Parameters};
+pub use verdict::Verdict;

@@ -1,6 +1,4 @@
-//! The parameters of a modal Iwan oscillator, and the coordinates in which they are sought.
-
-use std::f64::consts::TAU;
+//! The parameters of a modal Iwan oscillator.
 
 use iwan_core::{FourParameter, Oscillator, ResidualStiffness};
 
@@ -76,6 +74,18 @@ impl Parameters {
         }
     }
 
+    /// One of them by name, to be changed.
+    pub const fn get_mut(&mut self, parameter: Parameter) -> &mut f64 {
+        match parameter {
+            Parameter::Frequency => &mut self.frequency,
+            Parameter::DampingRatio => &mut self.damping_ratio,
+            Parameter::KT => &mut self.k_t,
+            Parameter::FS => &mut self.f_s,
+            Parameter::Chi => &mut self.chi,
+            Parameter::Beta => &mut self.beta,
+        }
+    }
+
     /// The joint and the oscillator that holds it.
     ///
     /// # Errors
@@ -93,66 +103,5 @@ impl Parameters {
         let joint = FourParameter::new(self.k_t, self.f_s, self.chi, self.beta)?;
         let positive = ResidualStiffness::Positive;
         Ok((Oscillator::new(self.frequency, self.damping_ratio, self.k_t, positive)?, joint))
-    }
-
-    /// Coordinates without bounds: ln f, √ζ_v, logit(K_T/ω0²), ln F_S, logit((χ+1)/2), ln β.
-    pub(crate) fn coordinates(&self) -> [f64; COUNT] {
-        let omega = TAU * self.frequency;
-        let beta = self.beta.max(1e-6);
-        [
-            self.frequency.ln(),
-            self.damping_ratio.max(1e-10).sqrt() * ROOT,
-            logit(self.k_t / (omega * omega)),
-            self.f_s.ln(),
-            logit(0.5 * (self.chi + 1.0)),
-            beta.ln(),
-        ]
-    }
-
-    /// The inverse of [`coordinates`](Self::coordinates).
-    pub(crate) fn from_coordinates(x: &[f64]) -> Self {
-        let frequency = x[0].exp();
-        let omega = TAU * frequency;
-        Self {
-            frequency,
-            damping_ratio: (x[1] / ROOT).powi(2),
-            k_t: omega * omega * logistic(x[2]),
-            f_s: x[3].exp(),
-            chi: 2.0 * logistic(x[4]) - 1.0,
-            beta: x[5].exp(),
-        }
-    }
-}
-
-/// Scales √ζ_v: a damping ratio of 0.1 % has the coordinate 1.
-const ROOT: f64 = 31.622776601683793;
-
-fn logit(p: f64) -> f64 {
-    let p = p.clamp(1e-9, 1.0 - 1e-9);
-    (p / (1.0 - p)).ln()
-}
-
-fn logistic(x: f64) -> f64 {
-    1.0 / (1.0 + (-x).exp())
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn coordinates_and_back() {
-        let mode = Parameters {
-            frequency: 124.0,
-            damping_ratio: 1e-3,
-            k_t: 4.45e4,
-            f_s: 239.4,
-            chi: -0.183,
-            beta: 0.3,
-        };
-        let back = Parameters::from_coordinates(&mode.coordinates());
-        for p in Parameter::ALL {
-            assert!((back.get(p) / mode.get(p) - 1.0).abs() < 1e-12, "{}", p.name());
-        }
     }
 }

@@ -47,7 +47,7 @@ fn micro_slip_gives_slope_and_dissipation_level() {
     eprintln!("{first:?}");
     let fit = fit(&[curves], &first.parameters, &[]).unwrap();
     eprintln!("{fit:?}");
-    assert!(fit.adequate, "{}", fit.misfit);
+    assert!(fit.verdict.adequate, "{}", fit.verdict.misfit);
     assert!((fit.parameters.chi / -0.183 - 1.0).abs() < 0.02, "{:?}", fit.parameters);
     assert!((fit.parameters.frequency / 124.0 - 1.0).abs() < 1e-4);
 }
@@ -89,7 +89,7 @@ fn the_brake_reuss_beam_is_no_single_four_parameter_joint() {
         eprintln!("{:?}", first.notes);
         let fit = fit(&[curves], &first.parameters, &[]).unwrap();
         eprintln!("{:?}", fit.parameters);
-        eprintln!("{}", fit.misfit);
-        assert!(!fit.adequate && fit.misfit.contains("does not match"), "{}", fit.misfit);
+        eprintln!("{}", fit.verdict.misfit);
+        assert!(!fit.verdict.adequate && fit.verdict.misfit.contains("does not match"), "{}", fit.verdict.misfit);
     }
 }

@@ -8,9 +8,10 @@ use crate::error::Error;
 use crate::smooth::{LocalFit, Polynomial, Smooth, Spline};
 
 /// How amplitude and phase are taken from the mode, and how they are smoothed.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
 pub enum Method {
     /// Analytic signal; polynomials in time through log amplitude and phase. The paper's choice, and the default.
+    #[default]
     Hilbert,
     /// Interpolated peaks and zero crossings; cubic splines through log |peaks| and phase (Eq. 6-8).
     Peaks,

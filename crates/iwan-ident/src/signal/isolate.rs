@@ -5,7 +5,7 @@ use std::ops::Range;
 use super::defects::{clipped_until, stops_at};
 use super::filter::{Butterworth, Passband};
 use super::raw::{Raw, raw, widened};
-use super::spectrum::{Band, automatic_band, given_band, strongest_line};
+use super::spectrum::{Band, automatic_band, given_band, is_alone, strongest_line};
 use crate::error::{Error, check, check_dt, check_samples};
 use crate::smooth::{Points, Polynomial, Smooth};
 
@@ -182,6 +182,27 @@ impl Isolated {
     #[must_use]
     pub fn trusted(&self) -> (f64, f64) {
         (self.time(self.window.start), self.time(self.window.end - 1))
+    }
+
+    /// The same with the weights of another record of the mode: smooth curves through both then err alike.
+    pub(crate) fn weighted_as(self, other: &Self) -> Self {
+        Self { noise: other.noise, scatter: other.scatter, ..self }
+    }
+
+    /// Whether the mode is the only one that stands out of the record `x` it was taken from.
+    pub(crate) fn is_alone(&self, x: &[f64]) -> bool {
+        is_alone(&x[..self.samples.len()], self.dt, &self.band)
+    }
+
+    /// Samples of the record `x` in free decay: from its largest on, or behind the last clipped one, to the end of the
+    /// trusted window; within `window` (s) if given.
+    pub(crate) fn free_decay(&self, x: &[f64], window: Option<(f64, f64)>) -> Range<usize> {
+        let x = &x[..self.samples.len()];
+        let mean = x.iter().sum::<f64>() / x.len() as f64;
+        let largest = (0..x.len()).max_by(|&i, &j| (x[i] - mean).abs().total_cmp(&(x[j] - mean).abs()));
+        let start = largest.unwrap_or(0).max(clipped_until(x).unwrap_or(0));
+        let wanted = window.map_or(0, |w| (w.0 / self.dt).ceil() as usize);
+        start.max(wanted).min(self.window.start)..self.window.end
     }
 
     /// The samples of the window and one cycle to either side, and the index of the first: peaks and crossings then

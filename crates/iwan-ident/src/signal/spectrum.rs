@@ -15,6 +15,10 @@ const NEIGHBOUR: f64 = 0.03;
 const ABOVE_MEDIAN: f64 = 5.0;
 /// … nor beyond this part of the Nyquist frequency.
 const NYQUIST_PART: f64 = 0.95;
+/// A line of this part of the peak's height is another mode, …
+const OTHER_MODE: f64 = 2e-4;
+/// … unless it lies this near to a multiple of the peak's frequency.
+const HARMONIC: f64 = 0.03;
 /// A peak needs this many cycles in the record: below lie offset and drift.
 const CYCLES: f64 = 5.0;
 
@@ -133,6 +137,34 @@ pub fn automatic_band(x: &[f64], dt: f64, near: Option<f64>) -> Result<Band, Err
         high: high.min(REACH.1 * peak).min(NYQUIST_PART * nyquist),
         peak,
     })
+}
+
+/// Whether no other line than the band's peak and its harmonics stands out of a record's spectrum.
+pub(crate) fn is_alone(x: &[f64], dt: f64, band: &Band) -> bool {
+    let spectrum = Spectrum::new(x, dt);
+    let line = |f: f64| ((f / spectrum.step) as usize).clamp(2, spectrum.lines.len() - 2);
+    let top = spectrum.highest(band.low, band.high).map_or(0.0, |k| spectrum.lines[k]);
+    let mut sorted = spectrum.lines.clone();
+    let middle = sorted.len() / 2;
+    let median = *sorted.select_nth_unstable_by(middle, f64::total_cmp).1;
+    let least = (OTHER_MODE * top).max(ABOVE_MEDIAN * median);
+    let harmonic = |f: f64| {
+        let order = (f / band.peak).round();
+        order >= 2.0 && (f / (order * band.peak) - 1.0).abs() < HARMONIC
+    };
+    let stands_out = |k: usize| {
+        // Higher than what surrounds it: a skirt does not.
+        let around = (line(0.97 * k as f64 * spectrum.step).min(k - 2), line(1.03 * k as f64 * spectrum.step).max(k + 2));
+        let lowest = |from: usize, to: usize| spectrum.lines[from..to].iter().copied().fold(f64::INFINITY, f64::min);
+        let edge = around.1.min(spectrum.lines.len() - 1);
+        spectrum.is_peak(k)
+            && spectrum.lines[k] >= least
+            && spectrum.lines[k] > 3.0 * lowest(around.0, k).max(lowest(k + 1, edge + 1))
+    };
+    let lowest = line(CYCLES * spectrum.step).max(line(0.2 * band.peak));
+    (lowest..line(band.low))
+        .chain(line(band.high)..spectrum.lines.len() - 2)
+        .all(|k| harmonic(k as f64 * spectrum.step) || !stands_out(k))
 }
 
 /// The peak within a band that the user names.

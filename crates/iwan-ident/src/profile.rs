@@ -1,0 +1,354 @@
+//! Profile likelihood: what a record tells about each parameter, and where it tells nothing.
+//!
+//! A parameter is held at a value and all others follow; the rise of the weighted sum of squares over its least value, in
+//! units of the residual variance, is the deviance. The 95 % interval reaches to where it is the square of Student's t.
+//! Where it never gets there, up to the edge of what a model can be, the interval is open. Reference: D. M. Bates,
+//! D. G. Watts, *Nonlinear Regression Analysis and Its Applications*, Wiley 1988, Sec. 6.1 (profile t).
+
+use crate::chart::{Chart, Scales};
+use crate::least_squares::Minimum;
+use crate::parameters::{Parameter, Parameters};
+use crate::refine::{Task, Workspace};
+
+/// 97.5 % point of the normal distribution: intervals hold 95 %.
+const NORMAL: f64 = 1.959963984540054;
+/// An interval that reaches this far from its value, in coordinates (logarithms, mostly), is open.
+const FARTHEST: f64 = 7.0;
+/// First step when the curvature says nothing.
+const FIRST_STEP: f64 = 0.1;
+/// Steps outwards, and rounds to bring an end to the precision.
+const OUTWARDS: usize = 24;
+const INWARDS: usize = 6;
+/// Relative precision of the distance of an end, as the root of the deviance.
+const PRECISION: f64 = 5e-3;
+/// A deviance so far below zero is a better minimum.
+const BETTER: f64 = -0.02;
+/// Relative reduction of the sum of squares at which a search along a profile ends: a hundredth of the residuals'
+/// variance, nearly.
+const TOLERANCE: f64 = 1e-5;
+/// F_S is open where only a K_T of nearly ω0² would allow more of it.
+const MOST_JOINT: f64 = 0.99;
+
+/// What the records tell about one parameter.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Profile {
+    /// Which one.
+    pub parameter: Parameter,
+    /// The value of the best fit.
+    pub value: f64,
+    /// Lower end of the 95 % interval; none: open.
+    pub low: Option<f64>,
+    /// Upper end of the 95 % interval; none: open.
+    pub high: Option<f64>,
+    /// Values and their deviances, ascending; the 95 % limit is [`Profiles::limit`].
+    pub points: Vec<(f64, f64)>,
+    /// Whether it was held and not sought.
+    pub held: bool,
+}
+
+impl Profile {
+    /// Whether the records bound the parameter on both sides.
+    #[must_use]
+    pub fn identifiable(&self) -> bool {
+        !self.held && self.low.is_some() && self.high.is_some()
+    }
+}
+
+/// The profiles of all six parameters.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Profiles {
+    /// In the order of [`Parameter::ALL`].
+    pub parameters: Vec<Profile>,
+    /// Deviance at the ends of the intervals: the square of Student's t.
+    pub limit: f64,
+}
+
+/// What all profiles of a task share.
+struct Scale {
+    /// Variance of the residuals in their unit.
+    variance: f64,
+    limit: f64,
+}
+
+/// A walk along one coordinate.
+struct Walk<'a> {
+    task: &'a Task,
+    parameter: Parameter,
+    coordinate: usize,
+    minimum: &'a Minimum,
+    scale: &'a Scale,
+    work: Workspace,
+    /// Coordinate, deviance and all coordinates of each point.
+    points: Vec<(f64, f64, Vec<f64>)>,
+}
+
+/// How a walk ended.
+enum End {
+    Open,
+    Closed(f64),
+}
+
+/// The profiles about the minimum; the better minimum when there is one.
+pub(crate) fn profiles(task: &Task, minimum: &Minimum) -> Result<Profiles, Minimum> {
+    let freedom = (task.count() - task.free().len()) as f64;
+    let correlation = task.refined(minimum).correlation;
+    // Neighbours that agree say the same twice.
+    let significant = correlation > 2.0 / (task.count() as f64).sqrt();
+    let inflation = if significant { (1.0 + correlation) / (1.0 - correlation.min(0.9)) } else { 1.0 };
+    let scale = Scale {
+        variance: inflation * (minimum.cost / freedom).max(1.0),
+        limit: student(freedom / inflation).powi(2),
+    };
+    let results: Vec<Result<Profile, Minimum>> = std::thread::scope(|scope| {
+        let (task, scale) = (&*task, &scale);
+        let handles: Vec<_> = Parameter::ALL
+            .iter()
+            .map(|parameter| scope.spawn(move || profile(task, minimum, scale, *parameter)))
+            .collect();
+        let joined = handles.into_iter().map(|h| h.join().unwrap_or_else(|panic| std::panic::resume_unwind(panic)));
+        joined.collect()
+    });
+    let best = results.iter().filter_map(|r| r.as_ref().err()).min_by(|a, b| a.cost.total_cmp(&b.cost));
+    if let Some(best) = best {
+        return Err(best.clone());
+    }
+    Ok(Profiles { parameters: results.into_iter().flatten().collect(), limit: scale.limit })
+}
+
+fn profile(task: &Task, minimum: &Minimum, scale: &Scale, parameter: Parameter) -> Result<Profile, Minimum> {
+    let value = task.chart.parameters(&minimum.x).get(parameter);
+    let mut profile = Profile { parameter, value, low: None, high: None, points: vec![], held: false };
+    if task.held().contains(&parameter) {
+        profile.held = true;
+        return Ok(profile);
+    }
+    let (task, minimum) = task.with_coordinate(parameter, minimum);
+    let of = |x: &[f64]| task.chart.parameters(x).get(parameter);
+    let mut all = vec![(value, 0.0)];
+    for direction in [-1.0, 1.0] {
+        let mut walk = Walk {
+            task: &task,
+            parameter,
+            coordinate: task.chart.index(parameter),
+            minimum: &minimum,
+            scale,
+            work: Workspace::default(),
+            points: vec![],
+        };
+        let end = walk.go(direction).map_err(|better| task.back(better))?;
+        let at = match end {
+            End::Open => None,
+            End::Closed(x) => {
+                let near = walk.nearest(x);
+                let mut full = near.clone();
+                full[walk.coordinate] = x;
+                Some(of(&full))
+            }
+        };
+        if direction < 0.0 { profile.low = at } else { profile.high = at }
+        all.extend(walk.points.iter().map(|p| (of(&p.2), p.1)));
+    }
+    all.sort_by(|a, b| a.0.total_cmp(&b.0));
+    profile.points = all;
+    Ok(profile)
+}
+
+impl Walk<'_> {
+    /// Deviance with the coordinate held at `at`; none where there is no model.
+    ///
+    /// From the nearest known point there are several ways to begin; the likeliest is taken, the others only where
+    /// it says that the record forbids the value.
+    fn deviance(&mut self, at: f64) -> Result<Option<f64>, Minimum> {
+        let free: Vec<usize> = self.task.free().into_iter().filter(|j| *j != self.coordinate).collect();
+        let mut ways: Vec<(f64, Vec<f64>)> = self
+            .beginnings(at)
+            .into_iter()
+            .filter_map(|x| Some((self.task.cost(&x, &mut self.work)?, x)))
+            .collect();
+        ways.sort_by(|a, b| a.0.total_cmp(&b.0));
+        let mut best: Option<Minimum> = None;
+        for (_, x) in ways {
+            let found = self.task.minimise(&x, free.clone(), TOLERANCE, &mut self.work);
+            best = best.into_iter().chain(found).min_by(|a, b| a.cost.total_cmp(&b.cost));
+            let limit = self.minimum.cost + self.scale.limit * self.scale.variance;
+            if best.as_ref().is_some_and(|b| b.cost < limit) {
+                break;
+            }
+        }
+        let Some(found) = best else { return Ok(None) };
+        let deviance = (found.cost - self.minimum.cost) / self.scale.variance;
+        if deviance < BETTER {
+            return Err(found);
+        }
+        self.points.push((at, deviance.max(0.0), found.x));
+        Ok(Some(deviance.max(0.0)))
+    }
+
+    /// The nearest point with the coordinate moved: all others as they are; φ_max and the power law as they are, the
+    /// Dirac making up for it; no Dirac at all.
+    fn beginnings(&self, at: f64) -> Vec<Vec<f64>> {
+        let (chart, near) = (self.task.chart, self.nearest(at));
+        let mut plain = near.clone();
+        plain[self.coordinate] = at;
+        let (p, target) = (chart.parameters(&near), chart.parameters(&plain).get(self.parameter));
+        let mut all = vec![plain];
+        let Ok((_, joint)) = p.model() else { return all };
+        let power = joint.r() * joint.phi_max().powf(p.chi + 1.0) / (p.chi + 1.0);
+        let c = (p.chi + 1.0) / (p.chi + 2.0);
+        let dirac = match self.parameter {
+            Parameter::KT => Some(target - power),
+            Parameter::FS => Some(target / joint.phi_max() - power * c),
+            Parameter::Beta => Some(target * power),
+            _ => None,
+        };
+        let same_knee = dirac.filter(|s| *s >= 0.0).map(|s| (power, s, joint.phi_max()));
+        // Without the Dirac K_T is R φ^(χ+1)/(χ+1) and F_S is c φ times that.
+        let without = match self.parameter {
+            Parameter::KT => {
+                Some((target, 0.0, joint.phi_max() * (target / power).powf(1.0 / (p.chi + 1.0))))
+            }
+            Parameter::FS => {
+                let growth = (target / (power * c * joint.phi_max())).powf(1.0 / (p.chi + 2.0));
+                Some((power * growth.powf(p.chi + 1.0), 0.0, joint.phi_max() * growth))
+            }
+            _ => None,
+        };
+        for (power, dirac, phi_max) in same_knee.into_iter().chain(without) {
+            let f_s = (power * c + dirac) * phi_max;
+            let other = Parameters { k_t: power + dirac, f_s, beta: dirac / power, ..p };
+            let Ok(own) = chart.coordinates(&other) else { continue };
+            let mut x = near.clone();
+            self.task.free().into_iter().filter(|j| *j < own.len()).for_each(|j| x[j] = own[j]);
+            x[self.coordinate] = at;
+            all.push(x);
+        }
+        all
+    }
+
+    /// All coordinates of the point nearest to `at`.
+    fn nearest(&self, at: f64) -> Vec<f64> {
+        let own = (self.minimum.x[self.coordinate], 0.0, self.minimum.x.clone());
+        let all = self.points.iter().chain(std::iter::once(&own));
+        let nearest = all.min_by(|a, b| (a.0 - at).abs().total_cmp(&(b.0 - at).abs()));
+        nearest.map_or_else(|| self.minimum.x.clone(), |p| p.2.clone())
+    }
+
+    /// Walks outwards until the deviance passes the limit, then to the limit itself.
+    fn go(&mut self, direction: f64) -> Result<End, Minimum> {
+        let start = self.minimum.x[self.coordinate];
+        let (low, high) = self.task.bounds()[self.coordinate];
+        let bound = if direction < 0.0 { low } else { high };
+        let mut step = self.first_step();
+        let mut inside = (start, 0.0);
+        for _ in 0..OUTWARDS {
+            let wanted = inside.0 + direction * step;
+            let at = if (wanted - bound) * direction >= 0.0 { bound } else { wanted };
+            let Some(deviance) = self.deviance(at)? else { return Ok(End::Open) };
+            if deviance >= self.scale.limit {
+                return Ok(self.close_in(inside, (at, deviance))?.map_or(End::Open, End::Closed));
+            }
+            if at == bound || (at - start).abs() > FARTHEST || self.all_of_stiffness() {
+                return Ok(End::Open);
+            }
+            // Where the root of the deviance grows evenly, a little beyond the limit.
+            let growth = (self.scale.limit / deviance.max(1e-3 * self.scale.limit)).sqrt();
+            step = (1.1 * growth * (at - start).abs() - (at - start).abs()).clamp(0.3 * step, 4.0 * step);
+            inside = (at, deviance);
+        }
+        Ok(End::Open)
+    }
+
+    /// Whether the last point needed nearly all stiffness to be the joint's: it is no limit of the record's.
+    fn all_of_stiffness(&self) -> bool {
+        let Some((_, _, x)) = self.points.last() else { return false };
+        let p: Parameters = self.task.chart.parameters(x);
+        self.task.chart.scales == Scales::SofteningAndForce
+            && p.k_t > MOST_JOINT * (std::f64::consts::TAU * p.frequency).powi(2)
+    }
+
+    /// From a point inside and one outside to the limit, by the line through the roots of the deviances.
+    fn close_in(&mut self, mut inside: (f64, f64), mut outside: (f64, f64)) -> Result<Option<f64>, Minimum> {
+        let root = self.scale.limit.sqrt();
+        for _ in 0..INWARDS {
+            let (a, b) = (inside.1.sqrt(), outside.1.sqrt());
+            if (b - root) <= PRECISION * root || (root - a) <= PRECISION * root {
+                break;
+            }
+            let share = ((root - a) / (b - a)).clamp(0.05, 0.95);
+            let at = inside.0 + share * (outside.0 - inside.0);
+            let Some(deviance) = self.deviance(at)? else { return Ok(None) };
+            if deviance < self.scale.limit { inside = (at, deviance) } else { outside = (at, deviance) }
+        }
+        let (a, b) = (inside.1.sqrt(), outside.1.sqrt());
+        Ok(Some(inside.0 + (root - a) / (b - a) * (outside.0 - inside.0)))
+    }
+
+    /// Student's t times the standard deviation by curvature.
+    fn first_step(&mut self) -> f64 {
+        let free = self.task.free();
+        let place = free.iter().position(|j| *j == self.coordinate);
+        let search = self.task.search(free, (0, 0.0));
+        let (task, work) = (self.task, &mut self.work);
+        let mut residuals = |x: &[f64], out: &mut [f64]| task.residuals(x, out, work);
+        let deviation = search.jacobian(&mut residuals, &self.minimum.x).and_then(|j| {
+            let inverse = j.qr().r().try_inverse()?;
+            Some(inverse.row(place?).norm())
+        });
+        let step = deviation.map(|d| d * (self.scale.variance * self.scale.limit).sqrt());
+        step.filter(|s| s.is_finite()).map_or(FIRST_STEP, |s| s.clamp(1e-9, 5.0 * FIRST_STEP))
+    }
+}
+
+/// 97.5 % point of Student's t with ν degrees of freedom: Abramowitz and Stegun 26.7.5, within 0.3 % from ν = 3 on.
+fn student(freedom: f64) -> f64 {
+    let (z, n) = (NORMAL, freedom.max(3.0));
+    let z2 = z * z;
+    let terms = [
+        z * (z2 + 1.0) / 4.0,
+        z * ((5.0 * z2 + 16.0) * z2 + 3.0) / 96.0,
+        z * (((3.0 * z2 + 19.0) * z2 + 17.0) * z2 - 15.0) / 384.0,
+        z * ((((79.0 * z2 + 776.0) * z2 + 1482.0) * z2 - 1920.0) * z2 - 945.0) / 92160.0,
+    ];
+    z + terms.iter().rev().fold(0.0, |sum, term| (sum + term) / n)
+}
+
+impl Task {
+    /// The same task in the chart that has the parameter as a coordinate, and the minimum there.
+    fn with_coordinate(&self, parameter: Parameter, minimum: &Minimum) -> (Self, Minimum) {
+        let mut task = self.clone();
+        let coordinates: Vec<Parameter> = self.held().iter().copied().chain([parameter]).collect();
+        task.chart = Chart::holding(&coordinates, self.chart.amplitude);
+        let mut moved = minimum.clone();
+        moved.x = self.converted(&task.chart, &minimum.x);
+        (task, moved)
+    }
+
+    /// A minimum of this task in the coordinates of every search.
+    fn back(&self, minimum: Minimum) -> Minimum {
+        let usual = Chart::holding(self.held(), self.chart.amplitude);
+        let x = self.converted(&usual, &minimum.x);
+        Minimum { x, ..minimum }
+    }
+
+    /// Coordinates in another chart; as they are where the parameters are no model.
+    fn converted(&self, chart: &Chart, x: &[f64]) -> Vec<f64> {
+        let mut moved = x.to_vec();
+        if let Ok(own) = chart.coordinates(&self.chart.parameters(x)) {
+            moved[..own.len()].copy_from_slice(&own);
+        }
+        moved
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn student_as_tabled() {
+        // Abramowitz and Stegun, Table 26.10.
+        for (freedom, t) in [(3.0, 3.182), (5.0, 2.571), (10.0, 2.228), (30.0, 2.042), (120.0, 1.980)] {
+            assert!((student(freedom) / t - 1.0).abs() < 3e-3, "{freedom}: {}", student(freedom));
+        }
+    }
+}

@@ -1,0 +1,89 @@
+//! Whether one four-parameter joint with a viscous damper matches dissipation and frequency together, and how far off
+//! it is.
+
+/// The model is adequate if dissipation is missed by at most this part (root mean square) …
+const DISSIPATION: f64 = 0.03;
+/// … and frequency by at most this part of its measured shift, unless noise explains more.
+const FREQUENCY: f64 = 0.1;
+/// Misfit in standard deviations that noise explains.
+const NOISE: f64 = 2.0;
+/// A shift of the frequency below this part of it is none.
+const SHIFT_FLOOR: f64 = 1e-5;
+
+/// A measured value of a curve, its standard deviation, and the model's value.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Compared {
+    pub(crate) measured: f64,
+    pub(crate) deviation: f64,
+    pub(crate) model: f64,
+}
+
+/// The answer in numbers and in words.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Verdict {
+    /// Root-mean-square misfit of ln D.
+    pub dissipation_misfit: f64,
+    /// Root-mean-square misfit of the frequency, Hz.
+    pub frequency_misfit: f64,
+    /// Measured range of the frequency, Hz.
+    pub frequency_shift: f64,
+    /// Whether one four-parameter joint with a viscous damper matches dissipation and frequency together: dissipation
+    /// within 3 %, frequency within a tenth of its shift, or both within twice their noise.
+    pub adequate: bool,
+    /// What does not fit, in words and numbers.
+    pub misfit: String,
+}
+
+impl Verdict {
+    /// From ln D and frequency (Hz) at the same amplitudes.
+    pub(crate) fn new(dissipation: &[Compared], frequency: &[Compared]) -> Self {
+        let [d, f] = [dissipation, frequency].map(root_mean_squares);
+        let range = frequency.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |r, c| {
+            (r.0.min(c.measured), r.1.max(c.measured))
+        });
+        let shift = range.1 - range.0;
+        let smallest = SHIFT_FLOOR * range.1;
+        let limits = [DISSIPATION.max(NOISE * d.1), (FREQUENCY * shift).max(NOISE * f.1).max(smallest)];
+        let adequate = d.0 <= limits[0] && f.0 <= limits[1];
+        let misfit = format!(
+            "dissipation is missed by {:.2} % (limit {:.2} %), frequency by {:.4} Hz of a shift of {shift:.4} Hz (limit \
+             {:.4} Hz): one four-parameter Iwan joint with a viscous damper {} dissipation and frequency together",
+            100.0 * d.0,
+            100.0 * limits[0],
+            f.0,
+            limits[1],
+            if adequate { "matches" } else { "does not match" }
+        );
+        Self { dissipation_misfit: d.0, frequency_misfit: f.0, frequency_shift: shift, adequate, misfit }
+    }
+}
+
+/// Of the misfit and of the noise.
+fn root_mean_squares(values: &[Compared]) -> (f64, f64) {
+    let n = values.len() as f64;
+    let sum = values.iter().fold((0.0, 0.0), |s, c| {
+        (s.0 + (c.measured - c.model).powi(2) / n, s.1 + c.deviation.powi(2) / n)
+    });
+    (sum.0.sqrt(), sum.1.sqrt())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn noise_excuses_what_it_explains_and_no_more() {
+        let values = |deviation: f64| -> Vec<Compared> {
+            (0..10)
+                .map(|i| Compared { measured: 0.1 * f64::from(i), deviation, model: 0.1 * f64::from(i) + 0.05 })
+                .collect()
+        };
+        let exact: Vec<Compared> = values(0.0).iter().map(|c| Compared { model: c.measured, ..*c }).collect();
+        assert!(Verdict::new(&exact, &exact).adequate);
+        let verdict = Verdict::new(&values(0.01), &exact);
+        assert!(!verdict.adequate && verdict.misfit.contains("missed by 5.00 %"), "{}", verdict.misfit);
+        assert!(Verdict::new(&values(0.04), &exact).adequate);
+        // A frequency missed by a twentieth of its shift passes.
+        assert!(Verdict::new(&exact, &values(0.0)).adequate);
+    }
+}
