@@ -66,7 +66,12 @@ pub(crate) fn simulate<'py>(
     let force = Force::read(force, dt)?;
     let steps = settings.samples().map_err(core)?.saturating_mul(modes.len());
     let lasting = steps > LASTING || !matches!(settings.method, Method::Newmark { .. });
-    let threads = thread_count(threads)?;
+    // Asking for the number of cores takes longer than a short run: one mode needs one thread.
+    let threads = if single {
+        threads.map_or(Ok(1), |threads| thread_count(Some(threads)))?
+    } else {
+        thread_count(threads)?
+    };
     let mut responses = work::run(py, lasting, move |abandoned| {
         if let [mode] = &modes[..]
             && single
