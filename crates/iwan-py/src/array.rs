@@ -27,7 +27,9 @@ impl Numbers {
         {
             return Ok(Self { values: vec![object.extract()?], shape: Vec::new() });
         }
-        if let Ok(array) = object.cast::<PyArrayDyn<f64>>() {
+        if let Ok(array) = object.cast::<PyArrayDyn<f64>>()
+            && is_aligned(array)
+        {
             return Ok(Self::copy(array));
         }
         let array = object
@@ -92,8 +94,14 @@ impl Numbers {
     }
 }
 
+/// Whether all elements stand where a float64 may stand: not so in packed structures and received buffers.
+fn is_aligned(array: &Bound<'_, PyArrayDyn<f64>>) -> bool {
+    const SIZE: usize = size_of::<f64>();
+    array.data().is_aligned() && array.strides().iter().all(|stride| stride.unsigned_abs() % SIZE == 0)
+}
+
 /// `[3]` or `[1, 2]`: where in an array.
-fn place(mut index: usize, shape: &[usize]) -> String {
+pub(crate) fn place(mut index: usize, shape: &[usize]) -> String {
     let mut indices = Vec::new();
     for n in shape.iter().rev() {
         indices.insert(0, (index % n).to_string());

@@ -2,12 +2,15 @@
 
 use iwan_ident::signal::{self, Method, Options};
 use numpy::PyArray1;
+use pyo3::IntoPyObjectExt;
 use pyo3::prelude::*;
 
 use crate::array::array;
-use crate::errors::identification;
+use crate::errors::{identification, identification_at};
+use crate::laws::Remake;
 use crate::options::unknown;
 use crate::record::Channel;
+use crate::simulate::thread_count;
 use crate::work;
 
 /// Amplitude, frequency and damping ratio of one mode against time. Made by `envelope`.
@@ -95,6 +98,23 @@ impl Envelope {
         self.envelope.notes.clone()
     }
 
+    fn __reduce__<'py>(slf: &Bound<'py, Self>) -> PyResult<Remake<'py>> {
+        let (py, this) = (slf.py(), slf.get());
+        let e = &this.envelope;
+        let curves = [
+            &e.t,
+            &e.amplitude,
+            &e.frequency,
+            &e.damping_ratio,
+            &e.log_amplitude_sd,
+            &e.frequency_sd,
+            &e.damping_ratio_sd,
+        ];
+        let figures = (this.start, e.trusted, e.order, e.noise);
+        let arguments = (curves, figures, e.method.name(), &e.notes);
+        Ok((py.import("iwan._native")?.getattr("_envelope")?, arguments.into_bound_py_any(py)?))
+    }
+
     fn __len__(&self) -> usize {
         self.envelope.t.len()
     }
@@ -104,6 +124,36 @@ impl Envelope {
         let n = self.__len__();
         format!("<iwan.Envelope: {n} cycles by '{}', trusted from {from:.6} to {to:.6} s>", self.method())
     }
+}
+
+/// Start, trusted window, order and noise, as pickled.
+type Figures = (f64, (f64, f64), usize, f64);
+
+/// Makes a pickled `Envelope` again.
+#[pyfunction]
+pub(crate) fn _envelope(
+    curves: [Vec<f64>; 7],
+    figures: Figures,
+    method: &str,
+    notes: Vec<String>,
+) -> PyResult<Envelope> {
+    let [t, amplitude, frequency, damping_ratio, log_amplitude_sd, frequency_sd, damping_ratio_sd] = curves;
+    let (start, trusted, order, noise) = figures;
+    let envelope = signal::Envelope {
+        t,
+        amplitude,
+        frequency,
+        damping_ratio,
+        log_amplitude_sd,
+        frequency_sd,
+        damping_ratio_sd,
+        trusted,
+        method: method_named(method)?,
+        order,
+        noise,
+        notes,
+    };
+    Ok(Envelope { envelope, start })
 }
 
 /// Envelope and frequency of one mode of a record.
@@ -145,6 +195,38 @@ pub(crate) fn envelope(
     let options = Options { band, near, filter_order, window, order };
     let made = work::run(record.py(), true, move |_| signal::envelope(&samples, dt, method, &options))?;
     Ok(Envelope { envelope: made.map_err(identification)?, start })
+}
+
+/// Envelopes of many records, on threads: `iwan.ensemble.envelope`.
+#[pyfunction]
+#[pyo3(signature = (records, *, dt, channel, band, near, method, filter_order, window, order, first, threads, progress))]
+#[expect(clippy::too_many_arguments, reason = "keyword arguments of Python")]
+pub(crate) fn _envelopes(
+    py: Python<'_>,
+    records: Vec<Bound<'_, PyAny>>,
+    dt: Option<f64>,
+    channel: Option<&Bound<'_, PyAny>>,
+    band: Option<(f64, f64)>,
+    near: Option<f64>,
+    method: &str,
+    filter_order: usize,
+    window: Option<(f64, f64)>,
+    order: Option<usize>,
+    first: usize,
+    threads: Option<usize>,
+    progress: Option<&Bound<'_, PyAny>>,
+) -> PyResult<Vec<Envelope>> {
+    let channels = records.iter().map(|record| Channel::read(record, dt, channel));
+    let channels = channels.collect::<PyResult<Vec<_>>>()?;
+    let (method, threads) = (method_named(method)?, thread_count(threads)?);
+    let options = Options { band, near, filter_order, window, order };
+    let made = work::watched(py, progress, move |control| {
+        work::each(channels, threads, control, |Channel { samples, dt, start }| {
+            signal::envelope(&samples, dt, method, &options).map(|envelope| Envelope { envelope, start })
+        })
+    })?;
+    let made = made.unwrap_or_default().into_iter().enumerate();
+    made.map(|(i, result)| result.map_err(|error| identification_at(first + i, error))).collect()
 }
 
 /// A method by its name.

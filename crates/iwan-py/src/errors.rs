@@ -50,22 +50,35 @@ pub(crate) fn core(mut error: iwan_core::Error) -> PyErr {
 pub(crate) fn simulation(error: SimulationError) -> PyErr {
     match error {
         SimulationError::Parameter(error) => core(error),
-        SimulationError::Mode { mode, source } => match *source {
-            SimulationError::Parameter(error) => value(format!("mode \"{mode}\": {error}")),
-            other => python::ComputationError::new_err(format!("mode \"{mode}\": {other}")),
-        },
+        SimulationError::Mode { mode, source } => simulation_at(&format!("mode \"{mode}\""), *source),
         other => python::ComputationError::new_err(other.to_string()),
+    }
+}
+
+/// An error of iwan-sim at a `place`, such as `mode "bending 1"`.
+pub(crate) fn simulation_at(place: &str, error: SimulationError) -> PyErr {
+    match error {
+        SimulationError::Parameter(error) => value(format!("{place}: {error}")),
+        other => python::ComputationError::new_err(format!("{place}: {other}")),
     }
 }
 
 /// An error of iwan-ident.
 pub(crate) fn identification(error: iwan_ident::Error) -> PyErr {
-    use iwan_ident::Error::{Model, NotFinite, Refused, TooShort};
+    told_at("", error)
+}
+
+/// An error of iwan-ident in one of several records.
+pub(crate) fn identification_at(record: usize, error: iwan_ident::Error) -> PyErr {
+    told_at(&format!("record {record} (counted from 0): "), error)
+}
+
+fn told_at(place: &str, error: iwan_ident::Error) -> PyErr {
+    use iwan_ident::Error::{Refused, TooShort};
+    let message = format!("{place}{error}");
     match error {
-        Refused { .. } | TooShort { .. } => python::IdentificationError::new_err(error.to_string()),
-        Model(error) => core(error),
-        NotFinite { .. } => value(error.to_string()),
-        other => value(other.to_string()),
+        Refused { .. } | TooShort { .. } => python::IdentificationError::new_err(message),
+        _ => value(message),
     }
 }
 

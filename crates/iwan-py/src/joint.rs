@@ -160,8 +160,8 @@ impl Joint {
     ) -> PyResult<Bound<'py, PyAny>> {
         let (py, displacement) = (u.py(), Numbers::vector("u", u)?);
         let (law, joint) = (self.law.clone(), joint_kind(sliders, grid)?);
-        let force = work::run(py, displacement.len() > LASTING, move |abandoned| {
-            force_history(&law, &displacement, joint, &mut |_| abandoned.stop())
+        let force = work::run(py, displacement.len() > LASTING, move |control| {
+            force_history(&law, &displacement, joint, &mut |_| control.stop())
         })?
         .map_err(simulation)?;
         Ok(shaped(py, vec![force.len()], force)?.into_any())

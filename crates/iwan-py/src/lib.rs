@@ -9,6 +9,7 @@
 )]
 
 mod array;
+mod ensemble;
 mod envelope;
 mod errors;
 mod joint;
@@ -26,7 +27,9 @@ mod work;
 #[pyo3::pymodule]
 mod _native {
     #[pymodule_export]
-    use crate::envelope::{Envelope, envelope};
+    use crate::ensemble::_ensemble;
+    #[pymodule_export]
+    use crate::envelope::{_envelope, _envelopes, Envelope, envelope};
     #[pymodule_export]
     use crate::joint::Joint;
     #[pymodule_export]

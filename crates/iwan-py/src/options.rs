@@ -56,3 +56,10 @@ pub(crate) fn method(name: &str, options: MethodOptions) -> PyResult<Method> {
 pub(crate) fn unknown(argument: &str, given: &str, known: &[&str]) -> PyErr {
     value(format!("{argument} = '{given}' is not known: choose one of '{}'", known.join("', '")))
 }
+
+/// A choice by its name.
+pub(crate) fn choose<T: Copy>(argument: &str, given: &str, choices: &[(&str, T)]) -> PyResult<T> {
+    let found = choices.iter().find(|(name, _)| *name == given);
+    let names = || choices.iter().map(|(name, _)| *name).collect::<Vec<_>>();
+    found.map(|(_, choice)| *choice).ok_or_else(|| unknown(argument, given, &names()))
+}

@@ -11,7 +11,7 @@ use pyo3::prelude::*;
 use crate::array::{Numbers, array, freeze, frozen_rows};
 use crate::errors::{reading, value, wrong_type};
 use crate::laws::Remake;
-use crate::options::unknown;
+use crate::options::choose;
 use crate::work;
 
 const QUANTITIES: [(&str, Quantity); 5] = [
@@ -29,13 +29,6 @@ const FORMATS: [(&str, Format); 5] = [
     ("uff", Format::Uff),
     ("mat", Format::Mat),
 ];
-
-/// A choice by its name.
-fn choose<T: Copy>(argument: &str, given: &str, choices: &[(&str, T)]) -> PyResult<T> {
-    let found = choices.iter().find(|(name, _)| *name == given);
-    let names = || choices.iter().map(|(name, _)| *name).collect::<Vec<_>>();
-    found.map(|(_, choice)| *choice).ok_or_else(|| unknown(argument, given, &names()))
-}
 
 /// One or many channels sampled together at a constant interval; checked once, frozen, picklable.
 ///

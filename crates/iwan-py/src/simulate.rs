@@ -72,14 +72,14 @@ pub(crate) fn simulate<'py>(
     } else {
         thread_count(threads)?
     };
-    let mut responses = work::run(py, lasting, move |abandoned| {
+    let mut responses = work::run(py, lasting, move |control| {
         if let [mode] = &modes[..]
             && single
             && !lasting
         {
             return iwan_sim::simulate(mode, &force.pulse(), &settings).map(|response| vec![response]);
         }
-        iwan_sim::simulate_all(&modes, &force.pulse(), &settings, threads, &mut |_| abandoned.stop())
+        iwan_sim::simulate_all(&modes, &force.pulse(), &settings, threads, &mut |_| control.stop())
             .map_err(|error| if single { without_name(error) } else { error })
     })?
     .map_err(simulation)?;

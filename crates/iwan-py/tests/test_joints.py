@@ -94,7 +94,11 @@ def test_every_layout_and_dtype_gives_the_same(joint):
     swapped = u.astype(">f8")
     wide = np.zeros((8, 12))
     wide[::2, ::-2] = u
-    layouts = [np.asfortranarray(u), read_only, swapped, wide[::2, ::-2], u.tolist(), u.astype(np.longdouble)]
+    packed = np.zeros((4, 6), dtype=[("flag", "u1"), ("u", "f8")])
+    packed["u"] = u
+    received = np.frombuffer(b"x" + u.tobytes(), dtype=np.uint8)[1:].view(np.float64).reshape(4, 6)
+    assert not packed["u"].flags.aligned and not received.flags.aligned
+    layouts = [packed["u"], received, np.broadcast_to(u, (4, 6)), np.asfortranarray(u), read_only, swapped, wide[::2, ::-2], u.tolist(), u.astype(np.longdouble)]
     for same in layouts:
         np.testing.assert_array_equal(joint.force(same), expected)
     np.testing.assert_array_equal(joint.force(u.T), expected.T)

@@ -19,7 +19,8 @@ PUBLIC = [getattr(iwan, name) for name in iwan.__all__ if name != "__version__"]
 
 def documented():
     """Every public object with its name: functions, classes, and what classes have."""
-    for thing in PUBLIC:
+    modules = [thing for thing in PUBLIC if inspect.ismodule(thing)]
+    for thing in PUBLIC + [getattr(module, name) for module in modules for name in module.__all__]:
         yield thing.__name__, thing
         if inspect.isclass(thing) and not issubclass(thing, Exception):
             for name in vars(thing):

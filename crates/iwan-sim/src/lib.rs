@@ -2,6 +2,7 @@
 //!
 //! [`Mode`] + [`Pulse`](iwan_core::Pulse) + [`Settings`] -> [`simulate`] -> [`Response`].
 
+mod ensemble;
 mod error;
 mod event;
 mod force_history;
@@ -14,6 +15,7 @@ mod run;
 mod settings;
 mod simulate;
 
+pub use ensemble::{Ensemble, Figures, History, MemberError, Outcome, Watch};
 pub use error::SimulationError;
 pub use force_history::force_history;
 pub use joint::{JointLaw, TabulatedDensity};

@@ -12,6 +12,7 @@ Units are your own consistent set; frequencies in Hz, times in s, damping as a r
 Starr, Segalman, *Investigation of Modal Iwan Models for Structures with Bolted Joints*; equation numbers are the paper's.
 """
 
+from iwan import ensemble
 from iwan._native import (
     Envelope,
     FourParameter,
@@ -70,6 +71,7 @@ __all__ = [
     "Tabulated",
     "Uniform",
     "__version__",
+    "ensemble",
     "envelope",
     "read_record",
     "simulate",

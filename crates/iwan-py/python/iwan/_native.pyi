@@ -1,6 +1,6 @@
 """Types of the compiled part. Shapes: scalars in, scalars out; arrays keep their shape."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from os import PathLike
 from typing import Final, Literal, final, overload
 
@@ -302,3 +302,36 @@ def envelope(
     window: tuple[float, float] | None = None,
     order: int | None = None,
 ) -> Envelope: ...
+
+# Behind iwan.ensemble.
+def _ensemble(
+    columns: Sequence[Array],
+    *,
+    force: Pulse | ArrayLike | None,
+    dt: float,
+    duration: float,
+    method: Method,
+    sliders: int | None,
+    grid: Grid | None,
+    prewarp: bool,
+    keep: Sequence[str],
+    shape: Sequence[int],
+    first: int,
+    threads: int | None,
+    progress: Callable[[int], object] | None,
+) -> tuple[list[Array], list[Array], int]: ...
+def _envelopes(
+    records: Sequence[Record | ArrayLike],
+    *,
+    dt: float | None,
+    channel: str | int | None,
+    band: tuple[float, float] | None,
+    near: float | None,
+    method: EnvelopeMethod,
+    filter_order: int,
+    window: tuple[float, float] | None,
+    order: int | None,
+    first: int,
+    threads: int | None,
+    progress: Callable[[int], object] | None,
+) -> list[Envelope]: ...

@@ -17,6 +17,9 @@ Method: TypeAlias = Literal["newmark", "half-cycle", "averaging", "event"]
 EnvelopeMethod: TypeAlias = Literal["hilbert", "peaks", "pff", "demodulation"]
 """Methods of `envelope`."""
 
+History: TypeAlias = Literal["displacement", "velocity", "acceleration", "joint_force"]
+"""Histories that an ensemble may keep."""
+
 Quantity: TypeAlias = Literal["acceleration", "velocity", "displacement", "force", "unknown"]
 """What a record measures."""
 
