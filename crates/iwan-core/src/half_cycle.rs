@@ -138,10 +138,10 @@ impl<'a, B: Backbone> Map<'a, B> {
         if !micro.travel(pull, &mut half.micro) {
             return false;
         }
-        let Travel { length, damping, duration, force, .. } = half.micro;
-        (half.length, half.duration, half.force) =
-            (length, duration, branch.start.force + branch.direction * force);
-        (half.viscous, half.joint) = self.works(branch, pull, length, damping);
+        let travel = &half.micro;
+        (half.length, half.duration) = (travel.length, travel.duration());
+        half.force = branch.start.force + branch.direction * micro.force(travel);
+        (half.viscous, half.joint) = self.works(branch, pull, travel.length, travel.damping());
         true
     }
 

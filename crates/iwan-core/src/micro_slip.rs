@@ -2,9 +2,13 @@
 //!
 //! With F_virgin(u) = K_T u - C u^p the energy gained is P(y) = s y - ½ω² y² + ρ y^(p+1), and with P(L) = W
 //! the phase velocity is Ω² = ω² [1 - ε τ(θ)] and a viscous term, τ = (1 - x^p)/(1 - x), x = sin²(θ/2). It depends on
-//! the relative softening ε = 2ρ L^(p-1)/ω² alone, and so do the duration and the damper's work: both are
-//! tabled once per mode as polynomials in ε.
+//! the relative softening ε = 2ρ L^(p-1)/ω² alone, and so do the duration and the damper's work.
+//!
+//! So does what follows. With the damping W/L² the pull at the start is s = [½ω² (1 - ε) + W/L²] L, that at the
+//! end, turned round, [½ω² (1 - p ε) - W/L²] L; it is the pull of the next half cycle, whose travel over L is thus a function of ε
+//! as well. All four are tabled once per mode as polynomials in ε: a half cycle leads to the next without a root to be found.
 
+use core::array::from_fn;
 use core::f64::consts::PI;
 
 use crate::backbone::PowerLaw;
@@ -18,49 +22,41 @@ pub(crate) const PASS_TOLERANCE: f64 = 1e-12;
 pub(crate) const MOST_PASSES: u32 = 60;
 /// Largest relative error of the polynomials at the check points.
 const TABLE_TOLERANCE: f64 = 1e-11;
+/// Share by which the pull of a tabled half cycle may miss the one that acts.
+const PULL_TOLERANCE: f64 = 1e-13;
 
 /// The micro-slip half cycles of a mode.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct MicroSlip {
-    /// ω² = K_∞ + K_T.
-    omega_squared: f64,
+    /// ½ω² = ½ (K_∞ + K_T).
+    half_stiffness: f64,
     viscous: f64,
-    rho: f64,
+    /// ε of the travel 1.
+    softening: f64,
     /// p = χ + 2.
     exponent: f64,
     /// Largest L in micro-slip, 2 φ_max.
     longest: f64,
-    /// Joint force gained over L, without direction: K_T L - drop·L^p.
+    /// K_T.
     stiffness: f64,
-    drop: f64,
     /// τ at the nodes.
     tau: [f64; NODES],
-    /// Binomial coefficients of (1 + e)^(p-1).
-    series: [f64; 8],
-    /// Duration and damping W/L² over ε, for argument ε·to_unit - 1 from -1 to 1.
+    /// The shapes over ε, for argument ε·to_unit - 1 from -1 to 1.
     to_unit: f64,
     terms: usize,
-    durations: [f64; TERMS],
-    dampings: [f64; TERMS],
-    damping_slopes: [f64; TERMS],
+    shapes: [Shape; TERMS],
 }
+
+/// What ε alone tells of a half cycle: its duration, W/L², and the travel and ε of the next one over its own.
+type Shape = [f64; 4];
 
 /// A half cycle found: what the next one starts from.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Travel {
     pub(crate) length: f64,
-    /// W/L².
-    pub(crate) damping: f64,
-    pub(crate) duration: f64,
-    /// Joint force gained, without direction.
-    pub(crate) force: f64,
-    /// L^(p-1).
-    power: f64,
-    /// L over the L before, and the same for the one before.
-    ratio: f64,
-    ratio_before: f64,
-    /// Series updates since the power was last taken in full.
-    age: u32,
+    /// ε.
+    softening: f64,
+    shape: Shape,
 }
 
 impl MicroSlip {
@@ -69,42 +65,36 @@ impl MicroSlip {
         let p = law.exponent;
         let omega_squared = k_inf + law.stiffness;
         let rho = 4.0 * law.coefficient / ((p + 1.0) * libm::pow(2.0, p + 1.0));
+        let softening = 2.0 * rho / omega_squared;
         let longest = 2.0 * law.limit;
-        let steepest = 2.0 * rho * libm::pow(longest, p - 1.0) / omega_squared;
-        let tau = core::array::from_fn(|i| (1.0 - libm::exp(p * LOG_SHARE[i])) / SHARE[NODES - 1 - i]);
+        let steepest = softening * libm::pow(longest, p - 1.0);
+        let tau = from_fn(|i| (1.0 - libm::exp(p * LOG_SHARE[i])) / SHARE[NODES - 1 - i]);
         // Chebyshev coefficients fall like (ε p / 4)^n at least.
         let decay = libm::log(4.0 / (steepest * p));
-        let terms = (libm::ceil(32.0 / decay.max(0.1)) as usize).clamp(3, TERMS);
         let mut micro = Self {
-            omega_squared,
+            half_stiffness: 0.5 * omega_squared,
             viscous,
-            rho,
+            softening,
             exponent: p,
             longest,
             stiffness: law.stiffness,
-            drop: 2.0 * law.coefficient / libm::pow(2.0, p),
             tau,
-            series: binomial(p - 1.0),
             to_unit: 2.0 / steepest,
-            terms,
-            durations: [0.0; TERMS],
-            dampings: [0.0; TERMS],
-            damping_slopes: [0.0; TERMS],
+            terms: (libm::ceil(32.0 / decay.max(0.1)) as usize).clamp(3, TERMS),
+            shapes: [[0.0; 4]; TERMS],
         };
         micro.fill_table();
         let good = [0.05, 0.97].iter().all(|share| {
-            let softening = share * steepest;
-            let (duration, damping) = micro.shape_by_quadrature(softening);
-            let near = |found: f64, exact: f64| libm::fabs(found - exact) <= TABLE_TOLERANCE * exact;
-            near(micro.duration(softening), duration) && near(micro.damping(softening).0, damping)
+            let exact = micro.shape_by_quadrature(share * steepest);
+            let found = micro.shape(share * steepest);
+            exact.iter().zip(found).all(|(e, f)| libm::fabs(f - e) <= TABLE_TOLERANCE * e)
         });
         good.then_some(micro)
     }
 
     /// Ω at the nodes for the softening ε, the damper's part by fixed-point passes.
     fn omega(&self, softening: f64) -> [f64; NODES] {
-        let base: [f64; NODES] =
-            core::array::from_fn(|i| self.omega_squared * (1.0 - softening * self.tau[i]));
+        let base: [f64; NODES] = from_fn(|i| 2.0 * self.half_stiffness * (1.0 - softening * self.tau[i]));
         let mut omega = base.map(libm::sqrt);
         if self.viscous == 0.0 {
             return omega;
@@ -114,7 +104,7 @@ impl MicroSlip {
             for (column, o) in COUPLING.iter().zip(&omega) {
                 lost.iter_mut().zip(column).for_each(|(s, c)| *s += c * o);
             }
-            let next: [f64; NODES] = core::array::from_fn(|i| libm::sqrt(base[i] + self.viscous * lost[i]));
+            let next: [f64; NODES] = from_fn(|i| libm::sqrt(base[i] + self.viscous * lost[i]));
             let change = omega.iter().zip(&next).fold(0.0_f64, |m, (a, b)| m.max(libm::fabs(a - b)));
             omega = next;
             if change <= PASS_TOLERANCE * omega[0] {
@@ -125,43 +115,51 @@ impl MicroSlip {
     }
 
     /// Duration and W/L² = ¼ c ∫Ω sin² of a half cycle, by quadrature.
-    fn shape_by_quadrature(&self, softening: f64) -> (f64, f64) {
+    fn shape_by_quadrature(&self, softening: f64) -> [f64; 2] {
         let panel = Panel { omega: self.omega(softening), ..Panel::WHOLE };
         let work: f64 = (0..NODES).map(|i| WORK[i] * panel.omega[i]).sum();
-        (panel.duration(), 0.25 * self.viscous * work)
+        [panel.duration(), 0.25 * self.viscous * work]
     }
 
-    /// Tabled damping W/L², and its derivative times ε.
+    /// Tabled shape.
     #[inline]
-    fn damping(&self, softening: f64) -> (f64, f64) {
-        let s = softening * self.to_unit - 1.0;
-        (sixteen(&self.dampings, s), sixteen(&self.damping_slopes, s) * (s + 1.0))
+    fn shape(&self, softening: f64) -> Shape {
+        let x = softening * self.to_unit - 1.0;
+        let (low, high) = self.shapes.split_at(TERMS / 2);
+        let mut shape = eight(low, x);
+        if self.terms > TERMS / 2 {
+            let (x4, high) = ((x * x) * (x * x), eight(high, x));
+            shape = from_fn(|i| shape[i] + high[i] * (x4 * x4));
+        }
+        shape
     }
 
-    /// Tabled duration.
-    #[inline]
-    fn duration(&self, softening: f64) -> f64 {
-        sixteen(&self.durations, softening * self.to_unit - 1.0)
-    }
-
-    /// ε of a travel.
-    #[inline]
-    fn softening(&self, travel: &Travel) -> f64 {
-        2.0 * self.rho / self.omega_squared * travel.power
-    }
-
-    /// Interpolation at Chebyshev nodes, turned into powers of the argument.
+    /// Duration and damping by interpolation, then, with these, what comes next.
     fn fill_table(&mut self) {
         let n = self.terms;
-        // Chebyshev coefficients from T_{k+1}(x) = 2 x T_k(x) - T_{k-1}(x) at the nodes.
-        let mut coefficients = [(0.0, 0.0); TERMS];
+        let nodes: [f64; TERMS] = from_fn(|i| libm::cos(PI * (i as f64 + 0.5) / n as f64));
+        let softenings = nodes.map(|x| (1.0 + x) / self.to_unit);
+        let mut values = [[0.0; 2]; TERMS];
         for i in 0..n {
-            let x = libm::cos(PI * (i as f64 + 0.5) / n as f64);
-            let value = self.shape_by_quadrature((1.0 + x) / self.to_unit);
+            values[i] = self.shape_by_quadrature(softenings[i]);
+        }
+        self.tabulate(0, &nodes[..n], &values);
+        for i in 0..n {
+            values[i] = self.next_by_root(softenings[i], values[i][1]);
+        }
+        self.tabulate(2, &nodes[..n], &values);
+    }
+
+    /// Interpolates two components of the shape, from the `first` on, at Chebyshev nodes by powers of the argument.
+    fn tabulate(&mut self, first: usize, nodes: &[f64], values: &[[f64; 2]]) {
+        let n = nodes.len();
+        // Chebyshev coefficients from T_{k+1}(x) = 2 x T_k(x) - T_{k-1}(x) at the nodes.
+        let mut coefficients = [[0.0; 2]; TERMS];
+        for (&x, value) in nodes.iter().zip(values) {
             let (mut now, mut before) = (1.0, x);
             for (k, c) in coefficients[..n].iter_mut().enumerate() {
                 let weight = if k == 0 { now } else { 2.0 * now } / n as f64;
-                *c = (c.0 + weight * value.0, c.1 + weight * value.1);
+                *c = [c[0] + weight * value[0], c[1] + weight * value[1]];
                 (now, before) = (2.0 * x * now - before, now);
             }
         }
@@ -171,75 +169,91 @@ impl MicroSlip {
         for (k, c) in coefficients[..n].iter().enumerate() {
             let mut next = [0.0; TERMS];
             for j in 0..n {
-                self.durations[j] += c.0 * now[j];
-                self.dampings[j] += c.1 * now[j];
+                self.shapes[j][first] += c[0] * now[j];
+                self.shapes[j][first + 1] += c[1] * now[j];
                 next[j] =
                     if j > 0 { if k == 0 { now[j - 1] } else { 2.0 * now[j - 1] } } else { 0.0 } - before[j];
             }
             (before, now) = (now, next);
         }
-        for j in 1..n {
-            self.damping_slopes[j - 1] = j as f64 * self.dampings[j];
-        }
     }
 
-    /// The half cycle under the pull `s`: the root of s - (½ω² + damping) L + ρ L^p, which is P(L) = W over L.
-    /// `last` is the half cycle before and becomes this one; beyond micro-slip it stays, and the answer is false.
-    /// Convex and falling, so Newton's method needs no guard.
+    /// Pull over travel of a half cycle, which is P(L) = W over L².
     #[inline]
-    pub(crate) fn travel(&self, pull: f64, last: &mut Travel) -> bool {
+    fn pull_over_travel(&self, softening: f64, damping: f64) -> f64 {
+        self.half_stiffness * (1.0 - softening) + damping
+    }
+
+    /// Travel and ε of the half cycle behind one of softening ε, over its own.
+    ///
+    /// The pull there is ω² L - drop·L^p less the pull before, that is ½ω² (1 - p ε) - W/L² over L.
+    fn next_by_root(&self, softening: f64, damping: f64) -> [f64; 2] {
+        let pull = self.half_stiffness * (1.0 - self.exponent * softening) - damping;
+        let start = pull / self.pull_over_travel(softening, damping);
+        let growth = |travel: f64| libm::pow(travel, self.exponent - 1.0);
+        let travel = self.root(pull, start, |travel| softening * growth(travel));
+        [travel, growth(travel)]
+    }
+
+    /// The travel under a pull by Newton's method; `softening` of a travel is ε. The pull over the travel is convex
+    /// and falling, so it needs no guard; the slope leaves out how the damping changes, which costs next to nothing.
+    fn root(&self, pull: f64, start: f64, softening: impl Fn(f64) -> f64) -> f64 {
         const MOST: u32 = 60;
-        let mut at = if last.age < Travel::OLDEST {
-            last.continued(&self.series, self.exponent - 1.0)
-        } else {
-            self.first_guess(pull, last)
-        };
-        let power = self.exponent - 1.0;
+        let mut travel = start;
         for _ in 0..MOST {
-            let (damping, damping_slope) = self.damping(self.softening(&at));
-            let linear = 0.5 * self.omega_squared + damping;
-            let steep = self.exponent * self.rho * at.power;
-            let inverse = 1.0 / (linear - steep + power * damping_slope);
-            let newton = (pull / at.length - linear + self.rho * at.power) * inverse;
-            // Halley's correction: the second derivative costs nothing here.
-            let change = newton * (1.0 + 0.5 * power * steep * inverse * newton);
-            // The error is cubed: nothing is left to gain.
-            if libm::fabs(change) < 1e-4 {
-                at = at.nudged(change, &self.series);
-                at.damping = damping + power * damping_slope * change;
+            let softening = softening(travel);
+            let damping = self.shape(softening)[1];
+            let slope = self.half_stiffness * (1.0 - self.exponent * softening) + damping;
+            let change = (pull / travel - self.pull_over_travel(softening, damping)) / slope;
+            travel += travel * change;
+            if libm::fabs(change) <= 2.0 * f64::EPSILON {
                 break;
             }
-            at = at.moved(change, &self.series, power);
         }
-        if !(at.length > 0.0 && at.length <= self.longest) {
-            return false;
-        }
-        at.duration = self.duration(self.softening(&at));
-        at.force = (self.stiffness - self.drop * at.power) * at.length;
-        *last = at;
-        true
+        travel
     }
 
-    #[cold]
-    fn first_guess(&self, pull: f64, last: &Travel) -> Travel {
-        let length = if last.is_some() { last.length * last.ratio } else { 2.0 * pull / self.omega_squared };
-        let length = length.min(self.longest);
-        let power = libm::pow(length, self.exponent - 1.0);
-        Travel {
-            length,
-            damping: 0.0,
-            duration: 0.0,
-            force: 0.0,
-            power,
-            ratio: 1.0,
-            ratio_before: 1.0,
-            age: 0,
+    /// The half cycle under `pull`. `last` is the half cycle before and becomes this one; beyond micro-slip it
+    /// stays, and the answer is false.
+    #[inline]
+    pub(crate) fn travel(&self, pull: f64, last: &mut Travel) -> bool {
+        let [_, _, travel, growth] = last.shape;
+        let next = self.at(last.length * travel, last.softening * growth);
+        let expected = next.length * self.pull_over_travel(next.softening, next.damping());
+        // Not so behind a half cycle of another kind, and once in a while for rounding.
+        if libm::fabs(expected - pull) <= PULL_TOLERANCE * pull {
+            *last = next;
+            return true;
         }
+        self.solve(pull).map(|found| *last = found).is_some()
+    }
+
+    #[inline]
+    fn at(&self, length: f64, softening: f64) -> Travel {
+        Travel { length, softening, shape: self.shape(softening) }
+    }
+
+    /// None beyond micro-slip.
+    #[cold]
+    fn solve(&self, pull: f64) -> Option<Travel> {
+        let softening = |length: f64| self.softening * libm::pow(length, self.exponent - 1.0);
+        let longest = self.at(self.longest, softening(self.longest));
+        if pull > self.longest * self.pull_over_travel(longest.softening, longest.damping()) {
+            return None;
+        }
+        let length = self.root(pull, pull / self.half_stiffness, softening);
+        (length <= self.longest).then(|| self.at(length, softening(length)))
+    }
+
+    /// Joint force gained over a half cycle, without direction: K_T L - drop·L^p.
+    #[inline]
+    pub(crate) fn force(&self, travel: &Travel) -> f64 {
+        (self.stiffness - (self.exponent + 1.0) * self.half_stiffness * travel.softening) * travel.length
     }
 
     /// Ω over the half cycle, for dense output.
     pub(crate) fn phase(&self, travel: &Travel) -> Phase {
-        Phase::single(self.omega(self.softening(travel)))
+        Phase::single(self.omega(travel.softening))
     }
 }
 
@@ -322,46 +336,20 @@ const fn logarithm(x: f64) -> f64 {
     sum - twos * core::f64::consts::LN_2
 }
 
-/// Coefficients of e, e², … in (1 + e)^p.
-fn binomial(p: f64) -> [f64; 8] {
-    let mut coefficient = 1.0;
-    core::array::from_fn(|k| {
-        coefficient *= (p - k as f64) / (k as f64 + 1.0);
-        coefficient
+/// Σ c_k x^k of eight terms, pairs first: short chains for the processor.
+#[inline]
+fn eight(c: &[Shape], x: f64) -> Shape {
+    let (x2, c) = (x * x, &c[..8]);
+    let x4 = x2 * x2;
+    from_fn(|i| {
+        let pair = |k: usize| c[k][i] + c[k + 1][i] * x;
+        (pair(0) + pair(2) * x2) + (pair(4) + pair(6) * x2) * x4
     })
 }
 
-/// Σ c_k x^k of eight terms, pairs first: short chains for the processor.
-#[inline]
-fn eight(c: &[f64; 8], x: f64) -> f64 {
-    let x2 = x * x;
-    ((c[0] + c[1] * x) + (c[2] + c[3] * x) * x2) + ((c[4] + c[5] * x) + (c[6] + c[7] * x) * x2) * (x2 * x2)
-}
-
-/// The same of sixteen.
-#[inline]
-fn sixteen(c: &[f64; TERMS], x: f64) -> f64 {
-    let (low, high) = c.split_at(8);
-    let half = |c: &[f64]| eight(&core::array::from_fn(|k| c[k]), x);
-    let x4 = (x * x) * (x * x);
-    half(low) + half(high) * (x4 * x4)
-}
-
 impl Travel {
-    /// Rounding grows by a unit in the last place per update: this many are harmless.
-    const OLDEST: u32 = 64;
-
     /// Nothing to start from.
-    pub(crate) const NONE: Self = Self {
-        length: 0.0,
-        damping: 0.0,
-        duration: 0.0,
-        force: 0.0,
-        power: 0.0,
-        ratio: 1.0,
-        ratio_before: 1.0,
-        age: Self::OLDEST,
-    };
+    pub(crate) const NONE: Self = Self { length: 0.0, softening: 0.0, shape: [0.0; 4] };
 
     /// Whether there is a half cycle in micro-slip.
     #[inline]
@@ -369,29 +357,60 @@ impl Travel {
         self.length > 0.0
     }
 
-    /// The next travel if the ratio of successive travels goes on changing as it did.
+    /// s.
     #[inline]
-    fn continued(&self, series: &[f64; 8], power: f64) -> Self {
-        let next = 2.0 * self.ratio - self.ratio_before;
-        let fresh = Self { ratio: 1.0, ratio_before: self.ratio, age: self.age + 1, ..*self };
-        fresh.moved(next - 1.0, series, power)
+    pub(crate) fn duration(&self) -> f64 {
+        self.shape[0]
     }
 
-    /// The travel (1 + e) L for |e| < 1e-4, where four terms of the series are exact.
+    /// W/L².
     #[inline]
-    fn nudged(self, e: f64, c: &[f64; 8]) -> Self {
-        let (length, ratio) = (self.length + self.length * e, self.ratio + self.ratio * e);
-        let growth = (c[0] * e + c[1] * (e * e)) + (c[2] + c[3] * e) * (e * e * e);
-        Self { length, ratio, power: self.power + self.power * growth, ..self }
+    pub(crate) fn damping(&self) -> f64 {
+        self.shape[1]
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::backbone::Backbone;
+    use crate::four_parameter::FourParameter;
+
+    /// Mode 1 of Table 2 with other exponents and dampers.
+    fn modes() -> impl Iterator<Item = MicroSlip> {
+        [-0.95, -0.5, -0.183, -0.05].into_iter().flat_map(|chi| {
+            let joint = FourParameter::new(4.45e4, 239.4, chi, 0.3).unwrap();
+            let law = joint.power_law().unwrap();
+            [0.0, 0.4, 15.0].map(move |viscous| MicroSlip::new(5.6e5, viscous, &law).unwrap())
+        })
     }
 
-    /// The travel (1 + e) L, with (1 + e)^(p-1) by its binomial series where that is exact.
-    #[inline]
-    fn moved(self, e: f64, series: &[f64; 8], power: f64) -> Self {
-        let (length, ratio) = (self.length + self.length * e, self.ratio + self.ratio * e);
-        if libm::fabs(e) < 0.02 {
-            return Self { length, ratio, power: self.power + self.power * (e * eight(series, e)), ..self };
+    #[test]
+    fn half_cycles_that_follow_are_those_found_anew() {
+        for mode in modes() {
+            let mut at = mode.at(mode.longest, mode.softening * libm::pow(mode.longest, mode.exponent - 1.0));
+            for _ in 0..1000 {
+                let pull =
+                    at.length * (mode.half_stiffness * (1.0 - mode.exponent * at.softening) - at.damping());
+                assert!(mode.travel(pull, &mut at));
+                let anew = mode.solve(pull).unwrap();
+                assert!((at.length / anew.length - 1.0).abs() < 1e-12);
+                assert!((at.softening / anew.softening - 1.0).abs() < 1e-12);
+                assert!((at.duration() / anew.duration() - 1.0).abs() < 1e-13);
+                assert!((at.damping() - anew.damping()).abs() <= 1e-12 * anew.damping());
+            }
         }
-        Self { length, ratio, power: libm::pow(length, power), age: 0, ..self }
+    }
+
+    #[test]
+    fn the_table_tells_the_next_half_cycle() {
+        for mode in modes() {
+            for share in [0.01, 0.3, 0.99] {
+                let softening = share * 2.0 / mode.to_unit;
+                let [_, damping, travel, growth] = mode.shape(softening);
+                let exact = mode.next_by_root(softening, damping);
+                assert!((travel / exact[0] - 1.0).abs() < 1e-14 && (growth / exact[1] - 1.0).abs() < 1e-14);
+            }
+        }
     }
 }

@@ -48,6 +48,10 @@ struct Piece {
     loss: f64,
 }
 
+/// Steps in the body of the inner loop: so many in a row need not move the state between registers. From five on
+/// the compiler no longer writes them out.
+const UNROLLED: usize = 3;
+
 /// Breaks passed one by one in a step before the general search takes over.
 const WALK: usize = 4;
 
@@ -134,19 +138,21 @@ impl Scheme {
         // The compiler then knows that all four are as long.
         out = out.first(steps);
         let mut e = (load.at(n + 1).1 - m.w) - m.s;
-        let mut done = steps;
-        for i in 0..steps {
-            let dq = m.r * piece.inverse;
-            let x = m.x + dq;
-            if !(if UP { m.r >= 0.0 && x <= end } else { m.r <= 0.0 && x >= end }) {
-                done = i;
-                break;
+        let mut done = 0;
+        'glide: loop {
+            for _ in 0..UNROLLED {
+                let dq = m.r * piece.inverse;
+                let x = m.x + dq;
+                if done == steps || !(if UP { m.r >= 0.0 && x <= end } else { m.r <= 0.0 && x >= end }) {
+                    break 'glide;
+                }
+                let r = e + piece.gain * m.r;
+                let (p, _) = load.at(n + done + 1);
+                e = (load.at(n + done + 2).1 + (m.w - m.s)) - piece.loss * m.r;
+                m = Motion { x, w: self.inertia * dq - m.w, s: piece.held + piece.slope * x, r };
+                self.write(&piece, &m, p, done, &mut out);
+                done += 1;
             }
-            let r = e + piece.gain * m.r;
-            let (p, _) = load.at(n + i + 1);
-            e = (load.at(n + i + 2).1 + (m.w - m.s)) - piece.loss * m.r;
-            m = Motion { x, w: self.inertia * dq - m.w, s: piece.held + piece.slope * x, r };
-            self.write(&piece, &m, p, i, &mut out);
         }
         *motion = m;
         n + done

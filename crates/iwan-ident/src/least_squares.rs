@@ -10,9 +10,11 @@ use nalgebra::{DMatrix, DVector};
 pub(crate) type Residuals<'a> = dyn FnMut(&[f64], &mut [f64]) -> bool + 'a;
 
 /// Relative reduction of the sum of squares at which a search ends that wants the minimum itself.
-pub(crate) const TOLERANCE: f64 = 1e-10;
+pub(crate) const TOLERANCE: f64 = 1e-8;
 /// Half step of the differences, in coordinates of order one.
 const STEP: f64 = 1e-5;
+/// Damping at which no step is left.
+const MOST_DAMPING: f64 = 1e12;
 /// Longest step of a coordinate in one iteration.
 const LONGEST: f64 = 1.0;
 
@@ -47,52 +49,86 @@ impl Search {
         let mut x = start.to_vec();
         let (mut r, mut trial) = (vec![0.0; self.count], vec![0.0; self.count]);
         let mut cost = evaluate(residuals, &x, &mut r)?;
-        let mut damping = 1e-3;
+        let Some(mut jacobian) = self.jacobian(residuals, &x, &r) else {
+            return Some(Minimum { x, cost, converged: false });
+        };
+        let (mut damping, mut fresh) = (1e-3, true);
         for _ in 0..self.iterations {
-            let jacobian = self.jacobian(residuals, &x)?;
             // By orthogonal factors, not normal equations: valleys here are a million times longer than wide.
-            let factors = jacobian.qr();
+            let factors = jacobian.clone().qr();
             let mut rotated = DVector::from_column_slice(&r);
             factors.q_tr_mul(&mut rotated);
             let (matrix, rotated) = (factors.r(), rotated.rows(0, self.free.len()).into_owned());
-            let mut reduced = None;
-            while damping < 1e12 {
+            let most = if fresh { MOST_DAMPING } else { damping * 100.0 };
+            let mut part = 0.0;
+            while damping < most {
                 let next = self.step(&x, &matrix, &rotated, damping);
-                if let Some(lower) =
-                    next.as_ref().and_then(|next| evaluate(residuals, next, &mut trial)).filter(|c| *c < cost)
-                {
-                    reduced = Some((cost - lower) / cost);
-                    (x, cost) = (next.unwrap_or_default(), lower);
+                let lower = next.as_ref().and_then(|next| evaluate(residuals, next, &mut trial));
+                if let (Some(next), Some(lower)) = (next, lower.filter(|c| *c < cost)) {
+                    part = (cost - lower) / cost;
+                    self.update(&mut jacobian, &x, &next, &r, &trial);
+                    (x, cost) = (next, lower);
                     std::mem::swap(&mut r, &mut trial);
                     damping = (damping * 0.1).max(1e-15);
                     break;
                 }
                 damping *= 10.0;
             }
-            if reduced.is_none_or(|part| part < self.tolerance) {
+            let slow = part < self.tolerance;
+            if slow && fresh {
                 return Some(Minimum { x, cost, converged: true });
+            }
+            fresh = slow || self.is_final();
+            if fresh {
+                damping = damping.min(1.0);
+                let Some(anew) = self.jacobian(residuals, &x, &r) else { break };
+                jacobian = anew;
             }
         }
         Some(Minimum { x, cost, converged: false })
     }
 
-    /// Derivatives of the residuals with respect to the free coordinates; one-sided at a bound.
-    pub(crate) fn jacobian(&self, residuals: &mut Residuals<'_>, x: &[f64]) -> Option<DMatrix<f64>> {
-        let (mut above, mut below) = (vec![0.0; self.count], vec![0.0; self.count]);
+    /// Whether the search wants the minimum itself: derivatives are central and made anew each time then; else they are
+    /// one-sided and kept up to date by the steps taken.
+    fn is_final(&self) -> bool {
+        self.tolerance < 1e-6
+    }
+
+    /// Broyden's update (Math. Comp. 19:577, 1965): along the step taken the derivatives become what was seen.
+    fn update(&self, jacobian: &mut DMatrix<f64>, from: &[f64], to: &[f64], before: &[f64], after: &[f64]) {
+        let step = DVector::from_iterator(self.free.len(), self.free.iter().map(|&j| to[j] - from[j]));
+        let square = step.norm_squared();
+        if square > 0.0 {
+            let seen = DVector::from_iterator(self.count, after.iter().zip(before).map(|(a, b)| a - b));
+            let surprise = seen - &*jacobian * &step;
+            *jacobian += surprise * step.transpose() / square;
+        }
+    }
+
+    /// Derivatives of the residuals, which are `r` at `x`, with respect to the free coordinates.
+    pub(crate) fn jacobian(&self, residuals: &mut Residuals<'_>, x: &[f64], r: &[f64]) -> Option<DMatrix<f64>> {
+        let (mut above, mut below) = (vec![0.0; self.count], r.to_vec());
         let mut jacobian = DMatrix::zeros(self.count, self.free.len());
         for (column, &j) in self.free.iter().enumerate() {
             let mut moved = x.to_vec();
-            let (high, low) = ((x[j] + STEP).min(self.bounds[j].1), (x[j] - STEP).max(self.bounds[j].0));
-            moved[j] = high;
+            let (low, high) = self.bounds[j];
+            let (mut to, mut from) = (x[j] + STEP, x[j]);
+            if to > high {
+                to = x[j] - STEP;
+            } else if self.is_final() {
+                from = (x[j] - STEP).max(low);
+                moved[j] = from;
+                evaluate(residuals, &moved, &mut below)?;
+            }
+            moved[j] = to;
             evaluate(residuals, &moved, &mut above)?;
-            moved[j] = low;
-            evaluate(residuals, &moved, &mut below)?;
-            let slope = |(a, b): (&f64, &f64)| (a - b) / (high - low);
+            let slope = |(a, b): (&f64, &f64)| (a - b) / (to - from);
             jacobian
                 .column_mut(column)
                 .iter_mut()
                 .zip(above.iter().zip(&below).map(slope))
                 .for_each(|(j, s)| *j = s);
+            below.copy_from_slice(r);
         }
         Some(jacobian)
     }

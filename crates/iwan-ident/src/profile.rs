@@ -18,16 +18,18 @@ const FARTHEST: f64 = 7.0;
 const FIRST_STEP: f64 = 0.1;
 /// Steps outwards, and rounds to bring an end to the precision.
 const OUTWARDS: usize = 24;
-const INWARDS: usize = 6;
+const INWARDS: usize = 16;
+/// Roots of deviances this many times the limit's are too far for a straight line.
+const FAR_OUTSIDE: f64 = 4.0;
 /// Relative precision of the distance of an end, as the root of the deviance.
 const PRECISION: f64 = 5e-3;
 /// A deviance so far below zero is a better minimum.
-const BETTER: f64 = -0.02;
+const BETTER: f64 = -0.1;
 /// Relative reduction of the sum of squares at which a search along a profile ends: a hundredth of the residuals'
 /// variance, nearly.
 const TOLERANCE: f64 = 1e-5;
-/// F_S is open where only a K_T of nearly ω0² would allow more of it.
-const MOST_JOINT: f64 = 0.99;
+/// Where only a K_T of nearly ω0² would allow more, the end is not the record's.
+const MOST_JOINT: f64 = 0.9;
 
 /// What the records tell about one parameter.
 #[derive(Debug, Clone, PartialEq)]
@@ -243,7 +245,7 @@ impl Walk<'_> {
         for _ in 0..OUTWARDS {
             let wanted = inside.0 + direction * step;
             let at = if (wanted - bound) * direction >= 0.0 { bound } else { wanted };
-            let Some(deviance) = self.deviance(at)? else { return Ok(End::Open) };
+            let deviance = self.deviance(at)?.unwrap_or(f64::INFINITY);
             if deviance >= self.scale.limit {
                 return Ok(self.close_in(inside, (at, deviance))?.map_or(End::Open, End::Closed));
             }
@@ -258,29 +260,37 @@ impl Walk<'_> {
         Ok(End::Open)
     }
 
-    /// Whether the last point needed nearly all stiffness to be the joint's: it is no limit of the record's.
+    /// Whether the farthest point inside needs nearly all stiffness to be the joint's: the end is not the record's then.
     fn all_of_stiffness(&self) -> bool {
-        let Some((_, _, x)) = self.points.last() else { return false };
-        let p: Parameters = self.task.chart.parameters(x);
-        self.task.chart.scales == Scales::SofteningAndForce
-            && p.k_t > MOST_JOINT * (std::f64::consts::TAU * p.frequency).powi(2)
+        let inside = self.points.iter().filter(|p| p.1 < self.scale.limit);
+        let start = self.minimum.x[self.coordinate];
+        let farthest = inside.max_by(|a, b| (a.0 - start).abs().total_cmp(&(b.0 - start).abs()));
+        farthest.is_some_and(|(_, _, x)| {
+            let p = self.task.chart.parameters(x);
+            p.k_t > MOST_JOINT * (std::f64::consts::TAU * p.frequency).powi(2)
+        })
     }
 
-    /// From a point inside and one outside to the limit, by the line through the roots of the deviances.
+    /// From a point inside and one outside to the limit: by the line through the roots of the deviances, by halves
+    /// where they are too far apart for that. None where the way ends not at the limit but at the edge of the model.
     fn close_in(&mut self, mut inside: (f64, f64), mut outside: (f64, f64)) -> Result<Option<f64>, Minimum> {
-        let root = self.scale.limit.sqrt();
+        let (root, start) = (self.scale.limit.sqrt(), self.minimum.x[self.coordinate]);
+        let share = |inside: f64, outside: f64| {
+            let (a, b) = (inside.sqrt(), outside.sqrt());
+            if b > FAR_OUTSIDE * root { 0.5 } else { ((root - a) / (b - a)).clamp(0.05, 0.95) }
+        };
         for _ in 0..INWARDS {
-            let (a, b) = (inside.1.sqrt(), outside.1.sqrt());
-            if (b - root) <= PRECISION * root || (root - a) <= PRECISION * root {
+            let near = |d: f64| (d.sqrt() - root).abs() <= PRECISION * root;
+            let narrow = (outside.0 - inside.0).abs() <= PRECISION * (inside.0 - start).abs();
+            if near(inside.1) || near(outside.1) || narrow {
                 break;
             }
-            let share = ((root - a) / (b - a)).clamp(0.05, 0.95);
-            let at = inside.0 + share * (outside.0 - inside.0);
-            let Some(deviance) = self.deviance(at)? else { return Ok(None) };
+            let at = inside.0 + share(inside.1, outside.1) * (outside.0 - inside.0);
+            let deviance = self.deviance(at)?.unwrap_or(f64::INFINITY);
             if deviance < self.scale.limit { inside = (at, deviance) } else { outside = (at, deviance) }
         }
-        let (a, b) = (inside.1.sqrt(), outside.1.sqrt());
-        Ok(Some(inside.0 + (root - a) / (b - a) * (outside.0 - inside.0)))
+        let closed = outside.1.is_finite() && !self.all_of_stiffness();
+        Ok(closed.then(|| inside.0 + share(inside.1, outside.1) * (outside.0 - inside.0)))
     }
 
     /// Student's t times the standard deviation by curvature.
@@ -290,7 +300,9 @@ impl Walk<'_> {
         let search = self.task.search(free, (0, 0.0));
         let (task, work) = (self.task, &mut self.work);
         let mut residuals = |x: &[f64], out: &mut [f64]| task.residuals(x, out, work);
-        let deviation = search.jacobian(&mut residuals, &self.minimum.x).and_then(|j| {
+        let mut r = vec![0.0; task.count()];
+        residuals(&self.minimum.x, &mut r);
+        let deviation = search.jacobian(&mut residuals, &self.minimum.x, &r).and_then(|j| {
             let inverse = j.qr().r().try_inverse()?;
             Some(inverse.row(place?).norm())
         });

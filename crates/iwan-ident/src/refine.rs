@@ -28,7 +28,7 @@ const LOUD: f64 = 0.03;
 const KNEES: [f64; 3] = [0.4, 1.0, 2.5];
 const DIRACS: [f64; 2] = [0.02, 0.4];
 /// Iterations of the first search from each start, and of the last.
-const ITERATIONS: (usize, usize) = (12, 100);
+const ITERATIONS: (usize, usize) = (30, 100);
 /// Hops over creases, as coordinate (K_T or F_S, β/(1+β)) and step.
 const HOPS: [(usize, f64); 10] = [
     (4, -0.03),

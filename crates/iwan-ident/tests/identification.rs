@@ -68,16 +68,48 @@ fn print(found: &Identification) {
     eprintln!("left {:e} correlation {}", found.refined.relative_residual, found.refined.correlation);
 }
 
+/// How often intervals held the truth, of those that were closed, and how often they were closed.
+struct Coverage {
+    covered: [usize; 6],
+    closed: [usize; 6],
+    missed: [usize; 6],
+}
+
+/// Identifies `repetitions` noisy copies of a record, on two threads.
+fn coverage(truth: &Parameters, clean: &[f64], dt: f64, decibels: f64, repetitions: u64) -> Coverage {
+    let run = |seeds: std::ops::Range<u64>| -> Vec<Identification> {
+        seeds.map(|seed| identified(&[noisy(clean, decibels, seed + 1)], dt)).collect()
+    };
+    let half = repetitions / 2;
+    let all: Vec<Identification> = std::thread::scope(|scope| {
+        let first = scope.spawn(|| run(0..half));
+        let mut second = run(half..repetitions);
+        second.extend(first.join().unwrap());
+        second
+    });
+    let mut count = Coverage { covered: [0; 6], closed: [0; 6], missed: [0; 6] };
+    for found in &all {
+        for (i, p) in found.profiles.parameters.iter().enumerate() {
+            let value = truth.get(p.parameter);
+            let inside = p.low.is_none_or(|l| l <= value) && p.high.is_none_or(|h| value <= h);
+            count.missed[i] += usize::from(!inside);
+            if p.identifiable() {
+                count.closed[i] += 1;
+                count.covered[i] += usize::from(inside);
+            }
+        }
+    }
+    eprintln!("{decibels} dB: covered {:?} of {:?} closed, missed {:?}", count.covered, count.closed, count.missed);
+    count
+}
+
 #[test]
 fn try_it() {
-    let dt = 1.0 / 8192.0;
-    for ratio in [0.3, 2.0] {
-        let clean = record(&MODE_1, ratio, dt, 8192);
-        for level in [200.0, 40.0, 20.0] {
-            let now = std::time::Instant::now();
-            let found = identified(&[noisy(&clean, level, 7)], dt);
-            eprintln!("ratio {ratio} {level} dB {:?}", now.elapsed());
-            print(&found);
-        }
+    let dt = 1.0 / 5000.0;
+    for (ratio, level) in [(1.5, 40.0), (0.3, 40.0), (1.5, 20.0), (0.3, 20.0)] {
+        let now = std::time::Instant::now();
+        let clean = record(&MODE_1, ratio, dt, 1500);
+        coverage(&MODE_1, &clean, dt, level, 40);
+        eprintln!("ratio {ratio} {level} {:?}", now.elapsed());
     }
 }
