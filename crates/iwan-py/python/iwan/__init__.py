@@ -12,7 +12,7 @@ Units are your own consistent set; frequencies in Hz, times in s, damping as a r
 Starr, Segalman, *Investigation of Modal Iwan Models for Structures with Bolted Joints*; equation numbers are the paper's.
 """
 
-from iwan import ensemble
+from iwan import ensemble, plot
 from iwan._native import (
     Envelope,
     FourParameter,
@@ -73,6 +73,7 @@ __all__ = [
     "__version__",
     "ensemble",
     "envelope",
+    "plot",
     "read_record",
     "simulate",
     "superpose",

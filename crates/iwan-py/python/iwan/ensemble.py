@@ -10,7 +10,7 @@ import sys
 import time
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, TypeAlias, TypeVar
+from typing import TYPE_CHECKING, Any, TypeAlias, TypeVar, cast
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -207,13 +207,16 @@ def _on_workers(
     progress: Progress,
 ) -> list[_Result]:
     """Compute pieces of the columns on the workers of a client; a lost worker's pieces are computed again by others."""
-    from distributed import as_completed
+    import distributed
+
+    # The library has no types.
+    as_completed, untyped = cast(Any, distributed).as_completed, cast(Any, client)
 
     members = len(columns[0])
     size = _piece_size(compute, columns, options)
     starts = range(0, max(members, 1), size)
     futures = [
-        client.submit(compute, [c[first : first + size] for c in columns], options, first, pure=False, retries=_RETRIES)
+        untyped.submit(compute, [c[first : first + size] for c in columns], options, first, pure=False, retries=_RETRIES)
         for first in starts
     ]
     try:
@@ -228,7 +231,7 @@ def _on_workers(
         # In the order of the members: the first error is the one that threads would have raised.
         return [future.result() for future in futures]
     finally:
-        client.cancel([future for future in futures if not future.done()])
+        untyped.cancel([future for future in futures if not future.done()])
 
 
 def _piece_size(compute: Callable[..., object], columns: list[Any], options: dict[str, Any]) -> int:
