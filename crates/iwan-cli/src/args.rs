@@ -1,11 +1,14 @@
 //! The command line. Doc comments are the help text.
 
+mod records;
+
 use std::num::NonZeroUsize;
 use std::path::PathBuf;
 
 use clap::{Args, Parser, Subcommand, ValueEnum, ValueHint};
 
 use crate::scenario::{Overrides, Representation};
+pub(crate) use records::{Axis, EnvelopeArgs, FitArgs, MethodChoice, Motion, RecordArgs};
 
 /// Ring-down of bolted structures with Iwan friction models
 #[derive(Debug, Parser)]
@@ -21,6 +24,8 @@ Examples:
   iwan simulate                              the built-in example: the paper's beam
   iwan scenario paper-modal > beam.toml      a scenario file to start from
   iwan simulate beam.toml --out beam         your own: beam/report.html shows the result
+  iwan envelope hammer.mat --out mode1       amplitude, frequency and damping of a measured ring-down
+  iwan fit hammer.mat --out mode1            the joint's parameters from it, with intervals
 
 Exit codes: 0 success, 1 the computation failed, 2 bad usage or input.";
 
@@ -28,6 +33,8 @@ Exit codes: 0 success, 1 the computation failed, 2 bad usage or input.";
 #[derive(Debug, Subcommand)]
 pub(crate) enum Command {
     Simulate(SimulateArgs),
+    Envelope(EnvelopeArgs),
+    Fit(FitArgs),
     Scenario(ScenarioArgs),
     Completions(CompletionsArgs),
     Man(ManArgs),

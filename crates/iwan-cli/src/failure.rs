@@ -24,6 +24,15 @@ impl Failure {
         Self::Input { message: message.into(), remedy: remedy.into() }
     }
 
+    /// Bad input by a library's word: what it says behind the first semicolon is what helps.
+    pub(crate) fn said(place: &str, error: &impl fmt::Display) -> Self {
+        let text = error.to_string();
+        let (message, remedy) = text.split_once("; ").unwrap_or((&text, "check the record and the options"));
+        // Errors of readers name the file themselves.
+        let message = if message.starts_with(place) { message.into() } else { format!("{place}: {message}") };
+        Self::input(message, remedy)
+    }
+
     /// The exit code.
     pub(crate) const fn code(&self) -> u8 {
         match self {

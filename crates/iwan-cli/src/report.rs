@@ -1,8 +1,13 @@
-//! `report.html`: one self-contained page with the figures of a simulation.
+//! `report.html`: one self-contained page with the figures of a simulation, an envelope or a fit.
 
 mod decimate;
+pub(crate) mod envelope;
+mod extracted;
 mod figure;
 mod figures;
+pub(crate) mod fit;
+mod fitted;
+mod intervals;
 mod scale;
 
 use iwan_core::{Backbone, Pulse};
@@ -33,24 +38,30 @@ pub(crate) struct Input<'a> {
 /// The page.
 pub(crate) fn render(input: &Input<'_>) -> String {
     let summary = input.summary;
+    let body = html! {
+        (head(summary))
+        (verdict(summary))
+        (navigation(summary))
+        (tables(summary))
+        (force_and_points(input))
+        (modes(input))
+        (repeat(input))
+    };
+    page(&format!("{} \u{2013} iwan simulate", summary.scenario), &body)
+}
+
+/// A page that stands alone.
+fn page(title: &str, body: &Markup) -> String {
     let page = html! {
         (DOCTYPE)
         html lang="en" {
             head {
                 meta charset="utf-8";
                 meta name="viewport" content="width=device-width, initial-scale=1";
-                title { (summary.scenario) " \u{2013} iwan simulate" }
+                title { (title) }
                 style { (PreEscaped(include_str!("report/style.css"))) }
             }
-            body {
-                (head(summary))
-                (verdict(summary))
-                (navigation(summary))
-                (tables(summary))
-                (force_and_points(input))
-                (modes(input))
-                (repeat(input))
-            }
+            body { (body) }
         }
     };
     page.into_string()

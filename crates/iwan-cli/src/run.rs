@@ -1,13 +1,15 @@
 //! Which command runs.
 
 use crate::args::Command;
-use crate::commands::{completions, man, scenario, simulate};
+use crate::commands::{completions, envelope, fit, man, scenario, simulate};
 use crate::failure::Failure;
 
 /// Runs a command.
 pub(crate) fn run(command: Command) -> Result<(), Failure> {
     match command {
         Command::Simulate(args) => simulate::run(&args),
+        Command::Envelope(args) => envelope::run(&args),
+        Command::Fit(args) => fit::run(&args),
         Command::Scenario(args) => scenario::run(&args),
         Command::Completions(args) => completions::run(&args),
         Command::Man(args) => man::run(&args),

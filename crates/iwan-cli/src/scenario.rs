@@ -14,6 +14,7 @@ mod schema_tests;
 
 pub(crate) use builtin::{BuiltIn, SCHEMA, built_in, find};
 pub(crate) use force::Force;
+pub(crate) use joint::Joint;
 pub(crate) use method::{MethodKeys, Representation};
 pub(crate) use mode::ScenarioMode;
 pub(crate) use source::Source;

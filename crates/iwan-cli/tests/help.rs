@@ -8,7 +8,14 @@ use common::{folder, iwan, shown};
 #[test]
 fn help_texts() {
     let place = folder("");
-    for arguments in ["--help", "simulate --help", "scenario --help", "completions --help", "man --help"] {
+    for arguments in [
+        "--help",
+        "simulate --help",
+        "envelope --help",
+        "scenario --help",
+        "completions --help",
+        "man --help",
+    ] {
         let output = iwan(place.path(), arguments);
         let name = format!("of_{}", arguments.replace("--help", "iwan").replace(' ', "_"));
         insta::assert_snapshot!(name, shown(&output));
@@ -28,6 +35,10 @@ fn usage_errors_exit_with_2() {
         "simulate --amplitude inf",
         "simulate --format xlsx",
         "simulate a.toml b.toml",
+        "envelope",
+        "fit",
+        "fit a.csv --hold x=1",
+        "envelope a.csv --method fourier",
         "scenario nonsense",
         "scenario --list paper-modal",
         "man nonsense",
@@ -60,7 +71,7 @@ fn completions_and_manual_pages_name_every_command() {
         let output = iwan(place.path(), arguments);
         assert!(output.status.success());
         let text = String::from_utf8(output.stdout).unwrap();
-        for command in ["simulate", "scenario", "completions", "man"] {
+        for command in ["simulate", "envelope", "fit", "scenario", "completions", "man"] {
             assert!(text.contains(command), "{arguments}: {command}");
         }
     }

@@ -78,6 +78,12 @@ impl ModalFilter {
         self.condition
     }
 
+    /// The row of Φ⁺ for a mode (counted from 0), one weight per channel; none when there is no such mode.
+    #[must_use]
+    pub fn weights(&self, mode: usize) -> Option<Vec<f64>> {
+        (mode < self.inverse.nrows()).then(|| self.inverse.row(mode).iter().copied().collect())
+    }
+
     /// Modal records from channels of equal length, one per mode.
     ///
     /// # Errors

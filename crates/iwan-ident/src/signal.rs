@@ -19,5 +19,5 @@ pub use envelope::{Envelope, Method, envelope};
 pub use filter::{Butterworth, Passband};
 pub use hilbert::{Analytic, analytic_signal, whole_cycles};
 pub use isolate::{Isolated, Options, isolate};
-pub use spectrum::{Band, automatic_band};
+pub use spectrum::{Band, amplitude_spectrum, automatic_band};
 pub use spread::{Opinions, Spread, opinions};

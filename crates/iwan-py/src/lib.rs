@@ -9,6 +9,7 @@
 )]
 
 mod array;
+mod command;
 mod ensemble;
 mod envelope;
 mod errors;
@@ -26,6 +27,8 @@ mod work;
 /// What `iwan` is made of; users import it from there.
 #[pyo3::pymodule]
 mod _native {
+    #[pymodule_export]
+    use crate::command::_command;
     #[pymodule_export]
     use crate::ensemble::_ensemble;
     #[pymodule_export]

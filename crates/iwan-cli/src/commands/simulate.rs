@@ -148,7 +148,7 @@ fn write(
 }
 
 /// The columns of the response: time, modes, points.
-fn columns<'a>(
+pub(crate) fn columns<'a>(
     times: &'a [f64],
     scenario: &Scenario,
     responses: &'a [Response],

@@ -21,6 +21,27 @@ pub(crate) fn history(samples: &[f64], dt: f64, bins: usize) -> Vec<(f64, f64)> 
     kept.into_iter().map(point).collect()
 }
 
+/// The highest point of each of `bins` stretches of equal ratio in x; points with x <= 0 have no place.
+pub(crate) fn crests(points: &[(f64, f64)], bins: usize) -> Vec<(f64, f64)> {
+    let (Some(first), Some(last)) = (points.iter().find(|p| p.0 > 0.0), points.last()) else {
+        return Vec::new();
+    };
+    let scale = bins as f64 / (last.0 / first.0).ln().max(f64::MIN_POSITIVE);
+    let bin = |x: f64| ((x / first.0).ln() * scale) as usize;
+    let mut kept: Vec<(f64, f64)> = Vec::new();
+    for point in points.iter().filter(|p| p.0 > 0.0) {
+        match kept.last_mut() {
+            Some(highest) if bin(highest.0) == bin(point.0) => {
+                if point.1 > highest.1 {
+                    *highest = *point;
+                }
+            }
+            _ => kept.push(*point),
+        }
+    }
+    kept
+}
+
 /// About `most` of the points, evenly picked, both ends among them.
 pub(crate) fn thin<T: Copy>(points: &[T], most: usize) -> Vec<T> {
     let stride = points.len().div_ceil(most.max(1)).max(1);
@@ -43,6 +64,15 @@ mod tests {
         assert!(points.len() <= 602 && points.is_sorted_by(|a, b| a.0 < b.0));
         assert!(points.iter().any(|p| p.1 == 7.0) && points.last().is_some_and(|p| p.1 == -0.5));
         assert_eq!(history(&[1.0, 2.0], 0.5, 300), [(0.0, 1.0), (0.5, 2.0)]);
+    }
+
+    #[test]
+    fn crests_survive() {
+        let points: Vec<(f64, f64)> =
+            (0..10_000).map(|n| (f64::from(n), if n == 4321 { 9.0 } else { 1.0 })).collect();
+        let kept = crests(&points, 200);
+        assert!(kept.len() <= 201 && kept.contains(&(4321.0, 9.0)) && kept.is_sorted_by(|a, b| a.0 < b.0));
+        assert_eq!(crests(&[(0.0, 1.0)], 10), []);
     }
 
     #[test]

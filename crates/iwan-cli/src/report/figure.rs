@@ -11,6 +11,8 @@ pub(crate) mod colour {
     pub(crate) const BLUE: &str = "#0072B2";
     pub(crate) const VERMILLION: &str = "#D55E00";
     pub(crate) const GREEN: &str = "#009E73";
+    pub(crate) const PURPLE: &str = "#CC79A7";
+    pub(crate) const ORANGE: &str = "#E69F00";
     pub(crate) const GREY: &str = "#6b7280";
 }
 
@@ -23,6 +25,8 @@ pub(crate) enum Mark {
     Dashed,
     /// Small circles.
     Dots,
+    /// The inside of a closed line, pale.
+    Area,
 }
 
 /// Points drawn alike.
@@ -52,23 +56,23 @@ impl Layer {
 pub(crate) struct Axis {
     pub(crate) label: String,
     /// Unit behind the label, where there is one.
-    pub(crate) unit: &'static str,
+    pub(crate) unit: String,
     pub(crate) kind: Kind,
 }
 
 impl Axis {
-    pub(crate) fn linear(label: impl Into<String>, unit: &'static str) -> Self {
-        Self { label: label.into(), unit, kind: Kind::Linear }
+    pub(crate) fn linear(label: impl Into<String>, unit: impl Into<String>) -> Self {
+        Self { label: label.into(), unit: unit.into(), kind: Kind::Linear }
     }
 
-    pub(crate) fn log(label: impl Into<String>, unit: &'static str) -> Self {
-        Self { label: label.into(), unit, kind: Kind::Log }
+    pub(crate) fn log(label: impl Into<String>, unit: impl Into<String>) -> Self {
+        Self { label: label.into(), unit: unit.into(), kind: Kind::Log }
     }
 
     fn title(&self, exponent: i32) -> String {
         let power = if exponent == 0 { String::new() } else { format!("10{}", superscript(exponent)) };
         let space = if power.is_empty() || self.unit.is_empty() { "" } else { " " };
-        match (power.as_str(), self.unit) {
+        match (power.as_str(), self.unit.as_str()) {
             ("", "") => self.label.clone(),
             (power, unit) => format!("{} ({power}{space}{unit})", self.label),
         }
@@ -209,6 +213,9 @@ impl Figure {
 fn draw_key(layer: &Layer, x: f64, y: f64) -> Markup {
     match layer.mark {
         Mark::Dots => html! { circle cx=(x + 14.0) cy=(y) r="3" fill=(layer.colour) {} },
+        Mark::Area => {
+            html! { rect x=(x + 4.0) y=(y - 5.0) width="20" height="10" fill=(layer.colour) fill-opacity="0.22" {} }
+        }
         _ => path(&[(x + 4.0, y), (x + 24.0, y)], layer),
     }
 }
@@ -221,16 +228,25 @@ fn draw_layer(plane: &Plane, layer: &Layer) -> Markup {
                 @for (x, y) in places { circle cx=(format!("{x:.1}")) cy=(format!("{y:.1}")) r="2.6" {} }
             }
         },
+        Mark::Area => {
+            html! { path d=(format!("{}Z", outline(&places))) fill=(layer.colour) fill-opacity="0.22" {} }
+        }
         _ => path(&places, layer),
     }
 }
 
-fn path(places: &[(f64, f64)], layer: &Layer) -> Markup {
+/// The line through the places, as SVG draws it.
+fn outline(places: &[(f64, f64)]) -> String {
     let mut d = String::with_capacity(12 * places.len());
     for (n, (x, y)) in places.iter().enumerate() {
         // Writing to a string cannot fail.
         let _ = write!(d, "{}{x:.1} {y:.1}", if n == 0 { 'M' } else { 'L' });
     }
+    d
+}
+
+fn path(places: &[(f64, f64)], layer: &Layer) -> Markup {
+    let d = outline(places);
     let dash = (layer.mark == Mark::Dashed).then_some("6 4");
     html! { path d=(d) fill="none" stroke=(layer.colour) stroke-dasharray=[dash] {} }
 }

@@ -2,6 +2,8 @@
 #![allow(
     dead_code,
     unreachable_pub,
+    clippy::print_stderr,
+    clippy::format_push_string,
     clippy::unwrap_used,
     reason = "each test file uses its part; tests may panic"
 )]
@@ -78,4 +80,37 @@ pub fn names(folder: &Path) -> Vec<String> {
 pub fn csv(path: &Path) -> Vec<(String, Vec<f64>)> {
     let table = iwan_io::read_table(path).unwrap();
     table.names().iter().cloned().zip(table.columns().iter().cloned()).collect()
+}
+
+/// A ring-down as text: `frequency` in Hz, damping ratio, amplitude and start time of each mode, columns of text.
+pub fn ring_down(
+    rate: f64,
+    samples: usize,
+    modes: &[(f64, f64, f64)],
+    shapes: &[&[f64]],
+    names: &str,
+) -> String {
+    let mut text = format!("t,{names}\n");
+    for n in 0..samples {
+        let t = n as f64 / rate;
+        let one = |(f, zeta, a): &(f64, f64, f64)| {
+            let omega = std::f64::consts::TAU * f;
+            a * (-zeta * omega * t).exp() * (omega * (1.0 - zeta * zeta).sqrt() * t).cos()
+        };
+        let values: Vec<f64> = modes.iter().map(one).collect();
+        let channel = |shape: &&[f64]| shape.iter().zip(&values).map(|(p, q)| p * q).sum::<f64>().to_string();
+        let channels: Vec<String> = shapes.iter().map(channel).collect();
+        text += &format!("{t},{}\n", channels.join(","));
+    }
+    text
+}
+
+/// The Brake-Reuss record, where the field data are.
+pub fn field_record() -> Option<String> {
+    let Some(folder) = std::env::var_os("IWAN_FIELD_DATA") else {
+        eprintln!("skipped: IWAN_FIELD_DATA not set");
+        return None;
+    };
+    let path = std::path::PathBuf::from(folder).join("field/brb_hammer_impact.mat");
+    Some(path.to_str().unwrap().to_string())
 }

@@ -95,6 +95,29 @@ impl Spectrum {
     }
 }
 
+/// Hann-windowed amplitude spectrum of a record without its straight line, as (Hz, amplitude) for every line up to the
+/// Nyquist frequency: a steady sinusoid of amplitude A shows as a peak of height A.
+///
+/// # Errors
+/// [`Error::OutOfRange`] for `dt`, [`Error::NotFinite`], [`Error::TooShort`] below 16 samples.
+///
+/// ```
+/// let x: Vec<f64> = (0..1000).map(|n| 3.0 + 0.5 * (std::f64::consts::TAU * 0.1 * n as f64).cos()).collect();
+/// let spectrum = iwan_ident::signal::amplitude_spectrum(&x, 1e-2)?;
+/// let (frequency, amplitude) = spectrum[100];
+/// assert!((frequency - 10.0).abs() < 1e-12 && (amplitude - 0.5).abs() < 1e-3);
+/// assert!(spectrum[0].1 < 1e-3);
+/// # Ok::<(), iwan_ident::Error>(())
+/// ```
+pub fn amplitude_spectrum(x: &[f64], dt: f64) -> Result<Vec<(f64, f64)>, Error> {
+    check_dt(dt)?;
+    check_samples("record", x, 16, "record longer")?;
+    let spectrum = Spectrum::new(x, dt);
+    // The mean of the window is 1/2, and half of the amplitude stands at the negative frequency.
+    let scale = 4.0 / x.len() as f64;
+    Ok(spectrum.lines.iter().enumerate().map(|(k, line)| (k as f64 * spectrum.step, scale * line)).collect())
+}
+
 /// The automatic band around the highest spectral peak, or around the highest within 20 % of `near` (Hz).
 ///
 /// Rule: 0.75 to 1.3 times the peak's frequency, cut at the geometric mean with the next peak on either side that has
@@ -154,8 +177,12 @@ pub(crate) fn is_alone(x: &[f64], dt: f64, band: &Band) -> bool {
     };
     let stands_out = |k: usize| {
         // Higher than what surrounds it: a skirt does not.
-        let around = (line(0.97 * k as f64 * spectrum.step).min(k - 2), line(1.03 * k as f64 * spectrum.step).max(k + 2));
-        let lowest = |from: usize, to: usize| spectrum.lines[from..to].iter().copied().fold(f64::INFINITY, f64::min);
+        let around = (
+            line(0.97 * k as f64 * spectrum.step).min(k - 2),
+            line(1.03 * k as f64 * spectrum.step).max(k + 2),
+        );
+        let lowest =
+            |from: usize, to: usize| spectrum.lines[from..to].iter().copied().fold(f64::INFINITY, f64::min);
         let edge = around.1.min(spectrum.lines.len() - 1);
         spectrum.is_peak(k)
             && spectrum.lines[k] >= least
@@ -172,7 +199,7 @@ pub(crate) fn given_band(x: &[f64], dt: f64, low: f64, high: f64) -> Result<Band
     let spectrum = Spectrum::new(x, dt);
     let k = spectrum.highest(low, high).ok_or_else(|| Error::Refused {
         finding: format!("no spectral peak between {low} and {high} Hz"),
-        remedy: "move or widen the band; `automatic_band` finds the highest peak",
+        remedy: "move or widen the band, or leave it out: then the highest peak is taken",
     })?;
     Ok(Band { low, high, peak: spectrum.frequency(k) })
 }

@@ -1,7 +1,7 @@
 //! How far the methods disagree on one record.
 
 use super::envelope::{Envelope, Method};
-use super::isolate::{Options, isolate};
+use super::isolate::{Isolated, Options, isolate};
 use crate::error::Error;
 
 /// Points at which methods are compared.
@@ -89,15 +89,21 @@ pub struct Opinions {
 /// # Ok::<(), iwan_ident::Error>(())
 /// ```
 pub fn opinions(x: &[f64], dt: f64, options: &Options) -> Result<Opinions, Error> {
-    let mode = isolate(x, dt, options)?;
-    let (mut envelopes, mut refused) = (Vec::new(), Vec::new());
-    for method in Method::ALL {
-        let order = options.order.filter(|_| method == Method::Hilbert);
-        match mode.envelope(method, order) {
-            Ok(envelope) => envelopes.push(envelope),
-            Err(error) => refused.push((method, error)),
+    Ok(isolate(x, dt, options)?.opinions(options.order))
+}
+
+impl Isolated {
+    /// What all methods say on this mode; `order` as in [`Options::order`], for the Hilbert method alone.
+    #[must_use]
+    pub fn opinions(&self, order: Option<usize>) -> Opinions {
+        let (mut envelopes, mut refused) = (Vec::new(), Vec::new());
+        for method in Method::ALL {
+            match self.envelope(method, order.filter(|_| method == Method::Hilbert)) {
+                Ok(envelope) => envelopes.push(envelope),
+                Err(error) => refused.push((method, error)),
+            }
         }
+        let spread = Spread::of(&envelopes);
+        Opinions { envelopes, refused, spread }
     }
-    let spread = Spread::of(&envelopes);
-    Ok(Opinions { envelopes, refused, spread })
 }

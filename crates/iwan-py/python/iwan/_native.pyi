@@ -335,3 +335,6 @@ def _envelopes(
     threads: int | None,
     progress: Callable[[int], object] | None,
 ) -> list[Envelope]: ...
+
+# Behind the command `iwan`.
+def _command(arguments: Sequence[str]) -> int: ...

@@ -1,0 +1,220 @@
+//! `iwan fit`: files, numbers, verdicts, and what comes out is a scenario that runs.
+#![allow(clippy::unwrap_used, clippy::print_stderr, reason = "tests may panic and say why")]
+
+mod common;
+
+use std::path::Path;
+
+use common::{csv, field_record, folder, iwan, names, shown};
+use serde_json::Value;
+
+/// Mode 1 of Table 2 with a damper, released from rest: an exact ring-down.
+const RELEASE: &str = r#"
+[[mode]]
+name = "b1"
+frequency = 124.0
+damping_ratio = 1.0e-3
+joint = { k_t = 4.45e4, f_s = 239.4, chi = -0.183, beta = 0.3 }
+initial = { displacement = 0.014 }
+[force]
+kind = "none"
+[time]
+step = 2.0e-4
+duration = 0.6
+[method]
+kind = "half-cycle"
+"#;
+
+const TRUTH: [(&str, f64); 6] = [
+    ("frequency", 124.0),
+    ("damping_ratio", 1e-3),
+    ("k_t", 4.45e4),
+    ("f_s", 239.4),
+    ("chi", -0.183),
+    ("beta", 0.3),
+];
+
+fn run(place: &Path, arguments: &str) -> Value {
+    let output = iwan(place, &format!("fit {arguments} --json"));
+    assert!(output.status.success(), "{}", shown(&output));
+    serde_json::from_slice(&output.stdout).unwrap()
+}
+
+/// A folder with `NAME.csv`, the acceleration after release at a displacement.
+fn record(place: &Path, name: &str, displacement: &str) {
+    std::fs::write(place.join("in.toml"), RELEASE.replace("0.014", displacement)).unwrap();
+    let output = iwan(place, &format!("simulate in.toml --out {name}-sim"));
+    assert!(output.status.success(), "{}", shown(&output));
+    let table = csv(&place.join(format!("{name}-sim/response.csv")));
+    let rows = table[0].1.iter().zip(&table[3].1).map(|(t, a)| format!("{t},{a}\n"));
+    std::fs::write(place.join(format!("{name}.csv")), format!("t,tip [m/s^2]\n{}", rows.collect::<String>()))
+        .unwrap();
+}
+
+#[test]
+fn a_ring_down_through_macro_slip_gives_all_parameters_and_a_scenario_that_runs() {
+    let place = folder("");
+    record(place.path(), "hard", "0.014");
+    let fit = run(place.path(), "hard.csv --out out");
+    let mode = &fit["modes"][0];
+    for (key, truth) in TRUTH {
+        let value = mode[key]["value"].as_f64().unwrap();
+        assert!((value / truth - 1.0).abs() < 0.01, "{key}: {value}");
+        assert_eq!(mode[key]["identifiable"], true, "{key}");
+        let [low, high] = ["low", "high"].map(|end| mode[key][end].as_f64().unwrap());
+        assert!(low <= value && value <= high, "{key}: {low} {value} {high}");
+    }
+    assert_eq!((&mode["adequate"], &mode["force_axis"]), (&Value::from(true), &Value::from("modal")));
+    assert!(mode["misfit"].as_str().unwrap().contains("matches"));
+    let lengths = ["amplitude", "frequency", "damping_ratio", "dissipation", "force"]
+        .map(|key| mode["curves"][key].as_array().unwrap().len());
+    assert!(lengths[0] > 20 && lengths.iter().all(|n| *n == lengths[0]), "{lengths:?}");
+    let expected = ["curves.csv", "fit.json", "report.html", "response.csv", "scenario.toml", "summary.json"];
+    assert_eq!(names(&place.path().join("out")), expected);
+    let written: Value =
+        serde_json::from_slice(&std::fs::read(place.path().join("out/fit.json")).unwrap()).unwrap();
+    assert_eq!(written["modes"], fit["modes"]);
+    let short: Value =
+        serde_json::from_slice(&std::fs::read(place.path().join("out/summary.json")).unwrap()).unwrap();
+    assert_eq!(short["modes"][0]["curves"], Value::Null);
+
+    // The scenario runs as it is, and the response in the folder is what it gives.
+    let output = iwan(place.path(), "simulate out/scenario.toml --out again");
+    assert!(output.status.success(), "{}", shown(&output));
+    let bytes = |name: &str| std::fs::read(place.path().join(name)).unwrap();
+    assert!(bytes("again/response.csv") == bytes("out/response.csv"));
+    the_report_shows_it(&String::from_utf8(bytes("out/report.html")).unwrap());
+    assert_eq!(iwan(place.path(), "fit hard.csv --out out").status.code(), Some(2), "nothing is overwritten");
+}
+
+fn the_report_shows_it(page: &str) {
+    for title in [
+        "95 % intervals",
+        "Frequency against amplitude",
+        "Damping ratio against amplitude",
+        "Dissipation per cycle against force",
+        "Density of the sliders",
+        "Record and model",
+        "Residual",
+        "Profile likelihood of F_S",
+        "Spectrum in the band",
+    ] {
+        assert!(page.contains(&format!("<strong>{title}")), "{title}");
+    }
+    for svg in page.split("<svg").skip(1) {
+        let svg = &svg[..svg.find("</svg>").unwrap()];
+        assert!(svg.matches("<circle").count() + svg.matches('L').count() >= 5, "an empty figure: {svg}");
+        assert!(!svg.contains("NaN") && !svg.contains("inf\""), "{svg}");
+    }
+    assert!(page.contains("matches these records") && page.contains("[[mode]]") && !page.contains("<script"));
+    assert!(page.len() < 2_000_000);
+}
+
+#[test]
+fn micro_slip_leaves_the_knee_open_and_two_levels_are_one_structure() {
+    let place = folder("");
+    record(place.path(), "soft", "0.002");
+    let fit = run(place.path(), "soft.csv --out soft");
+    let mode = &fit["modes"][0];
+    assert_eq!(mode["f_s"]["high"], Value::Null, "{}", mode["f_s"]);
+    assert_eq!(mode["f_s"]["identifiable"], false);
+    assert!((mode["chi"]["value"].as_f64().unwrap() / -0.183 - 1.0).abs() < 0.05, "{}", mode["chi"]);
+    assert!(mode["in_words"].to_string().contains("no upper bound"), "{}", mode["in_words"]);
+
+    record(place.path(), "hard", "0.014");
+    let both = run(place.path(), "soft.csv hard.csv --out both --force-axis joint");
+    let mode = &both["modes"][0];
+    assert_eq!(both["records"].as_array().unwrap().len(), 2);
+    assert_eq!(mode["releases"].as_array().unwrap().len(), 2);
+    assert_eq!(
+        (&mode["f_s"]["identifiable"], &mode["force_axis"]),
+        (&Value::from(true), &Value::from("joint"))
+    );
+    assert!((mode["f_s"]["value"].as_f64().unwrap() / 239.4 - 1.0).abs() < 0.01);
+    let records: Vec<u64> =
+        mode["curves"]["record"].as_array().unwrap().iter().map(|n| n.as_u64().unwrap()).collect();
+    assert!(records.contains(&1) && records.contains(&2) && records.is_sorted());
+}
+
+#[test]
+fn parameters_can_be_held_and_threads_change_nothing() {
+    let place = folder("");
+    record(place.path(), "soft", "0.002");
+    let held =
+        run(place.path(), "soft.csv --out held --hold beta=0.3 --hold damping_ratio=0.001 --threads 1");
+    let mode = &held["modes"][0];
+    assert_eq!(mode["beta"]["held"], true);
+    assert!((mode["beta"]["value"].as_f64().unwrap() / 0.3 - 1.0).abs() < 1e-9);
+    assert!((mode["damping_ratio"]["value"].as_f64().unwrap() / 1e-3 - 1.0).abs() < 1e-9);
+    run(place.path(), "soft.csv --out again --hold beta=0.3 --hold damping_ratio=0.001 --threads 2");
+    let bytes = |name: &str| std::fs::read(place.path().join(name).join("curves.csv")).unwrap();
+    assert!(bytes("held") == bytes("again"));
+}
+
+#[test]
+fn a_linear_mode_needs_no_joint() {
+    let place = folder("");
+    let text = common::ring_down(2048.0, 2048, &[(80.0, 0.004, 3.0)], &[&[1.0]], "tip [m/s^2]");
+    // A little noise, as records have it.
+    let mut seed = 1_u64;
+    let noisy = text.lines().map(|line| match line.split_once(',').map(|(t, x)| (t, x.parse::<f64>())) {
+        Some((t, Ok(x))) => {
+            seed = seed.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+            format!("{t},{}\n", x + 0.02 * ((seed >> 11) as f64 / (1_u64 << 53) as f64 - 0.5))
+        }
+        _ => format!("{line}\n"),
+    });
+    std::fs::write(place.path().join("tap.csv"), noisy.collect::<String>()).unwrap();
+    let fit = run(place.path(), "tap.csv --out out");
+    let mode = &fit["modes"][0];
+    assert_eq!(mode["linear"]["is_enough"], true, "{}", mode["linear"]);
+    assert!((mode["linear"]["frequency"].as_f64().unwrap() - 80.0).abs() < 0.01);
+    assert!((mode["linear"]["damping_ratio"].as_f64().unwrap() / 0.004 - 1.0).abs() < 0.01);
+    assert!(mode["in_words"].to_string().contains("the joint is not needed"));
+}
+
+#[test]
+fn bad_input_leaves_nothing() {
+    let place = folder("");
+    let write = |name: &str, text: &str| std::fs::write(place.path().join(name), text).unwrap();
+    let one = |names: &str| common::ring_down(1000.0, 3000, &[(80.0, 0.002, 1.0)], &[&[1.0]], names);
+    write("acc.csv", &one("tip [m/s^2]"));
+    write("other.csv", &one("root [m/s^2]"));
+    write("slow.csv", &one("tip [m/s]"));
+    write("short.csv", &common::ring_down(1000.0, 90, &[(80.0, 0.002, 1.0)], &[&[1.0]], "tip [m/s^2]"));
+    let before = names(place.path());
+    let mut all = Vec::new();
+    for arguments in [
+        "",
+        "missing.csv",
+        "acc.csv other.csv",
+        "acc.csv slow.csv",
+        "short.csv",
+        "acc.csv --hold stiffness=3",
+        "acc.csv --hold chi=-1",
+        "acc.csv --hold beta",
+        "acc.csv --method fourier",
+    ] {
+        let output = iwan(place.path(), &format!("fit {arguments} --out bad"));
+        assert_eq!(output.status.code(), Some(2), "{arguments}: {}", shown(&output));
+        assert!(output.stdout.is_empty());
+        assert_eq!(names(place.path()), before, "something was written: {arguments}");
+        all.push(format!("iwan fit {arguments}\n{}", String::from_utf8_lossy(&output.stderr)));
+    }
+    insta::assert_snapshot!(all.join("\n"));
+}
+
+#[test]
+fn the_brake_reuss_beam_is_told_to_be_no_single_joint() {
+    let Some(record) = field_record() else { return };
+    let place = folder("");
+    let fit = run(place.path(), &format!("{record} --channel HIdata.acc1 --band 60:105 --out out"));
+    let mode = &fit["modes"][0];
+    assert_eq!(mode["adequate"], false);
+    assert!(mode["misfit"].as_str().unwrap().contains("does not match"), "{}", mode["misfit"]);
+    assert!((mode["frequency"]["value"].as_f64().unwrap() - 80.6).abs() < 0.3);
+    assert!(mode["in_words"].to_string().contains("no density of sliders"), "{}", mode["in_words"]);
+    assert!(iwan(place.path(), "simulate out/scenario.toml --out again").status.success());
+    let page = std::fs::read_to_string(place.path().join("out/report.html")).unwrap();
+    assert!(page.contains("does not match these records"));
+}

@@ -1,0 +1,210 @@
+//! The linear problem behind the density.
+
+use std::f64::consts::{PI, TAU};
+
+use iwan_core::{Backbone, DensityPoint, Tabulated};
+use nalgebra::{DMatrix, DVector};
+
+use super::{Entry, Evidence, FreeForm};
+use crate::curves::straight_line;
+use crate::error::Error;
+use crate::non_negative::solve;
+
+/// Points of the density in a factor of ten.
+const PER_DECADE: f64 = 14.0;
+/// The density begins at this part of the smallest amplitude: weaker sliders are part of the first points.
+const BELOW: f64 = 1.0 / 300.0;
+/// Range of the regularisation as powers of ten, relative to the curves' part of the problem.
+const RANGE: (f64, f64) = (-10.0, 4.0);
+/// Halvings of that range.
+const HALVINGS: usize = 30;
+/// Mean squared residual over the least there is, where noise does not explain the least.
+const NEARLY: f64 = 1.1;
+/// Part of the largest diagonal that keeps the problem definite: far below what the curves say.
+const RIDGE: f64 = 1e-13;
+/// Factor on the deviations of the frequency when dissipation alone is to be matched.
+const IGNORED: f64 = 1e4;
+
+/// The linear problem: unknowns are the ratios of ρ to a power law, the viscous damper, and ω0² above a reference.
+pub(super) struct Problem<'a> {
+    entries: &'a [Entry],
+    strength: Vec<f64>,
+    /// The power law at the strengths.
+    law: Vec<f64>,
+    /// Value of 2 ζ_v ω0 for an unknown of 1.
+    viscous: f64,
+    /// ω² below all others, and the value of ω0² - that for an unknown of 1.
+    omega_squared: (f64, f64),
+    informed: (f64, f64),
+    evidence: Evidence,
+    /// Residual = matrix x - right, in standard deviations: first dissipations, then frequencies.
+    matrix: DMatrix<f64>,
+    right: DVector<f64>,
+}
+
+impl<'a> Problem<'a> {
+    pub(super) fn new(entries: &'a [Entry], evidence: Evidence) -> Result<Self, Error> {
+        let ends = |of: fn(&Entry) -> f64| {
+            entries.iter().map(of).fold((f64::INFINITY, 0.0_f64), |e, v| (e.0.min(v), e.1.max(v)))
+        };
+        let informed = ends(|e| e.displacement);
+        let points: Vec<(f64, f64)> =
+            entries.iter().map(|e| (e.displacement.ln(), e.dissipation.ln())).collect();
+        let line = straight_line(&points).filter(|_| informed.1 > 1.2 * informed.0);
+        let (slope, _) = line.ok_or_else(|| Error::Refused {
+            finding: format!("the amplitudes hardly differ: {:.4e} to {:.4e}", informed.0, informed.1),
+            remedy: "record longer or at several force levels",
+        })?;
+        let strength = grid(informed);
+        let law = power_law(&points, (slope - 3.0).clamp(-0.9, 0.5), &strength);
+        let omega = ends(|e| e.omega * e.omega);
+        let shift = (omega.1 - omega.0).max(1e-6 * omega.1);
+        let smallest = entries.iter().map(|e| e.dissipation / (PI * e.omega * e.displacement.powi(2)));
+        let viscous = smallest.fold(f64::INFINITY, f64::min);
+        let (rows, columns) = (2 * entries.len(), strength.len() + 2);
+        let mut problem = Self {
+            entries,
+            strength,
+            law,
+            viscous,
+            omega_squared: (omega.0 - shift, shift),
+            informed,
+            evidence,
+            matrix: DMatrix::zeros(rows, columns),
+            right: DVector::zeros(rows),
+        };
+        problem.fill()?;
+        Ok(problem)
+    }
+
+    /// The rows of all entries.
+    fn fill(&mut self) -> Result<(), Error> {
+        let (n, count) = (self.entries.len(), self.strength.len());
+        for j in 0..count {
+            let hat = self.hat(j)?;
+            for (i, e) in self.entries.iter().enumerate() {
+                let softening = hat.initial_stiffness() - hat.harmonic_stiffness(e.displacement);
+                self.matrix[(i, j)] = hat.dissipation(e.displacement) / (e.dissipation * e.log_sd);
+                self.matrix[(n + i, j)] = -softening / self.deviation(e);
+            }
+        }
+        for (i, e) in self.entries.iter().enumerate() {
+            let lost = PI * self.viscous * e.omega * e.displacement.powi(2);
+            let scale = self.deviation(e);
+            self.matrix[(i, count)] = lost / (e.dissipation * e.log_sd);
+            self.matrix[(n + i, count + 1)] = self.omega_squared.1 / scale;
+            self.right[i] = 1.0 / e.log_sd;
+            self.right[n + i] = (e.omega * e.omega - self.omega_squared.0) / scale;
+        }
+        Ok(())
+    }
+
+    /// Standard deviation of ω², as it counts.
+    fn deviation(&self, e: &Entry) -> f64 {
+        let factor = if self.evidence == Evidence::Both { 1.0 } else { IGNORED };
+        2.0 * e.omega * e.omega_sd * factor
+    }
+
+    /// The law whose density is the power law at one point, and zero at its neighbours.
+    fn hat(&self, j: usize) -> Result<Tabulated<[DensityPoint; 3]>, Error> {
+        let ratio = self.strength[1] / self.strength[0];
+        // Beside the first and the last point stand none: half a hat, and next to nothing.
+        let last = self.strength.len() - 1;
+        let (at, height) = (self.strength[j], self.law[j]);
+        let strength = match j {
+            0 => [at, at * ratio.sqrt(), at * ratio],
+            _ if j == last => [at / ratio, at / ratio.sqrt(), at],
+            _ => [at / ratio, at, at * ratio],
+        };
+        let share = (strength[1] - strength[0]) / (strength[2] - strength[0]);
+        let density = match j {
+            0 => [height, height * (1.0 - share), 0.0],
+            _ if j == last => [0.0, height * share, height],
+            _ => [0.0, height, 0.0],
+        };
+        Ok(Tabulated::new(&strength, &density, 0.0, [DensityPoint::default(); 3])?)
+    }
+
+    /// Squared second differences of the ratios to the power law.
+    fn roughness(&self) -> DMatrix<f64> {
+        let size = self.matrix.ncols();
+        let mut sum = DMatrix::zeros(size, size);
+        for j in 1..self.strength.len() - 1 {
+            for (a, p) in [(j - 1, 1.0), (j, -2.0), (j + 1, 1.0)] {
+                for (b, q) in [(j - 1, 1.0), (j, -2.0), (j + 1, 1.0)] {
+                    sum[(a, b)] += p * q;
+                }
+            }
+        }
+        sum
+    }
+
+    /// Mean squared residual of what is to be matched.
+    fn mean_square(&self, x: &DVector<f64>) -> f64 {
+        let rows = if self.evidence == Evidence::Both { self.right.len() } else { self.entries.len() };
+        let residual = &self.matrix * x - &self.right;
+        residual.rows(0, rows).norm_squared() / rows as f64
+    }
+
+    /// The smoothest solution that explains the curves, and the weight of its smoothness.
+    pub(super) fn solve(&self) -> Option<(DVector<f64>, f64)> {
+        let (normal, right) = (self.matrix.tr_mul(&self.matrix), self.matrix.tr_mul(&self.right));
+        let roughness = self.roughness();
+        let scale = normal.trace() / self.strength.len() as f64;
+        let ridge = DMatrix::identity(normal.nrows(), normal.ncols()) * (RIDGE * normal.diagonal().max());
+        let mut positive = vec![true; normal.nrows()];
+        let mut at = |power: f64| {
+            let weight = 10_f64.powf(power);
+            let sum = &normal + &ridge + &roughness * (weight * scale);
+            solve(&sum, &right, &mut positive).map(|x| (self.mean_square(&x), x, weight))
+        };
+        let (mut low, mut high) = RANGE;
+        let mut best = at(low)?;
+        let target = (NEARLY * best.0).max(1.0);
+        for _ in 0..HALVINGS {
+            let middle = 0.5 * (low + high);
+            match at(middle) {
+                Some(found) if found.0 <= target => (best, low) = (found, middle),
+                _ => high = middle,
+            }
+        }
+        Some((best.1, best.2))
+    }
+
+    pub(super) fn free_form(&self, x: &DVector<f64>, regularisation: f64) -> FreeForm {
+        let (n, count) = (self.entries.len(), self.strength.len());
+        let omega0 = (self.omega_squared.0 + self.omega_squared.1 * x[count + 1]).sqrt();
+        let residual = &self.matrix * x - &self.right;
+        let mut squares = (0.0, 0.0);
+        for (i, e) in self.entries.iter().enumerate() {
+            squares.0 += (1.0 + residual[i] * e.log_sd).max(f64::MIN_POSITIVE).ln().powi(2) / n as f64;
+            squares.1 += (residual[n + i] * self.deviation(e) / (2.0 * e.omega * TAU)).powi(2) / n as f64;
+        }
+        FreeForm {
+            density: self.law.iter().zip(x.iter()).map(|(law, ratio)| law * ratio).collect(),
+            strength: self.strength.clone(),
+            frequency: omega0 / TAU,
+            damping_ratio: self.viscous * x[count] / (2.0 * omega0),
+            informed: self.informed,
+            mean_square: self.mean_square(x),
+            dissipation_misfit: squares.0.sqrt(),
+            frequency_misfit: squares.1.sqrt(),
+            evidence: self.evidence,
+            regularisation,
+        }
+    }
+}
+
+/// Strengths in geometric progression from below the smallest to the largest amplitude.
+fn grid((smallest, largest): (f64, f64)) -> Vec<f64> {
+    let first = BELOW * smallest;
+    let steps = ((largest / first).log10() * PER_DECADE).ceil();
+    (0..=steps as usize).map(|i| first * (largest / first).powf(i as f64 / steps)).collect()
+}
+
+/// The power law R φ^χ through the middle of the dissipations: D = 4 R u^(χ+3) / ((χ+2)(χ+3)).
+fn power_law(points: &[(f64, f64)], chi: f64, strength: &[f64]) -> Vec<f64> {
+    let level = points.iter().map(|(u, d)| d - (chi + 3.0) * u).sum::<f64>() / points.len() as f64;
+    let r = 0.25 * (chi + 2.0) * (chi + 3.0);
+    strength.iter().map(|phi| r * (level + chi * phi.ln()).exp()).collect()
+}
