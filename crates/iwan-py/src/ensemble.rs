@@ -34,10 +34,10 @@ impl Columns {
         }
         let read = |(column, name): (&Bound<'_, PyAny>, &&str)| Numbers::vector(name, column);
         let columns = columns.iter().zip(&PARAMETERS).map(read).collect::<PyResult<Vec<_>>>()?;
-        match columns.iter().any(|column| column.len() != columns[0].len()) {
-            true => Err(value("columns differ in length")),
-            false => Ok(Self(columns)),
+        if columns.iter().any(|column| column.len() != columns[0].len()) {
+            return Err(value("columns differ in length"));
         }
+        Ok(Self(columns))
     }
 
     fn mode(&self, i: usize) -> Result<Mode, Error> {

@@ -6,10 +6,10 @@ use pyo3::IntoPyObjectExt;
 use pyo3::prelude::*;
 
 use crate::array::array;
-use crate::errors::{identification, identification_at};
+use crate::errors::{identification, identification_at, value};
 use crate::laws::Remake;
 use crate::options::unknown;
-use crate::record::Channel;
+use crate::record::{Modal, modal};
 use crate::simulate::thread_count;
 use crate::work;
 
@@ -21,7 +21,7 @@ use crate::work;
 #[derive(Debug)]
 pub(crate) struct Envelope {
     pub(crate) envelope: signal::Envelope,
-    start: f64,
+    pub(crate) start: f64,
 }
 
 #[pymethods]
@@ -158,7 +158,8 @@ pub(crate) fn _envelope(
 
 /// Envelope and frequency of one mode of a record.
 ///
-/// `record`: a `Record`, or real numbers in one dimension with `dt` (s); `channel`: name or number, where there are several;
+/// `record`: a `Record`, or real numbers in one dimension with `dt` (s); `channel`: name or number; without it, several
+/// channels are combined by the shape that dominates in the band;
 /// `band`: (low, high) in Hz, None: found around `near` (Hz), or around the highest spectral peak; `method`: "hilbert" (analytic
 /// signal and polynomials, the paper's), "peaks" (Eq. 6-8), "pff" (peak finding and fitting, doi:10.1115/1.4047416) or
 /// "demodulation"; `filter_order`: of the zero-phase Butterworth band-pass, 0 = none; `window`: (start, end) in s from the first
@@ -190,11 +191,13 @@ pub(crate) fn envelope(
     window: Option<(f64, f64)>,
     order: Option<usize>,
 ) -> PyResult<Envelope> {
-    let Channel { samples, dt, start } = Channel::read(record, dt, channel)?;
     let method = method_named(method)?;
     let options = Options { band, near, filter_order, window, order };
+    let Modal { samples, dt, start, notes, .. } = one(record, dt, channel, &options)?;
     let made = work::run(record.py(), true, move |_| signal::envelope(&samples, dt, method, &options))?;
-    Ok(Envelope { envelope: made.map_err(identification)?, start })
+    let mut envelope = made.map_err(identification)?;
+    envelope.notes.splice(..0, notes);
+    Ok(Envelope { envelope, start })
 }
 
 /// Envelopes of many records, on threads: `iwan.ensemble.envelope`.
@@ -216,21 +219,35 @@ pub(crate) fn _envelopes(
     threads: Option<usize>,
     progress: Option<&Bound<'_, PyAny>>,
 ) -> PyResult<Vec<Envelope>> {
-    let channels = records.iter().map(|record| Channel::read(record, dt, channel));
-    let channels = channels.collect::<PyResult<Vec<_>>>()?;
     let (method, threads) = (method_named(method)?, thread_count(threads)?);
     let options = Options { band, near, filter_order, window, order };
+    let channels = records.iter().map(|record| one(record, dt, channel, &options));
+    let channels = channels.collect::<PyResult<Vec<_>>>()?;
     let made = work::watched(py, progress, move |control| {
-        work::each(channels, threads, control, |Channel { samples, dt, start }| {
-            signal::envelope(&samples, dt, method, &options).map(|envelope| Envelope { envelope, start })
+        work::each(channels, threads, control, |Modal { samples, dt, start, notes, .. }| {
+            signal::envelope(&samples, dt, method, &options).map(|mut envelope| {
+                envelope.notes.splice(..0, notes);
+                Envelope { envelope, start }
+            })
         })
     })?;
     let made = made.unwrap_or_default().into_iter().enumerate();
     made.map(|(i, result)| result.map_err(|error| identification_at(first + i, error))).collect()
 }
 
+/// The mode of one record.
+fn one(
+    record: &Bound<'_, PyAny>,
+    dt: Option<f64>,
+    channel: Option<&Bound<'_, PyAny>>,
+    options: &Options,
+) -> PyResult<Modal> {
+    let record = std::slice::from_ref(record);
+    modal(record, dt, channel, None, None, options)?.pop().ok_or_else(|| value("there is no record"))
+}
+
 /// A method by its name.
-fn method_named(name: &str) -> PyResult<Method> {
+pub(crate) fn method_named(name: &str) -> PyResult<Method> {
     let names = || Method::ALL.map(Method::name);
     Method::ALL.into_iter().find(|m| m.name() == name).ok_or_else(|| unknown("method", name, &names()))
 }

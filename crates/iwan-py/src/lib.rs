@@ -13,6 +13,7 @@ mod command;
 mod ensemble;
 mod envelope;
 mod errors;
+mod fit;
 mod joint;
 mod laws;
 mod mode;
@@ -33,6 +34,8 @@ mod _native {
     use crate::ensemble::_ensemble;
     #[pymodule_export]
     use crate::envelope::{_envelope, _envelopes, Envelope, envelope};
+    #[pymodule_export]
+    use crate::fit::{_identify, Identified, Likelihood};
     #[pymodule_export]
     use crate::joint::Joint;
     #[pymodule_export]

@@ -106,9 +106,9 @@ def test_exit_codes(tmp_path):
 
 @pytest.mark.skipif(sys.platform == "win32", reason="no signals to a process of one's own")
 def test_ctrl_c_ends_the_command_with_130_and_leaves_nothing(tmp_path):
-    arguments = [COMMAND, "simulate", "--step", "1e-6", "--duration", "300", "--out", "out"]
+    arguments = [COMMAND, "simulate", "--step", "2e-6", "--duration", "20", "--joint", "continuum", "--threads", "1", "--out", "out"]
     process = subprocess.Popen(arguments, cwd=tmp_path, stderr=subprocess.PIPE, stdout=subprocess.PIPE, text=True)
-    time.sleep(2.0)
+    time.sleep(1.0)
     assert process.poll() is None
     process.send_signal(signal.SIGINT)
     _, errors = process.communicate(timeout=60)

@@ -79,7 +79,41 @@ def mode_shapes(ax):
     return iwan.plot.mode_shapes(x[order], [((x / 10) ** 2 - 0.3)[order], ((x / 10) ** 3 - 0.6 * x / 10)[order]], ax=ax)
 
 
-FIGURES = [ring_down, ring_down_of_a_response, hysteresis, frequency, damping, dissipation, dissipation_against_displacement, density, mode_shapes]
+NOISE = 2e-3 * np.abs(RESPONSE.acceleration).max() * np.random.default_rng(7).standard_normal(len(RESPONSE))
+FIT = iwan.fit((RESPONSE.acceleration + NOISE)[20:], dt=1e-4)
+
+
+def fitted(ax):
+    return iwan.plot.fitted(FIT, ax=ax)
+
+
+def fitted_frequency(ax):
+    return iwan.plot.fitted(FIT, show="frequency", ax=ax)
+
+
+def profile(ax):
+    return iwan.plot.profile(FIT, "chi", ax=ax)
+
+
+def profile_that_is_open(ax):
+    return iwan.plot.profile(FIT, "f_s", ax=ax)
+
+
+FIGURES = [
+    fitted,
+    fitted_frequency,
+    profile,
+    profile_that_is_open,
+    ring_down,
+    ring_down_of_a_response,
+    hysteresis,
+    frequency,
+    damping,
+    dissipation,
+    dissipation_against_displacement,
+    density,
+    mode_shapes,
+]
 
 
 @pytest.mark.parametrize("draw", FIGURES, ids=lambda f: f.__name__)

@@ -118,14 +118,20 @@ def test_an_array_and_a_record_are_the_same_and_time_is_the_records_own():
     np.testing.assert_allclose(scaled.frequency[5:-5], bare.frequency[5:-5], rtol=1e-4)
 
 
+def test_channels_are_combined_by_the_shape_that_dominates():
+    x = decay()
+    record = iwan.Record([x, -0.5 * x], dt=1 / 4096, names=["tip", "root"])
+    both, one = iwan.envelope(record), iwan.envelope(record, channel="tip")
+    np.testing.assert_allclose(both.amplitude, one.amplitude, rtol=1e-9)
+    assert any("tip 1.0000, root -0.5000" in note for note in both.notes)
+
+
 def test_bad_envelopes_are_named():
     x = decay()
     with pytest.raises(iwan.InvalidValueError, match="dt is missing"):
         iwan.envelope(x)
     with pytest.raises(iwan.InvalidValueError, match="a Record has its own"):
         iwan.envelope(iwan.Record(x, dt=0.1), dt=0.1)
-    with pytest.raises(iwan.InvalidValueError, match="choose one with channel="):
-        iwan.envelope(np.array([x, x]), dt=0.1)
     with pytest.raises(iwan.InvalidValueError, match="band"):
         iwan.envelope(x, dt=1 / 4096, band=(100.0, 50.0))
     with pytest.raises(iwan.InvalidValueError, match="method = 'fft'"):

@@ -35,6 +35,7 @@ from iwan._native import (
     simulate,
     superpose,
 )
+from iwan.identification import Fit, LogLikelihood, fit, log_likelihood
 from iwan.errors import (
     ComputationError,
     FileError,
@@ -50,6 +51,7 @@ __all__ = [
     "ComputationError",
     "Envelope",
     "FileError",
+    "Fit",
     "FourParameter",
     "HalfSine",
     "Haversine",
@@ -59,6 +61,7 @@ __all__ = [
     "IwanError",
     "Jenkins",
     "Joint",
+    "LogLikelihood",
     "MissingFileError",
     "Mode",
     "Pulse",
@@ -73,6 +76,8 @@ __all__ = [
     "__version__",
     "ensemble",
     "envelope",
+    "fit",
+    "log_likelihood",
     "plot",
     "read_record",
     "simulate",

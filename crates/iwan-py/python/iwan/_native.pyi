@@ -2,7 +2,7 @@
 
 from collections.abc import Callable, Mapping, Sequence
 from os import PathLike
-from typing import Final, Literal, final, overload
+from typing import Any, Final, Literal, final, overload
 
 from numpy.typing import ArrayLike
 
@@ -338,3 +338,34 @@ def _envelopes(
 
 # Behind the command `iwan`.
 def _command(arguments: Sequence[str]) -> int: ...
+
+# Behind iwan.fit and iwan.log_likelihood.
+@final
+class _Identified:
+    def told(self, force_axis: str) -> dict[str, Any]: ...
+    def likelihood(self) -> _Likelihood: ...
+
+@final
+class _Likelihood:
+    @property
+    def names(self) -> list[str]: ...
+    @property
+    def best(self) -> Array: ...
+    def log(self, theta: ArrayLike, threads: int | None) -> Array: ...
+
+def _identify(
+    records: Sequence[Record | ArrayLike],
+    *,
+    dt: float | None,
+    channel: str | int | None,
+    quantity: str | None,
+    shape: Sequence[float] | None,
+    mass: float | None,
+    band: tuple[float, float] | None,
+    near: float | None,
+    method: str,
+    filter_order: int,
+    window: tuple[float, float] | None,
+    order: int | None,
+    hold: Sequence[tuple[str, float]],
+) -> _Identified: ...

@@ -19,13 +19,17 @@ from iwan.types import Array, History
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
+    from iwan.identification import Fit
+
 __all__ = [
     "damping",
     "density",
     "dissipation",
+    "fitted",
     "frequency",
     "hysteresis",
     "mode_shapes",
+    "profile",
     "ring_down",
 ]
 
@@ -226,6 +230,69 @@ def dissipation(
     ax.set(xscale="log", yscale="log", xlabel=label, ylabel="dissipation per cycle")
     if any(joints):
         ax.legend()
+    return ax
+
+
+def fitted(
+    fit: Fit, *, show: Literal["dissipation", "frequency", "damping_ratio"] = "dissipation", ax: Axes | None = None
+) -> Axes:
+    """Draw what a fit compares: measured curves with their 95 % band against the fit's force, and the model's through them.
+
+    `show`: dissipation per cycle (the paper's Fig. 6 and 7), frequency, or damping ratio. One colour for each record.
+
+    >>> joint = iwan.FourParameter(k_t=4.45e4, f_s=239.4, chi=-0.183, beta=0.3)
+    >>> mode = iwan.Mode(frequency=124.0, joint=joint, damping_ratio=1e-3)
+    >>> response = iwan.simulate(mode, dt=2e-4, duration=0.4, initial=(0.2 * joint.phi_max, 0.0), method="half-cycle")
+    >>> iwan.plot.fitted(iwan.fit(response.acceleration, dt=2e-4)).get_xlabel()
+    'modal force'
+    """
+    ax = _axes(ax)
+    scale = 100.0 if show == "damping_ratio" else 1.0
+    for number in np.unique(fit.curves["record"]):
+        mine = {key: values[fit.curves["record"] == number] for key, values in fit.curves.items()}
+        model = {key: values[fit.model_curves["record"] == number] for key, values in fit.model_curves.items()}
+        color, label = f"C{int(number)}", f"record {int(number)}"
+        force, values = mine["force"], scale * mine[show]
+        if show == "frequency":
+            low, high = values - 1.96 * mine["frequency_sd"], values + 1.96 * mine["frequency_sd"]
+        else:
+            low, high = (values * np.exp(sign * 1.96 * mine["log_dissipation_sd"]) for sign in (-1, 1))
+        ax.fill_between(force, low, high, color=color, alpha=0.25, linewidth=0.0)
+        ax.plot(force, values, color=color, label=label, **_MEASURED)
+        ax.plot(model["force"], scale * model[show], **_MODEL)
+    names = {"dissipation": "dissipation per cycle", "frequency": "frequency (Hz)", "damping_ratio": "damping ratio (%)"}
+    ax.set(xscale="log", xlabel=f"{fit.force_axis} force", ylabel=names[show])
+    if show != "frequency":
+        ax.set(yscale="log")
+    if len(fit.envelopes) > 1:
+        ax.legend()
+    return ax
+
+
+def profile(fit: Fit, parameter: str, *, ax: Axes | None = None) -> Axes:
+    """Draw the profile likelihood of a parameter of a fit: the deviance against its values, the 95 % limit, and the ends of
+    the interval. Where the curve never crosses the limit, the records do not bound the parameter on that side.
+
+    >>> joint = iwan.FourParameter(k_t=4.45e4, f_s=239.4, chi=-0.183, beta=0.3)
+    >>> mode = iwan.Mode(frequency=124.0, joint=joint, damping_ratio=1e-3)
+    >>> response = iwan.simulate(mode, dt=2e-4, duration=0.4, initial=(0.2 * joint.phi_max, 0.0), method="half-cycle")
+    >>> iwan.plot.profile(iwan.fit(response.acceleration, dt=2e-4), "f_s").get_ylabel()
+    'deviance'
+    """
+    if parameter not in fit.profiles:
+        raise InvalidValueError(f"parameter = '{parameter}' is not known: choose one of {', '.join(fit.profiles)}")
+    ax = _axes(ax)
+    values, deviance = fit.profiles[parameter]
+    ax.plot(values, deviance, marker=".", markersize=4, linewidth=1.0)
+    ax.axhline(fit.limit, linestyle="--", label="95 %", **_MODEL)
+    ax.plot(fit.parameters[parameter], 0.0, marker="o", color="black", markersize=4)
+    for end in fit.intervals[parameter]:
+        if end is not None:
+            ax.axvline(end, color="grey", linewidth=0.8, linestyle=":")
+    if len(values) > 0 and values.min() > 0 and values.max() > 20 * values.min():
+        ax.set(xscale="log")
+    ax.set(xlabel=parameter, ylabel="deviance", ylim=(-0.05 * 3 * fit.limit, 3 * fit.limit))
+    ax.legend()
     return ax
 
 
