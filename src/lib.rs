@@ -22,8 +22,14 @@ pub mod book {
     #[doc = include_str!("../book/src/steppers.md")]
     pub mod steppers {}
 
+    #[doc = include_str!("../book/src/identification.md")]
+    pub mod identification {}
+
     #[doc = include_str!("../book/src/guide.md")]
     pub mod guide {}
+
+    #[doc = include_str!("../book/src/records.md")]
+    pub mod records {}
 
     /// Four short programs; `cargo run --release --example NAME` runs one.
     ///

@@ -43,18 +43,25 @@ pub(crate) struct Comparison {
     pub(crate) unfiltered: bool,
 }
 
+/// The mode in each of its records: what cannot be used is refused here, before anything takes long.
+pub(crate) fn extract(
+    recordings: &[Recording],
+    wanted: &Wanted,
+    method: Method,
+) -> Result<Vec<Extraction>, Failure> {
+    let one = |record| Extraction::new(recordings, wanted, record, method, Axis::Modal);
+    (0..wanted.records.len()).map(one).collect()
+}
+
 impl Identified {
     /// Identifies one mode.
     pub(crate) fn new(
         recordings: &[Recording],
         wanted: &Wanted,
-        method: Method,
+        extractions: Vec<Extraction>,
         axis: Axis,
         held: &[(Parameter, f64)],
     ) -> Result<Self, Failure> {
-        let extractions = (0..wanted.records.len())
-            .map(|record| Extraction::new(recordings, wanted, record, method, Axis::Modal))
-            .collect::<Result<Vec<_>, _>>()?;
         let place = format!("{}, {}", recordings[0].name, wanted.name);
         let said = |e: iwan_ident::Error| Failure::said(&place, &e);
         let sources: Vec<Source<'_>> = wanted
@@ -65,6 +72,7 @@ impl Identified {
                 Source { samples: &r.samples, dt: recording.record.dt(), quantity: recording.quantity }
             })
             .collect();
+        let method = extractions.first().map(|x| x.method).unwrap_or_default();
         let settings = Settings { options: wanted.options, method, held: held.to_vec() };
         let found = identify(&sources, &settings).map_err(said)?;
         let on_axis = |c: &Curves| c.clone().on_axis(force_axis(axis, &found.parameters));

@@ -3,6 +3,7 @@
 use std::io::IsTerminal;
 use std::ops::ControlFlow;
 use std::sync::atomic::{AtomicBool, Ordering};
+use std::time::Duration;
 
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 
@@ -13,6 +14,9 @@ static INTERRUPTED: AtomicBool = AtomicBool::new(false);
 
 /// Parts of the bar.
 const PARTS: f64 = 1000.0;
+
+/// Time between two looks at whether Ctrl-C was pressed.
+const TICK: Duration = Duration::from_millis(50);
 
 /// From now on Ctrl-C is noticed between two pieces of work, so that no half result stays behind.
 pub(crate) fn catch_interrupts() {
@@ -41,6 +45,35 @@ impl Progress {
             bar.set_style(style);
         }
         Self { bar: bar.with_message(title) }
+    }
+
+    /// A sign of life for work that cannot say how far it is.
+    pub(crate) fn busy(title: &'static str, quiet: bool) -> Self {
+        let progress = Self::new(title, quiet);
+        if let Ok(style) = ProgressStyle::with_template("{spinner} {msg}, {elapsed}") {
+            progress.bar.set_style(style);
+        }
+        progress
+    }
+
+    /// Does the work beside this thread, which breaks off after Ctrl-C whether the work has ended or not: it goes with
+    /// the process.
+    pub(crate) fn wait<R: Send + 'static>(
+        &self,
+        work: impl FnOnce() -> R + Send + 'static,
+    ) -> Result<R, Failure> {
+        let (sender, receiver) = std::sync::mpsc::channel();
+        std::thread::spawn(move || sender.send(work()));
+        loop {
+            match receiver.recv_timeout(TICK) {
+                Ok(result) => return Ok(result),
+                Err(std::sync::mpsc::RecvTimeoutError::Timeout) => check_interrupt()?,
+                Err(std::sync::mpsc::RecvTimeoutError::Disconnected) => {
+                    return Err(Failure::Computation("a fault in this program: please report it".into()));
+                }
+            }
+            self.bar.tick();
+        }
     }
 
     /// Shows the share done; breaks off after Ctrl-C.

@@ -165,6 +165,8 @@ fn a_linear_mode_needs_no_joint() {
         _ => format!("{line}\n"),
     });
     std::fs::write(place.path().join("tap.csv"), noisy.collect::<String>()).unwrap();
+    let output = iwan(place.path(), "fit tap.csv --out words");
+    assert!(shown(&output).contains("mode 1: a linear mode is enough"), "{}", shown(&output));
     let fit = run(place.path(), "tap.csv --out out");
     let mode = &fit["modes"][0];
     assert_eq!(mode["linear"]["is_enough"], true, "{}", mode["linear"]);
@@ -202,6 +204,31 @@ fn bad_input_leaves_nothing() {
         all.push(format!("iwan fit {arguments}\n{}", String::from_utf8_lossy(&output.stderr)));
     }
     insta::assert_snapshot!(all.join("\n"));
+}
+
+#[cfg(unix)]
+#[test]
+fn ctrl_c_ends_a_fit_at_once_and_leaves_nothing_behind() {
+    let place = folder("");
+    // Two modes within a band of noise, and long: minutes of work.
+    let modes = [(80.0, 0.0005, 3.0), (200.0, 0.0005, 1.0)];
+    let text = common::ring_down(4096.0, 40_000, &modes, &[&[1.0, 1.0]], "tip [m/s^2]");
+    std::fs::write(place.path().join("long.csv"), text).unwrap();
+    let mut child = std::process::Command::new(assert_cmd::cargo::cargo_bin!("iwan"))
+        .args(["fit", "long.csv", "--band", "60:105", "--band", "150:260", "--out", "out"])
+        .current_dir(place.path())
+        .stderr(std::process::Stdio::piped())
+        .spawn()
+        .unwrap();
+    // The hidden folder for the results appears once Ctrl-C is being watched for.
+    let started = std::time::Instant::now();
+    while names(place.path()).len() == 2 && started.elapsed().as_secs() < 60 {
+        std::thread::sleep(std::time::Duration::from_millis(1));
+    }
+    let id = child.id().to_string();
+    assert!(std::process::Command::new("kill").args(["-INT", &id]).status().unwrap().success());
+    assert_eq!(child.wait().unwrap().code(), Some(130));
+    assert_eq!(names(place.path()), ["in.toml", "long.csv"]);
 }
 
 #[test]

@@ -12,6 +12,7 @@ fn help_texts() {
         "--help",
         "simulate --help",
         "envelope --help",
+        "fit --help",
         "scenario --help",
         "completions --help",
         "man --help",

@@ -12,7 +12,7 @@ use crate::error::{Error, check};
 use crate::fit::{Fit, fit_from};
 use crate::least_squares::Minimum;
 use crate::parameters::{Parameter, Parameters};
-use crate::profile::{Profile, Profiles, profiles};
+use crate::profile::{Extent, Profile, Profiles, profiles, slip_seen};
 use crate::refine::{Refined, RingDown, Task};
 use crate::signal::{Envelope, Isolated, Method, Options, isolate};
 use crate::start::{Start, start};
@@ -131,7 +131,7 @@ impl Identification {
 }
 
 /// A record on its way.
-struct Prepared<'a> {
+pub(crate) struct Prepared<'a> {
     source: Source<'a>,
     isolated: Isolated,
     envelope: Envelope,
@@ -143,7 +143,7 @@ struct Prepared<'a> {
 }
 
 impl<'a> Prepared<'a> {
-    fn new(source: Source<'a>, settings: &Settings) -> Result<Self, Error> {
+    pub(crate) fn new(source: Source<'a>, settings: &Settings) -> Result<Self, Error> {
         let isolated = isolate(source.samples, source.dt, &settings.options)?;
         let envelope = isolated.envelope(settings.method, settings.options.order)?;
         let curves = Curves::new(&envelope, source.quantity, ForceAxis::Modal)?;
@@ -160,7 +160,7 @@ impl<'a> Prepared<'a> {
         Ok(Self { source, isolated, envelope, curves, stretch, first, band })
     }
 
-    fn ring_down(&self) -> RingDown<'_> {
+    pub(crate) fn ring_down(&self) -> RingDown<'_> {
         RingDown {
             samples: &self.stretch,
             dt: self.source.dt,
@@ -259,19 +259,26 @@ fn on_curves(curves: &[Curves], held: &[(Parameter, f64)]) -> Result<(Start, Fit
     Ok((start, fit))
 }
 
-/// Searches until no profile finds a better minimum.
+/// Searches until no profile finds a better minimum. Where the records do not see macro-slip, the best fit without it.
 fn minimum_and_profiles(task: &mut Task, first: &Parameters) -> Result<(Minimum, Profiles), Error> {
     let mut minimum = task.solve(first)?;
-    for _ in 0..ANEW {
-        match profiles(task, &minimum) {
-            Ok(profiles) => return Ok((minimum, profiles)),
-            Err(better) => minimum = task.resume(&better)?,
+    let first = task.coordinates(first)?;
+    let mut round = 0;
+    loop {
+        let micro_slip = task.micro_slip(&[&minimum.x, &first]);
+        let extent = if slip_seen(task, &minimum, micro_slip.as_ref()) { Extent::Full } else { Extent::MicroSlip };
+        if let (Extent::MicroSlip, Some(without)) = (extent, &micro_slip) {
+            minimum = without.clone();
         }
+        match profiles(task, &minimum, micro_slip.as_ref(), (extent, round > ANEW)) {
+            Ok(profiles) => return Ok((minimum, profiles)),
+            Err(better) => match task.resume(&better, &minimum) {
+                Some(deeper) if round < ANEW => minimum = deeper,
+                _ => round = ANEW,
+            },
+        }
+        round += 1;
     }
-    Err(Error::Refused {
-        finding: format!("the search does not settle: profiles went on to find better parameters {ANEW} times"),
-        remedy: "hold a parameter, or record longer",
-    })
 }
 
 /// The linear mode on the same records, from the mean damping of the curves.

@@ -5,7 +5,7 @@
 //! Where it never gets there, up to the edge of what a model can be, the interval is open. Reference: D. M. Bates,
 //! D. G. Watts, *Nonlinear Regression Analysis and Its Applications*, Wiley 1988, Sec. 6.1 (profile t).
 
-use crate::chart::{Chart, Scales};
+use crate::chart::Chart;
 use crate::least_squares::Minimum;
 use crate::parameters::{Parameter, Parameters};
 use crate::refine::{Task, Workspace};
@@ -23,6 +23,8 @@ const INWARDS: usize = 16;
 const FAR_OUTSIDE: f64 = 4.0;
 /// Relative precision of the distance of an end, as the root of the deviance.
 const PRECISION: f64 = 5e-3;
+/// Macro-slip is seen when the best fit without it has a deviance above this: Akaike's criterion for two parameters.
+const SLIP_SEEN: f64 = 4.0;
 /// A deviance so far below zero is a better minimum.
 const BETTER: f64 = -0.1;
 /// Relative reduction of the sum of squares at which a search along a profile ends: a hundredth of the residuals'
@@ -70,6 +72,27 @@ struct Scale {
     /// Variance of the residuals in their unit.
     variance: f64,
     limit: f64,
+    /// A deviance below this is a better minimum.
+    better: f64,
+}
+
+impl Scale {
+    fn new(task: &Task, minimum: &Minimum, settled: bool) -> Self {
+        let freedom = (task.count() - task.free().len()) as f64;
+        let correlation = task.refined(minimum).correlation;
+        // Neighbours that agree say the same twice.
+        let significant = correlation > 2.0 / (task.count() as f64).sqrt();
+        let inflation = if significant { (1.0 + correlation) / (1.0 - correlation.min(0.9)) } else { 1.0 };
+        Self {
+            variance: inflation * (minimum.cost / freedom).max(task.least_variance()),
+            limit: student(freedom / inflation).powi(2),
+            better: if settled { f64::NEG_INFINITY } else { BETTER },
+        }
+    }
+
+    fn deviance(&self, found: &Minimum, minimum: &Minimum) -> f64 {
+        (found.cost - minimum.cost) / self.variance
+    }
 }
 
 /// A walk along one coordinate.
@@ -77,8 +100,14 @@ struct Walk<'a> {
     task: &'a Task,
     parameter: Parameter,
     coordinate: usize,
+    /// The coordinates that follow.
+    free: Vec<usize>,
     minimum: &'a Minimum,
+    /// The best without macro-slip: a plateau that a walk on the crest of some cycle's first slip would not see.
+    micro_slip: Option<&'a Minimum>,
     scale: &'a Scale,
+    /// A deviance below this is a better minimum.
+    better: f64,
     work: Workspace,
     /// Coordinate, deviance and all coordinates of each point.
     points: Vec<(f64, f64, Vec<f64>)>,
@@ -90,22 +119,29 @@ enum End {
     Closed(f64),
 }
 
-/// The profiles about the minimum; the better minimum when there is one.
-pub(crate) fn profiles(task: &Task, minimum: &Minimum) -> Result<Profiles, Minimum> {
-    let freedom = (task.count() - task.free().len()) as f64;
-    let correlation = task.refined(minimum).correlation;
-    // Neighbours that agree say the same twice.
-    let significant = correlation > 2.0 / (task.count() as f64).sqrt();
-    let inflation = if significant { (1.0 + correlation) / (1.0 - correlation.min(0.9)) } else { 1.0 };
-    let scale = Scale {
-        variance: inflation * (minimum.cost / freedom).max(1.0),
-        limit: student(freedom / inflation).powi(2),
-    };
+/// How far the model is taken for granted about a minimum.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Extent {
+    /// All parameters follow.
+    Full,
+    /// The records do not see macro-slip: frequency, damping and χ are judged without it, and of K_T and F_S only the
+    /// least that the records need is known.
+    MicroSlip,
+}
+
+/// The profiles about the minimum; a better point when there is one, unless `settled`.
+pub(crate) fn profiles(
+    task: &Task,
+    minimum: &Minimum,
+    micro_slip: Option<&Minimum>,
+    (extent, settled): (Extent, bool),
+) -> Result<Profiles, Minimum> {
+    let scale = Scale::new(task, minimum, settled);
     let results: Vec<Result<Profile, Minimum>> = std::thread::scope(|scope| {
         let (task, scale) = (&*task, &scale);
         let handles: Vec<_> = Parameter::ALL
             .iter()
-            .map(|parameter| scope.spawn(move || profile(task, minimum, scale, *parameter)))
+            .map(|parameter| scope.spawn(move || profile(task, (minimum, micro_slip), (scale, extent), *parameter)))
             .collect();
         let joined = handles.into_iter().map(|h| h.join().unwrap_or_else(|panic| std::panic::resume_unwind(panic)));
         joined.collect()
@@ -117,41 +153,58 @@ pub(crate) fn profiles(task: &Task, minimum: &Minimum) -> Result<Profiles, Minim
     Ok(Profiles { parameters: results.into_iter().flatten().collect(), limit: scale.limit })
 }
 
-fn profile(task: &Task, minimum: &Minimum, scale: &Scale, parameter: Parameter) -> Result<Profile, Minimum> {
+/// Deviance of the best fit without macro-slip about the best fit; none where a held parameter decides on that.
+pub(crate) fn slip_seen(task: &Task, minimum: &Minimum, micro_slip: Option<&Minimum>) -> bool {
+    let scale = Scale::new(task, minimum, true);
+    micro_slip.is_none_or(|m| scale.deviance(m, minimum) > SLIP_SEEN)
+}
+
+fn profile(
+    task: &Task,
+    (minimum, micro_slip): (&Minimum, Option<&Minimum>),
+    (scale, extent): (&Scale, Extent),
+    parameter: Parameter,
+) -> Result<Profile, Minimum> {
     let value = task.chart.parameters(&minimum.x).get(parameter);
-    let mut profile = Profile { parameter, value, low: None, high: None, points: vec![], held: false };
-    if task.held().contains(&parameter) {
-        profile.held = true;
+    let held = task.held().contains(&parameter);
+    let mut profile = Profile { parameter, value, low: None, high: None, points: vec![(value, 0.0)], held };
+    let unseen = [Parameter::KT, Parameter::FS, Parameter::Beta];
+    let one_sided = extent == Extent::MicroSlip && unseen.contains(&parameter);
+    if held || (one_sided && parameter == Parameter::Beta) {
         return Ok(profile);
     }
-    let (task, minimum) = task.with_coordinate(parameter, minimum);
-    let of = |x: &[f64]| task.chart.parameters(x).get(parameter);
-    let mut all = vec![(value, 0.0)];
-    for direction in [-1.0, 1.0] {
+    let chart = task.charting(parameter);
+    let (minimum, micro_slip) = (chart.from(task, minimum), micro_slip.map(|m| chart.from(task, m)));
+    let of = |x: &[f64]| chart.chart.parameters(x).get(parameter);
+    let coordinate = chart.chart.index(parameter);
+    let fixed = |j: &usize| extent == Extent::MicroSlip && !one_sided && (*j == 4 || *j == 5);
+    let free: Vec<usize> = chart.free().into_iter().filter(|j| *j != coordinate && !fixed(j)).collect();
+    for direction in if one_sided { &[-1.0][..] } else { &[-1.0, 1.0] } {
         let mut walk = Walk {
-            task: &task,
+            task: &chart,
             parameter,
-            coordinate: task.chart.index(parameter),
+            coordinate,
+            free: free.clone(),
             minimum: &minimum,
+            micro_slip: micro_slip.as_ref(),
             scale,
+            better: if one_sided { f64::NEG_INFINITY } else { scale.better },
             work: Workspace::default(),
             points: vec![],
         };
-        let end = walk.go(direction).map_err(|better| task.back(better))?;
+        let end = walk.go(*direction).map_err(|better| chart.back(better))?;
         let at = match end {
             End::Open => None,
             End::Closed(x) => {
-                let near = walk.nearest(x);
-                let mut full = near.clone();
+                let mut full = walk.nearest(x);
                 full[walk.coordinate] = x;
                 Some(of(&full))
             }
         };
-        if direction < 0.0 { profile.low = at } else { profile.high = at }
-        all.extend(walk.points.iter().map(|p| (of(&p.2), p.1)));
+        if *direction < 0.0 { profile.low = at } else { profile.high = at }
+        profile.points.extend(walk.points.iter().map(|p| (of(&p.2), p.1)));
     }
-    all.sort_by(|a, b| a.0.total_cmp(&b.0));
-    profile.points = all;
+    profile.points.sort_by(|a, b| a.0.total_cmp(&b.0));
     Ok(profile)
 }
 
@@ -161,16 +214,16 @@ impl Walk<'_> {
     /// From the nearest known point there are several ways to begin; the likeliest is taken, the others only where
     /// it says that the record forbids the value.
     fn deviance(&mut self, at: f64) -> Result<Option<f64>, Minimum> {
-        let free: Vec<usize> = self.task.free().into_iter().filter(|j| *j != self.coordinate).collect();
-        let mut ways: Vec<(f64, Vec<f64>)> = self
-            .beginnings(at)
+        let mut beginnings = self.beginnings(at, &self.nearest(at));
+        beginnings.extend(self.micro_slip.into_iter().flat_map(|m| self.beginnings(at, &m.x)));
+        let mut ways: Vec<(f64, Vec<f64>)> = beginnings
             .into_iter()
             .filter_map(|x| Some((self.task.cost(&x, &mut self.work)?, x)))
             .collect();
         ways.sort_by(|a, b| a.0.total_cmp(&b.0));
         let mut best: Option<Minimum> = None;
         for (_, x) in ways {
-            let found = self.task.minimise(&x, free.clone(), TOLERANCE, &mut self.work);
+            let found = self.task.minimise(&x, self.free.clone(), TOLERANCE, &mut self.work);
             best = best.into_iter().chain(found).min_by(|a, b| a.cost.total_cmp(&b.cost));
             let limit = self.minimum.cost + self.scale.limit * self.scale.variance;
             if best.as_ref().is_some_and(|b| b.cost < limit) {
@@ -178,21 +231,21 @@ impl Walk<'_> {
             }
         }
         let Some(found) = best else { return Ok(None) };
-        let deviance = (found.cost - self.minimum.cost) / self.scale.variance;
-        if deviance < BETTER {
+        let deviance = self.scale.deviance(&found, self.minimum);
+        if deviance < self.better {
             return Err(found);
         }
         self.points.push((at, deviance.max(0.0), found.x));
         Ok(Some(deviance.max(0.0)))
     }
 
-    /// The nearest point with the coordinate moved: all others as they are; φ_max and the power law as they are, the
-    /// Dirac making up for it; no Dirac at all.
-    fn beginnings(&self, at: f64) -> Vec<Vec<f64>> {
-        let (chart, near) = (self.task.chart, self.nearest(at));
-        let mut plain = near.clone();
+    /// A point with the coordinate moved: all others as they are; φ_max and the power law as they are, the Dirac making
+    /// up for it; no Dirac at all.
+    fn beginnings(&self, at: f64, near: &[f64]) -> Vec<Vec<f64>> {
+        let chart = self.task.chart;
+        let mut plain = near.to_vec();
         plain[self.coordinate] = at;
-        let (p, target) = (chart.parameters(&near), chart.parameters(&plain).get(self.parameter));
+        let (p, target) = (chart.parameters(near), chart.parameters(&plain).get(self.parameter));
         let mut all = vec![plain];
         let Ok((_, joint)) = p.model() else { return all };
         let power = joint.r() * joint.phi_max().powf(p.chi + 1.0) / (p.chi + 1.0);
@@ -219,8 +272,8 @@ impl Walk<'_> {
             let f_s = (power * c + dirac) * phi_max;
             let other = Parameters { k_t: power + dirac, f_s, beta: dirac / power, ..p };
             let Ok(own) = chart.coordinates(&other) else { continue };
-            let mut x = near.clone();
-            self.task.free().into_iter().filter(|j| *j < own.len()).for_each(|j| x[j] = own[j]);
+            let mut x = near.to_vec();
+            self.free.iter().filter(|j| **j < own.len()).for_each(|&j| x[j] = own[j]);
             x[self.coordinate] = at;
             all.push(x);
         }
@@ -295,8 +348,8 @@ impl Walk<'_> {
 
     /// Student's t times the standard deviation by curvature.
     fn first_step(&mut self) -> f64 {
-        let free = self.task.free();
-        let place = free.iter().position(|j| *j == self.coordinate);
+        let free: Vec<usize> = self.free.iter().copied().chain([self.coordinate]).collect();
+        let place = Some(free.len() - 1);
         let search = self.task.search(free, (0, 0.0));
         let (task, work) = (self.task, &mut self.work);
         let mut residuals = |x: &[f64], out: &mut [f64]| task.residuals(x, out, work);
@@ -325,21 +378,23 @@ fn student(freedom: f64) -> f64 {
 }
 
 impl Task {
-    /// The same task in the chart that has the parameter as a coordinate, and the minimum there.
-    fn with_coordinate(&self, parameter: Parameter, minimum: &Minimum) -> (Self, Minimum) {
-        let mut task = self.clone();
+    /// The same task in the chart that has the parameter as a coordinate.
+    fn charting(&self, parameter: Parameter) -> Self {
         let coordinates: Vec<Parameter> = self.held().iter().copied().chain([parameter]).collect();
+        let mut task = self.clone();
         task.chart = Chart::holding(&coordinates, self.chart.amplitude);
-        let mut moved = minimum.clone();
-        moved.x = self.converted(&task.chart, &minimum.x);
-        (task, moved)
+        task
+    }
+
+    /// A minimum of another chart's task in the coordinates of this one.
+    fn from(&self, other: &Self, minimum: &Minimum) -> Minimum {
+        Minimum { x: other.converted(&self.chart, &minimum.x), ..*minimum }
     }
 
     /// A minimum of this task in the coordinates of every search.
     fn back(&self, minimum: Minimum) -> Minimum {
         let usual = Chart::holding(self.held(), self.chart.amplitude);
-        let x = self.converted(&usual, &minimum.x);
-        Minimum { x, ..minimum }
+        Minimum { x: self.converted(&usual, &minimum.x), ..minimum }
     }
 
     /// Coordinates in another chart; as they are where the parameters are no model.

@@ -13,7 +13,7 @@ use std::f64::consts::{PI, TAU};
 use iwan_core::Reversal;
 use rustfft::num_complex::Complex64;
 
-use crate::chart::Chart;
+use crate::chart::{Chart, Scales};
 use crate::curves::Quantity;
 use crate::error::{Error, check, check_dt, check_samples};
 use crate::features::{Whitening, Windows};
@@ -25,8 +25,12 @@ const OWN: usize = 2;
 /// Windows whose amplitude is below this part of the largest do not enter the first search.
 const LOUD: f64 = 0.03;
 /// φ_max over the largest amplitude, and β/(1+β), of the further starts.
-const KNEES: [f64; 3] = [0.4, 1.0, 2.5];
+const KNEES: [f64; 4] = [0.4, 1.0, 2.5, 10.0];
 const DIRACS: [f64; 2] = [0.02, 0.4];
+/// Part of ω0² that the joint has at most where nothing else limits it.
+const MOST_JOINT: f64 = 0.9;
+/// φ_max over the largest amplitude where no record reaches it: any larger one would do.
+const KNEE_UNSEEN: f64 = 2.0;
 /// Iterations of the first search from each start, and of the last.
 const ITERATIONS: (usize, usize) = (30, 100);
 /// Hops over creases, as coordinate (K_T or F_S, β/(1+β)) and step.
@@ -51,7 +55,7 @@ const WORTH: f64 = 0.9;
 const ROUGH: f64 = 1e-4;
 /// Starts that the last search goes on from.
 const KEPT: usize = 3;
-/// Least standard deviation, relative to a record's amplitudes: the forward model's own error.
+/// Standard deviation that is put down to the forward model's own error, relative to a record's amplitudes.
 const NOISE_FLOOR: f64 = 1e-6;
 
 /// A ring-down in free decay: one mode, mass-normalised.
@@ -219,6 +223,19 @@ impl Task {
         Ok(x)
     }
 
+    /// Coordinates of parameters and of each record's start: displacement at a turning point, and its time in s.
+    pub(crate) fn coordinates_at(
+        &self,
+        parameters: &Parameters,
+        starts: &[(f64, f64)],
+    ) -> Result<Vec<f64>, Error> {
+        let (mut x, omega) = (self.coordinates(parameters)?, TAU * parameters.frequency);
+        for ((own, record), (q, t)) in x[COUNT..].chunks_exact_mut(OWN).zip(&self.records).zip(starts) {
+            (own[0], own[1]) = ((q / record.start.0).ln(), (t - record.start.1) * omega);
+        }
+        Ok(x)
+    }
+
     /// Whitened residuals over each record's standard deviation.
     pub(crate) fn residuals(&self, x: &[f64], out: &mut [f64], work: &mut Workspace) -> bool {
         self.each_model(x, work, |record, model, range| {
@@ -284,7 +301,7 @@ impl Task {
     }
 
     /// Sets each record's standard deviation to that of its residuals at `x`.
-    fn weigh(&mut self, x: &[f64], work: &mut Workspace) {
+    pub(crate) fn weigh(&mut self, x: &[f64], work: &mut Workspace) {
         let mut out = vec![0.0; self.count()];
         if !self.residuals(x, &mut out, work) {
             return;
@@ -295,7 +312,7 @@ impl Task {
             let n = 2 * record.windows.count;
             let square: f64 = out[from..from + n].iter().map(|r| r * r).sum();
             let deviation = record.scale * (square / (n as f64 - unknowns).max(1.0)).sqrt();
-            record.scale = deviation.max(NOISE_FLOOR * record.root_mean_square());
+            record.scale = deviation.max(1e-3 * NOISE_FLOOR * record.root_mean_square());
             from += n;
         }
     }
@@ -310,7 +327,7 @@ impl Task {
                 let (phi_max, beta) = (knee * loudest, dirac / (1.0 - dirac));
                 let power = joint.r() * phi_max.powf(first.chi + 1.0) / (first.chi + 1.0);
                 let c = (first.chi + 1.0) / (first.chi + 2.0);
-                let k_t = (power * (1.0 + beta)).min(0.9 * (TAU * first.frequency).powi(2));
+                let k_t = (power * (1.0 + beta)).min(MOST_JOINT * (TAU * first.frequency).powi(2));
                 let f_s = phi_max * k_t * (beta + c) / (1.0 + beta);
                 let mut start = Parameters { k_t, f_s, beta, ..*first };
                 for parameter in &self.held {
@@ -379,12 +396,59 @@ impl Task {
         best
     }
 
-    /// Goes on from a better minimum than the last.
-    pub(crate) fn resume(&mut self, better: &Minimum) -> Result<Minimum, Error> {
+    /// The least sum of squares when the joint never slips as a whole: no Dirac, φ_max as large as ω0² allows; from
+    /// several points. None where a held parameter or that limit forbids it.
+    pub(crate) fn micro_slip(&self, from: &[&[f64]]) -> Option<Minimum> {
+        let (stiffness, dirac) = (self.chart.index(Parameter::KT), self.chart.index(Parameter::Beta));
+        let free = self.free();
+        let given = !(free.contains(&stiffness) && free.contains(&dirac));
+        if self.chart.scales != Scales::SofteningAndStiffness || given {
+            return None;
+        }
+        let others: Vec<usize> = free.into_iter().filter(|j| *j != stiffness && *j != dirac).collect();
         let mut work = Workspace::default();
-        let found = self.minimise(&better.x, self.free(), ROUGH, &mut work).ok_or_else(no_ring_down)?;
-        self.weigh(&found.x, &mut work);
-        self.minimise(&found.x, self.free(), TOLERANCE, &mut work).ok_or_else(no_ring_down)
+        let mut best: Option<Minimum> = None;
+        for x in from {
+            let mut x = x.to_vec();
+            (x[stiffness], x[dirac]) = (MOST_JOINT.ln(), 0.0);
+            let mut log = |x: &[f64], out: &mut [f64]| self.log_residuals(x, out, &mut work);
+            let near = self.search(others.clone(), (ITERATIONS.0, ROUGH)).run(&mut log, &x);
+            let found = near.and_then(|m| self.minimise(&m.x, others.clone(), TOLERANCE, &mut work));
+            best = best.into_iter().chain(found).min_by(|a, b| a.cost.total_cmp(&b.cost));
+        }
+        best.filter(|found| self.is_micro_slip(&found.x)).map(|found| self.with_near_knee(found))
+    }
+
+    /// The same ring-downs with φ_max at twice the largest amplitude.
+    fn with_near_knee(&self, found: Minimum) -> Minimum {
+        let p = self.chart.parameters(&found.x);
+        let Ok((oscillator, joint)) = p.model() else { return found };
+        let phi_max = KNEE_UNSEEN * self.loudest(&found.x);
+        let k_t = joint.r() * phi_max.powf(p.chi + 1.0) / (p.chi + 1.0);
+        if k_t >= MOST_JOINT * oscillator.omega0().powi(2) {
+            return found;
+        }
+        let mut x = found.x.clone();
+        x[self.chart.index(Parameter::KT)] = (k_t / oscillator.omega0().powi(2)).ln();
+        Minimum { x, ..found }
+    }
+
+    /// The largest amplitude of the model's ring-downs.
+    fn loudest(&self, x: &[f64]) -> f64 {
+        let omega = TAU * self.chart.parameters(x).frequency;
+        let starts = x[COUNT..].chunks_exact(OWN).zip(&self.records);
+        starts.map(|(own, r)| r.start_at(own, omega).0.abs()).fold(0.0, f64::max)
+    }
+
+    /// Whether no record reaches φ_max.
+    fn is_micro_slip(&self, x: &[f64]) -> bool {
+        self.chart.parameters(x).model().is_ok_and(|(_, joint)| joint.phi_max() > self.loudest(x))
+    }
+
+    /// Goes on from a better point; none when its valley is not deeper.
+    pub(crate) fn resume(&self, better: &Minimum, than: &Minimum) -> Option<Minimum> {
+        let found = self.minimise(&better.x, self.free(), TOLERANCE, &mut Workspace::default())?;
+        (found.cost < than.cost).then_some(found)
     }
 
     /// The records without a joint: `linear` holds one that is as good as none.
@@ -400,6 +464,12 @@ impl Task {
         let near = task.search(task.free(), (ITERATIONS.0, ROUGH)).run(&mut log, &x).ok_or_else(no_ring_down)?;
         let found = task.minimise(&near.x, task.free(), TOLERANCE, &mut work).ok_or_else(no_ring_down)?;
         Ok((task, found))
+    }
+
+    /// Variance of residuals that the forward model itself accounts for.
+    pub(crate) fn least_variance(&self) -> f64 {
+        let floor = |r: &Prepared| (NOISE_FLOOR * r.root_mean_square() / r.scale).powi(2);
+        self.records.iter().map(floor).fold(0.0, f64::max)
     }
 
     pub(crate) fn refined(&self, minimum: &Minimum) -> Refined {

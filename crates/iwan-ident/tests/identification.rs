@@ -106,10 +106,14 @@ fn coverage(truth: &Parameters, clean: &[f64], dt: f64, decibels: f64, repetitio
 #[test]
 fn try_it() {
     let dt = 1.0 / 5000.0;
-    for (ratio, level) in [(1.5, 40.0), (0.3, 40.0), (1.5, 20.0), (0.3, 20.0)] {
+    let clean = record(&MODE_1, 0.3, dt, 1500);
+    for seed in 1..4 {
         let now = std::time::Instant::now();
-        let clean = record(&MODE_1, ratio, dt, 1500);
-        coverage(&MODE_1, &clean, dt, level, 40);
-        eprintln!("ratio {ratio} {level} {:?}", now.elapsed());
+        let found = identified(&[noisy(&clean, 40.0, seed)], dt);
+        eprintln!("seed {seed} {:?}", now.elapsed());
+        print(&found);
+        for p in &found.profiles.parameters[2..4] {
+            eprintln!("{:.3?}", p.points);
+        }
     }
 }

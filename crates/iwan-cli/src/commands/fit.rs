@@ -8,11 +8,12 @@ use iwan_sim::{Method, Settings};
 
 use crate::args::{FitArgs, Format};
 use crate::commands::simulate::columns;
+use crate::extraction::Extraction;
 use crate::failure::Failure;
-use crate::identified::{Identified, step};
+use crate::identified::{Identified, extract, step};
 use crate::output;
 use crate::parallel::in_parallel;
-use crate::progress;
+use crate::progress::{self, Progress};
 use crate::records::{self, Recording, Units, Wanted};
 use crate::report;
 use crate::results::Results;
@@ -37,8 +38,7 @@ pub(crate) fn run(args: &FitArgs) -> Result<(), Failure> {
     recordings.iter().flat_map(|r| &r.warnings).for_each(|w| note(&format!("warning: {w}")));
 
     let wanted = records::modes(&recordings, &args.records)?;
-    let identified = identify_all(&recordings, &wanted, args)?;
-    progress::check_interrupt()?;
+    let identified = identify_all(&recordings, wanted, args)?;
     let units = Units::new(
         recordings[0].record.unit(),
         recordings[0].quantity,
@@ -55,14 +55,24 @@ pub(crate) fn run(args: &FitArgs) -> Result<(), Failure> {
     output::result(&if args.common.json { summary.json() } else { summary.text() })
 }
 
+/// A hundred thousand ring-downs may take a while: Ctrl-C ends them at once.
 fn identify_all(
     recordings: &[Recording],
-    wanted: &[Wanted],
+    wanted: Vec<Wanted>,
     args: &FitArgs,
 ) -> Result<Vec<Identified>, Failure> {
-    let (method, axis) = (args.method.method(), args.records.force_axis);
-    let one = |mode: &Wanted| Identified::new(recordings, mode, method, axis, &args.hold);
-    in_parallel(wanted, args.common.thread_count(), &one).into_iter().collect()
+    let (method, axis, threads) = (args.method.method(), args.records.force_axis, args.common.thread_count());
+    let (recordings, hold) = (recordings.to_vec(), args.hold.clone());
+    let work = move || {
+        let first = |mode: &Wanted| extract(&recordings, mode, method);
+        let extracted: Result<Vec<_>, Failure> = in_parallel(&wanted, threads, &first).into_iter().collect();
+        let pairs: Vec<_> = wanted.into_iter().zip(extracted?).collect();
+        let then = |(mode, extractions): &(Wanted, Vec<Extraction>)| {
+            Identified::new(&recordings, mode, extractions.clone(), axis, &hold)
+        };
+        in_parallel(&pairs, threads, &then).into_iter().collect()
+    };
+    Progress::busy("identifying", args.common.quiet).wait(work)?
 }
 
 const fn table_names(format: Format) -> [&'static str; 2] {

@@ -51,6 +51,17 @@ def _axes(ax: Axes | None) -> Axes:
     return pyplot.subplots(layout="constrained")[1]
 
 
+def _readable(ax: Axes) -> None:
+    """Plain ticks on logarithmic axes that cover about a decade: powers of ten would label one of them, or overlap."""
+    from matplotlib.ticker import MaxNLocator, NullFormatter, ScalarFormatter
+
+    for axis, scale, (low, high) in [(ax.xaxis, ax.get_xscale(), ax.get_xlim()), (ax.yaxis, ax.get_yscale(), ax.get_ylim())]:
+        if scale == "log" and high < 12 * low:
+            axis.set_major_locator(MaxNLocator(5, steps=[1, 2, 5, 10]))
+            axis.set_major_formatter(ScalarFormatter())
+            axis.set_minor_formatter(NullFormatter())
+
+
 def ring_down(
     response: Response | Record,
     *,
@@ -179,6 +190,7 @@ def frequency(
     """
     ax = _against_amplitude(envelopes, mode, quantity, "frequency", 1.0, _axes(ax))
     ax.set(ylabel="frequency (Hz)")
+    _readable(ax)
     return ax
 
 
@@ -197,6 +209,7 @@ def damping(
     """
     ax = _against_amplitude(envelopes, mode, quantity, "damping_ratio", 100.0, _axes(ax))
     ax.set(yscale="log", ylabel="damping ratio (%)")
+    _readable(ax)
     return ax
 
 
@@ -266,6 +279,7 @@ def fitted(
         ax.set(yscale="log")
     if len(fit.envelopes) > 1:
         ax.legend()
+    _readable(ax)
     return ax
 
 
@@ -291,7 +305,7 @@ def profile(fit: Fit, parameter: str, *, ax: Axes | None = None) -> Axes:
             ax.axvline(end, color="grey", linewidth=0.8, linestyle=":")
     if len(values) > 0 and values.min() > 0 and values.max() > 20 * values.min():
         ax.set(xscale="log")
-    ax.set(xlabel=parameter, ylabel="deviance", ylim=(-0.05 * 3 * fit.limit, 3 * fit.limit))
+    ax.set(xlabel=parameter, ylabel="deviance", ylim=(-0.15 * fit.limit, 3 * fit.limit))
     ax.legend()
     return ax
 

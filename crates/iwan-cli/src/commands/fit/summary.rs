@@ -139,18 +139,21 @@ impl Estimate {
 
 /// An interval as text: open ends say so.
 pub(crate) fn interval(e: &Estimate) -> String {
-    let digits = |x: f64| match e.value.abs() {
-        // Intervals may be narrower than four digits show.
-        v if v > 0.0 => format!("{x:.*}", (6 - v.log10().floor() as i32).clamp(0, 12) as usize),
-        _ => short(x),
-    };
     match (e.held, e.low, e.high) {
         (true, ..) => "held".into(),
-        (_, Some(low), Some(high)) => format!("{} to {}", digits(low), digits(high)),
-        (_, Some(low), None) => format!("> {}, open above", digits(low)),
-        (_, None, Some(high)) => format!("< {}, open below", digits(high)),
+        (_, Some(low), Some(high)) => {
+            let decimals = decimals(high - low, 1);
+            format!("{low:.decimals$} to {high:.decimals$}")
+        }
+        (_, Some(low), None) => format!("> {}, open above", short(low)),
+        (_, None, Some(high)) => format!("< {}, open below", short(high)),
         (_, None, None) => "open on both sides".into(),
     }
+}
+
+/// Decimals by which a number of this size shows so many digits behind its first.
+fn decimals(size: f64, more: i32) -> usize {
+    if size > 0.0 { (more - size.log10().floor() as i32).clamp(0, 14) as usize } else { 6 }
 }
 
 impl FitSummary {
@@ -248,7 +251,11 @@ impl ModeFit {
 
     /// Writing to a string cannot fail.
     fn write(&self, text: &mut String) {
-        let verdict = if self.adequate { "the model matches" } else { "THE MODEL DOES NOT MATCH" };
+        let verdict = match (self.linear.is_enough, self.adequate) {
+            (true, _) => "a linear mode is enough, the joint is not needed",
+            (_, true) => "the model matches",
+            (_, false) => "THE MODEL DOES NOT MATCH",
+        };
         let _ = writeln!(text, "\n{}: {verdict}", self.name);
         let _ = writeln!(text, "\n{:<24}{:>14}   95 % interval", "parameter", "value");
         for (label, _, of) in &ROWS {
