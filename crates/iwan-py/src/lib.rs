@@ -45,7 +45,7 @@ mod _native {
     #[pymodule_export]
     use crate::pulse::{HalfSine, Haversine, Pulse, Sampled, Sine, Step};
     #[pymodule_export]
-    use crate::record::{_record, Record, read_record};
+    use crate::record::{_read_bytes, _record, Record, read_record};
     #[pymodule_export]
     use crate::response::{_response, Response};
     #[pymodule_export]

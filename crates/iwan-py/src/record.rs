@@ -8,8 +8,9 @@ use iwan_ident::signal::Options;
 use iwan_io::{Format, Quantity, ReadOptions};
 use numpy::ndarray::Axis;
 use numpy::{PyArray1, PyArray2, PyArrayMethods, PyUntypedArrayMethods};
-use pyo3::IntoPyObjectExt;
 use pyo3::prelude::*;
+use pyo3::types::IntoPyDict;
+use pyo3::{IntoPyObjectExt, intern};
 
 use crate::array::{Numbers, array, freeze, frozen_rows};
 use crate::errors::{identification, reading, value, wrong_type};
@@ -162,18 +163,12 @@ fn combination(
     }
 }
 
-/// A record, or a bare array with `dt`.
+/// A record, or whatever `iwan.as_record` makes one of.
 fn taken<'py>(record: &Bound<'py, PyAny>, dt: Option<f64>) -> PyResult<Bound<'py, Record>> {
-    match record.cast::<Record>() {
-        Ok(_) if dt.is_some() => Err(value("dt goes with a bare array: a Record has its own")),
-        Ok(record) => Ok(record.clone()),
-        Err(_) => {
-            let Some(dt) = dt else {
-                return Err(value("dt is missing: a bare array needs its sampling interval in seconds, dt="));
-            };
-            Bound::new(record.py(), Record::new(record, dt, None, "unknown", "", 0.0)?)
-        }
-    }
+    let py = record.py();
+    let options = [("dt", dt)].into_py_dict(py)?;
+    let made = py.import(intern!(py, "iwan.records"))?.getattr(intern!(py, "as_record"))?;
+    Ok(made.call((record,), Some(&options))?.cast_into()?)
 }
 
 impl Record {
@@ -373,5 +368,24 @@ pub(crate) fn read_record(
     let quantity = quantity.map(|name| choose("quantity", name, &QUANTITIES)).transpose()?;
     let options = ReadOptions { format, time, channels, rate, quantity, resample };
     let record = work::run(py, true, move |_| iwan_io::read(path, &options))?;
+    Record::wrap(py, &record.map_err(|error| reading(&error))?)
+}
+
+/// Reads a record from the bytes of a file.
+#[pyfunction]
+#[expect(clippy::too_many_arguments, reason = "keyword arguments of Python")]
+pub(crate) fn _read_bytes(
+    py: Python<'_>,
+    name: PathBuf,
+    bytes: &[u8],
+    time: Option<String>,
+    channels: Vec<String>,
+    rate: Option<f64>,
+    quantity: Option<&str>,
+    resample: bool,
+) -> PyResult<Record> {
+    let quantity = quantity.map(|name| choose("quantity", name, &QUANTITIES)).transpose()?;
+    let options = ReadOptions { format: None, time, channels, rate, quantity, resample };
+    let record = iwan_io::read_bytes(&name, bytes, &options);
     Record::wrap(py, &record.map_err(|error| reading(&error))?)
 }

@@ -160,6 +160,15 @@ impl Response {
         Ok(dict)
     }
 
+    /// An `xarray.Dataset` of the histories over `t` (s); the figures are its attributes. Needs xarray.
+    ///
+    /// >>> response = iwan.simulate(iwan.Mode(frequency=10.0), dt=1e-2, duration=1.0, initial=(1.0, 0.0))
+    /// >>> dict(response.to_xarray().sizes), sorted(response.to_xarray().data_vars)
+    /// ({'t': 101}, ['acceleration', 'displacement', 'joint_force', 'velocity'])
+    fn to_xarray<'py>(slf: &Bound<'py, Self>) -> PyResult<Bound<'py, PyAny>> {
+        slf.py().import("iwan._xarray")?.call_method1("dataset", (slf,))
+    }
+
     fn __reduce__<'py>(slf: &Bound<'py, Self>) -> PyResult<Remake<'py>> {
         let (py, this) = (slf.py(), slf.get());
         let iwan_sim::Response { dt, energy: e, quality: q, strongest, seconds, .. } = &this.summary;

@@ -70,7 +70,7 @@ def test_several_levels_and_records_are_fitted_together():
 
 
 def test_shapes_and_masses_scale():
-    x = ring_down(0.2).acceleration
+    x = ring_down(0.2, 0.25).acceleration
     record = iwan.Record([20.0 * x, -10.0 * x], dt=DT, quantity="acceleration")
     shaped = iwan.fit(record, shape=[20.0, -10.0])
     plain = iwan.fit(x, dt=DT)

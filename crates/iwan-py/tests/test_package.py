@@ -74,13 +74,17 @@ def test_errors_are_one_tree():
     assert issubclass(iwan.InvalidValueError, ValueError) and issubclass(iwan.FileError, OSError)
 
 
-@pytest.mark.parametrize("page", [HERE.parent / "README.md", HERE.parents[2] / "README.md"], ids=["package", "project"])
+PAGES = {"package": HERE.parent / "README.md", "project": HERE.parents[2] / "README.md", "book": HERE.parents[2] / "book/src/python.md"}
+
+
+@pytest.mark.parametrize("page", PAGES.values(), ids=PAGES.keys())
 def test_readme_examples(page):
     text = page.read_text()
     blocks = re.findall(r"```python\n(.*?)```", text, flags=re.S)
     assert blocks
+    names = {}
     for block in blocks:
-        exec(compile(block, str(page), "exec"), {})
+        exec(compile(block, str(page), "exec"), names)
 
 
 def test_the_version_is_the_distributions():

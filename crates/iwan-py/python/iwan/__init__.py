@@ -47,6 +47,8 @@ from iwan.errors import (
     RecordError,
 )
 
+from iwan.records import as_record
+
 __all__ = [
     "ComputationError",
     "Envelope",
@@ -74,6 +76,7 @@ __all__ = [
     "Tabulated",
     "Uniform",
     "__version__",
+    "as_record",
     "ensemble",
     "envelope",
     "fit",

@@ -5,6 +5,7 @@ from os import PathLike
 from typing import Any, Final, Literal, final, overload
 
 from numpy.typing import ArrayLike
+from xarray import Dataset
 
 from iwan.types import Array, Energy, EnvelopeMethod, Grid, Method, Motion, Quantity, Statistics
 
@@ -180,6 +181,7 @@ class Response:
     def energy(self) -> Energy: ...
     @property
     def statistics(self) -> Statistics: ...
+    def to_xarray(self) -> Dataset: ...
     def __len__(self) -> int: ...
 
 @overload
@@ -369,3 +371,14 @@ def _identify(
     order: int | None,
     hold: Sequence[tuple[str, float]],
 ) -> _Identified: ...
+
+# Behind iwan.as_record.
+def _read_bytes(
+    name: str,
+    bytes: bytes,
+    time: str | None,
+    channels: Sequence[str],
+    rate: float | None,
+    quantity: str | None,
+    resample: bool,
+) -> Record: ...

@@ -190,9 +190,9 @@ class LogLikelihood:
     >>> response = iwan.simulate(mode, dt=2e-4, duration=0.4, initial=(0.5 * joint.phi_max, 0.0), method="half-cycle")
     >>> likelihood = iwan.log_likelihood(iwan.fit(response.acceleration, dt=2e-4))
     >>> sampler = emcee.EnsembleSampler(20, len(likelihood.names), likelihood, vectorize=True)
-    >>> _ = sampler.run_mcmc(likelihood.walkers(20), 10)
+    >>> _ = sampler.run_mcmc(likelihood.walkers(20), 30)
     >>> likelihood.to_arviz(sampler).posterior["chi"].shape
-    (20, 10)
+    (20, 30)
     """
 
     def __init__(self, native: Any) -> None:

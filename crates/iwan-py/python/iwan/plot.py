@@ -56,7 +56,7 @@ def _readable(ax: Axes) -> None:
     from matplotlib.ticker import MaxNLocator, NullFormatter, ScalarFormatter
 
     for axis, scale, (low, high) in [(ax.xaxis, ax.get_xscale(), ax.get_xlim()), (ax.yaxis, ax.get_yscale(), ax.get_ylim())]:
-        if scale == "log" and high < 12 * low:
+        if scale == "log" and high < 30 * low:
             axis.set_major_locator(MaxNLocator(5, steps=[1, 2, 5, 10]))
             axis.set_major_formatter(ScalarFormatter())
             axis.set_minor_formatter(NullFormatter())
@@ -253,11 +253,7 @@ def fitted(
 
     `show`: dissipation per cycle (the paper's Fig. 6 and 7), frequency, or damping ratio. One colour for each record.
 
-    >>> joint = iwan.FourParameter(k_t=4.45e4, f_s=239.4, chi=-0.183, beta=0.3)
-    >>> mode = iwan.Mode(frequency=124.0, joint=joint, damping_ratio=1e-3)
-    >>> response = iwan.simulate(mode, dt=2e-4, duration=0.4, initial=(0.2 * joint.phi_max, 0.0), method="half-cycle")
-    >>> iwan.plot.fitted(iwan.fit(response.acceleration, dt=2e-4)).get_xlabel()
-    'modal force'
+    Example: that of `examples/2_fit_of_a_record.py`.
     """
     ax = _axes(ax)
     scale = 100.0 if show == "damping_ratio" else 1.0
@@ -287,11 +283,7 @@ def profile(fit: Fit, parameter: str, *, ax: Axes | None = None) -> Axes:
     """Draw the profile likelihood of a parameter of a fit: the deviance against its values, the 95 % limit, and the ends of
     the interval. Where the curve never crosses the limit, the records do not bound the parameter on that side.
 
-    >>> joint = iwan.FourParameter(k_t=4.45e4, f_s=239.4, chi=-0.183, beta=0.3)
-    >>> mode = iwan.Mode(frequency=124.0, joint=joint, damping_ratio=1e-3)
-    >>> response = iwan.simulate(mode, dt=2e-4, duration=0.4, initial=(0.2 * joint.phi_max, 0.0), method="half-cycle")
-    >>> iwan.plot.profile(iwan.fit(response.acceleration, dt=2e-4), "f_s").get_ylabel()
-    'deviance'
+    Example: that of `examples/3_uncertainty.py`.
     """
     if parameter not in fit.profiles:
         raise InvalidValueError(f"parameter = '{parameter}' is not known: choose one of {', '.join(fit.profiles)}")
