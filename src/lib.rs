@@ -1,6 +1,7 @@
 #![doc = include_str!("../README.md")]
 
 pub use iwan_core as core;
+pub use iwan_fem as fem;
 pub use iwan_ident as ident;
 pub use iwan_io as io;
 pub use iwan_sim as sim;

@@ -24,3 +24,20 @@ pub trait Hysteresis<State> {
     /// Elastic energy ½∫ρ x² stored in the sliders' springs: what the joint could give back.
     fn stored_energy(&self, state: &State) -> f64;
 }
+
+/// A joint law that tells the force ahead while its state stays where it is: what an iteration over several joints needs,
+/// whose trial points must leave no trace in the memory.
+pub trait Trial<State>: Hysteresis<State> {
+    /// Force F and tangent dF/du that a monotone motion to the displacement `u` would end with.
+    ///
+    /// ```
+    /// use iwan_core::{Hysteresis, Run, Slider, Sliders, Trial};
+    /// let mut table = [Slider::default(); 3];
+    /// let sliders = Sliders::from_elements(&[0.1, 0.3], &[2.0, 1.0], &mut table)?;
+    /// let state = sliders.virgin([Run::default(); 2])?;
+    /// assert_eq!(sliders.trial(&state, 0.2), (0.4, 1.0)); // the first slider would slip, the second hold
+    /// assert_eq!(sliders.joint_force(&state), 0.0);
+    /// # Ok::<(), iwan_core::Error>(())
+    /// ```
+    fn trial(&self, state: &State, u: f64) -> (f64, f64);
+}

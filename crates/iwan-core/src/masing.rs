@@ -6,6 +6,8 @@
 //! goes on (G. Masing, 1926; D. J. Segalman and M. J. Starr, Int. J. Non-Linear Mech. 43:74, 2008,
 //! doi:10.1016/j.ijnonlinmec.2007.10.010). The outermost loop closes on the virgin curve.
 
+mod trial;
+
 use crate::backbone::Backbone;
 use crate::error::Error;
 use crate::hysteresis::Hysteresis;

@@ -13,6 +13,8 @@
 //! where C, fixed when the run was made, is the force of all older runs at a. The force is a
 //! function of the state and not a sum over the past, so rounding does not drift.
 
+mod trial;
+
 use crate::error::{Error, check_length};
 use crate::hysteresis::Hysteresis;
 use crate::sliders::{Slider, Sliders};
@@ -71,6 +73,22 @@ pub(crate) struct Segment {
     pub(crate) reach: f64,
 }
 
+/// The straight piece of F(u) on which a state stands and moves on: while the motion keeps its direction and does not
+/// pass `end`, F = base + stiffness·(u - anchor), and the state needs to be moved only when that ends.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Straight {
+    /// Displacement from which the piece counts.
+    pub anchor: f64,
+    /// Force there, on the extended straight line.
+    pub base: f64,
+    /// Slope.
+    pub stiffness: f64,
+    /// Direction of motion, ±1.
+    pub direction: f64,
+    /// Displacement at which the next slider breaks loose.
+    pub end: f64,
+}
+
 impl Segment {
     /// What the straight line lies above `force` at the displacement `u`.
     #[inline]
@@ -91,6 +109,25 @@ impl Sliders<'_> {
         }
         slice[0] = self.untouched();
         Ok(Runs { u: 0.0, direction: 1.0, frontier: 0, top: 0, list: runs })
+    }
+
+    /// The straight piece on which `state` moves on.
+    ///
+    /// ```
+    /// use iwan_core::{Hysteresis, Run, Slider, Sliders};
+    /// let mut table = [Slider::default(); 3];
+    /// let sliders = Sliders::from_elements(&[0.1, 0.3], &[2.0, 1.0], &mut table)?;
+    /// let mut state = sliders.virgin([Run::default(); 2])?;
+    /// sliders.advance(&mut state, 0.2);
+    /// let piece = sliders.straight(&state);
+    /// assert_eq!((piece.stiffness, piece.direction, piece.end), (1.0, 1.0, 0.3));
+    /// # Ok::<(), iwan_core::Error>(())
+    /// ```
+    #[must_use]
+    pub fn straight<S: AsRef<[Run]> + AsMut<[Run]>>(&self, state: &Runs<S>) -> Straight {
+        let Segment { anchor, base, stiffness, reach } = state.segment(self.table());
+        let direction = state.direction;
+        Straight { anchor, base, stiffness, direction, end: anchor + direction * reach }
     }
 
     fn untouched(&self) -> Run {

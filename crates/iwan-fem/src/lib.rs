@@ -3,4 +3,46 @@
 //! The way of the data: [`mesh`] → matrices → modes → reduced model → joints → truth response → modal filter → record.
 //! Units are the user's own consistent set.
 
+mod assembly;
+mod constraints;
+mod contact;
+mod converged;
+mod dofs;
+mod eigen;
+mod element;
+mod error;
+mod factor;
+mod full_stepper;
+mod joint;
+mod material;
 pub mod mesh;
+mod modal_filter;
+mod modes;
+mod quasi_static;
+mod reduced_transient;
+mod reduction;
+mod slip_solver;
+mod transient;
+
+mod ordering;
+pub mod paper;
+
+mod sparse;
+
+mod structure;
+
+pub use assembly::Assembled;
+pub use contact::Population;
+pub use converged::Converged;
+pub use dofs::Unknown;
+pub use element::{ElementMatrices, Formulation, Inertia};
+pub use error::Error;
+pub use joint::SlipUnknown;
+pub use material::Material;
+pub use modal_filter::ModalFilter;
+pub use modes::{Class, Contact, JointMode, Modes};
+pub use quasi_static::{ModalCurves, QuasiStatic};
+pub use reduction::{Basis, Reduced};
+pub use sparse::Symmetric;
+pub use structure::{Interface, Joint, Law, Lump, Patch, Slip, Structure, Support};
+pub use transient::{History, Output, Progress, SlipHistory, Transient, TruthResponse};

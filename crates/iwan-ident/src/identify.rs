@@ -11,6 +11,7 @@ use crate::curves::{Curves, ForceAxis, Quantity};
 use crate::error::{Error, check};
 use crate::fit::{Fit, fit_from};
 use crate::least_squares::Minimum;
+use crate::likelihood::Likelihood;
 use crate::parameters::{Parameter, Parameters};
 use crate::profile::{Extent, Profile, Profiles, profiles, slip_seen};
 use crate::refine::{Refined, RingDown, Task};
@@ -67,7 +68,7 @@ impl Linear {
 }
 
 /// What records tell about a mode.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone)]
 pub struct Identification {
     /// The parameters.
     pub parameters: Parameters,
@@ -75,6 +76,8 @@ pub struct Identification {
     pub profiles: Profiles,
     /// The refinement behind them.
     pub refined: Refined,
+    /// The records' likelihood, for samplers.
+    pub likelihood: Likelihood,
     /// Start values off the curves of the loudest record.
     pub start: Start,
     /// The fit on the curves that the refinement began with.
@@ -131,7 +134,7 @@ impl Identification {
 }
 
 /// A record on its way.
-pub(crate) struct Prepared<'a> {
+struct Prepared<'a> {
     source: Source<'a>,
     isolated: Isolated,
     envelope: Envelope,
@@ -143,7 +146,7 @@ pub(crate) struct Prepared<'a> {
 }
 
 impl<'a> Prepared<'a> {
-    pub(crate) fn new(source: Source<'a>, settings: &Settings) -> Result<Self, Error> {
+    fn new(source: Source<'a>, settings: &Settings) -> Result<Self, Error> {
         let isolated = isolate(source.samples, source.dt, &settings.options)?;
         let envelope = isolated.envelope(settings.method, settings.options.order)?;
         let curves = Curves::new(&envelope, source.quantity, ForceAxis::Modal)?;
@@ -160,7 +163,7 @@ impl<'a> Prepared<'a> {
         Ok(Self { source, isolated, envelope, curves, stretch, first, band })
     }
 
-    pub(crate) fn ring_down(&self) -> RingDown<'_> {
+    fn ring_down(&self) -> RingDown<'_> {
         RingDown {
             samples: &self.stretch,
             dt: self.source.dt,
@@ -188,6 +191,7 @@ impl<'a> Prepared<'a> {
 /// ```
 /// use iwan_core::{Decay, Reversal, Samples};
 /// use iwan_ident::{Parameter, Parameters, curves::Quantity, identify::{Settings, Source, identify}};
+/// use iwan_ident::likelihood::Buffers;
 /// let truth = Parameters { frequency: 124.0, damping_ratio: 1e-3, k_t: 4.45e4, f_s: 239.4, chi: -0.183, beta: 0.3 };
 /// let (oscillator, joint) = truth.model()?;
 /// let (dt, mut out) = (2e-4, [vec![0.0; 2000], vec![0.0; 2000], vec![0.0; 2000], vec![0.0; 2000]]);
@@ -200,6 +204,11 @@ impl<'a> Prepared<'a> {
 /// assert!(found.verdict.adequate && found.profile(Parameter::Chi).identifiable());
 /// assert!((found.parameters.chi + 0.183).abs() < 0.004);
 /// assert!(found.profile(Parameter::FS).high.is_none() && !found.profile(Parameter::Beta).identifiable());
+/// // For a sampler: nothing is likelier than the best fit, by more than the rounding of the search.
+/// let (likelihood, mut buffers) = (&found.likelihood, Buffers::default());
+/// let other = Parameters { chi: -0.19, ..found.parameters };
+/// let best = likelihood.log(&found.parameters, likelihood.starts(), &mut buffers).unwrap();
+/// assert!(best > likelihood.log(&other, likelihood.starts(), &mut buffers).unwrap());
 /// # Ok::<(), iwan_ident::Error>(())
 /// ```
 pub fn identify(sources: &[Source<'_>], settings: &Settings) -> Result<Identification, Error> {
@@ -225,6 +234,7 @@ pub fn identify(sources: &[Source<'_>], settings: &Settings) -> Result<Identific
         notes: prepared.iter().flat_map(Prepared::notes).chain(start.notes.iter().cloned()).collect(),
         envelopes: prepared.iter().map(|p| p.envelope.clone()).collect(),
         first_samples: prepared.iter().map(|p| p.first).collect(),
+        likelihood: Likelihood::new(&task, profiles.variance, &refined.parameters, &refined.starts),
         profiles,
         refined,
         start,
@@ -263,12 +273,17 @@ fn on_curves(curves: &[Curves], held: &[(Parameter, f64)]) -> Result<(Start, Fit
 fn minimum_and_profiles(task: &mut Task, first: &Parameters) -> Result<(Minimum, Profiles), Error> {
     let mut minimum = task.solve(first)?;
     let first = task.coordinates(first)?;
-    let mut round = 0;
+    let (mut round, mut finished) = (0, false);
     loop {
         let micro_slip = task.micro_slip(&[&minimum.x, &first]);
         let extent = if slip_seen(task, &minimum, micro_slip.as_ref()) { Extent::Full } else { Extent::MicroSlip };
-        if let (Extent::MicroSlip, Some(without)) = (extent, &micro_slip) {
-            minimum = without.clone();
+        match (extent, &micro_slip) {
+            (Extent::MicroSlip, Some(without)) => minimum = without.clone(),
+            _ if finished => {}
+            _ => {
+                (minimum, finished) = (task.finish(&minimum)?, true);
+                continue;
+            }
         }
         match profiles(task, &minimum, micro_slip.as_ref(), (extent, round > ANEW)) {
             Ok(profiles) => return Ok((minimum, profiles)),

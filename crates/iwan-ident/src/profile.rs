@@ -8,7 +8,7 @@
 use crate::chart::Chart;
 use crate::least_squares::Minimum;
 use crate::parameters::{Parameter, Parameters};
-use crate::refine::{Task, Workspace};
+use crate::refine::{KNEE_UNSEEN, Task, Workspace};
 
 /// 97.5 % point of the normal distribution: intervals hold 95 %.
 const NORMAL: f64 = 1.959963984540054;
@@ -16,6 +16,10 @@ const NORMAL: f64 = 1.959963984540054;
 const FARTHEST: f64 = 7.0;
 /// First step when the curvature says nothing.
 const FIRST_STEP: f64 = 0.1;
+/// Steps below the largest amplitude.
+const CLOSE: f64 = 0.15;
+/// Beginnings that are tried at most.
+const WAYS: usize = 3;
 /// Steps outwards, and rounds to bring an end to the precision.
 const OUTWARDS: usize = 24;
 const INWARDS: usize = 16;
@@ -65,6 +69,8 @@ pub struct Profiles {
     pub parameters: Vec<Profile>,
     /// Deviance at the ends of the intervals: the square of Student's t.
     pub limit: f64,
+    /// Variance of the whitened residuals that the deviances are in units of.
+    pub(crate) variance: f64,
 }
 
 /// What all profiles of a task share.
@@ -108,6 +114,8 @@ struct Walk<'a> {
     scale: &'a Scale,
     /// A deviance below this is a better minimum.
     better: f64,
+    /// Whether the record shows no upper end: the walk leads down to where φ_max meets the largest amplitude.
+    unseen: bool,
     work: Workspace,
     /// Coordinate, deviance and all coordinates of each point.
     points: Vec<(f64, f64, Vec<f64>)>,
@@ -124,8 +132,8 @@ enum End {
 pub(crate) enum Extent {
     /// All parameters follow.
     Full,
-    /// The records do not see macro-slip: frequency, damping and χ are judged without it, and of K_T and F_S only the
-    /// least that the records need is known.
+    /// The records do not see macro-slip: the minimum is that without it, although noise may be told a little better with
+    /// it. Of K_T and F_S only the least that the records need is known.
     MicroSlip,
 }
 
@@ -150,7 +158,7 @@ pub(crate) fn profiles(
     if let Some(best) = best {
         return Err(best.clone());
     }
-    Ok(Profiles { parameters: results.into_iter().flatten().collect(), limit: scale.limit })
+    Ok(Profiles { parameters: results.into_iter().flatten().collect(), limit: scale.limit, variance: scale.variance })
 }
 
 /// Deviance of the best fit without macro-slip about the best fit; none where a held parameter decides on that.
@@ -177,8 +185,7 @@ fn profile(
     let (minimum, micro_slip) = (chart.from(task, minimum), micro_slip.map(|m| chart.from(task, m)));
     let of = |x: &[f64]| chart.chart.parameters(x).get(parameter);
     let coordinate = chart.chart.index(parameter);
-    let fixed = |j: &usize| extent == Extent::MicroSlip && !one_sided && (*j == 4 || *j == 5);
-    let free: Vec<usize> = chart.free().into_iter().filter(|j| *j != coordinate && !fixed(j)).collect();
+    let free: Vec<usize> = chart.free().into_iter().filter(|j| *j != coordinate).collect();
     for direction in if one_sided { &[-1.0][..] } else { &[-1.0, 1.0] } {
         let mut walk = Walk {
             task: &chart,
@@ -188,7 +195,8 @@ fn profile(
             minimum: &minimum,
             micro_slip: micro_slip.as_ref(),
             scale,
-            better: if one_sided { f64::NEG_INFINITY } else { scale.better },
+            better: if extent == Extent::MicroSlip { f64::NEG_INFINITY } else { scale.better },
+            unseen: one_sided,
             work: Workspace::default(),
             points: vec![],
         };
@@ -221,6 +229,7 @@ impl Walk<'_> {
             .filter_map(|x| Some((self.task.cost(&x, &mut self.work)?, x)))
             .collect();
         ways.sort_by(|a, b| a.0.total_cmp(&b.0));
+        ways.truncate(WAYS);
         let mut best: Option<Minimum> = None;
         for (_, x) in ways {
             let found = self.task.minimise(&x, self.free.clone(), TOLERANCE, &mut self.work);
@@ -308,6 +317,9 @@ impl Walk<'_> {
             // Where the root of the deviance grows evenly, a little beyond the limit.
             let growth = (self.scale.limit / deviance.max(1e-3 * self.scale.limit)).sqrt();
             step = (1.1 * growth * (at - start).abs() - (at - start).abs()).clamp(0.3 * step, 4.0 * step);
+            if self.unseen {
+                step = step.min(CLOSE);
+            }
             inside = (at, deviance);
         }
         Ok(End::Open)
@@ -346,8 +358,13 @@ impl Walk<'_> {
         Ok(closed.then(|| inside.0 + share(inside.1, outside.1) * (outside.0 - inside.0)))
     }
 
-    /// Student's t times the standard deviation by curvature.
+    /// Student's t times the standard deviation by curvature; to where φ_max is the largest amplitude when it is unseen.
     fn first_step(&mut self) -> f64 {
+        if self.unseen {
+            let chi = self.task.chart.parameters(&self.minimum.x).chi;
+            let power = if self.parameter == Parameter::KT { chi + 1.0 } else { chi + 2.0 };
+            return power * KNEE_UNSEEN.ln();
+        }
         let free: Vec<usize> = self.free.iter().copied().chain([self.coordinate]).collect();
         let place = Some(free.len() - 1);
         let search = self.task.search(free, (0, 0.0));

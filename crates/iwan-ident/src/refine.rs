@@ -30,7 +30,7 @@ const DIRACS: [f64; 2] = [0.02, 0.4];
 /// Part of ω0² that the joint has at most where nothing else limits it.
 const MOST_JOINT: f64 = 0.9;
 /// φ_max over the largest amplitude where no record reaches it: any larger one would do.
-const KNEE_UNSEEN: f64 = 2.0;
+pub(crate) const KNEE_UNSEEN: f64 = 2.0;
 /// Iterations of the first search from each start, and of the last.
 const ITERATIONS: (usize, usize) = (30, 100);
 /// Hops over creases, as coordinate (K_T or F_S, β/(1+β)) and step.
@@ -112,7 +112,7 @@ struct Prepared {
 }
 
 /// Buffers that all evaluations of a search share.
-#[derive(Debug, Default)]
+#[derive(Debug, Clone, Default)]
 pub(crate) struct Workspace {
     stack: Vec<Reversal>,
     model: Vec<Complex64>,
@@ -223,26 +223,32 @@ impl Task {
         Ok(x)
     }
 
-    /// Coordinates of parameters and of each record's start: displacement at a turning point, and its time in s.
-    pub(crate) fn coordinates_at(
+    /// Whitened residuals over each record's standard deviation.
+    pub(crate) fn residuals(&self, x: &[f64], out: &mut [f64], work: &mut Workspace) -> bool {
+        let starts = self.starts_at(x);
+        self.residuals_of(&self.chart.parameters(x), &starts, out, work)
+    }
+
+    /// The same for parameters and the turning points of the records.
+    pub(crate) fn residuals_of(
         &self,
         parameters: &Parameters,
         starts: &[(f64, f64)],
-    ) -> Result<Vec<f64>, Error> {
-        let (mut x, omega) = (self.coordinates(parameters)?, TAU * parameters.frequency);
-        for ((own, record), (q, t)) in x[COUNT..].chunks_exact_mut(OWN).zip(&self.records).zip(starts) {
-            (own[0], own[1]) = ((q / record.start.0).ln(), (t - record.start.1) * omega);
-        }
-        Ok(x)
-    }
-
-    /// Whitened residuals over each record's standard deviation.
-    pub(crate) fn residuals(&self, x: &[f64], out: &mut [f64], work: &mut Workspace) -> bool {
-        self.each_model(x, work, |record, model, range| {
+        out: &mut [f64],
+        work: &mut Workspace,
+    ) -> bool {
+        self.each_model(parameters, starts, work, |record, model, range| {
             record.whitening.apply(model);
             let left = record.white.iter().zip(model.iter()).map(|(z, m)| (z - m) / record.scale);
             out[range].chunks_exact_mut(2).zip(left).for_each(|(o, r)| (o[0], o[1]) = (r.re, r.im));
         })
+    }
+
+    /// Displacement and time of each record's turning point.
+    fn starts_at(&self, x: &[f64]) -> Vec<(f64, f64)> {
+        let omega = TAU * self.chart.parameters(x).frequency;
+        let own = x[COUNT..].chunks_exact(OWN);
+        own.zip(&self.records).map(|(own, record)| record.start_at(own, omega)).collect()
     }
 
     /// Whitened sum of squares; none where there is no model.
@@ -255,7 +261,8 @@ impl Task {
     /// Differences of log amplitudes and of unwrapped phases, weighted by amplitude.
     fn log_residuals(&self, x: &[f64], out: &mut [f64], work: &mut Workspace) -> bool {
         out.fill(0.0);
-        self.each_model(x, work, |record, model, range| {
+        let starts = self.starts_at(x);
+        self.each_model(&self.chart.parameters(x), &starts, work, |record, model, range| {
             let loud = record.loud();
             let loudest = record.amplitudes.iter().map(|z| z.norm()).fold(0.0, f64::max);
             let mut turned = (Complex64::new(1.0, 0.0), 0.0);
@@ -271,17 +278,16 @@ impl Task {
 
     fn each_model(
         &self,
-        x: &[f64],
+        parameters: &Parameters,
+        starts: &[(f64, f64)],
         work: &mut Workspace,
         mut compare: impl FnMut(&Prepared, &mut [Complex64], std::ops::Range<usize>),
     ) -> bool {
-        let parameters = self.chart.parameters(x);
-        let (omega, mut from) = (TAU * parameters.frequency, 0);
-        for (own, record) in x[COUNT..].chunks_exact(OWN).zip(&self.records) {
+        let mut from = 0;
+        for (start, record) in starts.iter().zip(&self.records) {
             work.model.resize(record.windows.count, Complex64::default());
-            let start = record.start_at(own, omega);
             let (stack, model) = (&mut work.stack, &mut work.model);
-            if !record.windows.of_model(&parameters, start, record.quantity, stack, model) {
+            if !record.windows.of_model(parameters, *start, record.quantity, stack, model) {
                 return false;
             }
             compare(record, model, from..from + 2 * record.windows.count);
@@ -296,12 +302,13 @@ impl Task {
 
     /// The least whitened sum of squares from `x`, until an iteration brings less than the relative `tolerance`.
     pub(crate) fn minimise(&self, x: &[f64], free: Vec<usize>, tolerance: f64, work: &mut Workspace) -> Option<Minimum> {
+        let iterations = if tolerance > TOLERANCE { ITERATIONS.0 } else { ITERATIONS.1 };
         let mut residuals = |x: &[f64], out: &mut [f64]| self.residuals(x, out, work);
-        self.search(free, (ITERATIONS.1, tolerance)).run(&mut residuals, x)
+        self.search(free, (iterations, tolerance)).run(&mut residuals, x)
     }
 
     /// Sets each record's standard deviation to that of its residuals at `x`.
-    pub(crate) fn weigh(&mut self, x: &[f64], work: &mut Workspace) {
+    fn weigh(&mut self, x: &[f64], work: &mut Workspace) {
         let mut out = vec![0.0; self.count()];
         if !self.residuals(x, &mut out, work) {
             return;
@@ -344,7 +351,7 @@ impl Task {
         Ok(starts)
     }
 
-    /// The best of all searches.
+    /// The best of all searches, roughly.
     pub(crate) fn solve(&mut self, first: &Parameters) -> Result<Minimum, Error> {
         let mut work = Workspace::default();
         let mut log = |x: &[f64], out: &mut [f64]| self.log_residuals(x, out, &mut work);
@@ -361,13 +368,20 @@ impl Task {
         }
         let best = best.ok_or_else(no_ring_down)?;
         self.weigh(&best.x, &mut work);
-        let best = self.minimise(&best.x, self.free(), TOLERANCE, &mut work).ok_or_else(no_ring_down)?;
-        if self.refined(&best).relative_residual > CREASE {
-            return Ok(best);
+        let cost = self.cost(&best.x, &mut work).ok_or_else(no_ring_down)?;
+        Ok(Minimum { cost, ..best })
+    }
+
+    /// The minimum itself, next to a rough one.
+    pub(crate) fn finish(&mut self, rough: &Minimum) -> Result<Minimum, Error> {
+        let mut work = Workspace::default();
+        let mut best = self.minimise(&rough.x, self.free(), TOLERANCE, &mut work).ok_or_else(no_ring_down)?;
+        if self.refined(&best).relative_residual < CREASE {
+            best = self.hop(best, &mut work);
+            self.weigh(&best.x, &mut work);
+            best = self.minimise(&best.x, self.free(), TOLERANCE, &mut work).ok_or_else(no_ring_down)?;
         }
-        let best = self.hop(best, &mut work);
-        self.weigh(&best.x, &mut work);
-        self.minimise(&best.x, self.free(), TOLERANCE, &mut work).ok_or_else(no_ring_down)
+        Ok(best)
     }
 
     /// Leaves creases of the sum of squares: it has one wherever an amplitude of the ring-down equals φ_max, because
@@ -435,9 +449,7 @@ impl Task {
 
     /// The largest amplitude of the model's ring-downs.
     fn loudest(&self, x: &[f64]) -> f64 {
-        let omega = TAU * self.chart.parameters(x).frequency;
-        let starts = x[COUNT..].chunks_exact(OWN).zip(&self.records);
-        starts.map(|(own, r)| r.start_at(own, omega).0.abs()).fold(0.0, f64::max)
+        self.starts_at(x).iter().map(|start| start.0.abs()).fold(0.0, f64::max)
     }
 
     /// Whether no record reaches φ_max.
@@ -476,7 +488,6 @@ impl Task {
         let mut out = vec![0.0; self.count()];
         self.residuals(&minimum.x, &mut out, &mut Workspace::default());
         let parameters = self.chart.parameters(&minimum.x);
-        let omega = TAU * parameters.frequency;
         let (mut noise, mut square, mut total, mut product, mut from) = (vec![], 0.0, 0.0, 0.0, 0);
         for record in &self.records {
             let n = 2 * record.windows.count;
@@ -491,11 +502,7 @@ impl Task {
         }
         Refined {
             parameters,
-            starts: minimum.x[COUNT..]
-                .chunks_exact(OWN)
-                .zip(&self.records)
-                .map(|(own, record)| record.start_at(own, omega))
-                .collect(),
+            starts: self.starts_at(&minimum.x),
             noise,
             relative_residual: (square / total).sqrt(),
             correlation: product / minimum.cost.max(f64::MIN_POSITIVE),
@@ -564,6 +571,7 @@ fn no_ring_down() -> Error {
 pub fn refine(records: &[RingDown<'_>], first: &Parameters, held: &[Parameter]) -> Result<Refined, Error> {
     first.model()?;
     let mut task = Task::new(records, first, held)?;
-    let minimum = task.solve(first)?;
+    let rough = task.solve(first)?;
+    let minimum = task.finish(&rough)?;
     Ok(task.refined(&minimum))
 }

@@ -106,14 +106,10 @@ fn coverage(truth: &Parameters, clean: &[f64], dt: f64, decibels: f64, repetitio
 #[test]
 fn try_it() {
     let dt = 1.0 / 5000.0;
-    let clean = record(&MODE_1, 0.3, dt, 1500);
-    for seed in 1..4 {
+    for (ratio, level) in [(1.5, 20.0), (0.3, 40.0)] {
         let now = std::time::Instant::now();
-        let found = identified(&[noisy(&clean, 40.0, seed)], dt);
-        eprintln!("seed {seed} {:?}", now.elapsed());
-        print(&found);
-        for p in &found.profiles.parameters[2..4] {
-            eprintln!("{:.3?}", p.points);
-        }
+        let clean = record(&MODE_1, ratio, dt, 1500);
+        coverage(&MODE_1, &clean, dt, level, 16);
+        eprintln!("ratio {ratio} {level} {:?}", now.elapsed());
     }
 }

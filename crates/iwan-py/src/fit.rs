@@ -130,13 +130,10 @@ impl Identified {
     }
 
     /// The likelihood of the records.
-    fn likelihood(&self, py: Python<'_>) -> PyResult<Likelihood> {
-        let made = self.0.clone();
-        let library =
-            work::run(py, true, move |_| Library::new(&sources(&made.records), &made.settings, &made.found))?;
+    fn likelihood(&self) -> Likelihood {
         let held: Vec<Parameter> = self.0.settings.held.iter().map(|h| h.0).collect();
         let free = Parameter::ALL.into_iter().filter(|p| !held.contains(p)).collect();
-        Ok(Likelihood { library: Arc::new(library.map_err(identification)?), free })
+        Likelihood { library: Arc::new(self.0.found.likelihood.clone()), free }
     }
 }
 

@@ -38,7 +38,7 @@ def test_pyuff(tmp_path):
             ordinate_spec_data_type=kind, ordinate_axis_units_lab="m/s^2", abscissa_inc=0.01, abscissa_min=0.0,
             abscissa_spacing=1, num_pts=len(T), return_full_dict=True,
         )
-        pyuff.UFF(path).write_set(data, "add")
+        pyuff.UFF(path).write_sets(data, "add")
     sets = pyuff.UFF(path).read_sets()
     record = iwan.as_record(sets)
     check(record)

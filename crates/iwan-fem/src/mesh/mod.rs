@@ -1,5 +1,8 @@
 //! Nodes, elements and named sets: what every reader delivers and the assembly starts from.
 
+pub mod beam;
+pub mod block;
+
 use std::collections::BTreeMap;
 
 /// Topology of an element; the formulation on it is chosen by the analysis.

@@ -1,0 +1,62 @@
+//! What the unknowns of the equations mean.
+
+/// The meaning of one unknown.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub enum Unknown {
+    /// Displacement of a node (index into the mesh) along x, y or z (0, 1, 2).
+    Displacement {
+        /// Index of the node.
+        node: usize,
+        /// Axis.
+        axis: usize,
+    },
+    /// Motion of the reference of a joint's rigid patch: displacements (0 to 2) and rotations (3 to 5).
+    Reference {
+        /// Index of the joint.
+        joint: usize,
+        /// Component.
+        component: usize,
+    },
+    /// Slip of a joint, an unknown of its own.
+    Slip {
+        /// Index into the slips.
+        slip: usize,
+    },
+}
+
+/// The place of an unknown: where its group of unknowns sits, for ordering and for rigid motions.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Place {
+    pub(crate) unknown: Unknown,
+    pub(crate) position: [f64; 3],
+    /// Unknowns of one node or reference share a group.
+    pub(crate) group: u32,
+}
+
+impl Place {
+    /// Value of this unknown when the structure moves as a rigid body: displacement along (0 to 2) or rotation about
+    /// (3 to 5) an axis through `centre`, small.
+    pub(crate) fn rigid(&self, motion: usize, centre: [f64; 3]) -> f64 {
+        let (axis, rotation) = match self.unknown {
+            Unknown::Displacement { axis, .. } => (axis, None),
+            Unknown::Reference { component, .. } if component < 3 => (component, None),
+            Unknown::Reference { component, .. } => (0, Some(component)),
+            Unknown::Slip { .. } => return 0.0,
+        };
+        if let Some(component) = rotation {
+            return f64::from(u8::from(component == motion));
+        }
+        if motion < 3 {
+            return f64::from(u8::from(axis == motion));
+        }
+        let r: [f64; 3] = std::array::from_fn(|a| self.position[a] - centre[a]);
+        let mut spin = [0.0; 3];
+        spin[motion - 3] = 1.0;
+        cross(spin, r)[axis]
+    }
+}
+
+/// a x b.
+pub(crate) fn cross(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
+    [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
+}

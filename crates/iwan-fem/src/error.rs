@@ -1,0 +1,83 @@
+//! Why a structure or an analysis was refused: which node, element or joint, what was found, what helps.
+
+/// A structure or a request that the analyses cannot work with.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum Error {
+    /// A number outside its range (NaN and infinities included).
+    #[error("{name} = {value} is out of range: {allowed}")]
+    OutOfRange {
+        /// Name of the quantity.
+        name: &'static str,
+        /// The value that was given.
+        value: f64,
+        /// The allowed range, in words and numbers.
+        allowed: &'static str,
+    },
+    /// An element that is not a volume.
+    #[error(
+        "element {label} is inverted or collapsed: its Jacobian determinant is {determinant:.3e} at integration \
+         point {point}; check the order and the positions of its nodes"
+    )]
+    Element {
+        /// The element's number.
+        label: u64,
+        /// The determinant found, in volume units.
+        determinant: f64,
+        /// Number of the integration point, from 1.
+        point: usize,
+    },
+    /// A node that cannot play the part it was given.
+    #[error("node {label}: {finding}; {remedy}")]
+    Node {
+        /// The node's number.
+        label: u64,
+        /// What was found.
+        finding: String,
+        /// What helps.
+        remedy: &'static str,
+    },
+    /// A set that does not exist.
+    #[error("{user} refers to the {kind} set `{name}`, which does not exist; known sets: {known}")]
+    MissingSet {
+        /// Who refers to it.
+        user: String,
+        /// Nodes or elements.
+        kind: &'static str,
+        /// The name that was looked up.
+        name: String,
+        /// The names that exist.
+        known: String,
+    },
+    /// A joint, tie, support or load that cannot work.
+    #[error("{name}: {finding}; {remedy}")]
+    Connection {
+        /// Its name.
+        name: String,
+        /// What was found.
+        finding: String,
+        /// What helps.
+        remedy: &'static str,
+    },
+    /// An analysis that the structure does not admit, or that failed its own check.
+    #[error("{analysis}: {finding}; {remedy}")]
+    Analysis {
+        /// Which analysis.
+        analysis: &'static str,
+        /// What was found, with numbers.
+        finding: String,
+        /// What helps.
+        remedy: &'static str,
+    },
+    /// An observer broke the analysis off.
+    #[error("interrupted")]
+    Interrupted,
+    /// A joint law or a force refused its parameters.
+    #[error(transparent)]
+    Model(#[from] iwan_core::Error),
+}
+
+/// Passes `value` on when `ok` holds and it is finite, names it otherwise.
+pub(crate) fn check(name: &'static str, value: f64, ok: bool, allowed: &'static str) -> Result<f64, Error> {
+    if ok && value.is_finite() { Ok(value) } else { Err(Error::OutOfRange { name, value, allowed }) }
+}

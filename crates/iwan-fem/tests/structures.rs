@@ -1,0 +1,148 @@
+//! Joints, ties and supports that must act as mechanics says, and those that must be refused by name.
+#![allow(clippy::unwrap_used, reason = "a failed test may panic")]
+
+use std::sync::Arc;
+
+use iwan_core::Jenkins;
+use iwan_fem::mesh::beam::Configuration;
+use iwan_fem::mesh::block::{block, uniform};
+use iwan_fem::{Contact, Interface, Joint, Law, Lump, Material, Patch, Structure, Support, paper};
+
+/// Two blocks of 2 x 1 x 1, end to end at x = 2, with the sets `left` and `right` of the nodes on either side.
+fn two_blocks() -> Structure {
+    let material = Material::new(1000.0, 0.3, 1.0).unwrap();
+    let half = |from: f64| block(&[uniform(from, from + 2.0, 4), uniform(0.0, 1.0, 2), uniform(0.0, 1.0, 2)]);
+    let (mut mesh, other) = (half(0.0), half(2.0));
+    let first = mesh.positions.len();
+    for (element, label) in other.elements.iter().zip(100..) {
+        let mut element = element.clone();
+        element.label = label;
+        element.nodes.iter_mut().for_each(|node| *node += first);
+        mesh.elements.push(element);
+    }
+    mesh.node_labels.extend((0..other.positions.len() as u64).map(|i| 1000 + i));
+    mesh.positions.extend(other.positions);
+    let at = |x: f64, range: std::ops::Range<usize>| -> Vec<usize> {
+        range.filter(|&i| mesh.positions[i][0] == x).collect()
+    };
+    let all = mesh.positions.len();
+    let sets = [("left", at(2.0, 0..first)), ("right", at(2.0, first..all)), ("end", at(0.0, 0..first))];
+    mesh.node_sets.extend(sets.map(|(name, nodes)| (name.to_owned(), nodes)));
+    mesh.node_sets.insert("line".into(), vec![0, 1]);
+    mesh.node_sets.insert("empty".into(), vec![]);
+    Structure::new(mesh, material)
+}
+
+fn frequencies(structure: &Structure, contact: Contact) -> (usize, Vec<f64>) {
+    let modes = structure.assemble().unwrap().modes(contact, 16).unwrap();
+    (modes.zero_modes(), modes.frequencies())
+}
+
+/// Node to node without slips is as good as one block.
+#[test]
+fn a_tie_of_matching_meshes_is_one_block() {
+    let mut tied = two_blocks();
+    tied.joints.push(Joint::new("tie", "right", "left", Interface::NodeToNode));
+    let whole = block(&[uniform(0.0, 4.0, 8), uniform(0.0, 1.0, 2), uniform(0.0, 1.0, 2)]);
+    let (zero, of_tied) = frequencies(&tied, Contact::Stuck);
+    let (_, of_whole) = frequencies(&Structure::new(whole, tied.material), Contact::Stuck);
+    assert_eq!(zero, 6);
+    for (a, b) in of_tied.iter().zip(&of_whole).skip(6) {
+        assert!((a / b - 1.0).abs() < 1e-9, "{a} {b}");
+    }
+}
+
+/// Free slips add zero modes, one per slip that strains nothing; a law takes them away when stuck.
+#[test]
+fn slips_are_counted() {
+    let law: Law = Arc::new(Jenkins::new(50.0, 1.0).unwrap());
+    for patch in [Patch::Rigid, Patch::Averaging] {
+        let mut structure = two_blocks();
+        structure.joints.push(
+            Joint::new("joint", "right", "left", Interface::Whole(patch))
+                .slip([0.0, 1.0, 1.0], Some(law.clone()))
+                .slip([0.0, 1.0, -1.0], None),
+        );
+        assert_eq!(frequencies(&structure, Contact::Stuck).0, 7, "{patch:?}");
+        assert_eq!(frequencies(&structure, Contact::Slipping).0, 8, "{patch:?}");
+    }
+}
+
+/// A bar held at one end with a heavy lump at the other: the frequency is that of mass and spring.
+#[test]
+fn supports_and_lumps_do_what_they_say() {
+    let lines = [uniform(0.0, 2.0, 4), uniform(0.0, 1.0, 1), uniform(0.0, 1.0, 1)];
+    let mut mesh = block(&lines);
+    let all: Vec<usize> = (0..mesh.positions.len()).collect();
+    mesh.node_sets.insert("all".into(), all);
+    let mut structure = Structure::new(mesh, Material::new(1e6, 0.0, 1e-6).unwrap());
+    let lump = Lump { name: "sensor".into(), nodes: "all".into(), mass: 2.0, stiffness: [8.0, 18.0, 32.0] };
+    structure.lumps.push(lump);
+    let modes = structure.assemble().unwrap().modes(Contact::Stuck, 6).unwrap();
+    let expected = [4.0, 9.0, 16.0];
+    let found: Vec<f64> = (0..6).map(|i| modes.eigenvalue(i)).collect();
+    for value in expected {
+        assert!(found.iter().any(|f| (f / value - 1.0).abs() < 1e-5), "{value} in {found:?}");
+    }
+    let support = Support { name: "clamp".into(), nodes: "all".into(), fixed: [true, true, false] };
+    structure.supports.push(support);
+    assert_eq!(structure.assemble().unwrap().unknowns(), 20);
+}
+
+fn refusal(change: impl Fn(&mut Structure)) -> String {
+    let mut structure = two_blocks();
+    change(&mut structure);
+    structure.assemble().unwrap_err().to_string()
+}
+
+#[test]
+fn impossible_structures_are_refused_by_name() {
+    let joint = |face: &str, patch: &str, interface| Joint::new("bolt", face, patch, interface);
+    let whole = Interface::Whole(Patch::Averaging);
+    let message = refusal(|s| s.joints.push(joint("rigth", "left", whole)));
+    assert!(
+        message.contains("joint `bolt`") && message.contains("`rigth`") && message.contains("right"),
+        "{message}"
+    );
+    let message = refusal(|s| s.joints.push(joint("empty", "left", whole)));
+    assert!(message.contains("no nodes"), "{message}");
+    let message = refusal(|s| s.joints.push(joint("right", "line", whole)));
+    assert!(message.contains("line or in a point"), "{message}");
+    let message = refusal(|s| s.joints.push(joint("left", "left", whole)));
+    assert!(message.contains("depend on itself"), "{message}");
+    let message = refusal(|s| s.joints.push(joint("right", "end", Interface::NodeToNode)));
+    assert!(message.contains("node 1000") && message.contains("bolt"), "{message}");
+    let message = refusal(|s| {
+        s.joints.push(joint("right", "left", whole));
+        s.joints.push(Joint::new("second", "right", "left", Interface::NodeToNode));
+    });
+    assert!(message.contains("joint `bolt`") && message.contains("joint `second`"), "{message}");
+    let message = refusal(|s| {
+        s.joints.push(joint("right", "left", whole).slip([1.0, 0.0, 0.0], None).slip([1.0, 1.0, 0.0], None));
+    });
+    assert!(message.contains("slip directions"), "{message}");
+    let message = refusal(|s| {
+        s.mesh.positions.push([9.0; 3]);
+        s.mesh.node_labels.push(4711);
+    });
+    assert!(message.contains("node 4711") && message.contains("no element"), "{message}");
+    let message = refusal(|s| s.mesh.elements[3].nodes.swap(0, 1));
+    assert!(message.contains("element 4 "), "{message}");
+    let message = refusal(|s| s.materials.push(("steel".into(), s.material)));
+    assert!(message.contains("`steel`"), "{message}");
+}
+
+/// Section 7: all degrees of freedom tell the modes apart well; those across the top face alone do not.
+#[test]
+fn the_modal_filter_reports_rank_and_condition() {
+    let assembled = paper::structure(Configuration::A, 1).unwrap().assemble().unwrap();
+    let modes = assembled.modes(Contact::Stuck, 50).unwrap();
+    let nodes = &assembled.structure().mesh.positions;
+    let all: Vec<usize> = (0..3 * nodes.len()).collect();
+    let filter = assembled.modal_filter(&modes, &all).unwrap();
+    assert_eq!(filter.rank(), 50);
+    assert!((filter.condition() - 1.4).abs() < 0.1, "{}", filter.condition());
+    let top: Vec<usize> = (0..1458).filter(|&i| nodes[i][2] == 0.25).map(|i| 3 * i + 2).collect();
+    assert_eq!(assembled.modal_filter(&modes, &top).unwrap().rank(), 47);
+    assert!(assembled.modal_filter(&modes, &[1_000_000]).is_err());
+}

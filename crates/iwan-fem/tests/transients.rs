@@ -1,0 +1,174 @@
+//! Transients of the paper's beam: full model, reduced model, an independent prototype.
+#![allow(clippy::unwrap_used, reason = "a failed test may panic")]
+
+use std::sync::OnceLock;
+
+use iwan_core::Pulse;
+use iwan_fem::mesh::beam::Configuration;
+use iwan_fem::{Assembled, Basis, Class, Contact, Modes, Population, Transient, TruthResponse, paper};
+
+struct Beam {
+    assembled: Assembled,
+    modes: Modes,
+    bending: Vec<usize>,
+}
+
+fn beam() -> &'static Beam {
+    static BEAM: OnceLock<Beam> = OnceLock::new();
+    BEAM.get_or_init(|| {
+        let assembled = paper::structure(Configuration::A, 1).unwrap().assemble().unwrap();
+        let modes = assembled.modes(Contact::Stuck, 50).unwrap();
+        let bending = (0..20).filter(|&i| assembled.classify(&modes, i) == Class::Bending).collect();
+        Beam { assembled, modes, bending }
+    })
+}
+
+/// The paper's blow at the tip, recorded in bending modes 1 to 3.
+fn blow(amplitude: f64, steps: usize) -> Transient<'static> {
+    let Beam { assembled, modes, bending } = beam();
+    Transient {
+        dt: 1e-5,
+        steps,
+        pulse: Pulse::Haversine { amplitude, duration: 1.6e-3 },
+        load: assembled.load("tip", [0.0, 0.0, 1.0]).unwrap(),
+        initial_velocity: None,
+        population: Population::default(),
+        outputs: (0..3)
+            .map(|r| assembled.modal_output(format!("bending {}", r + 1), modes, bending[r]))
+            .chain([assembled.output("tip", "tip", [0.0, 0.0, 1.0]).unwrap()])
+            .collect(),
+    }
+}
+
+fn peak(x: &[f64]) -> f64 {
+    x.iter().fold(0.0_f64, |m, x| m.max(x.abs()))
+}
+
+/// Root mean square of the difference over that of the reference.
+fn distance(x: &[f64], reference: &[f64]) -> f64 {
+    let square = |x: &mut dyn Iterator<Item = f64>| x.map(|x| x * x).sum::<f64>();
+    let difference = square(&mut x.iter().zip(reference).map(|(a, b)| a - b));
+    (difference / square(&mut reference.iter().copied())).sqrt()
+}
+
+fn slip_ratio(response: &TruthResponse) -> f64 {
+    response.slips.iter().fold(0.0_f64, |m, s| m.max(s.slip_ratio))
+}
+
+/// Section 5: peaks of |q''| of bending modes 1, 2, 3 and the largest slip, by the reduced model.
+#[test]
+fn peaks_are_those_of_the_prototype() {
+    let reduced = beam().assembled.reduce(50, Basis::default()).unwrap();
+    assert_eq!(reduced.coordinates(), 58);
+    for (amplitude, peaks, slip, tolerance) in [
+        (10.0, [220.78, 328.67, 337.47], 0.0289, 2e-3),
+        (100.0, [2207.5, 3288.9, 3349.3], 0.300, 2e-3),
+        (1000.0, [22060.0, 32878.0, 32870.0], 7.68, 1e-2),
+    ] {
+        let response = reduced.transient(&blow(amplitude, 20_000)).unwrap();
+        for (history, expected) in response.outputs.iter().zip(peaks) {
+            let found = peak(&history.acceleration);
+            assert!(
+                (found / expected - 1.0).abs() < tolerance,
+                "{amplitude} {} {found} {expected}",
+                history.name
+            );
+        }
+        assert!((slip_ratio(&response) / slip - 1.0).abs() < 1e-2, "{}", slip_ratio(&response));
+        assert!(response.energy.error() < 1e-12, "{}", response.energy.error());
+    }
+}
+
+/// The reduced model against the full one, and what it costs to leave the attachment vectors out.
+#[test]
+fn reduced_agrees_with_full_and_only_with_attachment_vectors() {
+    let steps = 2000;
+    let reduced = beam().assembled.reduce(50, Basis::default()).unwrap();
+    let without = beam().assembled.reduce(50, Basis::Modes).unwrap();
+    for (amplitude, tolerance, without_attachments) in [(10.0, 1e-5, 1e-4), (1000.0, 5e-4, 0.05)] {
+        let of = blow(amplitude, steps);
+        let full = beam().assembled.transient(&of).unwrap();
+        // At this step dt²/4 K outweighs M by three decades in the stiff directions, and a solve's backward error with it.
+        assert!(full.energy.error() < 4e-12, "{}", full.energy.error());
+        let errors = |response: &TruthResponse| -> Vec<f64> {
+            let pairs = response.outputs.iter().zip(&full.outputs);
+            pairs.map(|(a, b)| distance(&a.acceleration, &b.acceleration)).collect()
+        };
+        let (with, bare) =
+            (errors(&reduced.transient(&of).unwrap()), errors(&without.transient(&of).unwrap()));
+        assert!(with[0] < tolerance, "{amplitude} {with:?}");
+        assert!(bare[0] > without_attachments && bare[0] > 30.0 * with[0], "{amplitude} {bare:?}");
+    }
+}
+
+/// The basis grows until the outputs stand still; a tolerance out of reach is a status, not an error.
+#[test]
+fn the_basis_grows_until_the_outputs_stand_still() {
+    let mut of = blow(100.0, 1000);
+    of.outputs.truncate(1);
+    let good = beam().assembled.reduced_transient(&of, 1e-3).unwrap();
+    assert!(good.converged && good.error < 1e-3 && good.modes <= 100, "{} {}", good.modes, good.error);
+    let full = beam().assembled.transient(&of).unwrap();
+    let actual = distance(&good.response.outputs[0].acceleration, &full.outputs[0].acceleration);
+    assert!(actual < good.error, "{actual} {}", good.error);
+    of.outputs.clear();
+    assert!(beam().assembled.reduced_transient(&of, 1e-3).is_err());
+}
+
+/// The continuum and 100 graded sliders are one model; a long joint history changes nothing about the energy.
+#[test]
+fn sliders_and_continuum_agree() {
+    let reduced = beam().assembled.reduce(50, Basis::default()).unwrap();
+    let sliders = reduced.transient(&blow(1000.0, 5000)).unwrap();
+    let continuum =
+        reduced.transient(&Transient { population: Population::Continuum, ..blow(1000.0, 5000) }).unwrap();
+    assert_eq!(continuum.forgotten_force, 0.0);
+    assert!(continuum.energy.error() < 1e-12, "{}", continuum.energy.error());
+    let apart = distance(&sliders.outputs[0].acceleration, &continuum.outputs[0].acceleration);
+    assert!(apart < 5e-3, "{apart}");
+}
+
+/// Frequency and energy loss per cycle of mode 1 around a time, by a Hann-windowed demodulation over six cycles.
+fn demodulate(acceleration: &[f64], dt: f64, near: f64, time: f64) -> (f64, f64) {
+    let omega = 2.0 * std::f64::consts::PI * near;
+    let half = (3.0 / near / dt).round() as usize;
+    let at = |centre: usize| -> (f64, f64) {
+        let (mut c, mut s) = (0.0, 0.0);
+        for (k, a) in acceleration.iter().enumerate().take(centre + half + 1).skip(centre - half) {
+            let u = (k as f64 - centre as f64) / half as f64;
+            let weight = 0.5 * (1.0 + (std::f64::consts::PI * u).cos());
+            let phase = omega * k as f64 * dt;
+            c += weight * a * phase.cos();
+            s -= weight * a * phase.sin();
+        }
+        (c.hypot(s) * 2.0 / half as f64, s.atan2(c))
+    };
+    let (n, lag) = ((time / dt).round() as usize, (0.5 / near / dt).round() as usize);
+    let ((a0, p0), (a1, p1)) = (at(n - lag), at(n + lag));
+    let mut turn = p1 - p0;
+    turn -= (turn / (2.0 * std::f64::consts::PI)).round() * 2.0 * std::f64::consts::PI;
+    let span = 2.0 * lag as f64 * dt;
+    let frequency = near + turn / (2.0 * std::f64::consts::PI * span);
+    let w = 2.0 * std::f64::consts::PI * frequency;
+    let energy = |a: f64| 0.5 * (a / w).powi(2);
+    (frequency, (energy(a0) - energy(a1)) / (span * frequency))
+}
+
+/// Section 5: frequency and dissipation of mode 1 at 30, 100 and 170 ms under an impact that excites all modes.
+#[test]
+fn mode_one_curves_are_those_of_the_prototype() {
+    let reduced = beam().assembled.reduce(50, Basis::default()).unwrap();
+    for (amplitude, frequencies, losses, hertz, part) in [
+        (10.0, [132.192, 132.198, 132.201], [8.86e-5, 8.56e-5, 7.78e-5], 0.02, 0.05),
+        (100.0, [131.521, 131.653, 131.741], [4.63e-2, 3.14e-2, 2.08e-2], 0.02, 0.05),
+        (1000.0, [128.28, 129.25, 130.47], [11.2, 4.97, 1.32], 0.1, 0.15),
+    ] {
+        let response = reduced.transient(&blow(amplitude, 20_000)).unwrap();
+        let q = &response.outputs[0].acceleration;
+        for (i, time) in [0.03, 0.1, 0.17].into_iter().enumerate() {
+            let (frequency, loss) = demodulate(q, 1e-5, frequencies[i], time);
+            assert!((frequency - frequencies[i]).abs() < hertz, "{amplitude} {time}: {frequency} Hz");
+            assert!((loss / losses[i] - 1.0).abs() < part, "{amplitude} {time}: loss {loss}");
+        }
+    }
+}
