@@ -32,6 +32,9 @@ pub mod book {
     #[doc = include_str!("../book/src/records.md")]
     pub mod records {}
 
+    #[doc = include_str!("../book/src/python.md")]
+    pub mod python {}
+
     /// Four short programs; `cargo run --release --example NAME` runs one.
     ///
     /// # A first ring-down
