@@ -34,6 +34,8 @@ pub mod book {
 
     #[doc = include_str!("../book/src/python.md")]
     pub mod python {}
+    #[doc = include_str!("../book/src/structures.md")]
+    pub mod structures {}
 
     /// Four short programs; `cargo run --release --example NAME` runs one.
     ///

@@ -1,6 +1,7 @@
 //! The command line. Doc comments are the help text.
 
 mod records;
+mod structures;
 
 use std::num::NonZeroUsize;
 use std::path::PathBuf;
@@ -9,6 +10,7 @@ use clap::{Args, Parser, Subcommand, ValueEnum, ValueHint};
 
 use crate::scenario::{Overrides, Representation};
 pub(crate) use records::{Axis, EnvelopeArgs, FitArgs, MethodChoice, Motion, RecordArgs};
+pub(crate) use structures::{ModesArgs, QuasiStaticArgs, StructureArgs};
 
 /// Ring-down of bolted structures with Iwan friction models
 #[derive(Debug, Parser)]
@@ -26,6 +28,7 @@ Examples:
   iwan simulate beam.toml --out beam         your own: beam/report.html shows the result
   iwan envelope hammer.mat --out mode1       amplitude, frequency and damping of a measured ring-down
   iwan fit hammer.mat --out mode1            the joint's parameters from it, with intervals
+  iwan modes structure.toml --out modes      frequencies and shapes of a finite-element structure
 
 Exit codes: 0 success, 1 the computation failed, 2 bad usage or input.";
 
@@ -35,6 +38,8 @@ pub(crate) enum Command {
     Simulate(SimulateArgs),
     Envelope(EnvelopeArgs),
     Fit(FitArgs),
+    Modes(ModesArgs),
+    QuasiStatic(QuasiStaticArgs),
     Scenario(ScenarioArgs),
     Completions(CompletionsArgs),
     Man(ManArgs),

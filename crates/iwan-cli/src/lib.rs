@@ -11,6 +11,7 @@ mod cycles;
 mod extraction;
 mod failure;
 mod identified;
+mod linear;
 mod output;
 mod parallel;
 mod progress;

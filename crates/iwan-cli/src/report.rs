@@ -1,4 +1,4 @@
-//! `report.html`: one self-contained page with the figures of a simulation, an envelope or a fit.
+//! `report.html`: one self-contained page with the figures of a simulation, an envelope, a fit or a structure.
 
 mod decimate;
 pub(crate) mod envelope;
@@ -8,7 +8,10 @@ mod figures;
 pub(crate) mod fit;
 mod fitted;
 mod intervals;
+pub(crate) mod modes;
+pub(crate) mod quasi_static;
 mod scale;
+mod solid;
 
 use iwan_core::{Backbone, Pulse};
 use iwan_sim::{Mode, Response};
@@ -65,6 +68,15 @@ fn page(title: &str, body: &Markup) -> String {
         }
     };
     page.into_string()
+}
+
+/// What the user should look at, where there is something.
+fn warnings(warnings: &[String]) -> Markup {
+    html! {
+        @if !warnings.is_empty() {
+            div.verdict.look { strong { "Please look at:" } ul { @for warning in warnings { li { (warning) } } } }
+        }
+    }
 }
 
 fn head(summary: &Summary) -> Markup {

@@ -13,6 +13,8 @@ fn help_texts() {
         "simulate --help",
         "envelope --help",
         "fit --help",
+        "modes --help",
+        "quasi-static --help",
         "scenario --help",
         "completions --help",
         "man --help",
@@ -40,6 +42,10 @@ fn usage_errors_exit_with_2() {
         "fit",
         "fit a.csv --hold x=1",
         "envelope a.csv --method fourier",
+        "modes --count 0",
+        "modes no-such-file.toml",
+        "quasi-static --points 3",
+        "quasi-static --from -1",
         "scenario nonsense",
         "scenario --list paper-modal",
         "man nonsense",
@@ -71,8 +77,11 @@ fn completions_and_manual_pages_name_every_command() {
     {
         let output = iwan(place.path(), arguments);
         assert!(output.status.success());
-        let text = String::from_utf8(output.stdout).unwrap();
-        for command in ["simulate", "envelope", "fit", "scenario", "completions", "man"] {
+        // Manual pages escape hyphens.
+        let text = String::from_utf8(output.stdout).unwrap().replace("\\-", "-");
+        for command in
+            ["simulate", "envelope", "fit", "modes", "quasi-static", "scenario", "completions", "man"]
+        {
             assert!(text.contains(command), "{arguments}: {command}");
         }
     }

@@ -21,6 +21,7 @@ pub mod modal;
 mod non_negative;
 mod parameters;
 pub mod profile;
+pub mod quasi_static;
 pub mod refine;
 pub mod signal;
 mod smooth;

@@ -71,7 +71,7 @@ pub fn grid(mesh: &Mesh, fields: &[Field]) -> Vec<u8> {
     body += "</Points>\n<Cells>\n";
     body += &data.integers(
         "connectivity",
-        mesh.elements.iter().flat_map(|e| &e.nodes).map(|n| n.cast_signed() as i64),
+        mesh.elements.iter().flat_map(|e| &e.nodes).map(|n| i64::try_from(*n).unwrap_or(i64::MAX)),
     );
     let ends = mesh.elements.iter().scan(0, |end, element| {
         *end += element.nodes.len() as i64;
