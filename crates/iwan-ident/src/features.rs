@@ -125,7 +125,7 @@ impl Windows {
             Quantity::Acceleration => {
                 let x = turn * (-v * seconds);
                 self.covering(t, |k, weight, slope| {
-                    out[k] += x * Complex64::new(slope, -self.omega * weight)
+                    out[k] += x * Complex64::new(slope, -self.omega * weight);
                 });
             }
         }

@@ -207,7 +207,7 @@ fn profile(
             work: Workspace::default(),
             points: vec![],
         };
-        let end = walk.go(*direction).map_err(|better| chart.back(better))?;
+        let end = walk.go(*direction).map_err(|better| chart.back(&better))?;
         let at = match end {
             End::Open => None,
             End::Closed(x) => {
@@ -217,9 +217,9 @@ fn profile(
             }
         };
         if *direction < 0.0 {
-            profile.low = at
+            profile.low = at;
         } else {
-            profile.high = at
+            profile.high = at;
         }
         profile.points.extend(walk.points.iter().map(|p| (of(&p.2), p.1)));
     }
@@ -418,9 +418,9 @@ impl Task {
     }
 
     /// A minimum of this task in the coordinates of every search.
-    fn back(&self, minimum: Minimum) -> Minimum {
+    fn back(&self, minimum: &Minimum) -> Minimum {
         let usual = Chart::holding(self.held(), self.chart.amplitude);
-        Minimum { x: self.converted(&usual, &minimum.x), ..minimum }
+        Minimum { x: self.converted(&usual, &minimum.x), ..*minimum }
     }
 
     /// Coordinates in another chart; as they are where the parameters are no model.
