@@ -74,7 +74,7 @@ pub fn grid(mesh: &Mesh, fields: &[Field]) -> Vec<u8> {
         mesh.elements.iter().flat_map(|e| &e.nodes).map(|n| i64::try_from(*n).unwrap_or(i64::MAX)),
     );
     let ends = mesh.elements.iter().scan(0, |end, element| {
-        *end += element.nodes.len() as i64;
+        *end += i64::try_from(element.nodes.len()).unwrap_or_default();
         Some(*end)
     });
     body += &data.integers("offsets", ends.collect::<Vec<_>>().into_iter());
