@@ -32,6 +32,8 @@ pub mod book {
     #[doc = include_str!("../book/src/records.md")]
     pub mod records {}
 
+    #[doc = include_str!("../book/src/python.md")]
+    pub mod python {}
     #[doc = include_str!("../book/src/structures.md")]
     pub mod structures {}
 

@@ -124,6 +124,24 @@ impl FourParameter {
         self.s
     }
 
+    /// Density ρ(φ) = R φ^χ of the sliders at the strength φ >= 0 (Eq. 3), 0 beyond φ_max, where the Dirac of
+    /// strength [`s`](Self::s) stands; infinite at φ = 0 for χ < 0.
+    ///
+    /// ```
+    /// let joint = iwan_core::FourParameter::from_density(2e5, 0.0, 0.01, 500.0)?;
+    /// assert!((joint.density(0.004) / 2e5 - 1.0).abs() < 1e-14);
+    /// assert_eq!(joint.density(0.02), 0.0);
+    /// # Ok::<(), iwan_core::Error>(())
+    /// ```
+    #[must_use]
+    pub fn density(&self, phi: f64) -> f64 {
+        if !(0.0..=self.phi_max).contains(&phi) {
+            return 0.0;
+        }
+        // R φ^χ = (K_T - S) (χ+1)/φ_max (φ/φ_max)^χ.
+        self.k_power * (self.chi + 1.0) / self.phi_max * libm::pow(phi / self.phi_max, self.chi)
+    }
+
     /// Dissipation per cycle in macro-slip as printed in Eq. 17 of Deaner et al.: 4 u F_S.
     ///
     /// Only the asymptote for u >> φ_max: at the onset of macro-slip it is 2.8, 4.7 and 5.3 times the

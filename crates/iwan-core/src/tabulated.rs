@@ -71,6 +71,25 @@ impl<P: AsRef<[DensityPoint]> + AsMut<[DensityPoint]>> Tabulated<P> {
 }
 
 impl<P: AsRef<[DensityPoint]>> Tabulated<P> {
+    /// Density of the sliders at the strength φ: linear between the points, 0 outside (stiffness/length).
+    #[must_use]
+    pub fn density(&self, phi: f64) -> f64 {
+        let points = self.points.as_ref();
+        let next = points.partition_point(|p| p.strength <= phi);
+        if next == 0 || phi > self.last().strength {
+            return 0.0;
+        }
+        let Some(b) = points.get(next) else { return self.last().density };
+        let a = &points[next - 1];
+        a.density + (phi - a.strength) / (b.strength - a.strength) * (b.density - a.density)
+    }
+
+    /// Stiffness of the slider at the last point.
+    #[must_use]
+    pub const fn dirac(&self) -> f64 {
+        self.dirac
+    }
+
     fn last(&self) -> &DensityPoint {
         let points = self.points.as_ref();
         &points[points.len() - 1]

@@ -41,6 +41,12 @@ impl Uniform {
         Ok(Self { k_t, f_s, weakest: mean * (1.0 - width), strongest: mean * (1.0 + width), density })
     }
 
+    /// Density of the sliders at the strength φ: constant in the band, 0 outside (stiffness/length).
+    #[must_use]
+    pub fn density(&self, phi: f64) -> f64 {
+        if (self.weakest..=self.strongest).contains(&phi) { self.density } else { 0.0 }
+    }
+
     /// Displacement into the band of strengths, 0 before it.
     fn beyond_weakest(&self, u: f64) -> f64 {
         (u.abs() - self.weakest).max(0.0)

@@ -125,7 +125,7 @@ impl Windows {
             Quantity::Acceleration => {
                 let x = turn * (-v * seconds);
                 self.covering(t, |k, weight, slope| {
-                    out[k] += x * Complex64::new(slope, -self.omega * weight)
+                    out[k] += x * Complex64::new(slope, -self.omega * weight);
                 });
             }
         }
@@ -268,9 +268,9 @@ mod tests {
             let samples: Vec<f64> = (0..4300).map(|_| (12.0 / dt).sqrt() * uniform()).collect();
             let mut z = windows.of_samples(&samples, dt);
             whitening.apply(&mut z);
-            square += z.iter().map(Complex64::norm_sqr).sum::<f64>() / (40 * repetitions) as f64;
+            square += z.iter().map(Complex64::norm_sqr).sum::<f64>() / f64::from(40 * repetitions);
             neighbour +=
-                z.windows(2).map(|z| (z[0].conj() * z[1]).re).sum::<f64>() / (39 * repetitions) as f64;
+                z.windows(2).map(|z| (z[0].conj() * z[1]).re).sum::<f64>() / f64::from(39 * repetitions);
         }
         // Density 1 in all: ½ in each quadrature.
         assert!((square - 1.0).abs() < 0.05 && neighbour.abs() < 0.05, "{square} {neighbour}");

@@ -238,7 +238,7 @@ pub fn identify(sources: &[Source<'_>], settings: &Settings) -> Result<Identific
     let linear = linear(&task, &minimum, &refined.parameters, &curves)?;
     Ok(Identification {
         parameters: refined.parameters,
-        verdict: verdict(&curves, &model_curves),
+        verdict: verdict(&curves, &model_curves, refined.leaves_noise(task.count())),
         notes: prepared.iter().flat_map(Prepared::notes).chain(start.notes.iter().cloned()).collect(),
         envelopes: prepared.iter().map(|p| p.envelope.clone()).collect(),
         first_samples: prepared.iter().map(|p| p.first).collect(),
@@ -377,7 +377,7 @@ fn ring_down(
 }
 
 /// Compares curves and the model's at the times they share.
-fn verdict(curves: &[Curves], model: &[Curves]) -> Verdict {
+fn verdict(curves: &[Curves], model: &[Curves], noise_only: bool) -> Verdict {
     let (mut dissipation, mut frequency) = (vec![], vec![]);
     for (record, model) in curves.iter().zip(model) {
         for (j, t) in model.t.iter().enumerate() {
@@ -396,5 +396,5 @@ fn verdict(curves: &[Curves], model: &[Curves]) -> Verdict {
             });
         }
     }
-    Verdict::new(&dissipation, &frequency)
+    Verdict::new(&dissipation, &frequency, noise_only)
 }

@@ -85,10 +85,10 @@ struct Scale {
 impl Scale {
     fn new(task: &Task, minimum: &Minimum, settled: bool) -> Self {
         let freedom = (task.count() - task.free().len()) as f64;
-        let correlation = task.refined(minimum).correlation;
+        let refined = task.refined(minimum);
+        let r = refined.correlation;
         // Neighbours that agree say the same twice.
-        let significant = correlation > 2.0 / (task.count() as f64).sqrt();
-        let inflation = if significant { (1.0 + correlation) / (1.0 - correlation.min(0.9)) } else { 1.0 };
+        let inflation = if refined.leaves_noise(task.count()) { 1.0 } else { (1.0 + r) / (1.0 - r.min(0.9)) };
         Self {
             variance: inflation * (minimum.cost / freedom).max(task.least_variance()),
             limit: student(freedom / inflation).powi(2),
@@ -207,7 +207,7 @@ fn profile(
             work: Workspace::default(),
             points: vec![],
         };
-        let end = walk.go(*direction).map_err(|better| chart.back(better))?;
+        let end = walk.go(*direction).map_err(|better| chart.back(&better))?;
         let at = match end {
             End::Open => None,
             End::Closed(x) => {
@@ -217,9 +217,9 @@ fn profile(
             }
         };
         if *direction < 0.0 {
-            profile.low = at
+            profile.low = at;
         } else {
-            profile.high = at
+            profile.high = at;
         }
         profile.points.extend(walk.points.iter().map(|p| (of(&p.2), p.1)));
     }
@@ -418,9 +418,9 @@ impl Task {
     }
 
     /// A minimum of this task in the coordinates of every search.
-    fn back(&self, minimum: Minimum) -> Minimum {
+    fn back(&self, minimum: &Minimum) -> Minimum {
         let usual = Chart::holding(self.held(), self.chart.amplitude);
-        Minimum { x: self.converted(&usual, &minimum.x), ..minimum }
+        Minimum { x: self.converted(&usual, &minimum.x), ..*minimum }
     }
 
     /// Coordinates in another chart; as they are where the parameters are no model.

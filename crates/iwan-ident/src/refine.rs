@@ -88,6 +88,13 @@ pub struct Refined {
     pub converged: bool,
 }
 
+impl Refined {
+    /// Whether what is left of `count` values looks like white noise: neighbours are not correlated.
+    pub(crate) fn leaves_noise(&self, count: usize) -> bool {
+        self.correlation < 2.0 / (count as f64).sqrt()
+    }
+}
+
 /// The records in the form that the searches work on.
 #[derive(Debug, Clone)]
 pub(crate) struct Task {

@@ -74,7 +74,7 @@ fn discretisation(task: Task<'_>, joint: JointKind) -> Result<Option<f64>, Simul
         return Ok(Some(0.0));
     }
     let Ok(scheme) = Newmark::prewarped(task.dt, task.mode.oscillator()?.omega0()) else { return Ok(None) };
-    let run = |joint| newmark(task, &scheme, joint, &mut |_| ControlFlow::Continue(()));
+    let run = |joint| newmark(task, &scheme, joint, Response::default(), &mut |_| ControlFlow::Continue(()));
     let pair = run(joint).and_then(|sliders| Ok((sliders, run(JointKind::Continuum)?)));
     Ok(pair.ok().map(|(sliders, continuum)| quality::difference(&sliders, &continuum, 1)))
 }

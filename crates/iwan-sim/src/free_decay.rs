@@ -41,6 +41,7 @@ pub(crate) struct Decaying<'a> {
 pub(crate) fn simulate(
     job: Decaying<'_>,
     wanted: bool,
+    spare: Response,
     progress: Progress<'_>,
 ) -> Result<Response, SimulationError> {
     let Some(law) = &job.task.mode.joint else {
@@ -48,7 +49,7 @@ pub(crate) fn simulate(
         return event::simulate(job.task, job.force, (1, Grid::Uniform), wanted, progress);
     };
     with_law!(law, law => {
-        let mut response = decay(job, law, STEPS_A_PERIOD)?;
+        let mut response = decay(job, law, STEPS_A_PERIOD, spare)?;
         if progress(0.5).is_break() {
             return Err(SimulationError::Interrupted);
         }
@@ -68,19 +69,25 @@ fn estimate<B: Backbone>(
     law: &B,
     response: &Response,
 ) -> Result<Quality, SimulationError> {
-    let coarse = decay(job, law, 0.5 * STEPS_A_PERIOD)?;
+    let coarse = decay(job, law, 0.5 * STEPS_A_PERIOD, Response::default())?;
     let mut error = quality::difference(&coarse, response, 1) / 3.0 + QUADRATURE_ERROR;
     if job.method == Method::Averaging {
-        let exact = decay(Decaying { method: Method::HalfCycle, ..job }, law, STEPS_A_PERIOD)?;
+        let exact =
+            decay(Decaying { method: Method::HalfCycle, ..job }, law, STEPS_A_PERIOD, Response::default())?;
         error = error.max(quality::difference(&exact, response, 1));
     }
     Ok(Quality { time_step_error: Some(error), discretisation_error: Some(0.0), ..response.quality })
 }
 
-fn decay<B: Backbone>(job: Decaying<'_>, law: &B, steps: f64) -> Result<Response, SimulationError> {
+fn decay<B: Backbone>(
+    job: Decaying<'_>,
+    law: &B,
+    steps: f64,
+    spare: Response,
+) -> Result<Response, SimulationError> {
     let Task { mode, dt, samples, .. } = job.task;
     let oscillator = mode.oscillator()?;
-    let mut response = Response::zeros(dt, samples);
+    let mut response = spare.cleared(dt, samples);
     response.strongest = law.strengths().1;
     let clock = Instant::now();
     let forced = forced(job, &oscillator, law, steps, &mut response)?;

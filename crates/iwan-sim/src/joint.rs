@@ -41,6 +41,29 @@ impl JointLaw {
         let points = vec![DensityPoint::default(); strength.len()];
         Tabulated::new(strength, density, dirac, points).map(Self::Tabulated)
     }
+
+    /// Density ρ(φ) of the sliders at the strength φ (stiffness/length), sliders of a single strength left out: see
+    /// [`dirac`](Self::dirac).
+    #[must_use]
+    pub fn density(&self, phi: f64) -> f64 {
+        match self {
+            Self::FourParameter(law) => law.density(phi),
+            Self::Jenkins(_) => 0.0,
+            Self::Uniform(law) => law.density(phi),
+            Self::Tabulated(law) => law.density(phi),
+        }
+    }
+
+    /// Stiffness of the sliders that all have the largest strength.
+    #[must_use]
+    pub fn dirac(&self) -> f64 {
+        match self {
+            Self::FourParameter(law) => law.s(),
+            Self::Jenkins(law) => law.initial_stiffness(),
+            Self::Uniform(_) => 0.0,
+            Self::Tabulated(law) => law.dirac(),
+        }
+    }
 }
 
 impl Backbone for JointLaw {
@@ -82,5 +105,37 @@ impl Backbone for JointLaw {
     }
     fn power_law(&self) -> Option<PowerLaw> {
         with_law!(self, law => law.power_law())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use iwan_core::quadrature::Rule;
+
+    use super::*;
+
+    /// ∫ρ below a strength is the stiffness of the sliders there, and with the Dirac it is K_T.
+    #[test]
+    fn the_density_integrates_to_the_stiffness() {
+        const RULE: Rule<16> = Rule::gauss_legendre();
+        let laws = [
+            JointLaw::FourParameter(FourParameter::new(4.45e4, 239.4, -0.183, 0.3).unwrap()),
+            JointLaw::Uniform(Uniform::new(1e3, 5.0, 0.4).unwrap()),
+            JointLaw::tabulated(&[0.0, 0.002, 0.01], &[1e5, 3e5, 2e5], 70.0).unwrap(),
+            JointLaw::Jenkins(Jenkins::new(1e3, 5.0).unwrap()),
+        ];
+        for law in laws {
+            let (low, high) = law.strengths();
+            // φ = low + (high - low) s^4 tames the corner at 0; panels around the kinks of the table.
+            let integrand =
+                |s: f64| 4.0 * s.powi(3) * (high - low) * law.density(low + (high - low) * s.powi(4));
+            let kink = 0.2_f64.powf(0.25);
+            let below = RULE.integrate(0.0, kink, integrand) + RULE.integrate(kink, 1.0, integrand);
+            assert!(
+                (below + law.dirac() - law.initial_stiffness()).abs() < 1e-6 * law.initial_stiffness(),
+                "{law:?}"
+            );
+            assert_eq!(law.density(-1e-9) + law.density(1.001 * high), 0.0, "{law:?}");
+        }
     }
 }

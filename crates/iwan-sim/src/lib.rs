@@ -2,8 +2,10 @@
 //!
 //! [`Mode`] + [`Pulse`](iwan_core::Pulse) + [`Settings`] -> [`simulate`] -> [`Response`].
 
+mod ensemble;
 mod error;
 mod event;
+mod force_history;
 mod free_decay;
 mod joint;
 mod mode;
@@ -13,7 +15,9 @@ mod run;
 mod settings;
 mod simulate;
 
+pub use ensemble::{Ensemble, Figures, History, MemberError, Outcome, Watch};
 pub use error::SimulationError;
+pub use force_history::force_history;
 pub use joint::{JointLaw, TabulatedDensity};
 pub use mode::{Mode, Point};
 pub use response::{Quality, Response, superpose};

@@ -38,7 +38,8 @@ pub(crate) fn of_newmark(
     let Some(scheme) = scheme_at(coarse.dt).ok().filter(|_| coarse.samples >= FEWEST) else {
         return quality;
     };
-    let run = |joint| newmark(coarse, &scheme, joint, &mut |_| ControlFlow::Continue(()));
+    let run =
+        |joint| newmark(coarse, &scheme, joint, Response::default(), &mut |_| ControlFlow::Continue(()));
     // A double step that does not work says nothing about the single one.
     let Ok(sliders) = run(joint) else { return quality };
     quality.time_step_error =

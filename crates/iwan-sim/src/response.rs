@@ -40,18 +40,27 @@ pub struct Response {
 }
 
 impl Response {
-    /// Zeros for `samples` samples.
+    /// Room for `samples` samples, zeros at first.
     pub(crate) fn zeros(dt: f64, samples: usize) -> Self {
-        let zeros = || vec![0.0; samples];
-        Self {
-            dt,
-            displacement: zeros(),
-            velocity: zeros(),
-            acceleration: zeros(),
-            joint_force: zeros(),
-            strongest: f64::INFINITY,
-            ..Self::default()
+        Self::default().cleared(dt, samples)
+    }
+
+    /// Room for `samples` samples in the buffers of a response that is no longer needed; what stands in them is to be
+    /// overwritten.
+    pub(crate) fn cleared(mut self, dt: f64, samples: usize) -> Self {
+        for buffer in
+            [&mut self.displacement, &mut self.velocity, &mut self.acceleration, &mut self.joint_force]
+        {
+            if buffer.capacity() < samples {
+                // Fresh zeros come from the system without being written.
+                *buffer = vec![0.0; samples];
+            } else {
+                buffer.resize(samples, 0.0);
+            }
         }
+        let Self { displacement, velocity, acceleration, joint_force, .. } = self;
+        let strongest = f64::INFINITY;
+        Self { dt, displacement, velocity, acceleration, joint_force, strongest, ..Self::default() }
     }
 
     /// The buffers, lent to the core.
@@ -79,7 +88,16 @@ impl Response {
     /// Largest |q|.
     #[must_use]
     pub fn peak_displacement(&self) -> f64 {
-        self.displacement.iter().fold(0.0, |peak, q| peak.max(q.abs()))
+        // Lanes of their own: one running maximum would wait for itself at every sample.
+        let mut peaks = [0.0_f64; 8];
+        let chunks = self.displacement.chunks_exact(peaks.len());
+        let rest = chunks.remainder().iter().fold(0.0_f64, |peak, q| peak.max(q.abs()));
+        for chunk in chunks {
+            for (peak, q) in peaks.iter_mut().zip(chunk) {
+                *peak = peak.max(q.abs());
+            }
+        }
+        peaks.into_iter().fold(rest, f64::max)
     }
 
     /// Largest |q| in units of φ_max: macro-slip above 1.

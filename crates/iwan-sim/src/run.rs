@@ -39,15 +39,17 @@ pub(crate) fn modal_force(mode: &Mode, force: &Pulse<'_>, dt: f64, samples: usiz
     history
 }
 
-/// Newmark's scheme on a joint represented as asked.
+/// Newmark's scheme on a joint represented as asked, in the buffers of `spare`.
 pub(crate) fn newmark(
     task: Task<'_>,
     scheme: &Newmark,
     joint: JointKind,
+    spare: Response,
     progress: Progress<'_>,
 ) -> Result<Response, SimulationError> {
     let oscillator = task.mode.oscillator()?;
-    let stepping = Stepping { task, scheme, oscillator };
+    let response = spare.cleared(task.dt, task.samples);
+    let stepping = Stepping { task, scheme, oscillator, response };
     let Some(law) = &task.mode.joint else {
         return stepping.run(
             &NoJoint,
@@ -88,19 +90,22 @@ struct Stepping<'a> {
     task: Task<'a>,
     scheme: &'a Newmark,
     oscillator: Oscillator,
+    /// Where the samples go.
+    response: Response,
 }
 
 impl Stepping<'_> {
-    fn continuum<B: Backbone>(&self, law: B, progress: Progress<'_>) -> Result<Response, SimulationError> {
+    fn continuum<B: Backbone>(self, law: B, progress: Progress<'_>) -> Result<Response, SimulationError> {
         let joint = Continuum::new(law);
         let mut forgotten = 0.0;
         let state = joint.virgin(stack(&self.task))?;
+        let (scheme, oscillator) = (self.scheme, self.oscillator);
         let step = |j: &Continuum<B>,
                     s: &mut iwan_core::Reversals<Vec<Reversal>>,
                     v,
                     f: &[f64],
                     out: &mut Samples<'_>| {
-            let end = self.scheme.integrate(&self.oscillator, j, s, v, f, out);
+            let end = scheme.integrate(&oscillator, j, s, v, f, out);
             forgotten = s.forgotten();
             end
         };
@@ -111,14 +116,14 @@ impl Stepping<'_> {
 
     /// Integrates chunk by chunk, balances the energy and checks that all is finite.
     fn run<S, J: Hysteresis<S>>(
-        &self,
+        self,
         joint: &J,
         mut state: S,
         mut step: impl FnMut(&J, &mut S, f64, &[f64], &mut Samples<'_>) -> Result<f64, Error>,
         progress: Progress<'_>,
     ) -> Result<Response, SimulationError> {
-        let Task { mode, force, dt, samples } = self.task;
-        let mut response = Response::zeros(dt, samples);
+        let Task { mode, force, samples, .. } = self.task;
+        let mut response = self.response;
         joint.advance(&mut state, mode.initial.0);
         let (start, mut velocity) = (joint.stored_energy(&state), mode.initial.1);
         let clock = Instant::now();

@@ -29,7 +29,7 @@ pub type Observer<'a> = &'a mut (dyn FnMut(f64) -> ControlFlow<()> + Send);
 /// # Errors
 /// [`SimulationError::Parameter`] for values out of range, [`SimulationError::NotFinite`] on overflow.
 pub fn simulate(mode: &Mode, force: &Pulse<'_>, settings: &Settings) -> Result<Response, SimulationError> {
-    simulate_observed(mode, force, settings, &mut |_| ControlFlow::Continue(()))
+    simulate_observed(mode, force, settings, Response::default(), &mut |_| ControlFlow::Continue(()))
 }
 
 /// Simulates several modes on up to `threads` threads: the same bits whatever their number.
@@ -53,7 +53,7 @@ pub fn simulate_all(
             shares[index] = share;
             observer(shares.iter().sum::<f64>() / shares.len() as f64)
         };
-        simulate_observed(&modes[index], force, settings, &mut report)
+        simulate_observed(&modes[index], force, settings, Response::default(), &mut report)
     };
     let work = || {
         let mut finished = Vec::new();
@@ -112,10 +112,12 @@ fn settled_after(force: &Pulse<'_>, dt: f64, samples: usize) -> Result<usize, Er
     Err(Error::Unsupported { what })
 }
 
-fn simulate_observed(
+/// Simulates in the buffers of `spare`, a response that is no longer needed.
+pub(crate) fn simulate_observed(
     mode: &Mode,
     force: &Pulse<'_>,
     settings: &Settings,
+    spare: Response,
     progress: run::Progress<'_>,
 ) -> Result<Response, SimulationError> {
     let force = force.checked()?;
@@ -133,7 +135,7 @@ fn simulate_observed(
                 }
                 false => Newmark::new(dt, beta, gamma),
             };
-            let mut response = run::newmark(task, &scheme_at(dt)?, joint, progress)?;
+            let mut response = run::newmark(task, &scheme_at(dt)?, joint, spare, progress)?;
             if settings.quality {
                 let order = if gamma == 0.5 { 2 } else { 1 };
                 response.quality = quality::of_newmark(task, &response, scheme_at, order, joint);
@@ -145,6 +147,7 @@ fn simulate_observed(
             free_decay::simulate(
                 Decaying { task, force: &force, method, settled },
                 settings.quality,
+                spare,
                 progress,
             )
         }

@@ -9,7 +9,7 @@ use super::{Mesh, abaqus, gmsh};
 /// A mesh file, read.
 #[derive(Debug, Clone, PartialEq)]
 pub struct MeshFile {
-    /// The mesh as the file has it; [`check`](crate::check::check) tells whether it can be computed with.
+    /// The mesh as the file has it; [`Structure::check`](crate::Structure::check) tells whether it can be computed with.
     pub mesh: Mesh,
     /// What was passed over or read in another sense than the file's.
     pub warnings: Vec<MeshWarning>,

@@ -1,0 +1,88 @@
+"""Ring-down of bolted structures with Iwan friction models: simulate and identify.
+
+>>> import iwan
+>>> joint = iwan.FourParameter(k_t=4.45e4, f_s=239.4, chi=-0.183, beta=0.3)
+>>> mode = iwan.Mode(frequency=124.0, joint=joint, damping_ratio=2.5e-4)
+>>> blow = iwan.Haversine(amplitude=1000.0, duration=1.6e-3)
+>>> response = iwan.simulate(mode, force=blow, dt=1e-5, duration=0.2)
+>>> len(response.t)
+20001
+
+Units are your own consistent set; frequencies in Hz, times in s, damping as a ratio (0.01 = 1 %). Method: Deaner, Allen,
+Starr, Segalman, *Investigation of Modal Iwan Models for Structures with Bolted Joints*; equation numbers are the paper's.
+"""
+
+from iwan import ensemble, plot
+from iwan._native import (
+    Envelope,
+    FourParameter,
+    HalfSine,
+    Haversine,
+    Jenkins,
+    Joint,
+    Mode,
+    Pulse,
+    Record,
+    Response,
+    Sampled,
+    Sine,
+    Step,
+    Tabulated,
+    Uniform,
+    __version__,
+    envelope,
+    read_record,
+    simulate,
+    superpose,
+)
+from iwan.identification import Fit, LogLikelihood, fit, log_likelihood
+from iwan.errors import (
+    ComputationError,
+    FileError,
+    IdentificationError,
+    InvalidTypeError,
+    InvalidValueError,
+    IwanError,
+    MissingFileError,
+    RecordError,
+)
+
+from iwan.records import as_record
+
+__all__ = [
+    "ComputationError",
+    "Envelope",
+    "FileError",
+    "Fit",
+    "FourParameter",
+    "HalfSine",
+    "Haversine",
+    "IdentificationError",
+    "InvalidTypeError",
+    "InvalidValueError",
+    "IwanError",
+    "Jenkins",
+    "Joint",
+    "LogLikelihood",
+    "MissingFileError",
+    "Mode",
+    "Pulse",
+    "Record",
+    "RecordError",
+    "Response",
+    "Sampled",
+    "Sine",
+    "Step",
+    "Tabulated",
+    "Uniform",
+    "__version__",
+    "as_record",
+    "ensemble",
+    "envelope",
+    "fit",
+    "log_likelihood",
+    "plot",
+    "read_record",
+    "simulate",
+    "superpose",
+]

@@ -1,0 +1,384 @@
+"""Types of the compiled part. Shapes: scalars in, scalars out; arrays keep their shape."""
+
+from collections.abc import Callable, Mapping, Sequence
+from os import PathLike
+from typing import Any, Final, Literal, final, overload
+
+from numpy.typing import ArrayLike
+from xarray import Dataset
+
+from iwan.types import Array, Energy, EnvelopeMethod, Grid, Method, Motion, Quantity, Statistics
+
+__version__: Final[str]
+
+class Joint:
+    @property
+    def k_t(self) -> float: ...
+    @property
+    def f_s(self) -> float: ...
+    @property
+    def phi_max(self) -> float: ...
+    @property
+    def phi_min(self) -> float: ...
+    @property
+    def dirac(self) -> float: ...
+    @overload
+    def force(self, u: float) -> float: ...
+    @overload
+    def force(self, u: ArrayLike) -> Array: ...
+    @overload
+    def tangent(self, u: float) -> float: ...
+    @overload
+    def tangent(self, u: ArrayLike) -> Array: ...
+    @overload
+    def secant(self, u: float) -> float: ...
+    @overload
+    def secant(self, u: ArrayLike) -> Array: ...
+    @overload
+    def harmonic_stiffness(self, u: float) -> float: ...
+    @overload
+    def harmonic_stiffness(self, u: ArrayLike) -> Array: ...
+    @overload
+    def dissipation(self, u: float) -> float: ...
+    @overload
+    def dissipation(self, u: ArrayLike) -> Array: ...
+    @overload
+    def energy(self, u: float) -> float: ...
+    @overload
+    def energy(self, u: ArrayLike) -> Array: ...
+    @overload
+    def density(self, phi: float) -> float: ...
+    @overload
+    def density(self, phi: ArrayLike) -> Array: ...
+    def force_history(self, u: ArrayLike, sliders: int | None = None, grid: Grid | None = None) -> Array: ...
+    def discretise(self, sliders: int = 100, grid: Grid | None = None) -> tuple[Array, Array]: ...
+    def __eq__(self, other: object, /) -> bool: ...
+    def __hash__(self) -> int: ...
+
+@final
+class FourParameter(Joint):
+    def __new__(cls, *, k_t: float, f_s: float, chi: float, beta: float) -> FourParameter: ...
+    @staticmethod
+    def from_density(*, r: float, chi: float, phi_max: float, s: float) -> FourParameter: ...
+    @property
+    def chi(self) -> float: ...
+    @property
+    def beta(self) -> float: ...
+    @property
+    def r(self) -> float: ...
+    @property
+    def s(self) -> float: ...
+    @overload
+    def dissipation_printed_eq17(self, u: float) -> float: ...
+    @overload
+    def dissipation_printed_eq17(self, u: ArrayLike) -> Array: ...
+
+@final
+class Jenkins(Joint):
+    def __new__(cls, *, k_t: float, f_s: float) -> Jenkins: ...
+
+@final
+class Uniform(Joint):
+    def __new__(cls, *, k_t: float, f_s: float, width: float) -> Uniform: ...
+    @property
+    def width(self) -> float: ...
+
+@final
+class Tabulated(Joint):
+    def __new__(cls, *, strength: ArrayLike, density: ArrayLike, dirac: float = 0.0) -> Tabulated: ...
+    @property
+    def strength(self) -> Array: ...
+    @property
+    def table(self) -> Array: ...
+
+class Pulse:
+    @overload
+    def at(self, t: float) -> float: ...
+    @overload
+    def at(self, t: ArrayLike) -> Array: ...
+    def __eq__(self, other: object, /) -> bool: ...
+    def __hash__(self) -> int: ...
+
+@final
+class Haversine(Pulse):
+    def __new__(cls, *, amplitude: float, duration: float) -> Haversine: ...
+
+@final
+class HalfSine(Pulse):
+    def __new__(cls, *, amplitude: float, duration: float) -> HalfSine: ...
+
+@final
+class Step(Pulse):
+    def __new__(cls, *, amplitude: float, duration: float = ...) -> Step: ...
+
+@final
+class Sine(Pulse):
+    def __new__(cls, *, amplitude: float, frequency: float, duration: float = ...) -> Sine: ...
+
+@final
+class Sampled(Pulse):
+    def __new__(cls, *, samples: ArrayLike, dt: float) -> Sampled: ...
+    @property
+    def samples(self) -> Array: ...
+
+@final
+class Mode:
+    def __new__(
+        cls,
+        *,
+        frequency: float,
+        joint: Joint | None = None,
+        damping_ratio: float = 0.0,
+        name: str = "mode",
+        shape_at_force: float = 1.0,
+        outputs: Mapping[str, float] | None = None,
+        allow_negative_residual: bool = False,
+    ) -> Mode: ...
+    @property
+    def frequency(self) -> float: ...
+    @property
+    def joint(self) -> Joint | None: ...
+    @property
+    def damping_ratio(self) -> float: ...
+    @property
+    def name(self) -> str: ...
+    @property
+    def shape_at_force(self) -> float: ...
+    @property
+    def outputs(self) -> dict[str, float]: ...
+    @property
+    def allow_negative_residual(self) -> bool: ...
+    @property
+    def k_inf(self) -> float: ...
+    @overload
+    def frequency_at(self, a: float) -> float: ...
+    @overload
+    def frequency_at(self, a: ArrayLike) -> Array: ...
+    @overload
+    def damping_ratio_at(self, a: float) -> float: ...
+    @overload
+    def damping_ratio_at(self, a: ArrayLike) -> Array: ...
+    def __eq__(self, other: object, /) -> bool: ...
+    def __hash__(self) -> int: ...
+
+@final
+class Response:
+    @property
+    def t(self) -> Array: ...
+    @property
+    def dt(self) -> float: ...
+    @property
+    def displacement(self) -> Array: ...
+    @property
+    def velocity(self) -> Array: ...
+    @property
+    def acceleration(self) -> Array: ...
+    @property
+    def joint_force(self) -> Array: ...
+    @property
+    def energy_error(self) -> float: ...
+    @property
+    def energy(self) -> Energy: ...
+    @property
+    def statistics(self) -> Statistics: ...
+    def to_xarray(self) -> Dataset: ...
+    def __len__(self) -> int: ...
+
+@overload
+def simulate(
+    mode: Mode,
+    *,
+    force: Pulse | ArrayLike | None = None,
+    dt: float,
+    duration: float,
+    method: Method = "newmark",
+    sliders: int | None = 100,
+    grid: Grid | None = None,
+    prewarp: bool = True,
+    beta: float = 0.25,
+    gamma: float = 0.5,
+    initial: ArrayLike | None = None,
+    quality: bool = True,
+    threads: int | None = None,
+) -> Response: ...
+@overload
+def simulate(
+    mode: Sequence[Mode],
+    *,
+    force: Pulse | ArrayLike | None = None,
+    dt: float,
+    duration: float,
+    method: Method = "newmark",
+    sliders: int | None = 100,
+    grid: Grid | None = None,
+    prewarp: bool = True,
+    beta: float = 0.25,
+    gamma: float = 0.5,
+    initial: ArrayLike | None = None,
+    quality: bool = True,
+    threads: int | None = None,
+) -> list[Response]: ...
+def superpose(modes: Sequence[Mode], responses: Sequence[Response]) -> dict[str, Motion]: ...
+@final
+class Record:
+    def __new__(
+        cls,
+        samples: ArrayLike,
+        *,
+        dt: float,
+        names: Sequence[str] | None = None,
+        quantity: Quantity = "unknown",
+        unit: str = "",
+        start: float = 0.0,
+    ) -> Record: ...
+    @property
+    def samples(self) -> Array: ...
+    @property
+    def dt(self) -> float: ...
+    @property
+    def rate(self) -> float: ...
+    @property
+    def start(self) -> float: ...
+    @property
+    def names(self) -> list[str]: ...
+    @property
+    def quantity(self) -> str: ...
+    @property
+    def unit(self) -> str: ...
+    @property
+    def warnings(self) -> list[str]: ...
+    @property
+    def t(self) -> Array: ...
+    def channel(self, channel: str | int | None = None) -> Array: ...
+    def __len__(self) -> int: ...
+    def __eq__(self, other: object, /) -> bool: ...
+    __hash__: None  # type: ignore[assignment]
+
+def read_record(
+    path: str | PathLike[str],
+    *,
+    format: Literal["text", "npy", "npz", "uff", "mat"] | None = None,
+    time: str | None = None,
+    channels: Sequence[str] = ...,
+    rate: float | None = None,
+    quantity: Quantity | None = None,
+    resample: bool = False,
+) -> Record: ...
+@final
+class Envelope:
+    @property
+    def t(self) -> Array: ...
+    @property
+    def amplitude(self) -> Array: ...
+    @property
+    def frequency(self) -> Array: ...
+    @property
+    def damping_ratio(self) -> Array: ...
+    @property
+    def log_amplitude_sd(self) -> Array: ...
+    @property
+    def frequency_sd(self) -> Array: ...
+    @property
+    def damping_ratio_sd(self) -> Array: ...
+    @property
+    def trusted(self) -> tuple[float, float]: ...
+    @property
+    def method(self) -> str: ...
+    @property
+    def order(self) -> int: ...
+    @property
+    def noise(self) -> float: ...
+    @property
+    def notes(self) -> list[str]: ...
+    def __len__(self) -> int: ...
+
+def envelope(
+    record: Record | ArrayLike,
+    *,
+    dt: float | None = None,
+    channel: str | int | None = None,
+    band: tuple[float, float] | None = None,
+    near: float | None = None,
+    method: EnvelopeMethod = "hilbert",
+    filter_order: int = 3,
+    window: tuple[float, float] | None = None,
+    order: int | None = None,
+) -> Envelope: ...
+
+# Behind iwan.ensemble.
+def _ensemble(
+    columns: Sequence[Array],
+    *,
+    force: Pulse | ArrayLike | None,
+    dt: float,
+    duration: float,
+    method: Method,
+    sliders: int | None,
+    grid: Grid | None,
+    prewarp: bool,
+    keep: Sequence[str],
+    shape: Sequence[int],
+    first: int,
+    threads: int | None,
+    progress: Callable[[int], object] | None,
+) -> tuple[list[Array], list[Array], int]: ...
+def _envelopes(
+    records: Sequence[Record | ArrayLike],
+    *,
+    dt: float | None,
+    channel: str | int | None,
+    band: tuple[float, float] | None,
+    near: float | None,
+    method: EnvelopeMethod,
+    filter_order: int,
+    window: tuple[float, float] | None,
+    order: int | None,
+    first: int,
+    threads: int | None,
+    progress: Callable[[int], object] | None,
+) -> list[Envelope]: ...
+
+# Behind the command `iwan`.
+def _command(arguments: Sequence[str]) -> int: ...
+
+# Behind iwan.fit and iwan.log_likelihood.
+@final
+class _Identified:
+    def told(self, force_axis: str) -> dict[str, Any]: ...
+    def likelihood(self) -> _Likelihood: ...
+
+@final
+class _Likelihood:
+    @property
+    def names(self) -> list[str]: ...
+    @property
+    def best(self) -> Array: ...
+    def log(self, theta: ArrayLike, threads: int | None) -> Array: ...
+
+def _identify(
+    records: Sequence[Record | ArrayLike],
+    *,
+    dt: float | None,
+    channel: str | int | None,
+    quantity: str | None,
+    shape: Sequence[float] | None,
+    mass: float | None,
+    band: tuple[float, float] | None,
+    near: float | None,
+    method: str,
+    filter_order: int,
+    window: tuple[float, float] | None,
+    order: int | None,
+    hold: Sequence[tuple[str, float]],
+) -> _Identified: ...
+
+# Behind iwan.as_record.
+def _read_bytes(
+    name: str,
+    bytes: bytes,
+    time: str | None,
+    channels: Sequence[str],
+    rate: float | None,
+    quantity: str | None,
+    resample: bool,
+) -> Record: ...

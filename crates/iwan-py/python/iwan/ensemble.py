@@ -1,0 +1,274 @@
+"""Many parameter sets or many records in one call.
+
+The work is done in Rust on all cores; with a `dask.distributed` client (extra `iwan-ringdown[dask]`) on all its workers. Results
+are the same, to the last bit, whatever the number of threads or workers.
+"""
+
+from __future__ import annotations
+
+import sys
+import time
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any, TypeAlias, TypeVar, cast
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from iwan import _native
+from iwan.types import Array, EnvelopeMethod, Grid, History, Method
+
+if TYPE_CHECKING:
+    from distributed import Client
+
+__all__ = ["Ensemble", "envelope", "simulate"]
+
+Progress: TypeAlias = bool | Callable[[int, int], object] | None
+
+_Result = TypeVar("_Result")
+
+_CHUNK_SECONDS = 0.1
+"""Aim for the pieces that workers get: at least 50 ms each, on workers twice as fast as this machine too."""
+
+_RETRIES = 3
+"""How often a piece is computed again after an error of its worker."""
+
+
+@dataclass(frozen=True, eq=False)
+class Ensemble:
+    """Responses of many members; arrays have the broadcast shape of the parameters.
+
+    Histories have one axis more, the samples.
+    """
+
+    peak_displacement: Array
+    """Largest |q| among the samples."""
+    final_displacement: Array
+    """Displacement at the last sample."""
+    slip_ratio: Array
+    """Peak |q| over phi_max: macro-slip above 1."""
+    energy_error: Array
+    """|residual| of the energy balance, relative."""
+    histories: Mapping[str, Array]
+    """The histories that were to be kept, by name."""
+    t: Array
+    """Times of their samples, s."""
+
+    @property
+    def shape(self) -> tuple[int, ...]:
+        """Shape of the ensemble."""
+        return self.peak_displacement.shape
+
+
+def simulate(
+    *,
+    frequency: ArrayLike,
+    k_t: ArrayLike,
+    f_s: ArrayLike,
+    chi: ArrayLike,
+    beta: ArrayLike,
+    damping_ratio: ArrayLike = 0.0,
+    shape_at_force: ArrayLike = 1.0,
+    displacement: ArrayLike = 0.0,
+    velocity: ArrayLike = 0.0,
+    force: _native.Pulse | ArrayLike | None = None,
+    dt: float,
+    duration: float,
+    method: Method = "half-cycle",
+    sliders: int | None = 100,
+    grid: Grid | None = None,
+    prewarp: bool = True,
+    keep: Sequence[History] = (),
+    threads: int | None = None,
+    client: Client | None = None,
+    progress: Progress = None,
+) -> Ensemble:
+    """Simulate the ring-downs of many modes with four-parameter joints.
+
+    The parameters of `Mode` and `FourParameter`, and `displacement` and `velocity` at t = 0 s, are numbers or arrays that are
+    broadcast against each other. `force`, `dt`, `duration`, `sliders`, `grid`, `prewarp`: as in `iwan.simulate`, shared
+    by all; `shape_at_force` scales the force of a member. `method`: the half-cycle map by default, which needs no time
+    steps, so that `dt` is only the distance of the samples. `keep`: histories to return; they need 8 bytes a sample.
+
+    `threads`: all cores by default. `client`: a `dask.distributed` client, whose workers then do the work in pieces of at
+    least 50 ms; what a lost worker had is computed again. `progress`: True, False, a function of the numbers done and in
+    all, or None: shown where standard error is a terminal.
+
+    Raises `iwan.InvalidValueError` naming the first parameter set out of range, `iwan.ComputationError`.
+
+    >>> import numpy as np
+    >>> many = iwan.ensemble.simulate(
+    ...     frequency=124.0, k_t=4.45e4, f_s=np.linspace(100.0, 300.0, 1000), chi=-0.183, beta=[[0.3], [3.0]],
+    ...     displacement=1e-3, dt=1e-3, duration=0.2, keep=["displacement"],
+    ... )
+    >>> many.shape, many.histories["displacement"].shape
+    ((2, 1000), (2, 1000, 201))
+    >>> bool(np.all(np.diff(np.abs(many.slip_ratio[0])) < 0))  # the stronger the joint, the less it slips
+    True
+    """
+    parameters = [frequency, damping_ratio, k_t, f_s, chi, beta, shape_at_force, displacement, velocity]
+    arrays = np.broadcast_arrays(*[np.asarray(p, dtype=np.float64) for p in parameters])
+    shape, columns = arrays[0].shape, [array.ravel() for array in arrays]
+    options: dict[str, Any] = {
+        "force": force,
+        "dt": dt,
+        "duration": duration,
+        "method": method,
+        "sliders": sliders,
+        "grid": grid,
+        "prewarp": prewarp,
+        "keep": list(keep),
+        "shape": shape,
+    }
+    if client is None:
+        with _bar(progress, columns[0].size) as tell:
+            pieces = [_native._ensemble(columns, **options, first=0, threads=threads, progress=tell)]
+    else:
+        pieces = _on_workers(client, _simulate_piece, columns, options, progress)
+    return _joined(pieces, shape, list(keep), dt)
+
+
+def _simulate_piece(columns: list[Array], options: dict[str, Any], first: int) -> _Piece:
+    return _native._ensemble(columns, **options, first=first, threads=1, progress=None)
+
+
+_Piece: TypeAlias = tuple[list[Array], list[Array], int]
+
+
+def _joined(pieces: Sequence[_Piece], shape: tuple[int, ...], keep: Sequence[str], dt: float) -> Ensemble:
+    """Put pieces together, in their order; a single one is not copied."""
+    samples = pieces[0][2]
+
+    def whole(parts: list[Array]) -> Array:
+        return parts[0] if len(parts) == 1 else np.concatenate(parts)
+
+    figures = [whole([piece[0][i] for piece in pieces]).reshape(shape) for i in range(4)]
+    peak_displacement, final_displacement, slip_ratio, energy_error = figures
+    histories = {
+        name: whole([piece[1][i] for piece in pieces]).reshape(*shape, samples) for i, name in enumerate(keep)
+    }
+    times = np.arange(samples, dtype=np.float64) * dt
+    return Ensemble(peak_displacement, final_displacement, slip_ratio, energy_error, histories, times)
+
+
+def envelope(
+    records: Sequence[_native.Record | ArrayLike],
+    *,
+    dt: float | None = None,
+    channel: str | int | None = None,
+    band: tuple[float, float] | None = None,
+    near: float | None = None,
+    method: EnvelopeMethod = "hilbert",
+    filter_order: int = 3,
+    window: tuple[float, float] | None = None,
+    order: int | None = None,
+    threads: int | None = None,
+    client: Client | None = None,
+    progress: Progress = None,
+) -> list[_native.Envelope]:
+    """Envelope and frequency of one mode of each of many records.
+
+    Arguments as in `iwan.envelope`, for all records; `threads`, `client` and `progress` as in `simulate`. Returns a list of
+    `Envelope` in the order of the records. Raises what `iwan.envelope` raises, naming the first record concerned.
+
+    >>> import numpy as np
+    >>> t = np.arange(8192) / 4096.0
+    >>> records = [np.exp(-t) * np.cos(2 * np.pi * f * t) for f in (60.0, 80.0)]
+    >>> [round(float(np.median(e.frequency)), 2) for e in iwan.ensemble.envelope(records, dt=1 / 4096)]
+    [60.0, 80.0]
+    """
+    options: dict[str, Any] = {
+        "dt": dt,
+        "channel": channel,
+        "band": band,
+        "near": near,
+        "method": method,
+        "filter_order": filter_order,
+        "window": window,
+        "order": order,
+    }
+    records = list(records)
+    if client is None:
+        with _bar(progress, len(records)) as tell:
+            return _native._envelopes(records, **options, first=0, threads=threads, progress=tell)
+    pieces = _on_workers(client, _envelope_piece, [records], options, progress)
+    return [found for piece in pieces for found in piece]
+
+
+def _envelope_piece(columns: list[Any], options: dict[str, Any], first: int) -> list[_native.Envelope]:
+    return _native._envelopes(columns[0], **options, first=first, threads=1, progress=None)
+
+
+def _on_workers(
+    client: Client,
+    compute: Callable[[list[Any], dict[str, Any], int], _Result],
+    columns: list[Any],
+    options: dict[str, Any],
+    progress: Progress,
+) -> list[_Result]:
+    """Compute pieces of the columns on the workers of a client; a lost worker's pieces are computed again by others."""
+    import distributed
+
+    # The library has no types.
+    as_completed, untyped = cast(Any, distributed).as_completed, cast(Any, client)
+
+    members = len(columns[0])
+    size = _piece_size(compute, columns, options)
+    starts = range(0, max(members, 1), size)
+    futures = [
+        untyped.submit(compute, [c[first : first + size] for c in columns], options, first, pure=False, retries=_RETRIES)
+        for first in starts
+    ]
+    try:
+        with _bar(progress, members) as tell:
+            done = 0
+            for future in as_completed(futures):
+                if future.status == "error":
+                    break
+                done += size
+                if tell is not None:
+                    tell(min(done, members))
+        # In the order of the members: the first error is the one that threads would have raised.
+        return [future.result() for future in futures]
+    finally:
+        untyped.cancel([future for future in futures if not future.done()])
+
+
+def _piece_size(compute: Callable[..., object], columns: list[Any], options: dict[str, Any]) -> int:
+    """Members that make a piece of about `_CHUNK_SECONDS`, from a trial here."""
+    members, size = len(columns[0]), 1
+    while True:
+        start = time.perf_counter()
+        compute([c[:size] for c in columns], options, 0)
+        seconds = time.perf_counter() - start
+        if seconds > 0.1 * _CHUNK_SECONDS or size >= members:
+            return max(1, int(np.ceil(size * _CHUNK_SECONDS / max(seconds, 1e-9))))
+        size *= 4
+
+
+class _bar:
+    """What to call with the number done: a line on a terminal, the caller's function, or nothing."""
+
+    def __init__(self, progress: Progress, total: int) -> None:
+        self.total, self.shown = total, False
+        self.tell: Callable[[int], object] | None
+        if callable(progress):
+            self.tell = lambda done: progress(done, total)
+        elif progress or (progress is None and sys.stderr.isatty()):
+            self.tell = self.draw
+        else:
+            self.tell = None
+
+    def draw(self, done: int) -> None:
+        share = done / self.total if self.total else 1.0
+        width = 40
+        sys.stderr.write(f"\r[{'#' * int(share * width):<{width}}] {done}/{self.total}")
+        sys.stderr.flush()
+        self.shown = True
+
+    def __enter__(self) -> Callable[[int], object] | None:
+        return self.tell
+
+    def __exit__(self, *_: object) -> None:
+        if self.shown:
+            sys.stderr.write("\n")

@@ -1,0 +1,249 @@
+"""From records to the parameters of an Iwan joint, with intervals, a verdict, and the likelihood for samplers."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, Any, Literal, cast
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from iwan._native import Envelope, FourParameter, Mode, Record, _identify, _Identified
+from iwan.errors import InvalidValueError, IwanError
+from iwan.types import Array, EnvelopeMethod
+
+if TYPE_CHECKING:
+    from arviz import InferenceData
+
+__all__ = ["Fit", "LogLikelihood", "fit", "log_likelihood"]
+
+Interval = tuple[float | None, float | None]
+
+
+@dataclass(frozen=True, eq=False)
+class Fit:
+    """What records tell about a mode. Made by `iwan.fit`; picklable.
+
+    Parameters are called `frequency` (Hz), `damping_ratio`, `k_t`, `f_s`, `chi` and `beta`. Curves hold one entry per cycle
+    of all records: `record` (its number from 0), `t` (s), `displacement` (amplitude), `frequency` (Hz), `damping_ratio`,
+    `dissipation` (per cycle), `force` (on `force_axis`), `frequency_sd`, `log_dissipation_sd`.
+    """
+
+    mode: Mode
+    """The mode with its joint, as identified."""
+    intervals: Mapping[str, Interval]
+    """95 % interval of each parameter by profile likelihood; None: open on that side."""
+    identifiable: Mapping[str, bool]
+    """Whether the records bound a parameter on both sides."""
+    adequate: bool
+    """Whether one four-parameter joint with a viscous damper matches frequency and damping together."""
+    misfit: str
+    """What fits and what does not, in words and numbers."""
+    joint_needed: bool
+    """Whether the records need a joint at all: a linear mode with viscous damping may tell them as well."""
+    words: Sequence[str]
+    """What the records tell and what they cannot tell, in sentences."""
+    notes: Sequence[str]
+    """What was found and done."""
+    curves: Mapping[str, Array]
+    """Measured curves against amplitude."""
+    model_curves: Mapping[str, Array]
+    """The same curves of the model's ring-downs."""
+    force_axis: str
+    """Which force the curves hold: "modal" (omega^2 q) or "joint" ((omega^2 - K_inf) q)."""
+    envelopes: Sequence[Envelope]
+    """Envelope of each record."""
+    profiles: Mapping[str, tuple[Array, Array]]
+    """Values and deviances of each parameter's profile likelihood."""
+    limit: float
+    """Deviance at the ends of the intervals."""
+    relative_residual: float
+    """Root mean square of all residuals over that of the records."""
+    _request: Mapping[str, Any] = field(repr=False)
+    """The arguments, to identify again."""
+    _identified: _Identified | None = field(default=None, repr=False)
+
+    @property
+    def joint(self) -> FourParameter:
+        """The joint, as identified."""
+        return cast(FourParameter, self.mode.joint)
+
+    @property
+    def frequency(self) -> float:
+        """Frequency at small amplitude, Hz."""
+        return self.mode.frequency
+
+    @property
+    def damping_ratio(self) -> float:
+        """Viscous damping ratio, in parallel with the joint."""
+        return self.mode.damping_ratio
+
+    @property
+    def parameters(self) -> dict[str, float]:
+        """All six by name."""
+        joint = self.joint
+        own = {"k_t": joint.k_t, "f_s": joint.f_s, "chi": joint.chi, "beta": joint.beta}
+        return {"frequency": self.frequency, "damping_ratio": self.damping_ratio} | own
+
+    def __str__(self) -> str:
+        """Table of the parameters with their intervals, and what the records tell."""
+
+        def end(x: float | None) -> str:
+            return "open" if x is None else f"{x:.6g}"
+
+        rows = [
+            f"{name:<14}{value:>14.7g}   95 %: {end(self.intervals[name][0])} to {end(self.intervals[name][1])}"
+            for name, value in self.parameters.items()
+        ]
+        return "\n".join([*rows, *self.words])
+
+    def __getstate__(self) -> dict[str, Any]:
+        return {**self.__dict__, "_identified": None}
+
+
+def fit(
+    record: Record | ArrayLike | Sequence[Record | ArrayLike],
+    *,
+    dt: float | None = None,
+    channel: str | int | None = None,
+    quantity: Literal["acceleration", "velocity", "displacement"] | None = None,
+    shape: Sequence[float] | None = None,
+    mass: float | None = None,
+    band: tuple[float, float] | None = None,
+    near: float | None = None,
+    method: EnvelopeMethod = "hilbert",
+    filter_order: int = 3,
+    window: tuple[float, float] | None = None,
+    order: int | None = None,
+    force_axis: Literal["modal", "joint"] = "modal",
+    hold: Mapping[str, float] | None = None,
+) -> Fit:
+    """Identify the parameters of a mode with a four-parameter Iwan joint and a viscous damper.
+
+    `record`: a `Record` or a bare array (samples, or channels x samples) with `dt` (s), or a list of them: the force levels
+    of one structure, fitted together. Several channels are combined by `shape`, the mode's values at the channels
+    (mass-normalised), or else by the shape that dominates in the band; `channel` chooses one. `mass`: modal mass of records that
+    are not mass-normalised. `quantity`: goes before what the record says. `band`, `near`, `method`, `filter_order`, `window`,
+    `order`: as in `iwan.envelope`. `force_axis`: of the curves. `hold`: parameters that keep a value, such as
+    `{"damping_ratio": 0.0}`.
+
+    Start values off the curves, least squares on the curves, refinement on the records by simulation, profile likelihood
+    (Sec. 2.4, 2.5 and 4.4 of the paper, completed). Raises `iwan.IdentificationError` where the record does not allow it,
+    `iwan.InvalidValueError`.
+
+    >>> joint = iwan.FourParameter(k_t=4.45e4, f_s=239.4, chi=-0.183, beta=0.3)
+    >>> mode = iwan.Mode(frequency=124.0, joint=joint, damping_ratio=1e-3)
+    >>> response = iwan.simulate(mode, dt=2e-4, duration=0.4, initial=(0.2 * joint.phi_max, 0.0), method="half-cycle")
+    >>> found = iwan.fit(response.acceleration, dt=2e-4)
+    >>> print(found.adequate, f"{found.joint.chi:.2f}", found.identifiable["chi"], found.identifiable["f_s"])
+    True -0.18 True False
+    """
+    request = {
+        "records": _several(record),
+        "dt": dt,
+        "channel": channel,
+        "quantity": quantity,
+        "shape": None if shape is None else [float(x) for x in shape],
+        "mass": mass,
+        "band": band,
+        "near": near,
+        "method": method,
+        "filter_order": filter_order,
+        "window": window,
+        "order": order,
+        "hold": list((hold or {}).items()),
+    }
+    return _fit(request, force_axis)
+
+
+def _fit(request: dict[str, Any], force_axis: str) -> Fit:
+    identified = _identify(**request)
+    told = identified.told(force_axis)
+    p = told.pop("parameters")
+    joint = FourParameter(k_t=p["k_t"], f_s=p["f_s"], chi=p["chi"], beta=p["beta"])
+    mode = Mode(frequency=p["frequency"], joint=joint, damping_ratio=p["damping_ratio"])
+    bounded = {
+        name: name not in dict(request["hold"]) and None not in interval for name, interval in told["intervals"].items()
+    }
+    told.pop("dissipation_misfit"), told.pop("frequency_misfit")
+    return Fit(mode=mode, identifiable=bounded, force_axis=force_axis, _request=request, _identified=identified, **told)
+
+
+def _several(record: Any) -> list[Any]:
+    """A list of records: a list of numbers, or of lists of numbers, is one record."""
+    if isinstance(record, (list, tuple)) and record and isinstance(record[0], (Record, np.ndarray)):
+        return list(record)
+    return [record]
+
+
+class LogLikelihood:
+    """Logarithm of the likelihood of a fit's records. Made by `iwan.log_likelihood`.
+
+    Called with coordinates, one row or many (any shape with the last axis as long as `names`), it returns their logarithms
+    (the shape without that axis), minus infinity where there is no model. Coordinates are those of the parameters that were
+    not held, `k_t`, `f_s` and `beta` by their logarithms, and for each record two that say how it began.
+
+    >>> import emcee
+    >>> joint = iwan.FourParameter(k_t=4.45e4, f_s=239.4, chi=-0.183, beta=0.3)
+    >>> mode = iwan.Mode(frequency=124.0, joint=joint, damping_ratio=1e-3)
+    >>> response = iwan.simulate(mode, dt=2e-4, duration=0.4, initial=(0.5 * joint.phi_max, 0.0), method="half-cycle")
+    >>> likelihood = iwan.log_likelihood(iwan.fit(response.acceleration, dt=2e-4))
+    >>> sampler = emcee.EnsembleSampler(20, len(likelihood.names), likelihood, vectorize=True)
+    >>> _ = sampler.run_mcmc(likelihood.walkers(20), 30)
+    >>> likelihood.to_arviz(sampler).posterior["chi"].shape
+    (20, 30)
+    """
+
+    def __init__(self, native: Any) -> None:
+        self._native = native
+        self.names: list[str] = native.names
+        """Names of the coordinates."""
+        self.best: Array = native.best
+        """Coordinates of the best fit."""
+
+    def __call__(self, theta: ArrayLike, *, threads: int | None = None) -> Array:
+        """Logarithms of the likelihood at `theta`; for emcee with `vectorize=True`."""
+        return cast(Array, self._native.log(theta, threads))
+
+    def walkers(self, count: int, *, seed: int = 0, spread: float = 1e-6) -> Array:
+        """Points about the best fit where walkers may start, `count` x coordinates, all of them with a likelihood.
+
+        Example: that of the class. Raises `iwan.InvalidValueError` when `spread`, relative, is too wide.
+        """
+        rng, found = np.random.default_rng(seed), np.empty((0, len(self.names)))
+        scale = spread * np.maximum(np.abs(self.best), 1e-3)
+        for _ in range(100):
+            points = self.best + scale * rng.standard_normal((4 * count, len(self.names)))
+            found = np.concatenate([found, points[np.isfinite(self(points))]])
+            if len(found) >= count:
+                return found[:count]
+        raise InvalidValueError(f"spread = {spread} is too wide: most points about the best fit have no likelihood")
+
+    def to_arviz(self, sampler: Any, **options: Any) -> InferenceData:
+        """The samples of an emcee sampler for ArviZ, by the names of the coordinates; options as in `arviz.from_emcee`.
+
+        Example: that of the class.
+        """
+        try:
+            import arviz
+        except ImportError as error:
+            raise IwanError("this needs arviz: pip install 'iwan-ringdown[posterior]'") from error
+        # The library has no types.
+        return cast("InferenceData", cast(Any, arviz).from_emcee(sampler, var_names=self.names, **options))
+
+
+def log_likelihood(fit: Fit) -> LogLikelihood:
+    """The likelihood of a fit's records as a function, fast enough for hundreds of thousands of samples.
+
+    >>> joint = iwan.FourParameter(k_t=4.45e4, f_s=239.4, chi=-0.183, beta=0.3)
+    >>> mode = iwan.Mode(frequency=124.0, joint=joint, damping_ratio=1e-3)
+    >>> response = iwan.simulate(mode, dt=2e-4, duration=0.4, initial=(0.2 * joint.phi_max, 0.0), method="half-cycle")
+    >>> likelihood = iwan.log_likelihood(iwan.fit(response.acceleration, dt=2e-4))
+    >>> likelihood.names[:4], bool(likelihood(likelihood.best) > likelihood(likelihood.best + 0.01))
+    (['frequency', 'damping_ratio', 'log_k_t', 'log_f_s'], True)
+    """
+    identified = fit._identified
+    if identified is None:  # it came out of a pickle
+        identified = _identify(**fit._request)
+    return LogLikelihood(identified.likelihood())

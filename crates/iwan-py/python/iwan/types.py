@@ -1,0 +1,59 @@
+"""Types of arguments and results, for annotations."""
+
+from typing import Literal, TypeAlias, TypedDict
+
+import numpy as np
+from numpy.typing import NDArray
+
+Array: TypeAlias = NDArray[np.float64]
+"""Any array of float64."""
+
+Grid: TypeAlias = Literal["graded", "uniform"] | float
+"""How a density is cut into sliders: graded, uniform, or the ratio > 1 of neighbouring strengths."""
+
+Method: TypeAlias = Literal["newmark", "half-cycle", "averaging", "event"]
+"""Methods of `simulate`."""
+
+EnvelopeMethod: TypeAlias = Literal["hilbert", "peaks", "pff", "demodulation"]
+"""Methods of `envelope`."""
+
+History: TypeAlias = Literal["displacement", "velocity", "acceleration", "joint_force"]
+"""Histories that an ensemble may keep."""
+
+Quantity: TypeAlias = Literal["acceleration", "velocity", "displacement", "force", "unknown"]
+"""What a record measures."""
+
+
+class Statistics(TypedDict):
+    """Figures of a run; errors are relative to the peak displacement."""
+
+    peak_displacement: float
+    final_displacement: float
+    slip_ratio: float
+    energy_error: float
+    time_step_error: float | None
+    discretisation_error: float | None
+    forgotten_force: float
+    steps: int
+    seconds: float
+
+
+class Energy(TypedDict):
+    """initial + input = kinetic + elastic + stored + viscous + friction + residual, mass-normalised."""
+
+    initial: float
+    input: float
+    kinetic: float
+    elastic: float
+    stored: float
+    viscous: float
+    friction: float
+    residual: float
+
+
+class Motion(TypedDict):
+    """Response at a point."""
+
+    displacement: Array
+    velocity: Array
+    acceleration: Array

@@ -1,0 +1,140 @@
+//! NumPy arrays at the door: whatever holds real numbers comes in as float64 in C order, results go out without a copy.
+
+use numpy::ndarray::{Array, Array2, IxDyn};
+use numpy::{
+    IntoPyArray, PyArray1, PyArray2, PyArrayDescrMethods, PyArrayDyn, PyArrayMethods, PyUntypedArray,
+    PyUntypedArrayMethods,
+};
+use pyo3::intern;
+use pyo3::prelude::*;
+use pyo3::types::{PyBool, PyFloat, PyInt};
+
+use crate::errors::{value, wrong_type};
+
+/// Numbers in logical (C) order, with their shape.
+pub(crate) struct Numbers {
+    pub(crate) values: Vec<f64>,
+    pub(crate) shape: Vec<usize>,
+}
+
+impl Numbers {
+    /// From anything that NumPy takes for real numbers: arrays of any layout, integers, float32, lists, scalars.
+    ///
+    /// Copied, because another thread may write to the array while the lock is released.
+    pub(crate) fn read(name: &str, object: &Bound<'_, PyAny>) -> PyResult<Self> {
+        if object.is_instance_of::<PyFloat>()
+            || (object.is_instance_of::<PyInt>() && !object.is_instance_of::<PyBool>())
+        {
+            return Ok(Self { values: vec![object.extract()?], shape: Vec::new() });
+        }
+        if let Ok(array) = object.cast::<PyArrayDyn<f64>>()
+            && is_aligned(array)
+        {
+            return Ok(Self::copy(array));
+        }
+        let array = object
+            .py()
+            .import(intern!(object.py(), "numpy"))?
+            .call_method1(intern!(object.py(), "asarray"), (object,))
+            .map_err(|error| wrong_type(format!("{name} must hold real numbers: {error}")))?;
+        let untyped = array.cast::<PyUntypedArray>().map_err(PyErr::from)?;
+        let kind = untyped.dtype().kind();
+        if untyped.len() > 0 && !matches!(kind, b'f' | b'i' | b'u' | b'b') {
+            let dtype = untyped.dtype();
+            return Err(wrong_type(format!("{name} must hold real numbers, not {dtype}")));
+        }
+        let floats =
+            array.call_method1(intern!(object.py(), "astype"), (intern!(object.py(), "float64"),))?;
+        Ok(Self::copy(floats.cast::<PyArrayDyn<f64>>().map_err(PyErr::from)?))
+    }
+
+    /// The same, all finite.
+    pub(crate) fn finite(name: &str, object: &Bound<'_, PyAny>) -> PyResult<Self> {
+        let numbers = Self::read(name, object)?;
+        match numbers.values.iter().position(|x| !x.is_finite()) {
+            None => Ok(numbers),
+            Some(i) => Err(value(format!(
+                "{name}{} = {} must be a finite number: cut it off or repair it",
+                place(i, &numbers.shape),
+                numbers.values[i]
+            ))),
+        }
+    }
+
+    /// The same, in one dimension.
+    pub(crate) fn vector(name: &str, object: &Bound<'_, PyAny>) -> PyResult<Vec<f64>> {
+        let numbers = Self::finite(name, object)?;
+        if numbers.shape.len() == 1 {
+            return Ok(numbers.values);
+        }
+        Err(value(format!("{name} has the shape {:?}: it must have one dimension", numbers.shape)))
+    }
+
+    fn copy(array: &Bound<'_, PyArrayDyn<f64>>) -> Self {
+        let view = array.readonly();
+        let values = match view.as_slice() {
+            Ok(values) if array.is_c_contiguous() => values.to_vec(),
+            _ => view.as_array().iter().copied().collect(),
+        };
+        Self { values, shape: array.shape().to_vec() }
+    }
+
+    /// Each number through `f`.
+    pub(crate) fn map(mut self, f: impl Fn(f64) -> f64) -> Self {
+        self.values.iter_mut().for_each(|x| *x = f(*x));
+        self
+    }
+
+    /// As Python wants it: a float for a scalar, else an array of the same shape.
+    pub(crate) fn into_python(self, py: Python<'_>) -> PyResult<Bound<'_, PyAny>> {
+        if self.shape.is_empty() {
+            return Ok(PyFloat::new(py, self.values[0]).into_any());
+        }
+        Ok(shaped(py, self.shape, self.values)?.into_any())
+    }
+}
+
+/// Whether all elements stand where a float64 may stand: not so in packed structures and received buffers.
+fn is_aligned(array: &Bound<'_, PyArrayDyn<f64>>) -> bool {
+    const SIZE: usize = size_of::<f64>();
+    array.data().is_aligned() && array.strides().iter().all(|stride| stride.unsigned_abs() % SIZE == 0)
+}
+
+/// `[3]` or `[1, 2]`: where in an array.
+pub(crate) fn place(mut index: usize, shape: &[usize]) -> String {
+    let mut indices = Vec::new();
+    for n in shape.iter().rev() {
+        indices.insert(0, (index % n).to_string());
+        index /= n;
+    }
+    if indices.is_empty() { String::new() } else { format!("[{}]", indices.join(", ")) }
+}
+
+/// An array of any shape, without a copy.
+pub(crate) fn shaped(
+    py: Python<'_>,
+    shape: Vec<usize>,
+    values: Vec<f64>,
+) -> PyResult<Bound<'_, PyArrayDyn<f64>>> {
+    let array = Array::from_shape_vec(IxDyn(&shape), values);
+    Ok(array.map_err(|error| value(error.to_string()))?.into_pyarray(py))
+}
+
+/// An array of one dimension, without a copy.
+pub(crate) fn array(py: Python<'_>, values: Vec<f64>) -> Py<PyArray1<f64>> {
+    PyArray1::from_vec(py, values).unbind()
+}
+
+/// An array of equally long rows, read-only.
+pub(crate) fn frozen_rows(py: Python<'_>, rows: &[Vec<f64>]) -> PyResult<Py<PyArray2<f64>>> {
+    let columns = rows.first().map_or(0, Vec::len);
+    let array = Array2::from_shape_vec((rows.len(), columns), rows.concat());
+    let array = array.map_err(|error| value(error.to_string()))?.into_pyarray(py);
+    freeze(array.as_any())?;
+    Ok(array.unbind())
+}
+
+/// Makes an array read-only.
+pub(crate) fn freeze(array: &Bound<'_, PyAny>) -> PyResult<()> {
+    array.call_method1(intern!(array.py(), "setflags"), (false,)).map(drop)
+}

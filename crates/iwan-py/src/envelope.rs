@@ -1,0 +1,253 @@
+//! Amplitude, frequency and damping of one mode against time.
+
+use iwan_ident::signal::{self, Method, Options};
+use numpy::PyArray1;
+use pyo3::IntoPyObjectExt;
+use pyo3::prelude::*;
+
+use crate::array::array;
+use crate::errors::{identification, identification_at, value};
+use crate::laws::Remake;
+use crate::options::unknown;
+use crate::record::{Modal, modal};
+use crate::simulate::thread_count;
+use crate::work;
+
+/// Amplitude, frequency and damping ratio of one mode against time. Made by `envelope`.
+///
+/// All arrays are float64 with one entry per cycle of the window in which the result can be trusted. Standard
+/// deviations hold what scatters about the smooth curve, not what the method gets wrong: for that compare the methods.
+#[pyclass(frozen, module = "iwan")]
+#[derive(Debug)]
+pub(crate) struct Envelope {
+    pub(crate) envelope: signal::Envelope,
+    pub(crate) start: f64,
+}
+
+#[pymethods]
+impl Envelope {
+    /// Times on the record's own clock, s.
+    #[getter]
+    fn t(&self, py: Python<'_>) -> Py<PyArray1<f64>> {
+        array(py, self.envelope.t.iter().map(|t| self.start + t).collect())
+    }
+
+    /// Amplitude, in the unit of the record.
+    #[getter]
+    fn amplitude(&self, py: Python<'_>) -> Py<PyArray1<f64>> {
+        array(py, self.envelope.amplitude.clone())
+    }
+
+    /// Frequency, Hz.
+    #[getter]
+    fn frequency(&self, py: Python<'_>) -> Py<PyArray1<f64>> {
+        array(py, self.envelope.frequency.clone())
+    }
+
+    /// Damping ratio (0.01 = 1 %).
+    #[getter]
+    fn damping_ratio(&self, py: Python<'_>) -> Py<PyArray1<f64>> {
+        array(py, self.envelope.damping_ratio.clone())
+    }
+
+    /// Standard deviation of the logarithm of the amplitude.
+    #[getter]
+    fn log_amplitude_sd(&self, py: Python<'_>) -> Py<PyArray1<f64>> {
+        array(py, self.envelope.log_amplitude_sd.clone())
+    }
+
+    /// Standard deviation of the frequency, Hz.
+    #[getter]
+    fn frequency_sd(&self, py: Python<'_>) -> Py<PyArray1<f64>> {
+        array(py, self.envelope.frequency_sd.clone())
+    }
+
+    /// Standard deviation of the damping ratio.
+    #[getter]
+    fn damping_ratio_sd(&self, py: Python<'_>) -> Py<PyArray1<f64>> {
+        array(py, self.envelope.damping_ratio_sd.clone())
+    }
+
+    /// Start and end of the window in which all this can be trusted, s.
+    #[getter]
+    fn trusted(&self) -> (f64, f64) {
+        (self.start + self.envelope.trusted.0, self.start + self.envelope.trusted.1)
+    }
+
+    /// How it was found.
+    #[getter]
+    fn method(&self) -> &'static str {
+        self.envelope.method.name()
+    }
+
+    /// Degree of the polynomial (Hilbert), number of spline intervals (peaks), cycles in a neighbourhood (the others).
+    #[getter]
+    fn order(&self) -> usize {
+        self.envelope.order
+    }
+
+    /// Standard deviation of the noise in the band, in the unit of the record.
+    #[getter]
+    fn noise(&self) -> f64 {
+        self.envelope.noise
+    }
+
+    /// What was found and done, in words.
+    #[getter]
+    fn notes(&self) -> Vec<String> {
+        self.envelope.notes.clone()
+    }
+
+    fn __reduce__<'py>(slf: &Bound<'py, Self>) -> PyResult<Remake<'py>> {
+        let (py, this) = (slf.py(), slf.get());
+        let e = &this.envelope;
+        let curves = [
+            &e.t,
+            &e.amplitude,
+            &e.frequency,
+            &e.damping_ratio,
+            &e.log_amplitude_sd,
+            &e.frequency_sd,
+            &e.damping_ratio_sd,
+        ];
+        let figures = (this.start, e.trusted, e.order, e.noise);
+        let arguments = (curves, figures, e.method.name(), &e.notes);
+        Ok((py.import("iwan._native")?.getattr("_envelope")?, arguments.into_bound_py_any(py)?))
+    }
+
+    fn __len__(&self) -> usize {
+        self.envelope.t.len()
+    }
+
+    fn __repr__(&self) -> String {
+        let (from, to) = self.trusted();
+        let n = self.__len__();
+        format!("<iwan.Envelope: {n} cycles by '{}', trusted from {from:.6} to {to:.6} s>", self.method())
+    }
+}
+
+/// Start, trusted window, order and noise, as pickled.
+type Figures = (f64, (f64, f64), usize, f64);
+
+/// Makes a pickled `Envelope` again.
+#[pyfunction]
+pub(crate) fn _envelope(
+    curves: [Vec<f64>; 7],
+    figures: Figures,
+    method: &str,
+    notes: Vec<String>,
+) -> PyResult<Envelope> {
+    let [t, amplitude, frequency, damping_ratio, log_amplitude_sd, frequency_sd, damping_ratio_sd] = curves;
+    let (start, trusted, order, noise) = figures;
+    let envelope = signal::Envelope {
+        t,
+        amplitude,
+        frequency,
+        damping_ratio,
+        log_amplitude_sd,
+        frequency_sd,
+        damping_ratio_sd,
+        trusted,
+        method: method_named(method)?,
+        order,
+        noise,
+        notes,
+    };
+    Ok(Envelope { envelope, start })
+}
+
+/// Envelope and frequency of one mode of a record.
+///
+/// `record`: a `Record`, or real numbers in one dimension with `dt` (s); `channel`: name or number; without it, several
+/// channels are combined by the shape that dominates in the band;
+/// `band`: (low, high) in Hz, None: found around `near` (Hz), or around the highest spectral peak; `method`: "hilbert" (analytic
+/// signal and polynomials, the paper's), "peaks" (Eq. 6-8), "pff" (peak finding and fitting, doi:10.1115/1.4047416) or
+/// "demodulation"; `filter_order`: of the zero-phase Butterworth band-pass, 0 = none; `window`: (start, end) in s from the first
+/// sample; `order`: degree of the polynomials (hilbert) or number of spline intervals (peaks), None: Schwarz's criterion.
+///
+/// Returns an `Envelope`. Raises `iwan.InvalidValueError` for a value out of range; `iwan.IdentificationError` for a record
+/// that is too short, does not decay, is clipped to its end, or holds two modes in the band.
+///
+/// >>> import numpy as np
+/// >>> t = np.arange(8192) / 4096.0
+/// >>> decay = np.exp(-0.002 * 2 * np.pi * 80.0 * t) * np.cos(2 * np.pi * 80.0 * t)
+/// >>> envelope = iwan.envelope(decay, dt=1 / 4096.0)
+/// >>> print(f"{np.median(envelope.frequency):.2f} Hz, {np.median(envelope.damping_ratio):.4f}")
+/// 80.00 Hz, 0.0020
+#[pyfunction]
+#[pyo3(signature = (
+    record, *, dt = None, channel = None, band = None, near = None, method = "hilbert", filter_order = 3, window = None,
+    order = None
+))]
+#[expect(clippy::too_many_arguments, reason = "keyword arguments of Python")]
+pub(crate) fn envelope(
+    record: &Bound<'_, PyAny>,
+    dt: Option<f64>,
+    channel: Option<&Bound<'_, PyAny>>,
+    band: Option<(f64, f64)>,
+    near: Option<f64>,
+    method: &str,
+    filter_order: usize,
+    window: Option<(f64, f64)>,
+    order: Option<usize>,
+) -> PyResult<Envelope> {
+    let method = method_named(method)?;
+    let options = Options { band, near, filter_order, window, order };
+    let Modal { samples, dt, start, notes, .. } = one(record, dt, channel, &options)?;
+    let made = work::run(record.py(), true, move |_| signal::envelope(&samples, dt, method, &options))?;
+    let mut envelope = made.map_err(identification)?;
+    envelope.notes.splice(..0, notes);
+    Ok(Envelope { envelope, start })
+}
+
+/// Envelopes of many records, on threads: `iwan.ensemble.envelope`.
+#[pyfunction]
+#[pyo3(signature = (records, *, dt, channel, band, near, method, filter_order, window, order, first, threads, progress))]
+#[expect(clippy::too_many_arguments, reason = "keyword arguments of Python")]
+pub(crate) fn _envelopes(
+    py: Python<'_>,
+    records: Vec<Bound<'_, PyAny>>,
+    dt: Option<f64>,
+    channel: Option<&Bound<'_, PyAny>>,
+    band: Option<(f64, f64)>,
+    near: Option<f64>,
+    method: &str,
+    filter_order: usize,
+    window: Option<(f64, f64)>,
+    order: Option<usize>,
+    first: usize,
+    threads: Option<usize>,
+    progress: Option<&Bound<'_, PyAny>>,
+) -> PyResult<Vec<Envelope>> {
+    let (method, threads) = (method_named(method)?, thread_count(threads)?);
+    let options = Options { band, near, filter_order, window, order };
+    let channels = records.iter().map(|record| one(record, dt, channel, &options));
+    let channels = channels.collect::<PyResult<Vec<_>>>()?;
+    let made = work::watched(py, progress, move |control| {
+        work::each(channels, threads, control, |Modal { samples, dt, start, notes, .. }| {
+            signal::envelope(&samples, dt, method, &options).map(|mut envelope| {
+                envelope.notes.splice(..0, notes);
+                Envelope { envelope, start }
+            })
+        })
+    })?;
+    let made = made.unwrap_or_default().into_iter().enumerate();
+    made.map(|(i, result)| result.map_err(|error| identification_at(first + i, error))).collect()
+}
+
+/// The mode of one record.
+fn one(
+    record: &Bound<'_, PyAny>,
+    dt: Option<f64>,
+    channel: Option<&Bound<'_, PyAny>>,
+    options: &Options,
+) -> PyResult<Modal> {
+    let record = std::slice::from_ref(record);
+    modal(record, dt, channel, None, None, options)?.pop().ok_or_else(|| value("there is no record"))
+}
+
+/// A method by its name.
+pub(crate) fn method_named(name: &str) -> PyResult<Method> {
+    let names = || Method::ALL.map(Method::name);
+    Method::ALL.into_iter().find(|m| m.name() == name).ok_or_else(|| unknown("method", name, &names()))
+}

@@ -1,0 +1,103 @@
+//! The libraries' errors as Python exceptions, in Python's words.
+
+use iwan_io::ReadError;
+use iwan_sim::SimulationError;
+use pyo3::prelude::*;
+
+mod python {
+    #![allow(missing_docs, unreachable_pub, reason = "the macro writes these")]
+    pyo3::import_exception!(iwan.errors, ComputationError);
+    pyo3::import_exception!(iwan.errors, FileError);
+    pyo3::import_exception!(iwan.errors, IdentificationError);
+    pyo3::import_exception!(iwan.errors, InvalidTypeError);
+    pyo3::import_exception!(iwan.errors, InvalidValueError);
+    pyo3::import_exception!(iwan.errors, MissingFileError);
+    pyo3::import_exception!(iwan.errors, RecordError);
+}
+
+/// A bad value: `iwan.InvalidValueError`.
+pub(crate) fn value(message: impl Into<String>) -> PyErr {
+    python::InvalidValueError::new_err(message.into())
+}
+
+/// A bad type: `iwan.InvalidTypeError`.
+pub(crate) fn wrong_type(message: impl Into<String>) -> PyErr {
+    python::InvalidTypeError::new_err(message.into())
+}
+
+/// Names of the libraries and what the arguments are called in Python.
+const ARGUMENTS: [(&str, &str); 6] = [
+    ("time step", "dt"),
+    ("force time step", "dt"),
+    ("force amplitude", "amplitude"),
+    ("force duration", "duration"),
+    ("force frequency", "frequency"),
+    ("force samples", "force"),
+];
+
+/// An error of iwan-core.
+pub(crate) fn core(mut error: iwan_core::Error) -> PyErr {
+    use iwan_core::Error::{Entry, Length, OutOfRange};
+    if let OutOfRange { name, .. } | Length { name, .. } | Entry { name, .. } = &mut error
+        && let Some((_, argument)) = ARGUMENTS.iter().find(|(library, _)| library == name)
+    {
+        *name = argument;
+    }
+    value(error.to_string())
+}
+
+/// An error of iwan-sim. A failed computation is no bad value.
+pub(crate) fn simulation(error: SimulationError) -> PyErr {
+    match error {
+        SimulationError::Parameter(error) => core(error),
+        SimulationError::Mode { mode, source } => simulation_at(&format!("mode \"{mode}\""), *source),
+        other => python::ComputationError::new_err(other.to_string()),
+    }
+}
+
+/// An error of iwan-sim at a `place`, such as `mode "bending 1"`.
+pub(crate) fn simulation_at(place: &str, error: SimulationError) -> PyErr {
+    match error {
+        SimulationError::Parameter(error) => value(format!("{place}: {error}")),
+        other => python::ComputationError::new_err(format!("{place}: {other}")),
+    }
+}
+
+/// An error of iwan-ident.
+pub(crate) fn identification(error: iwan_ident::Error) -> PyErr {
+    told_at("", error)
+}
+
+/// An error of iwan-ident in one of several records.
+pub(crate) fn identification_at(record: usize, error: iwan_ident::Error) -> PyErr {
+    told_at(&format!("record {record} (counted from 0): "), error)
+}
+
+fn told_at(place: &str, error: iwan_ident::Error) -> PyErr {
+    use iwan_ident::Error::{Refused, TooShort};
+    let message = format!("{place}{error}");
+    match error {
+        Refused { .. } | TooShort { .. } => python::IdentificationError::new_err(message),
+        _ => value(message),
+    }
+}
+
+/// An error of the reader of records, with Python's arguments in place of the command line's options.
+pub(crate) fn reading(error: &ReadError) -> PyErr {
+    const WORDS: [(&str, &str); 6] = [
+        ("--rate HZ", "rate="),
+        ("--time NAME", "time="),
+        ("--channel NAME", "channels=[...]"),
+        ("--quantity", "quantity="),
+        ("--resample", "resample=True"),
+        ("--force", "force=True"),
+    ];
+    let message = WORDS.iter().fold(error.to_string(), |text, (from, to)| text.replace(from, to));
+    let ReadError::Io { file, source } = error else { return python::RecordError::new_err(message) };
+    let arguments = (source.raw_os_error(), message, file.clone());
+    if source.kind() == std::io::ErrorKind::NotFound {
+        python::MissingFileError::new_err(arguments)
+    } else {
+        python::FileError::new_err(arguments)
+    }
+}

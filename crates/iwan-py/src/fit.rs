@@ -1,0 +1,264 @@
+//! Identification: records in, parameters with intervals, curves and a verdict out. `iwan.fit` is its face.
+
+use std::sync::Arc;
+
+use iwan_ident::curves::{Curves, ForceAxis, Quantity};
+use iwan_ident::identify::{Identification, Settings, Source, identify};
+use iwan_ident::likelihood::{Buffers, Likelihood as Library};
+use iwan_ident::signal::Options;
+use iwan_ident::{Parameter, Parameters};
+use numpy::PyArrayDyn;
+use pyo3::prelude::*;
+use pyo3::types::PyDict;
+
+use crate::array::{Numbers, array, shaped};
+use crate::envelope::{Envelope, method_named};
+use crate::errors::{identification, value};
+use crate::options::unknown;
+use crate::record::{Modal, modal};
+use crate::simulate::thread_count;
+use crate::work;
+
+/// Parameters that are sought by their logarithms in a likelihood.
+const LOGARITHMIC: [Parameter; 3] = [Parameter::KT, Parameter::FS, Parameter::Beta];
+
+/// What was asked for.
+fn settings(options: Options, method: &str, hold: &[(String, f64)]) -> PyResult<Settings> {
+    let parameter = |(name, held): &(String, f64)| {
+        let found = Parameter::ALL.into_iter().find(|p| p.name() == name);
+        let names = || Parameter::ALL.map(Parameter::name);
+        found.map(|p| (p, *held)).ok_or_else(|| unknown("hold", name, &names()))
+    };
+    let held = hold.iter().map(parameter).collect::<PyResult<Vec<_>>>()?;
+    Ok(Settings { options, method: method_named(method)?, held })
+}
+
+fn sources(records: &[Modal]) -> Vec<Source<'_>> {
+    records.iter().map(|r| Source { samples: &r.samples, dt: r.dt, quantity: r.quantity }).collect()
+}
+
+/// An identification with what it was made from.
+#[derive(Debug)]
+struct Made {
+    records: Vec<Modal>,
+    settings: Settings,
+    found: Identification,
+}
+
+/// What `iwan.Fit` is made of.
+#[pyclass(frozen, module = "iwan._native", name = "_Identified")]
+#[derive(Debug)]
+pub(crate) struct Identified(Arc<Made>);
+
+/// Identifies a mode from its records at several force levels.
+#[pyfunction]
+#[pyo3(signature = (
+    records, *, dt, channel, quantity, shape, mass, band, near, method, filter_order, window, order, hold
+))]
+#[expect(clippy::too_many_arguments, reason = "keyword arguments of Python")]
+pub(crate) fn _identify(
+    py: Python<'_>,
+    records: Vec<Bound<'_, PyAny>>,
+    dt: Option<f64>,
+    channel: Option<&Bound<'_, PyAny>>,
+    quantity: Option<&str>,
+    shape: Option<Vec<f64>>,
+    mass: Option<f64>,
+    band: Option<(f64, f64)>,
+    near: Option<f64>,
+    method: &str,
+    filter_order: usize,
+    window: Option<(f64, f64)>,
+    order: Option<usize>,
+    hold: Vec<(String, f64)>,
+) -> PyResult<Identified> {
+    let settings = settings(Options { band, near, filter_order, window, order }, method, &hold)?;
+    let quantity = quantity.map(motion).transpose()?;
+    let mut records = modal(&records, dt, channel, quantity, shape.as_deref(), &settings.options)?;
+    scale(&mut records, mass)?;
+    let made = work::run(py, true, move |_| {
+        let found = identify(&sources(&records), &settings)?;
+        Ok(Made { records, settings, found })
+    })?;
+    Ok(Identified(Arc::new(made.map_err(identification)?)))
+}
+
+/// Mass-normalises records of a point that moves with a modal mass.
+fn scale(records: &mut [Modal], mass: Option<f64>) -> PyResult<()> {
+    let Some(mass) = mass else { return Ok(()) };
+    if !(mass > 0.0 && mass.is_finite()) {
+        return Err(value(format!("mass = {mass} is out of range: a modal mass is a finite number > 0")));
+    }
+    for record in records {
+        record.samples.iter_mut().for_each(|x| *x *= mass.sqrt());
+    }
+    Ok(())
+}
+
+#[pymethods]
+impl Identified {
+    /// Everything as a dict of plain values and arrays.
+    fn told<'py>(&self, py: Python<'py>, force_axis: &str) -> PyResult<Bound<'py, PyDict>> {
+        let (found, dict) = (&self.0.found, PyDict::new(py));
+        let (parameters, intervals, profiles) = (PyDict::new(py), PyDict::new(py), PyDict::new(py));
+        for profile in &found.profiles.parameters {
+            let name = profile.parameter.name();
+            parameters.set_item(name, found.parameters.get(profile.parameter))?;
+            intervals.set_item(name, (profile.low, profile.high))?;
+            let (values, deviances): (Vec<_>, Vec<_>) = profile.points.iter().copied().unzip();
+            profiles.set_item(name, (array(py, values), array(py, deviances)))?;
+        }
+        dict.set_item("parameters", parameters)?;
+        dict.set_item("intervals", intervals)?;
+        dict.set_item("profiles", profiles)?;
+        dict.set_item("limit", found.profiles.limit)?;
+        dict.set_item("adequate", found.verdict.adequate)?;
+        dict.set_item("misfit", &found.verdict.misfit)?;
+        dict.set_item("dissipation_misfit", found.verdict.dissipation_misfit)?;
+        dict.set_item("frequency_misfit", found.verdict.frequency_misfit)?;
+        dict.set_item("relative_residual", found.refined.relative_residual)?;
+        dict.set_item("joint_needed", !found.linear.is_enough())?;
+        let own = self.0.records.iter().flat_map(|record| record.notes.iter().cloned());
+        dict.set_item("notes", own.chain(found.notes.iter().cloned()).collect::<Vec<_>>())?;
+        dict.set_item("words", found.in_words())?;
+        dict.set_item("curves", self.curves(py, &found.curves, force_axis)?)?;
+        dict.set_item("model_curves", self.curves(py, &found.model_curves, force_axis)?)?;
+        let envelopes = found.envelopes.iter().zip(&self.0.records);
+        let envelopes = envelopes.map(|(e, r)| Py::new(py, Envelope { envelope: e.clone(), start: r.start }));
+        dict.set_item("envelopes", envelopes.collect::<PyResult<Vec<_>>>()?)?;
+        Ok(dict)
+    }
+
+    /// The likelihood of the records.
+    fn likelihood(&self) -> Likelihood {
+        let held: Vec<Parameter> = self.0.settings.held.iter().map(|h| h.0).collect();
+        let free = Parameter::ALL.into_iter().filter(|p| !held.contains(p)).collect();
+        Likelihood { library: Arc::new(self.0.found.likelihood.clone()), free }
+    }
+}
+
+impl Identified {
+    /// Curves of all records, one below the other, on the axis asked for.
+    fn curves<'py>(&self, py: Python<'py>, all: &[Curves], force_axis: &str) -> PyResult<Bound<'py, PyDict>> {
+        let p = &self.0.found.parameters;
+        let axis = match force_axis {
+            "modal" => ForceAxis::Modal,
+            "joint" => ForceAxis::Joint { frequency: p.frequency, k_t: p.k_t },
+            other => return Err(unknown("force_axis", other, &["modal", "joint"])),
+        };
+        let all = all.iter().map(|c| c.clone().on_axis(axis));
+        let all = all.collect::<Result<Vec<_>, _>>().map_err(identification)?;
+        let joined =
+            |f: &dyn Fn(&Curves) -> &[f64]| array(py, all.iter().flat_map(|c| f(c).to_vec()).collect());
+        let each = |f: &dyn Fn(usize, &Curves) -> Vec<f64>| {
+            array(py, all.iter().enumerate().flat_map(|(i, c)| f(i, c)).collect())
+        };
+        let start = |i: usize| self.0.records[i].start;
+        let dict = PyDict::new(py);
+        dict.set_item("record", each(&|i, c| vec![i as f64; c.t.len()]))?;
+        dict.set_item("t", each(&|i, c| c.t.iter().map(|t| start(i) + t).collect()))?;
+        dict.set_item("displacement", joined(&|c| &c.displacement))?;
+        dict.set_item("frequency", joined(&|c| &c.frequency))?;
+        dict.set_item("damping_ratio", joined(&|c| &c.damping_ratio))?;
+        dict.set_item("dissipation", joined(&|c| &c.dissipation))?;
+        dict.set_item("force", joined(&|c| &c.force))?;
+        dict.set_item("frequency_sd", joined(&|c| &c.frequency_sd))?;
+        dict.set_item("log_dissipation_sd", joined(&|c| &c.log_dissipation_sd))?;
+        Ok(dict)
+    }
+}
+
+/// The likelihood of a fit's records: logarithms for one or many sets of coordinates at once.
+#[pyclass(frozen, module = "iwan._native", name = "_Likelihood")]
+#[derive(Debug)]
+pub(crate) struct Likelihood {
+    library: Arc<Library>,
+    free: Vec<Parameter>,
+}
+
+impl Likelihood {
+    /// Parameters and starts from coordinates; none where they are no numbers that mean anything.
+    fn read(&self, x: &[f64]) -> (Parameters, Vec<(f64, f64)>) {
+        let mut parameters = *self.library.parameters();
+        for (parameter, x) in self.free.iter().zip(x) {
+            *parameters.get_mut(*parameter) = if LOGARITHMIC.contains(parameter) { x.exp() } else { *x };
+        }
+        let own = x[self.free.len()..].chunks_exact(2).zip(self.library.starts());
+        let starts = own.map(|(own, (q, t))| (q * own[0].exp(), t + own[1] * self.library.radian()));
+        (parameters, starts.collect())
+    }
+
+    fn width(&self) -> usize {
+        self.free.len() + 2 * self.library.starts().len()
+    }
+}
+
+#[pymethods]
+impl Likelihood {
+    /// Names of the coordinates.
+    #[getter]
+    fn names(&self) -> Vec<String> {
+        let name = |p: &Parameter| {
+            let prefix = if LOGARITHMIC.contains(p) { "log_" } else { "" };
+            format!("{prefix}{}", p.name())
+        };
+        let own = (0..self.library.starts().len())
+            .flat_map(|i| [format!("log_amplitude_{i}"), format!("phase_{i}")]);
+        self.free.iter().map(name).chain(own).collect()
+    }
+
+    /// Coordinates of the best fit.
+    #[getter]
+    fn best(&self, py: Python<'_>) -> Py<numpy::PyArray1<f64>> {
+        let best = self.library.parameters();
+        let coordinate = |p: &Parameter| {
+            if LOGARITHMIC.contains(p) { best.get(*p).max(1e-12).ln() } else { best.get(*p) }
+        };
+        let own = std::iter::repeat_n(0.0, 2 * self.library.starts().len());
+        array(py, self.free.iter().map(coordinate).chain(own).collect())
+    }
+
+    /// Logarithms of the likelihood of rows of coordinates; minus infinity where there is no model.
+    fn log<'py>(
+        &self,
+        theta: &Bound<'py, PyAny>,
+        threads: Option<usize>,
+    ) -> PyResult<Bound<'py, PyArrayDyn<f64>>> {
+        let (py, width) = (theta.py(), self.width());
+        let Numbers { values, shape } = Numbers::read("theta", theta)?;
+        if shape.last() != Some(&width) {
+            return Err(value(format!(
+                "theta has the shape {shape:?}: its last axis must have {width} entries"
+            )));
+        }
+        let threads = if values.len() <= width { 1 } else { thread_count(threads)? };
+        let library = self.library.clone();
+        let rows: Vec<_> = values.chunks_exact(width).map(|row| self.read(row)).collect();
+        let size = rows.len().div_ceil(4 * threads).max(1);
+        let mut pieces = Vec::new();
+        let mut rest = rows.into_iter().peekable();
+        while rest.peek().is_some() {
+            pieces.push(rest.by_ref().take(size).collect::<Vec<_>>());
+        }
+        let lasting = pieces.len() > 4;
+        let logs = work::run(py, lasting, move |control| {
+            work::each(pieces, threads, control, |piece| {
+                let mut buffers = Buffers::default();
+                let log = |(p, starts): (Parameters, Vec<(f64, f64)>)| {
+                    library.log(&p, &starts, &mut buffers).unwrap_or(f64::NEG_INFINITY)
+                };
+                piece.into_iter().map(log).collect::<Vec<_>>()
+            })
+        })?;
+        shaped(py, shape[..shape.len() - 1].to_vec(), logs.unwrap_or_default().concat())
+    }
+}
+
+fn motion(name: &str) -> PyResult<Quantity> {
+    match name {
+        "acceleration" => Ok(Quantity::Acceleration),
+        "velocity" => Ok(Quantity::Velocity),
+        "displacement" => Ok(Quantity::Displacement),
+        _ => Err(unknown("quantity", name, &["acceleration", "velocity", "displacement"])),
+    }
+}

@@ -1,0 +1,65 @@
+//! Arguments that stand for choices of the libraries.
+
+use iwan_core::Grid;
+use iwan_sim::{JointKind, Method};
+use pyo3::prelude::*;
+
+use crate::errors::{value, wrong_type};
+
+/// Number of sliders (none: the continuum) and grid: "graded", "uniform" or the ratio of neighbouring strengths.
+pub(crate) fn joint_kind(sliders: Option<usize>, grid: Option<&Bound<'_, PyAny>>) -> PyResult<JointKind> {
+    let Some(bins) = sliders else { return Ok(JointKind::Continuum) };
+    if bins == 0 {
+        return Err(value("sliders = 0 is out of range: at least 1, or None for the exact continuum"));
+    }
+    let Some(grid) = grid else { return Ok(JointKind::Sliders { bins, grid: Grid::graded(bins) }) };
+    let grid = match (grid.extract::<String>().as_deref(), grid.extract::<f64>()) {
+        (Ok("graded"), _) => Grid::graded(bins),
+        (Ok("uniform"), _) => Grid::Uniform,
+        (Ok(other), _) => return Err(unknown("grid", other, &["graded", "uniform"])),
+        (Err(_), Ok(ratio)) if ratio > 1.0 && ratio.is_finite() => Grid::Geometric { ratio },
+        (Err(_), Ok(ratio)) => {
+            return Err(value(format!(
+                "grid = {ratio} is out of range: the ratio of strengths is a finite number > 1"
+            )));
+        }
+        _ => return Err(wrong_type("grid must be 'graded', 'uniform' or a number > 1")),
+    };
+    Ok(JointKind::Sliders { bins, grid })
+}
+
+/// What the numbers of a method are.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct MethodOptions {
+    pub(crate) joint: JointKind,
+    pub(crate) prewarp: bool,
+    pub(crate) beta: f64,
+    pub(crate) gamma: f64,
+}
+
+/// A method by its name.
+pub(crate) fn method(name: &str, options: MethodOptions) -> PyResult<Method> {
+    let MethodOptions { joint, prewarp, beta, gamma } = options;
+    match (name, joint) {
+        ("newmark", joint) => Ok(Method::Newmark { beta, gamma, prewarp, joint }),
+        ("half-cycle", _) => Ok(Method::HalfCycle),
+        ("averaging", _) => Ok(Method::Averaging),
+        ("event", JointKind::Sliders { bins, grid }) => Ok(Method::Event { bins, grid }),
+        ("event", JointKind::Continuum) => {
+            Err(value("method 'event' works on sliders: give a number of sliders"))
+        }
+        _ => Err(unknown("method", name, &["newmark", "half-cycle", "averaging", "event"])),
+    }
+}
+
+/// A choice that does not exist.
+pub(crate) fn unknown(argument: &str, given: &str, known: &[&str]) -> PyErr {
+    value(format!("{argument} = '{given}' is not known: choose one of '{}'", known.join("', '")))
+}
+
+/// A choice by its name.
+pub(crate) fn choose<T: Copy>(argument: &str, given: &str, choices: &[(&str, T)]) -> PyResult<T> {
+    let found = choices.iter().find(|(name, _)| *name == given);
+    let names = || choices.iter().map(|(name, _)| *name).collect::<Vec<_>>();
+    found.map(|(_, choice)| *choice).ok_or_else(|| unknown(argument, given, &names()))
+}

@@ -1,0 +1,391 @@
+//! Records: uniformly sampled channels, from files or arrays.
+
+use std::path::PathBuf;
+
+use iwan_ident::combination::{Combination, strangers};
+use iwan_ident::curves;
+use iwan_ident::signal::Options;
+use iwan_io::{Format, Quantity, ReadOptions};
+use numpy::ndarray::Axis;
+use numpy::{PyArray1, PyArray2, PyArrayMethods, PyUntypedArrayMethods};
+use pyo3::prelude::*;
+use pyo3::types::IntoPyDict;
+use pyo3::{IntoPyObjectExt, intern};
+
+use crate::array::{Numbers, array, freeze, frozen_rows};
+use crate::errors::{identification, reading, value, wrong_type};
+use crate::laws::Remake;
+use crate::options::choose;
+use crate::work;
+
+const QUANTITIES: [(&str, Quantity); 5] = [
+    ("acceleration", Quantity::Acceleration),
+    ("velocity", Quantity::Velocity),
+    ("displacement", Quantity::Displacement),
+    ("force", Quantity::Force),
+    ("unknown", Quantity::Unknown),
+];
+
+const FORMATS: [(&str, Format); 5] = [
+    ("text", Format::Text),
+    ("npy", Format::Npy),
+    ("npz", Format::Npz),
+    ("uff", Format::Uff),
+    ("mat", Format::Mat),
+];
+
+/// One or many channels sampled together at a constant interval; checked once, frozen, picklable.
+///
+/// `samples`: real numbers, channels x samples (or one dimension for one channel), all finite, at least two;
+/// `dt`: sampling interval > 0 (s); `names`: one for each channel; `quantity`: "acceleration", "velocity", "displacement",
+/// "force" or "unknown"; `unit`: as text; `start`: time of the first sample (s).
+///
+/// Raises `iwan.InvalidValueError` naming channel and sample.
+///
+/// >>> record = iwan.Record([[0.0, 1.0, 4.0]], dt=0.5, names=["tip"], quantity="displacement", unit="m")
+/// >>> record.t, record.channel("tip")
+/// (array([0. , 0.5, 1. ]), array([0., 1., 4.]))
+#[pyclass(frozen, module = "iwan")]
+#[derive(Debug)]
+pub(crate) struct Record {
+    dt: f64,
+    start: f64,
+    names: Vec<String>,
+    quantity: Quantity,
+    unit: String,
+    warnings: Vec<String>,
+    /// Channels x samples, float64, read-only.
+    #[pyo3(get)]
+    samples: Py<PyArray2<f64>>,
+}
+
+impl Record {
+    fn wrap(py: Python<'_>, record: &iwan_io::Record) -> PyResult<Self> {
+        Ok(Self {
+            dt: record.dt(),
+            start: record.start(),
+            names: record.names().to_vec(),
+            quantity: record.quantity(),
+            unit: record.unit().to_owned(),
+            warnings: record.warnings().iter().map(ToString::to_string).collect(),
+            samples: frozen_rows(py, record.samples())?,
+        })
+    }
+
+    /// Index of a channel by name or number; the only one when neither is given.
+    fn index(&self, channel: Option<&Bound<'_, PyAny>>) -> PyResult<usize> {
+        let n = self.names.len();
+        let names = || format!("'{}'", self.names.join("', '"));
+        let Some(channel) = channel else {
+            let several =
+                || value(format!("the record has {n} channels ({}): choose one with channel=", names()));
+            return if n == 1 { Ok(0) } else { Err(several()) };
+        };
+        if let Ok(name) = channel.extract::<String>() {
+            let found = self.names.iter().position(|other| *other == name);
+            return found
+                .ok_or_else(|| value(format!("there is no channel '{name}': there are {}", names())));
+        }
+        let Ok(i) = channel.extract::<i64>() else {
+            return Err(wrong_type("channel must be the name or the number of a channel"));
+        };
+        let size = usize::try_from(i.unsigned_abs()).ok();
+        let index = if i < 0 { size.and_then(|size| n.checked_sub(size)) } else { size };
+        let found = index.filter(|index| *index < n);
+        found.ok_or_else(|| value(format!("channel {i} is out of range: the record has {n} channels")))
+    }
+}
+
+/// The record of one mode.
+#[derive(Debug, Clone)]
+pub(crate) struct Modal {
+    pub(crate) samples: Vec<f64>,
+    pub(crate) dt: f64,
+    /// Time of the first sample, s.
+    pub(crate) start: f64,
+    pub(crate) quantity: curves::Quantity,
+    /// How the channels were combined, and what was assumed.
+    pub(crate) notes: Vec<String>,
+}
+
+/// The records of one mode: the channel named, the only one, or a combination of all, by the mode's `shape` or else by the shape
+/// that dominates in the band of the first record. All records must have the same channels and quantity.
+pub(crate) fn modal(
+    records: &[Bound<'_, PyAny>],
+    dt: Option<f64>,
+    channel: Option<&Bound<'_, PyAny>>,
+    quantity: Option<curves::Quantity>,
+    shape: Option<&[f64]>,
+    options: &Options,
+) -> PyResult<Vec<Modal>> {
+    let records = records.iter().map(|record| taken(record, dt)).collect::<PyResult<Vec<_>>>()?;
+    let Some(first) = records.first() else { return Err(value("there is no record: give at least one")) };
+    if let Some(other) = records.iter().find(|r| r.get().names != first.get().names) {
+        let (a, b) = (first.get().names.join(", "), other.get().names.join(", "));
+        return Err(value(format!("records do not belong together: channels {a} and {b}")));
+    }
+    let (quantity, mut notes) = first.get().motion(quantity)?;
+    let rows = |record: &Bound<'_, Record>| -> PyResult<Vec<Vec<f64>>> {
+        let (this, view) = (record.get(), record.get().samples.bind(record.py()).readonly());
+        let all = 0..this.names.len();
+        let chosen = if channel.is_some() { this.index(channel).map(|i| i..i + 1)? } else { all };
+        Ok(chosen.map(|i| view.as_array().index_axis(Axis(0), i).to_vec()).collect())
+    };
+    let combination = combination(&rows(first)?, first.get(), shape, options).map_err(identification)?;
+    notes.extend(combination.notes.iter().cloned());
+    let one = |record: &Bound<'_, Record>| {
+        let rows = rows(record)?;
+        let samples = combination.apply(&rows.iter().map(Vec::as_slice).collect::<Vec<_>>());
+        let (samples, this) = (samples.map_err(identification)?, record.get());
+        Ok(Modal { samples, dt: this.dt, start: this.start, quantity, notes: notes.clone() })
+    };
+    records.iter().map(one).collect()
+}
+
+fn combination(
+    rows: &[Vec<f64>],
+    record: &Record,
+    shape: Option<&[f64]>,
+    options: &Options,
+) -> Result<Combination, iwan_ident::Error> {
+    let channels: Vec<&[f64]> = rows.iter().map(Vec::as_slice).collect();
+    match shape {
+        Some(shape) => {
+            let mut one = Combination::of_shapes(&[shape.to_vec()])?;
+            let mut one = one.pop().unwrap_or_else(Combination::single);
+            if shape.len() == record.names.len() && channels.len() > 1 {
+                one.notes.extend(strangers(&channels, &record.names, shape, record.dt, options)?);
+            }
+            Ok(one)
+        }
+        None if channels.len() == 1 => Ok(Combination::single()),
+        None => Combination::dominant(&channels, &record.names, record.dt, options),
+    }
+}
+
+/// A record, or whatever `iwan.as_record` makes one of.
+fn taken<'py>(record: &Bound<'py, PyAny>, dt: Option<f64>) -> PyResult<Bound<'py, Record>> {
+    let py = record.py();
+    let options = [("dt", dt)].into_py_dict(py)?;
+    let made = py.import(intern!(py, "iwan.records"))?.getattr(intern!(py, "as_record"))?;
+    Ok(made.call((record,), Some(&options))?.cast_into()?)
+}
+
+impl Record {
+    /// What motion was measured, and what had to be assumed.
+    fn motion(&self, given: Option<curves::Quantity>) -> PyResult<(curves::Quantity, Vec<String>)> {
+        match (given, self.quantity) {
+            (Some(given), _) => Ok((given, Vec::new())),
+            (_, Quantity::Acceleration) => Ok((curves::Quantity::Acceleration, Vec::new())),
+            (_, Quantity::Velocity) => Ok((curves::Quantity::Velocity, Vec::new())),
+            (_, Quantity::Displacement) => Ok((curves::Quantity::Displacement, Vec::new())),
+            (_, Quantity::Force) => Err(value("the record is a force, not a motion: choose another channel")),
+            _ => {
+                let note = "what was measured is not known: taken as acceleration, quantity= says otherwise";
+                Ok((curves::Quantity::Acceleration, vec![note.to_owned()]))
+            }
+        }
+    }
+}
+
+#[pymethods]
+impl Record {
+    #[new]
+    #[pyo3(signature = (samples, *, dt, names = None, quantity = "unknown", unit = "", start = 0.0))]
+    fn new(
+        samples: &Bound<'_, PyAny>,
+        dt: f64,
+        names: Option<Vec<String>>,
+        quantity: &str,
+        unit: &str,
+        start: f64,
+    ) -> PyResult<Self> {
+        let py = samples.py();
+        let Numbers { values, shape } = Numbers::read("samples", samples)?;
+        let (channels, length) = match shape[..] {
+            [n] => (1, n),
+            [channels, n] => (channels, n),
+            _ => {
+                return Err(value(format!(
+                    "samples has the shape {shape:?}: give channels x samples, or one dimension for one channel"
+                )));
+            }
+        };
+        let rows: Vec<Vec<f64>> = if length == 0 {
+            vec![Vec::new(); channels]
+        } else {
+            values.chunks(length).map(<[f64]>::to_vec).collect()
+        };
+        let names = names.unwrap_or_else(|| (0..channels).map(|i| format!("channel {i}")).collect());
+        let record = iwan_io::Record::new(dt, rows, names).and_then(|record| record.with_start(start));
+        let record = record.map_err(|error| value(error.to_string()))?;
+        Self::wrap(py, &record.with_quantity(choose("quantity", quantity, &QUANTITIES)?, unit))
+    }
+
+    /// Sampling interval, s.
+    #[getter]
+    fn dt(&self) -> f64 {
+        self.dt
+    }
+
+    /// Sampling rate, Hz.
+    #[getter]
+    fn rate(&self) -> f64 {
+        1.0 / self.dt
+    }
+
+    /// Time of the first sample, s.
+    #[getter]
+    fn start(&self) -> f64 {
+        self.start
+    }
+
+    /// Names of the channels.
+    #[getter]
+    fn names(&self) -> Vec<String> {
+        self.names.clone()
+    }
+
+    /// What the samples measure: "acceleration", "velocity", "displacement", "force" or "unknown".
+    #[getter]
+    fn quantity(&self) -> String {
+        self.quantity.to_string()
+    }
+
+    /// Unit of the samples as text; empty when not known.
+    #[getter]
+    fn unit(&self) -> &str {
+        &self.unit
+    }
+
+    /// What the reader of the file noticed, in words.
+    #[getter]
+    fn warnings(&self) -> Vec<String> {
+        self.warnings.clone()
+    }
+
+    /// Times of the samples, s, float64 array.
+    #[getter]
+    fn t(&self, py: Python<'_>) -> Py<PyArray1<f64>> {
+        array(py, (0..self.__len__(py)).map(|i| self.start + i as f64 * self.dt).collect())
+    }
+
+    /// Samples of one channel by name or number: a read-only view of `samples`. Without an argument the only channel.
+    ///
+    /// Raises `iwan.InvalidValueError` naming the channels there are.
+    ///
+    /// >>> iwan.Record([[1.0, 2.0], [3.0, 4.0]], dt=0.1, names=["root", "tip"]).channel("tip")
+    /// array([3., 4.])
+    #[pyo3(signature = (channel = None))]
+    fn channel<'py>(
+        &self,
+        py: Python<'py>,
+        channel: Option<&Bound<'py, PyAny>>,
+    ) -> PyResult<Bound<'py, PyAny>> {
+        let row = self.samples.bind(py).get_item(self.index(channel)?)?;
+        freeze(&row)?;
+        Ok(row)
+    }
+
+    /// Number of samples of each channel.
+    fn __len__(&self, py: Python<'_>) -> usize {
+        self.samples.bind(py).shape()[1]
+    }
+
+    fn __repr__(&self, py: Python<'_>) -> String {
+        let (n, channels, dt) = (self.__len__(py), self.names.len(), self.dt);
+        let unit = if self.unit.is_empty() { String::new() } else { format!(" [{}]", self.unit) };
+        format!("<iwan.Record: {} of {channels} channels{unit}, {n} samples every {dt:?} s>", self.quantity)
+    }
+
+    fn __eq__(&self, py: Python<'_>, other: &Bound<'_, PyAny>) -> bool {
+        let Ok(other) = other.cast::<Self>() else { return false };
+        let other = other.get();
+        let same = |a: &Py<PyArray2<f64>>, b: &Py<PyArray2<f64>>| {
+            a.bind(py).readonly().as_array() == b.bind(py).readonly().as_array()
+        };
+        (self.dt, self.start, &self.names, self.quantity, &self.unit)
+            == (other.dt, other.start, &other.names, other.quantity, &other.unit)
+            && same(&self.samples, &other.samples)
+    }
+
+    fn __reduce__<'py>(slf: &Bound<'py, Self>) -> PyResult<Remake<'py>> {
+        let (py, this) = (slf.py(), slf.get());
+        let names = this.names.clone();
+        let described = (names, this.quantity.to_string(), &this.unit, this.warnings.clone());
+        let arguments = (this.samples.clone_ref(py), this.dt, this.start, described);
+        Ok((py.import("iwan._native")?.getattr("_record")?, arguments.into_bound_py_any(py)?))
+    }
+}
+
+/// Names, quantity, unit and warnings, as pickled.
+type Described = (Vec<String>, String, String, Vec<String>);
+
+/// Makes a pickled `Record` again.
+#[pyfunction]
+pub(crate) fn _record(
+    samples: &Bound<'_, PyAny>,
+    dt: f64,
+    start: f64,
+    described: Described,
+) -> PyResult<Record> {
+    let (names, quantity, unit, warnings) = described;
+    Ok(Record { warnings, ..Record::new(samples, dt, Some(names), &quantity, &unit, start)? })
+}
+
+/// Reads a record from a file: CSV and other text (header and delimiter are found), NPY/NPZ, UFF/UNV dataset 58 and 58b,
+/// MATLAB v5 .mat.
+///
+/// `path`: str or path-like; `format`: "text", "npy", "npz", "uff" or "mat" where content and extension do not tell;
+/// `time`: name of the time vector, such as "HIdata.time"; `channels`: names, in the order wanted (all that fit by default);
+/// `rate` (Hz) where no time is stored; `quantity`: goes before what the file says; `resample`: interpolate samples that
+/// are not uniform.
+///
+/// Returns a `Record`. Raises `iwan.MissingFileError` (a `FileNotFoundError`) or `iwan.FileError` (an `OSError`) when the file
+/// cannot be read, `iwan.RecordError` (a `ValueError`) naming the place in the file and what helps when its content is no record.
+///
+/// >>> with open("tip.csv", "w") as file:
+/// ...     _ = file.write("time [s],tip [m/s^2]\n0.0,1.0\n0.5,2.0\n1.0,4.0\n")
+/// >>> record = iwan.read_record("tip.csv")
+/// >>> record.quantity, record.unit, record.dt, record.channel("tip")
+/// ('acceleration', 'm/s^2', 0.5, array([1., 2., 4.]))
+#[pyfunction]
+#[pyo3(signature = (
+    path, *, format = None, time = None, channels = Vec::new(), rate = None, quantity = None, resample = false
+))]
+#[expect(clippy::too_many_arguments, reason = "keyword arguments of Python")]
+pub(crate) fn read_record(
+    py: Python<'_>,
+    path: PathBuf,
+    format: Option<&str>,
+    time: Option<String>,
+    channels: Vec<String>,
+    rate: Option<f64>,
+    quantity: Option<&str>,
+    resample: bool,
+) -> PyResult<Record> {
+    let format = format.map(|name| choose("format", name, &FORMATS)).transpose()?;
+    let quantity = quantity.map(|name| choose("quantity", name, &QUANTITIES)).transpose()?;
+    let options = ReadOptions { format, time, channels, rate, quantity, resample };
+    let record = work::run(py, true, move |_| iwan_io::read(path, &options))?;
+    Record::wrap(py, &record.map_err(|error| reading(&error))?)
+}
+
+/// Reads a record from the bytes of a file.
+#[pyfunction]
+#[expect(clippy::too_many_arguments, reason = "keyword arguments of Python")]
+pub(crate) fn _read_bytes(
+    py: Python<'_>,
+    name: PathBuf,
+    bytes: &[u8],
+    time: Option<String>,
+    channels: Vec<String>,
+    rate: Option<f64>,
+    quantity: Option<&str>,
+    resample: bool,
+) -> PyResult<Record> {
+    let quantity = quantity.map(|name| choose("quantity", name, &QUANTITIES)).transpose()?;
+    let options = ReadOptions { format: None, time, channels, rate, quantity, resample };
+    let record = iwan_io::read_bytes(&name, bytes, &options);
+    Record::wrap(py, &record.map_err(|error| reading(&error))?)
+}

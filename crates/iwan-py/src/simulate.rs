@@ -1,0 +1,183 @@
+//! From modes and a force to responses.
+
+use iwan_sim::{Method, Settings};
+use pyo3::IntoPyObjectExt;
+use pyo3::prelude::*;
+use pyo3::types::PyDict;
+
+use crate::array::{Numbers, array};
+use crate::errors::{core, simulation, value, wrong_type};
+use crate::mode::Mode;
+use crate::options::{MethodOptions, joint_kind, method as method_named};
+use crate::pulse::Force;
+use crate::response::Response;
+use crate::work;
+
+/// Steps from which on a run may last longer than a user who presses Ctrl-C wants to wait.
+const LASTING: usize = 1_000_000;
+
+/// Simulates the response of a mode, or of each of several modes, to a force.
+///
+/// `mode`: a `Mode`, or a sequence of them; `force`: a pulse such as `Haversine`, samples every `dt` seconds (zero behind
+/// the last), or None for free decay; `dt`: time between samples (s), also the time step; `duration` (s).
+///
+/// `method`: "newmark" (time stepping), "half-cycle" (energy map of the free decay, no time steps), "averaging"
+/// (approximate) or "event" (reference, slow). `sliders`: number of Jenkins elements, None for the exact continuum;
+/// `grid`: as in `Joint.force_history`. `prewarp`: no period error at small amplitude; False is the plain Newmark-beta
+/// scheme with `beta` and `gamma`. `initial`: modal displacement and velocity at t = 0 s, one pair for all modes or one for
+/// each. `quality`: estimate time-step and discretisation error by companion runs. `threads`: for several modes, all cores by
+/// default; the results do not depend on it.
+///
+/// Returns a `Response`, or a list of them. Raises `iwan.InvalidValueError` for a value out of range,
+/// `iwan.ComputationError` when the numbers overflow. The interpreter's lock is released; Ctrl-C is honoured.
+///
+/// >>> joint = iwan.FourParameter(k_t=4.45e4, f_s=239.4, chi=-0.183, beta=0.3)
+/// >>> mode = iwan.Mode(frequency=124.0, joint=joint, damping_ratio=2.5e-4)
+/// >>> blow = iwan.Haversine(amplitude=1000.0, duration=1.6e-3)
+/// >>> response = iwan.simulate(mode, force=blow, dt=1e-5, duration=0.2)
+/// >>> response.displacement.shape, f"{response.statistics['slip_ratio']:.4f}", response.energy_error < 1e-10
+/// ((20001,), '0.1074', True)
+#[pyfunction]
+#[pyo3(signature = (
+    mode, *, force = None, dt, duration, method = "newmark", sliders = Some(100), grid = None, prewarp = true,
+    beta = 0.25, gamma = 0.5, initial = None, quality = true, threads = None
+))]
+#[expect(clippy::too_many_arguments, reason = "keyword arguments of Python")]
+pub(crate) fn simulate<'py>(
+    mode: &Bound<'py, PyAny>,
+    force: Option<&Bound<'py, PyAny>>,
+    dt: f64,
+    duration: f64,
+    method: &str,
+    sliders: Option<usize>,
+    grid: Option<&Bound<'py, PyAny>>,
+    prewarp: bool,
+    beta: f64,
+    gamma: f64,
+    initial: Option<&Bound<'py, PyAny>>,
+    quality: bool,
+    threads: Option<usize>,
+) -> PyResult<Bound<'py, PyAny>> {
+    let py = mode.py();
+    let (mut modes, single) = modes(mode)?;
+    set_initial(&mut modes, initial)?;
+    let options = MethodOptions { joint: joint_kind(sliders, grid)?, prewarp, beta, gamma };
+    let settings = Settings { dt, duration, method: method_named(method, options)?, quality };
+    let force = Force::read(force, dt)?;
+    let steps = settings.samples().map_err(core)?.saturating_mul(modes.len());
+    let lasting = steps > LASTING || !matches!(settings.method, Method::Newmark { .. });
+    // Asking for the number of cores takes longer than a short run: one mode needs one thread.
+    let threads = if single {
+        threads.map_or(Ok(1), |threads| thread_count(Some(threads)))?
+    } else {
+        thread_count(threads)?
+    };
+    let mut responses = work::run(py, lasting, move |control| {
+        if let [mode] = &modes[..]
+            && single
+            && !lasting
+        {
+            return iwan_sim::simulate(mode, &force.pulse(), &settings).map(|response| vec![response]);
+        }
+        iwan_sim::simulate_all(&modes, &force.pulse(), &settings, threads, &mut |_| control.stop())
+            .map_err(|error| if single { without_name(error) } else { error })
+    })?
+    .map_err(simulation)?;
+    if single && let Some(response) = responses.pop() {
+        return Ok(Bound::new(py, Response::new(py, response))?.into_any());
+    }
+    let responses: PyResult<Vec<_>> =
+        responses.into_iter().map(|response| Py::new(py, Response::new(py, response))).collect();
+    responses?.into_bound_py_any(py)
+}
+
+/// An error about the only mode needs no name.
+fn without_name(error: iwan_sim::SimulationError) -> iwan_sim::SimulationError {
+    match error {
+        iwan_sim::SimulationError::Mode { source, .. } => *source,
+        other => other,
+    }
+}
+
+/// One mode or several, and whether it was one.
+fn modes(object: &Bound<'_, PyAny>) -> PyResult<(Vec<iwan_sim::Mode>, bool)> {
+    if let Ok(mode) = object.cast::<Mode>() {
+        return Ok((vec![mode.get().mode.clone()], true));
+    }
+    let wrong = || wrong_type("mode must be an iwan.Mode or a sequence of them");
+    let mut modes = Vec::new();
+    for item in object.try_iter().map_err(|_| wrong())? {
+        modes.push(item?.cast::<Mode>().map_err(|_| wrong())?.get().mode.clone());
+    }
+    if modes.is_empty() {
+        Err(value("mode is an empty sequence: give at least one mode"))
+    } else {
+        Ok((modes, false))
+    }
+}
+
+/// Sets displacement and velocity at t = 0: one pair for all, or one for each.
+fn set_initial(modes: &mut [iwan_sim::Mode], initial: Option<&Bound<'_, PyAny>>) -> PyResult<()> {
+    let Some(initial) = initial else { return Ok(()) };
+    let numbers = Numbers::finite("initial", initial)?;
+    let each = numbers.shape == [modes.len(), 2];
+    if !each && numbers.shape != [2] {
+        let n = modes.len();
+        return Err(value(format!(
+            "initial has the shape {:?}: give (displacement, velocity), or {n} such pairs for {n} modes",
+            numbers.shape
+        )));
+    }
+    for (mode, pair) in modes.iter_mut().zip(numbers.values.chunks(2).cycle()) {
+        mode.initial = (pair[0], pair[1]);
+    }
+    Ok(())
+}
+
+/// Number of threads; all cores unless given.
+pub(crate) fn thread_count(threads: Option<usize>) -> PyResult<usize> {
+    match threads {
+        Some(0) => Err(value("threads = 0 is out of range: at least 1, or None for all cores")),
+        Some(threads) => Ok(threads),
+        None => Ok(std::thread::available_parallelism().map_or(1, std::num::NonZeroUsize::get)),
+    }
+}
+
+/// Physical responses at the points named in the modes' `outputs`: the sum of shape times modal response.
+///
+/// `modes` and `responses` are sequences of equal length. Returns a dict from each point's name to a dict of float64
+/// arrays `displacement`, `velocity` and `acceleration`. Raises `iwan.InvalidValueError` for sequences or responses of
+/// different lengths.
+///
+/// >>> modes = [iwan.Mode(frequency=f, outputs={"tip": 2.0}) for f in (10.0, 20.0)]
+/// >>> responses = iwan.simulate(modes, dt=1e-3, duration=0.1, initial=(0.5, 0.0))
+/// >>> float(iwan.superpose(modes, responses)["tip"]["displacement"][0])
+/// 2.0
+#[pyfunction]
+pub(crate) fn superpose(
+    py: Python<'_>,
+    modes: Vec<Py<Mode>>,
+    responses: Vec<Py<Response>>,
+) -> PyResult<Bound<'_, PyDict>> {
+    if modes.len() != responses.len() {
+        let (m, r) = (modes.len(), responses.len());
+        return Err(value(format!("{m} modes and {r} responses: give one response for each mode")));
+    }
+    let modes: Vec<_> = modes.iter().map(|mode| mode.get().mode.clone()).collect();
+    let responses: Vec<_> = responses.iter().map(|response| response.get().motion(py)).collect();
+    if let Some(other) = responses.iter().find(|r| r.displacement.len() != responses[0].displacement.len()) {
+        let (one, two) = (responses[0].displacement.len(), other.displacement.len());
+        return Err(value(format!(
+            "responses of {one} and of {two} samples cannot be superposed: simulate them alike"
+        )));
+    }
+    let points = PyDict::new(py);
+    for (name, samples) in iwan_sim::superpose(&modes, &responses) {
+        let point = PyDict::new(py);
+        for (key, values) in ["displacement", "velocity", "acceleration"].into_iter().zip(samples) {
+            point.set_item(key, array(py, values))?;
+        }
+        points.set_item(name, point)?;
+    }
+    Ok(points)
+}

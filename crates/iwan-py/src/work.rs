@@ -1,0 +1,133 @@
+//! Long work without the interpreter's lock: Ctrl-C, progress, threads.
+
+use std::ops::ControlFlow;
+use std::panic::resume_unwind;
+use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
+use std::sync::mpsc::{Receiver, RecvTimeoutError, channel};
+use std::sync::{Arc, Mutex, PoisonError};
+use std::time::Duration;
+
+use pyo3::prelude::*;
+
+/// How often signals are looked at and progress is told: Ctrl-C is honoured well within 0.2 s.
+const PATIENCE: Duration = Duration::from_millis(40);
+
+/// What work and the thread that waits for it tell one another.
+#[derive(Debug, Clone, Default)]
+pub(crate) struct Control(Arc<Shared>);
+
+#[derive(Debug, Default)]
+struct Shared {
+    abandoned: AtomicBool,
+    done: AtomicUsize,
+}
+
+impl Control {
+    /// Whether to stop: the caller has gone, and the work is for nobody.
+    pub(crate) fn stop(&self) -> ControlFlow<()> {
+        if self.0.abandoned.load(Ordering::Relaxed) {
+            ControlFlow::Break(())
+        } else {
+            ControlFlow::Continue(())
+        }
+    }
+
+    /// Says how many pieces are done, and hears whether to stop.
+    pub(crate) fn report(&self, done: usize) -> ControlFlow<()> {
+        self.0.done.fetch_max(done, Ordering::Relaxed);
+        self.stop()
+    }
+}
+
+/// Runs `work` with the interpreter's lock released.
+///
+/// Work that may last goes to a thread of its own while this one watches for signals: an exception raised by a
+/// signal handler, such as `KeyboardInterrupt`, is passed on at once, and the work is told to stop.
+pub(crate) fn run<T: Send + 'static>(
+    py: Python<'_>,
+    lasting: bool,
+    work: impl FnOnce(&Control) -> T + Send + 'static,
+) -> PyResult<T> {
+    if lasting { watched(py, None, work) } else { Ok(py.detach(|| work(&Control::default()))) }
+}
+
+/// Runs lasting work, and calls `progress` with the number of pieces done, from time to time and at the end.
+pub(crate) fn watched<T: Send + 'static>(
+    py: Python<'_>,
+    progress: Option<&Bound<'_, PyAny>>,
+    work: impl FnOnce(&Control) -> T + Send + 'static,
+) -> PyResult<T> {
+    let (sender, receiver) = channel();
+    let control = Control::default();
+    let told = control.clone();
+    let worker = std::thread::Builder::new().name("iwan".into()).spawn(move || {
+        // Without a receiver nobody waits for the result.
+        let _ = sender.send(work(&told));
+    })?;
+    let tell = || {
+        progress
+            .map_or(Ok(()), |progress| progress.call1((control.0.done.load(Ordering::Relaxed),)).map(drop))
+    };
+    let result = wait(py, &Mutex::new(receiver), || py.check_signals().and_then(|()| tell()));
+    match result {
+        Ok(Some(result)) => tell().map(|()| result),
+        Ok(None) => match worker.join() {
+            Err(panic) => resume_unwind(panic),
+            Ok(()) => unreachable!("the worker sends before it ends"),
+        },
+        Err(signal) => {
+            control.0.abandoned.store(true, Ordering::Relaxed);
+            Err(signal)
+        }
+    }
+}
+
+/// Waits for a result, looking round between; none when the sender has gone without one.
+fn wait<T: Send>(
+    py: Python<'_>,
+    receiver: &Mutex<Receiver<T>>,
+    look_round: impl Fn() -> PyResult<()>,
+) -> PyResult<Option<T>> {
+    loop {
+        match py.detach(|| lock(receiver).recv_timeout(PATIENCE)) {
+            Ok(result) => return Ok(Some(result)),
+            Err(RecvTimeoutError::Timeout) => look_round()?,
+            Err(RecvTimeoutError::Disconnected) => return Ok(None),
+        }
+    }
+}
+
+/// `f` of each item on up to `threads` threads, in the order of the items; none when told to stop.
+pub(crate) fn each<T: Send, U: Send>(
+    items: Vec<T>,
+    threads: usize,
+    control: &Control,
+    f: impl Fn(T) -> U + Sync,
+) -> Option<Vec<U>> {
+    let results: Mutex<Vec<Option<U>>> = Mutex::new(items.iter().map(|_| None).collect());
+    let most = threads.clamp(1, items.len().max(1));
+    let (queue, done) = (Mutex::new(items.into_iter().enumerate()), AtomicUsize::new(0));
+    let serve = || {
+        while control.report(done.load(Ordering::Relaxed)).is_continue() {
+            let Some((i, item)) = lock(&queue).next() else { return };
+            let result = f(item);
+            lock(&results)[i] = Some(result);
+            done.fetch_add(1, Ordering::Relaxed);
+        }
+    };
+    std::thread::scope(|scope| {
+        let helpers: Vec<_> = (1..most).map(|_| scope.spawn(serve)).collect();
+        serve();
+        for helper in helpers {
+            if let Err(panic) = helper.join() {
+                resume_unwind(panic);
+            }
+        }
+    });
+    let _ = control.report(done.into_inner());
+    results.into_inner().unwrap_or_else(PoisonError::into_inner).into_iter().collect()
+}
+
+fn lock<T>(mutex: &Mutex<T>) -> std::sync::MutexGuard<'_, T> {
+    mutex.lock().unwrap_or_else(PoisonError::into_inner)
+}

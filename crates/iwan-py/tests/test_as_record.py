@@ -1,0 +1,96 @@
+"""Records as other libraries hand them out."""
+
+import numpy as np
+import pandas
+import pytest
+import pyuff
+import scipy.io
+import xarray
+
+import iwan
+
+T = np.arange(200) / 100.0
+A, B = np.sin(T), np.cos(T)
+
+
+def check(record, names=("a", "b")):
+    assert record.names == list(names) and record.dt == pytest.approx(0.01)
+    np.testing.assert_allclose(record.samples, [A, B][: len(names)], rtol=1e-6, atol=1e-7)
+
+
+def test_scipy_io(tmp_path):
+    path = tmp_path / "r.mat"
+    scipy.io.savemat(path, {"time": T, "a": A, "b": B})
+    check(iwan.as_record(scipy.io.loadmat(path)))
+    scipy.io.savemat(path, {"HIdata": {"time": T, "acc1": A, "acc3": B}, "note": "hammer"})
+    for loaded in [scipy.io.loadmat(path), scipy.io.loadmat(path, simplify_cells=True)]:
+        record = iwan.as_record(loaded, time="HIdata.time", channels=["HIdata.acc1", "HIdata.acc3"])
+        check(record, ["HIdata.acc1", "HIdata.acc3"])
+        assert record.quantity == "acceleration"
+        np.testing.assert_array_equal(record.samples, iwan.read_record(path, time="HIdata.time").samples)
+
+
+@pytest.mark.filterwarnings("ignore::ResourceWarning", "ignore::pytest.PytestUnraisableExceptionWarning")
+def test_pyuff(tmp_path):
+    """pyuff leaves its files open, which is why the warnings."""
+    path = str(tmp_path / "r.uff")
+    for name, x, kind in [("a", A, 12), ("b", B, 12)]:
+        data = pyuff.prepare_58(
+            binary=1, func_type=1, rsp_node=1, rsp_dir=3, ref_node=1, ref_dir=3, data=x, x=T, id1=name,
+            ordinate_spec_data_type=kind, ordinate_axis_units_lab="m/s^2", abscissa_inc=0.01, abscissa_min=0.0,
+            abscissa_spacing=1, num_pts=len(T), return_full_dict=True,
+        )
+        # pyuff leaves fields open that it cannot write.
+        texts = ("name", "lab", "id2", "id3", "id4", "id5")
+        data = {key: ("NONE" if key.endswith(texts) else 0) if value is None else value for key, value in data.items()}
+        pyuff.UFF(path).write_sets(data, "add")
+    sets = pyuff.UFF(path).read_sets()
+    record = iwan.as_record(sets)
+    check(record)
+    assert record.quantity == "acceleration" and record.unit == "m/s^2"
+    check(iwan.as_record(sets[0]), ["a"])
+    np.testing.assert_allclose(iwan.read_record(path).samples, record.samples, rtol=1e-12)
+    spectrum = dict(sets[0], func_type=4)
+    with pytest.raises(iwan.RecordError, match="no time response"):
+        iwan.as_record(spectrum)
+
+
+def test_pandas_and_xarray():
+    frame = pandas.DataFrame({"a": A, "b": B}, index=T + 1.0)
+    record = iwan.as_record(frame, quantity="velocity")
+    check(record)
+    assert record.start == 1.0 and record.quantity == "velocity"
+    check(iwan.as_record(frame["a"]), ["a"])
+    check(iwan.as_record(frame.reset_index(drop=True), dt=0.01))
+    array = xarray.DataArray([A, B], dims=["channel", "time"], coords={"channel": ["a", "b"], "time": T}, name="x")
+    check(iwan.as_record(array))
+    check(iwan.as_record(array.T))
+    check(iwan.as_record(array[0]), ["x"])
+
+
+def test_they_are_accepted_as_they_come():
+    t = np.arange(8192) / 4096.0
+    decay = np.exp(-t) * np.cos(2 * np.pi * 80.0 * t)
+    expected = iwan.envelope(decay, dt=1 / 4096).amplitude
+    for data in [pandas.Series(decay, index=t), {"t": t, "x": decay}, xarray.DataArray(decay, dims="t", coords={"t": t})]:
+        np.testing.assert_allclose(iwan.envelope(data).amplitude, expected, rtol=1e-9)
+
+
+def test_what_is_no_record_is_refused():
+    with pytest.raises(iwan.InvalidTypeError, match="no vector"):
+        iwan.as_record({"note": "hammer"})
+    with pytest.raises(iwan.InvalidValueError, match="dt is missing"):
+        iwan.as_record(A)
+    with pytest.raises(iwan.RecordError, match="not uniform"):
+        iwan.as_record(pandas.Series(A, index=T**2))
+    with pytest.raises(iwan.RecordError):
+        iwan.as_record({"a": A, "b": B})
+    with pytest.raises(iwan.InvalidValueError, match="3 dimensions"):
+        iwan.as_record(xarray.DataArray(np.zeros((2, 2, 2)), dims=["a", "b", "t"]))
+
+
+def test_a_response_as_a_dataset():
+    response = iwan.simulate(iwan.Mode(frequency=10.0), dt=1e-2, duration=1.0, initial=(1.0, 0.0))
+    data = response.to_xarray()
+    np.testing.assert_array_equal(data["velocity"], response.velocity)
+    assert data.attrs["steps"] == 100 and data["t"].attrs["units"] == "s"

@@ -1,0 +1,190 @@
+"""Ensembles: members are single runs, whatever the number of threads or workers."""
+
+import os
+import signal
+import subprocess
+import sys
+import textwrap
+import time
+
+import numpy as np
+import pytest
+
+import iwan
+
+BLOW = iwan.Haversine(amplitude=1000.0, duration=1.6e-3)
+JOINT = {"k_t": 4.45e4, "f_s": 239.4, "chi": -0.183, "beta": 0.3}
+RUN = {"frequency": 124.0, "dt": 1e-3, "duration": 0.1}
+
+
+@pytest.mark.parametrize("method", ["half-cycle", "newmark", "averaging", "event"])
+def test_members_are_single_runs(method):
+    f_s, scale = np.array([100.0, 239.4, 1000.0]), np.array([[0.5], [2.0]])
+    options = {"force": BLOW, "dt": 1e-4, "duration": 0.05, "method": method}
+    many = iwan.ensemble.simulate(
+        **(JOINT | {"f_s": f_s}), frequency=124.0, damping_ratio=1e-3, shape_at_force=scale, keep=["acceleration", "displacement"], **options
+    )
+    assert many.shape == (2, 3) and many.histories["acceleration"].shape == (2, 3, 501)
+    for i, j in np.ndindex(2, 3):
+        joint = iwan.FourParameter(**(JOINT | {"f_s": f_s[j]}))
+        mode = iwan.Mode(frequency=124.0, joint=joint, damping_ratio=1e-3, shape_at_force=scale[i, 0])
+        one = iwan.simulate(mode, quality=False, **options)
+        np.testing.assert_array_equal(many.histories["displacement"][i, j], one.displacement)
+        np.testing.assert_array_equal(many.histories["acceleration"][i, j], one.acceleration)
+        figures = one.statistics
+        for name in ["peak_displacement", "final_displacement", "slip_ratio", "energy_error"]:
+            assert getattr(many, name)[i, j] == figures[name]
+    np.testing.assert_array_equal(many.t, one.t)
+
+
+def random_sets(n):
+    rng = np.random.default_rng(3)
+    return {
+        "k_t": 4.45e4 * rng.uniform(0.5, 1.5, n),
+        "f_s": 239.4 * rng.uniform(0.1, 3.0, n),
+        "chi": rng.uniform(-0.9, 0.2, n),
+        "beta": rng.uniform(0.0, 3.0, n),
+        "displacement": rng.normal(scale=1e-3, size=n),
+    }
+
+
+def same(a, b):
+    for name in ["peak_displacement", "final_displacement", "slip_ratio", "energy_error", "t"]:
+        np.testing.assert_array_equal(getattr(a, name), getattr(b, name), err_msg=name)
+    assert a.histories.keys() == b.histories.keys()
+    for name, history in a.histories.items():
+        np.testing.assert_array_equal(history, b.histories[name])
+
+
+def test_threads_change_nothing():
+    sets = random_sets(1000)
+    one = iwan.ensemble.simulate(**sets, **RUN, keep=["velocity"], threads=1)
+    for threads in [2, 3, 16, None]:
+        same(one, iwan.ensemble.simulate(**sets, **RUN, keep=["velocity"], threads=threads))
+
+
+def test_scalars_and_empty_arrays():
+    one = iwan.ensemble.simulate(**JOINT, **RUN, displacement=1e-3)
+    assert one.shape == () and one.peak_displacement.shape == ()
+    none = iwan.ensemble.simulate(**(JOINT | {"f_s": np.empty((0, 3))}), **RUN, keep=["velocity"])
+    assert none.shape == (0, 3) and none.histories["velocity"].shape == (0, 3, 101)
+    strided = np.linspace(100.0, 300.0, 20)[::2]
+    same(
+        iwan.ensemble.simulate(**(JOINT | {"f_s": strided}), **RUN),
+        iwan.ensemble.simulate(**(JOINT | {"f_s": strided.tolist()}), **RUN),
+    )
+
+
+@pytest.mark.parametrize("threads", [1, 4])
+def test_the_first_bad_set_is_named(threads):
+    f_s = np.full((40, 30), 239.4)
+    f_s[7, 3] = f_s[30, 2] = -1.0
+    with pytest.raises(iwan.InvalidValueError, match=r"parameter set \[7, 3\]: f_s = -1"):
+        iwan.ensemble.simulate(**(JOINT | {"f_s": f_s}), **RUN, threads=threads)
+    with pytest.raises(iwan.InvalidValueError, match=r"k_t\[1\] = NaN"):
+        iwan.ensemble.simulate(**(JOINT | {"k_t": [1.0, np.nan]}), **RUN)
+    with pytest.raises(iwan.InvalidValueError, match="keep = 'strain' is not known"):
+        iwan.ensemble.simulate(**JOINT, **RUN, keep=["strain"])
+    with pytest.raises(iwan.InvalidValueError, match="threads = 0"):
+        iwan.ensemble.simulate(**JOINT, **RUN, threads=0)
+
+
+def test_progress_is_told():
+    told = []
+    iwan.ensemble.simulate(**random_sets(3000), **RUN, progress=lambda done, total: told.append((done, total)))
+    counts = [done for done, _ in told]
+    assert counts == sorted(counts) and told[-1] == (3000, 3000)
+    with pytest.raises(ZeroDivisionError):
+        iwan.ensemble.simulate(**random_sets(20_000), **RUN, progress=lambda done, total: 1 // 0)
+
+
+def test_progress_is_drawn_where_wanted(capsys):
+    iwan.ensemble.simulate(**random_sets(10), **RUN)
+    assert capsys.readouterr().err == ""
+    iwan.ensemble.simulate(**random_sets(10), **RUN, progress=True)
+    assert capsys.readouterr().err.endswith("] 10/10\n")
+
+
+def decay(f):
+    t = np.arange(8192) / 4096.0
+    return np.exp(-t) * np.cos(2 * np.pi * f * t)
+
+
+def test_envelopes_of_many_records():
+    records = [iwan.Record(decay(f), dt=1 / 4096) for f in (60.0, 70.0, 80.0, 90.0)]
+    for threads in [1, 3]:
+        for many, record in zip(iwan.ensemble.envelope(records, threads=threads), records, strict=True):
+            one = iwan.envelope(record)
+            np.testing.assert_array_equal(many.frequency, one.frequency)
+            np.testing.assert_array_equal(many.damping_ratio_sd, one.damping_ratio_sd)
+    assert iwan.ensemble.envelope([]) == []
+    with pytest.raises(iwan.IdentificationError, match=r"record 1 \(counted from 0\)"):
+        iwan.ensemble.envelope([decay(60.0), decay(60.0)[:20]], dt=1 / 4096)
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="no signals to a process of one's own")
+def test_ctrl_c_ends_an_ensemble():
+    program = """
+        import iwan, numpy as np
+        print("ready", flush=True)
+        try:
+            iwan.ensemble.simulate(frequency=124.0, k_t=4.45e4, f_s=np.full(10_000_000, 239.4), chi=-0.183, beta=0.3,
+                                   displacement=1e-3, dt=1e-3, duration=0.2)
+        except KeyboardInterrupt:
+            print("interrupted", flush=True)
+    """
+    process = subprocess.Popen([sys.executable, "-c", textwrap.dedent(program)], stdout=subprocess.PIPE, text=True)
+    assert process.stdout is not None and process.stdout.readline() == "ready\n"
+    time.sleep(0.8)
+    os.kill(process.pid, signal.SIGINT)
+    assert process.communicate(timeout=60)[0] == "interrupted\n"
+
+
+@pytest.fixture(scope="module")
+def client():
+    distributed = pytest.importorskip("distributed")
+    dask = pytest.importorskip("dask")
+    with dask.config.set({"distributed.admin.tick.limit": "60s"}):
+        cluster = distributed.LocalCluster(n_workers=2, threads_per_worker=1, dashboard_address=None)
+        with cluster, distributed.Client(cluster) as client:
+            yield client
+
+
+@pytest.mark.filterwarnings("default")
+class TestWorkers:
+    """On a cluster of two worker processes."""
+
+    def test_workers_change_nothing(self, client):
+        sets = random_sets(4000)
+        threads = iwan.ensemble.simulate(**sets, **RUN, keep=["velocity"])
+        told = []
+        workers = iwan.ensemble.simulate(
+            **sets, **RUN, keep=["velocity"], client=client, progress=lambda done, total: told.append(done)
+        )
+        same(threads, workers)
+        assert told[-1] == 4000 and len(told) > 1
+        records = [decay(f) for f in np.linspace(60.0, 90.0, 12)]
+        ours = iwan.ensemble.envelope(records, dt=1 / 4096)
+        theirs = iwan.ensemble.envelope(records, dt=1 / 4096, client=client)
+        for a, b in zip(ours, theirs, strict=True):
+            np.testing.assert_array_equal(a.amplitude, b.amplitude)
+
+    def test_errors_come_from_the_first_bad_set(self, client):
+        f_s = np.full(2000, 239.4)
+        f_s[[700, 1900]] = -1.0
+        with pytest.raises(iwan.InvalidValueError, match=r"parameter set \[700\]"):
+            iwan.ensemble.simulate(**(JOINT | {"f_s": f_s}), **RUN, client=client)
+
+    def test_a_killed_worker_is_made_up_for(self, client):
+        sets = random_sets(8000)
+        pids = list(client.run(os.getpid).values())
+        killed = []
+
+        def kill_one(done, total):
+            if not killed and done < total:
+                killed.append(pids[0])
+                os.kill(pids[0], signal.SIGKILL)
+
+        workers = iwan.ensemble.simulate(**sets, **RUN, client=client, progress=kill_one)
+        assert killed
+        same(iwan.ensemble.simulate(**sets, **RUN), workers)

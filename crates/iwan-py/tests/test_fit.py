@@ -1,0 +1,125 @@
+"""Identification on records of known truth, and the likelihood behind it."""
+
+import pickle
+
+import numpy as np
+import pytest
+
+import iwan
+
+JOINT = iwan.FourParameter(k_t=4.45e4, f_s=239.4, chi=-0.183, beta=0.3)
+MODE = iwan.Mode(frequency=124.0, joint=JOINT, damping_ratio=1e-3)
+DT = 2e-4
+
+
+def ring_down(slip_ratio, seconds=0.5):
+    start = (slip_ratio * JOINT.phi_max, 0.0)
+    return iwan.simulate(MODE, dt=DT, duration=seconds, initial=start, method="half-cycle", quality=False)
+
+
+@pytest.fixture(scope="module")
+def loud():
+    """Through macro-slip: everything is known."""
+    return iwan.fit(ring_down(2.0).acceleration, dt=DT, quantity="acceleration")
+
+
+@pytest.fixture(scope="module")
+def quiet():
+    """Micro-slip only."""
+    return iwan.fit(ring_down(0.2).acceleration, dt=DT)
+
+
+def test_a_record_through_macro_slip_tells_everything(loud):
+    truth = {"frequency": 124.0, "damping_ratio": 1e-3, "k_t": 4.45e4, "f_s": 239.4, "chi": -0.183, "beta": 0.3}
+    assert loud.parameters.keys() == truth.keys() == loud.intervals.keys() == loud.identifiable.keys()
+    for name, value in truth.items():
+        assert loud.parameters[name] == pytest.approx(value, rel=0.01, abs=1e-5), name
+    assert loud.adequate and loud.joint_needed and loud.relative_residual < 1e-2
+    assert loud.joint.f_s == loud.parameters["f_s"] and loud.mode.joint == loud.joint
+    assert loud.frequency == loud.mode.frequency
+
+
+def test_micro_slip_leaves_the_slip_force_open(quiet):
+    assert quiet.identifiable["chi"] and quiet.joint.chi == pytest.approx(-0.183, abs=0.01)
+    low, high = quiet.intervals["f_s"]
+    assert high is None and not quiet.identifiable["f_s"] and not quiet.identifiable["beta"]
+    assert any("no upper bound" in words for words in quiet.words)
+    assert "open" in str(quiet) and "f_s" in str(quiet)
+
+
+def test_curves_and_profiles_are_arrays(quiet):
+    n = quiet.curves["t"].size
+    for curves in (quiet.curves, quiet.model_curves):
+        assert all(values.dtype == np.float64 for values in curves.values())
+    assert all(values.shape == (n,) for values in quiet.curves.values())
+    ratio = quiet.curves["force"] / quiet.curves["displacement"]
+    np.testing.assert_allclose(ratio, (2 * np.pi * quiet.curves["frequency"]) ** 2, rtol=1e-12)
+    values, deviances = quiet.profiles["chi"]
+    assert np.all(np.diff(values) > 0) and deviances.min() == 0.0 and quiet.limit > 3.0
+    joint = iwan.fit(ring_down(0.2).acceleration, dt=DT, force_axis="joint")
+    assert joint.force_axis == "joint" and np.all(joint.curves["force"] < quiet.curves["force"])
+    assert len(quiet.envelopes) == 1 and quiet.envelopes[0].method == "hilbert"
+
+
+def test_several_levels_and_records_are_fitted_together():
+    levels = [iwan.Record(ring_down(s, 0.3).velocity, dt=DT, quantity="velocity") for s in (0.1, 1.5)]
+    both = iwan.fit(levels, hold={"damping_ratio": 1e-3})
+    assert set(both.curves["record"]) == {0.0, 1.0} and len(both.envelopes) == 2
+    assert both.joint.f_s == pytest.approx(239.4, rel=0.02)
+    assert both.damping_ratio == 1e-3 and not both.identifiable["damping_ratio"]
+
+
+def test_shapes_and_masses_scale():
+    x = ring_down(0.2, 0.25).acceleration
+    record = iwan.Record([20.0 * x, -10.0 * x], dt=DT, quantity="acceleration")
+    shaped = iwan.fit(record, shape=[20.0, -10.0])
+    plain = iwan.fit(x, dt=DT)
+    np.testing.assert_allclose(shaped.curves["displacement"], plain.curves["displacement"], rtol=1e-6)
+    heavy = iwan.fit(x, dt=DT, mass=4.0)
+    np.testing.assert_allclose(heavy.curves["displacement"], 2.0 * plain.curves["displacement"], rtol=1e-6)
+
+
+def test_a_fit_pickles(quiet):
+    back = pickle.loads(pickle.dumps(quiet))
+    assert back.parameters == quiet.parameters and back.intervals == quiet.intervals and str(back) == str(quiet)
+    again, first = iwan.log_likelihood(back), iwan.log_likelihood(quiet)
+    theta = first.best + 1e-4 * np.random.default_rng(0).standard_normal((5, len(first.names)))
+    np.testing.assert_array_equal(again(theta), first(theta))
+
+
+def test_bad_arguments_are_named():
+    x = ring_down(0.2).acceleration
+    for options, message in [
+        ({"hold": {"k": 1.0}}, "hold = 'k' is not known"),
+        ({"force_axis": "total"}, "force_axis = 'total'"),
+        ({"quantity": "strain"}, "quantity = 'strain'"),
+        ({"mass": -1.0}, "mass = -1"),
+        ({"method": "fft"}, "method = 'fft'"),
+        ({"shape": [0.0]}, "shape|rank|tell"),
+    ]:
+        with pytest.raises(iwan.InvalidValueError, match=message):
+            iwan.fit(x, dt=DT, **options)
+    with pytest.raises(iwan.InvalidValueError, match="is a force, not a motion"):
+        iwan.fit(iwan.Record(x, dt=DT, quantity="force"))
+    with pytest.raises(iwan.InvalidValueError, match="do not belong together"):
+        iwan.fit([iwan.Record(x, dt=DT, names=["a"]), iwan.Record(x, dt=DT, names=["b"])])
+
+
+def test_the_likelihood_is_largest_at_the_fit_and_the_same_on_all_threads(loud):
+    likelihood = iwan.log_likelihood(loud)
+    assert likelihood.names[-2:] == ["log_amplitude_0", "phase_0"] and likelihood.best.shape == (8,)
+    best = likelihood(likelihood.best)
+    assert best.shape == () and np.isfinite(best)
+    rng = np.random.default_rng(1)
+    theta = likelihood.best + 0.01 * np.abs(likelihood.best).clip(1e-3) * rng.standard_normal((20, 10, 8))
+    logs = likelihood(theta, threads=1)
+    assert logs.shape == (20, 10) and np.all(logs <= best + 1.0)
+    np.testing.assert_array_equal(likelihood(theta, threads=3), logs)
+    np.testing.assert_array_equal([likelihood(row) for row in theta[0]], logs[0])
+    outside = likelihood.best.copy()
+    outside[likelihood.names.index("chi")] = 1.5
+    assert likelihood(outside) == -np.inf and likelihood(np.full(8, np.nan)) == -np.inf
+    with pytest.raises(iwan.InvalidValueError, match="last axis must have 8 entries"):
+        likelihood(np.zeros(3))
+    walkers = likelihood.walkers(32)
+    assert walkers.shape == (32, 8) and np.all(np.isfinite(likelihood(walkers)))

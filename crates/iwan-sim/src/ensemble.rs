@@ -1,0 +1,283 @@
+//! Many modes, each simulated by itself: figures and, where wanted, histories, on all threads.
+
+use std::ops::ControlFlow;
+use std::sync::atomic::{AtomicUsize, Ordering};
+use std::sync::{Mutex, MutexGuard, PoisonError};
+
+use iwan_core::{Error, Pulse};
+
+use crate::simulate::simulate_observed;
+use crate::{Mode, Response, Settings, SimulationError};
+
+/// A history that may be kept.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub enum History {
+    /// Modal displacement.
+    Displacement,
+    /// Modal velocity.
+    Velocity,
+    /// Modal acceleration.
+    Acceleration,
+    /// Modal joint force.
+    JointForce,
+}
+
+impl History {
+    fn of(self, response: &Response) -> &[f64] {
+        match self {
+            Self::Displacement => &response.displacement,
+            Self::Velocity => &response.velocity,
+            Self::Acceleration => &response.acceleration,
+            Self::JointForce => &response.joint_force,
+        }
+    }
+}
+
+/// What is told of each member.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Figures {
+    /// Largest |q| among the samples.
+    pub peak_displacement: f64,
+    /// Displacement at the last sample.
+    pub final_displacement: f64,
+    /// Peak |q| over φ_max: macro-slip above 1.
+    pub slip_ratio: f64,
+    /// |residual| of the energy balance, relative.
+    pub energy_error: f64,
+}
+
+/// Many simulations that share force, time axis and method.
+#[derive(Clone, Copy)]
+pub struct Ensemble<'a> {
+    /// Number of members.
+    pub members: usize,
+    /// The mode of each member, by its index.
+    pub mode: &'a (dyn Fn(usize) -> Result<Mode, Error> + Sync),
+    /// Force on all of them; a mode's `shape_at_force` scales it.
+    pub force: Pulse<'a>,
+    /// Time axis and method; quality figures are not estimated.
+    pub settings: Settings,
+    /// Histories to keep.
+    pub kept: &'a [History],
+}
+
+impl std::fmt::Debug for Ensemble<'_> {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.debug_struct("Ensemble")
+            .field("members", &self.members)
+            .field("kept", &self.kept)
+            .finish_non_exhaustive()
+    }
+}
+
+/// What an ensemble returns.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Outcome {
+    /// One entry per member.
+    pub figures: Vec<Figures>,
+    /// One list per kept history: the samples of the first member, of the second, and so on.
+    pub histories: Vec<Vec<f64>>,
+    /// Samples of each member.
+    pub samples: usize,
+}
+
+/// An error and the member that it belongs to.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[error("member {member}: {source}")]
+pub struct MemberError {
+    /// Index of the member.
+    pub member: usize,
+    /// What went wrong.
+    pub source: SimulationError,
+}
+
+/// Called with the number of members done; `Break` stops the ensemble.
+pub type Watch<'a> = &'a (dyn Fn(usize) -> ControlFlow<()> + Sync);
+
+/// Members that a thread takes at a time, at most.
+const CHUNK: usize = 64;
+
+/// Some members and the places of their results.
+struct Chunk<'a> {
+    first: usize,
+    figures: &'a mut [Figures],
+    histories: Vec<&'a mut [f64]>,
+}
+
+impl Ensemble<'_> {
+    /// Simulates all members on up to `threads` threads, each with buffers of its own that serve again and again: the
+    /// same bits whatever their number.
+    ///
+    /// # Errors
+    /// [`MemberError`] with the first member that failed; [`SimulationError::Interrupted`] when `watch` broke off.
+    ///
+    /// ```
+    /// use iwan_core::{FourParameter, Pulse};
+    /// use iwan_sim::{Ensemble, JointLaw, Mode, Settings};
+    /// let mode = |i: usize| {
+    ///     let joint = FourParameter::new(4.45e4, 239.4 * (1.0 + i as f64), -0.183, 0.3)?;
+    ///     Ok(Mode { initial: (1e-3, 0.0), ..Mode::new("bending 1", 124.0, Some(JointLaw::FourParameter(joint))) })
+    /// };
+    /// let settings = Settings::new(1e-4, 0.1);
+    /// let ensemble = Ensemble { members: 100, mode: &mode, force: Pulse::None, settings, kept: &[] };
+    /// let outcome = ensemble.run(2, &|_| std::ops::ControlFlow::Continue(()))?;
+    /// assert!(outcome.figures[0].slip_ratio > 99.0 * outcome.figures[99].slip_ratio);
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    pub fn run(&self, threads: usize, watch: Watch<'_>) -> Result<Outcome, MemberError> {
+        let samples =
+            self.settings.samples().map_err(|error| MemberError { member: 0, source: error.into() })?;
+        let mut outcome = Outcome {
+            figures: vec![Figures::default(); self.members],
+            histories: self.kept.iter().map(|_| vec![0.0; self.members * samples]).collect(),
+            samples,
+        };
+        let work = Work { ensemble: *self, done: AtomicUsize::new(0), failed: Mutex::new(None), watch };
+        let chunks = Mutex::new(outcome.chunks(threads));
+        let serve = || work.serve(&chunks);
+        std::thread::scope(|scope| {
+            let most = threads.clamp(1, self.members.max(1));
+            let helpers: Vec<_> = (1..most).map(|_| scope.spawn(serve)).collect();
+            serve();
+            for helper in helpers {
+                if let Err(panic) = helper.join() {
+                    std::panic::resume_unwind(panic);
+                }
+            }
+        });
+        drop(chunks);
+        match work.failed.into_inner().unwrap_or_else(PoisonError::into_inner) {
+            Some(error) => Err(error),
+            None => Ok(outcome),
+        }
+    }
+}
+
+impl Outcome {
+    /// The members in their order, some at a time.
+    fn chunks(&mut self, threads: usize) -> std::vec::IntoIter<Chunk<'_>> {
+        let size = (self.figures.len() / (8 * threads.max(1))).clamp(1, CHUNK);
+        let row = size * self.samples.max(1);
+        let mut histories: Vec<_> = self.histories.iter_mut().map(|h| h.chunks_mut(row)).collect();
+        let chunk = |(i, figures)| Chunk {
+            first: i * size,
+            figures,
+            histories: histories.iter_mut().filter_map(Iterator::next).collect(),
+        };
+        self.figures.chunks_mut(size).enumerate().map(chunk).collect::<Vec<_>>().into_iter()
+    }
+}
+
+struct Work<'a> {
+    ensemble: Ensemble<'a>,
+    done: AtomicUsize,
+    failed: Mutex<Option<MemberError>>,
+    watch: Watch<'a>,
+}
+
+impl Work<'_> {
+    /// Takes chunk after chunk until none is left or a member failed. Chunks begun are finished up to a failure of their
+    /// own, and they are handed out in order: the first failure is the same whatever the number of threads.
+    fn serve(&self, chunks: &Mutex<std::vec::IntoIter<Chunk<'_>>>) {
+        let mut spare = Response::default();
+        loop {
+            if lock(&self.failed).is_some() {
+                return;
+            }
+            let Some(mut chunk) = lock(chunks).next() else { return };
+            let mut result = self.simulate(&mut chunk, &mut spare);
+            let done = self.done.fetch_add(chunk.figures.len(), Ordering::Relaxed) + chunk.figures.len();
+            if result.is_ok() && (self.watch)(done).is_break() {
+                result = Err(MemberError { member: 0, source: SimulationError::Interrupted });
+            }
+            if let Err(error) = result {
+                let mut failed = lock(&self.failed);
+                if failed.as_ref().is_none_or(|other| error.member < other.member) {
+                    *failed = Some(error);
+                }
+            }
+        }
+    }
+
+    fn simulate(&self, chunk: &mut Chunk<'_>, spare: &mut Response) -> Result<(), MemberError> {
+        let settings = Settings { quality: false, ..self.ensemble.settings };
+        for (i, figures) in chunk.figures.iter_mut().enumerate() {
+            let member = chunk.first + i;
+            let named = |source| MemberError { member, source };
+            let mode = (self.ensemble.mode)(member).map_err(|error| named(error.into()))?;
+            let go_on = &mut |_| ControlFlow::Continue(());
+            let buffers = std::mem::take(spare);
+            let response = simulate_observed(&mode, &self.ensemble.force, &settings, buffers, go_on);
+            let response = response.map_err(named)?;
+            *figures = Figures {
+                peak_displacement: response.peak_displacement(),
+                final_displacement: response.displacement.last().copied().unwrap_or(0.0),
+                slip_ratio: response.slip_ratio(),
+                energy_error: response.energy.error(),
+            };
+            let rows = response.displacement.len() * i..response.displacement.len() * (i + 1);
+            for (history, kept) in chunk.histories.iter_mut().zip(self.ensemble.kept) {
+                history[rows.clone()].copy_from_slice(kept.of(&response));
+            }
+            *spare = response;
+        }
+        Ok(())
+    }
+}
+
+fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
+    mutex.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
+#[cfg(test)]
+mod tests {
+    use iwan_core::FourParameter;
+
+    use super::*;
+    use crate::{JointLaw, Method, simulate};
+
+    fn mode(i: usize) -> Result<Mode, Error> {
+        let joint = FourParameter::new(4.45e4 - 10.0 * i as f64, 239.4, -0.183, 0.3)?;
+        Ok(Mode::new("mode", 124.0, Some(JointLaw::FourParameter(joint))))
+    }
+
+    fn ensemble(mode: &(dyn Fn(usize) -> Result<Mode, Error> + Sync), method: Method) -> Ensemble<'_> {
+        let force = Pulse::Haversine { amplitude: 2e3, duration: 1.6e-3 };
+        let settings = Settings { method, ..Settings::new(1e-4, 0.05) };
+        Ensemble { members: 150, mode, force, settings, kept: &[History::Velocity, History::JointForce] }
+    }
+
+    const GO_ON: Watch<'_> = &|_| ControlFlow::Continue(());
+
+    /// Buffers that serve again leave nothing behind, and threads change nothing.
+    #[test]
+    fn members_are_simulations_by_themselves() {
+        for method in [Method::default_newmark(), Method::HalfCycle] {
+            let ensemble = ensemble(&mode, method);
+            let one = ensemble.run(1, GO_ON).unwrap();
+            assert_eq!(one, ensemble.run(3, GO_ON).unwrap());
+            for i in [0, 1, 63, 64, 149] {
+                let alone = simulate(&mode(i).unwrap(), &ensemble.force, &ensemble.settings).unwrap();
+                let rows = i * one.samples..(i + 1) * one.samples;
+                assert_eq!(one.histories[0][rows.clone()], alone.velocity);
+                assert_eq!(one.histories[1][rows], alone.joint_force);
+                assert_eq!(one.figures[i].peak_displacement, alone.peak_displacement());
+                assert_eq!(one.figures[i].energy_error, alone.energy.error());
+            }
+        }
+    }
+
+    #[test]
+    fn the_first_member_that_fails_is_named() {
+        let bad = |i: usize| {
+            if i % 40 == 37 { FourParameter::new(-1.0, 1.0, 0.0, 0.0).and(mode(i)) } else { mode(i) }
+        };
+        for threads in [1, 2, 5] {
+            let error = ensemble(&bad, Method::default_newmark()).run(threads, GO_ON).unwrap_err();
+            assert_eq!(error.member, 37, "{threads} threads");
+        }
+        let stop: Watch<'_> = &|_| ControlFlow::Break(());
+        let error = ensemble(&mode, Method::default_newmark()).run(2, stop).unwrap_err();
+        assert_eq!(error.source, SimulationError::Interrupted);
+    }
+}
