@@ -45,10 +45,17 @@ pub struct Fit {
 /// # Ok::<(), iwan_ident::Error>(())
 /// ```
 pub fn predict(parameters: &Parameters, displacement: f64) -> Result<(f64, f64), Error> {
+    Ok(predictor(parameters)?(displacement))
+}
+
+/// [`predict`] for many displacements.
+fn predictor(parameters: &Parameters) -> Result<impl Fn(f64) -> (f64, f64) + use<>, Error> {
     let (oscillator, joint) = parameters.model()?;
-    let omega = (oscillator.k_inf() + joint.harmonic_stiffness(displacement)).sqrt();
-    let viscous = TAU * 0.5 * oscillator.viscous() * omega * displacement * displacement;
-    Ok((joint.dissipation(displacement) + viscous, omega / TAU))
+    Ok(move |displacement: f64| {
+        let omega = (oscillator.k_inf() + joint.harmonic_stiffness(displacement)).sqrt();
+        let viscous = TAU * 0.5 * oscillator.viscous() * omega * displacement * displacement;
+        (joint.dissipation(displacement) + viscous, omega / TAU)
+    })
 }
 
 /// Entries of curves with a positive dissipation, as (displacement, ln D, its deviation, frequency, its deviation).
@@ -128,8 +135,9 @@ pub fn fit_from(curves: &[Curves], starts: &[Parameters], held: &[Parameter]) ->
 }
 
 fn residuals(entries: &[Entry], parameters: &Parameters, out: &mut [f64]) -> bool {
+    let Ok(predicted) = predictor(parameters) else { return false };
     for (i, [u, log, log_sd, frequency, frequency_sd]) in entries.iter().enumerate() {
-        let Ok((d, f)) = predict(parameters, *u) else { return false };
+        let (d, f) = predicted(*u);
         (out[2 * i], out[2 * i + 1]) = ((log - d.ln()) / log_sd, (frequency - f) / frequency_sd);
     }
     true
