@@ -104,6 +104,10 @@ pub(crate) struct Modal {
     /// Time of the first sample, s.
     pub(crate) start: f64,
     pub(crate) quantity: curves::Quantity,
+    /// Unit of the samples as text.
+    pub(crate) unit: String,
+    /// Names of the channels it was taken from.
+    pub(crate) channels: Vec<String>,
     /// How the channels were combined, and what was assumed.
     pub(crate) notes: Vec<String>,
 }
@@ -125,19 +129,27 @@ pub(crate) fn modal(
         return Err(value(format!("records do not belong together: channels {a} and {b}")));
     }
     let (quantity, mut notes) = first.get().motion(quantity)?;
-    let rows = |record: &Bound<'_, Record>| -> PyResult<Vec<Vec<f64>>> {
-        let (this, view) = (record.get(), record.get().samples.bind(record.py()).readonly());
-        let all = 0..this.names.len();
-        let chosen = if channel.is_some() { this.index(channel).map(|i| i..i + 1)? } else { all };
-        Ok(chosen.map(|i| view.as_array().index_axis(Axis(0), i).to_vec()).collect())
+    let all = 0..first.get().names.len();
+    let chosen = if channel.is_some() { first.get().index(channel).map(|i| i..i + 1)? } else { all };
+    let rows = |record: &Bound<'_, Record>| -> Vec<Vec<f64>> {
+        let view = record.get().samples.bind(record.py()).readonly();
+        chosen.clone().map(|i| view.as_array().index_axis(Axis(0), i).to_vec()).collect()
     };
-    let combination = combination(&rows(first)?, first.get(), shape, options).map_err(identification)?;
+    let combination = combination(&rows(first), first.get(), shape, options).map_err(identification)?;
     notes.extend(combination.notes.iter().cloned());
     let one = |record: &Bound<'_, Record>| {
-        let rows = rows(record)?;
+        let rows = rows(record);
         let samples = combination.apply(&rows.iter().map(Vec::as_slice).collect::<Vec<_>>());
         let (samples, this) = (samples.map_err(identification)?, record.get());
-        Ok(Modal { samples, dt: this.dt, start: this.start, quantity, notes: notes.clone() })
+        Ok(Modal {
+            samples,
+            dt: this.dt,
+            start: this.start,
+            quantity,
+            unit: this.unit.clone(),
+            channels: this.names[chosen.clone()].to_vec(),
+            notes: notes.clone(),
+        })
     };
     records.iter().map(one).collect()
 }

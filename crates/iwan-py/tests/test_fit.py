@@ -1,6 +1,10 @@
 """Identification on records of known truth, and the likelihood behind it."""
 
 import pickle
+import re
+import subprocess
+import sysconfig
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -123,3 +127,38 @@ def test_the_likelihood_is_largest_at_the_fit_and_the_same_on_all_threads(loud):
         likelihood(np.zeros(3))
     walkers = likelihood.walkers(32)
     assert walkers.shape == (32, 8) and np.all(np.isfinite(likelihood(walkers)))
+
+
+COMMAND = str(Path(sysconfig.get_path("scripts")) / "iwan")
+
+
+def test_the_report_is_that_of_the_command(tmp_path, monkeypatch):
+    """The same page, to the last character, from a file with two channels and units."""
+    monkeypatch.chdir(tmp_path)
+    clean = ring_down(1.5, 0.4)
+    noise = 1e-3 * np.abs(clean.acceleration).max() * np.random.default_rng(5).standard_normal((2, len(clean)))
+    table = np.column_stack([clean.t, clean.acceleration + noise[0], -0.4 * clean.acceleration + noise[1]])
+    np.savetxt("a.csv", table, delimiter=",", header="time [s],tip [m/s^2],root [m/s^2]", comments="", fmt="%.17g")
+    subprocess.run([COMMAND, "fit", "a.csv", "--out", "out", "--quiet"], check=True, capture_output=True)
+    fit = iwan.fit(iwan.read_record("a.csv"))
+    fit.report("ours.html", names=["a.csv"])
+    assert Path("ours.html").read_text() == (Path("out") / "report.html").read_text()
+
+
+def test_reports_appear_whole_or_not_at_all(quiet, tmp_path):
+    path = tmp_path / "report.html"
+    pickle.loads(pickle.dumps(quiet)).report(path)
+    text = path.read_text()
+    assert text.startswith("<!DOCTYPE html>") and "Fit of record" in text and "<svg" in text
+    assert "http" not in re.sub(r"http://www\.w3\.org/\S+", "", text)
+    path.write_text("mine")
+    with pytest.raises(iwan.ExistingFileError, match="force=True") as exists:
+        quiet.report(path)
+    assert isinstance(exists.value, FileExistsError) and path.read_text() == "mine"
+    quiet.report(str(path), force=True)
+    assert path.read_text() == text
+    with pytest.raises(iwan.FileError, match="none"):
+        quiet.report(tmp_path / "none" / "report.html")
+    with pytest.raises(iwan.InvalidValueError, match="2 entries for 1 records"):
+        quiet.report(tmp_path / "other.html", names=["a", "b"])
+    assert [p.name for p in tmp_path.iterdir()] == ["report.html"]
