@@ -66,10 +66,11 @@ def log_posterior(y: np.ndarray) -> np.ndarray:
 walkers, draws = 100, int(os.environ.get("IWAN_DRAWS", "1000"))  # 100 x 1000: 1e5 samples
 rng, many = np.random.default_rng(3), 60 * walkers
 start = likelihood.walkers(many, spread=1e-5)
+best = likelihood.best.copy()
+best[i] = np.log(fit.joint.r * u ** (fit.joint.chi + 1) / ((fit.joint.chi + 1) * (fit.joint.chi + 2)))
 start[:, k] = fit.joint.chi + 1e-3 * rng.standard_normal(many)
 start[:, h] += rng.uniform(-0.5, 2.0, many)
-start[:, i] = np.log(fit.joint.r * u ** (fit.joint.chi + 1) / ((fit.joint.chi + 1) * (fit.joint.chi + 2)))
-start[:, i] += 1e-3 * rng.standard_normal(many)
+start[:, i] = best[i] + 1e-3 * rng.standard_normal(many)
 start[:, j] = rng.uniform(*box[1], many)
 start = start[log_posterior(start) > likelihood(likelihood.best) - 30.0][:walkers]
 
@@ -82,12 +83,21 @@ print(likelihood.to_arviz(sampler).posterior)
 assert np.mean(sampler.acceptance_fraction) > 0.15
 
 # %% [markdown]
-# The ridge: F_S and beta go together, over decades, while chi stays where it is.
+# At each K_T a ridge, along which F_S and beta go together over decades (lines), while chi stays where it is: what a record in
+# micro-slip says of the slip force is its lower end, and the box.
 
 # %%
 samples = straight_to_theta(sampler.get_chain(discard=draws // 2, flat=True))
 figure, axes = pyplot.subplots(1, 3, figsize=(12, 3.8), layout="constrained")
-axes[0].plot(samples[:, i] / np.log(10), samples[:, j] / np.log(10), ",")
+log = samples / np.log(10)
+points = axes[0].scatter(log[:, i], log[:, j], c=log[:, h], s=1, linewidths=0)
+figure.colorbar(points, ax=axes[0], label="log10 K_T")
+for k_t in np.quantile(samples[:, h], [0.2, 0.5, 0.8]):
+    ridge = np.tile(best, (50, 1))
+    ridge[:, h], ridge[:, j] = k_t, np.linspace(*box[1], 50)
+    ridge = straight_to_theta(ridge)
+    ridge = ridge[likelihood(ridge) > likelihood(likelihood.best) - 20.0] / np.log(10)
+    axes[0].plot(ridge[:, i], ridge[:, j], color="black", linewidth=0.8)
 axes[0].set(xlabel="log10 F_S", ylabel="log10 beta")
 iwan.plot.profile(fit, "f_s", ax=axes[1])
 iwan.plot.profile(fit, "chi", ax=axes[2])
