@@ -17,6 +17,7 @@ use crate::chart::{Chart, Scales};
 use crate::curves::Quantity;
 use crate::error::{Error, check, check_dt, check_samples};
 use crate::features::{Whitening, Windows};
+use crate::fit::predict;
 use crate::least_squares::{Minimum, Search, TOLERANCE};
 use crate::parameters::{COUNT, Parameter, Parameters};
 
@@ -29,6 +30,8 @@ const KNEES: [f64; 4] = [0.4, 1.0, 2.5, 10.0];
 const DIRACS: [f64; 2] = [0.02, 0.4];
 /// Part of ω0² that the joint has at most where nothing else limits it.
 const MOST_JOINT: f64 = 0.9;
+/// Part of ω0² that the joint has where it is next to none.
+const LITTLE_JOINT: f64 = 1e-4;
 /// φ_max over the largest amplitude where no record reaches it: any larger one would do.
 pub(crate) const KNEE_UNSEEN: f64 = 2.0;
 /// Iterations of the first search from each start, and of the last.
@@ -337,7 +340,7 @@ impl Task {
         }
     }
 
-    /// `first`, and the same softening with knees and Diracs elsewhere.
+    /// `first`, the same softening with knees and Diracs elsewhere, and next to no joint.
     fn starts(&self, first: &Parameters) -> Result<Vec<Vec<f64>>, Error> {
         let mut starts = vec![self.coordinates(first)?];
         let loudest = self.records.iter().map(|r| r.start.0.abs()).fold(0.0, f64::max);
@@ -360,6 +363,14 @@ impl Task {
                 }
                 starts.push(self.coordinates(&start)?);
             }
+        }
+        if self.held.is_empty() {
+            let (dissipation, frequency) = predict(first, loudest)?;
+            let omega_squared = (TAU * frequency).powi(2);
+            let k_t = LITTLE_JOINT * omega_squared;
+            let damping_ratio = dissipation / (TAU * omega_squared * loudest * loudest);
+            let f_s = k_t * loudest;
+            starts.push(self.coordinates(&Parameters { frequency, damping_ratio, k_t, f_s, ..*first })?);
         }
         Ok(starts)
     }
