@@ -42,7 +42,12 @@ impl NamedModes {
         };
         let (from, to) = (end(from, RANGE.0)?, end(to, RANGE.1)?);
         check("smallest modal displacement", from, from > 0.0, "must be a finite number > 0")?;
-        check("largest modal displacement", to, to > from, "the range of modal displacements is empty; must be a finite number above the smallest")?;
+        check(
+            "largest modal displacement",
+            to,
+            to > from,
+            "the range of modal displacements is empty; must be a finite number above the smallest",
+        )?;
         check("points", points as f64, points >= 2, "must be at least 2")?;
         let last = (points - 1) as f64;
         Ok((0..points).map(|i| from * (to / from).powf(i as f64 / last)).collect())

@@ -88,7 +88,7 @@ assert np.mean(sampler.acceptance_fraction) > 0.15
 
 # %%
 samples = straight_to_theta(sampler.get_chain(discard=draws // 2, flat=True))
-figure, axes = pyplot.subplots(1, 3, figsize=(12, 3.8), layout="constrained")
+figure, axes = pyplot.subplots(1, 3, figsize=(14, 4), layout="constrained")
 log = samples / np.log(10)
 points = axes[0].scatter(log[:, i], log[:, j], c=log[:, h], s=1, linewidths=0)
 figure.colorbar(points, ax=axes[0], label="log10 K_T")

@@ -6,7 +6,7 @@ use std::sync::Arc;
 
 use iwan_cli::{FittedMode, FittedRecord};
 use iwan_ident::curves::{Curves, ForceAxis, Quantity};
-use iwan_ident::identify::{Identification, Settings, Source, identify};
+use iwan_ident::identify::{Identification, Settings, Source, identify_until};
 use iwan_ident::likelihood::{Buffers, Likelihood as Library};
 use iwan_ident::signal::Options;
 use iwan_ident::{Parameter, Parameters};
@@ -20,7 +20,7 @@ use crate::errors::{computation, identification, value, writing};
 use crate::options::unknown;
 use crate::record::{Modal, modal};
 use crate::simulate::thread_count;
-use crate::work;
+use crate::work::{self, Control};
 
 /// Parameters that are sought by their logarithms in a likelihood.
 const LOGARITHMIC: [Parameter; 3] = [Parameter::KT, Parameter::FS, Parameter::Beta];
@@ -75,8 +75,8 @@ struct Task {
 }
 
 impl Task {
-    fn run(self) -> Result<Identified, iwan_ident::Error> {
-        let found = identify(&sources(&self.records), &self.settings)?;
+    fn run(self, control: &Control) -> Result<Identified, iwan_ident::Error> {
+        let found = identify_until(&sources(&self.records), &self.settings, control.flag())?;
         let Self { records, mass_normalised, settings } = self;
         Ok(Identified(Arc::new(Made { records, mass_normalised, settings, found })))
     }
@@ -109,7 +109,7 @@ pub(crate) fn _identify(
     request: Request<'_>,
 ) -> PyResult<Identified> {
     let task = request.task(&records, &request.settings()?)?;
-    work::run(py, true, move |_| task.run())?.map_err(identification)
+    work::run(py, true, move |control| task.run(control))?.map_err(identification)
 }
 
 /// Identifies many modes, each from its records, on threads: for each what was found, or the exception that says why not.
@@ -125,7 +125,7 @@ pub(crate) fn _identify_many<'py>(
     let (settings, threads) = (request.settings()?, thread_count(threads)?);
     let tasks: Vec<_> = groups.iter().map(|records| request.task(records, &settings)).collect();
     let made = work::watched(py, progress, move |control| {
-        work::each(tasks, threads, control, |task| task.map(Task::run))
+        work::each(tasks, threads, control, |task| task.map(|task| task.run(control)))
     })?;
     let entry = |made: PyResult<Result<Identified, iwan_ident::Error>>| -> PyResult<Bound<'py, PyAny>> {
         match made.and_then(|found| found.map_err(identification)) {

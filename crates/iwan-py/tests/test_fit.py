@@ -1,9 +1,14 @@
 """Identification on records of known truth, and the likelihood behind it."""
 
+import os
 import pickle
 import re
+import signal
 import subprocess
+import sys
 import sysconfig
+import textwrap
+import time
 from pathlib import Path
 
 import numpy as np
@@ -162,3 +167,39 @@ def test_reports_appear_whole_or_not_at_all(quiet, tmp_path):
     with pytest.raises(iwan.InvalidValueError, match="2 entries for 1 records"):
         quiet.report(tmp_path / "other.html", names=["a", "b"])
     assert [p.name for p in tmp_path.iterdir()] == ["report.html"]
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="threads are counted by their names in /proc")
+@pytest.mark.parametrize("call", ["iwan.fit(records, dt=2e-4)", "iwan.ensemble.fit(records, dt=2e-4, threads=2)"])
+def test_ctrl_c_ends_a_fit_and_its_workers(call):
+    """Records that would keep the workers busy for much longer than the test waits."""
+    program = f"""
+        import os, time, iwan, numpy as np
+        from pathlib import Path
+
+        joint = iwan.FourParameter(k_t=4.45e4, f_s=239.4, chi=-0.183, beta=0.3)
+        mode = iwan.Mode(frequency=124.0, joint=joint, damping_ratio=1e-3)
+        rng, records = np.random.default_rng(0), []
+        for ratio in np.geomspace(0.3, 3.0, 16):
+            run = iwan.simulate(mode, dt=2e-4, duration=1.0, initial=(ratio * joint.phi_max, 0.0), method="half-cycle", quality=False)
+            records.append(run.acceleration + 1e-2 * np.abs(run.acceleration).max() * rng.standard_normal(len(run)))
+
+        def workers():
+            return [t for t in Path("/proc/self/task").iterdir() if (t / "comm").read_text().startswith("iwan")]
+
+        print("ready", flush=True)
+        try:
+            {call}
+            print("finished", flush=True)
+        except KeyboardInterrupt:
+            busy = len(workers())
+            until = time.monotonic() + 10.0
+            while workers() and time.monotonic() < until:
+                time.sleep(0.02)
+            print("interrupted", busy > 0, len(workers()), flush=True)
+    """
+    process = subprocess.Popen([sys.executable, "-c", textwrap.dedent(program)], stdout=subprocess.PIPE, text=True)
+    assert process.stdout is not None and process.stdout.readline() == "ready\n"
+    time.sleep(1.5)
+    os.kill(process.pid, signal.SIGINT)
+    assert process.communicate(timeout=120)[0] == "interrupted True 0\n"
