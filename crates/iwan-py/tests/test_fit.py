@@ -184,8 +184,14 @@ def test_ctrl_c_ends_a_fit_and_its_workers(call):
             run = iwan.simulate(mode, dt=2e-4, duration=1.0, initial=(ratio * joint.phi_max, 0.0), method="half-cycle", quality=False)
             records.append(run.acceleration + 1e-2 * np.abs(run.acceleration).max() * rng.standard_normal(len(run)))
 
+        def name(task):
+            try:
+                return (task / "comm").read_text()
+            except OSError:
+                return "ended"
+
         def workers():
-            return [t for t in Path("/proc/self/task").iterdir() if (t / "comm").read_text().startswith("iwan")]
+            return [task for task in Path("/proc/self/task").iterdir() if name(task).startswith("iwan")]
 
         print("ready", flush=True)
         try:

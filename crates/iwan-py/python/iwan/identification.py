@@ -153,8 +153,8 @@ def fit(
     `{"damping_ratio": 0.0}`.
 
     Start values off the curves, least squares on the curves, refinement on the records by simulation, profile likelihood
-    (Sec. 2.4, 2.5 and 4.4 of the paper, completed). The interpreter's lock is released; Ctrl-C is honoured. Raises `iwan.IdentificationError` where the record does not allow it,
-    `iwan.InvalidValueError`.
+    (Sec. 2.4, 2.5 and 4.4 of the paper, completed). The interpreter's lock is released; Ctrl-C is honoured. Raises
+    `iwan.IdentificationError` where the record does not allow it, `iwan.InvalidValueError`.
 
     >>> joint = iwan.FourParameter(k_t=4.45e4, f_s=239.4, chi=-0.183, beta=0.3)
     >>> mode = iwan.Mode(frequency=124.0, joint=joint, damping_ratio=1e-3)
