@@ -16,6 +16,8 @@ use crate::phase::{MATRIX, MOST_PASSES, NODES, PASS_TOLERANCE, Panel, Phase, RUL
 
 /// Most terms of the polynomials.
 const TERMS: usize = 16;
+/// Relative error of Ω within a half cycle; duration and travel come from the table.
+const CLOCK_TOLERANCE: f64 = 1e-10;
 /// ε p up to which so many terms are enough: they fall like (ε p / 4)^n at least.
 const STRONGEST: f64 = 0.54;
 /// Largest relative error of the polynomials at the check points.
@@ -91,13 +93,15 @@ impl MicroSlip {
         good.then_some(micro)
     }
 
-    /// Ω at the nodes for the softening ε, the damper's part by fixed-point passes.
-    fn omega(&self, softening: f64) -> [f64; NODES] {
+    /// Ω at the nodes for the softening ε, the damper's part by fixed-point passes: they gain the same factor each, so the error behind a pass
+    /// is its change times what it gained over the one before.
+    fn omega(&self, softening: f64, tolerance: f64) -> [f64; NODES] {
         let base: [f64; NODES] = from_fn(|i| 2.0 * self.half_stiffness * (1.0 - softening * self.tau[i]));
         let mut omega = base.map(libm::sqrt);
         if self.viscous == 0.0 {
             return omega;
         }
+        let mut last = 0.0;
         for _ in 0..MOST_PASSES {
             let mut lost = [0.0; NODES];
             for (column, o) in COUPLING.iter().zip(&omega) {
@@ -106,16 +110,17 @@ impl MicroSlip {
             let next: [f64; NODES] = from_fn(|i| libm::sqrt(base[i] + self.viscous * lost[i]));
             let change = omega.iter().zip(&next).fold(0.0_f64, |m, (a, b)| m.max(libm::fabs(a - b)));
             omega = next;
-            if change <= PASS_TOLERANCE * omega[0] {
+            if change * (change / last).min(1.0) <= tolerance * omega[0] {
                 break;
             }
+            last = change;
         }
         omega
     }
 
     /// Duration and W/L² = ¼ c ∫Ω sin² of a half cycle, by quadrature.
     fn shape_by_quadrature(&self, softening: f64) -> [f64; 2] {
-        let panel = Panel { omega: self.omega(softening), ..Panel::WHOLE };
+        let panel = Panel { omega: self.omega(softening, PASS_TOLERANCE), ..Panel::WHOLE };
         let work: f64 = (0..NODES).map(|i| WORK[i] * panel.omega[i]).sum();
         [panel.duration(), 0.25 * self.viscous * work]
     }
@@ -252,7 +257,7 @@ impl MicroSlip {
 
     /// Ω over the half cycle, for dense output.
     pub(crate) fn phase(&self, travel: &Travel) -> Phase {
-        Phase::single(self.omega(travel.softening))
+        Phase::single(self.omega(travel.softening, CLOCK_TOLERANCE))
     }
 }
 

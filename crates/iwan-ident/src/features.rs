@@ -105,7 +105,8 @@ impl Windows {
             let turned = decay.next_with(|node| {
                 let (t, motion) = (start.1 + node.time, (node.displacement, node.velocity));
                 if long && !first {
-                    moments.add(t - middle, self.term(t, motion, node.weight, quantity));
+                    let late = t - middle;
+                    moments.add(late, self.term(late, motion, node.weight, quantity));
                     return;
                 }
                 self.add(t, motion, node.weight, quantity, out);
@@ -122,7 +123,7 @@ impl Windows {
         true
     }
 
-    /// The integrand of a moment of the motion but for the window: x e^(-iω_r t) dt, for acceleration -v e^(-iω_r t) dt.
+    /// The integrand of a moment but for the window: x e^(-iω_r t) dt, for acceleration -v e^(-iω_r t) dt.
     fn term(&self, t: f64, (q, v): (f64, f64), seconds: f64, quantity: Quantity) -> Complex64 {
         let (sin, cos) = (self.omega * t).sin_cos();
         let x = match quantity {
@@ -140,7 +141,8 @@ impl Windows {
         let (s, c) = (0.5 * PI * (place - last as f64)).sin_cos();
         let rate = 0.5 * PI / self.hop;
         let turns = [(c, s), (-s, c), (-c, -s), (s, -c)];
-        let m = &moments.0;
+        let turn = Complex64::cis(-(self.omega * t).rem_euclid(TAU));
+        let m = moments.0.map(|moment| moment * turn);
         for (i, (cos, sin)) in turns.into_iter().enumerate().take(last + 1) {
             if last - i >= self.count {
                 continue;
@@ -187,7 +189,7 @@ impl Windows {
     }
 }
 
-/// Integrals of a half cycle times 0 to 3 powers of the time from its middle.
+/// Integrals over a half cycle, times 0 to 3 powers of the time from its middle.
 #[derive(Debug, Clone, Copy, Default)]
 struct Moments([Complex64; 4]);
 

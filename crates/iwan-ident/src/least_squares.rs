@@ -197,6 +197,13 @@ fn damped(matrix: &DMatrix<f64>, rotated: &DVector<f64>, damping: f64) -> Option
     factors.r().solve_upper_triangular(&right.rows(0, columns))
 }
 
+/// How the coordinates of all columns but the last follow the last, so that the residuals stay as small as they can.
+pub(crate) fn following(jacobian: &DMatrix<f64>) -> Option<Vec<f64>> {
+    let last = jacobian.ncols().checked_sub(1)?;
+    let step = damped(&jacobian.columns(0, last).into_owned(), &-jacobian.column(last), LITTLE_DAMPING)?;
+    Some(step.as_slice().to_vec())
+}
+
 fn evaluate(residuals: &mut Residuals<'_>, x: &[f64], r: &mut [f64]) -> Option<f64> {
     let found = x.iter().all(|x| x.is_finite()) && residuals(x, r);
     let cost: f64 = r.iter().map(|r| r * r).sum();

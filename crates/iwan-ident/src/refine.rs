@@ -58,6 +58,8 @@ const ROUNDS: usize = 8;
 const WORTH: f64 = 0.9;
 /// Relative reduction of the sum of squares at which searches end that are not the last.
 const ROUGH: f64 = 1e-4;
+/// … and of searches for a minimum under noise.
+const FINE: f64 = 2e-6;
 /// Starts that the last search goes on from.
 const KEPT: usize = 3;
 /// Standard deviation that is put down to the forward model's own error, relative to a record's amplitudes.
@@ -326,7 +328,7 @@ impl Task {
         tolerance: f64,
         work: &mut Workspace,
     ) -> Option<Minimum> {
-        let iterations = if tolerance > TOLERANCE { ITERATIONS.0 } else { ITERATIONS.1 };
+        let iterations = if tolerance > FINE { ITERATIONS.0 } else { ITERATIONS.1 };
         let mut residuals = |x: &[f64], out: &mut [f64]| self.residuals(x, out, work);
         self.search(free, (iterations, tolerance)).run(&mut residuals, x)
     }
@@ -383,13 +385,27 @@ impl Task {
         Ok(starts)
     }
 
+    /// Where the first searches end, from each start; each half of the starts on a thread of its own.
+    fn logarithmic(&self, starts: &[Vec<f64>]) -> Vec<Minimum> {
+        let search = self.search(self.free(), (ITERATIONS.0, ROUGH));
+        let of = |starts: &[Vec<f64>]| -> Vec<Minimum> {
+            let mut work = Workspace::default();
+            let mut log = |x: &[f64], out: &mut [f64]| self.log_residuals(x, out, &mut work);
+            starts.iter().filter_map(|x| search.run(&mut log, x)).collect()
+        };
+        let (one, other) = starts.split_at(starts.len() / 2);
+        std::thread::scope(|scope| {
+            let second = scope.spawn(|| of(other));
+            let mut found = of(one);
+            found.extend(second.join().unwrap_or_else(|panic| std::panic::resume_unwind(panic)));
+            found
+        })
+    }
+
     /// The best of all searches, roughly.
     pub(crate) fn solve(&mut self, first: &Parameters) -> Result<Minimum, Error> {
         let mut work = Workspace::default();
-        let mut log = |x: &[f64], out: &mut [f64]| self.log_residuals(x, out, &mut work);
-        let search = self.search(self.free(), (ITERATIONS.0, ROUGH));
-        let mut found: Vec<Minimum> =
-            self.starts(first)?.iter().filter_map(|x| search.run(&mut log, x)).collect();
+        let mut found = self.logarithmic(&self.starts(first)?);
         found.sort_by(|a, b| a.cost.total_cmp(&b.cost));
         let Some(nearest) = found.first() else { return Err(no_ring_down()) };
         self.weigh(&nearest.x, &mut work);
@@ -407,8 +423,9 @@ impl Task {
     /// The minimum itself, next to a rough one.
     pub(crate) fn finish(&mut self, rough: &Minimum) -> Result<Minimum, Error> {
         let mut work = Workspace::default();
-        let mut best = self.minimise(&rough.x, self.free(), TOLERANCE, &mut work).ok_or_else(no_ring_down)?;
+        let mut best = self.minimise(&rough.x, self.free(), FINE, &mut work).ok_or_else(no_ring_down)?;
         if self.refined(&best).relative_residual < CREASE {
+            best = self.minimise(&best.x, self.free(), TOLERANCE, &mut work).ok_or_else(no_ring_down)?;
             best = self.hop(best, &mut work);
             self.weigh(&best.x, &mut work);
             best = self.minimise(&best.x, self.free(), TOLERANCE, &mut work).ok_or_else(no_ring_down)?;
@@ -458,7 +475,7 @@ impl Task {
             (x[stiffness], x[dirac]) = (MOST_JOINT.ln(), 0.0);
             let mut log = |x: &[f64], out: &mut [f64]| self.log_residuals(x, out, &mut work);
             let near = self.search(others.clone(), (ITERATIONS.0, ROUGH)).run(&mut log, &x);
-            let found = near.and_then(|m| self.minimise(&m.x, others.clone(), TOLERANCE, &mut work));
+            let found = near.and_then(|m| self.minimise(&m.x, others.clone(), FINE, &mut work));
             best = best.into_iter().chain(found).min_by(|a, b| a.cost.total_cmp(&b.cost));
         }
         best.filter(|found| self.is_micro_slip(&found.x)).map(|found| self.with_near_knee(found))
@@ -490,7 +507,7 @@ impl Task {
 
     /// Goes on from a better point; none when its valley is not deeper.
     pub(crate) fn resume(&self, better: &Minimum, than: &Minimum) -> Option<Minimum> {
-        let found = self.minimise(&better.x, self.free(), TOLERANCE, &mut Workspace::default())?;
+        let found = self.minimise(&better.x, self.free(), FINE, &mut Workspace::default())?;
         (found.cost < than.cost).then_some(found)
     }
 
