@@ -17,8 +17,8 @@ use pyo3::types::PyDict;
 use crate::array::{Numbers, array, shaped};
 use crate::envelope::{Envelope, method_named};
 use crate::errors::{computation, identification, value, writing};
+use crate::modal::{Modal, modal};
 use crate::options::unknown;
-use crate::record::{Modal, modal};
 use crate::simulate::thread_count;
 use crate::work::{self, Control};
 

@@ -16,6 +16,7 @@ mod errors;
 mod fit;
 mod joint;
 mod laws;
+mod modal;
 mod mode;
 mod options;
 mod pulse;

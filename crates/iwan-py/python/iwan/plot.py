@@ -12,15 +12,16 @@ from typing import TYPE_CHECKING, Any, Literal, TypeAlias
 import numpy as np
 from numpy.typing import ArrayLike
 
+from iwan._axes import axes
 from iwan._native import Envelope, FourParameter, Joint, Mode, Record, Response
-from iwan.errors import InvalidTypeError, InvalidValueError, IwanError
+from iwan._shapes import mode_shape, mode_shapes
+from iwan.errors import InvalidTypeError, InvalidValueError
 from iwan.types import Array, History
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
     from iwan.identification import Fit
-    from iwan.structure import StructureModes
 
 __all__ = [
     "damping",
@@ -40,17 +41,6 @@ _MODEL: dict[str, Any] = {"color": "black", "linewidth": 1.0}
 _POWERS = {"acceleration": 2, "velocity": 1, "displacement": 0}
 
 Envelopes: TypeAlias = Envelope | Mapping[str, Envelope] | None
-
-
-def _axes(ax: Axes | None) -> Axes:
-    """The caller's axes, or new ones."""
-    if ax is not None:
-        return ax
-    try:
-        from matplotlib import pyplot
-    except ImportError as error:
-        raise IwanError("iwan.plot needs matplotlib: pip install 'iwan-ringdown[plot]'") from error
-    return pyplot.subplots(layout="constrained")[1]
 
 
 def _readable(ax: Axes) -> None:
@@ -81,7 +71,7 @@ def ring_down(
     >>> iwan.plot.ring_down(response).get_xlabel()
     'time (s)'
     """
-    ax = _axes(ax)
+    ax = axes(ax)
     if isinstance(response, Record):
         label = response.quantity if response.quantity != "unknown" else "record"
         if response.unit:
@@ -113,7 +103,7 @@ def hysteresis(
     >>> iwan.plot.hysteresis((u, joint.force_history(u)), joint=joint).get_ylabel()
     'joint force'
     """
-    ax = _axes(ax)
+    ax = axes(ax)
     if isinstance(response, Response):
         u, force = response.displacement, response.joint_force
     else:
@@ -190,7 +180,7 @@ def frequency(
     >>> iwan.plot.frequency(mode=mode).get_ylabel()
     'frequency (Hz)'
     """
-    ax = _against_amplitude(envelopes, mode, quantity, "frequency", 1.0, _axes(ax))
+    ax = _against_amplitude(envelopes, mode, quantity, "frequency", 1.0, axes(ax))
     ax.set(ylabel="frequency (Hz)")
     _readable(ax)
     return ax
@@ -209,7 +199,7 @@ def damping(
     >>> iwan.plot.damping(mode=mode).get_yscale()
     'log'
     """
-    ax = _against_amplitude(envelopes, mode, quantity, "damping_ratio", 100.0, _axes(ax))
+    ax = _against_amplitude(envelopes, mode, quantity, "damping_ratio", 100.0, axes(ax))
     ax.set(yscale="log", ylabel="damping ratio (%)")
     _readable(ax)
     return ax
@@ -231,7 +221,7 @@ def dissipation(
     >>> iwan.plot.dissipation(joint).get_xlabel()
     'joint force'
     """
-    ax = _axes(ax)
+    ax = axes(ax)
     joints = {"": joint} if isinstance(joint, Joint) else dict(joint)
     for i, (label, one) in enumerate(joints.items()):
         u = np.geomspace(max(1e-3 * one.phi_max, 1.001 * one.phi_min), 10 * one.phi_max, 401)
@@ -257,7 +247,7 @@ def fitted(
 
     Example: that of `examples/2_fit_of_a_record.py`.
     """
-    ax = _axes(ax)
+    ax = axes(ax)
     scale = 100.0 if show == "damping_ratio" else 1.0
     for number in np.unique(fit.curves["record"]):
         mine = {key: values[fit.curves["record"] == number] for key, values in fit.curves.items()}
@@ -289,7 +279,7 @@ def profile(fit: Fit, parameter: str, *, ax: Axes | None = None) -> Axes:
     """
     if parameter not in fit.profiles:
         raise InvalidValueError(f"parameter = '{parameter}' is not known: choose one of {', '.join(fit.profiles)}")
-    ax = _axes(ax)
+    ax = axes(ax)
     values, deviance = fit.profiles[parameter]
     ax.plot(values, deviance, marker=".", markersize=4, linewidth=1.0)
     ax.axhline(fit.limit, linestyle="--", label="95 %", **_MODEL)
@@ -313,7 +303,7 @@ def density(joint: Joint | Mapping[str, Joint], *, ax: Axes | None = None) -> Ax
     >>> iwan.plot.density(iwan.Uniform(k_t=1000.0, f_s=5.0, width=0.5)).get_xlabel()
     'slider strength'
     """
-    ax = _axes(ax)
+    ax = axes(ax)
     joints = {"": joint} if isinstance(joint, Joint) else dict(joint)
     for i, (label, one) in enumerate(joints.items()):
         phi = np.geomspace(max(one.phi_min, 1e-4 * one.phi_max), one.phi_max, 401)
@@ -330,99 +320,3 @@ def density(joint: Joint | Mapping[str, Joint], *, ax: Axes | None = None) -> Ax
     if any(joints):
         ax.legend()
     return ax
-
-
-def mode_shapes(
-    position: ArrayLike, shapes: ArrayLike | Mapping[str, ArrayLike], *, ax: Axes | None = None
-) -> Axes:
-    """Draw mode shapes along a line.
-
-    `position`: of the points, n numbers; `shapes`: modes x n, or one list of n numbers per name. Positions need no order.
-
-    >>> import numpy as np
-    >>> x = np.linspace(-1.0, 1.0, 21)
-    >>> iwan.plot.mode_shapes(x, {"bending 1": x**2 - 0.3, "bending 2": x**3 - 0.6 * x}).get_legend().get_texts()[1].get_text()
-    'bending 2'
-    """
-    ax = _axes(ax)
-    x = np.asarray(position, dtype=np.float64)
-    if isinstance(shapes, Mapping):
-        named = {name: np.asarray(shape, dtype=np.float64) for name, shape in shapes.items()}
-    else:
-        rows = np.atleast_2d(np.asarray(shapes, dtype=np.float64))
-        named = {f"mode {i + 1}": row for i, row in enumerate(rows)}
-    order = np.argsort(x, kind="stable")
-    for name, shape in named.items():
-        if x.ndim != 1 or shape.shape != x.shape:
-            raise InvalidValueError(f"shape '{name}' has {shape.size} values for {x.size} positions: one each")
-        ax.plot(x[order], shape[order], marker=".", label=name)
-    ax.axhline(0.0, linewidth=0.5, color="grey", zorder=0)
-    ax.set(xlabel="position", ylabel="mass-normalised mode shape")
-    ax.legend()
-    return ax
-
-
-def mode_shape(
-    modes: StructureModes,
-    mode: str = "bending 1",
-    *,
-    slipping: bool = False,
-    part: float = 0.08,
-    view: tuple[float, float] = (30.0, 28.0),
-    ax: Axes | None = None,
-) -> Axes:
-    """Draw the outside of a structure, deformed by a mode and coloured by the size of its displacement.
-
-    `modes`: of `Structure.modes`; `mode`: by name; `slipping`: the shape with all joints slipping; `part`: largest displacement
-    drawn, over the diagonal of the structure; `view`: azimuth and elevation in degrees, the longest side running to the right
-    and the shortest up. Parallel projection, faces from back to front.
-
-    Raises `iwan.InvalidValueError` for a mode that does not exist.
-
-    >>> modes = iwan.Structure.built_in("paper-a").modes(4)
-    >>> iwan.plot.mode_shape(modes, "torsion 1").get_title()
-    'torsion 1, 779.84 Hz, stuck'
-    """
-    from matplotlib.collections import PolyCollection
-
-    number = modes.index(mode)
-    shape = (modes.shapes_slipping if slipping else modes.shapes)[number]
-    size = np.linalg.norm(shape, axis=1)
-    sides = np.ptp(modes.nodes, axis=0)
-    moved = modes.nodes + part * np.linalg.norm(sides) / max(float(size.max()), 1e-300) * shape
-    corners = (moved @ _view(sides, *view).T)[modes.faces]
-    across, along = corners[:, 2] - corners[:, 0], corners[:, 3] - corners[:, 1]
-    towards = across[:, 0] * along[:, 1] - across[:, 1] * along[:, 0] > 0
-    order = np.flatnonzero(towards)[np.argsort(corners[towards, :, 2].mean(axis=1), kind="stable")]
-    ax = _axes(ax)
-    drawn = PolyCollection(
-        [face[:, :2] for face in corners[order]],
-        array=size[modes.faces[order]].mean(axis=1),
-        cmap="viridis",
-        edgecolors="black",
-        linewidths=0.2,
-    )
-    drawn.set_clim(0.0, float(size.max()))
-    ax.add_collection(drawn)
-    ax.autoscale_view()
-    ax.set_aspect("equal")
-    ax.set_axis_off()
-    frequency = (modes.frequency_slipping if slipping else modes.frequency)[number]
-    ax.set_title(f"{modes.names[number]}, {frequency:.2f} Hz, {'slipping' if slipping else 'stuck'}")
-    return ax
-
-
-def _view(sides: Array, azimuth: float, elevation: float) -> Array:
-    """Rows: to the right, up, to the viewer, for a structure with these sides."""
-    order = np.argsort(-sides, kind="stable")
-    a, e = np.radians([azimuth, elevation])
-    own = np.array([
-        [np.cos(a), np.sin(a), 0.0],
-        [-np.sin(a) * np.sin(e), np.cos(a) * np.sin(e), np.cos(e)],
-        [np.sin(a) * np.cos(e), -np.cos(a) * np.cos(e), np.sin(e)],
-    ])
-    mixed = np.empty((3, 3))
-    mixed[:, order] = own
-    # An odd permutation mirrors: the middle side runs the other way then.
-    mixed[:, order[1]] *= np.sign(np.linalg.det(mixed))
-    return mixed
