@@ -11,7 +11,7 @@ use iwan_sim::{JointLaw, Mode, Response};
 use crate::args::Axis;
 use crate::extraction::Extraction;
 use crate::failure::Failure;
-use crate::records::{Recording, Wanted};
+use crate::records::{ModalRecord, Recording, Wanted};
 
 /// Samples in a cycle of the ring-downs that are drawn beside records: straight lines between them do not show.
 const PER_CYCLE: f64 = 100.0;
@@ -64,17 +64,24 @@ impl Identified {
     ) -> Result<Self, Failure> {
         let place = format!("{}, {}", recordings[0].name, wanted.name);
         let said = |e: iwan_ident::Error| Failure::said(&place, &e);
-        let sources: Vec<Source<'_>> = wanted
-            .records
-            .iter()
-            .map(|r| {
-                let recording = &recordings[r.source];
-                Source { samples: &r.samples, dt: recording.record.dt(), quantity: recording.quantity }
-            })
-            .collect();
+        let sources = sources(recordings, wanted);
         let method = extractions.first().map(|x| x.method).unwrap_or_default();
         let settings = Settings { options: wanted.options, method, held: held.to_vec() };
         let found = identify(&sources, &settings).map_err(said)?;
+        Self::of(recordings, wanted, extractions, axis, found)
+    }
+
+    /// One mode that is identified already.
+    pub(crate) fn of(
+        recordings: &[Recording],
+        wanted: &Wanted,
+        extractions: Vec<Extraction>,
+        axis: Axis,
+        found: Identification,
+    ) -> Result<Self, Failure> {
+        let place = format!("{}, {}", recordings[0].name, wanted.name);
+        let said = |e: iwan_ident::Error| Failure::said(&place, &e);
+        let sources = sources(recordings, wanted);
         let on_axis = |c: &Curves| c.clone().on_axis(force_axis(axis, &found.parameters));
         let curves = found.curves.iter().map(on_axis).collect::<Result<Vec<_>, _>>().map_err(said)?;
         // A record that no density explains is told so by its misfit; one that gives no density at all has none.
@@ -99,6 +106,15 @@ impl Identified {
     pub(crate) fn mode(&self, record: usize) -> Result<Mode, iwan_core::Error> {
         mode(&self.name, &self.found.parameters, self.found.refined.starts[record].0)
     }
+}
+
+/// The mode's records as the identification takes them.
+fn sources<'a>(recordings: &[Recording], wanted: &'a Wanted) -> Vec<Source<'a>> {
+    let source = |r: &'a ModalRecord| {
+        let recording = &recordings[r.source];
+        Source { samples: &r.samples, dt: recording.record.dt(), quantity: recording.quantity }
+    };
+    wanted.records.iter().map(source).collect()
 }
 
 /// The axis with what it needs.

@@ -10,6 +10,7 @@ mod commands;
 mod cycles;
 mod extraction;
 mod failure;
+mod fit_page;
 mod identified;
 mod linear;
 mod output;
@@ -26,6 +27,8 @@ mod truth;
 use std::ffi::OsString;
 
 use clap::Parser;
+
+pub use fit_page::{FittedMode, FittedRecord, fit_page};
 
 /// Runs the command line `arguments`, the program's name first, and returns the exit code: 0 success, 1 the computation
 /// failed, 2 bad usage or input, 130 interrupted.

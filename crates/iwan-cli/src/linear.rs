@@ -1,45 +1,29 @@
-//! A structure with its linear modes, named: what both structure commands begin with.
+//! A structure with its linear modes, named: what the structure commands begin with.
 
-use std::collections::BTreeMap;
+use std::ops::Deref;
 
-use iwan_fem::{Assembled, Class, Contact, JointMode, Modes};
-use iwan_input::{BUILT_IN_STRUCTURES, Source, StructureFile};
+use iwan_fem::NamedModes;
+use iwan_input::{BUILT_IN_STRUCTURES, InputError, Source, StructureFile};
 
 use crate::args::StructureArgs;
 use crate::failure::Failure;
 
-/// Shapes less alike than this are not the same mode.
-pub(crate) const ALIKE: f64 = 0.9;
-
-/// Modes that are taken when none are named.
-const DEFAULT_MODES: usize = 3;
-
-/// An elastic mode.
-#[derive(Debug, Clone)]
-pub(crate) struct Elastic {
-    /// Kind of motion and number among its kind, such as `bending 1`.
-    pub(crate) name: String,
-    /// Kind of motion.
-    pub(crate) class: Class,
-    /// The stuck mode and its slipping counterpart.
-    pub(crate) pair: JointMode,
-}
-
-/// A structure and its modes.
+/// A structure file and the modes of its structure.
 #[derive(Debug)]
 pub(crate) struct Linear {
     /// Name for messages.
     pub(crate) source: String,
     /// The file.
     pub(crate) file: StructureFile,
-    /// The matrices.
-    pub(crate) assembled: Assembled,
-    /// Modes with all joints stuck.
-    pub(crate) stuck: Modes,
-    /// Modes with all joints slipping.
-    pub(crate) slipping: Modes,
-    /// The elastic stuck modes, ascending.
-    pub(crate) elastic: Vec<Elastic>,
+    modes: NamedModes,
+}
+
+impl Deref for Linear {
+    type Target = NamedModes;
+
+    fn deref(&self) -> &NamedModes {
+        &self.modes
+    }
 }
 
 /// The structure file that was given, or the built-in one.
@@ -57,6 +41,7 @@ pub(crate) fn explain(source: &str, error: &iwan_fem::Error) -> Failure {
     match error {
         Error::Interrupted => Failure::Interrupted,
         Error::Analysis { .. } => Failure::Computation(format!("{source}: {error}")),
+        Error::MissingMode { .. } => Failure::said(source, error),
         error => Failure::input(format!("{source}: {error}"), "change this in the structure"),
     }
 }
@@ -64,88 +49,17 @@ pub(crate) fn explain(source: &str, error: &iwan_fem::Error) -> Failure {
 impl Linear {
     /// Computes at least `count` elastic modes in both limits.
     pub(crate) fn new(source: String, file: StructureFile, count: usize) -> Result<Self, Failure> {
-        let failed = |error: iwan_fem::Error| explain(&source, &error);
-        let assembled = file.structure.assemble().map_err(failed)?;
-        let most = assembled.unknowns();
-        let stuck = assembled.modes(Contact::Stuck, (count + RIGID).min(most)).map_err(failed)?;
-        let slipping = count + RIGID + assembled.slips().len();
-        let slipping = assembled.modes(Contact::Slipping, slipping.min(most)).map_err(failed)?;
-        let mut elastic = elastic(&assembled, &stuck, &slipping);
-        elastic.truncate(count);
-        Ok(Self { source, file, assembled, stuck, slipping, elastic })
+        let modes = NamedModes::new(&file.structure, count).map_err(|error| explain(&source, &error))?;
+        Ok(Self { source, file, modes })
     }
 
-    /// Frequency of a stuck mode, Hz.
-    pub(crate) fn frequency_stuck(&self, mode: &Elastic) -> f64 {
-        self.stuck.frequency(mode.pair.stuck)
+    /// A failure of the analysis of this structure.
+    pub(crate) fn failed(&self, error: &iwan_fem::Error) -> Failure {
+        explain(&self.source, error)
     }
 
-    /// Frequency of its slipping counterpart, Hz.
-    pub(crate) fn frequency_slipping(&self, mode: &Elastic) -> f64 {
-        self.slipping.frequency(mode.pair.slipping)
-    }
-
-    /// The mode of this name; hyphens may stand for blanks.
-    pub(crate) fn named(&self, name: &str) -> Result<&Elastic, Failure> {
-        let wanted = name.replace('-', " ");
-        self.elastic.iter().find(|mode| mode.name == wanted).ok_or_else(|| {
-            let known: Vec<_> = self.elastic.iter().map(|mode| mode.name.as_str()).collect();
-            let message = format!("{}: there is no mode \"{name}\"", self.source);
-            Failure::input(message, format!("choose from {}", known.join(", ")))
-        })
-    }
-
-    /// The first bending modes, or the first of all where nothing bends.
-    pub(crate) fn first_bending(&self) -> Vec<Elastic> {
-        let bending = self.elastic.iter().filter(|mode| mode.class == Class::Bending);
-        let bending: Vec<Elastic> = bending.take(DEFAULT_MODES).cloned().collect();
-        if bending.is_empty() { self.elastic.iter().take(DEFAULT_MODES).cloned().collect() } else { bending }
-    }
-
-    /// What the user should know about the modes.
-    pub(crate) fn warnings(&self) -> Vec<String> {
-        let mut warnings = Vec::new();
-        let zero = self.stuck.zero_modes();
-        if zero > RIGID {
-            warnings.push(format!(
-                "{zero} zero modes with all joints stuck, {RIGID} are rigid motions: parts can move freely; check ties, joints and \
-                 the directions of their slips"
-            ));
-        }
-        let unlike = self.elastic.iter().filter(|m| m.class == Class::Bending && m.pair.mac < ALIKE);
-        warnings.extend(unlike.map(|m| {
-            format!(
-                "{}: the slipping mode most like it has a MAC of {:.3}: its K_T has little meaning",
-                m.name, m.pair.mac
-            )
-        }));
-        warnings
-    }
-}
-
-/// Rigid motions of a free structure.
-const RIGID: usize = 6;
-
-fn elastic(assembled: &Assembled, stuck: &Modes, slipping: &Modes) -> Vec<Elastic> {
-    let mut counts: BTreeMap<&str, usize> = BTreeMap::new();
-    let pairs = assembled.joint_modes(stuck, slipping);
-    let named = |pair: JointMode| {
-        let class = assembled.classify(stuck, pair.stuck);
-        let count = counts.entry(word(class)).or_default();
-        *count += 1;
-        Elastic { name: format!("{} {count}", word(class)), class, pair }
-    };
-    pairs.into_iter().map(named).collect()
-}
-
-/// A kind of motion in words.
-pub(crate) fn word(class: Class) -> &'static str {
-    match class {
-        Class::Zero => "zero",
-        Class::Bending => "bending",
-        Class::Lateral => "lateral",
-        Class::Torsion => "torsion",
-        Class::Axial => "axial",
-        Class::Other => "other",
+    /// What in the file does not fit the run.
+    pub(crate) fn refused(&self, InputError { message, remedy }: InputError) -> Failure {
+        Failure::input(format!("{}: {message}", self.source), remedy)
     }
 }

@@ -15,7 +15,7 @@ pub(crate) use force::Force;
 pub(crate) use iwan_input::{Joint, Source};
 pub(crate) use method::{MethodKeys, Representation};
 pub(crate) use mode::ScenarioMode;
-pub(crate) use structure::{Model, OnStructure, population};
+pub(crate) use structure::{OnStructure, population};
 pub(crate) use write::to_toml;
 
 use std::collections::BTreeSet;

@@ -1,9 +1,11 @@
 //! Reduced transients whose basis grows until it no longer matters.
 
+use std::ops::ControlFlow;
+
 use crate::assembly::Assembled;
 use crate::error::{Error, check};
 use crate::reduction::Basis;
-use crate::transient::{History, Transient, TruthResponse};
+use crate::transient::{History, Progress, Transient, TruthResponse};
 
 /// A reduced response with an estimate of what the reduction costs.
 #[derive(Debug, Clone, PartialEq)]
@@ -31,6 +33,19 @@ impl Assembled {
     /// # Errors
     /// As [`Reduced::transient`](crate::Reduced::transient); [`Error::Analysis`] without outputs, as they are what is compared.
     pub fn reduced_transient(&self, of: &Transient<'_>, tolerance: f64) -> Result<Converged, Error> {
+        self.reduced_transient_observed(of, tolerance, &mut |_| ControlFlow::Continue(()))
+    }
+
+    /// [`reduced_transient`](Self::reduced_transient) with a progress report that may break it off; each basis begins anew.
+    ///
+    /// # Errors
+    /// As [`reduced_transient`](Self::reduced_transient), and [`Error::Interrupted`].
+    pub fn reduced_transient_observed(
+        &self,
+        of: &Transient<'_>,
+        tolerance: f64,
+        progress: Progress<'_>,
+    ) -> Result<Converged, Error> {
         check("tolerance", tolerance, tolerance > 0.0, "must be a finite number > 0")?;
         if of.outputs.is_empty() {
             let (finding, remedy) =
@@ -39,10 +54,10 @@ impl Assembled {
         }
         let most = LAST.min(self.unknowns());
         let mut modes = FIRST.min(most);
-        let mut response = self.reduce(modes, Basis::default())?.transient(of)?;
+        let mut response = self.reduce(modes, Basis::default())?.transient_observed(of, progress)?;
         loop {
             let next = (2 * modes).min(most);
-            let larger = self.reduce(next, Basis::default())?.transient(of)?;
+            let larger = self.reduce(next, Basis::default())?.transient_observed(of, progress)?;
             let pairs = larger.outputs.iter().zip(&response.outputs);
             let error = pairs.map(|(fine, coarse)| 2.0 * distance(coarse, fine)).fold(0.0, f64::max);
             (response, modes) = (larger, next);

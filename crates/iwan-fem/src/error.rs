@@ -49,6 +49,14 @@ pub enum Error {
         /// The names that exist.
         known: String,
     },
+    /// A mode that is not among those that were computed.
+    #[error("there is no mode \"{name}\"; choose from {known}")]
+    MissingMode {
+        /// The name that was looked up.
+        name: String,
+        /// The names that exist.
+        known: String,
+    },
     /// A joint, tie, support or load that cannot work.
     #[error("{name}: {finding}; {remedy}")]
     Connection {

@@ -25,6 +25,9 @@ mod slip_solver;
 mod transient;
 
 mod modal_force;
+mod model;
+mod named_modes;
+mod static_range;
 
 mod ordering;
 pub mod paper;
@@ -44,7 +47,9 @@ pub use error::Error;
 pub use joint::SlipUnknown;
 pub use material::Material;
 pub use modal_filter::ModalFilter;
+pub use model::{Integrated, Model, StepErrors};
 pub use modes::{Class, Contact, JointMode, Modes};
+pub use named_modes::{NamedMode, NamedModes};
 pub use quasi_static::{ModalCurves, QuasiStatic};
 pub use reduction::{Basis, Reduced};
 pub use sparse::Symmetric;

@@ -36,6 +36,21 @@ pub enum Class {
     Other,
 }
 
+impl Class {
+    /// The kind of motion in a word.
+    #[must_use]
+    pub fn word(self) -> &'static str {
+        match self {
+            Self::Zero => "zero",
+            Self::Bending => "bending",
+            Self::Lateral => "lateral",
+            Self::Torsion => "torsion",
+            Self::Axial => "axial",
+            Self::Other => "other",
+        }
+    }
+}
+
 /// Mass-normalised modes, by ascending frequency, zero modes first.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Modes {

@@ -53,7 +53,7 @@ impl Reduced<'_> {
         progress: Progress<'_>,
     ) -> Result<TruthResponse, Error> {
         let assembled = self.assembled();
-        of.check(assembled.unknowns())?;
+        of.check(assembled.unknowns(), assembled.slips().len())?;
         let slips = assembled.slips();
         let mut memory = tables(slips.len(), of.population);
         let mut joints = Joints::new(slips.iter().map(|slip| slip.law.as_ref()), of.population, &mut memory)?;

@@ -90,13 +90,28 @@ pub struct TruthResponse {
 /// Called with the share done (0 to 1); breaking off ends the run with [`Error::Interrupted`].
 pub type Progress<'a> = &'a mut dyn FnMut(f64) -> ControlFlow<()>;
 
+/// More numbers than this (8 GB) are not kept in memory.
+const MOST_NUMBERS: f64 = 1e9;
+
 /// Steps between two calls of the observer.
 pub(crate) const OBSERVED: usize = 256;
 
 impl Transient<'_> {
+    /// Number of whole time steps in a duration; a duration that is a multiple of the step loses none to rounding.
+    #[must_use]
+    pub fn steps_in(dt: f64, duration: f64) -> usize {
+        (duration / dt * (1.0 + 1e-12)).floor() as usize
+    }
+
     /// Checks numbers and lengths.
-    pub(crate) fn check(&self, unknowns: usize) -> Result<(), Error> {
+    pub(crate) fn check(&self, unknowns: usize, slips: usize) -> Result<(), Error> {
         check("time step", self.dt, self.dt > 0.0, "must be a finite number of seconds > 0")?;
+        check(
+            "steps",
+            self.steps as f64,
+            self.steps as f64 * (4 * self.outputs.len() + 2 * slips) as f64 <= MOST_NUMBERS,
+            "the response would need more than 8 GB of memory; lengthen the time step, shorten the duration, or ask for fewer outputs",
+        )?;
         self.pulse.checked()?;
         let lengths = self.outputs.iter().map(|o| o.coefficients.len());
         let velocity = self.initial_velocity.iter().map(Vec::len);
@@ -266,7 +281,7 @@ impl Assembled {
         of: &Transient<'_>,
         progress: Progress<'_>,
     ) -> Result<TruthResponse, Error> {
-        of.check(self.unknowns())?;
+        of.check(self.unknowns(), self.slips().len())?;
         let mut memory = tables(self.slips().len(), of.population);
         let laws = self.slips().iter().map(|slip| slip.law.as_ref());
         let mut joints = Joints::new(laws, of.population, &mut memory)?;

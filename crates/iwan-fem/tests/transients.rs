@@ -1,11 +1,15 @@
 //! Transients of the paper's beam: full model, reduced model, an independent prototype.
 #![allow(clippy::unwrap_used, reason = "a failed test may panic")]
 
+use std::ops::ControlFlow;
 use std::sync::OnceLock;
 
 use iwan_core::Pulse;
 use iwan_fem::mesh::beam::Configuration;
-use iwan_fem::{Assembled, Basis, Class, Contact, Modes, Population, Transient, TruthResponse, paper};
+use iwan_fem::{
+    Assembled, Basis, Class, Contact, Error, Model, Modes, NamedModes, Population, Transient, TruthResponse,
+    paper,
+};
 
 struct Beam {
     assembled: Assembled,
@@ -171,4 +175,71 @@ fn mode_one_curves_are_those_of_the_prototype() {
             assert!((loss / losses[i] - 1.0).abs() < part, "{amplitude} {time}: loss {loss}");
         }
     }
+}
+
+/// The door to all models opens on each of them, and a run that is broken off or too large ends by an error.
+#[test]
+fn models_by_their_names() {
+    let (assembled, of) = (&beam().assembled, blow(10.0, 600));
+    let mut shares = Vec::new();
+    let mut heard = |share: f64| {
+        shares.push(share);
+        ControlFlow::Continue(())
+    };
+    let basis = assembled.integrate(Model::Basis(50), &of, &mut heard).unwrap();
+    assert!(shares.len() == 2 && shares.iter().all(|s| (0.0..=1.0).contains(s)), "{shares:?}");
+    let reduced = assembled.reduce(50, Basis::default()).unwrap();
+    assert_eq!(basis.response.outputs, reduced.transient(&of).unwrap().outputs);
+    assert_eq!((basis.basis, basis.basis_error), (Some(50), None));
+    let mut on = |_| ControlFlow::Continue(());
+    let full = assembled.integrate(Model::Full, &blow(10.0, 50), &mut on).unwrap();
+    assert_eq!(full.response.outputs, assembled.transient(&blow(10.0, 50)).unwrap().outputs);
+    let found = assembled.integrate(Model::Tolerance(0.5), &of, &mut on).unwrap();
+    assert_eq!(found.basis_error.map(|e| e.1), Some(true));
+
+    // Second order: the error that half a step leaves is a quarter of that of the step.
+    let errors = reduced.step_errors(&of, &basis.response, &mut on).unwrap();
+    let fine = Transient { dt: 0.5 * of.dt, steps: 2 * of.steps, ..of.clone() };
+    let smaller = reduced.step_errors(&fine, &reduced.transient(&fine).unwrap(), &mut on).unwrap();
+    for (coarse, fine) in errors.time_step.iter().zip(&smaller.time_step) {
+        assert!((coarse / fine / 4.0 - 1.0).abs() < 0.1, "{coarse} {fine}");
+    }
+    let continuum = Transient { population: Population::Continuum, ..of.clone() };
+    let exact = reduced.transient(&continuum).unwrap();
+    assert_eq!(reduced.step_errors(&continuum, &exact, &mut on).unwrap().sliders, None);
+
+    let mut off = |_| ControlFlow::Break(());
+    for model in [Model::Full, Model::Basis(50), Model::Tolerance(0.5)] {
+        assert_eq!(assembled.integrate(model, &of, &mut off).unwrap_err(), Error::Interrupted);
+    }
+    let endless = Transient { steps: usize::MAX, ..of };
+    let error = assembled.integrate(Model::Basis(50), &endless, &mut on).unwrap_err();
+    assert!(error.to_string().contains("8 GB"), "{error}");
+}
+
+/// Names, the range of amplitudes, and where quasi-static curves end.
+#[test]
+fn modes_have_names_and_amplitudes() {
+    let modes = NamedModes::new(&paper::structure(Configuration::A, 1).unwrap(), 5).unwrap();
+    let names: Vec<&str> = modes.elastic.iter().map(|mode| mode.name.as_str()).collect();
+    assert_eq!(names, ["bending 1", "bending 2", "bending 3", "torsion 1", "lateral 1"]);
+    assert_eq!(modes.chosen(&[]).unwrap(), modes.first_bending());
+    assert_eq!(
+        modes.named("sway").unwrap_err().to_string().split("; ").next(),
+        Some("there is no mode \"sway\"")
+    );
+    let mode = modes.named("bending 1").unwrap();
+    let onset = modes.onset(mode).unwrap();
+    let range = modes.amplitudes(mode, (None, None), 5).unwrap();
+    assert!(
+        (range[0] / (1e-3 * onset) - 1.0).abs() < 1e-12 && (range[4] / (10.0 * onset) - 1.0).abs() < 1e-12
+    );
+    assert!(range.windows(2).all(|q| (q[1] / q[0] / 10.0 - 1.0).abs() < 1e-12));
+    for (ends, points) in [((Some(2.0), Some(1.0)), 5), ((Some(-1.0), None), 5), ((None, None), 1)] {
+        assert!(matches!(modes.amplitudes(mode, ends, points), Err(Error::OutOfRange { .. })));
+    }
+    // Far beyond, the parts slide freely.
+    let far = [onset, 1e9 * onset];
+    assert_eq!(modes.static_curves(mode, &far, false).unwrap().displacement, [onset]);
+    assert!(modes.static_curves(mode, &far, true).is_err());
 }

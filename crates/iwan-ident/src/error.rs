@@ -56,6 +56,9 @@ pub enum Error {
         /// What helps.
         remedy: &'static str,
     },
+    /// The identification was stopped from outside.
+    #[error("stopped before the end")]
+    Stopped,
     /// A model refused its parameters.
     #[error(transparent)]
     Model(#[from] iwan_core::Error),

@@ -4,6 +4,8 @@
 //! verdict. Several records are several force levels of the same mode.
 
 use std::f64::consts::TAU;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
 
 use iwan_core::{Decay, Reversal, Samples};
 
@@ -220,6 +222,27 @@ impl<'a> Prepared<'a> {
 /// # Ok::<(), iwan_ident::Error>(())
 /// ```
 pub fn identify(sources: &[Source<'_>], settings: &Settings) -> Result<Identification, Error> {
+    identification(sources, settings, &Arc::default())
+}
+
+/// [`identify`] that ends soon, by an error, once another thread sets `stopped`.
+///
+/// # Errors
+/// As [`identify`], and [`Error::Stopped`].
+pub fn identify_until(
+    sources: &[Source<'_>],
+    settings: &Settings,
+    stopped: &Arc<AtomicBool>,
+) -> Result<Identification, Error> {
+    let found = identification(sources, settings, stopped);
+    if stopped.load(Ordering::Relaxed) { Err(Error::Stopped) } else { found }
+}
+
+fn identification(
+    sources: &[Source<'_>],
+    settings: &Settings,
+    stopped: &Arc<AtomicBool>,
+) -> Result<Identification, Error> {
     check("records", sources.len() as f64, !sources.is_empty(), "at least one", "give a record")?;
     let prepared =
         sources.iter().map(|source| Prepared::new(*source, settings)).collect::<Result<Vec<_>, _>>()?;
@@ -228,6 +251,7 @@ pub fn identify(sources: &[Source<'_>], settings: &Settings) -> Result<Identific
     let records: Vec<RingDown<'_>> = prepared.iter().map(Prepared::ring_down).collect();
     let held: Vec<Parameter> = settings.held.iter().map(|h| h.0).collect();
     let mut task = Task::new(&records, &fit.parameters, &held)?;
+    task.stopped = stopped.clone();
     let (minimum, profiles) = minimum_and_profiles(&mut task, &fit.parameters)?;
     let refined = task.refined(&minimum);
     let model_curves = prepared

@@ -15,6 +15,8 @@ use crate::parameters::{Parameter, Parameters};
 /// What a difference of one per cent of a dissipation, and of the whole loss of frequency, counts.
 const ONE_PER_CENT: f64 = 0.01;
 const ITERATIONS: usize = 300;
+/// A joint stiffness below this part of ω0² is no joint's: the mode is linear.
+const LEAST_STIFFNESS: f64 = 1e-6;
 
 /// Curves of one mode; one entry per modal displacement.
 #[derive(Debug, Clone, Copy)]
@@ -42,7 +44,8 @@ pub struct StaticFit {
 ///
 /// # Errors
 /// [`Error::Length`] for curves of different length; [`Error::TooShort`] with fewer than eight entries; [`Error::Model`]
-/// for a frequency and K_T that are no mode; [`Error::Refused`] when no search succeeds.
+/// for a frequency and K_T that are no mode; [`Error::Refused`] for K_T <= 0, a mode that slipping does not soften, and
+/// when no search succeeds.
 ///
 /// ```
 /// use iwan_core::{Backbone, FourParameter};
@@ -61,6 +64,12 @@ pub fn fit_static(curves: &StaticCurves<'_>, frequency: f64, k_t: f64) -> Result
     let count = curves.displacement.len();
     check_length("frequency", curves.frequency.len(), count)?;
     check_length("dissipation", curves.dissipation.len(), count)?;
+    if k_t <= LEAST_STIFFNESS * (TAU * frequency).powi(2) {
+        let finding = format!(
+            "K_T = {k_t:.3e} is not positive: slipping does not soften this mode, it is linear in practice"
+        );
+        return Err(Error::Refused { finding, remedy: "nothing is fitted" });
+    }
     if count < 8 {
         let remedy = "compute the curves at more displacements";
         return Err(Error::TooShort { what: "entries of the curves", found: count, needed: 8, remedy });

@@ -9,6 +9,8 @@
 //! lost on the way. Then the amplitudes themselves, weighted by each record's noise.
 
 use std::f64::consts::{PI, TAU};
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
 
 use iwan_core::Reversal;
 use rustfft::num_complex::Complex64;
@@ -106,6 +108,8 @@ pub(crate) struct Task {
     pub(crate) chart: Chart,
     records: Vec<Prepared>,
     held: Vec<Parameter>,
+    /// Once set there are no residuals any more, so that every search ends.
+    pub(crate) stopped: Arc<AtomicBool>,
 }
 
 #[derive(Debug, Clone)]
@@ -195,7 +199,8 @@ impl Task {
         let middle = |r: &Prepared| (r.start.0.abs().ln(), 1.0);
         let sum = records.iter().map(middle).fold((0.0, 0.0), |s, m| (s.0 + m.0, s.1 + m.1));
         let amplitude = (sum.0 / sum.1 - 1.0).exp();
-        let task = Self { chart: Chart::holding(held, amplitude), records, held: held.to_vec() };
+        let chart = Chart::holding(held, amplitude);
+        let task = Self { chart, records, held: held.to_vec(), stopped: Arc::default() };
         let needed = COUNT + OWN * task.records.len() + 3;
         if task.count() < needed {
             let remedy = "record longer";
@@ -295,6 +300,9 @@ impl Task {
         work: &mut Workspace,
         mut compare: impl FnMut(&Prepared, &mut [Complex64], std::ops::Range<usize>),
     ) -> bool {
+        if self.stopped.load(Ordering::Relaxed) {
+            return false;
+        }
         let mut from = 0;
         for (start, record) in starts.iter().zip(&self.records) {
             work.model.resize(record.windows.count, Complex64::default());

@@ -1,10 +1,13 @@
 //! From records to intervals: what is told, what stays open.
 #![allow(clippy::unwrap_used, clippy::print_stderr, reason = "a failed test may panic and say why")]
 
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+
 use iwan_core::{Backbone, Continuum, Hysteresis, Newmark, Reversal, Samples};
 use iwan_ident::curves::Quantity;
-use iwan_ident::identify::{Identification, Settings, Source, identify};
-use iwan_ident::{Parameter, Parameters};
+use iwan_ident::identify::{Identification, Settings, Source, identify, identify_until};
+use iwan_ident::{Error, Parameter, Parameters};
 
 const MODE_1: Parameters =
     Parameters { frequency: 124.0, damping_ratio: 2.5e-4, k_t: 4.45e4, f_s: 239.4, chi: -0.183, beta: 0.3 };
@@ -187,4 +190,23 @@ fn the_brake_reuss_beam_is_no_single_four_parameter_joint() {
     assert!(!found.verdict.adequate && found.verdict.misfit.contains("does not match"));
     assert!(found.verdict.dissipation_misfit > 0.03, "{}", found.verdict.misfit);
     assert!(!found.linear.is_enough());
+}
+
+/// Stopped before, or while it works: no result, and an end.
+#[test]
+fn an_identification_can_be_stopped() {
+    let records: Vec<Vec<f64>> = (0..8).map(|i| record(&MODE_1, 0.3 * 1.4_f64.powi(i), 2e-4, 2500)).collect();
+    let sources: Vec<_> = records
+        .iter()
+        .map(|samples| Source { samples, dt: 2e-4, quantity: Quantity::Acceleration })
+        .collect();
+    for milliseconds in [0, 30] {
+        let stopped = Arc::new(AtomicBool::new(milliseconds == 0));
+        std::thread::scope(|scope| {
+            let worker = scope.spawn(|| identify_until(&sources, &Settings::default(), &stopped));
+            std::thread::sleep(std::time::Duration::from_millis(milliseconds));
+            stopped.store(true, Ordering::Relaxed);
+            assert!(matches!(worker.join().unwrap(), Err(Error::Stopped)), "{milliseconds}");
+        });
+    }
 }

@@ -16,4 +16,4 @@ pub use error::InputError;
 pub use joint::{Joint, LAWS};
 pub use section::{Kind, Section, known, nearest, plain};
 pub use source::Source;
-pub use structure::{BUILT_IN_STRUCTURES, Load, Output, STRUCTURE_SCHEMA, StructureFile};
+pub use structure::{BUILT_IN_STRUCTURES, Load, Output, STRUCTURE_SCHEMA, StructureFile, built_in_structure};

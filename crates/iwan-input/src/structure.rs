@@ -5,6 +5,7 @@ mod joints;
 mod materials;
 mod meshes;
 mod sets;
+mod transient;
 
 #[cfg(test)]
 mod schema_tests;
@@ -54,6 +55,19 @@ pub struct StructureFile {
     pub outputs: Vec<Output>,
     /// What the user should know: remarks of the mesh reader and of the check.
     pub notes: Vec<String>,
+}
+
+/// A built-in structure by its name.
+///
+/// # Errors
+/// [`InputError`] with the names there are.
+pub fn built_in_structure(name: &str) -> Result<Source, InputError> {
+    let found = BUILT_IN_STRUCTURES.iter().find(|(known, ..)| *known == name);
+    found.map(|(name, _, text)| Source::built_in(name, text)).ok_or_else(|| {
+        let names: Vec<&str> = BUILT_IN_STRUCTURES.iter().map(|(known, ..)| *known).collect();
+        let message = format!("there is no built-in structure \"{name}\"");
+        InputError::new(message, format!("choose from {}", names.join(", ")))
+    })
 }
 
 impl StructureFile {

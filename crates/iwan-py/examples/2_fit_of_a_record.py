@@ -42,3 +42,9 @@ iwan.plot.frequency(envelopes, mode=mode, ax=axes[0, 1])
 iwan.plot.fitted(fit, ax=axes[1, 0])
 iwan.plot.density({"truth": truth, "fit": fit.joint}, ax=axes[1, 1])
 figure.savefig("fit_of_a_record.png")
+
+# %% [markdown]
+# All of it as one page to keep or to send: tables, intervals, what was found on the way, figures.
+
+# %%
+fit.report("fit.html", names=["hammer.csv"])

@@ -1,9 +1,9 @@
 //! NumPy arrays at the door: whatever holds real numbers comes in as float64 in C order, results go out without a copy.
 
-use numpy::ndarray::{Array, Array2, IxDyn};
+use numpy::ndarray::{Array, Array2, Array3, IxDyn};
 use numpy::{
-    IntoPyArray, PyArray1, PyArray2, PyArrayDescrMethods, PyArrayDyn, PyArrayMethods, PyUntypedArray,
-    PyUntypedArrayMethods,
+    IntoPyArray, PyArray1, PyArray2, PyArray3, PyArrayDescrMethods, PyArrayDyn, PyArrayMethods,
+    PyUntypedArray, PyUntypedArrayMethods,
 };
 use pyo3::intern;
 use pyo3::prelude::*;
@@ -129,6 +129,14 @@ pub(crate) fn array(py: Python<'_>, values: Vec<f64>) -> Py<PyArray1<f64>> {
 pub(crate) fn frozen_rows(py: Python<'_>, rows: &[Vec<f64>]) -> PyResult<Py<PyArray2<f64>>> {
     let columns = rows.first().map_or(0, Vec::len);
     let array = Array2::from_shape_vec((rows.len(), columns), rows.concat());
+    let array = array.map_err(|error| value(error.to_string()))?.into_pyarray(py);
+    freeze(array.as_any())?;
+    Ok(array.unbind())
+}
+
+/// An array of three dimensions, read-only, without a copy.
+pub(crate) fn cube(py: Python<'_>, shape: [usize; 3], values: Vec<f64>) -> PyResult<Py<PyArray3<f64>>> {
+    let array = Array3::from_shape_vec(shape, values);
     let array = array.map_err(|error| value(error.to_string()))?.into_pyarray(py);
     freeze(array.as_any())?;
     Ok(array.unbind())

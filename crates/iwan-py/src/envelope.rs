@@ -8,8 +8,8 @@ use pyo3::prelude::*;
 use crate::array::array;
 use crate::errors::{identification, identification_at, value};
 use crate::laws::Remake;
+use crate::modal::{Modal, modal};
 use crate::options::unknown;
-use crate::record::{Modal, modal};
 use crate::simulate::thread_count;
 use crate::work;
 

@@ -1,23 +1,34 @@
 //! The libraries' errors as Python exceptions, in Python's words.
 
+use std::path::{Path, PathBuf};
+
+use iwan_input::InputError;
 use iwan_io::ReadError;
+use iwan_io::atomic::WriteError;
 use iwan_sim::SimulationError;
 use pyo3::prelude::*;
 
 mod python {
     #![allow(missing_docs, unreachable_pub, reason = "the macro writes these")]
     pyo3::import_exception!(iwan.errors, ComputationError);
+    pyo3::import_exception!(iwan.errors, ExistingFileError);
     pyo3::import_exception!(iwan.errors, FileError);
     pyo3::import_exception!(iwan.errors, IdentificationError);
     pyo3::import_exception!(iwan.errors, InvalidTypeError);
     pyo3::import_exception!(iwan.errors, InvalidValueError);
     pyo3::import_exception!(iwan.errors, MissingFileError);
     pyo3::import_exception!(iwan.errors, RecordError);
+    pyo3::import_exception!(iwan.errors, StructureError);
 }
 
 /// A bad value: `iwan.InvalidValueError`.
 pub(crate) fn value(message: impl Into<String>) -> PyErr {
     python::InvalidValueError::new_err(message.into())
+}
+
+/// A computation that failed: `iwan.ComputationError`.
+pub(crate) fn computation(message: String) -> PyErr {
+    python::ComputationError::new_err(message)
 }
 
 /// A bad type: `iwan.InvalidTypeError`.
@@ -94,10 +105,58 @@ pub(crate) fn reading(error: &ReadError) -> PyErr {
     ];
     let message = WORDS.iter().fold(error.to_string(), |text, (from, to)| text.replace(from, to));
     let ReadError::Io { file, source } = error else { return python::RecordError::new_err(message) };
-    let arguments = (source.raw_os_error(), message, file.clone());
+    file_error(source, message, file.clone())
+}
+
+/// An error of the operating system.
+fn file_error(source: &std::io::Error, message: String, file: PathBuf) -> PyErr {
+    let arguments = (source.raw_os_error(), message, file);
     if source.kind() == std::io::ErrorKind::NotFound {
         python::MissingFileError::new_err(arguments)
     } else {
         python::FileError::new_err(arguments)
+    }
+}
+
+/// The system's number for a file that exists, the same on all.
+const EEXIST: i32 = 17;
+
+/// An error of the writer of files.
+pub(crate) fn writing(error: &WriteError) -> PyErr {
+    let message = error.to_string().replace("--force", "force=True");
+    match error {
+        WriteError::Exists { path } => python::ExistingFileError::new_err((EEXIST, message, path.clone())),
+        WriteError::Io { path, source, .. } => file_error(source, message, path.clone()),
+        WriteError::Name { path } | WriteError::Folder { path } => {
+            python::FileError::new_err((None::<i32>, message, path.clone()))
+        }
+        _ => python::FileError::new_err(message),
+    }
+}
+
+/// A structure file that cannot be read at all.
+pub(crate) fn missing_file(path: &Path, error: &std::io::Error) -> PyErr {
+    let message = format!("cannot be read: {error}; check the path; `iwan scenario paper-a` prints a start");
+    file_error(error, message, path.to_path_buf())
+}
+
+/// What is wrong in a structure file; `place` where the message does not name it.
+pub(crate) fn input(place: &str, error: &InputError) -> PyErr {
+    let prefix = if place.is_empty() { String::new() } else { format!("{place}: ") };
+    python::StructureError::new_err(format!("{prefix}{error}"))
+}
+
+/// An error of iwan-fem: what could not be set up is a bad value, the rest failed.
+pub(crate) fn fem(name: &str, error: &iwan_fem::Error) -> PyErr {
+    use iwan_fem::Error::{Analysis, Element, Interrupted, Model, Node, OutOfRange};
+    match error {
+        OutOfRange { name: "time step", value: dt, allowed } => {
+            value(format!("dt = {dt} is out of range: {allowed}"))
+        }
+        OutOfRange { .. } => value(error.to_string()),
+        Model(error) => core(*error),
+        Analysis { .. } | Interrupted => python::ComputationError::new_err(format!("{name}: {error}")),
+        Element { .. } | Node { .. } => python::StructureError::new_err(format!("{name}: {error}")),
+        _ => value(format!("{name}: {error}")),
     }
 }

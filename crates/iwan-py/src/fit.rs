@@ -1,9 +1,12 @@
 //! Identification: records in, parameters with intervals, curves and a verdict out. `iwan.fit` is its face.
 
+use std::io::Write;
+use std::path::PathBuf;
 use std::sync::Arc;
 
+use iwan_cli::{FittedMode, FittedRecord};
 use iwan_ident::curves::{Curves, ForceAxis, Quantity};
-use iwan_ident::identify::{Identification, Settings, Source, identify};
+use iwan_ident::identify::{Identification, Settings, Source, identify_until};
 use iwan_ident::likelihood::{Buffers, Likelihood as Library};
 use iwan_ident::signal::Options;
 use iwan_ident::{Parameter, Parameters};
@@ -13,24 +16,70 @@ use pyo3::types::PyDict;
 
 use crate::array::{Numbers, array, shaped};
 use crate::envelope::{Envelope, method_named};
-use crate::errors::{identification, value};
+use crate::errors::{computation, identification, value, writing};
+use crate::modal::{Modal, modal};
 use crate::options::unknown;
-use crate::record::{Modal, modal};
 use crate::simulate::thread_count;
-use crate::work;
+use crate::work::{self, Control};
 
 /// Parameters that are sought by their logarithms in a likelihood.
 const LOGARITHMIC: [Parameter; 3] = [Parameter::KT, Parameter::FS, Parameter::Beta];
 
-/// What was asked for.
-fn settings(options: Options, method: &str, hold: &[(String, f64)]) -> PyResult<Settings> {
-    let parameter = |(name, held): &(String, f64)| {
-        let found = Parameter::ALL.into_iter().find(|p| p.name() == name);
-        let names = || Parameter::ALL.map(Parameter::name);
-        found.map(|p| (p, *held)).ok_or_else(|| unknown("hold", name, &names()))
-    };
-    let held = hold.iter().map(parameter).collect::<PyResult<Vec<_>>>()?;
-    Ok(Settings { options, method: method_named(method)?, held })
+/// What was asked for, by the names of the arguments of `iwan.fit`.
+#[derive(FromPyObject)]
+#[pyo3(from_item_all)]
+pub(crate) struct Request<'py> {
+    dt: Option<f64>,
+    channel: Option<Bound<'py, PyAny>>,
+    quantity: Option<String>,
+    shape: Option<Vec<f64>>,
+    mass: Option<f64>,
+    band: Option<(f64, f64)>,
+    near: Option<f64>,
+    method: String,
+    filter_order: usize,
+    window: Option<(f64, f64)>,
+    order: Option<usize>,
+    hold: Vec<(String, f64)>,
+}
+
+impl Request<'_> {
+    fn settings(&self) -> PyResult<Settings> {
+        let parameter = |(name, held): &(String, f64)| {
+            let found = Parameter::ALL.into_iter().find(|p| p.name() == name);
+            let names = || Parameter::ALL.map(Parameter::name);
+            found.map(|p| (p, *held)).ok_or_else(|| unknown("hold", name, &names()))
+        };
+        let held = self.hold.iter().map(parameter).collect::<PyResult<Vec<_>>>()?;
+        let Self { band, near, filter_order, window, order, .. } = *self;
+        let options = Options { band, near, filter_order, window, order };
+        Ok(Settings { options, method: method_named(&self.method)?, held })
+    }
+
+    /// The records of one mode with these settings.
+    fn task(&self, records: &[Bound<'_, PyAny>], settings: &Settings) -> PyResult<Task> {
+        let quantity = self.quantity.as_deref().map(motion).transpose()?;
+        let shape = self.shape.as_deref();
+        let mut records = modal(records, self.dt, self.channel.as_ref(), quantity, shape, &settings.options)?;
+        scale(&mut records, self.mass)?;
+        let mass_normalised = self.mass.is_some() || shape.is_some();
+        Ok(Task { records, mass_normalised, settings: settings.clone() })
+    }
+}
+
+/// Records of one mode, ready to be identified.
+struct Task {
+    records: Vec<Modal>,
+    mass_normalised: bool,
+    settings: Settings,
+}
+
+impl Task {
+    fn run(self, control: &Control) -> Result<Identified, iwan_ident::Error> {
+        let found = identify_until(&sources(&self.records), &self.settings, control.flag())?;
+        let Self { records, mass_normalised, settings } = self;
+        Ok(Identified(Arc::new(Made { records, mass_normalised, settings, found })))
+    }
 }
 
 fn sources(records: &[Modal]) -> Vec<Source<'_>> {
@@ -41,6 +90,8 @@ fn sources(records: &[Modal]) -> Vec<Source<'_>> {
 #[derive(Debug)]
 struct Made {
     records: Vec<Modal>,
+    /// Whether they carry the root of a modal mass.
+    mass_normalised: bool,
     settings: Settings,
     found: Identification,
 }
@@ -52,35 +103,37 @@ pub(crate) struct Identified(Arc<Made>);
 
 /// Identifies a mode from its records at several force levels.
 #[pyfunction]
-#[pyo3(signature = (
-    records, *, dt, channel, quantity, shape, mass, band, near, method, filter_order, window, order, hold
-))]
-#[expect(clippy::too_many_arguments, reason = "keyword arguments of Python")]
 pub(crate) fn _identify(
     py: Python<'_>,
     records: Vec<Bound<'_, PyAny>>,
-    dt: Option<f64>,
-    channel: Option<&Bound<'_, PyAny>>,
-    quantity: Option<&str>,
-    shape: Option<Vec<f64>>,
-    mass: Option<f64>,
-    band: Option<(f64, f64)>,
-    near: Option<f64>,
-    method: &str,
-    filter_order: usize,
-    window: Option<(f64, f64)>,
-    order: Option<usize>,
-    hold: Vec<(String, f64)>,
+    request: Request<'_>,
 ) -> PyResult<Identified> {
-    let settings = settings(Options { band, near, filter_order, window, order }, method, &hold)?;
-    let quantity = quantity.map(motion).transpose()?;
-    let mut records = modal(&records, dt, channel, quantity, shape.as_deref(), &settings.options)?;
-    scale(&mut records, mass)?;
-    let made = work::run(py, true, move |_| {
-        let found = identify(&sources(&records), &settings)?;
-        Ok(Made { records, settings, found })
+    let task = request.task(&records, &request.settings()?)?;
+    work::run(py, true, move |control| task.run(control))?.map_err(identification)
+}
+
+/// Identifies many modes, each from its records, on threads: for each what was found, or the exception that says why not.
+#[pyfunction]
+#[pyo3(signature = (groups, request, *, threads, progress))]
+pub(crate) fn _identify_many<'py>(
+    py: Python<'py>,
+    groups: Vec<Vec<Bound<'py, PyAny>>>,
+    request: Request<'py>,
+    threads: Option<usize>,
+    progress: Option<&Bound<'py, PyAny>>,
+) -> PyResult<Vec<Bound<'py, PyAny>>> {
+    let (settings, threads) = (request.settings()?, thread_count(threads)?);
+    let tasks: Vec<_> = groups.iter().map(|records| request.task(records, &settings)).collect();
+    let made = work::watched(py, progress, move |control| {
+        work::each(tasks, threads, control, |task| task.map(|task| task.run(control)))
     })?;
-    Ok(Identified(Arc::new(made.map_err(identification)?)))
+    let entry = |made: PyResult<Result<Identified, iwan_ident::Error>>| -> PyResult<Bound<'py, PyAny>> {
+        match made.and_then(|found| found.map_err(identification)) {
+            Ok(identified) => Ok(Bound::new(py, identified)?.into_any()),
+            Err(error) => Ok(error.into_value(py).into_bound(py).into_any()),
+        }
+    };
+    made.unwrap_or_default().into_iter().map(entry).collect()
 }
 
 /// Mass-normalises records of a point that moves with a modal mass.
@@ -129,12 +182,55 @@ impl Identified {
         Ok(dict)
     }
 
+    /// Writes the page of `iwan fit`, whole or not at all.
+    fn report(
+        &self,
+        py: Python<'_>,
+        path: PathBuf,
+        names: Vec<String>,
+        force_axis: &str,
+        force: bool,
+    ) -> PyResult<()> {
+        let made = self.0.clone();
+        if names.len() != made.records.len() {
+            let (n, records) = (names.len(), made.records.len());
+            return Err(value(format!("names has {n} entries for {records} records: give one for each")));
+        }
+        let joint_force = force_axis == "joint";
+        let page = work::run(py, true, move |_| page(&made, names, joint_force))?.map_err(computation)?;
+        let written =
+            py.detach(|| iwan_io::atomic::write_file(&path, force, |w| w.write_all(page.as_bytes())));
+        written.map_err(|error| writing(&error))
+    }
+
     /// The likelihood of the records.
     fn likelihood(&self) -> Likelihood {
         let held: Vec<Parameter> = self.0.settings.held.iter().map(|h| h.0).collect();
         let free = Parameter::ALL.into_iter().filter(|p| !held.contains(p)).collect();
         Likelihood { library: Arc::new(self.0.found.likelihood.clone()), free }
     }
+}
+
+/// The page of `iwan fit`.
+fn page(made: &Made, names: Vec<String>, joint_force: bool) -> Result<String, String> {
+    let record = |(name, record): (String, &Modal)| FittedRecord {
+        name,
+        channels: record.channels.clone(),
+        unit: record.unit.clone(),
+        quantity: record.quantity,
+        dt: record.dt,
+        start: record.start,
+        samples: record.samples.clone(),
+    };
+    let records: Vec<_> = names.into_iter().zip(&made.records).map(record).collect();
+    iwan_cli::fit_page(&FittedMode {
+        records: &records,
+        settings: &made.settings,
+        found: &made.found,
+        notes: made.records.first().map_or(&[], |record| record.notes.as_slice()),
+        mass_normalised: made.mass_normalised,
+        joint_force,
+    })
 }
 
 impl Identified {

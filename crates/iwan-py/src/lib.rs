@@ -16,6 +16,7 @@ mod errors;
 mod fit;
 mod joint;
 mod laws;
+mod modal;
 mod mode;
 mod options;
 mod pulse;
@@ -23,6 +24,9 @@ mod record;
 mod repr;
 mod response;
 mod simulate;
+mod static_curves;
+mod structure;
+mod truth;
 mod work;
 
 /// What `iwan` is made of; users import it from there.
@@ -35,7 +39,7 @@ mod _native {
     #[pymodule_export]
     use crate::envelope::{_envelope, _envelopes, Envelope, envelope};
     #[pymodule_export]
-    use crate::fit::{_identify, Identified, Likelihood};
+    use crate::fit::{_identify, _identify_many, Identified, Likelihood};
     #[pymodule_export]
     use crate::joint::Joint;
     #[pymodule_export]
@@ -50,6 +54,12 @@ mod _native {
     use crate::response::{_response, Response};
     #[pymodule_export]
     use crate::simulate::{simulate, superpose};
+    #[pymodule_export]
+    use crate::static_curves::_quasi_static;
+    #[pymodule_export]
+    use crate::structure::{_built_in_structure, _load_structure, _structure, Structure};
+    #[pymodule_export]
+    use crate::truth::_simulate_structure;
 
     #[pymodule_export]
     #[expect(non_upper_case_globals, reason = "the name in Python")]

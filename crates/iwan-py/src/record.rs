@@ -2,18 +2,14 @@
 
 use std::path::PathBuf;
 
-use iwan_ident::combination::{Combination, strangers};
 use iwan_ident::curves;
-use iwan_ident::signal::Options;
 use iwan_io::{Format, Quantity, ReadOptions};
-use numpy::ndarray::Axis;
 use numpy::{PyArray1, PyArray2, PyArrayMethods, PyUntypedArrayMethods};
+use pyo3::IntoPyObjectExt;
 use pyo3::prelude::*;
-use pyo3::types::IntoPyDict;
-use pyo3::{IntoPyObjectExt, intern};
 
 use crate::array::{Numbers, array, freeze, frozen_rows};
-use crate::errors::{identification, reading, value, wrong_type};
+use crate::errors::{reading, value, wrong_type};
 use crate::laws::Remake;
 use crate::options::choose;
 use crate::work;
@@ -48,15 +44,15 @@ const FORMATS: [(&str, Format); 5] = [
 #[pyclass(frozen, module = "iwan")]
 #[derive(Debug)]
 pub(crate) struct Record {
-    dt: f64,
-    start: f64,
-    names: Vec<String>,
+    pub(crate) dt: f64,
+    pub(crate) start: f64,
+    pub(crate) names: Vec<String>,
     quantity: Quantity,
-    unit: String,
+    pub(crate) unit: String,
     warnings: Vec<String>,
     /// Channels x samples, float64, read-only.
     #[pyo3(get)]
-    samples: Py<PyArray2<f64>>,
+    pub(crate) samples: Py<PyArray2<f64>>,
 }
 
 impl Record {
@@ -73,7 +69,7 @@ impl Record {
     }
 
     /// Index of a channel by name or number; the only one when neither is given.
-    fn index(&self, channel: Option<&Bound<'_, PyAny>>) -> PyResult<usize> {
+    pub(crate) fn index(&self, channel: Option<&Bound<'_, PyAny>>) -> PyResult<usize> {
         let n = self.names.len();
         let names = || format!("'{}'", self.names.join("', '"));
         let Some(channel) = channel else {
@@ -96,84 +92,12 @@ impl Record {
     }
 }
 
-/// The record of one mode.
-#[derive(Debug, Clone)]
-pub(crate) struct Modal {
-    pub(crate) samples: Vec<f64>,
-    pub(crate) dt: f64,
-    /// Time of the first sample, s.
-    pub(crate) start: f64,
-    pub(crate) quantity: curves::Quantity,
-    /// How the channels were combined, and what was assumed.
-    pub(crate) notes: Vec<String>,
-}
-
-/// The records of one mode: the channel named, the only one, or a combination of all, by the mode's `shape` or else by the shape
-/// that dominates in the band of the first record. All records must have the same channels and quantity.
-pub(crate) fn modal(
-    records: &[Bound<'_, PyAny>],
-    dt: Option<f64>,
-    channel: Option<&Bound<'_, PyAny>>,
-    quantity: Option<curves::Quantity>,
-    shape: Option<&[f64]>,
-    options: &Options,
-) -> PyResult<Vec<Modal>> {
-    let records = records.iter().map(|record| taken(record, dt)).collect::<PyResult<Vec<_>>>()?;
-    let Some(first) = records.first() else { return Err(value("there is no record: give at least one")) };
-    if let Some(other) = records.iter().find(|r| r.get().names != first.get().names) {
-        let (a, b) = (first.get().names.join(", "), other.get().names.join(", "));
-        return Err(value(format!("records do not belong together: channels {a} and {b}")));
-    }
-    let (quantity, mut notes) = first.get().motion(quantity)?;
-    let rows = |record: &Bound<'_, Record>| -> PyResult<Vec<Vec<f64>>> {
-        let (this, view) = (record.get(), record.get().samples.bind(record.py()).readonly());
-        let all = 0..this.names.len();
-        let chosen = if channel.is_some() { this.index(channel).map(|i| i..i + 1)? } else { all };
-        Ok(chosen.map(|i| view.as_array().index_axis(Axis(0), i).to_vec()).collect())
-    };
-    let combination = combination(&rows(first)?, first.get(), shape, options).map_err(identification)?;
-    notes.extend(combination.notes.iter().cloned());
-    let one = |record: &Bound<'_, Record>| {
-        let rows = rows(record)?;
-        let samples = combination.apply(&rows.iter().map(Vec::as_slice).collect::<Vec<_>>());
-        let (samples, this) = (samples.map_err(identification)?, record.get());
-        Ok(Modal { samples, dt: this.dt, start: this.start, quantity, notes: notes.clone() })
-    };
-    records.iter().map(one).collect()
-}
-
-fn combination(
-    rows: &[Vec<f64>],
-    record: &Record,
-    shape: Option<&[f64]>,
-    options: &Options,
-) -> Result<Combination, iwan_ident::Error> {
-    let channels: Vec<&[f64]> = rows.iter().map(Vec::as_slice).collect();
-    match shape {
-        Some(shape) => {
-            let mut one = Combination::of_shapes(&[shape.to_vec()])?;
-            let mut one = one.pop().unwrap_or_else(Combination::single);
-            if shape.len() == record.names.len() && channels.len() > 1 {
-                one.notes.extend(strangers(&channels, &record.names, shape, record.dt, options)?);
-            }
-            Ok(one)
-        }
-        None if channels.len() == 1 => Ok(Combination::single()),
-        None => Combination::dominant(&channels, &record.names, record.dt, options),
-    }
-}
-
-/// A record, or whatever `iwan.as_record` makes one of.
-fn taken<'py>(record: &Bound<'py, PyAny>, dt: Option<f64>) -> PyResult<Bound<'py, Record>> {
-    let py = record.py();
-    let options = [("dt", dt)].into_py_dict(py)?;
-    let made = py.import(intern!(py, "iwan.records"))?.getattr(intern!(py, "as_record"))?;
-    Ok(made.call((record,), Some(&options))?.cast_into()?)
-}
-
 impl Record {
     /// What motion was measured, and what had to be assumed.
-    fn motion(&self, given: Option<curves::Quantity>) -> PyResult<(curves::Quantity, Vec<String>)> {
+    pub(crate) fn motion(
+        &self,
+        given: Option<curves::Quantity>,
+    ) -> PyResult<(curves::Quantity, Vec<String>)> {
         match (given, self.quantity) {
             (Some(given), _) => Ok((given, Vec::new())),
             (_, Quantity::Acceleration) => Ok((curves::Quantity::Acceleration, Vec::new())),

@@ -66,6 +66,23 @@ impl Response {
     }
 }
 
+/// An energy balance as a dict.
+pub(crate) fn balance<'py>(py: Python<'py>, e: &EnergyBalance) -> PyResult<Bound<'py, PyDict>> {
+    let parts = [
+        ("initial", e.initial),
+        ("input", e.input),
+        ("kinetic", e.kinetic),
+        ("elastic", e.elastic),
+        ("stored", e.stored),
+        ("viscous", e.viscous),
+        ("friction", e.friction),
+        ("residual", e.residual),
+    ];
+    let dict = PyDict::new(py);
+    parts.iter().try_for_each(|(key, part)| dict.set_item(*key, *part))?;
+    Ok(dict)
+}
+
 /// Everything but the histories, as pickled: dt, strongest, seconds, the energy balance, the quality figures.
 type Figures = (f64, f64, f64, [f64; 9], (Option<f64>, Option<f64>, f64));
 
@@ -125,20 +142,7 @@ impl Response {
     /// mass-normalised.
     #[getter]
     fn energy<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
-        let e = &self.summary.energy;
-        let parts = [
-            ("initial", e.initial),
-            ("input", e.input),
-            ("kinetic", e.kinetic),
-            ("elastic", e.elastic),
-            ("stored", e.stored),
-            ("viscous", e.viscous),
-            ("friction", e.friction),
-            ("residual", e.residual),
-        ];
-        let dict = PyDict::new(py);
-        parts.iter().try_for_each(|(key, part)| dict.set_item(*key, *part))?;
-        Ok(dict)
+        balance(py, &self.summary.energy)
     }
 
     /// Figures of the run (a new dict), named as in the command line's `summary.json`: `peak_displacement`,

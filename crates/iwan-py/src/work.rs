@@ -18,7 +18,7 @@ pub(crate) struct Control(Arc<Shared>);
 
 #[derive(Debug, Default)]
 struct Shared {
-    abandoned: AtomicBool,
+    abandoned: Arc<AtomicBool>,
     done: AtomicUsize,
 }
 
@@ -30,6 +30,11 @@ impl Control {
         } else {
             ControlFlow::Continue(())
         }
+    }
+
+    /// Set as soon as to stop.
+    pub(crate) fn flag(&self) -> &Arc<AtomicBool> {
+        &self.0.abandoned
     }
 
     /// Says how many pieces are done, and hears whether to stop.

@@ -1,6 +1,7 @@
 """Ensembles: members are single runs, whatever the number of threads or workers."""
 
 import os
+import pickle
 import signal
 import subprocess
 import sys
@@ -122,6 +123,54 @@ def test_envelopes_of_many_records():
         iwan.ensemble.envelope([decay(60.0), decay(60.0)[:20]], dt=1 / 4096)
 
 
+LAW = iwan.FourParameter(**JOINT)
+
+
+def ring_down(ratio, seed, seconds=0.3):
+    mode = iwan.Mode(frequency=124.0, joint=LAW, damping_ratio=1e-3)
+    start = (ratio * LAW.phi_max, 0.0)
+    a = iwan.simulate(mode, dt=5e-4, duration=seconds, initial=start, method="half-cycle", quality=False).acceleration
+    return a + 1e-3 * np.abs(a).max() * np.random.default_rng(seed).standard_normal(a.size)
+
+
+def same_fit(a, b):
+    assert a.parameters == b.parameters and a.intervals == b.intervals and a.words == b.words
+    for name in a.curves:
+        np.testing.assert_array_equal(a.curves[name], b.curves[name])
+
+
+RECORDS = [ring_down(0.5, 1), ring_down(1.5, 2)[:20], ring_down(1.5, 3), np.full(400, np.nan), [ring_down(0.5, 4), ring_down(1.5, 5)]]
+
+
+@pytest.fixture(scope="module")
+def fits():
+    return iwan.ensemble.fit(RECORDS, dt=5e-4, threads=2)
+
+
+def test_fits_of_many_records_are_those_of_each(fits):
+    assert len(fits) == 5 and [one is None for one in fits.fits] == [False, True, False, True, False]
+    same_fit(fits.fits[2], iwan.fit(RECORDS[2], dt=5e-4))
+    assert len(fits.fits[4].envelopes) == 2
+    f_s = fits.parameters["f_s"]
+    assert np.isnan(f_s[[1, 3]]).all() and f_s[2] == fits.fits[2].joint.f_s and list(fits.parameters) == list(fits.fits[2].parameters)
+    likelihood = iwan.log_likelihood(fits.fits[0])
+    assert np.isfinite(likelihood(likelihood.best))
+
+
+def test_failures_are_named_and_stop_nothing(fits):
+    assert set(fits.failures) == {1, 3}
+    assert isinstance(fits.failures[1], iwan.IdentificationError) and isinstance(fits.failures[3], iwan.InvalidValueError)
+    assert "2 failed: 1, 3" in repr(fits) and "record 3: " in str(fits) and "NaN" in str(fits)
+    assert set(pickle.loads(pickle.dumps(fits)).failures) == {1, 3}
+    none = iwan.ensemble.fit([])
+    assert len(none) == 0 and none.parameters["chi"].shape == (0,)
+    with pytest.raises(iwan.InvalidValueError, match="method = 'fft'"):
+        iwan.ensemble.fit(RECORDS[:1], dt=5e-4, method="fft")
+    told = []
+    iwan.ensemble.fit(RECORDS[1:2], dt=5e-4, progress=lambda done, total: told.append((done, total)))
+    assert told[-1] == (1, 1)
+
+
 @pytest.mark.skipif(sys.platform == "win32", reason="no signals to a process of one's own")
 def test_ctrl_c_ends_an_ensemble():
     program = """
@@ -168,6 +217,14 @@ class TestWorkers:
         theirs = iwan.ensemble.envelope(records, dt=1 / 4096, client=client)
         for a, b in zip(ours, theirs, strict=True):
             np.testing.assert_array_equal(a.amplitude, b.amplitude)
+
+    def test_fits_come_out_the_same(self, client, fits):
+        workers = iwan.ensemble.fit(RECORDS, dt=5e-4, client=client)
+        assert {i: str(error) for i, error in workers.failures.items()} == {i: str(error) for i, error in fits.failures.items()}
+        for ours, theirs in zip(fits.fits, workers.fits, strict=True):
+            assert (ours is None) == (theirs is None)
+            if ours is not None:
+                same_fit(ours, theirs)
 
     def test_errors_come_from_the_first_bad_set(self, client):
         f_s = np.full(2000, 239.4)

@@ -19,7 +19,7 @@ def test_examples(path, tmp_path):
 
 
 def test_there_are_examples():
-    assert len(EXAMPLES) >= 3
+    assert len(EXAMPLES) >= 4
     for path in EXAMPLES:
         text = path.read_text()
         assert text.startswith("# %% [markdown]\n# # ") and text.count("# %%") >= 4

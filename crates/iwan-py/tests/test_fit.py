@@ -1,6 +1,15 @@
 """Identification on records of known truth, and the likelihood behind it."""
 
+import os
 import pickle
+import re
+import signal
+import subprocess
+import sys
+import sysconfig
+import textwrap
+import time
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -123,3 +132,80 @@ def test_the_likelihood_is_largest_at_the_fit_and_the_same_on_all_threads(loud):
         likelihood(np.zeros(3))
     walkers = likelihood.walkers(32)
     assert walkers.shape == (32, 8) and np.all(np.isfinite(likelihood(walkers)))
+
+
+COMMAND = str(Path(sysconfig.get_path("scripts")) / "iwan")
+
+
+def test_the_report_is_that_of_the_command(tmp_path, monkeypatch):
+    """The same page, to the last character, from a file with two channels and units."""
+    monkeypatch.chdir(tmp_path)
+    clean = ring_down(1.5, 0.4)
+    noise = 1e-3 * np.abs(clean.acceleration).max() * np.random.default_rng(5).standard_normal((2, len(clean)))
+    table = np.column_stack([clean.t, clean.acceleration + noise[0], -0.4 * clean.acceleration + noise[1]])
+    np.savetxt("a.csv", table, delimiter=",", header="time [s],tip [m/s^2],root [m/s^2]", comments="", fmt="%.17g")
+    subprocess.run([COMMAND, "fit", "a.csv", "--out", "out", "--quiet"], check=True, capture_output=True)
+    fit = iwan.fit(iwan.read_record("a.csv"))
+    fit.report("ours.html", names=["a.csv"])
+    assert Path("ours.html").read_text() == (Path("out") / "report.html").read_text()
+
+
+def test_reports_appear_whole_or_not_at_all(quiet, tmp_path):
+    path = tmp_path / "report.html"
+    pickle.loads(pickle.dumps(quiet)).report(path)
+    text = path.read_text()
+    assert text.startswith("<!DOCTYPE html>") and "Fit of record" in text and "<svg" in text
+    assert "http" not in re.sub(r"http://www\.w3\.org/\S+", "", text)
+    path.write_text("mine")
+    with pytest.raises(iwan.ExistingFileError, match="force=True") as exists:
+        quiet.report(path)
+    assert isinstance(exists.value, FileExistsError) and path.read_text() == "mine"
+    quiet.report(str(path), force=True)
+    assert path.read_text() == text
+    with pytest.raises(iwan.FileError, match="none"):
+        quiet.report(tmp_path / "none" / "report.html")
+    with pytest.raises(iwan.InvalidValueError, match="2 entries for 1 records"):
+        quiet.report(tmp_path / "other.html", names=["a", "b"])
+    assert [p.name for p in tmp_path.iterdir()] == ["report.html"]
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="threads are counted by their names in /proc")
+@pytest.mark.parametrize("call", ["iwan.fit(records, dt=2e-4)", "iwan.ensemble.fit(records, dt=2e-4, threads=2)"])
+def test_ctrl_c_ends_a_fit_and_its_workers(call):
+    """Records that would keep the workers busy for much longer than the test waits."""
+    program = f"""
+        import os, time, iwan, numpy as np
+        from pathlib import Path
+
+        joint = iwan.FourParameter(k_t=4.45e4, f_s=239.4, chi=-0.183, beta=0.3)
+        mode = iwan.Mode(frequency=124.0, joint=joint, damping_ratio=1e-3)
+        rng, records = np.random.default_rng(0), []
+        for ratio in np.geomspace(0.3, 3.0, 16):
+            run = iwan.simulate(mode, dt=2e-4, duration=1.0, initial=(ratio * joint.phi_max, 0.0), method="half-cycle", quality=False)
+            records.append(run.acceleration + 1e-2 * np.abs(run.acceleration).max() * rng.standard_normal(len(run)))
+
+        def name(task):
+            try:
+                return (task / "comm").read_text()
+            except OSError:
+                return "ended"
+
+        def workers():
+            return [task for task in Path("/proc/self/task").iterdir() if name(task).startswith("iwan")]
+
+        print("ready", flush=True)
+        try:
+            {call}
+            print("finished", flush=True)
+        except KeyboardInterrupt:
+            busy = len(workers())
+            until = time.monotonic() + 10.0
+            while workers() and time.monotonic() < until:
+                time.sleep(0.02)
+            print("interrupted", busy > 0, len(workers()), flush=True)
+    """
+    process = subprocess.Popen([sys.executable, "-c", textwrap.dedent(program)], stdout=subprocess.PIPE, text=True)
+    assert process.stdout is not None and process.stdout.readline() == "ready\n"
+    time.sleep(1.5)
+    os.kill(process.pid, signal.SIGINT)
+    assert process.communicate(timeout=120)[0] == "interrupted True 0\n"

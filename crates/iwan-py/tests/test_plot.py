@@ -79,6 +79,13 @@ def mode_shapes(ax):
     return iwan.plot.mode_shapes(x[order], [((x / 10) ** 2 - 0.3)[order], ((x / 10) ** 3 - 0.6 * x / 10)[order]], ax=ax)
 
 
+def bent_beam(ax):
+    return iwan.plot.mode_shape(iwan.Structure.built_in("paper-a").modes(4), "bending 1", ax=ax)
+
+
+def twisted_beam(ax):
+    modes = iwan.Structure.built_in("paper-a").modes(4)
+    return iwan.plot.mode_shape(modes, "torsion-1", slipping=True, view=(20.0, 50.0), ax=ax)
 
 
 def made_fit():
@@ -99,7 +106,7 @@ def made_fit():
     return iwan.Fit(
         mode=MODE, intervals=intervals, identifiable={"chi": True, "f_s": False}, adequate=True, misfit="", joint_needed=True,
         words=[], notes=[], curves=curves, model_curves=model, force_axis="modal", envelopes=[ENVELOPE, ENVELOPE],
-        profiles=profiles, limit=3.9, relative_residual=1e-3, _request={},
+        profiles=profiles, limit=3.9, relative_residual=1e-3, _records=[], _request={},
     )
 
 
@@ -136,6 +143,8 @@ FIGURES = [
     dissipation_against_displacement,
     density,
     mode_shapes,
+    bent_beam,
+    twisted_beam,
 ]
 
 

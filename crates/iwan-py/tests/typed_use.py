@@ -20,3 +20,11 @@ iwan.simulate(mode, dt=1e-5, duration=0.1, method="euler")  # type: ignore[call-
 iwan.FourParameter(1.0, 1.0, 0.0, 0.0)  # type: ignore[call-arg]
 record = iwan.read_record(pathlib.Path("a.csv"), channels=["a"])
 assert_type(iwan.envelope(record, band=(1.0, 2.0)).t, NDArray[np.float64])
+beam = iwan.Structure.load(pathlib.Path("beam.toml"))
+assert_type(beam.modes(4).shapes, NDArray[np.float64])
+assert_type(beam.quasi_static("bending 1").joint, iwan.FourParameter | None)
+truth = beam.simulate(force=iwan.Haversine(amplitude=1.0, duration=1e-3), dt=1e-5, duration=0.1, model="full")
+assert_type(truth.record("bending 1"), iwan.Record)
+beam.simulate(dt=1e-5, duration=0.1, model="half")  # type: ignore[arg-type]
+fits = iwan.ensemble.fit([record, [record, record]], hold={"damping_ratio": 0.0})
+assert_type(fits.parameters["chi"], NDArray[np.float64])

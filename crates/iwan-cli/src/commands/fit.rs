@@ -44,7 +44,7 @@ pub(crate) fn run(args: &FitArgs) -> Result<(), Failure> {
         recordings[0].quantity,
         args.records.mass.is_some() || args.records.shapes.is_some(),
     );
-    let mut summary = FitSummary::new(&recordings, &identified, args, &units);
+    let mut summary = FitSummary::new(&recordings, &identified, args.records.force_axis, &units);
     summary.files = files.iter().map(ToString::to_string).collect();
     let folder = results.path().to_path_buf();
     write(results, &identified, &summary, &units, args.format)?;
@@ -122,7 +122,7 @@ fn write(
 }
 
 /// The fit as a scenario: each mode is released where the loudest record begins.
-fn as_scenario(identified: &[Identified], title: &str) -> Result<Scenario, iwan_core::Error> {
+pub(crate) fn as_scenario(identified: &[Identified], title: &str) -> Result<Scenario, iwan_core::Error> {
     let mut modes = Vec::new();
     let (mut shortest, mut longest) = (f64::INFINITY, 0.0_f64);
     for i in identified {

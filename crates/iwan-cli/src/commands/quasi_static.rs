@@ -4,13 +4,13 @@ mod summary;
 
 use std::time::Instant;
 
-use iwan_fem::ModalCurves;
+use iwan_fem::{ModalCurves, NamedMode};
 use iwan_ident::quasi_static::{StaticCurves, StaticFit, fit_static};
 use iwan_io::Table;
 
 use crate::args::{Format, QuasiStaticArgs};
 use crate::failure::Failure;
-use crate::linear::{self, Elastic, Linear};
+use crate::linear::{self, Linear};
 use crate::output;
 use crate::progress::{self, Progress};
 use crate::report;
@@ -20,17 +20,13 @@ pub(crate) use summary::{ModeCurves, QuasiStaticSummary};
 /// Folder for results when none was given.
 const DEFAULT_FOLDER: &str = "iwan-quasi-static";
 const FILES: [&str; 3] = ["curves.csv", "summary.json", "report.html"];
-/// Elastic modes among which names are looked up.
+/// NamedMode modes among which names are looked up.
 const MODES: usize = 40;
-/// Range of displacements over where the first joint begins macro-slip.
-const RANGE: (f64, f64) = (1e-3, 10.0);
-/// A joint stiffness below this part of ω0² is no joint's: the mode is linear.
-const LEAST_STIFFNESS: f64 = 1e-6;
 
 /// A mode with its curves and what fits them.
 #[derive(Debug)]
 pub(crate) struct Analysed {
-    pub(crate) mode: Elastic,
+    pub(crate) mode: NamedMode,
     pub(crate) curves: ModalCurves,
     /// Whether they reach the largest displacement.
     pub(crate) whole: bool,
@@ -66,14 +62,6 @@ pub(crate) fn run(args: &QuasiStaticArgs) -> Result<(), Failure> {
     output::result(&if args.common.json { summary.json() } else { summary.table() })
 }
 
-/// The modes that were named, or the first bending modes.
-fn chosen(linear: &Linear, names: &[String]) -> Result<Vec<Elastic>, Failure> {
-    if names.is_empty() {
-        return Ok(linear.first_bending());
-    }
-    names.iter().map(|name| linear.named(name).cloned()).collect()
-}
-
 fn analyse(linear: &Linear, args: &QuasiStaticArgs) -> Result<Vec<Analysed>, Failure> {
     if linear.assembled.slips().iter().all(|slip| slip.law.is_none()) {
         let message =
@@ -83,7 +71,7 @@ fn analyse(linear: &Linear, args: &QuasiStaticArgs) -> Result<Vec<Analysed>, Fai
             "add [[joint]] with slip = [{ direction = ..., law = { ... } }]",
         ));
     }
-    let modes = chosen(linear, &args.modes)?;
+    let modes = linear.chosen(&args.modes).map_err(|error| linear.failed(&error))?;
     let bar = Progress::new("static loads", args.common.quiet);
     let mut analysed = Vec::new();
     for (n, mode) in modes.iter().enumerate() {
@@ -91,8 +79,9 @@ fn analyse(linear: &Linear, args: &QuasiStaticArgs) -> Result<Vec<Analysed>, Fai
             return Err(Failure::Interrupted);
         }
         let displacements = displacements(linear, mode, args)?;
-        let curves = curves(linear, mode, &displacements, args.to.is_some())
-            .map_err(|error| linear::explain(&linear.source, &error))?;
+        // Where parts slide freely the curves end, which is an error only when the user asked for more.
+        let curves = linear.static_curves(mode, &displacements, args.to.is_some());
+        let curves = curves.map_err(|error| linear.failed(&error))?;
         let fit = fit(linear, mode, &curves);
         let whole = curves.displacement.len() == displacements.len();
         analysed.push(Analysed { mode: mode.clone(), curves, whole, fit });
@@ -100,82 +89,27 @@ fn analyse(linear: &Linear, args: &QuasiStaticArgs) -> Result<Vec<Analysed>, Fai
     Ok(analysed)
 }
 
-/// The curves up to where parts begin to slide freely, which is an error only when the user asked for more.
-fn curves(
-    linear: &Linear,
-    mode: &Elastic,
-    displacements: &[f64],
-    all: bool,
-) -> Result<ModalCurves, iwan_fem::Error> {
-    let eigenvalue = linear.slipping.eigenvalue(mode.pair.slipping);
-    let analysis = linear.assembled.quasi_static(&linear.stuck, mode.pair.stuck, eigenvalue)?;
-    if all {
-        return analysis.curves(displacements);
-    }
-    let mut curves = analysis.curves(&[])?;
-    for displacement in displacements {
-        match analysis.curves(&[*displacement]) {
-            Ok(next) => append(&mut curves, next),
-            Err(iwan_fem::Error::Analysis { .. }) if !curves.displacement.is_empty() => break,
-            Err(error) => return Err(error),
-        }
-    }
-    Ok(curves)
-}
-
-fn append(curves: &mut ModalCurves, next: ModalCurves) {
-    curves.displacement.extend(next.displacement);
-    curves.force.extend(next.force);
-    curves.frequency.extend(next.frequency);
-    curves.dissipation.extend(next.dissipation);
-    curves.joint_force.extend(next.joint_force);
-    for (slip, more) in curves.slips.iter_mut().zip(next.slips) {
-        slip.extend(more);
-    }
-}
-
 /// Displacements evenly spaced on a logarithmic scale.
-fn displacements(linear: &Linear, mode: &Elastic, args: &QuasiStaticArgs) -> Result<Vec<f64>, Failure> {
-    let onset = onset(linear, mode);
-    let missing = || {
+fn displacements(linear: &Linear, mode: &NamedMode, args: &QuasiStaticArgs) -> Result<Vec<f64>, Failure> {
+    let missing = linear.onset(mode).is_none() && (args.from.is_none() || args.to.is_none());
+    if missing {
         let message = format!("{}: no joint slips in {}", linear.source, mode.name);
-        Failure::input(message, "give --from and --to, or choose other modes with --mode")
-    };
-    let end = |given: Option<f64>, share: f64| given.or(onset.map(|q| share * q)).ok_or_else(missing);
-    let (from, to) = (end(args.from, RANGE.0)?, end(args.to, RANGE.1)?);
-    if from >= to {
-        let message =
-            format!("the range of modal displacements is empty: {from:e} to {to:e} for {}", mode.name);
-        return Err(Failure::input(message, "give --from smaller than --to"));
+        return Err(Failure::input(message, "give --from and --to, or choose other modes with --mode"));
     }
-    let last = f64::from(args.points - 1);
-    Ok((0..args.points).map(|i| from * (to / from).powf(f64::from(i) / last)).collect())
-}
-
-/// The modal displacement at which, linearly, the first joint reaches the strength of its strongest slider.
-fn onset(linear: &Linear, mode: &Elastic) -> Option<f64> {
-    let shape = linear.stuck.shape(mode.pair.stuck);
-    let reach = linear.assembled.slips().iter().filter_map(|slip| {
-        let law = slip.law.as_ref()?;
-        Some(law.strengths().1 / shape[slip.unknown].abs())
-    });
-    Some(reach.fold(f64::INFINITY, f64::min)).filter(|q| q.is_finite())
+    linear.amplitudes(mode, (args.from, args.to), args.points as usize).map_err(|error| {
+        let message = format!("{}: {}: {error}", linear.source, mode.name);
+        Failure::input(message, "give --from smaller than --to")
+    })
 }
 
 /// The modal Iwan joint of the curves, or why there is none.
-fn fit(linear: &Linear, mode: &Elastic, curves: &ModalCurves) -> Result<StaticFit, String> {
-    let k_t = mode.pair.k_t;
-    if k_t <= LEAST_STIFFNESS * linear.stuck.eigenvalue(mode.pair.stuck) {
-        return Err(format!(
-            "K_T = {k_t:.3e} is not positive: slipping does not soften this mode, it is linear in practice; nothing is fitted"
-        ));
-    }
+fn fit(linear: &Linear, mode: &NamedMode, curves: &ModalCurves) -> Result<StaticFit, String> {
     let parts = StaticCurves {
         displacement: &curves.displacement,
         frequency: &curves.frequency,
         dissipation: &curves.dissipation,
     };
-    fit_static(&parts, linear.frequency_stuck(mode), k_t).map_err(|error| error.to_string())
+    fit_static(&parts, linear.frequency_stuck(mode), mode.pair.k_t).map_err(|error| error.to_string())
 }
 
 /// Writes all files; they appear together.

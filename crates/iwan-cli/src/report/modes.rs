@@ -1,12 +1,13 @@
 //! The report of `iwan modes`: the mesh, the frequencies, the shapes.
 
+use iwan_fem::NamedMode;
 use iwan_fem::mesh::Mesh;
 use maud::{Markup, html};
 
 use super::page;
 use super::solid::{Colour, Solid, by_share, length};
 use crate::commands::modes::{ModesSummary, Pair, Size};
-use crate::linear::{Elastic, Linear};
+use crate::linear::Linear;
 use crate::summary::short;
 
 /// What the report is about.
@@ -115,7 +116,7 @@ pub(super) fn mesh_picture(solid: &Solid<'_>, mesh: &Mesh) -> Markup {
     }
 }
 
-fn shape(linear: &Linear, solid: &Solid<'_>, mode: &Elastic) -> Markup {
+fn shape(linear: &Linear, solid: &Solid<'_>, mode: &NamedMode) -> Markup {
     let vector = linear.stuck.shape(mode.pair.stuck);
     let shape = linear.assembled.displacements(vector);
     let sizes: Vec<f64> = shape.chunks_exact(3).map(length).collect();

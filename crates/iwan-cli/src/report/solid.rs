@@ -1,14 +1,9 @@
 //! Pictures of meshes: outer faces in parallel projection, shaded and drawn from back to front.
 
-use std::collections::BTreeMap;
 use std::fmt::Write;
 
 use iwan_fem::mesh::Mesh;
 use maud::{Markup, PreEscaped, html};
-
-/// Faces of a hexahedron by its corners, seen from outside counter-clockwise.
-const FACES: [[usize; 4]; 6] =
-    [[0, 3, 2, 1], [4, 5, 6, 7], [0, 1, 5, 4], [1, 2, 6, 5], [2, 3, 7, 6], [3, 0, 4, 7]];
 
 /// The plane of the drawing, in its own units.
 const WIDTH: f64 = 600.0;
@@ -36,22 +31,12 @@ pub(crate) type Colour = [f64; 3];
 impl<'a> Solid<'a> {
     /// Finds the outer faces and a view in which the longest side runs from left to right.
     pub(crate) fn new(mesh: &'a Mesh) -> Self {
-        let mut seen: BTreeMap<[usize; 4], Option<(usize, [usize; 4])>> = BTreeMap::new();
-        for (index, element) in mesh.elements.iter().enumerate() {
-            for face in FACES {
-                let corners = face.map(|corner| element.nodes[corner]);
-                let mut key = corners;
-                key.sort_unstable();
-                // A face of two elements is inside.
-                seen.entry(key).and_modify(|entry| *entry = None).or_insert(Some((index, corners)));
-            }
-        }
         let sides: [f64; 3] = std::array::from_fn(|axis| {
             let along = mesh.positions.iter().map(|p| p[axis]);
             along.clone().fold(f64::NEG_INFINITY, f64::max) - along.fold(f64::INFINITY, f64::min)
         });
         let diagonal = sides.iter().map(|s| s * s).sum::<f64>().sqrt();
-        Self { mesh, faces: seen.into_values().flatten().collect(), view: view(sides), diagonal }
+        Self { mesh, faces: mesh.outer_faces(), view: view(sides), diagonal }
     }
 
     /// Number of outer faces.

@@ -3,8 +3,10 @@
 use std::path::PathBuf;
 
 use iwan_core::Grid;
-use iwan_fem::Population;
-use iwan_input::{BUILT_IN_STRUCTURES, InputError, Section, Source, StructureFile, plain};
+use iwan_fem::{Model, Population};
+use iwan_input::{
+    BUILT_IN_STRUCTURES, InputError, Section, Source, StructureFile, built_in_structure, plain,
+};
 use iwan_sim::{JointKind, Method};
 
 /// Keys of the table.
@@ -20,17 +22,6 @@ pub(crate) enum Origin {
     File(PathBuf),
     /// A built-in structure, by its name.
     BuiltIn(&'static str),
-}
-
-/// Which model is integrated.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) enum Model {
-    /// All unknowns.
-    Full,
-    /// This many stuck modes and the attachment vectors of the slips.
-    Basis(usize),
-    /// The same with as many modes as the outputs' accelerations need for this relative error.
-    Tolerance(f64),
 }
 
 /// The table as written, with its defaults.
@@ -71,10 +62,7 @@ impl OnStructure {
     pub(crate) fn load(&self) -> Result<(String, StructureFile), InputError> {
         let source = match &self.origin {
             Origin::File(path) => Source::read(path, "structure", BUILT_IN_STRUCTURES[0].0)?,
-            Origin::BuiltIn(name) => {
-                let text = BUILT_IN_STRUCTURES.iter().find(|b| b.0 == *name).map_or("", |b| b.2);
-                Source::built_in(name, text)
-            }
+            Origin::BuiltIn(name) => built_in_structure(name)?,
         };
         Ok((source.name.clone(), StructureFile::read(&source)?))
     }

@@ -5,7 +5,9 @@ use std::fmt::Write;
 use iwan_core::{Grid, Pulse, ResidualStiffness};
 use iwan_sim::{JointKind, Method, Settings};
 
-use super::structure::{Model, Origin};
+use iwan_fem::Model;
+
+use super::structure::Origin;
 use super::{Force, OnStructure, Scenario, ScenarioMode};
 use iwan_input::Joint;
 

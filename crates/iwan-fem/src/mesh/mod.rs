@@ -9,6 +9,7 @@ mod labels;
 mod read;
 mod sets;
 mod source;
+mod surface;
 pub mod vtu;
 
 pub use error::{MeshError, MeshWarning};

@@ -38,6 +38,7 @@ from iwan._native import (
 from iwan.identification import Fit, LogLikelihood, fit, log_likelihood
 from iwan.errors import (
     ComputationError,
+    ExistingFileError,
     FileError,
     IdentificationError,
     InvalidTypeError,
@@ -45,13 +46,16 @@ from iwan.errors import (
     IwanError,
     MissingFileError,
     RecordError,
+    StructureError,
 )
 
 from iwan.records import as_record
+from iwan.structure import StaticCurves, Structure, StructureModes, StructureResponse
 
 __all__ = [
     "ComputationError",
     "Envelope",
+    "ExistingFileError",
     "FileError",
     "Fit",
     "FourParameter",
@@ -72,7 +76,12 @@ __all__ = [
     "Response",
     "Sampled",
     "Sine",
+    "StaticCurves",
     "Step",
+    "Structure",
+    "StructureError",
+    "StructureModes",
+    "StructureResponse",
     "Tabulated",
     "Uniform",
     "__version__",

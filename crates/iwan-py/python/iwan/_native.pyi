@@ -338,6 +338,34 @@ def _envelopes(
     progress: Callable[[int], object] | None,
 ) -> list[Envelope]: ...
 
+# Behind iwan.Structure.
+@final
+class _Structure:
+    def told(self) -> dict[str, Any]: ...
+    def modes(self, count: int) -> dict[str, Any]: ...
+
+def _load_structure(path: str | PathLike[str]) -> _Structure: ...
+def _built_in_structure(name: str) -> _Structure: ...
+def _quasi_static(
+    structure: _Structure, mode: str, displacement: ArrayLike | None, points: int
+) -> dict[str, Any]: ...
+def _simulate_structure(
+    structure: _Structure,
+    *,
+    force: Pulse | ArrayLike | None,
+    velocity: Sequence[tuple[str, float]],
+    dt: float,
+    duration: float,
+    modes: Sequence[str],
+    model: str,
+    basis: int | None,
+    tolerance: float | None,
+    sliders: int | None,
+    grid: Grid | None,
+    quality: bool,
+    progress: Callable[[int], object] | None,
+) -> dict[str, Any]: ...
+
 # Behind the command `iwan`.
 def _command(arguments: Sequence[str]) -> int: ...
 
@@ -345,6 +373,9 @@ def _command(arguments: Sequence[str]) -> int: ...
 @final
 class _Identified:
     def told(self, force_axis: str) -> dict[str, Any]: ...
+    def report(
+        self, path: str | PathLike[str], names: Sequence[str], force_axis: str, force: bool
+    ) -> None: ...
     def likelihood(self) -> _Likelihood: ...
 
 @final
@@ -355,22 +386,14 @@ class _Likelihood:
     def best(self) -> Array: ...
     def log(self, theta: ArrayLike, threads: int | None) -> Array: ...
 
-def _identify(
-    records: Sequence[Record | ArrayLike],
+def _identify(records: Sequence[Record | ArrayLike], request: Mapping[str, Any]) -> _Identified: ...
+def _identify_many(
+    groups: Sequence[Sequence[Record | ArrayLike]],
+    request: Mapping[str, Any],
     *,
-    dt: float | None,
-    channel: str | int | None,
-    quantity: str | None,
-    shape: Sequence[float] | None,
-    mass: float | None,
-    band: tuple[float, float] | None,
-    near: float | None,
-    method: str,
-    filter_order: int,
-    window: tuple[float, float] | None,
-    order: int | None,
-    hold: Sequence[tuple[str, float]],
-) -> _Identified: ...
+    threads: int | None,
+    progress: Callable[[int], object] | None,
+) -> list[_Identified | Exception]: ...
 
 # Behind iwan.as_record.
 def _read_bytes(

@@ -6,26 +6,27 @@ are the same, to the last bit, whatever the number of threads or workers.
 
 from __future__ import annotations
 
-import sys
 import time
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, TypeAlias, TypeVar, cast
+from typing import TYPE_CHECKING, Any, Literal, TypeAlias, TypeVar, cast
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from iwan import _native
+from iwan.identification import Fit, made, request as _request, several
+from iwan.progress import Progress, bar
 from iwan.types import Array, EnvelopeMethod, Grid, History, Method
 
 if TYPE_CHECKING:
     from distributed import Client
 
-__all__ = ["Ensemble", "envelope", "simulate"]
-
-Progress: TypeAlias = bool | Callable[[int, int], object] | None
+__all__ = ["Ensemble", "Fits", "envelope", "fit", "simulate"]
 
 _Result = TypeVar("_Result")
+
+_PARAMETERS = ("frequency", "damping_ratio", "k_t", "f_s", "chi", "beta")
 
 _CHUNK_SECONDS = 0.1
 """Aim for the pieces that workers get: at least 50 ms each, on workers twice as fast as this machine too."""
@@ -121,7 +122,7 @@ def simulate(
         "shape": shape,
     }
     if client is None:
-        with _bar(progress, columns[0].size) as tell:
+        with bar(progress, columns[0].size) as tell:
             pieces = [_native._ensemble(columns, **options, first=0, threads=threads, progress=tell)]
     else:
         pieces = _on_workers(client, _simulate_piece, columns, options, progress)
@@ -189,7 +190,7 @@ def envelope(
     }
     records = list(records)
     if client is None:
-        with _bar(progress, len(records)) as tell:
+        with bar(progress, len(records)) as tell:
             return _native._envelopes(records, **options, first=0, threads=threads, progress=tell)
     pieces = _on_workers(client, _envelope_piece, [records], options, progress)
     return [found for piece in pieces for found in piece]
@@ -197,6 +198,102 @@ def envelope(
 
 def _envelope_piece(columns: list[Any], options: dict[str, Any], first: int) -> list[_native.Envelope]:
     return _native._envelopes(columns[0], **options, first=first, threads=1, progress=None)
+
+
+@dataclass(frozen=True, eq=False)
+class Fits:
+    """Fits of many records. Made by `iwan.ensemble.fit`; picklable."""
+
+    fits: Sequence[Fit | None]
+    """One for each record, in their order; None where there is none."""
+    failures: Mapping[int, Exception]
+    """Why there is none, by the number of the record from 0."""
+
+    @property
+    def parameters(self) -> dict[str, Array]:
+        """The parameters by name, one entry per record; not a number where there is no fit."""
+        return {
+            name: np.array([np.nan if fit is None else fit.parameters[name] for fit in self.fits], dtype=np.float64)
+            for name in _PARAMETERS
+        }
+
+    def __len__(self) -> int:
+        return len(self.fits)
+
+    def __repr__(self) -> str:
+        failed = f", {len(self.failures)} failed: {', '.join(map(str, self.failures))}" if self.failures else ""
+        return f"<iwan.ensemble.Fits: {len(self)} records{failed}>"
+
+    def __str__(self) -> str:
+        """What failed, record by record."""
+        return "\n".join([repr(self), *[f"record {i}: {error}" for i, error in self.failures.items()]])
+
+
+def fit(
+    records: Sequence[_native.Record | ArrayLike | Sequence[_native.Record | ArrayLike]],
+    *,
+    dt: float | None = None,
+    channel: str | int | None = None,
+    quantity: Literal["acceleration", "velocity", "displacement"] | None = None,
+    shape: Sequence[float] | None = None,
+    mass: float | None = None,
+    band: tuple[float, float] | None = None,
+    near: float | None = None,
+    method: EnvelopeMethod = "hilbert",
+    filter_order: int = 3,
+    window: tuple[float, float] | None = None,
+    order: int | None = None,
+    force_axis: Literal["modal", "joint"] = "modal",
+    hold: Mapping[str, float] | None = None,
+    threads: int | None = None,
+    client: Client | None = None,
+    progress: Progress = None,
+) -> Fits:
+    """Fit many records, each by itself: many tests, or many structures.
+
+    `records`: each a `Record`, an array with `dt`, or a list of them (force levels of one structure, fitted together). The
+    other arguments are those of `iwan.fit`, for all records; `threads`, `client` and `progress` as in `simulate`.
+
+    Returns `Fits`. A record that cannot be fitted stops nothing: its error stands in `failures`. Raises
+    `iwan.InvalidValueError` for arguments that no record can be fitted with.
+
+    >>> joint = iwan.FourParameter(k_t=4.45e4, f_s=239.4, chi=-0.183, beta=0.3)
+    >>> mode = iwan.Mode(frequency=124.0, joint=joint, damping_ratio=1e-3)
+    >>> response = iwan.simulate(mode, dt=2e-4, duration=0.4, initial=(0.2 * joint.phi_max, 0.0), method="half-cycle")
+    >>> found = iwan.ensemble.fit([response.acceleration, response.acceleration[:20]], dt=2e-4)
+    >>> found, found.parameters["chi"].round(2).tolist()
+    (<iwan.ensemble.Fits: 2 records, 1 failed: 1>, [-0.18, nan])
+    """
+    request = _request(dt, channel, quantity, shape, mass, band, near, method, filter_order, window, order, hold)
+    groups = [several(record) for record in records]
+    natives: list[_native._Identified | Exception] | None = None
+    if client is None:
+        with bar(progress, len(groups)) as tell:
+            natives = _native._identify_many(groups, request, threads=threads, progress=tell)
+        told = _told(natives, force_axis)
+    else:
+        options = {"request": request, "force_axis": force_axis}
+        told = [one for piece in _on_workers(client, _fit_piece, [groups], options, progress) for one in piece]
+    fits: list[Fit | None] = []
+    failures: dict[int, Exception] = {}
+    for i, (group, one) in enumerate(zip(groups, told, strict=True)):
+        if isinstance(one, Exception):
+            failures[i] = one
+            fits.append(None)
+        else:
+            native = None if natives is None else cast(_native._Identified, natives[i])
+            fits.append(made(one, group, request, force_axis, native))
+    return Fits(fits, failures)
+
+
+def _fit_piece(columns: list[Any], options: dict[str, Any], first: int) -> list[dict[str, Any] | Exception]:
+    return _told(_native._identify_many(columns[0], options["request"], threads=1, progress=None), options["force_axis"])
+
+
+def _told(
+    found: Sequence[_native._Identified | Exception], force_axis: str
+) -> list[dict[str, Any] | Exception]:
+    return [one if isinstance(one, Exception) else one.told(force_axis) for one in found]
 
 
 def _on_workers(
@@ -220,7 +317,7 @@ def _on_workers(
         for first in starts
     ]
     try:
-        with _bar(progress, members) as tell:
+        with bar(progress, members) as tell:
             done = 0
             for future in as_completed(futures):
                 if future.status == "error":
@@ -244,31 +341,3 @@ def _piece_size(compute: Callable[..., object], columns: list[Any], options: dic
         if seconds > 0.1 * _CHUNK_SECONDS or size >= members:
             return max(1, int(np.ceil(size * _CHUNK_SECONDS / max(seconds, 1e-9))))
         size *= 4
-
-
-class _bar:
-    """What to call with the number done: a line on a terminal, the caller's function, or nothing."""
-
-    def __init__(self, progress: Progress, total: int) -> None:
-        self.total, self.shown = total, False
-        self.tell: Callable[[int], object] | None
-        if callable(progress):
-            self.tell = lambda done: progress(done, total)
-        elif progress or (progress is None and sys.stderr.isatty()):
-            self.tell = self.draw
-        else:
-            self.tell = None
-
-    def draw(self, done: int) -> None:
-        share = done / self.total if self.total else 1.0
-        width = 40
-        sys.stderr.write(f"\r[{'#' * int(share * width):<{width}}] {done}/{self.total}")
-        sys.stderr.flush()
-        self.shown = True
-
-    def __enter__(self) -> Callable[[int], object] | None:
-        return self.tell
-
-    def __exit__(self, *_: object) -> None:
-        if self.shown:
-            sys.stderr.write("\n")

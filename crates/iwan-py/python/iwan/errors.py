@@ -17,6 +17,10 @@ class RecordError(InvalidValueError):
     """A file whose content is no record; the message names the place in it."""
 
 
+class StructureError(InvalidValueError):
+    """A structure file that cannot be computed with; the message names file, line, key and what helps."""
+
+
 class IdentificationError(InvalidValueError):
     """A record from which the quantity asked for cannot be had."""
 
@@ -27,6 +31,10 @@ class ComputationError(IwanError, ArithmeticError):
 
 class FileError(IwanError, OSError):
     """A file that cannot be read or written."""
+
+
+class ExistingFileError(FileError, FileExistsError):
+    """A file that is there already and was not to be overwritten."""
 
 
 class MissingFileError(FileError, FileNotFoundError):

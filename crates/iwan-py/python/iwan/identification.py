@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
+from os import PathLike
 from typing import TYPE_CHECKING, Any, Literal, cast
 
 import numpy as np
@@ -60,8 +61,9 @@ class Fit:
     """Deviance at the ends of the intervals."""
     relative_residual: float
     """Root mean square of all residuals over that of the records."""
+    _records: Sequence[Any] = field(repr=False)
     _request: Mapping[str, Any] = field(repr=False)
-    """The arguments, to identify again."""
+    """Records and arguments, to identify again."""
     _identified: _Identified | None = field(default=None, repr=False)
 
     @property
@@ -98,6 +100,28 @@ class Fit:
         ]
         return "\n".join([*rows, *self.words])
 
+    def report(
+        self, path: str | PathLike[str], *, names: Sequence[str] | None = None, force: bool = False
+    ) -> None:
+        """Write the report of `iwan fit`: one self-contained HTML page with tables, intervals and figures.
+
+        `path`: where, whole or not at all; `names`: what the records are called in it; `force`: overwrite what is there.
+
+        Raises `iwan.ExistingFileError` (a `FileExistsError`) or `iwan.FileError` (an `OSError`) when the file cannot be written,
+        `iwan.InvalidValueError` for names that are not one per record.
+
+        Example: that of `examples/2_fit_of_a_record.py`.
+        """
+        identified = self._again()
+        count = len(self.envelopes)
+        if names is None:
+            names = ["record"] if count == 1 else [f"record {i}" for i in range(1, count + 1)]
+        identified.report(path, list(names), self.force_axis, force)
+
+    def _again(self) -> _Identified:
+        """What the compiled part knows; a fit that came out of a pickle is identified again, with the same bits."""
+        return _identify(self._records, self._request) if self._identified is None else self._identified
+
     def __getstate__(self) -> dict[str, Any]:
         return {**self.__dict__, "_identified": None}
 
@@ -129,8 +153,8 @@ def fit(
     `{"damping_ratio": 0.0}`.
 
     Start values off the curves, least squares on the curves, refinement on the records by simulation, profile likelihood
-    (Sec. 2.4, 2.5 and 4.4 of the paper, completed). Raises `iwan.IdentificationError` where the record does not allow it,
-    `iwan.InvalidValueError`.
+    (Sec. 2.4, 2.5 and 4.4 of the paper, completed). The interpreter's lock is released; Ctrl-C is honoured. Raises
+    `iwan.IdentificationError` where the record does not allow it, `iwan.InvalidValueError`.
 
     >>> joint = iwan.FourParameter(k_t=4.45e4, f_s=239.4, chi=-0.183, beta=0.3)
     >>> mode = iwan.Mode(frequency=124.0, joint=joint, damping_ratio=1e-3)
@@ -139,8 +163,28 @@ def fit(
     >>> print(found.adequate, f"{found.joint.chi:.2f}", found.identifiable["chi"], found.identifiable["f_s"])
     True -0.18 True False
     """
-    request = {
-        "records": _several(record),
+    arguments = request(dt, channel, quantity, shape, mass, band, near, method, filter_order, window, order, hold)
+    records = several(record)
+    identified = _identify(records, arguments)
+    return made(identified.told(force_axis), records, arguments, force_axis, identified)
+
+
+def request(
+    dt: float | None,
+    channel: str | int | None,
+    quantity: str | None,
+    shape: Sequence[float] | None,
+    mass: float | None,
+    band: tuple[float, float] | None,
+    near: float | None,
+    method: str,
+    filter_order: int,
+    window: tuple[float, float] | None,
+    order: int | None,
+    hold: Mapping[str, float] | None,
+) -> dict[str, Any]:
+    """The arguments of a fit as the compiled part takes them."""
+    return {
         "dt": dt,
         "channel": channel,
         "quantity": quantity,
@@ -154,23 +198,35 @@ def fit(
         "order": order,
         "hold": list((hold or {}).items()),
     }
-    return _fit(request, force_axis)
 
 
-def _fit(request: dict[str, Any], force_axis: str) -> Fit:
-    identified = _identify(**request)
-    told = identified.told(force_axis)
+def made(
+    told: dict[str, Any],
+    records: Sequence[Any],
+    asked: Mapping[str, Any],
+    force_axis: str,
+    identified: _Identified | None,
+) -> Fit:
+    """A fit of what the compiled part tells."""
     p = told.pop("parameters")
     joint = FourParameter(k_t=p["k_t"], f_s=p["f_s"], chi=p["chi"], beta=p["beta"])
     mode = Mode(frequency=p["frequency"], joint=joint, damping_ratio=p["damping_ratio"])
     bounded = {
-        name: name not in dict(request["hold"]) and None not in interval for name, interval in told["intervals"].items()
+        name: name not in dict(asked["hold"]) and None not in interval for name, interval in told["intervals"].items()
     }
     told.pop("dissipation_misfit"), told.pop("frequency_misfit")
-    return Fit(mode=mode, identifiable=bounded, force_axis=force_axis, _request=request, _identified=identified, **told)
+    return Fit(
+        mode=mode,
+        identifiable=bounded,
+        force_axis=force_axis,
+        _records=records,
+        _request=asked,
+        _identified=identified,
+        **told,
+    )
 
 
-def _several(record: Any) -> list[Any]:
+def several(record: Any) -> list[Any]:
     """A list of records: a list of numbers, or of lists of numbers, is one record."""
     if isinstance(record, (list, tuple)) and record and isinstance(record[0], (Record, np.ndarray)):
         return list(record)
@@ -243,7 +299,4 @@ def log_likelihood(fit: Fit) -> LogLikelihood:
     >>> likelihood.names[:4], bool(likelihood(likelihood.best) > likelihood(likelihood.best + 0.01))
     (['frequency', 'damping_ratio', 'log_k_t', 'log_f_s'], True)
     """
-    identified = fit._identified
-    if identified is None:  # it came out of a pickle
-        identified = _identify(**fit._request)
-    return LogLikelihood(identified.likelihood())
+    return LogLikelihood(fit._again().likelihood())

@@ -12,8 +12,10 @@ from typing import TYPE_CHECKING, Any, Literal, TypeAlias
 import numpy as np
 from numpy.typing import ArrayLike
 
+from iwan._axes import axes
 from iwan._native import Envelope, FourParameter, Joint, Mode, Record, Response
-from iwan.errors import InvalidTypeError, InvalidValueError, IwanError
+from iwan._shapes import mode_shape, mode_shapes
+from iwan.errors import InvalidTypeError, InvalidValueError
 from iwan.types import Array, History
 
 if TYPE_CHECKING:
@@ -28,6 +30,7 @@ __all__ = [
     "fitted",
     "frequency",
     "hysteresis",
+    "mode_shape",
     "mode_shapes",
     "profile",
     "ring_down",
@@ -38,17 +41,6 @@ _MODEL: dict[str, Any] = {"color": "black", "linewidth": 1.0}
 _POWERS = {"acceleration": 2, "velocity": 1, "displacement": 0}
 
 Envelopes: TypeAlias = Envelope | Mapping[str, Envelope] | None
-
-
-def _axes(ax: Axes | None) -> Axes:
-    """The caller's axes, or new ones."""
-    if ax is not None:
-        return ax
-    try:
-        from matplotlib import pyplot
-    except ImportError as error:
-        raise IwanError("iwan.plot needs matplotlib: pip install 'iwan-ringdown[plot]'") from error
-    return pyplot.subplots(layout="constrained")[1]
 
 
 def _readable(ax: Axes) -> None:
@@ -79,7 +71,7 @@ def ring_down(
     >>> iwan.plot.ring_down(response).get_xlabel()
     'time (s)'
     """
-    ax = _axes(ax)
+    ax = axes(ax)
     if isinstance(response, Record):
         label = response.quantity if response.quantity != "unknown" else "record"
         if response.unit:
@@ -111,7 +103,7 @@ def hysteresis(
     >>> iwan.plot.hysteresis((u, joint.force_history(u)), joint=joint).get_ylabel()
     'joint force'
     """
-    ax = _axes(ax)
+    ax = axes(ax)
     if isinstance(response, Response):
         u, force = response.displacement, response.joint_force
     else:
@@ -188,7 +180,7 @@ def frequency(
     >>> iwan.plot.frequency(mode=mode).get_ylabel()
     'frequency (Hz)'
     """
-    ax = _against_amplitude(envelopes, mode, quantity, "frequency", 1.0, _axes(ax))
+    ax = _against_amplitude(envelopes, mode, quantity, "frequency", 1.0, axes(ax))
     ax.set(ylabel="frequency (Hz)")
     _readable(ax)
     return ax
@@ -207,7 +199,7 @@ def damping(
     >>> iwan.plot.damping(mode=mode).get_yscale()
     'log'
     """
-    ax = _against_amplitude(envelopes, mode, quantity, "damping_ratio", 100.0, _axes(ax))
+    ax = _against_amplitude(envelopes, mode, quantity, "damping_ratio", 100.0, axes(ax))
     ax.set(yscale="log", ylabel="damping ratio (%)")
     _readable(ax)
     return ax
@@ -229,7 +221,7 @@ def dissipation(
     >>> iwan.plot.dissipation(joint).get_xlabel()
     'joint force'
     """
-    ax = _axes(ax)
+    ax = axes(ax)
     joints = {"": joint} if isinstance(joint, Joint) else dict(joint)
     for i, (label, one) in enumerate(joints.items()):
         u = np.geomspace(max(1e-3 * one.phi_max, 1.001 * one.phi_min), 10 * one.phi_max, 401)
@@ -255,7 +247,7 @@ def fitted(
 
     Example: that of `examples/2_fit_of_a_record.py`.
     """
-    ax = _axes(ax)
+    ax = axes(ax)
     scale = 100.0 if show == "damping_ratio" else 1.0
     for number in np.unique(fit.curves["record"]):
         mine = {key: values[fit.curves["record"] == number] for key, values in fit.curves.items()}
@@ -287,7 +279,7 @@ def profile(fit: Fit, parameter: str, *, ax: Axes | None = None) -> Axes:
     """
     if parameter not in fit.profiles:
         raise InvalidValueError(f"parameter = '{parameter}' is not known: choose one of {', '.join(fit.profiles)}")
-    ax = _axes(ax)
+    ax = axes(ax)
     values, deviance = fit.profiles[parameter]
     ax.plot(values, deviance, marker=".", markersize=4, linewidth=1.0)
     ax.axhline(fit.limit, linestyle="--", label="95 %", **_MODEL)
@@ -311,7 +303,7 @@ def density(joint: Joint | Mapping[str, Joint], *, ax: Axes | None = None) -> Ax
     >>> iwan.plot.density(iwan.Uniform(k_t=1000.0, f_s=5.0, width=0.5)).get_xlabel()
     'slider strength'
     """
-    ax = _axes(ax)
+    ax = axes(ax)
     joints = {"": joint} if isinstance(joint, Joint) else dict(joint)
     for i, (label, one) in enumerate(joints.items()):
         phi = np.geomspace(max(one.phi_min, 1e-4 * one.phi_max), one.phi_max, 401)
@@ -327,34 +319,4 @@ def density(joint: Joint | Mapping[str, Joint], *, ax: Axes | None = None) -> Ax
     ax.set(xscale="log", yscale="log", xlabel="slider strength", ylabel="density (stiffness/length)")
     if any(joints):
         ax.legend()
-    return ax
-
-
-def mode_shapes(
-    position: ArrayLike, shapes: ArrayLike | Mapping[str, ArrayLike], *, ax: Axes | None = None
-) -> Axes:
-    """Draw mode shapes along a line.
-
-    `position`: of the points, n numbers; `shapes`: modes x n, or one list of n numbers per name. Positions need no order.
-
-    >>> import numpy as np
-    >>> x = np.linspace(-1.0, 1.0, 21)
-    >>> iwan.plot.mode_shapes(x, {"bending 1": x**2 - 0.3, "bending 2": x**3 - 0.6 * x}).get_legend().get_texts()[1].get_text()
-    'bending 2'
-    """
-    ax = _axes(ax)
-    x = np.asarray(position, dtype=np.float64)
-    if isinstance(shapes, Mapping):
-        named = {name: np.asarray(shape, dtype=np.float64) for name, shape in shapes.items()}
-    else:
-        rows = np.atleast_2d(np.asarray(shapes, dtype=np.float64))
-        named = {f"mode {i + 1}": row for i, row in enumerate(rows)}
-    order = np.argsort(x, kind="stable")
-    for name, shape in named.items():
-        if x.ndim != 1 or shape.shape != x.shape:
-            raise InvalidValueError(f"shape '{name}' has {shape.size} values for {x.size} positions: one each")
-        ax.plot(x[order], shape[order], marker=".", label=name)
-    ax.axhline(0.0, linewidth=0.5, color="grey", zorder=0)
-    ax.set(xlabel="position", ylabel="mass-normalised mode shape")
-    ax.legend()
     return ax

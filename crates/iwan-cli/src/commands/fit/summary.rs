@@ -8,7 +8,7 @@ use iwan_ident::density::FreeForm;
 use iwan_ident::profile::Profile;
 use serde::Serialize;
 
-use crate::args::{Axis, FitArgs};
+use crate::args::Axis;
 use crate::commands::envelope::{RecordSummary, agreement};
 use crate::identified::Identified;
 use crate::records::{Recording, Units};
@@ -161,13 +161,13 @@ impl FitSummary {
     pub(crate) fn new(
         recordings: &[Recording],
         identified: &[Identified],
-        args: &FitArgs,
+        axis: Axis,
         units: &Units,
     ) -> Self {
         Self {
             version: env!("CARGO_PKG_VERSION"),
             records: recordings.iter().map(|r| RecordSummary::new(r, units)).collect(),
-            modes: identified.iter().map(|i| ModeFit::new(i, args)).collect(),
+            modes: identified.iter().map(|i| ModeFit::new(i, axis)).collect(),
             warnings: recordings.iter().flat_map(|r| r.warnings.clone()).collect(),
             files: Vec::new(),
             folder: None,
@@ -206,7 +206,7 @@ impl FitSummary {
 }
 
 impl ModeFit {
-    fn new(i: &Identified, args: &FitArgs) -> Self {
+    fn new(i: &Identified, axis: Axis) -> Self {
         let (found, p) = (&i.found, &i.found.parameters);
         let of = |parameter| Estimate::new(found.profile(parameter));
         let phi_max = p.model().map_or(f64::NAN, |(_, joint)| joint.phi_max());
@@ -240,7 +240,7 @@ impl ModeFit {
                 criterion: found.linear.criterion,
             },
             in_words: in_words(i),
-            force_axis: if args.records.force_axis == Axis::Modal { "modal" } else { "joint" },
+            force_axis: if axis == Axis::Modal { "modal" } else { "joint" },
             band: (band.low, band.high),
             releases: releases.collect(),
             notes: notes(i),

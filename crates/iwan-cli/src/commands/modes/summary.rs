@@ -3,10 +3,10 @@
 use std::fmt::Write;
 use std::path::PathBuf;
 
-use iwan_fem::Class;
+use iwan_fem::{Class, NamedMode};
 use serde::Serialize;
 
-use crate::linear::{Linear, word};
+use crate::linear::Linear;
 use crate::summary::short;
 
 /// The summary of the modes of a structure.
@@ -89,9 +89,9 @@ pub(crate) struct Pair {
 impl ModesSummary {
     /// Of a structure.
     pub(crate) fn new(linear: &Linear, seconds: f64) -> Self {
-        let pair = |mode: &crate::linear::Elastic| Pair {
+        let pair = |mode: &NamedMode| Pair {
             name: mode.name.clone(),
-            class: word(mode.class),
+            class: mode.class.word(),
             frequency_stuck: linear.frequency_stuck(mode),
             frequency_slipping: linear.frequency_slipping(mode),
             k_t: mode.pair.k_t,

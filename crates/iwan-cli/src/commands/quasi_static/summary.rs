@@ -7,7 +7,7 @@ use serde::Serialize;
 
 use super::Analysed;
 use crate::commands::modes::Size;
-use crate::linear::{Linear, word};
+use crate::linear::Linear;
 use crate::summary::short;
 
 /// A misfit above this is worth a warning.
@@ -72,7 +72,7 @@ impl ModeCurves {
         let curves = &of.curves;
         Self {
             name: of.mode.name.clone(),
-            class: word(of.mode.class),
+            class: of.mode.class.word(),
             frequency_stuck: linear.frequency_stuck(&of.mode),
             frequency_slipping: linear.frequency_slipping(&of.mode),
             mac: of.mode.pair.mac,

@@ -107,8 +107,8 @@ fn mode_summary(truth: &Truth, n: usize) -> ModeSummary {
         final_displacement: history.displacement.last().copied().unwrap_or(0.0),
         slip_ratio: response.slips.iter().fold(0.0, |most: f64, slip| most.max(slip.slip_ratio)),
         energy_error: response.energy.error(),
-        time_step_error: truth.errors.as_ref().map(|errors| errors.0[n]),
-        discretisation_error: truth.errors.as_ref().and_then(|errors| Some(errors.1.as_ref()?[n])),
+        time_step_error: truth.errors.as_ref().map(|errors| errors.time_step[n]),
+        discretisation_error: truth.errors.as_ref().and_then(|errors| Some(errors.sliders.as_ref()?[n])),
         forgotten_force: response.forgotten_force,
         samples_per_cycle: 1.0 / (frequency * response.dt),
         steps: history.displacement.len() - 1,
@@ -175,7 +175,7 @@ fn columns<'a>(times: &'a [f64], truth: &'a Truth) -> Vec<(String, &'a [f64])> {
     let mut columns = vec![("t".to_string(), times)];
     for (n, history) in truth.response.outputs.iter().enumerate() {
         let mut add = |quantity: &str, values: &'a [f64]| {
-            columns.push((format!("{}.{quantity}", history.name), values))
+            columns.push((format!("{}.{quantity}", history.name), values));
         };
         add("displacement", &history.displacement);
         add("velocity", &history.velocity);

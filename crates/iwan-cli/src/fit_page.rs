@@ -1,0 +1,94 @@
+//! `report.html` of a fit that was made elsewhere: the page of `iwan fit`.
+
+use iwan_ident::curves::Quantity;
+use iwan_ident::identify::{Identification, Settings};
+use iwan_io::Record;
+
+use crate::args::Axis;
+use crate::commands::fit::{FitSummary, as_scenario};
+use crate::failure::Failure;
+use crate::identified::{Identified, extract};
+use crate::records::{ModalRecord, Recording, Units, Wanted};
+use crate::report;
+use crate::scenario;
+
+/// A record as it was identified.
+#[derive(Debug, Clone)]
+pub struct FittedRecord {
+    /// What the page calls it.
+    pub name: String,
+    /// Names of the channels it was taken from.
+    pub channels: Vec<String>,
+    /// Unit of the samples as text; empty when not known.
+    pub unit: String,
+    /// What was measured.
+    pub quantity: Quantity,
+    /// Sampling interval, s.
+    pub dt: f64,
+    /// Time of the first sample, s.
+    pub start: f64,
+    /// The mode's record.
+    pub samples: Vec<f64>,
+}
+
+/// A fit of one mode.
+#[derive(Debug, Clone, Copy)]
+pub struct FittedMode<'a> {
+    /// The records.
+    pub records: &'a [FittedRecord],
+    /// What was asked for.
+    pub settings: &'a Settings,
+    /// What was found.
+    pub found: &'a Identification,
+    /// How the channels were combined, and what was assumed.
+    pub notes: &'a [String],
+    /// Whether the records carry the root of a modal mass, as modal quantities do.
+    pub mass_normalised: bool,
+    /// Whether curves are drawn over the joint force in place of the modal one.
+    pub joint_force: bool,
+}
+
+/// The page: self-contained HTML.
+///
+/// # Errors
+/// Why there is none, in words: records that are none, a mode that cannot be drawn.
+pub fn fit_page(of: &FittedMode<'_>) -> Result<String, String> {
+    page(of).map_err(|failure| failure.to_string())
+}
+
+fn page(of: &FittedMode<'_>) -> Result<String, Failure> {
+    let recordings = of.records.iter().map(recording).collect::<Result<Vec<_>, _>>()?;
+    let Some(first) = recordings.first() else {
+        return Err(Failure::input("there is no record", "give at least one"));
+    };
+    let wanted = Wanted {
+        name: "mode 1".into(),
+        options: of.settings.options,
+        records: (of.records.iter().enumerate())
+            .map(|(source, record)| ModalRecord { source, samples: record.samples.clone() })
+            .collect(),
+        notes: of.notes.to_vec(),
+    };
+    let axis = if of.joint_force { Axis::Joint } else { Axis::Modal };
+    let extractions = extract(&recordings, &wanted, of.settings.method)?;
+    let identified = [Identified::of(&recordings, &wanted, extractions, axis, of.found.clone())?];
+    let units = Units::new(first.record.unit(), first.quantity, of.mass_normalised);
+    let summary = FitSummary::new(&recordings, &identified, axis, &units);
+    let failed = |e: iwan_core::Error| Failure::Computation(e.to_string());
+    let toml = scenario::to_toml(&as_scenario(&identified, &summary.title()).map_err(failed)?, "");
+    let input = report::fit::Input { identified: &identified, summary: &summary, units: &units, toml: &toml };
+    Ok(report::fit::render(&input))
+}
+
+fn recording(of: &FittedRecord) -> Result<Recording, Failure> {
+    let quantity = match of.quantity {
+        Quantity::Acceleration => iwan_io::Quantity::Acceleration,
+        Quantity::Velocity => iwan_io::Quantity::Velocity,
+        Quantity::Displacement => iwan_io::Quantity::Displacement,
+    };
+    let record = Record::new(of.dt, vec![of.samples.clone()], vec![of.channels.join(", ")])
+        .and_then(|record| record.with_start(of.start))
+        .map_err(|error| Failure::said(&of.name, &error))?;
+    let record = record.with_quantity(quantity, of.unit.clone());
+    Ok(Recording { name: of.name.clone(), record, quantity: of.quantity, warnings: Vec::new() })
+}

@@ -1,0 +1,104 @@
+//! Which model of a structure is integrated, and what companion runs say about the errors of the response.
+
+use crate::assembly::Assembled;
+use crate::contact::Population;
+use crate::error::Error;
+use crate::reduction::{Basis, Reduced};
+use crate::transient::{History, Progress, Transient, TruthResponse};
+
+/// Which model is integrated.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Model {
+    /// All unknowns.
+    Full,
+    /// This many stuck modes and the attachment vectors of the slips.
+    Basis(usize),
+    /// The same with as many modes as the outputs' accelerations need for this relative error.
+    Tolerance(f64),
+}
+
+/// The response of a model, and what was reduced.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Integrated {
+    /// The response.
+    pub response: TruthResponse,
+    /// Modes in the basis of the reduced model; none for the full one.
+    pub basis: Option<usize>,
+    /// Estimated error of the reduction, where it was sought, and whether it reached the tolerance.
+    pub basis_error: Option<(f64, bool)>,
+}
+
+/// Estimated errors, one per output, relative to its peak displacement.
+#[derive(Debug, Clone, PartialEq)]
+pub struct StepErrors {
+    /// Of the time step: against twice the step, as the scheme is of second order.
+    pub time_step: Vec<f64>,
+    /// Of cutting the joints into sliders: against the continuum; none when that is what was integrated.
+    pub sliders: Option<Vec<f64>>,
+}
+
+impl Assembled {
+    /// Integrates a model of the structure. `progress` hears the share done of each run; a search for the basis has several.
+    ///
+    /// # Errors
+    /// As [`transient_observed`](Self::transient_observed) and [`reduced_transient`](Self::reduced_transient).
+    pub fn integrate(
+        &self,
+        model: Model,
+        of: &Transient<'_>,
+        progress: Progress<'_>,
+    ) -> Result<Integrated, Error> {
+        match model {
+            Model::Full => {
+                let response = self.transient_observed(of, progress)?;
+                Ok(Integrated { response, basis: None, basis_error: None })
+            }
+            Model::Basis(modes) => {
+                let modes = modes.min(self.unknowns());
+                let response = self.reduce(modes, Basis::default())?.transient_observed(of, progress)?;
+                Ok(Integrated { response, basis: Some(modes), basis_error: None })
+            }
+            Model::Tolerance(tolerance) => {
+                let found = self.reduced_transient_observed(of, tolerance, progress)?;
+                let (basis, basis_error) = (Some(found.modes), Some((found.error, found.converged)));
+                Ok(Integrated { response: found.response, basis, basis_error })
+            }
+        }
+    }
+}
+
+impl Reduced<'_> {
+    /// Errors of a response of this model, by companion runs.
+    ///
+    /// # Errors
+    /// As [`transient_observed`](Self::transient_observed).
+    pub fn step_errors(
+        &self,
+        of: &Transient<'_>,
+        response: &TruthResponse,
+        progress: Progress<'_>,
+    ) -> Result<StepErrors, Error> {
+        let coarse = Transient { dt: 2.0 * of.dt, steps: of.steps / 2, ..of.clone() };
+        let coarse = self.transient_observed(&coarse, progress)?;
+        let pairs = response.outputs.iter().zip(&coarse.outputs);
+        let time_step = pairs.map(|(fine, coarse)| difference(fine, coarse, 2) / 3.0).collect();
+        let sliders = match of.population {
+            Population::Continuum => None,
+            Population::Sliders { .. } => {
+                let exact = Transient { population: Population::Continuum, ..of.clone() };
+                let exact = self.transient_observed(&exact, progress)?;
+                let pairs = response.outputs.iter().zip(&exact.outputs);
+                Some(pairs.map(|(cut, exact)| difference(cut, exact, 1)).collect())
+            }
+        };
+        Ok(StepErrors { time_step, sliders })
+    }
+}
+
+/// Largest difference of displacements at the samples that two histories share, over the peak.
+fn difference(of: &History, other: &History, stride: usize) -> f64 {
+    let peak = of.displacement.iter().fold(0.0, |most: f64, u| most.max(u.abs()));
+    let pairs = of.displacement.iter().step_by(stride).zip(&other.displacement);
+    let largest = pairs.fold(0.0, |most: f64, (a, b)| most.max((a - b).abs()));
+    if peak > 0.0 { largest / peak } else { 0.0 }
+}

@@ -1,0 +1,181 @@
+//! Finite-element structures with discrete joints. `iwan.Structure` is their face.
+
+use std::collections::BTreeMap;
+use std::path::PathBuf;
+use std::sync::{Arc, Mutex, PoisonError};
+
+use iwan_fem::{Error, NamedModes};
+use iwan_input::{Source, StructureFile, built_in_structure};
+use pyo3::IntoPyObjectExt;
+use pyo3::prelude::*;
+use pyo3::types::PyDict;
+
+use crate::array::{array, cube, frozen_rows};
+use crate::errors::{fem, input, missing_file};
+use crate::laws::Remake;
+use crate::repr;
+use crate::work;
+
+/// Elastic modes among which names are looked up, as on the command line.
+pub(crate) const NAMED: usize = 40;
+
+/// What `iwan.Structure` is made of.
+#[pyclass(frozen, module = "iwan._native", name = "_Structure")]
+#[derive(Debug)]
+pub(crate) struct Structure(pub(crate) Arc<Loaded>);
+
+/// A structure file with the modes that were computed so far.
+#[derive(Debug)]
+pub(crate) struct Loaded {
+    /// Where it came from.
+    source: Source,
+    built_in: bool,
+    pub(crate) file: StructureFile,
+    /// By how many were asked for: modes have the same bits whatever was computed before.
+    modes: Mutex<BTreeMap<usize, Arc<NamedModes>>>,
+}
+
+impl Loaded {
+    fn read(source: Source, built_in: bool) -> PyResult<Structure> {
+        let file = StructureFile::read(&source).map_err(|error| input("", &error))?;
+        Ok(Structure(Arc::new(Self { source, built_in, file, modes: Mutex::default() })))
+    }
+
+    /// Name for messages.
+    pub(crate) fn name(&self) -> &str {
+        &self.source.name
+    }
+
+    /// The first `count` elastic modes.
+    pub(crate) fn named_modes(&self, count: usize) -> Result<Arc<NamedModes>, Error> {
+        let known = |modes: &Mutex<BTreeMap<usize, Arc<NamedModes>>>| {
+            modes.lock().unwrap_or_else(PoisonError::into_inner).get(&count).cloned()
+        };
+        if let Some(modes) = known(&self.modes) {
+            return Ok(modes);
+        }
+        let modes = Arc::new(NamedModes::new(&self.file.structure, count)?);
+        self.modes.lock().unwrap_or_else(PoisonError::into_inner).insert(count, modes.clone());
+        Ok(modes)
+    }
+}
+
+/// Reads a structure file.
+#[pyfunction]
+pub(crate) fn _load_structure(path: PathBuf) -> PyResult<Structure> {
+    if let Err(error) = std::fs::metadata(&path) {
+        return Err(missing_file(&path, &error));
+    }
+    let source = Source::read(&path, "structure", "paper-a").map_err(|error| input("", &error))?;
+    Loaded::read(source, false)
+}
+
+/// A structure that is built in.
+#[pyfunction]
+pub(crate) fn _built_in_structure(name: &str) -> PyResult<Structure> {
+    Loaded::read(built_in_structure(name).map_err(|error| input("", &error))?, true)
+}
+
+/// Makes a pickled structure again, from the text of its file.
+#[pyfunction]
+pub(crate) fn _structure(name: String, text: String, folder: PathBuf, built_in: bool) -> PyResult<Structure> {
+    Loaded::read(Source { name, text, folder }, built_in)
+}
+
+#[pymethods]
+impl Structure {
+    /// What is known without any computation, as a dict.
+    fn told<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
+        let (file, dict) = (&self.0.file, PyDict::new(py));
+        let (structure, mesh) = (&file.structure, &file.structure.mesh);
+        dict.set_item("name", self.0.name())?;
+        dict.set_item("title", file.title.as_deref().unwrap_or(self.0.name()))?;
+        dict.set_item("text", &self.0.source.text)?;
+        dict.set_item("notes", &file.notes)?;
+        let positions: Vec<Vec<f64>> = mesh.positions.iter().map(|p| p.to_vec()).collect();
+        dict.set_item("nodes", frozen_rows(py, &positions)?)?;
+        let faces = mesh.outer_faces().into_iter().map(|(_, corners)| corners.to_vec());
+        dict.set_item("faces", faces.collect::<Vec<_>>())?;
+        dict.set_item("elements", mesh.elements.len())?;
+        dict.set_item("node_sets", mesh.node_sets.clone())?;
+        dict.set_item("joints", names(structure.joints.iter().map(|joint| &joint.name)))?;
+        dict.set_item("loads", names(file.loads.iter().map(|load| &load.name)))?;
+        dict.set_item("outputs", names(file.outputs.iter().map(|output| &output.name)))?;
+        Ok(dict)
+    }
+
+    /// The first `count` elastic modes, as a dict.
+    fn modes<'py>(&self, py: Python<'py>, count: usize) -> PyResult<Bound<'py, PyDict>> {
+        let this = self.0.clone();
+        let modes = work::run(py, true, move |_| this.named_modes(count))?;
+        let modes = modes.map_err(|error| fem(self.0.name(), &error))?;
+        let dict = PyDict::new(py);
+        let of = |f: &dyn Fn(&iwan_fem::NamedMode) -> f64| array(py, modes.elastic.iter().map(f).collect());
+        dict.set_item("names", names(modes.elastic.iter().map(|mode| &mode.name)))?;
+        dict.set_item("classes", modes.elastic.iter().map(|mode| mode.class.word()).collect::<Vec<_>>())?;
+        dict.set_item("frequency", of(&|mode| modes.frequency_stuck(mode)))?;
+        dict.set_item("frequency_slipping", of(&|mode| modes.frequency_slipping(mode)))?;
+        dict.set_item("k_t", of(&|mode| mode.pair.k_t))?;
+        dict.set_item("mac", of(&|mode| mode.pair.mac))?;
+        dict.set_item("zero_modes", (modes.stuck.zero_modes(), modes.slipping.zero_modes()))?;
+        let nodes = self.0.file.structure.mesh.positions.len();
+        let shapes = |modes_of: &iwan_fem::Modes, index: &dyn Fn(&iwan_fem::NamedMode) -> usize| {
+            let shape =
+                |mode: &iwan_fem::NamedMode| modes.assembled.displacements(modes_of.shape(index(mode)));
+            let values = modes.elastic.iter().flat_map(shape).collect();
+            cube(py, [modes.elastic.len(), nodes, 3], values)
+        };
+        dict.set_item("shapes", shapes(&modes.stuck, &|mode| mode.pair.stuck)?)?;
+        dict.set_item("shapes_slipping", shapes(&modes.slipping, &|mode| mode.pair.slipping)?)?;
+        let (at_force, at_outputs) = self.at_ends(&modes)?;
+        dict.set_item("shape_at_force", array(py, at_force))?;
+        let outputs = PyDict::new(py);
+        for (name, values) in at_outputs {
+            outputs.set_item(name, array(py, values))?;
+        }
+        dict.set_item("outputs", outputs)?;
+        dict.set_item("unknowns", modes.assembled.unknowns())?;
+        dict.set_item("total_mass", modes.assembled.total_mass())?;
+        dict.set_item("warnings", modes.warnings())?;
+        Ok(dict)
+    }
+
+    fn __repr__(&self) -> String {
+        let how = if self.0.built_in { "built_in" } else { "load" };
+        format!("iwan.Structure.{how}({})", repr::text(self.0.name()))
+    }
+
+    fn __reduce__<'py>(slf: &Bound<'py, Self>) -> PyResult<Remake<'py>> {
+        let Loaded { source, built_in, .. } = &*slf.get().0;
+        let arguments = (&source.name, &source.text, &source.folder, built_in);
+        let made = slf.py().import("iwan._native")?.getattr("_structure")?;
+        Ok((made, arguments.into_bound_py_any(slf.py())?))
+    }
+}
+
+/// Values of the stuck shapes where the force acts, and at each output.
+type AtEnds = (Vec<f64>, Vec<(String, Vec<f64>)>);
+
+impl Structure {
+    fn at_ends(&self, modes: &NamedModes) -> PyResult<AtEnds> {
+        let read = |coefficients: &[f64]| -> Vec<f64> {
+            let value = |mode: &iwan_fem::NamedMode| {
+                let shape = modes.stuck.shape(mode.pair.stuck);
+                coefficients.iter().zip(shape).map(|(c, phi)| c * phi).sum()
+            };
+            modes.elastic.iter().map(value).collect()
+        };
+        let said = |error: &iwan_input::InputError| input(self.0.name(), error);
+        let at_force = if self.0.file.loads.is_empty() {
+            vec![0.0; modes.elastic.len()]
+        } else {
+            read(&self.0.file.forces(&modes.assembled).map_err(|error| said(&error))?)
+        };
+        let outputs = self.0.file.recorded(modes, &[]).map_err(|error| said(&error))?;
+        Ok((at_force, outputs.into_iter().map(|o| (o.name, read(&o.coefficients))).collect()))
+    }
+}
+
+fn names<'a>(all: impl Iterator<Item = &'a String>) -> Vec<&'a str> {
+    all.map(String::as_str).collect()
+}

@@ -1,0 +1,249 @@
+//! Transients of a structure with its discrete joints: `Structure.simulate`.
+
+use std::ops::ControlFlow;
+
+use iwan_fem::{Integrated, Model, NamedMode, NamedModes, Population, StepErrors, Transient, TruthResponse};
+use iwan_input::InputError;
+use iwan_sim::JointKind;
+use pyo3::prelude::*;
+use pyo3::types::PyDict;
+
+use crate::array::array;
+use crate::errors::{fem, input, value};
+use crate::options::{joint_kind, unknown};
+use crate::pulse::Force;
+use crate::response::balance;
+use crate::structure::{Loaded, NAMED, Structure};
+use crate::work::{self, Control};
+
+/// Relative error of the accelerations at which the basis grows no more, as on the command line.
+const TOLERANCE: f64 = 1e-2;
+
+/// What one run has done when it is at its end.
+const PARTS: f64 = 1000.0;
+
+/// What is to be computed.
+struct Request {
+    force: Option<Force>,
+    velocity: Vec<(String, f64)>,
+    dt: f64,
+    duration: f64,
+    modes: Vec<String>,
+    model: Model,
+    population: Population,
+    quality: bool,
+}
+
+/// A response with all that belongs to it.
+struct Done {
+    modes: Vec<NamedMode>,
+    integrated: Integrated,
+    errors: Option<StepErrors>,
+    joint_forces: Vec<Vec<f64>>,
+}
+
+/// Why there is no response.
+enum Failure {
+    Fem(iwan_fem::Error),
+    Input(InputError),
+}
+
+impl From<iwan_fem::Error> for Failure {
+    fn from(error: iwan_fem::Error) -> Self {
+        Self::Fem(error)
+    }
+}
+
+impl From<InputError> for Failure {
+    fn from(error: InputError) -> Self {
+        Self::Input(error)
+    }
+}
+
+/// The response to a force, as a dict.
+#[pyfunction]
+#[pyo3(signature = (
+    structure, *, force, velocity, dt, duration, modes, model, basis, tolerance, sliders, grid, quality, progress
+))]
+#[expect(clippy::too_many_arguments, reason = "keyword arguments of Python")]
+pub(crate) fn _simulate_structure<'py>(
+    structure: &Bound<'py, Structure>,
+    force: Option<&Bound<'py, PyAny>>,
+    velocity: Vec<(String, f64)>,
+    dt: f64,
+    duration: f64,
+    modes: Vec<String>,
+    model: &str,
+    basis: Option<usize>,
+    tolerance: Option<f64>,
+    sliders: Option<usize>,
+    grid: Option<&Bound<'py, PyAny>>,
+    quality: bool,
+    progress: Option<&Bound<'py, PyAny>>,
+) -> PyResult<Bound<'py, PyDict>> {
+    let request = Request {
+        force: force.map(|force| Force::read(Some(force), dt)).transpose()?,
+        velocity,
+        dt: positive("dt", dt)?,
+        duration: positive("duration", duration)?,
+        modes,
+        model: model_of(model, basis, tolerance)?,
+        population: population(joint_kind(sliders, grid)?),
+        quality,
+    };
+    if request.force.is_none() && request.velocity.is_empty() {
+        return Err(value("nothing moves the structure: give force=, or velocity= of some modes"));
+    }
+    let (py, this) = (structure.py(), structure.get().0.clone());
+    let of = this.clone();
+    let done = work::watched(py, progress, move |control| run(&of, &request, control))?;
+    told(
+        py,
+        done.map_err(|failure| match failure {
+            Failure::Fem(error) => fem(this.name(), &error),
+            Failure::Input(error) => input(this.name(), &error),
+        })?,
+    )
+}
+
+fn positive(name: &str, x: f64) -> PyResult<f64> {
+    if x > 0.0 && x.is_finite() {
+        return Ok(x);
+    }
+    Err(value(format!("{name} = {x} is out of range: must be a finite number of seconds > 0")))
+}
+
+/// The model by its name and what goes with it.
+fn model_of(name: &str, basis: Option<usize>, tolerance: Option<f64>) -> PyResult<Model> {
+    match (name, basis, tolerance) {
+        ("full", None, None) => Ok(Model::Full),
+        ("full", ..) => Err(value(
+            "basis and tolerance do not apply to model = 'full': leave them out, or choose 'reduced'",
+        )),
+        ("reduced", Some(_), Some(_)) => Err(value(
+            "basis and tolerance exclude each other: fix the number of modes, or the error they may cause",
+        )),
+        ("reduced", Some(0), _) => Err(value("basis = 0 is out of range: at least 1 mode")),
+        ("reduced", Some(modes), None) => Ok(Model::Basis(modes)),
+        ("reduced", None, tolerance) => Ok(Model::Tolerance(tolerance.unwrap_or(TOLERANCE))),
+        _ => Err(unknown("model", name, &["reduced", "full"])),
+    }
+}
+
+/// How joints are evaluated: graded sliders reach farther down than for one mode, as joints slip unequally.
+fn population(kind: JointKind) -> Population {
+    match kind {
+        JointKind::Continuum => Population::Continuum,
+        JointKind::Sliders { bins, grid } if grid == iwan_core::Grid::graded(bins) => {
+            Population::graded(bins)
+        }
+        JointKind::Sliders { bins, grid } => Population::Sliders { bins, grid },
+    }
+}
+
+fn run(of: &Loaded, request: &Request, control: &Control) -> Result<Done, Failure> {
+    let named = of.named_modes(NAMED)?;
+    let modes = named.chosen(&request.modes)?;
+    let transient = transient(of, &named, &modes, request)?;
+    let mut progress = |share: f64| -> ControlFlow<()> { control.report((share * PARTS) as usize) };
+    let assembled = &named.assembled;
+    let integrated = assembled.integrate(request.model, &transient, &mut progress)?;
+    let mut stop = |_: f64| control.stop();
+    let errors = match integrated.basis.filter(|_| request.quality) {
+        Some(basis) => {
+            let reduced = assembled.reduce(basis, iwan_fem::Basis::default())?;
+            Some(reduced.step_errors(&transient, &integrated.response, &mut stop)?)
+        }
+        None => None,
+    };
+    let joint_forces = modes.iter().zip(&integrated.response.outputs).map(|(mode, history)| {
+        let stuck = (&named.stuck, mode.pair.stuck);
+        assembled.modal_joint_force(&integrated.response, history, stuck, mode.pair.k_t)
+    });
+    let joint_forces = joint_forces.collect();
+    let _ = control.report(PARTS as usize);
+    Ok(Done { modes, integrated, errors, joint_forces })
+}
+
+fn transient<'a>(
+    of: &Loaded,
+    named: &NamedModes,
+    modes: &[NamedMode],
+    request: &'a Request,
+) -> Result<Transient<'a>, Failure> {
+    let unknowns = named.assembled.unknowns();
+    let (pulse, load) = match &request.force {
+        Some(force) => (force.pulse(), of.file.forces(&named.assembled)?),
+        None => (iwan_core::Pulse::None, vec![0.0; unknowns]),
+    };
+    let mut velocity = vec![0.0; unknowns];
+    for (name, size) in &request.velocity {
+        let shape = named.stuck.shape(named.named(name)?.pair.stuck);
+        velocity.iter_mut().zip(shape).for_each(|(v, phi)| *v += size * phi);
+    }
+    Ok(Transient {
+        dt: request.dt,
+        steps: Transient::steps_in(request.dt, request.duration),
+        pulse,
+        load,
+        initial_velocity: (!request.velocity.is_empty()).then_some(velocity),
+        population: request.population,
+        outputs: of.file.recorded(named, modes)?,
+    })
+}
+
+fn told(py: Python<'_>, done: Done) -> PyResult<Bound<'_, PyDict>> {
+    let Integrated { response, basis, basis_error } = done.integrated;
+    let dict = PyDict::new(py);
+    dict.set_item("dt", response.dt)?;
+    dict.set_item("modes", done.modes.iter().map(|mode| &mode.name).collect::<Vec<_>>())?;
+    let names: Vec<&str> = response.outputs.iter().map(|history| history.name.as_str()).collect();
+    dict.set_item("outputs", &names[done.modes.len()..])?;
+    dict.set_item("basis", basis)?;
+    dict.set_item("basis_error", basis_error.map(|found| found.0))?;
+    dict.set_item("converged", basis_error.map(|found| found.1))?;
+    let each = |values: &[f64]| -> PyResult<Bound<'_, PyDict>> {
+        let of = PyDict::new(py);
+        names.iter().zip(values).try_for_each(|(name, value)| of.set_item(name, value))?;
+        Ok(of)
+    };
+    let errors = done.errors.as_ref();
+    dict.set_item("time_step_error", errors.map(|errors| each(&errors.time_step)).transpose()?)?;
+    let sliders = errors.and_then(|errors| errors.sliders.as_ref());
+    dict.set_item("discretisation_error", sliders.map(|sliders| each(sliders)).transpose()?)?;
+    let forces = PyDict::new(py);
+    for (mode, force) in done.modes.iter().zip(done.joint_forces) {
+        forces.set_item(&mode.name, array(py, force))?;
+    }
+    dict.set_item("joint_force", forces)?;
+    histories(&dict, response)?;
+    Ok(dict)
+}
+
+/// Everything that the integration itself returned.
+fn histories(dict: &Bound<'_, PyDict>, response: TruthResponse) -> PyResult<()> {
+    let py = dict.py();
+    dict.set_item("energy", balance(py, &response.energy)?)?;
+    dict.set_item("energy_error", response.energy.error())?;
+    dict.set_item("forgotten_force", response.forgotten_force)?;
+    dict.set_item("seconds", response.seconds)?;
+    let parts = ["displacement", "velocity", "acceleration"].map(|key| (key, PyDict::new(py)));
+    for history in response.outputs {
+        let values = [history.displacement, history.velocity, history.acceleration];
+        for ((_, part), values) in parts.iter().zip(values) {
+            part.set_item(&history.name, array(py, values))?;
+        }
+    }
+    for (key, part) in parts {
+        dict.set_item(key, part)?;
+    }
+    let [slip, force, ratio] = std::array::from_fn(|_| PyDict::new(py));
+    for history in response.slips {
+        ratio.set_item(&history.name, history.slip_ratio)?;
+        slip.set_item(&history.name, array(py, history.slip))?;
+        force.set_item(&history.name, array(py, history.force))?;
+    }
+    dict.set_item("slip", slip)?;
+    dict.set_item("slip_force", force)?;
+    dict.set_item("slip_ratio", ratio)
+}
