@@ -151,7 +151,14 @@ impl Recorder {
             acceleration: room(),
         });
         let slips = slips.map(|name| SlipHistory { name, slip: room(), force: room(), slip_ratio: 0.0 });
-        Self { outputs: outputs.collect(), slips: slips.collect(), dt: of.dt, input: 0.0, viscous: 0.0, joint_work: 0.0 }
+        Self {
+            outputs: outputs.collect(),
+            slips: slips.collect(),
+            dt: of.dt,
+            input: 0.0,
+            viscous: 0.0,
+            joint_work: 0.0,
+        }
     }
 
     /// First sample of output `i`.
