@@ -133,7 +133,9 @@ fn compute(threads: usize, tally: &Tally<'_>) -> Result<Reproduction, Failure> {
     for ((side, _), studied) in modes.into_iter().zip(found) {
         studies[side].push(studied);
     }
-    studies.iter_mut().for_each(|side| side.sort_by_key(|(study, _)| study.index));
+    for side in &mut studies {
+        side.sort_by_key(|(study, _)| study.index);
+    }
     let lab = Lab::new(threads, &|| tally.one_more())?;
     Ok(Reproduction { sides, studies, lab })
 }

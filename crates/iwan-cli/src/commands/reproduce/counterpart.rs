@@ -17,8 +17,8 @@ use crate::failure::Failure;
 /// Levels up to this force, lbf, make up the fit: above it, modes of higher frequency keep the joints slipping and a mode's
 /// curves have more than one value at an amplitude.
 pub(crate) const FITTED: f64 = 1000.0;
-/// Levels, by index, whose records are compared with the model for the intervals.
-const RECORDS: [usize; 4] = [1, 2, 3, 5];
+/// Levels, by index, whose records are compared with the model for the intervals: micro-slip and the way into macro-slip.
+const RECORDS: [usize; 2] = [2, 3];
 /// Degree of the polynomials in the envelopes behind the intervals.
 const ORDER: usize = 4;
 /// Levels, by index, of Figs. 8a and 8b.

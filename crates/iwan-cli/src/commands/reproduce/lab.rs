@@ -10,6 +10,7 @@ use iwan_fem::{Basis, History, Output, Population, Transient};
 use iwan_ident::Parameters;
 use iwan_ident::curves::{Curves, ForceAxis, Quantity, straight_line};
 use iwan_ident::fit::{Fit, fit_from};
+use iwan_ident::levels::{Levels, compare_levels};
 use iwan_ident::modal::{Average, ModalFilter, scaled_average};
 use iwan_ident::signal::{Butterworth, Envelope, Method, Options, Passband, envelope};
 use iwan_ident::start::start;
@@ -49,6 +50,8 @@ pub(crate) struct Lab {
     pub(crate) modes: Vec<Row3>,
     pub(crate) hits: Vec<Hit>,
     pub(crate) table_4: Vec<Row4>,
+    /// From hit to hit at equal times: this tells the viscous term.
+    pub(crate) levels: Levels,
     /// Joint fit of all hits.
     pub(crate) fit: Fit,
     pub(crate) filter: (usize, f64),
@@ -83,6 +86,9 @@ pub(crate) struct Row4 {
     pub(crate) slope: f64,
     /// Of what is left when the viscous term is taken off.
     pub(crate) slope_without_viscous: f64,
+    /// From the softer hit to this one at equal times, the same two; none for the softest.
+    pub(crate) step: Option<f64>,
+    pub(crate) step_without_viscous: Option<f64>,
     /// Not to hand.
     pub(crate) printed: Option<f64>,
 }
@@ -101,12 +107,19 @@ pub(crate) struct LabSummary {
     pub(crate) filter_condition: f64,
     pub(crate) hits: Vec<HitSummary>,
     pub(crate) damping_ratio_given: f64,
+    /// By comparing hits at equal times.
     pub(crate) damping_ratio_found: f64,
-    pub(crate) frequency_found: f64,
-    pub(crate) chi_found: f64,
+    /// Power of the joints' dissipation over force by the same comparison, and what leaves it.
+    pub(crate) slope_found: f64,
+    pub(crate) slope_misfit: f64,
+    /// By one joint with a damper in parallel on all curves.
+    pub(crate) damping_ratio_fitted: f64,
+    pub(crate) frequency_fitted: f64,
+    pub(crate) chi_fitted: f64,
     pub(crate) misfit: String,
-    pub(crate) slope_drift: f64,
-    pub(crate) slope_drift_without_viscous: f64,
+    /// What the slope from hit to hit changes by.
+    pub(crate) drift: f64,
+    pub(crate) drift_without_viscous: f64,
 }
 
 /// One hit in numbers.
@@ -147,7 +160,11 @@ impl Lab {
         let hits: Result<Vec<Hit>, Failure> = in_parallel(&[0, 1, 2], threads, &one).into_iter().collect();
         let hits = hits?;
         let fit = joint_fit(&hits).map_err(said)?;
-        let table_4 = hits.iter().filter_map(|hit| row_4(hit, &fit.parameters)).collect();
+        let curves: Vec<Curves> = hits.iter().map(|hit| hit.curves.clone()).collect();
+        let levels = compare_levels(&curves, fit.parameters.frequency).map_err(said)?;
+        let viscous = (levels.damping_ratio, fit.parameters.frequency);
+        let steps = std::iter::once(None).chain(levels.steps.iter().copied().map(Some));
+        let table_4 = hits.iter().zip(steps).filter_map(|(hit, step)| row_4(hit, viscous, step)).collect();
         let modes = bench.bending.iter().map(|mode| Row3 {
             mode: mode.name.clone(),
             frequency: bench.linear.frequency_stuck(mode),
@@ -155,13 +172,25 @@ impl Lab {
             printed_frequency: None,
             printed_damping_ratio: None,
         });
-        Ok(Self { modes: modes.collect(), hits, table_4, fit, filter: (filter.rank(), filter.condition()) })
+        Ok(Self {
+            modes: modes.collect(),
+            hits,
+            table_4,
+            levels,
+            fit,
+            filter: (filter.rank(), filter.condition()),
+        })
+    }
+
+    /// Damping ratio and ω0 (Hz) of the viscous term.
+    pub(crate) fn viscous(&self) -> (f64, f64) {
+        (self.levels.damping_ratio, self.fit.parameters.frequency)
     }
 
     /// In numbers.
     pub(crate) fn summary(&self) -> LabSummary {
-        let drift = |of: fn(&Row4) -> f64| {
-            let slopes = self.table_4.iter().map(of);
+        let drift = |of: fn(&Row4) -> Option<f64>| {
+            let slopes = self.table_4.iter().filter_map(of);
             slopes.clone().fold(f64::NEG_INFINITY, f64::max) - slopes.fold(f64::INFINITY, f64::min)
         };
         let p = &self.fit.parameters;
@@ -176,12 +205,15 @@ impl Lab {
             filter_condition: self.filter.1,
             hits: self.hits.iter().map(Hit::summary).collect(),
             damping_ratio_given: SUSPENSION,
-            damping_ratio_found: p.damping_ratio,
-            frequency_found: p.frequency,
-            chi_found: p.chi,
+            damping_ratio_found: self.levels.damping_ratio,
+            slope_found: self.levels.slope,
+            slope_misfit: self.levels.misfit,
+            damping_ratio_fitted: p.damping_ratio,
+            frequency_fitted: p.frequency,
+            chi_fitted: p.chi,
             misfit: self.fit.verdict.misfit.clone(),
-            slope_drift: drift(|row| row.slope),
-            slope_drift_without_viscous: drift(|row| row.slope_without_viscous),
+            drift: drift(|row| row.step),
+            drift_without_viscous: drift(|row| row.step_without_viscous),
         }
     }
 }
@@ -205,9 +237,9 @@ impl Hit {
         }
     }
 
-    /// What the dissipation is without the viscous term 2π ζ ω0 ω q².
-    pub(crate) fn without_viscous(&self, p: &Parameters) -> Vec<f64> {
-        let viscous = |q: f64, f: f64| TAU * p.damping_ratio * TAU * p.frequency * TAU * f * q * q;
+    /// What the dissipation is without the viscous term 2π ζ ω0 ω q² of a damping ratio and ω0 in Hz.
+    pub(crate) fn without_viscous(&self, (damping_ratio, frequency): (f64, f64)) -> Vec<f64> {
+        let viscous = |q: f64, f: f64| TAU * damping_ratio * TAU * frequency * TAU * f * q * q;
         let c = &self.curves;
         (0..c.t.len()).map(|i| c.dissipation[i] - viscous(c.displacement[i], c.frequency[i])).collect()
     }
@@ -325,7 +357,7 @@ fn joint_fit(hits: &[Hit]) -> Result<Fit, iwan_ident::Error> {
     fit_from(&curves, &starts, &[])
 }
 
-fn row_4(hit: &Hit, p: &Parameters) -> Option<Row4> {
+fn row_4(hit: &Hit, viscous: (f64, f64), step: Option<(f64, f64)>) -> Option<Row4> {
     let slope = |dissipation: &[f64]| {
         let points = hit.curves.force.iter().zip(dissipation).filter(|(_, d)| **d > 0.0);
         straight_line(&points.map(|(f, d)| (f.ln(), d.ln())).collect::<Vec<_>>()).map(|line| line.0)
@@ -334,7 +366,9 @@ fn row_4(hit: &Hit, p: &Parameters) -> Option<Row4> {
         hit: hit.force,
         force: ends(&hit.curves.force),
         slope: slope(&hit.curves.dissipation)?,
-        slope_without_viscous: slope(&hit.without_viscous(p))?,
+        slope_without_viscous: slope(&hit.without_viscous(viscous))?,
+        step: step.map(|s| s.0),
+        step_without_viscous: step.map(|s| s.1),
         printed: None,
     })
 }

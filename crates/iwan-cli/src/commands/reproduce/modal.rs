@@ -49,6 +49,8 @@ pub(crate) struct Study {
     pub(crate) checked: ModalCurves,
     pub(crate) static_fit: Option<StaticFit>,
     pub(crate) coupling: Vec<Coupling>,
+    /// The same for a ring-down in this mode alone: the static curves are what it follows.
+    pub(crate) alone: Option<Coupling>,
     pub(crate) slopes: Option<Slopes>,
 }
 
@@ -117,9 +119,12 @@ impl Study {
         let coupling = (0..LEVELS.len())
             .filter(|&n| LEVELS[n] <= 10.0 * MICRO_SLIP)
             .filter_map(|n| coupling(side, index, LEVELS[n], &curves[n]));
+        let ring_down = &side.alone[index].outputs[index].acceleration;
+        let own = self::curves(ring_down, stuck, MICRO_SLIP).map_err(said)?;
         Ok(Self {
             configuration: side.name,
             index,
+            alone: self::coupling(side, index, MICRO_SLIP, &own),
             name: mode.name.clone(),
             stuck,
             slipping: linear.frequency_slipping(mode),

@@ -113,6 +113,8 @@ pub(crate) struct Truth {
     pub(crate) levels: Vec<LevelSummary>,
     /// Differences in the first 20 ms and over the whole record at 1000 lbf, where attachment vectors are left out.
     pub(crate) without_attachments: Vec<Distance>,
+    /// Distances of the reduced from the full model over the first 20 ms: level, then bending mode.
+    pub(crate) reduction_error: Vec<(f64, Vec<f64>)>,
     pub(crate) modes: Vec<ModeSummary>,
 }
 
@@ -146,6 +148,8 @@ pub(crate) struct ModeSummary {
     /// By level.
     pub(crate) readings: Vec<Vec<Reading>>,
     pub(crate) coupling: Vec<Coupling>,
+    /// Dissipation of a ring-down in this mode alone over that of the static curves.
+    pub(crate) alone: Option<Coupling>,
     pub(crate) slopes: Option<Slopes>,
     pub(crate) quasi_static: StaticPoints,
     pub(crate) static_fit: Option<Parameters>,
@@ -261,6 +265,7 @@ fn truth(side: &Side, studies: &[(Study, Option<Counterpart>)]) -> Truth {
         energy_error: side.energy_error(),
         levels: LEVELS.into_iter().zip(&side.responses).map(level).collect(),
         without_attachments: alone.collect(),
+        reduction_error: side.reduction.clone(),
         modes: studies.iter().map(|(study, counterpart)| mode(study, counterpart.as_ref())).collect(),
     }
 }
@@ -281,6 +286,7 @@ fn mode(study: &Study, counterpart: Option<&Counterpart>) -> ModeSummary {
         linear: !study.has_joint(),
         readings: study.spots.clone(),
         coupling: study.coupling.clone(),
+        alone: study.alone,
         slopes: study.slopes.clone().filter(|_| study.has_joint()),
         quasi_static: StaticPoints {
             displacement: checked.displacement.clone(),

@@ -3,9 +3,10 @@
 use std::ops::ControlFlow;
 
 use iwan_core::Pulse;
-use iwan_fem::{Basis, Output, Population, Reduced, Transient, TruthResponse};
+use iwan_fem::{Basis, History, Output, Population, Reduced, Transient, TruthResponse};
 use iwan_input::{BUILT_IN_STRUCTURES, Source, StructureFile};
 
+use super::counterpart::distance;
 use crate::failure::Failure;
 use crate::linear::{Elastic, Linear, explain};
 
@@ -35,8 +36,18 @@ pub(crate) struct Side {
     pub(crate) responses: Vec<TruthResponse>,
     /// The same without attachment vectors under the fourth level, as an example of how not to reduce.
     pub(crate) modes_alone: TruthResponse,
+    /// Ring-downs that start in one bending mode alone, at what the blow of [`ALONE`] brings it to.
+    pub(crate) alone: Vec<TruthResponse>,
+    /// Distances of the reduced from the full model over the first [`FULL`] steps: level, then bending mode.
+    pub(crate) reduction: Vec<(f64, Vec<f64>)>,
     pub(crate) filters: Vec<Filter>,
 }
+
+/// Level, by index, that tells the amplitudes of the ring-downs in one mode.
+const ALONE: usize = 2;
+/// Levels, by index, at which the full model is integrated too, and for how many steps.
+const COMPARED: [usize; 2] = [1, 3];
+const FULL: usize = 2000;
 
 /// How well a modal filter (Eq. 18) tells the modes of the basis apart.
 #[derive(Debug, Clone, serde::Serialize)]
@@ -83,24 +94,47 @@ impl Side {
             .iter()
             .map(|mode| assembled.modal_output(&mode.name, &linear.stuck, mode.pair.stuck))
             .collect();
+        let pieces = (LEVELS.len() + 1 + COMPARED.len() + bending.len()) as f64;
+        let of = |n: usize, steps: usize| Transient {
+            dt: DT,
+            steps,
+            pulse: blow(LEVELS[n]),
+            load: load.clone(),
+            initial_velocity: None,
+            population: Population::default(),
+            outputs: outputs.clone(),
+        };
         let run = |reduced: &Reduced<'_>, n: usize| {
-            let of = Transient {
-                dt: DT,
-                steps: STEPS,
-                pulse: blow(LEVELS[n]),
-                load: load.clone(),
-                initial_velocity: None,
-                population: Population::default(),
-                outputs: outputs.clone(),
-            };
-            let report = &mut |share: f64| progress((n as f64 + share) / (LEVELS.len() + 1) as f64);
-            reduced.transient_observed(&of, report)
+            let report = &mut |share: f64| progress((n as f64 + share) / pieces);
+            reduced.transient_observed(&of(n, STEPS), report)
         };
         let responses: Result<Vec<_>, _> = (0..LEVELS.len()).map(|n| run(&reduced, n)).collect();
         let responses = responses.map_err(failed)?;
-        let alone = assembled.reduce(BASIS, Basis::Modes).map_err(failed)?;
-        let modes_alone = run(&alone, 3).map_err(failed)?;
-        Ok(Self { name, bending, tip, responses, modes_alone, filters, linear })
+        let without = assembled.reduce(BASIS, Basis::Modes).map_err(failed)?;
+        let modes_alone = run(&without, 3).map_err(failed)?;
+        let alone = |(mode, history): (&Elastic, &History)| {
+            let speed =
+                history.velocity.iter().skip((BLOW / DT) as usize).fold(0.0, |m: f64, v| m.max(v.abs()));
+            let shape = linear.stuck.shape(mode.pair.stuck);
+            let initial_velocity = Some(shape.iter().map(|x| speed * x).collect());
+            let report = &mut |share: f64| progress((LEVELS.len() as f64 + 1.0 + share) / pieces);
+            reduced.transient_observed(
+                &Transient { pulse: Pulse::None, initial_velocity, ..of(0, STEPS) },
+                report,
+            )
+        };
+        let alone: Result<Vec<_>, _> = bending.iter().zip(&responses[ALONE].outputs).map(alone).collect();
+        let alone = alone.map_err(failed)?;
+        let apart = |n: usize| {
+            let report = &mut |share: f64| progress((pieces - 2.0 + share) / pieces);
+            let full = assembled.transient_observed(&of(n, FULL), report)?;
+            let pairs = responses[n].outputs.iter().zip(&full.outputs);
+            let distances = pairs.map(|(a, b)| distance(&a.acceleration[..=FULL], &b.acceleration));
+            Ok((LEVELS[n], distances.collect()))
+        };
+        let reduction: Result<Vec<_>, _> = COMPARED.into_iter().map(apart).collect();
+        let reduction = reduction.map_err(failed)?;
+        Ok(Self { name, linear, bending, tip, responses, modes_alone, alone, reduction, filters })
     }
 
     /// Largest energy error of all blows, relative.

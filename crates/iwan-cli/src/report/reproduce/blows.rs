@@ -23,6 +23,8 @@ const MEASURED: usize = 40;
 const CURVE: usize = 121;
 const STRETCH: usize = 1400;
 const BINS: usize = 500;
+/// Frequencies that change less than this, relatively, are drawn as their change.
+const SMALL_CHANGE: f64 = 1e-3;
 /// End of the stretch of Figs. 8a and 8b that is drawn cycle by cycle, s.
 const EARLY: f64 = 0.05;
 
@@ -140,9 +142,15 @@ impl Drawing<'_> {
         let caption = if self.study.has_joint() {
             "Frequency over the amplitude of the modal joint force (\u{3c9}\u{b2} \u{2212} \u{3c9}\u{221e}\u{b2}) q."
         } else {
-            "Linear: the frequency hardly moves (look at the scale). No joint force, so the modal force is drawn."
+            "Linear: the frequency hardly moves, so its change is drawn. There is no joint force: the modal force is drawn."
         };
-        self.force_figure("frequency", Axis::linear("frequency", "Hz"), caption, |c| &c.frequency, |v| v.1)
+        relative(self.force_figure(
+            "frequency",
+            Axis::linear("frequency", "Hz"),
+            caption,
+            |c| &c.frequency,
+            |v| v.1,
+        ))
     }
 
     fn dissipation_over_force(&self) -> Figure {
@@ -221,14 +229,14 @@ impl Drawing<'_> {
             let line = line.filter_map(|q| Some((q, self.of_law(&law, q)?.1)));
             layers.push(Layer::new(Mark::Dashed, colour, line.collect()).named(name));
         }
-        Figure {
+        relative(Figure {
             title: format!("Figs. 9\u{2013}11, {}: frequency", self.study.name),
             caption: "All levels from 1 to 10,000 lbf over the amplitude of the modal displacement.".into(),
             x: Axis::log("modal displacement q", DISPLACEMENT),
             y: Axis::linear("frequency", "Hz"),
             layers,
             marker: None,
-        }
+        })
     }
 
     fn dissipation_at_all_levels(&self) -> Figure {
@@ -256,6 +264,18 @@ impl Drawing<'_> {
             marker,
         }
     }
+}
+
+/// A figure of frequencies; where they hardly change, of their change: long numbers at the ticks are hard to read.
+fn relative(mut figure: Figure) -> Figure {
+    let values = || figure.layers.iter().flat_map(|layer| &layer.points).map(|p| p.1);
+    let (low, high) = values().fold((f64::INFINITY, 0.0_f64), |(l, h), y| (l.min(y), h.max(y)));
+    let first = values().next().unwrap_or(0.0);
+    if high - low < SMALL_CHANGE * high {
+        figure.y.label = format!("frequency \u{2212} {first:.4} Hz");
+        figure.layers.iter_mut().flat_map(|layer| &mut layer.points).for_each(|p| p.1 -= first);
+    }
+    figure
 }
 
 /// A level's name in the legend.

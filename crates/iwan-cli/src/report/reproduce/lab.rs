@@ -116,9 +116,9 @@ fn frequency(lab: &Lab) -> Figure {
 
 fn dissipation(lab: &Lab) -> Figure {
     let mut layers = of_hits(lab, &|hit| over_force(hit, &hit.curves.dissipation));
-    let p = &lab.fit.parameters;
+    let given = lab.viscous();
     let viscous = lab.hits.iter().flat_map(|hit| {
-        let left = hit.without_viscous(p);
+        let left = hit.without_viscous(given);
         let c = &hit.curves;
         (0..c.t.len()).map(move |i| (c.force[i], c.dissipation[i] - left[i])).collect::<Vec<_>>()
     });
@@ -138,29 +138,29 @@ fn dissipation(lab: &Lab) -> Figure {
 fn without_viscous(lab: &Lab) -> Figure {
     Figure {
         title: "Fig. 17: dissipation without the viscous term".into(),
-        caption: "What is left is the joints': one slope for all hits.".into(),
+        caption: "What is left is the joints'. From hit to hit one slope holds; within a record it is steeper, because the other modes fade.".into(),
         x: Axis::log("modal force", ACCELERATION),
         y: Axis::log("dissipation per cycle", "J"),
-        layers: of_hits(lab, &|hit| over_force(hit, &hit.without_viscous(&lab.fit.parameters))),
+        layers: of_hits(lab, &|hit| over_force(hit, &hit.without_viscous(lab.viscous()))),
         marker: None,
     }
 }
 
 fn slopes(lab: &Lab) -> Figure {
-    let layer = |name: &str, colour, mark, of: &dyn Fn(&crate::commands::reproduce::Row4) -> f64| {
-        let points = lab.table_4.iter().map(|row| (row.hit, of(row))).collect();
+    let layer = |name: &str, colour, mark, of: &dyn Fn(&crate::commands::reproduce::Row4) -> Option<f64>| {
+        let points = lab.table_4.iter().filter_map(|row| Some((row.hit, of(row)?))).collect();
         Layer::new(mark, colour, points).named(name)
     };
     Figure {
         title: "Table 4: slope against level".into(),
-        caption: "Slope of ln D over ln force at each level.".into(),
+        caption: "Slope of ln D over ln force: within each record, and from the softer hit to this one at equal times.".into(),
         x: Axis::log("peak force of the hit", "N"),
         y: Axis::linear("slope", "1"),
         layers: vec![
-            layer("as measured", colour::BLUE, Mark::Line, &|row| row.slope),
-            layer("without the viscous term", colour::VERMILLION, Mark::Dashed, &|row| {
-                row.slope_without_viscous
-            }),
+            layer("within a record", colour::BLUE, Mark::Line, &|row| Some(row.slope)),
+            layer("without viscous", colour::BLUE, Mark::Dashed, &|row| Some(row.slope_without_viscous)),
+            layer("from hit to hit", colour::VERMILLION, Mark::Line, &|row| row.step),
+            layer("without viscous", colour::VERMILLION, Mark::Dashed, &|row| row.step_without_viscous),
         ],
         marker: None,
     }
