@@ -1,4 +1,4 @@
-//! `iwan reproduce`: its numbers against stored ones (`reproduce.toml`, with where each comes from), its figures, its files.
+//! `iwan reproduce`: its numbers against stored ones (`reproduce.values.json`, with where each comes from), its figures, its files.
 #![allow(clippy::unwrap_used)]
 
 mod common;
@@ -10,11 +10,16 @@ use serde_json::Value;
 
 const FILES: [&str; 4] = ["curves.csv", "figures.json", "report.html", "reproduce.json"];
 
-/// The stored values, as JSON.
+/// The stored values.
 fn stored() -> Vec<Value> {
-    let text = std::fs::read_to_string(Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/reproduce.toml")).unwrap();
-    let table: toml::Table = text.parse().unwrap();
-    serde_json::to_value(&table["value"]).unwrap().as_array().unwrap().clone()
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/reproduce.values.json");
+    let all: Value = serde_json::from_str(&std::fs::read_to_string(path).unwrap()).unwrap();
+    let values = all["values"].as_array().unwrap().clone();
+    // Each says where it comes from, and the page says what that means.
+    assert!(
+        values.len() > 90 && values.iter().all(|v| all["about"][v["source"].as_str().unwrap()].is_string())
+    );
+    values
 }
 
 fn found<'a>(all: &'a Value, entry: &Value) -> (String, &'a Value) {
@@ -34,7 +39,8 @@ fn found<'a>(all: &'a Value, entry: &Value) -> (String, &'a Value) {
 fn complaint(all: &Value, entry: &Value) -> Option<String> {
     let (name, value) = found(all, entry);
     let Some(value) = value.as_f64() else { return Some(format!("{name} is missing")) };
-    let (low, high) = match (entry["value"].as_f64(), entry["relative"].as_f64(), entry["absolute"].as_f64()) {
+    let (low, high) = match (entry["value"].as_f64(), entry["relative"].as_f64(), entry["absolute"].as_f64())
+    {
         (Some(v), Some(part), None) => (v - part * v.abs(), v + part * v.abs()),
         (Some(v), None, Some(half)) => (v - half, v + half),
         _ => (entry["at_least"].as_f64().unwrap(), entry["at_most"].as_f64().unwrap()),
@@ -51,7 +57,9 @@ fn check_figures(figures: &Value, summary: &Value) {
     for (figure, entry) in figures.iter().zip(entries) {
         let id = figure["id"].as_str().unwrap();
         assert_eq!(figure["id"], entry["id"]);
-        assert!(!figure["title"].as_str().unwrap().is_empty() && !figure["caption"].as_str().unwrap().is_empty());
+        assert!(
+            !figure["title"].as_str().unwrap().is_empty() && !figure["caption"].as_str().unwrap().is_empty()
+        );
         for axis in ["x", "y"] {
             assert!(!figure[axis]["unit"].as_str().unwrap().is_empty(), "{id}: the {axis} axis has no unit");
         }
@@ -110,7 +118,7 @@ fn check_words(summary: &Value) {
 #[test]
 fn the_papers_tables_and_figures() {
     let place = folder("");
-    let output = iwan(place.path(), "reproduce --json --quiet --out paper");
+    let output = iwan(place.path(), "reproduce --json --quiet --out paper --threads 2");
     assert!(output.status.success(), "{}", shown(&output));
     let results = place.path().join("paper");
     assert_eq!(names(&results), FILES);
@@ -136,10 +144,20 @@ fn the_papers_tables_and_figures() {
     }
     // Nothing is fetched from elsewhere.
     assert!(!report.contains("<script") && !report.contains("src=") && !report.contains("@import"));
-    assert!(read("curves.csv").starts_with("configuration,mode,level,t,displacement,frequency,damping_ratio,"));
+    assert!(
+        read("curves.csv").starts_with("configuration,mode,level,t,displacement,frequency,damping_ratio,")
+    );
 
     // What is there already stays, and is said so before anything is computed.
     let again = iwan(place.path(), "reproduce --quiet --out paper");
     assert_eq!(again.status.code(), Some(2), "{}", shown(&again));
     assert!(String::from_utf8_lossy(&again.stderr).contains("--force"));
+
+    // The same files, to the last bit, on one thread.
+    let alone = iwan(place.path(), "reproduce --quiet --out alone --threads 1");
+    assert!(alone.status.success(), "{}", shown(&alone));
+    for name in FILES {
+        let other = std::fs::read_to_string(place.path().join("alone").join(name)).unwrap();
+        assert!(read(name) == other, "{name} depends on the number of threads");
+    }
 }

@@ -66,12 +66,18 @@ impl Reduced<'_> {
         }
         recorder.slips(&stepper.slips);
         let (force, start, clock) = (of.force(), stepper.energy(), Instant::now());
+        let damped = self.damping().iter().any(|c| *c != 0.0);
         stepper.predict(0.5 * (force[0] + force.get(1).unwrap_or(&0.0)));
         for n in 1..=of.steps {
             let ahead = force.get(n + 1).copied().unwrap_or(0.0);
             let mean = 0.5 * (force[n - 1] + force[n]);
             stepper.solve_slips(&mut joints)?;
-            let (travelled, lost) = stepper.sweep(force[n], 0.5 * (force[n] + ahead));
+            let next = 0.5 * (force[n] + ahead);
+            let (travelled, lost) = if damped {
+                stepper.sweep::<true>(force[n], next)
+            } else {
+                stepper.sweep::<false>(force[n], next)
+            };
             recorder.work(mean * travelled);
             recorder.viscous(lost);
             for (i, output) in outputs.iter().enumerate() {
@@ -268,7 +274,7 @@ impl Stepper {
     /// Completes the step, at whose end the force is `p`, and begins the next one, in which it is `next` on the mean.
     /// Returns how far the load's point of attack moved, and the energy lost in viscous damping.
     #[inline]
-    fn sweep(&mut self, p: f64, next: f64) -> (f64, f64) {
+    fn sweep<const DAMPED: bool>(&mut self, p: f64, next: f64) -> (f64, f64) {
         let (h, half, quarter, count) = (self.dt, 0.5 * self.dt, 0.25 * self.dt, self.k_t.len());
         let (mut travelled, mut lost) = ([0.0; LANES], [0.0; LANES]);
         self.ahead.fill([0.0; LANES]);
@@ -288,9 +294,12 @@ impl Stepper {
                 q[l] += h * velocity;
                 v[l] = 2.0 * velocity - v[l];
                 travelled[l] += h * load[l] * velocity;
-                lost[l] += h * damping[l] * velocity * velocity;
                 let held = -(lambda[l] * q[l] + joint[l]);
-                a[l] = p * load[l] + held - damping[l] * v[l];
+                a[l] = p * load[l] + held;
+                if DAMPED {
+                    a[l] -= damping[l] * v[l];
+                    lost[l] += h * damping[l] * velocity * velocity;
+                }
                 mean[l] = d[l] * (v[l] + half * (next * load[l] + held));
             }
             for (sum, shape) in self.ahead.iter_mut().zip(shapes) {

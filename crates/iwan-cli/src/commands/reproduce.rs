@@ -121,7 +121,11 @@ fn compute(threads: usize, tally: &Tally<'_>) -> Result<Reproduction, Failure> {
         let mut study = Study::new(&sides[side], mode)?;
         let counterpart =
             if study.has_joint() { Some(Counterpart::new(&sides[side], &study)?) } else { None };
-        let slip_forces = [counterpart.as_ref().map(|c| c.parameters.f_s), Some(TABLE_2[mode].f_s)];
+        let slip_forces = [
+            counterpart.as_ref().map(|c| c.parameters.f_s),
+            study.static_fit.map(|fit| fit.parameters.f_s),
+            Some(TABLE_2[mode].f_s),
+        ];
         if study.has_joint() {
             slip_forces.into_iter().flatten().for_each(|f_s| study.try_eq_14(f_s));
         }

@@ -93,7 +93,8 @@ pub(crate) struct Slopes {
 #[derive(Debug, Clone, Serialize)]
 pub(crate) struct Root {
     pub(crate) f_s: f64,
-    /// `joint` with K_x = K_T, `modal` with K_x = ω0², `printed` with K_x = K_∞ on the joint axis.
+    /// `joint` with K_x = K_T, `modal` with K_x = ω0², `printed` with K_x = K_∞ on the joint axis; `uncoupled` is `modal` with
+    /// what the other modes add to the dissipation taken off.
     pub(crate) axis: &'static str,
     pub(crate) beta: Option<f64>,
 }
@@ -155,15 +156,23 @@ impl Study {
         }
     }
 
+    /// Factor by which the mode loses more under an impact than alone, mean over micro-slip.
+    pub(crate) fn coupled(&self) -> f64 {
+        let quiet = self.coupling.iter().filter(|c| c.level <= MICRO_SLIP);
+        let (sum, count) = quiet.fold((0.0, 0.0), |(sum, n), c| (sum + c.mean, n + 1.0));
+        if count > 0.0 { sum / count } else { 1.0 }
+    }
+
     /// Tries Eq. 14 with a slip force.
     pub(crate) fn try_eq_14(&mut self, f_s: f64) {
-        let (k_t, omega_squared) = (self.k_t, (TAU * self.stuck).powi(2));
+        let (k_t, omega_squared, coupled) = (self.k_t, (TAU * self.stuck).powi(2), self.coupled());
         let Some(slopes) = &mut self.slopes else { return };
         let (joint, modal) = (slopes.over_joint_force - 3.0, slopes.over_modal_force - 3.0);
         let tries = [
             ("joint", slopes.intercept_joint_force, k_t, joint),
             ("modal", slopes.intercept_modal_force, omega_squared, modal),
             ("printed", slopes.intercept_joint_force, omega_squared - k_t, joint),
+            ("uncoupled", slopes.intercept_modal_force - coupled.ln(), omega_squared, modal),
         ];
         let root =
             |(axis, intercept, k_x, chi)| Root { f_s, axis, beta: beta_root(intercept, k_x, k_t, f_s, chi) };

@@ -224,23 +224,20 @@ pub(super) fn tables_3_and_4(summary: &Summary, lab: &Lab) -> Markup {
         .collect();
     let found = &summary.lab;
     html! {
-        div.tables {
-            section {
-                h3 { "Table 3" }
-                (table(&["mode", "frequency, Hz", "suspension", "printed, Hz", "printed damping"], &rows_3))
-                p.caption { "The printed values of Table 3 are not to hand; the level of damping is assumed." }
-            }
-            section {
-                h3 { "Table 4" }
-                (table(&["hit", "modal force, \u{221a}kg\u{b7}m/s\u{b2}", "slope within", "less viscous", "slope from the softer hit", "less viscous", "printed"], &rows_4))
-                p.caption {
-                    "Comparing hits at equal times: damping ratio " (format!("{:.3e}", found.damping_ratio_found)) " (given "
-                    (format!("{:.3e}", found.damping_ratio_given)) "), slope " (format!("{:.3}", found.slope_found)) " to "
-                    (format!("{:.1} %", 100.0 * found.slope_misfit)) ". One joint with a damper in parallel, fitted to all curves: "
-                    (format!("{:.3e}", found.damping_ratio_fitted)) ", " (format!("{:.3}", found.frequency_fitted)) " Hz, \u{3c7} = "
-                    (short(found.chi_fitted)) ". " (found.misfit) ". The printed slopes are not to hand."
-                }
-            }
+        h3 { "Table 3" }
+        (table(&["mode", "frequency, Hz", "suspension", "printed frequency, Hz", "printed damping"], &rows_3))
+        p.caption { "The printed values of Table 3 are not to hand; the level of damping is assumed, the same in all modes." }
+        h3 { "Table 4" }
+        (table(
+            &["hit", "modal force, \u{221a}kg\u{b7}m/s\u{b2}", "slope within the record", "less viscous", "slope from the softer hit", "less viscous", "printed"],
+            &rows_4,
+        ))
+        p.caption {
+            "Slopes of ln D over ln force. Comparing hits at equal times: damping ratio " (format!("{:.3e}", found.damping_ratio_found)) " (given "
+            (format!("{:.3e}", found.damping_ratio_given)) "), slope " (format!("{:.3}", found.slope_found)) " to "
+            (format!("{:.1} %", 100.0 * found.slope_misfit)) ". For comparison, one joint with a damper in parallel fitted to all curves: "
+            (format!("{:.3e}", found.damping_ratio_fitted)) ", " (format!("{:.3}", found.frequency_fitted)) " Hz, \u{3c7} = "
+            (short(found.chi_fitted)) "; " (found.misfit) ". The printed slopes are not to hand."
         }
     }
 }
