@@ -1,5 +1,6 @@
 //! The truth model: the paper's beam with its discrete joints under blows of all levels, in both configurations.
 
+use std::cell::Cell;
 use std::ops::ControlFlow;
 
 use iwan_core::Pulse;
@@ -81,65 +82,117 @@ impl Side {
     ) -> Result<Self, Failure> {
         let (source, file) = structure(if name == "A" { "paper-a" } else { "paper-b" })?;
         let linear = Linear::new(source, file, NAMED)?;
-        let failed = |error: iwan_fem::Error| explain(&linear.source, &error);
-        let assembled = &linear.assembled;
         let bending = linear.first_bending();
-        let load = assembled.load("tip", [0.0, 0.0, 1.0]).map_err(failed)?;
-        let at_tip =
-            |mode: &Elastic| linear.stuck.shape(mode.pair.stuck).iter().zip(&load).map(|(a, b)| a * b).sum();
-        let tip: Vec<f64> = bending.iter().map(at_tip).collect();
-        let reduced = assembled.reduce(BASIS, Basis::default()).map_err(failed)?;
-        let filters = filters(&reduced).map_err(failed)?;
-        let outputs: Vec<Output> = bending
-            .iter()
-            .map(|mode| assembled.modal_output(&mode.name, &linear.stuck, mode.pair.stuck))
-            .collect();
-        let pieces = (LEVELS.len() + 1 + COMPARED.len() + bending.len()) as f64;
-        let of = |n: usize, steps: usize| Transient {
-            dt: DT,
-            steps,
-            pulse: blow(LEVELS[n]),
-            load: load.clone(),
-            initial_velocity: None,
-            population: Population::default(),
-            outputs: outputs.clone(),
-        };
-        let run = |reduced: &Reduced<'_>, n: usize| {
-            let report = &mut |share: f64| progress((n as f64 + share) / pieces);
-            reduced.transient_observed(&of(n, STEPS), report)
-        };
-        let responses: Result<Vec<_>, _> = (0..LEVELS.len()).map(|n| run(&reduced, n)).collect();
-        let responses = responses.map_err(failed)?;
-        let without = assembled.reduce(BASIS, Basis::Modes).map_err(failed)?;
-        let modes_alone = run(&without, 3).map_err(failed)?;
-        let alone = |(mode, history): (&Elastic, &History)| {
-            let speed =
-                history.velocity.iter().skip((BLOW / DT) as usize).fold(0.0, |m: f64, v| m.max(v.abs()));
-            let shape = linear.stuck.shape(mode.pair.stuck);
-            let initial_velocity = Some(shape.iter().map(|x| speed * x).collect());
-            let report = &mut |share: f64| progress((LEVELS.len() as f64 + 1.0 + share) / pieces);
-            reduced.transient_observed(
-                &Transient { pulse: Pulse::None, initial_velocity, ..of(0, STEPS) },
-                report,
-            )
-        };
-        let alone: Result<Vec<_>, _> = bending.iter().zip(&responses[ALONE].outputs).map(alone).collect();
-        let alone = alone.map_err(failed)?;
-        let apart = |n: usize| {
-            let report = &mut |share: f64| progress((pieces - 2.0 + share) / pieces);
-            let full = assembled.transient_observed(&of(n, FULL), report)?;
-            let pairs = responses[n].outputs.iter().zip(&full.outputs);
-            let distances = pairs.map(|(a, b)| distance(&a.acceleration[..=FULL], &b.acceleration));
-            Ok((LEVELS[n], distances.collect()))
-        };
-        let reduction: Result<Vec<_>, _> = COMPARED.into_iter().map(apart).collect();
-        let reduction = reduction.map_err(failed)?;
-        Ok(Self { name, linear, bending, tip, responses, modes_alone, alone, reduction, filters })
+        let runs = Runs::new(&linear, &bending, progress);
+        let responses = runs.and_then(|runs| runs.all());
+        let (tip, responses) = responses.map_err(|error| explain(&linear.source, &error))?;
+        let Responses { blows, modes_alone, alone, reduction, filters } = responses;
+        Ok(Self { name, linear, bending, tip, responses: blows, modes_alone, alone, reduction, filters })
     }
 
     /// Largest energy error of all blows, relative.
     pub(crate) fn energy_error(&self) -> f64 {
         self.responses.iter().map(|response| response.energy.error()).fold(0.0, f64::max)
+    }
+}
+
+/// What one configuration is put through.
+struct Runs<'a> {
+    linear: &'a Linear,
+    bending: &'a [Elastic],
+    load: Vec<f64>,
+    outputs: Vec<Output>,
+    progress: &'a dyn Fn(f64) -> ControlFlow<()>,
+    done: Cell<usize>,
+}
+
+/// What comes of it.
+struct Responses {
+    blows: Vec<TruthResponse>,
+    modes_alone: TruthResponse,
+    alone: Vec<TruthResponse>,
+    reduction: Vec<(f64, Vec<f64>)>,
+    filters: Vec<Filter>,
+}
+
+impl<'a> Runs<'a> {
+    fn new(
+        linear: &'a Linear,
+        bending: &'a [Elastic],
+        progress: &'a dyn Fn(f64) -> ControlFlow<()>,
+    ) -> Result<Self, iwan_fem::Error> {
+        let assembled = &linear.assembled;
+        let output = |mode: &Elastic| assembled.modal_output(&mode.name, &linear.stuck, mode.pair.stuck);
+        let outputs = bending.iter().map(output).collect();
+        let load = assembled.load("tip", [0.0, 0.0, 1.0])?;
+        Ok(Self { linear, bending, load, outputs, progress, done: Cell::new(0) })
+    }
+
+    /// The blow of level `n`.
+    fn blow(&self, n: usize, steps: usize) -> Transient<'static> {
+        Transient {
+            dt: DT,
+            steps,
+            pulse: blow(LEVELS[n]),
+            load: self.load.clone(),
+            initial_velocity: None,
+            population: Population::default(),
+            outputs: self.outputs.clone(),
+        }
+    }
+
+    /// A run, which counts for the progress.
+    fn run(
+        &self,
+        integrate: impl FnOnce(iwan_fem::Progress<'_>) -> Result<TruthResponse, iwan_fem::Error>,
+    ) -> Result<TruthResponse, iwan_fem::Error> {
+        let pieces = LEVELS.len() + 1 + COMPARED.len() + self.bending.len();
+        let share = |share: f64| (self.done.get() as f64 + share) / pieces as f64;
+        let response = integrate(&mut |part| (self.progress)(share(part)));
+        self.done.set(self.done.get() + 1);
+        response
+    }
+
+    /// Mean shapes at the loaded edge, and all runs.
+    fn all(&self) -> Result<(Vec<f64>, Responses), iwan_fem::Error> {
+        let assembled = &self.linear.assembled;
+        let shape = |mode: &Elastic| self.linear.stuck.shape(mode.pair.stuck);
+        let at_tip = |mode| shape(mode).iter().zip(&self.load).map(|(a, b)| a * b).sum();
+        let tip = self.bending.iter().map(at_tip).collect();
+        let reduced = assembled.reduce(BASIS, Basis::default())?;
+        let blow = |n: usize| self.run(|report| reduced.transient_observed(&self.blow(n, STEPS), report));
+        let blows: Vec<TruthResponse> = (0..LEVELS.len()).map(blow).collect::<Result<_, _>>()?;
+        let modes = assembled.reduce(BASIS, Basis::Modes)?;
+        let modes_alone = self.run(|report| modes.transient_observed(&self.blow(3, STEPS), report))?;
+        let pairs = self.bending.iter().zip(&blows[ALONE].outputs);
+        let alone = pairs.map(|(mode, history)| self.ring_down(&reduced, shape(mode), history));
+        let alone = alone.collect::<Result<_, _>>()?;
+        let reduction =
+            COMPARED.into_iter().map(|n| self.reduction(n, &blows[n])).collect::<Result<_, _>>()?;
+        Ok((tip, Responses { blows, modes_alone, alone, reduction, filters: filters(&reduced)? }))
+    }
+
+    /// Starts in one mode with the largest velocity it had after a blow.
+    fn ring_down(
+        &self,
+        reduced: &Reduced<'_>,
+        shape: &[f64],
+        history: &History,
+    ) -> Result<TruthResponse, iwan_fem::Error> {
+        let after = history.velocity.iter().skip((BLOW / DT) as usize);
+        let speed = after.fold(0.0, |most: f64, v| most.max(v.abs()));
+        let initial_velocity = Some(shape.iter().map(|x| speed * x).collect());
+        let of = Transient { pulse: Pulse::None, initial_velocity, ..self.blow(0, STEPS) };
+        self.run(|report| reduced.transient_observed(&of, report))
+    }
+
+    /// Distances from the full model.
+    fn reduction(&self, n: usize, reduced: &TruthResponse) -> Result<(f64, Vec<f64>), iwan_fem::Error> {
+        let full =
+            self.run(|report| self.linear.assembled.transient_observed(&self.blow(n, FULL), report))?;
+        let pairs = reduced.outputs.iter().zip(&full.outputs);
+        let distances = pairs.map(|(a, b)| distance(&a.acceleration[..=FULL], &b.acceleration));
+        Ok((LEVELS[n], distances.collect()))
     }
 }
 

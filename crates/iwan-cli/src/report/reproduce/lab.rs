@@ -158,9 +158,9 @@ fn slopes(lab: &Lab) -> Figure {
         y: Axis::linear("slope", "1"),
         layers: vec![
             layer("within a record", colour::BLUE, Mark::Line, &|row| Some(row.slope)),
-            layer("without viscous", colour::BLUE, Mark::Dashed, &|row| Some(row.slope_without_viscous)),
-            layer("from hit to hit", colour::VERMILLION, Mark::Line, &|row| row.step),
-            layer("without viscous", colour::VERMILLION, Mark::Dashed, &|row| row.step_without_viscous),
+            layer("less viscous", colour::BLUE, Mark::Dashed, &|row| Some(row.slope_without_viscous)),
+            layer("hit to hit", colour::VERMILLION, Mark::Line, &|row| row.step),
+            layer("hit to hit, less viscous", colour::VERMILLION, Mark::Dashed, &|row| row.step_without_viscous),
         ],
         marker: None,
     }
