@@ -197,8 +197,8 @@ impl<'a, B: Backbone, S: AsRef<[Reversal]> + AsMut<[Reversal]>> Decay<'a, B, S> 
             return None;
         }
         let (half, start) = (&self.half, self.now.time);
-        self.map.phase(half).visit(|theta, omega, time, weight| {
-            let (displacement, velocity) = half.motion(theta, omega);
+        self.map.phase(half).visit(|share, speed, time, weight| {
+            let (displacement, velocity) = half.motion(share, speed);
             visit(PathNode { time: start + time, displacement, velocity, weight });
         });
         self.next()

@@ -3,6 +3,8 @@
 //! Density ρ(φ) = R φ^χ [H(φ) - H(φ - φ_max)] + S δ(φ - φ_max) (Deaner et al., Eq. 3;
 //! Segalman, J. Appl. Mech. 72(5):752, 2005, doi:10.1115/1.1989354).
 
+use core::f64::consts::PI;
+
 use crate::backbone::{Backbone, PowerLaw};
 use crate::error::{Error, check};
 use crate::power::FixedPower;
@@ -183,6 +185,51 @@ impl FourParameter {
     }
 }
 
+impl FourParameter {
+    /// K_1 = -(4/πu) ∫F(u sin²(θ/2)) cos θ dθ from 0 to π, F = K_T z - C z^(χ+2) up to φ_max and F_S beyond.
+    fn harmonic_in_macro_slip(&self, u: f64) -> f64 {
+        let (x, p) = (self.phi_max / u, self.chi + 2.0);
+        // What `harmonic` is made of is the beta function at x = 1.
+        let beta = 0.25 * PI * self.harmonic * (p + 1.0) / p;
+        let sticking = self.k_t * cosine_moment(1.0, 0.5 * PI, x);
+        let softening = self.k_power / p * cosine_moment(p, beta, x);
+        let sliding = 2.0 * self.f_s * libm::sqrt(x * (1.0 - x));
+        -4.0 / (PI * u) * ((sticking - softening) * self.phi_max - sliding)
+    }
+}
+
+/// x^(-p) ∫sin^(2p)(θ/2) cos θ dθ from 0 to where sin²(θ/2) = x < 1: by parts [2 x^(p+½) (1-x)^½ - p B_x(p+½, ½)]/(p+1), where `beta` is
+/// B(p+½, ½).
+fn cosine_moment(p: f64, beta: f64, x: f64) -> f64 {
+    let (a, b, root) = (p + 0.5, 0.5, libm::sqrt(x * (1.0 - x)));
+    let incomplete = if x < (a + 1.0) / (a + b + 2.0) {
+        root / a * beta_fraction(a, b, x)
+    } else {
+        libm::pow(x, -p) * beta - root / b * beta_fraction(b, a, 1.0 - x)
+    };
+    (2.0 * root - p * incomplete) / (p + 1.0)
+}
+
+/// The continued fraction of a B_x(a, b) / (x^a (1-x)^b), for x below (a+1)/(a+b+2): DLMF 8.17.22, by Lentz's method.
+fn beta_fraction(a: f64, b: f64, x: f64) -> f64 {
+    let (mut fraction, mut up, mut down) = (1.0, 1.0, 0.0);
+    for n in 1..200 {
+        let m = f64::from(n / 2);
+        let term = if n % 2 == 0 {
+            m * (b - m) * x / ((a + 2.0 * m - 1.0) * (a + 2.0 * m))
+        } else {
+            -(a + m) * (a + b + m) * x / ((a + 2.0 * m) * (a + 2.0 * m + 1.0))
+        };
+        down = 1.0 / (1.0 + term * down);
+        up = 1.0 + term / up;
+        fraction *= up * down;
+        if libm::fabs(up * down - 1.0) < f64::EPSILON {
+            break;
+        }
+    }
+    1.0 / fraction
+}
+
 impl Backbone for FourParameter {
     fn initial_stiffness(&self) -> f64 {
         self.k_t
@@ -231,10 +278,10 @@ impl Backbone for FourParameter {
     }
 
     /// K_1 = K_T - g R u^(χ+1) / ((χ+1)(χ+2)) in micro-slip with
-    /// g = (4/π) [2 I(2χ+6) - I(2χ+4)], I(a) = √π Γ((a+1)/2) / Γ(a/2 + 1).
+    /// g = (4/π) [2 I(2χ+6) - I(2χ+4)], I(a) = √π Γ((a+1)/2) / Γ(a/2 + 1); beyond φ_max by an incomplete beta function.
     fn harmonic_stiffness(&self, u: f64) -> f64 {
         if self.slipping(u) {
-            return crate::backbone::first_harmonic(self, u.abs());
+            return self.harmonic_in_macro_slip(u.abs());
         }
         self.k_t - self.harmonic * self.k_power / (self.chi + 2.0) * self.power(u)
     }
@@ -344,5 +391,25 @@ impl Backbone for TabledFourParameter {
     }
     fn power_law(&self) -> Option<PowerLaw> {
         self.law.power_law()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn first_harmonic_in_macro_slip_is_that_of_the_quadrature() {
+        for chi in [-0.95, -0.5, -0.183, 0.0, 0.7] {
+            for beta in [0.0, 0.02, 5.0] {
+                let joint = FourParameter::new(4.45e4, 239.4, chi, beta).unwrap();
+                for ratio in [1.0 + 1e-9, 1.01, 1.3, 1.45, 1.6, 3.0, 50.0, 1e4] {
+                    let u = ratio * joint.phi_max();
+                    let (found, exact) =
+                        (joint.harmonic_stiffness(u), crate::backbone::first_harmonic(&joint, u));
+                    assert!((found / exact - 1.0).abs() < 1e-11, "{chi} {beta} {ratio}: {found} {exact}");
+                }
+            }
+        }
     }
 }

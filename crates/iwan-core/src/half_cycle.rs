@@ -11,12 +11,15 @@
 //! W = c (L/2)² ∫Ω sin²θ dθ from 0 to π are Gauss-Legendre sums over a few nodes. With viscous damping
 //! Ω² itself has a term in ∫Ω sin², found by fixed-point passes that gain a factor of about ζ_v each.
 
+use core::f64::consts::PI;
+
 use crate::backbone::Backbone;
 use crate::error::Error;
+use crate::macro_slip::{MacroSlip, Slip};
 use crate::masing::Branch;
-use crate::micro_slip::{MOST_PASSES, MicroSlip, PASS_TOLERANCE, Travel};
+use crate::micro_slip::{MicroSlip, Travel};
 use crate::oscillator::Oscillator;
-use crate::phase::{MATRIX, NODES, PANELS, Phase, PhaseClock, RULE};
+use crate::phase::{MOST_PASSES, NODES, Node, PANELS, PASS_TOLERANCE, Phase, PhaseClock};
 
 /// One half cycle from reversal to reversal.
 #[derive(Debug, Clone, Copy)]
@@ -36,17 +39,8 @@ pub(crate) struct HalfCycle {
     pub(crate) force: f64,
     /// In micro-slip under a power law: what the next half cycle starts from.
     micro: Travel,
-}
-
-/// What a node of the quadrature needs in every pass.
-#[derive(Debug, Clone, Copy, Default)]
-struct Node {
-    /// Share y/L of the travel.
-    share: f64,
-    /// sin²θ.
-    sine_squared: f64,
-    /// P(y) - (y/L) P(L), per (L/2)².
-    gained: f64,
+    /// Ω, where it is not the micro-slip's.
+    phase: Phase,
 }
 
 impl HalfCycle {
@@ -60,6 +54,7 @@ impl HalfCycle {
         duration: 0.0,
         force: 0.0,
         micro: Travel::NONE,
+        phase: Phase::single([0.0; NODES]),
     };
 
     /// Displacement at its end.
@@ -77,13 +72,14 @@ impl HalfCycle {
     /// Displacement and velocity at the time `t` after its start; `clock` is its own.
     pub(crate) fn at(&self, clock: &PhaseClock, t: f64) -> (f64, f64) {
         let (theta, omega) = clock.at(t);
-        self.motion(theta, omega)
+        let (s, c) = libm::sincos(0.5 * theta);
+        self.motion(s * s, s * c * omega)
     }
 
-    /// Displacement and velocity at a phase and its Ω.
-    pub(crate) fn motion(&self, theta: f64, omega: f64) -> (f64, f64) {
-        let ((s, c), d) = (libm::sincos(0.5 * theta), self.direction);
-        (self.start + d * self.length * s * s, d * self.length * s * c * omega)
+    /// Displacement and velocity where the share of the travel and the speed over the travel are these.
+    pub(crate) fn motion(&self, share: f64, speed: f64) -> (f64, f64) {
+        let travel = self.direction * self.length;
+        (self.start + travel * share, travel * speed)
     }
 }
 
@@ -95,6 +91,7 @@ pub(crate) struct Map<'a, B> {
     pub(crate) viscous: f64,
     pub(crate) load: f64,
     micro: Option<MicroSlip>,
+    whole: Option<MacroSlip>,
 }
 
 impl<'a, B: Backbone> Map<'a, B> {
@@ -109,8 +106,10 @@ impl<'a, B: Backbone> Map<'a, B> {
             "the half-cycle map needs K_inf = omega0^2 - k_t > 0",
         )?;
         let viscous = oscillator.viscous();
-        let micro = law.power_law().and_then(|power| MicroSlip::new(k_inf, viscous, &power));
-        Ok(Self { law, k_inf, viscous, load, micro })
+        let power = law.power_law();
+        let micro = power.and_then(|power| MicroSlip::new(k_inf, viscous, &power));
+        let whole = power.and_then(|power| MacroSlip::new(k_inf, viscous, law, &power));
+        Ok(Self { law, k_inf, viscous, load, micro, whole })
     }
 
     /// Turns `half`, the half cycle before, into the one that leaves the reversal at which `branch` starts; false
@@ -123,7 +122,10 @@ impl<'a, B: Backbone> Map<'a, B> {
         if pull.is_nan() || pull <= 0.0 {
             return false;
         }
-        if !(self.micro_slip(branch, pull, half) || self.any_slip(branch, pull, half)) {
+        if !(self.micro_slip(branch, pull, half)
+            || self.macro_slip(branch, pull, half)
+            || self.any_slip(branch, pull, half))
+        {
             return false;
         }
         (half.start, half.direction) = (branch.start.u, branch.direction);
@@ -155,16 +157,33 @@ impl<'a, B: Backbone> Map<'a, B> {
         )
     }
 
+    /// Under a power law, all of the joint slipping before the end.
+    #[cold]
+    fn macro_slip(&self, branch: &Branch, pull: f64, half: &mut HalfCycle) -> bool {
+        let Some(whole) = &self.whole else { return false };
+        // The half cycle before tells the damping nearly; without one the linear mode does.
+        let guess = if half.length > 0.0 {
+            half.viscous / (half.length * half.length)
+        } else {
+            0.125 * PI * self.viscous * libm::sqrt(self.k_inf)
+        };
+        let Some(Slip { length, damping, phase }) = whole.half_cycle(pull, guess) else { return false };
+        let force = branch.start.force + branch.direction * 2.0 * self.law.slip_force();
+        self.found(branch, pull, half, (length, damping, force, phase))
+    }
+
     /// Any law, any amplitude.
     #[cold]
     fn any_slip(&self, branch: &Branch, pull: f64, half: &mut HalfCycle) -> bool {
         // G >= 0, so P < 0 here, and P is concave: Newton's method comes down monotonically.
         let mut length = 2.0 * pull / self.k_inf;
         let (mut damping, mut duration) = (0.0, 0.0);
+        let mut phase = HalfCycle::NONE.phase;
         for _ in 0..MOST_PASSES {
             let Some(root) = self.root(pull, damping, length) else { return false };
             length = root;
-            let (phase, work) = self.passes(length);
+            let work;
+            (phase, work) = self.passes(length);
             let before = core::mem::replace(&mut duration, phase.duration());
             if self.viscous == 0.0 || libm::fabs(duration - before) <= PASS_TOLERANCE * duration {
                 break;
@@ -172,8 +191,20 @@ impl<'a, B: Backbone> Map<'a, B> {
             damping = 0.25 * self.viscous * work;
         }
         let force = branch.force_and_tangent(self.law, branch.start.u + branch.direction * length).0;
+        self.found(branch, pull, half, (length, damping, force, phase))
+    }
+
+    /// Notes a half cycle down; false when it has no duration.
+    fn found(
+        &self,
+        branch: &Branch,
+        pull: f64,
+        half: &mut HalfCycle,
+        (length, damping, force, phase): (f64, f64, f64, Phase),
+    ) -> bool {
         let (viscous, joint) = self.works(branch, pull, length, damping);
-        *half = HalfCycle { length, viscous, joint, duration, force, ..HalfCycle::NONE };
+        let duration = phase.duration();
+        *half = HalfCycle { length, viscous, joint, duration, force, phase, ..HalfCycle::NONE };
         duration > 0.0 && duration.is_finite()
     }
 
@@ -205,7 +236,7 @@ impl<'a, B: Backbone> Map<'a, B> {
     pub(crate) fn phase(&self, half: &HalfCycle) -> Phase {
         match &self.micro {
             Some(micro) if half.micro.is_some() => micro.phase(&half.micro),
-            _ => self.passes(half.length).0,
+            _ => half.phase,
         }
     }
 
@@ -216,45 +247,15 @@ impl<'a, B: Backbone> Map<'a, B> {
         let cut = |phi: f64| 2.0 * libm::asin(libm::sqrt((2.0 * phi / length).min(1.0)));
         let mut phase = Phase::cut(cut(weakest), cut(strongest));
         let mut nodes = [[Node::default(); NODES]; PANELS];
-        for (panel, nodes) in phase.panels_mut().iter().zip(&mut nodes) {
-            *nodes = core::array::from_fn(|i| self.node(panel.phase(i), length));
+        for (panel, nodes) in phase.panels().iter().zip(&mut nodes) {
+            let shares = panel.shares();
+            *nodes = core::array::from_fn(|i| {
+                let (x, rest) = shares[i];
+                Node::new((x, rest), self.gained(length, x, rest) / (0.25 * length * length))
+            });
         }
-        let (mut duration, mut work) = (0.0, 0.0);
-        for _ in 0..MOST_PASSES {
-            work = self.pass(&mut phase, &nodes, work);
-            let before = core::mem::replace(&mut duration, phase.duration());
-            if self.viscous == 0.0 || libm::fabs(duration - before) <= PASS_TOLERANCE * duration {
-                break;
-            }
-        }
+        let work = phase.settle(&nodes, self.viscous, 0.0);
         (phase, work)
-    }
-
-    /// One pass over all nodes: Ω from the energy gained, less the damper's work from the Ω before, of which
-    /// `total` is ∫Ω sin². P(L) leaves that total over, so that the speed vanishes at the end. Returns the new total.
-    fn pass(&self, phase: &mut Phase, nodes: &[[Node; NODES]], total: f64) -> f64 {
-        let (mut work_before, mut work) = (0.0, 0.0);
-        for (panel, nodes) in phase.panels_mut().iter_mut().zip(nodes) {
-            let width = panel.half_width();
-            let rates: [f64; NODES] = core::array::from_fn(|j| nodes[j].sine_squared * panel.omega[j]);
-            for (i, node) in nodes.iter().enumerate() {
-                let inside: f64 = MATRIX[i].iter().zip(&rates).map(|(b, r)| b * r).sum();
-                let lost = self.viscous * (work_before + width * inside - node.share * total);
-                panel.omega[i] = libm::sqrt(2.0 * (node.gained - lost) / node.sine_squared);
-            }
-            let weighted =
-                |rate: &dyn Fn(usize) -> f64| (0..NODES).map(|j| RULE.weights[j] * rate(j)).sum::<f64>();
-            work_before += width * weighted(&|j| rates[j]);
-            work += width * weighted(&|j| nodes[j].sine_squared * panel.omega[j]);
-        }
-        work
-    }
-
-    /// What the phase `theta` contributes to every pass.
-    fn node(&self, theta: f64, length: f64) -> Node {
-        let (s, c) = (libm::sin(0.5 * theta), libm::cos(0.5 * theta));
-        let (x, rest, arm) = (s * s, c * c, 0.5 * length);
-        Node { share: x, sine_squared: 4.0 * x * rest, gained: self.gained(length, x, rest) / (arm * arm) }
     }
 
     /// P(y) - (y/L) P(L) at y = x L, where `rest` = 1 - x: free of cancellation between the pull and the end.

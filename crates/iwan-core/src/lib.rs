@@ -11,6 +11,7 @@ mod four_parameter;
 mod half_cycle;
 mod hysteresis;
 mod jenkins;
+mod macro_slip;
 mod masing;
 mod micro_slip;
 mod newmark;

@@ -12,14 +12,14 @@ use core::array::from_fn;
 use core::f64::consts::PI;
 
 use crate::backbone::PowerLaw;
-use crate::phase::{MATRIX, NODES, Panel, Phase, RULE};
+use crate::phase::{MATRIX, MOST_PASSES, NODES, PASS_TOLERANCE, Panel, Phase, RULE, SHARE};
 
 /// Most terms of the polynomials.
 const TERMS: usize = 16;
-/// Fixed-point passes stop when nothing changes by more than this share.
-pub(crate) const PASS_TOLERANCE: f64 = 1e-12;
-/// … and after this many at the latest.
-pub(crate) const MOST_PASSES: u32 = 60;
+/// Relative error of Ω within a half cycle; duration and travel come from the table.
+const CLOCK_TOLERANCE: f64 = 1e-10;
+/// ε p up to which so many terms are enough: they fall like (ε p / 4)^n at least.
+const STRONGEST: f64 = 0.54;
 /// Largest relative error of the polynomials at the check points.
 const TABLE_TOLERANCE: f64 = 1e-11;
 /// Share by which the pull of a tabled half cycle may miss the one that acts.
@@ -35,7 +35,7 @@ pub(crate) struct MicroSlip {
     softening: f64,
     /// p = χ + 2.
     exponent: f64,
-    /// Largest L in micro-slip, 2 φ_max.
+    /// Largest L of the table.
     longest: f64,
     /// K_T.
     stiffness: f64,
@@ -60,16 +60,17 @@ pub(crate) struct Travel {
 }
 
 impl MicroSlip {
-    /// None when the softening is too strong for short polynomials (K_∞ next to nothing).
+    /// For travels up to 2 φ_max, or to where the softening becomes too strong for short polynomials. None when it is so from the
+    /// beginning.
     pub(crate) fn new(k_inf: f64, viscous: f64, law: &PowerLaw) -> Option<Self> {
         let p = law.exponent;
         let omega_squared = k_inf + law.stiffness;
         let rho = 4.0 * law.coefficient / ((p + 1.0) * libm::pow(2.0, p + 1.0));
         let softening = 2.0 * rho / omega_squared;
-        let longest = 2.0 * law.limit;
-        let steepest = softening * libm::pow(longest, p - 1.0);
+        let whole = softening * libm::pow(2.0 * law.limit, p - 1.0);
+        let steepest = whole.min(STRONGEST / p);
+        let longest = 2.0 * law.limit * libm::pow(steepest / whole, 1.0 / (p - 1.0));
         let tau = from_fn(|i| (1.0 - libm::exp(p * LOG_SHARE[i])) / SHARE[NODES - 1 - i]);
-        // Chebyshev coefficients fall like (ε p / 4)^n at least.
         let decay = libm::log(4.0 / (steepest * p));
         let mut micro = Self {
             half_stiffness: 0.5 * omega_squared,
@@ -80,7 +81,7 @@ impl MicroSlip {
             stiffness: law.stiffness,
             tau,
             to_unit: 2.0 / steepest,
-            terms: (libm::ceil(32.0 / decay.max(0.1)) as usize).clamp(3, TERMS),
+            terms: (libm::ceil(32.0 / decay) as usize).clamp(3, TERMS),
             shapes: [[0.0; 4]; TERMS],
         };
         micro.fill_table();
@@ -92,13 +93,15 @@ impl MicroSlip {
         good.then_some(micro)
     }
 
-    /// Ω at the nodes for the softening ε, the damper's part by fixed-point passes.
-    fn omega(&self, softening: f64) -> [f64; NODES] {
+    /// Ω at the nodes for the softening ε, the damper's part by fixed-point passes: they gain the same factor each, so the error behind a pass
+    /// is its change times what it gained over the one before.
+    fn omega(&self, softening: f64, tolerance: f64) -> [f64; NODES] {
         let base: [f64; NODES] = from_fn(|i| 2.0 * self.half_stiffness * (1.0 - softening * self.tau[i]));
         let mut omega = base.map(libm::sqrt);
         if self.viscous == 0.0 {
             return omega;
         }
+        let mut last = 0.0;
         for _ in 0..MOST_PASSES {
             let mut lost = [0.0; NODES];
             for (column, o) in COUPLING.iter().zip(&omega) {
@@ -107,16 +110,17 @@ impl MicroSlip {
             let next: [f64; NODES] = from_fn(|i| libm::sqrt(base[i] + self.viscous * lost[i]));
             let change = omega.iter().zip(&next).fold(0.0_f64, |m, (a, b)| m.max(libm::fabs(a - b)));
             omega = next;
-            if change <= PASS_TOLERANCE * omega[0] {
+            if change * (change / last).min(1.0) <= tolerance * omega[0] {
                 break;
             }
+            last = change;
         }
         omega
     }
 
     /// Duration and W/L² = ¼ c ∫Ω sin² of a half cycle, by quadrature.
     fn shape_by_quadrature(&self, softening: f64) -> [f64; 2] {
-        let panel = Panel { omega: self.omega(softening), ..Panel::WHOLE };
+        let panel = Panel { omega: self.omega(softening, PASS_TOLERANCE), ..Panel::WHOLE };
         let work: f64 = (0..NODES).map(|i| WORK[i] * panel.omega[i]).sum();
         [panel.duration(), 0.25 * self.viscous * work]
     }
@@ -253,21 +257,9 @@ impl MicroSlip {
 
     /// Ω over the half cycle, for dense output.
     pub(crate) fn phase(&self, travel: &Travel) -> Phase {
-        Phase::single(self.omega(travel.softening))
+        Phase::single(self.omega(travel.softening, CLOCK_TOLERANCE))
     }
 }
-
-/// x = sin²(θ/2) at the nodes: the share y/L of the travel.
-const SHARE: [f64; NODES] = {
-    let mut share = [0.0; NODES];
-    let mut i = 0;
-    while i < NODES {
-        let s = sine(0.25 * PI * (1.0 + RULE.nodes[i]));
-        share[i] = s * s;
-        i += 1;
-    }
-    share
-};
 
 /// ln x at the nodes.
 const LOG_SHARE: [f64; NODES] = {
@@ -307,17 +299,6 @@ const COUPLING: [[f64; NODES]; NODES] = {
     }
     matrix
 };
-
-/// sin x for 0 <= x <= π/2 by its Taylor series.
-const fn sine(x: f64) -> f64 {
-    let (mut term, mut sum, mut k) = (x, 0.0, 1.0);
-    while k < 30.0 {
-        sum += term;
-        term = -term * x * x / ((k + 1.0) * (k + 2.0));
-        k += 2.0;
-    }
-    sum
-}
 
 /// ln x for 0 < x <= 1 from the series of artanh, the powers of two taken out.
 const fn logarithm(x: f64) -> f64 {

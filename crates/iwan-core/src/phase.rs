@@ -10,6 +10,36 @@ pub(crate) const NODES: usize = 12;
 pub(crate) const PANELS: usize = 3;
 pub(crate) const RULE: Rule<NODES> = Rule::gauss_legendre();
 pub(crate) const MATRIX: [[f64; NODES]; NODES] = RULE.integration_matrix();
+/// Its transpose: sums over columns need no sum across a register.
+const COLUMNS: [[f64; NODES]; NODES] = {
+    let mut columns = [[0.0; NODES]; NODES];
+    let mut i = 0;
+    while i < NODES {
+        let mut j = 0;
+        while j < NODES {
+            columns[j][i] = MATRIX[i][j];
+            j += 1;
+        }
+        i += 1;
+    }
+    columns
+};
+/// x = sin²(θ/2) at the nodes of a whole half cycle: the share y/L of the travel.
+pub(crate) const SHARE: [f64; NODES] = {
+    let mut share = [0.0; NODES];
+    let mut i = 0;
+    while i < NODES {
+        let s = sine(0.25 * PI * (1.0 + RULE.nodes[i]));
+        share[i] = s * s;
+        i += 1;
+    }
+    share
+};
+
+/// Fixed-point passes stop when nothing changes by more than this share.
+pub(crate) const PASS_TOLERANCE: f64 = 1e-12;
+/// … and after this many at the latest.
+pub(crate) const MOST_PASSES: u32 = 60;
 
 /// A stretch of the phase on which Ω is smooth, with Ω at the nodes.
 #[derive(Debug, Clone, Copy)]
@@ -26,9 +56,20 @@ impl Panel {
         0.5 * (self.to - self.from)
     }
 
-    /// Phase of node `i`.
-    pub(crate) fn phase(&self, i: usize) -> f64 {
-        self.from + self.half_width() * (1.0 + RULE.nodes[i])
+    /// x = sin²(θ/2), the share y/L of the travel, and 1 - x at the nodes. They lie in pairs about the middle.
+    pub(crate) fn shares(&self) -> [(f64, f64); NODES] {
+        if self.from == 0.0 && self.to == PI {
+            return core::array::from_fn(|i| (SHARE[i], SHARE[NODES - 1 - i]));
+        }
+        let (sine, cosine) = libm::sincos(0.25 * (self.from + self.to));
+        let mut shares = [(0.0, 0.0); NODES];
+        for i in 0..NODES / 2 {
+            let (s, c) = libm::sincos(0.5 * self.half_width() * RULE.nodes[i]);
+            let square = |x: f64| x * x;
+            shares[i] = (square(sine * c + cosine * s), square(cosine * c - sine * s));
+            shares[NODES - 1 - i] = (square(sine * c - cosine * s), square(cosine * c + sine * s));
+        }
+        shares
     }
 
     /// ∫dθ/Ω.
@@ -108,6 +149,17 @@ impl Clock {
     }
 }
 
+/// sin x for 0 <= x <= π/2 by its Taylor series.
+const fn sine(x: f64) -> f64 {
+    let (mut term, mut sum, mut k) = (x, 0.0, 1.0);
+    while k < 30.0 {
+        sum += term;
+        term = -term * x * x / ((k + 1.0) * (k + 2.0));
+        k += 2.0;
+    }
+    sum
+}
+
 /// (2k+1)/(k+1), k/(k+1) and 1/(2k+1).
 const RISE: [f64; NODES] = orders(true);
 const FALL: [f64; NODES] = orders(false);
@@ -130,6 +182,24 @@ const fn orders(rise: bool) -> [f64; NODES] {
         k += 1;
     }
     factor
+}
+
+/// What a node of the quadrature needs in every pass.
+#[derive(Debug, Clone, Copy, Default)]
+pub(crate) struct Node {
+    /// Share y/L of the travel.
+    share: f64,
+    /// sin²θ.
+    sine_squared: f64,
+    /// P(y) - (y/L) P(L), per (L/2)².
+    gained: f64,
+}
+
+impl Node {
+    /// At the share `x` = y/L, where `rest` = 1 - x.
+    pub(crate) fn new((x, rest): (f64, f64), gained: f64) -> Self {
+        Self { share: x, sine_squared: 4.0 * x * rest, gained }
+    }
 }
 
 /// Ω over a whole half cycle.
@@ -163,11 +233,52 @@ impl Phase {
         phase
     }
 
-    pub(crate) fn panels_mut(&mut self) -> &mut [Panel] {
-        &mut self.panels[..self.used]
+    /// Moves the only cut; Ω at the nodes stays as a first guess.
+    pub(crate) fn cut_again(&mut self, at: f64) {
+        if self.used == 2 {
+            (self.panels[0].to, self.panels[1].from) = (at, at);
+        }
     }
 
-    fn panels(&self) -> &[Panel] {
+    /// Ω from the energy gained, less the damper's work, by fixed-point passes; `work` is the guess of ∫Ω sin² that goes with the
+    /// Ω before. Returns the new one.
+    pub(crate) fn settle(&mut self, nodes: &[[Node; NODES]; PANELS], viscous: f64, mut work: f64) -> f64 {
+        let mut duration = 0.0;
+        for _ in 0..MOST_PASSES {
+            work = self.pass(nodes, viscous, work);
+            let before = core::mem::replace(&mut duration, self.duration());
+            if viscous == 0.0 || libm::fabs(duration - before) <= PASS_TOLERANCE * duration {
+                break;
+            }
+        }
+        work
+    }
+
+    /// One pass over all nodes: Ω from the energy gained, less the damper's work from the Ω before, of which
+    /// `total` is ∫Ω sin². P(L) leaves that total over, so that the speed vanishes at the end. Returns the new total.
+    fn pass(&mut self, nodes: &[[Node; NODES]; PANELS], viscous: f64, total: f64) -> f64 {
+        let (mut work_before, mut work) = (0.0, 0.0);
+        for (panel, nodes) in self.panels[..self.used].iter_mut().zip(nodes) {
+            let width = panel.half_width();
+            let rates: [f64; NODES] = core::array::from_fn(|j| nodes[j].sine_squared * panel.omega[j]);
+            let mut inside = [0.0; NODES];
+            for (column, rate) in COLUMNS.iter().zip(&rates) {
+                inside.iter_mut().zip(column).for_each(|(sum, b)| *sum += b * rate);
+            }
+            panel.omega = core::array::from_fn(|i| {
+                let node = &nodes[i];
+                let lost = viscous * (work_before + width * inside[i] - node.share * total);
+                libm::sqrt(2.0 * (node.gained - lost) / node.sine_squared)
+            });
+            let weighted =
+                |rate: &dyn Fn(usize) -> f64| (0..NODES).map(|j| RULE.weights[j] * rate(j)).sum::<f64>();
+            work_before += width * weighted(&|j| rates[j]);
+            work += width * weighted(&|j| nodes[j].sine_squared * panel.omega[j]);
+        }
+        work
+    }
+
+    pub(crate) fn panels(&self) -> &[Panel] {
         &self.panels[..self.used]
     }
 
@@ -175,12 +286,15 @@ impl Phase {
         self.panels().iter().map(Panel::duration).sum()
     }
 
-    /// Phase, Ω, time from the start of the half cycle and weight dt of each node, in the order of time.
+    /// Share y/L of the travel, y'/L, time from the start of the half cycle and weight dt of each node, in the order of time.
     pub(crate) fn visit(&self, mut node: impl FnMut(f64, f64, f64, f64)) {
         let mut before = 0.0;
         for panel in self.panels() {
-            for (i, (time, weight)) in panel.times().into_iter().enumerate() {
-                node(panel.phase(i), panel.omega[i], before + time, weight);
+            let (shares, times) = (panel.shares(), panel.times());
+            let speeds: [f64; NODES] =
+                core::array::from_fn(|i| libm::sqrt(shares[i].0 * shares[i].1) * panel.omega[i]);
+            for (i, (time, weight)) in times.into_iter().enumerate() {
+                node(shares[i].0, speeds[i], before + time, weight);
             }
             before += panel.duration();
         }

@@ -15,6 +15,8 @@ pub(crate) const TOLERANCE: f64 = 1e-8;
 const STEP: f64 = 1e-5;
 /// Damping at which no step is left.
 const MOST_DAMPING: f64 = 1e12;
+/// Damping that holds no step back which matters.
+const LITTLE_DAMPING: f64 = 1e-9;
 /// Longest step of a coordinate in one iteration.
 const LONGEST: f64 = 1.0;
 
@@ -52,7 +54,7 @@ impl Search {
         let Some(mut jacobian) = self.jacobian(residuals, &x, &r) else {
             return Some(Minimum { x, cost, converged: false });
         };
-        let (mut damping, mut fresh) = (1e-3, true);
+        let (mut damping, mut fresh, mut before) = (1e-3, true, false);
         for _ in 0..self.iterations {
             // By orthogonal factors, not normal equations: valleys here are a million times longer than wide.
             let factors = jacobian.clone().qr();
@@ -60,7 +62,7 @@ impl Search {
             factors.q_tr_mul(&mut rotated);
             let (matrix, rotated) = (factors.r(), rotated.rows(0, self.free.len()).into_owned());
             let most = if fresh { MOST_DAMPING } else { damping * 100.0 };
-            let mut part = 0.0;
+            let (mut part, mut taken) = (0.0, 0.0);
             while damping < most {
                 let next = self.step(&x, &matrix, &rotated, damping);
                 let lower = next.as_ref().and_then(|next| evaluate(residuals, next, &mut trial));
@@ -69,18 +71,22 @@ impl Search {
                     self.update(&mut jacobian, &x, &next, &r, &trial);
                     (x, cost) = (next, lower);
                     std::mem::swap(&mut r, &mut trial);
+                    taken = damping;
                     damping = (damping * 0.1).max(1e-15);
                     break;
                 }
-                damping *= 10.0;
+                damping *= 30.0;
             }
             let slow = part < self.tolerance;
-            if slow && fresh {
+            // A step that brings little may be held back by its damping, or bent by a crease: twice it is the end.
+            let end = slow && fresh && (taken <= LITTLE_DAMPING || before);
+            before = slow && fresh;
+            if end {
                 return Some(Minimum { x, cost, converged: true });
             }
             fresh = slow || self.is_final();
             if fresh {
-                damping = damping.min(1.0);
+                damping = damping.min(if slow { LITTLE_DAMPING } else { 1.0 });
                 let Some(anew) = self.jacobian(residuals, &x, &r) else { break };
                 jacobian = anew;
             }
@@ -189,6 +195,13 @@ fn damped(matrix: &DMatrix<f64>, rotated: &DVector<f64>, damping: f64) -> Option
     let factors = stacked.qr();
     factors.q_tr_mul(&mut right);
     factors.r().solve_upper_triangular(&right.rows(0, columns))
+}
+
+/// How the coordinates of all columns but the last follow the last, so that the residuals stay as small as they can.
+pub(crate) fn following(jacobian: &DMatrix<f64>) -> Option<Vec<f64>> {
+    let last = jacobian.ncols().checked_sub(1)?;
+    let step = damped(&jacobian.columns(0, last).into_owned(), &-jacobian.column(last), LITTLE_DAMPING)?;
+    Some(step.as_slice().to_vec())
 }
 
 fn evaluate(residuals: &mut Residuals<'_>, x: &[f64], r: &mut [f64]) -> Option<f64> {

@@ -6,7 +6,7 @@
 //! D. G. Watts, *Nonlinear Regression Analysis and Its Applications*, Wiley 1988, Sec. 6.1 (profile t).
 
 use crate::chart::Chart;
-use crate::least_squares::Minimum;
+use crate::least_squares::{Minimum, following};
 use crate::parameters::{Parameter, Parameters};
 use crate::refine::{KNEE_UNSEEN, Task, Workspace};
 
@@ -16,6 +16,8 @@ const NORMAL: f64 = 1.959963984540054;
 const FARTHEST: f64 = 7.0;
 /// First step when the curvature says nothing.
 const FIRST_STEP: f64 = 0.1;
+/// How far a line through two points is followed, in distances between them.
+const FARTHEST_AHEAD: f64 = 5.0;
 /// Steps below the largest amplitude.
 const CLOSE: f64 = 0.15;
 /// Beginnings that are tried at most.
@@ -116,6 +118,8 @@ struct Walk<'a> {
     better: f64,
     /// Whether the record shows no upper end: the walk leads down to where φ_max meets the largest amplitude.
     unseen: bool,
+    /// How the others follow next to the minimum, per unit of the coordinate.
+    tangent: Option<Vec<f64>>,
     work: Workspace,
     /// Coordinate, deviance and all coordinates of each point.
     points: Vec<(f64, f64, Vec<f64>)>,
@@ -204,6 +208,7 @@ fn profile(
             scale,
             better: if extent == Extent::MicroSlip { f64::NEG_INFINITY } else { scale.better },
             unseen: one_sided,
+            tangent: None,
             work: Workspace::default(),
             points: vec![],
         };
@@ -234,6 +239,7 @@ impl Walk<'_> {
     /// it says that the record forbids the value.
     fn deviance(&mut self, at: f64) -> Result<Option<f64>, Minimum> {
         let mut beginnings = self.beginnings(at, &self.nearest(at));
+        beginnings.push(self.ahead(at));
         beginnings.extend(self.micro_slip.into_iter().flat_map(|m| self.beginnings(at, &m.x)));
         let mut ways: Vec<(f64, Vec<f64>)> =
             beginnings.into_iter().filter_map(|x| Some((self.task.cost(&x, &mut self.work)?, x))).collect();
@@ -296,6 +302,30 @@ impl Walk<'_> {
             all.push(x);
         }
         all
+    }
+
+    /// On the straight line through the two points nearest to `at`, next to the minimum on its tangent; inside the bounds.
+    fn ahead(&self, at: f64) -> Vec<f64> {
+        let own = (self.minimum.x[self.coordinate], &self.minimum.x);
+        let mut all: Vec<(f64, &Vec<f64>)> =
+            self.points.iter().map(|p| (p.0, &p.2)).chain(std::iter::once(own)).collect();
+        all.sort_by(|a, b| (a.0 - at).abs().total_cmp(&(b.0 - at).abs()));
+        let (bounds, (place, near)) = (self.task.bounds(), all[0]);
+        let far = all
+            .iter()
+            .find(|p| p.0 != place)
+            .filter(|p| (at - p.0).abs() < FARTHEST_AHEAD * (place - p.0).abs());
+        let mut x = near.clone();
+        for (k, &j) in self.free.iter().enumerate() {
+            let slope = match (far, &self.tangent) {
+                (Some(far), _) => (near[j] - far.1[j]) / (place - far.0),
+                (None, Some(tangent)) => tangent[k],
+                (None, None) => 0.0,
+            };
+            x[j] = (near[j] + slope * (at - place)).clamp(bounds[j].0, bounds[j].1);
+        }
+        x[self.coordinate] = at;
+        x
     }
 
     /// All coordinates of the point nearest to `at`.
@@ -381,7 +411,9 @@ impl Walk<'_> {
         let mut residuals = |x: &[f64], out: &mut [f64]| task.residuals(x, out, work);
         let mut r = vec![0.0; task.count()];
         residuals(&self.minimum.x, &mut r);
-        let deviation = search.jacobian(&mut residuals, &self.minimum.x, &r).and_then(|j| {
+        let jacobian = search.jacobian(&mut residuals, &self.minimum.x, &r);
+        self.tangent = jacobian.as_ref().and_then(following);
+        let deviation = jacobian.and_then(|j| {
             let inverse = j.qr().r().try_inverse()?;
             Some(inverse.row(place?).norm())
         });

@@ -17,6 +17,7 @@ use crate::chart::{Chart, Scales};
 use crate::curves::Quantity;
 use crate::error::{Error, check, check_dt, check_samples};
 use crate::features::{Whitening, Windows};
+use crate::fit::predict;
 use crate::least_squares::{Minimum, Search, TOLERANCE};
 use crate::parameters::{COUNT, Parameter, Parameters};
 
@@ -29,6 +30,8 @@ const KNEES: [f64; 4] = [0.4, 1.0, 2.5, 10.0];
 const DIRACS: [f64; 2] = [0.02, 0.4];
 /// Part of ω0² that the joint has at most where nothing else limits it.
 const MOST_JOINT: f64 = 0.9;
+/// Part of ω0² that the joint has where it is next to none.
+const LITTLE_JOINT: f64 = 1e-4;
 /// φ_max over the largest amplitude where no record reaches it: any larger one would do.
 pub(crate) const KNEE_UNSEEN: f64 = 2.0;
 /// Iterations of the first search from each start, and of the last.
@@ -53,6 +56,8 @@ const ROUNDS: usize = 8;
 const WORTH: f64 = 0.9;
 /// Relative reduction of the sum of squares at which searches end that are not the last.
 const ROUGH: f64 = 1e-4;
+/// … and of searches for a minimum under noise.
+const FINE: f64 = 2e-6;
 /// Starts that the last search goes on from.
 const KEPT: usize = 3;
 /// Standard deviation that is put down to the forward model's own error, relative to a record's amplitudes.
@@ -315,7 +320,7 @@ impl Task {
         tolerance: f64,
         work: &mut Workspace,
     ) -> Option<Minimum> {
-        let iterations = if tolerance > TOLERANCE { ITERATIONS.0 } else { ITERATIONS.1 };
+        let iterations = if tolerance > FINE { ITERATIONS.0 } else { ITERATIONS.1 };
         let mut residuals = |x: &[f64], out: &mut [f64]| self.residuals(x, out, work);
         self.search(free, (iterations, tolerance)).run(&mut residuals, x)
     }
@@ -337,7 +342,7 @@ impl Task {
         }
     }
 
-    /// `first`, and the same softening with knees and Diracs elsewhere.
+    /// `first`, the same softening with knees and Diracs elsewhere, and next to no joint.
     fn starts(&self, first: &Parameters) -> Result<Vec<Vec<f64>>, Error> {
         let mut starts = vec![self.coordinates(first)?];
         let loudest = self.records.iter().map(|r| r.start.0.abs()).fold(0.0, f64::max);
@@ -361,16 +366,38 @@ impl Task {
                 starts.push(self.coordinates(&start)?);
             }
         }
+        if self.held.is_empty() {
+            let (dissipation, frequency) = predict(first, loudest)?;
+            let omega_squared = (TAU * frequency).powi(2);
+            let k_t = LITTLE_JOINT * omega_squared;
+            let damping_ratio = dissipation / (TAU * omega_squared * loudest * loudest);
+            let f_s = k_t * loudest;
+            starts.push(self.coordinates(&Parameters { frequency, damping_ratio, k_t, f_s, ..*first })?);
+        }
         Ok(starts)
+    }
+
+    /// Where the first searches end, from each start; each half of the starts on a thread of its own.
+    fn logarithmic(&self, starts: &[Vec<f64>]) -> Vec<Minimum> {
+        let search = self.search(self.free(), (ITERATIONS.0, ROUGH));
+        let of = |starts: &[Vec<f64>]| -> Vec<Minimum> {
+            let mut work = Workspace::default();
+            let mut log = |x: &[f64], out: &mut [f64]| self.log_residuals(x, out, &mut work);
+            starts.iter().filter_map(|x| search.run(&mut log, x)).collect()
+        };
+        let (one, other) = starts.split_at(starts.len() / 2);
+        std::thread::scope(|scope| {
+            let second = scope.spawn(|| of(other));
+            let mut found = of(one);
+            found.extend(second.join().unwrap_or_else(|panic| std::panic::resume_unwind(panic)));
+            found
+        })
     }
 
     /// The best of all searches, roughly.
     pub(crate) fn solve(&mut self, first: &Parameters) -> Result<Minimum, Error> {
         let mut work = Workspace::default();
-        let mut log = |x: &[f64], out: &mut [f64]| self.log_residuals(x, out, &mut work);
-        let search = self.search(self.free(), (ITERATIONS.0, ROUGH));
-        let mut found: Vec<Minimum> =
-            self.starts(first)?.iter().filter_map(|x| search.run(&mut log, x)).collect();
+        let mut found = self.logarithmic(&self.starts(first)?);
         found.sort_by(|a, b| a.cost.total_cmp(&b.cost));
         let Some(nearest) = found.first() else { return Err(no_ring_down()) };
         self.weigh(&nearest.x, &mut work);
@@ -388,8 +415,9 @@ impl Task {
     /// The minimum itself, next to a rough one.
     pub(crate) fn finish(&mut self, rough: &Minimum) -> Result<Minimum, Error> {
         let mut work = Workspace::default();
-        let mut best = self.minimise(&rough.x, self.free(), TOLERANCE, &mut work).ok_or_else(no_ring_down)?;
+        let mut best = self.minimise(&rough.x, self.free(), FINE, &mut work).ok_or_else(no_ring_down)?;
         if self.refined(&best).relative_residual < CREASE {
+            best = self.minimise(&best.x, self.free(), TOLERANCE, &mut work).ok_or_else(no_ring_down)?;
             best = self.hop(best, &mut work);
             self.weigh(&best.x, &mut work);
             best = self.minimise(&best.x, self.free(), TOLERANCE, &mut work).ok_or_else(no_ring_down)?;
@@ -439,7 +467,7 @@ impl Task {
             (x[stiffness], x[dirac]) = (MOST_JOINT.ln(), 0.0);
             let mut log = |x: &[f64], out: &mut [f64]| self.log_residuals(x, out, &mut work);
             let near = self.search(others.clone(), (ITERATIONS.0, ROUGH)).run(&mut log, &x);
-            let found = near.and_then(|m| self.minimise(&m.x, others.clone(), TOLERANCE, &mut work));
+            let found = near.and_then(|m| self.minimise(&m.x, others.clone(), FINE, &mut work));
             best = best.into_iter().chain(found).min_by(|a, b| a.cost.total_cmp(&b.cost));
         }
         best.filter(|found| self.is_micro_slip(&found.x)).map(|found| self.with_near_knee(found))
@@ -471,7 +499,7 @@ impl Task {
 
     /// Goes on from a better point; none when its valley is not deeper.
     pub(crate) fn resume(&self, better: &Minimum, than: &Minimum) -> Option<Minimum> {
-        let found = self.minimise(&better.x, self.free(), TOLERANCE, &mut Workspace::default())?;
+        let found = self.minimise(&better.x, self.free(), FINE, &mut Workspace::default())?;
         (found.cost < than.cost).then_some(found)
     }
 
