@@ -57,6 +57,7 @@ fn number(name: impl Into<String>, value: f64) -> Number {
 pub(crate) fn findings(of: &Reproduction) -> Result<Vec<Finding>, iwan_core::Error> {
     let mut findings = vec![formulas::eq_15()?, formulas::eq_17()?];
     findings.extend(formulas::eq_14(of));
+    findings.extend(formulas::eqs_8_to_11(of));
     findings.extend([
         modes::joint_stiffness(of),
         modes::second_mode(of),

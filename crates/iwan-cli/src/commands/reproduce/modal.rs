@@ -3,7 +3,7 @@
 
 use std::f64::consts::TAU;
 
-use iwan_fem::ModalCurves;
+use iwan_fem::{ModalCurves, QuasiStatic};
 use iwan_ident::curves::{Curves, ForceAxis, Quantity, straight_line};
 use iwan_ident::quasi_static::{StaticCurves, StaticFit, fit_static};
 use iwan_ident::signal::{Method, Options, envelope, spot};
@@ -109,36 +109,31 @@ impl Study {
         };
         let samples = |n: usize| side.responses[n].outputs[index].acceleration.as_slice();
         let each = 0..LEVELS.len();
-        let curves: Result<Vec<_>, _> = each.clone().map(|n| curves(samples(n), stuck, LEVELS[n])).collect();
+        let curves: Result<Vec<_>, _> =
+            each.clone().map(|n| self::curves(samples(n), stuck, LEVELS[n])).collect();
         let curves = curves.map_err(said)?;
         let spots: Result<Vec<_>, _> = each.map(|n| readings(samples(n), stuck)).collect();
-        let grid = |i: u32| STATIC.0 * (STATIC.1 / STATIC.0).powf(f64::from(i) / f64::from(STATIC.2 - 1));
-        let grid: Vec<f64> = (0..STATIC.2).map(grid).collect();
-        let static_curves = static_curves(side, index, &grid)?;
-        let checked =
-            if index == 0 { static_curves_at(side, index, &CHECKED)? } else { ModalCurves::default() };
-        let coupling = (0..LEVELS.len())
-            .filter(|&n| LEVELS[n] <= 10.0 * MICRO_SLIP)
-            .filter_map(|n| coupling(side, index, LEVELS[n], &curves[n]));
         let ring_down = &side.alone[index].outputs[index].acceleration;
-        let own = self::curves(ring_down, stuck, MICRO_SLIP).map_err(said)?;
+        let ring_down = self::curves(ring_down, stuck, MICRO_SLIP).map_err(said)?;
+        let statics = Statics::new(side, index, (&curves, &ring_down));
+        let statics = statics.map_err(|error| explain(&linear.source, &error))?;
         Ok(Self {
             configuration: side.name,
             index,
-            alone: self::coupling(side, index, MICRO_SLIP, &own),
+            alone: statics.alone,
             name: mode.name.clone(),
             stuck,
             slipping: linear.frequency_slipping(mode),
             mac: mode.pair.mac,
             k_t,
             tip: side.tip[index],
-            coupling: coupling.collect(),
-            static_fit: static_fit(&static_curves, stuck, k_t),
+            coupling: statics.coupling,
+            static_fit: static_fit(&statics.curves, stuck, k_t),
             slopes: slopes(&curves, stuck, k_t),
             spots: spots.map_err(said)?,
             curves,
-            static_curves,
-            checked,
+            static_curves: statics.curves,
+            checked: statics.checked,
         })
     }
 
@@ -202,22 +197,43 @@ fn readings(samples: &[f64], near: f64) -> Result<Vec<Reading>, iwan_ident::Erro
     TIMES.iter().map(one).collect()
 }
 
-/// Static curves up to where parts begin to slide freely.
-fn static_curves(side: &Side, index: usize, displacements: &[f64]) -> Result<ModalCurves, Failure> {
-    let mut reach = displacements.len();
-    loop {
-        match static_curves_at(side, index, &displacements[..reach]) {
-            Err(Failure::Computation(_)) if reach > 1 => reach -= 1,
-            found => return found,
-        }
+/// What static loads say about a mode.
+struct Statics {
+    curves: ModalCurves,
+    checked: ModalCurves,
+    coupling: Vec<Coupling>,
+    alone: Option<Coupling>,
+}
+
+impl Statics {
+    /// With the curves of the impacts and of a ring-down in this mode alone to compare.
+    fn new(
+        side: &Side,
+        index: usize,
+        (impacts, ring_down): (&[Curves], &Curves),
+    ) -> Result<Self, iwan_fem::Error> {
+        let (linear, pair) = (&side.linear, &side.bending[index].pair);
+        let slipping = linear.slipping.eigenvalue(pair.slipping);
+        let analysis = linear.assembled.quasi_static(&linear.stuck, pair.stuck, slipping)?;
+        let grid = |i: u32| STATIC.0 * (STATIC.1 / STATIC.0).powf(f64::from(i) / f64::from(STATIC.2 - 1));
+        let grid: Vec<f64> = (0..STATIC.2).map(grid).collect();
+        let compared = |level: f64, curves: &Curves| {
+            if pair.k_t > 0.0 { coupling(&analysis, level, curves) } else { None }
+        };
+        let quiet = impacts.iter().zip(LEVELS).filter(|(_, level)| *level <= 10.0 * MICRO_SLIP);
+        Ok(Self {
+            curves: static_curves(&analysis, &grid)?,
+            checked: analysis.curves(if index == 0 { &CHECKED } else { &[] })?,
+            coupling: quiet.filter_map(|(curves, level)| compared(level, curves)).collect(),
+            alone: compared(MICRO_SLIP, ring_down),
+        })
     }
 }
 
-fn static_curves_at(side: &Side, index: usize, displacements: &[f64]) -> Result<ModalCurves, Failure> {
-    let (linear, pair) = (&side.linear, &side.bending[index].pair);
-    let slipping = linear.slipping.eigenvalue(pair.slipping);
-    let analysis = linear.assembled.quasi_static(&linear.stuck, pair.stuck, slipping);
-    analysis.and_then(|a| a.curves(displacements)).map_err(|error| explain(&linear.source, &error))
+/// Static curves up to where parts begin to slide freely.
+fn static_curves(analysis: &QuasiStatic<'_>, displacements: &[f64]) -> Result<ModalCurves, iwan_fem::Error> {
+    let reached = displacements.iter().take_while(|q| analysis.curves(&[**q]).is_ok()).count();
+    analysis.curves(&displacements[..reached])
 }
 
 fn static_fit(curves: &ModalCurves, frequency: f64, k_t: f64) -> Option<StaticFit> {
@@ -232,14 +248,11 @@ fn static_fit(curves: &ModalCurves, frequency: f64, k_t: f64) -> Option<StaticFi
 /// Entries of the curve that are compared with static loads.
 const COMPARED: usize = 8;
 
-fn coupling(side: &Side, index: usize, level: f64, curves: &Curves) -> Option<Coupling> {
-    if side.bending[index].pair.k_t <= 0.0 {
-        return None;
-    }
+fn coupling(analysis: &QuasiStatic<'_>, level: f64, curves: &Curves) -> Option<Coupling> {
     let stride = curves.t.len().div_ceil(COMPARED);
     let entries: Vec<usize> = (stride / 2..curves.t.len()).step_by(stride).collect();
     let displacements: Vec<f64> = entries.iter().map(|&i| curves.displacement[i]).collect();
-    let alone = static_curves_at(side, index, &displacements).ok()?.dissipation;
+    let alone = analysis.curves(&displacements).ok()?.dissipation;
     let ratios: Vec<f64> = entries.iter().zip(&alone).map(|(&i, d)| curves.dissipation[i] / d).collect();
     Some(Coupling {
         level,

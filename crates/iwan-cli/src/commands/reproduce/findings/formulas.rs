@@ -142,3 +142,35 @@ pub(super) fn eq_14(of: &Reproduction) -> Option<Finding> {
         numbers,
     })
 }
+
+/// Signs and arguments in Eqs. 8, 10 and 11, with the first reading of mode 1 as an example.
+pub(super) fn eqs_8_to_11(of: &Reproduction) -> Option<Finding> {
+    let (study, _) = of.modes().next()?;
+    let reading = study.spots.get(1)?.first()?;
+    let omega = TAU * reading.frequency;
+    let energy = 0.5 * (omega * reading.displacement).powi(2);
+    // D = (4 π/ω) |P'| KE, P = ln v: here P' < 0.
+    let slope = -reading.dissipation * omega / (2.0 * TAU * energy);
+    let printed = 2.0 * TAU / omega * slope * energy;
+    Some(Finding {
+        id: "eq-8",
+        kind: Kind::Corrected,
+        title: "Eqs. 8, 10 and 11: a sign, a time, a quadrant",
+        text: format!(
+            "In Eq. 8 dissipation has the sign of P', which is negative in a decay: mode 1 of configuration {} under {} lbf loses {} a cycle at {} s, \
+             where P' = {} 1/s; printed, that would be {}. Eq. 10 lacks the time, Z = A\u{2080} exp(\u{2212}\u{3b6} \u{3c9} t). Eq. 11 needs the \
+             arctangent of two arguments, and unwrapping.",
+            study.configuration,
+            crate::commands::reproduce::truth::LEVELS[1],
+            short(reading.dissipation),
+            reading.t,
+            short(slope),
+            short(printed)
+        ),
+        numbers: vec![
+            number("dissipation", reading.dissipation),
+            number("slope_of_log_velocity", slope),
+            number("printed", printed),
+        ],
+    })
+}
