@@ -46,7 +46,7 @@ pub struct Levels {
 ///     let q: Vec<f64> = t.iter().map(|t| 1e-3 * blow * (-t).exp()).collect();
 ///     let force: Vec<f64> = q.iter().map(|q| omega * omega * q).collect();
 ///     let viscous = |q: &f64| std::f64::consts::TAU * 3e-4 * (omega * q).powi(2);
-///     let dissipation = (0..50).map(|i| viscous(&q[i]) + 1e-7 * (1.0 + (-3.0 * t[i]).exp()) * force[i].powf(2.7)).collect();
+///     let dissipation = (0..50).map(|i| viscous(&q[i]) + 1e-10 * (1.0 + (-3.0 * t[i]).exp()) * force[i].powf(2.7)).collect();
 ///     let (zeros, frequency) = (vec![0.0; 50], vec![100.0; 50]);
 ///     Curves { t, displacement: q, frequency, damping_ratio: zeros.clone(), dissipation, force, axis: Default::default(),
 ///         log_dissipation_sd: zeros.clone(), frequency_sd: zeros, independent: 5.0 }
@@ -117,21 +117,18 @@ fn point(c: &Curves, i: usize, zeta: f64, omega: f64) -> Option<(f64, f64)> {
 
 /// The slope that all levels share, an intercept for each time, and the root mean square of what is left.
 fn common_slope(levels: &[Curves], zeta: f64, omega: f64) -> Option<(f64, f64)> {
-    let (mut square, mut product, mut rest, mut count) = (0.0, 0.0, 0.0, 0.0);
+    let mut centred = Vec::with_capacity(TIMES * levels.len());
     for i in 0..TIMES {
         let points: Vec<(f64, f64)> =
             levels.iter().map(|c| point(c, i, zeta, omega)).collect::<Option<_>>()?;
         let n = points.len() as f64;
         let mean = points.iter().fold((0.0, 0.0), |s, p| (s.0 + p.0 / n, s.1 + p.1 / n));
-        for (x, y) in points {
-            square += (x - mean.0).powi(2);
-            product += (x - mean.0) * (y - mean.1);
-            rest += (y - mean.1).powi(2);
-            count += 1.0;
-        }
+        centred.extend(points.iter().map(|p| (p.0 - mean.0, p.1 - mean.1)));
     }
-    let slope = product / square;
-    slope.is_finite().then(|| (slope, ((rest - slope * product).max(0.0) / count).sqrt()))
+    let sum = |of: &dyn Fn(&(f64, f64)) -> f64| centred.iter().map(of).sum::<f64>();
+    let slope = sum(&|p| p.0 * p.1) / sum(&|p| p.0 * p.0);
+    let rest = sum(&|p| (p.1 - slope * p.0).powi(2));
+    slope.is_finite().then(|| (slope, (rest / centred.len() as f64).sqrt()))
 }
 
 /// Mean slope between two levels.
