@@ -36,6 +36,8 @@ pub mod book {
     pub mod python {}
     #[doc = include_str!("../book/src/structures.md")]
     pub mod structures {}
+    #[doc = include_str!("../book/src/reproduce.md")]
+    pub mod reproduce {}
 
     /// Four short programs; `cargo run --release --example NAME` runs one.
     ///

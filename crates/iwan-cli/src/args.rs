@@ -1,6 +1,7 @@
 //! The command line. Doc comments are the help text.
 
 mod records;
+mod reproduce;
 mod structures;
 
 use std::num::NonZeroUsize;
@@ -10,6 +11,7 @@ use clap::{Args, Parser, Subcommand, ValueEnum, ValueHint};
 
 use crate::scenario::{Overrides, Representation};
 pub(crate) use records::{Axis, EnvelopeArgs, FitArgs, MethodChoice, Motion, RecordArgs};
+pub(crate) use reproduce::ReproduceArgs;
 pub(crate) use structures::{ModesArgs, QuasiStaticArgs, StructureArgs};
 
 /// Ring-down of bolted structures with Iwan friction models
@@ -29,6 +31,7 @@ Examples:
   iwan envelope hammer.mat --out mode1       amplitude, frequency and damping of a measured ring-down
   iwan fit hammer.mat --out mode1            the joint's parameters from it, with intervals
   iwan modes structure.toml --out modes      frequencies and shapes of a finite-element structure
+  iwan reproduce                             the paper's tables and figures beside ours
 
 Exit codes: 0 success, 1 the computation failed, 2 bad usage or input.";
 
@@ -40,6 +43,7 @@ pub(crate) enum Command {
     Fit(FitArgs),
     Modes(ModesArgs),
     QuasiStatic(QuasiStaticArgs),
+    Reproduce(ReproduceArgs),
     Scenario(ScenarioArgs),
     Completions(CompletionsArgs),
     Man(ManArgs),

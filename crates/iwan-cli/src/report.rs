@@ -10,6 +10,7 @@ mod fitted;
 mod intervals;
 pub(crate) mod modes;
 pub(crate) mod quasi_static;
+pub(crate) mod reproduce;
 mod scale;
 mod solid;
 pub(crate) mod truth;

@@ -2,7 +2,7 @@
 //!
 //! Average acceleration (Newmark β = 1/4, γ = 1/2) in the mean velocity v̄ of a step: with d = 1/(1 + dt²λ/4)
 //! v̄ = d [v + dt/2 (p̄ g - λ q - Bᵀ N̄)], q' = q + dt v̄, v' = 2 v̄ - v, where N = F(s) - K_T s is what the joints'
-//! forces differ from stuck ones. With N held over the step the slips move by Δs*; then
+//! forces differ from stuck ones, and with viscous modal damping d = 1/(1 + dt ζω + dt²λ/4). With N held over the step the slips move by Δs*; then
 //! (C⁻¹ - K_T) Δs + ΔF = C⁻¹ Δs* with C = dt²/4 B d Bᵀ. One sweep completes a step and begins the next.
 
 use std::ops::ControlFlow;
@@ -66,13 +66,20 @@ impl Reduced<'_> {
         }
         recorder.slips(&stepper.slips);
         let (force, start, clock) = (of.force(), stepper.energy(), Instant::now());
+        let damped = self.damping().iter().any(|c| *c != 0.0);
         stepper.predict(0.5 * (force[0] + force.get(1).unwrap_or(&0.0)));
         for n in 1..=of.steps {
             let ahead = force.get(n + 1).copied().unwrap_or(0.0);
             let mean = 0.5 * (force[n - 1] + force[n]);
             stepper.solve_slips(&mut joints)?;
-            let travelled = stepper.sweep(force[n], 0.5 * (force[n] + ahead));
+            let next = 0.5 * (force[n] + ahead);
+            let (travelled, lost) = if damped {
+                stepper.sweep::<true>(force[n], next)
+            } else {
+                stepper.sweep::<false>(force[n], next)
+            };
             recorder.work(mean * travelled);
+            recorder.viscous(lost);
             for (i, output) in outputs.iter().enumerate() {
                 recorder.output(i, output.of(&stepper.a));
             }
@@ -144,7 +151,9 @@ struct Stepper {
     /// Bᵀ N.
     joint: Vec<Group>,
     eigenvalues: Vec<Group>,
-    /// d = 1/(1 + dt² λ/4).
+    /// 2ζω.
+    damping: Vec<Group>,
+    /// d = 1/(1 + dt ζω + dt² λ/4).
     compliance: Vec<Group>,
     load: Vec<Group>,
     /// B: for each group of coordinates the slips one after the other.
@@ -167,7 +176,8 @@ impl Stepper {
         let assembled = reduced.assembled();
         let (count, r) = (assembled.slips().len(), reduced.coordinates());
         let quarter = 0.25 * of.dt * of.dt;
-        let d: Vec<f64> = reduced.eigenvalues().iter().map(|lambda| 1.0 / (1.0 + quarter * lambda)).collect();
+        let terms = reduced.eigenvalues().iter().zip(reduced.damping());
+        let d: Vec<f64> = terms.map(|(lambda, c)| 1.0 / (1.0 + 0.5 * of.dt * c + quarter * lambda)).collect();
         let shape = |i: usize, k: usize| reduced.column(k)[assembled.slips()[i].unknown];
         let coupling =
             |i: usize, j: usize| quarter * (0..r).map(|k| shape(i, k) * d[k] * shape(j, k)).sum::<f64>();
@@ -190,16 +200,19 @@ impl Stepper {
             Some(v) => reduced.project(&assembled.mass().times(v)),
             None => vec![0.0; r],
         };
+        let damped = velocity.iter().zip(reduced.damping()).map(|(v, c)| c * v);
+        let start: Vec<f64> = load.iter().zip(damped).map(|(g, lost)| p0 * g - lost).collect();
         let zero = || vec![[0.0; LANES]; groups];
         let slip_groups = || vec![[0.0; LANES]; count.div_ceil(LANES)];
         Ok(Self {
             dt: of.dt,
             q: zero(),
             v: grouped(&velocity),
-            a: grouped(&load.iter().map(|g| p0 * g).collect::<Vec<_>>()),
+            a: grouped(&start),
             mean: zero(),
             joint: zero(),
             eigenvalues: grouped(reduced.eigenvalues()),
+            damping: grouped(reduced.damping()),
             compliance: grouped(&d),
             load: grouped(&load),
             slip_shapes,
@@ -259,11 +272,11 @@ impl Stepper {
     }
 
     /// Completes the step, at whose end the force is `p`, and begins the next one, in which it is `next` on the mean.
-    /// Returns how far the load's point of attack moved.
+    /// Returns how far the load's point of attack moved, and the energy lost in viscous damping.
     #[inline]
-    fn sweep(&mut self, p: f64, next: f64) -> f64 {
+    fn sweep<const DAMPED: bool>(&mut self, p: f64, next: f64) -> (f64, f64) {
         let (h, half, quarter, count) = (self.dt, 0.5 * self.dt, 0.25 * self.dt, self.k_t.len());
-        let mut travelled = [0.0; LANES];
+        let (mut travelled, mut lost) = ([0.0; LANES], [0.0; LANES]);
         self.ahead.fill([0.0; LANES]);
         for g in 0..self.q.len() {
             let shapes = &self.slip_shapes[g * count..(g + 1) * count];
@@ -274,6 +287,7 @@ impl Stepper {
             let (q, v, a) = (&mut self.q[g], &mut self.v[g], &mut self.a[g]);
             let (joint, mean) = (&mut self.joint[g], &mut self.mean[g]);
             let (d, lambda, load) = (&self.compliance[g], &self.eigenvalues[g], &self.load[g]);
+            let damping = &self.damping[g];
             for l in 0..LANES {
                 joint[l] += change[l];
                 let velocity = mean[l] - quarter * d[l] * change[l];
@@ -282,12 +296,16 @@ impl Stepper {
                 travelled[l] += h * load[l] * velocity;
                 let held = -(lambda[l] * q[l] + joint[l]);
                 a[l] = p * load[l] + held;
+                if DAMPED {
+                    a[l] -= damping[l] * v[l];
+                    lost[l] += h * damping[l] * velocity * velocity;
+                }
                 mean[l] = d[l] * (v[l] + half * (next * load[l] + held));
             }
             for (sum, shape) in self.ahead.iter_mut().zip(shapes) {
                 (0..LANES).for_each(|l| sum[l] += shape[l] * mean[l]);
             }
         }
-        total(&travelled)
+        (total(&travelled), total(&lost))
     }
 }

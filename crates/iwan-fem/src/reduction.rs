@@ -8,7 +8,7 @@
 use faer::{Mat, Side};
 
 use crate::assembly::Assembled;
-use crate::error::Error;
+use crate::error::{Error, check};
 use crate::factor::Cholesky;
 use crate::modes::{Contact, Modes};
 use crate::sparse::{add_scaled, dot, scale};
@@ -32,6 +32,8 @@ pub struct Reduced<'a> {
     attachments: Vec<Vec<f64>>,
     /// Λ, 1/s²: those of the modes, then of the attachment vectors.
     eigenvalues: Vec<f64>,
+    /// 2ζω of each coordinate, 1/s.
+    damping: Vec<f64>,
 }
 
 /// Attachment vectors whose part outside the modes and the other ones is smaller than this, relatively, add nothing.
@@ -60,7 +62,38 @@ impl<'a> Reduced<'a> {
             eigenvalues.extend(own);
             attachments = vectors;
         }
-        Ok(Self { assembled, modes, attachments, eigenvalues })
+        let damping = vec![0.0; eigenvalues.len()];
+        Ok(Self { assembled, modes, attachments, eigenvalues, damping })
+    }
+
+    /// The same with viscous modal damping: every coordinate gets a term 2ζωq' with the ratio ζ that `ratio` gives for its
+    /// frequency in Hz. Rigid motions stay undamped. What a suspension or a sensor's cable takes besides the joints.
+    ///
+    /// # Errors
+    /// [`Error::OutOfRange`] for a ratio that is negative or not finite.
+    ///
+    /// ```
+    /// use iwan_fem::{Basis, mesh::beam::Configuration, paper};
+    /// let assembled = paper::structure(Configuration::A, 1)?.assemble()?;
+    /// let reduced = assembled.reduce(10, Basis::default())?.with_damping(|_| 2.5e-4)?;
+    /// assert_eq!(reduced.damping()[0], 0.0);
+    /// assert!((reduced.damping()[6] - 2.0 * 2.5e-4 * reduced.eigenvalues()[6].sqrt()).abs() < 1e-12);
+    /// # Ok::<(), iwan_fem::Error>(())
+    /// ```
+    pub fn with_damping(mut self, ratio: impl Fn(f64) -> f64) -> Result<Self, Error> {
+        for (damping, eigenvalue) in self.damping.iter_mut().zip(&self.eigenvalues) {
+            let omega = eigenvalue.max(0.0).sqrt();
+            let given = ratio(omega / std::f64::consts::TAU);
+            check("modal damping ratio", given, given >= 0.0, "must be a finite number >= 0")?;
+            *damping = 2.0 * given * omega;
+        }
+        Ok(self)
+    }
+
+    /// 2ζω of each coordinate, 1/s; zeros unless [`with_damping`](Self::with_damping) was called.
+    #[must_use]
+    pub fn damping(&self) -> &[f64] {
+        &self.damping
     }
 
     /// The structure that was reduced.

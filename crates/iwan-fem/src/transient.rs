@@ -79,7 +79,8 @@ pub struct TruthResponse {
     pub outputs: Vec<History>,
     /// All slips.
     pub slips: Vec<SlipHistory>,
-    /// Energy balance over the whole run: input = kinetic + elastic + stored + friction + residual.
+    /// Energy balance over the whole run: input = kinetic + elastic + stored + viscous +
+    /// friction + residual.
     pub energy: EnergyBalance,
     /// Bound on the joint forces' error from loops forgotten for want of memory; 0 = exact.
     pub forgotten_force: f64,
@@ -151,6 +152,7 @@ pub(crate) struct Recorder {
     slips: Vec<SlipHistory>,
     dt: f64,
     input: f64,
+    viscous: f64,
     joint_work: f64,
 }
 
@@ -164,7 +166,14 @@ impl Recorder {
             acceleration: room(),
         });
         let slips = slips.map(|name| SlipHistory { name, slip: room(), force: room(), slip_ratio: 0.0 });
-        Self { outputs: outputs.collect(), slips: slips.collect(), dt: of.dt, input: 0.0, joint_work: 0.0 }
+        Self {
+            outputs: outputs.collect(),
+            slips: slips.collect(),
+            dt: of.dt,
+            input: 0.0,
+            viscous: 0.0,
+            joint_work: 0.0,
+        }
     }
 
     /// First sample of output `i`.
@@ -205,6 +214,12 @@ impl Recorder {
         self.input += work;
     }
 
+    /// Adds energy lost in viscous damping.
+    #[inline]
+    pub(crate) fn viscous(&mut self, lost: f64) {
+        self.viscous += lost;
+    }
+
     /// Completes the response from kinetic and elastic energy at both ends.
     pub(crate) fn finish(
         mut self,
@@ -218,7 +233,7 @@ impl Recorder {
         }
         let stored = joints.stored_energy();
         let gained = (end.0 - start.0) + (end.1 - start.1);
-        let residual = self.input - gained - self.joint_work;
+        let residual = self.input - gained - self.joint_work - self.viscous;
         let initial = start.0 + start.1;
         let energy = EnergyBalance {
             initial,
@@ -226,7 +241,7 @@ impl Recorder {
             kinetic: end.0,
             elastic: end.1,
             stored,
-            viscous: 0.0,
+            viscous: self.viscous,
             friction: self.joint_work - stored,
             residual,
             scale: initial.abs().max(self.input.abs()).max(end.0),

@@ -243,3 +243,31 @@ fn modes_have_names_and_amplitudes() {
     assert_eq!(modes.static_curves(mode, &far, false).unwrap().displacement, [onset]);
     assert!(modes.static_curves(mode, &far, true).is_err());
 }
+
+/// Stuck joints and modal damping: each mode loses 2π ζ of its phase's worth, and the balance of energy closes.
+#[test]
+fn modal_damping_is_that_of_the_modes() {
+    let Beam { assembled, modes, bending } = beam();
+    let zeta = 0.01;
+    let reduced = assembled.reduce(50, Basis::default()).unwrap().with_damping(|_| zeta).unwrap();
+    let omega = modes.eigenvalue(bending[0]).sqrt();
+    let of = Transient {
+        pulse: Pulse::None,
+        // So little that friction, of the third power, does not count.
+        initial_velocity: Some(modes.shape(bending[0]).iter().map(|x| 1e-6 * x).collect()),
+        ..blow(0.0, 10_000)
+    };
+    let response = reduced.transient(&of).unwrap();
+    let q = &response.outputs[0];
+    for n in [2_000, 5_000, 10_000] {
+        let t = n as f64 * of.dt;
+        let damped = omega * (1.0_f64 - zeta * zeta).sqrt();
+        let exact = 1e-6 / damped * (-zeta * omega * t).exp();
+        // Amplitude from displacement and velocity together.
+        let (x, v) = (q.displacement[n], q.velocity[n]);
+        let amplitude = x.hypot((v + zeta * omega * x) / damped);
+        assert!((amplitude / exact - 1.0).abs() < 1e-3, "{t}: {amplitude} {exact}");
+    }
+    assert!(response.energy.error() < 1e-12 && response.energy.viscous > 0.5 * response.energy.initial);
+    assert!(assembled.reduce(10, Basis::default()).unwrap().with_damping(|_| -0.1).is_err());
+}

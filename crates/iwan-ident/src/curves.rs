@@ -187,8 +187,14 @@ fn residual(axis: ForceAxis) -> Result<f64, Error> {
     Ok((TAU * frequency).powi(2) - k_t)
 }
 
-/// Slope and intercept of the least-squares line through points.
-pub(crate) fn straight_line(points: &[(f64, f64)]) -> Option<(f64, f64)> {
+/// Slope and intercept of the least-squares line through points (x, y); none for fewer than three, or for equal x.
+///
+/// ```
+/// let (slope, intercept) = iwan_ident::curves::straight_line(&[(0.0, 1.0), (1.0, 3.0), (2.0, 5.0)]).unwrap();
+/// assert!((slope - 2.0).abs() < 1e-15 && (intercept - 1.0).abs() < 1e-15);
+/// ```
+#[must_use]
+pub fn straight_line(points: &[(f64, f64)]) -> Option<(f64, f64)> {
     let n = points.len() as f64;
     let mean = points.iter().fold((0.0, 0.0), |s, p| (s.0 + p.0 / n, s.1 + p.1 / n));
     let (square, product) = points

@@ -16,6 +16,7 @@ mod features;
 pub mod fit;
 pub mod identify;
 mod least_squares;
+pub mod levels;
 pub mod likelihood;
 pub mod modal;
 mod non_negative;

@@ -17,6 +17,7 @@ mod spread;
 
 pub use envelope::{Envelope, Method, envelope};
 pub use filter::{Butterworth, Passband};
+pub use hann::{Spot, spot};
 pub use hilbert::{Analytic, analytic_signal, whole_cycles};
 pub use isolate::{Isolated, Options, isolate};
 pub use spectrum::{Band, amplitude_spectrum, automatic_band};

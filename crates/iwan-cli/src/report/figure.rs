@@ -14,6 +14,7 @@ pub(crate) mod colour {
     pub(crate) const PURPLE: &str = "#CC79A7";
     pub(crate) const ORANGE: &str = "#E69F00";
     pub(crate) const GREY: &str = "#6b7280";
+    pub(crate) const BLACK: &str = "#1f2328";
 }
 
 /// How a layer is drawn.
@@ -103,6 +104,8 @@ const BOTTOM: f64 = 296.0;
 const CHARACTER: f64 = 7.3;
 /// Room for the mark of a legend entry, and between entries.
 const KEY: f64 = 44.0;
+/// Height of a line of the legend; further lines make the figure higher.
+const LINE: f64 = 18.0;
 
 /// Both scales of a figure.
 struct Plane {
@@ -141,7 +144,9 @@ impl Figure {
     pub(crate) fn draw(&self) -> Markup {
         let plane = Plane::of(self);
         let (x_ticks, y_ticks) = (plane.x.ticks(6.0), plane.y.ticks(6.0));
-        let box_ = format!("0 0 {WIDTH} {HEIGHT}");
+        let legend = self.legend_lines();
+        let above = LINE * legend.len().saturating_sub(1) as f64;
+        let box_ = format!("0 {} {WIDTH} {}", -above, HEIGHT + above);
         html! {
             figure {
                 figcaption { strong { (self.title) } }
@@ -151,7 +156,7 @@ impl Figure {
                     (self.draw_marker(&plane))
                     rect class="frame" x=(LEFT) y=(TOP) width=(RIGHT - LEFT) height=(BOTTOM - TOP) {}
                     (self.axis_titles(x_ticks.exponent, y_ticks.exponent))
-                    (self.legend())
+                    (draw_legend(&legend))
                 }
                 p.caption { (self.caption) }
             }
@@ -188,24 +193,43 @@ impl Figure {
         }
     }
 
-    fn legend(&self) -> Markup {
-        let entries: Vec<_> = self.layers.iter().filter_map(|l| l.name.as_ref().map(|n| (l, n))).collect();
-        let width = |name: &String| KEY + CHARACTER * name.chars().count() as f64;
-        let total: f64 = entries.iter().map(|(_, name)| width(name)).sum();
-        let mut x = (RIGHT - total).max(LEFT);
-        let placed: Vec<_> = entries
-            .into_iter()
-            .map(|(layer, name)| {
-                let at = x;
-                x += width(name);
-                (layer, name, at)
-            })
-            .collect();
-        html! {
-            @for (layer, name, x) in placed {
-                (draw_key(layer, x, TOP - 13.0))
-                text.key x=(format!("{:.1}", x + 28.0)) y=(TOP - 9.0) { (name) }
+    /// Entries of the legend in as many lines as they need.
+    fn legend_lines(&self) -> Vec<Vec<(&Layer, &str)>> {
+        let mut lines: Vec<Vec<(&Layer, &str)>> = Vec::new();
+        let mut left = 0.0;
+        for (layer, name) in self.layers.iter().filter_map(|l| Some((l, l.name.as_deref()?))) {
+            left -= key_width(name);
+            match lines.last_mut() {
+                Some(line) if left >= 0.0 => line.push((layer, name)),
+                _ => {
+                    left = RIGHT - LEFT - key_width(name);
+                    lines.push(vec![(layer, name)]);
+                }
             }
+        }
+        lines
+    }
+}
+
+fn key_width(name: &str) -> f64 {
+    KEY + CHARACTER * name.chars().count() as f64
+}
+
+/// The legend above the plane, its last line nearest; lines end at the right.
+fn draw_legend(lines: &[Vec<(&Layer, &str)>]) -> Markup {
+    let mut placed = Vec::new();
+    for (n, line) in lines.iter().rev().enumerate() {
+        let total: f64 = line.iter().map(|(_, name)| key_width(name)).sum();
+        let mut x = (RIGHT - total).max(LEFT);
+        for (layer, name) in line {
+            placed.push((*layer, *name, x, TOP - LINE * n as f64));
+            x += key_width(name);
+        }
+    }
+    html! {
+        @for (layer, name, x, top) in placed {
+            (draw_key(layer, x, top - 13.0))
+            text.key x=(format!("{:.1}", x + 28.0)) y=(top - 9.0) { (name) }
         }
     }
 }
