@@ -61,7 +61,8 @@ impl Problem<'_> {
             if search.columns < check_at && !complete {
                 continue;
             }
-            check_at = search.columns + 2 * BLOCK;
+            // The projection's eigenproblem grows with the cube of its size: a fifth more columns before the next look.
+            check_at = search.columns + (2 * BLOCK).max(search.columns / 5);
             let ritz = search.ritz();
             let Some((found, above)) = self.bound(&ritz, count, complete) else { continue };
             let Some(above) = above else { return Ok(search.pairs(&ritz, count, self.shift)) };

@@ -17,6 +17,11 @@ pub enum Model {
     Tolerance(f64),
 }
 
+impl Model {
+    /// The reduced model as good as most studies need: accelerations within 5 %, displacements far better.
+    pub const USUAL: Self = Self::Tolerance(0.05);
+}
+
 /// The response of a model, and what was reduced.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Integrated {

@@ -16,9 +16,6 @@ use crate::response::balance;
 use crate::structure::{Loaded, NAMED, Structure};
 use crate::work::{self, Control};
 
-/// Relative error of the accelerations at which the basis grows no more, as on the command line.
-const TOLERANCE: f64 = 1e-2;
-
 /// What one run has done when it is at its end.
 const PARTS: f64 = 1000.0;
 
@@ -125,7 +122,7 @@ fn model_of(name: &str, basis: Option<usize>, tolerance: Option<f64>) -> PyResul
         )),
         ("reduced", Some(0), _) => Err(value("basis = 0 is out of range: at least 1 mode")),
         ("reduced", Some(modes), None) => Ok(Model::Basis(modes)),
-        ("reduced", None, tolerance) => Ok(Model::Tolerance(tolerance.unwrap_or(TOLERANCE))),
+        ("reduced", None, tolerance) => Ok(tolerance.map_or(Model::USUAL, Model::Tolerance)),
         _ => Err(unknown("model", name, &["reduced", "full"])),
     }
 }

@@ -12,9 +12,6 @@ use iwan_sim::{JointKind, Method};
 /// Keys of the table.
 pub(crate) const KEYS: &[&str] = &["path", "name", "model", "basis", "tolerance", "modes", "frames"];
 
-/// Relative error of the outputs' accelerations at which the basis grows no more.
-const DEFAULT_TOLERANCE: f64 = 1e-2;
-
 /// Where the structure comes from.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) enum Origin {
@@ -102,14 +99,14 @@ fn model(section: &Section<'_>) -> Result<Model, InputError> {
             Err(section.failure("basis", message, "fix the number of modes, or the error they may cause"))
         }
         (_, Some(modes), None) => Ok(Model::Basis(modes)),
-        (_, None, tolerance) => {
-            let tolerance = tolerance.unwrap_or(DEFAULT_TOLERANCE);
+        (_, None, None) => Ok(Model::USUAL),
+        (_, None, Some(tolerance)) => {
             if tolerance > 0.0 && tolerance.is_finite() {
                 return Ok(Model::Tolerance(tolerance));
             }
             let message =
                 format!("tolerance = {} is out of range: must be a finite number > 0", plain(tolerance));
-            Err(section.failure("tolerance", &message, "give a relative error such as 1e-2"))
+            Err(section.failure("tolerance", &message, "give a relative error such as 0.05"))
         }
     }
 }

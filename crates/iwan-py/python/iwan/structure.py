@@ -337,7 +337,7 @@ class Structure:
         are recorded, by the exact modal filter q = phi^T M x; the first three bending modes by default.
 
         `model`: "reduced" to modes and attachment vectors of the slips, with `basis` modes or as many as the accelerations need for
-        the relative error `tolerance` (1e-2 by default); or "full", all unknowns. Average acceleration (Newmark beta = 1/4)
+        the relative error `tolerance` (0.05 by default); or "full", all unknowns. Average acceleration (Newmark beta = 1/4)
         without prewarping. `sliders` and `grid`: as in `iwan.simulate`. `quality`: estimate the errors by companion runs of the
         reduced model. `progress`: as in `iwan.ensemble.simulate`, in thousandths of a run.
 
