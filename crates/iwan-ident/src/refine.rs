@@ -8,6 +8,9 @@
 //! First the logarithms of the amplitudes, with unwrapped phases, are brought together from several starts: no cycle is
 //! lost on the way. Then the amplitudes themselves, weighted by each record's noise.
 
+mod record;
+mod search;
+
 use std::f64::consts::{PI, TAU};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -15,53 +18,22 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use iwan_core::Reversal;
 use rustfft::num_complex::Complex64;
 
-use crate::chart::{Chart, Scales};
+use crate::chart::Chart;
 use crate::curves::Quantity;
-use crate::error::{Error, check, check_dt, check_samples};
-use crate::features::{Whitening, Windows};
-use crate::fit::predict;
-use crate::least_squares::{Minimum, Search, TOLERANCE};
+use crate::error::{Error, check};
+use crate::least_squares::{Minimum, Search};
 use crate::parameters::{COUNT, Parameter, Parameters};
+use record::Prepared;
+pub(crate) use search::KNEE_UNSEEN;
 
 /// Unknowns of each record: ln of the first amplitude, phase of the release.
 const OWN: usize = 2;
-/// Windows whose amplitude is below this part of the largest do not enter the first search.
-const LOUD: f64 = 0.03;
-/// φ_max over the largest amplitude, and β/(1+β), of the further starts.
-const KNEES: [f64; 4] = [0.4, 1.0, 2.5, 10.0];
-const DIRACS: [f64; 2] = [0.02, 0.4];
-/// Part of ω0² that the joint has at most where nothing else limits it.
-const MOST_JOINT: f64 = 0.9;
-/// Part of ω0² that the joint has where it is next to none.
-const LITTLE_JOINT: f64 = 1e-4;
-/// φ_max over the largest amplitude where no record reaches it: any larger one would do.
-pub(crate) const KNEE_UNSEEN: f64 = 2.0;
 /// Iterations of the first search from each start, and of the last.
 const ITERATIONS: (usize, usize) = (30, 100);
-/// Hops over creases, as coordinate (K_T or F_S, β/(1+β)) and step.
-const HOPS: [(usize, f64); 10] = [
-    (4, -0.03),
-    (4, 0.03),
-    (4, -0.06),
-    (4, 0.06),
-    (4, -0.12),
-    (4, 0.12),
-    (4, -0.25),
-    (4, 0.25),
-    (5, -0.03),
-    (5, 0.03),
-];
-/// Relative residual that hides the creases.
-const CREASE: f64 = 5e-4;
-/// Rounds of hops, and the part of the sum of squares to which a round must bring it down for another one.
-const ROUNDS: usize = 8;
-const WORTH: f64 = 0.9;
 /// Relative reduction of the sum of squares at which searches end that are not the last.
 const ROUGH: f64 = 1e-4;
 /// … and of searches for a minimum under noise.
 const FINE: f64 = 2e-6;
-/// Starts that the last search goes on from.
-const KEPT: usize = 3;
 /// Standard deviation that is put down to the forward model's own error, relative to a record's amplitudes.
 const NOISE_FLOOR: f64 = 1e-6;
 
@@ -112,79 +84,11 @@ pub(crate) struct Task {
     pub(crate) stopped: Arc<AtomicBool>,
 }
 
-#[derive(Debug, Clone)]
-struct Prepared {
-    windows: Windows,
-    whitening: Whitening,
-    quantity: Quantity,
-    dt: f64,
-    /// Amplitudes as they are, and whitened.
-    amplitudes: Vec<Complex64>,
-    white: Vec<Complex64>,
-    /// Standard deviation by which whitened residuals are divided.
-    scale: f64,
-    /// Displacement and time of the turning point that the unknowns are relative to.
-    start: (f64, f64),
-}
-
 /// Buffers that all evaluations of a search share.
 #[derive(Debug, Clone, Default)]
 pub(crate) struct Workspace {
     stack: Vec<Reversal>,
     model: Vec<Complex64>,
-}
-
-impl Prepared {
-    fn new(record: &RingDown<'_>, first: &Parameters) -> Result<Self, Error> {
-        check_dt(record.dt)?;
-        check_samples("record", record.samples, 32, "record longer")?;
-        let per_cycle = 1.0 / (first.frequency * record.dt);
-        check("samples per cycle", per_cycle, per_cycle >= 4.0, "at least 4", "sample faster")?;
-        // The windows pass ±3/(4H): half of the band at most.
-        let cycles = record.band.map_or(1.0, |band| 1.5 * first.frequency / band);
-        let seconds = (record.samples.len() - 1) as f64 * record.dt;
-        let windows = Windows::over(seconds, first.frequency, cycles);
-        let amplitudes = windows.of_samples(record.samples, record.dt);
-        let loudest = amplitudes.iter().map(|z| z.norm()).fold(0.0, f64::max);
-        check(
-            "amplitude of the record",
-            loudest,
-            windows.count == 0 || loudest > 0.0,
-            "> 0",
-            "check the channel",
-        )?;
-        let whitening = Whitening::new(&windows);
-        let mut white = amplitudes.clone();
-        whitening.apply(&mut white);
-        let mut prepared = Self {
-            windows,
-            whitening,
-            quantity: record.quantity,
-            dt: record.dt,
-            amplitudes,
-            white,
-            scale: 1.0,
-            start: turning_point(record, first.frequency),
-        };
-        prepared.scale = prepared.root_mean_square();
-        Ok(prepared)
-    }
-
-    fn root_mean_square(&self) -> f64 {
-        let n = self.white.len().max(1) as f64;
-        (self.white.iter().map(Complex64::norm_sqr).sum::<f64>() / n).sqrt()
-    }
-
-    fn start_at(&self, own: &[f64], omega: f64) -> (f64, f64) {
-        (self.start.0 * own[0].exp(), self.start.1 + own[1] / omega)
-    }
-
-    /// Windows of the first search.
-    fn loud(&self) -> usize {
-        let loudest = self.amplitudes.iter().map(|z| z.norm()).fold(0.0, f64::max);
-        let quiet = self.amplitudes.iter().position(|z| z.norm() < LOUD * loudest);
-        quiet.unwrap_or(self.amplitudes.len()).max(8.min(self.amplitudes.len()))
-    }
 }
 
 impl Task {
@@ -350,187 +254,6 @@ impl Task {
         }
     }
 
-    /// `first`, the same softening with knees and Diracs elsewhere, and next to no joint.
-    fn starts(&self, first: &Parameters) -> Result<Vec<Vec<f64>>, Error> {
-        let mut starts = vec![self.coordinates(first)?];
-        let loudest = self.records.iter().map(|r| r.start.0.abs()).fold(0.0, f64::max);
-        let (_, joint) = first.model()?;
-        for knee in KNEES {
-            for dirac in DIRACS {
-                let (phi_max, beta) = (knee * loudest, dirac / (1.0 - dirac));
-                let power = joint.r() * phi_max.powf(first.chi + 1.0) / (first.chi + 1.0);
-                let c = (first.chi + 1.0) / (first.chi + 2.0);
-                let k_t = (power * (1.0 + beta)).min(MOST_JOINT * (TAU * first.frequency).powi(2));
-                let f_s = phi_max * k_t * (beta + c) / (1.0 + beta);
-                let mut start = Parameters { k_t, f_s, beta, ..*first };
-                for parameter in &self.held {
-                    match parameter {
-                        Parameter::KT => start.k_t = first.k_t,
-                        Parameter::FS => start.f_s = first.f_s,
-                        Parameter::Beta => start.beta = first.beta,
-                        _ => {}
-                    }
-                }
-                starts.push(self.coordinates(&start)?);
-            }
-        }
-        if self.held.is_empty() {
-            let (dissipation, frequency) = predict(first, loudest)?;
-            let omega_squared = (TAU * frequency).powi(2);
-            let k_t = LITTLE_JOINT * omega_squared;
-            let damping_ratio = dissipation / (TAU * omega_squared * loudest * loudest);
-            let f_s = k_t * loudest;
-            starts.push(self.coordinates(&Parameters { frequency, damping_ratio, k_t, f_s, ..*first })?);
-        }
-        Ok(starts)
-    }
-
-    /// Where the first searches end, from each start; each half of the starts on a thread of its own.
-    fn logarithmic(&self, starts: &[Vec<f64>]) -> Vec<Minimum> {
-        let search = self.search(self.free(), (ITERATIONS.0, ROUGH));
-        let of = |starts: &[Vec<f64>]| -> Vec<Minimum> {
-            let mut work = Workspace::default();
-            let mut log = |x: &[f64], out: &mut [f64]| self.log_residuals(x, out, &mut work);
-            starts.iter().filter_map(|x| search.run(&mut log, x)).collect()
-        };
-        let (one, other) = starts.split_at(starts.len() / 2);
-        std::thread::scope(|scope| {
-            let second = scope.spawn(|| of(other));
-            let mut found = of(one);
-            found.extend(second.join().unwrap_or_else(|panic| std::panic::resume_unwind(panic)));
-            found
-        })
-    }
-
-    /// The best of all searches, roughly.
-    pub(crate) fn solve(&mut self, first: &Parameters) -> Result<Minimum, Error> {
-        let mut work = Workspace::default();
-        let mut found = self.logarithmic(&self.starts(first)?);
-        found.sort_by(|a, b| a.cost.total_cmp(&b.cost));
-        let Some(nearest) = found.first() else { return Err(no_ring_down()) };
-        self.weigh(&nearest.x, &mut work);
-        let mut best: Option<Minimum> = None;
-        for near in found.iter().take(KEPT) {
-            let minimum = self.minimise(&near.x, self.free(), ROUGH, &mut work);
-            best = best.into_iter().chain(minimum).min_by(|a, b| a.cost.total_cmp(&b.cost));
-        }
-        let best = best.ok_or_else(no_ring_down)?;
-        self.weigh(&best.x, &mut work);
-        let cost = self.cost(&best.x, &mut work).ok_or_else(no_ring_down)?;
-        Ok(Minimum { cost, ..best })
-    }
-
-    /// The minimum itself, next to a rough one.
-    pub(crate) fn finish(&mut self, rough: &Minimum) -> Result<Minimum, Error> {
-        let mut work = Workspace::default();
-        let mut best = self.minimise(&rough.x, self.free(), FINE, &mut work).ok_or_else(no_ring_down)?;
-        if self.refined(&best).relative_residual < CREASE {
-            best = self.minimise(&best.x, self.free(), TOLERANCE, &mut work).ok_or_else(no_ring_down)?;
-            best = self.hop(best, &mut work);
-            self.weigh(&best.x, &mut work);
-            best = self.minimise(&best.x, self.free(), TOLERANCE, &mut work).ok_or_else(no_ring_down)?;
-        }
-        Ok(best)
-    }
-
-    /// Leaves creases of the sum of squares: it has one wherever an amplitude of the ring-down equals φ_max, because
-    /// the dissipation has a bend there. The knee and the Dirac are moved, all else follows, then all are free.
-    fn hop(&self, mut best: Minimum, work: &mut Workspace) -> Minimum {
-        let free = self.free();
-        for _ in 0..ROUNDS {
-            let before = best.cost;
-            for (coordinate, step) in HOPS {
-                if !free.contains(&coordinate) {
-                    continue;
-                }
-                let (mut x, (low, high)) = (best.x.clone(), self.bounds()[coordinate]);
-                x[coordinate] = (x[coordinate] + step).clamp(low, high);
-                let others = free.iter().copied().filter(|j| *j != coordinate).collect();
-                let found = self
-                    .minimise(&x, others, ROUGH, work)
-                    .and_then(|m| self.minimise(&m.x, free.clone(), ROUGH, work));
-                best = found.filter(|f| f.cost < best.cost).unwrap_or(best);
-            }
-            if best.cost > WORTH * before {
-                break;
-            }
-        }
-        best
-    }
-
-    /// The least sum of squares when the joint never slips as a whole: no Dirac, φ_max as large as ω0² allows; from
-    /// several points. None where a held parameter or that limit forbids it.
-    pub(crate) fn micro_slip(&self, from: &[&[f64]]) -> Option<Minimum> {
-        let (stiffness, dirac) = (self.chart.index(Parameter::KT), self.chart.index(Parameter::Beta));
-        let free = self.free();
-        let given = !(free.contains(&stiffness) && free.contains(&dirac));
-        if self.chart.scales != Scales::SofteningAndStiffness || given {
-            return None;
-        }
-        let others: Vec<usize> = free.into_iter().filter(|j| *j != stiffness && *j != dirac).collect();
-        let mut work = Workspace::default();
-        let mut best: Option<Minimum> = None;
-        for x in from {
-            let mut x = x.to_vec();
-            (x[stiffness], x[dirac]) = (MOST_JOINT.ln(), 0.0);
-            let mut log = |x: &[f64], out: &mut [f64]| self.log_residuals(x, out, &mut work);
-            let near = self.search(others.clone(), (ITERATIONS.0, ROUGH)).run(&mut log, &x);
-            let found = near.and_then(|m| self.minimise(&m.x, others.clone(), FINE, &mut work));
-            best = best.into_iter().chain(found).min_by(|a, b| a.cost.total_cmp(&b.cost));
-        }
-        best.filter(|found| self.is_micro_slip(&found.x)).map(|found| self.with_near_knee(found))
-    }
-
-    /// The same ring-downs with φ_max at twice the largest amplitude.
-    fn with_near_knee(&self, found: Minimum) -> Minimum {
-        let p = self.chart.parameters(&found.x);
-        let Ok((oscillator, joint)) = p.model() else { return found };
-        let phi_max = KNEE_UNSEEN * self.loudest(&found.x);
-        let k_t = joint.r() * phi_max.powf(p.chi + 1.0) / (p.chi + 1.0);
-        if k_t >= MOST_JOINT * oscillator.omega0().powi(2) {
-            return found;
-        }
-        let mut x = found.x.clone();
-        x[self.chart.index(Parameter::KT)] = (k_t / oscillator.omega0().powi(2)).ln();
-        Minimum { x, ..found }
-    }
-
-    /// The largest amplitude of the model's ring-downs.
-    fn loudest(&self, x: &[f64]) -> f64 {
-        self.starts_at(x).iter().map(|start| start.0.abs()).fold(0.0, f64::max)
-    }
-
-    /// Whether no record reaches φ_max.
-    fn is_micro_slip(&self, x: &[f64]) -> bool {
-        self.chart.parameters(x).model().is_ok_and(|(_, joint)| joint.phi_max() > self.loudest(x))
-    }
-
-    /// Goes on from a better point; none when its valley is not deeper.
-    pub(crate) fn resume(&self, better: &Minimum, than: &Minimum) -> Option<Minimum> {
-        let found = self.minimise(&better.x, self.free(), FINE, &mut Workspace::default())?;
-        (found.cost < than.cost).then_some(found)
-    }
-
-    /// The records without a joint: `linear` holds one that is as good as none.
-    pub(crate) fn without_joint(
-        &self,
-        linear: &Parameters,
-        minimum: &Minimum,
-    ) -> Result<(Self, Minimum), Error> {
-        let joint = [Parameter::KT, Parameter::FS, Parameter::Chi, Parameter::Beta];
-        let mut task = self.clone();
-        task.held.extend(joint.iter().filter(|p| !self.held.contains(p)));
-        task.chart = Chart::holding(&task.held, self.chart.amplitude);
-        let mut x = task.coordinates(linear)?;
-        x[COUNT..].copy_from_slice(&minimum.x[COUNT..]);
-        let mut work = Workspace::default();
-        let mut log = |x: &[f64], out: &mut [f64]| task.log_residuals(x, out, &mut work);
-        let near =
-            task.search(task.free(), (ITERATIONS.0, ROUGH)).run(&mut log, &x).ok_or_else(no_ring_down)?;
-        let found = task.minimise(&near.x, task.free(), TOLERANCE, &mut work).ok_or_else(no_ring_down)?;
-        Ok((task, found))
-    }
-
     /// Variance of residuals that the forward model itself accounts for.
     pub(crate) fn least_variance(&self) -> f64 {
         let floor = |r: &Prepared| (NOISE_FLOOR * r.root_mean_square() / r.scale).powi(2);
@@ -562,36 +285,6 @@ impl Task {
             converged: minimum.converged,
         }
     }
-}
-
-/// Displacement and time of the turning point next to the first sample: amplitude and phase over the first cycle and
-/// the one half a cycle later, Hann-windowed, carried back to the first sample.
-fn turning_point(record: &RingDown<'_>, frequency: f64) -> (f64, f64) {
-    let omega = TAU * frequency;
-    let cycle = ((1.0 / (frequency * record.dt)).round() as usize).min(record.samples.len() / 2);
-    let amplitude = |from: usize| -> Complex64 {
-        let part = &record.samples[from..from + cycle];
-        let mean = part.iter().sum::<f64>() / cycle as f64;
-        let term = |(n, x): (usize, &f64)| {
-            let hann = 2.0 * (PI * (n as f64 + 0.5) / cycle as f64).sin().powi(2);
-            Complex64::cis(-omega * (from + n) as f64 * record.dt) * ((x - mean) * hann * 2.0 / cycle as f64)
-        };
-        part.iter().enumerate().map(term).sum()
-    };
-    let half = cycle / 2;
-    let (first, second) = (amplitude(0), amplitude(half));
-    let rate = omega + (second / first).arg() / (half as f64 * record.dt);
-    let middle = 0.5 * (cycle as f64 - 1.0) * record.dt;
-    let (lag, power) = match record.quantity {
-        Quantity::Displacement => (0.0, 0),
-        Quantity::Velocity => (0.5 * PI, 1),
-        Quantity::Acceleration => (PI, 2),
-    };
-    // Phase of the displacement at the first sample, between turning points at multiples of π.
-    let phase = first.arg() + (omega - rate) * middle - lag;
-    let turns = (phase / PI).round();
-    let sign = if turns.rem_euclid(2.0) == 1.0 { -1.0 } else { 1.0 };
-    (sign * first.norm() / omega.powi(power), (turns * PI - phase) / rate)
 }
 
 fn no_ring_down() -> Error {

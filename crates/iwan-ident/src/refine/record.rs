@@ -1,0 +1,112 @@
+//! A record as the searches see it: amplitudes in windows, and the turning point that its own unknowns are relative to.
+
+use std::f64::consts::{PI, TAU};
+
+use rustfft::num_complex::Complex64;
+
+use super::RingDown;
+use crate::curves::Quantity;
+use crate::error::{Error, check, check_dt, check_samples};
+use crate::features::{Whitening, Windows};
+use crate::parameters::Parameters;
+
+/// Windows whose amplitude is below this part of the largest do not enter the first search.
+const LOUD: f64 = 0.03;
+
+#[derive(Debug, Clone)]
+pub(super) struct Prepared {
+    pub(super) windows: Windows,
+    pub(super) whitening: Whitening,
+    pub(super) quantity: Quantity,
+    pub(super) dt: f64,
+    /// Amplitudes as they are, and whitened.
+    pub(super) amplitudes: Vec<Complex64>,
+    pub(super) white: Vec<Complex64>,
+    /// Standard deviation by which whitened residuals are divided.
+    pub(super) scale: f64,
+    /// Displacement and time of the turning point that the unknowns are relative to.
+    pub(super) start: (f64, f64),
+}
+
+impl Prepared {
+    pub(super) fn new(record: &RingDown<'_>, first: &Parameters) -> Result<Self, Error> {
+        check_dt(record.dt)?;
+        check_samples("record", record.samples, 32, "record longer")?;
+        let per_cycle = 1.0 / (first.frequency * record.dt);
+        check("samples per cycle", per_cycle, per_cycle >= 4.0, "at least 4", "sample faster")?;
+        // The windows pass ±3/(4H): half of the band at most.
+        let cycles = record.band.map_or(1.0, |band| 1.5 * first.frequency / band);
+        let seconds = (record.samples.len() - 1) as f64 * record.dt;
+        let windows = Windows::over(seconds, first.frequency, cycles);
+        let amplitudes = windows.of_samples(record.samples, record.dt);
+        let loudest = amplitudes.iter().map(|z| z.norm()).fold(0.0, f64::max);
+        check(
+            "amplitude of the record",
+            loudest,
+            windows.count == 0 || loudest > 0.0,
+            "> 0",
+            "check the channel",
+        )?;
+        let whitening = Whitening::new(&windows);
+        let mut white = amplitudes.clone();
+        whitening.apply(&mut white);
+        let mut prepared = Self {
+            windows,
+            whitening,
+            quantity: record.quantity,
+            dt: record.dt,
+            amplitudes,
+            white,
+            scale: 1.0,
+            start: turning_point(record, first.frequency),
+        };
+        prepared.scale = prepared.root_mean_square();
+        Ok(prepared)
+    }
+
+    pub(super) fn root_mean_square(&self) -> f64 {
+        let n = self.white.len().max(1) as f64;
+        (self.white.iter().map(Complex64::norm_sqr).sum::<f64>() / n).sqrt()
+    }
+
+    pub(super) fn start_at(&self, own: &[f64], omega: f64) -> (f64, f64) {
+        (self.start.0 * own[0].exp(), self.start.1 + own[1] / omega)
+    }
+
+    /// Windows of the first search.
+    pub(super) fn loud(&self) -> usize {
+        let loudest = self.amplitudes.iter().map(|z| z.norm()).fold(0.0, f64::max);
+        let quiet = self.amplitudes.iter().position(|z| z.norm() < LOUD * loudest);
+        quiet.unwrap_or(self.amplitudes.len()).max(8.min(self.amplitudes.len()))
+    }
+}
+
+/// Displacement and time of the turning point next to the first sample: amplitude and phase over the first cycle and
+/// the one half a cycle later, Hann-windowed, carried back to the first sample.
+fn turning_point(record: &RingDown<'_>, frequency: f64) -> (f64, f64) {
+    let omega = TAU * frequency;
+    let cycle = ((1.0 / (frequency * record.dt)).round() as usize).min(record.samples.len() / 2);
+    let amplitude = |from: usize| -> Complex64 {
+        let part = &record.samples[from..from + cycle];
+        let mean = part.iter().sum::<f64>() / cycle as f64;
+        let term = |(n, x): (usize, &f64)| {
+            let hann = 2.0 * (PI * (n as f64 + 0.5) / cycle as f64).sin().powi(2);
+            Complex64::cis(-omega * (from + n) as f64 * record.dt) * ((x - mean) * hann * 2.0 / cycle as f64)
+        };
+        part.iter().enumerate().map(term).sum()
+    };
+    let half = cycle / 2;
+    let (first, second) = (amplitude(0), amplitude(half));
+    let rate = omega + (second / first).arg() / (half as f64 * record.dt);
+    let middle = 0.5 * (cycle as f64 - 1.0) * record.dt;
+    let (lag, power) = match record.quantity {
+        Quantity::Displacement => (0.0, 0),
+        Quantity::Velocity => (0.5 * PI, 1),
+        Quantity::Acceleration => (PI, 2),
+    };
+    // Phase of the displacement at the first sample, between turning points at multiples of π.
+    let phase = first.arg() + (omega - rate) * middle - lag;
+    let turns = (phase / PI).round();
+    let sign = if turns.rem_euclid(2.0) == 1.0 { -1.0 } else { 1.0 };
+    (sign * first.norm() / omega.powi(power), (turns * PI - phase) / rate)
+}
