@@ -86,7 +86,7 @@ fn peaks_are_those_of_the_prototype() {
 /// The reduced model against the full one, and what it costs to leave the attachment vectors out.
 #[test]
 fn reduced_agrees_with_full_and_only_with_attachment_vectors() {
-    let steps = 2000;
+    let steps = 20_000;
     let reduced = beam().assembled.reduce(50, Basis::default()).unwrap();
     let without = beam().assembled.reduce(50, Basis::Modes).unwrap();
     for (amplitude, tolerance, without_attachments) in [(10.0, 1e-5, 1e-4), (1000.0, 5e-4, 0.05)] {
