@@ -1,10 +1,15 @@
 """What the tests share. They run on the installed wheel, never on the source folder."""
 
+import signal
 from pathlib import Path
 
 import pytest
 
 import iwan
+
+# What a shell starts in the background ignores Ctrl-C, and hands that on: the tests of Ctrl-C want it as at a terminal.
+if signal.getsignal(signal.SIGINT) is signal.SIG_IGN:
+    signal.signal(signal.SIGINT, signal.default_int_handler)
 
 
 @pytest.fixture
