@@ -26,14 +26,14 @@ def record():
     mode = iwan.Mode(frequency=124.0, joint=JOINT, damping_ratio=2.5e-4)
     start = (1.5 * JOINT.phi_max, 0.0)
     clean = iwan.simulate(
-        mode, force=np.zeros(1), dt=DT, duration=(SAMPLES - 1) * DT, initial=start, method="half-cycle"
+        mode, force=np.zeros(2), dt=DT, duration=(SAMPLES - 1) * DT, initial=start, method="half-cycle"
     ).acceleration
     noise = np.random.default_rng(1).normal(size=(3, SAMPLES))
     return clean + 0.01 * np.sqrt(np.mean(clean**2)) * noise
 
 
 def ours(x):
-    return [iwan.envelope(channel, dt=DT, quantity="acceleration") for channel in x]
+    return [iwan.envelope(channel, dt=DT) for channel in x]
 
 
 def with_scipy(channel, band, order, window):
