@@ -264,3 +264,44 @@ impl<'a, B: Backbone> Map<'a, B> {
         0.5 * self.k_inf * x * rest * length * length + 4.0 * joint
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::four_parameter::FourParameter;
+    use crate::hysteresis::Hysteresis;
+    use crate::masing::{Continuum, Reversal};
+    use crate::oscillator::ResidualStiffness;
+
+    #[test]
+    fn the_solver_of_macro_slip_agrees_with_the_general_one() {
+        for (chi, beta) in [(-0.183, 0.3), (-0.7, 0.0), (0.4, 2.0)] {
+            let law = FourParameter::new(4.45e4, 239.4, chi, beta).unwrap();
+            for zeta in [0.0, 2.5e-4, 0.02] {
+                let mode = Oscillator::new(124.0, zeta, law.k_t(), ResidualStiffness::Positive).unwrap();
+                let map = Map::new(&mode, &law, 0.0).unwrap();
+                for ratio in [1.2, 1.5, 3.0, 20.0] {
+                    let joint = Continuum::new(&law);
+                    let mut memory = joint.virgin([Reversal::default(); 8]).unwrap();
+                    joint.advance(&mut memory, ratio * law.phi_max());
+                    memory.reverse(&law);
+                    let branch = memory.branch();
+                    let pull = branch.direction * (-map.k_inf * branch.start.u - branch.start.force);
+                    let (mut own, mut general) = (HalfCycle::NONE, HalfCycle::NONE);
+                    assert!(map.macro_slip(&branch, pull, &mut own), "{chi} {zeta} {ratio}");
+                    assert!(map.any_slip(&branch, pull, &mut general));
+                    let scale = general.length * branch.start.force.abs();
+                    for (name, a, b, unit) in [
+                        ("length", own.length, general.length, general.length),
+                        ("duration", own.duration, general.duration, general.duration),
+                        ("force", own.force, general.force, general.force.abs()),
+                        ("viscous", own.viscous, general.viscous, scale),
+                        ("joint", own.joint, general.joint, scale),
+                    ] {
+                        assert!((a - b).abs() < 1e-10 * unit, "{chi} {beta} {zeta} {ratio} {name}: {a} {b}");
+                    }
+                }
+            }
+        }
+    }
+}

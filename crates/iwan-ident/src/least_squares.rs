@@ -242,6 +242,25 @@ mod tests {
     }
 
     #[test]
+    fn a_first_step_held_back_by_its_damping_is_not_the_end() {
+        // Along x0 = x1 the sum of squares is ten decades flatter than across.
+        let mut valley = |x: &[f64], r: &mut [f64]| {
+            (r[0], r[1]) = (1e5 * (x[0] - x[1]), x[0] + x[1] - 2.0);
+            true
+        };
+        let search = Search { tolerance: 1e-5, ..search(2, &[0, 1], &[NONE; 2]) };
+        let found = search.run(&mut valley, &[0.0, 0.0]).unwrap();
+        assert!((found.x[0] - 1.0).abs() < 1e-2 && found.converged, "{:?}", found.x);
+    }
+
+    #[test]
+    fn others_follow_along_the_valley() {
+        // r = (x0 - 3 x1, 0): x0 goes three times as far as x1.
+        let jacobian = DMatrix::from_row_slice(2, 2, &[1.0, -3.0, 0.0, 0.0]);
+        assert!((following(&jacobian).unwrap()[0] - 3.0).abs() < 1e-6);
+    }
+
+    #[test]
     fn no_residuals_no_minimum() {
         assert!(search(2, &[0], &[NONE]).run(&mut |_, _| false, &[0.0]).is_none());
     }
