@@ -237,7 +237,7 @@ impl MicroSlip {
         Travel { length, softening, shape: self.shape(softening) }
     }
 
-    /// None beyond micro-slip.
+    /// None beyond the table.
     #[cold]
     fn solve(&self, pull: f64) -> Option<Travel> {
         let softening = |length: f64| self.softening * libm::pow(length, self.exponent - 1.0);
