@@ -73,8 +73,8 @@ pub(crate) struct Segment {
     pub(crate) reach: f64,
 }
 
-/// The straight piece of F(u) on which a state stands and moves on: while the motion keeps its direction and does not
-/// pass `end`, F = base + stiffness·(u - anchor), and the state needs to be moved only when that ends.
+/// A straight piece of F(u): while the motion keeps its direction and lies between `start` and `end`,
+/// F = base + stiffness·(u - anchor), and a state need not be moved.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Straight {
     /// Displacement from which the piece counts.
@@ -85,11 +85,35 @@ pub struct Straight {
     pub stiffness: f64,
     /// Direction of motion, ±1.
     pub direction: f64,
+    /// Displacement at which the piece begins: where the state stands, or where the last slider breaks loose.
+    pub start: f64,
     /// Displacement at which the next slider breaks loose.
     pub end: f64,
 }
 
+impl Straight {
+    /// Whether a motion in the piece's direction is on it at the displacement `u`.
+    #[inline]
+    #[must_use]
+    pub fn holds(&self, u: f64) -> bool {
+        self.direction * (u - self.start) >= 0.0 && self.direction * (self.end - u) >= 0.0
+    }
+
+    /// Force at the displacement `u`.
+    #[inline]
+    #[must_use]
+    pub fn force(&self, u: f64) -> f64 {
+        self.base + (u - self.anchor) * self.stiffness
+    }
+}
+
 impl Segment {
+    #[inline]
+    fn towards(&self, direction: f64, start: f64) -> Straight {
+        let Self { anchor, base, stiffness, reach } = *self;
+        Straight { anchor, base, stiffness, direction, start, end: anchor + direction * reach }
+    }
+
     /// What the straight line lies above `force` at the displacement `u`.
     #[inline]
     pub(crate) fn gap(&self, u: f64, force: f64) -> f64 {
@@ -125,9 +149,7 @@ impl Sliders<'_> {
     /// ```
     #[must_use]
     pub fn straight<S: AsRef<[Run]> + AsMut<[Run]>>(&self, state: &Runs<S>) -> Straight {
-        let Segment { anchor, base, stiffness, reach } = state.segment(self.table());
-        let direction = state.direction;
-        Straight { anchor, base, stiffness, direction, end: anchor + direction * reach }
+        state.segment(self.table()).towards(state.direction, state.u)
     }
 
     fn untouched(&self) -> Run {

@@ -9,6 +9,7 @@ use crate::element::ElementMatrices;
 use crate::error::Error;
 use crate::factor::Analysis;
 use crate::joint::{SlipUnknown, connect};
+use crate::nodal_product::NodalProduct;
 use crate::sparse::{Symmetric, add_scaled, largest, scale};
 use crate::structure::Structure;
 
@@ -332,6 +333,11 @@ impl Assembled {
     /// As [`load`](Self::load).
     pub fn gauge(&self, set: &str, direction: [f64; 3]) -> Result<Vec<f64>, Error> {
         self.load(set, direction)
+    }
+
+    /// K_∞ laid out for products.
+    pub(crate) fn nodal_stiffness(&self) -> NodalProduct {
+        NodalProduct::new(&self.stiffness, &self.transformation.places)
     }
 
     /// Order of elimination for all matrices of the structure, found once.

@@ -61,29 +61,32 @@ macro_rules! with_kernel {
     };
 }
 
-/// A joint: law and state, where it stands, and the straight piece it moves on. The state itself is moved only
-/// where that piece ends.
+/// A joint: law and state, where it stands, and two straight pieces: the one it moves on, which begins where it stands,
+/// and the one on which the last trial ended. The state itself is moved only when a trial leaves both.
 struct Joint<'t> {
     kernel: Kernel<'t>,
     slip: f64,
     piece: Straight,
+    ahead: Straight,
 }
 
 /// A piece on which nothing lies.
-const NO_PIECE: Straight =
-    Straight { anchor: f64::NAN, base: f64::NAN, stiffness: f64::NAN, direction: f64::NAN, end: f64::NAN };
+const NO_PIECE: Straight = Straight {
+    anchor: f64::NAN,
+    base: f64::NAN,
+    stiffness: f64::NAN,
+    direction: f64::NAN,
+    start: f64::NAN,
+    end: f64::NAN,
+};
 
-impl Joint<'_> {
-    /// Whether motion from where the joint stands to `s` stays on the straight piece.
-    #[inline]
-    fn is_straight(&self, s: f64) -> bool {
-        let Straight { direction, end, .. } = self.piece;
-        direction * (s - self.slip) >= 0.0 && direction * (end - s) >= 0.0
-    }
-
-    #[inline]
-    fn on_piece(&self, s: f64) -> f64 {
-        self.piece.base + self.piece.stiffness * (s - self.piece.anchor)
+impl<'t> Joint<'t> {
+    fn new(kernel: Kernel<'t>) -> Self {
+        let piece = match &kernel {
+            Kernel::Sliders(law, state) => law.straight(state),
+            _ => NO_PIECE,
+        };
+        Self { kernel, slip: 0.0, piece, ahead: NO_PIECE }
     }
 
     /// Lets the state catch up with the slip.
@@ -92,19 +95,33 @@ impl Joint<'_> {
         with_kernel!(&mut self.kernel, free u => *u = slip, law, state => { law.advance(state, slip); });
     }
 
-    /// Moves the state to `s`; returns the force there.
-    fn find_force(&mut self, s: f64) -> f64 {
-        let force =
-            with_kernel!(&mut self.kernel, free u => { *u = s; 0.0 }, law, state => law.advance(state, s));
-        self.find_piece();
-        force
+    /// Force and tangent at `s`, off the pieces that are known.
+    fn look_ahead(&mut self, s: f64) -> (f64, f64) {
+        self.catch_up();
+        match &self.kernel {
+            Kernel::Free(_) => (0.0, 0.0),
+            Kernel::Sliders(law, state) => {
+                self.ahead = law.straight_ahead(state, s);
+                (self.ahead.force(s), self.ahead.stiffness)
+            }
+            Kernel::Continuum(law, state) => law.trial(state, s),
+        }
     }
 
-    fn find_piece(&mut self) {
-        self.piece = match &self.kernel {
-            Kernel::Sliders(law, state) => law.straight(state),
-            _ => NO_PIECE,
-        };
+    /// Moves to `s`, off the piece; returns the force there.
+    fn leave_piece(&mut self, s: f64) -> f64 {
+        if !self.ahead.holds(s) {
+            self.look_ahead(s);
+        } else if self.ahead.direction != self.piece.direction {
+            // The state turns round where the joint stands.
+            self.catch_up();
+        }
+        self.slip = s;
+        if let Kernel::Continuum(law, state) = &mut self.kernel {
+            return law.advance(state, s);
+        }
+        self.piece = Straight { start: s, ..std::mem::replace(&mut self.ahead, NO_PIECE) };
+        if matches!(self.kernel, Kernel::Free(_)) { 0.0 } else { self.piece.force(s) }
     }
 }
 
@@ -145,12 +162,8 @@ impl<'t> Joints<'t> {
                 }
             })
         };
-        let joint = |given| -> Result<_, Error> {
-            let mut joint = Joint { kernel: kernel(given)?, slip: 0.0, piece: NO_PIECE };
-            joint.find_piece();
-            Ok(joint)
-        };
-        Ok(Self { joints: laws.zip(tables).map(joint).collect::<Result<_, _>>()? })
+        let joints = laws.zip(tables).map(|given| kernel(given).map(Joint::new));
+        Ok(Self { joints: joints.collect::<Result<_, _>>()? })
     }
 
     /// Number of joints.
@@ -162,24 +175,27 @@ impl<'t> Joints<'t> {
     #[inline]
     pub(crate) fn trial(&mut self, i: usize, s: f64) -> (f64, f64) {
         let joint = &mut self.joints[i];
-        if joint.is_straight(s) {
-            return (joint.on_piece(s), joint.piece.stiffness);
+        for piece in [&joint.piece, &joint.ahead] {
+            if piece.holds(s) {
+                return (piece.force(s), piece.stiffness);
+            }
         }
-        joint.catch_up();
-        with_kernel!(&joint.kernel, free _u => (0.0, 0.0), law, state => law.trial(state, s))
+        joint.look_ahead(s)
     }
 
     /// Moves joint `i` to the slip `s`; returns its force.
     #[inline]
     pub(crate) fn advance(&mut self, i: usize, s: f64) -> f64 {
         let joint = &mut self.joints[i];
-        if joint.is_straight(s) {
-            joint.slip = s;
-            return joint.on_piece(s);
+        if !joint.piece.holds(s) {
+            return joint.leave_piece(s);
         }
-        joint.catch_up();
-        joint.slip = s;
-        joint.find_force(s)
+        if joint.ahead.direction != joint.piece.direction && s != joint.slip {
+            // What was seen after turning round here is no longer ahead.
+            joint.ahead = NO_PIECE;
+        }
+        (joint.slip, joint.piece.start) = (s, s);
+        joint.piece.force(s)
     }
 
     /// Elastic energy in the springs of all joints.
@@ -198,5 +214,56 @@ impl<'t> Joints<'t> {
             _ => 0.0,
         };
         self.joints.iter().map(forgotten).fold(0.0, f64::max)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::sync::Arc;
+
+    use iwan_core::FourParameter;
+
+    use super::*;
+    use crate::factor::random;
+
+    /// Pieces that are kept, states that lag behind, trials that turn round: the force is that of the plain state.
+    #[test]
+    fn forces_do_not_depend_on_the_trials_before() {
+        let law: Law = Arc::new(FourParameter::new(2.75e5, 300.0, -0.3, 0.02).unwrap());
+        let phi_max = law.strengths().1;
+        for population in [Population::default(), Population::graded(7), Population::Continuum] {
+            let (mut memory, mut plain_memory) = (tables(1, population), tables(1, population));
+            let mut joints = Joints::new([Some(&law)].into_iter(), population, &mut memory).unwrap();
+            let mut plain = Joints::new([Some(&law)].into_iter(), population, &mut plain_memory).unwrap();
+            let mut slip = 0.0;
+            for seed in 0..4000 {
+                let r = random(8, seed);
+                // Steps from far below the weakest slider to beyond the strongest.
+                let size = |x: f64| phi_max * 10.0_f64.powf(3.5 * x - 3.0);
+                for trial in 0..3 {
+                    let at = slip + r[2 * trial] * size(r[2 * trial + 1]);
+                    let (force, tangent) = joints.trial(0, at);
+                    // A fresh look from the state that always keeps up.
+                    plain.joints[0].ahead = NO_PIECE;
+                    plain.joints[0].piece = NO_PIECE;
+                    let (expected, slope) = plain.trial(0, at);
+                    assert!((force - expected).abs() < 1e-11 * 300.0, "{population:?} {seed}: {force} {expected}");
+                    assert!((tangent - slope).abs() <= 1e-11 * 2.75e5, "{population:?} {seed}: {tangent} {slope}");
+                    if r[7] > 0.5 && trial == 2 {
+                        slip = at;
+                    }
+                }
+                if r[7] <= 0.5 {
+                    slip += r[6] * size(r[7]);
+                }
+                plain.joints[0].piece = NO_PIECE;
+                plain.joints[0].ahead = NO_PIECE;
+                let (force, expected) = (joints.advance(0, slip), plain.advance(0, slip));
+                plain.joints[0].catch_up();
+                assert!((force - expected).abs() < 1e-11 * 300.0, "{population:?} {seed}: {force} {expected}");
+            }
+            let (stored, expected) = (joints.stored_energy(), plain.stored_energy());
+            assert!((stored - expected).abs() < 1e-11 * 300.0 * phi_max, "{population:?}: {stored} {expected}");
+        }
     }
 }

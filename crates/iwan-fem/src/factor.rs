@@ -17,10 +17,16 @@ use faer::{Conj, MatMut, Par, Side, Spec};
 use crate::dofs::Place;
 use crate::error::Error;
 use crate::ordering::nested_dissection;
+use crate::lanes::{Group, LANES, total};
 use crate::sparse::{Symmetric, largest};
 
 /// Largest backward error ‖A z - b‖ / (‖A‖ ‖z‖) that a sound factorisation leaves; usual is 1e-16.
 const SOUND: f64 = 1e-10;
+/// Up to so many unknowns minimum degree is tried beside nested dissection: it leaves less fill in slender structures, but
+/// far more in large solid ones.
+const SLENDER: usize = 20_000;
+/// Columns handled at once in a solve: so often less is what they share read and written.
+const TOGETHER: usize = 4;
 
 /// Order of elimination and the pattern of the factor: one for all matrices of a structure.
 #[derive(Debug, Clone)]
@@ -34,16 +40,29 @@ impl Analysis {
         let forward = nested_dissection(matrix, places);
         let mut inverse = vec![0; forward.len()];
         forward.iter().enumerate().for_each(|(k, &j)| inverse[j as usize] = k as u32);
-        let permutation = PermRef::new_checked(&forward, &inverse, forward.len());
-        let parameters = CholeskySymbolicParams {
-            supernodal_flop_ratio_threshold: SupernodalThreshold::FORCE_SUPERNODAL,
-            ..CholeskySymbolicParams::default()
-        };
-        let (order, ordering) = (pattern(matrix), SymmetricOrdering::Custom(permutation));
-        let symbolic = factorize_symbolic_cholesky(order, Side::Lower, ordering, parameters)
-            .map_err(|e| failed(format!("the pattern of the factor does not fit into memory ({e:?})")))?;
+        let dissected = PermRef::new_checked(&forward, &inverse, forward.len());
+        let mut symbolic = symbolic(matrix, SymmetricOrdering::Custom(dissected))?;
+        if matrix.order() <= SLENDER {
+            let of_least_degree = self::symbolic(matrix, SymmetricOrdering::Amd)?;
+            if of_least_degree.len_val() < symbolic.len_val() {
+                symbolic = of_least_degree;
+            }
+        }
         Ok(Self { symbolic: Arc::new(symbolic) })
     }
+}
+
+/// Pattern of the factor in an order of elimination.
+fn symbolic(
+    matrix: &Symmetric,
+    ordering: SymmetricOrdering<'_, u32>,
+) -> Result<SymbolicCholesky<u32>, Error> {
+    let parameters = CholeskySymbolicParams {
+        supernodal_flop_ratio_threshold: SupernodalThreshold::FORCE_SUPERNODAL,
+        ..CholeskySymbolicParams::default()
+    };
+    factorize_symbolic_cholesky(pattern(matrix), Side::Lower, ordering, parameters)
+        .map_err(|e| failed(format!("the pattern of the factor does not fit into memory ({e:?})")))
 }
 
 fn failed(finding: String) -> Error {
@@ -122,60 +141,166 @@ impl Cholesky {
     /// [`Self::solve`] with memory that is there already: what a time step needs.
     ///
     /// faer's own solve is written for many columns; a single one is bound by reading the factor twice.
-    pub(crate) fn solve_with(&self, x: &mut [f64], permuted: &mut Vec<f64>, gathered: &mut Vec<f64>) {
+    pub(crate) fn solve_with(&self, x: &mut [f64], permuted: &mut Vec<f64>, local: &mut Vec<f64>) {
         let (forward, inverse) = self.symbolic.perm().expect("an order was given").arrays();
         permuted.clear();
         permuted.extend(forward.iter().map(|&j| x[j as usize]));
-        let factor = self.supernodal();
-        let count = factor.symbolic().n_supernodes();
-        for s in 0..count {
-            forward_step(&factor, s, permuted, gathered);
-        }
-        for s in (0..count).rev() {
-            backward_step(&factor, s, permuted, gathered);
-        }
+        // The widest registers at hand; nothing is contracted, so the bits are the same in all of them.
+        pulp::Arch::new().dispatch(Solve { factor: self, x: permuted, local });
         x.iter_mut().zip(inverse).for_each(|(x, &k)| *x = permuted[k as usize]);
     }
 }
 
-/// The columns of a supernode one after the other: those on the diagonal block, then those below.
-fn columns<'a>(
-    factor: &SupernodalLltRef<'a, u32, f64>,
-    s: usize,
-) -> (usize, &'a [u32], usize, impl Fn(usize) -> &'a [f64] + use<'a>) {
-    let node = factor.supernode(s);
-    let block = node.val();
-    let column =
-        move |k: usize| block.col(k).try_as_col_major().expect("factors lie column by column").as_slice();
-    (node.start(), node.pattern(), block.ncols(), column)
+/// x = (L Lᵀ)⁻¹ x in the order of elimination, with memory for one supernode.
+struct Solve<'a> {
+    factor: &'a Cholesky,
+    x: &'a mut [f64],
+    local: &'a mut Vec<f64>,
 }
 
-/// Solves with the diagonal block of L and takes its columns off what comes later.
-fn forward_step(factor: &SupernodalLltRef<'_, u32, f64>, s: usize, x: &mut [f64], gathered: &mut Vec<f64>) {
-    let (start, pattern, width, column) = columns(factor, s);
-    gathered.clear();
-    gathered.resize(pattern.len(), 0.0);
-    for k in 0..width {
-        let (top, below) = column(k).split_at(width);
-        let value = x[start + k] / top[k];
-        x[start + k] = value;
-        let rest = &mut x[start + k + 1..start + width];
-        rest.iter_mut().zip(&top[k + 1..]).for_each(|(x, l)| *x -= value * l);
-        gathered.iter_mut().zip(below).for_each(|(g, l)| *g += value * l);
+impl pulp::NullaryFnOnce for Solve<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn call(self) {
+        let factor = self.factor.supernodal();
+        let count = factor.symbolic().n_supernodes();
+        // Loops, not closures: what is not inlined here would not get the registers.
+        for s in 0..count {
+            Columns::of(&factor, &self.factor.values, s).forward(self.x, self.local);
+        }
+        for s in (0..count).rev() {
+            Columns::of(&factor, &self.factor.values, s).backward(self.x, self.local);
+        }
     }
-    pattern.iter().zip(gathered.iter()).for_each(|(&i, g)| x[i as usize] -= g);
 }
 
-/// Solves with the transposed columns.
-fn backward_step(factor: &SupernodalLltRef<'_, u32, f64>, s: usize, x: &mut [f64], gathered: &mut Vec<f64>) {
-    let (start, pattern, width, column) = columns(factor, s);
-    gathered.clear();
-    gathered.extend(pattern.iter().map(|&i| x[i as usize]));
-    for k in (0..width).rev() {
-        let (top, below) = column(k).split_at(width);
-        let own = &x[start + k + 1..start + width];
-        let known = crate::sparse::dot(below, gathered) + crate::sparse::dot(&top[k + 1..], own);
-        x[start + k] = (x[start + k] - known) / top[k];
+/// The columns of a supernode, one after the other: a lower triangle, and the rows below it.
+struct Columns<'a> {
+    /// First unknown of the triangle, and its order.
+    start: usize,
+    width: usize,
+    /// Unknowns of the rows below.
+    pattern: &'a [u32],
+    entries: &'a [f64],
+}
+
+impl<'a> Columns<'a> {
+    #[inline(always)]
+    fn of(factor: &SupernodalLltRef<'a, u32, f64>, values: &'a [f64], s: usize) -> Self {
+        let (node, starts) = (factor.supernode(s), factor.symbolic().col_ptr_for_val());
+        let entries = &values[starts[s] as usize..starts[s + 1] as usize];
+        Self { start: node.start(), width: node.val().ncols(), pattern: node.pattern(), entries }
+    }
+
+    /// Diagonal entry of column `k`, and what lies below it.
+    #[inline(always)]
+    fn column(&self, k: usize) -> (f64, &'a [f64]) {
+        let height = self.width + self.pattern.len();
+        (self.entries[k * height + k], &self.entries[k * height + k + 1..(k + 1) * height])
+    }
+
+    /// Solves with the triangle and takes the columns off what comes later.
+    #[inline(always)]
+    fn forward(&self, x: &mut [f64], local: &mut Vec<f64>) {
+        local.clear();
+        local.extend_from_slice(&x[self.start..self.start + self.width]);
+        local.resize(self.width + self.pattern.len(), 0.0);
+        let whole = self.width - self.width % TOGETHER;
+        for k in (0..whole).step_by(TOGETHER) {
+            self.eliminate::<TOGETHER>(k, local);
+        }
+        for k in whole..self.width {
+            self.eliminate::<1>(k, local);
+        }
+        let (solved, below) = local.split_at(self.width);
+        x[self.start..self.start + self.width].copy_from_slice(solved);
+        for (&i, b) in self.pattern.iter().zip(below) {
+            x[i as usize] += b;
+        }
+    }
+
+    /// N columns from `k` on.
+    #[inline(always)]
+    fn eliminate<const N: usize>(&self, k: usize, local: &mut [f64]) {
+        let (top, rest) = local.split_at_mut(k + N);
+        let top: &mut [f64; N] = top.last_chunk_mut().expect("N columns");
+        for m in 0..N {
+            let (pivot, below) = self.column(k + m);
+            top[m] /= pivot;
+            let value = top[m];
+            for (x, l) in top[m + 1..].iter_mut().zip(below) {
+                *x -= value * l;
+            }
+        }
+        let columns: [&[f64]; N] = std::array::from_fn(|m| &self.column(k + m).1[N - 1 - m..][..rest.len()]);
+        let whole = rest.len() - rest.len() % LANES;
+        for i in (0..whole).step_by(LANES) {
+            let mut sums: [f64; LANES] = *rest[i..].first_chunk().expect("whole groups");
+            for m in 0..N {
+                let column: &[f64; LANES] = columns[m][i..].first_chunk().expect("whole groups");
+                for l in 0..LANES {
+                    sums[l] -= top[m] * column[l];
+                }
+            }
+            rest[i..i + LANES].copy_from_slice(&sums);
+        }
+        for i in whole..rest.len() {
+            for m in 0..N {
+                rest[i] -= top[m] * columns[m][i];
+            }
+        }
+    }
+
+    /// Solves with the transposed columns.
+    #[inline(always)]
+    fn backward(&self, x: &mut [f64], local: &mut Vec<f64>) {
+        local.clear();
+        local.extend_from_slice(&x[self.start..self.start + self.width]);
+        for &i in self.pattern {
+            local.push(x[i as usize]);
+        }
+        let mut k = self.width;
+        if k % 2 == 1 {
+            k -= 1;
+            let known = self.products(k, local)[0];
+            local[k] = (local[k] - known) / self.column(k).0;
+        }
+        while k > 0 {
+            k -= 2;
+            let known = self.products(k, local);
+            let ((pivot, below), next) = (self.column(k), self.column(k + 1).0);
+            local[k + 1] = (local[k + 1] - known[1]) / next;
+            local[k] = (local[k] - (known[0] + below[0] * local[k + 1])) / pivot;
+        }
+        x[self.start..self.start + self.width].copy_from_slice(&local[..self.width]);
+    }
+
+    /// Products of column `k`, and of the next one if there is one, with what is known behind both.
+    #[inline(always)]
+    fn products(&self, k: usize, local: &[f64]) -> [f64; 2] {
+        let other = (k + 1).min(self.width - 1);
+        let known = &local[other + 1..];
+        let columns = [&self.column(k).1[other - k..], self.column(other).1];
+        let [a, b] = columns.map(|column| &column[..known.len()]);
+        let whole = known.len() - known.len() % LANES;
+        let (mut s, mut t) = ([0.0; LANES], [0.0; LANES]);
+        for i in (0..whole).step_by(LANES) {
+            let x: &Group = known[i..].first_chunk().expect("whole groups");
+            let (a, b): (&Group, &Group) = (a[i..].first_chunk().expect("as many"), b[i..].first_chunk().expect("as many"));
+            for l in 0..LANES {
+                s[l] += a[l] * x[l];
+            }
+            for l in 0..LANES {
+                t[l] += b[l] * x[l];
+            }
+        }
+        let mut sums = [total(&s), total(&t)];
+        for i in whole..known.len() {
+            sums[0] += a[i] * known[i];
+            sums[1] += b[i] * known[i];
+        }
+        sums
     }
 }
 

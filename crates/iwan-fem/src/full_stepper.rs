@@ -4,7 +4,9 @@ use crate::assembly::Assembled;
 use crate::contact::Joints;
 use crate::error::Error;
 use crate::factor::Cholesky;
-use crate::slip_solver::{Group, LANES, SlipSolver, Square, inverse_of};
+use crate::lanes::{Group, LANES};
+use crate::nodal_product::NodalProduct;
+use crate::slip_solver::{SlipSolver, Square, inverse_of};
 use crate::sparse::{add_scaled, dot};
 use crate::transient::Transient;
 
@@ -71,6 +73,7 @@ impl Free {
 pub(crate) struct FullStepper<'a> {
     assembled: &'a Assembled,
     factor: Cholesky,
+    stiffness: NodalProduct,
     dt: f64,
     x: Vec<f64>,
     v: Vec<f64>,
@@ -125,6 +128,7 @@ impl<'a> FullStepper<'a> {
         Ok(Self {
             assembled,
             factor,
+            stiffness: assembled.nodal_stiffness(),
             dt: of.dt,
             x: vec![0.0; assembled.unknowns()],
             v,
@@ -182,7 +186,7 @@ impl<'a> FullStepper<'a> {
             *v += 0.5 * h * a;
         }
         self.free.step(h, 0.5 * (before + p));
-        self.assembled.slipping_stiffness().multiply(&self.increment, &mut self.a);
+        self.stiffness.multiply(&self.increment, &mut self.a);
         for (internal, a) in self.internal.iter_mut().zip(&mut self.a) {
             *internal += *a;
             *a = -*internal;

@@ -1,17 +1,19 @@
 //! Time integration of the reduced model: a step is one sweep over the coordinates and the small system of the slips.
 //!
-//! Average acceleration (Newmark β = 1/4, γ = 1/2) in the mean velocity v̄ of a step: with d = 1/(1 + dt²λ/4)
-//! v̄ = d [v + dt/2 (p̄ g - λ q - Bᵀ N̄)], q' = q + dt v̄, v' = 2 v̄ - v, where N = F(s) - K_T s is what the joints'
-//! forces differ from stuck ones, and with viscous modal damping d = 1/(1 + dt ζω + dt²λ/4). With N held over the step the slips move by Δs*; then
-//! (C⁻¹ - K_T) Δs + ΔF = C⁻¹ Δs* with C = dt²/4 B d Bᵀ. One sweep completes a step and begins the next.
+//! Average acceleration (Newmark β = 1/4, γ = 1/2) in the mean velocity v̄ of a step: with e = dt ζω + dt²λ/4 and
+//! d = 1/(1 + e) it is v̄ = v + d [dt/2 (p̄ g - λ q - Bᵀ N̄) - e v], q' = q + dt v̄, v' = 2 v̄ - v, where N = F(s) - K_T s is what
+//! the joints' forces differ from stuck ones. With N held over the step the slips move by Δs*; then
+//! (C⁻¹ - K_T) Δs + ΔF = C⁻¹ Δs* with C = dt²/4 B d Bᵀ. One sweep completes a step and begins the next. (As a whole, d v
+//! would do the same, but rounding of d would damp: some 1e-16 of the energy each step, always of one sign.)
 
 use std::ops::ControlFlow;
 use std::time::Instant;
 
 use crate::contact::{Joints, tables};
 use crate::error::Error;
+use crate::lanes::{Group, LANES, grouped, total};
 use crate::reduction::Reduced;
-use crate::slip_solver::{Group, LANES, SlipSolver, Square, inverse_of};
+use crate::slip_solver::{SlipSolver, Square, inverse_of};
 use crate::transient::{OBSERVED, Progress, Recorder, Transient, TruthResponse};
 
 impl Reduced<'_> {
@@ -67,17 +69,16 @@ impl Reduced<'_> {
         recorder.slips(&stepper.slips);
         let (force, start, clock) = (of.force(), stepper.energy(), Instant::now());
         let damped = self.damping().iter().any(|c| *c != 0.0);
+        // The widest registers at hand; nothing is contracted, so the bits are the same in all of them.
+        let registers = pulp::Arch::new();
         stepper.predict(0.5 * (force[0] + force.get(1).unwrap_or(&0.0)));
         for n in 1..=of.steps {
             let ahead = force.get(n + 1).copied().unwrap_or(0.0);
             let mean = 0.5 * (force[n - 1] + force[n]);
             stepper.solve_slips(&mut joints)?;
             let next = 0.5 * (force[n] + ahead);
-            let (travelled, lost) = if damped {
-                stepper.sweep::<true>(force[n], next)
-            } else {
-                stepper.sweep::<false>(force[n], next)
-            };
+            let sweep = Sweep { stepper: &mut stepper, damped, p: force[n], next };
+            let (travelled, lost) = registers.dispatch(sweep);
             recorder.work(mean * travelled);
             recorder.viscous(lost);
             for (i, output) in outputs.iter().enumerate() {
@@ -129,17 +130,6 @@ impl Reading {
     }
 }
 
-/// Values in groups, the last one filled up with zeros.
-fn grouped(values: &[f64]) -> Vec<Group> {
-    let group = |part: &[f64]| std::array::from_fn(|lane| part.get(lane).copied().unwrap_or(0.0));
-    values.chunks(LANES).map(group).collect()
-}
-
-#[inline]
-fn total(x: &Group) -> f64 {
-    ((x[0] + x[4]) + (x[1] + x[5])) + ((x[2] + x[6]) + (x[3] + x[7]))
-}
-
 /// State and constants of the reduced model.
 struct Stepper {
     dt: f64,
@@ -153,10 +143,11 @@ struct Stepper {
     eigenvalues: Vec<Group>,
     /// 2ζω.
     damping: Vec<Group>,
-    /// d = 1/(1 + dt ζω + dt² λ/4).
+    /// e = dt ζω + dt² λ/4, and d = 1/(1 + e).
+    excess: Vec<Group>,
     compliance: Vec<Group>,
     load: Vec<Group>,
-    /// B: for each group of coordinates the slips one after the other.
+    /// B: for each slip the coordinates one after the other.
     slip_shapes: Vec<Group>,
     /// Stiffness K_T of each slip's joint.
     k_t: Vec<f64>,
@@ -177,7 +168,8 @@ impl Stepper {
         let (count, r) = (assembled.slips().len(), reduced.coordinates());
         let quarter = 0.25 * of.dt * of.dt;
         let terms = reduced.eigenvalues().iter().zip(reduced.damping());
-        let d: Vec<f64> = terms.map(|(lambda, c)| 1.0 / (1.0 + 0.5 * of.dt * c + quarter * lambda)).collect();
+        let e: Vec<f64> = terms.map(|(lambda, c)| 0.5 * of.dt * c + quarter * lambda).collect();
+        let d: Vec<f64> = e.iter().map(|e| 1.0 / (1.0 + e)).collect();
         let shape = |i: usize, k: usize| reduced.column(k)[assembled.slips()[i].unknown];
         let coupling =
             |i: usize, j: usize| quarter * (0..r).map(|k| shape(i, k) * d[k] * shape(j, k)).sum::<f64>();
@@ -186,13 +178,7 @@ impl Stepper {
         let mut stiffness = inverse.clone();
         (0..count).for_each(|i| stiffness[i * count + i] -= k_t[i]);
         let groups = r.div_ceil(LANES);
-        let slip_shapes = (0..groups).flat_map(|g| {
-            (0..count).map(move |i| (g, i)).map(|(g, i)| {
-                std::array::from_fn(
-                    |lane| if g * LANES + lane < r { shape(i, g * LANES + lane) } else { 0.0 },
-                )
-            })
-        });
+        let slip_shapes = (0..count).flat_map(|i| grouped(&(0..r).map(|k| shape(i, k)).collect::<Vec<_>>()));
         let slip_shapes = slip_shapes.collect();
         let load = reduced.project(&of.load);
         let p0 = of.pulse.at(0.0);
@@ -213,6 +199,7 @@ impl Stepper {
             joint: zero(),
             eigenvalues: grouped(reduced.eigenvalues()),
             damping: grouped(reduced.damping()),
+            excess: grouped(&e),
             compliance: grouped(&d),
             load: grouped(&load),
             slip_shapes,
@@ -241,17 +228,25 @@ impl Stepper {
 
     /// Begins the first step, in which the force is `p` on the mean.
     fn predict(&mut self, p: f64) {
-        self.change.fill(0.0);
         let half = 0.5 * self.dt;
-        self.ahead.fill([0.0; LANES]);
-        let count = self.k_t.len();
         for g in 0..self.q.len() {
-            let (v, d, load) = (&self.v[g], &self.compliance[g], &self.load[g]);
-            self.mean[g] = std::array::from_fn(|l| d[l] * (v[l] + half * p * load[l]));
-            let shapes = &self.slip_shapes[g * count..(g + 1) * count];
-            for (sum, shape) in self.ahead.iter_mut().zip(shapes) {
-                (0..LANES).for_each(|l| sum[l] += shape[l] * self.mean[g][l]);
+            let (v, d, e, load) = (&self.v[g], &self.compliance[g], &self.excess[g], &self.load[g]);
+            self.mean[g] = std::array::from_fn(|l| v[l] + d[l] * (half * p * load[l] - e[l] * v[l]));
+        }
+        self.read_slips();
+    }
+
+    /// Bᵀ v̄ into `ahead`.
+    #[inline(always)]
+    fn read_slips(&mut self) {
+        for (sum, shapes) in self.ahead.iter_mut().zip(self.slip_shapes.chunks_exact(self.mean.len())) {
+            let mut sums = [0.0; LANES];
+            for (shape, mean) in shapes.iter().zip(&self.mean) {
+                for l in 0..LANES {
+                    sums[l] += shape[l] * mean[l];
+                }
             }
+            *sum = sums;
         }
     }
 
@@ -273,21 +268,23 @@ impl Stepper {
 
     /// Completes the step, at whose end the force is `p`, and begins the next one, in which it is `next` on the mean.
     /// Returns how far the load's point of attack moved, and the energy lost in viscous damping.
-    #[inline]
+    #[inline(always)]
     fn sweep<const DAMPED: bool>(&mut self, p: f64, next: f64) -> (f64, f64) {
-        let (h, half, quarter, count) = (self.dt, 0.5 * self.dt, 0.25 * self.dt, self.k_t.len());
+        let (h, half, quarter) = (self.dt, 0.5 * self.dt, 0.25 * self.dt);
         let (mut travelled, mut lost) = ([0.0; LANES], [0.0; LANES]);
-        self.ahead.fill([0.0; LANES]);
-        for g in 0..self.q.len() {
-            let shapes = &self.slip_shapes[g * count..(g + 1) * count];
+        let groups = self.q.len();
+        for g in 0..groups {
             let mut change = [0.0; LANES];
-            for (shape, n) in shapes.iter().zip(&self.change) {
-                (0..LANES).for_each(|l| change[l] += shape[l] * n);
+            for (shapes, n) in self.slip_shapes.chunks_exact(groups).zip(&self.change) {
+                for l in 0..LANES {
+                    change[l] += shapes[g][l] * n;
+                }
             }
-            let (q, v, a) = (&mut self.q[g], &mut self.v[g], &mut self.a[g]);
-            let (joint, mean) = (&mut self.joint[g], &mut self.mean[g]);
-            let (d, lambda, load) = (&self.compliance[g], &self.eigenvalues[g], &self.load[g]);
-            let damping = &self.damping[g];
+            // Copies, so that the compiler need not ask which of these might be the same.
+            let (mut q, mut v, mut a) = (self.q[g], self.v[g], self.a[g]);
+            let (mut joint, mut mean) = (self.joint[g], self.mean[g]);
+            let (d, e, lambda) = (self.compliance[g], self.excess[g], self.eigenvalues[g]);
+            let (load, damping) = (self.load[g], self.damping[g]);
             for l in 0..LANES {
                 joint[l] += change[l];
                 let velocity = mean[l] - quarter * d[l] * change[l];
@@ -300,12 +297,33 @@ impl Stepper {
                     a[l] -= damping[l] * v[l];
                     lost[l] += h * damping[l] * velocity * velocity;
                 }
-                mean[l] = d[l] * (v[l] + half * (next * load[l] + held));
+                mean[l] = v[l] + d[l] * (half * (next * load[l] + held) - e[l] * v[l]);
             }
-            for (sum, shape) in self.ahead.iter_mut().zip(shapes) {
-                (0..LANES).for_each(|l| sum[l] += shape[l] * mean[l]);
-            }
+            (self.q[g], self.v[g], self.a[g]) = (q, v, a);
+            (self.joint[g], self.mean[g]) = (joint, mean);
         }
+        self.read_slips();
         (total(&travelled), total(&lost))
+    }
+}
+
+/// [`Stepper::sweep`] in the widest registers at hand.
+struct Sweep<'a> {
+    stepper: &'a mut Stepper,
+    damped: bool,
+    p: f64,
+    next: f64,
+}
+
+impl pulp::NullaryFnOnce for Sweep<'_> {
+    type Output = (f64, f64);
+
+    #[inline(always)]
+    fn call(self) -> (f64, f64) {
+        if self.damped {
+            self.stepper.sweep::<true>(self.p, self.next)
+        } else {
+            self.stepper.sweep::<false>(self.p, self.next)
+        }
     }
 }

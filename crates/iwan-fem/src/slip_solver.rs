@@ -10,6 +10,7 @@ use faer::{Mat, Side};
 
 use crate::contact::Joints;
 use crate::error::Error;
+use crate::lanes::{Group, LANES};
 use crate::sparse::dot;
 
 /// Rounds after which the method has failed; two or three are usual.
@@ -22,12 +23,6 @@ const ROUNDING: f64 = 8.0 * f64::EPSILON;
 const PATIENCE: usize = 25;
 /// up to this.
 const MOST_ROUNDING: f64 = 1e-10;
-
-/// Rows are handled in groups of this many.
-pub(crate) const LANES: usize = 8;
-
-/// One value for each row of a group.
-pub(crate) type Group = [f64; LANES];
 
 /// A symmetric matrix by columns, each in groups, the last one filled up with zeros.
 pub(crate) struct Square {
@@ -50,12 +45,15 @@ impl Square {
     /// y = A x, where x has one entry per column.
     #[inline]
     pub(crate) fn multiply(&self, x: &[Group], y: &mut [Group]) {
-        y.fill([0.0; LANES]);
-        for (j, column) in self.columns.chunks_exact(self.groups.max(1)).enumerate() {
-            let value = x[j / LANES][j % LANES];
-            for (y, column) in y.iter_mut().zip(column) {
-                (0..LANES).for_each(|l| y[l] += value * column[l]);
+        let x = x.as_flattened();
+        for (g, y) in y.iter_mut().enumerate() {
+            let mut sums = [0.0; LANES];
+            for (column, value) in self.columns.chunks_exact(self.groups).zip(x) {
+                for l in 0..LANES {
+                    sums[l] += value * column[g][l];
+                }
             }
+            *y = sums;
         }
     }
 

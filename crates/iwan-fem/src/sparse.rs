@@ -1,5 +1,7 @@
 //! Symmetric sparse matrices, kept as their lower triangle; they add.
 
+use crate::lanes::{LANES, total};
+
 /// A symmetric matrix: the lower triangle column by column, rows ascending, diagonal first and always there.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Symmetric {
@@ -189,18 +191,16 @@ impl Symmetric {
     }
 }
 
-/// Inner product, in eight partial sums: vectorises, and always in the same order.
+/// Inner product, in as many partial sums as a group has lanes: vectorises, and always in the same order.
 pub(crate) fn dot(x: &[f64], y: &[f64]) -> f64 {
     assert_eq!(x.len(), y.len(), "vectors of one length");
-    let (a, b) = (x.chunks_exact(8), y.chunks_exact(8));
+    let (a, b) = (x.chunks_exact(LANES), y.chunks_exact(LANES));
     let tail: f64 = a.remainder().iter().zip(b.remainder()).map(|(x, y)| x * y).sum();
-    let mut sums = [0.0; 8];
+    let mut sums = [0.0; LANES];
     for (a, b) in a.zip(b) {
-        for lane in 0..8 {
-            sums[lane] += a[lane] * b[lane];
-        }
+        (0..LANES).for_each(|lane| sums[lane] += a[lane] * b[lane]);
     }
-    tail + ((sums[0] + sums[4]) + (sums[1] + sums[5])) + ((sums[2] + sums[6]) + (sums[3] + sums[7]))
+    tail + total(&sums)
 }
 
 /// `x` *= `factor`.

@@ -1,6 +1,6 @@
 //! The force ahead of a population under run-length memory.
 
-use super::{Run, Runs, Segment};
+use super::{Run, Runs, Segment, Straight};
 use crate::hysteresis::Trial;
 use crate::sliders::{Slider, Sliders};
 
@@ -49,20 +49,35 @@ impl<S: AsRef<[Run]> + AsMut<[Run]>> Runs<S> {
     }
 }
 
-impl<S: AsRef<[Run]> + AsMut<[Run]>> Trial<Runs<S>> for Sliders<'_> {
-    fn trial(&self, state: &Runs<S>, u: f64) -> (f64, f64) {
+impl Sliders<'_> {
+    /// The straight piece on which a monotone motion of `state` to the displacement `u` would end.
+    ///
+    /// ```
+    /// use iwan_core::{Run, Slider, Sliders};
+    /// let mut table = [Slider::default(); 3];
+    /// let sliders = Sliders::from_elements(&[0.1, 0.3], &[2.0, 1.0], &mut table)?;
+    /// let state = sliders.virgin([Run::default(); 2])?;
+    /// let piece = sliders.straight_ahead(&state, 0.2);
+    /// assert_eq!((piece.stiffness, piece.direction, piece.start, piece.end), (1.0, 1.0, 0.1, 0.3));
+    /// assert_eq!(piece.force(0.2), 0.4);
+    /// # Ok::<(), iwan_core::Error>(())
+    /// ```
+    #[must_use]
+    pub fn straight_ahead<S: AsRef<[Run]> + AsMut<[Run]>>(&self, state: &Runs<S>, u: f64) -> Straight {
         let table = self.table();
         let mut view = state.view(table, (u - state.u) * state.direction < 0.0);
+        let mut start = state.u;
         loop {
             let segment = view.segment(table);
             let end = view.run.end;
             let way = view.direction * (u - segment.anchor);
             if view.frontier == self.len() || way <= segment.reach {
-                return (segment.base + (u - segment.anchor) * segment.stiffness, segment.stiffness);
+                return segment.towards(view.direction, start);
             }
             let travel = view.travel();
             let slips = |slider: &Slider| way > travel * slider.strength;
             view.frontier += 1 + table[view.frontier + 1..end].iter().take_while(|s| slips(s)).count();
+            start = segment.anchor + view.direction * travel * table[view.frontier - 1].strength;
             if view.frontier < end {
                 continue;
             }
@@ -74,5 +89,12 @@ impl<S: AsRef<[Run]> + AsMut<[Run]>> Trial<Runs<S>> for Sliders<'_> {
                 view.run = state.list.as_ref()[view.below];
             }
         }
+    }
+}
+
+impl<S: AsRef<[Run]> + AsMut<[Run]>> Trial<Runs<S>> for Sliders<'_> {
+    fn trial(&self, state: &Runs<S>, u: f64) -> (f64, f64) {
+        let piece = self.straight_ahead(state, u);
+        (piece.force(u), piece.stiffness)
     }
 }

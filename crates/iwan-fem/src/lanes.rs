@@ -1,0 +1,19 @@
+//! Values handled side by side: sums in a fixed order, whatever the width of the registers.
+
+/// Values are handled in groups of this many.
+pub(crate) const LANES: usize = 8;
+
+/// One value for each member of a group.
+pub(crate) type Group = [f64; LANES];
+
+/// Values in groups, the last one filled up with zeros.
+pub(crate) fn grouped(values: &[f64]) -> Vec<Group> {
+    let group = |part: &[f64]| std::array::from_fn(|lane| part.get(lane).copied().unwrap_or(0.0));
+    values.chunks(LANES).map(group).collect()
+}
+
+/// Sum of a group.
+#[inline(always)]
+pub(crate) fn total(x: &Group) -> f64 {
+    ((x[0] + x[4]) + (x[1] + x[5])) + ((x[2] + x[6]) + (x[3] + x[7]))
+}
