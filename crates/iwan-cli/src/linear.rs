@@ -1,6 +1,6 @@
 //! A structure with its linear modes, named: what the structure commands begin with.
 
-use std::ops::Deref;
+use std::ops::{ControlFlow, Deref};
 
 use iwan_fem::NamedModes;
 use iwan_input::{BUILT_IN_STRUCTURES, InputError, Source, StructureFile};
@@ -49,7 +49,18 @@ pub(crate) fn explain(source: &str, error: &iwan_fem::Error) -> Failure {
 impl Linear {
     /// Computes at least `count` elastic modes in both limits.
     pub(crate) fn new(source: String, file: StructureFile, count: usize) -> Result<Self, Failure> {
-        let modes = NamedModes::new(&file.structure, count).map_err(|error| explain(&source, &error))?;
+        Self::observed(source, file, count, &mut |_| ControlFlow::Continue(()))
+    }
+
+    /// The same with a progress report that may break it off.
+    pub(crate) fn observed(
+        source: String,
+        file: StructureFile,
+        count: usize,
+        progress: &mut dyn FnMut(f64) -> ControlFlow<()>,
+    ) -> Result<Self, Failure> {
+        let modes = NamedModes::observed(&file.structure, count, progress);
+        let modes = modes.map_err(|error| explain(&source, &error))?;
         Ok(Self { source, file, modes })
     }
 

@@ -2,7 +2,7 @@
 
 use std::time::Instant;
 
-use iwan_fem::{Basis, Integrated, NamedMode, Output, Reduced, StepErrors, Transient, TruthResponse};
+use iwan_fem::{Integrated, NamedMode, Output, Reduced, StepErrors, Transient, TruthResponse};
 use iwan_input::StructureFile;
 
 use crate::failure::Failure;
@@ -41,14 +41,14 @@ pub(crate) fn run(
     bar: &Progress,
 ) -> Result<Truth, Failure> {
     let clock = Instant::now();
-    let linear = Linear::new(name, file, NAMED)?;
+    let mut progress = |share| bar.report(share);
+    let linear = Linear::observed(name, file, NAMED, &mut progress)?;
     let failed = |error: iwan_fem::Error| linear.failed(&error);
     let modes = linear.chosen(&on.modes).map_err(failed)?;
     let transient = transient(scenario, &linear, &modes)?;
-    let mut progress = |share| bar.report(share);
-    let Integrated { response, basis, basis_error } =
-        linear.assembled.integrate(on.model, &transient, &mut progress).map_err(failed)?;
-    let reduced = basis.map(|n| linear.assembled.reduce(n, Basis::default())).transpose().map_err(failed)?;
+    let integrated = linear.assembled.integrate(on.model, &transient, &mut progress).map_err(failed)?;
+    let basis = integrated.basis();
+    let Integrated { response, reduced, basis_error } = integrated;
     let errors =
         reduced.as_ref().map(|reduced| reduced.step_errors(&transient, &response, &mut progress)).transpose();
     let errors = errors.map_err(failed)?;

@@ -247,8 +247,14 @@ mod tests {
                     plain.joints[0].ahead = NO_PIECE;
                     plain.joints[0].piece = NO_PIECE;
                     let (expected, slope) = plain.trial(0, at);
-                    assert!((force - expected).abs() < 1e-11 * 300.0, "{population:?} {seed}: {force} {expected}");
-                    assert!((tangent - slope).abs() <= 1e-11 * 2.75e5, "{population:?} {seed}: {tangent} {slope}");
+                    assert!(
+                        (force - expected).abs() < 1e-11 * 300.0,
+                        "{population:?} {seed}: {force} {expected}"
+                    );
+                    assert!(
+                        (tangent - slope).abs() <= 1e-11 * 2.75e5,
+                        "{population:?} {seed}: {tangent} {slope}"
+                    );
                     if r[7] > 0.5 && trial == 2 {
                         slip = at;
                     }
@@ -260,10 +266,16 @@ mod tests {
                 plain.joints[0].ahead = NO_PIECE;
                 let (force, expected) = (joints.advance(0, slip), plain.advance(0, slip));
                 plain.joints[0].catch_up();
-                assert!((force - expected).abs() < 1e-11 * 300.0, "{population:?} {seed}: {force} {expected}");
+                assert!(
+                    (force - expected).abs() < 1e-11 * 300.0,
+                    "{population:?} {seed}: {force} {expected}"
+                );
             }
             let (stored, expected) = (joints.stored_energy(), plain.stored_energy());
-            assert!((stored - expected).abs() < 1e-11 * 300.0 * phi_max, "{population:?}: {stored} {expected}");
+            assert!(
+                (stored - expected).abs() < 1e-11 * 300.0 * phi_max,
+                "{population:?}: {stored} {expected}"
+            );
         }
     }
 }

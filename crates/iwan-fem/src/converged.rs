@@ -4,16 +4,16 @@ use std::ops::ControlFlow;
 
 use crate::assembly::Assembled;
 use crate::error::{Error, check};
-use crate::reduction::Basis;
-use crate::transient::{History, Progress, Transient, TruthResponse};
+use crate::reduction::{Basis, Reduced};
+use crate::transient::{History, Progress, Transient, TruthResponse, part};
 
 /// A reduced response with an estimate of what the reduction costs.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Converged {
-    /// The response of the largest basis.
+#[derive(Debug, Clone)]
+pub struct Converged<'a> {
+    /// The model with the largest basis.
+    pub reduced: Reduced<'a>,
+    /// Its response.
     pub response: TruthResponse,
-    /// Modes in that basis.
-    pub modes: usize,
     /// Estimated error: twice the largest difference, over the outputs, between this response and that of half as many
     /// modes (root mean square of the accelerations' difference over that of the accelerations).
     pub error: f64,
@@ -32,11 +32,12 @@ impl Assembled {
     ///
     /// # Errors
     /// As [`Reduced::transient`](crate::Reduced::transient); [`Error::Analysis`] without outputs, as they are what is compared.
-    pub fn reduced_transient(&self, of: &Transient<'_>, tolerance: f64) -> Result<Converged, Error> {
+    pub fn reduced_transient(&self, of: &Transient<'_>, tolerance: f64) -> Result<Converged<'_>, Error> {
         self.reduced_transient_observed(of, tolerance, &mut |_| ControlFlow::Continue(()))
     }
 
-    /// [`reduced_transient`](Self::reduced_transient) with a progress report that may break it off; each basis begins anew.
+    /// [`reduced_transient`](Self::reduced_transient) with a progress report that may break it off: each basis takes
+    /// half of what is left.
     ///
     /// # Errors
     /// As [`reduced_transient`](Self::reduced_transient), and [`Error::Interrupted`].
@@ -45,7 +46,7 @@ impl Assembled {
         of: &Transient<'_>,
         tolerance: f64,
         progress: Progress<'_>,
-    ) -> Result<Converged, Error> {
+    ) -> Result<Converged<'_>, Error> {
         check("tolerance", tolerance, tolerance > 0.0, "must be a finite number > 0")?;
         if of.outputs.is_empty() {
             let (finding, remedy) =
@@ -54,15 +55,22 @@ impl Assembled {
         }
         let most = LAST.min(self.unknowns());
         let mut modes = FIRST.min(most);
-        let mut response = self.reduce(modes, Basis::default())?.transient_observed(of, progress)?;
+        let mut respond = |modes: usize, done: f64| -> Result<_, Error> {
+            let ends = [0.5, 1.0].map(|half: f64| done + 0.5 * half * (1.0 - done));
+            let reduced =
+                self.reduce_observed(modes, Basis::default(), &mut part(progress, [done, ends[0]]))?;
+            let response = reduced.transient_observed(of, &mut part(progress, ends))?;
+            Ok((reduced, response, ends[1]))
+        };
+        let (_, mut response, mut done) = respond(modes, 0.0)?;
         loop {
             let next = (2 * modes).min(most);
-            let larger = self.reduce(next, Basis::default())?.transient_observed(of, progress)?;
+            let (reduced, larger, end) = respond(next, done)?;
             let pairs = larger.outputs.iter().zip(&response.outputs);
             let error = pairs.map(|(fine, coarse)| 2.0 * distance(coarse, fine)).fold(0.0, f64::max);
-            (response, modes) = (larger, next);
+            (response, modes, done) = (larger, next, end);
             if error <= tolerance || modes == most {
-                return Ok(Converged { response, modes, error, converged: error <= tolerance });
+                return Ok(Converged { reduced, response, error, converged: error <= tolerance });
             }
         }
     }

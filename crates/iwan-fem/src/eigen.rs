@@ -3,23 +3,35 @@
 //! R. G. Grimes, J. G. Lewis and H. D. Simon, SIAM J. Matrix Anal. Appl. 15:228, 1994, doi:10.1137/S0895479888151111;
 //! here with full reorthogonalisation and without restarts. K may be singular (free structures): the shift σ > 0 makes
 //! K + σM positive definite. Blocks find repeated eigenvalues; the number of negative pivots of K - μM counts all
-//! eigenvalues below μ, and as long as it exceeds the number found, new random directions join the search.
+//! eigenvalues below μ, and as long as it exceeds the number found, new random directions join the search. M times the
+//! basis is kept beside the basis: a column costs one product with M.
 
 use faer::linalg::matmul::matmul;
-use faer::{Accum, Mat, MatMut, MatRef, Par, Side};
+use faer::{Accum, Mat, MatMut, MatRef, Side};
 
 use crate::error::Error;
 use crate::factor::{Analysis, Cholesky, negative_eigenvalues, random};
+use crate::lanes::LANES;
 use crate::sparse::{Symmetric, add_scaled, dot, scale};
+use crate::transient::Progress;
+use crate::workers::Workers;
 
-/// Columns per block.
-const BLOCK: usize = 8;
+/// Columns per block: a solve takes a group of them.
+const BLOCK: usize = LANES;
 /// Residual of (K + σM)⁻¹M φ - θ φ relative to θ at which a pair counts as converged; eigenvalues are better by its square.
-const CONVERGED: f64 = 1e-10;
+const CONVERGED: f64 = 1e-9;
 /// Neighbouring eigenvalues further apart than this, relatively, can be told apart by a shift between them.
 const GAP: f64 = 1e-6;
 /// Part of a column's length that may remain before it counts as dependent on the basis.
 const DEPENDENT: f64 = 1e-10;
+/// Part of a column's length below which M times what remains is computed anew.
+const CANCELLED: f64 = 1e-3;
+/// A pass that takes no more than this part off a column's length leaves it orthogonal to rounding.
+const ORTHOGONAL: f64 = 1e-6;
+/// Operations for all eigenpairs of a dense symmetric matrix, over the cube of its order.
+const DENSE: f64 = 30.0;
+/// Columns that the search usually takes, per mode: what its progress is measured by.
+const USUAL: f64 = 4.5;
 
 /// The pencil, what is wanted of it, and how.
 pub(crate) struct Problem<'a> {
@@ -43,7 +55,12 @@ impl Problem<'_> {
     }
 
     /// The lowest `count` pairs, none missed.
-    pub(crate) fn lowest(&self, count: usize, factor: &Cholesky) -> Result<Pairs, Error> {
+    pub(crate) fn lowest(
+        &self,
+        count: usize,
+        factor: &Cholesky,
+        progress: Progress<'_>,
+    ) -> Result<Pairs, Error> {
         let n = self.mass.order();
         if count == 0 || count > n {
             let finding = format!("{count} modes were asked for, the structure has {n} unknowns");
@@ -56,19 +73,22 @@ impl Problem<'_> {
         let mut search = Search::new(self.mass, factor);
         let mut check_at = count + BLOCK.min(count);
         loop {
+            let usual = (USUAL * count as f64).min(n as f64);
+            if progress((search.columns as f64 / usual).min(1.0)).is_break() {
+                return Err(Error::Interrupted);
+            }
             search.expand();
             let complete = search.columns == n;
             if search.columns < check_at && !complete {
                 continue;
             }
-            // The projection's eigenproblem grows with the cube of its size: a fifth more columns before the next look.
-            check_at = search.columns + (2 * BLOCK).max(search.columns / 5);
+            check_at = search.columns + search.until_next_look();
             let ritz = search.ritz();
             let Some((found, above)) = self.bound(&ritz, count, complete) else { continue };
-            let Some(above) = above else { return Ok(search.pairs(&ritz, count, self.shift)) };
+            let Some(above) = above else { return Ok(self.pairs(&search, &ritz, count)) };
             let there = self.count_below(above)?;
             if there <= found {
-                return Ok(search.pairs(&ritz, count, self.shift));
+                return Ok(self.pairs(&search, &ritz, count));
             }
             search.widen(there - found);
             check_at = search.columns + BLOCK;
@@ -99,6 +119,20 @@ impl Problem<'_> {
         }
         Err(last.expect("three attempts were made"))
     }
+
+    /// The first `count` eigenvalues and eigenvectors. An eigenvalue λ = 1/θ - σ far above σ has lost a part λ/σ of the
+    /// digits; its vector's Rayleigh quotient has lost a part of the stiffest motion's eigenvalue over λ: the better one counts.
+    fn pairs(&self, search: &Search<'_>, ritz: &Ritz, count: usize) -> Pairs {
+        let vectors = search.combine(&ritz.combinations, count);
+        let ratio = |j| self.stiffness.diagonal_entry(j) / self.mass.diagonal_entry(j);
+        let stiffest = (0..search.n).map(ratio).fold(0.0, f64::max);
+        let value = |(theta, x): (&f64, &[f64])| {
+            let value = 1.0 / theta - self.shift;
+            if value * value > self.shift * stiffest { self.stiffness.form(x, x) } else { value }
+        };
+        let values = ritz.values.iter().zip(vectors.chunks_exact(search.n)).map(value).collect();
+        Pairs { values, vectors }
+    }
 }
 
 /// Ritz values θ descending, the combinations of the basis, relative residuals.
@@ -112,9 +146,12 @@ struct Ritz {
 struct Search<'a> {
     mass: &'a Symmetric,
     factor: &'a Cholesky,
+    workers: Workers,
     n: usize,
-    /// M-orthonormal columns one after the other; the projection is known on the first `columns` of them.
+    /// M-orthonormal columns V one after the other; the projection is known on the first `columns` of them.
     basis: Vec<f64>,
+    /// M V.
+    weighted: Vec<f64>,
     columns: usize,
     /// Projection H = Vᵀ M (K + σM)⁻¹ M V, column by column: entries from the top to at least the diagonal.
     projection: Vec<Vec<f64>>,
@@ -125,12 +162,13 @@ struct Search<'a> {
 
 impl<'a> Search<'a> {
     fn new(mass: &'a Symmetric, factor: &'a Cholesky) -> Self {
-        let n = mass.order();
         let mut search = Self {
             mass,
             factor,
-            n,
+            workers: Workers::for_entries(factor.entries()),
+            n: mass.order(),
             basis: Vec::new(),
+            weighted: Vec::new(),
             columns: 0,
             projection: Vec::new(),
             pending: Mat::zeros(0, 0),
@@ -143,6 +181,15 @@ impl<'a> Search<'a> {
     /// Columns of the basis, those not yet expanded included.
     fn held(&self) -> usize {
         self.basis.len() / self.n
+    }
+
+    /// Columns to add before the projection's eigenproblem is worth another look: as many as cost what it costs, up to a
+    /// fifth of those there are.
+    fn until_next_look(&self) -> usize {
+        let k = self.columns as f64;
+        let a_column = 4.0 * self.factor.entries() as f64 + 8.0 * self.n as f64 * k;
+        let worth = DENSE * k.powi(3) / a_column;
+        (worth as usize).clamp(BLOCK, (2 * BLOCK).max(self.columns / 5))
     }
 
     fn view<'b>(&self, columns: &'b [f64]) -> MatRef<'b, f64> {
@@ -160,94 +207,114 @@ impl<'a> Search<'a> {
     /// Appends random columns, orthonormal to the basis.
     fn widen(&mut self, columns: usize) {
         for _ in 0..columns.min(self.n - self.held()) {
-            let column = self.random_column();
-            self.basis.extend(column);
+            self.push_random();
         }
         let (rows, width) = (self.held() - self.columns, self.pending.ncols());
         let old = std::mem::replace(&mut self.pending, Mat::zeros(rows, width));
         self.pending.as_mut().submatrix_mut(0, 0, old.nrows(), width).copy_from(&old);
     }
 
-    fn random_column(&mut self) -> Vec<f64> {
+    fn push_random(&mut self) {
         self.seed += 1;
         let mut column = random(self.n, self.seed);
+        let mut weighted = Vec::new();
         for _ in 0..3 {
-            self.remove_basis(&mut column);
-            let length = self.mass.form(&column, &column).sqrt();
+            self.remove(0, &mut column);
+            weighted = self.mass.times(&column);
+            let length = dot(&column, &weighted).sqrt();
             scale(&mut column, 1.0 / length);
+            scale(&mut weighted, 1.0 / length);
         }
-        column
+        self.basis.extend(column);
+        self.weighted.extend(weighted);
     }
 
-    /// Takes the basis' part off the columns; returns the coefficients.
-    fn remove_basis(&self, columns: &mut [f64]) -> Mat<f64> {
-        let weighted = self.mass_times(columns);
+    /// Takes the part of the basis from its column `first` on off the columns; returns the coefficients on the whole basis.
+    fn remove(&self, first: usize, columns: &mut [f64]) -> Mat<f64> {
         let width = columns.len() / self.n;
         let mut coefficients = Mat::zeros(self.held(), width);
-        let basis = self.view(&self.basis);
-        matmul(&mut coefficients, Accum::Replace, basis.transpose(), self.view(&weighted), 1.0, Par::Seq);
-        let target = MatMut::from_column_major_slice_mut(columns, self.n, width);
-        matmul(target, Accum::Add, basis, &coefficients, -1.0, Par::Seq);
+        let (basis, weighted) =
+            (self.view(&self.basis[first * self.n..]), self.view(&self.weighted[first * self.n..]));
+        let mut part = coefficients.as_mut().subrows_mut(first, basis.ncols());
+        self.workers.run(|par| {
+            let target = MatMut::from_column_major_slice_mut(columns, self.n, width);
+            matmul(&mut part, Accum::Replace, weighted.transpose(), target.as_ref(), 1.0, par);
+            matmul(target, Accum::Add, basis, &part, -1.0, par);
+        });
         coefficients
+    }
+
+    /// Takes the basis' part off what the operator made of the pending columns; returns the coefficients.
+    ///
+    /// But for rounding and what random columns stir up, that part is in the last two blocks: they go first, and one pass
+    /// over all takes the rest.
+    fn remove_basis(&self, columns: &mut [f64]) -> Mat<f64> {
+        let mut coefficients = self.remove(self.columns.saturating_sub(BLOCK), columns);
+        loop {
+            let more = self.remove(0, columns);
+            coefficients += &more;
+            if more.squared_norm_l2() <= ORTHOGONAL.powi(2) * coefficients.squared_norm_l2() {
+                return coefficients;
+            }
+        }
     }
 
     /// Applies the operator to the pending columns, extends the projection and appends what is new as pending columns.
     fn expand(&mut self) {
         let (from, to) = (self.columns, self.held());
-        let mut next = self.mass_times(&self.basis[from * self.n..to * self.n]);
+        let mut next = self.weighted[from * self.n..to * self.n].to_vec();
         let width = to - from;
-        self.factor.solve_columns(MatMut::from_column_major_slice_mut(&mut next, self.n, width));
-        let lengths: Vec<f64> = self.lengths(&next);
-        let mut coefficients = self.remove_basis(&mut next);
-        coefficients += self.remove_basis(&mut next);
+        self.factor.solve_columns(&mut next, &self.workers);
+        let coefficients = self.remove_basis(&mut next);
         for k in 0..width {
             self.projection.push((0..=from + k).map(|i| coefficients[(i, k)]).collect());
         }
         self.columns = to;
-        let before = self.held();
+        let removed: Vec<f64> = (0..width).map(|k| coefficients.col(k).squared_norm_l2()).collect();
         let remainder = next.clone();
-        self.append(next, &lengths);
+        self.append(next, &removed);
         // Coefficients of the remainder on the new columns: the residual of every Ritz pair follows from them.
-        let mut pending = Mat::zeros(self.held() - before, width);
-        let added = self.mass_times(&self.basis[before * self.n..]);
-        matmul(
-            &mut pending,
-            Accum::Replace,
-            self.view(&added).transpose(),
-            self.view(&remainder),
-            1.0,
-            Par::Seq,
-        );
+        let added = self.view(&self.weighted[to * self.n..]);
+        let mut pending = Mat::zeros(added.ncols(), width);
+        let remainder = self.view(&remainder);
+        self.workers.run(|par| {
+            matmul(&mut pending, Accum::Replace, added.transpose(), remainder, 1.0, par);
+        });
         self.pending = pending;
     }
 
-    fn lengths(&self, columns: &[f64]) -> Vec<f64> {
-        columns.chunks_exact(self.n).map(|x| self.mass.form(x, x).max(0.0).sqrt()).collect()
-    }
-
-    /// Orthonormalises columns among themselves and against the basis and appends them; those that depend on what is
-    /// there give way to random ones.
-    fn append(&mut self, mut columns: Vec<f64>, lengths: &[f64]) {
-        let first = self.held();
-        for (column, length) in columns.chunks_exact_mut(self.n).zip(lengths) {
+    /// Orthonormalises columns among themselves, after the basis' part, of squared length `removed`, was taken off them, and
+    /// appends them; those that depend on what is there give way to random ones.
+    fn append(&mut self, mut columns: Vec<f64>, removed: &[f64]) {
+        let first = self.held() * self.n;
+        let mut weighted = self.mass_times(&columns);
+        let pairs = columns.chunks_exact_mut(self.n).zip(weighted.chunks_exact_mut(self.n));
+        for ((column, weighted), removed) in pairs.zip(removed) {
             if self.held() == self.n {
                 return;
             }
+            let square = dot(column, weighted).max(0.0);
             for _ in 0..2 {
-                let weighted = self.mass.times(column);
-                let own: Vec<f64> =
-                    self.basis[first * self.n..].chunks_exact(self.n).map(|v| dot(v, &weighted)).collect();
-                for (v, c) in self.basis[first * self.n..].chunks_exact(self.n).zip(&own) {
-                    add_scaled(column, -c, v);
+                let new =
+                    self.basis[first..].chunks_exact(self.n).zip(self.weighted[first..].chunks_exact(self.n));
+                for (v, w) in new {
+                    let part = dot(w, column);
+                    add_scaled(column, -part, v);
+                    add_scaled(weighted, -part, w);
                 }
             }
-            let rest = self.mass.form(column, column).max(0.0).sqrt();
-            if rest > DEPENDENT * length {
+            let mut rest = dot(column, weighted).max(0.0).sqrt();
+            if rest < CANCELLED * square.sqrt() {
+                self.mass.multiply(column, weighted);
+                rest = dot(column, weighted).max(0.0).sqrt();
+            }
+            if rest > DEPENDENT * (removed + square).sqrt() {
                 scale(column, 1.0 / rest);
+                scale(weighted, 1.0 / rest);
                 self.basis.extend_from_slice(column);
+                self.weighted.extend_from_slice(weighted);
             } else {
-                let fresh = self.random_column();
-                self.basis.extend(fresh);
+                self.push_random();
             }
         }
     }
@@ -268,18 +335,14 @@ impl<'a> Search<'a> {
         Ritz { values, combinations, residuals }
     }
 
-    fn pairs(&self, ritz: &Ritz, count: usize, shift: f64) -> Pairs {
+    /// The first `count` combinations of the basis.
+    fn combine(&self, combinations: &Mat<f64>, count: usize) -> Vec<f64> {
         let mut vectors = vec![0.0; self.n * count];
-        let target = MatMut::from_column_major_slice_mut(&mut vectors, self.n, count);
-        let chosen = ritz.combinations.subcols(0, count);
-        matmul(
-            target,
-            Accum::Replace,
-            self.view(&self.basis[..self.columns * self.n]),
-            chosen,
-            1.0,
-            Par::Seq,
-        );
-        Pairs { values: ritz.values[..count].iter().map(|theta| 1.0 / theta - shift).collect(), vectors }
+        let basis = self.view(&self.basis[..self.columns * self.n]);
+        self.workers.run(|par| {
+            let target = MatMut::from_column_major_slice_mut(&mut vectors, self.n, count);
+            matmul(target, Accum::Replace, basis, combinations.subcols(0, count), 1.0, par);
+        });
+        vectors
     }
 }

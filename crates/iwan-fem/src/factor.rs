@@ -6,9 +6,9 @@ use faer::dyn_stack::{MemBuffer, MemStack, StackReq};
 use faer::linalg::cholesky::{ldlt, llt};
 use faer::perm::PermRef;
 use faer::sparse::linalg::SupernodalThreshold;
-use faer::sparse::linalg::cholesky::supernodal::SupernodalLltRef;
+use faer::sparse::linalg::cholesky::supernodal::SymbolicSupernodalCholesky;
 use faer::sparse::linalg::cholesky::{
-    CholeskySymbolicParams, LdltRef, LltRef, SymbolicCholesky, SymbolicCholeskyRaw, SymmetricOrdering,
+    CholeskySymbolicParams, LdltRef, SymbolicCholesky, SymbolicCholeskyRaw, SymmetricOrdering,
     factorize_symbolic_cholesky,
 };
 use faer::sparse::{SparseColMatRef, SymbolicSparseColMatRef};
@@ -16,22 +16,23 @@ use faer::{Conj, MatMut, Par, Side, Spec};
 
 use crate::dofs::Place;
 use crate::error::Error;
+use crate::lanes::Group;
 use crate::ordering::nested_dissection;
-use crate::lanes::{Group, LANES, total};
 use crate::sparse::{Symmetric, largest};
+use crate::triangular::{Branches, Factor};
+use crate::workers::Workers;
 
 /// Largest backward error ‖A z - b‖ / (‖A‖ ‖z‖) that a sound factorisation leaves; usual is 1e-16.
 const SOUND: f64 = 1e-10;
 /// Up to so many unknowns minimum degree is tried beside nested dissection: it leaves less fill in slender structures, but
 /// far more in large solid ones.
 const SLENDER: usize = 20_000;
-/// Columns handled at once in a solve: so often less is what they share read and written.
-const TOGETHER: usize = 4;
 
 /// Order of elimination and the pattern of the factor: one for all matrices of a structure.
 #[derive(Debug, Clone)]
 pub(crate) struct Analysis {
     symbolic: Arc<SymbolicCholesky<u32>>,
+    branches: Branches,
 }
 
 impl Analysis {
@@ -48,7 +49,8 @@ impl Analysis {
                 symbolic = of_least_degree;
             }
         }
-        Ok(Self { symbolic: Arc::new(symbolic) })
+        let branches = Branches::of(supernodes(&symbolic));
+        Ok(Self { symbolic: Arc::new(symbolic), branches })
     }
 }
 
@@ -83,54 +85,65 @@ fn memory(need: StackReq) -> Result<MemBuffer, Error> {
     MemBuffer::try_new(need).map_err(|_| failed("the factor's workspace does not fit into memory".into()))
 }
 
+fn supernodes(symbolic: &SymbolicCholesky<u32>) -> &SymbolicSupernodalCholesky<u32> {
+    let SymbolicCholeskyRaw::Supernodal(supernodes) = symbolic.raw() else {
+        unreachable!("a supernodal factorisation was asked for")
+    };
+    supernodes
+}
+
 /// A = L Lᵀ of a positive definite matrix.
 #[derive(Debug)]
 pub(crate) struct Cholesky {
     symbolic: Arc<SymbolicCholesky<u32>>,
+    branches: Branches,
     values: Vec<f64>,
 }
 
 impl Cholesky {
     /// Factors and probes.
     pub(crate) fn new(analysis: &Analysis, matrix: &Symmetric) -> Result<Self, Error> {
+        Self::with(analysis, matrix, &Workers::for_entries(analysis.symbolic.len_val()))
+    }
+
+    fn with(analysis: &Analysis, matrix: &Symmetric, workers: &Workers) -> Result<Self, Error> {
         let symbolic = Arc::clone(&analysis.symbolic);
         let mut values = vec![0.0; symbolic.len_val()];
-        let mut buffer = memory(symbolic.factorize_numeric_llt_scratch::<f64>(Par::Seq, Spec::default()))?;
-        let stack = MemStack::new(&mut buffer);
         let none = llt::factor::LltRegularization::default();
-        symbolic
-            .factorize_numeric_llt(
-                &mut values,
-                view(matrix),
-                Side::Lower,
-                none,
-                Par::Seq,
-                stack,
-                Spec::default(),
-            )
-            .map_err(|e| failed(format!("the matrix is not positive definite ({e:?})")))?;
-        let factor = Self { symbolic, values };
+        let spec = Spec::default();
+        workers.run(|par| {
+            let mut buffer = memory(symbolic.factorize_numeric_llt_scratch::<f64>(par, spec))?;
+            let stack = MemStack::new(&mut buffer);
+            symbolic
+                .factorize_numeric_llt(&mut values, view(matrix), Side::Lower, none, par, stack, spec)
+                .map_err(|e| failed(format!("the matrix is not positive definite ({e:?})")))
+                .map(|_| ())
+        })?;
+        let factor = Self { symbolic, branches: analysis.branches, values };
         probe(matrix, |x| factor.solve(x))?;
         Ok(factor)
     }
 
-    fn supernodal(&self) -> SupernodalLltRef<'_, u32, f64> {
-        let SymbolicCholeskyRaw::Supernodal(symbolic) = self.symbolic.raw() else {
-            unreachable!("a supernodal factorisation was asked for")
-        };
-        SupernodalLltRef::new(symbolic, &self.values)
+    fn factor(&self) -> Factor<'_> {
+        Factor { supernodes: supernodes(&self.symbolic), values: &self.values }
     }
 
-    /// x = A⁻¹ x for several columns at once.
-    pub(crate) fn solve_columns(&self, x: MatMut<'_, f64>) {
-        let need = self.symbolic.solve_in_place_scratch::<f64>(x.ncols(), Par::Seq);
-        let mut buffer = MemBuffer::new(need);
-        LltRef::new(&self.symbolic, &self.values).solve_in_place_with_conj(
-            Conj::No,
-            x,
-            Par::Seq,
-            MemStack::new(&mut buffer),
-        );
+    /// Entries of the factor.
+    pub(crate) fn entries(&self) -> usize {
+        self.values.len()
+    }
+
+    /// x = A⁻¹ x for columns of n entries one after the other, as many as a group has lanes at most.
+    pub(crate) fn solve_columns(&self, x: &mut [f64], workers: &Workers) {
+        let (forward, inverse) = self.symbolic.perm().expect("an order was given").arrays();
+        let n = forward.len();
+        let width = x.len() / n;
+        let row = |&j: &u32| std::array::from_fn(|c| if c < width { x[c * n + j as usize] } else { 0.0 });
+        let mut rows: Vec<Group> = forward.iter().map(row).collect();
+        self.factor().solve_group(self.branches, &mut rows, workers);
+        for (c, column) in x.chunks_exact_mut(n).enumerate() {
+            column.iter_mut().zip(inverse).for_each(|(x, &k)| *x = rows[k as usize][c]);
+        }
     }
 
     /// x = A⁻¹ x.
@@ -145,162 +158,8 @@ impl Cholesky {
         let (forward, inverse) = self.symbolic.perm().expect("an order was given").arrays();
         permuted.clear();
         permuted.extend(forward.iter().map(|&j| x[j as usize]));
-        // The widest registers at hand; nothing is contracted, so the bits are the same in all of them.
-        pulp::Arch::new().dispatch(Solve { factor: self, x: permuted, local });
+        self.factor().solve_one(permuted, local);
         x.iter_mut().zip(inverse).for_each(|(x, &k)| *x = permuted[k as usize]);
-    }
-}
-
-/// x = (L Lᵀ)⁻¹ x in the order of elimination, with memory for one supernode.
-struct Solve<'a> {
-    factor: &'a Cholesky,
-    x: &'a mut [f64],
-    local: &'a mut Vec<f64>,
-}
-
-impl pulp::NullaryFnOnce for Solve<'_> {
-    type Output = ();
-
-    #[inline(always)]
-    fn call(self) {
-        let factor = self.factor.supernodal();
-        let count = factor.symbolic().n_supernodes();
-        // Loops, not closures: what is not inlined here would not get the registers.
-        for s in 0..count {
-            Columns::of(&factor, &self.factor.values, s).forward(self.x, self.local);
-        }
-        for s in (0..count).rev() {
-            Columns::of(&factor, &self.factor.values, s).backward(self.x, self.local);
-        }
-    }
-}
-
-/// The columns of a supernode, one after the other: a lower triangle, and the rows below it.
-struct Columns<'a> {
-    /// First unknown of the triangle, and its order.
-    start: usize,
-    width: usize,
-    /// Unknowns of the rows below.
-    pattern: &'a [u32],
-    entries: &'a [f64],
-}
-
-impl<'a> Columns<'a> {
-    #[inline(always)]
-    fn of(factor: &SupernodalLltRef<'a, u32, f64>, values: &'a [f64], s: usize) -> Self {
-        let (node, starts) = (factor.supernode(s), factor.symbolic().col_ptr_for_val());
-        let entries = &values[starts[s] as usize..starts[s + 1] as usize];
-        Self { start: node.start(), width: node.val().ncols(), pattern: node.pattern(), entries }
-    }
-
-    /// Diagonal entry of column `k`, and what lies below it.
-    #[inline(always)]
-    fn column(&self, k: usize) -> (f64, &'a [f64]) {
-        let height = self.width + self.pattern.len();
-        (self.entries[k * height + k], &self.entries[k * height + k + 1..(k + 1) * height])
-    }
-
-    /// Solves with the triangle and takes the columns off what comes later.
-    #[inline(always)]
-    fn forward(&self, x: &mut [f64], local: &mut Vec<f64>) {
-        local.clear();
-        local.extend_from_slice(&x[self.start..self.start + self.width]);
-        local.resize(self.width + self.pattern.len(), 0.0);
-        let whole = self.width - self.width % TOGETHER;
-        for k in (0..whole).step_by(TOGETHER) {
-            self.eliminate::<TOGETHER>(k, local);
-        }
-        for k in whole..self.width {
-            self.eliminate::<1>(k, local);
-        }
-        let (solved, below) = local.split_at(self.width);
-        x[self.start..self.start + self.width].copy_from_slice(solved);
-        for (&i, b) in self.pattern.iter().zip(below) {
-            x[i as usize] += b;
-        }
-    }
-
-    /// N columns from `k` on.
-    #[inline(always)]
-    fn eliminate<const N: usize>(&self, k: usize, local: &mut [f64]) {
-        let (top, rest) = local.split_at_mut(k + N);
-        let top: &mut [f64; N] = top.last_chunk_mut().expect("N columns");
-        for m in 0..N {
-            let (pivot, below) = self.column(k + m);
-            top[m] /= pivot;
-            let value = top[m];
-            for (x, l) in top[m + 1..].iter_mut().zip(below) {
-                *x -= value * l;
-            }
-        }
-        let columns: [&[f64]; N] = std::array::from_fn(|m| &self.column(k + m).1[N - 1 - m..][..rest.len()]);
-        let whole = rest.len() - rest.len() % LANES;
-        for i in (0..whole).step_by(LANES) {
-            let mut sums: [f64; LANES] = *rest[i..].first_chunk().expect("whole groups");
-            for m in 0..N {
-                let column: &[f64; LANES] = columns[m][i..].first_chunk().expect("whole groups");
-                for l in 0..LANES {
-                    sums[l] -= top[m] * column[l];
-                }
-            }
-            rest[i..i + LANES].copy_from_slice(&sums);
-        }
-        for i in whole..rest.len() {
-            for m in 0..N {
-                rest[i] -= top[m] * columns[m][i];
-            }
-        }
-    }
-
-    /// Solves with the transposed columns.
-    #[inline(always)]
-    fn backward(&self, x: &mut [f64], local: &mut Vec<f64>) {
-        local.clear();
-        local.extend_from_slice(&x[self.start..self.start + self.width]);
-        for &i in self.pattern {
-            local.push(x[i as usize]);
-        }
-        let mut k = self.width;
-        if k % 2 == 1 {
-            k -= 1;
-            let known = self.products(k, local)[0];
-            local[k] = (local[k] - known) / self.column(k).0;
-        }
-        while k > 0 {
-            k -= 2;
-            let known = self.products(k, local);
-            let ((pivot, below), next) = (self.column(k), self.column(k + 1).0);
-            local[k + 1] = (local[k + 1] - known[1]) / next;
-            local[k] = (local[k] - (known[0] + below[0] * local[k + 1])) / pivot;
-        }
-        x[self.start..self.start + self.width].copy_from_slice(&local[..self.width]);
-    }
-
-    /// Products of column `k`, and of the next one if there is one, with what is known behind both.
-    #[inline(always)]
-    fn products(&self, k: usize, local: &[f64]) -> [f64; 2] {
-        let other = (k + 1).min(self.width - 1);
-        let known = &local[other + 1..];
-        let columns = [&self.column(k).1[other - k..], self.column(other).1];
-        let [a, b] = columns.map(|column| &column[..known.len()]);
-        let whole = known.len() - known.len() % LANES;
-        let (mut s, mut t) = ([0.0; LANES], [0.0; LANES]);
-        for i in (0..whole).step_by(LANES) {
-            let x: &Group = known[i..].first_chunk().expect("whole groups");
-            let (a, b): (&Group, &Group) = (a[i..].first_chunk().expect("as many"), b[i..].first_chunk().expect("as many"));
-            for l in 0..LANES {
-                s[l] += a[l] * x[l];
-            }
-            for l in 0..LANES {
-                t[l] += b[l] * x[l];
-            }
-        }
-        let mut sums = [total(&s), total(&t)];
-        for i in whole..known.len() {
-            sums[0] += a[i] * known[i];
-            sums[1] += b[i] * known[i];
-        }
-        sums
     }
 }
 
@@ -310,36 +169,25 @@ impl<'a> Columns<'a> {
 pub(crate) fn negative_eigenvalues(analysis: &Analysis, matrix: &Symmetric) -> Result<usize, Error> {
     let symbolic = &analysis.symbolic;
     let mut values = vec![0.0; symbolic.len_val()];
-    let mut buffer = memory(symbolic.factorize_numeric_ldlt_scratch::<f64>(Par::Seq, Spec::default()))?;
     let none = ldlt::factor::LdltRegularization::default();
-    let stack = MemStack::new(&mut buffer);
-    symbolic
-        .factorize_numeric_ldlt(
-            &mut values,
-            view(matrix),
-            Side::Lower,
-            none,
-            Par::Seq,
-            stack,
-            Spec::default(),
-        )
-        .map_err(|e| failed(format!("the shifted matrix has no LDL' factors ({e:?})")))?;
+    let spec = Spec::default();
+    Workers::for_entries(values.len()).run(|par| {
+        let mut buffer = memory(symbolic.factorize_numeric_ldlt_scratch::<f64>(par, spec))?;
+        let stack = MemStack::new(&mut buffer);
+        symbolic
+            .factorize_numeric_ldlt(&mut values, view(matrix), Side::Lower, none, par, stack, spec)
+            .map_err(|e| failed(format!("the shifted matrix has no LDL' factors ({e:?})")))
+            .map(|_| ())
+    })?;
     probe(matrix, |x| {
         let mut buffer = MemBuffer::new(symbolic.solve_in_place_scratch::<f64>(1, Par::Seq));
         let columns = MatMut::from_column_major_slice_mut(x, matrix.order(), 1);
         let stack = MemStack::new(&mut buffer);
         LdltRef::new(symbolic, &values).solve_in_place_with_conj(Conj::No, columns, Par::Seq, stack);
     })?;
-    let SymbolicCholeskyRaw::Supernodal(raw) = symbolic.raw() else {
-        unreachable!("a supernodal factorisation was asked for")
-    };
     // The diagonal of each supernode's block holds D.
-    let pivots = SupernodalLltRef::new(raw, &values);
-    let negative = |s: usize| {
-        let block = pivots.supernode(s).val();
-        (0..block.ncols()).filter(|&k| block[(k, k)] < 0.0).count()
-    };
-    Ok((0..raw.n_supernodes()).map(negative).sum())
+    let factor = Factor { supernodes: supernodes(symbolic), values: &values };
+    Ok(factor.diagonal().filter(|d| *d < 0.0).count())
 }
 
 /// Solves for a random right-hand side and compares.
@@ -371,4 +219,56 @@ pub(crate) fn random(count: usize, seed: u64) -> Vec<f64> {
         ((z ^ (z >> 31)) >> 11) as f64 * (2.0 / (1_u64 << 53) as f64) - 1.0
     };
     std::iter::repeat_n((), count).map(next).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::lanes::LANES;
+    use crate::mesh::beam::Configuration;
+    use crate::mesh::block::{block, uniform};
+    use crate::paper;
+    use crate::{Material, Structure};
+
+    fn solves(matrix: &Symmetric, analysis: &Analysis, workers: &Workers) -> Vec<f64> {
+        let factor = Cholesky::with(analysis, matrix, workers).unwrap();
+        let mut x = random(LANES * matrix.order(), 5);
+        let right = x.clone();
+        factor.solve_columns(&mut x, workers);
+        for (x, right) in x.chunks_exact(matrix.order()).zip(right.chunks_exact(matrix.order())) {
+            // As one right-hand side by itself, but for rounding.
+            let mut alone = right.to_vec();
+            factor.solve(&mut alone);
+            let error: Vec<f64> = alone.iter().zip(x).map(|(a, b)| a - b).collect();
+            assert!(largest(&error) < 1e-8 * largest(&alone), "{:e}", largest(&error) / largest(&alone));
+            let mut residual = matrix.times(x);
+            residual.iter_mut().zip(right).for_each(|(r, b)| *r -= b);
+            assert!(largest(&residual) < 1e-13 * matrix.largest() * largest(x));
+        }
+        x
+    }
+
+    /// The factor of a block is large enough for threads: their number leaves no trace, in branches and trunk.
+    #[test]
+    fn threads_change_no_bit() {
+        let lines = uniform(-0.5, 0.5, 15);
+        let mesh = block(&[lines.clone(), lines.clone(), lines]);
+        let of = Structure::new(mesh, Material::new(1.0, 0.3, 1.0).unwrap()).assemble().unwrap();
+        let matrix = of.slipping_stiffness().plus(1.0, of.mass());
+        let analysis = of.analysis().unwrap();
+        assert!(Workers::for_entries(analysis.symbolic.len_val()).are_threads());
+        assert!(analysis.branches != Branches::NONE, "a block falls into two branches");
+        let alone = solves(&matrix, analysis, &Workers::none());
+        for threads in [1, 2, 3] {
+            assert_eq!(alone, solves(&matrix, analysis, &Workers::of(threads)), "{threads} threads");
+        }
+    }
+
+    #[test]
+    fn small_factors_solve_as_well() {
+        let of = paper::structure(Configuration::A, 1).unwrap().assemble().unwrap();
+        let matrix = of.slipping_stiffness().plus(1e4, of.mass());
+        assert!(!Workers::for_entries(of.analysis().unwrap().symbolic.len_val()).are_threads());
+        solves(&matrix, of.analysis().unwrap(), &Workers::none());
+    }
 }

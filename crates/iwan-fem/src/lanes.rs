@@ -1,4 +1,5 @@
 //! Values handled side by side: sums in a fixed order, whatever the width of the registers.
+#![expect(clippy::inline_always, reason = "what is not inlined does not get the wide registers")]
 
 /// Values are handled in groups of this many.
 pub(crate) const LANES: usize = 8;

@@ -25,6 +25,8 @@ mod reduced_transient;
 mod reduction;
 mod slip_solver;
 mod transient;
+mod triangular;
+mod workers;
 
 mod modal_force;
 mod model;

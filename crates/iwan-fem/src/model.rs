@@ -4,7 +4,7 @@ use crate::assembly::Assembled;
 use crate::contact::Population;
 use crate::error::Error;
 use crate::reduction::{Basis, Reduced};
-use crate::transient::{History, Progress, Transient, TruthResponse};
+use crate::transient::{History, Progress, Transient, TruthResponse, part};
 
 /// Which model is integrated.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -23,12 +23,12 @@ impl Model {
 }
 
 /// The response of a model, and what was reduced.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Integrated {
+#[derive(Debug, Clone)]
+pub struct Integrated<'a> {
     /// The response.
     pub response: TruthResponse,
-    /// Modes in the basis of the reduced model; none for the full one.
-    pub basis: Option<usize>,
+    /// The reduced model; none for the full one.
+    pub reduced: Option<Reduced<'a>>,
     /// Estimated error of the reduction, where it was sought, and whether it reached the tolerance.
     pub basis_error: Option<(f64, bool)>,
 }
@@ -43,7 +43,8 @@ pub struct StepErrors {
 }
 
 impl Assembled {
-    /// Integrates a model of the structure. `progress` hears the share done of each run; a search for the basis has several.
+    /// Integrates a model of the structure. `progress` hears a share done that rises to 1; a search for the basis may end
+    /// before.
     ///
     /// # Errors
     /// As [`transient_observed`](Self::transient_observed) and [`reduced_transient`](Self::reduced_transient).
@@ -52,23 +53,34 @@ impl Assembled {
         model: Model,
         of: &Transient<'_>,
         progress: Progress<'_>,
-    ) -> Result<Integrated, Error> {
+    ) -> Result<Integrated<'_>, Error> {
+        of.check(self.unknowns(), self.slips().len())?;
         match model {
             Model::Full => {
                 let response = self.transient_observed(of, progress)?;
-                Ok(Integrated { response, basis: None, basis_error: None })
+                Ok(Integrated { response, reduced: None, basis_error: None })
             }
             Model::Basis(modes) => {
                 let modes = modes.min(self.unknowns());
-                let response = self.reduce(modes, Basis::default())?.transient_observed(of, progress)?;
-                Ok(Integrated { response, basis: Some(modes), basis_error: None })
+                let reduced =
+                    self.reduce_observed(modes, Basis::default(), &mut part(progress, [0.0, 0.5]))?;
+                let response = reduced.transient_observed(of, &mut part(progress, [0.5, 1.0]))?;
+                Ok(Integrated { response, reduced: Some(reduced), basis_error: None })
             }
             Model::Tolerance(tolerance) => {
                 let found = self.reduced_transient_observed(of, tolerance, progress)?;
-                let (basis, basis_error) = (Some(found.modes), Some((found.error, found.converged)));
-                Ok(Integrated { response: found.response, basis, basis_error })
+                let (reduced, basis_error) = (Some(found.reduced), Some((found.error, found.converged)));
+                Ok(Integrated { response: found.response, reduced, basis_error })
             }
         }
+    }
+}
+
+impl Integrated<'_> {
+    /// Modes in the basis of the reduced model; none for the full one.
+    #[must_use]
+    pub fn basis(&self) -> Option<usize> {
+        self.reduced.as_ref().map(|reduced| reduced.modes().len())
     }
 }
 

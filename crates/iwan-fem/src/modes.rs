@@ -1,6 +1,7 @@
 //! Linear modes with all joints stuck or slipping, what they look like, and what joints do to them.
 
 use std::f64::consts::PI;
+use std::ops::ControlFlow;
 
 use faer::{Mat, Side};
 
@@ -9,6 +10,7 @@ use crate::eigen::{Pairs, Problem};
 use crate::error::Error;
 use crate::factor::Cholesky;
 use crate::sparse::{Symmetric, dot};
+use crate::transient::Progress;
 
 /// What the joints do while a structure vibrates linearly.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -120,7 +122,21 @@ impl Assembled {
     /// # Ok::<(), iwan_fem::Error>(())
     /// ```
     pub fn modes(&self, contact: Contact, count: usize) -> Result<Modes, Error> {
-        self.modes_and_factor(contact, count).map(|(modes, _)| modes)
+        self.modes_observed(contact, count, &mut |_| ControlFlow::Continue(()))
+    }
+
+    /// [`modes`](Self::modes) with a progress report, by what the search usually takes, that may break it off. A
+    /// factorisation is not broken off.
+    ///
+    /// # Errors
+    /// As [`modes`](Self::modes), and [`Error::Interrupted`].
+    pub fn modes_observed(
+        &self,
+        contact: Contact,
+        count: usize,
+        progress: Progress<'_>,
+    ) -> Result<Modes, Error> {
+        self.modes_and_factor(contact, count, progress).map(|(modes, _)| modes)
     }
 
     /// K + σM, factored.
@@ -134,12 +150,13 @@ impl Assembled {
         &self,
         contact: Contact,
         count: usize,
+        progress: Progress<'_>,
     ) -> Result<(Modes, Cholesky), Error> {
         let (stiffness, analysis) = (self.stiffness(contact), self.analysis()?);
         let shift = self.shift();
         let problem = Problem { stiffness: &stiffness, mass: self.mass(), shift, analysis };
         let factor = problem.factor()?;
-        let pairs = problem.lowest(count, &factor)?;
+        let pairs = problem.lowest(count, &factor, progress)?;
         let zero = pairs.values.iter().filter(|value| **value < ZERO * shift).count();
         Ok((Modes { contact, pairs, unknowns: self.unknowns(), zero }, factor))
     }

@@ -1,11 +1,13 @@
 //! The elastic modes of a structure by name, with all joints stuck and with all slipping.
 
 use std::collections::BTreeMap;
+use std::ops::ControlFlow;
 
 use crate::assembly::Assembled;
 use crate::error::Error;
 use crate::modes::{Class, Contact, JointMode, Modes};
 use crate::structure::Structure;
+use crate::transient::{Progress, part};
 
 /// Rigid motions of a free structure.
 const RIGID: usize = 6;
@@ -53,11 +55,21 @@ impl NamedModes {
     /// # Errors
     /// As [`Structure::assemble`] and [`Assembled::modes`].
     pub fn new(structure: &Structure, count: usize) -> Result<Self, Error> {
+        Self::observed(structure, count, &mut |_| ControlFlow::Continue(()))
+    }
+
+    /// [`new`](Self::new) with a progress report that may break it off.
+    ///
+    /// # Errors
+    /// As [`new`](Self::new), and [`Error::Interrupted`].
+    pub fn observed(structure: &Structure, count: usize, progress: Progress<'_>) -> Result<Self, Error> {
         let assembled = structure.assemble()?;
         let most = assembled.unknowns();
-        let stuck = assembled.modes(Contact::Stuck, count.saturating_add(RIGID).min(most))?;
-        let slipping = count.saturating_add(RIGID + assembled.slips().len());
-        let slipping = assembled.modes(Contact::Slipping, slipping.min(most))?;
+        let wanted = count.saturating_add(RIGID).min(most);
+        let stuck = assembled.modes_observed(Contact::Stuck, wanted, &mut part(progress, [0.0, 0.5]))?;
+        let wanted = count.saturating_add(RIGID + assembled.slips().len()).min(most);
+        let slipping =
+            assembled.modes_observed(Contact::Slipping, wanted, &mut part(progress, [0.5, 1.0]))?;
         let mut elastic = elastic(&assembled, &stuck, &slipping);
         elastic.truncate(count);
         Ok(Self { assembled, stuck, slipping, elastic })

@@ -163,7 +163,9 @@ mod tests {
             let bent: Vec<f64> = (0..assembled.unknowns())
                 .map(|j| match assembled.unknown(j) {
                     crate::Unknown::Displacement { node, axis: 2 } => (0.1 * positions[node][0]).powi(2),
-                    crate::Unknown::Displacement { node, axis: 0 } => -0.02 * positions[node][0] * positions[node][2],
+                    crate::Unknown::Displacement { node, axis: 0 } => {
+                        -0.02 * positions[node][0] * positions[node][2]
+                    }
                     _ => 0.0,
                 })
                 .collect();

@@ -5,6 +5,7 @@
 //! the joints' forces differ from stuck ones. With N held over the step the slips move by Δs*; then
 //! (C⁻¹ - K_T) Δs + ΔF = C⁻¹ Δs* with C = dt²/4 B d Bᵀ. One sweep completes a step and begins the next. (As a whole, d v
 //! would do the same, but rounding of d would damp: some 1e-16 of the energy each step, always of one sign.)
+#![expect(clippy::inline_always, reason = "what is not inlined does not get the wide registers")]
 
 use std::ops::ControlFlow;
 use std::time::Instant;

@@ -5,6 +5,8 @@
 //! orthogonal to the modes and diagonalised among themselves, so that mass and stuck stiffness of the reduced model are
 //! diagonal: q'' + Λ q + Bᵀ [F(s) - K_T s] = p(t) Vᵀ g, s = B q. The first coordinates are the modal coordinates.
 
+use std::ops::ControlFlow;
+
 use faer::{Mat, Side};
 
 use crate::assembly::Assembled;
@@ -12,6 +14,7 @@ use crate::error::{Error, check};
 use crate::factor::Cholesky;
 use crate::modes::{Contact, Modes};
 use crate::sparse::{add_scaled, dot, scale};
+use crate::transient::Progress;
 
 /// What spans the reduced model.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -45,7 +48,20 @@ impl Assembled {
     /// # Errors
     /// As [`modes`](Self::modes).
     pub fn reduce(&self, modes: usize, basis: Basis) -> Result<Reduced<'_>, Error> {
-        let (modes, factor) = self.modes_and_factor(Contact::Stuck, modes)?;
+        self.reduce_observed(modes, basis, &mut |_| ControlFlow::Continue(()))
+    }
+
+    /// [`reduce`](Self::reduce) with a progress report that may break it off.
+    ///
+    /// # Errors
+    /// As [`modes_observed`](Self::modes_observed).
+    pub fn reduce_observed(
+        &self,
+        modes: usize,
+        basis: Basis,
+        progress: Progress<'_>,
+    ) -> Result<Reduced<'_>, Error> {
+        let (modes, factor) = self.modes_and_factor(Contact::Stuck, modes, progress)?;
         Reduced::new(self, modes, &factor, basis)
     }
 }

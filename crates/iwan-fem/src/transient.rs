@@ -91,6 +91,14 @@ pub struct TruthResponse {
 /// Called with the share done (0 to 1); breaking off ends the run with [`Error::Interrupted`].
 pub type Progress<'a> = &'a mut dyn FnMut(f64) -> ControlFlow<()>;
 
+/// Progress through the part of a piece of work from one share to another.
+pub(crate) fn part(
+    progress: &mut dyn FnMut(f64) -> ControlFlow<()>,
+    [from, to]: [f64; 2],
+) -> impl FnMut(f64) -> ControlFlow<()> {
+    move |share| progress(from + (to - from) * share)
+}
+
 /// More numbers than this (8 GB) are not kept in memory.
 const MOST_NUMBERS: f64 = 1e9;
 

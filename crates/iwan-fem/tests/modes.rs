@@ -1,9 +1,11 @@
 //! Modes of the paper's beam against an independent prototype, and modes that must not be missed.
 #![allow(clippy::unwrap_used, reason = "a failed test may panic")]
 
+use std::ops::ControlFlow;
+
 use iwan_fem::mesh::beam::Configuration;
 use iwan_fem::mesh::block::{block, uniform};
-use iwan_fem::{Assembled, Class, Contact, Material, Modes, Structure, paper};
+use iwan_fem::{Assembled, Class, Contact, Error, Material, Modes, NamedModes, Structure, paper};
 
 fn assembled(configuration: Configuration, refinement: usize) -> Assembled {
     paper::structure(configuration, refinement).unwrap().assemble().unwrap()
@@ -120,6 +122,23 @@ fn repeated_modes_of_a_cube_are_all_found() {
     let repeated = (7..60).filter(|&i| (all[i] / all[i - 1] - 1.0).abs() < 1e-9).count();
     assert!(repeated > 20, "the test lost its point: {repeated} repetitions");
     assert!(of.modes(Contact::Stuck, n + 1).unwrap_err().to_string().contains("unknowns"));
+}
+
+/// A search that is broken off ends by an error, and says how far it came.
+#[test]
+fn a_search_can_be_broken_off() {
+    let of = assembled(Configuration::A, 1);
+    let mut shares = Vec::new();
+    let stopped = of.modes_observed(Contact::Stuck, 50, &mut |share| {
+        shares.push(share);
+        if shares.len() == 5 { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
+    });
+    assert_eq!(stopped.unwrap_err(), Error::Interrupted);
+    assert!(shares[0] == 0.0 && shares.windows(2).all(|s| s[1] > s[0]) && shares[4] < 1.0, "{shares:?}");
+    let broken = NamedModes::observed(of.structure(), 4, &mut |share| {
+        if share > 0.5 { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
+    });
+    assert_eq!(broken.unwrap_err(), Error::Interrupted);
 }
 
 /// Same bits whatever is computed beside.

@@ -89,10 +89,9 @@ fn reduced_agrees_with_full_and_only_with_attachment_vectors() {
     let steps = 20_000;
     let reduced = beam().assembled.reduce(50, Basis::default()).unwrap();
     let without = beam().assembled.reduce(50, Basis::Modes).unwrap();
-    for (amplitude, tolerance, without_attachments) in [(10.0, 1e-5, 1e-4), (1000.0, 5e-4, 0.05)] {
+    for (amplitude, tolerance, without_attachments) in [(10.0, 1e-5, 1e-4), (1000.0, 5e-4, 0.3)] {
         let of = blow(amplitude, steps);
         let full = beam().assembled.transient(&of).unwrap();
-        // At this step dt²/4 K outweighs M by three decades in the stiff directions, and a solve's backward error with it.
         assert!(full.energy.error() < 1e-12, "{}", full.energy.error());
         let errors = |response: &TruthResponse| -> Vec<f64> {
             let pairs = response.outputs.iter().zip(&full.outputs);
@@ -111,7 +110,8 @@ fn the_basis_grows_until_the_outputs_stand_still() {
     let mut of = blow(100.0, 1000);
     of.outputs.truncate(1);
     let good = beam().assembled.reduced_transient(&of, 1e-3).unwrap();
-    assert!(good.converged && good.error < 1e-3 && good.modes <= 100, "{} {}", good.modes, good.error);
+    let modes = good.reduced.modes().len();
+    assert!(good.converged && good.error < 1e-3 && modes <= 100, "{modes} {}", good.error);
     let full = beam().assembled.transient(&of).unwrap();
     let actual = distance(&good.response.outputs[0].acceleration, &full.outputs[0].acceleration);
     assert!(actual < good.error, "{actual} {}", good.error);
@@ -187,10 +187,12 @@ fn models_by_their_names() {
         ControlFlow::Continue(())
     };
     let basis = assembled.integrate(Model::Basis(50), &of, &mut heard).unwrap();
-    assert!(shares.len() == 2 && shares.iter().all(|s| (0.0..=1.0).contains(s)), "{shares:?}");
+    // The search for modes, then the run.
+    assert!(shares[0] == 0.0 && shares.windows(2).all(|s| s[1] >= s[0]), "{shares:?}");
+    assert_eq!(shares[shares.len() - 2..], [256.0, 512.0].map(|n| 0.5 + 0.5 * (n / 600.0)));
     let reduced = assembled.reduce(50, Basis::default()).unwrap();
     assert_eq!(basis.response.outputs, reduced.transient(&of).unwrap().outputs);
-    assert_eq!((basis.basis, basis.basis_error), (Some(50), None));
+    assert_eq!((basis.basis(), basis.basis_error), (Some(50), None));
     let mut on = |_| ControlFlow::Continue(());
     let full = assembled.integrate(Model::Full, &blow(10.0, 50), &mut on).unwrap();
     assert_eq!(full.response.outputs, assembled.transient(&blow(10.0, 50)).unwrap().outputs);

@@ -8,7 +8,7 @@ use pyo3::types::PyDict;
 use crate::array::{Numbers, array};
 use crate::errors::{fem, value};
 use crate::structure::{Loaded, NAMED, Structure};
-use crate::work;
+use crate::work::{self, Control};
 
 /// Curves of one mode with what fits them.
 struct Analysed {
@@ -49,12 +49,12 @@ pub(crate) fn _quasi_static<'py>(
         None => Range::Points(points),
     };
     let (of, mode) = (this.clone(), mode.to_owned());
-    let analysed = work::run(py, true, move |_| analyse(&of, &mode, range))?;
+    let analysed = work::run(py, true, move |control| analyse(&of, &mode, range, control))?;
     told(py, analysed.map_err(|error| fem(this.name(), &error))?)
 }
 
-fn analyse(of: &Loaded, name: &str, range: Range) -> Result<Analysed, iwan_fem::Error> {
-    let modes = of.named_modes(NAMED)?;
+fn analyse(of: &Loaded, name: &str, range: Range, control: &Control) -> Result<Analysed, iwan_fem::Error> {
+    let modes = of.named_modes(NAMED, control)?;
     let mode = modes.named(name)?;
     let (displacements, all) = match range {
         Range::At(given) => (given, true),

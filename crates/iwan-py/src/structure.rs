@@ -14,7 +14,7 @@ use crate::array::{array, cube, frozen_rows};
 use crate::errors::{fem, input, missing_file};
 use crate::laws::Remake;
 use crate::repr;
-use crate::work;
+use crate::work::{self, Control};
 
 /// Elastic modes among which names are looked up, as on the command line.
 pub(crate) const NAMED: usize = 40;
@@ -47,14 +47,14 @@ impl Loaded {
     }
 
     /// The first `count` elastic modes.
-    pub(crate) fn named_modes(&self, count: usize) -> Result<Arc<NamedModes>, Error> {
+    pub(crate) fn named_modes(&self, count: usize, control: &Control) -> Result<Arc<NamedModes>, Error> {
         let known = |modes: &Mutex<BTreeMap<usize, Arc<NamedModes>>>| {
             modes.lock().unwrap_or_else(PoisonError::into_inner).get(&count).cloned()
         };
         if let Some(modes) = known(&self.modes) {
             return Ok(modes);
         }
-        let modes = Arc::new(NamedModes::new(&self.file.structure, count)?);
+        let modes = Arc::new(NamedModes::observed(&self.file.structure, count, &mut |_| control.stop())?);
         self.modes.lock().unwrap_or_else(PoisonError::into_inner).insert(count, modes.clone());
         Ok(modes)
     }
@@ -107,7 +107,7 @@ impl Structure {
     /// The first `count` elastic modes, as a dict.
     fn modes<'py>(&self, py: Python<'py>, count: usize) -> PyResult<Bound<'py, PyDict>> {
         let this = self.0.clone();
-        let modes = work::run(py, true, move |_| this.named_modes(count))?;
+        let modes = work::run(py, true, move |control| this.named_modes(count, control))?;
         let modes = modes.map_err(|error| fem(self.0.name(), &error))?;
         let dict = PyDict::new(py);
         let of = |f: &dyn Fn(&iwan_fem::NamedMode) -> f64| array(py, modes.elastic.iter().map(f).collect());

@@ -34,7 +34,10 @@ struct Request {
 /// A response with all that belongs to it.
 struct Done {
     modes: Vec<NamedMode>,
-    integrated: Integrated,
+    response: TruthResponse,
+    /// Modes in the basis of the reduced model, its estimated error and whether that reached the tolerance.
+    basis: Option<usize>,
+    basis_error: Option<(f64, bool)>,
     errors: Option<StepErrors>,
     joint_forces: Vec<Vec<f64>>,
 }
@@ -139,27 +142,25 @@ fn population(kind: JointKind) -> Population {
 }
 
 fn run(of: &Loaded, request: &Request, control: &Control) -> Result<Done, Failure> {
-    let named = of.named_modes(NAMED)?;
+    let named = of.named_modes(NAMED, control)?;
     let modes = named.chosen(&request.modes)?;
     let transient = transient(of, &named, &modes, request)?;
     let mut progress = |share: f64| -> ControlFlow<()> { control.report((share * PARTS) as usize) };
     let assembled = &named.assembled;
     let integrated = assembled.integrate(request.model, &transient, &mut progress)?;
     let mut stop = |_: f64| control.stop();
-    let errors = match integrated.basis.filter(|_| request.quality) {
-        Some(basis) => {
-            let reduced = assembled.reduce(basis, iwan_fem::Basis::default())?;
-            Some(reduced.step_errors(&transient, &integrated.response, &mut stop)?)
-        }
-        None => None,
-    };
+    let errors = integrated.reduced.as_ref().filter(|_| request.quality);
+    let errors = errors.map(|reduced| reduced.step_errors(&transient, &integrated.response, &mut stop));
+    let errors = errors.transpose()?;
     let joint_forces = modes.iter().zip(&integrated.response.outputs).map(|(mode, history)| {
         let stuck = (&named.stuck, mode.pair.stuck);
         assembled.modal_joint_force(&integrated.response, history, stuck, mode.pair.k_t)
     });
     let joint_forces = joint_forces.collect();
     let _ = control.report(PARTS as usize);
-    Ok(Done { modes, integrated, errors, joint_forces })
+    let basis = integrated.basis();
+    let Integrated { response, basis_error, .. } = integrated;
+    Ok(Done { modes, response, basis, basis_error, errors, joint_forces })
 }
 
 fn transient<'a>(
@@ -190,12 +191,12 @@ fn transient<'a>(
 }
 
 fn told(py: Python<'_>, done: Done) -> PyResult<Bound<'_, PyDict>> {
-    let Integrated { response, basis, basis_error } = done.integrated;
+    let Done { modes, response, basis, basis_error, errors, joint_forces } = done;
     let dict = PyDict::new(py);
     dict.set_item("dt", response.dt)?;
-    dict.set_item("modes", done.modes.iter().map(|mode| &mode.name).collect::<Vec<_>>())?;
+    dict.set_item("modes", modes.iter().map(|mode| &mode.name).collect::<Vec<_>>())?;
     let names: Vec<&str> = response.outputs.iter().map(|history| history.name.as_str()).collect();
-    dict.set_item("outputs", &names[done.modes.len()..])?;
+    dict.set_item("outputs", &names[modes.len()..])?;
     dict.set_item("basis", basis)?;
     dict.set_item("basis_error", basis_error.map(|found| found.0))?;
     dict.set_item("converged", basis_error.map(|found| found.1))?;
@@ -204,12 +205,12 @@ fn told(py: Python<'_>, done: Done) -> PyResult<Bound<'_, PyDict>> {
         names.iter().zip(values).try_for_each(|(name, value)| of.set_item(name, value))?;
         Ok(of)
     };
-    let errors = done.errors.as_ref();
+    let errors = errors.as_ref();
     dict.set_item("time_step_error", errors.map(|errors| each(&errors.time_step)).transpose()?)?;
     let sliders = errors.and_then(|errors| errors.sliders.as_ref());
     dict.set_item("discretisation_error", sliders.map(|sliders| each(sliders)).transpose()?)?;
     let forces = PyDict::new(py);
-    for (mode, force) in done.modes.iter().zip(done.joint_forces) {
+    for (mode, force) in modes.iter().zip(joint_forces) {
         forces.set_item(&mode.name, array(py, force))?;
     }
     dict.set_item("joint_force", forces)?;

@@ -11,7 +11,7 @@ use crate::args::{Format, ModesArgs};
 use crate::failure::Failure;
 use crate::linear::{self, Linear};
 use crate::output;
-use crate::progress;
+use crate::progress::{self, Progress};
 use crate::report;
 use crate::results::Results;
 pub(crate) use summary::{ModesSummary, Pair, Size};
@@ -33,7 +33,9 @@ pub(crate) fn run(args: &ModesArgs) -> Result<(), Failure> {
     file.notes.iter().for_each(|n| note(&format!("note: {n}")));
 
     let clock = Instant::now();
-    let linear = Linear::new(source, file, args.count.get())?;
+    let bar = Progress::new("modes", args.common.quiet);
+    let linear = Linear::observed(source, file, args.count.get(), &mut |share| bar.report(share))?;
+    drop(bar);
     let seconds = clock.elapsed().as_secs_f64();
     progress::check_interrupt()?;
     let mut summary = ModesSummary::new(&linear, seconds);

@@ -47,7 +47,9 @@ pub(crate) fn run(args: &QuasiStaticArgs) -> Result<(), Failure> {
     file.notes.iter().for_each(|n| note(&format!("note: {n}")));
 
     let clock = Instant::now();
-    let linear = Linear::new(source, file, MODES)?;
+    let bar = Progress::new("modes", args.common.quiet);
+    let linear = Linear::observed(source, file, MODES, &mut |share| bar.report(share))?;
+    drop(bar);
     let analysed = analyse(&linear, args)?;
     let seconds = clock.elapsed().as_secs_f64();
     let mut summary = QuasiStaticSummary::new(&linear, &analysed, seconds);

@@ -1,0 +1,58 @@
+//! Threads for large dense work: the same bits whatever their number.
+//!
+//! How work is cut depends on its size alone, and no sum is cut: each entry of a product is summed by one thread, in the
+//! order in which a single thread would. The threads end with the work: none is left behind for a fork to lose.
+
+use faer::Par;
+
+/// Entries of a factor from which on threads are worth their start.
+const LARGE: usize = 4_000_000;
+/// Parts that dense work is cut into.
+const PARTS: usize = 8;
+
+/// Threads, or none.
+pub(crate) struct Workers {
+    pool: Option<rayon::ThreadPool>,
+}
+
+impl Workers {
+    /// For work with a factor of so many entries; as many threads as there are cores, or as RAYON_NUM_THREADS says.
+    pub(crate) fn for_entries(entries: usize) -> Self {
+        let pool = (entries >= LARGE).then(|| rayon::ThreadPoolBuilder::new().build());
+        // Where no thread can be had, the work is done without.
+        Self { pool: pool.and_then(Result::ok) }
+    }
+
+    #[cfg(test)]
+    pub(crate) fn none() -> Self {
+        Self { pool: None }
+    }
+
+    #[cfg(test)]
+    pub(crate) fn of(threads: usize) -> Self {
+        Self { pool: rayon::ThreadPoolBuilder::new().num_threads(threads).build().ok() }
+    }
+
+    #[cfg(test)]
+    pub(crate) fn are_threads(&self) -> bool {
+        self.pool.is_some()
+    }
+
+    /// Does work, which may be cut as the argument says.
+    pub(crate) fn run<R: Send>(&self, work: impl FnOnce(Par) -> R + Send) -> R {
+        match &self.pool {
+            Some(pool) => pool.install(|| work(Par::rayon(PARTS))),
+            None => work(Par::Seq),
+        }
+    }
+
+    /// Does two things, at the same time where there are threads.
+    pub(crate) fn both(&self, first: impl FnOnce() + Send, second: impl FnOnce() + Send) {
+        if let Some(pool) = &self.pool {
+            pool.join(first, second);
+        } else {
+            first();
+            second();
+        }
+    }
+}
