@@ -7,8 +7,9 @@
 //! basis is kept beside the basis: a column costs one product with M.
 
 use faer::linalg::matmul::matmul;
-use faer::{Accum, Mat, MatMut, MatRef, Side};
+use faer::{Accum, Mat, MatMut, MatRef};
 
+use crate::dense::{product, symmetric_eigen};
 use crate::error::Error;
 use crate::factor::{Analysis, Cholesky, negative_eigenvalues, random};
 use crate::lanes::LANES;
@@ -19,7 +20,7 @@ use crate::workers::Workers;
 /// Columns per block: a solve takes a group of them.
 const BLOCK: usize = LANES;
 /// Residual of (K + σM)⁻¹M φ - θ φ relative to θ at which a pair counts as converged; eigenvalues are better by its square.
-const CONVERGED: f64 = 1e-9;
+const CONVERGED: f64 = 1e-8;
 /// Neighbouring eigenvalues further apart than this, relatively, can be told apart by a shift between them.
 const GAP: f64 = 1e-6;
 /// Part of a column's length that may remain before it counts as dependent on the basis.
@@ -325,12 +326,11 @@ impl<'a> Search<'a> {
             let (low, high) = (i.min(j), i.max(j));
             self.projection[high][low]
         });
-        let eigen =
-            projection.self_adjoint_eigen(Side::Lower).expect("a finite symmetric matrix has eigenvalues");
-        let values: Vec<f64> = (0..k).rev().map(|i| eigen.S()[i]).collect();
-        let combinations = Mat::from_fn(k, k, |i, j| eigen.U()[(i, k - 1 - j)]);
+        let eigen = symmetric_eigen(&projection).expect("a finite symmetric matrix has eigenvalues");
+        let values: Vec<f64> = eigen.values.iter().rev().copied().collect();
+        let combinations = Mat::from_fn(k, k, |i, j| eigen.vectors[(i, k - 1 - j)]);
         let last = self.pending.ncols();
-        let tail = &self.pending * combinations.submatrix(k - last, 0, last, k);
+        let tail = product(self.pending.as_ref(), combinations.submatrix(k - last, 0, last, k));
         let residuals = (0..k).map(|j| tail.col(j).norm_l2() / values[j].abs()).collect();
         Ritz { values, combinations, residuals }
     }

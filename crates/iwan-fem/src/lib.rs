@@ -7,6 +7,7 @@ mod assembly;
 mod constraints;
 mod contact;
 mod converged;
+mod dense;
 mod dofs;
 mod eigen;
 mod element;

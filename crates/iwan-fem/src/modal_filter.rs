@@ -6,6 +6,7 @@
 use faer::Mat;
 
 use crate::assembly::Assembled;
+use crate::dense::thin_svd;
 use crate::error::Error;
 use crate::modes::Modes;
 use crate::sparse::dot;
@@ -50,15 +51,15 @@ impl Assembled {
         let shapes: Vec<Vec<f64>> = (0..modes.len()).map(|i| self.displacements(modes.shape(i))).collect();
         let matrix =
             Mat::from_fn(degrees_of_freedom.len(), modes.len(), |i, j| shapes[j][degrees_of_freedom[i]]);
-        let svd = matrix.thin_svd().map_err(|_| refused("the shapes are not finite".into()))?;
-        let values: Vec<f64> = svd.S().column_vector().iter().copied().collect();
+        let (values, left, right) =
+            thin_svd(&matrix).ok_or_else(|| refused("the shapes are not finite".into()))?;
         let largest = values.first().copied().unwrap_or(0.0);
         let rank = values.iter().take_while(|s| **s > RANK_TOLERANCE * largest).count();
         if rank == 0 {
             return Err(refused("no mode moves any of the degrees of freedom".into()));
         }
         let entry = |mode: usize, channel: usize| -> f64 {
-            (0..rank).map(|k| svd.V()[(mode, k)] / values[k] * svd.U()[(channel, k)]).sum()
+            (0..rank).map(|k| right[(mode, k)] / values[k] * left[(channel, k)]).sum()
         };
         let channels = degrees_of_freedom.len();
         let inverse = (0..modes.len() * channels).map(|k| entry(k / channels, k % channels)).collect();

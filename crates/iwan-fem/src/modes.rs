@@ -3,9 +3,10 @@
 use std::f64::consts::PI;
 use std::ops::ControlFlow;
 
-use faer::{Mat, Side};
+use faer::Mat;
 
 use crate::assembly::Assembled;
+use crate::dense::symmetric_eigen;
 use crate::eigen::{Pairs, Problem};
 use crate::error::Error;
 use crate::factor::Cholesky;
@@ -280,8 +281,8 @@ impl Slices {
         let covariance = Mat::from_fn(3, 3, |a, b| {
             nodes.iter().map(|p| (p[a] - centre[a]) * (p[b] - centre[b])).sum::<f64>()
         });
-        let eigen = covariance.self_adjoint_eigen(Side::Lower).expect("positions are finite");
-        let axes: [[f64; 3]; 3] = std::array::from_fn(|k| std::array::from_fn(|a| eigen.U()[(a, 2 - k)]));
+        let eigen = symmetric_eigen(&covariance).expect("positions are finite");
+        let axes: [[f64; 3]; 3] = std::array::from_fn(|k| std::array::from_fn(|a| eigen.vectors[(a, 2 - k)]));
         let along = |v: &[f64; 3], axis: &[f64; 3]| (0..3).map(|a| v[a] * axis[a]).sum::<f64>();
         let positions: Vec<[f64; 3]> = nodes.iter().map(|p| axes.map(|axis| along(p, &axis))).collect();
         let ends =

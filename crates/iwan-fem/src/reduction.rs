@@ -7,9 +7,10 @@
 
 use std::ops::ControlFlow;
 
-use faer::{Mat, Side};
+use faer::Mat;
 
 use crate::assembly::Assembled;
+use crate::dense::{product, symmetric_eigen};
 use crate::error::{Error, check};
 use crate::factor::Cholesky;
 use crate::modes::{Contact, Modes};
@@ -179,7 +180,7 @@ fn attachment_vectors(assembled: &Assembled, modes: &Modes, factor: &Cholesky) -
 /// Combinations of vectors of unit mass that are M-orthonormal and K_0-orthogonal, and their eigenvalues.
 fn diagonalise(assembled: &Assembled, vectors: &[Vec<f64>]) -> Result<(Vec<f64>, Vec<Vec<f64>>), Error> {
     let n = vectors.len();
-    let failed = |_| Error::Analysis {
+    let failed = || Error::Analysis {
         analysis: "reduction",
         finding: "the attachment vectors are not finite".into(),
         remedy: "check joints and units",
@@ -189,16 +190,18 @@ fn diagonalise(assembled: &Assembled, vectors: &[Vec<f64>]) -> Result<(Vec<f64>,
         Mat::from_fn(n, n, |i, j| 0.5 * (dot(&vectors[i], &images[j]) + dot(&vectors[j], &images[i])))
     };
     let (mass, stiffness) = (projected(assembled.mass()), projected(&assembled.stiffness(Contact::Stuck)));
-    let of_mass = mass.self_adjoint_eigen(Side::Lower).map_err(failed)?;
-    let kept: Vec<usize> = (0..n).filter(|&i| of_mass.S()[i] > DEPENDENT * n as f64).collect();
-    let whiten = Mat::from_fn(n, kept.len(), |i, k| of_mass.U()[(i, kept[k])] / of_mass.S()[kept[k]].sqrt());
-    let inner = whiten.transpose() * &stiffness * &whiten;
-    let of_stiffness = inner.self_adjoint_eigen(Side::Lower).map_err(failed)?;
-    let combinations = &whiten * of_stiffness.U();
+    let of_mass = symmetric_eigen(&mass).ok_or_else(failed)?;
+    let kept: Vec<usize> = (0..n).filter(|&i| of_mass.values[i] > DEPENDENT * n as f64).collect();
+    let whiten =
+        Mat::from_fn(n, kept.len(), |i, k| of_mass.vectors[(i, kept[k])] / of_mass.values[kept[k]].sqrt());
+    let inner = product(product(whiten.transpose(), stiffness.as_ref()).as_ref(), whiten.as_ref());
+    let of_stiffness = symmetric_eigen(&inner).ok_or_else(failed)?;
+    let combinations = product(whiten.as_ref(), of_stiffness.vectors.as_ref());
     let combine = |k: usize| {
         let mut out = vec![0.0; assembled.unknowns()];
         vectors.iter().enumerate().for_each(|(i, z)| add_scaled(&mut out, combinations[(i, k)], z));
         out
     };
-    Ok(((0..kept.len()).map(|k| of_stiffness.S()[k]).collect(), (0..kept.len()).map(combine).collect()))
+    let columns = (0..kept.len()).map(combine).collect();
+    Ok((of_stiffness.values, columns))
 }

@@ -5,10 +5,10 @@
 //! finds the only solution from anywhere, on piecewise linear joints as on smooth ones. Trial points leave no trace in the
 //! joints' memory, and while no joint changes its tangent one round is exact.
 
-use faer::linalg::solvers::DenseSolveCore;
-use faer::{Mat, Side};
+use faer::Mat;
 
 use crate::contact::Joints;
+use crate::dense::positive_inverse;
 use crate::error::Error;
 use crate::lanes::{Group, LANES};
 use crate::sparse::dot;
@@ -280,14 +280,12 @@ pub(crate) fn inverse_of(n: usize, entry: impl Fn(usize, usize) -> f64) -> Resul
     if n == 0 {
         return Ok(Vec::new());
     }
-    let factor = Mat::from_fn(n, n, |i, j| entry(i.max(j), i.min(j))).llt(Side::Lower).map_err(|_| {
-        Error::Analysis {
-            analysis: "slips",
-            finding: "the matrix that ties the slips together is not positive definite".into(),
-            remedy: "check for joints that act on the same motion twice",
-        }
+    let matrix = Mat::from_fn(n, n, |i, j| entry(i.max(j), i.min(j)));
+    let inverse = positive_inverse(matrix).ok_or_else(|| Error::Analysis {
+        analysis: "slips",
+        finding: "the matrix that ties the slips together is not positive definite".into(),
+        remedy: "check for joints that act on the same motion twice",
     })?;
-    let inverse = factor.inverse();
     Ok((0..n * n).map(|k| inverse[(k / n, k % n)]).collect())
 }
 

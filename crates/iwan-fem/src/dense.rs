@@ -1,0 +1,88 @@
+//! Small dense matrices, on the thread that asks.
+//!
+//! faer's methods and operators go by a setting of the whole process, which is all cores: threads that spin beside a time
+//! step, and that a forked process would miss. These call the functions below them instead.
+
+use faer::diag::Diag;
+use faer::dyn_stack::{MemBuffer, MemStack};
+use faer::linalg::cholesky::llt;
+use faer::linalg::evd::{ComputeEigenvectors, self_adjoint_evd, self_adjoint_evd_scratch};
+use faer::linalg::matmul::matmul;
+use faer::linalg::svd::{ComputeSvdVectors, svd, svd_scratch};
+use faer::{Accum, Mat, MatRef, Par, Spec};
+
+/// Eigenvalues ascending and eigenvectors, column by column.
+pub(crate) struct Eigen {
+    pub(crate) values: Vec<f64>,
+    pub(crate) vectors: Mat<f64>,
+}
+
+/// Of a symmetric matrix, by its lower triangle; none when it is not finite.
+pub(crate) fn symmetric_eigen(matrix: &Mat<f64>) -> Option<Eigen> {
+    let (n, spec) = (matrix.nrows(), Spec::default());
+    let (mut values, mut vectors) = (Diag::zeros(n), Mat::zeros(n, n));
+    let mut buffer =
+        MemBuffer::new(self_adjoint_evd_scratch::<f64>(n, ComputeEigenvectors::Yes, Par::Seq, spec));
+    let stack = MemStack::new(&mut buffer);
+    self_adjoint_evd(matrix.as_ref(), values.as_mut(), Some(vectors.as_mut()), Par::Seq, stack, spec).ok()?;
+    Some(Eigen { values: values.column_vector().iter().copied().collect(), vectors })
+}
+
+/// Singular values descending, left and right singular vectors, column by column; none when the matrix is not finite.
+pub(crate) fn thin_svd(matrix: &Mat<f64>) -> Option<(Vec<f64>, Mat<f64>, Mat<f64>)> {
+    let (m, n, spec) = (matrix.nrows(), matrix.ncols(), Spec::default());
+    let size = m.min(n);
+    let (mut values, mut left, mut right) = (Diag::zeros(size), Mat::zeros(m, size), Mat::zeros(n, size));
+    let thin = ComputeSvdVectors::Thin;
+    let mut buffer = MemBuffer::new(svd_scratch::<f64>(m, n, thin, thin, Par::Seq, spec));
+    let stack = MemStack::new(&mut buffer);
+    let (u, v) = (Some(left.as_mut()), Some(right.as_mut()));
+    svd(matrix.as_ref(), values.as_mut(), u, v, Par::Seq, stack, spec).ok()?;
+    Some((values.column_vector().iter().copied().collect(), left, right))
+}
+
+/// Inverse of a symmetric positive definite matrix, by its lower triangle; none when it is not positive definite.
+pub(crate) fn positive_inverse(mut matrix: Mat<f64>) -> Option<Mat<f64>> {
+    let (n, spec) = (matrix.nrows(), Spec::default());
+    let mut buffer = MemBuffer::new(llt::factor::cholesky_in_place_scratch::<f64>(n, Par::Seq, spec));
+    let none = llt::factor::LltRegularization::default();
+    llt::factor::cholesky_in_place(matrix.as_mut(), none, Par::Seq, MemStack::new(&mut buffer), spec).ok()?;
+    let mut inverse = Mat::identity(n, n);
+    llt::solve::solve_in_place(matrix.as_ref(), inverse.as_mut(), Par::Seq, MemStack::new(&mut buffer));
+    // One triangle for both, so that rounding leaves no difference.
+    Some(Mat::from_fn(n, n, |i, j| inverse[(i.max(j), i.min(j))]))
+}
+
+/// A B.
+pub(crate) fn product(a: MatRef<'_, f64>, b: MatRef<'_, f64>) -> Mat<f64> {
+    let mut out = Mat::zeros(a.nrows(), b.ncols());
+    matmul(&mut out, Accum::Replace, a, b, 1.0, Par::Seq);
+    out
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn largest(matrix: &Mat<f64>) -> f64 {
+        matrix.norm_max()
+    }
+
+    #[test]
+    fn factors_give_the_matrix_back() {
+        let n = 9;
+        let a = Mat::from_fn(n, n, |i, j| 1.0 / (1.0 + (i + j) as f64) + if i == j { 1.0 } else { 0.0 });
+        let Eigen { values, vectors } = symmetric_eigen(&a).unwrap();
+        assert!(values.windows(2).all(|v| v[0] <= v[1]));
+        let scaled = Mat::from_fn(n, n, |i, j| vectors[(i, j)] * values[j]);
+        assert!(largest(&(product(scaled.as_ref(), vectors.transpose()) - &a)) < 1e-14);
+        let inverse = positive_inverse(a.clone()).unwrap();
+        assert!(largest(&(product(a.as_ref(), inverse.as_ref()) - Mat::<f64>::identity(n, n))) < 1e-14);
+        assert_eq!(inverse, inverse.transpose().to_owned());
+        let tall = a.subcols(0, 4).to_owned();
+        let (singular, left, right) = thin_svd(&tall).unwrap();
+        let scaled = Mat::from_fn(n, 4, |i, j| left[(i, j)] * singular[j]);
+        assert!(largest(&(product(scaled.as_ref(), right.transpose()) - &tall)) < 1e-14);
+        assert!(positive_inverse(Mat::from_fn(2, 2, |i, j| if i == j { -1.0 } else { 0.0 })).is_none());
+    }
+}
