@@ -24,11 +24,11 @@ pub struct Converged<'a> {
 /// Modes in the smallest basis tried.
 const FIRST: usize = 25;
 /// Modes in the largest.
-const LAST: usize = 200;
+const LAST: usize = 400;
 
 impl Assembled {
     /// Integrates reduced models with 25, 50, 100, … modes until the estimated error of the outputs' accelerations is below
-    /// `tolerance` (relative root mean square), with at most 200 modes.
+    /// `tolerance` (relative root mean square), with at most 400 modes.
     ///
     /// # Errors
     /// As [`Reduced::transient`](crate::Reduced::transient); [`Error::Analysis`] without outputs, as they are what is compared.

@@ -23,14 +23,22 @@ const BLOCK: usize = LANES;
 const CONVERGED: f64 = 1e-8;
 /// Neighbouring eigenvalues further apart than this, relatively, can be told apart by a shift between them.
 const GAP: f64 = 1e-6;
-/// Part of a column's length that may remain before it counts as dependent on the basis.
-const DEPENDENT: f64 = 1e-10;
+/// A column of which no more than this part remains depends on the basis but for rounding. What is left out here is missing
+/// in the residuals of all pairs, and the columns of rigid motions are longer than those of high modes by many decades.
+const DEPENDENT: f64 = 1e-15;
+/// A column of which no more than this part remains is made orthogonal to the basis once more, as what rounding left has
+/// grown with it; when less than half is left then, it was rounding.
+const WEAK: f64 = 1e-4;
 /// Part of a column's length below which M times what remains is computed anew.
 const CANCELLED: f64 = 1e-3;
+/// Passes over the whole basis; one is enough, as a rule.
+const PASSES: usize = 3;
 /// A pass that takes no more than this part off a column's length leaves it orthogonal to rounding.
 const ORTHOGONAL: f64 = 1e-6;
 /// Operations for all eigenpairs of a dense symmetric matrix, over the cube of its order.
 const DENSE: f64 = 30.0;
+/// Part of the columns expected that are added before the next look.
+const MOST_OF: f64 = 0.8;
 /// Columns that the search usually takes, per mode: what its progress is measured by.
 const USUAL: f64 = 4.5;
 
@@ -72,7 +80,7 @@ impl Problem<'_> {
             });
         }
         let mut search = Search::new(self.mass, factor);
-        let mut check_at = count + BLOCK.min(count);
+        let (mut check_at, mut looked) = (count + BLOCK.min(count), (0, 0));
         loop {
             let usual = (USUAL * count as f64).min(n as f64);
             if progress((search.columns as f64 / usual).min(1.0)).is_break() {
@@ -83,8 +91,10 @@ impl Problem<'_> {
             if search.columns < check_at && !complete {
                 continue;
             }
-            check_at = search.columns + search.until_next_look();
             let ritz = search.ritz();
+            let here = (search.columns, ritz.converged());
+            check_at = search.columns + search.until_next_look(looked, here, count + 1);
+            looked = here;
             let Some((found, above)) = self.bound(&ritz, count, complete) else { continue };
             let Some(above) = above else { return Ok(self.pairs(&search, &ritz, count)) };
             let there = self.count_below(above)?;
@@ -98,12 +108,11 @@ impl Problem<'_> {
 
     /// How many leading pairs have converged up to a gap, and a shift in that gap; no shift when the basis is complete.
     fn bound(&self, ritz: &Ritz, count: usize, complete: bool) -> Option<(usize, Option<f64>)> {
-        let converged = ritz.residuals.iter().take_while(|r| **r <= CONVERGED).count();
         let value = |i: usize| 1.0 / ritz.values[i] - self.shift;
         if complete {
             return Some((count, None));
         }
-        (count..converged)
+        (count..ritz.converged())
             .find(|&i| value(i) - value(i - 1) > GAP * (value(i).abs() + self.shift))
             .map(|i| (i, Some(0.5 * (value(i) + value(i - 1)))))
     }
@@ -121,18 +130,9 @@ impl Problem<'_> {
         Err(last.expect("three attempts were made"))
     }
 
-    /// The first `count` eigenvalues and eigenvectors. An eigenvalue λ = 1/θ - σ far above σ has lost a part λ/σ of the
-    /// digits; its vector's Rayleigh quotient has lost a part of the stiffest motion's eigenvalue over λ: the better one counts.
     fn pairs(&self, search: &Search<'_>, ritz: &Ritz, count: usize) -> Pairs {
-        let vectors = search.combine(&ritz.combinations, count);
-        let ratio = |j| self.stiffness.diagonal_entry(j) / self.mass.diagonal_entry(j);
-        let stiffest = (0..search.n).map(ratio).fold(0.0, f64::max);
-        let value = |(theta, x): (&f64, &[f64])| {
-            let value = 1.0 / theta - self.shift;
-            if value * value > self.shift * stiffest { self.stiffness.form(x, x) } else { value }
-        };
-        let values = ritz.values.iter().zip(vectors.chunks_exact(search.n)).map(value).collect();
-        Pairs { values, vectors }
+        let values = ritz.values[..count].iter().map(|theta| 1.0 / theta - self.shift).collect();
+        Pairs { values, vectors: search.combine(&ritz.combinations, count) }
     }
 }
 
@@ -141,6 +141,13 @@ struct Ritz {
     values: Vec<f64>,
     combinations: Mat<f64>,
     residuals: Vec<f64>,
+}
+
+impl Ritz {
+    /// Number of leading pairs that have converged.
+    fn converged(&self) -> usize {
+        self.residuals.iter().take_while(|r| **r <= CONVERGED).count()
+    }
 }
 
 /// The basis and the projection of the operator on it.
@@ -154,6 +161,8 @@ struct Search<'a> {
     /// M V.
     weighted: Vec<f64>,
     columns: usize,
+    /// First column of the block expanded last.
+    previous: usize,
     /// Projection H = Vᵀ M (K + σM)⁻¹ M V, column by column: entries from the top to at least the diagonal.
     projection: Vec<Vec<f64>>,
     /// Coefficients of the last block's residual on the pending columns (pending x last block).
@@ -171,6 +180,7 @@ impl<'a> Search<'a> {
             basis: Vec::new(),
             weighted: Vec::new(),
             columns: 0,
+            previous: 0,
             projection: Vec::new(),
             pending: Mat::zeros(0, 0),
             seed: 0,
@@ -184,13 +194,17 @@ impl<'a> Search<'a> {
         self.basis.len() / self.n
     }
 
-    /// Columns to add before the projection's eigenproblem is worth another look: as many as cost what it costs, up to a
-    /// fifth of those there are.
-    fn until_next_look(&self) -> usize {
-        let k = self.columns as f64;
+    /// Columns to add before the projection's eigenproblem is worth another look: most of what is missing to the `wanted`
+    /// pairs at the rate at which they converged between the last two looks (columns, pairs), and not so few that
+    /// looking costs more than searching.
+    fn until_next_look(&self, last: (usize, usize), here: (usize, usize), wanted: usize) -> usize {
+        let k = here.0 as f64;
         let a_column = 4.0 * self.factor.entries() as f64 + 8.0 * self.n as f64 * k;
-        let worth = DENSE * k.powi(3) / a_column;
-        (worth as usize).clamp(BLOCK, (2 * BLOCK).max(self.columns / 5))
+        let worth = (DENSE * k.powi(3) / a_column).min(0.2 * k);
+        let rate = here.1.saturating_sub(last.1) as f64 / (here.0 - last.0).max(1) as f64;
+        let missing = wanted.saturating_sub(here.1) as f64;
+        let expected = if rate > 0.0 { MOST_OF * missing / rate } else { 0.5 * k };
+        (worth.max(expected).min(0.5 * k) as usize).max(BLOCK)
     }
 
     fn view<'b>(&self, columns: &'b [f64]) -> MatRef<'b, f64> {
@@ -247,17 +261,17 @@ impl<'a> Search<'a> {
 
     /// Takes the basis' part off what the operator made of the pending columns; returns the coefficients.
     ///
-    /// But for rounding and what random columns stir up, that part is in the last two blocks: they go first, and one pass
-    /// over all takes the rest.
+    /// But for rounding that part is in the last two blocks: they go first, and one pass over all takes the rest.
     fn remove_basis(&self, columns: &mut [f64]) -> Mat<f64> {
-        let mut coefficients = self.remove(self.columns.saturating_sub(BLOCK), columns);
-        loop {
+        let mut coefficients = self.remove(self.previous, columns);
+        for _ in 0..PASSES {
             let more = self.remove(0, columns);
             coefficients += &more;
             if more.squared_norm_l2() <= ORTHOGONAL.powi(2) * coefficients.squared_norm_l2() {
-                return coefficients;
+                break;
             }
         }
+        coefficients
     }
 
     /// Applies the operator to the pending columns, extends the projection and appends what is new as pending columns.
@@ -270,7 +284,7 @@ impl<'a> Search<'a> {
         for k in 0..width {
             self.projection.push((0..=from + k).map(|i| coefficients[(i, k)]).collect());
         }
-        self.columns = to;
+        (self.previous, self.columns) = (from, to);
         let removed: Vec<f64> = (0..width).map(|k| coefficients.col(k).squared_norm_l2()).collect();
         let remainder = next.clone();
         self.append(next, &removed);
@@ -309,9 +323,21 @@ impl<'a> Search<'a> {
                 self.mass.multiply(column, weighted);
                 rest = dot(column, weighted).max(0.0).sqrt();
             }
-            if rest > DEPENDENT * (removed + square).sqrt() {
+            let length = (removed + square).sqrt();
+            if rest > DEPENDENT * length {
                 scale(column, 1.0 / rest);
                 scale(weighted, 1.0 / rest);
+                if rest < WEAK * length {
+                    self.remove(0, column);
+                    self.mass.multiply(column, weighted);
+                    rest = dot(column, weighted).max(0.0).sqrt();
+                    if rest < 0.5 {
+                        self.push_random();
+                        continue;
+                    }
+                    scale(column, 1.0 / rest);
+                    scale(weighted, 1.0 / rest);
+                }
                 self.basis.extend_from_slice(column);
                 self.weighted.extend_from_slice(weighted);
             } else {

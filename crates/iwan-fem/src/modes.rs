@@ -76,11 +76,11 @@ pub struct JointMode {
     pub k_t: f64,
 }
 
-/// The shift as part of the squared first axial frequency of a free bar across the structure: far below elastic modes,
-/// yet far above what rounding leaves of zero ones.
-const SHIFT: f64 = 1e-5;
-/// Zero modes have eigenvalues below this part of the shift.
-const ZERO: f64 = 1e-2;
+/// The shift as part of the squared first axial frequency of a free bar across the structure: hardly above the first
+/// elastic mode, as the search loses a digit for each that an eigenvalue lies above the shift.
+const SHIFT: f64 = 1e-3;
+/// Zero modes have eigenvalues below this part of the shift: far below elastic modes, yet far above what rounding leaves.
+const ZERO: f64 = 1e-4;
 
 impl Assembled {
     /// σ > 0 for which K + σM is positive definite and well conditioned, 1/s².
