@@ -372,3 +372,32 @@ impl<'a> Search<'a> {
         vectors
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::dofs::{Place, Unknown};
+
+    /// An eigenvalue twelve times over: a block of eight finds eight at first, the Sturm count knows of the others.
+    #[test]
+    fn eigenvalues_repeated_more_often_than_a_block_is_wide() {
+        let n = 400;
+        let expected: Vec<f64> = (0..n).map(|i| if i < 3 { i as f64 } else { (i.max(14) - 11) as f64 }).collect();
+        let (stiffness, mass) = (Symmetric::diagonal(expected.clone()), Symmetric::diagonal(vec![1.0; n]));
+        let place = |node: usize| Place {
+            unknown: Unknown::Displacement { node, axis: 0 },
+            position: [node as f64, 0.0, 0.0],
+            group: node as u32,
+        };
+        let places: Vec<Place> = (0..n).map(place).collect();
+        let analysis = Analysis::new(&stiffness, &places).unwrap();
+        let problem = Problem { stiffness: &stiffness, mass: &mass, shift: 0.5, analysis: &analysis };
+        let factor = problem.factor().unwrap();
+        for count in [5, 15, 20, 60] {
+            let pairs = problem.lowest(count, &factor, &mut |_| std::ops::ControlFlow::Continue(())).unwrap();
+            for (value, expected) in pairs.values.iter().zip(&expected) {
+                assert!((value - expected).abs() < 1e-10 * (1.0 + expected), "{count}: {value} {expected}");
+            }
+        }
+    }
+}

@@ -16,7 +16,7 @@ use faer::{Conj, MatMut, Par, Side, Spec};
 
 use crate::dofs::Place;
 use crate::error::Error;
-use crate::lanes::Group;
+use crate::lanes::{Group, LANES};
 use crate::ordering::nested_dissection;
 use crate::sparse::{Symmetric, largest};
 use crate::triangular::{Branches, Factor};
@@ -133,16 +133,18 @@ impl Cholesky {
         self.values.len()
     }
 
-    /// x = A⁻¹ x for columns of n entries one after the other, as many as a group has lanes at most.
+    /// x = A⁻¹ x for columns of n entries one after the other, a group of them at a time.
     pub(crate) fn solve_columns(&self, x: &mut [f64], workers: &Workers) {
         let (forward, inverse) = self.symbolic.perm().expect("an order was given").arrays();
         let n = forward.len();
-        let width = x.len() / n;
-        let row = |&j: &u32| std::array::from_fn(|c| if c < width { x[c * n + j as usize] } else { 0.0 });
-        let mut rows: Vec<Group> = forward.iter().map(row).collect();
-        self.factor().solve_group(self.branches, &mut rows, workers);
-        for (c, column) in x.chunks_exact_mut(n).enumerate() {
-            column.iter_mut().zip(inverse).for_each(|(x, &k)| *x = rows[k as usize][c]);
+        for x in x.chunks_mut(LANES * n) {
+            let width = x.len() / n;
+            let row = |&j: &u32| std::array::from_fn(|c| if c < width { x[c * n + j as usize] } else { 0.0 });
+            let mut rows: Vec<Group> = forward.iter().map(row).collect();
+            self.factor().solve_group(self.branches, &mut rows, workers);
+            for (c, column) in x.chunks_exact_mut(n).enumerate() {
+                column.iter_mut().zip(inverse).for_each(|(x, &k)| *x = rows[k as usize][c]);
+            }
         }
     }
 
@@ -224,7 +226,6 @@ pub(crate) fn random(count: usize, seed: u64) -> Vec<f64> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::lanes::LANES;
     use crate::mesh::beam::Configuration;
     use crate::mesh::block::{block, uniform};
     use crate::paper;
@@ -232,7 +233,7 @@ mod tests {
 
     fn solves(matrix: &Symmetric, analysis: &Analysis, workers: &Workers) -> Vec<f64> {
         let factor = Cholesky::with(analysis, matrix, workers).unwrap();
-        let mut x = random(LANES * matrix.order(), 5);
+        let mut x = random((LANES + 3) * matrix.order(), 5);
         let right = x.clone();
         factor.solve_columns(&mut x, workers);
         for (x, right) in x.chunks_exact(matrix.order()).zip(right.chunks_exact(matrix.order())) {
