@@ -44,27 +44,17 @@ type SharedLaw = dyn Backbone + Send + Sync;
 
 /// One joint law and its state.
 enum Kernel<'t> {
-    /// No law: the displacement alone.
-    Free(f64),
+    /// No law: no force.
+    Free,
     Sliders(Sliders<'t>, Runs<Vec<Run>>),
     Continuum(Continuum<&'t SharedLaw>, Box<Reversals<Vec<Reversal>>>),
-}
-
-/// Runs `$body` with the law and the state of a kernel that has one.
-macro_rules! with_kernel {
-    ($kernel:expr, free $u:ident => $free:expr, $law:ident, $state:ident => $body:expr) => {
-        match $kernel {
-            Kernel::Free($u) => $free,
-            Kernel::Sliders($law, $state) => $body,
-            Kernel::Continuum($law, $state) => $body,
-        }
-    };
 }
 
 /// A joint: law and state, where it stands, and two straight pieces: the one it moves on, which begins where it stands,
 /// and the one on which the last trial ended. The state itself is moved only when a trial leaves both.
 struct Joint<'t> {
     kernel: Kernel<'t>,
+    /// Where the joint stands; of sliders alone, as other states stand there themselves.
     slip: f64,
     piece: Straight,
     ahead: Straight,
@@ -89,17 +79,18 @@ impl<'t> Joint<'t> {
         Self { kernel, slip: 0.0, piece, ahead: NO_PIECE }
     }
 
-    /// Lets the state catch up with the slip.
+    /// Lets the state of sliders catch up with the slip; other states always keep up.
     fn catch_up(&mut self) {
-        let slip = self.slip;
-        with_kernel!(&mut self.kernel, free u => *u = slip, law, state => { law.advance(state, slip); });
+        if let Kernel::Sliders(law, state) = &mut self.kernel {
+            law.advance(state, self.slip);
+        }
     }
 
     /// Force and tangent at `s`, off the pieces that are known.
     fn look_ahead(&mut self, s: f64) -> (f64, f64) {
         self.catch_up();
         match &self.kernel {
-            Kernel::Free(_) => (0.0, 0.0),
+            Kernel::Free => (0.0, 0.0),
             Kernel::Sliders(law, state) => {
                 self.ahead = law.straight_ahead(state, s);
                 (self.ahead.force(s), self.ahead.stiffness)
@@ -110,18 +101,21 @@ impl<'t> Joint<'t> {
 
     /// Moves to `s`, off the piece; returns the force there.
     fn leave_piece(&mut self, s: f64) -> f64 {
-        if !self.ahead.holds(s) {
-            self.look_ahead(s);
-        } else if self.ahead.direction != self.piece.direction {
-            // The state turns round where the joint stands.
-            self.catch_up();
+        match &mut self.kernel {
+            Kernel::Free => 0.0,
+            Kernel::Continuum(law, state) => law.advance(state, s),
+            Kernel::Sliders(..) => {
+                if !self.ahead.holds(s) {
+                    self.look_ahead(s);
+                } else if self.ahead.direction != self.piece.direction {
+                    // The state turns round where the joint stands.
+                    self.catch_up();
+                }
+                self.slip = s;
+                self.piece = Straight { start: s, ..std::mem::replace(&mut self.ahead, NO_PIECE) };
+                self.piece.force(s)
+            }
         }
-        self.slip = s;
-        if let Kernel::Continuum(law, state) = &mut self.kernel {
-            return law.advance(state, s);
-        }
-        self.piece = Straight { start: s, ..std::mem::replace(&mut self.ahead, NO_PIECE) };
-        if matches!(self.kernel, Kernel::Free(_)) { 0.0 } else { self.piece.force(s) }
     }
 }
 
@@ -147,7 +141,7 @@ impl<'t> Joints<'t> {
         tables: &'t mut [Vec<Slider>],
     ) -> Result<Self, Error> {
         let kernel = |(law, table): (Option<&'t Law>, &'t mut Vec<Slider>)| -> Result<_, Error> {
-            let Some(law) = law else { return Ok(Kernel::Free(0.0)) };
+            let Some(law) = law else { return Ok(Kernel::Free) };
             let law: &'t SharedLaw = law.as_ref();
             Ok(match population {
                 Population::Sliders { bins, grid } => {
@@ -202,7 +196,11 @@ impl<'t> Joints<'t> {
     pub(crate) fn stored_energy(&mut self) -> f64 {
         let energy = |joint: &mut Joint<'_>| {
             joint.catch_up();
-            with_kernel!(&joint.kernel, free _u => 0.0, law, state => law.stored_energy(state))
+            match &joint.kernel {
+                Kernel::Free => 0.0,
+                Kernel::Sliders(law, state) => law.stored_energy(state),
+                Kernel::Continuum(law, state) => law.stored_energy(state),
+            }
         };
         self.joints.iter_mut().map(energy).sum()
     }

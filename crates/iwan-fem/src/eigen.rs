@@ -382,7 +382,8 @@ mod tests {
     #[test]
     fn eigenvalues_repeated_more_often_than_a_block_is_wide() {
         let n = 400;
-        let expected: Vec<f64> = (0..n).map(|i| if i < 3 { i as f64 } else { (i.max(14) - 11) as f64 }).collect();
+        let expected: Vec<f64> =
+            (0..n).map(|i| if i < 3 { i as f64 } else { (i.max(14) - 11) as f64 }).collect();
         let (stiffness, mass) = (Symmetric::diagonal(expected.clone()), Symmetric::diagonal(vec![1.0; n]));
         let place = |node: usize| Place {
             unknown: Unknown::Displacement { node, axis: 0 },
