@@ -13,7 +13,7 @@ use crate::dense::{product, symmetric_eigen};
 use crate::error::Error;
 use crate::factor::{Analysis, Cholesky, negative_eigenvalues, random};
 use crate::lanes::LANES;
-use crate::sparse::{Symmetric, add_scaled, dot, scale};
+use crate::sparse::{Symmetric, add_scaled, dot, largest, scale};
 use crate::transient::Progress;
 use crate::workers::Workers;
 
@@ -39,6 +39,8 @@ const ORTHOGONAL: f64 = 1e-6;
 const DENSE: f64 = 30.0;
 /// Part of the columns expected that are added before the next look.
 const MOST_OF: f64 = 0.8;
+/// Part of a vector's largest component from which on one decides on its sign.
+const LARGE: f64 = 0.5;
 /// Columns that the search usually takes, per mode: what its progress is measured by.
 const USUAL: f64 = 4.5;
 
@@ -130,9 +132,18 @@ impl Problem<'_> {
         Err(last.expect("three attempts were made"))
     }
 
+    /// The first `count` pairs, each vector with the sign that makes its last large component positive: rounding does not
+    /// turn it.
     fn pairs(&self, search: &Search<'_>, ritz: &Ritz, count: usize) -> Pairs {
         let values = ritz.values[..count].iter().map(|theta| 1.0 / theta - self.shift).collect();
-        Pairs { values, vectors: search.combine(&ritz.combinations, count) }
+        let mut vectors = search.combine(&ritz.combinations, count);
+        for vector in vectors.chunks_exact_mut(search.n) {
+            let large = LARGE * largest(vector);
+            if vector.iter().rfind(|x| x.abs() >= large).is_some_and(|x| *x < 0.0) {
+                scale(vector, -1.0);
+            }
+        }
+        Pairs { values, vectors }
     }
 }
 
