@@ -40,7 +40,7 @@ const DENSE: f64 = 30.0;
 /// Part of the columns expected that are added before the next look.
 const MOST_OF: f64 = 0.8;
 /// Part of a vector's largest component from which on one decides on its sign.
-const LARGE: f64 = 0.5;
+const LARGE: f64 = 0.9;
 /// Columns that the search usually takes, per mode: what its progress is measured by.
 const USUAL: f64 = 4.5;
 
@@ -132,7 +132,7 @@ impl Problem<'_> {
         Err(last.expect("three attempts were made"))
     }
 
-    /// The first `count` pairs, each vector with the sign that makes its last large component positive: rounding does not
+    /// The first `count` pairs, each vector with the sign that makes the last of its largest components positive: rounding does not
     /// turn it.
     fn pairs(&self, search: &Search<'_>, ritz: &Ritz, count: usize) -> Pairs {
         let values = ritz.values[..count].iter().map(|theta| 1.0 / theta - self.shift).collect();
