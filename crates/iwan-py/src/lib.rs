@@ -8,26 +8,19 @@
     reason = "documentation of Python; arguments come from Python by value"
 )]
 
-mod array;
+// Ground: what passes between Python and Rust.
+mod exchange;
+
+// Values that users make, and the ring-downs of modes.
+mod values;
+mod ring_down;
+
+// Records and what they tell; structures.
+mod records;
+mod structures;
+
+// The command line, whole.
 mod command;
-mod ensemble;
-mod envelope;
-mod errors;
-mod fit;
-mod joint;
-mod laws;
-mod modal;
-mod mode;
-mod options;
-mod pulse;
-mod record;
-mod repr;
-mod response;
-mod simulate;
-mod static_curves;
-mod structure;
-mod truth;
-mod work;
 
 /// What `iwan` is made of; users import it from there.
 #[pyo3::pymodule]
@@ -35,31 +28,31 @@ mod _native {
     #[pymodule_export]
     use crate::command::_command;
     #[pymodule_export]
-    use crate::ensemble::_ensemble;
+    use crate::ring_down::ensemble::_ensemble;
     #[pymodule_export]
-    use crate::envelope::{_envelope, _envelopes, Envelope, envelope};
+    use crate::records::envelope::{_envelope, _envelopes, Envelope, envelope};
     #[pymodule_export]
-    use crate::fit::{_identify, _identify_many, Identified, Likelihood};
+    use crate::records::identified::{_identify, _identify_many, Identified, Likelihood};
     #[pymodule_export]
-    use crate::joint::Joint;
+    use crate::values::joint_face::Joint;
     #[pymodule_export]
-    use crate::laws::{_four_parameter, FourParameter, Jenkins, Tabulated, Uniform};
+    use crate::values::joint_laws::{_four_parameter, FourParameter, Jenkins, Tabulated, Uniform};
     #[pymodule_export]
-    use crate::mode::Mode;
+    use crate::values::mode::Mode;
     #[pymodule_export]
-    use crate::pulse::{HalfSine, Haversine, Pulse, Sampled, Sine, Step};
+    use crate::values::pulse::{HalfSine, Haversine, Pulse, Sampled, Sine, Step};
     #[pymodule_export]
-    use crate::record::{_read_bytes, _record, Record, read_record};
+    use crate::records::record::{_read_bytes, _record, Record, read_record};
     #[pymodule_export]
-    use crate::response::{_response, Response};
+    use crate::ring_down::response::{_response, Response};
     #[pymodule_export]
-    use crate::simulate::{simulate, superpose};
+    use crate::ring_down::simulate::{simulate, superpose};
     #[pymodule_export]
-    use crate::static_curves::_quasi_static;
+    use crate::structures::static_curves::_quasi_static;
     #[pymodule_export]
-    use crate::structure::{_built_in_structure, _load_structure, _structure, Structure};
+    use crate::structures::structure::{_built_in_structure, _load_structure, _structure, Structure};
     #[pymodule_export]
-    use crate::truth::_simulate_structure;
+    use crate::structures::blow::_simulate_structure;
 
     #[pymodule_export]
     #[expect(non_upper_case_globals, reason = "the name in Python")]

@@ -10,11 +10,11 @@ use pyo3::IntoPyObjectExt;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
-use crate::array::{array, cube, frozen_rows};
-use crate::errors::{fem, input, missing_file};
-use crate::laws::Remake;
-use crate::repr;
-use crate::work::{self, Control};
+use crate::exchange::array::{array, cube, frozen_rows};
+use crate::exchange::errors::{fem, input, missing_file};
+use crate::exchange::pickle::Remake;
+use crate::exchange::repr;
+use crate::exchange::work::{self, Control};
 
 /// Elastic modes among which names are looked up, as on the command line.
 pub(crate) const NAMED: usize = 40;

@@ -5,13 +5,12 @@ use numpy::PyArray1;
 use pyo3::IntoPyObjectExt;
 use pyo3::prelude::*;
 
-use crate::array::array;
-use crate::errors::{identification, identification_at, value};
-use crate::laws::Remake;
-use crate::modal::{Modal, modal};
-use crate::options::unknown;
-use crate::simulate::thread_count;
-use crate::work;
+use crate::exchange::array::array;
+use crate::exchange::errors::{identification, identification_at, value};
+use crate::exchange::pickle::Remake;
+use crate::records::mode_records::{Modal, modal};
+use crate::exchange::options::{unknown, thread_count};
+use crate::exchange::work;
 
 /// Amplitude, frequency and damping ratio of one mode against time. Made by `envelope`.
 ///

@@ -5,10 +5,10 @@ use iwan_ident::quasi_static::{StaticCurves, StaticFit, fit_static};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
-use crate::array::{Numbers, array};
-use crate::errors::{fem, value};
-use crate::structure::{Loaded, NAMED, Structure};
-use crate::work::{self, Control};
+use crate::exchange::array::{Numbers, array};
+use crate::exchange::errors::{fem, value};
+use crate::structures::structure::{Loaded, NAMED, Structure};
+use crate::exchange::work::{self, Control};
 
 /// Curves of one mode with what fits them.
 struct Analysed {

@@ -9,7 +9,7 @@ use pyo3::intern;
 use pyo3::prelude::*;
 use pyo3::types::{PyBool, PyFloat, PyInt};
 
-use crate::errors::{value, wrong_type};
+use crate::exchange::errors::{value, wrong_type};
 
 /// Numbers in logical (C) order, with their shape.
 pub(crate) struct Numbers {

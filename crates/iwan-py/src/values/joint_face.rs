@@ -4,10 +4,11 @@ use iwan_core::Backbone;
 use iwan_sim::{JointLaw, force_history};
 use pyo3::prelude::*;
 
-use crate::array::{Numbers, shaped};
-use crate::errors::{core, simulation, value};
-use crate::options::joint_kind;
-use crate::work;
+use crate::exchange::array::{Numbers, shaped};
+use crate::exchange::errors::{core, simulation, value};
+use crate::exchange::options::joint_kind;
+use crate::exchange::pickle::hash;
+use crate::exchange::work;
 
 /// Displacements from which on a calculation releases the lock.
 const MANY: usize = 1 << 12;
@@ -199,14 +200,4 @@ impl Joint {
         let (low, high) = self.law.strengths();
         hash(&[self.law.initial_stiffness(), self.law.slip_force(), low, high])
     }
-}
-
-/// Of numbers: the same for 0.0 and -0.0, which are equal.
-pub(crate) fn hash(values: &[f64]) -> u64 {
-    use std::hash::{DefaultHasher, Hash, Hasher};
-    let mut hasher = DefaultHasher::new();
-    for x in values {
-        (x + 0.0).to_bits().hash(&mut hasher);
-    }
-    hasher.finish()
 }

@@ -8,13 +8,13 @@ use iwan_sim::JointKind;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
-use crate::array::array;
-use crate::errors::{fem, input, value};
-use crate::options::{joint_kind, unknown};
-use crate::pulse::Force;
-use crate::response::balance;
-use crate::structure::{Loaded, NAMED, Structure};
-use crate::work::{self, Control};
+use crate::exchange::array::array;
+use crate::exchange::errors::{fem, input, value};
+use crate::exchange::options::{joint_kind, unknown};
+use crate::values::pulse::Force;
+use crate::ring_down::response::balance;
+use crate::structures::structure::{Loaded, NAMED, Structure};
+use crate::exchange::work::{self, Control};
 
 /// What one run has done when it is at its end.
 const PARTS: f64 = 1000.0;

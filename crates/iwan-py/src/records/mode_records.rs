@@ -9,8 +9,8 @@ use pyo3::intern;
 use pyo3::prelude::*;
 use pyo3::types::IntoPyDict;
 
-use crate::errors::{identification, value};
-use crate::record::Record;
+use crate::exchange::errors::{identification, value};
+use crate::records::record::Record;
 
 /// The record of one mode.
 #[derive(Debug, Clone)]

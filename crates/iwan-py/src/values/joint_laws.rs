@@ -6,16 +6,11 @@ use pyo3::IntoPyObjectExt;
 use pyo3::prelude::*;
 use pyo3::types::{IntoPyDict, PyDict};
 
-use crate::array::{Numbers, array};
-use crate::errors::core;
-use crate::joint::Joint;
-use crate::repr;
-
-/// A function and its arguments that make an equal value: what pickling needs where the constructor does not do.
-pub(crate) type Remake<'py> = (Bound<'py, PyAny>, Bound<'py, PyAny>);
-
-/// Keyword arguments that make an equal value: what pickling needs.
-pub(crate) type NewArguments<'py> = ((), Bound<'py, PyDict>);
+use crate::exchange::array::{Numbers, array};
+use crate::exchange::errors::core;
+use crate::exchange::pickle::{NewArguments, Remake};
+use crate::values::joint_face::Joint;
+use crate::exchange::repr;
 
 /// Segalman's four-parameter Iwan joint {K_T, F_S, chi, beta}.
 ///

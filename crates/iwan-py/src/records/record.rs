@@ -8,11 +8,11 @@ use numpy::{PyArray1, PyArray2, PyArrayMethods, PyUntypedArrayMethods};
 use pyo3::IntoPyObjectExt;
 use pyo3::prelude::*;
 
-use crate::array::{Numbers, array, freeze, frozen_rows};
-use crate::errors::{reading, value, wrong_type};
-use crate::laws::Remake;
-use crate::options::choose;
-use crate::work;
+use crate::exchange::array::{Numbers, array, freeze, frozen_rows};
+use crate::exchange::errors::{reading, value, wrong_type};
+use crate::exchange::pickle::Remake;
+use crate::exchange::options::choose;
+use crate::exchange::work;
 
 const QUANTITIES: [(&str, Quantity); 5] = [
     ("acceleration", Quantity::Acceleration),

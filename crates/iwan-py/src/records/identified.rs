@@ -14,13 +14,12 @@ use numpy::PyArrayDyn;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
-use crate::array::{Numbers, array, shaped};
-use crate::envelope::{Envelope, method_named};
-use crate::errors::{computation, identification, value, writing};
-use crate::modal::{Modal, modal};
-use crate::options::unknown;
-use crate::simulate::thread_count;
-use crate::work::{self, Control};
+use crate::exchange::array::{Numbers, array, shaped};
+use crate::records::envelope::{Envelope, method_named};
+use crate::exchange::errors::{computation, identification, value, writing};
+use crate::records::mode_records::{Modal, modal};
+use crate::exchange::options::{unknown, thread_count};
+use crate::exchange::work::{self, Control};
 
 /// Parameters that are sought by their logarithms in a likelihood.
 const LOGARITHMIC: [Parameter; 3] = [Parameter::KT, Parameter::FS, Parameter::Beta];

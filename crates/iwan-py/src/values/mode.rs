@@ -5,11 +5,11 @@ use iwan_sim::Point;
 use pyo3::prelude::*;
 use pyo3::types::{IntoPyDict, PyDict};
 
-use crate::array::Numbers;
-use crate::errors::{core, value};
-use crate::joint::{Joint, hash};
-use crate::laws::NewArguments;
-use crate::repr;
+use crate::exchange::array::Numbers;
+use crate::exchange::errors::{core, value};
+use crate::values::joint_face::Joint;
+use crate::exchange::pickle::{NewArguments, hash};
+use crate::exchange::repr;
 
 /// A mass-normalised mode with an Iwan joint: q'' + 2 zeta_v omega0 q' + K_inf q + F_J(q) = phi f(t), K_inf = omega0^2 - K_T
 /// (Deaner et al., Eq. 5).

@@ -9,8 +9,8 @@ use pyo3::IntoPyObjectExt;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
-use crate::array::array;
-use crate::laws::Remake;
+use crate::exchange::array::array;
+use crate::exchange::pickle::Remake;
 
 /// Response of a mode: one entry per `dt`, the initial state first. Made by `simulate`.
 ///

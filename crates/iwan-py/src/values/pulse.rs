@@ -3,11 +3,10 @@
 use pyo3::prelude::*;
 use pyo3::types::{IntoPyDict, PyDict};
 
-use crate::array::{Numbers, array};
-use crate::errors::core;
-use crate::joint::hash;
-use crate::laws::NewArguments;
-use crate::repr;
+use crate::exchange::array::{Numbers, array};
+use crate::exchange::errors::core;
+use crate::exchange::pickle::{NewArguments, hash};
+use crate::exchange::repr;
 
 /// A force history that owns its samples.
 #[derive(Debug, Clone, PartialEq)]

@@ -5,12 +5,11 @@ use iwan_sim::{Ensemble, History, JointLaw, Mode, Settings};
 use numpy::PyArray1;
 use pyo3::prelude::*;
 
-use crate::array::{Numbers, array, place};
-use crate::errors::{simulation_at, value};
-use crate::options::{MethodOptions, choose, joint_kind, method};
-use crate::pulse::Force;
-use crate::simulate::thread_count;
-use crate::work;
+use crate::exchange::array::{Numbers, array, place};
+use crate::exchange::errors::{simulation_at, value};
+use crate::exchange::options::{MethodOptions, choose, joint_kind, method, thread_count};
+use crate::values::pulse::Force;
+use crate::exchange::work;
 
 /// Histories by their names.
 const HISTORIES: [(&str, History); 4] = [

@@ -4,7 +4,7 @@ use iwan_core::Grid;
 use iwan_sim::{JointKind, Method};
 use pyo3::prelude::*;
 
-use crate::errors::{value, wrong_type};
+use crate::exchange::errors::{value, wrong_type};
 
 /// Number of sliders (none: the continuum) and grid: "graded", "uniform" or the ratio of neighbouring strengths.
 pub(crate) fn joint_kind(sliders: Option<usize>, grid: Option<&Bound<'_, PyAny>>) -> PyResult<JointKind> {
@@ -62,4 +62,13 @@ pub(crate) fn choose<T: Copy>(argument: &str, given: &str, choices: &[(&str, T)]
     let found = choices.iter().find(|(name, _)| *name == given);
     let names = || choices.iter().map(|(name, _)| *name).collect::<Vec<_>>();
     found.map(|(_, choice)| *choice).ok_or_else(|| unknown(argument, given, &names()))
+}
+
+/// Number of threads; all cores unless given.
+pub(crate) fn thread_count(threads: Option<usize>) -> PyResult<usize> {
+    match threads {
+        Some(0) => Err(value("threads = 0 is out of range: at least 1, or None for all cores")),
+        Some(threads) => Ok(threads),
+        None => Ok(std::thread::available_parallelism().map_or(1, std::num::NonZeroUsize::get)),
+    }
 }

@@ -5,13 +5,13 @@ use pyo3::IntoPyObjectExt;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
-use crate::array::{Numbers, array};
-use crate::errors::{core, simulation, value, wrong_type};
-use crate::mode::Mode;
-use crate::options::{MethodOptions, joint_kind, method as method_named};
-use crate::pulse::Force;
-use crate::response::Response;
-use crate::work;
+use crate::exchange::array::{Numbers, array};
+use crate::exchange::errors::{core, simulation, value, wrong_type};
+use crate::values::mode::Mode;
+use crate::exchange::options::{MethodOptions, joint_kind, method as method_named};
+use crate::values::pulse::Force;
+use crate::ring_down::response::Response;
+use crate::exchange::work;
 
 /// Steps from which on a run may last longer than a user who presses Ctrl-C wants to wait.
 const LASTING: usize = 1_000_000;
@@ -132,15 +132,6 @@ fn set_initial(modes: &mut [iwan_sim::Mode], initial: Option<&Bound<'_, PyAny>>)
         mode.initial = (pair[0], pair[1]);
     }
     Ok(())
-}
-
-/// Number of threads; all cores unless given.
-pub(crate) fn thread_count(threads: Option<usize>) -> PyResult<usize> {
-    match threads {
-        Some(0) => Err(value("threads = 0 is out of range: at least 1, or None for all cores")),
-        Some(threads) => Ok(threads),
-        None => Ok(std::thread::available_parallelism().map_or(1, std::num::NonZeroUsize::get)),
-    }
 }
 
 /// Physical responses at the points named in the modes' `outputs`: the sum of shape times modal response.

@@ -1,0 +1,9 @@
+//! What passes between Python and Rust: arrays, exceptions, choices by name, texts that read back, and work without the
+//! interpreter's lock.
+
+pub(crate) mod errors;
+pub(crate) mod array;
+pub(crate) mod options;
+pub(crate) mod pickle;
+pub(crate) mod repr;
+pub(crate) mod work;

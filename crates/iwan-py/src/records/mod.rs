@@ -1,0 +1,6 @@
+//! Records of any origin, and what they tell: envelopes, curves, parameters with their intervals.
+
+pub(crate) mod record;
+pub(crate) mod mode_records;
+pub(crate) mod envelope;
+pub(crate) mod identified;

@@ -1,0 +1,5 @@
+//! Ring-downs of modes: one, several, or very many.
+
+pub(crate) mod response;
+pub(crate) mod simulate;
+pub(crate) mod ensemble;

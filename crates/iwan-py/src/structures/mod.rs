@@ -1,0 +1,5 @@
+//! `iwan.Structure`: modes, quasi-static curves and transients of a structure with its discrete joints.
+
+pub(crate) mod structure;
+pub(crate) mod static_curves;
+pub(crate) mod blow;
