@@ -10,12 +10,11 @@
 //! between breaks a step waits for the one before through one product and one sum, and all else
 //! (outputs, w, s, the tests for a break) is taken from the state and runs beside, so nothing drifts.
 
+use super::newmark::Newmark;
+use super::oscillator::Oscillator;
+use super::response::{Samples, force_at};
 use crate::error::Error;
-use crate::newmark::Newmark;
-use crate::oscillator::Oscillator;
-use crate::response::{Samples, force_at};
-use crate::runs::{Run, Runs, Segment};
-use crate::sliders::{Slider, Sliders};
+use crate::memory::{Run, Runs, Segment, Slider, Sliders};
 
 /// The scheme's constants.
 struct Scheme {

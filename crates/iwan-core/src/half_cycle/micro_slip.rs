@@ -11,8 +11,8 @@
 use core::array::from_fn;
 use core::f64::consts::PI;
 
-use crate::backbone::PowerLaw;
-use crate::phase::{MATRIX, MOST_PASSES, NODES, PASS_TOLERANCE, Panel, Phase, RULE, SHARE};
+use super::phase::{MATRIX, MOST_PASSES, NODES, PASS_TOLERANCE, Panel, Phase, RULE, SHARE};
+use crate::law::PowerLaw;
 
 /// Most terms of the polynomials.
 const TERMS: usize = 16;
@@ -354,8 +354,7 @@ impl Travel {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::backbone::Backbone;
-    use crate::four_parameter::FourParameter;
+    use crate::law::{Backbone, FourParameter};
 
     /// Mode 1 of Table 2 with other exponents and dampers.
     fn modes() -> impl Iterator<Item = MicroSlip> {

@@ -1,11 +1,10 @@
 //! A population of N Jenkins elements, kept in a slice of the caller's.
 //!
 //! The table is sorted by strength and carries the running sums that make the
-//! force of the whole population a matter of one look-up (see [`crate::runs`]).
+//! force of the whole population a matter of one look-up (see [`Runs`](crate::Runs)).
 
-use crate::backbone::Backbone;
 use crate::error::{Error, check_length};
-use crate::jenkins::jenkins_harmonic;
+use crate::law::{Backbone, jenkins_harmonic};
 
 /// One Jenkins element and the running sums up to it: 32 bytes, half a cache line.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]

@@ -1,8 +1,8 @@
 //! The readable reference: every slider visited at every step.
 
+use super::hysteresis::Hysteresis;
+use super::sliders::Sliders;
 use crate::error::{Error, check_length};
-use crate::hysteresis::Hysteresis;
-use crate::sliders::Sliders;
 
 /// The plain loop over a population; the fast kernels are tested against it.
 ///

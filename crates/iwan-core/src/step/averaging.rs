@@ -7,11 +7,11 @@
 
 use core::f64::consts::PI;
 
-use crate::backbone::Backbone;
-use crate::energy::EnergyBalance;
+use super::energy::EnergyBalance;
+use super::oscillator::Oscillator;
+use super::response::Samples;
 use crate::error::{Error, check};
-use crate::oscillator::Oscillator;
-use crate::response::Samples;
+use crate::law::Backbone;
 
 /// Free decay of a mode by averaging.
 ///

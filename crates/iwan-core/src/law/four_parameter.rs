@@ -5,9 +5,9 @@
 
 use core::f64::consts::PI;
 
-use crate::backbone::{Backbone, PowerLaw};
+use super::backbone::{Backbone, PowerLaw};
+use super::power::FixedPower;
 use crate::error::{Error, check};
-use crate::power::FixedPower;
 
 /// A four-parameter Iwan joint.
 ///
@@ -396,6 +396,7 @@ impl Backbone for TabledFourParameter {
 
 #[cfg(test)]
 mod tests {
+    use super::super::backbone::first_harmonic;
     use super::*;
 
     #[test]
@@ -405,8 +406,7 @@ mod tests {
                 let joint = FourParameter::new(4.45e4, 239.4, chi, beta).unwrap();
                 for ratio in [1.0 + 1e-9, 1.01, 1.3, 1.45, 1.6, 3.0, 50.0, 1e4] {
                     let u = ratio * joint.phi_max();
-                    let (found, exact) =
-                        (joint.harmonic_stiffness(u), crate::backbone::first_harmonic(&joint, u));
+                    let (found, exact) = (joint.harmonic_stiffness(u), first_harmonic(&joint, u));
                     assert!((found / exact - 1.0).abs() < 1e-11, "{chi} {beta} {ratio}: {found} {exact}");
                 }
             }

@@ -4,10 +4,10 @@
 //! (average acceleration). The acceleration is never integrated but taken from the equation of
 //! motion at every step, which keeps rounding from accumulating.
 
+use super::oscillator::Oscillator;
+use super::response::{Samples, force_at};
 use crate::error::{Error, check};
-use crate::hysteresis::Hysteresis;
-use crate::oscillator::Oscillator;
-use crate::response::{Samples, force_at};
+use crate::memory::Hysteresis;
 
 /// The scheme's parameters for one step size.
 ///

@@ -6,8 +6,8 @@
 
 use core::array::from_fn;
 
-use crate::backbone::{Backbone, PowerLaw};
-use crate::phase::{MOST_PASSES, NODES, Node, PANELS, Phase};
+use super::phase::{MOST_PASSES, NODES, Node, PANELS, Phase};
+use crate::law::{Backbone, PowerLaw};
 
 /// Relative change of the travel at which the passes end: the damping then stands to a billionth and better.
 const TRAVEL_TOLERANCE: f64 = 1e-12;

@@ -1,6 +1,6 @@
 //! The absent joint, for linear modes.
 
-use crate::hysteresis::Hysteresis;
+use super::hysteresis::Hysteresis;
 
 /// No joint: no force, no memory. The state is the displacement.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]

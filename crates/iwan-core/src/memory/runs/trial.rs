@@ -1,8 +1,9 @@
 //! The force ahead of a population under run-length memory.
 
-use super::{Run, Runs, Segment, Straight};
-use crate::hysteresis::Trial;
-use crate::sliders::{Slider, Sliders};
+use super::state::{Run, Runs};
+use super::straight::{Segment, Straight};
+use crate::memory::hysteresis::Trial;
+use crate::memory::sliders::{Slider, Sliders};
 
 /// A state's runs as they would be: those of the list below `below`, and the topmost one.
 struct View {

@@ -1,8 +1,8 @@
 //! Energy balance of a response.
 
-use crate::newmark::Newmark;
-use crate::oscillator::Oscillator;
-use crate::response::{Samples, force_at};
+use super::newmark::Newmark;
+use super::oscillator::Oscillator;
+use super::response::{Samples, force_at};
 
 /// Where the energy of a mode came from and went (mass-normalised: length²·mass/s²).
 ///

@@ -1,14 +1,11 @@
 //! Free decay by half cycles, from any state, with output at uniform times.
 
-use crate::backbone::Backbone;
-use crate::energy::{EnergyBalance, JointEnergy};
+use super::map::{HalfCycle, Map};
+use super::phase::PhaseClock;
 use crate::error::Error;
-use crate::half_cycle::{HalfCycle, Map};
-use crate::hysteresis::Hysteresis;
-use crate::masing::{Branch, Continuum, Reversal, Reversals};
-use crate::oscillator::Oscillator;
-use crate::phase::PhaseClock;
-use crate::response::Samples;
+use crate::law::Backbone;
+use crate::memory::{Branch, Continuum, Hysteresis, Reversal, Reversals};
+use crate::step::{EnergyBalance, JointEnergy, Oscillator, Samples};
 
 /// Free decay of a mode under a constant force: the half-cycle energy map.
 ///

@@ -3,7 +3,7 @@
 //! W. D. Iwan, A distributed-element model for hysteresis and its steady-state
 //! dynamic response, J. Appl. Mech. 33(4):893, 1966, doi:10.1115/1.3625199.
 
-use crate::backbone::{Backbone, PowerLaw};
+use super::backbone::{Backbone, PowerLaw};
 use crate::error::{Error, check};
 
 /// Sliders of equal stiffness, strengths uniform over φ_mean (1 ± width).

@@ -1,6 +1,6 @@
 //! A measured or identified slider density, given point by point.
 
-use crate::backbone::Backbone;
+use super::backbone::Backbone;
 use crate::error::{Error, check};
 
 /// One point of a tabulated density, with the moments of all strengths below it.

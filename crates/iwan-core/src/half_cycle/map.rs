@@ -13,13 +13,13 @@
 
 use core::f64::consts::PI;
 
-use crate::backbone::Backbone;
+use super::macro_slip::{MacroSlip, Slip};
+use super::micro_slip::{MicroSlip, Travel};
+use super::phase::{MOST_PASSES, NODES, Node, PANELS, PASS_TOLERANCE, Phase, PhaseClock};
 use crate::error::Error;
-use crate::macro_slip::{MacroSlip, Slip};
-use crate::masing::Branch;
-use crate::micro_slip::{MicroSlip, Travel};
-use crate::oscillator::Oscillator;
-use crate::phase::{MOST_PASSES, NODES, Node, PANELS, PASS_TOLERANCE, Phase, PhaseClock};
+use crate::law::Backbone;
+use crate::memory::Branch;
+use crate::step::Oscillator;
 
 /// One half cycle from reversal to reversal.
 #[derive(Debug, Clone, Copy)]
@@ -268,10 +268,9 @@ impl<'a, B: Backbone> Map<'a, B> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::four_parameter::FourParameter;
-    use crate::hysteresis::Hysteresis;
-    use crate::masing::{Continuum, Reversal};
-    use crate::oscillator::ResidualStiffness;
+    use crate::law::FourParameter;
+    use crate::memory::{Continuum, Hysteresis, Reversal};
+    use crate::step::ResidualStiffness;
 
     #[test]
     fn the_solver_of_macro_slip_agrees_with_the_general_one() {

@@ -1,8 +1,10 @@
 //! The force ahead of a continuum under return-point memory.
 
-use super::{Branch, Continuum, Reversal, Reversals};
-use crate::backbone::Backbone;
-use crate::hysteresis::Trial;
+use super::branch::{Branch, Reversal};
+use super::continuum::Continuum;
+use super::reversals::Reversals;
+use crate::law::Backbone;
+use crate::memory::hysteresis::Trial;
 
 impl<S: AsRef<[Reversal]> + AsMut<[Reversal]>> Reversals<S> {
     /// The branch that motion to `u` would be on: [`reverse`](Self::reverse) and closed loops without their traces.
@@ -20,7 +22,7 @@ impl<S: AsRef<[Reversal]> + AsMut<[Reversal]>> Reversals<S> {
                 }
                 let end = if depth == 0 { 2.0 * origin - self.u } else { self.stack.as_ref()[depth - 1].u };
                 let start = Reversal { u: self.u, force: self.force };
-                branch = Branch { start, scale: 2.0, to_virgin: 0.5 * back, direction: back, end };
+                branch = Branch::behind(start, back, end);
                 depth += 1;
             }
         }

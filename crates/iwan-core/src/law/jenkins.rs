@@ -1,6 +1,6 @@
 //! One spring in series with one friction slider (Jenkins element), the atom of all Iwan models.
 
-use crate::backbone::Backbone;
+use super::backbone::Backbone;
 use crate::error::{Error, check};
 
 /// A Jenkins element: stiffness `k_t` up to the slip force `f_s`.

@@ -1,35 +1,21 @@
-//! Run-length memory: the exact force of N sliders at a cost independent of N.
-//!
-//! All sliders start unloaded and see the same displacement, so the state of the
-//! whole population is a direction d, a frontier (the sliders below it slip in
-//! direction d) and a short list of *runs*: ranges of sliders that last slipped
-//! together, in direction s, and have moved as one since the displacement a at
-//! which they stuck. Slider i of such a run has the extension s φ_i + (u - a); the
-//! virgin run has s = 0. With K(j) = Σ k of the sliders from j on, M(j) = Σ k φ
-//! below j and e the end of the topmost run,
-//!
-//! F(u) = (d - s) M(j) + s M(e) + C + (u - a) K(j),
-//!
-//! where C, fixed when the run was made, is the force of all older runs at a. The force is a
-//! function of the state and not a sum over the past, so rounding does not drift.
+//! The list of runs: how it changes along a motion, and the force it stands for.
 
-mod trial;
-
+use super::straight::{Segment, Straight};
 use crate::error::{Error, check_length};
-use crate::hysteresis::Hysteresis;
-use crate::sliders::{Slider, Sliders};
+use crate::memory::hysteresis::Hysteresis;
+use crate::memory::sliders::{Slider, Sliders};
 
 /// Sliders that last slipped together: those from the frontier (or the end of the run above) to `end`.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct Run {
     /// One past the last slider.
-    end: usize,
+    pub(super) end: usize,
     /// Direction in which they slipped last; 0 = never.
-    sign: f64,
+    pub(super) sign: f64,
     /// Displacement at which they stuck.
-    anchor: f64,
+    pub(super) anchor: f64,
     /// Force of all older runs at `anchor`.
-    carried: f64,
+    pub(super) carried: f64,
 }
 
 /// The state of a population under run-length memory.
@@ -50,76 +36,16 @@ pub struct Run {
 /// ```
 #[derive(Debug, Clone, Copy)]
 pub struct Runs<S> {
-    u: f64,
-    direction: f64,
-    frontier: usize,
+    pub(super) u: f64,
+    pub(super) direction: f64,
+    pub(super) frontier: usize,
     /// Index of the topmost run.
-    top: usize,
-    list: S,
+    pub(super) top: usize,
+    pub(super) list: S,
 }
 
 /// Breaks passed one by one before the search along the strengths begins to gallop.
 const WALK: usize = 4;
-
-/// The straight piece of F(u) on which a state stands, in the distance x = u - anchor.
-#[derive(Debug, Clone, Copy)]
-pub(crate) struct Segment {
-    pub(crate) anchor: f64,
-    /// Force at x = 0 on the extended straight line.
-    pub(crate) base: f64,
-    /// Slope.
-    pub(crate) stiffness: f64,
-    /// Distance direction·x at which the next slider breaks loose.
-    pub(crate) reach: f64,
-}
-
-/// A straight piece of F(u): while the motion keeps its direction and lies between `start` and `end`,
-/// F = base + stiffness·(u - anchor), and a state need not be moved.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Straight {
-    /// Displacement from which the piece counts.
-    pub anchor: f64,
-    /// Force there, on the extended straight line.
-    pub base: f64,
-    /// Slope.
-    pub stiffness: f64,
-    /// Direction of motion, ±1.
-    pub direction: f64,
-    /// Displacement at which the piece begins: where the state stands, or where the last slider breaks loose.
-    pub start: f64,
-    /// Displacement at which the next slider breaks loose.
-    pub end: f64,
-}
-
-impl Straight {
-    /// Whether a motion in the piece's direction is on it at the displacement `u`.
-    #[inline]
-    #[must_use]
-    pub fn holds(&self, u: f64) -> bool {
-        self.direction * (u - self.start) >= 0.0 && self.direction * (self.end - u) >= 0.0
-    }
-
-    /// Force at the displacement `u`.
-    #[inline]
-    #[must_use]
-    pub fn force(&self, u: f64) -> f64 {
-        self.base + (u - self.anchor) * self.stiffness
-    }
-}
-
-impl Segment {
-    #[inline]
-    fn towards(&self, direction: f64, start: f64) -> Straight {
-        let Self { anchor, base, stiffness, reach } = *self;
-        Straight { anchor, base, stiffness, direction, start, end: anchor + direction * reach }
-    }
-
-    /// What the straight line lies above `force` at the displacement `u`.
-    #[inline]
-    pub(crate) fn gap(&self, u: f64, force: f64) -> f64 {
-        self.base + self.stiffness * (u - self.anchor) - force
-    }
-}
 
 impl Sliders<'_> {
     /// The virgin state. `runs` has at least one entry per slider.
@@ -159,7 +85,7 @@ impl Sliders<'_> {
 
 impl<S: AsRef<[Run]> + AsMut<[Run]>> Runs<S> {
     #[inline]
-    fn run(&self) -> &Run {
+    pub(super) fn run(&self) -> &Run {
         &self.list.as_ref()[self.top]
     }
 

@@ -5,15 +5,13 @@
 //! exact to rounding, resonance, critical damping and negative stiffness included. Events are roots
 //! of that polynomial. Slow beside the time steppers, and the reference for their order.
 
-use crate::energy::{EnergyBalance, JointEnergy};
+use super::energy::{EnergyBalance, JointEnergy};
+use super::oscillator::Oscillator;
+use super::pulse::{Pulse, Stretch};
+use super::response::Samples;
 use crate::error::{Error, check};
-use crate::hysteresis::Hysteresis;
-use crate::oscillator::Oscillator;
-use crate::pulse::{Pulse, Stretch};
+use crate::memory::{Hysteresis, Run, Runs, Segment, Sliders};
 use crate::quadrature::Rule;
-use crate::response::Samples;
-use crate::runs::{Run, Runs, Segment};
-use crate::sliders::Sliders;
 
 /// Terms of the series.
 const TERMS: usize = 18;

@@ -1,0 +1,16 @@
+//! Joint laws: a law is its virgin curve, from which Masing's rule makes everything else.
+
+mod backbone;
+mod jenkins;
+mod uniform;
+mod tabulated;
+mod power;
+mod four_parameter;
+
+pub use backbone::{Backbone, PowerLaw};
+pub use four_parameter::{FourParameter, TabledFourParameter};
+pub use jenkins::Jenkins;
+pub(crate) use jenkins::jenkins_harmonic;
+pub use power::FixedPower;
+pub use tabulated::{DensityPoint, Tabulated};
+pub use uniform::Uniform;
