@@ -6,8 +6,11 @@ use std::sync::{Mutex, MutexGuard, PoisonError};
 
 use iwan_core::{Error, Pulse};
 
+use crate::error::SimulationError;
+use crate::mode::Mode;
+use crate::response::Response;
+use crate::settings::Settings;
 use crate::simulate::simulate_observed;
-use crate::{Mode, Response, Settings, SimulationError};
 
 /// A history that may be kept.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]

@@ -5,9 +5,12 @@ use std::time::Instant;
 
 use iwan_core::{Backbone, EventDriven, Grid, Hysteresis, Jenkins, Newmark, Pulse, Run, Slider, Sliders};
 
-use crate::joint::with_law;
+use crate::error::SimulationError;
+use crate::joint_law::with_law;
+use crate::quality;
+use crate::response::{Quality, Response};
 use crate::run::{Progress, Task, finite, newmark};
-use crate::{JointKind, Quality, Response, SimulationError, quality};
+use crate::settings::JointKind;
 
 /// Share of the series' angle in the companion run that estimates the error.
 const COMPANION: f64 = 0.62;

@@ -2,9 +2,11 @@
 
 use iwan_core::{Backbone, Continuum, Error, Hysteresis, Reversal, Run, Slider, Sliders};
 
-use crate::joint::with_law;
+use crate::error::SimulationError;
+use crate::joint_law::JointLaw;
+use crate::joint_law::with_law;
+use crate::settings::JointKind;
 use crate::simulate::Observer;
-use crate::{JointKind, JointLaw, SimulationError};
 
 /// Displacements between two calls of the observer.
 const CHUNK: usize = 1 << 16;

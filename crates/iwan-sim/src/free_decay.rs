@@ -7,9 +7,12 @@ use iwan_core::{
     Oscillator, Pulse, Reversal, Reversals,
 };
 
-use crate::joint::with_law;
+use crate::error::SimulationError;
+use crate::joint_law::with_law;
+use crate::response::{Quality, Response};
 use crate::run::{self, Progress, Task, finite, stack};
-use crate::{Method, Quality, Response, SimulationError, event, quality};
+use crate::settings::Method;
+use crate::{event, quality};
 
 /// Time steps of the forced part per small-amplitude period, at least.
 const STEPS_A_PERIOD: f64 = 4000.0;

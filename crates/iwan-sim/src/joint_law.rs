@@ -22,10 +22,10 @@ pub enum JointLaw {
 macro_rules! with_law {
     ($joint:expr, $law:ident => $body:expr) => {
         match $joint {
-            $crate::JointLaw::FourParameter($law) => $body,
-            $crate::JointLaw::Jenkins($law) => $body,
-            $crate::JointLaw::Uniform($law) => $body,
-            $crate::JointLaw::Tabulated($law) => $body,
+            $crate::joint_law::JointLaw::FourParameter($law) => $body,
+            $crate::joint_law::JointLaw::Jenkins($law) => $body,
+            $crate::joint_law::JointLaw::Uniform($law) => $body,
+            $crate::joint_law::JointLaw::Tabulated($law) => $body,
         }
     };
 }

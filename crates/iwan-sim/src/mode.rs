@@ -2,7 +2,7 @@
 
 use iwan_core::{Backbone, Error, Oscillator, ResidualStiffness};
 
-use crate::JointLaw;
+use crate::joint_law::JointLaw;
 
 /// A physical point at which the modes' responses are superposed.
 #[derive(Debug, Clone, PartialEq)]

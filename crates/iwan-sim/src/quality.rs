@@ -4,8 +4,9 @@ use std::ops::ControlFlow;
 
 use iwan_core::Newmark;
 
+use crate::response::{Quality, Response};
 use crate::run::{Task, newmark};
-use crate::{JointKind, Quality, Response};
+use crate::settings::JointKind;
 
 /// Shortest response, in coarse samples, on which an estimate means anything.
 const FEWEST: usize = 8;

@@ -2,7 +2,7 @@
 
 use iwan_core::{EnergyBalance, Samples};
 
-use crate::Mode;
+use crate::mode::Mode;
 
 /// How far a response can be trusted. All errors are relative to the peak displacement.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]

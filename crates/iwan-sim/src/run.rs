@@ -8,8 +8,12 @@ use iwan_core::{
     Samples, Slider, Sliders, TabledFourParameter,
 };
 
-use crate::joint::with_law;
-use crate::{JointKind, JointLaw, Mode, Response, SimulationError};
+use crate::error::SimulationError;
+use crate::joint_law::JointLaw;
+use crate::joint_law::with_law;
+use crate::mode::Mode;
+use crate::response::Response;
+use crate::settings::JointKind;
 
 /// Steps between two calls of the observer, and the unit in which long runs are cut.
 const CHUNK: usize = 1 << 16;

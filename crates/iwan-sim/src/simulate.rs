@@ -5,9 +5,13 @@ use std::sync::Mutex;
 
 use iwan_core::{Error, Newmark, Pulse};
 
+use crate::error::SimulationError;
 use crate::free_decay::{self, Decaying};
+use crate::mode::Mode;
+use crate::response::Response;
 use crate::run::{self, Task};
-use crate::{Method, Mode, Response, Settings, SimulationError, event, quality};
+use crate::settings::{Method, Settings};
+use crate::{event, quality};
 
 /// Called from time to time with the share of the work done (0 to 1); `Break` stops the simulation.
 pub type Observer<'a> = &'a mut (dyn FnMut(f64) -> ControlFlow<()> + Send);
