@@ -22,11 +22,11 @@ mod half_cycle;
 pub use error::Error;
 pub use half_cycle::{Decay, PathNode, TurningPoint};
 pub use law::{
-    Backbone, DensityPoint, FixedPower, FourParameter, Jenkins, PowerLaw, TabledFourParameter, Tabulated,
-    Uniform,
+    Backbone, DensityPoint, FixedPower, FourParameter, Grid, Jenkins, PowerLaw, Representation,
+    TabledFourParameter, Tabulated, Uniform,
 };
 pub use memory::{
-    Continuum, Extensions, Grid, Hysteresis, NoJoint, Plain, Reversal, Reversals, Run, Runs, Slider, Sliders,
+    Continuum, Extensions, Hysteresis, NoJoint, Plain, Reversal, Reversals, Run, Runs, Slider, Sliders,
     Straight, Trial,
 };
 pub use step::{

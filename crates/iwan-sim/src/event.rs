@@ -3,14 +3,13 @@
 use std::ops::ControlFlow;
 use std::time::Instant;
 
-use iwan_core::{Backbone, EventDriven, Grid, Hysteresis, Jenkins, Newmark, Pulse, Run, Slider, Sliders};
+use iwan_core::{Backbone, EventDriven, Grid, Hysteresis, Jenkins, Newmark, Pulse, Representation, Run, Slider, Sliders};
 
 use crate::error::SimulationError;
 use crate::joint_law::with_law;
 use crate::quality;
 use crate::response::{Quality, Response};
 use crate::run::{Progress, Task, finite, newmark};
-use crate::settings::JointKind;
 
 /// Share of the series' angle in the companion run that estimates the error.
 const COMPANION: f64 = 0.62;
@@ -32,7 +31,7 @@ pub(crate) fn simulate(
         let companion = run(task, force, (bins, grid), Some(COMPANION * angle))?;
         response.quality = Quality {
             time_step_error: Some(quality::difference(&companion, &response, 1)),
-            discretisation_error: discretisation(task, JointKind::Sliders { bins, grid })?,
+            discretisation_error: discretisation(task, Representation::Sliders { bins, grid })?,
             forgotten_force: 0.0,
         };
     }
@@ -72,12 +71,12 @@ fn run(
 }
 
 /// Sliders against the continuum, both by Newmark's method at the sampling interval: none where that is too long.
-fn discretisation(task: Task<'_>, joint: JointKind) -> Result<Option<f64>, SimulationError> {
+fn discretisation(task: Task<'_>, joint: Representation) -> Result<Option<f64>, SimulationError> {
     if task.mode.joint.is_none() {
         return Ok(Some(0.0));
     }
     let Ok(scheme) = Newmark::prewarped(task.dt, task.mode.oscillator()?.omega0()) else { return Ok(None) };
     let run = |joint| newmark(task, &scheme, joint, Response::default(), &mut |_| ControlFlow::Continue(()));
-    let pair = run(joint).and_then(|sliders| Ok((sliders, run(JointKind::Continuum)?)));
+    let pair = run(joint).and_then(|sliders| Ok((sliders, run(Representation::Continuum)?)));
     Ok(pair.ok().map(|(sliders, continuum)| quality::difference(&sliders, &continuum, 1)))
 }

@@ -1,11 +1,10 @@
 //! A joint by itself, driven through given displacements.
 
-use iwan_core::{Backbone, Continuum, Error, Hysteresis, Reversal, Run, Slider, Sliders};
+use iwan_core::{Backbone, Continuum, Error, Hysteresis, Representation, Reversal, Run, Slider, Sliders};
 
 use crate::error::SimulationError;
 use crate::joint_law::JointLaw;
 use crate::joint_law::with_law;
-use crate::settings::JointKind;
 use crate::simulate::Observer;
 
 /// Displacements between two calls of the observer.
@@ -15,11 +14,11 @@ const CHUNK: usize = 1 << 16;
 /// from one to the next.
 ///
 /// ```
-/// use iwan_core::Jenkins;
-/// use iwan_sim::{JointKind, JointLaw, force_history};
+/// use iwan_core::{Jenkins, Representation};
+/// use iwan_sim::{JointLaw, force_history};
 /// let joint = JointLaw::Jenkins(Jenkins::new(1000.0, 5.0)?);
 /// let go_on = &mut |_| std::ops::ControlFlow::Continue(());
-/// let force = force_history(&joint, &[0.004, 0.02, 0.016, 0.0], JointKind::Continuum, go_on)?;
+/// let force = force_history(&joint, &[0.004, 0.02, 0.016, 0.0], Representation::Continuum, go_on)?;
 /// assert_eq!(force, [4.0, 5.0, 1.0, -5.0]);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
@@ -30,7 +29,7 @@ const CHUNK: usize = 1 << 16;
 pub fn force_history(
     law: &JointLaw,
     u: &[f64],
-    joint: JointKind,
+    joint: Representation,
     observer: Observer<'_>,
 ) -> Result<Vec<f64>, SimulationError> {
     if let Some(index) = u.iter().position(|u| !u.is_finite()) {
@@ -38,13 +37,13 @@ pub fn force_history(
         return Err(Error::Entry { name, index, value, allowed }.into());
     }
     match joint {
-        JointKind::Sliders { bins, grid } => {
+        Representation::Sliders { bins, grid } => {
             let mut table = vec![Slider::default(); Sliders::table_len(bins)];
             let sliders = with_law!(law, law => Sliders::discretise(law, grid, bins, &mut table))?;
             let state = sliders.virgin(vec![Run::default(); sliders.len()])?;
             drive(&sliders, state, u, observer)
         }
-        JointKind::Continuum => with_law!(law, law => continuum(law, u, observer)),
+        Representation::Continuum => with_law!(law, law => continuum(law, u, observer)),
     }
 }
 

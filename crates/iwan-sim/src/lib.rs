@@ -30,5 +30,8 @@ pub use force_history::force_history;
 pub use joint_law::{JointLaw, TabulatedDensity};
 pub use mode::{Mode, Point};
 pub use response::{Quality, Response, superpose};
-pub use settings::{JointKind, Method, Settings};
+pub use settings::{Method, Settings};
 pub use simulate::{Observer, simulate, simulate_all};
+
+// The core's enum under the name that the crates above still import.
+pub use iwan_core::Representation as JointKind;

@@ -2,11 +2,10 @@
 
 use std::ops::ControlFlow;
 
-use iwan_core::Newmark;
+use iwan_core::{Newmark, Representation};
 
 use crate::response::{Quality, Response};
 use crate::run::{Task, newmark};
-use crate::settings::JointKind;
 
 /// Shortest response, in coarse samples, on which an estimate means anything.
 const FEWEST: usize = 8;
@@ -28,13 +27,13 @@ pub(crate) fn of_newmark(
     fine: &Response,
     scheme_at: impl Fn(f64) -> Result<Newmark, iwan_core::Error>,
     order: i32,
-    joint: JointKind,
+    joint: Representation,
 ) -> Quality {
     let mut quality = fine.quality;
     let force: Vec<f64> = task.force.iter().copied().step_by(2).collect();
     let coarse = Task { force: &force, dt: 2.0 * task.dt, samples: task.samples.div_ceil(2), ..task };
     let linear = task.mode.joint.is_none();
-    quality.discretisation_error = (linear || joint == JointKind::Continuum).then_some(0.0);
+    quality.discretisation_error = (linear || joint == Representation::Continuum).then_some(0.0);
     // A prewarped double step may already be too long for the mode: then there is nothing to compare.
     let Some(scheme) = scheme_at(coarse.dt).ok().filter(|_| coarse.samples >= FEWEST) else {
         return quality;
@@ -46,7 +45,7 @@ pub(crate) fn of_newmark(
     quality.time_step_error =
         Some(difference(&sliders, fine, 2) / f64::from(2_i32.pow(order.unsigned_abs()) - 1));
     if quality.discretisation_error.is_none() {
-        quality.discretisation_error = run(JointKind::Continuum).ok().map(|c| difference(&sliders, &c, 1));
+        quality.discretisation_error = run(Representation::Continuum).ok().map(|c| difference(&sliders, &c, 1));
     }
     quality
 }

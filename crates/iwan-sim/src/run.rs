@@ -4,7 +4,7 @@ use std::ops::ControlFlow;
 use std::time::Instant;
 
 use iwan_core::{
-    Backbone, Continuum, Error, Hysteresis, JointEnergy, Newmark, NoJoint, Oscillator, Pulse, Reversal, Run,
+    Backbone, Continuum, Error, Hysteresis, JointEnergy, Newmark, NoJoint, Oscillator, Pulse, Representation, Reversal, Run,
     Samples, Slider, Sliders, TabledFourParameter,
 };
 
@@ -13,7 +13,6 @@ use crate::joint_law::JointLaw;
 use crate::joint_law::with_law;
 use crate::mode::Mode;
 use crate::response::Response;
-use crate::settings::JointKind;
 
 /// Steps between two calls of the observer, and the unit in which long runs are cut.
 const CHUNK: usize = 1 << 16;
@@ -47,7 +46,7 @@ pub(crate) fn modal_force(mode: &Mode, force: &Pulse<'_>, dt: f64, samples: usiz
 pub(crate) fn newmark(
     task: Task<'_>,
     scheme: &Newmark,
-    joint: JointKind,
+    joint: Representation,
     spare: Response,
     progress: Progress<'_>,
 ) -> Result<Response, SimulationError> {
@@ -63,7 +62,7 @@ pub(crate) fn newmark(
         );
     };
     let mut response = match joint {
-        JointKind::Sliders { bins, grid } => {
+        Representation::Sliders { bins, grid } => {
             let mut table = vec![Slider::default(); Sliders::table_len(bins)];
             let sliders = with_law!(law, law => Sliders::discretise(law, grid, bins, &mut table))?;
             let state = sliders.virgin(vec![Run::default(); sliders.len()])?;
@@ -74,7 +73,7 @@ pub(crate) fn newmark(
                 progress,
             )?
         }
-        JointKind::Continuum => match law {
+        Representation::Continuum => match law {
             JointLaw::FourParameter(law) => stepping.continuum(TabledFourParameter::new(*law), progress)?,
             law => with_law!(law, law => stepping.continuum(law, progress))?,
         },

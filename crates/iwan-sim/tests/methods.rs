@@ -1,9 +1,9 @@
 //! The methods against each other, through the whole of `simulate`.
 #![allow(clippy::unwrap_used, clippy::print_stdout, reason = "a failed test may panic and say why")]
 
-use iwan_core::{FourParameter, Grid, Jenkins, Pulse, Uniform};
+use iwan_core::{FourParameter, Grid, Jenkins, Pulse, Representation, Uniform};
 use iwan_sim::{
-    JointKind, JointLaw, Method, Mode, Response, Settings, SimulationError, simulate, simulate_all, superpose,
+    JointLaw, Method, Mode, Response, Settings, SimulationError, simulate, simulate_all, superpose,
 };
 
 fn mode() -> Mode {
@@ -15,7 +15,7 @@ fn run(mode: &Mode, force: &Pulse<'_>, method: Method, dt: f64) -> Response {
     simulate(mode, force, &Settings { method, ..Settings::new(dt, 0.1) }).unwrap()
 }
 
-fn newmark(joint: JointKind) -> Method {
+fn newmark(joint: Representation) -> Method {
     Method::Newmark { beta: 0.25, gamma: 0.5, prewarp: true, joint }
 }
 
@@ -32,8 +32,8 @@ fn all_methods_agree_on_a_blow() {
     let grid = Grid::Geometric { ratio: 1.0025 };
     let event = run(&mode(), &BLOW, Method::Event { bins: 4000, grid }, 1e-4);
     let map = run(&mode(), &BLOW, Method::HalfCycle, 1e-4);
-    let continuum = run(&mode(), &BLOW, newmark(JointKind::Continuum), 1e-5);
-    let sliders = run(&mode(), &BLOW, newmark(JointKind::default_sliders()), 1e-5);
+    let continuum = run(&mode(), &BLOW, newmark(Representation::Continuum), 1e-5);
+    let sliders = run(&mode(), &BLOW, newmark(Representation::default_sliders()), 1e-5);
     let averaging = run(&mode(), &BLOW, Method::Averaging, 1e-4);
     assert!(distance(&map, &event) < 2e-6, "map {}", distance(&map, &event));
     assert!(distance(&continuum, &event) < 2e-4, "continuum {}", distance(&continuum, &event));
@@ -81,7 +81,7 @@ fn every_pulse_gives_the_event_driven_response() {
         let event = run(&mode(), &pulse, Method::Event { bins: 100, grid: Grid::graded(100) }, 1e-4);
         let errors: Vec<f64> = [2e-5, 1e-5]
             .iter()
-            .map(|dt| distance(&run(&mode(), &pulse, newmark(JointKind::default_sliders()), *dt), &event))
+            .map(|dt| distance(&run(&mode(), &pulse, newmark(Representation::default_sliders()), *dt), &event))
             .collect();
         println!("{pulse:?}: {errors:?}");
         assert!(errors[1] < 2e-3, "{pulse:?}: {errors:?}");
@@ -89,7 +89,7 @@ fn every_pulse_gives_the_event_driven_response() {
         if pulse.settled() < 0.05 {
             let map = run(&mode(), &pulse, Method::HalfCycle, 1e-4);
             assert!(map.energy.error() < 1e-10, "{pulse:?}: {:?}", map.energy);
-            let continuum = run(&mode(), &pulse, newmark(JointKind::Continuum), 5e-6);
+            let continuum = run(&mode(), &pulse, newmark(Representation::Continuum), 5e-6);
             assert!(distance(&continuum, &map) < 2e-4, "{pulse:?}: {}", distance(&continuum, &map));
         }
     }
@@ -107,7 +107,7 @@ fn other_laws_and_linear_modes_take_every_method() {
         let mode = Mode { damping_ratio: 1e-3, initial: (2e-4, 0.4), ..Mode::new("m", 124.0, law) };
         let event = run(&mode, &BLOW, Method::Event { bins: 2000, grid: Grid::Uniform }, 1e-4);
         for method in
-            [Method::HalfCycle, newmark(JointKind::Continuum), newmark(JointKind::default_sliders())]
+            [Method::HalfCycle, newmark(Representation::Continuum), newmark(Representation::default_sliders())]
         {
             let dt = if method == Method::HalfCycle { 1e-4 } else { 1e-5 };
             let response = run(&mode, &BLOW, method, dt);
@@ -183,7 +183,7 @@ fn unseen_forces_and_failing_companions() {
     // A step shorter than the time step keeps its impulse.
     let tap = Pulse::Step { amplitude: 1000.0, duration: 1e-6 };
     let (coarse, exact) = (
-        run(&mode(), &tap, newmark(JointKind::Continuum), 1e-5),
+        run(&mode(), &tap, newmark(Representation::Continuum), 1e-5),
         run(&mode(), &tap, Method::Event { bins: 2000, grid: Grid::graded(2000) }, 1e-5),
     );
     assert!(distance(&coarse, &exact) < 6e-3, "{}", distance(&coarse, &exact));

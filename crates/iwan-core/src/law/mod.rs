@@ -6,11 +6,13 @@ mod uniform;
 mod tabulated;
 mod power;
 mod four_parameter;
+mod representation;
 
 pub use backbone::{Backbone, PowerLaw};
 pub use four_parameter::{FourParameter, TabledFourParameter};
 pub use jenkins::Jenkins;
 pub(crate) use jenkins::jenkins_harmonic;
 pub use power::FixedPower;
+pub use representation::{Grid, Representation};
 pub use tabulated::{DensityPoint, Tabulated};
 pub use uniform::Uniform;

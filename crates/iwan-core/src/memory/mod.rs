@@ -16,4 +16,4 @@ pub use no_joint::NoJoint;
 pub use plain::{Extensions, Plain};
 pub(crate) use runs::Segment;
 pub use runs::{Run, Runs, Straight};
-pub use sliders::{Grid, Slider, Sliders};
+pub use sliders::{Slider, Sliders};

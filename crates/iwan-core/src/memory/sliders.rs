@@ -4,7 +4,7 @@
 //! force of the whole population a matter of one look-up (see [`Runs`](crate::Runs)).
 
 use crate::error::{Error, check_length};
-use crate::law::{Backbone, jenkins_harmonic};
+use crate::law::{Backbone, Grid, jenkins_harmonic};
 
 /// One Jenkins element and the running sums up to it: 32 bytes, half a cache line.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
@@ -17,46 +17,6 @@ pub struct Slider {
     pub(crate) slip_force_below: f64,
     /// Σ k of this and all stronger sliders.
     pub(crate) stiffness_from: f64,
-}
-
-/// How the strengths of a continuous density are cut into bins.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub enum Grid {
-    /// Bins of equal width between the weakest and the strongest slider.
-    ///
-    /// The textbook choice, and a trap for ring-downs: nothing dissipates below the
-    /// first strength.
-    Uniform,
-    /// Bin edges in geometric progression up to the strongest slider; the first bin
-    /// reaches from the weakest to the smallest edge.
-    Geometric {
-        /// Ratio > 1 of neighbouring edges.
-        ratio: f64,
-    },
-}
-
-impl Grid {
-    /// The default grid for `bins` bins: geometric from 0.01/bins φ_max, which is ratio 1.0975 at 100 bins.
-    ///
-    /// At 100 bins the dissipation per cycle is then within 0.5 % of the continuum from 0.001 to
-    /// 0.3 φ_max; the error falls nearly as the inverse square of the number of bins.
-    #[must_use]
-    pub fn graded(bins: usize) -> Self {
-        let smallest = 0.01 / bins.max(1) as f64;
-        let steps = bins.saturating_sub(1).max(1) as f64;
-        Self::Geometric { ratio: libm::pow(smallest, -1.0 / steps) }
-    }
-
-    /// Upper edge of bin `i` of `n` between the strengths `low` and `high`.
-    fn edge(self, i: usize, n: usize, low: f64, high: f64) -> f64 {
-        if i >= n {
-            return high;
-        }
-        match self {
-            Self::Uniform => low + (high - low) * i as f64 / n as f64,
-            Self::Geometric { ratio } => low + (high - low) * libm::pow(ratio, i as f64 - n as f64),
-        }
-    }
 }
 
 /// A population of sliders on a borrowed table.
@@ -77,8 +37,13 @@ pub struct Sliders<'a> {
     table: &'a [Slider],
 }
 
-/// Reach of the sentinel behind the last slider: finite, so that 0 · reach = 0.
+/// Reach of the sentinel behind the last slider, farther than any motion: finite, so that 0 · reach is 0 and not NaN.
 const BEYOND: f64 = f64::MAX;
+
+/// Share of K_T that the bins must leave over for a Dirac at the strongest slider to be there. Below it the rest is rounding of K_T and
+/// of the bins' sum (2e-16 for laws in closed form, some more for a table of many points), which is not worth a slider; a Dirac as
+/// weak as that is dropped with it.
+const LEAST_DIRAC: f64 = 1e-14;
 
 impl<'a> Sliders<'a> {
     /// Entries that [`discretise`](Self::discretise) needs at most for `bins` bins: the bins, the
@@ -95,7 +60,7 @@ impl<'a> Sliders<'a> {
     ///
     /// # Errors
     /// [`Error::Length`] when `table` is shorter than [`table_len`](Self::table_len) or `bins` is 0;
-    /// [`Error::OutOfRange`] for a ratio that is not a finite number > 1.
+    /// [`Error::OutOfRange`] for a grid whose number is out of range.
     pub fn discretise<B: Backbone + ?Sized>(
         law: &B,
         grid: Grid,
@@ -109,10 +74,8 @@ impl<'a> Sliders<'a> {
                 found: table.len(),
             });
         }
-        if let Grid::Geometric { ratio } = grid {
-            crate::error::check("ratio", ratio, ratio > 1.0, "must be a finite number > 1")?;
-        }
         let (low, high) = law.strengths();
+        let edges = grid.edges(bins, [low, high])?;
         let (mut count, mut stiffness, mut slip) = (0, 0.0, 0.0);
         let mut push = |k: f64, phi: f64| {
             if k > 0.0 {
@@ -124,7 +87,7 @@ impl<'a> Sliders<'a> {
             if high <= low {
                 break;
             }
-            let (from, to) = (grid.edge(i - 1, bins, low, high), grid.edge(i, bins, low, high));
+            let (from, to) = (edges.upper(i - 1), edges.upper(i));
             let (k, f) = (law.stiffness_below(to), law.force_below(to));
             let (dk, df) = (k - stiffness, f - slip);
             // The centroid lies in its bin but for rounding.
@@ -133,7 +96,7 @@ impl<'a> Sliders<'a> {
             (stiffness, slip) = (k, f);
         }
         let dirac = law.initial_stiffness() - stiffness;
-        if dirac > 1e-14 * law.initial_stiffness() {
+        if dirac > LEAST_DIRAC * law.initial_stiffness() {
             push(dirac, high);
         }
         Ok(Self::close(count, table))
