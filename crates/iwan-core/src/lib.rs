@@ -3,8 +3,10 @@
 //! The modules below stand in floors: each imports only from those above it.
 #![no_std]
 
-// The ground: errors, Gauss-Legendre rules.
+// The ground: errors, progress of long work, functions at compile time, Gauss-Legendre rules.
 mod error;
+pub mod progress;
+mod elementary;
 pub mod quadrature;
 
 // Laws: a joint is its virgin curve.
@@ -29,7 +31,8 @@ pub use memory::{
     Continuum, Extensions, Hysteresis, NoJoint, Plain, Reversal, Reversals, Run, Runs, Slider, Sliders,
     Straight, Trial,
 };
+pub use progress::Progress;
 pub use step::{
-    Averaging, EnergyBalance, EventDriven, JointEnergy, Newmark, Oscillator, Pulse, ResidualStiffness,
-    Samples,
+    AmplitudePhase, Averaging, EnergyBalance, EventDriven, JointEnergy, Motion, Newmark, Oscillator, Pulse,
+    ResidualStiffness, Samples,
 };

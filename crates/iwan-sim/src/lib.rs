@@ -24,14 +24,14 @@ mod force_history;
 mod simulate;
 mod ensemble;
 
-pub use ensemble::{Ensemble, Figures, History, MemberError, Outcome, Watch};
+pub use ensemble::{Ensemble, Figures, History, MemberError, Outcome};
 pub use error::SimulationError;
 pub use force_history::force_history;
 pub use joint_law::{JointLaw, TabulatedDensity};
 pub use mode::{Mode, Point};
 pub use response::{Quality, Response, superpose};
 pub use settings::{Method, Settings};
-pub use simulate::{Observer, simulate, simulate_all};
+pub use simulate::{simulate, simulate_all};
 
 // The core's enum under the name that the crates above still import.
 pub use iwan_core::Representation as JointKind;

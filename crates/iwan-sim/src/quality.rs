@@ -1,13 +1,13 @@
-//! Error estimates from companion runs at half the sampling rate.
+//! Error estimates from companion runs at twice the time step.
 
-use std::ops::ControlFlow;
-
+use iwan_core::progress::UNWATCHED;
 use iwan_core::{Newmark, Representation};
 
 use crate::response::{Quality, Response};
 use crate::run::{Task, newmark};
 
-/// Shortest response, in coarse samples, on which an estimate means anything.
+/// Shortest response, in samples of the companion, that gets an estimate. The largest difference over so few points is still chance: they may
+/// all lie where two wrong responses cross. From a quarter of a cycle on the choice no longer matters.
 const FEWEST: usize = 8;
 
 /// Largest difference to every `stride`-th sample of a finer response, relative to its peak.
@@ -38,14 +38,14 @@ pub(crate) fn of_newmark(
     let Some(scheme) = scheme_at(coarse.dt).ok().filter(|_| coarse.samples >= FEWEST) else {
         return quality;
     };
-    let run =
-        |joint| newmark(coarse, &scheme, joint, Response::default(), &mut |_| ControlFlow::Continue(()));
+    let run = |joint| newmark(coarse, &scheme, joint, Response::default(), UNWATCHED);
     // A double step that does not work says nothing about the single one.
     let Ok(sliders) = run(joint) else { return quality };
     quality.time_step_error =
         Some(difference(&sliders, fine, 2) / f64::from(2_i32.pow(order.unsigned_abs()) - 1));
     if quality.discretisation_error.is_none() {
-        quality.discretisation_error = run(Representation::Continuum).ok().map(|c| difference(&sliders, &c, 1));
+        quality.discretisation_error =
+            run(Representation::Continuum).ok().map(|c| difference(&sliders, &c, 1));
     }
     quality
 }

@@ -1,11 +1,12 @@
 //! Free decay by half cycles, from any state, with output at uniform times.
 
+use super::dormand_prince::{self, Moment, Step};
 use super::map::{HalfCycle, Map};
 use super::phase::PhaseClock;
 use crate::error::Error;
 use crate::law::Backbone;
 use crate::memory::{Branch, Continuum, Hysteresis, Reversal, Reversals};
-use crate::step::{EnergyBalance, JointEnergy, Oscillator, Samples};
+use crate::step::{EnergyBalance, JointEnergy, Motion, Oscillator, Samples, Works};
 
 /// Free decay of a mode under a constant force: the half-cycle energy map.
 ///
@@ -13,16 +14,16 @@ use crate::step::{EnergyBalance, JointEnergy, Oscillator, Samples};
 /// that close older loops, are integrated by an adaptive Runge-Kutta method up to the next reversal.
 ///
 /// ```
-/// use iwan_core::{Backbone, Decay, FourParameter, Oscillator, ResidualStiffness, Reversal};
+/// use iwan_core::{Backbone, Decay, FourParameter, Motion, Oscillator, ResidualStiffness, Reversal};
 /// let joint = FourParameter::new(4.45e4, 239.4, -0.183, 0.3)?;
 /// let mode = Oscillator::new(124.0, 0.0, joint.k_t(), ResidualStiffness::Positive)?;
-/// let start = (0.1 * joint.phi_max(), 0.0);
-/// let mut decay = Decay::new(&mode, &joint, 0.0, start, [Reversal::default(); 64])?;
+/// let start = 0.1 * joint.phi_max();
+/// let mut decay = Decay::new(&mode, &joint, 0.0, Motion::held_at(start), [Reversal::default(); 64])?;
 /// let first = decay.next().unwrap();
 /// // What friction took from the first half cycle is half a closed loop of the mean amplitude, nearly.
-/// let lost = 0.5 * mode.k_inf() * (start.0.powi(2) - first.displacement.powi(2))
-///     + joint.energy(start.0) - joint.energy(first.displacement);
-/// let mean = 0.5 * (start.0 - first.displacement);
+/// let lost = 0.5 * mode.k_inf() * (start.powi(2) - first.displacement.powi(2))
+///     + joint.energy(start) - joint.energy(first.displacement);
+/// let mean = 0.5 * (start - first.displacement);
 /// assert!((lost / (0.5 * joint.dissipation(mean)) - 1.0).abs() < 0.01);
 /// # Ok::<(), iwan_core::Error>(())
 /// ```
@@ -33,24 +34,17 @@ pub struct Decay<'a, B, S> {
     joint: Continuum<&'a B>,
     memory: Reversals<S>,
     /// Time, displacement and velocity up to which the memory stands.
-    now: Motion,
+    now: Moment,
     /// The latest half cycle of the map, and whether it is under way from `now`.
     half: HalfCycle,
     under_way: bool,
     /// The clock of the half cycle under way, once asked for.
     clock: Option<PhaseClock>,
-    start: (f64, f64),
+    /// The motion at the start, and the energy that the joint's springs stored there.
+    start: Motion,
     stored: f64,
-    /// Work of the constant force, of the damper and on the joint.
-    work: [f64; 3],
-}
-
-/// A state of motion.
-#[derive(Debug, Clone, Copy, PartialEq)]
-struct Motion {
-    time: f64,
-    q: f64,
-    v: f64,
+    /// Works of the constant force, on the damper and on the joint since then.
+    works: Works,
 }
 
 /// A reversal of a free decay.
@@ -79,8 +73,7 @@ pub struct PathNode {
 }
 
 impl<'a, B: Backbone, S: AsRef<[Reversal]> + AsMut<[Reversal]>> Decay<'a, B, S> {
-    /// From rest history: the joint is loaded along the virgin curve up to the displacement `start.0` and
-    /// released with the velocity `start.1`; `load` is a constant force. `stack` has room for the
+    /// From the virgin joint, loaded along its curve up to the displacement of `start` and released with its velocity; `load` is a constant force. `stack` has room for the
     /// reversals: one per half cycle, at least three.
     ///
     /// # Errors
@@ -89,13 +82,13 @@ impl<'a, B: Backbone, S: AsRef<[Reversal]> + AsMut<[Reversal]>> Decay<'a, B, S> 
         oscillator: &Oscillator,
         law: &'a B,
         load: f64,
-        start: (f64, f64),
+        start: Motion,
         stack: S,
     ) -> Result<Self, Error> {
         let joint = Continuum::new(law);
         let mut memory = joint.virgin(stack)?;
-        joint.advance(&mut memory, start.0);
-        Self::from_memory(oscillator, law, load, memory, start.1)
+        joint.advance(&mut memory, start.displacement);
+        Self::from_memory(oscillator, law, load, memory, start.velocity)
     }
 
     /// From a state that time stepping has reached: `memory` and `velocity`.
@@ -116,11 +109,12 @@ impl<'a, B: Backbone, S: AsRef<[Reversal]> + AsMut<[Reversal]>> Decay<'a, B, S> 
         }
         let map = Map::new(oscillator, law, load)?;
         let stored = joint.stored_energy(&memory);
-        let now = Motion { time: 0.0, q, v: velocity };
-        let (half, under_way, clock, start, work) = (HalfCycle::NONE, false, None, (q, velocity), [0.0; 3]);
+        let now = Moment { time: 0.0, q, v: velocity };
+        let start = Motion { displacement: q, velocity };
+        let (half, under_way, clock, works) = (HalfCycle::NONE, false, None, Works::default());
         let oscillator = *oscillator;
         let mut decay =
-            Self { map, oscillator, joint, memory, now, half, under_way, clock, start, stored, work };
+            Self { map, oscillator, joint, memory, now, half, under_way, clock, start, stored, works };
         if velocity == 0.0 {
             decay.turn_towards_equilibrium();
         } else if velocity * decay.memory.direction() < 0.0 {
@@ -176,10 +170,10 @@ impl<'a, B: Backbone, S: AsRef<[Reversal]> + AsMut<[Reversal]>> Decay<'a, B, S> 
     /// (a start in mid-motion, an older loop that closes).
     ///
     /// ```
-    /// use iwan_core::{Decay, FourParameter, Oscillator, ResidualStiffness, Reversal};
+    /// use iwan_core::{Decay, FourParameter, Motion, Oscillator, ResidualStiffness, Reversal};
     /// let joint = FourParameter::new(4.45e4, 239.4, -0.183, 0.3)?;
     /// let mode = Oscillator::new(124.0, 1e-3, joint.k_t(), ResidualStiffness::Positive)?;
-    /// let mut decay = Decay::new(&mode, &joint, 0.0, (0.01, 0.0), [Reversal::default(); 64])?;
+    /// let mut decay = Decay::new(&mode, &joint, 0.0, Motion::held_at(0.01), [Reversal::default(); 64])?;
     /// let (mut travel, mut duration) = (0.0, 0.0);
     /// let end = decay.next_with(|node| {
     ///     travel += node.weight * node.velocity;
@@ -194,9 +188,9 @@ impl<'a, B: Backbone, S: AsRef<[Reversal]> + AsMut<[Reversal]>> Decay<'a, B, S> 
             return None;
         }
         let (half, start) = (&self.half, self.now.time);
-        self.map.phase(half).visit(|share, speed, time, weight| {
-            let (displacement, velocity) = half.motion(share, speed);
-            visit(PathNode { time: start + time, displacement, velocity, weight });
+        self.map.phase(half).visit(|node| {
+            let Motion { displacement, velocity } = half.motion(node.share, node.speed);
+            visit(PathNode { time: start + node.time, displacement, velocity, weight: node.weight });
         });
         self.next()
     }
@@ -206,10 +200,10 @@ impl<'a, B: Backbone, S: AsRef<[Reversal]> + AsMut<[Reversal]>> Decay<'a, B, S> 
     fn finish(&mut self) {
         let half = &self.half;
         let (before, end) = (self.now.q, half.end());
-        self.work[0] += self.map.load * (end - before);
-        self.work[1] += half.viscous;
-        self.work[2] += half.joint;
-        self.now = Motion { time: self.now.time + half.duration, q: end, v: 0.0 };
+        self.works.force += self.map.load * (end - before);
+        self.works.damper += half.viscous;
+        self.works.joint += half.joint;
+        self.now = Moment { time: self.now.time + half.duration, q: end, v: 0.0 };
         self.clock = None;
         if half.is_micro_slip() {
             self.memory.turn_within(end, half.force, self.map.law);
@@ -220,8 +214,8 @@ impl<'a, B: Backbone, S: AsRef<[Reversal]> + AsMut<[Reversal]>> Decay<'a, B, S> 
         self.set_out();
     }
 
-    /// Displacement and velocity at the time `t`, which must not lie before the last call's.
-    fn motion_at(&mut self, t: f64) -> (f64, f64) {
+    /// The motion at the time `t`, which must not lie before the last call's.
+    fn motion_at(&mut self, t: f64) -> Motion {
         loop {
             if self.under_way {
                 let half = &self.half;
@@ -231,7 +225,7 @@ impl<'a, B: Backbone, S: AsRef<[Reversal]> + AsMut<[Reversal]>> Decay<'a, B, S> 
                 }
                 self.finish();
             } else if !self.march(t) {
-                return (self.now.q, self.now.v);
+                return Motion { displacement: self.now.q, velocity: self.now.v };
             }
         }
     }
@@ -244,7 +238,7 @@ impl<'a, B: Backbone, S: AsRef<[Reversal]> + AsMut<[Reversal]>> Decay<'a, B, S> 
         crate::error::check("time step", dt, dt > 0.0, "must be a finite number of seconds > 0")?;
         let samples = out.checked_len()?;
         for n in 0..samples {
-            let (q, v) = self.motion_at(n as f64 * dt);
+            let Motion { displacement: q, velocity: v } = self.motion_at(n as f64 * dt);
             let branch = self.memory.branch();
             let (force, _) = branch.force_and_tangent(self.map.law, q);
             let a = self.map.load - self.map.viscous * v - self.map.k_inf * q - force;
@@ -257,8 +251,24 @@ impl<'a, B: Backbone, S: AsRef<[Reversal]> + AsMut<[Reversal]>> Decay<'a, B, S> 
     #[must_use]
     pub fn energy(&self) -> EnergyBalance {
         let stored = JointEnergy { start: self.stored, end: self.joint.stored_energy(&self.memory) };
-        EnergyBalance::close(&self.oscillator, [self.start, (self.now.q, self.now.v)], stored, self.work)
+        let now = Motion { displacement: self.now.q, velocity: self.now.v };
+        EnergyBalance::close(&self.oscillator, [self.start, now], stored, self.works)
     }
+}
+
+/// @@MOST_BISECTIONS
+const MOST_BISECTIONS: u32 = 60;
+
+/// @@LONGEST_ANGLE
+const LONGEST_ANGLE: f64 = 0.05;
+
+/// @@SHORTEST
+const SHORTEST: f64 = 1e-6;
+
+/// A function of the motion whose zero is sought, and its rate of change.
+struct Crossing {
+    value: f64,
+    rate: f64,
 }
 
 /// Steps after which a motion without reversal is called creeping: 50,000 rad of the mode at the least.
@@ -271,7 +281,7 @@ const STEP_TOLERANCE: f64 = 1e-13;
 impl<B: Backbone, S: AsRef<[Reversal]> + AsMut<[Reversal]>> Decay<'_, B, S> {
     /// Integrates up to the time `until` (false) or the next reversal (true); false as well at rest.
     fn march(&mut self, until: f64) -> bool {
-        let longest = 0.05 / libm::sqrt(self.map.k_inf + self.map.law.initial_stiffness());
+        let longest = LONGEST_ANGLE / libm::sqrt(self.map.k_inf + self.map.law.initial_stiffness());
         let mut h = longest;
         if self.now.v == 0.0 && self.acceleration(&self.memory.branch(), self.now.q, 0.0) == 0.0 {
             return false;
@@ -282,13 +292,13 @@ impl<B: Backbone, S: AsRef<[Reversal]> + AsMut<[Reversal]>> Decay<'_, B, S> {
             }
             let branch = self.memory.branch();
             h = h.min(until - self.now.time).min(longest);
-            let (next, error) = self.step(&branch, h);
+            let Step { end: next, error } = self.step(&branch, h);
             let scale = libm::fabs(self.now.v) + libm::fabs(next.v) + f64::MIN_POSITIVE;
             let shrink = libm::pow(STEP_TOLERANCE * scale / (error + f64::MIN_POSITIVE), 0.2);
             let (force, _) = branch.force_and_tangent(self.map.law, next.q);
             let forces = libm::fabs(self.map.k_inf * next.q) + libm::fabs(force) + libm::fabs(self.map.load);
             let noise = f64::EPSILON * forces * h;
-            if error > STEP_TOLERANCE * scale + noise && h > 1e-6 * longest {
+            if error > STEP_TOLERANCE * scale + noise && h > SHORTEST * longest {
                 h *= (0.9 * shrink).clamp(0.1, 0.9);
                 continue;
             }
@@ -299,18 +309,23 @@ impl<B: Backbone, S: AsRef<[Reversal]> + AsMut<[Reversal]>> Decay<'_, B, S> {
                 h *= (0.9 * shrink).clamp(0.5, 4.0);
                 continue;
             }
-            let turning =
-                turns.then(|| self.locate(&branch, h, |m| (m.v, self.acceleration(&branch, m.q, m.v))));
-            let closing = closes.then(|| self.locate(&branch, h, |m| (m.q - branch.end, m.v)));
+            let turning = turns.then(|| {
+                self.locate(&branch, h, |m| Crossing {
+                    value: m.v,
+                    rate: self.acceleration(&branch, m.q, m.v),
+                })
+            });
+            let closing =
+                closes.then(|| self.locate(&branch, h, |m| Crossing { value: m.q - branch.end, rate: m.v }));
             match (turning, closing) {
                 (Some(t), c) if c.is_none_or(|c| t.time <= c.time) => {
-                    self.accept(&branch, Motion { v: 0.0, ..t });
+                    self.accept(&branch, Moment { v: 0.0, ..t });
                     self.memory.reverse(self.map.law);
                     self.set_out();
                     return true;
                 }
                 (_, Some(c)) => {
-                    self.accept(&branch, Motion { q: branch.end, ..c });
+                    self.accept(&branch, Moment { q: branch.end, ..c });
                     self.memory.forget_closed_loop();
                 }
                 _ => return false,
@@ -320,25 +335,24 @@ impl<B: Backbone, S: AsRef<[Reversal]> + AsMut<[Reversal]>> Decay<'_, B, S> {
     }
 
     /// Takes over the end of a step, with the works by Simpson's rule on its midpoint.
-    fn accept(&mut self, branch: &Branch, next: Motion) {
-        let middle = self.step(branch, 0.5 * (next.time - self.now.time)).0;
+    fn accept(&mut self, branch: &Branch, next: Moment) {
+        let middle = self.step(branch, 0.5 * (next.time - self.now.time)).end;
         let power = |v: f64| v * v * self.map.viscous;
         let h = next.time - self.now.time;
-        self.work[0] += self.map.load * (next.q - self.now.q);
-        self.work[1] += h / 6.0 * (power(self.now.v) + 4.0 * power(middle.v) + power(next.v));
-        self.work[2] += branch.work(self.map.law, next.q) - branch.work(self.map.law, self.now.q);
+        self.works.force += self.map.load * (next.q - self.now.q);
+        self.works.damper += h / 6.0 * (power(self.now.v) + 4.0 * power(middle.v) + power(next.v));
+        self.works.joint += branch.work(self.map.law, next.q) - branch.work(self.map.law, self.now.q);
         self.memory.rest_at(next.q, branch.force_and_tangent(self.map.law, next.q));
         self.now = next;
     }
 
-    /// The time within a step of length `h` at which a function of the motion crosses zero, by Newton's
-    /// method on steps from the present state.
-    fn locate(&self, branch: &Branch, h: f64, f: impl Fn(&Motion) -> (f64, f64)) -> Motion {
+    /// The moment within a step of length `h` at which a function of the motion crosses zero, by Newton's method on
+    /// steps from the present state; a bracket catches what it would throw out.
+    fn locate(&self, branch: &Branch, h: f64, f: impl Fn(&Moment) -> Crossing) -> Moment {
         let (mut low, mut high, mut at) = (0.0, h, h);
-        let sign = f(&self.step(branch, h).0).0;
-        for _ in 0..60 {
-            let motion = self.step(branch, at).0;
-            let (value, rate) = f(&motion);
+        let sign = f(&self.step(branch, h).end).value;
+        for _ in 0..MOST_BISECTIONS {
+            let Crossing { value, rate } = f(&self.step(branch, at).end);
             if value * sign > 0.0 {
                 high = at;
             } else {
@@ -351,38 +365,11 @@ impl<B: Backbone, S: AsRef<[Reversal]> + AsMut<[Reversal]>> Decay<'_, B, S> {
             }
             at = next;
         }
-        self.step(branch, at).0
+        self.step(branch, at).end
     }
 
-    /// One step of Dormand and Prince's 5(4) pair (J. Comput. Appl. Math. 6:19, 1980,
-    /// doi:10.1016/0771-050X(80)90013-3), and the difference of its two velocities.
-    fn step(&self, branch: &Branch, h: f64) -> (Motion, f64) {
-        const A: [&[f64]; 6] = [
-            &[1.0 / 5.0],
-            &[3.0 / 40.0, 9.0 / 40.0],
-            &[44.0 / 45.0, -56.0 / 15.0, 32.0 / 9.0],
-            &[19372.0 / 6561.0, -25360.0 / 2187.0, 64448.0 / 6561.0, -212.0 / 729.0],
-            &[9017.0 / 3168.0, -355.0 / 33.0, 46732.0 / 5247.0, 49.0 / 176.0, -5103.0 / 18656.0],
-            &[35.0 / 384.0, 0.0, 500.0 / 1113.0, 125.0 / 192.0, -2187.0 / 6784.0, 11.0 / 84.0],
-        ];
-        const ERROR: [f64; 7] = [
-            71.0 / 57600.0,
-            0.0,
-            -71.0 / 16695.0,
-            71.0 / 1920.0,
-            -17253.0 / 339_200.0,
-            22.0 / 525.0,
-            -1.0 / 40.0,
-        ];
-        let Motion { time, q, v } = self.now;
-        let mut slopes = [(v, self.acceleration(branch, q, v)); 7];
-        let mut end = (q, v);
-        for (stage, row) in A.iter().enumerate() {
-            let sum = row.iter().zip(&slopes).fold((0.0, 0.0), |s, (a, k)| (s.0 + a * k.0, s.1 + a * k.1));
-            end = (q + h * sum.0, v + h * sum.1);
-            slopes[stage + 1] = (end.1, self.acceleration(branch, end.0, end.1));
-        }
-        let error: f64 = ERROR.iter().zip(&slopes).map(|(e, k)| e * k.1).sum();
-        (Motion { time: time + h, q: end.0, v: end.1 }, libm::fabs(h * error))
+    /// One step of length `h` from the present state, on the branch that holds there.
+    fn step(&self, branch: &Branch, h: f64) -> Step {
+        dormand_prince::step(self.now, h, |q, v| self.acceleration(branch, q, v))
     }
 }

@@ -6,7 +6,7 @@
 
 use core::array::from_fn;
 
-use super::phase::{MOST_PASSES, NODES, Node, PANELS, Phase};
+use super::phase::{MOST_PASSES, NODES, Node, PANELS, Phase, Share};
 use crate::law::{Backbone, PowerLaw};
 
 /// Relative change of the travel at which the passes end: the damping then stands to a billionth and better.
@@ -112,16 +112,16 @@ impl MacroSlip {
         for (panel, nodes) in slip.phase.panels().iter().zip(&mut nodes) {
             let shares = panel.shares();
             let slipping = panel.from >= cut;
-            let micro = shares.map(|(x, _)| x * 0.5 * length / self.limit);
+            let micro = shares.map(|share| share.gone * 0.5 * length / self.limit);
             let power = if slipping { [0.0; NODES] } else { powers.at(&micro) };
             *nodes = from_fn(|i| {
-                let (x, rest) = shares[i];
+                let Share { gone: x, left: rest } = shares[i];
                 let joint = if slipping {
                     rest * left
                 } else {
                     x * (whole - 0.5 * length * (self.half_force * micro[i] - self.softening * power[i]))
                 };
-                Node::new((x, rest), 2.0 * self.k_inf * x * rest + per_arm * joint)
+                Node::new(shares[i], 2.0 * self.k_inf * x * rest + per_arm * joint)
             });
         }
         nodes

@@ -15,11 +15,11 @@ use core::f64::consts::PI;
 
 use super::macro_slip::{MacroSlip, Slip};
 use super::micro_slip::{MicroSlip, Travel};
-use super::phase::{MOST_PASSES, NODES, Node, PANELS, PASS_TOLERANCE, Phase, PhaseClock};
+use super::phase::{MOST_PASSES, NODES, Node, PANELS, PASS_TOLERANCE, Phase, PhaseClock, Reading, Share};
 use crate::error::Error;
 use crate::law::Backbone;
 use crate::memory::Branch;
-use crate::step::Oscillator;
+use crate::step::{Motion, Oscillator};
 
 /// One half cycle from reversal to reversal.
 #[derive(Debug, Clone, Copy)]
@@ -69,18 +69,40 @@ impl HalfCycle {
         self.micro.is_some()
     }
 
-    /// Displacement and velocity at the time `t` after its start; `clock` is its own.
-    pub(crate) fn at(&self, clock: &PhaseClock, t: f64) -> (f64, f64) {
-        let (theta, omega) = clock.at(t);
+    /// The motion at the time `t` after its start; `clock` is its own.
+    pub(crate) fn at(&self, clock: &PhaseClock, t: f64) -> Motion {
+        let Reading { value: theta, omega } = clock.at(t);
         let (s, c) = libm::sincos(0.5 * theta);
         self.motion(s * s, s * c * omega)
     }
 
-    /// Displacement and velocity where the share of the travel and the speed over the travel are these.
-    pub(crate) fn motion(&self, share: f64, speed: f64) -> (f64, f64) {
+    /// The motion where the share of the travel and the speed over the travel are these.
+    pub(crate) fn motion(&self, share: f64, speed: f64) -> Motion {
         let travel = self.direction * self.length;
-        (self.start + travel * share, travel * speed)
+        Motion { displacement: self.start + travel * share, velocity: travel * speed }
     }
+}
+
+/// A half cycle as its solver finds it.
+struct Found {
+    length: f64,
+    /// W/L².
+    damping: f64,
+    /// Joint force at its end.
+    force: f64,
+    phase: Phase,
+}
+
+/// Ω over a half cycle of a given travel, and ∫Ω sin²θ dθ.
+struct Settled {
+    phase: Phase,
+    work: f64,
+}
+
+/// Works over a half cycle.
+struct HalfCycleWorks {
+    viscous: f64,
+    joint: f64,
 }
 
 /// The map of one mode under a constant force.
@@ -115,7 +137,7 @@ impl<'a, B: Backbone> Map<'a, B> {
     /// Turns `half`, the half cycle before, into the one that leaves the reversal at which `branch` starts; false
     /// when the mass rests in equilibrium or the half cycle would close the loop around it (the caller then steps).
     ///
-    /// In place, because copies of what was just written would wait for the stores.
+    /// It is changed in place: a copy would have to wait until what was just written to it has reached memory.
     #[inline]
     pub(crate) fn half_cycle(&self, branch: &Branch, half: &mut HalfCycle) -> bool {
         let pull = branch.direction * (self.load - self.k_inf * branch.start.u - branch.start.force);
@@ -129,7 +151,7 @@ impl<'a, B: Backbone> Map<'a, B> {
             return false;
         }
         (half.start, half.direction) = (branch.start.u, branch.direction);
-        // A loop that closes in macro-slip leaves no trace in the force.
+        // A loop may close in macro-slip: there the force is F_S on both branches. The margin is rounding of the distance.
         let strongest = || self.law.strengths().1 * (1.0 - 4.0 * f64::EPSILON);
         !branch.passed_by(half.end()) || branch.virgin_distance(branch.end) >= strongest()
     }
@@ -143,21 +165,20 @@ impl<'a, B: Backbone> Map<'a, B> {
         let travel = &half.micro;
         (half.length, half.duration) = (travel.length, travel.duration());
         half.force = branch.start.force + branch.direction * micro.force(travel);
-        (half.viscous, half.joint) = self.works(branch, pull, travel.length, travel.damping());
+        let works = self.works(branch, pull, travel.length, travel.damping());
+        (half.viscous, half.joint) = (works.viscous, works.joint);
         true
     }
 
     /// Works of the damper and on the joint: P(L) = W leaves the latter from the pull and the residual spring.
     #[inline]
-    fn works(&self, branch: &Branch, pull: f64, length: f64, damping: f64) -> (f64, f64) {
+    fn works(&self, branch: &Branch, pull: f64, length: f64, damping: f64) -> HalfCycleWorks {
         let viscous = damping * length * length;
-        (
-            viscous,
-            (branch.direction * branch.start.force + pull - 0.5 * self.k_inf * length) * length - viscous,
-        )
+        let held = branch.direction * branch.start.force + pull - 0.5 * self.k_inf * length;
+        HalfCycleWorks { viscous, joint: held * length - viscous }
     }
 
-    /// Under a power law, all of the joint slipping before the end.
+    /// A half cycle under a power law that ends in macro-slip.
     #[cold]
     fn macro_slip(&self, branch: &Branch, pull: f64, half: &mut HalfCycle) -> bool {
         let Some(whole) = &self.whole else { return false };
@@ -169,10 +190,10 @@ impl<'a, B: Backbone> Map<'a, B> {
         };
         let Some(Slip { length, damping, phase }) = whole.half_cycle(pull, guess) else { return false };
         let force = branch.start.force + branch.direction * 2.0 * self.law.slip_force();
-        self.found(branch, pull, half, (length, damping, force, phase))
+        self.found(branch, pull, half, Found { length, damping, force, phase })
     }
 
-    /// Any law, any amplitude.
+    /// A half cycle under any law at any amplitude, with passes over the travel because the damper's work depends on it.
     #[cold]
     fn any_slip(&self, branch: &Branch, pull: f64, half: &mut HalfCycle) -> bool {
         // G >= 0, so P < 0 here, and P is concave: Newton's method comes down monotonically.
@@ -182,16 +203,16 @@ impl<'a, B: Backbone> Map<'a, B> {
         for _ in 0..MOST_PASSES {
             let Some(root) = self.root(pull, damping, length) else { return false };
             length = root;
-            let work;
-            (phase, work) = self.passes(length);
+            let settled = self.passes(length);
+            phase = settled.phase;
             let before = core::mem::replace(&mut duration, phase.duration());
             if self.viscous == 0.0 || libm::fabs(duration - before) <= PASS_TOLERANCE * duration {
                 break;
             }
-            damping = 0.25 * self.viscous * work;
+            damping = 0.25 * self.viscous * settled.work;
         }
         let force = branch.force_and_tangent(self.law, branch.start.u + branch.direction * length).0;
-        self.found(branch, pull, half, (length, damping, force, phase))
+        self.found(branch, pull, half, Found { length, damping, force, phase })
     }
 
     /// Notes a half cycle down; false when it has no duration.
@@ -200,9 +221,9 @@ impl<'a, B: Backbone> Map<'a, B> {
         branch: &Branch,
         pull: f64,
         half: &mut HalfCycle,
-        (length, damping, force, phase): (f64, f64, f64, Phase),
+        Found { length, damping, force, phase }: Found,
     ) -> bool {
-        let (viscous, joint) = self.works(branch, pull, length, damping);
+        let HalfCycleWorks { viscous, joint } = self.works(branch, pull, length, damping);
         let duration = phase.duration();
         *half = HalfCycle { length, viscous, joint, duration, force, phase, ..HalfCycle::NONE };
         duration > 0.0 && duration.is_finite()
@@ -219,7 +240,7 @@ impl<'a, B: Backbone> Map<'a, B> {
             let slope = pull - k * length - 2.0 * self.law.force(half);
             let step = -gained / slope;
             length += step;
-            // It comes from the right: a step back is rounding.
+            // The iteration comes from the right, so a step to the right is rounding.
             if libm::fabs(step) <= 4.0 * f64::EPSILON * length || (round > 0 && step >= 0.0) {
                 break;
             }
@@ -242,7 +263,7 @@ impl<'a, B: Backbone> Map<'a, B> {
 
     /// Ω and ∫Ω sin² for the travel L, the phase cut where the weakest and the strongest slider break
     /// loose; the damper's work up to each node by fixed-point passes.
-    fn passes(&self, length: f64) -> (Phase, f64) {
+    fn passes(&self, length: f64) -> Settled {
         let (weakest, strongest) = self.law.strengths();
         let cut = |phi: f64| 2.0 * libm::asin(libm::sqrt((2.0 * phi / length).min(1.0)));
         let mut phase = Phase::cut(cut(weakest), cut(strongest));
@@ -250,16 +271,15 @@ impl<'a, B: Backbone> Map<'a, B> {
         for (panel, nodes) in phase.panels().iter().zip(&mut nodes) {
             let shares = panel.shares();
             *nodes = core::array::from_fn(|i| {
-                let (x, rest) = shares[i];
-                Node::new((x, rest), self.gained(length, x, rest) / (0.25 * length * length))
+                Node::new(shares[i], self.gained(length, shares[i]) / (0.25 * length * length))
             });
         }
         let work = phase.settle(&nodes, self.viscous, 0.0);
-        (phase, work)
+        Settled { phase, work }
     }
 
-    /// P(y) - (y/L) P(L) at y = x L, where `rest` = 1 - x: free of cancellation between the pull and the end.
-    fn gained(&self, length: f64, x: f64, rest: f64) -> f64 {
+    /// P(y) - (y/L) P(L) at a share x = y/L of the travel. The pull drops out of the difference, so its digits are not lost in it.
+    fn gained(&self, length: f64, Share { gone: x, left: rest }: Share) -> f64 {
         let joint = x * self.law.energy(0.5 * length) - self.law.energy(0.5 * x * length);
         0.5 * self.k_inf * x * rest * length * length + 4.0 * joint
     }

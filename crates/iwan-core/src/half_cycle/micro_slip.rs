@@ -1,4 +1,4 @@
-//! Half cycles in micro-slip under a power law: one number tells them all.
+//! Half cycles in micro-slip under a power law: one number, the relative softening, determines all of them.
 //!
 //! With F_virgin(u) = K_T u - C u^p the energy gained is P(y) = s y - ½ω² y² + ρ y^(p+1), and with P(L) = W
 //! the phase velocity is Ω² = ω² [1 - ε τ(θ)] and a viscous term, τ = (1 - x^p)/(1 - x), x = sin²(θ/2). It depends on
@@ -12,6 +12,7 @@ use core::array::from_fn;
 use core::f64::consts::PI;
 
 use super::phase::{MATRIX, MOST_PASSES, NODES, PASS_TOLERANCE, Panel, Phase, RULE, SHARE};
+use crate::elementary::logarithm;
 use crate::law::PowerLaw;
 
 /// Most terms of the polynomials.
@@ -47,7 +48,7 @@ pub(crate) struct MicroSlip {
     shapes: [Shape; TERMS],
 }
 
-/// What ε alone tells of a half cycle: its duration, W/L², and the travel and ε of the next one over its own.
+/// What depends on ε alone: the duration of a half cycle, its damping W/L², and the travel and ε of the next one over its own.
 type Shape = [f64; 4];
 
 /// A half cycle found: what the next one starts from.
@@ -60,8 +61,8 @@ pub(crate) struct Travel {
 }
 
 impl MicroSlip {
-    /// For travels up to 2 φ_max, or to where the softening becomes too strong for short polynomials. None when it is so from the
-    /// beginning.
+    /// For travels up to 2 φ_max, or up to the softening at which [`TERMS`] no longer do. None when the polynomials miss the
+    /// quadrature at the check points, as they do where K_∞ is next to nothing.
     pub(crate) fn new(k_inf: f64, viscous: f64, law: &PowerLaw) -> Option<Self> {
         let p = law.exponent;
         let omega_squared = k_inf + law.stiffness;
@@ -93,8 +94,10 @@ impl MicroSlip {
         good.then_some(micro)
     }
 
-    /// Ω at the nodes for the softening ε, the damper's part by fixed-point passes: they gain the same factor each, so the error behind a pass
-    /// is its change times what it gained over the one before.
+    /// Ω at the nodes for the softening ε, the damper's part by fixed-point passes.
+    ///
+    /// Each pass shrinks the change by about the same factor, so the error that a pass leaves is near its change times the
+    /// ratio of that change to the one before. The passes end when this is below `tolerance`·Ω.
     fn omega(&self, softening: f64, tolerance: f64) -> [f64; NODES] {
         let base: [f64; NODES] = from_fn(|i| 2.0 * self.half_stiffness * (1.0 - softening * self.tau[i]));
         let mut omega = base.map(libm::sqrt);
@@ -125,7 +128,7 @@ impl MicroSlip {
         [panel.duration(), 0.25 * self.viscous * work]
     }
 
-    /// Tabled shape.
+    /// The shape from the table.
     #[inline]
     fn shape(&self, softening: f64) -> Shape {
         let x = softening * self.to_unit - 1.0;
@@ -138,7 +141,7 @@ impl MicroSlip {
         shape
     }
 
-    /// Duration and damping by interpolation, then, with these, what comes next.
+    /// Tables duration and damping first, then, which needs these, what the next half cycle is.
     fn fill_table(&mut self) {
         let n = self.terms;
         let nodes: [f64; TERMS] = from_fn(|i| libm::cos(PI * (i as f64 + 0.5) / n as f64));
@@ -217,14 +220,14 @@ impl MicroSlip {
         travel
     }
 
-    /// The half cycle under `pull`. `last` is the half cycle before and becomes this one; beyond micro-slip it
-    /// stays, and the answer is false.
+    /// The half cycle under `pull`. `last` is the half cycle before and becomes this one; beyond the table it
+    /// stays as it is, and the answer is false.
     #[inline]
     pub(crate) fn travel(&self, pull: f64, last: &mut Travel) -> bool {
         let [_, _, travel, growth] = last.shape;
         let next = self.at(last.length * travel, last.softening * growth);
         let expected = next.length * self.pull_over_travel(next.softening, next.damping());
-        // Not so behind a half cycle of another kind, and once in a while for rounding.
+        // The prediction fails after a half cycle in macro-slip, and rarely from rounding; then the equation is solved anew.
         if libm::fabs(expected - pull) <= PULL_TOLERANCE * pull {
             *last = next;
             return true;
@@ -299,23 +302,6 @@ const COUPLING: [[f64; NODES]; NODES] = {
     }
     matrix
 };
-
-/// ln x for 0 < x <= 1 from the series of artanh, the powers of two taken out.
-const fn logarithm(x: f64) -> f64 {
-    let (mut m, mut twos) = (x, 0.0);
-    while m < 0.7 {
-        m *= 2.0;
-        twos += 1.0;
-    }
-    let z = (m - 1.0) / (m + 1.0);
-    let (mut term, mut sum, mut k) = (2.0 * z, 0.0, 1.0);
-    while k < 60.0 {
-        sum += term / k;
-        term *= z * z;
-        k += 2.0;
-    }
-    sum - twos * core::f64::consts::LN_2
-}
 
 /// Σ c_k x^k of eight terms, pairs first: short chains for the processor.
 #[inline]

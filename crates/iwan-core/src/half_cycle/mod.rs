@@ -4,6 +4,7 @@ mod phase;
 mod micro_slip;
 mod macro_slip;
 mod map;
+mod dormand_prince;
 mod decay;
 
 pub use decay::{Decay, PathNode, TurningPoint};

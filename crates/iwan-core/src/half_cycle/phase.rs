@@ -2,15 +2,19 @@
 
 use core::f64::consts::PI;
 
+use crate::elementary::sine;
 use crate::quadrature::Rule;
 
-/// Nodes of the quadrature in the phase, per panel.
+/// @@NODES
 pub(crate) const NODES: usize = 12;
-/// Panels of a half cycle: below, between and above the weakest and the strongest slider.
+/// Panels of a half cycle: Ω has a corner where the weakest slider breaks loose and one where the strongest does, and is smooth
+/// below, between and above them.
 pub(crate) const PANELS: usize = 3;
+/// The rule in the phase.
 pub(crate) const RULE: Rule<NODES> = Rule::gauss_legendre();
+/// Integrals from the start of a panel up to its nodes.
 pub(crate) const MATRIX: [[f64; NODES]; NODES] = RULE.integration_matrix();
-/// Its transpose: sums over columns need no sum across a register.
+/// The transpose of [`MATRIX`]: a product with it adds whole columns, so no sum has to be taken across a register.
 const COLUMNS: [[f64; NODES]; NODES] = {
     let mut columns = [[0.0; NODES]; NODES];
     let mut i = 0;
@@ -36,10 +40,18 @@ pub(crate) const SHARE: [f64; NODES] = {
     share
 };
 
-/// Fixed-point passes stop when nothing changes by more than this share.
+/// @@PASS
 pub(crate) const PASS_TOLERANCE: f64 = 1e-12;
-/// … and after this many at the latest.
+/// @@MOST_PASSES
 pub(crate) const MOST_PASSES: u32 = 60;
+
+/// @@SLIVER
+const SLIVER: f64 = 1e-6;
+
+/// @@CLOCK
+const CLOCK_STEP: f64 = 1e-9;
+/// @@CLOCK_ROUNDS
+const CLOCK_ROUNDS: u32 = 8;
 
 /// A stretch of the phase on which Ω is smooth, with Ω at the nodes.
 #[derive(Debug, Clone, Copy)]
@@ -56,18 +68,19 @@ impl Panel {
         0.5 * (self.to - self.from)
     }
 
-    /// x = sin²(θ/2), the share y/L of the travel, and 1 - x at the nodes. They lie in pairs about the middle.
-    pub(crate) fn shares(&self) -> [(f64, f64); NODES] {
+    /// The shares of the travel at the nodes, which lie in pairs about the middle.
+    pub(crate) fn shares(&self) -> [Share; NODES] {
         if self.from == 0.0 && self.to == PI {
-            return core::array::from_fn(|i| (SHARE[i], SHARE[NODES - 1 - i]));
+            return core::array::from_fn(|i| Share { gone: SHARE[i], left: SHARE[NODES - 1 - i] });
         }
         let (sine, cosine) = libm::sincos(0.25 * (self.from + self.to));
-        let mut shares = [(0.0, 0.0); NODES];
+        let mut shares = [Share::default(); NODES];
         for i in 0..NODES / 2 {
             let (s, c) = libm::sincos(0.5 * self.half_width() * RULE.nodes[i]);
             let square = |x: f64| x * x;
-            shares[i] = (square(sine * c + cosine * s), square(cosine * c - sine * s));
-            shares[NODES - 1 - i] = (square(sine * c - cosine * s), square(cosine * c + sine * s));
+            let share = |gone: f64, left: f64| Share { gone: square(gone), left: square(left) };
+            shares[i] = share(sine * c + cosine * s, cosine * c - sine * s);
+            shares[NODES - 1 - i] = share(sine * c - cosine * s, cosine * c + sine * s);
         }
         shares
     }
@@ -77,13 +90,13 @@ impl Panel {
         self.half_width() * RULE.weights.iter().zip(&self.omega).map(|(w, o)| w / o).sum::<f64>()
     }
 
-    /// Times of the nodes from the start of the panel, with their weights dt.
-    fn times(&self) -> [(f64, f64); NODES] {
+    /// Times of the nodes from the start of the panel.
+    fn times(&self) -> [Tick; NODES] {
         let width = self.half_width();
         let slowness = self.omega.map(|o| width / o);
         core::array::from_fn(|i| {
             let time: f64 = MATRIX[i].iter().zip(&slowness).map(|(b, s)| b * s).sum();
-            (time, RULE.weights[i] * slowness[i])
+            Tick { time, weight: RULE.weights[i] * slowness[i] }
         })
     }
 
@@ -103,6 +116,45 @@ impl Panel {
     }
 }
 
+/// Share of the travel at a phase: x = sin²(θ/2) = y/L has gone by, 1 - x is left. Both are kept, because near the end
+/// 1 - x would lose its digits to the difference.
+#[derive(Debug, Clone, Copy, Default)]
+pub(crate) struct Share {
+    pub(crate) gone: f64,
+    pub(crate) left: f64,
+}
+
+/// A node in time.
+#[derive(Debug, Clone, Copy)]
+struct Tick {
+    /// Time from the start of the panel.
+    time: f64,
+    /// Weight dt of the node in an integral over time.
+    weight: f64,
+}
+
+/// A node of a half cycle on its way.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Waypoint {
+    /// Share y/L of the travel.
+    pub(crate) share: f64,
+    /// Speed over travel, y'/L.
+    pub(crate) speed: f64,
+    /// Time from the start of the half cycle.
+    pub(crate) time: f64,
+    /// Weight dt of the node in an integral over time.
+    pub(crate) weight: f64,
+}
+
+/// What a clock tells: the time at a phase, or the phase at a time, and Ω there.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Reading {
+    /// The time or the phase that was asked for.
+    pub(crate) value: f64,
+    /// Ω there.
+    pub(crate) omega: f64,
+}
+
 /// Time as a function of the phase within a panel.
 #[derive(Debug, Clone, Copy)]
 struct Clock {
@@ -119,7 +171,7 @@ impl Clock {
     }
 
     /// Time from the start of the panel to the phase `theta`, and Ω there. ∫P_k is (P_{k+1} - P_{k-1})/(2k+1).
-    fn time_at(&self, theta: f64) -> (f64, f64) {
+    fn time_at(&self, theta: f64) -> Reading {
         let x = (theta - self.from) / self.half_width - 1.0;
         let (mut time, mut slowness) = (0.0, 0.0);
         let (mut p, mut below) = (1.0, 0.0);
@@ -129,40 +181,31 @@ impl Clock {
             time += c * SHARE_OF_ORDER[k] * (above - lower);
             (below, p) = (p, above);
         }
-        (self.half_width * time, 1.0 / slowness)
+        Reading { value: self.half_width * time, omega: 1.0 / slowness }
     }
 
     /// The phase at the time `t` from the start of the panel, and Ω there: Newton's method on a function that
     /// is all but straight.
-    fn phase_at(&self, t: f64) -> (f64, f64) {
+    fn phase_at(&self, t: f64) -> Reading {
         let mut theta = self.from + 2.0 * self.half_width * (t / self.duration).clamp(0.0, 1.0);
         let mut omega = 0.0;
-        for _ in 0..8 {
-            let (time, rate) = self.time_at(theta);
+        for _ in 0..CLOCK_ROUNDS {
+            let Reading { value: time, omega: rate } = self.time_at(theta);
             let step = (t - time) * rate;
             (theta, omega) = (theta + step, rate);
-            if libm::fabs(step) < 1e-9 {
+            if libm::fabs(step) < CLOCK_STEP {
                 break;
             }
         }
-        (theta, omega)
+        Reading { value: theta, omega }
     }
 }
 
-/// sin x for 0 <= x <= π/2 by its Taylor series.
-const fn sine(x: f64) -> f64 {
-    let (mut term, mut sum, mut k) = (x, 0.0, 1.0);
-    while k < 30.0 {
-        sum += term;
-        term = -term * x * x / ((k + 1.0) * (k + 2.0));
-        k += 2.0;
-    }
-    sum
-}
-
-/// (2k+1)/(k+1), k/(k+1) and 1/(2k+1).
+/// (2k+1)/(k+1), the factor of x P_k in the recurrence of Legendre polynomials.
 const RISE: [f64; NODES] = orders(true);
+/// k/(k+1), the factor of P_{k-1} in it.
 const FALL: [f64; NODES] = orders(false);
+/// 1/(2k+1), the factor of P_{k+1} - P_{k-1} in ∫P_k.
 const SHARE_OF_ORDER: [f64; NODES] = {
     let mut share = [1.0; NODES];
     let mut k = 0;
@@ -189,16 +232,16 @@ const fn orders(rise: bool) -> [f64; NODES] {
 pub(crate) struct Node {
     /// Share y/L of the travel.
     share: f64,
-    /// sin²θ.
+    /// sin²θ = 4 x (1 - x).
     sine_squared: f64,
     /// P(y) - (y/L) P(L), per (L/2)².
     gained: f64,
 }
 
 impl Node {
-    /// At the share `x` = y/L, where `rest` = 1 - x.
-    pub(crate) fn new((x, rest): (f64, f64), gained: f64) -> Self {
-        Self { share: x, sine_squared: 4.0 * x * rest, gained }
+    /// A node at its share of the travel.
+    pub(crate) fn new(share: Share, gained: f64) -> Self {
+        Self { share: share.gone, sine_squared: 4.0 * share.gone * share.left, gained }
     }
 }
 
@@ -217,7 +260,6 @@ impl Phase {
 
     /// Panels between the phases `first` and `last`; slivers go to their neighbours.
     pub(crate) fn cut(first: f64, last: f64) -> Self {
-        const SLIVER: f64 = 1e-6;
         let mut phase = Self::single([0.0; NODES]);
         let mut start = 0.0;
         phase.used = 0;
@@ -233,7 +275,7 @@ impl Phase {
         phase
     }
 
-    /// Moves the only cut; Ω at the nodes stays as a first guess.
+    /// Moves the cut of a half cycle in two panels; Ω at the nodes stays as a first guess.
     pub(crate) fn cut_again(&mut self, at: f64) {
         if self.used == 2 {
             (self.panels[0].to, self.panels[1].from) = (at, at);
@@ -286,15 +328,15 @@ impl Phase {
         self.panels().iter().map(Panel::duration).sum()
     }
 
-    /// Share y/L of the travel, y'/L, time from the start of the half cycle and weight dt of each node, in the order of time.
-    pub(crate) fn visit(&self, mut node: impl FnMut(f64, f64, f64, f64)) {
+    /// Hands over the nodes in the order of time.
+    pub(crate) fn visit(&self, mut node: impl FnMut(Waypoint)) {
         let mut before = 0.0;
         for panel in self.panels() {
             let (shares, times) = (panel.shares(), panel.times());
             let speeds: [f64; NODES] =
-                core::array::from_fn(|i| libm::sqrt(shares[i].0 * shares[i].1) * panel.omega[i]);
-            for (i, (time, weight)) in times.into_iter().enumerate() {
-                node(shares[i].0, speeds[i], before + time, weight);
+                core::array::from_fn(|i| libm::sqrt(shares[i].gone * shares[i].left) * panel.omega[i]);
+            for (i, Tick { time, weight }) in times.into_iter().enumerate() {
+                node(Waypoint { share: shares[i].gone, speed: speeds[i], time: before + time, weight });
             }
             before += panel.duration();
         }
@@ -316,7 +358,7 @@ pub(crate) struct PhaseClock {
 
 impl PhaseClock {
     /// Phase and Ω at the time `t` after the start.
-    pub(crate) fn at(&self, t: f64) -> (f64, f64) {
+    pub(crate) fn at(&self, t: f64) -> Reading {
         let mut left = t;
         for clock in &self.clocks[..self.used - 1] {
             if left <= clock.duration {

@@ -6,7 +6,6 @@
 use core::f64::consts::PI;
 
 use super::backbone::{Backbone, PowerLaw};
-use super::power::FixedPower;
 use crate::error::{Error, check};
 
 /// A four-parameter Iwan joint.
@@ -24,13 +23,13 @@ use crate::error::{Error, check};
 /// ```
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct FourParameter {
-    k_t: f64,
-    f_s: f64,
-    chi: f64,
+    pub(super) k_t: f64,
+    pub(super) f_s: f64,
+    pub(super) chi: f64,
     beta: f64,
-    phi_max: f64,
+    pub(super) phi_max: f64,
     /// K_T - S: the stiffness of the power-law part.
-    k_power: f64,
+    pub(super) k_power: f64,
     s: f64,
     /// Factor g by which the first harmonic softens more than the secant.
     harmonic: f64,
@@ -160,7 +159,9 @@ impl FourParameter {
     }
 }
 
-/// g = (4/π) [2 I(2χ+6) - I(2χ+4)]; I(a + 2) = I(a) (a + 1)/(a + 2) turns the bracket into I(2χ+4) (χ+2)/(χ+3).
+/// Factor g = (4/π) [2 I(2χ+6) - I(2χ+4)] of the softening in K_1, with I(a) = √π Γ((a+1)/2) / Γ(a/2 + 1).
+///
+/// I(a + 2) = I(a) (a + 1)/(a + 2) turns the bracket into I(2χ+4) (χ+2)/(χ+3).
 fn first_harmonic_factor(chi: f64) -> f64 {
     let a = 2.0 * chi + 4.0;
     let i = libm::sqrt(core::f64::consts::PI) * libm::tgamma(0.5 * (a + 1.0)) / libm::tgamma(0.5 * a + 1.0);
@@ -175,21 +176,22 @@ impl FourParameter {
     }
 
     #[inline]
-    fn tangent_from_power(&self, p: f64) -> f64 {
+    pub(super) fn tangent_from_power(&self, p: f64) -> f64 {
         self.k_t - self.k_power * p
     }
 
+    /// Whether all sliders slip at `u` on the virgin curve.
     #[inline]
-    fn slipping(&self, u: f64) -> bool {
+    pub(super) fn slipping(&self, u: f64) -> bool {
         u.abs() >= self.phi_max
     }
 }
 
 impl FourParameter {
-    /// K_1 = -(4/πu) ∫F(u sin²(θ/2)) cos θ dθ from 0 to π, F = K_T z - C z^(χ+2) up to φ_max and F_S beyond.
+    /// K_1 = -(4/πu) ∫F(u sin²(θ/2)) cos θ dθ from 0 to π, with F = K_T z - C z^(χ+2) up to φ_max and F_S beyond.
     fn harmonic_in_macro_slip(&self, u: f64) -> f64 {
         let (x, p) = (self.phi_max / u, self.chi + 2.0);
-        // What `harmonic` is made of is the beta function at x = 1.
+        // B(p + ½, ½), which the factor g of micro-slip is made of.
         let beta = 0.25 * PI * self.harmonic * (p + 1.0) / p;
         let sticking = self.k_t * cosine_moment(1.0, 0.5 * PI, x);
         let softening = self.k_power / p * cosine_moment(p, beta, x);
@@ -198,8 +200,11 @@ impl FourParameter {
     }
 }
 
-/// x^(-p) ∫sin^(2p)(θ/2) cos θ dθ from 0 to where sin²(θ/2) = x < 1: by parts [2 x^(p+½) (1-x)^½ - p B_x(p+½, ½)]/(p+1), where `beta` is
-/// B(p+½, ½).
+/// x^(-p) ∫sin^(2p)(θ/2) cos θ dθ from 0 to where sin²(θ/2) = x < 1, which by parts is
+/// x^(-p) [2 x^(p+½) (1-x)^½ - p B_x(p+½, ½)]/(p+1). `beta` is the complete B(p+½, ½).
+///
+/// Beyond x = (a+1)/(a+b+2) the continued fraction of B_x(a, b) converges slowly, and that of 1 - x is taken:
+/// B_x(a, b) = B(a, b) - B_(1-x)(b, a) (DLMF 8.17.4).
 fn cosine_moment(p: f64, beta: f64, x: f64) -> f64 {
     let (a, b, root) = (p + 0.5, 0.5, libm::sqrt(x * (1.0 - x)));
     let incomplete = if x < (a + 1.0) / (a + b + 2.0) {
@@ -210,10 +215,14 @@ fn cosine_moment(p: f64, beta: f64, x: f64) -> f64 {
     (2.0 * root - p * incomplete) / (p + 1.0)
 }
 
+/// Most terms of the continued fraction. It needs 35 at the most for χ <= 1 (all x, to the last bit), so the bound only
+/// keeps NaN, which never converges, from going round for ever.
+const MOST_TERMS: i32 = 200;
+
 /// The continued fraction of a B_x(a, b) / (x^a (1-x)^b), for x below (a+1)/(a+b+2): DLMF 8.17.22, by Lentz's method.
 fn beta_fraction(a: f64, b: f64, x: f64) -> f64 {
     let (mut fraction, mut up, mut down) = (1.0, 1.0, 0.0);
-    for n in 1..200 {
+    for n in 1..MOST_TERMS {
         let m = f64::from(n / 2);
         let term = if n % 2 == 0 {
             m * (b - m) * x / ((a + 2.0 * m - 1.0) * (a + 2.0 * m))
@@ -317,80 +326,6 @@ impl Backbone for FourParameter {
             exponent,
             limit: self.phi_max,
         })
-    }
-}
-
-/// A [`FourParameter`] joint with tables for its power: the same law, three units in the last
-/// place apart at most, several times faster per evaluation (4 kB, about 3 µs to build).
-#[derive(Debug, Clone)]
-pub struct TabledFourParameter {
-    law: FourParameter,
-    inverse_phi_max: f64,
-    softening: f64,
-    table: FixedPower,
-}
-
-impl TabledFourParameter {
-    /// Builds the table for a joint.
-    #[must_use]
-    pub fn new(law: FourParameter) -> Self {
-        let inverse_phi_max = 1.0 / law.phi_max;
-        let softening = law.k_power / (law.chi + 2.0);
-        Self { law, inverse_phi_max, softening, table: FixedPower::new(law.chi + 1.0) }
-    }
-
-    /// The joint.
-    #[must_use]
-    pub const fn law(&self) -> &FourParameter {
-        &self.law
-    }
-}
-
-impl Backbone for TabledFourParameter {
-    fn initial_stiffness(&self) -> f64 {
-        self.law.k_t
-    }
-    fn slip_force(&self) -> f64 {
-        self.law.f_s
-    }
-    fn strengths(&self) -> (f64, f64) {
-        self.law.strengths()
-    }
-    fn force(&self, u: f64) -> f64 {
-        self.force_and_tangent(u).0
-    }
-    fn tangent(&self, u: f64) -> f64 {
-        self.force_and_tangent(u).1
-    }
-    fn energy(&self, u: f64) -> f64 {
-        self.law.energy(u)
-    }
-    fn dissipation(&self, u: f64) -> f64 {
-        self.law.dissipation(u)
-    }
-    fn harmonic_stiffness(&self, u: f64) -> f64 {
-        self.law.harmonic_stiffness(u)
-    }
-    #[inline]
-    fn force_and_tangent(&self, u: f64) -> (f64, f64) {
-        if self.law.slipping(u) {
-            return (self.law.f_s.copysign(u), 0.0);
-        }
-        let p = self.table.at((u * self.inverse_phi_max).abs());
-        (u * (self.law.k_t - self.softening * p), self.law.tangent_from_power(p))
-    }
-    fn is_smooth(&self) -> bool {
-        true
-    }
-
-    fn stiffness_below(&self, phi: f64) -> f64 {
-        self.law.stiffness_below(phi)
-    }
-    fn force_below(&self, phi: f64) -> f64 {
-        self.law.force_below(phi)
-    }
-    fn power_law(&self) -> Option<PowerLaw> {
-        self.law.power_law()
     }
 }
 

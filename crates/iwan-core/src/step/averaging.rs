@@ -8,6 +8,7 @@
 use core::f64::consts::PI;
 
 use super::energy::EnergyBalance;
+use super::motion::Motion;
 use super::oscillator::Oscillator;
 use super::response::Samples;
 use crate::error::{Error, check};
@@ -16,14 +17,14 @@ use crate::law::Backbone;
 /// Free decay of a mode by averaging.
 ///
 /// ```
-/// use iwan_core::{Averaging, Backbone, FourParameter, Oscillator, ResidualStiffness};
+/// use iwan_core::{Averaging, Backbone, FourParameter, Motion, Oscillator, ResidualStiffness};
 /// let joint = FourParameter::new(4.45e4, 239.4, -0.183, 0.3)?;
 /// let mode = Oscillator::new(124.0, 0.0, joint.k_t(), ResidualStiffness::Positive)?;
 /// let amplitude = 0.1 * joint.phi_max();
-/// let mut decay = Averaging::new(&mode, &joint, (amplitude, 0.0))?;
+/// let mut decay = Averaging::new(&mode, &joint, Motion::held_at(amplitude))?;
 /// // After a tenth of a period the amplitude has fallen at the rate D/(2π a² ω).
 /// let t = 0.1 / 124.0;
-/// let fallen = (amplitude / decay.at(t).0).ln();
+/// let fallen = (amplitude / decay.at(t).amplitude).ln();
 /// assert!((fallen / (t * decay.decay_rate(amplitude)) - 1.0).abs() < 1e-3);
 /// # Ok::<(), iwan_core::Error>(())
 /// ```
@@ -34,34 +35,62 @@ pub struct Averaging<'a, B> {
     start: Slow,
     time: f64,
     now: Slow,
-    next: Option<(f64, Slow)>,
+    next: Option<Step>,
+}
+
+/// Amplitude a and phase θ of a motion q = a cos θ.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct AmplitudePhase {
+    /// Amplitude a >= 0 (mass^½·length).
+    pub amplitude: f64,
+    /// Phase θ, rad: grows without bound.
+    pub phase: f64,
 }
 
 /// Logarithm of the amplitude and phase, with their rates.
+///
+/// Why the logarithm: its rate is the decay rate, which changes slowly over a ring-down while a falls by decades, and a
+/// step can never overshoot into a negative amplitude.
 #[derive(Debug, Clone, Copy, PartialEq)]
 struct Slow {
     log_amplitude: f64,
     phase: f64,
-    rates: (f64, f64),
+    /// d(ln a)/dt <= 0, 1/s.
+    growth: f64,
+    /// dθ/dt = ω, rad/s.
+    omega: f64,
 }
 
+/// One step: its length in s and where it ends.
+#[derive(Debug, Clone, Copy)]
+struct Step {
+    length: f64,
+    end: Slow,
+}
+
+/// @@MOST_ROUNDS
+const MOST_ROUNDS: u32 = 50;
+
+/// @@STEPS_A_CYCLE
+const STEPS_A_CYCLE: f64 = 20.0;
+
 impl<'a, B: Backbone> Averaging<'a, B> {
-    /// From displacement and velocity `start`, without force.
+    /// From the motion `start`, without force.
     ///
     /// # Errors
     /// [`Error::OutOfRange`] when a value is not finite or K_∞ <= 0.
-    pub fn new(oscillator: &Oscillator, law: &'a B, start: (f64, f64)) -> Result<Self, Error> {
+    pub fn new(oscillator: &Oscillator, law: &'a B, start: Motion) -> Result<Self, Error> {
         let k_inf = oscillator.k_inf();
         check("k_inf", k_inf, k_inf > 0.0, "averaging needs K_inf = omega0^2 - k_t > 0")?;
-        let (q, v) = start;
+        let Motion { displacement: q, velocity: v } = start;
         check("displacement", q, true, "must be a finite number")?;
         check("velocity", v, true, "must be a finite number")?;
-        let unset = Slow { log_amplitude: 0.0, phase: 0.0, rates: (0.0, 0.0) };
+        let unset = Slow { log_amplitude: 0.0, phase: 0.0, growth: 0.0, omega: 0.0 };
         let mut decay =
             Self { oscillator: *oscillator, law, start: unset, time: 0.0, now: unset, next: None };
         // Amplitude and frequency depend on each other, weakly.
         let mut omega = oscillator.omega0();
-        for _ in 0..50 {
+        for _ in 0..MOST_ROUNDS {
             let before = omega;
             omega = decay.frequency(libm::hypot(q, v / omega));
             if libm::fabs(omega - before) <= f64::EPSILON * omega {
@@ -93,37 +122,41 @@ impl<'a, B: Backbone> Averaging<'a, B> {
 
     fn slow(&self, log_amplitude: f64, phase: f64) -> Slow {
         let amplitude = libm::exp(log_amplitude);
-        Slow { log_amplitude, phase, rates: (-self.decay_rate(amplitude), self.frequency(amplitude)) }
+        let (growth, omega) = (-self.decay_rate(amplitude), self.frequency(amplitude));
+        Slow { log_amplitude, phase, growth, omega }
     }
 
     /// The classical Runge-Kutta step of about one cycle, shorter where much is lost in a cycle.
-    fn step(&self) -> (f64, Slow) {
+    fn step(&self) -> Step {
         let at = self.now;
-        let cycle = 2.0 * PI / at.rates.1;
-        let h = cycle / libm::ceil(1.0 - 20.0 * at.rates.0 * cycle / (2.0 * PI));
-        let rates = |s: Slow, h: f64| self.slow(at.log_amplitude + h * s.rates.0, at.phase + h * s.rates.1);
+        let cycle = 2.0 * PI / at.omega;
+        let h = cycle / libm::ceil(1.0 - STEPS_A_CYCLE * at.growth * cycle / (2.0 * PI));
+        let rates = |s: Slow, h: f64| self.slow(at.log_amplitude + h * s.growth, at.phase + h * s.omega);
         let b = rates(at, 0.5 * h);
         let c = rates(b, 0.5 * h);
         let d = rates(c, h);
         let mean = |r: fn(&Slow) -> f64| (r(&at) + 2.0 * (r(&b) + r(&c)) + r(&d)) / 6.0;
-        let log_amplitude = at.log_amplitude + h * mean(|s| s.rates.0);
-        (h, self.slow(log_amplitude, at.phase + h * mean(|s| s.rates.1)))
+        let log_amplitude = at.log_amplitude + h * mean(|s| s.growth);
+        let end = self.slow(log_amplitude, at.phase + h * mean(|s| s.omega));
+        Step { length: h, end }
     }
 
-    /// Amplitude a and phase θ at the time `t` since the start, not before the last call's.
-    pub fn at(&mut self, t: f64) -> (f64, f64) {
+    /// Amplitude and phase at the time `t` since the start, not before the last call's.
+    pub fn at(&mut self, t: f64) -> AmplitudePhase {
         if self.start.log_amplitude == f64::NEG_INFINITY {
-            return (0.0, self.start.phase);
+            return AmplitudePhase { amplitude: 0.0, phase: self.start.phase };
         }
         loop {
-            let (h, next) = self.next.unwrap_or_else(|| self.step());
-            self.next = Some((h, next));
+            let step = self.next.unwrap_or_else(|| self.step());
+            self.next = Some(step);
+            let Step { length: h, end: next } = step;
             if t - self.time <= h {
                 let s = (t - self.time) / h;
                 let cubic = |a: f64, da: f64, b: f64, db: f64| hermite(s, a, h * da, b, h * db);
                 let (now, then) = (self.now, next);
-                let log = cubic(now.log_amplitude, now.rates.0, then.log_amplitude, then.rates.0);
-                return (libm::exp(log), cubic(now.phase, now.rates.1, then.phase, then.rates.1));
+                let log = cubic(now.log_amplitude, now.growth, then.log_amplitude, then.growth);
+                let phase = cubic(now.phase, now.omega, then.phase, then.omega);
+                return AmplitudePhase { amplitude: libm::exp(log), phase };
             }
             self.time += h;
             (self.now, self.next) = (next, None);
@@ -143,15 +176,15 @@ impl<'a, B: Backbone> Averaging<'a, B> {
             let damper = 0.5 * self.oscillator.viscous() * (omega * a) * (omega * a);
             [self.law.dissipation(a) * omega / (2.0 * PI), damper]
         };
-        let first = decay.at(0.0).0;
+        let first = decay.at(0.0).amplitude;
         let mut balance =
             EnergyBalance { initial: elastic(first) + stored(first), ..EnergyBalance::default() };
         let mut last = first;
         let mut from = 0.0;
         while from < t && first > 0.0 {
             let to = (from + decay.step_length()).min(t);
-            let middle = decay.at(0.5 * (from + to)).0;
-            let end = decay.at(to).0;
+            let middle = decay.at(0.5 * (from + to)).amplitude;
+            let end = decay.at(to).amplitude;
             let [a, b, c] = [last, middle, end].map(powers);
             let simpson = |k: usize| (to - from) / 6.0 * (a[k] + 4.0 * b[k] + c[k]);
             balance.friction += simpson(0);
@@ -165,7 +198,7 @@ impl<'a, B: Backbone> Averaging<'a, B> {
     }
 
     fn step_length(&self) -> f64 {
-        2.0 * PI / self.now.rates.1
+        2.0 * PI / self.now.omega
     }
 
     /// Writes the samples at 0, dt, 2 dt, …: q = a cos θ, q' = -a ω sin θ and the first harmonic of the joint force.
@@ -175,7 +208,7 @@ impl<'a, B: Backbone> Averaging<'a, B> {
     pub fn sample(&mut self, dt: f64, out: &mut Samples<'_>) -> Result<(), Error> {
         check("time step", dt, dt > 0.0, "must be a finite number of seconds > 0")?;
         for n in 0..out.checked_len()? {
-            let (a, theta) = self.at(n as f64 * dt);
+            let AmplitudePhase { amplitude: a, phase: theta } = self.at(n as f64 * dt);
             if a * a <= f64::MIN_POSITIVE {
                 out.set(n, [0.0; 4]);
                 continue;

@@ -1,5 +1,6 @@
 //! Energy balance of a response.
 
+use super::motion::Motion;
 use super::newmark::Newmark;
 use super::oscillator::Oscillator;
 use super::response::{Samples, force_at};
@@ -38,6 +39,17 @@ pub struct JointEnergy {
     pub end: f64,
 }
 
+/// Works along a motion.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub(crate) struct Works {
+    /// Of the applied force.
+    pub(crate) force: f64,
+    /// On the viscous damper.
+    pub(crate) damper: f64,
+    /// On the joint, ∫ F_J dq.
+    pub(crate) joint: f64,
+}
+
 impl EnergyBalance {
     /// |residual| relative to the largest energy in play; 0 when nothing moved.
     #[must_use]
@@ -59,17 +71,16 @@ impl EnergyBalance {
         }
     }
 
-    /// Completes a balance from the works and the states at both ends.
-    ///
-    /// `start` and `end` are displacement and velocity, `joint_work` is ∫ F_J dq.
+    /// Completes a balance from the motion at the start and at the end, and the works in between.
     pub(crate) fn close(
         oscillator: &Oscillator,
-        [start, end]: [(f64, f64); 2],
+        [start, end]: [Motion; 2],
         stored: JointEnergy,
-        [input, viscous, joint_work]: [f64; 3],
+        works: Works,
     ) -> Self {
-        let kinetic = |(_, v): (f64, f64)| 0.5 * v * v;
-        let elastic = |(q, _): (f64, f64)| 0.5 * oscillator.k_inf() * q * q;
+        let Works { force: input, damper: viscous, joint: joint_work } = works;
+        let kinetic = |at: Motion| 0.5 * at.velocity * at.velocity;
+        let elastic = |at: Motion| 0.5 * oscillator.k_inf() * at.displacement * at.displacement;
         let initial = kinetic(start) + elastic(start) + stored.start;
         let gained = (kinetic(end) - kinetic(start)) + (elastic(end) - elastic(start));
         Self {
@@ -105,14 +116,15 @@ impl Newmark {
         };
         let half_scale = 0.5 * self.force_scale();
         let half_viscous = 0.5 * oscillator.viscous();
-        let (mut input, mut viscous, mut joint_work) = (0.0, 0.0, 0.0);
+        let mut works = Works::default();
         for n in 1..q.len() {
             let dq = q[n] - q[n - 1];
-            input += half_scale * (force_at(force, n - 1) + force_at(force, n)) * dq;
-            viscous += half_viscous * (v[n - 1] + v[n]) * dq;
-            joint_work += 0.5 * (joint[n - 1] + joint[n]) * dq;
+            works.force += half_scale * (force_at(force, n - 1) + force_at(force, n)) * dq;
+            works.damper += half_viscous * (v[n - 1] + v[n]) * dq;
+            works.joint += 0.5 * (joint[n - 1] + joint[n]) * dq;
         }
-        let ends = [(q[0], v[0]), (q_end, v_end)];
-        EnergyBalance::close(oscillator, ends, stored, [input, viscous, joint_work])
+        let start = Motion { displacement: q[0], velocity: v[0] };
+        let end = Motion { displacement: q_end, velocity: v_end };
+        EnergyBalance::close(oscillator, [start, end], stored, works)
     }
 }

@@ -5,7 +5,8 @@
 //! exact to rounding, resonance, critical damping and negative stiffness included. Events are roots
 //! of that polynomial. Slow beside the time steppers, and the reference for their order.
 
-use super::energy::{EnergyBalance, JointEnergy};
+use super::energy::{EnergyBalance, JointEnergy, Works};
+use super::motion::Motion;
 use super::oscillator::Oscillator;
 use super::pulse::{Pulse, Stretch};
 use super::response::Samples;
@@ -17,8 +18,12 @@ use crate::quadrature::Rule;
 const TERMS: usize = 18;
 /// Default angle per series: the remainder is below 0.5^18/18! = 6e-22.
 const ANGLE: f64 = 0.5;
-/// For the works of damper and force over one series.
+/// @@RULE
 const RULE: Rule<8> = Rule::gauss_legendre();
+/// @@MOST_ROUNDS
+const MOST_ROUNDS: u32 = 80;
+/// @@SAME_TIME
+const SAME_TIME: f64 = 1e-12;
 
 /// Event-driven integration of a mode with a population of sliders.
 ///
@@ -67,7 +72,7 @@ impl Series {
         let slope = self.derivative();
         let (mut low, mut high, mut t) = (0.0, h, h);
         let end = self.at(h) - level;
-        for _ in 0..80 {
+        for _ in 0..MOST_ROUNDS {
             let value = self.at(t) - level;
             if value * end > 0.0 {
                 high = t;
@@ -87,17 +92,32 @@ impl Series {
 
 /// How a stretch of linear motion ends.
 enum Event {
+    /// The time is over.
     Time,
+    /// The motion turns round.
     Turn,
+    /// A slider breaks loose.
     Break,
 }
 
+/// When and how a stretch of linear motion ends.
+struct Ending {
+    /// Time from its start.
+    after: f64,
+    event: Event,
+}
+
 /// The motion at one instant, and the works so far.
-struct Motion {
+struct Course {
     q: f64,
     v: f64,
-    /// Of the force, of the damper, on the joint.
-    work: [f64; 3],
+    works: Works,
+}
+
+impl Course {
+    fn motion(&self) -> Motion {
+        Motion { displacement: self.q, velocity: self.v }
+    }
 }
 
 impl<'a> EventDriven<'a> {
@@ -139,27 +159,27 @@ impl<'a> EventDriven<'a> {
         check("time step", dt, dt > 0.0, "must be a finite number of seconds > 0")?;
         let samples = out.checked_len()?;
         let stored = self.sliders.stored_energy(state);
-        let mut motion = Motion { q: state.displacement(), v: velocity, work: [0.0; 3] };
-        let start = (motion.q, velocity);
+        let mut course = Course { q: state.displacement(), v: velocity, works: Works::default() };
+        let start = course.motion();
         for n in 0..samples {
             if n > 0 {
-                self.advance(state, &mut motion, (n - 1) as f64 * dt, dt);
+                self.advance(state, &mut course, (n - 1) as f64 * dt, dt);
             }
             let t = n as f64 * dt;
             let joint = self.sliders.joint_force(state);
             let force = self.force_scale * self.force.at(t);
-            let a = force - self.oscillator.viscous() * motion.v - self.oscillator.k_inf() * motion.q - joint;
-            out.set(n, [motion.q, motion.v, a, joint]);
+            let a = force - self.oscillator.viscous() * course.v - self.oscillator.k_inf() * course.q - joint;
+            out.set(n, [course.q, course.v, a, joint]);
         }
         let stored = JointEnergy { start: stored, end: self.sliders.stored_energy(state) };
-        Ok(EnergyBalance::close(&self.oscillator, [start, (motion.q, motion.v)], stored, motion.work))
+        Ok(EnergyBalance::close(&self.oscillator, [start, course.motion()], stored, course.works))
     }
 
     /// From the time `t` to `t + dt`.
     fn advance<S: AsRef<[Run]> + AsMut<[Run]>>(
         &self,
         state: &mut Runs<S>,
-        motion: &mut Motion,
+        course: &mut Course,
         t: f64,
         dt: f64,
     ) {
@@ -168,7 +188,7 @@ impl<'a> EventDriven<'a> {
             let now = t + elapsed;
             let mut stretch = self.force.stretch(now);
             // A change of formula closer than rounding has already happened.
-            if stretch.until - now <= 1e-12 * dt {
+            if stretch.until - now <= SAME_TIME * dt {
                 stretch = self.force.stretch(stretch.until);
             }
             let stiffest = libm::sqrt(libm::fabs(self.oscillator.k_inf()));
@@ -176,7 +196,7 @@ impl<'a> EventDriven<'a> {
             let mut h = (dt - elapsed).min(self.angle / fastest);
             h = h.min(stretch.until - now);
             let last = h >= dt - elapsed;
-            let passed = self.piece(state, motion, &stretch, h);
+            let passed = self.piece(state, course, &stretch, h);
             elapsed = if last && passed >= h { dt } else { elapsed + passed };
         }
     }
@@ -185,13 +205,13 @@ impl<'a> EventDriven<'a> {
     fn piece<S: AsRef<[Run]> + AsMut<[Run]>>(
         &self,
         state: &mut Runs<S>,
-        motion: &mut Motion,
+        course: &mut Course,
         stretch: &Stretch,
         h: f64,
     ) -> f64 {
         let table = self.sliders.table();
         let segment = state.segment(table);
-        let series = self.series(motion, &segment, stretch);
+        let series = self.series(course, &segment, stretch);
         let heading = heading(&series);
         if heading * state.direction() < 0.0 {
             state.reverse(table);
@@ -200,7 +220,7 @@ impl<'a> EventDriven<'a> {
         if heading == 0.0 {
             return h;
         }
-        let (passed, event) = first_event(&series, &segment, heading, h);
+        let Ending { after: passed, event } = first_event(&series, &segment, heading, h);
         let velocity = series.derivative();
         let q = match event {
             Event::Break => segment.anchor + heading * segment.reach,
@@ -208,12 +228,12 @@ impl<'a> EventDriven<'a> {
         };
         let v = if matches!(event, Event::Turn) { 0.0 } else { velocity.at(passed) };
         let power = |t: f64| self.force_scale * stretch.at(t) * velocity.at(t);
-        motion.work[0] += RULE.integrate(0.0, passed, power);
-        motion.work[1] +=
+        course.works.force += RULE.integrate(0.0, passed, power);
+        course.works.damper +=
             self.oscillator.viscous() * RULE.integrate(0.0, passed, |t| velocity.at(t) * velocity.at(t));
-        let mean = 0.5 * ((q - segment.anchor) + (motion.q - segment.anchor));
-        motion.work[2] += (segment.base + segment.stiffness * mean) * (q - motion.q);
-        (motion.q, motion.v) = (q, v);
+        let mean = 0.5 * ((q - segment.anchor) + (course.q - segment.anchor));
+        course.works.joint += (segment.base + segment.stiffness * mean) * (q - course.q);
+        (course.q, course.v) = (q, v);
         state.rest_at(q);
         if matches!(event, Event::Break) {
             state.break_loose(table);
@@ -222,13 +242,13 @@ impl<'a> EventDriven<'a> {
     }
 
     /// Taylor series of the displacement: (n+1)(n+2) c_{n+2} = p_n - c (n+1) c_{n+1} - (K_∞ + K) c_n.
-    fn series(&self, motion: &Motion, segment: &Segment, stretch: &Stretch) -> Series {
+    fn series(&self, course: &Course, segment: &Segment, stretch: &Stretch) -> Series {
         let (k, c) = (self.oscillator.k_inf(), self.oscillator.viscous());
         let slope = k + segment.stiffness;
-        let held = k * motion.q + segment.base + segment.stiffness * (motion.q - segment.anchor);
+        let held = k * course.q + segment.base + segment.stiffness * (course.q - segment.anchor);
         let force = stretch.series(self.force_scale);
         let mut q = [0.0; TERMS];
-        (q[0], q[1]) = (motion.q, motion.v);
+        (q[0], q[1]) = (course.q, course.v);
         for n in 0..TERMS - 2 {
             let order = n as f64 + 1.0;
             let restoring = if n == 0 { held } else { slope * q[n] };
@@ -244,15 +264,16 @@ fn heading(series: &Series) -> f64 {
 }
 
 /// When and how the motion in direction `heading` ends within `h`.
-fn first_event(series: &Series, segment: &Segment, heading: f64, h: f64) -> (f64, Event) {
+fn first_event(series: &Series, segment: &Segment, heading: f64, h: f64) -> Ending {
     let velocity = series.derivative();
     let turn = turning_time(&velocity, heading, h);
     let monotone = turn.unwrap_or(h);
     let level = segment.anchor + heading * segment.reach;
     if heading * (series.at(monotone) - level) > 0.0 {
-        return (series.root(level, monotone), Event::Break);
+        return Ending { after: series.root(level, monotone), event: Event::Break };
     }
-    turn.map_or((h, Event::Time), |t| (t, Event::Turn))
+    let event = if turn.is_some() { Event::Turn } else { Event::Time };
+    Ending { after: monotone, event }
 }
 
 /// First time in (0, h] at which the velocity has changed sign, if it does. Over the short span of a series the

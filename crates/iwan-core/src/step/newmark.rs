@@ -1,15 +1,31 @@
 //! Newmark-β time integration of a mode with any hysteretic joint.
 //!
 //! N. M. Newmark, J. Eng. Mech. Div. ASCE 85(3):67, 1959; Deaner et al. ran β = 1/4, γ = 1/2
-//! (average acceleration). The acceleration is never integrated but taken from the equation of
-//! motion at every step, which keeps rounding from accumulating.
+//! (average acceleration).
 
 use super::oscillator::Oscillator;
 use super::response::{Samples, force_at};
 use crate::error::{Error, check};
 use crate::memory::Hysteresis;
 
-/// The scheme's parameters for one step size.
+/// The scheme's parameters for one step size h.
+///
+/// With c = 2 ζ_v ω0, displacement q, velocity v, acceleration a, applied force p, joint force F and Δq = q_1 - q_0, the step
+/// from sample 0 to sample 1 is
+///
+/// [1/(βh²) + γc/(βh) + K_∞] Δq + F_1 - F_0 =
+/// p_1 + [1/(βh) - c (1 - γ/β)] v_0 + [1/(2β) - 1 - c h (1 - γ/(2β))] a_0 - K_∞ q_0 - F_0,
+///
+/// v_1 = γ/(βh) Δq + (1 - γ/β) v_0 + h (1 - γ/(2β)) a_0,
+///
+/// a_1 = p_1 - c v_1 - K_∞ q_1 - F_1.
+///
+/// The force p acts in the direction of q; spring, damper and joint act against it: F is positive where the joint pulls
+/// back from a positive q.
+///
+/// Why this form: the unknown is the increment, so the displacement's own digits do not cancel in the step's equation, and
+/// [`Hysteresis::solve`] gets it as it stands. The acceleration is never integrated but taken from the equation of motion at
+/// every step, so rounding does not accumulate: each step starts from a state that is in balance.
 ///
 /// ```
 /// use iwan_core::{Newmark, NoJoint, Oscillator, ResidualStiffness, Samples};
@@ -33,7 +49,7 @@ pub struct Newmark {
     force_scale: f64,
 }
 
-/// q'_{n+1} from Δq, q'_n and q''_n, and the load of the step's equation from the latter two.
+/// The factors of a step as [`Newmark`] writes it: of Δq, v_0 and a_0 in v_1, and of v_0 and a_0 in the load.
 struct Coefficients {
     velocity_increment: f64,
     velocity_velocity: f64,
@@ -126,7 +142,8 @@ impl Newmark {
         }
     }
 
-    /// Integrates from the state (`velocity` and where the joint's `state` stands) over the samples.
+    /// Integrates from the state (`velocity` and where the joint's `state` stands) over the samples; returns the final
+    /// velocity.
     ///
     /// `force` holds one sample per time step, the first at the initial state, and is zero behind its end.
     ///
@@ -144,7 +161,7 @@ impl Newmark {
         let samples = out.checked_len()?;
         let stiffness = self.checked_effective_stiffness(oscillator)?;
         let (k, c) = (oscillator.k_inf(), oscillator.viscous());
-        let of = self.coefficients(c);
+        let factors = self.coefficients(c);
         let (mut q, mut v) = (joint.displacement(state), velocity);
         let mut joint_force = joint.joint_force(state);
         let mut p = force_at(force, 0);
@@ -154,10 +171,11 @@ impl Newmark {
             // The scheme's acceleration balances the scaled force.
             let a_scheme = a + (self.force_scale - 1.0) * p;
             p = force_at(force, n);
-            let known = (self.force_scale * p + of.load_velocity * v) - (k * q + joint_force);
-            let dq = joint.solve(state, stiffness, known + of.load_acceleration * a_scheme);
+            let known = (self.force_scale * p + factors.load_velocity * v) - (k * q + joint_force);
+            let dq = joint.solve(state, stiffness, known + factors.load_acceleration * a_scheme);
             q = joint.displacement(state);
-            v = of.velocity_increment * dq + (of.velocity_velocity * v + of.velocity_acceleration * a_scheme);
+            v = factors.velocity_increment * dq
+                + (factors.velocity_velocity * v + factors.velocity_acceleration * a_scheme);
             joint_force = joint.joint_force(state);
             a = p - c * v - (k * q + joint_force);
             out.set(n, [q, v, a, joint_force]);

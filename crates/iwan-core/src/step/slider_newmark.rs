@@ -1,14 +1,7 @@
 //! Average acceleration on a population of sliders, without Newton's method.
 //!
-//! With s = K_∞ q + F_J(q), w = (2/h) q' and l = ½(p_n + p_{n+1}) (times the prewarping factor), one step of the
-//! average-acceleration rule is keff Δq + ΔF_J = 2 r with r = l + w - s and keff = 4/h² + 2c/h + K_∞. F_J
-//! is piecewise linear with slope K, so Δq = 2 r/(keff + K) until a slider breaks loose, and
-//!
-//! r' = e + (4/h² - (K_∞ + K)) Δq,   e = l' - w - s,
-//! e' = l'' + (w - s) - (4/h² + (K_∞ + K)) Δq :
-//!
-//! between breaks a step waits for the one before through one product and one sum, and all else
-//! (outputs, w, s, the tests for a break) is taken from the state and runs beside, so nothing drifts.
+//! One implicit step on sliders is a monotone, piecewise-linear equation: the sign of its residual is the direction of motion, and
+//! its solution lies on the first straight piece that reaches it. [`Piece`] holds the recurrence between two breaks.
 
 use super::newmark::Newmark;
 use super::oscillator::Oscillator;
@@ -16,12 +9,12 @@ use super::response::{Samples, force_at};
 use crate::error::Error;
 use crate::memory::{Run, Runs, Segment, Slider, Sliders};
 
-/// The scheme's constants.
+/// The scheme's constants, for the viscous coefficient c and the step h.
 struct Scheme {
     k_inf: f64,
     /// -c.
     damping: f64,
-    /// keff.
+    /// keff = 4/h² + 2c/h + K_∞.
     stiffness: f64,
     /// 4/h².
     inertia: f64,
@@ -29,21 +22,43 @@ struct Scheme {
     to_velocity: f64,
 }
 
-/// The constants of one step while no slider breaks loose; x is counted from `anchor`.
+/// The constants of a step while no slider breaks loose.
+///
+/// With the velocity v, x = q - anchor, s = K_∞ q + F_J(q), w = (2/h) v, l the mean of the forces at both ends of the step (times
+/// the prewarping factor) and r = l + w - s, one step of average acceleration is keff Δq + ΔF_J = 2 r. On a straight
+/// piece of slope K, with a prime for the step after,
+///
+/// Δq = 2 r/(keff + K),   x' = x + Δq,   s' = held + slope x',   w' = (4/h²) Δq - w,
+///
+/// r' = e + (4/h² - (K_∞ + K)) Δq   with   e = l' - w - s,
+///
+/// e' = l'' + (w - s) - (4/h² + (K_∞ + K)) Δq.
+///
+/// Forces are positive as in [`Newmark`]: p acts in the direction of q, s against it.
+///
+/// Why this form: with Δq = inverse·r, a step waits for the one before through one product and one sum, r' = e + gain·r. All
+/// else, which is e, w, s, the outputs and the test for a break, runs beside that chain and is taken from the state itself and
+/// not summed up, so rounding does not accumulate: 20,000 steps stay within 1e-11 of a run in double-double
+/// arithmetic (a test).
 #[derive(Clone, Copy)]
 struct Piece {
+    /// Displacement from which x counts.
     anchor: f64,
     /// End of the piece, in direction·x.
     reach: f64,
-    /// Joint force and its slope at x.
+    /// Joint force at x = 0.
     joint: f64,
+    /// Its slope K.
     joint_slope: f64,
-    /// s = K_∞ q + F_J at x = 0 and its slope.
+    /// s at x = 0.
     held: f64,
+    /// Slope K_∞ + K of s.
     slope: f64,
-    /// 2/(keff + K), and the gains of r' and e'.
+    /// 2/(keff + K).
     inverse: f64,
+    /// (4/h² - slope)·inverse, the factor of r in r'.
     gain: f64,
+    /// (4/h² + slope)·inverse, the factor of r in e'.
     loss: f64,
 }
 
@@ -54,21 +69,26 @@ const UNROLLED: usize = 3;
 /// Breaks passed one by one in a step before the general search takes over.
 const WALK: usize = 4;
 
-/// What one step hands to the next.
+/// What one step hands to the next, in the letters of [`Piece`].
 #[derive(Clone, Copy)]
 struct Motion {
+    /// Displacement from the piece's anchor.
     x: f64,
+    /// (2/h) v.
     w: f64,
+    /// K_∞ q + F_J.
     s: f64,
+    /// Half the load of the step that comes.
     r: f64,
 }
 
-/// The applied force, and l of a step. Nothing is -0.0, which leaves every sum as it is.
+/// The applied force of a run.
 trait Load: Copy {
-    /// Force at sample `n` and mean force of the step from it.
+    /// The force p at sample `n`, and l of the step from it: the mean with the sample after, scaled.
     fn at(&self, n: usize) -> (f64, f64);
 }
 
+/// A history of samples, times the prewarping factor `scale`.
 #[derive(Clone, Copy)]
 struct Applied<'a> {
     force: &'a [f64],
@@ -83,6 +103,7 @@ impl Load for Applied<'_> {
     }
 }
 
+/// No force any more. It is -0.0 and not 0.0, because x + -0.0 is x for every x: the compiler leaves the sum out.
 #[derive(Clone, Copy)]
 struct Free;
 
@@ -134,7 +155,7 @@ impl Scheme {
         let end = if UP { piece.reach } else { -piece.reach };
         let mut out = out.tail(n + 1);
         let steps = out.displacement.len();
-        // The compiler then knows that all four are as long.
+        // With one length for all four slices the compiler checks one bound a step and not four.
         out = out.first(steps);
         let mut e = (load.at(n + 1).1 - m.w) - m.s;
         let mut done = 0;
@@ -257,7 +278,7 @@ impl Scheme {
         let mut out = out.between(0, last);
         let mut n = first;
         loop {
-            // Made ready while the steps before the break run.
+            // The piece behind the next break is made ready while the steps before the break run.
             let ahead = state.segment_after(table, 1).map(|segment| self.piece(&segment));
             n = if state.direction() > 0.0 {
                 self.glide::<true>(piece, motion, load, n, &mut out)

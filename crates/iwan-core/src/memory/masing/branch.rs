@@ -11,14 +11,18 @@ pub struct Reversal {
     pub(crate) force: f64,
 }
 
-/// The branch on which a state moves.
+/// The branch on which a state moves: F = F_a + scale·direction·F_virgin(u'), where u' = (u - u_a)·direction/scale and
+/// (u_a, F_a) is `start`.
+///
+/// Why this form: with scale 2 it is Masing's rule behind a reversal, with scale 1 the virgin curve, so that one formula without a question
+/// serves both.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Branch {
-    /// Where it left.
+    /// The reversal, or the origin of the virgin curve, that it left.
     pub(crate) start: Reversal,
-    /// 2 behind a reversal (Masing), 1 on the virgin curve.
+    /// Factor on the virgin curve: 2 behind a reversal (Masing), 1 on the virgin curve itself.
     pub(crate) scale: f64,
-    /// Direction of motion over scale: turns displacements into those of the virgin curve.
+    /// Direction over scale: a displacement from `start` times this is the displacement on the virgin curve.
     to_virgin: f64,
     /// Direction of motion, ±1.
     pub(crate) direction: f64,
@@ -43,7 +47,7 @@ impl Branch {
     #[inline]
     pub(crate) fn virgin_distance(&self, u: f64) -> f64 {
         let distance = self.to_virgin * (u - self.start.u);
-        // `f64::max` would ask for NaN as well.
+        // Not `f64::max`, which takes two more instructions to treat NaN.
         if distance > 0.0 { distance } else { 0.0 }
     }
 

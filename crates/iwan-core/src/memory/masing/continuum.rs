@@ -63,7 +63,8 @@ impl<B: Backbone> Continuum<B> {
 /// exact to rounding.
 const NEWTON_ERROR: f64 = 1e-18;
 
-/// Newton's method needs a handful of rounds; a law so crooked that this many do not do is met as well as they did.
+/// Most rounds of Newton's method; a handful is the rule. A law so crooked that these do not suffice is met as well as the last of them did, and the
+/// time stepping goes on.
 const MOST_ROUNDS: u32 = 100;
 
 impl<B: Backbone, S: AsRef<[Reversal]> + AsMut<[Reversal]>> Hysteresis<Reversals<S>> for Continuum<B> {
@@ -88,10 +89,12 @@ impl<B: Backbone, S: AsRef<[Reversal]> + AsMut<[Reversal]>> Hysteresis<Reversals
         state.force
     }
 
-    /// Newton's method: along a monotone motion the force is concave, loops closing included, so that after one
-    /// round the iteration stands short of the solution and never passes it; trial points touch no state but
-    /// the loops that the solution closes as well. It starts from the trail of past displacements, known
-    /// well before `load` is: at the small steps of a ring-down one evaluation does, and nothing waits for it.
+    /// By Newton's method. Along a monotone motion the force is concave, closing of loops included, so after one round the
+    /// iteration stands short of the solution and never passes it: a trial point closes only loops that the solution
+    /// closes as well, and the state need not be restored.
+    ///
+    /// The first trial point is told by the trail of past displacements, and the force there was evaluated during the step
+    /// before: in a ring-down at small steps no other evaluation is needed, and nothing waits for that one.
     #[inline]
     fn solve(&self, state: &mut Reversals<S>, stiffness: f64, load: f64) -> f64 {
         if load == 0.0 {
@@ -125,7 +128,7 @@ impl<B: Backbone, S: AsRef<[Reversal]> + AsMut<[Reversal]>> Hysteresis<Reversals
                 state.rest_at(u + du, (trial_force + k * step, k));
                 return du;
             }
-            // Where rounding of forces and displacements hides the rest, Newton's method has nothing left to find.
+            // What is left is hidden by the rounding of forces and displacements, and further rounds would go to and fro in it.
             let force_scale = load.abs() + force.abs() + trial_force.abs();
             let noise = 4.0 * f64::EPSILON * (u.abs() + trial.abs() + force_scale * inverse);
             if step.abs() <= noise || round == MOST_ROUNDS {

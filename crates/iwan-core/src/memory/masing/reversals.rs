@@ -16,7 +16,7 @@ pub struct Reversals<S> {
     pub(super) branch: Branch,
     /// Where the next implicit step should end, evaluated on the present branch; NaN when that is not known.
     pub(super) prepared: Prepared,
-    /// Displacement before the last implicit step and its backward differences.
+    /// Displacement before the last implicit step, and its first, second and third backward differences.
     trail: [f64; 4],
     /// Displacement at which the virgin curve starts: moved by macro-slip.
     pub(super) origin: f64,
@@ -101,8 +101,9 @@ impl<S: AsRef<[Reversal]> + AsMut<[Reversal]>> Reversals<S> {
         (self.u, self.force, self.tangent) = (u, force, tangent);
     }
 
-    /// The cubic through the trail of steps, two steps on, tells where the step after the one that now begins
-    /// should end: its evaluation waits for nothing that this step has to find.
+    /// Evaluates the branch where the step after this one should end, which is told by the cubic through the last four
+    /// displacements, taken two steps on. The processor can do so beside the solution of this step, because it
+    /// needs nothing of it.
     #[inline]
     pub(super) fn look_ahead<B: Backbone>(&mut self, law: &B) -> Prepared {
         let [a, first, second, _] = self.trail;
