@@ -4,7 +4,8 @@ mod support;
 
 use criterion::{BenchmarkId, Criterion, Throughput};
 use iwan::core::{
-    Averaging, Backbone, Continuum, Decay, Grid, Hysteresis, Reversal, Run, Samples, TabledFourParameter,
+    Averaging, Backbone, Continuum, Decay, Grid, Hysteresis, Motion, Reversal, Run, Samples,
+    TabledFourParameter,
 };
 use support::{Buffers, DT, Population, SHARES, joint, newmark, oscillator};
 
@@ -13,7 +14,8 @@ const RING_DOWNS: [(&str, usize); 2] = [("0.2 s", 20_000), ("2 s", 200_000)];
 
 /// Half cycles of a free decay from `amplitude` within `duration`; returns their number.
 fn half_cycles<B: Backbone>(law: &B, amplitude: f64, duration: f64, stack: &mut [Reversal]) -> u64 {
-    let mut decay = Decay::new(&oscillator(), law, 0.0, (amplitude, 0.0), stack).expect("mode 1");
+    let start = Motion::held_at(amplitude);
+    let mut decay = Decay::new(&oscillator(), law, 0.0, start, stack).expect("mode 1");
     let mut count = 0;
     while decay.next().is_some_and(|turn| turn.time < duration) {
         count += 1;
@@ -26,7 +28,7 @@ fn map(criterion: &mut Criterion) {
     let law = joint();
     let mut stack = vec![Reversal::default(); 1024];
     for (name, share) in SHARES {
-        let start = (share * law.phi_max(), 0.0);
+        let start = Motion::held_at(share * law.phi_max());
         // A start at 1.5 φ_max leaves macro-slip within a few half cycles: those alone.
         let most = if share < 1.0 { 400 } else { 4 };
         group.throughput(Throughput::Elements(most));
@@ -44,7 +46,7 @@ fn map(criterion: &mut Criterion) {
     group.throughput(Throughput::Elements(1));
     group.bench_function("set-up", |b| {
         b.iter(|| {
-            Decay::new(&oscillator(), &law, 0.0, (0.1, 0.0), &mut stack[..])
+            Decay::new(&oscillator(), &law, 0.0, Motion::held_at(0.1), &mut stack[..])
                 .expect("mode 1")
                 .memory()
                 .forgotten()
@@ -102,7 +104,7 @@ fn output(criterion: &mut Criterion) {
     let mut out = Buffers::new(2001);
     group.throughput(Throughput::Elements(2001)).sample_size(20);
     for (slip, share) in SHARES {
-        let start = (share * law.phi_max(), 0.0);
+        let start = Motion::held_at(share * law.phi_max());
         let mut bench = |what: &str, run: &mut dyn FnMut(Samples<'_>)| {
             group.bench_function(BenchmarkId::new(what, slip), |b| b.iter(|| run(out.samples())));
         };
@@ -124,7 +126,7 @@ fn averaging(criterion: &mut Criterion) {
     let law = joint();
     for (name, steps) in RING_DOWNS {
         for (slip, share) in SHARES {
-            let start = (share * law.phi_max(), 0.0);
+            let start = Motion::held_at(share * law.phi_max());
             group.bench_function(BenchmarkId::new(name, slip), |b| {
                 b.iter(|| Averaging::new(&oscillator(), &law, start).expect("mode 1").at(steps as f64 * DT));
             });

@@ -23,7 +23,7 @@ fn record(ratio: f64, dt: f64, samples: usize, seed: u64) -> Vec<f64> {
     let mut out: [Vec<f64>; 4] = std::array::from_fn(|_| vec![0.0; samples]);
     let [displacement, velocity, acceleration, joint_force] = &mut out;
     let (oscillator, law) = (oscillator(), joint());
-    let start = (ratio * law.phi_max(), 0.0);
+    let start = iwan::core::Motion::held_at(ratio * law.phi_max());
     Decay::new(&oscillator, &law, 0.0, start, vec![Reversal::default(); 8192])
         .and_then(|mut decay| {
             decay.sample(dt, &mut Samples { displacement, velocity, acceleration, joint_force })

@@ -3,7 +3,7 @@
 use std::error::Error;
 use std::f64::consts::PI;
 
-use iwan::core::{Decay, FourParameter, Oscillator, ResidualStiffness, Reversal};
+use iwan::core::{Decay, FourParameter, Motion, Oscillator, ResidualStiffness, Reversal};
 
 #[expect(clippy::print_stdout, reason = "an example shows its result")]
 pub(crate) fn main() -> Result<(), Box<dyn Error>> {
@@ -11,7 +11,7 @@ pub(crate) fn main() -> Result<(), Box<dyn Error>> {
     let mode = Oscillator::new(124.0, 0.0, joint.k_t(), ResidualStiffness::Positive)?;
     // Pulled to 0.1 φ_max and let go; the memory holds one reversal per half cycle.
     let start = 0.1 * joint.phi_max();
-    let mut decay = Decay::new(&mode, &joint, 0.0, (start, 0.0), vec![Reversal::default(); 2100])?;
+    let mut decay = Decay::new(&mode, &joint, 0.0, Motion::held_at(start), vec![Reversal::default(); 2100])?;
 
     let (mut time, mut amplitude) = (0.0, start);
     let mut curve = Vec::new();

@@ -3,7 +3,7 @@
 use std::error::Error;
 use std::f64::consts::FRAC_PI_2;
 
-use iwan::core::{Backbone, Decay, Grid, Oscillator, ResidualStiffness, Reversal, Slider, Sliders};
+use iwan::core::{Backbone, Decay, Grid, Motion, Oscillator, ResidualStiffness, Reversal, Slider, Sliders};
 
 /// F(u) = F_S sin(u K_T/F_S) up to φ_max = π F_S / (2 K_T), i.e. the density ρ = (K_T²/F_S) sin(φ K_T/F_S).
 struct Sine {
@@ -38,7 +38,7 @@ impl Backbone for Sine {
 pub(crate) fn main() -> Result<(), Box<dyn Error>> {
     let law = Sine { k_t: 4.45e4, f_s: 239.4 };
     let mode = Oscillator::new(124.0, 1e-3, law.k_t, ResidualStiffness::Positive)?;
-    let start = (0.8 * law.strengths().1, 0.0);
+    let start = Motion::held_at(0.8 * law.strengths().1);
 
     // The law cut into sliders is a law itself: a check that force, density and energy belong together.
     let mut table = vec![Slider::default(); Sliders::table_len(2000)];

@@ -2,7 +2,7 @@
 
 use std::error::Error;
 
-use iwan::core::{FourParameter, Grid, Pulse};
+use iwan::core::{FourParameter, Grid, Motion, Pulse};
 use iwan::sim::{JointKind, JointLaw, Method, Mode, Response, Settings, simulate};
 
 /// Largest difference of the displacements at the samples of `exact`, relative to its peak.
@@ -17,7 +17,7 @@ pub(crate) fn main() -> Result<(), Box<dyn Error>> {
     let joint = FourParameter::new(4.45e4, 239.4, -0.183, 0.3)?;
     let mode = Mode {
         damping_ratio: 2.5e-4,
-        initial: (0.3 * joint.phi_max(), 0.0),
+        initial: Motion::held_at(0.3 * joint.phi_max()),
         ..Mode::new("bending 1", 124.0, Some(JointLaw::FourParameter(joint)))
     };
     let run = |method, dt| {

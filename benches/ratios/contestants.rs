@@ -106,7 +106,8 @@ fn continuum(pulse: f64) -> Contestant<'static> {
 }
 
 fn decay<'a, B: Backbone>(law: &'a B, stack: &'a mut [Reversal]) -> Decay<'a, B, &'a mut [Reversal]> {
-    Decay::new(&oscillator(), law, 0.0, (amplitude(), 0.0), stack).expect("mode 1")
+    let start = iwan::core::Motion::held_at(amplitude());
+    Decay::new(&oscillator(), law, 0.0, start, stack).expect("mode 1")
 }
 
 /// A half cycle alone: 400 of them, the set-up not counted.

@@ -155,7 +155,7 @@ mod tests {
     fn an_iwan_mode_follows_its_closed_forms_in_micro_slip() -> Result<(), Box<dyn std::error::Error>> {
         let joint = FourParameter::new(4.45e4, 239.4, -0.183, 0.3)?;
         let mut mode = Mode::new("m", 124.0, Some(JointLaw::FourParameter(joint)));
-        mode.initial.0 = 0.3 * joint.phi_max();
+        mode.initial.displacement = 0.3 * joint.phi_max();
         let continuum =
             Method::Newmark { beta: 0.25, gamma: 0.5, prewarp: true, joint: iwan_sim::JointKind::Continuum };
         let settings = Settings { method: continuum, ..Settings::new(1e-5, 0.2) };

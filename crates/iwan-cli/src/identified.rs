@@ -130,7 +130,7 @@ fn mode(name: &str, p: &Parameters, displacement: f64) -> Result<Mode, iwan_core
     let joint = iwan_core::FourParameter::new(p.k_t, p.f_s, p.chi, p.beta)?;
     Ok(Mode {
         damping_ratio: p.damping_ratio,
-        initial: (displacement, 0.0),
+        initial: iwan_core::Motion::held_at(displacement),
         ..Mode::new(name, p.frequency, Some(JointLaw::FourParameter(joint)))
     })
 }

@@ -1,52 +1,38 @@
 //! Iwan friction models and modal single-degree-of-freedom ring-down, without an allocator.
+//!
+//! The modules below stand in floors: each imports only from those above it.
 #![no_std]
 
-mod averaging;
-mod backbone;
-mod decay;
-mod energy;
+// The ground: errors, progress of long work, functions at compile time, Gauss-Legendre rules.
 mod error;
-mod events;
-mod four_parameter;
-mod half_cycle;
-mod hysteresis;
-mod jenkins;
-mod macro_slip;
-mod masing;
-mod micro_slip;
-mod newmark;
-mod no_joint;
-mod oscillator;
-mod phase;
-mod plain;
-mod power;
-mod pulse;
+pub mod progress;
+mod elementary;
 pub mod quadrature;
-mod response;
-mod runs;
-mod slider_newmark;
-mod sliders;
-mod tabulated;
-mod uniform;
 
-pub use averaging::Averaging;
-pub use backbone::{Backbone, PowerLaw};
-pub use decay::{Decay, PathNode, TurningPoint};
-pub use energy::{EnergyBalance, JointEnergy};
+// Laws: a joint is its virgin curve.
+mod law;
+
+// Memories: the hysteretic force of a law along any history of displacement.
+mod memory;
+
+// Steps: a mode with a joint, in time steps or from event to event.
+mod step;
+
+// Half cycles: free decay from one turning point to the next, without time steps.
+mod half_cycle;
+
 pub use error::Error;
-pub use events::EventDriven;
-pub use four_parameter::{FourParameter, TabledFourParameter};
-pub use hysteresis::{Hysteresis, Trial};
-pub use jenkins::Jenkins;
-pub use masing::{Continuum, Reversal, Reversals};
-pub use newmark::Newmark;
-pub use no_joint::NoJoint;
-pub use oscillator::{Oscillator, ResidualStiffness};
-pub use plain::{Extensions, Plain};
-pub use power::FixedPower;
-pub use pulse::Pulse;
-pub use response::Samples;
-pub use runs::{Run, Runs, Straight};
-pub use sliders::{Grid, Slider, Sliders};
-pub use tabulated::{DensityPoint, Tabulated};
-pub use uniform::Uniform;
+pub use half_cycle::{Decay, PathNode, TurningPoint};
+pub use law::{
+    Backbone, DensityPoint, FixedPower, FourParameter, Grid, Jenkins, PowerLaw, Representation,
+    TabledFourParameter, Tabulated, Uniform,
+};
+pub use memory::{
+    Continuum, Extensions, Hysteresis, NoJoint, Plain, Reversal, Reversals, Run, Runs, Slider, Sliders,
+    Straight, Trial,
+};
+pub use progress::Progress;
+pub use step::{
+    AmplitudePhase, Averaging, EnergyBalance, EventDriven, JointEnergy, Motion, Newmark, Oscillator, Pulse,
+    ResidualStiffness, Samples,
+};

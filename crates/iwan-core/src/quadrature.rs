@@ -4,6 +4,8 @@
 //! Tricomi's guess cos(π (i - 1/4) / (N + 1/2)); weights 2 / ((1 - x²) P_N'²)
 //! (Abramowitz and Stegun 25.4.29).
 
+use crate::elementary::cosine;
+
 /// An N-point Gauss-Legendre rule on [-1, 1], nodes ascending.
 #[derive(Debug, Clone, Copy)]
 pub struct Rule<const N: usize> {
@@ -13,19 +15,20 @@ pub struct Rule<const N: usize> {
     pub weights: [f64; N],
 }
 
-/// `cos x` for 0 <= x <= π by its Taylor series: only a start value for Newton's method.
-const fn cosine(x: f64) -> f64 {
-    let (mut term, mut sum, mut k) = (1.0, 1.0, 1.0);
-    while k < 40.0 {
-        term = -term * x * x / (k * (k + 1.0));
-        sum += term;
-        k += 2.0;
-    }
-    sum
+/// Rounds of Newton's method for a root. Tricomi's guess is off by less than 0.012 (N = 2, and less for more nodes), and the
+/// fourth round already changes nothing; eight are run without asking, because this is compile time.
+const ROUNDS: u32 = 8;
+
+/// Legendre polynomials of two successive degrees at one point.
+struct Legendre {
+    /// P_n.
+    value: f64,
+    /// P_{n-1}.
+    lower: f64,
 }
 
 /// P_n(x) and P_{n-1}(x) by the three-term recurrence, n >= 1.
-const fn legendre(n: usize, x: f64) -> (f64, f64) {
+const fn legendre(n: usize, x: f64) -> Legendre {
     let (mut p, mut before, mut k) = (x, 1.0, 1.0);
     let mut i = 1;
     while i < n {
@@ -35,7 +38,7 @@ const fn legendre(n: usize, x: f64) -> (f64, f64) {
         k += 1.0;
         i += 1;
     }
-    (p, before)
+    Legendre { value: p, lower: before }
 }
 
 impl<const N: usize> Rule<N> {
@@ -55,8 +58,8 @@ impl<const N: usize> Rule<N> {
             let mut x = -cosine(core::f64::consts::PI * (i as f64 + 0.75) / (N as f64 + 0.5));
             let mut slope = 1.0;
             let mut round = 0;
-            while round < 8 {
-                let (p, before) = legendre(N, x);
+            while round < ROUNDS {
+                let Legendre { value: p, lower: before } = legendre(N, x);
                 slope = N as f64 * (before - x * p) / (1.0 - x * x);
                 x -= p / slope;
                 round += 1;
@@ -91,9 +94,8 @@ impl<const N: usize> Rule<N> {
                 let mut sum = 0.5 * (xi + 1.0);
                 let mut k = 1;
                 while k < N {
-                    let (up, _) = legendre(k + 1, xi);
-                    let (_, down) = legendre(k, xi);
-                    sum += 0.5 * legendre(k, xj).0 * (up - down);
+                    let (up, down) = (legendre(k + 1, xi).value, legendre(k, xi).lower);
+                    sum += 0.5 * legendre(k, xj).value * (up - down);
                     k += 1;
                 }
                 matrix[i][j] = self.weights[j] * sum;

@@ -4,16 +4,18 @@
 mod common;
 
 use iwan_core::{
-    Averaging, Backbone, Continuum, Decay, EventDriven, FourParameter, Grid, Newmark, Oscillator, Pulse,
-    ResidualStiffness, Reversal, Run, Slider, Sliders, TabledFourParameter,
+    Averaging, Backbone, Continuum, Decay, EventDriven, FourParameter, Grid, Motion, Newmark, Oscillator,
+    Pulse, ResidualStiffness, Reversal, Run, Slider, Sliders, TabledFourParameter,
 };
 
 use common::{Buffers, worst};
 
+/// Joint of mode 1, Table 2 of Deaner et al.
 fn mode_1() -> FourParameter {
     FourParameter::new(4.45e4, 239.4, -0.183, 0.3).unwrap()
 }
 
+/// Mode 1 of Table 2, 124 Hz, with another joint and damper.
 fn oscillator(joint: &impl Backbone, zeta: f64) -> Oscillator {
     Oscillator::new(124.0, zeta, joint.initial_stiffness(), ResidualStiffness::Positive).unwrap()
 }
@@ -24,23 +26,16 @@ fn table(law: &impl Backbone, grid: Grid, bins: usize) -> Vec<(f64, f64)> {
 }
 
 /// The event-driven response of a population from a displaced start.
-fn events(
-    elements: &[(f64, f64)],
-    zeta: f64,
-    start: (f64, f64),
-    dt: f64,
-    samples: usize,
-    angle: f64,
-) -> Buffers {
+fn events(elements: &[(f64, f64)], zeta: f64, start: Motion, dt: f64, samples: usize, angle: f64) -> Buffers {
     let (strength, stiffness): (Vec<_>, Vec<_>) = elements.iter().copied().unzip();
     let mut table = vec![Slider::default(); strength.len() + 1];
     let sliders = Sliders::from_elements(&strength, &stiffness, &mut table).unwrap();
     let oscillator = oscillator(&sliders, zeta);
     let mut state = sliders.virgin(vec![Run::default(); sliders.len()]).unwrap();
-    iwan_core::Hysteresis::advance(&sliders, &mut state, start.0);
+    iwan_core::Hysteresis::advance(&sliders, &mut state, start.displacement);
     let mut out = Buffers::new(samples);
     let solver = EventDriven::new(&oscillator, sliders, Pulse::None, 1.0).unwrap().with_angle(angle).unwrap();
-    let balance = solver.integrate(&mut state, start.1, dt, &mut out.samples()).unwrap();
+    let balance = solver.integrate(&mut state, start.velocity, dt, &mut out.samples()).unwrap();
     assert!(balance.error() < 1e-14 * (elements.len() as f64).max(100.0), "{balance:?}");
     out
 }
@@ -50,7 +45,7 @@ fn event_driven_solution_is_self_consistent() {
     let joint = mode_1();
     let elements = table(&joint, Grid::graded(100), 100);
     for (ratio, zeta) in [(0.05, 0.0), (0.5, 1e-3), (2.0, 1e-2)] {
-        let start = (ratio * joint.phi_max(), 0.0);
+        let start = Motion::held_at(ratio * joint.phi_max());
         let coarse = events(&elements, zeta, start, 1e-3, 201, 0.5);
         let fine = events(&elements, zeta, start, 1.25e-4, 1601, 0.23);
         let every_eighth: Vec<f64> = fine.0[0].iter().copied().step_by(8).collect();
@@ -71,7 +66,7 @@ fn half_cycle_map_is_exact_on_a_slider_population_without_damper() {
     let mut table = vec![Slider::default(); strength.len() + 1];
     let sliders = Sliders::from_elements(&strength, &stiffness, &mut table).unwrap();
     for ratio in [0.01, 0.3, 1.0, 3.0] {
-        let start = (ratio * joint.phi_max(), 0.0);
+        let start = Motion::held_at(ratio * joint.phi_max());
         let mut decay =
             Decay::new(&oscillator(&sliders, 0.0), &sliders, 0.0, start, vec![Reversal::default(); 64])
                 .unwrap();
@@ -91,7 +86,7 @@ fn half_cycle_map_is_exact_on_a_slider_population_without_damper() {
 /// The same decay three ways: (map, reference) displacements at uniform times.
 fn map_and_reference(ratio: f64, zeta: f64, samples: usize, dt: f64) -> (Vec<f64>, Vec<f64>) {
     let joint = mode_1();
-    let start = (ratio * joint.phi_max(), 0.0);
+    let start = Motion::held_at(ratio * joint.phi_max());
     let mut map = Buffers::new(samples);
     Decay::new(&oscillator(&joint, zeta), &joint, 0.0, start, vec![Reversal::default(); 512])
         .unwrap()
@@ -120,7 +115,7 @@ fn energy_balance_of_the_map_closes() {
     let joint = mode_1();
     for (ratio, zeta) in [(0.01, 0.0), (0.3, 1e-3), (4.0, 1e-2)] {
         for velocity in [0.0, 0.3, -0.7] {
-            let start = (ratio * joint.phi_max(), velocity);
+            let start = Motion { displacement: ratio * joint.phi_max(), velocity };
             let mut decay =
                 Decay::new(&oscillator(&joint, zeta), &joint, 3.0, start, vec![Reversal::default(); 128])
                     .unwrap();
@@ -142,7 +137,7 @@ fn a_start_in_mid_motion_joins_the_same_decay() {
     let osc = oscillator(&joint, 1e-3);
     let run = |velocity: f64, dt: f64, samples: usize| {
         let mut out = Buffers::new(samples);
-        let start = (0.0, velocity);
+        let start = Motion { displacement: 0.0, velocity };
         Decay::new(&osc, &joint, 0.0, start, vec![Reversal::default(); 128])
             .unwrap()
             .sample(dt, &mut out.samples())
@@ -172,13 +167,13 @@ fn averaging_is_as_good_as_published_and_no_better() {
     let joint = mode_1();
     for (ratio, low, high) in [(0.01, 1e-6, 1e-3), (0.1, 1e-4, 1e-2), (0.3, 3e-4, 2e-2)] {
         let osc = oscillator(&joint, 0.0);
-        let start = (ratio * joint.phi_max(), 0.0);
+        let start = Motion::held_at(ratio * joint.phi_max());
         let mut slow = Averaging::new(&osc, &joint, start).unwrap();
         let mut decay = Decay::new(&osc, &joint, 0.0, start, vec![Reversal::default(); 128]).unwrap();
         let mut error = 0.0_f64;
         for _ in 0..50 {
             let turn = decay.next().unwrap();
-            error = error.max((slow.at(turn.time).0 / turn.displacement.abs() - 1.0).abs());
+            error = error.max((slow.at(turn.time).amplitude / turn.displacement.abs() - 1.0).abs());
         }
         println!("{ratio}: {error:e}");
         assert!((low..high).contains(&error), "{ratio}: envelope error {error:e}");

@@ -1,7 +1,10 @@
 //! Closed forms against 40-digit arithmetic.
 //!
-//! Provenance: the formulas of `FourParameter`'s documentation evaluated at 40 digits (mpmath) for
-//! Table 1 and the three modes of Table 2 of Deaner et al., rounded to 16 digits.
+//! Source of the numbers: mpmath with mp.dps = 40, rounded to 16 digits, for Table 1 and the three modes of Table 2 of Deaner et al.
+//! With c = (χ+1)/(χ+2) and x = min(u, φ_max),
+//! φ_max = F_S (1+β)/(K_T (β+c)), R = F_S (χ+1)/(φ_max^(χ+2) (β+c)), S = F_S β/(φ_max (β+c)),
+//! F = x [K_T - R x^(χ+1)/((χ+1)(χ+2))] below φ_max and F_S beyond,
+//! D = 4 R x^(χ+3)/((χ+2)(χ+3)) below φ_max and 4 F_S u - 4 [R φ_max^(χ+3)/(χ+3) + S φ_max²] beyond.
 #![allow(clippy::unwrap_used, clippy::print_stdout, reason = "a failed test may panic and say why")]
 
 use iwan_core::{Backbone, FourParameter};
@@ -21,6 +24,7 @@ fn close(found: f64, exact: f64) {
 
 #[test]
 fn density_parameters() {
+    // φ_max, R, S and D(φ_max).
     let golden = [
         (TABLE_1, 0.002577161258360168, 12247048.73944549, 5392.156862745098, 1.092348096186569),
         (MODE_1, 0.009329393723670242, 1274290.571068603, 10269.23076923077, 1.902233281315488),
@@ -43,6 +47,7 @@ fn density_parameters() {
 
 #[test]
 fn force_and_dissipation() {
+    // u/φ_max, F and D.
     let golden = [
         (TABLE_1, 0.01, 6.924479358084402, 4.348716098323343e-6),
         (TABLE_1, 0.5, 228.5615381459554, 0.1681047820060061),
@@ -73,7 +78,8 @@ fn force_and_dissipation() {
 
 #[test]
 fn first_harmonic_factor() {
-    // g of K_1 = K_T - g R u^(χ+1) / ((χ+1)(χ+2)), to the printed digits.
+    // g of K_1 = K_T - g R u^(χ+1) / ((χ+1)(χ+2)), that is (4/π) [2 I(2χ+6) - I(2χ+4)] with I(a) = √π Γ((a+1)/2) / Γ(a/2 + 1),
+    // to six decimals: exactly 1 at χ = 0 and in the limit χ = -1.
     for (chi, g, digits) in
         [(0.0, 1.0, 1e-12), (-0.5, 1.018592, 5e-7), (-0.183, 1.008898, 5e-7), (-1.0 + 1e-9, 1.0, 1e-8)]
     {
@@ -86,7 +92,8 @@ fn first_harmonic_factor() {
 
 #[test]
 fn printed_eq_17_is_an_asymptote() {
-    // Its overshoot at the onset of macro-slip and at 10 φ_max.
+    // Its overshoot 4 u F_S / D(u) at the onset of macro-slip and at 10 φ_max, from D in the tests above: Table 1 has
+    // 4 · 0.0025771613 · 300 / 1.0923481 = 2.831 and 10 · 4 · 0.0025771613 · 300 / 28.925690 = 1.069.
     for (set, onset, far) in [(TABLE_1, 2.83, 0.069), (MODE_1, 4.70, 0.085), (MODE_3, 5.25, 0.088)] {
         let joint = joint(set);
         let overshoot = |u| joint.dissipation_printed_eq17(u) / joint.dissipation(u);

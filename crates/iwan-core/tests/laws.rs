@@ -194,8 +194,9 @@ fn continuum_agrees_with_a_hundred_thousand_sliders() {
     assert!(worst < 2e-8 * joint.f_s(), "{:e}", worst / joint.f_s());
 }
 
-/// The graded default stays within 0.5 % in D from 0.001 to 0.3 φ_max. A ratio of 1.08 does not: its first bin
-/// lumps all below 4.9e-4 φ_max. A uniform grid is worse: no dissipation at all below its first strength.
+/// What the documentation of `Grid` says of the defaults, in D: that of a mode holds 0.5 % from 0.001 to 0.3 φ_max, that of a structure 1.1 %
+/// from 1e-5 on, where the other has lost everything. A ratio of 1.08 does not hold: 100 bins begin at 1.08^-99 = 4.9e-4 φ_max,
+/// and all below is one slider. Equal bins are worse: no dissipation at all below the first strength.
 #[test]
 fn graded_bins_hold_the_dissipation() {
     for chi in [-0.5, -0.3, -0.183, -0.048] {
@@ -206,18 +207,45 @@ fn graded_bins_hold_the_dissipation() {
             let u = ratio * joint.phi_max();
             (sliders.dissipation(u) / joint.dissipation(u) - 1.0).abs()
         };
-        let worst = |grid: Grid, bins: usize| {
+        let worst_from = |low: f64, grid: Grid, bins: usize| {
             (0..400)
-                .map(|i| error(grid, bins, 1e-3 * 300.0_f64.powf(f64::from(i) / 399.0)))
+                .map(|i| error(grid, bins, low * (0.3 / low).powf(f64::from(i) / 399.0)))
                 .fold(0.0, f64::max)
         };
+        let worst = |grid: Grid, bins: usize| worst_from(1e-3, grid, bins);
         let (coarse, fine) = (worst(Grid::graded(100), 100), worst(Grid::graded(400), 400));
-        println!("chi {chi}: {coarse:e}, {fine:e}");
+        let structure = worst_from(1e-5, Grid::IN_STRUCTURES, 100);
+        println!("chi {chi}: {coarse:e}, {fine:e}, structure {structure:e}");
         assert!(coarse < 5e-3, "chi {chi}: {coarse:e}");
         assert!(fine < coarse / 8.0, "chi {chi}: {coarse:e} {fine:e}");
+        assert!(structure < 1.15e-2, "chi {chi}: {structure:e}");
+        assert!(error(Grid::graded(100), 100, 2e-5) > 0.99);
         assert!(worst(Grid::Geometric { ratio: 1.08 }, 100) > 0.05);
         assert_eq!(error(Grid::Uniform, 100, 0.002), 1.0);
         assert!(error(Grid::Uniform, 100, 0.01) > 0.3);
+    }
+}
+
+/// A graded grid is the geometric one that begins at its smallest strength, and a number out of range is named.
+#[test]
+fn grids_of_one_family_agree() {
+    let joint = FourParameter::new(2.75e5, 300.0, -0.3, 0.02).unwrap();
+    let strengths = |grid: Grid, bins: usize| -> Vec<f64> {
+        let mut table = vec![Slider::default(); Sliders::table_len(bins)];
+        let sliders = Sliders::discretise(&joint, grid, bins, &mut table).unwrap();
+        sliders.elements().map(|element| element.0).collect()
+    };
+    for (bins, smallest) in [(50, 2e-4_f64), (100, 1e-6), (7, 0.5)] {
+        let ratio = smallest.powf(-1.0 / (bins as f64 - 1.0));
+        let pairs = strengths(Grid::Graded { smallest }, bins);
+        for (a, b) in pairs.into_iter().zip(strengths(Grid::Geometric { ratio }, bins)) {
+            assert!(close(a, b, 1e-12), "{bins} bins: {a} {b}");
+        }
+    }
+    let mut table = [Slider::default(); 7];
+    for smallest in [0.0, 1.0, -1e-3, f64::NAN] {
+        let refused = Sliders::discretise(&joint, Grid::Graded { smallest }, 5, &mut table);
+        assert!(matches!(refused, Err(Error::OutOfRange { name: "smallest", .. })), "{smallest}");
     }
 }
 

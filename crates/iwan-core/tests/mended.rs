@@ -5,13 +5,14 @@
 mod common;
 
 use iwan_core::{
-    Averaging, Continuum, Decay, EventDriven, FourParameter, Grid, Hysteresis, Jenkins, Newmark, Oscillator,
-    Plain, Pulse, ResidualStiffness, Reversal, Run, Slider, Sliders, TabledFourParameter,
+    Averaging, Continuum, Decay, EventDriven, FourParameter, Grid, Hysteresis, Jenkins, Motion, Newmark,
+    Oscillator, Plain, Pulse, ResidualStiffness, Reversal, Run, Slider, Sliders, TabledFourParameter,
 };
 use proptest::prelude::*;
 
 use common::Buffers;
 
+/// Joint of mode 1, Table 2 of Deaner et al.
 fn mode_1() -> FourParameter {
     FourParameter::new(4.45e4, 239.4, -0.183, 0.3).unwrap()
 }
@@ -87,8 +88,8 @@ fn two_places_for_reversals_are_refused() {
 #[test]
 fn averaging_dies_away_and_rests() {
     let (joint, mut out) = (mode_1(), Buffers::new(1201));
-    for start in [(1e-3, 0.0), (1e-320, 0.0), (0.0, 0.0)] {
-        let mut decay = Averaging::new(&oscillator(0.3), &joint, start).unwrap();
+    for start in [1e-3, 1e-320, 0.0] {
+        let mut decay = Averaging::new(&oscillator(0.3), &joint, Motion::held_at(start)).unwrap();
         decay.sample(1e-2, &mut out.samples()).unwrap();
         assert!(out.0.iter().flatten().all(|x| x.is_finite()));
         assert!(out.0[0][1200].abs() < 1e-300);
@@ -141,14 +142,14 @@ fn events_follow_a_force_that_ends_between_samples() {
 fn creeping_ends() {
     let joint = mode_1();
     let mut out = Buffers::new(50_001);
-    Decay::new(&oscillator(0.999), &joint, 300.0, (0.0, 0.0), [Reversal::default(); 64])
+    Decay::new(&oscillator(0.999), &joint, 300.0, Motion::default(), [Reversal::default(); 64])
         .unwrap()
         .sample(1e-4, &mut out.samples())
         .unwrap();
     let end = out.0[0][50_000];
     assert!((oscillator(0.999).k_inf() * end + out.0[3][50_000] - 300.0).abs() < 1e-6, "{end}");
     let mut overdamped =
-        Decay::new(&oscillator(0.999), &joint, 300.0, (0.0, 0.0), [Reversal::default(); 64]).unwrap();
+        Decay::new(&oscillator(0.999), &joint, 300.0, Motion::default(), [Reversal::default(); 64]).unwrap();
     assert!(std::iter::from_fn(|| overdamped.next()).take(100).count() < 100);
 }
 

@@ -3,8 +3,8 @@
 #![allow(clippy::unwrap_used, reason = "a failed test may panic and say why")]
 
 use iwan_core::{
-    Averaging, Continuum, Decay, EventDriven, FourParameter, Grid, Hysteresis, Newmark, Oscillator, Plain,
-    Pulse, ResidualStiffness, Reversal, Run, Samples, Slider, Sliders, TabledFourParameter,
+    Averaging, Continuum, Decay, EventDriven, FourParameter, Grid, Hysteresis, Motion, Newmark, Oscillator,
+    Plain, Pulse, ResidualStiffness, Reversal, Run, Samples, Slider, Sliders, TabledFourParameter,
 };
 
 #[test]
@@ -41,7 +41,7 @@ fn run_everything(out: &mut Samples<'_>) {
         plain.advance(&mut extensions, u);
         continuum.advance(&mut reversals, u);
     }
-    let start = (0.3 * joint.phi_max(), 0.1);
+    let start = Motion { displacement: 0.3 * joint.phi_max(), velocity: 0.1 };
     Decay::new(&oscillator, &joint, 0.0, start, [Reversal::default(); 64])
         .unwrap()
         .sample(1e-5, out)

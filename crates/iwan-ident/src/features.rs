@@ -92,7 +92,8 @@ impl Windows {
         if stack.len() < half_cycles {
             stack.resize(half_cycles, Reversal::default());
         }
-        let Ok(mut decay) = Decay::new(&oscillator, &joint, 0.0, (start.0, 0.0), stack.as_mut_slice()) else {
+        let released = iwan_core::Motion::held_at(start.0);
+        let Ok(mut decay) = Decay::new(&oscillator, &joint, 0.0, released, stack.as_mut_slice()) else {
             return false;
         };
         out.fill(Complex64::default());

@@ -206,7 +206,8 @@ impl<'a> Prepared<'a> {
 /// let (oscillator, joint) = truth.model()?;
 /// let (dt, mut out) = (2e-4, [vec![0.0; 2000], vec![0.0; 2000], vec![0.0; 2000], vec![0.0; 2000]]);
 /// let [displacement, velocity, acceleration, joint_force] = &mut out;
-/// Decay::new(&oscillator, &joint, 0.0, (0.2 * joint.phi_max(), 0.0), vec![Reversal::default(); 200])?
+/// let start = iwan_core::Motion::held_at(0.2 * joint.phi_max());
+/// Decay::new(&oscillator, &joint, 0.0, start, vec![Reversal::default(); 200])?
 ///     .sample(dt, &mut Samples { displacement, velocity, acceleration, joint_force })?;
 /// let source = Source { samples: &out[2], dt, quantity: Quantity::Acceleration };
 /// let found = identify(&[source], &Settings::default())?;
@@ -391,7 +392,8 @@ fn ring_down(
     let mut out: [Vec<f64>; 4] = std::array::from_fn(|_| vec![0.0; count]);
     let [q, v, a, f] = &mut out;
     let mut samples = Samples { displacement: q, velocity: v, acceleration: a, joint_force: f };
-    Decay::new(&oscillator, &joint, 0.0, (displacement, 0.0), stack)?.sample(dt, &mut samples)?;
+    let start = iwan_core::Motion::held_at(displacement);
+    Decay::new(&oscillator, &joint, 0.0, start, stack)?.sample(dt, &mut samples)?;
     let [displacement, velocity, acceleration, _] = out;
     Ok(match quantity {
         Quantity::Displacement => displacement,

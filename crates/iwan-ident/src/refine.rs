@@ -305,7 +305,7 @@ fn no_ring_down() -> Error {
 /// let (oscillator, joint) = truth.model()?;
 /// let mut out = [vec![0.0; 1000], vec![0.0; 1000], vec![0.0; 1000], vec![0.0; 1000]];
 /// let [displacement, velocity, acceleration, joint_force] = &mut out;
-/// let start = (1.5 * joint.phi_max(), 0.0);
+/// let start = iwan_core::Motion::held_at(1.5 * joint.phi_max());
 /// Decay::new(&oscillator, &joint, 0.0, start, vec![Reversal::default(); 99])?
 ///     .sample(2e-4, &mut Samples { displacement, velocity, acceleration, joint_force })?;
 /// let record = RingDown { samples: &out[2], dt: 2e-4, quantity: Quantity::Acceleration, band: None };

@@ -1,13 +1,16 @@
 //! Many modes, each simulated by itself: figures and, where wanted, histories, on all threads.
 
-use std::ops::ControlFlow;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
+use iwan_core::progress::{Progress, UNWATCHED};
 use iwan_core::{Error, Pulse};
 
+use crate::error::SimulationError;
+use crate::mode::Mode;
+use crate::response::Response;
+use crate::settings::Settings;
 use crate::simulate::simulate_observed;
-use crate::{Mode, Response, Settings, SimulationError};
 
 /// A history that may be kept.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
@@ -23,7 +26,7 @@ pub enum History {
 }
 
 impl History {
-    fn of(self, response: &Response) -> &[f64] {
+    fn samples(self, response: &Response) -> &[f64] {
         match self {
             Self::Displacement => &response.displacement,
             Self::Velocity => &response.velocity,
@@ -91,11 +94,12 @@ pub struct MemberError {
     pub source: SimulationError,
 }
 
-/// Called with the number of members done; `Break` stops the ensemble.
-pub type Watch<'a> = &'a (dyn Fn(usize) -> ControlFlow<()> + Sync);
-
-/// Members that a thread takes at a time, at most.
+/// Members that a thread takes at a time, at most: a member takes 10 us and more, the lock that hands them out far less than one, so that any
+/// number from a few on does. Each chunk ends with a call of `progress`, so it must not be thousands either.
 const CHUNK: usize = 64;
+
+/// Chunks for each thread, at least, where there are members enough: threads then end within an eighth of their work of each other.
+const CHUNKS_A_THREAD: usize = 8;
 
 /// Some members and the places of their results.
 struct Chunk<'a> {
@@ -109,22 +113,23 @@ impl Ensemble<'_> {
     /// same bits whatever their number.
     ///
     /// # Errors
-    /// [`MemberError`] with the first member that failed; [`SimulationError::Interrupted`] when `watch` broke off.
+    /// [`MemberError`] with the first member that failed; [`SimulationError::Interrupted`] when `progress` broke off, which is
+    /// called with the share of members done.
     ///
     /// ```
-    /// use iwan_core::{FourParameter, Pulse};
+    /// use iwan_core::{FourParameter, Motion, Pulse};
     /// use iwan_sim::{Ensemble, JointLaw, Mode, Settings};
     /// let mode = |i: usize| {
     ///     let joint = FourParameter::new(4.45e4, 239.4 * (1.0 + i as f64), -0.183, 0.3)?;
-    ///     Ok(Mode { initial: (1e-3, 0.0), ..Mode::new("bending 1", 124.0, Some(JointLaw::FourParameter(joint))) })
+    ///     Ok(Mode { initial: Motion::held_at(1e-3), ..Mode::new("bending 1", 124.0, Some(JointLaw::FourParameter(joint))) })
     /// };
     /// let settings = Settings::new(1e-4, 0.1);
     /// let ensemble = Ensemble { members: 100, mode: &mode, force: Pulse::None, settings, kept: &[] };
-    /// let outcome = ensemble.run(2, &|_| std::ops::ControlFlow::Continue(()))?;
+    /// let outcome = ensemble.run(2, iwan_core::progress::UNWATCHED)?;
     /// assert!(outcome.figures[0].slip_ratio > 99.0 * outcome.figures[99].slip_ratio);
     /// # Ok::<(), Box<dyn std::error::Error>>(())
     /// ```
-    pub fn run(&self, threads: usize, watch: Watch<'_>) -> Result<Outcome, MemberError> {
+    pub fn run(&self, threads: usize, progress: Progress<'_>) -> Result<Outcome, MemberError> {
         let samples =
             self.settings.samples().map_err(|error| MemberError { member: 0, source: error.into() })?;
         let mut outcome = Outcome {
@@ -132,7 +137,7 @@ impl Ensemble<'_> {
             histories: self.kept.iter().map(|_| vec![0.0; self.members * samples]).collect(),
             samples,
         };
-        let work = Work { ensemble: *self, done: AtomicUsize::new(0), failed: Mutex::new(None), watch };
+        let work = Work { ensemble: *self, done: AtomicUsize::new(0), failed: Mutex::new(None), progress };
         let chunks = Mutex::new(outcome.chunks(threads));
         let serve = || work.serve(&chunks);
         std::thread::scope(|scope| {
@@ -156,7 +161,7 @@ impl Ensemble<'_> {
 impl Outcome {
     /// The members in their order, some at a time.
     fn chunks(&mut self, threads: usize) -> std::vec::IntoIter<Chunk<'_>> {
-        let size = (self.figures.len() / (8 * threads.max(1))).clamp(1, CHUNK);
+        let size = (self.figures.len() / (CHUNKS_A_THREAD * threads.max(1))).clamp(1, CHUNK);
         let row = size * self.samples.max(1);
         let mut histories: Vec<_> = self.histories.iter_mut().map(|h| h.chunks_mut(row)).collect();
         let chunk = |(i, figures)| Chunk {
@@ -172,7 +177,7 @@ struct Work<'a> {
     ensemble: Ensemble<'a>,
     done: AtomicUsize,
     failed: Mutex<Option<MemberError>>,
-    watch: Watch<'a>,
+    progress: Progress<'a>,
 }
 
 impl Work<'_> {
@@ -187,7 +192,8 @@ impl Work<'_> {
             let Some(mut chunk) = lock(chunks).next() else { return };
             let mut result = self.simulate(&mut chunk, &mut spare);
             let done = self.done.fetch_add(chunk.figures.len(), Ordering::Relaxed) + chunk.figures.len();
-            if result.is_ok() && (self.watch)(done).is_break() {
+            let share = done as f64 / self.ensemble.members as f64;
+            if result.is_ok() && (self.progress)(share).is_break() {
                 result = Err(MemberError { member: 0, source: SimulationError::Interrupted });
             }
             if let Err(error) = result {
@@ -205,9 +211,8 @@ impl Work<'_> {
             let member = chunk.first + i;
             let named = |source| MemberError { member, source };
             let mode = (self.ensemble.mode)(member).map_err(|error| named(error.into()))?;
-            let go_on = &mut |_| ControlFlow::Continue(());
             let buffers = std::mem::take(spare);
-            let response = simulate_observed(&mode, &self.ensemble.force, &settings, buffers, go_on);
+            let response = simulate_observed(&mode, &self.ensemble.force, &settings, buffers, UNWATCHED);
             let response = response.map_err(named)?;
             *figures = Figures {
                 peak_displacement: response.peak_displacement(),
@@ -217,7 +222,7 @@ impl Work<'_> {
             };
             let rows = response.displacement.len() * i..response.displacement.len() * (i + 1);
             for (history, kept) in chunk.histories.iter_mut().zip(self.ensemble.kept) {
-                history[rows.clone()].copy_from_slice(kept.of(&response));
+                history[rows.clone()].copy_from_slice(kept.samples(&response));
             }
             *spare = response;
         }
@@ -247,15 +252,13 @@ mod tests {
         Ensemble { members: 150, mode, force, settings, kept: &[History::Velocity, History::JointForce] }
     }
 
-    const GO_ON: Watch<'_> = &|_| ControlFlow::Continue(());
-
     /// Buffers that serve again leave nothing behind, and threads change nothing.
     #[test]
     fn members_are_simulations_by_themselves() {
         for method in [Method::default_newmark(), Method::HalfCycle] {
             let ensemble = ensemble(&mode, method);
-            let one = ensemble.run(1, GO_ON).unwrap();
-            assert_eq!(one, ensemble.run(3, GO_ON).unwrap());
+            let one = ensemble.run(1, UNWATCHED).unwrap();
+            assert_eq!(one, ensemble.run(3, UNWATCHED).unwrap());
             for i in [0, 1, 63, 64, 149] {
                 let alone = simulate(&mode(i).unwrap(), &ensemble.force, &ensemble.settings).unwrap();
                 let rows = i * one.samples..(i + 1) * one.samples;
@@ -273,10 +276,10 @@ mod tests {
             if i % 40 == 37 { FourParameter::new(-1.0, 1.0, 0.0, 0.0).and(mode(i)) } else { mode(i) }
         };
         for threads in [1, 2, 5] {
-            let error = ensemble(&bad, Method::default_newmark()).run(threads, GO_ON).unwrap_err();
+            let error = ensemble(&bad, Method::default_newmark()).run(threads, UNWATCHED).unwrap_err();
             assert_eq!(error.member, 37, "{threads} threads");
         }
-        let stop: Watch<'_> = &|_| ControlFlow::Break(());
+        let stop: Progress<'_> = &|_| std::ops::ControlFlow::Break(());
         let error = ensemble(&mode, Method::default_newmark()).run(2, stop).unwrap_err();
         assert_eq!(error.source, SimulationError::Interrupted);
     }

@@ -1,35 +1,53 @@
 //! The event-driven reference on a mode.
 
-use std::ops::ControlFlow;
 use std::time::Instant;
 
-use iwan_core::{Backbone, EventDriven, Grid, Hysteresis, Jenkins, Newmark, Pulse, Run, Slider, Sliders};
+use iwan_core::progress::{Progress, UNWATCHED};
+use iwan_core::{
+    Backbone, EventDriven, Grid, Hysteresis, Jenkins, Newmark, Pulse, Representation, Run, Slider, Sliders,
+};
 
-use crate::joint::with_law;
-use crate::run::{Progress, Task, finite, newmark};
-use crate::{JointKind, Quality, Response, SimulationError, quality};
+use crate::error::SimulationError;
+use crate::joint_law::with_law;
+use crate::quality;
+use crate::response::{Quality, Response};
+use crate::run::{Task, finite, newmark};
 
 /// Share of the series' angle in the companion run that estimates the error.
 const COMPANION: f64 = 0.62;
+
+/// Sliders by their bins and their grid.
+#[derive(Clone, Copy)]
+pub(crate) struct Cut {
+    pub(crate) bins: usize,
+    pub(crate) grid: Grid,
+}
+
+/// Stiffness of the slider that stands in for the joint of a linear mode, and the force at which it would slip: so weak that it adds nothing to
+/// any mode, so strong that it never slips, and neither product nor quotient of the two overflows.
+const NO_JOINT: [f64; 2] = [1e-150, 1e150];
 
 /// Event-driven run, with error estimates when `wanted`.
 pub(crate) fn simulate(
     task: Task<'_>,
     force: &Pulse<'_>,
-    (bins, grid): (usize, Grid),
+    cut: Cut,
     wanted: bool,
     progress: Progress<'_>,
 ) -> Result<Response, SimulationError> {
-    let mut response = run(task, force, (bins, grid), None)?;
+    let mut response = run(task, force, cut, None)?;
     if progress(0.5).is_break() {
         return Err(SimulationError::Interrupted);
     }
     if wanted {
         let angle = (2.0 * std::f64::consts::PI * task.mode.frequency * task.dt).min(0.5);
-        let companion = run(task, force, (bins, grid), Some(COMPANION * angle))?;
+        let companion = run(task, force, cut, Some(COMPANION * angle))?;
         response.quality = Quality {
             time_step_error: Some(quality::difference(&companion, &response, 1)),
-            discretisation_error: discretisation(task, JointKind::Sliders { bins, grid })?,
+            discretisation_error: discretisation(
+                task,
+                Representation::Sliders { bins: cut.bins, grid: cut.grid },
+            )?,
             forgotten_force: 0.0,
         };
     }
@@ -42,7 +60,7 @@ pub(crate) fn simulate(
 fn run(
     task: Task<'_>,
     force: &Pulse<'_>,
-    (bins, grid): (usize, Grid),
+    Cut { bins, grid }: Cut,
     angle: Option<f64>,
 ) -> Result<Response, SimulationError> {
     let Task { mode, dt, samples, .. } = task;
@@ -51,17 +69,20 @@ fn run(
     let sliders = match &mode.joint {
         Some(law) => with_law!(law, law => Sliders::discretise(law, grid, bins, &mut table))?,
         // A linear mode: one slider of no weight that never slips.
-        None => Sliders::discretise(&Jenkins::new(1e-150, 1e150)?, grid, bins, &mut table)?,
+        None => {
+            let [stiffness, slip_force] = NO_JOINT;
+            Sliders::discretise(&Jenkins::new(stiffness, slip_force)?, grid, bins, &mut table)?
+        }
     };
     let mut state = sliders.virgin(vec![Run::default(); sliders.len()])?;
-    sliders.advance(&mut state, mode.initial.0);
+    sliders.advance(&mut state, mode.initial.displacement);
     let mut solver = EventDriven::new(&oscillator, sliders, *force, mode.shape_at_force)?;
     if let Some(angle) = angle {
         solver = solver.with_angle(angle)?;
     }
     let mut response = Response::zeros(dt, samples);
     let clock = Instant::now();
-    let energy = solver.integrate(&mut state, mode.initial.1, dt, &mut response.samples())?;
+    let energy = solver.integrate(&mut state, mode.initial.velocity, dt, &mut response.samples())?;
     response.seconds = clock.elapsed().as_secs_f64();
     response.energy = energy;
     response.strongest = mode.joint.as_ref().map_or(f64::INFINITY, |law| law.strengths().1);
@@ -69,12 +90,12 @@ fn run(
 }
 
 /// Sliders against the continuum, both by Newmark's method at the sampling interval: none where that is too long.
-fn discretisation(task: Task<'_>, joint: JointKind) -> Result<Option<f64>, SimulationError> {
+fn discretisation(task: Task<'_>, joint: Representation) -> Result<Option<f64>, SimulationError> {
     if task.mode.joint.is_none() {
         return Ok(Some(0.0));
     }
     let Ok(scheme) = Newmark::prewarped(task.dt, task.mode.oscillator()?.omega0()) else { return Ok(None) };
-    let run = |joint| newmark(task, &scheme, joint, Response::default(), &mut |_| ControlFlow::Continue(()));
-    let pair = run(joint).and_then(|sliders| Ok((sliders, run(JointKind::Continuum)?)));
+    let run = |joint| newmark(task, &scheme, joint, Response::default(), UNWATCHED);
+    let pair = run(joint).and_then(|sliders| Ok((sliders, run(Representation::Continuum)?)));
     Ok(pair.ok().map(|(sliders, continuum)| quality::difference(&sliders, &continuum, 1)))
 }

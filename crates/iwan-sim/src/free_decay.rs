@@ -3,18 +3,23 @@
 use std::time::Instant;
 
 use iwan_core::{
-    Averaging, Backbone, Continuum, Decay, EnergyBalance, Error, Grid, Hysteresis, JointEnergy, Newmark,
-    Oscillator, Pulse, Reversal, Reversals,
+    Averaging, Backbone, Continuum, Decay, EnergyBalance, Error, Grid, Hysteresis, JointEnergy, Motion,
+    Newmark, Oscillator, Progress, Pulse, Reversal, Reversals,
 };
 
-use crate::joint::with_law;
-use crate::run::{self, Progress, Task, finite, stack};
-use crate::{Method, Quality, Response, SimulationError, event, quality};
+use crate::error::SimulationError;
+use crate::event::{self, Cut};
+use crate::joint_law::with_law;
+use crate::quality;
+use crate::response::{Quality, Response};
+use crate::run::{self, Task, finite, stack};
+use crate::settings::Method;
 
 /// Time steps of the forced part per small-amplitude period, at least.
 const STEPS_A_PERIOD: f64 = 4000.0;
 
-/// Most samples of the forced part: 1.6 GB.
+/// Most samples of the forced part: at 32 bytes each 1.6 GB, which the machines of most users have. A force that lasts longer is refused by
+/// name, with the methods that step it at the sampling interval.
 const MOST_FORCED: f64 = 5e7;
 
 /// Bound on the error of the map's quadrature, relative to the peak: tests find 3e-8 up to ζ_v = 1 % and an
@@ -46,7 +51,8 @@ pub(crate) fn simulate(
 ) -> Result<Response, SimulationError> {
     let Some(law) = &job.task.mode.joint else {
         // A linear mode has nothing to map: its series are exact.
-        return event::simulate(job.task, job.force, (1, Grid::Uniform), wanted, progress);
+        let cut = Cut { bins: 1, grid: Grid::Uniform };
+        return event::simulate(job.task, job.force, cut, wanted, progress);
     };
     with_law!(law, law => {
         let mut response = decay(job, law, STEPS_A_PERIOD, spare)?;
@@ -102,7 +108,8 @@ fn decay<B: Backbone>(
             }
             .into());
         }
-        let start = (Continuum::new(law).displacement(&forced.memory), forced.velocity);
+        let displacement = Continuum::new(law).displacement(&forced.memory);
+        let start = Motion { displacement, velocity: forced.velocity };
         let mut decay = Averaging::new(&oscillator, law, start)?;
         decay.sample(dt, &mut out)?;
         (decay.energy(length), forced.memory.forgotten())
@@ -128,8 +135,8 @@ fn forced<B: Backbone>(
     let Task { mode, dt, .. } = job.task;
     let joint = Continuum::new(law);
     let mut memory = joint.virgin(stack(&job.task))?;
-    joint.advance(&mut memory, mode.initial.0);
-    let velocity = mode.initial.1;
+    joint.advance(&mut memory, mode.initial.displacement);
+    let velocity = mode.initial.velocity;
     if job.settled == 0 {
         return Ok(Forced { memory, velocity, energy: EnergyBalance::default() });
     }

@@ -1,25 +1,37 @@
 //! Ring-downs of modes with Iwan joints, where the allocation-free core meets memory.
 //!
 //! [`Mode`] + [`Pulse`](iwan_core::Pulse) + [`Settings`] -> [`simulate`] -> [`Response`].
+//!
+//! The modules below stand in floors: each imports only from those above it.
 
-mod ensemble;
+// What the user says: joint laws, modes, time axis and method.
 mod error;
-mod event;
-mod force_history;
-mod free_decay;
-mod joint;
+mod joint_law;
 mod mode;
-mod quality;
-mod response;
-mod run;
 mod settings;
-mod simulate;
 
-pub use ensemble::{Ensemble, Figures, History, MemberError, Outcome, Watch};
+// What a simulation returns.
+mod response;
+
+// One mode by one method, with the companion runs that estimate its errors.
+mod run;
+mod quality;
+mod event;
+mod free_decay;
+
+// Calls: a joint driven through displacements, modes under a force, many members of an ensemble.
+mod force_history;
+mod simulate;
+mod ensemble;
+
+pub use ensemble::{Ensemble, Figures, History, MemberError, Outcome};
 pub use error::SimulationError;
 pub use force_history::force_history;
-pub use joint::{JointLaw, TabulatedDensity};
+pub use joint_law::{JointLaw, TabulatedDensity};
 pub use mode::{Mode, Point};
 pub use response::{Quality, Response, superpose};
-pub use settings::{JointKind, Method, Settings};
-pub use simulate::{Observer, simulate, simulate_all};
+pub use settings::{Method, Settings};
+pub use simulate::{simulate, simulate_all};
+
+// The core's enum under the name that the crates above still import.
+pub use iwan_core::Representation as JointKind;

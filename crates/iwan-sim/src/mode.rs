@@ -1,8 +1,8 @@
 //! A mode of a structure with the joint's part in it.
 
-use iwan_core::{Backbone, Error, Oscillator, ResidualStiffness};
+use iwan_core::{Backbone, Error, Motion, Oscillator, ResidualStiffness};
 
-use crate::JointLaw;
+use crate::joint_law::JointLaw;
 
 /// A physical point at which the modes' responses are superposed.
 #[derive(Debug, Clone, PartialEq)]
@@ -30,8 +30,8 @@ pub struct Mode {
     pub shape_at_force: f64,
     /// Points at which the physical response is wanted.
     pub outputs: Vec<Point>,
-    /// Displacement (virgin loading of the joint up to it) and velocity at t = 0, modal.
-    pub initial: (f64, f64),
+    /// Modal displacement, to which the virgin joint is loaded, and velocity at t = 0.
+    pub initial: Motion,
 }
 
 impl Mode {
@@ -46,7 +46,7 @@ impl Mode {
             residual: ResidualStiffness::Positive,
             shape_at_force: 1.0,
             outputs: Vec::new(),
-            initial: (0.0, 0.0),
+            initial: Motion::default(),
         }
     }
 
@@ -56,8 +56,8 @@ impl Mode {
     /// As [`Oscillator::new`]; initial conditions and the shape at the force must be finite.
     pub fn oscillator(&self) -> Result<Oscillator, Error> {
         let named = [
-            ("initial displacement", self.initial.0),
-            ("initial velocity", self.initial.1),
+            ("initial displacement", self.initial.displacement),
+            ("initial velocity", self.initial.velocity),
             ("shape_at_force", self.shape_at_force),
         ];
         if let Some(&(name, value)) = named.iter().find(|(_, value)| !value.is_finite()) {

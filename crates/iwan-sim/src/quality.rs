@@ -1,13 +1,13 @@
-//! Error estimates from companion runs at half the sampling rate.
+//! Error estimates from companion runs at twice the time step.
 
-use std::ops::ControlFlow;
+use iwan_core::progress::UNWATCHED;
+use iwan_core::{Newmark, Representation};
 
-use iwan_core::Newmark;
-
+use crate::response::{Quality, Response};
 use crate::run::{Task, newmark};
-use crate::{JointKind, Quality, Response};
 
-/// Shortest response, in coarse samples, on which an estimate means anything.
+/// Shortest response, in samples of the companion, that gets an estimate. The largest difference over so few points is still chance: they may
+/// all lie where two wrong responses cross. From a quarter of a cycle on the choice no longer matters.
 const FEWEST: usize = 8;
 
 /// Largest difference to every `stride`-th sample of a finer response, relative to its peak.
@@ -27,25 +27,25 @@ pub(crate) fn of_newmark(
     fine: &Response,
     scheme_at: impl Fn(f64) -> Result<Newmark, iwan_core::Error>,
     order: i32,
-    joint: JointKind,
+    joint: Representation,
 ) -> Quality {
     let mut quality = fine.quality;
     let force: Vec<f64> = task.force.iter().copied().step_by(2).collect();
     let coarse = Task { force: &force, dt: 2.0 * task.dt, samples: task.samples.div_ceil(2), ..task };
     let linear = task.mode.joint.is_none();
-    quality.discretisation_error = (linear || joint == JointKind::Continuum).then_some(0.0);
+    quality.discretisation_error = (linear || joint == Representation::Continuum).then_some(0.0);
     // A prewarped double step may already be too long for the mode: then there is nothing to compare.
     let Some(scheme) = scheme_at(coarse.dt).ok().filter(|_| coarse.samples >= FEWEST) else {
         return quality;
     };
-    let run =
-        |joint| newmark(coarse, &scheme, joint, Response::default(), &mut |_| ControlFlow::Continue(()));
+    let run = |joint| newmark(coarse, &scheme, joint, Response::default(), UNWATCHED);
     // A double step that does not work says nothing about the single one.
     let Ok(sliders) = run(joint) else { return quality };
     quality.time_step_error =
         Some(difference(&sliders, fine, 2) / f64::from(2_i32.pow(order.unsigned_abs()) - 1));
     if quality.discretisation_error.is_none() {
-        quality.discretisation_error = run(JointKind::Continuum).ok().map(|c| difference(&sliders, &c, 1));
+        quality.discretisation_error =
+            run(Representation::Continuum).ok().map(|c| difference(&sliders, &c, 1));
     }
     quality
 }

@@ -2,7 +2,7 @@
 
 use iwan_core::{EnergyBalance, Samples};
 
-use crate::Mode;
+use crate::mode::Mode;
 
 /// How far a response can be trusted. All errors are relative to the peak displacement.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
@@ -88,7 +88,7 @@ impl Response {
     /// Largest |q|.
     #[must_use]
     pub fn peak_displacement(&self) -> f64 {
-        // Lanes of their own: one running maximum would wait for itself at every sample.
+        // Eight running maxima side by side: a single one would wait for itself at every sample. Four to sixteen do as well.
         let mut peaks = [0.0_f64; 8];
         let chunks = self.displacement.chunks_exact(peaks.len());
         let rest = chunks.remainder().iter().fold(0.0_f64, |peak, q| peak.max(q.abs()));

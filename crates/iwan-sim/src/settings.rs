@@ -1,28 +1,6 @@
 //! How to simulate.
 
-use iwan_core::{Error, Grid};
-
-/// How the joint's density is represented in time stepping.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub enum JointKind {
-    /// A population of Jenkins elements.
-    Sliders {
-        /// Number of bins into which the density is cut.
-        bins: usize,
-        /// Where the bins lie.
-        grid: Grid,
-    },
-    /// The exact continuum by return-point memory.
-    Continuum,
-}
-
-impl JointKind {
-    /// The default: 100 graded bins.
-    #[must_use]
-    pub fn default_sliders() -> Self {
-        Self::Sliders { bins: 100, grid: Grid::graded(100) }
-    }
-}
+use iwan_core::{Error, Grid, Representation};
 
 /// The method of integration.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -33,10 +11,10 @@ pub enum Method {
         beta: f64,
         /// γ: 1/2 has no numerical damping.
         gamma: f64,
-        /// Removes the period error at small amplitude; average acceleration only.
+        /// Whether the period error at small amplitude is removed; average acceleration only.
         prewarp: bool,
         /// Sliders or continuum.
-        joint: JointKind,
+        joint: Representation,
     },
     /// Half-cycle energy map once the force has settled; the force itself is stepped (Newmark, continuum).
     HalfCycle,
@@ -55,7 +33,7 @@ impl Method {
     /// The default: prewarped average acceleration on 100 graded bins.
     #[must_use]
     pub fn default_newmark() -> Self {
-        Self::Newmark { beta: 0.25, gamma: 0.5, prewarp: true, joint: JointKind::default_sliders() }
+        Self::Newmark { beta: 0.25, gamma: 0.5, prewarp: true, joint: Representation::default_sliders() }
     }
 }
 
@@ -90,7 +68,8 @@ impl Settings {
     /// [`Error::OutOfRange`] when the time step or the duration is not a finite number > 0, or their ratio is not
     /// between 1 and 1e11.
     pub fn samples(&self) -> Result<usize, Error> {
-        /// More samples than this do not fit any machine's memory.
+        /// More samples than this, at 32 bytes each 3.2 TB, are a slip of the pen and not a wish: they are refused by name before
+        /// the memory is asked for. The number stands in the message.
         const MOST: f64 = 1e11;
         let positive = |name, value: f64| {
             let allowed = "must be a finite number of seconds > 0";
@@ -102,6 +81,7 @@ impl Settings {
         };
         positive("time step", self.dt)?;
         positive("duration", self.duration)?;
+        // A duration that is a multiple of the step loses no sample to the rounding of two divisions.
         let value = (self.duration / self.dt * (1.0 + 4.0 * f64::EPSILON)).floor();
         if (1.0..MOST).contains(&value) {
             return Ok(value as usize + 1);

@@ -1,16 +1,18 @@
 //! From modes and a force to responses.
 
-use std::ops::ControlFlow;
 use std::sync::Mutex;
 
+use iwan_core::progress::{Progress, UNWATCHED};
 use iwan_core::{Error, Newmark, Pulse};
 
+use crate::error::SimulationError;
+use crate::event::{self, Cut};
 use crate::free_decay::{self, Decaying};
+use crate::mode::Mode;
+use crate::quality;
+use crate::response::Response;
 use crate::run::{self, Task};
-use crate::{Method, Mode, Response, Settings, SimulationError, event, quality};
-
-/// Called from time to time with the share of the work done (0 to 1); `Break` stops the simulation.
-pub type Observer<'a> = &'a mut (dyn FnMut(f64) -> ControlFlow<()> + Send);
+use crate::settings::{Method, Settings};
 
 /// Simulates one mode under `force` (physical; the mode's `shape_at_force` makes it modal).
 ///
@@ -29,31 +31,31 @@ pub type Observer<'a> = &'a mut (dyn FnMut(f64) -> ControlFlow<()> + Send);
 /// # Errors
 /// [`SimulationError::Parameter`] for values out of range, [`SimulationError::NotFinite`] on overflow.
 pub fn simulate(mode: &Mode, force: &Pulse<'_>, settings: &Settings) -> Result<Response, SimulationError> {
-    simulate_observed(mode, force, settings, Response::default(), &mut |_| ControlFlow::Continue(()))
+    simulate_observed(mode, force, settings, Response::default(), UNWATCHED)
 }
 
 /// Simulates several modes on up to `threads` threads: the same bits whatever their number.
 ///
 /// # Errors
 /// [`SimulationError::Mode`] with the name of the first mode that failed, or
-/// [`SimulationError::Interrupted`] when the observer broke off.
+/// [`SimulationError::Interrupted`] when `progress` broke off.
 pub fn simulate_all(
     modes: &[Mode],
     force: &Pulse<'_>,
     settings: &Settings,
     threads: usize,
-    observer: Observer<'_>,
+    progress: Progress<'_>,
 ) -> Result<Vec<Response>, SimulationError> {
-    let done = Mutex::new((vec![0.0; modes.len()], observer));
+    let done = Mutex::new(vec![0.0; modes.len()]);
     let next = Mutex::new(0..modes.len());
     let one = |index: usize| {
-        let mut report = |share: f64| {
-            let mut guard = done.lock().unwrap_or_else(std::sync::PoisonError::into_inner);
-            let (shares, observer) = &mut *guard;
+        let report = |share: f64| {
+            // Told under the lock, so that the shares rise.
+            let mut shares = done.lock().unwrap_or_else(std::sync::PoisonError::into_inner);
             shares[index] = share;
-            observer(shares.iter().sum::<f64>() / shares.len() as f64)
+            progress(shares.iter().sum::<f64>() / shares.len() as f64)
         };
-        simulate_observed(&modes[index], force, settings, Response::default(), &mut report)
+        simulate_observed(&modes[index], force, settings, Response::default(), &report)
     };
     let work = || {
         let mut finished = Vec::new();
@@ -87,6 +89,8 @@ fn in_mode(mode: &Mode, error: SimulationError) -> SimulationError {
 
 /// Refuses what cannot be sampled or would never end.
 fn check_scales(mode: &Mode, force: &Pulse<'_>, settings: &Settings) -> Result<(), Error> {
+    /// Cycles of a run: at one sample a cycle a billion fill 32 GB, and methods that go from cycle to cycle take a minute for them. More
+    /// is a slip of the pen, refused by name. The number stands in the message.
     const MOST_CYCLES: f64 = 1e9;
     let cycles = mode.frequency * settings.duration;
     if cycles > MOST_CYCLES {
@@ -101,7 +105,8 @@ fn check_scales(mode: &Mode, force: &Pulse<'_>, settings: &Settings) -> Result<(
     Ok(())
 }
 
-/// Number of steps after which the force no longer changes.
+/// Number of steps after which the force no longer changes. A force that settles on a sample settles there: the rounding of
+/// the quotient adds no step.
 fn settled_after(force: &Pulse<'_>, dt: f64, samples: usize) -> Result<usize, Error> {
     let steps = (force.settled() / dt * (1.0 - 4.0 * f64::EPSILON)).ceil();
     if steps < samples as f64 - 1.0 {
@@ -118,7 +123,7 @@ pub(crate) fn simulate_observed(
     force: &Pulse<'_>,
     settings: &Settings,
     spare: Response,
-    progress: run::Progress<'_>,
+    progress: Progress<'_>,
 ) -> Result<Response, SimulationError> {
     let force = force.checked()?;
     let (dt, samples) = (settings.dt, settings.samples()?);
@@ -152,7 +157,7 @@ pub(crate) fn simulate_observed(
             )
         }
         Method::Event { bins, grid } => {
-            event::simulate(task, &force, (bins, grid), settings.quality, progress)
+            event::simulate(task, &force, Cut { bins, grid }, settings.quality, progress)
         }
     }
 }

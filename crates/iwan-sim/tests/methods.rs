@@ -1,11 +1,13 @@
 //! The methods against each other, through the whole of `simulate`.
 #![allow(clippy::unwrap_used, clippy::print_stdout, reason = "a failed test may panic and say why")]
 
-use iwan_core::{FourParameter, Grid, Jenkins, Pulse, Uniform};
+use iwan_core::progress::UNWATCHED;
+use iwan_core::{FourParameter, Grid, Jenkins, Motion, Pulse, Representation, Uniform};
 use iwan_sim::{
-    JointKind, JointLaw, Method, Mode, Response, Settings, SimulationError, simulate, simulate_all, superpose,
+    JointLaw, Method, Mode, Response, Settings, SimulationError, simulate, simulate_all, superpose,
 };
 
+/// Mode 1 of Table 2 of Deaner et al. with a damper of 0.025 %.
 fn mode() -> Mode {
     let joint = FourParameter::new(4.45e4, 239.4, -0.183, 0.3).unwrap();
     Mode { damping_ratio: 2.5e-4, ..Mode::new("bending 1", 124.0, Some(JointLaw::FourParameter(joint))) }
@@ -15,7 +17,7 @@ fn run(mode: &Mode, force: &Pulse<'_>, method: Method, dt: f64) -> Response {
     simulate(mode, force, &Settings { method, ..Settings::new(dt, 0.1) }).unwrap()
 }
 
-fn newmark(joint: JointKind) -> Method {
+fn newmark(joint: Representation) -> Method {
     Method::Newmark { beta: 0.25, gamma: 0.5, prewarp: true, joint }
 }
 
@@ -32,8 +34,8 @@ fn all_methods_agree_on_a_blow() {
     let grid = Grid::Geometric { ratio: 1.0025 };
     let event = run(&mode(), &BLOW, Method::Event { bins: 4000, grid }, 1e-4);
     let map = run(&mode(), &BLOW, Method::HalfCycle, 1e-4);
-    let continuum = run(&mode(), &BLOW, newmark(JointKind::Continuum), 1e-5);
-    let sliders = run(&mode(), &BLOW, newmark(JointKind::default_sliders()), 1e-5);
+    let continuum = run(&mode(), &BLOW, newmark(Representation::Continuum), 1e-5);
+    let sliders = run(&mode(), &BLOW, newmark(Representation::default_sliders()), 1e-5);
     let averaging = run(&mode(), &BLOW, Method::Averaging, 1e-4);
     assert!(distance(&map, &event) < 2e-6, "map {}", distance(&map, &event));
     assert!(distance(&continuum, &event) < 2e-4, "continuum {}", distance(&continuum, &event));
@@ -81,7 +83,9 @@ fn every_pulse_gives_the_event_driven_response() {
         let event = run(&mode(), &pulse, Method::Event { bins: 100, grid: Grid::graded(100) }, 1e-4);
         let errors: Vec<f64> = [2e-5, 1e-5]
             .iter()
-            .map(|dt| distance(&run(&mode(), &pulse, newmark(JointKind::default_sliders()), *dt), &event))
+            .map(|dt| {
+                distance(&run(&mode(), &pulse, newmark(Representation::default_sliders()), *dt), &event)
+            })
             .collect();
         println!("{pulse:?}: {errors:?}");
         assert!(errors[1] < 2e-3, "{pulse:?}: {errors:?}");
@@ -89,7 +93,7 @@ fn every_pulse_gives_the_event_driven_response() {
         if pulse.settled() < 0.05 {
             let map = run(&mode(), &pulse, Method::HalfCycle, 1e-4);
             assert!(map.energy.error() < 1e-10, "{pulse:?}: {:?}", map.energy);
-            let continuum = run(&mode(), &pulse, newmark(JointKind::Continuum), 5e-6);
+            let continuum = run(&mode(), &pulse, newmark(Representation::Continuum), 5e-6);
             assert!(distance(&continuum, &map) < 2e-4, "{pulse:?}: {}", distance(&continuum, &map));
         }
     }
@@ -104,11 +108,17 @@ fn other_laws_and_linear_modes_take_every_method() {
         None,
     ];
     for law in laws {
-        let mode = Mode { damping_ratio: 1e-3, initial: (2e-4, 0.4), ..Mode::new("m", 124.0, law) };
+        let mode = Mode {
+            damping_ratio: 1e-3,
+            initial: Motion { displacement: 2e-4, velocity: 0.4 },
+            ..Mode::new("m", 124.0, law)
+        };
         let event = run(&mode, &BLOW, Method::Event { bins: 2000, grid: Grid::Uniform }, 1e-4);
-        for method in
-            [Method::HalfCycle, newmark(JointKind::Continuum), newmark(JointKind::default_sliders())]
-        {
+        for method in [
+            Method::HalfCycle,
+            newmark(Representation::Continuum),
+            newmark(Representation::default_sliders()),
+        ] {
             let dt = if method == Method::HalfCycle { 1e-4 } else { 1e-5 };
             let response = run(&mode, &BLOW, method, dt);
             let error = distance(&response, &event);
@@ -131,9 +141,7 @@ fn threads_change_no_bit_and_points_add_up() {
         })
         .collect();
     let settings = Settings::new(1e-5, 0.05);
-    let all = |threads| {
-        simulate_all(&modes, &BLOW, &settings, threads, &mut |_| std::ops::ControlFlow::Continue(())).unwrap()
-    };
+    let all = |threads| simulate_all(&modes, &BLOW, &settings, threads, UNWATCHED).unwrap();
     let (one, four) = (all(1), all(4));
     for (a, b) in one.iter().zip(&four) {
         assert_eq!(a.displacement, b.displacement);
@@ -163,7 +171,7 @@ fn bad_values_are_named() {
     assert!(
         message(&mode(), Settings { method: Method::HalfCycle, ..settings }, endless).contains("settles")
     );
-    let stop = simulate_all(&[mode()], &BLOW, &settings, 1, &mut |_| std::ops::ControlFlow::Break(()));
+    let stop = simulate_all(&[mode()], &BLOW, &settings, 1, &|_| std::ops::ControlFlow::Break(()));
     assert_eq!(stop.unwrap_err(), SimulationError::Interrupted);
 }
 
@@ -183,7 +191,7 @@ fn unseen_forces_and_failing_companions() {
     // A step shorter than the time step keeps its impulse.
     let tap = Pulse::Step { amplitude: 1000.0, duration: 1e-6 };
     let (coarse, exact) = (
-        run(&mode(), &tap, newmark(JointKind::Continuum), 1e-5),
+        run(&mode(), &tap, newmark(Representation::Continuum), 1e-5),
         run(&mode(), &tap, Method::Event { bins: 2000, grid: Grid::graded(2000) }, 1e-5),
     );
     assert!(distance(&coarse, &exact) < 6e-3, "{}", distance(&coarse, &exact));
@@ -204,7 +212,7 @@ fn overflow_is_never_silent() {
 
 #[test]
 fn the_map_claims_no_perfection() {
-    let mode = Mode { initial: (1e-3, 0.0), ..mode() };
+    let mode = Mode { initial: Motion::held_at(1e-3), ..mode() };
     let map = run(&mode, &Pulse::None, Method::HalfCycle, 1e-4);
     assert!(map.quality.time_step_error.unwrap() > 0.0);
     let event = run(&mode, &Pulse::None, Method::Event { bins: 50, grid: Grid::graded(50) }, 1e-5);

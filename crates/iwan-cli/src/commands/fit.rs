@@ -104,10 +104,13 @@ fn write(
     let borrowed = curves.iter().map(|(name, values)| ((*name).to_string(), values.as_slice())).collect();
     let table = Table::new(borrowed).map_err(|e| failed(&e))?;
     results.add_table(curves_name, &table, format)?;
-    let responses =
-        iwan_sim::simulate_all(&scenario.modes(), &Pulse::None, &scenario.settings, 1, &mut |_| {
-            std::ops::ControlFlow::Continue(())
-        });
+    let responses = iwan_sim::simulate_all(
+        &scenario.modes(),
+        &Pulse::None,
+        &scenario.settings,
+        1,
+        iwan_core::progress::UNWATCHED,
+    );
     let responses = responses.map_err(|e| failed(&e))?;
     let times: Vec<f64> = responses.first().map(|r| r.times().collect()).unwrap_or_default();
     let table = Table::new(columns(&times, &scenario, &responses, &[])).map_err(|e| failed(&e))?;

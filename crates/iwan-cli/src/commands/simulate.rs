@@ -82,9 +82,7 @@ fn compute(scenario: &Scenario, args: &SimulateArgs) -> Result<Vec<Response>, Si
     let bar = Progress::new("simulating", args.common.quiet);
     let force = scenario.force.pulse();
     let threads = args.common.thread_count();
-    iwan_sim::simulate_all(&scenario.modes(), &force, &scenario.settings, threads, &mut |share| {
-        bar.report(share)
-    })
+    iwan_sim::simulate_all(&scenario.modes(), &force, &scenario.settings, threads, &|share| bar.report(share))
 }
 
 /// A failed computation in the user's terms: what could not be set up is bad input, the rest failed.

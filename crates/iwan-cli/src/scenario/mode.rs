@@ -121,8 +121,8 @@ fn read_outputs(source: &Source, mode: &Section<'_>) -> Result<Vec<Point>, Input
     entries.into_iter().map(point).collect()
 }
 
-fn read_initial(source: &Source, mode: &Section<'_>) -> Result<(f64, f64), InputError> {
-    let Some(place) = mode.optional_table("initial")? else { return Ok((0.0, 0.0)) };
+fn read_initial(source: &Source, mode: &Section<'_>) -> Result<iwan_core::Motion, InputError> {
+    let Some(place) = mode.optional_table("initial")? else { return Ok(iwan_core::Motion::default()) };
     let section = Section::new(source, format!("initial of {}", mode.title()), place, INITIAL_KEYS)?;
     let number = |key| match section.number_or(key, 0.0)? {
         value if value.is_finite() => Ok(value),
@@ -131,5 +131,5 @@ fn read_initial(source: &Source, mode: &Section<'_>) -> Result<(f64, f64), Input
             Err(section.failure(key, &message, &format!("give {key} a finite value")))
         }
     };
-    Ok((number("displacement")?, number("velocity")?))
+    Ok(iwan_core::Motion { displacement: number("displacement")?, velocity: number("velocity")? })
 }

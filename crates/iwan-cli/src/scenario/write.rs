@@ -80,7 +80,7 @@ fn write_mode(out: &mut String, ScenarioMode { mode, joint }: &ScenarioMode) {
             .collect();
         line(out, "outputs", &inline(&pairs));
     }
-    let (displacement, velocity) = mode.initial;
+    let iwan_core::Motion { displacement, velocity } = mode.initial;
     let initial = [("displacement", format!("{displacement:?}")), ("velocity", format!("{velocity:?}"))];
     line(out, "initial", &inline(&initial));
     if mode.residual == ResidualStiffness::Any {

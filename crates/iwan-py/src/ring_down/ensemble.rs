@@ -44,7 +44,8 @@ impl Columns {
             std::array::from_fn(|parameter| self.0[parameter][i]);
         let joint = iwan_core::FourParameter::new(k_t, f_s, chi, beta)?;
         let mode = Mode::new("", frequency, Some(JointLaw::FourParameter(joint)));
-        Ok(Mode { damping_ratio, shape_at_force, initial: (q, v), ..mode })
+        let initial = iwan_core::Motion { displacement: q, velocity: v };
+        Ok(Mode { damping_ratio, shape_at_force, initial, ..mode })
     }
 }
 
@@ -83,7 +84,7 @@ pub(crate) fn _ensemble(
         let mode = |i: usize| columns.mode(i);
         let members = columns.0[0].len();
         let ensemble = Ensemble { members, mode: &mode, force: force.pulse(), settings, kept: &kept };
-        ensemble.run(threads, &|done| control.report(done))
+        ensemble.run(threads, &|share| control.report((share * members as f64).round() as usize))
     })?
     .map_err(|error| {
         simulation_at(&format!("parameter set {}", place(first + error.member, &shape)), error.source)

@@ -79,7 +79,7 @@ pub(crate) fn simulate<'py>(
         {
             return iwan_sim::simulate(mode, &force.pulse(), &settings).map(|response| vec![response]);
         }
-        iwan_sim::simulate_all(&modes, &force.pulse(), &settings, threads, &mut |_| control.stop())
+        iwan_sim::simulate_all(&modes, &force.pulse(), &settings, threads, &|_| control.stop())
             .map_err(|error| if single { without_name(error) } else { error })
     })?
     .map_err(simulation)?;
@@ -129,7 +129,7 @@ fn set_initial(modes: &mut [iwan_sim::Mode], initial: Option<&Bound<'_, PyAny>>)
         )));
     }
     for (mode, pair) in modes.iter_mut().zip(numbers.values.chunks(2).cycle()) {
-        mode.initial = (pair[0], pair[1]);
+        mode.initial = iwan_core::Motion { displacement: pair[0], velocity: pair[1] };
     }
     Ok(())
 }

@@ -162,7 +162,7 @@ impl Joint {
         let (py, displacement) = (u.py(), Numbers::vector("u", u)?);
         let (law, joint) = (self.law.clone(), joint_kind(sliders, grid)?);
         let force = work::run(py, displacement.len() > LASTING, move |control| {
-            force_history(&law, &displacement, joint, &mut |_| control.stop())
+            force_history(&law, &displacement, joint, &|_| control.stop())
         })?
         .map_err(simulation)?;
         Ok(shaped(py, vec![force.len()], force)?.into_any())

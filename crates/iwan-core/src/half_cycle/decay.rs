@@ -1,0 +1,375 @@
+//! Free decay by half cycles, from any state, with output at uniform times.
+
+use super::dormand_prince::{self, Moment, Step};
+use super::map::{HalfCycle, Map};
+use super::phase::PhaseClock;
+use crate::error::Error;
+use crate::law::Backbone;
+use crate::memory::{Branch, Continuum, Hysteresis, Reversal, Reversals};
+use crate::step::{EnergyBalance, JointEnergy, Motion, Oscillator, Samples, Works};
+
+/// Free decay of a mode under a constant force: the half-cycle energy map.
+///
+/// Exact but for the quadrature in the phase (12 nodes a half cycle). A start in mid-motion, and half cycles
+/// that close older loops, are integrated by an adaptive Runge-Kutta method up to the next reversal.
+///
+/// ```
+/// use iwan_core::{Backbone, Decay, FourParameter, Motion, Oscillator, ResidualStiffness, Reversal};
+/// let joint = FourParameter::new(4.45e4, 239.4, -0.183, 0.3)?;
+/// let mode = Oscillator::new(124.0, 0.0, joint.k_t(), ResidualStiffness::Positive)?;
+/// let start = 0.1 * joint.phi_max();
+/// let mut decay = Decay::new(&mode, &joint, 0.0, Motion::held_at(start), [Reversal::default(); 64])?;
+/// let first = decay.next().unwrap();
+/// // What friction took from the first half cycle is half a closed loop of the mean amplitude, nearly.
+/// let lost = 0.5 * mode.k_inf() * (start.powi(2) - first.displacement.powi(2))
+///     + joint.energy(start) - joint.energy(first.displacement);
+/// let mean = 0.5 * (start - first.displacement);
+/// assert!((lost / (0.5 * joint.dissipation(mean)) - 1.0).abs() < 0.01);
+/// # Ok::<(), iwan_core::Error>(())
+/// ```
+#[derive(Debug, Clone)]
+pub struct Decay<'a, B, S> {
+    map: Map<'a, B>,
+    oscillator: Oscillator,
+    joint: Continuum<&'a B>,
+    memory: Reversals<S>,
+    /// Time, displacement and velocity up to which the memory stands.
+    now: Moment,
+    /// The latest half cycle of the map, and whether it is under way from `now`.
+    half: HalfCycle,
+    under_way: bool,
+    /// The clock of the half cycle under way, once asked for.
+    clock: Option<PhaseClock>,
+    /// The motion at the start, and the energy that the joint's springs stored there.
+    start: Motion,
+    stored: f64,
+    /// Works of the constant force, on the damper and on the joint since then.
+    works: Works,
+}
+
+/// A reversal of a free decay.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct TurningPoint {
+    /// Time since the start, s.
+    pub time: f64,
+    /// Displacement there.
+    pub displacement: f64,
+    /// Joint force there.
+    pub joint_force: f64,
+}
+
+/// A point on the way of a half cycle and its share of time: Σ `weight` f is ∫ f dt over the half cycle, exact for
+/// smooth f as the map itself.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct PathNode {
+    /// Time since the start, s.
+    pub time: f64,
+    /// Displacement.
+    pub displacement: f64,
+    /// Velocity.
+    pub velocity: f64,
+    /// Weight in time, s.
+    pub weight: f64,
+}
+
+impl<'a, B: Backbone, S: AsRef<[Reversal]> + AsMut<[Reversal]>> Decay<'a, B, S> {
+    /// From the virgin joint, loaded along its curve up to the displacement of `start` and released with its velocity; `load` is a constant force. `stack` has room for the
+    /// reversals: one per half cycle, at least three.
+    ///
+    /// # Errors
+    /// [`Error::Length`]; [`Error::OutOfRange`] when K_∞ <= 0 or a value is not finite.
+    pub fn new(
+        oscillator: &Oscillator,
+        law: &'a B,
+        load: f64,
+        start: Motion,
+        stack: S,
+    ) -> Result<Self, Error> {
+        let joint = Continuum::new(law);
+        let mut memory = joint.virgin(stack)?;
+        joint.advance(&mut memory, start.displacement);
+        Self::from_memory(oscillator, law, load, memory, start.velocity)
+    }
+
+    /// From a state that time stepping has reached: `memory` and `velocity`.
+    ///
+    /// # Errors
+    /// [`Error::OutOfRange`] when K_∞ <= 0 or a value is not finite.
+    pub fn from_memory(
+        oscillator: &Oscillator,
+        law: &'a B,
+        load: f64,
+        memory: Reversals<S>,
+        velocity: f64,
+    ) -> Result<Self, Error> {
+        let joint = Continuum::new(law);
+        let q = joint.displacement(&memory);
+        for (name, value) in [("load", load), ("displacement", q), ("velocity", velocity)] {
+            crate::error::check(name, value, true, "must be a finite number")?;
+        }
+        let map = Map::new(oscillator, law, load)?;
+        let stored = joint.stored_energy(&memory);
+        let now = Moment { time: 0.0, q, v: velocity };
+        let start = Motion { displacement: q, velocity };
+        let (half, under_way, clock, works) = (HalfCycle::NONE, false, None, Works::default());
+        let oscillator = *oscillator;
+        let mut decay =
+            Self { map, oscillator, joint, memory, now, half, under_way, clock, start, stored, works };
+        if velocity == 0.0 {
+            decay.turn_towards_equilibrium();
+        } else if velocity * decay.memory.direction() < 0.0 {
+            decay.memory.reverse(law);
+        }
+        Ok(decay)
+    }
+
+    /// The joint's memory as it stands at the last turning point.
+    pub fn memory(&self) -> &Reversals<S> {
+        &self.memory
+    }
+
+    /// At rest: makes the memory point the way the mass will move.
+    fn turn_towards_equilibrium(&mut self) {
+        let pull = self.acceleration(&self.memory.branch(), self.now.q, 0.0);
+        if pull * self.memory.direction() < 0.0 {
+            self.memory.reverse(self.map.law);
+        }
+        self.set_out();
+    }
+
+    /// Begins the half cycle from a reversal, if the map covers it.
+    #[inline]
+    fn set_out(&mut self) {
+        let branch = self.memory.branch_ref();
+        self.under_way =
+            branch.scale == 2.0 && branch.start_is(self.now.q) && self.map.half_cycle(branch, &mut self.half);
+    }
+
+    fn acceleration(&self, branch: &Branch, q: f64, v: f64) -> f64 {
+        let (force, _) = branch.force_and_tangent(self.map.law, q);
+        self.map.load - self.map.viscous * v - self.map.k_inf * q - force
+    }
+
+    /// Moves to the next turning point; none when the mass has come to rest or creeps towards it.
+    #[expect(
+        clippy::should_implement_trait,
+        reason = "an iterator would hide that the decay goes on behind it"
+    )]
+    pub fn next(&mut self) -> Option<TurningPoint> {
+        if self.under_way {
+            self.finish();
+        } else if !self.march(f64::INFINITY) {
+            return None;
+        }
+        let (time, displacement) = (self.now.time, self.now.q);
+        Some(TurningPoint { time, displacement, joint_force: self.joint.joint_force(&self.memory) })
+    }
+
+    /// As [`next`](Self::next), and hands over the nodes of the half cycle on the way, in the order of time: for
+    /// integrals over the motion that need no uniform samples. None as well where the map does not cover the half cycle
+    /// (a start in mid-motion, an older loop that closes).
+    ///
+    /// ```
+    /// use iwan_core::{Decay, FourParameter, Motion, Oscillator, ResidualStiffness, Reversal};
+    /// let joint = FourParameter::new(4.45e4, 239.4, -0.183, 0.3)?;
+    /// let mode = Oscillator::new(124.0, 1e-3, joint.k_t(), ResidualStiffness::Positive)?;
+    /// let mut decay = Decay::new(&mode, &joint, 0.0, Motion::held_at(0.01), [Reversal::default(); 64])?;
+    /// let (mut travel, mut duration) = (0.0, 0.0);
+    /// let end = decay.next_with(|node| {
+    ///     travel += node.weight * node.velocity;
+    ///     duration += node.weight;
+    /// });
+    /// assert!((0.01 + travel - end.unwrap().displacement).abs() < 1e-12);
+    /// assert!((duration - end.unwrap().time).abs() < 1e-15);
+    /// # Ok::<(), iwan_core::Error>(())
+    /// ```
+    pub fn next_with(&mut self, mut visit: impl FnMut(PathNode)) -> Option<TurningPoint> {
+        if !self.under_way {
+            return None;
+        }
+        let (half, start) = (&self.half, self.now.time);
+        self.map.phase(half).visit(|node| {
+            let Motion { displacement, velocity } = half.motion(node.share, node.speed);
+            visit(PathNode { time: start + node.time, displacement, velocity, weight: node.weight });
+        });
+        self.next()
+    }
+
+    /// Completes the half cycle of the map and sets out on the next.
+    #[inline]
+    fn finish(&mut self) {
+        let half = &self.half;
+        let (before, end) = (self.now.q, half.end());
+        self.works.force += self.map.load * (end - before);
+        self.works.damper += half.viscous;
+        self.works.joint += half.joint;
+        self.now = Moment { time: self.now.time + half.duration, q: end, v: 0.0 };
+        self.clock = None;
+        if half.is_micro_slip() {
+            self.memory.turn_within(end, half.force, self.map.law);
+        } else {
+            self.joint.advance(&mut self.memory, end);
+            self.memory.reverse(self.map.law);
+        }
+        self.set_out();
+    }
+
+    /// The motion at the time `t`, which must not lie before the last call's.
+    fn motion_at(&mut self, t: f64) -> Motion {
+        loop {
+            if self.under_way {
+                let half = &self.half;
+                if t - self.now.time <= half.duration {
+                    let clock = self.clock.get_or_insert_with(|| self.map.clock(half));
+                    return half.at(clock, t - self.now.time);
+                }
+                self.finish();
+            } else if !self.march(t) {
+                return Motion { displacement: self.now.q, velocity: self.now.v };
+            }
+        }
+    }
+
+    /// Writes the samples at 0, dt, 2 dt, … from the start; call it once, on a fresh decay.
+    ///
+    /// # Errors
+    /// [`Error::Length`], or [`Error::OutOfRange`] when `dt` is not a finite number > 0.
+    pub fn sample(&mut self, dt: f64, out: &mut Samples<'_>) -> Result<(), Error> {
+        crate::error::check("time step", dt, dt > 0.0, "must be a finite number of seconds > 0")?;
+        let samples = out.checked_len()?;
+        for n in 0..samples {
+            let Motion { displacement: q, velocity: v } = self.motion_at(n as f64 * dt);
+            let branch = self.memory.branch();
+            let (force, _) = branch.force_and_tangent(self.map.law, q);
+            let a = self.map.load - self.map.viscous * v - self.map.k_inf * q - force;
+            out.set(n, [q, v, a, force]);
+        }
+        Ok(())
+    }
+
+    /// Energy balance from the start to the last turning point.
+    #[must_use]
+    pub fn energy(&self) -> EnergyBalance {
+        let stored = JointEnergy { start: self.stored, end: self.joint.stored_energy(&self.memory) };
+        let now = Motion { displacement: self.now.q, velocity: self.now.v };
+        EnergyBalance::close(&self.oscillator, [self.start, now], stored, self.works)
+    }
+}
+
+/// @@MOST_BISECTIONS
+const MOST_BISECTIONS: u32 = 60;
+
+/// @@LONGEST_ANGLE
+const LONGEST_ANGLE: f64 = 0.05;
+
+/// @@SHORTEST
+const SHORTEST: f64 = 1e-6;
+
+/// A function of the motion whose zero is sought, and its rate of change.
+struct Crossing {
+    value: f64,
+    rate: f64,
+}
+
+/// Steps after which a motion without reversal is called creeping: 50,000 rad of the mode at the least.
+const MOST_STEPS: u32 = 1_000_000;
+
+/// Relative error per Runge-Kutta step.
+const STEP_TOLERANCE: f64 = 1e-13;
+
+/// Mid-motion: adaptive integration on the branch, loop by loop.
+impl<B: Backbone, S: AsRef<[Reversal]> + AsMut<[Reversal]>> Decay<'_, B, S> {
+    /// Integrates up to the time `until` (false) or the next reversal (true); false as well at rest.
+    fn march(&mut self, until: f64) -> bool {
+        let longest = LONGEST_ANGLE / libm::sqrt(self.map.k_inf + self.map.law.initial_stiffness());
+        let mut h = longest;
+        if self.now.v == 0.0 && self.acceleration(&self.memory.branch(), self.now.q, 0.0) == 0.0 {
+            return false;
+        }
+        for _ in 0..MOST_STEPS {
+            if self.now.time >= until {
+                return false;
+            }
+            let branch = self.memory.branch();
+            h = h.min(until - self.now.time).min(longest);
+            let Step { end: next, error } = self.step(&branch, h);
+            let scale = libm::fabs(self.now.v) + libm::fabs(next.v) + f64::MIN_POSITIVE;
+            let shrink = libm::pow(STEP_TOLERANCE * scale / (error + f64::MIN_POSITIVE), 0.2);
+            let (force, _) = branch.force_and_tangent(self.map.law, next.q);
+            let forces = libm::fabs(self.map.k_inf * next.q) + libm::fabs(force) + libm::fabs(self.map.load);
+            let noise = f64::EPSILON * forces * h;
+            if error > STEP_TOLERANCE * scale + noise && h > SHORTEST * longest {
+                h *= (0.9 * shrink).clamp(0.1, 0.9);
+                continue;
+            }
+            let turns = branch.direction * next.v <= 0.0;
+            let closes = branch.passed_by(next.q);
+            if !(turns || closes) {
+                self.accept(&branch, next);
+                h *= (0.9 * shrink).clamp(0.5, 4.0);
+                continue;
+            }
+            let turning = turns.then(|| {
+                self.locate(&branch, h, |m| Crossing {
+                    value: m.v,
+                    rate: self.acceleration(&branch, m.q, m.v),
+                })
+            });
+            let closing =
+                closes.then(|| self.locate(&branch, h, |m| Crossing { value: m.q - branch.end, rate: m.v }));
+            match (turning, closing) {
+                (Some(t), c) if c.is_none_or(|c| t.time <= c.time) => {
+                    self.accept(&branch, Moment { v: 0.0, ..t });
+                    self.memory.reverse(self.map.law);
+                    self.set_out();
+                    return true;
+                }
+                (_, Some(c)) => {
+                    self.accept(&branch, Moment { q: branch.end, ..c });
+                    self.memory.forget_closed_loop();
+                }
+                _ => return false,
+            }
+        }
+        false
+    }
+
+    /// Takes over the end of a step, with the works by Simpson's rule on its midpoint.
+    fn accept(&mut self, branch: &Branch, next: Moment) {
+        let middle = self.step(branch, 0.5 * (next.time - self.now.time)).end;
+        let power = |v: f64| v * v * self.map.viscous;
+        let h = next.time - self.now.time;
+        self.works.force += self.map.load * (next.q - self.now.q);
+        self.works.damper += h / 6.0 * (power(self.now.v) + 4.0 * power(middle.v) + power(next.v));
+        self.works.joint += branch.work(self.map.law, next.q) - branch.work(self.map.law, self.now.q);
+        self.memory.rest_at(next.q, branch.force_and_tangent(self.map.law, next.q));
+        self.now = next;
+    }
+
+    /// The moment within a step of length `h` at which a function of the motion crosses zero, by Newton's method on
+    /// steps from the present state; a bracket catches what it would throw out.
+    fn locate(&self, branch: &Branch, h: f64, f: impl Fn(&Moment) -> Crossing) -> Moment {
+        let (mut low, mut high, mut at) = (0.0, h, h);
+        let sign = f(&self.step(branch, h).end).value;
+        for _ in 0..MOST_BISECTIONS {
+            let Crossing { value, rate } = f(&self.step(branch, at).end);
+            if value * sign > 0.0 {
+                high = at;
+            } else {
+                low = at;
+            }
+            let newton = at - value / rate;
+            let next = if newton > low && newton < high { newton } else { 0.5 * (low + high) };
+            if libm::fabs(next - at) <= 4.0 * f64::EPSILON * h {
+                break;
+            }
+            at = next;
+        }
+        self.step(branch, at).end
+    }
+
+    /// One step of length `h` from the present state, on the branch that holds there.
+    fn step(&self, branch: &Branch, h: f64) -> Step {
+        dormand_prince::step(self.now, h, |q, v| self.acceleration(branch, q, v))
+    }
+}

@@ -1,0 +1,326 @@
+//! From one turning point to the next, without time steps.
+//!
+//! Between two reversals the force depends on displacement alone: at the distance y from the reversal
+//! (q_a, F_a), moving in direction d, Masing's rule gives F = F_a + 2 d F_virgin(y/2), so the mass has gained
+//!
+//! P(y) = s y - ½ K_∞ y² - 4 G(y/2),   s = d (f - K_∞ q_a - F_a),
+//!
+//! with G the work on the virgin curve and f a constant force. The next turning point is the root L of
+//! P(L) = W, W the work of the viscous damper. With y = ½L (1 - cos θ) the speed is ½L sin θ · Ω(θ) and Ω is
+//! a smooth function of the phase θ, near the circular frequency: the duration ∫dθ/Ω and
+//! W = c (L/2)² ∫Ω sin²θ dθ from 0 to π are Gauss-Legendre sums over a few nodes. With viscous damping
+//! Ω² itself has a term in ∫Ω sin², found by fixed-point passes that gain a factor of about ζ_v each.
+
+use core::f64::consts::PI;
+
+use super::macro_slip::{MacroSlip, Slip};
+use super::micro_slip::{MicroSlip, Travel};
+use super::phase::{MOST_PASSES, NODES, Node, PANELS, PASS_TOLERANCE, Phase, PhaseClock, Reading, Share};
+use crate::error::Error;
+use crate::law::Backbone;
+use crate::memory::Branch;
+use crate::step::{Motion, Oscillator};
+
+/// One half cycle from reversal to reversal.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct HalfCycle {
+    /// Displacement at its start, and direction of motion ±1.
+    start: f64,
+    direction: f64,
+    /// Travel L.
+    length: f64,
+    /// Work of the viscous damper.
+    pub(crate) viscous: f64,
+    /// Work on the joint.
+    pub(crate) joint: f64,
+    /// Duration, s.
+    pub(crate) duration: f64,
+    /// Joint force at its end.
+    pub(crate) force: f64,
+    /// In micro-slip under a power law: what the next half cycle starts from.
+    micro: Travel,
+    /// Ω, where it is not the micro-slip's.
+    phase: Phase,
+}
+
+impl HalfCycle {
+    /// No half cycle yet.
+    pub(crate) const NONE: Self = Self {
+        start: 0.0,
+        direction: 1.0,
+        length: 0.0,
+        viscous: 0.0,
+        joint: 0.0,
+        duration: 0.0,
+        force: 0.0,
+        micro: Travel::NONE,
+        phase: Phase::single([0.0; NODES]),
+    };
+
+    /// Displacement at its end.
+    #[inline]
+    pub(crate) fn end(&self) -> f64 {
+        self.start + self.direction * self.length
+    }
+
+    /// Whether it stayed in micro-slip under a power law.
+    #[inline]
+    pub(crate) fn is_micro_slip(&self) -> bool {
+        self.micro.is_some()
+    }
+
+    /// The motion at the time `t` after its start; `clock` is its own.
+    pub(crate) fn at(&self, clock: &PhaseClock, t: f64) -> Motion {
+        let Reading { value: theta, omega } = clock.at(t);
+        let (s, c) = libm::sincos(0.5 * theta);
+        self.motion(s * s, s * c * omega)
+    }
+
+    /// The motion where the share of the travel and the speed over the travel are these.
+    pub(crate) fn motion(&self, share: f64, speed: f64) -> Motion {
+        let travel = self.direction * self.length;
+        Motion { displacement: self.start + travel * share, velocity: travel * speed }
+    }
+}
+
+/// A half cycle as its solver finds it.
+struct Found {
+    length: f64,
+    /// W/L².
+    damping: f64,
+    /// Joint force at its end.
+    force: f64,
+    phase: Phase,
+}
+
+/// Ω over a half cycle of a given travel, and ∫Ω sin²θ dθ.
+struct Settled {
+    phase: Phase,
+    work: f64,
+}
+
+/// Works over a half cycle.
+struct HalfCycleWorks {
+    viscous: f64,
+    joint: f64,
+}
+
+/// The map of one mode under a constant force.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Map<'a, B> {
+    pub(crate) law: &'a B,
+    pub(crate) k_inf: f64,
+    pub(crate) viscous: f64,
+    pub(crate) load: f64,
+    micro: Option<MicroSlip>,
+    whole: Option<MacroSlip>,
+}
+
+impl<'a, B: Backbone> Map<'a, B> {
+    /// # Errors
+    /// [`Error::OutOfRange`] unless K_∞ > 0: without it the mass need not turn round.
+    pub(crate) fn new(oscillator: &Oscillator, law: &'a B, load: f64) -> Result<Self, Error> {
+        let k_inf = oscillator.k_inf();
+        crate::error::check(
+            "k_inf",
+            k_inf,
+            k_inf > 0.0,
+            "the half-cycle map needs K_inf = omega0^2 - k_t > 0",
+        )?;
+        let viscous = oscillator.viscous();
+        let power = law.power_law();
+        let micro = power.and_then(|power| MicroSlip::new(k_inf, viscous, &power));
+        let whole = power.and_then(|power| MacroSlip::new(k_inf, viscous, law, &power));
+        Ok(Self { law, k_inf, viscous, load, micro, whole })
+    }
+
+    /// Turns `half`, the half cycle before, into the one that leaves the reversal at which `branch` starts; false
+    /// when the mass rests in equilibrium or the half cycle would close the loop around it (the caller then steps).
+    ///
+    /// It is changed in place: a copy would have to wait until what was just written to it has reached memory.
+    #[inline]
+    pub(crate) fn half_cycle(&self, branch: &Branch, half: &mut HalfCycle) -> bool {
+        let pull = branch.direction * (self.load - self.k_inf * branch.start.u - branch.start.force);
+        if pull.is_nan() || pull <= 0.0 {
+            return false;
+        }
+        if !(self.micro_slip(branch, pull, half)
+            || self.macro_slip(branch, pull, half)
+            || self.any_slip(branch, pull, half))
+        {
+            return false;
+        }
+        (half.start, half.direction) = (branch.start.u, branch.direction);
+        // A loop may close in macro-slip: there the force is F_S on both branches. The margin is rounding of the distance.
+        let strongest = || self.law.strengths().1 * (1.0 - 4.0 * f64::EPSILON);
+        !branch.passed_by(half.end()) || branch.virgin_distance(branch.end) >= strongest()
+    }
+
+    #[inline]
+    fn micro_slip(&self, branch: &Branch, pull: f64, half: &mut HalfCycle) -> bool {
+        let Some(micro) = &self.micro else { return false };
+        if !micro.travel(pull, &mut half.micro) {
+            return false;
+        }
+        let travel = &half.micro;
+        (half.length, half.duration) = (travel.length, travel.duration());
+        half.force = branch.start.force + branch.direction * micro.force(travel);
+        let works = self.works(branch, pull, travel.length, travel.damping());
+        (half.viscous, half.joint) = (works.viscous, works.joint);
+        true
+    }
+
+    /// Works of the damper and on the joint: P(L) = W leaves the latter from the pull and the residual spring.
+    #[inline]
+    fn works(&self, branch: &Branch, pull: f64, length: f64, damping: f64) -> HalfCycleWorks {
+        let viscous = damping * length * length;
+        let held = branch.direction * branch.start.force + pull - 0.5 * self.k_inf * length;
+        HalfCycleWorks { viscous, joint: held * length - viscous }
+    }
+
+    /// A half cycle under a power law that ends in macro-slip.
+    #[cold]
+    fn macro_slip(&self, branch: &Branch, pull: f64, half: &mut HalfCycle) -> bool {
+        let Some(whole) = &self.whole else { return false };
+        // The half cycle before tells the damping nearly; without one the linear mode does.
+        let guess = if half.length > 0.0 {
+            half.viscous / (half.length * half.length)
+        } else {
+            0.125 * PI * self.viscous * libm::sqrt(self.k_inf)
+        };
+        let Some(Slip { length, damping, phase }) = whole.half_cycle(pull, guess) else { return false };
+        let force = branch.start.force + branch.direction * 2.0 * self.law.slip_force();
+        self.found(branch, pull, half, Found { length, damping, force, phase })
+    }
+
+    /// A half cycle under any law at any amplitude, with passes over the travel because the damper's work depends on it.
+    #[cold]
+    fn any_slip(&self, branch: &Branch, pull: f64, half: &mut HalfCycle) -> bool {
+        // G >= 0, so P < 0 here, and P is concave: Newton's method comes down monotonically.
+        let mut length = 2.0 * pull / self.k_inf;
+        let (mut damping, mut duration) = (0.0, 0.0);
+        let mut phase = HalfCycle::NONE.phase;
+        for _ in 0..MOST_PASSES {
+            let Some(root) = self.root(pull, damping, length) else { return false };
+            length = root;
+            let settled = self.passes(length);
+            phase = settled.phase;
+            let before = core::mem::replace(&mut duration, phase.duration());
+            if self.viscous == 0.0 || libm::fabs(duration - before) <= PASS_TOLERANCE * duration {
+                break;
+            }
+            damping = 0.25 * self.viscous * settled.work;
+        }
+        let force = branch.force_and_tangent(self.law, branch.start.u + branch.direction * length).0;
+        self.found(branch, pull, half, Found { length, damping, force, phase })
+    }
+
+    /// Notes a half cycle down; false when it has no duration.
+    fn found(
+        &self,
+        branch: &Branch,
+        pull: f64,
+        half: &mut HalfCycle,
+        Found { length, damping, force, phase }: Found,
+    ) -> bool {
+        let HalfCycleWorks { viscous, joint } = self.works(branch, pull, length, damping);
+        let duration = phase.duration();
+        *half = HalfCycle { length, viscous, joint, duration, force, phase, ..HalfCycle::NONE };
+        duration > 0.0 && duration.is_finite()
+    }
+
+    /// L with P(L) = damping·L², by Newton's method from `guess`.
+    fn root(&self, pull: f64, damping: f64, guess: f64) -> Option<f64> {
+        const MOST: u32 = 100;
+        let k = self.k_inf + 2.0 * damping;
+        let mut length = guess;
+        for round in 0..MOST {
+            let half = 0.5 * length;
+            let gained = pull * length - k * half * length - 4.0 * self.law.energy(half);
+            let slope = pull - k * length - 2.0 * self.law.force(half);
+            let step = -gained / slope;
+            length += step;
+            // The iteration comes from the right, so a step to the right is rounding.
+            if libm::fabs(step) <= 4.0 * f64::EPSILON * length || (round > 0 && step >= 0.0) {
+                break;
+            }
+        }
+        (length > 0.0).then_some(length)
+    }
+
+    /// The clock of a half cycle, for dense output.
+    pub(crate) fn clock(&self, half: &HalfCycle) -> PhaseClock {
+        self.phase(half).clock()
+    }
+
+    /// Ω over a half cycle.
+    pub(crate) fn phase(&self, half: &HalfCycle) -> Phase {
+        match &self.micro {
+            Some(micro) if half.micro.is_some() => micro.phase(&half.micro),
+            _ => half.phase,
+        }
+    }
+
+    /// Ω and ∫Ω sin² for the travel L, the phase cut where the weakest and the strongest slider break
+    /// loose; the damper's work up to each node by fixed-point passes.
+    fn passes(&self, length: f64) -> Settled {
+        let (weakest, strongest) = self.law.strengths();
+        let cut = |phi: f64| 2.0 * libm::asin(libm::sqrt((2.0 * phi / length).min(1.0)));
+        let mut phase = Phase::cut(cut(weakest), cut(strongest));
+        let mut nodes = [[Node::default(); NODES]; PANELS];
+        for (panel, nodes) in phase.panels().iter().zip(&mut nodes) {
+            let shares = panel.shares();
+            *nodes = core::array::from_fn(|i| {
+                Node::new(shares[i], self.gained(length, shares[i]) / (0.25 * length * length))
+            });
+        }
+        let work = phase.settle(&nodes, self.viscous, 0.0);
+        Settled { phase, work }
+    }
+
+    /// P(y) - (y/L) P(L) at a share x = y/L of the travel. The pull drops out of the difference, so its digits are not lost in it.
+    fn gained(&self, length: f64, Share { gone: x, left: rest }: Share) -> f64 {
+        let joint = x * self.law.energy(0.5 * length) - self.law.energy(0.5 * x * length);
+        0.5 * self.k_inf * x * rest * length * length + 4.0 * joint
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::law::FourParameter;
+    use crate::memory::{Continuum, Hysteresis, Reversal};
+    use crate::step::ResidualStiffness;
+
+    #[test]
+    fn the_solver_of_macro_slip_agrees_with_the_general_one() {
+        for (chi, beta) in [(-0.183, 0.3), (-0.7, 0.0), (0.4, 2.0)] {
+            let law = FourParameter::new(4.45e4, 239.4, chi, beta).unwrap();
+            for zeta in [0.0, 2.5e-4, 0.02] {
+                let mode = Oscillator::new(124.0, zeta, law.k_t(), ResidualStiffness::Positive).unwrap();
+                let map = Map::new(&mode, &law, 0.0).unwrap();
+                for ratio in [1.2, 1.5, 3.0, 20.0] {
+                    let joint = Continuum::new(&law);
+                    let mut memory = joint.virgin([Reversal::default(); 8]).unwrap();
+                    joint.advance(&mut memory, ratio * law.phi_max());
+                    memory.reverse(&law);
+                    let branch = memory.branch();
+                    let pull = branch.direction * (-map.k_inf * branch.start.u - branch.start.force);
+                    let (mut own, mut general) = (HalfCycle::NONE, HalfCycle::NONE);
+                    assert!(map.macro_slip(&branch, pull, &mut own), "{chi} {zeta} {ratio}");
+                    assert!(map.any_slip(&branch, pull, &mut general));
+                    let scale = general.length * branch.start.force.abs();
+                    for (name, a, b, unit) in [
+                        ("length", own.length, general.length, general.length),
+                        ("duration", own.duration, general.duration, general.duration),
+                        ("force", own.force, general.force, general.force.abs()),
+                        ("viscous", own.viscous, general.viscous, scale),
+                        ("joint", own.joint, general.joint, scale),
+                    ] {
+                        assert!((a - b).abs() < 1e-10 * unit, "{chi} {beta} {zeta} {ratio} {name}: {a} {b}");
+                    }
+                }
+            }
+        }
+    }
+}

@@ -1,0 +1,371 @@
+//! The speed within a half cycle, as a function of the phase θ: y = ½L (1 - cos θ), y' = ½L sin θ · Ω(θ).
+
+use core::f64::consts::PI;
+
+use crate::elementary::sine;
+use crate::quadrature::Rule;
+
+/// @@NODES
+pub(crate) const NODES: usize = 12;
+/// Panels of a half cycle: Ω has a corner where the weakest slider breaks loose and one where the strongest does, and is smooth
+/// below, between and above them.
+pub(crate) const PANELS: usize = 3;
+/// The rule in the phase.
+pub(crate) const RULE: Rule<NODES> = Rule::gauss_legendre();
+/// Integrals from the start of a panel up to its nodes.
+pub(crate) const MATRIX: [[f64; NODES]; NODES] = RULE.integration_matrix();
+/// The transpose of [`MATRIX`]: a product with it adds whole columns, so no sum has to be taken across a register.
+const COLUMNS: [[f64; NODES]; NODES] = {
+    let mut columns = [[0.0; NODES]; NODES];
+    let mut i = 0;
+    while i < NODES {
+        let mut j = 0;
+        while j < NODES {
+            columns[j][i] = MATRIX[i][j];
+            j += 1;
+        }
+        i += 1;
+    }
+    columns
+};
+/// x = sin²(θ/2) at the nodes of a whole half cycle: the share y/L of the travel.
+pub(crate) const SHARE: [f64; NODES] = {
+    let mut share = [0.0; NODES];
+    let mut i = 0;
+    while i < NODES {
+        let s = sine(0.25 * PI * (1.0 + RULE.nodes[i]));
+        share[i] = s * s;
+        i += 1;
+    }
+    share
+};
+
+/// @@PASS
+pub(crate) const PASS_TOLERANCE: f64 = 1e-12;
+/// @@MOST_PASSES
+pub(crate) const MOST_PASSES: u32 = 60;
+
+/// @@SLIVER
+const SLIVER: f64 = 1e-6;
+
+/// @@CLOCK
+const CLOCK_STEP: f64 = 1e-9;
+/// @@CLOCK_ROUNDS
+const CLOCK_ROUNDS: u32 = 8;
+
+/// A stretch of the phase on which Ω is smooth, with Ω at the nodes.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Panel {
+    pub(crate) from: f64,
+    pub(crate) to: f64,
+    pub(crate) omega: [f64; NODES],
+}
+
+impl Panel {
+    pub(crate) const WHOLE: Self = Self { from: 0.0, to: PI, omega: [0.0; NODES] };
+
+    pub(crate) fn half_width(&self) -> f64 {
+        0.5 * (self.to - self.from)
+    }
+
+    /// The shares of the travel at the nodes, which lie in pairs about the middle.
+    pub(crate) fn shares(&self) -> [Share; NODES] {
+        if self.from == 0.0 && self.to == PI {
+            return core::array::from_fn(|i| Share { gone: SHARE[i], left: SHARE[NODES - 1 - i] });
+        }
+        let (sine, cosine) = libm::sincos(0.25 * (self.from + self.to));
+        let mut shares = [Share::default(); NODES];
+        for i in 0..NODES / 2 {
+            let (s, c) = libm::sincos(0.5 * self.half_width() * RULE.nodes[i]);
+            let square = |x: f64| x * x;
+            let share = |gone: f64, left: f64| Share { gone: square(gone), left: square(left) };
+            shares[i] = share(sine * c + cosine * s, cosine * c - sine * s);
+            shares[NODES - 1 - i] = share(sine * c - cosine * s, cosine * c + sine * s);
+        }
+        shares
+    }
+
+    /// ∫dθ/Ω.
+    pub(crate) fn duration(&self) -> f64 {
+        self.half_width() * RULE.weights.iter().zip(&self.omega).map(|(w, o)| w / o).sum::<f64>()
+    }
+
+    /// Times of the nodes from the start of the panel.
+    fn times(&self) -> [Tick; NODES] {
+        let width = self.half_width();
+        let slowness = self.omega.map(|o| width / o);
+        core::array::from_fn(|i| {
+            let time: f64 = MATRIX[i].iter().zip(&slowness).map(|(b, s)| b * s).sum();
+            Tick { time, weight: RULE.weights[i] * slowness[i] }
+        })
+    }
+
+    /// The Legendre coefficients of the polynomial through the 1/Ω at the nodes.
+    fn slowness(&self) -> [f64; NODES] {
+        // Legendre polynomials at the nodes, by the three-term recurrence.
+        let (mut at, mut before) = ([1.0; NODES], [0.0; NODES]);
+        core::array::from_fn(|k| {
+            let (order, double) = (k as f64, 2.0 * k as f64 + 1.0);
+            let sum: f64 = (0..NODES).map(|j| RULE.weights[j] * at[j] / self.omega[j]).sum();
+            for j in 0..NODES {
+                let next = (double * RULE.nodes[j] * at[j] - order * before[j]) / (order + 1.0);
+                (before[j], at[j]) = (at[j], next);
+            }
+            0.5 * double * sum
+        })
+    }
+}
+
+/// Share of the travel at a phase: x = sin²(θ/2) = y/L has gone by, 1 - x is left. Both are kept, because near the end
+/// 1 - x would lose its digits to the difference.
+#[derive(Debug, Clone, Copy, Default)]
+pub(crate) struct Share {
+    pub(crate) gone: f64,
+    pub(crate) left: f64,
+}
+
+/// A node in time.
+#[derive(Debug, Clone, Copy)]
+struct Tick {
+    /// Time from the start of the panel.
+    time: f64,
+    /// Weight dt of the node in an integral over time.
+    weight: f64,
+}
+
+/// A node of a half cycle on its way.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Waypoint {
+    /// Share y/L of the travel.
+    pub(crate) share: f64,
+    /// Speed over travel, y'/L.
+    pub(crate) speed: f64,
+    /// Time from the start of the half cycle.
+    pub(crate) time: f64,
+    /// Weight dt of the node in an integral over time.
+    pub(crate) weight: f64,
+}
+
+/// What a clock tells: the time at a phase, or the phase at a time, and Ω there.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Reading {
+    /// The time or the phase that was asked for.
+    pub(crate) value: f64,
+    /// Ω there.
+    pub(crate) omega: f64,
+}
+
+/// Time as a function of the phase within a panel.
+#[derive(Debug, Clone, Copy)]
+struct Clock {
+    from: f64,
+    half_width: f64,
+    duration: f64,
+    slowness: [f64; NODES],
+}
+
+impl Clock {
+    fn new(panel: &Panel) -> Self {
+        let (half_width, duration) = (panel.half_width(), panel.duration());
+        Self { from: panel.from, half_width, duration, slowness: panel.slowness() }
+    }
+
+    /// Time from the start of the panel to the phase `theta`, and Ω there. ∫P_k is (P_{k+1} - P_{k-1})/(2k+1).
+    fn time_at(&self, theta: f64) -> Reading {
+        let x = (theta - self.from) / self.half_width - 1.0;
+        let (mut time, mut slowness) = (0.0, 0.0);
+        let (mut p, mut below) = (1.0, 0.0);
+        for (k, c) in self.slowness.iter().enumerate() {
+            let (above, lower) = (RISE[k] * x * p - FALL[k] * below, if k == 0 { -1.0 } else { below });
+            slowness += c * p;
+            time += c * SHARE_OF_ORDER[k] * (above - lower);
+            (below, p) = (p, above);
+        }
+        Reading { value: self.half_width * time, omega: 1.0 / slowness }
+    }
+
+    /// The phase at the time `t` from the start of the panel, and Ω there: Newton's method on a function that
+    /// is all but straight.
+    fn phase_at(&self, t: f64) -> Reading {
+        let mut theta = self.from + 2.0 * self.half_width * (t / self.duration).clamp(0.0, 1.0);
+        let mut omega = 0.0;
+        for _ in 0..CLOCK_ROUNDS {
+            let Reading { value: time, omega: rate } = self.time_at(theta);
+            let step = (t - time) * rate;
+            (theta, omega) = (theta + step, rate);
+            if libm::fabs(step) < CLOCK_STEP {
+                break;
+            }
+        }
+        Reading { value: theta, omega }
+    }
+}
+
+/// (2k+1)/(k+1), the factor of x P_k in the recurrence of Legendre polynomials.
+const RISE: [f64; NODES] = orders(true);
+/// k/(k+1), the factor of P_{k-1} in it.
+const FALL: [f64; NODES] = orders(false);
+/// 1/(2k+1), the factor of P_{k+1} - P_{k-1} in ∫P_k.
+const SHARE_OF_ORDER: [f64; NODES] = {
+    let mut share = [1.0; NODES];
+    let mut k = 0;
+    while k < NODES {
+        share[k] = 1.0 / (2.0 * k as f64 + 1.0);
+        k += 1;
+    }
+    share
+};
+
+const fn orders(rise: bool) -> [f64; NODES] {
+    let mut factor = [0.0; NODES];
+    let mut k = 0;
+    while k < NODES {
+        let order = k as f64;
+        factor[k] = if rise { 2.0 * order + 1.0 } else { order } / (order + 1.0);
+        k += 1;
+    }
+    factor
+}
+
+/// What a node of the quadrature needs in every pass.
+#[derive(Debug, Clone, Copy, Default)]
+pub(crate) struct Node {
+    /// Share y/L of the travel.
+    share: f64,
+    /// sin²θ = 4 x (1 - x).
+    sine_squared: f64,
+    /// P(y) - (y/L) P(L), per (L/2)².
+    gained: f64,
+}
+
+impl Node {
+    /// A node at its share of the travel.
+    pub(crate) fn new(share: Share, gained: f64) -> Self {
+        Self { share: share.gone, sine_squared: 4.0 * share.gone * share.left, gained }
+    }
+}
+
+/// Ω over a whole half cycle.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Phase {
+    panels: [Panel; PANELS],
+    used: usize,
+}
+
+impl Phase {
+    /// A half cycle in one panel.
+    pub(crate) const fn single(omega: [f64; NODES]) -> Self {
+        Self { panels: [Panel { omega, ..Panel::WHOLE }; PANELS], used: 1 }
+    }
+
+    /// Panels between the phases `first` and `last`; slivers go to their neighbours.
+    pub(crate) fn cut(first: f64, last: f64) -> Self {
+        let mut phase = Self::single([0.0; NODES]);
+        let mut start = 0.0;
+        phase.used = 0;
+        for end in [first, last] {
+            if end - start > SLIVER && PI - end > SLIVER {
+                phase.panels[phase.used] = Panel { from: start, to: end, ..Panel::WHOLE };
+                phase.used += 1;
+                start = end;
+            }
+        }
+        phase.panels[phase.used].from = start;
+        phase.used += 1;
+        phase
+    }
+
+    /// Moves the cut of a half cycle in two panels; Ω at the nodes stays as a first guess.
+    pub(crate) fn cut_again(&mut self, at: f64) {
+        if self.used == 2 {
+            (self.panels[0].to, self.panels[1].from) = (at, at);
+        }
+    }
+
+    /// Ω from the energy gained, less the damper's work, by fixed-point passes; `work` is the guess of ∫Ω sin² that goes with the
+    /// Ω before. Returns the new one.
+    pub(crate) fn settle(&mut self, nodes: &[[Node; NODES]; PANELS], viscous: f64, mut work: f64) -> f64 {
+        let mut duration = 0.0;
+        for _ in 0..MOST_PASSES {
+            work = self.pass(nodes, viscous, work);
+            let before = core::mem::replace(&mut duration, self.duration());
+            if viscous == 0.0 || libm::fabs(duration - before) <= PASS_TOLERANCE * duration {
+                break;
+            }
+        }
+        work
+    }
+
+    /// One pass over all nodes: Ω from the energy gained, less the damper's work from the Ω before, of which
+    /// `total` is ∫Ω sin². P(L) leaves that total over, so that the speed vanishes at the end. Returns the new total.
+    fn pass(&mut self, nodes: &[[Node; NODES]; PANELS], viscous: f64, total: f64) -> f64 {
+        let (mut work_before, mut work) = (0.0, 0.0);
+        for (panel, nodes) in self.panels[..self.used].iter_mut().zip(nodes) {
+            let width = panel.half_width();
+            let rates: [f64; NODES] = core::array::from_fn(|j| nodes[j].sine_squared * panel.omega[j]);
+            let mut inside = [0.0; NODES];
+            for (column, rate) in COLUMNS.iter().zip(&rates) {
+                inside.iter_mut().zip(column).for_each(|(sum, b)| *sum += b * rate);
+            }
+            panel.omega = core::array::from_fn(|i| {
+                let node = &nodes[i];
+                let lost = viscous * (work_before + width * inside[i] - node.share * total);
+                libm::sqrt(2.0 * (node.gained - lost) / node.sine_squared)
+            });
+            let weighted =
+                |rate: &dyn Fn(usize) -> f64| (0..NODES).map(|j| RULE.weights[j] * rate(j)).sum::<f64>();
+            work_before += width * weighted(&|j| rates[j]);
+            work += width * weighted(&|j| nodes[j].sine_squared * panel.omega[j]);
+        }
+        work
+    }
+
+    pub(crate) fn panels(&self) -> &[Panel] {
+        &self.panels[..self.used]
+    }
+
+    pub(crate) fn duration(&self) -> f64 {
+        self.panels().iter().map(Panel::duration).sum()
+    }
+
+    /// Hands over the nodes in the order of time.
+    pub(crate) fn visit(&self, mut node: impl FnMut(Waypoint)) {
+        let mut before = 0.0;
+        for panel in self.panels() {
+            let (shares, times) = (panel.shares(), panel.times());
+            let speeds: [f64; NODES] =
+                core::array::from_fn(|i| libm::sqrt(shares[i].gone * shares[i].left) * panel.omega[i]);
+            for (i, Tick { time, weight }) in times.into_iter().enumerate() {
+                node(Waypoint { share: shares[i].gone, speed: speeds[i], time: before + time, weight });
+            }
+            before += panel.duration();
+        }
+    }
+
+    /// The clock of the half cycle, for dense output.
+    pub(crate) fn clock(&self) -> PhaseClock {
+        let clocks = core::array::from_fn(|i| Clock::new(&self.panels[i.min(self.used - 1)]));
+        PhaseClock { clocks, used: self.used }
+    }
+}
+
+/// Phase and Ω as functions of time over a whole half cycle.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct PhaseClock {
+    clocks: [Clock; PANELS],
+    used: usize,
+}
+
+impl PhaseClock {
+    /// Phase and Ω at the time `t` after the start.
+    pub(crate) fn at(&self, t: f64) -> Reading {
+        let mut left = t;
+        for clock in &self.clocks[..self.used - 1] {
+            if left <= clock.duration {
+                return clock.phase_at(left);
+            }
+            left -= clock.duration;
+        }
+        self.clocks[self.used - 1].phase_at(left)
+    }
+}

@@ -1,0 +1,181 @@
+//! The continuum itself: explicit and implicit steps, stored energy.
+
+use super::branch::{Branch, Reversal};
+use super::reversals::{Prepared, Reversals};
+use crate::error::Error;
+use crate::law::Backbone;
+use crate::memory::hysteresis::Hysteresis;
+
+/// A closed-form law evaluated by return-point memory.
+///
+/// ```
+/// use iwan_core::{Backbone, Continuum, FourParameter, Hysteresis, Reversal};
+/// let joint = FourParameter::new(4.45e4, 239.4, -0.183, 0.3)?;
+/// let law = Continuum::new(joint);
+/// let mut state = law.virgin([Reversal::default(); 16])?;
+/// let top = law.advance(&mut state, 4e-3);
+/// let down = law.advance(&mut state, 1e-3);
+/// assert!((down - (top - 2.0 * joint.force(1.5e-3))).abs() < 1e-10); // Masing
+/// # Ok::<(), iwan_core::Error>(())
+/// ```
+#[derive(Debug, Clone, Copy)]
+pub struct Continuum<B> {
+    law: B,
+}
+
+impl<B: Backbone> Continuum<B> {
+    /// The continuum of a law.
+    #[must_use]
+    pub const fn new(law: B) -> Self {
+        Self { law }
+    }
+
+    /// The law.
+    pub const fn law(&self) -> &B {
+        &self.law
+    }
+
+    /// The virgin state, with room for `stack.len()` >= 3 reversals.
+    ///
+    /// # Errors
+    /// [`Error::Length`].
+    pub fn virgin<S: AsMut<[Reversal]>>(&self, mut stack: S) -> Result<Reversals<S>, Error> {
+        let found = stack.as_mut().len();
+        if found < 3 {
+            return Err(Error::Length { name: "stack", needed: 3, found });
+        }
+        Ok(Reversals::virgin(stack, self.law.initial_stiffness()))
+    }
+}
+
+impl<B: Backbone> Continuum<B> {
+    /// Whether neither the weakest nor the strongest slider breaks loose between `a` and `b`.
+    #[inline]
+    fn no_corner(&self, branch: &Branch, a: f64, b: f64) -> bool {
+        let (weakest, strongest) = self.law.strengths();
+        let (a, b) = (branch.virgin_distance(a), branch.virgin_distance(b));
+        let inside = |x: f64| x >= weakest && x < strongest;
+        (inside(a) && inside(b)) || ((a < weakest) == (b < weakest) && (a < strongest) == (b < strongest))
+    }
+}
+
+/// Newton's second-order error is accepted below this share of the step: the force is then
+/// exact to rounding.
+const NEWTON_ERROR: f64 = 1e-18;
+
+/// Most rounds of Newton's method; a handful is the rule. A law so crooked that these do not suffice is met as well as the last of them did, and the
+/// time stepping goes on.
+const MOST_ROUNDS: u32 = 100;
+
+impl<B: Backbone, S: AsRef<[Reversal]> + AsMut<[Reversal]>> Hysteresis<Reversals<S>> for Continuum<B> {
+    fn displacement(&self, state: &Reversals<S>) -> f64 {
+        state.u
+    }
+
+    #[inline]
+    fn joint_force(&self, state: &Reversals<S>) -> f64 {
+        state.force
+    }
+
+    fn advance(&self, state: &mut Reversals<S>, u: f64) -> f64 {
+        let du = u - state.u;
+        if du != 0.0 && du.is_finite() {
+            if du * state.branch.direction < 0.0 {
+                state.reverse(&self.law);
+            }
+            let branch = state.close_loops_before(u);
+            state.rest_at(u, branch.force_and_tangent(&self.law, u));
+        }
+        state.force
+    }
+
+    /// By Newton's method. Along a monotone motion the force is concave, closing of loops included, so after one round the
+    /// iteration stands short of the solution and never passes it: a trial point closes only loops that the solution
+    /// closes as well, and the state need not be restored.
+    ///
+    /// The first trial point is told by the trail of past displacements, and the force there was evaluated during the step
+    /// before: in a ring-down at small steps no other evaluation is needed, and nothing waits for that one.
+    #[inline]
+    fn solve(&self, state: &mut Reversals<S>, stiffness: f64, load: f64) -> f64 {
+        if load == 0.0 {
+            return 0.0;
+        }
+        let next = if self.law.is_smooth() { state.look_ahead(&self.law) } else { Prepared::NOTHING };
+        let mut at = core::mem::replace(&mut state.prepared, next);
+        if load * state.branch.direction < 0.0 {
+            state.reverse(&self.law);
+            at = Prepared::NOTHING;
+        }
+        let (u, force, tangent) = (state.u, state.force, state.tangent);
+        let mut branch = state.branch;
+        let ahead = branch.direction * (at.u - u) > 0.0 && branch.direction * (branch.end - at.u) >= 0.0;
+        if !ahead {
+            at.u = u + load / (stiffness + tangent);
+            branch = state.close_loops_before(at.u);
+            (at.force, at.tangent) = branch.force_and_tangent(&self.law, at.u);
+        }
+        for round in 0.. {
+            let Prepared { u: trial, force: trial_force, tangent: k } = at;
+            let inverse = 1.0 / (stiffness + k);
+            let way = trial - u;
+            let step = (load - stiffness * way - (trial_force - force)) * inverse;
+            let error = ((tangent - k) * step * step).abs();
+            let du = way + step;
+            let small = step.abs() <= f64::EPSILON * du.abs();
+            let accurate = error <= NEWTON_ERROR * (stiffness * du * way).abs()
+                && self.no_corner(&branch, trial, u + du);
+            if (small || accurate) && !branch.passed_by(u + du) {
+                state.rest_at(u + du, (trial_force + k * step, k));
+                return du;
+            }
+            // What is left is hidden by the rounding of forces and displacements, and further rounds would go to and fro in it.
+            let force_scale = load.abs() + force.abs() + trial_force.abs();
+            let noise = 4.0 * f64::EPSILON * (u.abs() + trial.abs() + force_scale * inverse);
+            if step.abs() <= noise || round == MOST_ROUNDS {
+                state.rest_at(u + du, (trial_force + k * step, k));
+                return du;
+            }
+            if !step.is_finite() {
+                break;
+            }
+            at.u = u + du;
+            branch = state.close_loops_before(at.u);
+            (at.force, at.tangent) = branch.force_and_tangent(&self.law, at.u);
+        }
+        f64::NAN
+    }
+
+    /// ½∫ρ x², range by range of the sliders that last slipped together: those weaker than the
+    /// way of the present branch, then those between the ways of two successive branches.
+    fn stored_energy(&self, state: &Reversals<S>) -> f64 {
+        let mut energy = 0.0;
+        let mut low = [0.0; 3];
+        let (mut sign, mut anchor, mut until) = (state.branch.direction, None, state.u);
+        for depth in (0..=state.depth).rev() {
+            let branch = state.branch_at(depth, sign);
+            let high = moments(&self.law, branch.virgin_distance(until));
+            energy += range_energy(sign, anchor.map_or(0.0, |a: f64| state.u - a), low, high);
+            low = high;
+            (sign, anchor, until) = (-sign, Some(branch.start.u), branch.start.u);
+        }
+        // Sliders that never slipped follow the displacement.
+        energy + range_energy(0.0, state.u - state.origin, low, moments(&self.law, f64::INFINITY))
+    }
+}
+
+/// ∫ρ, ∫ρφ and ∫ρφ² of the strengths below `phi`.
+fn moments<B: Backbone>(law: &B, phi: f64) -> [f64; 3] {
+    let strongest = law.strengths().1;
+    if phi >= strongest {
+        let slip = law.slip_force();
+        return [law.initial_stiffness(), slip, strongest * slip - 0.25 * law.dissipation(strongest)];
+    }
+    let below = law.force_below(phi);
+    [law.stiffness_below(phi), below, phi * below - 0.25 * law.dissipation(phi)]
+}
+
+/// ½∫ρ (s φ + w)² between two strengths, from the moments below them.
+fn range_energy(s: f64, w: f64, low: [f64; 3], high: [f64; 3]) -> f64 {
+    let [m0, m1, m2] = [high[0] - low[0], high[1] - low[1], high[2] - low[2]];
+    0.5 * (s * s * m2 + 2.0 * s * w * m1 + w * w * m0)
+}

@@ -1,0 +1,182 @@
+//! The stack of reversals: where loops begin, close and are forgotten.
+
+use super::branch::{Branch, Reversal};
+use crate::law::Backbone;
+
+/// The state of a [`Continuum`]: where it stands and the reversal points not yet forgotten.
+///
+/// `S` holds the stack: an array makes the state `Copy`, a slice or vector lends the caller's
+/// memory. A decaying oscillation adds one entry per half cycle. When the stack is full the
+/// innermost loop is forgotten and [`forgotten`](Self::forgotten) grows by the force that this may cost.
+#[derive(Debug, Clone, Copy)]
+pub struct Reversals<S> {
+    pub(super) u: f64,
+    pub(super) force: f64,
+    pub(super) tangent: f64,
+    pub(super) branch: Branch,
+    /// Where the next implicit step should end, evaluated on the present branch; NaN when that is not known.
+    pub(super) prepared: Prepared,
+    /// Displacement before the last implicit step, and its first, second and third backward differences.
+    trail: [f64; 4],
+    /// Displacement at which the virgin curve starts: moved by macro-slip.
+    pub(super) origin: f64,
+    /// Number of reversals remembered.
+    pub(super) depth: usize,
+    forgotten: f64,
+    pub(super) stack: S,
+}
+
+/// An evaluation of the present branch ahead of the motion.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Prepared {
+    pub(super) u: f64,
+    pub(super) force: f64,
+    pub(super) tangent: f64,
+}
+
+impl Prepared {
+    pub(super) const NOTHING: Self = Self { u: f64::NAN, force: f64::NAN, tangent: f64::NAN };
+}
+
+impl<S> Reversals<S> {
+    /// The virgin state of a law of this initial stiffness.
+    pub(super) fn virgin(stack: S, initial_stiffness: f64) -> Self {
+        let (u, force, origin, depth, forgotten) = (0.0, 0.0, 0.0, 0, 0.0);
+        Self {
+            u,
+            force,
+            tangent: initial_stiffness,
+            branch: Branch::virgin(origin, 1.0),
+            prepared: Prepared::NOTHING,
+            trail: [0.0; 4],
+            origin,
+            depth,
+            forgotten,
+            stack,
+        }
+    }
+}
+
+impl<S: AsRef<[Reversal]> + AsMut<[Reversal]>> Reversals<S> {
+    /// Bound on the force error from loops forgotten because the stack was full; 0 = exact.
+    ///
+    /// Sliders are non-expansive: two histories of one population never drift apart, so the force gap at
+    /// the moment of forgetting bounds all later ones, and the gaps add.
+    pub const fn forgotten(&self) -> f64 {
+        self.forgotten
+    }
+
+    /// Direction of motion, ±1.
+    pub(crate) const fn direction(&self) -> f64 {
+        self.branch.direction
+    }
+
+    /// The branch on which the state moves, where it is kept.
+    #[inline]
+    pub(crate) fn branch_ref(&self) -> &Branch {
+        &self.branch
+    }
+
+    /// The branch on which the state moves.
+    #[inline]
+    pub(crate) fn branch(&self) -> Branch {
+        self.branch
+    }
+
+    /// The branch in `direction` with `depth` reversals remembered.
+    #[inline]
+    pub(super) fn branch_at(&self, depth: usize, direction: f64) -> Branch {
+        if depth == 0 {
+            return Branch::virgin(self.origin, direction);
+        }
+        let start = self.stack.as_ref()[depth - 1];
+        // The loop around the first reversal closes at its mirror image on the virgin curve.
+        let end = if depth == 1 { 2.0 * self.origin - start.u } else { self.stack.as_ref()[depth - 2].u };
+        Branch::behind(start, direction, end)
+    }
+
+    /// Puts the state at `u` on the present branch, with the force and tangent there.
+    #[inline]
+    pub(crate) fn rest_at(&mut self, u: f64, (force, tangent): (f64, f64)) {
+        (self.u, self.force, self.tangent) = (u, force, tangent);
+    }
+
+    /// Evaluates the branch where the step after this one should end, which is told by the cubic through the last four
+    /// displacements, taken two steps on. The processor can do so beside the solution of this step, because it
+    /// needs nothing of it.
+    #[inline]
+    pub(super) fn look_ahead<B: Backbone>(&mut self, law: &B) -> Prepared {
+        let [a, first, second, _] = self.trail;
+        let da = self.u - a;
+        let (dda, ddda) = (da - first, (da - first) - second);
+        self.trail = [self.u, da, dda, ddda];
+        let u = (self.u + 2.0 * da) + (3.0 * dda + 4.0 * ddda);
+        let (force, tangent) = self.branch.force_and_tangent(law, u);
+        Prepared { u, force, tangent }
+    }
+
+    /// Forgets the loops that motion up to `u` closes and returns the branch that holds there.
+    #[inline]
+    pub(crate) fn close_loops_before(&mut self, u: f64) -> Branch {
+        while self.branch.passed_by(u) {
+            self.forget_closed_loop();
+        }
+        self.branch
+    }
+
+    /// Goes on behind the end of a branch: the loop that closes there is forgotten.
+    pub(crate) fn forget_closed_loop(&mut self) {
+        self.depth = self.depth.saturating_sub(2);
+        self.branch = self.branch_at(self.depth, self.branch.direction);
+        self.prepared = Prepared::NOTHING;
+    }
+
+    /// Turns round where the state stands.
+    pub(crate) fn reverse<B: Backbone>(&mut self, law: &B) {
+        self.prepared = Prepared::NOTHING;
+        let travelled = self.branch.virgin_distance(self.u);
+        let (direction, strongest) = (self.branch.direction, law.strengths().1);
+        if travelled == 0.0 {
+            // No way gone since the last reversal: it is undone.
+            self.depth = self.depth.saturating_sub(1);
+            self.branch = self.branch_at(self.depth, -direction);
+            self.tangent = self.branch.force_and_tangent(law, self.u).1;
+        } else {
+            if travelled >= strongest {
+                // Macro-slip wipes the memory; the virgin curve now starts φ_max behind.
+                (self.depth, self.origin) = (0, self.u - direction * strongest);
+            }
+            self.turn(law);
+        }
+    }
+
+    /// Moves to `u`, short of the strongest slider and of the end of the branch, where the force is `force`, and turns
+    /// round: [`reverse`](Self::reverse) without its questions.
+    #[inline]
+    pub(crate) fn turn_within<B: Backbone>(&mut self, u: f64, force: f64, law: &B) {
+        (self.u, self.force, self.prepared) = (u, force, Prepared::NOTHING);
+        self.turn(law);
+    }
+
+    /// Remembers the present point and leaves it the other way.
+    #[inline]
+    fn turn<B: Backbone>(&mut self, law: &B) {
+        let direction = self.branch.direction;
+        if self.depth == self.stack.as_ref().len() {
+            self.forget_innermost(law, direction);
+        }
+        self.stack.as_mut()[self.depth] = Reversal { u: self.u, force: self.force };
+        self.depth += 1;
+        self.branch = self.branch_at(self.depth, -direction);
+        self.tangent = law.initial_stiffness();
+    }
+
+    /// Makes room by dropping the smallest loop as if it had closed.
+    #[cold]
+    fn forget_innermost<B: Backbone>(&mut self, law: &B, direction: f64) {
+        self.depth -= 2;
+        let (merged, _) = self.branch_at(self.depth, direction).force_and_tangent(law, self.u);
+        self.forgotten += (merged - self.force).abs();
+        self.force = merged;
+    }
+}

@@ -1,0 +1,19 @@
+//! Memories: how the hysteretic force of a law follows any history of displacement.
+//!
+//! [`Hysteresis`] is what all of them can do; parameters and state are two values, so that one law drives many joints.
+
+mod hysteresis;
+mod no_joint;
+mod sliders;
+mod plain;
+mod runs;
+mod masing;
+
+pub use hysteresis::{Hysteresis, Trial};
+pub(crate) use masing::Branch;
+pub use masing::{Continuum, Reversal, Reversals};
+pub use no_joint::NoJoint;
+pub use plain::{Extensions, Plain};
+pub(crate) use runs::Segment;
+pub use runs::{Run, Runs, Straight};
+pub use sliders::{Slider, Sliders};

@@ -1,0 +1,21 @@
+//! Steps: a mode with a joint in motion, from sample to sample, from event to event, or by its slow amplitude.
+
+mod motion;
+mod oscillator;
+mod pulse;
+mod response;
+mod newmark;
+mod slider_newmark;
+mod energy;
+mod averaging;
+mod events;
+
+pub use averaging::{AmplitudePhase, Averaging};
+pub(crate) use energy::Works;
+pub use energy::{EnergyBalance, JointEnergy};
+pub use events::EventDriven;
+pub use motion::Motion;
+pub use newmark::Newmark;
+pub use oscillator::{Oscillator, ResidualStiffness};
+pub use pulse::Pulse;
+pub use response::Samples;
