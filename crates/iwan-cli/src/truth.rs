@@ -2,7 +2,7 @@
 
 use std::time::Instant;
 
-use iwan_fem::{Integrated, NamedMode, Output, Reduced, StepErrors, Transient, TruthResponse};
+use iwan_fem::{Integrated, NamedMode, Output, Reduced, StepErrors, Transient, StructureResponse};
 use iwan_input::StructureFile;
 
 use crate::failure::Failure;
@@ -19,7 +19,7 @@ pub(crate) struct Truth {
     pub(crate) linear: Linear,
     /// The modes that were recorded; their histories come first in the response.
     pub(crate) modes: Vec<NamedMode>,
-    pub(crate) response: TruthResponse,
+    pub(crate) response: StructureResponse,
     /// Modal joint forces, one per recorded mode.
     pub(crate) joint_forces: Vec<Vec<f64>>,
     /// Modes in the basis of the reduced model; none for the full one.

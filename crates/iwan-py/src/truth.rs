@@ -2,7 +2,7 @@
 
 use std::ops::ControlFlow;
 
-use iwan_fem::{Integrated, Model, NamedMode, NamedModes, Population, StepErrors, Transient, TruthResponse};
+use iwan_fem::{Integrated, Model, NamedMode, NamedModes, Population, StepErrors, Transient, StructureResponse};
 use iwan_input::InputError;
 use iwan_sim::JointKind;
 use pyo3::prelude::*;
@@ -34,7 +34,7 @@ struct Request {
 /// A response with all that belongs to it.
 struct Done {
     modes: Vec<NamedMode>,
-    response: TruthResponse,
+    response: StructureResponse,
     /// Modes in the basis of the reduced model, its estimated error and whether that reached the tolerance.
     basis: Option<usize>,
     basis_error: Option<(f64, bool)>,
@@ -219,7 +219,7 @@ fn told(py: Python<'_>, done: Done) -> PyResult<Bound<'_, PyDict>> {
 }
 
 /// Everything that the integration itself returned.
-fn histories(dict: &Bound<'_, PyDict>, response: TruthResponse) -> PyResult<()> {
+fn histories(dict: &Bound<'_, PyDict>, response: StructureResponse) -> PyResult<()> {
     let py = dict.py();
     dict.set_item("energy", balance(py, &response.energy)?)?;
     dict.set_item("energy_error", response.energy.error())?;

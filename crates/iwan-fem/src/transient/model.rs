@@ -1,0 +1,123 @@
+//! Which model of a structure is integrated, and what companion runs say about the errors of the response.
+
+use super::population::Population;
+use super::reduction::{Basis, Reduced};
+use super::response::{History, StructureResponse};
+use super::task::Transient;
+use crate::error::Error;
+use crate::matrices::Assembled;
+use crate::progress::{Progress, part};
+
+/// Which model is integrated.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Model {
+    /// All unknowns.
+    Full,
+    /// This many stuck modes and the attachment vectors of the slips.
+    Basis(usize),
+    /// The same with as many modes as the outputs' accelerations need for this relative error.
+    Tolerance(f64),
+}
+
+impl Model {
+    /// The reduced model as good as most studies need: accelerations within 5 %, displacements far better.
+    pub const USUAL: Self = Self::Tolerance(0.05);
+}
+
+/// The response of a model, and what was reduced.
+#[derive(Debug, Clone)]
+pub struct Integrated<'a> {
+    /// The response.
+    pub response: StructureResponse,
+    /// The reduced model; none for the full one.
+    pub reduced: Option<Reduced<'a>>,
+    /// Estimated error of the reduction, where it was sought, and whether it reached the tolerance.
+    pub basis_error: Option<(f64, bool)>,
+}
+
+/// Estimated errors, one per output, relative to its peak displacement.
+#[derive(Debug, Clone, PartialEq)]
+pub struct StepErrors {
+    /// Of the time step: against twice the step, as the scheme is of second order.
+    pub time_step: Vec<f64>,
+    /// Of cutting the joints into sliders: against the continuum; none when that is what was integrated.
+    pub sliders: Option<Vec<f64>>,
+}
+
+impl Assembled {
+    /// Integrates a model of the structure. `progress` hears a share done that rises to 1; a search for the basis may end
+    /// before.
+    ///
+    /// # Errors
+    /// As [`transient_observed`](Self::transient_observed) and [`reduced_transient`](Self::reduced_transient).
+    pub fn integrate(
+        &self,
+        model: Model,
+        of: &Transient<'_>,
+        progress: Progress<'_>,
+    ) -> Result<Integrated<'_>, Error> {
+        of.check(self.unknowns(), self.slips().len())?;
+        match model {
+            Model::Full => {
+                let response = self.transient_observed(of, progress)?;
+                Ok(Integrated { response, reduced: None, basis_error: None })
+            }
+            Model::Basis(modes) => {
+                let modes = modes.min(self.unknowns());
+                let reduced =
+                    self.reduce_observed(modes, Basis::default(), &mut part(progress, [0.0, 0.5]))?;
+                let response = reduced.transient_observed(of, &mut part(progress, [0.5, 1.0]))?;
+                Ok(Integrated { response, reduced: Some(reduced), basis_error: None })
+            }
+            Model::Tolerance(tolerance) => {
+                let found = self.reduced_transient_observed(of, tolerance, progress)?;
+                let (reduced, basis_error) = (Some(found.reduced), Some((found.error, found.converged)));
+                Ok(Integrated { response: found.response, reduced, basis_error })
+            }
+        }
+    }
+}
+
+impl Integrated<'_> {
+    /// Modes in the basis of the reduced model; none for the full one.
+    #[must_use]
+    pub fn basis(&self) -> Option<usize> {
+        self.reduced.as_ref().map(|reduced| reduced.modes().len())
+    }
+}
+
+impl Reduced<'_> {
+    /// Errors of a response of this model, by companion runs.
+    ///
+    /// # Errors
+    /// As [`transient_observed`](Self::transient_observed).
+    pub fn step_errors(
+        &self,
+        of: &Transient<'_>,
+        response: &StructureResponse,
+        progress: Progress<'_>,
+    ) -> Result<StepErrors, Error> {
+        let coarse = Transient { dt: 2.0 * of.dt, steps: of.steps / 2, ..of.clone() };
+        let coarse = self.transient_observed(&coarse, progress)?;
+        let pairs = response.outputs.iter().zip(&coarse.outputs);
+        let time_step = pairs.map(|(fine, coarse)| difference(fine, coarse, 2) / 3.0).collect();
+        let sliders = match of.population {
+            Population::Continuum => None,
+            Population::Sliders { .. } => {
+                let exact = Transient { population: Population::Continuum, ..of.clone() };
+                let exact = self.transient_observed(&exact, progress)?;
+                let pairs = response.outputs.iter().zip(&exact.outputs);
+                Some(pairs.map(|(cut, exact)| difference(cut, exact, 1)).collect())
+            }
+        };
+        Ok(StepErrors { time_step, sliders })
+    }
+}
+
+/// Largest difference of displacements at the samples that two histories share, over the peak.
+fn difference(of: &History, other: &History, stride: usize) -> f64 {
+    let peak = of.displacement.iter().fold(0.0, |most: f64, u| most.max(u.abs()));
+    let pairs = of.displacement.iter().step_by(stride).zip(&other.displacement);
+    let largest = pairs.fold(0.0, |most: f64, (a, b)| most.max((a - b).abs()));
+    if peak > 0.0 { largest / peak } else { 0.0 }
+}
