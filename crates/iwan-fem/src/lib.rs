@@ -32,6 +32,6 @@ pub use progress::Progress;
 pub use quasi_static::{ModalCurves, QuasiStatic};
 pub use structure::{Interface, Joint, Law, Lump, Patch, Slip, Structure, Support, check, paper};
 pub use transient::{
-    Basis, Converged, History, Integrated, Model, Output, Population, Reduced, SlipHistory, StepErrors,
-    StructureResponse, Transient,
+    Basis, BasisError, Converged, Extras, Frame, History, Integrated, ModalVelocity, Model, Output,
+    Population, Reduced, Run, SlipHistory, StepErrors, StructureResponse, Transient,
 };

@@ -5,7 +5,7 @@ use std::ops::ControlFlow;
 
 use iwan_fem::mesh::beam::Configuration;
 use iwan_fem::mesh::block::{block, uniform};
-use iwan_fem::{Assembled, Class, Limit, Error, Material, Modes, NamedModes, Structure, paper};
+use iwan_fem::{Assembled, Class, Error, Limit, Material, Modes, NamedModes, Structure, paper};
 
 fn assembled(configuration: Configuration, refinement: usize) -> Assembled {
     paper::structure(configuration, refinement).unwrap().assemble().unwrap()

@@ -5,7 +5,7 @@ use std::f64::consts::PI;
 
 use iwan_fem::mesh::block::{block, uniform};
 use iwan_fem::mesh::{Mesh, Shape};
-use iwan_fem::{Limit, Formulation, Material, Structure, Support};
+use iwan_fem::{Formulation, Limit, Material, Structure, Support};
 
 /// CalculiX prints seven digits.
 const DIGITS: f64 = 1e-6;

@@ -6,7 +6,7 @@ use std::sync::Arc;
 use iwan_core::Jenkins;
 use iwan_fem::mesh::beam::Configuration;
 use iwan_fem::mesh::block::{block, uniform};
-use iwan_fem::{Limit, Interface, Joint, Law, Lump, Material, Patch, Structure, Support, paper};
+use iwan_fem::{Interface, Joint, Law, Limit, Lump, Material, Patch, Structure, Support, paper};
 
 /// Two blocks of 2 x 1 x 1, end to end at x = 2, with the sets `left` and `right` of the nodes on either side.
 fn two_blocks() -> Structure {

@@ -7,8 +7,8 @@ use std::sync::OnceLock;
 use iwan_core::Pulse;
 use iwan_fem::mesh::beam::Configuration;
 use iwan_fem::{
-    Assembled, Basis, Class, Limit, Error, Model, Modes, NamedModes, Population, Transient, StructureResponse,
-    paper,
+    Assembled, Basis, Class, Error, Limit, Model, Modes, NamedModes, Population, StructureResponse,
+    Transient, paper,
 };
 
 struct Beam {
@@ -197,7 +197,7 @@ fn models_by_their_names() {
     let full = assembled.integrate(Model::Full, &blow(10.0, 50), &mut on).unwrap();
     assert_eq!(full.response.outputs, assembled.transient(&blow(10.0, 50)).unwrap().outputs);
     let found = assembled.integrate(Model::Tolerance(0.5), &of, &mut on).unwrap();
-    assert_eq!(found.basis_error.map(|e| e.1), Some(true));
+    assert_eq!(found.basis_error.map(|error| error.converged), Some(true));
 
     // Second order: the error that half a step leaves is a quarter of that of the step.
     let errors = reduced.step_errors(&of, &basis.response, &mut on).unwrap();

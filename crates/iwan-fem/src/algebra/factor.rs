@@ -240,9 +240,9 @@ mod tests {
     fn threads_change_no_bit() {
         let lines = uniform(-0.5, 0.5, 15);
         let mesh = block(&[lines.clone(), lines.clone(), lines]);
-        let of = Structure::new(mesh, Material::new(1.0, 0.3, 1.0).unwrap()).assemble().unwrap();
-        let matrix = of.slipping_stiffness().plus(1.0, of.mass());
-        let analysis = of.analysis().unwrap();
+        let assembled = Structure::new(mesh, Material::new(1.0, 0.3, 1.0).unwrap()).assemble().unwrap();
+        let matrix = assembled.slipping_stiffness().plus(1.0, assembled.mass());
+        let analysis = assembled.analysis().unwrap();
         assert!(Workers::for_entries(analysis.symbolic.len_val()).are_threads());
         assert!(analysis.branches != Branches::NONE, "a block falls into two branches");
         let alone = solves(&matrix, analysis, &Workers::none());
@@ -253,9 +253,9 @@ mod tests {
 
     #[test]
     fn small_factors_solve_as_well() {
-        let of = paper::structure(Configuration::A, 1).unwrap().assemble().unwrap();
-        let matrix = of.slipping_stiffness().plus(1e4, of.mass());
-        assert!(!Workers::for_entries(of.analysis().unwrap().symbolic.len_val()).are_threads());
-        solves(&matrix, of.analysis().unwrap(), &Workers::none());
+        let assembled = paper::structure(Configuration::A, 1).unwrap().assemble().unwrap();
+        let matrix = assembled.slipping_stiffness().plus(1e4, assembled.mass());
+        assert!(!Workers::for_entries(assembled.analysis().unwrap().symbolic.len_val()).are_threads());
+        solves(&matrix, assembled.analysis().unwrap(), &Workers::none());
     }
 }

@@ -62,7 +62,14 @@ impl NodalProduct {
         let starts = std::iter::once(0).chain(ends).collect();
         let (others, couplings) = later.iter().flatten().map(|(&other, &block)| (other, block)).unzip();
         let common = common.iter().map(|block| block.map(|(sum, lost)| sum + lost)).collect();
-        Self { nodes, common, starts, others, couplings, rest: Symmetric::from_entries(matrix.order(), &rest) }
+        Self {
+            nodes,
+            common,
+            starts,
+            others,
+            couplings,
+            rest: Symmetric::from_entries(matrix.order(), &rest),
+        }
     }
 
     /// `y` = K `x`.

@@ -68,7 +68,9 @@ impl ElementMatrices {
         positions: &[[f64; 3]],
     ) -> Result<Self, Error> {
         let mut matrices = Self::default();
-        matrices.compute(shape, (formulation, inertia), material, positions).map_err(|no| no.of(label))?;
+        matrices
+            .compute(shape, (formulation, inertia), material, positions)
+            .map_err(|no_volume| no_volume.in_element(label))?;
         Ok(matrices)
     }
 

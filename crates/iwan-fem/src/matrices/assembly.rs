@@ -125,7 +125,7 @@ fn assemble_elements(
         positions.extend(element.nodes.iter().map(|&node| mesh.positions[node]));
         matrices
             .compute(element.shape, options, material, &positions)
-            .map_err(|no_volume| no_volume.of(element.label))?;
+            .map_err(|no_volume| no_volume.in_element(element.label))?;
         let n = element.nodes.len();
         local.scatter(&mut stiffness, &mut scratch, |a, b| Some(matrices.stiffness[a * 3 * n + b]));
         local.scatter(&mut mass, &mut scratch, |a, b| {

@@ -248,16 +248,16 @@ impl Frame {
         let mut rows = Rows::default();
         let share = 1.0 / patch.len() as f64;
         for &(node, r) in patch {
-            for of in 0..3 {
+            for along in 0..3 {
                 let mut unit = [0.0; 3];
-                unit[of] = 1.0;
+                unit[along] = 1.0;
                 let moment = cross(r, unit);
                 let spin = self.inverse_inertia.map(|row| (0..3).map(|a| row[a] * moment[a]).sum::<f64>());
                 let rotated = cross(spin, arm);
                 for axis in 0..3 {
-                    let coefficient = rotated[axis] + if axis == of { share } else { 0.0 };
+                    let coefficient = rotated[axis] + if axis == along { share } else { 0.0 };
                     if coefficient != 0.0 {
-                        rows[axis].push((Source::Displacement(3 * node + of), coefficient));
+                        rows[axis].push((Source::Displacement(3 * node + along), coefficient));
                     }
                 }
             }

@@ -6,6 +6,6 @@ mod joint_equations;
 mod assembly;
 
 pub use assembly::Assembled;
-pub(crate) use joint_equations::inverse_of;
 pub use joint_equations::SlipUnknown;
+pub(crate) use joint_equations::inverse_of;
 pub use unknowns::Unknown;

@@ -101,7 +101,8 @@ impl Slices {
                 continue;
             }
             let count = members.len() as f64;
-            let mean = |of: &[[f64; 3]], a: usize| members.iter().map(|&i| of[i][a]).sum::<f64>() / count;
+            let mean =
+                |vectors: &[[f64; 3]], a: usize| members.iter().map(|&i| vectors[i][a]).sum::<f64>() / count;
             let arm: [f64; 3] = std::array::from_fn(|a| mean(&self.positions, a));
             let moved: [f64; 3] = std::array::from_fn(|a| mean(&local, a));
             let (mut moment, mut inertia) = (0.0, 0.0);

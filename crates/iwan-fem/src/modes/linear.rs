@@ -81,12 +81,7 @@ impl Assembled {
     ///
     /// # Errors
     /// As [`modes`](Self::modes), and [`Error::Interrupted`].
-    pub fn modes_observed(
-        &self,
-        limit: Limit,
-        count: usize,
-        progress: Progress<'_>,
-    ) -> Result<Modes, Error> {
+    pub fn modes_observed(&self, limit: Limit, count: usize, progress: Progress<'_>) -> Result<Modes, Error> {
         self.modes_and_factor(limit, count, progress).map(|(modes, _)| modes)
     }
 

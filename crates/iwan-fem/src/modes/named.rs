@@ -52,6 +52,9 @@ pub struct NamedModes {
 }
 
 impl NamedModes {
+    /// Elastic modes among which the command line and the Python package look names up.
+    pub const LOOKED_UP: usize = 40;
+
     /// Computes at least `count` elastic modes in both limits, where there are as many, and names the first `count`.
     ///
     /// # Errors
@@ -70,8 +73,7 @@ impl NamedModes {
         let wanted = count.saturating_add(RIGID).min(most);
         let stuck = assembled.modes_observed(Limit::Stuck, wanted, &mut part(progress, [0.0, 0.5]))?;
         let wanted = count.saturating_add(RIGID + assembled.slips().len()).min(most);
-        let slipping =
-            assembled.modes_observed(Limit::Slipping, wanted, &mut part(progress, [0.5, 1.0]))?;
+        let slipping = assembled.modes_observed(Limit::Slipping, wanted, &mut part(progress, [0.5, 1.0]))?;
         let mut elastic = elastic(&assembled, &stuck, &slipping);
         elastic.truncate(count);
         Ok(Self { assembled, stuck, slipping, elastic })

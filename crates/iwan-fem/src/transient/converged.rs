@@ -34,8 +34,8 @@ impl Assembled {
     ///
     /// # Errors
     /// As [`Reduced::transient`](crate::Reduced::transient); [`Error::Analysis`] without outputs, as they are what is compared.
-    pub fn reduced_transient(&self, of: &Transient<'_>, tolerance: f64) -> Result<Converged<'_>, Error> {
-        self.reduced_transient_observed(of, tolerance, &mut |_| ControlFlow::Continue(()))
+    pub fn reduced_transient(&self, task: &Transient<'_>, tolerance: f64) -> Result<Converged<'_>, Error> {
+        self.reduced_transient_observed(task, tolerance, &mut |_| ControlFlow::Continue(()))
     }
 
     /// [`reduced_transient`](Self::reduced_transient) with a progress report that may break it off: each basis takes
@@ -45,12 +45,12 @@ impl Assembled {
     /// As [`reduced_transient`](Self::reduced_transient), and [`Error::Interrupted`].
     pub fn reduced_transient_observed(
         &self,
-        of: &Transient<'_>,
+        task: &Transient<'_>,
         tolerance: f64,
         progress: Progress<'_>,
     ) -> Result<Converged<'_>, Error> {
         check("tolerance", tolerance, tolerance > 0.0, "must be a finite number > 0")?;
-        if of.outputs.is_empty() {
+        if task.outputs.is_empty() {
             let (finding, remedy) =
                 ("there are no outputs to compare".to_owned(), "ask for at least one output");
             return Err(Error::Analysis { analysis: "reduced transient", finding, remedy });
@@ -61,7 +61,7 @@ impl Assembled {
             let ends = [0.5, 1.0].map(|half: f64| done + 0.5 * half * (1.0 - done));
             let reduced =
                 self.reduce_observed(modes, Basis::default(), &mut part(progress, [done, ends[0]]))?;
-            let response = reduced.transient_observed(of, &mut part(progress, ends))?;
+            let response = reduced.transient_observed(task, &mut part(progress, ends))?;
             Ok((reduced, response, ends[1]))
         };
         let (_, mut response, mut done) = respond(modes, 0.0)?;
@@ -79,8 +79,8 @@ impl Assembled {
 }
 
 /// Root mean square of the difference of accelerations over that of the reference; 0 for two that do not move.
-fn distance(of: &History, reference: &History) -> f64 {
-    let pairs = of.acceleration.iter().zip(&reference.acceleration);
+fn distance(history: &History, reference: &History) -> f64 {
+    let pairs = history.acceleration.iter().zip(&reference.acceleration);
     let difference: f64 = pairs.map(|(a, b)| (a - b).powi(2)).sum();
     let size: f64 = reference.acceleration.iter().map(|a| a * a).sum();
     if size > 0.0 { (difference / size).sqrt() } else { 0.0 }

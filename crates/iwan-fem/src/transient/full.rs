@@ -8,7 +8,7 @@ use std::ops::ControlFlow;
 use std::time::Instant;
 
 use super::joint_states::{Joints, tables};
-use super::response::{OBSERVED, Recorder, StructureResponse};
+use super::response::{Energies, OBSERVED, Recorder, StructureResponse};
 use super::slip_solver::{SlipSolver, Square};
 use super::task::Transient;
 use crate::algebra::{Cholesky, Group, LANES, NodalProduct, add_scaled, dot};
@@ -21,8 +21,8 @@ impl Assembled {
     ///
     /// # Errors
     /// [`Error`] for numbers out of range, lengths that do not fit, and slips that do not settle.
-    pub fn transient(&self, of: &Transient<'_>) -> Result<StructureResponse, Error> {
-        self.transient_observed(of, &mut |_| ControlFlow::Continue(()))
+    pub fn transient(&self, task: &Transient<'_>) -> Result<StructureResponse, Error> {
+        self.transient_observed(task, &mut |_| ControlFlow::Continue(()))
     }
 
     /// [`transient`](Self::transient) with a progress report that may break it off.
@@ -31,25 +31,25 @@ impl Assembled {
     /// As [`transient`](Self::transient), and [`Error::Interrupted`].
     pub fn transient_observed(
         &self,
-        of: &Transient<'_>,
+        task: &Transient<'_>,
         progress: Progress<'_>,
     ) -> Result<StructureResponse, Error> {
-        of.check(self.unknowns(), self.slips().len())?;
-        let mut memory = tables(self.slips().len(), of.population);
+        task.check(self.unknowns(), self.slips().len())?;
+        let mut memory = tables(self.slips().len(), task.population);
         let laws = self.slips().iter().map(|slip| slip.law.as_ref());
-        let mut joints = Joints::new(laws, of.population, &mut memory)?;
-        let mut stepper = FullStepper::new(self, of, &mut joints)?;
-        let mut recorder = Recorder::new(of, self.slips().iter().map(|slip| slip.name.clone()));
+        let mut joints = Joints::new(laws, task.population, &mut memory)?;
+        let mut stepper = FullStepper::new(self, task, &mut joints)?;
+        let mut recorder = Recorder::new(task, self.slips().iter().map(|slip| slip.name.clone()));
         let outputs: Vec<Functional> =
-            of.outputs.iter().map(|o| stepper.functional(&o.coefficients)).collect();
-        let (force, start) = (of.force(), stepper.energy());
+            task.outputs.iter().map(|o| stepper.functional(&o.coefficients)).collect();
+        let (force, start) = (task.force(), stepper.energies());
         for (i, output) in outputs.iter().enumerate() {
             recorder.begin(i, stepper.velocity(output), stepper.acceleration(output, force[0]));
         }
         recorder.slips(stepper.slips());
         let clock = Instant::now();
         let mut before = 0.0;
-        for n in 1..=of.steps {
+        for n in 1..=task.steps {
             stepper.step(&mut joints, force[n - 1], force[n])?;
             let here = stepper.load_displacement();
             recorder.work(0.5 * (force[n - 1] + force[n]) * (here - before));
@@ -58,12 +58,12 @@ impl Assembled {
                 recorder.output(i, stepper.acceleration(output, force[n]));
             }
             recorder.slips(stepper.slips());
-            if n % OBSERVED == 0 && progress(n as f64 / of.steps as f64).is_break() {
+            if n % OBSERVED == 0 && progress(n as f64 / task.steps as f64).is_break() {
                 return Err(Error::Interrupted);
             }
         }
         let seconds = clock.elapsed().as_secs_f64();
-        recorder.finish(&mut joints, self.strongest(), [start, stepper.energy()], seconds)
+        recorder.finish(&mut joints, self.strongest(), [start, stepper.energies()], seconds)
     }
 }
 
@@ -83,7 +83,7 @@ impl Functional {
     }
 
     #[inline]
-    fn of(&self, x: &[f64]) -> f64 {
+    fn at(&self, x: &[f64]) -> f64 {
         match &self.dense {
             Some(dense) => dot(dense, x),
             None => self.terms.iter().map(|&(j, c)| c * x[j]).sum(),
@@ -102,14 +102,14 @@ struct Free {
 
 impl Free {
     /// Splits load and initial velocity into what moves the free motions and the rest.
-    fn split(assembled: &Assembled, of: &Transient<'_>) -> (Self, Vec<f64>, Vec<f64>) {
+    fn split(assembled: &Assembled, task: &Transient<'_>) -> (Self, Vec<f64>, Vec<f64>) {
         let motions = assembled.free_motions();
-        let mut rest = of.initial_velocity.clone().unwrap_or_else(|| vec![0.0; assembled.unknowns()]);
+        let mut rest = task.initial_velocity.clone().unwrap_or_else(|| vec![0.0; assembled.unknowns()]);
         let momenta = assembled.mass().times(&rest);
         let velocity: Vec<f64> = motions.iter().map(|motion| dot(motion, &momenta)).collect();
         assembled.remove(&mut rest, &motions);
-        let load: Vec<f64> = motions.iter().map(|motion| dot(motion, &of.load)).collect();
-        let mut held = of.load.clone();
+        let load: Vec<f64> = motions.iter().map(|motion| dot(motion, &task.load)).collect();
+        let mut held = task.load.clone();
         for (motion, part) in motions.iter().zip(&load) {
             add_scaled(&mut held, -part, &assembled.mass().times(motion));
         }
@@ -158,10 +158,10 @@ pub(crate) struct FullStepper<'a> {
 impl<'a> FullStepper<'a> {
     pub(crate) fn new(
         assembled: &'a Assembled,
-        of: &Transient<'_>,
+        task: &Transient<'_>,
         joints: &mut Joints<'_>,
     ) -> Result<Self, Error> {
-        let quarter = 0.25 * of.dt * of.dt;
+        let quarter = 0.25 * task.dt * task.dt;
         let effective = assembled.mass().plus(quarter, assembled.slipping_stiffness());
         let factor = Cholesky::new(assembled.analysis()?, &effective)?;
         let unknowns: Vec<usize> = assembled.slips().iter().map(|slip| slip.unknown).collect();
@@ -174,25 +174,25 @@ impl<'a> FullStepper<'a> {
         let columns: Vec<Vec<f64>> = unknowns.iter().map(column).collect();
         let count = unknowns.len();
         let stiffness = inverse_of(count, |i, j| quarter * columns[j][unknowns[i]])?;
-        let (free, held_load, v) = Free::split(assembled, of);
-        let p0 = of.pulse.at(0.0);
+        let (free, held_load, v) = Free::split(assembled, task);
+        let p0 = task.pulse.at(0.0);
         let mut a: Vec<f64> = held_load.iter().map(|g| p0 * g).collect();
         if p0 != 0.0 {
             Cholesky::new(assembled.analysis()?, assembled.mass())?.solve(&mut a);
         }
-        let increment = v.iter().zip(&a).map(|(v, a)| of.dt * v + quarter * a).collect();
+        let increment = v.iter().zip(&a).map(|(v, a)| task.dt * v + quarter * a).collect();
         let groups = || vec![[0.0; LANES]; count.div_ceil(LANES)];
         Ok(Self {
             assembled,
             factor,
             stiffness: assembled.nodal_stiffness(),
-            dt: of.dt,
+            dt: task.dt,
             x: vec![0.0; assembled.unknowns()],
             v,
             a,
             internal: vec![0.0; assembled.unknowns()],
             increment,
-            load: Functional::new(&of.load, &free.motions),
+            load: Functional::new(&task.load, &free.motions),
             free,
             held_load,
             unknowns,
@@ -212,16 +212,16 @@ impl<'a> FullStepper<'a> {
 
     /// Displacement of the load's point of attack.
     pub(crate) fn load_displacement(&self) -> f64 {
-        self.load.of(&self.x) + dot(&self.load.free, &self.free.displacement)
+        self.load.at(&self.x) + dot(&self.load.free, &self.free.displacement)
     }
 
-    pub(crate) fn velocity(&self, of: &Functional) -> f64 {
-        of.of(&self.v) + dot(&of.free, &self.free.velocity)
+    pub(crate) fn velocity(&self, functional: &Functional) -> f64 {
+        functional.at(&self.v) + dot(&functional.free, &self.free.velocity)
     }
 
     /// At the force `p`.
-    pub(crate) fn acceleration(&self, of: &Functional, p: f64) -> f64 {
-        of.of(&self.a) + p * dot(&of.free, &self.free.load)
+    pub(crate) fn acceleration(&self, functional: &Functional, p: f64) -> f64 {
+        functional.at(&self.a) + p * dot(&functional.free, &self.free.load)
     }
 
     pub(crate) fn slips(&self) -> &SlipSolver {
@@ -229,10 +229,10 @@ impl<'a> FullStepper<'a> {
     }
 
     /// Kinetic energy, and elastic energy without the joints.
-    pub(crate) fn energy(&self) -> (f64, f64) {
+    pub(crate) fn energies(&self) -> Energies {
         let (mass, stiffness) = (self.assembled.mass(), self.assembled.slipping_stiffness());
         let kinetic = mass.form(&self.v, &self.v) + dot(&self.free.velocity, &self.free.velocity);
-        (0.5 * kinetic, 0.5 * stiffness.square(&self.x))
+        Energies { kinetic: 0.5 * kinetic, elastic: 0.5 * stiffness.square(&self.x) }
     }
 
     /// One step from the force `before` to the force `p`.

@@ -11,10 +11,12 @@ mod reduced;
 mod converged;
 mod model;
 mod modal_force;
+mod run;
 
 pub use converged::Converged;
-pub use model::{Integrated, Model, StepErrors};
+pub use model::{BasisError, Integrated, Model, StepErrors};
 pub use population::Population;
 pub use reduction::{Basis, Reduced};
 pub use response::{History, SlipHistory, StructureResponse};
+pub use run::{Extras, Frame, ModalVelocity, Run};
 pub use task::{Output, Transient};

@@ -31,8 +31,17 @@ pub struct Integrated<'a> {
     pub response: StructureResponse,
     /// The reduced model; none for the full one.
     pub reduced: Option<Reduced<'a>>,
-    /// Estimated error of the reduction, where it was sought, and whether it reached the tolerance.
-    pub basis_error: Option<(f64, bool)>,
+    /// Estimated error of the reduction, where it was sought.
+    pub basis_error: Option<BasisError>,
+}
+
+/// What it costs to leave modes out of the basis.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct BasisError {
+    /// Estimated relative error of the outputs' accelerations, as in [`Converged::error`](crate::Converged::error).
+    pub estimate: f64,
+    /// Whether the estimate reached the tolerance that was asked for.
+    pub converged: bool,
 }
 
 /// Estimated errors, one per output, relative to its peak displacement.
@@ -53,26 +62,27 @@ impl Assembled {
     pub fn integrate(
         &self,
         model: Model,
-        of: &Transient<'_>,
+        task: &Transient<'_>,
         progress: Progress<'_>,
     ) -> Result<Integrated<'_>, Error> {
-        of.check(self.unknowns(), self.slips().len())?;
+        task.check(self.unknowns(), self.slips().len())?;
         match model {
             Model::Full => {
-                let response = self.transient_observed(of, progress)?;
+                let response = self.transient_observed(task, progress)?;
                 Ok(Integrated { response, reduced: None, basis_error: None })
             }
             Model::Basis(modes) => {
                 let modes = modes.min(self.unknowns());
                 let reduced =
                     self.reduce_observed(modes, Basis::default(), &mut part(progress, [0.0, 0.5]))?;
-                let response = reduced.transient_observed(of, &mut part(progress, [0.5, 1.0]))?;
+                let response = reduced.transient_observed(task, &mut part(progress, [0.5, 1.0]))?;
                 Ok(Integrated { response, reduced: Some(reduced), basis_error: None })
             }
             Model::Tolerance(tolerance) => {
-                let found = self.reduced_transient_observed(of, tolerance, progress)?;
-                let (reduced, basis_error) = (Some(found.reduced), Some((found.error, found.converged)));
-                Ok(Integrated { response: found.response, reduced, basis_error })
+                let found = self.reduced_transient_observed(task, tolerance, progress)?;
+                let basis_error = BasisError { estimate: found.error, converged: found.converged };
+                let (response, reduced) = (found.response, Some(found.reduced));
+                Ok(Integrated { response, reduced, basis_error: Some(basis_error) })
             }
         }
     }
@@ -93,18 +103,18 @@ impl Reduced<'_> {
     /// As [`transient_observed`](Self::transient_observed).
     pub fn step_errors(
         &self,
-        of: &Transient<'_>,
+        task: &Transient<'_>,
         response: &StructureResponse,
         progress: Progress<'_>,
     ) -> Result<StepErrors, Error> {
-        let coarse = Transient { dt: 2.0 * of.dt, steps: of.steps / 2, ..of.clone() };
+        let coarse = Transient { dt: 2.0 * task.dt, steps: task.steps / 2, ..task.clone() };
         let coarse = self.transient_observed(&coarse, progress)?;
         let pairs = response.outputs.iter().zip(&coarse.outputs);
         let time_step = pairs.map(|(fine, coarse)| difference(fine, coarse, 2) / 3.0).collect();
-        let sliders = match of.population {
+        let sliders = match task.population {
             Population::Continuum => None,
             Population::Sliders { .. } => {
-                let exact = Transient { population: Population::Continuum, ..of.clone() };
+                let exact = Transient { population: Population::Continuum, ..task.clone() };
                 let exact = self.transient_observed(&exact, progress)?;
                 let pairs = response.outputs.iter().zip(&exact.outputs);
                 Some(pairs.map(|(cut, exact)| difference(cut, exact, 1)).collect())
@@ -115,9 +125,9 @@ impl Reduced<'_> {
 }
 
 /// Largest difference of displacements at the samples that two histories share, over the peak.
-fn difference(of: &History, other: &History, stride: usize) -> f64 {
-    let peak = of.displacement.iter().fold(0.0, |most: f64, u| most.max(u.abs()));
-    let pairs = of.displacement.iter().step_by(stride).zip(&other.displacement);
+fn difference(history: &History, other: &History, stride: usize) -> f64 {
+    let peak = history.displacement.iter().fold(0.0, |most: f64, u| most.max(u.abs()));
+    let pairs = history.displacement.iter().step_by(stride).zip(&other.displacement);
     let largest = pairs.fold(0.0, |most: f64, (a, b)| most.max((a - b).abs()));
     if peak > 0.0 { largest / peak } else { 0.0 }
 }

@@ -12,7 +12,7 @@ use std::time::Instant;
 
 use super::joint_states::{Joints, tables};
 use super::reduction::Reduced;
-use super::response::{OBSERVED, Recorder, StructureResponse};
+use super::response::{Energies, OBSERVED, Recorder, StructureResponse};
 use super::slip_solver::{SlipSolver, Square};
 use super::task::Transient;
 use crate::algebra::{Group, LANES, grouped, total};
@@ -45,8 +45,8 @@ impl Reduced<'_> {
     /// assert!(response.energy.error() < 1e-12);
     /// # Ok::<(), iwan_fem::Error>(())
     /// ```
-    pub fn transient(&self, of: &Transient<'_>) -> Result<StructureResponse, Error> {
-        self.transient_observed(of, &mut |_| ControlFlow::Continue(()))
+    pub fn transient(&self, task: &Transient<'_>) -> Result<StructureResponse, Error> {
+        self.transient_observed(task, &mut |_| ControlFlow::Continue(()))
     }
 
     /// [`transient`](Self::transient) with a progress report that may break it off.
@@ -55,28 +55,29 @@ impl Reduced<'_> {
     /// As [`transient`](Self::transient), and [`Error::Interrupted`].
     pub fn transient_observed(
         &self,
-        of: &Transient<'_>,
+        task: &Transient<'_>,
         progress: Progress<'_>,
     ) -> Result<StructureResponse, Error> {
         let assembled = self.assembled();
-        of.check(assembled.unknowns(), assembled.slips().len())?;
+        task.check(assembled.unknowns(), assembled.slips().len())?;
         let slips = assembled.slips();
-        let mut memory = tables(slips.len(), of.population);
-        let mut joints = Joints::new(slips.iter().map(|slip| slip.law.as_ref()), of.population, &mut memory)?;
-        let mut stepper = Stepper::new(self, of, &mut joints)?;
+        let mut memory = tables(slips.len(), task.population);
+        let mut joints =
+            Joints::new(slips.iter().map(|slip| slip.law.as_ref()), task.population, &mut memory)?;
+        let mut stepper = Stepper::new(self, task, &mut joints)?;
         let outputs: Vec<Reading> =
-            of.outputs.iter().map(|o| Reading::new(&self.project(&o.coefficients))).collect();
-        let mut recorder = Recorder::new(of, slips.iter().map(|slip| slip.name.clone()));
+            task.outputs.iter().map(|o| Reading::new(&self.project(&o.coefficients))).collect();
+        let mut recorder = Recorder::new(task, slips.iter().map(|slip| slip.name.clone()));
         for (i, output) in outputs.iter().enumerate() {
-            recorder.begin(i, output.of(&stepper.v), output.of(&stepper.a));
+            recorder.begin(i, output.read(&stepper.v), output.read(&stepper.a));
         }
         recorder.slips(&stepper.slips);
-        let (force, start, clock) = (of.force(), stepper.energy(), Instant::now());
+        let (force, start, clock) = (task.force(), stepper.energies(), Instant::now());
         let damped = self.damping().iter().any(|c| *c != 0.0);
         // The widest registers at hand; nothing is contracted, so the bits are the same in all of them.
         let registers = pulp::Arch::new();
         stepper.predict(0.5 * (force[0] + force.get(1).unwrap_or(&0.0)));
-        for n in 1..=of.steps {
+        for n in 1..=task.steps {
             let ahead = force.get(n + 1).copied().unwrap_or(0.0);
             let mean = 0.5 * (force[n - 1] + force[n]);
             stepper.solve_slips(&mut joints)?;
@@ -86,15 +87,15 @@ impl Reduced<'_> {
             recorder.work(mean * travelled);
             recorder.viscous(lost);
             for (i, output) in outputs.iter().enumerate() {
-                recorder.output(i, output.of(&stepper.a));
+                recorder.output(i, output.read(&stepper.a));
             }
             recorder.slips(&stepper.slips);
-            if n % OBSERVED == 0 && progress(n as f64 / of.steps as f64).is_break() {
+            if n % OBSERVED == 0 && progress(n as f64 / task.steps as f64).is_break() {
                 return Err(Error::Interrupted);
             }
         }
         let seconds = clock.elapsed().as_secs_f64();
-        recorder.finish(&mut joints, assembled.strongest(), [start, stepper.energy()], seconds)
+        recorder.finish(&mut joints, assembled.strongest(), [start, stepper.energies()], seconds)
     }
 }
 
@@ -118,7 +119,7 @@ impl Reading {
     }
 
     #[inline]
-    fn of(&self, values: &[Group]) -> f64 {
+    fn read(&self, values: &[Group]) -> f64 {
         match self {
             Self::One(k, c) => c * values[k / LANES][k % LANES],
             Self::All(coefficients) => {
@@ -167,12 +168,12 @@ struct Stepper {
 }
 
 impl Stepper {
-    fn new(reduced: &Reduced<'_>, of: &Transient<'_>, joints: &mut Joints<'_>) -> Result<Self, Error> {
+    fn new(reduced: &Reduced<'_>, task: &Transient<'_>, joints: &mut Joints<'_>) -> Result<Self, Error> {
         let assembled = reduced.assembled();
         let (count, r) = (assembled.slips().len(), reduced.coordinates());
-        let quarter = 0.25 * of.dt * of.dt;
+        let quarter = 0.25 * task.dt * task.dt;
         let terms = reduced.eigenvalues().iter().zip(reduced.damping());
-        let e: Vec<f64> = terms.map(|(lambda, c)| 0.5 * of.dt * c + quarter * lambda).collect();
+        let e: Vec<f64> = terms.map(|(lambda, c)| 0.5 * task.dt * c + quarter * lambda).collect();
         let d: Vec<f64> = e.iter().map(|e| 1.0 / (1.0 + e)).collect();
         let shape = |i: usize, k: usize| reduced.column(k)[assembled.slips()[i].unknown];
         let coupling =
@@ -184,9 +185,9 @@ impl Stepper {
         let groups = r.div_ceil(LANES);
         let slip_shapes = (0..count).flat_map(|i| grouped(&(0..r).map(|k| shape(i, k)).collect::<Vec<_>>()));
         let slip_shapes = slip_shapes.collect();
-        let load = reduced.project(&of.load);
-        let p0 = of.pulse.at(0.0);
-        let velocity = match &of.initial_velocity {
+        let load = reduced.project(&task.load);
+        let p0 = task.pulse.at(0.0);
+        let velocity = match &task.initial_velocity {
             Some(v) => reduced.project(&assembled.mass().times(v)),
             None => vec![0.0; r],
         };
@@ -195,7 +196,7 @@ impl Stepper {
         let zero = || vec![[0.0; LANES]; groups];
         let slip_groups = || vec![[0.0; LANES]; count.div_ceil(LANES)];
         Ok(Self {
-            dt: of.dt,
+            dt: task.dt,
             q: zero(),
             v: grouped(&velocity),
             a: grouped(&start),
@@ -218,7 +219,7 @@ impl Stepper {
     }
 
     /// Kinetic energy, and elastic energy without the joints.
-    fn energy(&self) -> (f64, f64) {
+    fn energies(&self) -> Energies {
         let mut sums = [[0.0; LANES]; 2];
         for ((q, v), lambda) in self.q.iter().zip(&self.v).zip(&self.eigenvalues) {
             for lane in 0..LANES {
@@ -227,7 +228,7 @@ impl Stepper {
             }
         }
         let stuck: f64 = self.k_t.iter().zip(self.slips.slips()).map(|(k, s)| 0.5 * k * s * s).sum();
-        (total(&sums[0]), total(&sums[1]) - stuck)
+        Energies { kinetic: total(&sums[0]), elastic: total(&sums[1]) - stuck }
     }
 
     /// Begins the first step, in which the force is `p` on the mean.

@@ -55,6 +55,13 @@ pub struct StructureResponse {
 /// Steps between two calls of the observer.
 pub(crate) const OBSERVED: usize = 256;
 
+/// What is stored in a structure besides the springs of its joints.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Energies {
+    pub(crate) kinetic: f64,
+    pub(crate) elastic: f64,
+}
+
 /// Records outputs, slips and works while a response is computed.
 pub(crate) struct Recorder {
     outputs: Vec<History>,
@@ -66,9 +73,9 @@ pub(crate) struct Recorder {
 }
 
 impl Recorder {
-    pub(crate) fn new(of: &Transient<'_>, slips: impl Iterator<Item = String>) -> Self {
-        let room = || Vec::with_capacity(of.steps + 1);
-        let outputs = of.outputs.iter().map(|output| History {
+    pub(crate) fn new(task: &Transient<'_>, slips: impl Iterator<Item = String>) -> Self {
+        let room = || Vec::with_capacity(task.steps + 1);
+        let outputs = task.outputs.iter().map(|output| History {
             name: output.name.clone(),
             displacement: room(),
             velocity: room(),
@@ -78,7 +85,7 @@ impl Recorder {
         Self {
             outputs: outputs.collect(),
             slips: slips.collect(),
-            dt: of.dt,
+            dt: task.dt,
             input: 0.0,
             viscous: 0.0,
             joint_work: 0.0,
@@ -134,26 +141,26 @@ impl Recorder {
         mut self,
         joints: &mut Joints<'_>,
         strongest: impl Iterator<Item = f64>,
-        [start, end]: [(f64, f64); 2],
+        [start, end]: [Energies; 2],
         seconds: f64,
     ) -> Result<StructureResponse, Error> {
         for (history, strongest) in self.slips.iter_mut().zip(strongest) {
             history.slip_ratio = history.slip.iter().fold(0.0_f64, |m, s| m.max(s.abs())) / strongest;
         }
         let stored = joints.stored_energy();
-        let gained = (end.0 - start.0) + (end.1 - start.1);
+        let gained = (end.kinetic - start.kinetic) + (end.elastic - start.elastic);
         let residual = self.input - gained - self.joint_work - self.viscous;
-        let initial = start.0 + start.1;
+        let initial = start.kinetic + start.elastic;
         let energy = EnergyBalance {
             initial,
             input: self.input,
-            kinetic: end.0,
-            elastic: end.1,
+            kinetic: end.kinetic,
+            elastic: end.elastic,
             stored,
             viscous: self.viscous,
             friction: self.joint_work - stored,
             residual,
-            scale: initial.abs().max(self.input.abs()).max(end.0),
+            scale: initial.abs().max(self.input.abs()).max(end.kinetic),
         };
         if !(energy.residual.is_finite() && energy.scale.is_finite()) {
             let (finding, remedy) =
@@ -161,7 +168,14 @@ impl Recorder {
             return Err(Error::Analysis { analysis: "transient", finding, remedy });
         }
         let (dt, forgotten_force) = (self.dt, joints.forgotten());
-        Ok(StructureResponse { dt, outputs: self.outputs, slips: self.slips, energy, forgotten_force, seconds })
+        Ok(StructureResponse {
+            dt,
+            outputs: self.outputs,
+            slips: self.slips,
+            energy,
+            forgotten_force,
+            seconds,
+        })
     }
 }
 

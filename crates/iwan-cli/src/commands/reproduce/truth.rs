@@ -4,8 +4,8 @@ use std::cell::Cell;
 use std::ops::ControlFlow;
 
 use iwan_core::Pulse;
-use iwan_fem::{Basis, History, NamedMode, Output, Population, Reduced, Transient, StructureResponse};
-use iwan_input::{BUILT_IN_STRUCTURES, Source, StructureFile};
+use iwan_fem::{Basis, History, NamedMode, Output, Population, Reduced, StructureResponse, Transient};
+use iwan_input::{BUILT_IN_STRUCTURES, InputText, StructureFile};
 
 use super::counterpart::distance;
 use crate::failure::Failure;
@@ -70,7 +70,7 @@ pub(super) fn structure(name: &str) -> Result<(String, StructureFile), Failure> 
     let known = BUILT_IN_STRUCTURES.iter().find(|built_in| built_in.0 == name);
     let (name, _, text) =
         known.ok_or_else(|| Failure::Computation(format!("there is no built-in structure {name}")))?;
-    let source = Source::built_in(name, text);
+    let source = InputText::built_in(name, text);
     Ok((source.name.clone(), StructureFile::read(&source)?))
 }
 

@@ -1,8 +1,8 @@
 //! `*ELEMENT`.
 
 use super::super::error::MeshError;
-use super::super::labels::Labels;
 use super::super::file::{FileBytes, quote};
+use super::super::labels::Labels;
 use super::super::topology::{Element, Shape};
 use super::definition::{Definition, SetKind};
 use super::fields::whole;

@@ -7,7 +7,12 @@ use super::super::file::{FileBytes, quote};
 use super::lines::Line;
 
 /// A whole number > 0.
-pub(super) fn whole(source: FileBytes, line: &Line, field: &[u8], what: impl Display) -> Result<u64, MeshError> {
+pub(super) fn whole(
+    source: FileBytes,
+    line: &Line,
+    field: &[u8],
+    what: impl Display,
+) -> Result<u64, MeshError> {
     let value = std::str::from_utf8(field).ok().and_then(|text| text.parse().ok()).filter(|n| *n > 0);
     value.ok_or_else(|| {
         let expected = format!("{what}: a whole number > 0");
@@ -16,7 +21,12 @@ pub(super) fn whole(source: FileBytes, line: &Line, field: &[u8], what: impl Dis
 }
 
 /// A finite number; `D` for the exponent is understood.
-pub(super) fn number(source: FileBytes, line: &Line, field: &[u8], what: impl Display) -> Result<f64, MeshError> {
+pub(super) fn number(
+    source: FileBytes,
+    line: &Line,
+    field: &[u8],
+    what: impl Display,
+) -> Result<f64, MeshError> {
     let text = std::str::from_utf8(field).unwrap_or("no text");
     let value = text.parse().or_else(|_| text.to_ascii_lowercase().replacen('d', "e", 1).parse::<f64>());
     value.ok().filter(|value| value.is_finite()).ok_or_else(|| {

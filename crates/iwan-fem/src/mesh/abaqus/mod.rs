@@ -76,10 +76,8 @@ impl Reader {
         mesh.elements = self.elements;
         elements::resolve(source, &mut mesh.elements, &self.element_lines, &nodes)?;
         sets::resolve(source, &mut mesh, &self.definitions, &nodes, &elements)?;
-        let passed_over = self.passed_over.into_iter().map(|(name, PassedOver { line, times })| MeshWarning::PassedOver {
-            name: format!("*{name}"),
-            place: format!("line {line}"),
-            times,
+        let passed_over = self.passed_over.into_iter().map(|(name, PassedOver { line, times })| {
+            MeshWarning::PassedOver { name: format!("*{name}"), place: format!("line {line}"), times }
         });
         let formulations = self.formulations.into_iter().map(|(found, ReadAs { line, read_as })| {
             MeshWarning::Formulation { place: format!("line {line}"), found: found.into(), read_as }

@@ -2,11 +2,11 @@
 
 use std::collections::BTreeMap;
 
-use super::super::topology::Mesh;
 use super::super::error::MeshError;
+use super::super::file::{FileBytes, quote};
 use super::super::labels::Labels;
 use super::super::sets::{Sets, TooLarge};
-use super::super::file::{FileBytes, quote};
+use super::super::topology::Mesh;
 use super::definition::{Definition, Item, SetKind};
 use super::fields::whole;
 use super::keyword::{Keyword, label};
@@ -15,7 +15,12 @@ use super::reader::Reader;
 
 impl Reader {
     /// Reads `*NSET` or `*ELSET`.
-    pub(super) fn set(&mut self, lines: &mut Lines, keyword: &Keyword, kind: SetKind) -> Result<(), MeshError> {
+    pub(super) fn set(
+        &mut self,
+        lines: &mut Lines,
+        keyword: &Keyword,
+        kind: SetKind,
+    ) -> Result<(), MeshError> {
         let own = if kind == SetKind::Nodes { "NSET" } else { "ELSET" };
         keyword.only(lines.source, &["NSET", "ELSET", "GENERATE", "UNSORTED", "INSTANCE", "INTERNAL"])?;
         let name = keyword.required(lines.source, own)?.to_string();

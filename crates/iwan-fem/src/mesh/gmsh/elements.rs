@@ -1,8 +1,8 @@
 //! `$Elements`.
 
 use super::super::error::MeshError;
-use super::super::sets::TooLarge;
 use super::super::labels::{Labels, Twice};
+use super::super::sets::TooLarge;
 use super::super::topology::{Element, Shape};
 use super::cursor::Cursor;
 use super::element_types::{self, ElementType, HEX20, Use};
@@ -26,11 +26,13 @@ pub(super) fn read(cursor: &mut Cursor, reader: &mut Reader) -> Result<(), MeshE
             format!("{total}, as $Elements promises"),
         ));
     }
-    Labels::new(reader.mesh.elements.iter().map(|e| e.label)).map(|_| ()).map_err(|Twice { label, .. }| {
-        let place = format!("$Elements, which ends at {}", cursor.place());
-        let found = format!("element {label} twice");
-        cursor.source.malformed(place, found, "a number of its own for every element")
-    })
+    Labels::new(reader.mesh.elements.iter().map(|e| e.label)).map(|_| ()).map_err(
+        |Twice { label, .. }| {
+            let place = format!("$Elements, which ends at {}", cursor.place());
+            let found = format!("element {label} twice");
+            cursor.source.malformed(place, found, "a number of its own for every element")
+        },
+    )
 }
 
 /// Reads one block and returns the number of its elements.

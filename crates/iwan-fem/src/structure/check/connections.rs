@@ -2,10 +2,10 @@
 
 use std::collections::BTreeMap;
 
+use super::super::interface::{Interface, Patch};
 use super::finding::{Defect, Findings, Remark, list};
 use super::link::Link;
 use super::nodes::{COINCIDENT, distance};
-use super::super::interface::{Interface, Patch};
 use crate::mesh::Mesh;
 
 /// Nodes are on a line when none is farther from it than this share of its length.

@@ -2,9 +2,6 @@
 
 use std::path::{Path, PathBuf};
 
-use toml::Spanned;
-use toml::de::DeTable;
-
 use crate::error::InputError;
 
 /// An input file is a page or two; tabulated densities make it longer, but never this long.
@@ -12,7 +9,7 @@ const LARGEST: u64 = 16 << 20;
 
 /// A named text.
 #[derive(Debug, Clone)]
-pub struct Source {
+pub struct InputText {
     /// Name for messages: the path as the user wrote it.
     pub name: String,
     /// The text.
@@ -21,7 +18,7 @@ pub struct Source {
     pub folder: PathBuf,
 }
 
-impl Source {
+impl InputText {
     /// A text that does not come from a file of the user's.
     #[must_use]
     pub fn built_in(name: &str, text: &str) -> Self {
@@ -66,19 +63,6 @@ impl Source {
         Ok(Self { name, text, folder })
     }
 
-    /// The text as TOML.
-    ///
-    /// # Errors
-    /// [`InputError`] with line and column where it is none; `example` is the built-in file to start from.
-    pub fn document(&self, example: &str) -> Result<Spanned<DeTable<'_>>, InputError> {
-        DeTable::parse(&self.text).map_err(|error| {
-            let start = error.span().map_or(0, |span| span.start);
-            let message = format!("not valid TOML: {}", error.message().trim().replace('\n', "; "));
-            let remedy = format!("correct this place; `iwan scenario {example}` prints a valid file");
-            self.failure(start, &message, &remedy)
-        })
-    }
-
     /// A failure at a byte offset, as `name:line:column: message`.
     #[must_use]
     pub fn failure(&self, offset: usize, message: &str, remedy: &str) -> InputError {
@@ -100,7 +84,7 @@ mod tests {
 
     #[test]
     fn places_count_lines_and_characters_from_one() {
-        let source = Source::built_in("x.toml", "a = 1\nb\u{e4} = 2\n");
+        let source = InputText::built_in("x.toml", "a = 1\nb\u{e4} = 2\n");
         assert_eq!(source.place(0), (1, 1));
         assert_eq!(source.place(6), (2, 1));
         assert_eq!(source.place(9), (2, 3));

@@ -1,45 +1,20 @@
-//! Structure files: mesh, materials, joints and ties, supports, loads and outputs.
-
-mod ends;
-mod joints;
-mod materials;
-mod meshes;
-mod sets;
-mod transient;
-
-#[cfg(test)]
-mod schema_tests;
-#[cfg(test)]
-mod tests;
+//! A structure file, all of it.
 
 use std::path::Path;
 
 use iwan_fem::Structure;
 
+use super::ends::{self, Load, Output};
+use super::{joints, materials, meshes, sets};
 use crate::error::InputError;
 use crate::section::Section;
-use crate::source::Source;
-pub use ends::{Load, Output};
-
-/// Name, purpose and text of the structures that are built in.
-pub const BUILT_IN_STRUCTURES: &[(&str, &str, &str)] = &[
-    (
-        "paper-a",
-        "the paper's beam as a finite-element structure: uniform mesh, rigid patches",
-        include_str!("../structures/paper-a.toml"),
-    ),
-    (
-        "paper-b",
-        "the same with the mesh and the averaging patches that meet the paper's Table 2",
-        include_str!("../structures/paper-b.toml"),
-    ),
-];
+use crate::text::InputText;
 
 /// JSON Schema (draft 2020-12) of structure files.
-pub const STRUCTURE_SCHEMA: &str = include_str!("../schema/structure.schema.json");
+pub const STRUCTURE_SCHEMA: &str = include_str!("../../schema/structure.schema.json");
 
 /// Keys at the top of a structure file.
-const KEYS: &[&str] =
+pub(super) const KEYS: &[&str] =
     &["title", "mesh", "set", "elements", "material", "joint", "tie", "support", "lump", "load", "output"];
 
 /// A structure file, read and checked.
@@ -57,19 +32,6 @@ pub struct StructureFile {
     pub notes: Vec<String>,
 }
 
-/// A built-in structure by its name.
-///
-/// # Errors
-/// [`InputError`] with the names there are.
-pub fn built_in_structure(name: &str) -> Result<Source, InputError> {
-    let found = BUILT_IN_STRUCTURES.iter().find(|(known, ..)| *known == name);
-    found.map(|(name, _, text)| Source::built_in(name, text)).ok_or_else(|| {
-        let names: Vec<&str> = BUILT_IN_STRUCTURES.iter().map(|(known, ..)| *known).collect();
-        let message = format!("there is no built-in structure \"{name}\"");
-        InputError::new(message, format!("choose from {}", names.join(", ")))
-    })
-}
-
 impl StructureFile {
     /// Reads a structure file; paths in it are relative to its folder.
     ///
@@ -77,7 +39,7 @@ impl StructureFile {
     /// [`InputError`] for what cannot be read, for values out of range with file, line and key, for files of meshes, and
     /// for every defect that [`Structure::check`] finds.
     pub fn load(path: impl AsRef<Path>) -> Result<Self, InputError> {
-        Self::read(&Source::read(path.as_ref(), "structure", "paper-a")?)
+        Self::read(&InputText::read(path.as_ref(), "structure", "paper-a")?)
     }
 
     /// The same from a text.
@@ -86,15 +48,15 @@ impl StructureFile {
     /// As [`load`](Self::load).
     ///
     /// ```
-    /// use iwan_input::{BUILT_IN_STRUCTURES, Source, StructureFile};
+    /// use iwan_input::{BUILT_IN_STRUCTURES, InputText, StructureFile};
     /// let (name, _, text) = BUILT_IN_STRUCTURES[0];
-    /// let file = StructureFile::read(&Source::built_in(name, text))?;
+    /// let file = StructureFile::read(&InputText::built_in(name, text))?;
     /// assert_eq!(file.structure.mesh.positions.len(), 1554);
     /// # Ok::<(), iwan_input::InputError>(())
     /// ```
-    pub fn read(source: &Source) -> Result<Self, InputError> {
+    pub fn read(source: &InputText) -> Result<Self, InputError> {
         let document = source.document("paper-a")?;
-        let top = Section::new(source, "the structure", (document.get_ref(), document.span()), KEYS)?;
+        let top = Section::new(source, "the structure", document.top(), KEYS)?;
         let (mut mesh, mut notes) = meshes::read(source, &top)?;
         sets::read(source, &top, &mut mesh)?;
         let mut structure = materials::read(source, &top, mesh)?;

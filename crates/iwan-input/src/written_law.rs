@@ -1,27 +1,24 @@
 //! Joint laws: `joint = { ... }` of a mode, `law = { ... }` of a slip.
 
-use std::ops::Range;
-
 use iwan_core::{Error, FourParameter, Jenkins, Uniform};
 use iwan_sim::JointLaw;
-use toml::de::DeTable;
 
 use crate::error::InputError;
-use crate::section::{Kind, Section};
-use crate::source::Source;
+use crate::section::{Section, TableKind, TablePlace};
+use crate::text::InputText;
 
 /// The joint laws and their keys.
-pub const LAWS: &[Kind] = &[
-    Kind { name: "four-parameter", keys: &["k_t", "f_s", "chi", "beta"] },
-    Kind { name: "jenkins", keys: &["k_t", "f_s"] },
-    Kind { name: "uniform", keys: &["k_t", "f_s", "width"] },
-    Kind { name: "tabulated", keys: &["strength", "density", "dirac"] },
+pub const LAWS: &[TableKind] = &[
+    TableKind { name: "four-parameter", keys: &["k_t", "f_s", "chi", "beta"] },
+    TableKind { name: "jenkins", keys: &["k_t", "f_s"] },
+    TableKind { name: "uniform", keys: &["k_t", "f_s", "width"] },
+    TableKind { name: "tabulated", keys: &["strength", "density", "dirac"] },
 ];
 
-/// A joint as written, kept beside the law so that it can be written again.
+/// A joint law as written, kept beside the law itself so that it can be written again.
 #[derive(Debug, Clone, PartialEq)]
 #[allow(missing_docs, reason = "the fields carry the names of the keys, which are those of the laws")]
-pub enum Joint {
+pub enum WrittenLaw {
     /// Segalman's four-parameter Iwan joint ([`FourParameter`]).
     FourParameter { k_t: f64, f_s: f64, chi: f64, beta: f64 },
     /// One Jenkins element ([`Jenkins`]).
@@ -32,23 +29,23 @@ pub enum Joint {
     Tabulated { strength: Vec<f64>, density: Vec<f64>, dirac: f64 },
 }
 
-impl Joint {
+impl WrittenLaw {
     /// Reads and checks a table under the `title` for messages; without `kind` it is a four-parameter joint.
     ///
     /// # Errors
     /// [`InputError`] with the place, what stands there and what helps.
     pub fn read<'a>(
-        source: &'a Source,
+        source: &'a InputText,
         title: String,
-        place: (&'a DeTable<'a>, Range<usize>),
+        place: TablePlace<'a>,
     ) -> Result<(Self, JointLaw), InputError> {
         let (section, kind) = Section::kind(source, title, place, LAWS, Some("four-parameter"))?;
-        let joint = Self::values(&section, kind)?;
-        let law = joint.law().map_err(|error| section.out_of_range(error, key_of))?;
-        Ok((joint, law))
+        let written = Self::values(&section, kind)?;
+        let law = written.law().map_err(|error| section.out_of_range(error, key_of))?;
+        Ok((written, law))
     }
 
-    fn values(section: &Section<'_>, kind: &Kind) -> Result<Self, InputError> {
+    fn values(section: &Section<'_>, kind: &TableKind) -> Result<Self, InputError> {
         let number = |key| section.number(key);
         Ok(match kind.name {
             "four-parameter" => Self::FourParameter {
