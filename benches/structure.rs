@@ -6,7 +6,7 @@ use criterion::{Criterion, Throughput};
 use iwan::core::Pulse;
 use iwan::fem::mesh::beam::Configuration;
 use iwan::fem::mesh::block::{block, uniform};
-use iwan::fem::{Assembled, Basis, Contact, Material, Modes, Population, Structure, Transient, paper};
+use iwan::fem::{Assembled, Basis, Limit, Material, Modes, Population, Structure, Transient, paper};
 
 fn beam() -> Structure {
     paper::structure(Configuration::A, 1).expect("the paper's structure")
@@ -30,7 +30,7 @@ fn paper_beam(criterion: &mut Criterion) {
     group.sample_size(10);
     let structure = beam();
     group.bench_function("assembly and 50 modes", |b| {
-        b.iter(|| structure.assemble().expect("sound").modes(Contact::Stuck, 50).expect("modes"));
+        b.iter(|| structure.assemble().expect("sound").modes(Limit::Stuck, 50).expect("modes"));
     });
     let assembled = structure.assemble().expect("sound");
     let reduced = assembled.reduce(50, Basis::default()).expect("reduced");
@@ -56,7 +56,7 @@ fn large_block(criterion: &mut Criterion) {
     let structure = Structure::new(mesh, Material::new(1.0, 0.3, 1.0).expect("a material"));
     group.bench_function("assembly", |b| b.iter(|| structure.assemble().expect("sound")));
     let assembled = structure.assemble().expect("sound");
-    group.bench_function("50 modes", |b| b.iter(|| assembled.modes(Contact::Stuck, 50).expect("modes")));
+    group.bench_function("50 modes", |b| b.iter(|| assembled.modes(Limit::Stuck, 50).expect("modes")));
     group.finish();
 }
 

@@ -3,7 +3,7 @@
 use std::ops::{ControlFlow, Deref};
 
 use iwan_fem::NamedModes;
-use iwan_input::{BUILT_IN_STRUCTURES, InputError, Source, StructureFile};
+use iwan_input::{BUILT_IN_STRUCTURES, InputError, InputText, StructureFile};
 
 use crate::args::StructureArgs;
 use crate::failure::Failure;
@@ -29,8 +29,8 @@ impl Deref for Linear {
 /// The structure file that was given, or the built-in one.
 pub(crate) fn load(args: &StructureArgs) -> Result<(String, StructureFile), Failure> {
     let source = match &args.path {
-        Some(path) => Source::read(path, "structure", BUILT_IN_STRUCTURES[0].0)?,
-        None => Source::built_in(BUILT_IN_STRUCTURES[0].0, BUILT_IN_STRUCTURES[0].2),
+        Some(path) => InputText::read(path, "structure", BUILT_IN_STRUCTURES[0].0)?,
+        None => InputText::built_in(BUILT_IN_STRUCTURES[0].0, BUILT_IN_STRUCTURES[0].2),
     };
     Ok((source.name.clone(), StructureFile::read(&source)?))
 }

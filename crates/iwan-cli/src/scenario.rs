@@ -12,7 +12,7 @@ mod schema_tests;
 
 pub(crate) use builtin::{SCHEMA, built_in};
 pub(crate) use force::Force;
-pub(crate) use iwan_input::{Joint, Source};
+pub(crate) use iwan_input::{InputText, WrittenLaw};
 pub(crate) use method::{MethodKeys, Representation};
 pub(crate) use mode::ScenarioMode;
 pub(crate) use structure::{OnStructure, population};
@@ -56,9 +56,9 @@ pub(crate) struct Overrides {
 
 impl Scenario {
     /// Reads and checks a scenario, with changes from the command line.
-    pub(crate) fn read(source: &Source, overrides: &Overrides) -> Result<Self, InputError> {
+    pub(crate) fn read(source: &InputText, overrides: &Overrides) -> Result<Self, InputError> {
         let document = source.document("paper-modal")?;
-        let top = Section::new(source, "the scenario", (document.get_ref(), document.span()), KEYS)?;
+        let top = Section::new(source, "the scenario", document.top(), KEYS)?;
         let structure = OnStructure::read(source, &top)?;
         let settings = read_settings(source, &top, overrides, structure.is_some())?;
         let modes = if structure.is_some() { Vec::new() } else { read_modes(source, &top)? };
@@ -89,7 +89,7 @@ impl Scenario {
     /// Checks that the time step can follow every mode and that the response fits the memory.
     fn check_sampling(
         &self,
-        source: &Source,
+        source: &InputText,
         top: &Section<'_>,
         overrides: &Overrides,
     ) -> Result<(), InputError> {
@@ -139,7 +139,7 @@ fn flags(overrides: &Overrides) -> String {
     step.into_iter().chain(duration).collect::<Vec<_>>().join(" and ")
 }
 
-fn time_section<'a>(source: &'a Source, top: &Section<'a>) -> Result<Section<'a>, InputError> {
+fn time_section<'a>(source: &'a InputText, top: &Section<'a>) -> Result<Section<'a>, InputError> {
     match top.optional_table("time")? {
         Some(place) => Section::new(source, "[time]", place, method::TIME_KEYS),
         None => Err(top.failure(
@@ -151,7 +151,7 @@ fn time_section<'a>(source: &'a Source, top: &Section<'a>) -> Result<Section<'a>
 }
 
 fn read_settings(
-    source: &Source,
+    source: &InputText,
     top: &Section<'_>,
     overrides: &Overrides,
     structure: bool,
@@ -172,7 +172,7 @@ fn read_settings(
 }
 
 fn read_method(
-    source: &Source,
+    source: &InputText,
     top: &Section<'_>,
     overrides: &Overrides,
     structure: bool,
@@ -200,7 +200,7 @@ fn read_method(
 }
 
 fn read_force(
-    source: &Source,
+    source: &InputText,
     top: &Section<'_>,
     step: f64,
     overrides: &Overrides,
@@ -218,7 +218,7 @@ fn read_force(
     })
 }
 
-fn read_modes(source: &Source, top: &Section<'_>) -> Result<Vec<ScenarioMode>, InputError> {
+fn read_modes(source: &InputText, top: &Section<'_>) -> Result<Vec<ScenarioMode>, InputError> {
     let tables = top.tables("mode")?;
     if tables.is_empty() {
         let remedy = "add [[mode]] with name and frequency (`iwan scenario paper-modal` prints an example), or [structure]";

@@ -1,62 +1,37 @@
 //! Finite-element truth model of bolted structures with discrete Iwan joints.
 //!
-//! The way of the data: [`mesh`] → matrices → modes → reduced model → joints → truth response → modal filter → record.
+//! The way of the data: [`mesh`] → matrices → modes → reduced model → joints → response → modal filter → record.
 //! Units are the user's own consistent set.
 
-mod assembly;
-mod constraints;
-mod contact;
-mod converged;
-mod dense;
-mod dofs;
-mod eigen;
-mod element;
+// What everything stands on: why something was refused, how far a long computation is, vectors and matrices.
 mod error;
-mod factor;
-mod full_stepper;
-mod joint;
-mod lanes;
-mod material;
+mod progress;
+mod algebra;
+
+// The body: nodes and elements, what one element does, what the user says about the whole.
 pub mod mesh;
-mod modal_filter;
-mod modes;
-mod nodal_product;
-mod quasi_static;
-mod reduced_transient;
-mod reduction;
-mod slip_solver;
-mod transient;
-mod triangular;
-mod workers;
-
-mod modal_force;
-mod model;
-mod named_modes;
-mod static_range;
-
-mod ordering;
-pub mod paper;
-
-mod sparse;
-
+mod element;
 mod structure;
 
-pub mod check;
+// Equations: from the description to stiffness, mass and slips.
+mod matrices;
 
-pub use assembly::Assembled;
-pub use contact::Population;
-pub use converged::Converged;
-pub use dofs::Unknown;
-pub use element::{ElementMatrices, Formulation, Inertia};
+// Linear vibration: all joints stuck, or all slipping.
+mod modes;
+
+// With friction: in time, and without time.
+mod transient;
+mod quasi_static;
+
+pub use algebra::Symmetric;
+pub use element::{ElementMatrices, Formulation, Inertia, Material};
 pub use error::Error;
-pub use joint::SlipUnknown;
-pub use material::Material;
-pub use modal_filter::ModalFilter;
-pub use model::{Integrated, Model, StepErrors};
-pub use modes::{Class, Contact, JointMode, Modes};
-pub use named_modes::{NamedMode, NamedModes};
+pub use matrices::{Assembled, SlipUnknown, Unknown};
+pub use modes::{Class, JointMode, Limit, ModalFilter, Modes, NamedMode, NamedModes};
+pub use progress::Progress;
 pub use quasi_static::{ModalCurves, QuasiStatic};
-pub use reduction::{Basis, Reduced};
-pub use sparse::Symmetric;
-pub use structure::{Interface, Joint, Law, Lump, Patch, Slip, Structure, Support};
-pub use transient::{History, Output, Progress, SlipHistory, Transient, TruthResponse};
+pub use structure::{Interface, Joint, Law, Lump, Patch, Slip, Structure, Support, check, paper};
+pub use transient::{
+    Basis, BasisError, Converged, Extras, Frame, History, Integrated, ModalVelocity, Model, Output,
+    Population, Reduced, Run, SlipHistory, StepErrors, StructureResponse, Transient,
+};

@@ -5,7 +5,7 @@ use std::ops::ControlFlow;
 
 use iwan_fem::mesh::beam::Configuration;
 use iwan_fem::mesh::block::{block, uniform};
-use iwan_fem::{Assembled, Class, Contact, Error, Material, Modes, NamedModes, Structure, paper};
+use iwan_fem::{Assembled, Class, Error, Limit, Material, Modes, NamedModes, Structure, paper};
 
 fn assembled(configuration: Configuration, refinement: usize) -> Assembled {
     paper::structure(configuration, refinement).unwrap().assemble().unwrap()
@@ -29,7 +29,7 @@ fn configuration_a_has_the_prototypes_modes() {
     let of = assembled(Configuration::A, 1);
     assert_eq!(of.unknowns(), 4514);
     close(of.total_mass(), 7.737125e-3, 1e-7, "mass");
-    let (stuck, slipping) = (of.modes(Contact::Stuck, 20).unwrap(), of.modes(Contact::Slipping, 24).unwrap());
+    let (stuck, slipping) = (of.modes(Limit::Stuck, 20).unwrap(), of.modes(Limit::Slipping, 24).unwrap());
     assert_eq!((stuck.zero_modes(), slipping.zero_modes()), (6, 12));
     let bending = of_class(&of, &stuck, Class::Bending);
     let joints = of.joint_modes(&stuck, &slipping);
@@ -55,8 +55,8 @@ fn configuration_a_has_the_prototypes_modes() {
 #[test]
 fn modes_are_mass_normalised_and_solve_the_problem() {
     let of = assembled(Configuration::A, 1);
-    let modes = of.modes(Contact::Stuck, 200).unwrap();
-    let stiffness = of.stiffness(Contact::Stuck);
+    let modes = of.modes(Limit::Stuck, 200).unwrap();
+    let stiffness = of.stiffness(Limit::Stuck);
     for i in 0..modes.len() {
         let (force, inertia) = (stiffness.times(modes.shape(i)), of.mass().times(modes.shape(i)));
         for j in 0..=i {
@@ -79,7 +79,7 @@ fn modes_are_mass_normalised_and_solve_the_problem() {
 #[test]
 fn configuration_b_has_the_papers_modal_stiffness() {
     let of = assembled(Configuration::B, 1);
-    let (stuck, slipping) = (of.modes(Contact::Stuck, 20).unwrap(), of.modes(Contact::Slipping, 24).unwrap());
+    let (stuck, slipping) = (of.modes(Limit::Stuck, 20).unwrap(), of.modes(Limit::Slipping, 24).unwrap());
     assert_eq!((stuck.zero_modes(), slipping.zero_modes()), (6, 12));
     close(of.joint_modes(&stuck, &slipping)[0].k_t, 4.45e4, 5e-3, "K_T");
 }
@@ -114,7 +114,7 @@ fn repeated_modes_of_a_cube_are_all_found() {
     faer::linalg::triangular_solve::solve_lower_triangular_in_place(l, a.as_mut(), faer::Par::Seq);
     let all = a.self_adjoint_eigenvalues(faer::Side::Lower).unwrap();
     for count in [7, 20, 60, n] {
-        let modes = of.modes(Contact::Slipping, count).unwrap();
+        let modes = of.modes(Limit::Slipping, count).unwrap();
         assert_eq!(modes.zero_modes(), 6);
         for (i, expected) in all.iter().enumerate().take(count).skip(6) {
             close(modes.eigenvalue(i), *expected, 1e-8, "eigenvalue");
@@ -122,7 +122,7 @@ fn repeated_modes_of_a_cube_are_all_found() {
     }
     let repeated = (7..60).filter(|&i| (all[i] / all[i - 1] - 1.0).abs() < 1e-9).count();
     assert!(repeated > 20, "the test lost its point: {repeated} repetitions");
-    assert!(of.modes(Contact::Stuck, n + 1).unwrap_err().to_string().contains("unknowns"));
+    assert!(of.modes(Limit::Stuck, n + 1).unwrap_err().to_string().contains("unknowns"));
 }
 
 /// A search that is broken off ends by an error, and says how far it came.
@@ -130,7 +130,7 @@ fn repeated_modes_of_a_cube_are_all_found() {
 fn a_search_can_be_broken_off() {
     let of = assembled(Configuration::A, 1);
     let mut shares = Vec::new();
-    let stopped = of.modes_observed(Contact::Stuck, 50, &mut |share| {
+    let stopped = of.modes_observed(Limit::Stuck, 50, &mut |share| {
         shares.push(share);
         if shares.len() == 5 { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
     });
@@ -146,14 +146,14 @@ fn a_search_can_be_broken_off() {
 #[test]
 fn modes_are_reproducible() {
     let of = assembled(Configuration::A, 1);
-    assert_eq!(of.modes(Contact::Stuck, 12).unwrap(), of.clone().modes(Contact::Stuck, 12).unwrap());
+    assert_eq!(of.modes(Limit::Stuck, 12).unwrap(), of.clone().modes(Limit::Stuck, 12).unwrap());
 }
 
 /// Configuration B against its refinement: first five frequencies within 1 %, and the errors of bending fall as h².
 #[test]
 fn frequencies_converge_and_the_papers_mesh_is_within_a_percent() {
     let elastic = |refinement: usize| -> Vec<f64> {
-        let modes = assembled(Configuration::B, refinement).modes(Contact::Stuck, 11).unwrap();
+        let modes = assembled(Configuration::B, refinement).modes(Limit::Stuck, 11).unwrap();
         modes.frequencies()[6..].to_vec()
     };
     let (coarse, fine) = (elastic(1), elastic(2));
@@ -164,7 +164,7 @@ fn frequencies_converge_and_the_papers_mesh_is_within_a_percent() {
     let bending = |parts: usize| {
         let lines = [uniform(0.0, 8.0, 8 * parts), uniform(0.0, 1.0, parts), uniform(0.0, 0.6, parts)];
         let of = Structure::new(block(&lines), Material::new(1.0, 0.3, 1.0).unwrap()).assemble().unwrap();
-        of.modes(Contact::Stuck, 8).unwrap().frequency(6)
+        of.modes(Limit::Stuck, 8).unwrap().frequency(6)
     };
     let (one, two, four) = (bending(1), bending(2), bending(4));
     let rate = ((one - two) / (two - four)).abs().log2();

@@ -5,7 +5,7 @@ use std::f64::consts::PI;
 
 use iwan_fem::mesh::block::{block, uniform};
 use iwan_fem::mesh::{Mesh, Shape};
-use iwan_fem::{Contact, Formulation, Material, Structure, Support};
+use iwan_fem::{Formulation, Limit, Material, Structure, Support};
 
 /// CalculiX prints seven digits.
 const DIGITS: f64 = 1e-6;
@@ -81,7 +81,7 @@ fn frequencies(name: &str, element: &str, count: usize) -> Vec<f64> {
     }
     assert_eq!(structure.check().message(), None);
     let zero = if wall.is_some() { 0 } else { 6 };
-    let modes = structure.assemble().and_then(|a| a.modes(Contact::Stuck, count + zero)).expect("modes");
+    let modes = structure.assemble().and_then(|a| a.modes(Limit::Stuck, count + zero)).expect("modes");
     assert_eq!(modes.zero_modes(), zero, "{name} {element}");
     modes.frequencies()[zero..].to_vec()
 }

@@ -5,14 +5,14 @@ use std::f64::consts::PI;
 
 use iwan_core::Pulse;
 use iwan_fem::mesh::beam::Configuration;
-use iwan_fem::{Basis, Contact, Population, Transient, paper};
+use iwan_fem::{Basis, Limit, Population, Transient, paper};
 
 /// Section 6: configuration A, mode 1.
 #[test]
 fn curves_are_those_of_the_prototype_and_obey_masing() {
     let assembled = paper::structure(Configuration::A, 1).unwrap().assemble().unwrap();
-    let stuck = assembled.modes(Contact::Stuck, 8).unwrap();
-    let slipping = assembled.modes(Contact::Slipping, 16).unwrap();
+    let stuck = assembled.modes(Limit::Stuck, 8).unwrap();
+    let slipping = assembled.modes(Limit::Slipping, 16).unwrap();
     let pair = assembled.joint_modes(&stuck, &slipping)[0];
     let analysis = assembled.quasi_static(&stuck, 6, slipping.eigenvalue(pair.slipping)).unwrap();
     let expected = [

@@ -6,7 +6,7 @@ use std::sync::Arc;
 use iwan_core::Jenkins;
 use iwan_fem::mesh::beam::Configuration;
 use iwan_fem::mesh::block::{block, uniform};
-use iwan_fem::{Contact, Interface, Joint, Law, Lump, Material, Patch, Structure, Support, paper};
+use iwan_fem::{Interface, Joint, Law, Limit, Lump, Material, Patch, Structure, Support, paper};
 
 /// Two blocks of 2 x 1 x 1, end to end at x = 2, with the sets `left` and `right` of the nodes on either side.
 fn two_blocks() -> Structure {
@@ -33,7 +33,7 @@ fn two_blocks() -> Structure {
     Structure::new(mesh, material)
 }
 
-fn frequencies(structure: &Structure, contact: Contact) -> (usize, Vec<f64>) {
+fn frequencies(structure: &Structure, contact: Limit) -> (usize, Vec<f64>) {
     let modes = structure.assemble().unwrap().modes(contact, 16).unwrap();
     (modes.zero_modes(), modes.frequencies())
 }
@@ -44,8 +44,8 @@ fn a_tie_of_matching_meshes_is_one_block() {
     let mut tied = two_blocks();
     tied.joints.push(Joint::new("tie", "right", "left", Interface::NodeToNode));
     let whole = block(&[uniform(0.0, 4.0, 8), uniform(0.0, 1.0, 2), uniform(0.0, 1.0, 2)]);
-    let (zero, of_tied) = frequencies(&tied, Contact::Stuck);
-    let (_, of_whole) = frequencies(&Structure::new(whole, tied.material), Contact::Stuck);
+    let (zero, of_tied) = frequencies(&tied, Limit::Stuck);
+    let (_, of_whole) = frequencies(&Structure::new(whole, tied.material), Limit::Stuck);
     assert_eq!(zero, 6);
     for (a, b) in of_tied.iter().zip(&of_whole).skip(6) {
         assert!((a / b - 1.0).abs() < 1e-9, "{a} {b}");
@@ -63,8 +63,8 @@ fn slips_are_counted() {
                 .slip([0.0, 1.0, 1.0], Some(law.clone()))
                 .slip([0.0, 1.0, -1.0], None),
         );
-        assert_eq!(frequencies(&structure, Contact::Stuck).0, 7, "{patch:?}");
-        assert_eq!(frequencies(&structure, Contact::Slipping).0, 8, "{patch:?}");
+        assert_eq!(frequencies(&structure, Limit::Stuck).0, 7, "{patch:?}");
+        assert_eq!(frequencies(&structure, Limit::Slipping).0, 8, "{patch:?}");
     }
 }
 
@@ -78,7 +78,7 @@ fn supports_and_lumps_do_what_they_say() {
     let mut structure = Structure::new(mesh, Material::new(1e6, 0.0, 1e-6).unwrap());
     let lump = Lump { name: "sensor".into(), nodes: "all".into(), mass: 2.0, stiffness: [8.0, 18.0, 32.0] };
     structure.lumps.push(lump);
-    let modes = structure.assemble().unwrap().modes(Contact::Stuck, 6).unwrap();
+    let modes = structure.assemble().unwrap().modes(Limit::Stuck, 6).unwrap();
     let expected = [4.0, 9.0, 16.0];
     let found: Vec<f64> = (0..6).map(|i| modes.eigenvalue(i)).collect();
     for value in expected {
@@ -136,7 +136,7 @@ fn impossible_structures_are_refused_by_name() {
 #[test]
 fn the_modal_filter_reports_rank_and_condition() {
     let assembled = paper::structure(Configuration::A, 1).unwrap().assemble().unwrap();
-    let modes = assembled.modes(Contact::Stuck, 50).unwrap();
+    let modes = assembled.modes(Limit::Stuck, 50).unwrap();
     let nodes = &assembled.structure().mesh.positions;
     let all: Vec<usize> = (0..3 * nodes.len()).collect();
     let filter = assembled.modal_filter(&modes, &all).unwrap();

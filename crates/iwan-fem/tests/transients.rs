@@ -7,8 +7,8 @@ use std::sync::OnceLock;
 use iwan_core::Pulse;
 use iwan_fem::mesh::beam::Configuration;
 use iwan_fem::{
-    Assembled, Basis, Class, Contact, Error, Model, Modes, NamedModes, Population, Transient, TruthResponse,
-    paper,
+    Assembled, Basis, Class, Error, Limit, Model, Modes, NamedModes, Population, StructureResponse,
+    Transient, paper,
 };
 
 struct Beam {
@@ -21,7 +21,7 @@ fn beam() -> &'static Beam {
     static BEAM: OnceLock<Beam> = OnceLock::new();
     BEAM.get_or_init(|| {
         let assembled = paper::structure(Configuration::A, 1).unwrap().assemble().unwrap();
-        let modes = assembled.modes(Contact::Stuck, 50).unwrap();
+        let modes = assembled.modes(Limit::Stuck, 50).unwrap();
         let bending = (0..20).filter(|&i| assembled.classify(&modes, i) == Class::Bending).collect();
         Beam { assembled, modes, bending }
     })
@@ -55,7 +55,7 @@ fn distance(x: &[f64], reference: &[f64]) -> f64 {
     (difference / square(&mut reference.iter().copied())).sqrt()
 }
 
-fn slip_ratio(response: &TruthResponse) -> f64 {
+fn slip_ratio(response: &StructureResponse) -> f64 {
     response.slips.iter().fold(0.0_f64, |m, s| m.max(s.slip_ratio))
 }
 
@@ -93,7 +93,7 @@ fn reduced_agrees_with_full_and_only_with_attachment_vectors() {
         let of = blow(amplitude, steps);
         let full = beam().assembled.transient(&of).unwrap();
         assert!(full.energy.error() < 1e-12, "{}", full.energy.error());
-        let errors = |response: &TruthResponse| -> Vec<f64> {
+        let errors = |response: &StructureResponse| -> Vec<f64> {
             let pairs = response.outputs.iter().zip(&full.outputs);
             pairs.map(|(a, b)| distance(&a.acceleration, &b.acceleration)).collect()
         };
@@ -197,7 +197,7 @@ fn models_by_their_names() {
     let full = assembled.integrate(Model::Full, &blow(10.0, 50), &mut on).unwrap();
     assert_eq!(full.response.outputs, assembled.transient(&blow(10.0, 50)).unwrap().outputs);
     let found = assembled.integrate(Model::Tolerance(0.5), &of, &mut on).unwrap();
-    assert_eq!(found.basis_error.map(|e| e.1), Some(true));
+    assert_eq!(found.basis_error.map(|error| error.converged), Some(true));
 
     // Second order: the error that half a step leaves is a quarter of that of the step.
     let errors = reduced.step_errors(&of, &basis.response, &mut on).unwrap();

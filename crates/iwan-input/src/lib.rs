@@ -1,19 +1,25 @@
 //! Input files of the project's own (TOML): what the command line and the Python package both read.
 //!
-//! [`Source`] is a text with its name, [`Section`] a table of it read key by key: every message names file, line, key,
-//! value, allowed range and remedy, and for unknown keys the nearest known one. [`Joint`] is a joint law as written,
-//! [`StructureFile`] a structure: mesh, materials, joints, supports, loads, outputs.
+//! [`InputText`] is a text with its name, [`Section`] a table of it read key by key: every message names file, line, key,
+//! value, allowed range and remedy, and for unknown keys the nearest known one. [`WrittenLaw`] is a joint law as written,
+//! [`StructureFile`] a structure: mesh, materials, joints, supports, loads, outputs. No other crate reads TOML by itself.
 
+// What everything stands on: the text with its name, and what is wrong with it.
 mod error;
-mod source;
+mod text;
 
+// A table, key by key.
 mod section;
 
-mod joint;
+// What the tables mean.
+mod written_law;
 mod structure;
 
 pub use error::InputError;
-pub use joint::{Joint, LAWS};
-pub use section::{Kind, Section, known, nearest, plain};
-pub use source::Source;
-pub use structure::{BUILT_IN_STRUCTURES, Load, Output, STRUCTURE_SCHEMA, StructureFile, built_in_structure};
+pub use section::{Document, Section, TableKind, TablePlace, known, nearest, plain};
+pub use structure::{
+    BUILT_IN_STRUCTURES, Load, Output, RunError, STRUCTURE_SCHEMA, StructureFile, StructureTask,
+    built_in_structure,
+};
+pub use text::InputText;
+pub use written_law::{LAWS, WrittenLaw};

@@ -6,11 +6,53 @@ use toml::Spanned;
 use toml::de::{DeTable, DeValue};
 
 use crate::error::InputError;
-use crate::source::Source;
+use crate::text::InputText;
+
+/// A table and the place where it stands.
+#[derive(Debug, Clone)]
+pub struct TablePlace<'a> {
+    table: &'a DeTable<'a>,
+    /// Bytes of the text that it takes.
+    span: Range<usize>,
+}
+
+impl<'a> TablePlace<'a> {
+    /// The table of a value, if it is one.
+    fn of(value: &'a Spanned<DeValue<'a>>) -> Option<Self> {
+        Some(Self { table: value.get_ref().as_table()?, span: value.span() })
+    }
+}
+
+/// A text read as TOML.
+#[derive(Debug)]
+pub struct Document<'a>(Spanned<DeTable<'a>>);
+
+impl Document<'_> {
+    /// The keys at the top.
+    #[must_use]
+    pub fn top(&self) -> TablePlace<'_> {
+        TablePlace { table: self.0.get_ref(), span: self.0.span() }
+    }
+}
+
+impl InputText {
+    /// The text as TOML.
+    ///
+    /// # Errors
+    /// [`InputError`] with line and column where it is none; `example` is the built-in file to start from.
+    pub fn document(&self, example: &str) -> Result<Document<'_>, InputError> {
+        DeTable::parse(&self.text).map(Document).map_err(|error| {
+            let start = error.span().map_or(0, |span| span.start);
+            let message = format!("not valid TOML: {}", error.message().trim().replace('\n', "; "));
+            let remedy = format!("correct this place; `iwan scenario {example}` prints a valid file");
+            self.failure(start, &message, &remedy)
+        })
+    }
+}
 
 /// One of several variants of a table, told apart by the key `kind`.
 #[derive(Debug)]
-pub struct Kind {
+pub struct TableKind {
     /// Value of `kind`.
     pub name: &'static str,
     /// Keys that go with it, `kind` itself left out.
@@ -20,10 +62,9 @@ pub struct Kind {
 /// A table with its title and place.
 #[derive(Debug)]
 pub struct Section<'a> {
-    source: &'a Source,
+    source: &'a InputText,
     title: String,
-    table: &'a DeTable<'a>,
-    span: Range<usize>,
+    place: TablePlace<'a>,
 }
 
 impl<'a> Section<'a> {
@@ -32,13 +73,13 @@ impl<'a> Section<'a> {
     /// # Errors
     /// [`InputError`] with the place, what stands there and what helps.
     pub fn new(
-        source: &'a Source,
+        source: &'a InputText,
         title: impl Into<String>,
-        (table, span): (&'a DeTable<'a>, Range<usize>),
+        place: TablePlace<'a>,
         known: &[&str],
     ) -> Result<Self, InputError> {
-        let section = Self { source, title: title.into(), table, span };
-        match section.table.keys().find(|key| !known.contains(&key.get_ref().as_ref())) {
+        let section = Self { source, title: title.into(), place };
+        match section.place.table.keys().find(|key| !known.contains(&key.get_ref().as_ref())) {
             Some(key) => Err(section.unknown(key, known)),
             None => Ok(section),
         }
@@ -59,12 +100,12 @@ impl<'a> Section<'a> {
     /// # Errors
     /// [`InputError`] with the place, what stands there and what helps.
     pub fn kind(
-        source: &'a Source,
+        source: &'a InputText,
         title: impl Into<String>,
-        place: (&'a DeTable<'a>, Range<usize>),
-        kinds: &'static [Kind],
+        place: TablePlace<'a>,
+        kinds: &'static [TableKind],
         default: Option<&str>,
-    ) -> Result<(Self, &'static Kind), InputError> {
+    ) -> Result<(Self, &'static TableKind), InputError> {
         let every = known(kinds);
         let section = Self::new(source, title, place, &every)?;
         let names = kinds.iter().map(|k| k.name).collect::<Vec<_>>().join(", ");
@@ -77,7 +118,7 @@ impl<'a> Section<'a> {
         let Some(kind) = kinds.iter().find(|k| k.name == name) else {
             return Err(section.choice_failure("kind", &name, &names));
         };
-        for (key, _) in section.table {
+        for (key, _) in section.place.table {
             let given = key.get_ref().as_ref();
             if given != "kind" && !kind.keys.contains(&given) {
                 let owners: Vec<_> = kinds
@@ -106,13 +147,13 @@ impl<'a> Section<'a> {
     }
 
     fn value(&self, key: &str) -> Option<&'a Spanned<DeValue<'a>>> {
-        self.table.iter().find(|(k, _)| k.get_ref().as_ref() == key).map(|(_, v)| v)
+        self.place.table.iter().find(|(k, _)| k.get_ref().as_ref() == key).map(|(_, v)| v)
     }
 
     /// A failure at the value of `key`, or at the table when the key is not there.
     #[must_use]
     pub fn failure(&self, key: &str, message: &str, remedy: &str) -> InputError {
-        let start = self.value(key).map_or(self.span.start, |v| v.span().start);
+        let start = self.value(key).map_or(self.place.span.start, |v| v.span().start);
         self.source.failure(start, &format!("{}: {message}", self.title), remedy)
     }
 
@@ -241,9 +282,6 @@ impl<'a> Section<'a> {
     /// A list of texts that must be there.
     ///
     /// # Errors
-    /// [`InputError`] where it is missing or something else.
-    ///
-    /// # Errors
     /// [`InputError`] with the place, what stands there and what helps.
     pub fn texts(&self, key: &str) -> Result<Vec<String>, InputError> {
         let Some(value) = self.value(key) else {
@@ -275,24 +313,24 @@ impl<'a> Section<'a> {
     ///
     /// # Errors
     /// [`InputError`] with the place, what stands there and what helps.
-    pub fn tables(&self, key: &str) -> Result<Vec<(&'a DeTable<'a>, Range<usize>)>, InputError> {
+    pub fn tables(&self, key: &str) -> Result<Vec<TablePlace<'a>>, InputError> {
         let Some(value) = self.value(key) else { return Ok(Vec::new()) };
         let wanted = format!("an array of tables ([[{key}]])");
         let Some(array) = value.get_ref().as_array() else {
             return Err(self.wrong_type(key, value.get_ref(), &wanted));
         };
-        let table = |v: &'a Spanned<DeValue<'a>>| v.get_ref().as_table().map(|t| (t, v.span()));
-        array.iter().map(|v| table(v).ok_or_else(|| self.wrong_type(key, v.get_ref(), &wanted))).collect()
+        let table = |v| TablePlace::of(v).ok_or_else(|| self.wrong_type(key, v.get_ref(), &wanted));
+        array.iter().map(table).collect()
     }
 
     /// A table that may be left out.
     ///
     /// # Errors
     /// [`InputError`] with the place, what stands there and what helps.
-    pub fn optional_table(&self, key: &str) -> Result<Option<(&'a DeTable<'a>, Range<usize>)>, InputError> {
+    pub fn optional_table(&self, key: &str) -> Result<Option<TablePlace<'a>>, InputError> {
         let Some(value) = self.value(key) else { return Ok(None) };
-        match value.get_ref().as_table() {
-            Some(table) => Ok(Some((table, value.span()))),
+        match TablePlace::of(value) {
+            Some(place) => Ok(Some(place)),
             None => Err(self.wrong_type(key, value.get_ref(), "a table")),
         }
     }
@@ -302,16 +340,16 @@ impl<'a> Section<'a> {
     /// # Errors
     /// [`InputError`] with the place, what stands there and what helps.
     pub fn entries(
-        source: &'a Source,
+        source: &'a InputText,
         title: &str,
-        (table, span): (&'a DeTable<'a>, Range<usize>),
+        place: TablePlace<'a>,
     ) -> Result<(Self, Vec<(String, f64)>), InputError> {
-        let section = Self { source, title: title.into(), table, span };
+        let section = Self { source, title: title.into(), place };
         let entry = |(key, value): (&Spanned<toml::de::DeString<'_>>, &Spanned<DeValue<'_>>)| {
             let name = key.get_ref().to_string();
             section.to_number(&name, value).map(|number| (name, number))
         };
-        let entries = section.table.iter().map(entry).collect::<Result<_, _>>()?;
+        let entries = section.place.table.iter().map(entry).collect::<Result<_, _>>()?;
         Ok((section, entries))
     }
 
@@ -354,7 +392,7 @@ pub fn plain(value: f64) -> String {
 
 /// All keys of the variants, `kind` first, each once.
 #[must_use]
-pub fn known(kinds: &[Kind]) -> Vec<&'static str> {
+pub fn known(kinds: &[TableKind]) -> Vec<&'static str> {
     let mut keys = vec!["kind"];
     for key in kinds.iter().flat_map(|k| k.keys) {
         if !keys.contains(key) {

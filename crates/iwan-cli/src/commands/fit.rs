@@ -17,7 +17,7 @@ use crate::progress::{self, Progress};
 use crate::records::{self, Recording, Units, Wanted};
 use crate::report;
 use crate::results::Results;
-use crate::scenario::{self, Force, Joint, Scenario, ScenarioMode};
+use crate::scenario::{self, Force, Scenario, ScenarioMode, WrittenLaw};
 pub(crate) use summary::{Estimate, FitSummary, ModeFit, ROWS, interval, value};
 
 /// Folder for results when none was given.
@@ -130,7 +130,7 @@ pub(crate) fn as_scenario(identified: &[Identified], title: &str) -> Result<Scen
     let (mut shortest, mut longest) = (f64::INFINITY, 0.0_f64);
     for i in identified {
         let (p, record) = (i.found.parameters, i.loudest());
-        let joint = Joint::FourParameter { k_t: p.k_t, f_s: p.f_s, chi: p.chi, beta: p.beta };
+        let joint = WrittenLaw::FourParameter { k_t: p.k_t, f_s: p.f_s, chi: p.chi, beta: p.beta };
         modes.push(ScenarioMode { mode: i.mode(record)?, joint: Some(joint) });
         let c = &i.comparisons[record];
         shortest = shortest.min(step(c.dt, p.frequency));

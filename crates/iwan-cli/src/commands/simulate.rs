@@ -13,7 +13,7 @@ use crate::output;
 use crate::progress::{self, Progress};
 use crate::report;
 use crate::results::Results;
-use crate::scenario::{self, Force, Scenario, Source, built_in};
+use crate::scenario::{self, Force, InputText, Scenario, built_in};
 use crate::summary::{ModeSummary, PointSummary, Summary};
 
 /// Folder for results when none was given.
@@ -28,7 +28,7 @@ pub(crate) type PointResponse = (String, [Vec<f64>; 3]);
 /// Runs the command.
 pub(crate) fn run(args: &SimulateArgs) -> Result<(), Failure> {
     let source = match &args.scenario {
-        Some(path) => Source::read(path, "scenario", "paper-modal")?,
+        Some(path) => InputText::read(path, "scenario", "paper-modal")?,
         None => built_in()[0].source(),
     };
     let scenario = Scenario::read(&source, &args.changes.overrides())?;

@@ -1,6 +1,6 @@
 //! The scenarios that are built in, and the schema of the format.
 
-use iwan_input::Source;
+use iwan_input::InputText;
 
 /// A scenario that is built in.
 #[derive(Debug)]
@@ -30,7 +30,7 @@ pub(crate) fn built_in() -> &'static [BuiltIn] {
 
 impl BuiltIn {
     /// The text with its name, for reading.
-    pub(crate) fn source(&self) -> Source {
-        Source::built_in(self.name, self.text)
+    pub(crate) fn source(&self) -> InputText {
+        InputText::built_in(self.name, self.text)
     }
 }

@@ -5,17 +5,17 @@ use std::path::PathBuf;
 use iwan_core::Pulse;
 
 use iwan_input::InputError;
-use iwan_input::Source;
-use iwan_input::{Kind, Section};
+use iwan_input::InputText;
+use iwan_input::{Section, TableKind};
 
 /// The force histories and their keys.
-pub(crate) const KINDS: &[Kind] = &[
-    Kind { name: "haversine", keys: &["amplitude", "duration"] },
-    Kind { name: "half-sine", keys: &["amplitude", "duration"] },
-    Kind { name: "step", keys: &["amplitude", "duration"] },
-    Kind { name: "sine", keys: &["amplitude", "frequency", "duration"] },
-    Kind { name: "file", keys: &["path"] },
-    Kind { name: "none", keys: &[] },
+pub(crate) const KINDS: &[TableKind] = &[
+    TableKind { name: "haversine", keys: &["amplitude", "duration"] },
+    TableKind { name: "half-sine", keys: &["amplitude", "duration"] },
+    TableKind { name: "step", keys: &["amplitude", "duration"] },
+    TableKind { name: "sine", keys: &["amplitude", "frequency", "duration"] },
+    TableKind { name: "file", keys: &["path"] },
+    TableKind { name: "none", keys: &[] },
 ];
 
 /// A force history.
@@ -51,9 +51,9 @@ impl Force {
 
     /// Reads and checks the table; `step` is the time step, on which uneven samples are interpolated.
     pub(super) fn read(
-        source: &Source,
+        source: &InputText,
         section: &Section<'_>,
-        kind: &'static Kind,
+        kind: &'static TableKind,
         step: f64,
     ) -> Result<Self, InputError> {
         let number = |key| section.number(key);

@@ -4,14 +4,14 @@ use iwan_core::Grid;
 use iwan_sim::{JointKind, Method};
 
 use iwan_input::InputError;
-use iwan_input::{Kind, Section};
+use iwan_input::{Section, TableKind};
 
 /// The methods and their keys.
-pub(crate) const KINDS: &[Kind] = &[
-    Kind { name: "newmark", keys: &["joint", "sliders", "grid", "prewarp", "beta", "gamma"] },
-    Kind { name: "half-cycle", keys: &[] },
-    Kind { name: "averaging", keys: &[] },
-    Kind { name: "event", keys: &["sliders", "grid"] },
+pub(crate) const KINDS: &[TableKind] = &[
+    TableKind { name: "newmark", keys: &["joint", "sliders", "grid", "prewarp", "beta", "gamma"] },
+    TableKind { name: "half-cycle", keys: &[] },
+    TableKind { name: "averaging", keys: &[] },
+    TableKind { name: "event", keys: &["sliders", "grid"] },
 ];
 
 /// Keys of the time axis.
@@ -57,7 +57,7 @@ impl MethodKeys {
     }
 
     /// Reads the table.
-    pub(super) fn read(section: &Section<'_>, kind: &'static Kind) -> Result<Self, InputError> {
+    pub(super) fn read(section: &Section<'_>, kind: &'static TableKind) -> Result<Self, InputError> {
         let representations =
             [("sliders", Representation::Sliders), ("continuum", Representation::Continuum)];
         Ok(Self {

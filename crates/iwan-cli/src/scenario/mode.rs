@@ -1,16 +1,13 @@
 //! `[[mode]]`: an oscillator with its joint.
 
-use std::ops::Range;
-
 use iwan_core::ResidualStiffness;
 use iwan_sim::{Mode, Point};
-use toml::de::DeTable;
 
 use crate::summary::short;
 use iwan_input::InputError;
-use iwan_input::Joint;
-use iwan_input::Source;
-use iwan_input::{Section, plain};
+use iwan_input::InputText;
+use iwan_input::WrittenLaw;
+use iwan_input::{Section, TablePlace, plain};
 
 /// Keys of a mode.
 pub(crate) const KEYS: &[&str] = &[
@@ -31,16 +28,12 @@ pub(crate) const INITIAL_KEYS: &[&str] = &["displacement", "velocity"];
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct ScenarioMode {
     pub(crate) mode: Mode,
-    pub(crate) joint: Option<Joint>,
+    pub(crate) joint: Option<WrittenLaw>,
 }
 
 impl ScenarioMode {
     /// Reads and checks one mode; `index` counts from 0.
-    pub(super) fn read(
-        source: &Source,
-        index: usize,
-        place: (&DeTable<'_>, Range<usize>),
-    ) -> Result<Self, InputError> {
+    pub(super) fn read(source: &InputText, index: usize, place: TablePlace<'_>) -> Result<Self, InputError> {
         let section = Section::new(source, format!("mode {}", index + 1), place, KEYS)?;
         let name = section.text("name")?;
         if name.trim().is_empty() || name.chars().any(char::is_control) {
@@ -70,11 +63,11 @@ impl ScenarioMode {
 }
 
 fn read_joint(
-    source: &Source,
+    source: &InputText,
     mode: &Section<'_>,
-    place: (&DeTable<'_>, Range<usize>),
-) -> Result<(Joint, iwan_sim::JointLaw), InputError> {
-    Joint::read(source, format!("joint of {}", mode.title()), place)
+    place: TablePlace<'_>,
+) -> Result<(WrittenLaw, iwan_sim::JointLaw), InputError> {
+    WrittenLaw::read(source, format!("joint of {}", mode.title()), place)
 }
 
 fn oscillator_failure(section: &Section<'_>, error: iwan_core::Error) -> InputError {
@@ -101,7 +94,7 @@ fn oscillator_failure(section: &Section<'_>, error: iwan_core::Error) -> InputEr
     }
 }
 
-fn read_outputs(source: &Source, mode: &Section<'_>) -> Result<Vec<Point>, InputError> {
+fn read_outputs(source: &InputText, mode: &Section<'_>) -> Result<Vec<Point>, InputError> {
     let Some(place) = mode.optional_table("outputs")? else { return Ok(Vec::new()) };
     let (section, entries) = Section::entries(source, &format!("outputs of {}", mode.title()), place)?;
     let point = |(name, shape): (String, f64)| {
@@ -121,7 +114,7 @@ fn read_outputs(source: &Source, mode: &Section<'_>) -> Result<Vec<Point>, Input
     entries.into_iter().map(point).collect()
 }
 
-fn read_initial(source: &Source, mode: &Section<'_>) -> Result<iwan_core::Motion, InputError> {
+fn read_initial(source: &InputText, mode: &Section<'_>) -> Result<iwan_core::Motion, InputError> {
     let Some(place) = mode.optional_table("initial")? else { return Ok(iwan_core::Motion::default()) };
     let section = Section::new(source, format!("initial of {}", mode.title()), place, INITIAL_KEYS)?;
     let number = |key| match section.number_or(key, 0.0)? {

@@ -3,8 +3,10 @@
 
 use serde_json::Value;
 
-use super::{KEYS, Overrides, SCHEMA, Scenario, Source, built_in, force, method, mode, structure, to_toml};
-use iwan_input::{Kind, known};
+use super::{
+    InputText, KEYS, Overrides, SCHEMA, Scenario, built_in, force, method, mode, structure, to_toml,
+};
+use iwan_input::{TableKind, known};
 
 fn schema() -> Value {
     serde_json::from_str(SCHEMA).unwrap()
@@ -34,7 +36,7 @@ fn plain_tables_have_the_same_keys() {
 
 #[test]
 fn every_kind_has_the_same_keys() {
-    let tables: [(&str, &'static [Kind]); 3] =
+    let tables: [(&str, &'static [TableKind]); 3] =
         [("joint", iwan_input::LAWS), ("force", force::KINDS), ("method", method::KINDS)];
     for (table, kinds) in tables {
         let schema = schema();
@@ -70,7 +72,7 @@ fn as_json(text: &str) -> Value {
 }
 
 fn read(text: &str) -> Result<Scenario, iwan_input::InputError> {
-    Scenario::read(&Source::built_in("test.toml", text), &Overrides::default())
+    Scenario::read(&InputText::built_in("test.toml", text), &Overrides::default())
 }
 
 const GOOD: &str = "\

@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use iwan_core::Grid;
 use iwan_fem::{Model, Population};
 use iwan_input::{
-    BUILT_IN_STRUCTURES, InputError, Section, Source, StructureFile, built_in_structure, plain,
+    BUILT_IN_STRUCTURES, InputError, InputText, Section, StructureFile, built_in_structure, plain,
 };
 use iwan_sim::{JointKind, Method};
 
@@ -34,7 +34,7 @@ pub(crate) struct OnStructure {
 
 impl OnStructure {
     /// Reads the table, if there is one.
-    pub(super) fn read(source: &Source, top: &Section<'_>) -> Result<Option<Self>, InputError> {
+    pub(super) fn read(source: &InputText, top: &Section<'_>) -> Result<Option<Self>, InputError> {
         let Some(place) = top.optional_table("structure")? else { return Ok(None) };
         let section = Section::new(source, "[structure]", place, KEYS)?;
         if top.has("mode") {
@@ -58,14 +58,14 @@ impl OnStructure {
     /// The structure file, and its name for messages.
     pub(crate) fn load(&self) -> Result<(String, StructureFile), InputError> {
         let source = match &self.origin {
-            Origin::File(path) => Source::read(path, "structure", BUILT_IN_STRUCTURES[0].0)?,
+            Origin::File(path) => InputText::read(path, "structure", BUILT_IN_STRUCTURES[0].0)?,
             Origin::BuiltIn(name) => built_in_structure(name)?,
         };
         Ok((source.name.clone(), StructureFile::read(&source)?))
     }
 }
 
-fn origin(source: &Source, section: &Section<'_>) -> Result<Origin, InputError> {
+fn origin(source: &InputText, section: &Section<'_>) -> Result<Origin, InputError> {
     let names: Vec<(&str, &'static str)> = BUILT_IN_STRUCTURES.iter().map(|b| (b.0, b.0)).collect();
     match (section.optional_text("path")?, section.choice("name", &names)?) {
         (Some(path), None) => Ok(Origin::File(source.folder.join(path))),

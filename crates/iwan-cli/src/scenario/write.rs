@@ -9,7 +9,7 @@ use iwan_fem::Model;
 
 use super::structure::Origin;
 use super::{Force, OnStructure, Scenario, ScenarioMode};
-use iwan_input::Joint;
+use iwan_input::WrittenLaw;
 
 /// The scenario as TOML; a force from a file is called `force_file`.
 pub(crate) fn to_toml(scenario: &Scenario, force_file: &str) -> String {
@@ -113,19 +113,19 @@ fn write_structure(out: &mut String, structure: &OnStructure) {
     }
 }
 
-fn joint_table(joint: &Joint) -> String {
+fn joint_table(joint: &WrittenLaw) -> String {
     let kind = |name| ("kind", quoted(name));
     let n = |key: &'static str, value: &f64| (key, format!("{value:?}"));
     let list = |key: &'static str, values: &[f64]| (key, format!("{values:?}"));
     match joint {
-        Joint::FourParameter { k_t, f_s, chi, beta } => {
+        WrittenLaw::FourParameter { k_t, f_s, chi, beta } => {
             inline(&[kind("four-parameter"), n("k_t", k_t), n("f_s", f_s), n("chi", chi), n("beta", beta)])
         }
-        Joint::Jenkins { k_t, f_s } => inline(&[kind("jenkins"), n("k_t", k_t), n("f_s", f_s)]),
-        Joint::Uniform { k_t, f_s, width } => {
+        WrittenLaw::Jenkins { k_t, f_s } => inline(&[kind("jenkins"), n("k_t", k_t), n("f_s", f_s)]),
+        WrittenLaw::Uniform { k_t, f_s, width } => {
             inline(&[kind("uniform"), n("k_t", k_t), n("f_s", f_s), n("width", width)])
         }
-        Joint::Tabulated { strength, density, dirac } => inline(&[
+        WrittenLaw::Tabulated { strength, density, dirac } => inline(&[
             kind("tabulated"),
             list("strength", strength),
             list("density", density),

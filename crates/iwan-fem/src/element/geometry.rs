@@ -11,7 +11,7 @@ pub(crate) struct NoVolume {
 
 impl NoVolume {
     /// The error that names the element.
-    pub(crate) fn of(self, label: u64) -> Error {
+    pub(crate) fn in_element(self, label: u64) -> Error {
         Error::Element { label, determinant: self.determinant, point: self.point }
     }
 }

@@ -16,16 +16,16 @@
 use super::geometry::{Jacobian, NoVolume, THREE, points};
 use super::hex8::CORNERS;
 use super::isotropic::{GradientProducts, add_mass};
-use crate::material::Material;
+use super::material::Material;
+use crate::mesh::Shape;
 
 /// Nodes on the reference cube: a coordinate of a mid-edge node is 0 along its edge.
 const NODES: [[f64; 3]; 20] = {
-    const EDGES: [(usize, usize); 12] =
-        [(0, 1), (1, 2), (2, 3), (3, 0), (4, 5), (5, 6), (6, 7), (7, 4), (0, 4), (1, 5), (2, 6), (3, 7)];
+    let edges = Shape::Hex20.edges();
     let mut nodes = [[0.0; 3]; 20];
     let mut i = 0;
     while i < 20 {
-        let (from, to) = if i < 8 { (i, i) } else { EDGES[i - 8] };
+        let (from, to) = if i < 8 { (i, i) } else { edges[i - 8] };
         let mut a = 0;
         while a < 3 {
             nodes[i][a] = 0.5 * (CORNERS[from][a] + CORNERS[to][a]);

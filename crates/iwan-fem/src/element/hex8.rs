@@ -14,7 +14,7 @@
 
 use super::geometry::{Jacobian, NoVolume, TWO, points};
 use super::isotropic::{GradientProducts, add_mass};
-use crate::material::Material;
+use super::material::Material;
 
 /// Corners of the reference cube.
 pub(super) const CORNERS: [[f64; 3]; 8] = [

@@ -14,7 +14,7 @@
 use super::geometry::{Jacobian, NoVolume, TWO, points};
 use super::hex8;
 use super::isotropic::{GradientProducts, add_mass};
-use crate::material::Material;
+use super::material::Material;
 
 /// Nodes and internal functions.
 const FUNCTIONS: usize = 11;

@@ -3,7 +3,7 @@
 //! With H = ∫ ∇N_i ∇N_jᵀ the stiffness between functions i and j is K_ij = λ H + μ Hᵀ + μ tr(H) I: nine products
 //! per integration point and pair, where the product of strain matrices needs a hundred.
 
-use crate::material::Material;
+use super::material::Material;
 
 /// Sums of ∇N_i ∇N_jᵀ over integration points, for the pairs i <= j of n functions.
 #[derive(Debug, Clone)]

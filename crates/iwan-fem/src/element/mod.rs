@@ -1,15 +1,17 @@
 //! Stiffness and mass of one element: one file per element, each with its drawing.
 
+mod material;
 mod geometry;
-mod hex20;
+mod isotropic;
 mod hex8;
 mod hex8_incompatible;
-mod isotropic;
+mod hex20;
 mod quality;
 
-use crate::material::Material;
+use crate::error::Error;
 use crate::mesh::Shape;
-pub(crate) use geometry::NoVolume;
+use geometry::NoVolume;
+pub use material::Material;
 pub(crate) use quality::{corner_quality, least_quality_inside};
 
 /// Formulation of eight-node hexahedra; twenty-node ones are always fully integrated.
@@ -46,7 +48,7 @@ impl ElementMatrices {
     /// Computes both for an element with the given shape and node `positions` (one per node, in the order of [`Shape`]).
     ///
     /// # Errors
-    /// [`crate::Error::Element`], with `label`, for an element whose Jacobian is not positive at all integration points.
+    /// [`Error::Element`], with `label`, for an element whose Jacobian is not positive at all integration points.
     ///
     /// ```
     /// use iwan_fem::{ElementMatrices, Formulation, Inertia, Material, mesh::Shape};
@@ -64,9 +66,11 @@ impl ElementMatrices {
         (formulation, inertia): (Formulation, Inertia),
         material: &Material,
         positions: &[[f64; 3]],
-    ) -> Result<Self, crate::Error> {
+    ) -> Result<Self, Error> {
         let mut matrices = Self::default();
-        matrices.compute(shape, (formulation, inertia), material, positions).map_err(|no| no.of(label))?;
+        matrices
+            .compute(shape, (formulation, inertia), material, positions)
+            .map_err(|no_volume| no_volume.in_element(label))?;
         Ok(matrices)
     }
 

@@ -50,13 +50,10 @@ fn tangents(derivatives: &[[f64; 3]], positions: &[[f64; 3]]) -> [[f64; 3]; 3] {
 mod tests {
     use super::*;
 
-    const EDGES: [(usize, usize); 12] =
-        [(0, 1), (1, 2), (2, 3), (3, 0), (4, 5), (5, 6), (6, 7), (7, 4), (0, 4), (1, 5), (2, 6), (3, 7)];
-
     fn brick(sides: [f64; 3]) -> Vec<[f64; 3]> {
         let corner = |i: usize| -> [f64; 3] { std::array::from_fn(|a| hex8::CORNERS[i][a] * sides[a]) };
-        let middle = |(i, j): (usize, usize)| std::array::from_fn(|a| 0.5 * (corner(i)[a] + corner(j)[a]));
-        (0..8).map(corner).chain(EDGES.map(middle)).collect()
+        let middle = |&(i, j): &(usize, usize)| std::array::from_fn(|a| 0.5 * (corner(i)[a] + corner(j)[a]));
+        (0..8).map(corner).chain(Shape::Hex20.edges().iter().map(middle)).collect()
     }
 
     #[test]

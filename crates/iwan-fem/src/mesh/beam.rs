@@ -12,8 +12,8 @@
 //!
 //! The paper gives the sizes of beam and link and 1,554 nodes; washers and mesh lines are inferred. Inches.
 
-use super::Mesh;
 use super::block::{Lines, Part, refined, uniform};
+use super::topology::Mesh;
 
 /// What the paper leaves open, decided in two ways.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]

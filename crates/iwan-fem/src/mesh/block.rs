@@ -2,7 +2,7 @@
 
 use std::collections::HashMap;
 
-use super::{Element, Mesh, Shape};
+use super::topology::{Element, Mesh, Shape};
 
 /// Mesh lines in x, y and z, each ascending.
 pub type Lines = [Vec<f64>; 3];

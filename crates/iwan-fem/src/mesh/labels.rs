@@ -6,13 +6,22 @@ pub(super) struct Labels {
     sorted: Vec<(u64, usize)>,
 }
 
+/// A number that two items have.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) struct Twice {
+    pub(super) label: u64,
+    /// Indices of the two items.
+    pub(super) first: usize,
+    pub(super) second: usize,
+}
+
 impl Labels {
-    /// Sorts `labels`; the error is a number that occurs twice, with the two indices.
-    pub(super) fn new(labels: impl ExactSizeIterator<Item = u64>) -> Result<Self, (u64, usize, usize)> {
+    /// Sorts `labels`; the error is a number that occurs twice.
+    pub(super) fn new(labels: impl ExactSizeIterator<Item = u64>) -> Result<Self, Twice> {
         let mut sorted: Vec<(u64, usize)> = labels.enumerate().map(|(index, label)| (label, index)).collect();
         sorted.sort_unstable();
         match sorted.windows(2).find(|w| w[0].0 == w[1].0) {
-            Some(w) => Err((w[0].0, w[0].1, w[1].1)),
+            Some(w) => Err(Twice { label: w[0].0, first: w[0].1, second: w[1].1 }),
             None => Ok(Self { sorted }),
         }
     }
@@ -41,6 +50,7 @@ mod tests {
         assert_eq!(labels.index(4), None);
         assert_eq!(labels.range(3, 7, 2).collect::<Vec<_>>(), [1, 3, 0]);
         assert_eq!(labels.range(4, u64::MAX, 4).collect::<Vec<_>>(), [2]);
-        assert_eq!(Labels::new([7, 3, 7].into_iter()).unwrap_err(), (7, 0, 2));
+        let twice = Twice { label: 7, first: 0, second: 2 };
+        assert_eq!(Labels::new([7, 3, 7].into_iter()).unwrap_err(), twice);
     }
 }

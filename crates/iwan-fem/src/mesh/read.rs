@@ -2,18 +2,9 @@
 
 use std::path::Path;
 
-use super::error::{MeshError, MeshWarning};
-use super::source::{Source, quote};
-use super::{Mesh, abaqus, gmsh};
-
-/// A mesh file, read.
-#[derive(Debug, Clone, PartialEq)]
-pub struct MeshFile {
-    /// The mesh as the file has it; [`Structure::check`](crate::Structure::check) tells whether it can be computed with.
-    pub mesh: Mesh,
-    /// What was passed over or read in another sense than the file's.
-    pub warnings: Vec<MeshWarning>,
-}
+use super::error::MeshError;
+use super::file::{FileBytes, MeshFile, quote};
+use super::{abaqus, gmsh};
 
 /// Reads a mesh: Gmsh MSH 4.1 (ASCII or binary) or Abaqus input; the format is found from the content and, where that
 /// does not tell, from the extension.
@@ -37,7 +28,7 @@ pub fn read(path: impl AsRef<Path>) -> Result<MeshFile, MeshError> {
 /// # Errors
 /// As [`read`].
 pub fn read_bytes(file: &Path, bytes: &[u8]) -> Result<MeshFile, MeshError> {
-    let source = Source { file, bytes };
+    let source = FileBytes { file, bytes };
     let content = bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes).trim_ascii_start();
     let extension = file.extension().unwrap_or_default().to_ascii_lowercase();
     if content.starts_with(b"$") || extension == "msh" {

@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use super::Mesh;
+use super::topology::Mesh;
 
 /// Faces of a hexahedron by its corners, seen from outside counter-clockwise.
 const FACES: [[usize; 4]; 6] =

@@ -5,7 +5,7 @@
 
 use std::fmt::Write;
 
-use super::{Mesh, Shape};
+use super::topology::{Mesh, Shape};
 
 /// Values at the nodes of a mesh.
 #[derive(Debug, Clone, Copy)]

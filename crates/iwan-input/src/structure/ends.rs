@@ -6,7 +6,7 @@ use iwan_fem::{Lump, Support};
 use super::sets::{direction, known, triple};
 use crate::error::InputError;
 use crate::section::{Section, plain};
-use crate::source::Source;
+use crate::text::InputText;
 
 /// Keys of a support.
 pub(super) const SUPPORT_KEYS: &[&str] = &["name", "nodes", "fixed"];
@@ -61,7 +61,7 @@ pub(super) fn name<'a>(
 
 /// All tables of one kind.
 fn each<T>(
-    source: &Source,
+    source: &InputText,
     top: &Section<'_>,
     (word, keys): (&str, &[&str]),
     name_of: impl Fn(&T) -> &str,
@@ -77,7 +77,11 @@ fn each<T>(
     Ok(all)
 }
 
-pub(super) fn supports(source: &Source, top: &Section<'_>, mesh: &Mesh) -> Result<Vec<Support>, InputError> {
+pub(super) fn supports(
+    source: &InputText,
+    top: &Section<'_>,
+    mesh: &Mesh,
+) -> Result<Vec<Support>, InputError> {
     each(
         source,
         top,
@@ -104,7 +108,7 @@ pub(super) fn supports(source: &Source, top: &Section<'_>, mesh: &Mesh) -> Resul
     )
 }
 
-pub(super) fn lumps(source: &Source, top: &Section<'_>, mesh: &Mesh) -> Result<Vec<Lump>, InputError> {
+pub(super) fn lumps(source: &InputText, top: &Section<'_>, mesh: &Mesh) -> Result<Vec<Lump>, InputError> {
     each(
         source,
         top,
@@ -125,7 +129,7 @@ pub(super) fn lumps(source: &Source, top: &Section<'_>, mesh: &Mesh) -> Result<V
     )
 }
 
-pub(super) fn loads(source: &Source, top: &Section<'_>, mesh: &Mesh) -> Result<Vec<Load>, InputError> {
+pub(super) fn loads(source: &InputText, top: &Section<'_>, mesh: &Mesh) -> Result<Vec<Load>, InputError> {
     each(
         source,
         top,
@@ -147,7 +151,7 @@ pub(super) fn loads(source: &Source, top: &Section<'_>, mesh: &Mesh) -> Result<V
     )
 }
 
-pub(super) fn outputs(source: &Source, top: &Section<'_>, mesh: &Mesh) -> Result<Vec<Output>, InputError> {
+pub(super) fn outputs(source: &InputText, top: &Section<'_>, mesh: &Mesh) -> Result<Vec<Output>, InputError> {
     each(
         source,
         top,

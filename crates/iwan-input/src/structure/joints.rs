@@ -1,18 +1,16 @@
 //! `[[joint]]` and `[[tie]]`.
 
-use std::ops::Range;
 use std::sync::Arc;
 
 use iwan_fem::mesh::Mesh;
 use iwan_fem::{Interface, Joint, Law, Patch};
-use toml::de::DeTable;
 
 use super::ends::name;
 use super::sets::{direction, known};
 use crate::error::InputError;
-use crate::joint;
-use crate::section::Section;
-use crate::source::Source;
+use crate::section::{Section, TablePlace};
+use crate::text::InputText;
+use crate::written_law::WrittenLaw;
 
 /// Keys of a joint.
 pub(super) const JOINT_KEYS: &[&str] = &["name", "face", "patch", "motion", "slip"];
@@ -29,7 +27,7 @@ const MOTIONS: &[(&str, Interface)] = &[
 ];
 
 /// Joints, then ties.
-pub(super) fn read(source: &Source, top: &Section<'_>, mesh: &Mesh) -> Result<Vec<Joint>, InputError> {
+pub(super) fn read(source: &InputText, top: &Section<'_>, mesh: &Mesh) -> Result<Vec<Joint>, InputError> {
     let mut joints: Vec<Joint> = Vec::new();
     for (word, keys) in [("joint", JOINT_KEYS), ("tie", TIE_KEYS)] {
         for (index, place) in top.tables(word)?.into_iter().enumerate() {
@@ -49,7 +47,7 @@ pub(super) fn read(source: &Source, top: &Section<'_>, mesh: &Mesh) -> Result<Ve
     Ok(joints)
 }
 
-fn slips(source: &Source, section: &Section<'_>, mut joint: Joint) -> Result<Joint, InputError> {
+fn slips(source: &InputText, section: &Section<'_>, mut joint: Joint) -> Result<Joint, InputError> {
     let places = section.tables("slip")?;
     if places.is_empty() || places.len() > 3 {
         let message = format!("it slips in {} directions", places.len());
@@ -73,14 +71,14 @@ fn slips(source: &Source, section: &Section<'_>, mut joint: Joint) -> Result<Joi
 const ORTHOGONAL: f64 = 1e-6;
 
 fn slip<'a>(
-    source: &'a Source,
+    source: &'a InputText,
     title: String,
-    place: (&'a DeTable<'a>, Range<usize>),
+    place: TablePlace<'a>,
 ) -> Result<([f64; 3], Option<Law>), InputError> {
     let section = Section::new(source, title, place, SLIP_KEYS)?;
     let law = match section.optional_table("law")? {
         Some(place) => {
-            let (_, law) = joint::Joint::read(source, format!("law of {}", section.title()), place)?;
+            let (_, law) = WrittenLaw::read(source, format!("law of {}", section.title()), place)?;
             Some(Arc::new(law) as Law)
         }
         None => None,

@@ -6,7 +6,7 @@ use iwan_fem::{Error, Formulation, Inertia, Material, Structure};
 use super::sets::known;
 use crate::error::InputError;
 use crate::section::{Section, plain};
-use crate::source::Source;
+use crate::text::InputText;
 
 /// Keys of a material.
 pub(super) const MATERIAL_KEYS: &[&str] = &["elements", "young", "poisson", "density"];
@@ -14,7 +14,7 @@ pub(super) const MATERIAL_KEYS: &[&str] = &["elements", "young", "poisson", "den
 pub(super) const ELEMENT_KEYS: &[&str] = &["formulation", "mass"];
 
 /// A structure of the mesh with its materials and formulations.
-pub(super) fn read(source: &Source, top: &Section<'_>, mesh: Mesh) -> Result<Structure, InputError> {
+pub(super) fn read(source: &InputText, top: &Section<'_>, mesh: Mesh) -> Result<Structure, InputError> {
     let (mut general, mut special) = (None, Vec::new());
     for (index, place) in top.tables("material")?.into_iter().enumerate() {
         let title = format!("material {}", index + 1);

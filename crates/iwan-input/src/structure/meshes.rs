@@ -6,21 +6,21 @@ use iwan_fem::mesh::{self, Mesh};
 
 use super::sets::triple;
 use crate::error::InputError;
-use crate::section::{Kind, Section};
-use crate::source::Source;
+use crate::section::{Section, TableKind};
+use crate::text::InputText;
 
 /// Where meshes come from, with their keys.
-pub(super) const KINDS: &[Kind] = &[
-    Kind { name: "file", keys: &["path"] },
-    Kind { name: "paper-beam", keys: &["configuration", "refinement"] },
-    Kind { name: "block", keys: &["size", "cells"] },
+pub(super) const KINDS: &[TableKind] = &[
+    TableKind { name: "file", keys: &["path"] },
+    TableKind { name: "paper-beam", keys: &["configuration", "refinement"] },
+    TableKind { name: "block", keys: &["size", "cells"] },
 ];
 
 /// More elements than this are not generated: they would not fit the memory of the analyses.
 const MOST_ELEMENTS: f64 = 2e6;
 
 /// The mesh, and what its reader remarked.
-pub(super) fn read(source: &Source, top: &Section<'_>) -> Result<(Mesh, Vec<String>), InputError> {
+pub(super) fn read(source: &InputText, top: &Section<'_>) -> Result<(Mesh, Vec<String>), InputError> {
     let Some(place) = top.optional_table("mesh")? else {
         let remedy = "add [mesh] with path = \"FILE.msh\" (Gmsh 4.1) or \"FILE.inp\" (Abaqus)";
         return Err(top.failure("mesh", "the table [mesh] is missing", remedy));
@@ -33,7 +33,7 @@ pub(super) fn read(source: &Source, top: &Section<'_>) -> Result<(Mesh, Vec<Stri
     }
 }
 
-fn from_file(source: &Source, section: &Section<'_>) -> Result<(Mesh, Vec<String>), InputError> {
+fn from_file(source: &InputText, section: &Section<'_>) -> Result<(Mesh, Vec<String>), InputError> {
     let path = source.folder.join(section.text("path")?);
     let read = mesh::read(&path).map_err(|error| {
         section.failure(

@@ -4,12 +4,11 @@
 use serde_json::Value;
 use toml::de::{DeTable, DeValue};
 
-use super::{
-    BUILT_IN_STRUCTURES, KEYS, STRUCTURE_SCHEMA, StructureFile, ends, joints, materials, meshes, sets,
-};
-use crate::joint::LAWS;
-use crate::section::Kind;
-use crate::source::Source;
+use super::file::KEYS;
+use super::{BUILT_IN_STRUCTURES, STRUCTURE_SCHEMA, StructureFile, ends, joints, materials, meshes, sets};
+use crate::section::TableKind;
+use crate::text::InputText;
+use crate::written_law::LAWS;
 
 fn schema() -> Value {
     serde_json::from_str(STRUCTURE_SCHEMA).unwrap()
@@ -49,7 +48,7 @@ fn plain_tables_have_the_same_keys() {
 
 #[test]
 fn every_kind_has_the_same_keys() {
-    let tables: [(&str, &[Kind]); 3] = [("mesh", meshes::KINDS), ("set", sets::KINDS), ("law", LAWS)];
+    let tables: [(&str, &[TableKind]); 3] = [("mesh", meshes::KINDS), ("set", sets::KINDS), ("law", LAWS)];
     for (table, kinds) in tables {
         let schema = schema();
         let variants = schema.pointer(&format!("/$defs/{table}/oneOf")).and_then(Value::as_array).unwrap();
@@ -114,7 +113,7 @@ direction = '-z'
 ";
 
 fn read(text: &str) -> Result<StructureFile, crate::InputError> {
-    StructureFile::read(&Source::built_in("test.toml", text))
+    StructureFile::read(&InputText::built_in("test.toml", text))
 }
 
 #[test]

@@ -5,21 +5,21 @@ use std::collections::BTreeMap;
 use iwan_fem::mesh::Mesh;
 
 use crate::error::InputError;
-use crate::section::{Kind, Section, nearest};
-use crate::source::Source;
+use crate::section::{Section, TableKind, nearest};
+use crate::text::InputText;
 
 /// The kinds of sets and their keys.
-pub(super) const KINDS: &[Kind] = &[
-    Kind { name: "nodes", keys: &["name", "numbers"] },
-    Kind { name: "elements", keys: &["name", "numbers"] },
-    Kind { name: "box", keys: &["name", "low", "high"] },
+pub(super) const KINDS: &[TableKind] = &[
+    TableKind { name: "nodes", keys: &["name", "numbers"] },
+    TableKind { name: "elements", keys: &["name", "numbers"] },
+    TableKind { name: "box", keys: &["name", "low", "high"] },
 ];
 
 /// Nodes this share of the mesh's diagonal outside a box still belong to it: rounding of coordinates.
 const ROUNDING: f64 = 1e-9;
 
 /// Adds the sets of the file to those of the mesh.
-pub(super) fn read(source: &Source, top: &Section<'_>, mesh: &mut Mesh) -> Result<(), InputError> {
+pub(super) fn read(source: &InputText, top: &Section<'_>, mesh: &mut Mesh) -> Result<(), InputError> {
     for (index, place) in top.tables("set")?.into_iter().enumerate() {
         let (section, kind) = Section::kind(source, format!("set {}", index + 1), place, KINDS, None)?;
         let name = section.text("name")?;

@@ -5,10 +5,10 @@ use iwan_fem::mesh::beam::Configuration;
 use iwan_fem::{Formulation, Inertia, Interface, Patch, paper};
 
 use super::{BUILT_IN_STRUCTURES, StructureFile};
-use crate::source::Source;
+use crate::text::InputText;
 
 fn read(text: &str) -> Result<StructureFile, String> {
-    StructureFile::read(&Source::built_in("s.toml", text)).map_err(|e| e.to_string())
+    StructureFile::read(&InputText::built_in("s.toml", text)).map_err(|e| e.to_string())
 }
 
 /// The two files give the structures of the library, bit by bit in mesh and matrices.

@@ -2,8 +2,8 @@
 
 use std::ops::ControlFlow;
 
-use iwan_fem::{Integrated, Model, NamedMode, NamedModes, Population, StepErrors, Transient, TruthResponse};
-use iwan_input::InputError;
+use iwan_fem::{Extras, ModalVelocity, Model, NamedModes, Population, Run, StructureResponse};
+use iwan_input::{RunError, StructureTask};
 use iwan_sim::JointKind;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
@@ -13,7 +13,7 @@ use crate::exchange::errors::{fem, input, value};
 use crate::exchange::options::{joint_kind, unknown};
 use crate::values::pulse::Force;
 use crate::ring_down::response::balance;
-use crate::structures::structure::{Loaded, NAMED, Structure};
+use crate::structures::structure::{Loaded, Structure};
 use crate::exchange::work::{self, Control};
 
 /// What one run has done when it is at its end.
@@ -22,42 +22,13 @@ const PARTS: f64 = 1000.0;
 /// What is to be computed.
 struct Request {
     force: Option<Force>,
-    velocity: Vec<(String, f64)>,
+    velocity: Vec<ModalVelocity>,
     dt: f64,
     duration: f64,
     modes: Vec<String>,
     model: Model,
     population: Population,
     quality: bool,
-}
-
-/// A response with all that belongs to it.
-struct Done {
-    modes: Vec<NamedMode>,
-    response: TruthResponse,
-    /// Modes in the basis of the reduced model, its estimated error and whether that reached the tolerance.
-    basis: Option<usize>,
-    basis_error: Option<(f64, bool)>,
-    errors: Option<StepErrors>,
-    joint_forces: Vec<Vec<f64>>,
-}
-
-/// Why there is no response.
-enum Failure {
-    Fem(iwan_fem::Error),
-    Input(InputError),
-}
-
-impl From<iwan_fem::Error> for Failure {
-    fn from(error: iwan_fem::Error) -> Self {
-        Self::Fem(error)
-    }
-}
-
-impl From<InputError> for Failure {
-    fn from(error: InputError) -> Self {
-        Self::Input(error)
-    }
 }
 
 /// The response to a force, as a dict.
@@ -83,7 +54,7 @@ pub(crate) fn _simulate_structure<'py>(
 ) -> PyResult<Bound<'py, PyDict>> {
     let request = Request {
         force: force.map(|force| Force::read(Some(force), dt)).transpose()?,
-        velocity,
+        velocity: velocity.into_iter().map(|(mode, velocity)| ModalVelocity { mode, velocity }).collect(),
         dt: positive("dt", dt)?,
         duration: positive("duration", duration)?,
         modes,
@@ -100,8 +71,8 @@ pub(crate) fn _simulate_structure<'py>(
     told(
         py,
         done.map_err(|failure| match failure {
-            Failure::Fem(error) => fem(this.name(), &error),
-            Failure::Input(error) => input(this.name(), &error),
+            RunError::Analysis(error) => fem(this.name(), &error),
+            RunError::Input(error) => input(this.name(), &error),
         })?,
     )
 }
@@ -141,65 +112,34 @@ fn population(kind: JointKind) -> Population {
     }
 }
 
-fn run(of: &Loaded, request: &Request, control: &Control) -> Result<Done, Failure> {
-    let named = of.named_modes(NAMED, control)?;
-    let modes = named.chosen(&request.modes)?;
-    let transient = transient(of, &named, &modes, request)?;
-    let mut progress = |share: f64| -> ControlFlow<()> { control.report((share * PARTS) as usize) };
-    let assembled = &named.assembled;
-    let integrated = assembled.integrate(request.model, &transient, &mut progress)?;
-    let mut stop = |_: f64| control.stop();
-    let errors = integrated.reduced.as_ref().filter(|_| request.quality);
-    let errors = errors.map(|reduced| reduced.step_errors(&transient, &integrated.response, &mut stop));
-    let errors = errors.transpose()?;
-    let joint_forces = modes.iter().zip(&integrated.response.outputs).map(|(mode, history)| {
-        let stuck = (&named.stuck, mode.pair.stuck);
-        assembled.modal_joint_force(&integrated.response, history, stuck, mode.pair.k_t)
-    });
-    let joint_forces = joint_forces.collect();
-    let _ = control.report(PARTS as usize);
-    let basis = integrated.basis();
-    let Integrated { response, basis_error, .. } = integrated;
-    Ok(Done { modes, response, basis, basis_error, errors, joint_forces })
-}
-
-fn transient<'a>(
-    of: &Loaded,
-    named: &NamedModes,
-    modes: &[NamedMode],
-    request: &'a Request,
-) -> Result<Transient<'a>, Failure> {
-    let unknowns = named.assembled.unknowns();
-    let (pulse, load) = match &request.force {
-        Some(force) => (force.pulse(), of.file.forces(&named.assembled)?),
-        None => (iwan_core::Pulse::None, vec![0.0; unknowns]),
-    };
-    let mut velocity = vec![0.0; unknowns];
-    for (name, size) in &request.velocity {
-        let shape = named.stuck.shape(named.named(name)?.pair.stuck);
-        velocity.iter_mut().zip(shape).for_each(|(v, phi)| *v += size * phi);
-    }
-    Ok(Transient {
+fn run(of: &Loaded, request: &Request, control: &Control) -> Result<Run, RunError> {
+    let named = of.named_modes(NamedModes::LOOKED_UP, control)?;
+    let task = StructureTask {
+        force: request.force.as_ref().map(Force::pulse),
+        velocity: &request.velocity,
         dt: request.dt,
-        steps: Transient::steps_in(request.dt, request.duration),
-        pulse,
-        load,
-        initial_velocity: (!request.velocity.is_empty()).then_some(velocity),
+        duration: request.duration,
         population: request.population,
-        outputs: of.file.recorded(named, modes)?,
-    })
+        model: request.model,
+        modes: &request.modes,
+        extras: Extras { errors: request.quality, frames: 0 },
+    };
+    let mut progress = |share: f64| -> ControlFlow<()> { control.report((share * PARTS) as usize) };
+    let run = of.file.run(&named, &task, &mut progress)?;
+    let _ = control.report(PARTS as usize);
+    Ok(run)
 }
 
-fn told(py: Python<'_>, done: Done) -> PyResult<Bound<'_, PyDict>> {
-    let Done { modes, response, basis, basis_error, errors, joint_forces } = done;
+fn told(py: Python<'_>, run: Run) -> PyResult<Bound<'_, PyDict>> {
+    let Run { modes, response, basis, basis_error, errors, joint_forces, .. } = run;
     let dict = PyDict::new(py);
     dict.set_item("dt", response.dt)?;
     dict.set_item("modes", modes.iter().map(|mode| &mode.name).collect::<Vec<_>>())?;
     let names: Vec<&str> = response.outputs.iter().map(|history| history.name.as_str()).collect();
     dict.set_item("outputs", &names[modes.len()..])?;
     dict.set_item("basis", basis)?;
-    dict.set_item("basis_error", basis_error.map(|found| found.0))?;
-    dict.set_item("converged", basis_error.map(|found| found.1))?;
+    dict.set_item("basis_error", basis_error.map(|error| error.estimate))?;
+    dict.set_item("converged", basis_error.map(|error| error.converged))?;
     let each = |values: &[f64]| -> PyResult<Bound<'_, PyDict>> {
         let of = PyDict::new(py);
         names.iter().zip(values).try_for_each(|(name, value)| of.set_item(name, value))?;
@@ -219,7 +159,7 @@ fn told(py: Python<'_>, done: Done) -> PyResult<Bound<'_, PyDict>> {
 }
 
 /// Everything that the integration itself returned.
-fn histories(dict: &Bound<'_, PyDict>, response: TruthResponse) -> PyResult<()> {
+fn histories(dict: &Bound<'_, PyDict>, response: StructureResponse) -> PyResult<()> {
     let py = dict.py();
     dict.set_item("energy", balance(py, &response.energy)?)?;
     dict.set_item("energy_error", response.energy.error())?;

@@ -1,13 +1,13 @@
 //! Quasi-static modal curves of a structure: `Structure.quasi_static`.
 
-use iwan_fem::ModalCurves;
+use iwan_fem::{ModalCurves, NamedModes};
 use iwan_ident::quasi_static::{StaticCurves, StaticFit, fit_static};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
 use crate::exchange::array::{Numbers, array};
 use crate::exchange::errors::{fem, value};
-use crate::structures::structure::{Loaded, NAMED, Structure};
+use crate::structures::structure::{Loaded, Structure};
 use crate::exchange::work::{self, Control};
 
 /// Curves of one mode with what fits them.
@@ -54,7 +54,7 @@ pub(crate) fn _quasi_static<'py>(
 }
 
 fn analyse(of: &Loaded, name: &str, range: Range, control: &Control) -> Result<Analysed, iwan_fem::Error> {
-    let modes = of.named_modes(NAMED, control)?;
+    let modes = of.named_modes(NamedModes::LOOKED_UP, control)?;
     let mode = modes.named(name)?;
     let (displacements, all) = match range {
         Range::At(given) => (given, true),

@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use std::sync::{Arc, Mutex, PoisonError};
 
 use iwan_fem::{Error, NamedModes};
-use iwan_input::{Source, StructureFile, built_in_structure};
+use iwan_input::{InputText, StructureFile, built_in_structure};
 use pyo3::IntoPyObjectExt;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
@@ -16,9 +16,6 @@ use crate::exchange::pickle::Remake;
 use crate::exchange::repr;
 use crate::exchange::work::{self, Control};
 
-/// Elastic modes among which names are looked up, as on the command line.
-pub(crate) const NAMED: usize = 40;
-
 /// What `iwan.Structure` is made of.
 #[pyclass(frozen, module = "iwan._native", name = "_Structure")]
 #[derive(Debug)]
@@ -28,7 +25,7 @@ pub(crate) struct Structure(pub(crate) Arc<Loaded>);
 #[derive(Debug)]
 pub(crate) struct Loaded {
     /// Where it came from.
-    source: Source,
+    source: InputText,
     built_in: bool,
     pub(crate) file: StructureFile,
     /// By how many were asked for: modes have the same bits whatever was computed before.
@@ -36,7 +33,7 @@ pub(crate) struct Loaded {
 }
 
 impl Loaded {
-    fn read(source: Source, built_in: bool) -> PyResult<Structure> {
+    fn read(source: InputText, built_in: bool) -> PyResult<Structure> {
         let file = StructureFile::read(&source).map_err(|error| input("", &error))?;
         Ok(Structure(Arc::new(Self { source, built_in, file, modes: Mutex::default() })))
     }
@@ -66,7 +63,7 @@ pub(crate) fn _load_structure(path: PathBuf) -> PyResult<Structure> {
     if let Err(error) = std::fs::metadata(&path) {
         return Err(missing_file(&path, &error));
     }
-    let source = Source::read(&path, "structure", "paper-a").map_err(|error| input("", &error))?;
+    let source = InputText::read(&path, "structure", "paper-a").map_err(|error| input("", &error))?;
     Loaded::read(source, false)
 }
 
@@ -79,7 +76,7 @@ pub(crate) fn _built_in_structure(name: &str) -> PyResult<Structure> {
 /// Makes a pickled structure again, from the text of its file.
 #[pyfunction]
 pub(crate) fn _structure(name: String, text: String, folder: PathBuf, built_in: bool) -> PyResult<Structure> {
-    Loaded::read(Source { name, text, folder }, built_in)
+    Loaded::read(InputText { name, text, folder }, built_in)
 }
 
 #[pymethods]

@@ -242,7 +242,7 @@ fn peak(x: &[f64]) -> f64 {
 
 fn truth(side: &Side, studies: &[(Study, Option<Counterpart>)]) -> Truth {
     let linear = &side.linear;
-    let level = |(force, response): (f64, &iwan_fem::TruthResponse)| LevelSummary {
+    let level = |(force, response): (f64, &iwan_fem::StructureResponse)| LevelSummary {
         force,
         peak_acceleration: response.outputs.iter().map(|history| peak(&history.acceleration)).collect(),
         slip_ratio: response.slips.iter().fold(0.0, |most: f64, slip| most.max(slip.slip_ratio)),

@@ -4,8 +4,8 @@ use std::cell::Cell;
 use std::ops::ControlFlow;
 
 use iwan_core::Pulse;
-use iwan_fem::{Basis, History, NamedMode, Output, Population, Reduced, Transient, TruthResponse};
-use iwan_input::{BUILT_IN_STRUCTURES, Source, StructureFile};
+use iwan_fem::{Basis, History, NamedMode, Output, Population, Reduced, StructureResponse, Transient};
+use iwan_input::{BUILT_IN_STRUCTURES, InputText, StructureFile};
 
 use super::counterpart::distance;
 use crate::failure::Failure;
@@ -34,11 +34,11 @@ pub(crate) struct Side {
     /// Mean shape of each at the loaded edge.
     pub(crate) tip: Vec<f64>,
     /// One response per level; the outputs are the bending modes' coordinates.
-    pub(crate) responses: Vec<TruthResponse>,
+    pub(crate) responses: Vec<StructureResponse>,
     /// The same without attachment vectors under the fourth level, as an example of how not to reduce.
-    pub(crate) modes_alone: TruthResponse,
+    pub(crate) modes_alone: StructureResponse,
     /// Ring-downs that start in one bending mode alone, at what the blow of [`ALONE`] brings it to.
-    pub(crate) alone: Vec<TruthResponse>,
+    pub(crate) alone: Vec<StructureResponse>,
     /// Distances of the reduced from the full model over the first [`FULL`] steps: level, then bending mode.
     pub(crate) reduction: Vec<(f64, Vec<f64>)>,
     pub(crate) filters: Vec<Filter>,
@@ -70,7 +70,7 @@ pub(super) fn structure(name: &str) -> Result<(String, StructureFile), Failure> 
     let known = BUILT_IN_STRUCTURES.iter().find(|built_in| built_in.0 == name);
     let (name, _, text) =
         known.ok_or_else(|| Failure::Computation(format!("there is no built-in structure {name}")))?;
-    let source = Source::built_in(name, text);
+    let source = InputText::built_in(name, text);
     Ok((source.name.clone(), StructureFile::read(&source)?))
 }
 
@@ -108,9 +108,9 @@ struct Runs<'a> {
 
 /// What comes of it.
 struct Responses {
-    blows: Vec<TruthResponse>,
-    modes_alone: TruthResponse,
-    alone: Vec<TruthResponse>,
+    blows: Vec<StructureResponse>,
+    modes_alone: StructureResponse,
+    alone: Vec<StructureResponse>,
     reduction: Vec<(f64, Vec<f64>)>,
     filters: Vec<Filter>,
 }
@@ -144,8 +144,8 @@ impl<'a> Runs<'a> {
     /// A run, which counts for the progress.
     fn run(
         &self,
-        integrate: impl FnOnce(iwan_fem::Progress<'_>) -> Result<TruthResponse, iwan_fem::Error>,
-    ) -> Result<TruthResponse, iwan_fem::Error> {
+        integrate: impl FnOnce(iwan_fem::Progress<'_>) -> Result<StructureResponse, iwan_fem::Error>,
+    ) -> Result<StructureResponse, iwan_fem::Error> {
         let pieces = LEVELS.len() + 1 + COMPARED.len() + self.bending.len();
         let share = |share: f64| (self.done.get() as f64 + share) / pieces as f64;
         let response = integrate(&mut |part| (self.progress)(share(part)));
@@ -161,7 +161,7 @@ impl<'a> Runs<'a> {
         let tip = self.bending.iter().map(at_tip).collect();
         let reduced = assembled.reduce(BASIS, Basis::default())?;
         let blow = |n: usize| self.run(|report| reduced.transient_observed(&self.blow(n, STEPS), report));
-        let blows: Vec<TruthResponse> = (0..LEVELS.len()).map(blow).collect::<Result<_, _>>()?;
+        let blows: Vec<StructureResponse> = (0..LEVELS.len()).map(blow).collect::<Result<_, _>>()?;
         let modes = assembled.reduce(BASIS, Basis::Modes)?;
         let modes_alone = self.run(|report| modes.transient_observed(&self.blow(3, STEPS), report))?;
         let pairs = self.bending.iter().zip(&blows[ALONE].outputs);
@@ -178,7 +178,7 @@ impl<'a> Runs<'a> {
         reduced: &Reduced<'_>,
         shape: &[f64],
         history: &History,
-    ) -> Result<TruthResponse, iwan_fem::Error> {
+    ) -> Result<StructureResponse, iwan_fem::Error> {
         let after = history.velocity.iter().skip((BLOW / DT) as usize);
         let speed = after.fold(0.0, |most: f64, v| most.max(v.abs()));
         let initial_velocity = Some(shape.iter().map(|x| speed * x).collect());
@@ -187,7 +187,7 @@ impl<'a> Runs<'a> {
     }
 
     /// Distances from the full model.
-    fn reduction(&self, n: usize, reduced: &TruthResponse) -> Result<(f64, Vec<f64>), iwan_fem::Error> {
+    fn reduction(&self, n: usize, reduced: &StructureResponse) -> Result<(f64, Vec<f64>), iwan_fem::Error> {
         let full =
             self.run(|report| self.linear.assembled.transient_observed(&self.blow(n, FULL), report))?;
         let pairs = reduced.outputs.iter().zip(&full.outputs);

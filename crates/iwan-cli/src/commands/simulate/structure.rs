@@ -129,8 +129,8 @@ fn structure_summary(truth: &Truth) -> StructureSummary {
         size: crate::commands::modes::Size::of(&truth.linear),
         model: if truth.basis.is_some() { "reduced" } else { "full" },
         basis: truth.basis,
-        basis_error: truth.basis_error.map(|found| found.0),
-        converged: truth.basis_error.map(|found| found.1),
+        basis_error: truth.basis_error.map(|error| error.estimate),
+        converged: truth.basis_error.map(|error| error.converged),
         slips: truth.response.slips.iter().map(slip).collect(),
     }
 }
@@ -160,10 +160,10 @@ fn write(
     }
     if !frames.is_empty() {
         let mesh = &truth.linear.file.structure.mesh;
-        for (name, (_, displacement)) in frames.iter().zip(&truth.frames) {
-            results.add(name, &grid(mesh, &[Field { name: "displacement", values: displacement }]))?;
+        for (name, frame) in frames.iter().zip(&truth.frames) {
+            results.add(name, &grid(mesh, &[Field { name: "displacement", values: &frame.displacement }]))?;
         }
-        let times = truth.frames.iter().map(|frame| frame.0);
+        let times = truth.frames.iter().map(|frame| frame.time);
         results.add(SERIES, series(times.zip(frames.iter().map(String::as_str))).as_bytes())?;
     }
     progress::check_interrupt()?;

@@ -1,17 +1,17 @@
 //! `*ELEMENT`.
 
 use super::super::error::MeshError;
+use super::super::file::{FileBytes, quote};
 use super::super::labels::Labels;
-use super::super::source::{Source, quote};
-use super::super::{Element, Shape};
-use super::Reader;
-use super::definitions::{Definition, Kind};
+use super::super::topology::{Element, Shape};
+use super::definition::{Definition, SetKind};
+use super::fields::whole;
 use super::keyword::Keyword;
 use super::lines::Lines;
-use super::nodes::whole;
+use super::reader::{ReadAs, Reader};
 
 /// An element type, and what it is read as where the name promises a formulation of its own.
-struct Type {
+struct ElementType {
     name: &'static str,
     shape: Shape,
     read_as: Option<&'static str>,
@@ -20,12 +20,12 @@ struct Type {
 const HEX8: Option<&str> = Some("a hexahedron of 8 nodes");
 const HEX20: Option<&str> = Some("a hexahedron of 20 nodes");
 
-static TYPES: &[Type] = &[
-    Type { name: "C3D8", shape: Shape::Hex8, read_as: HEX8 },
-    Type { name: "C3D8I", shape: Shape::Hex8, read_as: None },
-    Type { name: "C3D8R", shape: Shape::Hex8, read_as: HEX8 },
-    Type { name: "C3D20", shape: Shape::Hex20, read_as: None },
-    Type { name: "C3D20R", shape: Shape::Hex20, read_as: HEX20 },
+static TYPES: &[ElementType] = &[
+    ElementType { name: "C3D8", shape: Shape::Hex8, read_as: HEX8 },
+    ElementType { name: "C3D8I", shape: Shape::Hex8, read_as: None },
+    ElementType { name: "C3D8R", shape: Shape::Hex8, read_as: HEX8 },
+    ElementType { name: "C3D20", shape: Shape::Hex20, read_as: None },
+    ElementType { name: "C3D20R", shape: Shape::Hex20, read_as: HEX20 },
 ];
 
 impl Reader {
@@ -40,7 +40,7 @@ impl Reader {
             return Err(keyword.refused(lines.source, &found, &remedy));
         };
         if let Some(read_as) = kind.read_as {
-            self.formulations.entry(kind.name).or_insert((keyword.line, read_as));
+            self.formulations.entry(kind.name).or_insert(ReadAs { line: keyword.line, read_as });
         }
         let first = self.elements.len();
         while let Some(element) = element(lines, kind)? {
@@ -49,14 +49,14 @@ impl Reader {
         }
         if let Some(name) = keyword.value("ELSET") {
             let added = self.elements[first..].iter().map(|e| e.label).collect();
-            self.definitions.push(Definition::of(Kind::Elements, name, keyword.line, added));
+            self.definitions.push(Definition::of(SetKind::Elements, name, keyword.line, added));
         }
         Ok(())
     }
 }
 
 /// The next element and the byte of its line; lines that end in a comma continue.
-fn element(lines: &mut Lines, kind: &Type) -> Result<Option<(Element, usize)>, MeshError> {
+fn element(lines: &mut Lines, kind: &ElementType) -> Result<Option<(Element, usize)>, MeshError> {
     let Some(mut line) = lines.next_data() else { return Ok(None) };
     let offset = line.offset;
     let mut fields = line.fields();
@@ -93,7 +93,7 @@ fn element(lines: &mut Lines, kind: &Type) -> Result<Option<(Element, usize)>, M
 
 /// From numbers of the file to indices.
 pub(super) fn resolve(
-    source: Source,
+    source: FileBytes,
     elements: &mut [Element],
     lines: &[usize],
     nodes: &Labels,

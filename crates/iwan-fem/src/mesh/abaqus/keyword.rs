@@ -1,7 +1,7 @@
 //! `*NAME, PARAMETER=VALUE, FLAG`.
 
 use super::super::error::MeshError;
-use super::super::source::{Source, quote};
+use super::super::file::{FileBytes, quote};
 use super::lines::{Line, Lines};
 
 /// A keyword with its parameters, continued lines joined.
@@ -38,7 +38,7 @@ impl Keyword {
         format!("line {}", self.line)
     }
 
-    pub(super) fn refused(&self, source: Source, found: &str, remedy: &str) -> MeshError {
+    pub(super) fn refused(&self, source: FileBytes, found: &str, remedy: &str) -> MeshError {
         source.unsupported(self.place(), found, remedy)
     }
 
@@ -53,14 +53,14 @@ impl Keyword {
     }
 
     /// Value of a parameter that must be there.
-    pub(super) fn required(&self, source: Source, name: &str) -> Result<&str, MeshError> {
+    pub(super) fn required(&self, source: FileBytes, name: &str) -> Result<&str, MeshError> {
         self.value(name).filter(|value| !value.is_empty()).ok_or_else(|| {
             source.malformed(self.place(), format!("*{} without {name}", self.name), format!("{name}=..."))
         })
     }
 
     /// Refuses parameters other than `known`: they would change the meaning of the data.
-    pub(super) fn only(&self, source: Source, known: &[&str]) -> Result<(), MeshError> {
+    pub(super) fn only(&self, source: FileBytes, known: &[&str]) -> Result<(), MeshError> {
         let Some((name, _)) = self.parameters.iter().find(|p| !known.contains(&p.0.as_str())) else {
             return Ok(());
         };

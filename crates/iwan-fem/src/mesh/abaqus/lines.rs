@@ -1,6 +1,6 @@
 //! Lines of an input file without comments and blank lines.
 
-use super::super::source::{Source, quote};
+use super::super::file::{FileBytes, quote};
 
 /// One line.
 #[derive(Debug, Clone, Copy)]
@@ -37,13 +37,13 @@ impl<'a> Line<'a> {
 
 /// The lines of a file, one after another.
 pub(super) struct Lines<'a> {
-    pub(super) source: Source<'a>,
+    pub(super) source: FileBytes<'a>,
     at: usize,
     number: usize,
 }
 
 impl<'a> Lines<'a> {
-    pub(super) fn new(source: Source<'a>) -> Self {
+    pub(super) fn new(source: FileBytes<'a>) -> Self {
         let at = if source.bytes.starts_with(b"\xef\xbb\xbf") { 3 } else { 0 };
         Self { source, at, number: 0 }
     }

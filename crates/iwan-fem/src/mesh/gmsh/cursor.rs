@@ -3,7 +3,7 @@
 use std::fmt::Display;
 
 use super::super::error::MeshError;
-use super::super::source::{Source, quote};
+use super::super::file::{FileBytes, quote};
 
 /// How numbers are stored.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -18,7 +18,7 @@ enum Encoding {
 
 /// A place in a MSH file.
 pub(super) struct Cursor<'a> {
-    pub(super) source: Source<'a>,
+    pub(super) source: FileBytes<'a>,
     at: usize,
     encoding: Encoding,
 }
@@ -27,7 +27,7 @@ const VERSION_REMEDY: &str = "save as MSH 4.1 (in Gmsh: -format msh41, or Mesh.M
 
 impl<'a> Cursor<'a> {
     /// Reads `$MeshFormat`.
-    pub(super) fn open(source: Source<'a>) -> Result<Self, MeshError> {
+    pub(super) fn open(source: FileBytes<'a>) -> Result<Self, MeshError> {
         let mut cursor = Self { source, at: 0, encoding: Encoding::Ascii };
         match cursor.section()? {
             Some((name, _)) if name == "MeshFormat" => {}

@@ -1,11 +1,12 @@
 //! `$Elements`.
 
 use super::super::error::MeshError;
+use super::super::labels::{Labels, Twice};
 use super::super::sets::TooLarge;
-use super::super::{Element, Shape, labels::Labels};
-use super::Reader;
+use super::super::topology::{Element, Shape};
 use super::cursor::Cursor;
-use super::kinds::{self, HEX20, Kind, Use};
+use super::element_types::{self, ElementType, HEX20, Use};
+use super::reader::Reader;
 
 /// Reads hexahedra into the mesh, and the sets of all physical groups.
 pub(super) fn read(cursor: &mut Cursor, reader: &mut Reader) -> Result<(), MeshError> {
@@ -25,11 +26,13 @@ pub(super) fn read(cursor: &mut Cursor, reader: &mut Reader) -> Result<(), MeshE
             format!("{total}, as $Elements promises"),
         ));
     }
-    Labels::new(reader.mesh.elements.iter().map(|e| e.label)).map(|_| ()).map_err(|(label, ..)| {
-        let place = format!("$Elements, which ends at {}", cursor.place());
-        let found = format!("element {label} twice");
-        cursor.source.malformed(place, found, "a number of its own for every element")
-    })
+    Labels::new(reader.mesh.elements.iter().map(|e| e.label)).map(|_| ()).map_err(
+        |Twice { label, .. }| {
+            let place = format!("$Elements, which ends at {}", cursor.place());
+            let found = format!("element {label} twice");
+            cursor.source.malformed(place, found, "a number of its own for every element")
+        },
+    )
 }
 
 /// Reads one block and returns the number of its elements.
@@ -38,7 +41,7 @@ fn block(cursor: &mut Cursor, reader: &mut Reader) -> Result<usize, MeshError> {
     let entity =
         (cursor.integer("the dimension of the entity")?, cursor.integer("the number of the entity")?);
     let number = cursor.integer("the type of the elements")?;
-    let kind = kinds::find(number).ok_or_else(|| {
+    let kind = element_types::find(number).ok_or_else(|| {
         let remedy = "mesh in first or second order (in Gmsh: Mesh.ElementOrder = 1 or 2)";
         cursor.source.unsupported(cursor.place_at(start), format!("element type {number}"), remedy)
     })?;
@@ -81,7 +84,7 @@ fn too_large(cursor: &Cursor, start: usize, name: &str, TooLarge { limit }: TooL
 }
 
 /// Number and nodes of one element, in the order of [`Shape`].
-fn element(cursor: &mut Cursor, reader: &Reader, kind: &Kind) -> Result<(u64, Vec<usize>), MeshError> {
+fn element(cursor: &mut Cursor, reader: &Reader, kind: &ElementType) -> Result<(u64, Vec<usize>), MeshError> {
     let label = cursor.size("the number of an element")?;
     let mut nodes = Vec::with_capacity(kind.nodes);
     for _ in 0..kind.nodes {

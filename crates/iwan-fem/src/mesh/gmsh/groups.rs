@@ -3,8 +3,8 @@
 use std::collections::{BTreeMap, BTreeSet};
 
 use super::super::error::{MeshError, MeshWarning};
+use super::super::file::quote;
 use super::super::sets::Sets;
-use super::super::source::quote;
 use super::cursor::Cursor;
 
 /// Dimension and number, of an entity or of a group.

@@ -1,7 +1,8 @@
 //! `$Nodes`.
 
 use super::super::error::MeshError;
-use super::super::{Mesh, labels::Labels};
+use super::super::labels::{Labels, Twice};
+use super::super::topology::Mesh;
 use super::cursor::Cursor;
 
 /// Reads numbers and positions of all nodes into the mesh.
@@ -17,7 +18,7 @@ pub(super) fn read(cursor: &mut Cursor, mesh: &mut Mesh) -> Result<Labels, MeshE
         let found = format!("{} nodes in the blocks", mesh.positions.len());
         return Err(cursor.source.malformed(cursor.place(), found, format!("{total}, as $Nodes promises")));
     }
-    Labels::new(mesh.node_labels.iter().copied()).map_err(|(label, ..)| {
+    Labels::new(mesh.node_labels.iter().copied()).map_err(|Twice { label, .. }| {
         cursor.source.malformed(
             format!("$Nodes, which ends at {}", cursor.place()),
             format!("node {label} twice"),

@@ -1,0 +1,350 @@
+//! Stiffness and mass of a structure in its unknowns.
+
+use std::collections::BTreeMap;
+use std::sync::OnceLock;
+
+use super::elimination::Transformation;
+use super::joint_equations::{SlipUnknown, connect};
+use super::unknowns::{Unknown, triples};
+use crate::algebra::{Analysis, NodalProduct, Site, Symmetric, add_scaled, largest, scale};
+use crate::element::ElementMatrices;
+use crate::error::{Error, check};
+use crate::structure::Structure;
+
+/// Matrices of a structure in the unknowns y, x = T y: K_∞ without joints, M, and the slips on which the joints act.
+#[derive(Debug, Clone)]
+pub struct Assembled {
+    structure: Structure,
+    transformation: Transformation,
+    stiffness: Symmetric,
+    mass: Symmetric,
+    slips: Vec<SlipUnknown>,
+    analysis: OnceLock<Analysis>,
+}
+
+impl Structure {
+    /// Assembles stiffness and mass.
+    ///
+    /// # Errors
+    /// [`Error`] names the element, node, set or joint that does not fit, and the remedy.
+    pub fn assemble(&self) -> Result<Assembled, Error> {
+        self.check_lumps()?;
+        let (equations, mut slips) = connect(self)?;
+        let extras = equations.extra.len();
+        let transformation = equations.eliminate()?;
+        let displacements = transformation.places.len() - extras;
+        for slip in &mut slips {
+            slip.unknown += displacements;
+        }
+        let (stiffness, mass) = assemble_elements(self, &transformation)?;
+        let (stiffness, mass) = add_lumps(self, &transformation, stiffness, &mass)?;
+        check_held(self, &transformation, &stiffness)?;
+        let structure = self.clone();
+        Ok(Assembled { structure, transformation, stiffness, mass, slips, analysis: OnceLock::new() })
+    }
+}
+
+/// Forces above this part of the largest stiffness times the motion are not rounding: the motion is held somewhere.
+const STRAINED: f64 = 1e-12;
+
+/// Unknowns of an element, ascending, and its displacements in them.
+struct Local {
+    unknowns: Vec<u32>,
+    /// For each displacement of the element: position in `unknowns` and coefficient.
+    rows: Vec<Vec<(usize, f64)>>,
+    /// Each displacement is an unknown of its own.
+    plain: bool,
+}
+
+impl Local {
+    fn new(nodes: &[usize], transformation: &Transformation) -> Self {
+        let dofs = || nodes.iter().flat_map(|&node| (0..3).map(move |axis| 3 * node + axis));
+        let mut unknowns: Vec<u32> =
+            dofs().flat_map(|dof| transformation.row(dof).iter().map(|term| term.0)).collect();
+        unknowns.sort_unstable();
+        unknowns.dedup();
+        let position = |j: u32| unknowns.binary_search(&j).expect("collected above");
+        let rows: Vec<Vec<_>> = dofs()
+            .map(|dof| transformation.row(dof).iter().map(|&(j, c)| (position(j), c)).collect())
+            .collect();
+        let plain = rows.iter().all(|row| row.len() == 1 && row[0].1 == 1.0) && unknowns.len() == rows.len();
+        Self { unknowns, rows, plain }
+    }
+
+    /// Adds Tᵀ A T of one element, where A couples the displacements for which `entry` is not none.
+    fn scatter(
+        &self,
+        into: &mut Symmetric,
+        scratch: &mut Vec<f64>,
+        entry: impl Fn(usize, usize) -> Option<f64>,
+    ) {
+        let m = self.unknowns.len();
+        let at = |p: usize| self.unknowns[p] as usize;
+        if self.plain {
+            for (a, row) in self.rows.iter().enumerate() {
+                for (b, other) in self.rows.iter().enumerate().filter(|(_, other)| other[0].0 <= row[0].0) {
+                    if let Some(value) = entry(a, b) {
+                        into.add(at(row[0].0), at(other[0].0), value);
+                    }
+                }
+            }
+            return;
+        }
+        scratch.clear();
+        scratch.resize(m * m, 0.0);
+        for (a, row) in self.rows.iter().enumerate() {
+            for (b, other) in self.rows.iter().enumerate() {
+                let Some(value) = entry(a, b) else { continue };
+                for &(p, c) in row {
+                    for &(q, d) in other {
+                        scratch[p * m + q] += c * d * value;
+                    }
+                }
+            }
+        }
+        for p in 0..m {
+            (0..=p).for_each(|q| into.add(at(p), at(q), scratch[p * m + q]));
+        }
+    }
+}
+
+/// Both matrices of all elements, on one pattern.
+fn assemble_elements(
+    structure: &Structure,
+    transformation: &Transformation,
+) -> Result<(Symmetric, Symmetric), Error> {
+    let mesh = &structure.mesh;
+    let locals: Vec<Local> = mesh.elements.iter().map(|e| Local::new(&e.nodes, transformation)).collect();
+    let mut stiffness = pattern(transformation.places.len(), &locals);
+    let mut mass = stiffness.clone();
+    let materials = structure.element_materials()?;
+    let options = (structure.formulation, structure.inertia);
+    let (mut matrices, mut positions, mut scratch) = (ElementMatrices::default(), Vec::new(), Vec::new());
+    for ((element, local), material) in mesh.elements.iter().zip(&locals).zip(&materials) {
+        positions.clear();
+        positions.extend(element.nodes.iter().map(|&node| mesh.positions[node]));
+        matrices
+            .compute(element.shape, options, material, &positions)
+            .map_err(|no_volume| no_volume.in_element(element.label))?;
+        let n = element.nodes.len();
+        local.scatter(&mut stiffness, &mut scratch, |a, b| Some(matrices.stiffness[a * 3 * n + b]));
+        local.scatter(&mut mass, &mut scratch, |a, b| {
+            (a % 3 == b % 3).then(|| matrices.mass[a / 3 * n + b / 3]).filter(|&m| m != 0.0)
+        });
+    }
+    Ok((stiffness, mass.without_zeros()))
+}
+
+/// Which unknowns meet in an element.
+fn pattern(order: usize, locals: &[Local]) -> Symmetric {
+    let mut meets: Vec<Vec<u32>> = vec![Vec::new(); order];
+    for (e, local) in locals.iter().enumerate() {
+        local.unknowns.iter().for_each(|&j| meets[j as usize].push(e as u32));
+    }
+    let mut seen = vec![u32::MAX; order];
+    Symmetric::with_pattern((0..order as u32).map(|j| {
+        let mut rows = vec![j];
+        seen[j as usize] = j;
+        for &e in &meets[j as usize] {
+            let unknowns = &locals[e as usize].unknowns;
+            for &i in &unknowns[unknowns.partition_point(|&i| i <= j)..] {
+                if seen[i as usize] != j {
+                    seen[i as usize] = j;
+                    rows.push(i);
+                }
+            }
+        }
+        rows.sort_unstable();
+        rows
+    }))
+}
+
+/// Adds masses and springs at nodes.
+fn add_lumps(
+    structure: &Structure,
+    transformation: &Transformation,
+    mut stiffness: Symmetric,
+    mass: &Symmetric,
+) -> Result<(Symmetric, Symmetric), Error> {
+    let mut mass = mass.clone();
+    for lump in &structure.lumps {
+        let nodes = structure.nodes(&format!("`{}`", lump.name), &lump.nodes)?;
+        let share = 1.0 / nodes.len().max(1) as f64;
+        let (mut k, mut m) = (BTreeMap::new(), BTreeMap::new());
+        for dof in nodes.iter().flat_map(|&node| 3 * node..3 * node + 3) {
+            let row = transformation.row(dof);
+            for &(i, c) in row {
+                for &(j, d) in row.iter().filter(|term| term.0 <= i) {
+                    *k.entry((j, i)).or_insert(0.0) += share * lump.stiffness[dof % 3] * c * d;
+                    *m.entry((j, i)).or_insert(0.0) += share * lump.mass * c * d;
+                }
+            }
+        }
+        stiffness = stiffness.plus(1.0, &Symmetric::from_entries(stiffness.order(), &k));
+        mass = mass.plus(1.0, &Symmetric::from_entries(mass.order(), &m));
+    }
+    Ok((stiffness, mass))
+}
+
+/// Names a node that no element holds.
+fn check_held(
+    structure: &Structure,
+    transformation: &Transformation,
+    stiffness: &Symmetric,
+) -> Result<(), Error> {
+    for (j, place) in transformation.places.iter().enumerate() {
+        if let Unknown::Displacement { node, .. } = place.unknown
+            && stiffness.diagonal_entry(j) == 0.0
+        {
+            return Err(Error::Node {
+                label: structure.mesh.node_labels[node],
+                finding: "no element holds it".into(),
+                remedy: "delete the node, or connect it",
+            });
+        }
+    }
+    Ok(())
+}
+
+impl Assembled {
+    /// The structure that was assembled.
+    #[must_use]
+    pub fn structure(&self) -> &Structure {
+        &self.structure
+    }
+
+    /// Number of unknowns.
+    #[must_use]
+    pub fn unknowns(&self) -> usize {
+        self.transformation.places.len()
+    }
+
+    /// Meaning of unknown `j`.
+    ///
+    /// # Panics
+    /// When there is no such unknown.
+    #[must_use]
+    pub fn unknown(&self, j: usize) -> Unknown {
+        self.transformation.places[j].unknown
+    }
+
+    /// Stiffness K_∞ with all joints slipping.
+    #[must_use]
+    pub fn slipping_stiffness(&self) -> &Symmetric {
+        &self.stiffness
+    }
+
+    /// Stiffness K_0 with all joints stuck: K_∞ and the joints' K_T on the diagonal.
+    #[must_use]
+    pub fn stuck_stiffness(&self) -> Symmetric {
+        let mut joints = vec![0.0; self.unknowns()];
+        for slip in &self.slips {
+            joints[slip.unknown] = slip.law.as_ref().map_or(0.0, |law| law.initial_stiffness());
+        }
+        self.stiffness.plus(1.0, &Symmetric::diagonal(joints))
+    }
+
+    /// Mass.
+    #[must_use]
+    pub fn mass(&self) -> &Symmetric {
+        &self.mass
+    }
+
+    /// The slips.
+    #[must_use]
+    pub fn slips(&self) -> &[SlipUnknown] {
+        &self.slips
+    }
+
+    /// Rigid motion of the whole structure: displacement along (0 to 2) or small rotation about (3 to 5) x, y or z.
+    #[must_use]
+    pub fn rigid_motion(&self, motion: usize) -> Vec<f64> {
+        self.transformation.places.iter().map(|place| place.rigid(motion, [0.0; 3])).collect()
+    }
+
+    /// Mass-normalised rigid motions that strain nothing: six of a free structure.
+    pub(crate) fn free_motions(&self) -> Vec<Vec<f64>> {
+        let mut motions: Vec<Vec<f64>> = Vec::new();
+        for motion in 0..6 {
+            let mut vector = self.rigid_motion(motion);
+            let strain = largest(&self.stiffness.times(&vector));
+            if strain > STRAINED * self.stiffness.largest() * largest(&vector) {
+                continue;
+            }
+            self.remove(&mut vector, &motions);
+            let length = self.mass.form(&vector, &vector).sqrt();
+            scale(&mut vector, 1.0 / length);
+            motions.push(vector);
+        }
+        motions
+    }
+
+    /// Takes the parts along mass-normalised motions off a vector.
+    pub(crate) fn remove(&self, from: &mut [f64], motions: &[Vec<f64>]) {
+        for motion in motions {
+            let part = self.mass.form(motion, from);
+            add_scaled(from, -part, motion);
+        }
+    }
+
+    /// Total mass.
+    #[must_use]
+    pub fn total_mass(&self) -> f64 {
+        let moved = self.rigid_motion(0);
+        self.mass.form(&moved, &moved)
+    }
+
+    /// Displacements of all nodes from the unknowns: x, y, z of the first node, then of the second, …
+    ///
+    /// # Panics
+    /// When `y` has fewer entries than there are unknowns.
+    #[must_use]
+    pub fn displacements(&self, y: &[f64]) -> Vec<f64> {
+        self.transformation.apply(y)
+    }
+
+    /// Forces on the unknowns of the total force `force` (x, y, z), shared equally by the nodes of a set.
+    ///
+    /// # Errors
+    /// [`Error::MissingSet`]; [`Error::Connection`] for an empty set; [`Error::OutOfRange`] for a force that is not finite.
+    pub fn load(&self, set: &str, force: [f64; 3]) -> Result<Vec<f64>, Error> {
+        let nodes = self.structure.nodes("a load", set)?;
+        if nodes.is_empty() {
+            let (finding, remedy) = ("the node set is empty".to_owned(), "name a set with nodes");
+            return Err(Error::Connection { name: format!("load on `{set}`"), finding, remedy });
+        }
+        let mut out = vec![0.0; self.unknowns()];
+        for (axis, component) in force.into_iter().enumerate() {
+            check("load", component, true, "must be finite")?;
+            let share = component / nodes.len() as f64;
+            for &node in nodes {
+                self.transformation.add_force(3 * node + axis, share, &mut out);
+            }
+        }
+        Ok(out)
+    }
+
+    /// Coefficients that read the mean displacement of a set along `direction` from the unknowns: what
+    /// [`load`](Self::load) does work on.
+    ///
+    /// # Errors
+    /// As [`load`](Self::load).
+    pub fn gauge(&self, set: &str, direction: [f64; 3]) -> Result<Vec<f64>, Error> {
+        self.load(set, direction)
+    }
+
+    /// K_∞ laid out for products.
+    pub(crate) fn nodal_stiffness(&self) -> NodalProduct {
+        NodalProduct::new(&self.stiffness, triples(&self.transformation.places))
+    }
+
+    /// Order of elimination for all matrices of the structure, found once.
+    pub(crate) fn analysis(&self) -> Result<&Analysis, Error> {
+        if let Some(analysis) = self.analysis.get() {
+            return Ok(analysis);
+        }
+        let sites: Vec<Site> = self.transformation.places.iter().map(|place| place.site).collect();
+        let analysis = Analysis::new(&self.stiffness, &sites)?;
+        Ok(self.analysis.get_or_init(|| analysis))
+    }
+}

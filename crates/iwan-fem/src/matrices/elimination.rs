@@ -1,0 +1,189 @@
+//! Elimination of everything that is tied: x = T y, with the slips among the unknowns y.
+//!
+//! A joint's stiffness is then an entry on the diagonal and each Iwan element acts on one scalar unknown; there are
+//! neither penalties nor multipliers, and the matrices stay symmetric and positive (semi-)definite.
+
+use super::unknowns::{Place, Unknown};
+use crate::algebra::Site;
+use crate::error::Error;
+use crate::mesh::Mesh;
+
+/// What a displacement follows: another displacement or an unknown that is no displacement of a node.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) enum Source {
+    /// Degree of freedom 3 node + axis.
+    Displacement(usize),
+    /// Index into [`Equations::extra`].
+    Extra(usize),
+}
+
+/// Linear equations for the displacements that depend on others.
+#[derive(Debug)]
+pub(crate) struct Equations<'a> {
+    mesh: &'a Mesh,
+    /// Terms of each dependent displacement.
+    rows: Vec<Option<Vec<(Source, f64)>>>,
+    /// Who made it dependent: index into `names`.
+    owners: Vec<usize>,
+    names: Vec<String>,
+    /// Unknowns that are no displacements of nodes, with their positions.
+    pub(crate) extra: Vec<(Unknown, [f64; 3])>,
+}
+
+impl<'a> Equations<'a> {
+    pub(crate) fn new(mesh: &'a Mesh) -> Self {
+        let n = 3 * mesh.positions.len();
+        Self { mesh, rows: vec![None; n], owners: vec![0; n], names: Vec::new(), extra: Vec::new() }
+    }
+
+    pub(crate) fn mesh(&self) -> &'a Mesh {
+        self.mesh
+    }
+
+    /// Whoever adds equations from now on is called `name`.
+    pub(crate) fn owner(&mut self, name: String) {
+        self.names.push(name);
+    }
+
+    /// Adds an unknown that is no displacement of a node.
+    pub(crate) fn add_extra(&mut self, unknown: Unknown, position: [f64; 3]) -> Source {
+        self.extra.push((unknown, position));
+        Source::Extra(self.extra.len() - 1)
+    }
+
+    /// Makes the displacement of a node along an axis a sum of terms; none: it is fixed.
+    pub(crate) fn set(&mut self, node: usize, axis: usize, terms: Vec<(Source, f64)>) -> Result<(), Error> {
+        let dof = 3 * node + axis;
+        let owner = self.names.len() - 1;
+        if self.rows[dof].is_some() {
+            let (first, second) = (&self.names[self.owners[dof]], &self.names[owner]);
+            return Err(Error::Node {
+                label: self.mesh.node_labels[node],
+                finding: format!("its motion along {} is given by {first} and again by {second}", AXES[axis]),
+                remedy: "take the node out of one of the two node sets",
+            });
+        }
+        self.rows[dof] = Some(terms);
+        self.owners[dof] = owner;
+        Ok(())
+    }
+
+    /// Eliminates all dependent displacements.
+    pub(crate) fn eliminate(self) -> Result<Transformation, Error> {
+        let free: Vec<usize> = (0..self.rows.len()).filter(|&dof| self.rows[dof].is_none()).collect();
+        let mut numbers = vec![0_u32; self.rows.len()];
+        free.iter().enumerate().for_each(|(number, &dof)| numbers[dof] = number as u32);
+        let nodes = self.mesh.positions.len();
+        let displacement = |&dof: &usize| Place {
+            unknown: Unknown::Displacement { node: dof / 3, axis: dof % 3 },
+            site: Site { position: self.mesh.positions[dof / 3], group: (dof / 3) as u32 },
+        };
+        let extra = |&(unknown, position): &(Unknown, [f64; 3])| {
+            let group = match unknown {
+                Unknown::Reference { joint, .. } => nodes + 2 * joint,
+                Unknown::Slip { slip } => nodes + 2 * slip + 1,
+                Unknown::Displacement { node, .. } => node,
+            };
+            Place { unknown, site: Site { position, group: group as u32 } }
+        };
+        let places: Vec<Place> = free.iter().map(displacement).chain(self.extra.iter().map(extra)).collect();
+        let mut resolver = Resolver {
+            equations: &self,
+            numbers,
+            extras_from: free.len() as u32,
+            done: Vec::new(),
+            depth: 0,
+        };
+        resolver.done.resize(self.rows.len(), None);
+        let (mut starts, mut terms) = (vec![0], Vec::new());
+        for dof in 0..self.rows.len() {
+            terms.extend(resolver.resolve(dof)?);
+            starts.push(terms.len() as u32);
+        }
+        Ok(Transformation { starts, terms, places })
+    }
+}
+
+/// Names of the axes in messages.
+pub(crate) const AXES: [&str; 3] = ["x", "y", "z"];
+
+/// Expands chains of equations.
+struct Resolver<'a> {
+    equations: &'a Equations<'a>,
+    numbers: Vec<u32>,
+    extras_from: u32,
+    done: Vec<Option<Vec<(u32, f64)>>>,
+    depth: usize,
+}
+
+/// Chains of dependence longer than this are circles.
+const LONGEST_CHAIN: usize = 64;
+
+impl Resolver<'_> {
+    fn resolve(&mut self, dof: usize) -> Result<Vec<(u32, f64)>, Error> {
+        let Some(row) = &self.equations.rows[dof] else {
+            return Ok(vec![(self.numbers[dof], 1.0)]);
+        };
+        if let Some(known) = &self.done[dof] {
+            return Ok(known.clone());
+        }
+        if self.depth > LONGEST_CHAIN {
+            return Err(Error::Node {
+                label: self.equations.mesh.node_labels[dof / 3],
+                finding: format!(
+                    "{} makes its motion depend on itself",
+                    self.equations.names[self.equations.owners[dof]]
+                ),
+                remedy: "the face and the patch of a joint must not share nodes, nor follow each other in a circle",
+            });
+        }
+        self.depth += 1;
+        let mut terms: Vec<(u32, f64)> = Vec::new();
+        for &(source, coefficient) in row {
+            match source {
+                Source::Extra(index) => terms.push((self.extras_from + index as u32, coefficient)),
+                Source::Displacement(other) => {
+                    terms.extend(self.resolve(other)?.iter().map(|&(number, c)| (number, c * coefficient)));
+                }
+            }
+        }
+        self.depth -= 1;
+        terms.sort_by_key(|term| term.0);
+        terms.dedup_by(|next, kept| {
+            let same = next.0 == kept.0;
+            if same {
+                kept.1 += next.1;
+            }
+            same
+        });
+        terms.retain(|term| term.1 != 0.0);
+        self.done[dof] = Some(terms.clone());
+        Ok(terms)
+    }
+}
+
+/// x = T y: displacements of all nodes from the unknowns.
+#[derive(Debug, Clone)]
+pub(crate) struct Transformation {
+    starts: Vec<u32>,
+    terms: Vec<(u32, f64)>,
+    pub(crate) places: Vec<Place>,
+}
+
+impl Transformation {
+    /// Unknowns and coefficients that make up the displacement 3 node + axis.
+    pub(crate) fn row(&self, dof: usize) -> &[(u32, f64)] {
+        &self.terms[self.starts[dof] as usize..self.starts[dof + 1] as usize]
+    }
+
+    /// x = T y.
+    pub(crate) fn apply(&self, y: &[f64]) -> Vec<f64> {
+        let value = |dof| self.row(dof).iter().map(|&(j, c)| c * y[j as usize]).sum();
+        (0..self.starts.len() - 1).map(value).collect()
+    }
+
+    /// Adds Tᵀ of a force on one displacement to a vector of forces on the unknowns.
+    pub(crate) fn add_force(&self, dof: usize, force: f64, out: &mut [f64]) {
+        self.row(dof).iter().for_each(|&(j, c)| out[j as usize] += c * force);
+    }
+}

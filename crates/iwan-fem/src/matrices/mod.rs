@@ -1,0 +1,11 @@
+//! From the description of a structure to its equations: stiffness and mass in unknowns that are displacements and slips.
+
+mod unknowns;
+mod elimination;
+mod joint_equations;
+mod assembly;
+
+pub use assembly::Assembled;
+pub use joint_equations::SlipUnknown;
+pub(crate) use joint_equations::inverse_of;
+pub use unknowns::Unknown;

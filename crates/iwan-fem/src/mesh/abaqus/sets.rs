@@ -1,0 +1,154 @@
+//! `*NSET`, `*ELSET` and the sets named by `*NODE` and `*ELEMENT`.
+
+use std::collections::BTreeMap;
+
+use super::super::error::MeshError;
+use super::super::file::{FileBytes, quote};
+use super::super::labels::Labels;
+use super::super::sets::{Sets, TooLarge};
+use super::super::topology::Mesh;
+use super::definition::{Definition, Item, SetKind};
+use super::fields::whole;
+use super::keyword::{Keyword, label};
+use super::lines::Lines;
+use super::reader::Reader;
+
+impl Reader {
+    /// Reads `*NSET` or `*ELSET`.
+    pub(super) fn set(
+        &mut self,
+        lines: &mut Lines,
+        keyword: &Keyword,
+        kind: SetKind,
+    ) -> Result<(), MeshError> {
+        let own = if kind == SetKind::Nodes { "NSET" } else { "ELSET" };
+        keyword.only(lines.source, &["NSET", "ELSET", "GENERATE", "UNSORTED", "INSTANCE", "INTERNAL"])?;
+        let name = keyword.required(lines.source, own)?.to_string();
+        let mut items = Vec::new();
+        if kind == SetKind::Nodes
+            && let Some(elements) = keyword.value("ELSET")
+        {
+            items.push(Item::NodesOf(elements.into()));
+        }
+        while let Some(line) = lines.next_data() {
+            if keyword.has("GENERATE") {
+                let mut fields = line.fields().filter(|f| !f.is_empty());
+                let mut number = |what| whole(lines.source, &line, fields.next().unwrap_or_default(), what);
+                let (first, last) = (number("the first number")?, number("the last number")?);
+                let step = fields.next().map_or(Ok(1), |f| whole(lines.source, &line, f, "the step"))?;
+                items.push(Item::Range { first, last, step });
+                continue;
+            }
+            for field in line.fields().filter(|f| !f.is_empty()) {
+                items.push(match field[0] {
+                    b'0'..=b'9' => Item::Number(whole(lines.source, &line, field, "a member of the set")?),
+                    _ => Item::Set(label(field)),
+                });
+            }
+        }
+        self.definitions.push(Definition { kind, name, line: keyword.line, items });
+        Ok(())
+    }
+}
+
+/// The sets of one kind while they are filled.
+struct Filling<'a> {
+    labels: &'a Labels,
+    sets: Sets,
+    /// First spelling of each name by its capitals: Abaqus does not tell capitals from small letters.
+    spelling: BTreeMap<String, String>,
+}
+
+impl<'a> Filling<'a> {
+    fn new(labels: &'a Labels, length: usize) -> Self {
+        Self { labels, sets: Sets::new(length), spelling: BTreeMap::new() }
+    }
+
+    fn members(&self, name: &str) -> Option<&[usize]> {
+        self.sets.get(self.spelling.get(&name.to_uppercase())?)
+    }
+}
+
+/// Fills the sets of the mesh in the order of the file.
+pub(super) fn resolve(
+    source: FileBytes,
+    mesh: &mut Mesh,
+    definitions: &[Definition],
+    nodes: &Labels,
+    elements: &Labels,
+) -> Result<(), MeshError> {
+    let length = source.bytes.len();
+    let (mut node_sets, mut element_sets) = (Filling::new(nodes, length), Filling::new(elements, length));
+    for definition in definitions {
+        let (own, other) = match definition.kind {
+            SetKind::Nodes => (&mut node_sets, Some(&element_sets)),
+            SetKind::Elements => (&mut element_sets, None),
+        };
+        let name =
+            own.spelling.entry(definition.name.to_uppercase()).or_insert(definition.name.clone()).clone();
+        own.sets.extend(&name, std::iter::empty()).map_err(|limit| too_large(source, definition, limit))?;
+        for item in &definition.items {
+            let members = members(source, mesh, definition, item, own, other)?;
+            own.sets
+                .extend(&name, members.into_iter())
+                .map_err(|limit| too_large(source, definition, limit))?;
+        }
+    }
+    mesh.node_sets = node_sets.sets.finish();
+    mesh.element_sets = element_sets.sets.finish();
+    Ok(())
+}
+
+/// Indices of what one item names.
+fn members(
+    source: FileBytes,
+    mesh: &Mesh,
+    definition: &Definition,
+    item: &Item,
+    own: &Filling,
+    other: Option<&Filling>,
+) -> Result<Vec<usize>, MeshError> {
+    let word = definition.kind.word();
+    let fail = |found: String, expected: &str| {
+        let place = format!("line {}, {word} set {}", definition.line, quote(definition.name.as_bytes(), 40));
+        source.malformed(place, found, expected)
+    };
+    match item {
+        Item::Number(number) => match own.labels.index(*number) {
+            Some(index) => Ok(vec![index]),
+            None => Err(fail(format!("{word} {number}"), &format!("the number of an {word} of this file"))),
+        },
+        Item::Range { first, last, .. } if last < first => {
+            Err(fail(format!("the range {first} to {last}"), "first <= last"))
+        }
+        Item::Range { first, last, step } => Ok(own.labels.range(*first, *last, *step).collect()),
+        Item::Set(name) => match own.members(name) {
+            Some(members) => Ok(members.to_vec()),
+            None => Err(fail(format!("the name {name:?}"), &format!("a {word} set defined above"))),
+        },
+        Item::NodesOf(name) => match other.and_then(|other| other.members(name)) {
+            Some(elements) => Ok(nodes_of(mesh, elements)),
+            None => Err(fail(format!("ELSET={name}"), "an element set defined above")),
+        },
+    }
+}
+
+/// The nodes of some elements, ascending, each once.
+fn nodes_of(mesh: &Mesh, elements: &[usize]) -> Vec<usize> {
+    let mut elements = elements.to_vec();
+    elements.sort_unstable();
+    elements.dedup();
+    let mut nodes: Vec<usize> = elements.iter().flat_map(|e| &mesh.elements[*e].nodes).copied().collect();
+    nodes.sort_unstable();
+    nodes.dedup();
+    nodes
+}
+
+fn too_large(source: FileBytes, definition: &Definition, TooLarge { limit }: TooLarge) -> MeshError {
+    let found = format!(
+        "more than {limit} entries in all {} sets together, at {},",
+        definition.kind.word(),
+        quote(definition.name.as_bytes(), 40)
+    );
+    source.unsupported(format!("line {}", definition.line), found, "write fewer sets of sets")
+}

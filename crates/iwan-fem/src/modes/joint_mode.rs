@@ -1,0 +1,49 @@
+//! What joints do to a mode: the stuck mode, its slipping counterpart, and the stiffness between them.
+
+use super::linear::Modes;
+use crate::algebra::dot;
+use crate::matrices::Assembled;
+
+/// A stuck mode and the slipping mode that resembles it most.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct JointMode {
+    /// Index of the stuck mode.
+    pub stuck: usize,
+    /// Index of the slipping mode.
+    pub slipping: usize,
+    /// Their modal assurance criterion, 1 = same shape.
+    pub mac: f64,
+    /// Modal joint stiffness K_T = ω0² - ω∞², 1/s²; negative where slipping only frees inertia.
+    pub k_t: f64,
+}
+
+impl Assembled {
+    /// Modal assurance criterion of two modes' shapes (R. J. Allemang and D. L. Brown, IMAC 1982): 1 = same shape.
+    ///
+    /// # Panics
+    /// When a mode belongs to another structure or does not exist.
+    #[must_use]
+    pub fn mac(&self, (first, i): (&Modes, usize), (second, j): (&Modes, usize)) -> f64 {
+        let (a, b) = (self.displacements(first.shape(i)), self.displacements(second.shape(j)));
+        dot(&a, &b).powi(2) / (dot(&a, &a) * dot(&b, &b))
+    }
+
+    /// For each elastic stuck mode the slipping mode that resembles it most, and K_T = ω0² - ω∞².
+    ///
+    /// # Panics
+    /// When a mode belongs to another structure.
+    #[must_use]
+    pub fn joint_modes(&self, stuck: &Modes, slipping: &Modes) -> Vec<JointMode> {
+        let shapes = |modes: &Modes| -> Vec<Vec<f64>> {
+            (0..modes.len()).map(|i| self.displacements(modes.shape(i))).collect()
+        };
+        let (a, b) = (shapes(stuck), shapes(slipping));
+        let mac = |i: usize, j: usize| dot(&a[i], &b[j]).powi(2) / (dot(&a[i], &a[i]) * dot(&b[j], &b[j]));
+        let best = |i: usize| {
+            let candidates = (slipping.zero_modes()..slipping.len()).map(|j| (j, mac(i, j)));
+            let (j, mac) = candidates.max_by(|x, y| x.1.total_cmp(&y.1))?;
+            Some(JointMode { stuck: i, slipping: j, mac, k_t: stuck.eigenvalue(i) - slipping.eigenvalue(j) })
+        };
+        (stuck.zero_modes()..stuck.len()).filter_map(best).collect()
+    }
+}

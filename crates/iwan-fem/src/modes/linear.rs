@@ -1,0 +1,162 @@
+//! Linear modes with all joints stuck or slipping.
+
+use std::f64::consts::PI;
+use std::ops::ControlFlow;
+
+use crate::algebra::{Cholesky, Pairs, Problem, Symmetric};
+use crate::error::Error;
+use crate::matrices::Assembled;
+use crate::progress::Progress;
+
+/// What the joints do while a structure vibrates linearly.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Limit {
+    /// All sliders stick: K_0 = K_∞ + K_T, the limit of small amplitudes.
+    Stuck,
+    /// All sliders slip: K_∞, the limit of large amplitudes.
+    Slipping,
+}
+
+/// Mass-normalised modes, by ascending frequency, zero modes first.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Modes {
+    limit: Limit,
+    pairs: Pairs,
+    unknowns: usize,
+    zero: usize,
+}
+
+/// The shift as part of the squared first axial frequency of a free bar across the structure: hardly above the first
+/// elastic mode, as the search loses a digit for each that an eigenvalue lies above the shift.
+const SHIFT: f64 = 1e-3;
+/// Zero modes have eigenvalues below this part of the shift: far below elastic modes, yet far above what rounding leaves.
+const ZERO: f64 = 1e-4;
+
+impl Assembled {
+    /// σ > 0 for which K + σM is positive definite and well conditioned, 1/s².
+    pub(crate) fn shift(&self) -> f64 {
+        let structure = self.structure();
+        let speed = structure
+            .materials
+            .iter()
+            .map(|(_, m)| m)
+            .chain([&structure.material])
+            .map(|m| m.young() / m.density())
+            .fold(0.0, f64::max);
+        let extent = |axis: usize| {
+            let range = structure.mesh.positions.iter().map(|p| p[axis]);
+            range.clone().fold(f64::NEG_INFINITY, f64::max) - range.fold(f64::INFINITY, f64::min)
+        };
+        let square: f64 = (0..3).map(|axis| extent(axis).powi(2)).sum();
+        SHIFT * PI * PI * speed / square
+    }
+
+    /// Stiffness in one of the two limits.
+    #[must_use]
+    pub fn stiffness(&self, limit: Limit) -> Symmetric {
+        match limit {
+            Limit::Stuck => self.stuck_stiffness(),
+            Limit::Slipping => self.slipping_stiffness().clone(),
+        }
+    }
+
+    /// The lowest `count` modes, zero modes included; none is missed, repeated ones included.
+    ///
+    /// # Errors
+    /// [`Error::Analysis`] for a count out of range, or when a factorisation fails its probe.
+    ///
+    /// ```
+    /// use iwan_fem::{Limit, mesh::beam::Configuration, paper};
+    /// let modes = paper::structure(Configuration::A, 1)?.assemble()?.modes(Limit::Stuck, 7)?;
+    /// assert_eq!(modes.zero_modes(), 6);
+    /// assert!((modes.frequency(6) - 132.3509).abs() < 1e-3); // first bending mode, Hz
+    /// # Ok::<(), iwan_fem::Error>(())
+    /// ```
+    pub fn modes(&self, limit: Limit, count: usize) -> Result<Modes, Error> {
+        self.modes_observed(limit, count, &mut |_| ControlFlow::Continue(()))
+    }
+
+    /// [`modes`](Self::modes) with a progress report, by what the search usually takes, that may break it off. A
+    /// factorisation is not broken off.
+    ///
+    /// # Errors
+    /// As [`modes`](Self::modes), and [`Error::Interrupted`].
+    pub fn modes_observed(&self, limit: Limit, count: usize, progress: Progress<'_>) -> Result<Modes, Error> {
+        self.modes_and_factor(limit, count, progress).map(|(modes, _)| modes)
+    }
+
+    /// K + σM, factored.
+    pub(crate) fn shifted_factor(&self, limit: Limit) -> Result<Cholesky, Error> {
+        let (stiffness, analysis) = (self.stiffness(limit), self.analysis()?);
+        Problem { stiffness: &stiffness, mass: self.mass(), shift: self.shift(), analysis }.factor()
+    }
+
+    /// The modes and the factor of K + σM that led to them.
+    pub(crate) fn modes_and_factor(
+        &self,
+        limit: Limit,
+        count: usize,
+        progress: Progress<'_>,
+    ) -> Result<(Modes, Cholesky), Error> {
+        let (stiffness, analysis) = (self.stiffness(limit), self.analysis()?);
+        let shift = self.shift();
+        let problem = Problem { stiffness: &stiffness, mass: self.mass(), shift, analysis };
+        let factor = problem.factor()?;
+        let pairs = problem.lowest(count, &factor, progress)?;
+        let zero = pairs.values.iter().filter(|value| **value < ZERO * shift).count();
+        Ok((Modes { limit, pairs, unknowns: self.unknowns(), zero }, factor))
+    }
+}
+
+impl Modes {
+    /// Number of modes.
+    #[must_use]
+    pub fn len(&self) -> usize {
+        self.pairs.values.len()
+    }
+
+    /// Never true: there is at least one mode.
+    #[must_use]
+    pub fn is_empty(&self) -> bool {
+        self.len() == 0
+    }
+
+    /// Whether the joints stick or slip.
+    #[must_use]
+    pub fn limit(&self) -> Limit {
+        self.limit
+    }
+
+    /// Number of zero modes: rigid motions, and sliding without stiffness.
+    #[must_use]
+    pub fn zero_modes(&self) -> usize {
+        self.zero
+    }
+
+    /// ω² of mode `index`, 1/s²; zero modes carry what rounding leaves.
+    ///
+    /// # Panics
+    /// When there is no such mode; so do the other accessors.
+    #[must_use]
+    pub fn eigenvalue(&self, index: usize) -> f64 {
+        self.pairs.values[index]
+    }
+
+    /// Frequency of mode `index`, Hz; 0 for zero modes.
+    #[must_use]
+    pub fn frequency(&self, index: usize) -> f64 {
+        if index < self.zero { 0.0 } else { self.eigenvalue(index).sqrt() / (2.0 * PI) }
+    }
+
+    /// All frequencies, Hz, ascending.
+    #[must_use]
+    pub fn frequencies(&self) -> Vec<f64> {
+        (0..self.len()).map(|i| self.frequency(i)).collect()
+    }
+
+    /// Mass-normalised shape of mode `index` in the unknowns.
+    #[must_use]
+    pub fn shape(&self, index: usize) -> &[f64] {
+        &self.pairs.vectors[index * self.unknowns..(index + 1) * self.unknowns]
+    }
+}

@@ -1,0 +1,157 @@
+//! The elastic modes of a structure by name, with all joints stuck and with all slipping.
+
+use std::collections::BTreeMap;
+use std::ops::ControlFlow;
+
+use super::class::Class;
+use super::joint_mode::JointMode;
+use super::linear::{Limit, Modes};
+use crate::error::Error;
+use crate::matrices::Assembled;
+use crate::progress::{Progress, part};
+use crate::structure::Structure;
+
+/// Rigid motions of a free structure.
+const RIGID: usize = 6;
+/// Bending modes that [`NamedModes::first_bending`] takes.
+const FIRST: usize = 3;
+/// Shapes less alike than this are not the same mode.
+const ALIKE: f64 = 0.9;
+
+/// An elastic mode.
+#[derive(Debug, Clone, PartialEq)]
+pub struct NamedMode {
+    /// Kind of motion and number among its kind, such as `bending 1`.
+    pub name: String,
+    /// Kind of motion.
+    pub class: Class,
+    /// The stuck mode and its slipping counterpart.
+    pub pair: JointMode,
+}
+
+/// A structure with its modes in both limits.
+///
+/// ```
+/// use iwan_fem::{NamedModes, mesh::beam::Configuration, paper};
+/// let modes = NamedModes::new(&paper::structure(Configuration::A, 1)?, 4)?;
+/// let mode = modes.named("bending-1")?;
+/// assert!((modes.frequency_stuck(mode) - 132.3509).abs() < 1e-3); // Hz
+/// assert!((modes.frequency_slipping(mode) - 127.7660).abs() < 1e-3);
+/// # Ok::<(), iwan_fem::Error>(())
+/// ```
+#[derive(Debug, Clone)]
+pub struct NamedModes {
+    /// The matrices.
+    pub assembled: Assembled,
+    /// Modes with all joints stuck.
+    pub stuck: Modes,
+    /// Modes with all joints slipping.
+    pub slipping: Modes,
+    /// The elastic stuck modes, ascending.
+    pub elastic: Vec<NamedMode>,
+}
+
+impl NamedModes {
+    /// Elastic modes among which the command line and the Python package look names up.
+    pub const LOOKED_UP: usize = 40;
+
+    /// Computes at least `count` elastic modes in both limits, where there are as many, and names the first `count`.
+    ///
+    /// # Errors
+    /// As [`Structure::assemble`] and [`Assembled::modes`].
+    pub fn new(structure: &Structure, count: usize) -> Result<Self, Error> {
+        Self::observed(structure, count, &mut |_| ControlFlow::Continue(()))
+    }
+
+    /// [`new`](Self::new) with a progress report that may break it off.
+    ///
+    /// # Errors
+    /// As [`new`](Self::new), and [`Error::Interrupted`].
+    pub fn observed(structure: &Structure, count: usize, progress: Progress<'_>) -> Result<Self, Error> {
+        let assembled = structure.assemble()?;
+        let most = assembled.unknowns();
+        let wanted = count.saturating_add(RIGID).min(most);
+        let stuck = assembled.modes_observed(Limit::Stuck, wanted, &mut part(progress, [0.0, 0.5]))?;
+        let wanted = count.saturating_add(RIGID + assembled.slips().len()).min(most);
+        let slipping = assembled.modes_observed(Limit::Slipping, wanted, &mut part(progress, [0.5, 1.0]))?;
+        let mut elastic = elastic(&assembled, &stuck, &slipping);
+        elastic.truncate(count);
+        Ok(Self { assembled, stuck, slipping, elastic })
+    }
+
+    /// Frequency of a stuck mode, Hz.
+    #[must_use]
+    pub fn frequency_stuck(&self, mode: &NamedMode) -> f64 {
+        self.stuck.frequency(mode.pair.stuck)
+    }
+
+    /// Frequency of its slipping counterpart, Hz.
+    #[must_use]
+    pub fn frequency_slipping(&self, mode: &NamedMode) -> f64 {
+        self.slipping.frequency(mode.pair.slipping)
+    }
+
+    /// The mode of this name; hyphens may stand for blanks.
+    ///
+    /// # Errors
+    /// [`Error::MissingMode`] with the names there are.
+    pub fn named(&self, name: &str) -> Result<&NamedMode, Error> {
+        let wanted = name.replace('-', " ");
+        self.elastic.iter().find(|mode| mode.name == wanted).ok_or_else(|| {
+            let known: Vec<_> = self.elastic.iter().map(|mode| mode.name.as_str()).collect();
+            Error::MissingMode { name: name.to_owned(), known: known.join(", ") }
+        })
+    }
+
+    /// The first three bending modes, or the first three of all where nothing bends.
+    #[must_use]
+    pub fn first_bending(&self) -> Vec<NamedMode> {
+        let bending = self.elastic.iter().filter(|mode| mode.class == Class::Bending);
+        let bending: Vec<NamedMode> = bending.take(FIRST).cloned().collect();
+        if bending.is_empty() { self.elastic.iter().take(FIRST).cloned().collect() } else { bending }
+    }
+
+    /// The modes of these names, or the first bending modes where there is no name.
+    ///
+    /// # Errors
+    /// As [`named`](Self::named).
+    pub fn chosen(&self, names: &[String]) -> Result<Vec<NamedMode>, Error> {
+        if names.is_empty() {
+            return Ok(self.first_bending());
+        }
+        names.iter().map(|name| self.named(name).cloned()).collect()
+    }
+
+    /// What the user should know about the modes.
+    #[must_use]
+    pub fn warnings(&self) -> Vec<String> {
+        let mut warnings = Vec::new();
+        let zero = self.stuck.zero_modes();
+        if zero > RIGID {
+            warnings.push(format!(
+                "{zero} zero modes with all joints stuck, {RIGID} are rigid motions: parts can move freely; check ties, joints and \
+                 the directions of their slips"
+            ));
+        }
+        let unlike = self.elastic.iter().filter(|m| m.class == Class::Bending && m.pair.mac < ALIKE);
+        warnings.extend(unlike.map(|m| {
+            format!(
+                "{}: the slipping mode most like it has a MAC of {:.3}: its K_T has little meaning",
+                m.name, m.pair.mac
+            )
+        }));
+        warnings
+    }
+}
+
+fn elastic(assembled: &Assembled, stuck: &Modes, slipping: &Modes) -> Vec<NamedMode> {
+    let mut counts: BTreeMap<&str, usize> = BTreeMap::new();
+    let pairs = assembled.joint_modes(stuck, slipping);
+    let named = |pair: JointMode| {
+        let class = assembled.classify(stuck, pair.stuck);
+        let count = counts.entry(class.word()).or_default();
+        *count += 1;
+        NamedMode { name: format!("{} {count}", class.word()), class, pair }
+    };
+    pairs.into_iter().map(named).collect()
+}

@@ -1,0 +1,11 @@
+//! What the user describes: a mesh, materials, bolted interfaces, supports, masses and springs; and whether that can be
+//! computed with.
+
+mod interface;
+mod description;
+
+pub mod check;
+pub mod paper;
+
+pub use description::{Lump, Structure, Support};
+pub use interface::{Interface, Joint, Law, Patch, Slip};

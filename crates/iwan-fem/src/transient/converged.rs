@@ -1,0 +1,87 @@
+//! Reduced transients whose basis grows until it no longer matters.
+
+use std::ops::ControlFlow;
+
+use super::reduction::{Basis, Reduced};
+use super::response::{History, StructureResponse};
+use super::task::Transient;
+use crate::error::{Error, check};
+use crate::matrices::Assembled;
+use crate::progress::{Progress, part};
+
+/// A reduced response with an estimate of what the reduction costs.
+#[derive(Debug, Clone)]
+pub struct Converged<'a> {
+    /// The model with the largest basis.
+    pub reduced: Reduced<'a>,
+    /// Its response.
+    pub response: StructureResponse,
+    /// Estimated error: twice the largest difference, over the outputs, between this response and that of half as many
+    /// modes (root mean square of the accelerations' difference over that of the accelerations).
+    pub error: f64,
+    /// Whether `error` reached the tolerance.
+    pub converged: bool,
+}
+
+/// Modes in the smallest basis tried.
+const FIRST: usize = 25;
+/// Modes in the largest.
+const LAST: usize = 400;
+
+impl Assembled {
+    /// Integrates reduced models with 25, 50, 100, … modes until the estimated error of the outputs' accelerations is below
+    /// `tolerance` (relative root mean square), with at most 400 modes.
+    ///
+    /// # Errors
+    /// As [`Reduced::transient`](crate::Reduced::transient); [`Error::Analysis`] without outputs, as they are what is compared.
+    pub fn reduced_transient(&self, task: &Transient<'_>, tolerance: f64) -> Result<Converged<'_>, Error> {
+        self.reduced_transient_observed(task, tolerance, &mut |_| ControlFlow::Continue(()))
+    }
+
+    /// [`reduced_transient`](Self::reduced_transient) with a progress report that may break it off: each basis takes
+    /// half of what is left.
+    ///
+    /// # Errors
+    /// As [`reduced_transient`](Self::reduced_transient), and [`Error::Interrupted`].
+    pub fn reduced_transient_observed(
+        &self,
+        task: &Transient<'_>,
+        tolerance: f64,
+        progress: Progress<'_>,
+    ) -> Result<Converged<'_>, Error> {
+        check("tolerance", tolerance, tolerance > 0.0, "must be a finite number > 0")?;
+        if task.outputs.is_empty() {
+            let (finding, remedy) =
+                ("there are no outputs to compare".to_owned(), "ask for at least one output");
+            return Err(Error::Analysis { analysis: "reduced transient", finding, remedy });
+        }
+        let most = LAST.min(self.unknowns());
+        let mut modes = FIRST.min(most);
+        let mut respond = |modes: usize, done: f64| -> Result<_, Error> {
+            let ends = [0.5, 1.0].map(|half: f64| done + 0.5 * half * (1.0 - done));
+            let reduced =
+                self.reduce_observed(modes, Basis::default(), &mut part(progress, [done, ends[0]]))?;
+            let response = reduced.transient_observed(task, &mut part(progress, ends))?;
+            Ok((reduced, response, ends[1]))
+        };
+        let (_, mut response, mut done) = respond(modes, 0.0)?;
+        loop {
+            let next = (2 * modes).min(most);
+            let (reduced, larger, end) = respond(next, done)?;
+            let pairs = larger.outputs.iter().zip(&response.outputs);
+            let error = pairs.map(|(fine, coarse)| 2.0 * distance(coarse, fine)).fold(0.0, f64::max);
+            (response, modes, done) = (larger, next, end);
+            if error <= tolerance || modes == most {
+                return Ok(Converged { reduced, response, error, converged: error <= tolerance });
+            }
+        }
+    }
+}
+
+/// Root mean square of the difference of accelerations over that of the reference; 0 for two that do not move.
+fn distance(history: &History, reference: &History) -> f64 {
+    let pairs = history.acceleration.iter().zip(&reference.acceleration);
+    let difference: f64 = pairs.map(|(a, b)| (a - b).powi(2)).sum();
+    let size: f64 = reference.acceleration.iter().map(|a| a * a).sum();
+    if size > 0.0 { (difference / size).sqrt() } else { 0.0 }
+}

@@ -1,0 +1,187 @@
+//! What a transient gives: histories, slips, the balance of energy; and how they are recorded step by step.
+
+use iwan_core::EnergyBalance;
+
+use super::joint_states::Joints;
+use super::slip_solver::SlipSolver;
+use super::task::Transient;
+use crate::error::Error;
+use crate::matrices::Assembled;
+
+/// A time history of displacement and its derivatives, one sample per step.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct History {
+    /// Name of the output.
+    pub name: String,
+    /// Displacement (modal: mass^½·length).
+    pub displacement: Vec<f64>,
+    /// Velocity.
+    pub velocity: Vec<f64>,
+    /// Acceleration.
+    pub acceleration: Vec<f64>,
+}
+
+/// Slip and force of a joint, one sample per step.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct SlipHistory {
+    /// Name of the slip.
+    pub name: String,
+    /// Slip.
+    pub slip: Vec<f64>,
+    /// Joint force.
+    pub force: Vec<f64>,
+    /// Largest |slip| over the strength φ_max of the strongest slider; 0 for a free slip.
+    pub slip_ratio: f64,
+}
+
+/// Response of a structure with discrete joints.
+#[derive(Debug, Clone, PartialEq)]
+pub struct StructureResponse {
+    /// Time step, s.
+    pub dt: f64,
+    /// The outputs asked for.
+    pub outputs: Vec<History>,
+    /// All slips.
+    pub slips: Vec<SlipHistory>,
+    /// Energy balance over the whole run: input = kinetic + elastic + stored + viscous +
+    /// friction + residual.
+    pub energy: EnergyBalance,
+    /// Bound on the joint forces' error from loops forgotten for want of memory; 0 = exact.
+    pub forgotten_force: f64,
+    /// Wall-clock time of the stepping alone, s.
+    pub seconds: f64,
+}
+
+/// Steps between two calls of the observer.
+pub(crate) const OBSERVED: usize = 256;
+
+/// What is stored in a structure besides the springs of its joints.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Energies {
+    pub(crate) kinetic: f64,
+    pub(crate) elastic: f64,
+}
+
+/// Records outputs, slips and works while a response is computed.
+pub(crate) struct Recorder {
+    outputs: Vec<History>,
+    slips: Vec<SlipHistory>,
+    dt: f64,
+    input: f64,
+    viscous: f64,
+    joint_work: f64,
+}
+
+impl Recorder {
+    pub(crate) fn new(task: &Transient<'_>, slips: impl Iterator<Item = String>) -> Self {
+        let room = || Vec::with_capacity(task.steps + 1);
+        let outputs = task.outputs.iter().map(|output| History {
+            name: output.name.clone(),
+            displacement: room(),
+            velocity: room(),
+            acceleration: room(),
+        });
+        let slips = slips.map(|name| SlipHistory { name, slip: room(), force: room(), slip_ratio: 0.0 });
+        Self {
+            outputs: outputs.collect(),
+            slips: slips.collect(),
+            dt: task.dt,
+            input: 0.0,
+            viscous: 0.0,
+            joint_work: 0.0,
+        }
+    }
+
+    /// First sample of output `i`.
+    pub(crate) fn begin(&mut self, i: usize, velocity: f64, acceleration: f64) {
+        let history = &mut self.outputs[i];
+        history.displacement.push(0.0);
+        history.velocity.push(velocity);
+        history.acceleration.push(acceleration);
+    }
+
+    /// Next sample of output `i`: displacement and velocity follow from the accelerations by the scheme's own rule.
+    #[inline]
+    pub(crate) fn output(&mut self, i: usize, acceleration: f64) {
+        let (h, history) = (self.dt, &mut self.outputs[i]);
+        let last = history.acceleration.len() - 1;
+        let (x, v, a) = (history.displacement[last], history.velocity[last], history.acceleration[last]);
+        let mean = 0.5 * h * (a + acceleration);
+        history.displacement.push(x + h * (v + 0.5 * mean));
+        history.velocity.push(v + mean);
+        history.acceleration.push(acceleration);
+    }
+
+    /// Next sample of all slips, with the joints' work since the last one.
+    #[inline]
+    pub(crate) fn slips(&mut self, solver: &SlipSolver) {
+        for (i, history) in self.slips.iter_mut().enumerate() {
+            let force = solver.forces()[i];
+            let before = history.force.last().copied().unwrap_or(0.0);
+            self.joint_work += 0.5 * (before + force) * solver.increments()[i];
+            history.slip.push(solver.slips()[i]);
+            history.force.push(force);
+        }
+    }
+
+    /// Adds work of the applied force.
+    #[inline]
+    pub(crate) fn work(&mut self, work: f64) {
+        self.input += work;
+    }
+
+    /// Adds energy lost in viscous damping.
+    #[inline]
+    pub(crate) fn viscous(&mut self, lost: f64) {
+        self.viscous += lost;
+    }
+
+    /// Completes the response from kinetic and elastic energy at both ends.
+    pub(crate) fn finish(
+        mut self,
+        joints: &mut Joints<'_>,
+        strongest: impl Iterator<Item = f64>,
+        [start, end]: [Energies; 2],
+        seconds: f64,
+    ) -> Result<StructureResponse, Error> {
+        for (history, strongest) in self.slips.iter_mut().zip(strongest) {
+            history.slip_ratio = history.slip.iter().fold(0.0_f64, |m, s| m.max(s.abs())) / strongest;
+        }
+        let stored = joints.stored_energy();
+        let gained = (end.kinetic - start.kinetic) + (end.elastic - start.elastic);
+        let residual = self.input - gained - self.joint_work - self.viscous;
+        let initial = start.kinetic + start.elastic;
+        let energy = EnergyBalance {
+            initial,
+            input: self.input,
+            kinetic: end.kinetic,
+            elastic: end.elastic,
+            stored,
+            viscous: self.viscous,
+            friction: self.joint_work - stored,
+            residual,
+            scale: initial.abs().max(self.input.abs()).max(end.kinetic),
+        };
+        if !(energy.residual.is_finite() && energy.scale.is_finite()) {
+            let (finding, remedy) =
+                ("the response is not finite".to_owned(), "shorten the time step or lower the load");
+            return Err(Error::Analysis { analysis: "transient", finding, remedy });
+        }
+        let (dt, forgotten_force) = (self.dt, joints.forgotten());
+        Ok(StructureResponse {
+            dt,
+            outputs: self.outputs,
+            slips: self.slips,
+            energy,
+            forgotten_force,
+            seconds,
+        })
+    }
+}
+
+impl Assembled {
+    /// Strength of the strongest slider of each slip; infinite without a law.
+    pub(crate) fn strongest(&self) -> impl Iterator<Item = f64> + '_ {
+        self.slips().iter().map(|slip| slip.law.as_ref().map_or(f64::INFINITY, |law| law.strengths().1))
+    }
+}

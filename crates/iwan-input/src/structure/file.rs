@@ -1,0 +1,76 @@
+//! A structure file, all of it.
+
+use std::path::Path;
+
+use iwan_fem::Structure;
+
+use super::ends::{self, Load, Output};
+use super::{joints, materials, meshes, sets};
+use crate::error::InputError;
+use crate::section::Section;
+use crate::text::InputText;
+
+/// JSON Schema (draft 2020-12) of structure files.
+pub const STRUCTURE_SCHEMA: &str = include_str!("../../schema/structure.schema.json");
+
+/// Keys at the top of a structure file.
+pub(super) const KEYS: &[&str] =
+    &["title", "mesh", "set", "elements", "material", "joint", "tie", "support", "lump", "load", "output"];
+
+/// A structure file, read and checked.
+#[derive(Debug, Clone)]
+pub struct StructureFile {
+    /// Title for reports.
+    pub title: Option<String>,
+    /// Mesh, materials and what connects the parts.
+    pub structure: Structure,
+    /// Where the force of a scenario acts.
+    pub loads: Vec<Load>,
+    /// Points whose motion is wanted.
+    pub outputs: Vec<Output>,
+    /// What the user should know: remarks of the mesh reader and of the check.
+    pub notes: Vec<String>,
+}
+
+impl StructureFile {
+    /// Reads a structure file; paths in it are relative to its folder.
+    ///
+    /// # Errors
+    /// [`InputError`] for what cannot be read, for values out of range with file, line and key, for files of meshes, and
+    /// for every defect that [`Structure::check`] finds.
+    pub fn load(path: impl AsRef<Path>) -> Result<Self, InputError> {
+        Self::read(&InputText::read(path.as_ref(), "structure", "paper-a")?)
+    }
+
+    /// The same from a text.
+    ///
+    /// # Errors
+    /// As [`load`](Self::load).
+    ///
+    /// ```
+    /// use iwan_input::{BUILT_IN_STRUCTURES, InputText, StructureFile};
+    /// let (name, _, text) = BUILT_IN_STRUCTURES[0];
+    /// let file = StructureFile::read(&InputText::built_in(name, text))?;
+    /// assert_eq!(file.structure.mesh.positions.len(), 1554);
+    /// # Ok::<(), iwan_input::InputError>(())
+    /// ```
+    pub fn read(source: &InputText) -> Result<Self, InputError> {
+        let document = source.document("paper-a")?;
+        let top = Section::new(source, "the structure", document.top(), KEYS)?;
+        let (mut mesh, mut notes) = meshes::read(source, &top)?;
+        sets::read(source, &top, &mut mesh)?;
+        let mut structure = materials::read(source, &top, mesh)?;
+        structure.joints = joints::read(source, &top, &structure.mesh)?;
+        structure.supports = ends::supports(source, &top, &structure.mesh)?;
+        structure.lumps = ends::lumps(source, &top, &structure.mesh)?;
+        let loads = ends::loads(source, &top, &structure.mesh)?;
+        let outputs = ends::outputs(source, &top, &structure.mesh)?;
+        let findings = structure.check();
+        if let Some(message) = findings.message() {
+            let message = format!("{}: the structure cannot be computed with:\n{message}", source.name);
+            return Err(InputError::new(message, "mend the mesh, or the joints in this file, as said above"));
+        }
+        notes.extend(findings.remarks.iter().map(ToString::to_string));
+        Ok(Self { title: top.optional_text("title")?, structure, loads, outputs, notes })
+    }
+}

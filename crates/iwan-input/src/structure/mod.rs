@@ -1,0 +1,20 @@
+//! Structure files: mesh, materials, joints and ties, supports, loads and outputs.
+
+mod sets;
+mod meshes;
+mod materials;
+mod ends;
+mod joints;
+mod built_in;
+mod file;
+mod run;
+
+#[cfg(test)]
+mod schema_tests;
+#[cfg(test)]
+mod tests;
+
+pub use built_in::{BUILT_IN_STRUCTURES, built_in_structure};
+pub use ends::{Load, Output};
+pub use file::{STRUCTURE_SCHEMA, StructureFile};
+pub use run::{RunError, StructureTask};
