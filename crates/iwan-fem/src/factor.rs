@@ -13,6 +13,7 @@ use faer::sparse::linalg::cholesky::{
 };
 use faer::sparse::{SparseColMatRef, SymbolicSparseColMatRef};
 use faer::{Conj, MatMut, Par, Side, Spec};
+use iwan_core::SplitMix64;
 
 use crate::dofs::Place;
 use crate::error::Error;
@@ -209,18 +210,10 @@ fn probe(matrix: &Symmetric, solve: impl Fn(&mut [f64])) -> Result<(), Error> {
     )))
 }
 
-/// Numbers in [-1, 1) from a seed, the same everywhere (SplitMix64; G. L. Steele et al., OOPSLA 2014,
-/// doi:10.1145/2660193.2660195).
+/// Numbers in [-1, 1) from a seed, the same everywhere.
 pub(crate) fn random(count: usize, seed: u64) -> Vec<f64> {
-    let mut state = seed;
-    let next = |()| {
-        state = state.wrapping_add(0x9e37_79b9_7f4a_7c15);
-        let mut z = state;
-        z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-        z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-        ((z ^ (z >> 31)) >> 11) as f64 * (2.0 / (1_u64 << 53) as f64) - 1.0
-    };
-    std::iter::repeat_n((), count).map(next).collect()
+    let mut numbers = SplitMix64::new(seed);
+    (0..count).map(|_| numbers.next_symmetric()).collect()
 }
 
 #[cfg(test)]
