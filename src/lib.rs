@@ -5,6 +5,7 @@ pub use iwan_fem as fem;
 pub use iwan_ident as ident;
 pub use iwan_io as io;
 pub use iwan_sim as sim;
+pub use iwan_study as study;
 
 /// The book: theory, use and validation. Its Rust code is compiled and run by `cargo test --doc`.
 pub mod book {

@@ -1,7 +1,6 @@
 //! The command line. Doc comments are the help text.
 
 mod records;
-mod reproduce;
 mod structures;
 
 use std::num::NonZeroUsize;
@@ -9,9 +8,9 @@ use std::path::PathBuf;
 
 use clap::{Args, Parser, Subcommand, ValueEnum, ValueHint};
 
+use crate::reproduce::ReproduceArgs;
 use crate::scenario::{Overrides, Representation};
 pub(crate) use records::{Axis, EnvelopeArgs, FitArgs, MethodChoice, Motion, RecordArgs};
-pub(crate) use reproduce::ReproduceArgs;
 pub(crate) use structures::{ModesArgs, QuasiStaticArgs, StructureArgs};
 
 /// Ring-down of bolted structures with Iwan friction models

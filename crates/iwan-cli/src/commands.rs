@@ -6,6 +6,5 @@ pub(crate) mod fit;
 pub(crate) mod man;
 pub(crate) mod modes;
 pub(crate) mod quasi_static;
-pub(crate) mod reproduce;
 pub(crate) mod scenario;
 pub(crate) mod simulate;

@@ -7,17 +7,16 @@
 
 mod args;
 mod commands;
-mod cycles;
 mod extraction;
 mod failure;
 mod fit_page;
 mod identified;
 mod linear;
 mod output;
-mod parallel;
 mod progress;
 mod records;
 mod report;
+mod reproduce;
 mod results;
 mod run;
 mod scenario;

@@ -47,12 +47,7 @@ pub(crate) fn explain(source: &str, error: &iwan_fem::Error) -> Failure {
 }
 
 impl Linear {
-    /// Computes at least `count` elastic modes in both limits.
-    pub(crate) fn new(source: String, file: StructureFile, count: usize) -> Result<Self, Failure> {
-        Self::observed(source, file, count, &mut |_| ControlFlow::Continue(()))
-    }
-
-    /// The same with a progress report that may break it off.
+    /// Computes at least `count` elastic modes in both limits, with a progress report that may break it off.
     pub(crate) fn observed(
         source: String,
         file: StructureFile,

@@ -1,25 +1,23 @@
 //! `report.html`: one self-contained page with the figures of a simulation, an envelope, a fit or a structure.
 
-mod decimate;
+pub(crate) mod decimate;
 pub(crate) mod envelope;
 mod extracted;
-mod figure;
+pub(crate) mod figure;
 mod figures;
 pub(crate) mod fit;
 mod fitted;
 mod intervals;
 pub(crate) mod modes;
 pub(crate) mod quasi_static;
-pub(crate) mod reproduce;
-mod scale;
+pub(crate) mod scale;
 mod solid;
 pub(crate) mod truth;
 
 use iwan_core::{Backbone, Pulse};
-use iwan_sim::{Mode, Response};
+use iwan_sim::{Mode, Response, cycles};
 use maud::{DOCTYPE, Markup, PreEscaped, html};
 
-use crate::cycles::cycles;
 use crate::scenario::Scenario;
 use crate::summary::{Energy, ModeSummary, ROWS, Summary, short};
 use figure::Figure;
@@ -56,7 +54,7 @@ pub(crate) fn render(input: &Input<'_>) -> String {
 }
 
 /// A page that stands alone.
-fn page(title: &str, body: &Markup) -> String {
+pub(crate) fn page(title: &str, body: &Markup) -> String {
     let page = html! {
         (DOCTYPE)
         html lang="en" {
@@ -190,7 +188,7 @@ fn tables(summary: &Summary) -> Markup {
     }
 }
 
-fn grid(figures: &[Figure]) -> Markup {
+pub(crate) fn grid(figures: &[Figure]) -> Markup {
     html! { div.figures { @for figure in figures { (figure.draw()) } } }
 }
 

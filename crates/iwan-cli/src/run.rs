@@ -1,8 +1,9 @@
 //! Which command runs.
 
 use crate::args::Command;
-use crate::commands::{completions, envelope, fit, man, modes, quasi_static, reproduce, scenario, simulate};
+use crate::commands::{completions, envelope, fit, man, modes, quasi_static, scenario, simulate};
 use crate::failure::Failure;
+use crate::reproduce;
 
 /// Runs a command.
 pub(crate) fn run(command: Command) -> Result<(), Failure> {

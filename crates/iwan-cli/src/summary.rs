@@ -9,6 +9,8 @@ use serde::Serialize;
 
 use crate::commands::modes::Size;
 
+pub(crate) use iwan_study::short;
+
 /// An estimated error above this is worth a warning.
 const LARGE_ERROR: f64 = 0.01;
 
@@ -225,18 +227,6 @@ impl PointSummary {
 /// 0.0123 as "1.2 %".
 fn percent(share: f64) -> String {
     format!("{:.2} %", 100.0 * share)
-}
-
-/// A number with four digits, plain where that is short.
-pub(crate) fn short(value: f64) -> String {
-    match value.abs() {
-        0.0 => "0".into(),
-        x if (1e-3..1e5).contains(&x) => {
-            let digits = (3 - x.log10().floor() as i32).clamp(0, 6) as usize;
-            format!("{value:.digits$}")
-        }
-        _ => format!("{value:.3e}"),
-    }
 }
 
 /// An error with two digits: its size is what matters.

@@ -6,6 +6,7 @@
 // The ground: errors, progress of long work, functions at compile time, Gauss-Legendre rules.
 mod error;
 pub mod progress;
+mod random;
 mod elementary;
 pub mod quadrature;
 
@@ -32,6 +33,7 @@ pub use memory::{
     Straight, Trial,
 };
 pub use progress::Progress;
+pub use random::SplitMix64;
 pub use step::{
     AmplitudePhase, Averaging, EnergyBalance, EventDriven, JointEnergy, Motion, Newmark, Oscillator, Pulse,
     ResidualStiffness, Samples,

@@ -4,14 +4,18 @@
 //!
 //! The modules below stand in floors: each imports only from those above it.
 
-// What the user says: joint laws, modes, time axis and method.
+// The ground: why a simulation fails, work on several threads.
 mod error;
+mod parallel;
+
+// What the user says: joint laws, modes, time axis and method.
 mod joint_law;
 mod mode;
 mod settings;
 
-// What a simulation returns.
+// What a simulation returns, and the cycles in it.
 mod response;
+mod cycles;
 
 // One mode by one method, with the companion runs that estimate its errors.
 mod run;
@@ -24,11 +28,13 @@ mod force_history;
 mod simulate;
 mod ensemble;
 
+pub use cycles::{Cycle, Extreme, cycles, extremes};
 pub use ensemble::{Ensemble, Figures, History, MemberError, Outcome};
 pub use error::SimulationError;
 pub use force_history::force_history;
 pub use joint_law::{JointLaw, TabulatedDensity};
 pub use mode::{Mode, Point};
+pub use parallel::in_parallel;
 pub use response::{Quality, Response, superpose};
 pub use settings::{Method, Settings};
 pub use simulate::{simulate, simulate_all};

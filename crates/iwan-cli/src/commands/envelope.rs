@@ -3,12 +3,12 @@
 mod summary;
 
 use iwan_io::Table;
+use iwan_sim::in_parallel;
 
 use crate::args::{EnvelopeArgs, Format};
 use crate::extraction::Extraction;
 use crate::failure::Failure;
 use crate::output;
-use crate::parallel::in_parallel;
 use crate::progress;
 use crate::records::{self, Recording, Units, Wanted};
 use crate::report;

@@ -4,15 +4,15 @@ mod summary;
 
 use iwan_core::Pulse;
 use iwan_io::Table;
-use iwan_sim::{Method, Settings};
+use iwan_sim::{Method, Settings, in_parallel};
+use iwan_study::identified::time_step;
 
 use crate::args::{FitArgs, Format};
 use crate::commands::simulate::columns;
 use crate::extraction::Extraction;
 use crate::failure::Failure;
-use crate::identified::{Identified, extract, step};
+use crate::identified::{Identified, extract};
 use crate::output;
-use crate::parallel::in_parallel;
 use crate::progress::{self, Progress};
 use crate::records::{self, Recording, Units, Wanted};
 use crate::report;
@@ -133,7 +133,7 @@ pub(crate) fn as_scenario(identified: &[Identified], title: &str) -> Result<Scen
         let joint = WrittenLaw::FourParameter { k_t: p.k_t, f_s: p.f_s, chi: p.chi, beta: p.beta };
         modes.push(ScenarioMode { mode: i.mode(record)?, joint: Some(joint) });
         let c = &i.comparisons[record];
-        shortest = shortest.min(step(c.dt, p.frequency));
+        shortest = shortest.min(time_step(c.dt, p.frequency));
         longest = longest.max(c.record.len() as f64 * c.dt);
     }
     let settings = Settings { method: Method::HalfCycle, ..Settings::new(shortest, longest) };

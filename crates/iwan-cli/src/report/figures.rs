@@ -1,11 +1,10 @@
 //! The figures of a response.
 
 use iwan_core::Backbone;
-use iwan_sim::{Mode, Response};
+use iwan_sim::{Cycle, Extreme, Mode, Response, extremes};
 
 use super::decimate::{history, thin};
 use super::figure::{Axis, Figure, Layer, Mark, colour};
-use crate::cycles::{Cycle, Extreme, extremes};
 
 /// Stretches of a history: more than the figure has room for is not seen.
 const BINS: usize = 700;

@@ -6,10 +6,11 @@ use iwan_ident::density::{Evidence, FreeForm};
 use iwan_ident::fit::predict;
 use iwan_ident::profile::Profile;
 use iwan_ident::{Parameter, Parameters};
+use iwan_study::identified::Comparison;
 
 use super::decimate::{history, thin};
 use super::figure::{Axis, Figure, Layer, Mark, colour};
-use crate::identified::{Comparison, Identified};
+use crate::identified::Identified;
 use crate::records::Units;
 
 /// Stretches of a history.

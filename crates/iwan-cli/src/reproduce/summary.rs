@@ -1,0 +1,111 @@
+//! `reproduce.json`, and what the terminal shows of it.
+
+use std::fmt::Write;
+use std::path::PathBuf;
+
+use iwan_study::short;
+use iwan_study::summary::JointParameters;
+use serde::Serialize;
+
+use super::plate::Plate;
+
+/// Every number of the report, and where the rest is.
+#[derive(Debug, Clone, Serialize)]
+pub(super) struct ReproduceSummary {
+    /// What was found.
+    #[serde(flatten)]
+    pub(super) found: iwan_study::Summary,
+    /// The figures, whose data are in figures.json.
+    figures: Vec<FigureEntry>,
+    /// Names of the files.
+    files: Vec<String>,
+    /// Where they are: on standard output only, so that the folder may be moved.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(super) folder: Option<PathBuf>,
+    /// Wall-clock time, s: on standard output only, so that the file is the same every time.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(super) seconds: Option<f64>,
+}
+
+/// A figure and where its data are.
+#[derive(Debug, Clone, Serialize)]
+struct FigureEntry {
+    id: String,
+    title: String,
+    points: Vec<LayerEntry>,
+}
+
+/// A curve of a figure; serialised as a pair.
+#[derive(Debug, Clone, Serialize)]
+#[serde(into = "(String, usize)")]
+struct LayerEntry {
+    name: String,
+    points: usize,
+}
+
+impl From<LayerEntry> for (String, usize) {
+    fn from(LayerEntry { name, points }: LayerEntry) -> Self {
+        (name, points)
+    }
+}
+
+impl FigureEntry {
+    fn new(plate: &Plate) -> Self {
+        let layers = plate.figure.layers.iter();
+        let entry =
+            layers.map(|l| LayerEntry { name: l.name.clone().unwrap_or_default(), points: l.points.len() });
+        Self { id: plate.id.clone(), title: plate.figure.title.clone(), points: entry.collect() }
+    }
+}
+
+impl ReproduceSummary {
+    /// Of what was found and drawn; the folder and the time are filled in later.
+    pub(super) fn new(found: iwan_study::Summary, plates: &[Plate], files: &[&str]) -> Self {
+        Self {
+            found,
+            figures: plates.iter().map(FigureEntry::new).collect(),
+            files: files.iter().map(ToString::to_string).collect(),
+            folder: None,
+            seconds: None,
+        }
+    }
+
+    /// As JSON text.
+    pub(super) fn json(&self) -> String {
+        // Numbers, texts and lists: serialisation cannot fail.
+        let mut text = serde_json::to_string_pretty(self).unwrap_or_default();
+        text.push('\n');
+        text
+    }
+
+    /// What the terminal shows: Table 2 and the findings.
+    pub(super) fn text(&self) -> String {
+        let mut text = format!(
+            "{:<3}{:<11}{:<12}{:>12}{:>11}{:>9}{:>9}\n",
+            "", "mode", "", "K_T, 1/s^2", "F_S", "chi", "beta"
+        );
+        let mut line = |head: [&str; 3], p: Option<JointParameters>| {
+            let cells = p.map_or_else(
+                || ["linear".into(), "-".into(), "-".into(), "-".into()],
+                |p| [p.k_t, p.f_s, p.chi, p.beta].map(short),
+            );
+            let [a, b, c] = head;
+            // Writing to a string cannot fail.
+            let _ = writeln!(
+                text,
+                "{a:<3}{b:<11}{c:<12}{:>12}{:>11}{:>9}{:>9}",
+                cells[0], cells[1], cells[2], cells[3]
+            );
+        };
+        for row in &self.found.table_2 {
+            line([row.configuration, &row.mode, "identified"], row.identified);
+            if row.configuration == "B" {
+                line(["", &row.mode, "printed"], Some(row.printed));
+            }
+        }
+        for finding in &self.found.findings {
+            let _ = writeln!(text, "\n{}: {}\n  {}", finding.kind.word(), finding.title, finding.text);
+        }
+        text
+    }
+}

@@ -1,0 +1,53 @@
+//! The paper's beam with its discrete joints under blows of all levels: the truth that modal models are held against.
+
+use std::ops::ControlFlow;
+
+use iwan_fem::StructureResponse;
+use iwan_fem::mesh::beam::Configuration;
+
+use super::filter_quality::FilterQuality;
+use super::paper_beam::PaperBeam;
+use super::runs::{ReductionError, Responses, Runs};
+use crate::error::Error;
+
+/// One configuration of the beam with its responses.
+#[derive(Debug)]
+pub struct BeamUnderBlows {
+    /// The beam and its modes.
+    pub beam: PaperBeam,
+    /// Mean shape of each bending mode at the loaded edge.
+    pub tip: Vec<f64>,
+    /// One response for each of the [`LEVELS`](crate::blows::LEVELS); the outputs are the bending modes' coordinates.
+    pub responses: Vec<StructureResponse>,
+    /// The blow of 1000 lbf without attachment vectors: an example of how not to reduce.
+    pub without_attachments: StructureResponse,
+    /// Ring-downs that start in one bending mode alone, with the velocity a blow of 100 lbf leaves in it.
+    pub alone: Vec<StructureResponse>,
+    /// How far the reduced model is from the full one, at two levels.
+    pub reduction: Vec<ReductionError>,
+    /// How well modal filters tell the modes of the reduced beam apart.
+    pub filters: Vec<FilterQuality>,
+}
+
+impl BeamUnderBlows {
+    /// Computes a configuration; `progress` hears the share done and may break it off.
+    ///
+    /// # Errors
+    /// [`Error::Structure`], and [`Error::Interrupted`].
+    pub fn new(
+        configuration: Configuration,
+        progress: &dyn Fn(f64) -> ControlFlow<()>,
+    ) -> Result<Self, Error> {
+        let beam = PaperBeam::new(configuration)?;
+        let found = Runs::new(&beam, progress).and_then(|runs| runs.all());
+        let found = found.map_err(Error::structure(&beam.title()))?;
+        let Responses { tip, blows, without_attachments, alone, reduction, filters } = found;
+        Ok(Self { beam, tip, responses: blows, without_attachments, alone, reduction, filters })
+    }
+
+    /// Largest energy error of all blows, relative to the largest energy in play.
+    #[must_use]
+    pub fn energy_error(&self) -> f64 {
+        self.responses.iter().map(|response| response.energy.error()).fold(0.0, f64::max)
+    }
+}

@@ -1,0 +1,89 @@
+//! A mode identified from one or several records, with everything that is shown of it.
+
+use iwan_ident::curves::{Curves, ForceAxis};
+use iwan_ident::density::{Evidence, FreeForm, density};
+use iwan_ident::identify::Identification;
+use iwan_sim::Mode;
+
+use super::comparison::{Comparison, RecordOfMode};
+use super::ring_down::released;
+use crate::error::Error;
+
+/// A mode with everything that was found about it.
+#[derive(Debug, Clone)]
+pub struct IdentifiedMode {
+    /// Name.
+    pub name: String,
+    /// Parameters, intervals, verdict.
+    pub found: Identification,
+    /// Curves of each record on the axis asked for.
+    pub curves: Vec<Curves>,
+    /// Densities of any form: for both curves, and for dissipation alone.
+    pub densities: Vec<FreeForm>,
+    /// Record and model, one for each record.
+    pub comparisons: Vec<Comparison>,
+}
+
+impl IdentifiedMode {
+    /// What `iwan_ident::identify` found in these records, in their order.
+    ///
+    /// # Errors
+    /// [`Error::Identification`] for the axis, [`Error::Simulation`] where the model cannot ring down.
+    ///
+    /// ```
+    /// use iwan_core::{FourParameter, Pulse};
+    /// use iwan_ident::curves::{ForceAxis, Quantity};
+    /// use iwan_ident::identify::{Settings, Source, identify};
+    /// use iwan_ident::signal::{Method, Options, isolate};
+    /// use iwan_sim::{JointLaw, Mode, simulate};
+    /// use iwan_study::identified::{IdentifiedMode, RecordOfMode};
+    /// // Half a second of mode 1 of the paper's Table 2, from the onset of macro-slip on, at 10 kHz.
+    /// let joint = FourParameter::new(4.45e4, 239.4, -0.183, 0.3)?;
+    /// let mode = Mode { initial: (joint.phi_max(), 0.0), ..Mode::new("first", 124.0, Some(JointLaw::FourParameter(joint))) };
+    /// let samples = simulate(&mode, &Pulse::None, &iwan_sim::Settings::new(1e-4, 0.5))?.acceleration;
+    /// let source = Source { samples: &samples, dt: 1e-4, quantity: Quantity::Acceleration };
+    /// let options = Options::default();
+    /// let isolated = isolate(&samples, 1e-4, &options)?;
+    /// let found = identify(&[source], &Settings { options, method: Method::Hilbert, held: vec![] })?;
+    /// let record = RecordOfMode { source, isolated: &isolated, start: 0.0 };
+    /// let identified = IdentifiedMode::new("first", &[record], ForceAxis::Modal, found)?;
+    /// // The record is the model's own ring-down.
+    /// assert!(identified.comparisons[0].relative() < 1e-3);
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    pub fn new(
+        name: &str,
+        records: &[RecordOfMode<'_>],
+        axis: ForceAxis,
+        found: Identification,
+    ) -> Result<Self, Error> {
+        let on_axis = |c: &Curves| c.clone().on_axis(axis);
+        let curves = found.curves.iter().map(on_axis).collect::<Result<Vec<_>, _>>();
+        let curves = curves.map_err(Error::identification(name))?;
+        // A record that no density explains is told so by its misfit; one that gives no density at all has none.
+        let evidence = [Evidence::Both, Evidence::Dissipation];
+        let densities = evidence.into_iter().filter_map(|e| density(&found.curves, e).ok()).collect();
+        let one = |(n, record): (usize, &RecordOfMode<'_>)| Comparison::new(name, record, &found, n);
+        let comparisons = records.iter().enumerate().map(one).collect::<Result<Vec<_>, _>>();
+        let comparisons = comparisons.map_err(Error::simulation(name))?;
+        Ok(Self { name: name.to_owned(), found, curves, densities, comparisons })
+    }
+
+    /// Index of the record in which the mode is loudest.
+    #[must_use]
+    pub fn loudest(&self) -> usize {
+        let starts = &self.found.refined.starts;
+        (0..starts.len()).max_by(|&i, &j| starts[i].0.abs().total_cmp(&starts[j].0.abs())).unwrap_or(0)
+    }
+
+    /// The mode as it rings down from where a record begins.
+    ///
+    /// # Errors
+    /// [`iwan_core::Error::OutOfRange`] for parameters that are none of a joint.
+    ///
+    /// # Panics
+    /// For a record that there is not.
+    pub fn mode(&self, record: usize) -> Result<Mode, iwan_core::Error> {
+        released(&self.name, &self.found.parameters, self.found.refined.starts[record].0)
+    }
+}

@@ -1,0 +1,132 @@
+//! The beam on the bench: where its sensors sit, and what they measure.
+
+use iwan_core::Pulse;
+use iwan_fem::mesh::Mesh;
+use iwan_fem::mesh::beam::Configuration;
+use iwan_fem::{Basis, History, Output, Population, Transient};
+
+use super::noise::Noise;
+use crate::beam::{BASIS, PaperBeam, top_nodes};
+use crate::blows::BLOW;
+use crate::error::Error;
+
+/// One pound-force in N, exactly.
+const NEWTON: f64 = 4.448_221_615_260_5;
+/// One inch in m, exactly.
+const METRE: f64 = 0.0254;
+/// One lbf s²/in in kg.
+const KILOGRAM: f64 = NEWTON / METRE;
+/// The configuration that is measured: its first mode lies in the paper's band of 120 to 135 Hz at all levels.
+pub(super) const MEASURED: Configuration = Configuration::B;
+/// Peak forces of the hammer, N: the paper's is 155 to 160. A tenth and a third of it tell the slope over a decade of force.
+pub const HITS: [f64; 3] = [15.0, 50.0, 157.5];
+/// Samples a second: 200 in a cycle of mode 1.
+pub(super) const RATE: f64 = 25_600.0;
+/// Length of a record, s.
+pub(super) const SECONDS: f64 = 2.0;
+/// Root mean square of a sensor's noise, m/s².
+pub(super) const NOISE: f64 = 0.05;
+/// What the suspension takes from every elastic mode, as a viscous damping ratio: the 0.025 % that the paper's Table 3 has for
+/// the first mode with the link bolted on and no bungees.
+pub(super) const SUSPENSION: f64 = 2.5e-4;
+/// Sensors along each edge of the beam: every third mesh line.
+const STATIONS: usize = 27;
+/// How many sensors there are.
+pub(super) const SENSORS: usize = 2 * STATIONS;
+
+/// The beam with its sensors.
+pub(super) struct Bench {
+    pub(super) beam: PaperBeam,
+    /// Names of the sensors' node sets.
+    pub(super) sensors: Vec<String>,
+    /// Mass-normalised shapes of the bending modes at the sensors, kg^-½.
+    pub(super) shapes: Vec<Vec<f64>>,
+}
+
+impl Bench {
+    pub(super) fn new() -> Result<Self, Error> {
+        let mut sensors = Vec::new();
+        let beam = PaperBeam::prepared(MEASURED, |structure| sensors = place(&mut structure.mesh))?;
+        let mut shapes = vec![Vec::new(); beam.bending.len()];
+        for sensor in &sensors {
+            let output = output(&beam, sensor).map_err(Error::structure("laboratory"))?;
+            for (shape, mode) in shapes.iter_mut().zip(&beam.bending) {
+                let own = beam.modes.stuck.shape(mode.pair.stuck);
+                let value: f64 = output.coefficients.iter().zip(own).map(|(c, x)| c * x).sum();
+                shape.push(value / KILOGRAM.sqrt());
+            }
+        }
+        Ok(Self { beam, sensors, shapes })
+    }
+
+    /// What the sensors measure under hit `n`, m/s²: one record for each, with the noise of the seed `n`.
+    pub(super) fn measure(&self, n: usize) -> Result<Vec<Vec<f64>>, Error> {
+        let place = format!("laboratory, hit of {} N", HITS[n]);
+        let clean = self.respond(HITS[n]).map_err(Error::structure(&place))?;
+        let mut noise = Noise::new(n as u64);
+        let mut measured = |history: History| -> Vec<f64> {
+            history.acceleration.iter().map(|a| METRE * a + NOISE * noise.normal()).collect()
+        };
+        Ok(clean.into_iter().map(&mut measured).collect())
+    }
+
+    /// Motions of the sensors under a hit, in inches and seconds, without noise.
+    fn respond(&self, force: f64) -> Result<Vec<History>, iwan_fem::Error> {
+        let assembled = &self.beam.modes.assembled;
+        let reduced = assembled.reduce(BASIS, Basis::default())?.with_damping(|_| SUSPENSION)?;
+        let outputs = self.sensors.iter().map(|name| output(&self.beam, name));
+        let response = reduced.transient(&Transient {
+            dt: 1.0 / RATE,
+            steps: (SECONDS * RATE) as usize,
+            pulse: Pulse::Haversine { amplitude: force / NEWTON, duration: BLOW },
+            load: assembled.load("tip", [0.0, 0.0, 1.0])?,
+            initial_velocity: None,
+            population: Population::default(),
+            outputs: outputs.collect::<Result<_, _>>()?,
+        })?;
+        Ok(response.outputs)
+    }
+}
+
+/// A sensor looks at the motion normal to the beam.
+fn output(beam: &PaperBeam, sensor: &str) -> Result<Output, iwan_fem::Error> {
+    beam.modes.assembled.output(sensor, sensor, [0.0, 0.0, 1.0])
+}
+
+/// Adds a node set for each sensor on the beam's top face; returns their names.
+fn place(mesh: &mut Mesh) -> Vec<String> {
+    let top = top_nodes(mesh);
+    let edge = top.iter().map(|&n| mesh.positions[n][1]).fold(f64::NEG_INFINITY, f64::max);
+    let row = |y: f64| -> Vec<usize> {
+        let mut row: Vec<usize> = top.iter().copied().filter(|&n| mesh.positions[n][1] == y).collect();
+        row.sort_by(|&a, &b| mesh.positions[a][0].total_cmp(&mesh.positions[b][0]));
+        let stride = row.len() / STATIONS;
+        row.into_iter().skip(1).step_by(stride).take(STATIONS).collect()
+    };
+    let nodes: Vec<usize> = [-edge, edge].into_iter().flat_map(row).collect();
+    let name = |(k, node): (usize, usize)| {
+        let name = format!("point {}", k + 1);
+        mesh.node_sets.insert(name.clone(), vec![node]);
+        name
+    };
+    nodes.into_iter().enumerate().map(name).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use iwan_fem::mesh::beam::beam;
+
+    #[test]
+    fn sensors_sit_in_pairs_at_both_edges() {
+        let mut mesh = beam(MEASURED, 1);
+        let names = place(&mut mesh);
+        assert_eq!((names.len(), names[0].as_str()), (SENSORS, "point 1"));
+        let at = |k: usize| mesh.positions[mesh.node_sets[&names[k]][0]];
+        for k in 0..STATIONS {
+            let (left, right) = (at(k), at(k + STATIONS));
+            assert_eq!((left[0], left[1], left[2]), (right[0], -right[1], 0.25));
+            assert_eq!(left[0], -9.75 + 0.75 * k as f64);
+        }
+    }
+}

@@ -1,0 +1,116 @@
+//! One hit of the hammer taken apart: band-pass, scaling, average, envelope, curves (Sec. 4.4).
+
+use std::f64::consts::TAU;
+
+use iwan_ident::curves::{Curves, ForceAxis, Quantity};
+use iwan_ident::modal::{Average, scaled_average};
+use iwan_ident::signal::{Butterworth, Envelope, Method, Options, Passband, envelope};
+
+use super::bench::{Bench, HITS, RATE};
+use crate::error::Error;
+use crate::printed::BAND;
+use crate::span::Span;
+
+/// Order of the band-pass, and degree of the polynomials in the envelope.
+const ORDER: usize = 3;
+/// Stretch that is looked at, s: at its ends the filter, whose band is narrow, has long forgotten blow and end.
+const WINDOW: Span = Span { from: 0.35, to: 1.65 };
+/// Sensors whose band-passed records are drawn: the first, the middle and the last of one edge, and the last of the other.
+const DRAWN: [usize; 4] = [0, 14, 26, 53];
+
+/// One hit: the average of all sensors, and what was read off it.
+#[derive(Debug, Clone)]
+pub struct Hit {
+    /// Peak force of the hammer, N.
+    pub force: f64,
+    /// Band-passed and scaled records of a few sensors.
+    pub drawn: Vec<DrawnSensor>,
+    /// Their average over all sensors, with each one's misfit.
+    pub average: Average,
+    /// Amplitude, frequency and damping of the average.
+    pub envelope: Envelope,
+    /// Curves over modal force.
+    pub curves: Curves,
+    /// Largest acceleration of any sensor, m/s².
+    pub peak: f64,
+    /// Sampling interval, s.
+    pub dt: f64,
+}
+
+/// What one sensor says about the mode.
+#[derive(Debug, Clone, PartialEq)]
+pub struct DrawnSensor {
+    /// Such as `point 1`.
+    pub name: String,
+    /// Its band-passed record over the mode's shape there, √kg·m/s².
+    pub samples: Vec<f64>,
+}
+
+/// A viscous damper in parallel with a mode's joint.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct ViscousTerm {
+    /// ζ_v.
+    pub damping_ratio: f64,
+    /// ω0/2π, Hz.
+    pub frequency: f64,
+}
+
+impl ViscousTerm {
+    /// Energy lost in a cycle, 2π ζ_v ω0 ω q², at an amplitude of displacement `q` and a frequency in Hz.
+    ///
+    /// ```
+    /// use iwan_study::laboratory::ViscousTerm;
+    /// let term = ViscousTerm { damping_ratio: 0.01, frequency: 2.0 };
+    /// // 2π · 0.01 · (2π · 2)² · 3² for a mode that vibrates at ω0.
+    /// assert!((term.dissipation(3.0, 2.0) - 89.298).abs() < 1e-3);
+    /// ```
+    #[must_use]
+    pub fn dissipation(&self, q: f64, frequency: f64) -> f64 {
+        TAU * self.damping_ratio * TAU * self.frequency * TAU * frequency * q * q
+    }
+}
+
+impl Hit {
+    /// Hit `n` of a bench.
+    pub(super) fn new(bench: &Bench, n: usize) -> Result<Self, Error> {
+        let place = format!("laboratory, hit of {} N", HITS[n]);
+        let channels = bench.measure(n)?;
+        Self::take_apart(bench, HITS[n], &channels).map_err(Error::identification(&place))
+    }
+
+    fn take_apart(bench: &Bench, force: f64, channels: &[Vec<f64>]) -> Result<Self, iwan_ident::Error> {
+        let (dt, shape) = (1.0 / RATE, &bench.shapes[0]);
+        let filter = Butterworth::new(ORDER, Passband::Band { low: BAND.from, high: BAND.to }, dt)?;
+        let filtered: Result<Vec<Vec<f64>>, _> =
+            channels.iter().map(|channel| filter.forward_backward(channel)).collect();
+        let filtered = filtered?;
+        let slices: Vec<&[f64]> = filtered.iter().map(Vec::as_slice).collect();
+        let average = scaled_average(&slices, shape)?;
+        // Filter and average change places freely: the envelope's own band-pass knows how far its ends reach.
+        let raw: Vec<&[f64]> = channels.iter().map(Vec::as_slice).collect();
+        let raw = scaled_average(&raw, shape)?.samples;
+        let options = Options {
+            band: Some(BAND.into()),
+            filter_order: ORDER,
+            window: Some(WINDOW.into()),
+            order: Some(ORDER),
+            ..Options::default()
+        };
+        let envelope = envelope(&raw, dt, Method::Hilbert, &options)?;
+        let curves = Curves::new(&envelope, Quantity::Acceleration, ForceAxis::Modal)?;
+        let scaled = |&k: &usize| DrawnSensor {
+            name: bench.sensors[k].clone(),
+            samples: filtered[k].iter().map(|a| a / shape[k]).collect(),
+        };
+        let peak = channels.iter().flatten().fold(0.0, |most: f64, a| most.max(a.abs()));
+        Ok(Self { force, drawn: DRAWN.iter().map(scaled).collect(), average, envelope, curves, peak, dt })
+    }
+
+    /// What the dissipation is without a viscous term.
+    #[must_use]
+    pub fn without(&self, viscous: ViscousTerm) -> Vec<f64> {
+        let c = &self.curves;
+        let left = |i: usize| c.dissipation[i] - viscous.dissipation(c.displacement[i], c.frequency[i]);
+        (0..c.t.len()).map(left).collect()
+    }
+}

@@ -1,0 +1,52 @@
+//! Slopes of dissipation over force, level by level (Table 4).
+
+use iwan_ident::curves::straight_line;
+use serde::Serialize;
+
+use super::hit::{Hit, ViscousTerm};
+use crate::span::Span;
+
+/// Slopes of ln D over ln force at one level.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Table4Row {
+    /// Peak force of the hit, N.
+    pub hit: f64,
+    /// Modal forces at the beginning and the end of the record, √kg·m/s²: between them the slope was taken.
+    pub force: Span,
+    /// Slope of the dissipation as measured.
+    pub slope: f64,
+    /// Slope of what is left when the viscous term is taken off.
+    pub slope_without_viscous: f64,
+    /// From the softer hit to this one at equal times; none for the softest.
+    pub step: Option<f64>,
+    /// The same without the viscous term.
+    pub step_without_viscous: Option<f64>,
+    /// Not to hand.
+    pub printed: Option<f64>,
+}
+
+/// Slopes from one hit to the next harder one.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Step {
+    pub(super) as_measured: f64,
+    pub(super) without_viscous: f64,
+}
+
+impl Table4Row {
+    /// Of a hit; none where a line cannot be laid.
+    pub(super) fn new(hit: &Hit, viscous: ViscousTerm, step: Option<Step>) -> Option<Self> {
+        let slope = |dissipation: &[f64]| {
+            let points = hit.curves.force.iter().zip(dissipation).filter(|(_, d)| **d > 0.0);
+            straight_line(&points.map(|(f, d)| (f.ln(), d.ln())).collect::<Vec<_>>()).map(|line| line.0)
+        };
+        Some(Self {
+            hit: hit.force,
+            force: Span::ends(&hit.curves.force),
+            slope: slope(&hit.curves.dissipation)?,
+            slope_without_viscous: slope(&hit.without(viscous))?,
+            step: step.map(|s| s.as_measured),
+            step_without_viscous: step.map(|s| s.without_viscous),
+            printed: None,
+        })
+    }
+}

@@ -1,0 +1,16 @@
+//! What the records of the blows say about each bending mode, and the modal Iwan model that comes of it.
+
+mod impact_curves;
+mod static_loads;
+mod slopes;
+mod bending_mode;
+mod modal_model;
+mod counterpart;
+mod studied_mode;
+
+pub use bending_mode::BendingMode;
+pub use counterpart::{Counterpart, Distance, EARLY, FITTED, Interval, SHOWN};
+pub use impact_curves::Reading;
+pub use slopes::{Eq14Axis, Eq14Root, Slopes};
+pub use static_loads::{Coupling, MICRO_SLIP};
+pub use studied_mode::StudiedMode;

@@ -1,0 +1,125 @@
+//! Straight lines through the logarithms of dissipation in micro-slip, and what the paper's Sec. 2.5 reads off them.
+
+use iwan_ident::curves::{Curves, ForceAxis, straight_line};
+use iwan_ident::start::beta_root;
+use serde::Serialize;
+
+use super::static_loads::MICRO_SLIP;
+use crate::blows::LEVELS;
+
+/// Straight lines through ln D over micro-slip, and what they give for χ and β.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Slopes {
+    /// Slope over ln q.
+    pub over_displacement: f64,
+    /// Slope over ln of the modal joint force (ω² - ω∞²) q.
+    pub over_joint_force: f64,
+    /// Intercept ln C of that line.
+    pub intercept_joint_force: f64,
+    /// Slope over ln of the modal force ω² q.
+    pub over_modal_force: f64,
+    /// Intercept ln C of that line.
+    pub intercept_modal_force: f64,
+    /// χ = slope over joint force - 3: the paper's abscissa.
+    pub chi: f64,
+    /// What Eq. 14 gives with each F_S on each axis that was tried.
+    pub roots: Vec<Eq14Root>,
+}
+
+/// Which force stands on the abscissa of the line whose intercept enters Eq. 14, and with it K_x, the stiffness that turns a
+/// displacement into that force.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Eq14Axis {
+    /// Joint force: K_x = K_T.
+    Joint,
+    /// Modal force: K_x = ω0².
+    Modal,
+    /// Joint force with K_x = K_∞, as the paper prints it.
+    Printed,
+    /// Modal force, with what the other modes add to the dissipation taken off.
+    Uncoupled,
+}
+
+impl Eq14Axis {
+    /// In a word, as names of numbers have it.
+    #[must_use]
+    pub const fn word(self) -> &'static str {
+        match self {
+            Self::Joint => "joint",
+            Self::Modal => "modal",
+            Self::Printed => "printed",
+            Self::Uncoupled => "uncoupled",
+        }
+    }
+}
+
+/// A root β of Eq. 14, or none.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Eq14Root {
+    /// The slip force that was tried.
+    pub f_s: f64,
+    /// The axis.
+    pub axis: Eq14Axis,
+    /// The root; none where no β >= 0 solves the equation.
+    pub beta: Option<f64>,
+}
+
+/// What Eq. 14 needs to know of a mode.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Stiffnesses {
+    /// K_T, 1/s².
+    pub(super) k_t: f64,
+    /// ω0², 1/s².
+    pub(super) omega_squared: f64,
+    /// Factor by which the mode loses more under an impact than alone.
+    pub(super) coupled: f64,
+}
+
+impl Slopes {
+    /// Through the quiet ones among the curves of all levels; `frequency` is ω0/2π in Hz.
+    pub(super) fn new(curves: &[Curves], frequency: f64, k_t: f64) -> Option<Self> {
+        let joint = ForceAxis::Joint { frequency, k_t };
+        let quiet = curves.iter().zip(LEVELS).filter(|(_, level)| *level <= MICRO_SLIP);
+        let (mut over_q, mut over_joint, mut over_modal) = (vec![], vec![], vec![]);
+        for (curves, _) in quiet {
+            let on_joint = curves.clone().on_axis(joint).ok()?;
+            for i in (0..curves.t.len()).filter(|&i| curves.dissipation[i] > 0.0) {
+                let d = curves.dissipation[i].ln();
+                over_q.push((curves.displacement[i].ln(), d));
+                over_modal.push((curves.force[i].ln(), d));
+                over_joint.push((on_joint.force[i].ln(), d));
+            }
+        }
+        let (over_displacement, _) = straight_line(&over_q)?;
+        let (over_joint_force, intercept_joint_force) = straight_line(&over_joint)?;
+        let (over_modal_force, intercept_modal_force) = straight_line(&over_modal)?;
+        Some(Self {
+            over_displacement,
+            over_joint_force,
+            intercept_joint_force,
+            over_modal_force,
+            intercept_modal_force,
+            chi: over_joint_force - 3.0,
+            roots: Vec::new(),
+        })
+    }
+
+    /// Tries Eq. 14 with a slip force on all axes.
+    pub(super) fn try_eq_14(&mut self, f_s: f64, mode: Stiffnesses) {
+        let Stiffnesses { k_t, omega_squared, coupled } = mode;
+        let (joint, modal) = (self.over_joint_force - 3.0, self.over_modal_force - 3.0);
+        let uncoupled = self.intercept_modal_force - coupled.ln();
+        let tries = [
+            (Eq14Axis::Joint, self.intercept_joint_force, k_t, joint),
+            (Eq14Axis::Modal, self.intercept_modal_force, omega_squared, modal),
+            (Eq14Axis::Printed, self.intercept_joint_force, omega_squared - k_t, joint),
+            (Eq14Axis::Uncoupled, uncoupled, omega_squared, modal),
+        ];
+        let root = |(axis, intercept, k_x, chi)| {
+            let beta = beta_root(intercept, k_x, k_t, f_s, chi);
+            Eq14Root { f_s, axis, beta }
+        };
+        self.roots.extend(tries.map(root));
+    }
+}

@@ -1,0 +1,81 @@
+//! The paper computed anew: both configurations under all blows, their modes with modal counterparts, the laboratory.
+
+use iwan_fem::mesh::beam::Configuration;
+use iwan_sim::in_parallel;
+
+use crate::beam::BeamUnderBlows;
+use crate::error::Error;
+use crate::laboratory::{HITS, Laboratory};
+use crate::modes::StudiedMode;
+use crate::progress::{Observer, Tally};
+
+/// The configurations that are computed.
+const CONFIGURATIONS: [Configuration; 2] = [Configuration::A, Configuration::B];
+/// Bending modes of each, those with the most cycles first: where several threads take them, the longest work shall not come
+/// last.
+const MODES: [usize; 3] = [2, 0, 1];
+
+/// All that was computed.
+#[derive(Debug)]
+pub struct Reproduction {
+    /// Configurations A and B.
+    pub configurations: Vec<StudiedBeam>,
+    /// The synthetic measurements.
+    pub laboratory: Laboratory,
+}
+
+/// A configuration of the beam with its modes.
+#[derive(Debug)]
+pub struct StudiedBeam {
+    /// The responses of the beam.
+    pub truth: BeamUnderBlows,
+    /// Bending modes 1 to 3.
+    pub modes: Vec<StudiedMode>,
+}
+
+impl Reproduction {
+    /// All modes of both configurations.
+    pub fn modes(&self) -> impl Iterator<Item = &StudiedMode> {
+        self.configurations.iter().flat_map(|configuration| &configuration.modes)
+    }
+}
+
+/// Computes everything on up to `threads` threads: the same bits whatever their number. It takes seconds.
+///
+/// ```no_run
+/// use std::ops::ControlFlow;
+/// let found = iwan_study::reproduce(2, &|_| ControlFlow::Continue(()))?;
+/// let summary = iwan_study::Summary::new(&found)?;
+/// println!("{} findings", summary.findings.len());
+/// # Ok::<(), iwan_study::Error>(())
+/// ```
+///
+/// # Errors
+/// [`Error::Interrupted`] when the observer broke off; anything else would be a fault of this program, as nothing is read in.
+pub fn reproduce(threads: usize, observer: Observer<'_>) -> Result<Reproduction, Error> {
+    let tally = Tally::new(observer, CONFIGURATIONS.len() * (1 + MODES.len()) + HITS.len());
+    let blows = |configuration: &Configuration| {
+        let truth = BeamUnderBlows::new(*configuration, &|share| tally.under_way(share))?;
+        tally.add(1).map(|()| truth)
+    };
+    let truths: Vec<BeamUnderBlows> =
+        in_parallel(&CONFIGURATIONS, threads, &blows).into_iter().collect::<Result<_, Error>>()?;
+    let all: Vec<(usize, usize)> =
+        MODES.into_iter().flat_map(|mode| (0..truths.len()).map(move |beam| (beam, mode))).collect();
+    let study = |&(beam, mode): &(usize, usize)| {
+        let studied = StudiedMode::new(&truths[beam], mode)?;
+        tally.add(1).map(|()| studied)
+    };
+    let found: Vec<StudiedMode> =
+        in_parallel(&all, threads, &study).into_iter().collect::<Result<_, Error>>()?;
+    let mut configurations: Vec<StudiedBeam> =
+        truths.into_iter().map(|truth| StudiedBeam { truth, modes: Vec::new() }).collect();
+    for ((beam, _), studied) in all.into_iter().zip(found) {
+        configurations[beam].modes.push(studied);
+    }
+    for configuration in &mut configurations {
+        configuration.modes.sort_by_key(|studied| studied.mode.index);
+    }
+    let laboratory = Laboratory::new(threads, &|share| tally.under_way(share * HITS.len() as f64))?;
+    Ok(Reproduction { configurations, laboratory })
+}

@@ -1,0 +1,62 @@
+//! All numbers of a reproduction, as `reproduce.json` holds them.
+
+mod tables;
+mod configuration;
+
+use serde::Serialize;
+
+use crate::error::Error;
+use crate::findings::{Finding, findings};
+use crate::laboratory::{LaboratorySummary, Table3Row, Table4Row};
+use crate::reproduction::Reproduction;
+
+pub use configuration::{
+    ConfigurationSummary, LevelSummary, ModeSummary, NamedFrequency, StaticPoints, ZeroModes,
+};
+pub use tables::{JointParameters, Table1, Table2Row};
+
+/// Everything that was found.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Summary {
+    /// Version of iwan.
+    pub version: &'static str,
+    /// Of the truth and modal side, and of the laboratory.
+    pub units: [&'static str; 2],
+    /// The discrete joint.
+    pub table_1: Table1,
+    /// The modal joints.
+    pub table_2: Vec<Table2Row>,
+    /// The modes in the laboratory.
+    pub table_3: Vec<Table3Row>,
+    /// Slopes of dissipation over force in the laboratory.
+    pub table_4: Vec<Table4Row>,
+    /// One entry per configuration.
+    pub truth: Vec<ConfigurationSummary>,
+    /// The synthetic measurements.
+    pub lab: LaboratorySummary,
+    /// What reproduces, what does not and why.
+    pub findings: Vec<Finding>,
+}
+
+impl Summary {
+    /// Of all that was computed.
+    ///
+    /// # Errors
+    /// As [`findings`].
+    pub fn new(found: &Reproduction) -> Result<Self, Error> {
+        Ok(Self {
+            version: env!("CARGO_PKG_VERSION"),
+            units: [
+                "lbf, in, s; modal quantities mass-normalised",
+                "N, m, s; modal quantities mass-normalised",
+            ],
+            table_1: Table1::new()?,
+            table_2: found.modes().map(Table2Row::new).collect(),
+            table_3: found.laboratory.table_3.clone(),
+            table_4: found.laboratory.table_4.clone(),
+            truth: found.configurations.iter().map(ConfigurationSummary::new).collect(),
+            lab: found.laboratory.summary(),
+            findings: findings(found)?,
+        })
+    }
+}
