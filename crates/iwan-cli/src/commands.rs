@@ -1,11 +1,3 @@
-//! One file per subcommand.
+//! The command `iwan reproduce`.
 
-pub(crate) mod completions;
-pub(crate) mod envelope;
-pub(crate) mod fit;
-pub(crate) mod man;
-pub(crate) mod modes;
-pub(crate) mod quasi_static;
 pub(crate) mod reproduce;
-pub(crate) mod scenario;
-pub(crate) mod simulate;

@@ -8,10 +8,8 @@ use iwan_ident::signal::Method;
 use iwan_ident::{Parameter, Parameters};
 use iwan_sim::{JointLaw, Mode, Response};
 
-use crate::args::Axis;
-use crate::extraction::Extraction;
 use crate::failure::Failure;
-use crate::records::{ModalRecord, Recording, Wanted};
+use crate::records::{Axis, Extraction, ModalRecord, Recording, Wanted};
 
 /// Samples in a cycle of the ring-downs that are drawn beside records: straight lines between them do not show.
 const PER_CYCLE: f64 = 100.0;

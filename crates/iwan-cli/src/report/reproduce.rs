@@ -8,11 +8,11 @@ mod tables;
 use maud::{Markup, html};
 use serde_json::json;
 
-use super::figure::{Figure, Mark};
-use super::scale::Kind as Spread;
-use super::{grid, page};
 use crate::commands::reproduce::{FigureEntry, Finding, Kind, Reproduction, Summary};
-use crate::summary::short;
+use crate::page::figure::{Axis, Figure, Mark};
+use crate::page::html::{grid, page};
+use crate::page::numbers::short;
+use crate::page::scale::Spread;
 
 /// A figure with its place in the report.
 #[derive(Debug)]
@@ -52,8 +52,8 @@ pub(crate) fn plates(of: &Reproduction) -> Vec<Plate> {
 
 /// `figures.json`: what is drawn, as numbers.
 pub(crate) fn data(plates: &[Plate]) -> String {
-    let axis = |axis: &super::figure::Axis| {
-        let scale = if axis.kind == Spread::Log { "log" } else { "linear" };
+    let axis = |axis: &Axis| {
+        let scale = if axis.spread == Spread::Log { "log" } else { "linear" };
         json!({ "label": axis.label, "unit": axis.unit, "scale": scale })
     };
     let mark = |mark| match mark {

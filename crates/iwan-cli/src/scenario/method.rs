@@ -38,6 +38,17 @@ pub(crate) enum GridKind {
     Uniform,
 }
 
+/// What the command line changes in a scenario.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub(crate) struct Overrides {
+    pub(crate) method: Option<&'static str>,
+    pub(crate) joint: Option<Representation>,
+    pub(crate) sliders: Option<usize>,
+    pub(crate) step: Option<f64>,
+    pub(crate) duration: Option<f64>,
+    pub(crate) amplitude: Option<f64>,
+}
+
 /// A method as written: what was left out is none.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct MethodKeys {
@@ -158,7 +169,7 @@ fn default_sliders() -> usize {
 
 impl MethodKeys {
     /// With what the command line says instead.
-    pub(super) fn overridden(self, overrides: &super::Overrides) -> Result<Self, InputError> {
+    pub(super) fn overridden(self, overrides: &Overrides) -> Result<Self, InputError> {
         let mut keys = match overrides.method {
             Some(kind) if kind != self.kind => {
                 let applies = |key| KINDS.iter().any(|k| k.name == kind && k.keys.contains(&key));

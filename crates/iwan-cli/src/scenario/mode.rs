@@ -6,7 +6,7 @@ use iwan_core::ResidualStiffness;
 use iwan_sim::{Mode, Point};
 use toml::de::DeTable;
 
-use crate::summary::short;
+use crate::page::numbers::short;
 use iwan_input::InputError;
 use iwan_input::Joint;
 use iwan_input::Source;

@@ -3,7 +3,8 @@
 
 use serde_json::Value;
 
-use super::{KEYS, Overrides, SCHEMA, Scenario, Source, built_in, force, method, mode, structure, to_toml};
+use super::read::KEYS;
+use super::{Overrides, SCHEMA, Scenario, Source, built_in, force, method, mode, structure, to_toml};
 use iwan_input::{Kind, known};
 
 fn schema() -> Value {

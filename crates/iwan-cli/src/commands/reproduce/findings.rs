@@ -7,7 +7,7 @@ mod modes;
 use serde::Serialize;
 
 use super::{Interval, Reproduction};
-use crate::summary::short;
+use crate::page::numbers::short;
 
 /// What a finding says about the paper.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]

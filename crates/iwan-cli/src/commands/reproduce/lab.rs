@@ -21,8 +21,8 @@ use super::printed::BAND;
 use super::summary::Row3;
 use super::truth::{BASIS, BLOW, beam_nodes};
 use crate::failure::Failure;
-use crate::linear::{Linear, explain};
 use crate::parallel::in_parallel;
+use crate::structures::linear::{Linear, explain};
 
 /// One pound-force in N, one inch in m, one lbf s²/in in kg.
 const NEWTON: f64 = 4.448_221_615_260_5;

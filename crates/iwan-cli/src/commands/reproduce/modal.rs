@@ -12,7 +12,7 @@ use serde::Serialize;
 
 use super::truth::{DT, LEVELS, STEPS, Side};
 use crate::failure::Failure;
-use crate::linear::explain;
+use crate::structures::linear::explain;
 
 /// Levels up to this force, lbf, stay in micro-slip: slopes and ratios are taken there.
 pub(crate) const MICRO_SLIP: f64 = 100.0;

@@ -9,7 +9,7 @@ use iwan_input::{BUILT_IN_STRUCTURES, Source, StructureFile};
 
 use super::counterpart::distance;
 use crate::failure::Failure;
-use crate::linear::{Linear, explain};
+use crate::structures::linear::{Linear, explain};
 
 /// Peak forces of the blows, lbf (Sec. 3).
 pub(crate) const LEVELS: [f64; 6] = [1.0, 10.0, 100.0, 1000.0, 5000.0, 10_000.0];

@@ -8,8 +8,8 @@ use super::{Plate, Section};
 use crate::commands::reproduce::{
     Counterpart, DT, FITTED, LEVELS, SHOWN, STEPS, Side, Studied, Study, TABLE_2,
 };
-use crate::report::decimate::{history, thin};
-use crate::report::figure::{Axis, Figure, Layer, Mark, colour};
+use crate::page::decimate::{history, thin};
+use crate::page::figure::{Axis, Figure, Layer, Mark, colour};
 
 /// Units of modal quantities: displacement, force and acceleration, energy.
 const DISPLACEMENT: &str = "\u{221a}(lbf\u{b7}in)\u{b7}s";

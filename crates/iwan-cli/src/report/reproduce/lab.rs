@@ -2,8 +2,8 @@
 
 use super::{Plate, Section};
 use crate::commands::reproduce::{Hit, Lab};
-use crate::report::decimate::{history, thin};
-use crate::report::figure::{Axis, Figure, Layer, Mark, colour};
+use crate::page::decimate::{history, thin};
+use crate::page::figure::{Axis, Figure, Layer, Mark, colour};
 
 const ACCELERATION: &str = "\u{221a}kg\u{b7}m/s\u{b2}";
 const COLOURS: [&str; 4] = [colour::BLUE, colour::VERMILLION, colour::GREEN, colour::PURPLE];

@@ -4,7 +4,7 @@ use iwan_core::{Backbone, FourParameter, Oscillator, ResidualStiffness};
 
 use super::{Plate, Section};
 use crate::commands::reproduce::{TABLE_1, TABLE_2};
-use crate::report::figure::{Axis, Figure, Layer, Mark, colour};
+use crate::page::figure::{Axis, Figure, Layer, Mark, colour};
 
 /// Small-amplitude frequency for the modal schematic, Hz: where mode 1 lies.
 const FREQUENCY: f64 = 125.0;

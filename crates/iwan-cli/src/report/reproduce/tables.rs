@@ -3,7 +3,7 @@
 use maud::{Markup, html};
 
 use crate::commands::reproduce::{Interval, Lab, LabSummary, Row2, Summary, Truth, bounds};
-use crate::summary::{error, short};
+use crate::page::numbers::{error, short};
 
 /// A table with its head.
 fn table(head: &[&str], rows: &[Vec<String>]) -> Markup {

@@ -9,7 +9,7 @@ use super::{Finding, Kind, Number, number};
 use crate::commands::reproduce::Reproduction;
 use crate::commands::reproduce::modal::{Root, Study};
 use crate::commands::reproduce::printed::{TABLE_1, TABLE_2};
-use crate::summary::short;
+use crate::page::numbers::short;
 
 /// Work of one closed cycle of amplitude `u`, by following the joint's force around it.
 fn loop_area(law: &FourParameter, u: f64) -> f64 {

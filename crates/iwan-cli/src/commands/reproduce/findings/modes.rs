@@ -6,7 +6,7 @@ use crate::commands::reproduce::counterpart::{Counterpart, SHOWN};
 use crate::commands::reproduce::modal::{MICRO_SLIP, Slopes, Study};
 use crate::commands::reproduce::printed::{TABLE_1, TABLE_2};
 use crate::commands::reproduce::truth::LEVELS;
-use crate::summary::short;
+use crate::page::numbers::short;
 
 fn per_configuration(of: &Reproduction, index: usize) -> impl Iterator<Item = &Study> {
     of.modes().map(|(study, _)| study).filter(move |study| study.index == index)

@@ -1,0 +1,300 @@
+//! A figure as inline SVG with real text.
+
+use std::fmt::Write;
+
+use maud::{Markup, html};
+
+use super::scale::{Scale, Spread, Ticks, superscript};
+
+/// Colours of Okabe and Ito, told apart by colour-blind eyes too.
+pub(crate) mod colour {
+    pub(crate) const BLUE: &str = "#0072B2";
+    pub(crate) const VERMILLION: &str = "#D55E00";
+    pub(crate) const GREEN: &str = "#009E73";
+    pub(crate) const PURPLE: &str = "#CC79A7";
+    pub(crate) const ORANGE: &str = "#E69F00";
+    pub(crate) const GREY: &str = "#6b7280";
+    pub(crate) const BLACK: &str = "#1f2328";
+}
+
+/// How a layer is drawn.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Mark {
+    /// A line.
+    Line,
+    /// A dashed line.
+    Dashed,
+    /// Small circles.
+    Dots,
+    /// The inside of a closed line, pale.
+    Area,
+}
+
+/// Points drawn alike.
+#[derive(Debug, Clone)]
+pub(crate) struct Layer {
+    /// Name in the legend; none for no entry.
+    pub(crate) name: Option<String>,
+    pub(crate) mark: Mark,
+    pub(crate) colour: &'static str,
+    pub(crate) points: Vec<(f64, f64)>,
+}
+
+impl Layer {
+    /// A layer without an entry in the legend.
+    pub(crate) fn new(mark: Mark, colour: &'static str, points: Vec<(f64, f64)>) -> Self {
+        Self { name: None, mark, colour, points }
+    }
+
+    /// With a name in the legend.
+    pub(crate) fn named(self, name: impl Into<String>) -> Self {
+        Self { name: Some(name.into()), ..self }
+    }
+}
+
+/// One axis.
+#[derive(Debug, Clone)]
+pub(crate) struct Axis {
+    pub(crate) label: String,
+    /// Unit behind the label, where there is one.
+    pub(crate) unit: String,
+    pub(crate) spread: Spread,
+}
+
+impl Axis {
+    pub(crate) fn linear(label: impl Into<String>, unit: impl Into<String>) -> Self {
+        Self { label: label.into(), unit: unit.into(), spread: Spread::Linear }
+    }
+
+    pub(crate) fn log(label: impl Into<String>, unit: impl Into<String>) -> Self {
+        Self { label: label.into(), unit: unit.into(), spread: Spread::Log }
+    }
+
+    fn title(&self, exponent: i32) -> String {
+        let power = if exponent == 0 { String::new() } else { format!("10{}", superscript(exponent)) };
+        let space = if power.is_empty() || self.unit.is_empty() { "" } else { " " };
+        match (power.as_str(), self.unit.as_str()) {
+            ("", "") => self.label.clone(),
+            (power, unit) => format!("{} ({power}{space}{unit})", self.label),
+        }
+    }
+}
+
+/// A figure.
+#[derive(Debug, Clone)]
+pub(crate) struct Figure {
+    pub(crate) title: String,
+    /// What to see, below the figure.
+    pub(crate) caption: String,
+    pub(crate) x: Axis,
+    pub(crate) y: Axis,
+    pub(crate) layers: Vec<Layer>,
+    /// A vertical line with a label, drawn when it lies on the axis.
+    pub(crate) marker: Option<(f64, &'static str)>,
+}
+
+/// The plane of the drawing, in its own units.
+const WIDTH: f64 = 600.0;
+const HEIGHT: f64 = 350.0;
+const LEFT: f64 = 84.0;
+const RIGHT: f64 = 578.0;
+const TOP: f64 = 30.0;
+const BOTTOM: f64 = 296.0;
+/// Width of a character of the legend.
+const CHARACTER: f64 = 7.3;
+/// Room for the mark of a legend entry, and between entries.
+const KEY: f64 = 44.0;
+/// Height of a line of the legend; further lines make the figure higher.
+const LINE: f64 = 18.0;
+
+/// Both scales of a figure.
+struct Plane {
+    x: Scale,
+    y: Scale,
+}
+
+impl Plane {
+    fn of(figure: &Figure) -> Self {
+        let points = || figure.layers.iter().flat_map(|layer| &layer.points);
+        let lines = figure.layers.iter().all(|layer| layer.mark != Mark::Dots);
+        let histories = figure.x.spread == Spread::Linear && figure.x.unit == "s" && lines;
+        Self {
+            x: Scale::around(figure.x.spread, points().map(|p| p.0), !histories),
+            y: Scale::around(figure.y.spread, points().map(|p| p.1), true),
+        }
+    }
+
+    fn x(&self, value: f64) -> f64 {
+        LEFT + (RIGHT - LEFT) * self.x.share(value)
+    }
+
+    fn y(&self, value: f64) -> f64 {
+        BOTTOM + (TOP - BOTTOM) * self.y.share(value)
+    }
+
+    /// Places of the points that have one.
+    fn places(&self, points: &[(f64, f64)]) -> Vec<(f64, f64)> {
+        let places = points.iter().map(|&(x, y)| (self.x(x), self.y(y)));
+        places.filter(|(x, y)| x.is_finite() && y.is_finite()).collect()
+    }
+}
+
+impl Figure {
+    /// The figure with its caption.
+    pub(crate) fn draw(&self) -> Markup {
+        let plane = Plane::of(self);
+        let (x_ticks, y_ticks) = (plane.x.ticks(6.0), plane.y.ticks(6.0));
+        let legend = self.legend_lines();
+        let above = LINE * legend.len().saturating_sub(1) as f64;
+        let box_ = format!("0 {} {WIDTH} {}", -above, HEIGHT + above);
+        html! {
+            figure {
+                figcaption { strong { (self.title) } }
+                svg viewBox=(box_) role="img" aria-label=(self.title) {
+                    (grid(&plane, &x_ticks, &y_ticks))
+                    @for layer in &self.layers { (draw_layer(&plane, layer)) }
+                    (self.draw_marker(&plane))
+                    rect class="frame" x=(LEFT) y=(TOP) width=(RIGHT - LEFT) height=(BOTTOM - TOP) {}
+                    (self.axis_titles(x_ticks.exponent, y_ticks.exponent))
+                    (draw_legend(&legend))
+                }
+                p.caption { (self.caption) }
+            }
+        }
+    }
+
+    fn draw_marker(&self, plane: &Plane) -> Markup {
+        let shown = self.marker.filter(|(value, _)| plane.x.contains(*value));
+        html! {
+            @if let Some((value, label)) = shown {
+                @let x = plane.x(value);
+                @let left = x > 0.75 * RIGHT;
+                @let y = if self.is_high_beyond(plane, value) { BOTTOM - 9.0 } else { TOP + 18.0 };
+                line.marker x1=(format!("{x:.1}")) x2=(format!("{x:.1}")) y1=(TOP) y2=(BOTTOM) {}
+                text.key x=(format!("{:.1}", if left { x - 6.0 } else { x + 6.0 })) y=(y)
+                    text-anchor=(if left { "end" } else { "start" }) { (label) }
+            }
+        }
+    }
+
+    /// Whether the first layer runs in the upper half beyond `x`: a label goes below it then.
+    fn is_high_beyond(&self, plane: &Plane, x: f64) -> bool {
+        let beyond = self.layers.iter().take(1).flat_map(|layer| &layer.points).filter(|p| p.0 >= x);
+        let (sum, count) = beyond.fold((0.0, 0.0), |(sum, n), p| (sum + plane.y.share(p.1), n + 1.0));
+        sum > 0.5 * count
+    }
+
+    fn axis_titles(&self, x_exponent: i32, y_exponent: i32) -> Markup {
+        let (middle_x, middle_y) = (0.5 * (LEFT + RIGHT), 0.5 * (TOP + BOTTOM));
+        let turned = format!("translate(17 {middle_y}) rotate(-90)");
+        html! {
+            text.label x=(middle_x) y=(HEIGHT - 10.0) text-anchor="middle" { (self.x.title(x_exponent)) }
+            text.label transform=(turned) text-anchor="middle" { (self.y.title(y_exponent)) }
+        }
+    }
+
+    /// Entries of the legend in as many lines as they need.
+    fn legend_lines(&self) -> Vec<Vec<(&Layer, &str)>> {
+        let mut lines: Vec<Vec<(&Layer, &str)>> = Vec::new();
+        let mut left = 0.0;
+        for (layer, name) in self.layers.iter().filter_map(|l| Some((l, l.name.as_deref()?))) {
+            left -= key_width(name);
+            match lines.last_mut() {
+                Some(line) if left >= 0.0 => line.push((layer, name)),
+                _ => {
+                    left = RIGHT - LEFT - key_width(name);
+                    lines.push(vec![(layer, name)]);
+                }
+            }
+        }
+        lines
+    }
+}
+
+fn key_width(name: &str) -> f64 {
+    KEY + CHARACTER * name.chars().count() as f64
+}
+
+/// The legend above the plane, its last line nearest; lines end at the right.
+fn draw_legend(lines: &[Vec<(&Layer, &str)>]) -> Markup {
+    let mut placed = Vec::new();
+    for (n, line) in lines.iter().rev().enumerate() {
+        let total: f64 = line.iter().map(|(_, name)| key_width(name)).sum();
+        let mut x = (RIGHT - total).max(LEFT);
+        for (layer, name) in line {
+            placed.push((*layer, *name, x, TOP - LINE * n as f64));
+            x += key_width(name);
+        }
+    }
+    html! {
+        @for (layer, name, x, top) in placed {
+            (draw_key(layer, x, top - 13.0))
+            text.key x=(format!("{:.1}", x + 28.0)) y=(top - 9.0) { (name) }
+        }
+    }
+}
+
+fn draw_key(layer: &Layer, x: f64, y: f64) -> Markup {
+    match layer.mark {
+        Mark::Dots => html! { circle cx=(x + 14.0) cy=(y) r="3" fill=(layer.colour) {} },
+        Mark::Area => {
+            html! { rect x=(x + 4.0) y=(y - 5.0) width="20" height="10" fill=(layer.colour) fill-opacity="0.22" {} }
+        }
+        _ => path(&[(x + 4.0, y), (x + 24.0, y)], layer),
+    }
+}
+
+fn draw_layer(plane: &Plane, layer: &Layer) -> Markup {
+    let places = plane.places(&layer.points);
+    match layer.mark {
+        Mark::Dots => html! {
+            g fill=(layer.colour) fill-opacity="0.75" {
+                @for (x, y) in places { circle cx=(format!("{x:.1}")) cy=(format!("{y:.1}")) r="2.6" {} }
+            }
+        },
+        Mark::Area => {
+            html! { path d=(format!("{}Z", outline(&places))) fill=(layer.colour) fill-opacity="0.22" {} }
+        }
+        _ => path(&places, layer),
+    }
+}
+
+/// The line through the places, as SVG draws it.
+fn outline(places: &[(f64, f64)]) -> String {
+    let mut d = String::with_capacity(12 * places.len());
+    for (n, (x, y)) in places.iter().enumerate() {
+        // Writing to a string cannot fail.
+        let _ = write!(d, "{}{x:.1} {y:.1}", if n == 0 { 'M' } else { 'L' });
+    }
+    d
+}
+
+fn path(places: &[(f64, f64)], layer: &Layer) -> Markup {
+    let d = outline(places);
+    let dash = (layer.mark == Mark::Dashed).then_some("6 4");
+    html! { path d=(d) fill="none" stroke=(layer.colour) stroke-dasharray=[dash] {} }
+}
+
+fn grid(plane: &Plane, x_ticks: &Ticks, y_ticks: &Ticks) -> Markup {
+    let place = |value: f64| format!("{value:.1}");
+    html! {
+        @for tick in &x_ticks.ticks {
+            @let x = place(plane.x(tick.value));
+            @if let Some(label) = &tick.label {
+                line.grid x1=(x) x2=(x) y1=(TOP) y2=(BOTTOM) {}
+                text.tick x=(x) y=(BOTTOM + 18.0) text-anchor="middle" { (label) }
+            } @else {
+                line.small x1=(x) x2=(x) y1=(BOTTOM - 4.0) y2=(BOTTOM) {}
+            }
+        }
+        @for tick in &y_ticks.ticks {
+            @let y = plane.y(tick.value);
+            @if let Some(label) = &tick.label {
+                line.grid x1=(LEFT) x2=(RIGHT) y1=(place(y)) y2=(place(y)) {}
+                text.tick x=(LEFT - 7.0) y=(place(y + 4.0)) text-anchor="end" { (label) }
+            } @else {
+                line.small x1=(LEFT) x2=(LEFT + 4.0) y1=(place(y)) y2=(place(y)) {}
+            }
+        }
+    }
+}
