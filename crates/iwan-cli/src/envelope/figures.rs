@@ -2,18 +2,21 @@
 
 use iwan_ident::signal::{Envelope, Method, amplitude_spectrum};
 
-use crate::page::decimate::{crests, history, thin};
-use crate::page::figure::{Axis, Figure, Layer, Mark, colour};
+use crate::page::decimate::{STRETCHES, crests, history, thin};
+use crate::page::figure::{Axis, DEVIATIONS, Figure, Layer, Mark, Marker, colour};
 use crate::records::{Extraction, Units};
 
-/// Stretches of a history.
-const BINS: usize = 700;
-/// Points of a curve.
+/// Points of a curve, at most: four for every five units of the plane's width. More are not seen.
 const CURVE: usize = 400;
-/// Stretches of a spectrum.
+/// Stretches of a spectrum, of each of which the highest line is drawn: a narrow peak between them is not lost, so that nearly
+/// two for each unit of the plane are enough.
 const LINES: usize = 900;
-/// Standard deviations of the bands drawn around curves: 95 %.
-const DEVIATIONS: f64 = 1.96;
+/// The spectrum in the band is drawn from this multiple of the band's lower edge, so that a neighbouring mode is seen beside it.
+const FROM: f64 = 0.6;
+/// It is drawn up to this multiple of the upper edge.
+const TO: f64 = 1.6;
+/// Lines of that spectrum below this part of the highest are the filter's stop band: they would press the peak together.
+const FLOOR: f64 = 1e-5;
 
 /// A mode and the units of its record.
 #[derive(Debug, Clone, Copy)]
@@ -32,15 +35,21 @@ fn style(method: Method) -> (Mark, &'static str) {
     }
 }
 
-/// A quantity of an envelope at an index.
-type Of = fn(&Envelope, usize) -> f64;
+/// A quantity of an envelope as it is drawn.
+struct Quantity {
+    axis: Axis,
+    /// At an index of the envelope.
+    value: fn(&Envelope, usize) -> f64,
+    /// Its standard deviation there, where a pale band is drawn around it.
+    sd: Option<fn(&Envelope, usize) -> f64>,
+}
 
 impl Extracted<'_> {
     /// The record as it is and as it passed the filter.
     pub(crate) fn record(&self) -> Figure {
         let (x, dt, start) = (self.x, self.x.isolated.dt, self.x.start);
         let shifted = |samples: &[f64]| -> Vec<(f64, f64)> {
-            history(samples, dt, BINS).into_iter().map(|(t, y)| (start + t, y)).collect()
+            history(samples, dt, STRETCHES).into_iter().map(|(t, y)| (start + t, y)).collect()
         };
         let (from, to) = x.isolated.trusted();
         Figure {
@@ -77,12 +86,12 @@ impl Extracted<'_> {
             x,
             y: self.samples_axis(&label, true),
             layers,
-            marker: Some((band.peak, "peak")),
+            marker: Some(Marker { value: band.peak, label: "peak" }),
         };
         let lines = crests(&whole, LINES);
-        let reach = (0.6 * band.low, 1.6 * band.high);
+        let reach = (FROM * band.low, TO * band.high);
         let near = |points: &[(f64, f64)]| -> Vec<(f64, f64)> {
-            let floor = 1e-5 * points.iter().map(|p| p.1).fold(0.0, f64::max);
+            let floor = FLOOR * points.iter().map(|p| p.1).fold(0.0, f64::max);
             let inside = points.iter().copied().filter(|p| (reach.0..=reach.1).contains(&p.0) && p.1 > floor);
             crests(&inside.collect::<Vec<_>>(), LINES)
         };
@@ -112,46 +121,44 @@ impl Extracted<'_> {
 
     /// Amplitude, frequency and damping against time by all methods, the last two against amplitude as well.
     pub(crate) fn methods(&self) -> Vec<Figure> {
-        let amplitude: Of = |e, i| e.amplitude[i];
-        let frequency: Of = |e, i| e.frequency[i];
-        let damping: Of = |e, i| 100.0 * e.damping_ratio[i];
-        let time = || Axis::linear("time", "s");
         let label = format!("amplitude of {}", self.units.quantity);
-        let level = || Axis::log(&label, &self.units.samples);
-        let hertz = || Axis::linear("frequency", "Hz");
-        let percent = || Axis::linear("damping ratio", "%");
+        let level = || Quantity {
+            axis: Axis::log(&label, &self.units.samples),
+            value: |e, i| e.amplitude[i],
+            sd: None,
+        };
+        let frequency = || Quantity {
+            axis: Axis::linear("frequency", "Hz"),
+            value: |e, i| e.frequency[i],
+            sd: Some(|e, i| e.frequency_sd[i]),
+        };
+        let damping = || Quantity {
+            axis: Axis::linear("damping ratio", "%"),
+            value: |e, i| 100.0 * e.damping_ratio[i],
+            sd: Some(|e, i| 100.0 * e.damping_ratio_sd[i]),
+        };
         let bands = "The pale band is 95 % of the noise of the method chosen; where the methods differ by more, the \
             difference is theirs.";
         vec![
             self.figure(
                 "Amplitude against time",
                 "Logarithmic: a linear mode is a straight line.",
-                (time(), None),
-                (level(), amplitude, None),
+                None,
+                level(),
             ),
-            self.figure(
-                "Frequency against time",
-                bands,
-                (time(), None),
-                (hertz(), frequency, Some(|e, i| e.frequency_sd[i])),
-            ),
-            self.figure(
-                "Damping ratio against time",
-                bands,
-                (time(), None),
-                (percent(), damping, Some(|e, i| 100.0 * e.damping_ratio_sd[i])),
-            ),
+            self.figure("Frequency against time", bands, None, frequency()),
+            self.figure("Damping ratio against time", bands, None, damping()),
             self.figure(
                 "Frequency against amplitude",
                 "Falling with amplitude: the joint softens.",
-                (level(), Some(amplitude)),
-                (hertz(), frequency, Some(|e, i| e.frequency_sd[i])),
+                Some(level()),
+                frequency(),
             ),
             self.figure(
                 "Damping ratio against amplitude",
                 "Rising with amplitude: friction; level: viscous.",
-                (level(), Some(amplitude)),
-                (percent(), damping, Some(|e, i| 100.0 * e.damping_ratio_sd[i])),
+                Some(level()),
+                damping(),
             ),
         ]
     }
@@ -180,26 +187,21 @@ impl Extracted<'_> {
         }
     }
 
-    /// One quantity by all methods, over time or over another quantity.
-    fn figure(
-        &self,
-        title: &str,
-        caption: &str,
-        (x, over): (Axis, Option<Of>),
-        (y, of, sd): (Axis, Of, Option<Of>),
-    ) -> Figure {
+    /// A quantity by all methods, over time or over another quantity.
+    fn figure(&self, title: &str, caption: &str, over: Option<Quantity>, shown: Quantity) -> Figure {
         let start = self.x.start;
-        let abscissa = |e: &Envelope, i: usize| over.map_or(start + e.t[i], |over| over(e, i));
+        let abscissa =
+            |e: &Envelope, i: usize| over.as_ref().map_or(start + e.t[i], |over| (over.value)(e, i));
         let line = |e: &Envelope| {
-            let points: Vec<_> = (0..e.t.len()).map(|i| (abscissa(e, i), of(e, i))).collect();
+            let points: Vec<_> = (0..e.t.len()).map(|i| (abscissa(e, i), (shown.value)(e, i))).collect();
             let (mark, colour) = style(e.method);
             Layer::new(mark, colour, thin(&points, CURVE)).named(e.method.name())
         };
         let mut layers = Vec::new();
-        if let (Some(sd), Some(e)) = (sd, self.x.envelope()) {
+        if let (Some(sd), Some(e)) = (shown.sd, self.x.envelope()) {
             let edge = |sign: f64| {
                 let points: Vec<_> = (0..e.t.len())
-                    .map(|i| (abscissa(e, i), of(e, i) + sign * DEVIATIONS * sd(e, i)))
+                    .map(|i| (abscissa(e, i), (shown.value)(e, i) + sign * DEVIATIONS * sd(e, i)))
                     .collect();
                 thin(&points, CURVE)
             };
@@ -207,7 +209,8 @@ impl Extracted<'_> {
             layers.push(Layer::new(Mark::Area, style(e.method).1, outline));
         }
         layers.extend(self.x.opinions.envelopes.iter().map(line));
-        Figure { title: title.into(), caption: caption.into(), x, y, layers, marker: None }
+        let x = over.map_or_else(|| Axis::linear("time", "s"), |over| over.axis);
+        Figure { title: title.into(), caption: caption.into(), x, y: shown.axis, layers, marker: None }
     }
 
     /// Energy lost in a cycle against force, with the straight line through it.

@@ -3,7 +3,7 @@
 use maud::{Markup, html};
 
 use super::figures::Extracted;
-use super::summary::{EnvelopeSummary, Point, agreement};
+use super::summary::{EnvelopeSummary, FAIRLY, Point, agreement};
 use crate::page::html::{grid, page};
 use crate::page::numbers::short;
 use crate::records::{Extraction, Units};
@@ -55,7 +55,7 @@ fn mode(n: usize, x: &Extraction, summary: &EnvelopeSummary, units: &Units) -> M
 /// Agreement in words, and what was done.
 fn verdict(x: &Extraction) -> Markup {
     let good =
-        x.opinions.spread.is_some_and(|s| s.median_damping_ratio < 0.05) && x.opinions.refused.is_empty();
+        x.opinions.spread.is_some_and(|s| s.median_damping_ratio < FAIRLY) && x.opinions.refused.is_empty();
     html! {
         div class=(if good { "verdict" } else { "verdict look" }) {
             @match &x.opinions.spread {

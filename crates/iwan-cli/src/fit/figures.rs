@@ -8,23 +8,26 @@ use iwan_ident::profile::Profile;
 use iwan_ident::{Parameter, Parameters};
 
 use crate::identified::{Comparison, Identified};
-use crate::page::decimate::{history, thin};
-use crate::page::figure::{Axis, Figure, Layer, Mark, colour};
+use crate::page::decimate::{STRETCHES, history, thin};
+use crate::page::figure::{Axis, DEVIATIONS, Figure, Layer, Mark, Marker, colour};
 use crate::records::Units;
 
-/// Stretches of a history.
-const BINS: usize = 700;
-/// Points of a curve.
+/// Points of a curve, at most: two for every three units of the plane; of dots a quarter of that, so that they stay apart.
 const CURVE: usize = 300;
-/// Cycles in a close view.
+/// Cycles in a close view: 40 units of the plane each, so that a twentieth of a cycle between record and model is seen.
 const CYCLES: f64 = 12.0;
-/// Standard deviations of the bands around curves: 95 %.
-const DEVIATIONS: f64 = 1.96;
-/// How far closed forms run beyond the amplitudes seen.
+/// How far closed forms run beyond the amplitudes seen, as a ratio to either side. From 1.2 to 3 does as well.
 const BEYOND: f64 = 1.5;
-/// Deviances that are drawn, over the limit.
+/// Deviances are drawn up to this multiple of the limit: the interval, where the curve is below the limit, takes half the width
+/// of a parabola then.
 const HIGHEST: f64 = 4.0;
-/// Colours of records.
+/// A parameter whose profile spans more than this ratio is drawn on a logarithmic axis, on which an interval that is open
+/// above does not press the rest to the left rim. From 3 to 10 does as well.
+const WIDE: f64 = 5.0;
+/// Densities below this part of the largest in the informed range are not drawn: a free-form density may go to nothing between
+/// its bumps, and three decades are enough to compare the bumps.
+const FAINT: f64 = 1e-3;
+/// Colours of records, in turn; a fifth record has the first colour again.
 const RECORDS: [&str; 4] = [colour::BLUE, colour::GREEN, colour::PURPLE, colour::ORANGE];
 
 /// A fit and the units of its records.
@@ -35,7 +38,7 @@ pub(super) struct Fitted<'a> {
 }
 
 /// A quantity of curves at an index.
-type Of = fn(&Curves, usize) -> f64;
+type Value = fn(&Curves, usize) -> f64;
 
 /// One panel of curves over amplitude or force.
 struct Panel {
@@ -43,9 +46,11 @@ struct Panel {
     caption: String,
     x: Axis,
     y: Axis,
-    over: Of,
-    of: Of,
-    /// Standard deviation as (lower, upper) edges of 95 %.
+    /// On the axis of x.
+    over: Value,
+    /// On the axis of y.
+    value: Value,
+    /// Lower and upper edge of the pale band: 95 % of the noise.
     edges: fn(&Curves, usize) -> (f64, f64),
 }
 
@@ -71,7 +76,7 @@ impl Fitted<'_> {
         let cycles = (seconds / c.dt) as usize;
         let last = c.record.len();
         let suffix = self.suffix(n);
-        let of = |title: &str, caption: String, range: std::ops::Range<usize>, bins| {
+        let view = |title: &str, caption: String, range: std::ops::Range<usize>, bins| {
             let start = c.start + range.start as f64 * c.dt;
             let points = |samples: &[f64]| -> Vec<(f64, f64)> {
                 history(&samples[range.clone()], c.dt, bins)
@@ -94,18 +99,18 @@ impl Fitted<'_> {
         };
         let near = "Record and model must lie on each other in size and in phase.".to_string();
         vec![
-            of(
+            view(
                 "Record and model",
                 format!(
                     "What is left over is {:.2} % of the record (root mean square).",
                     100.0 * c.relative()
                 ),
                 0..last,
-                BINS,
+                STRETCHES,
             ),
             self.residual(c, &suffix),
-            of("The first cycles", near.clone(), 0..cycles.min(last), CURVE * 4),
-            of("The last cycles", near, last.saturating_sub(cycles)..last, CURVE * 4),
+            view("The first cycles", near.clone(), 0..cycles.min(last), CURVE * 4),
+            view("The last cycles", near, last.saturating_sub(cycles)..last, CURVE * 4),
         ]
     }
 
@@ -115,7 +120,8 @@ impl Fitted<'_> {
     }
 
     fn residual(&self, c: &Comparison, suffix: &str) -> Figure {
-        let points = history(&c.residual(), c.dt, BINS).into_iter().map(|(t, y)| (c.start + t, y)).collect();
+        let points =
+            history(&c.residual(), c.dt, STRETCHES).into_iter().map(|(t, y)| (c.start + t, y)).collect();
         let caption =
             "Noise alone is even in time; a swelling and shrinking residual is what the model misses.";
         let layer = Layer::new(Mark::Line, colour::GREY, points).named("record less model");
@@ -136,7 +142,7 @@ impl Fitted<'_> {
                 x: level(),
                 y: Axis::linear("frequency", "Hz"),
                 over: |c, i| c.displacement[i],
-                of: |c, i| c.frequency[i],
+                value: |c, i| c.frequency[i],
                 edges: |c, i| {
                     let reach = DEVIATIONS * c.frequency_sd[i];
                     (c.frequency[i] - reach, c.frequency[i] + reach)
@@ -148,7 +154,7 @@ impl Fitted<'_> {
                 x: level(),
                 y: Axis::linear("damping ratio", "%"),
                 over: |c, i| c.displacement[i],
-                of: |c, i| 100.0 * c.damping_ratio[i],
+                value: |c, i| 100.0 * c.damping_ratio[i],
                 edges: |c, i| {
                     let (zeta, reach) = (100.0 * c.damping_ratio[i], DEVIATIONS * c.log_dissipation_sd[i]);
                     (zeta * (-reach).exp(), zeta * reach.exp())
@@ -162,7 +168,7 @@ impl Fitted<'_> {
                 x: Axis::log(force, &self.units.force),
                 y: Axis::log("energy per cycle", &self.units.energy),
                 over: |c, i| c.force[i],
-                of: |c, i| c.dissipation[i],
+                value: |c, i| c.dissipation[i],
                 edges: |c, i| {
                     let reach = (DEVIATIONS * c.log_dissipation_sd[i]).exp();
                     (c.dissipation[i] / reach, c.dissipation[i] * reach)
@@ -175,7 +181,10 @@ impl Fitted<'_> {
 
     fn panel(&self, panel: &Panel) -> Figure {
         let points = |c: &Curves| -> Vec<(f64, f64)> {
-            thin(&(0..c.t.len()).map(|k| ((panel.over)(c, k), (panel.of)(c, k))).collect::<Vec<_>>(), CURVE)
+            thin(
+                &(0..c.t.len()).map(|k| ((panel.over)(c, k), (panel.value)(c, k))).collect::<Vec<_>>(),
+                CURVE,
+            )
         };
         let mut layers = Vec::new();
         for (n, c) in self.i.curves.iter().enumerate() {
@@ -260,8 +269,7 @@ impl Fitted<'_> {
         let seen: Vec<(f64, f64)> = seen.collect();
         let (low, high) =
             seen.iter().filter(inside).fold((f64::INFINITY, 0.0_f64), |e, p| (e.0.min(p.1), e.1.max(p.1)));
-        // Nothing below a thousandth of the largest is worth the room.
-        let floor = (0.5 * low).max(1e-3 * high);
+        let floor = (0.5 * low).max(FAINT * high);
         let visible = |points: Vec<(f64, f64)>| {
             points.into_iter().filter(|p| p.1 > floor && p.1 < 10.0 * high).collect()
         };
@@ -293,7 +301,7 @@ impl Fitted<'_> {
             x: Axis::log("strength \u{3c6}", displacement),
             y: Axis::log("density \u{3c1}", per),
             layers,
-            marker: Some((phi_max, "\u{3c6}_max")),
+            marker: Some(Marker { value: phi_max, label: "\u{3c6}_max" }),
         })
     }
 
@@ -316,7 +324,7 @@ impl Fitted<'_> {
             profile.points.iter().copied().filter(|p| p.1 <= HIGHEST * limit).collect();
         let ends =
             points.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |e, p| (e.0.min(p.0), e.1.max(p.0)));
-        let wide = ends.0 > 0.0 && ends.1 > 5.0 * ends.0;
+        let wide = ends.0 > 0.0 && ends.1 > WIDE * ends.0;
         let caption = match (profile.low, profile.high) {
             (Some(_), Some(_)) => "The 95 % interval is where the curve lies below the dashed line.",
             (None, None) => "Never above the dashed line on either side: these records do not tell it.",
@@ -334,13 +342,14 @@ impl Fitted<'_> {
                 Layer::new(Mark::Line, colour::BLUE, between(&points, profile.value)),
                 Layer::new(Mark::Dots, colour::BLUE, points),
             ],
-            marker: Some((profile.value, "best")),
+            marker: Some(Marker { value: profile.value, label: "best" }),
         }
     }
 }
 
 /// Points between those of a profile, straight in the signed root of the deviance: a parabola stays one.
 fn between(points: &[(f64, f64)], best: f64) -> Vec<(f64, f64)> {
+    // Twelve straight pieces between two points of a profile look like the parabola they stand for.
     const STEPS: u32 = 12;
     let root = |p: &(f64, f64)| p.1.max(0.0).sqrt().copysign(p.0 - best);
     let inner = |pair: &[(f64, f64)]| {

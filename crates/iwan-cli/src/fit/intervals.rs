@@ -2,19 +2,25 @@
 
 use maud::{Markup, html};
 
-use super::summary::{Estimate, ModeFit, ROWS, interval};
+use super::summary::{Estimate, ModeFit, ROWS, Row, interval};
 use crate::page::figure::colour;
 use crate::page::numbers::long;
 
+/// Width of the picture, in units that are nearly pixels: nearly the whole width of a page (1200).
 const WIDTH: f64 = 1180.0;
+/// Height of a parameter's row: letters 13 high and an arrow 14 high, with as much between rows.
 const ROW: f64 = 34.0;
-/// Where names end, and between which places bars lie.
+/// Where names end.
 const NAMES: f64 = 200.0;
+/// Where values end: seven digits and an exponent.
 const VALUES: f64 = 330.0;
+/// Where bars begin, and where they end; the interval as text stands behind them.
 const LEFT: f64 = 350.0;
 const RIGHT: f64 = 800.0;
-/// Widest and narrowest scale: ln of the ratio to the best value.
+/// The widest scale as ln of the ratio to the best value, a factor of ten to either side: an end beyond it is drawn at the
+/// rim and told as text.
 const WIDEST: f64 = std::f64::consts::LN_10;
+/// The narrowest scale, one per cent to either side: narrower ones would show the rounding of their own ticks (four digits).
 const NARROWEST: f64 = 0.01;
 
 /// An end of a bar.
@@ -39,7 +45,7 @@ pub(super) fn draw(mode: &ModeFit) -> Markup {
             figcaption { strong { "95 % intervals" } }
             svg viewBox=(format!("0 0 {WIDTH} {height:.0}")) role="img" aria-label="95 % intervals" {
                 line.marker x1=(middle) x2=(middle) y1="8" y2=(bottom) {}
-                @for (n, (label, estimate)) in ROWS.iter().enumerate() { (row(ROW * (n as f64 + 0.7), label, estimate(mode), reach)) }
+                @for (n, Row { label, estimate }) in ROWS.iter().enumerate() { (row(ROW * (n as f64 + 0.7), label, estimate(mode), reach)) }
                 line.frame x1=(LEFT) x2=(RIGHT) y1=(bottom) y2=(bottom) {}
                 @for share in [-1.0, -0.5, 0.0, 0.5, 1.0] {
                     @let x = place(share * reach, reach);
@@ -64,7 +70,7 @@ fn ratio(e: &Estimate, bound: f64, chi: bool) -> f64 {
 
 /// How far the scale reaches: the farthest closed end, within limits.
 fn reach(mode: &ModeFit) -> f64 {
-    let ends = ROWS.iter().flat_map(|(label, estimate)| {
+    let ends = ROWS.iter().flat_map(|Row { label, estimate }| {
         let e = estimate(mode);
         [e.low, e.high].into_iter().flatten().map(move |bound| ratio(e, bound, *label == "chi").abs())
     });

@@ -4,7 +4,7 @@ use maud::{Markup, html};
 
 use super::figures::Fitted;
 use super::intervals;
-use super::summary::{FitSummary, ModeFit, ROWS, interval};
+use super::summary::{FitSummary, ModeFit, ROWS, Row, interval};
 use crate::envelope::{self, Extracted};
 use crate::identified::Identified;
 use crate::page::html::{grid, page};
@@ -95,7 +95,7 @@ fn table(fit: &ModeFit) -> Markup {
             table {
                 thead { tr { th { "parameter" } th { "value" } th { "95 % interval" } } }
                 tbody {
-                    @for (label, estimate) in &ROWS {
+                    @for Row { label, estimate } in &ROWS {
                         @let e = estimate(fit);
                         tr { th { (label) } td { (long(e.value)) } td { (interval(e)) } }
                     }

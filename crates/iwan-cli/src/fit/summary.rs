@@ -107,17 +107,21 @@ pub(crate) struct CurveSummary {
     pub(crate) force: Vec<f64>,
 }
 
-/// A parameter in tables: what it is called, and its estimate.
-pub(crate) type Row = (&'static str, fn(&ModeFit) -> &Estimate);
+/// A parameter in tables.
+pub(crate) struct Row {
+    /// What it is called.
+    pub(crate) label: &'static str,
+    pub(crate) estimate: fn(&ModeFit) -> &Estimate,
+}
 
 /// The parameters in the order of tables.
 pub(crate) const ROWS: [Row; 6] = [
-    ("frequency, Hz", |m| &m.frequency),
-    ("viscous damping ratio", |m| &m.damping_ratio),
-    ("K_T", |m| &m.k_t),
-    ("F_S", |m| &m.f_s),
-    ("chi", |m| &m.chi),
-    ("beta", |m| &m.beta),
+    Row { label: "frequency, Hz", estimate: |m| &m.frequency },
+    Row { label: "viscous damping ratio", estimate: |m| &m.damping_ratio },
+    Row { label: "K_T", estimate: |m| &m.k_t },
+    Row { label: "F_S", estimate: |m| &m.f_s },
+    Row { label: "chi", estimate: |m| &m.chi },
+    Row { label: "beta", estimate: |m| &m.beta },
 ];
 
 impl Estimate {
@@ -243,7 +247,7 @@ impl ModeFit {
         };
         let _ = writeln!(text, "\n{}: {verdict}", self.name);
         let _ = writeln!(text, "\n{:<24}{:>14}   95 % interval", "parameter", "value");
-        for (label, estimate) in &ROWS {
+        for Row { label, estimate } in &ROWS {
             let e = estimate(self);
             let _ = writeln!(text, "{label:<24}{:>14}   {}", long(e.value), interval(e));
         }

@@ -6,18 +6,17 @@ use maud::{Markup, html};
 use super::summary::{ModesSummary, Pair};
 use crate::page::html::{page, warnings};
 use crate::page::numbers::short;
-use crate::page::solid::{Solid, by_share, length};
+use crate::page::solid::{Deformation, Solid, by_share, length};
 use crate::session::VERSION;
 use crate::structures::Linear;
-use crate::structures::picture::mesh_picture;
+use crate::structures::picture::{MOST_FACES, mesh_picture};
 
-/// Faces in all pictures together: keeps the page below a few megabytes.
-const MOST_FACES: usize = 40_000;
-/// Pictures of shapes at most.
+/// Pictures of shapes, at most: what one reads through; all shapes are in `modes.vtu`.
 const MOST_SHAPES: usize = 12;
-/// Largest displacement of a picture over the diagonal of the mesh.
+/// Largest displacement of a picture over the diagonal of the mesh. From 0.05 to 0.1 a shape is seen and the structure is
+/// still recognised.
 const EXAGGERATION: f64 = 0.07;
-/// Slips named below a picture at most.
+/// Slips named below a picture, at most: one line; the largest come first.
 const MOST_SLIPS: usize = 4;
 
 /// The page.
@@ -78,7 +77,7 @@ fn shape(linear: &Linear, solid: &Solid<'_>, mode: &NamedMode) -> Markup {
     html! {
         figure {
             figcaption { strong { (title) } }
-            (solid.draw(Some((&shape, EXAGGERATION)), &title, &colour))
+            (solid.draw(Some(Deformation { shape: &shape, part: EXAGGERATION }), &title, &colour))
             p.caption { (slips(linear, vector, largest)) }
         }
     }

@@ -1,7 +1,11 @@
 //! Long histories as short lines that look the same.
 
-/// Points of `samples` at `dt`, as smallest and largest of each of `bins` stretches in their order; short
-/// histories stay as they are.
+/// Stretches of a history, of each of which the smallest and the largest value are drawn. The plane of a figure is 494 units
+/// wide, nearly pixels: more stretches are not seen and make the page larger, fewer than 500 make a ring-down ragged.
+pub(crate) const STRETCHES: usize = 700;
+
+/// Points of `samples` at `dt`: the smallest and the largest of each of `bins` stretches, in their order, and both ends of
+/// the history. A history of up to twice as many samples stays as it is.
 pub(crate) fn history(samples: &[f64], dt: f64, bins: usize) -> Vec<(f64, f64)> {
     let point = |n: usize| (n as f64 * dt, samples[n]);
     if samples.len() <= 2 * bins {

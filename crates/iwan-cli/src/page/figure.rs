@@ -30,6 +30,9 @@ pub(crate) enum Mark {
     Area,
 }
 
+/// Standard deviations from a curve to either edge of its pale band: 95 % of a normal distribution.
+pub(crate) const DEVIATIONS: f64 = 1.96;
+
 /// Points drawn alike.
 #[derive(Debug, Clone)]
 pub(crate) struct Layer {
@@ -80,6 +83,14 @@ impl Axis {
     }
 }
 
+/// A vertical line with a label, drawn when it lies on the axis.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Marker {
+    /// Where on the axis of x.
+    pub(crate) value: f64,
+    pub(crate) label: &'static str,
+}
+
 /// A figure.
 #[derive(Debug, Clone)]
 pub(crate) struct Figure {
@@ -89,23 +100,31 @@ pub(crate) struct Figure {
     pub(crate) x: Axis,
     pub(crate) y: Axis,
     pub(crate) layers: Vec<Layer>,
-    /// A vertical line with a label, drawn when it lies on the axis.
-    pub(crate) marker: Option<(f64, &'static str)>,
+    pub(crate) marker: Option<Marker>,
 }
 
-/// The plane of the drawing, in its own units.
+/// Width of the drawing, in units that are nearly pixels where two figures stand side by side on a page of full width
+/// (style.css gives each 586 then); the browser scales it to any other width.
 const WIDTH: f64 = 600.0;
+/// Height of the drawing. A matter of taste, from 300 to 400.
 const HEIGHT: f64 = 350.0;
+/// Left edge of the plane: labels of seven digits (style.css sets them 13 high) and the turned title stand before it.
 const LEFT: f64 = 84.0;
+/// Right edge of the plane: half of a label at the last tick stands behind it.
 const RIGHT: f64 = 578.0;
+/// Upper edge of the plane: one line of the legend stands above it.
 const TOP: f64 = 30.0;
+/// Lower edge of the plane: labels and the title stand below it.
 const BOTTOM: f64 = 296.0;
-/// Width of a character of the legend.
+/// Width of a character of the legend: the mean of a font without serifs, 13 high. Names of wide letters come out longer and
+/// take from the gap behind them.
 const CHARACTER: f64 = 7.3;
-/// Room for the mark of a legend entry, and between entries.
+/// Room that an entry of the legend takes beside its name: its mark (28) and the gap before the next entry (16).
 const KEY: f64 = 44.0;
-/// Height of a line of the legend; further lines make the figure higher.
+/// Height of a line of the legend, for letters 13 high; further lines make the drawing higher, the plane stays.
 const LINE: f64 = 18.0;
+/// Ticks sought along an axis: 80 units apart across, 45 up, so that labels of seven digits do not touch.
+const TICKS: f64 = 6.0;
 
 /// Both scales of a figure.
 struct Plane {
@@ -125,17 +144,17 @@ impl Plane {
     }
 
     fn x(&self, value: f64) -> f64 {
-        LEFT + (RIGHT - LEFT) * self.x.share(value)
+        LEFT + (RIGHT - LEFT) * self.x.share(value).clamp(0.0, 1.0)
     }
 
     fn y(&self, value: f64) -> f64 {
-        BOTTOM + (TOP - BOTTOM) * self.y.share(value)
+        BOTTOM + (TOP - BOTTOM) * self.y.share(value).clamp(0.0, 1.0)
     }
 
-    /// Places of the points that have one.
+    /// Places of the points that have one; what lies beyond an axis is drawn on the frame.
     fn places(&self, points: &[(f64, f64)]) -> Vec<(f64, f64)> {
-        let places = points.iter().map(|&(x, y)| (self.x(x), self.y(y)));
-        places.filter(|(x, y)| x.is_finite() && y.is_finite()).collect()
+        let has_place = |&&(x, y): &&(f64, f64)| self.x.share(x).is_finite() && self.y.share(y).is_finite();
+        points.iter().filter(has_place).map(|&(x, y)| (self.x(x), self.y(y))).collect()
     }
 }
 
@@ -143,7 +162,7 @@ impl Figure {
     /// The figure with its caption.
     pub(crate) fn draw(&self) -> Markup {
         let plane = Plane::of(self);
-        let (x_ticks, y_ticks) = (plane.x.ticks(6.0), plane.y.ticks(6.0));
+        let (x_ticks, y_ticks) = (plane.x.ticks(TICKS), plane.y.ticks(TICKS));
         let legend = self.legend_lines();
         let above = LINE * legend.len().saturating_sub(1) as f64;
         let box_ = format!("0 {} {WIDTH} {}", -above, HEIGHT + above);
@@ -164,9 +183,9 @@ impl Figure {
     }
 
     fn draw_marker(&self, plane: &Plane) -> Markup {
-        let shown = self.marker.filter(|(value, _)| plane.x.contains(*value));
+        let shown = self.marker.filter(|marker| plane.x.contains(marker.value));
         html! {
-            @if let Some((value, label)) = shown {
+            @if let Some(Marker { value, label }) = shown {
                 @let x = plane.x(value);
                 @let left = x > 0.75 * RIGHT;
                 @let y = if self.is_high_beyond(plane, value) { BOTTOM - 9.0 } else { TOP + 18.0 };

@@ -5,13 +5,23 @@ use std::fmt::Write;
 use iwan_fem::mesh::Mesh;
 use maud::{Markup, PreEscaped, html};
 
-/// The plane of the drawing, in its own units.
+/// Width of a drawing, in its own units: that of a figure, beside which it stands.
 const WIDTH: f64 = 600.0;
+/// Room around the mesh: lines at its rim (style.css draws them 0.35 wide) stay inside.
 const MARGIN: f64 = 12.0;
-/// Height of a drawing over its width, at most.
+/// Height of a drawing over its width, at most: a cube is drawn smaller, so that a picture and its caption fit on a screen.
 const HIGHEST: f64 = 0.75;
-/// Direction from which the light comes, in the view: x to the right, y up, z to the viewer.
+/// Direction from which the light comes, of length 1 to 0.3 %, in the view: x to the right, y up, z to the viewer. From above the
+/// viewer's left shoulder, where readers expect it: faces on top are brightest.
 const LIGHT: [f64; 3] = [-0.35, 0.65, 0.67];
+/// Brightness of a face that the light does not reach: its colour can still be told.
+const SHADE: f64 = 0.62;
+/// What full light adds; 255 is the end of it.
+const SHINE: f64 = 0.40;
+/// Turn of the view about the vertical, degrees: the long side runs to the right, the end is seen beside it.
+const AZIMUTH: f64 = 30.0;
+/// Height from which the view looks down, degrees: the top is seen. Both angles are a matter of taste, from 20 to 40.
+const ELEVATION: f64 = 28.0;
 
 /// A mesh that is ready to be drawn, deformed or not.
 #[derive(Debug)]
@@ -27,6 +37,15 @@ pub(crate) struct Solid<'a> {
 
 /// Colour of a face: red, green, blue, 0 to 255.
 pub(crate) type Colour = [f64; 3];
+
+/// How a mesh is drawn out of its place.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Deformation<'a> {
+    /// x, y, z of each node, of any size.
+    pub(crate) shape: &'a [f64],
+    /// Largest displacement in the picture, as a part of the diagonal of the mesh.
+    pub(crate) part: f64,
+}
 
 impl<'a> Solid<'a> {
     /// Finds the outer faces and a view in which the longest side runs from left to right.
@@ -44,15 +63,14 @@ impl<'a> Solid<'a> {
         self.faces.len()
     }
 
-    /// The picture with the nodes moved by `shape` (x, y, z of each), scaled so that the largest displacement is `part` of
-    /// the diagonal; `colour` from element, corners.
+    /// The picture, deformed or not; `colour` from an element and the corners of its face.
     pub(crate) fn draw(
         &self,
-        shape: Option<(&[f64], f64)>,
+        deformation: Option<Deformation<'_>>,
         title: &str,
         colour: &dyn Fn(usize, [usize; 4]) -> Colour,
     ) -> Markup {
-        let places = self.places(shape);
+        let places = self.places(deformation);
         let (low, high) = bounds(&places);
         let scale = ((WIDTH - 2.0 * MARGIN) / (high[0] - low[0]).max(f64::MIN_POSITIVE))
             .min((HIGHEST * WIDTH - 2.0 * MARGIN) / (high[1] - low[1]).max(f64::MIN_POSITIVE));
@@ -90,11 +108,11 @@ impl<'a> Solid<'a> {
     }
 
     /// Positions in the view.
-    fn places(&self, shape: Option<(&[f64], f64)>) -> Vec<[f64; 3]> {
+    fn places(&self, deformation: Option<Deformation<'_>>) -> Vec<[f64; 3]> {
         let largest = |shape: &[f64]| shape.chunks_exact(3).map(length).fold(f64::MIN_POSITIVE, f64::max);
-        let factor = shape.map_or(0.0, |(shape, part)| part * self.diagonal / largest(shape));
+        let factor = deformation.map_or(0.0, |d| d.part * self.diagonal / largest(d.shape));
         let moved = |node: usize, axis: usize| {
-            let by = shape.map_or(0.0, |(shape, _)| factor * shape[3 * node + axis]);
+            let by = deformation.map_or(0.0, |d| factor * d.shape[3 * node + axis]);
             self.mesh.positions[node][axis] + by
         };
         (0..self.mesh.positions.len())
@@ -108,8 +126,9 @@ pub(crate) fn length(vector: &[f64]) -> f64 {
     vector.iter().map(|x| x * x).sum::<f64>().sqrt()
 }
 
-/// Blue through white to red by a share from 0 to 1.
+/// Blue through pale blue and pale orange to red by a share from 0 to 1.
 pub(crate) fn by_share(share: f64) -> Colour {
+    // Dark at the ends and pale between them, so that shading still shows; blue and red-orange differ to all eyes.
     const STOPS: [Colour; 4] =
         [[68.0, 119.0, 170.0], [190.0, 215.0, 230.0], [245.0, 205.0, 120.0], [213.0, 94.0, 0.0]];
     let place = share.clamp(0.0, 1.0) * (STOPS.len() - 1) as f64;
@@ -125,7 +144,7 @@ fn view(sides: [f64; 3]) -> [[f64; 3]; 3] {
     // An odd permutation mirrors: the middle side runs the other way then.
     let even = matches!(order, [0, 1, 2] | [1, 2, 0] | [2, 0, 1]);
     let turn = if even { 1.0 } else { -1.0 };
-    let (azimuth, elevation) = (30.0_f64.to_radians(), 28.0_f64.to_radians());
+    let (azimuth, elevation) = (AZIMUTH.to_radians(), ELEVATION.to_radians());
     let (sa, ca, se, ce) = (azimuth.sin(), azimuth.cos(), elevation.sin(), elevation.cos());
     let own = [[ca, sa, 0.0], [-sa * se, ca * se, ce], [sa * ce, -ca * ce, se]];
     own.map(|row| {
@@ -153,7 +172,7 @@ fn normal([a, b, c, d]: [[f64; 3]; 4]) -> [f64; 3] {
 /// Brightness of a face.
 fn shade(normal: [f64; 3]) -> f64 {
     let along: f64 = normal.iter().zip(LIGHT).map(|(n, l)| n * l).sum();
-    0.62 + 0.40 * (along / length(&normal).max(f64::MIN_POSITIVE)).max(0.0)
+    SHADE + SHINE * (along / length(&normal).max(f64::MIN_POSITIVE)).max(0.0)
 }
 
 #[cfg(test)]

@@ -12,13 +12,10 @@ use crate::args::Format;
 use crate::failure::Failure;
 use crate::session::{PAGE, SUMMARY, Session};
 use crate::structures::Linear;
-use crate::structures::linear::load;
+use crate::structures::linear::{NAMED_MODES, load};
 
 /// Table of the curves.
 const TABLE: &str = "curves.csv";
-/// Elastic modes among which names are looked up.
-const MODES: usize = 40;
-
 /// Runs the command.
 pub(crate) fn run(args: &QuasiStaticArgs) -> Result<(), Failure> {
     let (source, file) = load(&args.structure)?;
@@ -28,7 +25,7 @@ pub(crate) fn run(args: &QuasiStaticArgs) -> Result<(), Failure> {
 
     let clock = Instant::now();
     let bar = session.bar("modes");
-    let linear = Linear::observed(source, file, MODES, &mut |share| bar.report(share))?;
+    let linear = Linear::observed(source, file, NAMED_MODES, &mut |share| bar.report(share))?;
     drop(bar);
     let analysed = analyse(&linear, args, &session.bar("static loads"))?;
     let summary = QuasiStaticSummary::new(&linear, &analysed, clock.elapsed().as_secs_f64());

@@ -6,14 +6,18 @@ use super::analysis::Analysed;
 use crate::page::figure::{Axis, Figure, Layer, Mark, colour};
 use crate::structures::Linear;
 
-/// Colours of the slips, in turn.
+/// Colours of the slips, the largest first.
 const COLOURS: [&str; 5] = [colour::BLUE, colour::VERMILLION, colour::GREEN, colour::PURPLE, colour::ORANGE];
-/// Slips with a line of their own at most: the largest.
-const MOST_SLIPS: usize = 5;
-/// Slips below this part of the largest are rounding.
+/// Slips with a line of their own, the largest, at most: as many as there are colours.
+const MOST_SLIPS: usize = COLOURS.len();
+/// Slips below this part of the largest are not drawn: on a logarithmic axis those that symmetry forbids, which are rounding,
+/// would press all others together. On the paper's beam rounding is 3e-11 of the largest slip, the smallest slip that is none
+/// 3e-5: any limit between them does.
 const LEAST_SLIP: f64 = 1e-6;
-/// Frequencies that change less than this, relatively, are drawn as their change.
+/// Frequencies that change by less than this part are drawn as their change: labels of the whole frequency would need six
+/// digits and more to differ.
 const SMALL_CHANGE: f64 = 1e-3;
+
 /// All figures of a mode.
 pub(super) fn figures(linear: &Linear, mode: &Analysed) -> [Figure; 4] {
     [frequency(mode), dissipation(mode), force(mode), slips(linear, mode)]

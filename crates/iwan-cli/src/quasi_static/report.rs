@@ -10,10 +10,7 @@ use crate::page::numbers::short;
 use crate::page::solid::Solid;
 use crate::session::VERSION;
 use crate::structures::Linear;
-use crate::structures::picture::mesh_picture;
-
-/// Meshes with more outer faces than this are not drawn.
-const MOST_FACES: usize = 40_000;
+use crate::structures::picture::illustration;
 
 /// The page.
 pub(super) fn render(linear: &Linear, analysed: &[Analysed], summary: &QuasiStaticSummary) -> String {
@@ -29,7 +26,7 @@ pub(super) fn render(linear: &Linear, analysed: &[Analysed], summary: &QuasiStat
         (warnings(&summary.warnings))
         nav { @for (n, m) in summary.modes.iter().enumerate() { a href=(format!("#mode-{n}")) { (m.name) } } }
         (table(&summary.modes))
-        @if solid.faces() <= MOST_FACES { (mesh_picture(&solid, mesh)) }
+        (illustration(&solid, mesh))
         @for (n, mode) in analysed.iter().enumerate() {
             h2 id=(format!("mode-{n}")) { (mode.mode.name) }
             p { (what(&summary.modes[n])) }

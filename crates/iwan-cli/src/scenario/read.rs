@@ -6,14 +6,15 @@ use iwan_input::{InputError, Section, Source, plain};
 use iwan_sim::{Method, Mode, Settings};
 
 use super::force::{self, Force};
-use super::method::{self, MethodKeys, Overrides};
+use super::method::{self, MethodKeys, Overrides, Refusal};
 use super::mode::{self, ScenarioMode};
 use super::structure::OnStructure;
 
 /// Keys at the top of a scenario.
 pub(crate) const KEYS: &[&str] = &["title", "mode", "structure", "force", "time", "method"];
 
-/// More numbers than this (8 GB) are not kept in memory.
+/// Numbers of a response at most: 8 GB. A longer one is refused before anything is computed, since a computer for which it is too
+/// much would slow down to a halt; half as much or twice as much would do as well.
 const MOST_NUMBERS: f64 = 1e9;
 
 /// A scenario, checked.
@@ -160,17 +161,16 @@ fn read_method(
         None => MethodKeys::named("newmark"),
     };
     let mut keys = written.overridden(overrides)?;
-    if structure {
-        keys = keys.on_structure().map_err(|(key, message, remedy)| match &section {
-            Some((section, _)) if keys == written => section.failure(key, &message, &remedy),
-            _ => InputError::new(message, remedy),
-        })?;
-    }
-    let written = MethodKeys { prewarp: keys.prewarp, ..written };
-    keys.resolve().map_err(|(key, message, remedy)| match &section {
-        Some((section, _)) if keys == written => section.failure(key, &message, &remedy),
+    // What stands in the file is shown there; what the command line made of it stands nowhere.
+    let as_written = keys == written;
+    let placed = |Refusal { key, message, remedy }: Refusal| match &section {
+        Some((section, _)) if as_written => section.failure(key, &message, &remedy),
         _ => InputError::new(message, remedy),
-    })
+    };
+    if structure {
+        keys = keys.on_structure().map_err(placed)?;
+    }
+    keys.resolve().map_err(placed)
 }
 
 fn read_force(

@@ -1,26 +1,31 @@
 //! The figures of a response.
 
-use iwan_core::Backbone;
-use iwan_sim::{Mode, Response};
+use iwan_core::{Backbone, Pulse};
+use iwan_sim::{JointLaw, Mode, Response};
 
 use crate::cycles::{Cycle, Extreme, extremes};
-use crate::page::decimate::{history, thin};
-use crate::page::figure::{Axis, Figure, Layer, Mark, colour};
+use crate::page::decimate::{STRETCHES, history, thin};
+use crate::page::figure::{Axis, Figure, Layer, Mark, Marker, colour};
 
-/// Stretches of a history: more than the figure has room for is not seen.
-const BINS: usize = 700;
-
-/// Points of a measured curve.
+/// Points of a measured curve, at most. Dots are 5 units wide and touch each other in the plane's 494 from a hundred on; more
+/// than this only make the page larger.
 const MEASURED: usize = 400;
 
-/// Points of a closed form.
+/// Points of a closed form: one for every four units of the plane, between which straight lines look smooth.
 const CURVE: usize = 121;
 
-/// Points of a loop.
+/// Points of a loop, at most: corners of straight lines do not show from 100 in a cycle on.
 const LOOP: usize = 240;
 
-/// How far closed forms run beyond the amplitudes of the response.
+/// How far closed forms run beyond the amplitudes of the response, as a ratio to either side: how they go on is seen, and
+/// points do not lie at the rim. From 1.2 to 3 does as well.
 const BEYOND: f64 = 1.6;
+
+/// How far the force is drawn beyond the time at which it has settled, as a ratio: its end is seen.
+const BEHIND: f64 = 1.25;
+
+/// The response is compared with the onset of macro-slip where its largest amplitude is no further below than this ratio.
+const NEAR: f64 = 3.0;
 
 /// A response with what was read off it.
 #[derive(Debug)]
@@ -33,8 +38,13 @@ pub(crate) struct Decay<'a> {
     pub(crate) settled: f64,
 }
 
-/// A loop of the joint: name, colour, displacement and force.
-type Loop = (&'static str, &'static str, Vec<(f64, f64)>);
+/// A loop of the joint.
+struct Loop {
+    name: &'static str,
+    colour: &'static str,
+    /// Displacement and force.
+    points: Vec<(f64, f64)>,
+}
 
 /// A history of one quantity.
 pub(crate) fn of_history(title: String, quantity: &str, samples: &[f64], dt: f64, caption: &str) -> Figure {
@@ -43,17 +53,24 @@ pub(crate) fn of_history(title: String, quantity: &str, samples: &[f64], dt: f64
         caption: caption.into(),
         x: Axis::linear("time", "s"),
         y: Axis::linear(quantity, ""),
-        layers: vec![Layer::new(Mark::Line, colour::BLUE, history(samples, dt, BINS))],
+        layers: vec![Layer::new(Mark::Line, colour::BLUE, history(samples, dt, STRETCHES))],
         marker: None,
     }
 }
 
-/// The force, sampled as the simulation sees it, up to where it ends.
-pub(crate) fn of_force(samples: &[f64], dt: f64, caption: String) -> Figure {
-    let mut figure = of_history("Force".into(), "force", samples, dt, "");
-    figure.caption = caption;
+/// The force as the simulation samples it, up to a little behind its end; none where none acts.
+pub(crate) fn of_force(force: &Pulse<'_>, dt: f64, duration: f64, caption: &str) -> Option<Figure> {
+    if *force == Pulse::None {
+        return None;
+    }
+    let end = match force.settled() {
+        settled if settled > 0.0 => (BEHIND * settled).min(duration),
+        _ => duration,
+    };
+    let samples: Vec<f64> = (0..=(end / dt) as usize).map(|n| force.at(n as f64 * dt)).collect();
+    let mut figure = of_history("Force".into(), "force", &samples, dt, caption);
     figure.layers[0].colour = colour::VERMILLION;
-    figure
+    Some(figure)
 }
 
 impl Decay<'_> {
@@ -125,7 +142,7 @@ impl Decay<'_> {
             ("middle", last / 2, colour::VERMILLION),
             ("last", last, colour::GREEN),
         ]
-        .map(|(name, index, colour)| (name, colour, thin(&points(cycles[index]), LOOP)))
+        .map(|(name, index, colour)| Loop { name, colour, points: thin(&points(cycles[index]), LOOP) })
         .into()
     }
 
@@ -140,7 +157,7 @@ impl Decay<'_> {
             let shown = |points: &[(f64, f64)]| points.iter().map(|&(q, f)| (q, f - less * q)).collect();
             let mut layers =
                 vec![Layer::new(Mark::Dashed, colour::GREY, shown(&virgin)).named("virgin curve")];
-            for (name, colour, points) in &loops {
+            for Loop { name, colour, points } in &loops {
                 layers.push(Layer::new(Mark::Line, colour, shown(points)).named(*name));
             }
             let (title, caption, x) =
@@ -211,13 +228,14 @@ impl Decay<'_> {
         if !dots.points.is_empty() {
             layers.push(dots.named("from the response"));
         }
-        let phi_max = self.mode.joint.as_ref().map(|law| (law.strengths().1, "\u{3c6}_max: macro-slip"));
+        let onset = |law: &JointLaw| Marker { value: law.strengths().1, label: "\u{3c6}_max: macro-slip" };
+        let marker = self.mode.joint.as_ref().map(onset);
         let caption = match self.cycles.len() {
             0 => "Line: closed form. There is no free decay from which points could be read.".into(),
             _ => caption.into(),
         };
         let (title, x) = (title.into(), Axis::log("amplitude of q", ""));
-        Figure { title, caption, x, y, layers, marker: phi_max }
+        Figure { title, caption, x, y, layers, marker }
     }
 
     /// Range of amplitudes of the closed forms: the response's own, and φ_max where it is near.
@@ -228,7 +246,7 @@ impl Decay<'_> {
         let (low, high) =
             measured.fold((fallback, fallback), |(low, high): (f64, f64), a| (low.min(a), high.max(a)));
         let low = if low < high { low } else { 0.01 * high };
-        let near = self.response.strongest < 3.0 * high;
+        let near = self.response.strongest < NEAR * high;
         let end = if near { high.max(self.response.strongest) } else { high };
         (low / BEYOND, end * BEYOND)
     }

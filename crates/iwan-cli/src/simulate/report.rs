@@ -1,12 +1,12 @@
 //! The report of `iwan simulate` on modes.
 
-use iwan_core::{Backbone, Pulse};
+use iwan_core::Backbone;
 use iwan_sim::{Mode, Response};
 use maud::{Markup, html};
 
 use super::figures::{Decay, of_force, of_history};
 use super::files::PointResponse;
-use super::summary::{Energy, ModeSummary, ROWS, SimulationSummary};
+use super::summary::{ModeSummary, ROWS, Row, SimulationSummary};
 use crate::cycles::cycles;
 use crate::page::figure::Figure;
 use crate::page::html::{grid, page, verdict};
@@ -14,7 +14,8 @@ use crate::page::numbers::{error, short};
 use crate::scenario::Scenario;
 use crate::session::VERSION;
 
-/// Modes and points with figures of their own: keeps the page below two megabytes.
+/// Modes with figures of their own, at most, and points as well. Twenty modes take 2.5 MB and twenty points 0.7 MB of the page; it
+/// says that there are more, and the response file has them all.
 const MOST: usize = 20;
 
 /// What the report is about.
@@ -30,16 +31,16 @@ pub(super) struct Reported<'a> {
 }
 
 /// The page.
-pub(super) fn render(input: &Reported<'_>) -> String {
-    let summary = input.summary;
+pub(super) fn render(run: &Reported<'_>) -> String {
+    let summary = run.summary;
     let body = html! {
         (head(summary))
         (verdict(&summary.warnings, &errors(summary)))
         (navigation(summary))
         (tables(summary))
-        (force_and_points(input))
-        (modes(input))
-        (repeat(input))
+        (force_and_points(run))
+        (modes(run))
+        (repeat(run))
     };
     page(&format!("{} \u{2013} iwan simulate", summary.scenario), &body)
 }
@@ -88,21 +89,27 @@ fn navigation(summary: &SimulationSummary) -> Markup {
     }
 }
 
-/// A line of a table: its label, and how a mode shows it.
-type TableRow<'a> = (&'a str, &'a dyn Fn(&ModeSummary) -> String);
-
-/// A part of the energy balance with its label.
-type EnergyPart = (&'static str, fn(&Energy) -> f64);
+/// The energy balance, mode by mode.
+const ENERGY: [Row; 8] = [
+    Row { label: "at the start", cell: |m| short(m.energy.initial) },
+    Row { label: "put in by the force", cell: |m| short(m.energy.input) },
+    Row { label: "lost in viscous damping", cell: |m| short(m.energy.viscous) },
+    Row { label: "lost in friction", cell: |m| short(m.energy.friction) },
+    Row { label: "kinetic, at the end", cell: |m| short(m.energy.kinetic) },
+    Row { label: "elastic, at the end", cell: |m| short(m.energy.elastic) },
+    Row { label: "stored in the joint, at the end", cell: |m| short(m.energy.stored) },
+    Row { label: "residual", cell: |m| short(m.energy.residual) },
+];
 
 /// A table with the modes side by side.
-fn table(summary: &SimulationSummary, rows: &[TableRow<'_>]) -> Markup {
+fn table(summary: &SimulationSummary, rows: &[Row]) -> Markup {
     html! {
         div.wide {
             table {
                 thead { tr { th { "mode" } @for mode in &summary.modes { th { (mode.name) } } } }
                 tbody {
-                    @for (label, cell) in rows {
-                        tr { th { (label) } @for mode in &summary.modes { td { (cell(mode)) } } }
+                    @for row in rows {
+                        tr { th { (row.label) } @for mode in &summary.modes { td { ((row.cell)(mode)) } } }
                     }
                 }
             }
@@ -111,31 +118,16 @@ fn table(summary: &SimulationSummary, rows: &[TableRow<'_>]) -> Markup {
 }
 
 fn tables(summary: &SimulationSummary) -> Markup {
-    let rows: Vec<TableRow<'_>> =
-        ROWS.iter().map(|(label, cell)| (*label, cell as &dyn Fn(&ModeSummary) -> String)).collect();
-    let energy: [EnergyPart; 8] = [
-        ("at the start", |e| e.initial),
-        ("put in by the force", |e| e.input),
-        ("lost in viscous damping", |e| e.viscous),
-        ("lost in friction", |e| e.friction),
-        ("kinetic, at the end", |e| e.kinetic),
-        ("elastic, at the end", |e| e.elastic),
-        ("stored in the joint, at the end", |e| e.stored),
-        ("residual", |e| e.residual),
-    ];
-    let cells = energy.map(|(label, part)| (label, move |m: &ModeSummary| short(part(&m.energy))));
-    let energy: Vec<TableRow<'_>> =
-        cells.iter().map(|(label, cell)| (*label, cell as &dyn Fn(&ModeSummary) -> String)).collect();
     html! {
         div.tables {
         section { h2 id="summary" { "Summary" }
-        (table(summary, &rows))
+        (table(summary, &ROWS))
         p.caption {
             "The slip ratio is the peak displacement over \u{3c6}_max: the joint slips as a whole above 1. Errors are "
             "relative to the peak displacement, the energy error to the largest energy in play."
         } }
         section { h2 { "Energy balance" }
-        (table(summary, &energy))
+        (table(summary, &ENERGY))
         p.caption {
             "Start and input equal losses, what is left at the end, and the residual: what the integration gained or lost."
         } }
@@ -143,25 +135,12 @@ fn tables(summary: &SimulationSummary) -> Markup {
     }
 }
 
-/// The force as the simulation samples it, up to a little behind its end.
-fn force(input: &Reported<'_>) -> Option<Figure> {
-    let (pulse, dt) = (input.scenario.force.pulse(), input.scenario.settings.dt);
-    if pulse == Pulse::None {
-        return None;
-    }
-    let end = match pulse.settled() {
-        settled if settled > 0.0 => (1.25 * settled).min(input.summary.duration),
-        _ => input.summary.duration,
-    };
-    let samples: Vec<f64> = (0..=(end / dt) as usize).map(|n| pulse.at(n as f64 * dt)).collect();
+fn force_and_points(run: &Reported<'_>) -> Markup {
+    let dt = run.scenario.settings.dt;
+    let (force, duration) = (run.scenario.force.pulse(), run.summary.duration);
     let caption = "Applied force; each mode sees it times its shape at the load.";
-    Some(of_force(&samples, dt, caption.into()))
-}
-
-fn force_and_points(input: &Reported<'_>) -> Markup {
-    let dt = input.scenario.settings.dt;
-    let mut figures: Vec<Figure> = force(input).into_iter().collect();
-    for (name, [displacement, _, acceleration]) in input.points.iter().take(MOST) {
+    let mut figures: Vec<Figure> = of_force(&force, dt, duration, caption).into_iter().collect();
+    for (name, [displacement, _, acceleration]) in run.points.iter().take(MOST) {
         let caption = "All modes together.";
         figures.push(of_history(
             format!("Displacement at {name}"),
@@ -182,7 +161,7 @@ fn force_and_points(input: &Reported<'_>) -> Markup {
         h2 id="force" { "Force and points" }
         @if figures.is_empty() { p { "Free decay without force; the scenario names no points." } }
         (grid(&figures))
-        (left_out(input.points.len(), "points"))
+        (left_out(run.points.len(), "points"))
     }
 }
 
@@ -194,16 +173,16 @@ fn left_out(count: usize, what: &str) -> Markup {
     }
 }
 
-fn modes(input: &Reported<'_>) -> Markup {
-    let settled = input.scenario.force.pulse().settled();
-    let each = input.scenario.modes.iter().zip(input.responses).zip(&input.summary.modes).take(MOST);
+fn modes(run: &Reported<'_>) -> Markup {
+    let settled = run.scenario.force.pulse().settled();
+    let each = run.scenario.modes.iter().zip(run.responses).zip(&run.summary.modes).take(MOST);
     html! {
         @for (n, ((mode, response), summary)) in each.enumerate() {
             h2 id=(format!("mode-{n}")) { (mode.mode.name) }
             p { (describe(&mode.mode, summary)) }
             (grid(&Decay { mode: &mode.mode, response, cycles: cycles(response, settled), settled }.figures()))
         }
-        (left_out(input.responses.len(), "modes"))
+        (left_out(run.responses.len(), "modes"))
     }
 }
 
@@ -232,13 +211,13 @@ fn describe(mode: &Mode, summary: &ModeSummary) -> String {
     format!("{} Hz at small amplitude; {what}.{share}", short(summary.frequency))
 }
 
-fn repeat(input: &Reported<'_>) -> Markup {
+fn repeat(run: &Reported<'_>) -> Markup {
     html! {
         h2 id="repeat" { "Scenario" }
         p {
             "The run with all defaults filled in, as in " code { "scenario.toml" } " beside this page. To repeat it to the "
             "last bit: " code { "iwan simulate scenario.toml --out again" }
         }
-        pre { (input.toml) }
+        pre { (run.toml) }
     }
 }

@@ -8,6 +8,10 @@ use iwan_input::{BUILT_IN_STRUCTURES, InputError, Source, StructureFile};
 use super::args::StructureArgs;
 use crate::failure::Failure;
 
+/// Elastic modes among which a name is looked up: twice as many as `iwan modes` lists unless told, so that whatever stands in
+/// its table is found. A name beyond them is refused as unknown.
+pub(crate) const NAMED_MODES: usize = 40;
+
 /// A structure file and the modes of its structure.
 #[derive(Debug)]
 pub(crate) struct Linear {

@@ -9,7 +9,7 @@ use crate::commands::reproduce::{
     Counterpart, DT, FITTED, LEVELS, SHOWN, STEPS, Side, Studied, Study, TABLE_2,
 };
 use crate::page::decimate::{history, thin};
-use crate::page::figure::{Axis, Figure, Layer, Mark, colour};
+use crate::page::figure::{Axis, Figure, Layer, Mark, Marker, colour};
 
 /// Units of modal quantities: displacement, force and acceleration, energy.
 const DISPLACEMENT: &str = "\u{221a}(lbf\u{b7}in)\u{b7}s";
@@ -249,7 +249,7 @@ impl Drawing<'_> {
             let printed = macro_slip.map(|&q| (q, law.dissipation_printed_eq17(q))).collect();
             layers.push(Layer::new(Mark::Dashed, colour, exact).named("modal model, exact"));
             layers.push(Layer::new(Mark::Line, colour::BLACK, printed).named("Eq. 17 as printed"));
-            marker = Some((law.phi_max(), "\u{3c6}_max"));
+            marker = Some(Marker { value: law.phi_max(), label: "\u{3c6}_max" });
         }
         Figure {
             title: format!("Figs. 9\u{2013}11, {}: dissipation", self.study.name),

@@ -4,7 +4,7 @@ use iwan_core::{Backbone, FourParameter, Oscillator, ResidualStiffness};
 
 use super::{Plate, Section};
 use crate::commands::reproduce::{TABLE_1, TABLE_2};
-use crate::page::figure::{Axis, Figure, Layer, Mark, colour};
+use crate::page::figure::{Axis, Figure, Layer, Mark, Marker, colour};
 
 /// Small-amplitude frequency for the modal schematic, Hz: where mode 1 lies.
 const FREQUENCY: f64 = 125.0;
@@ -81,7 +81,7 @@ fn dissipation(law: &FourParameter) -> Figure {
             Layer::new(Mark::Dashed, colour::GREEN, micro).named("slope \u{3c7}+3"),
             Layer::new(Mark::Dashed, colour::VERMILLION, printed).named("Eq. 17 as printed"),
         ],
-        marker: Some((phi, "\u{3c6}_max")),
+        marker: Some(Marker { value: phi, label: "\u{3c6}_max" }),
     }
 }
 
@@ -93,7 +93,7 @@ fn force(law: &FourParameter) -> Figure {
         x: Axis::log("modal joint force", super::blows::FORCE),
         y: Axis::log("dissipation per cycle", "lbf\u{b7}in"),
         layers: vec![Layer::new(Mark::Line, colour::BLUE, exact).named("modal joint 1")],
-        marker: Some((law.f_s(), "F_S")),
+        marker: Some(Marker { value: law.f_s(), label: "F_S" }),
     }
 }
 
@@ -115,6 +115,6 @@ fn frequency(law: &FourParameter, oscillator: &Oscillator) -> Figure {
             Layer::new(Mark::Dashed, colour::GREEN, level(FREQUENCY)).named("\u{3c9}\u{2080}"),
             Layer::new(Mark::Dashed, colour::VERMILLION, level(slipping)).named("\u{3c9}\u{221e}"),
         ],
-        marker: Some((law.f_s(), "F_S")),
+        marker: Some(Marker { value: law.f_s(), label: "F_S" }),
     }
 }

@@ -1,6 +1,5 @@
 //! The report of `iwan simulate` on a structure: the structure, its motion, its joints.
 
-use iwan_core::Pulse;
 use iwan_fem::SlipHistory;
 use maud::{Markup, html};
 
@@ -14,7 +13,7 @@ use crate::scenario::Scenario;
 use crate::session::VERSION;
 use crate::simulate::figures::{of_force, of_history};
 use crate::simulate::summary::{ROWS, SimulationSummary, StructureSummary};
-use crate::structures::picture::mesh_picture;
+use crate::structures::picture::illustration;
 
 /// What the report is about.
 #[derive(Debug)]
@@ -26,20 +25,20 @@ pub(super) struct Reported<'a> {
     pub(crate) summary: &'a SimulationSummary,
 }
 
-/// Outputs with figures of their own.
+/// Outputs with figures of their own: three modes and nine points, 37 kB for the two figures of each. The response file has
+/// the others.
 const MOST_OUTPUTS: usize = 12;
-/// Joints with figures of their own: those that slip most.
+/// Joints with figures of their own, those that slip most: the others look alike and are in the table.
 const MOST_SLIPS: usize = 4;
-/// Points of a loop.
+/// Points of a joint's loops, all cycles on one line, at most: some 70 kB. Longer responses are thinned to as many, which leaves
+/// 60 to each of a hundred cycles.
 const LOOP: usize = 6000;
-/// Meshes with more outer faces than this are not drawn.
-const MOST_FACES: usize = 40_000;
 
 /// The page.
-pub(super) fn render(input: &Reported<'_>) -> String {
-    let summary = input.summary;
+pub(super) fn render(run: &Reported<'_>) -> String {
+    let summary = run.summary;
     let Some(structure) = &summary.structure else { return String::new() };
-    let mesh = &input.truth.linear.file.structure.mesh;
+    let mesh = &run.truth.linear.file.structure.mesh;
     let solid = Solid::new(mesh);
     let body = html! {
         h1 { (summary.scenario) }
@@ -53,18 +52,18 @@ pub(super) fn render(input: &Reported<'_>) -> String {
             a href="#summary" { "Summary" } a href="#joints" { "Joints" } a href="#histories" { "Histories" }
             a href="#repeat" { "Scenario" }
         }
-        @if solid.faces() <= MOST_FACES { (mesh_picture(&solid, mesh)) }
+        (illustration(&solid, mesh))
         h2 id="summary" { "Modes" }
         p { "Modal coordinates of the structure's response (exact modal filter); energies and slip ratio are those of the whole structure." }
         (modes(summary))
         h2 id="joints" { "Joints" }
         (slips(structure))
-        (grid(&loops(input.truth)))
+        (grid(&loops(run.truth)))
         h2 id="histories" { "Histories" }
-        (grid(&histories(input)))
+        (grid(&histories(run)))
         h2 id="repeat" { "Scenario" }
         p { "The run with all defaults filled in, as in " code { "scenario.toml" } " beside this page." }
-        pre { (input.toml) }
+        pre { (run.toml) }
     };
     page(&format!("{} \u{2013} iwan simulate", summary.scenario), &body)
 }
@@ -87,7 +86,7 @@ fn modes(summary: &SimulationSummary) -> Markup {
     html! {
         div.wide { table {
             thead { tr { th {} @for mode in &summary.modes { th { (mode.name) } } } }
-            tbody { @for (label, cell) in ROWS { tr { th { (label) } @for mode in &summary.modes { td { (cell(mode)) } } } } }
+            tbody { @for row in &ROWS { tr { th { (row.label) } @for mode in &summary.modes { td { ((row.cell)(mode)) } } } } }
         } }
     }
 }
@@ -122,22 +121,11 @@ fn loops(truth: &Truth) -> Vec<Figure> {
     slips.iter().filter(|slip| slip.slip_ratio > 0.0).take(MOST_SLIPS).map(figure).collect()
 }
 
-fn histories(input: &Reported<'_>) -> Vec<Figure> {
-    let (truth, dt) = (input.truth, input.truth.response.dt);
-    let pulse = input.scenario.force.pulse();
-    let mut figures = Vec::new();
-    if pulse != Pulse::None {
-        let end = match pulse.settled() {
-            settled if settled > 0.0 => (1.25 * settled).min(input.summary.duration),
-            _ => input.summary.duration,
-        };
-        let samples: Vec<f64> = (0..=(end / dt) as usize).map(|n| pulse.at(n as f64 * dt)).collect();
-        figures.push(of_force(
-            &samples,
-            dt,
-            "Force of the scenario; the loads take their shares of it.".into(),
-        ));
-    }
+fn histories(run: &Reported<'_>) -> Vec<Figure> {
+    let (truth, dt) = (run.truth, run.truth.response.dt);
+    let (force, duration) = (run.scenario.force.pulse(), run.summary.duration);
+    let caption = "Force of the scenario; the loads take their shares of it.";
+    let mut figures: Vec<Figure> = of_force(&force, dt, duration, caption).into_iter().collect();
     for (n, history) in truth.response.outputs.iter().take(MOST_OUTPUTS).enumerate() {
         let (modal, caption) =
             if n < truth.modes.len() { ("modal ", "Modal coordinate.") } else { ("", "Mean of its nodes.") };
