@@ -9,7 +9,8 @@ pub(crate) enum Spread {
     Log,
 }
 
-/// An axis between two values.
+/// An axis between two values: both finite, `low` below `high`, and on a logarithmic axis positive and at most
+/// [`MOST_DECADES`] and a little room apart.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Scale {
     spread: Spread,
@@ -31,21 +32,42 @@ pub(crate) struct Ticks {
     pub(crate) exponent: i32,
 }
 
-/// Room left around the data, as a share of their extent.
+/// Room left around the data, as a share of their extent: no point lies on the frame. From 0.02 to 0.08 look the same.
 const ROOM: f64 = 0.04;
+
+/// Sizes beyond this, and below its inverse, do not count when an axis is laid out. Powers of ten end at 1e308; eight
+/// decades are left for room around the data and for the next round number. What lies beyond is drawn on the frame.
+const LARGEST: f64 = 1e300;
+
+/// Decades on a logarithmic axis at most. The dissipation of a ring-down that has sunk to the last bit of its first amplitude
+/// spans 48, so more come from uncertainties that grew beyond all bounds (the edge of a pale band is its curve times
+/// e^sd). The axis then shows as many around the median of its values, and the rest is drawn on the frame.
+const MOST_DECADES: i32 = 100;
+
+/// Values on a logarithmic axis that lie closer together than this ratio are one value: the axis runs from half of it to
+/// twice of it.
+const SAME: f64 = 1.05;
+
+/// Values on a linear axis that lie closer together than this share of their size are one value: rounding alone makes such
+/// differences, and they would fill the figure with noise. A tenth of the size is shown on either side.
+const ROUNDING: f64 = 1e-9;
+
+/// A logarithmic axis up to this ratio has even ticks, of which some always have labels; whole multiples of powers of ten
+/// may all lie outside (between 1.05 and 1.85 there is none).
+const HARDLY_LOG: f64 = 1.8;
+
+/// An axis of this many decades or more labels every second one, of twice as many every third, so that the labels fit
+/// beside each other: eight at most.
+const LABELLED: i32 = 8;
 
 impl Scale {
     /// A scale that shows all `values` with a little room around; `room` false leaves none.
     pub(crate) fn around(spread: Spread, values: impl Iterator<Item = f64>, room: bool) -> Self {
-        let fits = |x: &f64| x.is_finite() && (spread == Spread::Linear || *x > 0.0);
-        let (low, high) = values
-            .filter(fits)
-            .fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), x| (low.min(x), high.max(x)));
+        let (low, high) = limits(spread, values);
         let (low, high) = match (low.is_finite(), spread) {
             (false, _) => (1.0, 10.0),
-            (true, Spread::Log) if high < 1.05 * low => (low / 2.0, high * 2.0),
-            // Differences that rounding alone makes would fill the figure with noise.
-            (true, Spread::Linear) if high - low <= 1e-9 * high.abs().max(low.abs()) => {
+            (true, Spread::Log) if high < SAME * low => (low / 2.0, high * 2.0),
+            (true, Spread::Linear) if high - low <= ROUNDING * high.abs().max(low.abs()) => {
                 let half = if high == 0.0 { 1.0 } else { 0.1 * high.abs() };
                 (low - half, high + half)
             }
@@ -80,7 +102,7 @@ impl Scale {
     /// About `count` ticks at round values.
     pub(crate) fn ticks(&self, count: f64) -> Ticks {
         match self.spread {
-            Spread::Log if self.high / self.low > 1.8 => self.decades(),
+            Spread::Log if self.high / self.low > HARDLY_LOG => self.decades(),
             _ => self.even(count),
         }
     }
@@ -88,11 +110,14 @@ impl Scale {
     fn even(&self, count: f64) -> Ticks {
         let rough = (self.high - self.low) / count;
         let power = 10f64.powf(rough.log10().floor());
+        // Round steps, with the digits that their multiples need behind those of the power of ten.
         let round = [(1.0, 0), (2.0, 0), (2.5, 1), (5.0, 0), (10.0, 0)];
+        // A step that is short by rounding is long enough.
         let fits = |(m, _): &&(f64, i32)| m * power >= 0.999 * rough;
         let (step, extra) = round.iter().find(fits).map_or((rough, 1), |(m, extra)| (m * power, *extra));
         let largest = self.low.abs().max(self.high.abs());
         let magnitude = largest.log10().floor() as i32;
+        // Labels of more than five digits are shortened by a power of ten that goes to the title, thousands at a time.
         let exponent = if (-2..=4).contains(&magnitude) { 0 } else { magnitude.div_euclid(3) * 3 };
         let unit = 10f64.powi(exponent);
         let digits = (-(step / unit * (1.0 + 1e-9)).log10().floor() as i32 + extra).clamp(0, 12) as usize;
@@ -108,9 +133,9 @@ impl Scale {
 
     fn decades(&self) -> Ticks {
         let (first, last) = (self.low.log10().floor() as i32, self.high.log10().ceil() as i32);
-        // Not more labels than fit.
-        let every = ((last - first) / 8 + 1).max(1);
+        let every = (last - first) / LABELLED + 1;
         let ratio = self.high / self.low;
+        // The fewer decades, the more of the multiples between them have a label: four to six labels on average.
         let few = |m: u8| match ratio {
             r if r < 3.0 => m < 8,
             r if r < 8.0 => matches!(m, 2 | 3 | 4 | 5 | 7),
@@ -130,6 +155,24 @@ impl Scale {
         }
         Ticks { ticks, exponent: 0 }
     }
+}
+
+/// The smallest and the largest value that count; infinite where there is none.
+fn limits(spread: Spread, values: impl Iterator<Item = f64>) -> (f64, f64) {
+    let counts = |x: &f64| match spread {
+        Spread::Linear => x.abs() <= LARGEST,
+        Spread::Log => (LARGEST.recip()..=LARGEST).contains(x),
+    };
+    let mut values: Vec<f64> = values.filter(counts).collect();
+    let ends = |(low, high): (f64, f64), x: &f64| (low.min(*x), high.max(*x));
+    let (low, high) = values.iter().fold((f64::INFINITY, f64::NEG_INFINITY), ends);
+    if spread == Spread::Linear || values.is_empty() || high / low <= 10f64.powi(MOST_DECADES) {
+        return (low, high);
+    }
+    let middle = values.len() / 2;
+    let median = *values.select_nth_unstable_by(middle, f64::total_cmp).1;
+    let half = 10f64.powi(MOST_DECADES / 2);
+    (low.max(median / half), high.min(median * half))
 }
 
 /// m·10^n as text: plain where that is short.
@@ -175,6 +218,33 @@ mod tests {
     fn decades_are_labelled() {
         let scale = Scale::around(Spread::Log, [2e-6, 3e-2].into_iter(), false);
         assert_eq!(labels(&scale), ["10\u{207b}\u{2075}", "10\u{207b}\u{2074}", "0.001", "0.01"]);
+    }
+
+    /// The room around 1e-320 and 1e300 went to 0 and to infinity, and the decades between them, as whole numbers from
+    /// -2147483648 to 2147483647, filled the memory: one record in thirty ended so.
+    #[test]
+    fn limits_that_are_not_finite_do_not_fill_the_memory() {
+        let (least, most) = (f64::from_bits(1), f64::MAX);
+        let middle = || (0..50).map(|n| 1e-3 * 1.1_f64.powi(n));
+        for (low, high) in
+            [(1e-320, 1e300), (1e-200, 1e200), (least, most), (0.0, f64::INFINITY), (f64::NAN, 1e250)]
+        {
+            for room in [false, true] {
+                let scale = Scale::around(Spread::Log, [low, high].into_iter().chain(middle()), room);
+                assert!(0.0 < scale.low && scale.low < scale.high && scale.high < f64::INFINITY, "{scale:?}");
+                assert!(scale.ticks(6.0).ticks.len() <= 10 * (MOST_DECADES as usize + 10), "{scale:?}");
+                assert!(middle().all(|x| scale.contains(x)), "{scale:?}");
+            }
+        }
+        for values in [[-most, most], [least, 2.0 * least], [-1e300, 1e300], [0.0, f64::INFINITY]] {
+            let scale = Scale::around(Spread::Linear, values.into_iter(), true);
+            let ticks = scale.ticks(6.0).ticks;
+            assert!((2..20).contains(&ticks.len()) && ticks.iter().all(|t| t.value.is_finite()), "{scale:?}");
+            assert!(
+                ticks.iter().flat_map(|t| &t.label).all(|l| !l.contains("NaN") && !l.contains("inf")),
+                "{ticks:?}"
+            );
+        }
     }
 
     #[test]
