@@ -4,13 +4,11 @@ use iwan_ident::curves::Quantity;
 use iwan_ident::identify::{Identification, Settings};
 use iwan_io::Record;
 
-use crate::args::Axis;
-use crate::commands::fit::{FitSummary, as_scenario};
 use crate::failure::Failure;
+use crate::fit::{FitSummary, Reported, as_scenario, render};
 use crate::identified::{Identified, extract};
-use crate::records::{ModalRecord, Recording, Units, Wanted};
-use crate::report;
-use crate::scenario;
+use crate::records::{Axis, ModalRecord, Recording, Units, Wanted};
+use crate::scenario::to_toml;
 
 /// A record as it was identified.
 #[derive(Debug, Clone)]
@@ -52,43 +50,47 @@ pub struct FittedMode<'a> {
 ///
 /// # Errors
 /// Why there is none, in words: records that are none, a mode that cannot be drawn.
-pub fn fit_page(of: &FittedMode<'_>) -> Result<String, String> {
-    page(of).map_err(|failure| failure.to_string())
+pub fn fit_page(mode: &FittedMode<'_>) -> Result<String, String> {
+    page(mode).map_err(|failure| failure.to_string())
 }
 
-fn page(of: &FittedMode<'_>) -> Result<String, Failure> {
-    let recordings = of.records.iter().map(recording).collect::<Result<Vec<_>, _>>()?;
+fn page(mode: &FittedMode<'_>) -> Result<String, Failure> {
+    let recordings = mode.records.iter().map(recording).collect::<Result<Vec<_>, _>>()?;
     let Some(first) = recordings.first() else {
         return Err(Failure::input("there is no record", "give at least one"));
     };
     let wanted = Wanted {
         name: "mode 1".into(),
-        options: of.settings.options,
-        records: (of.records.iter().enumerate())
+        options: mode.settings.options,
+        records: (mode.records.iter().enumerate())
             .map(|(source, record)| ModalRecord { source, samples: record.samples.clone() })
             .collect(),
-        notes: of.notes.to_vec(),
+        notes: mode.notes.to_vec(),
     };
-    let axis = if of.joint_force { Axis::Joint } else { Axis::Modal };
-    let extractions = extract(&recordings, &wanted, of.settings.method)?;
-    let identified = [Identified::of(&recordings, &wanted, extractions, axis, of.found.clone())?];
-    let units = Units::new(first.record.unit(), first.quantity, of.mass_normalised);
+    let axis = if mode.joint_force { Axis::Joint } else { Axis::Modal };
+    let extractions = extract(&recordings, &wanted, mode.settings.method)?;
+    let identified = [Identified::of(&recordings, &wanted, extractions, axis, mode.found.clone())?];
+    let units = Units::new(first.record.unit(), first.quantity, mode.mass_normalised);
     let summary = FitSummary::new(&recordings, &identified, axis, &units);
     let failed = |e: iwan_core::Error| Failure::Computation(e.to_string());
-    let toml = scenario::to_toml(&as_scenario(&identified, &summary.title()).map_err(failed)?, "");
-    let input = report::fit::Input { identified: &identified, summary: &summary, units: &units, toml: &toml };
-    Ok(report::fit::render(&input))
+    let toml = to_toml(&as_scenario(&identified, &summary.title()).map_err(failed)?, "");
+    Ok(render(&Reported { identified: &identified, summary: &summary, units: &units, toml: &toml }))
 }
 
-fn recording(of: &FittedRecord) -> Result<Recording, Failure> {
-    let quantity = match of.quantity {
+fn recording(record: &FittedRecord) -> Result<Recording, Failure> {
+    let quantity = match record.quantity {
         Quantity::Acceleration => iwan_io::Quantity::Acceleration,
         Quantity::Velocity => iwan_io::Quantity::Velocity,
         Quantity::Displacement => iwan_io::Quantity::Displacement,
     };
-    let record = Record::new(of.dt, vec![of.samples.clone()], vec![of.channels.join(", ")])
-        .and_then(|record| record.with_start(of.start))
-        .map_err(|error| Failure::said(&of.name, &error))?;
-    let record = record.with_quantity(quantity, of.unit.clone());
-    Ok(Recording { name: of.name.clone(), record, quantity: of.quantity, warnings: Vec::new() })
+    let samples = Record::new(record.dt, vec![record.samples.clone()], vec![record.channels.join(", ")])
+        .and_then(|samples| samples.with_start(record.start))
+        .map_err(|error| Failure::said(&record.name, &error))?;
+    let samples = samples.with_quantity(quantity, record.unit.clone());
+    Ok(Recording {
+        name: record.name.clone(),
+        record: samples,
+        quantity: record.quantity,
+        warnings: Vec::new(),
+    })
 }

@@ -8,10 +8,8 @@ use iwan_ident::signal::Method;
 use iwan_ident::{Parameter, Parameters};
 use iwan_study::identified::{IdentifiedMode, RecordOfMode};
 
-use crate::args::Axis;
-use crate::extraction::Extraction;
 use crate::failure::Failure;
-use crate::records::{ModalRecord, Recording, Wanted};
+use crate::records::{Axis, Extraction, ModalRecord, Recording, Wanted};
 
 /// A mode with everything that was found about it.
 #[derive(Debug, Clone)]

@@ -5,53 +5,36 @@
     reason = "numbers of samples, pixels and digits are small and not negative"
 )]
 
-mod args;
-mod commands;
-mod extraction;
+// What everything stands on: how a command fails and what it prints, threads, progress and Ctrl-C.
 mod failure;
-mod fit_page;
-mod identified;
-mod linear;
 mod output;
 mod progress;
-mod records;
-mod report;
-mod reproduce;
-mod results;
-mod run;
+
+// What commands share: their options, one run from folder to last line, and pages with figures.
+mod args;
+mod session;
+mod page;
+
+// What commands work on: scenarios, measured records, structures.
 mod scenario;
-mod summary;
-mod truth;
+mod records;
+mod identified;
+mod structures;
 
-use std::ffi::OsString;
+// The commands that compute, each in its room.
+mod modes;
+mod quasi_static;
+mod simulate;
+mod envelope;
+mod fit;
+mod reproduce;
 
-use clap::Parser;
+// The commands that only print a text.
+mod texts;
 
+// The doors: the page of a fit for other programs, and the command line.
+mod fit_page;
+mod cli;
+
+pub use cli::run;
 pub use fit_page::{FittedMode, FittedRecord, fit_page};
-
-/// Runs the command line `arguments`, the program's name first, and returns the exit code: 0 success, 1 the computation
-/// failed, 2 bad usage or input, 130 interrupted.
-///
-/// Results go to standard output, everything else to standard error.
-///
-/// ```
-/// assert_eq!(iwan_cli::run(["iwan".into(), "scenario".into(), "--list".into()]), 0);
-/// assert_eq!(iwan_cli::run(["iwan".into(), "dance".into()]), 2);
-/// ```
-pub fn run(arguments: impl IntoIterator<Item = OsString>) -> u8 {
-    let cli = match args::Cli::try_parse_from(arguments) {
-        Ok(cli) => cli,
-        Err(error) => {
-            // Help and version go to stdout with code 0, usage errors to stderr with code 2.
-            let _ = error.print();
-            return u8::try_from(error.exit_code()).unwrap_or(2);
-        }
-    };
-    match run::run(cli.command) {
-        Ok(()) => 0,
-        Err(failure) => {
-            output::message(&failure.to_string());
-            failure.code()
-        }
-    }
-}

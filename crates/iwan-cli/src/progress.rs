@@ -12,10 +12,11 @@ use crate::failure::Failure;
 /// Set by Ctrl-C (and by termination).
 static INTERRUPTED: AtomicBool = AtomicBool::new(false);
 
-/// Parts of the bar.
+/// Parts of the bar, which counts in whole numbers: no terminal is wide enough to show more.
 const PARTS: f64 = 1000.0;
 
-/// Time between two looks at whether Ctrl-C was pressed.
+/// Time between two looks at whether Ctrl-C was pressed, and between two pictures of the spinner: short enough to seem
+/// immediate, and twenty looks a second cost nothing.
 const TICK: Duration = Duration::from_millis(50);
 
 /// From now on Ctrl-C is noticed between two pieces of work, so that no half result stays behind.

@@ -11,8 +11,8 @@ use iwan_study::printed::TABLE_2;
 
 use super::plate::{Plate, Section};
 use super::units::{DISPLACEMENT, ENERGY, FORCE};
-use crate::report::decimate::{history, thin};
-use crate::report::figure::{Axis, Figure, Layer, Mark, colour};
+use crate::page::decimate::{history, thin};
+use crate::page::figure::{Axis, Figure, Layer, Mark, Marker, colour};
 
 /// One colour per level.
 const COLOURS: [&str; 6] =
@@ -271,7 +271,7 @@ impl Drawing<'_> {
             let printed = macro_slip.map(|&q| (q, law.dissipation_printed_eq17(q))).collect();
             layers.push(Layer::new(Mark::Dashed, colour, exact).named("modal model, exact"));
             layers.push(Layer::new(Mark::Line, colour::BLACK, printed).named("Eq. 17 as printed"));
-            marker = Some((law.phi_max(), "\u{3c6}_max"));
+            marker = Some(Marker { value: law.phi_max(), label: "\u{3c6}_max" });
         }
         Figure {
             title: format!("Figs. 9\u{2013}11, {}: dissipation", self.mode.name),

@@ -4,8 +4,8 @@ use iwan_study::laboratory::{DrawnSensor, Hit, Laboratory, Table4Row};
 
 use super::plate::{Plate, Section};
 use super::units::ACCELERATION;
-use crate::report::decimate::{history, thin};
-use crate::report::figure::{Axis, Figure, Layer, Mark, colour};
+use crate::page::decimate::{history, thin};
+use crate::page::figure::{Axis, Figure, Layer, Mark, colour};
 
 const COLOURS: [&str; 4] = [colour::BLUE, colour::VERMILLION, colour::GREEN, colour::PURPLE];
 /// Dots of a measured curve: three curves share a figure, whose axis is 494 units long.

@@ -2,8 +2,8 @@
 
 use serde_json::json;
 
-use crate::report::figure::{Axis, Figure, Mark};
-use crate::report::scale::Kind as Spread;
+use crate::page::figure::{Axis, Figure, Mark};
+use crate::page::scale::Kind as Spread;
 
 /// A figure with its place in the report.
 #[derive(Debug)]

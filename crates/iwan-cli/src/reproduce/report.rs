@@ -7,8 +7,8 @@ use maud::{Markup, html};
 
 use super::plate::{Plate, Section};
 use super::tables;
-use crate::report::figure::Figure;
-use crate::report::{grid, page};
+use crate::page::figure::Figure;
+use crate::page::html::{grid, page};
 
 /// The page.
 pub(super) fn render(summary: &Summary, laboratory: &Laboratory, plates: &[Plate]) -> String {

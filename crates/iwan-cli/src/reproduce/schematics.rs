@@ -5,7 +5,7 @@ use iwan_study::printed::TABLE_2;
 
 use super::plate::{Plate, Section};
 use super::units::{ENERGY, FORCE};
-use crate::report::figure::{Axis, Figure, Layer, Mark, colour};
+use crate::page::figure::{Axis, Figure, Layer, Mark, Marker, colour};
 
 /// Small-amplitude frequency for the modal schematic, Hz: near that of mode 1, and named in the caption. Any would do whose ω0² is
 /// above the joint's K_T.
@@ -84,7 +84,7 @@ fn dissipation(law: &FourParameter) -> Figure {
             Layer::new(Mark::Dashed, colour::GREEN, micro).named("slope \u{3c7}+3"),
             Layer::new(Mark::Dashed, colour::VERMILLION, printed).named("Eq. 17 as printed"),
         ],
-        marker: Some((phi, "\u{3c6}_max")),
+        marker: Some(Marker { value: phi, label: "\u{3c6}_max" }),
     }
 }
 
@@ -96,7 +96,7 @@ fn force(law: &FourParameter) -> Figure {
         x: Axis::log("modal joint force", FORCE),
         y: Axis::log("dissipation per cycle", ENERGY),
         layers: vec![Layer::new(Mark::Line, colour::BLUE, exact).named("modal joint 1")],
-        marker: Some((law.f_s(), "F_S")),
+        marker: Some(Marker { value: law.f_s(), label: "F_S" }),
     }
 }
 
@@ -118,6 +118,6 @@ fn frequency(law: &FourParameter, oscillator: &Oscillator) -> Figure {
             Layer::new(Mark::Dashed, colour::GREEN, level(FREQUENCY)).named("\u{3c9}\u{2080}"),
             Layer::new(Mark::Dashed, colour::VERMILLION, level(slipping)).named("\u{3c9}\u{221e}"),
         ],
-        marker: Some((law.f_s(), "F_S")),
+        marker: Some(Marker { value: law.f_s(), label: "F_S" }),
     }
 }

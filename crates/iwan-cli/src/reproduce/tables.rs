@@ -8,7 +8,7 @@ use iwan_study::summary::{ConfigurationSummary, LevelSummary, ModeSummary, Table
 use iwan_study::{Span, Summary, short};
 use maud::{Markup, html};
 
-use crate::summary::error;
+use crate::page::numbers::error;
 
 /// A table with its head.
 fn table(head: &[&str], rows: &[Vec<String>]) -> Markup {

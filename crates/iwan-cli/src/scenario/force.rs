@@ -74,7 +74,7 @@ impl Force {
                 let path = source.folder.join(section.text("path")?);
                 return read_file(&path, step)
                     .map(Self::File)
-                    .map_err(|(message, remedy)| section.failure("path", &message, &remedy));
+                    .map_err(|refusal| section.failure("path", &refusal.message, &refusal.remedy));
             }
         };
         let key_of = |name: &str| name.trim_start_matches("force ").to_string();
@@ -96,17 +96,14 @@ impl Force {
     }
 }
 
-/// Message and remedy.
-type Problem = (String, String);
-
-fn read_file(path: &PathBuf, step: f64) -> Result<ForceFile, Problem> {
+fn read_file(path: &PathBuf, step: f64) -> Result<ForceFile, InputError> {
     let two = "give a text file of two columns, time in s and force, the time ascending from t >= 0";
-    let problem = |what: String| (format!("{}: {what}", path.display()), two.to_string());
+    let problem = |what: String| InputError::new(format!("{}: {what}", path.display()), two);
     let bytes = std::fs::read(path).map_err(|e| {
         let remedy = "check `path`: it is relative to the scenario file";
-        (format!("{}: cannot be read: {e}", path.display()), remedy.to_string())
+        InputError::new(format!("{}: cannot be read: {e}", path.display()), remedy)
     })?;
-    let columns = iwan_io::parse_table(path, &bytes).map_err(|e| (e.to_string(), two.to_string()))?;
+    let columns = iwan_io::parse_table(path, &bytes).map_err(|e| InputError::new(e.to_string(), two))?;
     let mut notes: Vec<String> = columns.warnings().iter().map(ToString::to_string).collect();
     let [time, force] = columns.columns() else {
         return Err(problem(format!("has {} columns, not 2", columns.columns().len())));
@@ -141,9 +138,13 @@ fn read_file(path: &PathBuf, step: f64) -> Result<ForceFile, Problem> {
     Ok(ForceFile { bytes, dt, samples, notes })
 }
 
-/// Whether the times are n·dt, to a thousandth of a step.
+/// Times this share of a step beside n·dt count as n·dt: times printed with few digits are rounded, and a shift by so little changes
+/// the force by less than a thousandth of what changes it within a step. The reader of records allows as much.
+const ROUNDING: f64 = 1e-3;
+
+/// Whether the times are n·dt.
 fn is_uniform(time: &[f64], dt: f64) -> bool {
-    time.iter().enumerate().all(|(n, t)| (t - n as f64 * dt).abs() <= 1e-3 * dt)
+    time.iter().enumerate().all(|(n, t)| (t - n as f64 * dt).abs() <= ROUNDING * dt)
 }
 
 /// Linear interpolation at n·step; zero before the first sample and behind the last.

@@ -3,7 +3,7 @@
 use iwan_core::ResidualStiffness;
 use iwan_sim::{Mode, Point};
 
-use crate::summary::short;
+use crate::page::numbers::short;
 use iwan_input::InputError;
 use iwan_input::InputText;
 use iwan_input::WrittenLaw;

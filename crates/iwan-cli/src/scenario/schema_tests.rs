@@ -3,9 +3,8 @@
 
 use serde_json::Value;
 
-use super::{
-    InputText, KEYS, Overrides, SCHEMA, Scenario, built_in, force, method, mode, structure, to_toml,
-};
+use super::read::KEYS;
+use super::{InputText, Overrides, SCHEMA, Scenario, built_in, force, method, mode, structure, to_toml};
 use iwan_input::{TableKind, known};
 
 fn schema() -> Value {

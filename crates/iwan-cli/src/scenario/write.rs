@@ -6,10 +6,12 @@ use iwan_core::{Grid, Pulse, ResidualStiffness};
 use iwan_sim::{JointKind, Method, Settings};
 
 use iwan_fem::Model;
-
-use super::structure::Origin;
-use super::{Force, OnStructure, Scenario, ScenarioMode};
 use iwan_input::WrittenLaw;
+
+use super::force::Force;
+use super::mode::ScenarioMode;
+use super::read::Scenario;
+use super::structure::{OnStructure, Origin};
 
 /// The scenario as TOML; a force from a file is called `force_file`.
 pub(crate) fn to_toml(scenario: &Scenario, force_file: &str) -> String {

@@ -1,0 +1,93 @@
+//! The command line as a whole: the commands, and which room runs each.
+
+use std::ffi::OsString;
+
+use clap::{CommandFactory, Parser, Subcommand};
+
+use crate::args::ReproduceArgs;
+use crate::commands::reproduce;
+use crate::envelope::{self, EnvelopeArgs};
+use crate::failure::Failure;
+use crate::fit::{self, FitArgs};
+use crate::modes::{self, ModesArgs};
+use crate::output;
+use crate::quasi_static::{self, QuasiStaticArgs};
+use crate::simulate::{self, SimulateArgs};
+use crate::texts::{completions, man, scenario};
+
+/// Ring-down of bolted structures with Iwan friction models
+#[derive(Debug, Parser)]
+#[command(name = "iwan", version, propagate_version = true, after_help = EXAMPLES)]
+struct Cli {
+    /// What to do.
+    #[command(subcommand)]
+    command: Command,
+}
+
+const EXAMPLES: &str = "\
+Examples:
+  iwan simulate                              the built-in example: the paper's beam
+  iwan scenario paper-modal > beam.toml      a scenario file to start from
+  iwan simulate beam.toml --out beam         your own: beam/report.html shows the result
+  iwan envelope hammer.mat --out mode1       amplitude, frequency and damping of a measured ring-down
+  iwan fit hammer.mat --out mode1            the joint's parameters from it, with intervals
+  iwan modes structure.toml --out modes      frequencies and shapes of a finite-element structure
+  iwan reproduce                             the paper's tables and figures beside ours
+
+Exit codes: 0 success, 1 the computation failed, 2 bad usage or input.";
+
+/// The commands.
+#[derive(Debug, Subcommand)]
+enum Command {
+    Simulate(SimulateArgs),
+    Envelope(EnvelopeArgs),
+    Fit(FitArgs),
+    Modes(ModesArgs),
+    QuasiStatic(QuasiStaticArgs),
+    Reproduce(ReproduceArgs),
+    Scenario(scenario::ScenarioArgs),
+    Completions(completions::CompletionsArgs),
+    Man(man::ManArgs),
+}
+
+/// Runs the command line `arguments`, the program's name first, and returns the exit code: 0 success, 1 the computation
+/// failed, 2 bad usage or input, 130 interrupted.
+///
+/// Results go to standard output, everything else to standard error.
+///
+/// ```
+/// assert_eq!(iwan_cli::run(["iwan".into(), "scenario".into(), "--list".into()]), 0);
+/// assert_eq!(iwan_cli::run(["iwan".into(), "dance".into()]), 2);
+/// ```
+pub fn run(arguments: impl IntoIterator<Item = OsString>) -> u8 {
+    let cli = match Cli::try_parse_from(arguments) {
+        Ok(cli) => cli,
+        Err(error) => {
+            // Help and version go to stdout with code 0, usage errors to stderr with code 2.
+            let _ = error.print();
+            return u8::try_from(error.exit_code()).unwrap_or(2);
+        }
+    };
+    match command(cli.command) {
+        Ok(()) => 0,
+        Err(failure) => {
+            output::message(&failure.to_string());
+            failure.code()
+        }
+    }
+}
+
+/// Runs a command.
+fn command(command: Command) -> Result<(), Failure> {
+    match command {
+        Command::Simulate(args) => simulate::run(&args),
+        Command::Envelope(args) => envelope::run(&args),
+        Command::Fit(args) => fit::run(&args),
+        Command::Modes(args) => modes::run(&args),
+        Command::QuasiStatic(args) => quasi_static::run(&args),
+        Command::Reproduce(args) => reproduce::run(&args),
+        Command::Scenario(args) => scenario::run(&args),
+        Command::Completions(args) => completions::run(&args, &mut Cli::command()),
+        Command::Man(args) => man::run(&args, Cli::command()),
+    }
+}

@@ -1,0 +1,79 @@
+//! `iwan envelope` from the record to its results.
+
+use super::args::EnvelopeArgs;
+use super::report;
+use super::summary::EnvelopeSummary;
+use crate::failure::Failure;
+use crate::parallel::in_parallel;
+use crate::records::{self, Extraction, Recording, Units, Wanted};
+use crate::session::{PAGE, SUMMARY, Session};
+
+/// Runs the command.
+pub(crate) fn run(args: &EnvelopeArgs) -> Result<(), Failure> {
+    let recording = records::read(&args.record, &args.records)?;
+    let table = args.format.file("envelope");
+    let mut session =
+        Session::open(args.place(), &args.common, vec![table.clone(), SUMMARY.into(), PAGE.into()])?;
+    session.warnings(&recording.warnings);
+
+    let extractions = extract(&recording, args, session.threads())?;
+    let units = units(&recording, args);
+    let summary = EnvelopeSummary::new(&recording, &extractions, &units);
+
+    session.columns(&table, &columns(&extractions), args.format)?;
+    session.summary(SUMMARY, &summary)?;
+    session.page(&report::render(&extractions, &summary, &units))?;
+    session.finish(&summary)
+}
+
+fn extract(recording: &Recording, args: &EnvelopeArgs, threads: usize) -> Result<Vec<Extraction>, Failure> {
+    let recordings = std::slice::from_ref(recording);
+    let wanted = records::modes(recordings, &args.records)?;
+    let (method, axis) = (args.method.method(), args.records.force_axis);
+    let one = |mode: &Wanted| Extraction::new(recordings, mode, 0, method, axis);
+    in_parallel(&wanted, threads, &one).into_iter().collect()
+}
+
+fn units(recording: &Recording, args: &EnvelopeArgs) -> Units {
+    let root = args.records.mass.is_some() || args.records.shapes.is_some();
+    Units::new(recording.record.unit(), recording.quantity, root)
+}
+
+/// The columns of the table: all modes below each other, told apart by their number.
+fn columns(extractions: &[Extraction]) -> Vec<(&'static str, Vec<f64>)> {
+    const NAMES: [&str; 11] = [
+        "mode",
+        "t",
+        "amplitude",
+        "frequency",
+        "damping_ratio",
+        "log_amplitude_sd",
+        "frequency_sd",
+        "damping_ratio_sd",
+        "displacement",
+        "dissipation",
+        "force",
+    ];
+    let mut columns = NAMES.map(|name| (name, Vec::new()));
+    for (mode, x) in extractions.iter().enumerate() {
+        let Some(e) = x.envelope() else { continue };
+        let times: Vec<f64> = e.t.iter().map(|t| x.start + t).collect();
+        let numbers = vec![(mode + 1) as f64; times.len()];
+        let c = &x.curves;
+        let parts = [
+            &numbers,
+            &times,
+            &e.amplitude,
+            &e.frequency,
+            &e.damping_ratio,
+            &e.log_amplitude_sd,
+            &e.frequency_sd,
+            &e.damping_ratio_sd,
+            &c.displacement,
+            &c.dissipation,
+            &c.force,
+        ];
+        columns.iter_mut().zip(parts).for_each(|((_, all), part)| all.extend_from_slice(part));
+    }
+    columns.into()
+}

@@ -1,0 +1,139 @@
+//! `iwan fit` from records to its results.
+
+use iwan_core::Pulse;
+use iwan_io::Table;
+
+use super::args::FitArgs;
+use super::report::{Reported, render};
+use super::scenario::as_scenario;
+use super::summary::FitSummary;
+use crate::failure::Failure;
+use crate::identified::{Identified, extract};
+use crate::parallel::in_parallel;
+use crate::records::{self, Extraction, Recording, Units, Wanted};
+use crate::scenario::{Scenario, to_toml};
+use crate::session::{PAGE, SUMMARY, Session};
+use crate::simulate::response_columns;
+
+/// The whole summary, with curves and densities; `summary.json` leaves the long lists out.
+const WHOLE: &str = "fit.json";
+/// The fit as a scenario.
+const SCENARIO: &str = "scenario.toml";
+
+/// Runs the command.
+pub(crate) fn run(args: &FitArgs) -> Result<(), Failure> {
+    let recordings =
+        args.fit.iter().map(|path| records::read(path, &args.records)).collect::<Result<Vec<_>, _>>()?;
+    let [curves, response] = ["curves", "response"].map(|stem| args.format.file(stem));
+    let mut files = [WHOLE, SUMMARY, SCENARIO, PAGE].map(String::from).to_vec();
+    files.extend([curves.clone(), response.clone()]);
+    let mut session = Session::open(args.place(), &args.common, files)?;
+    recordings.iter().for_each(|recording| session.warnings(&recording.warnings));
+
+    let wanted = records::modes(&recordings, &args.records)?;
+    let identified = identify_all(&recordings, wanted, args, &session)?;
+    let root = args.records.mass.is_some() || args.records.shapes.is_some();
+    let units = Units::new(recordings[0].record.unit(), recordings[0].quantity, root);
+    let summary = FitSummary::new(&recordings, &identified, args.records.force_axis, &units);
+    let scenario = as_scenario(&identified, &summary.title()).map_err(|error| failed(&error))?;
+    let toml = to_toml(&scenario, "");
+
+    session.columns(&curves, &curve_columns(&identified), args.format)?;
+    write_response(&mut session, &scenario, &response, args)?;
+    session.summary(WHOLE, &summary)?;
+    session.summary(SUMMARY, &summary.without_curves())?;
+    session.file(SCENARIO, toml.as_bytes())?;
+    session.page(&render(&Reported {
+        identified: &identified,
+        summary: &summary,
+        units: &units,
+        toml: &toml,
+    }))?;
+    session.finish(&summary)
+}
+
+fn failed(error: &dyn std::fmt::Display) -> Failure {
+    Failure::Computation(error.to_string())
+}
+
+/// A hundred thousand ring-downs may take a while: Ctrl-C ends them at once.
+fn identify_all(
+    recordings: &[Recording],
+    wanted: Vec<Wanted>,
+    args: &FitArgs,
+    session: &Session,
+) -> Result<Vec<Identified>, Failure> {
+    let (method, axis, threads) = (args.method.method(), args.records.force_axis, session.threads());
+    let (recordings, hold) = (recordings.to_vec(), args.hold.clone());
+    let work = move || {
+        let first = |mode: &Wanted| extract(&recordings, mode, method);
+        let extracted: Result<Vec<_>, Failure> = in_parallel(&wanted, threads, &first).into_iter().collect();
+        let pairs: Vec<_> = wanted.into_iter().zip(extracted?).collect();
+        let then = |(mode, extractions): &(Wanted, Vec<Extraction>)| {
+            Identified::new(&recordings, mode, extractions.clone(), axis, &hold)
+        };
+        in_parallel(&pairs, threads, &then).into_iter().collect()
+    };
+    session.busy("identifying").wait(work)?
+}
+
+/// Writes what `iwan simulate` makes of the scenario.
+fn write_response(
+    session: &mut Session,
+    scenario: &Scenario,
+    name: &str,
+    args: &FitArgs,
+) -> Result<(), Failure> {
+    let responses =
+        iwan_sim::simulate_all(&scenario.modes(), &Pulse::None, &scenario.settings, 1, &mut |_| {
+            std::ops::ControlFlow::Continue(())
+        });
+    let responses = responses.map_err(|error| failed(&error))?;
+    let times: Vec<f64> = responses.first().map(|r| r.times().collect()).unwrap_or_default();
+    let columns = response_columns(&times, scenario, &responses, &[]);
+    let table = Table::new(columns).map_err(|error| failed(&error))?;
+    session.table(name, &table, args.format)
+}
+
+/// The columns of the curves: all modes and records below each other, told apart by their numbers.
+fn curve_columns(identified: &[Identified]) -> Vec<(&'static str, Vec<f64>)> {
+    const NAMES: [&str; 12] = [
+        "mode",
+        "record",
+        "t",
+        "amplitude",
+        "displacement",
+        "frequency",
+        "damping_ratio",
+        "dissipation",
+        "force",
+        "frequency_sd",
+        "log_dissipation_sd",
+        "noise",
+    ];
+    let mut columns = NAMES.map(|name| (name, Vec::new()));
+    for (mode, i) in identified.iter().enumerate() {
+        for (record, c) in i.curves.iter().enumerate() {
+            let n = c.t.len();
+            let number = |k: f64| vec![k; n];
+            let start = i.extractions[record].start;
+            let envelope = &i.found.envelopes[record];
+            let parts = [
+                number((mode + 1) as f64),
+                number((record + 1) as f64),
+                c.t.iter().map(|t| start + t).collect(),
+                envelope.amplitude.clone(),
+                c.displacement.clone(),
+                c.frequency.clone(),
+                c.damping_ratio.clone(),
+                c.dissipation.clone(),
+                c.force.clone(),
+                c.frequency_sd.clone(),
+                c.log_dissipation_sd.clone(),
+                number(envelope.noise),
+            ];
+            columns.iter_mut().zip(parts).for_each(|((_, all), part)| all.extend(part));
+        }
+    }
+    columns.into()
+}

@@ -1,0 +1,125 @@
+//! The report of `iwan fit`.
+
+use maud::{Markup, html};
+
+use super::figures::Fitted;
+use super::intervals;
+use super::summary::{FitSummary, ModeFit, ROWS, Row, interval};
+use crate::envelope::{self, Extracted};
+use crate::identified::Identified;
+use crate::page::html::{grid, page};
+use crate::page::numbers::{long, short};
+use crate::records::Units;
+use crate::session::VERSION;
+
+/// What the report is about.
+#[derive(Debug)]
+pub(crate) struct Reported<'a> {
+    pub(crate) identified: &'a [Identified],
+    pub(crate) summary: &'a FitSummary,
+    pub(crate) units: &'a Units,
+    /// The fit as a scenario.
+    pub(crate) toml: &'a str,
+}
+
+/// The page.
+pub(crate) fn render(reported: &Reported<'_>) -> String {
+    let summary = reported.summary;
+    let body = html! {
+        h1 { (summary.title()) }
+        @for record in &summary.records { p.about { (record.text()) } }
+        (envelope::units(reported.units))
+        p.about {
+            "Modal quantities: the displacement q is the record's motion times the root of the modal mass (1 unless given), "
+            "K_T is in 1/s\u{b2}. Written by iwan " (VERSION) "."
+        }
+        @for warning in &summary.warnings { div.verdict.look { (warning) } }
+        nav {
+            @for (n, mode) in summary.modes.iter().enumerate() { a href=(format!("#mode-{n}")) { (mode.name) } }
+            a href="#scenario" { "Scenario" }
+        }
+        @for (n, i) in reported.identified.iter().enumerate() {
+            @if let Some(fit) = summary.modes.get(n) { (mode(n, i, fit, reported.units)) }
+        }
+        (scenario(reported.toml))
+    };
+    page(&format!("{} \u{2013} iwan fit", summary.title()), &body)
+}
+
+fn mode(n: usize, i: &Identified, fit: &ModeFit, units: &Units) -> Markup {
+    let fitted = Fitted { i, units };
+    let compared: Vec<_> = (0..i.comparisons.len()).flat_map(|r| fitted.comparison(r)).collect();
+    let mut curves = fitted.curves();
+    curves.extend(fitted.density());
+    html! {
+        h2 id=(format!("mode-{n}")) { (fit.name) }
+        (verdict(fit))
+        (table(fit))
+        (intervals::draw(fit))
+        p { "What was found on the way:" }
+        (notes(fit))
+        h2 { "Curves and fit" }
+        (grid(&curves))
+        h2 { "Record and model" }
+        (grid(&compared))
+        h2 { "What the records tell about each parameter" }
+        p {
+            "A parameter is held at a value and all others follow; the deviance says by how much the records then contradict. "
+            "An interval ends where it crosses the 95 % line."
+        }
+        (grid(&fitted.profiles()))
+        @for (n, x) in i.extractions.iter().enumerate() {
+            @let extracted = Extracted { x, units };
+            h2 { "How the mode was taken out of the record" @if i.extractions.len() > 1 { " " (n + 1) } }
+            (grid(&std::iter::once(extracted.record()).chain(extracted.spectra()).chain(extracted.methods()).collect::<Vec<_>>()))
+        }
+    }
+}
+
+fn verdict(fit: &ModeFit) -> Markup {
+    html! {
+        div class=(if fit.adequate { "verdict" } else { "verdict look" }) {
+            p { strong {
+                @if fit.linear.is_enough { "A linear mode is enough: the joint is not needed to tell these records." }
+                @else if fit.adequate { "One four-parameter Iwan joint with a viscous damper matches these records." }
+                @else { "One four-parameter Iwan joint with a viscous damper does not match these records." }
+            } }
+            ul { @for words in &fit.in_words { li { (words) } } }
+        }
+    }
+}
+
+fn table(fit: &ModeFit) -> Markup {
+    html! {
+        div.wide {
+            table {
+                thead { tr { th { "parameter" } th { "value" } th { "95 % interval" } } }
+                tbody {
+                    @for Row { label, estimate } in &ROWS {
+                        @let e = estimate(fit);
+                        tr { th { (label) } td { (long(e.value)) } td { (interval(e)) } }
+                    }
+                    tr { th { "\u{3c6}_max" } td { (short(fit.phi_max)) } td {} }
+                    tr { th { "largest amplitude / \u{3c6}_max" } td { (short(fit.slip_ratio)) } td {} }
+                    tr { th { "residual / record" } td { (format!("{:.3} %", 100.0 * fit.relative_residual)) } td {} }
+                    tr { th { "the same, linear mode" } td { (format!("{:.3} %", 100.0 * fit.linear.relative_residual)) } td {} }
+                }
+            }
+        }
+    }
+}
+
+fn notes(fit: &ModeFit) -> Markup {
+    html! { ul.notes { @for note in &fit.notes { li { (note) } } } }
+}
+
+fn scenario(toml: &str) -> Markup {
+    html! {
+        h2 id="scenario" { "Scenario" }
+        p {
+            "The fitted model, as in " code { "scenario.toml" } " beside this page, released where the loudest record begins: "
+            code { "iwan simulate scenario.toml" }
+        }
+        pre { (toml) }
+    }
+}

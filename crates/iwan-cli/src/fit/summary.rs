@@ -1,0 +1,322 @@
+//! What a fit says: `fit.json`, `summary.json` and the text on the terminal.
+
+use std::fmt::Write;
+
+use iwan_ident::Parameter;
+use iwan_ident::density::FreeForm;
+use iwan_ident::profile::Profile;
+use serde::Serialize;
+
+use crate::envelope::{RecordSummary, agreement};
+use crate::identified::Identified;
+use crate::page::numbers::{long, short};
+use crate::records::{Axis, Recording, Units};
+use crate::session::Summary;
+
+/// The fit of one or several modes.
+#[derive(Debug, Clone, Serialize)]
+pub(crate) struct FitSummary {
+    pub(crate) records: Vec<RecordSummary>,
+    pub(crate) modes: Vec<ModeFit>,
+    /// What the reader of the records noticed: said before anything is computed.
+    pub(crate) warnings: Vec<String>,
+}
+
+/// The fit of one mode.
+#[derive(Debug, Clone, Serialize)]
+pub(crate) struct ModeFit {
+    pub(crate) name: String,
+    pub(crate) frequency: Estimate,
+    pub(crate) damping_ratio: Estimate,
+    pub(crate) k_t: Estimate,
+    pub(crate) f_s: Estimate,
+    pub(crate) chi: Estimate,
+    pub(crate) beta: Estimate,
+    /// Onset of macro-slip by these parameters.
+    pub(crate) phi_max: f64,
+    /// Largest amplitude over φ_max.
+    pub(crate) slip_ratio: f64,
+    pub(crate) adequate: bool,
+    pub(crate) misfit: String,
+    /// Root-mean-square misfits: of ln D, and of the frequency in Hz beside its measured shift.
+    pub(crate) dissipation_misfit: f64,
+    pub(crate) frequency_misfit: f64,
+    pub(crate) frequency_shift: f64,
+    /// Root mean square of all residuals over that of the records.
+    pub(crate) relative_residual: f64,
+    /// The linear mode with viscous damping.
+    pub(crate) linear: LinearSummary,
+    /// What the records tell and what not, in sentences.
+    pub(crate) in_words: Vec<String>,
+    pub(crate) force_axis: &'static str,
+    pub(crate) band: (f64, f64),
+    /// Displacement of the release that stands for each record, and its time on the record's axis, s.
+    pub(crate) releases: Vec<(f64, f64)>,
+    pub(crate) notes: Vec<String>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(crate) free_form: Option<DensitySummary>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(crate) curves: Option<CurveSummary>,
+}
+
+/// A parameter with its 95 % interval: null is open.
+#[derive(Debug, Clone, Copy, Serialize)]
+pub(crate) struct Estimate {
+    pub(crate) value: f64,
+    pub(crate) low: Option<f64>,
+    pub(crate) high: Option<f64>,
+    pub(crate) identifiable: bool,
+    pub(crate) held: bool,
+}
+
+/// The linear mode, and whether it is enough.
+#[derive(Debug, Clone, Copy, Serialize)]
+pub(crate) struct LinearSummary {
+    pub(crate) is_enough: bool,
+    pub(crate) frequency: f64,
+    pub(crate) damping_ratio: f64,
+    pub(crate) relative_residual: f64,
+    pub(crate) criterion: f64,
+}
+
+/// The free-form density.
+#[derive(Debug, Clone, Serialize)]
+pub(crate) struct DensitySummary {
+    pub(crate) strength: Vec<f64>,
+    pub(crate) density: Vec<f64>,
+    pub(crate) frequency: f64,
+    pub(crate) damping_ratio: f64,
+    /// Smallest and largest strength that the records inform.
+    pub(crate) informed: (f64, f64),
+    pub(crate) dissipation_misfit: f64,
+    pub(crate) frequency_misfit: f64,
+}
+
+/// Curves of all records, one below the other.
+#[derive(Debug, Clone, Default, Serialize)]
+pub(crate) struct CurveSummary {
+    /// Number of the record, from 1.
+    pub(crate) record: Vec<usize>,
+    pub(crate) t: Vec<f64>,
+    /// In the unit of the record.
+    pub(crate) amplitude: Vec<f64>,
+    pub(crate) displacement: Vec<f64>,
+    pub(crate) frequency: Vec<f64>,
+    pub(crate) damping_ratio: Vec<f64>,
+    pub(crate) dissipation: Vec<f64>,
+    pub(crate) force: Vec<f64>,
+}
+
+/// A parameter in tables.
+pub(crate) struct Row {
+    /// What it is called.
+    pub(crate) label: &'static str,
+    pub(crate) estimate: fn(&ModeFit) -> &Estimate,
+}
+
+/// The parameters in the order of tables.
+pub(crate) const ROWS: [Row; 6] = [
+    Row { label: "frequency, Hz", estimate: |m| &m.frequency },
+    Row { label: "viscous damping ratio", estimate: |m| &m.damping_ratio },
+    Row { label: "K_T", estimate: |m| &m.k_t },
+    Row { label: "F_S", estimate: |m| &m.f_s },
+    Row { label: "chi", estimate: |m| &m.chi },
+    Row { label: "beta", estimate: |m| &m.beta },
+];
+
+impl Estimate {
+    fn new(profile: &Profile) -> Self {
+        Self {
+            value: profile.value,
+            low: profile.low,
+            high: profile.high,
+            identifiable: profile.identifiable(),
+            held: profile.held,
+        }
+    }
+}
+
+/// An interval as text: open ends say so.
+pub(crate) fn interval(e: &Estimate) -> String {
+    match (e.held, e.low, e.high) {
+        (true, ..) => "held".into(),
+        (_, Some(low), Some(high)) => {
+            let decimals = decimals(high - low, 1);
+            format!("{low:.decimals$} to {high:.decimals$}")
+        }
+        (_, Some(low), None) => format!("> {}, open above", short(low)),
+        (_, None, Some(high)) => format!("< {}, open below", short(high)),
+        (_, None, None) => "open on both sides".into(),
+    }
+}
+
+/// Decimals by which a number of this size shows so many digits behind its first.
+fn decimals(size: f64, more: i32) -> usize {
+    if size > 0.0 { (more - size.log10().floor() as i32).clamp(0, 14) as usize } else { 6 }
+}
+
+impl FitSummary {
+    /// Of all modes.
+    pub(crate) fn new(
+        recordings: &[Recording],
+        identified: &[Identified],
+        axis: Axis,
+        units: &Units,
+    ) -> Self {
+        Self {
+            records: recordings.iter().map(|r| RecordSummary::new(r, units)).collect(),
+            modes: identified.iter().map(|i| ModeFit::new(i, axis)).collect(),
+            warnings: recordings.iter().flat_map(|r| r.warnings.clone()).collect(),
+        }
+    }
+
+    /// What the scenario is called.
+    pub(crate) fn title(&self) -> String {
+        let files: Vec<&str> = self.records.iter().map(RecordSummary::name).collect();
+        format!("Fit of {}", files.join(", "))
+    }
+
+    /// The same without the long lists.
+    pub(crate) fn without_curves(&self) -> Self {
+        let mut short = self.clone();
+        for mode in &mut short.modes {
+            (mode.curves, mode.free_form) = (None, None);
+        }
+        short
+    }
+}
+
+impl Summary for FitSummary {
+    fn text(&self) -> String {
+        let mut text: String = self.records.iter().map(RecordSummary::text).collect();
+        self.modes.iter().for_each(|m| m.write(&mut text));
+        text
+    }
+}
+
+impl ModeFit {
+    fn new(i: &Identified, axis: Axis) -> Self {
+        let (found, p) = (&i.found, &i.found.parameters);
+        let estimate = |parameter| Estimate::new(found.profile(parameter));
+        let phi_max = p.model().map_or(f64::NAN, |(_, joint)| joint.phi_max());
+        let top = found.curves.iter().flat_map(|c| c.displacement.iter().copied()).fold(0.0, f64::max);
+        let band = i.extractions[0].isolated.band;
+        let releases = i.extractions.iter().enumerate().map(|(n, x)| {
+            let (q, late) = found.refined.starts[n];
+            (q, x.start + found.first_samples[n] as f64 * x.isolated.dt + late)
+        });
+        Self {
+            name: i.name.clone(),
+            frequency: estimate(Parameter::Frequency),
+            damping_ratio: estimate(Parameter::DampingRatio),
+            k_t: estimate(Parameter::KT),
+            f_s: estimate(Parameter::FS),
+            chi: estimate(Parameter::Chi),
+            beta: estimate(Parameter::Beta),
+            phi_max,
+            slip_ratio: top / phi_max,
+            adequate: found.verdict.adequate,
+            misfit: found.verdict.misfit.clone(),
+            dissipation_misfit: found.verdict.dissipation_misfit,
+            frequency_misfit: found.verdict.frequency_misfit,
+            frequency_shift: found.verdict.frequency_shift,
+            relative_residual: found.refined.relative_residual,
+            linear: LinearSummary {
+                is_enough: found.linear.is_enough(),
+                frequency: found.linear.frequency,
+                damping_ratio: found.linear.damping_ratio,
+                relative_residual: found.linear.relative_residual,
+                criterion: found.linear.criterion,
+            },
+            in_words: in_words(i),
+            force_axis: if axis == Axis::Modal { "modal" } else { "joint" },
+            band: (band.low, band.high),
+            releases: releases.collect(),
+            notes: notes(i),
+            free_form: i.densities.first().map(DensitySummary::new),
+            curves: Some(CurveSummary::new(i)),
+        }
+    }
+
+    /// Writing to a string cannot fail.
+    fn write(&self, text: &mut String) {
+        let verdict = match (self.linear.is_enough, self.adequate) {
+            (true, _) => "a linear mode is enough, the joint is not needed",
+            (_, true) => "the model matches",
+            (_, false) => "THE MODEL DOES NOT MATCH",
+        };
+        let _ = writeln!(text, "\n{}: {verdict}", self.name);
+        let _ = writeln!(text, "\n{:<24}{:>14}   95 % interval", "parameter", "value");
+        for Row { label, estimate } in &ROWS {
+            let e = estimate(self);
+            let _ = writeln!(text, "{label:<24}{:>14}   {}", long(e.value), interval(e));
+        }
+        let _ = writeln!(
+            text,
+            "{:<24}{:>14}   largest amplitude / phi_max = {}",
+            "phi_max",
+            short(self.phi_max),
+            short(self.slip_ratio)
+        );
+        text.push('\n');
+        for words in self.in_words.iter().chain(&self.notes) {
+            let _ = writeln!(text, "  {words}");
+        }
+    }
+}
+
+/// What the records tell and what not.
+fn in_words(i: &Identified) -> Vec<String> {
+    // By averaging, as the fit on the curves: misfits of one kind.
+    let densities = i.densities.iter().map(|d| d.words(&i.found.fit.verdict));
+    i.found.in_words().into_iter().chain(densities).collect()
+}
+
+/// What was done, record by record.
+fn notes(i: &Identified) -> Vec<String> {
+    let several = i.extractions.len() > 1;
+    let mut notes: Vec<String> = Vec::new();
+    for (n, x) in i.extractions.iter().enumerate() {
+        let prefix = if several { format!("record {}: ", n + 1) } else { String::new() };
+        let words = x.opinions.spread.as_ref().map(agreement);
+        let own = x.notes.iter().cloned().chain(words).map(|w| format!("{prefix}{w}"));
+        notes.extend(own);
+    }
+    for note in &i.found.notes {
+        if !notes.iter().any(|n| n.ends_with(note.as_str())) {
+            notes.push(note.clone());
+        }
+    }
+    notes
+}
+
+impl DensitySummary {
+    fn new(d: &FreeForm) -> Self {
+        Self {
+            strength: d.strength.clone(),
+            density: d.density.clone(),
+            frequency: d.frequency,
+            damping_ratio: d.damping_ratio,
+            informed: d.informed,
+            dissipation_misfit: d.dissipation_misfit,
+            frequency_misfit: d.frequency_misfit,
+        }
+    }
+}
+
+impl CurveSummary {
+    fn new(i: &Identified) -> Self {
+        let mut all = Self::default();
+        for (n, c) in i.curves.iter().enumerate() {
+            all.record.extend(std::iter::repeat_n(n + 1, c.t.len()));
+            all.t.extend(c.t.iter().map(|t| i.extractions[n].start + t));
+            all.amplitude.extend(&i.found.envelopes[n].amplitude);
+            all.displacement.extend(&c.displacement);
+            all.frequency.extend(&c.frequency);
+            all.damping_ratio.extend(&c.damping_ratio);
+            all.dissipation.extend(&c.dissipation);
+            all.force.extend(&c.force);
+        }
+        all
+    }
+}

@@ -1,0 +1,51 @@
+//! What every page has: it stands alone, says first what to look at, and sets figures side by side.
+
+use maud::{DOCTYPE, Markup, PreEscaped, html};
+
+use super::figure::Figure;
+
+/// A page that stands alone.
+pub(crate) fn page(title: &str, body: &Markup) -> String {
+    let page = html! {
+        (DOCTYPE)
+        html lang="en" {
+            head {
+                meta charset="utf-8";
+                meta name="viewport" content="width=device-width, initial-scale=1";
+                title { (title) }
+                style { (PreEscaped(include_str!("style.css"))) }
+            }
+            body { (body) }
+        }
+    };
+    page.into_string()
+}
+
+/// What the user should look at, where there is something.
+pub(crate) fn warnings(warnings: &[String]) -> Markup {
+    html! {
+        @if !warnings.is_empty() {
+            div.verdict.look { strong { "Please look at:" } ul { @for warning in warnings { li { (warning) } } } }
+        }
+    }
+}
+
+/// All is well, or what the user should look at; then how exact the result is.
+pub(crate) fn verdict(warnings: &[String], exactness: &Markup) -> Markup {
+    html! {
+        div class=(if warnings.is_empty() { "verdict" } else { "verdict look" }) {
+            @if warnings.is_empty() {
+                strong { "Nothing to worry about. " }
+            } @else {
+                strong { "Please look at:" }
+                ul { @for warning in warnings { li { (warning) } } }
+            }
+            (exactness)
+        }
+    }
+}
+
+/// Figures side by side.
+pub(crate) fn grid(figures: &[Figure]) -> Markup {
+    html! { div.figures { @for figure in figures { (figure.draw()) } } }
+}

@@ -1,0 +1,55 @@
+//! Numbers as text, for tables on the terminal and on pages alike.
+
+/// A number with four significant digits, plain where that is short.
+pub(crate) fn short(value: f64) -> String {
+    significant(value, 4, 1e5)
+}
+
+/// A number with seven significant digits: frequencies of ring-downs are known that well.
+pub(crate) fn long(value: f64) -> String {
+    significant(value, 7, 1e7)
+}
+
+/// A number with so many significant digits: plain from 0.001 up to `plain_below`, with an exponent elsewhere.
+fn significant(value: f64, digits: usize, plain_below: f64) -> String {
+    let behind = digits - 1;
+    match value.abs() {
+        0.0 => "0".into(),
+        size if (1e-3..plain_below).contains(&size) => {
+            let decimals = (behind as i32 - size.log10().floor() as i32).clamp(0, behind as i32 + 3) as usize;
+            format!("{value:.decimals$}")
+        }
+        _ => format!("{value:.behind$e}"),
+    }
+}
+
+/// An estimated error with two digits: what matters is its size.
+pub(crate) fn error(value: f64) -> String {
+    if value == 0.0 { "0".into() } else { format!("{value:.1e}") }
+}
+
+/// A number as `text` writes it, or a dash where there is none.
+pub(crate) fn or_dash(value: Option<f64>, text: fn(f64) -> String) -> String {
+    value.map_or_else(|| "-".into(), text)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn digits_are_significant_and_large_or_small_numbers_have_exponents() {
+        let numbers =
+            [0.0, -0.0, 1e-3, 0.0012345, 12.345, -123.456, 99_999.0, 1e5, 9.99e-4, f64::NAN, f64::INFINITY];
+        let shown = numbers.map(short);
+        assert_eq!(
+            shown,
+            [
+                "0", "0", "0.001000", "0.001234", "12.35", "-123.5", "99999", "1.000e5", "9.990e-4", "NaN",
+                "inf"
+            ]
+        );
+        assert_eq!(long(80.123_456_78), "80.12346");
+        assert_eq!((error(0.0), error(0.0123)), ("0".into(), "1.2e-2".into()));
+    }
+}

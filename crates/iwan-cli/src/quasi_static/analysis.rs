@@ -1,0 +1,74 @@
+//! The modal curves of a structure under static loads, and the modal joint that fits each.
+
+use iwan_fem::{ModalCurves, NamedMode};
+use iwan_ident::quasi_static::{StaticCurves, StaticFit, fit_static};
+
+use super::args::QuasiStaticArgs;
+use crate::failure::Failure;
+use crate::progress::Progress;
+use crate::structures::Linear;
+
+/// A mode with its curves and what fits them.
+#[derive(Debug)]
+pub(crate) struct Analysed {
+    pub(crate) mode: NamedMode,
+    pub(crate) curves: ModalCurves,
+    /// Whether they reach the largest displacement.
+    pub(crate) whole: bool,
+    /// The modal Iwan joint, or why there is none.
+    pub(crate) fit: Result<StaticFit, String>,
+}
+
+/// The curves of the modes asked for, with their fits.
+pub(super) fn analyse(
+    linear: &Linear,
+    args: &QuasiStaticArgs,
+    bar: &Progress,
+) -> Result<Vec<Analysed>, Failure> {
+    if linear.assembled.slips().iter().all(|slip| slip.law.is_none()) {
+        let message =
+            format!("{}: the structure has no joint with a law: its modes are linear", linear.source);
+        return Err(Failure::input(
+            message,
+            "add [[joint]] with slip = [{ direction = ..., law = { ... } }]",
+        ));
+    }
+    let modes = linear.chosen(&args.modes).map_err(|error| linear.failed(&error))?;
+    let mut analysed = Vec::new();
+    for (n, mode) in modes.iter().enumerate() {
+        if bar.report(n as f64 / modes.len() as f64).is_break() {
+            return Err(Failure::Interrupted);
+        }
+        let displacements = displacements(linear, mode, args)?;
+        // Where parts slide freely the curves end, which is an error only when the user asked for more.
+        let curves = linear.static_curves(mode, &displacements, args.to.is_some());
+        let curves = curves.map_err(|error| linear.failed(&error))?;
+        let fit = fit(linear, mode, &curves);
+        let whole = curves.displacement.len() == displacements.len();
+        analysed.push(Analysed { mode: mode.clone(), curves, whole, fit });
+    }
+    Ok(analysed)
+}
+
+/// Displacements evenly spaced on a logarithmic scale.
+fn displacements(linear: &Linear, mode: &NamedMode, args: &QuasiStaticArgs) -> Result<Vec<f64>, Failure> {
+    let missing = linear.onset(mode).is_none() && (args.from.is_none() || args.to.is_none());
+    if missing {
+        let message = format!("{}: no joint slips in {}", linear.source, mode.name);
+        return Err(Failure::input(message, "give --from and --to, or choose other modes with --mode"));
+    }
+    linear.amplitudes(mode, (args.from, args.to), args.points as usize).map_err(|error| {
+        let message = format!("{}: {}: {error}", linear.source, mode.name);
+        Failure::input(message, "give --from smaller than --to")
+    })
+}
+
+/// The modal Iwan joint of the curves, or why there is none.
+fn fit(linear: &Linear, mode: &NamedMode, curves: &ModalCurves) -> Result<StaticFit, String> {
+    let parts = StaticCurves {
+        displacement: &curves.displacement,
+        frequency: &curves.frequency,
+        dissipation: &curves.dissipation,
+    };
+    fit_static(&parts, linear.frequency_stuck(mode), mode.pair.k_t).map_err(|error| error.to_string())
+}

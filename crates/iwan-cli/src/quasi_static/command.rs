@@ -1,0 +1,56 @@
+//! `iwan quasi-static` from the structure file to its results.
+
+use std::time::Instant;
+
+use iwan_fem::ModalCurves;
+
+use super::analysis::{Analysed, analyse};
+use super::args::QuasiStaticArgs;
+use super::report;
+use super::summary::QuasiStaticSummary;
+use crate::args::Format;
+use crate::failure::Failure;
+use crate::session::{PAGE, SUMMARY, Session};
+use crate::structures::Linear;
+use crate::structures::linear::{NAMED_MODES, load};
+
+/// Table of the curves.
+const TABLE: &str = "curves.csv";
+/// Runs the command.
+pub(crate) fn run(args: &QuasiStaticArgs) -> Result<(), Failure> {
+    let (source, file) = load(&args.structure)?;
+    let files = [TABLE, SUMMARY, PAGE].map(String::from).into();
+    let mut session = Session::open(args.structure.place("iwan-quasi-static"), &args.common, files)?;
+    session.notes(&file.notes);
+
+    let clock = Instant::now();
+    let bar = session.bar("modes");
+    let linear = Linear::observed(source, file, NAMED_MODES, &mut |share| bar.report(share))?;
+    drop(bar);
+    let analysed = analyse(&linear, args, &session.bar("static loads"))?;
+    let summary = QuasiStaticSummary::new(&linear, &analysed, clock.elapsed().as_secs_f64());
+
+    session.columns(TABLE, &columns(&linear, &analysed), Format::Csv)?;
+    session.summary(SUMMARY, &summary)?;
+    session.page(&report::render(&linear, &analysed, &summary))?;
+    session.finish(&summary)
+}
+
+/// The columns of the table: all modes below each other, told apart by their number.
+fn columns(linear: &Linear, analysed: &[Analysed]) -> Vec<(String, Vec<f64>)> {
+    let all = |curve: &dyn Fn(&ModalCurves) -> &Vec<f64>| -> Vec<f64> {
+        analysed.iter().flat_map(|a| curve(&a.curves).iter().copied()).collect()
+    };
+    let number = |(n, a): (usize, &Analysed)| vec![(n + 1) as f64; a.curves.displacement.len()];
+    let mut columns: Vec<(String, Vec<f64>)> = vec![
+        ("mode".into(), analysed.iter().enumerate().flat_map(number).collect()),
+        ("displacement".into(), all(&|c| &c.displacement)),
+        ("frequency".into(), all(&|c| &c.frequency)),
+        ("dissipation".into(), all(&|c| &c.dissipation)),
+        ("joint_force".into(), all(&|c| &c.joint_force)),
+    ];
+    for (index, slip) in linear.assembled.slips().iter().enumerate() {
+        columns.push((format!("{}.slip", slip.name), all(&|c| &c.slips[index])));
+    }
+    columns
+}

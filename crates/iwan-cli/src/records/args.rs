@@ -1,0 +1,82 @@
+//! Options of the commands that work on records.
+
+use std::path::PathBuf;
+
+use clap::{Args, ValueEnum, ValueHint};
+
+use crate::args::positive;
+
+/// What is in a record and which mode is wanted.
+#[derive(Debug, Args)]
+#[command(next_help_heading = "The record")]
+pub(crate) struct RecordArgs {
+    /// Name of the time vector: a column, a variable or a struct field such as HIdata.time
+    #[arg(long, value_name = "NAME")]
+    pub(crate) time: Option<String>,
+    /// Name of a channel; repeat it for several [default: all that fit]
+    #[arg(long = "channel", value_name = "NAME")]
+    pub(crate) channels: Vec<String>,
+    /// What the channels measure [default: what the file says, else acceleration]
+    #[arg(long, value_enum)]
+    pub(crate) quantity: Option<Motion>,
+    /// Sampling rate in Hz, for files without time; goes before what the file says
+    #[arg(long, value_name = "HZ", value_parser = positive)]
+    pub(crate) rate: Option<f64>,
+    /// Interpolate unevenly sampled records onto an even grid instead of refusing them
+    #[arg(long)]
+    pub(crate) resample: bool,
+    /// Band of the mode in Hz; repeat it for several modes [default: around the highest spectral peak]
+    #[arg(long = "band", value_name = "LOW:HIGH", value_parser = band)]
+    pub(crate) bands: Vec<(f64, f64)>,
+    /// Mass-normalised mode shapes as text: a header of channel names, one row for each mode; a column `frequency` (Hz)
+    /// says where each mode is
+    #[arg(long, value_name = "FILE", value_hint = ValueHint::FilePath)]
+    pub(crate) shapes: Option<PathBuf>,
+    /// Modal mass behind the record, for records that are not mass-normalised: q = sqrt(mass) x [default: 1]
+    #[arg(long, value_name = "MASS", value_parser = positive, conflicts_with = "shapes")]
+    pub(crate) mass: Option<f64>,
+    /// Force on the axis of dissipation against force: of the joint alone, or the whole modal force
+    #[arg(long, value_enum, default_value_t = Axis::Modal)]
+    pub(crate) force_axis: Axis,
+}
+
+/// Ways to amplitude and frequency.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub(crate) enum MethodChoice {
+    /// Analytic signal and polynomials
+    Hilbert,
+    /// Peaks, zero crossings and cubic splines
+    Peaks,
+    /// Peak finding and fitting
+    Pff,
+}
+
+/// Kinds of motion.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub(crate) enum Motion {
+    /// Second derivative of displacement
+    Acceleration,
+    /// First derivative of displacement
+    Velocity,
+    /// Displacement
+    Displacement,
+}
+
+/// Forces on the axis.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub(crate) enum Axis {
+    /// The joint's force
+    Joint,
+    /// The whole modal force
+    Modal,
+}
+
+/// `LOW:HIGH` in Hz.
+fn band(text: &str) -> Result<(f64, f64), String> {
+    let wrong = || "must be LOW:HIGH in Hz with 0 < LOW < HIGH, as in 60:105".to_string();
+    let (low, high) = text.split_once(':').ok_or_else(wrong)?;
+    match (positive(low), positive(high)) {
+        (Ok(low), Ok(high)) if low < high => Ok((low, high)),
+        _ => Err(wrong()),
+    }
+}

@@ -1,0 +1,76 @@
+//! One mode of one record by all methods, with its curves.
+
+use iwan_ident::curves::{Curves, ForceAxis};
+use iwan_ident::fit::fit;
+use iwan_ident::signal::{Envelope, Isolated, Method, Opinions, isolate};
+use iwan_ident::start::start;
+
+use super::args::Axis;
+use super::reading::{Recording, Wanted};
+use crate::failure::Failure;
+
+/// A mode taken out of a record.
+#[derive(Debug, Clone)]
+pub(crate) struct Extraction {
+    /// Name of the mode.
+    pub(crate) name: String,
+    /// The mode's record, before the filter.
+    pub(crate) samples: Vec<f64>,
+    /// Time of the first sample, s.
+    pub(crate) start: f64,
+    pub(crate) isolated: Isolated,
+    pub(crate) opinions: Opinions,
+    /// The method whose curves these are.
+    pub(crate) method: Method,
+    pub(crate) curves: Curves,
+    pub(crate) notes: Vec<String>,
+}
+
+impl Extraction {
+    /// Isolates the mode in one of its records and follows it by all methods.
+    pub(crate) fn new(
+        recordings: &[Recording],
+        wanted: &Wanted,
+        record: usize,
+        method: Method,
+        axis: Axis,
+    ) -> Result<Self, Failure> {
+        let modal = &wanted.records[record];
+        let recording = &recordings[modal.source];
+        let place = format!("{}, {}", recording.name, wanted.name);
+        let said = |e: iwan_ident::Error| Failure::said(&place, &e);
+        let isolated = isolate(&modal.samples, recording.record.dt(), &wanted.options).map_err(said)?;
+        let opinions = isolated.opinions(None);
+        if let Some((_, error)) = opinions.refused.iter().find(|(m, _)| *m == method) {
+            return Err(said(error.clone()));
+        }
+        let mut notes = [wanted.notes.clone(), isolated.notes.clone()].concat();
+        let chosen = opinions.envelopes.iter().find(|e| e.method == method);
+        let chosen = chosen
+            .ok_or_else(|| Failure::Computation(format!("{place}: no envelope by {}", method.name())))?;
+        let mut curves = Curves::new(chosen, recording.quantity, ForceAxis::Modal).map_err(said)?;
+        if axis == Axis::Joint {
+            curves = on_joint_axis(curves, &mut notes).map_err(said)?;
+        }
+        let (name, samples) = (wanted.name.clone(), modal.samples.clone());
+        let start = recording.record.start();
+        Ok(Self { name, samples, start, isolated, opinions, method, curves, notes })
+    }
+
+    /// The envelope by the method that was asked for.
+    pub(crate) fn envelope(&self) -> Option<&Envelope> {
+        self.opinions.envelopes.iter().find(|e| e.method == self.method)
+    }
+}
+
+/// The joint force needs ω0 and K_T: here from least squares on the curves.
+fn on_joint_axis(curves: Curves, notes: &mut Vec<String>) -> Result<Curves, iwan_ident::Error> {
+    let first = start(&curves)?.parameters;
+    let found = fit(std::slice::from_ref(&curves), &first, &[])?.parameters;
+    notes.push(format!(
+        "joint force with the frequency {:.6} Hz at small amplitude and K_T = {:.4e} 1/s^2, by least squares on the curves; \
+         before macro-slip K_T is uncertain, and the joint force with it",
+        found.frequency, found.k_t
+    ));
+    curves.on_axis(ForceAxis::Joint { frequency: found.frequency, k_t: found.k_t })
+}

@@ -1,0 +1,12 @@
+//! Measured records: their options, the way from files to the records of single modes, and each mode by all methods.
+
+mod args;
+mod shapes;
+mod units;
+mod reading;
+mod extraction;
+
+pub(crate) use args::{Axis, MethodChoice, RecordArgs};
+pub(crate) use extraction::Extraction;
+pub(crate) use reading::{ModalRecord, Recording, Wanted, modes, read};
+pub(crate) use units::Units;

@@ -1,0 +1,172 @@
+//! From record files and options to the records of single modes: one reading room for all commands.
+
+use std::path::Path;
+
+use iwan_ident::combination::{Combination, strangers};
+use iwan_ident::curves::Quantity;
+use iwan_ident::signal::Options;
+use iwan_io::{ReadOptions, Record};
+
+use super::args::{MethodChoice, Motion, RecordArgs};
+use super::shapes::Shapes;
+use crate::failure::Failure;
+
+/// A record file with what is known about it.
+#[derive(Debug, Clone)]
+pub(crate) struct Recording {
+    /// Path as the user wrote it.
+    pub(crate) name: String,
+    pub(crate) record: Record,
+    pub(crate) quantity: Quantity,
+    /// What the reader noticed, and what was assumed.
+    pub(crate) warnings: Vec<String>,
+}
+
+/// The record of one mode, in the unit of the file times the root of the modal mass.
+#[derive(Debug, Clone)]
+pub(crate) struct ModalRecord {
+    /// Index of the recording.
+    pub(crate) source: usize,
+    pub(crate) samples: Vec<f64>,
+}
+
+/// A mode to be looked at, with one record for each recording.
+#[derive(Debug, Clone)]
+pub(crate) struct Wanted {
+    pub(crate) name: String,
+    /// How it is taken out of the record: band, or the frequency near which it is.
+    pub(crate) options: Options,
+    pub(crate) records: Vec<ModalRecord>,
+    /// How the channels were combined.
+    pub(crate) notes: Vec<String>,
+}
+
+/// Reads a file by the user's word.
+pub(crate) fn read(path: &Path, args: &RecordArgs) -> Result<Recording, Failure> {
+    let name = path.display().to_string();
+    let options = ReadOptions {
+        format: None,
+        time: args.time.clone(),
+        channels: args.channels.clone(),
+        rate: args.rate,
+        quantity: args.quantity.map(|q| match q {
+            Motion::Acceleration => iwan_io::Quantity::Acceleration,
+            Motion::Velocity => iwan_io::Quantity::Velocity,
+            Motion::Displacement => iwan_io::Quantity::Displacement,
+        }),
+        resample: args.resample,
+    };
+    let record = iwan_io::read(path, &options).map_err(|e| Failure::said(&name, &e))?;
+    let mut warnings: Vec<String> = record.warnings().iter().map(|w| format!("{name}: {w}")).collect();
+    let quantity = match record.quantity() {
+        iwan_io::Quantity::Acceleration => Quantity::Acceleration,
+        iwan_io::Quantity::Velocity => Quantity::Velocity,
+        iwan_io::Quantity::Displacement => Quantity::Displacement,
+        iwan_io::Quantity::Force => {
+            let message = format!("{name}: {} is a force, not a motion", record.names().join(", "));
+            return Err(Failure::input(message, "choose channels of motion with --channel NAME"));
+        }
+        _ => {
+            warnings.push(format!("{name}: the file does not say what it measures: taken as acceleration; --quantity says otherwise"));
+            Quantity::Acceleration
+        }
+    };
+    Ok(Recording { name, record, quantity, warnings })
+}
+
+/// The modes that the options ask for, out of one or several recordings with the same channels.
+pub(crate) fn modes(recordings: &[Recording], args: &RecordArgs) -> Result<Vec<Wanted>, Failure> {
+    same_channels(recordings)?;
+    let mut wanted = match &args.shapes {
+        Some(path) => by_shapes(recordings, &Shapes::read(path, recordings[0].record.names())?, args)?,
+        None => by_bands(recordings, args)?,
+    };
+    let scale = args.mass.unwrap_or(1.0).sqrt();
+    let samples = wanted.iter_mut().flat_map(|w| &mut w.records).flat_map(|r| &mut r.samples);
+    samples.for_each(|x| *x *= scale);
+    Ok(wanted)
+}
+
+/// Several force levels are one structure: they need the same channels.
+fn same_channels(recordings: &[Recording]) -> Result<(), Failure> {
+    let first = &recordings[0];
+    for other in &recordings[1..] {
+        let differ = if other.record.names() != first.record.names() {
+            format!("channels {} and {}", first.record.names().join(", "), other.record.names().join(", "))
+        } else if other.quantity != first.quantity {
+            format!("{:?} and {:?}", first.quantity, other.quantity).to_lowercase()
+        } else if other.record.unit() != first.record.unit() {
+            format!("units \"{}\" and \"{}\"", first.record.unit(), other.record.unit())
+        } else {
+            continue;
+        };
+        let message = format!("{} and {} do not belong together: {differ}", first.name, other.name);
+        let remedy = "give records of the same channels, or choose them with --channel and --quantity";
+        return Err(Failure::input(message, remedy));
+    }
+    Ok(())
+}
+
+/// The channels of a recording.
+fn channels(recording: &Recording) -> Vec<&[f64]> {
+    recording.record.samples().iter().map(Vec::as_slice).collect()
+}
+
+/// Without mode shapes: one channel, or the dominant shape in each band.
+fn by_bands(recordings: &[Recording], args: &RecordArgs) -> Result<Vec<Wanted>, Failure> {
+    let bands: Vec<_> = match args.bands.as_slice() {
+        [] => vec![None],
+        bands => bands.iter().copied().map(Some).collect(),
+    };
+    let first = &recordings[0];
+    let mode = |(n, band): (usize, Option<(f64, f64)>)| {
+        let options = Options { band, ..Options::default() };
+        let combination = match channels(first).as_slice() {
+            [_] => Ok(Combination::single()),
+            all => Combination::dominant(all, first.record.names(), first.record.dt(), &options),
+        };
+        let combination = combination.map_err(|e| Failure::said(&first.name, &e))?;
+        combined(recordings, format!("mode {}", n + 1), options, &combination)
+    };
+    bands.into_iter().enumerate().map(mode).collect()
+}
+
+fn combined(
+    recordings: &[Recording],
+    name: String,
+    options: Options,
+    combination: &Combination,
+) -> Result<Wanted, Failure> {
+    let one = |(source, r): (usize, &Recording)| {
+        let samples = combination.apply(&channels(r)).map_err(|e| Failure::said(&r.name, &e))?;
+        Ok(ModalRecord { source, samples })
+    };
+    let records = recordings.iter().enumerate().map(one).collect::<Result<_, Failure>>()?;
+    Ok(Wanted { name, options, records, notes: combination.notes.clone() })
+}
+
+/// With mode shapes: the modal filter, and a look at whether the channels move as the shapes say.
+fn by_shapes(recordings: &[Recording], shapes: &Shapes, args: &RecordArgs) -> Result<Vec<Wanted>, Failure> {
+    let first = &recordings[0];
+    let combinations = Combination::of_shapes(&shapes.values).map_err(|e| Failure::said(&shapes.name, &e))?;
+    let mut wanted = Vec::new();
+    for (row, options) in shapes.select(&args.bands)? {
+        let mut mode = combined(recordings, format!("mode {}", row + 1), options, &combinations[row])?;
+        let (names, shape) = (first.record.names(), &shapes.values[row]);
+        let words = strangers(&channels(first), names, shape, first.record.dt(), &options);
+        mode.notes.extend(words.map_err(|e| Failure::said(&first.name, &e))?);
+        wanted.push(mode);
+    }
+    Ok(wanted)
+}
+
+impl MethodChoice {
+    /// The method of the library.
+    pub(crate) const fn method(self) -> iwan_ident::signal::Method {
+        match self {
+            Self::Hilbert => iwan_ident::signal::Method::Hilbert,
+            Self::Peaks => iwan_ident::signal::Method::Peaks,
+            Self::Pff => iwan_ident::signal::Method::PeakFitting,
+        }
+    }
+}

@@ -1,0 +1,140 @@
+//! One run of a computing command, from the choice of its folder to the last line on the terminal.
+//!
+//! A command reads its arguments and its input, opens a session for the files it will write, computes, and hands over what
+//! it found: tables, a page, and a [`Summary`]. The session does all that commands have in common. It refuses a folder that
+//! cannot be written before anything is computed, keeps Ctrl-C from leaving half a result, puts progress, notes and
+//! warnings on standard error unless `--quiet` is given, lets all files appear together, and prints the summary.
+
+mod results;
+mod summary;
+
+use std::path::Path;
+
+use iwan_io::Table;
+
+use crate::args::{Common, Format};
+use crate::failure::Failure;
+use crate::output;
+use crate::progress::{self, Progress};
+pub(crate) use results::Results;
+pub(crate) use summary::{Summary, VERSION};
+
+/// Name of the summary in the folder of every command.
+pub(crate) const SUMMARY: &str = "summary.json";
+
+/// Name of the page in the folder of every command.
+pub(crate) const PAGE: &str = "report.html";
+
+/// Where results go, by the user's word or without it.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Place<'a> {
+    /// `--out`.
+    pub(crate) given: Option<&'a Path>,
+    /// The folder without `--out`; where it is taken, the next free number stands behind it.
+    pub(crate) default: &'static str,
+    /// `--force`.
+    pub(crate) force: bool,
+}
+
+/// A command that is running.
+#[derive(Debug)]
+pub(crate) struct Session {
+    results: Results,
+    files: Vec<String>,
+    quiet: bool,
+    json: bool,
+    threads: usize,
+}
+
+impl Session {
+    /// Opens the folder for `files`, which fails where it cannot be written; from now on Ctrl-C is noticed.
+    pub(crate) fn open(place: Place<'_>, common: &Common, files: Vec<String>) -> Result<Self, Failure> {
+        progress::catch_interrupts();
+        let names: Vec<&str> = files.iter().map(String::as_str).collect();
+        let results = Results::open(place.given, place.default, place.force, &names)?;
+        let Common { json, quiet, .. } = *common;
+        Ok(Self { results, files, quiet, json, threads: common.thread_count() })
+    }
+
+    /// Number of threads to use.
+    pub(crate) fn threads(&self) -> usize {
+        self.threads
+    }
+
+    /// A progress bar for work that can say how far it is.
+    pub(crate) fn bar(&self, title: &'static str) -> Progress {
+        Progress::new(title, self.quiet)
+    }
+
+    /// A sign of life for work that cannot.
+    pub(crate) fn busy(&self, title: &'static str) -> Progress {
+        Progress::busy(title, self.quiet)
+    }
+
+    /// What the user should know about the input.
+    pub(crate) fn notes(&self, notes: &[String]) {
+        notes.iter().for_each(|note| self.say(&format!("note: {note}")));
+    }
+
+    /// What the user should look at.
+    pub(crate) fn warnings(&self, warnings: &[String]) {
+        warnings.iter().for_each(|warning| self.say(&format!("warning: {warning}")));
+    }
+
+    fn say(&self, text: &str) {
+        if !self.quiet {
+            output::message(text);
+        }
+    }
+
+    /// Adds a file from memory.
+    pub(crate) fn file(&mut self, name: &str, content: &[u8]) -> Result<(), Failure> {
+        progress::check_interrupt()?;
+        debug_assert!(self.files.iter().any(|file| file == name), "{name} was not announced");
+        self.results.add(name, content)
+    }
+
+    /// Adds a table.
+    pub(crate) fn table(&mut self, name: &str, table: &Table<'_>, format: Format) -> Result<(), Failure> {
+        progress::check_interrupt()?;
+        debug_assert!(self.files.iter().any(|file| file == name), "{name} was not announced");
+        self.results.add_table(name, table, format)
+    }
+
+    /// Adds a table of columns whose names are the program's own.
+    pub(crate) fn columns<N: ToString>(
+        &mut self,
+        name: &str,
+        columns: &[(N, Vec<f64>)],
+        format: Format,
+    ) -> Result<(), Failure> {
+        let columns = columns.iter().map(|(name, values)| (name.to_string(), values.as_slice())).collect();
+        let table = Table::new(columns).map_err(|error| Failure::Computation(error.to_string()))?;
+        self.table(name, &table, format)
+    }
+
+    /// Adds a summary as JSON.
+    pub(crate) fn summary(&mut self, name: &str, summary: &impl Summary) -> Result<(), Failure> {
+        let text = summary::json(summary, &self.files, None);
+        self.file(name, text.as_bytes())
+    }
+
+    /// Adds the page.
+    pub(crate) fn page(&mut self, page: &str) -> Result<(), Failure> {
+        self.file(PAGE, page.as_bytes())
+    }
+
+    /// Makes all files visible, says where they are, and prints the summary.
+    pub(crate) fn finish<S: Summary>(self, summary: &S) -> Result<(), Failure> {
+        progress::check_interrupt()?;
+        let folder = self.results.path().to_path_buf();
+        let Self { results, files, quiet, json, .. } = self;
+        results.commit()?;
+        if !quiet {
+            summary.warnings().iter().for_each(|warning| output::message(&format!("warning: {warning}")));
+            output::message(&format!("results: {}", folder.display()));
+            output::message(&format!("{}: {}", S::SHOWN, folder.join(PAGE).display()));
+        }
+        output::result(&if json { summary::json(summary, &files, Some(&folder)) } else { summary.text() })
+    }
+}

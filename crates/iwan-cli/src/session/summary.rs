@@ -1,0 +1,44 @@
+//! What a command says about its results: one JSON object for files and programs, one text for the terminal.
+
+use std::path::Path;
+
+use serde::Serialize;
+
+/// Version of iwan, as results and pages carry it.
+pub(crate) const VERSION: &str = env!("CARGO_PKG_VERSION");
+
+/// The summary of what a command found. Its fields are the keys of the JSON object; the session puts `version` before them
+/// and `files` behind them, and on standard output `folder`.
+pub(crate) trait Summary: Serialize {
+    /// What the page shows, as the last note on standard error calls it.
+    const SHOWN: &'static str = "figures";
+
+    /// What the user should look at, where the computation found it; said once the results are there.
+    fn warnings(&self) -> &[String] {
+        &[]
+    }
+
+    /// The text for the terminal.
+    fn text(&self) -> String;
+}
+
+/// A summary with what the session adds.
+#[derive(Serialize)]
+struct Whole<'a, S> {
+    version: &'static str,
+    #[serde(flatten)]
+    summary: &'a S,
+    files: &'a [String],
+    /// Where the files are: on standard output only, so that the folder may be moved.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    folder: Option<&'a Path>,
+}
+
+/// The summary as JSON text.
+pub(super) fn json(summary: &impl Summary, files: &[String], folder: Option<&Path>) -> String {
+    let whole = Whole { version: VERSION, summary, files, folder };
+    // Numbers, texts and lists: serialisation cannot fail.
+    let mut text = serde_json::to_string_pretty(&whole).unwrap_or_default();
+    text.push('\n');
+    text
+}

@@ -1,0 +1,121 @@
+//! Options of `iwan simulate`.
+
+use std::num::NonZeroUsize;
+use std::path::PathBuf;
+
+use clap::{Args, ValueEnum, ValueHint};
+
+use crate::args::{Common, Format, finite};
+use crate::scenario::{Overrides, Representation};
+use crate::session::Place;
+
+/// Simulate the response of modes with Iwan joints to a force
+///
+/// Reads a scenario (modes, force, time axis, method), integrates every mode, superposes the modes at the
+/// named points, and writes response.csv, summary.json, report.html (figures) and scenario.toml (the run as
+/// it was, to be repeated) into one folder. The summary goes to standard output, everything else to standard
+/// error.
+#[derive(Debug, Args)]
+#[command(after_help = SIMULATE_EXAMPLES)]
+pub(crate) struct SimulateArgs {
+    /// Scenario file (TOML); without one the built-in `paper-modal` runs
+    #[arg(value_name = "SCENARIO.toml", value_hint = ValueHint::FilePath)]
+    pub(crate) scenario: Option<PathBuf>,
+    /// Folder for the results; without it `iwan-simulate`, or the next free number behind it
+    #[arg(long, value_name = "DIR", value_hint = ValueHint::DirPath)]
+    pub(crate) out: Option<PathBuf>,
+    /// Format of the response
+    #[arg(long, value_enum, default_value_t = Format::Csv)]
+    pub(crate) format: Format,
+    /// Overwrite results that are there already
+    #[arg(long)]
+    pub(crate) force: bool,
+    #[command(flatten)]
+    pub(crate) common: Common,
+    #[command(flatten)]
+    pub(crate) changes: Changes,
+}
+
+const SIMULATE_EXAMPLES: &str = "\
+Examples:
+  iwan simulate                                    the built-in example
+  iwan simulate beam.toml --out beam               your own scenario
+  iwan simulate beam.toml --method half-cycle      another method than the scenario's
+  iwan simulate beam.toml --joint continuum        no sliders: the exact continuum
+  iwan simulate --amplitude 1000 --duration 0.5    a harder blow, a longer record
+  iwan simulate --json --quiet | jq '.modes[0].slip_ratio'
+  iwan simulate beam.toml --format npz             for numpy.load";
+
+impl SimulateArgs {
+    /// Where results go.
+    pub(super) fn place(&self) -> Place<'_> {
+        Place { given: self.out.as_deref(), default: "iwan-simulate", force: self.force }
+    }
+}
+
+/// Changes to the scenario for this run.
+#[derive(Debug, Args)]
+#[command(next_help_heading = "Changes to the scenario")]
+pub(crate) struct Changes {
+    /// Method of integration
+    #[arg(long, value_enum)]
+    method: Option<MethodName>,
+    /// Representation of the joint in Newmark's method
+    #[arg(long, value_enum)]
+    joint: Option<Representation>,
+    /// Number of sliders
+    #[arg(long, value_name = "N")]
+    sliders: Option<NonZeroUsize>,
+    /// Time step, s
+    #[arg(long, value_name = "SECONDS", value_parser = seconds)]
+    step: Option<f64>,
+    /// Length of the response, s
+    #[arg(long, value_name = "SECONDS", value_parser = seconds)]
+    duration: Option<f64>,
+    /// Amplitude of the force
+    #[arg(long, value_name = "FORCE", value_parser = finite, allow_negative_numbers = true)]
+    amplitude: Option<f64>,
+}
+
+impl Changes {
+    /// The changes in the scenario's terms.
+    pub(crate) fn overrides(&self) -> Overrides {
+        Overrides {
+            method: self.method.map(MethodName::name),
+            joint: self.joint,
+            sliders: self.sliders.map(NonZeroUsize::get),
+            step: self.step,
+            duration: self.duration,
+            amplitude: self.amplitude,
+        }
+    }
+}
+
+/// Methods of integration.
+#[derive(Debug, Clone, Copy, ValueEnum)]
+enum MethodName {
+    /// Newmark time stepping
+    Newmark,
+    /// Half-cycle energy map for the free decay
+    HalfCycle,
+    /// Averaging for the free decay: approximate
+    Averaging,
+    /// Event-driven exact solution: the reference, slow
+    Event,
+}
+
+impl MethodName {
+    const fn name(self) -> &'static str {
+        match self {
+            Self::Newmark => "newmark",
+            Self::HalfCycle => "half-cycle",
+            Self::Averaging => "averaging",
+            Self::Event => "event",
+        }
+    }
+}
+
+/// A finite number of seconds > 0.
+fn seconds(text: &str) -> Result<f64, String> {
+    finite(text).ok().filter(|s| *s > 0.0).ok_or_else(|| "must be a finite number of seconds > 0".into())
+}

@@ -1,0 +1,76 @@
+//! `iwan simulate` from the scenario to its results.
+
+use std::time::Instant;
+
+use iwan_io::Table;
+use iwan_sim::{Response, SimulationError, superpose};
+
+use super::args::SimulateArgs;
+use super::files::{FORCE, names, response_columns, write_input};
+use super::report::{self, Reported};
+use super::structure;
+use super::summary::SimulationSummary;
+use crate::failure::Failure;
+use crate::scenario::{self, Scenario, Source, built_in};
+use crate::session::{SUMMARY, Session};
+
+/// Runs the command.
+pub(crate) fn run(args: &SimulateArgs) -> Result<(), Failure> {
+    let source = match &args.scenario {
+        Some(path) => Source::read(path, "scenario", "paper-modal")?,
+        None => built_in()[0].source(),
+    };
+    let scenario = Scenario::read(&source, &args.changes.overrides())?;
+    match &scenario.structure {
+        Some(on) => structure::run(args, &source.name, &scenario, on),
+        None => run_modes(args, &source.name, &scenario),
+    }
+}
+
+/// Runs a scenario of modes.
+fn run_modes(args: &SimulateArgs, name: &str, scenario: &Scenario) -> Result<(), Failure> {
+    let mut session = Session::open(args.place(), &args.common, names(scenario, args.format))?;
+    session.notes(scenario.notes());
+
+    let clock = Instant::now();
+    let responses = compute(scenario, &session).map_err(|error| explain(name, &error))?;
+    let seconds = clock.elapsed().as_secs_f64();
+    let points = superpose(&scenario.modes(), &responses);
+    let summary = SimulationSummary::new(scenario, name, &responses, &points, seconds);
+
+    let times: Vec<f64> = responses.first().map(|r| r.times().collect()).unwrap_or_default();
+    let table = Table::new(response_columns(&times, scenario, &responses, &points))
+        .map_err(|error| Failure::input(error.to_string(), "rename modes or points in the scenario"))?;
+    session.table(&args.format.file("response"), &table, args.format)?;
+    session.summary(SUMMARY, &summary)?;
+    let toml = scenario::to_toml(scenario, FORCE);
+    let reported =
+        Reported { scenario, toml: &toml, responses: &responses, points: &points, summary: &summary };
+    session.page(&report::render(&reported))?;
+    write_input(&mut session, scenario, &toml)?;
+    session.finish(&summary)
+}
+
+fn compute(scenario: &Scenario, session: &Session) -> Result<Vec<Response>, SimulationError> {
+    let bar = session.bar("simulating");
+    let force = scenario.force.pulse();
+    iwan_sim::simulate_all(&scenario.modes(), &force, &scenario.settings, session.threads(), &mut |share| {
+        bar.report(share)
+    })
+}
+
+/// A failed computation in the user's terms: what could not be set up is bad input, the rest failed.
+fn explain(name: &str, error: &SimulationError) -> Failure {
+    let root = match error {
+        SimulationError::Mode { source, .. } => source,
+        other => other,
+    };
+    match root {
+        SimulationError::Interrupted => Failure::Interrupted,
+        SimulationError::Parameter(_) => Failure::input(
+            format!("{name}: {error}"),
+            "change this in the scenario, or choose another method",
+        ),
+        _ => Failure::Computation(format!("{name}: {error}")),
+    }
+}

@@ -1,0 +1,13 @@
+//! `iwan simulate`: from a scenario to responses, a summary and a report.
+
+mod args;
+mod files;
+mod summary;
+mod figures;
+mod report;
+mod structure;
+mod command;
+
+pub(crate) use args::SimulateArgs;
+pub(crate) use command::run;
+pub(crate) use files::response_columns;

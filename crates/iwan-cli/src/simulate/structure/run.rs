@@ -1,0 +1,55 @@
+//! A scenario on a structure: the run of the library, with the structure it belongs to.
+
+use std::ops::Deref;
+use std::time::Instant;
+
+use iwan_fem::{Extras, NamedModes, Run};
+use iwan_input::{RunError, StructureFile, StructureTask};
+
+use crate::failure::Failure;
+use crate::progress::Progress;
+use crate::scenario::{OnStructure, Scenario, population};
+use crate::structures::Linear;
+
+/// A response of a structure with all that belongs to it.
+#[derive(Debug)]
+pub(crate) struct Truth {
+    pub(crate) linear: Linear,
+    run: Run,
+    pub(crate) seconds: f64,
+}
+
+impl Deref for Truth {
+    type Target = Run;
+
+    fn deref(&self) -> &Run {
+        &self.run
+    }
+}
+
+/// Runs the scenario.
+pub(crate) fn run(
+    scenario: &Scenario,
+    on: &OnStructure,
+    (name, file): (String, StructureFile),
+    bar: &Progress,
+) -> Result<Truth, Failure> {
+    let clock = Instant::now();
+    let mut progress = |share| bar.report(share);
+    let linear = Linear::observed(name, file, NamedModes::LOOKED_UP, &mut progress)?;
+    let task = StructureTask {
+        force: Some(scenario.force.pulse()),
+        velocity: &[],
+        dt: scenario.settings.dt,
+        duration: scenario.settings.duration,
+        population: population(&scenario.settings.method),
+        model: on.model,
+        modes: &on.modes,
+        extras: Extras { errors: true, frames: on.frames },
+    };
+    let run = linear.file.run(&linear, &task, &mut progress).map_err(|error| match error {
+        RunError::Input(error) => linear.refused(error),
+        RunError::Analysis(error) => linear.failed(&error),
+    })?;
+    Ok(Truth { linear, run, seconds: clock.elapsed().as_secs_f64() })
+}
