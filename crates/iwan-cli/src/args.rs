@@ -1,10 +1,8 @@
 //! Options that several commands share, and how values on the command line are read. Doc comments are the help text.
 
-
 use std::num::NonZeroUsize;
 
 use clap::{Args, ValueEnum};
-
 
 /// Options of every computing command.
 #[derive(Debug, Args)]

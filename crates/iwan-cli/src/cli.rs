@@ -4,14 +4,13 @@ use std::ffi::OsString;
 
 use clap::{CommandFactory, Parser, Subcommand};
 
-use crate::args::ReproduceArgs;
-use crate::commands::reproduce;
 use crate::envelope::{self, EnvelopeArgs};
 use crate::failure::Failure;
 use crate::fit::{self, FitArgs};
 use crate::modes::{self, ModesArgs};
 use crate::output;
 use crate::quasi_static::{self, QuasiStaticArgs};
+use crate::reproduce::{self, ReproduceArgs};
 use crate::simulate::{self, SimulateArgs};
 use crate::texts::{completions, man, scenario};
 

@@ -10,7 +10,7 @@
 // How a study fails, how far it is, and how it writes numbers
 mod error;
 mod progress;
-mod numbers;
+pub mod numbers;
 mod span;
 mod relative_difference;
 
@@ -32,8 +32,6 @@ pub mod findings;
 pub mod summary;
 
 pub use error::Error;
-pub use numbers::short;
-pub use progress::Observer;
 pub use relative_difference::relative_difference;
 pub use reproduction::{Reproduction, StudiedBeam, reproduce};
 pub use span::Span;

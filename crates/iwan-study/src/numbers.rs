@@ -1,20 +1,31 @@
 //! Numbers as the sentences and tables of a study write them.
 
-/// A number with four digits, plain where that is short: between 0.001 and 100,000.
+/// A number with four significant digits, plain where that is short: between 0.001 and 100,000.
 ///
 /// ```
-/// use iwan_study::short;
+/// use iwan_study::numbers::short;
 /// assert_eq!((short(0.0), short(0.30009), short(-1234.56)), ("0".into(), "0.3001".into(), "-1235".into()));
 /// assert_eq!((short(2.75e5), short(2.5e-4)), ("2.750e5".into(), "2.500e-4".into()));
 /// ```
 #[must_use]
 pub fn short(value: f64) -> String {
+    significant(value, 4, 1e5)
+}
+
+/// A number with so many significant digits: plain from 0.001 up to `plain_below`, with an exponent elsewhere.
+///
+/// ```
+/// assert_eq!(iwan_study::numbers::significant(80.123_456_7, 7, 1e7), "80.12346");
+/// ```
+#[must_use]
+pub fn significant(value: f64, digits: usize, plain_below: f64) -> String {
+    let behind = digits - 1;
     match value.abs() {
         0.0 => "0".into(),
-        x if (1e-3..1e5).contains(&x) => {
-            let digits = (3 - x.log10().floor() as i32).clamp(0, 6) as usize;
-            format!("{value:.digits$}")
+        size if (1e-3..plain_below).contains(&size) => {
+            let decimals = (behind as i32 - size.log10().floor() as i32).clamp(0, behind as i32 + 3) as usize;
+            format!("{value:.decimals$}")
         }
-        _ => format!("{value:.3e}"),
+        _ => format!("{value:.behind$e}"),
     }
 }

@@ -3,21 +3,20 @@
 use std::ops::ControlFlow;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
-use crate::error::Error;
+use iwan_core::Progress;
 
-/// Called from time to time, from any thread, with the share of the work done (0 to 1); `Break` stops the study.
-pub type Observer<'a> = &'a (dyn Fn(f64) -> ControlFlow<()> + Sync);
+use crate::error::Error;
 
 /// Counts pieces of work that are done and tells the observer.
 pub(crate) struct Tally<'a> {
-    observer: Observer<'a>,
+    observer: Progress<'a>,
     pieces: usize,
     done: AtomicUsize,
 }
 
 impl<'a> Tally<'a> {
     /// Of so many pieces.
-    pub(crate) const fn new(observer: Observer<'a>, pieces: usize) -> Self {
+    pub(crate) const fn new(observer: Progress<'a>, pieces: usize) -> Self {
         Self { observer, pieces, done: AtomicUsize::new(0) }
     }
 

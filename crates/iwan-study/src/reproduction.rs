@@ -1,5 +1,6 @@
 //! The paper computed anew: both configurations under all blows, their modes with modal counterparts, the laboratory.
 
+use iwan_core::Progress;
 use iwan_fem::mesh::beam::Configuration;
 use iwan_sim::in_parallel;
 
@@ -7,7 +8,7 @@ use crate::beam::BeamUnderBlows;
 use crate::error::Error;
 use crate::laboratory::{HITS, Laboratory};
 use crate::modes::StudiedMode;
-use crate::progress::{Observer, Tally};
+use crate::progress::Tally;
 
 /// The configurations that are computed.
 const CONFIGURATIONS: [Configuration; 2] = [Configuration::A, Configuration::B];
@@ -52,7 +53,7 @@ impl Reproduction {
 ///
 /// # Errors
 /// [`Error::Interrupted`] when the observer broke off; anything else would be a fault of this program, as nothing is read in.
-pub fn reproduce(threads: usize, observer: Observer<'_>) -> Result<Reproduction, Error> {
+pub fn reproduce(threads: usize, observer: Progress<'_>) -> Result<Reproduction, Error> {
     let tally = Tally::new(observer, CONFIGURATIONS.len() * (1 + MODES.len()) + HITS.len());
     let blows = |configuration: &Configuration| {
         let truth = BeamUnderBlows::new(*configuration, &|share| tally.under_way(share))?;

@@ -1,10 +1,11 @@
 //! `iwan envelope` from the record to its results.
 
+use iwan_sim::in_parallel;
+
 use super::args::EnvelopeArgs;
 use super::report;
 use super::summary::EnvelopeSummary;
 use crate::failure::Failure;
-use crate::parallel::in_parallel;
 use crate::records::{self, Extraction, Recording, Units, Wanted};
 use crate::session::{PAGE, SUMMARY, Session};
 

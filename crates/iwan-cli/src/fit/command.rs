@@ -1,7 +1,9 @@
 //! `iwan fit` from records to its results.
 
 use iwan_core::Pulse;
+use iwan_core::progress::UNWATCHED;
 use iwan_io::Table;
+use iwan_sim::in_parallel;
 
 use super::args::FitArgs;
 use super::report::{Reported, render};
@@ -9,7 +11,6 @@ use super::scenario::as_scenario;
 use super::summary::FitSummary;
 use crate::failure::Failure;
 use crate::identified::{Identified, extract};
-use crate::parallel::in_parallel;
 use crate::records::{self, Extraction, Recording, Units, Wanted};
 use crate::scenario::{Scenario, to_toml};
 use crate::session::{PAGE, SUMMARY, Session};
@@ -85,9 +86,7 @@ fn write_response(
     args: &FitArgs,
 ) -> Result<(), Failure> {
     let responses =
-        iwan_sim::simulate_all(&scenario.modes(), &Pulse::None, &scenario.settings, 1, &mut |_| {
-            std::ops::ControlFlow::Continue(())
-        });
+        iwan_sim::simulate_all(&scenario.modes(), &Pulse::None, &scenario.settings, 1, UNWATCHED);
     let responses = responses.map_err(|error| failed(&error))?;
     let times: Vec<f64> = responses.first().map(|r| r.times().collect()).unwrap_or_default();
     let columns = response_columns(&times, scenario, &responses, &[]);

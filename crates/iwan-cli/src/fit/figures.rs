@@ -8,7 +8,7 @@ use iwan_ident::profile::Profile;
 use iwan_ident::{Parameter, Parameters};
 use iwan_study::identified::Comparison;
 
-use crate::identified::{Comparison, Identified};
+use crate::identified::Identified;
 use crate::page::decimate::{STRETCHES, history, thin};
 use crate::page::figure::{Axis, DEVIATIONS, Figure, Layer, Mark, Marker, colour};
 use crate::records::Units;

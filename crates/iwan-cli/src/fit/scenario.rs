@@ -2,9 +2,10 @@
 
 use iwan_core::Pulse;
 use iwan_sim::{Method, Settings};
+use iwan_study::identified::time_step;
 
-use crate::identified::{Identified, step};
-use crate::scenario::{Force, Joint, Scenario, ScenarioMode};
+use crate::identified::Identified;
+use crate::scenario::{Force, Scenario, ScenarioMode, WrittenLaw};
 
 /// The fit as a scenario: each mode is released where the loudest record begins.
 pub(crate) fn as_scenario(identified: &[Identified], title: &str) -> Result<Scenario, iwan_core::Error> {
@@ -12,10 +13,10 @@ pub(crate) fn as_scenario(identified: &[Identified], title: &str) -> Result<Scen
     let (mut shortest, mut longest) = (f64::INFINITY, 0.0_f64);
     for i in identified {
         let (p, record) = (i.found.parameters, i.loudest());
-        let joint = Joint::FourParameter { k_t: p.k_t, f_s: p.f_s, chi: p.chi, beta: p.beta };
+        let joint = WrittenLaw::FourParameter { k_t: p.k_t, f_s: p.f_s, chi: p.chi, beta: p.beta };
         modes.push(ScenarioMode { mode: i.mode(record)?, joint: Some(joint) });
         let c = &i.comparisons[record];
-        shortest = shortest.min(step(c.dt, p.frequency));
+        shortest = shortest.min(time_step(c.dt, p.frequency));
         longest = longest.max(c.record.len() as f64 * c.dt);
     }
     let settings = Settings { method: Method::HalfCycle, ..Settings::new(shortest, longest) };

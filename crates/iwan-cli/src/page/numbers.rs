@@ -1,26 +1,11 @@
 //! Numbers as text, for tables on the terminal and on pages alike.
 
-/// A number with four significant digits, plain where that is short.
-pub(crate) fn short(value: f64) -> String {
-    significant(value, 4, 1e5)
-}
+use iwan_study::numbers::significant;
+pub(crate) use iwan_study::numbers::short;
 
 /// A number with seven significant digits: frequencies of ring-downs are known that well.
 pub(crate) fn long(value: f64) -> String {
     significant(value, 7, 1e7)
-}
-
-/// A number with so many significant digits: plain from 0.001 up to `plain_below`, with an exponent elsewhere.
-fn significant(value: f64, digits: usize, plain_below: f64) -> String {
-    let behind = digits - 1;
-    match value.abs() {
-        0.0 => "0".into(),
-        size if (1e-3..plain_below).contains(&size) => {
-            let decimals = (behind as i32 - size.log10().floor() as i32).clamp(0, behind as i32 + 3) as usize;
-            format!("{value:.decimals$}")
-        }
-        _ => format!("{value:.behind$e}"),
-    }
 }
 
 /// An estimated error with two digits: what matters is its size.

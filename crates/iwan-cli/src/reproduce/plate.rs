@@ -3,7 +3,7 @@
 use serde_json::json;
 
 use crate::page::figure::{Axis, Figure, Mark};
-use crate::page::scale::Kind as Spread;
+use crate::page::scale::Spread;
 
 /// A figure with its place in the report.
 #[derive(Debug)]
@@ -28,7 +28,7 @@ pub(super) enum Section {
 /// `figures.json`.
 pub(super) fn data(plates: &[Plate]) -> String {
     let axis = |axis: &Axis| {
-        let scale = if axis.kind == Spread::Log { "log" } else { "linear" };
+        let scale = if axis.spread == Spread::Log { "log" } else { "linear" };
         json!({ "label": axis.label, "unit": axis.unit, "scale": scale })
     };
     let mark = |mark| match mark {

@@ -2,12 +2,13 @@
 
 use iwan_study::findings::{Finding, FindingKind};
 use iwan_study::laboratory::Laboratory;
-use iwan_study::{Summary, short};
+use iwan_study::Summary;
 use maud::{Markup, html};
 
 use super::plate::{Plate, Section};
 use super::tables;
 use crate::page::figure::Figure;
+use crate::page::numbers::short;
 use crate::page::html::{grid, page};
 
 /// The page.

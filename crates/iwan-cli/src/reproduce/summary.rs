@@ -1,13 +1,13 @@
 //! `reproduce.json`, and what the terminal shows of it.
 
 use std::fmt::Write;
-use std::path::PathBuf;
 
-use iwan_study::short;
 use iwan_study::summary::JointParameters;
 use serde::Serialize;
 
 use super::plate::Plate;
+use crate::page::numbers::short;
+use crate::session::Summary;
 
 /// Every number of the report, and where the rest is.
 #[derive(Debug, Clone, Serialize)]
@@ -17,11 +17,6 @@ pub(super) struct ReproduceSummary {
     pub(super) found: iwan_study::Summary,
     /// The figures, whose data are in figures.json.
     figures: Vec<FigureEntry>,
-    /// Names of the files.
-    files: Vec<String>,
-    /// Where they are: on standard output only, so that the folder may be moved.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub(super) folder: Option<PathBuf>,
     /// Wall-clock time, s: on standard output only, so that the file is the same every time.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(super) seconds: Option<f64>,
@@ -59,27 +54,15 @@ impl FigureEntry {
 }
 
 impl ReproduceSummary {
-    /// Of what was found and drawn; the folder and the time are filled in later.
-    pub(super) fn new(found: iwan_study::Summary, plates: &[Plate], files: &[&str]) -> Self {
-        Self {
-            found,
-            figures: plates.iter().map(FigureEntry::new).collect(),
-            files: files.iter().map(ToString::to_string).collect(),
-            folder: None,
-            seconds: None,
-        }
+    /// Of what was found and drawn; the time is filled in once the files are made.
+    pub(super) fn new(found: iwan_study::Summary, plates: &[Plate]) -> Self {
+        Self { found, figures: plates.iter().map(FigureEntry::new).collect(), seconds: None }
     }
+}
 
-    /// As JSON text.
-    pub(super) fn json(&self) -> String {
-        // Numbers, texts and lists: serialisation cannot fail.
-        let mut text = serde_json::to_string_pretty(self).unwrap_or_default();
-        text.push('\n');
-        text
-    }
-
+impl Summary for ReproduceSummary {
     /// What the terminal shows: Table 2 and the findings.
-    pub(super) fn text(&self) -> String {
+    fn text(&self) -> String {
         let mut text = format!(
             "{:<3}{:<11}{:<12}{:>12}{:>11}{:>9}{:>9}\n",
             "", "mode", "", "K_T, 1/s^2", "F_S", "chi", "beta"

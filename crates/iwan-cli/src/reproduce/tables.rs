@@ -5,10 +5,10 @@ use iwan_study::findings::bounds;
 use iwan_study::laboratory::{HitSummary, Laboratory, LaboratorySummary};
 use iwan_study::modes::Interval;
 use iwan_study::summary::{ConfigurationSummary, LevelSummary, ModeSummary, Table2Row};
-use iwan_study::{Span, Summary, short};
+use iwan_study::{Span, Summary};
 use maud::{Markup, html};
 
-use crate::page::numbers::error;
+use crate::page::numbers::{error, short};
 
 /// A table with its head.
 fn table(head: &[&str], rows: &[Vec<String>]) -> Markup {

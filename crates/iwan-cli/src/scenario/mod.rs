@@ -13,7 +13,7 @@ mod schema_tests;
 
 pub(crate) use built_in::{SCHEMA, built_in};
 pub(crate) use force::Force;
-pub(crate) use iwan_input::{Joint, Source};
+pub(crate) use iwan_input::{InputText, WrittenLaw};
 pub(crate) use method::{Overrides, Representation};
 pub(crate) use mode::ScenarioMode;
 pub(crate) use read::Scenario;

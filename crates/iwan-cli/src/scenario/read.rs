@@ -2,7 +2,7 @@
 
 use std::collections::BTreeSet;
 
-use iwan_input::{InputError, Section, Source, plain};
+use iwan_input::{InputError, InputText, Section, plain};
 use iwan_sim::{Method, Mode, Settings};
 
 use super::force::{self, Force};

@@ -11,13 +11,13 @@ use super::report::{self, Reported};
 use super::structure;
 use super::summary::SimulationSummary;
 use crate::failure::Failure;
-use crate::scenario::{self, Scenario, Source, built_in};
+use crate::scenario::{self, InputText, Scenario, built_in};
 use crate::session::{SUMMARY, Session};
 
 /// Runs the command.
 pub(crate) fn run(args: &SimulateArgs) -> Result<(), Failure> {
     let source = match &args.scenario {
-        Some(path) => Source::read(path, "scenario", "paper-modal")?,
+        Some(path) => InputText::read(path, "scenario", "paper-modal")?,
         None => built_in()[0].source(),
     };
     let scenario = Scenario::read(&source, &args.changes.overrides())?;

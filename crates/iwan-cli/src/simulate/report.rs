@@ -1,13 +1,12 @@
 //! The report of `iwan simulate` on modes.
 
 use iwan_core::Backbone;
-use iwan_sim::{Mode, Response};
+use iwan_sim::{Mode, Response, cycles};
 use maud::{Markup, html};
 
 use super::figures::{Decay, of_force, of_history};
 use super::files::PointResponse;
 use super::summary::{ModeSummary, ROWS, Row, SimulationSummary};
-use crate::cycles::cycles;
 use crate::page::figure::Figure;
 use crate::page::html::{grid, page, verdict};
 use crate::page::numbers::{error, short};

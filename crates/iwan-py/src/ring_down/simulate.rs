@@ -8,7 +8,7 @@ use pyo3::types::PyDict;
 use crate::exchange::array::{Numbers, array};
 use crate::exchange::errors::{core, simulation, value, wrong_type};
 use crate::values::mode::Mode;
-use crate::exchange::options::{MethodOptions, joint_kind, method as method_named};
+use crate::exchange::options::{MethodOptions, joint_kind, method as method_named, thread_count};
 use crate::values::pulse::Force;
 use crate::ring_down::response::Response;
 use crate::exchange::work;

@@ -4,7 +4,7 @@ use iwan_sim::JointLaw;
 use numpy::PyArray1;
 use pyo3::IntoPyObjectExt;
 use pyo3::prelude::*;
-use pyo3::types::{IntoPyDict, PyDict};
+use pyo3::types::IntoPyDict;
 
 use crate::exchange::array::{Numbers, array};
 use crate::exchange::errors::core;

@@ -24,8 +24,8 @@ fn loop_area(law: &FourParameter, u: f64) -> f64 {
     let turn = |n: usize| u * (TAU * n as f64 / PIECES as f64).cos();
     let start = (0..PIECES).map(|n| u * n as f64 / PIECES as f64);
     let displacements: Vec<f64> = start.chain((0..=PIECES).map(turn)).collect();
-    let go_on = &mut |_| std::ops::ControlFlow::Continue(());
-    let force = force_history(&JointLaw::FourParameter(*law), &displacements, JointKind::Continuum, go_on);
+    let law = JointLaw::FourParameter(*law);
+    let force = force_history(&law, &displacements, JointKind::Continuum, iwan_core::progress::UNWATCHED);
     let force = force.unwrap_or_default();
     let work = |n: usize| 0.5 * (force[n] + force[n - 1]) * (displacements[n] - displacements[n - 1]);
     (PIECES + 1..force.len()).map(work).sum()

@@ -26,7 +26,7 @@ pub(super) fn released(name: &str, p: &Parameters, displacement: f64) -> Result<
     let joint = FourParameter::new(p.k_t, p.f_s, p.chi, p.beta)?;
     Ok(Mode {
         damping_ratio: p.damping_ratio,
-        initial: (displacement, 0.0),
+        initial: iwan_core::Motion::held_at(displacement),
         ..Mode::new(name, p.frequency, Some(JointLaw::FourParameter(joint)))
     })
 }

@@ -1,5 +1,6 @@
 //! All hits together: what they say about joints and suspension.
 
+use iwan_core::Progress;
 use iwan_fem::NamedMode;
 use iwan_ident::Parameters;
 use iwan_ident::curves::Curves;
@@ -14,7 +15,7 @@ use super::bench::{Bench, HITS, SUSPENSION};
 use super::hit::{Hit, ViscousTerm};
 use super::table_4::{Step, Table4Row};
 use crate::error::Error;
-use crate::progress::{Observer, Tally};
+use crate::progress::Tally;
 
 /// Frequency and viscous damping of a mode (Table 3).
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -53,7 +54,7 @@ impl Laboratory {
     ///
     /// # Errors
     /// [`Error::Structure`], [`Error::Identification`], and [`Error::Interrupted`] when the observer broke off.
-    pub fn new(threads: usize, observer: Observer<'_>) -> Result<Self, Error> {
+    pub fn new(threads: usize, observer: Progress<'_>) -> Result<Self, Error> {
         let tally = Tally::new(observer, HITS.len());
         let bench = Bench::new()?;
         let said = Error::identification("laboratory");

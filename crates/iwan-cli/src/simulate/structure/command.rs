@@ -62,10 +62,10 @@ fn write_frames(session: &mut Session, truth: &Truth, frames: &[String]) -> Resu
         return Ok(());
     }
     let mesh = &truth.linear.file.structure.mesh;
-    for (name, (_, displacement)) in frames.iter().zip(&truth.frames) {
-        session.file(name, &grid(mesh, &[Field { name: "displacement", values: displacement }]))?;
+    for (name, frame) in frames.iter().zip(&truth.frames) {
+        session.file(name, &grid(mesh, &[Field { name: "displacement", values: &frame.displacement }]))?;
     }
-    let times = truth.frames.iter().map(|frame| frame.0);
+    let times = truth.frames.iter().map(|frame| frame.time);
     session.file(SERIES, series(times.zip(frames.iter().map(String::as_str))).as_bytes())
 }
 

@@ -68,8 +68,8 @@ fn structure_summary(truth: &Truth) -> StructureSummary {
         size: Size::of(&truth.linear),
         model: if truth.basis.is_some() { "reduced" } else { "full" },
         basis: truth.basis,
-        basis_error: truth.basis_error.map(|found| found.0),
-        converged: truth.basis_error.map(|found| found.1),
+        basis_error: truth.basis_error.map(|error| error.estimate),
+        converged: truth.basis_error.map(|error| error.converged),
         slips: truth.response.slips.iter().map(slip).collect(),
     }
 }
