@@ -2,12 +2,11 @@
 
 use std::f64::consts::TAU;
 
-use super::{COUNT, FINE, ITERATIONS, ROUGH, Task, Workspace, no_ring_down};
-use crate::chart::{Chart, Scales};
+use super::task::{Effort, FINE, ROUGH, Task, Workspace, no_ring_down};
+use crate::curve_fit::predict;
 use crate::error::Error;
-use crate::fit::predict;
-use crate::least_squares::{Minimum, TOLERANCE};
-use crate::parameters::{Parameter, Parameters};
+use crate::parameters::{COUNT, Parameter, Parameters};
+use crate::search::{Chart, Minimum, Scales, TOLERANCE};
 
 /// φ_max over the largest amplitude, and β/(1+β), of the further starts.
 const KNEES: [f64; 4] = [0.4, 1.0, 2.5, 10.0];
@@ -43,7 +42,7 @@ impl Task {
     /// `first`, the same softening with knees and Diracs elsewhere, and next to no joint.
     fn starts(&self, first: &Parameters) -> Result<Vec<Vec<f64>>, Error> {
         let mut starts = vec![self.coordinates(first)?];
-        let loudest = self.records.iter().map(|r| r.start.0.abs()).fold(0.0, f64::max);
+        let loudest = self.records.iter().map(|r| r.start.displacement.abs()).fold(0.0, f64::max);
         let (_, joint) = first.model()?;
         for knee in KNEES {
             for dirac in DIRACS {
@@ -65,11 +64,11 @@ impl Task {
             }
         }
         if self.held.is_empty() {
-            let (dissipation, frequency) = predict(first, loudest)?;
-            let omega_squared = (TAU * frequency).powi(2);
+            let model = predict(first, loudest)?;
+            let omega_squared = (TAU * model.frequency).powi(2);
             let k_t = LITTLE_JOINT * omega_squared;
-            let damping_ratio = dissipation / (TAU * omega_squared * loudest * loudest);
-            let f_s = k_t * loudest;
+            let damping_ratio = model.dissipation / (TAU * omega_squared * loudest * loudest);
+            let (frequency, f_s) = (model.frequency, k_t * loudest);
             starts.push(self.coordinates(&Parameters { frequency, damping_ratio, k_t, f_s, ..*first })?);
         }
         Ok(starts)
@@ -77,16 +76,16 @@ impl Task {
 
     /// Where the first searches end, from each start; each half of the starts on a thread of its own.
     fn logarithmic(&self, starts: &[Vec<f64>]) -> Vec<Minimum> {
-        let search = self.search(self.free(), (ITERATIONS.0, ROUGH));
-        let of = |starts: &[Vec<f64>]| -> Vec<Minimum> {
+        let search = self.search(self.free(), Effort::ROUGH);
+        let ends = |starts: &[Vec<f64>]| -> Vec<Minimum> {
             let mut work = Workspace::default();
             let mut log = |x: &[f64], out: &mut [f64]| self.log_residuals(x, out, &mut work);
             starts.iter().filter_map(|x| search.run(&mut log, x)).collect()
         };
         let (one, other) = starts.split_at(starts.len() / 2);
         std::thread::scope(|scope| {
-            let second = scope.spawn(|| of(other));
-            let mut found = of(one);
+            let second = scope.spawn(|| ends(other));
+            let mut found = ends(one);
             found.extend(second.join().unwrap_or_else(|panic| std::panic::resume_unwind(panic)));
             found
         })
@@ -164,7 +163,7 @@ impl Task {
             let mut x = x.to_vec();
             (x[stiffness], x[dirac]) = (MOST_JOINT.ln(), 0.0);
             let mut log = |x: &[f64], out: &mut [f64]| self.log_residuals(x, out, &mut work);
-            let near = self.search(others.clone(), (ITERATIONS.0, ROUGH)).run(&mut log, &x);
+            let near = self.search(others.clone(), Effort::ROUGH).run(&mut log, &x);
             let found = near.and_then(|m| self.minimise(&m.x, others.clone(), FINE, &mut work));
             best = best.into_iter().chain(found).min_by(|a, b| a.cost.total_cmp(&b.cost));
         }
@@ -187,7 +186,7 @@ impl Task {
 
     /// The largest amplitude of the model's ring-downs.
     fn loudest(&self, x: &[f64]) -> f64 {
-        self.starts_at(x).iter().map(|start| start.0.abs()).fold(0.0, f64::max)
+        self.starts_at(x).iter().map(|start| start.displacement.abs()).fold(0.0, f64::max)
     }
 
     /// Whether no record reaches φ_max.
@@ -215,8 +214,7 @@ impl Task {
         x[COUNT..].copy_from_slice(&minimum.x[COUNT..]);
         let mut work = Workspace::default();
         let mut log = |x: &[f64], out: &mut [f64]| task.log_residuals(x, out, &mut work);
-        let near =
-            task.search(task.free(), (ITERATIONS.0, ROUGH)).run(&mut log, &x).ok_or_else(no_ring_down)?;
+        let near = task.search(task.free(), Effort::ROUGH).run(&mut log, &x).ok_or_else(no_ring_down)?;
         let found = task.minimise(&near.x, task.free(), TOLERANCE, &mut work).ok_or_else(no_ring_down)?;
         Ok((task, found))
     }

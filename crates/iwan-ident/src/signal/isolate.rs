@@ -2,6 +2,8 @@
 
 use std::ops::Range;
 
+use rustfft::num_complex::Complex64;
+
 use super::defects::{clipped_until, stops_at};
 use super::filter::{Butterworth, Passband};
 use super::raw::{Raw, raw, widened};
@@ -15,8 +17,10 @@ const MEMORIES: f64 = 4.0;
 const CYCLES: usize = 8;
 /// The window ends where the amplitude falls to so many standard deviations of the noise in the band.
 const ABOVE_NOISE: f64 = 5.0;
-/// Relative residual that is noted, and the one that is refused, when one spectral line makes most of it.
-const SECOND_LINE: (f64, f64) = (0.01, 0.1);
+/// Relative residual that is noted when one spectral line makes most of it, …
+const NOTED: f64 = 0.01;
+/// … and the one that is refused.
+const REFUSED: f64 = 0.1;
 /// Part of the residual's power in one line that makes it a component and not noise.
 const SHARE: f64 = 0.5;
 /// Highest degree of polynomials in time.
@@ -89,7 +93,7 @@ pub fn isolate(x: &[f64], dt: f64, options: &Options) -> Result<Isolated, Error>
     let automatic = if options.band.is_none() { " (automatic)" } else { "" };
     notes
         .push(format!("band {:.6} to {:.6} Hz{automatic}, peak at {:.6} Hz", band.low, band.high, band.peak));
-    let (samples, trim, bandwidth) = filtered(x, dt, band, options)?;
+    let Filtered { samples, trim, bandwidth } = filtered(x, dt, band, options)?;
     let window = window(x, &samples, dt, trim, options, &mut notes)?;
     let mut mode = Isolated {
         raw: raw(&samples, &window, dt, band.peak),
@@ -117,15 +121,23 @@ fn band(x: &[f64], dt: f64, options: &Options) -> Result<Band, Error> {
     given_band(x, dt, low, high)
 }
 
-/// The filtered record, samples to trim at each end, and independent values a second.
-fn filtered(x: &[f64], dt: f64, band: Band, options: &Options) -> Result<(Vec<f64>, usize, f64), Error> {
+/// A record behind the filter.
+struct Filtered {
+    samples: Vec<f64>,
+    /// Samples to trim at each end.
+    trim: usize,
+    /// Independent values a second.
+    bandwidth: f64,
+}
+
+fn filtered(x: &[f64], dt: f64, band: Band, options: &Options) -> Result<Filtered, Error> {
     if options.filter_order == 0 {
-        return Ok((x.to_vec(), 0, 0.5 / dt));
+        return Ok(Filtered { samples: x.to_vec(), trim: 0, bandwidth: 0.5 / dt });
     }
     let pass = Passband::Band { low: band.low, high: band.high };
     let filter = Butterworth::new(options.filter_order, pass, dt)?;
     let trim = (MEMORIES * filter.memory() / dt).ceil() as usize;
-    Ok((filter.forward_backward(x)?, trim, band.high - band.low))
+    Ok(Filtered { samples: filter.forward_backward(x)?, trim, bandwidth: band.high - band.low })
 }
 
 /// The trusted window before noise is looked at.
@@ -303,25 +315,22 @@ impl Isolated {
         let left: Vec<_> = (0..raw.t.len())
             .map(|i| {
                 let [log, phase] = [&fits[0], &fits[1]].map(|fit| fit.at(raw.t[i]).value);
-                let ratio =
-                    rustfft::num_complex::Complex64::new(raw.log_amplitude[i] - log, raw.phase[i] - phase);
+                let ratio = Complex64::new(raw.log_amplitude[i] - log, raw.phase[i] - phase);
                 ratio.exp() - 1.0
             })
             .collect();
-        let rms = (left.iter().map(rustfft::num_complex::Complex64::norm_sqr).sum::<f64>()
-            / left.len() as f64)
-            .sqrt();
-        let (offset, relative, part) = strongest_line(&left, raw.t[1] - raw.t[0]);
-        if rms < SECOND_LINE.0 || part < SHARE {
+        let rms = (left.iter().map(Complex64::norm_sqr).sum::<f64>() / left.len() as f64).sqrt();
+        let line = strongest_line(&left, raw.t[1] - raw.t[0]);
+        if rms < NOTED || line.share < SHARE {
             return Ok(());
         }
         let finding = format!(
             "a second component {:.3} Hz from {:.3} Hz is {:.1} % of the first: the envelope beats",
-            offset.abs(),
+            line.offset.abs(),
             self.band.peak,
-            100.0 * relative
+            100.0 * line.relative
         );
-        if rms < SECOND_LINE.1 {
+        if rms < REFUSED {
             self.notes.push(finding);
             return Ok(());
         }

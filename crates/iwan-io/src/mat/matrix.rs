@@ -1,10 +1,10 @@
 //! Arrays: numeric ones, text, and structs of arrays.
 
-use super::element::{Cursor, Element, Kind};
+use super::element::{Cursor, Element, ElementType};
+use crate::assembly::Variable;
 use crate::bytes::{Order, to_f64, u32_at};
 use crate::error::ReadError;
-use crate::source::{Source, decode, shorten};
-use crate::variables::Variable;
+use crate::file_bytes::{FileBytes, decode, shorten};
 
 /// Structs inside structs are followed to this depth.
 const DEEPEST: usize = 8;
@@ -22,7 +22,7 @@ pub(super) struct Found {
 }
 
 pub(super) struct Reader<'s> {
-    pub(super) source: &'s Source<'s>,
+    pub(super) source: &'s FileBytes<'s>,
     pub(super) order: Order,
 }
 
@@ -36,7 +36,7 @@ struct Head {
 impl Reader<'_> {
     /// A variable of the file; other elements (such as the file's own workspace data) are passed over.
     pub(super) fn top(&self, element: &Element, found: &mut Found) -> Result<(), ReadError> {
-        if element.kind == Kind::Matrix { self.matrix(element, None, 0, found) } else { Ok(()) }
+        if element.kind == ElementType::Matrix { self.matrix(element, None, 0, found) } else { Ok(()) }
     }
 
     fn matrix(
@@ -92,7 +92,7 @@ impl Reader<'_> {
         let place = || format!("variable '{}'", shorten(path, 80));
         let (rows, columns) = (head.dims[0], head.dims[1]);
         let data = cursor.expect("numbers")?;
-        let Kind::Number(kind) = data.kind else {
+        let ElementType::Number(kind) = data.kind else {
             return Err(self.source.malformed(place(), format!("{:?} data", data.kind), "numbers"));
         };
         let values = to_f64(data.data, kind, self.order);
@@ -127,7 +127,7 @@ impl Reader<'_> {
             for field in &names {
                 let Some(element) = cursor.next()? else { return Ok(()) };
                 let owner = if single { path.to_string() } else { format!("{path}({number})") };
-                if element.kind == Kind::Matrix {
+                if element.kind == ElementType::Matrix {
                     self.matrix(&element, Some(&format!("{owner}.{field}")), depth + 1, found)?;
                 }
             }
@@ -142,8 +142,8 @@ fn name(bytes: &[u8]) -> String {
 
 fn text(data: &Element, order: Order) -> String {
     let unit = match data.kind {
-        Kind::Text(n) => n,
-        Kind::Number(kind) => kind.size(),
+        ElementType::Text(n) => n,
+        ElementType::Number(kind) => kind.size(),
         _ => 1,
     };
     if unit == 1 {

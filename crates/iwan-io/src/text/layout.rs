@@ -1,9 +1,9 @@
 //! How a text file is laid out: separator, decimal sign, header.
 
+use crate::assembly::units;
 use crate::error::ReadError;
-use crate::record::Quantity;
-use crate::source::{Source, decode, shorten};
-use crate::units;
+use crate::file_bytes::{FileBytes, decode, shorten};
+use crate::quantity::Quantity;
 use std::borrow::Cow;
 
 /// Lines looked at to find the first row of numbers.
@@ -67,7 +67,7 @@ struct Line<'a> {
 
 impl Layout {
     /// Finds the separator under which a row of numbers comes first; with equal lines tab, semicolon, comma, space.
-    pub(super) fn detect(source: &Source) -> Result<Self, ReadError> {
+    pub(super) fn detect(source: &FileBytes) -> Result<Self, ReadError> {
         use Separator::{Comma, Semicolon, Space, Tab};
         let bytes = source.bytes;
         if bytes.starts_with(&[0xff, 0xfe]) || bytes.starts_with(&[0xfe, 0xff]) {
@@ -215,7 +215,7 @@ fn lines(bytes: &[u8]) -> impl Iterator<Item = Line<'_>> {
     })
 }
 
-fn no_row(source: &Source, lines: &[Line]) -> ReadError {
+fn no_row(source: &FileBytes, lines: &[Line]) -> ReadError {
     let first = lines.iter().find(|l| !l.text.trim_ascii().is_empty());
     let found = first.map_or("an empty file".into(), |l| {
         let text: String = decode(l.text.trim_ascii()).chars().filter(|c| !c.is_control()).collect();

@@ -2,9 +2,9 @@
 
 use super::header::Header;
 use super::sections::{Binary, Section, line_at};
-use crate::bytes::{Kind, to_f64};
+use crate::bytes::{NumberType, to_f64};
 use crate::error::ReadError;
-use crate::source::{Source, decode, shorten};
+use crate::file_bytes::{FileBytes, decode, shorten};
 use crate::warning::Warning;
 
 /// A dataset with less than this part of its promised points is taken for a file cut short.
@@ -12,7 +12,7 @@ const LEAST_PART: f64 = 0.9;
 
 /// Times (empty for an even abscissa) and values.
 pub(super) fn read(
-    source: &Source,
+    source: &FileBytes,
     section: &Section,
     header: &Header,
     warnings: &mut Vec<Warning>,
@@ -32,7 +32,7 @@ pub(super) fn read(
 }
 
 fn check_count(
-    source: &Source,
+    source: &FileBytes,
     section: &Section,
     header: &Header,
     found: usize,
@@ -59,18 +59,18 @@ fn unzip(pairs: &[f64]) -> (Vec<f64>, Vec<f64>) {
 /// bytes by the format's own rule (addendum B), eight in files of some programs: the number of bytes tells.
 fn binary_values(section: &Section, header: &Header, binary: Binary) -> (Vec<f64>, Vec<f64>) {
     let (data, order) = (section.data, binary.order);
-    let kind = if header.data_type == 4 { Kind::F64 } else { Kind::F32 };
+    let kind = if header.data_type == 4 { NumberType::F64 } else { NumberType::F32 };
     if header.even {
         return (Vec::new(), to_f64(data, kind, order));
     }
     let wide = header.points.checked_mul(16) == Some(data.len() as u64);
-    if kind == Kind::F32 || wide {
+    if kind == NumberType::F32 || wide {
         return unzip(&to_f64(data, kind, order));
     }
     let (mut times, mut values) = (Vec::new(), Vec::new());
     for pair in data.chunks_exact(12) {
-        times.extend(to_f64(&pair[..4], Kind::F32, order));
-        values.extend(to_f64(&pair[4..], Kind::F64, order));
+        times.extend(to_f64(&pair[..4], NumberType::F32, order));
+        values.extend(to_f64(&pair[4..], NumberType::F64, order));
     }
     (times, values)
 }
@@ -84,7 +84,7 @@ fn widths(header: &Header) -> [usize; 2] {
     }
 }
 
-fn text_values(source: &Source, section: &Section, widths: &[usize; 2]) -> Result<Vec<f64>, ReadError> {
+fn text_values(source: &FileBytes, section: &Section, widths: &[usize; 2]) -> Result<Vec<f64>, ReadError> {
     let mut values = Vec::with_capacity(section.data.len() / 13);
     let (mut at, mut number) = (0, 0);
     while let Some((line, next)) = line_at(section.data, at) {

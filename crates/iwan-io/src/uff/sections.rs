@@ -2,7 +2,7 @@
 
 use crate::bytes::Order;
 use crate::error::ReadError;
-use crate::source::{Source, decode, shorten};
+use crate::file_bytes::{FileBytes, decode, shorten};
 use crate::warning::Warning;
 
 /// Lines of a dataset 58 between its number and its data.
@@ -41,7 +41,7 @@ impl Section<'_> {
 
 /// Finds all datasets 58 and 58b; others are passed over.
 pub(super) fn split<'a>(
-    source: &Source<'a>,
+    source: &FileBytes<'a>,
     warnings: &mut Vec<Warning>,
 ) -> Result<Vec<Section<'a>>, ReadError> {
     let bytes = source.bytes;
@@ -77,7 +77,7 @@ fn dataset_number(line: &[u8]) -> (String, Vec<String>) {
 }
 
 /// Format (I6,1A1,I6,I6,I12,I12,...): byte order, floating-point format, number of ASCII lines, number of bytes.
-fn binary_fields(source: &Source, offset: usize, fields: &[String]) -> Result<Binary, ReadError> {
+fn binary_fields(source: &FileBytes, offset: usize, fields: &[String]) -> Result<Binary, ReadError> {
     let place = format!("first line of the dataset 58b at byte {offset}");
     let order = match fields.first().map(String::as_str) {
         Some("1") => Order::Little,
@@ -99,7 +99,7 @@ fn binary_fields(source: &Source, offset: usize, fields: &[String]) -> Result<Bi
 
 /// Header lines and data of the dataset whose number stands at `start`.
 fn cut<'a>(
-    source: &Source<'a>,
+    source: &FileBytes<'a>,
     start: usize,
     mut at: usize,
     index: usize,

@@ -240,7 +240,7 @@ fn notes(x: &Extraction) -> Vec<String> {
         .opinions
         .refused
         .iter()
-        .map(|(method, error)| format!("{} could not be used: {error}", method.name()));
+        .map(|r| format!("{} could not be used: {}", r.method.name(), r.error));
     let words = x.opinions.spread.as_ref().map(agreement);
     x.notes.iter().cloned().chain(refused).chain(words).collect()
 }
