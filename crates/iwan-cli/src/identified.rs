@@ -100,7 +100,9 @@ impl Identified {
     /// Index of the record in which the mode is loudest.
     pub(crate) fn loudest(&self) -> usize {
         let starts = &self.found.refined.starts;
-        (0..starts.len()).max_by(|&i, &j| starts[i].displacement.abs().total_cmp(&starts[j].displacement.abs())).unwrap_or(0)
+        (0..starts.len())
+            .max_by(|&i, &j| starts[i].displacement.abs().total_cmp(&starts[j].displacement.abs()))
+            .unwrap_or(0)
     }
 
     /// The mode as it rings down from where a record begins.

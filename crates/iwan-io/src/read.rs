@@ -76,15 +76,20 @@ fn by_content(bytes: &[u8]) -> Option<Format> {
     }
 }
 
+/// Bytes in which the first two lines that are not empty of a universal file stand: five lines of 80 columns.
+const LOOKED_AT: usize = 400;
+/// Width of the field of a dataset's number, I6; with the `b` of 58b it fits in it.
+const WIDTH: usize = 6;
+
 /// A line `-1` behind four blanks, then a line that starts with a dataset number.
 fn opens_dataset(bytes: &[u8]) -> bool {
-    let start = &bytes[..bytes.len().min(400)];
+    let start = &bytes[..bytes.len().min(LOOKED_AT)];
     let mut lines = start.split(|b| *b == b'\n').map(<[u8]>::trim_ascii).filter(|l| !l.is_empty());
     let number = |line: &[u8]| line.first().is_some_and(u8::is_ascii_digit);
     let word = |line: &[u8]| line.split(u8::is_ascii_whitespace).next().map_or(0, <[u8]>::len);
     start.starts_with(b"    -1")
         && lines.next() == Some(b"-1")
-        && lines.next().is_some_and(|line| number(line) && word(line) <= 6)
+        && lines.next().is_some_and(|line| number(line) && word(line) <= WIDTH)
 }
 
 fn by_extension(file: &Path) -> Option<Format> {

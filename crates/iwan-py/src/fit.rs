@@ -49,7 +49,9 @@ impl Request<'_> {
         let parameter = |(name, held): &(String, f64)| {
             let found = Parameter::ALL.into_iter().find(|p| p.name() == name);
             let names = || Parameter::ALL.map(Parameter::name);
-            found.map(|parameter| Held { parameter, value: *held }).ok_or_else(|| unknown("hold", name, &names()))
+            found
+                .map(|parameter| Held { parameter, value: *held })
+                .ok_or_else(|| unknown("hold", name, &names()))
         };
         let held = self.hold.iter().map(parameter).collect::<PyResult<Vec<_>>>()?;
         let Self { band, near, filter_order, window, order, .. } = *self;
@@ -345,7 +347,7 @@ impl Likelihood {
         let logs = work::run(py, lasting, move |control| {
             work::each(pieces, threads, control, |piece| {
                 let mut buffers = Buffers::default();
-                let log = |(p, starts): (Parameters, Vec<(f64, f64)>)| {
+                let log = |(p, starts): (Parameters, Vec<TurningPoint>)| {
                     library.log(&p, &starts, &mut buffers).unwrap_or(f64::NEG_INFINITY)
                 };
                 piece.into_iter().map(log).collect::<Vec<_>>()

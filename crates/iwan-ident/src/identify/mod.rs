@@ -24,8 +24,20 @@ use minimum::{Found, minimum_and_profiles};
 use prepared::Prepared;
 pub use settings::{Held, ModeRecord, Settings};
 
-/// χ, and K_T over that of the graphical start, of the further starts on the curves.
-const OTHER_STARTS: [(f64, f64); 4] = [(-0.5, 1.0), (-0.2, 1.0), (-0.2, 3.0), (0.1, 0.5)];
+/// The further starts on the curves.
+const OTHER_STARTS: [OtherStart; 4] = [
+    OtherStart { chi: -0.5, k_t: 1.0 },
+    OtherStart { chi: -0.2, k_t: 1.0 },
+    OtherStart { chi: -0.2, k_t: 3.0 },
+    OtherStart { chi: 0.1, k_t: 0.5 },
+];
+
+/// A start on the curves beside the graphical one.
+struct OtherStart {
+    chi: f64,
+    /// K_T over that of the graphical start.
+    k_t: f64,
+}
 
 /// Parameters, intervals and verdict from the records of one mode at one or several force levels.
 ///
@@ -129,7 +141,7 @@ fn on_curves(curves: &[Curves], held: &[Held]) -> Result<OnCurves, Error> {
         *start.parameters.get_mut(held.parameter) = held.value;
     }
     let mut starts = vec![start.parameters];
-    for (chi, k_t) in OTHER_STARTS {
+    for OtherStart { chi, k_t } in OTHER_STARTS {
         let mut other = Parameters { chi, k_t: k_t * start.parameters.k_t, ..start.parameters };
         for held in held {
             *other.get_mut(held.parameter) = held.value;

@@ -14,14 +14,14 @@ mod windows;
 mod whitening;
 mod record;
 mod task;
-mod search;
+mod valleys;
 
 use crate::error::Error;
 use crate::parameters::{Parameter, Parameters};
 pub use release::TurningPoint;
 pub use ring_down::{Refined, RingDown};
-pub(crate) use search::KNEE_UNSEEN;
 pub(crate) use task::{Effort, Task, Workspace};
+pub(crate) use valleys::KNEE_UNSEEN;
 
 /// Refines parameters on the records themselves, several force levels at once; those in `held` keep their values.
 ///

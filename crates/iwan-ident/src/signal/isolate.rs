@@ -15,6 +15,16 @@ use crate::smooth::{Points, Polynomial, Smooth};
 const MEMORIES: f64 = 4.0;
 /// The window needs so many cycles.
 const CYCLES: usize = 8;
+/// … and so many values of amplitude and phase: four a cycle, less those of the three cycles that are trimmed.
+const VALUES: usize = 4 * CYCLES - 12;
+/// Samples that a record needs.
+const SAMPLES: usize = 64;
+/// Samples between start and end of a window.
+const LEAST_WINDOW: usize = 16;
+/// Times that the window is cut where the mode sinks into noise, each time with the noise estimated anew.
+const CUTS: usize = 4;
+/// Least relative scatter of an amplitude: that of rounding.
+const LEAST_SCATTER: f64 = 1e-12;
 /// The window ends where the amplitude falls to so many standard deviations of the noise in the band.
 const ABOVE_NOISE: f64 = 5.0;
 /// Relative residual that is noted when one spectral line makes most of it, …
@@ -70,6 +80,13 @@ pub struct Isolated {
     pub(crate) raw: Raw,
 }
 
+/// Some samples of a mode.
+pub(crate) struct Stretch<'a> {
+    /// Index of the first.
+    pub(crate) first: usize,
+    pub(crate) samples: &'a [f64],
+}
+
 /// Takes one mode out of a uniformly sampled record `x` (any unit, every `dt` seconds).
 ///
 /// In this order: samples are checked; a tail of equal samples is cut off; the window starts behind the last clipped
@@ -80,13 +97,13 @@ pub struct Isolated {
 /// [`Error::TooShort`], [`Error::NotFinite`], [`Error::OutOfRange`].
 pub fn isolate(x: &[f64], dt: f64, options: &Options) -> Result<Isolated, Error> {
     check_dt(dt)?;
-    check_samples("record", x, 64, "record longer")?;
+    check_samples("record", x, SAMPLES, "record longer")?;
     let mut notes = Vec::new();
     let mut band = band(x, dt, options)?;
     let end = stops_at(x, (0.5 / (band.peak * dt)).ceil() as usize).unwrap_or(x.len());
     if end < x.len() {
         notes.push(format!("the samples are constant from {:.6} s on: cut there", end as f64 * dt));
-        check_samples("record before its constant tail", &x[..end], 64, "record longer")?;
+        check_samples("record before its constant tail", &x[..end], SAMPLES, "record longer")?;
         band = self::band(&x[..end], dt, options)?;
     }
     let x = &x[..end];
@@ -170,7 +187,7 @@ fn window(
         }
         (start, end) = (start.max(wanted), end.min((to / dt) as usize));
     }
-    if start + 16 > end {
+    if start + LEAST_WINDOW > end {
         return Err(Error::Refused {
             finding: format!(
                 "nothing is left between {:.6} s (largest amplitude, clipping and filter transient) and {:.6} s",
@@ -181,6 +198,12 @@ fn window(
         });
     }
     Ok(start..end)
+}
+
+/// How far one value of the log amplitude is off the smooth curve, squared, and the amplitude there.
+struct Scatter {
+    amplitude: f64,
+    square: f64,
 }
 
 impl Isolated {
@@ -217,11 +240,10 @@ impl Isolated {
         start.max(wanted).min(self.window.start)..self.window.end
     }
 
-    /// The samples of the window and one cycle to either side, and the index of the first: peaks and crossings then
-    /// cover the whole window.
-    pub(crate) fn stretch(&self) -> (usize, &[f64]) {
+    /// The window and one cycle to either side: peaks and crossings then cover the whole window.
+    pub(crate) fn stretch(&self) -> Stretch<'_> {
         let range = widened(&self.window, self.samples.len(), 1.0 / (self.band.peak * self.dt));
-        (range.start, &self.samples[range])
+        Stretch { first: range.start, samples: &self.samples[range] }
     }
 
     /// Weight of a logarithm of an amplitude or of a phase at this amplitude: scatter and noise together.
@@ -240,7 +262,7 @@ impl Isolated {
 
     /// Cuts the window where the mode sinks into the noise, which is estimated from the scatter of the amplitude.
     fn end_at_noise(&mut self) -> Result<(), Error> {
-        for _ in 0..4 {
+        for _ in 0..CUTS {
             self.enough_cycles()?;
             let fit = self.estimate_noise();
             let limit = ABOVE_NOISE * self.noise;
@@ -272,7 +294,7 @@ impl Isolated {
     fn enough_cycles(&self) -> Result<(), Error> {
         let length = self.window.end.saturating_sub(self.window.start) as f64 * self.dt;
         let found = (length * self.band.peak) as usize;
-        if found >= CYCLES && self.raw.t.len() >= 4 * CYCLES - 12 {
+        if found >= CYCLES && self.raw.t.len() >= VALUES {
             return Ok(());
         }
         let remedy = "record longer or louder, widen the band, or lower the filter order";
@@ -290,19 +312,18 @@ impl Isolated {
         let weight = vec![1.0; count];
         let fit =
             Polynomial::fit(&self.points(&self.raw.t, &self.raw.log_amplitude, &weight), None, MAX_ORDER);
-        let mut squares: Vec<(f64, f64)> = (0..count)
-            .map(|i| {
-                let log = fit.at(self.raw.t[i]).value;
-                (log.exp(), (self.raw.log_amplitude[i] - log).powi(2))
-            })
-            .collect();
-        squares.sort_by(|a, b| b.0.total_cmp(&a.0));
+        let scatter = |i: usize| {
+            let log = fit.at(self.raw.t[i]).value;
+            Scatter { amplitude: log.exp(), square: (self.raw.log_amplitude[i] - log).powi(2) }
+        };
+        let mut all: Vec<Scatter> = (0..count).map(scatter).collect();
+        all.sort_by(|a, b| b.amplitude.total_cmp(&a.amplitude));
         let quarter = count.div_ceil(4);
-        let mean = |part: &[(f64, f64)], f: &dyn Fn(&(f64, f64)) -> f64| {
+        let mean = |part: &[Scatter], f: &dyn Fn(&Scatter) -> f64| {
             part.iter().map(f).sum::<f64>() / part.len() as f64
         };
-        self.scatter = mean(&squares[..quarter], &|s| s.1).sqrt().max(1e-12);
-        self.noise = mean(&squares[count - quarter..], &|s| s.1 * s.0 * s.0).sqrt();
+        self.scatter = mean(&all[..quarter], &|s| s.square).sqrt().max(LEAST_SCATTER);
+        self.noise = mean(&all[count - quarter..], &|s| s.square * s.amplitude * s.amplitude).sqrt();
         fit
     }
 

@@ -6,19 +6,27 @@ use crate::bytes::{Order, to_f64, u32_at};
 use crate::error::ReadError;
 use crate::file_bytes::{FileBytes, decode, shorten};
 
-/// Structs inside structs are followed to this depth.
+/// Structs inside structs are followed to this depth; deeper ones are refused by name when they are asked for. The depth
+/// bounds the recursion on a damaged file; records known have three levels at most.
 const DEEPEST: usize = 8;
 
-/// Longest name of a field, as in MATLAB itself.
+/// Longest name of a field with the zero that ends it, as in MATLAB itself (`namelengthmax` is 63). A file that says more is
+/// refused as malformed.
 const LONGEST_NAME: usize = 64;
 
 /// What a file holds, by path.
 #[derive(Default)]
 pub(super) struct Found {
     pub(super) arrays: Vec<Variable>,
-    pub(super) texts: Vec<(String, String)>,
-    /// Path and what stands there, for arrays that cannot be channels.
-    pub(super) refused: Vec<(String, String)>,
+    pub(super) texts: Vec<Said>,
+    /// Arrays that cannot be channels, with what they are.
+    pub(super) refused: Vec<Said>,
+}
+
+/// A text, or words on what stands there, by path.
+pub(super) struct Said {
+    pub(super) path: String,
+    pub(super) text: String,
 }
 
 pub(super) struct Reader<'s> {
@@ -56,7 +64,7 @@ impl Reader<'_> {
             2 if depth < DEEPEST => self.fields(&mut cursor, &head, path, depth, found),
             4 => {
                 let data = cursor.expect("text")?;
-                found.texts.push((path.into(), text(&data, self.order)));
+                found.texts.push(Said { path: path.into(), text: text(&data, self.order) });
                 Ok(())
             }
             6..=15 if !head.complex && head.dims.len() == 2 => {
@@ -64,7 +72,7 @@ impl Reader<'_> {
                 Ok(())
             }
             class => {
-                found.refused.push((path.into(), describe(class, &head)));
+                found.refused.push(Said { path: path.into(), text: describe(class, &head) });
                 Ok(())
             }
         }

@@ -15,8 +15,9 @@ use crate::inflate::{most, read_limited};
 use crate::options::ReadOptions;
 use element::{Cursor, ElementType};
 use flate2::bufread::ZlibDecoder;
-use matrix::{Found, Reader};
+use matrix::{Found, Reader, Said};
 
+/// Bytes before the first data element: 116 of text, 8 of offsets, version and byte order.
 const HEADER: usize = 128;
 
 /// Time and channels of a MAT-file.
@@ -38,9 +39,13 @@ pub(crate) fn parse(source: FileBytes, options: &ReadOptions) -> Result<Raw, Rea
         }
     }
     let asked =
-        options.channels.iter().chain(&options.time).find(|n| found.refused.iter().any(|r| r.0 == **n));
-    if let Some((name, what)) = found.refused.iter().find(|r| Some(&r.0) == asked) {
-        return Err(source.unsupported(name, what, "save real numeric arrays of one or two dimensions"));
+        options.channels.iter().chain(&options.time).find(|n| found.refused.iter().any(|r| r.path == **n));
+    if let Some(refused) = found.refused.iter().find(|r| Some(&r.path) == asked) {
+        return Err(source.unsupported(
+            &refused.path,
+            &refused.text,
+            "save real numeric arrays of one or two dimensions",
+        ));
     }
     Chooser { source, options, tabular: false }.choose(with_units(found), Vec::new())
 }
@@ -98,11 +103,11 @@ fn is_level_4(bytes: &[u8]) -> bool {
 /// and that of the rest.
 fn with_units(found: Found) -> Vec<Variable> {
     let mut variables = found.arrays;
-    for (name, text) in &found.texts {
-        if !matches!(units::base(name).as_str(), "unit" | "units") {
+    for Said { path, text } in &found.texts {
+        if !matches!(units::base(path).as_str(), "unit" | "units") {
             continue;
         }
-        let parent = name.rsplit_once('.').map_or("", |(parent, _)| parent);
+        let parent = path.rsplit_once('.').map_or("", |(parent, _)| parent);
         let (time, rest) = text.split_once(',').unwrap_or(("", text));
         let inside = |name: &str| match name.strip_prefix(parent) {
             Some(rest) if !parent.is_empty() => rest.starts_with('.'),

@@ -12,6 +12,9 @@ use crate::options::ReadOptions;
 /// Start of every NPY file.
 pub(crate) const MAGIC: &[u8] = b"\x93NUMPY";
 
+/// NumPy's own limit up to version 1; arrays of more than two dimensions are refused anyway, with their number.
+const MOST_DIMENSIONS: usize = 32;
+
 struct Header {
     kind: NumberType,
     order: Order,
@@ -111,7 +114,7 @@ fn quoted(text: &str) -> Option<&str> {
 fn shape(text: &str) -> Option<Vec<usize>> {
     let (inside, _) = text.trim_start().strip_prefix('(')?.split_once(')')?;
     let sizes = inside.split(',').map(|s| s.trim().trim_end_matches('L')).filter(|s| !s.is_empty());
-    sizes.take(33).map(|s| s.parse().ok()).collect()
+    sizes.take(MOST_DIMENSIONS + 1).map(|s| s.parse().ok()).collect()
 }
 
 fn kind(descr: &str) -> Option<(NumberType, Order)> {

@@ -13,6 +13,7 @@ use crate::error::ReadError;
 use crate::file_bytes::{FileBytes, list};
 use crate::options::ReadOptions;
 use crate::warning::Warning;
+use data::Points;
 use header::Header;
 use sections::Section;
 
@@ -65,7 +66,7 @@ fn function(
     name: String,
     warnings: &mut Vec<Warning>,
 ) -> Result<Function, ReadError> {
-    let (mut times, values) = data::read(source, section, header, warnings)?;
+    let Points { mut times, values } = data::read(source, section, header, warnings)?;
     let factor = units::time_factor(&header.abscissa_unit).unwrap_or(1.0);
     if factor != 1.0 {
         warnings.push(Warning::TimeScaled { unit: header.abscissa_unit.clone(), factor });
@@ -121,7 +122,7 @@ fn join(
     let (mut axis, mut channels): (Option<Axis>, Vec<Channel>) = (None, Vec::new());
     for function in functions {
         let unlike = axis.as_ref().and_then(|a| difference(a, &function.axis)).zip(channels.first());
-        if let Some(((found, expected), first)) = unlike {
+        if let Some((Unlike { found, expected }, first)) = unlike {
             let (file, name) = (source.file.into(), function.channel.name);
             return Err(ReadError::Mismatch { file, name, found, expected, reference: first.name.clone() });
         }
@@ -132,17 +133,35 @@ fn join(
     Ok(Raw { axis, channels, chosen: !options.channels.is_empty(), warnings })
 }
 
-/// Sampling found and expected, where they differ by more than the five digits of an ASCII header.
-fn difference(expected: &Axis, found: &Axis) -> Option<(String, String)> {
+/// Intervals of channels may differ by this part, two units of the fifth and last digit that an ASCII header has.
+const SAME_INTERVAL: f64 = 2e-5;
+/// Starts of channels may differ by this part of an interval: to the nearest sample they are the same.
+const SAME_START: f64 = 0.5;
+
+/// Sampling of a channel that does not go with the others, in words.
+struct Unlike {
+    found: String,
+    expected: String,
+}
+
+impl Unlike {
+    fn new(found: impl Into<String>, expected: impl Into<String>) -> Self {
+        Self { found: found.into(), expected: expected.into() }
+    }
+}
+
+/// How the sampling found differs from the one expected, if it does.
+fn difference(expected: &Axis, found: &Axis) -> Option<Unlike> {
     match (expected, found) {
         (Axis::Even { start: s, step: a }, Axis::Even { start, step }) => {
-            let same = (step - a).abs() <= 2e-5 * a.abs() && (start - s).abs() <= 0.5 * a.abs();
+            let same =
+                (step - a).abs() <= SAME_INTERVAL * a.abs() && (start - s).abs() <= SAME_START * a.abs();
             let text = |start, step| format!("interval {step:e} s from {start:e} s");
-            (!same).then(|| (text(*start, *step), text(*s, *a)))
+            (!same).then(|| Unlike::new(text(*start, *step), text(*s, *a)))
         }
         (Axis::Times { values: a, .. }, Axis::Times { values: b, .. }) => {
-            (a != b).then(|| ("other times".into(), "the same times".into()))
+            (a != b).then(|| Unlike::new("other times", "the same times"))
         }
-        _ => Some(("another kind of abscissa".into(), "the same kind".into())),
+        _ => Some(Unlike::new("another kind of abscissa", "the same kind")),
     }
 }

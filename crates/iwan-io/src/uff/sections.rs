@@ -5,6 +5,10 @@ use crate::error::ReadError;
 use crate::file_bytes::{FileBytes, decode, shorten};
 use crate::warning::Warning;
 
+/// Columns of a line in a universal file. Some programs fill the closing `-1` up to there, and line ends come behind it;
+/// in binary data, what goes on for longer is no line.
+const LINE: usize = 80;
+
 /// Lines of a dataset 58 between its number and its data.
 pub(super) const HEADER_LINES: usize = 11;
 
@@ -183,7 +187,7 @@ fn first_closing(rest: &[u8]) -> usize {
 
 /// Whether a closing `-1` line is followed by the end of the file or by the opening `-1` line of a dataset.
 fn is_last_or_followed(mark: &[u8]) -> bool {
-    let Some((line, next)) = line_at(&mark[..mark.len().min(84)], 0) else { return false };
+    let Some((line, next)) = line_at(&mark[..mark.len().min(LINE + 4)], 0) else { return false };
     let mut at = next;
     if !is_delimiter(line) {
         return false;
@@ -204,8 +208,8 @@ fn is_last_or_followed(mark: &[u8]) -> bool {
 fn closes(after: &[u8]) -> Option<usize> {
     let start = without_line_end(after);
     let (line, next) = line_at(start, 0)?;
-    let short = &line[..line.len().min(80)];
-    (is_delimiter(short) && line.len() <= 82).then_some(after.len() - start.len() + next)
+    let short = &line[..line.len().min(LINE)];
+    (is_delimiter(short) && line.len() <= LINE + 2).then_some(after.len() - start.len() + next)
 }
 
 fn without_line_end(bytes: &[u8]) -> &[u8] {

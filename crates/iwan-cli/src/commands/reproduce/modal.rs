@@ -275,7 +275,8 @@ fn slopes(curves: &[Curves], frequency: f64, k_t: f64) -> Option<Slopes> {
             over_joint.push((on_joint.force[i].ln(), d));
         }
     }
-    let [displacement, joint, modal] = [&over_q, &over_joint, &over_modal].map(|points| straight_line(points));
+    let [displacement, joint, modal] =
+        [&over_q, &over_joint, &over_modal].map(|points| straight_line(points));
     let (joint, modal) = (joint?, modal?);
     Some(Slopes {
         over_displacement: displacement?.slope,

@@ -10,7 +10,7 @@ use std::f64::consts::{FRAC_PI_3, TAU};
 use nalgebra::{Matrix4, Vector4};
 
 use super::super::extrema::{Extremum, extrema};
-use super::super::isolate::Isolated;
+use super::super::isolate::{Isolated, Stretch};
 use super::peaks::{check_rate, half_turns};
 use super::traces::Trace;
 use crate::error::Error;
@@ -18,7 +18,7 @@ use crate::error::Error;
 /// Times and logarithms of the fitted peaks in the trusted window.
 pub(super) fn fitted_peaks(mode: &Isolated) -> Result<Trace, Error> {
     check_rate(mode)?;
-    let (first, x) = mode.stretch();
+    let Stretch { first, samples: x } = mode.stretch();
     let omega = TAU * mode.band.peak * mode.dt;
     let fit = |rough: &Extremum| fit_peak(x, rough.time, omega);
     let peaks = extrema(x, omega);

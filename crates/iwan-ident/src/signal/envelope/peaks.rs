@@ -3,7 +3,7 @@
 use std::f64::consts::{PI, TAU};
 
 use super::super::extrema::{crossings, extrema};
-use super::super::isolate::Isolated;
+use super::super::isolate::{Isolated, Stretch};
 use super::traces::Trace;
 use crate::error::{Error, check};
 
@@ -22,14 +22,14 @@ pub(super) fn check_rate(mode: &Isolated) -> Result<(), Error> {
 /// Logarithms of the interpolated peaks in the trusted window.
 pub(super) fn peak_amplitudes(mode: &Isolated) -> Result<Trace, Error> {
     check_rate(mode)?;
-    let (first, x) = mode.stretch();
+    let Stretch { first, samples: x } = mode.stretch();
     let peaks = extrema(x, TAU * mode.band.peak * mode.dt);
     Ok(peaks.iter().map(|peak| ((first as f64 + peak.time) * mode.dt, peak.height.ln())).collect())
 }
 
 /// Phase at the zero crossings, less that of the reference frequency: each crossing is half a turn on.
 pub(super) fn crossing_phases(mode: &Isolated) -> Trace {
-    let (first, x) = mode.stretch();
+    let Stretch { first, samples: x } = mode.stretch();
     let times: Vec<f64> = crossings(x).iter().map(|n| (first as f64 + n) * mode.dt).collect();
     half_turns(&times, mode.band.peak)
 }

@@ -17,18 +17,18 @@ const MOST_JOINT: f64 = 0.9;
 const LITTLE_JOINT: f64 = 1e-4;
 /// φ_max over the largest amplitude where no record reaches it: any larger one would do.
 pub(crate) const KNEE_UNSEEN: f64 = 2.0;
-/// Hops over creases, as coordinate (K_T or F_S, β/(1+β)) and step.
-const HOPS: [(usize, f64); 10] = [
-    (4, -0.03),
-    (4, 0.03),
-    (4, -0.06),
-    (4, 0.06),
-    (4, -0.12),
-    (4, 0.12),
-    (4, -0.25),
-    (4, 0.25),
-    (5, -0.03),
-    (5, 0.03),
+/// Hops over creases.
+const HOPS: [Hop; 10] = [
+    Hop::knee(-0.03),
+    Hop::knee(0.03),
+    Hop::knee(-0.06),
+    Hop::knee(0.06),
+    Hop::knee(-0.12),
+    Hop::knee(0.12),
+    Hop::knee(-0.25),
+    Hop::knee(0.25),
+    Hop::dirac(-0.03),
+    Hop::dirac(0.03),
 ];
 /// Relative residual that hides the creases.
 const CREASE: f64 = 5e-4;
@@ -37,6 +37,24 @@ const ROUNDS: usize = 8;
 const WORTH: f64 = 0.9;
 /// Starts that the last search goes on from.
 const KEPT: usize = 3;
+
+/// A step of one coordinate of the chart that moves the knee, while all others follow.
+struct Hop {
+    coordinate: usize,
+    step: f64,
+}
+
+impl Hop {
+    /// Of ln K_T, or of ln F_S where that is the coordinate.
+    const fn knee(step: f64) -> Self {
+        Self { coordinate: 4, step }
+    }
+
+    /// Of the Dirac's share β/(1+β).
+    const fn dirac(step: f64) -> Self {
+        Self { coordinate: 5, step }
+    }
+}
 
 impl Task {
     /// `first`, the same softening with knees and Diracs elsewhere, and next to no joint.
@@ -128,7 +146,7 @@ impl Task {
         let free = self.free();
         for _ in 0..ROUNDS {
             let before = best.cost;
-            for (coordinate, step) in HOPS {
+            for Hop { coordinate, step } in HOPS {
                 if !free.contains(&coordinate) {
                     continue;
                 }
