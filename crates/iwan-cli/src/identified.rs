@@ -3,7 +3,7 @@
 use std::ops::Deref;
 
 use iwan_ident::curves::ForceAxis;
-use iwan_ident::identify::{Identification, Settings, Source, identify};
+use iwan_ident::identify::{Held, Identification, ModeRecord, Settings, identify};
 use iwan_ident::signal::Method;
 use iwan_ident::{Parameter, Parameters};
 use iwan_study::identified::{IdentifiedMode, RecordOfMode};
@@ -49,7 +49,8 @@ impl Identified {
         let place = format!("{}, {}", recordings[0].name, wanted.name);
         let sources = sources(recordings, wanted);
         let method = extractions.first().map(|x| x.method).unwrap_or_default();
-        let settings = Settings { options: wanted.options, method, held: held.to_vec() };
+        let held = held.iter().map(|&(parameter, value)| Held { parameter, value }).collect();
+        let settings = Settings { options: wanted.options, method, held };
         let found = identify(&sources, &settings).map_err(|e| Failure::said(&place, &e))?;
         Self::of(recordings, wanted, extractions, axis, found)
     }
@@ -80,10 +81,10 @@ impl Identified {
 }
 
 /// The mode's records as the identification takes them.
-fn sources<'a>(recordings: &[Recording], wanted: &'a Wanted) -> Vec<Source<'a>> {
+fn sources<'a>(recordings: &[Recording], wanted: &'a Wanted) -> Vec<ModeRecord<'a>> {
     let source = |r: &'a ModalRecord| {
         let recording = &recordings[r.source];
-        Source { samples: &r.samples, dt: recording.record.dt(), quantity: recording.quantity }
+        ModeRecord { samples: &r.samples, dt: recording.record.dt(), quantity: recording.quantity }
     };
     wanted.records.iter().map(source).collect()
 }

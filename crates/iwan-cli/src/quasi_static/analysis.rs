@@ -1,7 +1,7 @@
 //! The modal curves of a structure under static loads, and the modal joint that fits each.
 
 use iwan_fem::{ModalCurves, NamedMode};
-use iwan_ident::quasi_static::{StaticCurves, StaticFit, fit_static};
+use iwan_ident::static_fit::{StaticCurves, StaticFit, fit_static};
 
 use super::args::QuasiStaticArgs;
 use crate::failure::Failure;

@@ -1,8 +1,8 @@
 //! Figs. 7 to 11: the truth under blows and its modal counterpart.
 
 use iwan_core::{Backbone, FourParameter};
+use iwan_ident::curve_fit::predict;
 use iwan_ident::curves::Curves;
-use iwan_ident::fit::predict;
 use iwan_study::StudiedBeam;
 use iwan_study::beam::{BeamUnderBlows, letter};
 use iwan_study::blows::{DT, LEVELS, STEPS};
@@ -126,8 +126,12 @@ impl Drawing<'_> {
             chi: law.chi(),
             beta: law.beta(),
         };
-        let (dissipation, frequency) = predict(&parameters, q).ok()?;
-        Some(LawPoint { joint_force: law.harmonic_stiffness(q) * q, frequency, dissipation })
+        let model = predict(&parameters, q).ok()?;
+        Some(LawPoint {
+            joint_force: law.harmonic_stiffness(q) * q,
+            frequency: model.frequency,
+            dissipation: model.dissipation,
+        })
     }
 
     fn force_figure(

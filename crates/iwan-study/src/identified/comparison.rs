@@ -1,7 +1,7 @@
 //! A record and the model's ring-down at the same times.
 
 use iwan_core::Pulse;
-use iwan_ident::identify::{Identification, Source};
+use iwan_ident::identify::{Identification, ModeRecord};
 use iwan_ident::signal::Isolated;
 use iwan_sim::{Method, Settings, SimulationError, simulate};
 
@@ -11,7 +11,7 @@ use super::ring_down::{between, released, time_step};
 #[derive(Debug, Clone, Copy)]
 pub struct RecordOfMode<'a> {
     /// The record as the identification took it.
-    pub source: Source<'a>,
+    pub source: ModeRecord<'a>,
     /// The mode taken out of it.
     pub isolated: &'a Isolated,
     /// Time of the first sample on the record's own clock, s.

@@ -33,7 +33,7 @@ impl IdentifiedMode {
     /// ```
     /// use iwan_core::{FourParameter, Pulse};
     /// use iwan_ident::curves::{ForceAxis, Quantity};
-    /// use iwan_ident::identify::{Settings, Source, identify};
+    /// use iwan_ident::identify::{Settings, ModeRecord, identify};
     /// use iwan_ident::signal::{Method, Options, isolate};
     /// use iwan_sim::{JointLaw, Mode, simulate};
     /// use iwan_study::identified::{IdentifiedMode, RecordOfMode};
@@ -41,7 +41,7 @@ impl IdentifiedMode {
     /// let joint = FourParameter::new(4.45e4, 239.4, -0.183, 0.3)?;
     /// let mode = Mode { initial: (joint.phi_max(), 0.0), ..Mode::new("first", 124.0, Some(JointLaw::FourParameter(joint))) };
     /// let samples = simulate(&mode, &Pulse::None, &iwan_sim::Settings::new(1e-4, 0.5))?.acceleration;
-    /// let source = Source { samples: &samples, dt: 1e-4, quantity: Quantity::Acceleration };
+    /// let source = ModeRecord { samples: &samples, dt: 1e-4, quantity: Quantity::Acceleration };
     /// let options = Options::default();
     /// let isolated = isolate(&samples, 1e-4, &options)?;
     /// let found = identify(&[source], &Settings { options, method: Method::Hilbert, held: vec![] })?;

@@ -4,10 +4,10 @@ use iwan_core::Progress;
 use iwan_fem::NamedMode;
 use iwan_ident::Parameters;
 use iwan_ident::curves::Curves;
-use iwan_ident::fit::{Fit, fit_from};
+use iwan_ident::curve_fit::{Fit, fit_from};
 use iwan_ident::levels::{Levels, compare_levels};
-use iwan_ident::modal::ModalFilter;
-use iwan_ident::start::start;
+use iwan_ident::channels::ModalFilter;
+use iwan_ident::curve_fit::start;
 use iwan_sim::in_parallel;
 use serde::Serialize;
 

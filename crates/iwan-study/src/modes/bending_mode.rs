@@ -6,7 +6,7 @@ use std::f64::consts::TAU;
 use iwan_fem::ModalCurves;
 use iwan_fem::mesh::beam::Configuration;
 use iwan_ident::curves::{Curves, ForceAxis};
-use iwan_ident::quasi_static::StaticFit;
+use iwan_ident::static_fit::StaticFit;
 
 use super::impact_curves::{Reading, impact_curves, readings};
 use super::slopes::{Slopes, Stiffnesses};

@@ -2,8 +2,8 @@
 
 use iwan_core::FourParameter;
 use iwan_ident::curves::{Curves, Quantity};
-use iwan_ident::fit::fit_from;
-use iwan_ident::identify::{Settings, Source, identify};
+use iwan_ident::curve_fit::fit_from;
+use iwan_ident::identify::{Settings, ModeRecord, identify};
 use iwan_ident::profile::Profile;
 use iwan_ident::signal::Method;
 use iwan_ident::{Parameter, Parameters};
@@ -131,7 +131,7 @@ fn starts(mode: &BendingMode) -> Vec<Parameters> {
 
 /// Simulation in the loop on the records themselves, with what the modes tell given.
 fn intervals(truth: &BeamUnderBlows, mode: &BendingMode) -> Result<Vec<Interval>, iwan_ident::Error> {
-    let records = RECORDS.map(|n| Source {
+    let records = RECORDS.map(|n| ModeRecord {
         samples: &truth.responses[n].outputs[mode.index].acceleration,
         dt: DT,
         quantity: Quantity::Acceleration,

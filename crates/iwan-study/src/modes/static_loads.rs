@@ -2,7 +2,7 @@
 
 use iwan_fem::{ModalCurves, QuasiStatic};
 use iwan_ident::curves::Curves;
-use iwan_ident::quasi_static::{StaticCurves, StaticFit, fit_static};
+use iwan_ident::static_fit::{StaticCurves, StaticFit, fit_static};
 use serde::Serialize;
 
 use crate::beam::BeamUnderBlows;

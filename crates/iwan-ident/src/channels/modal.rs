@@ -1,0 +1,225 @@
+//! One modal record out of many channels: modal filter (Eq. 18), band-pass-scale-average (Sec. 4.4), dominant shape.
+
+use nalgebra::DMatrix;
+
+use crate::error::{Error, check, check_length, check_samples};
+
+/// Singular values below this part of the largest count as zero.
+const RANK_TOLERANCE: f64 = 1e-10;
+/// A channel whose scaled record leaves the average by more than this part of its root mean square is an outlier.
+const OUTLIER: f64 = 0.25;
+
+/// The pseudo-inverse Φ⁺ of a matrix of mode shapes: q'' = Φ⁺ x'' (Eq. 18).
+///
+/// ```
+/// // Two modes at three channels.
+/// let shapes = vec![vec![1.0, 1.0, 1.0], vec![1.0, 0.0, -1.0]];
+/// let filter = iwan_ident::channels::ModalFilter::new(&shapes)?;
+/// assert_eq!(filter.rank(), 2);
+/// // x = 2 of the first and 3 of the second mode.
+/// let q = filter.apply(&[&[5.0], &[2.0], &[-1.0]])?;
+/// assert!((q[0][0] - 2.0).abs() < 1e-12 && (q[1][0] - 3.0).abs() < 1e-12);
+/// # Ok::<(), iwan_ident::Error>(())
+/// ```
+#[derive(Debug, Clone, PartialEq)]
+pub struct ModalFilter {
+    inverse: DMatrix<f64>,
+    rank: usize,
+    condition: f64,
+}
+
+impl ModalFilter {
+    /// From mode shapes: `shapes[mode][channel]`, mass-normalised.
+    ///
+    /// # Errors
+    /// [`Error::Length`] for rows of different length; [`Error::NotFinite`]; [`Error::Refused`] when the channels
+    /// cannot tell the modes apart (rank below the number of modes).
+    pub fn new(shapes: &[Vec<f64>]) -> Result<Self, Error> {
+        let modes = shapes.len();
+        let channels = shapes.first().map_or(0, Vec::len);
+        if modes == 0 {
+            return Err(Error::TooShort {
+                what: "mode shapes",
+                found: 0,
+                needed: 1,
+                remedy: "give one per mode",
+            });
+        }
+        for shape in shapes {
+            check_length("shape", shape.len(), channels)?;
+            check_samples("shape", shape, 1, "give one value per channel")?;
+        }
+        let matrix = DMatrix::from_fn(channels, modes, |i, j| shapes[j][i]);
+        let singular = matrix.singular_values();
+        let largest = singular.iter().copied().fold(0.0, f64::max);
+        let smallest = singular.iter().copied().fold(f64::INFINITY, f64::min);
+        let rank = singular.iter().filter(|s| **s > RANK_TOLERANCE * largest).count();
+        if rank < modes {
+            return Err(Error::Refused {
+                finding: format!("{channels} channels tell only {rank} of {modes} mode shapes apart"),
+                remedy: "use more channels, or fewer modes",
+            });
+        }
+        let inverse = matrix
+            .pseudo_inverse(RANK_TOLERANCE * largest)
+            .map_err(|e| Error::Refused { finding: e.to_owned(), remedy: "check the mode shapes" })?;
+        Ok(Self { inverse, rank, condition: largest / smallest })
+    }
+
+    /// Number of modes that the channels tell apart.
+    #[must_use]
+    pub fn rank(&self) -> usize {
+        self.rank
+    }
+
+    /// Largest over smallest singular value: by so much, at worst, is noise amplified against the signal.
+    #[must_use]
+    pub fn condition(&self) -> f64 {
+        self.condition
+    }
+
+    /// The row of Φ⁺ for a mode (counted from 0), one weight per channel; none when there is no such mode.
+    #[must_use]
+    pub fn weights(&self, mode: usize) -> Option<Vec<f64>> {
+        (mode < self.inverse.nrows()).then(|| self.inverse.row(mode).iter().copied().collect())
+    }
+
+    /// Modal records from channels of equal length, one per mode.
+    ///
+    /// # Errors
+    /// [`Error::Length`].
+    pub fn apply(&self, channels: &[&[f64]]) -> Result<Vec<Vec<f64>>, Error> {
+        check_length("channels", channels.len(), self.inverse.ncols())?;
+        let samples = channels.first().map_or(0, |c| c.len());
+        for channel in channels {
+            check_length("channel", channel.len(), samples)?;
+        }
+        let mode = |row: usize| {
+            let mut q = vec![0.0; samples];
+            for (j, channel) in channels.iter().enumerate() {
+                let factor = self.inverse[(row, j)];
+                q.iter_mut().zip(*channel).for_each(|(q, x)| *q += factor * x);
+            }
+            q
+        };
+        Ok((0..self.inverse.nrows()).map(mode).collect())
+    }
+}
+
+/// One modal record averaged over channels, and the channels that do not fit.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Average {
+    /// Modal record: Σ φ x / Σ φ².
+    pub samples: Vec<f64>,
+    /// Root-mean-square distance of each channel's x - φ q from zero, over that of φ q.
+    pub misfit: Vec<f64>,
+    /// Channels (by index) with a misfit above 25 %: named, and still part of the average.
+    pub outliers: Vec<usize>,
+}
+
+/// Average of band-passed `channels`, each divided by its mode-shape value, with weights φ² (Sec. 4.4).
+///
+/// # Errors
+/// [`Error::Length`]; [`Error::OutOfRange`] when all values of the shape are zero.
+///
+/// ```
+/// let average = iwan_ident::channels::scaled_average(&[&[2.0, 4.0], &[-1.0, -2.0]], &[2.0, -1.0])?;
+/// assert_eq!(average.samples, [1.0, 2.0]);
+/// assert!(average.outliers.is_empty());
+/// # Ok::<(), iwan_ident::Error>(())
+/// ```
+pub fn scaled_average(channels: &[&[f64]], shape: &[f64]) -> Result<Average, Error> {
+    check_length("shape", shape.len(), channels.len())?;
+    let n = channels.first().map_or(0, |c| c.len());
+    let total: f64 = shape.iter().map(|p| p * p).sum();
+    check("sum of squared mode-shape values", total, total > 0.0, "> 0", "give the mode shape")?;
+    let mut samples = vec![0.0; n];
+    for (channel, p) in channels.iter().zip(shape) {
+        check_length("channel", channel.len(), n)?;
+        samples.iter_mut().zip(*channel).for_each(|(q, x)| *q += p / total * x);
+    }
+    let energy: f64 = samples.iter().map(|q| q * q).sum();
+    let misfit: Vec<f64> = channels
+        .iter()
+        .zip(shape)
+        .map(|(x, p)| {
+            let distance: f64 = x.iter().zip(&samples).map(|(x, q)| (x - p * q).powi(2)).sum();
+            (distance / (p * p * energy).max(f64::MIN_POSITIVE)).sqrt()
+        })
+        .collect();
+    let outliers = (0..misfit.len()).filter(|&i| misfit[i] > OUTLIER).collect();
+    Ok(Average { samples, misfit, outliers })
+}
+
+/// Dominant spatial shape of band-passed channels.
+#[derive(Debug, Clone, PartialEq)]
+pub struct DominantShape {
+    /// One value per channel, of unit length; the largest is positive.
+    pub shape: Vec<f64>,
+    /// Part of the channels' energy that moves in this shape: 1 for a single mode without noise.
+    pub share: f64,
+}
+
+/// First singular vector of the channels, for records without mode shapes.
+///
+/// # Errors
+/// [`Error::Length`]; [`Error::Refused`] for channels without motion.
+///
+/// ```
+/// let wave: Vec<f64> = (0..100).map(|n| (0.3 * n as f64).sin()).collect();
+/// let half: Vec<f64> = wave.iter().map(|x| -0.75 * x).collect();
+/// let dominant = iwan_ident::channels::dominant_shape(&[&wave, &half])?;
+/// assert!((dominant.shape[0] - 0.8).abs() < 1e-12 && (dominant.shape[1] + 0.6).abs() < 1e-12);
+/// assert!((dominant.share - 1.0).abs() < 1e-12);
+/// # Ok::<(), iwan_ident::Error>(())
+/// ```
+pub fn dominant_shape(channels: &[&[f64]]) -> Result<DominantShape, Error> {
+    let n = channels.first().map_or(0, |c| c.len());
+    for channel in channels {
+        check_length("channel", channel.len(), n)?;
+    }
+    let product = |a: &[f64], b: &[f64]| -> f64 { a.iter().zip(b).map(|(a, b)| a * b).sum() };
+    let gram = DMatrix::from_fn(channels.len(), channels.len(), |i, j| product(channels[i], channels[j]));
+    let total = gram.trace();
+    if total <= 0.0 || !total.is_finite() {
+        return Err(Error::Refused { finding: "the channels do not move".into(), remedy: "check the band" });
+    }
+    let eigen = gram.symmetric_eigen();
+    let first = eigen.eigenvalues.imax();
+    let vector = eigen.eigenvectors.column(first);
+    let sign = vector[vector.iamax()].signum();
+    let shape = vector.iter().map(|v| sign * v).collect();
+    Ok(DominantShape { shape, share: eigen.eigenvalues[first] / total })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn channels_that_cannot_tell_modes_apart_are_refused() {
+        let error = ModalFilter::new(&[vec![1.0, 2.0], vec![2.0, 4.0]]).unwrap_err().to_string();
+        assert!(error.contains("2 channels tell only 1 of 2"), "{error}");
+        assert!(ModalFilter::new(&[vec![1.0], vec![1.0]]).is_err());
+        assert!(ModalFilter::new(&[]).is_err());
+        assert!(ModalFilter::new(&[vec![1.0, f64::NAN]]).is_err());
+    }
+
+    #[test]
+    fn condition_of_orthogonal_shapes_is_the_ratio_of_their_lengths() {
+        let filter = ModalFilter::new(&[vec![3.0, 0.0, 0.0], vec![0.0, 1.0, 0.0]]).unwrap();
+        assert!((filter.condition() - 3.0).abs() < 1e-12);
+        assert!(filter.apply(&[&[1.0]]).is_err());
+    }
+
+    #[test]
+    fn a_channel_with_the_wrong_sign_is_named() {
+        let wave: Vec<f64> = (0..200).map(|n| (0.3 * f64::from(n)).sin()).collect();
+        let scale = |p: f64| -> Vec<f64> { wave.iter().map(|x| p * x).collect() };
+        let (a, b, c) = (scale(1.0), scale(0.9), scale(-0.2));
+        let average = scaled_average(&[&a, &b, &c], &[1.0, 0.9, 0.2]).unwrap();
+        assert_eq!(average.outliers, [2]);
+        assert!(scaled_average(&[&a], &[0.0]).is_err());
+        assert!(scaled_average(&[&a, &b[..5]], &[1.0, 1.0]).is_err());
+    }
+}

@@ -1,0 +1,267 @@
+//! The records in the form that searches work on: residuals, their weights, and one search.
+
+use std::f64::consts::{PI, TAU};
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+
+use iwan_core::Reversal;
+use rustfft::num_complex::Complex64;
+
+use super::record::Windowed;
+use super::release::TurningPoint;
+use super::ring_down::{Refined, RingDown};
+use crate::error::{Error, check};
+use crate::parameters::{COUNT, Parameter, Parameters};
+use crate::search::{Chart, Minimum, Search};
+
+/// Unknowns of each record: ln of the first amplitude, phase of the release.
+pub(super) const OWN: usize = 2;
+/// Relative reduction of the sum of squares at which searches end that are not the last, …
+pub(super) const ROUGH: f64 = 1e-4;
+/// … and of searches for a minimum under noise.
+pub(super) const FINE: f64 = 2e-6;
+/// Iterations of a rough search, …
+const ROUGH_ITERATIONS: usize = 30;
+/// … and of a fine one.
+const FINE_ITERATIONS: usize = 100;
+/// Standard deviation that is put down to the forward model's own error, relative to a record's amplitudes.
+const NOISE_FLOOR: f64 = 1e-6;
+
+/// The records in the form that the searches work on.
+#[derive(Debug, Clone)]
+pub(crate) struct Task {
+    pub(crate) chart: Chart,
+    pub(super) records: Vec<Windowed>,
+    pub(super) held: Vec<Parameter>,
+    /// Once set there are no residuals any more, so that every search ends.
+    pub(crate) stopped: Arc<AtomicBool>,
+}
+
+/// Buffers that all evaluations of a search share.
+#[derive(Debug, Clone, Default)]
+pub(crate) struct Workspace {
+    stack: Vec<Reversal>,
+    model: Vec<Complex64>,
+}
+
+/// How long a search goes on.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Effort {
+    /// Most iterations.
+    pub(crate) iterations: usize,
+    /// Relative reduction of the sum of squares at which it ends.
+    pub(crate) tolerance: f64,
+}
+
+impl Effort {
+    /// That of searches that are not the last.
+    pub(super) const ROUGH: Self = Self { iterations: ROUGH_ITERATIONS, tolerance: ROUGH };
+
+    /// Until an iteration brings less than the relative `tolerance`: as many iterations as that needs.
+    pub(super) fn until(tolerance: f64) -> Self {
+        let iterations = if tolerance > FINE { ROUGH_ITERATIONS } else { FINE_ITERATIONS };
+        Self { iterations, tolerance }
+    }
+}
+
+impl Task {
+    /// Checks the records; `first` gives the frequency that the windows refer to.
+    pub(crate) fn new(
+        records: &[RingDown<'_>],
+        first: &Parameters,
+        held: &[Parameter],
+    ) -> Result<Self, Error> {
+        check("records", records.len() as f64, !records.is_empty(), "at least one", "give a record")?;
+        let records = records.iter().map(|r| Windowed::new(r, first)).collect::<Result<Vec<_>, _>>()?;
+        let middle = |r: &Windowed| (r.start.displacement.abs().ln(), 1.0);
+        let sum = records.iter().map(middle).fold((0.0, 0.0), |s, m| (s.0 + m.0, s.1 + m.1));
+        let amplitude = (sum.0 / sum.1 - 1.0).exp();
+        let chart = Chart::holding(held, amplitude);
+        let task = Self { chart, records, held: held.to_vec(), stopped: Arc::default() };
+        let needed = COUNT + OWN * task.records.len() + 3;
+        if task.count() < needed {
+            let remedy = "record longer";
+            return Err(Error::TooShort {
+                what: "independent amplitudes",
+                found: task.count(),
+                needed,
+                remedy,
+            });
+        }
+        Ok(task)
+    }
+
+    /// Number of residuals.
+    pub(crate) fn count(&self) -> usize {
+        self.records.iter().map(|r| 2 * r.windows.count).sum()
+    }
+
+    pub(crate) fn held(&self) -> &[Parameter] {
+        &self.held
+    }
+
+    /// Unknowns without those that are held.
+    pub(crate) fn free(&self) -> Vec<usize> {
+        let all = COUNT + OWN * self.records.len();
+        (0..all).filter(|j| self.held.iter().all(|h| self.chart.index(*h) != *j)).collect()
+    }
+
+    pub(crate) fn bounds(&self) -> Vec<(f64, f64)> {
+        let own = [(-3.0, 3.0), (-0.5 * PI, 0.5 * PI)];
+        self.chart.bounds().into_iter().chain(self.records.iter().flat_map(|_| own)).collect()
+    }
+
+    pub(crate) fn coordinates(&self, parameters: &Parameters) -> Result<Vec<f64>, Error> {
+        let mut x = self.chart.coordinates(parameters)?.to_vec();
+        x.resize(COUNT + OWN * self.records.len(), 0.0);
+        Ok(x)
+    }
+
+    /// Whitened residuals over each record's standard deviation.
+    pub(crate) fn residuals(&self, x: &[f64], out: &mut [f64], work: &mut Workspace) -> bool {
+        let starts = self.starts_at(x);
+        self.residuals_of(&self.chart.parameters(x), &starts, out, work)
+    }
+
+    /// The same for parameters and the turning points of the records.
+    pub(crate) fn residuals_of(
+        &self,
+        parameters: &Parameters,
+        starts: &[TurningPoint],
+        out: &mut [f64],
+        work: &mut Workspace,
+    ) -> bool {
+        self.each_model(parameters, starts, work, |record, model, range| {
+            record.whitening.apply(model);
+            let left = record.white.iter().zip(model.iter()).map(|(z, m)| (z - m) / record.scale);
+            out[range].chunks_exact_mut(2).zip(left).for_each(|(o, r)| (o[0], o[1]) = (r.re, r.im));
+        })
+    }
+
+    /// The turning point of each record.
+    pub(super) fn starts_at(&self, x: &[f64]) -> Vec<TurningPoint> {
+        let omega = TAU * self.chart.parameters(x).frequency;
+        let own = x[COUNT..].chunks_exact(OWN);
+        own.zip(&self.records).map(|(own, record)| record.start_at(own, omega)).collect()
+    }
+
+    /// Whitened sum of squares; none where there is no model.
+    pub(crate) fn cost(&self, x: &[f64], work: &mut Workspace) -> Option<f64> {
+        let mut out = vec![0.0; self.count()];
+        let cost = self.residuals(x, &mut out, work).then(|| out.iter().map(|r| r * r).sum::<f64>());
+        cost.filter(|c| c.is_finite())
+    }
+
+    /// Differences of log amplitudes and of unwrapped phases, weighted by amplitude.
+    pub(super) fn log_residuals(&self, x: &[f64], out: &mut [f64], work: &mut Workspace) -> bool {
+        out.fill(0.0);
+        let starts = self.starts_at(x);
+        self.each_model(&self.chart.parameters(x), &starts, work, |record, model, range| {
+            let loud = record.loud();
+            let loudest = record.amplitudes.iter().map(|z| z.norm()).fold(0.0, f64::max);
+            let mut turned = (Complex64::new(1.0, 0.0), 0.0);
+            for (k, o) in out[range].chunks_exact_mut(2).enumerate().take(loud) {
+                let ratio = record.amplitudes[k] / model[k];
+                let angle = turned.1 + (ratio / turned.0).arg();
+                turned = (ratio, angle);
+                let weight = record.amplitudes[k].norm() / loudest;
+                (o[0], o[1]) = (weight * ratio.norm().max(f64::MIN_POSITIVE).ln(), weight * angle);
+            }
+        })
+    }
+
+    fn each_model(
+        &self,
+        parameters: &Parameters,
+        starts: &[TurningPoint],
+        work: &mut Workspace,
+        mut compare: impl FnMut(&Windowed, &mut [Complex64], std::ops::Range<usize>),
+    ) -> bool {
+        if self.stopped.load(Ordering::Relaxed) {
+            return false;
+        }
+        let mut from = 0;
+        for (start, record) in starts.iter().zip(&self.records) {
+            work.model.resize(record.windows.count, Complex64::default());
+            let (stack, model) = (&mut work.stack, &mut work.model);
+            if !record.windows.of_model(parameters, *start, record.quantity, stack, model) {
+                return false;
+            }
+            compare(record, model, from..from + 2 * record.windows.count);
+            from += 2 * record.windows.count;
+        }
+        true
+    }
+
+    /// A search over the coordinates in `free`.
+    pub(crate) fn search(&self, free: Vec<usize>, effort: Effort) -> Search {
+        let Effort { iterations, tolerance } = effort;
+        Search { count: self.count(), free, bounds: self.bounds(), iterations, tolerance }
+    }
+
+    /// The least whitened sum of squares from `x`, until an iteration brings less than the relative `tolerance`.
+    pub(crate) fn minimise(
+        &self,
+        x: &[f64],
+        free: Vec<usize>,
+        tolerance: f64,
+        work: &mut Workspace,
+    ) -> Option<Minimum> {
+        let mut residuals = |x: &[f64], out: &mut [f64]| self.residuals(x, out, work);
+        self.search(free, Effort::until(tolerance)).run(&mut residuals, x)
+    }
+
+    /// Sets each record's standard deviation to that of its residuals at `x`.
+    pub(super) fn weigh(&mut self, x: &[f64], work: &mut Workspace) {
+        let mut out = vec![0.0; self.count()];
+        if !self.residuals(x, &mut out, work) {
+            return;
+        }
+        let unknowns = self.free().len() as f64 / self.records.len() as f64;
+        let mut from = 0;
+        for record in &mut self.records {
+            let n = 2 * record.windows.count;
+            let square: f64 = out[from..from + n].iter().map(|r| r * r).sum();
+            let deviation = record.scale * (square / (n as f64 - unknowns).max(1.0)).sqrt();
+            record.scale = deviation.max(1e-3 * NOISE_FLOOR * record.root_mean_square());
+            from += n;
+        }
+    }
+
+    /// Variance of residuals that the forward model itself accounts for.
+    pub(crate) fn least_variance(&self) -> f64 {
+        let floor = |r: &Windowed| (NOISE_FLOOR * r.root_mean_square() / r.scale).powi(2);
+        self.records.iter().map(floor).fold(0.0, f64::max)
+    }
+
+    pub(crate) fn refined(&self, minimum: &Minimum) -> Refined {
+        let mut out = vec![0.0; self.count()];
+        self.residuals(&minimum.x, &mut out, &mut Workspace::default());
+        let parameters = self.chart.parameters(&minimum.x);
+        let (mut noise, mut square, mut total, mut product, mut from) = (vec![], 0.0, 0.0, 0.0, 0);
+        for record in &self.records {
+            let n = 2 * record.windows.count;
+            let part = &out[from..from + n];
+            let sum: f64 = part.iter().map(|r| r * r).sum();
+            // Density of the noise in each quadrature is half the variance of a sample times dt.
+            noise.push(record.scale * (sum / n as f64).sqrt() * (2.0 / record.dt).sqrt());
+            square += sum * record.scale.powi(2);
+            total += record.root_mean_square().powi(2) * record.windows.count as f64;
+            product += part.iter().zip(&part[2..]).map(|(a, b)| a * b).sum::<f64>();
+            from += n;
+        }
+        Refined {
+            parameters,
+            starts: self.starts_at(&minimum.x),
+            noise,
+            relative_residual: (square / total).sqrt(),
+            correlation: product / minimum.cost.max(f64::MIN_POSITIVE),
+            converged: minimum.converged,
+        }
+    }
+}
+
+pub(super) fn no_ring_down() -> Error {
+    let finding = "the start values have no ring-down".into();
+    Error::Refused { finding, remedy: "start nearer to the solution" }
+}

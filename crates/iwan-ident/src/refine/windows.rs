@@ -1,0 +1,287 @@
+//! What of a ring-down is compared with a model: complex amplitudes in overlapping windows.
+//!
+//! z_k = ∫ w(t - kH) x(t) e^(-iω_r t) dt with w = sin⁴(πt/4H) on 0 … 4H and a fixed reference frequency ω_r, H a whole
+//! number of its cycles. The same linear functional is taken of record and model, so that nothing is lost to smoothing
+//! or to the windows' ends; offset, slow drift, harmonics and other modes (apart by more than 3/(4H) Hz) fall outside.
+//! Windows share a quarter and more of each other: [`Whitening`](super::whitening::Whitening) makes white noise of the record white again.
+//! The record is taken to be free of aliases: higher harmonics are not folded into the model's amplitudes.
+
+use std::f64::consts::{PI, TAU};
+
+use iwan_core::{Decay, Reversal};
+use rustfft::num_complex::Complex64;
+
+use super::release::TurningPoint;
+use crate::curves::Quantity;
+use crate::parameters::Parameters;
+
+/// Windows that cover a moment.
+pub(super) const OVERLAP: usize = 4;
+/// Cycles from window to window from which on a window is a cubic over half a cycle: what is left of sin⁴ is below
+/// 40/24 (π/16/cycles)⁴ at the ends of the half cycle.
+const LONG: f64 = 4.0;
+/// Most windows of a record: more say no more about a slow amplitude, and cost time.
+const MOST: f64 = 120.0;
+
+/// Where the windows lie.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Windows {
+    /// ω_r, rad/s.
+    pub(super) omega: f64,
+    /// Step from window to window, s.
+    pub(super) hop: f64,
+    pub(super) count: usize,
+}
+
+impl Windows {
+    /// As many as a record of `seconds` holds, at least `cycles` of the reference `frequency` (Hz) apart.
+    pub(super) fn over(seconds: f64, frequency: f64, cycles: f64) -> Self {
+        let cycles = cycles.max(seconds * frequency / MOST).ceil().max(1.0);
+        let hop = cycles / frequency;
+        let count = ((seconds / hop + 1e-9) as usize + 1).saturating_sub(OVERLAP);
+        Self { omega: TAU * frequency, hop, count }
+    }
+
+    /// End of the last window, s.
+    pub(super) fn end(&self) -> f64 {
+        (self.count + OVERLAP - 1) as f64 * self.hop
+    }
+
+    /// Calls `add` with each window that covers the time `t`, its weight there and the derivative of the weight.
+    fn covering(&self, t: f64, mut add: impl FnMut(usize, f64, f64)) {
+        let place = t / self.hop;
+        if place < 0.0 {
+            return;
+        }
+        let last = place as usize;
+        let (s, c) = (0.5 * PI * (place - last as f64)).sin_cos();
+        let rate = 0.25 * PI / self.hop;
+        // cos 2x and sin 2x of the angle x within window last - i, a quarter turn on for each i.
+        let turns = [(c, s), (-s, c), (-c, -s), (s, -c)];
+        for (i, (cos, sin)) in turns.into_iter().enumerate().take(last + 1) {
+            if last - i < self.count {
+                let square = 0.5 * (1.0 - cos);
+                add(last - i, square * square, 2.0 * square * sin * rate);
+            }
+        }
+    }
+
+    /// Complex amplitudes of uniform samples from t = 0.
+    pub(super) fn of_samples(&self, samples: &[f64], dt: f64) -> Vec<Complex64> {
+        let mean = samples.iter().sum::<f64>() / samples.len() as f64;
+        let mut out = vec![Complex64::default(); self.count];
+        for (n, x) in samples.iter().enumerate() {
+            let t = n as f64 * dt;
+            let x = Complex64::cis(-(self.omega * t).rem_euclid(TAU)) * ((x - mean) * dt);
+            self.covering(t, |k, weight, _| out[k] += x * weight);
+        }
+        out
+    }
+
+    /// Complex amplitudes of the model's ring-down from rest at `start`; false when there is none. Before the release the
+    /// motion is mirrored: it is a turning point.
+    pub(super) fn of_model(
+        &self,
+        parameters: &Parameters,
+        start: TurningPoint,
+        quantity: Quantity,
+        stack: &mut Vec<Reversal>,
+        out: &mut [Complex64],
+    ) -> bool {
+        let Ok((oscillator, joint)) = parameters.model() else { return false };
+        let half_cycles = (2.5 * (self.end() + start.time.abs()) * parameters.frequency) as usize + 16;
+        if stack.len() < half_cycles {
+            stack.resize(half_cycles, Reversal::default());
+        }
+        let released = iwan_core::Motion::held_at(start.displacement);
+        let Ok(mut decay) = Decay::new(&oscillator, &joint, 0.0, released, stack.as_mut_slice()) else {
+            return false;
+        };
+        out.fill(Complex64::default());
+        let long = self.hop * self.omega >= LONG * TAU;
+        let (end, mut now) = (self.end(), start.time);
+        while now < end {
+            let first = now == start.time;
+            let mut moments = Moments::default();
+            let middle = now + 0.5 * PI / self.omega;
+            let turned = decay.next_with(|node| {
+                let t = start.time + node.time;
+                let motion = Motion { displacement: node.displacement, velocity: node.velocity };
+                if long && !first {
+                    let late = t - middle;
+                    moments.add(late, self.term(late, motion, node.weight, quantity));
+                    return;
+                }
+                self.add(t, motion, node.weight, quantity, out);
+                if first && node.time < start.time {
+                    self.add(start.time - node.time, motion.mirrored(), node.weight, quantity, out);
+                }
+            });
+            let Some(turned) = turned else { return false };
+            if long && !first {
+                self.add_moments(middle, &moments, quantity, out);
+            }
+            now = start.time + turned.time;
+        }
+        true
+    }
+
+    /// The integrand of a moment but for the window: x e^(-iω_r t) dt, for acceleration -v e^(-iω_r t) dt.
+    fn term(&self, t: f64, motion: Motion, seconds: f64, quantity: Quantity) -> Complex64 {
+        let (sin, cos) = (self.omega * t).sin_cos();
+        let x = match quantity {
+            Quantity::Displacement => motion.displacement,
+            Quantity::Velocity => motion.velocity,
+            Quantity::Acceleration => -motion.velocity,
+        };
+        Complex64::new(cos, -sin) * (x * seconds)
+    }
+
+    /// Adds a half cycle about the time `t` to the windows that cover it, these by their Taylor series.
+    fn add_moments(&self, t: f64, moments: &Moments, quantity: Quantity, out: &mut [Complex64]) {
+        let place = t / self.hop;
+        let last = place as usize;
+        let (s, c) = (0.5 * PI * (place - last as f64)).sin_cos();
+        let rate = 0.5 * PI / self.hop;
+        let turns = [(c, s), (-s, c), (-c, -s), (s, -c)];
+        let turn = Complex64::cis(-(self.omega * t).rem_euclid(TAU));
+        let m = moments.0.map(|moment| moment * turn);
+        for (i, (cos, sin)) in turns.into_iter().enumerate().take(last + 1) {
+            if last - i >= self.count {
+                continue;
+            }
+            // sin⁴x = (3 - 4 cos 2x + cos 4x)/8, and its derivatives with respect to time.
+            let (cos_2, sin_2) = (cos * cos - sin * sin, 2.0 * sin * cos);
+            let series = [
+                0.125 * (3.0 - 4.0 * cos + cos_2),
+                rate * 0.25 * (2.0 * sin - sin_2),
+                rate * rate * 0.5 * (cos - cos_2),
+                rate.powi(3) * 0.5 * (2.0 * sin_2 - sin),
+                rate.powi(4) * 0.5 * (4.0 * cos_2 - cos),
+            ];
+            let weighted = |s: &[f64]| m[0] * s[0] + m[1] * s[1] + m[2] * (0.5 * s[2]) + m[3] * (s[3] / 6.0);
+            out[last - i] += match quantity {
+                Quantity::Acceleration => {
+                    weighted(&series[1..]) + weighted(&series[..4]) * Complex64::new(0.0, -self.omega)
+                }
+                _ => weighted(&series[..4]),
+            };
+        }
+    }
+
+    /// Adds a moment of the motion. Acceleration by parts: the velocity times the derivative of the weight.
+    fn add(&self, t: f64, motion: Motion, seconds: f64, quantity: Quantity, out: &mut [Complex64]) {
+        let (sin, cos) = (self.omega * t).sin_cos();
+        let turn = Complex64::new(cos, -sin);
+        match quantity {
+            Quantity::Displacement => {
+                let x = turn * (motion.displacement * seconds);
+                self.covering(t, |k, weight, _| out[k] += x * weight);
+            }
+            Quantity::Velocity => {
+                let x = turn * (motion.velocity * seconds);
+                self.covering(t, |k, weight, _| out[k] += x * weight);
+            }
+            Quantity::Acceleration => {
+                let x = turn * (-motion.velocity * seconds);
+                self.covering(t, |k, weight, slope| {
+                    out[k] += x * Complex64::new(slope, -self.omega * weight);
+                });
+            }
+        }
+    }
+}
+
+/// Displacement and velocity at a moment.
+#[derive(Debug, Clone, Copy)]
+struct Motion {
+    displacement: f64,
+    velocity: f64,
+}
+
+impl Motion {
+    /// The same at the same time before a turning point.
+    fn mirrored(self) -> Self {
+        Self { velocity: -self.velocity, ..self }
+    }
+}
+
+/// Integrals over a half cycle, times 0 to 3 powers of the time from its middle.
+#[derive(Debug, Clone, Copy, Default)]
+struct Moments([Complex64; 4]);
+
+impl Moments {
+    fn add(&mut self, t: f64, mut term: Complex64) {
+        for moment in &mut self.0 {
+            *moment += term;
+            term *= t;
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use iwan_core::{Continuum, Hysteresis, Newmark, Samples};
+
+    use super::*;
+
+    const MODE: Parameters =
+        Parameters { frequency: 124.0, damping_ratio: 1e-3, k_t: 4.45e4, f_s: 239.4, chi: -0.183, beta: 0.3 };
+
+    /// Time steps of the continuum: displacement, velocity, acceleration every `dt`.
+    fn motion(ratio: f64, dt: f64, samples: usize) -> [Vec<f64>; 4] {
+        let (oscillator, joint) = MODE.model().unwrap();
+        let law = Continuum::new(&joint);
+        let mut memory = law.virgin(vec![Reversal::default(); 4096]).unwrap();
+        law.advance(&mut memory, ratio * joint.phi_max());
+        let fraction = 40;
+        let mut out: [Vec<f64>; 4] = std::array::from_fn(|_| vec![0.0; (samples - 1) * fraction + 1]);
+        let [displacement, velocity, acceleration, joint_force] = &mut out;
+        let scheme = Newmark::prewarped(dt / fraction as f64, oscillator.omega0()).unwrap();
+        let mut buffers = Samples { displacement, velocity, acceleration, joint_force };
+        scheme.integrate(&oscillator, &law, &mut memory, 0.0, &[], &mut buffers).unwrap();
+        out.map(|x| x.into_iter().step_by(fraction).collect())
+    }
+
+    #[test]
+    fn amplitudes_of_the_model_are_those_of_its_samples() {
+        let dt = 1.0 / (124.0 * 40.0);
+        let joint = MODE.model().unwrap().1;
+        // Windows one cycle apart take every node, those five apart take half cycles.
+        for (ratio, cycles, count) in [(0.1, 1.0, 46), (2.0, 1.0, 46), (0.1, 5.0, 6), (2.0, 5.0, 6)] {
+            let samples = motion(ratio, dt, 2001);
+            let windows = Windows::over(2000.0 * dt, 123.0, cycles);
+            assert_eq!(windows.count, count);
+            for (i, quantity) in
+                [Quantity::Displacement, Quantity::Velocity, Quantity::Acceleration].into_iter().enumerate()
+            {
+                let mut model = vec![Complex64::default(); windows.count];
+                let start = TurningPoint { displacement: ratio * joint.phi_max(), time: 0.0 };
+                assert!(windows.of_model(&MODE, start, quantity, &mut vec![], &mut model));
+                let record = windows.of_samples(&samples[i], dt);
+                for (k, (a, b)) in model.iter().zip(&record).enumerate() {
+                    // A residual displacement of the centre is slow, and its windows do not see it.
+                    let error = (a - b).norm() / b.norm();
+                    assert!(error < 2e-5, "{ratio} {cycles} {quantity:?} window {k}: {error:e}");
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn a_release_between_samples_is_a_shift() {
+        let dt = 1.0 / (124.0 * 400.0);
+        let joint = MODE.model().unwrap().1;
+        let samples = &motion(0.5, dt, 8001)[2];
+        let windows = Windows::over(6000.0 * dt, 124.0, 1.0);
+        for early in [30_usize, 90] {
+            let record = windows.of_samples(&samples[early..], dt);
+            let mut model = record.clone();
+            let start = TurningPoint { displacement: 0.5 * joint.phi_max(), time: -(early as f64) * dt };
+            assert!(windows.of_model(&MODE, start, Quantity::Acceleration, &mut vec![], &mut model));
+            for (a, b) in model.iter().zip(&record) {
+                assert!((a - b).norm() < 2e-5 * b.norm());
+            }
+        }
+    }
+}

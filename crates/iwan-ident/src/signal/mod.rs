@@ -1,0 +1,20 @@
+//! One record, one mode: band-pass, analytic signal, envelope and frequency.
+//!
+//! [`envelope()`](envelope()) does it all; [`isolate()`] and [`Isolated::envelope`] do it in two steps, [`opinions`] by all methods.
+
+mod filter;
+mod hilbert;
+mod spectrum;
+mod spot;
+mod extrema;
+mod defects;
+mod raw;
+mod isolate;
+mod envelope;
+
+pub use envelope::{Envelope, Instant, Method, Opinions, Refusal, Spread, envelope, opinions};
+pub use filter::{Butterworth, Passband};
+pub use hilbert::{Analytic, analytic_signal, whole_cycles};
+pub use isolate::{Isolated, Options, isolate};
+pub use spectrum::{Band, SpectralLine, amplitude_spectrum, automatic_band};
+pub use spot::{Spot, spot};

@@ -1,0 +1,321 @@
+//! Named arrays (columns, NumPy arrays, MATLAB variables): which is the time, which are channels.
+
+use super::assemble::{Axis, Channel, Raw};
+use super::sampling;
+use super::units;
+use crate::error::ReadError;
+use crate::file_bytes::{FileBytes, list};
+use crate::options::ReadOptions;
+use crate::quantity::Quantity;
+use crate::warning::Warning;
+
+/// A named array of one or two dimensions, column after column.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct Variable {
+    pub(crate) name: String,
+    pub(crate) unit: String,
+    pub(crate) rows: usize,
+    pub(crate) columns: usize,
+    pub(crate) values: Vec<f64>,
+}
+
+impl Variable {
+    fn vector(name: String, unit: String, values: Vec<f64>) -> Self {
+        Self { name, unit, rows: values.len(), columns: 1, values }
+    }
+
+    fn is_vector(&self) -> bool {
+        (self.rows == 1 || self.columns == 1) && self.values.len() > 1
+    }
+
+    /// The channels in an array: samples run along the dimension of `length`, else along the longer one.
+    fn split(self, length: Option<usize>) -> Vec<Variable> {
+        if self.rows <= 1 || self.columns <= 1 {
+            return vec![self];
+        }
+        let along_columns = match length {
+            Some(n) if n == self.rows => true,
+            Some(n) if n == self.columns => false,
+            _ => self.rows >= self.columns,
+        };
+        let count = if along_columns { self.columns } else { self.rows };
+        (0..count).map(|k| self.slice(k, along_columns)).collect()
+    }
+
+    fn slice(&self, k: usize, along_columns: bool) -> Variable {
+        let name = format!("{}[{k}]", self.name);
+        let values = if along_columns {
+            self.values[k * self.rows..(k + 1) * self.rows].to_vec()
+        } else {
+            self.values.iter().skip(k).step_by(self.rows).copied().collect()
+        };
+        Variable::vector(name, self.unit.clone(), values)
+    }
+}
+
+/// Named arrays of one file with what the user says about them.
+pub(crate) struct Chooser<'a> {
+    pub(crate) source: FileBytes<'a>,
+    pub(crate) options: &'a ReadOptions,
+    /// One table, whose first column may be a time without a name.
+    pub(crate) tabular: bool,
+}
+
+impl Chooser<'_> {
+    /// Finds time and channels.
+    pub(crate) fn choose(
+        &self,
+        mut variables: Vec<Variable>,
+        mut warnings: Vec<Warning>,
+    ) -> Result<Raw, ReadError> {
+        let names = list(variables.iter().map(|v| v.name.as_str()));
+        let mut axis = self.stored_time(&mut variables, &names, &mut warnings)?;
+        let mut length = length_of(&axis);
+        if self.tabular && length.is_none() {
+            variables = variables.into_iter().flat_map(|v| v.split(None)).collect();
+            axis = self.unnamed_time(&mut variables, &mut warnings);
+            length = length_of(&axis);
+        }
+        if matches!(axis, Axis::None) {
+            axis = step_from_scalars(&variables);
+        }
+        let chosen = !self.options.channels.is_empty();
+        let channels = if chosen {
+            self.named_channels(&variables, length, &names)?
+        } else {
+            self.all_channels(variables, length, &names, &mut warnings)?
+        };
+        Ok(Raw { axis, channels: channels.into_iter().map(into_channel).collect(), chosen, warnings })
+    }
+
+    /// The time named by the user, or the first vector with a name that means time.
+    fn stored_time(
+        &self,
+        variables: &mut Vec<Variable>,
+        names: &str,
+        warnings: &mut Vec<Warning>,
+    ) -> Result<Axis, ReadError> {
+        let at = match &self.options.time {
+            Some(name) => match variables.iter().position(|v| v.name == *name) {
+                Some(at) => Some(at),
+                None => return self.time_inside_array(variables, name, names),
+            },
+            None => variables
+                .iter()
+                .position(|v| v.is_vector() && units::is_time_name(&v.name) && !self.is_channel(&v.name)),
+        };
+        let Some(at) = at else { return Ok(Axis::None) };
+        let time = variables.remove(at);
+        if !time.is_vector() {
+            let found = format!("an array of {} x {} values", time.rows, time.columns);
+            return Err(self.source.malformed(format!("time '{}'", time.name), found, "a vector of times"));
+        }
+        Ok(in_seconds(time, warnings))
+    }
+
+    /// A time such as `data[0]`: one column or row of an array.
+    fn time_inside_array(
+        &self,
+        variables: &mut Vec<Variable>,
+        name: &str,
+        names: &str,
+    ) -> Result<Axis, ReadError> {
+        let owner = variables.iter().position(|v| is_part(name, &v.name));
+        let parts = owner.map(|at| variables.remove(at).split(None)).unwrap_or_default();
+        let mut axis = None;
+        for part in parts {
+            if part.name == name {
+                axis = Some(Axis::Times { name: part.name, values: part.values });
+            } else {
+                variables.push(part);
+            }
+        }
+        axis.ok_or_else(|| self.unknown("time", name, names))
+    }
+
+    /// The first column, when it increases uniformly and is not the only one.
+    fn unnamed_time(&self, variables: &mut Vec<Variable>, warnings: &mut Vec<Warning>) -> Axis {
+        let first = variables.first().filter(|_| variables.len() > 1);
+        let is_time = first.is_some_and(|v| !self.is_channel(&v.name) && sampling::is_clock(&v.values));
+        if !is_time {
+            return Axis::None;
+        }
+        let time = variables.remove(0);
+        warnings.push(Warning::TimeAssumed { name: time.name.clone() });
+        in_seconds(time, warnings)
+    }
+
+    fn is_channel(&self, name: &str) -> bool {
+        self.options.channels.iter().any(|c| c == name)
+    }
+
+    fn named_channels(
+        &self,
+        variables: &[Variable],
+        length: Option<usize>,
+        names: &str,
+    ) -> Result<Vec<Variable>, ReadError> {
+        let mut found = Vec::new();
+        for name in &self.options.channels {
+            let Some(owner) = variables.iter().find(|v| v.name == *name || is_part(name, &v.name)) else {
+                return Err(self.unknown("channel", name, names));
+            };
+            let parts = owner.clone().split(length);
+            let before = found.len();
+            found.extend(parts.into_iter().filter(|p| owner.name == *name || p.name == *name));
+            if found.len() == before {
+                return Err(self.unknown("channel", name, names));
+            }
+        }
+        Ok(found)
+    }
+
+    /// Every vector as long as the time; without a time, all vectors, which then must be equally long.
+    fn all_channels(
+        &self,
+        variables: Vec<Variable>,
+        length: Option<usize>,
+        names: &str,
+        warnings: &mut Vec<Warning>,
+    ) -> Result<Vec<Variable>, ReadError> {
+        let vectors = variables.into_iter().filter(|v| v.values.len() > 1);
+        let vectors: Vec<Variable> = vectors.flat_map(|v| v.split(length)).collect();
+        let Some(first) = vectors.first() else {
+            return Err(self.ambiguous("there is no channel of at least 2 samples", names));
+        };
+        let Some(length) = length else {
+            let (name, n) = (&first.name, first.values.len());
+            return match vectors.iter().find(|v| v.values.len() != n) {
+                None => Ok(vectors),
+                Some(v) => {
+                    let found = format!("'{name}' has {n} samples, '{}' {}", v.name, v.values.len());
+                    Err(self.ambiguous(&found, names))
+                }
+            };
+        };
+        let fits = |v: &Variable| v.values.len() == length && !units::is_time_name(&v.name);
+        let (fitting, others): (Vec<_>, Vec<_>) = vectors.into_iter().partition(fits);
+        if fitting.is_empty() {
+            return Err(self.ambiguous(&format!("no channel has {length} samples as the time has"), names));
+        }
+        warnings.extend(others.into_iter().map(|v| {
+            let reason = match v.values.len() {
+                n if n == length => "it is a second time by its name".into(),
+                n => format!("it has {n} values, the time has {length}"),
+            };
+            Warning::LeftOut { name: v.name, reason }
+        }));
+        Ok(fitting)
+    }
+
+    fn unknown(&self, role: &'static str, name: &str, names: &str) -> ReadError {
+        let (file, name, names) = (self.source.file.into(), name.into(), names.into());
+        ReadError::UnknownName { file, role, name, names }
+    }
+
+    fn ambiguous(&self, found: &str, names: &str) -> ReadError {
+        let file = self.source.file.into();
+        ReadError::Ambiguous { file, found: found.into(), names: names.into() }
+    }
+}
+
+/// Whether `name` is `owner[k]`.
+fn is_part(name: &str, owner: &str) -> bool {
+    name.strip_prefix(owner).is_some_and(|rest| rest.starts_with('[') && rest.ends_with(']'))
+}
+
+fn length_of(axis: &Axis) -> Option<usize> {
+    if let Axis::Times { values, .. } = axis { Some(values.len()) } else { None }
+}
+
+fn in_seconds(mut time: Variable, warnings: &mut Vec<Warning>) -> Axis {
+    let factor = units::time_factor(&time.unit).unwrap_or(1.0);
+    if factor != 1.0 {
+        for t in &mut time.values {
+            *t *= factor;
+        }
+        warnings.push(Warning::TimeScaled { unit: time.unit, factor });
+    }
+    Axis::Times { name: time.name, values: time.values }
+}
+
+/// A single number called `dt` (seconds) or `fs`, `rate` and the like (Hz).
+fn step_from_scalars(variables: &[Variable]) -> Axis {
+    const STEPS: [&str; 4] = ["dt", "delta_t", "time_step", "sampling_interval"];
+    const RATES: [&str; 7] =
+        ["fs", "rate", "sample_rate", "samplerate", "sampling_rate", "fsample", "sampling_frequency"];
+    let scalar = |names: &[&str]| {
+        let is = |v: &&Variable| v.values.len() == 1 && names.contains(&units::base(&v.name).as_str());
+        variables.iter().find(is).map(|v| v.values[0])
+    };
+    let start = scalar(&["t0", "start"]).unwrap_or(0.0);
+    match scalar(&STEPS).or_else(|| scalar(&RATES).map(|rate| 1.0 / rate)) {
+        Some(step) => Axis::Even { start, step },
+        None => Axis::None,
+    }
+}
+
+fn into_channel(v: Variable) -> Channel {
+    let mut quantity = units::quantity_of_unit(&v.unit);
+    if quantity == Quantity::Unknown && v.unit.is_empty() {
+        quantity = units::quantity_of_name(&v.name);
+    }
+    Channel { name: v.name, unit: v.unit, quantity, values: v.values }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::path::Path;
+
+    fn array(name: &str, rows: usize, columns: usize) -> Variable {
+        let values = (0..rows * columns).map(|i| i as f64).collect();
+        Variable { name: name.into(), unit: String::new(), rows, columns, values }
+    }
+
+    fn choose(variables: Vec<Variable>, options: &ReadOptions) -> Result<Raw, ReadError> {
+        let source = FileBytes { file: Path::new("a.npz"), bytes: &[] };
+        Chooser { source, options, tabular: false }.choose(variables, Vec::new())
+    }
+
+    #[test]
+    fn arrays_are_split_along_the_length_of_the_time() {
+        let raw = choose(vec![array("t", 3, 1), array("acc", 4, 3)], &ReadOptions::default()).unwrap();
+        let names: Vec<_> = raw.channels.iter().map(|c| c.name.as_str()).collect();
+        assert_eq!(names, ["acc[0]", "acc[1]", "acc[2]", "acc[3]"]);
+        assert_eq!(raw.channels[1].values, [1.0, 5.0, 9.0]);
+        assert_eq!(raw.channels[1].quantity, Quantity::Acceleration);
+    }
+
+    #[test]
+    fn a_second_time_is_no_channel() {
+        let variables = vec![array("a.t", 3, 1), array("a.x", 3, 1), array("b.t", 3, 1), array("y", 2, 1)];
+        let raw = choose(variables, &ReadOptions::default()).unwrap();
+        assert_eq!(raw.channels.len(), 1);
+        assert!(matches!(&raw.warnings[..], [Warning::LeftOut { name, .. }, _] if name == "b.t"));
+    }
+
+    #[test]
+    fn a_part_of_an_array_can_be_chosen() {
+        let options =
+            ReadOptions { time: Some("d[0]".into()), channels: vec!["d[1]".into()], ..Default::default() };
+        let raw = choose(vec![array("d", 5, 2)], &options).unwrap();
+        assert!(matches!(raw.axis, Axis::Times { values, .. } if values == [0.0, 1.0, 2.0, 3.0, 4.0]));
+        assert_eq!(raw.channels[0].values, [5.0, 6.0, 7.0, 8.0, 9.0]);
+    }
+
+    #[test]
+    fn a_scalar_interval_or_rate_serves_as_time() {
+        let mut fs = array("fs", 1, 1);
+        fs.values[0] = 4.0;
+        let raw = choose(vec![fs, array("a", 1, 9)], &ReadOptions::default()).unwrap();
+        assert!(matches!(raw.axis, Axis::Even { step: 0.25, .. }));
+    }
+
+    #[test]
+    fn names_that_are_not_there_are_named_with_those_that_are() {
+        let options = ReadOptions { channels: vec!["b".into()], ..Default::default() };
+        let Err(error) = choose(vec![array("a", 5, 1)], &options) else { panic!("accepted") };
+        assert_eq!(error.to_string(), "a.npz: there is no channel 'b'; there are: a");
+    }
+}

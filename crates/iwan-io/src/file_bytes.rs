@@ -1,0 +1,80 @@
+//! The bytes of a file with its path, so that every error can name it.
+
+use crate::error::ReadError;
+use crate::record::RecordError;
+use std::path::Path;
+
+/// A file in memory.
+#[derive(Clone, Copy)]
+pub(crate) struct FileBytes<'a> {
+    pub(crate) file: &'a Path,
+    pub(crate) bytes: &'a [u8],
+}
+
+impl FileBytes<'_> {
+    pub(crate) fn malformed(
+        &self,
+        place: impl Into<String>,
+        found: impl Into<String>,
+        expected: impl Into<String>,
+    ) -> ReadError {
+        let (place, found, expected) = (place.into(), found.into(), expected.into());
+        ReadError::Malformed { file: self.file.into(), place, found, expected }
+    }
+
+    pub(crate) fn unsupported(
+        &self,
+        place: impl Into<String>,
+        found: impl Into<String>,
+        remedy: impl Into<String>,
+    ) -> ReadError {
+        let (place, found, remedy) = (place.into(), found.into(), remedy.into());
+        ReadError::Unsupported { file: self.file.into(), place, found, remedy }
+    }
+
+    pub(crate) fn cut_short(
+        &self,
+        place: impl Into<String>,
+        what: &'static str,
+        promised: u64,
+        found: u64,
+    ) -> ReadError {
+        ReadError::CutShort { file: self.file.into(), place: place.into(), what, promised, found }
+    }
+
+    pub(crate) fn record(&self, source: RecordError) -> ReadError {
+        ReadError::Record { file: self.file.into(), source }
+    }
+}
+
+/// Text of a header: UTF-8 where it is, else Latin-1, as older analysers write it.
+pub(crate) fn decode(bytes: &[u8]) -> String {
+    match std::str::from_utf8(bytes) {
+        Ok(text) => text.into(),
+        Err(_) => bytes.iter().map(|&b| char::from(b)).collect(),
+    }
+}
+
+/// At most `limit` characters of a text for an error message.
+pub(crate) fn shorten(text: &str, limit: usize) -> String {
+    if text.chars().count() <= limit {
+        return text.into();
+    }
+    let mut short: String = text.chars().take(limit).collect();
+    short.push_str("...");
+    short
+}
+
+/// Names for an error message: the first twenty, and how many more there are.
+pub(crate) fn list<'a>(names: impl IntoIterator<Item = &'a str>) -> String {
+    // A message of more names is longer than a screen; how many are left out is said.
+    const SHOWN: usize = 20;
+    let mut names = names.into_iter();
+    let shown: Vec<String> = names.by_ref().take(SHOWN).map(|n| shorten(n, 60)).collect();
+    let rest = names.count();
+    match (shown.is_empty(), rest) {
+        (true, _) => "none".into(),
+        (_, 0) => shown.join(", "),
+        _ => format!("{} and {rest} more", shown.join(", ")),
+    }
+}

@@ -1,0 +1,124 @@
+//! MATLAB level 5 MAT-files: numeric arrays of all types, structs and nested structs, plain or compressed.
+//!
+//! Layout after "MAT-File Format", The MathWorks, chapter 1 (level 5). Own reader: the published crate does not know
+//! structs. A field is called by its path, `HIdata.time`; the elements of a struct array by their number, counted
+//! from 1 as MATLAB does, `hits(2).acc`.
+
+mod element;
+mod matrix;
+
+use crate::assembly::{Chooser, Raw, Variable, units};
+use crate::bytes::Order;
+use crate::error::ReadError;
+use crate::file_bytes::FileBytes;
+use crate::inflate::{most, read_limited};
+use crate::options::ReadOptions;
+use element::{Cursor, ElementType};
+use flate2::bufread::ZlibDecoder;
+use matrix::{Found, Reader, Said};
+
+/// Bytes before the first data element: 116 of text, 8 of offsets, version and byte order.
+const HEADER: usize = 128;
+
+/// Time and channels of a MAT-file.
+pub(crate) fn parse(source: FileBytes, options: &ReadOptions) -> Result<Raw, ReadError> {
+    let order = check_header(&source)?;
+    let mut found = Found::default();
+    let mut cursor = Cursor::new(&source, &source.bytes[HEADER..], order, HEADER);
+    while let Some(element) = cursor.next()? {
+        if element.kind != ElementType::Compressed {
+            Reader { source: &source, order }.top(&element, &mut found)?;
+            continue;
+        }
+        let place = format!("compressed variable at byte {}", element.offset);
+        let bytes = read_limited(&mut ZlibDecoder::new(element.data), most(element.data.len()))
+            .map_err(|e| source.malformed(&place, e.to_string(), "zlib data"))?;
+        let mut inside = Cursor::new(&source, &bytes, order, 0);
+        while let Some(inner) = inside.next()? {
+            Reader { source: &source, order }.top(&inner, &mut found)?;
+        }
+    }
+    let asked =
+        options.channels.iter().chain(&options.time).find(|n| found.refused.iter().any(|r| r.path == **n));
+    if let Some(refused) = found.refused.iter().find(|r| Some(&r.path) == asked) {
+        return Err(source.unsupported(
+            &refused.path,
+            &refused.text,
+            "save real numeric arrays of one or two dimensions",
+        ));
+    }
+    Chooser { source, options, tabular: false }.choose(with_units(found), Vec::new())
+}
+
+/// Byte order; refuses other levels by name.
+fn check_header(source: &FileBytes) -> Result<Order, ReadError> {
+    let bytes = source.bytes;
+    let text = bytes.get(..HEADER).unwrap_or_default();
+    let version = [text.get(124), text.get(125)];
+    let order = match text.get(126..) {
+        Some(b"IM") => Order::Little,
+        Some(b"MI") => Order::Big,
+        _ => return Err(not_level_5(source)),
+    };
+    let major = if order == Order::Little { version[1] } else { version[0] };
+    if major == Some(&2) || text.starts_with(b"MATLAB 7.3") {
+        return Err(level_7_3(source));
+    }
+    if major != Some(&1) {
+        let found = format!("version {:?}", major.copied().unwrap_or_default());
+        return Err(source.malformed("bytes 124 to 125", found, "version 1"));
+    }
+    Ok(order)
+}
+
+fn level_7_3(source: &FileBytes) -> ReadError {
+    let remedy = "save it again with save(..., '-v7'), or export CSV or NPZ";
+    source.unsupported("header", "a MATLAB v7.3 (HDF5) file", remedy)
+}
+
+fn not_level_5(source: &FileBytes) -> ReadError {
+    if source.bytes.starts_with(b"\x89HDF") {
+        return level_7_3(source);
+    }
+    if is_level_4(source.bytes) {
+        let remedy = "save it again with save(..., '-v7'), or export CSV or NPZ";
+        return source.unsupported("header", "a MATLAB v4 file", remedy);
+    }
+    let found = format!("{} bytes without the header of level 5", source.bytes.len());
+    source.malformed("header", found, "128 bytes that end in IM or MI")
+}
+
+/// Level 4 starts with MOPT: four decimal digits, the second one 0, then rows, columns and a flag 0 or 1.
+fn is_level_4(bytes: &[u8]) -> bool {
+    let word = |i: usize, order| crate::bytes::u32_at(bytes, 4 * i, order);
+    [Order::Little, Order::Big].into_iter().any(|order| {
+        let mopt =
+            word(0, order).is_some_and(|m| m < 5000 && m / 100 % 10 == 0 && m / 10 % 10 < 6 && m % 10 < 3);
+        mopt && word(3, order).is_some_and(|flag| flag < 2)
+            && word(4, order).is_some_and(|n| n > 0 && n < 256)
+    })
+}
+
+/// Numeric arrays, with the unit from a text field `unit` or `units` beside or above them: `s, m/s^2` names that of the time
+/// and that of the rest.
+fn with_units(found: Found) -> Vec<Variable> {
+    let mut variables = found.arrays;
+    for Said { path, text } in &found.texts {
+        if !matches!(units::base(path).as_str(), "unit" | "units") {
+            continue;
+        }
+        let parent = path.rsplit_once('.').map_or("", |(parent, _)| parent);
+        let (time, rest) = text.split_once(',').unwrap_or(("", text));
+        let inside = |name: &str| match name.strip_prefix(parent) {
+            Some(rest) if !parent.is_empty() => rest.starts_with('.'),
+            _ => parent.is_empty() && !name.contains('.'),
+        };
+        for v in &mut variables {
+            if inside(&v.name) {
+                let unit = if units::is_time_name(&v.name) { time } else { rest };
+                v.unit = unit.trim().into();
+            }
+        }
+    }
+    variables
+}

@@ -1,0 +1,187 @@
+//! Columns of numbers as text: comma, semicolon, tab or white space between them.
+//!
+//! Comments start with `#` or `%`. A header of names is optional, a second one of units too; units may also stand
+//! behind the name as in `acc [m/s^2]`. Where the columns are separated by something else, the decimal sign may be
+//! a comma. Quoting follows RFC 4180.
+
+mod layout;
+
+use crate::assembly::units::{self, Label};
+use crate::assembly::{Chooser, Raw, Variable};
+use crate::error::ReadError;
+use crate::file_bytes::{FileBytes, decode, shorten};
+use crate::options::ReadOptions;
+use crate::warning::Warning;
+use layout::Layout;
+use std::path::Path;
+
+/// More columns than this are taken for a damaged file, and refused: a table that is read is as many vectors, and a line
+/// of a binary file with commas in it may seem to have any number. Modal tests have up to some hundred channels;
+/// any limit from a thousand on does as well.
+const MOST_COLUMNS: usize = 10_000;
+
+/// Named columns of equal length, as read from a text file. NaN and infinite values are kept.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Columns {
+    names: Vec<String>,
+    units: Vec<String>,
+    values: Vec<Vec<f64>>,
+    warnings: Vec<Warning>,
+}
+
+impl Columns {
+    /// Names in the order of the columns, without units; `column 1`, ... where the file has none.
+    #[must_use]
+    pub fn names(&self) -> &[String] {
+        &self.names
+    }
+
+    /// Units in the order of the columns; empty where the file names none.
+    #[must_use]
+    pub fn units(&self) -> &[String] {
+        &self.units
+    }
+
+    /// Values of the first column of this name.
+    #[must_use]
+    pub fn column(&self, name: &str) -> Option<&[f64]> {
+        let at = self.names.iter().position(|n| n == name)?;
+        Some(&self.values[at])
+    }
+
+    /// All columns.
+    #[must_use]
+    pub fn columns(&self) -> &[Vec<f64>] {
+        &self.values
+    }
+
+    /// Number of rows.
+    #[must_use]
+    pub fn rows(&self) -> usize {
+        self.values.first().map_or(0, Vec::len)
+    }
+
+    /// What the reader noticed.
+    #[must_use]
+    pub fn warnings(&self) -> &[Warning] {
+        &self.warnings
+    }
+}
+
+/// Reads a text file of one or more columns, for instance a force history `t, force`.
+///
+/// # Errors
+/// [`ReadError`] names the file, the row and column (counted from 1, as an editor shows them) and what stands there.
+pub fn read_table(path: impl AsRef<Path>) -> Result<Columns, ReadError> {
+    let file = path.as_ref();
+    let bytes = std::fs::read(file).map_err(|source| ReadError::Io { file: file.into(), source })?;
+    parse_table(file, &bytes)
+}
+
+/// The same from bytes in memory; `file` serves the messages only.
+///
+/// ```
+/// let table = iwan_io::parse_table("pulse.csv".as_ref(), b"t [s];force [N]\n0;0\n0,5;12,5\n")?;
+/// assert_eq!(table.column("force"), Some(&[0.0, 12.5][..]));
+/// # Ok::<(), iwan_io::ReadError>(())
+/// ```
+///
+/// # Errors
+/// As [`read_table`].
+pub fn parse_table(file: &Path, bytes: &[u8]) -> Result<Columns, ReadError> {
+    let source = FileBytes { file, bytes };
+    let layout = Layout::detect(&source)?;
+    if layout.fields > MOST_COLUMNS {
+        let found = format!("{} columns", layout.fields);
+        let place = format!("line {}", layout.first_row);
+        return Err(source.malformed(place, found, format!("at most {MOST_COLUMNS}")));
+    }
+    let values = read_rows(&source, &layout)?;
+    let labels = label(&layout);
+    let (names, units) = labels.into_iter().map(|label| (label.name, label.unit)).unzip();
+    let skipped = layout.preamble;
+    let warnings = if skipped > 0 { vec![Warning::Preamble { lines: skipped }] } else { Vec::new() };
+    Ok(Columns { names, units, values, warnings })
+}
+
+/// Time and channels of a text file.
+pub(crate) fn parse(source: FileBytes, options: &ReadOptions) -> Result<Raw, ReadError> {
+    let table = parse_table(source.file, source.bytes)?;
+    let labels = table.names.into_iter().zip(table.units);
+    let variables = labels.zip(table.values).map(|((name, unit), values)| {
+        let name = chosen_name(name, &unit, options);
+        Variable { name, unit, rows: values.len(), columns: 1, values }
+    });
+    let variables = variables.collect();
+    Chooser { source, options, tabular: true }.choose(variables, table.warnings)
+}
+
+/// The user may write a column's name with its unit, as it stands in the file.
+fn chosen_name(name: String, unit: &str, options: &ReadOptions) -> String {
+    let asked = options.channels.iter().chain(&options.time);
+    let full = [format!("{name} [{unit}]"), format!("{name} ({unit})"), format!("{name}_{unit}")];
+    asked.into_iter().find(|a| !unit.is_empty() && full.contains(a)).cloned().unwrap_or(name)
+}
+
+/// Name and unit of each column; columns without a name are numbered.
+fn label(layout: &Layout) -> Vec<Label> {
+    let one = |i: usize| {
+        let header = layout.names.get(i).map(String::as_str).unwrap_or_default();
+        let Label { name, unit } = units::split_unit(header);
+        let name = if name.is_empty() { format!("column {}", i + 1) } else { name };
+        let row = layout.units.get(i).map(|u| u.trim_matches(['[', ']', '(', ')']).to_string());
+        Label { name, unit: row.filter(|u| !u.is_empty()).unwrap_or(unit) }
+    };
+    (0..layout.fields).map(one).collect()
+}
+
+fn read_rows(source: &FileBytes, layout: &Layout) -> Result<Vec<Vec<f64>>, ReadError> {
+    let body = layout.body(source.bytes);
+    let mut reader = csv::ReaderBuilder::new()
+        .has_headers(false)
+        .flexible(true)
+        .delimiter(layout.separator.byte())
+        .from_reader(&*body);
+    let mut columns = vec![Vec::new(); layout.fields];
+    let mut record = csv::ByteRecord::new();
+    loop {
+        let line = reader.position().line();
+        match reader.read_byte_record(&mut record) {
+            Ok(true) => {}
+            Ok(false) => return Ok(columns),
+            Err(e) => return Err(source.malformed(at_line(layout, line), e.to_string(), "a row of numbers")),
+        }
+        let line = record.position().map_or(line, csv::Position::line);
+        push_row(source, layout, &record, line, &mut columns)?;
+    }
+}
+
+fn push_row(
+    source: &FileBytes,
+    layout: &Layout,
+    record: &csv::ByteRecord,
+    line: u64,
+    columns: &mut [Vec<f64>],
+) -> Result<(), ReadError> {
+    let fields = layout.count(record);
+    if fields == 0 || layout::is_comment(&record[0]) {
+        return Ok(());
+    }
+    if fields != columns.len() {
+        let expected = format!("{} as in line {}", columns.len(), layout.first_row);
+        return Err(source.malformed(at_line(layout, line), format!("{fields} fields"), expected));
+    }
+    for (i, (field, column)) in record.iter().zip(&mut *columns).enumerate() {
+        let Some(value) = layout.number(field) else {
+            let place = format!("{}, column {}", at_line(layout, line), i + 1);
+            let found = format!("'{}'", shorten(&decode(field), 40));
+            return Err(source.malformed(place, found, "a number"));
+        };
+        column.push(value);
+    }
+    Ok(())
+}
+
+fn at_line(layout: &Layout, line: u64) -> String {
+    format!("line {}", layout.first_row as u64 + line - 1)
+}

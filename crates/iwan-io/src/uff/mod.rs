@@ -1,0 +1,167 @@
+//! Universal file format, dataset 58 (ASCII) and 58b (binary): functions at nodal degrees of freedom.
+//!
+//! Layout after the "Universal Dataset Number 58" page of the Structural Dynamics Research Laboratory, University of
+//! Cincinnati. Every dataset with a real time history is a channel; other datasets are skipped, spectra and complex
+//! functions with a warning.
+
+mod sections;
+mod header;
+mod data;
+
+use crate::assembly::{Axis, Channel, Raw, units};
+use crate::error::ReadError;
+use crate::file_bytes::{FileBytes, list};
+use crate::options::ReadOptions;
+use crate::warning::Warning;
+use data::Points;
+use header::Header;
+use sections::Section;
+
+/// A time history with where it starts and its interval, or its own times.
+struct Function {
+    channel: Channel,
+    axis: Axis,
+}
+
+/// Time and channels of a UFF file.
+pub(crate) fn parse(source: FileBytes, options: &ReadOptions) -> Result<Raw, ReadError> {
+    let mut warnings = Vec::new();
+    let mut functions: Vec<Function> = Vec::new();
+    let mut refused = None;
+    for section in sections::split(&source, &mut warnings)? {
+        let header = Header::parse(&source, &section)?;
+        let name = unique(header.name(section.index), &functions);
+        if !wanted(&name, options) {
+            continue;
+        }
+        if let Some(reason) = header.refusal() {
+            warnings.push(Warning::LeftOut { name, reason: reason.clone() });
+            refused.get_or_insert((section.place(), reason));
+            continue;
+        }
+        functions.push(function(&source, &section, &header, name, &mut warnings)?);
+    }
+    if functions.is_empty() && options.channels.is_empty() {
+        let (place, reason) =
+            refused.unwrap_or_else(|| ("the whole file".into(), "a file without dataset 58".into()));
+        let remedy = "export time histories (function type 1, real) as dataset 58 or 58b";
+        return Err(source.unsupported(place, reason, remedy));
+    }
+    join(&source, order(&source, functions, options)?, options, warnings)
+}
+
+fn wanted(name: &str, options: &ReadOptions) -> bool {
+    options.channels.is_empty() || options.channels.iter().any(|c| c == name)
+}
+
+fn unique(name: String, functions: &[Function]) -> String {
+    let same = functions.iter().filter(|f| f.channel.name == name).count();
+    if same == 0 { name } else { format!("{name} ({})", functions.len() + 1) }
+}
+
+fn function(
+    source: &FileBytes,
+    section: &Section,
+    header: &Header,
+    name: String,
+    warnings: &mut Vec<Warning>,
+) -> Result<Function, ReadError> {
+    let Points { mut times, values } = data::read(source, section, header, warnings)?;
+    let factor = units::time_factor(&header.abscissa_unit).unwrap_or(1.0);
+    if factor != 1.0 {
+        warnings.push(Warning::TimeScaled { unit: header.abscissa_unit.clone(), factor });
+        for t in &mut times {
+            *t *= factor;
+        }
+    }
+    let axis = if header.even {
+        Axis::Even { start: header.start * factor, step: header.step * factor }
+    } else {
+        Axis::Times { name: format!("abscissa of {name}"), values: times }
+    };
+    let (unit, quantity) = (header.ordinate_unit.clone(), header.quantity());
+    Ok(Function { channel: Channel { name, unit, quantity, values }, axis })
+}
+
+/// The functions in the order of the names given by the user.
+fn order(
+    source: &FileBytes,
+    functions: Vec<Function>,
+    options: &ReadOptions,
+) -> Result<Vec<Function>, ReadError> {
+    if options.channels.is_empty() {
+        return Ok(functions);
+    }
+    let mut functions: Vec<Option<Function>> = functions.into_iter().map(Some).collect();
+    let mut ordered = Vec::new();
+    for name in &options.channels {
+        let slot = functions.iter_mut().find(|f| f.as_ref().is_some_and(|f| f.channel.name == *name));
+        match slot.and_then(Option::take) {
+            Some(function) => ordered.push(function),
+            None => return Err(unknown(source, name)),
+        }
+    }
+    Ok(ordered)
+}
+
+fn unknown(source: &FileBytes, name: &str) -> ReadError {
+    let sections = sections::split(source, &mut Vec::new()).unwrap_or_default();
+    let names: Vec<String> =
+        sections.iter().filter_map(|s| Some(Header::parse(source, s).ok()?.name(s.index))).collect();
+    let names = list(names.iter().map(String::as_str));
+    ReadError::UnknownName { file: source.file.into(), role: "channel", name: name.into(), names }
+}
+
+/// One axis for all channels.
+fn join(
+    source: &FileBytes,
+    functions: Vec<Function>,
+    options: &ReadOptions,
+    warnings: Vec<Warning>,
+) -> Result<Raw, ReadError> {
+    let (mut axis, mut channels): (Option<Axis>, Vec<Channel>) = (None, Vec::new());
+    for function in functions {
+        let unlike = axis.as_ref().and_then(|a| difference(a, &function.axis)).zip(channels.first());
+        if let Some((Unlike { found, expected }, first)) = unlike {
+            let (file, name) = (source.file.into(), function.channel.name);
+            return Err(ReadError::Mismatch { file, name, found, expected, reference: first.name.clone() });
+        }
+        axis.get_or_insert(function.axis);
+        channels.push(function.channel);
+    }
+    let axis = axis.unwrap_or(Axis::None);
+    Ok(Raw { axis, channels, chosen: !options.channels.is_empty(), warnings })
+}
+
+/// Intervals of channels may differ by this part, two units of the fifth and last digit that an ASCII header has.
+const SAME_INTERVAL: f64 = 2e-5;
+/// Starts of channels may differ by this part of an interval: to the nearest sample they are the same.
+const SAME_START: f64 = 0.5;
+
+/// Sampling of a channel that does not go with the others, in words.
+struct Unlike {
+    found: String,
+    expected: String,
+}
+
+impl Unlike {
+    fn new(found: impl Into<String>, expected: impl Into<String>) -> Self {
+        Self { found: found.into(), expected: expected.into() }
+    }
+}
+
+/// How the sampling found differs from the one expected, if it does.
+fn difference(expected: &Axis, found: &Axis) -> Option<Unlike> {
+    match (expected, found) {
+        (Axis::Even { start: s, step: a }, Axis::Even { start, step }) => {
+            let same =
+                (step - a).abs() <= SAME_INTERVAL * a.abs() && (start - s).abs() <= SAME_START * a.abs();
+            let text = |start, step| format!("interval {step:e} s from {start:e} s");
+            (!same).then(|| Unlike::new(text(*start, *step), text(*s, *a)))
+        }
+        (Axis::Times { values: a, .. }, Axis::Times { values: b, .. }) => {
+            (a != b).then(|| Unlike::new("other times", "the same times"))
+        }
+        _ => Some(Unlike::new("another kind of abscissa", "the same kind")),
+    }
+}
