@@ -41,7 +41,8 @@ impl Comparison {
         found: &Identification,
         n: usize,
     ) -> Result<Self, SimulationError> {
-        let (first, (displacement, late)) = (found.first_samples[n], found.refined.starts[n]);
+        let (first, release) = (found.first_samples[n], found.refined.starts[n]);
+        let (displacement, late) = (release.displacement, release.time);
         // Records with other modes in them are compared in the band, behind the filter's transient.
         let (isolated, source) = (record.isolated, &record.source);
         let window = &isolated.window;

@@ -73,7 +73,8 @@ impl IdentifiedMode {
     #[must_use]
     pub fn loudest(&self) -> usize {
         let starts = &self.found.refined.starts;
-        (0..starts.len()).max_by(|&i, &j| starts[i].0.abs().total_cmp(&starts[j].0.abs())).unwrap_or(0)
+        let size = |n: usize| starts[n].displacement.abs();
+        (0..starts.len()).max_by(|&i, &j| size(i).total_cmp(&size(j))).unwrap_or(0)
     }
 
     /// The mode as it rings down from where a record begins.
@@ -84,6 +85,6 @@ impl IdentifiedMode {
     /// # Panics
     /// For a record that there is not.
     pub fn mode(&self, record: usize) -> Result<Mode, iwan_core::Error> {
-        released(&self.name, &self.found.parameters, self.found.refined.starts[record].0)
+        released(&self.name, &self.found.parameters, self.found.refined.starts[record].displacement)
     }
 }

@@ -13,7 +13,7 @@ use serde::Serialize;
 
 use super::bench::{Bench, HITS, SUSPENSION};
 use super::hit::{Hit, ViscousTerm};
-use super::table_4::{Step, Table4Row};
+use super::table_4::Table4Row;
 use crate::error::Error;
 use crate::progress::Tally;
 
@@ -65,8 +65,7 @@ impl Laboratory {
         let fit = joint_fit(&curves).map_err(&said)?;
         let levels = compare_levels(&curves, fit.parameters.frequency).map_err(&said)?;
         let viscous = viscous(&levels, &fit);
-        let step = |&(as_measured, without_viscous): &(f64, f64)| Some(Step { as_measured, without_viscous });
-        let steps = std::iter::once(None).chain(levels.steps.iter().map(step));
+        let steps = std::iter::once(None).chain(levels.steps.iter().copied().map(Some));
         let table_4 = hits.iter().zip(steps).filter_map(|(hit, step)| Table4Row::new(hit, viscous, step));
         Ok(Self {
             table_3: bench.beam.bending.iter().map(|mode| table_3_row(&bench, mode)).collect(),

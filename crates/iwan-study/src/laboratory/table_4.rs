@@ -1,6 +1,7 @@
 //! Slopes of dissipation over force, level by level (Table 4).
 
 use iwan_ident::curves::straight_line;
+use iwan_ident::levels::LevelStep;
 use serde::Serialize;
 
 use super::hit::{Hit, ViscousTerm};
@@ -25,27 +26,20 @@ pub struct Table4Row {
     pub printed: Option<f64>,
 }
 
-/// Slopes from one hit to the next harder one.
-#[derive(Debug, Clone, Copy)]
-pub(super) struct Step {
-    pub(super) as_measured: f64,
-    pub(super) without_viscous: f64,
-}
-
 impl Table4Row {
     /// Of a hit; none where a line cannot be laid.
-    pub(super) fn new(hit: &Hit, viscous: ViscousTerm, step: Option<Step>) -> Option<Self> {
+    pub(super) fn new(hit: &Hit, viscous: ViscousTerm, step: Option<LevelStep>) -> Option<Self> {
         let slope = |dissipation: &[f64]| {
             let points = hit.curves.force.iter().zip(dissipation).filter(|(_, d)| **d > 0.0);
-            straight_line(&points.map(|(f, d)| (f.ln(), d.ln())).collect::<Vec<_>>()).map(|line| line.0)
+            straight_line(&points.map(|(f, d)| (f.ln(), d.ln())).collect::<Vec<_>>()).map(|line| line.slope)
         };
         Some(Self {
             hit: hit.force,
             force: Span::ends(&hit.curves.force),
             slope: slope(&hit.curves.dissipation)?,
             slope_without_viscous: slope(&hit.without(viscous))?,
-            step: step.map(|s| s.as_measured),
-            step_without_viscous: step.map(|s| s.without_viscous),
+            step: step.map(|s| s.total),
+            step_without_viscous: step.map(|s| s.friction),
             printed: None,
         })
     }

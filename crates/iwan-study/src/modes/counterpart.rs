@@ -3,7 +3,7 @@
 use iwan_core::FourParameter;
 use iwan_ident::curves::{Curves, Quantity};
 use iwan_ident::curve_fit::fit_from;
-use iwan_ident::identify::{Settings, ModeRecord, identify};
+use iwan_ident::identify::{Held, ModeRecord, Settings, identify};
 use iwan_ident::profile::Profile;
 use iwan_ident::signal::Method;
 use iwan_ident::{Parameter, Parameters};
@@ -137,7 +137,7 @@ fn intervals(truth: &BeamUnderBlows, mode: &BendingMode) -> Result<Vec<Interval>
         quantity: Quantity::Acceleration,
     });
     let known = [mode.stuck, 0.0, mode.k_t];
-    let held = KNOWN.into_iter().zip(known).collect();
+    let held = KNOWN.into_iter().zip(known).map(|(parameter, value)| Held { parameter, value }).collect();
     let settings = Settings { options: options(mode.stuck, ORDER), method: Method::Hilbert, held };
     let found = identify(&records, &settings)?;
     let sought = found.profiles.parameters.iter().filter(|profile| !profile.held);

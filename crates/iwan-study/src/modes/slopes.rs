@@ -91,16 +91,15 @@ impl Slopes {
                 over_joint.push((on_joint.force[i].ln(), d));
             }
         }
-        let (over_displacement, _) = straight_line(&over_q)?;
-        let (over_joint_force, intercept_joint_force) = straight_line(&over_joint)?;
-        let (over_modal_force, intercept_modal_force) = straight_line(&over_modal)?;
+        let displacement = straight_line(&over_q)?;
+        let (joint, modal) = (straight_line(&over_joint)?, straight_line(&over_modal)?);
         Some(Self {
-            over_displacement,
-            over_joint_force,
-            intercept_joint_force,
-            over_modal_force,
-            intercept_modal_force,
-            chi: over_joint_force - 3.0,
+            over_displacement: displacement.slope,
+            over_joint_force: joint.slope,
+            intercept_joint_force: joint.intercept,
+            over_modal_force: modal.slope,
+            intercept_modal_force: modal.intercept,
+            chi: joint.slope - 3.0,
             roots: Vec::new(),
         })
     }
