@@ -26,7 +26,7 @@ const STRETCH: usize = 1400;
 /// Stretches of a history, each drawn as its smallest and its largest value: one for each unit of the axis.
 const BINS: usize = 500;
 /// Frequencies that change less than this, relatively, are drawn as their change: the ticks would need seven digits. Mode 2
-/// changes by 1e-5, the others by a hundredth and more.
+/// changes by 4e-5, the others by a hundredth and more.
 const SMALL_CHANGE: f64 = 1e-3;
 
 /// The figures of one configuration.

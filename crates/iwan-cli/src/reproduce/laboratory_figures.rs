@@ -16,7 +16,7 @@ const ENVELOPE: usize = 120;
 const BINS: usize = 500;
 /// Length of the stretch in which sensors are drawn beside each other, s: six cycles, so that cycles are told apart.
 const STRETCH: f64 = 0.05;
-/// Most points of it: 80 in a cycle.
+/// Most points of it: 70 in a cycle.
 const CLOSE: usize = 500;
 
 /// The laboratory's figures.

@@ -9,11 +9,13 @@ use serde::Serialize;
 
 use crate::blows::{DT, STEPS};
 
-/// Seconds cut off at either end of a record: the blow with its transients, and the end of the transform.
+/// Seconds cut off at either end of a record: the blow with its transients, and the end of the transform. Without that the
+/// dissipation of mode 1 is wrong by 19 % at 10 lbf and by 109 % at 1 lbf.
 const TRIM: f64 = 0.02;
-/// Degree of the polynomials in an envelope of a record in micro-slip.
+/// Degree of the polynomials in an envelope of a record in micro-slip. Degrees of 3 to 5 agree within 0.6 % of the dissipation; from
+/// 9 on polynomials run away at the ends.
 const QUIET: usize = 3;
-/// Degree where the joints slip as a whole and curves bend more.
+/// Degree where the joints slip as a whole and curves bend more: the highest of those that agree in micro-slip.
 const HARD: usize = 5;
 /// Times at which amplitude, frequency and dissipation are read by demodulation, s: early, in the middle, late. The window
 /// is six cycles long, 45 ms of mode 1; the first and the last time are as near to the record's ends as it can go.
