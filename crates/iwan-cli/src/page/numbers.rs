@@ -11,15 +11,15 @@ pub(crate) fn long(value: f64) -> String {
 }
 
 /// A number with so many significant digits: plain from 0.001 up to `plain_below`, with an exponent elsewhere.
-fn significant(value: f64, digits: usize, plain_below: f64) -> String {
-    let behind = digits - 1;
+fn significant(value: f64, digits: u8, plain_below: f64) -> String {
+    let behind = i32::from(digits) - 1;
     match value.abs() {
         0.0 => "0".into(),
         size if (1e-3..plain_below).contains(&size) => {
-            let decimals = (behind as i32 - size.log10().floor() as i32).clamp(0, behind as i32 + 3) as usize;
+            let decimals = (behind - size.log10().floor() as i32).clamp(0, behind + 3) as usize;
             format!("{value:.decimals$}")
         }
-        _ => format!("{value:.behind$e}"),
+        _ => format!("{value:.*e}", behind as usize),
     }
 }
 
