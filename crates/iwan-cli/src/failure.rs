@@ -26,7 +26,7 @@ impl Failure {
         Self::Input { message: message.into(), remedy: remedy.into() }
     }
 
-    /// Bad input by a library's word: what it says behind the first semicolon is what helps.
+    /// Bad input in a library's words: what stands behind the first semicolon of its error is the remedy.
     pub(crate) fn said(place: &str, error: &impl fmt::Display) -> Self {
         let text = error.to_string();
         let (message, remedy) = text.split_once("; ").unwrap_or((&text, "check the record and the options"));

@@ -13,12 +13,11 @@ use crate::session::{PAGE, SUMMARY, Session};
 pub(crate) fn run(args: &EnvelopeArgs) -> Result<(), Failure> {
     let recording = records::read(&args.record, &args.records)?;
     let table = args.format.file("envelope");
-    let mut session =
-        Session::open(args.place(), &args.common, vec![table.clone(), SUMMARY.into(), PAGE.into()])?;
+    let mut session = Session::open(args.place(), &args.common, [table.as_str(), SUMMARY, PAGE])?;
     session.warnings(&recording.warnings);
 
     let extractions = extract(&recording, args, session.threads())?;
-    let units = units(&recording, args);
+    let units = Units::new(recording.record.unit(), recording.quantity, args.records.mass_normalised());
     let summary = EnvelopeSummary::new(&recording, &extractions, &units);
 
     session.columns(&table, &columns(&extractions), args.format)?;
@@ -27,17 +26,13 @@ pub(crate) fn run(args: &EnvelopeArgs) -> Result<(), Failure> {
     session.finish(&summary)
 }
 
+/// Every mode asked for, taken out of the record.
 fn extract(recording: &Recording, args: &EnvelopeArgs, threads: usize) -> Result<Vec<Extraction>, Failure> {
     let recordings = std::slice::from_ref(recording);
     let wanted = records::modes(recordings, &args.records)?;
     let (method, axis) = (args.method.method(), args.records.force_axis);
     let one = |mode: &Wanted| Extraction::new(recordings, mode, 0, method, axis);
     in_parallel(&wanted, threads, &one).into_iter().collect()
-}
-
-fn units(recording: &Recording, args: &EnvelopeArgs) -> Units {
-    let root = args.records.mass.is_some() || args.records.shapes.is_some();
-    Units::new(recording.record.unit(), recording.quantity, root)
 }
 
 /// The columns of the table: all modes below each other, told apart by their number.

@@ -167,7 +167,7 @@ impl Extracted<'_> {
         ]
     }
 
-    /// What each method says of the damping, less the mean of all, where all have a word.
+    /// The damping ratio by each method less the mean over all of them, at the times at which every method gives one.
     pub(crate) fn disagreement(&self) -> Figure {
         let (all, start) = (&self.x.opinions.envelopes, self.x.start);
         let mean = |t: f64| -> Option<f64> {

@@ -26,15 +26,16 @@ pub(crate) fn run(args: &FitArgs) -> Result<(), Failure> {
     let recordings =
         args.fit.iter().map(|path| records::read(path, &args.records)).collect::<Result<Vec<_>, _>>()?;
     let [curves, response] = ["curves", "response"].map(|stem| args.format.file(stem));
-    let mut files = [WHOLE, SUMMARY, SCENARIO, PAGE].map(String::from).to_vec();
-    files.extend([curves.clone(), response.clone()]);
+    let files = [WHOLE, SUMMARY, SCENARIO, PAGE, &curves, &response];
     let mut session = Session::open(args.place(), &args.common, files)?;
-    recordings.iter().for_each(|recording| session.warnings(&recording.warnings));
+    for recording in &recordings {
+        session.warnings(&recording.warnings);
+    }
 
     let wanted = records::modes(&recordings, &args.records)?;
     let identified = identify_all(&recordings, wanted, args, &session)?;
-    let root = args.records.mass.is_some() || args.records.shapes.is_some();
-    let units = Units::new(recordings[0].record.unit(), recordings[0].quantity, root);
+    let (unit, quantity) = (recordings[0].record.unit(), recordings[0].quantity);
+    let units = Units::new(unit, quantity, args.records.mass_normalised());
     let summary = FitSummary::new(&recordings, &identified, args.records.force_axis, &units);
     let scenario = as_scenario(&identified, &summary.title()).map_err(|error| failed(&error))?;
     let toml = to_toml(&scenario, "");
@@ -57,7 +58,8 @@ fn failed(error: &dyn std::fmt::Display) -> Failure {
     Failure::Computation(error.to_string())
 }
 
-/// A hundred thousand ring-downs may take a while: Ctrl-C ends them at once.
+/// Identifies every mode. That takes up to a hundred thousand ring-downs, so that it runs beside the main thread, which watches for
+/// Ctrl-C.
 fn identify_all(
     recordings: &[Recording],
     wanted: Vec<Wanted>,

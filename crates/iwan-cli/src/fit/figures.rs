@@ -348,7 +348,8 @@ impl Fitted<'_> {
     }
 }
 
-/// Points between those of a profile, straight in the signed root of the deviance: a parabola stays one.
+/// Points between those of a profile. The signed root of the deviance is interpolated linearly, so that a parabola, which
+/// a profile is near its minimum, is drawn as one.
 fn between(points: &[(f64, f64)], best: f64) -> Vec<(f64, f64)> {
     // Twelve straight pieces between two points of a profile look like the parabola they stand for.
     const STEPS: u32 = 12;

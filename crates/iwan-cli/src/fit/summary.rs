@@ -141,7 +141,7 @@ pub(crate) fn interval(e: &Estimate) -> String {
     match (e.held, e.low, e.high) {
         (true, ..) => "held".into(),
         (_, Some(low), Some(high)) => {
-            let decimals = decimals(high - low, 1);
+            let decimals = decimals(high - low);
             format!("{low:.decimals$} to {high:.decimals$}")
         }
         (_, Some(low), None) => format!("> {}, open above", short(low)),
@@ -150,9 +150,10 @@ pub(crate) fn interval(e: &Estimate) -> String {
     }
 }
 
-/// Decimals by which a number of this size shows so many digits behind its first.
-fn decimals(size: f64, more: i32) -> usize {
-    if size > 0.0 { (more - size.log10().floor() as i32).clamp(0, 14) as usize } else { 6 }
+/// Decimals with which both ends of an interval of this width show where it begins and ends, to a tenth of the width or better:
+/// two digits of the width. At most 14, which is what a number of size 1 has; six where the width is nothing.
+fn decimals(width: f64) -> usize {
+    if width > 0.0 { (1 - width.log10().floor() as i32).clamp(0, 14) as usize } else { 6 }
 }
 
 impl FitSummary {

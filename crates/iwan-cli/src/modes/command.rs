@@ -21,8 +21,8 @@ const SHAPES: &str = "modes.vtu";
 /// Runs the command.
 pub(crate) fn run(args: &ModesArgs) -> Result<(), Failure> {
     let (source, file) = load(&args.structure)?;
-    let files = [TABLE, SHAPES, SUMMARY, PAGE].map(String::from).into();
-    let mut session = Session::open(args.structure.place("iwan-modes"), &args.common, files)?;
+    let place = args.structure.place("iwan-modes");
+    let mut session = Session::open(place, &args.common, [TABLE, SHAPES, SUMMARY, PAGE])?;
     session.notes(&file.notes);
 
     let clock = Instant::now();

@@ -19,8 +19,8 @@ const TABLE: &str = "curves.csv";
 /// Runs the command.
 pub(crate) fn run(args: &QuasiStaticArgs) -> Result<(), Failure> {
     let (source, file) = load(&args.structure)?;
-    let files = [TABLE, SUMMARY, PAGE].map(String::from).into();
-    let mut session = Session::open(args.structure.place("iwan-quasi-static"), &args.common, files)?;
+    let place = args.structure.place("iwan-quasi-static");
+    let mut session = Session::open(place, &args.common, [TABLE, SUMMARY, PAGE])?;
     session.notes(&file.notes);
 
     let clock = Instant::now();

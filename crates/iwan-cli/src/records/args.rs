@@ -40,6 +40,13 @@ pub(crate) struct RecordArgs {
     pub(crate) force_axis: Axis,
 }
 
+impl RecordArgs {
+    /// Whether a mass or mode shapes make modal quantities of the record, which carry the root of a mass.
+    pub(crate) fn mass_normalised(&self) -> bool {
+        self.mass.is_some() || self.shapes.is_some()
+    }
+}
+
 /// Ways to amplitude and frequency.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 pub(crate) enum MethodChoice {

@@ -41,19 +41,44 @@ pub(crate) struct Place<'a> {
 pub(crate) struct Session {
     results: Results,
     files: Vec<String>,
-    quiet: bool,
+    console: Console,
     json: bool,
     threads: usize,
 }
 
+/// Standard error, where `--quiet` allows it.
+#[derive(Debug, Clone, Copy)]
+struct Console {
+    quiet: bool,
+}
+
+impl Console {
+    fn say(self, text: &str) {
+        if !self.quiet {
+            output::message(text);
+        }
+    }
+
+    fn warnings(self, warnings: &[String]) {
+        for warning in warnings {
+            self.say(&format!("warning: {warning}"));
+        }
+    }
+}
+
 impl Session {
     /// Opens the folder for `files`, which fails where it cannot be written; from now on Ctrl-C is noticed.
-    pub(crate) fn open(place: Place<'_>, common: &Common, files: Vec<String>) -> Result<Self, Failure> {
+    pub(crate) fn open(
+        place: Place<'_>,
+        common: &Common,
+        files: impl IntoIterator<Item = impl Into<String>>,
+    ) -> Result<Self, Failure> {
         progress::catch_interrupts();
+        let files: Vec<String> = files.into_iter().map(Into::into).collect();
         let names: Vec<&str> = files.iter().map(String::as_str).collect();
         let results = Results::open(place.given, place.default, place.force, &names)?;
-        let Common { json, quiet, .. } = *common;
-        Ok(Self { results, files, quiet, json, threads: common.thread_count() })
+        let console = Console { quiet: common.quiet };
+        Ok(Self { results, files, console, json: common.json, threads: common.thread_count() })
     }
 
     /// Number of threads to use.
@@ -63,28 +88,24 @@ impl Session {
 
     /// A progress bar for work that can say how far it is.
     pub(crate) fn bar(&self, title: &'static str) -> Progress {
-        Progress::new(title, self.quiet)
+        Progress::new(title, self.console.quiet)
     }
 
     /// A sign of life for work that cannot.
     pub(crate) fn busy(&self, title: &'static str) -> Progress {
-        Progress::busy(title, self.quiet)
+        Progress::busy(title, self.console.quiet)
     }
 
-    /// What the user should know about the input.
+    /// Says what the user should know about the input.
     pub(crate) fn notes(&self, notes: &[String]) {
-        notes.iter().for_each(|note| self.say(&format!("note: {note}")));
-    }
-
-    /// What the user should look at.
-    pub(crate) fn warnings(&self, warnings: &[String]) {
-        warnings.iter().for_each(|warning| self.say(&format!("warning: {warning}")));
-    }
-
-    fn say(&self, text: &str) {
-        if !self.quiet {
-            output::message(text);
+        for note in notes {
+            self.console.say(&format!("note: {note}"));
         }
+    }
+
+    /// Says what the user should look at.
+    pub(crate) fn warnings(&self, warnings: &[String]) {
+        self.console.warnings(warnings);
     }
 
     /// Adds a file from memory.
@@ -115,7 +136,7 @@ impl Session {
 
     /// Adds a summary as JSON.
     pub(crate) fn summary(&mut self, name: &str, summary: &impl Summary) -> Result<(), Failure> {
-        let text = summary::json(summary, &self.files, None);
+        let text = summary::written(summary, &self.files);
         self.file(name, text.as_bytes())
     }
 
@@ -128,13 +149,13 @@ impl Session {
     pub(crate) fn finish<S: Summary>(self, summary: &S) -> Result<(), Failure> {
         progress::check_interrupt()?;
         let folder = self.results.path().to_path_buf();
-        let Self { results, files, quiet, json, .. } = self;
-        results.commit()?;
-        if !quiet {
-            summary.warnings().iter().for_each(|warning| output::message(&format!("warning: {warning}")));
-            output::message(&format!("results: {}", folder.display()));
-            output::message(&format!("{}: {}", S::SHOWN, folder.join(PAGE).display()));
-        }
-        output::result(&if json { summary::json(summary, &files, Some(&folder)) } else { summary.text() })
+        self.results.commit()?;
+        let console = self.console;
+        console.warnings(summary.warnings());
+        console.say(&format!("results: {}", folder.display()));
+        console.say(&format!("{}: {}", S::SHOWN, folder.join(PAGE).display()));
+        let printed =
+            if self.json { summary::printed(summary, &self.files, &folder) } else { summary.text() };
+        output::result(&printed)
     }
 }

@@ -18,6 +18,11 @@ pub(crate) trait Summary: Serialize {
         &[]
     }
 
+    /// Wall-clock time, s, where it stands on standard output only, so that the file is the same every time.
+    fn seconds(&self) -> Option<f64> {
+        None
+    }
+
     /// The text for the terminal.
     fn text(&self) -> String;
 }
@@ -32,13 +37,23 @@ struct Whole<'a, S> {
     /// Where the files are: on standard output only, so that the folder may be moved.
     #[serde(skip_serializing_if = "Option::is_none")]
     folder: Option<&'a Path>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    seconds: Option<f64>,
 }
 
-/// The summary as JSON text.
-pub(super) fn json(summary: &impl Summary, files: &[String], folder: Option<&Path>) -> String {
-    let whole = Whole { version: VERSION, summary, files, folder };
+/// The summary as it stands in its file.
+pub(super) fn written(summary: &impl Summary, files: &[String]) -> String {
+    json(&Whole { version: VERSION, summary, files, folder: None, seconds: None })
+}
+
+/// The summary as standard output shows it.
+pub(super) fn printed(summary: &impl Summary, files: &[String], folder: &Path) -> String {
+    json(&Whole { version: VERSION, summary, files, folder: Some(folder), seconds: summary.seconds() })
+}
+
+fn json(whole: &impl Serialize) -> String {
     // Numbers, texts and lists: serialisation cannot fail.
-    let mut text = serde_json::to_string_pretty(&whole).unwrap_or_default();
+    let mut text = serde_json::to_string_pretty(whole).unwrap_or_default();
     text.push('\n');
     text
 }
