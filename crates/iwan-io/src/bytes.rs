@@ -9,7 +9,7 @@ pub(crate) enum Order {
 
 /// Stored types of numbers.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) enum Kind {
+pub(crate) enum NumberType {
     I8,
     U8,
     I16,
@@ -22,7 +22,7 @@ pub(crate) enum Kind {
     F64,
 }
 
-impl Kind {
+impl NumberType {
     /// Bytes of one number.
     pub(crate) fn size(self) -> usize {
         match self {
@@ -52,18 +52,18 @@ macro_rules! numbers {
 }
 
 /// Whole numbers in `bytes` as f64; a part of one at the end is left out. 64-bit integers above 2^53 are rounded.
-pub(crate) fn to_f64(bytes: &[u8], kind: Kind, order: Order) -> Vec<f64> {
+pub(crate) fn to_f64(bytes: &[u8], kind: NumberType, order: Order) -> Vec<f64> {
     match kind {
-        Kind::I8 => numbers!(bytes, order, i8, f64::from),
-        Kind::U8 => numbers!(bytes, order, u8, f64::from),
-        Kind::I16 => numbers!(bytes, order, i16, f64::from),
-        Kind::U16 => numbers!(bytes, order, u16, f64::from),
-        Kind::I32 => numbers!(bytes, order, i32, f64::from),
-        Kind::U32 => numbers!(bytes, order, u32, f64::from),
-        Kind::I64 => numbers!(bytes, order, i64, |v| v as f64),
-        Kind::U64 => numbers!(bytes, order, u64, |v| v as f64),
-        Kind::F32 => numbers!(bytes, order, f32, f64::from),
-        Kind::F64 => numbers!(bytes, order, f64, |v| v),
+        NumberType::I8 => numbers!(bytes, order, i8, f64::from),
+        NumberType::U8 => numbers!(bytes, order, u8, f64::from),
+        NumberType::I16 => numbers!(bytes, order, i16, f64::from),
+        NumberType::U16 => numbers!(bytes, order, u16, f64::from),
+        NumberType::I32 => numbers!(bytes, order, i32, f64::from),
+        NumberType::U32 => numbers!(bytes, order, u32, f64::from),
+        NumberType::I64 => numbers!(bytes, order, i64, |v| v as f64),
+        NumberType::U64 => numbers!(bytes, order, u64, |v| v as f64),
+        NumberType::F32 => numbers!(bytes, order, f32, f64::from),
+        NumberType::F64 => numbers!(bytes, order, f64, |v| v),
     }
 }
 
@@ -83,10 +83,10 @@ mod tests {
 
     #[test]
     fn all_types_become_f64_in_both_orders() {
-        assert_eq!(to_f64(&(-2_i16).to_be_bytes(), Kind::I16, Order::Big), [-2.0]);
-        assert_eq!(to_f64(&1.5_f32.to_le_bytes(), Kind::F32, Order::Little), [1.5]);
-        assert_eq!(to_f64(&[255, 1], Kind::I8, Order::Little), [-1.0, 1.0]);
-        assert_eq!(to_f64(&[1, 2, 3], Kind::U16, Order::Little), [513.0]);
+        assert_eq!(to_f64(&(-2_i16).to_be_bytes(), NumberType::I16, Order::Big), [-2.0]);
+        assert_eq!(to_f64(&1.5_f32.to_le_bytes(), NumberType::F32, Order::Little), [1.5]);
+        assert_eq!(to_f64(&[255, 1], NumberType::I8, Order::Little), [-1.0, 1.0]);
+        assert_eq!(to_f64(&[1, 2, 3], NumberType::U16, Order::Little), [513.0]);
         assert_eq!(u32_at(&[0, 0, 0, 1, 9], 0, Order::Big), Some(1));
         assert_eq!(u32_at(&[0, 0, 0], 0, Order::Big), None);
     }

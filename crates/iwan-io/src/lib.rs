@@ -5,30 +5,37 @@
 //!
 //! Text files are told by their extension, all others by their content. In a single column, a decimal comma cannot be told from a separator: use a point.
 
-mod assemble;
-pub mod atomic;
-mod bytes;
-mod error;
-mod inflate;
-mod mat;
-mod npy;
-mod npz;
-mod options;
-mod read;
-mod record;
-mod sampling;
-mod source;
-mod table;
-mod text;
-mod uff;
-mod units;
-mod variables;
+// What a record is, what may be said about a file before it is read, and what is said about it afterwards.
+mod quantity;
 mod warning;
+mod record;
+mod error;
+mod options;
+
+// Bytes: a file in memory that names itself in every error, numbers of all types, decompression that cannot run away.
+mod file_bytes;
+mod bytes;
+mod inflate;
+
+// From named arrays to a record.
+mod assembly;
+
+// One room for each format that is read, and one door to all.
+mod text;
+mod numpy;
+mod uff;
+mod mat;
+mod read;
+
+// Files that are written.
+pub mod atomic;
+mod table;
 
 pub use error::ReadError;
 pub use options::{Format, ReadOptions};
+pub use quantity::Quantity;
 pub use read::{read, read_bytes};
-pub use record::{Quantity, Record, RecordError};
+pub use record::{Record, RecordError};
 pub use table::{Table, TableError};
 pub use text::{Columns, parse_table, read_table};
 pub use warning::Warning;

@@ -1,6 +1,6 @@
 //! What the user may say about a file before it is read.
 
-use crate::record::Quantity;
+use crate::quantity::Quantity;
 
 /// Formats of records.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]

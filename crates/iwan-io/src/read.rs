@@ -1,11 +1,11 @@
 //! One door to all formats.
 
-use crate::assemble::{Raw, assemble};
+use crate::assembly::{Raw, assemble};
 use crate::error::ReadError;
+use crate::file_bytes::{FileBytes, decode, shorten};
 use crate::options::{Format, ReadOptions};
 use crate::record::Record;
-use crate::source::{Source, decode, shorten};
-use crate::{mat, npy, npz, text, uff};
+use crate::{mat, numpy, text, uff};
 use std::path::Path;
 
 /// Reads a record; the format is found from the content and, where that does not tell, from the extension.
@@ -37,17 +37,17 @@ pub fn read(path: impl AsRef<Path>, options: &ReadOptions) -> Result<Record, Rea
 /// # Errors
 /// As [`read`].
 pub fn read_bytes(file: &Path, bytes: &[u8], options: &ReadOptions) -> Result<Record, ReadError> {
-    let source = Source { file, bytes };
+    let source = FileBytes { file, bytes };
     let raw = parse(source, options)?;
     assemble(&source, raw, options)
 }
 
-fn parse(source: Source, options: &ReadOptions) -> Result<Raw, ReadError> {
+fn parse(source: FileBytes, options: &ReadOptions) -> Result<Raw, ReadError> {
     let format = options.format.or_else(|| by_content(source.bytes)).or_else(|| by_extension(source.file));
     match format {
         Some(Format::Text) => text::parse(source, options),
-        Some(Format::Npy) => npy::parse(source, options),
-        Some(Format::Npz) => npz::parse(source, options),
+        Some(Format::Npy) => numpy::parse_npy(source, options),
+        Some(Format::Npz) => numpy::parse_npz(source, options),
         Some(Format::Uff) => uff::parse(source, options),
         Some(Format::Mat) => mat::parse(source, options),
         None => {
@@ -61,7 +61,7 @@ fn parse(source: Source, options: &ReadOptions) -> Result<Raw, ReadError> {
 }
 
 fn by_content(bytes: &[u8]) -> Option<Format> {
-    if bytes.starts_with(npy::MAGIC) {
+    if bytes.starts_with(numpy::MAGIC) {
         Some(Format::Npy)
     } else if bytes.starts_with(b"PK\x03\x04") || bytes.starts_with(b"PK\x05\x06") {
         Some(Format::Npz)
@@ -76,15 +76,20 @@ fn by_content(bytes: &[u8]) -> Option<Format> {
     }
 }
 
+/// Bytes in which the first two lines that are not empty of a universal file stand: five lines of 80 columns.
+const LOOKED_AT: usize = 400;
+/// Width of the field of a dataset's number, I6; with the `b` of 58b it fits in it.
+const WIDTH: usize = 6;
+
 /// A line `-1` behind four blanks, then a line that starts with a dataset number.
 fn opens_dataset(bytes: &[u8]) -> bool {
-    let start = &bytes[..bytes.len().min(400)];
+    let start = &bytes[..bytes.len().min(LOOKED_AT)];
     let mut lines = start.split(|b| *b == b'\n').map(<[u8]>::trim_ascii).filter(|l| !l.is_empty());
     let number = |line: &[u8]| line.first().is_some_and(u8::is_ascii_digit);
     let word = |line: &[u8]| line.split(u8::is_ascii_whitespace).next().map_or(0, <[u8]>::len);
     start.starts_with(b"    -1")
         && lines.next() == Some(b"-1")
-        && lines.next().is_some_and(|line| number(line) && word(line) <= 6)
+        && lines.next().is_some_and(|line| number(line) && word(line) <= WIDTH)
 }
 
 fn by_extension(file: &Path) -> Option<Format> {

@@ -1,6 +1,6 @@
 //! What a reader noticed in a file and put right, or left as it is.
 
-use crate::record::Quantity;
+use crate::quantity::Quantity;
 
 /// One remark about a file that could be read all the same.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]

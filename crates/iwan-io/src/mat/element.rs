@@ -2,12 +2,12 @@
 
 use crate::bytes::{self, Order, u32_at};
 use crate::error::ReadError;
-use crate::source::Source;
+use crate::file_bytes::FileBytes;
 
 /// Type of a data element.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Kind {
-    Number(bytes::Kind),
+pub(super) enum ElementType {
+    Number(bytes::NumberType),
     /// UTF-8, UTF-16 or UTF-32 text with the bytes of one unit.
     Text(usize),
     Matrix,
@@ -15,9 +15,9 @@ pub(super) enum Kind {
     Other,
 }
 
-impl Kind {
+impl ElementType {
     fn of(code: u32) -> Self {
-        use bytes::Kind::{F32, F64, I8, I16, I32, I64, U8, U16, U32, U64};
+        use bytes::NumberType::{F32, F64, I8, I16, I32, I64, U8, U16, U32, U64};
         match code {
             1 => Self::Number(I8),
             2 => Self::Number(U8),
@@ -42,7 +42,7 @@ impl Kind {
 /// One data element.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Element<'a> {
-    pub(super) kind: Kind,
+    pub(super) kind: ElementType,
     pub(super) data: &'a [u8],
     /// Offset of its tag in the file, or in the decompressed variable.
     pub(super) offset: usize,
@@ -50,7 +50,7 @@ pub(super) struct Element<'a> {
 
 /// Walks over elements one after the other.
 pub(super) struct Cursor<'a, 's> {
-    source: &'s Source<'s>,
+    source: &'s FileBytes<'s>,
     bytes: &'a [u8],
     order: Order,
     base: usize,
@@ -59,7 +59,7 @@ pub(super) struct Cursor<'a, 's> {
 
 impl<'a, 's> Cursor<'a, 's> {
     /// `base` is the offset of `bytes` in the file.
-    pub(super) fn new(source: &'s Source<'s>, bytes: &'a [u8], order: Order, base: usize) -> Self {
+    pub(super) fn new(source: &'s FileBytes<'s>, bytes: &'a [u8], order: Order, base: usize) -> Self {
         Self { source, bytes, order, base, at: 0 }
     }
 
@@ -81,9 +81,9 @@ impl<'a, 's> Cursor<'a, 's> {
             let there = rest.len().saturating_sub(start);
             return Err(self.source.cut_short(place(), "bytes", size as u64, there as u64));
         };
-        let kind = Kind::of(code);
+        let kind = ElementType::of(code);
         let used = if small > 0 { 8 } else { start + size };
-        self.at += if kind == Kind::Compressed { used } else { used.next_multiple_of(8) };
+        self.at += if kind == ElementType::Compressed { used } else { used.next_multiple_of(8) };
         Ok(Some(Element { kind, data, offset }))
     }
 

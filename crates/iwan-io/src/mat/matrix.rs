@@ -1,28 +1,36 @@
 //! Arrays: numeric ones, text, and structs of arrays.
 
-use super::element::{Cursor, Element, Kind};
+use super::element::{Cursor, Element, ElementType};
+use crate::assembly::Variable;
 use crate::bytes::{Order, to_f64, u32_at};
 use crate::error::ReadError;
-use crate::source::{Source, decode, shorten};
-use crate::variables::Variable;
+use crate::file_bytes::{FileBytes, decode, shorten};
 
-/// Structs inside structs are followed to this depth.
+/// Structs inside structs are followed to this depth; deeper ones are refused by name when they are asked for. The depth
+/// bounds the recursion on a damaged file; records known have three levels at most.
 const DEEPEST: usize = 8;
 
-/// Longest name of a field, as in MATLAB itself.
+/// Longest name of a field with the zero that ends it, as in MATLAB itself (`namelengthmax` is 63). A file that says more is
+/// refused as malformed.
 const LONGEST_NAME: usize = 64;
 
 /// What a file holds, by path.
 #[derive(Default)]
 pub(super) struct Found {
     pub(super) arrays: Vec<Variable>,
-    pub(super) texts: Vec<(String, String)>,
-    /// Path and what stands there, for arrays that cannot be channels.
-    pub(super) refused: Vec<(String, String)>,
+    pub(super) texts: Vec<Said>,
+    /// Arrays that cannot be channels, with what they are.
+    pub(super) refused: Vec<Said>,
+}
+
+/// A text, or words on what stands there, by path.
+pub(super) struct Said {
+    pub(super) path: String,
+    pub(super) text: String,
 }
 
 pub(super) struct Reader<'s> {
-    pub(super) source: &'s Source<'s>,
+    pub(super) source: &'s FileBytes<'s>,
     pub(super) order: Order,
 }
 
@@ -36,7 +44,7 @@ struct Head {
 impl Reader<'_> {
     /// A variable of the file; other elements (such as the file's own workspace data) are passed over.
     pub(super) fn top(&self, element: &Element, found: &mut Found) -> Result<(), ReadError> {
-        if element.kind == Kind::Matrix { self.matrix(element, None, 0, found) } else { Ok(()) }
+        if element.kind == ElementType::Matrix { self.matrix(element, None, 0, found) } else { Ok(()) }
     }
 
     fn matrix(
@@ -56,7 +64,7 @@ impl Reader<'_> {
             2 if depth < DEEPEST => self.fields(&mut cursor, &head, path, depth, found),
             4 => {
                 let data = cursor.expect("text")?;
-                found.texts.push((path.into(), text(&data, self.order)));
+                found.texts.push(Said { path: path.into(), text: text(&data, self.order) });
                 Ok(())
             }
             6..=15 if !head.complex && head.dims.len() == 2 => {
@@ -64,7 +72,7 @@ impl Reader<'_> {
                 Ok(())
             }
             class => {
-                found.refused.push((path.into(), describe(class, &head)));
+                found.refused.push(Said { path: path.into(), text: describe(class, &head) });
                 Ok(())
             }
         }
@@ -92,7 +100,7 @@ impl Reader<'_> {
         let place = || format!("variable '{}'", shorten(path, 80));
         let (rows, columns) = (head.dims[0], head.dims[1]);
         let data = cursor.expect("numbers")?;
-        let Kind::Number(kind) = data.kind else {
+        let ElementType::Number(kind) = data.kind else {
             return Err(self.source.malformed(place(), format!("{:?} data", data.kind), "numbers"));
         };
         let values = to_f64(data.data, kind, self.order);
@@ -127,7 +135,7 @@ impl Reader<'_> {
             for field in &names {
                 let Some(element) = cursor.next()? else { return Ok(()) };
                 let owner = if single { path.to_string() } else { format!("{path}({number})") };
-                if element.kind == Kind::Matrix {
+                if element.kind == ElementType::Matrix {
                     self.matrix(&element, Some(&format!("{owner}.{field}")), depth + 1, found)?;
                 }
             }
@@ -142,8 +150,8 @@ fn name(bytes: &[u8]) -> String {
 
 fn text(data: &Element, order: Order) -> String {
     let unit = match data.kind {
-        Kind::Text(n) => n,
-        Kind::Number(kind) => kind.size(),
+        ElementType::Text(n) => n,
+        ElementType::Number(kind) => kind.size(),
         _ => 1,
     };
     if unit == 1 {

@@ -1,12 +1,13 @@
 //! How a text file is laid out: separator, decimal sign, header.
 
+use crate::assembly::units;
 use crate::error::ReadError;
-use crate::record::Quantity;
-use crate::source::{Source, decode, shorten};
-use crate::units;
+use crate::file_bytes::{FileBytes, decode, shorten};
+use crate::quantity::Quantity;
 use std::borrow::Cow;
 
-/// Lines looked at to find the first row of numbers.
+/// Lines looked at to find the first row of numbers. Preambles of measuring programs have up to some dozen lines; a file
+/// without a row among these is refused as no table, before all of it has been tried under every separator.
 const PROBED_LINES: usize = 200;
 
 /// What stands between columns.
@@ -59,6 +60,9 @@ pub(super) struct Layout {
     offset: usize,
 }
 
+/// A longer field is no number: the longest decimals of an f64 that programs write have some 25 characters.
+const LONGEST_NUMBER: usize = 64;
+
 struct Line<'a> {
     text: &'a [u8],
     offset: usize,
@@ -67,7 +71,7 @@ struct Line<'a> {
 
 impl Layout {
     /// Finds the separator under which a row of numbers comes first; with equal lines tab, semicolon, comma, space.
-    pub(super) fn detect(source: &Source) -> Result<Self, ReadError> {
+    pub(super) fn detect(source: &FileBytes) -> Result<Self, ReadError> {
         use Separator::{Comma, Semicolon, Space, Tab};
         let bytes = source.bytes;
         if bytes.starts_with(&[0xff, 0xfe]) || bytes.starts_with(&[0xfe, 0xff]) {
@@ -99,7 +103,7 @@ impl Layout {
         };
         let at = lines[..at].iter().position(damaged).unwrap_or(at);
         let above: Vec<&Line> = lines[..at].iter().filter(|l| !l.text.trim_ascii().is_empty()).collect();
-        let (names, units, used) = header(&above, separator, fields);
+        let Header { names, units, used } = header(&above, separator, fields);
         let plain = above.iter().filter(|l| !is_comment(l.text)).count();
         let (first_row, offset) = (lines[at].number, lines[at].offset);
         Self { separator, fields, first_row, names, units, preamble: plain.saturating_sub(used), offset }
@@ -141,8 +145,16 @@ impl Layout {
     }
 }
 
-/// Names and units from the lines just above the rows, and how many uncommented lines they took.
-fn header(above: &[&Line], separator: Separator, fields: usize) -> (Vec<String>, Vec<String>, usize) {
+/// What stands just above the rows.
+#[derive(Default)]
+struct Header {
+    names: Vec<String>,
+    units: Vec<String>,
+    /// Uncommented lines that names and units took.
+    used: usize,
+}
+
+fn header(above: &[&Line], separator: Separator, fields: usize) -> Header {
     let cells = |l: &Line| -> Option<Vec<String>> {
         let text = l.text.trim_ascii();
         let text = if is_comment(text) { text[1..].trim_ascii() } else { text };
@@ -151,16 +163,16 @@ fn header(above: &[&Line], separator: Separator, fields: usize) -> (Vec<String>,
     };
     let words =
         |row: &[String]| row.iter().all(|c| !c.is_empty() && number(c.as_bytes(), separator).is_none());
-    let Some((last, rest)) = above.split_last() else { return (Vec::new(), Vec::new(), 0) };
-    let Some(lower) = cells(last) else { return (Vec::new(), Vec::new(), 0) };
+    let Some((last, rest)) = above.split_last() else { return Header::default() };
+    let Some(lower) = cells(last) else { return Header::default() };
     let plain = |l: &Line| usize::from(!is_comment(l.text));
     if let Some(line) = rest.last().filter(|l| words(&lower) && plain(l) == plain(last)) {
         let known = lower.iter().any(|u| is_unit(u));
         if let Some(upper) = cells(line).filter(|row| known && words(row)) {
-            return (upper, lower, plain(line) + plain(last));
+            return Header { names: upper, units: lower, used: plain(line) + plain(last) };
         }
     }
-    (lower, Vec::new(), plain(last))
+    Header { names: lower, units: Vec::new(), used: plain(last) }
 }
 
 fn split_quoted(separator: Separator, text: &[u8]) -> Vec<String> {
@@ -197,7 +209,7 @@ fn number(field: &[u8], separator: Separator) -> Option<f64> {
     if let Ok(value) = text.parse() {
         return Some(value);
     }
-    if text.len() > 64 {
+    if text.len() > LONGEST_NUMBER {
         return None;
     }
     let comma = separator.decimal_comma() && text.bytes().filter(|b| *b == b',').count() == 1;
@@ -215,7 +227,7 @@ fn lines(bytes: &[u8]) -> impl Iterator<Item = Line<'_>> {
     })
 }
 
-fn no_row(source: &Source, lines: &[Line]) -> ReadError {
+fn no_row(source: &FileBytes, lines: &[Line]) -> ReadError {
     let first = lines.iter().find(|l| !l.text.trim_ascii().is_empty());
     let found = first.map_or("an empty file".into(), |l| {
         let text: String = decode(l.text.trim_ascii()).chars().filter(|c| !c.is_control()).collect();

@@ -1,10 +1,10 @@
 //! Records 1 to 11 of a dataset 58.
 
 use super::sections::Section;
+use crate::assembly::units;
 use crate::error::ReadError;
-use crate::record::Quantity;
-use crate::source::{Source, decode, shorten};
-use crate::units;
+use crate::file_bytes::{FileBytes, decode, shorten};
+use crate::quantity::Quantity;
 
 /// What the header of a dataset 58 says.
 #[derive(Debug)]
@@ -26,7 +26,7 @@ pub(super) struct Header {
 }
 
 impl Header {
-    pub(super) fn parse(source: &Source, section: &Section) -> Result<Self, ReadError> {
+    pub(super) fn parse(source: &FileBytes, section: &Section) -> Result<Self, ReadError> {
         let line = |i: usize| decode(section.header[i]);
         let (dof, abscissa, ordinate) = (line(5), line(7), line(8));
         let form = line(6);
@@ -85,7 +85,13 @@ impl Header {
     }
 }
 
-fn field(source: &Source, section: &Section, form: &[&str], i: usize, what: &str) -> Result<f64, ReadError> {
+fn field(
+    source: &FileBytes,
+    section: &Section,
+    form: &[&str],
+    i: usize,
+    what: &str,
+) -> Result<f64, ReadError> {
     let text = form.get(i).copied().unwrap_or("");
     text.replace(['D', 'd'], "e").parse().map_err(|_| {
         let place = format!("{}, record 7, field {}", section.place(), i + 1);

@@ -2,8 +2,12 @@
 
 use crate::bytes::Order;
 use crate::error::ReadError;
-use crate::source::{Source, decode, shorten};
+use crate::file_bytes::{FileBytes, decode, shorten};
 use crate::warning::Warning;
+
+/// Columns of a line in a universal file. Some programs fill the closing `-1` up to there, and line ends come behind it;
+/// in binary data, what goes on for longer is no line.
+const LINE: usize = 80;
 
 /// Lines of a dataset 58 between its number and its data.
 pub(super) const HEADER_LINES: usize = 11;
@@ -41,7 +45,7 @@ impl Section<'_> {
 
 /// Finds all datasets 58 and 58b; others are passed over.
 pub(super) fn split<'a>(
-    source: &Source<'a>,
+    source: &FileBytes<'a>,
     warnings: &mut Vec<Warning>,
 ) -> Result<Vec<Section<'a>>, ReadError> {
     let bytes = source.bytes;
@@ -77,7 +81,7 @@ fn dataset_number(line: &[u8]) -> (String, Vec<String>) {
 }
 
 /// Format (I6,1A1,I6,I6,I12,I12,...): byte order, floating-point format, number of ASCII lines, number of bytes.
-fn binary_fields(source: &Source, offset: usize, fields: &[String]) -> Result<Binary, ReadError> {
+fn binary_fields(source: &FileBytes, offset: usize, fields: &[String]) -> Result<Binary, ReadError> {
     let place = format!("first line of the dataset 58b at byte {offset}");
     let order = match fields.first().map(String::as_str) {
         Some("1") => Order::Little,
@@ -99,7 +103,7 @@ fn binary_fields(source: &Source, offset: usize, fields: &[String]) -> Result<Bi
 
 /// Header lines and data of the dataset whose number stands at `start`.
 fn cut<'a>(
-    source: &Source<'a>,
+    source: &FileBytes<'a>,
     start: usize,
     mut at: usize,
     index: usize,
@@ -183,7 +187,7 @@ fn first_closing(rest: &[u8]) -> usize {
 
 /// Whether a closing `-1` line is followed by the end of the file or by the opening `-1` line of a dataset.
 fn is_last_or_followed(mark: &[u8]) -> bool {
-    let Some((line, next)) = line_at(&mark[..mark.len().min(84)], 0) else { return false };
+    let Some((line, next)) = line_at(&mark[..mark.len().min(LINE + 4)], 0) else { return false };
     let mut at = next;
     if !is_delimiter(line) {
         return false;
@@ -204,8 +208,8 @@ fn is_last_or_followed(mark: &[u8]) -> bool {
 fn closes(after: &[u8]) -> Option<usize> {
     let start = without_line_end(after);
     let (line, next) = line_at(start, 0)?;
-    let short = &line[..line.len().min(80)];
-    (is_delimiter(short) && line.len() <= 82).then_some(after.len() - start.len() + next)
+    let short = &line[..line.len().min(LINE)];
+    (is_delimiter(short) && line.len() <= LINE + 2).then_some(after.len() - start.len() + next)
 }
 
 fn without_line_end(bytes: &[u8]) -> &[u8] {

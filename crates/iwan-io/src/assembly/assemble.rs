@@ -1,10 +1,11 @@
 //! From what a reader found to a checked record: quantity, unit, and a uniform grid of times.
 
+use super::sampling::{self, Times, UNIFORM};
 use crate::error::ReadError;
+use crate::file_bytes::{FileBytes, list};
 use crate::options::ReadOptions;
-use crate::record::{Quantity, Record};
-use crate::sampling::{self, Times, UNIFORM};
-use crate::source::{Source, list};
+use crate::quantity::Quantity;
+use crate::record::Record;
 use crate::warning::Warning;
 
 /// When the samples were taken.
@@ -34,8 +35,16 @@ pub(crate) struct Raw {
     pub(crate) warnings: Vec<Warning>,
 }
 
+/// The uniform times of a record.
+struct Grid {
+    /// Time of the first sample, s.
+    start: f64,
+    /// Interval, s.
+    dt: f64,
+}
+
 /// Makes the record.
-pub(crate) fn assemble(source: &Source, mut raw: Raw, options: &ReadOptions) -> Result<Record, ReadError> {
+pub(crate) fn assemble(source: &FileBytes, mut raw: Raw, options: &ReadOptions) -> Result<Record, ReadError> {
     if let Some(value) = options.rate.filter(|r| !(r.is_finite() && *r > 0.0)) {
         return Err(ReadError::Rate { file: source.file.into(), value });
     }
@@ -43,7 +52,7 @@ pub(crate) fn assemble(source: &Source, mut raw: Raw, options: &ReadOptions) -> 
         keep_one_quantity(source, &mut raw, options.quantity)?;
     }
     let (quantity, unit) = describe(&raw.channels, options.quantity, &mut raw.warnings);
-    let (start, dt) = place_in_time(source, &mut raw, options)?;
+    let Grid { start, dt } = place_in_time(source, &mut raw, options)?;
     let (names, samples) = raw.channels.into_iter().map(|c| (c.name, c.values)).unzip();
     let record = Record::new(dt, samples, names).and_then(|r| r.with_start(start));
     let record = record.map_err(|e| source.record(e))?;
@@ -51,7 +60,7 @@ pub(crate) fn assemble(source: &Source, mut raw: Raw, options: &ReadOptions) -> 
 }
 
 /// Leaves out channels of another quantity than the one wanted; a force beside one kind of motion is left out, too.
-fn keep_one_quantity(source: &Source, raw: &mut Raw, wanted: Option<Quantity>) -> Result<(), ReadError> {
+fn keep_one_quantity(source: &FileBytes, raw: &mut Raw, wanted: Option<Quantity>) -> Result<(), ReadError> {
     let found = quantities(&raw.channels);
     let motions: Vec<Quantity> = found.iter().copied().filter(|q| *q != Quantity::Force).collect();
     let kept = match wanted {
@@ -115,15 +124,15 @@ fn describe(
     (used, unit)
 }
 
-/// Start and interval in seconds; interpolates the channels when asked to.
-fn place_in_time(source: &Source, raw: &mut Raw, options: &ReadOptions) -> Result<(f64, f64), ReadError> {
+/// When the samples were taken; interpolates the channels when asked to.
+fn place_in_time(source: &FileBytes, raw: &mut Raw, options: &ReadOptions) -> Result<Grid, ReadError> {
     if let Axis::Times { name, values } = &raw.axis {
         check_times(source, name, values, &raw.channels)?;
     }
     let given = options.rate.map(|rate| 1.0 / rate);
     match (given, &raw.axis) {
         (Some(dt), axis) => Ok(follow_rate(dt, axis, &mut raw.warnings)),
-        (None, Axis::Even { start, step }) => Ok((*start, *step)),
+        (None, Axis::Even { start, step }) => Ok(Grid { start: *start, dt: *step }),
         (None, Axis::None) => {
             let names = list(raw.channels.iter().map(|c| c.name.as_str()));
             let found = "no time is stored".into();
@@ -133,9 +142,9 @@ fn place_in_time(source: &Source, raw: &mut Raw, options: &ReadOptions) -> Resul
     }
 }
 
-fn follow_rate(dt: f64, axis: &Axis, warnings: &mut Vec<Warning>) -> (f64, f64) {
+fn follow_rate(dt: f64, axis: &Axis, warnings: &mut Vec<Warning>) -> Grid {
     let (start, step) = match axis {
-        Axis::None => return (0.0, dt),
+        Axis::None => return Grid { start: 0.0, dt },
         Axis::Even { start, step } => (*start, *step),
         Axis::Times { values, .. } => {
             (values[0], (values[values.len() - 1] - values[0]) / (values.len() - 1) as f64)
@@ -144,17 +153,17 @@ fn follow_rate(dt: f64, axis: &Axis, warnings: &mut Vec<Warning>) -> (f64, f64) 
     if (step / dt - 1.0).abs() > UNIFORM || step.is_nan() {
         warnings.push(Warning::RateReplaced { stored: 1.0 / step, used: 1.0 / dt });
     }
-    (start, dt)
+    Grid { start, dt }
 }
 
-fn follow_times(source: &Source, raw: &mut Raw, resample: bool) -> Result<(f64, f64), ReadError> {
-    let Axis::Times { name, values } = &raw.axis else { return Ok((0.0, 0.0)) };
+fn follow_times(source: &FileBytes, raw: &mut Raw, resample: bool) -> Result<Grid, ReadError> {
+    let Axis::Times { name, values } = &raw.axis else { return Ok(Grid { start: 0.0, dt: 0.0 }) };
     let (file, start) = (source.file, values[0]);
     match sampling::judge(values) {
-        Times::Uniform { dt } => Ok((start, dt)),
+        Times::Uniform { dt } => Ok(Grid { start, dt }),
         Times::Rounded { dt, quantum } => {
             raw.warnings.push(Warning::RoundedTime { quantum, dt });
-            Ok((start, dt))
+            Ok(Grid { start, dt })
         }
         Times::Unordered { sample } => {
             let (value, previous) = (values[sample], values[sample - 1]);
@@ -165,7 +174,7 @@ fn follow_times(source: &Source, raw: &mut Raw, resample: bool) -> Result<(f64, 
                 channel.values = sampling::resample(values, &channel.values, dt);
             }
             raw.warnings.push(Warning::Resampled { deviation, dt });
-            Ok((start, dt))
+            Ok(Grid { start, dt })
         }
         Times::Uneven { dt, sample, .. } => {
             let interval = values[sample] - values[sample - 1];
@@ -176,7 +185,7 @@ fn follow_times(source: &Source, raw: &mut Raw, resample: bool) -> Result<(f64, 
 }
 
 /// Times must be at least two, finite, and one for each sample.
-fn check_times(source: &Source, name: &str, times: &[f64], channels: &[Channel]) -> Result<(), ReadError> {
+fn check_times(source: &FileBytes, name: &str, times: &[f64], channels: &[Channel]) -> Result<(), ReadError> {
     if times.len() < 2 {
         let found = format!("{} times", times.len());
         return Err(source.malformed(format!("'{name}'"), found, "at least 2"));

@@ -1,12 +1,12 @@
 //! Named arrays (columns, NumPy arrays, MATLAB variables): which is the time, which are channels.
 
-use crate::assemble::{Axis, Channel, Raw};
+use super::assemble::{Axis, Channel, Raw};
+use super::sampling;
+use super::units;
 use crate::error::ReadError;
+use crate::file_bytes::{FileBytes, list};
 use crate::options::ReadOptions;
-use crate::record::Quantity;
-use crate::sampling;
-use crate::source::{Source, list};
-use crate::units;
+use crate::quantity::Quantity;
 use crate::warning::Warning;
 
 /// A named array of one or two dimensions, column after column.
@@ -55,7 +55,7 @@ impl Variable {
 
 /// Named arrays of one file with what the user says about them.
 pub(crate) struct Chooser<'a> {
-    pub(crate) source: Source<'a>,
+    pub(crate) source: FileBytes<'a>,
     pub(crate) options: &'a ReadOptions,
     /// One table, whose first column may be a time without a name.
     pub(crate) tabular: bool,
@@ -274,7 +274,7 @@ mod tests {
     }
 
     fn choose(variables: Vec<Variable>, options: &ReadOptions) -> Result<Raw, ReadError> {
-        let source = Source { file: Path::new("a.npz"), bytes: &[] };
+        let source = FileBytes { file: Path::new("a.npz"), bytes: &[] };
         Chooser { source, options, tabular: false }.choose(variables, Vec::new())
     }
 

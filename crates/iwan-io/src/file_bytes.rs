@@ -6,12 +6,12 @@ use std::path::Path;
 
 /// A file in memory.
 #[derive(Clone, Copy)]
-pub(crate) struct Source<'a> {
+pub(crate) struct FileBytes<'a> {
     pub(crate) file: &'a Path,
     pub(crate) bytes: &'a [u8],
 }
 
-impl Source<'_> {
+impl FileBytes<'_> {
     pub(crate) fn malformed(
         &self,
         place: impl Into<String>,
@@ -67,6 +67,7 @@ pub(crate) fn shorten(text: &str, limit: usize) -> String {
 
 /// Names for an error message: the first twenty, and how many more there are.
 pub(crate) fn list<'a>(names: impl IntoIterator<Item = &'a str>) -> String {
+    // A message of more names is longer than a screen; how many are left out is said.
     const SHOWN: usize = 20;
     let mut names = names.into_iter();
     let shown: Vec<String> = names.by_ref().take(SHOWN).map(|n| shorten(n, 60)).collect();

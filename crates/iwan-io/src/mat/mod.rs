@@ -7,27 +7,26 @@
 mod element;
 mod matrix;
 
-use crate::assemble::Raw;
+use crate::assembly::{Chooser, Raw, Variable, units};
 use crate::bytes::Order;
 use crate::error::ReadError;
+use crate::file_bytes::FileBytes;
 use crate::inflate::{most, read_limited};
 use crate::options::ReadOptions;
-use crate::source::Source;
-use crate::units;
-use crate::variables::{Chooser, Variable};
-use element::{Cursor, Kind};
+use element::{Cursor, ElementType};
 use flate2::bufread::ZlibDecoder;
-use matrix::{Found, Reader};
+use matrix::{Found, Reader, Said};
 
+/// Bytes before the first data element: 116 of text, 8 of offsets, version and byte order.
 const HEADER: usize = 128;
 
 /// Time and channels of a MAT-file.
-pub(crate) fn parse(source: Source, options: &ReadOptions) -> Result<Raw, ReadError> {
+pub(crate) fn parse(source: FileBytes, options: &ReadOptions) -> Result<Raw, ReadError> {
     let order = check_header(&source)?;
     let mut found = Found::default();
     let mut cursor = Cursor::new(&source, &source.bytes[HEADER..], order, HEADER);
     while let Some(element) = cursor.next()? {
-        if element.kind != Kind::Compressed {
+        if element.kind != ElementType::Compressed {
             Reader { source: &source, order }.top(&element, &mut found)?;
             continue;
         }
@@ -40,15 +39,19 @@ pub(crate) fn parse(source: Source, options: &ReadOptions) -> Result<Raw, ReadEr
         }
     }
     let asked =
-        options.channels.iter().chain(&options.time).find(|n| found.refused.iter().any(|r| r.0 == **n));
-    if let Some((name, what)) = found.refused.iter().find(|r| Some(&r.0) == asked) {
-        return Err(source.unsupported(name, what, "save real numeric arrays of one or two dimensions"));
+        options.channels.iter().chain(&options.time).find(|n| found.refused.iter().any(|r| r.path == **n));
+    if let Some(refused) = found.refused.iter().find(|r| Some(&r.path) == asked) {
+        return Err(source.unsupported(
+            &refused.path,
+            &refused.text,
+            "save real numeric arrays of one or two dimensions",
+        ));
     }
     Chooser { source, options, tabular: false }.choose(with_units(found), Vec::new())
 }
 
 /// Byte order; refuses other levels by name.
-fn check_header(source: &Source) -> Result<Order, ReadError> {
+fn check_header(source: &FileBytes) -> Result<Order, ReadError> {
     let bytes = source.bytes;
     let text = bytes.get(..HEADER).unwrap_or_default();
     let version = [text.get(124), text.get(125)];
@@ -68,12 +71,12 @@ fn check_header(source: &Source) -> Result<Order, ReadError> {
     Ok(order)
 }
 
-fn level_7_3(source: &Source) -> ReadError {
+fn level_7_3(source: &FileBytes) -> ReadError {
     let remedy = "save it again with save(..., '-v7'), or export CSV or NPZ";
     source.unsupported("header", "a MATLAB v7.3 (HDF5) file", remedy)
 }
 
-fn not_level_5(source: &Source) -> ReadError {
+fn not_level_5(source: &FileBytes) -> ReadError {
     if source.bytes.starts_with(b"\x89HDF") {
         return level_7_3(source);
     }
@@ -100,11 +103,11 @@ fn is_level_4(bytes: &[u8]) -> bool {
 /// and that of the rest.
 fn with_units(found: Found) -> Vec<Variable> {
     let mut variables = found.arrays;
-    for (name, text) in &found.texts {
-        if !matches!(units::base(name).as_str(), "unit" | "units") {
+    for Said { path, text } in &found.texts {
+        if !matches!(units::base(path).as_str(), "unit" | "units") {
             continue;
         }
-        let parent = name.rsplit_once('.').map_or("", |(parent, _)| parent);
+        let parent = path.rsplit_once('.').map_or("", |(parent, _)| parent);
         let (time, rest) = text.split_once(',').unwrap_or(("", text));
         let inside = |name: &str| match name.strip_prefix(parent) {
             Some(rest) if !parent.is_empty() => rest.starts_with('.'),

@@ -1,19 +1,18 @@
 //! Several NumPy arrays in a zip archive, as `numpy.savez` and `numpy.savez_compressed` write them.
 
-use crate::assemble::Raw;
+use super::npy;
+use crate::assembly::{Chooser, Raw};
 use crate::error::ReadError;
+use crate::file_bytes::FileBytes;
 use crate::inflate::{most, read_limited};
-use crate::npy;
 use crate::options::ReadOptions;
-use crate::source::Source;
-use crate::variables::Chooser;
 use crate::warning::Warning;
 use std::io::Cursor;
 use zip::ZipArchive;
 
 /// Time and channels of an NPZ file; the time is a vector `t` or `time`, or a number `dt` (seconds) or `fs` (Hz).
 /// Arrays that are not numeric (labels, say) are left out with a warning.
-pub(crate) fn parse(source: Source, options: &ReadOptions) -> Result<Raw, ReadError> {
+pub(crate) fn parse(source: FileBytes, options: &ReadOptions) -> Result<Raw, ReadError> {
     let mut archive = ZipArchive::new(Cursor::new(source.bytes))
         .map_err(|e| source.malformed("zip directory", e.to_string(), "a zip archive of NPY arrays"))?;
     let (mut variables, mut warnings) = (Vec::new(), Vec::new());
@@ -39,7 +38,7 @@ fn asked(name: &str, options: &ReadOptions) -> bool {
 
 /// Name and bytes of an entry `NAME.npy`; none for another file.
 fn entry(
-    source: &Source,
+    source: &FileBytes,
     archive: &mut ZipArchive<Cursor<&[u8]>>,
     index: usize,
     budget: u64,

@@ -7,6 +7,12 @@ use std::io::{self, Seek, Write};
 use std::path::Path;
 use zip::write::SimpleFileOptions;
 
+/// Values from which on an entry is written with 64-bit sizes: 2 GiB, half of what 32-bit sizes can tell, so that the header
+/// of the array has room.
+const ZIP32: usize = 1 << 28;
+/// Values that are turned into bytes at once, 32 KiB, so that no second copy of a column is made.
+const CHUNK: usize = 1 << 12;
+
 /// Why columns do not make a [`Table`].
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 #[non_exhaustive]
@@ -113,10 +119,10 @@ impl<'a> Table<'a> {
         let mut archive = zip::ZipWriter::new(sink);
         let stored = SimpleFileOptions::default().compression_method(zip::CompressionMethod::Stored);
         for (name, values) in &self.columns {
-            let large = values.len() > (1 << 28);
+            let large = values.len() > ZIP32;
             archive.start_file(format!("{name}.npy"), stored.large_file(large))?;
             archive.write_all(&npy_header(values.len()))?;
-            for chunk in values.chunks(1 << 12) {
+            for chunk in values.chunks(CHUNK) {
                 archive.write_all(&chunk.iter().flat_map(|v| v.to_le_bytes()).collect::<Vec<u8>>())?;
             }
         }
@@ -163,7 +169,7 @@ fn npy_header(rows: usize) -> Vec<u8> {
     let length = (10 + text.len() + 1).next_multiple_of(64) - 10;
     text.push_str(&" ".repeat(length - 1 - text.len()));
     text.push('\n');
-    let mut header = crate::npy::MAGIC.to_vec();
+    let mut header = crate::numpy::MAGIC.to_vec();
     header.extend([1, 0]);
     header.extend(u16::try_from(length).unwrap_or(118).to_le_bytes());
     header.extend(text.bytes());

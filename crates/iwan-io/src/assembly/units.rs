@@ -1,7 +1,9 @@
 //! Quantities and time factors from unit labels and names.
 
-use crate::record::Quantity;
+use crate::quantity::Quantity;
 
+// Labels as `plain` leaves them: lower case, without brackets, blanks and powers. `mn` is a meganewton here, although it
+// may have been a millinewton: both are forces.
 const ACCELERATION: [&str; 12] =
     ["m/s2", "mm/s2", "cm/s2", "um/s2", "in/s2", "ft/s2", "m/s/s", "ms-2", "m/sec2", "g", "gn", "mg"];
 const VELOCITY: [&str; 8] = ["m/s", "mm/s", "cm/s", "um/s", "in/s", "ft/s", "m/sec", "ms-1"];
@@ -61,23 +63,37 @@ pub(crate) fn time_factor(unit: &str) -> Option<f64> {
     }
 }
 
-/// Splits `Time [ms]`, `Time (ms)` or `time_ms` into name and unit; the unit is empty where there is none.
-pub(crate) fn split_unit(header: &str) -> (String, String) {
+/// What stands above a column.
+#[derive(Debug, PartialEq, Eq)]
+pub(crate) struct Label {
+    pub(crate) name: String,
+    /// Empty where there is none.
+    pub(crate) unit: String,
+}
+
+impl Label {
+    fn new(name: &str, unit: &str) -> Self {
+        Self { name: name.into(), unit: unit.into() }
+    }
+}
+
+/// Splits `Time [ms]`, `Time (ms)` or `time_ms` into name and unit.
+pub(crate) fn split_unit(header: &str) -> Label {
     let header = header.trim();
     for (open, close) in [('[', ']'), ('(', ')')] {
         let Some(inner) = header.strip_suffix(close) else { continue };
         let Some((name, unit)) = inner.split_once(open) else { continue };
         let index = unit.chars().all(|c| c.is_ascii_digit());
         if !name.trim().is_empty() && !index {
-            return (name.trim().into(), unit.trim().into());
+            return Label::new(name.trim(), unit.trim());
         }
     }
     for unit in ["_s", "_ms", "_us"] {
         if let Some(name) = header.strip_suffix(unit).filter(|name| is_time_name(name)) {
-            return (name.into(), unit[1..].into());
+            return Label::new(name, &unit[1..]);
         }
     }
-    (header.into(), String::new())
+    Label::new(header, "")
 }
 
 /// Whether a variable or column of this name is the time.
@@ -124,11 +140,11 @@ mod tests {
 
     #[test]
     fn units_are_split_from_headers() {
-        assert_eq!(split_unit(" Time [ms] "), ("Time".into(), "ms".into()));
-        assert_eq!(split_unit("time_us"), ("time".into(), "us".into()));
-        assert_eq!(split_unit("acc (m/s^2)"), ("acc".into(), "m/s^2".into()));
-        assert_eq!(split_unit("pos_s"), ("pos_s".into(), String::new()));
-        assert_eq!(split_unit("acc[0]"), ("acc[0]".into(), String::new()));
+        assert_eq!(split_unit(" Time [ms] "), Label::new("Time", "ms"));
+        assert_eq!(split_unit("time_us"), Label::new("time", "us"));
+        assert_eq!(split_unit("acc (m/s^2)"), Label::new("acc", "m/s^2"));
+        assert_eq!(split_unit("pos_s"), Label::new("pos_s", ""));
+        assert_eq!(split_unit("acc[0]"), Label::new("acc[0]", ""));
         assert_eq!(time_factor("ms"), Some(1e-3));
         assert_eq!(time_factor("furlong"), None);
     }

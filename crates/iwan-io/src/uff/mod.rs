@@ -4,16 +4,16 @@
 //! Cincinnati. Every dataset with a real time history is a channel; other datasets are skipped, spectra and complex
 //! functions with a warning.
 
-mod data;
-mod header;
 mod sections;
+mod header;
+mod data;
 
-use crate::assemble::{Axis, Channel, Raw};
+use crate::assembly::{Axis, Channel, Raw, units};
 use crate::error::ReadError;
+use crate::file_bytes::{FileBytes, list};
 use crate::options::ReadOptions;
-use crate::source::{Source, list};
-use crate::units;
 use crate::warning::Warning;
+use data::Points;
 use header::Header;
 use sections::Section;
 
@@ -24,7 +24,7 @@ struct Function {
 }
 
 /// Time and channels of a UFF file.
-pub(crate) fn parse(source: Source, options: &ReadOptions) -> Result<Raw, ReadError> {
+pub(crate) fn parse(source: FileBytes, options: &ReadOptions) -> Result<Raw, ReadError> {
     let mut warnings = Vec::new();
     let mut functions: Vec<Function> = Vec::new();
     let mut refused = None;
@@ -60,13 +60,13 @@ fn unique(name: String, functions: &[Function]) -> String {
 }
 
 fn function(
-    source: &Source,
+    source: &FileBytes,
     section: &Section,
     header: &Header,
     name: String,
     warnings: &mut Vec<Warning>,
 ) -> Result<Function, ReadError> {
-    let (mut times, values) = data::read(source, section, header, warnings)?;
+    let Points { mut times, values } = data::read(source, section, header, warnings)?;
     let factor = units::time_factor(&header.abscissa_unit).unwrap_or(1.0);
     if factor != 1.0 {
         warnings.push(Warning::TimeScaled { unit: header.abscissa_unit.clone(), factor });
@@ -85,7 +85,7 @@ fn function(
 
 /// The functions in the order of the names given by the user.
 fn order(
-    source: &Source,
+    source: &FileBytes,
     functions: Vec<Function>,
     options: &ReadOptions,
 ) -> Result<Vec<Function>, ReadError> {
@@ -104,7 +104,7 @@ fn order(
     Ok(ordered)
 }
 
-fn unknown(source: &Source, name: &str) -> ReadError {
+fn unknown(source: &FileBytes, name: &str) -> ReadError {
     let sections = sections::split(source, &mut Vec::new()).unwrap_or_default();
     let names: Vec<String> =
         sections.iter().filter_map(|s| Some(Header::parse(source, s).ok()?.name(s.index))).collect();
@@ -114,7 +114,7 @@ fn unknown(source: &Source, name: &str) -> ReadError {
 
 /// One axis for all channels.
 fn join(
-    source: &Source,
+    source: &FileBytes,
     functions: Vec<Function>,
     options: &ReadOptions,
     warnings: Vec<Warning>,
@@ -122,7 +122,7 @@ fn join(
     let (mut axis, mut channels): (Option<Axis>, Vec<Channel>) = (None, Vec::new());
     for function in functions {
         let unlike = axis.as_ref().and_then(|a| difference(a, &function.axis)).zip(channels.first());
-        if let Some(((found, expected), first)) = unlike {
+        if let Some((Unlike { found, expected }, first)) = unlike {
             let (file, name) = (source.file.into(), function.channel.name);
             return Err(ReadError::Mismatch { file, name, found, expected, reference: first.name.clone() });
         }
@@ -133,17 +133,35 @@ fn join(
     Ok(Raw { axis, channels, chosen: !options.channels.is_empty(), warnings })
 }
 
-/// Sampling found and expected, where they differ by more than the five digits of an ASCII header.
-fn difference(expected: &Axis, found: &Axis) -> Option<(String, String)> {
+/// Intervals of channels may differ by this part, two units of the fifth and last digit that an ASCII header has.
+const SAME_INTERVAL: f64 = 2e-5;
+/// Starts of channels may differ by this part of an interval: to the nearest sample they are the same.
+const SAME_START: f64 = 0.5;
+
+/// Sampling of a channel that does not go with the others, in words.
+struct Unlike {
+    found: String,
+    expected: String,
+}
+
+impl Unlike {
+    fn new(found: impl Into<String>, expected: impl Into<String>) -> Self {
+        Self { found: found.into(), expected: expected.into() }
+    }
+}
+
+/// How the sampling found differs from the one expected, if it does.
+fn difference(expected: &Axis, found: &Axis) -> Option<Unlike> {
     match (expected, found) {
         (Axis::Even { start: s, step: a }, Axis::Even { start, step }) => {
-            let same = (step - a).abs() <= 2e-5 * a.abs() && (start - s).abs() <= 0.5 * a.abs();
+            let same =
+                (step - a).abs() <= SAME_INTERVAL * a.abs() && (start - s).abs() <= SAME_START * a.abs();
             let text = |start, step| format!("interval {step:e} s from {start:e} s");
-            (!same).then(|| (text(*start, *step), text(*s, *a)))
+            (!same).then(|| Unlike::new(text(*start, *step), text(*s, *a)))
         }
         (Axis::Times { values: a, .. }, Axis::Times { values: b, .. }) => {
-            (a != b).then(|| ("other times".into(), "the same times".into()))
+            (a != b).then(|| Unlike::new("other times", "the same times"))
         }
-        _ => Some(("another kind of abscissa".into(), "the same kind".into())),
+        _ => Some(Unlike::new("another kind of abscissa", "the same kind")),
     }
 }

@@ -6,17 +6,18 @@
 
 mod layout;
 
-use crate::assemble::Raw;
+use crate::assembly::units::{self, Label};
+use crate::assembly::{Chooser, Raw, Variable};
 use crate::error::ReadError;
+use crate::file_bytes::{FileBytes, decode, shorten};
 use crate::options::ReadOptions;
-use crate::source::{Source, decode, shorten};
-use crate::units;
-use crate::variables::{Chooser, Variable};
 use crate::warning::Warning;
 use layout::Layout;
 use std::path::Path;
 
-/// More columns than this are taken for a damaged file.
+/// More columns than this are taken for a damaged file, and refused: a table that is read is as many vectors, and a line
+/// of a binary file with commas in it may seem to have any number. Modal tests have up to some hundred channels;
+/// any limit from a thousand on does as well.
 const MOST_COLUMNS: usize = 10_000;
 
 /// Named columns of equal length, as read from a text file. NaN and infinite values are kept.
@@ -88,7 +89,7 @@ pub fn read_table(path: impl AsRef<Path>) -> Result<Columns, ReadError> {
 /// # Errors
 /// As [`read_table`].
 pub fn parse_table(file: &Path, bytes: &[u8]) -> Result<Columns, ReadError> {
-    let source = Source { file, bytes };
+    let source = FileBytes { file, bytes };
     let layout = Layout::detect(&source)?;
     if layout.fields > MOST_COLUMNS {
         let found = format!("{} columns", layout.fields);
@@ -96,14 +97,15 @@ pub fn parse_table(file: &Path, bytes: &[u8]) -> Result<Columns, ReadError> {
         return Err(source.malformed(place, found, format!("at most {MOST_COLUMNS}")));
     }
     let values = read_rows(&source, &layout)?;
-    let (names, units) = label(&layout);
+    let labels = label(&layout);
+    let (names, units) = labels.into_iter().map(|label| (label.name, label.unit)).unzip();
     let skipped = layout.preamble;
     let warnings = if skipped > 0 { vec![Warning::Preamble { lines: skipped }] } else { Vec::new() };
     Ok(Columns { names, units, values, warnings })
 }
 
 /// Time and channels of a text file.
-pub(crate) fn parse(source: Source, options: &ReadOptions) -> Result<Raw, ReadError> {
+pub(crate) fn parse(source: FileBytes, options: &ReadOptions) -> Result<Raw, ReadError> {
     let table = parse_table(source.file, source.bytes)?;
     let labels = table.names.into_iter().zip(table.units);
     let variables = labels.zip(table.values).map(|((name, unit), values)| {
@@ -121,20 +123,19 @@ fn chosen_name(name: String, unit: &str, options: &ReadOptions) -> String {
     asked.into_iter().find(|a| !unit.is_empty() && full.contains(a)).cloned().unwrap_or(name)
 }
 
-fn label(layout: &Layout) -> (Vec<String>, Vec<String>) {
-    let number = |i: usize| format!("column {}", i + 1);
-    let (mut names, mut units) = (Vec::new(), Vec::new());
-    for i in 0..layout.fields {
+/// Name and unit of each column; columns without a name are numbered.
+fn label(layout: &Layout) -> Vec<Label> {
+    let one = |i: usize| {
         let header = layout.names.get(i).map(String::as_str).unwrap_or_default();
-        let (name, unit) = units::split_unit(header);
-        names.push(if name.is_empty() { number(i) } else { name });
+        let Label { name, unit } = units::split_unit(header);
+        let name = if name.is_empty() { format!("column {}", i + 1) } else { name };
         let row = layout.units.get(i).map(|u| u.trim_matches(['[', ']', '(', ')']).to_string());
-        units.push(row.filter(|u| !u.is_empty()).unwrap_or(unit));
-    }
-    (names, units)
+        Label { name, unit: row.filter(|u| !u.is_empty()).unwrap_or(unit) }
+    };
+    (0..layout.fields).map(one).collect()
 }
 
-fn read_rows(source: &Source, layout: &Layout) -> Result<Vec<Vec<f64>>, ReadError> {
+fn read_rows(source: &FileBytes, layout: &Layout) -> Result<Vec<Vec<f64>>, ReadError> {
     let body = layout.body(source.bytes);
     let mut reader = csv::ReaderBuilder::new()
         .has_headers(false)
@@ -156,7 +157,7 @@ fn read_rows(source: &Source, layout: &Layout) -> Result<Vec<Vec<f64>>, ReadErro
 }
 
 fn push_row(
-    source: &Source,
+    source: &FileBytes,
     layout: &Layout,
     record: &csv::ByteRecord,
     line: u64,

@@ -3,18 +3,20 @@
 //! Own reader of some lines: the published ones allocate what a header promises and parse its dictionary with a
 //! general Python parser that needs a C tool chain; a damaged header must neither exhaust memory nor panic here.
 
-use crate::assemble::Raw;
-use crate::bytes::{Kind, Order, to_f64};
+use crate::assembly::{Chooser, Raw, Variable};
+use crate::bytes::{NumberType, Order, to_f64};
 use crate::error::ReadError;
+use crate::file_bytes::{FileBytes, decode, shorten};
 use crate::options::ReadOptions;
-use crate::source::{Source, decode, shorten};
-use crate::variables::{Chooser, Variable};
 
 /// Start of every NPY file.
 pub(crate) const MAGIC: &[u8] = b"\x93NUMPY";
 
+/// NumPy's own limit up to version 1; arrays of more than two dimensions are refused anyway, with their number.
+const MOST_DIMENSIONS: usize = 32;
+
 struct Header {
-    kind: Kind,
+    kind: NumberType,
     order: Order,
     fortran: bool,
     rows: usize,
@@ -22,14 +24,14 @@ struct Header {
 }
 
 /// Time and channels of an NPY file: one array, whose first column (or row) may be the time.
-pub(crate) fn parse(source: Source, options: &ReadOptions) -> Result<Raw, ReadError> {
+pub(crate) fn parse(source: FileBytes, options: &ReadOptions) -> Result<Raw, ReadError> {
     let name = source.file.file_stem().map_or("array".into(), |s| s.to_string_lossy().into_owned());
     let array = array(&source, source.bytes, &name)?;
     Chooser { source, options, tabular: true }.choose(vec![array], Vec::new())
 }
 
 /// The array in `bytes`; `name` serves the result and the messages.
-pub(crate) fn array(source: &Source, bytes: &[u8], name: &str) -> Result<Variable, ReadError> {
+pub(crate) fn array(source: &FileBytes, bytes: &[u8], name: &str) -> Result<Variable, ReadError> {
     let (text, data) = split(bytes).ok_or_else(|| {
         let found = "no complete NPY header".to_string();
         source.malformed(format!("array '{name}'"), found, "the magic string, version 1 to 3, and the header")
@@ -68,7 +70,7 @@ fn split(bytes: &[u8]) -> Option<(&[u8], &[u8])> {
     Some((rest.get(..length)?, &rest[length..]))
 }
 
-fn header(source: &Source, text: &str, name: &str) -> Result<Header, ReadError> {
+fn header(source: &FileBytes, text: &str, name: &str) -> Result<Header, ReadError> {
     let place = |key: &str| format!("array '{name}', key '{key}'");
     let bad = |key: &str, expected: &str| source.malformed(place(key), shorten(text.trim(), 120), expected);
     let descr = value(text, "descr").ok_or_else(|| bad("descr", "a type such as '<f8'"))?;
@@ -112,26 +114,26 @@ fn quoted(text: &str) -> Option<&str> {
 fn shape(text: &str) -> Option<Vec<usize>> {
     let (inside, _) = text.trim_start().strip_prefix('(')?.split_once(')')?;
     let sizes = inside.split(',').map(|s| s.trim().trim_end_matches('L')).filter(|s| !s.is_empty());
-    sizes.take(33).map(|s| s.parse().ok()).collect()
+    sizes.take(MOST_DIMENSIONS + 1).map(|s| s.parse().ok()).collect()
 }
 
-fn kind(descr: &str) -> Option<(Kind, Order)> {
+fn kind(descr: &str) -> Option<(NumberType, Order)> {
     let (order, name) = match descr.as_bytes().first()? {
         b'>' => (Order::Big, &descr[1..]),
         b'<' | b'|' | b'=' => (Order::Little, &descr[1..]),
         _ => (Order::Little, descr),
     };
     let kind = match name {
-        "f8" => Kind::F64,
-        "f4" => Kind::F32,
-        "i1" => Kind::I8,
-        "u1" | "b1" => Kind::U8,
-        "i2" => Kind::I16,
-        "u2" => Kind::U16,
-        "i4" => Kind::I32,
-        "u4" => Kind::U32,
-        "i8" => Kind::I64,
-        "u8" => Kind::U64,
+        "f8" => NumberType::F64,
+        "f4" => NumberType::F32,
+        "i1" => NumberType::I8,
+        "u1" | "b1" => NumberType::U8,
+        "i2" => NumberType::I16,
+        "u2" => NumberType::U16,
+        "i4" => NumberType::I32,
+        "u4" => NumberType::U32,
+        "i8" => NumberType::I64,
+        "u8" => NumberType::U64,
         _ => return None,
     };
     Some((kind, order))

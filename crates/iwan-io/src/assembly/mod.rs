@@ -1,0 +1,9 @@
+//! From what a reader found to a checked record: units, the grid of times, which of the arrays are channels.
+
+pub(crate) mod units;
+mod sampling;
+mod assemble;
+mod variables;
+
+pub(crate) use assemble::{Axis, Channel, Raw, assemble};
+pub(crate) use variables::{Chooser, Variable};
