@@ -6,13 +6,12 @@ use std::hint::black_box;
 
 use criterion::{BatchSize, Criterion, Throughput};
 use iwan::core::{Decay, Reversal, Samples};
-use iwan::ident::combination::Combination;
+use iwan::ident::channels::Combination;
+use iwan::ident::curve_fit::{fit, start};
 use iwan::ident::curves::{Curves, ForceAxis, Quantity};
-use iwan::ident::fit::fit;
-use iwan::ident::identify::{Settings, Source, identify};
+use iwan::ident::identify::{ModeRecord, Settings, identify};
 use iwan::ident::likelihood::Buffers;
 use iwan::ident::signal::{Method, Options, envelope};
-use iwan::ident::start::start;
 use support::{joint, oscillator};
 
 /// Channels of the long record.
@@ -78,8 +77,8 @@ fn in_the_loop(criterion: &mut Criterion) {
     ];
     for (name, ratio, samples) in cases {
         let x = record(ratio, 1e-4, samples, 1);
-        let source = Source { samples: &x, dt: 1e-4, quantity: Quantity::Acceleration };
-        let run = || identify(&[source], &Settings::default()).expect("an identification");
+        let record = ModeRecord { samples: &x, dt: 1e-4, quantity: Quantity::Acceleration };
+        let run = || identify(&[record], &Settings::default()).expect("an identification");
         let found = run();
         group.bench_function(format!("with intervals, {name}"), |b| b.iter(run));
         let likelihood = &found.likelihood;

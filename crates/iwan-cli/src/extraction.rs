@@ -1,9 +1,8 @@
 //! One mode of one record by all methods, with its curves.
 
+use iwan_ident::curve_fit::{fit, start};
 use iwan_ident::curves::{Curves, ForceAxis};
-use iwan_ident::fit::fit;
 use iwan_ident::signal::{Envelope, Isolated, Method, Opinions, isolate};
-use iwan_ident::start::start;
 
 use crate::args::Axis;
 use crate::failure::Failure;
@@ -41,8 +40,8 @@ impl Extraction {
         let said = |e: iwan_ident::Error| Failure::said(&place, &e);
         let isolated = isolate(&modal.samples, recording.record.dt(), &wanted.options).map_err(said)?;
         let opinions = isolated.opinions(None);
-        if let Some((_, error)) = opinions.refused.iter().find(|(m, _)| *m == method) {
-            return Err(said(error.clone()));
+        if let Some(refused) = opinions.refused.iter().find(|r| r.method == method) {
+            return Err(said(refused.error.clone()));
         }
         let mut notes = [wanted.notes.clone(), isolated.notes.clone()].concat();
         let chosen = opinions.envelopes.iter().find(|e| e.method == method);

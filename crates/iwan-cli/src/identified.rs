@@ -3,7 +3,7 @@
 use iwan_core::Pulse;
 use iwan_ident::curves::{Curves, ForceAxis, Quantity};
 use iwan_ident::density::{Evidence, FreeForm, density};
-use iwan_ident::identify::{Identification, Settings, Source, identify};
+use iwan_ident::identify::{Held, Identification, ModeRecord, Settings, identify};
 use iwan_ident::signal::Method;
 use iwan_ident::{Parameter, Parameters};
 use iwan_sim::{JointLaw, Mode, Response};
@@ -66,7 +66,8 @@ impl Identified {
         let said = |e: iwan_ident::Error| Failure::said(&place, &e);
         let sources = sources(recordings, wanted);
         let method = extractions.first().map(|x| x.method).unwrap_or_default();
-        let settings = Settings { options: wanted.options, method, held: held.to_vec() };
+        let held = held.iter().map(|&(parameter, value)| Held { parameter, value }).collect();
+        let settings = Settings { options: wanted.options, method, held };
         let found = identify(&sources, &settings).map_err(said)?;
         Self::of(recordings, wanted, extractions, axis, found)
     }
@@ -99,20 +100,22 @@ impl Identified {
     /// Index of the record in which the mode is loudest.
     pub(crate) fn loudest(&self) -> usize {
         let starts = &self.found.refined.starts;
-        (0..starts.len()).max_by(|&i, &j| starts[i].0.abs().total_cmp(&starts[j].0.abs())).unwrap_or(0)
+        (0..starts.len())
+            .max_by(|&i, &j| starts[i].displacement.abs().total_cmp(&starts[j].displacement.abs()))
+            .unwrap_or(0)
     }
 
     /// The mode as it rings down from where a record begins.
     pub(crate) fn mode(&self, record: usize) -> Result<Mode, iwan_core::Error> {
-        mode(&self.name, &self.found.parameters, self.found.refined.starts[record].0)
+        mode(&self.name, &self.found.parameters, self.found.refined.starts[record].displacement)
     }
 }
 
 /// The mode's records as the identification takes them.
-fn sources<'a>(recordings: &[Recording], wanted: &'a Wanted) -> Vec<Source<'a>> {
+fn sources<'a>(recordings: &[Recording], wanted: &'a Wanted) -> Vec<ModeRecord<'a>> {
     let source = |r: &'a ModalRecord| {
         let recording = &recordings[r.source];
-        Source { samples: &r.samples, dt: recording.record.dt(), quantity: recording.quantity }
+        ModeRecord { samples: &r.samples, dt: recording.record.dt(), quantity: recording.quantity }
     };
     wanted.records.iter().map(source).collect()
 }
@@ -143,11 +146,12 @@ pub(crate) fn step(dt: f64, frequency: f64) -> f64 {
 impl Comparison {
     fn new(
         x: &Extraction,
-        source: &Source<'_>,
+        source: &ModeRecord<'_>,
         found: &Identification,
         n: usize,
     ) -> Result<Self, iwan_sim::SimulationError> {
-        let (first, (displacement, late)) = (found.first_samples[n], found.refined.starts[n]);
+        let (first, start) = (found.first_samples[n], found.refined.starts[n]);
+        let (displacement, late) = (start.displacement, start.time);
         // Records with other modes in them are compared in the band, behind the filter's transient.
         let window = &x.isolated.window;
         let unfiltered = first < window.start;

@@ -5,7 +5,7 @@ mod units;
 
 use std::path::Path;
 
-use iwan_ident::combination::{Combination, strangers};
+use iwan_ident::channels::{Combination, strangers};
 use iwan_ident::curves::Quantity;
 use iwan_ident::signal::Options;
 use iwan_io::{ReadOptions, Record};

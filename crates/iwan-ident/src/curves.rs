@@ -165,10 +165,10 @@ impl Curves {
         }
     }
 
-    /// Slope of ln D over ln force by weighted least squares over the entries with a force in `range`: χ + 3 in
-    /// micro-slip. None with fewer than three such entries, or where D <= 0.
+    /// The line of ln D over ln force by least squares over the entries with D > 0 and a force between the two ends of
+    /// `range`: its slope is χ + 3 in micro-slip. None with fewer than three such entries.
     #[must_use]
-    pub fn slope(&self, range: (f64, f64)) -> Option<(f64, f64)> {
+    pub fn slope(&self, range: (f64, f64)) -> Option<Line> {
         let inside = |i: &usize| (range.0..=range.1).contains(&self.force[*i]) && self.dissipation[*i] > 0.0;
         let points: Vec<(f64, f64)> = (0..self.t.len())
             .filter(inside)
@@ -187,20 +187,30 @@ fn residual(axis: ForceAxis) -> Result<f64, Error> {
     Ok((TAU * frequency).powi(2) - k_t)
 }
 
-/// Slope and intercept of the least-squares line through points (x, y); none for fewer than three, or for equal x.
+/// A straight line y = slope · x + intercept.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Line {
+    /// dy/dx.
+    pub slope: f64,
+    /// y at x = 0.
+    pub intercept: f64,
+}
+
+/// The least-squares line through points (x, y); none for fewer than three, or for equal x.
 ///
 /// ```
-/// let (slope, intercept) = iwan_ident::curves::straight_line(&[(0.0, 1.0), (1.0, 3.0), (2.0, 5.0)]).unwrap();
-/// assert!((slope - 2.0).abs() < 1e-15 && (intercept - 1.0).abs() < 1e-15);
+/// let line = iwan_ident::curves::straight_line(&[(0.0, 1.0), (1.0, 3.0), (2.0, 5.0)]).unwrap();
+/// assert!((line.slope - 2.0).abs() < 1e-15 && (line.intercept - 1.0).abs() < 1e-15);
 /// ```
 #[must_use]
-pub fn straight_line(points: &[(f64, f64)]) -> Option<(f64, f64)> {
+pub fn straight_line(points: &[(f64, f64)]) -> Option<Line> {
     let n = points.len() as f64;
     let mean = points.iter().fold((0.0, 0.0), |s, p| (s.0 + p.0 / n, s.1 + p.1 / n));
     let (square, product) = points
         .iter()
         .fold((0.0, 0.0), |s, p| (s.0 + (p.0 - mean.0).powi(2), s.1 + (p.0 - mean.0) * (p.1 - mean.1)));
-    (points.len() >= 3 && square > 0.0).then(|| (product / square, mean.1 - product / square * mean.0))
+    (points.len() >= 3 && square > 0.0)
+        .then(|| Line { slope: product / square, intercept: mean.1 - product / square * mean.0 })
 }
 
 /// Central differences, one-sided at the ends.

@@ -24,10 +24,19 @@ pub struct Levels {
     pub damping_ratio: f64,
     /// Power s of the frictional dissipation over force.
     pub slope: f64,
-    /// Root mean square by which ln D of the friction leaves that power.
+    /// RMS residual of ln D (friction part) about the common power law.
     pub misfit: f64,
-    /// Mean slope of ln D over ln F from each level to the next: as it is, and without the viscous term.
-    pub steps: Vec<(f64, f64)>,
+    /// From each level to the next.
+    pub steps: Vec<LevelStep>,
+}
+
+/// Mean slope of ln D over ln F from one level to the next.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct LevelStep {
+    /// Of the dissipation as it is.
+    pub total: f64,
+    /// Without the viscous term.
+    pub friction: f64,
 }
 
 /// Compares the curves of at least three levels, from the softest to the hardest blow; `frequency` is ω0/2π in Hz.
@@ -54,7 +63,7 @@ pub struct Levels {
 /// let found = compare_levels(&[level(1.0), level(3.0), level(10.0)], 100.0)?;
 /// assert!((found.damping_ratio - 3e-4).abs() < 1e-7 && (found.slope - 2.7).abs() < 1e-3);
 /// // As it is the slope drifts with the level, without the viscous term it does not.
-/// assert!(found.steps[1].0 > found.steps[0].0 + 0.05 && (found.steps[1].1 - found.steps[0].1).abs() < 1e-3);
+/// assert!(found.steps[1].total > found.steps[0].total + 0.05 && (found.steps[1].friction - found.steps[0].friction).abs() < 1e-3);
 /// # Ok::<(), iwan_ident::Error>(())
 /// ```
 pub fn compare_levels(curves: &[Curves], frequency: f64) -> Result<Levels, Error> {
@@ -73,15 +82,17 @@ pub fn compare_levels(curves: &[Curves], frequency: f64) -> Result<Levels, Error
         let remedy = "leave out levels at which the envelope does not decay";
         return Err(Error::Refused { finding: "a dissipation is not positive".into(), remedy });
     }
-    let miss = |zeta: f64| common_slope(&levels, zeta, omega).map_or(f64::INFINITY, |found| found.1);
+    let miss = |zeta: f64| common_slope(&levels, zeta, omega).map_or(f64::INFINITY, |found| found.misfit);
     let damping_ratio = lowest(&miss, limit);
-    let (slope, misfit) = common_slope(&levels, damping_ratio, omega).ok_or_else(|| Error::Refused {
-        finding: "the levels do not differ in force".into(),
-        remedy: "record at different force levels",
-    })?;
-    let steps = levels
-        .windows(2)
-        .map(|pair| [0.0, damping_ratio].map(|zeta| step([&pair[0], &pair[1]], zeta, omega)).into());
+    let CommonSlope { slope, misfit } =
+        common_slope(&levels, damping_ratio, omega).ok_or_else(|| Error::Refused {
+            finding: "the levels do not differ in force".into(),
+            remedy: "record at different force levels",
+        })?;
+    let steps = levels.windows(2).map(|pair| LevelStep {
+        total: step([&pair[0], &pair[1]], 0.0, omega),
+        friction: step([&pair[0], &pair[1]], damping_ratio, omega),
+    });
     Ok(Levels { damping_ratio, slope, misfit, steps: steps.collect() })
 }
 
@@ -109,14 +120,20 @@ fn viscous(c: &Curves, i: usize, omega: f64) -> f64 {
     TAU * omega * TAU * c.frequency[i] * c.displacement[i].powi(2)
 }
 
-/// ln F and ln of the friction's dissipation; none where a viscous term takes more than there is.
+/// The point (ln F, ln D of the friction) of an entry; none where the viscous term takes more than there is.
 fn point(c: &Curves, i: usize, zeta: f64, omega: f64) -> Option<(f64, f64)> {
     let friction = c.dissipation[i] - zeta * viscous(c, i, omega);
     (friction > 0.0).then(|| (c.force[i].ln(), friction.ln()))
 }
 
-/// The slope that all levels share, an intercept for each time, and the root mean square of what is left.
-fn common_slope(levels: &[Curves], zeta: f64, omega: f64) -> Option<(f64, f64)> {
+/// The slope of ln D over ln F that all levels share, with an intercept of its own at each time.
+struct CommonSlope {
+    slope: f64,
+    /// Root mean square of what is left.
+    misfit: f64,
+}
+
+fn common_slope(levels: &[Curves], zeta: f64, omega: f64) -> Option<CommonSlope> {
     let mut centred = Vec::with_capacity(TIMES * levels.len());
     for i in 0..TIMES {
         let points: Vec<(f64, f64)> =
@@ -125,10 +142,10 @@ fn common_slope(levels: &[Curves], zeta: f64, omega: f64) -> Option<(f64, f64)> 
         let mean = points.iter().fold((0.0, 0.0), |s, p| (s.0 + p.0 / n, s.1 + p.1 / n));
         centred.extend(points.iter().map(|p| (p.0 - mean.0, p.1 - mean.1)));
     }
-    let sum = |of: &dyn Fn(&(f64, f64)) -> f64| centred.iter().map(of).sum::<f64>();
+    let sum = |term: &dyn Fn(&(f64, f64)) -> f64| centred.iter().map(term).sum::<f64>();
     let slope = sum(&|p| p.0 * p.1) / sum(&|p| p.0 * p.0);
     let rest = sum(&|p| (p.1 - slope * p.0).powi(2));
-    slope.is_finite().then(|| (slope, (rest / centred.len() as f64).sqrt()))
+    slope.is_finite().then(|| CommonSlope { slope, misfit: (rest / centred.len() as f64).sqrt() })
 }
 
 /// Mean slope between two levels.

@@ -1,34 +1,38 @@
 //! From a ring-down record to the parameters of an Iwan joint, with an honest word on what the record can tell.
 //!
 //! The way of the data: record → [`signal`] (band-pass, envelope, frequency) → [`curves`] (damping, dissipation and
-//! force against amplitude) → [`mod@start`], [`mod@fit`] (parameters), [`mod@density`] (a density of any form) → [`mod@refine`] (on the record itself). Units are the
+//! force against amplitude) → [`curve_fit`] (start values, parameters, verdict), [`mod@density`] (a density of any
+//! form) → [`mod@refine`] (on the record itself) → [`profile`] (intervals). [`mod@identify`] does all of it in one call. Units are the
 //! user's own consistent set; frequencies in Hz, times in seconds, damping as a ratio.
 //!
 //! Method: Deaner, Allen, Starr, Segalman, *Investigation of Modal Iwan Models for Structures with Bolted Joints*
 //! ("the paper" in this documentation; equation numbers are the paper's).
 
-mod chart;
-pub mod combination;
-pub mod curves;
-pub mod density;
+// What everything stands on: refusals, the six parameters, smooth curves through noise, searches.
 mod error;
-mod features;
-pub mod fit;
-pub mod identify;
-mod least_squares;
-pub mod levels;
-pub mod likelihood;
-pub mod modal;
-mod non_negative;
 mod parameters;
-pub mod profile;
-pub mod quasi_static;
-pub mod refine;
-pub mod signal;
 mod smooth;
-pub mod start;
-mod verdict;
+mod search;
 
+// From samples to curves: one record to one mode, many channels to one record, amplitude to dissipation.
+pub mod signal;
+pub mod channels;
+pub mod curves;
+
+// What curves tell: parameters with a verdict, parameters of a computed structure, force levels, densities of any form.
+pub mod curve_fit;
+pub mod static_fit;
+pub mod levels;
+pub mod density;
+
+// What the records themselves tell: the model's ring-down against the record, intervals, the likelihood.
+pub mod refine;
+pub mod profile;
+pub mod likelihood;
+
+// All of it in one call.
+pub mod identify;
+
+pub use curve_fit::Verdict;
 pub use error::Error;
 pub use parameters::{Parameter, Parameters};
-pub use verdict::Verdict;

@@ -3,7 +3,7 @@
 use std::f64::consts::TAU;
 
 use crate::parameters::Parameters;
-use crate::refine::{Task, Workspace};
+use crate::refine::{Task, TurningPoint, Workspace};
 
 /// Logarithm of the likelihood of the records behind an identification, up to a constant.
 ///
@@ -15,7 +15,7 @@ pub struct Likelihood {
     /// Variance of the residuals in their unit.
     variance: f64,
     parameters: Parameters,
-    starts: Vec<(f64, f64)>,
+    starts: Vec<TurningPoint>,
 }
 
 /// Buffers that evaluations one after the other share.
@@ -26,7 +26,7 @@ pub struct Buffers {
 }
 
 impl Likelihood {
-    pub(crate) fn new(task: &Task, variance: f64, parameters: &Parameters, starts: &[(f64, f64)]) -> Self {
+    pub(crate) fn new(task: &Task, variance: f64, parameters: &Parameters, starts: &[TurningPoint]) -> Self {
         Self { task: task.clone(), variance, parameters: *parameters, starts: starts.to_vec() }
     }
 
@@ -36,10 +36,9 @@ impl Likelihood {
         &self.parameters
     }
 
-    /// Of each record at the best fit: displacement at the turning point next to its first sample, and its time in s from
-    /// there.
+    /// Of each record at the best fit: the turning point next to its first sample.
     #[must_use]
-    pub fn starts(&self) -> &[(f64, f64)] {
+    pub fn starts(&self) -> &[TurningPoint] {
         &self.starts
     }
 
@@ -54,7 +53,12 @@ impl Likelihood {
     ///
     /// An example: [`identify`](crate::identify::identify).
     #[must_use]
-    pub fn log(&self, parameters: &Parameters, starts: &[(f64, f64)], buffers: &mut Buffers) -> Option<f64> {
+    pub fn log(
+        &self,
+        parameters: &Parameters,
+        starts: &[TurningPoint],
+        buffers: &mut Buffers,
+    ) -> Option<f64> {
         buffers.residuals.resize(self.task.count(), 0.0);
         let known = starts.len() == self.starts.len()
             && self.task.residuals_of(parameters, starts, &mut buffers.residuals, &mut buffers.work);

@@ -6,8 +6,9 @@ use std::sync::Arc;
 
 use iwan_cli::{FittedMode, FittedRecord};
 use iwan_ident::curves::{Curves, ForceAxis, Quantity};
-use iwan_ident::identify::{Identification, Settings, Source, identify_until};
+use iwan_ident::identify::{Held, Identification, ModeRecord, Settings, identify_until};
 use iwan_ident::likelihood::{Buffers, Likelihood as Library};
+use iwan_ident::refine::TurningPoint;
 use iwan_ident::signal::Options;
 use iwan_ident::{Parameter, Parameters};
 use numpy::PyArrayDyn;
@@ -48,7 +49,9 @@ impl Request<'_> {
         let parameter = |(name, held): &(String, f64)| {
             let found = Parameter::ALL.into_iter().find(|p| p.name() == name);
             let names = || Parameter::ALL.map(Parameter::name);
-            found.map(|p| (p, *held)).ok_or_else(|| unknown("hold", name, &names()))
+            found
+                .map(|parameter| Held { parameter, value: *held })
+                .ok_or_else(|| unknown("hold", name, &names()))
         };
         let held = self.hold.iter().map(parameter).collect::<PyResult<Vec<_>>>()?;
         let Self { band, near, filter_order, window, order, .. } = *self;
@@ -82,8 +85,8 @@ impl Task {
     }
 }
 
-fn sources(records: &[Modal]) -> Vec<Source<'_>> {
-    records.iter().map(|r| Source { samples: &r.samples, dt: r.dt, quantity: r.quantity }).collect()
+fn sources(records: &[Modal]) -> Vec<ModeRecord<'_>> {
+    records.iter().map(|r| ModeRecord { samples: &r.samples, dt: r.dt, quantity: r.quantity }).collect()
 }
 
 /// An identification with what it was made from.
@@ -158,7 +161,8 @@ impl Identified {
             let name = profile.parameter.name();
             parameters.set_item(name, found.parameters.get(profile.parameter))?;
             intervals.set_item(name, (profile.low, profile.high))?;
-            let (values, deviances): (Vec<_>, Vec<_>) = profile.points.iter().copied().unzip();
+            let (values, deviances): (Vec<_>, Vec<_>) =
+                profile.points.iter().map(|p| (p.value, p.deviance)).unzip();
             profiles.set_item(name, (array(py, values), array(py, deviances)))?;
         }
         dict.set_item("parameters", parameters)?;
@@ -205,7 +209,7 @@ impl Identified {
 
     /// The likelihood of the records.
     fn likelihood(&self) -> Likelihood {
-        let held: Vec<Parameter> = self.0.settings.held.iter().map(|h| h.0).collect();
+        let held: Vec<Parameter> = self.0.settings.held.iter().map(|h| h.parameter).collect();
         let free = Parameter::ALL.into_iter().filter(|p| !held.contains(p)).collect();
         Likelihood { library: Arc::new(self.0.found.likelihood.clone()), free }
     }
@@ -274,13 +278,16 @@ pub(crate) struct Likelihood {
 
 impl Likelihood {
     /// Parameters and starts from coordinates; none where they are no numbers that mean anything.
-    fn read(&self, x: &[f64]) -> (Parameters, Vec<(f64, f64)>) {
+    fn read(&self, x: &[f64]) -> (Parameters, Vec<TurningPoint>) {
         let mut parameters = *self.library.parameters();
         for (parameter, x) in self.free.iter().zip(x) {
             *parameters.get_mut(*parameter) = if LOGARITHMIC.contains(parameter) { x.exp() } else { *x };
         }
         let own = x[self.free.len()..].chunks_exact(2).zip(self.library.starts());
-        let starts = own.map(|(own, (q, t))| (q * own[0].exp(), t + own[1] * self.library.radian()));
+        let starts = own.map(|(own, start)| TurningPoint {
+            displacement: start.displacement * own[0].exp(),
+            time: start.time + own[1] * self.library.radian(),
+        });
         (parameters, starts.collect())
     }
 
@@ -340,7 +347,7 @@ impl Likelihood {
         let logs = work::run(py, lasting, move |control| {
             work::each(pieces, threads, control, |piece| {
                 let mut buffers = Buffers::default();
-                let log = |(p, starts): (Parameters, Vec<(f64, f64)>)| {
+                let log = |(p, starts): (Parameters, Vec<TurningPoint>)| {
                     library.log(&p, &starts, &mut buffers).unwrap_or(f64::NEG_INFINITY)
                 };
                 piece.into_iter().map(log).collect::<Vec<_>>()

@@ -1,6 +1,6 @@
 //! Records of one mode, out of whatever stands for records.
 
-use iwan_ident::combination::{Combination, strangers};
+use iwan_ident::channels::{Combination, strangers};
 use iwan_ident::curves;
 use iwan_ident::signal::Options;
 use numpy::PyArrayMethods;

@@ -1,7 +1,7 @@
 //! Quasi-static modal curves of a structure: `Structure.quasi_static`.
 
 use iwan_fem::ModalCurves;
-use iwan_ident::quasi_static::{StaticCurves, StaticFit, fit_static};
+use iwan_ident::static_fit::{StaticCurves, StaticFit, fit_static};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 

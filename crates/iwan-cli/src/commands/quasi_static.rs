@@ -5,7 +5,7 @@ mod summary;
 use std::time::Instant;
 
 use iwan_fem::{ModalCurves, NamedMode};
-use iwan_ident::quasi_static::{StaticCurves, StaticFit, fit_static};
+use iwan_ident::static_fit::{StaticCurves, StaticFit, fit_static};
 use iwan_io::Table;
 
 use crate::args::{Format, QuasiStaticArgs};

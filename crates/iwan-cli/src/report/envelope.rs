@@ -72,7 +72,7 @@ fn verdict(x: &Extraction) -> Markup {
             }
             ul {
                 @for note in &x.notes { li { (note) } }
-                @for (method, error) in &x.opinions.refused { li { (method.name()) " could not be used: " (error) } }
+                @for refused in &x.opinions.refused { li { (refused.method.name()) " could not be used: " (refused.error) } }
             }
         }
     }

@@ -1,5 +1,6 @@
 //! Figures of a mode taken out of a record: the record, its spectrum, and what the methods found.
 
+use iwan_ident::curves::Line;
 use iwan_ident::signal::{Envelope, Method, amplitude_spectrum};
 
 use super::decimate::{crests, history, thin};
@@ -69,7 +70,10 @@ impl Extracted<'_> {
     /// The spectrum of the whole record with the band, and the band by itself.
     pub(super) fn spectra(&self) -> Vec<Figure> {
         let (x, band) = (self.x, self.x.isolated.band);
-        let spectrum = |samples: &[f64]| amplitude_spectrum(samples, x.isolated.dt).unwrap_or_default();
+        let spectrum = |samples: &[f64]| -> Vec<(f64, f64)> {
+            let lines = amplitude_spectrum(samples, x.isolated.dt).unwrap_or_default();
+            lines.iter().map(|line| (line.frequency, line.amplitude)).collect()
+        };
         let (whole, filtered) = (spectrum(&x.samples), spectrum(&x.isolated.samples));
         let label = format!("amplitude of {}", self.units.quantity);
         let figure = |title: &str, caption: &str, x: Axis, layers| Figure {
@@ -161,7 +165,7 @@ impl Extracted<'_> {
     pub(super) fn disagreement(&self) -> Figure {
         let (all, start) = (&self.x.opinions.envelopes, self.x.start);
         let mean = |t: f64| -> Option<f64> {
-            let values: Option<Vec<f64>> = all.iter().map(|e| e.at(t).map(|p| p.2)).collect();
+            let values: Option<Vec<f64>> = all.iter().map(|e| e.at(t).map(|p| p.damping_ratio)).collect();
             values.map(|v| v.iter().sum::<f64>() / v.len() as f64)
         };
         let layer = |e: &Envelope| {
@@ -218,7 +222,7 @@ impl Extracted<'_> {
         let axis = if c.axis == iwan_ident::curves::ForceAxis::Modal { "modal force" } else { "joint force" };
         let mut layers = Vec::new();
         let mut caption = "Logarithmic on both axes.".to_string();
-        if let Some((slope, intercept)) = c.slope((0.0, f64::INFINITY)) {
+        if let Some(Line { slope, intercept }) = c.slope((0.0, f64::INFINITY)) {
             let ends = points.iter().fold((f64::INFINITY, 0.0_f64), |e, p| (e.0.min(p.0), e.1.max(p.0)));
             let line = [ends.0, ends.1].map(|f| (f, (intercept + slope * f.ln()).exp()));
             layers

@@ -1,9 +1,9 @@
 //! Figures of a fit: record and model, curves with the fit, density, profiles.
 
 use iwan_core::Backbone;
+use iwan_ident::curve_fit::predict;
 use iwan_ident::curves::{Curves, ForceAxis};
 use iwan_ident::density::{Evidence, FreeForm};
-use iwan_ident::fit::predict;
 use iwan_ident::profile::Profile;
 use iwan_ident::{Parameter, Parameters};
 
@@ -217,10 +217,10 @@ impl Fitted<'_> {
         };
         let part = |friction: bool| -> Vec<(f64, f64)> {
             let point = |u: f64| {
-                let (whole, frequency) = predict(p, u).ok()?;
-                let omega = std::f64::consts::TAU * frequency;
+                let model = predict(p, u).ok()?;
+                let omega = std::f64::consts::TAU * model.frequency;
                 let lost = joint.dissipation(u);
-                Some(((omega * omega - k_inf) * u, if friction { lost } else { whole - lost }))
+                Some(((omega * omega - k_inf) * u, if friction { lost } else { model.dissipation - lost }))
             };
             self.amplitudes().into_iter().filter_map(point).collect()
         };
@@ -313,7 +313,7 @@ impl Fitted<'_> {
             Parameter::Beta => ("\u{3b2}", ""),
         };
         let points: Vec<(f64, f64)> =
-            profile.points.iter().copied().filter(|p| p.1 <= HIGHEST * limit).collect();
+            profile.points.iter().map(|p| (p.value, p.deviance)).filter(|p| p.1 <= HIGHEST * limit).collect();
         let ends =
             points.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |e, p| (e.0.min(p.0), e.1.max(p.0)));
         let wide = ends.0 > 0.0 && ends.1 > 5.0 * ends.0;

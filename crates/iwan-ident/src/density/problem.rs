@@ -5,23 +5,32 @@ use std::f64::consts::{PI, TAU};
 use iwan_core::{Backbone, DensityPoint, Tabulated};
 use nalgebra::{DMatrix, DVector};
 
-use super::{Entry, Evidence, FreeForm};
+use super::entries::Entry;
+use super::free_form::{Evidence, FreeForm};
 use crate::curves::straight_line;
 use crate::error::Error;
-use crate::non_negative::solve;
+use crate::search::solve_non_negative;
 
 /// Points of the density in a factor of ten.
 const PER_DECADE: f64 = 14.0;
 /// The density begins at this part of the smallest amplitude: weaker sliders are part of the first points.
 const BELOW: f64 = 1.0 / 300.0;
 /// Range of the regularisation as powers of ten, relative to the curves' part of the problem.
-const RANGE: (f64, f64) = (-10.0, 4.0);
+const LEAST_WEIGHT: f64 = -10.0;
+const MOST_WEIGHT: f64 = 4.0;
 /// Halvings of that range.
 const HALVINGS: usize = 30;
 /// Mean squared residual over the least there is, where noise does not explain the least.
 const NEARLY: f64 = 1.1;
 /// Part of the largest diagonal that keeps the problem definite: far below what the curves say.
 const RIDGE: f64 = 1e-13;
+/// Largest over smallest amplitude, at least: a slope needs two ends.
+const APART: f64 = 1.2;
+/// Range of χ of the power law that the density is relative to.
+const CHI_LOW: f64 = -0.9;
+const CHI_HIGH: f64 = 0.5;
+/// Unit of ω0² above its reference, as a part of ω², where the frequency does not change.
+const LEAST_SHIFT: f64 = 1e-6;
 /// Factor on the deviations of the frequency when dissipation alone is to be matched.
 const IGNORED: f64 = 1e4;
 
@@ -33,8 +42,10 @@ pub(super) struct Problem<'a> {
     law: Vec<f64>,
     /// Value of 2 ζ_v ω0 for an unknown of 1.
     viscous: f64,
-    /// ω² below all others, and the value of ω0² - that for an unknown of 1.
-    omega_squared: (f64, f64),
+    /// ω² below all others: ω0² is counted from there, …
+    reference: f64,
+    /// … in units of this.
+    shift: f64,
     informed: (f64, f64),
     evidence: Evidence,
     /// Residual = matrix x - right, in standard deviations: first dissipations, then frequencies.
@@ -42,23 +53,32 @@ pub(super) struct Problem<'a> {
     right: DVector<f64>,
 }
 
+/// A solution under a regularisation.
+pub(super) struct Regularised {
+    x: DVector<f64>,
+    /// Mean squared residual of what is to be matched.
+    mean_square: f64,
+    /// Weight of the regularisation relative to the curves.
+    weight: f64,
+}
+
 impl<'a> Problem<'a> {
     pub(super) fn new(entries: &'a [Entry], evidence: Evidence) -> Result<Self, Error> {
-        let ends = |of: fn(&Entry) -> f64| {
-            entries.iter().map(of).fold((f64::INFINITY, 0.0_f64), |e, v| (e.0.min(v), e.1.max(v)))
+        let ends = |value: fn(&Entry) -> f64| {
+            entries.iter().map(value).fold((f64::INFINITY, 0.0_f64), |e, v| (e.0.min(v), e.1.max(v)))
         };
         let informed = ends(|e| e.displacement);
         let points: Vec<(f64, f64)> =
             entries.iter().map(|e| (e.displacement.ln(), e.dissipation.ln())).collect();
-        let line = straight_line(&points).filter(|_| informed.1 > 1.2 * informed.0);
-        let (slope, _) = line.ok_or_else(|| Error::Refused {
+        let line = straight_line(&points).filter(|_| informed.1 > APART * informed.0);
+        let line = line.ok_or_else(|| Error::Refused {
             finding: format!("the amplitudes hardly differ: {:.4e} to {:.4e}", informed.0, informed.1),
             remedy: "record longer or at several force levels",
         })?;
         let strength = grid(informed);
-        let law = power_law(&points, (slope - 3.0).clamp(-0.9, 0.5), &strength);
+        let law = power_law(&points, (line.slope - 3.0).clamp(CHI_LOW, CHI_HIGH), &strength);
         let omega = ends(|e| e.omega * e.omega);
-        let shift = (omega.1 - omega.0).max(1e-6 * omega.1);
+        let shift = (omega.1 - omega.0).max(LEAST_SHIFT * omega.1);
         let smallest = entries.iter().map(|e| e.dissipation / (PI * e.omega * e.displacement.powi(2)));
         let viscous = smallest.fold(f64::INFINITY, f64::min);
         let (rows, columns) = (2 * entries.len(), strength.len() + 2);
@@ -67,7 +87,8 @@ impl<'a> Problem<'a> {
             strength,
             law,
             viscous,
-            omega_squared: (omega.0 - shift, shift),
+            reference: omega.0 - shift,
+            shift,
             informed,
             evidence,
             matrix: DMatrix::zeros(rows, columns),
@@ -92,9 +113,9 @@ impl<'a> Problem<'a> {
             let lost = PI * self.viscous * e.omega * e.displacement.powi(2);
             let scale = self.deviation(e);
             self.matrix[(i, count)] = lost / (e.dissipation * e.log_sd);
-            self.matrix[(n + i, count + 1)] = self.omega_squared.1 / scale;
+            self.matrix[(n + i, count + 1)] = self.shift / scale;
             self.right[i] = 1.0 / e.log_sd;
-            self.right[n + i] = (e.omega * e.omega - self.omega_squared.0) / scale;
+            self.right[n + i] = (e.omega * e.omega - self.reference) / scale;
         }
         Ok(())
     }
@@ -146,8 +167,8 @@ impl<'a> Problem<'a> {
         residual.rows(0, rows).norm_squared() / rows as f64
     }
 
-    /// The smoothest solution that explains the curves, and the weight of its smoothness.
-    pub(super) fn solve(&self) -> Option<(DVector<f64>, f64)> {
+    /// The smoothest solution that explains the curves.
+    pub(super) fn solve(&self) -> Option<Regularised> {
         let (normal, right) = (self.matrix.tr_mul(&self.matrix), self.matrix.tr_mul(&self.right));
         let roughness = self.roughness();
         let scale = normal.trace() / self.strength.len() as f64;
@@ -156,29 +177,31 @@ impl<'a> Problem<'a> {
         let mut at = |power: f64| {
             let weight = 10_f64.powf(power);
             let sum = &normal + &ridge + &roughness * (weight * scale);
-            solve(&sum, &right, &mut positive).map(|x| (self.mean_square(&x), x, weight))
+            let x = solve_non_negative(&sum, &right, &mut positive)?;
+            Some(Regularised { mean_square: self.mean_square(&x), x, weight })
         };
-        let (mut low, mut high) = RANGE;
+        let (mut low, mut high) = (LEAST_WEIGHT, MOST_WEIGHT);
         let mut best = at(low)?;
-        let target = (NEARLY * best.0).max(1.0);
+        let target = (NEARLY * best.mean_square).max(1.0);
         for _ in 0..HALVINGS {
             let middle = 0.5 * (low + high);
             match at(middle) {
-                Some(found) if found.0 <= target => (best, low) = (found, middle),
+                Some(found) if found.mean_square <= target => (best, low) = (found, middle),
                 _ => high = middle,
             }
         }
-        Some((best.1, best.2))
+        Some(best)
     }
 
-    pub(super) fn free_form(&self, x: &DVector<f64>, regularisation: f64) -> FreeForm {
+    pub(super) fn free_form(&self, solution: &Regularised) -> FreeForm {
+        let x = &solution.x;
         let (n, count) = (self.entries.len(), self.strength.len());
-        let omega0 = (self.omega_squared.0 + self.omega_squared.1 * x[count + 1]).sqrt();
+        let omega0 = (self.reference + self.shift * x[count + 1]).sqrt();
         let residual = &self.matrix * x - &self.right;
-        let mut squares = (0.0, 0.0);
+        let (mut dissipation, mut frequency) = (0.0, 0.0);
         for (i, e) in self.entries.iter().enumerate() {
-            squares.0 += (1.0 + residual[i] * e.log_sd).max(f64::MIN_POSITIVE).ln().powi(2) / n as f64;
-            squares.1 += (residual[n + i] * self.deviation(e) / (2.0 * e.omega * TAU)).powi(2) / n as f64;
+            dissipation += (1.0 + residual[i] * e.log_sd).max(f64::MIN_POSITIVE).ln().powi(2) / n as f64;
+            frequency += (residual[n + i] * self.deviation(e) / (2.0 * e.omega * TAU)).powi(2) / n as f64;
         }
         FreeForm {
             density: self.law.iter().zip(x.iter()).map(|(law, ratio)| law * ratio).collect(),
@@ -186,11 +209,11 @@ impl<'a> Problem<'a> {
             frequency: omega0 / TAU,
             damping_ratio: self.viscous * x[count] / (2.0 * omega0),
             informed: self.informed,
-            mean_square: self.mean_square(x),
-            dissipation_misfit: squares.0.sqrt(),
-            frequency_misfit: squares.1.sqrt(),
+            mean_square: solution.mean_square,
+            dissipation_misfit: dissipation.sqrt(),
+            frequency_misfit: frequency.sqrt(),
             evidence: self.evidence,
-            regularisation,
+            regularisation: solution.weight,
         }
     }
 }

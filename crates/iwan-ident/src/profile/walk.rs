@@ -1,9 +1,9 @@
 //! A walk from the minimum along one coordinate, to where the records contradict.
 
-use super::Scale;
-use crate::least_squares::{Minimum, following};
+use super::deviance::Scale;
 use crate::parameters::{Parameter, Parameters};
-use crate::refine::{KNEE_UNSEEN, Task, Workspace};
+use crate::refine::{Effort, KNEE_UNSEEN, Task, Workspace};
+use crate::search::{Minimum, following};
 
 /// An interval that reaches this far from its value, in coordinates (logarithms, mostly), is open.
 const FARTHEST: f64 = 7.0;
@@ -46,8 +46,33 @@ pub(super) struct Walk<'a> {
     /// How the others follow next to the minimum, per unit of the coordinate.
     pub(super) tangent: Option<Vec<f64>>,
     pub(super) work: Workspace,
-    /// Coordinate, deviance and all coordinates of each point.
-    pub(super) points: Vec<(f64, f64, Vec<f64>)>,
+    /// Where it has been, in the order of time.
+    pub(super) visited: Vec<Visited>,
+}
+
+/// A point of a walk.
+pub(super) struct Visited {
+    /// Value of the coordinate.
+    pub(super) at: f64,
+    pub(super) deviance: f64,
+    /// All coordinates.
+    pub(super) x: Vec<f64>,
+}
+
+/// A place on the way, and its deviance.
+#[derive(Debug, Clone, Copy)]
+struct Place {
+    at: f64,
+    deviance: f64,
+}
+
+/// A joint's stiffness in its two parts, and where it slips as a whole.
+struct Split {
+    /// Stiffness of the power-law part R φ_max^(χ+1)/(χ+1).
+    power: f64,
+    /// Stiffness of the Dirac part.
+    dirac: f64,
+    phi_max: f64,
 }
 
 /// How a walk ended.
@@ -83,7 +108,7 @@ impl Walk<'_> {
         if deviance < self.better {
             return Err(found);
         }
-        self.points.push((at, deviance.max(0.0), found.x));
+        self.visited.push(Visited { at, deviance: deviance.max(0.0), x: found.x });
         Ok(Some(deviance.max(0.0)))
     }
 
@@ -104,19 +129,22 @@ impl Walk<'_> {
             Parameter::Beta => Some(target * power),
             _ => None,
         };
-        let same_knee = dirac.filter(|s| *s >= 0.0).map(|s| (power, s, joint.phi_max()));
+        let same_knee =
+            dirac.filter(|s| *s >= 0.0).map(|dirac| Split { power, dirac, phi_max: joint.phi_max() });
         // Without the Dirac K_T is R φ^(χ+1)/(χ+1) and F_S is c φ times that.
         let without = match self.parameter {
             Parameter::KT => {
-                Some((target, 0.0, joint.phi_max() * (target / power).powf(1.0 / (p.chi + 1.0))))
+                let growth = (target / power).powf(1.0 / (p.chi + 1.0));
+                Some(Split { power: target, dirac: 0.0, phi_max: joint.phi_max() * growth })
             }
             Parameter::FS => {
                 let growth = (target / (power * c * joint.phi_max())).powf(1.0 / (p.chi + 2.0));
-                Some((power * growth.powf(p.chi + 1.0), 0.0, joint.phi_max() * growth))
+                let power = power * growth.powf(p.chi + 1.0);
+                Some(Split { power, dirac: 0.0, phi_max: joint.phi_max() * growth })
             }
             _ => None,
         };
-        for (power, dirac, phi_max) in same_knee.into_iter().chain(without) {
+        for Split { power, dirac, phi_max } in same_knee.into_iter().chain(without) {
             let f_s = (power * c + dirac) * phi_max;
             let other = Parameters { k_t: power + dirac, f_s, beta: dirac / power, ..p };
             let Ok(own) = chart.coordinates(&other) else { continue };
@@ -132,7 +160,7 @@ impl Walk<'_> {
     fn ahead(&self, at: f64) -> Vec<f64> {
         let own = (self.minimum.x[self.coordinate], &self.minimum.x);
         let mut all: Vec<(f64, &Vec<f64>)> =
-            self.points.iter().map(|p| (p.0, &p.2)).chain(std::iter::once(own)).collect();
+            self.visited.iter().map(|p| (p.at, &p.x)).chain(std::iter::once(own)).collect();
         all.sort_by(|a, b| (a.0 - at).abs().total_cmp(&(b.0 - at).abs()));
         let (bounds, (place, near)) = (self.task.bounds(), all[0]);
         let far = all
@@ -154,10 +182,10 @@ impl Walk<'_> {
 
     /// All coordinates of the point nearest to `at`.
     pub(super) fn nearest(&self, at: f64) -> Vec<f64> {
-        let own = (self.minimum.x[self.coordinate], 0.0, self.minimum.x.clone());
-        let all = self.points.iter().chain(std::iter::once(&own));
+        let own = (self.minimum.x[self.coordinate], &self.minimum.x);
+        let all = self.visited.iter().map(|p| (p.at, &p.x)).chain(std::iter::once(own));
         let nearest = all.min_by(|a, b| (a.0 - at).abs().total_cmp(&(b.0 - at).abs()));
-        nearest.map_or_else(|| self.minimum.x.clone(), |p| p.2.clone())
+        nearest.map_or_else(|| self.minimum.x.clone(), |p| p.1.clone())
     }
 
     /// Walks outwards until the deviance passes the limit, then to the limit itself.
@@ -166,13 +194,13 @@ impl Walk<'_> {
         let (low, high) = self.task.bounds()[self.coordinate];
         let bound = if direction < 0.0 { low } else { high };
         let mut step = self.first_step();
-        let mut inside = (start, 0.0);
+        let mut inside = Place { at: start, deviance: 0.0 };
         for _ in 0..OUTWARDS {
-            let wanted = inside.0 + direction * step;
+            let wanted = inside.at + direction * step;
             let at = if (wanted - bound) * direction >= 0.0 { bound } else { wanted };
             let deviance = self.deviance(at)?.unwrap_or(f64::INFINITY);
             if deviance >= self.scale.limit {
-                return Ok(self.close_in(inside, (at, deviance))?.map_or(End::Open, End::Closed));
+                return Ok(self.close_in(inside, Place { at, deviance })?.map_or(End::Open, End::Closed));
             }
             if at == bound || (at - start).abs() > FARTHEST || self.all_of_stiffness() {
                 return Ok(End::Open);
@@ -183,25 +211,25 @@ impl Walk<'_> {
             if self.unseen {
                 step = step.min(CLOSE);
             }
-            inside = (at, deviance);
+            inside = Place { at, deviance };
         }
         Ok(End::Open)
     }
 
     /// Whether the farthest point inside needs nearly all stiffness to be the joint's: the end is not the record's then.
     fn all_of_stiffness(&self) -> bool {
-        let inside = self.points.iter().filter(|p| p.1 < self.scale.limit);
+        let inside = self.visited.iter().filter(|p| p.deviance < self.scale.limit);
         let start = self.minimum.x[self.coordinate];
-        let farthest = inside.max_by(|a, b| (a.0 - start).abs().total_cmp(&(b.0 - start).abs()));
-        farthest.is_some_and(|(_, _, x)| {
-            let p = self.task.chart.parameters(x);
+        let farthest = inside.max_by(|a, b| (a.at - start).abs().total_cmp(&(b.at - start).abs()));
+        farthest.is_some_and(|farthest| {
+            let p = self.task.chart.parameters(&farthest.x);
             p.k_t > MOST_JOINT * (std::f64::consts::TAU * p.frequency).powi(2)
         })
     }
 
     /// From a point inside and one outside to the limit: by the line through the roots of the deviances, by halves
     /// where they are too far apart for that. None where the way ends not at the limit but at the edge of the model.
-    fn close_in(&mut self, mut inside: (f64, f64), mut outside: (f64, f64)) -> Result<Option<f64>, Minimum> {
+    fn close_in(&mut self, mut inside: Place, mut outside: Place) -> Result<Option<f64>, Minimum> {
         let (root, start) = (self.scale.limit.sqrt(), self.minimum.x[self.coordinate]);
         let share = |inside: f64, outside: f64| {
             let (a, b) = (inside.sqrt(), outside.sqrt());
@@ -209,16 +237,18 @@ impl Walk<'_> {
         };
         for _ in 0..INWARDS {
             let near = |d: f64| (d.sqrt() - root).abs() <= PRECISION * root;
-            let narrow = (outside.0 - inside.0).abs() <= PRECISION * (inside.0 - start).abs();
-            if near(inside.1) || near(outside.1) || narrow {
+            let narrow = (outside.at - inside.at).abs() <= PRECISION * (inside.at - start).abs();
+            if near(inside.deviance) || near(outside.deviance) || narrow {
                 break;
             }
-            let at = inside.0 + share(inside.1, outside.1) * (outside.0 - inside.0);
+            let at = inside.at + share(inside.deviance, outside.deviance) * (outside.at - inside.at);
             let deviance = self.deviance(at)?.unwrap_or(f64::INFINITY);
-            if deviance < self.scale.limit { inside = (at, deviance) } else { outside = (at, deviance) }
+            let place = Place { at, deviance };
+            if deviance < self.scale.limit { inside = place } else { outside = place }
         }
-        let closed = outside.1.is_finite() && !self.all_of_stiffness();
-        Ok(closed.then(|| inside.0 + share(inside.1, outside.1) * (outside.0 - inside.0)))
+        let closed = outside.deviance.is_finite() && !self.all_of_stiffness();
+        let end = inside.at + share(inside.deviance, outside.deviance) * (outside.at - inside.at);
+        Ok(closed.then_some(end))
     }
 
     /// Student's t times the standard deviation by curvature; to where φ_max is the largest amplitude when it is unseen.
@@ -230,7 +260,7 @@ impl Walk<'_> {
         }
         let free: Vec<usize> = self.free.iter().copied().chain([self.coordinate]).collect();
         let place = Some(free.len() - 1);
-        let search = self.task.search(free, (0, 0.0));
+        let search = self.task.search(free, Effort { iterations: 0, tolerance: 0.0 });
         let (task, work) = (self.task, &mut self.work);
         let mut residuals = |x: &[f64], out: &mut [f64]| task.residuals(x, out, work);
         let mut r = vec![0.0; task.count()];

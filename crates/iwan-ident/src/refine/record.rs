@@ -4,17 +4,19 @@ use std::f64::consts::{PI, TAU};
 
 use rustfft::num_complex::Complex64;
 
-use super::RingDown;
+use super::release::TurningPoint;
+use super::ring_down::RingDown;
+use super::whitening::Whitening;
+use super::windows::Windows;
 use crate::curves::Quantity;
 use crate::error::{Error, check, check_dt, check_samples};
-use crate::features::{Whitening, Windows};
 use crate::parameters::Parameters;
 
 /// Windows whose amplitude is below this part of the largest do not enter the first search.
 const LOUD: f64 = 0.03;
 
 #[derive(Debug, Clone)]
-pub(super) struct Prepared {
+pub(super) struct Windowed {
     pub(super) windows: Windows,
     pub(super) whitening: Whitening,
     pub(super) quantity: Quantity,
@@ -24,11 +26,11 @@ pub(super) struct Prepared {
     pub(super) white: Vec<Complex64>,
     /// Standard deviation by which whitened residuals are divided.
     pub(super) scale: f64,
-    /// Displacement and time of the turning point that the unknowns are relative to.
-    pub(super) start: (f64, f64),
+    /// The turning point that the unknowns are relative to.
+    pub(super) start: TurningPoint,
 }
 
-impl Prepared {
+impl Windowed {
     pub(super) fn new(record: &RingDown<'_>, first: &Parameters) -> Result<Self, Error> {
         check_dt(record.dt)?;
         check_samples("record", record.samples, 32, "record longer")?;
@@ -50,7 +52,7 @@ impl Prepared {
         let whitening = Whitening::new(&windows);
         let mut white = amplitudes.clone();
         whitening.apply(&mut white);
-        let mut prepared = Self {
+        let mut windowed = Self {
             windows,
             whitening,
             quantity: record.quantity,
@@ -60,8 +62,8 @@ impl Prepared {
             scale: 1.0,
             start: turning_point(record, first.frequency),
         };
-        prepared.scale = prepared.root_mean_square();
-        Ok(prepared)
+        windowed.scale = windowed.root_mean_square();
+        Ok(windowed)
     }
 
     pub(super) fn root_mean_square(&self) -> f64 {
@@ -69,8 +71,12 @@ impl Prepared {
         (self.white.iter().map(Complex64::norm_sqr).sum::<f64>() / n).sqrt()
     }
 
-    pub(super) fn start_at(&self, own: &[f64], omega: f64) -> (f64, f64) {
-        (self.start.0 * own[0].exp(), self.start.1 + own[1] / omega)
+    /// The turning point for the record's own unknowns: ln of the amplitude over the first guess, phase of the release.
+    pub(super) fn start_at(&self, own: &[f64], omega: f64) -> TurningPoint {
+        TurningPoint {
+            displacement: self.start.displacement * own[0].exp(),
+            time: self.start.time + own[1] / omega,
+        }
     }
 
     /// Windows of the first search.
@@ -81,9 +87,9 @@ impl Prepared {
     }
 }
 
-/// Displacement and time of the turning point next to the first sample: amplitude and phase over the first cycle and
+/// The turning point next to the first sample: amplitude and phase over the first cycle and
 /// the one half a cycle later, Hann-windowed, carried back to the first sample.
-fn turning_point(record: &RingDown<'_>, frequency: f64) -> (f64, f64) {
+fn turning_point(record: &RingDown<'_>, frequency: f64) -> TurningPoint {
     let omega = TAU * frequency;
     let cycle = ((1.0 / (frequency * record.dt)).round() as usize).min(record.samples.len() / 2);
     let amplitude = |from: usize| -> Complex64 {
@@ -108,5 +114,5 @@ fn turning_point(record: &RingDown<'_>, frequency: f64) -> (f64, f64) {
     let phase = first.arg() + (omega - rate) * middle - lag;
     let turns = (phase / PI).round();
     let sign = if turns.rem_euclid(2.0) == 1.0 { -1.0 } else { 1.0 };
-    (sign * first.norm() / omega.powi(power), (turns * PI - phase) / rate)
+    TurningPoint { displacement: sign * first.norm() / omega.powi(power), time: (turns * PI - phase) / rate }
 }

@@ -1,13 +1,19 @@
 //! Extrema and zero crossings of an oscillation, between the samples.
 
-/// A time and a value there.
-pub(crate) type Point = (f64, f64);
+/// Height of an oscillation at one of its turns, between the samples.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Extremum {
+    /// Time in samples.
+    pub(super) time: f64,
+    /// |x| there.
+    pub(super) height: f64,
+}
 
-/// Extrema of |x| between zero crossings as (time in samples, |value|): one per half cycle.
+/// Extrema of |x| between zero crossings: one per half cycle.
 ///
 /// Through the largest sample and its neighbours goes a sinusoid of `omega` (radian per sample); near a peak that is
 /// the parabola, and it stays right with few samples a cycle.
-pub(crate) fn extrema(x: &[f64], omega: f64) -> Vec<Point> {
+pub(super) fn extrema(x: &[f64], omega: f64) -> Vec<Extremum> {
     let mut found = Vec::new();
     let mut from = 0;
     for to in 1..=x.len() {
@@ -25,14 +31,14 @@ pub(crate) fn extrema(x: &[f64], omega: f64) -> Vec<Point> {
 }
 
 /// Crest of the sinusoid A cos(ω(n - n0)) through three samples.
-fn crest(x: &[f64], n: usize, omega: f64) -> Point {
+fn crest(x: &[f64], n: usize, omega: f64) -> Extremum {
     let quadrature = (x[n + 1] - x[n - 1]) / (2.0 * omega.sin());
     let shift = (quadrature / x[n]).atan() / omega;
-    (n as f64 + shift.clamp(-1.0, 1.0), x[n].hypot(quadrature))
+    Extremum { time: n as f64 + shift.clamp(-1.0, 1.0), height: x[n].hypot(quadrature) }
 }
 
 /// Zero crossings in samples, by straight lines: at a crossing the curvature of an oscillation vanishes.
-pub(crate) fn crossings(x: &[f64]) -> Vec<f64> {
+pub(super) fn crossings(x: &[f64]) -> Vec<f64> {
     let crossing = |i: &usize| (x[*i - 1] >= 0.0) != (x[*i] >= 0.0);
     (1..x.len()).filter(crossing).map(|i| i as f64 - x[i] / (x[i] - x[i - 1])).collect()
 }
@@ -47,10 +53,10 @@ mod tests {
         let x: Vec<f64> = (0..200).map(|n| 3.0 * (omega * f64::from(n) + 0.4).cos()).collect();
         let found = extrema(&x, omega);
         assert_eq!(found.len(), 38);
-        for (k, (n, value)) in found.iter().enumerate() {
-            assert!((value - 3.0).abs() < 1e-12, "{value}");
+        for (k, crest) in found.iter().enumerate() {
+            assert!((crest.height - 3.0).abs() < 1e-12, "{}", crest.height);
             let expected = (std::f64::consts::PI * (k + 1) as f64 - 0.4) / omega;
-            assert!((n - expected).abs() < 1e-9);
+            assert!((crest.time - expected).abs() < 1e-9);
         }
     }
 

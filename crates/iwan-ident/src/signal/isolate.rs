@@ -2,6 +2,8 @@
 
 use std::ops::Range;
 
+use rustfft::num_complex::Complex64;
+
 use super::defects::{clipped_until, stops_at};
 use super::filter::{Butterworth, Passband};
 use super::raw::{Raw, raw, widened};
@@ -13,10 +15,22 @@ use crate::smooth::{Points, Polynomial, Smooth};
 const MEMORIES: f64 = 4.0;
 /// The window needs so many cycles.
 const CYCLES: usize = 8;
+/// … and so many values of amplitude and phase: four a cycle, less those of the three cycles that are trimmed.
+const VALUES: usize = 4 * CYCLES - 12;
+/// Samples that a record needs.
+const SAMPLES: usize = 64;
+/// Samples between start and end of a window.
+const LEAST_WINDOW: usize = 16;
+/// Times that the window is cut where the mode sinks into noise, each time with the noise estimated anew.
+const CUTS: usize = 4;
+/// Least relative scatter of an amplitude: that of rounding.
+const LEAST_SCATTER: f64 = 1e-12;
 /// The window ends where the amplitude falls to so many standard deviations of the noise in the band.
 const ABOVE_NOISE: f64 = 5.0;
-/// Relative residual that is noted, and the one that is refused, when one spectral line makes most of it.
-const SECOND_LINE: (f64, f64) = (0.01, 0.1);
+/// Relative residual that is noted when one spectral line makes most of it, …
+const NOTED: f64 = 0.01;
+/// … and the one that is refused.
+const REFUSED: f64 = 0.1;
 /// Part of the residual's power in one line that makes it a component and not noise.
 const SHARE: f64 = 0.5;
 /// Highest degree of polynomials in time.
@@ -66,6 +80,13 @@ pub struct Isolated {
     pub(crate) raw: Raw,
 }
 
+/// Some samples of a mode.
+pub(crate) struct Stretch<'a> {
+    /// Index of the first.
+    pub(crate) first: usize,
+    pub(crate) samples: &'a [f64],
+}
+
 /// Takes one mode out of a uniformly sampled record `x` (any unit, every `dt` seconds).
 ///
 /// In this order: samples are checked; a tail of equal samples is cut off; the window starts behind the last clipped
@@ -76,20 +97,20 @@ pub struct Isolated {
 /// [`Error::TooShort`], [`Error::NotFinite`], [`Error::OutOfRange`].
 pub fn isolate(x: &[f64], dt: f64, options: &Options) -> Result<Isolated, Error> {
     check_dt(dt)?;
-    check_samples("record", x, 64, "record longer")?;
+    check_samples("record", x, SAMPLES, "record longer")?;
     let mut notes = Vec::new();
     let mut band = band(x, dt, options)?;
     let end = stops_at(x, (0.5 / (band.peak * dt)).ceil() as usize).unwrap_or(x.len());
     if end < x.len() {
         notes.push(format!("the samples are constant from {:.6} s on: cut there", end as f64 * dt));
-        check_samples("record before its constant tail", &x[..end], 64, "record longer")?;
+        check_samples("record before its constant tail", &x[..end], SAMPLES, "record longer")?;
         band = self::band(&x[..end], dt, options)?;
     }
     let x = &x[..end];
     let automatic = if options.band.is_none() { " (automatic)" } else { "" };
     notes
         .push(format!("band {:.6} to {:.6} Hz{automatic}, peak at {:.6} Hz", band.low, band.high, band.peak));
-    let (samples, trim, bandwidth) = filtered(x, dt, band, options)?;
+    let Filtered { samples, trim, bandwidth } = filtered(x, dt, band, options)?;
     let window = window(x, &samples, dt, trim, options, &mut notes)?;
     let mut mode = Isolated {
         raw: raw(&samples, &window, dt, band.peak),
@@ -117,15 +138,23 @@ fn band(x: &[f64], dt: f64, options: &Options) -> Result<Band, Error> {
     given_band(x, dt, low, high)
 }
 
-/// The filtered record, samples to trim at each end, and independent values a second.
-fn filtered(x: &[f64], dt: f64, band: Band, options: &Options) -> Result<(Vec<f64>, usize, f64), Error> {
+/// A record behind the filter.
+struct Filtered {
+    samples: Vec<f64>,
+    /// Samples to trim at each end.
+    trim: usize,
+    /// Independent values a second.
+    bandwidth: f64,
+}
+
+fn filtered(x: &[f64], dt: f64, band: Band, options: &Options) -> Result<Filtered, Error> {
     if options.filter_order == 0 {
-        return Ok((x.to_vec(), 0, 0.5 / dt));
+        return Ok(Filtered { samples: x.to_vec(), trim: 0, bandwidth: 0.5 / dt });
     }
     let pass = Passband::Band { low: band.low, high: band.high };
     let filter = Butterworth::new(options.filter_order, pass, dt)?;
     let trim = (MEMORIES * filter.memory() / dt).ceil() as usize;
-    Ok((filter.forward_backward(x)?, trim, band.high - band.low))
+    Ok(Filtered { samples: filter.forward_backward(x)?, trim, bandwidth: band.high - band.low })
 }
 
 /// The trusted window before noise is looked at.
@@ -158,7 +187,7 @@ fn window(
         }
         (start, end) = (start.max(wanted), end.min((to / dt) as usize));
     }
-    if start + 16 > end {
+    if start + LEAST_WINDOW > end {
         return Err(Error::Refused {
             finding: format!(
                 "nothing is left between {:.6} s (largest amplitude, clipping and filter transient) and {:.6} s",
@@ -169,6 +198,12 @@ fn window(
         });
     }
     Ok(start..end)
+}
+
+/// How far one value of the log amplitude is off the smooth curve, squared, and the amplitude there.
+struct Scatter {
+    amplitude: f64,
+    square: f64,
 }
 
 impl Isolated {
@@ -205,11 +240,10 @@ impl Isolated {
         start.max(wanted).min(self.window.start)..self.window.end
     }
 
-    /// The samples of the window and one cycle to either side, and the index of the first: peaks and crossings then
-    /// cover the whole window.
-    pub(crate) fn stretch(&self) -> (usize, &[f64]) {
+    /// The window and one cycle to either side: peaks and crossings then cover the whole window.
+    pub(crate) fn stretch(&self) -> Stretch<'_> {
         let range = widened(&self.window, self.samples.len(), 1.0 / (self.band.peak * self.dt));
-        (range.start, &self.samples[range])
+        Stretch { first: range.start, samples: &self.samples[range] }
     }
 
     /// Weight of a logarithm of an amplitude or of a phase at this amplitude: scatter and noise together.
@@ -228,7 +262,7 @@ impl Isolated {
 
     /// Cuts the window where the mode sinks into the noise, which is estimated from the scatter of the amplitude.
     fn end_at_noise(&mut self) -> Result<(), Error> {
-        for _ in 0..4 {
+        for _ in 0..CUTS {
             self.enough_cycles()?;
             let fit = self.estimate_noise();
             let limit = ABOVE_NOISE * self.noise;
@@ -260,7 +294,7 @@ impl Isolated {
     fn enough_cycles(&self) -> Result<(), Error> {
         let length = self.window.end.saturating_sub(self.window.start) as f64 * self.dt;
         let found = (length * self.band.peak) as usize;
-        if found >= CYCLES && self.raw.t.len() >= 4 * CYCLES - 12 {
+        if found >= CYCLES && self.raw.t.len() >= VALUES {
             return Ok(());
         }
         let remedy = "record longer or louder, widen the band, or lower the filter order";
@@ -278,19 +312,18 @@ impl Isolated {
         let weight = vec![1.0; count];
         let fit =
             Polynomial::fit(&self.points(&self.raw.t, &self.raw.log_amplitude, &weight), None, MAX_ORDER);
-        let mut squares: Vec<(f64, f64)> = (0..count)
-            .map(|i| {
-                let log = fit.at(self.raw.t[i]).value;
-                (log.exp(), (self.raw.log_amplitude[i] - log).powi(2))
-            })
-            .collect();
-        squares.sort_by(|a, b| b.0.total_cmp(&a.0));
+        let scatter = |i: usize| {
+            let log = fit.at(self.raw.t[i]).value;
+            Scatter { amplitude: log.exp(), square: (self.raw.log_amplitude[i] - log).powi(2) }
+        };
+        let mut all: Vec<Scatter> = (0..count).map(scatter).collect();
+        all.sort_by(|a, b| b.amplitude.total_cmp(&a.amplitude));
         let quarter = count.div_ceil(4);
-        let mean = |part: &[(f64, f64)], f: &dyn Fn(&(f64, f64)) -> f64| {
+        let mean = |part: &[Scatter], f: &dyn Fn(&Scatter) -> f64| {
             part.iter().map(f).sum::<f64>() / part.len() as f64
         };
-        self.scatter = mean(&squares[..quarter], &|s| s.1).sqrt().max(1e-12);
-        self.noise = mean(&squares[count - quarter..], &|s| s.1 * s.0 * s.0).sqrt();
+        self.scatter = mean(&all[..quarter], &|s| s.square).sqrt().max(LEAST_SCATTER);
+        self.noise = mean(&all[count - quarter..], &|s| s.square * s.amplitude * s.amplitude).sqrt();
         fit
     }
 
@@ -303,25 +336,22 @@ impl Isolated {
         let left: Vec<_> = (0..raw.t.len())
             .map(|i| {
                 let [log, phase] = [&fits[0], &fits[1]].map(|fit| fit.at(raw.t[i]).value);
-                let ratio =
-                    rustfft::num_complex::Complex64::new(raw.log_amplitude[i] - log, raw.phase[i] - phase);
+                let ratio = Complex64::new(raw.log_amplitude[i] - log, raw.phase[i] - phase);
                 ratio.exp() - 1.0
             })
             .collect();
-        let rms = (left.iter().map(rustfft::num_complex::Complex64::norm_sqr).sum::<f64>()
-            / left.len() as f64)
-            .sqrt();
-        let (offset, relative, part) = strongest_line(&left, raw.t[1] - raw.t[0]);
-        if rms < SECOND_LINE.0 || part < SHARE {
+        let rms = (left.iter().map(Complex64::norm_sqr).sum::<f64>() / left.len() as f64).sqrt();
+        let line = strongest_line(&left, raw.t[1] - raw.t[0]);
+        if rms < NOTED || line.share < SHARE {
             return Ok(());
         }
         let finding = format!(
             "a second component {:.3} Hz from {:.3} Hz is {:.1} % of the first: the envelope beats",
-            offset.abs(),
+            line.offset.abs(),
             self.band.peak,
-            100.0 * relative
+            100.0 * line.relative
         );
-        if rms < SECOND_LINE.1 {
+        if rms < REFUSED {
             self.notes.push(finding);
             return Ok(());
         }

@@ -37,7 +37,7 @@ pub(crate) fn raw(samples: &[f64], window: &Range<usize>, dt: f64, centre: f64) 
     if peaks.len() < 4 {
         return Raw::default();
     }
-    let (t, log): (Vec<f64>, Vec<f64>) = peaks.iter().map(|(n, a)| (*n, a.ln())).unzip();
+    let (t, log): (Vec<f64>, Vec<f64>) = peaks.iter().map(|peak| (peak.time, peak.height.ln())).unzip();
     let points = Points { t: &t, y: &log, weight: &vec![1.0; t.len()], effective: 0.5 * t.len() as f64 };
     let curve = Polynomial::fit(&points, None, FLATTENING.min(t.len() / 4));
     // Beyond the first and the last peak a polynomial may run away.

@@ -33,6 +33,15 @@ pub struct Band {
     pub peak: f64,
 }
 
+/// A line of an amplitude spectrum.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct SpectralLine {
+    /// Hz.
+    pub frequency: f64,
+    /// In the unit of the record.
+    pub amplitude: f64,
+}
+
 /// Hann-windowed amplitude spectrum of a record without its straight line.
 struct Spectrum {
     /// Spacing of the lines, Hz.
@@ -95,8 +104,7 @@ impl Spectrum {
     }
 }
 
-/// Hann-windowed amplitude spectrum of a record without its straight line, as (Hz, amplitude) for every line up to the
-/// Nyquist frequency: a steady sinusoid of amplitude A shows as a peak of height A.
+/// Hann-windowed amplitude spectrum of a record without its straight line, every line up to the Nyquist frequency: a steady sinusoid of amplitude A shows as a peak of height A.
 ///
 /// # Errors
 /// [`Error::OutOfRange`] for `dt`, [`Error::NotFinite`], [`Error::TooShort`] below 16 samples.
@@ -104,18 +112,22 @@ impl Spectrum {
 /// ```
 /// let x: Vec<f64> = (0..1000).map(|n| 3.0 + 0.5 * (std::f64::consts::TAU * 0.1 * n as f64).cos()).collect();
 /// let spectrum = iwan_ident::signal::amplitude_spectrum(&x, 1e-2)?;
-/// let (frequency, amplitude) = spectrum[100];
-/// assert!((frequency - 10.0).abs() < 1e-12 && (amplitude - 0.5).abs() < 1e-3);
-/// assert!(spectrum[0].1 < 1e-3);
+/// let line = spectrum[100];
+/// assert!((line.frequency - 10.0).abs() < 1e-12 && (line.amplitude - 0.5).abs() < 1e-3);
+/// assert!(spectrum[0].amplitude < 1e-3);
 /// # Ok::<(), iwan_ident::Error>(())
 /// ```
-pub fn amplitude_spectrum(x: &[f64], dt: f64) -> Result<Vec<(f64, f64)>, Error> {
+pub fn amplitude_spectrum(x: &[f64], dt: f64) -> Result<Vec<SpectralLine>, Error> {
     check_dt(dt)?;
     check_samples("record", x, 16, "record longer")?;
     let spectrum = Spectrum::new(x, dt);
     // The mean of the window is 1/2, and half of the amplitude stands at the negative frequency.
     let scale = 4.0 / x.len() as f64;
-    Ok(spectrum.lines.iter().enumerate().map(|(k, line)| (k as f64 * spectrum.step, scale * line)).collect())
+    let line = |(k, height): (usize, &f64)| SpectralLine {
+        frequency: k as f64 * spectrum.step,
+        amplitude: scale * height,
+    };
+    Ok(spectrum.lines.iter().enumerate().map(line).collect())
 }
 
 /// The automatic band around the highest spectral peak, or around the highest within 20 % of `near` (Hz).
@@ -163,7 +175,7 @@ pub fn automatic_band(x: &[f64], dt: f64, near: Option<f64>) -> Result<Band, Err
 }
 
 /// Whether no other line than the band's peak and its harmonics stands out of a record's spectrum.
-pub(crate) fn is_alone(x: &[f64], dt: f64, band: &Band) -> bool {
+pub(super) fn is_alone(x: &[f64], dt: f64, band: &Band) -> bool {
     let spectrum = Spectrum::new(x, dt);
     let line = |f: f64| ((f / spectrum.step) as usize).clamp(2, spectrum.lines.len() - 2);
     let top = spectrum.highest(band.low, band.high).map_or(0.0, |k| spectrum.lines[k]);
@@ -195,7 +207,7 @@ pub(crate) fn is_alone(x: &[f64], dt: f64, band: &Band) -> bool {
 }
 
 /// The peak within a band that the user names.
-pub(crate) fn given_band(x: &[f64], dt: f64, low: f64, high: f64) -> Result<Band, Error> {
+pub(super) fn given_band(x: &[f64], dt: f64, low: f64, high: f64) -> Result<Band, Error> {
     let spectrum = Spectrum::new(x, dt);
     let k = spectrum.highest(low, high).ok_or_else(|| Error::Refused {
         finding: format!("no spectral peak between {low} and {high} Hz"),
@@ -204,8 +216,18 @@ pub(crate) fn given_band(x: &[f64], dt: f64, low: f64, high: f64) -> Result<Band
     Ok(Band { low, high, peak: spectrum.frequency(k) })
 }
 
-/// The line that carries most of a complex residual: frequency (Hz, signed), relative amplitude, part of the power.
-pub(crate) fn strongest_line(z: &[Complex64], dt: f64) -> (f64, f64, f64) {
+/// The line that carries most of a complex residual.
+pub(super) struct Strongest {
+    /// Distance from the reference frequency, Hz.
+    pub(super) offset: f64,
+    /// Amplitude over that of the mode.
+    pub(super) relative: f64,
+    /// Part of the residual's power.
+    pub(super) share: f64,
+}
+
+/// The strongest line of a residual, relative to the mode and sampled every `dt` seconds.
+pub(super) fn strongest_line(z: &[Complex64], dt: f64) -> Strongest {
     let n = z.len();
     let hann = |i: usize| (PI * (i as f64 + 0.5) / n as f64).sin().powi(2);
     let mut lines: Vec<Complex64> = z.iter().enumerate().map(|(i, z)| z * hann(i)).collect();
@@ -215,7 +237,11 @@ pub(crate) fn strongest_line(z: &[Complex64], dt: f64) -> (f64, f64, f64) {
     let k = (0..n).max_by(|&i, &j| power[i].total_cmp(&power[j])).unwrap_or(0);
     let near: f64 = (0..7).map(|j| power[(k + n + j - 3) % n]).sum();
     let signed = if 2 * k > n { k as f64 - n as f64 } else { k as f64 };
-    (signed / (n as f64 * dt), 2.0 * power[k].sqrt() / n as f64, near / total.max(f64::MIN_POSITIVE))
+    Strongest {
+        offset: signed / (n as f64 * dt),
+        relative: 2.0 * power[k].sqrt() / n as f64,
+        share: near / total.max(f64::MIN_POSITIVE),
+    }
 }
 
 #[cfg(test)]

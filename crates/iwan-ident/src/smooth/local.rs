@@ -3,7 +3,7 @@
 
 use nalgebra::{Matrix3, Vector3};
 
-use super::{Points, Smooth, Smoothed};
+use super::points::{Points, Smooth, Smoothed};
 
 /// Points that are fitted anew around every time asked for.
 #[derive(Debug, Clone)]

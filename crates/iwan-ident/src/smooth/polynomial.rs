@@ -4,24 +4,38 @@
 //! 5(2), 74-88, 1957: a three-term recurrence; with equal weights these are the discrete Legendre polynomials.
 //! Coefficients do not change with the order, and have independent errors.
 
-use super::{Points, Smooth, Smoothed};
+use super::points::{Points, Smooth, Smoothed, Stretch};
 
 /// A fitted polynomial.
 #[derive(Debug, Clone)]
 pub(crate) struct Polynomial {
     centre: f64,
     half: f64,
-    /// Recurrence p_{k+1} = (s - a_k) p_k - b_k p_{k-1} in scaled time s.
-    recurrence: Vec<(f64, f64)>,
+    /// One entry per degree.
+    recurrence: Vec<Recurrence>,
     coefficients: Vec<f64>,
     /// Variances of the coefficients.
     variances: Vec<f64>,
 }
 
+/// p_{k+1} = (s - a) p_k - b p_{k-1} in scaled time s.
+#[derive(Debug, Clone, Copy)]
+struct Recurrence {
+    a: f64,
+    b: f64,
+}
+
+/// One of the polynomials at a time: its value and its derivative with respect to scaled time.
+#[derive(Debug, Clone, Copy)]
+struct Term {
+    value: f64,
+    slope: f64,
+}
+
 impl Polynomial {
     /// The fit of the order that Schwarz's criterion likes best, from 1 to `max`; or of the order `given`.
     pub(crate) fn fit(points: &Points<'_>, given: Option<usize>, max: usize) -> Self {
-        let (centre, half) = points.scale();
+        let Stretch { middle: centre, half } = points.stretch();
         let max = given.unwrap_or(max).min(points.t.len().saturating_sub(2));
         let s: Vec<f64> = points.t.iter().map(|t| (t - centre) / half).collect();
         let (mut now, mut before) = (vec![1.0; s.len()], vec![0.0; s.len()]);
@@ -43,7 +57,7 @@ impl Polynomial {
             }
             norms.push(norm);
             fit.coefficients.push(coefficient);
-            fit.recurrence.push((a, b));
+            fit.recurrence.push(Recurrence { a, b });
         }
         let score = |k: usize| points.criterion(sums[k], k + 1);
         let best = (1..=max).min_by(|&i, &j| score(i).total_cmp(&score(j))).unwrap_or(max);
@@ -64,12 +78,16 @@ impl Polynomial {
 impl Smooth for Polynomial {
     fn at(&self, t: f64) -> Smoothed {
         let s = (t - self.centre) / self.half;
-        let (mut now, mut before) = ((1.0, 0.0), (0.0, 0.0));
+        let (mut now, mut before) = (Term { value: 1.0, slope: 0.0 }, Term { value: 0.0, slope: 0.0 });
         let mut sum = [0.0; 4];
-        for ((&(a, b), c), v) in self.recurrence.iter().zip(&self.coefficients).zip(&self.variances) {
-            let terms = [c * now.0, c * now.1, v * now.0 * now.0, v * now.1 * now.1];
+        for ((&Recurrence { a, b }, c), v) in
+            self.recurrence.iter().zip(&self.coefficients).zip(&self.variances)
+        {
+            let Term { value: p, slope: q } = now;
+            let terms = [c * p, c * q, v * p * p, v * q * q];
             sum.iter_mut().zip(terms).for_each(|(sum, term)| *sum += term);
-            let next = ((s - a) * now.0 - b * before.0, now.0 + (s - a) * now.1 - b * before.1);
+            let next =
+                Term { value: (s - a) * p - b * before.value, slope: p + (s - a) * q - b * before.slope };
             before = std::mem::replace(&mut now, next);
         }
         let [value, slope, value_variance, slope_variance] = sum;

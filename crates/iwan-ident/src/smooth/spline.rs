@@ -2,9 +2,10 @@
 
 use nalgebra::{Cholesky, DMatrix, DVector, Dyn};
 
-use super::{Points, Smooth, Smoothed};
+use super::points::{Points, Smooth, Smoothed, Stretch};
 
-/// Numbers of intervals to choose from.
+/// Numbers of intervals to choose from: steps of a half to a third, finer than Schwarz's criterion can tell apart; 16
+/// intervals follow what twelve coefficients of a polynomial (the Hilbert method) follow, and more would follow noise.
 const INTERVALS: [usize; 8] = [1, 2, 3, 4, 6, 8, 12, 16];
 
 /// A fitted cubic spline.
@@ -19,6 +20,12 @@ pub(crate) struct Spline {
     variance: f64,
 }
 
+/// A spline and Schwarz's criterion for it.
+struct Scored {
+    spline: Spline,
+    criterion: f64,
+}
+
 impl Spline {
     /// The spline with the number of intervals that Schwarz's criterion likes best, or with as many as `given`.
     /// None when there are too few points.
@@ -28,17 +35,17 @@ impl Spline {
             .into_iter()
             .filter(|m| 2 * (m + 3) <= points.t.len())
             .filter_map(|m| Self::with_intervals(points, m))
-            .min_by(|a, b| a.1.total_cmp(&b.1))
-            .map(|best| best.0)
+            .min_by(|a, b| a.criterion.total_cmp(&b.criterion))
+            .map(|best| best.spline)
     }
 
-    fn with_intervals(points: &Points<'_>, intervals: usize) -> Option<(Self, f64)> {
-        let (centre, half) = points.scale();
-        let (start, width) = (centre - half, 2.0 * half / intervals as f64);
+    fn with_intervals(points: &Points<'_>, intervals: usize) -> Option<Scored> {
+        let Stretch { middle, half } = points.stretch();
+        let (start, width) = (middle - half, 2.0 * half / intervals as f64);
         let n = intervals + 3;
         let (mut matrix, mut right) = (DMatrix::zeros(n, n), DVector::zeros(n));
         for ((&t, &y), &w) in points.t.iter().zip(points.y).zip(points.weight) {
-            let (first, values, _) = basis(start, width, intervals, t);
+            let Basis { first, values, .. } = basis(start, width, intervals, t);
             for i in 0..4 {
                 right[first + i] += w * values[i] * y;
                 for j in 0..4 {
@@ -52,11 +59,11 @@ impl Spline {
         let residuals = points.t.iter().zip(points.y).map(|(&t, y)| y - spline.value(t));
         let rss: f64 = residuals.zip(points.weight).map(|(r, w)| w * r * r).sum();
         spline.variance = points.variance(rss, n);
-        Some((spline, points.criterion(rss, n)))
+        Some(Scored { spline, criterion: points.criterion(rss, n) })
     }
 
     fn value(&self, t: f64) -> f64 {
-        let (first, values, _) = basis(self.start, self.width, self.intervals, t);
+        let Basis { first, values, .. } = basis(self.start, self.width, self.intervals, t);
         (0..4).map(|i| values[i] * self.coefficients[first + i]).sum()
     }
 
@@ -66,8 +73,15 @@ impl Spline {
     }
 }
 
-/// The first of the four B-splines that are not zero at `t`, their values and slopes.
-fn basis(start: f64, width: f64, intervals: usize, t: f64) -> (usize, [f64; 4], [f64; 4]) {
+/// The four B-splines that are not zero at a time.
+struct Basis {
+    /// Index of the first.
+    first: usize,
+    values: [f64; 4],
+    slopes: [f64; 4],
+}
+
+fn basis(start: f64, width: f64, intervals: usize, t: f64) -> Basis {
     let x = ((t - start) / width).clamp(0.0, intervals as f64);
     let first = (x as usize).min(intervals - 1);
     let s = x - first as f64;
@@ -79,12 +93,12 @@ fn basis(start: f64, width: f64, intervals: usize, t: f64) -> (usize, [f64; 4], 
         s * s * s / 6.0,
     ];
     let slopes = [-0.5 * r * r, -2.0 * s + 1.5 * s * s, 2.0 * r - 1.5 * r * r, 0.5 * s * s];
-    (first, values, slopes.map(|v| v / width))
+    Basis { first, values, slopes: slopes.map(|v| v / width) }
 }
 
 impl Smooth for Spline {
     fn at(&self, t: f64) -> Smoothed {
-        let (first, values, slopes) = basis(self.start, self.width, self.intervals, t);
+        let Basis { first, values, slopes } = basis(self.start, self.width, self.intervals, t);
         let both = [values, slopes].map(|b| {
             let mut row = DVector::zeros(self.intervals + 3);
             row.as_mut_slice()[first..first + 4].copy_from_slice(&b);

@@ -236,11 +236,8 @@ impl ModeEnvelope {
 
 /// What was done, what a method refused and how far the methods agree.
 fn notes(x: &Extraction) -> Vec<String> {
-    let refused = x
-        .opinions
-        .refused
-        .iter()
-        .map(|(method, error)| format!("{} could not be used: {error}", method.name()));
+    let refused =
+        x.opinions.refused.iter().map(|r| format!("{} could not be used: {}", r.method.name(), r.error));
     let words = x.opinions.spread.as_ref().map(agreement);
     x.notes.iter().cloned().chain(refused).chain(words).collect()
 }

@@ -213,8 +213,8 @@ impl ModeFit {
         let top = found.curves.iter().flat_map(|c| c.displacement.iter().copied()).fold(0.0, f64::max);
         let band = i.extractions[0].isolated.band;
         let releases = i.extractions.iter().enumerate().map(|(n, x)| {
-            let (q, late) = found.refined.starts[n];
-            (q, x.start + found.first_samples[n] as f64 * x.isolated.dt + late)
+            let start = found.refined.starts[n];
+            (start.displacement, x.start + found.first_samples[n] as f64 * x.isolated.dt + start.time)
         });
         Self {
             name: i.name.clone(),

@@ -1,9 +1,9 @@
 //! The modal Iwan counterpart of each bending mode: fitted, simulated, compared with the truth (Table 2 and Fig. 8).
 
 use iwan_core::FourParameter;
+use iwan_ident::curve_fit::fit_from;
 use iwan_ident::curves::{Curves, Quantity};
-use iwan_ident::fit::fit_from;
-use iwan_ident::identify::{Settings, Source, identify};
+use iwan_ident::identify::{Held, ModeRecord, Settings, identify};
 use iwan_ident::signal::{Method, Options};
 use iwan_ident::{Parameter, Parameters};
 use iwan_sim::{JointKind, JointLaw, Mode, simulate};
@@ -111,7 +111,7 @@ fn starts(study: &Study) -> Vec<Parameters> {
 
 /// Simulation in the loop on the records themselves, with what the modes tell given.
 fn intervals(side: &Side, study: &Study) -> Result<Vec<Interval>, iwan_ident::Error> {
-    let sources = RECORDS.map(|n| Source {
+    let sources = RECORDS.map(|n| ModeRecord {
         samples: &side.responses[n].outputs[study.index].acceleration,
         dt: DT,
         quantity: Quantity::Acceleration,
@@ -125,7 +125,7 @@ fn intervals(side: &Side, study: &Study) -> Result<Vec<Interval>, iwan_ident::Er
         ..Options::default()
     };
     let known = [study.stuck, 0.0, study.k_t];
-    let held = KNOWN.into_iter().zip(known).collect();
+    let held = KNOWN.into_iter().zip(known).map(|(parameter, value)| Held { parameter, value }).collect();
     let found = identify(&sources, &Settings { options, method: Method::Hilbert, held })?;
     let sought = found.profiles.parameters.iter().filter(|profile| !profile.held);
     let interval = |profile: &iwan_ident::profile::Profile| Interval {

@@ -8,12 +8,11 @@ use std::f64::consts::TAU;
 use iwan_core::Pulse;
 use iwan_fem::{Basis, History, NamedMode, Output, Population, Transient};
 use iwan_ident::Parameters;
+use iwan_ident::channels::{Average, ModalFilter, scaled_average};
+use iwan_ident::curve_fit::{Fit, fit_from, start};
 use iwan_ident::curves::{Curves, ForceAxis, Quantity, straight_line};
-use iwan_ident::fit::{Fit, fit_from};
 use iwan_ident::levels::{Levels, compare_levels};
-use iwan_ident::modal::{Average, ModalFilter, scaled_average};
 use iwan_ident::signal::{Butterworth, Envelope, Method, Options, Passband, envelope};
-use iwan_ident::start::start;
 use serde::Serialize;
 
 use super::noise::Noise;
@@ -165,7 +164,7 @@ impl Lab {
         let curves: Vec<Curves> = hits.iter().map(|hit| hit.curves.clone()).collect();
         let levels = compare_levels(&curves, fit.parameters.frequency).map_err(said)?;
         let viscous = (levels.damping_ratio, fit.parameters.frequency);
-        let steps = std::iter::once(None).chain(levels.steps.iter().copied().map(Some));
+        let steps = std::iter::once(None).chain(levels.steps.iter().map(|s| Some((s.total, s.friction))));
         let table_4 = hits.iter().zip(steps).filter_map(|(hit, step)| row_4(hit, viscous, step)).collect();
         let modes = bench.bending.iter().map(|mode| Row3 {
             mode: mode.name.clone(),
@@ -367,7 +366,7 @@ fn joint_fit(hits: &[Hit]) -> Result<Fit, iwan_ident::Error> {
 fn row_4(hit: &Hit, viscous: (f64, f64), step: Option<(f64, f64)>) -> Option<Row4> {
     let slope = |dissipation: &[f64]| {
         let points = hit.curves.force.iter().zip(dissipation).filter(|(_, d)| **d > 0.0);
-        straight_line(&points.map(|(f, d)| (f.ln(), d.ln())).collect::<Vec<_>>()).map(|line| line.0)
+        straight_line(&points.map(|(f, d)| (f.ln(), d.ln())).collect::<Vec<_>>()).map(|line| line.slope)
     };
     Some(Row4 {
         hit: hit.force,

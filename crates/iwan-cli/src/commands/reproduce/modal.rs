@@ -4,10 +4,10 @@
 use std::f64::consts::TAU;
 
 use iwan_fem::{ModalCurves, QuasiStatic};
+use iwan_ident::curve_fit::beta_root;
 use iwan_ident::curves::{Curves, ForceAxis, Quantity, straight_line};
-use iwan_ident::quasi_static::{StaticCurves, StaticFit, fit_static};
 use iwan_ident::signal::{Method, Options, envelope, spot};
-use iwan_ident::start::beta_root;
+use iwan_ident::static_fit::{StaticCurves, StaticFit, fit_static};
 use serde::Serialize;
 
 use super::truth::{DT, LEVELS, STEPS, Side};
@@ -275,16 +275,16 @@ fn slopes(curves: &[Curves], frequency: f64, k_t: f64) -> Option<Slopes> {
             over_joint.push((on_joint.force[i].ln(), d));
         }
     }
-    let (over_displacement, _) = straight_line(&over_q)?;
-    let (over_joint_force, intercept_joint_force) = straight_line(&over_joint)?;
-    let (over_modal_force, intercept_modal_force) = straight_line(&over_modal)?;
+    let [displacement, joint, modal] =
+        [&over_q, &over_joint, &over_modal].map(|points| straight_line(points));
+    let (joint, modal) = (joint?, modal?);
     Some(Slopes {
-        over_displacement,
-        over_joint_force,
-        intercept_joint_force,
-        over_modal_force,
-        intercept_modal_force,
-        chi: over_joint_force - 3.0,
+        over_displacement: displacement?.slope,
+        over_joint_force: joint.slope,
+        intercept_joint_force: joint.intercept,
+        over_modal_force: modal.slope,
+        intercept_modal_force: modal.intercept,
+        chi: joint.slope - 3.0,
         roots: Vec::new(),
     })
 }

@@ -1,8 +1,8 @@
 //! Figs. 7 to 11: the truth under blows and its modal counterpart.
 
 use iwan_core::{Backbone, FourParameter};
+use iwan_ident::curve_fit::predict;
 use iwan_ident::curves::Curves;
-use iwan_ident::fit::predict;
 
 use super::{Plate, Section};
 use crate::commands::reproduce::{
@@ -107,8 +107,8 @@ impl Drawing<'_> {
             chi: law.chi(),
             beta: law.beta(),
         };
-        let (dissipation, frequency) = predict(&parameters, q).ok()?;
-        Some((law.harmonic_stiffness(q) * q, frequency, dissipation))
+        let model = predict(&parameters, q).ok()?;
+        Some((law.harmonic_stiffness(q) * q, model.frequency, model.dissipation))
     }
 
     fn force_figure(

@@ -2,7 +2,7 @@
 
 use nalgebra::DMatrix;
 
-use crate::error::{Error, check, check_length};
+use crate::error::{Error, check, check_length, check_samples};
 
 /// Singular values below this part of the largest count as zero.
 const RANK_TOLERANCE: f64 = 1e-10;
@@ -14,7 +14,7 @@ const OUTLIER: f64 = 0.25;
 /// ```
 /// // Two modes at three channels.
 /// let shapes = vec![vec![1.0, 1.0, 1.0], vec![1.0, 0.0, -1.0]];
-/// let filter = iwan_ident::modal::ModalFilter::new(&shapes)?;
+/// let filter = iwan_ident::channels::ModalFilter::new(&shapes)?;
 /// assert_eq!(filter.rank(), 2);
 /// // x = 2 of the first and 3 of the second mode.
 /// let q = filter.apply(&[&[5.0], &[2.0], &[-1.0]])?;
@@ -47,7 +47,7 @@ impl ModalFilter {
         }
         for shape in shapes {
             check_length("shape", shape.len(), channels)?;
-            crate::error::check_samples("shape", shape, 1, "give one value per channel")?;
+            check_samples("shape", shape, 1, "give one value per channel")?;
         }
         let matrix = DMatrix::from_fn(channels, modes, |i, j| shapes[j][i]);
         let singular = matrix.singular_values();
@@ -123,7 +123,7 @@ pub struct Average {
 /// [`Error::Length`]; [`Error::OutOfRange`] when all values of the shape are zero.
 ///
 /// ```
-/// let average = iwan_ident::modal::scaled_average(&[&[2.0, 4.0], &[-1.0, -2.0]], &[2.0, -1.0])?;
+/// let average = iwan_ident::channels::scaled_average(&[&[2.0, 4.0], &[-1.0, -2.0]], &[2.0, -1.0])?;
 /// assert_eq!(average.samples, [1.0, 2.0]);
 /// assert!(average.outliers.is_empty());
 /// # Ok::<(), iwan_ident::Error>(())
@@ -168,7 +168,7 @@ pub struct DominantShape {
 /// ```
 /// let wave: Vec<f64> = (0..100).map(|n| (0.3 * n as f64).sin()).collect();
 /// let half: Vec<f64> = wave.iter().map(|x| -0.75 * x).collect();
-/// let dominant = iwan_ident::modal::dominant_shape(&[&wave, &half])?;
+/// let dominant = iwan_ident::channels::dominant_shape(&[&wave, &half])?;
 /// assert!((dominant.shape[0] - 0.8).abs() < 1e-12 && (dominant.shape[1] + 0.6).abs() < 1e-12);
 /// assert!((dominant.share - 1.0).abs() < 1e-12);
 /// # Ok::<(), iwan_ident::Error>(())

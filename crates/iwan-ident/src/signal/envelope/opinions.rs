@@ -1,7 +1,7 @@
 //! How far the methods disagree on one record.
 
-use super::envelope::{Envelope, Method};
-use super::isolate::{Isolated, Options, isolate};
+use super::super::isolate::{Isolated, Options, isolate};
+use super::instantaneous::{Envelope, Method};
 use crate::error::Error;
 
 /// Points at which methods are compared.
@@ -42,14 +42,11 @@ impl Spread {
         for i in 0..=POINTS {
             let t = (start + (end - start) * i as f64 / POINTS as f64).min(end);
             let all: Vec<_> = envelopes.iter().filter_map(|e| e.at(t)).collect();
-            let (a, f, z) = (
-                range(all.iter().map(|e| e.0)),
-                range(all.iter().map(|e| e.1)),
-                range(all.iter().map(|e| e.2)),
-            );
-            spread.amplitude = spread.amplitude.max(a.0 / a.1);
-            spread.frequency = spread.frequency.max(f.0);
-            damping.push(z.0 / z.1.abs());
+            let amplitude = Scatter::of(all.iter().map(|e| e.amplitude));
+            let ratio = Scatter::of(all.iter().map(|e| e.damping_ratio));
+            spread.amplitude = spread.amplitude.max(amplitude.difference / amplitude.mean);
+            spread.frequency = spread.frequency.max(Scatter::of(all.iter().map(|e| e.frequency)).difference);
+            damping.push(ratio.difference / ratio.mean.abs());
         }
         damping.sort_by(f64::total_cmp);
         (spread.damping_ratio, spread.median_damping_ratio) = (damping[POINTS], damping[POINTS / 2]);
@@ -57,11 +54,28 @@ impl Spread {
     }
 }
 
-/// Largest difference and mean.
-fn range(values: impl Iterator<Item = f64>) -> (f64, f64) {
-    let start = (f64::INFINITY, f64::NEG_INFINITY, 0.0, 0.0);
-    let all = values.fold(start, |s, v| (s.0.min(v), s.1.max(v), s.2 + v, s.3 + 1.0));
-    (all.1 - all.0, all.2 / all.3)
+/// What several methods say of one quantity.
+struct Scatter {
+    /// Largest difference.
+    difference: f64,
+    mean: f64,
+}
+
+impl Scatter {
+    fn of(values: impl Iterator<Item = f64>) -> Self {
+        let start = (f64::INFINITY, f64::NEG_INFINITY, 0.0, 0.0);
+        let (low, high, sum, count) = values.fold(start, |s, v| (s.0.min(v), s.1.max(v), s.2 + v, s.3 + 1.0));
+        Self { difference: high - low, mean: sum / count }
+    }
+}
+
+/// A method that could not be used.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Refusal {
+    /// The method.
+    pub method: Method,
+    /// Why.
+    pub error: Error,
 }
 
 /// What the methods say on one mode of a record.
@@ -69,8 +83,8 @@ fn range(values: impl Iterator<Item = f64>) -> (f64, f64) {
 pub struct Opinions {
     /// One envelope per method that could be used, in the order of [`Method::ALL`].
     pub envelopes: Vec<Envelope>,
-    /// Why the others could not.
-    pub refused: Vec<(Method, Error)>,
+    /// The others.
+    pub refused: Vec<Refusal>,
     /// How far they disagree.
     pub spread: Option<Spread>,
 }
@@ -78,7 +92,7 @@ pub struct Opinions {
 /// Envelope and frequency by all methods.
 ///
 /// # Errors
-/// As [`isolate`](super::isolate()); what a single method refuses stands in the result.
+/// As [`isolate`]; what a single method refuses stands in the result.
 ///
 /// ```
 /// use iwan_ident::signal::{Options, opinions};
@@ -100,7 +114,7 @@ impl Isolated {
         for method in Method::ALL {
             match self.envelope(method, order.filter(|_| method == Method::Hilbert)) {
                 Ok(envelope) => envelopes.push(envelope),
-                Err(error) => refused.push((method, error)),
+                Err(error) => refused.push(Refusal { method, error }),
             }
         }
         let spread = Spread::of(&envelopes);

@@ -1,15 +1,4 @@
-//! Simulation in the loop: the parameters whose ring-down is the record itself.
-//!
-//! Forward model: the half-cycle map of iwan-core; compared are complex amplitudes in windows (the module `features`),
-//! taken of record and model alike. Each record brings two unknowns of its own: amplitude and time of the turning point
-//! next to its first sample. The joint is taken to have been loaded along its virgin curve up to there: exact for
-//! a release from rest; later in a decay, where loops shrink slowly, the tips of the loops lie next to the virgin curve.
-//!
-//! First the logarithms of the amplitudes, with unwrapped phases, are brought together from several starts: no cycle is
-//! lost on the way. Then the amplitudes themselves, weighted by each record's noise.
-
-mod record;
-mod search;
+//! The records in the form that searches work on: residuals, their weights, and one search.
 
 use std::f64::consts::{PI, TAU};
 use std::sync::Arc;
@@ -18,68 +7,32 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use iwan_core::Reversal;
 use rustfft::num_complex::Complex64;
 
-use crate::chart::Chart;
-use crate::curves::Quantity;
+use super::record::Windowed;
+use super::release::TurningPoint;
+use super::ring_down::{Refined, RingDown};
 use crate::error::{Error, check};
-use crate::least_squares::{Minimum, Search};
 use crate::parameters::{COUNT, Parameter, Parameters};
-use record::Prepared;
-pub(crate) use search::KNEE_UNSEEN;
+use crate::search::{Chart, Minimum, Search};
 
 /// Unknowns of each record: ln of the first amplitude, phase of the release.
-const OWN: usize = 2;
-/// Iterations of the first search from each start, and of the last.
-const ITERATIONS: (usize, usize) = (30, 100);
-/// Relative reduction of the sum of squares at which searches end that are not the last.
-const ROUGH: f64 = 1e-4;
+pub(super) const OWN: usize = 2;
+/// Relative reduction of the sum of squares at which searches end that are not the last, …
+pub(super) const ROUGH: f64 = 1e-4;
 /// … and of searches for a minimum under noise.
-const FINE: f64 = 2e-6;
+pub(super) const FINE: f64 = 2e-6;
+/// Iterations of a rough search, …
+const ROUGH_ITERATIONS: usize = 30;
+/// … and of a fine one.
+const FINE_ITERATIONS: usize = 100;
 /// Standard deviation that is put down to the forward model's own error, relative to a record's amplitudes.
 const NOISE_FLOOR: f64 = 1e-6;
-
-/// A ring-down in free decay: one mode, mass-normalised.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct RingDown<'a> {
-    /// Samples, free of aliases.
-    pub samples: &'a [f64],
-    /// Sampling interval, s.
-    pub dt: f64,
-    /// What was measured.
-    pub quantity: Quantity,
-    /// Width in Hz of the band that the samples were filtered to; none: unfiltered.
-    pub band: Option<f64>,
-}
-
-/// Parameters that reproduce records, and what is left over.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Refined {
-    /// The parameters.
-    pub parameters: Parameters,
-    /// Of each record: displacement at the turning point next to the first sample, and its time in s from there.
-    pub starts: Vec<(f64, f64)>,
-    /// Standard deviation of white noise in a record's samples that would leave the same residuals, unit of the record.
-    pub noise: Vec<f64>,
-    /// Root mean square of all residuals over that of the records' amplitudes.
-    pub relative_residual: f64,
-    /// Correlation of neighbouring residuals: near 0 when only noise is left, near 1 when the model misses something.
-    pub correlation: f64,
-    /// Whether the search ended by itself.
-    pub converged: bool,
-}
-
-impl Refined {
-    /// Whether what is left of `count` values looks like white noise: neighbours are not correlated.
-    pub(crate) fn leaves_noise(&self, count: usize) -> bool {
-        self.correlation < 2.0 / (count as f64).sqrt()
-    }
-}
 
 /// The records in the form that the searches work on.
 #[derive(Debug, Clone)]
 pub(crate) struct Task {
     pub(crate) chart: Chart,
-    records: Vec<Prepared>,
-    held: Vec<Parameter>,
+    pub(super) records: Vec<Windowed>,
+    pub(super) held: Vec<Parameter>,
     /// Once set there are no residuals any more, so that every search ends.
     pub(crate) stopped: Arc<AtomicBool>,
 }
@@ -91,6 +44,26 @@ pub(crate) struct Workspace {
     model: Vec<Complex64>,
 }
 
+/// How long a search goes on.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Effort {
+    /// Most iterations.
+    pub(crate) iterations: usize,
+    /// Relative reduction of the sum of squares at which it ends.
+    pub(crate) tolerance: f64,
+}
+
+impl Effort {
+    /// That of searches that are not the last.
+    pub(super) const ROUGH: Self = Self { iterations: ROUGH_ITERATIONS, tolerance: ROUGH };
+
+    /// Until an iteration brings less than the relative `tolerance`: as many iterations as that needs.
+    pub(super) fn until(tolerance: f64) -> Self {
+        let iterations = if tolerance > FINE { ROUGH_ITERATIONS } else { FINE_ITERATIONS };
+        Self { iterations, tolerance }
+    }
+}
+
 impl Task {
     /// Checks the records; `first` gives the frequency that the windows refer to.
     pub(crate) fn new(
@@ -99,8 +72,8 @@ impl Task {
         held: &[Parameter],
     ) -> Result<Self, Error> {
         check("records", records.len() as f64, !records.is_empty(), "at least one", "give a record")?;
-        let records = records.iter().map(|r| Prepared::new(r, first)).collect::<Result<Vec<_>, _>>()?;
-        let middle = |r: &Prepared| (r.start.0.abs().ln(), 1.0);
+        let records = records.iter().map(|r| Windowed::new(r, first)).collect::<Result<Vec<_>, _>>()?;
+        let middle = |r: &Windowed| (r.start.displacement.abs().ln(), 1.0);
         let sum = records.iter().map(middle).fold((0.0, 0.0), |s, m| (s.0 + m.0, s.1 + m.1));
         let amplitude = (sum.0 / sum.1 - 1.0).exp();
         let chart = Chart::holding(held, amplitude);
@@ -154,7 +127,7 @@ impl Task {
     pub(crate) fn residuals_of(
         &self,
         parameters: &Parameters,
-        starts: &[(f64, f64)],
+        starts: &[TurningPoint],
         out: &mut [f64],
         work: &mut Workspace,
     ) -> bool {
@@ -165,8 +138,8 @@ impl Task {
         })
     }
 
-    /// Displacement and time of each record's turning point.
-    fn starts_at(&self, x: &[f64]) -> Vec<(f64, f64)> {
+    /// The turning point of each record.
+    pub(super) fn starts_at(&self, x: &[f64]) -> Vec<TurningPoint> {
         let omega = TAU * self.chart.parameters(x).frequency;
         let own = x[COUNT..].chunks_exact(OWN);
         own.zip(&self.records).map(|(own, record)| record.start_at(own, omega)).collect()
@@ -180,7 +153,7 @@ impl Task {
     }
 
     /// Differences of log amplitudes and of unwrapped phases, weighted by amplitude.
-    fn log_residuals(&self, x: &[f64], out: &mut [f64], work: &mut Workspace) -> bool {
+    pub(super) fn log_residuals(&self, x: &[f64], out: &mut [f64], work: &mut Workspace) -> bool {
         out.fill(0.0);
         let starts = self.starts_at(x);
         self.each_model(&self.chart.parameters(x), &starts, work, |record, model, range| {
@@ -200,9 +173,9 @@ impl Task {
     fn each_model(
         &self,
         parameters: &Parameters,
-        starts: &[(f64, f64)],
+        starts: &[TurningPoint],
         work: &mut Workspace,
-        mut compare: impl FnMut(&Prepared, &mut [Complex64], std::ops::Range<usize>),
+        mut compare: impl FnMut(&Windowed, &mut [Complex64], std::ops::Range<usize>),
     ) -> bool {
         if self.stopped.load(Ordering::Relaxed) {
             return false;
@@ -220,7 +193,9 @@ impl Task {
         true
     }
 
-    pub(crate) fn search(&self, free: Vec<usize>, (iterations, tolerance): (usize, f64)) -> Search {
+    /// A search over the coordinates in `free`.
+    pub(crate) fn search(&self, free: Vec<usize>, effort: Effort) -> Search {
+        let Effort { iterations, tolerance } = effort;
         Search { count: self.count(), free, bounds: self.bounds(), iterations, tolerance }
     }
 
@@ -232,13 +207,12 @@ impl Task {
         tolerance: f64,
         work: &mut Workspace,
     ) -> Option<Minimum> {
-        let iterations = if tolerance > FINE { ITERATIONS.0 } else { ITERATIONS.1 };
         let mut residuals = |x: &[f64], out: &mut [f64]| self.residuals(x, out, work);
-        self.search(free, (iterations, tolerance)).run(&mut residuals, x)
+        self.search(free, Effort::until(tolerance)).run(&mut residuals, x)
     }
 
     /// Sets each record's standard deviation to that of its residuals at `x`.
-    fn weigh(&mut self, x: &[f64], work: &mut Workspace) {
+    pub(super) fn weigh(&mut self, x: &[f64], work: &mut Workspace) {
         let mut out = vec![0.0; self.count()];
         if !self.residuals(x, &mut out, work) {
             return;
@@ -256,7 +230,7 @@ impl Task {
 
     /// Variance of residuals that the forward model itself accounts for.
     pub(crate) fn least_variance(&self) -> f64 {
-        let floor = |r: &Prepared| (NOISE_FLOOR * r.root_mean_square() / r.scale).powi(2);
+        let floor = |r: &Windowed| (NOISE_FLOOR * r.root_mean_square() / r.scale).powi(2);
         self.records.iter().map(floor).fold(0.0, f64::max)
     }
 
@@ -287,37 +261,7 @@ impl Task {
     }
 }
 
-fn no_ring_down() -> Error {
+pub(super) fn no_ring_down() -> Error {
     let finding = "the start values have no ring-down".into();
     Error::Refused { finding, remedy: "start nearer to the solution" }
-}
-
-/// Refines parameters on the records themselves, several force levels at once; those in `held` keep their values.
-///
-/// # Errors
-/// [`Error::OutOfRange`], [`Error::NotFinite`], [`Error::TooShort`]; [`Error::Model`] when `first` is no model;
-/// [`Error::Refused`] when no search succeeds.
-///
-/// ```
-/// use iwan_core::{Decay, Reversal, Samples};
-/// use iwan_ident::{Parameters, curves::Quantity, refine::{RingDown, refine}};
-/// let truth = Parameters { frequency: 124.0, damping_ratio: 1e-3, k_t: 4.45e4, f_s: 239.4, chi: -0.183, beta: 0.3 };
-/// let (oscillator, joint) = truth.model()?;
-/// let mut out = [vec![0.0; 1000], vec![0.0; 1000], vec![0.0; 1000], vec![0.0; 1000]];
-/// let [displacement, velocity, acceleration, joint_force] = &mut out;
-/// let start = (1.5 * joint.phi_max(), 0.0);
-/// Decay::new(&oscillator, &joint, 0.0, start, vec![Reversal::default(); 99])?
-///     .sample(2e-4, &mut Samples { displacement, velocity, acceleration, joint_force })?;
-/// let record = RingDown { samples: &out[2], dt: 2e-4, quantity: Quantity::Acceleration, band: None };
-/// let first = Parameters { k_t: 5e4, f_s: 220.0, chi: -0.3, beta: 0.5, ..truth };
-/// let refined = refine(&[record], &first, &[])?;
-/// assert!((refined.parameters.f_s / truth.f_s - 1.0).abs() < 1e-3);
-/// # Ok::<(), iwan_ident::Error>(())
-/// ```
-pub fn refine(records: &[RingDown<'_>], first: &Parameters, held: &[Parameter]) -> Result<Refined, Error> {
-    first.model()?;
-    let mut task = Task::new(records, first, held)?;
-    let rough = task.solve(first)?;
-    let minimum = task.finish(&rough)?;
-    Ok(task.refined(&minimum))
 }

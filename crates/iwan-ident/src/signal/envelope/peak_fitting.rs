@@ -9,29 +9,31 @@ use std::f64::consts::{FRAC_PI_3, TAU};
 
 use nalgebra::{Matrix4, Vector4};
 
-use super::extrema::extrema;
-use super::isolate::Isolated;
-use super::peaks::{Trace, check_rate, half_turns};
+use super::super::extrema::{Extremum, extrema};
+use super::super::isolate::{Isolated, Stretch};
+use super::peaks::{check_rate, half_turns};
+use super::traces::Trace;
 use crate::error::Error;
 
 /// Times and logarithms of the fitted peaks in the trusted window.
-pub(crate) fn fitted_peaks(mode: &Isolated) -> Result<Trace, Error> {
+pub(super) fn fitted_peaks(mode: &Isolated) -> Result<Trace, Error> {
     check_rate(mode)?;
-    let (first, x) = mode.stretch();
+    let Stretch { first, samples: x } = mode.stretch();
     let omega = TAU * mode.band.peak * mode.dt;
-    let fit = |(n, _): &(f64, f64)| fit_peak(x, *n, omega);
+    let fit = |rough: &Extremum| fit_peak(x, rough.time, omega);
     let peaks = extrema(x, omega);
-    Ok(peaks.iter().filter_map(fit).map(|(n, a)| ((first as f64 + n) * mode.dt, a.ln())).unzip())
+    let point = |peak: Extremum| ((first as f64 + peak.time) * mode.dt, peak.height.ln());
+    Ok(peaks.iter().filter_map(fit).map(point).collect())
 }
 
 /// Phase at the peaks, half a turn apart, less that of the reference frequency.
-pub(crate) fn half_cycle_phases(mode: &Isolated, peaks: &Trace) -> Trace {
-    half_turns(&peaks.0, mode.band.peak)
+pub(super) fn half_cycle_phases(mode: &Isolated, peaks: &Trace) -> Trace {
+    half_turns(&peaks.t, mode.band.peak)
 }
 
-/// Time (samples) and height of the crest near `n`: the least-squares curve (a + b s) cos ωs + (c + d s) sin ωs
+/// The crest near the sample `n`: the least-squares curve (a + b s) cos ωs + (c + d s) sin ωs
 /// through the samples within a sixth of a cycle, s from `n`; its envelope and phase at the crest.
-fn fit_peak(x: &[f64], n: f64, omega: f64) -> Option<(f64, f64)> {
+fn fit_peak(x: &[f64], n: f64, omega: f64) -> Option<Extremum> {
     let reach = (FRAC_PI_3 / omega).max(2.0);
     let from = (n - reach).ceil();
     let to = (n + reach).floor();
@@ -50,7 +52,7 @@ fn fit_peak(x: &[f64], n: f64, omega: f64) -> Option<(f64, f64)> {
     let shift = (c[2] / c[0]).atan() / omega;
     let (in_phase, quadrature) = (c[0] + c[1] * shift / reach, c[2] + c[3] * shift / reach);
     let shift = (quadrature / in_phase).atan() / omega;
-    (shift.abs() < 0.5 * reach).then_some((n + shift, in_phase.hypot(quadrature)))
+    (shift.abs() < 0.5 * reach).then(|| Extremum { time: n + shift, height: in_phase.hypot(quadrature) })
 }
 
 #[cfg(test)]
@@ -63,9 +65,9 @@ mod tests {
         let wave = |n: usize| (-lambda * n as f64).exp() * (omega * n as f64 + 0.7).cos();
         let x: Vec<f64> = (0..400).map(wave).collect();
         let crest = (4.0 * std::f64::consts::PI - 0.7) / omega;
-        let (n, a) = fit_peak(&x, crest.round(), omega).unwrap();
-        assert!((n - crest).abs() < 1e-3, "{n} {crest}");
-        assert!((a / (-lambda * n).exp() - 1.0).abs() < 1e-6, "{a}");
+        let found = fit_peak(&x, crest.round(), omega).unwrap();
+        assert!((found.time - crest).abs() < 1e-3, "{found:?} {crest}");
+        assert!((found.height / (-lambda * found.time).exp() - 1.0).abs() < 1e-6, "{found:?}");
         assert_eq!(fit_peak(&x, 3.0, omega), None);
     }
 }

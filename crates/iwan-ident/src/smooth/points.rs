@@ -1,12 +1,4 @@
-//! Smooth curves through noisy points, with slopes and their standard deviations.
-
-mod local;
-mod polynomial;
-mod spline;
-
-pub(crate) use local::LocalFit;
-pub(crate) use polynomial::Polynomial;
-pub(crate) use spline::Spline;
+//! Noisy points, and what a smooth curve through them tells.
 
 /// Value and slope of a smooth curve, each with its standard deviation.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -23,6 +15,10 @@ pub(crate) trait Smooth {
     fn at(&self, t: f64) -> Smoothed;
 }
 
+/// Part of the weighted sum of squares of the data below which a sum of squared residuals is rounding: (450 ε)² with
+/// ε = 2.2e-16. Fits that reach it count as equally good, so that the one with the fewest coefficients is taken.
+const ROUNDING: f64 = 1e-26;
+
 /// Points (t, y) with weights; `effective` is the number of independent ones among them.
 ///
 /// Neighbouring samples behind a filter of bandwidth B repeat each other: about B values a second are independent.
@@ -35,24 +31,30 @@ pub(crate) struct Points<'a> {
     pub(crate) effective: f64,
 }
 
+/// A range of times.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Stretch {
+    pub(super) middle: f64,
+    pub(super) half: f64,
+}
+
 impl Points<'_> {
-    /// Middle and half length of the range of times.
-    fn scale(&self) -> (f64, f64) {
+    /// The range of times.
+    pub(super) fn stretch(&self) -> Stretch {
         let (first, last) = (self.t[0], self.t[self.t.len() - 1]);
-        (0.5 * (first + last), 0.5 * (last - first))
+        Stretch { middle: 0.5 * (first + last), half: 0.5 * (last - first) }
     }
 
     /// Schwarz's criterion (BIC) for a fit with `terms` coefficients and the weighted sum of squares `rss`.
-    fn criterion(&self, rss: f64, terms: usize) -> f64 {
-        // Below rounding of the data, a smaller sum says nothing.
+    pub(super) fn criterion(&self, rss: f64, terms: usize) -> f64 {
         let total: f64 = self.t.iter().zip(self.weight).zip(self.y).map(|((_, w), y)| w * y * y).sum();
         let n = self.t.len() as f64;
-        self.effective * ((rss / n).max(1e-26 * total / n)).max(f64::MIN_POSITIVE).ln()
+        self.effective * ((rss / n).max(ROUNDING * total / n)).max(f64::MIN_POSITIVE).ln()
             + terms as f64 * self.effective.ln()
     }
 
     /// Variance of a value of weight 1, times count over effective count.
-    fn variance(&self, rss: f64, terms: usize) -> f64 {
+    pub(super) fn variance(&self, rss: f64, terms: usize) -> f64 {
         rss / (self.effective - terms as f64).max(1.0)
     }
 }

@@ -1,7 +1,7 @@
 //! Which combination of channels is the record of one mode: by mode shapes, or by the shape that dominates in its band.
 
+use super::modal::{ModalFilter, dominant_shape, scaled_average};
 use crate::error::{Error, check_length};
-use crate::modal::{ModalFilter, dominant_shape, scaled_average};
 use crate::signal::{Butterworth, Options, Passband, automatic_band};
 
 /// Weights by which channels add up to the record of one mode, and how they came about.
@@ -30,7 +30,7 @@ impl Combination {
     /// [`automatic_band`] and [`Butterworth::new`].
     ///
     /// ```
-    /// use iwan_ident::{combination::Combination, signal::Options};
+    /// use iwan_ident::{channels::Combination, signal::Options};
     /// let wave: Vec<f64> = (0..4000).map(|n| (-0.001 * n as f64).exp() * (0.5 * n as f64).sin()).collect();
     /// let other: Vec<f64> = wave.iter().map(|x| -0.5 * x).collect();
     /// let names = ["tip".to_string(), "root".to_string()];
@@ -47,8 +47,8 @@ impl Combination {
         options: &Options,
     ) -> Result<Self, Error> {
         check_length("names", names.len(), channels.len())?;
-        let (band, filtered) = band_passed(channels, loudest(channels)?, dt, options)?;
-        let filtered: Vec<&[f64]> = filtered.iter().map(Vec::as_slice).collect();
+        let band = band_passed(channels, loudest(channels)?, dt, options)?;
+        let filtered = band.slices();
         let dominant = dominant_shape(&filtered)?;
         let reference = largest(&dominant.shape);
         let unit = dominant.shape[reference];
@@ -59,8 +59,8 @@ impl Combination {
              amplitudes are those of {}",
             channels.len(),
             100.0 * dominant.share,
-            band.0,
-            band.1,
+            band.low,
+            band.high,
             each.join(", "),
             names[reference]
         )];
@@ -74,7 +74,7 @@ impl Combination {
     /// As [`ModalFilter::new`]; [`Error::Length`].
     ///
     /// ```
-    /// use iwan_ident::combination::Combination;
+    /// use iwan_ident::channels::Combination;
     /// let both = Combination::of_shapes(&[vec![1.0, 1.0], vec![1.0, -1.0]])?;
     /// assert!((both[1].weights[0] - 0.5).abs() < 1e-12 && (both[1].weights[1] + 0.5).abs() < 1e-12);
     /// # Ok::<(), iwan_ident::Error>(())
@@ -121,8 +121,8 @@ pub fn strangers(
 ) -> Result<Option<String>, Error> {
     check_length("names", names.len(), channels.len())?;
     check_length("shape", shape.len(), channels.len())?;
-    let (_, filtered) = band_passed(channels, largest(shape), dt, options)?;
-    outliers(&filtered.iter().map(Vec::as_slice).collect::<Vec<_>>(), names, shape)
+    let band = band_passed(channels, largest(shape), dt, options)?;
+    outliers(&band.slices(), names, shape)
 }
 
 fn outliers(filtered: &[&[f64]], names: &[String], shape: &[f64]) -> Result<Option<String>, Error> {
@@ -136,8 +136,19 @@ fn outliers(filtered: &[&[f64]], names: &[String], shape: &[f64]) -> Result<Opti
     Ok((!list.is_empty()).then(said))
 }
 
-/// A band in Hz and the channels in it.
-type BandPassed = ((f64, f64), Vec<Vec<f64>>);
+/// The channels in a band of frequencies.
+struct BandPassed {
+    /// Edges of the band, Hz.
+    low: f64,
+    high: f64,
+    channels: Vec<Vec<f64>>,
+}
+
+impl BandPassed {
+    fn slices(&self) -> Vec<&[f64]> {
+        self.channels.iter().map(Vec::as_slice).collect()
+    }
+}
 
 /// The channels in the band, which is that of the `reference` channel unless given.
 fn band_passed(
@@ -151,8 +162,8 @@ fn band_passed(
         None => automatic_band(channels[reference], dt, options.near).map(|b| (b.low, b.high))?,
     };
     let filter = Butterworth::new(options.filter_order.max(1), Passband::Band { low, high }, dt)?;
-    let filtered = channels.iter().map(|c| filter.forward_backward(c)).collect::<Result<_, _>>()?;
-    Ok(((low, high), filtered))
+    let channels = channels.iter().map(|c| filter.forward_backward(c)).collect::<Result<_, _>>()?;
+    Ok(BandPassed { low, high, channels })
 }
 
 fn loudest(channels: &[&[f64]]) -> Result<usize, Error> {

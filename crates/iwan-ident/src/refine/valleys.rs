@@ -2,12 +2,11 @@
 
 use std::f64::consts::TAU;
 
-use super::{COUNT, FINE, ITERATIONS, ROUGH, Task, Workspace, no_ring_down};
-use crate::chart::{Chart, Scales};
+use super::task::{Effort, FINE, ROUGH, Task, Workspace, no_ring_down};
+use crate::curve_fit::predict;
 use crate::error::Error;
-use crate::fit::predict;
-use crate::least_squares::{Minimum, TOLERANCE};
-use crate::parameters::{Parameter, Parameters};
+use crate::parameters::{COUNT, Parameter, Parameters};
+use crate::search::{Chart, Minimum, Scales, TOLERANCE};
 
 /// φ_max over the largest amplitude, and β/(1+β), of the further starts.
 const KNEES: [f64; 4] = [0.4, 1.0, 2.5, 10.0];
@@ -18,18 +17,18 @@ const MOST_JOINT: f64 = 0.9;
 const LITTLE_JOINT: f64 = 1e-4;
 /// φ_max over the largest amplitude where no record reaches it: any larger one would do.
 pub(crate) const KNEE_UNSEEN: f64 = 2.0;
-/// Hops over creases, as coordinate (K_T or F_S, β/(1+β)) and step.
-const HOPS: [(usize, f64); 10] = [
-    (4, -0.03),
-    (4, 0.03),
-    (4, -0.06),
-    (4, 0.06),
-    (4, -0.12),
-    (4, 0.12),
-    (4, -0.25),
-    (4, 0.25),
-    (5, -0.03),
-    (5, 0.03),
+/// Hops over creases.
+const HOPS: [Hop; 10] = [
+    Hop::knee(-0.03),
+    Hop::knee(0.03),
+    Hop::knee(-0.06),
+    Hop::knee(0.06),
+    Hop::knee(-0.12),
+    Hop::knee(0.12),
+    Hop::knee(-0.25),
+    Hop::knee(0.25),
+    Hop::dirac(-0.03),
+    Hop::dirac(0.03),
 ];
 /// Relative residual that hides the creases.
 const CREASE: f64 = 5e-4;
@@ -39,11 +38,29 @@ const WORTH: f64 = 0.9;
 /// Starts that the last search goes on from.
 const KEPT: usize = 3;
 
+/// A step of one coordinate of the chart that moves the knee, while all others follow.
+struct Hop {
+    coordinate: usize,
+    step: f64,
+}
+
+impl Hop {
+    /// Of ln K_T, or of ln F_S where that is the coordinate.
+    const fn knee(step: f64) -> Self {
+        Self { coordinate: 4, step }
+    }
+
+    /// Of the Dirac's share β/(1+β).
+    const fn dirac(step: f64) -> Self {
+        Self { coordinate: 5, step }
+    }
+}
+
 impl Task {
     /// `first`, the same softening with knees and Diracs elsewhere, and next to no joint.
     fn starts(&self, first: &Parameters) -> Result<Vec<Vec<f64>>, Error> {
         let mut starts = vec![self.coordinates(first)?];
-        let loudest = self.records.iter().map(|r| r.start.0.abs()).fold(0.0, f64::max);
+        let loudest = self.records.iter().map(|r| r.start.displacement.abs()).fold(0.0, f64::max);
         let (_, joint) = first.model()?;
         for knee in KNEES {
             for dirac in DIRACS {
@@ -65,11 +82,11 @@ impl Task {
             }
         }
         if self.held.is_empty() {
-            let (dissipation, frequency) = predict(first, loudest)?;
-            let omega_squared = (TAU * frequency).powi(2);
+            let model = predict(first, loudest)?;
+            let omega_squared = (TAU * model.frequency).powi(2);
             let k_t = LITTLE_JOINT * omega_squared;
-            let damping_ratio = dissipation / (TAU * omega_squared * loudest * loudest);
-            let f_s = k_t * loudest;
+            let damping_ratio = model.dissipation / (TAU * omega_squared * loudest * loudest);
+            let (frequency, f_s) = (model.frequency, k_t * loudest);
             starts.push(self.coordinates(&Parameters { frequency, damping_ratio, k_t, f_s, ..*first })?);
         }
         Ok(starts)
@@ -77,16 +94,16 @@ impl Task {
 
     /// Where the first searches end, from each start; each half of the starts on a thread of its own.
     fn logarithmic(&self, starts: &[Vec<f64>]) -> Vec<Minimum> {
-        let search = self.search(self.free(), (ITERATIONS.0, ROUGH));
-        let of = |starts: &[Vec<f64>]| -> Vec<Minimum> {
+        let search = self.search(self.free(), Effort::ROUGH);
+        let ends = |starts: &[Vec<f64>]| -> Vec<Minimum> {
             let mut work = Workspace::default();
             let mut log = |x: &[f64], out: &mut [f64]| self.log_residuals(x, out, &mut work);
             starts.iter().filter_map(|x| search.run(&mut log, x)).collect()
         };
         let (one, other) = starts.split_at(starts.len() / 2);
         std::thread::scope(|scope| {
-            let second = scope.spawn(|| of(other));
-            let mut found = of(one);
+            let second = scope.spawn(|| ends(other));
+            let mut found = ends(one);
             found.extend(second.join().unwrap_or_else(|panic| std::panic::resume_unwind(panic)));
             found
         })
@@ -129,7 +146,7 @@ impl Task {
         let free = self.free();
         for _ in 0..ROUNDS {
             let before = best.cost;
-            for (coordinate, step) in HOPS {
+            for Hop { coordinate, step } in HOPS {
                 if !free.contains(&coordinate) {
                     continue;
                 }
@@ -164,7 +181,7 @@ impl Task {
             let mut x = x.to_vec();
             (x[stiffness], x[dirac]) = (MOST_JOINT.ln(), 0.0);
             let mut log = |x: &[f64], out: &mut [f64]| self.log_residuals(x, out, &mut work);
-            let near = self.search(others.clone(), (ITERATIONS.0, ROUGH)).run(&mut log, &x);
+            let near = self.search(others.clone(), Effort::ROUGH).run(&mut log, &x);
             let found = near.and_then(|m| self.minimise(&m.x, others.clone(), FINE, &mut work));
             best = best.into_iter().chain(found).min_by(|a, b| a.cost.total_cmp(&b.cost));
         }
@@ -187,7 +204,7 @@ impl Task {
 
     /// The largest amplitude of the model's ring-downs.
     fn loudest(&self, x: &[f64]) -> f64 {
-        self.starts_at(x).iter().map(|start| start.0.abs()).fold(0.0, f64::max)
+        self.starts_at(x).iter().map(|start| start.displacement.abs()).fold(0.0, f64::max)
     }
 
     /// Whether no record reaches φ_max.
@@ -215,8 +232,7 @@ impl Task {
         x[COUNT..].copy_from_slice(&minimum.x[COUNT..]);
         let mut work = Workspace::default();
         let mut log = |x: &[f64], out: &mut [f64]| task.log_residuals(x, out, &mut work);
-        let near =
-            task.search(task.free(), (ITERATIONS.0, ROUGH)).run(&mut log, &x).ok_or_else(no_ring_down)?;
+        let near = task.search(task.free(), Effort::ROUGH).run(&mut log, &x).ok_or_else(no_ring_down)?;
         let found = task.minimise(&near.x, task.free(), TOLERANCE, &mut work).ok_or_else(no_ring_down)?;
         Ok((task, found))
     }

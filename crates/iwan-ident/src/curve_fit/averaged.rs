@@ -1,4 +1,4 @@
-//! Joint weighted least squares on dissipation and frequency against amplitude, and the verdict on the model.
+//! Weighted least squares on dissipation and frequency against amplitude together, and the verdict on the model.
 //!
 //! Forward model: averaging with the first harmonic, ω² = K_∞ + K_1(u) and D = D_joint(u) + 2π ζ_v ω0 ω u². It is first
 //! order in the damping; [`refine`](mod@crate::refine) goes on from here on the record itself.
@@ -7,17 +7,16 @@ use std::f64::consts::TAU;
 
 use iwan_core::Backbone;
 
-use crate::chart::Chart;
+use super::verdict::{Compared, Verdict};
 use crate::curves::Curves;
 use crate::error::{Error, check};
-use crate::least_squares::{Search, TOLERANCE};
 use crate::parameters::{COUNT, Parameter, Parameters};
-use crate::verdict::{Compared, Verdict};
+use crate::search::{Chart, Search, TOLERANCE};
 
 /// Least relative standard deviation of a dissipation: what averaging neglects.
-const DISSIPATION_FLOOR: f64 = 5e-3;
+pub(crate) const DISSIPATION_FLOOR: f64 = 5e-3;
 /// Least standard deviation of a frequency, relative to it: the same.
-const FREQUENCY_FLOOR: f64 = 1e-5;
+pub(crate) const FREQUENCY_FLOOR: f64 = 1e-5;
 const ITERATIONS: usize = 300;
 
 /// What a set of curves and a model have in common, and what not.
@@ -31,47 +30,76 @@ pub struct Fit {
     pub verdict: Verdict,
 }
 
-/// Dissipation per cycle and frequency (Hz) of the model at a displacement amplitude.
+/// What a model says at one displacement amplitude.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Predicted {
+    /// Energy dissipated per cycle, mass-normalised.
+    pub dissipation: f64,
+    /// Frequency, Hz.
+    pub frequency: f64,
+}
+
+/// Dissipation per cycle and frequency of the model at a displacement amplitude.
 ///
 /// # Errors
 /// [`Error::Model`].
 ///
 /// ```
-/// use iwan_ident::{Parameters, fit::predict};
+/// use iwan_ident::{Parameters, curve_fit::predict};
 /// let mode = Parameters { frequency: 124.0, damping_ratio: 0.0, k_t: 4.45e4, f_s: 239.4, chi: -0.183, beta: 0.3 };
-/// let (dissipation, frequency) = predict(&mode, 0.5 * 0.009329393723670242)?;
-/// assert!((dissipation - 0.2699369136316001).abs() < 1e-12); // golden number of D(φ_max/2)
-/// assert!(frequency < 124.0);
+/// let found = predict(&mode, 0.5 * 0.009329393723670242)?;
+/// assert!((found.dissipation - 0.2699369136316001).abs() < 1e-12); // golden number of D(φ_max/2)
+/// assert!(found.frequency < 124.0);
 /// # Ok::<(), iwan_ident::Error>(())
 /// ```
-pub fn predict(parameters: &Parameters, displacement: f64) -> Result<(f64, f64), Error> {
+pub fn predict(parameters: &Parameters, displacement: f64) -> Result<Predicted, Error> {
     Ok(predictor(parameters)?(displacement))
 }
 
 /// [`predict`] for many displacements.
-fn predictor(parameters: &Parameters) -> Result<impl Fn(f64) -> (f64, f64) + use<>, Error> {
+fn predictor(parameters: &Parameters) -> Result<impl Fn(f64) -> Predicted + use<>, Error> {
     let (oscillator, joint) = parameters.model()?;
     Ok(move |displacement: f64| {
         let omega = (oscillator.k_inf() + joint.harmonic_stiffness(displacement)).sqrt();
         let viscous = TAU * 0.5 * oscillator.viscous() * omega * displacement * displacement;
-        (joint.dissipation(displacement) + viscous, omega / TAU)
+        Predicted { dissipation: joint.dissipation(displacement) + viscous, frequency: omega / TAU }
     })
 }
 
-/// Entries of curves with a positive dissipation, as (displacement, ln D, its deviation, frequency, its deviation).
-type Entry = [f64; 5];
+/// An entry of a curve with a positive dissipation, and the standard deviations that it counts with.
+#[derive(Debug, Clone, Copy)]
+struct Entry {
+    displacement: f64,
+    log_dissipation: f64,
+    log_dissipation_sd: f64,
+    frequency: f64,
+    frequency_sd: f64,
+}
 
+impl Entry {
+    fn is_finite(&self) -> bool {
+        let dissipation = [self.log_dissipation, self.log_dissipation_sd];
+        let all = [self.displacement, self.frequency, self.frequency_sd];
+        all.iter().chain(&dissipation).all(|v| v.is_finite())
+    }
+}
+
+/// The usable entries of all curves.
 fn entries(curves: &[Curves]) -> Vec<Entry> {
     let one = |c: &Curves, i: usize| {
         let d = c.dissipation[i];
-        let deviation = c.log_dissipation_sd[i].max(DISSIPATION_FLOOR);
-        let frequency = c.frequency_sd[i].max(FREQUENCY_FLOOR * c.frequency[i]);
-        (d > 0.0).then(|| [c.displacement[i], d.ln(), deviation, c.frequency[i], frequency])
+        (d > 0.0).then(|| Entry {
+            displacement: c.displacement[i],
+            log_dissipation: d.ln(),
+            log_dissipation_sd: c.log_dissipation_sd[i].max(DISSIPATION_FLOOR),
+            frequency: c.frequency[i],
+            frequency_sd: c.frequency_sd[i].max(FREQUENCY_FLOOR * c.frequency[i]),
+        })
     };
     curves
         .iter()
         .flat_map(|c| (0..c.t.len()).filter_map(move |i| one(c, i)))
-        .filter(|e| e.iter().all(|v| v.is_finite()))
+        .filter(Entry::is_finite)
         .collect()
 }
 
@@ -111,7 +139,7 @@ pub fn fit(curves: &[Curves], first: &Parameters, held: &[Parameter]) -> Result<
 
 /// Geometric mean of the displacements.
 fn middle(entries: &[Entry]) -> f64 {
-    (entries.iter().map(|e| e[0].ln()).sum::<f64>() / entries.len() as f64).exp()
+    (entries.iter().map(|e| e.displacement.ln()).sum::<f64>() / entries.len() as f64).exp()
 }
 
 /// Fits from several starts and keeps the best: slopes and knees can be mistaken for one another.
@@ -136,9 +164,10 @@ pub fn fit_from(curves: &[Curves], starts: &[Parameters], held: &[Parameter]) ->
 
 fn residuals(entries: &[Entry], parameters: &Parameters, out: &mut [f64]) -> bool {
     let Ok(predicted) = predictor(parameters) else { return false };
-    for (i, [u, log, log_sd, frequency, frequency_sd]) in entries.iter().enumerate() {
-        let (d, f) = predicted(*u);
-        (out[2 * i], out[2 * i + 1]) = ((log - d.ln()) / log_sd, (frequency - f) / frequency_sd);
+    for (i, e) in entries.iter().enumerate() {
+        let model = predicted(e.displacement);
+        out[2 * i] = (e.log_dissipation - model.dissipation.ln()) / e.log_dissipation_sd;
+        out[2 * i + 1] = (e.frequency - model.frequency) / e.frequency_sd;
     }
     true
 }
@@ -146,12 +175,16 @@ fn residuals(entries: &[Entry], parameters: &Parameters, out: &mut [f64]) -> boo
 /// The fit with its verdict.
 fn judged(entries: &[Entry], parameters: Parameters) -> Result<Fit, Error> {
     let (mut dissipation, mut frequency) = (vec![], vec![]);
-    for [u, log, log_sd, measured, deviation] in entries {
-        let (d, f) = predict(&parameters, *u)?;
-        dissipation.push(Compared { measured: *log, deviation: *log_sd, model: d.ln() });
-        frequency.push(Compared { measured: *measured, deviation: *deviation, model: f });
+    for e in entries {
+        let model = predict(&parameters, e.displacement)?;
+        dissipation.push(Compared {
+            measured: e.log_dissipation,
+            deviation: e.log_dissipation_sd,
+            model: model.dissipation.ln(),
+        });
+        frequency.push(Compared { measured: e.frequency, deviation: e.frequency_sd, model: model.frequency });
     }
-    let largest = entries.iter().map(|e| e[0]).fold(0.0, f64::max);
+    let largest = entries.iter().map(|e| e.displacement).fold(0.0, f64::max);
     let slip_ratio = largest / parameters.model()?.1.phi_max();
     Ok(Fit { parameters, slip_ratio, verdict: Verdict::new(&dissipation, &frequency, false) })
 }

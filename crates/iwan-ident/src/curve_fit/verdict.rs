@@ -39,36 +39,51 @@ impl Verdict {
     /// From ln D and frequency (Hz) at the same amplitudes.
     /// `noise_only`: a model's ring-down was subtracted from the record itself and left noise.
     pub(crate) fn new(dissipation: &[Compared], frequency: &[Compared], noise_only: bool) -> Self {
-        let [d, f] = [dissipation, frequency].map(root_mean_squares);
+        let [d, f] = [dissipation, frequency].map(Distance::of);
         let range = frequency
             .iter()
             .fold((f64::INFINITY, f64::NEG_INFINITY), |r, c| (r.0.min(c.measured), r.1.max(c.measured)));
         let shift = range.1 - range.0;
         let smallest = SHIFT_FLOOR * range.1;
-        let limits = [DISSIPATION.max(NOISE * d.1), (FREQUENCY * shift).max(NOISE * f.1).max(smallest)];
-        let within = d.0 <= limits[0] && f.0 <= limits[1];
+        let limits =
+            [DISSIPATION.max(NOISE * d.noise), (FREQUENCY * shift).max(NOISE * f.noise).max(smallest)];
+        let within = d.misfit <= limits[0] && f.misfit <= limits[1];
         let adequate = within || noise_only;
         let misfit = format!(
             "dissipation is missed by {:.2} % (limit {:.2} %), frequency by {:.4} Hz of a shift of {shift:.4} Hz (limit \
              {:.4} Hz){}: one four-parameter Iwan joint with a viscous damper {} dissipation and frequency together",
-            100.0 * d.0,
+            100.0 * d.misfit,
             100.0 * limits[0],
-            f.0,
+            f.misfit,
             limits[1],
             if noise_only && !within { ", but what the model leaves of the record is noise" } else { "" },
             if adequate { "matches" } else { "does not match" }
         );
-        Self { dissipation_misfit: d.0, frequency_misfit: f.0, frequency_shift: shift, adequate, misfit }
+        Self {
+            dissipation_misfit: d.misfit,
+            frequency_misfit: f.misfit,
+            frequency_shift: shift,
+            adequate,
+            misfit,
+        }
     }
 }
 
-/// Of the misfit and of the noise.
-fn root_mean_squares(values: &[Compared]) -> (f64, f64) {
-    let n = values.len() as f64;
-    let sum = values
-        .iter()
-        .fold((0.0, 0.0), |s, c| (s.0 + (c.measured - c.model).powi(2) / n, s.1 + c.deviation.powi(2) / n));
-    (sum.0.sqrt(), sum.1.sqrt())
+/// How far a model is from measured values, and how far noise is: root mean squares.
+struct Distance {
+    misfit: f64,
+    noise: f64,
+}
+
+impl Distance {
+    fn of(values: &[Compared]) -> Self {
+        let n = values.len() as f64;
+        let sum = |square: &dyn Fn(&Compared) -> f64| values.iter().fold(0.0, |s, c| s + square(c) / n);
+        Self {
+            misfit: sum(&|c| (c.measured - c.model).powi(2)).sqrt(),
+            noise: sum(&|c| c.deviation.powi(2)).sqrt(),
+        }
+    }
 }
 
 #[cfg(test)]

@@ -7,10 +7,10 @@ use std::f64::consts::TAU;
 
 use iwan_core::Backbone;
 
-use crate::chart::Chart;
+use crate::curve_fit::Predicted;
 use crate::error::{Error, check_length};
-use crate::least_squares::{Search, TOLERANCE};
 use crate::parameters::{Parameter, Parameters};
+use crate::search::{Chart, Minimum, Search, TOLERANCE};
 
 /// What a difference of one per cent of a dissipation, and of the whole loss of frequency, counts.
 const ONE_PER_CENT: f64 = 0.01;
@@ -49,7 +49,7 @@ pub struct StaticFit {
 ///
 /// ```
 /// use iwan_core::{Backbone, FourParameter};
-/// use iwan_ident::quasi_static::{StaticCurves, fit_static};
+/// use iwan_ident::static_fit::{StaticCurves, fit_static};
 /// let joint = FourParameter::new(4.45e4, 239.4, -0.183, 0.3)?;
 /// let k_inf = (std::f64::consts::TAU * 124.0).powi(2) - 4.45e4;
 /// let q: Vec<f64> = (0..40).map(|i| 1e-5 * 1.25_f64.powi(i)).collect();
@@ -85,18 +85,18 @@ pub fn fit_static(curves: &StaticCurves<'_>, frequency: f64, k_t: f64) -> Result
         tolerance: TOLERANCE,
     };
     let mut residuals = |x: &[f64], out: &mut [f64]| residuals(curves, &chart.parameters(x), out).is_some();
-    let mut best: Option<(f64, Vec<f64>)> = None;
+    let mut best: Option<Minimum> = None;
     for first in starts(curves, frequency, k_t)? {
         let Some(found) = search.run(&mut residuals, &chart.coordinates(&first)?) else { continue };
-        if best.as_ref().is_none_or(|(cost, _)| found.cost < *cost) {
-            best = Some((found.cost, found.x));
+        if best.as_ref().is_none_or(|best| found.cost < best.cost) {
+            best = Some(found);
         }
     }
-    let (_, x) = best.ok_or_else(|| Error::Refused {
+    let best = best.ok_or_else(|| Error::Refused {
         finding: "no start values have curves".into(),
         remedy: "compute the curves over more amplitudes",
     })?;
-    judged(curves, chart.parameters(&x))
+    judged(curves, chart.parameters(&best.x))
 }
 
 /// F_S near the largest joint force, with several χ and β.
@@ -117,9 +117,10 @@ fn starts(curves: &StaticCurves<'_>, frequency: f64, k_t: f64) -> Result<Vec<Par
 }
 
 /// Dissipation and secant frequency of the model.
-fn predict(parameters: &Parameters, q: f64) -> Option<(f64, f64)> {
+fn predict(parameters: &Parameters, q: f64) -> Option<Predicted> {
     let (oscillator, joint) = parameters.model().ok()?;
-    Some((joint.dissipation(q), (oscillator.k_inf() + joint.force(q) / q).sqrt() / TAU))
+    let frequency = (oscillator.k_inf() + joint.force(q) / q).sqrt() / TAU;
+    Some(Predicted { dissipation: joint.dissipation(q), frequency })
 }
 
 /// Frequency lost from stuck to slipping.
@@ -131,9 +132,9 @@ fn loss(parameters: &Parameters) -> f64 {
 fn residuals(curves: &StaticCurves<'_>, parameters: &Parameters, out: &mut [f64]) -> Option<()> {
     let loss = loss(parameters);
     for (i, q) in curves.displacement.iter().enumerate() {
-        let (d, f) = predict(parameters, *q)?;
-        out[2 * i] = (curves.dissipation[i] / d).ln() / ONE_PER_CENT;
-        out[2 * i + 1] = (curves.frequency[i] - f) / (ONE_PER_CENT * loss);
+        let model = predict(parameters, *q)?;
+        out[2 * i] = (curves.dissipation[i] / model.dissipation).ln() / ONE_PER_CENT;
+        out[2 * i + 1] = (curves.frequency[i] - model.frequency) / (ONE_PER_CENT * loss);
     }
     out.iter().all(|r| r.is_finite()).then_some(())
 }

@@ -1,0 +1,102 @@
+//! What an identification finds, and how it says so.
+
+use crate::curve_fit::{Fit, Start, Verdict};
+use crate::curves::Curves;
+use crate::likelihood::Likelihood;
+use crate::parameters::{Parameter, Parameters};
+use crate::profile::{Profile, Profiles};
+use crate::refine::Refined;
+use crate::signal::Envelope;
+
+/// The simplest model: a linear mode with viscous damping, and whether it is enough.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Linear {
+    /// Frequency, Hz.
+    pub frequency: f64,
+    /// Viscous damping ratio.
+    pub damping_ratio: f64,
+    /// Root mean square of its residuals over that of the records' amplitudes.
+    pub relative_residual: f64,
+    /// Schwarz's criterion of the linear model less that of the full one: below 0 the joint is not needed.
+    pub criterion: f64,
+}
+
+impl Linear {
+    /// Whether the records are told as well without a joint.
+    #[must_use]
+    pub fn is_enough(&self) -> bool {
+        self.criterion < 0.0
+    }
+}
+
+/// What records tell about a mode.
+#[derive(Debug, Clone)]
+pub struct Identification {
+    /// The parameters.
+    pub parameters: Parameters,
+    /// Their profiles, with the 95 % intervals.
+    pub profiles: Profiles,
+    /// The refinement behind them.
+    pub refined: Refined,
+    /// The records' likelihood, for samplers.
+    pub likelihood: Likelihood,
+    /// Start values off the curves of the loudest record.
+    pub start: Start,
+    /// The fit on the curves that the refinement began with.
+    pub fit: Fit,
+    /// Envelope of each record.
+    pub envelopes: Vec<Envelope>,
+    /// Curves of each record, against modal force.
+    pub curves: Vec<Curves>,
+    /// The same curves of the model's ring-downs, by the same method.
+    pub model_curves: Vec<Curves>,
+    /// First sample of each record that was compared with the model.
+    pub first_samples: Vec<usize>,
+    /// The linear mode with viscous damping.
+    pub linear: Linear,
+    /// Whether the model matches, how far off it is.
+    pub verdict: Verdict,
+    /// What was found and done, in words.
+    pub notes: Vec<String>,
+}
+
+impl Identification {
+    /// The profile of one parameter.
+    ///
+    /// # Panics
+    /// Never: all six are there.
+    #[must_use]
+    pub fn profile(&self, parameter: Parameter) -> &Profile {
+        let place = Parameter::ALL.iter().position(|p| *p == parameter).unwrap_or_default();
+        &self.profiles.parameters[place]
+    }
+
+    /// What the records do not tell, in words: open intervals, a joint that is not needed, a model that does not fit.
+    #[must_use]
+    pub fn in_words(&self) -> Vec<String> {
+        let mut words = vec![self.verdict.misfit.clone()];
+        if self.linear.is_enough() {
+            words.push(format!(
+                "the joint is not needed: a linear mode of {:.6} Hz with {:.4} % viscous damping tells the records as well",
+                self.linear.frequency,
+                100.0 * self.linear.damping_ratio
+            ));
+        }
+        for profile in &self.profiles.parameters {
+            let name = profile.parameter.name();
+            words.extend(match (profile.held, profile.low, profile.high) {
+                (true, ..) | (_, Some(_), Some(_)) => None,
+                (_, Some(low), None) => {
+                    Some(format!("{name} > {low:.4e}, no upper bound from these records"))
+                }
+                (_, None, Some(high)) => {
+                    Some(format!("{name} < {high:.4e}, no lower bound from these records"))
+                }
+                (_, None, None) => {
+                    Some(format!("{name} is open on both sides: these records do not tell it"))
+                }
+            });
+        }
+        words
+    }
+}

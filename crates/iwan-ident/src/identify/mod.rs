@@ -1,0 +1,177 @@
+//! From records to parameters with intervals, in one call.
+//!
+//! record → envelope → curves → start values → fit on the curves → refinement on the records → profile likelihood →
+//! verdict. Several records are several force levels of the same mode.
+
+mod settings;
+mod identification;
+mod prepared;
+mod minimum;
+mod linear;
+
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+
+use crate::curve_fit::{Compared, Fit, Start, Verdict, fit_from, start};
+use crate::curves::Curves;
+use crate::error::{Error, check};
+use crate::likelihood::Likelihood;
+use crate::parameters::{Parameter, Parameters};
+use crate::refine::{RingDown, Task};
+pub use identification::{Identification, Linear};
+use linear::linear;
+use minimum::{Found, minimum_and_profiles};
+use prepared::Prepared;
+pub use settings::{Held, ModeRecord, Settings};
+
+/// The further starts on the curves.
+const OTHER_STARTS: [OtherStart; 4] = [
+    OtherStart { chi: -0.5, k_t: 1.0 },
+    OtherStart { chi: -0.2, k_t: 1.0 },
+    OtherStart { chi: -0.2, k_t: 3.0 },
+    OtherStart { chi: 0.1, k_t: 0.5 },
+];
+
+/// A start on the curves beside the graphical one.
+struct OtherStart {
+    chi: f64,
+    /// K_T over that of the graphical start.
+    k_t: f64,
+}
+
+/// Parameters, intervals and verdict from the records of one mode at one or several force levels.
+///
+/// # Errors
+/// As [`isolate`], [`fit`](crate::curve_fit::fit()) and [`refine`](crate::refine::refine()).
+///
+/// ```
+/// use iwan_core::{Decay, Reversal, Samples};
+/// use iwan_ident::{Parameter, Parameters, curves::Quantity, identify::{Settings, ModeRecord, identify}};
+/// use iwan_ident::likelihood::Buffers;
+/// let truth = Parameters { frequency: 124.0, damping_ratio: 1e-3, k_t: 4.45e4, f_s: 239.4, chi: -0.183, beta: 0.3 };
+/// let (oscillator, joint) = truth.model()?;
+/// let (dt, mut out) = (2e-4, [vec![0.0; 2000], vec![0.0; 2000], vec![0.0; 2000], vec![0.0; 2000]]);
+/// let [displacement, velocity, acceleration, joint_force] = &mut out;
+/// Decay::new(&oscillator, &joint, 0.0, (0.2 * joint.phi_max(), 0.0), vec![Reversal::default(); 200])?
+///     .sample(dt, &mut Samples { displacement, velocity, acceleration, joint_force })?;
+/// let record = ModeRecord { samples: &out[2], dt, quantity: Quantity::Acceleration };
+/// let found = identify(&[record], &Settings::default())?;
+/// // In micro-slip the power is known, and where the joint would slip is not.
+/// assert!(found.verdict.adequate && found.profile(Parameter::Chi).identifiable());
+/// assert!((found.parameters.chi + 0.183).abs() < 0.004);
+/// assert!(found.profile(Parameter::FS).high.is_none() && !found.profile(Parameter::Beta).identifiable());
+/// // For a sampler: nothing is likelier than the best fit, by more than the rounding of the search.
+/// let (likelihood, mut buffers) = (&found.likelihood, Buffers::default());
+/// let other = Parameters { chi: -0.19, ..found.parameters };
+/// let best = likelihood.log(&found.parameters, likelihood.starts(), &mut buffers).unwrap();
+/// assert!(best > likelihood.log(&other, likelihood.starts(), &mut buffers).unwrap());
+/// # Ok::<(), iwan_ident::Error>(())
+/// ```
+pub fn identify(records: &[ModeRecord<'_>], settings: &Settings) -> Result<Identification, Error> {
+    identification(records, settings, &Arc::default())
+}
+
+/// [`identify`] that ends soon, by an error, once another thread sets `stopped`.
+///
+/// # Errors
+/// As [`identify`], and [`Error::Stopped`].
+pub fn identify_until(
+    records: &[ModeRecord<'_>],
+    settings: &Settings,
+    stopped: &Arc<AtomicBool>,
+) -> Result<Identification, Error> {
+    let found = identification(records, settings, stopped);
+    if stopped.load(Ordering::Relaxed) { Err(Error::Stopped) } else { found }
+}
+
+fn identification(
+    records: &[ModeRecord<'_>],
+    settings: &Settings,
+    stopped: &Arc<AtomicBool>,
+) -> Result<Identification, Error> {
+    check("records", records.len() as f64, !records.is_empty(), "at least one", "give a record")?;
+    let prepared =
+        records.iter().map(|record| Prepared::new(*record, settings)).collect::<Result<Vec<_>, _>>()?;
+    let curves: Vec<Curves> = prepared.iter().map(|p| p.curves.clone()).collect();
+    let OnCurves { start, fit } = on_curves(&curves, &settings.held)?;
+    let ring_downs: Vec<RingDown<'_>> = prepared.iter().map(Prepared::ring_down).collect();
+    let held: Vec<Parameter> = settings.held.iter().map(|h| h.parameter).collect();
+    let mut task = Task::new(&ring_downs, &fit.parameters, &held)?;
+    task.stopped = stopped.clone();
+    let Found { minimum, profiles } = minimum_and_profiles(&mut task, &fit.parameters)?;
+    let refined = task.refined(&minimum);
+    let model_curves = prepared
+        .iter()
+        .zip(&refined.starts)
+        .map(|(p, start)| p.model_curves(&refined.parameters, *start, settings))
+        .collect::<Result<Vec<_>, _>>()?;
+    let linear = linear(&task, &minimum, &refined.parameters, &curves)?;
+    Ok(Identification {
+        parameters: refined.parameters,
+        verdict: verdict(&curves, &model_curves, refined.leaves_noise(task.count())),
+        notes: prepared.iter().flat_map(Prepared::notes).chain(start.notes.iter().cloned()).collect(),
+        envelopes: prepared.iter().map(|p| p.envelope.clone()).collect(),
+        first_samples: prepared.iter().map(|p| p.first).collect(),
+        likelihood: Likelihood::new(&task, profiles.variance, &refined.parameters, &refined.starts),
+        profiles,
+        refined,
+        start,
+        fit,
+        curves,
+        model_curves,
+        linear,
+    })
+}
+
+/// What the curves alone say.
+struct OnCurves {
+    start: Start,
+    fit: Fit,
+}
+
+/// Start values and the fit on the curves.
+fn on_curves(curves: &[Curves], held: &[Held]) -> Result<OnCurves, Error> {
+    let largest = |c: &Curves| c.displacement.iter().copied().fold(0.0, f64::max);
+    let loudest = curves.iter().max_by(|a, b| largest(a).total_cmp(&largest(b)));
+    let mut start = start(loudest.ok_or(Error::Length { name: "curves", needed: 1, found: 0 })?)?;
+    // Quieter records come nearer to the small-amplitude frequency.
+    let highest = curves.iter().flat_map(|c| c.frequency.iter().copied()).fold(0.0, f64::max);
+    start.parameters.frequency = start.parameters.frequency.max(highest);
+    for held in held {
+        *start.parameters.get_mut(held.parameter) = held.value;
+    }
+    let mut starts = vec![start.parameters];
+    for OtherStart { chi, k_t } in OTHER_STARTS {
+        let mut other = Parameters { chi, k_t: k_t * start.parameters.k_t, ..start.parameters };
+        for held in held {
+            *other.get_mut(held.parameter) = held.value;
+        }
+        starts.push(other);
+    }
+    let names: Vec<Parameter> = held.iter().map(|h| h.parameter).collect();
+    let fit = fit_from(curves, &starts, &names)?;
+    Ok(OnCurves { start, fit })
+}
+
+/// Compares curves and the model's at the times they share.
+fn verdict(curves: &[Curves], model: &[Curves], noise_only: bool) -> Verdict {
+    let (mut dissipation, mut frequency) = (vec![], vec![]);
+    for (record, model) in curves.iter().zip(model) {
+        for (j, t) in model.t.iter().enumerate() {
+            let Some(i) = record.t.iter().position(|s| s == t) else { continue };
+            if record.dissipation[i] > 0.0 && model.dissipation[j] > 0.0 {
+                dissipation.push(Compared {
+                    measured: record.dissipation[i].ln(),
+                    deviation: record.log_dissipation_sd[i],
+                    model: model.dissipation[j].ln(),
+                });
+            }
+            frequency.push(Compared {
+                measured: record.frequency[i],
+                deviation: record.frequency_sd[i],
+                model: model.frequency[j],
+            });
+        }
+    }
+    Verdict::new(&dissipation, &frequency, noise_only)
+}

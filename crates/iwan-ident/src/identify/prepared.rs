@@ -1,0 +1,112 @@
+//! A record prepared for the comparison with a model, and the model's curves taken as the record's were.
+
+use iwan_core::{Decay, Reversal, Samples};
+
+use super::settings::{ModeRecord, Settings};
+use crate::curves::{Curves, ForceAxis, Quantity};
+use crate::error::Error;
+use crate::parameters::Parameters;
+use crate::refine::{RingDown, TurningPoint};
+use crate::signal::{Envelope, Isolated, Options, isolate};
+
+/// A record with its mode taken out, its curves, and the samples that are compared with the model.
+pub(super) struct Prepared<'a> {
+    record: ModeRecord<'a>,
+    isolated: Isolated,
+    pub(super) envelope: Envelope,
+    pub(super) curves: Curves,
+    /// Samples that are compared with the model.
+    stretch: Vec<f64>,
+    /// Index of the first of them.
+    pub(super) first: usize,
+    /// Width of their band, Hz; none: the record as it is.
+    band: Option<f64>,
+}
+
+impl<'a> Prepared<'a> {
+    pub(super) fn new(record: ModeRecord<'a>, settings: &Settings) -> Result<Self, Error> {
+        let isolated = isolate(record.samples, record.dt, &settings.options)?;
+        let envelope = isolated.envelope(settings.method, settings.options.order)?;
+        let curves = Curves::new(&envelope, record.quantity, ForceAxis::Modal)?;
+        let automatic = settings.options.band.is_none() && settings.options.window.is_none();
+        let raw = settings.options.filter_order == 0 || (automatic && isolated.is_alone(record.samples));
+        let (stretch, first, band) = if raw {
+            let range = isolated.free_decay(record.samples, settings.options.window);
+            (record.samples[range.clone()].to_vec(), range.start, None)
+        } else {
+            let range = isolated.window.clone();
+            let band = isolated.band.high - isolated.band.low;
+            (isolated.samples[range.clone()].to_vec(), range.start, Some(band))
+        };
+        Ok(Self { record, isolated, envelope, curves, stretch, first, band })
+    }
+
+    pub(super) fn ring_down(&self) -> RingDown<'_> {
+        RingDown {
+            samples: &self.stretch,
+            dt: self.record.dt,
+            quantity: self.record.quantity,
+            band: self.band,
+        }
+    }
+
+    pub(super) fn notes(&self) -> impl Iterator<Item = String> + '_ {
+        let seconds = self.first as f64 * self.record.dt;
+        let what = match self.band {
+            None => {
+                "no other line stands out of the spectrum: the model is compared with the record as it is"
+            }
+            Some(_) => "the model is compared with the record in the band",
+        };
+        let own = format!("{what}, from {seconds:.6} s on");
+        self.envelope.notes.iter().cloned().chain([own])
+    }
+
+    /// Curves of the model's ring-down by the same filter and envelope, at those times of the record's that both cover.
+    pub(super) fn model_curves(
+        &self,
+        parameters: &Parameters,
+        start: TurningPoint,
+        settings: &Settings,
+    ) -> Result<Curves, Error> {
+        let (dt, late) = (self.record.dt, self.first as f64 * self.record.dt + start.time);
+        let count = (self.isolated.samples.len() as f64 - late / dt) as usize;
+        let samples =
+            ring_down(parameters, start.displacement, Sampling { dt, count }, self.record.quantity)?;
+        let band = Some((self.isolated.band.low, self.isolated.band.high));
+        let window = Some((0.0, self.isolated.trusted().1 - late));
+        let options = Options { band, window, order: Some(self.envelope.order), ..settings.options };
+        let isolated = isolate(&samples, dt, &options)?.weighted_as(&self.isolated);
+        let envelope = isolated.envelope(settings.method, options.order)?;
+        let model = Curves::new(&envelope, self.record.quantity, ForceAxis::Modal)?;
+        Ok(model.at(late, &self.curves.t))
+    }
+}
+
+/// How many samples of a ring-down are wanted.
+struct Sampling {
+    /// Sampling interval, s.
+    dt: f64,
+    count: usize,
+}
+
+/// Free decay from rest at a displacement.
+fn ring_down(
+    parameters: &Parameters,
+    displacement: f64,
+    Sampling { dt, count }: Sampling,
+    quantity: Quantity,
+) -> Result<Vec<f64>, Error> {
+    let (oscillator, joint) = parameters.model()?;
+    let stack = vec![Reversal::default(); (2.5 * count as f64 * dt * parameters.frequency) as usize + 16];
+    let mut out: [Vec<f64>; 4] = std::array::from_fn(|_| vec![0.0; count]);
+    let [q, v, a, f] = &mut out;
+    let mut samples = Samples { displacement: q, velocity: v, acceleration: a, joint_force: f };
+    Decay::new(&oscillator, &joint, 0.0, (displacement, 0.0), stack)?.sample(dt, &mut samples)?;
+    let [displacement, velocity, acceleration, _] = out;
+    Ok(match quantity {
+        Quantity::Displacement => displacement,
+        Quantity::Velocity => velocity,
+        Quantity::Acceleration => acceleration,
+    })
+}

@@ -1,0 +1,35 @@
+//! The same task in coordinates that a profile can walk along.
+
+use crate::parameters::Parameter;
+use crate::refine::Task;
+use crate::search::{Chart, Minimum};
+
+impl Task {
+    /// The same task in the chart that has the parameter as a coordinate.
+    pub(super) fn charting(&self, parameter: Parameter) -> Self {
+        let coordinates: Vec<Parameter> = self.held().iter().copied().chain([parameter]).collect();
+        let mut task = self.clone();
+        task.chart = Chart::holding(&coordinates, self.chart.amplitude);
+        task
+    }
+
+    /// A minimum of another chart's task in the coordinates of this one.
+    pub(super) fn from(&self, other: &Self, minimum: &Minimum) -> Minimum {
+        Minimum { x: other.converted(&self.chart, &minimum.x), ..*minimum }
+    }
+
+    /// A minimum of this task in the coordinates of every search.
+    pub(super) fn back(&self, minimum: &Minimum) -> Minimum {
+        let usual = Chart::holding(self.held(), self.chart.amplitude);
+        Minimum { x: self.converted(&usual, &minimum.x), ..*minimum }
+    }
+
+    /// Coordinates in another chart; as they are where the parameters are no model.
+    fn converted(&self, chart: &Chart, x: &[f64]) -> Vec<f64> {
+        let mut moved = x.to_vec();
+        if let Ok(own) = chart.coordinates(&self.chart.parameters(x)) {
+            moved[..own.len()].copy_from_slice(&own);
+        }
+        moved
+    }
+}

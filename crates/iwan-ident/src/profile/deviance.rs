@@ -1,0 +1,63 @@
+//! The unit of deviances, and how high one may be inside a 95 % interval.
+
+use crate::refine::Task;
+use crate::search::Minimum;
+
+/// 97.5 % point of the normal distribution: intervals hold 95 %.
+const NORMAL: f64 = 1.959963984540054;
+/// A deviance so far below zero is a better minimum.
+const BETTER: f64 = -0.1;
+
+/// What all profiles of a task share.
+pub(super) struct Scale {
+    /// Variance of the residuals in their unit.
+    pub(super) variance: f64,
+    pub(super) limit: f64,
+    /// A deviance below this is a better minimum.
+    pub(super) better: f64,
+}
+
+impl Scale {
+    pub(super) fn new(task: &Task, minimum: &Minimum, settled: bool) -> Self {
+        let freedom = (task.count() - task.free().len()) as f64;
+        let refined = task.refined(minimum);
+        let r = refined.correlation;
+        // Neighbours that agree say the same twice.
+        let inflation = if refined.leaves_noise(task.count()) { 1.0 } else { (1.0 + r) / (1.0 - r.min(0.9)) };
+        Self {
+            variance: inflation * (minimum.cost / freedom).max(task.least_variance()),
+            limit: student(freedom / inflation).powi(2),
+            better: if settled { f64::NEG_INFINITY } else { BETTER },
+        }
+    }
+
+    pub(super) fn deviance(&self, found: &Minimum, minimum: &Minimum) -> f64 {
+        (found.cost - minimum.cost) / self.variance
+    }
+}
+
+/// 97.5 % point of Student's t with ν degrees of freedom: Abramowitz and Stegun 26.7.5, within 0.3 % from ν = 3 on.
+fn student(freedom: f64) -> f64 {
+    let (z, n) = (NORMAL, freedom.max(3.0));
+    let z2 = z * z;
+    let terms = [
+        z * (z2 + 1.0) / 4.0,
+        z * ((5.0 * z2 + 16.0) * z2 + 3.0) / 96.0,
+        z * (((3.0 * z2 + 19.0) * z2 + 17.0) * z2 - 15.0) / 384.0,
+        z * ((((79.0 * z2 + 776.0) * z2 + 1482.0) * z2 - 1920.0) * z2 - 945.0) / 92160.0,
+    ];
+    z + terms.iter().rev().fold(0.0, |sum, term| (sum + term) / n)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn student_as_tabled() {
+        // Abramowitz and Stegun, Table 26.10.
+        for (freedom, t) in [(3.0, 3.182), (5.0, 2.571), (10.0, 2.228), (30.0, 2.042), (120.0, 1.980)] {
+            assert!((student(freedom) / t - 1.0).abs() < 3e-3, "{freedom}: {}", student(freedom));
+        }
+    }
+}

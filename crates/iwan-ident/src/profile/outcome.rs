@@ -1,0 +1,48 @@
+//! What a profile says.
+
+use crate::parameters::Parameter;
+
+/// What the records tell about one parameter.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Profile {
+    /// Which one.
+    pub parameter: Parameter,
+    /// The value of the best fit.
+    pub value: f64,
+    /// Lower end of the 95 % interval; none: open.
+    pub low: Option<f64>,
+    /// Upper end of the 95 % interval; none: open.
+    pub high: Option<f64>,
+    /// The points at which it was computed, by ascending value; the 95 % limit is [`Profiles::limit`].
+    pub points: Vec<ProfilePoint>,
+    /// Whether it was held and not sought.
+    pub held: bool,
+}
+
+/// A value of a parameter, and what the records have against it.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct ProfilePoint {
+    /// The value.
+    pub value: f64,
+    /// Rise of the weighted sum of squares over its least value, in units of the residuals' variance.
+    pub deviance: f64,
+}
+
+impl Profile {
+    /// Whether the records bound the parameter on both sides.
+    #[must_use]
+    pub fn identifiable(&self) -> bool {
+        !self.held && self.low.is_some() && self.high.is_some()
+    }
+}
+
+/// The profiles of all six parameters.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Profiles {
+    /// In the order of [`Parameter::ALL`].
+    pub parameters: Vec<Profile>,
+    /// Deviance at the ends of the intervals: the square of Student's t.
+    pub limit: f64,
+    /// Variance of the whitened residuals that the deviances are in units of.
+    pub(crate) variance: f64,
+}

@@ -1,0 +1,54 @@
+//! Simulation in the loop: the parameters whose ring-down is the record itself.
+//!
+//! Forward model: the half-cycle map of iwan-core; compared are complex amplitudes in windows (the module `windows`),
+//! taken of record and model alike. Each record brings two unknowns of its own: amplitude and time of the turning point
+//! next to its first sample. The joint is taken to have been loaded along its virgin curve up to there: exact for
+//! a release from rest; later in a decay, where loops shrink slowly, the tips of the loops lie next to the virgin curve.
+//!
+//! First the logarithms of the amplitudes, with unwrapped phases, are brought together from several starts: no cycle is
+//! lost on the way. Then the amplitudes themselves, weighted by each record's noise.
+
+mod release;
+mod ring_down;
+mod windows;
+mod whitening;
+mod record;
+mod task;
+mod valleys;
+
+use crate::error::Error;
+use crate::parameters::{Parameter, Parameters};
+pub use release::TurningPoint;
+pub use ring_down::{Refined, RingDown};
+pub(crate) use task::{Effort, Task, Workspace};
+pub(crate) use valleys::KNEE_UNSEEN;
+
+/// Refines parameters on the records themselves, several force levels at once; those in `held` keep their values.
+///
+/// # Errors
+/// [`Error::OutOfRange`], [`Error::NotFinite`], [`Error::TooShort`]; [`Error::Model`] when `first` is no model;
+/// [`Error::Refused`] when no search succeeds.
+///
+/// ```
+/// use iwan_core::{Decay, Reversal, Samples};
+/// use iwan_ident::{Parameters, curves::Quantity, refine::{RingDown, refine}};
+/// let truth = Parameters { frequency: 124.0, damping_ratio: 1e-3, k_t: 4.45e4, f_s: 239.4, chi: -0.183, beta: 0.3 };
+/// let (oscillator, joint) = truth.model()?;
+/// let mut out = [vec![0.0; 1000], vec![0.0; 1000], vec![0.0; 1000], vec![0.0; 1000]];
+/// let [displacement, velocity, acceleration, joint_force] = &mut out;
+/// let start = (1.5 * joint.phi_max(), 0.0);
+/// Decay::new(&oscillator, &joint, 0.0, start, vec![Reversal::default(); 99])?
+///     .sample(2e-4, &mut Samples { displacement, velocity, acceleration, joint_force })?;
+/// let record = RingDown { samples: &out[2], dt: 2e-4, quantity: Quantity::Acceleration, band: None };
+/// let first = Parameters { k_t: 5e4, f_s: 220.0, chi: -0.3, beta: 0.5, ..truth };
+/// let refined = refine(&[record], &first, &[])?;
+/// assert!((refined.parameters.f_s / truth.f_s - 1.0).abs() < 1e-3);
+/// # Ok::<(), iwan_ident::Error>(())
+/// ```
+pub fn refine(records: &[RingDown<'_>], first: &Parameters, held: &[Parameter]) -> Result<Refined, Error> {
+    first.model()?;
+    let mut task = Task::new(records, first, held)?;
+    let rough = task.solve(first)?;
+    let minimum = task.finish(&rough)?;
+    Ok(task.refined(&minimum))
+}

@@ -1,0 +1,46 @@
+//! What goes into a refinement and what comes out.
+
+use super::release::TurningPoint;
+use crate::curves::Quantity;
+use crate::parameters::Parameters;
+
+/// Neighbouring residuals of white noise correlate by 1/√n (standard deviation): twice that is noise still, in 98 of 100
+/// records. Where it is passed the residuals count as correlated: intervals are widened, and a misfit is a misfit.
+const STILL_NOISE: f64 = 2.0;
+
+/// A ring-down in free decay: one mode, mass-normalised.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct RingDown<'a> {
+    /// Samples, free of aliases.
+    pub samples: &'a [f64],
+    /// Sampling interval, s.
+    pub dt: f64,
+    /// What was measured.
+    pub quantity: Quantity,
+    /// Width in Hz of the band that the samples were filtered to; none: unfiltered.
+    pub band: Option<f64>,
+}
+
+/// Parameters that reproduce records, and what is left over.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Refined {
+    /// The parameters.
+    pub parameters: Parameters,
+    /// Of each record: the turning point next to its first sample.
+    pub starts: Vec<TurningPoint>,
+    /// Standard deviation of white noise in a record's samples that would leave the same residuals, unit of the record.
+    pub noise: Vec<f64>,
+    /// Root mean square of all residuals over that of the records' amplitudes.
+    pub relative_residual: f64,
+    /// Correlation of neighbouring residuals: near 0 when only noise is left, near 1 when the model misses something.
+    pub correlation: f64,
+    /// Whether the search ended by itself.
+    pub converged: bool,
+}
+
+impl Refined {
+    /// Whether what is left of `count` values looks like white noise: neighbours are not correlated.
+    pub(crate) fn leaves_noise(&self, count: usize) -> bool {
+        self.correlation < STILL_NOISE / (count as f64).sqrt()
+    }
+}

@@ -1,0 +1,9 @@
+//! Searches: the coordinates in which parameters are sought, and least squares between bounds.
+
+mod chart;
+mod least_squares;
+mod non_negative;
+
+pub(crate) use chart::{Chart, Scales};
+pub(crate) use least_squares::{Minimum, Search, TOLERANCE, following};
+pub(crate) use non_negative::solve as solve_non_negative;
