@@ -5,7 +5,7 @@ mod units;
 
 use std::path::Path;
 
-use iwan_ident::channels::{Combination, strangers};
+use iwan_ident::channels::{NoMode, Shape, one_mode};
 use iwan_ident::curves::Quantity;
 use iwan_ident::signal::Options;
 use iwan_io::{ReadOptions, Record};
@@ -113,8 +113,10 @@ fn same_channels(recordings: &[Recording]) -> Result<(), Failure> {
 }
 
 /// The channels of a recording.
-fn channels(recording: &Recording) -> Vec<&[f64]> {
-    recording.record.samples().iter().map(Vec::as_slice).collect()
+fn channels(recording: &Recording) -> iwan_ident::channels::Recording<'_> {
+    let Recording { record, .. } = recording;
+    let channels = record.samples().iter().map(Vec::as_slice).collect();
+    iwan_ident::channels::Recording { names: record.names(), channels, dt: record.dt() }
 }
 
 /// Without mode shapes: one channel, or the dominant shape in each band.
@@ -123,46 +125,38 @@ fn by_bands(recordings: &[Recording], args: &RecordArgs) -> Result<Vec<Wanted>, 
         [] => vec![None],
         bands => bands.iter().copied().map(Some).collect(),
     };
-    let first = &recordings[0];
     let mode = |(n, band): (usize, Option<(f64, f64)>)| {
         let options = Options { band, ..Options::default() };
-        let combination = match channels(first).as_slice() {
-            [_] => Ok(Combination::single()),
-            all => Combination::dominant(all, first.record.names(), first.record.dt(), &options),
-        };
-        let combination = combination.map_err(|e| Failure::said(&first.name, &e))?;
-        combined(recordings, format!("mode {}", n + 1), options, &combination)
+        wanted(recordings, n, Shape::Unknown, options, "")
     };
     bands.into_iter().enumerate().map(mode).collect()
 }
 
-fn combined(
-    recordings: &[Recording],
-    name: String,
-    options: Options,
-    combination: &Combination,
-) -> Result<Wanted, Failure> {
-    let one = |(source, r): (usize, &Recording)| {
-        let samples = combination.apply(&channels(r)).map_err(|e| Failure::said(&r.name, &e))?;
-        Ok(ModalRecord { source, samples })
-    };
-    let records = recordings.iter().enumerate().map(one).collect::<Result<_, Failure>>()?;
-    Ok(Wanted { name, options, records, notes: combination.notes.clone() })
-}
-
 /// With mode shapes: the modal filter, and a look at whether the channels move as the shapes say.
 fn by_shapes(recordings: &[Recording], shapes: &Shapes, args: &RecordArgs) -> Result<Vec<Wanted>, Failure> {
-    let first = &recordings[0];
-    let combinations = Combination::of_shapes(&shapes.values).map_err(|e| Failure::said(&shapes.name, &e))?;
-    let mut wanted = Vec::new();
-    for (row, options) in shapes.select(&args.bands)? {
-        let mut mode = combined(recordings, format!("mode {}", row + 1), options, &combinations[row])?;
-        let (names, shape) = (first.record.names(), &shapes.values[row]);
-        let words = strangers(&channels(first), names, shape, first.record.dt(), &options);
-        mode.notes.extend(words.map_err(|e| Failure::said(&first.name, &e))?);
-        wanted.push(mode);
-    }
-    Ok(wanted)
+    let mode = |(mode, options)| {
+        let shape = Shape::Known { shapes: &shapes.values, mode };
+        wanted(recordings, mode, shape, options, &shapes.name)
+    };
+    shapes.select(&args.bands)?.into_iter().map(mode).collect()
+}
+
+/// Mode `n` (counted from 0) out of all recordings; `shapes` is the file of the mode shapes.
+fn wanted(
+    recordings: &[Recording],
+    n: usize,
+    shape: Shape<'_>,
+    options: Options,
+    shapes: &str,
+) -> Result<Wanted, Failure> {
+    let all: Vec<_> = recordings.iter().map(channels).collect();
+    let mode = one_mode(&all, shape, &options).map_err(|fault| match fault {
+        NoMode::Shapes(error) => Failure::said(shapes, &error),
+        NoMode::Recording { index, error } => Failure::said(&recordings[index].name, &error),
+    })?;
+    let record = |(source, samples)| ModalRecord { source, samples };
+    let records = mode.records.into_iter().enumerate().map(record).collect();
+    Ok(Wanted { name: format!("mode {}", n + 1), options, records, notes: mode.notes })
 }
 
 impl MethodChoice {

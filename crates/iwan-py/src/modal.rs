@@ -1,6 +1,6 @@
 //! Records of one mode, out of whatever stands for records.
 
-use iwan_ident::channels::{Combination, strangers};
+use iwan_ident::channels::{NoMode, Recording, Shape, one_mode};
 use iwan_ident::curves;
 use iwan_ident::signal::Options;
 use numpy::PyArrayMethods;
@@ -51,44 +51,30 @@ pub(crate) fn modal(
         let view = record.get().samples.bind(record.py()).readonly();
         chosen.clone().map(|i| view.as_array().index_axis(Axis(0), i).to_vec()).collect()
     };
-    let combination = combination(&rows(first), first.get(), shape, options).map_err(identification)?;
-    notes.extend(combination.notes.iter().cloned());
-    let one = |record: &Bound<'_, Record>| {
-        let rows = rows(record);
-        let samples = combination.apply(&rows.iter().map(Vec::as_slice).collect::<Vec<_>>());
-        let (samples, this) = (samples.map_err(identification)?, record.get());
-        Ok(Modal {
-            samples,
-            dt: this.dt,
-            start: this.start,
-            quantity,
-            unit: this.unit.clone(),
-            channels: this.names[chosen.clone()].to_vec(),
-            notes: notes.clone(),
-        })
+    let rows: Vec<_> = records.iter().map(rows).collect();
+    let names = first.get().names[chosen].to_vec();
+    let shapes = shape.map(|shape| [shape.to_vec()]);
+    let shape = shapes.as_ref().map_or(Shape::Unknown, |shapes| Shape::Known { shapes, mode: 0 });
+    let recordings = records.iter().zip(&rows).map(|(record, rows)| Recording {
+        names: &names,
+        channels: rows.iter().map(Vec::as_slice).collect(),
+        dt: record.get().dt,
+    });
+    let recordings: Vec<_> = recordings.collect();
+    let mode = one_mode(&recordings, shape, options).map_err(|fault| match fault {
+        NoMode::Shapes(error) | NoMode::Recording { error, .. } => identification(error),
+    })?;
+    notes.extend(mode.notes);
+    let one = |(record, samples): (&Bound<'_, Record>, Vec<f64>)| Modal {
+        samples,
+        dt: record.get().dt,
+        start: record.get().start,
+        quantity,
+        unit: record.get().unit.clone(),
+        channels: names.clone(),
+        notes: notes.clone(),
     };
-    records.iter().map(one).collect()
-}
-
-fn combination(
-    rows: &[Vec<f64>],
-    record: &Record,
-    shape: Option<&[f64]>,
-    options: &Options,
-) -> Result<Combination, iwan_ident::Error> {
-    let channels: Vec<&[f64]> = rows.iter().map(Vec::as_slice).collect();
-    match shape {
-        Some(shape) => {
-            let mut one = Combination::of_shapes(&[shape.to_vec()])?;
-            let mut one = one.pop().unwrap_or_else(Combination::single);
-            if shape.len() == record.names.len() && channels.len() > 1 {
-                one.notes.extend(strangers(&channels, &record.names, shape, record.dt, options)?);
-            }
-            Ok(one)
-        }
-        None if channels.len() == 1 => Ok(Combination::single()),
-        None => Combination::dominant(&channels, &record.names, record.dt, options),
-    }
+    Ok(records.iter().zip(mode.records).map(one).collect())
 }
 
 /// A record, or whatever `iwan.as_record` makes one of.
