@@ -5,7 +5,7 @@ mod common;
 
 use std::path::Path;
 
-use common::{csv, field_record, folder, iwan, names, ring_down, shown};
+use common::{csv, folder, iwan, names, ring_down, shown};
 use serde_json::Value;
 
 fn run(place: &Path, arguments: &str) -> Value {
@@ -241,27 +241,4 @@ fn results_are_not_overwritten_and_bad_records_leave_nothing() {
         shown_all.push(format!("iwan envelope {arguments}\n{}", String::from_utf8_lossy(&output.stderr)));
     }
     insta::assert_snapshot!("bad_records", shown_all.join("\n"));
-}
-
-#[test]
-fn the_brake_reuss_record() {
-    let Some(record) = field_record() else { return };
-    let place = folder("");
-    let options = "--time HIdata.time --channel HIdata.acc1 --channel HIdata.acc3 --band 60:105 --out out";
-    let summary = run(place.path(), &format!("{record} {options}"));
-    let mode = &summary["modes"][0];
-    // Reference: SciPy, 3rd-order Butterworth, Hilbert, polynomials of degree 7; t (s), Hz, %.
-    let table = csv(&place.path().join("out/envelope.csv"));
-    let column = |name: &str| &table.iter().find(|c| c.0 == name).unwrap().1;
-    for (t, f, z) in [(0.1, 80.33, 0.273), (1.0, 80.45, 0.187), (3.0, 80.54, 0.149), (4.0, 80.58, 0.141)] {
-        let i = column("t").partition_point(|x| *x < t);
-        assert!((column("frequency")[i] - f).abs() < 0.05, "{t} s: {}", column("frequency")[i]);
-        assert!(
-            (100.0 * column("damping_ratio")[i] / z - 1.0).abs() < 0.05,
-            "{t} s: {}",
-            column("damping_ratio")[i]
-        );
-    }
-    assert_eq!(mode["methods"].as_array().unwrap().len(), 4);
-    assert_eq!(summary["record"]["unit"], "m/s^2");
 }

@@ -5,7 +5,7 @@ mod common;
 
 use std::path::Path;
 
-use common::{csv, field_record, folder, iwan, names, shown};
+use common::{csv, folder, iwan, names, shown};
 use serde_json::Value;
 
 /// Mode 1 of Table 2 with a damper, released from rest: an exact ring-down.
@@ -229,19 +229,4 @@ fn ctrl_c_ends_a_fit_at_once_and_leaves_nothing_behind() {
     assert!(std::process::Command::new("kill").args(["-INT", &id]).status().unwrap().success());
     assert_eq!(child.wait().unwrap().code(), Some(130));
     assert_eq!(names(place.path()), ["in.toml", "long.csv"]);
-}
-
-#[test]
-fn the_brake_reuss_beam_is_told_to_be_no_single_joint() {
-    let Some(record) = field_record() else { return };
-    let place = folder("");
-    let fit = run(place.path(), &format!("{record} --channel HIdata.acc1 --band 60:105 --out out"));
-    let mode = &fit["modes"][0];
-    assert_eq!(mode["adequate"], false);
-    assert!(mode["misfit"].as_str().unwrap().contains("does not match"), "{}", mode["misfit"]);
-    assert!((mode["frequency"]["value"].as_f64().unwrap() - 80.6).abs() < 0.3);
-    assert!(mode["in_words"].to_string().contains("no density of sliders"), "{}", mode["in_words"]);
-    assert!(iwan(place.path(), "simulate out/scenario.toml --out again").status.success());
-    let page = std::fs::read_to_string(place.path().join("out/report.html")).unwrap();
-    assert!(page.contains("does not match these records"));
 }

@@ -1,11 +1,24 @@
-//! The Brake-Reuss record, mode 1, by all methods. Reference: 3rd-order Butterworth 60-105 Hz, Hilbert, degree-7
-//! polynomials with SciPy. Set `IWAN_FIELD_DATA` to the folder with `field/`.
-#![allow(clippy::unwrap_used, clippy::print_stderr, reason = "a failed test may panic and say why")]
+//! The Brake-Reuss record, mode 1: envelopes by all methods, curves, densities, identification.
+//!
+//! Reported as not run without `IWAN_FIELD_DATA`, which names the folder with `field/`.
+#![allow(clippy::unwrap_used, reason = "a failed test may panic")]
 
-use iwan_ident::signal::{Method, Options, Spread, isolate};
+#[path = "../../../tests/support/field.rs"]
+mod field;
+
+use std::path::Path;
+
+use iwan_ident::curve_fit::{fit, start};
+use iwan_ident::curves::{Curves, ForceAxis, Quantity};
+use iwan_ident::density::{Evidence, density};
+use iwan_ident::identify::{ModeRecord, Settings, identify};
+use iwan_ident::signal::{Method, Options, Spread, envelope, isolate};
 use iwan_io::{ReadOptions, Record, read};
 
-/// t (s), frequency (Hz), damping ratio (%).
+/// t (s) from the trigger, frequency (Hz), damping ratio (%): by SciPy 1.17.1 from the channel `HIdata.acc1`, read by
+/// `scipy.io.loadmat`. `butter(3, [60, 105], "bandpass", fs=12800, output="sos")`, `sosfiltfilt`, `hilbert`;
+/// `numpy.polynomial.Polynomial.fit` of degree 7 to ln |z| and to the unwrapped phase over 0.05 to 4.5 s; frequency and
+/// decay rate are their derivatives.
 const REFERENCE: [(f64, f64, f64); 6] = [
     (0.1, 80.33, 0.273),
     (0.5, 80.43, 0.213),
@@ -15,46 +28,88 @@ const REFERENCE: [(f64, f64, f64); 6] = [
     (4.0, 80.58, 0.141),
 ];
 
-fn record() -> Option<Record> {
-    let Some(folder) = std::env::var_os("IWAN_FIELD_DATA") else {
-        eprintln!("skipped: IWAN_FIELD_DATA not set");
-        return None;
-    };
-    let path = std::path::PathBuf::from(folder).join("field/brb_hammer_impact.mat");
-    Some(read(&path, &ReadOptions::default()).unwrap())
+/// The channels that do not sit next to a node of mode 1.
+const MOVING: [usize; 2] = [0, 2];
+
+fn record(path: &Path) -> Record {
+    read(path, &ReadOptions::default()).unwrap()
 }
 
-#[test]
-fn mode_1_of_the_brake_reuss_beam() {
-    let Some(record) = record() else { return };
+fn curves(record: &Record, channel: usize) -> Curves {
+    let options = Options::default();
+    let envelope = envelope(record.channel(channel), record.dt(), Method::Hilbert, &options).unwrap();
+    Curves::new(&envelope, Quantity::Acceleration, ForceAxis::Modal).unwrap()
+}
+
+fn mode_1_of_the_brake_reuss_beam(path: &Path) {
+    let record = record(path);
     for (channel, band) in [(0, Some((60.0, 105.0))), (2, Some((60.0, 105.0))), (0, None), (2, None)] {
         let options = Options { band, ..Options::default() };
         let mode = isolate(record.channel(channel), record.dt(), &options).unwrap();
-        eprintln!("channel {channel} {:?} window {:?} noise {:e}", mode.notes, mode.trusted(), mode.noise);
         let mut all = Vec::new();
         for method in Method::ALL {
             let envelope = mode.envelope(method, None).unwrap();
             for (t, frequency, damping) in REFERENCE {
                 // Times of the reference count from the trigger, 0.01 s behind the first sample.
-                let Some((a, f, z)) = envelope.at(t - record.start()) else {
+                let Some(at) = envelope.at(t - record.start()) else {
                     assert!(method == Method::Demodulation && t < 0.2, "{method:?} {t}");
                     continue;
                 };
-                eprintln!(
-                    "{:13} order {:2} t {t}: {a:7.3} {f:.3} ({:+.3}) {:.4} ({:+.2} %)",
-                    method.name(),
-                    envelope.order,
-                    f - frequency,
-                    100.0 * z,
-                    100.0 * (100.0 * z / damping - 1.0)
+                let ratio = 100.0 * at.damping_ratio / damping;
+                assert!(
+                    (at.frequency - frequency).abs() < 0.05,
+                    "channel {channel} {method:?} {t} s: {at:?}"
                 );
-                assert!((f - frequency).abs() < 0.05, "channel {channel} {method:?} {t} s: {f} Hz");
-                assert!((100.0 * z / damping - 1.0).abs() < 0.05, "channel {channel} {method:?} {t} s: {z}");
+                assert!((ratio - 1.0).abs() < 0.05, "channel {channel} {method:?} {t} s: {at:?}");
             }
             all.push(envelope);
         }
         let spread = Spread::of(&all).unwrap();
-        eprintln!("{spread:?}");
         assert!(spread.frequency < 0.1 && spread.median_damping_ratio < 0.05, "{spread:?}");
     }
+}
+
+fn its_curves_are_those_of_no_single_four_parameter_joint(path: &Path) {
+    let record = record(path);
+    for channel in MOVING {
+        let curves = curves(&record, channel);
+        let first = start(&curves).unwrap();
+        let fit = fit(&[curves], &first.parameters, &[]).unwrap();
+        let said = &fit.verdict.misfit;
+        assert!(!fit.verdict.adequate && said.contains("does not match"), "{said}");
+    }
+}
+
+fn no_density_matches_its_damping_and_frequency_together(path: &Path) {
+    let record = record(path);
+    for channel in MOVING {
+        let curves = [curves(&record, channel)];
+        let four = fit(&curves, &start(&curves[0]).unwrap().parameters, &[]).unwrap().verdict;
+        let [found, alone] = [Evidence::Both, Evidence::Dissipation].map(|e| density(&curves, e).unwrap());
+        // Damping by itself is matched by a density of some form, which then asks for another frequency.
+        let words = alone.words(&four);
+        assert!(alone.dissipation_misfit < 0.25 * four.dissipation_misfit, "{words}");
+        assert!(alone.frequency_misfit > 1.5 * four.frequency_misfit, "{words}");
+        // Both together are matched by none.
+        assert!(found.mean_square > 20.0 && found.words(&four).contains("no density of sliders"));
+        let share = (found.dissipation_misfit / four.dissipation_misfit).powi(2)
+            + (found.frequency_misfit / four.frequency_misfit).powi(2);
+        assert!(share < 1.7, "nearer than the four parameters, which make 2: {share}");
+    }
+}
+
+fn its_record_is_that_of_no_single_four_parameter_joint(path: &Path) {
+    let record = record(path);
+    let source = ModeRecord { samples: record.channel(0), dt: record.dt(), quantity: Quantity::Acceleration };
+    let found = identify(&[source], &Settings::default()).unwrap();
+    assert!(!found.verdict.adequate && found.verdict.misfit.contains("does not match"));
+    assert!(found.verdict.dissipation_misfit > 0.03, "{}", found.verdict.misfit);
+    assert!(!found.linear.is_enough());
+}
+
+field::field_tests! {
+    mode_1_of_the_brake_reuss_beam on "field/brb_hammer_impact.mat",
+    its_curves_are_those_of_no_single_four_parameter_joint on "field/brb_hammer_impact.mat",
+    no_density_matches_its_damping_and_frequency_together on "field/brb_hammer_impact.mat",
+    its_record_is_that_of_no_single_four_parameter_joint on "field/brb_hammer_impact.mat",
 }

@@ -2,18 +2,13 @@
 //!
 //! The expected values come from peers: UFF files read by pyuff 2.5.8, the MATLAB file by scipy.io 1.17.1
 //! (`repr` of the float64 values, sums by NumPy 2.4.6). Set `IWAN_FIELD_DATA` to the folder with `field/` and `uff/`.
-#![allow(clippy::unwrap_used, clippy::print_stderr)]
+#![allow(clippy::unwrap_used, reason = "a failed test may panic")]
+
+#[path = "../../../tests/support/field.rs"]
+mod field;
 
 use iwan_io::{Quantity, ReadError, ReadOptions, Record, Warning, read, read_bytes};
-use std::path::{Path, PathBuf};
-
-fn field(name: &str) -> Option<PathBuf> {
-    let folder = std::env::var_os("IWAN_FIELD_DATA");
-    if folder.is_none() {
-        eprintln!("skipped: IWAN_FIELD_DATA not set");
-    }
-    Some(PathBuf::from(folder?).join(name))
-}
+use std::path::Path;
 
 fn default(path: &Path) -> Record {
     read(path, &ReadOptions::default()).unwrap()
@@ -32,10 +27,8 @@ fn assert_facts(values: &[f64], expected: (f64, f64, f64, f64, usize)) {
     assert!((found.2 - expected.2).abs() <= 1e-9 * expected.2.abs(), "{} {}", found.2, expected.2);
 }
 
-#[test]
-fn the_brake_reuss_record_is_found_without_options() {
-    let Some(path) = field("field/brb_hammer_impact.mat") else { return };
-    let record = default(&path);
+fn the_brake_reuss_record_is_found_without_options(path: &Path) {
+    let record = default(path);
     assert_eq!(record.names(), ["HIdata.acc1", "HIdata.acc2", "HIdata.acc3"]);
     assert_eq!((record.len(), record.quantity(), record.unit()), (65_536, Quantity::Acceleration, "m/s^2"));
     assert!((record.dt() - 7.8125e-5).abs() < 1e-16 && record.start() == -0.01);
@@ -47,21 +40,17 @@ fn the_brake_reuss_record_is_found_without_options() {
     assert_facts(record.channel(2), (acc3.0, acc3.1, acc3.2, 701.814_697_265_625, 129));
 }
 
-#[test]
-fn struct_fields_are_chosen_by_path() {
-    let Some(path) = field("field/brb_hammer_impact.mat") else { return };
+fn struct_fields_are_chosen_by_path(path: &Path) {
     let (time, channels) = (Some("HIdata.time".into()), vec!["HIdata.acc3".into(), "HIdata.acc1".into()]);
-    let record = read(&path, &ReadOptions { time, channels, ..Default::default() }).unwrap();
+    let record = read(path, &ReadOptions { time, channels, ..Default::default() }).unwrap();
     assert_eq!(record.names(), ["HIdata.acc3", "HIdata.acc1"]);
     let channels = vec!["HIdata.acc9".into()];
-    let error = read(&path, &ReadOptions { channels, ..Default::default() }).unwrap_err().to_string();
+    let error = read(path, &ReadOptions { channels, ..Default::default() }).unwrap_err().to_string();
     assert!(error.contains("'HIdata.acc9'") && error.contains("HIdata.acc1, HIdata.acc2"), "{error}");
 }
 
-#[test]
-fn ascii_and_binary_datasets_agree() {
-    let Some(path) = field("uff/sample_58_ascii.uff") else { return };
-    let (ascii, binary) = (default(&path), default(&path.with_file_name("sample_58b_binary.uff")));
+fn ascii_and_binary_datasets_agree(path: &Path) {
+    let (ascii, binary) = (default(path), default(&path.with_file_name("sample_58b_binary.uff")));
     assert_eq!((ascii.len(), ascii.dt(), ascii.names()), (79_292, 1.525_88e-5, binary.names()));
     assert_eq!((binary.len(), binary.dt(), binary.unit()), (79_292, 1.525_88e-5, "Pa"));
     assert_eq!(ascii.quantity(), Quantity::Unknown);
@@ -74,10 +63,8 @@ fn ascii_and_binary_datasets_agree() {
     assert_facts(binary.channel(0), (binary_facts.0, binary_facts.1, binary_facts.2, largest, 42_706));
 }
 
-#[test]
-fn four_channels_of_an_analyser() {
-    let Some(path) = field("uff/four_channels_58b_broken_count.uff") else { return };
-    let record = default(&path);
+fn four_channels_of_an_analyser(path: &Path) {
+    let record = default(path);
     assert_eq!((record.channels(), record.len(), record.dt()), (4, 222_400, 3.125e-4));
     assert_eq!((record.quantity(), record.unit()), (Quantity::Acceleration, "m/s2"));
     assert_eq!(record.names()[3], "MPS set1 Dof4");
@@ -91,13 +78,11 @@ fn four_channels_of_an_analyser() {
     assert!(record.warnings().is_empty(), "{:?}", record.warnings());
 }
 
-#[test]
-fn wrong_counts_in_the_same_file_are_warned_of() {
-    let Some(path) = field("uff/four_channels_58b_broken_count.uff") else { return };
-    let (bytes, whole) = (std::fs::read(&path).unwrap(), default(&path));
+fn wrong_counts_in_the_same_file_are_warned_of(path: &Path) {
+    let (bytes, whole) = (std::fs::read(path).unwrap(), default(path));
     for (good, bad) in [("889600", "889610"), ("222400", "222407"), ("889600", "     0")] {
         let broken = replace(&bytes, good.as_bytes(), bad.as_bytes());
-        let record = read_bytes(&path, &broken, &ReadOptions::default()).unwrap();
+        let record = read_bytes(path, &broken, &ReadOptions::default()).unwrap();
         assert!(record.samples() == whole.samples(), "{bad}");
         assert_eq!(record.warnings().len(), 4, "{bad}: {:?}", record.warnings());
         let is_count = |w: &Warning| matches!(w, Warning::Count { .. } | Warning::Bytes { .. });
@@ -116,10 +101,8 @@ fn replace(bytes: &[u8], from: &[u8], to: &[u8]) -> Vec<u8> {
     out
 }
 
-#[test]
-fn eight_byte_binary_and_a_last_line_not_full() {
-    let Some(path) = field("uff/binary_8byte.uff") else { return };
-    let record = default(&path);
+fn eight_byte_binary_and_a_last_line_not_full(path: &Path) {
+    let record = default(path);
     assert_eq!((record.len(), record.dt(), record.unit()), (250, 0.01, "g"));
     assert_facts(record.channel(0), (0.0, 0.309_019_356_966_018_7, 6.313_748_425_276_373, 1.0, 5));
     let record = default(&path.with_file_name("time_history_partial_columns.uff"));
@@ -128,10 +111,8 @@ fn eight_byte_binary_and_a_last_line_not_full() {
     assert_facts(record.channel(0), (-3.81956, -5.84096, -47.70823, 5.84096, 12));
 }
 
-#[test]
-fn a_file_cut_short_and_a_spectrum_are_named_as_such() {
-    let Some(path) = field("uff/milestone_in_header.uff") else { return };
-    let error = read(&path, &ReadOptions::default()).unwrap_err();
+fn a_file_cut_short_and_a_spectrum_are_named_as_such(path: &Path) {
+    let error = read(path, &ReadOptions::default()).unwrap_err();
     assert!(matches!(error, ReadError::CutShort { promised: 2_508_876, found: 42, .. }), "{error}");
     assert!(error.to_string().contains("cut short"));
     let spectrum = path.with_file_name("non_ascii_header.uff");
@@ -142,19 +123,12 @@ fn a_file_cut_short_and_a_spectrum_are_named_as_such() {
     );
 }
 
-/// Prints the best of twenty readings; run with `cargo test --release -- --ignored --nocapture`.
-#[test]
-#[ignore = "a measurement, not a law"]
-fn reading_times() {
-    for name in
-        ["field/brb_hammer_impact.mat", "uff/four_channels_58b_broken_count.uff", "uff/sample_58_ascii.uff"]
-    {
-        let Some(path) = field(name) else { return };
-        let timed = || {
-            let start = std::time::Instant::now();
-            default(&path);
-            start.elapsed()
-        };
-        eprintln!("{name}: {:?}", (0..20).map(|_| timed()).min().unwrap());
-    }
+field::field_tests! {
+    the_brake_reuss_record_is_found_without_options on "field/brb_hammer_impact.mat",
+    struct_fields_are_chosen_by_path on "field/brb_hammer_impact.mat",
+    ascii_and_binary_datasets_agree on "uff/sample_58_ascii.uff",
+    four_channels_of_an_analyser on "uff/four_channels_58b_broken_count.uff",
+    wrong_counts_in_the_same_file_are_warned_of on "uff/four_channels_58b_broken_count.uff",
+    eight_byte_binary_and_a_last_line_not_full on "uff/binary_8byte.uff",
+    a_file_cut_short_and_a_spectrum_are_named_as_such on "uff/milestone_in_header.uff",
 }

@@ -149,8 +149,9 @@ def test_a_measured_record():
     """Runs where IWAN_FIELD_DATA names the folder of measured records."""
     folder = os.environ.get("IWAN_FIELD_DATA")
     if folder is None:
-        pytest.skip("IWAN_FIELD_DATA is not set")
-    files = sorted(Path(folder).rglob("*.mat"))
-    assert files, f"no .mat file under {folder}"
-    record = iwan.read_record(files[0], time="HIdata.time", channels=["HIdata.acc1"])
+        pytest.skip("IWAN_FIELD_DATA not set")
+    if not (Path(folder) / "field").is_dir():
+        pytest.skip("IWAN_FIELD_DATA has no such folder")
+    file = Path(folder) / "field" / "brb_hammer_impact.mat"
+    record = iwan.read_record(file, time="HIdata.time", channels=["HIdata.acc1"])
     assert len(record) > 1000 and np.isfinite(record.samples).all()

@@ -2,7 +2,6 @@
 #![allow(
     dead_code,
     unreachable_pub,
-    clippy::print_stderr,
     clippy::format_push_string,
     clippy::unwrap_used,
     reason = "each test file uses its part; tests may panic"
@@ -103,14 +102,4 @@ pub fn ring_down(
         text += &format!("{t},{}\n", channels.join(","));
     }
     text
-}
-
-/// The Brake-Reuss record, where the field data are.
-pub fn field_record() -> Option<String> {
-    let Some(folder) = std::env::var_os("IWAN_FIELD_DATA") else {
-        eprintln!("skipped: IWAN_FIELD_DATA not set");
-        return None;
-    };
-    let path = std::path::PathBuf::from(folder).join("field/brb_hammer_impact.mat");
-    Some(path.to_str().unwrap().to_string())
 }

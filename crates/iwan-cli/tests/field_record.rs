@@ -1,0 +1,60 @@
+//! `iwan envelope` and `iwan fit` on the measured Brake-Reuss record.
+//!
+//! Reported as not run without `IWAN_FIELD_DATA`, which names the folder with `field/`.
+#![allow(clippy::unwrap_used, reason = "a failed test may panic")]
+
+mod common;
+#[path = "../../../tests/support/field.rs"]
+mod field;
+
+use std::path::Path;
+
+use common::{csv, folder, iwan, shown};
+use serde_json::Value;
+
+fn run(command: &str, place: &Path, arguments: &str) -> Value {
+    let output = iwan(place, &format!("{command} {arguments} --json"));
+    assert!(output.status.success(), "{}", shown(&output));
+    serde_json::from_slice(&output.stdout).unwrap()
+}
+
+fn the_brake_reuss_record(record: &Path) {
+    let record = record.display();
+    let place = folder("");
+    let options = "--time HIdata.time --channel HIdata.acc1 --channel HIdata.acc3 --band 60:105 --out out";
+    let summary = run("envelope", place.path(), &format!("{record} {options}"));
+    let mode = &summary["modes"][0];
+    // t (s), Hz, %: by SciPy, with the settings that `crates/iwan-ident/tests/field_record.rs` names.
+    let table = csv(&place.path().join("out/envelope.csv"));
+    let column = |name: &str| &table.iter().find(|c| c.0 == name).unwrap().1;
+    for (t, f, z) in [(0.1, 80.33, 0.273), (1.0, 80.45, 0.187), (3.0, 80.54, 0.149), (4.0, 80.58, 0.141)] {
+        let i = column("t").partition_point(|x| *x < t);
+        assert!((column("frequency")[i] - f).abs() < 0.05, "{t} s: {}", column("frequency")[i]);
+        assert!(
+            (100.0 * column("damping_ratio")[i] / z - 1.0).abs() < 0.05,
+            "{t} s: {}",
+            column("damping_ratio")[i]
+        );
+    }
+    assert_eq!(mode["methods"].as_array().unwrap().len(), 4);
+    assert_eq!(summary["record"]["unit"], "m/s^2");
+}
+
+fn the_brake_reuss_beam_is_told_to_be_no_single_joint(record: &Path) {
+    let record = record.display();
+    let place = folder("");
+    let fit = run("fit", place.path(), &format!("{record} --channel HIdata.acc1 --band 60:105 --out out"));
+    let mode = &fit["modes"][0];
+    assert_eq!(mode["adequate"], false);
+    assert!(mode["misfit"].as_str().unwrap().contains("does not match"), "{}", mode["misfit"]);
+    assert!((mode["frequency"]["value"].as_f64().unwrap() - 80.6).abs() < 0.3);
+    assert!(mode["in_words"].to_string().contains("no density of sliders"), "{}", mode["in_words"]);
+    assert!(iwan(place.path(), "simulate out/scenario.toml --out again").status.success());
+    let page = std::fs::read_to_string(place.path().join("out/report.html")).unwrap();
+    assert!(page.contains("does not match these records"));
+}
+
+field::field_tests! {
+    the_brake_reuss_record on "field/brb_hammer_impact.mat",
+    the_brake_reuss_beam_is_told_to_be_no_single_joint on "field/brb_hammer_impact.mat",
+}
