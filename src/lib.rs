@@ -39,7 +39,7 @@ pub mod book {
     #[doc = include_str!("../book/src/reproduce.md")]
     pub mod reproduce {}
 
-    /// Four short programs; `cargo run --release --example NAME` runs one.
+    /// Short programs; `cargo run --release --example NAME` runs one.
     ///
     /// # A first ring-down
     /// ```
@@ -56,6 +56,10 @@ pub mod book {
     /// # Which method
     /// ```
     #[doc = include_str!("../examples/which_method.rs")]
+    /// ```
+    /// # A record to parameters
+    /// ```
+    #[doc = include_str!("../examples/fit_a_record.rs")]
     /// ```
     pub mod examples {}
 

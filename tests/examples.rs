@@ -20,6 +20,7 @@ macro_rules! examples {
 examples! {
     figures "../examples/figures/main.rs",
     first_ring_down "../examples/first_ring_down.rs",
+    fit_a_record "../examples/fit_a_record.rs",
     half_cycles "../examples/half_cycles.rs",
     own_law "../examples/own_law.rs",
     which_method "../examples/which_method.rs"
