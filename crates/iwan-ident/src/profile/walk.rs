@@ -12,8 +12,9 @@ const FARTHEST: f64 = 7.0;
 const FIRST_STEP: f64 = 0.1;
 /// How far a line through two points is followed, in distances between them.
 const FARTHEST_AHEAD: f64 = 5.0;
-/// Longest step, in ln K_T or ln F_S, of a walk from a minimum that does not see macro-slip: below the largest amplitude
-/// each cycle that begins to slip as a whole bends the deviance, and a longer step passes over the first of these bends.
+/// Longest step, in ln K_T or ln F_S, of a walk from a minimum that does not see macro-slip. With φ_max below the largest
+/// amplitude the deviance has a bend wherever a cycle's amplitude equals φ_max, so that growth seen so far says little about
+/// what comes. Chosen by trial; what half and twice do is not known.
 const CLOSE: f64 = 0.15;
 /// Beginnings of one point's search that are tried at most, the likeliest first; another one is tried only while the point
 /// lies outside the limit.

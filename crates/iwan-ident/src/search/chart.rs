@@ -13,7 +13,7 @@ use crate::parameters::{COUNT, Parameter, Parameters};
 const DAMPING_UNIT: f64 = 1e-3;
 /// K_T stays below this part of ω0²: K_∞ = ω0² - K_T must be positive.
 const MOST_JOINT: f64 = 0.999;
-/// Range of χ: the law needs -1 < χ < 1, and at the ends of that its stiffness or slip force is not finite.
+/// Range of χ: the law needs -1 < χ < 1.
 const CHI: (f64, f64) = (-0.99, 0.99);
 /// Most of K_T that can be the Dirac's, β/(1+β): β = 999, a single slider for every purpose.
 const MOST_DIRAC: f64 = 0.999;
