@@ -5,18 +5,24 @@ use crate::parameters::{Parameter, Parameters};
 use crate::refine::{Effort, KNEE_UNSEEN, Task, Workspace};
 use crate::search::{Minimum, following};
 
-/// An interval that reaches this far from its value, in coordinates (logarithms, mostly), is open.
+/// An interval that reaches this far from its value, in coordinates (logarithms, mostly), is open: a factor of 1,100 either
+/// way, beyond which no engineer would call the parameter known.
 const FARTHEST: f64 = 7.0;
 /// First step when the curvature says nothing.
 const FIRST_STEP: f64 = 0.1;
 /// How far a line through two points is followed, in distances between them.
 const FARTHEST_AHEAD: f64 = 5.0;
-/// Steps below the largest amplitude.
+/// Longest step, in ln K_T or ln F_S, of a walk from a minimum that does not see macro-slip. With φ_max below the largest
+/// amplitude the deviance has a bend wherever a cycle's amplitude equals φ_max, so that growth seen so far says little about
+/// what comes. Chosen by trial; what half and twice do is not known.
 const CLOSE: f64 = 0.15;
-/// Beginnings that are tried at most.
+/// Beginnings of one point's search that are tried at most, the likeliest first; another one is tried only while the point
+/// lies outside the limit.
 const WAYS: usize = 3;
-/// Steps outwards, and rounds to bring an end to the precision.
+/// Steps outwards; a walk that is still inside the limit then is open.
 const OUTWARDS: usize = 24;
+/// Rounds to bring an end to the precision: halves alone would bring it to 2^-16 of the last step. Where they are spent the
+/// end is where the line through the last two points puts it.
 const INWARDS: usize = 16;
 /// Roots of deviances this many times the limit's are too far for a straight line.
 const FAR_OUTSIDE: f64 = 4.0;
@@ -25,7 +31,8 @@ const PRECISION: f64 = 5e-3;
 /// Relative reduction of the sum of squares at which a search along a profile ends: a hundredth of the residuals'
 /// variance, nearly.
 const TOLERANCE: f64 = 1e-5;
-/// Where only a K_T of nearly ω0² would allow more, the end is not the record's.
+/// If the farthest accepted point has K_T > 0.9 ω0², the walk stopped at the model's limit K_T < ω0², not at evidence in the
+/// record: the end is reported as open.
 const MOST_JOINT: f64 = 0.9;
 
 /// A walk along one coordinate.

@@ -24,7 +24,9 @@ pub(super) const FINE: f64 = 2e-6;
 const ROUGH_ITERATIONS: usize = 30;
 /// … and of a fine one.
 const FINE_ITERATIONS: usize = 100;
-/// Standard deviation that is put down to the forward model's own error, relative to a record's amplitudes.
+/// Standard deviation that is put down to the forward model's own error, relative to a record's amplitudes: noise-free
+/// records of the half-cycle map itself leave 1e-7 to 5e-6. Without a floor a record without noise would have intervals of
+/// no width.
 const NOISE_FLOOR: f64 = 1e-6;
 
 /// The records in the form that the searches work on.

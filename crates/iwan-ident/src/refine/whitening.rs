@@ -6,8 +6,8 @@ use rustfft::num_complex::Complex64;
 
 use super::windows::{OVERLAP, Windows};
 
-/// Steps of the midpoint rule for the overlap of two windows: the integrand and its derivatives up to the third vanish at
-/// both ends, where the rule has errors of 1e-12 with 400 steps.
+/// Steps of the midpoint rule for the overlap of two windows. The integrand and its derivatives up to the third vanish at
+/// both ends, so that the error falls with the sixth power of the step: 1e-12 with 100 steps, rounding with 400.
 const STEPS: i32 = 400;
 
 /// Turns amplitudes with white noise in the record into values with independent noise of equal variance.

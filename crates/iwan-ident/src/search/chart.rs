@@ -11,11 +11,11 @@ use crate::parameters::{COUNT, Parameter, Parameters};
 
 /// A damping ratio of 0.1 % has the coordinate 1.
 const DAMPING_UNIT: f64 = 1e-3;
-/// K_T stays below this part of ω0².
+/// K_T stays below this part of ω0²: K_∞ = ω0² - K_T must be positive.
 const MOST_JOINT: f64 = 0.999;
-/// Range of χ.
+/// Range of χ: the law needs -1 < χ < 1.
 const CHI: (f64, f64) = (-0.99, 0.99);
-/// Most of K_T that can be the Dirac's: β/(1+β).
+/// Most of K_T that can be the Dirac's, β/(1+β): β = 999, a single slider for every purpose.
 const MOST_DIRAC: f64 = 0.999;
 
 /// Which quantities stand third and fifth; the others are ln f, ζ_v, χ and β/(1+β).

@@ -1,6 +1,6 @@
 //! One record, one mode: band-pass, analytic signal, envelope and frequency.
 //!
-//! [`envelope()`](envelope()) does it all; [`isolate()`] and [`Isolated::envelope`] do it in two steps, [`opinions`] by all methods.
+//! [`envelope()`] does it all; [`isolate()`] and [`Isolated::envelope`] do it in two steps, [`opinions`] by all methods.
 
 mod filter;
 mod hilbert;

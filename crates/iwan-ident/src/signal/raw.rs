@@ -6,13 +6,16 @@ use super::extrema::extrema;
 use super::hilbert::{analytic_signal, whole_cycles};
 use crate::smooth::{Points, Polynomial, Smooth};
 
-/// Points per cycle that are kept.
+/// Points per cycle that are kept: the automatic band is 0.55 of the frequency wide, so that four are seven times what the
+/// signal holds. Two and eight change damping within its scatter.
 const PER_CYCLE: f64 = 4.0;
 /// Cycles trimmed at each end behind the cut to whole cycles.
 const TRIMMED: f64 = 1.5;
-/// Cycles by which the transform reaches beyond the window where the record has them, for the cut and the trimming.
+/// Cycles by which the transform reaches beyond the window where the record has them: one for the cut to whole cycles, one
+/// and a half for the trimming, and some to spare.
 const BEYOND: f64 = 3.0;
-/// Highest degree of the curve by which the record is flattened.
+/// Highest degree of the curve by which the record is flattened: what is left needs only be flat enough to be periodic. One,
+/// three and ten give the same damping within 0.3 % on the Brake-Reuss record.
 const FLATTENING: usize = 5;
 
 /// Log amplitude and phase (without that of the reference frequency) at uniform times.

@@ -7,8 +7,8 @@ use super::super::isolate::{Isolated, Stretch};
 use super::traces::Trace;
 use crate::error::{Error, check};
 
-/// Samples per cycle below which peaks between samples are not worth fitting: the crossings by straight lines would be
-/// off by 0.3 % of a cycle.
+/// Samples per cycle below which methods that look for peaks are refused: with eight, a zero crossing by a straight line is
+/// off by 0.13 % of a cycle at worst, with six by 0.3 %, with four by 1.1 % (a sinusoid, worst place of the samples).
 const PER_CYCLE: f64 = 8.0;
 
 /// Refuses records with too few samples per cycle.
