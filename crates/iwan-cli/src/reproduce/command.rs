@@ -21,7 +21,7 @@ const CURVES: &str = "curves.csv";
 /// Runs the command.
 pub(crate) fn run(args: &ReproduceArgs) -> Result<(), Failure> {
     let place = Place { given: args.out.as_deref(), default: "iwan-reproduce", force: args.force };
-    let files = [NUMBERS, FIGURES, CURVES, PAGE].map(String::from).into();
+    let files = [NUMBERS, FIGURES, CURVES, PAGE].map(String::from).to_vec();
     let mut session = Session::open(place, &args.common, files)?;
 
     let clock = Instant::now();
