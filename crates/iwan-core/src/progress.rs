@@ -4,10 +4,10 @@ use core::ops::ControlFlow;
 
 /// What long work calls from time to time with the share done, from 0 to 1; `Break` asks it to stop.
 ///
-/// It is a shared reference that any thread may call, because whoever listens is shared anyway: a bar on a terminal, a number that
-/// another thread shows, a flag that Ctrl-C sets. So work on many threads and work on one take the same thing, and since it is `Copy`, work
-/// hands it on to its parts as it is, or as a [`part`]. How soon a `Break` is heard, and which error tells of it, is said where
-/// the work is described.
+/// It is a shared reference that any thread may call, because whoever listens is shared anyway: a bar on a
+/// terminal, a number that another thread shows, a flag that Ctrl-C sets. So work on many threads and work on one
+/// take the same thing, and since it is `Copy`, work hands it on to its parts as it is, or as a [`part`]. How soon
+/// a `Break` is heard, and which error tells of it, is said where the work is described.
 ///
 /// ```
 /// use core::ops::ControlFlow;

@@ -1,10 +1,9 @@
 //! Closed forms against 40-digit arithmetic.
 //!
-//! Source of the numbers: mpmath with mp.dps = 40, rounded to 16 digits, for Table 1 and the three modes of Table 2 of Deaner et al.
-//! With c = (χ+1)/(χ+2) and x = min(u, φ_max),
-//! φ_max = F_S (1+β)/(K_T (β+c)), R = F_S (χ+1)/(φ_max^(χ+2) (β+c)), S = F_S β/(φ_max (β+c)),
-//! F = x [K_T - R x^(χ+1)/((χ+1)(χ+2))] below φ_max and F_S beyond,
-//! D = 4 R x^(χ+3)/((χ+2)(χ+3)) below φ_max and 4 F_S u - 4 [R φ_max^(χ+3)/(χ+3) + S φ_max²] beyond.
+//! Source of the numbers: mpmath with mp.dps = 40, rounded to 16 digits, for Table 1 and the three modes of Table 2
+//! of Deaner et al. With c = (χ+1)/(χ+2) and x = min(u, φ_max), φ_max = F_S (1+β)/(K_T (β+c)), R = F_S
+//! (χ+1)/(φ_max^(χ+2) (β+c)), S = F_S β/(φ_max (β+c)), F = x [K_T - R x^(χ+1)/((χ+1)(χ+2))] below φ_max and F_S
+//! beyond, D = 4 R x^(χ+3)/((χ+2)(χ+3)) below φ_max and 4 F_S u - 4 [R φ_max^(χ+3)/(χ+3) + S φ_max²] beyond.
 #![allow(clippy::unwrap_used, clippy::print_stdout, reason = "a failed test may panic and say why")]
 
 use iwan_core::{Backbone, FourParameter};
@@ -78,8 +77,8 @@ fn force_and_dissipation() {
 
 #[test]
 fn first_harmonic_factor() {
-    // g of K_1 = K_T - g R u^(χ+1) / ((χ+1)(χ+2)), that is (4/π) [2 I(2χ+6) - I(2χ+4)] with I(a) = √π Γ((a+1)/2) / Γ(a/2 + 1),
-    // to six decimals: exactly 1 at χ = 0 and in the limit χ = -1.
+    // g of K_1 = K_T - g R u^(χ+1) / ((χ+1)(χ+2)), that is (4/π) [2 I(2χ+6) - I(2χ+4)] with I(a) = √π Γ((a+1)/2) /
+    // Γ(a/2 + 1), to six decimals: exactly 1 at χ = 0 and in the limit χ = -1.
     for (chi, g, digits) in
         [(0.0, 1.0, 1e-12), (-0.5, 1.018592, 5e-7), (-0.183, 1.008898, 5e-7), (-1.0 + 1e-9, 1.0, 1e-8)]
     {

@@ -194,9 +194,10 @@ fn continuum_agrees_with_a_hundred_thousand_sliders() {
     assert!(worst < 2e-8 * joint.f_s(), "{:e}", worst / joint.f_s());
 }
 
-/// What the documentation of `Grid` says of the defaults, in D: that of a mode holds 0.5 % from 0.001 to 0.3 φ_max, that of a structure 1.1 %
-/// from 1e-5 on, where the other has lost everything. A ratio of 1.08 does not hold: 100 bins begin at 1.08^-99 = 4.9e-4 φ_max,
-/// and all below is one slider. Equal bins are worse: no dissipation at all below the first strength.
+/// What the documentation of `Grid` says of the defaults, in D: that of a mode holds 0.5 % from 0.001 to 0.3 φ_max,
+/// that of a structure 1.1 % from 1e-5 on, where the other has lost everything. A ratio of 1.08 does not hold: 100
+/// bins begin at 1.08^-99 = 4.9e-4 φ_max, and all below is one slider. Equal bins are worse: no dissipation at all
+/// below the first strength.
 #[test]
 fn graded_bins_hold_the_dissipation() {
     for chi in [-0.5, -0.3, -0.183, -0.048] {

@@ -59,14 +59,15 @@ fn run_continuum(scheme: &Newmark, oscillator: &Oscillator, force: &[f64], sampl
     out
 }
 
-/// Displacement of mode 1 (K_0 = (2π·125)², no damper) at 0.2 s, after a haversine of 1000 and 1.6 ms, by 20,000 steps of
-/// 1e-5 s of plain average acceleration.
+/// Displacement of mode 1 (K_0 = (2π·125)², no damper) at 0.2 s, after a haversine of 1000 and 1.6 ms, by 20,000
+/// steps of 1e-5 s of plain average acceleration.
 ///
-/// The numbers come from a program in C and long double with nothing of this code: N bins of equal width from 0 to φ_max, each one
-/// slider of stiffness ∫ρ and strength ∫ρφ/∫ρ, and one of stiffness S at φ_max; in each step Newton's method on
-/// (4/h² + K_∞) Δq + Σ k_i (clip(x_i + Δq) - x_i) = p' - K_∞ q - F + (4/h) v + a, every slider by itself. The continuum: the same step
-/// with F_a ± 2 F(|u - u_a|/2) from a list of reversals, from which two are struck out where a loop closes. It prints
-/// -7.301570209561e-4, -7.303665715664e-4, -7.303699077768e-4 and -7.303701303929e-4.
+/// The numbers come from a program in C and long double with nothing of this code: N bins of equal width from 0 to
+/// φ_max, each one slider of stiffness ∫ρ and strength ∫ρφ/∫ρ, and one of stiffness S at φ_max; in each step
+/// Newton's method on (4/h² + K_∞) Δq + Σ k_i (clip(x_i + Δq) - x_i) = p' - K_∞ q - F + (4/h) v + a, every slider
+/// by itself. The continuum: the same step with F_a ± 2 F(|u - u_a|/2) from a list of reversals, from which two are
+/// struck out where a loop closes. It prints -7.301570209561e-4, -7.303665715664e-4, -7.303699077768e-4 and
+/// -7.303701303929e-4.
 #[test]
 fn golden_displacement_at_the_end_of_the_ring_down() {
     /// One unit of the last digit that is compared.
@@ -183,8 +184,8 @@ fn general_newmark_schemes_converge() {
     });
 }
 
-/// Phase error after 200 cycles at dt = 1e-5, plain over prewarped, at 0.9 of the first strength, where nothing slips: that of the plain scheme
-/// is 200 cycles times the period error, 400 π (ω dt)²/12 = 6.36e-3 rad.
+/// Phase error after 200 cycles at dt = 1e-5, plain over prewarped, at 0.9 of the first strength, where nothing
+/// slips: that of the plain scheme is 200 cycles times the period error, 400 π (ω dt)²/12 = 6.36e-3 rad.
 #[test]
 fn prewarping_gains_a_factor_of_400_in_phase() {
     let (frequency, dt, cycles) = (124.0, 1e-5, 200.0);

@@ -94,11 +94,13 @@ pub struct MemberError {
     pub source: SimulationError,
 }
 
-/// Members that a thread takes at a time, at most: a member takes 10 us and more, the lock that hands them out far less than one, so that any
-/// number from a few on does. Each chunk ends with a call of `progress`, so it must not be thousands either.
+/// Members that a thread takes at a time, at most. A member takes some 10 µs at the least, so that already a few
+/// together hide the lock that hands them out; each chunk ends with a call of `progress`, which is to be heard
+/// before thousands are done.
 const CHUNK: usize = 64;
 
-/// Chunks for each thread, at least, where there are members enough: threads then end within an eighth of their work of each other.
+/// Chunks for each thread, at least, where there are members enough: threads then end within an eighth of their
+/// work of each other.
 const CHUNKS_A_THREAD: usize = 8;
 
 /// Some members and the places of their results.
@@ -113,8 +115,8 @@ impl Ensemble<'_> {
     /// same bits whatever their number.
     ///
     /// # Errors
-    /// [`MemberError`] with the first member that failed; [`SimulationError::Interrupted`] when `progress` broke off, which is
-    /// called with the share of members done.
+    /// [`MemberError`] with the first member that failed; [`SimulationError::Interrupted`] when `progress` broke
+    /// off, which is called with the share of members done.
     ///
     /// ```
     /// use iwan_core::{FourParameter, Motion, Pulse};
@@ -181,8 +183,8 @@ struct Work<'a> {
 }
 
 impl Work<'_> {
-    /// Takes chunk after chunk until none is left or a member failed. Chunks begun are finished up to a failure of their
-    /// own, and they are handed out in order: the first failure is the same whatever the number of threads.
+    /// Takes chunk after chunk until none is left or a member failed. Chunks begun are finished up to a failure of
+    /// their own, and they are handed out in order: the first failure is the same whatever the number of threads.
     fn serve(&self, chunks: &Mutex<std::vec::IntoIter<Chunk<'_>>>) {
         let mut spare = Response::default();
         loop {

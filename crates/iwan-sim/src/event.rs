@@ -13,7 +13,9 @@ use crate::quality;
 use crate::response::{Quality, Response};
 use crate::run::{Task, finite, newmark};
 
-/// Share of the series' angle in the companion run that estimates the error.
+/// Share of the series' angle in the companion run that estimates the error. Its series must begin elsewhere than
+/// those of the run: with a share of 1 the two would be the same at long output intervals and claim perfection.
+/// From 0.3 to 0.95 they differ by the same few 1e-15.
 const COMPANION: f64 = 0.62;
 
 /// Sliders by their bins and their grid.
@@ -23,8 +25,9 @@ pub(crate) struct Cut {
     pub(crate) grid: Grid,
 }
 
-/// Stiffness of the slider that stands in for the joint of a linear mode, and the force at which it would slip: so weak that it adds nothing to
-/// any mode, so strong that it never slips, and neither product nor quotient of the two overflows.
+/// Stiffness of the slider that stands in for the joint of a linear mode, and the force at which it would slip: so
+/// weak that it adds nothing to any mode, so strong that it never slips, and neither product nor quotient of the
+/// two overflows.
 const NO_JOINT: [f64; 2] = [1e-150, 1e150];
 
 /// Event-driven run, with error estimates when `wanted`.
@@ -66,13 +69,11 @@ fn run(
     let Task { mode, dt, samples, .. } = task;
     let oscillator = mode.oscillator()?;
     let mut table = vec![Slider::default(); Sliders::table_len(bins)];
-    let sliders = match &mode.joint {
-        Some(law) => with_law!(law, law => Sliders::discretise(law, grid, bins, &mut table))?,
-        // A linear mode: one slider of no weight that never slips.
-        None => {
-            let [stiffness, slip_force] = NO_JOINT;
-            Sliders::discretise(&Jenkins::new(stiffness, slip_force)?, grid, bins, &mut table)?
-        }
+    let sliders = if let Some(law) = &mode.joint {
+        with_law!(law, law => Sliders::discretise(law, grid, bins, &mut table))?
+    } else {
+        let [stiffness, slip_force] = NO_JOINT;
+        Sliders::discretise(&Jenkins::new(stiffness, slip_force)?, grid, bins, &mut table)?
     };
     let mut state = sliders.virgin(vec![Run::default(); sliders.len()])?;
     sliders.advance(&mut state, mode.initial.displacement);

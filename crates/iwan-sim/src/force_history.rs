@@ -11,8 +11,8 @@ use crate::joint_law::with_law;
 /// Displacements between two calls of `progress`: some milliseconds of work.
 const CHUNK: usize = 1 << 16;
 
-/// Hysteretic force of a joint at the displacements `u` through which it is driven from its virgin state, monotonically
-/// from one to the next.
+/// Hysteretic force of a joint at the displacements `u` through which it is driven from its virgin state,
+/// monotonically from one to the next.
 ///
 /// ```
 /// use iwan_core::{Jenkins, Representation, progress::UNWATCHED};
@@ -25,8 +25,8 @@ const CHUNK: usize = 1 << 16;
 /// ```
 ///
 /// # Errors
-/// [`Error::Entry`] with the first displacement that is not finite, [`Error::Length`] or [`Error::OutOfRange`] for the
-/// sliders; [`SimulationError::Interrupted`] when `progress` breaks off.
+/// [`Error::Entry`] with the first displacement that is not finite, [`Error::Length`] or [`Error::OutOfRange`] for
+/// the sliders; [`SimulationError::Interrupted`] when `progress` breaks off.
 pub fn force_history(
     law: &JointLaw,
     u: &[f64],

@@ -6,8 +6,9 @@ use iwan_core::{Newmark, Representation};
 use crate::response::{Quality, Response};
 use crate::run::{Task, newmark};
 
-/// Shortest response, in samples of the companion, that gets an estimate. The largest difference over so few points is still chance: they may
-/// all lie where two wrong responses cross. From a quarter of a cycle on the choice no longer matters.
+/// Shortest response, in samples of the companion, that gets an estimate: over fewer points the largest difference
+/// says little, as they may all lie where two wrong responses cross. The number is arbitrary; responses that anyone
+/// looks at are longer.
 const FEWEST: usize = 8;
 
 /// Largest difference to every `stride`-th sample of a finer response, relative to its peak.

@@ -88,7 +88,8 @@ impl Response {
     /// Largest |q|.
     #[must_use]
     pub fn peak_displacement(&self) -> f64 {
-        // Eight running maxima side by side: a single one would wait for itself at every sample. Four to sixteen do as well.
+        // Eight running maxima side by side, a matter of speed alone: a single one would wait for itself at every
+        // sample.
         let mut peaks = [0.0_f64; 8];
         let chunks = self.displacement.chunks_exact(peaks.len());
         let rest = chunks.remainder().iter().fold(0.0_f64, |peak, q| peak.max(q.abs()));

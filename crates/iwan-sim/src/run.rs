@@ -13,8 +13,9 @@ use crate::joint_law::with_law;
 use crate::mode::Mode;
 use crate::response::Response;
 
-/// Steps between two calls of `progress`, the unit in which long runs are cut: at 3 to 25 ns a step 0.2 to 1.6 ms, so that Ctrl-C is
-/// heard at once and a bar moves, at a cost that cannot be measured. Any number from 2^12 to 2^20 does as well.
+/// Steps between two calls of `progress`, the unit in which long runs are cut: at 3 to 25 ns a step 0.2 to 1.6 ms,
+/// so that Ctrl-C is heard at once and a bar moves, at a cost that cannot be measured. Any number from 2^12 to 2^20
+/// does as well.
 const CHUNK: usize = 1 << 16;
 
 /// A run of one mode: force samples (modal, from t = 0, zero behind the last) and time axis.
@@ -79,12 +80,14 @@ pub(crate) fn newmark(
     Ok(response)
 }
 
-/// Room for the reversals of a run: two a cycle in a decay, at the highest frequency the mode has, and some for the force.
+/// Room for the reversals of a run: two a cycle in a decay, at the highest frequency the mode has, and some for the
+/// force.
 pub(crate) fn stack(task: &Task<'_>) -> Vec<Reversal> {
-    /// Half cycles of a decay that are all remembered (16 MB). Behind them the smallest loops are forgotten, and the response says
-    /// how much force that may have cost.
+    /// Half cycles of a decay that are all remembered (16 MB). Behind them the smallest loops are forgotten, and
+    /// the response says how much force that may have cost.
     const MOST: f64 = 1e6;
-    /// Reversals that a force may add before the decay begins: any few do, a pulse makes two or three.
+    /// Reversals that a force may add to those of the decay. A pulse makes a few; should a long irregular force
+    /// make more, the smallest loops go, as above.
     const FORCED: usize = 64;
     let half_cycles = 2.0 * task.mode.frequency * task.dt * task.samples as f64;
     vec![Reversal::default(); FORCED + half_cycles.min(MOST) as usize]

@@ -68,8 +68,8 @@ impl Settings {
     /// [`Error::OutOfRange`] when the time step or the duration is not a finite number > 0, or their ratio is not
     /// between 1 and 1e11.
     pub fn samples(&self) -> Result<usize, Error> {
-        /// More samples than this, at 32 bytes each 3.2 TB, are a slip of the pen and not a wish: they are refused by name before
-        /// the memory is asked for. The number stands in the message.
+        /// More samples than this, at 32 bytes each 3.2 TB, are a slip of the pen and not a wish: they are refused
+        /// by name before the memory is asked for. The number stands in the message.
         const MOST: f64 = 1e11;
         let positive = |name, value: f64| {
             let allowed = "must be a finite number of seconds > 0";

@@ -89,8 +89,8 @@ fn in_mode(mode: &Mode, error: SimulationError) -> SimulationError {
 
 /// Refuses what cannot be sampled or would never end.
 fn check_scales(mode: &Mode, force: &Pulse<'_>, settings: &Settings) -> Result<(), Error> {
-    /// Cycles of a run: at one sample a cycle a billion fill 32 GB, and methods that go from cycle to cycle take a minute for them. More
-    /// is a slip of the pen, refused by name. The number stands in the message.
+    /// Cycles of a run: at one sample a cycle a billion fill 32 GB, and methods that go from cycle to cycle take a
+    /// minute for them. More is a slip of the pen, refused by name. The number stands in the message.
     const MOST_CYCLES: f64 = 1e9;
     let cycles = mode.frequency * settings.duration;
     if cycles > MOST_CYCLES {
@@ -105,8 +105,8 @@ fn check_scales(mode: &Mode, force: &Pulse<'_>, settings: &Settings) -> Result<(
     Ok(())
 }
 
-/// Number of steps after which the force no longer changes. A force that settles on a sample settles there: the rounding of
-/// the quotient adds no step.
+/// Number of steps after which the force no longer changes. A force that settles on a sample settles there: the
+/// rounding of the quotient adds no step.
 fn settled_after(force: &Pulse<'_>, dt: f64, samples: usize) -> Result<usize, Error> {
     let steps = (force.settled() / dt * (1.0 - 4.0 * f64::EPSILON)).ceil();
     if steps < samples as f64 - 1.0 {

@@ -28,8 +28,8 @@ const A: [&[f64]; 6] = [
 const ERROR: [f64; 7] =
     [71.0 / 57600.0, 0.0, -71.0 / 16695.0, 71.0 / 1920.0, -17253.0 / 339_200.0, 22.0 / 525.0, -1.0 / 40.0];
 
-/// One step of length `h` of q'' = `acceleration`(q, q') by the pair of orders 5 and 4 (J. R. Dormand and P. J. Prince, J. Comput. Appl.
-/// Math. 6:19, 1980, doi:10.1016/0771-050X(80)90013-3).
+/// One step of length `h` of q'' = `acceleration`(q, q') by the pair of orders 5 and 4 (J. R. Dormand and P. J.
+/// Prince, J. Comput. Appl. Math. 6:19, 1980, doi:10.1016/0771-050X(80)90013-3).
 pub(super) fn step(from: Moment, h: f64, acceleration: impl Fn(f64, f64) -> f64) -> Step {
     let Moment { time, q, v } = from;
     let mut slopes = [(v, acceleration(q, v)); 7];

@@ -1,17 +1,20 @@
 //! Half cycles through macro-slip under a power law.
 //!
-//! Beyond φ_max the force stays at F_S, and of what the mass has gained, P(y) = s y - ½ K_∞ y² - 4 G(y/2), only the part
-//! below y = 2 φ_max knows the power law: for a travel L beyond that, P(L) = W with the damping W/L² is a quadratic
-//! equation, and the phase needs powers at the nodes of its first panel alone.
+//! Beyond φ_max the force stays at F_S, and of what the mass has gained, P(y) = s y - ½ K_∞ y² - 4 G(y/2), only the
+//! part below y = 2 φ_max knows the power law: for a travel L beyond that, P(L) = W with the damping W/L² is a
+//! quadratic equation, and the phase needs powers at the nodes of its first panel alone.
 
 use core::array::from_fn;
 
 use super::phase::{MOST_PASSES, NODES, Node, PANELS, Phase, Share};
 use crate::law::{Backbone, PowerLaw};
 
-/// Relative change of the travel at which the passes end: the damping then stands to a billionth and better.
+/// Relative change of the travel at which the passes over the damping end: after three at ζ_v = 1 %, after four at
+/// 10 %, where turning points then stand to 5e-12. 1e-8 would save two and leave 1e-8.
 const TRAVEL_TOLERANCE: f64 = 1e-12;
-/// Relative change of a share up to which its power follows from the one before by three terms of the series.
+/// Relative change of a share up to which its power follows from the one before by three terms of the series, which
+/// leave out less than 1e-4^4 = 1e-16. It spares powers in the later passes; from 0 to 1e-2 turning points agree to
+/// rounding.
 const NEAR: f64 = 1e-4;
 
 /// The macro-slip half cycles of a mode.

@@ -151,7 +151,8 @@ impl<'a, B: Backbone> Map<'a, B> {
             return false;
         }
         (half.start, half.direction) = (branch.start.u, branch.direction);
-        // A loop may close in macro-slip: there the force is F_S on both branches. The margin is rounding of the distance.
+        // A loop may close in macro-slip: there the force is F_S on both branches. The margin is rounding of the
+        // distance.
         let strongest = || self.law.strengths().1 * (1.0 - 4.0 * f64::EPSILON);
         !branch.passed_by(half.end()) || branch.virgin_distance(branch.end) >= strongest()
     }
@@ -182,7 +183,8 @@ impl<'a, B: Backbone> Map<'a, B> {
     #[cold]
     fn macro_slip(&self, branch: &Branch, pull: f64, half: &mut HalfCycle) -> bool {
         let Some(whole) = &self.whole else { return false };
-        // The half cycle before tells the damping nearly; without one the linear mode does.
+        // The half cycle before tells the damping W/L² nearly. Without one the linear mode does: ¼ c ω ∫sin²θ dθ =
+        // π c ω/8.
         let guess = if half.length > 0.0 {
             half.viscous / (half.length * half.length)
         } else {
@@ -193,7 +195,8 @@ impl<'a, B: Backbone> Map<'a, B> {
         self.found(branch, pull, half, Found { length, damping, force, phase })
     }
 
-    /// A half cycle under any law at any amplitude, with passes over the travel because the damper's work depends on it.
+    /// A half cycle under any law at any amplitude, with passes over the travel because the damper's work depends
+    /// on it.
     #[cold]
     fn any_slip(&self, branch: &Branch, pull: f64, half: &mut HalfCycle) -> bool {
         // G >= 0, so P < 0 here, and P is concave: Newton's method comes down monotonically.
@@ -231,6 +234,8 @@ impl<'a, B: Backbone> Map<'a, B> {
 
     /// L with P(L) = damping·L², by Newton's method from `guess`.
     fn root(&self, pull: f64, damping: f64, guess: f64) -> Option<f64> {
+        /// Most rounds; a handful is the rule. Where they run out the last length stands, and the caller's passes
+        /// go on from it.
         const MOST: u32 = 100;
         let k = self.k_inf + 2.0 * damping;
         let mut length = guess;
@@ -278,7 +283,8 @@ impl<'a, B: Backbone> Map<'a, B> {
         Settled { phase, work }
     }
 
-    /// P(y) - (y/L) P(L) at a share x = y/L of the travel. The pull drops out of the difference, so its digits are not lost in it.
+    /// P(y) - (y/L) P(L) at a share x = y/L of the travel. The pull drops out of the difference, so its digits are
+    /// not lost in it.
     fn gained(&self, length: f64, Share { gone: x, left: rest }: Share) -> f64 {
         let joint = x * self.law.energy(0.5 * length) - self.law.energy(0.5 * x * length);
         0.5 * self.k_inf * x * rest * length * length + 4.0 * joint

@@ -5,8 +5,9 @@
 //! the relative softening ε = 2ρ L^(p-1)/ω² alone, and so do the duration and the damper's work.
 //!
 //! So does what follows. With the damping W/L² the pull at the start is s = [½ω² (1 - ε) + W/L²] L, that at the
-//! end, turned round, [½ω² (1 - p ε) - W/L²] L; it is the pull of the next half cycle, whose travel over L is thus a function of ε
-//! as well. All four are tabled once per mode as polynomials in ε: a half cycle leads to the next without a root to be found.
+//! end, turned round, [½ω² (1 - p ε) - W/L²] L; it is the pull of the next half cycle, whose travel over L is thus
+//! a function of ε as well. All four are tabled once per mode as polynomials in ε: a half cycle leads to the next
+//! without a root to be found.
 
 use core::array::from_fn;
 use core::f64::consts::PI;
@@ -15,16 +16,31 @@ use super::phase::{MATRIX, MOST_PASSES, NODES, PASS_TOLERANCE, Panel, Phase, RUL
 use crate::elementary::logarithm;
 use crate::law::PowerLaw;
 
-/// Most terms of the polynomials.
+/// Most terms of the polynomials: two blocks of eight.
 const TERMS: usize = 16;
-/// Relative error of Ω within a half cycle; duration and travel come from the table.
-const CLOCK_TOLERANCE: f64 = 1e-10;
-/// ε p up to which so many terms are enough: they fall like (ε p / 4)^n at least.
+/// How small the first term left out is to be, as -ln of it. Terms fall like (ε p / 4)^n at least, so that n
+/// follows from this: e^-32 = 1e-14. Turning points then stand to 1e-12, the rounding of the polynomials; with 24
+/// to 1e-11, with 16 to 1e-8.
+const DIGITS: f64 = 32.0;
+/// Fewest terms, for modes that soften so little that a straight line would do.
+const FEWEST_TERMS: usize = 3;
+/// ε p up to which [`TERMS`] terms reach [`DIGITS`]: 16 ln(4/0.54) = 32. Where a mode softens more before φ_max the
+/// table ends there, and the general solver has the rest.
 const STRONGEST: f64 = 0.54;
-/// Largest relative error of the polynomials at the check points.
+/// Largest relative error of the polynomials at the check points, or they are not used. Of 150 modes (K_∞ from 1e-4
+/// to 10 K_T, ζ_v up to 30 %, χ from -0.95 to 0.7) 134 pass; 1e-9 would pass all of them, 1e-13 refuses half for
+/// rounding.
 const TABLE_TOLERANCE: f64 = 1e-11;
-/// Share by which the pull of a tabled half cycle may miss the one that acts.
+/// Where the polynomials are held against the quadrature, in shares of the table: near both ends, between Chebyshev
+/// nodes.
+const CHECKED: [f64; 2] = [0.05, 0.97];
+/// Share by which the pull of a tabled half cycle may miss the one that acts; else the travel is solved anew. At
+/// 1e-13 these are one to five half cycles of 400. At 1e-14 rounding begins to ask for more, at 3e-15 for most; at
+/// 1e-12 none is saved and a digit is lost.
 const PULL_TOLERANCE: f64 = 1e-13;
+/// Relative error of Ω at times within a half cycle, for dense output; its duration and travel come from the table.
+/// Displacements then stand to 1e-11, and a larger tolerance saves no time that can be measured.
+const CLOCK_TOLERANCE: f64 = 1e-10;
 
 /// The micro-slip half cycles of a mode.
 #[derive(Debug, Clone, Copy)]
@@ -48,7 +64,8 @@ pub(crate) struct MicroSlip {
     shapes: [Shape; TERMS],
 }
 
-/// What depends on ε alone: the duration of a half cycle, its damping W/L², and the travel and ε of the next one over its own.
+/// What depends on ε alone: the duration of a half cycle, its damping W/L², and the travel and ε of the next one
+/// over its own.
 type Shape = [f64; 4];
 
 /// A half cycle found: what the next one starts from.
@@ -61,8 +78,8 @@ pub(crate) struct Travel {
 }
 
 impl MicroSlip {
-    /// For travels up to 2 φ_max, or up to the softening at which [`TERMS`] no longer do. None when the polynomials miss the
-    /// quadrature at the check points, as they do where K_∞ is next to nothing.
+    /// For travels up to 2 φ_max, or up to the softening at which [`TERMS`] no longer do. None when the polynomials
+    /// miss the quadrature at the check points, as they do where K_∞ is next to nothing.
     pub(crate) fn new(k_inf: f64, viscous: f64, law: &PowerLaw) -> Option<Self> {
         let p = law.exponent;
         let omega_squared = k_inf + law.stiffness;
@@ -82,11 +99,11 @@ impl MicroSlip {
             stiffness: law.stiffness,
             tau,
             to_unit: 2.0 / steepest,
-            terms: (libm::ceil(32.0 / decay) as usize).clamp(3, TERMS),
+            terms: (libm::ceil(DIGITS / decay) as usize).clamp(FEWEST_TERMS, TERMS),
             shapes: [[0.0; 4]; TERMS],
         };
         micro.fill_table();
-        let good = [0.05, 0.97].iter().all(|share| {
+        let good = CHECKED.iter().all(|share| {
             let exact = micro.shape_by_quadrature(share * steepest);
             let found = micro.shape(share * steepest);
             exact.iter().zip(found).all(|(e, f)| libm::fabs(f - e) <= TABLE_TOLERANCE * e)
@@ -96,8 +113,8 @@ impl MicroSlip {
 
     /// Ω at the nodes for the softening ε, the damper's part by fixed-point passes.
     ///
-    /// Each pass shrinks the change by about the same factor, so the error that a pass leaves is near its change times the
-    /// ratio of that change to the one before. The passes end when this is below `tolerance`·Ω.
+    /// Each pass shrinks the change by about the same factor, so the error that a pass leaves is near its change
+    /// times the ratio of that change to the one before. The passes end when this is below `tolerance`·Ω.
     fn omega(&self, softening: f64, tolerance: f64) -> [f64; NODES] {
         let base: [f64; NODES] = from_fn(|i| 2.0 * self.half_stiffness * (1.0 - softening * self.tau[i]));
         let mut omega = base.map(libm::sqrt);
@@ -205,6 +222,7 @@ impl MicroSlip {
     /// The travel under a pull by Newton's method; `softening` of a travel is ε. The pull over the travel is convex
     /// and falling, so it needs no guard; the slope leaves out how the damping changes, which costs next to nothing.
     fn root(&self, pull: f64, start: f64, softening: impl Fn(f64) -> f64) -> f64 {
+        /// Most rounds; a handful is the rule, and the last one is taken where they run out.
         const MOST: u32 = 60;
         let mut travel = start;
         for _ in 0..MOST {
@@ -227,7 +245,8 @@ impl MicroSlip {
         let [_, _, travel, growth] = last.shape;
         let next = self.at(last.length * travel, last.softening * growth);
         let expected = next.length * self.pull_over_travel(next.softening, next.damping());
-        // The prediction fails after a half cycle in macro-slip, and rarely from rounding; then the equation is solved anew.
+        // The prediction fails after a half cycle in macro-slip, and rarely from rounding; then the equation is
+        // solved anew.
         if libm::fabs(expected - pull) <= PULL_TOLERANCE * pull {
             *last = next;
             return true;

@@ -5,10 +5,14 @@ use core::f64::consts::PI;
 use crate::elementary::sine;
 use crate::quadrature::Rule;
 
-/// @@NODES
+/// Nodes of the quadrature in the phase, per panel; an even number, as shares are found in pairs. Against 20 nodes,
+/// turning points and their times over 30 half cycles of smooth laws from 0.01 to 3 φ_max are off by 1e-8 with 8
+/// nodes and no damper, 3e-6 at ζ_v = 1 % and 6e-5 at 10 %; by 1e-9, 9e-8 and 2e-6 with 10; by 2e-10, 4e-9 and 4e-8
+/// with 12; by 5e-11, 5e-10 and 1e-9 with 14. A tabulated density has corners within the panels: with 12 it is off
+/// by 4e-8, and by 1e-6 at 10 %. Two nodes more cost a seventh of the time in macro-slip, nothing in micro-slip.
 pub(crate) const NODES: usize = 12;
-/// Panels of a half cycle: Ω has a corner where the weakest slider breaks loose and one where the strongest does, and is smooth
-/// below, between and above them.
+/// Panels of a half cycle: Ω has a corner where the weakest slider breaks loose and one where the strongest does,
+/// and is smooth below, between and above them.
 pub(crate) const PANELS: usize = 3;
 /// The rule in the phase.
 pub(crate) const RULE: Rule<NODES> = Rule::gauss_legendre();
@@ -40,17 +44,22 @@ pub(crate) const SHARE: [f64; NODES] = {
     share
 };
 
-/// @@PASS
+/// Fixed-point passes for the damper's work end when the duration changes by less than this share. Turning points
+/// then stand to 5e-12 at ζ_v = 10 % and to 1e-13 at 1 %; 1e-10 leaves 2e-10, and 1e-14 gains next to nothing for a
+/// pass more.
 pub(crate) const PASS_TOLERANCE: f64 = 1e-12;
-/// @@MOST_PASSES
+/// Most fixed-point passes: 3 are needed at ζ_v = 0.025 %, 5 at 1 %, 11 at 10 %, 28 at 50 %. They run out from ζ_v
+/// = 0.7 on, where a mode hardly swings, and the last one is taken as it is.
 pub(crate) const MOST_PASSES: u32 = 60;
 
-/// @@SLIVER
+/// Shortest panel, rad. A corner of Ω that close to another one or to an end is left to the neighbouring panel. It
+/// is arbitrary: limits from 1e-8 to 1e-2 gave the same bits in all that was tried, as such corners hardly occur.
 const SLIVER: f64 = 1e-6;
 
-/// @@CLOCK
+/// Step in the phase, rad, behind which Newton's method has found it: what is left is about its square. 1e-5 would
+/// do.
 const CLOCK_STEP: f64 = 1e-9;
-/// @@CLOCK_ROUNDS
+/// Most rounds of that search. The function is all but straight: three were never exceeded.
 const CLOCK_ROUNDS: u32 = 8;
 
 /// A stretch of the phase on which Ω is smooth, with Ω at the nodes.
@@ -116,8 +125,8 @@ impl Panel {
     }
 }
 
-/// Share of the travel at a phase: x = sin²(θ/2) = y/L has gone by, 1 - x is left. Both are kept, because near the end
-/// 1 - x would lose its digits to the difference.
+/// Share of the travel at a phase: x = sin²(θ/2) = y/L has gone by, 1 - x is left. Both are kept, because near the
+/// end 1 - x would lose its digits to the difference.
 #[derive(Debug, Clone, Copy, Default)]
 pub(crate) struct Share {
     pub(crate) gone: f64,
@@ -282,8 +291,8 @@ impl Phase {
         }
     }
 
-    /// Ω from the energy gained, less the damper's work, by fixed-point passes; `work` is the guess of ∫Ω sin² that goes with the
-    /// Ω before. Returns the new one.
+    /// Ω from the energy gained, less the damper's work, by fixed-point passes; `work` is the guess of ∫Ω sin² that
+    /// goes with the Ω before. Returns the new one.
     pub(crate) fn settle(&mut self, nodes: &[[Node; NODES]; PANELS], viscous: f64, mut work: f64) -> f64 {
         let mut duration = 0.0;
         for _ in 0..MOST_PASSES {

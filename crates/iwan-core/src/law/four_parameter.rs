@@ -145,9 +145,9 @@ impl FourParameter {
 
     /// Dissipation per cycle in macro-slip as printed in Eq. 17 of Deaner et al.: 4 u F_S.
     ///
-    /// Only the asymptote for u >> φ_max: at the onset of macro-slip it is 2.8, 4.7 and 5.3 times the
-    /// exact value ([`Backbone::dissipation`]) for Table 1 and modes 1 and 3 of Table 2, and still 7 to 9 % too high at
-    /// 10 φ_max.
+    /// Only the asymptote for u >> φ_max: at the onset of macro-slip it is 2.8, 4.7 and 5.3 times the exact value
+    /// ([`Backbone::dissipation`]) for Table 1 and modes 1 and 3 of Table 2, and still 7 to 9 % too high at 10
+    /// φ_max.
     #[must_use]
     pub fn dissipation_printed_eq17(&self, u: f64) -> f64 {
         4.0 * u.abs() * self.f_s
@@ -215,8 +215,8 @@ fn cosine_moment(p: f64, beta: f64, x: f64) -> f64 {
     (2.0 * root - p * incomplete) / (p + 1.0)
 }
 
-/// Most terms of the continued fraction. It needs 35 at the most for χ <= 1 (all x, to the last bit), so the bound only
-/// keeps NaN, which never converges, from going round for ever.
+/// Most terms of the continued fraction. It needs 35 at the most for χ <= 1 (all x, to the last bit), so the bound
+/// only keeps NaN, which never converges, from going round for ever.
 const MOST_TERMS: i32 = 200;
 
 /// The continued fraction of a B_x(a, b) / (x^a (1-x)^b), for x below (a+1)/(a+b+2): DLMF 8.17.22, by Lentz's method.
@@ -286,8 +286,8 @@ impl Backbone for FourParameter {
         }
     }
 
-    /// K_1 = K_T - g R u^(χ+1) / ((χ+1)(χ+2)) in micro-slip with
-    /// g = (4/π) [2 I(2χ+6) - I(2χ+4)], I(a) = √π Γ((a+1)/2) / Γ(a/2 + 1); beyond φ_max by an incomplete beta function.
+    /// K_1 = K_T - g R u^(χ+1) / ((χ+1)(χ+2)) in micro-slip with g = (4/π) [2 I(2χ+6) - I(2χ+4)], I(a) = √π
+    /// Γ((a+1)/2) / Γ(a/2 + 1); beyond φ_max by an incomplete beta function.
     fn harmonic_stiffness(&self, u: f64) -> f64 {
         if self.slipping(u) {
             return self.harmonic_in_macro_slip(u.abs());

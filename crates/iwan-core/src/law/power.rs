@@ -1,7 +1,8 @@
 //! x^p at a fixed exponent, several times faster than a general `pow`.
 
-/// Number of mantissa cells, 2^7: |δ| then stays below 2^-8, and the first term that the series of six leaves out is below 2e-19
-/// of the value, for 2 kB of table. With 64 cells it would be 3e-17, still less than rounding; with 32 it would be 4e-15.
+/// Number of mantissa cells, 2^7: |δ| then stays below 2^-8, and the first term that the series of six leaves out
+/// is below 2e-19 of the value, for 2 kB of table. With 64 cells it would be 3e-17, still less than rounding; with
+/// 32 it would be 4e-15.
 const CELLS: usize = 128;
 /// Bits of the mantissa that number the cell: [`CELLS`] = 2^7.
 const CELL_BITS: u32 = 7;

@@ -19,8 +19,9 @@ pub enum Representation {
 impl Representation {
     /// Bins unless the user says otherwise.
     ///
-    /// On the default grid of a mode they hold the dissipation per cycle within 0.5 % from 0.001 to 0.3 φ_max. The number is a choice
-    /// between digits and time: 50 bins hold 1.7 %, 200 hold 0.14 %, 400 hold 0.04 % (-0.5 <= χ < 0).
+    /// On the default grid of a mode they hold the dissipation per cycle within 0.5 % from 0.001 to 0.3 φ_max. The
+    /// number is a choice between digits and time: 50 bins hold 1.7 %, 200 hold 0.14 %, 400 hold 0.04 % (-0.5 <= χ
+    /// < 0).
     pub const DEFAULT_BINS: usize = 100;
 
     /// The default of a mode: `bins` sliders on [`Grid::graded`].
@@ -58,8 +59,8 @@ pub enum Grid {
     /// The textbook choice, and a trap for ring-downs: nothing dissipates below the
     /// first strength.
     Uniform,
-    /// Bins in geometric progression: the upper edge of the first lies at `smallest` of the way from the weakest to the strongest
-    /// slider, for most laws `smallest` φ_max, that of the last at the strongest.
+    /// Bins in geometric progression: the upper edge of the first lies at `smallest` of the way from the weakest to
+    /// the strongest slider, for most laws `smallest` φ_max, that of the last at the strongest.
     ///
     /// All below the first edge is one slider, so this is the amplitude down to which a motion still finds a density.
     Graded {
@@ -76,21 +77,23 @@ pub enum Grid {
 impl Grid {
     /// Smallest strength of the default grid of a mode, over φ_max, times the number of bins.
     ///
-    /// At 100 bins that is 1e-4 φ_max and a ratio of 1.0975. All below the first edge is one slider, which asks for a small edge, and
-    /// bins are the wider the farther the same number reaches, which asks for a large one. What 100 bins are wrong by at most, in the
-    /// dissipation per cycle from 0.001 to 0.3 φ_max and for -0.5 <= χ < 0: 60 % from an edge at 1e-3 φ_max, 3 % from 3e-4, 0.5 % from
-    /// 1e-4, 0.7 % from 1e-5, 1.1 % from 1e-6. With the number of bins in it the first edge falls as bins grow finer, so both errors
-    /// vanish together, nearly as the inverse square of that number.
+    /// At 100 bins that is 1e-4 φ_max and a ratio of 1.0975. All below the first edge is one slider, which asks for
+    /// a small edge, and bins are the wider the farther the same number reaches, which asks for a large one. What
+    /// 100 bins are wrong by at most, in the dissipation per cycle from 0.001 to 0.3 φ_max and for -0.5 <= χ < 0:
+    /// 60 % from an edge at 1e-3 φ_max, 3 % from 3e-4, 0.5 % from 1e-4, 0.7 % from 1e-5, 1.1 % from 1e-6. With the
+    /// number of bins in it the first edge falls as bins grow finer, so both errors vanish together, nearly as the
+    /// inverse square of that number.
     pub const SMALLEST_TIMES_BINS: f64 = 0.01;
 
     /// The default grid in a structure: graded from 1e-6 φ_max.
     ///
-    /// The joints of a structure slip unequally, and one grid serves them all. From 1e-6 φ_max, 100 bins hold the dissipation per cycle
-    /// within 1.1 % from 1e-5 to 0.3 φ_max (-0.5 <= χ < 0; the ratio is 1.15), where that of a mode has lost all of it at 1e-4 φ_max and
-    /// is within 0.5 % from 0.001 on.
+    /// The joints of a structure slip unequally, and one grid serves them all. From 1e-6 φ_max, 100 bins hold the
+    /// dissipation per cycle within 1.1 % from 1e-5 to 0.3 φ_max (-0.5 <= χ < 0; the ratio is 1.15), where that of
+    /// a mode has lost all of it at 1e-4 φ_max and is within 0.5 % from 0.001 on.
     pub const IN_STRUCTURES: Self = Self::Graded { smallest: 1e-6 };
 
-    /// The default grid of a mode with so many bins: graded from [`SMALLEST_TIMES_BINS`](Self::SMALLEST_TIMES_BINS)/`bins` φ_max.
+    /// The default grid of a mode with so many bins: graded from
+    /// [`SMALLEST_TIMES_BINS`](Self::SMALLEST_TIMES_BINS)/`bins` φ_max.
     #[must_use]
     pub fn graded(bins: usize) -> Self {
         Self::Graded { smallest: Self::SMALLEST_TIMES_BINS / bins.max(1) as f64 }

@@ -4,9 +4,9 @@ use super::backbone::{Backbone, PowerLaw};
 use super::four_parameter::FourParameter;
 use super::power::FixedPower;
 
-/// A [`FourParameter`] joint with a table for its power: the same law, to three units in the last place of the power, at a
-/// fraction of the time per evaluation. The table takes 2.7 kB and some microseconds to build, so it
-/// pays from about a hundred evaluations on.
+/// A [`FourParameter`] joint with a table for its power: the same law, to three units in the last place of the
+/// power, at a fraction of the time per evaluation. The table takes 2.6 kB and some 10 µs to build, so it pays from
+/// some hundreds of evaluations on.
 #[derive(Debug, Clone)]
 pub struct TabledFourParameter {
     law: FourParameter,

@@ -17,16 +17,16 @@ pub trait Hysteresis<State> {
     /// A displacement that is not finite moves nothing; check inputs before.
     fn advance(&self, state: &mut State, u: f64) -> f64;
 
-    /// Moves to the displacement u' with stiffness·(u' - u) + F(u') - F(u) = `load` and returns
-    /// u' - u: one implicit time step. `stiffness` > 0 makes the solution unique; a load that is not finite gives NaN.
+    /// Moves to the displacement u' with stiffness·(u' - u) + F(u') - F(u) = `load` and returns u' - u: one
+    /// implicit time step. `stiffness` > 0 makes the solution unique; a load that is not finite gives NaN.
     fn solve(&self, state: &mut State, stiffness: f64, load: f64) -> f64;
 
     /// Elastic energy ½∫ρ x² stored in the sliders' springs: what the joint could give back.
     fn stored_energy(&self, state: &State) -> f64;
 }
 
-/// A joint law that tells the force ahead while its state stays where it is: what an iteration over several joints needs,
-/// whose trial points must leave no trace in the memory.
+/// A joint law that tells the force ahead while its state stays where it is: what an iteration over several joints
+/// needs, whose trial points must leave no trace in the memory.
 pub trait Trial<State>: Hysteresis<State> {
     /// Force F and tangent dF/du that a monotone motion to the displacement `u` would end with.
     ///

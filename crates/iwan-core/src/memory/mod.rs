@@ -1,6 +1,7 @@
 //! Memories: how the hysteretic force of a law follows any history of displacement.
 //!
-//! [`Hysteresis`] is what all of them can do; parameters and state are two values, so that one law drives many joints.
+//! [`Hysteresis`] is what all of them can do; parameters and state are two values, so that one law drives many
+//! joints.
 
 mod hysteresis;
 mod no_joint;

@@ -40,9 +40,9 @@ pub struct Sliders<'a> {
 /// Reach of the sentinel behind the last slider, farther than any motion: finite, so that 0 · reach is 0 and not NaN.
 const BEYOND: f64 = f64::MAX;
 
-/// Share of K_T that the bins must leave over for a Dirac at the strongest slider to be there. Below it the rest is rounding of K_T and
-/// of the bins' sum (2e-16 for laws in closed form, some more for a table of many points), which is not worth a slider; a Dirac as
-/// weak as that is dropped with it.
+/// Share of K_T that the bins must leave over for a Dirac at the strongest slider to be there. Below it the rest is
+/// rounding of K_T and of the bins' sum (2e-16 for laws in closed form, some more for a table of many points),
+/// which is not worth a slider; a Dirac as weak as that is dropped with it.
 const LEAST_DIRAC: f64 = 1e-14;
 
 impl<'a> Sliders<'a> {

@@ -49,8 +49,8 @@ pub struct AmplitudePhase {
 
 /// Logarithm of the amplitude and phase, with their rates.
 ///
-/// Why the logarithm: its rate is the decay rate, which changes slowly over a ring-down while a falls by decades, and a
-/// step can never overshoot into a negative amplitude.
+/// Why the logarithm: its rate is the decay rate, which changes slowly over a ring-down while a falls by decades,
+/// and a step can never overshoot into a negative amplitude.
 #[derive(Debug, Clone, Copy, PartialEq)]
 struct Slow {
     log_amplitude: f64,
@@ -68,10 +68,14 @@ struct Step {
     end: Slow,
 }
 
-/// @@MOST_ROUNDS
+/// Most rounds in which amplitude and frequency at the start are made to agree. The frequency depends on the
+/// amplitude weakly, so each round gains digits; should these not do, the last is taken, which is in error by less
+/// than averaging is.
 const MOST_ROUNDS: u32 = 50;
 
-/// @@STEPS_A_CYCLE
+/// Steps a cycle for what is lost in it: 1 + 20 ζ, rounded up, which is two up to a damping ratio of 5 %. The steps
+/// are then in error by 1e-8 (ζ <= 1 %) to 5e-8 (10 %) up to φ_max and by 1e-5 beyond, where averaging itself is by
+/// 1e-5 to 1e-2. Anything from 5 to 80 does as well.
 const STEPS_A_CYCLE: f64 = 20.0;
 
 impl<'a, B: Backbone> Averaging<'a, B> {
@@ -88,7 +92,7 @@ impl<'a, B: Backbone> Averaging<'a, B> {
         let unset = Slow { log_amplitude: 0.0, phase: 0.0, growth: 0.0, omega: 0.0 };
         let mut decay =
             Self { oscillator: *oscillator, law, start: unset, time: 0.0, now: unset, next: None };
-        // Amplitude and frequency depend on each other, weakly.
+        // The amplitude of a start in motion depends on the frequency, and that on the amplitude.
         let mut omega = oscillator.omega0();
         for _ in 0..MOST_ROUNDS {
             let before = omega;
@@ -197,6 +201,7 @@ impl<'a, B: Backbone> Averaging<'a, B> {
         balance
     }
 
+    /// Interval of Simpson's rule in the balance: one cycle.
     fn step_length(&self) -> f64 {
         2.0 * PI / self.now.omega
     }

@@ -26,7 +26,8 @@ pub struct EnergyBalance {
     pub friction: f64,
     /// What the integration gained or lost.
     pub residual: f64,
-    /// Largest of the initial energy, the net input and the kinetic energy at the end: what the residual is measured against.
+    /// Largest of the initial energy, the net input and the kinetic energy at the end: what the residual is
+    /// measured against.
     pub scale: f64,
 }
 

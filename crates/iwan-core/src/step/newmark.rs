@@ -10,8 +10,8 @@ use crate::memory::Hysteresis;
 
 /// The scheme's parameters for one step size h.
 ///
-/// With c = 2 ζ_v ω0, displacement q, velocity v, acceleration a, applied force p, joint force F and Δq = q_1 - q_0, the step
-/// from sample 0 to sample 1 is
+/// With c = 2 ζ_v ω0, displacement q, velocity v, acceleration a, applied force p, joint force F and Δq = q_1 -
+/// q_0, the step from sample 0 to sample 1 is
 ///
 /// [1/(βh²) + γc/(βh) + K_∞] Δq + F_1 - F_0 =
 /// p_1 + [1/(βh) - c (1 - γ/β)] v_0 + [1/(2β) - 1 - c h (1 - γ/(2β))] a_0 - K_∞ q_0 - F_0,
@@ -20,12 +20,13 @@ use crate::memory::Hysteresis;
 ///
 /// a_1 = p_1 - c v_1 - K_∞ q_1 - F_1.
 ///
-/// The force p acts in the direction of q; spring, damper and joint act against it: F is positive where the joint pulls
-/// back from a positive q.
+/// The force p acts in the direction of q; spring, damper and joint act against it: F is positive where the joint
+/// pulls back from a positive q.
 ///
-/// Why this form: the unknown is the increment, so the displacement's own digits do not cancel in the step's equation, and
-/// [`Hysteresis::solve`] gets it as it stands. The acceleration is never integrated but taken from the equation of motion at
-/// every step, so rounding does not accumulate: each step starts from a state that is in balance.
+/// Why this form: the unknown is the increment, so the displacement's own digits do not cancel in the step's
+/// equation, and [`Hysteresis::solve`] gets it as it stands. The acceleration is never integrated but taken from
+/// the equation of motion at every step, so rounding does not accumulate: each step starts from a state that is in
+/// balance.
 ///
 /// ```
 /// use iwan_core::{Newmark, NoJoint, Oscillator, ResidualStiffness, Samples};
@@ -82,10 +83,10 @@ impl Newmark {
 
     /// Average acceleration without period error for the small-amplitude oscillator.
     ///
-    /// The formulas get the step h' = (2/ω0) tan(ω0 dt/2), which maps the rule's frequency back onto
-    /// ω0 (the bilinear transform's prewarping), and the force the factor ω0 dt / sin(ω0 dt),
-    /// which gives an impulse its exact response. That factor shifts what a lasting force does meanwhile, such as a static
-    /// displacement, by (ω0 dt)²/6, which is 1e-5 at 124 Hz and dt = 1e-5 s: of second order, as the scheme is.
+    /// The formulas get the step h' = (2/ω0) tan(ω0 dt/2), which maps the rule's frequency back onto ω0 (the
+    /// bilinear transform's prewarping), and the force the factor ω0 dt / sin(ω0 dt), which gives an impulse its
+    /// exact response. That factor shifts what a lasting force does meanwhile, such as a static displacement, by
+    /// (ω0 dt)²/6, which is 1e-5 at 124 Hz and dt = 1e-5 s: of second order, as the scheme is.
     ///
     /// # Errors
     /// [`Error::OutOfRange`] unless 0 < ω0 dt < π (two samples a cycle).
@@ -142,8 +143,8 @@ impl Newmark {
         }
     }
 
-    /// Integrates from the state (`velocity` and where the joint's `state` stands) over the samples; returns the final
-    /// velocity.
+    /// Integrates from the state (`velocity` and where the joint's `state` stands) over the samples; returns the
+    /// final velocity.
     ///
     /// `force` holds one sample per time step, the first at the initial state, and is zero behind its end.
     ///

@@ -155,9 +155,9 @@ impl Pulse<'_> {
         }
     }
 
-    /// Longest time step, s, that samples the force at all: a quarter of a pulse's duration or of a sine's period. Three samples
-    /// then lie within the pulse whatever its phase, and a sine is not taken for a slower one; the accuracy of such a step is
-    /// another matter, which the response reports.
+    /// Longest time step, s, that samples the force at all: a quarter of a pulse's duration or of a sine's period.
+    /// Three samples then lie within the pulse whatever its phase, and a sine is not taken for a slower one; the
+    /// accuracy of such a step is another matter, which the response reports.
     #[must_use]
     pub fn longest_step(&self) -> f64 {
         match *self {

@@ -11,11 +11,11 @@ pub struct Reversal {
     pub(crate) force: f64,
 }
 
-/// The branch on which a state moves: F = F_a + scale·direction·F_virgin(u'), where u' = (u - u_a)·direction/scale and
-/// (u_a, F_a) is `start`.
+/// The branch on which a state moves: F = F_a + scale·direction·F_virgin(u'), where u' = (u - u_a)·direction/scale
+/// and (u_a, F_a) is `start`.
 ///
-/// Why this form: with scale 2 it is Masing's rule behind a reversal, with scale 1 the virgin curve, so that one formula without a question
-/// serves both.
+/// Why this form: with scale 2 it is Masing's rule behind a reversal, with scale 1 the virgin curve, so that one
+/// formula without a question serves both.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Branch {
     /// The reversal, or the origin of the virgin curve, that it left.

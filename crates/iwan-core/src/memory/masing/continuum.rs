@@ -59,12 +59,20 @@ impl<B: Backbone> Continuum<B> {
     }
 }
 
-/// Newton's second-order error is accepted below this share of the step: the force is then
-/// exact to rounding.
+/// Newton's method ends when what its next round would still change of the force is below this share of the step's
+/// `stiffness`·Δu, estimated from how the tangent changed over the step. It is far below rounding (1e-16) because
+/// the estimate is rough near a reversal, where the curvature is infinite for χ < 0. From 1e-14 to 1e-18 responses
+/// differ by rounding and take the same time; 1e-12 leaves 4e-12 at long steps, and from 1e-20 on most steps need a
+/// second evaluation.
 const NEWTON_ERROR: f64 = 1e-18;
 
-/// Most rounds of Newton's method; a handful is the rule. A law so crooked that these do not suffice is met as well as the last of them did, and the
-/// time stepping goes on.
+/// Units in the last place by which rounding of displacements and forces hides the solution of a step. Without this
+/// bound, steps of a motion that has died away go to and fro in their rounding until [`MOST_ROUNDS`] end them; with
+/// any from 1 to 16 they end within three rounds.
+const ROUNDING: f64 = 4.0;
+
+/// Most rounds of Newton's method; a handful is the rule. A law so crooked that these do not suffice is met as well
+/// as the last of them did, and the time stepping goes on.
 const MOST_ROUNDS: u32 = 100;
 
 impl<B: Backbone, S: AsRef<[Reversal]> + AsMut<[Reversal]>> Hysteresis<Reversals<S>> for Continuum<B> {
@@ -89,12 +97,13 @@ impl<B: Backbone, S: AsRef<[Reversal]> + AsMut<[Reversal]>> Hysteresis<Reversals
         state.force
     }
 
-    /// By Newton's method. Along a monotone motion the force is concave, closing of loops included, so after one round the
-    /// iteration stands short of the solution and never passes it: a trial point closes only loops that the solution
-    /// closes as well, and the state need not be restored.
+    /// By Newton's method. Along a monotone motion the force is concave, closing of loops included, so after one
+    /// round the iteration stands short of the solution and never passes it: a trial point closes only loops that
+    /// the solution closes as well, and the state need not be restored.
     ///
-    /// The first trial point is told by the trail of past displacements, and the force there was evaluated during the step
-    /// before: in a ring-down at small steps no other evaluation is needed, and nothing waits for that one.
+    /// The first trial point is told by the trail of past displacements, and the force there was evaluated during
+    /// the step before: in a ring-down at small steps no other evaluation is needed, and nothing waits for that
+    /// one.
     #[inline]
     fn solve(&self, state: &mut Reversals<S>, stiffness: f64, load: f64) -> f64 {
         if load == 0.0 {
@@ -128,9 +137,10 @@ impl<B: Backbone, S: AsRef<[Reversal]> + AsMut<[Reversal]>> Hysteresis<Reversals
                 state.rest_at(u + du, (trial_force + k * step, k));
                 return du;
             }
-            // What is left is hidden by the rounding of forces and displacements, and further rounds would go to and fro in it.
+            // What is left is hidden by the rounding of forces and displacements, and further rounds would go to
+            // and fro in it.
             let force_scale = load.abs() + force.abs() + trial_force.abs();
-            let noise = 4.0 * f64::EPSILON * (u.abs() + trial.abs() + force_scale * inverse);
+            let noise = ROUNDING * f64::EPSILON * (u.abs() + trial.abs() + force_scale * inverse);
             if step.abs() <= noise || round == MOST_ROUNDS {
                 state.rest_at(u + du, (trial_force + k * step, k));
                 return du;

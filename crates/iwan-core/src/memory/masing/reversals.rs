@@ -101,8 +101,8 @@ impl<S: AsRef<[Reversal]> + AsMut<[Reversal]>> Reversals<S> {
         (self.u, self.force, self.tangent) = (u, force, tangent);
     }
 
-    /// Evaluates the branch where the step after this one should end, which is told by the cubic through the last four
-    /// displacements, taken two steps on. The processor can do so beside the solution of this step, because it
+    /// Evaluates the branch where the step after this one should end, which is told by the cubic through the last
+    /// four displacements, taken two steps on. The processor can do so beside the solution of this step, because it
     /// needs nothing of it.
     #[inline]
     pub(super) fn look_ahead<B: Backbone>(&mut self, law: &B) -> Prepared {
@@ -150,8 +150,8 @@ impl<S: AsRef<[Reversal]> + AsMut<[Reversal]>> Reversals<S> {
         }
     }
 
-    /// Moves to `u`, short of the strongest slider and of the end of the branch, where the force is `force`, and turns
-    /// round: [`reverse`](Self::reverse) without its questions.
+    /// Moves to `u`, short of the strongest slider and of the end of the branch, where the force is `force`, and
+    /// turns round: [`reverse`](Self::reverse) without its questions.
     #[inline]
     pub(crate) fn turn_within<B: Backbone>(&mut self, u: f64, force: f64, law: &B) {
         (self.u, self.force, self.prepared) = (u, force, Prepared::NOTHING);

@@ -44,7 +44,10 @@ pub struct Runs<S> {
     pub(super) list: S,
 }
 
-/// Breaks passed one by one before the search along the strengths begins to gallop.
+/// Breaks passed one by one before the search along the strengths begins to gallop. Small motions pass a few, for
+/// which looking one by one is soonest done; in a jump over hundreds of sliders every look before the gallop is
+/// lost. It is a matter of speed alone: from 1 to 8 times differ by a few per cent, for large jumps by a third, and
+/// at 64 large jumps take six times as long.
 const WALK: usize = 4;
 
 impl Sliders<'_> {
