@@ -4,8 +4,8 @@
 ///
 /// ```
 /// use iwan_study::numbers::short;
-/// assert_eq!((short(0.0), short(0.30009), short(-1234.56)), ("0".into(), "0.3001".into(), "-1235".into()));
-/// assert_eq!((short(2.75e5), short(2.5e-4)), ("2.750e5".into(), "2.500e-4".into()));
+/// assert_eq!([0.0, 0.30009, -1234.56].map(short), ["0", "0.3001", "-1235"]);
+/// assert_eq!([2.75e5, 2.5e-4].map(short), ["2.750e5", "2.500e-4"]);
 /// ```
 #[must_use]
 pub fn short(value: f64) -> String {
