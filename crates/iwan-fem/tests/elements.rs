@@ -12,13 +12,10 @@ const KINDS: [(Shape, Formulation); 3] = [
     (Shape::Hex20, Formulation::IncompatibleModes),
 ];
 
-const EDGES: [(usize, usize); 12] =
-    [(0, 1), (1, 2), (2, 3), (3, 0), (4, 5), (5, 6), (6, 7), (7, 4), (0, 4), (1, 5), (2, 6), (3, 7)];
-
 /// Corners, and the middles of the edges where the shape has nodes there.
 fn with_middles(shape: Shape, corners: &[Point; 8]) -> Vec<Point> {
     let middle = |&(a, b): &(usize, usize)| std::array::from_fn(|i| 0.5 * (corners[a][i] + corners[b][i]));
-    let edges = if shape == Shape::Hex20 { &EDGES[..] } else { &[] };
+    let edges = if shape == Shape::Hex20 { shape.edges() } else { &[] };
     corners.iter().copied().chain(edges.iter().map(middle)).collect()
 }
 
@@ -67,12 +64,12 @@ fn linear_field(gradient: [[f64; 3]; 3], positions: &[Point]) -> Vec<f64> {
 #[test]
 fn stiffness_is_symmetric_and_forgets_rigid_motion() {
     for kind in KINDS {
-        let (of, positions) = matrices(kind, &distorted());
+        let (element, positions) = matrices(kind, &distorted());
         let n = 3 * positions.len();
-        let scale = of.stiffness.iter().fold(0.0_f64, |m, k| m.max(k.abs()));
+        let scale = element.stiffness.iter().fold(0.0_f64, |m, k| m.max(k.abs()));
         for i in 0..n {
             for j in 0..n {
-                let difference = of.stiffness[i * n + j] - of.stiffness[j * n + i];
+                let difference = element.stiffness[i * n + j] - element.stiffness[j * n + i];
                 assert!(difference.abs() < 1e-13 * scale, "{kind:?} {i} {j}");
             }
         }
@@ -81,7 +78,10 @@ fn stiffness_is_symmetric_and_forgets_rigid_motion() {
             let mut spin = [[0.0; 3]; 3];
             (spin[axis][(axis + 1) % 3], spin[(axis + 1) % 3][axis]) = (1.0, -1.0);
             for motion in [translation, linear_field(spin, &positions)] {
-                assert!(norm(&times(&of.stiffness, &motion)) < 1e-12 * scale * norm(&motion), "{kind:?}");
+                assert!(
+                    norm(&times(&element.stiffness, &motion)) < 1e-12 * scale * norm(&motion),
+                    "{kind:?}"
+                );
             }
         }
     }
@@ -92,9 +92,9 @@ fn stiffness_is_symmetric_and_forgets_rigid_motion() {
 fn there_are_six_zero_energy_motions() {
     for kind in KINDS {
         for corners in [brick([1.0, 2.0, 0.5]), distorted()] {
-            let (of, positions) = matrices(kind, &corners);
+            let (element, positions) = matrices(kind, &corners);
             let n = 3 * positions.len();
-            let k = faer::Mat::from_fn(n, n, |i, j| of.stiffness[i * n + j]);
+            let k = faer::Mat::from_fn(n, n, |i, j| element.stiffness[i * n + j]);
             let values = k.self_adjoint_eigenvalues(faer::Side::Lower).unwrap();
             let zero = values.iter().filter(|v| v.abs() < 1e-10 * values[n - 1]).count();
             assert_eq!(zero, 6, "{kind:?} {values:?}");
@@ -123,9 +123,9 @@ fn patch_test_of_a_distorted_element() {
         }
     }
     for kind in KINDS {
-        let (of, positions) = matrices(kind, &distorted());
-        let volume = of.mass.iter().sum::<f64>() / m.density();
-        let force = times(&of.stiffness, &linear_field(e1, &positions));
+        let (element, positions) = matrices(kind, &distorted());
+        let volume = element.mass.iter().sum::<f64>() / m.density();
+        let force = times(&element.stiffness, &linear_field(e1, &positions));
         let work: f64 = force.iter().zip(linear_field(e2, &positions)).map(|(f, u)| f * u).sum();
         assert!((work / (volume * expected) - 1.0).abs() < 1e-12, "{kind:?} {work}");
     }
@@ -136,15 +136,16 @@ fn mass_is_that_of_the_volume_consistent_and_lumped() {
     for (shape, formulation) in KINDS {
         for inertia in [Inertia::Consistent, Inertia::Lumped] {
             let positions = with_middles(shape, &brick([2.0, 3.0, 0.5]));
-            let of = ElementMatrices::of(1, shape, (formulation, inertia), &material(), &positions).unwrap();
-            assert!((of.mass.iter().sum::<f64>() / 21.0 - 1.0).abs() < 1e-13);
+            let element =
+                ElementMatrices::of(1, shape, (formulation, inertia), &material(), &positions).unwrap();
+            assert!((element.mass.iter().sum::<f64>() / 21.0 - 1.0).abs() < 1e-13);
             let n = positions.len();
-            assert!((0..n).all(|i| of.mass[i * n + i] > 0.0));
+            assert!((0..n).all(|i| element.mass[i * n + i] > 0.0));
         }
     }
     // Consistent mass of a brick: the tensor product of [2 1; 1 2]/6.
-    let (of, _) = matrices(KINDS[0], &brick([1.0, 1.0, 1.0]));
-    assert!((of.mass[0] - 7.0 / 27.0).abs() < 1e-14 && (of.mass[6] - 7.0 / 216.0).abs() < 1e-14);
+    let (element, _) = matrices(KINDS[0], &brick([1.0, 1.0, 1.0]));
+    assert!((element.mass[0] - 7.0 / 27.0).abs() < 1e-14 && (element.mass[6] - 7.0 / 216.0).abs() < 1e-14);
 }
 
 /// Pure bending of a slender brick at ν = 0: u_x = x z, u_z = -x²/2 stores E I l/2 exactly where modes allow it.
@@ -156,9 +157,10 @@ fn incompatible_modes_bend_exactly_and_plain_ones_lock() {
     let exact = 0.5 * 200.0 * b * h.powi(3) / 12.0 * l;
     for (shape, formulation) in KINDS {
         let positions = with_middles(shape, &corners);
-        let of = ElementMatrices::of(1, shape, (formulation, Inertia::Consistent), &m, &positions).unwrap();
+        let element =
+            ElementMatrices::of(1, shape, (formulation, Inertia::Consistent), &m, &positions).unwrap();
         let u: Vec<f64> = positions.iter().flat_map(|p| [p[0] * p[2], 0.0, -0.5 * p[0] * p[0]]).collect();
-        let energy: f64 = 0.5 * times(&of.stiffness, &u).iter().zip(&u).map(|(f, u)| f * u).sum::<f64>();
+        let energy: f64 = 0.5 * times(&element.stiffness, &u).iter().zip(&u).map(|(f, u)| f * u).sum::<f64>();
         if formulation == Formulation::Displacement {
             assert!(energy > 50.0 * exact, "shear locking of a 10:1 element: {energy} against {exact}");
         } else {

@@ -41,6 +41,7 @@ fn mid_edge_nodes_of_gmsh_come_in_the_order_of_the_shape() {
         assert_eq!(element.shape, Shape::Hex20);
         let positions: Vec<_> = element.nodes.iter().map(|n| mesh.positions[*n]).collect();
         assert_eq!(positions, hex20(&EDGES));
+        assert_eq!(*Shape::Hex20.edges(), EDGES);
     }
 }
 

@@ -46,12 +46,10 @@ fn body(name: &str) -> (Mesh, Option<f64>) {
 
 /// Nodes in the middle of straight edges.
 fn with_middles(mesh: &mut Mesh) {
-    const EDGES: [(usize, usize); 12] =
-        [(0, 1), (1, 2), (2, 3), (3, 0), (4, 5), (5, 6), (6, 7), (7, 4), (0, 4), (1, 5), (2, 6), (3, 7)];
     let mut middles: BTreeMap<(usize, usize), usize> = BTreeMap::new();
     for element in &mut mesh.elements {
-        for (a, b) in EDGES {
-            let (a, b) = (element.nodes[a], element.nodes[b]);
+        for (a, b) in Shape::Hex20.edges() {
+            let (a, b) = (element.nodes[*a], element.nodes[*b]);
             let node = *middles.entry((a.min(b), a.max(b))).or_insert_with(|| {
                 let (p, q) = (mesh.positions[a], mesh.positions[b]);
                 mesh.positions.push(std::array::from_fn(|i| 0.5 * (p[i] + q[i])));

@@ -132,7 +132,8 @@ fn impossible_structures_are_refused_by_name() {
     assert!(message.contains("`steel`"), "{message}");
 }
 
-/// Section 7: all degrees of freedom tell the modes apart well; those across the top face alone do not.
+/// All displacements tell 50 modes apart well; those along z on the top face of the beam tell 47 (rank and condition as
+/// tests/peers/beam.py prints them).
 #[test]
 fn the_modal_filter_reports_rank_and_condition() {
     let assembled = paper::structure(Configuration::A, 1).unwrap().assemble().unwrap();

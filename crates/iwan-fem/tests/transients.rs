@@ -1,4 +1,5 @@
-//! Transients of the paper's beam: full model, reduced model, an independent prototype.
+//! Transients of the paper's beam: full model, reduced model, and a second program that shares no code with the library
+//! (tests/peers/beam.py of the project prints its numbers).
 #![allow(clippy::unwrap_used, reason = "a failed test may panic")]
 
 use std::ops::ControlFlow;
@@ -59,26 +60,22 @@ fn slip_ratio(response: &StructureResponse) -> f64 {
     response.slips.iter().fold(0.0_f64, |m, s| m.max(s.slip_ratio))
 }
 
-/// Section 5: peaks of |q''| of bending modes 1, 2, 3 and the largest slip, by the reduced model.
+/// Peaks of |q''| of bending modes 1, 2, 3 and the largest slip over φ_max, to the digits that tests/peers/beam.py prints.
 #[test]
-fn peaks_are_those_of_the_prototype() {
+fn peaks_are_those_of_a_second_program() {
     let reduced = beam().assembled.reduce(50, Basis::default()).unwrap();
     assert_eq!(reduced.coordinates(), 58);
-    for (amplitude, peaks, slip, tolerance) in [
-        (10.0, [220.78, 328.67, 337.47], 0.0289, 2e-3),
-        (100.0, [2207.5, 3288.9, 3349.3], 0.300, 2e-3),
-        (1000.0, [22060.0, 32878.0, 32870.0], 7.68, 1e-2),
+    for (amplitude, peaks, slip) in [
+        (10.0, [220.79, 328.56, 337.48], 0.0289),
+        (100.0, [2207.6, 3285.6, 3349.6], 0.301),
+        (1000.0, [22061.0, 32850.0, 32865.0], 7.69),
     ] {
         let response = reduced.transient(&blow(amplitude, 20_000)).unwrap();
         for (history, expected) in response.outputs.iter().zip(peaks) {
             let found = peak(&history.acceleration);
-            assert!(
-                (found / expected - 1.0).abs() < tolerance,
-                "{amplitude} {} {found} {expected}",
-                history.name
-            );
+            assert!((found / expected - 1.0).abs() < 5e-5, "{amplitude} {} {found} {expected}", history.name);
         }
-        assert!((slip_ratio(&response) / slip - 1.0).abs() < 1e-2, "{}", slip_ratio(&response));
+        assert!((slip_ratio(&response) / slip - 1.0).abs() < 2e-3, "{}", slip_ratio(&response));
         assert!(response.energy.error() < 1e-12, "{}", response.energy.error());
     }
 }
@@ -90,15 +87,15 @@ fn reduced_agrees_with_full_and_only_with_attachment_vectors() {
     let reduced = beam().assembled.reduce(50, Basis::default()).unwrap();
     let without = beam().assembled.reduce(50, Basis::Modes).unwrap();
     for (amplitude, tolerance, without_attachments) in [(10.0, 1e-5, 1e-4), (1000.0, 5e-4, 0.3)] {
-        let of = blow(amplitude, steps);
-        let full = beam().assembled.transient(&of).unwrap();
+        let task = blow(amplitude, steps);
+        let full = beam().assembled.transient(&task).unwrap();
         assert!(full.energy.error() < 1e-12, "{}", full.energy.error());
         let errors = |response: &StructureResponse| -> Vec<f64> {
             let pairs = response.outputs.iter().zip(&full.outputs);
             pairs.map(|(a, b)| distance(&a.acceleration, &b.acceleration)).collect()
         };
         let (with, bare) =
-            (errors(&reduced.transient(&of).unwrap()), errors(&without.transient(&of).unwrap()));
+            (errors(&reduced.transient(&task).unwrap()), errors(&without.transient(&task).unwrap()));
         assert!(with[0] < tolerance, "{amplitude} {with:?}");
         assert!(bare[0] > without_attachments && bare[0] > 30.0 * with[0], "{amplitude} {bare:?}");
     }
@@ -107,16 +104,16 @@ fn reduced_agrees_with_full_and_only_with_attachment_vectors() {
 /// The basis grows until the outputs stand still; a tolerance out of reach is a status, not an error.
 #[test]
 fn the_basis_grows_until_the_outputs_stand_still() {
-    let mut of = blow(100.0, 1000);
-    of.outputs.truncate(1);
-    let good = beam().assembled.reduced_transient(&of, 1e-3).unwrap();
+    let mut task = blow(100.0, 1000);
+    task.outputs.truncate(1);
+    let good = beam().assembled.reduced_transient(&task, 1e-3).unwrap();
     let modes = good.reduced.modes().len();
     assert!(good.converged && good.error < 1e-3 && modes <= 100, "{modes} {}", good.error);
-    let full = beam().assembled.transient(&of).unwrap();
+    let full = beam().assembled.transient(&task).unwrap();
     let actual = distance(&good.response.outputs[0].acceleration, &full.outputs[0].acceleration);
     assert!(actual < good.error, "{actual} {}", good.error);
-    of.outputs.clear();
-    assert!(beam().assembled.reduced_transient(&of, 1e-3).is_err());
+    task.outputs.clear();
+    assert!(beam().assembled.reduced_transient(&task, 1e-3).is_err());
 }
 
 /// The continuum and 100 graded sliders are one model; a long joint history changes nothing about the energy.
@@ -158,21 +155,22 @@ fn demodulate(acceleration: &[f64], dt: f64, near: f64, time: f64) -> (f64, f64)
     (frequency, (energy(a0) - energy(a1)) / (span * frequency))
 }
 
-/// Section 5: frequency and dissipation of mode 1 at 30, 100 and 170 ms under an impact that excites all modes.
+/// Frequency and dissipation of mode 1 at 30, 100 and 170 ms under an impact that excites all modes, to the digits that
+/// tests/peers/beam.py prints, which demodulates in the same way.
 #[test]
-fn mode_one_curves_are_those_of_the_prototype() {
+fn mode_one_curves_are_those_of_a_second_program() {
     let reduced = beam().assembled.reduce(50, Basis::default()).unwrap();
-    for (amplitude, frequencies, losses, hertz, part) in [
-        (10.0, [132.192, 132.198, 132.201], [8.86e-5, 8.56e-5, 7.78e-5], 0.02, 0.05),
-        (100.0, [131.521, 131.653, 131.741], [4.63e-2, 3.14e-2, 2.08e-2], 0.02, 0.05),
-        (1000.0, [128.28, 129.25, 130.47], [11.2, 4.97, 1.32], 0.1, 0.15),
+    for (amplitude, frequencies, losses) in [
+        (10.0, [132.192, 132.198, 132.202], [8.88e-5, 8.54e-5, 7.76e-5]),
+        (100.0, [131.520, 131.653, 131.743], [4.68e-2, 3.13e-2, 2.08e-2]),
+        (1000.0, [128.257, 129.253, 130.474], [11.9, 5.25, 1.32]),
     ] {
         let response = reduced.transient(&blow(amplitude, 20_000)).unwrap();
         let q = &response.outputs[0].acceleration;
         for (i, time) in [0.03, 0.1, 0.17].into_iter().enumerate() {
             let (frequency, loss) = demodulate(q, 1e-5, frequencies[i], time);
-            assert!((frequency - frequencies[i]).abs() < hertz, "{amplitude} {time}: {frequency} Hz");
-            assert!((loss / losses[i] - 1.0).abs() < part, "{amplitude} {time}: loss {loss}");
+            assert!((frequency - frequencies[i]).abs() < 2e-3, "{amplitude} {time}: {frequency} Hz");
+            assert!((loss / losses[i] - 1.0).abs() < 5e-3, "{amplitude} {time}: loss {loss}");
         }
     }
 }
@@ -180,41 +178,41 @@ fn mode_one_curves_are_those_of_the_prototype() {
 /// The door to all models opens on each of them, and a run that is broken off or too large ends by an error.
 #[test]
 fn models_by_their_names() {
-    let (assembled, of) = (&beam().assembled, blow(10.0, 600));
+    let (assembled, task) = (&beam().assembled, blow(10.0, 600));
     let mut shares = Vec::new();
     let mut heard = |share: f64| {
         shares.push(share);
         ControlFlow::Continue(())
     };
-    let basis = assembled.integrate(Model::Basis(50), &of, &mut heard).unwrap();
+    let basis = assembled.integrate(Model::Basis(50), &task, &mut heard).unwrap();
     // The search for modes, then the run.
     assert!(shares[0] == 0.0 && shares.windows(2).all(|s| s[1] >= s[0]), "{shares:?}");
     assert_eq!(shares[shares.len() - 2..], [256.0, 512.0].map(|n| 0.5 + 0.5 * (n / 600.0)));
     let reduced = assembled.reduce(50, Basis::default()).unwrap();
-    assert_eq!(basis.response.outputs, reduced.transient(&of).unwrap().outputs);
+    assert_eq!(basis.response.outputs, reduced.transient(&task).unwrap().outputs);
     assert_eq!((basis.basis(), basis.basis_error), (Some(50), None));
     let mut on = |_| ControlFlow::Continue(());
     let full = assembled.integrate(Model::Full, &blow(10.0, 50), &mut on).unwrap();
     assert_eq!(full.response.outputs, assembled.transient(&blow(10.0, 50)).unwrap().outputs);
-    let found = assembled.integrate(Model::Tolerance(0.5), &of, &mut on).unwrap();
+    let found = assembled.integrate(Model::Tolerance(0.5), &task, &mut on).unwrap();
     assert_eq!(found.basis_error.map(|error| error.converged), Some(true));
 
     // Second order: the error that half a step leaves is a quarter of that of the step.
-    let errors = reduced.step_errors(&of, &basis.response, &mut on).unwrap();
-    let fine = Transient { dt: 0.5 * of.dt, steps: 2 * of.steps, ..of.clone() };
+    let errors = reduced.step_errors(&task, &basis.response, &mut on).unwrap();
+    let fine = Transient { dt: 0.5 * task.dt, steps: 2 * task.steps, ..task.clone() };
     let smaller = reduced.step_errors(&fine, &reduced.transient(&fine).unwrap(), &mut on).unwrap();
     for (coarse, fine) in errors.time_step.iter().zip(&smaller.time_step) {
         assert!((coarse / fine / 4.0 - 1.0).abs() < 0.1, "{coarse} {fine}");
     }
-    let continuum = Transient { population: Population::Continuum, ..of.clone() };
+    let continuum = Transient { population: Population::Continuum, ..task.clone() };
     let exact = reduced.transient(&continuum).unwrap();
     assert_eq!(reduced.step_errors(&continuum, &exact, &mut on).unwrap().sliders, None);
 
     let mut off = |_| ControlFlow::Break(());
     for model in [Model::Full, Model::Basis(50), Model::Tolerance(0.5)] {
-        assert_eq!(assembled.integrate(model, &of, &mut off).unwrap_err(), Error::Interrupted);
+        assert_eq!(assembled.integrate(model, &task, &mut off).unwrap_err(), Error::Interrupted);
     }
-    let endless = Transient { steps: usize::MAX, ..of };
+    let endless = Transient { steps: usize::MAX, ..task };
     let error = assembled.integrate(Model::Basis(50), &endless, &mut on).unwrap_err();
     assert!(error.to_string().contains("8 GB"), "{error}");
 }
@@ -253,16 +251,16 @@ fn modal_damping_is_that_of_the_modes() {
     let zeta = 0.01;
     let reduced = assembled.reduce(50, Basis::default()).unwrap().with_damping(|_| zeta).unwrap();
     let omega = modes.eigenvalue(bending[0]).sqrt();
-    let of = Transient {
+    let task = Transient {
         pulse: Pulse::None,
         // So little that friction, of the third power, does not count.
         initial_velocity: Some(modes.shape(bending[0]).iter().map(|x| 1e-6 * x).collect()),
         ..blow(0.0, 10_000)
     };
-    let response = reduced.transient(&of).unwrap();
+    let response = reduced.transient(&task).unwrap();
     let q = &response.outputs[0];
     for n in [2_000, 5_000, 10_000] {
-        let t = n as f64 * of.dt;
+        let t = n as f64 * task.dt;
         let damped = omega * (1.0_f64 - zeta * zeta).sqrt();
         let exact = 1e-6 / damped * (-zeta * omega * t).exp();
         // Amplitude from displacement and velocity together.

@@ -15,7 +15,8 @@ pub(crate) const CORNERS: [[f64; 3]; 8] = [
     [0.0, 1.0, 1.0],
 ];
 
-/// Edges whose middles are the nodes 8 to 19 in the order of `Shape`.
+/// Edges whose middles are the nodes 8 to 19 of Abaqus' C3D20 (Abaqus Elements Guide, "Three-dimensional solid element library") and
+/// of VTK's quadratic hexahedron ("VTK File Formats", cell type 25): what `Shape::edges` must say.
 pub(crate) const EDGES: [(usize, usize); 12] =
     [(0, 1), (1, 2), (2, 3), (3, 0), (4, 5), (5, 6), (6, 7), (7, 4), (0, 4), (1, 5), (2, 6), (3, 7)];
 
