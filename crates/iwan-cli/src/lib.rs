@@ -16,8 +16,7 @@ mod args;
 mod session;
 mod page;
 
-// What commands work on: scenarios, measured records, structures.
-mod scenario;
+// What commands work on: responses, measured records, structures.
 mod cycles;
 mod records;
 mod identified;

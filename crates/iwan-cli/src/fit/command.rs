@@ -1,6 +1,7 @@
 //! `iwan fit` from records to its results.
 
 use iwan_core::Pulse;
+use iwan_input::scenario::{Scenario, to_toml};
 use iwan_io::Table;
 
 use super::args::FitArgs;
@@ -11,7 +12,6 @@ use crate::failure::Failure;
 use crate::identified::{Identified, extract};
 use crate::parallel::in_parallel;
 use crate::records::{self, Extraction, Recording, Units, Wanted};
-use crate::scenario::{Scenario, to_toml};
 use crate::session::{PAGE, SUMMARY, Session};
 use crate::simulate::response_columns;
 

@@ -1,10 +1,11 @@
 //! A fit as a scenario that `iwan simulate` runs.
 
 use iwan_core::Pulse;
+use iwan_input::Joint;
+use iwan_input::scenario::{Force, Scenario, ScenarioMode};
 use iwan_sim::{Method, Settings};
 
 use crate::identified::{Identified, step};
-use crate::scenario::{Force, Joint, Scenario, ScenarioMode};
 
 /// The fit as a scenario: each mode is released where the loudest record begins.
 pub(crate) fn as_scenario(identified: &[Identified], title: &str) -> Result<Scenario, iwan_core::Error> {

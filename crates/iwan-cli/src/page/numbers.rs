@@ -1,5 +1,7 @@
 //! Numbers as text, for tables on the terminal and on pages alike.
 
+use iwan_input::significant;
+
 /// A number with four significant digits, plain where that is short.
 pub(crate) fn short(value: f64) -> String {
     significant(value, 4, 1e5)
@@ -8,19 +10,6 @@ pub(crate) fn short(value: f64) -> String {
 /// A number with seven significant digits: frequencies of ring-downs are known that well.
 pub(crate) fn long(value: f64) -> String {
     significant(value, 7, 1e7)
-}
-
-/// A number with so many significant digits: plain from 0.001 up to `plain_below`, with an exponent elsewhere.
-fn significant(value: f64, digits: u8, plain_below: f64) -> String {
-    let behind = i32::from(digits) - 1;
-    match value.abs() {
-        0.0 => "0".into(),
-        size if (1e-3..plain_below).contains(&size) => {
-            let decimals = (behind - size.log10().floor() as i32).clamp(0, behind + 3) as usize;
-            format!("{value:.decimals$}")
-        }
-        _ => format!("{value:.*e}", behind as usize),
-    }
 }
 
 /// An estimated error with two digits: what matters is its size.

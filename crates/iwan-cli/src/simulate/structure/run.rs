@@ -4,10 +4,10 @@ use std::time::Instant;
 
 use iwan_fem::{Integrated, NamedMode, Output, Reduced, StepErrors, Transient, TruthResponse};
 use iwan_input::StructureFile;
+use iwan_input::scenario::{OnStructure, Scenario, population};
 
 use crate::failure::Failure;
 use crate::progress::Progress;
-use crate::scenario::{OnStructure, Scenario, population};
 use crate::structures::Linear;
 
 /// Elastic modes among which names are looked up.

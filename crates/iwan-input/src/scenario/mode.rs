@@ -6,11 +6,11 @@ use iwan_core::ResidualStiffness;
 use iwan_sim::{Mode, Point};
 use toml::de::DeTable;
 
-use crate::page::numbers::short;
-use iwan_input::InputError;
-use iwan_input::Joint;
-use iwan_input::Source;
-use iwan_input::{Section, plain};
+use crate::error::InputError;
+use crate::joint::Joint;
+use crate::numbers::significant;
+use crate::section::{Section, plain};
+use crate::source::Source;
 
 /// Keys of a mode.
 pub(crate) const KEYS: &[&str] = &[
@@ -29,9 +29,11 @@ pub(crate) const INITIAL_KEYS: &[&str] = &["displacement", "velocity"];
 
 /// A mode with its joint as written.
 #[derive(Debug, Clone, PartialEq)]
-pub(crate) struct ScenarioMode {
-    pub(crate) mode: Mode,
-    pub(crate) joint: Option<Joint>,
+pub struct ScenarioMode {
+    /// The mode for the simulation.
+    pub mode: Mode,
+    /// Its joint as written.
+    pub joint: Option<Joint>,
 }
 
 impl ScenarioMode {
@@ -82,7 +84,7 @@ fn oscillator_failure(section: &Section<'_>, error: iwan_core::Error) -> InputEr
     match error {
         OutOfRange { name: "k_t", value, .. } => {
             let frequency = section.number("frequency").unwrap_or(f64::NAN);
-            let limit = short((2.0 * std::f64::consts::PI * frequency).powi(2));
+            let limit = significant((2.0 * std::f64::consts::PI * frequency).powi(2), 4, 1e5);
             let message = format!(
                 "k_t = {} of the joint must be below omega0^2 = (2 pi frequency)^2 = {limit}, so that \
                  K_inf = omega0^2 - k_t > 0",
