@@ -2,13 +2,13 @@
 
 use iwan_ident::curves::Quantity;
 use iwan_ident::identify::{Identification, Settings};
+use iwan_input::scenario::to_toml;
 use iwan_io::Record;
 
 use crate::failure::Failure;
 use crate::fit::{FitSummary, Reported, as_scenario, render};
 use crate::identified::{Identified, extract};
 use crate::records::{Axis, ModalRecord, Recording, Units, Wanted};
-use crate::scenario::to_toml;
 
 /// A record as it was identified.
 #[derive(Debug, Clone)]

@@ -15,8 +15,7 @@ mod args;
 mod session;
 mod page;
 
-// What commands work on: scenarios, measured records, structures.
-mod scenario;
+// What commands work on: measured records, modes identified from them, structures.
 mod records;
 mod identified;
 mod structures;

@@ -67,9 +67,9 @@ fn scenarios_are_listed_and_printed() {
         insta::assert_snapshot!("scenario_list", shown(&iwan(place.path(), arguments)));
     }
     let text = iwan(place.path(), "scenario paper-modal").stdout;
-    assert_eq!(text, include_bytes!("../scenarios/paper-modal.toml"));
+    assert_eq!(text, include_bytes!("../../iwan-input/scenarios/paper-modal.toml"));
     let schema = iwan(place.path(), "scenario --schema").stdout;
-    assert_eq!(schema, include_bytes!("../schema/scenario.schema.json"));
+    assert_eq!(schema, include_bytes!("../../iwan-input/schema/scenario.schema.json"));
 }
 
 #[test]

@@ -2,10 +2,12 @@
 //!
 //! [`InputText`] is a text with its name, [`Section`] a table of it read key by key: every message names file, line, key,
 //! value, allowed range and remedy, and for unknown keys the nearest known one. [`WrittenLaw`] is a joint law as written,
-//! [`StructureFile`] a structure: mesh, materials, joints, supports, loads, outputs. No other crate reads TOML by itself.
+//! [`StructureFile`] a structure: mesh, materials, joints, supports, loads, outputs; [`scenario`] holds what is
+//! simulated on modes or on a structure. No other crate reads TOML by itself.
 
 // What everything stands on: the text with its name, and what is wrong with it.
 mod error;
+mod numbers;
 mod text;
 
 // A table, key by key.
@@ -14,8 +16,10 @@ mod section;
 // What the tables mean.
 mod written_law;
 mod structure;
+pub mod scenario;
 
 pub use error::InputError;
+pub use numbers::significant;
 pub use section::{Document, Section, TableKind, TablePlace, known, nearest, plain};
 pub use structure::{
     BUILT_IN_STRUCTURES, Load, Output, RunError, STRUCTURE_SCHEMA, StructureFile, StructureTask,

@@ -2,6 +2,7 @@
 
 use iwan_core::Pulse;
 use iwan_core::progress::UNWATCHED;
+use iwan_input::scenario::{Scenario, to_toml};
 use iwan_io::Table;
 use iwan_sim::in_parallel;
 
@@ -12,7 +13,6 @@ use super::summary::FitSummary;
 use crate::failure::Failure;
 use crate::identified::{Identified, extract};
 use crate::records::{self, Extraction, Recording, Units, Wanted};
-use crate::scenario::{Scenario, to_toml};
 use crate::session::{PAGE, SUMMARY, Session};
 use crate::simulate::response_columns;
 

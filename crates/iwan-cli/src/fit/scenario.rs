@@ -1,11 +1,12 @@
 //! A fit as a scenario that `iwan simulate` runs.
 
 use iwan_core::Pulse;
+use iwan_input::WrittenLaw;
+use iwan_input::scenario::{Force, Scenario, ScenarioMode};
 use iwan_sim::{Method, Settings};
 use iwan_study::identified::time_step;
 
 use crate::identified::Identified;
-use crate::scenario::{Force, Scenario, ScenarioMode, WrittenLaw};
 
 /// The fit as a scenario: each mode is released where the loudest record begins.
 pub(crate) fn as_scenario(identified: &[Identified], title: &str) -> Result<Scenario, iwan_core::Error> {

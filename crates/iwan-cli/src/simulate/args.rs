@@ -4,9 +4,9 @@ use std::num::NonZeroUsize;
 use std::path::PathBuf;
 
 use clap::{Args, ValueEnum, ValueHint};
+use iwan_input::scenario::{Overrides, Representation};
 
 use crate::args::{Common, Format, finite};
-use crate::scenario::{Overrides, Representation};
 use crate::session::Place;
 
 /// Simulate the response of modes with Iwan joints to a force
@@ -62,7 +62,7 @@ pub(crate) struct Changes {
     method: Option<MethodName>,
     /// Representation of the joint in Newmark's method
     #[arg(long, value_enum)]
-    joint: Option<Representation>,
+    joint: Option<JointName>,
     /// Number of sliders
     #[arg(long, value_name = "N")]
     sliders: Option<NonZeroUsize>,
@@ -82,7 +82,7 @@ impl Changes {
     pub(crate) fn overrides(&self) -> Overrides {
         Overrides {
             method: self.method.map(MethodName::name),
-            joint: self.joint,
+            joint: self.joint.map(JointName::representation),
             sliders: self.sliders.map(NonZeroUsize::get),
             step: self.step,
             duration: self.duration,
@@ -111,6 +111,24 @@ impl MethodName {
             Self::HalfCycle => "half-cycle",
             Self::Averaging => "averaging",
             Self::Event => "event",
+        }
+    }
+}
+
+/// Representations of the joint.
+#[derive(Debug, Clone, Copy, ValueEnum)]
+enum JointName {
+    /// A population of Jenkins elements
+    Sliders,
+    /// The exact continuum
+    Continuum,
+}
+
+impl JointName {
+    const fn representation(self) -> Representation {
+        match self {
+            Self::Sliders => Representation::Sliders,
+            Self::Continuum => Representation::Continuum,
         }
     }
 }

@@ -2,6 +2,8 @@
 
 use std::time::Instant;
 
+use iwan_input::InputText;
+use iwan_input::scenario::{Scenario, built_in, to_toml};
 use iwan_io::Table;
 use iwan_sim::{Response, SimulationError, superpose};
 
@@ -11,7 +13,6 @@ use super::report::{self, Reported};
 use super::structure;
 use super::summary::SimulationSummary;
 use crate::failure::Failure;
-use crate::scenario::{self, InputText, Scenario, built_in};
 use crate::session::{SUMMARY, Session};
 
 /// Runs the command.
@@ -43,7 +44,7 @@ fn run_modes(args: &SimulateArgs, name: &str, scenario: &Scenario) -> Result<(),
         .map_err(|error| Failure::input(error.to_string(), "rename modes or points in the scenario"))?;
     session.table(&args.format.file("response"), &table, args.format)?;
     session.summary(SUMMARY, &summary)?;
-    let toml = scenario::to_toml(scenario, FORCE);
+    let toml = to_toml(scenario, FORCE);
     let reported =
         Reported { scenario, toml: &toml, responses: &responses, points: &points, summary: &summary };
     session.page(&report::render(&reported))?;

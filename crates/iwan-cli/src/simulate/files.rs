@@ -1,10 +1,10 @@
 //! The files of a simulation: their names, and the columns of the response.
 
+use iwan_input::scenario::{Force, Scenario};
 use iwan_sim::Response;
 
 use crate::args::Format;
 use crate::failure::Failure;
-use crate::scenario::{Force, Scenario};
 use crate::session::{PAGE, SUMMARY, Session};
 
 /// The run as it was, to be repeated.

@@ -1,6 +1,7 @@
 //! The report of `iwan simulate` on modes.
 
 use iwan_core::Backbone;
+use iwan_input::scenario::Scenario;
 use iwan_sim::{Mode, Response, cycles};
 use maud::{Markup, html};
 
@@ -10,7 +11,6 @@ use super::summary::{ModeSummary, ROWS, Row, SimulationSummary};
 use crate::page::figure::Figure;
 use crate::page::html::{grid, page, verdict};
 use crate::page::numbers::{error, short};
-use crate::scenario::Scenario;
 use crate::session::VERSION;
 
 /// Modes with figures of their own, at most, and points as well. Twenty modes take 2.5 MB and twenty points 0.7 MB of the page; it

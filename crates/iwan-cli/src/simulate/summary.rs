@@ -3,12 +3,12 @@
 use std::fmt::Write;
 
 use iwan_core::{Backbone, EnergyBalance};
+use iwan_input::scenario::Scenario;
 use iwan_sim::{Method, Mode, Response};
 use serde::Serialize;
 
 use super::files::PointResponse;
 use crate::page::numbers::{error, or_dash, short};
-use crate::scenario::Scenario;
 use crate::session::Summary;
 use crate::structures::Size;
 

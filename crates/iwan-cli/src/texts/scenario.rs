@@ -1,11 +1,11 @@
 //! `iwan scenario`: built-in scenario and structure files as a start, and the schemas of the formats.
 
 use clap::{Args, ValueEnum};
+use iwan_input::scenario::{SCHEMA, built_in};
 use iwan_input::{BUILT_IN_STRUCTURES, STRUCTURE_SCHEMA};
 
 use crate::failure::Failure;
 use crate::output;
-use crate::scenario::{SCHEMA, built_in};
 
 /// Print a built-in scenario or structure file as a start for your own
 ///

@@ -1,13 +1,13 @@
 //! `iwan simulate` on a structure, from the scenario to its results.
 
 use iwan_fem::mesh::vtu::{Field, grid, series};
+use iwan_input::scenario::{OnStructure, Scenario, to_toml};
 use iwan_io::Table;
 
 use super::report::{self, Reported};
 use super::run::{self, Truth};
 use super::summary::summarise;
 use crate::failure::Failure;
-use crate::scenario::{self, OnStructure, Scenario};
 use crate::session::{SUMMARY, Session};
 use crate::simulate::args::SimulateArgs;
 use crate::simulate::files::{FORCE, names, write_input};
@@ -44,7 +44,7 @@ pub(crate) fn run(
         .map_err(|error| Failure::input(error.to_string(), "rename outputs or joints in the structure"))?;
     session.table(&args.format.file("response"), &table, args.format)?;
     session.summary(SUMMARY, &summary)?;
-    let toml = scenario::to_toml(scenario, FORCE);
+    let toml = to_toml(scenario, FORCE);
     session.page(&report::render(&Reported { scenario, toml: &toml, truth: &truth, summary: &summary }))?;
     write_input(&mut session, scenario, &toml)?;
     write_frames(&mut session, &truth, &frames)?;

@@ -1,6 +1,7 @@
 //! The report of `iwan simulate` on a structure: the structure, its motion, its joints.
 
 use iwan_fem::SlipHistory;
+use iwan_input::scenario::Scenario;
 use maud::{Markup, html};
 
 use super::run::Truth;
@@ -9,7 +10,6 @@ use crate::page::figure::{Axis, Figure, Layer, Mark, colour};
 use crate::page::html::{grid, page, verdict};
 use crate::page::numbers::{error, short};
 use crate::page::solid::Solid;
-use crate::scenario::Scenario;
 use crate::session::VERSION;
 use crate::simulate::figures::{of_force, of_history};
 use crate::simulate::summary::{ROWS, SimulationSummary, StructureSummary};

@@ -4,11 +4,11 @@ use std::ops::Deref;
 use std::time::Instant;
 
 use iwan_fem::{Extras, NamedModes, Run};
+use iwan_input::scenario::{OnStructure, Scenario, population};
 use iwan_input::{RunError, StructureFile, StructureTask};
 
 use crate::failure::Failure;
 use crate::progress::Progress;
-use crate::scenario::{OnStructure, Scenario, population};
 use crate::structures::Linear;
 
 /// A response of a structure with all that belongs to it.

@@ -1,9 +1,9 @@
 //! What a run on a structure says about itself.
 
 use iwan_fem::{History, SlipHistory};
+use iwan_input::scenario::Scenario;
 
 use super::run::Truth;
-use crate::scenario::Scenario;
 use crate::simulate::summary::{
     Energy, ModeSummary, PointSummary, SimulationSummary, SlipSummary, StructureSummary, peak,
 };

@@ -3,11 +3,11 @@
 use iwan_core::ResidualStiffness;
 use iwan_sim::{Mode, Point};
 
-use crate::page::numbers::short;
-use iwan_input::InputError;
-use iwan_input::InputText;
-use iwan_input::WrittenLaw;
-use iwan_input::{Section, TablePlace, plain};
+use crate::error::InputError;
+use crate::written_law::Joint;
+use crate::numbers::significant;
+use crate::section::{Section, plain};
+use crate::text::InputText;
 
 /// Keys of a mode.
 pub(crate) const KEYS: &[&str] = &[
@@ -26,9 +26,11 @@ pub(crate) const INITIAL_KEYS: &[&str] = &["displacement", "velocity"];
 
 /// A mode with its joint as written.
 #[derive(Debug, Clone, PartialEq)]
-pub(crate) struct ScenarioMode {
-    pub(crate) mode: Mode,
-    pub(crate) joint: Option<WrittenLaw>,
+pub struct ScenarioMode {
+    /// The mode for the simulation.
+    pub mode: Mode,
+    /// Its joint as written.
+    pub joint: Option<WrittenLaw>,
 }
 
 impl ScenarioMode {
@@ -75,7 +77,7 @@ fn oscillator_failure(section: &Section<'_>, error: iwan_core::Error) -> InputEr
     match error {
         OutOfRange { name: "k_t", value, .. } => {
             let frequency = section.number("frequency").unwrap_or(f64::NAN);
-            let limit = short((2.0 * std::f64::consts::PI * frequency).powi(2));
+            let limit = significant((2.0 * std::f64::consts::PI * frequency).powi(2), 4, 1e5);
             let message = format!(
                 "k_t = {} of the joint must be below omega0^2 = (2 pi frequency)^2 = {limit}, so that \
                  K_inf = omega0^2 - k_t > 0",

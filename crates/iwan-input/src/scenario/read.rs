@@ -2,7 +2,9 @@
 
 use std::collections::BTreeSet;
 
-use iwan_input::{InputError, InputText, Section, plain};
+use crate::error::InputError;
+use crate::section::{Section, plain};
+use crate::text::InputText;
 use iwan_sim::{Method, Mode, Settings};
 
 use super::force::{self, Force};
@@ -19,19 +21,32 @@ const MOST_NUMBERS: f64 = 1e9;
 
 /// A scenario, checked.
 #[derive(Debug, Clone, PartialEq)]
-pub(crate) struct Scenario {
-    pub(crate) title: Option<String>,
-    /// Empty on a structure.
-    pub(crate) modes: Vec<ScenarioMode>,
+pub struct Scenario {
+    /// What it is called.
+    pub title: Option<String>,
+    /// The modes; none on a structure.
+    pub modes: Vec<ScenarioMode>,
     /// The structure, where there is one instead of modes.
-    pub(crate) structure: Option<OnStructure>,
-    pub(crate) force: Force,
-    pub(crate) settings: Settings,
+    pub structure: Option<OnStructure>,
+    /// The force on modes or structure.
+    pub force: Force,
+    /// Time axis and method.
+    pub settings: Settings,
 }
 
 impl Scenario {
     /// Reads and checks a scenario, with changes from the command line.
-    pub(crate) fn read(source: &InputText, overrides: &Overrides) -> Result<Self, InputError> {
+    ///
+    /// # Errors
+    /// [`InputError`] with the place, what stands there and what helps.
+    ///
+    /// ```
+    /// use iwan_input::scenario::{Overrides, Scenario, built_in};
+    /// let scenario = Scenario::read(&built_in()[0].source(), &Overrides::default())?;
+    /// assert_eq!((scenario.modes.len(), scenario.settings.dt), (3, 1e-5));
+    /// # Ok::<(), iwan_input::InputError>(())
+    /// ```
+    pub fn read(source: &InputText, overrides: &Overrides) -> Result<Self, InputError> {
         let document = source.document("paper-modal")?;
         let top = Section::new(source, "the scenario", document.top(), KEYS)?;
         let structure = OnStructure::read(source, &top)?;
@@ -49,12 +64,14 @@ impl Scenario {
     }
 
     /// The modes for the simulation.
-    pub(crate) fn modes(&self) -> Vec<Mode> {
+    #[must_use]
+    pub fn modes(&self) -> Vec<Mode> {
         self.modes.iter().map(|m| m.mode.clone()).collect()
     }
 
     /// What the user should know about the input.
-    pub(crate) fn notes(&self) -> &[String] {
+    #[must_use]
+    pub fn notes(&self) -> &[String] {
         match &self.force {
             Force::File(file) => &file.notes,
             Force::Formula(..) => &[],

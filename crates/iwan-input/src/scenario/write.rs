@@ -5,8 +5,8 @@ use std::fmt::Write;
 use iwan_core::{Grid, Pulse, ResidualStiffness};
 use iwan_sim::{JointKind, Method, Settings};
 
+use crate::written_law::Joint;
 use iwan_fem::Model;
-use iwan_input::WrittenLaw;
 
 use super::force::Force;
 use super::mode::ScenarioMode;
@@ -14,7 +14,8 @@ use super::read::Scenario;
 use super::structure::{OnStructure, Origin};
 
 /// The scenario as TOML; a force from a file is called `force_file`.
-pub(crate) fn to_toml(scenario: &Scenario, force_file: &str) -> String {
+#[must_use]
+pub fn to_toml(scenario: &Scenario, force_file: &str) -> String {
     let mut out =
         format!("# Written by iwan {}: the run with all defaults filled in.\n", env!("CARGO_PKG_VERSION"));
     if let Some(title) = &scenario.title {

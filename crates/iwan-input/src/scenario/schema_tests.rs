@@ -4,8 +4,9 @@
 use serde_json::Value;
 
 use super::read::KEYS;
-use super::{InputText, Overrides, SCHEMA, Scenario, built_in, force, method, mode, structure, to_toml};
-use iwan_input::{TableKind, known};
+use super::{Overrides, SCHEMA, Scenario, built_in, force, method, mode, structure, to_toml};
+use crate::section::{TableKind, known};
+use crate::text::InputText;
 
 fn schema() -> Value {
     serde_json::from_str(SCHEMA).unwrap()
@@ -36,7 +37,7 @@ fn plain_tables_have_the_same_keys() {
 #[test]
 fn every_kind_has_the_same_keys() {
     let tables: [(&str, &'static [TableKind]); 3] =
-        [("joint", iwan_input::LAWS), ("force", force::KINDS), ("method", method::KINDS)];
+        [("joint", crate::LAWS), ("force", force::KINDS), ("method", method::KINDS)];
     for (table, kinds) in tables {
         let schema = schema();
         let variants = schema.pointer(&format!("/$defs/{table}/oneOf")).and_then(Value::as_array).unwrap();
@@ -70,7 +71,7 @@ fn as_json(text: &str) -> Value {
     table.get_ref().iter().map(|(k, v)| (k.get_ref().to_string(), convert(v.get_ref()))).collect()
 }
 
-fn read(text: &str) -> Result<Scenario, iwan_input::InputError> {
+fn read(text: &str) -> Result<Scenario, crate::InputError> {
     Scenario::read(&InputText::built_in("test.toml", text), &Overrides::default())
 }
 

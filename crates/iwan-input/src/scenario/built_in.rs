@@ -1,16 +1,16 @@
 //! The scenarios that are built in, and the schema of the format.
 
-use iwan_input::InputText;
+use crate::text::InputText;
 
 /// A scenario that is built in.
 #[derive(Debug)]
-pub(crate) struct BuiltIn {
+pub struct BuiltIn {
     /// Name on the command line.
-    pub(crate) name: &'static str,
+    pub name: &'static str,
     /// What it shows, in one line.
-    pub(crate) about: &'static str,
+    pub about: &'static str,
     /// The file.
-    pub(crate) text: &'static str,
+    pub text: &'static str,
 }
 
 /// All of them, the default first.
@@ -21,16 +21,18 @@ static ALL: &[BuiltIn] = &[BuiltIn {
 }];
 
 /// JSON Schema (draft 2020-12) of scenario files.
-pub(crate) const SCHEMA: &str = include_str!("../../schema/scenario.schema.json");
+pub const SCHEMA: &str = include_str!("../../schema/scenario.schema.json");
 
-/// All built-in scenarios, the default first; structures are in [`iwan_input::BUILT_IN_STRUCTURES`].
-pub(crate) fn built_in() -> &'static [BuiltIn] {
+/// All built-in scenarios, the default first; structures are in [`BUILT_IN_STRUCTURES`](crate::BUILT_IN_STRUCTURES).
+#[must_use]
+pub fn built_in() -> &'static [BuiltIn] {
     ALL
 }
 
 impl BuiltIn {
     /// The text with its name, for reading.
-    pub(crate) fn source(&self) -> InputText {
+    #[must_use]
+    pub fn source(&self) -> InputText {
         InputText::built_in(self.name, self.text)
     }
 }

@@ -3,8 +3,8 @@
 use iwan_core::Grid;
 use iwan_sim::{JointKind, Method};
 
-use iwan_input::InputError;
-use iwan_input::{Section, TableKind};
+use crate::error::InputError;
+use crate::section::{TableKind, Section};
 
 /// The methods and their keys.
 pub(crate) const KINDS: &[TableKind] = &[
@@ -31,8 +31,8 @@ pub(super) struct Refusal {
 }
 
 /// How the joint is represented.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, clap::ValueEnum)]
-pub(crate) enum Representation {
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Representation {
     /// A population of Jenkins elements
     Sliders,
     /// The exact continuum
@@ -50,13 +50,19 @@ pub(crate) enum GridKind {
 
 /// What the command line changes in a scenario.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
-pub(crate) struct Overrides {
-    pub(crate) method: Option<&'static str>,
-    pub(crate) joint: Option<Representation>,
-    pub(crate) sliders: Option<usize>,
-    pub(crate) step: Option<f64>,
-    pub(crate) duration: Option<f64>,
-    pub(crate) amplitude: Option<f64>,
+pub struct Overrides {
+    /// Name of the method of integration.
+    pub method: Option<&'static str>,
+    /// Representation of the joint in Newmark's method.
+    pub joint: Option<Representation>,
+    /// Number of sliders.
+    pub sliders: Option<usize>,
+    /// Time step, s.
+    pub step: Option<f64>,
+    /// Length of the response, s.
+    pub duration: Option<f64>,
+    /// Amplitude of the force.
+    pub amplitude: Option<f64>,
 }
 
 /// A method as written: what was left out is none.

@@ -4,9 +4,9 @@ use std::path::PathBuf;
 
 use iwan_core::Pulse;
 
-use iwan_input::InputError;
-use iwan_input::InputText;
-use iwan_input::{Section, TableKind};
+use crate::error::InputError;
+use crate::section::{TableKind, Section};
+use crate::text::InputText;
 
 /// The force histories and their keys.
 pub(crate) const KINDS: &[TableKind] = &[
@@ -20,7 +20,7 @@ pub(crate) const KINDS: &[TableKind] = &[
 
 /// A force history.
 #[derive(Debug, Clone, PartialEq)]
-pub(crate) enum Force {
+pub enum Force {
     /// One of the formulas of the library, under its name in the scenario.
     Formula(&'static str, Pulse<'static>),
     /// Samples from a file.
@@ -29,20 +29,21 @@ pub(crate) enum Force {
 
 /// A force history from a file.
 #[derive(Debug, Clone, PartialEq)]
-pub(crate) struct ForceFile {
+pub struct ForceFile {
     /// The file's bytes, handed on with the results so that the run can be repeated.
-    pub(crate) bytes: Vec<u8>,
+    pub bytes: Vec<u8>,
     /// Time between the samples, s.
-    pub(crate) dt: f64,
+    pub dt: f64,
     /// The samples from t = 0.
-    pub(crate) samples: Vec<f64>,
+    pub samples: Vec<f64>,
     /// What the user should know about the reading.
-    pub(crate) notes: Vec<String>,
+    pub notes: Vec<String>,
 }
 
 impl Force {
     /// The force for the simulation.
-    pub(crate) fn pulse(&self) -> Pulse<'_> {
+    #[must_use]
+    pub fn pulse(&self) -> Pulse<'_> {
         match self {
             Self::Formula(_, pulse) => *pulse,
             Self::File(file) => Pulse::Sampled { dt: file.dt, samples: &file.samples },

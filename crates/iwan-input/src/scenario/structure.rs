@@ -2,11 +2,12 @@
 
 use std::path::PathBuf;
 
+use crate::error::InputError;
+use crate::section::{Section, plain};
+use crate::text::InputText;
+use crate::structure::{BUILT_IN_STRUCTURES, StructureFile, built_in_structure};
 use iwan_core::Grid;
 use iwan_fem::{Model, Population};
-use iwan_input::{
-    BUILT_IN_STRUCTURES, InputError, InputText, Section, StructureFile, built_in_structure, plain,
-};
 use iwan_sim::{JointKind, Method};
 
 /// Keys of the table.
@@ -14,7 +15,7 @@ pub(crate) const KEYS: &[&str] = &["path", "name", "model", "basis", "tolerance"
 
 /// Where the structure comes from.
 #[derive(Debug, Clone, PartialEq)]
-pub(crate) enum Origin {
+pub enum Origin {
     /// A file.
     File(PathBuf),
     /// A built-in structure, by its name.
@@ -23,13 +24,15 @@ pub(crate) enum Origin {
 
 /// The table as written, with its defaults.
 #[derive(Debug, Clone, PartialEq)]
-pub(crate) struct OnStructure {
-    pub(crate) origin: Origin,
-    pub(crate) model: Model,
+pub struct OnStructure {
+    /// Where the structure comes from.
+    pub origin: Origin,
+    /// Which model is integrated.
+    pub model: Model,
     /// Modes whose modal coordinates are recorded; none named: the first three bending modes.
-    pub(crate) modes: Vec<String>,
+    pub modes: Vec<String>,
     /// Number of pictures of the moving structure for ParaView.
-    pub(crate) frames: usize,
+    pub frames: usize,
 }
 
 impl OnStructure {
@@ -56,7 +59,10 @@ impl OnStructure {
     }
 
     /// The structure file, and its name for messages.
-    pub(crate) fn load(&self) -> Result<(String, StructureFile), InputError> {
+    ///
+    /// # Errors
+    /// [`InputError`] for a file that cannot be read or is no structure.
+    pub fn load(&self) -> Result<(String, StructureFile), InputError> {
         let source = match &self.origin {
             Origin::File(path) => InputText::read(path, "structure", BUILT_IN_STRUCTURES[0].0)?,
             Origin::BuiltIn(name) => built_in_structure(name)?,
@@ -112,7 +118,8 @@ fn model(section: &Section<'_>) -> Result<Model, InputError> {
 }
 
 /// How the joints of a structure are evaluated under a scenario's method: average acceleration without prewarping.
-pub(crate) fn population(method: &Method) -> Population {
+#[must_use]
+pub fn population(method: &Method) -> Population {
     match *method {
         Method::Newmark { joint: JointKind::Sliders { bins, grid: Grid::Uniform }, .. } => {
             Population::Sliders { bins, grid: Grid::Uniform }

@@ -1,0 +1,20 @@
+//! Scenario files: modes, force, time axis and method, read with messages that say where and what helps.
+
+mod built_in;
+mod force;
+mod method;
+mod mode;
+mod structure;
+mod read;
+mod write;
+
+#[cfg(test)]
+mod schema_tests;
+
+pub use built_in::{BuiltIn, SCHEMA, built_in};
+pub use force::{Force, ForceFile};
+pub use method::{Overrides, Representation};
+pub use mode::ScenarioMode;
+pub use read::Scenario;
+pub use structure::{OnStructure, Origin, population};
+pub use write::to_toml;
