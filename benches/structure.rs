@@ -6,21 +6,21 @@ use criterion::{Criterion, Throughput};
 use iwan::core::Pulse;
 use iwan::fem::mesh::beam::Configuration;
 use iwan::fem::mesh::block::{block, uniform};
-use iwan::fem::{Assembled, Basis, Limit, Material, Modes, Population, Structure, Transient, paper};
+use iwan::fem::{Assembled, Basis, Limit, Material, Modes, Representation, Structure, Transient, paper};
 
 fn beam() -> Structure {
     paper::structure(Configuration::A, 1).expect("the paper's structure")
 }
 
 /// The paper's blow, recorded in bending modes 1 to 3.
-fn blow(of: &Assembled, modes: &Modes, steps: usize, population: Population) -> Transient<'static> {
+fn blow(of: &Assembled, modes: &Modes, steps: usize, representation: Representation) -> Transient<'static> {
     Transient {
         dt: 1e-5,
         steps,
         pulse: Pulse::Haversine { amplitude: 1000.0, duration: 1.6e-3 },
         load: of.load("tip", [0.0, 0.0, 1.0]).expect("the tip"),
         initial_velocity: None,
-        population,
+        representation,
         outputs: [6, 7, 8].map(|i| of.modal_output(format!("mode {i}"), modes, i)).to_vec(),
     }
 }
@@ -34,14 +34,16 @@ fn paper_beam(criterion: &mut Criterion) {
     });
     let assembled = structure.assemble().expect("sound");
     let reduced = assembled.reduce(50, Basis::default()).expect("reduced");
-    for (name, population) in [("sliders", Population::default()), ("continuum", Population::Continuum)] {
-        let of = blow(&assembled, reduced.modes(), 20_000, population);
+    for (name, representation) in
+        [("sliders", Representation::DEFAULT_IN_A_STRUCTURE), ("continuum", Representation::Continuum)]
+    {
+        let of = blow(&assembled, reduced.modes(), 20_000, representation);
         group.throughput(Throughput::Elements(20_000));
         group.bench_function(format!("reduced step, {name}"), |b| {
             b.iter(|| black_box(reduced.transient(&of).expect("response")));
         });
     }
-    let of = blow(&assembled, reduced.modes(), 200, Population::default());
+    let of = blow(&assembled, reduced.modes(), 200, Representation::DEFAULT_IN_A_STRUCTURE);
     group.throughput(Throughput::Elements(200));
     group.bench_function("full step", |b| b.iter(|| black_box(assembled.transient(&of).expect("response"))));
     group.finish();

@@ -3,7 +3,7 @@
 use std::error::Error;
 
 use iwan::core::{FourParameter, Pulse};
-use iwan::sim::{JointKind, JointLaw, Method, Mode, Response, Settings, simulate};
+use iwan::sim::{JointLaw, Method, Mode, Representation, Response, Settings, simulate};
 
 /// Mean frequency, Hz, between the first and the last upward zero crossing from `from` to `to` seconds.
 fn frequency(response: &Response, from: f64, to: f64) -> f64 {
@@ -24,7 +24,7 @@ pub(crate) fn main() -> Result<(), Box<dyn Error>> {
     let blow = Pulse::Haversine { amplitude: 1000.0, duration: 1.6e-3 };
 
     // Plain average acceleration on the exact continuum; `Settings::new` alone takes prewarped steps on 100 sliders.
-    let method = Method::Newmark { beta: 0.25, gamma: 0.5, prewarp: false, joint: JointKind::Continuum };
+    let method = Method::Newmark { beta: 0.25, gamma: 0.5, prewarp: false, joint: Representation::Continuum };
     let response = simulate(&mode, &blow, &Settings { method, ..Settings::new(1e-5, 0.2) })?;
 
     let energy = response.energy;

@@ -17,8 +17,14 @@ fn record() -> Result<Record, Box<dyn Error>> {
     let (oscillator, joint) = TRUTH.model()?;
     let mut out: [Vec<f64>; 4] = std::array::from_fn(|_| vec![0.0; 1500]);
     let [displacement, velocity, acceleration, joint_force] = &mut out;
-    Decay::new(&oscillator, &joint, 0.0, iwan::core::Motion::held_at(1.5 * joint.phi_max()), vec![Reversal::default(); 200])?
-        .sample(2e-4, &mut Samples { displacement, velocity, acceleration, joint_force })?;
+    Decay::new(
+        &oscillator,
+        &joint,
+        0.0,
+        iwan::core::Motion::held_at(1.5 * joint.phi_max()),
+        vec![Reversal::default(); 200],
+    )?
+    .sample(2e-4, &mut Samples { displacement, velocity, acceleration, joint_force })?;
     let [_, _, clean, _] = out;
     let noise = 0.01 * (clean.iter().map(|x| x * x).sum::<f64>() / clean.len() as f64).sqrt();
     let mut state = 1_u64;

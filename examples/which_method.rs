@@ -3,7 +3,7 @@
 use std::error::Error;
 
 use iwan::core::{FourParameter, Grid, Motion, Pulse};
-use iwan::sim::{JointKind, JointLaw, Method, Mode, Response, Settings, simulate};
+use iwan::sim::{JointLaw, Method, Mode, Representation, Response, Settings, simulate};
 
 /// Largest difference of the displacements at the samples of `exact`, relative to its peak.
 fn error(response: &Response, exact: &Response) -> f64 {
@@ -28,8 +28,8 @@ pub(crate) fn main() -> Result<(), Box<dyn Error>> {
 
     let newmark = |joint| Method::Newmark { beta: 0.25, gamma: 0.5, prewarp: true, joint };
     let ways = [
-        ("Newmark, 100 sliders", newmark(JointKind::default_sliders()), 1e-5),
-        ("Newmark, continuum", newmark(JointKind::Continuum), 1e-5),
+        ("Newmark, 100 sliders", newmark(Representation::default_sliders()), 1e-5),
+        ("Newmark, continuum", newmark(Representation::Continuum), 1e-5),
         ("half-cycle map", Method::HalfCycle, 1e-4),
         ("averaging", Method::Averaging, 1e-4),
     ];

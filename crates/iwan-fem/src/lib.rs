@@ -32,6 +32,9 @@ pub use progress::Progress;
 pub use quasi_static::{ModalCurves, QuasiStatic};
 pub use structure::{Interface, Joint, Law, Lump, Patch, Slip, Structure, Support, check, paper};
 pub use transient::{
-    Basis, BasisError, Converged, Extras, Frame, History, Integrated, ModalVelocity, Model, Output,
-    Population, Reduced, Run, SlipHistory, StepErrors, StructureResponse, Transient,
+    Basis, BasisError, Converged, Extras, Frame, History, Integrated, ModalVelocity, Model, Output, Reduced,
+    Run, SlipHistory, StepErrors, StructureResponse, Transient,
 };
+
+// How joints are evaluated in time is the same question for a mode and for a structure.
+pub use iwan_core::Representation;

@@ -6,7 +6,7 @@ use std::f64::consts::PI;
 
 use iwan_core::Pulse;
 use iwan_fem::mesh::beam::Configuration;
-use iwan_fem::{Basis, Limit, Population, Transient, paper};
+use iwan_fem::{Basis, Limit, Representation, Transient, paper};
 
 /// Configuration A, mode 1: frequency and loss per cycle as tests/peers/beam.py prints them.
 #[test]
@@ -66,7 +66,7 @@ fn a_ring_down_in_one_mode_follows_the_curves() {
                 pulse: Pulse::None,
                 load: vec![0.0; assembled.unknowns()],
                 initial_velocity: Some(modes.shape(6).iter().map(|phi| omega * amplitude * phi).collect()),
-                population: Population::Continuum,
+                representation: Representation::Continuum,
                 outputs: vec![assembled.modal_output("bending 1", modes, 6)],
             })
             .unwrap();

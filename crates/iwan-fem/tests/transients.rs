@@ -8,7 +8,7 @@ use std::sync::OnceLock;
 use iwan_core::Pulse;
 use iwan_fem::mesh::beam::Configuration;
 use iwan_fem::{
-    Assembled, Basis, Class, Error, Limit, Model, Modes, NamedModes, Population, StructureResponse,
+    Assembled, Basis, Class, Error, Limit, Model, Modes, NamedModes, Representation, StructureResponse,
     Transient, paper,
 };
 
@@ -37,7 +37,7 @@ fn blow(amplitude: f64, steps: usize) -> Transient<'static> {
         pulse: Pulse::Haversine { amplitude, duration: 1.6e-3 },
         load: assembled.load("tip", [0.0, 0.0, 1.0]).unwrap(),
         initial_velocity: None,
-        population: Population::default(),
+        representation: Representation::DEFAULT_IN_A_STRUCTURE,
         outputs: (0..3)
             .map(|r| assembled.modal_output(format!("bending {}", r + 1), modes, bending[r]))
             .chain([assembled.output("tip", "tip", [0.0, 0.0, 1.0]).unwrap()])
@@ -121,8 +121,9 @@ fn the_basis_grows_until_the_outputs_stand_still() {
 fn sliders_and_continuum_agree() {
     let reduced = beam().assembled.reduce(50, Basis::default()).unwrap();
     let sliders = reduced.transient(&blow(1000.0, 5000)).unwrap();
-    let continuum =
-        reduced.transient(&Transient { population: Population::Continuum, ..blow(1000.0, 5000) }).unwrap();
+    let continuum = reduced
+        .transient(&Transient { representation: Representation::Continuum, ..blow(1000.0, 5000) })
+        .unwrap();
     assert_eq!(continuum.forgotten_force, 0.0);
     assert!(continuum.energy.error() < 1e-12, "{}", continuum.energy.error());
     let apart = distance(&sliders.outputs[0].acceleration, &continuum.outputs[0].acceleration);
@@ -204,7 +205,7 @@ fn models_by_their_names() {
     for (coarse, fine) in errors.time_step.iter().zip(&smaller.time_step) {
         assert!((coarse / fine / 4.0 - 1.0).abs() < 0.1, "{coarse} {fine}");
     }
-    let continuum = Transient { population: Population::Continuum, ..task.clone() };
+    let continuum = Transient { representation: Representation::Continuum, ..task.clone() };
     let exact = reduced.transient(&continuum).unwrap();
     assert_eq!(reduced.step_errors(&continuum, &exact, &mut on).unwrap().sliders, None);
 

@@ -4,11 +4,11 @@
 use std::f64::consts::TAU;
 
 use iwan_core::{Backbone, Continuum, FourParameter, Grid, Newmark, Reversal, Samples, Slider, Sliders};
+use iwan_ident::Parameters;
 use iwan_ident::curve_fit::{fit_from, start};
 use iwan_ident::curves::{Curves, ForceAxis, Quantity};
 use iwan_ident::density::{Evidence, density};
 use iwan_ident::signal::{Method, Options, envelope};
-use iwan_ident::Parameters;
 
 const MODE_1: Parameters =
     Parameters { frequency: 124.0, damping_ratio: 5e-4, k_t: 4.45e4, f_s: 239.4, chi: -0.183, beta: 0.3 };

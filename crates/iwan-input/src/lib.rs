@@ -7,7 +7,6 @@
 
 // What everything stands on: the text with its name, and what is wrong with it.
 mod error;
-mod numbers;
 mod text;
 
 // A table, key by key.
@@ -19,7 +18,6 @@ mod structure;
 pub mod scenario;
 
 pub use error::InputError;
-pub use numbers::significant;
 pub use section::{Document, Section, TableKind, TablePlace, known, nearest, plain};
 pub use structure::{
     BUILT_IN_STRUCTURES, Load, Output, RunError, STRUCTURE_SCHEMA, StructureFile, StructureTask,

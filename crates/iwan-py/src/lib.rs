@@ -28,11 +28,23 @@ mod _native {
     #[pymodule_export]
     use crate::command::_command;
     #[pymodule_export]
-    use crate::ring_down::ensemble::_ensemble;
-    #[pymodule_export]
     use crate::records::envelope::{_envelope, _envelopes, Envelope, envelope};
     #[pymodule_export]
     use crate::records::identified::{_identify, _identify_many, Identified, Likelihood};
+    #[pymodule_export]
+    use crate::records::record::{_read_bytes, _record, Record, read_record};
+    #[pymodule_export]
+    use crate::ring_down::ensemble::_ensemble;
+    #[pymodule_export]
+    use crate::ring_down::response::{_response, Response};
+    #[pymodule_export]
+    use crate::ring_down::simulate::{simulate, superpose};
+    #[pymodule_export]
+    use crate::structures::blow::_simulate_structure;
+    #[pymodule_export]
+    use crate::structures::static_curves::_quasi_static;
+    #[pymodule_export]
+    use crate::structures::structure::{_built_in_structure, _load_structure, _structure, Structure};
     #[pymodule_export]
     use crate::values::joint_face::Joint;
     #[pymodule_export]
@@ -41,18 +53,6 @@ mod _native {
     use crate::values::mode::Mode;
     #[pymodule_export]
     use crate::values::pulse::{HalfSine, Haversine, Pulse, Sampled, Sine, Step};
-    #[pymodule_export]
-    use crate::records::record::{_read_bytes, _record, Record, read_record};
-    #[pymodule_export]
-    use crate::ring_down::response::{_response, Response};
-    #[pymodule_export]
-    use crate::ring_down::simulate::{simulate, superpose};
-    #[pymodule_export]
-    use crate::structures::static_curves::_quasi_static;
-    #[pymodule_export]
-    use crate::structures::structure::{_built_in_structure, _load_structure, _structure, Structure};
-    #[pymodule_export]
-    use crate::structures::blow::_simulate_structure;
 
     #[pymodule_export]
     #[expect(non_upper_case_globals, reason = "the name in Python")]

@@ -134,7 +134,7 @@ fn loop_area(response: &Response, from: usize, to: usize) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{JointKind, JointLaw, Method, Mode, Settings, simulate};
+    use crate::{JointLaw, Method, Mode, Representation, Settings, simulate};
     use iwan_core::{Backbone, FourParameter, Pulse};
 
     /// A free decay by formula: `offset` + e^(-ζ ω0 t) cos(ω_d t), `n` samples.
@@ -195,7 +195,7 @@ mod tests {
         let mut mode = Mode::new("m", 124.0, Some(JointLaw::FourParameter(joint)));
         mode.initial.displacement = 0.3 * joint.phi_max();
         let continuum =
-            Method::Newmark { beta: 0.25, gamma: 0.5, prewarp: true, joint: JointKind::Continuum };
+            Method::Newmark { beta: 0.25, gamma: 0.5, prewarp: true, joint: Representation::Continuum };
         let settings = Settings { method: continuum, ..Settings::new(1e-5, 0.2) };
         let response = simulate(&mode, &Pulse::None, &settings)?;
         let found = cycles(&response, 0.0);

@@ -4,8 +4,9 @@
 //!
 //! The modules below stand in floors: each imports only from those above it.
 
-// The ground: why a simulation fails, work on several threads.
+// The ground: why a simulation fails, numbers as text, work on several threads.
 mod error;
+pub mod numbers;
 mod parallel;
 
 // What the user says: joint laws, modes, time axis and method.
@@ -18,10 +19,7 @@ mod response;
 mod cycles;
 
 // One mode by one method, with the companion runs that estimate its errors.
-mod run;
-mod quality;
-mod event;
-mod free_decay;
+mod methods;
 
 // Calls: a joint driven through displacements, modes under a force, many members of an ensemble.
 mod force_history;
@@ -39,5 +37,5 @@ pub use response::{Quality, Response, superpose};
 pub use settings::{Method, Settings};
 pub use simulate::{simulate, simulate_all};
 
-// The core's enum under the name that the crates above still import.
-pub use iwan_core::Representation as JointKind;
+// How a joint is evaluated in time is the same question for a mode and for a structure.
+pub use iwan_core::Representation;

@@ -6,12 +6,12 @@ use iwan_core::progress::{Progress, UNWATCHED};
 use iwan_core::{Error, Newmark, Pulse};
 
 use crate::error::SimulationError;
-use crate::event::{self, Cut};
-use crate::free_decay::{self, Decaying};
+use crate::methods::event::{self, Cut};
+use crate::methods::free_decay::{self, Decaying};
+use crate::methods::quality;
+use crate::methods::run::{self, Task};
 use crate::mode::Mode;
-use crate::quality;
 use crate::response::Response;
-use crate::run::{self, Task};
 use crate::settings::{Method, Settings};
 
 /// Simulates one mode under `force` (physical; the mode's `shape_at_force` makes it modal).

@@ -10,7 +10,6 @@
 // How a study fails, how far it is, and how it writes numbers
 mod error;
 mod progress;
-pub mod numbers;
 mod span;
 mod relative_difference;
 

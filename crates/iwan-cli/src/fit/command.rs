@@ -87,8 +87,7 @@ fn write_response(
     name: &str,
     args: &FitArgs,
 ) -> Result<(), Failure> {
-    let responses =
-        iwan_sim::simulate_all(&scenario.modes(), &Pulse::None, &scenario.settings, 1, UNWATCHED);
+    let responses = iwan_sim::simulate_all(&scenario.modes(), &Pulse::None, &scenario.settings, 1, UNWATCHED);
     let responses = responses.map_err(|error| failed(&error))?;
     let times: Vec<f64> = responses.first().map(|r| r.times().collect()).unwrap_or_default();
     let columns = response_columns(&times, scenario, &responses, &[]);

@@ -1,7 +1,7 @@
 //! Numbers as text, for tables on the terminal and on pages alike.
 
-use iwan_study::numbers::significant;
-pub(crate) use iwan_study::numbers::short;
+pub(crate) use iwan_sim::numbers::short;
+use iwan_sim::numbers::significant;
 
 /// A number with seven significant digits: frequencies of ring-downs are known that well.
 pub(crate) fn long(value: f64) -> String {

@@ -1,15 +1,15 @@
 //! The report of `iwan reproduce`: the paper's tables and figures beside ours, and what came of it.
 
+use iwan_study::Summary;
 use iwan_study::findings::{Finding, FindingKind};
 use iwan_study::laboratory::Laboratory;
-use iwan_study::Summary;
 use maud::{Markup, html};
 
 use super::plate::{Plate, Section};
 use super::tables;
 use crate::page::figure::Figure;
-use crate::page::numbers::short;
 use crate::page::html::{grid, page};
+use crate::page::numbers::short;
 
 /// The page.
 pub(super) fn render(summary: &Summary, laboratory: &Laboratory, plates: &[Plate]) -> String {

@@ -4,7 +4,7 @@ use std::num::NonZeroUsize;
 use std::path::PathBuf;
 
 use clap::{Args, ValueEnum, ValueHint};
-use iwan_input::scenario::{Overrides, Representation};
+use iwan_input::scenario::{JointChoice, Overrides};
 
 use crate::args::{Common, Format, finite};
 use crate::session::Place;
@@ -125,10 +125,10 @@ enum JointName {
 }
 
 impl JointName {
-    const fn representation(self) -> Representation {
+    const fn representation(self) -> JointChoice {
         match self {
-            Self::Sliders => Representation::Sliders,
-            Self::Continuum => Representation::Continuum,
+            Self::Sliders => JointChoice::Sliders,
+            Self::Continuum => JointChoice::Continuum,
         }
     }
 }

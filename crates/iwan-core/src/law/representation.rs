@@ -41,6 +41,9 @@ impl Representation {
     pub const fn in_a_structure(bins: usize) -> Self {
         Self::Sliders { bins, grid: Grid::IN_STRUCTURES }
     }
+
+    /// The default of a joint in a structure with [`DEFAULT_BINS`](Self::DEFAULT_BINS).
+    pub const DEFAULT_IN_A_STRUCTURE: Self = Self::in_a_structure(Self::DEFAULT_BINS);
 }
 
 /// How the strengths of a continuous density are cut into bins.

@@ -35,9 +35,9 @@ impl Assembled {
         progress: Progress<'_>,
     ) -> Result<StructureResponse, Error> {
         task.check(self.unknowns(), self.slips().len())?;
-        let mut memory = tables(self.slips().len(), task.population);
+        let mut memory = tables(self.slips().len(), task.representation);
         let laws = self.slips().iter().map(|slip| slip.law.as_ref());
-        let mut joints = Joints::new(laws, task.population, &mut memory)?;
+        let mut joints = Joints::new(laws, task.representation, &mut memory)?;
         let mut stepper = FullStepper::new(self, task, &mut joints)?;
         let mut recorder = Recorder::new(task, self.slips().iter().map(|slip| slip.name.clone()));
         let outputs: Vec<Functional> =

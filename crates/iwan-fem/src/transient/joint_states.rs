@@ -4,9 +4,9 @@ use iwan_core::{
     Backbone, Continuum, Hysteresis, Reversal, Reversals, Run, Runs, Slider, Sliders, Straight, Trial,
 };
 
-use super::population::Population;
 use crate::error::Error;
 use crate::structure::Law;
+use iwan_core::Representation;
 
 /// Reversals that a joint in the continuum remembers before it begins to forget the smallest loops.
 const REVERSALS: usize = 4096;
@@ -96,10 +96,10 @@ pub(crate) struct Joints<'t> {
 }
 
 /// Memory for the sliders' tables, which the joints borrow.
-pub(crate) fn tables(slips: usize, population: Population) -> Vec<Vec<Slider>> {
-    let room = match population {
-        Population::Sliders { bins, .. } => Sliders::table_len(bins),
-        Population::Continuum => 0,
+pub(crate) fn tables(slips: usize, representation: Representation) -> Vec<Vec<Slider>> {
+    let room = match representation {
+        Representation::Sliders { bins, .. } => Sliders::table_len(bins),
+        Representation::Continuum => 0,
     };
     vec![vec![Slider::default(); room]; slips]
 }
@@ -108,19 +108,19 @@ impl<'t> Joints<'t> {
     /// Virgin joints with the given laws; `tables` come from [`tables`].
     pub(crate) fn new(
         laws: impl Iterator<Item = Option<&'t Law>>,
-        population: Population,
+        representation: Representation,
         tables: &'t mut [Vec<Slider>],
     ) -> Result<Self, Error> {
         let kernel = |(law, table): (Option<&'t Law>, &'t mut Vec<Slider>)| -> Result<_, Error> {
             let Some(law) = law else { return Ok(Kernel::Free) };
             let law: &'t SharedLaw = law.as_ref();
-            Ok(match population {
-                Population::Sliders { bins, grid } => {
+            Ok(match representation {
+                Representation::Sliders { bins, grid } => {
                     let sliders = Sliders::discretise(law, grid, bins, table)?;
                     let state = sliders.virgin(vec![Run::default(); sliders.len()])?;
                     Kernel::Sliders(sliders, state)
                 }
-                Population::Continuum => {
+                Representation::Continuum => {
                     let continuum = Continuum::new(law);
                     let state = continuum.virgin(vec![Reversal::default(); REVERSALS])?;
                     Kernel::Continuum(continuum, Box::new(state))
@@ -200,10 +200,14 @@ mod tests {
     fn forces_do_not_depend_on_the_trials_before() {
         let law: Law = Arc::new(FourParameter::new(2.75e5, 300.0, -0.3, 0.02).unwrap());
         let phi_max = law.strengths().1;
-        for population in [Population::default(), Population::graded(7), Population::Continuum] {
-            let (mut memory, mut plain_memory) = (tables(1, population), tables(1, population));
-            let mut joints = Joints::new([Some(&law)].into_iter(), population, &mut memory).unwrap();
-            let mut plain = Joints::new([Some(&law)].into_iter(), population, &mut plain_memory).unwrap();
+        for representation in [
+            Representation::DEFAULT_IN_A_STRUCTURE,
+            Representation::in_a_structure(7),
+            Representation::Continuum,
+        ] {
+            let (mut memory, mut plain_memory) = (tables(1, representation), tables(1, representation));
+            let mut joints = Joints::new([Some(&law)].into_iter(), representation, &mut memory).unwrap();
+            let mut plain = Joints::new([Some(&law)].into_iter(), representation, &mut plain_memory).unwrap();
             let mut slip = 0.0;
             for seed in 0..4000 {
                 let r = random(8, seed);
@@ -218,11 +222,11 @@ mod tests {
                     let (expected, slope) = plain.trial(0, at);
                     assert!(
                         (force - expected).abs() < 1e-11 * 300.0,
-                        "{population:?} {seed}: {force} {expected}"
+                        "{representation:?} {seed}: {force} {expected}"
                     );
                     assert!(
                         (tangent - slope).abs() <= 1e-11 * 2.75e5,
-                        "{population:?} {seed}: {tangent} {slope}"
+                        "{representation:?} {seed}: {tangent} {slope}"
                     );
                     if r[7] > 0.5 && trial == 2 {
                         slip = at;
@@ -237,13 +241,13 @@ mod tests {
                 plain.joints[0].catch_up();
                 assert!(
                     (force - expected).abs() < 1e-11 * 300.0,
-                    "{population:?} {seed}: {force} {expected}"
+                    "{representation:?} {seed}: {force} {expected}"
                 );
             }
             let (stored, expected) = (joints.stored_energy(), plain.stored_energy());
             assert!(
                 (stored - expected).abs() < 1e-11 * 300.0 * phi_max,
-                "{population:?}: {stored} {expected}"
+                "{representation:?}: {stored} {expected}"
             );
         }
     }

@@ -1,6 +1,5 @@
 //! Structures with slipping joints in time: all unknowns, or a few coordinates that stand for them.
 
-mod population;
 mod task;
 mod joint_states;
 mod slip_solver;
@@ -15,7 +14,6 @@ mod run;
 
 pub use converged::Converged;
 pub use model::{BasisError, Integrated, Model, StepErrors};
-pub use population::Population;
 pub use reduction::{Basis, Reduced};
 pub use response::{History, SlipHistory, StructureResponse};
 pub use run::{Extras, Frame, ModalVelocity, Run};

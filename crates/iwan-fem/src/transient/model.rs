@@ -1,12 +1,12 @@
 //! Which model of a structure is integrated, and what companion runs say about the errors of the response.
 
-use super::population::Population;
 use super::reduction::{Basis, Reduced};
 use super::response::{History, StructureResponse};
 use super::task::Transient;
 use crate::error::Error;
 use crate::matrices::Assembled;
 use crate::progress::{Progress, part};
+use iwan_core::Representation;
 
 /// Which model is integrated.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -111,10 +111,10 @@ impl Reduced<'_> {
         let coarse = self.transient_observed(&coarse, progress)?;
         let pairs = response.outputs.iter().zip(&coarse.outputs);
         let time_step = pairs.map(|(fine, coarse)| difference(fine, coarse, 2) / 3.0).collect();
-        let sliders = match task.population {
-            Population::Continuum => None,
-            Population::Sliders { .. } => {
-                let exact = Transient { population: Population::Continuum, ..task.clone() };
+        let sliders = match task.representation {
+            Representation::Continuum => None,
+            Representation::Sliders { .. } => {
+                let exact = Transient { representation: Representation::Continuum, ..task.clone() };
                 let exact = self.transient_observed(&exact, progress)?;
                 let pairs = response.outputs.iter().zip(&exact.outputs);
                 Some(pairs.map(|(cut, exact)| difference(cut, exact, 1)).collect())

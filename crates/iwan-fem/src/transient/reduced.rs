@@ -28,7 +28,7 @@ impl Reduced<'_> {
     ///
     /// ```
     /// use iwan_core::Pulse;
-    /// use iwan_fem::{Basis, Population, Transient, mesh::beam::Configuration, paper};
+    /// use iwan_fem::{Basis, Representation, Transient, mesh::beam::Configuration, paper};
     /// let assembled = paper::structure(Configuration::A, 1)?.assemble()?;
     /// let reduced = assembled.reduce(50, Basis::default())?;
     /// let response = reduced.transient(&Transient {
@@ -37,7 +37,7 @@ impl Reduced<'_> {
     ///     pulse: Pulse::Haversine { amplitude: 10.0, duration: 1.6e-3 },
     ///     load: assembled.load("tip", [0.0, 0.0, 1.0])?,
     ///     initial_velocity: None,
-    ///     population: Population::default(),
+    ///     representation: Representation::DEFAULT_IN_A_STRUCTURE,
     ///     outputs: vec![assembled.modal_output("bending 1", reduced.modes(), 6)],
     /// })?;
     /// let peak = response.outputs[0].acceleration.iter().fold(0.0_f64, |m, a| m.max(a.abs()));
@@ -61,9 +61,9 @@ impl Reduced<'_> {
         let assembled = self.assembled();
         task.check(assembled.unknowns(), assembled.slips().len())?;
         let slips = assembled.slips();
-        let mut memory = tables(slips.len(), task.population);
+        let mut memory = tables(slips.len(), task.representation);
         let mut joints =
-            Joints::new(slips.iter().map(|slip| slip.law.as_ref()), task.population, &mut memory)?;
+            Joints::new(slips.iter().map(|slip| slip.law.as_ref()), task.representation, &mut memory)?;
         let mut stepper = Stepper::new(self, task, &mut joints)?;
         let outputs: Vec<Reading> =
             task.outputs.iter().map(|o| Reading::new(&self.project(&o.coefficients))).collect();

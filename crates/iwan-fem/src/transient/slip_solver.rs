@@ -256,7 +256,7 @@ mod tests {
     use crate::algebra::random;
     use crate::structure::Law;
     use crate::transient::joint_states::tables;
-    use crate::transient::population::Population;
+    use iwan_core::Representation;
 
     /// Random systems, loads from micro-slip to far beyond macro-slip: the equation holds to rounding.
     #[test]
@@ -264,9 +264,9 @@ mod tests {
         let law: Law = Arc::new(FourParameter::new(2.75e5, 300.0, -0.3, 0.02).unwrap());
         let laws = [Some(&law), Some(&law), None, Some(&law), Some(&law)];
         let n = laws.len();
-        for population in [Population::graded(50), Population::Continuum] {
-            let mut memory = tables(n, population);
-            let mut joints = Joints::new(laws.into_iter(), population, &mut memory).unwrap();
+        for representation in [Representation::in_a_structure(50), Representation::Continuum] {
+            let mut memory = tables(n, representation);
+            let mut joints = Joints::new(laws.into_iter(), representation, &mut memory).unwrap();
             let a = random(n * n, 3);
             let stiffness: Vec<f64> = (0..n * n)
                 .map(|k| {
@@ -289,7 +289,7 @@ mod tests {
                     let error = inertia + solver.forces()[i] - before[i] - load[0][i];
                     let rounding =
                         1e-12 * (size + 600.0) + 8.0 * f64::EPSILON * 2.75e5 * solver.slips()[i].abs();
-                    assert!(error.abs() < rounding, "{population:?} {seed} {i} {error} {rounding}");
+                    assert!(error.abs() < rounding, "{representation:?} {seed} {i} {error} {rounding}");
                 }
             }
         }

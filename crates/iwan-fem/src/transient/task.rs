@@ -2,10 +2,10 @@
 
 use iwan_core::Pulse;
 
-use super::population::Population;
 use crate::error::{Error, check};
 use crate::matrices::Assembled;
 use crate::modes::Modes;
+use iwan_core::Representation;
 
 /// A linear functional of the unknowns that is recorded: a displacement, a mean over nodes, a modal coordinate.
 #[derive(Debug, Clone, PartialEq)]
@@ -30,7 +30,7 @@ pub struct Transient<'a> {
     /// Velocities of the unknowns at t = 0; none: at rest. Displacements and joint forces are zero then.
     pub initial_velocity: Option<Vec<f64>>,
     /// How the joints are evaluated.
-    pub population: Population,
+    pub representation: Representation,
     /// What is recorded.
     pub outputs: Vec<Output>,
 }

@@ -102,7 +102,8 @@ fn ring_down(
     let mut out: [Vec<f64>; 4] = std::array::from_fn(|_| vec![0.0; count]);
     let [q, v, a, f] = &mut out;
     let mut samples = Samples { displacement: q, velocity: v, acceleration: a, joint_force: f };
-    Decay::new(&oscillator, &joint, 0.0, iwan_core::Motion::held_at(displacement), stack)?.sample(dt, &mut samples)?;
+    Decay::new(&oscillator, &joint, 0.0, iwan_core::Motion::held_at(displacement), stack)?
+        .sample(dt, &mut samples)?;
     let [displacement, velocity, acceleration, _] = out;
     Ok(match quantity {
         Quantity::Displacement => displacement,

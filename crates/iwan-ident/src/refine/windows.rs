@@ -93,9 +93,13 @@ impl Windows {
         if stack.len() < half_cycles {
             stack.resize(half_cycles, Reversal::default());
         }
-        let Ok(mut decay) =
-            Decay::new(&oscillator, &joint, 0.0, iwan_core::Motion::held_at(start.displacement), stack.as_mut_slice())
-        else {
+        let Ok(mut decay) = Decay::new(
+            &oscillator,
+            &joint,
+            0.0,
+            iwan_core::Motion::held_at(start.displacement),
+            stack.as_mut_slice(),
+        ) else {
             return false;
         };
         out.fill(Complex64::default());

@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use iwan_core::Pulse;
 
 use crate::error::InputError;
-use crate::section::{TableKind, Section};
+use crate::section::{Section, TableKind};
 use crate::text::InputText;
 
 /// The force histories and their keys.

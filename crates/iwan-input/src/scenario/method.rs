@@ -1,10 +1,10 @@
 //! `[method]` and `[time]`: how to simulate.
 
 use iwan_core::Grid;
-use iwan_sim::{JointKind, Method};
+use iwan_sim::{Method, Representation};
 
 use crate::error::InputError;
-use crate::section::{TableKind, Section};
+use crate::section::{Section, TableKind};
 
 /// The methods and their keys.
 pub(crate) const KINDS: &[TableKind] = &[
@@ -32,7 +32,7 @@ pub(super) struct Refusal {
 
 /// How the joint is represented.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Representation {
+pub enum JointChoice {
     /// A population of Jenkins elements
     Sliders,
     /// The exact continuum
@@ -54,7 +54,7 @@ pub struct Overrides {
     /// Name of the method of integration.
     pub method: Option<&'static str>,
     /// Representation of the joint in Newmark's method.
-    pub joint: Option<Representation>,
+    pub joint: Option<JointChoice>,
     /// Number of sliders.
     pub sliders: Option<usize>,
     /// Time step, s.
@@ -69,7 +69,7 @@ pub struct Overrides {
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct MethodKeys {
     pub(crate) kind: &'static str,
-    pub(crate) joint: Option<Representation>,
+    pub(crate) joint: Option<JointChoice>,
     pub(crate) sliders: Option<usize>,
     pub(crate) grid: Option<GridKind>,
     pub(crate) prewarp: Option<bool>,
@@ -85,8 +85,7 @@ impl MethodKeys {
 
     /// Reads the table.
     pub(super) fn read(section: &Section<'_>, kind: &'static TableKind) -> Result<Self, InputError> {
-        let representations =
-            [("sliders", Representation::Sliders), ("continuum", Representation::Continuum)];
+        let representations = [("sliders", JointChoice::Sliders), ("continuum", JointChoice::Continuum)];
         Ok(Self {
             joint: section.choice("joint", &representations)?,
             sliders: section.optional_count("sliders")?,
@@ -98,15 +97,15 @@ impl MethodKeys {
         })
     }
 
-    /// The method with its defaults.
+    /// The method with its defaults; `graded` is the default grid of so many bins, of a mode or of a structure.
     ///
     /// # Errors
     /// [`Refusal`] of a key that is out of range or does not go with another.
-    pub(super) fn resolve(&self) -> Result<Method, Refusal> {
+    pub(super) fn resolve(&self, graded: fn(usize) -> Grid) -> Result<Method, Refusal> {
         let problem = |key, message: &str, remedy: &str| {
             Err(Refusal { key, message: message.into(), remedy: remedy.into() })
         };
-        let bins = self.sliders.unwrap_or_else(default_sliders);
+        let bins = self.sliders.unwrap_or(Representation::DEFAULT_BINS);
         if bins > MOST_SLIDERS {
             let message = format!("sliders = {bins} is out of range: must be at most {MOST_SLIDERS}");
             return problem(
@@ -117,7 +116,7 @@ impl MethodKeys {
         }
         let grid = match self.grid {
             Some(GridKind::Uniform) => Grid::Uniform,
-            _ => Grid::graded(bins),
+            _ => graded(bins),
         };
         match self.kind {
             "half-cycle" => return Ok(Method::HalfCycle),
@@ -126,16 +125,16 @@ impl MethodKeys {
             _ => {}
         }
         let joint = match self.joint {
-            Some(Representation::Continuum) => {
+            Some(JointChoice::Continuum) => {
                 for (key, given) in [("sliders", self.sliders.is_some()), ("grid", self.grid.is_some())] {
                     if given {
                         let message = format!("`{key}` does not apply to joint = \"continuum\"");
                         return problem(key, &message, "remove it, or choose joint = \"sliders\"");
                     }
                 }
-                JointKind::Continuum
+                Representation::Continuum
             }
-            _ => JointKind::Sliders { bins, grid },
+            _ => Representation::Sliders { bins, grid },
         };
         let (beta, gamma) = (self.beta.unwrap_or(0.25), self.gamma.unwrap_or(0.5));
         let average = beta == 0.25 && gamma == 0.5;
@@ -181,14 +180,6 @@ impl MethodKeys {
     }
 }
 
-/// Sliders where the scenario does not say: the library's default.
-fn default_sliders() -> usize {
-    match JointKind::default_sliders() {
-        JointKind::Sliders { bins, .. } => bins,
-        JointKind::Continuum => 1,
-    }
-}
-
 impl MethodKeys {
     /// With what the command line says instead.
     pub(super) fn overridden(self, overrides: &Overrides) -> Result<Self, InputError> {
@@ -210,7 +201,7 @@ impl MethodKeys {
         }
         if let Some(joint) = overrides.joint {
             keys.joint = Some(joint);
-            if joint == Representation::Continuum {
+            if joint == JointChoice::Continuum {
                 (keys.sliders, keys.grid) = (None, None);
             }
         }

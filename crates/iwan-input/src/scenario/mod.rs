@@ -13,8 +13,8 @@ mod schema_tests;
 
 pub use built_in::{BuiltIn, SCHEMA, built_in};
 pub use force::{Force, ForceFile};
-pub use method::{Overrides, Representation};
+pub use method::{JointChoice, Overrides};
 pub use mode::ScenarioMode;
 pub use read::Scenario;
-pub use structure::{OnStructure, Origin, population};
+pub use structure::{OnStructure, Origin, representation};
 pub use write::to_toml;

@@ -4,10 +4,10 @@ use iwan_core::ResidualStiffness;
 use iwan_sim::{Mode, Point};
 
 use crate::error::InputError;
-use crate::written_law::Joint;
-use crate::numbers::significant;
-use crate::section::{Section, plain};
+use crate::section::{Section, TablePlace, plain};
 use crate::text::InputText;
+use crate::written_law::WrittenLaw;
+use iwan_sim::numbers::significant;
 
 /// Keys of a mode.
 pub(crate) const KEYS: &[&str] = &[

@@ -5,6 +5,7 @@ use std::collections::BTreeSet;
 use crate::error::InputError;
 use crate::section::{Section, plain};
 use crate::text::InputText;
+use iwan_core::Grid;
 use iwan_sim::{Method, Mode, Settings};
 
 use super::force::{self, Force};
@@ -184,10 +185,12 @@ fn read_method(
         Some((section, _)) if as_written => section.failure(key, &message, &remedy),
         _ => InputError::new(message, remedy),
     };
+    let mut graded: fn(usize) -> Grid = Grid::graded;
     if structure {
         keys = keys.on_structure().map_err(placed)?;
+        graded = |_| Grid::IN_STRUCTURES;
     }
-    keys.resolve().map_err(placed)
+    keys.resolve(graded).map_err(placed)
 }
 
 fn read_force(

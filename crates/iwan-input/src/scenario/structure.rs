@@ -4,11 +4,11 @@ use std::path::PathBuf;
 
 use crate::error::InputError;
 use crate::section::{Section, plain};
-use crate::text::InputText;
 use crate::structure::{BUILT_IN_STRUCTURES, StructureFile, built_in_structure};
-use iwan_core::Grid;
-use iwan_fem::{Model, Population};
-use iwan_sim::{JointKind, Method};
+use crate::text::InputText;
+use iwan_core::Representation;
+use iwan_fem::Model;
+use iwan_sim::Method;
 
 /// Keys of the table.
 pub(crate) const KEYS: &[&str] = &["path", "name", "model", "basis", "tolerance", "modes", "frames"];
@@ -119,12 +119,9 @@ fn model(section: &Section<'_>) -> Result<Model, InputError> {
 
 /// How the joints of a structure are evaluated under a scenario's method: average acceleration without prewarping.
 #[must_use]
-pub fn population(method: &Method) -> Population {
+pub const fn representation(method: &Method) -> Representation {
     match *method {
-        Method::Newmark { joint: JointKind::Sliders { bins, grid: Grid::Uniform }, .. } => {
-            Population::Sliders { bins, grid: Grid::Uniform }
-        }
-        Method::Newmark { joint: JointKind::Sliders { bins, .. }, .. } => Population::graded(bins),
-        _ => Population::Continuum,
+        Method::Newmark { joint, .. } => joint,
+        _ => Representation::Continuum,
     }
 }

@@ -3,9 +3,9 @@
 use std::fmt::Write;
 
 use iwan_core::{Grid, Pulse, ResidualStiffness};
-use iwan_sim::{JointKind, Method, Settings};
+use iwan_sim::{Method, Representation, Settings};
 
-use crate::written_law::Joint;
+use crate::written_law::WrittenLaw;
 use iwan_fem::Model;
 
 use super::force::Force;
@@ -173,11 +173,11 @@ fn write_method(out: &mut String, method: &Method) {
         Method::Newmark { beta, gamma, prewarp, joint } => {
             line(out, "kind", "\"newmark\"");
             match joint {
-                JointKind::Sliders { bins, grid } => {
+                Representation::Sliders { bins, grid } => {
                     line(out, "joint", "\"sliders\"");
                     write_bins(out, bins, grid);
                 }
-                JointKind::Continuum => line(out, "joint", "\"continuum\""),
+                Representation::Continuum => line(out, "joint", "\"continuum\""),
             }
             line(out, "prewarp", &prewarp.to_string());
             number(out, "beta", beta);

@@ -2,7 +2,7 @@
 
 use iwan_core::Pulse;
 use iwan_fem::{
-    Assembled, Error, Extras, ModalVelocity, Model, NamedMode, NamedModes, Population, Progress, Run,
+    Assembled, Error, Extras, ModalVelocity, Model, NamedMode, NamedModes, Progress, Representation, Run,
     Transient,
 };
 
@@ -21,7 +21,7 @@ pub struct StructureTask<'a> {
     /// Duration, s.
     pub duration: f64,
     /// How the joint laws are evaluated.
-    pub population: Population,
+    pub representation: Representation,
     /// Which model is integrated.
     pub model: Model,
     /// Names of the modes whose coordinates are recorded; none named: the first bending modes.
@@ -50,7 +50,7 @@ impl StructureFile {
     ///
     /// ```
     /// use iwan_core::Pulse;
-    /// use iwan_fem::{Extras, Model, NamedModes, Population};
+    /// use iwan_fem::{Extras, Model, NamedModes, Representation};
     /// use iwan_input::{StructureFile, StructureTask, built_in_structure};
     /// let file = StructureFile::read(&built_in_structure("paper-a")?)?;
     /// let named = NamedModes::new(&file.structure, 3)?;
@@ -59,7 +59,7 @@ impl StructureFile {
     ///     velocity: &[],
     ///     dt: 1e-5,
     ///     duration: 0.01,
-    ///     population: Population::default(),
+    ///     representation: Representation::DEFAULT_IN_A_STRUCTURE,
     ///     model: Model::Basis(50),
     ///     modes: &["bending 1".to_owned()],
     ///     extras: Extras { errors: true, frames: 0 },
@@ -87,7 +87,7 @@ impl StructureFile {
             pulse: task.force.unwrap_or(Pulse::None),
             load,
             initial_velocity: named.velocity(task.velocity)?,
-            population: task.population,
+            representation: task.representation,
             outputs: self.recorded(named, &modes)?,
         };
         Ok(named.run(modes, task.model, &transient, task.extras, progress)?)

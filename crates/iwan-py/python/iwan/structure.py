@@ -338,7 +338,8 @@ class Structure:
 
         `model`: "reduced" to modes and attachment vectors of the slips, with `basis` modes or as many as the accelerations need for
         the relative error `tolerance` (0.05 by default); or "full", all unknowns. Average acceleration (Newmark beta = 1/4)
-        without prewarping. `sliders` and `grid`: as in `iwan.simulate`. `quality`: estimate the errors by companion runs of the
+        without prewarping. `sliders` and `grid`: as in `iwan.simulate`, but
+        graded sliders reach down to 1e-6 phi_max, since the joints of a structure slip unequally (in a mode: 0.01 phi_max over their number). `quality`: estimate the errors by companion runs of the
         reduced model. `progress`: as in `iwan.ensemble.simulate`, in thousandths of a run.
 
         Raises `iwan.InvalidValueError` for a value out of range, `iwan.StructureError` for a structure without loads,

@@ -1,20 +1,25 @@
 //! Arguments that stand for choices of the libraries.
 
-use iwan_core::Grid;
-use iwan_sim::{JointKind, Method};
+use iwan_core::{Grid, Representation};
+use iwan_sim::Method;
 use pyo3::prelude::*;
 
 use crate::exchange::errors::{value, wrong_type};
 
-/// Number of sliders (none: the continuum) and grid: "graded", "uniform" or the ratio of neighbouring strengths.
-pub(crate) fn joint_kind(sliders: Option<usize>, grid: Option<&Bound<'_, PyAny>>) -> PyResult<JointKind> {
-    let Some(bins) = sliders else { return Ok(JointKind::Continuum) };
+/// Number of sliders (none: the continuum) and grid: "graded", "uniform" or the ratio of neighbouring strengths. What
+/// "graded" is, and no grid at all, is the caller's: a mode and a structure have different smallest strengths.
+pub(crate) fn representation_of(
+    sliders: Option<usize>,
+    grid: Option<&Bound<'_, PyAny>>,
+    graded: fn(usize) -> Grid,
+) -> PyResult<Representation> {
+    let Some(bins) = sliders else { return Ok(Representation::Continuum) };
     if bins == 0 {
         return Err(value("sliders = 0 is out of range: at least 1, or None for the exact continuum"));
     }
-    let Some(grid) = grid else { return Ok(JointKind::Sliders { bins, grid: Grid::graded(bins) }) };
+    let Some(grid) = grid else { return Ok(Representation::Sliders { bins, grid: graded(bins) }) };
     let grid = match (grid.extract::<String>().as_deref(), grid.extract::<f64>()) {
-        (Ok("graded"), _) => Grid::graded(bins),
+        (Ok("graded"), _) => graded(bins),
         (Ok("uniform"), _) => Grid::Uniform,
         (Ok(other), _) => return Err(unknown("grid", other, &["graded", "uniform"])),
         (Err(_), Ok(ratio)) if ratio > 1.0 && ratio.is_finite() => Grid::Geometric { ratio },
@@ -25,13 +30,13 @@ pub(crate) fn joint_kind(sliders: Option<usize>, grid: Option<&Bound<'_, PyAny>>
         }
         _ => return Err(wrong_type("grid must be 'graded', 'uniform' or a number > 1")),
     };
-    Ok(JointKind::Sliders { bins, grid })
+    Ok(Representation::Sliders { bins, grid })
 }
 
 /// What the numbers of a method are.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct MethodOptions {
-    pub(crate) joint: JointKind,
+    pub(crate) joint: Representation,
     pub(crate) prewarp: bool,
     pub(crate) beta: f64,
     pub(crate) gamma: f64,
@@ -44,8 +49,8 @@ pub(crate) fn method(name: &str, options: MethodOptions) -> PyResult<Method> {
         ("newmark", joint) => Ok(Method::Newmark { beta, gamma, prewarp, joint }),
         ("half-cycle", _) => Ok(Method::HalfCycle),
         ("averaging", _) => Ok(Method::Averaging),
-        ("event", JointKind::Sliders { bins, grid }) => Ok(Method::Event { bins, grid }),
-        ("event", JointKind::Continuum) => {
+        ("event", Representation::Sliders { bins, grid }) => Ok(Method::Event { bins, grid }),
+        ("event", Representation::Continuum) => {
             Err(value("method 'event' works on sliders: give a number of sliders"))
         }
         _ => Err(unknown("method", name, &["newmark", "half-cycle", "averaging", "event"])),

@@ -7,10 +7,10 @@ use pyo3::prelude::*;
 
 use crate::exchange::array::array;
 use crate::exchange::errors::{identification, identification_at, value};
+use crate::exchange::options::{thread_count, unknown};
 use crate::exchange::pickle::Remake;
-use crate::records::mode_records::{Modal, modal};
-use crate::exchange::options::{unknown, thread_count};
 use crate::exchange::work;
+use crate::records::mode_records::{Modal, modal};
 
 /// Amplitude, frequency and damping ratio of one mode against time. Made by `envelope`.
 ///

@@ -16,11 +16,11 @@ use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
 use crate::exchange::array::{Numbers, array, shaped};
-use crate::records::envelope::{Envelope, method_named};
 use crate::exchange::errors::{computation, identification, value, writing};
-use crate::records::mode_records::{Modal, modal};
-use crate::exchange::options::{unknown, thread_count};
+use crate::exchange::options::{thread_count, unknown};
 use crate::exchange::work::{self, Control};
+use crate::records::envelope::{Envelope, method_named};
+use crate::records::mode_records::{Modal, modal};
 
 /// Parameters that are sought by their logarithms in a likelihood.
 const LOGARITHMIC: [Parameter; 3] = [Parameter::KT, Parameter::FS, Parameter::Beta];

@@ -10,8 +10,8 @@ use pyo3::prelude::*;
 
 use crate::exchange::array::{Numbers, array, freeze, frozen_rows};
 use crate::exchange::errors::{reading, value, wrong_type};
-use crate::exchange::pickle::Remake;
 use crate::exchange::options::choose;
+use crate::exchange::pickle::Remake;
 use crate::exchange::work;
 
 const QUANTITIES: [(&str, Quantity); 5] = [

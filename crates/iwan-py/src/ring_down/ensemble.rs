@@ -7,9 +7,9 @@ use pyo3::prelude::*;
 
 use crate::exchange::array::{Numbers, array, place};
 use crate::exchange::errors::{simulation_at, value};
-use crate::exchange::options::{MethodOptions, choose, joint_kind, method, thread_count};
-use crate::values::pulse::Force;
+use crate::exchange::options::{MethodOptions, choose, method, representation_of, thread_count};
 use crate::exchange::work;
+use crate::values::pulse::Force;
 
 /// Histories by their names.
 const HISTORIES: [(&str, History); 4] = [
@@ -75,7 +75,12 @@ pub(crate) fn _ensemble(
     progress: Option<&Bound<'_, PyAny>>,
 ) -> PyResult<Arrays> {
     let columns = Columns::read(&columns)?;
-    let options = MethodOptions { joint: joint_kind(sliders, grid)?, prewarp, beta: 0.25, gamma: 0.5 };
+    let options = MethodOptions {
+        joint: representation_of(sliders, grid, iwan_core::Grid::graded)?,
+        prewarp,
+        beta: 0.25,
+        gamma: 0.5,
+    };
     let settings = Settings { dt, duration, method: self::method(method, options)?, quality: false };
     let force = Force::read(force, dt)?;
     let kept = keep.iter().map(|name| choose("keep", name, &HISTORIES)).collect::<PyResult<Vec<_>>>()?;

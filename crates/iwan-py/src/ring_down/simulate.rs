@@ -7,11 +7,11 @@ use pyo3::types::PyDict;
 
 use crate::exchange::array::{Numbers, array};
 use crate::exchange::errors::{core, simulation, value, wrong_type};
-use crate::values::mode::Mode;
-use crate::exchange::options::{MethodOptions, joint_kind, method as method_named, thread_count};
-use crate::values::pulse::Force;
-use crate::ring_down::response::Response;
+use crate::exchange::options::{MethodOptions, method as method_named, representation_of, thread_count};
 use crate::exchange::work;
+use crate::ring_down::response::Response;
+use crate::values::mode::Mode;
+use crate::values::pulse::Force;
 
 /// Steps from which on a run may last longer than a user who presses Ctrl-C wants to wait.
 const LASTING: usize = 1_000_000;
@@ -61,7 +61,12 @@ pub(crate) fn simulate<'py>(
     let py = mode.py();
     let (mut modes, single) = modes(mode)?;
     set_initial(&mut modes, initial)?;
-    let options = MethodOptions { joint: joint_kind(sliders, grid)?, prewarp, beta, gamma };
+    let options = MethodOptions {
+        joint: representation_of(sliders, grid, iwan_core::Grid::graded)?,
+        prewarp,
+        beta,
+        gamma,
+    };
     let settings = Settings { dt, duration, method: method_named(method, options)?, quality };
     let force = Force::read(force, dt)?;
     let steps = settings.samples().map_err(core)?.saturating_mul(modes.len());

@@ -2,19 +2,19 @@
 
 use std::ops::ControlFlow;
 
-use iwan_fem::{Extras, ModalVelocity, Model, NamedModes, Population, Run, StructureResponse};
+use iwan_core::{Grid, Representation};
+use iwan_fem::{Extras, ModalVelocity, Model, NamedModes, Run, StructureResponse};
 use iwan_input::{RunError, StructureTask};
-use iwan_sim::JointKind;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
 use crate::exchange::array::array;
 use crate::exchange::errors::{fem, input, value};
-use crate::exchange::options::{joint_kind, unknown};
-use crate::values::pulse::Force;
+use crate::exchange::options::{representation_of, unknown};
+use crate::exchange::work::{self, Control};
 use crate::ring_down::response::balance;
 use crate::structures::structure::{Loaded, Structure};
-use crate::exchange::work::{self, Control};
+use crate::values::pulse::Force;
 
 /// What one run has done when it is at its end.
 const PARTS: f64 = 1000.0;
@@ -27,7 +27,7 @@ struct Request {
     duration: f64,
     modes: Vec<String>,
     model: Model,
-    population: Population,
+    representation: Representation,
     quality: bool,
 }
 
@@ -59,7 +59,7 @@ pub(crate) fn _simulate_structure<'py>(
         duration: positive("duration", duration)?,
         modes,
         model: model_of(model, basis, tolerance)?,
-        population: population(joint_kind(sliders, grid)?),
+        representation: representation_of(sliders, grid, |_| Grid::IN_STRUCTURES)?,
         quality,
     };
     if request.force.is_none() && request.velocity.is_empty() {
@@ -101,17 +101,6 @@ fn model_of(name: &str, basis: Option<usize>, tolerance: Option<f64>) -> PyResul
     }
 }
 
-/// How joints are evaluated: graded sliders reach farther down than for one mode, as joints slip unequally.
-fn population(kind: JointKind) -> Population {
-    match kind {
-        JointKind::Continuum => Population::Continuum,
-        JointKind::Sliders { bins, grid } if grid == iwan_core::Grid::graded(bins) => {
-            Population::graded(bins)
-        }
-        JointKind::Sliders { bins, grid } => Population::Sliders { bins, grid },
-    }
-}
-
 fn run(of: &Loaded, request: &Request, control: &Control) -> Result<Run, RunError> {
     let named = of.named_modes(NamedModes::LOOKED_UP, control)?;
     let task = StructureTask {
@@ -119,7 +108,7 @@ fn run(of: &Loaded, request: &Request, control: &Control) -> Result<Run, RunErro
         velocity: &request.velocity,
         dt: request.dt,
         duration: request.duration,
-        population: request.population,
+        representation: request.representation,
         model: request.model,
         modes: &request.modes,
         extras: Extras { errors: request.quality, frames: 0 },

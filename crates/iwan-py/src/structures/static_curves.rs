@@ -7,8 +7,8 @@ use pyo3::types::PyDict;
 
 use crate::exchange::array::{Numbers, array};
 use crate::exchange::errors::{fem, value};
-use crate::structures::structure::{Loaded, Structure};
 use crate::exchange::work::{self, Control};
+use crate::structures::structure::{Loaded, Structure};
 
 /// Curves of one mode with what fits them.
 struct Analysed {

@@ -6,7 +6,7 @@ use pyo3::prelude::*;
 
 use crate::exchange::array::{Numbers, shaped};
 use crate::exchange::errors::{core, simulation, value};
-use crate::exchange::options::joint_kind;
+use crate::exchange::options::representation_of;
 use crate::exchange::pickle::hash;
 use crate::exchange::work;
 
@@ -160,7 +160,7 @@ impl Joint {
         grid: Option<&Bound<'py, PyAny>>,
     ) -> PyResult<Bound<'py, PyAny>> {
         let (py, displacement) = (u.py(), Numbers::vector("u", u)?);
-        let (law, joint) = (self.law.clone(), joint_kind(sliders, grid)?);
+        let (law, joint) = (self.law.clone(), representation_of(sliders, grid, iwan_core::Grid::graded)?);
         let force = work::run(py, displacement.len() > LASTING, move |control| {
             force_history(&law, &displacement, joint, &|_| control.stop())
         })?
@@ -182,7 +182,9 @@ impl Joint {
         sliders: usize,
         grid: Option<&Bound<'py, PyAny>>,
     ) -> PyResult<(Bound<'py, PyAny>, Bound<'py, PyAny>)> {
-        let iwan_sim::JointKind::Sliders { bins, grid } = joint_kind(Some(sliders), grid)? else {
+        let iwan_core::Representation::Sliders { bins, grid } =
+            representation_of(Some(sliders), grid, iwan_core::Grid::graded)?
+        else {
             return Err(value("sliders must be a number"));
         };
         let mut table = vec![iwan_core::Slider::default(); iwan_core::Sliders::table_len(bins)];

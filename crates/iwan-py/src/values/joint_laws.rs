@@ -9,8 +9,8 @@ use pyo3::types::IntoPyDict;
 use crate::exchange::array::{Numbers, array};
 use crate::exchange::errors::core;
 use crate::exchange::pickle::{NewArguments, Remake};
-use crate::values::joint_face::Joint;
 use crate::exchange::repr;
+use crate::values::joint_face::Joint;
 
 /// Segalman's four-parameter Iwan joint {K_T, F_S, chi, beta}.
 ///

@@ -7,9 +7,9 @@ use pyo3::types::{IntoPyDict, PyDict};
 
 use crate::exchange::array::Numbers;
 use crate::exchange::errors::{core, value};
-use crate::values::joint_face::Joint;
 use crate::exchange::pickle::{NewArguments, hash};
 use crate::exchange::repr;
+use crate::values::joint_face::Joint;
 
 /// A mass-normalised mode with an Iwan joint: q'' + 2 zeta_v omega0 q' + K_inf q + F_J(q) = phi f(t), K_inf = omega0^2 - K_T
 /// (Deaner et al., Eq. 5).

@@ -4,7 +4,7 @@ use std::cell::Cell;
 use std::ops::ControlFlow;
 
 use iwan_core::Pulse;
-use iwan_fem::{Basis, History, NamedMode, Output, Population, Reduced, Transient, StructureResponse};
+use iwan_fem::{Basis, History, NamedMode, Output, Reduced, Representation, StructureResponse, Transient};
 use serde::Serialize;
 
 use super::filter_quality::{FilterQuality, filter_qualities};
@@ -85,7 +85,7 @@ impl<'a> Runs<'a> {
             pulse: blow(LEVELS[n]),
             load: self.load.clone(),
             initial_velocity: None,
-            population: Population::default(),
+            representation: Representation::DEFAULT_IN_A_STRUCTURE,
             outputs: self.outputs.clone(),
         }
     }

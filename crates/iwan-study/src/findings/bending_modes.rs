@@ -7,9 +7,9 @@ use super::finding::{Finding, FindingKind, FindingNumber, bounds, number};
 use crate::beam::letter;
 use crate::blows::LEVELS;
 use crate::modes::{BendingMode, MICRO_SLIP, SHOWN, Slopes, StudiedMode};
-use crate::numbers::short;
 use crate::printed::TABLE_2;
 use crate::reproduction::Reproduction;
+use iwan_sim::numbers::short;
 
 /// The mode of this index in both configurations.
 fn per_configuration(found: &Reproduction, index: usize) -> impl Iterator<Item = &BendingMode> {

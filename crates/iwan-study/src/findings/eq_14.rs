@@ -5,9 +5,9 @@ use iwan_fem::mesh::beam::Configuration;
 
 use super::finding::{Finding, FindingKind, FindingNumber, number};
 use crate::modes::{BendingMode, Eq14Axis, Eq14Root, StudiedMode};
-use crate::numbers::short;
 use crate::printed::TABLE_2;
 use crate::reproduction::Reproduction;
+use iwan_sim::numbers::short;
 
 /// Amplitude over φ_max at which a law's power of micro-slip is read. In micro-slip D/u^(χ+3) is the same at every amplitude.
 const DEEP: f64 = 1e-3;

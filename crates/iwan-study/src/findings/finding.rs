@@ -3,7 +3,7 @@
 use serde::Serialize;
 
 use crate::modes::Interval;
-use crate::numbers::short;
+use iwan_sim::numbers::short;
 
 /// What a finding says about the paper.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]

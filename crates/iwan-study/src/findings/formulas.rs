@@ -3,14 +3,14 @@
 use std::f64::consts::TAU;
 
 use iwan_core::{Backbone, FourParameter};
-use iwan_sim::{JointKind, JointLaw, force_history};
+use iwan_sim::{JointLaw, Representation, force_history};
 
 use super::finding::{Finding, FindingKind, number};
 use crate::beam::letter;
 use crate::blows::LEVELS;
-use crate::numbers::short;
 use crate::printed::TABLE_2;
 use crate::reproduction::Reproduction;
+use iwan_sim::numbers::short;
 
 /// Amplitude at which Eq. 15 is checked, over φ_max: well inside micro-slip, where the equation is meant to hold, and large
 /// enough for the loop to have an area. It holds for any ratio below 1 alike.
@@ -25,7 +25,8 @@ fn loop_area(law: &FourParameter, u: f64) -> f64 {
     let start = (0..PIECES).map(|n| u * n as f64 / PIECES as f64);
     let displacements: Vec<f64> = start.chain((0..=PIECES).map(turn)).collect();
     let law = JointLaw::FourParameter(*law);
-    let force = force_history(&law, &displacements, JointKind::Continuum, iwan_core::progress::UNWATCHED);
+    let force =
+        force_history(&law, &displacements, Representation::Continuum, iwan_core::progress::UNWATCHED);
     let force = force.unwrap_or_default();
     let work = |n: usize| 0.5 * (force[n] + force[n - 1]) * (displacements[n] - displacements[n - 1]);
     (PIECES + 1..force.len()).map(work).sum()

@@ -3,7 +3,7 @@
 use iwan_core::Pulse;
 use iwan_fem::mesh::Mesh;
 use iwan_fem::mesh::beam::Configuration;
-use iwan_fem::{Basis, History, Output, Population, Transient};
+use iwan_fem::{Basis, History, Output, Representation, Transient};
 
 use super::noise::Noise;
 use crate::beam::{BASIS, PaperBeam, top_nodes};
@@ -82,7 +82,7 @@ impl Bench {
             pulse: Pulse::Haversine { amplitude: force / NEWTON, duration: BLOW },
             load: assembled.load("tip", [0.0, 0.0, 1.0])?,
             initial_velocity: None,
-            population: Population::default(),
+            representation: Representation::DEFAULT_IN_A_STRUCTURE,
             outputs: outputs.collect::<Result<_, _>>()?,
         })?;
         Ok(response.outputs)

@@ -3,11 +3,11 @@
 use iwan_core::Progress;
 use iwan_fem::NamedMode;
 use iwan_ident::Parameters;
-use iwan_ident::curves::Curves;
-use iwan_ident::curve_fit::{Fit, fit_from};
-use iwan_ident::levels::{Levels, compare_levels};
 use iwan_ident::channels::ModalFilter;
 use iwan_ident::curve_fit::start;
+use iwan_ident::curve_fit::{Fit, fit_from};
+use iwan_ident::curves::Curves;
+use iwan_ident::levels::{Levels, compare_levels};
 use iwan_sim::in_parallel;
 use serde::Serialize;
 

@@ -2,8 +2,8 @@
 
 use std::f64::consts::TAU;
 
-use iwan_ident::curves::{Curves, ForceAxis, Quantity};
 use iwan_ident::channels::{Average, scaled_average};
+use iwan_ident::curves::{Curves, ForceAxis, Quantity};
 use iwan_ident::signal::{Butterworth, Envelope, Method, Options, Passband, envelope};
 
 use super::bench::{Bench, HITS, RATE};

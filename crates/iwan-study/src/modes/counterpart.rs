@@ -1,8 +1,8 @@
 //! The modal Iwan counterpart of a bending mode: fitted, simulated, compared with the truth (Table 2 and Fig. 8).
 
 use iwan_core::FourParameter;
-use iwan_ident::curves::{Curves, Quantity};
 use iwan_ident::curve_fit::fit_from;
+use iwan_ident::curves::{Curves, Quantity};
 use iwan_ident::identify::{Held, ModeRecord, Settings, identify};
 use iwan_ident::profile::Profile;
 use iwan_ident::signal::Method;

@@ -2,7 +2,7 @@
 
 use iwan_core::FourParameter;
 use iwan_ident::Parameters;
-use iwan_sim::{JointKind, JointLaw, Method, Mode, Settings, SimulationError, simulate};
+use iwan_sim::{JointLaw, Method, Mode, Representation, Settings, SimulationError, simulate};
 
 use super::bending_mode::BendingMode;
 use crate::blows::{DT, LEVELS, STEPS, blow};
@@ -18,7 +18,7 @@ pub(super) fn accelerations(
         shape_at_force: mode.tip,
         ..Mode::new(mode.name.clone(), parameters.frequency, Some(JointLaw::FourParameter(law)))
     };
-    let joint = JointKind::default_sliders();
+    let joint = Representation::default_sliders();
     let method = Method::Newmark { beta: 0.25, gamma: 0.5, prewarp: false, joint };
     let settings = Settings { dt: DT, duration: STEPS as f64 * DT, method, quality: false };
     let run = |level: &f64| simulate(&model, &blow(*level), &settings).map(|response| response.acceleration);

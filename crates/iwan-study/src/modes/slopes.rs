@@ -1,7 +1,7 @@
 //! Straight lines through the logarithms of dissipation in micro-slip, and what the paper's Sec. 2.5 reads off them.
 
-use iwan_ident::curves::{Curves, ForceAxis, straight_line};
 use iwan_ident::curve_fit::beta_root;
+use iwan_ident::curves::{Curves, ForceAxis, straight_line};
 use serde::Serialize;
 
 use super::static_loads::MICRO_SLIP;

@@ -4,7 +4,7 @@ use std::ops::Deref;
 use std::time::Instant;
 
 use iwan_fem::{Extras, NamedModes, Run};
-use iwan_input::scenario::{OnStructure, Scenario, population};
+use iwan_input::scenario::{OnStructure, Scenario, representation};
 use iwan_input::{RunError, StructureFile, StructureTask};
 
 use crate::failure::Failure;
@@ -42,7 +42,7 @@ pub(crate) fn run(
         velocity: &[],
         dt: scenario.settings.dt,
         duration: scenario.settings.duration,
-        population: population(&scenario.settings.method),
+        representation: representation(&scenario.settings.method),
         model: on.model,
         modes: &on.modes,
         extras: Extras { errors: true, frames: on.frames },

@@ -8,11 +8,11 @@ use iwan_core::{
 };
 
 use crate::error::SimulationError;
-use crate::event::{self, Cut};
 use crate::joint_law::with_law;
-use crate::quality;
+use crate::methods::event::{self, Cut};
+use crate::methods::quality;
+use crate::methods::run::{self, Task, finite, stack};
 use crate::response::{Quality, Response};
-use crate::run::{self, Task, finite, stack};
 use crate::settings::Method;
 
 /// Time steps of the forced part per small-amplitude period, at least. What they leave is told by half as many:

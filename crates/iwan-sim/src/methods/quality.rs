@@ -3,8 +3,8 @@
 use iwan_core::progress::UNWATCHED;
 use iwan_core::{Newmark, Representation};
 
+use crate::methods::run::{Task, newmark};
 use crate::response::{Quality, Response};
-use crate::run::{Task, newmark};
 
 /// Shortest response, in samples of the companion, that gets an estimate: over fewer points the largest difference
 /// says little, as they may all lie where two wrong responses cross. The number is arbitrary; responses that anyone

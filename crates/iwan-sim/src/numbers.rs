@@ -1,9 +1,9 @@
-//! Numbers as the sentences and tables of a study write them.
+//! Numbers as messages, tables and sentences write them.
 
 /// A number with four significant digits, plain where that is short: between 0.001 and 100,000.
 ///
 /// ```
-/// use iwan_study::numbers::short;
+/// use iwan_sim::numbers::short;
 /// assert_eq!([0.0, 0.30009, -1234.56].map(short), ["0", "0.3001", "-1235"]);
 /// assert_eq!([2.75e5, 2.5e-4].map(short), ["2.750e5", "2.500e-4"]);
 /// ```
@@ -15,7 +15,7 @@ pub fn short(value: f64) -> String {
 /// A number with so many significant digits: plain from 0.001 up to `plain_below`, with an exponent elsewhere.
 ///
 /// ```
-/// assert_eq!(iwan_study::numbers::significant(80.123_456_7, 7, 1e7), "80.12346");
+/// assert_eq!(iwan_sim::numbers::significant(80.123_456_7, 7, 1e7), "80.12346");
 /// ```
 #[must_use]
 pub fn significant(value: f64, digits: usize, plain_below: f64) -> String {

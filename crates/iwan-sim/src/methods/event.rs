@@ -9,9 +9,9 @@ use iwan_core::{
 
 use crate::error::SimulationError;
 use crate::joint_law::with_law;
-use crate::quality;
+use crate::methods::quality;
+use crate::methods::run::{Task, finite, newmark};
 use crate::response::{Quality, Response};
-use crate::run::{Task, finite, newmark};
 
 /// Share of the series' angle in the companion run that estimates the error. Its series must begin elsewhere than
 /// those of the run: with a share of 1 the two would be the same at long output intervals and claim perfection.
