@@ -9,11 +9,11 @@ use std::path::Path;
 use proc_macro2::{Delimiter, TokenStream, TokenTree};
 
 /// The names that lead from a crate's root to a module: `["law", "jenkins"]`; empty for `lib.rs`.
-pub type ModulePath = Vec<String>;
+pub(crate) type ModulePath = Vec<String>;
 
 /// The source files of one crate.
 #[derive(Default)]
-pub struct House {
+pub(crate) struct House {
     files: BTreeMap<ModulePath, File>,
 }
 
@@ -39,16 +39,16 @@ struct Mention {
 }
 
 /// `from` takes something that is defined in `to`.
-pub struct Import {
-    pub from: ModulePath,
-    pub to: ModulePath,
+pub(crate) struct Import {
+    pub(crate) from: ModulePath,
+    pub(crate) to: ModulePath,
     /// The path as written, to be found in the file.
-    pub written: String,
+    pub(crate) written: String,
 }
 
 impl House {
     /// Reads the crate whose `lib.rs` (or `main.rs`) stands in `source`.
-    pub fn read(source: &Path) -> Self {
+    pub(crate) fn read(source: &Path) -> Self {
         let root = ["lib.rs", "main.rs"].map(|name| source.join(name));
         let root = root.iter().find(|file| file.exists()).expect("lib.rs or main.rs");
         let mut house = Self::default();
@@ -57,7 +57,7 @@ impl House {
     }
 
     /// A house that exists on paper only: the text of each module.
-    pub fn on_paper(modules: &[(&str, &str)]) -> Self {
+    pub(crate) fn on_paper(modules: &[(&str, &str)]) -> Self {
         let path = |name: &str| name.split("::").filter(|s| !s.is_empty()).map(str::to_owned).collect();
         Self { files: modules.iter().map(|(name, text)| (path(name), File::parse(text))).collect() }
     }
@@ -80,12 +80,12 @@ impl House {
     }
 
     /// Number of modules with a file of their own.
-    pub fn len(&self) -> usize {
+    pub(crate) fn len(&self) -> usize {
         self.files.len()
     }
 
     /// Every import between two files of the crate.
-    pub fn imports(&self) -> Vec<Import> {
+    pub(crate) fn imports(&self) -> Vec<Import> {
         let mut imports = Vec::new();
         for (from, file) in &self.files {
             for mention in &file.mentions {
@@ -140,7 +140,7 @@ impl House {
     }
 
     /// Imports from a module that is declared below the one that imports.
-    pub fn upward(&self) -> Vec<Import> {
+    pub(crate) fn upward(&self) -> Vec<Import> {
         self.imports().into_iter().filter(|import| self.runs_upward(import)).collect()
     }
 
@@ -155,7 +155,7 @@ impl House {
     }
 
     /// A circle of files that import each other, if there is one.
-    pub fn circle(&self) -> Option<Vec<ModulePath>> {
+    pub(crate) fn circle(&self) -> Option<Vec<ModulePath>> {
         let mut arrows: BTreeMap<ModulePath, Vec<ModulePath>> = BTreeMap::new();
         for import in self.imports() {
             arrows.entry(import.from).or_default().push(import.to);
@@ -209,7 +209,10 @@ impl File {
                     at += self.module(&tokens[at + 1..], inline);
                     public = false;
                 }
-                TokenTree::Ident(word) if *word == "use" => {
+                // `use<'_>` behind a type says what it captures and imports nothing.
+                TokenTree::Ident(word)
+                    if *word == "use" && !tokens.get(at + 1).is_some_and(|t| is_punct(t, '<')) =>
+                {
                     let end = at + tokens[at..].iter().position(|t| is_punct(t, ';')).unwrap_or(0);
                     self.imported(&tokens[at + 1..end], &[], inline, public);
                     at = end;

@@ -26,7 +26,7 @@ fn crates() -> Vec<PathBuf> {
     let folders = std::fs::read_dir(root().join("crates")).expect("crates");
     let mut sources: Vec<PathBuf> = folders.map(|entry| entry.expect("entry").path().join("src")).collect();
     sources.sort();
-    assert!(sources.len() >= 8, "only {} crates found", sources.len());
+    assert!(sources.len() > 8, "only {} crates found", sources.len());
     sources
 }
 

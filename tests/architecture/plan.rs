@@ -3,16 +3,16 @@
 use std::collections::BTreeMap;
 
 /// What the page says.
-pub struct Plan {
+pub(crate) struct Plan {
     /// For each crate's folder (`crates/iwan-core`) the other crates that it needs.
-    pub needs: BTreeMap<String, Vec<String>>,
+    pub(crate) needs: BTreeMap<String, Vec<String>>,
     /// For each source folder of the page's headings (`crates/iwan-core/src`) its rooms.
-    pub houses: BTreeMap<String, BTreeMap<String, Vec<String>>>,
+    pub(crate) houses: BTreeMap<String, BTreeMap<String, Vec<String>>>,
 }
 
 impl Plan {
     /// Reads the page: `## iwan-core (`crates/iwan-core/src`)` begins a house, a row of its table is a room.
-    pub fn parse(page: &str) -> Self {
+    pub(crate) fn parse(page: &str) -> Self {
         let mut plan = Self { needs: BTreeMap::new(), houses: BTreeMap::new() };
         let mut house = None;
         for line in page.lines() {

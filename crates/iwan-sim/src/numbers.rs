@@ -18,14 +18,14 @@ pub fn short(value: f64) -> String {
 /// assert_eq!(iwan_sim::numbers::significant(80.123_456_7, 7, 1e7), "80.12346");
 /// ```
 #[must_use]
-pub fn significant(value: f64, digits: usize, plain_below: f64) -> String {
-    let behind = digits - 1;
+pub fn significant(value: f64, digits: u8, plain_below: f64) -> String {
+    let behind = i32::from(digits.max(1)) - 1;
     match value.abs() {
         0.0 => "0".into(),
         size if (1e-3..plain_below).contains(&size) => {
-            let decimals = (behind as i32 - size.log10().floor() as i32).clamp(0, behind as i32 + 3) as usize;
+            let decimals = (behind - size.log10().floor() as i32).clamp(0, behind + 3) as usize;
             format!("{value:.decimals$}")
         }
-        _ => format!("{value:.behind$e}"),
+        _ => format!("{value:.*e}", behind as usize),
     }
 }

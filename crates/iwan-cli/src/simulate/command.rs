@@ -55,7 +55,7 @@ fn run_modes(args: &SimulateArgs, name: &str, scenario: &Scenario) -> Result<(),
 fn compute(scenario: &Scenario, session: &Session) -> Result<Vec<Response>, SimulationError> {
     let bar = session.bar("simulating");
     let force = scenario.force.pulse();
-    iwan_sim::simulate_all(&scenario.modes(), &force, &scenario.settings, session.threads(), &mut |share| {
+    iwan_sim::simulate_all(&scenario.modes(), &force, &scenario.settings, session.threads(), &|share| {
         bar.report(share)
     })
 }
