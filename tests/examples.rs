@@ -22,5 +22,6 @@ examples! {
     first_ring_down "../examples/first_ring_down.rs",
     half_cycles "../examples/half_cycles.rs",
     own_law "../examples/own_law.rs",
+    structure_modes "../examples/structure_modes.rs",
     which_method "../examples/which_method.rs"
 }
