@@ -54,6 +54,10 @@ pub mod book {
     /// ```
     #[doc = include_str!("../examples/own_law.rs")]
     /// ```
+    /// # Modes of a bolted structure
+    /// ```
+    #[doc = include_str!("../examples/structure_modes.rs")]
+    /// ```
     /// # Which method
     /// ```
     #[doc = include_str!("../examples/which_method.rs")]

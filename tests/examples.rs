@@ -23,5 +23,6 @@ examples! {
     fit_a_record "../examples/fit_a_record.rs",
     half_cycles "../examples/half_cycles.rs",
     own_law "../examples/own_law.rs",
+    structure_modes "../examples/structure_modes.rs",
     which_method "../examples/which_method.rs"
 }

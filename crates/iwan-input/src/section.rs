@@ -378,6 +378,7 @@ impl<'a> Section<'a> {
 pub fn nearest<'a>(given: &str, known: &[&'a str]) -> Option<&'a str> {
     let distance = |name: &str| strsim::damerau_levenshtein(&given.to_lowercase(), &name.to_lowercase());
     let nearest = known.iter().map(|name| (distance(name), *name)).min();
+    // Two slips of the finger in a short name, half of the letters of a long one: farther off, another key was meant.
     nearest.filter(|(distance, name)| *distance <= 2.max(name.len() / 2)).map(|(_, name)| name)
 }
 

@@ -4,7 +4,8 @@ use std::path::{Path, PathBuf};
 
 use crate::error::InputError;
 
-/// An input file is a page or two; tabulated densities make it longer, but never this long.
+/// An input file is a page or two; tabulated densities make it longer, but never this long. A longer one is most likely a record or a
+/// mesh given by mistake, and is refused before it is read.
 const LARGEST: u64 = 16 << 20;
 
 /// A named text.

@@ -19,8 +19,9 @@ pub(crate) struct Eigen {
 
 /// Of a symmetric matrix, by its lower triangle; none when it is not finite.
 ///
-/// faer leaves errors of the size of the machine precision whatever the size of the matrix, so that of a matrix of 1e-6 six
-/// digits are lost: it gets one of size 1.
+/// faer leaves errors of the size of the machine precision whatever the size of the matrix: of a matrix whose entries are about 1e-6
+/// six digits would be lost. So the matrix is brought to size 1 by a power of two, which rounds nothing, and the eigenvalues are
+/// brought back.
 pub(crate) fn symmetric_eigen(matrix: &Mat<f64>) -> Option<Eigen> {
     let (n, spec) = (matrix.nrows(), Spec::default());
     let largest = matrix.norm_max();

@@ -22,10 +22,13 @@ use super::triangular::{Branches, Factor};
 use super::workers::Workers;
 use crate::error::Error;
 
-/// Largest backward error ‖A z - b‖ / (‖A‖ ‖z‖) that a sound factorisation leaves; usual is 1e-16.
+/// Largest backward error ‖A z - b‖ / (‖A‖ ‖z‖) that a sound factorisation leaves. Usual is 1e-16 to 1e-15 for K + σM and up to 1e-12
+/// for shifted, indefinite matrices, which are factored without pivoting. A factor that is worse is refused: the eigensolver moves its
+/// shift a little and tries again, every other analysis ends with an error.
 const SOUND: f64 = 1e-10;
-/// Up to so many unknowns minimum degree is tried beside nested dissection: it leaves less fill in slender structures, but
-/// far more in large solid ones.
+/// Up to so many unknowns minimum degree is tried beside nested dissection, and the order that leaves fewer entries is taken. Minimum
+/// degree leaves a fifth less in the paper's beam of 4,514 unknowns, a tenth less with the mesh twice as fine (25,418), but 40 % more
+/// when it is three times as fine, and 25 to 70 % more in cubes. The second order takes 4 ms for 4,514 unknowns and 0.3 s for 75,000.
 const SLENDER: usize = 20_000;
 
 /// Order of elimination and the pattern of the factor: one for all matrices of a structure.

@@ -1,7 +1,8 @@
 //! Values handled side by side: sums in a fixed order, whatever the width of the registers.
 #![expect(clippy::inline_always, reason = "what is not inlined does not get the wide registers")]
 
-/// Values are handled in groups of this many.
+/// Values are handled in groups of this many: one register of AVX-512, two of AVX2, four of SSE2. The number is fixed, so that
+/// sums have one order and therefore the same bits on every machine; with another one the last digits of all results change.
 pub(crate) const LANES: usize = 8;
 
 /// One value for each member of a group.

@@ -16,10 +16,11 @@ pub(crate) fn search_line(slope: f64, mut fall: impl FnMut(f64) -> Option<f64>) 
             high = Some((length, here));
         }
         let Some((end, below)) = high else { return false };
+        // The interval is at the rounding of a step of length 1: no point inside is any better.
         if end - low.0 <= 1e-12 {
             return false;
         }
-        // Secant, kept off the ends.
+        // Secant, kept a twentieth of the interval off its ends: next to an end it would hardly shorten the interval.
         let (secant, margin) = (low.0 + (end - low.0) * low.1 / (low.1 - below), 0.05 * (end - low.0));
         length = if secant > low.0 + margin { secant } else { low.0 + margin };
         length = if length < end - margin { length } else { end - margin };

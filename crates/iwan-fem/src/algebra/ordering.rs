@@ -6,7 +6,9 @@
 
 use super::sparse::Symmetric;
 
-/// Parts of at most this many nodes are not cut any further.
+/// Parts of at most this many nodes are not cut any further. Anything from 1 to 12 leaves the same entries in the factor within 4 %
+/// (beams of 4,500 to 75,000 unknowns, cubes of 4,000 to 28,000); 40 leaves 3 to 15 % more,
+/// 150 up to half as many again.
 const LEAF: usize = 12;
 
 /// Where an unknown sits.

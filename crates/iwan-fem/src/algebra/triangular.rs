@@ -13,9 +13,9 @@ use faer::sparse::linalg::cholesky::supernodal::SymbolicSupernodalCholesky;
 use super::lanes::{Group, LANES, total};
 use super::workers::Workers;
 
-/// Columns handled at once: so often less is what they share read and written.
+/// Columns eliminated together, so that the entries they share are read and written once for four columns.
 const TOGETHER: usize = 4;
-/// The smaller branch holds at least this part of the factor, or there is none.
+/// The smaller branch holds at least this part of the factor, so that two threads share half of the work; else all is trunk.
 const BALANCED: f64 = 0.25;
 
 /// The entries of a factor L or of L and D, supernode by supernode.

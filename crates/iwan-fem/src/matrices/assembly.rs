@@ -44,7 +44,9 @@ impl Structure {
     }
 }
 
-/// Forces above this part of the largest stiffness times the motion are not rounding: the motion is held somewhere.
+/// Forces above this part of the largest stiffness times the motion are not rounding: the motion is held somewhere. Rigid motions of the
+/// free beam leave up to 2e-16; one spring to the ground counts from 1e-12 of the largest entry on, and below that the motion is
+/// integrated as if it were free.
 const STRAINED: f64 = 1e-12;
 
 /// Unknowns of an element, ascending, and its displacements in them.

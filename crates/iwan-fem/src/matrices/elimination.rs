@@ -116,7 +116,8 @@ struct Resolver<'a> {
     depth: usize,
 }
 
-/// Chains of dependence longer than this are circles.
+/// Chains of dependence longer than this are circles, and refused as such: a face that follows a patch whose nodes follow another patch,
+/// and so on, is a chain of as many links as parts are bolted in a row.
 const LONGEST_CHAIN: usize = 64;
 
 impl Resolver<'_> {

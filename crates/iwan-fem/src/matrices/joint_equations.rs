@@ -93,6 +93,7 @@ impl Writer<'_, '_> {
             (length > 0.0 && length.is_finite()).then(|| d.map(|x| x / length))
         };
         let units: Option<Vec<_>> = self.joint.slips.iter().map(|slip| unit(slip.direction)).collect();
+        // Cosines below 1e-9 are rounding of the directions given; oblique slips would count twice what they share.
         let orthogonal = |units: &Vec<[f64; 3]>| {
             let product = |a: &[f64; 3], b: &[f64; 3]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
             (0..units.len()).all(|i| (0..i).all(|j| product(&units[i], &units[j]).abs() < 1e-9))
@@ -168,6 +169,7 @@ impl Writer<'_, '_> {
                 .map(|&other| (other, distance(at, self.position(other))))
                 .min_by(|a, b| a.1.total_cmp(&b.1))
                 .expect("the patch has nodes");
+            // Against the diagonal of the mesh: files with seven digits round less, and matching meshes differ by no more.
             if gap > 1e-6 * size {
                 return Err(Error::Node {
                     label: self.equations.mesh().node_labels[node],
@@ -274,6 +276,7 @@ fn inverse(m: &[[f64; 3]; 3]) -> Option<[[f64; 3]; 3]> {
     };
     let determinant: f64 = (0..3).map(|b| m[0][b] * cofactor(0, b)).sum();
     let size: f64 = (m[0][0] + m[1][1] + m[2][2]) / 3.0;
+    // Against the mean of the diagonal: nodes on a line, no farther off it than a hundred-thousandth of its length, leave less.
     (determinant > 1e-9 * size.powi(3))
         .then(|| std::array::from_fn(|a| std::array::from_fn(|b| cofactor(b, a) / determinant)))
 }

@@ -87,7 +87,7 @@ pub fn beam(configuration: Configuration, refinement: usize) -> Mesh {
     mesh
 }
 
-/// Whether `x` lies between two lines, rounding granted.
+/// Whether `x` lies between two lines, or on one: rounding of 1e-9 in is granted, where cells are 0.25 in wide.
 fn close_to(x: f64, from: f64, to: f64) -> bool {
     x > from - 1e-9 && x < to + 1e-9
 }

@@ -67,7 +67,8 @@ impl Part {
 
     /// The node at a position, made when there is none.
     fn node(&mut self, mesh: &mut Mesh, at: [f64; 3]) -> usize {
-        // Positions on equal mesh lines differ by rounding at most.
+        // Positions on equal mesh lines differ by rounding at most: they are the same to 1e-9 of the unit of length, which is far below
+        // the cells of any block that is given in that unit.
         let key = at.map(|c| (c * 1e9).round() as i64);
         *self.nodes.entry(key).or_insert_with(|| {
             mesh.positions.push(at);

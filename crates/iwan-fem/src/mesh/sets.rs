@@ -3,7 +3,8 @@
 use std::collections::BTreeMap;
 
 /// Entries that all sets of a file may have together, per byte of the file. Sets of sets and entities in many groups
-/// could otherwise grow with the square (or worse) of the file.
+/// could otherwise grow with the square (or worse) of the file. An entry that is written out takes two bytes at least, a digit and a comma,
+/// so that ordinary files stay far below; one that would pass the limit is refused with the place.
 pub(super) const ENTRIES_PER_BYTE: usize = 2;
 
 /// Named sets of indices.

@@ -59,7 +59,8 @@ impl Assembled {
     }
 }
 
-/// Number of slices across the longest axis.
+/// Number of slices across the longest axis: in the paper's beam each holds two planes of nodes. A slice without nodes is left out; a half
+/// wave should be longer than a slice.
 const SLICES: usize = 40;
 
 /// Nodes in principal axes, longest first, with the slice each is in.

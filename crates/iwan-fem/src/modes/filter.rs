@@ -10,7 +10,9 @@ use crate::algebra::{dot, thin_svd};
 use crate::error::Error;
 use crate::matrices::Assembled;
 
-/// Singular values below this part of the largest count as zero.
+/// Singular values below this part of the largest count as zero, and the modes they tell apart are left out. Rounding leaves 1e-15; of the
+/// 50 modes seen along z on the top face of the paper's beam the last that counts has 3e-5, the other three less than
+/// this.
 const RANK_TOLERANCE: f64 = 1e-9;
 
 /// q = Φ⁺ x for displacements (or accelerations) x at given degrees of freedom.

@@ -43,14 +43,20 @@ pub struct QuasiStatic<'a> {
     stiffness: Vec<f64>,
 }
 
-/// Steps in which the load grows from one amplitude to the next at least.
+/// Rounds after which neither the load that reaches an amplitude nor the equilibrium of the slips under a load is sought any longer. Where
+/// there is one, up to 8 rounds find it; they run out where the joints slide freely and no static load holds them, which is an error.
 const MOST_ROUNDS: usize = 200;
-/// Equilibrium of the slips holds to this part of the forces.
+/// Equilibrium of the slips holds to this part of the forces, and the amplitude to this part of itself. 1e-15 is beyond rounding: the
+/// curves of the paper's beam then end early. At 1e-8 that of torsion goes on for two decades in which parts slide.
 const SETTLED: f64 = 1e-12;
-/// What is added to the diagonal of Newton's matrix, relatively: with all joints in macro-slip parts may slide freely, which
-/// makes it singular; the equilibrium itself is not touched.
+/// What is added to the diagonal of Newton's matrix, relatively: with all joints in macro-slip parts may slide freely, which makes it
+/// singular; the equilibrium itself is not touched. Without it the curves of the paper's beam end at about the onset of macro-slip; 1e-4 gives the
+/// same curves to 12 digits.
 const SLIDING: f64 = 1e-8;
-/// Iterations that carry (K_0 + σM)⁻¹ over to K_0⁺; the error shrinks by σ/(ω² + σ) each.
+/// Iterations that carry (K_0 + σM)⁻¹ over to K_0⁺; in each the error along a mode shrinks by σ/(ω² + σ). The first elastic mode of the
+/// paper's beam has ω² = 0.76 σ: after 60 its error is rounding, after 20 the curves are good to seven digits. In a free bar more than about 100
+/// times as long as thick, or a clamped one more than about 20 times, the first mode lies so far below σ that its part of the
+/// flexibility is not complete after 60 (by these formulas 1e-3 of it is missing at 190 and at 30 times), and nothing says so.
 const REFINEMENTS: usize = 60;
 
 impl Assembled {
@@ -151,8 +157,10 @@ impl QuasiStatic<'_> {
         // Mode shapes whose joints add inertia rather than stiffness may need a load above the stuck one.
         while top.0 < 0.0 {
             (low, at_low) = (high, top.0);
+            // The factor only decides how soon the right load is enclosed.
             high *= 1.5;
             top = excess(high)?;
+            // A structure a million times as stiff as stuck does not exist: the search below says that no load was found.
             if high > 1e6 * self.eigenvalue * q {
                 break;
             }

@@ -4,7 +4,8 @@ use super::curves::ModalCurves;
 use crate::error::{Error, check};
 use crate::modes::{NamedMode, NamedModes};
 
-/// Range of displacements over where the first joint begins macro-slip.
+/// Range of displacements over where the first joint begins macro-slip: three decades of micro-slip, enough for its power law, and one of
+/// macro-slip, in which the frequency nears that of the slipping structure.
 const RANGE: (f64, f64) = (1e-3, 10.0);
 
 impl NamedModes {

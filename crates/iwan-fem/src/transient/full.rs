@@ -78,6 +78,8 @@ pub(crate) struct Functional {
 impl Functional {
     fn new(coefficients: &[f64], motions: &[Vec<f64>]) -> Self {
         let terms: Vec<_> = coefficients.iter().copied().enumerate().filter(|(_, c)| *c != 0.0).collect();
+        // A few coefficients are read one by one, many in a row with the rest. Only the time depends on where one ends and the other begins;
+        // a quarter is a judgement.
         let dense = (4 * terms.len() > coefficients.len()).then(|| coefficients.to_vec());
         Self { terms, dense, free: motions.iter().map(|motion| dot(motion, coefficients)).collect() }
     }

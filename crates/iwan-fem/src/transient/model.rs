@@ -20,7 +20,8 @@ pub enum Model {
 }
 
 impl Model {
-    /// The reduced model as good as most studies need: accelerations within 5 %, displacements far better.
+    /// The reduced model as good as most studies need: accelerations within 5 %, displacements far better. It is an estimate from the last
+    /// doubling of the basis; under 1000 lbf on the paper's beam 50 modes reach it, with a true error below 1e-3.
     pub const USUAL: Self = Self::Tolerance(0.05);
 }
 

@@ -105,7 +105,8 @@ enum Reading {
     All(Vec<Group>),
 }
 
-/// Coefficients below this part of the largest are rounding of a projection.
+/// Coefficients below this part of the largest are rounding of a projection: in a modal coordinate they are 1e-15 and less. A functional
+/// of which only one is left is read as that coordinate alone, which saves the sum over all in every step.
 const ROUNDING: f64 = 1e-9;
 
 impl Reading {

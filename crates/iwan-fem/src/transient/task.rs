@@ -35,7 +35,7 @@ pub struct Transient<'a> {
     pub outputs: Vec<Output>,
 }
 
-/// More numbers than this (8 GB) are not kept in memory.
+/// More numbers than this (8 GB) are not kept in memory: the task is refused before anything is allocated.
 const MOST_NUMBERS: f64 = 1e9;
 
 impl Transient<'_> {

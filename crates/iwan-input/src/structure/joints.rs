@@ -67,7 +67,8 @@ fn slips(source: &InputText, section: &Section<'_>, mut joint: Joint) -> Result<
     Ok(joint)
 }
 
-/// Cosine between directions that count as orthogonal: rounding of seven digits.
+/// Cosine between directions that count as orthogonal: rounding of seven digits. The assembly, which knows no file, asks for 1e-9 and
+/// refuses what lies between the two.
 const ORTHOGONAL: f64 = 1e-6;
 
 fn slip<'a>(

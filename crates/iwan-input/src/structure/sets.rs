@@ -15,7 +15,8 @@ pub(super) const KINDS: &[TableKind] = &[
     TableKind { name: "box", keys: &["name", "low", "high"] },
 ];
 
-/// Nodes this share of the mesh's diagonal outside a box still belong to it: rounding of coordinates.
+/// Nodes this share of the mesh's diagonal outside a box still belong to it: rounding of coordinates that are computed. Those of a file
+/// with seven digits may be farther off a plane, and then need a wider box.
 const ROUNDING: f64 = 1e-9;
 
 /// Adds the sets of the file to those of the mesh.
@@ -136,6 +137,7 @@ pub(super) fn known(
 
 /// The first twenty names, and how many more there are.
 fn list(names: &[&str]) -> String {
+    // So many fit a few lines of a terminal.
     const SHOWN: usize = 20;
     let shown = names[..names.len().min(SHOWN)].join(", ");
     if names.len() > SHOWN { format!("{shown} and {} more", names.len() - SHOWN) } else { shown }

@@ -8,9 +8,11 @@ use super::link::Link;
 use super::nodes::{COINCIDENT, distance};
 use crate::mesh::Mesh;
 
-/// Nodes are on a line when none is farther from it than this share of its length.
+/// Nodes are on a line when none is farther from it than this share of its length: far above the rounding of a file with six digits,
+/// far below the width of a patch that is meant. Beyond it the rotation about the line follows from the patch, however badly.
 const ON_A_LINE: f64 = 1e-3;
-/// A gap between the two sides larger than this share of the smaller side is worth a remark.
+/// A gap between the two sides larger than this share of the smaller side is worth a remark, as the joint then bridges it rigidly; one
+/// larger than the side itself is a defect. Faces that touch have none.
 const GAP: f64 = 0.1;
 
 /// A link under examination.

@@ -126,6 +126,7 @@ impl Findings {
 
 /// The first ten and how many more there are.
 pub(super) fn list<T>(items: &[T], show: impl Fn(&T) -> String) -> String {
+    // So many fit a line or two of a terminal.
     const SHOWN: usize = 10;
     let mut text = items.iter().take(SHOWN).map(show).collect::<Vec<_>>().join(", ");
     if items.len() > SHOWN {
