@@ -35,8 +35,9 @@ pub(crate) struct Ticks {
 /// Room left around the data, as a share of their extent: no point lies on the frame. From 0.02 to 0.08 look the same.
 const ROOM: f64 = 0.04;
 
-/// Sizes beyond this, and below its inverse, do not count when an axis is laid out. Powers of ten end at 1e308; eight
-/// decades are left for room around the data and for the next round number. What lies beyond is drawn on the frame.
+/// Sizes beyond this do not count when an axis is laid out, and sizes below its inverse count as nothing. Powers of ten end
+/// at 1e308; eight decades are left for room around the data and for the next round number. What lies beyond is drawn on
+/// the frame.
 const LARGEST: f64 = 1e300;
 
 /// Decades on a logarithmic axis at most. The dissipation of a ring-down that has sunk to the last bit of its first amplitude
@@ -159,11 +160,12 @@ impl Scale {
 
 /// The smallest and the largest value that count; infinite where there is none.
 fn limits(spread: Spread, values: impl Iterator<Item = f64>) -> (f64, f64) {
-    let counts = |x: &f64| match spread {
-        Spread::Linear => x.abs() <= LARGEST,
-        Spread::Log => (LARGEST.recip()..=LARGEST).contains(x),
+    let counted = |x: f64| match spread {
+        Spread::Linear if x.abs() < LARGEST.recip() => Some(0.0),
+        Spread::Linear => Some(x).filter(|x| x.abs() <= LARGEST),
+        Spread::Log => Some(x).filter(|x| (LARGEST.recip()..=LARGEST).contains(x)),
     };
-    let mut values: Vec<f64> = values.filter(counts).collect();
+    let mut values: Vec<f64> = values.filter_map(counted).collect();
     let ends = |(low, high): (f64, f64), x: &f64| (low.min(*x), high.max(*x));
     let (low, high) = values.iter().fold((f64::INFINITY, f64::NEG_INFINITY), ends);
     if spread == Spread::Linear || values.is_empty() || high / low <= 10f64.powi(MOST_DECADES) {
