@@ -42,14 +42,14 @@ fn record(ratio: f64, dt: f64, samples: usize, seed: u64) -> Vec<f64> {
 fn curves(criterion: &mut Criterion) {
     let dt = 1e-4;
     let channels: Vec<Vec<f64>> = (1..=CHANNELS as u64).map(|seed| record(0.5, dt, 65_536, seed)).collect();
-    let of = |x: &Vec<f64>| {
+    let curves_of = |x: &Vec<f64>| {
         let envelope = envelope(x, dt, Method::Hilbert, &Options::default()).expect("an envelope");
         Curves::new(&envelope, Quantity::Acceleration, ForceAxis::Modal).expect("curves")
     };
     let mut group = criterion.benchmark_group("identification");
     group.sample_size(20);
     group.bench_function("envelopes and curves, 65,536 x 3", |b| {
-        b.iter(|| channels.iter().map(of).collect::<Vec<_>>());
+        b.iter(|| channels.iter().map(curves_of).collect::<Vec<_>>());
     });
     let views: Vec<&[f64]> = channels.iter().map(Vec::as_slice).collect();
     let names = ["left", "middle", "right"].map(str::to_owned);

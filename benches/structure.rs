@@ -13,15 +13,20 @@ fn beam() -> Structure {
 }
 
 /// The paper's blow, recorded in bending modes 1 to 3.
-fn blow(of: &Assembled, modes: &Modes, steps: usize, representation: Representation) -> Transient<'static> {
+fn blow(
+    assembled: &Assembled,
+    modes: &Modes,
+    steps: usize,
+    representation: Representation,
+) -> Transient<'static> {
     Transient {
         dt: 1e-5,
         steps,
         pulse: Pulse::Haversine { amplitude: 1000.0, duration: 1.6e-3 },
-        load: of.load("tip", [0.0, 0.0, 1.0]).expect("the tip"),
+        load: assembled.load("tip", [0.0, 0.0, 1.0]).expect("the tip"),
         initial_velocity: None,
         representation,
-        outputs: [6, 7, 8].map(|i| of.modal_output(format!("mode {i}"), modes, i)).to_vec(),
+        outputs: [6, 7, 8].map(|i| assembled.modal_output(format!("mode {i}"), modes, i)).to_vec(),
     }
 }
 
@@ -37,15 +42,16 @@ fn paper_beam(criterion: &mut Criterion) {
     for (name, representation) in
         [("sliders", Representation::DEFAULT_IN_A_STRUCTURE), ("continuum", Representation::Continuum)]
     {
-        let of = blow(&assembled, reduced.modes(), 20_000, representation);
+        let task = blow(&assembled, reduced.modes(), 20_000, representation);
         group.throughput(Throughput::Elements(20_000));
         group.bench_function(format!("reduced step, {name}"), |b| {
-            b.iter(|| black_box(reduced.transient(&of).expect("response")));
+            b.iter(|| black_box(reduced.transient(&task).expect("response")));
         });
     }
-    let of = blow(&assembled, reduced.modes(), 200, Representation::DEFAULT_IN_A_STRUCTURE);
+    let task = blow(&assembled, reduced.modes(), 200, Representation::DEFAULT_IN_A_STRUCTURE);
     group.throughput(Throughput::Elements(200));
-    group.bench_function("full step", |b| b.iter(|| black_box(assembled.transient(&of).expect("response"))));
+    group
+        .bench_function("full step", |b| b.iter(|| black_box(assembled.transient(&task).expect("response"))));
     group.finish();
 }
 

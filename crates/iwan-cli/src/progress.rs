@@ -1,4 +1,4 @@
-//! Progress on the terminal, and Ctrl-C.
+//! Bar on the terminal, and Ctrl-C.
 
 use std::io::IsTerminal;
 use std::ops::ControlFlow;
@@ -32,11 +32,11 @@ pub(crate) fn check_interrupt() -> Result<(), Failure> {
 
 /// A progress bar on a terminal, silence elsewhere.
 #[derive(Debug)]
-pub(crate) struct Progress {
+pub(crate) struct Bar {
     bar: ProgressBar,
 }
 
-impl Progress {
+impl Bar {
     /// A bar with a title.
     pub(crate) fn new(title: &'static str, quiet: bool) -> Self {
         let hidden = quiet || !std::io::stderr().is_terminal();
@@ -84,7 +84,7 @@ impl Progress {
     }
 }
 
-impl Drop for Progress {
+impl Drop for Bar {
     fn drop(&mut self) {
         self.bar.finish_and_clear();
     }

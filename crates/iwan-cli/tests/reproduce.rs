@@ -27,12 +27,12 @@ fn found<'a>(all: &'a Value, entry: &Value) -> (String, &'a Value) {
         return (path.to_string(), all.pointer(path).unwrap_or(&Value::Null));
     }
     let (finding, number) = (entry["finding"].as_str().unwrap(), entry["number"].as_str().unwrap());
-    let of = |list: &'a Value, key: &str, name: &str| {
+    let named = |list: &'a Value, key: &str, name: &str| {
         list.as_array().unwrap().iter().find(|item| item[key] == name).unwrap_or(&Value::Null)
     };
-    let finding_ = of(&all["findings"], "id", finding);
-    assert!(finding_.is_object(), "there is no finding {finding}");
-    (format!("{finding}: {number}"), &of(&finding_["numbers"], "name", number)["value"])
+    let entry = named(&all["findings"], "id", finding);
+    assert!(entry.is_object(), "there is no finding {finding}");
+    (format!("{finding}: {number}"), &named(&entry["numbers"], "name", number)["value"])
 }
 
 /// What is wrong with a value, if anything.

@@ -5,7 +5,6 @@
 
 // What everything stands on: why something was refused, how far a long computation is, vectors and matrices.
 mod error;
-mod progress;
 mod algebra;
 
 // The body: nodes and elements, what one element does, what the user says about the whole.
@@ -28,7 +27,6 @@ pub use element::{ElementMatrices, Formulation, Inertia, Material};
 pub use error::Error;
 pub use matrices::{Assembled, SlipUnknown, Unknown};
 pub use modes::{Class, JointMode, Limit, ModalFilter, Modes, NamedMode, NamedModes};
-pub use progress::Progress;
 pub use quasi_static::{ModalCurves, QuasiStatic};
 pub use structure::{Interface, Joint, Law, Lump, Patch, Slip, Structure, Support, check, paper};
 pub use transient::{
@@ -36,5 +34,5 @@ pub use transient::{
     Run, SlipHistory, StepErrors, StructureResponse, Transient,
 };
 
-// How joints are evaluated in time is the same question for a mode and for a structure.
-pub use iwan_core::Representation;
+// How joints are evaluated in time, and how long work tells of itself, is the same for a mode and for a structure.
+pub use iwan_core::{Progress, Representation};

@@ -3,6 +3,7 @@
 #![allow(clippy::unwrap_used, reason = "a failed test may panic")]
 
 use std::ops::ControlFlow;
+use std::sync::Mutex;
 
 use iwan_fem::mesh::beam::Configuration;
 use iwan_fem::mesh::block::{block, uniform};
@@ -133,14 +134,16 @@ fn repeated_modes_of_a_cube_are_all_found() {
 #[test]
 fn a_search_can_be_broken_off() {
     let assembled = beam(Configuration::A, 1);
-    let mut shares = Vec::new();
-    let stopped = assembled.modes_observed(Limit::Stuck, 50, &mut |share| {
+    let shares = Mutex::new(Vec::new());
+    let stopped = assembled.modes_observed(Limit::Stuck, 50, &|share| {
+        let mut shares = shares.lock().unwrap();
         shares.push(share);
         if shares.len() == 5 { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
     });
+    let shares = shares.into_inner().unwrap();
     assert_eq!(stopped.unwrap_err(), Error::Interrupted);
     assert!(shares[0] == 0.0 && shares.windows(2).all(|s| s[1] > s[0]) && shares[4] < 1.0, "{shares:?}");
-    let broken = NamedModes::observed(assembled.structure(), 4, &mut |share| {
+    let broken = NamedModes::observed(assembled.structure(), 4, &|share| {
         if share > 0.5 { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
     });
     assert_eq!(broken.unwrap_err(), Error::Interrupted);

@@ -3,9 +3,11 @@
 #![allow(clippy::unwrap_used, reason = "a failed test may panic")]
 
 use std::ops::ControlFlow;
+use std::sync::Mutex;
 use std::sync::OnceLock;
 
 use iwan_core::Pulse;
+use iwan_core::progress::UNWATCHED;
 use iwan_fem::mesh::beam::Configuration;
 use iwan_fem::{
     Assembled, Basis, Class, Error, Limit, Model, Modes, NamedModes, Representation, StructureResponse,
@@ -180,41 +182,41 @@ fn mode_one_curves_are_those_of_a_second_program() {
 #[test]
 fn models_by_their_names() {
     let (assembled, task) = (&beam().assembled, blow(10.0, 600));
-    let mut shares = Vec::new();
-    let mut heard = |share: f64| {
-        shares.push(share);
+    let shares = Mutex::new(Vec::new());
+    let heard = |share: f64| {
+        shares.lock().unwrap().push(share);
         ControlFlow::Continue(())
     };
-    let basis = assembled.integrate(Model::Basis(50), &task, &mut heard).unwrap();
+    let basis = assembled.integrate(Model::Basis(50), &task, &heard).unwrap();
+    let shares = shares.into_inner().unwrap();
     // The search for modes, then the run.
     assert!(shares[0] == 0.0 && shares.windows(2).all(|s| s[1] >= s[0]), "{shares:?}");
     assert_eq!(shares[shares.len() - 2..], [256.0, 512.0].map(|n| 0.5 + 0.5 * (n / 600.0)));
     let reduced = assembled.reduce(50, Basis::default()).unwrap();
     assert_eq!(basis.response.outputs, reduced.transient(&task).unwrap().outputs);
     assert_eq!((basis.basis(), basis.basis_error), (Some(50), None));
-    let mut on = |_| ControlFlow::Continue(());
-    let full = assembled.integrate(Model::Full, &blow(10.0, 50), &mut on).unwrap();
+    let full = assembled.integrate(Model::Full, &blow(10.0, 50), UNWATCHED).unwrap();
     assert_eq!(full.response.outputs, assembled.transient(&blow(10.0, 50)).unwrap().outputs);
-    let found = assembled.integrate(Model::Tolerance(0.5), &task, &mut on).unwrap();
+    let found = assembled.integrate(Model::Tolerance(0.5), &task, UNWATCHED).unwrap();
     assert_eq!(found.basis_error.map(|error| error.converged), Some(true));
 
     // Second order: the error that half a step leaves is a quarter of that of the step.
-    let errors = reduced.step_errors(&task, &basis.response, &mut on).unwrap();
+    let errors = reduced.step_errors(&task, &basis.response, UNWATCHED).unwrap();
     let fine = Transient { dt: 0.5 * task.dt, steps: 2 * task.steps, ..task.clone() };
-    let smaller = reduced.step_errors(&fine, &reduced.transient(&fine).unwrap(), &mut on).unwrap();
+    let smaller = reduced.step_errors(&fine, &reduced.transient(&fine).unwrap(), UNWATCHED).unwrap();
     for (coarse, fine) in errors.time_step.iter().zip(&smaller.time_step) {
         assert!((coarse / fine / 4.0 - 1.0).abs() < 0.1, "{coarse} {fine}");
     }
     let continuum = Transient { representation: Representation::Continuum, ..task.clone() };
     let exact = reduced.transient(&continuum).unwrap();
-    assert_eq!(reduced.step_errors(&continuum, &exact, &mut on).unwrap().sliders, None);
+    assert_eq!(reduced.step_errors(&continuum, &exact, UNWATCHED).unwrap().sliders, None);
 
-    let mut off = |_| ControlFlow::Break(());
+    let off = |_: f64| ControlFlow::Break(());
     for model in [Model::Full, Model::Basis(50), Model::Tolerance(0.5)] {
-        assert_eq!(assembled.integrate(model, &task, &mut off).unwrap_err(), Error::Interrupted);
+        assert_eq!(assembled.integrate(model, &task, &off).unwrap_err(), Error::Interrupted);
     }
     let endless = Transient { steps: usize::MAX, ..task };
-    let error = assembled.integrate(Model::Basis(50), &endless, &mut on).unwrap_err();
+    let error = assembled.integrate(Model::Basis(50), &endless, UNWATCHED).unwrap_err();
     assert!(error.to_string().contains("8 GB"), "{error}");
 }
 

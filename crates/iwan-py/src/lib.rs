@@ -19,7 +19,8 @@ mod ring_down;
 mod records;
 mod structures;
 
-// The command line, whole.
+// The paper reproduced, and the command line, whole.
+mod study;
 mod command;
 
 /// What `iwan` is made of; users import it from there.
@@ -45,6 +46,8 @@ mod _native {
     use crate::structures::static_curves::_quasi_static;
     #[pymodule_export]
     use crate::structures::structure::{_built_in_structure, _load_structure, _structure, Structure};
+    #[pymodule_export]
+    use crate::study::_reproduce;
     #[pymodule_export]
     use crate::values::joint_face::Joint;
     #[pymodule_export]

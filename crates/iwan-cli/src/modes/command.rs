@@ -27,7 +27,7 @@ pub(crate) fn run(args: &ModesArgs) -> Result<(), Failure> {
 
     let clock = Instant::now();
     let bar = session.bar("modes");
-    let linear = Linear::observed(source, file, args.count.get(), &mut |share| bar.report(share))?;
+    let linear = Linear::observed(source, file, args.count.get(), &|share| bar.report(share))?;
     drop(bar);
     let summary = ModesSummary::new(&linear, clock.elapsed().as_secs_f64());
 

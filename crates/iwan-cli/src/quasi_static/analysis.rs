@@ -5,7 +5,7 @@ use iwan_ident::static_fit::{StaticCurves, StaticFit, fit_static};
 
 use super::args::QuasiStaticArgs;
 use crate::failure::Failure;
-use crate::progress::Progress;
+use crate::progress::Bar;
 use crate::structures::Linear;
 
 /// A mode with its curves and what fits them.
@@ -20,11 +20,7 @@ pub(crate) struct Analysed {
 }
 
 /// The curves of the modes asked for, with their fits.
-pub(super) fn analyse(
-    linear: &Linear,
-    args: &QuasiStaticArgs,
-    bar: &Progress,
-) -> Result<Vec<Analysed>, Failure> {
+pub(super) fn analyse(linear: &Linear, args: &QuasiStaticArgs, bar: &Bar) -> Result<Vec<Analysed>, Failure> {
     if linear.assembled.slips().iter().all(|slip| slip.law.is_none()) {
         let message =
             format!("{}: the structure has no joint with a law: its modes are linear", linear.source);

@@ -10,6 +10,7 @@ use super::tables;
 use crate::page::figure::Figure;
 use crate::page::html::{grid, page};
 use crate::page::numbers::short;
+use crate::session::VERSION;
 
 /// The page.
 pub(super) fn render(summary: &Summary, laboratory: &Laboratory, plates: &[Plate]) -> String {
@@ -23,7 +24,7 @@ pub(super) fn render(summary: &Summary, laboratory: &Laboratory, plates: &[Plate
         p.about {
             "Deaner, Allen, Starr, Segalman, " em { "Investigation of Modal Iwan Models for Structures with Bolted Joints" }
             ". Everything here is computed on the spot; every number stands in reproduce.json, every curve in figures.json. \
-             Written by iwan " (summary.version) "."
+             Written by iwan " (VERSION) "."
         }
         p.about {
             "Truth and modal models in lbf, in, s; the laboratory in SI. Modal quantities are mass-normalised. Printed values that are not \

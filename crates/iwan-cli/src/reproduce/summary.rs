@@ -17,8 +17,8 @@ pub(super) struct ReproduceSummary {
     pub(super) found: iwan_study::Summary,
     /// The figures, whose data are in figures.json.
     figures: Vec<FigureEntry>,
-    /// Wall-clock time, s: on standard output only, so that the file is the same every time.
-    #[serde(skip_serializing_if = "Option::is_none")]
+    /// Wall-clock time, s.
+    #[serde(skip)]
     pub(super) seconds: Option<f64>,
 }
 
@@ -61,6 +61,10 @@ impl ReproduceSummary {
 }
 
 impl Summary for ReproduceSummary {
+    fn seconds(&self) -> Option<f64> {
+        self.seconds
+    }
+
     /// What the terminal shows: Table 2 and the findings.
     fn text(&self) -> String {
         let mut text = format!(

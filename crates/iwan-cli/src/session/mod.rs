@@ -15,7 +15,7 @@ use iwan_io::Table;
 use crate::args::{Common, Format};
 use crate::failure::Failure;
 use crate::output;
-use crate::progress::{self, Progress};
+use crate::progress::{self, Bar};
 pub(crate) use results::Results;
 pub(crate) use summary::{Summary, VERSION};
 
@@ -87,13 +87,13 @@ impl Session {
     }
 
     /// A progress bar for work that can say how far it is.
-    pub(crate) fn bar(&self, title: &'static str) -> Progress {
-        Progress::new(title, self.console.quiet)
+    pub(crate) fn bar(&self, title: &'static str) -> Bar {
+        Bar::new(title, self.console.quiet)
     }
 
     /// A sign of life for work that cannot.
-    pub(crate) fn busy(&self, title: &'static str) -> Progress {
-        Progress::busy(title, self.console.quiet)
+    pub(crate) fn busy(&self, title: &'static str) -> Bar {
+        Bar::busy(title, self.console.quiet)
     }
 
     /// Says what the user should know about the input.

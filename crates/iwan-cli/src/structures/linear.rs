@@ -1,6 +1,6 @@
 //! A structure with its linear modes, named: what the structure commands begin with.
 
-use std::ops::{ControlFlow, Deref};
+use std::ops::Deref;
 
 use iwan_fem::NamedModes;
 use iwan_input::{BUILT_IN_STRUCTURES, InputError, InputText, StructureFile};
@@ -56,7 +56,7 @@ impl Linear {
         source: String,
         file: StructureFile,
         count: usize,
-        progress: &mut dyn FnMut(f64) -> ControlFlow<()>,
+        progress: iwan_core::Progress<'_>,
     ) -> Result<Self, Failure> {
         let modes = NamedModes::observed(&file.structure, count, progress);
         let modes = modes.map_err(|error| explain(&source, &error))?;

@@ -16,7 +16,7 @@ use super::random::random;
 use super::sparse::{Symmetric, add_scaled, dot, largest, scale};
 use super::workers::Workers;
 use crate::error::Error;
-use crate::progress::Progress;
+use iwan_core::Progress;
 
 /// Columns per block: a solve takes a group of them. Of an eigenvalue that is repeated more often the first block finds no more than
 /// this many; the Sturm count sees that and random columns join the search.
@@ -413,7 +413,7 @@ mod tests {
         let problem = Problem { stiffness: &stiffness, mass: &mass, shift: 0.5, analysis: &analysis };
         let factor = problem.factor().unwrap();
         for count in [5, 15, 20, 60] {
-            let pairs = problem.lowest(count, &factor, &mut |_| std::ops::ControlFlow::Continue(())).unwrap();
+            let pairs = problem.lowest(count, &factor, iwan_core::progress::UNWATCHED).unwrap();
             for (value, expected) in pairs.values.iter().zip(&expected) {
                 assert!((value - expected).abs() < 1e-10 * (1.0 + expected), "{count}: {value} {expected}");
             }

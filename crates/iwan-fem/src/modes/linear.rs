@@ -1,12 +1,12 @@
 //! Linear modes with all joints stuck or slipping.
 
 use std::f64::consts::PI;
-use std::ops::ControlFlow;
 
 use crate::algebra::{Cholesky, Pairs, Problem, Symmetric};
 use crate::error::Error;
 use crate::matrices::Assembled;
-use crate::progress::Progress;
+use iwan_core::Progress;
+use iwan_core::progress::UNWATCHED;
 
 /// What the joints do while a structure vibrates linearly.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -76,7 +76,7 @@ impl Assembled {
     /// # Ok::<(), iwan_fem::Error>(())
     /// ```
     pub fn modes(&self, limit: Limit, count: usize) -> Result<Modes, Error> {
-        self.modes_observed(limit, count, &mut |_| ControlFlow::Continue(()))
+        self.modes_observed(limit, count, UNWATCHED)
     }
 
     /// [`modes`](Self::modes) with a progress report, by what the search usually takes, that may break it off. A

@@ -1,15 +1,16 @@
 //! The elastic modes of a structure by name, with all joints stuck and with all slipping.
 
 use std::collections::BTreeMap;
-use std::ops::ControlFlow;
 
 use super::class::Class;
 use super::joint_mode::JointMode;
 use super::linear::{Limit, Modes};
 use crate::error::Error;
 use crate::matrices::Assembled;
-use crate::progress::{Progress, part};
 use crate::structure::Structure;
+use iwan_core::Progress;
+use iwan_core::progress::UNWATCHED;
+use iwan_core::progress::part;
 
 /// Rigid motions of a free structure.
 const RIGID: usize = 6;
@@ -62,7 +63,7 @@ impl NamedModes {
     /// # Errors
     /// As [`Structure::assemble`] and [`Assembled::modes`].
     pub fn new(structure: &Structure, count: usize) -> Result<Self, Error> {
-        Self::observed(structure, count, &mut |_| ControlFlow::Continue(()))
+        Self::observed(structure, count, UNWATCHED)
     }
 
     /// [`new`](Self::new) with a progress report that may break it off.
@@ -73,9 +74,9 @@ impl NamedModes {
         let assembled = structure.assemble()?;
         let most = assembled.unknowns();
         let wanted = count.saturating_add(RIGID).min(most);
-        let stuck = assembled.modes_observed(Limit::Stuck, wanted, &mut part(progress, [0.0, 0.5]))?;
+        let stuck = assembled.modes_observed(Limit::Stuck, wanted, &part(progress, [0.0, 0.5]))?;
         let wanted = count.saturating_add(RIGID + assembled.slips().len()).min(most);
-        let slipping = assembled.modes_observed(Limit::Slipping, wanted, &mut part(progress, [0.5, 1.0]))?;
+        let slipping = assembled.modes_observed(Limit::Slipping, wanted, &part(progress, [0.5, 1.0]))?;
         let mut elastic = elastic(&assembled, &stuck, &slipping);
         elastic.truncate(count);
         Ok(Self { assembled, stuck, slipping, elastic })

@@ -1,13 +1,13 @@
 //! Reduced transients whose basis grows until it no longer matters.
 
-use std::ops::ControlFlow;
-
 use super::reduction::{Basis, Reduced};
 use super::response::{History, StructureResponse};
 use super::task::Transient;
 use crate::error::{Error, check};
 use crate::matrices::Assembled;
-use crate::progress::{Progress, part};
+use iwan_core::Progress;
+use iwan_core::progress::UNWATCHED;
+use iwan_core::progress::part;
 
 /// A reduced response with an estimate of what the reduction costs.
 #[derive(Debug, Clone)]
@@ -37,7 +37,7 @@ impl Assembled {
     /// # Errors
     /// As [`Reduced::transient`](crate::Reduced::transient); [`Error::Analysis`] without outputs, as they are what is compared.
     pub fn reduced_transient(&self, task: &Transient<'_>, tolerance: f64) -> Result<Converged<'_>, Error> {
-        self.reduced_transient_observed(task, tolerance, &mut |_| ControlFlow::Continue(()))
+        self.reduced_transient_observed(task, tolerance, UNWATCHED)
     }
 
     /// [`reduced_transient`](Self::reduced_transient) with a progress report that may break it off: each basis takes
@@ -61,9 +61,8 @@ impl Assembled {
         let mut modes = FIRST.min(most);
         let mut respond = |modes: usize, done: f64| -> Result<_, Error> {
             let ends = [0.5, 1.0].map(|half: f64| done + 0.5 * half * (1.0 - done));
-            let reduced =
-                self.reduce_observed(modes, Basis::default(), &mut part(progress, [done, ends[0]]))?;
-            let response = reduced.transient_observed(task, &mut part(progress, ends))?;
+            let reduced = self.reduce_observed(modes, Basis::default(), &part(progress, [done, ends[0]]))?;
+            let response = reduced.transient_observed(task, &part(progress, ends))?;
             Ok((reduced, response, ends[1]))
         };
         let (_, mut response, mut done) = respond(modes, 0.0)?;

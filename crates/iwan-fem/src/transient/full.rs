@@ -4,7 +4,6 @@
 //! Eng. Mech. Div. ASCE 85(3):67, 1959) A = M + dt²/4 K_∞ is factored once; a step is one solve for the
 //! acceleration with the joints' forces held, the small system of the slips, and its correction through the columns A⁻¹ E.
 
-use std::ops::ControlFlow;
 use std::time::Instant;
 
 use super::joint_states::{Joints, tables};
@@ -14,7 +13,8 @@ use super::task::Transient;
 use crate::algebra::{Cholesky, Group, LANES, NodalProduct, add_scaled, dot};
 use crate::error::Error;
 use crate::matrices::{Assembled, inverse_of};
-use crate::progress::Progress;
+use iwan_core::Progress;
+use iwan_core::progress::UNWATCHED;
 
 impl Assembled {
     /// Integrates the full model.
@@ -22,7 +22,7 @@ impl Assembled {
     /// # Errors
     /// [`Error`] for numbers out of range, lengths that do not fit, and slips that do not settle.
     pub fn transient(&self, task: &Transient<'_>) -> Result<StructureResponse, Error> {
-        self.transient_observed(task, &mut |_| ControlFlow::Continue(()))
+        self.transient_observed(task, UNWATCHED)
     }
 
     /// [`transient`](Self::transient) with a progress report that may break it off.

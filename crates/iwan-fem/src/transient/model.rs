@@ -5,8 +5,9 @@ use super::response::{History, StructureResponse};
 use super::task::Transient;
 use crate::error::Error;
 use crate::matrices::Assembled;
-use crate::progress::{Progress, part};
+use iwan_core::Progress;
 use iwan_core::Representation;
+use iwan_core::progress::part;
 
 /// Which model is integrated.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -74,9 +75,8 @@ impl Assembled {
             }
             Model::Basis(modes) => {
                 let modes = modes.min(self.unknowns());
-                let reduced =
-                    self.reduce_observed(modes, Basis::default(), &mut part(progress, [0.0, 0.5]))?;
-                let response = reduced.transient_observed(task, &mut part(progress, [0.5, 1.0]))?;
+                let reduced = self.reduce_observed(modes, Basis::default(), &part(progress, [0.0, 0.5]))?;
+                let response = reduced.transient_observed(task, &part(progress, [0.5, 1.0]))?;
                 Ok(Integrated { response, reduced: Some(reduced), basis_error: None })
             }
             Model::Tolerance(tolerance) => {

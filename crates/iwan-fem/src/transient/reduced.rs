@@ -7,7 +7,6 @@
 //! would do the same, but rounding of d would damp: some 1e-16 of the energy each step, always of one sign.)
 #![expect(clippy::inline_always, reason = "what is not inlined does not get the wide registers")]
 
-use std::ops::ControlFlow;
 use std::time::Instant;
 
 use super::joint_states::{Joints, tables};
@@ -18,7 +17,8 @@ use super::task::Transient;
 use crate::algebra::{Group, LANES, grouped, total};
 use crate::error::Error;
 use crate::matrices::inverse_of;
-use crate::progress::Progress;
+use iwan_core::Progress;
+use iwan_core::progress::UNWATCHED;
 
 impl Reduced<'_> {
     /// Integrates the reduced model; outputs are functionals of the unknowns of the full one.
@@ -46,7 +46,7 @@ impl Reduced<'_> {
     /// # Ok::<(), iwan_fem::Error>(())
     /// ```
     pub fn transient(&self, task: &Transient<'_>) -> Result<StructureResponse, Error> {
-        self.transient_observed(task, &mut |_| ControlFlow::Continue(()))
+        self.transient_observed(task, UNWATCHED)
     }
 
     /// [`transient`](Self::transient) with a progress report that may break it off.

@@ -5,15 +5,14 @@
 //! orthogonal to the modes and diagonalised among themselves, so that mass and stuck stiffness of the reduced model are
 //! diagonal: q'' + Λ q + Bᵀ [F(s) - K_T s] = p(t) Vᵀ g, s = B q. The first coordinates are the modal coordinates.
 
-use std::ops::ControlFlow;
-
 use faer::Mat;
 
 use crate::algebra::{Cholesky, Symmetric, add_scaled, dot, product, scale, symmetric_eigen};
 use crate::error::{Error, check};
 use crate::matrices::Assembled;
 use crate::modes::{Limit, Modes};
-use crate::progress::Progress;
+use iwan_core::Progress;
+use iwan_core::progress::UNWATCHED;
 
 /// What spans the reduced model.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -49,7 +48,7 @@ impl Assembled {
     /// # Errors
     /// As [`modes`](Self::modes).
     pub fn reduce(&self, modes: usize, basis: Basis) -> Result<Reduced<'_>, Error> {
-        self.reduce_observed(modes, basis, &mut |_| ControlFlow::Continue(()))
+        self.reduce_observed(modes, basis, UNWATCHED)
     }
 
     /// [`reduce`](Self::reduce) with a progress report that may break it off.

@@ -7,7 +7,7 @@ use super::response::StructureResponse;
 use super::task::{Output, Transient};
 use crate::error::Error;
 use crate::modes::{NamedMode, NamedModes};
-use crate::progress::Progress;
+use iwan_core::Progress;
 
 /// What a run gives besides the response; all of it from the reduced model, so that the full one gives none.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]

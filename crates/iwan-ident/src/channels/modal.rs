@@ -4,9 +4,11 @@ use nalgebra::DMatrix;
 
 use crate::error::{Error, check, check_length, check_samples};
 
-/// Singular values below this part of the largest count as zero.
+/// Singular values below this part of the largest count as zero: shapes from a file have six digits or more, and rounding leaves
+/// 1e-16. Shapes that are told apart worse are refused with their rank.
 const RANK_TOLERANCE: f64 = 1e-10;
-/// A channel whose scaled record leaves the average by more than this part of its root mean square is an outlier.
+/// A channel whose scaled record leaves the average by more than this part of its root mean square is an outlier, named and not
+/// dropped: calibration and shapes together are good to a few per cent. A judgement.
 const OUTLIER: f64 = 0.25;
 
 /// The pseudo-inverse Φ⁺ of a matrix of mode shapes: q'' = Φ⁺ x'' (Eq. 18).

@@ -13,10 +13,13 @@ use crate::error::{Error, check};
 use crate::parameters::{COUNT, Parameter, Parameters};
 use crate::search::{Chart, Search, TOLERANCE};
 
-/// Least relative standard deviation of a dissipation: what averaging neglects.
+/// Least relative standard deviation of a dissipation: what averaging neglects (second order in the damping) and what smooth
+/// curves are wrong by beyond their noise. Without a floor the loudest, cleanest stretch would decide alone. A judgement, as is
+/// the ratio of the two floors: with it dissipation weighs 500 times less than frequency, relative to themselves.
 pub(crate) const DISSIPATION_FLOOR: f64 = 5e-3;
 /// Least standard deviation of a frequency, relative to it: the same.
 pub(crate) const FREQUENCY_FLOOR: f64 = 1e-5;
+/// Steps of a search at most; ten to fifty are usual. A fit that does not settle is taken where it stands and judged by its misfit.
 const ITERATIONS: usize = 300;
 
 /// What a set of curves and a model have in common, and what not.

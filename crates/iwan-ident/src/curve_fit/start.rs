@@ -8,23 +8,28 @@ use crate::parameters::Parameters;
 
 /// Entries of positive dissipation that are needed: a line at low force and a range of frequency.
 const NEEDED: usize = 8;
-/// Part of the range of ln force that counts as low force.
+/// Part of the range of ln force that counts as low force: below the knee wherever there is one, and long enough for a slope.
+/// A judgement, for a start that the fit improves.
 const LOW: f64 = 0.4;
-/// Range into which χ is brought.
+/// Range into which χ is brought for a start, with a note: measured joints lie between -0.9 …
 const CHI_LOW: f64 = -0.9;
+/// … and a little above 0, which is what the slope of a viscous damper beside a joint looks like.
 const CHI_HIGH: f64 = 0.2;
-/// K_T over ω0² is brought between these.
+/// K_T over ω0² is brought above this for a start, the shift of a frequency that is known to five digits, …
 const LEAST_JOINT: f64 = 1e-5;
+/// … and below this, so that K_∞ stays well positive.
 const MOST_JOINT: f64 = 0.9;
-/// β between which Eq. 14 is searched for a root.
+/// β from which Eq. 14 is searched for a root: no Dirac for every purpose, …
 const BETA_LOW: f64 = 1e-4;
+/// … and to which: nothing but the Dirac.
 const BETA_HIGH: f64 = 1e3;
-/// β where Eq. 14 has no root.
+/// β where Eq. 14 has no root: that of the paper's first mode (Table 2).
 const BETA_WITHOUT_ROOT: f64 = 0.3;
-/// Halvings of ln β.
+/// Halvings of ln β: its range of 16 comes down to 1e-17.
 const HALVINGS: usize = 60;
-/// ζ_v over the smallest damping ratio of the curve, and the most it may be.
+/// ζ_v over the smallest damping ratio of the curve: friction is never quite gone at the quiet end. A judgement, for a start.
 const VISCOUS_SHARE: f64 = 0.3;
+/// The most that ζ_v is at a start: above 5 % there is no ring-down to speak of.
 const MOST_VISCOUS: f64 = 0.05;
 
 /// Start values and how they came about.

@@ -1,13 +1,14 @@
 //! Whether one four-parameter joint with a viscous damper matches dissipation and frequency together, and how far off
 //! it is.
 
-/// The model is adequate if dissipation is missed by at most this part (root mean square) …
+/// The model is adequate if dissipation is missed by at most this part (root mean square): about what repeated hits of one specimen
+/// differ by. A judgement, not calibrated, …
 const DISSIPATION: f64 = 0.03;
-/// … and frequency by at most this part of its measured shift, unless noise explains more.
+/// … as is the part of its measured shift by which frequency may be missed, unless noise explains more.
 const FREQUENCY: f64 = 0.1;
-/// Misfit in standard deviations that noise explains.
+/// Misfit, as a root mean square in standard deviations, that noise explains: two, as for an interval of 95 %.
 const NOISE: f64 = 2.0;
-/// A shift of the frequency below this part of it is none.
+/// A shift of the frequency below this part of it is none: ring-downs of real structures do not repeat better.
 const SHIFT_FLOOR: f64 = 1e-5;
 
 /// A measured value of a curve, its standard deviation, and the model's value.

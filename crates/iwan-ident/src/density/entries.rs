@@ -5,11 +5,14 @@ use std::f64::consts::TAU;
 use crate::curve_fit::{DISSIPATION_FLOOR, FREQUENCY_FLOOR};
 use crate::curves::Curves;
 
-/// Entries of one curve that are used, at most: neighbours say the same.
+/// Entries of one curve that are used, at most: a smooth curve holds a dozen independent values, and the time of the solution
+/// grows with the entries.
 const ENTRIES: usize = 150;
-/// Part of a curve that is left out at either end: smooth curves through records know only one side there.
+/// Part of a curve that is left out at either end, where smooth curves through records know only one side and are worst.
+/// A judgement.
 const ENDS: f64 = 0.04;
-/// A slope d ln ω/d ln u beyond this is noise.
+/// A slope d ln ω/d ln u beyond this is noise and taken as none: a joint that makes up all stiffness in macro-slip reaches -1/2, one
+/// of a tenth of it -0.05.
 const STEEPEST: f64 = 0.3;
 
 /// An entry of a curve.

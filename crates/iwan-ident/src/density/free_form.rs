@@ -7,7 +7,8 @@ use iwan_core::{Backbone, DensityPoint, Oscillator, ResidualStiffness, Tabulated
 use crate::curve_fit::{Predicted, Verdict};
 use crate::error::Error;
 
-/// Mean squared residual up to which the curves count as explained.
+/// Mean squared residual, in units of the curves' variance, up to which the curves count as explained: 1 is expected, and the
+/// deviations of smooth curves are themselves known to a factor of √2 or so.
 const EXPLAINED: f64 = 2.0;
 
 /// What the density is to match.

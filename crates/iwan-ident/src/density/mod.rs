@@ -26,7 +26,7 @@ use entries::{Entry, entries};
 pub use free_form::{Evidence, FreeForm};
 use problem::Problem;
 
-/// Entries that are needed.
+/// Entries that are needed: a power law, a damper and a frequency have four numbers. Fewer entries are refused.
 const NEEDED: usize = 8;
 
 /// The density that matches the curves of one or several force levels best, without an assumption on its form.

@@ -6,7 +6,8 @@ use crate::profile::{Extent, Known, Profiles, profiles, slip_seen};
 use crate::refine::Task;
 use crate::search::Minimum;
 
-/// Searches that begin anew because a profile found a better minimum.
+/// Searches that begin anew because a profile found a better minimum, at most. A judgement: each costs as much as all
+/// profiles together. When they are spent the profiles are taken as they are, and points below the minimum count as on it.
 const ANEW: usize = 6;
 
 /// A minimum and the profiles about it.

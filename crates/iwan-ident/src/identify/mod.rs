@@ -24,7 +24,9 @@ use minimum::{Found, minimum_and_profiles};
 use prepared::Prepared;
 pub use settings::{Held, ModeRecord, Settings};
 
-/// The further starts on the curves.
+/// The further starts on the curves: steeper and flatter powers than the slope suggests, and a joint three times stiffer or half
+/// as stiff. Slopes and knees can be mistaken for one another; a fit on curves costs milliseconds, so each is tried. Which
+/// ones is a judgement, and not varied.
 const OTHER_STARTS: [OtherStart; 4] = [
     OtherStart { chi: -0.5, k_t: 1.0 },
     OtherStart { chi: -0.2, k_t: 1.0 },

@@ -5,7 +5,8 @@ use crate::search::Minimum;
 
 /// 97.5 % point of the normal distribution: intervals hold 95 %.
 const NORMAL: f64 = 1.959963984540054;
-/// A deviance so far below zero is a better minimum.
+/// A deviance so far below zero is a better minimum, and the search begins anew from there: a fortieth of the limit of 3.84, which
+/// moves no end by more than 1.3 %. Smaller differences are the searches' tolerance.
 const BETTER: f64 = -0.1;
 
 /// What all profiles of a task share.

@@ -8,9 +8,10 @@ use crate::search::{Minimum, following};
 /// An interval that reaches this far from its value, in coordinates (logarithms, mostly), is open: a factor of 1,100 either
 /// way, beyond which no engineer would call the parameter known.
 const FARTHEST: f64 = 7.0;
-/// First step when the curvature says nothing.
+/// First step when the curvature says nothing: a tenth of a logarithm. Steps grow by up to four from there.
 const FIRST_STEP: f64 = 0.1;
-/// How far a line through two points is followed, in distances between them.
+/// How far a line through two points is followed, in distances between them: beyond, it is a worse beginning than the nearest point
+/// itself. A judgement; a bad beginning costs time, not the result.
 const FARTHEST_AHEAD: f64 = 5.0;
 /// Longest step, in ln K_T or ln F_S, of a walk from a minimum that does not see macro-slip. With φ_max below the largest
 /// amplitude the deviance has a bend wherever a cycle's amplitude equals φ_max, so that growth seen so far says little about
@@ -24,9 +25,10 @@ const OUTWARDS: usize = 24;
 /// Rounds to bring an end to the precision: halves alone would bring it to 2^-16 of the last step. Where they are spent the
 /// end is where the line through the last two points puts it.
 const INWARDS: usize = 16;
-/// Roots of deviances this many times the limit's are too far for a straight line.
+/// Roots of deviances this many times the limit's are too far for a straight line: halves close in faster there.
 const FAR_OUTSIDE: f64 = 4.0;
-/// Relative precision of the distance of an end, as the root of the deviance.
+/// Relative precision of the distance of an end, as the root of the deviance: half a per cent of an interval's half width, below
+/// what anyone reads off it.
 const PRECISION: f64 = 5e-3;
 /// Relative reduction of the sum of squares at which a search along a profile ends: a hundredth of the residuals'
 /// variance, nearly.

@@ -18,9 +18,10 @@ use crate::search::{Chart, Minimum, Scales, TOLERANCE};
 const KNEES: [f64; 4] = [0.4, 1.0, 2.5, 10.0];
 /// Share β/(1+β) of the Dirac in the further starts: little and much. Little alone ends in the same valleys.
 const DIRACS: [f64; 2] = [0.02, 0.4];
-/// Part of ω0² that the joint has at most where nothing else limits it.
+/// Part of ω0² that the joint has at most at a start where nothing else limits it: K_∞ stays well positive.
 const MOST_JOINT: f64 = 0.9;
-/// Part of ω0² that the joint has where it is next to none.
+/// Part of ω0² that the joint has at the start with next to none: it shifts the frequency by 5e-5, so that derivatives with respect
+/// to it are still seen.
 const LITTLE_JOINT: f64 = 1e-4;
 /// φ_max over the largest amplitude where no record reaches it: any larger one would do.
 pub(crate) const KNEE_UNSEEN: f64 = 2.0;

@@ -15,12 +15,13 @@ use super::release::TurningPoint;
 use crate::curves::Quantity;
 use crate::parameters::Parameters;
 
-/// Windows that cover a moment.
+/// Windows that cover a moment: sin⁴ windows shifted by a quarter of their length sum to a constant, so that no moment counts
+/// more than another.
 pub(super) const OVERLAP: usize = 4;
 /// Cycles from window to window from which on a window is a cubic over half a cycle: what is left of sin⁴ is below
 /// 40/24 (π/16/cycles)⁴ at the ends of the half cycle.
 const LONG: f64 = 4.0;
-/// Most windows of a record: more say no more about a slow amplitude, and cost time.
+/// Most windows of a record: more say no more about a slow amplitude, and cost time. Longer records have longer windows.
 const MOST: f64 = 120.0;
 
 /// Where the windows lie.

@@ -11,13 +11,15 @@ pub(crate) type Residuals<'a> = dyn FnMut(&[f64], &mut [f64]) -> bool + 'a;
 
 /// Relative reduction of the sum of squares at which a search ends that wants the minimum itself.
 pub(crate) const TOLERANCE: f64 = 1e-8;
-/// Half step of the differences, in coordinates of order one.
+/// Half step of the differences, in coordinates of order one: near the cube root of rounding, where central differences are
+/// best (relative errors of 1e-10); one-sided ones are good to 1e-5, enough for a direction.
 const STEP: f64 = 1e-5;
-/// Damping at which no step is left.
+/// Damping at which no step is left: it is 1e-12 of the gradient's. A search that finds no descent up to there has ended.
 const MOST_DAMPING: f64 = 1e12;
-/// Damping that holds no step back which matters.
+/// Damping that holds no step back which matters: valleys are up to a million times longer than wide, which is 1e-12 in squares,
+/// and a search ends only after a step with no more damping than this.
 const LITTLE_DAMPING: f64 = 1e-9;
-/// Longest step of a coordinate in one iteration.
+/// Longest step of a coordinate in one iteration: a factor of e for logarithms, beyond which a linearisation says nothing.
 const LONGEST: f64 = 1.0;
 
 /// Where a search goes and when it ends.

@@ -7,7 +7,8 @@
 
 use nalgebra::{DMatrix, DVector};
 
-/// A gradient below this part of the largest right-hand side is zero.
+/// A gradient below this part of the largest right-hand side is zero: ten thousand times rounding. A larger one would leave out
+/// unknowns that the solution has, a smaller one would let them come and go for ever.
 const TOLERANCE: f64 = 1e-11;
 
 /// Least x'Hx/2 - b'x over x >= 0 for a symmetric positive definite H, beginning with the unknowns in `positive` above

@@ -2,7 +2,8 @@
 
 use std::ops::Range;
 
-/// Equal samples in a row at an extreme value that count as clipped, …
+/// Equal samples in a row at an extreme value that count as clipped. Two occur by chance at the crests of a finely sampled
+/// sinusoid; …
 const CLIPPED_RUN: usize = 3;
 /// … in at least so many places: a digitised crest can be flat once.
 const CLIPPED_PLACES: usize = 2;

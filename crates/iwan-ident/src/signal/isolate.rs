@@ -15,13 +15,15 @@ use crate::smooth::{Points, Polynomial, Smooth};
 /// peaks of a clean linear record is off by 27 % inside the window in place of 0.04 %; with twice as much Hilbert's comes
 /// from 0.5 % to 2e-6, and a record of 27 cycles (0.34 s at 80 Hz) is refused for want of eight.
 const MEMORIES: f64 = 4.0;
-/// The window needs so many cycles.
+/// The window needs so many cycles: an envelope by polynomials has then some thirty values for three coefficients and more.
+/// Fewer are refused.
 const CYCLES: usize = 8;
 /// … and so many values of amplitude and phase: four a cycle, less those of the three cycles that are trimmed.
 const VALUES: usize = 4 * CYCLES - 12;
-/// Samples that a record needs.
+/// Samples that a record needs: eight cycles of eight samples. Fewer are refused.
 const SAMPLES: usize = 64;
-/// Samples between start and end of a window.
+/// Samples between start and end of a window, at least: below, nothing could be fitted, and the remedy is another window and not
+/// a longer record.
 const LEAST_WINDOW: usize = 16;
 /// Times that the window is cut where the mode sinks into noise, each time with the noise estimated anew; one, two and
 /// eight cuts give the same windows on the records tried.
@@ -31,9 +33,10 @@ const LEAST_SCATTER: f64 = 1e-12;
 /// The window ends where the amplitude falls to so many standard deviations of the noise in the band: there one value of
 /// ln A scatters by 20 %. Half and twice change nothing on the records tried down to 20 dB, which end before.
 const ABOVE_NOISE: f64 = 5.0;
-/// Relative residual that is noted when one spectral line makes most of it, …
+/// Relative residual that is noted when one spectral line makes most of it: damping beats by as much as the residual times
+/// the ratio of beat to decay. A judgement, …
 const NOTED: f64 = 0.01;
-/// … and the one that is refused.
+/// … as is the one that is refused: there the instantaneous frequency of the sum is no longer that of a mode.
 const REFUSED: f64 = 0.1;
 /// Part of the residual's power in one line that makes it a component and not noise; a quarter and three quarters name the
 /// same components in the records tried (second modes of 3 to 50 %).

@@ -7,18 +7,21 @@ use rustfft::num_complex::Complex64;
 
 use crate::error::{Error, check, check_dt, check_samples};
 
-/// The automatic band reaches from 0.75 to 1.3 times the peak's frequency …
+/// The automatic band reaches from 0.75 to 1.3 times the peak's frequency: wide enough that the filter's memory is two cycles, narrow
+/// enough that harmonics from 2 on stay outside. A judgement; `--band` overrules it. It does not reach …
 const REACH: (f64, f64) = (0.75, 1.3);
-/// … but not beyond the geometric mean with a neighbouring peak of at least this part of its height (a tenth of that narrows
+/// … beyond the geometric mean with a neighbouring peak of at least this part of its height (a tenth of that narrows
 /// the band of a mode beside a line of 3 %, ten times as much leaves a second mode of 20 % in it, which is refused), …
 const NEIGHBOUR: f64 = 0.03;
 /// and of this many times the median line, which noise alone does not reach, …
 const ABOVE_MEDIAN: f64 = 5.0;
 /// … nor beyond this part of the Nyquist frequency, at which the bilinear transformation has no edge.
 const NYQUIST_PART: f64 = 0.95;
-/// A line of this part of the peak's height is another mode, …
+/// A line of this part of the peak's height is another mode, and the record is compared in the band and not as it is: a mode of
+/// 2e-4 moves the amplitudes by as much, which is of the size of errors that fits of clean records leave. A judgement. …
 const OTHER_MODE: f64 = 2e-4;
-/// … unless it lies this near to a multiple of the peak's frequency.
+/// … It is none where it lies this near to a multiple of the peak's frequency, relative to that: the harmonics of a mode whose frequency
+/// falls with amplitude are as wide as that.
 const HARMONIC: f64 = 0.03;
 /// A peak needs this many cycles in the record: below lie offset and drift.
 const CYCLES: f64 = 5.0;

@@ -6,7 +6,8 @@ use rustfft::num_complex::Complex64;
 
 use crate::error::{Error, check, check_dt, check_samples};
 
-/// Whole cycles in the window of a [`spot`].
+/// Whole cycles in the window of a [`spot`]: a compromise between neighbouring modes, which a longer window keeps out better, and
+/// the time over which amplitude and frequency are averaged.
 const SPOT_CYCLES: f64 = 6.0;
 
 /// A mode at one time.

@@ -64,7 +64,7 @@ impl StructureFile {
     ///     modes: &["bending 1".to_owned()],
     ///     extras: Extras { errors: true, frames: 0 },
     /// };
-    /// let run = file.run(&named, &task, &mut |_| std::ops::ControlFlow::Continue(()))?;
+    /// let run = file.run(&named, &task, iwan_core::progress::UNWATCHED)?;
     /// let peak = run.response.outputs[0].acceleration.iter().fold(0.0_f64, |most, a| most.max(a.abs()));
     /// assert!((peak / 220.78 - 1.0).abs() < 2e-3);
     /// assert!(run.errors.is_some_and(|errors| errors.time_step[0] < 0.01));

@@ -51,6 +51,7 @@ from iwan.errors import (
 
 from iwan.records import as_record
 from iwan.structure import StaticCurves, Structure, StructureModes, StructureResponse
+from iwan.study import reproduce
 
 __all__ = [
     "ComputationError",
@@ -92,6 +93,7 @@ __all__ = [
     "log_likelihood",
     "plot",
     "read_record",
+    "reproduce",
     "simulate",
     "superpose",
 ]

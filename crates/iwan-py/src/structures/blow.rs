@@ -16,7 +16,7 @@ use crate::ring_down::response::balance;
 use crate::structures::structure::{Loaded, Structure};
 use crate::values::pulse::Force;
 
-/// What one run has done when it is at its end.
+/// What one run has done when it is at its end: thousandths, more than any bar shows.
 const PARTS: f64 = 1000.0;
 
 /// What is to be computed.
@@ -66,8 +66,8 @@ pub(crate) fn _simulate_structure<'py>(
         return Err(value("nothing moves the structure: give force=, or velocity= of some modes"));
     }
     let (py, this) = (structure.py(), structure.get().0.clone());
-    let of = this.clone();
-    let done = work::watched(py, progress, move |control| run(&of, &request, control))?;
+    let loaded = this.clone();
+    let done = work::watched(py, progress, move |control| run(&loaded, &request, control))?;
     told(
         py,
         done.map_err(|failure| match failure {
@@ -101,8 +101,8 @@ fn model_of(name: &str, basis: Option<usize>, tolerance: Option<f64>) -> PyResul
     }
 }
 
-fn run(of: &Loaded, request: &Request, control: &Control) -> Result<Run, RunError> {
-    let named = of.named_modes(NamedModes::LOOKED_UP, control)?;
+fn run(loaded: &Loaded, request: &Request, control: &Control) -> Result<Run, RunError> {
+    let named = loaded.named_modes(NamedModes::LOOKED_UP, control)?;
     let task = StructureTask {
         force: request.force.as_ref().map(Force::pulse),
         velocity: &request.velocity,
@@ -113,8 +113,8 @@ fn run(of: &Loaded, request: &Request, control: &Control) -> Result<Run, RunErro
         modes: &request.modes,
         extras: Extras { errors: request.quality, frames: 0 },
     };
-    let mut progress = |share: f64| -> ControlFlow<()> { control.report((share * PARTS) as usize) };
-    let run = of.file.run(&named, &task, &mut progress)?;
+    let progress = |share: f64| -> ControlFlow<()> { control.report((share * PARTS) as usize) };
+    let run = loaded.file.run(&named, &task, &progress)?;
     let _ = control.report(PARTS as usize);
     Ok(run)
 }
@@ -130,9 +130,9 @@ fn told(py: Python<'_>, run: Run) -> PyResult<Bound<'_, PyDict>> {
     dict.set_item("basis_error", basis_error.map(|error| error.estimate))?;
     dict.set_item("converged", basis_error.map(|error| error.converged))?;
     let each = |values: &[f64]| -> PyResult<Bound<'_, PyDict>> {
-        let of = PyDict::new(py);
-        names.iter().zip(values).try_for_each(|(name, value)| of.set_item(name, value))?;
-        Ok(of)
+        let dict = PyDict::new(py);
+        names.iter().zip(values).try_for_each(|(name, value)| dict.set_item(name, value))?;
+        Ok(dict)
     };
     let errors = errors.as_ref();
     dict.set_item("time_step_error", errors.map(|errors| each(&errors.time_step)).transpose()?)?;

@@ -13,7 +13,8 @@ use crate::structures::structure::{Loaded, Structure};
 /// Curves of one mode with what fits them.
 struct Analysed {
     name: String,
-    frequencies: (f64, f64),
+    frequency_stuck: f64,
+    frequency_slipping: f64,
     k_t: f64,
     mac: f64,
     curves: ModalCurves,
@@ -48,13 +49,18 @@ pub(crate) fn _quasi_static<'py>(
         Some(given) => Range::At(Numbers::vector("displacement", given)?),
         None => Range::Points(points),
     };
-    let (of, mode) = (this.clone(), mode.to_owned());
-    let analysed = work::run(py, true, move |control| analyse(&of, &mode, range, control))?;
+    let (loaded, mode) = (this.clone(), mode.to_owned());
+    let analysed = work::run(py, true, move |control| analyse(&loaded, &mode, range, control))?;
     told(py, analysed.map_err(|error| fem(this.name(), &error))?)
 }
 
-fn analyse(of: &Loaded, name: &str, range: Range, control: &Control) -> Result<Analysed, iwan_fem::Error> {
-    let modes = of.named_modes(NamedModes::LOOKED_UP, control)?;
+fn analyse(
+    loaded: &Loaded,
+    name: &str,
+    range: Range,
+    control: &Control,
+) -> Result<Analysed, iwan_fem::Error> {
+    let modes = loaded.named_modes(NamedModes::LOOKED_UP, control)?;
     let mode = modes.named(name)?;
     let (displacements, all) = match range {
         Range::At(given) => (given, true),
@@ -69,7 +75,8 @@ fn analyse(of: &Loaded, name: &str, range: Range, control: &Control) -> Result<A
     let fit = fit_static(&parts, modes.frequency_stuck(mode), mode.pair.k_t);
     Ok(Analysed {
         name: mode.name.clone(),
-        frequencies: (modes.frequency_stuck(mode), modes.frequency_slipping(mode)),
+        frequency_stuck: modes.frequency_stuck(mode),
+        frequency_slipping: modes.frequency_slipping(mode),
         k_t: mode.pair.k_t,
         mac: mode.pair.mac,
         slips: modes.assembled.slips().iter().map(|slip| slip.name.clone()).collect(),
@@ -79,31 +86,31 @@ fn analyse(of: &Loaded, name: &str, range: Range, control: &Control) -> Result<A
     })
 }
 
-fn told(py: Python<'_>, of: Analysed) -> PyResult<Bound<'_, PyDict>> {
+fn told(py: Python<'_>, found: Analysed) -> PyResult<Bound<'_, PyDict>> {
     let dict = PyDict::new(py);
-    dict.set_item("name", of.name)?;
-    dict.set_item("frequency_stuck", of.frequencies.0)?;
-    dict.set_item("frequency_slipping", of.frequencies.1)?;
-    dict.set_item("k_t", of.k_t)?;
-    dict.set_item("mac", of.mac)?;
-    dict.set_item("whole", of.whole)?;
-    let ModalCurves { displacement, force, frequency, dissipation, joint_force, slips } = of.curves;
+    dict.set_item("name", found.name)?;
+    dict.set_item("frequency_stuck", found.frequency_stuck)?;
+    dict.set_item("frequency_slipping", found.frequency_slipping)?;
+    dict.set_item("k_t", found.k_t)?;
+    dict.set_item("mac", found.mac)?;
+    dict.set_item("whole", found.whole)?;
+    let ModalCurves { displacement, force, frequency, dissipation, joint_force, slips } = found.curves;
     dict.set_item("displacement", array(py, displacement))?;
     dict.set_item("force", array(py, force))?;
     dict.set_item("frequency", array(py, frequency))?;
     dict.set_item("dissipation", array(py, dissipation))?;
     dict.set_item("joint_force", array(py, joint_force))?;
     let named = PyDict::new(py);
-    for (name, slip) in of.slips.into_iter().zip(slips) {
+    for (name, slip) in found.slips.into_iter().zip(slips) {
         named.set_item(name, array(py, slip))?;
     }
     dict.set_item("slips", named)?;
-    let fit = of.fit.as_ref().ok();
+    let fit = found.fit.as_ref().ok();
     let parameters =
         fit.map(|fit| (fit.parameters.k_t, fit.parameters.f_s, fit.parameters.chi, fit.parameters.beta));
     dict.set_item("parameters", parameters)?;
     dict.set_item("dissipation_misfit", fit.map(|fit| fit.dissipation_misfit))?;
     dict.set_item("frequency_misfit", fit.map(|fit| fit.frequency_misfit))?;
-    dict.set_item("remark", of.fit.as_ref().err())?;
+    dict.set_item("remark", found.fit.as_ref().err())?;
     Ok(dict)
 }

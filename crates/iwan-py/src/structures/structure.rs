@@ -51,7 +51,7 @@ impl Loaded {
         if let Some(modes) = known(&self.modes) {
             return Ok(modes);
         }
-        let modes = Arc::new(NamedModes::observed(&self.file.structure, count, &mut |_| control.stop())?);
+        let modes = Arc::new(NamedModes::observed(&self.file.structure, count, &|_| control.stop())?);
         self.modes.lock().unwrap_or_else(PoisonError::into_inner).insert(count, modes.clone());
         Ok(modes)
     }
@@ -107,13 +107,14 @@ impl Structure {
         let modes = work::run(py, true, move |control| this.named_modes(count, control))?;
         let modes = modes.map_err(|error| fem(self.0.name(), &error))?;
         let dict = PyDict::new(py);
-        let of = |f: &dyn Fn(&iwan_fem::NamedMode) -> f64| array(py, modes.elastic.iter().map(f).collect());
+        let of_each =
+            |f: &dyn Fn(&iwan_fem::NamedMode) -> f64| array(py, modes.elastic.iter().map(f).collect());
         dict.set_item("names", names(modes.elastic.iter().map(|mode| &mode.name)))?;
         dict.set_item("classes", modes.elastic.iter().map(|mode| mode.class.word()).collect::<Vec<_>>())?;
-        dict.set_item("frequency", of(&|mode| modes.frequency_stuck(mode)))?;
-        dict.set_item("frequency_slipping", of(&|mode| modes.frequency_slipping(mode)))?;
-        dict.set_item("k_t", of(&|mode| mode.pair.k_t))?;
-        dict.set_item("mac", of(&|mode| mode.pair.mac))?;
+        dict.set_item("frequency", of_each(&|mode| modes.frequency_stuck(mode)))?;
+        dict.set_item("frequency_slipping", of_each(&|mode| modes.frequency_slipping(mode)))?;
+        dict.set_item("k_t", of_each(&|mode| mode.pair.k_t))?;
+        dict.set_item("mac", of_each(&|mode| mode.pair.mac))?;
         dict.set_item("zero_modes", (modes.stuck.zero_modes(), modes.slipping.zero_modes()))?;
         let nodes = self.0.file.structure.mesh.positions.len();
         let shapes = |modes_of: &iwan_fem::Modes, index: &dyn Fn(&iwan_fem::NamedMode) -> usize| {

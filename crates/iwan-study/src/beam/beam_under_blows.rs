@@ -1,7 +1,6 @@
 //! The paper's beam with its discrete joints under blows of all levels: the truth that modal models are held against.
 
-use std::ops::ControlFlow;
-
+use iwan_core::Progress;
 use iwan_fem::StructureResponse;
 use iwan_fem::mesh::beam::Configuration;
 
@@ -34,10 +33,7 @@ impl BeamUnderBlows {
     ///
     /// # Errors
     /// [`Error::Structure`], and [`Error::Interrupted`].
-    pub fn new(
-        configuration: Configuration,
-        progress: &dyn Fn(f64) -> ControlFlow<()>,
-    ) -> Result<Self, Error> {
+    pub fn new(configuration: Configuration, progress: Progress<'_>) -> Result<Self, Error> {
         let beam = PaperBeam::new(configuration)?;
         let found = Runs::new(&beam, progress).and_then(|runs| runs.all());
         let found = found.map_err(Error::structure(&beam.title()))?;

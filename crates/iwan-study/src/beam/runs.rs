@@ -1,9 +1,8 @@
 //! The transients that one configuration of the beam is put through.
 
-use std::cell::Cell;
-use std::ops::ControlFlow;
+use std::sync::atomic::{AtomicUsize, Ordering};
 
-use iwan_core::Pulse;
+use iwan_core::{Progress, Pulse};
 use iwan_fem::{Basis, History, NamedMode, Output, Reduced, Representation, StructureResponse, Transient};
 use serde::Serialize;
 
@@ -60,21 +59,18 @@ pub(super) struct Runs<'a> {
     beam: &'a PaperBeam,
     load: Vec<f64>,
     outputs: Vec<Output>,
-    progress: &'a dyn Fn(f64) -> ControlFlow<()>,
-    done: Cell<usize>,
+    progress: Progress<'a>,
+    done: AtomicUsize,
 }
 
 impl<'a> Runs<'a> {
     /// `progress` hears the share done.
-    pub(super) fn new(
-        beam: &'a PaperBeam,
-        progress: &'a dyn Fn(f64) -> ControlFlow<()>,
-    ) -> Result<Self, iwan_fem::Error> {
+    pub(super) fn new(beam: &'a PaperBeam, progress: Progress<'a>) -> Result<Self, iwan_fem::Error> {
         let (assembled, stuck) = (&beam.modes.assembled, &beam.modes.stuck);
         let output = |mode: &NamedMode| assembled.modal_output(&mode.name, stuck, mode.pair.stuck);
         let outputs = beam.bending.iter().map(output).collect();
         let load = assembled.load("tip", [0.0, 0.0, 1.0])?;
-        Ok(Self { beam, load, outputs, progress, done: Cell::new(0) })
+        Ok(Self { beam, load, outputs, progress, done: AtomicUsize::new(0) })
     }
 
     /// The blow of level `n`.
@@ -93,12 +89,12 @@ impl<'a> Runs<'a> {
     /// A run, which counts for the progress.
     fn run(
         &self,
-        integrate: impl FnOnce(iwan_fem::Progress<'_>) -> Result<StructureResponse, iwan_fem::Error>,
+        integrate: impl FnOnce(Progress<'_>) -> Result<StructureResponse, iwan_fem::Error>,
     ) -> Result<StructureResponse, iwan_fem::Error> {
         let pieces = LEVELS.len() + 1 + COMPARED.len() + self.beam.bending.len();
-        let share = |share: f64| (self.done.get() as f64 + share) / pieces as f64;
-        let response = integrate(&mut |part| (self.progress)(share(part)));
-        self.done.set(self.done.get() + 1);
+        let share = |share: f64| (self.done.load(Ordering::Relaxed) as f64 + share) / pieces as f64;
+        let response = integrate(&|part| (self.progress)(share(part)));
+        self.done.fetch_add(1, Ordering::Relaxed);
         response
     }
 

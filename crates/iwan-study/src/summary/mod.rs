@@ -18,8 +18,6 @@ pub use tables::{JointParameters, Table1, Table2Row};
 /// Everything that was found.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Summary {
-    /// Version of iwan.
-    pub version: &'static str,
     /// Of the truth and modal side, and of the laboratory.
     pub units: [&'static str; 2],
     /// The discrete joint.
@@ -45,7 +43,6 @@ impl Summary {
     /// As [`findings`].
     pub fn new(found: &Reproduction) -> Result<Self, Error> {
         Ok(Self {
-            version: env!("CARGO_PKG_VERSION"),
             units: [
                 "lbf, in, s; modal quantities mass-normalised",
                 "N, m, s; modal quantities mass-normalised",

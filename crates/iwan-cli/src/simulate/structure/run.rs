@@ -8,7 +8,7 @@ use iwan_input::scenario::{OnStructure, Scenario, representation};
 use iwan_input::{RunError, StructureFile, StructureTask};
 
 use crate::failure::Failure;
-use crate::progress::Progress;
+use crate::progress::Bar;
 use crate::structures::Linear;
 
 /// A response of a structure with all that belongs to it.
@@ -32,11 +32,11 @@ pub(crate) fn run(
     scenario: &Scenario,
     on: &OnStructure,
     (name, file): (String, StructureFile),
-    bar: &Progress,
+    bar: &Bar,
 ) -> Result<Truth, Failure> {
     let clock = Instant::now();
-    let mut progress = |share| bar.report(share);
-    let linear = Linear::observed(name, file, NamedModes::LOOKED_UP, &mut progress)?;
+    let progress = |share: f64| bar.report(share);
+    let linear = Linear::observed(name, file, NamedModes::LOOKED_UP, &progress)?;
     let task = StructureTask {
         force: Some(scenario.force.pulse()),
         velocity: &[],
@@ -47,7 +47,7 @@ pub(crate) fn run(
         modes: &on.modes,
         extras: Extras { errors: true, frames: on.frames },
     };
-    let run = linear.file.run(&linear, &task, &mut progress).map_err(|error| match error {
+    let run = linear.file.run(&linear, &task, &progress).map_err(|error| match error {
         RunError::Input(error) => linear.refused(error),
         RunError::Analysis(error) => linear.failed(&error),
     })?;

@@ -138,6 +138,7 @@ struct Fitted {
 
 /// Range of times that both traces cover.
 fn common(a: &[f64], b: &[f64]) -> Result<(f64, f64), Error> {
+    /// Peaks or crossings that a spline of one interval and its criterion need, with some to spare.
     const NEEDED: usize = 8;
     let found = a.len().min(b.len());
     if found < NEEDED {

@@ -4,7 +4,7 @@ use super::super::isolate::{Isolated, Options, isolate};
 use super::instantaneous::{Envelope, Method};
 use crate::error::Error;
 
-/// Points at which methods are compared.
+/// Points at which methods are compared: their disagreement is a median and a largest value, which more points do not change.
 const POINTS: usize = 200;
 
 /// Largest differences between methods over the window that all of them trust.
