@@ -59,7 +59,7 @@ impl Assembled {
         }
         let most = LAST.min(self.unknowns());
         let mut modes = FIRST.min(most);
-        let mut respond = |modes: usize, done: f64| -> Result<_, Error> {
+        let respond = |modes: usize, done: f64| -> Result<_, Error> {
             let ends = [0.5, 1.0].map(|half: f64| done + 0.5 * half * (1.0 - done));
             let reduced = self.reduce_observed(modes, Basis::default(), &part(progress, [done, ends[0]]))?;
             let response = reduced.transient_observed(task, &part(progress, ends))?;
