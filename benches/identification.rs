@@ -57,7 +57,7 @@ fn curves(criterion: &mut Criterion) {
         b.iter(|| {
             let combination =
                 Combination::dominant(&views, &names, dt, &Options::default()).expect("a shape");
-            let curves = of(&combination.apply(&views).expect("the mode's record"));
+            let curves = curves_of(&combination.apply(&views).expect("the mode's record"));
             let first = start(&curves).expect("start values").parameters;
             fit(&[curves], &first, &[]).expect("a fit")
         });
