@@ -59,7 +59,8 @@ fn quasi_static_curves_of_the_papers_beam() {
     close(&mode["dissipation"][0], 4.722e-5, 0.01);
     close(&mode["frequency"][32], 128.2020, 0.01 / 128.0);
     close(&mode["dissipation"][32], 37.31, 0.01);
-    // The fitted joint: K_T of the modes, F_S in the range of the prototypes, an exact fit is not to be had.
+    // The fitted joint: K_T is that of the modes. An exact fit is not to be had, and no second program has fitted this one: F_S is only
+    // held below the 239.4 that Table 2 prints for the other configuration, and χ above the joints' own -0.3 (Table 1).
     close(&mode["k_t"], 4.708e4, 5e-3);
     assert!((205.0..239.0).contains(&mode["f_s"].as_f64().unwrap()), "{}", mode["f_s"]);
     assert!((-0.3..-0.1).contains(&mode["chi"].as_f64().unwrap()), "{}", mode["chi"]);

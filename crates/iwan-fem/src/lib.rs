@@ -3,7 +3,7 @@
 //! The way of the data: [`mesh`] → matrices → modes → reduced model → joints → response → modal filter → record.
 //! Units are the user's own consistent set.
 
-// What everything stands on: why something was refused, how far a long computation is, vectors and matrices.
+// What everything stands on: why something was refused, vectors and matrices.
 mod error;
 mod algebra;
 
