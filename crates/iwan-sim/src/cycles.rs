@@ -89,9 +89,9 @@ fn extreme(y: &[f64], dt: f64, n: usize) -> Extreme {
 /// The cycles of a response from time `start` on, s: when the force has settled.
 ///
 /// ```
-/// use iwan_core::Pulse;
+/// use iwan_core::{Motion, Pulse};
 /// use iwan_sim::{Mode, Settings, cycles, simulate};
-/// let mode = Mode { initial: (1.0, 0.0), damping_ratio: 0.01, ..Mode::new("linear", 100.0, None) };
+/// let mode = Mode { initial: Motion::held_at(1.0), damping_ratio: 0.01, ..Mode::new("linear", 100.0, None) };
 /// let found = cycles(&simulate(&mode, &Pulse::None, &Settings::new(1e-4, 0.1))?, 0.0);
 /// assert!((found[3].frequency - 100.0).abs() < 0.01 && (found[3].damping_ratio - 0.01).abs() < 1e-4);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
