@@ -44,7 +44,7 @@ struct OtherStart {
 /// Parameters, intervals and verdict from the records of one mode at one or several force levels.
 ///
 /// # Errors
-/// As [`isolate`], [`fit`](crate::curve_fit::fit()) and [`refine`](crate::refine::refine()).
+/// As [`isolate`](crate::signal::isolate), [`fit`](crate::curve_fit::fit()) and [`refine`](crate::refine::refine()).
 ///
 /// ```
 /// use iwan_core::{Decay, Reversal, Samples};

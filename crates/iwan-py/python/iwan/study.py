@@ -22,6 +22,8 @@ def reproduce(*, threads: int | None = None, progress: Progress = None) -> dict[
     `truth` (one entry per configuration), `lab`, `findings` (each with `title`, `kind`, `text` and `numbers`) and `units`.
     `progress`: as in `iwan.ensemble.simulate`, in thousandths. Raises `iwan.ComputationError` where a computation fails. The lock is
     released; Ctrl-C is honoured.
+
+    Example: that of `iwan reproduce --json`, whose numbers these are.
     """
     with bar(progress, _PARTS) as tell:
         found: dict[str, Any] = json.loads(_native._reproduce(threads=threads, progress=tell))
