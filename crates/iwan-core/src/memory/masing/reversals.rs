@@ -3,7 +3,7 @@
 use super::branch::{Branch, Reversal};
 use crate::law::Backbone;
 
-/// The state of a [`Continuum`]: where it stands and the reversal points not yet forgotten.
+/// The state of a [`Continuum`](crate::Continuum): where it stands and the reversal points not yet forgotten.
 ///
 /// `S` holds the stack: an array makes the state `Copy`, a slice or vector lends the caller's
 /// memory. A decaying oscillation adds one entry per half cycle. When the stack is full the
