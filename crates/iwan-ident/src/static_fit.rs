@@ -82,10 +82,11 @@ pub fn fit_static(curves: &StaticCurves<'_>, frequency: f64, k_t: f64) -> Result
     let chart = Chart::holding(&held, middle.exp());
     let search = Search {
         count: 2 * count,
-        free: (0..6).filter(|j| held.iter().all(|h| chart.index(*h) != *j)).collect(),
-        bounds: chart.bounds().to_vec(),
+        free: (0..6).filter(|j| held.iter().all(|h| chart.index(*h) != Some(*j))).collect(),
+        bounds: Chart::bounds().to_vec(),
         iterations: ITERATIONS,
         tolerance: TOLERANCE,
+        floor: 0.0,
     };
     let mut residuals = |x: &[f64], out: &mut [f64]| residuals(curves, &chart.parameters(x), out).is_some();
     let mut best: Option<Minimum> = None;

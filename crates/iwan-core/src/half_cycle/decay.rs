@@ -236,10 +236,19 @@ impl<'a, B: Backbone, S: AsRef<[Reversal]> + AsMut<[Reversal]>> Decay<'a, B, S> 
     /// # Errors
     /// [`Error::Length`], or [`Error::OutOfRange`] when `dt` is not a finite number > 0.
     pub fn sample(&mut self, dt: f64, out: &mut Samples<'_>) -> Result<(), Error> {
+        self.sample_from(0.0, dt, out)
+    }
+
+    /// As [`sample`](Self::sample), at `first`, `first` + dt, … seconds after the start.
+    ///
+    /// # Errors
+    /// As [`sample`](Self::sample); [`Error::OutOfRange`] when `first` is not a finite number >= 0.
+    pub fn sample_from(&mut self, first: f64, dt: f64, out: &mut Samples<'_>) -> Result<(), Error> {
         crate::error::check("time step", dt, dt > 0.0, "must be a finite number of seconds > 0")?;
+        crate::error::check("first time", first, first >= 0.0, "must be a finite number of seconds >= 0")?;
         let samples = out.checked_len()?;
         for n in 0..samples {
-            let Motion { displacement: q, velocity: v } = self.motion_at(n as f64 * dt);
+            let Motion { displacement: q, velocity: v } = self.motion_at(first + n as f64 * dt);
             let branch = self.memory.branch();
             let (force, _) = branch.force_and_tangent(self.map.law, q);
             let a = self.map.load - self.map.viscous * v - self.map.k_inf * q - force;

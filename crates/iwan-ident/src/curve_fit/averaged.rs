@@ -123,13 +123,14 @@ pub fn fit(curves: &[Curves], first: &Parameters, held: &[Parameter]) -> Result<
         });
     }
     let chart = Chart::holding(held, middle(&entries));
-    let free = (0..COUNT).filter(|j| held.iter().all(|h| chart.index(*h) != *j)).collect();
+    let free = (0..COUNT).filter(|j| held.iter().all(|h| chart.index(*h) != Some(*j))).collect();
     let search = Search {
         count: 2 * entries.len(),
         free,
-        bounds: chart.bounds().to_vec(),
+        bounds: Chart::bounds().to_vec(),
         iterations: ITERATIONS,
         tolerance: TOLERANCE,
+        floor: 0.0,
     };
     let mut residuals = |x: &[f64], out: &mut [f64]| residuals(&entries, &chart.parameters(x), out);
     let found = search.run(&mut residuals, &chart.coordinates(first)?).ok_or_else(|| Error::Refused {

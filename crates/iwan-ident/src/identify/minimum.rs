@@ -2,8 +2,8 @@
 
 use crate::error::Error;
 use crate::parameters::Parameters;
-use crate::profile::{Extent, Known, Profiles, profiles, slip_seen};
-use crate::refine::Task;
+use crate::profile::{Extent, Known, Profiles, extent, profiles};
+use crate::refine::{Solved, Task, Workspace};
 use crate::search::Minimum;
 
 /// Searches that begin anew because a profile found a better minimum, at most. A judgement: each costs as much as all
@@ -18,30 +18,41 @@ pub(super) struct Found {
 
 /// Searches until no profile finds a better minimum. Where the records do not see macro-slip, the best fit without it.
 pub(super) fn minimum_and_profiles(task: &mut Task, first: &Parameters) -> Result<Found, Error> {
-    let mut minimum = task.solve(first)?;
-    let first = task.coordinates(first)?;
-    let (mut round, mut finished) = (0, false);
+    let Solved { best, micro_slip } = task.solve(first)?;
+    let mut minimum = task.finish(&best)?;
+    let mut near = micro_slip.map(|m| m.x);
+    let mut round = 0;
     loop {
-        let micro_slip = task.micro_slip(&[&minimum.x, &first]);
-        let extent =
-            if slip_seen(task, &minimum, micro_slip.as_ref()) { Extent::Full } else { Extent::MicroSlip };
-        match (extent, &micro_slip) {
-            (Extent::MicroSlip, Some(without)) => minimum = without.clone(),
-            _ if finished => {}
-            _ => {
-                (minimum, finished) = (task.finish(&minimum)?, true);
-                continue;
-            }
+        let without = without_macro_slip(task, near.as_deref(), &minimum);
+        let extent = extent(task, &minimum, without.as_ref().map(|w| &w.minimum));
+        near = without.as_ref().map(|w| w.minimum.x.clone());
+        if let (Extent::MicroSlip, Some(without)) = (extent, without) {
+            (*task, minimum) = (without.task, without.minimum);
         }
-        let known =
-            Known { minimum: &minimum, micro_slip: micro_slip.as_ref(), extent, settled: round > ANEW };
+        let known = Known { minimum: &minimum, extent, settled: round >= ANEW };
         match profiles(task, known) {
             Ok(profiles) => return Ok(Found { minimum, profiles }),
             Err(better) => match task.resume(&better, &minimum) {
-                Some(deeper) if round < ANEW => minimum = deeper,
-                _ => round = ANEW,
+                Some(deeper) => minimum = task.finish(&deeper)?,
+                None => round = ANEW,
             },
         }
         round += 1;
     }
+}
+
+/// The best fit without macro-slip, and the task with what sampling adds to that ring-down: each of two fits that are compared
+/// is sampled as the record was.
+struct WithoutMacroSlip {
+    task: Task,
+    minimum: Minimum,
+}
+
+fn without_macro_slip(task: &Task, near: Option<&[f64]>, minimum: &Minimum) -> Option<WithoutMacroSlip> {
+    let from: Vec<&[f64]> = near.into_iter().chain([minimum.x.as_slice()]).collect();
+    let first = task.micro_slip(&from)?;
+    let mut task = task.clone();
+    task.take_samples(&first.x, &mut Workspace::default());
+    let minimum = task.micro_slip(&[&first.x])?;
+    Some(WithoutMacroSlip { task, minimum })
 }

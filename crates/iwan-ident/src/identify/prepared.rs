@@ -1,12 +1,10 @@
 //! A record prepared for the comparison with a model, and the model's curves taken as the record's were.
 
-use iwan_core::{Decay, Reversal, Samples};
-
 use super::settings::{ModeRecord, Settings};
 use crate::curves::{Curves, ForceAxis, Quantity};
 use crate::error::Error;
 use crate::parameters::Parameters;
-use crate::refine::{RingDown, TurningPoint};
+use crate::refine::{RingDown, Sampling, TurningPoint};
 use crate::signal::{Envelope, Isolated, Options, isolate};
 
 /// A record with its mode taken out, its curves, and the samples that are compared with the model.
@@ -71,8 +69,8 @@ impl<'a> Prepared<'a> {
     ) -> Result<Curves, Error> {
         let (dt, late) = (self.record.dt, self.first as f64 * self.record.dt + start.time);
         let count = (self.isolated.samples.len() as f64 - late / dt) as usize;
-        let samples =
-            ring_down(parameters, start.displacement, Sampling { dt, count }, self.record.quantity)?;
+        let released = TurningPoint { time: 0.0, ..start };
+        let samples = released.samples(parameters, Sampling { dt, count }, self.record.quantity)?;
         let band = Some((self.isolated.band.low, self.isolated.band.high));
         let window = Some((0.0, self.isolated.trusted().1 - late));
         let options = Options { band, window, order: Some(self.envelope.order), ..settings.options };
@@ -81,33 +79,4 @@ impl<'a> Prepared<'a> {
         let model = Curves::new(&envelope, self.record.quantity, ForceAxis::Modal)?;
         Ok(model.at(late, &self.curves.t))
     }
-}
-
-/// How many samples of a ring-down are wanted.
-struct Sampling {
-    /// Sampling interval, s.
-    dt: f64,
-    count: usize,
-}
-
-/// Free decay from rest at a displacement.
-fn ring_down(
-    parameters: &Parameters,
-    displacement: f64,
-    Sampling { dt, count }: Sampling,
-    quantity: Quantity,
-) -> Result<Vec<f64>, Error> {
-    let (oscillator, joint) = parameters.model()?;
-    let stack = vec![Reversal::default(); (2.5 * count as f64 * dt * parameters.frequency) as usize + 16];
-    let mut out: [Vec<f64>; 4] = std::array::from_fn(|_| vec![0.0; count]);
-    let [q, v, a, f] = &mut out;
-    let mut samples = Samples { displacement: q, velocity: v, acceleration: a, joint_force: f };
-    Decay::new(&oscillator, &joint, 0.0, iwan_core::Motion::held_at(displacement), stack)?
-        .sample(dt, &mut samples)?;
-    let [displacement, velocity, acceleration, _] = out;
-    Ok(match quantity {
-        Quantity::Displacement => displacement,
-        Quantity::Velocity => velocity,
-        Quantity::Acceleration => acceleration,
-    })
 }

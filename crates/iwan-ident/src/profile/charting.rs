@@ -18,12 +18,6 @@ impl Task {
         Minimum { x: other.converted(&self.chart, &minimum.x), ..*minimum }
     }
 
-    /// A minimum of this task in the coordinates of every search.
-    pub(super) fn back(&self, minimum: &Minimum) -> Minimum {
-        let usual = Chart::holding(self.held(), self.chart.amplitude);
-        Minimum { x: self.converted(&usual, &minimum.x), ..*minimum }
-    }
-
     /// Coordinates in another chart; as they are where the parameters are no model.
     fn converted(&self, chart: &Chart, x: &[f64]) -> Vec<f64> {
         let mut moved = x.to_vec();

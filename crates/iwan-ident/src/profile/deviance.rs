@@ -10,7 +10,10 @@ const NORMAL: f64 = 1.959963984540054;
 const BETTER: f64 = -0.1;
 
 /// What all profiles of a task share.
+#[derive(Debug, Clone, Copy)]
 pub(super) struct Scale {
+    /// Least sum of squares, that of the best fit.
+    pub(super) least: f64,
     /// Variance of the residuals in their unit.
     pub(super) variance: f64,
     pub(super) limit: f64,
@@ -26,14 +29,16 @@ impl Scale {
         // Neighbours that agree say the same twice.
         let inflation = if refined.leaves_noise(task.count()) { 1.0 } else { (1.0 + r) / (1.0 - r.min(0.9)) };
         Self {
+            least: minimum.cost,
             variance: inflation * (minimum.cost / freedom).max(task.least_variance()),
             limit: student(freedom / inflation).powi(2),
             better: if settled { f64::NEG_INFINITY } else { BETTER },
         }
     }
 
-    pub(super) fn deviance(&self, found: &Minimum, minimum: &Minimum) -> f64 {
-        (found.cost - minimum.cost) / self.variance
+    /// Deviance of a point: the rise of the sum of squares over its least value, in units of the variance.
+    pub(super) fn rise(&self, found: &Minimum) -> f64 {
+        (found.cost - self.least) / self.variance
     }
 }
 

@@ -1,8 +1,7 @@
 //! A walk from the minimum along one coordinate, to where the records contradict.
 
 use super::deviance::Scale;
-use crate::parameters::{Parameter, Parameters};
-use crate::refine::{Effort, KNEE_UNSEEN, Task, Workspace};
+use crate::refine::{Effort, Task, Workspace};
 use crate::search::{Minimum, following};
 
 /// An interval that reaches this far from its value, in coordinates (logarithms, mostly), is open: a factor of 1,100 either
@@ -13,13 +12,6 @@ const FIRST_STEP: f64 = 0.1;
 /// How far a line through two points is followed, in distances between them: beyond, it is a worse beginning than the nearest point
 /// itself. A judgement; a bad beginning costs time, not the result.
 const FARTHEST_AHEAD: f64 = 5.0;
-/// Longest step, in ln K_T or ln F_S, of a walk from a minimum that does not see macro-slip. With φ_max below the largest
-/// amplitude the deviance has a bend wherever a cycle's amplitude equals φ_max, so that growth seen so far says little about
-/// what comes. Chosen by trial; what half and twice do is not known.
-const CLOSE: f64 = 0.15;
-/// Beginnings of one point's search that are tried at most, the likeliest first; another one is tried only while the point
-/// lies outside the limit.
-const WAYS: usize = 3;
 /// Steps outwards; a walk that is still inside the limit then is open.
 const OUTWARDS: usize = 24;
 /// Rounds to bring an end to the precision: halves alone would bring it to 2^-16 of the last step. Where they are spent the
@@ -40,21 +32,17 @@ const MOST_JOINT: f64 = 0.9;
 /// A walk along one coordinate.
 pub(super) struct Walk<'a> {
     pub(super) task: &'a Task,
-    pub(super) parameter: Parameter,
     pub(super) coordinate: usize,
     /// The coordinates that follow.
     pub(super) free: Vec<usize>,
+    /// Where it begins.
     pub(super) minimum: &'a Minimum,
-    /// The best without macro-slip: a plateau that a walk on the crest of some cycle's first slip would not see.
-    pub(super) micro_slip: Option<&'a Minimum>,
     pub(super) scale: &'a Scale,
-    /// A deviance below this is a better minimum.
-    pub(super) better: f64,
-    /// Whether the record shows no upper end: the walk leads down to where φ_max meets the largest amplitude.
-    pub(super) unseen: bool,
+    /// Whether an end where the joint takes nearly all stiffness is open: it is the model's, not the records'.
+    pub(super) stiffness_ends: bool,
     /// How the others follow next to the minimum, per unit of the coordinate.
-    pub(super) tangent: Option<Vec<f64>>,
-    pub(super) work: Workspace,
+    tangent: Option<Vec<f64>>,
+    work: Workspace,
     /// Where it has been, in the order of time.
     pub(super) visited: Vec<Visited>,
 }
@@ -63,9 +51,9 @@ pub(super) struct Walk<'a> {
 pub(super) struct Visited {
     /// Value of the coordinate.
     pub(super) at: f64,
+    /// The least sum of squares there.
+    pub(super) minimum: Minimum,
     pub(super) deviance: f64,
-    /// All coordinates.
-    pub(super) x: Vec<f64>,
 }
 
 /// A place on the way, and its deviance.
@@ -75,101 +63,57 @@ struct Place {
     deviance: f64,
 }
 
-/// A joint's stiffness in its two parts, and where it slips as a whole.
-struct Split {
-    /// Stiffness of the power-law part R φ_max^(χ+1)/(χ+1).
-    power: f64,
-    /// Stiffness of the Dirac part.
-    dirac: f64,
-    phi_max: f64,
-}
-
 /// How a walk ended.
 pub(super) enum End {
     Open,
     Closed(f64),
 }
 
-impl Walk<'_> {
+impl<'a> Walk<'a> {
+    pub(super) fn new(
+        task: &'a Task,
+        coordinate: usize,
+        free: Vec<usize>,
+        minimum: &'a Minimum,
+        scale: &'a Scale,
+    ) -> Self {
+        let work = Workspace::default();
+        Self { task, coordinate, free, minimum, scale, stiffness_ends: false, tangent: None, work, visited: vec![] }
+    }
+
     /// Deviance with the coordinate held at `at`; none where there is no model.
     ///
-    /// From the nearest known point there are several ways to begin; the likeliest is taken, the others only where
-    /// it says that the record forbids the value.
+    /// Begun from the nearest known point and on the line through the two nearest; the likelier is taken, the other one only
+    /// where it says that the record forbids the value.
     fn deviance(&mut self, at: f64) -> Result<Option<f64>, Minimum> {
-        let mut beginnings = self.beginnings(at, &self.nearest(at));
-        beginnings.push(self.ahead(at));
-        beginnings.extend(self.micro_slip.into_iter().flat_map(|m| self.beginnings(at, &m.x)));
+        let mut plain = self.nearest(at);
+        plain[self.coordinate] = at;
+        let beginnings = [plain, self.ahead(at)];
         let mut ways: Vec<(f64, Vec<f64>)> =
             beginnings.into_iter().filter_map(|x| Some((self.task.cost(&x, &mut self.work)?, x))).collect();
         ways.sort_by(|a, b| a.0.total_cmp(&b.0));
-        ways.truncate(WAYS);
         let mut best: Option<Minimum> = None;
         for (_, x) in ways {
             let found = self.task.minimise(&x, self.free.clone(), TOLERANCE, &mut self.work);
             best = best.into_iter().chain(found).min_by(|a, b| a.cost.total_cmp(&b.cost));
-            let limit = self.minimum.cost + self.scale.limit * self.scale.variance;
-            if best.as_ref().is_some_and(|b| b.cost < limit) {
+            if best.as_ref().is_some_and(|b| self.scale.rise(b) < self.scale.limit) {
                 break;
             }
         }
         let Some(found) = best else { return Ok(None) };
-        let deviance = self.scale.deviance(&found, self.minimum);
-        if deviance < self.better {
+        let deviance = self.scale.rise(&found);
+        if deviance < self.scale.better {
             return Err(found);
         }
-        self.visited.push(Visited { at, deviance: deviance.max(0.0), x: found.x });
+        self.visited.push(Visited { at, minimum: Minimum { converged: true, ..found }, deviance: deviance.max(0.0) });
         Ok(Some(deviance.max(0.0)))
-    }
-
-    /// A point with the coordinate moved: all others as they are; φ_max and the power law as they are, the Dirac making
-    /// up for it; no Dirac at all.
-    fn beginnings(&self, at: f64, near: &[f64]) -> Vec<Vec<f64>> {
-        let chart = self.task.chart;
-        let mut plain = near.to_vec();
-        plain[self.coordinate] = at;
-        let (p, target) = (chart.parameters(near), chart.parameters(&plain).get(self.parameter));
-        let mut all = vec![plain];
-        let Ok((_, joint)) = p.model() else { return all };
-        let power = joint.r() * joint.phi_max().powf(p.chi + 1.0) / (p.chi + 1.0);
-        let c = (p.chi + 1.0) / (p.chi + 2.0);
-        let dirac = match self.parameter {
-            Parameter::KT => Some(target - power),
-            Parameter::FS => Some(target / joint.phi_max() - power * c),
-            Parameter::Beta => Some(target * power),
-            _ => None,
-        };
-        let same_knee =
-            dirac.filter(|s| *s >= 0.0).map(|dirac| Split { power, dirac, phi_max: joint.phi_max() });
-        // Without the Dirac K_T is R φ^(χ+1)/(χ+1) and F_S is c φ times that.
-        let without = match self.parameter {
-            Parameter::KT => {
-                let growth = (target / power).powf(1.0 / (p.chi + 1.0));
-                Some(Split { power: target, dirac: 0.0, phi_max: joint.phi_max() * growth })
-            }
-            Parameter::FS => {
-                let growth = (target / (power * c * joint.phi_max())).powf(1.0 / (p.chi + 2.0));
-                let power = power * growth.powf(p.chi + 1.0);
-                Some(Split { power, dirac: 0.0, phi_max: joint.phi_max() * growth })
-            }
-            _ => None,
-        };
-        for Split { power, dirac, phi_max } in same_knee.into_iter().chain(without) {
-            let f_s = (power * c + dirac) * phi_max;
-            let other = Parameters { k_t: power + dirac, f_s, beta: dirac / power, ..p };
-            let Ok(own) = chart.coordinates(&other) else { continue };
-            let mut x = near.to_vec();
-            self.free.iter().filter(|j| **j < own.len()).for_each(|&j| x[j] = own[j]);
-            x[self.coordinate] = at;
-            all.push(x);
-        }
-        all
     }
 
     /// On the straight line through the two points nearest to `at`, next to the minimum on its tangent; inside the bounds.
     fn ahead(&self, at: f64) -> Vec<f64> {
         let own = (self.minimum.x[self.coordinate], &self.minimum.x);
         let mut all: Vec<(f64, &Vec<f64>)> =
-            self.visited.iter().map(|p| (p.at, &p.x)).chain(std::iter::once(own)).collect();
+            self.visited.iter().map(|p| (p.at, &p.minimum.x)).chain(std::iter::once(own)).collect();
         all.sort_by(|a, b| (a.0 - at).abs().total_cmp(&(b.0 - at).abs()));
         let (bounds, (place, near)) = (self.task.bounds(), all[0]);
         let far = all
@@ -192,7 +136,7 @@ impl Walk<'_> {
     /// All coordinates of the point nearest to `at`.
     pub(super) fn nearest(&self, at: f64) -> Vec<f64> {
         let own = (self.minimum.x[self.coordinate], &self.minimum.x);
-        let all = self.visited.iter().map(|p| (p.at, &p.x)).chain(std::iter::once(own));
+        let all = self.visited.iter().map(|p| (p.at, &p.minimum.x)).chain(std::iter::once(own));
         let nearest = all.min_by(|a, b| (a.0 - at).abs().total_cmp(&(b.0 - at).abs()));
         nearest.map_or_else(|| self.minimum.x.clone(), |p| p.1.clone())
     }
@@ -203,7 +147,7 @@ impl Walk<'_> {
         let (low, high) = self.task.bounds()[self.coordinate];
         let bound = if direction < 0.0 { low } else { high };
         let mut step = self.first_step();
-        let mut inside = Place { at: start, deviance: 0.0 };
+        let mut inside = Place { at: start, deviance: self.scale.rise(self.minimum).max(0.0) };
         for _ in 0..OUTWARDS {
             let wanted = inside.at + direction * step;
             let at = if (wanted - bound) * direction >= 0.0 { bound } else { wanted };
@@ -211,15 +155,12 @@ impl Walk<'_> {
             if deviance >= self.scale.limit {
                 return Ok(self.close_in(inside, Place { at, deviance })?.map_or(End::Open, End::Closed));
             }
-            if at == bound || (at - start).abs() > FARTHEST || self.all_of_stiffness() {
+            if at == bound || (at - start).abs() > FARTHEST || (self.stiffness_ends && self.all_of_stiffness()) {
                 return Ok(End::Open);
             }
             // Where the root of the deviance grows evenly, a little beyond the limit.
             let growth = (self.scale.limit / deviance.max(1e-3 * self.scale.limit)).sqrt();
             step = (1.1 * growth * (at - start).abs() - (at - start).abs()).clamp(0.3 * step, 4.0 * step);
-            if self.unseen {
-                step = step.min(CLOSE);
-            }
             inside = Place { at, deviance };
         }
         Ok(End::Open)
@@ -231,7 +172,7 @@ impl Walk<'_> {
         let start = self.minimum.x[self.coordinate];
         let farthest = inside.max_by(|a, b| (a.at - start).abs().total_cmp(&(b.at - start).abs()));
         farthest.is_some_and(|farthest| {
-            let p = self.task.chart.parameters(&farthest.x);
+            let p = self.task.chart.parameters(&farthest.minimum.x);
             p.k_t > MOST_JOINT * (std::f64::consts::TAU * p.frequency).powi(2)
         })
     }
@@ -255,18 +196,16 @@ impl Walk<'_> {
             let place = Place { at, deviance };
             if deviance < self.scale.limit { inside = place } else { outside = place }
         }
-        let closed = outside.deviance.is_finite() && !self.all_of_stiffness();
-        let end = inside.at + share(inside.deviance, outside.deviance) * (outside.at - inside.at);
-        Ok(closed.then_some(end))
+        // Where there is no model beyond, the model itself ends the interval: of joint and force that is no finding.
+        if self.stiffness_ends && (!outside.deviance.is_finite() || self.all_of_stiffness()) {
+            return Ok(None);
+        }
+        let share = if outside.deviance.is_finite() { share(inside.deviance, outside.deviance) } else { 0.0 };
+        Ok(Some(inside.at + share * (outside.at - inside.at)))
     }
 
-    /// Student's t times the standard deviation by curvature; to where φ_max is the largest amplitude when it is unseen.
+    /// Student's t times the standard deviation by curvature.
     fn first_step(&mut self) -> f64 {
-        if self.unseen {
-            let chi = self.task.chart.parameters(&self.minimum.x).chi;
-            let power = if self.parameter == Parameter::KT { chi + 1.0 } else { chi + 2.0 };
-            return power * KNEE_UNSEEN.ln();
-        }
         let free: Vec<usize> = self.free.iter().copied().chain([self.coordinate]).collect();
         let place = Some(free.len() - 1);
         let search = self.task.search(free, Effort { iterations: 0, tolerance: 0.0 });
@@ -280,7 +219,8 @@ impl Walk<'_> {
             let inverse = j.qr().r().try_inverse()?;
             Some(inverse.row(place?).norm())
         });
-        let step = deviation.map(|d| d * (self.scale.variance * self.scale.limit).sqrt());
+        let left = (self.scale.limit - self.scale.rise(self.minimum)).clamp(0.01, self.scale.limit);
+        let step = deviation.map(|d| d * (self.scale.variance * left).sqrt());
         step.filter(|s| s.is_finite()).map_or(FIRST_STEP, |s| s.clamp(1e-9, 5.0 * FIRST_STEP))
     }
 }

@@ -14,14 +14,16 @@ mod windows;
 mod whitening;
 mod record;
 mod task;
+mod knees;
 mod valleys;
 
 use crate::error::Error;
 use crate::parameters::{Parameter, Parameters};
+pub(crate) use release::Sampling;
 pub use release::TurningPoint;
 pub use ring_down::{Refined, RingDown};
 pub(crate) use task::{Effort, Task, Workspace};
-pub(crate) use valleys::KNEE_UNSEEN;
+pub(crate) use valleys::Solved;
 
 /// Refines parameters on the records themselves, several force levels at once; those in `held` keep their values.
 ///
@@ -48,7 +50,7 @@ pub(crate) use valleys::KNEE_UNSEEN;
 pub fn refine(records: &[RingDown<'_>], first: &Parameters, held: &[Parameter]) -> Result<Refined, Error> {
     first.model()?;
     let mut task = Task::new(records, first, held)?;
-    let rough = task.solve(first)?;
-    let minimum = task.finish(&rough)?;
+    let Solved { best, .. } = task.solve(first)?;
+    let minimum = task.finish(&best)?;
     Ok(task.refined(&minimum))
 }

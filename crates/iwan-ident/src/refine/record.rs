@@ -16,12 +16,25 @@ use crate::parameters::Parameters;
 /// phases: in noise of 30 dB a phase is lost there. The last search sees all windows.
 const LOUD: f64 = 0.03;
 
+/// Standard deviation that is put down to the forward model's own error, relative to a record's amplitudes: noise-free
+/// records of the half-cycle map itself leave 1e-7 to 5e-6. Without a floor a record without noise would have intervals of
+/// no width.
+const NOISE_FLOOR: f64 = 1e-6;
+/// Part of what sampling adds to the amplitudes by which that may be wrong: it is taken at one point and used next to it.
+const SAMPLING_ERROR: f64 = 0.01;
+/// Most that half a cycle is taken to have lost of the amplitude: a strongly softening joint in macro-slip loses half.
+const MOST_DECAY: f64 = 3.0;
+
 #[derive(Debug, Clone)]
 pub(super) struct Windowed {
     pub(super) windows: Windows,
     pub(super) whitening: Whitening,
     pub(super) quantity: Quantity,
     pub(super) dt: f64,
+    /// Number of samples.
+    pub(super) samples: usize,
+    /// What sampling adds to the amplitudes of a model in continuous time ([`Task::take_samples`](super::task::Task)).
+    pub(super) sampling: Vec<Complex64>,
     /// Amplitudes as they are, and whitened.
     pub(super) amplitudes: Vec<Complex64>,
     pub(super) white: Vec<Complex64>,
@@ -58,6 +71,8 @@ impl Windowed {
             whitening,
             quantity: record.quantity,
             dt: record.dt,
+            samples: record.samples.len(),
+            sampling: vec![Complex64::default(); amplitudes.len()],
             amplitudes,
             white,
             scale: 1.0,
@@ -68,8 +83,14 @@ impl Windowed {
     }
 
     pub(super) fn root_mean_square(&self) -> f64 {
-        let n = self.white.len().max(1) as f64;
-        (self.white.iter().map(Complex64::norm_sqr).sum::<f64>() / n).sqrt()
+        root_mean_square(&self.white)
+    }
+
+    /// Standard deviation of whitened residuals that is the forward model's own.
+    pub(super) fn floor(&self) -> f64 {
+        let mut sampling = self.sampling.clone();
+        self.whitening.apply(&mut sampling);
+        (NOISE_FLOOR * self.root_mean_square()).max(SAMPLING_ERROR * root_mean_square(&sampling))
     }
 
     /// The turning point for the record's own unknowns: ln of the amplitude over the first guess, phase of the release.
@@ -86,6 +107,10 @@ impl Windowed {
         let quiet = self.amplitudes.iter().position(|z| z.norm() < LOUD * loudest);
         quiet.unwrap_or(self.amplitudes.len()).max(8.min(self.amplitudes.len()))
     }
+}
+
+fn root_mean_square(values: &[Complex64]) -> f64 {
+    (values.iter().map(Complex64::norm_sqr).sum::<f64>() / values.len().max(1) as f64).sqrt()
 }
 
 /// The turning point next to the first sample: amplitude and phase over the first cycle and
@@ -115,5 +140,7 @@ fn turning_point(record: &RingDown<'_>, frequency: f64) -> TurningPoint {
     let phase = first.arg() + (omega - rate) * middle - lag;
     let turns = (phase / PI).round();
     let sign = if turns.rem_euclid(2.0) == 1.0 { -1.0 } else { 1.0 };
-    TurningPoint { displacement: sign * first.norm() / omega.powi(power), time: (turns * PI - phase) / rate }
+    // The first amplitude is that half a cycle after the first sample, the second that half a cycle later.
+    let decayed = (first.norm() / second.norm()).clamp(1.0, MOST_DECAY);
+    TurningPoint { displacement: sign * decayed * first.norm() / rate.abs().powi(power), time: (turns * PI - phase) / rate }
 }

@@ -8,7 +8,7 @@ use iwan_core::Reversal;
 use rustfft::num_complex::Complex64;
 
 use super::record::Windowed;
-use super::release::TurningPoint;
+use super::release::{Sampling, TurningPoint};
 use super::ring_down::{Refined, RingDown};
 use crate::error::{Error, check};
 use crate::parameters::{COUNT, Parameter, Parameters};
@@ -20,15 +20,16 @@ pub(super) const OWN: usize = 2;
 pub(super) const ROUGH: f64 = 1e-4;
 /// … and of searches for a minimum under noise: of some 200 residuals it moves the deviance by 4e-4, a ten-thousandth of the limit.
 pub(super) const FINE: f64 = 2e-6;
+/// Values beyond the unknowns that are needed: with three the residuals' variance is known to a factor of three at least.
+const SPARE: usize = 3;
+/// Relative reduction and iterations of a scan's searches: from a neighbour one or two steps do, and only the shape of the valleys
+/// counts. Searches that find the deepest of them go on from there.
+const SCAN: f64 = 0.03;
+const SCAN_ITERATIONS: usize = 4;
 /// Iterations of a rough search, which goes on from where it stands in a later one, …
 const ROUGH_ITERATIONS: usize = 30;
 /// … and of a fine one; when they are spent the result says that it has not converged.
 const FINE_ITERATIONS: usize = 100;
-/// Standard deviation that is put down to the forward model's own error, relative to a record's amplitudes: noise-free
-/// records of the half-cycle map itself leave 1e-7 to 5e-6. Without a floor a record without noise would have intervals of
-/// no width.
-const NOISE_FLOOR: f64 = 1e-6;
-
 /// The records in the form that the searches work on.
 #[derive(Debug, Clone)]
 pub(crate) struct Task {
@@ -56,6 +57,8 @@ pub(crate) struct Effort {
 }
 
 impl Effort {
+    /// That of scans, whose points each go on from a neighbour.
+    pub(super) const SCAN: Self = Self { iterations: SCAN_ITERATIONS, tolerance: SCAN };
     /// That of searches that are not the last.
     pub(super) const ROUGH: Self = Self { iterations: ROUGH_ITERATIONS, tolerance: ROUGH };
 
@@ -80,7 +83,7 @@ impl Task {
         let amplitude = (sum.0 / sum.1 - 1.0).exp();
         let chart = Chart::holding(held, amplitude);
         let task = Self { chart, records, held: held.to_vec(), stopped: Arc::default() };
-        let needed = COUNT + OWN * task.records.len() + 3;
+        let needed = COUNT + OWN * task.records.len() + SPARE;
         if task.count() < needed {
             let remedy = "record longer";
             return Err(Error::TooShort {
@@ -105,24 +108,30 @@ impl Task {
     /// Unknowns without those that are held.
     pub(crate) fn free(&self) -> Vec<usize> {
         let all = COUNT + OWN * self.records.len();
-        (0..all).filter(|j| self.held.iter().all(|h| self.chart.index(*h) != *j)).collect()
+        (0..all).filter(|j| self.held.iter().all(|h| self.chart.index(*h) != Some(*j))).collect()
+    }
+
+    /// The unknowns without the knee: along them the sum of squares is smooth.
+    pub(crate) fn smooth(&self) -> Vec<usize> {
+        let knee = self.chart.knee();
+        self.free().into_iter().filter(|j| knee != Some(*j)).collect()
+    }
+
+    /// The knee's place among the coordinates, if it is sought.
+    pub(crate) fn knee(&self) -> Option<usize> {
+        self.chart.knee().filter(|j| self.free().contains(j))
     }
 
     pub(crate) fn bounds(&self) -> Vec<(f64, f64)> {
         let own = [(-3.0, 3.0), (-0.5 * PI, 0.5 * PI)];
-        self.chart.bounds().into_iter().chain(self.records.iter().flat_map(|_| own)).collect()
-    }
-
-    pub(crate) fn coordinates(&self, parameters: &Parameters) -> Result<Vec<f64>, Error> {
-        let mut x = self.chart.coordinates(parameters)?.to_vec();
-        x.resize(COUNT + OWN * self.records.len(), 0.0);
-        Ok(x)
+        Chart::bounds().into_iter().chain(self.records.iter().flat_map(|_| own)).collect()
     }
 
     /// Whitened residuals over each record's standard deviation.
     pub(crate) fn residuals(&self, x: &[f64], out: &mut [f64], work: &mut Workspace) -> bool {
         let starts = self.starts_at(x);
-        self.residuals_of(&self.chart.parameters(x), &starts, out, work)
+        self.chart.leaves_residual_stiffness(x)
+            && self.residuals_of(&self.chart.parameters(x), &starts, out, work)
     }
 
     /// The same for parameters and the turning points of the records.
@@ -189,6 +198,7 @@ impl Task {
             if !record.windows.of_model(parameters, *start, record.quantity, stack, model) {
                 return false;
             }
+            model.iter_mut().zip(&record.sampling).for_each(|(m, s)| *m += s);
             compare(record, model, from..from + 2 * record.windows.count);
             from += 2 * record.windows.count;
         }
@@ -198,7 +208,8 @@ impl Task {
     /// A search over the coordinates in `free`.
     pub(crate) fn search(&self, free: Vec<usize>, effort: Effort) -> Search {
         let Effort { iterations, tolerance } = effort;
-        Search { count: self.count(), free, bounds: self.bounds(), iterations, tolerance }
+        let floor = self.count() as f64 * self.least_variance();
+        Search { count: self.count(), free, bounds: self.bounds(), iterations, tolerance, floor }
     }
 
     /// The least whitened sum of squares from `x`, until an iteration brings less than the relative `tolerance`.
@@ -209,8 +220,36 @@ impl Task {
         tolerance: f64,
         work: &mut Workspace,
     ) -> Option<Minimum> {
+        self.minimise_with(x, free, Effort::until(tolerance), work)
+    }
+
+    /// The least whitened sum of squares from `x` that an effort finds.
+    pub(super) fn minimise_with(
+        &self,
+        x: &[f64],
+        free: Vec<usize>,
+        effort: Effort,
+        work: &mut Workspace,
+    ) -> Option<Minimum> {
         let mut residuals = |x: &[f64], out: &mut [f64]| self.residuals(x, out, work);
-        self.search(free, Effort::until(tolerance)).run(&mut residuals, x)
+        self.search(free, effort).run(&mut residuals, x)
+    }
+
+    /// Takes what sampling adds to the model's amplitudes from the ring-down at `x`: harmonics that fold back at few
+    /// samples a cycle, and the sum over samples in place of an integral.
+    pub(crate) fn take_samples(&mut self, x: &[f64], work: &mut Workspace) {
+        let (parameters, starts) = (self.chart.parameters(x), self.starts_at(x));
+        for (record, start) in self.records.iter_mut().zip(starts) {
+            let (windows, stack) = (&record.windows, &mut work.stack);
+            let mut exact = vec![Complex64::default(); windows.count];
+            let sampling = Sampling { dt: record.dt, count: record.samples };
+            let samples = start.samples(&parameters, sampling, record.quantity);
+            let known = windows.of_model(&parameters, start, record.quantity, stack, &mut exact);
+            if let (Ok(samples), true) = (samples, known) {
+                let sampled = windows.of_samples(&samples, record.dt);
+                record.sampling = sampled.iter().zip(&exact).map(|(a, b)| a - b).collect();
+            }
+        }
     }
 
     /// Sets each record's standard deviation to that of its residuals at `x`.
@@ -225,14 +264,14 @@ impl Task {
             let n = 2 * record.windows.count;
             let square: f64 = out[from..from + n].iter().map(|r| r * r).sum();
             let deviation = record.scale * (square / (n as f64 - unknowns).max(1.0)).sqrt();
-            record.scale = deviation.max(1e-3 * NOISE_FLOOR * record.root_mean_square());
+            record.scale = deviation.max(record.floor());
             from += n;
         }
     }
 
     /// Variance of residuals that the forward model itself accounts for.
     pub(crate) fn least_variance(&self) -> f64 {
-        let floor = |r: &Windowed| (NOISE_FLOOR * r.root_mean_square() / r.scale).powi(2);
+        let floor = |r: &Windowed| (r.floor() / r.scale).powi(2);
         self.records.iter().map(floor).fold(0.0, f64::max)
     }
 

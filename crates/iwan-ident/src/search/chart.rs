@@ -1,8 +1,10 @@
 //! The coordinates in which parameters are sought.
 //!
 //! A ring-down in micro-slip tells the frequency, the damping and, of the joint, the power χ and the level of its
-//! softening R u^(χ+1) at the amplitudes seen; where the density ends and how much of it is the Dirac shows only in
-//! macro-slip. So these are the coordinates: what every record tells stands apart from what few records tell.
+//! softening R u^(χ+1) at the amplitudes seen; where the density ends (the knee φ_max) and how much of it is the Dirac shows
+//! only in macro-slip. So these are the coordinates: what every record tells stands apart from what few records tell. The
+//! knee is a coordinate of its own because the sum of squares has a crease wherever an amplitude of the ring-down equals φ_max, and
+//! nowhere else: with the knee held, all other coordinates are sought on a smooth surface.
 
 use std::f64::consts::TAU;
 
@@ -11,29 +13,35 @@ use crate::parameters::{COUNT, Parameter, Parameters};
 
 /// A damping ratio of 0.1 % has the coordinate 1.
 const DAMPING_UNIT: f64 = 1e-3;
-/// K_T stays below this part of ω0²: K_∞ = ω0² - K_T must be positive.
+/// K_T stays below this part of ω0²: K_∞ = ω0² - K_T must be positive. Beyond, there is no model.
 const MOST_JOINT: f64 = 0.999;
 /// Range of χ: the law needs -1 < χ < 1.
 const CHI: (f64, f64) = (-0.99, 0.99);
 /// Most of K_T that can be the Dirac's, β/(1+β): β = 999, a single slider for every purpose.
 const MOST_DIRAC: f64 = 0.999;
+/// Place of the knee among the coordinates, where it is one.
+pub(crate) const KNEE: usize = 4;
+/// Place of β/(1+β).
+pub(crate) const DIRAC: usize = 5;
 
 /// Which quantities stand third and fifth; the others are ln f, ζ_v, χ and β/(1+β).
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Scales {
-    /// Softening and K_T/ω0²: for every search.
-    SofteningAndStiffness,
-    /// Softening and F_S: where F_S is given.
-    SofteningAndForce,
-    /// F_S and K_T/ω0²: where both are given.
-    ForceAndStiffness,
+    /// Softening and knee: for every search.
+    SofteningAndKnee,
+    /// K_T and knee: where K_T is given.
+    StiffnessAndKnee,
+    /// F_S and knee: where F_S is given.
+    ForceAndKnee,
+    /// K_T and F_S, where both are given: the knee follows.
+    StiffnessAndForce,
 }
 
 /// Coordinates about an amplitude.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Chart {
     pub(crate) scales: Scales,
-    /// Displacement at which the softening is taken.
+    /// Displacement at which the softening is taken, and which the knee is relative to.
     pub(crate) amplitude: f64,
 }
 
@@ -41,23 +49,31 @@ impl Chart {
     /// The chart in which the parameters that are `held` are coordinates.
     pub(crate) fn holding(held: &[Parameter], amplitude: f64) -> Self {
         let scales = match (held.contains(&Parameter::KT), held.contains(&Parameter::FS)) {
-            (true, true) => Scales::ForceAndStiffness,
-            (false, true) => Scales::SofteningAndForce,
-            (_, false) => Scales::SofteningAndStiffness,
+            (true, true) => Scales::StiffnessAndForce,
+            (true, false) => Scales::StiffnessAndKnee,
+            (false, true) => Scales::ForceAndKnee,
+            (false, false) => Scales::SofteningAndKnee,
         };
         Self { scales, amplitude }
     }
 
-    /// Index of the coordinate that holds a parameter.
-    pub(crate) fn index(&self, parameter: Parameter) -> usize {
-        match parameter {
-            Parameter::Frequency => 0,
-            Parameter::DampingRatio => 1,
-            Parameter::FS if self.scales == Scales::ForceAndStiffness => 2,
-            Parameter::Chi => 3,
-            Parameter::KT | Parameter::FS => 4,
-            Parameter::Beta => 5,
+    /// Index of the coordinate that holds a parameter; none where the parameter is no coordinate.
+    pub(crate) fn index(&self, parameter: Parameter) -> Option<usize> {
+        match (parameter, self.scales) {
+            (Parameter::Frequency, _) => Some(0),
+            (Parameter::DampingRatio, _) => Some(1),
+            (Parameter::KT, Scales::StiffnessAndKnee | Scales::StiffnessAndForce)
+            | (Parameter::FS, Scales::ForceAndKnee) => Some(2),
+            (Parameter::Chi, _) => Some(3),
+            (Parameter::FS, Scales::StiffnessAndForce) => Some(4),
+            (Parameter::Beta, _) => Some(DIRAC),
+            (Parameter::KT | Parameter::FS, _) => None,
         }
+    }
+
+    /// Index of the knee; none where K_T and F_S are given.
+    pub(crate) fn knee(&self) -> Option<usize> {
+        (self.scales != Scales::StiffnessAndForce).then_some(KNEE)
     }
 
     /// Coordinates of parameters, inside the bounds.
@@ -65,17 +81,19 @@ impl Chart {
     /// # Errors
     /// [`Error::Model`] when they are no model.
     pub(crate) fn coordinates(&self, p: &Parameters) -> Result<[f64; COUNT], Error> {
-        let (oscillator, joint) = p.model()?;
-        let softening = joint.r().ln() + (p.chi + 1.0) * self.amplitude.ln();
-        let stiffness = (p.k_t / oscillator.omega0().powi(2)).ln();
-        let (third, fifth) = match self.scales {
-            Scales::SofteningAndStiffness => (softening, stiffness),
-            Scales::SofteningAndForce => (softening, p.f_s.ln()),
-            Scales::ForceAndStiffness => (p.f_s.ln(), stiffness),
+        let (_, joint) = p.model()?;
+        let third = match self.scales {
+            Scales::SofteningAndKnee => joint.r().ln() + (p.chi + 1.0) * self.amplitude.ln(),
+            Scales::StiffnessAndKnee | Scales::StiffnessAndForce => p.k_t.ln(),
+            Scales::ForceAndKnee => p.f_s.ln(),
+        };
+        let fifth = match self.scales {
+            Scales::StiffnessAndForce => p.f_s.ln(),
+            _ => (joint.phi_max() / self.amplitude).ln(),
         };
         let mut x =
             [p.frequency.ln(), p.damping_ratio / DAMPING_UNIT, third, p.chi, fifth, p.beta / (1.0 + p.beta)];
-        for (x, (low, high)) in x.iter_mut().zip(self.bounds()) {
+        for (x, (low, high)) in x.iter_mut().zip(Self::bounds()) {
             *x = x.clamp(low, high);
         }
         Ok(x)
@@ -83,35 +101,33 @@ impl Chart {
 
     /// The inverse of [`coordinates`](Self::coordinates).
     pub(crate) fn parameters(&self, x: &[f64]) -> Parameters {
-        let (frequency, damping_ratio, chi, dirac) = (x[0].exp(), DAMPING_UNIT * x[1], x[3], x[5]);
-        let omega_squared = (TAU * frequency).powi(2);
-        let beta = dirac / (1.0 - dirac);
+        let (frequency, damping_ratio, chi, dirac) = (x[0].exp(), DAMPING_UNIT * x[1], x[3], x[DIRAC]);
         let c = (chi + 1.0) / (chi + 2.0);
-        // φ_max over the chart's amplitude from K_T (1-b) = R φ^(χ+1)/(χ+1) or F_S = R φ^(χ+2) [1/(χ+2) + β/(χ+1)].
+        // F_S = φ_max K_T (d + c (1-d)), and K_T (1-d) = R φ_max^(χ+1)/(χ+1), with the Dirac's share d.
+        let shape = dirac + c * (1.0 - dirac);
+        let phi_max = self.amplitude * x[4].exp();
         let (k_t, f_s) = match self.scales {
-            Scales::SofteningAndStiffness => {
-                let k_t = omega_squared * x[4].exp();
-                let ratio = ((k_t * (1.0 - dirac) * (chi + 1.0)).ln() - x[2]) / (chi + 1.0);
-                (k_t, k_t * self.amplitude * ratio.exp() * (beta + c) / (1.0 + beta))
+            Scales::SofteningAndKnee => {
+                let k_t = (x[2] + (chi + 1.0) * x[4]).exp() / ((chi + 1.0) * (1.0 - dirac));
+                (k_t, phi_max * k_t * shape)
             }
-            Scales::SofteningAndForce => {
-                let bracket = 1.0 / (chi + 2.0) + beta / (chi + 1.0);
-                let ratio = (x[4] - x[2] - (self.amplitude * bracket).ln()) / (chi + 2.0);
-                ((x[2] + (chi + 1.0) * ratio).exp() * (1.0 + beta) / (chi + 1.0), x[4].exp())
-            }
-            Scales::ForceAndStiffness => (omega_squared * x[4].exp(), x[2].exp()),
+            Scales::StiffnessAndKnee => (x[2].exp(), phi_max * x[2].exp() * shape),
+            Scales::ForceAndKnee => (x[2].exp() / (phi_max * shape), x[2].exp()),
+            Scales::StiffnessAndForce => (x[2].exp(), x[4].exp()),
         };
-        Parameters { frequency, damping_ratio, k_t, f_s, chi, beta }
+        Parameters { frequency, damping_ratio, k_t, f_s, chi, beta: dirac / (1.0 - dirac) }
+    }
+
+    /// Whether K_∞ of these coordinates is positive, so that there is a model.
+    pub(crate) fn leaves_residual_stiffness(&self, x: &[f64]) -> bool {
+        let p = self.parameters(x);
+        p.k_t < MOST_JOINT * (TAU * p.frequency).powi(2)
     }
 
     /// Lower and upper bounds of the coordinates.
-    pub(crate) fn bounds(&self) -> [(f64, f64); COUNT] {
+    pub(crate) fn bounds() -> [(f64, f64); COUNT] {
         const NONE: (f64, f64) = (f64::NEG_INFINITY, f64::INFINITY);
-        let fifth = match self.scales {
-            Scales::SofteningAndForce => NONE,
-            _ => (f64::NEG_INFINITY, MOST_JOINT.ln()),
-        };
-        [NONE, (0.0, 0.5 / DAMPING_UNIT), NONE, CHI, fifth, (0.0, MOST_DIRAC)]
+        [NONE, (0.0, 0.5 / DAMPING_UNIT), NONE, CHI, NONE, (0.0, MOST_DIRAC)]
     }
 }
 
@@ -129,11 +145,11 @@ mod tests {
             chi: -0.183,
             beta: 0.3,
         };
-        for scales in [Scales::SofteningAndStiffness, Scales::SofteningAndForce, Scales::ForceAndStiffness] {
-            let chart = Chart { scales, amplitude: 2e-4 };
+        for held in [&[][..], &[Parameter::KT], &[Parameter::FS], &[Parameter::KT, Parameter::FS]] {
+            let chart = Chart::holding(held, 2e-4);
             let back = chart.parameters(&chart.coordinates(&mode).unwrap());
             for p in Parameter::ALL {
-                assert!((back.get(p) / mode.get(p) - 1.0).abs() < 1e-12, "{scales:?} {}", p.name());
+                assert!((back.get(p) / mode.get(p) - 1.0).abs() < 1e-12, "{held:?} {}", p.name());
             }
         }
     }
@@ -147,7 +163,7 @@ mod tests {
                 Parameters { frequency: 1.0, damping_ratio: 0.0, k_t: 2.0, f_s: 3.0, chi: -0.5, beta: 0.5 };
             let mut x = chart.coordinates(&mode).unwrap();
             (0..COUNT)
-                .filter(|i| held.iter().all(|h| chart.index(*h) != *i) && *i != 0)
+                .filter(|i| held.iter().all(|h| chart.index(*h) != Some(*i)))
                 .for_each(|i| x[i] += 0.01);
             let moved = chart.parameters(&x);
             for h in held {

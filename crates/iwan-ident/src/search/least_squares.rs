@@ -35,6 +35,8 @@ pub(crate) struct Search {
     pub(crate) iterations: usize,
     /// Relative reduction of the sum of squares at which it ends.
     pub(crate) tolerance: f64,
+    /// Sum of squares that the residuals' own errors make: a reduction counts relative to this at least.
+    pub(crate) floor: f64,
 }
 
 /// Where a search ended.
@@ -69,7 +71,7 @@ impl Search {
                 let next = self.step(&x, &matrix, &rotated, damping);
                 let lower = next.as_ref().and_then(|next| evaluate(residuals, next, &mut trial));
                 if let (Some(next), Some(lower)) = (next, lower.filter(|c| *c < cost)) {
-                    part = (cost - lower) / cost;
+                    part = (cost - lower) / cost.max(self.floor);
                     self.update(&mut jacobian, &x, &next, &r, &trial);
                     (x, cost) = (next, lower);
                     std::mem::swap(&mut r, &mut trial);
@@ -217,7 +219,7 @@ mod tests {
     use super::*;
 
     fn search(count: usize, free: &[usize], bounds: &[(f64, f64)]) -> Search {
-        Search { count, free: free.to_vec(), bounds: bounds.to_vec(), iterations: 200, tolerance: TOLERANCE }
+        Search { count, free: free.to_vec(), bounds: bounds.to_vec(), iterations: 200, tolerance: TOLERANCE, floor: 0.0 }
     }
 
     const NONE: (f64, f64) = (f64::NEG_INFINITY, f64::INFINITY);

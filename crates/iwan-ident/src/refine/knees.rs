@@ -1,0 +1,268 @@
+//! The knee φ_max, sought along its whole range: with the knee held the sum of squares is smooth in all other unknowns.
+
+use std::f64::consts::TAU;
+
+use iwan_core::{Decay, Motion, Reversal};
+
+use super::release::TurningPoint;
+use super::task::{Effort, FINE, ROUGH, Task, Workspace};
+use crate::parameters::{COUNT, Parameters};
+use crate::search::{Chart, DIRAC, KNEE, Minimum, Scales};
+
+/// φ_max over the largest amplitude where no record reaches it: any larger one would do.
+pub(crate) const KNEE_UNSEEN: f64 = 2.0;
+/// Share β/(1+β) of the Dirac where a scan begins: any smooth start does, because it is sought with the knee held.
+const DIRAC_AT_FIRST: f64 = 0.2;
+/// The smallest such knee: where the stiffness of the mode forbids a larger one.
+const JUST_UNSEEN: f64 = 1.02;
+/// Step of the scans in ln φ_max. The amplitudes of two cycles in macro-slip differ by a few to some twenty per cent, and a valley lies
+/// between two of them.
+pub(crate) const STEP: f64 = 0.05;
+/// Largest knee of a scan over the largest amplitude: outside what the records see, with room for a first amplitude that was
+/// estimated too small.
+const HIGHEST: f64 = 1.3;
+/// Smallest knee of a scan over the largest amplitude: a ring-down from sixteen times φ_max. Where the smallest amplitude is larger,
+/// the scan ends there.
+const LOWEST: f64 = 0.06;
+/// Where K_T or F_S is given the knee matters also beyond the records, up to so many times the largest amplitude.
+const HIGHEST_GIVEN: f64 = 30.0;
+/// Step of a sweep in ln φ_max next to the minimum, and how many to either side. A strongly softening joint that
+/// dissipates most of the energy in its first cycle can have two knees some per cent apart that tell the rest alike, …
+const FINE_STEP: f64 = 0.01;
+/// … and both belong into the intervals.
+const CLOSE: i32 = 15;
+/// Slipping half cycles are counted up to here: more are enough for every purpose.
+const MOST_SLIPPING: usize = 64;
+/// A scan begins anew from its first point so often: a neighbour that went astray then leads no further.
+const ANEW: usize = 6;
+/// Deviances up to so many times the limit are looked at closely: beyond, a better search does not bring a point inside.
+const MARGIN: f64 = 20.0;
+/// Knees beyond the margin after which a sweep ends: ln φ_max has then moved by 0.4, over several valleys.
+const PATIENCE: usize = 16;
+/// Part of ω0² that the joint has at most where it is chosen freely: K_∞ stays well positive.
+const MOST_JOINT: f64 = 0.9;
+
+/// Valleys of a sweep beside the minimum that are followed to their bottom: the deepest.
+const POLISHED: usize = 8;
+
+/// The points of a scan that lie below their neighbours in ln φ_max, the deepest first.
+pub(super) fn valleys(scan: &[Minimum]) -> Vec<Minimum> {
+    let mut scan: Vec<&Minimum> = scan.iter().collect();
+    scan.sort_by(|a, b| a.x[KNEE].total_cmp(&b.x[KNEE]));
+    let mut found = vec![];
+    for (i, minimum) in scan.iter().enumerate() {
+        let beside = [i.checked_sub(1).map(|i| scan[i]), scan.get(i + 1).copied()];
+        if beside.iter().flatten().all(|m| m.cost >= minimum.cost) {
+            found.push((*minimum).clone());
+        }
+    }
+    found.sort_by(|a, b| a.cost.total_cmp(&b.cost));
+    found
+}
+
+impl Task {
+    /// The largest amplitude of the records, by their own starts.
+    pub(super) fn loudest(&self) -> f64 {
+        self.records.iter().map(|r| r.start.displacement.abs()).fold(0.0, f64::max)
+    }
+
+    /// The smallest amplitude of the records over the largest.
+    fn quietest(&self) -> f64 {
+        let part = |r: &super::record::Windowed| {
+            let norms = || r.amplitudes.iter().map(|z| z.norm());
+            norms().fold(f64::INFINITY, f64::min) / norms().fold(f64::MIN_POSITIVE, f64::max)
+        };
+        self.records.iter().map(part).fold(1.0, f64::min)
+    }
+
+    /// Whether nothing but the records decides about the joint's size.
+    pub(crate) fn is_open(&self) -> bool {
+        self.chart.scales == Scales::SofteningAndKnee && self.free().contains(&2) && self.free().contains(&3)
+    }
+
+    /// Coordinates of the knees of a scan, from the largest to the smallest.
+    pub(crate) fn knees(&self) -> Vec<f64> {
+        let top = if self.is_open() { HIGHEST } else { HIGHEST_GIVEN };
+        let middle = (self.loudest() / self.chart.amplitude).ln();
+        let (high, low) = (middle + top.ln(), middle + LOWEST.max(self.quietest()).min(0.8).ln());
+        let count = ((high - low) / STEP).ceil() as usize;
+        (0..=count).map(|i| high - STEP * i as f64).collect()
+    }
+
+    /// `x` with its knee where no record reaches it, and no Dirac where that is free.
+    pub(super) fn unseen(&self, x: &[f64]) -> Vec<f64> {
+        let mut x = x.to_vec();
+        let own = self.starts_at(&x).iter().map(|s| s.displacement.abs()).fold(0.0, f64::max);
+        let middle = (self.loudest().max(own) / self.chart.amplitude).ln();
+        if self.free().contains(&DIRAC) {
+            x[DIRAC] = 0.0;
+        }
+        // As far away as the stiffness allows.
+        for beyond in [KNEE_UNSEEN, 1.4, 1.1, JUST_UNSEEN] {
+            x[KNEE] = middle + beyond.ln();
+            let p = self.chart.parameters(&x);
+            if p.k_t < MOST_JOINT * (TAU * p.frequency).powi(2) {
+                break;
+            }
+        }
+        x
+    }
+
+    /// The start for a scan at the knee `at`: a softening like that of `x`, with some Dirac.
+    pub(super) fn start_at_knee(&self, x: &[f64], at: f64) -> Vec<f64> {
+        let mut x = x.to_vec();
+        x[KNEE] = at;
+        if self.free().contains(&DIRAC) && x[DIRAC] == 0.0 {
+            x[DIRAC] = DIRAC_AT_FIRST;
+        }
+        self.with_residual_stiffness(x)
+    }
+
+    /// The same with the softening reduced until K_∞ is positive.
+    fn with_residual_stiffness(&self, mut x: Vec<f64>) -> Vec<f64> {
+        let p = self.chart.parameters(&x);
+        let most = MOST_JOINT * (TAU * p.frequency).powi(2);
+        if p.k_t > most && self.chart.scales == Scales::SofteningAndKnee && self.free().contains(&2) {
+            x[2] += (most / p.k_t).ln();
+        }
+        x
+    }
+
+    /// Where the first searches, which compare logarithms, end at each knee of a scan, downwards from `x`: each goes on from its
+    /// neighbour, every few also from `x`.
+    pub(super) fn scan(&self, x: &[f64], work: &mut Workspace) -> Vec<Minimum> {
+        let search = self.search(self.smooth(), Effort::SCAN);
+        let mut log = |x: &[f64], out: &mut [f64]| self.log_residuals(x, out, work);
+        let mut found: Vec<Minimum> = vec![];
+        for (i, at) in self.knees().into_iter().enumerate() {
+            let near = found.last().map(|m| self.start_at_knee(&m.x, at));
+            let near = near.and_then(|x| search.run(&mut log, &x));
+            let fresh = (near.is_none() || i % ANEW == 0).then(|| self.start_at_knee(x, at));
+            let fresh = fresh.and_then(|x| search.run(&mut log, &x));
+            found.extend(fresh.into_iter().chain(near).min_by(|a, b| a.cost.total_cmp(&b.cost)));
+        }
+        found
+    }
+
+    /// The least sum of squares with the knee held at `at`, from each of `from`.
+    pub(crate) fn at_knee(
+        &self,
+        from: &[&[f64]],
+        at: f64,
+        tolerance: f64,
+        work: &mut Workspace,
+    ) -> Option<Minimum> {
+        let ends = from.iter().filter_map(|x| {
+            let mut x = x.to_vec();
+            x[KNEE] = at;
+            self.minimise(&self.with_residual_stiffness(x), self.smooth(), tolerance, work)
+        });
+        ends.min_by(|a, b| a.cost.total_cmp(&b.cost))
+    }
+
+    /// The least sums of squares at held knees, from `best` outwards to both sides; those below a margin of `limit` to the
+    /// relative `tolerance`. Under noise a sweep ends when none of the last few lies below that margin; without noise valleys
+    /// are so narrow that none is ever seen from afar, and the whole range is taken at half steps.
+    pub(crate) fn sweep(
+        &self,
+        best: &Minimum,
+        limit: f64,
+        tolerance: f64,
+        work: &mut Workspace,
+    ) -> Vec<Minimum> {
+        let (mut knees, margin) = (self.knees(), best.cost + MARGIN * (limit - best.cost));
+        let (high, low) = (knees[0], knees[knees.len() - 1]);
+        let all = self.is_free_of_noise(best);
+        if all {
+            let between = knees.windows(2).map(|pair| 0.5 * (pair[0] + pair[1])).collect::<Vec<_>>();
+            knees.extend(between);
+        }
+        let close = (1..=CLOSE).flat_map(|i| [-1.0, 1.0].map(|sign| best.x[KNEE] + sign * FINE_STEP * f64::from(i)));
+        knees.extend(close.filter(|k| (low..=high).contains(k)));
+        knees.sort_by(|a, b| b.total_cmp(a));
+        let split = knees.partition_point(|k| *k > best.x[KNEE]);
+        let mut found = vec![best.clone()];
+        for side in [knees[..split].iter().rev().collect::<Vec<_>>(), knees[split..].iter().collect()] {
+            let (mut near, mut outside) = (best.x.clone(), 0);
+            for at in side {
+                let mut x = self.start_at_knee(&near, *at);
+                x[KNEE] = *at;
+                let Some(mut minimum) = self.minimise_with(&x, self.smooth(), Effort::SCAN, work) else { continue };
+                if minimum.cost < margin {
+                    let fine = self.minimise(&minimum.x, self.smooth(), tolerance, work);
+                    minimum = fine.unwrap_or(minimum);
+                }
+                near.clone_from(&minimum.x);
+                outside = if minimum.cost < margin { 0 } else { outside + 1 };
+                found.push(minimum);
+                if outside > PATIENCE && !all {
+                    break;
+                }
+            }
+        }
+        found
+    }
+
+    /// The minima of all unknowns next to the valleys of a sweep, the deepest few.
+    pub(crate) fn polished(&self, sweep: &[Minimum], work: &mut Workspace) -> Vec<Minimum> {
+        let mut found = valleys(sweep);
+        found.truncate(POLISHED);
+        found.iter().filter_map(|m| self.minimise(&m.x, self.free(), FINE, work)).collect()
+    }
+
+    /// Creases are left by hops of the knee: it is moved, all else follows, then all are free.
+    pub(super) fn hop(&self, mut best: Minimum, hops: &[f64], work: &mut Workspace) -> Minimum {
+        if self.knee().is_none() {
+            return best;
+        }
+        for step in hops {
+            for sign in [-1.0, 1.0] {
+                let found = self
+                    .at_knee(&[&best.x], best.x[KNEE] + sign * step, ROUGH, work)
+                    .filter(|m| m.cost < 4.0 * best.cost)
+                    .and_then(|m| self.minimise(&m.x, self.free(), FINE, work));
+                best = found.filter(|f| f.cost < best.cost).unwrap_or(best);
+            }
+        }
+        best
+    }
+
+    /// Largest amplitude of the model's ring-downs over φ_max.
+    pub(crate) fn slip_ratio(&self, x: &[f64]) -> f64 {
+        let largest = self.starts_at(x).iter().map(|s| s.displacement.abs()).fold(0.0, f64::max);
+        self.chart.parameters(x).model().map_or(f64::INFINITY, |(_, joint)| largest / joint.phi_max())
+    }
+
+    /// Half cycles of the model's ring-downs that slip as a whole.
+    pub(crate) fn slipping_half_cycles(&self, x: &[f64]) -> usize {
+        let Ok((oscillator, joint)) = self.chart.parameters(x).model() else { return 0 };
+        let one = |start: TurningPoint| -> Option<usize> {
+            let stack = vec![Reversal::default(); MOST_SLIPPING + 4];
+            let held = Motion::held_at(start.displacement);
+            let mut decay = Decay::new(&oscillator, &joint, 0.0, held, stack).ok()?;
+            let mut from = start.displacement;
+            for count in 0..MOST_SLIPPING {
+                let to = decay.next()?.displacement;
+                if 0.5 * (from - to).abs() <= joint.phi_max() {
+                    return Some(count);
+                }
+                from = to;
+            }
+            Some(MOST_SLIPPING)
+        };
+        self.starts_at(x).into_iter().filter_map(one).sum()
+    }
+
+    /// Whether no record reaches φ_max.
+    pub(crate) fn is_micro_slip(&self, x: &[f64]) -> bool {
+        self.slip_ratio(x) < 1.0
+    }
+
+    /// Coordinates in the chart of every search.
+    pub(crate) fn start_from(&self, first: &Parameters) -> Option<Vec<f64>> {
+        let mut x = self.chart.coordinates(first).ok()?.to_vec();
+        x.resize(COUNT + super::task::OWN * self.records.len(), 0.0);
+        debug_assert_eq!(Chart::bounds().len(), COUNT);
+        Some(x)
+    }
+}
