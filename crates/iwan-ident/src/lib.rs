@@ -33,6 +33,6 @@ pub mod likelihood;
 // All of it in one call.
 pub mod identify;
 
-pub use curve_fit::Verdict;
+pub use curve_fit::{Grade, Verdict};
 pub use error::Error;
 pub use parameters::{Parameter, Parameters};

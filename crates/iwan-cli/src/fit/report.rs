@@ -82,6 +82,7 @@ fn verdict(fit: &ModeFit) -> Markup {
             p { strong {
                 @if fit.linear.is_enough { "A linear mode is enough: the joint is not needed to tell these records." }
                 @else if fit.adequate { "One four-parameter Iwan joint with a viscous damper matches these records." }
+                @else if fit.grade == "usable" { "One four-parameter Iwan joint with a viscous damper is usable for these records, but does not match them." }
                 @else { "One four-parameter Iwan joint with a viscous damper does not match these records." }
             } }
             ul { @for words in &fit.in_words { li { (words) } } }

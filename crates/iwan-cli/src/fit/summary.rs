@@ -37,6 +37,8 @@ pub(crate) struct ModeFit {
     /// Largest amplitude over φ_max.
     pub(crate) slip_ratio: f64,
     pub(crate) adequate: bool,
+    /// `matches`, `usable` or `no`.
+    pub(crate) grade: &'static str,
     pub(crate) misfit: String,
     /// Root-mean-square misfits: of ln D, and of the frequency in Hz beside its measured shift.
     pub(crate) dissipation_misfit: f64,
@@ -217,6 +219,7 @@ impl ModeFit {
             phi_max,
             slip_ratio: top / phi_max,
             adequate: found.verdict.adequate,
+            grade: found.verdict.grade.name(),
             misfit: found.verdict.misfit.clone(),
             dissipation_misfit: found.verdict.dissipation_misfit,
             frequency_misfit: found.verdict.frequency_misfit,
@@ -241,10 +244,11 @@ impl ModeFit {
 
     /// Writing to a string cannot fail.
     fn write(&self, text: &mut String) {
-        let verdict = match (self.linear.is_enough, self.adequate) {
+        let verdict = match (self.linear.is_enough, self.grade) {
             (true, _) => "a linear mode is enough, the joint is not needed",
-            (_, true) => "the model matches",
-            (_, false) => "THE MODEL DOES NOT MATCH",
+            (_, "matches") => "the model matches",
+            (_, "usable") => "the model is usable, but does not match",
+            _ => "THE MODEL DOES NOT MATCH",
         };
         let _ = writeln!(text, "\n{}: {verdict}", self.name);
         let _ = writeln!(text, "\n{:<24}{:>14}   95 % interval", "parameter", "value");

@@ -8,4 +8,4 @@ pub(crate) use averaged::{DISSIPATION_FLOOR, FREQUENCY_FLOOR};
 pub use averaged::{Fit, Predicted, fit, fit_from, predict};
 pub use start::{Start, beta_root, start};
 pub(crate) use verdict::Compared;
-pub use verdict::Verdict;
+pub use verdict::{Grade, Verdict};

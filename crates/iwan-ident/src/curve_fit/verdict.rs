@@ -1,7 +1,6 @@
-//! Whether one four-parameter joint with a viscous damper matches dissipation and frequency together, and how far off
-//! it is.
+//! How well one four-parameter joint with a viscous damper tells dissipation and frequency together: a grade with its numbers.
 
-/// The model is adequate if dissipation is missed by at most this part (root mean square): about what repeated hits of one specimen
+/// The model matches if dissipation is missed by at most this part (root mean square): about what repeated hits of one specimen
 /// differ by. A judgement, not calibrated, …
 const DISSIPATION: f64 = 0.03;
 /// … as is the part of its measured shift by which frequency may be missed, unless noise explains more.
@@ -10,6 +9,16 @@ const FREQUENCY: f64 = 0.1;
 const NOISE: f64 = 2.0;
 /// A shift of the frequency below this part of it is none: ring-downs of real structures do not repeat better.
 const SHIFT_FLOOR: f64 = 1e-5;
+/// Most of the dissipation that noise excuses, relative: of curves that scatter by more nothing can be said to match.
+const MOST_EXCUSED: f64 = 0.15;
+/// Part of the dissipation that a usable model misses at most: a prediction is then better than the factor of two between
+/// damping by one blow and by one ten times as hard. A judgement, …
+const USABLE_DISSIPATION: f64 = 0.25;
+/// … as is the part of the frequency's shift.
+const USABLE_FREQUENCY: f64 = 0.5;
+/// Residual, as a part of the records' amplitudes, from which on a model does not describe them whatever the curves say: with 30 %
+/// a tenth of the energy is left.
+const MOST_LEFT: f64 = 0.3;
 
 /// A measured value of a curve, its standard deviation, and the model's value.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -17,6 +26,29 @@ pub(crate) struct Compared {
     pub(crate) measured: f64,
     pub(crate) deviation: f64,
     pub(crate) model: f64,
+}
+
+/// How well a model describes records.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub enum Grade {
+    /// It does not describe them.
+    No,
+    /// It misses more than noise explains, but is near enough to predict with, inside the amplitudes seen.
+    Usable,
+    /// It matches within noise, or within what repeated hits differ by.
+    Matches,
+}
+
+impl Grade {
+    /// Name in results: `matches`, `usable`, `no`.
+    #[must_use]
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Matches => "matches",
+            Self::Usable => "usable",
+            Self::No => "no",
+        }
+    }
 }
 
 /// The answer in numbers and in words.
@@ -29,44 +61,75 @@ pub struct Verdict {
     /// Measured range of the frequency, Hz.
     pub frequency_shift: f64,
     /// Whether one four-parameter joint with a viscous damper matches dissipation and frequency together: dissipation
-    /// within 3 %, frequency within a tenth of its shift, or both within twice their noise; or the model's ring-down leaves nothing of the
-    /// record but noise.
+    /// within 3 %, frequency within a tenth of its shift, or both within twice their noise.
     pub adequate: bool,
+    /// How well it describes them: never better than dissipation and frequency both allow.
+    pub grade: Grade,
     /// What does not fit, in words and numbers.
     pub misfit: String,
 }
 
 impl Verdict {
     /// From ln D and frequency (Hz) at the same amplitudes.
-    /// `noise_only`: a model's ring-down was subtracted from the record itself and left noise.
-    pub(crate) fn new(dissipation: &[Compared], frequency: &[Compared], noise_only: bool) -> Self {
+    pub(crate) fn new(dissipation: &[Compared], frequency: &[Compared]) -> Self {
         let [d, f] = [dissipation, frequency].map(Distance::of);
         let range = frequency
             .iter()
             .fold((f64::INFINITY, f64::NEG_INFINITY), |r, c| (r.0.min(c.measured), r.1.max(c.measured)));
         let shift = range.1 - range.0;
         let smallest = SHIFT_FLOOR * range.1;
-        let limits =
-            [DISSIPATION.max(NOISE * d.noise), (FREQUENCY * shift).max(NOISE * f.noise).max(smallest)];
-        let within = d.misfit <= limits[0] && f.misfit <= limits[1];
-        let adequate = within || noise_only;
+        let noise = [(NOISE * d.noise).min(MOST_EXCUSED), NOISE * f.noise];
+        let limits = [DISSIPATION.max(noise[0]), (FREQUENCY * shift).max(noise[1]).max(smallest)];
+        let usable =
+            [USABLE_DISSIPATION.max(noise[0]), (USABLE_FREQUENCY * shift).max(noise[1]).max(smallest)];
+        // What cannot be compared at all is no match.
+        let within = |limits: [f64; 2]| d.misfit <= limits[0] && f.misfit <= limits[1];
+        let grade = match (within(limits), within(usable)) {
+            (true, _) => Grade::Matches,
+            (false, true) => Grade::Usable,
+            (false, false) => Grade::No,
+        };
         let misfit = format!(
             "dissipation is missed by {:.2} % (limit {:.2} %), frequency by {:.4} Hz of a shift of {shift:.4} Hz (limit \
-             {:.4} Hz){}: one four-parameter Iwan joint with a viscous damper {} dissipation and frequency together",
+             {:.4} Hz): one four-parameter Iwan joint with a viscous damper {}",
             100.0 * d.misfit,
             100.0 * limits[0],
             f.misfit,
             limits[1],
-            if noise_only && !within { ", but what the model leaves of the record is noise" } else { "" },
-            if adequate { "matches" } else { "does not match" }
+            match grade {
+                Grade::Matches => "matches dissipation and frequency together",
+                Grade::Usable =>
+                    "does not match dissipation and frequency together, but is usable inside the amplitudes seen",
+                Grade::No => "does not match dissipation and frequency together, and does not describe this",
+            }
         );
         Self {
             dissipation_misfit: d.misfit,
             frequency_misfit: f.misfit,
             frequency_shift: shift,
-            adequate,
+            adequate: grade == Grade::Matches,
+            grade,
             misfit,
         }
+    }
+
+    /// The same for a model that leaves a part of the records' amplitudes, `relative_residual`.
+    pub(crate) fn leaving(mut self, relative_residual: f64) -> Self {
+        if relative_residual > MOST_LEFT {
+            (self.grade, self.adequate) = (Grade::No, false);
+            self.misfit += &format!(
+                "; its ring-down leaves {:.0} % of the records' amplitudes: it does not describe this",
+                100.0 * relative_residual
+            );
+        }
+        self
+    }
+
+    /// The same for a frequency that is not that of the band, with the reason in words.
+    pub(crate) fn refused(mut self, why: &str) -> Self {
+        (self.grade, self.adequate) = (Grade::No, false);
+        self.misfit = format!("{why}; {}", self.misfit);
+        self
     }
 }
 
@@ -103,13 +166,27 @@ mod tests {
                 .collect()
         };
         let exact: Vec<Compared> = values(0.0).iter().map(|c| Compared { model: c.measured, ..*c }).collect();
-        assert!(Verdict::new(&exact, &exact, false).adequate);
-        let verdict = Verdict::new(&values(0.01), &exact, false);
+        assert!(Verdict::new(&exact, &exact).adequate);
+        let verdict = Verdict::new(&values(0.01), &exact);
         assert!(!verdict.adequate && verdict.misfit.contains("missed by 5.00 %"), "{}", verdict.misfit);
-        assert!(Verdict::new(&values(0.04), &exact, false).adequate);
-        let excused = Verdict::new(&values(0.01), &exact, true);
-        assert!(excused.adequate && excused.misfit.contains("is noise"), "{}", excused.misfit);
+        assert_eq!(verdict.grade, Grade::Usable);
+        assert!(Verdict::new(&values(0.04), &exact).adequate);
         // A frequency missed by a twentieth of its shift passes.
-        assert!(Verdict::new(&exact, &values(0.0), false).adequate);
+        assert!(Verdict::new(&exact, &values(0.0)).adequate);
+        // A residual of a third of the amplitudes is no match, whatever the curves say.
+        assert_eq!(Verdict::new(&exact, &exact).leaving(0.33).grade, Grade::No);
+    }
+
+    #[test]
+    fn noise_excuses_no_misfit_of_several_limits() {
+        let missed = |by: f64, deviation: f64| -> Vec<Compared> {
+            (0..10).map(|i| Compared { measured: f64::from(i), deviation, model: f64::from(i) + by }).collect()
+        };
+        let exact = missed(0.0, 0.0);
+        // A pendulum, whose dissipation is missed by 42.6 %, with curves of any noise.
+        for deviation in [0.0, 0.1, 10.0] {
+            let verdict = Verdict::new(&missed(0.426, deviation), &exact);
+            assert_eq!(verdict.grade, Grade::No, "{}", verdict.misfit);
+        }
     }
 }

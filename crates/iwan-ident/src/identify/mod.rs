@@ -17,7 +17,8 @@ use crate::curves::Curves;
 use crate::error::{Error, check};
 use crate::likelihood::Likelihood;
 use crate::parameters::{Parameter, Parameters};
-use crate::refine::{RingDown, Task};
+use crate::refine::{Refined, RingDown, Task};
+use crate::signal::Band;
 pub use identification::{Identification, Linear};
 use linear::linear;
 use minimum::{Found, minimum_and_profiles};
@@ -33,6 +34,12 @@ const OTHER_STARTS: [OtherStart; 4] = [
     OtherStart { chi: -0.2, k_t: 3.0 },
     OtherStart { chi: 0.1, k_t: 0.5 },
 ];
+
+/// Smallest and largest ratio of a quieter record's spectral peak to a louder one's for one mode: a joint softens with amplitude, by
+/// 30 % where it carries most of the stiffness; …
+const SOFTENING: f64 = 1.3;
+/// … and what goes the other way is the day's temperature, mounting and the width of a spectral line.
+const STIFFENING: f64 = 0.98;
 
 /// A start on the curves beside the graphical one.
 struct OtherStart {
@@ -94,6 +101,7 @@ fn identification(
     check("records", records.len() as f64, !records.is_empty(), "at least one", "give a record")?;
     let prepared =
         records.iter().map(|record| Prepared::new(*record, settings)).collect::<Result<Vec<_>, _>>()?;
+    check_together(records, &prepared)?;
     let curves: Vec<Curves> = prepared.iter().map(|p| p.curves.clone()).collect();
     let OnCurves { start, fit } = on_curves(&curves, &settings.held)?;
     let ring_downs: Vec<RingDown<'_>> = prepared.iter().map(Prepared::ring_down).collect();
@@ -110,7 +118,7 @@ fn identification(
     let linear = linear(&task, &minimum, &refined.parameters, &curves)?;
     Ok(Identification {
         parameters: refined.parameters,
-        verdict: verdict(&curves, &model_curves, refined.leaves_noise(task.count())),
+        verdict: in_band(verdict(&curves, &model_curves).leaving(refined.relative_residual), &prepared, &refined),
         notes: prepared.iter().flat_map(Prepared::notes).chain(start.notes.iter().cloned()).collect(),
         envelopes: prepared.iter().map(|p| p.envelope.clone()).collect(),
         first_samples: prepared.iter().map(|p| p.first).collect(),
@@ -156,7 +164,7 @@ fn on_curves(curves: &[Curves], held: &[Held]) -> Result<OnCurves, Error> {
 }
 
 /// Compares curves and the model's at the times they share.
-fn verdict(curves: &[Curves], model: &[Curves], noise_only: bool) -> Verdict {
+fn verdict(curves: &[Curves], model: &[Curves]) -> Verdict {
     let (mut dissipation, mut frequency) = (vec![], vec![]);
     for (record, model) in curves.iter().zip(model) {
         for (j, t) in model.t.iter().enumerate() {
@@ -175,5 +183,49 @@ fn verdict(curves: &[Curves], model: &[Curves], noise_only: bool) -> Verdict {
             });
         }
     }
-    Verdict::new(&dissipation, &frequency, noise_only)
+    Verdict::new(&dissipation, &frequency)
+}
+
+/// A frequency outside the band in which the mode was looked for is not that mode's.
+fn in_band(verdict: Verdict, prepared: &[Prepared<'_>], refined: &Refined) -> Verdict {
+    let frequency = refined.parameters.frequency;
+    let outside = prepared.iter().map(Prepared::band).find(|b| frequency < b.low || frequency > b.high);
+    match outside {
+        None => verdict,
+        Some(Band { low, high, peak }) => verdict.refused(&format!(
+            "the frequency of {frequency:.4} Hz lies outside the band of {low:.4} to {high:.4} Hz about the peak at {peak:.4} Hz"
+        )),
+    }
+}
+
+/// Refuses records that cannot be hits of one mode: equal samples, and peaks that no softening brings together.
+fn check_together(records: &[ModeRecord<'_>], prepared: &[Prepared<'_>]) -> Result<(), Error> {
+    for (i, a) in records.iter().enumerate() {
+        if let Some(j) = (0..i).find(|j| records[*j].samples == a.samples && records[*j].dt == a.dt) {
+            return Err(Error::Refused {
+                finding: format!("records {} and {} hold the same samples: one hit is not two", j + 1, i + 1),
+                remedy: "give each record once",
+            });
+        }
+    }
+    let loudness = |p: &Prepared<'_>| p.curves.displacement.iter().copied().fold(0.0, f64::max);
+    for (i, one) in prepared.iter().enumerate() {
+        for (j, other) in prepared.iter().enumerate().take(i) {
+            let (soft, hard) = if loudness(one) < loudness(other) { (one, other) } else { (other, one) };
+            let ratio = soft.band().peak / hard.band().peak;
+            if !(STIFFENING..=SOFTENING).contains(&ratio) {
+                return Err(Error::Refused {
+                    finding: format!(
+                        "records {} and {} have their peaks at {:.4} and {:.4} Hz: these are not one mode",
+                        j + 1,
+                        i + 1,
+                        other.band().peak,
+                        one.band().peak
+                    ),
+                    remedy: "fit them one by one, or give the band of the mode that they share",
+                });
+            }
+        }
+    }
+    Ok(())
 }

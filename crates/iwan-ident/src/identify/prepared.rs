@@ -1,11 +1,11 @@
 //! A record prepared for the comparison with a model, and the model's curves taken as the record's were.
 
 use super::settings::{ModeRecord, Settings};
-use crate::curves::{Curves, ForceAxis, Quantity};
+use crate::curves::{Curves, ForceAxis};
 use crate::error::Error;
 use crate::parameters::Parameters;
 use crate::refine::{RingDown, Sampling, TurningPoint};
-use crate::signal::{Envelope, Isolated, Options, isolate};
+use crate::signal::{Band, Envelope, Isolated, Options, isolate};
 
 /// A record with its mode taken out, its curves, and the samples that are compared with the model.
 pub(super) struct Prepared<'a> {
@@ -46,6 +46,11 @@ impl<'a> Prepared<'a> {
             quantity: self.record.quantity,
             band: self.band,
         }
+    }
+
+    /// Band and spectral peak of the mode.
+    pub(super) fn band(&self) -> Band {
+        self.isolated.band
     }
 
     pub(super) fn notes(&self) -> impl Iterator<Item = String> + '_ {

@@ -10,6 +10,7 @@
 
 mod release;
 mod ring_down;
+mod slow;
 mod windows;
 mod whitening;
 mod record;

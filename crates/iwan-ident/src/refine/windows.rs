@@ -8,10 +8,11 @@
 
 use std::f64::consts::{PI, TAU};
 
-use iwan_core::{Decay, Reversal};
+use iwan_core::{Decay, FourParameter, Oscillator, Reversal};
 use rustfft::num_complex::Complex64;
 
 use super::release::TurningPoint;
+use super::slow::{Moment, Table};
 use crate::curves::Quantity;
 use crate::parameters::Parameters;
 
@@ -23,6 +24,30 @@ pub(super) const OVERLAP: usize = 4;
 const LONG: f64 = 4.0;
 /// Most windows of a record: more say no more about a slow amplitude, and cost time. Longer records have longer windows.
 const MOST: f64 = 120.0;
+
+/// Largest amplitude over φ_max of a decay that goes on by a table in micro-slip: the table begins a little above the amplitude, …
+const MICRO: f64 = 0.9;
+/// … smallest one in macro-slip, …
+const MACRO: f64 = 1.5;
+/// … and where that table ends: its last cubic reaches below the amplitude, and shall not reach φ_max.
+const MACRO_ENDS: f64 = 1.02;
+/// Cycles that must be left for a table to be worth its thirty nodes and more.
+const LEFT: f64 = 150.0;
+
+/// A decay whose half cycles are of one kind.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Regime {
+    Micro,
+    Macro,
+}
+
+/// What decays, and what of it is seen.
+#[derive(Clone, Copy)]
+struct Model<'a> {
+    oscillator: &'a Oscillator,
+    joint: &'a FourParameter,
+    quantity: Quantity,
+}
 
 /// Where the windows lie.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -89,47 +114,135 @@ impl Windows {
         stack: &mut Vec<Reversal>,
         out: &mut [Complex64],
     ) -> bool {
+        self.of_model_with(parameters, start, quantity, stack, out, true)
+    }
+
+    /// The same, by tables of half cycles where these are many, or half cycle by half cycle.
+    fn of_model_with(
+        &self,
+        parameters: &Parameters,
+        start: TurningPoint,
+        quantity: Quantity,
+        stack: &mut Vec<Reversal>,
+        out: &mut [Complex64],
+        tables: bool,
+    ) -> bool {
         let Ok((oscillator, joint)) = parameters.model() else { return false };
         let half_cycles = (2.5 * (self.end() + start.time.abs()) * parameters.frequency) as usize + 16;
         if stack.len() < half_cycles {
             stack.resize(half_cycles, Reversal::default());
         }
-        let Ok(mut decay) = Decay::new(
-            &oscillator,
-            &joint,
-            0.0,
-            iwan_core::Motion::held_at(start.displacement),
-            stack.as_mut_slice(),
-        ) else {
-            return false;
-        };
+        let tables = tables && self.hop * self.omega >= LONG * TAU;
+        let model = Model { oscillator: &oscillator, joint: &joint, quantity };
         out.fill(Complex64::default());
-        let long = self.hop * self.omega >= LONG * TAU;
-        let (end, mut now) = (self.end(), start.time);
-        while now < end {
-            let first = now == start.time;
+        let (mut now, mut regime) = (start, None);
+        while now.time < self.end() {
+            let next = if tables { self.slow_regime(&now, joint.phi_max()) } else { None };
+            let by_table = next.is_some() && next != regime && now.time > start.time;
+            let went = if by_table {
+                self.add_by_table(model, &mut now, next == Some(Regime::Macro), out)
+            } else {
+                let first = (now.time == start.time).then_some(start.time);
+                let left = |now: &TurningPoint| {
+                    let next = if tables { self.slow_regime(now, joint.phi_max()) } else { None };
+                    next.is_some() && next != regime
+                };
+                self.add_plainly(model, &mut now, first, stack, left, out)
+            };
+            if by_table {
+                regime = next;
+            }
+            if !went {
+                return false;
+            }
+        }
+        true
+    }
+
+    /// Whether a decay from here goes on through so many half cycles of one kind that a table of them is worth it.
+    fn slow_regime(&self, now: &TurningPoint, phi_max: f64) -> Option<Regime> {
+        let ratio = now.displacement.abs() / phi_max;
+        let enough = now.time > 0.0 && (self.end() - now.time) * self.omega > LEFT * TAU;
+        match ratio {
+            _ if !enough => None,
+            r if r < MICRO => Some(Regime::Micro),
+            r if r > MACRO => Some(Regime::Macro),
+            _ => None,
+        }
+    }
+
+    /// Adds half cycles one by one from a turning point on, to the end or until `left`. `first` is the time of the release where
+    /// the decay begins with it. False where there is no decay.
+    fn add_plainly(
+        &self,
+        Model { oscillator, joint, quantity }: Model<'_>,
+        now: &mut TurningPoint,
+        first: Option<f64>,
+        stack: &mut [Reversal],
+        left: impl Fn(&TurningPoint) -> bool,
+        out: &mut [Complex64],
+    ) -> bool {
+        let held = iwan_core::Motion::held_at(now.displacement);
+        let Ok(mut decay) = Decay::new(oscillator, joint, 0.0, held, stack) else { return false };
+        let (began, long, mut first) = (now.time, self.hop * self.omega >= LONG * TAU, first);
+        while now.time < self.end() {
             let mut moments = Moments::default();
-            let middle = now + 0.5 * PI / self.omega;
+            let middle = now.time + 0.5 * PI / self.omega;
             let turned = decay.next_with(|node| {
-                let t = start.time + node.time;
+                let t = began + node.time;
                 let motion = Motion { displacement: node.displacement, velocity: node.velocity };
-                if long && !first {
+                if long && first.is_none() {
                     let late = t - middle;
                     moments.add(late, self.term(late, motion, node.weight, quantity));
                     return;
                 }
                 self.add(t, motion, node.weight, quantity, out);
-                if first && node.time < start.time {
-                    self.add(start.time - node.time, motion.mirrored(), node.weight, quantity, out);
+                if first.is_some_and(|release| node.time < release) {
+                    self.add(began - node.time, motion.mirrored(), node.weight, quantity, out);
                 }
             });
             let Some(turned) = turned else { return false };
-            if long && !first {
+            if long && first.is_none() {
                 self.add_moments(middle, &moments, quantity, out);
             }
-            now = start.time + turned.time;
+            first = None;
+            *now = TurningPoint { time: began + turned.time, displacement: turned.displacement };
+            if left(now) {
+                break;
+            }
         }
         true
+    }
+
+    /// Adds half cycles by a table from a turning point on: to the end, or in macro-slip to where that ends. False where there
+    /// is no decay.
+    fn add_by_table(
+        &self,
+        Model { oscillator, joint, quantity }: Model<'_>,
+        now: &mut TurningPoint,
+        macro_slip: bool,
+        out: &mut [Complex64],
+    ) -> bool {
+        let (quarter, mut sign) = (0.5 * PI / self.omega, now.displacement.signum());
+        let mut log = now.displacement.abs().ln();
+        let add = |node: Moment, moments: &mut [Complex64; 4]| {
+            let Moment { late, displacement, velocity, weight } = node;
+            let late = late - quarter;
+            let mut sum = Moments::default();
+            sum.add(late, self.term(late, Motion { displacement, velocity }, weight, quantity));
+            moments.iter_mut().zip(sum.0).for_each(|(m, s)| *m += s);
+        };
+        let floor = if macro_slip { (MACRO_ENDS * joint.phi_max()).ln() } else { f64::NEG_INFINITY };
+        let mut table = Table::below(oscillator, joint, log, floor, add);
+        while now.time < self.end() {
+            let Some(half) = table.at(log) else { break };
+            // The moments are about their own middle: `add_moments` turns them from the record's beginning.
+            let moments = Moments(half.moments.map(|m| m * sign));
+            self.add_moments(now.time + quarter, &moments, quantity, out);
+            (log, sign) = (log + half.growth, -sign);
+            *now = TurningPoint { time: now.time + half.duration, displacement: sign * log.exp() };
+        }
+        table.decays()
     }
 
     /// The integrand of a moment but for the window: x e^(-iω_r t) dt, for acceleration -v e^(-iω_r t) dt.
@@ -270,6 +383,25 @@ mod tests {
                     let error = (a - b).norm() / b.norm();
                     assert!(error < 2e-5, "{ratio} {cycles} {quantity:?} window {k}: {error:e}");
                 }
+            }
+        }
+    }
+
+    #[test]
+    fn a_table_of_half_cycles_is_the_decay_itself() {
+        let phi_max = MODE.model().unwrap().1.phi_max();
+        for (ratio, damping_ratio) in [(1.5, 1e-4), (0.6, 1e-3), (0.05, 1e-5)] {
+            let mode = Parameters { damping_ratio, ..MODE };
+            let windows = Windows::over(9.0, 123.5, 1.0);
+            let start = TurningPoint { displacement: ratio * phi_max, time: -1e-3 };
+            let [mut table, mut plain] = [(); 2].map(|()| vec![Complex64::default(); windows.count]);
+            let (quantity, stack) = (Quantity::Acceleration, &mut vec![]);
+            assert!(windows.of_model(&mode, start, quantity, stack, &mut table));
+            assert!(windows.of_model_with(&mode, start, quantity, stack, &mut plain, false));
+            let largest = plain.iter().map(|z| z.norm()).fold(0.0, f64::max);
+            for (k, (a, b)) in table.iter().zip(&plain).enumerate() {
+                let error = (a - b).norm() / b.norm().max(1e-4 * largest);
+                assert!(error < 2e-6, "{ratio} window {k}: {error:e}");
             }
         }
     }

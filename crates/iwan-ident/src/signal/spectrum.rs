@@ -217,7 +217,17 @@ pub(super) fn given_band(x: &[f64], dt: f64, low: f64, high: f64) -> Result<Band
         finding: format!("no spectral peak between {low} and {high} Hz"),
         remedy: "move or widen the band, or leave it out: then the highest peak is taken",
     })?;
-    Ok(Band { low, high, peak: spectrum.frequency(k) })
+    let peak = spectrum.frequency(k);
+    if peak - low < spectrum.step || high - peak < spectrum.step {
+        return Err(Error::Refused {
+            finding: format!(
+                "between {low} and {high} Hz the spectrum is highest at the band's edge, {peak:.4} Hz: that is the skirt of a peak \
+                 outside"
+            ),
+            remedy: "move the band to a peak, or leave it out: then the highest peak is taken",
+        });
+    }
+    Ok(Band { low, high, peak })
 }
 
 /// The line that carries most of a complex residual.

@@ -39,6 +39,9 @@ class Fit:
     """Whether the records bound a parameter on both sides."""
     adequate: bool
     """Whether one four-parameter joint with a viscous damper matches frequency and damping together."""
+    grade: str
+    """How well it describes the records: "matches" (within noise, or within what repeated hits differ by), "usable" (misses more,
+    but is near enough to predict with inside the amplitudes seen; `misfit` has the numbers) or "no"."""
     misfit: str
     """What fits and what does not, in words and numbers."""
     joint_needed: bool

@@ -169,6 +169,7 @@ impl Identified {
         dict.set_item("profiles", profiles)?;
         dict.set_item("limit", found.profiles.limit)?;
         dict.set_item("adequate", found.verdict.adequate)?;
+        dict.set_item("grade", found.verdict.grade.name())?;
         dict.set_item("misfit", &found.verdict.misfit)?;
         dict.set_item("dissipation_misfit", found.verdict.dissipation_misfit)?;
         dict.set_item("frequency_misfit", found.verdict.frequency_misfit)?;
