@@ -2,6 +2,7 @@
 
 mod motion;
 mod oscillator;
+mod modal_law;
 mod pulse;
 mod response;
 mod newmark;
@@ -14,6 +15,7 @@ pub use averaging::{AmplitudePhase, Averaging};
 pub(crate) use energy::Works;
 pub use energy::{EnergyBalance, JointEnergy};
 pub use events::EventDriven;
+pub use modal_law::ModalLaw;
 pub use motion::Motion;
 pub use newmark::Newmark;
 pub use oscillator::{Oscillator, ResidualStiffness};
