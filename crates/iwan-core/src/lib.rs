@@ -25,6 +25,10 @@ mod step;
 // Half cycles: free decay from one turning point to the next, without time steps.
 mod half_cycle;
 
+// Curves: a mode known by its frequency and damping against amplitude, without a law.
+mod curves;
+
+pub use curves::{AveragedCurves, CurveNewmark, CurvePoint, CurvesEnd, ModeCurves, Rate};
 pub use error::Error;
 pub use half_cycle::{Decay, PathNode, TurningPoint};
 pub use law::{
@@ -40,5 +44,5 @@ pub use progress::Progress;
 pub use random::SplitMix64;
 pub use step::{
     AmplitudePhase, Averaging, EnergyBalance, EventDriven, JointEnergy, ModalLaw, Motion, Newmark,
-    Oscillator, Pulse, ResidualStiffness, Samples,
+    Oscillator, PartsEnd, Pulse, ResidualStiffness, Samples, WithParts,
 };

@@ -19,12 +19,21 @@ use crate::parts::{Part, sum_of_parts};
 /// assert!((law.dissipation(0.002, mode.omega0()) - 4.0 * 0.5 * 0.002).abs() < 1e-17);
 /// # Ok::<(), iwan_core::Error>(())
 /// ```
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug)]
 pub struct ModalLaw<'a, B> {
     oscillator: Oscillator,
     joint: Option<&'a B>,
     parts: &'a [Part],
 }
+
+// Not derived: copies of the borrowed law are not needed.
+impl<B> Clone for ModalLaw<'_, B> {
+    fn clone(&self) -> Self {
+        *self
+    }
+}
+
+impl<B> Copy for ModalLaw<'_, B> {}
 
 impl<'a, B: Backbone> ModalLaw<'a, B> {
     /// `oscillator` with the `joint` whose K_T it was made with, and `parts`.

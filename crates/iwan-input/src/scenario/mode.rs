@@ -53,6 +53,8 @@ impl ScenarioMode {
             frequency: section.number("frequency")?,
             damping_ratio: section.number_or("damping_ratio", 0.0)?,
             joint: law,
+            parts: Vec::new(),
+            curves: None,
             residual,
             shape_at_force: section.number_or("shape_at_force", 1.0)?,
             outputs: read_outputs(source, &section)?,

@@ -110,7 +110,7 @@ pub(crate) fn _response(py: Python<'_>, histories: [Vec<f64>; 4], figures: Figur
             residual,
             scale,
         },
-        quality: Quality { time_step_error, discretisation_error, forgotten_force },
+        quality: Quality { time_step_error, discretisation_error, forgotten_force, ..Quality::default() },
         strongest,
         seconds,
     };
