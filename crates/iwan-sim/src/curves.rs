@@ -7,8 +7,7 @@ use iwan_core::{CurvePoint, Error, ModeCurves};
 pub struct Curves {
     table: [Vec<f64>; 3],
     points: ModeCurves<Vec<CurvePoint>>,
-    /// Whether amplitudes above the largest are allowed: the values of the largest then hold there too.
-    pub extrapolate: bool,
+    extrapolate: bool,
 }
 
 impl Curves {
@@ -37,6 +36,18 @@ impl Curves {
         let buffer = vec![CurvePoint::default(); amplitude.len()];
         let points = ModeCurves::new(&amplitude, &frequency, &damping_ratio, buffer)?;
         Ok(Self { table: [amplitude, frequency, damping_ratio], points, extrapolate: false })
+    }
+
+    /// The same with leave, or without, to go beyond the largest amplitude, where the values of the largest then hold.
+    #[must_use]
+    pub fn extrapolating(self, allowed: bool) -> Self {
+        Self { extrapolate: allowed, ..self }
+    }
+
+    /// Whether amplitudes above the largest are allowed.
+    #[must_use]
+    pub const fn extrapolates(&self) -> bool {
+        self.extrapolate
     }
 
     /// Amplitudes, frequencies (Hz) and damping ratios, as given.

@@ -111,6 +111,21 @@ impl Mode {
         Ok((oscillator.k_inf() + (joint + parts)).max(0.0).sqrt() / (2.0 * std::f64::consts::PI))
     }
 
+    /// Energy that joint and parts take in a cycle of amplitude `a`, the viscous damper left out; of a mode by curves all
+    /// that it loses, 2π ζ ω² a².
+    ///
+    /// # Errors
+    /// As [`oscillator`](Self::oscillator).
+    pub fn dissipation_at(&self, a: f64) -> Result<f64, Error> {
+        let omega = 2.0 * std::f64::consts::PI * self.frequency_at(a)?;
+        if let Some(curves) = &self.curves {
+            let zeta = curves.points().at(a.abs()).damping_ratio;
+            return Ok(2.0 * std::f64::consts::PI * zeta * (omega * a).powi(2));
+        }
+        let joint = self.joint.as_ref().map_or(0.0, |law| law.dissipation(a));
+        Ok(joint + sum_of_parts(&self.parts, |part| part.dissipation(a, omega)))
+    }
+
     /// Amplitude-dependent damping ratio ζ = ζ_v ω0/ω + D(a) / (2π ω² a²), with ω of
     /// [`frequency_at`](Self::frequency_at) and the dissipation per cycle D of joint and parts; of a mode by curves what they
     /// say.
@@ -123,8 +138,6 @@ impl Mode {
         if let Some(curves) = &self.curves {
             return Ok(curves.points().at(a.abs()).damping_ratio);
         }
-        let joint = self.joint.as_ref().map_or(0.0, |law| law.dissipation(a));
-        let parts = sum_of_parts(&self.parts, |part| part.dissipation(a, omega));
-        Ok(viscous + (joint + parts) / (2.0 * std::f64::consts::PI * (omega * a).powi(2)))
+        Ok(viscous + self.dissipation_at(a)? / (2.0 * std::f64::consts::PI * (omega * a).powi(2)))
     }
 }

@@ -150,7 +150,7 @@ pub(crate) fn within(curves: &Curves, mut response: Response) -> Result<Response
             outside.largest_amplitude = outside.largest_amplitude.max(amplitude);
         }
     }
-    if let Some(time) = outside.above_from.filter(|_| !curves.extrapolate) {
+    if let Some(time) = outside.above_from.filter(|_| !curves.extrapolates()) {
         return Err(SimulationError::BeyondCurves { amplitude: outside.largest_amplitude, largest, time });
     }
     let below = last_within.map_or(0, |n| n + 1);
