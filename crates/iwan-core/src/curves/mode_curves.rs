@@ -76,9 +76,8 @@ impl<P: AsRef<[CurvePoint]> + AsMut<[CurvePoint]>> ModeCurves<P> {
         check_length("buffer", points.len(), amplitude.len())?;
         for (index, ((&a, &f), &zeta)) in amplitude.iter().zip(frequency).zip(damping_ratio).enumerate() {
             let rises = index == 0 || a > amplitude[index - 1];
-            let entry = |name, value, ok: bool, allowed| match ok {
-                true => Ok(()),
-                false => Err(Error::Entry { name, index, value, allowed }),
+            let entry = |name, value, ok: bool, allowed| {
+                if ok { Ok(()) } else { Err(Error::Entry { name, index, value, allowed }) }
             };
             let positive = a > 0.0 && a.is_finite();
             entry("amplitude", a, positive && rises, "must be finite, > 0 and ascending")?;

@@ -154,7 +154,7 @@ pub(crate) fn within(curves: &Curves, mut response: Response) -> Result<Response
         return Err(SimulationError::BeyondCurves { amplitude: outside.largest_amplitude, largest, time });
     }
     let below = last_within.map_or(0, |n| n + 1);
-    outside.below_from = (below < response.displacement.len()).then(|| below as f64 * response.dt);
+    outside.below_from = (below < response.displacement.len()).then_some(below as f64 * response.dt);
     response.quality.outside_curves = outside;
     Ok(response)
 }
