@@ -93,7 +93,7 @@ impl Part {
 /// Raises `iwan.InvalidValueError` for a parameter out of range.
 ///
 /// >>> quadratic = iwan.PowerDamping(c=3.0, n=2)
-/// >>> round(quadratic.dissipation(0.1, frequency=10 / (2 * np.pi)), 12)  # 8/3 c w^2 a^3
+/// >>> round(quadratic.dissipation(0.1, frequency=1.5915494309189535), 12)  # 8/3 c w^2 a^3 at w = 10 rad/s
 /// 0.8
 #[pyclass(frozen, extends = Part, module = "iwan")]
 #[derive(Debug)]
@@ -120,7 +120,7 @@ impl PowerDamping {
 ///
 /// Raises `iwan.InvalidValueError` for a parameter out of range.
 ///
-/// >>> mode = iwan.Mode(frequency=1.0, parts=[iwan.Coulomb(force=0.01 * (2 * np.pi) ** 2)])
+/// >>> mode = iwan.Mode(frequency=1.0, parts=[iwan.Coulomb(force=0.3947841760435743)])  # F/k = 0.01
 /// >>> released = iwan.simulate(mode, dt=0.01, duration=1.0, initial=(1.0, 0.0))
 /// >>> print(f"{released.displacement[50]:.6f} {released.displacement[100]:.6f}")  # 2 F/k less in half a cycle
 /// -0.980000 0.960000
