@@ -149,7 +149,7 @@ impl Coulomb {
 ///
 /// >>> mode = iwan.Mode(frequency=1.0, parts=[iwan.Spring(k=-10.0, exponent=3)])
 /// >>> print(f"{mode.frequency_at(0.5):.4f}")
-/// 0.9759
+/// 0.9760
 #[pyclass(frozen, extends = Part, module = "iwan")]
 #[derive(Debug)]
 pub(crate) struct Spring {
