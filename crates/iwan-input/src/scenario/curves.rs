@@ -14,17 +14,19 @@ pub(crate) const KEYS: &[&str] = &["amplitude", "frequency", "damping_ratio", "p
 /// The three columns.
 const COLUMNS: [&str; 3] = ["amplitude", "frequency", "damping_ratio"];
 
-/// Reads and checks the curves of a mode; none where the key is not there.
-pub(super) fn read(source: &InputText, mode: &Section<'_>) -> Result<Option<Curves>, InputError> {
+/// Reads and checks the curves of a mode.
+pub(super) fn read(source: &InputText, mode: &Section<'_>) -> Result<Curves, InputError> {
     if mode.is_text("curves") {
         let path = source.folder.join(mode.text("curves")?);
         let [a, f, z] =
             columns(&path).map_err(|(message, remedy)| mode.failure("curves", &message, &remedy))?;
-        return Curves::new(a, f, z).map(Some).map_err(|error| {
+        return Curves::new(a, f, z).map_err(|error| {
             mode.failure("curves", &format!("{}: {error}", path.display()), "correct this row of the file")
         });
     }
-    let Some(place) = mode.optional_table("curves")? else { return Ok(None) };
+    let Some(place) = mode.optional_table("curves")? else {
+        return Err(mode.failure("curves", "the key `curves` is missing", "add curves = \"FILE.csv\""));
+    };
     let section = Section::new(source, format!("curves of {}", mode.title()), place, KEYS)?;
     let table = if section.has("path") {
         if let Some(both) = COLUMNS.into_iter().find(|key| section.has(key)) {
@@ -42,7 +44,7 @@ pub(super) fn read(source: &InputText, mode: &Section<'_>) -> Result<Option<Curv
         section.out_of_range(error, |name| if in_file { "path".into() } else { name.to_string() })
     })?;
     let extrapolate = section.optional_flag("extrapolate")?.unwrap_or(false);
-    Ok(Some(curves.extrapolating(extrapolate)))
+    Ok(curves.extrapolating(extrapolate))
 }
 
 /// The three columns of a text file, or what is wrong with it and what helps.

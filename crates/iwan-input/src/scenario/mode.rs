@@ -70,15 +70,15 @@ impl ScenarioMode {
 
 /// A mode of its curves alone, or of its frequency alone.
 fn of_curves(source: &InputText, section: &Section<'_>, name: String) -> Result<Mode, InputError> {
-    let Some(curves) = curves::read(source, section)? else {
+    if !section.has("curves") {
         return Ok(Mode::new(name, section.number("frequency")?, None));
-    };
+    }
     let others = ["frequency", "damping_ratio", "joint", "parts", "allow_negative_residual"];
     if let Some(key) = others.into_iter().find(|key| section.has(key)) {
         let message = format!("`{key}` and `curves` exclude each other: the curves are the whole mode");
         return Err(section.failure(key, &message, "remove one of the two"));
     }
-    Ok(Mode::by_curves(name, curves))
+    Ok(Mode::by_curves(name, curves::read(source, section)?))
 }
 
 fn read_joint(

@@ -31,6 +31,7 @@ use crate::values::parts::Part;
 /// 122.0 Hz, 0.0062
 #[pyclass(frozen, module = "iwan")]
 #[derive(Debug)]
+#[expect(clippy::struct_field_names, reason = "the mode of the library inside that of Python")]
 pub(crate) struct Mode {
     pub(crate) mode: iwan_sim::Mode,
     joint: Option<Py<PyAny>>,
