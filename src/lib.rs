@@ -24,6 +24,9 @@ pub mod book {
     #[doc = include_str!("../book/src/steppers.md")]
     pub mod steppers {}
 
+    #[doc = include_str!("../book/src/laws.md")]
+    pub mod laws {}
+
     #[doc = include_str!("../book/src/identification.md")]
     pub mod identification {}
 

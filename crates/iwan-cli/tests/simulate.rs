@@ -266,3 +266,47 @@ fn ctrl_c_leaves_nothing_behind() {
     assert_eq!((code, text.as_str()), (Some(130), "interrupted: nothing was written\n"));
     assert_eq!(names(place.path()), ["in.toml"]);
 }
+
+/// A pendulum with parts, and a mode by its curves from a file: both run, are written out and run again to the same bits, and
+/// what leaves the curves is said.
+#[test]
+fn parts_and_curves_run_and_survive() {
+    let scenario = "[[mode]]\nname = 'pendulum'\nfrequency = 0.5\ndamping_ratio = 0.002\ninitial = { displacement = 0.8 }\n\
+        parts = [{ law = 'coulomb', force = 0.004 }, { law = 'power-damping', c = 0.03, n = 2 }, \
+        { law = 'spring', k = -1.64, exponent = 3 }]\n\
+        [[mode]]\nname = 'measured'\ncurves = 'curves.csv'\ninitial = { displacement = 0.01 }\n\
+        [force]\nkind = 'none'\n[time]\nstep = 0.004\nduration = 20\n";
+    let place = folder(scenario);
+    let curves = "amplitude,frequency,damping_ratio\n0.003,1.0,0.01\n0.01,0.99,0.02\n";
+    std::fs::write(place.path().join("curves.csv"), curves).unwrap();
+    let summary = run(place.path(), "in.toml --out out");
+    // SciPy (tests/peers/pendulum.py): q(20 s) = 7.292744e-2.
+    let [pendulum, measured] = [0, 1].map(|n| summary["modes"][n].clone());
+    assert!((pendulum["final_displacement"].as_f64().unwrap() - 7.292744e-2).abs() < 1e-4, "{pendulum}");
+    assert!(pendulum["energy_error"].as_f64().unwrap() < 1e-11, "{pendulum}");
+    let below = measured["below_curves_from"].as_f64().unwrap();
+    assert!(pendulum.get("below_curves_from").is_none() && below > 10.0 && below < 20.0, "{measured}");
+    let warnings = summary["warnings"].to_string();
+    assert!(warnings.contains("below the smallest of the curves"), "{warnings}");
+    assert!(iwan(place.path(), "simulate out/scenario.toml --out again").status.success());
+    assert_eq!(bytes(place.path(), "out/response.csv"), bytes(place.path(), "again/response.csv"));
+    let page = String::from_utf8(bytes(place.path(), "out/report.html")).unwrap();
+    assert!(page.contains("3 parts stand beside it") && page.contains("known by its curves"));
+}
+
+/// Beyond the curves the run fails with the amplitude, the time and what allows it, and leaves no files.
+#[test]
+fn a_run_beyond_its_curves_is_refused() {
+    let scenario = "[[mode]]\nname = 'measured'\n\
+        curves = { amplitude = [0.001, 0.01], frequency = [1, 0.99], damping_ratio = [0.01, 0.02] }\n\
+        initial = { displacement = 0.02 }\n[force]\nkind = 'none'\n[time]\nstep = 0.01\nduration = 5\n";
+    let place = folder(scenario);
+    let output = iwan(place.path(), "simulate in.toml --out out");
+    let text = String::from_utf8(output.stderr).unwrap();
+    assert_eq!(output.status.code(), Some(1), "{text}");
+    assert!(text.contains("2e-2") && text.contains("extrapolate = true"), "{text}");
+    assert_eq!(names(place.path()), ["in.toml"]);
+    let allowed = folder(&scenario.replace("[0.01, 0.02] }", "[0.01, 0.02], extrapolate = true }"));
+    let summary = run(allowed.path(), "in.toml --out out");
+    assert_eq!(summary["modes"][0]["above_curves_from"], 0.0, "{summary}");
+}

@@ -13,6 +13,9 @@ pub mod quadrature;
 // Laws: a joint is its virgin curve.
 mod law;
 
+// Parts: dampers and springs beside a joint, without memory.
+mod parts;
+
 // Memories: the hysteretic force of a law along any history of displacement.
 mod memory;
 
@@ -22,6 +25,10 @@ mod step;
 // Half cycles: free decay from one turning point to the next, without time steps.
 mod half_cycle;
 
+// Curves: a mode known by its frequency and damping against amplitude, without a law.
+mod curves;
+
+pub use curves::{AveragedCurves, CurveNewmark, CurvePoint, CurvesEnd, ModeCurves, Rate};
 pub use error::Error;
 pub use half_cycle::{Decay, PathNode, TurningPoint};
 pub use law::{
@@ -32,9 +39,10 @@ pub use memory::{
     Continuum, Extensions, Hysteresis, NoJoint, Plain, Reversal, Reversals, Run, Runs, Slider, Sliders,
     Straight, Trial,
 };
+pub use parts::{Coulomb, Part, Pinning, PowerDamping, PowerSpring, sum_of_parts};
 pub use progress::Progress;
 pub use random::SplitMix64;
 pub use step::{
-    AmplitudePhase, Averaging, EnergyBalance, EventDriven, JointEnergy, Motion, Newmark, Oscillator, Pulse,
-    ResidualStiffness, Samples,
+    AmplitudePhase, Averaging, EnergyBalance, EventDriven, JointEnergy, ModalLaw, Motion, Newmark,
+    Oscillator, PartsEnd, Pulse, ResidualStiffness, Samples, WithParts,
 };

@@ -106,28 +106,44 @@ impl<'a> Section<'a> {
         kinds: &'static [TableKind],
         default: Option<&str>,
     ) -> Result<(Self, &'static TableKind), InputError> {
-        let every = known(kinds);
+        Self::variant("kind", source, title, place, kinds, default)
+    }
+
+    /// As [`kind`](Self::kind) for variants that another `key` tells apart.
+    ///
+    /// # Errors
+    /// [`InputError`] with the place, what stands there and what helps.
+    pub fn variant(
+        tells: &str,
+        source: &'a InputText,
+        title: impl Into<String>,
+        place: TablePlace<'a>,
+        kinds: &'static [TableKind],
+        default: Option<&str>,
+    ) -> Result<(Self, &'static TableKind), InputError> {
+        let every: Vec<&str> = [tells].into_iter().chain(known(kinds).into_iter().skip(1)).collect();
         let section = Self::new(source, title, place, &every)?;
         let names = kinds.iter().map(|k| k.name).collect::<Vec<_>>().join(", ");
-        let name = match section.optional_text("kind")? {
+        let name = match section.optional_text(tells)? {
             Some(name) => name,
             None => default
                 .map(String::from)
-                .ok_or_else(|| section.missing("kind", &format!("add kind = one of {names}")))?,
+                .ok_or_else(|| section.missing(tells, &format!("add {tells} = one of {names}")))?,
         };
         let Some(kind) = kinds.iter().find(|k| k.name == name) else {
-            return Err(section.choice_failure("kind", &name, &names));
+            return Err(section.choice_failure(tells, &name, &names));
         };
         for (key, _) in section.place.table {
             let given = key.get_ref().as_ref();
-            if given != "kind" && !kind.keys.contains(&given) {
+            if given != tells && !kind.keys.contains(&given) {
                 let owners: Vec<_> = kinds
                     .iter()
                     .filter(|k| k.keys.contains(&given))
                     .map(|k| format!("\"{}\"", k.name))
                     .collect();
-                let message = format!("`{given}` does not apply to kind = \"{name}\" in {}", section.title);
-                let remedy = format!("remove it, or choose kind = {}", owners.join(" or "));
+                let message =
+                    format!("`{given}` does not apply to {tells} = \"{name}\" in {}", section.title);
+                let remedy = format!("remove it, or choose {tells} = {}", owners.join(" or "));
                 return Err(source.failure(key.span().start, &message, &remedy));
             }
         }

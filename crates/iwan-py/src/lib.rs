@@ -55,6 +55,10 @@ mod _native {
     #[pymodule_export]
     use crate::values::mode::Mode;
     #[pymodule_export]
+    use crate::values::mode_curves::ModeCurves;
+    #[pymodule_export]
+    use crate::values::parts::{Coulomb, Part, Pinning, PowerDamping, Spring};
+    #[pymodule_export]
     use crate::values::pulse::{HalfSine, Haversine, Pulse, Sampled, Sine, Step};
 
     #[pymodule_export]

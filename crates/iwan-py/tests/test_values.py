@@ -20,6 +20,14 @@ VALUES = [
     iwan.Step(amplitude=1.0),
     iwan.Sine(amplitude=1.0, frequency=3.0, duration=4.0),
     iwan.Sampled(samples=[0.0, 0.1, 0.2], dt=0.1),
+    iwan.PowerDamping(c=0.1, n=2.0),
+    iwan.Coulomb(force=1 / 3),
+    iwan.Spring(k=-1e9, exponent=3.0),
+    iwan.Pinning(k=1e4, gap=1e-3),
+    iwan.ModeCurves([1e-4, 1e-2], [124.0, 122.0], [0.001, 0.005]),
+    iwan.ModeCurves([1e-4, 1e-2], [124.0, 122.0], [0.001, 0.005], extrapolate=True),
+    iwan.Mode(frequency=124.0, joint=JOINT, parts=[iwan.Coulomb(force=2.0), iwan.Spring(k=-1.0, exponent=3.0)]),
+    iwan.Mode(curves=iwan.ModeCurves([1e-4, 1e-2], [124.0, 122.0], [0.001, 0.005]), name="by curves"),
     iwan.Mode(frequency=124.0),
     iwan.Mode(
         frequency=1.0, joint=JOINT, name="it's \\ \n \x07 é", outputs={"tip": 0.1, "'": -2.0}, allow_negative_residual=True

@@ -20,6 +20,28 @@ pub enum SimulationError {
         /// Time of the first bad sample, s.
         time: f64,
     },
+    /// A spring that softens has taken all stiffness from the mode: its step has no solution.
+    #[error(
+        "from t = {time} s on the springs that soften leave the mode no stiffness, and it runs away: lower the amplitude, or \
+         the spring's |k|"
+    )]
+    NoStiffness {
+        /// Time of the first sample without a solution, s.
+        time: f64,
+    },
+    /// The motion went beyond the largest amplitude of the mode's curves.
+    #[error(
+        "the amplitude reaches {amplitude:e}, beyond the largest of the curves, {largest:e}, for the first time at t = {time} s: \
+         measure there, lower the force, or allow it with extrapolate = true, which holds the last values"
+    )]
+    BeyondCurves {
+        /// Largest amplitude of the motion.
+        amplitude: f64,
+        /// Largest amplitude of the curves.
+        largest: f64,
+        /// Time at which the motion first goes beyond, s.
+        time: f64,
+    },
     /// The caller asked to stop.
     #[error("interrupted")]
     Interrupted,

@@ -9,8 +9,9 @@ mod error;
 pub mod numbers;
 mod parallel;
 
-// What the user says: joint laws, modes, time axis and method.
+// What the user says: joint laws, curves, modes, time axis and method.
 mod joint_law;
+mod curves;
 mod mode;
 mod settings;
 
@@ -26,6 +27,7 @@ mod force_history;
 mod simulate;
 mod ensemble;
 
+pub use curves::Curves;
 pub use cycles::{Cycle, Extreme, cycles, extremes};
 pub use ensemble::{Ensemble, Figures, History, MemberError, Outcome};
 pub use error::SimulationError;
@@ -33,7 +35,7 @@ pub use force_history::force_history;
 pub use joint_law::{JointLaw, TabulatedDensity};
 pub use mode::{Mode, Point};
 pub use parallel::in_parallel;
-pub use response::{Quality, Response, superpose};
+pub use response::{OutsideCurves, Quality, Response, superpose};
 pub use settings::{Method, Settings};
 pub use simulate::{simulate, simulate_all};
 

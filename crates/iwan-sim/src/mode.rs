@@ -1,7 +1,8 @@
 //! A mode of a structure with the joint's part in it.
 
-use iwan_core::{Backbone, Error, Motion, Oscillator, ResidualStiffness};
+use iwan_core::{Backbone, Error, Motion, Oscillator, Part, ResidualStiffness, sum_of_parts};
 
+use crate::curves::Curves;
 use crate::joint_law::JointLaw;
 
 /// A physical point at which the modes' responses are superposed.
@@ -13,7 +14,8 @@ pub struct Point {
     pub shape: f64,
 }
 
-/// A mass-normalised mode: small-amplitude frequency, viscous damping in parallel, and its joint.
+/// A mass-normalised mode: small-amplitude frequency, viscous damping in parallel, its joint and further parts; or, in
+/// their place, curves.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Mode {
     /// Name, unique among the modes of a structure.
@@ -24,6 +26,11 @@ pub struct Mode {
     pub damping_ratio: f64,
     /// The joint in modal coordinates; none for a linear mode.
     pub joint: Option<JointLaw>,
+    /// Dampers and springs beside the joint, mass-normalised.
+    pub parts: Vec<Part>,
+    /// Curves in place of damping ratio, joint and parts, which are then left out; `frequency` is that of the smallest
+    /// amplitude.
+    pub curves: Option<Curves>,
     /// Whether K_∞ = ω0² - K_T may be zero or negative.
     pub residual: ResidualStiffness,
     /// Mass-normalised mode shape at the load: modal force = shape · force.
@@ -43,6 +50,8 @@ impl Mode {
             frequency,
             damping_ratio: 0.0,
             joint,
+            parts: Vec::new(),
+            curves: None,
             residual: ResidualStiffness::Positive,
             shape_at_force: 1.0,
             outputs: Vec::new(),
@@ -50,10 +59,24 @@ impl Mode {
         }
     }
 
-    /// The oscillator without the joint.
+    /// A mode known by its curves alone.
+    #[must_use]
+    pub fn by_curves(name: impl Into<String>, curves: Curves) -> Self {
+        let frequency = curves.table()[1].first().copied().unwrap_or(f64::NAN);
+        Self { curves: Some(curves), ..Self::new(name, frequency, None) }
+    }
+
+    /// Whether the mode is an Iwan joint, or none, beside a viscous damper, and nothing else.
+    #[must_use]
+    pub fn is_plain(&self) -> bool {
+        self.parts.is_empty() && self.curves.is_none()
+    }
+
+    /// The oscillator without the joint and the parts.
     ///
     /// # Errors
-    /// As [`Oscillator::new`]; initial conditions and the shape at the force must be finite.
+    /// As [`Oscillator::new`]; initial conditions and the shape at the force must be finite. [`Error::Unsupported`] for
+    /// curves beside a law.
     pub fn oscillator(&self) -> Result<Oscillator, Error> {
         let named = [
             ("initial displacement", self.initial.displacement),
@@ -63,30 +86,58 @@ impl Mode {
         if let Some(&(name, value)) = named.iter().find(|(_, value)| !value.is_finite()) {
             return Err(Error::OutOfRange { name, value, allowed: "must be a finite number" });
         }
+        let law = self.joint.is_some() || !self.parts.is_empty() || self.damping_ratio != 0.0;
+        if self.curves.is_some() && law {
+            let what =
+                "curves stand in place of joint, parts and damping_ratio: leave these out, or the curves";
+            return Err(Error::Unsupported { what });
+        }
         let k_t = self.joint.as_ref().map_or(0.0, Backbone::initial_stiffness);
         Oscillator::new(self.frequency, self.damping_ratio, k_t, self.residual)
     }
 
-    /// Amplitude-dependent frequency in Hz by first-harmonic balance: ω² = K_∞ + K_1(a) at the modal
-    /// amplitude `a`.
+    /// Amplitude-dependent frequency in Hz by first-harmonic balance: ω² = K_∞ + K_1(a) of joint and parts at the modal
+    /// amplitude `a`; of a mode by curves what they say.
     ///
     /// # Errors
     /// As [`oscillator`](Self::oscillator).
     pub fn frequency_at(&self, a: f64) -> Result<f64, Error> {
         let oscillator = self.oscillator()?;
+        if let Some(curves) = &self.curves {
+            return Ok(curves.points().at(a.abs()).omega / (2.0 * std::f64::consts::PI));
+        }
         let joint = self.joint.as_ref().map_or(0.0, |law| law.harmonic_stiffness(a));
-        Ok((oscillator.k_inf() + joint).max(0.0).sqrt() / (2.0 * std::f64::consts::PI))
+        let parts = sum_of_parts(&self.parts, |part| part.harmonic_stiffness(a, oscillator.omega0()));
+        Ok((oscillator.k_inf() + (joint + parts)).max(0.0).sqrt() / (2.0 * std::f64::consts::PI))
+    }
+
+    /// Energy that joint and parts take in a cycle of amplitude `a`, the viscous damper left out; of a mode by curves all
+    /// that it loses, 2π ζ ω² a².
+    ///
+    /// # Errors
+    /// As [`oscillator`](Self::oscillator).
+    pub fn dissipation_at(&self, a: f64) -> Result<f64, Error> {
+        let omega = 2.0 * std::f64::consts::PI * self.frequency_at(a)?;
+        if let Some(curves) = &self.curves {
+            let zeta = curves.points().at(a.abs()).damping_ratio;
+            return Ok(2.0 * std::f64::consts::PI * zeta * (omega * a).powi(2));
+        }
+        let joint = self.joint.as_ref().map_or(0.0, |law| law.dissipation(a));
+        Ok(joint + sum_of_parts(&self.parts, |part| part.dissipation(a, omega)))
     }
 
     /// Amplitude-dependent damping ratio ζ = ζ_v ω0/ω + D(a) / (2π ω² a²), with ω of
-    /// [`frequency_at`](Self::frequency_at) and the joint's dissipation per cycle D.
+    /// [`frequency_at`](Self::frequency_at) and the dissipation per cycle D of joint and parts; of a mode by curves what they
+    /// say.
     ///
     /// # Errors
     /// As [`oscillator`](Self::oscillator).
     pub fn damping_ratio_at(&self, a: f64) -> Result<f64, Error> {
         let omega = 2.0 * std::f64::consts::PI * self.frequency_at(a)?;
         let viscous = self.damping_ratio * self.oscillator()?.omega0() / omega;
-        let joint = self.joint.as_ref().map_or(0.0, |law| law.dissipation(a));
-        Ok(viscous + joint / (2.0 * std::f64::consts::PI * (omega * a).powi(2)))
+        if let Some(curves) = &self.curves {
+            return Ok(curves.points().at(a.abs()).damping_ratio);
+        }
+        Ok(viscous + self.dissipation_at(a)? / (2.0 * std::f64::consts::PI * (omega * a).powi(2)))
     }
 }

@@ -14,6 +14,19 @@ pub struct Quality {
     pub discretisation_error: Option<f64>,
     /// Bound on the force error from reversals forgotten for lack of room; 0 = exact.
     pub forgotten_force: f64,
+    /// Where a mode by curves left them.
+    pub outside_curves: OutsideCurves,
+}
+
+/// Where the amplitude of a mode by curves lies outside of them: the values of the nearest point hold there.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct OutsideCurves {
+    /// Time from which on the amplitude stays below the smallest of the curves, s; none when it ends within.
+    pub below_from: Option<f64>,
+    /// Time at which it first exceeds the largest, s, which only an explicit leave to extrapolate allows.
+    pub above_from: Option<f64>,
+    /// Largest amplitude beyond the curves; 0 without one.
+    pub largest_amplitude: f64,
 }
 
 /// Response of one mode: one sample per `dt`, the initial state first.
@@ -27,7 +40,8 @@ pub struct Response {
     pub velocity: Vec<f64>,
     /// Modal acceleration q''.
     pub acceleration: Vec<f64>,
-    /// Modal joint force F_J.
+    /// Modal joint force F_J, that of the parts included; of a mode by curves its force beyond that of the undamped
+    /// linear mode at the smallest amplitude.
     pub joint_force: Vec<f64>,
     /// Energy balance over the whole response; by the half-cycle map up to the last turning point in it.
     pub energy: EnergyBalance,

@@ -6,10 +6,12 @@ use iwan_core::progress::{Progress, UNWATCHED};
 use iwan_core::{Error, Newmark, Pulse};
 
 use crate::error::SimulationError;
+use crate::methods::averaged;
 use crate::methods::event::{self, Cut};
 use crate::methods::free_decay::{self, Decaying};
 use crate::methods::quality;
-use crate::methods::run::{self, Task};
+use crate::methods::run;
+use crate::methods::task::{Task, modal_force};
 use crate::mode::Mode;
 use crate::response::Response;
 use crate::settings::{Method, Settings};
@@ -105,6 +107,21 @@ fn check_scales(mode: &Mode, force: &Pulse<'_>, settings: &Settings) -> Result<(
     Ok(())
 }
 
+/// Refuses methods that are made for Iwan joints alone.
+fn check_method(mode: &Mode, method: Method) -> Result<(), Error> {
+    let what = match (method, mode.is_plain()) {
+        (Method::HalfCycle | Method::Event { .. }, false) => {
+            "half-cycle and event run Iwan joints with viscous damping only: a mode with parts or curves needs newmark or \
+             averaging"
+        }
+        (Method::Newmark { beta, gamma, .. }, false) if beta != 0.25 || gamma != 0.5 => {
+            "a mode with parts or curves is stepped with beta = 0.25 and gamma = 0.5 only"
+        }
+        _ => return Ok(()),
+    };
+    Err(Error::Unsupported { what })
+}
+
 /// Number of steps after which the force no longer changes. A force that settles on a sample settles there: the
 /// rounding of the quotient adds no step.
 fn settled_after(force: &Pulse<'_>, dt: f64, samples: usize) -> Result<usize, Error> {
@@ -129,7 +146,8 @@ pub(crate) fn simulate_observed(
     let (dt, samples) = (settings.dt, settings.samples()?);
     check_scales(mode, &force, settings)?;
     let oscillator = mode.oscillator()?;
-    let history = run::modal_force(mode, &force, dt, samples);
+    check_method(mode, settings.method)?;
+    let history = modal_force(mode, &force, dt, samples);
     let task = Task { mode, force: &history, dt, samples };
     match settings.method {
         Method::Newmark { beta, gamma, prewarp, joint } => {
@@ -149,12 +167,9 @@ pub(crate) fn simulate_observed(
         }
         method @ (Method::HalfCycle | Method::Averaging) => {
             let settled = settled_after(&force, dt, samples)?;
-            free_decay::simulate(
-                Decaying { task, force: &force, method, settled },
-                settings.quality,
-                spare,
-                progress,
-            )
+            let job = Decaying { task, force: &force, method, settled };
+            let simulate = if mode.is_plain() { free_decay::simulate } else { averaged::simulate };
+            simulate(job, settings.quality, spare, progress)
         }
         Method::Event { bins, grid } => {
             event::simulate(task, &force, Cut { bins, grid }, settings.quality, progress)

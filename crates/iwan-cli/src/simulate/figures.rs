@@ -147,15 +147,23 @@ impl Decay<'_> {
 
     /// The loops with the virgin curve, and the same less the stuck joint's line, which shows thin loops too.
     fn hysteresis(&self) -> Vec<Figure> {
-        let Some(law) = &self.mode.joint else { return Vec::new() };
-        let (reach, k_t) = (self.response.peak_displacement(), law.initial_stiffness());
+        let law = self.mode.joint.as_ref();
+        if law.is_none() && self.mode.is_plain() {
+            return Vec::new();
+        }
+        let (reach, k_t) = (self.response.peak_displacement(), law.map_or(0.0, Backbone::initial_stiffness));
         let at = |n: usize| reach * (n as f64 / (CURVE - 1) as f64);
-        let virgin: Vec<_> = (0..CURVE).map(|n| (at(n), law.force(at(n)))).collect();
+        // Dampers have no virgin curve.
+        let bare = law.filter(|_| self.mode.is_plain());
+        let virgin: Vec<_> =
+            bare.map(|law| (0..CURVE).map(|n| (at(n), law.force(at(n)))).collect()).unwrap_or_default();
         let loops = self.loops();
         let figure = |title: &str, caption: &str, y: &str, less: f64| {
             let shown = |points: &[(f64, f64)]| points.iter().map(|&(q, f)| (q, f - less * q)).collect();
-            let mut layers =
-                vec![Layer::new(Mark::Dashed, colour::GREY, shown(&virgin)).named("virgin curve")];
+            let mut layers = Vec::new();
+            if bare.is_some() {
+                layers.push(Layer::new(Mark::Dashed, colour::GREY, shown(&virgin)).named("virgin curve"));
+            }
             for Loop { name, colour, points } in &loops {
                 layers.push(Layer::new(Mark::Line, colour, shown(points)).named(*name));
             }
@@ -163,7 +171,7 @@ impl Decay<'_> {
                 (title.into(), caption.into(), Axis::linear("modal displacement q", ""));
             Figure { title, caption, x, y: Axis::linear(y, ""), layers, marker: None }
         };
-        vec![
+        let mut figures = vec![
             figure(
                 "Hysteresis of the joint",
                 "Joint force F in the first, middle and last cycle (after the force, where it ends); the area of a loop is the energy \
@@ -177,7 +185,10 @@ impl Decay<'_> {
                 "F \u{2212} K_T q",
                 k_t,
             ),
-        ]
+        ];
+        // Without a joint there is no stuck line, and the second figure would be the first.
+        figures.truncate(if law.is_some() { 2 } else { 1 });
+        figures
     }
 
     fn frequency(&self) -> Figure {
@@ -198,12 +209,16 @@ impl Decay<'_> {
     }
 
     fn dissipation(&self) -> Option<Figure> {
-        let law = self.mode.joint.as_ref()?;
+        if self.mode.joint.is_none() && self.mode.is_plain() {
+            return None;
+        }
         let measured = |c: &Cycle| (c.amplitude, c.dissipation);
         let caption = "Energy lost in the joint per cycle. Line: closed form D(a), slope \u{3c7}+3 in micro-slip for a \
             four-parameter joint. Points: areas of the response's loops.";
         let axis = Axis::log("energy per cycle", "");
-        Some(self.against_amplitude("Dissipation per cycle", caption, axis, measured, |a| law.dissipation(a)))
+        Some(self.against_amplitude("Dissipation per cycle", caption, axis, measured, |a| {
+            self.mode.dissipation_at(a).unwrap_or(f64::NAN)
+        }))
     }
 
     /// A closed form as a line and what was measured as points.

@@ -189,6 +189,8 @@ fn modes(run: &Reported<'_>) -> Markup {
 fn describe(mode: &Mode, summary: &ModeSummary) -> String {
     let strengths = mode.joint.as_ref().map(Backbone::strengths);
     let what = match (strengths, summary.slip_ratio) {
+        (None, _) if mode.curves.is_some() => "known by its curves, without a law".into(),
+        (None, _) if !mode.is_plain() => "without a joint".into(),
         (None, _) => "linear, without a joint".into(),
         (Some((weakest, _)), _) if summary.peak_displacement <= weakest => {
             format!("stuck: the peak does not reach the weakest slider's strength {}", short(weakest))
@@ -200,14 +202,19 @@ fn describe(mode: &Mode, summary: &ModeSummary) -> String {
             format!("micro-slip: the peak reaches {} of \u{3c6}_max = {}", short(ratio), short(phi))
         }
     };
+    let parts = match mode.parts.len() {
+        0 => String::new(),
+        1 => " One part stands beside it.".into(),
+        n => format!(" {n} parts stand beside it."),
+    };
     let (viscous, friction) = (summary.energy.viscous, summary.energy.friction);
     let lost = viscous + friction;
-    let share = if lost > 0.0 && strengths.is_some() {
+    let share = if lost > 0.0 && (strengths.is_some() || !mode.parts.is_empty()) {
         format!(" Friction takes {:.1} % of the energy lost.", (100.0 * friction / lost).max(0.0))
     } else {
         String::new()
     };
-    format!("{} Hz at small amplitude; {what}.{share}", short(summary.frequency))
+    format!("{} Hz at small amplitude; {what}.{parts}{share}", short(summary.frequency))
 }
 
 fn repeat(run: &Reported<'_>) -> Markup {

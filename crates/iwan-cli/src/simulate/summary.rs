@@ -102,6 +102,11 @@ pub(crate) struct ModeSummary {
     pub(crate) time_step_error: Option<f64>,
     pub(crate) discretisation_error: Option<f64>,
     pub(crate) forgotten_force: f64,
+    /// Time from which on a mode by curves stays below them, and time at which it first exceeds them, s.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(crate) below_curves_from: Option<f64>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(crate) above_curves_from: Option<f64>,
     pub(crate) samples_per_cycle: f64,
     pub(crate) steps: usize,
     pub(crate) seconds: f64,
@@ -158,6 +163,8 @@ impl ModeSummary {
             time_step_error: response.quality.time_step_error,
             discretisation_error: response.quality.discretisation_error,
             forgotten_force: response.quality.forgotten_force,
+            below_curves_from: response.quality.outside_curves.below_from,
+            above_curves_from: response.quality.outside_curves.above_from,
             samples_per_cycle: 1.0 / (mode.frequency * response.dt),
             steps: response.steps(),
             seconds: response.seconds,
@@ -192,6 +199,20 @@ impl ModeSummary {
             warnings.push(format!(
                 "mode \"{name}\": only {:.1} samples in a cycle; {COARSE} and more are advisable: shorten step",
                 self.samples_per_cycle
+            ));
+        }
+        if let Some(time) = self.below_curves_from {
+            warnings.push(format!(
+                "mode \"{name}\": from t = {} s on the amplitude is below the smallest of the curves; frequency and damping \
+                 are held there",
+                short(time)
+            ));
+        }
+        if let Some(time) = self.above_curves_from {
+            warnings.push(format!(
+                "mode \"{name}\": from t = {} s on the amplitude exceeds the largest of the curves; extrapolate = true holds \
+                 frequency and damping there",
+                short(time)
             ));
         }
         if self.forgotten_force > 0.0 {

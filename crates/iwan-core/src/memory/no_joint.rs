@@ -1,6 +1,6 @@
 //! The absent joint, for linear modes.
 
-use super::hysteresis::Hysteresis;
+use super::hysteresis::{Hysteresis, Trial};
 
 /// No joint: no force, no memory. The state is the displacement.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -28,5 +28,11 @@ impl Hysteresis<f64> for NoJoint {
 
     fn stored_energy(&self, _: &f64) -> f64 {
         0.0
+    }
+}
+
+impl Trial<f64> for NoJoint {
+    fn trial(&self, _: &f64, _: f64) -> (f64, f64) {
+        (0.0, 0.0)
     }
 }

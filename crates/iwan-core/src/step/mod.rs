@@ -2,20 +2,28 @@
 
 mod motion;
 mod oscillator;
+mod modal_law;
 mod pulse;
 mod response;
 mod newmark;
 mod slider_newmark;
 mod energy;
+mod slow;
 mod averaging;
+mod parts_newmark;
 mod events;
 
-pub use averaging::{AmplitudePhase, Averaging};
+pub use averaging::Averaging;
 pub(crate) use energy::Works;
 pub use energy::{EnergyBalance, JointEnergy};
 pub use events::EventDriven;
+pub use modal_law::ModalLaw;
 pub use motion::Motion;
 pub use newmark::Newmark;
 pub use oscillator::{Oscillator, ResidualStiffness};
+pub use parts_newmark::{PartsEnd, WithParts};
 pub use pulse::Pulse;
 pub use response::Samples;
+pub(crate) use response::force_at;
+pub use slow::AmplitudePhase;
+pub(crate) use slow::{Rates, SlowMotion};

@@ -104,6 +104,25 @@ impl Newmark {
         self.force_scale
     }
 
+    /// Whether the scheme is prewarped (for steps so short that it makes a difference at all).
+    #[must_use]
+    pub fn is_prewarped(&self) -> bool {
+        self.force_scale != 1.0
+    }
+
+    /// The same scheme over a `share` of the step, for an oscillator of the circular frequency `omega0`: a prewarped one
+    /// stays prewarped.
+    pub(crate) fn shortened(&self, omega0: f64, share: f64) -> Self {
+        if share == 1.0 {
+            return *self;
+        }
+        if self.force_scale == 1.0 {
+            return Self { step: share * self.step, ..*self };
+        }
+        let angle = share * 2.0 * libm::atan(0.5 * omega0 * self.step);
+        Self { step: 2.0 / omega0 * libm::tan(0.5 * angle), force_scale: angle / libm::sin(angle), ..*self }
+    }
+
     /// Step in the formulas, s.
     pub(crate) const fn step(&self) -> f64 {
         self.step

@@ -3,6 +3,8 @@
 mod built_in;
 mod force;
 mod method;
+mod part;
+mod curves;
 mod mode;
 mod structure;
 mod read;

@@ -7,6 +7,8 @@ use crate::error::InputError;
 use crate::section::{Section, TablePlace, plain};
 use crate::text::InputText;
 use crate::written_law::WrittenLaw;
+
+use super::{curves, part};
 use iwan_sim::numbers::significant;
 
 /// Keys of a mode.
@@ -15,6 +17,8 @@ pub(crate) const KEYS: &[&str] = &[
     "frequency",
     "damping_ratio",
     "joint",
+    "parts",
+    "curves",
     "shape_at_force",
     "outputs",
     "initial",
@@ -50,18 +54,31 @@ impl ScenarioMode {
             _ => ResidualStiffness::Positive,
         };
         let mode = Mode {
-            frequency: section.number("frequency")?,
             damping_ratio: section.number_or("damping_ratio", 0.0)?,
             joint: law,
+            parts: part::read(source, &section)?,
             residual,
             shape_at_force: section.number_or("shape_at_force", 1.0)?,
             outputs: read_outputs(source, &section)?,
             initial: read_initial(source, &section)?,
-            name,
+            ..of_curves(source, &section, name)?
         };
         mode.oscillator().map_err(|error| oscillator_failure(&section, error))?;
         Ok(Self { mode, joint })
     }
+}
+
+/// A mode of its curves alone, or of its frequency alone.
+fn of_curves(source: &InputText, section: &Section<'_>, name: String) -> Result<Mode, InputError> {
+    if !section.has("curves") {
+        return Ok(Mode::new(name, section.number("frequency")?, None));
+    }
+    let others = ["frequency", "damping_ratio", "joint", "parts", "allow_negative_residual"];
+    if let Some(key) = others.into_iter().find(|key| section.has(key)) {
+        let message = format!("`{key}` and `curves` exclude each other: the curves are the whole mode");
+        return Err(section.failure(key, &message, "remove one of the two"));
+    }
+    Ok(Mode::by_curves(name, curves::read(source, section)?))
 }
 
 fn read_joint(

@@ -4,7 +4,7 @@
 use serde_json::Value;
 
 use super::read::KEYS;
-use super::{Overrides, SCHEMA, Scenario, built_in, force, method, mode, structure, to_toml};
+use super::{Overrides, SCHEMA, Scenario, built_in, curves, force, method, mode, part, structure, to_toml};
 use crate::section::{TableKind, known};
 use crate::text::InputText;
 
@@ -32,19 +32,24 @@ fn plain_tables_have_the_same_keys() {
     same(keys_at("/$defs/initial/properties"), mode::INITIAL_KEYS);
     same(keys_at("/$defs/time/properties"), method::TIME_KEYS);
     same(keys_at("/$defs/structure/properties"), structure::KEYS);
+    same(keys_at("/$defs/curves/anyOf/1/properties"), curves::KEYS);
 }
 
 #[test]
 fn every_kind_has_the_same_keys() {
-    let tables: [(&str, &'static [TableKind]); 3] =
-        [("joint", crate::LAWS), ("force", force::KINDS), ("method", method::KINDS)];
-    for (table, kinds) in tables {
+    let tables: [(&str, &str, &'static [TableKind]); 4] = [
+        ("joint", "kind", crate::LAWS),
+        ("part", "law", part::KINDS),
+        ("force", "kind", force::KINDS),
+        ("method", "kind", method::KINDS),
+    ];
+    for (table, tells, kinds) in tables {
         let schema = schema();
         let variants = schema.pointer(&format!("/$defs/{table}/oneOf")).and_then(Value::as_array).unwrap();
         assert_eq!(variants.len(), kinds.len());
         for (n, kind) in kinds.iter().enumerate() {
-            assert_eq!(variants[n]["properties"]["kind"]["const"], kind.name);
-            let keys: Vec<_> = ["kind"].iter().chain(kind.keys).copied().collect();
+            assert_eq!(variants[n]["properties"][tells]["const"], kind.name);
+            let keys: Vec<_> = [tells].iter().chain(kind.keys).copied().collect();
             same(keys_at(&format!("/$defs/{table}/oneOf/{n}/properties")), &keys);
         }
         assert_eq!(known(kinds)[0], "kind");
@@ -111,6 +116,11 @@ fn every_variant_is_valid_and_survives_writing() {
         (joint, "joint = { kind = 'uniform', k_t = 1e4, f_s = 10.0, width = 0.5 }"),
         (joint, "joint = { kind = 'tabulated', strength = [0.0, 1e-3], density = [1e7, 1e6], dirac = 10.0 }"),
         (joint, "joint = { k_t = 1e6, f_s = 10.0, chi = 0, beta = 0 }\nallow_negative_residual = true"),
+        (joint, "parts = [{ law = 'power-damping', c = 0.3, n = 1.5 }, { law = 'coulomb', force = 2 }]"),
+        (
+            joint,
+            "parts = [{ law = 'spring', k = -1e9, exponent = 3 }, { law = 'pinning', k = 10, gap = 1e-3 }]",
+        ),
         (joint, "outputs = { tip = 1, \"left end\" = -2.5 }\ndamping_ratio = 0.01"),
         (none, "kind = 'haversine'\namplitude = 1\nduration = 1e-3"),
         (none, "kind = 'half-sine'\namplitude = -1.5\nduration = 1e-3"),
@@ -124,7 +134,12 @@ fn every_variant_is_valid_and_survives_writing() {
         ("[time]", "[method]\nbeta = 0.3\ngamma = 0.6\n[time]"),
         ("[time]", "[method]\nprewarp = false\nsliders = 50\ngrid = 'uniform'\n[time]"),
     ];
-    for (from, to) in variants {
+    let law = &GOOD[GOOD.find("frequency").unwrap()..GOOD.find("initial").unwrap()];
+    let curves = [
+        "curves = { amplitude = [1e-6, 1e-3], frequency = [100, 99], damping_ratio = [1e-3, 0.02] }\n",
+        "curves = { amplitude = [1e-6, 1e-3], frequency = [100, 99], damping_ratio = [0, 0.02], extrapolate = true }\n",
+    ];
+    for (from, to) in variants.into_iter().chain(curves.map(|curves| (law, curves))) {
         let text = GOOD.replace(from, to);
         assert!(validator.is_valid(&as_json(&text)), "{text}");
         let scenario = read(&text).unwrap();
@@ -207,10 +222,66 @@ fn what_the_schema_refuses_the_reader_refuses() {
         ("[time]", "[method]\nkind = 'half-cycle'\nsliders = 10\n[time]"),
         ("[time]", "[method]\nsliders = 0\n[time]"),
         ("[time]", "[extra]\n[time]"),
+        ("initial", "parts = [{ law = 'glue' }]\ninitial"),
+        ("initial", "parts = [{ c = 1, n = 1 }]\ninitial"),
+        ("initial", "parts = [{ law = 'spring', k = 1, exponent = 1 }]\ninitial"),
+        ("initial", "parts = [{ law = 'coulomb', force = 1, gap = 1 }]\ninitial"),
+        ("initial", "parts = [{ law = 'pinning', k = 1, gap = 0 }]\ninitial"),
+        ("initial", "curves = { amplitude = [1, 2], frequency = [1, 1], damping_ratio = [0, 0] }\ninitial"),
+        (
+            "frequency = 100\n",
+            "curves = { amplitude = [1, 2], frequency = [1, 1], damping_ratio = [0, 0] }\n",
+        ),
+        ("frequency = 100\n", ""),
     ];
     for (from, to) in bad {
         let text = GOOD.replace(from, to);
         assert!(!validator.is_valid(&as_json(&text)), "{text}");
         assert!(read(&text).is_err(), "{text}");
     }
+}
+
+/// Curves come from a file as they do from the scenario, and what is wrong is said with its place.
+#[test]
+fn curves_come_from_a_file_too() {
+    let folder = tempfile::tempdir().unwrap();
+    std::fs::write(
+        folder.path().join("curves.csv"),
+        "amplitude,frequency,damping_ratio\n1e-6,100,0.001\n1e-3,99,0.02\n",
+    )
+    .unwrap();
+    std::fs::write(folder.path().join("two.csv"), "a,b\n1,2\n2,3\n").unwrap();
+    let law = &GOOD[GOOD.find("frequency").unwrap()..GOOD.find("initial").unwrap()];
+    let at = |curves: &str| {
+        let mut source = InputText::built_in("test.toml", &GOOD.replace(law, curves));
+        source.folder = folder.path().to_path_buf();
+        Scenario::read(&source, &Overrides::default())
+    };
+    let here =
+        at("curves = { amplitude = [1e-6, 1e-3], frequency = [100, 99], damping_ratio = [0.001, 0.02] }\n");
+    assert_eq!(at("curves = 'curves.csv'\n").unwrap(), here.unwrap());
+    let mode = at("curves = { path = 'curves.csv', extrapolate = true }\n").unwrap().modes.remove(0).mode;
+    assert!(mode.curves.unwrap().extrapolates() && mode.frequency == 100.0);
+    let said = |curves: &str| at(curves).unwrap_err().to_string();
+    assert!(said("curves = 'none.csv'\n").contains("test.toml:3"), "{}", said("curves = 'none.csv'\n"));
+    assert!(said("curves = 'two.csv'\n").contains("2 columns, not 3"));
+    let falling = "curves = { amplitude = [1e-3, 1e-6], frequency = [100, 99], damping_ratio = [0, 0] }\n";
+    assert!(said(falling).contains("amplitude[1]"), "{}", said(falling));
+    assert!(said(&format!("frequency = 100\n{falling}")).contains("exclude each other"));
+}
+
+/// A part out of range is said with its number, key and place.
+#[test]
+fn a_wrong_part_is_named() {
+    let said =
+        |parts: &str| read(&GOOD.replace("initial", &format!("{parts}\ninitial"))).unwrap_err().to_string();
+    let spring = said("parts = [{ law = 'coulomb', force = 1 }, { law = 'spring', k = 1, exponent = 0.5 }]");
+    assert!(spring.contains("test.toml:5") && spring.contains("part 2 of mode \"a\""), "{spring}");
+    assert!(spring.contains("exponent = 0.5 is out of range: must satisfy 1 < exponent"), "{spring}");
+    assert!(
+        said("parts = [{ law = 'sprig', k = 1, exponent = 3 }]")
+            .contains("power-damping, coulomb, spring, pinning")
+    );
+    assert!(said("parts = [{ law = 'coulomb', forse = 1 }]").contains("did you mean `force`?"));
+    assert!(said("parts = 3").contains("parts is an integer"));
 }

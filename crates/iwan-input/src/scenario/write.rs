@@ -10,6 +10,7 @@ use iwan_fem::Model;
 
 use super::force::Force;
 use super::mode::ScenarioMode;
+use super::part;
 use super::read::Scenario;
 use super::structure::{OnStructure, Origin};
 
@@ -68,10 +69,18 @@ fn inline(pairs: &[(&str, String)]) -> String {
 fn write_mode(out: &mut String, ScenarioMode { mode, joint }: &ScenarioMode) {
     out.push_str("\n[[mode]]\n");
     line(out, "name", &quoted(&mode.name));
-    number(out, "frequency", mode.frequency);
-    number(out, "damping_ratio", mode.damping_ratio);
+    if let Some(curves) = &mode.curves {
+        line(out, "curves", &curves_table(curves));
+    } else {
+        number(out, "frequency", mode.frequency);
+        number(out, "damping_ratio", mode.damping_ratio);
+    }
     if let Some(joint) = joint {
         line(out, "joint", &joint_table(joint));
+    }
+    if !mode.parts.is_empty() {
+        let parts: Vec<_> = mode.parts.iter().map(part_table).collect();
+        line(out, "parts", &format!("[\n    {},\n]", parts.join(",\n    ")));
     }
     number(out, "shape_at_force", mode.shape_at_force);
     if !mode.outputs.is_empty() {
@@ -89,6 +98,23 @@ fn write_mode(out: &mut String, ScenarioMode { mode, joint }: &ScenarioMode) {
     if mode.residual == ResidualStiffness::Any {
         line(out, "allow_negative_residual", "true");
     }
+}
+
+fn part_table(part: &iwan_core::Part) -> String {
+    let (law, keys, count) = part::written(part);
+    let keys = keys.iter().take(count).map(|(key, value)| (*key, format!("{value:?}")));
+    inline(&[("law", quoted(law))].into_iter().chain(keys).collect::<Vec<_>>())
+}
+
+/// The points in place, wherever they were read from.
+fn curves_table(curves: &iwan_sim::Curves) -> String {
+    let [amplitude, frequency, damping_ratio] = curves.table().map(|column| format!("{column:?}"));
+    inline(&[
+        ("amplitude", amplitude),
+        ("frequency", frequency),
+        ("damping_ratio", damping_ratio),
+        ("extrapolate", curves.extrapolates().to_string()),
+    ])
 }
 
 fn write_structure(out: &mut String, structure: &OnStructure) {

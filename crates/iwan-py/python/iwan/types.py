@@ -34,6 +34,8 @@ class Statistics(TypedDict):
     time_step_error: float | None
     discretisation_error: float | None
     forgotten_force: float
+    below_curves_from: float | None
+    above_curves_from: float | None
     steps: int
     seconds: float
 

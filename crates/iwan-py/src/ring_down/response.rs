@@ -3,7 +3,7 @@
 use std::sync::OnceLock;
 
 use iwan_core::EnergyBalance;
-use iwan_sim::Quality;
+use iwan_sim::{OutsideCurves, Quality};
 use numpy::{PyArray1, PyArrayMethods};
 use pyo3::IntoPyObjectExt;
 use pyo3::prelude::*;
@@ -84,7 +84,7 @@ pub(crate) fn balance<'py>(py: Python<'py>, e: &EnergyBalance) -> PyResult<Bound
 }
 
 /// Everything but the histories, as pickled: dt, strongest, seconds, the energy balance, the quality figures.
-type Figures = (f64, f64, f64, [f64; 9], (Option<f64>, Option<f64>, f64));
+type Figures = (f64, f64, f64, [f64; 9], (Option<f64>, Option<f64>, f64, Option<f64>, Option<f64>, f64));
 
 /// Makes a pickled `Response` again.
 #[pyfunction]
@@ -92,7 +92,9 @@ pub(crate) fn _response(py: Python<'_>, histories: [Vec<f64>; 4], figures: Figur
     let (dt, strongest, seconds, energy, quality) = figures;
     let [displacement, velocity, acceleration, joint_force] = histories;
     let [initial, input, kinetic, elastic, stored, viscous, friction, residual, scale] = energy;
-    let (time_step_error, discretisation_error, forgotten_force) = quality;
+    let (time_step_error, discretisation_error, forgotten_force, below_from, above_from, largest_amplitude) =
+        quality;
+    let outside_curves = OutsideCurves { below_from, above_from, largest_amplitude };
     let response = iwan_sim::Response {
         dt,
         displacement,
@@ -110,7 +112,7 @@ pub(crate) fn _response(py: Python<'_>, histories: [Vec<f64>; 4], figures: Figur
             residual,
             scale,
         },
-        quality: Quality { time_step_error, discretisation_error, forgotten_force },
+        quality: Quality { time_step_error, discretisation_error, forgotten_force, outside_curves },
         strongest,
         seconds,
     };
@@ -148,7 +150,8 @@ impl Response {
     /// Figures of the run (a new dict), named as in the command line's `summary.json`: `peak_displacement`,
     /// `final_displacement`, `slip_ratio` (peak |q| over phi_max; macro-slip above 1), `energy_error`, `time_step_error`
     /// and `discretisation_error` (relative to the peak; None where not estimated), `forgotten_force` (bound on the
-    /// force error from lack of room, 0 = exact), `steps`, `seconds` (of the integration itself).
+    /// force error from lack of room, 0 = exact), `below_curves_from` and `above_curves_from` (of a mode by curves: times, s,
+    /// from which on its amplitude stays below and at which it first exceeds them; None where it does not), `steps`, `seconds` (of the integration itself).
     #[getter]
     fn statistics<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
         let (quality, dict) = (&self.summary.quality, PyDict::new(py));
@@ -159,6 +162,8 @@ impl Response {
         dict.set_item("time_step_error", quality.time_step_error)?;
         dict.set_item("discretisation_error", quality.discretisation_error)?;
         dict.set_item("forgotten_force", quality.forgotten_force)?;
+        dict.set_item("below_curves_from", quality.outside_curves.below_from)?;
+        dict.set_item("above_curves_from", quality.outside_curves.above_from)?;
         dict.set_item("steps", self.steps)?;
         dict.set_item("seconds", self.summary.seconds)?;
         Ok(dict)
@@ -178,7 +183,15 @@ impl Response {
         let iwan_sim::Response { dt, energy: e, quality: q, strongest, seconds, .. } = &this.summary;
         let energy =
             [e.initial, e.input, e.kinetic, e.elastic, e.stored, e.viscous, e.friction, e.residual, e.scale];
-        let quality = (q.time_step_error, q.discretisation_error, q.forgotten_force);
+        let OutsideCurves { below_from, above_from, largest_amplitude } = q.outside_curves;
+        let quality = (
+            q.time_step_error,
+            q.discretisation_error,
+            q.forgotten_force,
+            below_from,
+            above_from,
+            largest_amplitude,
+        );
         let histories = [&this.displacement, &this.velocity, &this.acceleration, &this.joint_force];
         let arguments = (histories.map(|h| h.clone_ref(py)), (*dt, *strongest, *seconds, energy, quality));
         let made = py.import("iwan._native")?.getattr("_response")?;

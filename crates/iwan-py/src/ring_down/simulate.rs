@@ -29,6 +29,9 @@ const LASTING: usize = 1_000_000;
 /// each. `quality`: estimate time-step and discretisation error by companion runs. `threads`: for several modes, all cores by
 /// default; the results do not depend on it.
 ///
+/// A mode with parts, or by curves, runs by "newmark" and "averaging". A mode whose amplitude falls below its curves is warned
+/// of with the time (`UserWarning`, and `below_curves_from` in `statistics`).
+///
 /// Returns a `Response`, or a list of them. Raises `iwan.InvalidValueError` for a value out of range,
 /// `iwan.ComputationError` when the numbers overflow. The interpreter's lock is released; Ctrl-C is honoured.
 ///
@@ -89,12 +92,31 @@ pub(crate) fn simulate<'py>(
             .map_err(|error| if single { without_name(error) } else { error })
     })?
     .map_err(simulation)?;
+    for response in &responses {
+        warn_of_curves(py, response)?;
+    }
     if single && let Some(response) = responses.pop() {
         return Ok(Bound::new(py, Response::new(py, response))?.into_any());
     }
     let responses: PyResult<Vec<_>> =
         responses.into_iter().map(|response| Py::new(py, Response::new(py, response))).collect();
     responses?.into_bound_py_any(py)
+}
+
+/// Says where a mode left its curves.
+fn warn_of_curves(py: Python<'_>, response: &iwan_sim::Response) -> PyResult<()> {
+    let outside = response.quality.outside_curves;
+    let below = outside.below_from.map(|t| {
+        format!("from t = {t} s on the amplitude is below the smallest of the curves: frequency and damping are held")
+    });
+    let above = outside.above_from.map(|t| {
+        format!("from t = {t} s on the amplitude exceeds the largest of the curves: frequency and damping are held")
+    });
+    for message in below.into_iter().chain(above) {
+        let message = std::ffi::CString::new(message)?;
+        PyErr::warn(py, &py.get_type::<pyo3::exceptions::PyUserWarning>(), &message, 1)?;
+    }
+    Ok(())
 }
 
 /// An error about the only mode needs no name.

@@ -3,4 +3,6 @@
 pub(crate) mod joint_face;
 pub(crate) mod joint_laws;
 pub(crate) mod pulse;
+pub(crate) mod parts;
+pub(crate) mod mode_curves;
 pub(crate) mod mode;

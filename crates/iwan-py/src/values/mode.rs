@@ -3,20 +3,24 @@
 use iwan_core::ResidualStiffness;
 use iwan_sim::Point;
 use pyo3::prelude::*;
-use pyo3::types::{IntoPyDict, PyDict};
+use pyo3::types::{IntoPyDict, PyDict, PyTuple};
 
 use crate::exchange::array::Numbers;
 use crate::exchange::errors::{core, value};
 use crate::exchange::pickle::{NewArguments, hash};
 use crate::exchange::repr;
 use crate::values::joint_face::Joint;
+use crate::values::mode_curves::ModeCurves;
+use crate::values::parts::Part;
 
 /// A mass-normalised mode with an Iwan joint: q'' + 2 zeta_v omega0 q' + K_inf q + F_J(q) = phi f(t), K_inf = omega0^2 - K_T
 /// (Deaner et al., Eq. 5).
 ///
 /// `frequency` > 0: at small amplitude, all sliders stuck (Hz); `joint`: in modal coordinates, None for a linear mode;
 /// 0 <= `damping_ratio` < 1: viscous, in parallel (0.01 = 1 %); `name`; `shape_at_force`: mass-normalised mode shape phi at
-/// the load (mass^-1/2), modal force = phi times force; `outputs`: shapes at named points for `superpose`.
+/// the load (mass^-1/2), modal force = phi times force; `outputs`: shapes at named points for `superpose`; `parts`: dampers
+/// and springs beside the joint (`PowerDamping`, `Coulomb`, `Spring`, `Pinning`); `curves`: a `ModeCurves` in place of
+/// frequency, joint, damping_ratio and parts.
 ///
 /// Raises `iwan.InvalidValueError` for a value out of range; also when K_T >= omega0^2, unless
 /// `allow_negative_residual`. Frozen, hashable, picklable.
@@ -27,39 +31,61 @@ use crate::values::joint_face::Joint;
 /// 122.0 Hz, 0.0062
 #[pyclass(frozen, module = "iwan")]
 #[derive(Debug)]
+#[expect(clippy::struct_field_names, reason = "the mode of the library inside that of Python")]
 pub(crate) struct Mode {
     pub(crate) mode: iwan_sim::Mode,
     joint: Option<Py<PyAny>>,
+    parts: Vec<Py<PyAny>>,
+    curves: Option<Py<ModeCurves>>,
 }
 
 #[pymethods]
 impl Mode {
     #[new]
     #[pyo3(signature = (
-        *, frequency, joint = None, damping_ratio = 0.0, name = "mode", shape_at_force = 1.0, outputs = None,
-        allow_negative_residual = false
+        *, frequency = None, joint = None, damping_ratio = 0.0, name = "mode", shape_at_force = 1.0, outputs = None,
+        allow_negative_residual = false, parts = None, curves = None
     ))]
+    #[expect(clippy::too_many_arguments, reason = "keyword arguments of Python")]
     fn new(
-        frequency: f64,
+        frequency: Option<f64>,
         joint: Option<&Bound<'_, Joint>>,
         damping_ratio: f64,
         name: &str,
         shape_at_force: f64,
         outputs: Option<&Bound<'_, PyDict>>,
         allow_negative_residual: bool,
+        parts: Option<Vec<Bound<'_, Part>>>,
+        curves: Option<&Bound<'_, ModeCurves>>,
     ) -> PyResult<Self> {
         let residual =
             if allow_negative_residual { ResidualStiffness::Any } else { ResidualStiffness::Positive };
+        let plain = match (frequency, curves) {
+            (Some(frequency), None) => iwan_sim::Mode::new(name, frequency, None),
+            (None, Some(curves)) => iwan_sim::Mode::by_curves(name, curves.get().curves.clone()),
+            (Some(_), Some(_)) => {
+                return Err(value("frequency and curves exclude each other: the curves are the whole mode"));
+            }
+            (None, None) => return Err(value("frequency is missing: give frequency= in Hz, or curves=")),
+        };
+        let parts = parts.unwrap_or_default();
         let law = joint.map(|joint| joint.get().law.clone());
         let mode = iwan_sim::Mode {
+            joint: law,
+            parts: parts.iter().map(|part| part.get().part).collect(),
             damping_ratio,
             residual,
             shape_at_force,
             outputs: outputs.map_or(Ok(Vec::new()), points)?,
-            ..iwan_sim::Mode::new(name, frequency, law)
+            ..plain
         };
         mode.oscillator().map_err(core)?;
-        Ok(Self { mode, joint: joint.map(|joint| joint.clone().into_any().unbind()) })
+        Ok(Self {
+            mode,
+            joint: joint.map(|joint| joint.clone().into_any().unbind()),
+            parts: parts.into_iter().map(|part| part.into_any().unbind()).collect(),
+            curves: curves.map(|curves| curves.clone().unbind()),
+        })
     }
 
     /// Frequency at small amplitude, Hz.
@@ -78,6 +104,18 @@ impl Mode {
     #[getter]
     fn joint(&self, py: Python<'_>) -> Option<Py<PyAny>> {
         self.joint.as_ref().map(|joint| joint.clone_ref(py))
+    }
+
+    /// The parts beside the joint (a tuple).
+    #[getter]
+    fn parts<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyTuple>> {
+        PyTuple::new(py, self.parts.iter().map(|part| part.clone_ref(py)))
+    }
+
+    /// The curves in place of a law, or None.
+    #[getter]
+    fn curves(&self, py: Python<'_>) -> Option<Py<ModeCurves>> {
+        self.curves.as_ref().map(|curves| curves.clone_ref(py))
     }
 
     /// Name of the mode.
@@ -144,14 +182,24 @@ impl Mode {
             .iter()
             .map(|p| format!("{}: {}", repr::text(&p.name), repr::float(p.shape)))
             .collect();
-        let mut arguments = vec![
-            ("frequency", repr::float(mode.frequency)),
-            ("joint", joint),
-            ("damping_ratio", repr::float(mode.damping_ratio)),
+        let mut arguments = match &self.curves {
+            Some(curves) => vec![("curves", curves.bind(py).repr()?.to_string())],
+            None => vec![
+                ("frequency", repr::float(mode.frequency)),
+                ("joint", joint),
+                ("damping_ratio", repr::float(mode.damping_ratio)),
+            ],
+        };
+        arguments.extend([
             ("name", repr::text(&mode.name)),
             ("shape_at_force", repr::float(mode.shape_at_force)),
             ("outputs", format!("{{{}}}", outputs.join(", "))),
-        ];
+        ]);
+        if !self.parts.is_empty() {
+            let parts: PyResult<Vec<_>> =
+                self.parts.iter().map(|part| Ok(part.bind(py).repr()?.to_string())).collect();
+            arguments.push(("parts", format!("[{}]", parts?.join(", "))));
+        }
         if self.allow_negative_residual() {
             arguments.push(("allow_negative_residual", "True".into()));
         }
@@ -168,9 +216,14 @@ impl Mode {
 
     fn __getnewargs_ex__<'py>(&self, py: Python<'py>) -> PyResult<NewArguments<'py>> {
         let arguments = PyDict::new(py);
-        arguments.set_item("frequency", self.mode.frequency)?;
-        arguments.set_item("joint", self.joint(py))?;
-        arguments.set_item("damping_ratio", self.mode.damping_ratio)?;
+        if let Some(curves) = self.curves(py) {
+            arguments.set_item("curves", curves)?;
+        } else {
+            arguments.set_item("frequency", self.mode.frequency)?;
+            arguments.set_item("joint", self.joint(py))?;
+            arguments.set_item("damping_ratio", self.mode.damping_ratio)?;
+            arguments.set_item("parts", self.parts(py)?.to_list())?;
+        }
         arguments.set_item("name", self.name())?;
         arguments.set_item("shape_at_force", self.mode.shape_at_force)?;
         arguments.set_item("outputs", self.outputs(py)?)?;

@@ -10,7 +10,8 @@ use iwan_core::{
 use crate::error::SimulationError;
 use crate::joint_law::with_law;
 use crate::methods::quality;
-use crate::methods::run::{Task, finite, newmark};
+use crate::methods::run::newmark;
+use crate::methods::task::{Task, finite};
 use crate::response::{Quality, Response};
 
 /// Share of the series' angle in the companion run that estimates the error. Its series must begin elsewhere than
@@ -51,7 +52,7 @@ pub(crate) fn simulate(
                 task,
                 Representation::Sliders { bins: cut.bins, grid: cut.grid },
             )?,
-            forgotten_force: 0.0,
+            ..Quality::default()
         };
     }
     if progress(1.0).is_break() {

@@ -11,7 +11,7 @@ use crate::error::SimulationError;
 use crate::joint_law::with_law;
 use crate::methods::event::{self, Cut};
 use crate::methods::quality;
-use crate::methods::run::{self, Task, finite, stack};
+use crate::methods::task::{Task, finite, modal_force, stack};
 use crate::response::{Quality, Response};
 use crate::settings::Method;
 
@@ -132,6 +132,24 @@ fn decay<B: Backbone>(
     finite(response)
 }
 
+/// Steps of the forced part in one sampling interval.
+pub(crate) fn fraction(job: Decaying<'_>) -> Result<usize, Error> {
+    fraction_of(job, STEPS_A_PERIOD)
+}
+
+fn fraction_of(job: Decaying<'_>, steps: f64) -> Result<usize, Error> {
+    let Task { mode, dt, .. } = job.task;
+    // An even number, so that half of it is another.
+    let resolved = (mode.frequency * steps).max(SHARE_IN_A_PULSE * steps / job.force.longest_step());
+    let fraction = 2.0 * (0.5 * dt * resolved).ceil().max(1.0);
+    let (name, value) = ("force duration", job.settled as f64 * dt);
+    if fraction * job.settled as f64 > MOST_FORCED {
+        let allowed = "is too long beside the mode's period to be stepped finely: use newmark or event";
+        return Err(Error::OutOfRange { name, value, allowed });
+    }
+    Ok(fraction as usize)
+}
+
 /// Steps the forced part (continuum, average acceleration) at a fraction of the sampling interval.
 fn forced<B: Backbone>(
     job: Decaying<'_>,
@@ -148,18 +166,10 @@ fn forced<B: Backbone>(
     if job.settled == 0 {
         return Ok(Forced { memory, velocity, energy: EnergyBalance::default() });
     }
-    // An even number, so that half of it is another.
-    let resolved = (mode.frequency * steps).max(SHARE_IN_A_PULSE * steps / job.force.longest_step());
-    let fraction = 2.0 * (0.5 * dt * resolved).ceil().max(1.0);
-    let (name, value) = ("force duration", job.settled as f64 * dt);
-    if fraction * job.settled as f64 > MOST_FORCED {
-        let allowed = "is too long beside the mode's period to be stepped finely: use newmark or event";
-        return Err(Error::OutOfRange { name, value, allowed }.into());
-    }
-    let fraction = fraction as usize;
+    let fraction = fraction_of(job, steps)?;
     let scheme = Newmark::prewarped(dt / fraction as f64, oscillator.omega0())?;
     let mut fine = Response::zeros(dt / fraction as f64, job.settled * fraction + 1);
-    let force = run::modal_force(mode, job.force, fine.dt, fine.displacement.len());
+    let force = modal_force(mode, job.force, fine.dt, fine.displacement.len());
     let start = joint.stored_energy(&memory);
     let velocity =
         scheme.integrate(oscillator, &joint, &mut memory, velocity, &force, &mut fine.samples())?;

@@ -3,7 +3,8 @@
 use iwan_core::progress::UNWATCHED;
 use iwan_core::{Newmark, Representation};
 
-use crate::methods::run::{Task, newmark};
+use crate::methods::run::newmark;
+use crate::methods::task::Task;
 use crate::response::{Quality, Response};
 
 /// Shortest response, in samples of the companion, that gets an estimate: over fewer points the largest difference

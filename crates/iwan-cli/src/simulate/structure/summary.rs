@@ -49,6 +49,8 @@ fn mode_summary(truth: &Truth, n: usize) -> ModeSummary {
         time_step_error: truth.errors.as_ref().map(|errors| errors.time_step[n]),
         discretisation_error: truth.errors.as_ref().and_then(|errors| Some(errors.sliders.as_ref()?[n])),
         forgotten_force: response.forgotten_force,
+        below_curves_from: None,
+        above_curves_from: None,
         samples_per_cycle: 1.0 / (frequency * response.dt),
         steps: history.displacement.len() - 1,
         seconds: response.seconds,

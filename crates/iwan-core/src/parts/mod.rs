@@ -1,0 +1,18 @@
+//! Parts of a modal law that stand beside its joint: dampers and springs that are no Iwan model, without memory.
+//!
+//! A law of a mode is a sum: q'' + 2 ζ_v ω0 q' + K_∞ q + F_J(q) + Σ f_i(q, q') = f(t). Each part is one file with its
+//! force, its energy where it stores any, and what one cycle of amplitude a and circular frequency ω sees of it: the
+//! first-harmonic stiffness and the energy dissipated.
+
+mod cosine_power;
+mod power_damping;
+mod coulomb;
+mod power_spring;
+mod pinning;
+mod part;
+
+pub use coulomb::Coulomb;
+pub use part::{Part, sum_of_parts};
+pub use pinning::Pinning;
+pub use power_damping::PowerDamping;
+pub use power_spring::PowerSpring;

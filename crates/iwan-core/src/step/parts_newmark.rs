@@ -1,0 +1,332 @@
+//! Average acceleration on a mode with a joint and parts.
+//!
+//! One step of length h solves for the increment x = Δq, with the velocity v_1 = 2x/h - v_0,
+//!
+//! (4/h² + 2c/h + K_∞) x + F_J(q_0 + x) - F_J(q_0) + 2 G(q_0, q_0 + x) + 2 d(x/h) + 2 s F =
+//! σ (p_0 + p_1) + 4v_0/h - 2 K_∞ q_0 - 2 F_J(q_0).
+//!
+//! G is the mean force of the springs over the way (work over way), so that the step takes from the motion exactly what
+//! their energy gains (O. Gonzalez, Time integration and discrete Hamiltonian systems, J. Nonlinear Sci. 6:449, 1996,
+//! in one dimension); d are the dampers at the mean velocity x/h, so that they never give energy back, and a mode that
+//! creeps under a root of the velocity creeps at its own pace (with the mean of the forces at both ends it would go twice
+//! as fast); s F is dry friction in the direction s of the motion, σ the prewarping factor.
+//!
+//! Dry friction is set-valued at rest and is not smoothed. A step in which the velocity changes its sign is cut where
+//! it vanishes; there the mode sticks while the force that it withstands is at most F, and slides on in the direction
+//! of that force when it is more. Between two such points the friction is constant, so that a linear mode under it is
+//! as exact as it is without.
+
+use super::energy::{EnergyBalance, JointEnergy, Works};
+use super::motion::Motion;
+use super::newmark::Newmark;
+use super::oscillator::Oscillator;
+use super::response::{Samples, force_at};
+use crate::error::Error;
+use crate::memory::Trial;
+use crate::parts::{Part, sum_of_parts};
+
+/// Rounds of Newton's method in a step; it doubles the digits and takes three or four, and bisects where it would leave
+/// the bracket: from an increment of the size of the motion, 100 rounds leave less than rounding.
+const MOST_ROUNDS: u32 = 100;
+/// Units in the last place by which the rounding of a step's forces hides its solution.
+const ROUNDING: f64 = 4.0;
+/// Share of the velocity in play below which the slope of a damper with n < 1 is taken as it is there: at rest it is
+/// infinite, and Newton's method would stand still.
+const LEAST_VELOCITY: f64 = 1e-6;
+/// Turning points within one sampling interval, at most. A mode sampled twice a cycle has one; should there be more, as
+/// under a force that changes faster than it is sampled, the last piece is taken in one step.
+const MOST_TURNS: u32 = 16;
+/// Rounds in the search for a turning point. The secant needs about eight; 60 halvings leave less than rounding.
+const TURNING_ROUNDS: u32 = 60;
+
+/// A mode with joint and parts, for time steps.
+#[derive(Debug, Clone, Copy)]
+pub struct WithParts<'a> {
+    scheme: Newmark,
+    oscillator: Oscillator,
+    parts: &'a [Part],
+    /// Σ of the dry friction.
+    friction: f64,
+    /// Whether steps are cut where the velocity vanishes: for dry friction, and for dampers with n < 1, whose force
+    /// jumps there nearly as much.
+    cuts: bool,
+}
+
+/// Where a run with parts ends.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct PartsEnd {
+    /// Final velocity.
+    pub velocity: f64,
+    /// Energy balance of the run; `friction` holds what the joint and the parts took, `stored` also the parts' springs.
+    pub energy: EnergyBalance,
+}
+
+/// The moving state.
+#[derive(Clone, Copy)]
+struct At {
+    q: f64,
+    v: f64,
+    joint: f64,
+}
+
+/// One step: the increment, and the velocity after it.
+#[derive(Clone, Copy)]
+struct Stride {
+    x: f64,
+    v: f64,
+}
+
+/// A piece of the sampling interval: scheme, applied forces at its ends, direction of dry friction.
+#[derive(Clone, Copy)]
+struct Piece {
+    scheme: Newmark,
+    p: [f64; 2],
+    direction: f64,
+}
+
+impl<'a> WithParts<'a> {
+    /// `oscillator` with `parts`, by `scheme`, which must be average acceleration, prewarped or not.
+    ///
+    /// # Errors
+    /// [`Error::Unsupported`] for another scheme; [`Error::OutOfRange`] when the step is too long for a negative K_∞.
+    pub fn new(scheme: &Newmark, oscillator: &Oscillator, parts: &'a [Part]) -> Result<Self, Error> {
+        if !scheme.is_average_acceleration() {
+            let what = "a mode with parts is stepped with beta = 0.25 and gamma = 0.5 only";
+            return Err(Error::Unsupported { what });
+        }
+        scheme.checked_effective_stiffness(oscillator)?;
+        let friction = sum_of_parts(parts, Part::friction);
+        let steep = |part: &Part| matches!(part, Part::PowerDamping(damper) if damper.n() < 1.0);
+        let cuts = friction > 0.0 || parts.iter().any(steep);
+        Ok(Self { scheme: *scheme, oscillator: *oscillator, parts, friction, cuts })
+    }
+
+    /// Integrates from the state (`velocity` and where the joint's `state` stands) over the samples; `force` as in
+    /// [`Newmark::integrate`]. The joint force that is written is that of joint and parts together.
+    ///
+    /// # Errors
+    /// [`Error::Length`] when the buffers disagree.
+    ///
+    /// ```
+    /// use iwan_core::{Coulomb, Newmark, NoJoint, Oscillator, Part, ResidualStiffness, Samples, WithParts};
+    /// // Dry friction alone: half a cycle takes 2 F/k from the amplitude, exactly.
+    /// let mode = Oscillator::new(1.0, 0.0, 0.0, ResidualStiffness::Positive)?;
+    /// let k = mode.k_inf();
+    /// let parts = [Part::from(Coulomb::new(0.01 * k)?)];
+    /// let (mut q, mut v, mut a, mut f) = ([0.0; 51], [0.0; 51], [0.0; 51], [0.0; 51]);
+    /// let mut out = Samples { displacement: &mut q, velocity: &mut v, acceleration: &mut a, joint_force: &mut f };
+    /// let scheme = Newmark::prewarped(0.01, mode.omega0())?;
+    /// let end = WithParts::new(&scheme, &mode, &parts)?.integrate(&NoJoint, &mut 1.0, 0.0, &[], &mut out)?;
+    /// assert!((q[50] + 0.98).abs() < 1e-12);
+    /// assert!((end.energy.friction / (0.01 * k * 1.98) - 1.0).abs() < 1e-12);
+    /// # Ok::<(), iwan_core::Error>(())
+    /// ```
+    pub fn integrate<State, J: Trial<State>>(
+        &self,
+        joint: &J,
+        state: &mut State,
+        velocity: f64,
+        force: &[f64],
+        out: &mut Samples<'_>,
+    ) -> Result<PartsEnd, Error> {
+        let samples = out.checked_len()?;
+        let mut at = At { q: joint.displacement(state), v: velocity, joint: joint.joint_force(state) };
+        let stored = |q: f64| sum_of_parts(self.parts, |part| part.energy(q));
+        let start = (Motion { displacement: at.q, velocity }, joint.stored_energy(state) + stored(at.q));
+        let mut works = Works::default();
+        let mut p = force_at(force, 0);
+        self.write(&at, p, 0, out);
+        for n in 1..samples {
+            let next = force_at(force, n);
+            self.interval(joint, state, &mut at, [p, next], &mut works);
+            p = next;
+            self.write(&at, p, n, out);
+        }
+        let end = Motion { displacement: at.q, velocity: at.v };
+        let stored = JointEnergy { start: start.1, end: joint.stored_energy(state) + stored(at.q) };
+        let energy = EnergyBalance::close(&self.oscillator, [start.0, end], stored, works);
+        Ok(PartsEnd { velocity: at.v, energy })
+    }
+
+    /// The force that acts on the mode at rest under `p`, dry friction left out.
+    fn drive(&self, at: &At, p: f64) -> f64 {
+        p - self.oscillator.k_inf() * at.q
+            - at.joint
+            - sum_of_parts(self.parts, |part| part.elastic_force(at.q))
+    }
+
+    /// Writes sample `n`, at which the force is `p`.
+    fn write(&self, at: &At, p: f64, n: usize, out: &mut Samples<'_>) {
+        let damping = sum_of_parts(self.parts, |part| part.damping_force(at.v));
+        let drive = self.drive(at, p);
+        let friction = match at.v {
+            0.0 if drive.abs() <= self.friction => drive,
+            0.0 => self.friction.copysign(drive),
+            v => self.friction.copysign(v),
+        };
+        let elastic = sum_of_parts(self.parts, |part| part.elastic_force(at.q));
+        let a = drive - self.oscillator.viscous() * at.v - damping - friction;
+        out.set(n, [at.q, at.v, a, at.joint + elastic + damping + friction]);
+    }
+
+    /// From one sample to the next, under a force that goes from `p[0]` to `p[1]` in a straight line.
+    fn interval<State, J: Trial<State>>(
+        &self,
+        joint: &J,
+        state: &mut State,
+        at: &mut At,
+        p: [f64; 2],
+        works: &mut Works,
+    ) {
+        if !self.cuts {
+            let piece = Piece { scheme: self.scheme, p, direction: 0.0 };
+            let stride = self.stride(joint, state, at, &piece);
+            return self.take(joint, state, at, &piece, stride, works);
+        }
+        let mut done = 0.0;
+        for turns in 0.. {
+            let now = p[0] + done * (p[1] - p[0]);
+            let direction = if at.v == 0.0 {
+                let drives = [self.drive(at, now), self.drive(at, p[1])];
+                let Some((share, direction)) = self.departure(drives) else { return };
+                done += share * (1.0 - done);
+                direction
+            } else {
+                1.0_f64.copysign(at.v)
+            };
+            let from = p[0] + done * (p[1] - p[0]);
+            let piece = |share: f64| Piece {
+                scheme: self.scheme.shortened(self.oscillator.omega0(), share * (1.0 - done)),
+                p: [from, from + share * (p[1] - from)],
+                direction,
+            };
+            let whole = piece(1.0);
+            let stride = self.stride(joint, state, at, &whole);
+            if direction * stride.v >= 0.0 || turns == MOST_TURNS || stride.v.is_nan() {
+                return self.take(joint, state, at, &whole, stride, works);
+            }
+            let velocity = |share: f64| direction * self.stride(joint, state, at, &piece(share)).v;
+            let Some(share) = turning_share([direction * at.v, direction * stride.v], velocity) else {
+                return;
+            };
+            let last = piece(share);
+            let x = self.stride(joint, state, at, &last).x;
+            self.take(joint, state, at, &last, Stride { x, v: 0.0 }, works);
+            done += share * (1.0 - done);
+            if done >= 1.0 {
+                return;
+            }
+        }
+    }
+
+    /// When, as a share of what is left of the interval, a mode at rest departs, and in which direction: the force on it
+    /// goes from `drives[0]` to `drives[1]` in a straight line. None when it stays.
+    fn departure(&self, [now, end]: [f64; 2]) -> Option<(f64, f64)> {
+        if now.abs() > self.friction {
+            return Some((0.0, 1.0_f64.copysign(now)));
+        }
+        if end.abs() <= self.friction {
+            return None;
+        }
+        let direction = 1.0_f64.copysign(end);
+        Some(((self.friction - direction * now) / (direction * (end - now)), direction))
+    }
+
+    /// Solves one step from `at`; the joint's memory stays as it is.
+    fn stride<State, J: Trial<State>>(&self, joint: &J, state: &State, at: &At, piece: &Piece) -> Stride {
+        let (h, k, c) = (piece.scheme.step(), self.oscillator.k_inf(), self.oscillator.viscous());
+        let stiffness = 4.0 / (h * h) + 2.0 * c / h + k;
+        let damping = |v: f64| sum_of_parts(self.parts, |part| part.damping_force(v));
+        let applied = piece.scheme.force_scale() * (piece.p[0] + piece.p[1]);
+        let held = 2.0 * (k * at.q + at.joint + piece.direction * self.friction);
+        let known = applied + 4.0 * at.v / h - held;
+        let scale = applied.abs() + (4.0 * at.v / h).abs() + 2.0 * (k * at.q).abs() + 2.0 * at.joint.abs();
+        let noise = ROUNDING * f64::EPSILON * scale / stiffness;
+        let (mut low, mut high) = (f64::NEG_INFINITY, f64::INFINITY);
+        // From where the step would end without dampers: at rest their slope may be infinite.
+        let (mut x, mut before) = (known / stiffness, f64::INFINITY);
+        for _ in 0..MOST_ROUNDS {
+            let (u, v) = (at.q + x, x / h);
+            let (force, tangent) = joint.trial(state, u);
+            let mean = sum_of_parts(self.parts, |part| part.mean_force(at.q, u));
+            let residual = stiffness * x + (force - at.joint) + 2.0 * (mean + damping(v)) - known;
+            if residual > 0.0 {
+                high = x;
+            } else {
+                low = x;
+            }
+            let least = LEAST_VELOCITY * (at.v.abs() + v.abs()) + f64::MIN_POSITIVE;
+            let damper = sum_of_parts(self.parts, |part| part.damping_slope(v.abs().max(least)));
+            let spring = sum_of_parts(self.parts, |part| part.tangent(u));
+            let slope = stiffness + tangent + spring + 2.0 / h * damper;
+            let newton = x - residual / slope;
+            let bracketed = low.is_finite() && high.is_finite();
+            let outside = newton <= low || newton >= high || (newton - x).abs() > 0.5 * before;
+            let next = if bracketed && outside { 0.5 * (low + high) } else { newton };
+            if slope <= 0.0 && !bracketed || next.is_nan() {
+                return Stride { x: f64::NAN, v: f64::NAN };
+            }
+            before = (next - x).abs();
+            x = next;
+            if before <= noise + f64::EPSILON * x.abs() {
+                break;
+            }
+        }
+        Stride { x, v: 2.0 * x / h - at.v }
+    }
+
+    /// Takes a step that was solved: the joint follows, and every force has done its work.
+    fn take<State, J: Trial<State>>(
+        &self,
+        joint: &J,
+        state: &mut State,
+        at: &mut At,
+        piece: &Piece,
+        stride: Stride,
+        works: &mut Works,
+    ) {
+        let Stride { x, v } = stride;
+        let u = at.q + x;
+        let way = u - at.q;
+        let damping = |v: f64| sum_of_parts(self.parts, |part| part.damping_force(v));
+        let mean = sum_of_parts(self.parts, |part| part.mean_force(at.q, u));
+        let force = if x.is_nan() { f64::NAN } else { joint.advance(state, u) };
+        works.force += 0.5 * piece.scheme.force_scale() * (piece.p[0] + piece.p[1]) * way;
+        works.damper += 0.5 * self.oscillator.viscous() * (at.v + v) * way;
+        let parts = mean + damping(way / piece.scheme.step()) + piece.direction * self.friction;
+        works.joint += (0.5 * (at.joint + force) + parts) * way;
+        *at = At { q: u, v, joint: force };
+    }
+}
+
+/// The share of a step after which the velocity vanishes, given the velocities at both its ends, the first >= 0 and the
+/// last < 0, and the velocity after any share; none when the motion does not get away from rest at all.
+fn turning_share([first, last]: [f64; 2], velocity: impl Fn(f64) -> f64) -> Option<f64> {
+    let (mut low, mut high) = ([0.0, first], [1.0, last]);
+    if first == 0.0 {
+        let away = (1..TURNING_ROUNDS).map(|n| libm::ldexp(1.0, -n.cast_signed()));
+        let away = away.map(|share| [share, velocity(share)]).find(|at| at[1] > 0.0);
+        low = away?;
+    }
+    let rest = f64::EPSILON * (first - last);
+    let mut side = 0.0;
+    for _ in 0..TURNING_ROUNDS {
+        let share = (low[0] * high[1] - high[0] * low[1]) / (high[1] - low[1]);
+        let share = if share > low[0] && share < high[0] { share } else { 0.5 * (low[0] + high[0]) };
+        let now = velocity(share);
+        if now.abs() <= rest || high[0] - low[0] <= f64::EPSILON {
+            return Some(share);
+        }
+        // The Illinois variant of regula falsi: an end that stays twice counts half.
+        let stays = now * side > 0.0;
+        if now > 0.0 {
+            low = [share, now];
+            high[1] *= if stays { 0.5 } else { 1.0 };
+        } else {
+            high = [share, now];
+            low[1] *= if stays { 0.5 } else { 1.0 };
+        }
+        side = now;
+    }
+    Some(0.5 * (low[0] + high[0]))
+}
