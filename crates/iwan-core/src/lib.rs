@@ -22,6 +22,9 @@ mod step;
 // Half cycles: free decay from one turning point to the next, without time steps.
 mod half_cycle;
 
+// Steady vibration: the joint in the frequency domain, without time steps.
+mod steady;
+
 pub use error::Error;
 pub use half_cycle::{Decay, PathNode, TurningPoint};
 pub use law::{
@@ -34,6 +37,7 @@ pub use memory::{
 };
 pub use progress::Progress;
 pub use random::SplitMix64;
+pub use steady::{Harmonics, MOST_HARMONICS, SteadyWork, one_harmonic, steady_force};
 pub use step::{
     AmplitudePhase, Averaging, EnergyBalance, EventDriven, JointEnergy, Motion, Newmark, Oscillator, Pulse,
     ResidualStiffness, Samples,
