@@ -5,7 +5,9 @@ mod force;
 mod method;
 mod mode;
 mod structure;
+mod sweep;
 mod read;
+mod steady;
 mod write;
 
 #[cfg(test)]
@@ -16,5 +18,7 @@ pub use force::{Force, ForceFile};
 pub use method::{JointChoice, Overrides};
 pub use mode::ScenarioMode;
 pub use read::Scenario;
+pub use steady::SteadyScenario;
 pub use structure::{OnStructure, Origin, representation};
+pub use sweep::SweepTable;
 pub use write::to_toml;

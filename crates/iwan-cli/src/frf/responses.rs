@@ -1,0 +1,95 @@
+//! The forced responses of the modes that have their resonance in the band.
+
+use std::f64::consts::TAU;
+
+use iwan_input::scenario::{SteadyScenario, SweepTable};
+use iwan_sim::{Mode, SimulationError, SteadyCurve, forced_response};
+
+use crate::failure::Failure;
+
+/// A mode with its responses.
+#[derive(Debug)]
+pub(crate) struct ModeResponse {
+    pub(crate) mode: Mode,
+    /// Shape at the point whose response is held or shown; 1 for the modal displacement.
+    pub(crate) shape: f64,
+    /// One curve a level.
+    pub(crate) curves: Vec<SteadyCurve>,
+}
+
+impl ModeResponse {
+    /// Frequency (Hz) and amplitude of harmonic balance without force and damping, up to a little beyond the highest peak.
+    pub(crate) fn backbone(&self) -> Vec<(f64, f64)> {
+        /// Points of the line: one for every four units of a figure.
+        const POINTS: usize = 121;
+        /// How far beyond the highest and below the lowest peak it runs: its direction is seen.
+        const BEYOND: f64 = 1.3;
+        let peaks = || self.curves.iter().filter_map(SteadyCurve::peak).map(|peak| peak.amplitude);
+        let (low, high) = peaks().fold((f64::INFINITY, 0.0_f64), |(low, high), a| (low.min(a), high.max(a)));
+        if !(high > 0.0 && low > 0.0) {
+            return Vec::new();
+        }
+        let (low, high) = (low / BEYOND, high * BEYOND);
+        let at = |i: usize| {
+            let amplitude = low * (high / low).powf(i as f64 / (POINTS - 1) as f64);
+            let frequency = self.mode.frequency_at(amplitude / self.shape.abs());
+            (frequency.unwrap_or(f64::NAN), amplitude)
+        };
+        (0..POINTS).map(at).collect()
+    }
+}
+
+/// All responses, and what the reader should know about modes that were left out.
+pub(super) fn respond(
+    name: &str,
+    scenario: &SteadyScenario,
+    table: &SweepTable,
+) -> Result<(Vec<ModeResponse>, Vec<String>), Failure> {
+    let (mut responses, mut notes) = (Vec::new(), Vec::new());
+    for mode in scenario.modes() {
+        let shape = shape(name, &mode, table)?;
+        let (from, to) = (table.sweep.from, table.sweep.to);
+        let [slipping, stuck] = range(&mode).map_err(|error| failed(name, &mode, &error))?;
+        if stuck < from || slipping > to {
+            notes.push(format!(
+                "mode \"{}\" has its resonance outside {from} to {to} Hz, between {slipping:.4} and {stuck:.4} Hz, and was left out",
+                mode.name
+            ));
+            continue;
+        }
+        let curves =
+            forced_response(&mode, &table.sweep, shape).map_err(|error| failed(name, &mode, &error))?;
+        responses.push(ModeResponse { mode, shape, curves });
+    }
+    if responses.is_empty() {
+        let message =
+            format!("{name}: no mode has its resonance in the band of [sweep]: {}", notes.join("; "));
+        return Err(Failure::input(message, "choose from and to around a mode's frequency"));
+    }
+    Ok((responses, notes))
+}
+
+/// Frequencies of a mode with its joint slipping and stuck, Hz.
+fn range(mode: &Mode) -> Result<[f64; 2], SimulationError> {
+    let oscillator = mode.oscillator()?;
+    Ok([oscillator.k_inf().max(0.0).sqrt() / TAU, mode.frequency])
+}
+
+fn shape(name: &str, mode: &Mode, table: &SweepTable) -> Result<f64, Failure> {
+    let Some(at) = &table.at else { return Ok(1.0) };
+    let found = mode.outputs.iter().find(|point| point.name == *at).map(|point| point.shape);
+    found.ok_or_else(|| {
+        let message = format!("{name}: [sweep]: mode \"{}\" has no point \"{at}\"", mode.name);
+        Failure::input(message, "give the point in outputs of every mode, or leave `at` out")
+    })
+}
+
+/// A computation that could not be done, in the user's terms.
+fn failed(name: &str, mode: &Mode, error: &SimulationError) -> Failure {
+    let message = format!("{name}: mode \"{}\": {error}", mode.name);
+    match error {
+        SimulationError::Interrupted => Failure::Interrupted,
+        SimulationError::Parameter(_) => Failure::input(message, "change this in the scenario"),
+        _ => Failure::Computation(message),
+    }
+}
