@@ -40,8 +40,8 @@ pub use response::{Quality, Response, superpose};
 pub use settings::{Method, Settings};
 pub use simulate::{simulate, simulate_all};
 pub use steady::{
-    BackbonePoint, Control, JointedModes, Jump, NonlinearMode, Residual, SlipJoint, SteadyCurve, SteadyPoint,
-    StuckMode, Sweep, backbone, forced_response, forced_response_of, nonlinear_mode,
+    BackbonePoint, Control, JointedModes, Jump, NonlinearMode, Residual, SharedLaw, SlipJoint, SteadyCurve,
+    SteadyPoint, StuckMode, Sweep, backbone, forced_response, forced_response_of, nonlinear_mode,
 };
 
 // How a joint is evaluated in time is the same question for a mode and for a structure.

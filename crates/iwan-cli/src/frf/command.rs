@@ -8,7 +8,8 @@ use iwan_sim::SteadyPoint;
 
 use super::args::FrfArgs;
 use super::report;
-use super::responses::{ModeResponse, respond};
+use super::responses::{Response, respond};
+use super::structure;
 use super::summary::FrfSummary;
 use crate::args::Format;
 use crate::failure::Failure;
@@ -32,7 +33,10 @@ pub(crate) fn run(args: &FrfArgs) -> Result<(), Failure> {
     };
     let mut session = Session::open(args.place(), &args.common, [TABLE, SUMMARY, PAGE])?;
     let clock = Instant::now();
-    let (responses, notes) = respond(&source.name, &scenario, table)?;
+    let (responses, notes) = match &scenario.structure {
+        Some(on) => structure::respond(on, table, &session)?,
+        None => respond(&source.name, &scenario, table)?,
+    };
     session.notes(&notes);
     let title = scenario.title.clone().unwrap_or_else(|| source.name.clone());
     let summary = FrfSummary::new(title, table, &responses, clock.elapsed().as_secs_f64());
@@ -43,7 +47,7 @@ pub(crate) fn run(args: &FrfArgs) -> Result<(), Failure> {
 }
 
 /// The columns of the table: modes and levels below each other, told apart by the mode's number and the level.
-fn columns(responses: &[ModeResponse], harmonics: usize) -> Vec<(String, Vec<f64>)> {
+fn columns(responses: &[Response], harmonics: usize) -> Vec<(String, Vec<f64>)> {
     let curves =
         || responses.iter().enumerate().flat_map(|(n, r)| r.curves.iter().map(move |curve| (n, curve)));
     let all = |value: &dyn Fn(&SteadyPoint) -> f64| -> Vec<f64> {

@@ -3,7 +3,7 @@
 use iwan_core::Backbone;
 use iwan_sim::{Control, SteadyCurve, SteadyPoint};
 
-use super::responses::ModeResponse;
+use super::responses::Response;
 use crate::page::figure::{Axis, Figure, Layer, Mark, colour};
 use crate::page::numbers::short;
 
@@ -17,7 +17,7 @@ const NAMED: usize = 8;
 const LOOP: usize = 241;
 
 /// All figures of a mode.
-pub(super) fn figures(response: &ModeResponse) -> Vec<Figure> {
+pub(super) fn figures(response: &Response) -> Vec<Figure> {
     let held = response.curves.first().is_some_and(|curve| curve.control.holds_response());
     let mut figures = if held {
         vec![excitation(response), receptance(response), phase(response)]
@@ -29,7 +29,7 @@ pub(super) fn figures(response: &ModeResponse) -> Vec<Figure> {
 }
 
 /// One line a level.
-fn lines(response: &ModeResponse, y: impl Fn(&SteadyPoint) -> f64) -> Vec<Layer> {
+fn lines(response: &Response, y: impl Fn(&SteadyPoint) -> f64) -> Vec<Layer> {
     let line = |(n, curve): (usize, &SteadyCurve)| {
         let points = curve.points.iter().map(|point| (point.frequency, y(point))).collect();
         let layer = Layer::new(Mark::Line, COLOURS[n % COLOURS.len()], points);
@@ -46,15 +46,16 @@ fn frequency() -> Axis {
     Axis::linear("frequency", "Hz")
 }
 
-fn amplitude(response: &ModeResponse) -> Figure {
+fn amplitude(response: &Response) -> Figure {
     let mut layers = lines(response, |point| point.amplitude);
-    // The backbone within the frequencies of the curves: beyond, it would press them together.
-    let within = |points: Vec<(f64, f64)>| {
-        let all = || response.curves.iter().flat_map(|curve| &curve.points).map(|point| point.frequency);
-        let (low, high) = (all().fold(f64::INFINITY, f64::min), all().fold(0.0, f64::max));
-        points.into_iter().filter(|point| (low..=high).contains(&point.0)).collect()
-    };
-    layers.push(Layer::new(Mark::Dashed, colour::BLACK, within(response.backbone())).named("backbone"));
+    // Backbones within the frequencies of the curves: beyond, they would press them together.
+    let all = || response.curves.iter().flat_map(|curve| &curve.points).map(|point| point.frequency);
+    let (low, high) = (all().fold(f64::INFINITY, f64::min), all().fold(0.0, f64::max));
+    for (n, backbone) in response.backbones.iter().enumerate() {
+        let within = backbone.iter().copied().filter(|point| (low..=high).contains(&point.0)).collect();
+        let layer = Layer::new(Mark::Dashed, colour::BLACK, within);
+        layers.push(if n == 0 { layer.named("backbone") } else { layer });
+    }
     Figure {
         title: "Amplitude".into(),
         caption: "Amplitude of the first harmonic. Dashed: frequency of the mode against its amplitude, which the peaks \
@@ -67,7 +68,7 @@ fn amplitude(response: &ModeResponse) -> Figure {
     }
 }
 
-fn phase(response: &ModeResponse) -> Figure {
+fn phase(response: &Response) -> Figure {
     Figure {
         title: "Phase".into(),
         caption: "Phase of the response against the excitation: -90 degrees (+90 under a base's acceleration) in resonance."
@@ -79,7 +80,7 @@ fn phase(response: &ModeResponse) -> Figure {
     }
 }
 
-fn excitation(response: &ModeResponse) -> Figure {
+fn excitation(response: &Response) -> Figure {
     Figure {
         title: "Force".into(),
         caption: "Amplitude of the force that holds the response: least in resonance, where it covers what is lost.".into(),
@@ -90,7 +91,7 @@ fn excitation(response: &ModeResponse) -> Figure {
     }
 }
 
-fn receptance(response: &ModeResponse) -> Figure {
+fn receptance(response: &Response) -> Figure {
     let by = match response.curves.first().map(|curve| curve.control) {
         Some(Control::BaseAcceleration) => "base acceleration",
         _ => "force",
@@ -108,12 +109,12 @@ fn receptance(response: &ModeResponse) -> Figure {
 }
 
 /// The joint's loop at the peak of each level, less the line of the stuck joint.
-fn loops(response: &ModeResponse) -> Option<Figure> {
-    let law = response.mode.joint.as_ref()?;
+fn loops(response: &Response) -> Option<Figure> {
+    let (law, shape) = response.joint.as_ref()?;
     let mut layers = Vec::new();
     for (n, curve) in response.curves.iter().enumerate().take(NAMED) {
         let Some(peak) = curve.peak() else { continue };
-        let points = joint_loop(law, peak.amplitude / response.shape.abs());
+        let points = joint_loop(law, peak.amplitude / shape.abs());
         layers.push(Layer::new(Mark::Line, COLOURS[n % COLOURS.len()], points).named(level(curve)));
     }
     Some(Figure {

@@ -2,6 +2,7 @@
 
 mod args;
 mod responses;
+mod structure;
 mod summary;
 mod figures;
 mod report;

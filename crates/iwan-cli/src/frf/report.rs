@@ -3,18 +3,18 @@
 use maud::{Markup, html};
 
 use super::figures::figures;
-use super::responses::ModeResponse;
+use super::responses::Response;
 use super::summary::{FrfSummary, ModePeaks};
 use crate::page::html::{grid, page, warnings};
 use crate::page::numbers::{long, short};
 use crate::session::VERSION;
 
 /// The page.
-pub(super) fn render(responses: &[ModeResponse], summary: &FrfSummary) -> String {
+pub(super) fn render(responses: &[Response], summary: &FrfSummary) -> String {
     let place = summary
         .at
         .as_ref()
-        .map_or_else(|| "the modal displacement".into(), |at| format!("the displacement at {at}"));
+        .map_or_else(|| "the displacement".into(), |at| format!("the displacement at {at}"));
     let harmonics = if summary.harmonics == 1 {
         "its fundamental".into()
     } else {
@@ -30,7 +30,7 @@ pub(super) fn render(responses: &[ModeResponse], summary: &FrfSummary) -> String
         nav { @for (n, m) in summary.modes.iter().enumerate() { a href=(format!("#mode-{n}")) { (m.name) } } }
         @for (n, (response, peaks)) in responses.iter().zip(&summary.modes).enumerate() {
             h2 id=(format!("mode-{n}")) { (peaks.name) }
-            p { (long(peaks.frequency)) " Hz at small amplitude." }
+            @if let Some(frequency) = peaks.frequency { p { (long(frequency)) " Hz at small amplitude." } }
             (table(summary.held, peaks))
             (grid(&figures(response)))
         }

@@ -3,40 +3,44 @@
 use std::f64::consts::TAU;
 
 use iwan_input::scenario::{SteadyScenario, SweepTable};
-use iwan_sim::{Mode, SimulationError, SteadyCurve, forced_response};
+use iwan_sim::{JointLaw, Mode, SimulationError, SteadyCurve, forced_response};
 
 use crate::failure::Failure;
 
-/// A mode with its responses.
+/// A mode, or a structure, with its responses.
 #[derive(Debug)]
-pub(crate) struct ModeResponse {
-    pub(crate) mode: Mode,
-    /// Shape at the point whose response is held or shown; 1 for the modal displacement.
-    pub(crate) shape: f64,
+pub(crate) struct Response {
+    pub(crate) name: String,
+    /// Frequency at small amplitude, Hz; none for a structure with all its modes.
+    pub(crate) frequency: Option<f64>,
+    /// The joint of a mode, and the shape at the point whose response is held or shown.
+    pub(crate) joint: Option<(JointLaw, f64)>,
     /// One curve a level.
     pub(crate) curves: Vec<SteadyCurve>,
+    /// Frequency (Hz) and amplitude of the modes without force and damping.
+    pub(crate) backbones: Vec<Vec<(f64, f64)>>,
 }
 
-impl ModeResponse {
-    /// Frequency (Hz) and amplitude of harmonic balance without force and damping, up to a little beyond the highest peak.
-    pub(crate) fn backbone(&self) -> Vec<(f64, f64)> {
-        /// Points of the line: one for every four units of a figure.
-        const POINTS: usize = 121;
-        /// How far beyond the highest and below the lowest peak it runs: its direction is seen.
-        const BEYOND: f64 = 1.3;
-        let peaks = || self.curves.iter().filter_map(SteadyCurve::peak).map(|peak| peak.amplitude);
-        let (low, high) = peaks().fold((f64::INFINITY, 0.0_f64), |(low, high), a| (low.min(a), high.max(a)));
-        if !(high > 0.0 && low > 0.0) {
-            return Vec::new();
-        }
-        let (low, high) = (low / BEYOND, high * BEYOND);
-        let at = |i: usize| {
-            let amplitude = low * (high / low).powf(i as f64 / (POINTS - 1) as f64);
-            let frequency = self.mode.frequency_at(amplitude / self.shape.abs());
-            (frequency.unwrap_or(f64::NAN), amplitude)
-        };
-        (0..POINTS).map(at).collect()
-    }
+/// Points of a backbone: one for every four units of a figure.
+pub(super) const POINTS: usize = 121;
+
+/// How far a backbone runs beyond the highest and below the lowest peak: its direction is seen.
+const BEYOND: f64 = 1.3;
+
+/// Smallest and largest amplitude of a backbone over these curves.
+pub(super) fn backbone_range(curves: &[SteadyCurve]) -> Option<[f64; 2]> {
+    let peaks = curves.iter().filter_map(SteadyCurve::peak).map(|peak| peak.amplitude);
+    let (low, high) = peaks.fold((f64::INFINITY, 0.0_f64), |(low, high), a| (low.min(a), high.max(a)));
+    (high > 0.0 && low > 0.0).then_some([low / BEYOND, high * BEYOND])
+}
+
+fn backbone(mode: &Mode, shape: f64, curves: &[SteadyCurve]) -> Vec<(f64, f64)> {
+    let Some([low, high]) = backbone_range(curves) else { return Vec::new() };
+    let at = |i: usize| {
+        let amplitude = low * (high / low).powf(i as f64 / (POINTS - 1) as f64);
+        (mode.frequency_at(amplitude / shape.abs()).unwrap_or(f64::NAN), amplitude)
+    };
+    (0..POINTS).map(at).collect()
 }
 
 /// All responses, and what the reader should know about modes that were left out.
@@ -44,8 +48,12 @@ pub(super) fn respond(
     name: &str,
     scenario: &SteadyScenario,
     table: &SweepTable,
-) -> Result<(Vec<ModeResponse>, Vec<String>), Failure> {
+) -> Result<(Vec<Response>, Vec<String>), Failure> {
     let (mut responses, mut notes) = (Vec::new(), Vec::new());
+    if table.damping_ratio.is_some() {
+        let message = format!("{name}: [sweep]: damping_ratio is for structures: each mode has its own");
+        return Err(Failure::input(message, "give damping_ratio in [[mode]]"));
+    }
     for mode in scenario.modes() {
         let shape = shape(name, &mode, table)?;
         let (from, to) = (table.sweep.from, table.sweep.to);
@@ -59,7 +67,15 @@ pub(super) fn respond(
         }
         let curves =
             forced_response(&mode, &table.sweep, shape).map_err(|error| failed(name, &mode, &error))?;
-        responses.push(ModeResponse { mode, shape, curves });
+        let backbones = vec![backbone(&mode, shape, &curves)];
+        let joint = mode.joint.clone().map(|law| (law, shape));
+        responses.push(Response {
+            name: mode.name,
+            frequency: Some(mode.frequency),
+            joint,
+            curves,
+            backbones,
+        });
     }
     if responses.is_empty() {
         let message =

@@ -6,7 +6,7 @@ use iwan_input::scenario::SweepTable;
 use iwan_sim::SteadyCurve;
 use serde::Serialize;
 
-use super::responses::ModeResponse;
+use super::responses::Response;
 use crate::page::numbers::{long, short};
 use crate::session::Summary;
 
@@ -34,8 +34,8 @@ pub(crate) struct FrfSummary {
 #[derive(Debug, Clone, Serialize)]
 pub(crate) struct ModePeaks {
     pub(crate) name: String,
-    /// Frequency at small amplitude, Hz.
-    pub(crate) frequency: f64,
+    /// Frequency at small amplitude, Hz; none for a structure with all its modes.
+    pub(crate) frequency: Option<f64>,
     /// One entry per level.
     pub(crate) levels: Vec<LevelPeak>,
 }
@@ -87,15 +87,10 @@ impl LevelPeak {
 
 impl FrfSummary {
     /// Of the responses to a sweep.
-    pub(super) fn new(
-        scenario: String,
-        table: &SweepTable,
-        responses: &[ModeResponse],
-        seconds: f64,
-    ) -> Self {
-        let peaks = |response: &ModeResponse| ModePeaks {
-            name: response.mode.name.clone(),
-            frequency: response.mode.frequency,
+    pub(super) fn new(scenario: String, table: &SweepTable, responses: &[Response], seconds: f64) -> Self {
+        let peaks = |response: &Response| ModePeaks {
+            name: response.name.clone(),
+            frequency: response.frequency,
             levels: response.curves.iter().map(LevelPeak::new).collect(),
         };
         let warning = |curve: &SteadyCurve| {

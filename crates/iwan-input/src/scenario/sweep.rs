@@ -18,6 +18,7 @@ pub(crate) const KEYS: &[&str] = &[
     "at",
     "harmonics",
     "points",
+    "damping_ratio",
 ];
 
 /// What may be held, one of which the table names.
@@ -36,6 +37,8 @@ pub struct SweepTable {
     pub sweep: Sweep,
     /// The point whose response is held or returned; none: the modal displacement, on a structure the loaded point.
     pub at: Option<String>,
+    /// Viscous ratio of all modes of a structure; modes of a scenario have their own.
+    pub damping_ratio: Option<f64>,
 }
 
 impl SweepTable {
@@ -51,7 +54,15 @@ impl SweepTable {
         if let Err(error) = sweep.checked() {
             return Err(refused(&section, control, &error));
         }
-        Ok(Some(Self { sweep, at: section.optional_text("at")? }))
+        let damping_ratio = section.optional_number("damping_ratio")?;
+        if let Some(ratio) = damping_ratio.filter(|ratio| !(0.0..1.0).contains(ratio)) {
+            let message = format!(
+                "damping_ratio = {} is out of range: must satisfy 0 <= damping_ratio < 1",
+                plain(ratio)
+            );
+            return Err(section.failure("damping_ratio", &message, "give it as a ratio: 0.01 is 1 %"));
+        }
+        Ok(Some(Self { sweep, at: section.optional_text("at")?, damping_ratio }))
     }
 }
 

@@ -201,7 +201,7 @@ fn write_bins(out: &mut String, bins: usize, grid: Grid) {
     line(out, "grid", if grid == Grid::Uniform { "\"uniform\"" } else { "\"graded\"" });
 }
 
-fn write_sweep(out: &mut String, SweepTable { sweep, at }: &SweepTable) {
+fn write_sweep(out: &mut String, SweepTable { sweep, at, damping_ratio }: &SweepTable) {
     out.push_str("\n[sweep]\n");
     number(out, "from", sweep.from);
     number(out, "to", sweep.to);
@@ -211,4 +211,7 @@ fn write_sweep(out: &mut String, SweepTable { sweep, at }: &SweepTable) {
     }
     line(out, "harmonics", &sweep.harmonics.to_string());
     line(out, "points", &sweep.points.to_string());
+    if let Some(ratio) = damping_ratio {
+        number(out, "damping_ratio", *ratio);
+    }
 }

@@ -7,13 +7,12 @@
 //!
 //! A pair (a, b) stands for the complex amplitude a - i b of e^(inθ).
 
-use iwan_core::{Backbone, Harmonics, SteadyWork, steady_force};
+use iwan_core::{Harmonics, SteadyWork, steady_force};
 use nalgebra::{DMatrix, DVector};
 
 use super::jointed::JointedModes;
 use super::receptance::{C, Receptance, dynamic_stiffness, nearest};
 use crate::error::SimulationError;
-use crate::joint_law::with_law;
 
 /// What stands behind the unknown amplitudes.
 #[derive(Debug, Clone, Copy)]
@@ -103,7 +102,7 @@ impl<'a> Balance<'a> {
             let excess = &mut self.excess[j * each..][..each];
             let slopes = &mut self.slopes[j * each * each..][..each * each];
             let (harmonics, work) = (self.harmonics, &mut self.work);
-            with_law!(&joint.law, law => steady_force(law, harmonics, slip, excess, Some(&mut *slopes), work))?;
+            steady_force(&&*joint.law, harmonics, slip, excess, Some(&mut *slopes), work)?;
             let k_t = joint.law.initial_stiffness();
             for (i, (g, u)) in excess.iter_mut().zip(slip).enumerate() {
                 *g -= k_t * u;

@@ -1,6 +1,9 @@
 //! Modes that several joints couple: what the harmonic balance of a structure, or of one mode with harmonics, works on.
 
-use iwan_core::{Backbone, Error};
+use std::fmt;
+use std::sync::Arc;
+
+use iwan_core::{Backbone, Error, TabledFourParameter};
 
 use crate::error::SimulationError;
 use crate::joint_law::JointLaw;
@@ -9,7 +12,7 @@ use crate::mode::Mode;
 /// A mode of the structure with all joints stuck (each with its initial stiffness K_T), mass-normalised.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct StuckMode {
-    /// Circular frequency, rad/s.
+    /// Circular frequency, rad/s; 0 for a rigid motion, in which no joint slips.
     pub omega: f64,
     /// Viscous damping ratio.
     pub damping_ratio: f64,
@@ -19,15 +22,35 @@ pub struct StuckMode {
     pub at_output: f64,
 }
 
+/// A joint law that any number of joints and threads share.
+pub type SharedLaw = Arc<dyn Backbone + Send + Sync>;
+
 /// A joint between the modes.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Clone)]
 pub struct SlipJoint {
     /// Its name, for messages.
     pub name: String,
     /// Its law.
-    pub law: JointLaw,
+    pub law: SharedLaw,
     /// Its slip in unit modal displacement of each mode.
     pub participation: Vec<f64>,
+}
+
+impl fmt::Debug for SlipJoint {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let law = (self.law.initial_stiffness(), self.law.slip_force());
+        f.debug_struct("SlipJoint").field("name", &self.name).field("k_t, f_s", &law).finish_non_exhaustive()
+    }
+}
+
+impl From<JointLaw> for SharedLaw {
+    /// With a table for its power where the law has one: steady loops take some hundred powers each.
+    fn from(law: JointLaw) -> Self {
+        match law {
+            JointLaw::FourParameter(law) => Arc::new(TabledFourParameter::new(law)),
+            other => Arc::new(other),
+        }
+    }
 }
 
 /// What the modes that were left out do: static flexibilities.
@@ -44,7 +67,7 @@ pub struct Residual {
 }
 
 /// Stuck modes and the joints that couple them.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone)]
 pub struct JointedModes {
     pub(super) modes: Vec<StuckMode>,
     pub(super) joints: Vec<SlipJoint>,
@@ -55,54 +78,20 @@ impl JointedModes {
     /// Checks and takes modes, joints and residual flexibilities.
     ///
     /// # Errors
-    /// [`SimulationError::Parameter`] for what does not fit or is not finite, and for modes at zero frequency: a free
-    /// structure has no steady motion about a mean place, so its zero modes are to be left out.
+    /// [`SimulationError::Parameter`] for what does not fit or is not finite, for a system without an elastic mode, and for a joint
+    /// that slips in a rigid motion: nothing would bring it back to its place.
     pub fn new(
         modes: Vec<StuckMode>,
         joints: Vec<SlipJoint>,
         residual: Residual,
     ) -> Result<Self, SimulationError> {
-        let refuse = |name, value, allowed| Err(Error::OutOfRange { name, value, allowed }.into());
-        if modes.is_empty() {
-            return Err(Error::Length { name: "modes", needed: 1, found: 0 }.into());
+        modes.iter().try_for_each(StuckMode::checked)?;
+        if modes.iter().all(|mode| mode.omega == 0.0) {
+            let allowed = "at least one mode must have a frequency > 0";
+            return Err(Error::OutOfRange { name: "omega", value: 0.0, allowed }.into());
         }
-        for mode in &modes {
-            if !(mode.omega > 0.0 && mode.omega.is_finite()) {
-                let allowed = "must be > 0 (rad/s): leave the zero modes of a free structure out";
-                return refuse("omega", mode.omega, allowed);
-            }
-            if !(0.0..1.0).contains(&mode.damping_ratio) {
-                return refuse("damping_ratio", mode.damping_ratio, "must satisfy 0 <= damping_ratio < 1");
-            }
-            for (name, value) in [("at_force", mode.at_force), ("at_output", mode.at_output)] {
-                if !value.is_finite() {
-                    return refuse(name, value, "must be a finite number");
-                }
-            }
-        }
-        let lengths = [
-            ("residual slips", residual.slips.len(), joints.len() * joints.len()),
-            ("residual force", residual.force.len(), joints.len()),
-            ("residual output", residual.output.len(), joints.len()),
-        ];
-        for (name, found, needed) in lengths {
-            if found != 0 && found != needed {
-                return Err(Error::Length { name, needed, found }.into());
-            }
-        }
-        for joint in &joints {
-            let found = joint.participation.len();
-            if found != modes.len() {
-                return Err(Error::Length { name: "participation", needed: modes.len(), found }.into());
-            }
-            if let Some(&value) = joint.participation.iter().find(|b| !b.is_finite()) {
-                return refuse("participation", value, "must be a finite number");
-            }
-        }
-        let all = residual.slips.iter().chain(&residual.force).chain(&residual.output);
-        if let Some(&value) = all.chain([&residual.direct]).find(|r| !r.is_finite()) {
-            return refuse("residual flexibility", value, "must be a finite number");
-        }
+        joints.iter().try_for_each(|joint| joint.checked(&modes))?;
+        residual.checked(joints.len())?;
         Ok(Self { modes, joints, residual })
     }
 
@@ -123,7 +112,7 @@ impl JointedModes {
             at_force: mode.shape_at_force,
             at_output: shape_at_output,
         };
-        let joint = SlipJoint { name: mode.name.clone(), law, participation: vec![1.0] };
+        let joint = SlipJoint { name: mode.name.clone(), law: law.into(), participation: vec![1.0] };
         Self::new(vec![stuck], vec![joint], Residual::default())
     }
 
@@ -139,11 +128,77 @@ impl JointedModes {
         &self.joints
     }
 
+    /// Circular frequency of the lowest elastic mode: the unit of frequencies.
+    pub(super) fn lowest(&self) -> f64 {
+        self.modes.iter().map(|mode| mode.omega).filter(|omega| *omega > 0.0).fold(f64::INFINITY, f64::min)
+    }
+
     /// Slip at which the first joint is in macro-slip in the shape of a mode, as modal displacement; none where no joint slips in
     /// it.
     #[must_use]
     pub fn macro_slip(&self, mode: usize) -> Option<f64> {
         let reach = |joint: &SlipJoint| joint.law.strengths().1 / joint.participation[mode].abs();
         self.joints.iter().map(reach).filter(|q| q.is_finite()).min_by(f64::total_cmp)
+    }
+}
+
+impl StuckMode {
+    fn checked(&self) -> Result<(), SimulationError> {
+        let refuse = |name, value, allowed| Err(Error::OutOfRange { name, value, allowed }.into());
+        if !(self.omega >= 0.0 && self.omega.is_finite()) {
+            return refuse("omega", self.omega, "must be a finite number of rad/s >= 0");
+        }
+        if !(0.0..1.0).contains(&self.damping_ratio) {
+            return refuse("damping_ratio", self.damping_ratio, "must satisfy 0 <= damping_ratio < 1");
+        }
+        let shapes = [("at_force", self.at_force), ("at_output", self.at_output)];
+        match shapes.iter().find(|(_, value)| !value.is_finite()) {
+            Some(&(name, value)) => refuse(name, value, "must be a finite number"),
+            None => Ok(()),
+        }
+    }
+}
+
+impl SlipJoint {
+    fn checked(&self, modes: &[StuckMode]) -> Result<(), SimulationError> {
+        /// Slip in a rigid motion over the largest in any mode: more than this is no rounding.
+        const RIGID: f64 = 1e-6;
+        let found = self.participation.len();
+        if found != modes.len() {
+            return Err(Error::Length { name: "participation", needed: modes.len(), found }.into());
+        }
+        let refuse = |value, allowed| Err(Error::OutOfRange { name: "participation", value, allowed }.into());
+        if let Some(&value) = self.participation.iter().find(|b| !b.is_finite()) {
+            return refuse(value, "must be a finite number");
+        }
+        let most = self.participation.iter().fold(0.0, |most: f64, b| most.max(b.abs()));
+        let rigid = self.participation.iter().zip(modes).filter(|(_, mode)| mode.omega == 0.0);
+        match rigid.map(|(b, _)| *b).find(|b| b.abs() > RIGID * most) {
+            Some(value) => refuse(value, "must be 0 in a rigid motion (a mode of frequency 0)"),
+            None => Ok(()),
+        }
+    }
+}
+
+impl Residual {
+    fn checked(&self, joints: usize) -> Result<(), SimulationError> {
+        let lengths = [
+            ("residual slips", self.slips.len(), joints * joints),
+            ("residual force", self.force.len(), joints),
+            ("residual output", self.output.len(), joints),
+        ];
+        if let Some(&(name, found, needed)) =
+            lengths.iter().find(|(_, found, needed)| *found != 0 && found != needed)
+        {
+            return Err(Error::Length { name, needed, found }.into());
+        }
+        let all = self.slips.iter().chain(&self.force).chain(&self.output).chain([&self.direct]);
+        match all.copied().find(|r| !r.is_finite()) {
+            Some(value) => {
+                let allowed = "must be a finite number";
+                Err(Error::OutOfRange { name: "residual flexibility", value, allowed }.into())
+            }
+            None => Ok(()),
+        }
     }
 }

@@ -12,7 +12,7 @@ mod respond;
 mod nonlinear_mode;
 
 pub use curve::{Jump, SteadyCurve, SteadyPoint};
-pub use jointed::{JointedModes, Residual, SlipJoint, StuckMode};
+pub use jointed::{JointedModes, Residual, SharedLaw, SlipJoint, StuckMode};
 pub use nonlinear_mode::{BackbonePoint, NonlinearMode, backbone, nonlinear_mode};
 pub use respond::{forced_response, forced_response_of};
 pub use sweep::{Control, Sweep};

@@ -100,8 +100,8 @@ pub fn nonlinear_mode(
     amplitudes: &[f64],
 ) -> Result<NonlinearMode, SimulationError> {
     checked(amplitudes)?;
-    let Some(own) = system.modes.get(mode) else {
-        let allowed = "must be the number of a mode";
+    let Some(own) = system.modes.get(mode).filter(|own| own.omega > 0.0) else {
+        let allowed = "must be the number of an elastic mode";
         return Err(iwan_core::Error::OutOfRange { name: "mode", value: mode as f64, allowed }.into());
     };
     let unit = own.omega;

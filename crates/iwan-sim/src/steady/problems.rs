@@ -2,7 +2,6 @@
 
 use std::ops::Range;
 
-use iwan_core::Backbone;
 use nalgebra::{DMatrix, DVector};
 
 use super::balance::{BY_FORCE, BY_OMEGA, BY_XI, Balance, State};

@@ -34,10 +34,11 @@ pub(super) fn dynamic_stiffness(system: &JointedModes, mode: usize, n: f64, omeg
     ]
 }
 
-/// The mode whose frequency is nearest to the harmonic.
+/// The elastic mode whose frequency is nearest to the harmonic.
 pub(super) fn nearest(system: &JointedModes, n: f64, omega: f64) -> usize {
     let gap = |mode: usize| (system.modes[mode].omega - n * omega).abs();
-    (0..system.modes.len()).min_by(|&a, &b| gap(a).total_cmp(&gap(b))).unwrap_or(0)
+    let elastic = (0..system.modes.len()).filter(|&mode| system.modes[mode].omega > 0.0);
+    elastic.min_by(|&a, &b| gap(a).total_cmp(&gap(b))).unwrap_or(0)
 }
 
 impl Receptance {

@@ -96,7 +96,7 @@ fn from_edge(
     remarks: &mut Vec<String>,
 ) -> Result<(Vec<SteadyPoint>, bool), SimulationError> {
     let (edge, other) = if sign > 0.0 { (sweep.from, sweep.to) } else { (sweep.to, sweep.from) };
-    let unit = system.modes[0].omega;
+    let unit = system.lowest();
     let Some((start, force)) = raised(system, sweep, level, TAU * edge)? else {
         remarks.push(format!("no steady motion was found at {edge} Hz by raising the force from nothing"));
         return Ok((Vec::new(), false));
@@ -305,7 +305,6 @@ impl Sheet<'_> {
 
 /// Whether a joint slips beyond all measure.
 fn slides(problem: &Problem<'_>, node: &Node) -> bool {
-    use iwan_core::Backbone;
     let each = problem.balance.each();
     problem.balance.system.joints.iter().enumerate().any(|(j, joint)| {
         let slip = node.y[j * each].hypot(node.y[j * each + 1]);
