@@ -2,13 +2,14 @@
 
 use std::time::Instant;
 
-use iwan_input::InputText;
 use iwan_input::scenario::{SteadyScenario, built_in};
+use iwan_input::{InputText, StructureFile, is_structure};
 use iwan_sim::BackbonePoint;
 
 use super::args::BackboneArgs;
 use super::curves::{Traced, harmonics, trace};
 use super::report;
+use super::structure::{self, OnStructure};
 use super::summary::BackboneSummary;
 use crate::args::Format;
 use crate::failure::Failure;
@@ -23,17 +24,50 @@ pub(crate) fn run(args: &BackboneArgs) -> Result<(), Failure> {
         Some(path) => InputText::read(path, "scenario", "paper-modal")?,
         None => built_in()[0].source(),
     };
-    let scenario = SteadyScenario::read(&source)?;
-    let highest = harmonics(args, &scenario)?;
+    let task = Task::read(&source)?;
+    let highest = harmonics(args, &task.scenario)?;
     let mut session = Session::open(args.place(), &args.common, [TABLE, SUMMARY, PAGE])?;
     let clock = Instant::now();
-    let traced = trace(&source.name, &scenario, args, highest, session.threads())?;
-    let title = scenario.title.clone().unwrap_or_else(|| source.name.clone());
+    let title = task.scenario.title.clone().unwrap_or_else(|| source.name.clone());
+    let traced = match task.structure {
+        Some(on) => {
+            session.notes(&on.file.notes);
+            structure::trace(on, args, highest, &session)?
+        }
+        None => trace(&source.name, &task.scenario, args, highest, session.threads())?,
+    };
     let summary = BackboneSummary::new(title, highest, &traced, clock.elapsed().as_secs_f64());
     session.columns(TABLE, &columns(&traced, highest), Format::Csv)?;
     session.summary(SUMMARY, &summary)?;
     session.page(&report::render(&traced, &summary))?;
     session.finish(&summary)
+}
+
+/// What the file asks for: modes of a scenario, or a structure.
+struct Task {
+    scenario: SteadyScenario,
+    structure: Option<OnStructure>,
+}
+
+impl Task {
+    fn read(source: &InputText) -> Result<Self, Failure> {
+        if is_structure(source)? {
+            let file = StructureFile::read(source)?;
+            let scenario =
+                SteadyScenario { title: file.title.clone(), modes: Vec::new(), structure: None, sweep: None };
+            let (source, model) = (source.name.clone(), iwan_fem::Model::USUAL);
+            let on = OnStructure { source, file, model, at: None, damping_ratio: 0.0 };
+            return Ok(Self { scenario, structure: Some(on) });
+        }
+        let scenario = SteadyScenario::read(source)?;
+        let Some(on) = &scenario.structure else { return Ok(Self { scenario, structure: None }) };
+        let (source, file) = on.load()?;
+        let table = scenario.sweep.as_ref();
+        let damping_ratio = table.and_then(|table| table.damping_ratio).unwrap_or(0.0);
+        let at = table.and_then(|table| table.at.clone());
+        let structure = OnStructure { source, file, model: on.model, at, damping_ratio };
+        Ok(Self { structure: Some(structure), scenario })
+    }
 }
 
 /// The columns of the table: modes below each other, told apart by their number.

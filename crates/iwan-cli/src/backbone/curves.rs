@@ -13,7 +13,13 @@ const RANGE: [f64; 2] = [1e-3, 10.0];
 /// A mode with its backbone.
 #[derive(Debug)]
 pub(crate) struct Traced {
-    pub(crate) mode: Mode,
+    pub(crate) name: String,
+    /// Frequency at small amplitude, Hz.
+    pub(crate) frequency: f64,
+    /// Modal amplitude at which the first joint is in macro-slip.
+    pub(crate) onset: Option<f64>,
+    /// Names of the slips, on a structure.
+    pub(crate) slips: Vec<String>,
     pub(crate) curve: NonlinearMode,
 }
 
@@ -37,32 +43,38 @@ pub(super) fn trace(
     let modes = scenario.modes();
     let tasks: Vec<(Mode, Vec<f64>)> = modes
         .into_iter()
-        .map(|mode| amplitudes(name, &mode, args).map(|amplitudes| (mode, amplitudes)))
+        .map(|mode| {
+            let onset = mode.joint.as_ref().map(|law| law.strengths().1);
+            amplitudes(name, &mode.name, onset, args).map(|amplitudes| (mode, amplitudes))
+        })
         .collect::<Result<_, _>>()?;
     let curves = in_parallel(&tasks, threads, &|(mode, amplitudes)| backbone(mode, highest, amplitudes));
     let mut traced = Vec::new();
     for ((mode, _), curve) in tasks.into_iter().zip(curves) {
         let curve = curve.map_err(|error| failed(name, &mode, &error))?;
-        traced.push(Traced { mode, curve });
+        let onset = mode.joint.as_ref().map(|law| law.strengths().1);
+        traced.push(Traced { name: mode.name, frequency: mode.frequency, onset, slips: Vec::new(), curve });
     }
     Ok(traced)
 }
 
 /// Amplitudes evenly spaced on a logarithmic scale.
-fn amplitudes(name: &str, mode: &Mode, args: &BackboneArgs) -> Result<Vec<f64>, Failure> {
-    let onset = mode.joint.as_ref().map(|law| law.strengths().1);
+pub(super) fn amplitudes(
+    name: &str,
+    mode: &str,
+    onset: Option<f64>,
+    args: &BackboneArgs,
+) -> Result<Vec<f64>, Failure> {
     let (from, to) = match (args.from, args.to, onset) {
         (Some(from), Some(to), _) => (from, to),
         (from, to, Some(onset)) => (from.unwrap_or(RANGE[0] * onset), to.unwrap_or(RANGE[1] * onset)),
         _ => {
-            let message =
-                format!("{name}: mode \"{}\" has no joint: its frequency does not change", mode.name);
+            let message = format!("{name}: no joint slips in mode \"{mode}\": its frequency does not change");
             return Err(Failure::input(message, "give --from and --to, or leave the mode out"));
         }
     };
     if from >= to {
-        let message =
-            format!("{name}: mode \"{}\": from {from:e} to {to:e} is no range of amplitudes", mode.name);
+        let message = format!("{name}: mode \"{mode}\": from {from:e} to {to:e} is no range of amplitudes");
         return Err(Failure::input(message, "give --from smaller than --to"));
     }
     let count = args.points as usize;

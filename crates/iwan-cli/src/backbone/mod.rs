@@ -2,6 +2,7 @@
 
 mod args;
 mod curves;
+mod structure;
 mod summary;
 mod report;
 mod command;

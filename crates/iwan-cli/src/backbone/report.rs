@@ -1,6 +1,5 @@
 //! The report of `iwan backbone`.
 
-use iwan_core::Backbone;
 use iwan_sim::BackbonePoint;
 use maud::html;
 
@@ -25,8 +24,8 @@ pub(super) fn render(traced: &[Traced], summary: &BackboneSummary) -> String {
         (warnings(&summary.warnings))
         nav { @for (n, m) in summary.modes.iter().enumerate() { a href=(format!("#mode-{n}")) { (m.name) } } }
         @for (n, traced) in traced.iter().enumerate() {
-            h2 id=(format!("mode-{n}")) { (traced.mode.name) }
-            p { (long(traced.mode.frequency)) " Hz at small amplitude." }
+            h2 id=(format!("mode-{n}")) { (traced.name) }
+            p { (long(traced.frequency)) " Hz at small amplitude." }
             (grid(&figures(traced)))
         }
     };
@@ -51,6 +50,7 @@ fn figures(traced: &Traced) -> Vec<Figure> {
         ),
     ];
     figures.extend(harmonics(traced));
+    figures.extend(slips(traced));
     figures
 }
 
@@ -65,14 +65,13 @@ fn figure(
     y: Axis,
     value: impl Fn(&BackbonePoint) -> f64,
 ) -> Figure {
-    let onset = traced.mode.joint.as_ref().map(|law| law.strengths().1);
     Figure {
         title: title.into(),
         caption: caption.into(),
         x: Axis::log("amplitude of q", ""),
         y,
         layers: vec![Layer::new(Mark::Line, colour::BLUE, line(traced, value))],
-        marker: onset.map(|value| Marker { value, label: "\u{3c6}_max: macro-slip" }),
+        marker: traced.onset.map(|value| Marker { value, label: "first macro-slip" }),
     }
 }
 
@@ -93,6 +92,31 @@ fn harmonics(traced: &Traced) -> Option<Figure> {
         x: Axis::log("amplitude of q", ""),
         y: Axis::log("harmonic / first harmonic", ""),
         layers: (1..count).map(layer).collect(),
+        marker: None,
+    })
+}
+
+/// Slips of the joints over the amplitude, which the shape of a linear mode would keep in proportion; on a structure only.
+fn slips(traced: &Traced) -> Option<Figure> {
+    /// Slips below this part of the largest are those that symmetry forbids.
+    const LEAST: f64 = 1e-6;
+    if traced.slips.len() < 2 {
+        return None;
+    }
+    let first = traced.curve.points.first()?;
+    let most = first.slips.iter().fold(0.0, |most: f64, slip| most.max(slip[0]));
+    let shown: Vec<usize> = (0..traced.slips.len()).filter(|&j| first.slips[j][0] > LEAST * most).collect();
+    let layer = |(n, &j): (usize, &usize)| {
+        let points = line(traced, |p| p.slips[j][0] / p.amplitude);
+        Layer::new(Mark::Line, COLOURS[n % COLOURS.len()], points).named(traced.slips[j].clone())
+    };
+    Some(Figure {
+        title: "Slips".into(),
+        caption: "First harmonic of the slips over the modal amplitude: level where the shape of the mode does not change."
+            .into(),
+        x: Axis::log("amplitude of q", ""),
+        y: Axis::log("slip / amplitude", ""),
+        layers: shown.iter().take(COLOURS.len()).enumerate().map(layer).collect(),
         marker: None,
     })
 }

@@ -39,13 +39,13 @@ impl BackboneSummary {
     /// Of the modes' backbones.
     pub(super) fn new(scenario: String, harmonics: usize, traced: &[Traced], seconds: f64) -> Self {
         let mode = |t: &Traced| ModeBackbone {
-            name: t.mode.name.clone(),
+            name: t.name.clone(),
             amplitude: t.curve.points.iter().map(|p| p.amplitude).collect(),
             frequency: t.curve.points.iter().map(|p| p.frequency).collect(),
             damping_ratio: t.curve.points.iter().map(|p| p.damping_ratio).collect(),
         };
         let warning = |t: &Traced| {
-            t.curve.remarks.iter().map(|remark| format!("{}: {remark}", t.mode.name)).collect::<Vec<_>>()
+            t.curve.remarks.iter().map(|remark| format!("{}: {remark}", t.name)).collect::<Vec<_>>()
         };
         let modes = traced.iter().map(mode).collect();
         Self { scenario, harmonics, modes, warnings: traced.iter().flat_map(warning).collect(), seconds }

@@ -50,10 +50,12 @@ from iwan.errors import (
 )
 
 from iwan.records import as_record
+from iwan.steady import Backbone, SteadyResponse, backbone, frf
 from iwan.structure import StaticCurves, Structure, StructureModes, StructureResponse
 from iwan.study import reproduce
 
 __all__ = [
+    "Backbone",
     "ComputationError",
     "Envelope",
     "ExistingFileError",
@@ -78,6 +80,7 @@ __all__ = [
     "Sampled",
     "Sine",
     "StaticCurves",
+    "SteadyResponse",
     "Step",
     "Structure",
     "StructureError",
@@ -87,9 +90,11 @@ __all__ = [
     "Uniform",
     "__version__",
     "as_record",
+    "backbone",
     "ensemble",
     "envelope",
     "fit",
+    "frf",
     "log_likelihood",
     "plot",
     "read_record",

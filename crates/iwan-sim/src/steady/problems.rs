@@ -179,12 +179,17 @@ impl Curve for Problem<'_> {
         let strengths: Vec<f64> =
             self.balance.system.joints.iter().map(|joint| joint.law.strengths().1).collect();
         let share = |j: usize| size(&amplitudes[j * each..][..each]) / strengths[j];
-        let most = (0..strengths.len()).map(share).fold(1e-12, f64::max);
+        let most = (0..strengths.len()).map(share).fold(0.0, f64::max);
+        // At rest, whatever brings macro-slip is a large step.
+        let most = if most > 0.0 { most } else { 1.0 };
         let mut scales = Vec::with_capacity(n + 2);
         for (j, strength) in strengths.iter().enumerate() {
             scales.extend(vec![strength * share(j).max(MINOR * most); each]);
         }
-        let moving = size(&amplitudes[modal..]).max(f64::MIN_POSITIVE);
+        let moving = match size(&amplitudes[modal..]) {
+            0.0 => self.balance.system.macro_slip(self.balance.apart[0]).unwrap_or(1.0),
+            size => size,
+        };
         scales.extend(vec![moving; n - modal]);
         match self.task {
             Task::Raise { .. } => scales.push(y[n].abs().max(1e-3)),

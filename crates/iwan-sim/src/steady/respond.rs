@@ -8,6 +8,7 @@ use super::curve::{SteadyCurve, SteadyPoint};
 use super::jointed::JointedModes;
 use super::one_mode::explicit_response;
 use super::problems::{Problem, Task};
+use super::receptance::{C, dynamic_stiffness};
 use super::sweep::{Control, Sweep};
 use crate::error::SimulationError;
 use crate::mode::Mode;
@@ -141,7 +142,7 @@ fn raised(
     /// Steps at most: a force of a thousand times the first takes some hundred.
     const STEPS: usize = 5000;
     let held = sweep.control.holds_response();
-    let force = if held { unit_force(system, sweep, level, omega)? } else { level };
+    let force = if held { unit_force(system, sweep, level, omega) } else { level };
     let mut problem =
         Problem::new(Balance::new(system, sweep.harmonics)?, Task::Raise { omega, force }, omega);
     let count = problem.unknowns();
@@ -149,7 +150,7 @@ fn raised(
         let mut y = vec![0.0; count];
         y[count - 1] = start;
         let mut follower = Follower::new(&mut problem, count);
-        let Some(y) = follower.at_held(&y, count - 1)? else { continue };
+        let Some(y) = from_rest(&mut follower, &y)? else { continue };
         let Some(mut node) = follower.first(y, count - 1, 1.0)? else { continue };
         for _ in 0..STEPS {
             let Some((next, _)) = follower.next(&mut node)? else { break };
@@ -176,22 +177,28 @@ fn raised(
     Ok(None)
 }
 
+/// The motion under a small force, from rest: once with the sizes of macro-slip, once with its own.
+fn from_rest(
+    follower: &mut Follower<'_, Problem<'_>>,
+    y: &[f64],
+) -> Result<Option<Vec<f64>>, SimulationError> {
+    let held = y.len() - 1;
+    match follower.at_held(y, held)? {
+        Some(y) => follower.at_held(&y, held),
+        None => Ok(None),
+    }
+}
+
 /// The force that makes a response of the level in the stuck structure: the unit in which a held response's force is sought.
-fn unit_force(system: &JointedModes, sweep: &Sweep, level: f64, omega: f64) -> Result<f64, SimulationError> {
-    let mut problem = Problem::new(Balance::new(system, 1)?, Task::Raise { omega, force: 1.0 }, omega);
-    let count = problem.unknowns();
-    // At rest the equations are linear, so that Newton's first round is exact; a tiny force keeps them so.
-    let mut y = vec![0.0; count];
-    y[count - 1] = f64::MIN_POSITIVE.sqrt();
-    let mut follower = Follower::new(&mut problem, count);
-    let found = follower.at_held(&y, count - 1)?;
-    let [a, b] = match &found {
-        Some(y) => problem.response(y)?[0],
-        None => [0.0; 2],
-    };
-    let flexibility = a.hypot(b) / y[count - 1];
-    let wanted = sweep.control.displacement(level, omega);
-    Ok(if flexibility > 0.0 && flexibility.is_finite() { wanted / flexibility } else { 1.0 })
+fn unit_force(system: &JointedModes, sweep: &Sweep, level: f64, omega: f64) -> f64 {
+    let mut flexibility = C::new(system.residual.direct, 0.0);
+    for (mode, own) in system.modes.iter().enumerate() {
+        let [d, ..] = dynamic_stiffness(system, mode, 1.0, omega, 0.0);
+        flexibility += d.inv() * own.at_force * own.at_output;
+    }
+    let force = sweep.control.displacement(level, omega) / flexibility.norm();
+    // In resonance without damping, or where the excitation does not reach the response: any unit will do.
+    if force > 0.0 && force.is_finite() { force } else { 1.0 }
 }
 
 /// A curve that is being written down.
