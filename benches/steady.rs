@@ -5,9 +5,7 @@ mod support;
 use std::hint::black_box;
 
 use criterion::{BenchmarkId, Criterion, Throughput};
-use iwan::core::{
-    Backbone, FourParameter, Harmonics, SteadyWork, TabledFourParameter, one_harmonic, steady_force,
-};
+use iwan::core::{FourParameter, Harmonics, SteadyWork, TabledFourParameter, one_harmonic, steady_force};
 use iwan::fem::mesh::beam::Configuration;
 use iwan::fem::{Basis, paper};
 use iwan::sim::{

@@ -18,23 +18,23 @@ use nalgebra::{Matrix3, Vector3};
 
 /// `examples/vprnm_rom_iwan.py`: three freedoms with a superharmonic resonance, one four-parameter joint, C = 0.01 M.
 fn vprnm() -> JointedModes {
-    let phi = Matrix3::from_columns(&[
+    let phi: Matrix3<f64> = Matrix3::from_columns(&[
         Vector3::new(1.0, 2.0, 3.0),
         Vector3::new(2.0, 1.0, -1.0),
         Vector3::new(-2.0, 1.0, 1.0),
     ]);
-    let inverse = phi.try_inverse().unwrap();
+    let inverse: Matrix3<f64> = phi.try_inverse().unwrap();
     let squares = Matrix3::from_diagonal(&Vector3::new(1.0, 9.0, 56.25));
-    let slip = Vector3::new(0.0, 1.0, -1.0);
+    let slip: Vector3<f64> = Vector3::new(0.0, 1.0, -1.0);
     let k_t = 0.6;
     // K = K_ir - k_t/2 q qᵀ, and with the joint stuck k_t more.
-    let stuck = inverse.transpose() * squares * inverse + 0.5 * k_t * slip * slip.transpose();
+    let stuck: Matrix3<f64> = inverse.transpose() * squares * inverse + 0.5 * k_t * slip * slip.transpose();
     // M⁻¹ = Φ Φᵀ: in the coordinates of Φ the problem is an ordinary one.
     let eigen = (phi.transpose() * stuck * phi).symmetric_eigen();
     let (mut modes, mut participation) = (Vec::new(), Vec::new());
     for k in 0..3 {
-        let omega = eigen.eigenvalues[k].sqrt();
-        let shape = phi * eigen.eigenvectors.column(k);
+        let omega: f64 = eigen.eigenvalues[k].sqrt();
+        let shape: Vector3<f64> = phi * eigen.eigenvectors.column(k);
         modes.push(StuckMode {
             omega,
             damping_ratio: 0.005 / omega,

@@ -112,7 +112,8 @@ impl<'a> Balance<'a> {
         Ok(())
     }
 
-    /// Chooses the modes kept apart anew, but for the first harmonic's where `keep` is given, and sets their amplitudes in `y`.
+    /// Chooses the modes kept apart anew, but for the first harmonic's where `keep` is given, and sets their amplitudes in `y`;
+    /// returns whether another one was chosen.
     ///
     /// # Errors
     /// As [`evaluate`](Self::evaluate).
@@ -121,7 +122,7 @@ impl<'a> Balance<'a> {
         y: &mut [f64],
         state: State,
         keep: Option<usize>,
-    ) -> Result<(), SimulationError> {
+    ) -> Result<bool, SimulationError> {
         let mut changed = false;
         for (h, &n) in self.orders.iter().enumerate() {
             let wanted = match keep {
@@ -132,7 +133,7 @@ impl<'a> Balance<'a> {
             self.apart[h] = wanted;
         }
         if !changed {
-            return Ok(());
+            return Ok(false);
         }
         self.joints(&y[..self.modal()])?;
         for h in 0..self.orders.len() {
@@ -142,7 +143,7 @@ impl<'a> Balance<'a> {
             let at = self.modal() + 2 * h;
             [y[at], y[at + 1]] = self.modal_amplitude(self.apart[h], h, state);
         }
-        Ok(())
+        Ok(true)
     }
 
     /// Amplitude of a mode at a harmonic, from the joints' forces as they were last evaluated.

@@ -6,11 +6,12 @@ use crate::error::SimulationError;
 
 /// Equations, one fewer than unknowns: their solutions are a curve.
 pub(super) trait Curve {
-    /// Before a step: chooses what the equations may choose anew without leaving the solution.
+    /// Before a step: chooses what the equations may choose anew without leaving the solution; returns whether unknowns have
+    /// changed their meaning.
     ///
     /// # Errors
     /// [`SimulationError`] where an unknown is not finite.
-    fn prepare(&mut self, y: &mut [f64]) -> Result<(), SimulationError>;
+    fn prepare(&mut self, y: &mut [f64]) -> Result<bool, SimulationError>;
 
     /// Sizes of the unknowns: what is a large step in each.
     fn scales(&self, y: &[f64]) -> Vec<f64>;
@@ -171,7 +172,11 @@ impl<'a, P: Curve> Follower<'a, P> {
 
     /// The next node and the step that led to it; none where the curve cannot be followed.
     pub(super) fn next(&mut self, from: &mut Node) -> Result<Option<(Node, f64)>, SimulationError> {
-        self.curve.prepare(&mut from.y)?;
+        if self.curve.prepare(&mut from.y)?
+            && let Some(turned) = self.node(from.y.clone(), &from.tangent)?
+        {
+            *from = turned;
+        }
         while self.step > SHORTEST {
             let step = self.step;
             let found = self.at_distance(from, step)?;

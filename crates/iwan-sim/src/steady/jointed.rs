@@ -133,10 +133,21 @@ impl JointedModes {
         self.modes.iter().map(|mode| mode.omega).filter(|omega| *omega > 0.0).fold(f64::INFINITY, f64::min)
     }
 
+    /// Whether joints slip in a mode, by more than rounding: symmetry keeps them from many.
+    pub(super) fn slips_in(&self, mode: usize) -> bool {
+        /// Of the paper's beam, rounding is below 1e-11 of the largest slip of any mode, the smallest that is none 1e-5.
+        const ROUNDING: f64 = 1e-8;
+        let most = |joint: &SlipJoint| joint.participation.iter().fold(0.0, |most: f64, b| most.max(b.abs()));
+        self.joints.iter().any(|joint| joint.participation[mode].abs() > ROUNDING * most(joint))
+    }
+
     /// Slip at which the first joint is in macro-slip in the shape of a mode, as modal displacement; none where no joint slips in
     /// it.
     #[must_use]
     pub fn macro_slip(&self, mode: usize) -> Option<f64> {
+        if !self.slips_in(mode) {
+            return None;
+        }
         let reach = |joint: &SlipJoint| joint.law.strengths().1 / joint.participation[mode].abs();
         self.joints.iter().map(reach).filter(|q| q.is_finite()).min_by(f64::total_cmp)
     }

@@ -161,7 +161,7 @@ impl<'a> Problem<'a> {
 }
 
 impl Curve for Problem<'_> {
-    fn prepare(&mut self, y: &mut [f64]) -> Result<(), SimulationError> {
+    fn prepare(&mut self, y: &mut [f64]) -> Result<bool, SimulationError> {
         let state = self.state(y);
         let keep = if let Task::Free { mode } = self.task { Some(mode) } else { None };
         let n = self.balance.len();
@@ -186,10 +186,10 @@ impl Curve for Problem<'_> {
         for (j, strength) in strengths.iter().enumerate() {
             scales.extend(vec![strength * share(j).max(MINOR * most); each]);
         }
-        let moving = match size(&amplitudes[modal..]) {
-            0.0 => self.balance.system.macro_slip(self.balance.apart[0]).unwrap_or(1.0),
-            size => size,
-        };
+        // A modal amplitude that passes through zero is measured by what brings the slips about.
+        let usual = self.balance.system.macro_slip(self.balance.apart[0]).map_or(0.0, |q| MINOR * most * q);
+        let moving = size(&amplitudes[modal..]).max(usual);
+        let moving = if moving > 0.0 { moving } else { 1.0 };
         scales.extend(vec![moving; n - modal]);
         match self.task {
             Task::Raise { .. } => scales.push(y[n].abs().max(1e-3)),

@@ -34,9 +34,12 @@ pub(super) fn dynamic_stiffness(system: &JointedModes, mode: usize, n: f64, omeg
     ]
 }
 
-/// The elastic mode whose frequency is nearest to the harmonic.
+/// The elastic mode in which joints slip whose frequency is nearest to the harmonic; where joints slip in none, any.
 pub(super) fn nearest(system: &JointedModes, n: f64, omega: f64) -> usize {
-    let gap = |mode: usize| (system.modes[mode].omega - n * omega).abs();
+    let gap = |mode: usize| {
+        let idle = if system.slips_in(mode) { 0.0 } else { f64::MAX.sqrt() };
+        idle + (system.modes[mode].omega - n * omega).abs()
+    };
     let elastic = (0..system.modes.len()).filter(|&mode| system.modes[mode].omega > 0.0);
     elastic.min_by(|&a, &b| gap(a).total_cmp(&gap(b))).unwrap_or(0)
 }
