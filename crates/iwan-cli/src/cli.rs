@@ -30,7 +30,7 @@ Examples:
   iwan simulate                              the built-in example: the paper's beam
   iwan scenario paper-modal > beam.toml      a scenario file to start from
   iwan simulate beam.toml --out beam         your own: beam/report.html shows the result
-  iwan frf beam.toml --out shaker            steady responses to a shaker: amplitude and phase over frequency
+  iwan frf beam.toml --out shaker            steady responses to a shaker, over frequency
   iwan envelope hammer.mat --out mode1       amplitude, frequency and damping of a measured ring-down
   iwan fit hammer.mat --out mode1            the joint's parameters from it, with intervals
   iwan modes structure.toml --out modes      frequencies and shapes of a finite-element structure

@@ -122,34 +122,48 @@ fn drift(mode: &Mode, point: &SteadyPoint) -> f64 {
     worst / point.amplitude
 }
 
+/// What is left of the drift as harmonics are added: it falls, down to what the harmonics beyond the 31st do to the others.
+fn falls(gaps: [f64; 3], last: f64) {
+    assert!(gaps[0] > 3.0 * gaps[1] && gaps[1] > 3.0 * gaps[2] && gaps[2] < last, "{gaps:?}");
+}
+
 #[test]
 fn time_marching_stays_on_the_steady_motion() {
     let mode = soft_mode();
     let phi = mode.joint.as_ref().unwrap().strengths().1;
-    let band = Sweep { from: 20.0, to: 150.0, ..sweep(Control::Force, &[0.2 * 300.0, 1.1 * 300.0], 31) };
-    for (curve, slip) in forced_response(&mode, &band, 1.0).unwrap().iter().zip(["micro", "macro"]) {
-        let peak = curve.peak().unwrap();
-        assert_eq!(peak.amplitude > phi, slip == "macro", "{} {phi}", peak.amplitude);
-        let gap = drift(&mode, peak);
-        assert!(gap < 1e-8, "{slip}: {gap:e}");
+    for (slip, level, last) in [("micro", 0.2 * 300.0, 1e-8), ("macro", 1.1 * 300.0, 5e-7)] {
+        let gaps = [7, 15, 31].map(|harmonics| {
+            let band = Sweep { from: 20.0, to: 150.0, ..sweep(Control::Force, &[level], harmonics) };
+            let curve = &forced_response(&mode, &band, 1.0).unwrap()[0];
+            let peak = curve.peak().unwrap();
+            assert_eq!(peak.amplitude > phi, slip == "macro", "{} {phi}", peak.amplitude);
+            drift(&mode, peak)
+        });
+        falls(gaps, last);
     }
 }
 
 #[test]
 fn a_superharmonic_resonance_is_found_and_marches() {
     let mode = soft_mode();
-    let band = Sweep { from: 25.0, to: 60.0, ..sweep(Control::Force, &[0.9 * 300.0], 31) };
-    let curve = &forced_response(&mode, &band, 1.0).unwrap()[0];
-    assert!(curve.points.len() > 20, "{:?}", curve.remarks);
     let third = |point: &SteadyPoint| point.harmonics[0][0] / point.amplitude;
-    let top = (1..curve.points.len() - 1).find(|&i| {
-        let [before, here, after] = [i - 1, i, i + 1].map(|i| third(&curve.points[i]));
-        here > before && here > after
+    let gaps = [7, 15, 31].map(|harmonics| {
+        let band = Sweep { from: 25.0, to: 60.0, ..sweep(Control::Force, &[0.9 * 300.0], harmonics) };
+        let curve = &forced_response(&mode, &band, 1.0).unwrap()[0];
+        let top = (1..curve.points.len() - 1).find(|&i| {
+            let [before, here, after] = [i - 1, i, i + 1].map(|i| third(&curve.points[i]));
+            here > before && here > after
+        });
+        let top = &curve.points[top.unwrap()];
+        assert!(
+            third(top) > 0.03 && (25.0..50.0).contains(&top.frequency),
+            "{} {}",
+            top.frequency,
+            third(top)
+        );
+        drift(&mode, top)
     });
-    let top = &curve.points[top.unwrap()];
-    assert!(third(top) > 0.03 && (25.0..50.0).contains(&top.frequency), "{} {}", top.frequency, third(top));
-    let gap = drift(&mode, top);
-    assert!(gap < 1e-8, "{gap:e}");
+    falls(gaps, 1e-6);
 }
 
 #[test]

@@ -35,7 +35,7 @@ pub(crate) fn run(args: &FrfArgs) -> Result<(), Failure> {
     let clock = Instant::now();
     let (responses, notes) = match &scenario.structure {
         Some(on) => structure::respond(on, table, &session)?,
-        None => respond(&source.name, &scenario, table)?,
+        None => respond(&source.name, &scenario, table, session.threads())?,
     };
     session.notes(&notes);
     let title = scenario.title.clone().unwrap_or_else(|| source.name.clone());

@@ -3,7 +3,7 @@
 use std::f64::consts::TAU;
 
 use iwan_input::scenario::{SteadyScenario, SweepTable};
-use iwan_sim::{JointLaw, Mode, SimulationError, SteadyCurve, forced_response};
+use iwan_sim::{JointLaw, Mode, SimulationError, SteadyCurve, Sweep, forced_response, in_parallel};
 
 use crate::failure::Failure;
 
@@ -19,6 +19,19 @@ pub(crate) struct Response {
     pub(crate) curves: Vec<SteadyCurve>,
     /// Frequency (Hz) and amplitude of the modes without force and damping.
     pub(crate) backbones: Vec<Vec<(f64, f64)>>,
+}
+
+/// The curves of all levels, one level a piece of work.
+pub(super) fn by_level(
+    sweep: &Sweep,
+    threads: usize,
+    respond: &(dyn Fn(&Sweep) -> Result<Vec<SteadyCurve>, SimulationError> + Sync),
+) -> Result<Vec<SteadyCurve>, SimulationError> {
+    let each: Vec<Sweep> =
+        sweep.levels.iter().map(|&level| Sweep { levels: vec![level], ..sweep.clone() }).collect();
+    let found: Result<Vec<Vec<SteadyCurve>>, SimulationError> =
+        in_parallel(&each, threads, &|sweep| respond(sweep)).into_iter().collect();
+    Ok(found?.concat())
 }
 
 /// Points of a backbone: one for every four units of a figure.
@@ -48,6 +61,7 @@ pub(super) fn respond(
     name: &str,
     scenario: &SteadyScenario,
     table: &SweepTable,
+    threads: usize,
 ) -> Result<(Vec<Response>, Vec<String>), Failure> {
     let (mut responses, mut notes) = (Vec::new(), Vec::new());
     if table.damping_ratio.is_some() {
@@ -65,8 +79,8 @@ pub(super) fn respond(
             ));
             continue;
         }
-        let curves =
-            forced_response(&mode, &table.sweep, shape).map_err(|error| failed(name, &mode, &error))?;
+        let curves = by_level(&table.sweep, threads, &|sweep| forced_response(&mode, sweep, shape));
+        let curves = curves.map_err(|error| failed(name, &mode, &error))?;
         let backbones = vec![backbone(&mode, shape, &curves)];
         let joint = mode.joint.clone().map(|law| (law, shape));
         responses.push(Response {

@@ -5,7 +5,7 @@ use std::f64::consts::TAU;
 use iwan_input::scenario::{OnStructure, SweepTable};
 use iwan_sim::{Control, SteadyCurve, forced_response_of, nonlinear_mode};
 
-use super::responses::{POINTS, Response, backbone_range};
+use super::responses::{POINTS, Response, backbone_range, by_level};
 use crate::failure::Failure;
 use crate::session::Session;
 use crate::structures::{Linear, Steady};
@@ -30,7 +30,8 @@ pub(super) fn respond(
     let busy = session.busy("balancing harmonics");
     let failed =
         |error: &iwan_sim::SimulationError| Failure::Computation(format!("{}: {error}", linear.source));
-    let curves = forced_response_of(&steady.modes, &table.sweep).map_err(|error| failed(&error))?;
+    let curves = by_level(&table.sweep, session.threads(), &|sweep| forced_response_of(&steady.modes, sweep))
+        .map_err(|error| failed(&error))?;
     let mut backbones = Vec::new();
     for mode in resonant(&steady, table) {
         let found =

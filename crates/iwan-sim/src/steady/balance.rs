@@ -249,8 +249,8 @@ impl<'a> Balance<'a> {
         let products = [[d.re, d.im], [-d.im, d.re]];
         for part in 0..2 {
             self.residual[row + part] = scale * load[part];
-            for other in 0..2 {
-                self.jacobian[(row + part, row + other)] = scale * products[part][other];
+            for (other, product) in products[part].iter().enumerate() {
+                self.jacobian[(row + part, row + other)] = scale * product;
             }
             self.jacobian[(row + part, count + BY_OMEGA)] = scale * moved[1][part];
             self.jacobian[(row + part, count + BY_XI)] = scale * moved[2][part];

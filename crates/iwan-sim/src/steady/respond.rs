@@ -224,11 +224,7 @@ impl Sheet<'_> {
         self.add(follower.curve, &node)?;
         for _ in 0..MOST_POINTS {
             let Some((next, step)) = follower.next(&mut node)? else {
-                remarks.push(self.ended(
-                    follower.curve,
-                    &node,
-                    "the curve cannot be followed any further",
-                )?);
+                remarks.push(ended(follower.curve, &node, "the curve cannot be followed any further")?);
                 return Ok(false);
             };
             let frequency = next.y[self.count - 1];
@@ -244,19 +240,15 @@ impl Sheet<'_> {
             self.add(follower.curve, &next)?;
             node = next;
             if self.sign * (frequency - begin) < 0.0 {
-                remarks.push(self.ended(follower.curve, &node, "the curve leaves the band")?);
+                remarks.push(ended(follower.curve, &node, "the curve leaves the band")?);
                 return Ok(false);
             }
             if slides(follower.curve, &node) {
-                remarks.push(self.ended(
-                    follower.curve,
-                    &node,
-                    "friction and damping do not hold the motion",
-                )?);
+                remarks.push(ended(follower.curve, &node, "friction and damping do not hold the motion")?);
                 return Ok(false);
             }
         }
-        remarks.push(self.ended(follower.curve, &node, "the curve has too many points")?);
+        remarks.push(ended(follower.curve, &node, "the curve has too many points")?);
         Ok(false)
     }
 
@@ -302,12 +294,13 @@ impl Sheet<'_> {
         });
         Ok(())
     }
+}
 
-    fn ended(&self, problem: &mut Problem<'_>, node: &Node, why: &str) -> Result<String, SimulationError> {
-        let [a, b] = problem.response(&node.y)?[0];
-        let frequency = problem.state(&node.y).omega / TAU;
-        Ok(format!("{why}: it ends at {frequency:.6} Hz with the amplitude {:.4e}", a.hypot(b)))
-    }
+/// Where and why a curve ends.
+fn ended(problem: &mut Problem<'_>, node: &Node, why: &str) -> Result<String, SimulationError> {
+    let [a, b] = problem.response(&node.y)?[0];
+    let frequency = problem.state(&node.y).omega / TAU;
+    Ok(format!("{why}: it ends at {frequency:.6} Hz with the amplitude {:.4e}", a.hypot(b)))
 }
 
 /// Whether a joint slips beyond all measure.
