@@ -81,7 +81,7 @@ fn modal(criterion: &mut Criterion) {
     group.bench_function("forced response, 1000 points", |b| b.iter(|| forced_response(&mode, &sweep, 1.0)));
     let seven = Sweep { harmonics: 7, ..sweep };
     group.bench_function("forced response, harmonics to 7", |b| {
-        b.iter(|| forced_response(&mode, &seven, 1.0))
+        b.iter(|| forced_response(&mode, &seven, 1.0));
     });
     let phi = joint().phi_max();
     let amplitudes: Vec<f64> = (0..50).map(|i| phi * 1e-3 * 1e4_f64.powf(f64::from(i) / 49.0)).collect();
@@ -130,7 +130,7 @@ fn structure(criterion: &mut Criterion) {
         points: 400,
     };
     group.bench_function("forced response, harmonics to 7", |b| {
-        b.iter(|| forced_response_of(&system, &sweep))
+        b.iter(|| forced_response_of(&system, &sweep));
     });
     group.finish();
 }

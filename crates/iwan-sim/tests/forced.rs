@@ -127,7 +127,7 @@ fn strong_softening_turns_the_curve_back() {
     let curves = forced_response(&mode, &sweep, 1.0).unwrap();
     let turns: Vec<usize> = curves.iter().map(|curve| curve.jumps().len()).collect();
     assert_eq!(turns[0], 0, "{turns:?}");
-    assert!(turns[1] % 2 == 0, "{turns:?}");
+    assert!(turns[1].is_multiple_of(2), "{turns:?}");
     for point in &curves[1].points {
         assert!((balance(&mode, point).0 / 80.0 - 1.0).abs() < 1e-8);
     }

@@ -207,7 +207,7 @@ fn chain(at_force: usize, at_output: usize) -> JointedModes {
     let mut modes = Vec::new();
     let mut participation = [Vec::new(), Vec::new()];
     for (square, shape) in [((2.0 - golden) * s, [1.0, golden]), ((1.0 + golden) * s, [golden, -1.0])] {
-        let size = (shape[0] * shape[0] + shape[1] * shape[1] as f64).sqrt();
+        let size = f64::hypot(shape[0], shape[1]);
         let shape = shape.map(|x: f64| x / size);
         let damping_ratio = 0.01;
         modes.push(StuckMode {

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import overload
 
@@ -18,7 +18,10 @@ __all__ = ["Backbone", "SteadyResponse", "backbone", "frf"]
 
 @dataclass(frozen=True, eq=False)
 class SteadyResponse:
-    """Steady response of a mode at one level, along the curve, which may turn back in frequency. Made by `frf`; picklable."""
+    """Steady response of a mode at one level, along the curve, which may turn back in frequency. Made by `frf`; picklable.
+
+    Example: that of `frf`.
+    """
 
     control: str
     """What is held: "force", "base_acceleration", "displacement", "velocity" or "acceleration"."""
@@ -48,7 +51,10 @@ class SteadyResponse:
 
 @dataclass(frozen=True, eq=False)
 class Backbone:
-    """Frequency and damping of a mode against its amplitude, all arrays of one entry per amplitude. Made by `backbone`; picklable."""
+    """Frequency and damping of a mode against its amplitude, all arrays of one entry per amplitude. Made by `backbone`; picklable.
+
+    Example: that of `backbone`.
+    """
 
     amplitude: Array
     """Amplitudes of the modal displacement's first harmonic (mass^1/2 length)."""
@@ -69,11 +75,8 @@ class Backbone:
 def _modes(mode: Mode | Sequence[Mode]) -> tuple[list[Mode], bool]:
     if isinstance(mode, Mode):
         return [mode], True
-    try:
-        modes = list(mode)
-    except TypeError:
-        modes = [None]  # type: ignore[list-item]
-    if not all(isinstance(one, Mode) for one in modes):
+    modes = list(mode) if isinstance(mode, Iterable) else []
+    if not isinstance(mode, Iterable) or not all(isinstance(one, Mode) for one in modes):
         raise InvalidTypeError("mode must be an iwan.Mode or a sequence of them")
     if not modes:
         raise InvalidValueError("mode is an empty sequence: give at least one mode")
@@ -139,7 +142,7 @@ def frf(
     >>> mode = iwan.Mode(frequency=124.0, joint=joint, damping_ratio=2.5e-4)
     >>> weak, strong = iwan.frf(mode, band=(112.0, 128.0), force=[1.0, 100.0])
     >>> f"{weak.peak[0]:.2f} Hz", f"{strong.peak[0]:.2f} Hz"
-    ('123.93 Hz', '122.18 Hz')
+    ('123.74 Hz', '121.73 Hz')
     """
     levels = {
         "force": force,
@@ -182,7 +185,7 @@ def backbone(
     >>> mode = iwan.Mode(frequency=124.0, joint=joint)
     >>> curve = iwan.backbone(mode, amplitude=[0.1 * joint.phi_max, joint.phi_max], harmonics=7)
     >>> ", ".join(f"{f:.2f} Hz" for f in curve.frequency)
-    '123.69 Hz, 121.99 Hz'
+    '123.70 Hz, 122.04 Hz'
     """
     modes, single = _modes(mode)
     found = [Backbone(**curve) for curve in _native._backbone(modes, amplitude, harmonics, threads)]
