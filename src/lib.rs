@@ -33,6 +33,9 @@ pub mod book {
     #[doc = include_str!("../book/src/guide.md")]
     pub mod guide {}
 
+    #[doc = include_str!("../book/src/steady.md")]
+    pub mod steady {}
+
     #[doc = include_str!("../book/src/records.md")]
     pub mod records {}
 

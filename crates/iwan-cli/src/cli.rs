@@ -4,9 +4,11 @@ use std::ffi::OsString;
 
 use clap::{CommandFactory, Parser, Subcommand};
 
+use crate::backbone::{self, BackboneArgs};
 use crate::envelope::{self, EnvelopeArgs};
 use crate::failure::Failure;
 use crate::fit::{self, FitArgs};
+use crate::frf::{self, FrfArgs};
 use crate::modes::{self, ModesArgs};
 use crate::output;
 use crate::quasi_static::{self, QuasiStaticArgs};
@@ -28,6 +30,7 @@ Examples:
   iwan simulate                              the built-in example: the paper's beam
   iwan scenario paper-modal > beam.toml      a scenario file to start from
   iwan simulate beam.toml --out beam         your own: beam/report.html shows the result
+  iwan frf beam.toml --out shaker            steady responses to a shaker, over frequency
   iwan envelope hammer.mat --out mode1       amplitude, frequency and damping of a measured ring-down
   iwan fit hammer.mat --out mode1            the joint's parameters from it, with intervals
   iwan modes structure.toml --out modes      frequencies and shapes of a finite-element structure
@@ -39,6 +42,8 @@ Exit codes: 0 success, 1 the computation failed, 2 bad usage or input.";
 #[derive(Debug, Subcommand)]
 enum Command {
     Simulate(SimulateArgs),
+    Frf(FrfArgs),
+    Backbone(BackboneArgs),
     Envelope(EnvelopeArgs),
     Fit(FitArgs),
     Modes(ModesArgs),
@@ -80,6 +85,8 @@ pub fn run(arguments: impl IntoIterator<Item = OsString>) -> u8 {
 fn command(command: Command) -> Result<(), Failure> {
     match command {
         Command::Simulate(args) => simulate::run(&args),
+        Command::Frf(args) => frf::run(&args),
+        Command::Backbone(args) => backbone::run(&args),
         Command::Envelope(args) => envelope::run(&args),
         Command::Fit(args) => fit::run(&args),
         Command::Modes(args) => modes::run(&args),

@@ -24,6 +24,8 @@ mod structures;
 mod modes;
 mod quasi_static;
 mod simulate;
+mod frf;
+mod backbone;
 mod envelope;
 mod fit;
 mod reproduce;

@@ -11,6 +11,8 @@ fn help_texts() {
     for arguments in [
         "--help",
         "simulate --help",
+        "frf --help",
+        "backbone --help",
         "envelope --help",
         "fit --help",
         "modes --help",

@@ -28,6 +28,9 @@ mod half_cycle;
 // Curves: a mode known by its frequency and damping against amplitude, without a law.
 mod curves;
 
+// Steady vibration: the joint in the frequency domain, without time steps.
+mod steady;
+
 pub use curves::{AveragedCurves, CurveNewmark, CurvePoint, CurvesEnd, ModeCurves, Rate};
 pub use error::Error;
 pub use half_cycle::{Decay, PathNode, TurningPoint};
@@ -42,6 +45,7 @@ pub use memory::{
 pub use parts::{Coulomb, Part, Pinning, PowerDamping, PowerSpring, sum_of_parts};
 pub use progress::Progress;
 pub use random::SplitMix64;
+pub use steady::{Harmonics, MOST_HARMONICS, SteadyWork, one_harmonic, steady_force};
 pub use step::{
     AmplitudePhase, Averaging, EnergyBalance, EventDriven, JointEnergy, ModalLaw, Motion, Newmark,
     Oscillator, PartsEnd, Pulse, ResidualStiffness, Samples, WithParts,

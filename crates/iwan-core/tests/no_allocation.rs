@@ -3,8 +3,9 @@
 #![allow(clippy::unwrap_used, reason = "a failed test may panic and say why")]
 
 use iwan_core::{
-    Averaging, Continuum, Decay, EventDriven, FourParameter, Grid, Hysteresis, Motion, Newmark, Oscillator,
-    Plain, Pulse, ResidualStiffness, Reversal, Run, Samples, Slider, Sliders, TabledFourParameter,
+    Averaging, Continuum, Decay, EventDriven, FourParameter, Grid, Harmonics, Hysteresis, Motion, Newmark,
+    Oscillator, Plain, Pulse, ResidualStiffness, Reversal, Run, Samples, Slider, Sliders, SteadyWork,
+    TabledFourParameter, one_harmonic, steady_force,
 };
 
 #[test]
@@ -47,6 +48,12 @@ fn run_everything(out: &mut Samples<'_>) {
         .sample(1e-5, out)
         .unwrap();
     Averaging::new(&oscillator, &joint, start).unwrap().sample(1e-5, out).unwrap();
+    let (motion, mut coefficients, mut jacobian) = ([1e-3, 0.0, 5e-4, 0.0], [0.0; 4], [0.0; 16]);
+    let mut work = SteadyWork::new();
+    let odd = Harmonics::odd(3).unwrap();
+    steady_force(&joint, odd, &motion, &mut coefficients, Some(&mut jacobian), &mut work).unwrap();
+    let (cosine, sine) = coefficients.split_at_mut(2);
+    one_harmonic(&joint, 1e-2, cosine, sine).unwrap();
     let mut runs = sliders.virgin([Run::default(); 101]).unwrap();
     EventDriven::new(&oscillator, sliders, pulse, 1.0).unwrap().integrate(&mut runs, 0.0, 1e-5, out).unwrap();
 }

@@ -18,9 +18,10 @@ mod matrices;
 // Linear vibration: all joints stuck, or all slipping.
 mod modes;
 
-// With friction: in time, and without time.
+// With friction: in time, without time, and in steady vibration.
 mod transient;
 mod quasi_static;
+mod steady;
 
 pub use algebra::Symmetric;
 pub use element::{ElementMatrices, Formulation, Inertia, Material};
@@ -28,6 +29,7 @@ pub use error::Error;
 pub use matrices::{Assembled, SlipUnknown, Unknown};
 pub use modes::{Class, JointMode, Limit, ModalFilter, Modes, NamedMode, NamedModes};
 pub use quasi_static::{ModalCurves, QuasiStatic};
+pub use steady::{SteadyCoordinate, SteadyModel, SteadySlip};
 pub use structure::{Interface, Joint, Law, Lump, Patch, Slip, Structure, Support, check, paper};
 pub use transient::{
     Basis, BasisError, Converged, Extras, Frame, History, Integrated, ModalVelocity, Model, Output, Reduced,

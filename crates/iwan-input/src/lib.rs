@@ -21,7 +21,7 @@ pub use error::InputError;
 pub use section::{Document, Section, TableKind, TablePlace, known, nearest, plain};
 pub use structure::{
     BUILT_IN_STRUCTURES, Load, Output, RunError, STRUCTURE_SCHEMA, StructureFile, StructureTask,
-    built_in_structure,
+    built_in_structure, is_structure,
 };
 pub use text::InputText;
 pub use written_law::{LAWS, WrittenLaw};

@@ -21,6 +21,12 @@ impl<'a> TablePlace<'a> {
     fn of(value: &'a Spanned<DeValue<'a>>) -> Option<Self> {
         Some(Self { table: value.get_ref().as_table()?, span: value.span() })
     }
+
+    /// Whether a key is there.
+    #[must_use]
+    pub fn has(&self, key: &str) -> bool {
+        self.table.keys().any(|known| known.get_ref() == key)
+    }
 }
 
 /// A text read as TOML.

@@ -11,9 +11,10 @@
 // Ground: what passes between Python and Rust.
 mod exchange;
 
-// Values that users make, and the ring-downs of modes.
+// Values that users make, the ring-downs of modes and their steady vibration.
 mod values;
 mod ring_down;
+mod steady;
 
 // Records and what they tell; structures.
 mod records;
@@ -40,6 +41,10 @@ mod _native {
     use crate::ring_down::response::{_response, Response};
     #[pymodule_export]
     use crate::ring_down::simulate::{simulate, superpose};
+    #[pymodule_export]
+    use crate::steady::backbone::_backbone;
+    #[pymodule_export]
+    use crate::steady::frf::_frf;
     #[pymodule_export]
     use crate::structures::blow::_simulate_structure;
     #[pymodule_export]

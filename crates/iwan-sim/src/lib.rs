@@ -27,6 +27,9 @@ mod force_history;
 mod simulate;
 mod ensemble;
 
+// Steady vibration by harmonic balance: no time steps, no start values.
+mod steady;
+
 pub use curves::Curves;
 pub use cycles::{Cycle, Extreme, cycles, extremes};
 pub use ensemble::{Ensemble, Figures, History, MemberError, Outcome};
@@ -38,6 +41,10 @@ pub use parallel::in_parallel;
 pub use response::{OutsideCurves, Quality, Response, superpose};
 pub use settings::{Method, Settings};
 pub use simulate::{simulate, simulate_all};
+pub use steady::{
+    BackbonePoint, Control, JointedModes, Jump, NonlinearMode, Residual, SharedLaw, SlipJoint, SteadyCurve,
+    SteadyPoint, StuckMode, Sweep, backbone, forced_response, forced_response_of, nonlinear_mode,
+};
 
 // How a joint is evaluated in time is the same question for a mode and for a structure.
 pub use iwan_core::Representation;

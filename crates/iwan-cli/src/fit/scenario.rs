@@ -27,5 +27,6 @@ pub(crate) fn as_scenario(identified: &[Identified], title: &str) -> Result<Scen
         structure: None,
         force: Force::Formula("none", Pulse::None),
         settings,
+        sweep: None,
     })
 }

@@ -4,7 +4,9 @@ mod args;
 pub(crate) mod linear;
 mod size;
 pub(crate) mod picture;
+mod steady;
 
 pub(crate) use args::StructureArgs;
 pub(crate) use linear::Linear;
 pub(crate) use size::Size;
+pub(crate) use steady::Steady;

@@ -180,7 +180,9 @@ mod tests {
     #[test]
     fn noise_excuses_no_misfit_of_several_limits() {
         let missed = |by: f64, deviation: f64| -> Vec<Compared> {
-            (0..10).map(|i| Compared { measured: f64::from(i), deviation, model: f64::from(i) + by }).collect()
+            (0..10)
+                .map(|i| Compared { measured: f64::from(i), deviation, model: f64::from(i) + by })
+                .collect()
         };
         let exact = missed(0.0, 0.0);
         // A pendulum, whose dissipation is missed by 42.6 %, with curves of any noise.

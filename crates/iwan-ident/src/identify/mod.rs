@@ -118,7 +118,11 @@ fn identification(
     let linear = linear(&task, &minimum, &refined.parameters, &curves)?;
     Ok(Identification {
         parameters: refined.parameters,
-        verdict: in_band(verdict(&curves, &model_curves).leaving(refined.relative_residual), &prepared, &refined),
+        verdict: in_band(
+            verdict(&curves, &model_curves).leaving(refined.relative_residual),
+            &prepared,
+            &refined,
+        ),
         notes: prepared.iter().flat_map(Prepared::notes).chain(start.notes.iter().cloned()).collect(),
         envelopes: prepared.iter().map(|p| p.envelope.clone()).collect(),
         first_samples: prepared.iter().map(|p| p.first).collect(),

@@ -16,10 +16,10 @@ mod charting;
 mod walk;
 mod accepted;
 
-use accepted::{Accepted, Region, scaled};
 use crate::parameters::Parameter;
 use crate::refine::Task;
 use crate::search::{DIRAC, Minimum};
+use accepted::{Accepted, Region, scaled};
 use deviance::Scale;
 pub use outcome::{Profile, ProfilePoint, Profiles};
 use walk::{End, Walk};
@@ -83,7 +83,8 @@ pub(crate) fn extent(task: &Task, minimum: &Minimum, micro_slip: Option<&Minimum
     let scale = Scale::new(task, minimum, true);
     if scale.rise(micro_slip) <= SLIP_SEEN {
         Extent::MicroSlip
-    } else if task.slip_ratio(&minimum.x) < CLEARLY_INSIDE || task.slipping_half_cycles(&minimum.x) < SLIPPING {
+    } else if task.slip_ratio(&minimum.x) < CLEARLY_INSIDE || task.slipping_half_cycles(&minimum.x) < SLIPPING
+    {
         Extent::Edge
     } else {
         Extent::Full

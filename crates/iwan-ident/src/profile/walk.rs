@@ -78,7 +78,17 @@ impl<'a> Walk<'a> {
         scale: &'a Scale,
     ) -> Self {
         let work = Workspace::default();
-        Self { task, coordinate, free, minimum, scale, stiffness_ends: false, tangent: None, work, visited: vec![] }
+        Self {
+            task,
+            coordinate,
+            free,
+            minimum,
+            scale,
+            stiffness_ends: false,
+            tangent: None,
+            work,
+            visited: vec![],
+        }
     }
 
     /// Deviance with the coordinate held at `at`; none where there is no model.
@@ -105,7 +115,11 @@ impl<'a> Walk<'a> {
         if deviance < self.scale.better {
             return Err(found);
         }
-        self.visited.push(Visited { at, minimum: Minimum { converged: true, ..found }, deviance: deviance.max(0.0) });
+        self.visited.push(Visited {
+            at,
+            minimum: Minimum { converged: true, ..found },
+            deviance: deviance.max(0.0),
+        });
         Ok(Some(deviance.max(0.0)))
     }
 
@@ -155,7 +169,10 @@ impl<'a> Walk<'a> {
             if deviance >= self.scale.limit {
                 return Ok(self.close_in(inside, Place { at, deviance })?.map_or(End::Open, End::Closed));
             }
-            if at == bound || (at - start).abs() > FARTHEST || (self.stiffness_ends && self.all_of_stiffness()) {
+            if at == bound
+                || (at - start).abs() > FARTHEST
+                || (self.stiffness_ends && self.all_of_stiffness())
+            {
                 return Ok(End::Open);
             }
             // Where the root of the deviance grows evenly, a little beyond the limit.

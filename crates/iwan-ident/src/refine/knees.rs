@@ -177,7 +177,8 @@ impl Task {
             let between = knees.windows(2).map(|pair| 0.5 * (pair[0] + pair[1])).collect::<Vec<_>>();
             knees.extend(between);
         }
-        let close = (1..=CLOSE).flat_map(|i| [-1.0, 1.0].map(|sign| best.x[KNEE] + sign * FINE_STEP * f64::from(i)));
+        let close =
+            (1..=CLOSE).flat_map(|i| [-1.0, 1.0].map(|sign| best.x[KNEE] + sign * FINE_STEP * f64::from(i)));
         knees.extend(close.filter(|k| (low..=high).contains(k)));
         knees.sort_by(|a, b| b.total_cmp(a));
         let split = knees.partition_point(|k| *k > best.x[KNEE]);
@@ -187,7 +188,9 @@ impl Task {
             for at in side {
                 let mut x = self.start_at_knee(&near, *at);
                 x[KNEE] = *at;
-                let Some(mut minimum) = self.minimise_with(&x, self.smooth(), Effort::SCAN, work) else { continue };
+                let Some(mut minimum) = self.minimise_with(&x, self.smooth(), Effort::SCAN, work) else {
+                    continue;
+                };
                 if minimum.cost < margin {
                     let fine = self.minimise(&minimum.x, self.smooth(), tolerance, work);
                     minimum = fine.unwrap_or(minimum);

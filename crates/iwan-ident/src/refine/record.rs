@@ -142,5 +142,8 @@ fn turning_point(record: &RingDown<'_>, frequency: f64) -> TurningPoint {
     let sign = if turns.rem_euclid(2.0) == 1.0 { -1.0 } else { 1.0 };
     // The first amplitude is that half a cycle after the first sample, the second that half a cycle later.
     let decayed = (first.norm() / second.norm()).clamp(1.0, MOST_DECAY);
-    TurningPoint { displacement: sign * decayed * first.norm() / rate.abs().powi(power), time: (turns * PI - phase) / rate }
+    TurningPoint {
+        displacement: sign * decayed * first.norm() / rate.abs().powi(power),
+        time: (turns * PI - phase) / rate,
+    }
 }

@@ -60,8 +60,11 @@ impl TurningPoint {
         let mut out: [Vec<f64>; 4] = std::array::from_fn(|_| vec![0.0; count]);
         let [displacement, velocity, acceleration, joint_force] = &mut out;
         let mut samples = Samples { displacement, velocity, acceleration, joint_force };
-        Decay::new(&oscillator, &joint, 0.0, Motion::held_at(self.displacement), stack)?
-            .sample_from(first.max(0.0), dt, &mut samples)?;
+        Decay::new(&oscillator, &joint, 0.0, Motion::held_at(self.displacement), stack)?.sample_from(
+            first.max(0.0),
+            dt,
+            &mut samples,
+        )?;
         let [displacement, velocity, acceleration, _] = out;
         Ok(match quantity {
             Quantity::Displacement => displacement,

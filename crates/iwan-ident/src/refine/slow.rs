@@ -56,7 +56,13 @@ pub(super) struct Table<'a, F> {
 
 impl<'a, F: FnMut(Moment, &mut [Complex64; 4])> Table<'a, F> {
     /// From the logarithm of an amplitude downwards, to `floor` at most.
-    pub(super) fn below(oscillator: &'a Oscillator, joint: &'a FourParameter, log: f64, floor: f64, add: F) -> Self {
+    pub(super) fn below(
+        oscillator: &'a Oscillator,
+        joint: &'a FourParameter,
+        log: f64,
+        floor: f64,
+        add: F,
+    ) -> Self {
         let stack = [Reversal::default(); SETTLING + 8];
         Self { oscillator, joint, add, nodes: vec![], next: log + ABOVE, floor, failed: false, stack }
     }

@@ -219,7 +219,14 @@ mod tests {
     use super::*;
 
     fn search(count: usize, free: &[usize], bounds: &[(f64, f64)]) -> Search {
-        Search { count, free: free.to_vec(), bounds: bounds.to_vec(), iterations: 200, tolerance: TOLERANCE, floor: 0.0 }
+        Search {
+            count,
+            free: free.to_vec(),
+            bounds: bounds.to_vec(),
+            iterations: 200,
+            tolerance: TOLERANCE,
+            floor: 0.0,
+        }
     }
 
     const NONE: (f64, f64) = (f64::NEG_INFINITY, f64::INFINITY);

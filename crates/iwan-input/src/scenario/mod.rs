@@ -7,7 +7,9 @@ mod part;
 mod curves;
 mod mode;
 mod structure;
+mod sweep;
 mod read;
+mod steady;
 mod write;
 
 #[cfg(test)]
@@ -18,5 +20,7 @@ pub use force::{Force, ForceFile};
 pub use method::{JointChoice, Overrides};
 pub use mode::ScenarioMode;
 pub use read::Scenario;
+pub use steady::SteadyScenario;
 pub use structure::{OnStructure, Origin, representation};
+pub use sweep::SweepTable;
 pub use write::to_toml;

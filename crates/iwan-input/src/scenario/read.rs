@@ -12,9 +12,10 @@ use super::force::{self, Force};
 use super::method::{self, MethodKeys, Overrides, Refusal};
 use super::mode::{self, ScenarioMode};
 use super::structure::OnStructure;
+use super::sweep::SweepTable;
 
 /// Keys at the top of a scenario.
-pub(crate) const KEYS: &[&str] = &["title", "mode", "structure", "force", "time", "method"];
+pub(crate) const KEYS: &[&str] = &["title", "mode", "structure", "force", "time", "method", "sweep"];
 
 /// Numbers of a response at most: 8 GB. A longer one is refused before anything is computed, since a computer for which it is too
 /// much would slow down to a halt; half as much or twice as much would do as well.
@@ -33,6 +34,8 @@ pub struct Scenario {
     pub force: Force,
     /// Time axis and method.
     pub settings: Settings,
+    /// The sweep for steady responses, which a transient does not need.
+    pub sweep: Option<SweepTable>,
 }
 
 impl Scenario {
@@ -59,6 +62,7 @@ impl Scenario {
             structure,
             force: read_force(source, &top, settings.dt, overrides)?,
             settings,
+            sweep: SweepTable::read(source, &top)?,
         };
         scenario.check_sampling(source, &top, overrides)?;
         Ok(scenario)
@@ -212,7 +216,7 @@ fn read_force(
     })
 }
 
-fn read_modes(source: &InputText, top: &Section<'_>) -> Result<Vec<ScenarioMode>, InputError> {
+pub(super) fn read_modes(source: &InputText, top: &Section<'_>) -> Result<Vec<ScenarioMode>, InputError> {
     let tables = top.tables("mode")?;
     if tables.is_empty() {
         let remedy = "add [[mode]] with name and frequency (`iwan scenario paper-modal` prints an example), or [structure]";

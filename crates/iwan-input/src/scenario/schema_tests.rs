@@ -4,7 +4,10 @@
 use serde_json::Value;
 
 use super::read::KEYS;
-use super::{Overrides, SCHEMA, Scenario, built_in, curves, force, method, mode, part, structure, to_toml};
+use super::{
+    Overrides, SCHEMA, Scenario, SteadyScenario, built_in, curves, force, method, mode, part, structure,
+    sweep, to_toml,
+};
 use crate::section::{TableKind, known};
 use crate::text::InputText;
 
@@ -33,6 +36,7 @@ fn plain_tables_have_the_same_keys() {
     same(keys_at("/$defs/time/properties"), method::TIME_KEYS);
     same(keys_at("/$defs/structure/properties"), structure::KEYS);
     same(keys_at("/$defs/curves/anyOf/1/properties"), curves::KEYS);
+    same(keys_at("/$defs/sweep/properties"), sweep::KEYS);
 }
 
 #[test]
@@ -284,4 +288,47 @@ fn a_wrong_part_is_named() {
     );
     assert!(said("parts = [{ law = 'coulomb', forse = 1 }]").contains("did you mean `force`?"));
     assert!(said("parts = 3").contains("parts is an integer"));
+}
+
+const SWEEP: &str = "\
+[[mode]]
+name = 'a'
+frequency = 100
+[sweep]
+from = 90
+to = 110
+force = [1, 2.5]
+";
+
+#[test]
+fn sweeps_need_neither_force_nor_time() {
+    let validator = jsonschema::validator_for(&schema()).unwrap();
+    let steady = |text: &str| SteadyScenario::read(&InputText::built_in("test.toml", text));
+    for held in ["force", "base_acceleration", "displacement", "velocity", "acceleration"] {
+        let text = SWEEP.replace("force", held) + "at = 'tip'\nharmonics = 7\npoints = 50\n";
+        assert!(validator.is_valid(&as_json(&text)), "{text}");
+        let table = steady(&text).unwrap().sweep.unwrap();
+        assert_eq!((table.sweep.control.name(), table.sweep.harmonics), (held, 7));
+        assert!(read(&text).unwrap_err().to_string().contains("[time] is missing"), "{text}");
+    }
+    let bad = [
+        ("from = 90", "from = 0"),
+        ("from = 90", "from = -1"),
+        ("force = [1, 2.5]", "force = [1, 0]"),
+        ("force = [1, 2.5]", "force = []"),
+        ("force = [1, 2.5]", ""),
+        ("force = [1, 2.5]", "force = [1]\nvelocity = [1]"),
+        ("force = [1, 2.5]", "force = [1]\nharmonics = 2"),
+        ("force = [1, 2.5]", "force = [1]\nharmonics = 33"),
+        ("force = [1, 2.5]", "force = [1]\npoints = 3"),
+        ("force = [1, 2.5]", "forces = [1]"),
+    ];
+    for (from, to) in bad {
+        let text = SWEEP.replace(from, to);
+        assert!(!validator.is_valid(&as_json(&text)), "{text}");
+        assert!(steady(&text).is_err(), "{text}");
+    }
+    // What a schema cannot say.
+    let error = steady(&SWEEP.replace("to = 110", "to = 80")).unwrap_err().to_string();
+    assert!(error.contains("to = 80 is out of range"), "{error}");
 }

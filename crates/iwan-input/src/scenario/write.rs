@@ -13,6 +13,7 @@ use super::mode::ScenarioMode;
 use super::part;
 use super::read::Scenario;
 use super::structure::{OnStructure, Origin};
+use super::sweep::SweepTable;
 
 /// The scenario as TOML; a force from a file is called `force_file`.
 #[must_use]
@@ -31,6 +32,9 @@ pub fn to_toml(scenario: &Scenario, force_file: &str) -> String {
     write_force(&mut out, &scenario.force, force_file);
     write_time(&mut out, &scenario.settings);
     write_method(&mut out, &scenario.settings.method);
+    if let Some(table) = &scenario.sweep {
+        write_sweep(&mut out, table);
+    }
     out
 }
 
@@ -221,4 +225,19 @@ fn write_method(out: &mut String, method: &Method) {
 fn write_bins(out: &mut String, bins: usize, grid: Grid) {
     line(out, "sliders", &bins.to_string());
     line(out, "grid", if grid == Grid::Uniform { "\"uniform\"" } else { "\"graded\"" });
+}
+
+fn write_sweep(out: &mut String, SweepTable { sweep, at, damping_ratio }: &SweepTable) {
+    out.push_str("\n[sweep]\n");
+    number(out, "from", sweep.from);
+    number(out, "to", sweep.to);
+    line(out, sweep.control.name(), &format!("{:?}", sweep.levels));
+    if let Some(at) = at {
+        line(out, "at", &quoted(at));
+    }
+    line(out, "harmonics", &sweep.harmonics.to_string());
+    line(out, "points", &sweep.points.to_string());
+    if let Some(ratio) = damping_ratio {
+        number(out, "damping_ratio", *ratio);
+    }
 }

@@ -17,6 +17,20 @@ pub const STRUCTURE_SCHEMA: &str = include_str!("../../schema/structure.schema.j
 pub(super) const KEYS: &[&str] =
     &["title", "mesh", "set", "elements", "material", "joint", "tie", "support", "lump", "load", "output"];
 
+/// Whether a file is a structure rather than a scenario: whether it says anything about a mesh.
+///
+/// # Errors
+/// [`InputError`] where the file is no TOML.
+///
+/// ```
+/// use iwan_input::{built_in_structure, is_structure, scenario::built_in};
+/// assert!(is_structure(&built_in_structure("paper-a")?)? && !is_structure(&built_in()[0].source())?);
+/// # Ok::<(), iwan_input::InputError>(())
+/// ```
+pub fn is_structure(source: &InputText) -> Result<bool, InputError> {
+    Ok(source.document("paper-a")?.top().has("mesh"))
+}
+
 /// A structure file, read and checked.
 #[derive(Debug, Clone)]
 pub struct StructureFile {

@@ -56,10 +56,12 @@ from iwan.errors import (
 )
 
 from iwan.records import as_record
+from iwan.steady import Backbone, SteadyResponse, backbone, frf
 from iwan.structure import StaticCurves, Structure, StructureModes, StructureResponse
 from iwan.study import reproduce
 
 __all__ = [
+    "Backbone",
     "ComputationError",
     "Coulomb",
     "Envelope",
@@ -90,6 +92,7 @@ __all__ = [
     "Sine",
     "Spring",
     "StaticCurves",
+    "SteadyResponse",
     "Step",
     "Structure",
     "StructureError",
@@ -99,9 +102,11 @@ __all__ = [
     "Uniform",
     "__version__",
     "as_record",
+    "backbone",
     "ensemble",
     "envelope",
     "fit",
+    "frf",
     "log_likelihood",
     "plot",
     "read_record",

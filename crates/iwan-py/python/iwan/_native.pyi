@@ -414,6 +414,19 @@ def _quasi_static(
     structure: _Structure, mode: str, displacement: ArrayLike | None, points: int
 ) -> dict[str, Any]: ...
 def _reproduce(*, threads: int | None, progress: Callable[[int], object] | None) -> str: ...
+def _frf(
+    modes: Sequence[Mode],
+    control: str,
+    levels: ArrayLike,
+    band: tuple[float, float],
+    at: str | None,
+    harmonics: int,
+    points: int,
+    threads: int | None,
+) -> list[list[dict[str, Any]]]: ...
+def _backbone(
+    modes: Sequence[Mode], amplitude: ArrayLike, harmonics: int, threads: int | None
+) -> list[dict[str, Any]]: ...
 def _simulate_structure(
     structure: _Structure,
     *,

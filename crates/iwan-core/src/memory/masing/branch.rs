@@ -11,6 +11,15 @@ pub struct Reversal {
     pub(crate) force: f64,
 }
 
+impl Reversal {
+    /// No reversal yet.
+    pub(crate) const NONE: Self = Self { u: 0.0, force: 0.0 };
+
+    pub(crate) const fn new(u: f64, force: f64) -> Self {
+        Self { u, force }
+    }
+}
+
 /// The branch on which a state moves: F = F_a + scale·direction·F_virgin(u'), where u' = (u - u_a)·direction/scale
 /// and (u_a, F_a) is `start`.
 ///
@@ -39,7 +48,7 @@ impl Branch {
 
     /// The branch that leaves the reversal `start` in `direction`; its loop closes at `end`.
     #[inline]
-    pub(super) fn behind(start: Reversal, direction: f64, end: f64) -> Self {
+    pub(crate) fn behind(start: Reversal, direction: f64, end: f64) -> Self {
         Self { start, scale: 2.0, to_virgin: 0.5 * direction, direction, end }
     }
 

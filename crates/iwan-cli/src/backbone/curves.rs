@@ -1,0 +1,90 @@
+//! The nonlinear modes of a scenario.
+
+use iwan_core::{Backbone, Harmonics};
+use iwan_input::scenario::SteadyScenario;
+use iwan_sim::{Mode, NonlinearMode, SimulationError, backbone, in_parallel};
+
+use super::args::BackboneArgs;
+use crate::failure::Failure;
+
+/// Amplitudes over that of macro-slip without the user's word: from where joints hardly slip to where they do nothing else.
+const RANGE: [f64; 2] = [1e-3, 10.0];
+
+/// A mode with its backbone.
+#[derive(Debug)]
+pub(crate) struct Traced {
+    pub(crate) name: String,
+    /// Frequency at small amplitude, Hz.
+    pub(crate) frequency: f64,
+    /// Modal amplitude at which the first joint is in macro-slip.
+    pub(crate) onset: Option<f64>,
+    /// Names of the slips, on a structure.
+    pub(crate) slips: Vec<String>,
+    pub(crate) curve: NonlinearMode,
+}
+
+/// The highest harmonic: the user's, the scenario's, or the first.
+pub(super) fn harmonics(args: &BackboneArgs, scenario: &SteadyScenario) -> Result<usize, Failure> {
+    let of_sweep = scenario.sweep.as_ref().map(|table| table.sweep.harmonics);
+    let highest = args.harmonics.or(of_sweep).unwrap_or(1);
+    Harmonics::odd(highest)
+        .map_err(|error| Failure::input(format!("--harmonics: {error}"), "give an odd number"))?;
+    Ok(highest)
+}
+
+/// The backbones of all modes.
+pub(super) fn trace(
+    name: &str,
+    scenario: &SteadyScenario,
+    args: &BackboneArgs,
+    highest: usize,
+    threads: usize,
+) -> Result<Vec<Traced>, Failure> {
+    let modes = scenario.modes();
+    let tasks: Vec<(Mode, Vec<f64>)> = modes
+        .into_iter()
+        .map(|mode| {
+            let onset = mode.joint.as_ref().map(|law| law.strengths().1);
+            amplitudes(name, &mode.name, onset, args).map(|amplitudes| (mode, amplitudes))
+        })
+        .collect::<Result<_, _>>()?;
+    let curves = in_parallel(&tasks, threads, &|(mode, amplitudes)| backbone(mode, highest, amplitudes));
+    let mut traced = Vec::new();
+    for ((mode, _), curve) in tasks.into_iter().zip(curves) {
+        let curve = curve.map_err(|error| failed(name, &mode, &error))?;
+        let onset = mode.joint.as_ref().map(|law| law.strengths().1);
+        traced.push(Traced { name: mode.name, frequency: mode.frequency, onset, slips: Vec::new(), curve });
+    }
+    Ok(traced)
+}
+
+/// Amplitudes evenly spaced on a logarithmic scale.
+pub(super) fn amplitudes(
+    name: &str,
+    mode: &str,
+    onset: Option<f64>,
+    args: &BackboneArgs,
+) -> Result<Vec<f64>, Failure> {
+    let (from, to) = match (args.from, args.to, onset) {
+        (Some(from), Some(to), _) => (from, to),
+        (from, to, Some(onset)) => (from.unwrap_or(RANGE[0] * onset), to.unwrap_or(RANGE[1] * onset)),
+        _ => {
+            let message = format!("{name}: no joint slips in mode \"{mode}\": its frequency does not change");
+            return Err(Failure::input(message, "give --from and --to, or leave the mode out"));
+        }
+    };
+    if from >= to {
+        let message = format!("{name}: mode \"{mode}\": from {from:e} to {to:e} is no range of amplitudes");
+        return Err(Failure::input(message, "give --from smaller than --to"));
+    }
+    let count = args.points as usize;
+    Ok((0..count).map(|i| from * (to / from).powf(i as f64 / (count - 1) as f64)).collect())
+}
+
+fn failed(name: &str, mode: &Mode, error: &SimulationError) -> Failure {
+    let message = format!("{name}: mode \"{}\": {error}", mode.name);
+    match error {
+        SimulationError::Parameter(_) => Failure::input(message, "change this in the scenario"),
+        _ => Failure::Computation(message),
+    }
+}

@@ -1,0 +1,49 @@
+//! The nonlinear modes of a structure.
+
+use iwan_input::StructureFile;
+use iwan_sim::nonlinear_mode;
+
+use super::args::BackboneArgs;
+use super::curves::{Traced, amplitudes};
+use crate::failure::Failure;
+use crate::session::Session;
+use crate::structures::{Linear, Steady};
+
+/// A structure and what a scenario says about it.
+pub(super) struct OnStructure {
+    pub(super) source: String,
+    pub(super) file: StructureFile,
+    pub(super) model: iwan_fem::Model,
+    pub(super) at: Option<String>,
+    pub(super) damping_ratio: f64,
+}
+
+/// The backbones of the modes asked for, without any the first three bending modes.
+pub(super) fn trace(
+    on: OnStructure,
+    args: &BackboneArgs,
+    highest: usize,
+    session: &Session,
+) -> Result<Vec<Traced>, Failure> {
+    let bar = session.bar("modes");
+    let linear =
+        Linear::observed(on.source, on.file, iwan_fem::NamedModes::LOOKED_UP, &|share| bar.report(share))?;
+    drop(bar);
+    let steady = Steady::new(&linear, on.model, on.at.as_deref(), on.damping_ratio)?;
+    let chosen = linear.chosen(&args.modes).map_err(|error| linear.failed(&error))?;
+    let busy = session.busy("balancing harmonics");
+    let names: Vec<String> = steady.modes.joints().iter().map(|joint| joint.name.clone()).collect();
+    let mut traced = Vec::new();
+    for mode in chosen {
+        // The modes of the basis come first among its coordinates, in the order of the stuck modes.
+        let number = mode.pair.stuck;
+        let onset = steady.modes.macro_slip(number);
+        let range = amplitudes(&linear.source, &mode.name, onset, args)?;
+        let curve = nonlinear_mode(&steady.modes, number, highest, &range)
+            .map_err(|error| Failure::Computation(format!("{}: {}: {error}", linear.source, mode.name)))?;
+        let frequency = linear.frequency_stuck(&mode);
+        traced.push(Traced { name: mode.name, frequency, onset, slips: names.clone(), curve });
+    }
+    drop(busy);
+    Ok(traced)
+}

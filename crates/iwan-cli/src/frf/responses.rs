@@ -1,0 +1,125 @@
+//! The forced responses of the modes that have their resonance in the band.
+
+use std::f64::consts::TAU;
+
+use iwan_input::scenario::{SteadyScenario, SweepTable};
+use iwan_sim::{JointLaw, Mode, SimulationError, SteadyCurve, Sweep, forced_response, in_parallel};
+
+use crate::failure::Failure;
+
+/// A mode, or a structure, with its responses.
+#[derive(Debug)]
+pub(crate) struct Response {
+    pub(crate) name: String,
+    /// Frequency at small amplitude, Hz; none for a structure with all its modes.
+    pub(crate) frequency: Option<f64>,
+    /// The joint of a mode, and the shape at the point whose response is held or shown.
+    pub(crate) joint: Option<(JointLaw, f64)>,
+    /// One curve a level.
+    pub(crate) curves: Vec<SteadyCurve>,
+    /// Frequency (Hz) and amplitude of the modes without force and damping.
+    pub(crate) backbones: Vec<Vec<(f64, f64)>>,
+}
+
+/// The curves of all levels, one level a piece of work.
+pub(super) fn by_level(
+    sweep: &Sweep,
+    threads: usize,
+    respond: &(dyn Fn(&Sweep) -> Result<Vec<SteadyCurve>, SimulationError> + Sync),
+) -> Result<Vec<SteadyCurve>, SimulationError> {
+    let each: Vec<Sweep> =
+        sweep.levels.iter().map(|&level| Sweep { levels: vec![level], ..sweep.clone() }).collect();
+    let found: Result<Vec<Vec<SteadyCurve>>, SimulationError> =
+        in_parallel(&each, threads, &|sweep| respond(sweep)).into_iter().collect();
+    Ok(found?.concat())
+}
+
+/// Points of a backbone: one for every four units of a figure.
+pub(super) const POINTS: usize = 121;
+
+/// How far a backbone runs beyond the highest and below the lowest peak: its direction is seen.
+const BEYOND: f64 = 1.3;
+
+/// Smallest and largest amplitude of a backbone over these curves.
+pub(super) fn backbone_range(curves: &[SteadyCurve]) -> Option<[f64; 2]> {
+    let peaks = curves.iter().filter_map(SteadyCurve::peak).map(|peak| peak.amplitude);
+    let (low, high) = peaks.fold((f64::INFINITY, 0.0_f64), |(low, high), a| (low.min(a), high.max(a)));
+    (high > 0.0 && low > 0.0).then_some([low / BEYOND, high * BEYOND])
+}
+
+fn backbone(mode: &Mode, shape: f64, curves: &[SteadyCurve]) -> Vec<(f64, f64)> {
+    let Some([low, high]) = backbone_range(curves) else { return Vec::new() };
+    let at = |i: usize| {
+        let amplitude = low * (high / low).powf(i as f64 / (POINTS - 1) as f64);
+        (mode.frequency_at(amplitude / shape.abs()).unwrap_or(f64::NAN), amplitude)
+    };
+    (0..POINTS).map(at).collect()
+}
+
+/// All responses, and what the reader should know about modes that were left out.
+pub(super) fn respond(
+    name: &str,
+    scenario: &SteadyScenario,
+    table: &SweepTable,
+    threads: usize,
+) -> Result<(Vec<Response>, Vec<String>), Failure> {
+    let (mut responses, mut notes) = (Vec::new(), Vec::new());
+    if table.damping_ratio.is_some() {
+        let message = format!("{name}: [sweep]: damping_ratio is for structures: each mode has its own");
+        return Err(Failure::input(message, "give damping_ratio in [[mode]]"));
+    }
+    for mode in scenario.modes() {
+        let shape = shape(name, &mode, table)?;
+        let (from, to) = (table.sweep.from, table.sweep.to);
+        let [slipping, stuck] = range(&mode).map_err(|error| failed(name, &mode, &error))?;
+        if stuck < from || slipping > to {
+            notes.push(format!(
+                "mode \"{}\" has its resonance outside {from} to {to} Hz, between {slipping:.4} and {stuck:.4} Hz, and was left out",
+                mode.name
+            ));
+            continue;
+        }
+        let curves = by_level(&table.sweep, threads, &|sweep| forced_response(&mode, sweep, shape));
+        let curves = curves.map_err(|error| failed(name, &mode, &error))?;
+        let backbones = vec![backbone(&mode, shape, &curves)];
+        let joint = mode.joint.clone().map(|law| (law, shape));
+        responses.push(Response {
+            name: mode.name,
+            frequency: Some(mode.frequency),
+            joint,
+            curves,
+            backbones,
+        });
+    }
+    if responses.is_empty() {
+        let message =
+            format!("{name}: no mode has its resonance in the band of [sweep]: {}", notes.join("; "));
+        return Err(Failure::input(message, "choose from and to around a mode's frequency"));
+    }
+    Ok((responses, notes))
+}
+
+/// Frequencies of a mode with its joint slipping and stuck, Hz.
+fn range(mode: &Mode) -> Result<[f64; 2], SimulationError> {
+    let oscillator = mode.oscillator()?;
+    Ok([oscillator.k_inf().max(0.0).sqrt() / TAU, mode.frequency])
+}
+
+fn shape(name: &str, mode: &Mode, table: &SweepTable) -> Result<f64, Failure> {
+    let Some(at) = &table.at else { return Ok(1.0) };
+    let found = mode.outputs.iter().find(|point| point.name == *at).map(|point| point.shape);
+    found.ok_or_else(|| {
+        let message = format!("{name}: [sweep]: mode \"{}\" has no point \"{at}\"", mode.name);
+        Failure::input(message, "give the point in outputs of every mode, or leave `at` out")
+    })
+}
+
+/// A computation that could not be done, in the user's terms.
+fn failed(name: &str, mode: &Mode, error: &SimulationError) -> Failure {
+    let message = format!("{name}: mode \"{}\": {error}", mode.name);
+    match error {
+        SimulationError::Interrupted => Failure::Interrupted,
+        SimulationError::Parameter(_) => Failure::input(message, "change this in the scenario"),
+        _ => Failure::Computation(message),
+    }
+}

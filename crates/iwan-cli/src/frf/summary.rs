@@ -1,0 +1,145 @@
+//! What `iwan frf` says: `frf.json` and the table on the terminal.
+
+use std::fmt::Write;
+
+use iwan_input::scenario::SweepTable;
+use iwan_sim::SteadyCurve;
+use serde::Serialize;
+
+use super::responses::Response;
+use crate::page::numbers::{long, short};
+use crate::session::Summary;
+
+/// The summary of steady forced responses.
+#[derive(Debug, Clone, Serialize)]
+pub(crate) struct FrfSummary {
+    /// The scenario's title, or its name.
+    pub(crate) scenario: String,
+    /// What is held: force, base_acceleration, displacement, velocity or acceleration.
+    pub(crate) held: &'static str,
+    /// The point of the response; none: the modal displacement.
+    pub(crate) at: Option<String>,
+    /// The highest harmonic.
+    pub(crate) harmonics: usize,
+    /// One entry per mode.
+    pub(crate) modes: Vec<ModePeaks>,
+    /// What the user should look at.
+    pub(crate) warnings: Vec<String>,
+    /// Wall-clock time of the computation, s.
+    #[serde(skip)]
+    pub(crate) seconds: f64,
+}
+
+/// The peaks of one mode.
+#[derive(Debug, Clone, Serialize)]
+pub(crate) struct ModePeaks {
+    pub(crate) name: String,
+    /// Frequency at small amplitude, Hz; none for a structure with all its modes.
+    pub(crate) frequency: Option<f64>,
+    /// One entry per level.
+    pub(crate) levels: Vec<LevelPeak>,
+}
+
+/// The response at one level.
+#[derive(Debug, Clone, Serialize)]
+pub(crate) struct LevelPeak {
+    pub(crate) level: f64,
+    /// The resonance, where the curve has points.
+    pub(crate) peak: Option<Peak>,
+    /// Where the curve turns back: a measured response jumps there.
+    pub(crate) jumps: Vec<Turn>,
+    pub(crate) points: usize,
+}
+
+/// A resonance.
+#[derive(Debug, Clone, Copy, Serialize)]
+pub(crate) struct Peak {
+    /// Hz.
+    pub(crate) frequency: f64,
+    pub(crate) amplitude: f64,
+    /// rad.
+    pub(crate) phase: f64,
+    /// Amplitude of the force, or of the base's acceleration.
+    pub(crate) excitation: f64,
+}
+
+/// A point at which a curve turns back in frequency.
+#[derive(Debug, Clone, Copy, Serialize)]
+pub(crate) struct Turn {
+    /// Hz.
+    pub(crate) frequency: f64,
+    pub(crate) amplitude: f64,
+}
+
+impl LevelPeak {
+    fn new(curve: &SteadyCurve) -> Self {
+        let peak = curve.peak().map(|p| Peak {
+            frequency: p.frequency,
+            amplitude: p.amplitude,
+            phase: p.phase,
+            excitation: p.excitation,
+        });
+        let turn = |jump: iwan_sim::Jump| Turn { frequency: jump.frequency, amplitude: jump.amplitude };
+        let jumps = curve.jumps().into_iter().map(turn).collect();
+        Self { level: curve.level, peak, jumps, points: curve.points.len() }
+    }
+}
+
+impl FrfSummary {
+    /// Of the responses to a sweep.
+    pub(super) fn new(scenario: String, table: &SweepTable, responses: &[Response], seconds: f64) -> Self {
+        let peaks = |response: &Response| ModePeaks {
+            name: response.name.clone(),
+            frequency: response.frequency,
+            levels: response.curves.iter().map(LevelPeak::new).collect(),
+        };
+        let warning = |curve: &SteadyCurve| {
+            let held = format!("{} {}: ", curve.control.name(), short(curve.level));
+            curve.remarks.iter().map(|remark| format!("{held}{remark}")).collect::<Vec<_>>()
+        };
+        Self {
+            scenario,
+            held: table.sweep.control.name(),
+            at: table.at.clone(),
+            harmonics: table.sweep.harmonics,
+            modes: responses.iter().map(peaks).collect(),
+            warnings: responses.iter().flat_map(|r| &r.curves).flat_map(warning).collect(),
+            seconds,
+        }
+    }
+}
+
+impl Summary for FrfSummary {
+    fn warnings(&self) -> &[String] {
+        &self.warnings
+    }
+
+    fn seconds(&self) -> Option<f64> {
+        Some(self.seconds)
+    }
+
+    fn text(&self) -> String {
+        let mut text = format!(
+            "{:<16}{:>18}{:>14}{:>13}{:>13}{:>14}{:>7}\n",
+            "mode", self.held, "resonance, Hz", "amplitude", "phase, deg", "excitation", "jumps"
+        );
+        for mode in &self.modes {
+            for level in &mode.levels {
+                let Some(peak) = level.peak else { continue };
+                // Writing to a string cannot fail.
+                let _ = writeln!(
+                    text,
+                    "{:<16}{:>18}{:>14}{:>13}{:>13.2}{:>14}{:>7}",
+                    mode.name,
+                    short(level.level),
+                    long(peak.frequency),
+                    short(peak.amplitude),
+                    peak.phase.to_degrees(),
+                    short(peak.excitation),
+                    level.jumps.len()
+                );
+            }
+        }
+        text
+    }
+}

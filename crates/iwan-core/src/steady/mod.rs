@@ -1,0 +1,17 @@
+//! Steady vibration: the Fourier coefficients of a joint's force and their derivatives, exact in the continuum.
+//!
+//! A steady loop is made of pieces of the virgin curve between the turning points of the motion. Within one period the
+//! largest excursion wipes out all history before it (return-point memory), so there is no second period, no sample and no
+//! slider.
+
+mod harmonics;
+mod turns;
+mod panel;
+mod walk;
+mod coefficients;
+mod one_harmonic;
+
+pub use coefficients::steady_force;
+pub use harmonics::{Harmonics, MOST_HARMONICS};
+pub use one_harmonic::one_harmonic;
+pub use walk::SteadyWork;

@@ -1,0 +1,98 @@
+//! The reduced model as steady vibration sees it: coordinates that only the joints couple.
+
+use crate::error::{Error, check};
+use crate::structure::Law;
+use crate::transient::Reduced;
+
+/// A coordinate of the reduced model, mass-normalised, with all joints stuck.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct SteadyCoordinate {
+    /// Circular frequency, rad/s; 0 for rigid motions.
+    pub omega: f64,
+    /// Viscous damping ratio.
+    pub damping_ratio: f64,
+    /// Its part in the load.
+    pub at_force: f64,
+    /// Its part in the output.
+    pub at_output: f64,
+}
+
+/// A slip with a law, in the coordinates.
+#[derive(Clone)]
+pub struct SteadySlip {
+    /// Name of the slip.
+    pub name: String,
+    /// Its law.
+    pub law: Law,
+    /// Slip per unit of each coordinate.
+    pub participation: Vec<f64>,
+}
+
+impl std::fmt::Debug for SteadySlip {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.debug_struct("SteadySlip")
+            .field("name", &self.name)
+            .field("participation", &self.participation)
+            .finish_non_exhaustive()
+    }
+}
+
+/// The coordinates of a reduced model (modes, then attachment vectors, which carry the static flexibility of all modes left
+/// out) and the slips that couple them.
+#[derive(Debug, Clone)]
+pub struct SteadyModel {
+    /// Coordinates, in the order of the reduced model's.
+    pub coordinates: Vec<SteadyCoordinate>,
+    /// Slips with a law; those without slide freely and couple nothing.
+    pub slips: Vec<SteadySlip>,
+}
+
+impl Reduced<'_> {
+    /// The model for steady vibration under a force along `load`, observed along `output`: both one entry per unknown
+    /// ([`Assembled::load`](crate::Assembled::load), [`Output`](crate::Output)).
+    ///
+    /// # Errors
+    /// [`Error::Analysis`] where load or output belong to another structure; [`Error::OutOfRange`] for damping beyond critical.
+    ///
+    /// ```
+    /// use iwan_fem::{Basis, mesh::beam::Configuration, paper};
+    /// let assembled = paper::structure(Configuration::A, 1)?.assemble()?;
+    /// let reduced = assembled.reduce(12, Basis::default())?.with_damping(|_| 1e-3)?;
+    /// let nothing = vec![0.0; assembled.unknowns()];
+    /// let model = reduced.steady_model(&nothing, &nothing)?;
+    /// assert_eq!(model.coordinates.len(), reduced.coordinates());
+    /// assert_eq!(model.coordinates[0].omega, 0.0); // a free beam: rigid motions first
+    /// assert!((model.coordinates[6].damping_ratio - 1e-3).abs() < 1e-15);
+    /// # Ok::<(), iwan_fem::Error>(())
+    /// ```
+    pub fn steady_model(&self, load: &[f64], output: &[f64]) -> Result<SteadyModel, Error> {
+        let unknowns = self.assembled().unknowns();
+        if let Some(found) = [load.len(), output.len()].into_iter().find(|found| *found != unknowns) {
+            return Err(Error::Analysis {
+                analysis: "steady vibration",
+                finding: format!(
+                    "a load or output has {found} entries, the structure has {unknowns} unknowns"
+                ),
+                remedy: "make them with the same assembled structure",
+            });
+        }
+        let (load, output) = (self.project(load), self.project(output));
+        let mut coordinates = Vec::with_capacity(self.coordinates());
+        for (k, (&at_force, &at_output)) in load.iter().zip(&output).enumerate() {
+            let omega = self.eigenvalues()[k].max(0.0).sqrt();
+            let damping_ratio = if omega > 0.0 { 0.5 * self.damping()[k] / omega } else { 0.0 };
+            let allowed = "must satisfy 0 <= ratio < 1";
+            check("modal damping ratio", damping_ratio, (0.0..1.0).contains(&damping_ratio), allowed)?;
+            coordinates.push(SteadyCoordinate { omega, damping_ratio, at_force, at_output });
+        }
+        let rigid = |k: usize| coordinates[k].omega == 0.0;
+        // A rigid motion does not slip: what rounding says of it is left out.
+        let part = |k: usize, unknown: usize| if rigid(k) { 0.0 } else { self.column(k)[unknown] };
+        let slips = self.assembled().slips().iter().filter_map(|slip| {
+            let participation = (0..self.coordinates()).map(|k| part(k, slip.unknown)).collect();
+            Some(SteadySlip { name: slip.name.clone(), law: slip.law.clone()?, participation })
+        });
+        let slips = slips.collect();
+        Ok(SteadyModel { coordinates, slips })
+    }
+}

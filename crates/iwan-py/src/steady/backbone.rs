@@ -1,0 +1,50 @@
+//! Backbones of modes, for `iwan.backbone`.
+
+use iwan_sim::{BackbonePoint, NonlinearMode, SimulationError, backbone, in_parallel};
+use pyo3::prelude::*;
+use pyo3::types::{PyDict, PyList};
+
+use crate::exchange::array::{Numbers, array};
+use crate::exchange::errors::simulation;
+use crate::exchange::options::thread_count;
+use crate::exchange::work;
+use crate::values::mode::Mode;
+
+/// Backbones of several modes at the same amplitudes: a dict per mode.
+#[pyfunction]
+pub(crate) fn _backbone<'py>(
+    py: Python<'py>,
+    modes: Vec<Bound<'py, Mode>>,
+    amplitude: &Bound<'py, PyAny>,
+    harmonics: usize,
+    threads: Option<usize>,
+) -> PyResult<Bound<'py, PyList>> {
+    let amplitudes = Numbers::vector("amplitude", amplitude)?;
+    let modes: Vec<iwan_sim::Mode> = modes.into_iter().map(|mode| mode.get().mode.clone()).collect();
+    let threads = thread_count(threads)?;
+    let found = work::run(py, true, move |_| {
+        in_parallel(&modes, threads, &|mode| backbone(mode, harmonics, &amplitudes))
+    })?;
+    let found: Result<Vec<NonlinearMode>, SimulationError> = found.into_iter().collect();
+    let list = PyList::empty(py);
+    for curve in found.map_err(simulation)? {
+        list.append(told(py, &curve)?)?;
+    }
+    Ok(list)
+}
+
+fn told<'py>(py: Python<'py>, curve: &NonlinearMode) -> PyResult<Bound<'py, PyDict>> {
+    let dict = PyDict::new(py);
+    let all = |of: &dyn Fn(&BackbonePoint) -> f64| array(py, curve.points.iter().map(of).collect());
+    dict.set_item("amplitude", all(&|p| p.amplitude))?;
+    dict.set_item("frequency", all(&|p| p.frequency))?;
+    dict.set_item("damping_ratio", all(&|p| p.damping_ratio))?;
+    let higher = PyDict::new(py);
+    let count = curve.points.first().map_or(1, |point| point.response.len());
+    for index in 1..count {
+        higher.set_item(2 * index + 1, all(&|p: &BackbonePoint| p.response[index]))?;
+    }
+    dict.set_item("harmonics", higher)?;
+    dict.set_item("remarks", curve.remarks.clone())?;
+    Ok(dict)
+}

@@ -1,0 +1,4 @@
+//! Steady vibration of modes: forced responses and backbones.
+
+pub(crate) mod frf;
+pub(crate) mod backbone;

@@ -1,0 +1,18 @@
+//! Steady vibration: forced responses at given force or given response, and nonlinear modes.
+
+mod sweep;
+mod curve;
+mod one_mode;
+mod jointed;
+mod receptance;
+mod balance;
+mod continuation;
+mod problems;
+mod respond;
+mod nonlinear_mode;
+
+pub use curve::{Jump, SteadyCurve, SteadyPoint};
+pub use jointed::{JointedModes, Residual, SharedLaw, SlipJoint, StuckMode};
+pub use nonlinear_mode::{BackbonePoint, NonlinearMode, backbone, nonlinear_mode};
+pub use respond::{forced_response, forced_response_of};
+pub use sweep::{Control, Sweep};

@@ -1,0 +1,366 @@
+//! The forced response of one mode by its first harmonic: explicit, for each amplitude two frequencies.
+//!
+//! With K(a) = K_∞ + K_1(a) and h(a) = D(a)/(π a²) harmonic balance says a |K - ω² + i (c ω + h)| = f. At a given
+//! amplitude K and h are numbers, and the two frequencies are roots of a polynomial: no iteration on the joint at all.
+
+use std::f64::consts::{PI, TAU};
+
+use iwan_core::{Backbone, Oscillator};
+
+use super::curve::{SteadyCurve, SteadyPoint};
+use super::sweep::{Control, Sweep};
+use crate::error::SimulationError;
+use crate::joint_law::{JointLaw, with_law};
+use crate::mode::Mode;
+
+/// Stiffness and loss of a mode at an amplitude.
+#[derive(Debug, Clone, Copy)]
+struct AtAmplitude {
+    /// Amplitude a of the modal displacement.
+    amplitude: f64,
+    /// K_∞ + K_1(a), 1/s².
+    stiffness: f64,
+    /// D/(π a²), 1/s²: the joint's loss as an imaginary stiffness.
+    loss: f64,
+}
+
+/// A mode ready for harmonic balance.
+#[derive(Debug, Clone)]
+struct Balance<'a> {
+    k_inf: f64,
+    viscous: f64,
+    joint: Option<&'a JointLaw>,
+}
+
+impl Balance<'_> {
+    fn at(&self, a: f64) -> AtAmplitude {
+        let (mut stiffness, mut loss) = (self.k_inf, 0.0);
+        if let Some(joint) = self.joint {
+            let (k, d) = with_law!(joint, law => (law.harmonic_stiffness(a), law.dissipation(a)));
+            stiffness += k;
+            loss = d / (PI * a * a);
+        }
+        AtAmplitude { amplitude: a, stiffness, loss }
+    }
+
+    /// K - ω² + i (c ω + h): real and imaginary part.
+    fn dynamic_stiffness(&self, at: AtAmplitude, omega: f64) -> [f64; 2] {
+        [at.stiffness - omega * omega, self.viscous * omega + at.loss]
+    }
+
+    /// The modal force that keeps the amplitude going.
+    fn force(&self, at: AtAmplitude, omega: f64) -> f64 {
+        let [re, im] = self.dynamic_stiffness(at, omega);
+        at.amplitude * re.hypot(im)
+    }
+
+    /// The frequency at which the least force is needed.
+    fn easiest(&self, at: AtAmplitude) -> f64 {
+        // |Z|² = (K - ω²)² + (cω + h)²: its derivative vanishes at ω² = K - c (cω + h)/(2ω). The correction is of second
+        // order in the damping, so that a few rounds settle it.
+        let mut omega = at.stiffness.max(0.0).sqrt();
+        for _ in 0..4 {
+            if omega == 0.0 || self.viscous == 0.0 {
+                break;
+            }
+            let square = at.stiffness - 0.5 * self.viscous * (self.viscous + at.loss / omega);
+            omega = square.max(0.0).sqrt();
+        }
+        omega
+    }
+
+    /// The frequency below (`side` = -1) or above (+1) resonance at which the force `f` keeps the amplitude going; none where
+    /// it is too small for that at any frequency, or too large below resonance.
+    fn frequency(&self, at: AtAmplitude, f: f64, side: f64) -> Option<f64> {
+        let goal = f / at.amplitude;
+        let middle = self.easiest(at);
+        let [re, im] = self.dynamic_stiffness(at, middle);
+        let spare = goal * goal - re * re - im * im;
+        if spare < 0.0 {
+            // At the top of the curve both sides meet: rounding may leave a little less than nothing.
+            return (spare > -1e-9 * goal * goal).then_some(middle);
+        }
+        if side < 0.0 && at.stiffness.hypot(at.loss) < goal {
+            return None;
+        }
+        let start = (middle * middle + side * spare.sqrt()).max(0.0).sqrt();
+        Some(self.polish(at, goal, start, middle, side))
+    }
+
+    /// Newton's method on |Z|² = goal², from a start that is exact without viscous damping, on one side of `middle`.
+    fn polish(&self, at: AtAmplitude, goal: f64, start: f64, middle: f64, side: f64) -> f64 {
+        let mut omega = start;
+        if self.viscous == 0.0 {
+            return omega;
+        }
+        for _ in 0..ROUNDS {
+            let [re, im] = self.dynamic_stiffness(at, omega);
+            let value = re * re + im * im - goal * goal;
+            let slope = 2.0 * (self.viscous * im - 2.0 * omega * re);
+            let next = omega - value / slope;
+            if !next.is_finite() || (next - middle) * side < 0.0 {
+                break;
+            }
+            let done = (next - omega).abs() <= 4.0 * f64::EPSILON * omega;
+            omega = next;
+            if done {
+                break;
+            }
+        }
+        omega
+    }
+}
+
+/// Rounds of Newton's method on the polynomial: its start is off by the viscous damping squared, so that four are enough.
+const ROUNDS: usize = 8;
+
+/// Ratio of successive amplitudes in the search for the smallest and the largest one.
+const SEARCH: f64 = 1.2;
+
+/// Largest amplitude in the search over the joint's largest strength: a force that friction cannot hold and no damper takes
+/// goes on for ever.
+const FARTHEST: f64 = 1e9;
+
+/// The steady forced responses of one mode by its first harmonic, one curve a level.
+///
+/// # Errors
+/// [`SimulationError::Parameter`] for the mode, the band and the levels, or shapes of zero.
+pub(super) fn explicit_response(
+    mode: &Mode,
+    sweep: &Sweep,
+    shape_at_output: f64,
+) -> Result<Vec<SteadyCurve>, SimulationError> {
+    sweep.checked()?;
+    let oscillator = mode.oscillator()?;
+    for (name, value) in [("shape_at_force", mode.shape_at_force), ("shape at the output", shape_at_output)] {
+        if value == 0.0 || !value.is_finite() {
+            let allowed = "must not be zero: the excitation would not reach the response";
+            return Err(iwan_core::Error::OutOfRange { name, value, allowed }.into());
+        }
+    }
+    let task = Task { balance: balance(&oscillator, mode), mode, sweep, shape_at_output };
+    Ok(sweep.levels.iter().map(|&level| task.curve(level)).collect())
+}
+
+fn balance<'a>(oscillator: &Oscillator, mode: &'a Mode) -> Balance<'a> {
+    Balance { k_inf: oscillator.k_inf(), viscous: oscillator.viscous(), joint: mode.joint.as_ref() }
+}
+
+/// One mode, one sweep.
+struct Task<'a> {
+    balance: Balance<'a>,
+    mode: &'a Mode,
+    sweep: &'a Sweep,
+    shape_at_output: f64,
+}
+
+impl Task<'_> {
+    fn curve(&self, level: f64) -> SteadyCurve {
+        let mut curve =
+            SteadyCurve { control: self.sweep.control, level, points: Vec::new(), remarks: Vec::new() };
+        if self.sweep.control.holds_response() {
+            self.held(level, &mut curve);
+        } else {
+            self.forced(level * self.mode.shape_at_force.abs(), &mut curve);
+        }
+        self.remark(&mut curve);
+        curve
+    }
+
+    /// A point at a modal amplitude and a frequency.
+    fn point(&self, at: AtAmplitude, omega: f64, excitation: f64) -> SteadyPoint {
+        let [re, im] = self.balance.dynamic_stiffness(at, omega);
+        // The base pushes against its acceleration: the modal force is -Γ times it.
+        let sign = if self.sweep.control == Control::BaseAcceleration { -1.0 } else { 1.0 }
+            * (self.mode.shape_at_force * self.shape_at_output).signum();
+        let phase = if sign > 0.0 { -im.atan2(re) } else { PI - im.atan2(re) };
+        SteadyPoint {
+            frequency: omega / TAU,
+            amplitude: at.amplitude * self.shape_at_output.abs(),
+            phase,
+            excitation,
+            harmonics: Vec::new(),
+        }
+    }
+
+    /// The response is held: at each frequency one force.
+    fn held(&self, level: f64, curve: &mut SteadyCurve) {
+        let modal = level / self.shape_at_output.abs();
+        for omega in self.frequencies(modal) {
+            let at = self.balance.at(self.sweep.control.displacement(modal, omega));
+            let force = self.balance.force(at, omega) / self.mode.shape_at_force.abs();
+            curve.points.push(self.point(at, omega, force));
+        }
+    }
+
+    /// Half of them evenly spaced, half at even steps of the phase, so that narrow resonances are seen.
+    fn frequencies(&self, level: f64) -> Vec<f64> {
+        let (from, to) = (TAU * self.sweep.from, TAU * self.sweep.to);
+        let half = self.sweep.points / 2;
+        let share = |i: usize, of: usize| i as f64 / (of - 1) as f64;
+        let mut found: Vec<f64> = (0..half).map(|i| from + (to - from) * share(i, half)).collect();
+        let at = |omega: f64| self.balance.at(self.sweep.control.displacement(level, omega));
+        let phase = |omega: f64| {
+            let [re, im] = self.balance.dynamic_stiffness(at(omega), omega);
+            im.atan2(re)
+        };
+        let (first, last) = (phase(from), phase(to));
+        let rest = self.sweep.points - half;
+        for i in 1..=rest {
+            let angle = first + (last - first) * share(i, rest + 2);
+            if let Some(omega) = self.at_phase(&at, angle).filter(|omega| (from..=to).contains(omega)) {
+                found.push(omega);
+            }
+        }
+        found.sort_by(f64::total_cmp);
+        found
+    }
+
+    /// The frequency at which the response lags by `angle`: K - ω² = (c ω + h) cot(angle), the amplitude's own change with
+    /// frequency taken in by a few rounds. A place for a point, so that digits do not matter.
+    fn at_phase(&self, at: &impl Fn(f64) -> AtAmplitude, angle: f64) -> Option<f64> {
+        let cot = angle.cos() / angle.sin();
+        let mut omega = TAU * (self.sweep.from * self.sweep.to).sqrt();
+        for _ in 0..6 {
+            let state = at(omega);
+            let b = 0.5 * self.balance.viscous * cot;
+            let root = b * b + state.stiffness - state.loss * cot;
+            omega = -b + root.max(0.0).sqrt();
+        }
+        (omega > 0.0 && omega.is_finite()).then_some(omega)
+    }
+
+    /// The force is held: at each amplitude two frequencies, below and above resonance.
+    fn forced(&self, force: f64, curve: &mut SteadyCurve) {
+        let ends = [self.sweep.from, self.sweep.to].map(|edge| self.smallest(TAU * edge, force));
+        let top = self.largest(ends[0].min(ends[1]), force);
+        if !top.is_finite() {
+            curve.remarks.push(self.unbounded(force));
+        }
+        let top = if top.is_finite() { top } else { self.farthest() };
+        // Each side begins at its own end of the band; where the whole band lies on one side, at the smaller amplitude.
+        let low = ends[0].min(ends[1]);
+        let mut sides = [
+            self.side(force, -1.0, [ends[0].min(top), top], [low, ends[0].max(ends[1])]),
+            self.side(force, 1.0, [ends[1].min(top), top], [low, ends[0].max(ends[1])]),
+        ];
+        // In the order along the curve: up on the lower side, down on the upper one.
+        sides[1].reverse();
+        curve.points = sides.concat();
+    }
+
+    /// The points of one side within the band, amplitudes ascending. `range` is where they are sought, `ends` the amplitudes
+    /// at both ends of the band.
+    fn side(&self, force: f64, side: f64, range: [f64; 2], ends: [f64; 2]) -> Vec<SteadyPoint> {
+        /// Rounds in which the amplitudes are confined to the band; two to three are the rule.
+        const ROUNDS: usize = 6;
+        let (count, scale) = (self.sweep.points / 2, self.shape_at_output.abs());
+        let mut reach = range;
+        let mut points = self.sampled(force, side, reach, count);
+        for _ in 0..ROUNDS {
+            if points.len() * 4 >= count * 3 {
+                break;
+            }
+            // Most amplitudes lie beyond the band: those within it again, more finely.
+            let step = (reach[1] / reach[0]).powf(2.0 / count as f64);
+            reach = match (points.first(), points.last()) {
+                (Some(low), Some(high)) => [low.amplitude / scale / step, high.amplitude / scale * step],
+                _ => ends,
+            };
+            reach = [reach[0].max(range[0].min(ends[0])), reach[1].min(range[1])];
+            if reach[0] >= reach[1] {
+                break;
+            }
+            points = self.sampled(force, side, reach, count);
+        }
+        points
+    }
+
+    fn sampled(&self, force: f64, side: f64, [low, high]: [f64; 2], count: usize) -> Vec<SteadyPoint> {
+        let (from, to) = (self.sweep.from, self.sweep.to);
+        let excitation = force / self.mode.shape_at_force.abs();
+        let range = (high / low).ln();
+        let mut points = Vec::with_capacity(count);
+        for i in 0..count {
+            // Crowded at the top, where frequencies go like the root of the amplitude's distance.
+            let y = 1.0 - i as f64 / (count - 1) as f64;
+            let at = self.balance.at(high * (-range * y * y).exp());
+            let Some(omega) = self.balance.frequency(at, force, side) else { continue };
+            if (from..=to).contains(&(omega / TAU)) {
+                points.push(self.point(at, omega, excitation));
+            }
+        }
+        points
+    }
+
+    fn farthest(&self) -> f64 {
+        FARTHEST * self.mode.joint.as_ref().map_or(1.0, |law| law.strengths().1)
+    }
+
+    /// The smallest amplitude that the force drives at a frequency.
+    fn smallest(&self, omega: f64, force: f64) -> f64 {
+        let k_t = self.mode.joint.as_ref().map_or(0.0, Backbone::initial_stiffness);
+        let k = self.balance.k_inf + k_t;
+        // The dynamic stiffness differs by K_T at the most from that of small amplitudes.
+        let bound = (k - omega * omega).abs() + self.balance.viscous * omega + 2.0 * k_t;
+        let missing = |a: f64| self.balance.force(self.balance.at(a), omega) - force;
+        crossing(force / bound, self.farthest(), missing)
+    }
+
+    /// The largest amplitude that the force drives at any frequency; infinite where nothing bounds it.
+    fn largest(&self, low: f64, force: f64) -> f64 {
+        let missing = |a: f64| {
+            let at = self.balance.at(a);
+            self.balance.force(at, self.balance.easiest(at)) - force
+        };
+        let found = crossing(low, self.farthest(), missing);
+        if found < self.farthest() { found } else { f64::INFINITY }
+    }
+
+    fn unbounded(&self, force: f64) -> String {
+        let most = self.mode.joint.as_ref().map_or(0.0, |law| 4.0 * law.slip_force() / PI);
+        format!(
+            "mode \"{}\": without viscous damping friction takes a modal force of 4 F_S/\u{3c0} = {most:.6e} at the most, \
+             and {force:.6e} acts: the amplitude grows without bound at resonance; give damping_ratio, or a lower level",
+            self.mode.name
+        )
+    }
+
+    fn remark(&self, curve: &mut SteadyCurve) {
+        let quadrature = curve.points.windows(2).any(|w| w[0].phase.cos() * w[1].phase.cos() <= 0.0);
+        if !quadrature {
+            let frequency = self.mode.frequency;
+            curve.remarks.push(format!(
+                "mode \"{}\": no resonance at this level between {} and {} Hz; at small amplitude it lies at {frequency} Hz",
+                self.mode.name, self.sweep.from, self.sweep.to
+            ));
+        }
+    }
+}
+
+/// Most rounds of halving: the bracket is then down to rounding.
+const HALVINGS: usize = 64;
+
+/// The first zero of a function that is negative at small `low`, by steps of a ratio and halving; `high` where there is none.
+fn crossing(low: f64, high: f64, f: impl Fn(f64) -> f64) -> f64 {
+    let mut a = low;
+    if f(a) >= 0.0 {
+        return a;
+    }
+    let mut b = a * SEARCH;
+    while f(b) < 0.0 {
+        a = b;
+        b *= SEARCH;
+        if b >= high {
+            return high;
+        }
+    }
+    for _ in 0..HALVINGS {
+        let middle = 0.5 * (a + b);
+        if middle <= a || middle >= b {
+            break;
+        }
+        if f(middle) < 0.0 { a = middle } else { b = middle }
+    }
+    a
+}

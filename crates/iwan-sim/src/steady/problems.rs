@@ -1,0 +1,221 @@
+//! The curves of steady vibration: force raised, frequency swept at held force or held response, nonlinear mode.
+
+use std::ops::Range;
+
+use nalgebra::{DMatrix, DVector};
+
+use super::balance::{BY_FORCE, BY_OMEGA, BY_XI, Balance, State};
+use super::continuation::Curve;
+use super::sweep::Control;
+use crate::error::SimulationError;
+
+/// What is unknown beside the amplitudes, and what is held.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) enum Task {
+    /// At this frequency (rad/s) the force, in units of `force`, rises.
+    Raise { omega: f64, force: f64 },
+    /// At this amplitude of the excitation the frequency changes.
+    Forced { force: f64 },
+    /// The response is held: force, in units of `force`, and frequency change.
+    Held { control: Control, level: f64, force: f64 },
+    /// Free vibration of a mode that loses no energy by grace of a negative damping of all modes.
+    Free { mode: usize },
+}
+
+/// A task with its equations.
+///
+/// Unknowns are the amplitudes and behind them, by the task: the force (in its unit); the frequency (over the unit
+/// `ω_1`, the first mode's); force and frequency; the logarithm of the modal amplitude, where frequency and damping stand
+/// in the place of the first harmonic's modal amplitude.
+#[derive(Debug)]
+pub(super) struct Problem<'a> {
+    pub(super) balance: Balance<'a>,
+    pub(super) task: Task,
+    /// Unit of frequencies, rad/s.
+    pub(super) unit: f64,
+    /// Part of the frequency that is a large step: a few half-power widths of a lightly damped mode.
+    pub(super) width: f64,
+}
+
+impl<'a> Problem<'a> {
+    pub(super) fn new(balance: Balance<'a>, task: Task, unit: f64) -> Self {
+        /// Part of a frequency that is a large step: curves that are flat in amplitude have some tens of points an octave.
+        const WIDTH: f64 = 0.3;
+        Self { balance, task, unit, width: WIDTH }
+    }
+
+    /// Number of unknowns: one more than equations.
+    pub(super) fn unknowns(&self) -> usize {
+        self.balance.len() + if matches!(self.task, Task::Held { .. }) { 2 } else { 1 }
+    }
+
+    /// The state of the structure at the unknowns.
+    pub(super) fn state(&self, y: &[f64]) -> State {
+        let n = self.balance.len();
+        match self.task {
+            Task::Raise { omega, force } => State { omega, force: force * y[n], xi: 0.0 },
+            Task::Forced { force } => State { omega: self.unit * y[n], force, xi: 0.0 },
+            Task::Held { force, .. } => State { omega: self.unit * y[n + 1], force: force * y[n], xi: 0.0 },
+            Task::Free { .. } => {
+                let at = self.balance.modal();
+                State { omega: self.unit * y[at], force: 0.0, xi: self.unit * y[at + 1] }
+            }
+        }
+    }
+
+    /// The amplitudes of all harmonics of slips and modes at the unknowns.
+    pub(super) fn amplitudes(&self, y: &[f64]) -> Vec<f64> {
+        let n = self.balance.len();
+        let mut amplitudes = y[..n].to_vec();
+        if matches!(self.task, Task::Free { .. }) {
+            let at = self.balance.modal();
+            (amplitudes[at], amplitudes[at + 1]) = (y[n].exp(), 0.0);
+        }
+        amplitudes
+    }
+
+    /// The response: amplitude pair of each harmonic.
+    ///
+    /// # Errors
+    /// As [`Balance::evaluate`].
+    pub(super) fn response(&mut self, y: &[f64]) -> Result<Vec<[f64; 2]>, SimulationError> {
+        let (amplitudes, state) = (self.amplitudes(y), self.state(y));
+        self.balance.evaluate(&amplitudes, state)?;
+        Ok(self.balance.output(&amplitudes, state).0)
+    }
+
+    /// The logarithm of the first harmonic's amplitude of the response, and its derivative along a direction.
+    ///
+    /// # Errors
+    /// As [`Balance::evaluate`].
+    pub(super) fn growth(&mut self, y: &[f64], direction: &[f64]) -> Result<f64, SimulationError> {
+        let (amplitudes, state) = (self.amplitudes(y), self.state(y));
+        self.balance.evaluate(&amplitudes, state)?;
+        let (pairs, by) = self.balance.output(&amplitudes, state);
+        let n = self.balance.len();
+        let moved = |part: usize| {
+            let own: f64 = (0..n).map(|i| by[(part, i)] * direction[i]).sum();
+            own + match self.task {
+                Task::Raise { force, .. } => by[(part, n + BY_FORCE)] * force * direction[n],
+                Task::Forced { .. } => by[(part, n + BY_OMEGA)] * self.unit * direction[n],
+                Task::Held { force, .. } => {
+                    by[(part, n + BY_FORCE)] * force * direction[n]
+                        + by[(part, n + BY_OMEGA)] * self.unit * direction[n + 1]
+                }
+                Task::Free { .. } => 0.0,
+            }
+        };
+        let [a, b] = pairs[0];
+        Ok((a * moved(0) + b * moved(1)) / (a * a + b * b))
+    }
+
+    /// Copies the derivatives of the equations by the amplitudes and by what stands behind them.
+    fn columns(&self, y: &[f64], jacobian: &mut DMatrix<f64>) {
+        let n = self.balance.len();
+        let all = &self.balance.jacobian;
+        let rows: Range<usize> = 0..n;
+        jacobian.view_mut((0, 0), (n, n)).copy_from(&all.view((0, 0), (n, n)));
+        let mut set = |column: usize, from: usize, factor: f64| {
+            for row in rows.clone() {
+                jacobian[(row, column)] = factor * all[(row, from)];
+            }
+        };
+        match self.task {
+            Task::Raise { force, .. } => set(n, n + BY_FORCE, force),
+            Task::Forced { .. } => set(n, n + BY_OMEGA, self.unit),
+            Task::Held { force, .. } => {
+                set(n, n + BY_FORCE, force);
+                set(n + 1, n + BY_OMEGA, self.unit);
+            }
+            Task::Free { .. } => {
+                let at = self.balance.modal();
+                // The amplitude is e^y: its derivative is itself.
+                set(n, at, y[n].exp());
+                set(at, n + BY_OMEGA, self.unit);
+                set(at + 1, n + BY_XI, self.unit);
+            }
+        }
+    }
+
+    /// The equation of a held response: log |u| - log(level at this frequency) = 0.
+    fn hold(&self, y: &[f64], state: State, residual: &mut DVector<f64>, jacobian: &mut DMatrix<f64>) {
+        let Task::Held { control, level, force } = self.task else { return };
+        let n = self.balance.len();
+        let (pairs, by) = self.balance.output(&y[..n], state);
+        let [a, b] = pairs[0];
+        let square = a * a + b * b;
+        let wanted = control.displacement(level, state.omega);
+        residual[n] = 0.5 * square.ln() - wanted.ln();
+        let along = |column: usize| (a * by[(0, column)] + b * by[(1, column)]) / square;
+        for column in 0..n {
+            jacobian[(n, column)] = along(column);
+        }
+        let power = match control {
+            Control::Velocity => 1.0,
+            Control::Acceleration => 2.0,
+            _ => 0.0,
+        };
+        jacobian[(n, n)] = force * along(n + BY_FORCE);
+        jacobian[(n, n + 1)] = self.unit * along(n + BY_OMEGA) + power / y[n + 1];
+    }
+}
+
+impl Curve for Problem<'_> {
+    fn prepare(&mut self, y: &mut [f64]) -> Result<bool, SimulationError> {
+        let state = self.state(y);
+        let keep = if let Task::Free { mode } = self.task { Some(mode) } else { None };
+        let n = self.balance.len();
+        self.balance.choose(&mut y[..n], state, keep)
+    }
+
+    /// A slip's size is that of all its harmonics together; a joint that hardly moves is measured by the largest slip (in
+    /// shares of the strengths), and not below a part of rounding of its own strength.
+    fn scales(&self, y: &[f64]) -> Vec<f64> {
+        /// A joint that slips less than this part of the one that slips most may change by as much at once.
+        const MINOR: f64 = 0.05;
+        let (each, n, modal) = (self.balance.each(), self.balance.len(), self.balance.modal());
+        let amplitudes = self.amplitudes(y);
+        let size = |pairs: &[f64]| pairs.iter().map(|c| c * c).sum::<f64>().sqrt();
+        let strengths: Vec<f64> =
+            self.balance.system.joints.iter().map(|joint| joint.law.strengths().1).collect();
+        let share = |j: usize| size(&amplitudes[j * each..][..each]) / strengths[j];
+        let most = (0..strengths.len()).map(share).fold(0.0, f64::max);
+        // At rest, whatever brings macro-slip is a large step.
+        let most = if most > 0.0 { most } else { 1.0 };
+        let mut scales = Vec::with_capacity(n + 2);
+        for (j, strength) in strengths.iter().enumerate() {
+            scales.extend(vec![strength * share(j).max(MINOR * most); each]);
+        }
+        // A modal amplitude that passes through zero is measured by what brings the slips about.
+        let usual = self.balance.system.macro_slip(self.balance.apart[0]).map_or(0.0, |q| MINOR * most * q);
+        let moving = size(&amplitudes[modal..]).max(usual);
+        let moving = if moving > 0.0 { moving } else { 1.0 };
+        scales.extend(vec![moving; n - modal]);
+        match self.task {
+            Task::Raise { .. } => scales.push(y[n].abs().max(1e-3)),
+            Task::Forced { .. } => scales.push(self.width * y[n]),
+            Task::Held { .. } => scales.extend([y[n].abs(), self.width * y[n + 1]]),
+            Task::Free { .. } => {
+                (scales[modal], scales[modal + 1]) = (self.width * y[modal], self.width * y[modal]);
+                scales.push(1.0);
+            }
+        }
+        scales
+    }
+
+    fn evaluate(
+        &mut self,
+        y: &[f64],
+        residual: &mut DVector<f64>,
+        jacobian: &mut DMatrix<f64>,
+    ) -> Result<(), SimulationError> {
+        let (amplitudes, state) = (self.amplitudes(y), self.state(y));
+        self.balance.evaluate(&amplitudes, state)?;
+        let n = self.balance.len();
+        residual.rows_mut(0, n).copy_from(&self.balance.residual);
+        jacobian.fill(0.0);
+        self.columns(y, jacobian);
+        self.hold(y, state, residual, jacobian);
+        Ok(())
+    }
+}
