@@ -7,6 +7,7 @@
 
 // What a record is, what may be said about a file before it is read, and what is said about it afterwards.
 mod quantity;
+mod time_unit;
 mod warning;
 mod record;
 mod error;
@@ -38,4 +39,5 @@ pub use read::{read, read_bytes};
 pub use record::{Record, RecordError};
 pub use table::{Table, TableError};
 pub use text::{Columns, parse_table, read_table};
+pub use time_unit::{TimeUnit, UnknownTimeUnit};
 pub use warning::Warning;

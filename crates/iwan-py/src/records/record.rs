@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 
 use iwan_ident::curves;
-use iwan_io::{Format, Quantity, ReadOptions};
+use iwan_io::{Format, Quantity, ReadOptions, UnknownTimeUnit};
 use numpy::{PyArray1, PyArray2, PyArrayMethods, PyUntypedArrayMethods};
 use pyo3::IntoPyObjectExt;
 use pyo3::prelude::*;
@@ -14,11 +14,14 @@ use crate::exchange::options::choose;
 use crate::exchange::pickle::Remake;
 use crate::exchange::work;
 
-const QUANTITIES: [(&str, Quantity); 5] = [
+const QUANTITIES: [(&str, Quantity); 8] = [
     ("acceleration", Quantity::Acceleration),
     ("velocity", Quantity::Velocity),
     ("displacement", Quantity::Displacement),
     ("force", Quantity::Force),
+    ("pressure", Quantity::Pressure),
+    ("voltage", Quantity::Voltage),
+    ("strain", Quantity::Strain),
     ("unknown", Quantity::Unknown),
 ];
 
@@ -103,7 +106,16 @@ impl Record {
             (_, Quantity::Acceleration) => Ok((curves::Quantity::Acceleration, Vec::new())),
             (_, Quantity::Velocity) => Ok((curves::Quantity::Velocity, Vec::new())),
             (_, Quantity::Displacement) => Ok((curves::Quantity::Displacement, Vec::new())),
-            (_, Quantity::Force) => Err(value("the record is a force, not a motion: choose another channel")),
+            (_, other) if other != Quantity::Unknown || !self.unit.is_empty() => {
+                let what = if other == Quantity::Unknown {
+                    format!("is in '{}'", self.unit)
+                } else {
+                    format!("is a {other}")
+                };
+                Err(value(format!(
+                    "the record {what}, not known as a motion: choose another channel, or say with quantity= what motion it is proportional to"
+                )))
+            }
             _ => {
                 let note = "what was measured is not known: taken as acceleration, quantity= says otherwise";
                 Ok((curves::Quantity::Acceleration, vec![note.to_owned()]))
@@ -263,7 +275,8 @@ pub(crate) fn _record(
 /// `path`: str or path-like; `format`: "text", "npy", "npz", "uff" or "mat" where content and extension do not tell;
 /// `time`: name of the time vector, such as "HIdata.time"; `channels`: names, in the order wanted (all that fit by default);
 /// `rate` (Hz) where no time is stored; `quantity`: goes before what the file says; `resample`: interpolate samples that
-/// are not uniform.
+/// are not uniform; `time_unit`: "s", "ms", "us", "ns", "min" or "h", goes before what the file says; `unit`: convert the samples
+/// to "SI" or to a unit such as "m/s^2"; `start`, `stop`: keep only the samples between these times (s, on the record's own clock).
 ///
 /// Returns a `Record`. Raises `iwan.MissingFileError` (a `FileNotFoundError`) or `iwan.FileError` (an `OSError`) when the file
 /// cannot be read, `iwan.RecordError` (a `ValueError`) naming the place in the file and what helps when its content is no record.
@@ -275,7 +288,8 @@ pub(crate) fn _record(
 /// ('acceleration', 'm/s^2', 0.5, array([1., 2., 4.]))
 #[pyfunction]
 #[pyo3(signature = (
-    path, *, format = None, time = None, channels = Vec::new(), rate = None, quantity = None, resample = false
+    path, *, format = None, time = None, channels = Vec::new(), rate = None, quantity = None, resample = false,
+    time_unit = None, unit = None, start = None, stop = None
 ))]
 #[expect(clippy::too_many_arguments, reason = "keyword arguments of Python")]
 pub(crate) fn read_record(
@@ -287,12 +301,19 @@ pub(crate) fn read_record(
     rate: Option<f64>,
     quantity: Option<&str>,
     resample: bool,
+    time_unit: Option<&str>,
+    unit: Option<String>,
+    start: Option<f64>,
+    stop: Option<f64>,
 ) -> PyResult<Record> {
     let format = format.map(|name| choose("format", name, &FORMATS)).transpose()?;
     let quantity = quantity.map(|name| choose("quantity", name, &QUANTITIES)).transpose()?;
-    let options = ReadOptions { format, time, channels, rate, quantity, resample };
+    let time_unit =
+        time_unit.map(str::parse).transpose().map_err(|e: UnknownTimeUnit| value(e.to_string()))?;
+    let options = ReadOptions { format, time, channels, rate, quantity, resample, time_unit, unit };
     let record = work::run(py, true, move |_| iwan_io::read(path, &options))?;
-    Record::wrap(py, &record.map_err(|error| reading(&error))?)
+    let record = record.map_err(|error| reading(&error))?;
+    Record::wrap(py, &record.between(start, stop).map_err(|error| value(error.to_string()))?)
 }
 
 /// Reads a record from the bytes of a file.
@@ -309,7 +330,7 @@ pub(crate) fn _read_bytes(
     resample: bool,
 ) -> PyResult<Record> {
     let quantity = quantity.map(|name| choose("quantity", name, &QUANTITIES)).transpose()?;
-    let options = ReadOptions { format: None, time, channels, rate, quantity, resample };
+    let options = ReadOptions { time, channels, rate, quantity, resample, ..ReadOptions::default() };
     let record = iwan_io::read_bytes(&name, bytes, &options);
     Record::wrap(py, &record.map_err(|error| reading(&error))?)
 }
