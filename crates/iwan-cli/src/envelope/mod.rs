@@ -2,6 +2,8 @@
 
 mod args;
 mod summary;
+mod picture;
+mod peaks;
 mod figures;
 mod report;
 mod command;
@@ -9,5 +11,6 @@ mod command;
 pub(crate) use args::EnvelopeArgs;
 pub(crate) use command::run;
 pub(crate) use figures::Extracted;
+pub(crate) use picture::picture;
 pub(crate) use report::units;
 pub(crate) use summary::{RecordSummary, agreement};

@@ -3,6 +3,7 @@
 use maud::{Markup, html};
 
 use super::figures::Extracted;
+use super::picture::picture;
 use super::summary::{EnvelopeSummary, FAIRLY, Point, agreement};
 use crate::page::html::{grid, page};
 use crate::page::numbers::short;
@@ -46,7 +47,10 @@ fn mode(n: usize, x: &Extraction, summary: &EnvelopeSummary, units: &Units) -> M
         h2 id=(format!("mode-{n}")) { (x.name) }
         (verdict(x))
         (table(summary.modes.get(n).map(|m| m.points.as_slice()).unwrap_or_default()))
-        (grid(&head))
+        div.figures {
+            @for figure in &head { (figure.draw()) }
+            @if let Some(picture) = picture(&x.samples, x.isolated.dt, x.start, Some(x.isolated.band)) { (picture.draw()) }
+        }
         h2 { "What the methods found" }
         (grid(&found))
     }

@@ -4,7 +4,7 @@ use std::path::Path;
 
 use iwan_ident::channels::{NoMode, Shape, one_mode};
 use iwan_ident::curves::Quantity;
-use iwan_ident::signal::Options;
+use iwan_ident::signal::{Options, band_near};
 use iwan_io::{ReadOptions, Record};
 
 use super::args::{MethodChoice, Motion, RecordArgs};
@@ -148,7 +148,10 @@ fn channels(recording: &Recording) -> iwan_ident::channels::Recording<'_> {
 /// Without mode shapes: one channel, or the dominant shape in each band.
 fn by_bands(recordings: &[Recording], args: &RecordArgs) -> Result<Vec<Wanted>, Failure> {
     let bands: Vec<_> = match args.bands.as_slice() {
-        [] => vec![None],
+        [] if args.modes.is_empty() => vec![None],
+        [] => {
+            args.modes.iter().map(|near| around(&recordings[0], *near).map(Some)).collect::<Result<_, _>>()?
+        }
         bands => bands.iter().copied().map(Some).collect(),
     };
     let mode = |(n, band): (usize, Option<(f64, f64)>)| {
@@ -156,6 +159,14 @@ fn by_bands(recordings: &[Recording], args: &RecordArgs) -> Result<Vec<Wanted>, 
         wanted(recordings, n, Shape::Unknown, options, "")
     };
     bands.into_iter().enumerate().map(mode).collect()
+}
+
+/// The band around the spectral peak nearest to a frequency.
+fn around(recording: &Recording, near: f64) -> Result<(f64, f64), Failure> {
+    let channels: Vec<&[f64]> = recording.record.samples().iter().map(Vec::as_slice).collect();
+    let band =
+        band_near(&channels, recording.record.dt(), near).map_err(|e| Failure::said(&recording.name, &e))?;
+    Ok((band.low, band.high))
 }
 
 /// With mode shapes: the modal filter, and a look at whether the channels move as the shapes say.

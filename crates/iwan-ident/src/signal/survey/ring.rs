@@ -1,0 +1,139 @@
+//! The spectrum of a ring-down from its loudest sample on, in which modes that decay at once stand beside those that last.
+
+use std::f64::consts::PI;
+
+use rustfft::FftPlanner;
+use rustfft::num_complex::Complex64;
+
+use crate::error::{Error, check_dt, check_samples};
+
+/// Samples that a record needs behind its loudest one.
+const LEAST: usize = 64;
+/// A stretch behind the loudest sample of less than this part of the record is no ring-down of it: all of it is taken then.
+const PART: f64 = 0.2;
+/// Zeros added make lines this many times denser than the stretch's own: peaks and their half-power points are then met within 1 % of
+/// the window's width.
+const DENSER: usize = 8;
+
+/// Power spectrum of the stretch behind the loudest sample, all channels added, under the half of a Hann window that falls from 1 to
+/// 0. A whole window would be blind at the start, where modes of high frequency live; without one the end would be a step, whose
+/// ripples look like peaks. The step at the start makes smooth skirts only.
+pub(super) struct RingSpectrum {
+    /// Spacing of the lines, Hz.
+    pub(super) step: f64,
+    /// Length of the stretch, s.
+    pub(super) length: f64,
+    pub(super) power: Vec<f64>,
+}
+
+impl RingSpectrum {
+    /// Of equally long channels sampled every `dt` seconds.
+    pub(super) fn new(channels: &[&[f64]], dt: f64) -> Result<Self, Error> {
+        check_dt(dt)?;
+        let n = channels.first().map_or(0, |c| c.len());
+        for channel in channels {
+            check_samples(
+                "record",
+                channel,
+                LEAST.max(n),
+                "give channels of the same length, of 64 samples or more",
+            )?;
+        }
+        let from = loudest(channels, n);
+        let stretch = n - from;
+        let from = if stretch < LEAST || (stretch as f64) < PART * n as f64 { 0 } else { from };
+        let stretch = n - from;
+        let padded = (DENSER * stretch).next_power_of_two();
+        let fft = FftPlanner::new().plan_fft_forward(padded);
+        let mut power = vec![0.0; padded / 2 + 1];
+        for channel in channels {
+            let mut z = windowed(&channel[from..]);
+            z.resize(padded, Complex64::default());
+            fft.process(&mut z);
+            power.iter_mut().zip(&z).for_each(|(p, z)| *p += z.norm_sqr());
+        }
+        Ok(Self { step: 1.0 / (padded as f64 * dt), length: stretch as f64 * dt, power })
+    }
+
+    /// Frequency of the peak at line `k`, by a parabola through the logarithms.
+    pub(super) fn frequency(&self, k: usize) -> f64 {
+        let [a, b, c] = [k - 1, k, k + 1].map(|k| self.power[k].max(f64::MIN_POSITIVE).ln());
+        let curvature = a - 2.0 * b + c;
+        let shift = if curvature < 0.0 { (0.5 * (a - c) / curvature).clamp(-0.5, 0.5) } else { 0.0 };
+        (k as f64 + shift) * self.step
+    }
+
+    pub(super) fn is_peak(&self, k: usize) -> bool {
+        self.power[k] > self.power[k - 1] && self.power[k] >= self.power[k + 1]
+    }
+}
+
+/// The sample at which all channels together are farthest from their means.
+fn loudest(channels: &[&[f64]], n: usize) -> usize {
+    let means: Vec<f64> = channels.iter().map(|c| c.iter().sum::<f64>() / n as f64).collect();
+    let energy = |i: usize| channels.iter().zip(&means).map(|(c, m)| (c[i] - m).powi(2)).sum::<f64>();
+    (0..n).map(energy).enumerate().max_by(|a, b| a.1.total_cmp(&b.1)).map_or(0, |(i, _)| i)
+}
+
+/// Without the mean that the window sees, under the falling half of a Hann window.
+fn windowed(x: &[f64]) -> Vec<Complex64> {
+    let n = x.len() as f64;
+    let window: Vec<f64> = (0..x.len()).map(|i| (0.5 * PI * i as f64 / n).cos().powi(2)).collect();
+    let mean = x.iter().zip(&window).map(|(x, w)| x * w).sum::<f64>() / window.iter().sum::<f64>();
+    x.iter().zip(&window).map(|(x, w)| Complex64::new(w * (x - mean), 0.0)).collect()
+}
+
+/// Half-power width of the peak of e^(-r t) under that window, for t from 0 to 1; `rate` r >= 0. Twice the offset at which
+/// |∫ e^(-(r + i w) t) cos²(π t/2) dt|² is half of its largest value.
+fn width_of(rate: f64) -> f64 {
+    let power = |offset: f64| {
+        let p = Complex64::new(rate, 2.0 * PI * offset);
+        let end = (-p).exp();
+        let flat = if p.norm() < 1e-6 { Complex64::new(1.0, 0.0) } else { (1.0 - end) / p };
+        let below = p * p + PI * PI;
+        // At p = i π both are 0, and their ratio is 1/2.
+        let wave = if below.norm() < 1e-9 { Complex64::new(0.5, 0.0) } else { p * (1.0 + end) / below };
+        (0.5 * (flat + wave)).norm_sqr()
+    };
+    let half = 0.5 * power(0.0);
+    // The window alone has 0.64; a rate of r has r/(2π) more at most.
+    let (mut low, mut high) = (0.0, 2.0 + rate);
+    for _ in 0..60 {
+        let middle = 0.5 * (low + high);
+        if power(middle) > half { low = middle } else { high = middle }
+    }
+    low + high
+}
+
+/// Decay rate (1/s) of the oscillation whose peak is `width` Hz wide at half its power, in a stretch of `length` seconds; none where the
+/// window alone is as wide.
+pub(super) fn decay_rate(width: f64, length: f64) -> Option<f64> {
+    // Below, the stretch is too short to tell a decay from none: the rate would be known to a quarter at best.
+    const TOLD: f64 = 1.1;
+    let wanted = width * length;
+    if wanted < TOLD * width_of(0.0) {
+        return None;
+    }
+    let (mut low, mut high) = (0.0, PI * wanted + 1.0);
+    for _ in 0..60 {
+        let middle = 0.5 * (low + high);
+        if width_of(middle) < wanted { low = middle } else { high = middle }
+    }
+    Some(0.5 * (low + high) / length)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A decay that is over before the window falls has the width r/π of a Lorentzian.
+    #[test]
+    fn a_fast_decay_has_a_lorentzian_width() {
+        for rate in [300.0, 3000.0] {
+            assert!((width_of(rate) * PI / rate - 1.0).abs() < 3.0 / rate, "{}", width_of(rate));
+        }
+        let found = decay_rate(width_of(12.0) / 7.0, 7.0).unwrap();
+        assert!((found - 12.0 / 7.0).abs() < 1e-9);
+        assert!(decay_rate(width_of(0.0), 1.0).is_none());
+    }
+}
