@@ -26,6 +26,8 @@ mod text;
 mod numpy;
 mod uff;
 mod mat;
+mod lvm;
+mod wav;
 mod read;
 
 // Files that are written.

@@ -15,8 +15,12 @@ pub enum Format {
     Npz,
     /// Universal file format, dataset 58 and 58b.
     Uff,
-    /// MATLAB level 5.
+    /// MATLAB level 5 and 7.3.
     Mat,
+    /// LabVIEW measurement file.
+    Lvm,
+    /// RIFF/WAVE sound file.
+    Wav,
 }
 
 /// What the user says about a file; the default says nothing and everything is found out.

@@ -41,8 +41,8 @@ def test_errors_speak_python(tmp_path):
     assert "--" not in str(no_time.value) and isinstance(no_time.value, ValueError)
     with pytest.raises(iwan.RecordError, match="there is no channel 'b'"):
         iwan.read_record(tmp_path / "r.csv", rate=10.0, channels=["b"])
-    with pytest.raises(iwan.InvalidValueError, match="format = 'wav' is not known"):
-        iwan.read_record(tmp_path / "r.csv", format="wav")
+    with pytest.raises(iwan.InvalidValueError, match="format = 'doc' is not known"):
+        iwan.read_record(tmp_path / "r.csv", format="doc")
     with pytest.raises(iwan.InvalidValueError, match="quantity = 'speed'"):
         iwan.read_record(tmp_path / "r.csv", quantity="speed")
 

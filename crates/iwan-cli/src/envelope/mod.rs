@@ -11,6 +11,5 @@ mod command;
 pub(crate) use args::EnvelopeArgs;
 pub(crate) use command::run;
 pub(crate) use figures::Extracted;
-pub(crate) use picture::picture;
 pub(crate) use report::units;
 pub(crate) use summary::{RecordSummary, agreement};

@@ -60,6 +60,8 @@ impl Peak {
     }
 }
 
+/// Peaks in the text, the highest: a screen holds no more, and the files have them all.
+const SHOWN: usize = 20;
 /// Heads of the table.
 const HEADS: [&str; 5] = ["frequency, Hz", "height", "width, Hz", "damping ratio, %", "prominence"];
 /// What the table means.
@@ -75,9 +77,15 @@ impl Summary for PeakSummary {
         };
         text.push('\n');
         line(&mut text, HEADS);
-        for peak in &self.peaks {
+        let mut heights: Vec<f64> = self.peaks.iter().map(|p| p.height).collect();
+        heights.sort_by(|a, b| b.total_cmp(a));
+        let least = heights.get(SHOWN - 1).copied().unwrap_or(0.0);
+        for peak in self.peaks.iter().filter(|p| p.height >= least) {
             let cells = peak.cells();
             line(&mut text, [&cells[0], &cells[1], &cells[2], &cells[3], &cells[4]]);
+        }
+        if let Some(more) = self.peaks.len().checked_sub(SHOWN).filter(|more| *more > 0) {
+            let _ = writeln!(text, "and {more} lower ones in the files");
         }
         if self.peaks.is_empty() {
             text.push_str("no peak stands out of the noise\n");

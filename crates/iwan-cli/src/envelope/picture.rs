@@ -19,7 +19,7 @@ const AROUND: f64 = 2.5;
 const FLOOR: f64 = -80.0;
 
 /// The spectrogram of samples every `dt` seconds from `start` (s); none where the record is too short for one.
-pub(crate) fn picture(samples: &[f64], dt: f64, start: f64, band: Option<Band>) -> Option<HeatMap> {
+pub(super) fn picture(samples: &[f64], dt: f64, start: f64, band: Option<Band>) -> Option<HeatMap> {
     let nyquist = 0.5 / dt;
     let peaks = spectral_peaks(&[samples], dt).unwrap_or_default();
     let last = peaks.iter().filter(|p| p.height > SEEN).map(|p| p.frequency).fold(0.0, f64::max);

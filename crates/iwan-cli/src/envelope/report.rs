@@ -3,7 +3,6 @@
 use maud::{Markup, html};
 
 use super::figures::Extracted;
-use super::picture::picture;
 use super::summary::{EnvelopeSummary, FAIRLY, Point, agreement};
 use crate::page::html::{grid, page};
 use crate::page::numbers::short;
@@ -49,7 +48,7 @@ fn mode(n: usize, x: &Extraction, summary: &EnvelopeSummary, units: &Units) -> M
         (table(summary.modes.get(n).map(|m| m.points.as_slice()).unwrap_or_default()))
         div.figures {
             @for figure in &head { (figure.draw()) }
-            @if let Some(picture) = picture(&x.samples, x.isolated.dt, x.start, Some(x.isolated.band)) { (picture.draw()) }
+            @if let Some(picture) = extracted.over_time() { (picture.draw()) }
         }
         h2 { "What the methods found" }
         (grid(&found))

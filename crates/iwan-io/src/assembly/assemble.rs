@@ -87,8 +87,15 @@ fn keep_one_quantity(source: &FileBytes, raw: &mut Raw, wanted: Option<Quantity>
     let kept = match wanted {
         Some(wanted) if found.contains(&wanted) => wanted,
         Some(_) => return Ok(()),
+        None if motions.len() == 1 && found.len() > 1 => motions[0],
+        // Beside a force, what is not known may be the motion.
+        None if motions.is_empty()
+            && !found.is_empty()
+            && raw.channels.iter().any(|c| c.quantity == Quantity::Unknown) =>
+        {
+            Quantity::Unknown
+        }
         None if found.len() <= 1 => return Ok(()),
-        None if motions.len() == 1 => motions[0],
         None => {
             let found = found.iter().map(ToString::to_string).collect::<Vec<_>>().join(", ");
             let names = list(raw.channels.iter().map(|c| c.name.as_str()));
@@ -100,7 +107,8 @@ fn keep_one_quantity(source: &FileBytes, raw: &mut Raw, wanted: Option<Quantity>
     raw.channels.retain(|c| {
         let keep = c.quantity == kept || c.quantity == Quantity::Unknown;
         if !keep {
-            let reason = format!("it measures {}, not {kept}", c.quantity);
+            let other = if kept == Quantity::Unknown { "a motion".into() } else { kept.to_string() };
+            let reason = format!("it measures {}, not {other}", c.quantity);
             warnings.push(Warning::LeftOut { name: c.name.clone(), reason });
         }
         keep

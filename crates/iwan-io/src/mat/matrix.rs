@@ -8,7 +8,7 @@ use crate::file_bytes::{FileBytes, decode, shorten};
 
 /// Structs inside structs are followed to this depth; deeper ones are refused by name when they are asked for. The depth
 /// bounds the recursion on a damaged file; records known have three levels at most.
-const DEEPEST: usize = 8;
+pub(super) const DEEPEST: usize = 8;
 
 /// Cell arrays of more dimensions are refused by name when they are asked for; those of records have two.
 const MOST_SUBSCRIPTS: usize = 8;

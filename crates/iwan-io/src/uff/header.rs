@@ -81,8 +81,7 @@ impl Header {
             11 => Quantity::Velocity,
             12 => Quantity::Acceleration,
             15 => Quantity::Pressure,
-            0 | 1 => units::quantity_of_unit(&self.ordinate_unit),
-            _ => Quantity::Unknown,
+            _ => units::quantity_of_unit(&self.ordinate_unit),
         }
     }
 }

@@ -95,7 +95,9 @@ fn told_at(place: &str, error: iwan_ident::Error) -> PyErr {
 
 /// An error of the reader of records, with Python's arguments in place of the command line's options.
 pub(crate) fn reading(error: &ReadError) -> PyErr {
-    const WORDS: [(&str, &str); 6] = [
+    const WORDS: [(&str, &str); 8] = [
+        ("--time-unit s|ms|us|ns|min|h", "time_unit="),
+        ("leave --unit out", "leave unit= out"),
         ("--rate HZ", "rate="),
         ("--time NAME", "time="),
         ("--channel NAME", "channels=[...]"),

@@ -15,8 +15,8 @@ const CYCLES: f64 = 10.0;
 const MEDIANS: f64 = 12.0;
 /// … and this part of the largest sample: less is lost beside what else averages leave.
 const PART: f64 = 5e-3;
-/// … and this part of it is still there ten cycles away.
-const LASTS: f64 = 0.7;
+/// … and between these parts of it are still there ten cycles away: less is a pulse, more is a drift.
+const LASTS: (f64, f64) = (0.7, 1.3);
 
 /// What disturbs a record at a time.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -113,7 +113,8 @@ fn jump(x: &[f64], dt: f64, cycle: f64) -> Option<Event> {
     let kept = |i: usize| zero[(i + 2 * reach).min(zero.len() - 1)] - zero[i.saturating_sub(reach)];
     let stands = |i: &usize| {
         let size = differences[*i];
-        size.abs() > MEDIANS * median && size.abs() > PART * loudest && kept(*i) / size > LASTS
+        let all = size.abs() > MEDIANS * median && size.abs() > PART * loudest;
+        all && (LASTS.0..=LASTS.1).contains(&(kept(*i) / size))
     };
     let at =
         (0..count).filter(stands).max_by(|&i, &j| differences[i].abs().total_cmp(&differences[j].abs()))?;

@@ -100,7 +100,12 @@ pub fn intruders(x: &[f64], dt: f64, band: &Band) -> Result<Vec<Intruder>, Error
         let (first, last) = ((band.low / base).ceil() as u32, (band.high / base).floor() as u32);
         (first.max(1)..=last).map(move |order| (base, order))
     };
-    let mains = MAINS.into_iter().flat_map(multiples).filter_map(|(base, order)| mains(x, dt, base, order));
+    // 300 Hz is a multiple of both: it is named once.
+    let twice = |(base, order): &(f64, u32)| {
+        *base == MAINS[1] && (base * f64::from(*order) / MAINS[0]).fract() == 0.0
+    };
+    let all = MAINS.into_iter().flat_map(multiples).filter(|line| !twice(line));
+    let mains = all.filter_map(|(base, order)| mains(x, dt, base, order));
     Ok(harmonics.chain(mains).collect())
 }
 

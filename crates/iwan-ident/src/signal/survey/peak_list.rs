@@ -4,19 +4,16 @@ use super::ring::{RingSpectrum, decay_rate};
 use crate::error::{Error, check};
 use crate::signal::spectrum::Band;
 
-/// A peak stands out of the noise when its amplitude is this many times the median of the lines in the quietest place around it: of a
-/// million lines of noise the highest reaches 4.5 times the median of all, which is up to a fifth above that of the quietest place.
+/// A peak stands out of the noise when its amplitude is this many times the median of it around: of a million lines of noise the highest
+/// reaches 4.5 times, and a median of some tens of independent lines is a fifth off.
 const ABOVE_NOISE: f64 = 7.0;
 /// … and out of the skirts of others when the valleys on both sides are this much lower. A judgement: half of it names ripples of
 /// skirts, twice of it leaves out modes 2 % beside others.
 const PROMINENCE: f64 = 2.0;
-/// Lines in each of the blocks among which the quietest place is sought, at most: a hundred independent lines.
+/// Lines in each of the blocks of which the medians are taken, at most: 64 independent lines.
 const BLOCK: usize = 512;
 /// … of blocks at least.
 const BLOCKS: usize = 8;
-/// The quietest place is sought up to this factor in frequency on either side: noise is flat over as much, and somewhere in it no
-/// mode stands.
-const AROUND: f64 = 1.5;
 /// A peak needs this many cycles in the stretch: below lie offset and drift.
 const CYCLES: f64 = 5.0;
 /// A mode that is asked for is at most this far from the frequency given, as a ratio.
@@ -51,7 +48,7 @@ pub struct SpectralPeak {
 /// The peaks of the spectrum of a ring-down in one or several equally long channels (same unit, every `dt` seconds), by frequency.
 ///
 /// The spectrum is that of the stretch behind the loudest sample, under the falling half of a Hann window. A peak is a line that stands
-/// six times out of the noise around it, with valleys of half its height on both sides, and lasts for five cycles of the stretch.
+/// seven times out of the noise around it, with valleys of half its height on both sides, and lasts for five cycles of the stretch.
 ///
 /// # Errors
 /// [`Error::OutOfRange`] for `dt`, [`Error::NotFinite`], [`Error::TooShort`] below 64 samples or for channels of different lengths.
@@ -67,7 +64,7 @@ pub struct SpectralPeak {
 /// ```
 pub fn spectral_peaks(channels: &[&[f64]], dt: f64) -> Result<Vec<SpectralPeak>, Error> {
     let spectrum = RingSpectrum::new(channels, dt)?;
-    let floor = quiet_places(&spectrum.power);
+    let floor = noise_around(&spectrum.noise);
     let first = ((CYCLES / spectrum.length / spectrum.step).ceil() as usize).max(1);
     let stands = |k: &usize| {
         spectrum.is_peak(*k)
@@ -143,22 +140,23 @@ fn block_length(lines: usize) -> usize {
     (lines / BLOCKS).clamp(1, BLOCK)
 }
 
-/// For each block of lines the median power of the quietest block around it.
-fn quiet_places(power: &[f64]) -> Vec<f64> {
+/// For each block of lines the median noise in it, or in one beside it where that is less: a mode that fills a block is no noise.
+fn noise_around(noise: &[f64]) -> Vec<f64> {
     let median = |block: &[f64]| {
         let mut sorted = block.to_vec();
         let middle = sorted.len() / 2;
         *sorted.select_nth_unstable_by(middle, f64::total_cmp).1
     };
-    let length = block_length(power.len());
-    let mut medians: Vec<f64> = power.chunks_exact(length).map(median).collect();
-    medians.resize(power.len().div_ceil(length), medians.last().copied().unwrap_or(0.0));
-    let quietest = |block: usize| {
-        let (from, to) =
-            ((block as f64 / AROUND) as usize, ((block as f64 * AROUND) as usize + 2).min(medians.len()));
-        medians[from..to].iter().copied().fold(f64::INFINITY, f64::min)
+    let length = block_length(noise.len());
+    let mut medians: Vec<f64> = noise.chunks_exact(length).map(median).collect();
+    medians.resize(noise.len().div_ceil(length), medians.last().copied().unwrap_or(0.0));
+    let least = |block: usize| {
+        medians[block.saturating_sub(1)..(block + 2).min(medians.len())]
+            .iter()
+            .copied()
+            .fold(f64::INFINITY, f64::min)
     };
-    (0..medians.len()).map(quietest).collect()
+    (0..medians.len()).map(least).collect()
 }
 
 /// The higher of the lowest powers on the ways to higher lines on either side; an end of the spectrum counts as one.

@@ -24,6 +24,9 @@ pub(super) struct RingSpectrum {
     /// Length of the stretch, s.
     pub(super) length: f64,
     pub(super) power: Vec<f64>,
+    /// Power of the noise in each line: what a line has more than the straight line through its neighbours on either side says. The skirts of
+    /// modes are smooth and leave nothing, noise leaves itself.
+    pub(super) noise: Vec<f64>,
 }
 
 impl RingSpectrum {
@@ -32,12 +35,7 @@ impl RingSpectrum {
         check_dt(dt)?;
         let n = channels.first().map_or(0, |c| c.len());
         for channel in channels {
-            check_samples(
-                "record",
-                channel,
-                LEAST.max(n),
-                "give channels of the same length, of 64 samples or more",
-            )?;
+            check_samples("record", channel, LEAST.max(n), "record longer, and all channels alike")?;
         }
         let from = loudest(channels, n);
         let stretch = n - from;
@@ -45,14 +43,19 @@ impl RingSpectrum {
         let stretch = n - from;
         let padded = (DENSER * stretch).next_power_of_two();
         let fft = FftPlanner::new().plan_fft_forward(padded);
-        let mut power = vec![0.0; padded / 2 + 1];
+        let (mut power, mut noise) = (vec![0.0; padded / 2 + 1], vec![0.0; padded / 2 + 1]);
         for channel in channels {
             let mut z = windowed(&channel[from..]);
             z.resize(padded, Complex64::default());
             fft.process(&mut z);
             power.iter_mut().zip(&z).for_each(|(p, z)| *p += z.norm_sqr());
+            for (k, noise) in noise.iter_mut().enumerate() {
+                // Two lines of the stretch's own away, where the window's have nothing in common.
+                let (below, above) = (z[(k + padded - 2 * DENSER) % padded], z[(k + 2 * DENSER) % padded]);
+                *noise += (below - 2.0 * z[k] + above).norm_sqr() / 6.0;
+            }
         }
-        Ok(Self { step: 1.0 / (padded as f64 * dt), length: stretch as f64 * dt, power })
+        Ok(Self { step: 1.0 / (padded as f64 * dt), length: stretch as f64 * dt, power, noise })
     }
 
     /// Frequency of the peak at line `k`, by a parabola through the logarithms.
