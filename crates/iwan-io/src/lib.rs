@@ -1,4 +1,4 @@
-//! Measured and simulated records: CSV, NPY/NPZ, UFF 58/58b and MATLAB v5 files; tables of results.
+//! Measured and simulated records: CSV, LVM, NPY/NPZ, UFF 58/58b, MATLAB and WAV files; tables of results.
 //!
 //! [`read`] turns a file into a [`Record`]: uniformly sampled channels, checked once. [`Table`] writes columns of
 //! results as CSV, NPZ or Parquet. [`atomic`] makes files appear whole or not at all.
