@@ -62,7 +62,9 @@ impl Walk<'_> {
     }
 
     fn refuse(&mut self, path: &str, error: &hdf5_pure::Error) {
-        self.found.refused.push(Said { path: path.into(), text: error.to_string() });
+        self.found
+            .refused
+            .push(Said { path: path.into(), text: format!("stored in a way that is not read ({error})") });
     }
 
     /// An array, a text, or references to elements.

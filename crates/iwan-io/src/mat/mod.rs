@@ -14,6 +14,7 @@ use crate::error::ReadError;
 use crate::file_bytes::FileBytes;
 use crate::inflate::{most, read_limited};
 use crate::options::ReadOptions;
+use crate::warning::Warning;
 use element::{Cursor, ElementType};
 use flate2::bufread::ZlibDecoder;
 use matrix::{Found, Reader, Said};
@@ -33,7 +34,9 @@ pub(crate) fn parse(source: FileBytes, options: &ReadOptions) -> Result<Raw, Rea
             "save real numeric arrays of one or two dimensions",
         ));
     }
-    Chooser { source, options, tabular: false }.choose(with_units(found), Vec::new())
+    let left = |r: &Said| Warning::LeftOut { name: r.path.clone(), reason: format!("it is {}", r.text) };
+    let warnings = found.refused.iter().map(left).collect();
+    Chooser { source, options, tabular: false }.choose(with_units(found), warnings)
 }
 
 /// Signature of HDF5, at the start or behind MATLAB's own header of 512 bytes.

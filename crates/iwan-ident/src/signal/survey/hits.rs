@@ -2,7 +2,7 @@
 
 use std::ops::Range;
 
-use super::ring::RingSpectrum;
+use super::ring::{RingSpectrum, Window};
 use crate::error::Error;
 
 /// Samples a cycle of the strongest peak that are looked at: records of more are averaged over as many samples. Ten and forty find the
@@ -72,7 +72,7 @@ pub struct Hit {
 /// # Ok::<(), iwan_ident::Error>(())
 /// ```
 pub fn hits(x: &[f64], dt: f64) -> Result<Vec<Hit>, Error> {
-    let spectrum = RingSpectrum::new(&[x], dt)?;
+    let spectrum = RingSpectrum::new(&[x], dt, Window::Falling)?;
     let first = (4.0 / spectrum.length / spectrum.step) as usize + 1;
     let lines = first..spectrum.power.len();
     let top = lines.max_by(|&i, &j| spectrum.power[i].total_cmp(&spectrum.power[j])).unwrap_or(first);

@@ -1,6 +1,6 @@
 //! The peaks of a record's spectrum, and the band around the one that is meant.
 
-use super::ring::{RingSpectrum, decay_rate};
+use super::ring::{RingSpectrum, Window, decay_rate};
 use crate::error::{Error, check};
 use crate::signal::spectrum::Band;
 
@@ -10,12 +10,17 @@ const ABOVE_NOISE: f64 = 7.0;
 /// … and out of the skirts of others when the valleys on both sides are this much lower. A judgement: half of it names ripples of
 /// skirts, twice of it leaves out modes 2 % beside others.
 const PROMINENCE: f64 = 2.0;
-/// Lines in each of the blocks of which the medians are taken, at most: 64 independent lines.
+/// A peak that only the second window shows stands this much above its valleys: noise that is not white has bumps of five.
+const CLEAR: f64 = 10.0;
+/// Lines in each of the blocks of which the medians are taken, at most: 128 independent lines.
 const BLOCK: usize = 512;
 /// … of blocks at least.
 const BLOCKS: usize = 8;
 /// A peak needs this many cycles in the stretch: below lie offset and drift.
 const CYCLES: f64 = 5.0;
+/// Peaks of both windows are one where they are nearer to each other than this many of their widths: a peak whose frequency falls with
+/// amplitude stands higher when its loud part is not seen.
+const APART: f64 = 2.0;
 /// A mode that is asked for is at most this far from the frequency given, as a ratio.
 const FAR: f64 = 1.2;
 /// A peak this near to another one, relative to its frequency, …
@@ -47,7 +52,9 @@ pub struct SpectralPeak {
 
 /// The peaks of the spectrum of a ring-down in one or several equally long channels (same unit, every `dt` seconds), by frequency.
 ///
-/// The spectrum is that of the stretch behind the loudest sample, under the falling half of a Hann window. A peak is a line that stands
+/// The spectrum is that of the stretch behind the loudest sample, under the falling half of a Hann window; peaks that the skirts of others
+/// hide in it are taken from that under a whole
+/// Blackman-Harris window. A peak is a line that stands
 /// seven times out of the noise around it, with valleys of half its height on both sides, and lasts for five cycles of the stretch.
 ///
 /// # Errors
@@ -63,32 +70,69 @@ pub struct SpectralPeak {
 /// # Ok::<(), iwan_ident::Error>(())
 /// ```
 pub fn spectral_peaks(channels: &[&[f64]], dt: f64) -> Result<Vec<SpectralPeak>, Error> {
-    let spectrum = RingSpectrum::new(channels, dt)?;
-    let floor = noise_around(&spectrum.noise);
-    let first = ((CYCLES / spectrum.length / spectrum.step).ceil() as usize).max(1);
-    let stands = |k: &usize| {
-        spectrum.is_peak(*k)
-            && spectrum.power[*k] > ABOVE_NOISE * ABOVE_NOISE * floor[*k / block_length(spectrum.power.len())]
+    let falling = Listed::new(channels, dt, Window::Falling)?;
+    let whole = Listed::new(channels, dt, Window::Whole)?;
+    let highest = falling.lines.iter().map(|l| falling.spectrum.power[l.at]).fold(0.0, f64::max);
+    // A mode that another one's skirts hide at the start is seen when that has died away.
+    let hidden = |line: &&Line| {
+        if line.prominence < CLEAR {
+            return false;
+        }
+        let apart = APART * (1.0 / (whole.spectrum.length * whole.spectrum.step) + line.width.unwrap_or(0.0));
+        falling
+            .lines
+            .iter()
+            .all(|other| (other.at.abs_diff(line.at) as f64) > apart + APART * other.width.unwrap_or(0.0))
     };
-    let found: Vec<(usize, f64)> = (first..spectrum.power.len() - 1)
-        .filter(stands)
-        .map(|k| (k, (spectrum.power[k] / saddle(&spectrum.power, k).max(f64::MIN_POSITIVE)).sqrt()))
-        .filter(|(_, prominence)| *prominence >= PROMINENCE)
-        .collect();
-    let highest = found.iter().map(|(k, _)| spectrum.power[*k]).fold(0.0, f64::max);
-    let peak = |(k, prominence): (usize, f64)| {
-        let frequency = spectrum.frequency(k);
-        let width = half_power_width(&spectrum.power, k).map(|lines| lines * spectrum.step);
-        let rate = width.and_then(|w| decay_rate(w, spectrum.length));
+    let peak = |listed: &Listed, line: &Line| {
+        let frequency = listed.spectrum.frequency(line.at);
+        let width = line.width.map(|lines| lines * listed.spectrum.step);
+        let rate = width.and_then(|w| decay_rate(listed.window, w, listed.spectrum.length));
         SpectralPeak {
             frequency,
-            height: (spectrum.power[k] / highest).sqrt(),
+            height: if highest > 0.0 { (falling.spectrum.power[line.at] / highest).sqrt() } else { 1.0 },
             width,
             damping_ratio: rate.map(|r| r / (std::f64::consts::TAU * frequency)),
-            prominence,
+            prominence: line.prominence,
         }
     };
-    Ok(found.into_iter().map(peak).collect())
+    let mut peaks: Vec<SpectralPeak> = falling.lines.iter().map(|line| peak(&falling, line)).collect();
+    peaks.extend(whole.lines.iter().filter(hidden).map(|line| peak(&whole, line)));
+    peaks.sort_by(|a, b| a.frequency.total_cmp(&b.frequency));
+    Ok(peaks)
+}
+
+/// A spectrum with its peaks.
+struct Listed {
+    window: Window,
+    spectrum: RingSpectrum,
+    lines: Vec<Line>,
+}
+
+/// A line that is a peak.
+struct Line {
+    at: usize,
+    /// Lines between its half-power points.
+    width: Option<f64>,
+    prominence: f64,
+}
+
+impl Listed {
+    fn new(channels: &[&[f64]], dt: f64, window: Window) -> Result<Self, Error> {
+        let spectrum = RingSpectrum::new(channels, dt, window)?;
+        let floor = noise_around(&spectrum.noise);
+        let (power, length) = (&spectrum.power, block_length(spectrum.power.len()));
+        let first = ((CYCLES / spectrum.length / spectrum.step).ceil() as usize).max(1);
+        let stands =
+            |k: &usize| spectrum.is_peak(*k) && power[*k] > ABOVE_NOISE * ABOVE_NOISE * floor[*k / length];
+        let line = |k: usize| {
+            let prominence = (power[k] / saddle(power, k).max(f64::MIN_POSITIVE)).sqrt();
+            Line { at: k, width: half_power_width(power, k), prominence }
+        };
+        let lines = (first..power.len() - 1).filter(stands).map(line).filter(|l| l.prominence >= PROMINENCE);
+        let lines = lines.collect();
+        Ok(Self { window, spectrum, lines })
+    }
 }
 
 /// The band around the spectral peak nearest to `near` Hz: 0.75 to 1.3 times its frequency, cut at the geometric mean with the next
