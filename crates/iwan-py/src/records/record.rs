@@ -11,7 +11,7 @@ use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
 use crate::exchange::array::{Numbers, array, freeze, frozen_rows};
-use crate::exchange::errors::{identification, reading, value, wrong_type};
+use crate::exchange::errors::{identification, in_python, reading, value, wrong_type};
 use crate::exchange::options::choose;
 use crate::exchange::pickle::Remake;
 use crate::exchange::work;
@@ -70,7 +70,7 @@ impl Record {
             names: record.names().to_vec(),
             quantity: record.quantity(),
             unit: record.unit().to_owned(),
-            warnings: record.warnings().iter().map(ToString::to_string).collect(),
+            warnings: record.warnings().iter().map(|w| in_python(&w.to_string())).collect(),
             samples: frozen_rows(py, record.samples())?,
         })
     }
