@@ -30,7 +30,7 @@ fn sound_of_every_width_is_part_of_full_scale() {
         assert_eq!((record.channel(0), record.dt()), (&[-1.0, 0.0, 0.5][..], 1.25e-4), "{bits}");
         assert_eq!((record.unit(), record.quantity()), ("full scale", Quantity::Unknown));
     }
-    let two: Vec<u8> = [1_i16, 2, 3, 4].iter().flat_map(|v| (v * 8192).to_le_bytes()).take(8).collect();
+    let two: Vec<u8> = [1_i16, 2, 3, -4].iter().flat_map(|v| (v * 8192).to_le_bytes()).collect();
     let record = read("a.wav", &wav(1, 16, 2, 8000, &two)).unwrap();
     assert_eq!((record.channels(), record.channel(1)), (2, &[0.5, -1.0][..]));
 }

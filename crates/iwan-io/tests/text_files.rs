@@ -147,7 +147,7 @@ fn a_clock_that_stutters_is_named_with_its_row_and_what_helps() {
         message.contains("in row") && message.contains("stutters") && message.contains("--resample"),
         "{message}"
     );
-    assert!(message.contains("on average 166"), "{message}");
+    assert!(message.contains("on average 1672"), "{message}");
     let record = read_with(text.as_bytes(), &ReadOptions { resample: true, ..Default::default() }).unwrap();
     assert_eq!((record.len(), record.quantity()), (200, Quantity::Displacement));
     let [Warning::Resampled { jitter, merged, .. }] = record.warnings() else {

@@ -149,7 +149,7 @@ fn grid(times: &[f64], allowed: &[f64]) -> Even {
 }
 
 /// For each time the unit of the last digit it was written with: for each power of ten of its size the coarsest unit that all times of
-/// that size are multiples of; single precision where all are numbers of it; 0 where none is seen.
+/// that size are multiples of; where none is seen that of single precision, if all are numbers of it, or of double precision.
 fn units_of_last_digit(times: &[f64]) -> Vec<f64> {
     let sizes: Vec<i32> = times.iter().map(|t| decade(*t)).collect();
     let mut digits = std::collections::BTreeMap::new();
@@ -171,7 +171,7 @@ fn units_of_last_digit(times: &[f64]) -> Vec<f64> {
         units[i].1 = units[i].1.min(units[i - 1].1 * 10.0_f64.powi(steps));
     }
     let single = times.iter().all(|&t| f64::from(narrow(t)) == t);
-    let precision = if single { f64::from(f32::EPSILON) } else { 0.0 };
+    let precision = if single { f64::from(f32::EPSILON) } else { f64::EPSILON };
     let of = |(t, size): (&f64, &i32)| {
         let at = units.partition_point(|(of, _)| of < size);
         units[at].1.max(t.abs() * precision)

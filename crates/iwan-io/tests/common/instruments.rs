@@ -71,7 +71,7 @@ pub fn mat_7_3(n: usize) -> Vec<u8> {
     head.resize(124, b' ');
     head.extend(b"\x00\x02IM");
     head.resize(512, 0);
-    file.with_userblock_content(&head);
+    file.with_userblock(512).with_userblock_content(&head);
     file.finish().unwrap()
 }
 
