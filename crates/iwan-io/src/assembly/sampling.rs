@@ -14,9 +14,9 @@ const JITTER: f64 = 5e-3;
 /// interval, two units of rounding, which half a unit on either side cannot hide.
 const ROUNDING: f64 = 0.5;
 
-/// Decimals to which times are looked at for rounding, from thousands of seconds to nanoseconds: more digits than this are those
+/// Decimals to which times are looked at for rounding, from whole seconds to nanoseconds: more digits than this are those
 /// of single or double precision, which are tried as well.
-const DECIMALS: std::ops::RangeInclusive<i32> = -3..=9;
+const DECIMALS: std::ops::RangeInclusive<i32> = 0..=9;
 
 /// A time is a multiple of a quantum when it is one within this part of the quantum. In double precision a time of an hour,
 /// counted in nanoseconds, is off by 5e-4 of one; a time that is not rounded passes once in five hundred, and all of them
