@@ -16,7 +16,7 @@ pub enum ReadError {
         source: std::io::Error,
     },
     /// Neither the content nor the extension is one of the known formats.
-    #[error("{}: unknown format ({found}); known are csv, tsv, txt, npy, npz, uff, unv and mat (v5): export to one of these", .file.display())]
+    #[error("{}: unknown format ({found}); known are csv, tsv, txt, lvm, npy, npz, uff, unv, mat and wav: export to one of these", .file.display())]
     UnknownFormat {
         /// File.
         file: PathBuf,
@@ -107,8 +107,8 @@ pub enum ReadError {
         /// What sets the expectation.
         reference: String,
     },
-    /// The times do not increase.
-    #[error("{}: '{name}' does not increase at sample {sample} (counted from 0): {value} s after {previous} s; times must increase: sort or cut the record, or give --rate HZ", .file.display())]
+    /// The times run backwards.
+    #[error("{}: '{name}' runs backwards in row {} of the numbers (sample {sample} counted from 0): {value} s after {previous} s; times must increase: sort or cut the record, or give --rate HZ", .file.display(), .sample + 1)]
     TimeOrder {
         /// File.
         file: PathBuf,
@@ -121,8 +121,26 @@ pub enum ReadError {
         /// Time before it in seconds.
         previous: f64,
     },
+    /// The clock stutters: the same time stands at several samples.
+    #[error("{}: '{name}' says {value} s twice, in row {} of the numbers (sample {sample} counted from 0) again, and repeats itself at {count} of {samples} samples: the clock stutters; give --rate HZ where the samples were taken evenly (on average {rate:.6} Hz), or average and interpolate them with --resample", .file.display(), .sample + 1)]
+    TimeRepeated {
+        /// File.
+        file: PathBuf,
+        /// Name of the time vector.
+        name: String,
+        /// Index of the first sample with the time of the one before, counted from 0.
+        sample: usize,
+        /// Its time in seconds.
+        value: f64,
+        /// Number of samples with the time of the one before.
+        count: usize,
+        /// Number of samples.
+        samples: usize,
+        /// Samples a second on average.
+        rate: f64,
+    },
     /// The times increase unevenly.
-    #[error("{}: '{name}' is not uniform: the interval before sample {sample} (counted from 0) is {interval:e} s, the mean is {dt:e} s, allowed is a deviation of {allowed:.1e} of it; resample with --resample, or give --rate HZ", .file.display())]
+    #[error("{}: '{name}' is not uniform: the interval before row {} of the numbers (sample {sample} counted from 0) is {interval:e} s, the mean is {dt:e} s, allowed is a deviation of {allowed:.1e} of it; resample with --resample, or give --rate HZ", .file.display(), .sample + 1)]
     NotUniform {
         /// File.
         file: PathBuf,
@@ -136,6 +154,44 @@ pub enum ReadError {
         dt: f64,
         /// Relative deviation allowed.
         allowed: f64,
+    },
+    /// The times are in something that is no known unit of time.
+    #[error("{}: '{name}' is in '{unit}', which is no unit of time (known are {known}); {remedy}", .file.display())]
+    TimeUnit {
+        /// File.
+        file: PathBuf,
+        /// Name of the time vector.
+        name: String,
+        /// What stands in place of a unit.
+        unit: String,
+        /// Units that are known.
+        known: &'static str,
+        /// What helps.
+        remedy: &'static str,
+    },
+    /// Several time vectors that differ: records of different specimens or tests in one file.
+    #[error("{}: several times that differ stand in the file ({times}): its channels do not belong together; choose one with --time NAME, or channels with --channel NAME (there are: {names})", .file.display())]
+    SeveralTimes {
+        /// File.
+        file: PathBuf,
+        /// Names of the times.
+        times: String,
+        /// Names in the file.
+        names: String,
+    },
+    /// A channel cannot be converted to the unit wanted.
+    #[error("{}: channel '{name}' in '{unit}' cannot be converted to {wanted}: {reason}; leave --unit out, or convert the file", .file.display())]
+    UnitConversion {
+        /// File.
+        file: PathBuf,
+        /// Channel.
+        name: String,
+        /// Its unit.
+        unit: String,
+        /// Unit wanted.
+        wanted: String,
+        /// Why not.
+        reason: &'static str,
     },
     /// The rate given is not a positive finite number.
     #[error("{}: the rate is {value} Hz; it must be finite and greater than 0: give --rate HZ", .file.display())]

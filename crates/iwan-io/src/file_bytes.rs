@@ -1,7 +1,9 @@
 //! The bytes of a file with its path, so that every error can name it.
 
 use crate::error::ReadError;
+use crate::options::ReadOptions;
 use crate::record::RecordError;
+use crate::time_unit::TimeUnit;
 use std::path::Path;
 
 /// A file in memory.
@@ -40,6 +42,36 @@ impl FileBytes<'_> {
         found: u64,
     ) -> ReadError {
         ReadError::CutShort { file: self.file.into(), place: place.into(), what, promised, found }
+    }
+
+    /// Factor from the unit of times to seconds, and whether the unit is known: the user's word goes before the file's, and a rate
+    /// given goes before any times.
+    pub(crate) fn seconds(
+        &self,
+        name: &str,
+        unit: &str,
+        options: &ReadOptions,
+    ) -> Result<(f64, bool), ReadError> {
+        if let Some(given) = options.time_unit {
+            return Ok((given.seconds(), true));
+        }
+        let bare = unit.trim().trim_matches(['[', ']', '(', ')', '{', '}', '<', '>']).trim();
+        match bare.parse::<TimeUnit>() {
+            Ok(unit) => Ok((unit.seconds(), true)),
+            Err(_) if bare.is_empty() => Ok((1.0, false)),
+            Err(_) if options.rate.is_some() => Ok((1.0, true)),
+            Err(_) => {
+                let counts =
+                    ["sample", "point", "index", "count"].iter().any(|w| bare.to_lowercase().starts_with(w));
+                let remedy = if counts {
+                    "it counts samples: give the sampling rate with --rate HZ"
+                } else {
+                    "say what the times are with --time-unit s|ms|us|ns|min|h, or give --rate HZ"
+                };
+                let (file, name, unit) = (self.file.into(), name.into(), shorten(bare, 40));
+                Err(ReadError::TimeUnit { file, name, unit, known: TimeUnit::KNOWN, remedy })
+            }
+        }
     }
 
     pub(crate) fn record(&self, source: RecordError) -> ReadError {

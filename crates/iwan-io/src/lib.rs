@@ -1,4 +1,4 @@
-//! Measured and simulated records: CSV, NPY/NPZ, UFF 58/58b and MATLAB v5 files; tables of results.
+//! Measured and simulated records: CSV, LVM, NPY/NPZ, UFF 58/58b, MATLAB and WAV files; tables of results.
 //!
 //! [`read`] turns a file into a [`Record`]: uniformly sampled channels, checked once. [`Table`] writes columns of
 //! results as CSV, NPZ or Parquet. [`atomic`] makes files appear whole or not at all.
@@ -7,6 +7,7 @@
 
 // What a record is, what may be said about a file before it is read, and what is said about it afterwards.
 mod quantity;
+mod time_unit;
 mod warning;
 mod record;
 mod error;
@@ -25,6 +26,8 @@ mod text;
 mod numpy;
 mod uff;
 mod mat;
+mod lvm;
+mod wav;
 mod read;
 
 // Files that are written.
@@ -38,4 +41,5 @@ pub use read::{read, read_bytes};
 pub use record::{Record, RecordError};
 pub use table::{Table, TableError};
 pub use text::{Columns, parse_table, read_table};
+pub use time_unit::{TimeUnit, UnknownTimeUnit};
 pub use warning::Warning;

@@ -1,6 +1,7 @@
 //! What the user may say about a file before it is read.
 
 use crate::quantity::Quantity;
+use crate::time_unit::TimeUnit;
 
 /// Formats of records.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
@@ -14,8 +15,12 @@ pub enum Format {
     Npz,
     /// Universal file format, dataset 58 and 58b.
     Uff,
-    /// MATLAB level 5.
+    /// MATLAB level 5 and 7.3.
     Mat,
+    /// LabVIEW measurement file.
+    Lvm,
+    /// RIFF/WAVE sound file.
+    Wav,
 }
 
 /// What the user says about a file; the default says nothing and everything is found out.
@@ -41,4 +46,8 @@ pub struct ReadOptions {
     pub quantity: Option<Quantity>,
     /// Interpolate non-uniform samples onto a uniform grid instead of refusing them.
     pub resample: bool,
+    /// Unit of the times; goes before what the file says.
+    pub time_unit: Option<TimeUnit>,
+    /// Convert samples to this unit: `SI` (m, m/s, m/s^2, rad, N, ...), or a label such as `m/s^2` or `mm`; none: samples stay as they are.
+    pub unit: Option<String>,
 }

@@ -5,7 +5,7 @@ use crate::error::ReadError;
 use crate::file_bytes::{FileBytes, decode, shorten};
 use crate::options::{Format, ReadOptions};
 use crate::record::Record;
-use crate::{mat, numpy, text, uff};
+use crate::{lvm, mat, numpy, text, uff, wav};
 use std::path::Path;
 
 /// Reads a record; the format is found from the content and, where that does not tell, from the extension.
@@ -50,6 +50,8 @@ fn parse(source: FileBytes, options: &ReadOptions) -> Result<Raw, ReadError> {
         Some(Format::Npz) => numpy::parse_npz(source, options),
         Some(Format::Uff) => uff::parse(source, options),
         Some(Format::Mat) => mat::parse(source, options),
+        Some(Format::Lvm) => lvm::parse(source, options),
+        Some(Format::Wav) => wav::parse(source, options),
         None => {
             let start: String = decode(&source.bytes[..source.bytes.len().min(16)]);
             let start: String = start.chars().map(|c| if c.is_control() { '.' } else { c }).collect();
@@ -69,6 +71,10 @@ fn by_content(bytes: &[u8]) -> Option<Format> {
         || bytes.starts_with(b"\x89HDF")
     {
         Some(Format::Mat)
+    } else if wav::is_wave(bytes) {
+        Some(Format::Wav)
+    } else if lvm::is_lvm(bytes) {
+        Some(Format::Lvm)
     } else if opens_dataset(bytes) {
         Some(Format::Uff)
     } else {
@@ -99,6 +105,8 @@ fn by_extension(file: &Path) -> Option<Format> {
         "npz" => Some(Format::Npz),
         "uff" | "unv" | "uf" | "bunv" => Some(Format::Uff),
         "mat" => Some(Format::Mat),
+        "lvm" => Some(Format::Lvm),
+        "wav" | "wave" => Some(Format::Wav),
         _ => None,
     }
 }

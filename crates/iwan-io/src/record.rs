@@ -50,6 +50,22 @@ pub enum RecordError {
         /// Number of samples of the first channel.
         expected: usize,
     },
+    /// A stretch that holds fewer than two samples.
+    #[error(
+        "from {from} to {to} s there are {samples} samples, at least 2 are needed; the record runs from {start} to {end} s: choose a stretch within it"
+    )]
+    Stretch {
+        /// Start wanted in seconds.
+        from: f64,
+        /// End wanted in seconds.
+        to: f64,
+        /// Samples in it.
+        samples: usize,
+        /// Time of the first sample in seconds.
+        start: f64,
+        /// Time of the last sample in seconds.
+        end: f64,
+    },
     /// A sample is NaN or infinite.
     #[error(
         "channel '{channel}', sample {sample} (counted from 0) is {value}; every sample must be finite: cut the record there, or repair the value"
@@ -120,6 +136,57 @@ impl Record {
         self.quantity = quantity;
         self.unit = unit.into();
         self
+    }
+
+    /// The samples from `from` to `to` (s, on the record's own clock, both included; none: from the first, to the last). What was noticed
+    /// about the file stays with them.
+    ///
+    /// # Errors
+    /// [`RecordError::Stretch`] where fewer than two samples are left (NaN included).
+    ///
+    /// ```
+    /// let record = iwan_io::Record::new(0.5, vec![vec![0.0, 1.0, 4.0, 9.0]], vec!["tip".into()])?.with_start(-0.5)?;
+    /// let cut = record.between(Some(0.0), None)?;
+    /// assert_eq!((cut.start(), cut.channel(0)), (0.0, &[1.0, 4.0, 9.0][..]));
+    /// assert!(record.between(Some(2.0), None).is_err());
+    /// # Ok::<(), iwan_io::RecordError>(())
+    /// ```
+    pub fn between(&self, from: Option<f64>, to: Option<f64>) -> Result<Self, RecordError> {
+        let (n, end) = (self.len(), self.time(self.len() - 1));
+        // A time that is written as a sample's own is that sample, whatever the last bit says.
+        let place = |t: f64| (t - self.start) / self.dt;
+        let first = from.map_or(0.0, |t| (place(t) - 1e-6).ceil().max(0.0));
+        let last = to.map_or(n as f64 - 1.0, |t| (place(t) + 1e-6).floor().min(n as f64 - 1.0));
+        let (from, to) = (from.unwrap_or(self.start), to.unwrap_or(end));
+        if last < first + 1.0 || from.is_nan() || to.is_nan() {
+            let samples = usize::from(last >= first && !from.is_nan() && !to.is_nan());
+            return Err(RecordError::Stretch { from, to, samples, start: self.start, end });
+        }
+        #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)] // whole numbers from 0 to n - 1
+        let (first, last) = (first as usize, last as usize);
+        let samples = self.samples.iter().map(|c| c[first..=last].to_vec()).collect();
+        Ok(Self {
+            start: self.time(first),
+            samples,
+            names: self.names.clone(),
+            unit: self.unit.clone(),
+            warnings: self.warnings.clone(),
+            ..*self
+        })
+    }
+
+    /// Whether another record holds the same samples: then it is the same record once more, whatever its file is called. Such a copy tells
+    /// nothing new, and would make everything that is estimated look more certain.
+    ///
+    /// ```
+    /// use iwan_io::Record;
+    /// let record = |x: f64| Record::new(0.5, vec![vec![0.0, x]], vec!["tip".into()]);
+    /// assert!(record(1.0)?.is_copy_of(&record(1.0)?) && !record(1.0)?.is_copy_of(&record(2.0)?));
+    /// # Ok::<(), iwan_io::RecordError>(())
+    /// ```
+    #[must_use]
+    pub fn is_copy_of(&self, other: &Self) -> bool {
+        self.samples == other.samples
     }
 
     pub(crate) fn with_warnings(mut self, warnings: Vec<Warning>) -> Self {

@@ -40,15 +40,39 @@ pub enum Warning {
         /// Mean interval in seconds.
         dt: f64,
     },
+    /// The times lie near an even grid, nearer than matters.
+    #[error("the times lie within {jitter:.1e} s of an even grid of {dt:e} s; taken as even")]
+    NearlyEven {
+        /// Largest distance of a time from the grid in seconds.
+        jitter: f64,
+        /// Interval of the grid in seconds.
+        dt: f64,
+    },
     /// The samples were interpolated onto a uniform grid.
     #[error(
-        "the times are not uniform (an interval differs by {deviation:.3} of the mean {dt:e} s); resampled"
+        "the times are not uniform: {merged} repeat the one before, the longest gap is {gap:.3e} s, and they lie up to {jitter:.3e} s \
+         off an even grid; resampled every {dt:e} s"
     )]
     Resampled {
-        /// Largest deviation of an interval relative to the mean one.
-        deviation: f64,
+        /// Largest distance of a time from the even grid in seconds.
+        jitter: f64,
+        /// Longest time without a sample in seconds.
+        gap: f64,
+        /// Times that were the same as the one before.
+        merged: usize,
         /// Interval of the new grid in seconds.
         dt: f64,
+    },
+    /// The times have no unit, and look unlike seconds.
+    #[error(
+        "the times have no unit; as seconds they mean {rate:.6} samples a second and a record of {duration:.6} s, which is unlike a ring-down: \
+         --time-unit ms (us, min, ...) says otherwise, --time-unit s confirms it"
+    )]
+    TimeUnitDoubtful {
+        /// Sampling rate in Hz when the times are seconds.
+        rate: f64,
+        /// Length of the record in seconds when the times are seconds.
+        duration: f64,
     },
     /// The rate given by the user differs from the file's by more than 1e-3.
     #[error("the rate given, {used} Hz, was used in place of the file's, {stored} Hz")]
@@ -64,6 +88,18 @@ pub enum Warning {
         /// Unit of the file.
         unit: String,
         /// Factor to seconds.
+        factor: f64,
+    },
+    /// Samples were converted to another unit as told.
+    #[error("'{name}' in {from} was multiplied by {factor:e} to give {to}")]
+    Converted {
+        /// Channel.
+        name: String,
+        /// Unit of the file.
+        from: String,
+        /// Unit of the record.
+        to: String,
+        /// Factor between them.
         factor: f64,
     },
     /// A column was taken as time because it increases uniformly.

@@ -7,7 +7,8 @@ use iwan_io::{Format, ReadOptions, parse_table, read_bytes};
 use proptest::prelude::*;
 use std::path::Path;
 
-const FORMATS: [Format; 5] = [Format::Text, Format::Npy, Format::Npz, Format::Uff, Format::Mat];
+const FORMATS: [Format; 7] =
+    [Format::Text, Format::Npy, Format::Npz, Format::Uff, Format::Mat, Format::Lvm, Format::Wav];
 
 fn seeds() -> Vec<(Format, Vec<u8>)> {
     let n = 24;
@@ -22,6 +23,10 @@ fn seeds() -> Vec<(Format, Vec<u8>)> {
         (Format::Uff, common::uff_binary(&common::wave(n), false, true, "c")),
         (Format::Mat, common::mat(n, false, false)),
         (Format::Mat, common::mat(n, true, true)),
+        (Format::Mat, common::instruments::mat_cells(n)),
+        (Format::Mat, common::instruments::mat_7_3(n)),
+        (Format::Lvm, common::instruments::lvm(n)),
+        (Format::Wav, common::instruments::wav_wave(n)),
     ]
 }
 
@@ -85,7 +90,7 @@ proptest! {
 
     #[test]
     fn mutations_are_survived(
-        seed in 0..9_usize,
+        seed in 0..13_usize,
         variant in 0..16_u8,
         edits in prop::collection::vec((any::<prop::sample::Index>(), any::<u8>(), 0..4_u8), 1..12),
     ) {
@@ -106,7 +111,7 @@ proptest! {
 
     #[test]
     fn noise_is_survived(
-        format in 0..5_usize,
+        format in 0..7_usize,
         variant in 0..16_u8,
         bytes in prop::collection::vec(any::<u8>(), 0..600),
     ) {

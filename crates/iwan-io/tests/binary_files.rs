@@ -140,7 +140,7 @@ fn other_matlab_levels_get_a_remedy() {
     let mut v73 = b"MATLAB 7.3 MAT-file, Platform: GLNXA64".to_vec();
     v73.resize(124, b' ');
     v73.extend(b"\x00\x02IM\x00\x00");
-    assert!(refused("a.mat", &v73).contains("-v7"));
+    assert!(refused("a.mat", &v73).contains("without the HDF5 part"));
     let v4: Vec<u8> = [0_u32, 3, 1, 0, 2].iter().flat_map(|w| w.to_le_bytes()).chain(*b"a\0").collect();
     assert!(refused("a.mat", &v4).contains("v4"));
     assert!(refused("a.mat", b"no").contains("128 bytes"));
@@ -159,6 +159,6 @@ fn deep_structs_and_bombs_end_early() {
 
 #[test]
 fn unknown_content_is_named_with_the_formats_that_are_known() {
-    assert!(refused("a.wav", b"RIFF....WAVE").contains("uff"));
+    assert!(refused("a.doc", b"no such thing").contains("uff"));
     assert!(matches!(iwan_io::read("no/such.csv", &ReadOptions::default()), Err(ReadError::Io { .. })));
 }

@@ -53,7 +53,7 @@ fn ascii_and_binary_datasets_agree(path: &Path) {
     let (ascii, binary) = (default(path), default(&path.with_file_name("sample_58b_binary.uff")));
     assert_eq!((ascii.len(), ascii.dt(), ascii.names()), (79_292, 1.525_88e-5, binary.names()));
     assert_eq!((binary.len(), binary.dt(), binary.unit()), (79_292, 1.525_88e-5, "Pa"));
-    assert_eq!(ascii.quantity(), Quantity::Unknown);
+    assert_eq!(ascii.quantity(), Quantity::Pressure);
     for (a, b) in ascii.channel(0).iter().zip(binary.channel(0)) {
         assert!((a - b).abs() <= 6e-6 * b.abs(), "{a} {b}"); // six digits in the text
     }

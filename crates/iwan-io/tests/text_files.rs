@@ -1,7 +1,7 @@
 //! Text files as instruments, spreadsheets and programs write them.
 #![allow(clippy::unwrap_used)]
 
-use iwan_io::{Quantity, ReadError, ReadOptions, Record, Warning, parse_table, read_bytes};
+use iwan_io::{Quantity, ReadError, ReadOptions, Record, TimeUnit, Warning, parse_table, read_bytes};
 use std::fmt::Write;
 use std::path::Path;
 
@@ -91,7 +91,102 @@ fn uneven_times_are_refused_or_resampled() {
         assert!((v - 78.0 * i as f64).abs() < 1e-9);
     }
     assert!(matches!(record.warnings(), [Warning::Resampled { .. }]));
-    assert!(refused("t,a\n0,1\n2,1\n1,1\n").contains("does not increase at sample 2"));
+    assert!(refused("t,a\n0,1\n2,1\n1,1\n").contains("runs backwards in row 3 of the numbers (sample 2"));
+}
+
+#[test]
+fn units_of_time_are_known_asked_for_or_told() {
+    for (header, dt) in [
+        ("Time [minutes]", 60.0),
+        ("Time (min)", 60.0),
+        ("time / h", 3600.0),
+        ("TIME [MS]", 1e-3),
+        ("t [\u{b5}s]", 1e-6),
+        ("time_us", 1e-6),
+        ("Time {ns}", 1e-9),
+        ("t/ms", 1e-3),
+    ] {
+        let record = accepted(&format!("{header},a [g]\n0,1\n1,2\n2,3\n"));
+        assert!((record.dt() / dt - 1.0).abs() < 1e-12, "{header}: {}", record.dt());
+    }
+    let furlong = "Time [furlong],a [g]\n0,1\n1,2\n2,3\n";
+    let message = refused(furlong);
+    assert!(message.contains("'furlong'") && message.contains("--time-unit"), "{message}");
+    let message = refused("Time [samples],a [g]\n0,1\n1,2\n2,3\n");
+    assert!(message.contains("it counts samples") && message.contains("--rate HZ"), "{message}");
+    let told = ReadOptions { time_unit: Some(TimeUnit::Millisecond), ..Default::default() };
+    assert!((read_with(furlong.as_bytes(), &told).unwrap().dt() - 1e-3).abs() < 1e-15);
+    let rated = ReadOptions { rate: Some(4.0), ..Default::default() };
+    assert_eq!(read_with(furlong.as_bytes(), &rated).unwrap().dt(), 0.25);
+}
+
+/// The rule: without a unit, 64 samples or more that would be fewer than 20 a second or last longer than 600 s are doubted.
+#[test]
+fn times_without_a_unit_that_are_unlike_seconds_are_doubted() {
+    let text = |header: &str, step: f64, n: i32| {
+        let rows: String = (0..n).map(|i| format!("{},{}\n", f64::from(i) * step, i % 7)).collect();
+        format!("{header},a [g]\n{rows}")
+    };
+    let doubted = |header: &str, step: f64, n: i32| {
+        let record = accepted(&text(header, step, n));
+        record.warnings().iter().any(|w| matches!(w, Warning::TimeUnitDoubtful { .. }))
+    };
+    assert!(doubted("t", 0.1, 100) && doubted("t", 0.02, 40_000));
+    assert!(!doubted("t", 0.01, 1000) && !doubted("t", 0.1, 60));
+    assert!(!doubted("t [ms]", 0.1, 100) && !doubted("t [s]", 0.1, 100));
+    let told = ReadOptions { time_unit: Some(TimeUnit::Second), ..Default::default() };
+    assert!(read_with(text("t", 0.1, 100).as_bytes(), &told).unwrap().warnings().is_empty());
+}
+
+#[test]
+fn a_clock_that_stutters_is_named_with_its_row_and_what_helps() {
+    let rows: String = (0..200).map(|i| format!("{:.3},{}\n", 0.0006 * f64::from(i), i % 5)).collect();
+    let text = format!("time [s],angle [deg]\n{rows}");
+    let message = refused(&text);
+    assert!(
+        message.contains("in row") && message.contains("stutters") && message.contains("--resample"),
+        "{message}"
+    );
+    assert!(message.contains("on average 1672"), "{message}");
+    let record = read_with(text.as_bytes(), &ReadOptions { resample: true, ..Default::default() }).unwrap();
+    assert_eq!((record.len(), record.quantity()), (200, Quantity::Displacement));
+    let [Warning::Resampled { jitter, merged, .. }] = record.warnings() else {
+        panic!("{:?}", record.warnings())
+    };
+    assert!(*merged > 50 && *jitter < 1e-3);
+}
+
+#[test]
+fn samples_are_converted_on_request_and_never_otherwise() {
+    let text = b"t [s],a [g]\n0,1\n1,2\n2,3\n";
+    assert_eq!(read_with(text, &ReadOptions::default()).unwrap().channel(0), [1.0, 2.0, 3.0]);
+    let to = |unit: &str| ReadOptions { unit: Some(unit.into()), ..Default::default() };
+    let record = read_with(text, &to("SI")).unwrap();
+    assert_eq!((record.channel(0)[2], record.unit()), (3.0 * 9.806_65, "m/s^2"));
+    assert!(matches!(record.warnings(), [Warning::Converted { .. }]));
+    let record = read_with(b"t [s],a [m/s^2]\n0,1\n1,2\n2,3\n", &to("mm/s^2")).unwrap();
+    assert_eq!((record.channel(0)[0], record.unit()), (1000.0, "mm/s^2"));
+    for (text, unit, word) in [
+        (&b"t [s],a [g]\n0,1\n1,2\n2,3\n"[..], "mm", "different things"),
+        (b"t [s],a\n0,1\n1,2\n2,3\n", "SI", "not known"),
+        (b"t [s],a [g]\n0,1\n1,2\n2,3\n", "stone", "not known"),
+        (b"t [s],a [mn]\n0,1\n1,2\n2,3\n", "SI", "two meanings"),
+    ] {
+        let message = read_with(text, &to(unit)).unwrap_err().to_string();
+        assert!(message.contains(word) && message.contains("--unit"), "{message}");
+    }
+}
+
+#[test]
+fn records_of_two_clocks_are_refused_unless_one_is_named() {
+    let text = b"t_steel [s],steel [g],t_alu [s],alu [g]\n0,1,0,7\n1,2,2,8\n2,3,4,9\n";
+    let message = read_with(text, &ReadOptions::default()).unwrap_err().to_string();
+    assert!(message.contains("t_steel, t_alu") && message.contains("--time NAME"), "{message}");
+    let time = ReadOptions { time: Some("t_alu".into()), ..Default::default() };
+    let record = read_with(text, &time).unwrap();
+    assert_eq!((record.names(), record.dt()), (&["alu".to_string()][..], 2.0));
+    let channel = ReadOptions { channels: vec!["steel".into()], ..Default::default() };
+    assert_eq!(read_with(text, &channel).unwrap().dt(), 1.0);
 }
 
 #[test]

@@ -41,8 +41,8 @@ def test_errors_speak_python(tmp_path):
     assert "--" not in str(no_time.value) and isinstance(no_time.value, ValueError)
     with pytest.raises(iwan.RecordError, match="there is no channel 'b'"):
         iwan.read_record(tmp_path / "r.csv", rate=10.0, channels=["b"])
-    with pytest.raises(iwan.InvalidValueError, match="format = 'wav' is not known"):
-        iwan.read_record(tmp_path / "r.csv", format="wav")
+    with pytest.raises(iwan.InvalidValueError, match="format = 'doc' is not known"):
+        iwan.read_record(tmp_path / "r.csv", format="doc")
     with pytest.raises(iwan.InvalidValueError, match="quantity = 'speed'"):
         iwan.read_record(tmp_path / "r.csv", quantity="speed")
 
@@ -155,3 +155,44 @@ def test_a_measured_record():
     file = Path(folder) / "field" / "brb_hammer_impact.mat"
     record = iwan.read_record(file, time="HIdata.time", channels=["HIdata.acc1"])
     assert len(record) > 1000 and np.isfinite(record.samples).all()
+
+
+def test_times_units_and_stretches(tmp_path):
+    rows = "".join(f"{i},{i % 3}\n" for i in range(8))
+    (tmp_path / "r.csv").write_text("t [furlong],a [g]\n" + rows)
+    with pytest.raises(iwan.RecordError, match="'furlong'") as unknown:
+        iwan.read_record(tmp_path / "r.csv")
+    assert "time_unit=" in str(unknown.value) and "--" not in str(unknown.value)
+    record = iwan.read_record(tmp_path / "r.csv", time_unit="ms", unit="SI", start=0.002, stop=0.005)
+    assert record.dt == pytest.approx(1e-3) and record.unit == "m/s^2" and len(record) == 4
+    np.testing.assert_allclose(record.samples, [np.array([2.0, 0.0, 1.0, 2.0]) * 9.80665])
+    with pytest.raises(iwan.InvalidValueError, match="no unit of time"):
+        iwan.read_record(tmp_path / "r.csv", time_unit="furlong")
+    again = record.between(stop=0.0041)
+    assert len(again) == 3 and again.warnings == record.warnings
+    with pytest.raises(iwan.InvalidValueError, match="at least 2"):
+        record.between(start=1.0)
+
+
+def test_what_is_no_motion_is_asked_for():
+    t = np.arange(4000) / 2000.0
+    decay = np.exp(-2.0 * t) * np.sin(2 * np.pi * 80.0 * t)
+    for quantity, unit in (("pressure", "Pa"), ("voltage", "V"), ("unknown", "counts")):
+        record = iwan.Record(decay, dt=5e-4, quantity=quantity, unit=unit)
+        with pytest.raises(iwan.InvalidValueError, match="quantity="):
+            iwan.fit(record)
+
+
+def test_modes_by_their_peaks():
+    t = np.arange(16000) / 4000.0
+    decay = np.exp(-2.0 * t) * (np.sin(2 * np.pi * 100.0 * t) + 0.2 * np.sin(2 * np.pi * 151.0 * t))
+    record = iwan.Record(decay, dt=1 / 4000.0)
+    peaks = record.spectral_peaks()
+    assert [round(p["frequency"]) for p in peaks] == [100, 151]
+    assert peaks[0]["height"] == 1.0 and peaks[0]["damping_ratio"] == pytest.approx(2.0 / (2 * np.pi * 100.0), rel=0.05)
+    envelope = iwan.envelope(record, mode=155.0)
+    assert np.median(envelope.frequency) == pytest.approx(151.0, abs=0.05)
+    with pytest.raises(iwan.InvalidValueError, match="one of them"):
+        iwan.envelope(record, mode=155.0, band=(120.0, 180.0))
+    with pytest.raises(iwan.IdentificationError, match="no spectral peak"):
+        iwan.envelope(record, mode=400.0)

@@ -10,7 +10,7 @@ use crate::session::Place;
 
 /// Extract amplitude, frequency and damping of a ring-down against time
 ///
-/// Reads a record (CSV, NPY/NPZ, UFF/UNV dataset 58 and 58b, MATLAB v5), isolates one mode by a zero-phase band-pass,
+/// Reads a record (CSV and other text, LVM, NPY/NPZ, UFF/UNV dataset 58 and 58b, MATLAB, WAV), isolates one mode by a zero-phase band-pass,
 /// and follows its amplitude and frequency by three independent methods and a cross-check; how far they disagree is part
 /// of the answer. Writes envelope.csv, summary.json and report.html (figures) into one folder.
 #[derive(Debug, Args)]
@@ -22,6 +22,9 @@ pub(crate) struct EnvelopeArgs {
     /// Folder for the results; without it `iwan-envelope`, or the next free number behind it
     #[arg(long, value_name = "DIR", value_hint = ValueHint::DirPath)]
     pub(crate) out: Option<PathBuf>,
+    /// Only list the peaks of the spectrum: frequency, height, half-power width, damping, prominence
+    #[arg(long, conflicts_with_all = ["bands", "modes", "shapes"])]
+    pub(crate) peaks: bool,
     /// Method whose result goes into the files; the report shows them all
     #[arg(long, value_enum, default_value_t = MethodChoice::Hilbert)]
     pub(crate) method: MethodChoice,
@@ -41,6 +44,8 @@ const ENVELOPE_EXAMPLES: &str = "\
 Examples:
   iwan envelope tap.csv                                     one channel, the strongest mode, all automatic
   iwan envelope tap.csv --band 60:105 --out mode1           the mode in this band
+  iwan envelope tap.csv --peaks                             which modes there are
+  iwan envelope tap.csv --mode 151 --from 0.2 --to 3        the mode nearest to 151 Hz, in a part of the record
   iwan envelope hammer.mat --time HIdata.time --channel HIdata.acc1 --band 60:105
   iwan envelope tap.npy --rate 12800 --quantity velocity    no time in the file
   iwan envelope tap.uff --shapes shapes.csv                 modal filter: one row a mode, one column a channel

@@ -3,6 +3,7 @@
 use iwan_sim::in_parallel;
 
 use super::args::EnvelopeArgs;
+use super::peaks;
 use super::report;
 use super::summary::EnvelopeSummary;
 use crate::failure::Failure;
@@ -11,14 +12,18 @@ use crate::session::{PAGE, SUMMARY, Session};
 
 /// Runs the command.
 pub(crate) fn run(args: &EnvelopeArgs) -> Result<(), Failure> {
-    let recording = records::read(&args.record, &args.records)?;
+    let recordings = records::read_all(std::slice::from_ref(&args.record), &args.records)?;
+    if args.peaks {
+        return peaks::run(args, &recordings[0]);
+    }
     let table = args.format.file("envelope");
     let mut session = Session::open(args.place(), &args.common, [table.as_str(), SUMMARY, PAGE])?;
-    session.warnings(&recording.warnings);
+    let first = &recordings[0];
+    session.warnings(&first.warnings);
 
-    let extractions = extract(&recording, args, session.threads())?;
-    let units = Units::new(recording.record.unit(), recording.quantity, args.records.mass_normalised());
-    let summary = EnvelopeSummary::new(&recording, &extractions, &units);
+    let extractions = extract(&recordings, args, session.threads())?;
+    let units = Units::new(first.record.unit(), first.quantity, args.records.mass_normalised());
+    let summary = EnvelopeSummary::new(first, &extractions, &units);
 
     session.columns(&table, &columns(&extractions), args.format)?;
     session.summary(SUMMARY, &summary)?;
@@ -26,13 +31,24 @@ pub(crate) fn run(args: &EnvelopeArgs) -> Result<(), Failure> {
     session.finish(&summary)
 }
 
-/// Every mode asked for, taken out of the record.
-fn extract(recording: &Recording, args: &EnvelopeArgs, threads: usize) -> Result<Vec<Extraction>, Failure> {
-    let recordings = std::slice::from_ref(recording);
+/// Every mode asked for, taken out of the record, and out of each of its hits.
+fn extract(
+    recordings: &[Recording],
+    args: &EnvelopeArgs,
+    threads: usize,
+) -> Result<Vec<Extraction>, Failure> {
     let wanted = records::modes(recordings, &args.records)?;
     let (method, axis) = (args.method.method(), args.records.force_axis);
-    let one = |mode: &Wanted| Extraction::new(recordings, mode, 0, method, axis);
-    in_parallel(&wanted, threads, &one).into_iter().collect()
+    let one = |(mode, hit): &(&Wanted, usize)| {
+        let mut found = Extraction::new(recordings, mode, *hit, method, axis)?;
+        if recordings.len() > 1 {
+            found.name = format!("{}, hit {}", found.name, hit + 1);
+        }
+        Ok(found)
+    };
+    let all: Vec<_> =
+        wanted.iter().flat_map(|mode| (0..recordings.len()).map(move |hit| (mode, hit))).collect();
+    in_parallel(&all, threads, &one).into_iter().collect()
 }
 
 /// The columns of the table: all modes below each other, told apart by their number.

@@ -3,8 +3,10 @@
 use iwan_ident::curves::Line;
 use iwan_ident::signal::{Envelope, Method, amplitude_spectrum};
 
+use super::picture::picture;
 use crate::page::decimate::{STRETCHES, crests, history, thin};
 use crate::page::figure::{Axis, DEVIATIONS, Figure, Layer, Mark, Marker, colour};
+use crate::page::heat::HeatMap;
 use crate::records::{Extraction, Units};
 
 /// Points of a curve, at most: four for every five units of the plane's width. More are not seen.
@@ -73,6 +75,12 @@ impl Extracted<'_> {
 
     fn samples_axis(&self, label: &str, log: bool) -> Axis {
         if log { Axis::log(label, &self.units.samples) } else { Axis::linear(label, &self.units.samples) }
+    }
+
+    /// The spectrum over time with the edges of the band; none where the record is too short for one.
+    pub(crate) fn over_time(&self) -> Option<HeatMap> {
+        let Extraction { samples, isolated, start, .. } = self.x;
+        picture(samples, isolated.dt, *start, Some(isolated.band))
     }
 
     /// The spectrum of the whole record with the band, and the band by itself.

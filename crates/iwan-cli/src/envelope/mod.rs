@@ -2,6 +2,8 @@
 
 mod args;
 mod summary;
+mod picture;
+mod peaks;
 mod figures;
 mod report;
 mod command;

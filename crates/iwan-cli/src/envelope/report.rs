@@ -46,7 +46,10 @@ fn mode(n: usize, x: &Extraction, summary: &EnvelopeSummary, units: &Units) -> M
         h2 id=(format!("mode-{n}")) { (x.name) }
         (verdict(x))
         (table(summary.modes.get(n).map(|m| m.points.as_slice()).unwrap_or_default()))
-        (grid(&head))
+        div.figures {
+            @for figure in &head { (figure.draw()) }
+            @if let Some(picture) = extracted.over_time() { (picture.draw()) }
+        }
         h2 { "What the methods found" }
         (grid(&found))
     }

@@ -83,6 +83,18 @@ impl Axis {
     }
 }
 
+impl Axis {
+    /// The titles of both axes, each with the power of ten taken out of its labels.
+    pub(super) fn titles(x: &Self, y: &Self, x_exponent: i32, y_exponent: i32) -> Markup {
+        let (middle_x, middle_y) = (0.5 * (LEFT + RIGHT), 0.5 * (TOP + BOTTOM));
+        let turned = format!("translate(17 {middle_y}) rotate(-90)");
+        html! {
+            text.label x=(middle_x) y=(HEIGHT - 10.0) text-anchor="middle" { (x.title(x_exponent)) }
+            text.label transform=(turned) text-anchor="middle" { (y.title(y_exponent)) }
+        }
+    }
+}
+
 /// A vertical line with a label, drawn when it lies on the axis.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Marker {
@@ -105,17 +117,17 @@ pub(crate) struct Figure {
 
 /// Width of the drawing, in units that are nearly pixels where two figures stand side by side on a page of full width
 /// (style.css gives each 586 then); the browser scales it to any other width.
-const WIDTH: f64 = 600.0;
+pub(super) const WIDTH: f64 = 600.0;
 /// Height of the drawing. A matter of taste, from 300 to 400.
-const HEIGHT: f64 = 350.0;
+pub(super) const HEIGHT: f64 = 350.0;
 /// Left edge of the plane: labels of seven digits (style.css sets them 13 high) and the turned title stand before it.
-const LEFT: f64 = 84.0;
+pub(super) const LEFT: f64 = 84.0;
 /// Right edge of the plane: half of a label at the last tick stands behind it.
-const RIGHT: f64 = 578.0;
+pub(super) const RIGHT: f64 = 578.0;
 /// Upper edge of the plane: one line of the legend stands above it.
-const TOP: f64 = 30.0;
+pub(super) const TOP: f64 = 30.0;
 /// Lower edge of the plane: labels and the title stand below it.
-const BOTTOM: f64 = 296.0;
+pub(super) const BOTTOM: f64 = 296.0;
 /// Width of a character of the legend: the mean of a font without serifs, 13 high. Names of wide letters come out longer and
 /// take from the gap behind them.
 const CHARACTER: f64 = 7.3;
@@ -127,9 +139,9 @@ const LINE: f64 = 18.0;
 const TICKS: f64 = 6.0;
 
 /// Both scales of a figure.
-struct Plane {
-    x: Scale,
-    y: Scale,
+pub(super) struct Plane {
+    pub(super) x: Scale,
+    pub(super) y: Scale,
 }
 
 impl Plane {
@@ -143,11 +155,16 @@ impl Plane {
         }
     }
 
+    /// Ticks of both axes.
+    pub(super) fn ticks(&self) -> (Ticks, Ticks) {
+        (self.x.ticks(TICKS), self.y.ticks(TICKS))
+    }
+
     fn x(&self, value: f64) -> f64 {
         LEFT + (RIGHT - LEFT) * self.x.share(value).clamp(0.0, 1.0)
     }
 
-    fn y(&self, value: f64) -> f64 {
+    pub(super) fn y(&self, value: f64) -> f64 {
         BOTTOM + (TOP - BOTTOM) * self.y.share(value).clamp(0.0, 1.0)
     }
 
@@ -162,7 +179,7 @@ impl Figure {
     /// The figure with its caption.
     pub(crate) fn draw(&self) -> Markup {
         let plane = Plane::of(self);
-        let (x_ticks, y_ticks) = (plane.x.ticks(TICKS), plane.y.ticks(TICKS));
+        let (x_ticks, y_ticks) = plane.ticks();
         let legend = self.legend_lines();
         let above = LINE * legend.len().saturating_sub(1) as f64;
         let box_ = format!("0 {} {WIDTH} {}", -above, HEIGHT + above);
@@ -170,11 +187,11 @@ impl Figure {
             figure {
                 figcaption { strong { (self.title) } }
                 svg viewBox=(box_) role="img" aria-label=(self.title) {
-                    (grid(&plane, &x_ticks, &y_ticks))
+                    (grid(&plane, &x_ticks, &y_ticks, true))
                     @for layer in &self.layers { (draw_layer(&plane, layer)) }
                     (self.draw_marker(&plane))
                     rect class="frame" x=(LEFT) y=(TOP) width=(RIGHT - LEFT) height=(BOTTOM - TOP) {}
-                    (self.axis_titles(x_ticks.exponent, y_ticks.exponent))
+                    (Axis::titles(&self.x, &self.y, x_ticks.exponent, y_ticks.exponent))
                     (draw_legend(&legend))
                 }
                 p.caption { (self.caption) }
@@ -201,15 +218,6 @@ impl Figure {
         let beyond = self.layers.iter().take(1).flat_map(|layer| &layer.points).filter(|p| p.0 >= x);
         let (sum, count) = beyond.fold((0.0, 0.0), |(sum, n), p| (sum + plane.y.share(p.1), n + 1.0));
         sum > 0.5 * count
-    }
-
-    fn axis_titles(&self, x_exponent: i32, y_exponent: i32) -> Markup {
-        let (middle_x, middle_y) = (0.5 * (LEFT + RIGHT), 0.5 * (TOP + BOTTOM));
-        let turned = format!("translate(17 {middle_y}) rotate(-90)");
-        html! {
-            text.label x=(middle_x) y=(HEIGHT - 10.0) text-anchor="middle" { (self.x.title(x_exponent)) }
-            text.label transform=(turned) text-anchor="middle" { (self.y.title(y_exponent)) }
-        }
     }
 
     /// Entries of the legend in as many lines as they need.
@@ -294,13 +302,14 @@ fn path(places: &[(f64, f64)], layer: &Layer) -> Markup {
     html! { path d=(d) fill="none" stroke=(layer.colour) stroke-dasharray=[dash] {} }
 }
 
-fn grid(plane: &Plane, x_ticks: &Ticks, y_ticks: &Ticks) -> Markup {
+/// Ticks with their labels, and lines across the plane where these are wanted.
+pub(super) fn grid(plane: &Plane, x_ticks: &Ticks, y_ticks: &Ticks, lines: bool) -> Markup {
     let place = |value: f64| format!("{value:.1}");
     html! {
         @for tick in &x_ticks.ticks {
             @let x = place(plane.x(tick.value));
             @if let Some(label) = &tick.label {
-                line.grid x1=(x) x2=(x) y1=(TOP) y2=(BOTTOM) {}
+                @if lines { line.grid x1=(x) x2=(x) y1=(TOP) y2=(BOTTOM) {} }
                 text.tick x=(x) y=(BOTTOM + 18.0) text-anchor="middle" { (label) }
             } @else {
                 line.small x1=(x) x2=(x) y1=(BOTTOM - 4.0) y2=(BOTTOM) {}
@@ -309,7 +318,7 @@ fn grid(plane: &Plane, x_ticks: &Ticks, y_ticks: &Ticks) -> Markup {
         @for tick in &y_ticks.ticks {
             @let y = plane.y(tick.value);
             @if let Some(label) = &tick.label {
-                line.grid x1=(LEFT) x2=(RIGHT) y1=(place(y)) y2=(place(y)) {}
+                @if lines { line.grid x1=(LEFT) x2=(RIGHT) y1=(place(y)) y2=(place(y)) {} }
                 text.tick x=(LEFT - 7.0) y=(place(y + 4.0)) text-anchor="end" { (label) }
             } @else {
                 line.small x1=(LEFT) x2=(LEFT + 4.0) y1=(place(y)) y2=(place(y)) {}

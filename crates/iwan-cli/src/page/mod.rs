@@ -5,6 +5,7 @@ pub(crate) mod numbers;
 pub(crate) mod scale;
 
 pub(crate) mod figure;
+pub(crate) mod heat;
 pub(crate) mod solid;
 
 pub(crate) mod html;

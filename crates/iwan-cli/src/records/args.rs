@@ -3,8 +3,9 @@
 use std::path::PathBuf;
 
 use clap::{Args, ValueEnum, ValueHint};
+use iwan_io::TimeUnit;
 
-use crate::args::positive;
+use crate::args::{finite, positive};
 
 /// What is in a record and which mode is wanted.
 #[derive(Debug, Args)]
@@ -25,9 +26,27 @@ pub(crate) struct RecordArgs {
     /// Interpolate unevenly sampled records onto an even grid instead of refusing them
     #[arg(long)]
     pub(crate) resample: bool,
+    /// Unit of the times: s, ms, us, ns, min or h; goes before what the file says
+    #[arg(long, value_name = "UNIT", value_parser = time_unit)]
+    pub(crate) time_unit: Option<TimeUnit>,
+    /// Convert the samples to this unit, SI or a label such as m/s^2 [default: the unit of the file]
+    #[arg(long, value_name = "UNIT")]
+    pub(crate) unit: Option<String>,
+    /// Cut the record before anything else: start in s, on the record's own clock
+    #[arg(long, value_name = "S", value_parser = finite, allow_negative_numbers = true)]
+    pub(crate) from: Option<f64>,
+    /// Cut the record before anything else: end in s, on the record's own clock
+    #[arg(long, value_name = "S", value_parser = finite, allow_negative_numbers = true)]
+    pub(crate) to: Option<f64>,
+    /// Which hits to use where one record holds several: all, first, or a number counted from 1
+    #[arg(long, value_name = "WHICH", value_parser = hits, default_value = "all")]
+    pub(crate) hits: Hits,
     /// Band of the mode in Hz; repeat it for several modes [default: around the highest spectral peak]
     #[arg(long = "band", value_name = "LOW:HIGH", value_parser = band)]
     pub(crate) bands: Vec<(f64, f64)>,
+    /// Rough frequency of the mode in Hz: the band around the spectral peak nearest to it; repeat it for several modes
+    #[arg(long = "mode", value_name = "HZ", value_parser = positive, conflicts_with_all = ["bands", "shapes"])]
+    pub(crate) modes: Vec<f64>,
     /// Mass-normalised mode shapes as text: a header of channel names, one row for each mode; a column `frequency` (Hz)
     /// says where each mode is
     #[arg(long, value_name = "FILE", value_hint = ValueHint::FilePath)]
@@ -76,6 +95,30 @@ pub(crate) enum Axis {
     Joint,
     /// The whole modal force
     Modal,
+}
+
+/// Which of several hits are used.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Hits {
+    /// Every one, as a record of its own.
+    All,
+    /// This one, counted from 0.
+    One(usize),
+}
+
+/// `all`, `first` or a number.
+fn hits(text: &str) -> Result<Hits, String> {
+    match (text, text.parse::<usize>()) {
+        ("all", _) => Ok(Hits::All),
+        ("first", _) => Ok(Hits::One(0)),
+        (_, Ok(number)) if number > 0 => Ok(Hits::One(number - 1)),
+        _ => Err("must be all, first, or a number counted from 1".into()),
+    }
+}
+
+/// A unit of time.
+fn time_unit(text: &str) -> Result<TimeUnit, String> {
+    text.parse().map_err(|e: iwan_io::UnknownTimeUnit| e.to_string())
 }
 
 /// `LOW:HIGH` in Hz.

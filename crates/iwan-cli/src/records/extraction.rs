@@ -2,7 +2,7 @@
 
 use iwan_ident::curve_fit::{fit, start};
 use iwan_ident::curves::{Curves, ForceAxis};
-use iwan_ident::signal::{Envelope, Isolated, Method, Opinions, isolate};
+use iwan_ident::signal::{Envelope, Isolated, Method, Opinions, intruders, isolate};
 
 use super::args::Axis;
 use super::reading::{Recording, Wanted};
@@ -38,12 +38,16 @@ impl Extraction {
         let recording = &recordings[modal.source];
         let place = format!("{}, {}", recording.name, wanted.name);
         let said = |e: iwan_ident::Error| Failure::said(&place, &e);
-        let isolated = isolate(&modal.samples, recording.record.dt(), &wanted.options).map_err(said)?;
+        let dt = recording.record.dt();
+        let isolated = isolate(&modal.samples, dt, &wanted.options).map_err(said)?;
         let opinions = isolated.opinions(None);
         if let Some(refused) = opinions.refused.iter().find(|r| r.method == method) {
             return Err(said(refused.error.clone()));
         }
         let mut notes = [wanted.notes.clone(), isolated.notes.clone()].concat();
+        // A record too short for its spectrum has been refused by now.
+        let strangers = intruders(&modal.samples, dt, &isolated.band).unwrap_or_default();
+        notes.extend(strangers.iter().map(ToString::to_string));
         let chosen = opinions.envelopes.iter().find(|e| e.method == method);
         let chosen = chosen
             .ok_or_else(|| Failure::Computation(format!("{place}: no envelope by {}", method.name())))?;

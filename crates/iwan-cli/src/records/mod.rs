@@ -4,9 +4,11 @@ mod args;
 mod shapes;
 mod units;
 mod reading;
+mod stretches;
 mod extraction;
 
 pub(crate) use args::{Axis, MethodChoice, RecordArgs};
 pub(crate) use extraction::Extraction;
 pub(crate) use reading::{ModalRecord, Recording, Wanted, modes, read};
+pub(crate) use stretches::read_all;
 pub(crate) use units::Units;

@@ -4,7 +4,7 @@ use std::path::Path;
 
 use iwan_ident::channels::{NoMode, Shape, one_mode};
 use iwan_ident::curves::Quantity;
-use iwan_ident::signal::Options;
+use iwan_ident::signal::{Options, band_near};
 use iwan_io::{ReadOptions, Record};
 
 use super::args::{MethodChoice, Motion, RecordArgs};
@@ -55,28 +55,47 @@ pub(crate) fn read(path: &Path, args: &RecordArgs) -> Result<Recording, Failure>
             Motion::Displacement => iwan_io::Quantity::Displacement,
         }),
         resample: args.resample,
+        time_unit: args.time_unit,
+        unit: args.unit.clone(),
     };
     let record = iwan_io::read(path, &options).map_err(|e| Failure::said(&name, &e))?;
+    let record = record.between(args.from, args.to).map_err(|e| Failure::said(&name, &e))?;
     let mut warnings: Vec<String> = record.warnings().iter().map(|w| format!("{name}: {w}")).collect();
-    let quantity = match record.quantity() {
-        iwan_io::Quantity::Acceleration => Quantity::Acceleration,
-        iwan_io::Quantity::Velocity => Quantity::Velocity,
-        iwan_io::Quantity::Displacement => Quantity::Displacement,
-        iwan_io::Quantity::Force => {
-            let message = format!("{name}: {} is a force, not a motion", record.names().join(", "));
-            return Err(Failure::input(message, "choose channels of motion with --channel NAME"));
-        }
-        _ => {
-            warnings.push(format!("{name}: the file does not say what it measures: taken as acceleration; --quantity says otherwise"));
-            Quantity::Acceleration
-        }
-    };
+    let quantity = motion(&name, &record, &mut warnings)?;
     Ok(Recording { name, record, quantity, warnings })
+}
+
+/// What motion the channels measure. What is no motion, or is in a unit that is not known, is asked for and never taken for an
+/// acceleration.
+fn motion(name: &str, record: &Record, warnings: &mut Vec<String>) -> Result<Quantity, Failure> {
+    let channels = record.names().join(", ");
+    match record.quantity() {
+        iwan_io::Quantity::Acceleration => Ok(Quantity::Acceleration),
+        iwan_io::Quantity::Velocity => Ok(Quantity::Velocity),
+        iwan_io::Quantity::Displacement => Ok(Quantity::Displacement),
+        iwan_io::Quantity::Unknown if record.unit().is_empty() => {
+            warnings.push(format!(
+                "{name}: the file does not say what it measures: taken as acceleration; --quantity says otherwise"
+            ));
+            Ok(Quantity::Acceleration)
+        }
+        other => {
+            let message = if other == iwan_io::Quantity::Unknown {
+                format!("{name}: {channels} in \"{}\": what that measures is not known", record.unit())
+            } else {
+                format!("{name}: {channels} measures {other}, not a motion")
+            };
+            let remedy = "choose channels of motion with --channel NAME, or say with --quantity what motion the numbers are \
+                          proportional to (amplitudes and forces are then in the unit of the file)";
+            Err(Failure::input(message, remedy))
+        }
+    }
 }
 
 /// The modes that the options ask for, out of one or several recordings with the same channels.
 pub(crate) fn modes(recordings: &[Recording], args: &RecordArgs) -> Result<Vec<Wanted>, Failure> {
     same_channels(recordings)?;
+    no_copies(recordings)?;
     let mut wanted = match &args.shapes {
         Some(path) => by_shapes(recordings, &Shapes::read(path, recordings[0].record.names())?, args)?,
         None => by_bands(recordings, args)?,
@@ -107,6 +126,18 @@ fn same_channels(recordings: &[Recording]) -> Result<(), Failure> {
     Ok(())
 }
 
+/// The same record twice would narrow every interval without telling anything new.
+fn no_copies(recordings: &[Recording]) -> Result<(), Failure> {
+    for (n, one) in recordings.iter().enumerate() {
+        if let Some(other) = recordings[..n].iter().find(|other| one.record.is_copy_of(&other.record)) {
+            let message =
+                format!("{} holds the same samples as {}: it is the same record", one.name, other.name);
+            return Err(Failure::input(message, "give every record once"));
+        }
+    }
+    Ok(())
+}
+
 /// The channels of a recording.
 fn channels(recording: &Recording) -> iwan_ident::channels::Recording<'_> {
     let Recording { record, .. } = recording;
@@ -117,7 +148,10 @@ fn channels(recording: &Recording) -> iwan_ident::channels::Recording<'_> {
 /// Without mode shapes: one channel, or the dominant shape in each band.
 fn by_bands(recordings: &[Recording], args: &RecordArgs) -> Result<Vec<Wanted>, Failure> {
     let bands: Vec<_> = match args.bands.as_slice() {
-        [] => vec![None],
+        [] if args.modes.is_empty() => vec![None],
+        [] => {
+            args.modes.iter().map(|near| around(&recordings[0], *near).map(Some)).collect::<Result<_, _>>()?
+        }
         bands => bands.iter().copied().map(Some).collect(),
     };
     let mode = |(n, band): (usize, Option<(f64, f64)>)| {
@@ -125,6 +159,14 @@ fn by_bands(recordings: &[Recording], args: &RecordArgs) -> Result<Vec<Wanted>, 
         wanted(recordings, n, Shape::Unknown, options, "")
     };
     bands.into_iter().enumerate().map(mode).collect()
+}
+
+/// The band around the spectral peak nearest to a frequency.
+fn around(recording: &Recording, near: f64) -> Result<(f64, f64), Failure> {
+    let channels: Vec<&[f64]> = recording.record.samples().iter().map(Vec::as_slice).collect();
+    let band =
+        band_near(&channels, recording.record.dt(), near).map_err(|e| Failure::said(&recording.name, &e))?;
+    Ok((band.low, band.high))
 }
 
 /// With mode shapes: the modal filter, and a look at whether the channels move as the shapes say.

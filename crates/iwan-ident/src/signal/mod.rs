@@ -8,6 +8,7 @@ mod spectrum;
 mod spot;
 mod extrema;
 mod defects;
+mod survey;
 mod raw;
 mod isolate;
 mod envelope;
@@ -18,3 +19,7 @@ pub use hilbert::{Analytic, analytic_signal, whole_cycles};
 pub use isolate::{Isolated, Options, isolate};
 pub use spectrum::{Band, SpectralLine, amplitude_spectrum, automatic_band};
 pub use spot::{Spot, spot};
+pub use survey::{
+    Event, Hit, Intruder, SpectralPeak, Spectrogram, band_near, events, hits, intruders, spectral_peaks,
+    spectrogram,
+};

@@ -1,6 +1,7 @@
 //! From what a reader found to a checked record: quantity, unit, and a uniform grid of times.
 
-use super::sampling::{self, Times, UNIFORM};
+use super::sampling::{self, Resampled, Times, UNIFORM};
+use super::scales::{Scale, scale};
 use crate::error::ReadError;
 use crate::file_bytes::{FileBytes, list};
 use crate::options::ReadOptions;
@@ -14,8 +15,8 @@ pub(crate) enum Axis {
     None,
     /// First time and interval, both in seconds.
     Even { start: f64, step: f64 },
-    /// One time for each sample, in seconds.
-    Times { name: String, values: Vec<f64> },
+    /// One time for each sample, in seconds; `unit_known` where the file or the user says so.
+    Times { name: String, values: Vec<f64>, unit_known: bool },
 }
 
 /// One channel as found in a file.
@@ -43,6 +44,23 @@ struct Grid {
     dt: f64,
 }
 
+/// Samples that a record needs to be looked at for its unit of time: a table of a few rows tells nothing.
+const ENOUGH: usize = 64;
+/// Fewer samples a second are doubted where times have no unit: the slowest structures, tall buildings and bridges, are sampled at 20 Hz
+/// and more, and times in ms of a record at less than 50 kHz come out below.
+const SLOWEST_RATE: f64 = 20.0;
+/// Longer records are doubted, too: times in ms of a ring-down of 0.6 s and more come out above. Ring-downs of 600 s are of
+/// structures below 1 Hz. Both are judgements, and only warn.
+const LONGEST: f64 = 600.0;
+
+/// A word on times without a unit that are unlike seconds.
+fn doubt(times: &[f64]) -> Option<Warning> {
+    let duration = times[times.len() - 1] - times[0];
+    let rate = (times.len() - 1) as f64 / duration;
+    let unlike = times.len() >= ENOUGH && duration > 0.0 && (rate < SLOWEST_RATE || duration > LONGEST);
+    unlike.then_some(Warning::TimeUnitDoubtful { rate, duration })
+}
+
 /// Makes the record.
 pub(crate) fn assemble(source: &FileBytes, mut raw: Raw, options: &ReadOptions) -> Result<Record, ReadError> {
     if let Some(value) = options.rate.filter(|r| !(r.is_finite() && *r > 0.0)) {
@@ -50,6 +68,9 @@ pub(crate) fn assemble(source: &FileBytes, mut raw: Raw, options: &ReadOptions) 
     }
     if !raw.chosen {
         keep_one_quantity(source, &mut raw, options.quantity)?;
+    }
+    if let Some(wanted) = &options.unit {
+        convert(source, &mut raw, wanted)?;
     }
     let (quantity, unit) = describe(&raw.channels, options.quantity, &mut raw.warnings);
     let Grid { start, dt } = place_in_time(source, &mut raw, options)?;
@@ -59,15 +80,22 @@ pub(crate) fn assemble(source: &FileBytes, mut raw: Raw, options: &ReadOptions) 
     Ok(record.with_quantity(quantity, unit).with_warnings(raw.warnings))
 }
 
-/// Leaves out channels of another quantity than the one wanted; a force beside one kind of motion is left out, too.
+/// Leaves out channels of another quantity than the one wanted; what is no motion beside one kind of motion is left out, too.
 fn keep_one_quantity(source: &FileBytes, raw: &mut Raw, wanted: Option<Quantity>) -> Result<(), ReadError> {
     let found = quantities(&raw.channels);
-    let motions: Vec<Quantity> = found.iter().copied().filter(|q| *q != Quantity::Force).collect();
+    let motions: Vec<Quantity> = found.iter().copied().filter(|q| q.is_motion()).collect();
     let kept = match wanted {
         Some(wanted) if found.contains(&wanted) => wanted,
         Some(_) => return Ok(()),
+        None if motions.len() == 1 && found.len() > 1 => motions[0],
+        // Beside a force, what is not known may be the motion.
+        None if motions.is_empty()
+            && !found.is_empty()
+            && raw.channels.iter().any(|c| c.quantity == Quantity::Unknown) =>
+        {
+            Quantity::Unknown
+        }
         None if found.len() <= 1 => return Ok(()),
-        None if motions.len() == 1 => motions[0],
         None => {
             let found = found.iter().map(ToString::to_string).collect::<Vec<_>>().join(", ");
             let names = list(raw.channels.iter().map(|c| c.name.as_str()));
@@ -79,7 +107,8 @@ fn keep_one_quantity(source: &FileBytes, raw: &mut Raw, wanted: Option<Quantity>
     raw.channels.retain(|c| {
         let keep = c.quantity == kept || c.quantity == Quantity::Unknown;
         if !keep {
-            let reason = format!("it measures {}, not {kept}", c.quantity);
+            let other = if kept == Quantity::Unknown { "a motion".into() } else { kept.to_string() };
+            let reason = format!("it measures {}, not {other}", c.quantity);
             warnings.push(Warning::LeftOut { name: c.name.clone(), reason });
         }
         keep
@@ -126,8 +155,11 @@ fn describe(
 
 /// When the samples were taken; interpolates the channels when asked to.
 fn place_in_time(source: &FileBytes, raw: &mut Raw, options: &ReadOptions) -> Result<Grid, ReadError> {
-    if let Axis::Times { name, values } = &raw.axis {
+    if let Axis::Times { name, values, unit_known } = &raw.axis {
         check_times(source, name, values, &raw.channels)?;
+        if !unit_known && options.rate.is_none() {
+            raw.warnings.extend(doubt(values));
+        }
     }
     let given = options.rate.map(|rate| 1.0 / rate);
     match (given, &raw.axis) {
@@ -157,31 +189,73 @@ fn follow_rate(dt: f64, axis: &Axis, warnings: &mut Vec<Warning>) -> Grid {
 }
 
 fn follow_times(source: &FileBytes, raw: &mut Raw, resample: bool) -> Result<Grid, ReadError> {
-    let Axis::Times { name, values } = &raw.axis else { return Ok(Grid { start: 0.0, dt: 0.0 }) };
-    let (file, start) = (source.file, values[0]);
+    let Axis::Times { name, values, .. } = &raw.axis else { return Ok(Grid { start: 0.0, dt: 0.0 }) };
+    let (file, name, start) = (source.file.into(), name.clone(), values[0]);
     match sampling::judge(values) {
         Times::Uniform { dt } => Ok(Grid { start, dt }),
         Times::Rounded { dt, quantum } => {
             raw.warnings.push(Warning::RoundedTime { quantum, dt });
             Ok(Grid { start, dt })
         }
+        Times::Near { dt, jitter } => {
+            raw.warnings.push(Warning::NearlyEven { jitter, dt });
+            Ok(Grid { start, dt })
+        }
         Times::Unordered { sample } => {
             let (value, previous) = (values[sample], values[sample - 1]);
-            Err(ReadError::TimeOrder { file: file.into(), name: name.clone(), sample, value, previous })
+            Err(ReadError::TimeOrder { file, name, sample, value, previous })
         }
-        Times::Uneven { dt, deviation, .. } if resample => {
-            for channel in &mut raw.channels {
-                channel.values = sampling::resample(values, &channel.values, dt);
-            }
-            raw.warnings.push(Warning::Resampled { deviation, dt });
+        Times::Uneven { .. } | Times::Repeated { .. } if resample && values[values.len() - 1] > start => {
+            let mut channels: Vec<&mut Vec<f64>> = raw.channels.iter_mut().map(|c| &mut c.values).collect();
+            let Resampled { dt, jitter, gap, merged } = sampling::on_even_grid(values, &mut channels);
+            raw.warnings.push(Warning::Resampled { jitter, gap, merged, dt });
             Ok(Grid { start, dt })
+        }
+        Times::Repeated { sample, count } => {
+            let (value, samples) = (values[sample], values.len());
+            let rate = (samples - 1) as f64 / (values[samples - 1] - start);
+            Err(ReadError::TimeRepeated { file, name, sample, value, count, samples, rate })
         }
         Times::Uneven { dt, sample, .. } => {
             let interval = values[sample] - values[sample - 1];
-            let name = name.clone();
-            Err(ReadError::NotUniform { file: file.into(), name, sample, interval, dt, allowed: UNIFORM })
+            Err(ReadError::NotUniform { file, name, sample, interval, dt, allowed: UNIFORM })
         }
     }
+}
+
+/// Converts every channel to the unit wanted, `SI` or a label of the same kind.
+fn convert(source: &FileBytes, raw: &mut Raw, wanted: &str) -> Result<(), ReadError> {
+    for channel in &mut raw.channels {
+        let refuse = |reason| ReadError::UnitConversion {
+            file: source.file.into(),
+            name: channel.name.clone(),
+            unit: channel.unit.clone(),
+            wanted: wanted.into(),
+            reason,
+        };
+        let from = scale(&channel.unit).ok_or_else(|| refuse("the unit of the channel is not known"))?;
+        let si = wanted.eq_ignore_ascii_case("si");
+        let to = if si {
+            Scale { factor: Some(1.0), ..from }
+        } else {
+            scale(wanted).ok_or_else(|| refuse("that unit is not known"))?
+        };
+        if to.kind != from.kind {
+            return Err(refuse("the two measure different things"));
+        }
+        let (Some(a), Some(b)) = (from.factor, to.factor) else {
+            return Err(refuse("the label has two meanings"));
+        };
+        let label = if si { from.si } else { wanted };
+        if a != b {
+            let factor = a / b;
+            channel.values.iter_mut().for_each(|v| *v *= factor);
+            let (name, from, to) = (channel.name.clone(), channel.unit.clone(), label.into());
+            raw.warnings.push(Warning::Converted { name, from, to, factor });
+        }
+        channel.unit = label.into();
+    }
+    Ok(())
 }
 
 /// Times must be at least two, finite, and one for each sample.

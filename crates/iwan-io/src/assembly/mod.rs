@@ -1,9 +1,13 @@
 //! From what a reader found to a checked record: units, the grid of times, which of the arrays are channels.
 
+pub(crate) mod scales;
 pub(crate) mod units;
+mod variable;
+mod clocks;
 mod sampling;
 mod assemble;
 mod variables;
 
 pub(crate) use assemble::{Axis, Channel, Raw, assemble};
-pub(crate) use variables::{Chooser, Variable};
+pub(crate) use variable::Variable;
+pub(crate) use variables::Chooser;

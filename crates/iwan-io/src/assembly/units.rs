@@ -1,66 +1,52 @@
-//! Quantities and time factors from unit labels and names.
+//! Quantities from names, and names and units from what stands above a column.
 
+use super::scales::scale;
 use crate::quantity::Quantity;
-
-// Labels as `plain` leaves them: lower case, without brackets, blanks and powers. `mn` is a meganewton here, although it
-// may have been a millinewton: both are forces.
-const ACCELERATION: [&str; 12] =
-    ["m/s2", "mm/s2", "cm/s2", "um/s2", "in/s2", "ft/s2", "m/s/s", "ms-2", "m/sec2", "g", "gn", "mg"];
-const VELOCITY: [&str; 8] = ["m/s", "mm/s", "cm/s", "um/s", "in/s", "ft/s", "m/sec", "ms-1"];
-const DISPLACEMENT: [&str; 7] = ["m", "mm", "cm", "um", "nm", "in", "ft"];
-const FORCE: [&str; 5] = ["n", "kn", "mn", "lb", "lbf"];
-
-/// Quantity that a unit label stands for: `m/s^2`, `(mm/s²)`, `g`, `N`, ...
-pub(crate) fn quantity_of_unit(unit: &str) -> Quantity {
-    let plain = plain(unit);
-    let is = |list: &[&str]| list.contains(&plain.as_str());
-    if is(&ACCELERATION) {
-        Quantity::Acceleration
-    } else if is(&VELOCITY) {
-        Quantity::Velocity
-    } else if is(&DISPLACEMENT) {
-        Quantity::Displacement
-    } else if is(&FORCE) {
-        Quantity::Force
-    } else {
-        Quantity::Unknown
-    }
-}
+use crate::time_unit::TimeUnit;
 
 /// Quantity that the last part of a name stands for: `HIdata.acc1`, `tip.velocity`, ...
 pub(crate) fn quantity_of_name(name: &str) -> Quantity {
     let base = base(name);
     let is = |start: &str, whole: &str| base.starts_with(start) || base.contains(whole);
-    if is("force", "force") {
+    // `f` is the hammer's force beside a response `x` in records of modal tests.
+    if is("force", "force") || base == "f" {
         Quantity::Force
+    } else if is("pressure", "pressure") || base.starts_with("microphone") {
+        Quantity::Pressure
+    } else if is("volt", "voltage") {
+        Quantity::Voltage
+    } else if base.starts_with("strain") {
+        Quantity::Strain
     } else if is("acc", "acceleration") {
         Quantity::Acceleration
     } else if is("vel", "velocity") {
         Quantity::Velocity
-    } else if is("disp", "displacement") {
+    } else if is("disp", "displacement") || base.starts_with("angle") {
         Quantity::Displacement
     } else {
         Quantity::Unknown
     }
 }
 
-/// Last part of a dotted name in lower case, without an index such as `[2]`.
+/// Last part of a dotted name in lower case, without an index such as `[2]` or `{1,2}`.
 pub(crate) fn base(name: &str) -> String {
     let last = name.rsplit('.').next().unwrap_or(name);
-    last.split('[').next().unwrap_or(last).trim().to_lowercase()
+    last.split(['[', '{']).next().unwrap_or(last).trim().to_lowercase()
 }
 
-/// Factor from a unit of time to seconds; an empty label means seconds.
-pub(crate) fn time_factor(unit: &str) -> Option<f64> {
-    match plain(unit).as_str() {
-        "" | "s" | "sec" | "secs" | "second" | "seconds" => Some(1.0),
-        "ms" | "msec" | "milliseconds" => Some(1e-3),
-        "us" | "usec" | "microseconds" => Some(1e-6),
-        "ns" => Some(1e-9),
-        "min" => Some(60.0),
-        "h" => Some(3600.0),
-        _ => None,
-    }
+/// Quantity that a unit label stands for: `m/s^2`, `(mm/s²)`, `g`, `N`, ...
+pub(crate) fn quantity_of_unit(unit: &str) -> Quantity {
+    scale(unit).map_or(Quantity::Unknown, |s| s.quantity)
+}
+
+/// Whether a text is a unit of time or of samples.
+pub(crate) fn is_unit(text: &str) -> bool {
+    scale(text).is_some() || bare(text).parse::<TimeUnit>().is_ok()
+}
+
+/// A label without the brackets around it.
+pub(crate) fn bare(unit: &str) -> &str {
+    unit.trim().trim_matches(['[', ']', '(', ')', '{', '}', '<', '>']).trim()
 }
 
 /// What stands above a column.
@@ -77,42 +63,47 @@ impl Label {
     }
 }
 
-/// Splits `Time [ms]`, `Time (ms)` or `time_ms` into name and unit.
+/// Splits `Time [ms]`, `Time (ms)`, `Time {ms}`, `Time <ms>`, `acc / (m/s²)`, `t/ms`, `Time, ms`, `time in ms` or `time_ms` into
+/// name and unit.
 pub(crate) fn split_unit(header: &str) -> Label {
     let header = header.trim();
-    for (open, close) in [('[', ']'), ('(', ')')] {
-        let Some(inner) = header.strip_suffix(close) else { continue };
-        let Some((name, unit)) = inner.split_once(open) else { continue };
-        let index = unit.chars().all(|c| c.is_ascii_digit());
-        if !name.trim().is_empty() && !index {
-            return Label::new(name.trim(), unit.trim());
-        }
-    }
-    for unit in ["_s", "_ms", "_us"] {
-        if let Some(name) = header.strip_suffix(unit).filter(|name| is_time_name(name)) {
-            return Label::new(name, &unit[1..]);
-        }
-    }
-    Label::new(header, "")
+    bracketed(header)
+        .or_else(|| divided(header))
+        .or_else(|| attached(header))
+        .unwrap_or_else(|| Label::new(header, ""))
+}
+
+/// A unit in brackets at the end; an index is none.
+fn bracketed(header: &str) -> Option<Label> {
+    [('[', ']'), ('(', ')'), ('{', '}'), ('<', '>')].into_iter().find_map(|(open, close)| {
+        let (name, unit) = header.strip_suffix(close)?.split_once(open)?;
+        let index = unit.chars().all(|c| c.is_ascii_digit() || c == ',');
+        let name = name.trim().trim_end_matches('/').trim();
+        (!name.is_empty() && !index).then(|| Label::new(name, unit.trim()))
+    })
+}
+
+/// A unit behind a stroke, as ISO 80000-1 writes it.
+fn divided(header: &str) -> Option<Label> {
+    let (name, unit) = header.split_once('/')?;
+    let known = scale(unit).is_some() || is_time_name(name) && is_unit(unit);
+    // A header that is a unit as a whole, such as m/s, is no name over one.
+    (known && scale(header).is_none() && !name.trim().is_empty()).then(|| Label::new(name.trim(), bare(unit)))
+}
+
+/// A unit of time behind a name that means time.
+fn attached(header: &str) -> Option<Label> {
+    ["_", ", ", " in ", " "].into_iter().find_map(|between| {
+        let (name, unit) = header.rsplit_once(between)?;
+        let known = is_time_name(name) && unit.trim().parse::<TimeUnit>().is_ok();
+        known.then(|| Label::new(name.trim(), unit.trim()))
+    })
 }
 
 /// Whether a variable or column of this name is the time.
 pub(crate) fn is_time_name(name: &str) -> bool {
     const NAMES: [&str; 9] = ["t", "time", "times", "timestamp", "seconds", "sec", "zeit", "temps", "tid"];
     NAMES.contains(&base(name).as_str())
-}
-
-fn plain(unit: &str) -> String {
-    let unit = unit.trim().trim_matches(['[', ']']).to_lowercase();
-    let unit = unit.strip_prefix('(').and_then(|u| u.strip_suffix(')')).unwrap_or(&unit).to_string();
-    unit.chars()
-        .filter(|c| !c.is_whitespace() && *c != '^' && *c != '*')
-        .map(|c| match c {
-            '\u{b2}' => '2',
-            '\u{b5}' | '\u{3bc}' => 'u',
-            c => c,
-        })
-        .collect()
 }
 
 #[cfg(test)]
@@ -127,7 +118,8 @@ mod tests {
         assert_eq!(quantity_of_unit("m/s"), Quantity::Velocity);
         assert_eq!(quantity_of_unit("\u{b5}m"), Quantity::Displacement);
         assert_eq!(quantity_of_unit("kN"), Quantity::Force);
-        assert_eq!(quantity_of_unit("Pa"), Quantity::Unknown);
+        assert_eq!(quantity_of_unit("Pa"), Quantity::Pressure);
+        assert_eq!(quantity_of_unit("furlong"), Quantity::Unknown);
     }
 
     #[test]
@@ -145,7 +137,28 @@ mod tests {
         assert_eq!(split_unit("acc (m/s^2)"), Label::new("acc", "m/s^2"));
         assert_eq!(split_unit("pos_s"), Label::new("pos_s", ""));
         assert_eq!(split_unit("acc[0]"), Label::new("acc[0]", ""));
-        assert_eq!(time_factor("ms"), Some(1e-3));
-        assert_eq!(time_factor("furlong"), None);
+        for header in [
+            "Time {ms}",
+            "Time <ms>",
+            "Time / ms",
+            "t/ms",
+            "Time, ms",
+            "time in ms",
+            "Time ms",
+            "time / [ms]",
+        ] {
+            let label = split_unit(header);
+            assert_eq!(
+                (base(&label.name).chars().next(), label.unit.as_str()),
+                (Some('t'), "ms"),
+                "{header}"
+            );
+        }
+        assert_eq!(split_unit("acc / (m/s\u{b2})"), Label::new("acc", "m/s\u{b2}"));
+        for whole in ["in/out", "m/s", "x/h"] {
+            assert_eq!(split_unit(whole), Label::new(whole, ""));
+        }
+        assert_eq!(split_unit("x{1,2}"), Label::new("x{1,2}", ""));
+        assert!(is_unit("Minutes") && is_unit("g") && !is_unit("furlong"));
     }
 }

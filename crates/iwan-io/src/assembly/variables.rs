@@ -1,57 +1,15 @@
 //! Named arrays (columns, NumPy arrays, MATLAB variables): which is the time, which are channels.
 
 use super::assemble::{Axis, Channel, Raw};
+use super::clocks::{self, Clocks};
 use super::sampling;
 use super::units;
+use super::variable::Variable;
 use crate::error::ReadError;
 use crate::file_bytes::{FileBytes, list};
 use crate::options::ReadOptions;
 use crate::quantity::Quantity;
 use crate::warning::Warning;
-
-/// A named array of one or two dimensions, column after column.
-#[derive(Debug, Clone, PartialEq)]
-pub(crate) struct Variable {
-    pub(crate) name: String,
-    pub(crate) unit: String,
-    pub(crate) rows: usize,
-    pub(crate) columns: usize,
-    pub(crate) values: Vec<f64>,
-}
-
-impl Variable {
-    fn vector(name: String, unit: String, values: Vec<f64>) -> Self {
-        Self { name, unit, rows: values.len(), columns: 1, values }
-    }
-
-    fn is_vector(&self) -> bool {
-        (self.rows == 1 || self.columns == 1) && self.values.len() > 1
-    }
-
-    /// The channels in an array: samples run along the dimension of `length`, else along the longer one.
-    fn split(self, length: Option<usize>) -> Vec<Variable> {
-        if self.rows <= 1 || self.columns <= 1 {
-            return vec![self];
-        }
-        let along_columns = match length {
-            Some(n) if n == self.rows => true,
-            Some(n) if n == self.columns => false,
-            _ => self.rows >= self.columns,
-        };
-        let count = if along_columns { self.columns } else { self.rows };
-        (0..count).map(|k| self.slice(k, along_columns)).collect()
-    }
-
-    fn slice(&self, k: usize, along_columns: bool) -> Variable {
-        let name = format!("{}[{k}]", self.name);
-        let values = if along_columns {
-            self.values[k * self.rows..(k + 1) * self.rows].to_vec()
-        } else {
-            self.values.iter().skip(k).step_by(self.rows).copied().collect()
-        };
-        Variable::vector(name, self.unit.clone(), values)
-    }
-}
 
 /// Named arrays of one file with what the user says about them.
 pub(crate) struct Chooser<'a> {
@@ -73,7 +31,7 @@ impl Chooser<'_> {
         let mut length = length_of(&axis);
         if self.tabular && length.is_none() {
             variables = variables.into_iter().flat_map(|v| v.split(None)).collect();
-            axis = self.unnamed_time(&mut variables, &mut warnings);
+            axis = self.unnamed_time(&mut variables, &mut warnings)?;
             length = length_of(&axis);
         }
         if matches!(axis, Axis::None) {
@@ -88,29 +46,77 @@ impl Chooser<'_> {
         Ok(Raw { axis, channels: channels.into_iter().map(into_channel).collect(), chosen, warnings })
     }
 
-    /// The time named by the user, or the first vector with a name that means time.
+    /// The time named by the user, or that of the channels named, or the only one.
     fn stored_time(
         &self,
         variables: &mut Vec<Variable>,
         names: &str,
         warnings: &mut Vec<Warning>,
     ) -> Result<Axis, ReadError> {
-        let at = match &self.options.time {
-            Some(name) => match variables.iter().position(|v| v.name == *name) {
-                Some(at) => Some(at),
-                None => return self.time_inside_array(variables, name, names),
+        let clocks = Clocks::of(variables);
+        let apart = clocks.apart();
+        let wanted = match (&self.options.time, &apart) {
+            (Some(name), _) => Some(name.clone()),
+            (None, Some(times)) => match clocks.of_channels(&self.options.channels) {
+                Some(time) if !self.options.channels.is_empty() => Some(time.into()),
+                _ if self.options.rate.is_some() => None,
+                _ => {
+                    let (file, times) = (self.source.file.into(), list(times.iter().copied()));
+                    return Err(ReadError::SeveralTimes { file, times, names: names.into() });
+                }
             },
-            None => variables
-                .iter()
-                .position(|v| v.is_vector() && units::is_time_name(&v.name) && !self.is_channel(&v.name)),
+            (None, None) => None,
         };
-        let Some(at) = at else { return Ok(Axis::None) };
-        let time = variables.remove(at);
+        let Some(name) = wanted else { return self.first_time(variables, warnings) };
+        if apart.is_some() {
+            let elsewhere = |v: &Variable| clocks.is_elsewhere(v, &name);
+            let left: Vec<String> = variables
+                .iter()
+                .filter(|v| elsewhere(v) && !self.is_channel(&v.name))
+                .map(|v| v.name.clone())
+                .collect();
+            variables.retain(|v| !left.contains(&v.name));
+            warnings.extend(left.into_iter().map(|name| Warning::LeftOut {
+                name,
+                reason: "it goes with another time by its name".into(),
+            }));
+        }
+        match variables.iter().position(|v| v.name == name) {
+            Some(at) => self.as_time(variables.remove(at), warnings),
+            None => self.time_inside_array(variables, &name, names, warnings),
+        }
+    }
+
+    /// The first vector with a name that means time.
+    fn first_time(
+        &self,
+        variables: &mut Vec<Variable>,
+        warnings: &mut Vec<Warning>,
+    ) -> Result<Axis, ReadError> {
+        let free = |v: &Variable| v.is_vector() && !self.is_channel(&v.name);
+        let plain = variables.iter().position(|v| free(v) && units::is_time_name(&v.name));
+        let at = plain.or_else(|| variables.iter().position(|v| free(v) && clocks::is_time(v)));
+        at.map_or(Ok(Axis::None), |at| self.as_time(variables.remove(at), warnings))
+    }
+
+    fn as_time(&self, time: Variable, warnings: &mut Vec<Warning>) -> Result<Axis, ReadError> {
         if !time.is_vector() {
             let found = format!("an array of {} x {} values", time.rows, time.columns);
             return Err(self.source.malformed(format!("time '{}'", time.name), found, "a vector of times"));
         }
-        Ok(in_seconds(time, warnings))
+        self.in_seconds(time, warnings)
+    }
+
+    /// The times in seconds, by the user's word on their unit or else the file's.
+    fn in_seconds(&self, time: Variable, warnings: &mut Vec<Warning>) -> Result<Axis, ReadError> {
+        let Variable { name, unit, mut values, .. } = time;
+        let (factor, unit_known) = self.source.seconds(&name, &unit, self.options)?;
+        if factor != 1.0 {
+            values.iter_mut().for_each(|t| *t *= factor);
+            let unit = self.options.time_unit.map_or(unit, |u| u.to_string());
+            warnings.push(Warning::TimeScaled { unit, factor });
+        }
+        Ok(Axis::Times { name, values, unit_known })
     }
 
     /// A time such as `data[0]`: one column or row of an array.
@@ -119,13 +125,14 @@ impl Chooser<'_> {
         variables: &mut Vec<Variable>,
         name: &str,
         names: &str,
+        warnings: &mut Vec<Warning>,
     ) -> Result<Axis, ReadError> {
         let owner = variables.iter().position(|v| is_part(name, &v.name));
         let parts = owner.map(|at| variables.remove(at).split(None)).unwrap_or_default();
         let mut axis = None;
         for part in parts {
             if part.name == name {
-                axis = Some(Axis::Times { name: part.name, values: part.values });
+                axis = Some(self.in_seconds(part, warnings)?);
             } else {
                 variables.push(part);
             }
@@ -134,15 +141,19 @@ impl Chooser<'_> {
     }
 
     /// The first column, when it increases uniformly and is not the only one.
-    fn unnamed_time(&self, variables: &mut Vec<Variable>, warnings: &mut Vec<Warning>) -> Axis {
+    fn unnamed_time(
+        &self,
+        variables: &mut Vec<Variable>,
+        warnings: &mut Vec<Warning>,
+    ) -> Result<Axis, ReadError> {
         let first = variables.first().filter(|_| variables.len() > 1);
         let is_time = first.is_some_and(|v| !self.is_channel(&v.name) && sampling::is_clock(&v.values));
         if !is_time {
-            return Axis::None;
+            return Ok(Axis::None);
         }
         let time = variables.remove(0);
         warnings.push(Warning::TimeAssumed { name: time.name.clone() });
-        in_seconds(time, warnings)
+        self.in_seconds(time, warnings)
     }
 
     fn is_channel(&self, name: &str) -> bool {
@@ -193,7 +204,7 @@ impl Chooser<'_> {
                 }
             };
         };
-        let fits = |v: &Variable| v.values.len() == length && !units::is_time_name(&v.name);
+        let fits = |v: &Variable| v.values.len() == length && !clocks::is_time(v);
         let (fitting, others): (Vec<_>, Vec<_>) = vectors.into_iter().partition(fits);
         if fitting.is_empty() {
             return Err(self.ambiguous(&format!("no channel has {length} samples as the time has"), names));
@@ -226,17 +237,6 @@ fn is_part(name: &str, owner: &str) -> bool {
 
 fn length_of(axis: &Axis) -> Option<usize> {
     if let Axis::Times { values, .. } = axis { Some(values.len()) } else { None }
-}
-
-fn in_seconds(mut time: Variable, warnings: &mut Vec<Warning>) -> Axis {
-    let factor = units::time_factor(&time.unit).unwrap_or(1.0);
-    if factor != 1.0 {
-        for t in &mut time.values {
-            *t *= factor;
-        }
-        warnings.push(Warning::TimeScaled { unit: time.unit, factor });
-    }
-    Axis::Times { name: time.name, values: time.values }
 }
 
 /// A single number called `dt` (seconds) or `fs`, `rate` and the like (Hz).

@@ -8,7 +8,10 @@ use crate::file_bytes::{FileBytes, decode, shorten};
 
 /// Structs inside structs are followed to this depth; deeper ones are refused by name when they are asked for. The depth
 /// bounds the recursion on a damaged file; records known have three levels at most.
-const DEEPEST: usize = 8;
+pub(super) const DEEPEST: usize = 8;
+
+/// Cell arrays of more dimensions are refused by name when they are asked for; those of records have two.
+const MOST_SUBSCRIPTS: usize = 8;
 
 /// Longest name of a field with the zero that ends it, as in MATLAB itself (`namelengthmax` is 63). A file that says more is
 /// refused as malformed.
@@ -61,6 +64,9 @@ impl Reader<'_> {
         let Some(head) = self.head(&mut cursor, element)? else { return Ok(()) };
         let path = path.unwrap_or(&head.name);
         match head.class {
+            1 if depth < DEEPEST && head.dims.len() <= MOST_SUBSCRIPTS => {
+                self.cells(&mut cursor, &head, path, depth, found)
+            }
             2 if depth < DEEPEST => self.fields(&mut cursor, &head, path, depth, found),
             4 => {
                 let data = cursor.expect("text")?;
@@ -142,6 +148,37 @@ impl Reader<'_> {
         }
         Ok(())
     }
+
+    /// The cells of a cell array, called as MATLAB calls them: `x{2,1}`.
+    fn cells(
+        &self,
+        cursor: &mut Cursor,
+        head: &Head,
+        path: &str,
+        depth: usize,
+        found: &mut Found,
+    ) -> Result<(), ReadError> {
+        // The elements of the file bound this loop, whatever the dimensions say.
+        let mut number = 0_usize;
+        while let Some(element) = cursor.next()? {
+            let mut left = number;
+            let mut subscripts = Vec::with_capacity(head.dims.len());
+            for size in head.dims.iter().map(|d| (*d).max(1)) {
+                subscripts.push((left % size + 1).to_string());
+                left /= size;
+            }
+            if element.kind == ElementType::Matrix {
+                self.matrix(
+                    &element,
+                    Some(&format!("{path}{{{}}}", subscripts.join(","))),
+                    depth + 1,
+                    found,
+                )?;
+            }
+            number += 1;
+        }
+        Ok(())
+    }
 }
 
 fn name(bytes: &[u8]) -> String {
@@ -165,7 +202,9 @@ fn text(data: &Element, order: Order) -> String {
 
 fn describe(class: u8, head: &Head) -> String {
     match class {
-        1 => "a cell array".into(),
+        1 => format!(
+            "a cell array more than {DEEPEST} levels deep or of more than {MOST_SUBSCRIPTS} dimensions"
+        ),
         2 => format!("a struct more than {DEEPEST} levels deep"),
         3 => "an object".into(),
         5 => "a sparse array".into(),

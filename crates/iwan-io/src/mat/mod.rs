@@ -1,4 +1,4 @@
-//! MATLAB level 5 MAT-files: numeric arrays of all types, structs and nested structs, plain or compressed.
+//! MATLAB MAT-files: numeric arrays of all types, structs and cell arrays, nested, of level 5 (plain or compressed) and 7.3.
 //!
 //! Layout after "MAT-File Format", The MathWorks, chapter 1 (level 5). Own reader: the published crate does not know
 //! structs. A field is called by its path, `HIdata.time`; the elements of a struct array by their number, counted
@@ -6,6 +6,7 @@
 
 mod element;
 mod matrix;
+mod hdf;
 
 use crate::assembly::{Chooser, Raw, Variable, units};
 use crate::bytes::Order;
@@ -13,6 +14,7 @@ use crate::error::ReadError;
 use crate::file_bytes::FileBytes;
 use crate::inflate::{most, read_limited};
 use crate::options::ReadOptions;
+use crate::warning::Warning;
 use element::{Cursor, ElementType};
 use flate2::bufread::ZlibDecoder;
 use matrix::{Found, Reader, Said};
@@ -22,22 +24,7 @@ const HEADER: usize = 128;
 
 /// Time and channels of a MAT-file.
 pub(crate) fn parse(source: FileBytes, options: &ReadOptions) -> Result<Raw, ReadError> {
-    let order = check_header(&source)?;
-    let mut found = Found::default();
-    let mut cursor = Cursor::new(&source, &source.bytes[HEADER..], order, HEADER);
-    while let Some(element) = cursor.next()? {
-        if element.kind != ElementType::Compressed {
-            Reader { source: &source, order }.top(&element, &mut found)?;
-            continue;
-        }
-        let place = format!("compressed variable at byte {}", element.offset);
-        let bytes = read_limited(&mut ZlibDecoder::new(element.data), most(element.data.len()))
-            .map_err(|e| source.malformed(&place, e.to_string(), "zlib data"))?;
-        let mut inside = Cursor::new(&source, &bytes, order, 0);
-        while let Some(inner) = inside.next()? {
-            Reader { source: &source, order }.top(&inner, &mut found)?;
-        }
-    }
+    let found = if is_level_7_3(source.bytes) { hdf::read(&source)? } else { level_5(&source)? };
     let asked =
         options.channels.iter().chain(&options.time).find(|n| found.refused.iter().any(|r| r.path == **n));
     if let Some(refused) = found.refused.iter().find(|r| Some(&r.path) == asked) {
@@ -47,7 +34,37 @@ pub(crate) fn parse(source: FileBytes, options: &ReadOptions) -> Result<Raw, Rea
             "save real numeric arrays of one or two dimensions",
         ));
     }
-    Chooser { source, options, tabular: false }.choose(with_units(found), Vec::new())
+    let left = |r: &Said| Warning::LeftOut { name: r.path.clone(), reason: format!("it is {}", r.text) };
+    let warnings = found.refused.iter().map(left).collect();
+    Chooser { source, options, tabular: false }.choose(with_units(found), warnings)
+}
+
+/// Signature of HDF5, at the start or behind MATLAB's own header of 512 bytes.
+const HDF5: &[u8] = b"\x89HDF\r\n\x1a\n";
+
+fn is_level_7_3(bytes: &[u8]) -> bool {
+    bytes.starts_with(HDF5) || bytes.starts_with(b"MATLAB 7.3") && bytes.get(512..520) == Some(HDF5)
+}
+
+/// What a level 5 file holds.
+fn level_5(source: &FileBytes) -> Result<Found, ReadError> {
+    let order = check_header(source)?;
+    let mut found = Found::default();
+    let mut cursor = Cursor::new(source, &source.bytes[HEADER..], order, HEADER);
+    while let Some(element) = cursor.next()? {
+        if element.kind != ElementType::Compressed {
+            Reader { source, order }.top(&element, &mut found)?;
+            continue;
+        }
+        let place = format!("compressed variable at byte {}", element.offset);
+        let bytes = read_limited(&mut ZlibDecoder::new(element.data), most(element.data.len()))
+            .map_err(|e| source.malformed(&place, e.to_string(), "zlib data"))?;
+        let mut inside = Cursor::new(source, &bytes, order, 0);
+        while let Some(inner) = inside.next()? {
+            Reader { source, order }.top(&inner, &mut found)?;
+        }
+    }
+    Ok(found)
 }
 
 /// Byte order; refuses other levels by name.
@@ -72,14 +89,15 @@ fn check_header(source: &FileBytes) -> Result<Order, ReadError> {
 }
 
 fn level_7_3(source: &FileBytes) -> ReadError {
-    let remedy = "save it again with save(..., '-v7'), or export CSV or NPZ";
-    source.unsupported("header", "a MATLAB v7.3 (HDF5) file", remedy)
+    let remedy = "save or copy it again, or save it with save(..., '-v7')";
+    source.unsupported(
+        "header",
+        "a MATLAB v7.3 file without the HDF5 part behind its first 512 bytes",
+        remedy,
+    )
 }
 
 fn not_level_5(source: &FileBytes) -> ReadError {
-    if source.bytes.starts_with(b"\x89HDF") {
-        return level_7_3(source);
-    }
     if is_level_4(source.bytes) {
         let remedy = "save it again with save(..., '-v7'), or export CSV or NPZ";
         return source.unsupported("header", "a MATLAB v4 file", remedy);

@@ -3,7 +3,6 @@
 use crate::assembly::units;
 use crate::error::ReadError;
 use crate::file_bytes::{FileBytes, decode, shorten};
-use crate::quantity::Quantity;
 use std::borrow::Cow;
 
 /// Lines looked at to find the first row of numbers. Preambles of measuring programs have up to some dozen lines; a file
@@ -167,7 +166,7 @@ fn header(above: &[&Line], separator: Separator, fields: usize) -> Header {
     let Some(lower) = cells(last) else { return Header::default() };
     let plain = |l: &Line| usize::from(!is_comment(l.text));
     if let Some(line) = rest.last().filter(|l| words(&lower) && plain(l) == plain(last)) {
-        let known = lower.iter().any(|u| is_unit(u));
+        let known = lower.iter().any(|u| units::is_unit(u));
         if let Some(upper) = cells(line).filter(|row| known && words(row)) {
             return Header { names: upper, units: lower, used: plain(line) + plain(last) };
         }
@@ -188,10 +187,6 @@ fn split_quoted(separator: Separator, text: &[u8]) -> Vec<String> {
         cells.pop();
     }
     if read { cells } else { Vec::new() }
-}
-
-fn is_unit(text: &str) -> bool {
-    units::quantity_of_unit(text) != Quantity::Unknown || units::time_factor(text).is_some()
 }
 
 /// Whether a line is a comment.

@@ -119,8 +119,12 @@ pub(crate) fn parse(source: FileBytes, options: &ReadOptions) -> Result<Raw, Rea
 /// The user may write a column's name with its unit, as it stands in the file.
 fn chosen_name(name: String, unit: &str, options: &ReadOptions) -> String {
     let asked = options.channels.iter().chain(&options.time);
-    let full = [format!("{name} [{unit}]"), format!("{name} ({unit})"), format!("{name}_{unit}")];
-    asked.into_iter().find(|a| !unit.is_empty() && full.contains(a)).cloned().unwrap_or(name)
+    let letters = |text: &str| text.chars().filter(|c| !c.is_whitespace()).collect::<String>();
+    let (bare, label) = (letters(&name), letters(unit));
+    let around =
+        [("[", "]"), ("(", ")"), ("{", "}"), ("<", ">"), ("_", ""), ("/", ""), (",", ""), ("in", "")];
+    let full = around.map(|(open, close)| format!("{bare}{open}{label}{close}"));
+    asked.into_iter().find(|a| !unit.is_empty() && full.contains(&letters(a))).cloned().unwrap_or(name)
 }
 
 /// Name and unit of each column; columns without a name are numbered.

@@ -75,12 +75,13 @@ impl Header {
     /// Quantity from the ordinate's data type (record 9, field 1), else from its unit.
     pub(super) fn quantity(&self) -> Quantity {
         match self.ordinate_type {
+            3 => Quantity::Strain,
             8 => Quantity::Displacement,
             9 | 13 => Quantity::Force,
             11 => Quantity::Velocity,
             12 => Quantity::Acceleration,
-            0 | 1 => units::quantity_of_unit(&self.ordinate_unit),
-            _ => Quantity::Unknown,
+            15 => Quantity::Pressure,
+            _ => units::quantity_of_unit(&self.ordinate_unit),
         }
     }
 }

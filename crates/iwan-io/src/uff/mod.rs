@@ -8,7 +8,7 @@ mod sections;
 mod header;
 mod data;
 
-use crate::assembly::{Axis, Channel, Raw, units};
+use crate::assembly::{Axis, Channel, Raw};
 use crate::error::ReadError;
 use crate::file_bytes::{FileBytes, list};
 use crate::options::ReadOptions;
@@ -39,7 +39,7 @@ pub(crate) fn parse(source: FileBytes, options: &ReadOptions) -> Result<Raw, Rea
             refused.get_or_insert((section.place(), reason));
             continue;
         }
-        functions.push(function(&source, &section, &header, name, &mut warnings)?);
+        functions.push(function(&source, &section, &header, name, options, &mut warnings)?);
     }
     if functions.is_empty() && options.channels.is_empty() {
         let (place, reason) =
@@ -64,10 +64,12 @@ fn function(
     section: &Section,
     header: &Header,
     name: String,
+    options: &ReadOptions,
     warnings: &mut Vec<Warning>,
 ) -> Result<Function, ReadError> {
     let Points { mut times, values } = data::read(source, section, header, warnings)?;
-    let factor = units::time_factor(&header.abscissa_unit).unwrap_or(1.0);
+    let (factor, unit_known) =
+        source.seconds(&format!("abscissa of {name}"), &header.abscissa_unit, options)?;
     if factor != 1.0 {
         warnings.push(Warning::TimeScaled { unit: header.abscissa_unit.clone(), factor });
         for t in &mut times {
@@ -77,7 +79,7 @@ fn function(
     let axis = if header.even {
         Axis::Even { start: header.start * factor, step: header.step * factor }
     } else {
-        Axis::Times { name: format!("abscissa of {name}"), values: times }
+        Axis::Times { name: format!("abscissa of {name}"), values: times, unit_known }
     };
     let (unit, quantity) = (header.ordinate_unit.clone(), header.quantity());
     Ok(Function { channel: Channel { name, unit, quantity, values }, axis })

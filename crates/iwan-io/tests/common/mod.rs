@@ -1,6 +1,8 @@
 //! Small valid files of every format, built byte by byte.
 #![allow(dead_code, unreachable_pub, clippy::unwrap_used)]
 
+pub mod instruments;
+
 use iwan_io::Table;
 use std::io::{Cursor, Write};
 

@@ -314,6 +314,8 @@ class Record:
     @property
     def t(self) -> Array: ...
     def channel(self, channel: str | int | None = None) -> Array: ...
+    def between(self, start: float | None = None, stop: float | None = None) -> Record: ...
+    def spectral_peaks(self) -> list[dict[str, Any]]: ...
     def __len__(self) -> int: ...
     def __eq__(self, other: object, /) -> bool: ...
     __hash__: None  # type: ignore[assignment]
@@ -321,12 +323,16 @@ class Record:
 def read_record(
     path: str | PathLike[str],
     *,
-    format: Literal["text", "npy", "npz", "uff", "mat"] | None = None,
+    format: Literal["text", "npy", "npz", "uff", "mat", "lvm", "wav"] | None = None,
     time: str | None = None,
     channels: Sequence[str] = ...,
     rate: float | None = None,
     quantity: Quantity | None = None,
     resample: bool = False,
+    time_unit: Literal["s", "ms", "us", "ns", "min", "h"] | None = None,
+    unit: str | None = None,
+    start: float | None = None,
+    stop: float | None = None,
 ) -> Record: ...
 @final
 class Envelope:
@@ -367,6 +373,7 @@ def envelope(
     filter_order: int = 3,
     window: tuple[float, float] | None = None,
     order: int | None = None,
+    mode: float | None = None,
 ) -> Envelope: ...
 
 # Behind iwan.ensemble.

@@ -20,7 +20,7 @@ EnvelopeMethod: TypeAlias = Literal["hilbert", "peaks", "pff", "demodulation"]
 History: TypeAlias = Literal["displacement", "velocity", "acceleration", "joint_force"]
 """Histories that an ensemble may keep."""
 
-Quantity: TypeAlias = Literal["acceleration", "velocity", "displacement", "force", "unknown"]
+Quantity: TypeAlias = Literal["acceleration", "velocity", "displacement", "force", "pressure", "voltage", "strain", "unknown"]
 """What a record measures."""
 
 

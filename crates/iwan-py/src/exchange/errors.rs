@@ -95,7 +95,17 @@ fn told_at(place: &str, error: iwan_ident::Error) -> PyErr {
 
 /// An error of the reader of records, with Python's arguments in place of the command line's options.
 pub(crate) fn reading(error: &ReadError) -> PyErr {
-    const WORDS: [(&str, &str); 6] = [
+    let message = in_python(&error.to_string());
+    let ReadError::Io { file, source } = error else { return python::RecordError::new_err(message) };
+    file_error(source, message, file.clone())
+}
+
+/// What the reader of records says, with Python's arguments in place of the command line's options.
+pub(crate) fn in_python(text: &str) -> String {
+    const WORDS: [(&str, &str); 9] = [
+        ("--time-unit s|ms|us|ns|min|h", "time_unit="),
+        ("--time-unit ", "time_unit="),
+        ("leave --unit out", "leave unit= out"),
         ("--rate HZ", "rate="),
         ("--time NAME", "time="),
         ("--channel NAME", "channels=[...]"),
@@ -103,9 +113,7 @@ pub(crate) fn reading(error: &ReadError) -> PyErr {
         ("--resample", "resample=True"),
         ("--force", "force=True"),
     ];
-    let message = WORDS.iter().fold(error.to_string(), |text, (from, to)| text.replace(from, to));
-    let ReadError::Io { file, source } = error else { return python::RecordError::new_err(message) };
-    file_error(source, message, file.clone())
+    WORDS.iter().fold(text.to_owned(), |text, (from, to)| text.replace(from, to))
 }
 
 /// An error of the operating system.

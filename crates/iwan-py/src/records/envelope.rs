@@ -10,7 +10,7 @@ use crate::exchange::errors::{identification, identification_at, value};
 use crate::exchange::options::{thread_count, unknown};
 use crate::exchange::pickle::Remake;
 use crate::exchange::work;
-use crate::records::mode_records::{Modal, modal};
+use crate::records::mode_records::{Modal, band_of_mode, modal};
 
 /// Amplitude, frequency and damping ratio of one mode against time. Made by `envelope`.
 ///
@@ -159,6 +159,7 @@ pub(crate) fn _envelope(
 ///
 /// `record`: a `Record`, or real numbers in one dimension with `dt` (s); `channel`: name or number; without it, several
 /// channels are combined by the shape that dominates in the band;
+/// `mode`: frequency (Hz) to which the spectral peak of the mode is the nearest one, its band is found around it;
 /// `band`: (low, high) in Hz, None: found around `near` (Hz), or around the highest spectral peak; `method`: "hilbert" (analytic
 /// signal and polynomials, the paper's), "peaks" (Eq. 6-8), "pff" (peak finding and fitting, doi:10.1115/1.4047416) or
 /// "demodulation"; `filter_order`: of the zero-phase Butterworth band-pass, 0 = none; `window`: (start, end) in s from the first
@@ -176,7 +177,7 @@ pub(crate) fn _envelope(
 #[pyfunction]
 #[pyo3(signature = (
     record, *, dt = None, channel = None, band = None, near = None, method = "hilbert", filter_order = 3, window = None,
-    order = None
+    order = None, mode = None
 ))]
 #[expect(clippy::too_many_arguments, reason = "keyword arguments of Python")]
 pub(crate) fn envelope(
@@ -189,8 +190,14 @@ pub(crate) fn envelope(
     filter_order: usize,
     window: Option<(f64, f64)>,
     order: Option<usize>,
+    mode: Option<f64>,
 ) -> PyResult<Envelope> {
     let method = method_named(method)?;
+    let band = match (mode, band, near) {
+        (None, band, _) => band,
+        (Some(mode), None, None) => Some(band_of_mode(record, dt, channel, mode)?),
+        _ => return Err(value("mode goes without band and near: give one of them")),
+    };
     let options = Options { band, near, filter_order, window, order };
     let Modal { samples, dt, start, notes, .. } = one(record, dt, channel, &options)?;
     let made = work::run(record.py(), true, move |_| signal::envelope(&samples, dt, method, &options))?;

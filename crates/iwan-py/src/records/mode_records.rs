@@ -2,7 +2,7 @@
 
 use iwan_ident::channels::{NoMode, Recording, Shape, one_mode};
 use iwan_ident::curves;
-use iwan_ident::signal::Options;
+use iwan_ident::signal::{Options, band_near};
 use numpy::PyArrayMethods;
 use numpy::ndarray::Axis;
 use pyo3::intern;
@@ -75,6 +75,23 @@ pub(crate) fn modal(
         notes: notes.clone(),
     };
     Ok(records.iter().zip(mode.records).map(one).collect())
+}
+
+/// The band around the spectral peak nearest to `near` Hz, in the channel named or in all of them.
+pub(crate) fn band_of_mode(
+    record: &Bound<'_, PyAny>,
+    dt: Option<f64>,
+    channel: Option<&Bound<'_, PyAny>>,
+    near: f64,
+) -> PyResult<(f64, f64)> {
+    let record = taken(record, dt)?;
+    let all = 0..record.get().names.len();
+    let chosen = if channel.is_some() { record.get().index(channel).map(|i| i..i + 1)? } else { all };
+    let view = record.get().samples.bind(record.py()).readonly();
+    let rows: Vec<Vec<f64>> = chosen.map(|i| view.as_array().index_axis(Axis(0), i).to_vec()).collect();
+    let rows: Vec<&[f64]> = rows.iter().map(Vec::as_slice).collect();
+    let band = band_near(&rows, record.get().dt, near).map_err(identification)?;
+    Ok((band.low, band.high))
 }
 
 /// A record, or whatever `iwan.as_record` makes one of.

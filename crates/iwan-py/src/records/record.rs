@@ -3,38 +3,45 @@
 use std::path::PathBuf;
 
 use iwan_ident::curves;
-use iwan_io::{Format, Quantity, ReadOptions};
+use iwan_ident::signal::SpectralPeak;
+use iwan_io::{Format, Quantity, ReadOptions, UnknownTimeUnit};
 use numpy::{PyArray1, PyArray2, PyArrayMethods, PyUntypedArrayMethods};
 use pyo3::IntoPyObjectExt;
 use pyo3::prelude::*;
+use pyo3::types::PyDict;
 
 use crate::exchange::array::{Numbers, array, freeze, frozen_rows};
-use crate::exchange::errors::{reading, value, wrong_type};
+use crate::exchange::errors::{identification, in_python, reading, value, wrong_type};
 use crate::exchange::options::choose;
 use crate::exchange::pickle::Remake;
 use crate::exchange::work;
 
-const QUANTITIES: [(&str, Quantity); 5] = [
+const QUANTITIES: [(&str, Quantity); 8] = [
     ("acceleration", Quantity::Acceleration),
     ("velocity", Quantity::Velocity),
     ("displacement", Quantity::Displacement),
     ("force", Quantity::Force),
+    ("pressure", Quantity::Pressure),
+    ("voltage", Quantity::Voltage),
+    ("strain", Quantity::Strain),
     ("unknown", Quantity::Unknown),
 ];
 
-const FORMATS: [(&str, Format); 5] = [
+const FORMATS: [(&str, Format); 7] = [
     ("text", Format::Text),
     ("npy", Format::Npy),
     ("npz", Format::Npz),
     ("uff", Format::Uff),
     ("mat", Format::Mat),
+    ("lvm", Format::Lvm),
+    ("wav", Format::Wav),
 ];
 
 /// One or many channels sampled together at a constant interval; checked once, frozen, picklable.
 ///
 /// `samples`: real numbers, channels x samples (or one dimension for one channel), all finite, at least two;
 /// `dt`: sampling interval > 0 (s); `names`: one for each channel; `quantity`: "acceleration", "velocity", "displacement",
-/// "force" or "unknown"; `unit`: as text; `start`: time of the first sample (s).
+/// "force", "pressure", "voltage", "strain" or "unknown"; `unit`: as text; `start`: time of the first sample (s).
 ///
 /// Raises `iwan.InvalidValueError` naming channel and sample.
 ///
@@ -63,9 +70,17 @@ impl Record {
             names: record.names().to_vec(),
             quantity: record.quantity(),
             unit: record.unit().to_owned(),
-            warnings: record.warnings().iter().map(ToString::to_string).collect(),
+            warnings: record.warnings().iter().map(|w| in_python(&w.to_string())).collect(),
             samples: frozen_rows(py, record.samples())?,
         })
+    }
+
+    /// The record of the library, checked again.
+    fn whole(&self, py: Python<'_>) -> PyResult<iwan_io::Record> {
+        let rows = self.samples.bind(py).readonly().as_array().outer_iter().map(|row| row.to_vec()).collect();
+        let record = iwan_io::Record::new(self.dt, rows, self.names.clone());
+        let record = record.and_then(|record| record.with_start(self.start));
+        Ok(record.map_err(|error| value(error.to_string()))?.with_quantity(self.quantity, self.unit.clone()))
     }
 
     /// Index of a channel by name or number; the only one when neither is given.
@@ -103,7 +118,16 @@ impl Record {
             (_, Quantity::Acceleration) => Ok((curves::Quantity::Acceleration, Vec::new())),
             (_, Quantity::Velocity) => Ok((curves::Quantity::Velocity, Vec::new())),
             (_, Quantity::Displacement) => Ok((curves::Quantity::Displacement, Vec::new())),
-            (_, Quantity::Force) => Err(value("the record is a force, not a motion: choose another channel")),
+            (_, other) if other != Quantity::Unknown || !self.unit.is_empty() => {
+                let what = if other == Quantity::Unknown {
+                    format!("is in '{}'", self.unit)
+                } else {
+                    format!("is a {other}")
+                };
+                Err(value(format!(
+                    "the record {what}, not known as a motion: choose another channel, or say with quantity= what motion it is proportional to"
+                )))
+            }
             _ => {
                 let note = "what was measured is not known: taken as acceleration, quantity= says otherwise";
                 Ok((curves::Quantity::Acceleration, vec![note.to_owned()]))
@@ -211,6 +235,48 @@ impl Record {
         Ok(row)
     }
 
+    /// The samples between two times (s, on the record's own clock, both included; None: from the first, to the last) as a `Record`.
+    ///
+    /// Raises `iwan.InvalidValueError` where fewer than two samples are left.
+    ///
+    /// >>> record = iwan.Record([[0.0, 1.0, 4.0, 9.0]], dt=0.5, start=-0.5)
+    /// >>> record.between(start=0.0).samples
+    /// array([[1., 4., 9.]])
+    #[pyo3(signature = (start = None, stop = None))]
+    fn between(&self, py: Python<'_>, start: Option<f64>, stop: Option<f64>) -> PyResult<Self> {
+        let cut = self.whole(py)?.between(start, stop).map_err(|error| value(error.to_string()))?;
+        Ok(Self { warnings: self.warnings.clone(), ..Self::wrap(py, &cut)? })
+    }
+
+    /// The peaks of the spectrum of the ring-down, all channels together, by frequency: a list of dicts with `frequency` (Hz), `height` (over
+    /// that of the highest), `width` (Hz, at half the power; None where a neighbour hides it), `damping_ratio` (of a linear mode with
+    /// a peak of that width; None where the record is too short to tell) and `prominence` (over the valleys beside it).
+    ///
+    /// Raises `iwan.IdentificationError` for a record of fewer than 64 samples.
+    ///
+    /// >>> import numpy as np
+    /// >>> t = np.arange(8192) / 4096.0
+    /// >>> record = iwan.Record(np.exp(-2.0 * t) * np.cos(2 * np.pi * 80.0 * t), dt=1 / 4096.0)
+    /// >>> [round(peak["frequency"], 1) for peak in record.spectral_peaks()]
+    /// [80.0]
+    fn spectral_peaks<'py>(&self, py: Python<'py>) -> PyResult<Vec<Bound<'py, PyDict>>> {
+        let record = self.whole(py)?;
+        let found = work::run(py, true, move |_| {
+            let channels: Vec<&[f64]> = record.samples().iter().map(Vec::as_slice).collect();
+            iwan_ident::signal::spectral_peaks(&channels, record.dt())
+        })?;
+        let peak = |peak: SpectralPeak| {
+            let dict = PyDict::new(py);
+            dict.set_item("frequency", peak.frequency)?;
+            dict.set_item("height", peak.height)?;
+            dict.set_item("width", peak.width)?;
+            dict.set_item("damping_ratio", peak.damping_ratio)?;
+            dict.set_item("prominence", peak.prominence)?;
+            Ok(dict)
+        };
+        found.map_err(identification)?.into_iter().map(peak).collect()
+    }
+
     /// Number of samples of each channel.
     fn __len__(&self, py: Python<'_>) -> usize {
         self.samples.bind(py).shape()[1]
@@ -258,12 +324,13 @@ pub(crate) fn _record(
 }
 
 /// Reads a record from a file: CSV and other text (header and delimiter are found), NPY/NPZ, UFF/UNV dataset 58 and 58b,
-/// MATLAB v5 .mat.
+/// MATLAB .mat (v5 to v7.3), LabVIEW .lvm, WAV.
 ///
-/// `path`: str or path-like; `format`: "text", "npy", "npz", "uff" or "mat" where content and extension do not tell;
+/// `path`: str or path-like; `format`: "text", "npy", "npz", "uff", "mat", "lvm" or "wav" where content and extension do not tell;
 /// `time`: name of the time vector, such as "HIdata.time"; `channels`: names, in the order wanted (all that fit by default);
 /// `rate` (Hz) where no time is stored; `quantity`: goes before what the file says; `resample`: interpolate samples that
-/// are not uniform.
+/// are not uniform; `time_unit`: "s", "ms", "us", "ns", "min" or "h", goes before what the file says; `unit`: convert the samples
+/// to "SI" or to a unit such as "m/s^2"; `start`, `stop`: keep only the samples between these times (s, on the record's own clock).
 ///
 /// Returns a `Record`. Raises `iwan.MissingFileError` (a `FileNotFoundError`) or `iwan.FileError` (an `OSError`) when the file
 /// cannot be read, `iwan.RecordError` (a `ValueError`) naming the place in the file and what helps when its content is no record.
@@ -275,7 +342,8 @@ pub(crate) fn _record(
 /// ('acceleration', 'm/s^2', 0.5, array([1., 2., 4.]))
 #[pyfunction]
 #[pyo3(signature = (
-    path, *, format = None, time = None, channels = Vec::new(), rate = None, quantity = None, resample = false
+    path, *, format = None, time = None, channels = Vec::new(), rate = None, quantity = None, resample = false,
+    time_unit = None, unit = None, start = None, stop = None
 ))]
 #[expect(clippy::too_many_arguments, reason = "keyword arguments of Python")]
 pub(crate) fn read_record(
@@ -287,12 +355,19 @@ pub(crate) fn read_record(
     rate: Option<f64>,
     quantity: Option<&str>,
     resample: bool,
+    time_unit: Option<&str>,
+    unit: Option<String>,
+    start: Option<f64>,
+    stop: Option<f64>,
 ) -> PyResult<Record> {
     let format = format.map(|name| choose("format", name, &FORMATS)).transpose()?;
     let quantity = quantity.map(|name| choose("quantity", name, &QUANTITIES)).transpose()?;
-    let options = ReadOptions { format, time, channels, rate, quantity, resample };
+    let time_unit =
+        time_unit.map(str::parse).transpose().map_err(|e: UnknownTimeUnit| value(e.to_string()))?;
+    let options = ReadOptions { format, time, channels, rate, quantity, resample, time_unit, unit };
     let record = work::run(py, true, move |_| iwan_io::read(path, &options))?;
-    Record::wrap(py, &record.map_err(|error| reading(&error))?)
+    let record = record.map_err(|error| reading(&error))?;
+    Record::wrap(py, &record.between(start, stop).map_err(|error| value(error.to_string()))?)
 }
 
 /// Reads a record from the bytes of a file.
@@ -309,7 +384,7 @@ pub(crate) fn _read_bytes(
     resample: bool,
 ) -> PyResult<Record> {
     let quantity = quantity.map(|name| choose("quantity", name, &QUANTITIES)).transpose()?;
-    let options = ReadOptions { format: None, time, channels, rate, quantity, resample };
+    let options = ReadOptions { time, channels, rate, quantity, resample, ..ReadOptions::default() };
     let record = iwan_io::read_bytes(&name, bytes, &options);
     Record::wrap(py, &record.map_err(|error| reading(&error))?)
 }

@@ -1,0 +1,78 @@
+//! Several hits in one record: each a record of its own.
+
+use std::path::PathBuf;
+
+use iwan_ident::signal::{Event, Hit, events, hits};
+
+use super::args::{Hits, RecordArgs};
+use super::reading::{Recording, read};
+use crate::failure::Failure;
+
+/// Reads files by the user's word; a record of several hits that are well apart is as many records, one after the other.
+pub(crate) fn read_all(paths: &[PathBuf], args: &RecordArgs) -> Result<Vec<Recording>, Failure> {
+    let mut all = Vec::new();
+    for path in paths {
+        all.extend(stretches(read(path, args)?, args.hits)?);
+    }
+    Ok(all)
+}
+
+/// The hits of a recording that are wanted, and a word on what disturbs it.
+fn stretches(mut recording: Recording, wanted: Hits) -> Result<Vec<Recording>, Failure> {
+    let record = &recording.record;
+    let loudest = record.samples().iter().max_by(|a, b| peak(a).total_cmp(&peak(b)));
+    let Some(samples) = loudest else { return Ok(vec![recording]) };
+    // A record too short to be looked at is refused where it is used.
+    let found = hits(samples, record.dt()).unwrap_or_default();
+    let disturbed = events(samples, record.dt()).unwrap_or_default();
+    let (name, start) = (recording.name.clone(), record.start());
+    for event in &disturbed {
+        if let Event::Jump { time, size } = event {
+            let at = start + time;
+            recording.warnings.push(format!("{name}: the zero line jumps by {size:.4} at {at:.6} s; cut there with --to {at:.4} or --from {at:.4}"));
+        }
+    }
+    for again in found.iter().flat_map(|hit| &hit.again) {
+        let at = start + again;
+        recording.warnings.push(format!("{name}: driven again at {at:.6} s, as by a double hit: behind it with --from {at:.4} the decay is free"));
+    }
+    let chosen: Vec<(usize, &Hit)> = match wanted {
+        Hits::All => found.iter().enumerate().collect(),
+        Hits::One(n) if n == 0 && found.len() < 2 => Vec::new(),
+        Hits::One(n) => match found.get(n) {
+            Some(hit) => vec![(n, hit)],
+            None => {
+                let message = format!("{name}: there is no hit {} ({} found)", n + 1, found.len());
+                return Err(Failure::input(message, "choose --hits all, first, or one of those"));
+            }
+        },
+    };
+    if found.len() < 2 {
+        return Ok(vec![recording]);
+    }
+    let times: Vec<String> = found.iter().map(|hit| format!("{:.4}", start + hit.time)).collect();
+    let used = match wanted {
+        Hits::All => "each is used as a record of its own".into(),
+        Hits::One(n) => format!("number {} is used", n + 1),
+    };
+    recording.warnings.push(format!(
+        "{name}: {} hits, at {} s; {used} (--hits)",
+        found.len(),
+        times.join(", ")
+    ));
+    chosen.into_iter().map(|(n, hit)| cut(&recording, n, hit)).collect()
+}
+
+/// The stretch of a hit.
+fn cut(recording: &Recording, n: usize, hit: &Hit) -> Result<Recording, Failure> {
+    let record = &recording.record;
+    let ends = (record.time(hit.samples.start), record.time(hit.samples.end - 1));
+    let name = format!("{}, hit {}", recording.name, n + 1);
+    let cut = record.between(Some(ends.0), Some(ends.1)).map_err(|e| Failure::said(&name, &e))?;
+    Ok(Recording { name, record: cut, quantity: recording.quantity, warnings: recording.warnings.clone() })
+}
+
+/// Largest magnitude.
+fn peak(samples: &[f64]) -> f64 {
+    samples.iter().map(|x| x.abs()).fold(0.0, f64::max)
+}

@@ -1,0 +1,167 @@
+//! Defects of a record with their times: clipping and jumps of the zero line.
+
+use super::peak_list::spectral_peaks;
+use crate::error::Error;
+
+/// Equal samples in a row at an extreme value that count as clipped, …
+const RUN: usize = 3;
+/// … in this many places at least: a digitised crest can be flat once.
+const PLACES: usize = 2;
+/// Peaks of this part of the height of the highest move averages; the slowest of them says over what time they are taken.
+const SEEN: f64 = 0.02;
+/// Cycles of that peak over which the zero line is averaged on either side of a jump.
+const CYCLES: f64 = 10.0;
+/// A jump is this many times the median difference of neighbouring averages, …
+const MEDIANS: f64 = 12.0;
+/// … and this part of the largest sample: less is lost beside what else averages leave.
+const PART: f64 = 5e-3;
+/// … and between these parts of it are still there ten cycles away: less is a pulse, more is a drift.
+const LASTS: (f64, f64) = (0.7, 1.3);
+
+/// What disturbs a record at a time.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[non_exhaustive]
+pub enum Event {
+    /// Samples stand at the end of the measuring range from one time to another (s from the first sample).
+    Clipped {
+        /// First clipped sample, s.
+        from: f64,
+        /// Last clipped sample, s.
+        to: f64,
+        /// The range, in the unit of the record.
+        level: f64,
+    },
+    /// The zero line jumps at a time (s from the first sample) and stays there.
+    Jump {
+        /// s.
+        time: f64,
+        /// In the unit of the record.
+        size: f64,
+    },
+}
+
+impl std::fmt::Display for Event {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        match self {
+            Self::Clipped { from, to, level } => {
+                write!(f, "clipped at {level:.6} from {from:.6} to {to:.6} s")
+            }
+            Self::Jump { time, size } => write!(f, "the zero line jumps by {size:.6} at {time:.6} s"),
+        }
+    }
+}
+
+/// Clipping and the largest jump of the zero line in a record of any unit, sampled every `dt` seconds.
+///
+/// Clipped: the largest or the smallest value stands three times in a row, in two places or more. A jump: averages over ten
+/// cycles of the slowest peak before and behind it differ twelve times as much as such averages do elsewhere.
+///
+/// # Errors
+/// [`Error::OutOfRange`] for `dt`, [`Error::NotFinite`], [`Error::TooShort`] below 64 samples.
+///
+/// ```
+/// use iwan_ident::signal::{Event, events};
+/// let x: Vec<f64> = (0..3000).map(|n| (-1e-3 * n as f64).exp() * (0.3 * n as f64).sin()).collect();
+/// assert!(events(&x, 1e-3)?.is_empty());
+/// let stepped: Vec<f64> = x.iter().enumerate().map(|(n, x)| x + if n < 2000 { 0.0 } else { 0.05 }).collect();
+/// assert!(matches!(events(&stepped, 1e-3)?[..], [Event::Jump { time, .. }] if (time - 2.0).abs() < 0.02));
+/// # Ok::<(), iwan_ident::Error>(())
+/// ```
+pub fn events(x: &[f64], dt: f64) -> Result<Vec<Event>, Error> {
+    let peaks = spectral_peaks(&[x], dt)?;
+    let slowest = peaks.iter().find(|p| p.height > SEEN).map(|p| jump(x, dt, 1.0 / (p.frequency * dt)));
+    Ok(clipped(x, dt).into_iter().chain(slowest.flatten()).collect())
+}
+
+fn clipped(x: &[f64], dt: f64) -> Option<Event> {
+    let (low, high) = x.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), v| (a.min(*v), b.max(*v)));
+    if low >= high {
+        return None;
+    }
+    let (mut from, mut runs) = (0, Vec::new());
+    for i in 1..=x.len() {
+        if i < x.len() && x[i] == x[from] {
+            continue;
+        }
+        if i - from >= RUN && (x[from] == low || x[from] == high) {
+            runs.push(from..i);
+        }
+        from = i;
+    }
+    let (first, last) = (runs.first()?, runs.last()?);
+    let level = x[first.start].abs();
+    (runs.len() >= PLACES).then(|| Event::Clipped {
+        from: first.start as f64 * dt,
+        to: (last.end - 1) as f64 * dt,
+        level,
+    })
+}
+
+/// The largest jump of the zero line, if it stands out; `cycle` in samples.
+fn jump(x: &[f64], dt: f64, cycle: f64) -> Option<Event> {
+    // Averages over three cycles, three times over: what oscillates falls by a thousand, and a hit with it.
+    let length = (CYCLES / 3.0 * cycle).round().max(4.0) as usize;
+    let zero = averaged(&averaged(&averaged(x, length)?, length)?, length)?;
+    let reach = 3 * length;
+    let count = zero.len().checked_sub(reach).filter(|n| *n > 2 * reach)?;
+    let differences: Vec<f64> = (0..count).map(|i| zero[i + reach] - zero[i]).collect();
+    let mut sorted: Vec<f64> = differences.iter().map(|d| d.abs()).collect();
+    let middle = sorted.len() / 2;
+    let median = *sorted.select_nth_unstable_by(middle, f64::total_cmp).1;
+    let loudest = x.iter().map(|x| x.abs()).fold(0.0, f64::max);
+    // What lasts is a jump; a pulse leaves nothing in averages that keep away from it.
+    let kept = |i: usize| zero[(i + 2 * reach).min(zero.len() - 1)] - zero[i.saturating_sub(reach)];
+    let stands = |i: &usize| {
+        let size = differences[*i];
+        let all = size.abs() > MEDIANS * median && size.abs() > PART * loudest;
+        all && (LASTS.0..=LASTS.1).contains(&(kept(*i) / size))
+    };
+    let at =
+        (0..count).filter(stands).max_by(|&i, &j| differences[i].abs().total_cmp(&differences[j].abs()))?;
+    // Each average reaches so far ahead of its place, and the jump is in the middle between the two.
+    let i = at + reach / 2 + 3 * (length - 1) / 2;
+    Some(Event::Jump { time: i as f64 * dt, size: differences[at] })
+}
+
+/// Mean of every `length` samples in a row.
+fn averaged(x: &[f64], length: usize) -> Option<Vec<f64>> {
+    let count = (x.len() + 1).checked_sub(length).filter(|n| *n > 0)?;
+    let mut sum: f64 = x[..length].iter().sum();
+    let mut means = Vec::with_capacity(count);
+    for i in 0..count {
+        means.push(sum / length as f64);
+        if i + length < x.len() {
+            sum += x[i + length] - x[i];
+        }
+    }
+    Some(means)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn decay(n: usize) -> f64 {
+        (-1e-3 * n as f64).exp() * (0.2 * n as f64).sin()
+    }
+
+    #[test]
+    fn clipping_is_told_with_its_times() {
+        let clipped: Vec<f64> = (0..3000).map(|n| decay(n).clamp(-0.6, 0.7)).collect();
+        let found = events(&clipped, 1e-3).unwrap();
+        let Some(&Event::Clipped { from, to, level }) = found.first() else { panic!("{found:?}") };
+        assert!(from < 0.02 && to > 0.3 && to < 0.6 && (level - 0.7).abs() < 0.11, "{found:?}");
+    }
+
+    #[test]
+    fn a_hit_and_a_drift_are_no_jumps() {
+        let struck: Vec<f64> =
+            (0..4000).map(|n| if n < 800 { 0.0 } else { decay(n - 800) } + 1e-6 * n as f64).collect();
+        assert_eq!(events(&struck, 1e-3).unwrap(), []);
+        let jumped: Vec<f64> =
+            struck.iter().enumerate().map(|(n, x)| if n < 2500 { *x } else { x - 0.03 }).collect();
+        let found = events(&jumped, 1e-3).unwrap();
+        let [Event::Jump { time, size }] = found[..] else { panic!("{found:?}") };
+        assert!((time - 2.5).abs() < 0.02 && (size + 0.03).abs() < 5e-3, "{found:?}");
+    }
+}

@@ -1,0 +1,305 @@
+//! Hits in a record: where a vibration is driven anew.
+
+use std::ops::Range;
+
+use super::ring::{RingSpectrum, Window};
+use crate::error::Error;
+
+/// Samples a cycle of the strongest peak that are looked at: records of more are averaged over as many samples. Ten and forty find the
+/// same hits.
+const PER_CYCLE: f64 = 20.0;
+/// Order of the linear prediction: sixteen modes' worth. Sixteen leave more of a second hit's neighbours, 64 find the same.
+const ORDER: usize = 32;
+/// Samples from which the median of the prediction error is taken on either side of a sample …
+const AROUND: usize = 200;
+/// … without as many as this next to it, in which the hit itself is.
+const GUARD: usize = 2 * ORDER;
+/// Samples of silence before a hit, at least, …
+const SHORTEST: usize = 8;
+/// … and what is silence beside what follows.
+const SILENCE: f64 = 0.1;
+/// A sample is driven when its prediction error is this many medians: 8 standard deviations of normal noise.
+const MEDIANS: f64 = 12.0;
+/// … and this part of the amplitude that follows; less is drift of the frequency, which the prediction does not know.
+const PART: f64 = 5e-3;
+/// … and this part of the largest amplitude of the record: smaller ones are of no use and no harm.
+const LOUD: f64 = 2e-3;
+/// A driven sample belongs to the hit before it unless this many samples between them are not driven: half a cycle.
+const QUIET: usize = 10;
+/// Of what follows a hit within the memory of the prediction nothing is told, and within the next cycles only errors of this part of its own count: the rest is what the prediction, or a joint that
+/// rattles, makes of the hit itself …
+const ECHO: f64 = 0.05;
+/// … and only when they are this many times those …
+const ANEW: f64 = 8.0;
+/// … of so many samples before: a cycle.
+const RECENT: usize = 23;
+/// A hit begins a stretch of its own when the amplitude rises by this factor, …
+const RISE: f64 = 1.5;
+/// … and this many cycles pass until the next: an envelope needs as many.
+const CYCLES: f64 = 20.0;
+
+/// A stretch of a record that begins with a hit, up to the next one or the end.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Hit {
+    /// Samples of the stretch, the hit's first driven sample included.
+    pub samples: Range<usize>,
+    /// Time of the hit, s from the first sample of the record.
+    pub time: f64,
+    /// Largest deviation from the mean within two cycles of it, in the unit of the record.
+    pub peak: f64,
+    /// Times (s from the first sample of the record) at which the stretch is driven again, too early or too weakly for a stretch of their own:
+    /// a double hit, or another disturbance.
+    pub again: Vec<f64>,
+}
+
+/// The hits in a record of any unit, sampled every `dt` seconds; none where nothing is driven: in noise, or in a free decay from the first
+/// sample on. A free decay before the first hit is a stretch of its own.
+///
+/// A free vibration of any number of modes, beats and all, follows from its past by linear prediction (of order 32, by Burg's method, at
+/// twenty samples a cycle of the strongest peak). Where the prediction fails by far more than around, and by a part of the
+/// amplitude that follows, the structure is driven.
+///
+/// # Errors
+/// [`Error::OutOfRange`] for `dt`, [`Error::NotFinite`], [`Error::TooShort`] below 64 samples.
+///
+/// ```
+/// let decay = |n: usize| (-4e-3 * n as f64).exp() * (0.6 * n as f64).sin();
+/// let from = |n: usize, start: usize| if n < start { 0.0 } else { decay(n - start) };
+/// let x: Vec<f64> = (0..4000).map(|n| from(n, 300) + 0.7 * from(n, 2100)).collect();
+/// let hits = iwan_ident::signal::hits(&x, 1e-3)?;
+/// assert_eq!(hits.len(), 2);
+/// assert!((hits[0].time - 0.3).abs() < 3e-3 && (hits[1].time - 2.1).abs() < 3e-3 && hits[1].again.is_empty());
+/// # Ok::<(), iwan_ident::Error>(())
+/// ```
+pub fn hits(x: &[f64], dt: f64) -> Result<Vec<Hit>, Error> {
+    let spectrum = RingSpectrum::new(&[x], dt, Window::Falling)?;
+    let first = (4.0 / spectrum.length / spectrum.step) as usize + 1;
+    let lines = first..spectrum.power.len();
+    let top = lines.max_by(|&i, &j| spectrum.power[i].total_cmp(&spectrum.power[j])).unwrap_or(first);
+    let frequency = top as f64 * spectrum.step;
+    let few = (1.0 / (PER_CYCLE * frequency * dt)).floor().max(1.0) as usize;
+    let mean = x.iter().sum::<f64>() / x.len() as f64;
+    let coarse: Vec<f64> = x.chunks_exact(few).map(|c| c.iter().sum::<f64>() / few as f64 - mean).collect();
+    let cycle = ((1.0 / (frequency * dt * few as f64)).ceil() as usize).max(2);
+    let onsets = onsets(&coarse, cycle);
+    let scale = Scale { few, dt, cycle };
+    Ok(scale.stretches(x, mean, &coarse, &onsets))
+}
+
+/// How coarse samples lie in the record.
+struct Scale {
+    /// Samples of the record in each.
+    few: usize,
+    dt: f64,
+    /// Coarse samples in a cycle.
+    cycle: usize,
+}
+
+impl Scale {
+    fn time(&self, onset: usize) -> f64 {
+        (onset * self.few) as f64 * self.dt
+    }
+
+    /// The stretches that the onsets begin, and the onsets within them.
+    fn stretches(&self, x: &[f64], mean: f64, coarse: &[f64], onsets: &[usize]) -> Vec<Hit> {
+        let least = (CYCLES * self.cycle as f64) as usize;
+        let mut starts: Vec<usize> = Vec::new();
+        for (n, &onset) in onsets.iter().enumerate() {
+            let next = onsets.get(n + 1).copied().unwrap_or(coarse.len());
+            let (before, after) = (
+                largest(coarse, onset.saturating_sub(self.cycle), onset),
+                largest(coarse, onset, onset + 2 * self.cycle),
+            );
+            // The first of several hits that follow each other at once begins the stretch.
+            let free = starts.last().is_none_or(|last| onset - last >= least);
+            let alone = next - onset >= least || starts.last().is_none_or(|last| onset - last >= least);
+            if after >= RISE * before && free && alone && coarse.len() - onset >= least {
+                starts.push(onset);
+            }
+        }
+        if let Some(&first) = starts.first().filter(|first| **first >= least) {
+            let third = first / 3;
+            // A decay that was there before the first hit.
+            if largest(coarse, 0, third) > 3.0 * largest(coarse, 2 * third, first)
+                && largest(coarse, 0, third) > 0.1 * largest(coarse, first, coarse.len())
+            {
+                starts.insert(0, 0);
+            }
+        }
+        let hit = |(n, &start): (usize, &usize)| {
+            let end = starts.get(n + 1).map_or(x.len(), |next| next * self.few);
+            let within = |o: &&usize| **o > start && **o * self.few < end;
+            let from = start * self.few;
+            let to = (from + 2 * self.cycle * self.few).min(end);
+            Hit {
+                samples: from..end,
+                time: self.time(start),
+                peak: x[from..to].iter().map(|x| (x - mean).abs()).fold(0.0, f64::max),
+                again: onsets.iter().filter(within).map(|o| self.time(*o)).collect(),
+            }
+        };
+        starts.iter().enumerate().map(hit).collect()
+    }
+}
+
+fn largest(x: &[f64], from: usize, to: usize) -> f64 {
+    x[from.min(x.len())..to.min(x.len())].iter().map(|x| x.abs()).fold(0.0, f64::max)
+}
+
+/// Samples at which the vibration begins to be driven.
+fn onsets(x: &[f64], cycle: usize) -> Vec<usize> {
+    if x.len() < 4 * ORDER {
+        return Vec::new();
+    }
+    let error = prediction_error(x);
+    let (medians, top) = (block_medians(&error), largest(x, 0, x.len()));
+    let usual = |i: usize| {
+        let before = i.checked_sub(GUARD).map(|j| medians[j / AROUND]);
+        let after = medians.get((i + GUARD + AROUND - 1) / AROUND).copied();
+        // A louder part beside a quiet one has the larger errors for good: the smaller median is that of the quiet one.
+        before.unwrap_or(0.0).max(after.unwrap_or(0.0))
+    };
+    let driven = |i: usize| {
+        let follows = largest(x, i, i + cycle);
+        let e = error[i].abs();
+        e > MEDIANS * usual(i) && e > PART * follows && e > LOUD * top
+    };
+    let mut found: Vec<usize> = Vec::new();
+    let (mut last, mut strongest) = (None::<usize>, 0.0_f64);
+    // Before the prediction has all it needs, only what follows silence is told: a free decay may begin with the record.
+    let told = |i: &usize| *i >= ORDER || largest(x, 0, *i) < SILENCE * largest(x, *i, i + cycle);
+    for i in (SHORTEST..x.len()).filter(|i| told(i) && driven(*i)) {
+        let e = error[i].abs();
+        let near = last.is_some_and(|last| i - last <= QUIET);
+        let since = found.last().map_or(x.len(), |first| i - first);
+        let soon = since <= (CYCLES * cycle as f64) as usize;
+        let before = median_of(&error[i.saturating_sub(RECENT)..i.saturating_sub(3)]);
+        let echo = since <= ORDER || soon && (e < ECHO * strongest || e < ANEW * before);
+        if !near && !echo {
+            found.push(i);
+            strongest = 0.0;
+        }
+        if near || !echo {
+            last = Some(i);
+            strongest = strongest.max(e);
+        }
+    }
+    found
+}
+
+/// Median of |error|; 0 of nothing.
+fn median_of(error: &[f64]) -> f64 {
+    let mut sorted: Vec<f64> = error.iter().map(|e| e.abs()).collect();
+    let middle = sorted.len() / 2;
+    if sorted.is_empty() { 0.0 } else { *sorted.select_nth_unstable_by(middle, f64::total_cmp).1 }
+}
+
+/// Median of |error| in each block.
+fn block_medians(error: &[f64]) -> Vec<f64> {
+    error.chunks(AROUND).map(median_of).collect()
+}
+
+/// What linear prediction from the samples before leaves of each sample; of the first ones from as many as there are. Coefficients by Burg's method (J. P. Burg,
+/// *Maximum Entropy Spectral Analysis*, 1975), which keeps the prediction stable.
+fn prediction_error(x: &[f64]) -> Vec<f64> {
+    let n = x.len();
+    let (mut forward, mut backward) = (x.to_vec(), x.to_vec());
+    for m in 1..=ORDER {
+        let (mut product, mut power) = (0.0, 0.0);
+        for i in m..n {
+            product += forward[i] * backward[i - 1];
+            power += forward[i] * forward[i] + backward[i - 1] * backward[i - 1];
+        }
+        if power <= f64::MIN_POSITIVE {
+            break;
+        }
+        let k = 2.0 * product / power;
+        for i in (m..n).rev() {
+            let f = forward[i];
+            forward[i] -= k * backward[i - 1];
+            backward[i] = backward[i - 1] - k * f;
+        }
+    }
+    forward
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::f64::consts::TAU;
+
+    const RATE: f64 = 5120.0;
+
+    /// Two modes released at a time, with the pulse of a hammer of 1 ms.
+    fn struck(at: f64, size: f64) -> impl Fn(f64) -> f64 {
+        move |t: f64| {
+            let s = t - at;
+            let mode = |f: f64, z: f64| (-TAU * f * z * s).exp() * (TAU * f * s).sin();
+            let rise = (s / 1e-3).clamp(0.0, 1.0);
+            if s < 0.0 { 0.0 } else { size * rise * (mode(122.4, 3e-3) + 0.4 * mode(243.4, 2e-3)) }
+        }
+    }
+
+    fn noise(n: usize, size: f64) -> Vec<f64> {
+        let mut state = 7_u64;
+        let mut uniform = move || {
+            state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+            (state >> 11) as f64 / (1_u64 << 53) as f64
+        };
+        (0..n).map(|_| size * (-2.0 * uniform().max(1e-300).ln()).sqrt() * (TAU * uniform()).cos()).collect()
+    }
+
+    fn record(parts: &[&dyn Fn(f64) -> f64], seconds: f64, scatter: f64) -> Vec<f64> {
+        let n = (seconds * RATE) as usize;
+        let sum = |i: usize| parts.iter().map(|part| part(i as f64 / RATE)).sum::<f64>();
+        noise(n, scatter).iter().enumerate().map(|(i, e)| sum(i) + e).collect()
+    }
+
+    #[test]
+    fn three_hits_are_three_stretches() {
+        let (a, b, c) = (struck(0.1, 1.0), struck(1.2, 0.6), struck(2.5, 1.3));
+        for scatter in [0.0, 1e-3, 1e-2] {
+            let found = hits(&record(&[&a, &b, &c], 4.0, scatter), 1.0 / RATE).unwrap();
+            let times: Vec<f64> = found.iter().map(|h| h.time).collect();
+            assert_eq!(times.len(), 3, "{scatter}: {found:?}");
+            assert!(times.iter().zip([0.1, 1.2, 2.5]).all(|(t, at)| (t - at).abs() < 3e-3), "{times:?}");
+            assert!(found.iter().all(|h| h.again.is_empty()), "{scatter}: {found:?}");
+            assert_eq!((found[0].samples.end, found[2].samples.end), (found[1].samples.start, 20_480));
+        }
+    }
+
+    #[test]
+    fn a_double_hit_is_named_with_its_time() {
+        for (size, scatter) in [(0.1, 0.0), (0.1, 1e-4), (0.3, 1e-3), (0.8, 1e-2)] {
+            let (a, b) = (struck(0.1, 1.0), struck(0.12, size));
+            let found = hits(&record(&[&a, &b], 2.0, scatter), 1.0 / RATE).unwrap();
+            assert_eq!(found.len(), 1, "{size}: {found:?}");
+            assert_eq!(found[0].again.len(), 1, "{size}: {found:?}");
+            assert!((found[0].again[0] - 0.12).abs() < 3e-3, "{size}: {found:?}");
+        }
+    }
+
+    #[test]
+    fn beats_noise_and_free_decays_are_no_hits() {
+        let beat = |t: f64| {
+            let mode = |f: f64| (-0.5 * t).exp() * (TAU * f * t).sin();
+            mode(120.0) + mode(123.0)
+        };
+        let free = |t: f64| (-3.0 * t).exp() * (TAU * (100.0 * t - 2.0 * t * t)).cos();
+        for scatter in [0.0, 1e-3, 3e-2] {
+            assert_eq!(hits(&record(&[&beat], 4.0, scatter), 1.0 / RATE).unwrap(), [], "{scatter}");
+            assert_eq!(hits(&record(&[&free], 3.0, scatter), 1.0 / RATE).unwrap(), [], "{scatter}");
+        }
+        assert_eq!(hits(&noise(30_000, 1.0), 1.0 / RATE).unwrap(), []);
+        assert_eq!(hits(&[0.0; 500], 1.0 / RATE).unwrap(), []);
+    }
+
+    #[test]
+    fn a_decay_before_the_first_hit_is_a_stretch() {
+        let free = |t: f64| (-3.0 * t).exp() * (TAU * 122.4 * t).cos();
+        let found = hits(&record(&[&free, &struck(2.0, 1.0)], 4.0, 1e-3), 1.0 / RATE).unwrap();
+        assert_eq!(found.len(), 2, "{found:?}");
+        assert_eq!(found[0].samples.start, 0);
+        assert!((found[1].time - 2.0).abs() < 3e-3);
+    }
+}

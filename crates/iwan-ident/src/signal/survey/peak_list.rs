@@ -1,0 +1,287 @@
+//! The peaks of a record's spectrum, and the band around the one that is meant.
+
+use super::ring::{RingSpectrum, Window, decay_rate};
+use crate::error::{Error, check};
+use crate::signal::spectrum::Band;
+
+/// A peak stands out of the noise when its amplitude is this many times the median of it around: of a million lines of noise the highest
+/// reaches 4.5 times, and a median of some tens of independent lines is a fifth off.
+const ABOVE_NOISE: f64 = 7.0;
+/// … and out of the skirts of others when the valleys on both sides are this much lower. A judgement: half of it names ripples of
+/// skirts, twice of it leaves out modes 2 % beside others.
+const PROMINENCE: f64 = 2.0;
+/// A peak that only the second window shows stands this much above its valleys: noise that is not white has bumps of five.
+const CLEAR: f64 = 10.0;
+/// Lines in each of the blocks of which the medians are taken, at most: 128 independent lines.
+const BLOCK: usize = 512;
+/// … of blocks at least.
+const BLOCKS: usize = 8;
+/// A peak needs this many cycles in the stretch: below lie offset and drift.
+const CYCLES: f64 = 5.0;
+/// Peaks of both windows are one where they are nearer to each other than this many of their widths: a peak whose frequency falls with
+/// amplitude stands higher when its loud part is not seen.
+const APART: f64 = 2.0;
+/// A mode that is asked for is at most this far from the frequency given, as a ratio.
+const FAR: f64 = 1.2;
+/// A peak this near to another one, relative to its frequency, …
+const BESIDE: f64 = 0.03;
+/// … and this many times lower, is a part of it where a mode is asked for.
+const LOWER: f64 = 10.0;
+/// The band reaches from 0.75 to 1.3 times the peak, …
+const REACH: (f64, f64) = (0.75, 1.3);
+/// … up to the geometric mean with a neighbour of this part of its height, …
+const NEIGHBOUR: f64 = 0.03;
+/// … and to this part of the Nyquist frequency: as the automatic band does.
+const NYQUIST_PART: f64 = 0.95;
+
+/// A peak of a ring-down's spectrum.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct SpectralPeak {
+    /// Hz.
+    pub frequency: f64,
+    /// Height over that of the highest peak, 0 to 1.
+    pub height: f64,
+    /// Width at half its power, Hz, the window's own included; none where a neighbour hides it.
+    pub width: Option<f64>,
+    /// Damping ratio of the linear mode with a peak of that width; none where the record is too short to tell. A frequency that changes
+    /// with amplitude widens the peak: then it is too large.
+    pub damping_ratio: Option<f64>,
+    /// Height over that of the higher of the two valleys beside it.
+    pub prominence: f64,
+}
+
+/// The peaks of the spectrum of a ring-down in one or several equally long channels (same unit, every `dt` seconds), by frequency.
+///
+/// The spectrum is that of the stretch behind the loudest sample, under the falling half of a Hann window; peaks that the skirts of others
+/// hide in it are taken from that under a whole
+/// Blackman-Harris window. A peak is a line that stands
+/// seven times out of the noise around it, with valleys of half its height on both sides, and lasts for five cycles of the stretch.
+///
+/// # Errors
+/// [`Error::OutOfRange`] for `dt`, [`Error::NotFinite`], [`Error::TooShort`] below 64 samples or for channels of different lengths.
+///
+/// ```
+/// use std::f64::consts::TAU;
+/// let wave = |t: f64, a: f64, f: f64, z: f64| a * (-TAU * f * z * t).exp() * (TAU * f * t).sin();
+/// let x: Vec<f64> = (0..8000).map(|n| n as f64 / 4000.0).map(|t| wave(t, 1.0, 80.0, 0.004) + wave(t, 0.1, 610.0, 0.002)).collect();
+/// let peaks = iwan_ident::signal::spectral_peaks(&[&x], 1.0 / 4000.0)?;
+/// assert_eq!(peaks.len(), 2);
+/// assert!((peaks[1].frequency - 610.0).abs() < 0.05 && (peaks[1].damping_ratio.unwrap() / 0.002 - 1.0).abs() < 0.02);
+/// # Ok::<(), iwan_ident::Error>(())
+/// ```
+pub fn spectral_peaks(channels: &[&[f64]], dt: f64) -> Result<Vec<SpectralPeak>, Error> {
+    let falling = Listed::new(channels, dt, Window::Falling)?;
+    let whole = Listed::new(channels, dt, Window::Whole)?;
+    let highest = falling.lines.iter().map(|l| falling.spectrum.power[l.at]).fold(0.0, f64::max);
+    // A mode that another one's skirts hide at the start is seen when that has died away.
+    let hidden = |line: &&Line| {
+        if line.prominence < CLEAR {
+            return false;
+        }
+        let apart = APART * (1.0 / (whole.spectrum.length * whole.spectrum.step) + line.width.unwrap_or(0.0));
+        falling
+            .lines
+            .iter()
+            .all(|other| (other.at.abs_diff(line.at) as f64) > apart + APART * other.width.unwrap_or(0.0))
+    };
+    let peak = |listed: &Listed, line: &Line| {
+        let frequency = listed.spectrum.frequency(line.at);
+        let width = line.width.map(|lines| lines * listed.spectrum.step);
+        let rate = width.and_then(|w| decay_rate(listed.window, w, listed.spectrum.length));
+        SpectralPeak {
+            frequency,
+            height: if highest > 0.0 { (falling.spectrum.power[line.at] / highest).sqrt() } else { 1.0 },
+            width,
+            damping_ratio: rate.map(|r| r / (std::f64::consts::TAU * frequency)),
+            prominence: line.prominence,
+        }
+    };
+    let mut peaks: Vec<SpectralPeak> = falling.lines.iter().map(|line| peak(&falling, line)).collect();
+    peaks.extend(whole.lines.iter().filter(hidden).map(|line| peak(&whole, line)));
+    peaks.sort_by(|a, b| a.frequency.total_cmp(&b.frequency));
+    Ok(peaks)
+}
+
+/// A spectrum with its peaks.
+struct Listed {
+    window: Window,
+    spectrum: RingSpectrum,
+    lines: Vec<Line>,
+}
+
+/// A line that is a peak.
+struct Line {
+    at: usize,
+    /// Lines between its half-power points.
+    width: Option<f64>,
+    prominence: f64,
+}
+
+impl Listed {
+    fn new(channels: &[&[f64]], dt: f64, window: Window) -> Result<Self, Error> {
+        let spectrum = RingSpectrum::new(channels, dt, window)?;
+        let floor = noise_around(&spectrum.noise);
+        let (power, length) = (&spectrum.power, block_length(spectrum.power.len()));
+        let first = ((CYCLES / spectrum.length / spectrum.step).ceil() as usize).max(1);
+        let stands =
+            |k: &usize| spectrum.is_peak(*k) && power[*k] > ABOVE_NOISE * ABOVE_NOISE * floor[*k / length];
+        let line = |k: usize| {
+            let prominence = (power[k] / saddle(power, k).max(f64::MIN_POSITIVE)).sqrt();
+            Line { at: k, width: half_power_width(power, k), prominence }
+        };
+        let lines = (first..power.len() - 1).filter(stands).map(line).filter(|l| l.prominence >= PROMINENCE);
+        let lines = lines.collect();
+        Ok(Self { window, spectrum, lines })
+    }
+}
+
+/// The band around the spectral peak nearest to `near` Hz: 0.75 to 1.3 times its frequency, cut at the geometric mean with the next
+/// peak on either side that has 3 % of its height, and at 95 % of the Nyquist frequency. A peak beside one that is ten times
+/// higher, within 3 % of its frequency, is not meant.
+///
+/// # Errors
+/// Those of [`spectral_peaks`]; [`Error::OutOfRange`] for `near`; [`Error::Refused`] when there is no peak within 20 % of it.
+///
+/// ```
+/// use std::f64::consts::TAU;
+/// let wave = |t: f64, f: f64| (-2.0 * t).exp() * (TAU * f * t).sin();
+/// let x: Vec<f64> = (0..8000).map(|n| n as f64 / 2000.0).map(|t| wave(t, 100.0) + 0.1 * wave(t, 112.0)).collect();
+/// let band = iwan_ident::signal::band_near(&[&x], 1.0 / 2000.0, 115.0)?;
+/// assert!((band.peak - 112.0).abs() < 0.05 && (band.low - (100.0_f64 * 112.0).sqrt()).abs() < 0.05);
+/// # Ok::<(), iwan_ident::Error>(())
+/// ```
+pub fn band_near(channels: &[&[f64]], dt: f64, near: f64) -> Result<Band, Error> {
+    let nyquist = 0.5 / dt;
+    let allowed = format!("between 0 and the Nyquist frequency {nyquist} Hz");
+    check("mode", near, near > 0.0 && near < nyquist, &allowed, "give a frequency in Hz")?;
+    let peaks = spectral_peaks(channels, dt)?;
+    let shadowed = |p: &SpectralPeak| {
+        let over = |q: &SpectralPeak| {
+            (q.frequency / p.frequency - 1.0).abs() < BESIDE && q.height > LOWER * p.height
+        };
+        peaks.iter().any(over)
+    };
+    let distance = |p: &SpectralPeak| (p.frequency / near).ln().abs();
+    let nearest = peaks.iter().filter(|p| !shadowed(p)).min_by(|a, b| distance(a).total_cmp(&distance(b)));
+    let Some(mode) = nearest.filter(|p| distance(p) < FAR.ln()) else {
+        let list: Vec<String> = peaks.iter().map(|p| format!("{:.5}", p.frequency)).collect();
+        let shown = list[..list.len().min(20)].join(", ");
+        return Err(Error::Refused {
+            finding: format!("no spectral peak within 20 % of {near} Hz (there are: {shown} Hz)"),
+            remedy: "choose one of the peaks, or name a band",
+        });
+    };
+    let high_enough = |p: &&SpectralPeak| p.height >= NEIGHBOUR * mode.height && !shadowed(p);
+    let above = peaks.iter().filter(high_enough).find(|p| p.frequency > mode.frequency);
+    let below = peaks.iter().filter(high_enough).rfind(|p| p.frequency < mode.frequency);
+    let middle = |p: &SpectralPeak| (p.frequency * mode.frequency).sqrt();
+    let low = below.map_or(0.0, middle).max(REACH.0 * mode.frequency);
+    let high = above.map_or(f64::INFINITY, middle).min(REACH.1 * mode.frequency).min(NYQUIST_PART * nyquist);
+    Ok(Band { low, high, peak: mode.frequency })
+}
+
+fn block_length(lines: usize) -> usize {
+    (lines / BLOCKS).clamp(1, BLOCK)
+}
+
+/// For each block of lines the median noise in it, or in one beside it where that is less: a mode that fills a block is no noise.
+fn noise_around(noise: &[f64]) -> Vec<f64> {
+    let median = |block: &[f64]| {
+        let mut sorted = block.to_vec();
+        let middle = sorted.len() / 2;
+        *sorted.select_nth_unstable_by(middle, f64::total_cmp).1
+    };
+    let length = block_length(noise.len());
+    let mut medians: Vec<f64> = noise.chunks_exact(length).map(median).collect();
+    medians.resize(noise.len().div_ceil(length), medians.last().copied().unwrap_or(0.0));
+    let least = |block: usize| {
+        medians[block.saturating_sub(1)..(block + 2).min(medians.len())]
+            .iter()
+            .copied()
+            .fold(f64::INFINITY, f64::min)
+    };
+    (0..medians.len()).map(least).collect()
+}
+
+/// The higher of the lowest powers on the ways to higher lines on either side; an end of the spectrum counts as one.
+fn saddle(power: &[f64], k: usize) -> f64 {
+    let lowest = |lines: &mut dyn Iterator<Item = usize>| {
+        lines.map(|i| power[i]).take_while(|p| *p <= power[k]).fold(f64::INFINITY, f64::min)
+    };
+    let (left, right) = (lowest(&mut (0..k).rev()), lowest(&mut (k + 1..power.len())));
+    left.max(right)
+}
+
+/// Lines between the half-power points, by straight lines between the lines of the spectrum; where one side turns up again before it
+/// falls so far, twice the other side.
+fn half_power_width(power: &[f64], k: usize) -> Option<f64> {
+    let half = 0.5 * power[k];
+    let side = |lines: &mut dyn Iterator<Item = usize>| {
+        let mut last = power[k];
+        for (n, i) in lines.enumerate() {
+            if power[i] <= half {
+                return Some(n as f64 + (last - half) / (last - power[i]));
+            }
+            if power[i] > last {
+                return None;
+            }
+            last = power[i];
+        }
+        None
+    };
+    match (side(&mut (0..k).rev()), side(&mut (k + 1..power.len()))) {
+        (Some(a), Some(b)) => Some(a + b),
+        (one, other) => one.or(other).map(|side| 2.0 * side),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::f64::consts::TAU;
+
+    fn decays(modes: &[(f64, f64, f64)], rate: f64, n: usize, noise: f64) -> Vec<f64> {
+        let mut state = 1_u64;
+        let mut uniform = || {
+            state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+            (state >> 11) as f64 / (1_u64 << 53) as f64
+        };
+        let mut gauss = || (-2.0 * uniform().max(1e-300).ln()).sqrt() * (TAU * uniform()).cos();
+        let wave = |t: f64| -> f64 {
+            modes.iter().map(|(a, f, z)| a * (-TAU * f * z * t).exp() * (TAU * f * t + a).sin()).sum()
+        };
+        (0..n).map(|i| wave(i as f64 / rate) + noise * gauss()).collect()
+    }
+
+    #[test]
+    fn modes_of_very_different_damping_and_height_are_listed_with_their_damping() {
+        let modes = [(1.0, 80.5, 1.5e-3), (0.3, 221.7, 2e-3), (0.02, 297.7, 1e-3), (0.5, 1527.0, 3e-3)];
+        let x = decays(&modes, 12_800.0, 65_536, 1e-4);
+        let peaks = spectral_peaks(&[&x], 1.0 / 12_800.0).unwrap();
+        assert_eq!(peaks.len(), modes.len(), "{peaks:?}");
+        for (peak, (_, f, z)) in peaks.iter().zip(modes) {
+            // Skirts of the others pull a weak peak by a tenth of its width.
+            assert!((peak.frequency / f - 1.0).abs() < 5e-4, "{peak:?}");
+            assert!((peak.damping_ratio.unwrap() / z - 1.0).abs() < 0.1, "{peak:?} {z}");
+        }
+    }
+
+    #[test]
+    fn noise_has_no_peaks_and_a_steady_line_no_damping() {
+        assert!(spectral_peaks(&[&decays(&[], 1000.0, 100_000, 1.0)], 1e-3).unwrap().is_empty());
+        let peaks = spectral_peaks(&[&decays(&[(1.0, 50.0, 0.0)], 1000.0, 8000, 1e-3)], 1e-3).unwrap();
+        assert_eq!(peaks.len(), 1, "{peaks:?}");
+        assert_eq!(peaks[0].damping_ratio, None);
+    }
+
+    #[test]
+    fn a_mode_is_the_nearest_peak_and_not_the_highest() {
+        let x = decays(&[(1.0, 100.0, 1e-3), (0.05, 112.0, 1e-3)], 1000.0, 20_000, 0.0);
+        let band = |near| band_near(&[&x], 1e-3, near);
+        assert!((band(110.0).unwrap().peak - 112.0).abs() < 0.05);
+        assert!((band(103.0).unwrap().peak - 100.0).abs() < 0.05);
+        let refused = band(160.0).unwrap_err().to_string();
+        assert!(refused.contains("160 Hz") && refused.contains("112.0"), "{refused}");
+        assert!(band(f64::NAN).is_err() && band(700.0).is_err());
+    }
+}

@@ -1,0 +1,46 @@
+//! A named array, as it stands in a file.
+
+/// A named array of one or two dimensions, column after column.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct Variable {
+    pub(crate) name: String,
+    pub(crate) unit: String,
+    pub(crate) rows: usize,
+    pub(crate) columns: usize,
+    pub(crate) values: Vec<f64>,
+}
+
+impl Variable {
+    /// One column.
+    pub(crate) fn vector(name: String, unit: String, values: Vec<f64>) -> Self {
+        Self { name, unit, rows: values.len(), columns: 1, values }
+    }
+
+    pub(super) fn is_vector(&self) -> bool {
+        (self.rows == 1 || self.columns == 1) && self.values.len() > 1
+    }
+
+    /// The channels in an array: samples run along the dimension of `length`, else along the longer one.
+    pub(super) fn split(self, length: Option<usize>) -> Vec<Variable> {
+        if self.rows <= 1 || self.columns <= 1 {
+            return vec![self];
+        }
+        let along_columns = match length {
+            Some(n) if n == self.rows => true,
+            Some(n) if n == self.columns => false,
+            _ => self.rows >= self.columns,
+        };
+        let count = if along_columns { self.columns } else { self.rows };
+        (0..count).map(|k| self.slice(k, along_columns)).collect()
+    }
+
+    fn slice(&self, k: usize, along_columns: bool) -> Variable {
+        let name = format!("{}[{k}]", self.name);
+        let values = if along_columns {
+            self.values[k * self.rows..(k + 1) * self.rows].to_vec()
+        } else {
+            self.values.iter().skip(k).step_by(self.rows).copied().collect()
+        };
+        Variable::vector(name, self.unit.clone(), values)
+    }
+}

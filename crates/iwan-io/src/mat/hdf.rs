@@ -1,0 +1,197 @@
+//! MATLAB level 7.3: an HDF5 file in which groups are structs and references are the elements of cell and struct arrays.
+//!
+//! The HDF5 part is the crate `hdf5-pure`'s; own is what MATLAB makes of it: dimensions in reversed order, the class in an attribute,
+//! text as numbers, elements of cell arrays in a hidden group. What cannot be read is named when it is asked for.
+
+use hdf5_pure::{AttrValue, DType, Dataset, File, Group, Object};
+
+use super::matrix::{DEEPEST, Found, Said};
+use crate::assembly::Variable;
+use crate::error::ReadError;
+use crate::file_bytes::FileBytes;
+use crate::inflate::most;
+
+/// Longest text that is kept: units have some characters, and what is longer is no unit.
+const LONGEST_TEXT: usize = 1000;
+
+/// What a level 7.3 file holds.
+pub(super) fn read(source: &FileBytes) -> Result<Found, ReadError> {
+    let expected = "an HDF5 file as MATLAB writes it";
+    let file = File::from_bytes(source.bytes.to_vec())
+        .map_err(|e| source.malformed("HDF5 structure", e.to_string(), expected))?;
+    let mut walk = Walk { source, found: Found::default(), budget: most(source.bytes.len()) };
+    walk.group(&file.root(), "", 0)?;
+    Ok(walk.found)
+}
+
+struct Walk<'s> {
+    source: &'s FileBytes<'s>,
+    found: Found,
+    /// Bytes that may still be read: references may name the same data again and again.
+    budget: u64,
+}
+
+impl Walk<'_> {
+    /// The fields of a struct, or the variables of the file.
+    fn group(&mut self, group: &Group, path: &str, depth: usize) -> Result<(), ReadError> {
+        if depth > DEEPEST {
+            let text = format!("a struct more than {DEEPEST} levels deep");
+            self.found.refused.push(Said { path: path.into(), text });
+            return Ok(());
+        }
+        let broken = |e: hdf5_pure::Error| {
+            let place =
+                if path.is_empty() { "the list of variables".into() } else { format!("struct '{path}'") };
+            self.source.malformed(place, e.to_string(), "a group of HDF5")
+        };
+        let (sets, groups) = (group.datasets().map_err(broken)?, group.groups().map_err(broken)?);
+        let named = |name: &str| if path.is_empty() { name.to_string() } else { format!("{path}.{name}") };
+        for name in sets.iter().filter(|n| !n.starts_with('#')) {
+            match group.dataset(name) {
+                Ok(set) => self.dataset(&set, &named(name), depth)?,
+                Err(e) => self.refuse(&named(name), &e),
+            }
+        }
+        for name in groups.iter().filter(|n| !n.starts_with('#')) {
+            match group.group(name) {
+                Ok(inner) => self.group(&inner, &named(name), depth + 1)?,
+                Err(e) => self.refuse(&named(name), &e),
+            }
+        }
+        Ok(())
+    }
+
+    fn refuse(&mut self, path: &str, error: &hdf5_pure::Error) {
+        self.found
+            .refused
+            .push(Said { path: path.into(), text: format!("stored in a way that is not read ({error})") });
+    }
+
+    /// An array, a text, or references to elements.
+    fn dataset(&mut self, set: &Dataset, path: &str, depth: usize) -> Result<(), ReadError> {
+        let attributes = set.attrs().unwrap_or_default();
+        if attributes.contains_key("MATLAB_empty") {
+            return Ok(());
+        }
+        let class = match attributes.get("MATLAB_class") {
+            Some(AttrValue::AsciiString(class) | AttrValue::String(class)) => class.as_str(),
+            _ => "",
+        };
+        let (shape, kind) = match (set.shape(), set.dtype()) {
+            (Ok(shape), Ok(kind)) => (shape, kind),
+            (Err(e), _) | (_, Err(e)) => {
+                self.refuse(path, &e);
+                return Ok(());
+            }
+        };
+        let count = shape.iter().try_fold(1_u64, |n, d| n.checked_mul(*d)).unwrap_or(u64::MAX);
+        let needed = count.saturating_mul(8);
+        if needed > self.budget {
+            let place = format!("variable '{path}'");
+            let found =
+                format!("{count} values, more than a file of {} bytes can hold", self.source.bytes.len());
+            return Err(self.source.malformed(place, found, "sizes that fit the file"));
+        }
+        self.budget -= needed;
+        match kind {
+            DType::ObjectReference => self.elements(set, path, class == "cell", &shape, depth),
+            DType::F32
+            | DType::F64
+            | DType::I8
+            | DType::I16
+            | DType::I32
+            | DType::I64
+            | DType::U8
+            | DType::U16
+            | DType::U32
+            | DType::U64 => {
+                self.numbers(set, path, class == "char", &shape);
+                Ok(())
+            }
+            other => {
+                let text = format!("an array of type {other}");
+                self.found.refused.push(Said { path: path.into(), text });
+                Ok(())
+            }
+        }
+    }
+
+    /// Numbers or the characters of a text; MATLAB's rows are the last dimension of HDF5.
+    fn numbers(&mut self, set: &Dataset, path: &str, text: bool, shape: &[u64]) {
+        let size = |d: u64| usize::try_from(d).unwrap_or(usize::MAX);
+        let (rows, columns) = match *shape {
+            [] => (1, 1),
+            [n] => (size(n), 1),
+            [columns, rows] => (size(rows), size(columns)),
+            _ => {
+                let text = format!("an array of {} dimensions", shape.len());
+                return self.found.refused.push(Said { path: path.into(), text });
+            }
+        };
+        match set.read_f64() {
+            Err(e) => self.refuse(path, &e),
+            Ok(values) if text => {
+                let units = values.iter().take(LONGEST_TEXT).map(|v| code_unit(*v));
+                let text =
+                    char::decode_utf16(units).map(|c| c.unwrap_or(char::REPLACEMENT_CHARACTER)).collect();
+                self.found.texts.push(Said { path: path.into(), text });
+            }
+            Ok(values) if rows.checked_mul(columns) == Some(values.len()) => {
+                self.found.arrays.push(Variable {
+                    name: path.into(),
+                    unit: String::new(),
+                    rows,
+                    columns,
+                    values,
+                });
+            }
+            Ok(values) => {
+                let text = format!("an array of {} values for {rows} x {columns}", values.len());
+                self.found.refused.push(Said { path: path.into(), text });
+            }
+        }
+    }
+
+    /// The elements of a cell array, `x{1,2}`, or one field of a struct array, `hits(2).acc`.
+    fn elements(
+        &mut self,
+        set: &Dataset,
+        path: &str,
+        cell: bool,
+        shape: &[u64],
+        depth: usize,
+    ) -> Result<(), ReadError> {
+        if depth > DEEPEST {
+            let text = format!("a cell array more than {DEEPEST} levels deep");
+            self.found.refused.push(Said { path: path.into(), text });
+            return Ok(());
+        }
+        let objects = match set.dereference() {
+            Ok(objects) => objects,
+            Err(e) => {
+                self.refuse(path, &e);
+                return Ok(());
+            }
+        };
+        let rows = shape.last().copied().and_then(|d| usize::try_from(d).ok()).unwrap_or(1).max(1);
+        for (n, object) in objects.iter().enumerate() {
+            let name = match (cell, path.rsplit_once('.')) {
+                (false, Some((owner, field))) => format!("{owner}({}).{field}", n + 1),
+                (false, None) => format!("{path}({})", n + 1),
+                (true, _) => format!("{path}{{{},{}}}", n % rows + 1, n / rows + 1),
+            };
+            match object {
+                Object::Dataset(inner) => self.dataset(inner, &name, depth + 1)?,
+                Object::Group(inner) => self.group(inner, &name, depth + 1)?,
+                _ => {}
+            }
+        }
+        Ok(())
+    }
+}
+
+/// A unit of UTF-16, as MATLAB stores characters; the replacement character for what is none.
+#[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)] // checked
+fn code_unit(value: f64) -> u16 {
+    if (0.0..=65_535.0).contains(&value) { value as u16 } else { 0xfffd }
+}

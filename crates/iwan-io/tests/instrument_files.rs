@@ -1,0 +1,105 @@
+//! Files of sound recorders, LabVIEW, and cells and HDF5 of MATLAB.
+#![allow(clippy::unwrap_used)]
+
+mod common;
+
+use common::instruments::{lvm, mat_7_3, mat_cells, wav, wav_wave};
+use common::wave;
+use iwan_io::{Quantity, ReadError, ReadOptions, Record, Warning, read_bytes};
+use std::path::Path;
+
+fn read(name: &str, bytes: &[u8]) -> Result<Record, ReadError> {
+    read_bytes(Path::new(name), bytes, &ReadOptions::default())
+}
+
+fn refused(name: &str, bytes: &[u8]) -> String {
+    read(name, bytes).unwrap_err().to_string()
+}
+
+#[test]
+fn sound_of_every_width_is_part_of_full_scale() {
+    for (format, bits, data) in [
+        (1, 8, vec![0, 128, 192]),
+        (1, 16, [-32_768_i16, 0, 16_384].iter().flat_map(|v| v.to_le_bytes()).collect()),
+        (1, 24, vec![0, 0, 0x80, 0, 0, 0, 0, 0, 0x40]),
+        (1, 32, [i32::MIN, 0, 1 << 30].iter().flat_map(|v| v.to_le_bytes()).collect()),
+        (3, 32, [-1.0_f32, 0.0, 0.5].iter().flat_map(|v| v.to_le_bytes()).collect()),
+        (3, 64, [-1.0_f64, 0.0, 0.5].iter().flat_map(|v| v.to_le_bytes()).collect()),
+    ] {
+        let record = read("a.wav", &wav(format, bits, 1, 8000, &data)).unwrap();
+        assert_eq!((record.channel(0), record.dt()), (&[-1.0, 0.0, 0.5][..], 1.25e-4), "{bits}");
+        assert_eq!((record.unit(), record.quantity()), ("full scale", Quantity::Unknown));
+    }
+    let two: Vec<u8> = [1_i16, 2, 3, -4].iter().flat_map(|v| (v * 8192).to_le_bytes()).collect();
+    let record = read("a.wav", &wav(1, 16, 2, 8000, &two)).unwrap();
+    assert_eq!((record.channels(), record.channel(1)), (2, &[0.5, -1.0][..]));
+}
+
+#[test]
+fn broken_sound_is_named() {
+    let whole = wav_wave(20);
+    let record = read("a.wav", &whole[..whole.len() - 10]).unwrap();
+    assert_eq!(record.len(), 15);
+    assert!(matches!(record.warnings(), [Warning::Count { promised: 20, found: 15, .. }]));
+    assert!(refused("a.wav", &wav(2, 16, 1, 8000, &[0; 8])).contains("format 2"));
+    assert!(refused("a.wav", &wav(1, 12, 1, 8000, &[0; 8])).contains("12 bits"));
+    assert!(refused("a.wav", &wav(1, 16, 0, 8000, &[0; 8])).contains("0 channels"));
+    assert!(refused("a.wav", &wav(1, 16, 1, 8000, &[0; 2])).contains("cut short"));
+    assert!(refused("a.wav", &whole[..30]).contains("cut short"));
+    assert!(refused("a.wav", b"RIFF....WAVE").contains("cut short"));
+}
+
+#[test]
+fn labview_segments_that_follow_each_other_are_one_record() {
+    let record = read("a.lvm", &lvm(40)).unwrap();
+    assert_eq!((record.names(), record.dt()), (&["acc".to_string(), "back".to_string()][..], 7.8125e-3));
+    assert_eq!((record.unit(), record.quantity()), ("m/s^2", Quantity::Acceleration));
+    assert_eq!(record.channel(0), &wave(40)[..]);
+    assert!(record.channel(0).iter().zip(record.channel(1)).all(|(a, b)| a + b == 0.0));
+    let text = String::from_utf8(lvm(40)).unwrap();
+    let gap = text.replacen("X0\t1.5625E-1\t1.5625E-1", "X0\t3E-1\t3E-1", 1);
+    assert!(
+        refused("a.lvm", gap.as_bytes()).contains("do not follow each other"),
+        "{}",
+        refused("a.lvm", gap.as_bytes())
+    );
+    let word = text.replacen("\t0\t-0", "\tx\t-0", 1);
+    assert!(refused("a.lvm", word.as_bytes()).contains("found 'x'"));
+    assert!(refused("a.lvm", &lvm(40)[..60]).contains("End_of_Header"));
+}
+
+/// No columns of X, a comma for the decimal sign, and the start and the interval in the header only.
+#[test]
+fn labview_without_x_and_with_a_decimal_comma() {
+    let text = "LabVIEW Measurement\t\nSeparator\tTab\nDecimal_Separator\t,\nX_Columns\tNo\n***End_of_Header***\t\nChannels\t1\nX0\t0,5\nDelta_X\t0,25\n***End_of_Header***\nX_Value\tUntitled\tComment\n\t1,5\n\t2,5\n\t-1E-1\n";
+    let record = read("a.lvm", text.as_bytes()).unwrap();
+    assert_eq!((record.channel(0), record.dt(), record.start()), (&[1.5, 2.5, -0.1][..], 0.25, 0.5));
+    assert_eq!(record.names(), ["Untitled"]);
+}
+
+#[test]
+fn labview_with_x_for_every_channel() {
+    let text = "LabVIEW Measurement\t\nSeparator\tTab\nX_Columns\tMulti\n***End_of_Header***\t\nChannels\t2\n***End_of_Header***\nX_Value\ta\tX_Value\tb\tComment\n0\t1\t0\t5\n0.5\t2\t0.5\t6\n1\t3\t1\t7\n";
+    let record = read("a.lvm", text.as_bytes()).unwrap();
+    assert_eq!((record.names(), record.dt()), (&["a".to_string(), "b".to_string()][..], 0.5));
+    assert_eq!((record.channel(0), record.channel(1)), (&[1.0, 2.0, 3.0][..], &[5.0, 6.0, 7.0][..]));
+}
+
+#[test]
+fn cells_of_matlab_are_channels_by_their_subscripts() {
+    let record = read("a.mat", &mat_cells(40)).unwrap();
+    assert_eq!(record.names(), ["x{1,1}", "x{1,2}"]);
+    assert_eq!(record.channel(0), &wave(40)[..]);
+    let options = ReadOptions { channels: vec!["x{1,2}".into()], ..Default::default() };
+    let record = read_bytes(Path::new("a.mat"), &mat_cells(40), &options).unwrap();
+    assert_eq!(record.channel(0)[3], -wave(40)[3]);
+}
+
+#[test]
+fn matlab_7_3_reads_as_level_5_does() {
+    let record = read("a.mat", &mat_7_3(40)).unwrap();
+    assert_eq!((record.names(), record.dt()), (&["d.acc".to_string()][..], 1.0 / 128.0));
+    assert_eq!((record.channel(0), record.quantity()), (&wave(40)[..], Quantity::Acceleration));
+    let bytes = mat_7_3(40);
+    assert!(refused("a.mat", &bytes[..600]).contains("HDF5"));
+}
