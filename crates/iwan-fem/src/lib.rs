@@ -28,7 +28,7 @@ pub use error::Error;
 pub use matrices::{Assembled, SlipUnknown, Unknown};
 pub use modes::{Class, JointMode, Limit, ModalFilter, Modes, NamedMode, NamedModes};
 pub use quasi_static::{ModalCurves, QuasiStatic};
-pub use structure::{Interface, Joint, Law, Lump, Patch, Slip, Structure, Support, check, paper};
+pub use structure::{Given, Interface, Joint, Law, Lump, Patch, Row, Slip, Structure, Support, check, paper};
 pub use transient::{
     Basis, BasisError, Converged, Extras, Frame, History, Integrated, ModalVelocity, Model, Output, Reduced,
     Run, SlipHistory, StepErrors, StructureResponse, Transient,
