@@ -82,6 +82,8 @@ pub struct Matrix {
     pub stored: Stored,
     /// What each row is, where the file says so.
     pub labels: Option<Vec<Label>>,
+    /// Whether the file holds complex numbers; `entries` are their real parts then.
+    pub complex: bool,
 }
 
 /// Two entries that should be the same.
@@ -111,7 +113,7 @@ impl Matrix {
     /// ```
     /// use iwan_exchange::{Matrix, Stored};
     /// let entries = vec![(0, 0, 2.0), (0, 1, -1.0), (1, 0, -1.0), (1, 1, 2.0)];
-    /// let matrix = Matrix { name: "K".into(), rows: 2, columns: 2, entries, stored: Stored::All, labels: None };
+    /// let matrix = Matrix { name: "K".into(), rows: 2, columns: 2, entries, stored: Stored::All, labels: None, complex: false };
     /// assert_eq!(matrix.lower_triangle(1e-9).unwrap(), [(0, 0, 2.0), (1, 0, -1.0), (1, 1, 2.0)]);
     /// ```
     pub fn lower_triangle(&self, tolerance: f64) -> Result<Vec<Entry>, Asymmetry> {
@@ -197,7 +199,7 @@ mod tests {
     use super::*;
 
     fn square(entries: Vec<Entry>, stored: Stored) -> Matrix {
-        Matrix { name: String::new(), rows: 3, columns: 3, entries, stored, labels: None }
+        Matrix { name: String::new(), rows: 3, columns: 3, entries, stored, labels: None, complex: false }
     }
 
     #[test]

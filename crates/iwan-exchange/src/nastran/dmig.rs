@@ -91,6 +91,7 @@ fn cards<'a>(source: &Source<'a>) -> Vec<Card<'a>> {
 struct Reading {
     /// 1 square, 2 and 9 rectangular, 6 symmetric.
     form: u64,
+    complex: bool,
     entries: Vec<(Label, Label, f64)>,
 }
 
@@ -111,7 +112,7 @@ pub(crate) fn parse(source: &Source) -> Result<Vec<Matrix>, ExchangeError> {
         return Err(source.ends("entries DMIG"));
     }
     let made = |name: &Vec<u8>| {
-        let reading = found.remove(name).unwrap_or(Reading { form: 6, entries: Vec::new() });
+        let reading = found.remove(name).unwrap_or(Reading { form: 6, complex: false, entries: Vec::new() });
         assemble(String::from_utf8_lossy(name).into_owned(), reading)
     };
     Ok(names.iter().map(made).collect())
@@ -133,18 +134,11 @@ fn header(source: &Source, card: &Card) -> Result<Reading, ExchangeError> {
         ));
     }
     let kind = card.whole(source, 3, None, "the type")?;
-    if matches!(kind, 3 | 4) {
-        return Err(source.unsupported(
-            card.line.place(),
-            format!("{name}, of complex numbers,"),
-            "write the real matrix",
-        ));
-    }
-    if !matches!(kind, 1 | 2) {
+    if !(1..=4).contains(&kind) {
         let found = format!("type {kind} of {name}");
         return Err(source.malformed(card.line.place(), found, "1 or 2 (real), 3 or 4 (complex)"));
     }
-    Ok(Reading { form, entries: Vec::new() })
+    Ok(Reading { form, complex: kind > 2, entries: Vec::new() })
 }
 
 fn column(source: &Source, card: &Card, reading: &mut Reading) -> Result<(), ExchangeError> {
@@ -180,5 +174,13 @@ fn assemble(name: String, reading: Reading) -> Matrix {
     let entries: Vec<Entry> = reading.entries.iter().map(|(i, j, v)| (rows[i], columns[j], *v)).collect();
     let stored = if reading.form == 6 { Stored::Triangle } else { Stored::All };
     let labels = Some(rows.keys().copied().collect());
-    Matrix { name, rows: rows.len(), columns: columns.len(), entries, stored, labels }
+    Matrix {
+        name,
+        rows: rows.len(),
+        columns: columns.len(),
+        entries,
+        stored,
+        labels,
+        complex: reading.complex,
+    }
 }

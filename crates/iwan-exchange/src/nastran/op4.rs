@@ -13,6 +13,8 @@ pub(super) struct Head {
     pub(super) bigmat: bool,
     /// Values are single precision, which counts as one word each.
     pub(super) single: bool,
+    /// An entry has a real and an imaginary part.
+    pub(super) complex: bool,
 }
 
 /// How the strings of a column stand.
@@ -48,18 +50,12 @@ impl Head {
             Ok(count)
         };
         let (count, columns) = (size(rows, "rows")?, size(columns.max(0), "columns")?);
-        let single = match kind {
-            1 => true,
-            2 => false,
-            3 | 4 => {
-                return Err(source.unsupported(place, "a matrix of complex numbers", "write the real matrix"));
-            }
-            other => {
-                let expected = "the type of the matrix: 1 or 2 (real), 3 or 4 (complex)";
-                return Err(source.malformed(place, other.to_string(), expected));
-            }
-        };
-        Ok(Self { name, rows: count, columns, bigmat: !(0..BIGMAT_ROWS).contains(&rows), single })
+        if !(1..=4).contains(&kind) {
+            let expected = "the type of the matrix: 1 or 2 (real), 3 or 4 (complex)";
+            return Err(source.malformed(place, kind.to_string(), expected));
+        }
+        let (single, complex) = (kind % 2 == 1, kind > 2);
+        Ok(Self { name, rows: count, columns, bigmat: !(0..BIGMAT_ROWS).contains(&rows), single, complex })
     }
 
     /// Layout of a column by its row: 0 stands for sparse strings.
@@ -76,6 +72,11 @@ impl Head {
         if self.single { 1 } else { 2 }
     }
 
+    /// Numbers that an entry takes.
+    pub(super) fn parts(&self) -> usize {
+        if self.complex { 2 } else { 1 }
+    }
+
     /// Length (in words, the row's own not counted) and row of the string in one word.
     pub(super) fn unpack(word: i64) -> (i64, i64) {
         ((word >> 16) - 1, word & 0xffff)
@@ -87,9 +88,13 @@ impl Head {
         source: &Source,
         place: &str,
         column: u64,
-        [row, count]: [i64; 2],
+        [row, numbers]: [i64; 2],
     ) -> Result<u32, ExchangeError> {
-        let inside = row >= 1 && count >= 0 && (row + count - 1) as u64 <= self.rows;
+        let count = numbers / self.parts() as i64;
+        let inside = row >= 1
+            && count >= 0
+            && numbers % self.parts() as i64 == 0
+            && (row + count - 1) as u64 <= self.rows;
         if inside {
             return Ok(row as u32 - 1);
         }
@@ -101,7 +106,15 @@ impl Head {
     /// The matrix of these entries.
     pub(super) fn matrix(self, entries: Vec<Entry>) -> Matrix {
         let (rows, columns) = (self.rows as usize, self.columns as usize);
-        Matrix { name: self.name, rows, columns, entries, stored: Stored::All, labels: None }
+        Matrix {
+            name: self.name,
+            rows,
+            columns,
+            entries,
+            stored: Stored::All,
+            labels: None,
+            complex: self.complex,
+        }
     }
 }
 

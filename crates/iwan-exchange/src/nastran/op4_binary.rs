@@ -206,8 +206,9 @@ impl Strings<'_, '_, '_> {
                 let place = format!("{}, matrix {}", self.place, self.head.name);
                 return Err(self.source.malformed(place, found, "finite numbers"));
             }
-            if value != 0.0 {
-                entries.push((first + k as u32, self.column as u32 - 1, value));
+            let (entry, part) = (k / self.head.parts(), k % self.head.parts());
+            if value != 0.0 && part == 0 {
+                entries.push((first + entry as u32, self.column as u32 - 1, value));
             }
         }
         self.data = rest;

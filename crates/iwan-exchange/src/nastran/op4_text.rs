@@ -150,8 +150,9 @@ impl<'a> Reader<'_, 'a> {
                     let expected = format!("{} finite numbers of {} characters", self.per_line, self.width);
                     self.source.malformed(line.place(), line.quoted(), expected)
                 })?;
-                if value != 0.0 {
-                    entries.push((first + at, column as u32 - 1, value));
+                let (entry, part) = (at / head.parts() as u32, at % head.parts() as u32);
+                if value != 0.0 && part == 0 {
+                    entries.push((first + entry, column as u32 - 1, value));
                 }
                 at += 1;
             }

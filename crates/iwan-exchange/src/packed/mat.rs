@@ -150,9 +150,6 @@ fn array(source: &Source, data: &[u8], big: bool) -> Result<Option<Matrix>, Exch
     let name = String::from_utf8_lossy(parts.expect("a name")?.data).into_owned();
     parts.place = format!("variable '{name}'");
     let [rows, columns] = sizes[..] else { return Ok(None) };
-    if bits & 8 != 0 {
-        return Err(source.unsupported(parts.place, "a matrix of complex numbers", "save real(...) of it"));
-    }
     if rows as u64 > MOST_ROWS || columns as u64 > MOST_ROWS {
         return Err(source.malformed(
             parts.place,
@@ -165,7 +162,15 @@ fn array(source: &Source, data: &[u8], big: bool) -> Result<Option<Matrix>, Exch
     } else {
         full(&mut parts, [rows, columns])?
     };
-    Ok(Some(Matrix { name, rows, columns, entries, stored: Stored::All, labels: None }))
+    Ok(Some(Matrix {
+        name,
+        rows,
+        columns,
+        entries,
+        stored: Stored::All,
+        labels: None,
+        complex: bits & 8 != 0,
+    }))
 }
 
 /// Row indices, starts of columns and values.
@@ -190,13 +195,9 @@ fn sparse(parts: &mut Elements, [rows, columns]: [usize; 2]) -> Result<Vec<Entry
             let row = ik.at(ir, at).filter(|row| *row >= 0.0 && *row < rows as f64);
             let value = vk.at(pr, at).filter(|value| value.is_finite());
             let (Some(row), Some(value)) = (row, value) else {
-                let found = format!(
-                    "row {:?} with value {:?} in column {}",
-                    ik.at(ir, at),
-                    vk.at(pr, at),
-                    column + 1
-                );
-                return Err(bad(found, format!("a row from 0 to {} and a finite number", rows.max(1) - 1)));
+                let (row, value) = (ik.at(ir, at).unwrap_or(f64::NAN), vk.at(pr, at).unwrap_or(f64::NAN));
+                let found = format!("row {} with value {value} in column {}", row + 1.0, column + 1);
+                return Err(bad(found, format!("a row from 1 to {rows} and a finite number")));
             };
             entries.push((row as u32, column as u32, value));
         }

@@ -92,7 +92,7 @@ pub(super) fn dense(source: &Source, array: &Array, name: String) -> Result<Matr
             entries.push((i as u32, j as u32, value));
         }
     }
-    Ok(Matrix { name, rows, columns, entries, stored: Stored::All, labels: None })
+    Ok(Matrix { name, rows, columns, entries, stored: Stored::All, labels: None, complex: false })
 }
 
 /// Dictionary and data.

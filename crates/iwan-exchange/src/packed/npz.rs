@@ -113,7 +113,15 @@ pub(crate) fn parse(source: &Source) -> Result<Vec<Matrix>, ExchangeError> {
             ));
         }
     };
-    Ok(vec![Matrix { name: String::new(), rows, columns, entries, stored: Stored::All, labels: None }])
+    Ok(vec![Matrix {
+        name: String::new(),
+        rows,
+        columns,
+        entries,
+        stored: Stored::All,
+        labels: None,
+        complex: false,
+    }])
 }
 
 /// CSR, or CSC when `by_column`.

@@ -91,7 +91,15 @@ fn labelled(source: &Source) -> Result<Vec<Matrix>, ExchangeError> {
         (entry.0, entry.1) = (map[entry.0 as usize], map[entry.1 as usize]);
     }
     let (n, stored) = (labels.len(), stored(&entries));
-    Ok(vec![Matrix { name: String::new(), rows: n, columns: n, entries, stored, labels: Some(labels) }])
+    Ok(vec![Matrix {
+        name: String::new(),
+        rows: n,
+        columns: n,
+        entries,
+        stored,
+        labels: Some(labels),
+        complex: false,
+    }])
 }
 
 /// The labels in ascending order, and the new number of each old one.
@@ -120,7 +128,15 @@ pub(crate) fn coordinates(source: &Source) -> Result<Vec<Matrix>, ExchangeError>
         return Err(source.ends("entries: row, column and value"));
     }
     let (n, stored) = (most as usize, stored(&entries));
-    Ok(vec![Matrix { name: String::new(), rows: n, columns: n, entries, stored, labels: None }])
+    Ok(vec![Matrix {
+        name: String::new(),
+        rows: n,
+        columns: n,
+        entries,
+        stored,
+        labels: None,
+        complex: false,
+    }])
 }
 
 /// A `*KEYWORD` line with what stands behind it, in capitals without blanks.
@@ -264,5 +280,13 @@ fn lower(
         let found = format!("{row} rows of *MATRIX, TYPE={name}");
         return Err(source.malformed(head.place(), found, format!("{order} rows, as *USER ELEMENT says")));
     }
-    Ok(Matrix { name, rows: order, columns: order, entries, stored: Stored::Triangle, labels: None })
+    Ok(Matrix {
+        name,
+        rows: order,
+        columns: order,
+        entries,
+        stored: Stored::Triangle,
+        labels: None,
+        complex: false,
+    })
 }

@@ -39,7 +39,7 @@ pub(crate) fn parse(source: &Source) -> Result<Vec<Matrix>, ExchangeError> {
         coordinates(source, data, [rows, columns], promised)?
     };
     let (rows, columns) = (rows as usize, columns as usize);
-    Ok(vec![Matrix { name: String::new(), rows, columns, entries, stored, labels: None }])
+    Ok(vec![Matrix { name: String::new(), rows, columns, entries, stored, labels: None, complex: false }])
 }
 
 fn banner(source: &Source, line: &Line) -> Result<Banner, ExchangeError> {

@@ -38,7 +38,7 @@ pub(crate) fn parse(source: &Source) -> Result<Vec<Matrix>, ExchangeError> {
     }
     let Some(order) = order else { return Err(source.ends("NumRows = ...")) };
     let order = order as usize;
-    Ok(vec![Matrix { name, rows: order, columns: order, entries, stored, labels: None }])
+    Ok(vec![Matrix { name, rows: order, columns: order, entries, stored, labels: None, complex: false }])
 }
 
 fn entry(source: &Source, line: &Line, most: u64) -> Result<(u32, u32, f64), ExchangeError> {

@@ -1,4 +1,5 @@
 //! One symmetric matrix of seven rows, written in every format.
+#![allow(unreachable_pub, reason = "shared by test files")]
 #![allow(dead_code, reason = "not every test file needs all writers")]
 #![allow(clippy::unwrap_used)]
 #![allow(clippy::format_collect, clippy::format_push_string, reason = "files of the tests are short")]
@@ -113,7 +114,11 @@ pub fn op4_text(layout: Layout, single: bool) -> String {
 }
 
 fn fortran(value: f64) -> String {
-    let text = format!("{value:.16E}");
+    with_exponent(&format!("{value:.16E}"))
+}
+
+/// With an exponent of two digits and its sign.
+fn with_exponent(text: &str) -> String {
     let (digits, exponent) = text.split_once('E').unwrap();
     let exponent: i32 = exponent.parse().unwrap();
     format!("{digits}E{}{:02}", if exponent < 0 { '-' } else { '+' }, exponent.abs())
@@ -191,7 +196,7 @@ pub fn dmig(kind: &str) -> String {
             "large" => {
                 text += &format!("DMIG*   {:16}{g:16}{c:16}\n", "KAAX");
                 for (row, value) in cells {
-                    let value = fortran(value).replacen('E', "D", 1);
+                    let value = with_exponent(&format!("{value:.9E}")).replacen('E', "D", 1);
                     text += &format!("*       {:16}{:16}{value:>16.16}\n", row.node, row.component.number());
                 }
             }

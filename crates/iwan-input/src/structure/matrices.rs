@@ -104,6 +104,14 @@ impl Reading<'_, '_> {
             })?,
         };
         let matrix = matrices.swap_remove(at);
+        if matrix.complex {
+            let message = format!("{}: {} is a matrix of complex numbers", path.display(), matrix.name);
+            return Err(self.section.failure(
+                key,
+                &message,
+                "a stiffness and a mass are real: choose that matrix",
+            ));
+        }
         if matrix.rows != matrix.columns || matrix.rows == 0 {
             let message = format!(
                 "{}: the {key} has {} rows and {} columns",
