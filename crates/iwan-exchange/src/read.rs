@@ -4,7 +4,7 @@ use std::path::Path;
 
 use crate::error::ExchangeError;
 use crate::matrix::Matrix;
-use crate::nastran::{dmig, op4};
+use crate::nastran::{dmig, op4_binary, op4_text};
 use crate::packed::{mat, npy, npz};
 use crate::source::{Source, quote};
 use crate::text::{abaqus, calculix, matrix_market, sierra};
@@ -103,7 +103,8 @@ pub fn read_bytes(file: &Path, bytes: &[u8], format: Option<Format>) -> Result<V
     };
     match format {
         Format::Abaqus => abaqus::parse(&source),
-        Format::Op4 => op4::parse(&source),
+        Format::Op4 if is_text(bytes) => op4_text::parse(&source),
+        Format::Op4 => op4_binary::parse(&source),
         Format::Dmig => dmig::parse(&source),
         Format::Sierra => sierra::parse(&source),
         Format::Calculix => calculix::parse(&source),
@@ -112,4 +113,10 @@ pub fn read_bytes(file: &Path, bytes: &[u8], format: Option<Format>) -> Result<V
         Format::Npz if bytes.starts_with(npy::MAGIC) => npy::parse(&source),
         Format::Npz => npz::parse(&source),
     }
+}
+
+/// Whether an OP4 file is text: its first characters, which are numbers and a name, then are.
+fn is_text(bytes: &[u8]) -> bool {
+    let start = bytes.get(..24).unwrap_or(bytes);
+    start.iter().all(|b| matches!(b, b' '..=b'~' | b'\n' | b'\r'))
 }

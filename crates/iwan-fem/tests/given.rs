@@ -30,8 +30,9 @@ fn matrices_of_a_mesh_give_its_frequencies() {
         assert!((meshed.total_mass() / given.total_mass() - 1.0).abs() < 1e-12);
         for limit in [Limit::Stuck, Limit::Slipping] {
             let (a, b) = (meshed.modes(limit, 30).unwrap(), given.modes(limit, 30).unwrap());
-            assert_eq!((a.zero_modes(), b.zero_modes()), (6, 6));
-            for (a, b) in a.frequencies().iter().zip(b.frequencies()).skip(6) {
+            // Slipping, the link slides freely along each of its joints' directions.
+            assert_eq!(a.zero_modes(), b.zero_modes());
+            for (a, b) in a.frequencies().iter().zip(b.frequencies()).skip(a.zero_modes()) {
                 assert!((a / b - 1.0).abs() < 1e-8, "{a} {b}");
             }
         }
@@ -56,10 +57,13 @@ fn a_ring_down_with_joints_is_that_of_the_mesh() {
         [reduced, full].map(|response| response.outputs[0].acceleration.clone())
     };
     let [meshed, given] = twins(Configuration::A);
-    for (a, b) in acceleration(&meshed).iter().zip(acceleration(&given)) {
+    // The attachment vectors of the reduced model are those of K + shift M, and the shift is found in another way: the two reduced models
+    // differ by what twenty modes leave out. The full models are one.
+    let tolerances = [1e-3, 1e-9];
+    for ((a, b), tolerance) in acceleration(&meshed).iter().zip(acceleration(&given)).zip(tolerances) {
         let peak = a.iter().fold(0.0_f64, |m, x| m.max(x.abs()));
         let off = a.iter().zip(&b).fold(0.0_f64, |m, (a, b)| m.max((a - b).abs()));
-        assert!(peak > 100.0 && off < 1e-9 * peak, "{off:e} of {peak}");
+        assert!(peak > 100.0 && off < tolerance * peak, "{off:e} of {peak}");
     }
 }
 

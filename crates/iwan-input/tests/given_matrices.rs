@@ -135,8 +135,11 @@ fn one_structure_by_three_formats() {
 fn what_does_not_fit_is_refused_with_place_and_remedy() {
     let folder = Folder::new("refused");
     files(&folder);
-    let mut unsymmetric = matrix_market(&stiffness()).replace("symmetric", "general");
-    unsymmetric = unsymmetric.replace("8 8 12", "8 8 13") + "1 3 -990\n";
+    let mut all = stiffness();
+    all.extend(stiffness().iter().filter(|e| e.0 != e.1).map(|&(i, j, v)| (j, i, v)));
+    let at = all.iter().position(|e| (e.0, e.1) == (0, 2)).unwrap();
+    all[at].2 = -990.0;
+    let unsymmetric = matrix_market(&all).replace("symmetric", "general");
     folder.write("unsymmetric.mtx", &unsymmetric);
     folder.write("negative.mtx", &matrix_market(&mass()).replace("3 3 1.25", "3 3 -1.25"));
     folder.write("short.csv", "1,x\n1,y\n");

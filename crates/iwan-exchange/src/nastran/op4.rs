@@ -117,10 +117,3 @@ impl Head {
         }
     }
 }
-
-/// All matrices of a file.
-pub(crate) fn parse(source: &Source) -> Result<Vec<Matrix>, ExchangeError> {
-    let start = source.bytes.get(..24).unwrap_or(source.bytes);
-    let text = start.iter().all(|b| matches!(b, b' '..=b'~' | b'\n' | b'\r'));
-    if text { super::op4_text::parse(source) } else { super::op4_binary::parse(source) }
-}
