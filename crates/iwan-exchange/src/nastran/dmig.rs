@@ -113,7 +113,7 @@ pub(crate) fn parse(source: &Source) -> Result<Vec<Matrix>, ExchangeError> {
     }
     let made = |name: &Vec<u8>| {
         let reading = found.remove(name).unwrap_or(Reading { form: 6, complex: false, entries: Vec::new() });
-        assemble(String::from_utf8_lossy(name).into_owned(), reading)
+        assemble(String::from_utf8_lossy(name).into_owned(), &reading)
     };
     Ok(names.iter().map(made).collect())
 }
@@ -165,7 +165,7 @@ fn numbered(labels: impl Iterator<Item = Label>) -> BTreeMap<Label, u32> {
     sorted.into_iter().enumerate().map(|(k, label)| (label, k as u32)).collect()
 }
 
-fn assemble(name: String, reading: Reading) -> Matrix {
+fn assemble(name: String, reading: &Reading) -> Matrix {
     let rectangular = matches!(reading.form, 2 | 9);
     let of_rows = || reading.entries.iter().map(|e| e.0);
     let of_columns = || reading.entries.iter().map(|e| e.1);

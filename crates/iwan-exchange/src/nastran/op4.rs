@@ -1,4 +1,5 @@
 //! What OP4 files in text and in binary have in common (NX Nastran User's Guide, "OUTPUT4"; MSC Nastran DMAP Guide, OUTPUT4).
+#![allow(clippy::cast_possible_wrap, reason = "lengths of files in memory and of words are below 2^63")]
 
 use crate::error::ExchangeError;
 use crate::matrix::{Entry, Matrix, Stored};
@@ -35,7 +36,7 @@ impl Head {
     /// From the five numbers of a header.
     pub(super) fn new(
         source: &Source,
-        place: String,
+        place: &str,
         [columns, rows, _form, kind]: [i64; 4],
         name: &[u8],
     ) -> Result<Self, ExchangeError> {

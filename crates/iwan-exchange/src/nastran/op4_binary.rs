@@ -1,4 +1,5 @@
 //! OP4 in binary: Fortran records, both byte orders, words of 4 or 8 bytes.
+#![allow(clippy::cast_possible_wrap, reason = "lengths of files in memory and of words are below 2^63")]
 
 use super::op4::{Head, Layout};
 use crate::error::ExchangeError;
@@ -114,7 +115,7 @@ pub(crate) fn parse(source: &Source) -> Result<Vec<Matrix>, ExchangeError> {
             let expected = format!("the header of a matrix, {} bytes", 6 * words.size);
             return Err(source.malformed(place, found, expected));
         };
-        let head = Head::new(source, place, [numbers[0], numbers[1], numbers[2], numbers[3]], name)?;
+        let head = Head::new(source, &place, [numbers[0], numbers[1], numbers[2], numbers[3]], name)?;
         matrices.push(matrix(&mut records, head)?);
     }
 }

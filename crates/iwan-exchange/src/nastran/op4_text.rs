@@ -1,4 +1,5 @@
 //! OP4 as text.
+#![allow(clippy::cast_possible_wrap, reason = "lengths of files in memory and of words are below 2^63")]
 
 use super::op4::{Head, Layout};
 use crate::error::ExchangeError;
@@ -60,7 +61,7 @@ impl<'a> Reader<'_, 'a> {
             None => (5, 16),
             Some(format) => self.format(line, format)?,
         };
-        Head::new(self.source, line.place(), [columns, rows, form, kind], name)
+        Head::new(self.source, &line.place(), [columns, rows, form, kind], name)
     }
 
     /// Values of a line and characters of a value from a Fortran format such as `1P,3E23.16`.

@@ -1,4 +1,5 @@
 //! Numbers of all stored types, and compressed bytes that cannot run away.
+#![allow(clippy::cast_possible_wrap, reason = "the sign of stored integers is the top bit")]
 
 use std::io::{self, Read};
 

@@ -86,7 +86,7 @@ fn labelled(source: &Source) -> Result<Vec<Matrix>, ExchangeError> {
         let place = (rows.number(row), rows.number(column));
         entries.push((place.0, place.1, source.number(&line, value, "the value")?));
     }
-    let (labels, map) = ascending(rows.labels);
+    let (labels, map) = ascending(&rows.labels);
     for entry in &mut entries {
         (entry.0, entry.1) = (map[entry.0 as usize], map[entry.1 as usize]);
     }
@@ -103,7 +103,7 @@ fn labelled(source: &Source) -> Result<Vec<Matrix>, ExchangeError> {
 }
 
 /// The labels in ascending order, and the new number of each old one.
-fn ascending(labels: Vec<Label>) -> (Vec<Label>, Vec<u32>) {
+fn ascending(labels: &[Label]) -> (Vec<Label>, Vec<u32>) {
     let mut order: Vec<u32> = (0..labels.len() as u32).collect();
     order.sort_by_key(|&old| labels[old as usize]);
     let mut map = vec![0; labels.len()];

@@ -318,7 +318,7 @@ impl Assembled {
             }
             self.remove(&mut vector, &motions);
             let length = self.mass.form(&vector, &vector).sqrt();
-            if !(length > ALONE * largest(&vector) * self.mass.largest().sqrt()) {
+            if length.is_nan() || length <= ALONE * largest(&vector) * self.mass.largest().sqrt() {
                 continue;
             }
             scale(&mut vector, 1.0 / length);
