@@ -78,7 +78,6 @@ pub enum Layout {
 
 pub const LAYOUTS: [Layout; 3] = [Layout::Dense, Layout::BigMat, Layout::Packed];
 
-/// OP4 as text.
 pub fn op4_text(layout: Layout, single: bool) -> String {
     let rows = if layout == Layout::BigMat { -(ORDER as i64) } else { ORDER as i64 };
     let kind = if single { 1 } else { 2 };
@@ -124,7 +123,6 @@ fn with_exponent(text: &str) -> String {
     format!("{digits}E{}{:02}", if exponent < 0 { '-' } else { '+' }, exponent.abs())
 }
 
-/// OP4 in binary.
 pub fn op4_binary(layout: Layout, single: bool, big: bool, word: usize) -> Vec<u8> {
     let int = |n: i64| -> Vec<u8> {
         match (word, big) {
@@ -231,7 +229,6 @@ pub fn matrix_market(general: bool) -> String {
     text
 }
 
-/// Matrix Market, dense.
 pub fn matrix_market_array() -> String {
     let mut text = format!("%%MatrixMarket matrix array real symmetric\n{ORDER} {ORDER}\n");
     for j in 0..ORDER as u32 {
@@ -254,7 +251,6 @@ pub fn abaqus_matrix_input(both: bool) -> String {
     entries.iter().map(line).collect()
 }
 
-/// Lines of row, column and value.
 pub fn triplets(entries: &[Entry]) -> String {
     entries.iter().map(|(i, j, v)| format!("{} {}  {v}\n", i + 1, j + 1)).collect()
 }
@@ -273,7 +269,6 @@ pub fn abaqus_substructure() -> String {
     text
 }
 
-/// Sierra's `Kaa.m`.
 pub fn sierra() -> String {
     format!(
         "function a=Kaa()\nNumRows = {ORDER};\na=[\n{}];\na=sparse(a(:,1),a(:,2),a(:,3),{ORDER},{ORDER});\n\
@@ -336,7 +331,6 @@ fn archive(members: &[(&str, Vec<u8>)]) -> Vec<u8> {
     writer.finish().unwrap().into_inner()
 }
 
-/// A dense NumPy array.
 pub fn npy_dense() -> Vec<u8> {
     let mut data = vec![0.0; ORDER * ORDER];
     all().iter().for_each(|&(i, j, v)| data[i as usize * ORDER + j as usize] = v);
