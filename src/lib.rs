@@ -43,6 +43,8 @@ pub mod book {
     pub mod python {}
     #[doc = include_str!("../book/src/structures.md")]
     pub mod structures {}
+    #[doc = include_str!("../book/src/matrices.md")]
+    pub mod matrices {}
     #[doc = include_str!("../book/src/reproduce.md")]
     pub mod reproduce {}
 

@@ -78,6 +78,51 @@ fn abaqus_capitals_blanks_and_exponents() {
     assert_eq!(mesh.node_sets["My Set"], [0, 8]);
 }
 
+/// Each of these stood in the wrong place before: the keyword was passed over.
+#[test]
+fn nodes_in_local_coordinates_land_in_their_place() {
+    let near = |text: &str, expected: [[f64; 3]; 2]| {
+        let mesh = abaqus(text).unwrap().mesh;
+        for (found, expected) in mesh.positions.iter().zip(expected) {
+            assert!((0..3).all(|a| (found[a] - expected[a]).abs() < 1e-12), "{text}\n{found:?} {expected:?}");
+        }
+    };
+    let nodes = "*NODE\n1, 1., 2., 3.\n";
+    // A pure translation, then the global axes again.
+    near(
+        &format!("*SYSTEM\n10., 20., 30.\n{nodes}*SYSTEM\n*NODE\n2, 1., 2., 3.\n"),
+        [[11., 22., 33.], [1., 2., 3.]],
+    );
+    // x to the global y, y to the global z: x, y, z become z, x, y.
+    near(&format!("*SYSTEM\n0., 0., 0., 0., 5., 0.\n0., 1., 7.\n{nodes}"), [[3., 1., 2.], [0.; 3]]);
+    // Without c: turned about z by the angle of the projected x-axis, here 90 degrees.
+    near(&format!("*SYSTEM\n1., 0., 0., 1., 2., 9.\n{nodes}"), [[-1., 1., 3.], [0.; 3]]);
+    // The parameter of *NODE: radius 2 at 30 degrees, and radius 2 at 90 degrees and an elevation of 30.
+    let round = "*NODE, SYSTEM=C\n1, 2., 30., 3.\n*NODE, SYSTEM=S\n2, 2., 90., 30.\n";
+    let (root, half) = (3_f64.sqrt(), 1.0);
+    near(round, [[root, half, 3.], [0., root, half]]);
+}
+
+#[test]
+fn keywords_that_change_the_model_are_passed_over_when_the_user_says_so() {
+    let text = format!("{}*TIE, NAME=T\na, b\n*Boundary\n11, 1\n*TIE\nc, d\n", inp_nodes(&CORNERS));
+    let path = tempfile(&text);
+    let read = iwan_fem::mesh::read_ignoring(&path, &["tie".into(), "*BOUNDARY".into()]).unwrap();
+    let texts: Vec<_> = read.warnings.iter().map(ToString::to_string).collect();
+    std::fs::remove_file(&path).unwrap();
+    assert_eq!(
+        texts[0],
+        "*BOUNDARY was ignored as asked (1 times, first at line 12): the structure is without what it says"
+    );
+    assert!(texts[1].starts_with("*TIE was ignored as asked (2 times, first at line 10)"), "{texts:?}");
+}
+
+fn tempfile(text: &str) -> std::path::PathBuf {
+    let path = std::env::temp_dir().join(format!("iwan-ignored-{}.inp", std::process::id()));
+    std::fs::write(&path, text).unwrap();
+    path
+}
+
 #[test]
 fn one_part_in_its_own_place_is_read_as_if_alone() {
     let body = format!("{}*ELEMENT, TYPE=C3D8I\n1,11,12,13,14,15,16,17,18\n", inp_nodes(&CORNERS));
@@ -121,7 +166,30 @@ fn errors_of_abaqus_files_name_line_element_and_node() {
         ),
         ("*NODE\n12, 0, 0, 0\n", "line 11: found node 12, which stands in line 3 already"),
         ("*NODE\n19, 0, nan, 0\n", "line 11: found 'nan', expected y of node 19: a finite number"),
-        ("*NODE, SYSTEM=C\n", "line 10: parameter 'SYSTEM' of *NODE cannot be read"),
+        ("*NODE, SYSTEM=X\n", "line 10: SYSTEM=X of *NODE cannot be read; give R, C or S"),
+        ("*NODE, INPUT=a.inp\n", "line 10: parameter 'INPUT' of *NODE cannot be read"),
+        (
+            "*TIE, NAME=T\na, b\n",
+            "line 10: *TIE, which may change the model, cannot be read; tie the two faces with [[tie]]",
+        ),
+        (
+            "*Kinematic Coupling\n1, 2\n",
+            "line 10: *KINEMATIC COUPLING, which may change the model, cannot be read",
+        ),
+        (
+            "*EQUATION\n2\n11, 1, 1., 12, 1, -1.\n",
+            "line 10: *EQUATION, which may change the model, cannot be read",
+        ),
+        (
+            "*BOUNDARY\n11, 1, 3\n",
+            "fix the nodes with [[support]] in the structure file; then pass over it with ignore = [\"BOUNDARY\"]",
+        ),
+        (
+            "*FLUX CAPACITOR\n",
+            "line 10: *FLUX CAPACITOR, which may change the model, cannot be read; it is not known",
+        ),
+        ("*SYSTEM\n0, 0, 0, 1, 0, 0\n2, 0, 0\n", "line 10: found *SYSTEM whose points span no plane"),
+        ("*SYSTEM\n0, 0, x\n", "line 11: found 'x', expected a coordinate of *SYSTEM"),
         ("*NSET, NSET=S\n11, nowhere\n", "line 10, node set 'S': found the name \"nowhere\""),
         ("*NSET, NSET=S\n11, 45\n", "line 10, node set 'S': found node 45"),
         ("*NSET, NSET=S, GENERATE\n14, 11\n", "found the range 14 to 11, expected first <= last"),

@@ -91,6 +91,12 @@ impl<'a> Section<'a> {
         }
     }
 
+    /// A table whose keys are checked elsewhere.
+    #[must_use]
+    pub fn any(source: &'a InputText, title: impl Into<String>, place: TablePlace<'a>) -> Self {
+        Self { source, title: title.into(), place }
+    }
+
     fn unknown(&self, key: &Spanned<toml::de::DeString<'_>>, known: &[&str]) -> InputError {
         let given = key.get_ref().as_ref();
         let list = known.join(", ");

@@ -46,7 +46,9 @@ impl Analysis {
         forward.iter().enumerate().for_each(|(k, &j)| inverse[j as usize] = k as u32);
         let dissected = PermRef::new_checked(&forward, &inverse, forward.len());
         let mut symbolic = symbolic(matrix, SymmetricOrdering::Custom(dissected))?;
-        if matrix.order() <= SLENDER {
+        // Without positions there is nothing to cut, and the order is none.
+        let placed = sites.windows(2).any(|pair| pair[0].position != pair[1].position);
+        if matrix.order() <= SLENDER || !placed {
             let of_least_degree = self::symbolic(matrix, SymmetricOrdering::Amd)?;
             if of_least_degree.len_val() < symbolic.len_val() {
                 symbolic = of_least_degree;

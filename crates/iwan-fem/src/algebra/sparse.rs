@@ -41,6 +41,52 @@ impl Symmetric {
         matrix
     }
 
+    /// From entries (row, column, value) of the lower triangle, row >= column, in any order; those at one place add up in the order given.
+    ///
+    /// # Panics
+    /// When an entry lies above the diagonal or outside `order` rows.
+    ///
+    /// ```
+    /// use iwan_fem::Symmetric;
+    /// let k = Symmetric::from_lower(2, vec![(1, 0, -1.0), (0, 0, 2.0), (1, 1, 1.0), (1, 1, 1.0)]);
+    /// assert_eq!(k.times(&[1.0, 2.0]), [0.0, 3.0]);
+    /// ```
+    #[must_use]
+    pub fn from_lower(order: usize, mut entries: Vec<(u32, u32, f64)>) -> Self {
+        let key = |e: &(u32, u32, f64)| (e.1, e.0);
+        assert!(
+            entries.iter().all(|e| e.1 <= e.0 && (e.0 as usize) < order),
+            "entries of the lower triangle"
+        );
+        if !entries.is_sorted_by_key(key) {
+            entries.sort_by_key(key);
+        }
+        let (mut starts, mut rows, mut values) = (vec![0], Vec::new(), Vec::<f64>::new());
+        let mut rest = entries.iter().peekable();
+        for column in 0..order as u32 {
+            rows.push(column);
+            values.push(0.0);
+            while let Some(&(row, _, value)) = rest.next_if(|e| e.1 == column) {
+                if rows.last() == Some(&row) {
+                    *values.last_mut().expect("as many values as rows") += value;
+                } else {
+                    rows.push(row);
+                    values.push(value);
+                }
+            }
+            starts.push(rows.len() as u32);
+        }
+        Self { starts, rows, values }
+    }
+
+    /// Entries (row, column, value) on and below the diagonal, column by column.
+    pub fn lower(&self) -> impl Iterator<Item = (usize, usize, f64)> + '_ {
+        (0..self.order()).flat_map(|j| {
+            let (rows, values) = self.column(j);
+            rows.iter().zip(values).map(move |(&i, &value)| (i as usize, j, value))
+        })
+    }
+
     /// Order n of the matrix.
     #[must_use]
     pub fn order(&self) -> usize {

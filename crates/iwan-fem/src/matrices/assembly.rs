@@ -9,7 +9,7 @@ use super::unknowns::{Unknown, triples};
 use crate::algebra::{Analysis, NodalProduct, Site, Symmetric, add_scaled, largest, scale};
 use crate::element::ElementMatrices;
 use crate::error::{Error, check};
-use crate::structure::Structure;
+use crate::structure::{Given, Row, Structure};
 
 /// Matrices of a structure in the unknowns y, x = T y: K_∞ without joints, M, and the slips on which the joints act.
 #[derive(Debug, Clone)]
@@ -20,6 +20,7 @@ pub struct Assembled {
     mass: Symmetric,
     slips: Vec<SlipUnknown>,
     analysis: OnceLock<Analysis>,
+    shift: OnceLock<f64>,
 }
 
 impl Structure {
@@ -36,11 +37,15 @@ impl Structure {
         for slip in &mut slips {
             slip.unknown += displacements;
         }
-        let (stiffness, mass) = assemble_elements(self, &transformation)?;
+        let (stiffness, mass) = match &self.given {
+            Some(given) => assemble_given(self.mesh.positions.len(), given, &transformation),
+            None => assemble_elements(self, &transformation)?,
+        };
         let (stiffness, mass) = add_lumps(self, &transformation, stiffness, &mass)?;
         check_held(self, &transformation, &stiffness)?;
         let structure = self.clone();
-        Ok(Assembled { structure, transformation, stiffness, mass, slips, analysis: OnceLock::new() })
+        let (analysis, shift) = (OnceLock::new(), OnceLock::new());
+        Ok(Assembled { structure, transformation, stiffness, mass, slips, analysis, shift })
     }
 }
 
@@ -48,6 +53,12 @@ impl Structure {
 /// free beam leave up to 2e-16; one spring to the ground counts from 1e-12 of the largest entry on, and below that the motion is
 /// integrated as if it were free.
 const STRAINED: f64 = 1e-12;
+
+/// A motion that adds less than this to those found already is one of them, such as a rotation where nodes have no positions: the mass of
+/// what is left, against the largest, by its root.
+const ALONE: f64 = 1e-9;
+/// The same for given matrices, which another program rounded to fewer digits when it wrote them: a text of 12 digits leaves 1e-12 to 1e-11.
+const STRAINED_AS_GIVEN: f64 = 1e-9;
 
 /// Unknowns of an element, ascending, and its displacements in them.
 struct Local {
@@ -137,6 +148,36 @@ fn assemble_elements(
     Ok((stiffness, mass.without_zeros()))
 }
 
+/// Both given matrices in the unknowns: Tᵀ K T and Tᵀ M T.
+fn assemble_given(nodes: usize, given: &Given, transformation: &Transformation) -> (Symmetric, Symmetric) {
+    let mut further = 3 * nodes;
+    let mut dof = |row: &Row| match *row {
+        Row::Displacement { node, axis } => 3 * node + axis,
+        Row::Rotation { .. } | Row::Generalised => {
+            further += 1;
+            further - 1
+        }
+    };
+    let dofs: Vec<usize> = given.rows.iter().map(&mut dof).collect();
+    let into = |matrix: &Symmetric| {
+        let mut entries = Vec::with_capacity(matrix.stored());
+        for (i, j, value) in matrix.lower() {
+            let (rows, columns) = (transformation.row(dofs[i]), transformation.row(dofs[j]));
+            for &(p, c) in rows {
+                for &(q, d) in columns {
+                    // Off the diagonal an entry stands for two, which meet in one place where both belong to one unknown.
+                    let twice = if i != j && p == q { 2.0 } else { 1.0 };
+                    if i != j || q <= p {
+                        entries.push((p.max(q), p.min(q), twice * c * d * value));
+                    }
+                }
+            }
+        }
+        Symmetric::from_lower(transformation.places.len(), entries)
+    };
+    (into(&given.stiffness), into(&given.mass).without_zeros())
+}
+
 /// Which unknowns meet in an element.
 fn pattern(order: usize, locals: &[Local]) -> Symmetric {
     let mut meets: Vec<Vec<u32>> = vec![Vec::new(); order];
@@ -195,7 +236,8 @@ fn check_held(
     stiffness: &Symmetric,
 ) -> Result<(), Error> {
     for (j, place) in transformation.places.iter().enumerate() {
-        if let Unknown::Displacement { node, .. } = place.unknown
+        if structure.given.is_none()
+            && let Unknown::Displacement { node, .. } = place.unknown
             && stiffness.diagonal_entry(j) == 0.0
         {
             return Err(Error::Node {
@@ -270,15 +312,24 @@ impl Assembled {
         for motion in 0..6 {
             let mut vector = self.rigid_motion(motion);
             let strain = largest(&self.stiffness.times(&vector));
-            if strain > STRAINED * self.stiffness.largest() * largest(&vector) {
+            let strained = if self.structure.given.is_some() { STRAINED_AS_GIVEN } else { STRAINED };
+            if largest(&vector) == 0.0 || strain > strained * self.stiffness.largest() * largest(&vector) {
                 continue;
             }
             self.remove(&mut vector, &motions);
             let length = self.mass.form(&vector, &vector).sqrt();
+            if length.is_nan() || length <= ALONE * largest(&vector) * self.mass.largest().sqrt() {
+                continue;
+            }
             scale(&mut vector, 1.0 / length);
             motions.push(vector);
         }
         motions
+    }
+
+    /// The shift once it is known.
+    pub(crate) fn known_shift(&self) -> &OnceLock<f64> {
+        &self.shift
     }
 
     /// Takes the parts along mass-normalised motions off a vector.
@@ -302,7 +353,7 @@ impl Assembled {
     /// When `y` has fewer entries than there are unknowns.
     #[must_use]
     pub fn displacements(&self, y: &[f64]) -> Vec<f64> {
-        self.transformation.apply(y)
+        self.transformation.apply(y, 3 * self.structure.mesh.positions.len())
     }
 
     /// Forces on the unknowns of the total force `force` (x, y, z), shared equally by the nodes of a set.

@@ -11,7 +11,7 @@ use crate::mesh::Mesh;
 /// What a displacement follows: another displacement or an unknown that is no displacement of a node.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) enum Source {
-    /// Degree of freedom 3 node + axis.
+    /// Degree of freedom 3 node + axis, or one of the further ones behind them.
     Displacement(usize),
     /// Index into [`Equations::extra`].
     Extra(usize),
@@ -21,6 +21,8 @@ pub(crate) enum Source {
 #[derive(Debug)]
 pub(crate) struct Equations<'a> {
     mesh: &'a Mesh,
+    /// Meaning of the degrees of freedom behind the displacements of all nodes: rotations and generalised coordinates.
+    further: Vec<Unknown>,
     /// Terms of each dependent displacement.
     rows: Vec<Option<Vec<(Source, f64)>>>,
     /// Who made it dependent: index into `names`.
@@ -31,9 +33,9 @@ pub(crate) struct Equations<'a> {
 }
 
 impl<'a> Equations<'a> {
-    pub(crate) fn new(mesh: &'a Mesh) -> Self {
-        let n = 3 * mesh.positions.len();
-        Self { mesh, rows: vec![None; n], owners: vec![0; n], names: Vec::new(), extra: Vec::new() }
+    pub(crate) fn new(mesh: &'a Mesh, further: Vec<Unknown>) -> Self {
+        let n = 3 * mesh.positions.len() + further.len();
+        Self { mesh, further, rows: vec![None; n], owners: vec![0; n], names: Vec::new(), extra: Vec::new() }
     }
 
     pub(crate) fn mesh(&self) -> &'a Mesh {
@@ -74,17 +76,29 @@ impl<'a> Equations<'a> {
         let mut numbers = vec![0_u32; self.rows.len()];
         free.iter().enumerate().for_each(|(number, &dof)| numbers[dof] = number as u32);
         let nodes = self.mesh.positions.len();
-        let displacement = |&dof: &usize| Place {
-            unknown: Unknown::Displacement { node: dof / 3, axis: dof % 3 },
-            site: Site { position: self.mesh.positions[dof / 3], group: (dof / 3) as u32 },
+        let group = |unknown: Unknown| match unknown {
+            Unknown::Displacement { node, .. } | Unknown::Rotation { node, .. } => node,
+            Unknown::Generalised { row } => nodes + 3 * row,
+            Unknown::Reference { joint, .. } => nodes + 3 * joint + 1,
+            Unknown::Slip { slip } => nodes + 3 * slip + 2,
         };
-        let extra = |&(unknown, position): &(Unknown, [f64; 3])| {
-            let group = match unknown {
-                Unknown::Reference { joint, .. } => nodes + 2 * joint,
-                Unknown::Slip { slip } => nodes + 2 * slip + 1,
-                Unknown::Displacement { node, .. } => node,
+        let middle = middle(self.mesh);
+        let displacement = |&dof: &usize| {
+            let unknown = match dof.checked_sub(3 * nodes) {
+                None => Unknown::Displacement { node: dof / 3, axis: dof % 3 },
+                Some(at) => self.further[at],
             };
-            Place { unknown, site: Site { position, group: group as u32 } }
+            let position = match unknown {
+                Unknown::Displacement { node, .. } | Unknown::Rotation { node, .. } => {
+                    self.mesh.positions[node]
+                }
+                _ => middle,
+            };
+            Place { unknown, site: Site { position, group: group(unknown) as u32 } }
+        };
+        let extra = |&(unknown, position): &(Unknown, [f64; 3])| Place {
+            unknown,
+            site: Site { position, group: group(unknown) as u32 },
         };
         let places: Vec<Place> = free.iter().map(displacement).chain(self.extra.iter().map(extra)).collect();
         let mut resolver = Resolver {
@@ -102,6 +116,12 @@ impl<'a> Equations<'a> {
         }
         Ok(Transformation { starts, terms, places })
     }
+}
+
+/// The mean position of all nodes.
+fn middle(mesh: &Mesh) -> [f64; 3] {
+    let n = mesh.positions.len().max(1) as f64;
+    std::array::from_fn(|a| mesh.positions.iter().map(|p| p[a]).sum::<f64>() / n)
 }
 
 /// Names of the axes in messages.
@@ -177,10 +197,10 @@ impl Transformation {
         &self.terms[self.starts[dof] as usize..self.starts[dof + 1] as usize]
     }
 
-    /// x = T y.
-    pub(crate) fn apply(&self, y: &[f64]) -> Vec<f64> {
+    /// The first `count` of x = T y.
+    pub(crate) fn apply(&self, y: &[f64], count: usize) -> Vec<f64> {
         let value = |dof| self.row(dof).iter().map(|&(j, c)| c * y[j as usize]).sum();
-        (0..self.starts.len() - 1).map(value).collect()
+        (0..count).map(value).collect()
     }
 
     /// Adds Tᵀ of a force on one displacement to a vector of forces on the unknowns.

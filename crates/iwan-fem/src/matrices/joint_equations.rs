@@ -6,7 +6,7 @@ use super::elimination::{AXES, Equations, Source};
 use super::unknowns::{Unknown, cross};
 use crate::algebra::positive_inverse;
 use crate::error::Error;
-use crate::structure::{Interface, Joint, Law, Patch, Structure, Support};
+use crate::structure::{Given, Interface, Joint, Law, Patch, Row, Structure, Support};
 
 /// A slip of an assembled structure.
 #[derive(Clone)]
@@ -33,7 +33,11 @@ pub(crate) type Slips = Vec<SlipUnknown>;
 
 /// Writes the equations of all joints, then of all supports.
 pub(crate) fn connect(structure: &Structure) -> Result<(Equations<'_>, Slips), Error> {
-    let (mut equations, mut slips) = (Equations::new(&structure.mesh), Slips::new());
+    let further = structure.given.as_ref().map(further).unwrap_or_default();
+    let (mut equations, mut slips) = (Equations::new(&structure.mesh, further), Slips::new());
+    if let Some(given) = &structure.given {
+        hold_unknown(&mut equations, given)?;
+    }
     for (index, joint) in structure.joints.iter().enumerate() {
         let name = format!("joint `{}`", joint.name);
         let face = structure.nodes(&name, &joint.face)?;
@@ -45,13 +49,39 @@ pub(crate) fn connect(structure: &Structure) -> Result<(Equations<'_>, Slips), E
         let mut writer = Writer { equations: &mut equations, slips: &mut slips, joint, index };
         match joint.interface {
             Interface::Whole(kind) => writer.whole(face, patch, kind)?,
-            Interface::NodeToNode => writer.node_to_node(face, patch)?,
+            Interface::NodeToNode => writer.node_to_node(face, patch, false)?,
+            Interface::Directions => writer.node_to_node(face, patch, true)?,
         }
     }
     for support in &structure.supports {
         fix(&mut equations, structure, support)?;
     }
     Ok((equations, slips))
+}
+
+/// Rotations and generalised coordinates of given matrices, in the order of their rows.
+fn further(given: &Given) -> Vec<Unknown> {
+    let meaning = |(row, of): (usize, &Row)| match *of {
+        Row::Displacement { .. } => None,
+        Row::Rotation { node, axis } => Some(Unknown::Rotation { node, axis }),
+        Row::Generalised => Some(Unknown::Generalised { row }),
+    };
+    given.rows.iter().enumerate().filter_map(meaning).collect()
+}
+
+/// Displacements of nodes that given matrices do not have are held.
+fn hold_unknown(equations: &mut Equations<'_>, given: &Given) -> Result<(), Error> {
+    equations.owner("the matrices, which have no row for it,".into());
+    let mut known = vec![false; 3 * equations.mesh().positions.len()];
+    for row in &given.rows {
+        if let Row::Displacement { node, axis } = *row {
+            known[3 * node + axis] = true;
+        }
+    }
+    for dof in (0..known.len()).filter(|&dof| !known[dof]) {
+        equations.set(dof / 3, dof % 3, Vec::new())?;
+    }
+    Ok(())
 }
 
 fn fix(equations: &mut Equations<'_>, structure: &Structure, support: &Support) -> Result<(), Error> {
@@ -158,7 +188,8 @@ impl Writer<'_, '_> {
     }
 
     /// Each node of the face follows the node of the patch at its place.
-    fn node_to_node(&mut self, face: &[usize], patch: &[usize]) -> Result<(), Error> {
+    /// With `free`, only the displacements along the slips do so.
+    fn node_to_node(&mut self, face: &[usize], patch: &[usize], free: bool) -> Result<(), Error> {
         let distance = |a: [f64; 3], b: [f64; 3]| (0..3).map(|i| (a[i] - b[i]).powi(2)).sum::<f64>().sqrt();
         let positions = &self.equations.mesh().positions;
         let size = distance(extreme(positions, f64::min), extreme(positions, f64::max));
@@ -170,7 +201,8 @@ impl Writer<'_, '_> {
                 .min_by(|a, b| a.1.total_cmp(&b.1))
                 .expect("the patch has nodes");
             // Against the diagonal of the mesh: files with seven digits round less, and matching meshes differ by no more.
-            if gap > 1e-6 * size {
+            let alone = free && face.len() == 1 && patch.len() == 1;
+            if gap > 1e-6 * size && !alone {
                 return Err(Error::Node {
                     label: self.equations.mesh().node_labels[node],
                     finding: format!(
@@ -184,9 +216,20 @@ impl Writer<'_, '_> {
             }
             let mut rows = self.add_slips(at, Some(node))?;
             for (axis, row) in rows.iter_mut().enumerate() {
+                if free && row.is_empty() {
+                    continue;
+                }
+                if free && row.iter().any(|term| term.1.abs() != 1.0) {
+                    let finding = "it slips along no axis, but ties no other direction".into();
+                    return Err(refused(
+                        self.joint,
+                        finding,
+                        "give \"x\", \"y\" or \"z\" as directions of slip",
+                    ));
+                }
                 row.push((Source::Displacement(3 * other + axis), 1.0));
+                self.equations.set(node, axis, std::mem::take(row))?;
             }
-            self.set(node, rows)?;
         }
         Ok(())
     }

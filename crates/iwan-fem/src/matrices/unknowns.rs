@@ -12,6 +12,18 @@ pub enum Unknown {
         /// Axis.
         axis: usize,
     },
+    /// Rotation of a node about x, y or z (0, 1, 2), of given matrices.
+    Rotation {
+        /// Index of the node.
+        node: usize,
+        /// Axis.
+        axis: usize,
+    },
+    /// A generalised coordinate of given matrices.
+    Generalised {
+        /// Its row in the matrices.
+        row: usize,
+    },
     /// Motion of the reference of a joint's rigid patch: displacements (0 to 2) and rotations (3 to 5).
     Reference {
         /// Index of the joint.
@@ -42,7 +54,8 @@ impl Place {
             Unknown::Displacement { axis, .. } => (axis, None),
             Unknown::Reference { component, .. } if component < 3 => (component, None),
             Unknown::Reference { component, .. } => (0, Some(component)),
-            Unknown::Slip { .. } => return 0.0,
+            Unknown::Rotation { axis, .. } => (0, Some(axis + 3)),
+            Unknown::Slip { .. } | Unknown::Generalised { .. } => return 0.0,
         };
         if let Some(component) = rotation {
             return f64::from(u8::from(component == motion));
@@ -62,7 +75,7 @@ pub(crate) fn triples(places: &[Place]) -> Vec<u32> {
     let axis = |place: &Place| match place.unknown {
         Unknown::Displacement { axis, .. } => Some(axis),
         Unknown::Reference { component, .. } => Some(component),
-        Unknown::Slip { .. } => None,
+        Unknown::Slip { .. } | Unknown::Rotation { .. } | Unknown::Generalised { .. } => None,
     };
     let triple = |three: &[Place]| {
         three.iter().enumerate().all(|(a, p)| axis(p) == Some(a) && p.site.group == three[0].site.group)

@@ -64,6 +64,18 @@ pub enum MeshWarning {
         /// How often it occurs.
         times: usize,
     },
+    /// A keyword that changes the model was passed over because the user said so.
+    #[error(
+        "{name} was ignored as asked ({times} times, first at {place}): the structure is without what it says"
+    )]
+    Ignored {
+        /// Keyword.
+        name: String,
+        /// Line of the first one.
+        place: String,
+        /// How often it occurs.
+        times: usize,
+    },
     /// An element type that names a formulation; the analysis chooses its own.
     #[error(
         "{place}: {found} is read as {read_as}; the formulation is chosen by the structure, not by the mesh file"

@@ -6,6 +6,7 @@ mod surface;
 pub mod block;
 pub mod beam;
 
+mod axes;
 mod error;
 mod file;
 mod labels;
@@ -18,5 +19,5 @@ pub mod vtu;
 
 pub use error::{MeshError, MeshWarning};
 pub use file::MeshFile;
-pub use read::{read, read_bytes};
+pub use read::{read, read_bytes, read_ignoring};
 pub use topology::{Element, Mesh, Shape};

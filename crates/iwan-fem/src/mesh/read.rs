@@ -10,17 +10,26 @@ use super::{abaqus, gmsh};
 /// does not tell, from the extension.
 ///
 /// Gmsh: hexahedra of 8 and 20 nodes; a physical group of volumes gives a set of elements and a set of their nodes, a
-/// group of points, curves or surfaces a set of nodes. Abaqus: `*NODE`, `*ELEMENT` (C3D8, C3D8I, C3D8R, C3D20,
-/// C3D20R), `*NSET`, `*ELSET`.
+/// group of points, curves or surfaces a set of nodes. Abaqus: `*NODE`, `*SYSTEM`, `*ELEMENT` (C3D8, C3D8I, C3D8R, C3D20,
+/// C3D20R), `*NSET`, `*ELSET`; what else may change the model (ties, couplings, equations, ...) is refused by name.
 ///
 /// Memory: at most 160 bytes for each byte of the file, and 64 KiB. No count in a file is trusted for an allocation.
 ///
 /// # Errors
 /// [`MeshError`] names the file, the place in it, what stands there, what is allowed and what helps.
 pub fn read(path: impl AsRef<Path>) -> Result<MeshFile, MeshError> {
+    read_ignoring(path, &[])
+}
+
+/// [`read`], passing over the keywords called `ignored` although they change the model: what they say is the caller's business. Each one
+/// met is a warning.
+///
+/// # Errors
+/// As [`read`].
+pub fn read_ignoring(path: impl AsRef<Path>, ignored: &[String]) -> Result<MeshFile, MeshError> {
     let file = path.as_ref();
     let bytes = std::fs::read(file).map_err(|source| MeshError::Io { file: file.into(), source })?;
-    read_bytes(file, &bytes)
+    parse(file, &bytes, ignored)
 }
 
 /// The same from bytes in memory; `file` serves the extension and the messages only.
@@ -28,13 +37,17 @@ pub fn read(path: impl AsRef<Path>) -> Result<MeshFile, MeshError> {
 /// # Errors
 /// As [`read`].
 pub fn read_bytes(file: &Path, bytes: &[u8]) -> Result<MeshFile, MeshError> {
+    parse(file, bytes, &[])
+}
+
+fn parse(file: &Path, bytes: &[u8], ignored: &[String]) -> Result<MeshFile, MeshError> {
     let source = FileBytes { file, bytes };
     let content = bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes).trim_ascii_start();
     let extension = file.extension().unwrap_or_default().to_ascii_lowercase();
     if content.starts_with(b"$") || extension == "msh" {
         gmsh::parse(source)
     } else if content.starts_with(b"*") || extension == "inp" {
-        abaqus::parse(source)
+        abaqus::parse(source, ignored)
     } else {
         let found = format!("extension '{}', content {}", extension.display(), quote(content, 16));
         Err(MeshError::UnknownFormat { file: file.into(), found })

@@ -51,6 +51,9 @@ impl Assembled {
         if index < modes.zero_modes() {
             return Class::Zero;
         }
+        if self.structure().given.as_ref().is_some_and(|given| !given.placed) {
+            return Class::Other;
+        }
         let shares =
             Slices::new(&self.structure().mesh.positions).shares(&self.displacements(modes.shape(index)));
         let kinds = [Class::Axial, Class::Lateral, Class::Bending, Class::Torsion];

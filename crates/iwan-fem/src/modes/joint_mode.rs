@@ -34,11 +34,22 @@ impl Assembled {
     /// When a mode belongs to another structure.
     #[must_use]
     pub fn joint_modes(&self, stuck: &Modes, slipping: &Modes) -> Vec<JointMode> {
-        let shapes = |modes: &Modes| -> Vec<Vec<f64>> {
-            (0..modes.len()).map(|i| self.displacements(modes.shape(i))).collect()
+        // Of given matrices the displacements of nodes may be few, or none: there all unknowns count, with their masses.
+        let weighted = self.structure().given.is_some();
+        let shapes = |modes: &Modes, mass: bool| -> Vec<Vec<f64>> {
+            let shape = |i| match (weighted, mass) {
+                (true, true) => self.mass().times(modes.shape(i)),
+                (true, false) => modes.shape(i).to_vec(),
+                _ => self.displacements(modes.shape(i)),
+            };
+            (0..modes.len()).map(shape).collect()
         };
-        let (a, b) = (shapes(stuck), shapes(slipping));
-        let mac = |i: usize, j: usize| dot(&a[i], &b[j]).powi(2) / (dot(&a[i], &a[i]) * dot(&b[j], &b[j]));
+        let (a, b) = (shapes(stuck, true), shapes(slipping, false));
+        let mac = |i: usize, j: usize| {
+            // The shapes are mass-normalised.
+            let size = if weighted { 1.0 } else { dot(&a[i], &a[i]) * dot(&b[j], &b[j]) };
+            dot(&a[i], &b[j]).powi(2) / size
+        };
         let best = |i: usize| {
             let candidates = (slipping.zero_modes()..slipping.len()).map(|j| (j, mac(i, j)));
             let (j, mac) = candidates.max_by(|x, y| x.1.total_cmp(&y.1))?;

@@ -31,13 +31,63 @@ pub struct Modes {
 /// above it: a hundredth of it costs nearly three digits of mode 400, a hundred times it calls two bending modes of a bar zero that is
 /// 1,000 times as long as thick.
 const SHIFT: f64 = 1e-3;
+/// The shift with which the first eigenvalue of given matrices is sought, as part of the largest ratio of diagonal entries, which is near
+/// the highest eigenvalue: the first elastic ones of fine meshes lie 1e-6 to 1e-9 below that, and so much is lost of the digits of theirs
+/// that lie below the shift, which a first look can spare.
+const CRUDE: f64 = 1e-6;
+/// An eigenvalue below this part of the crude shift is rounding: of K + σM it leaves 1e-10 of its highest eigenvalue, 1e-10 / 1e-6 of
+/// the shift at worst, by which a few zero modes more are looked at.
+const NOTHING: f64 = 1e-5;
+/// Eigenvalues of the first look: six rigid motions and some more.
+const FIRST_LOOK: usize = 12;
 /// Zero modes have eigenvalues below this part of the shift. Rounding leaves 1e-12 to 1e-9 of it; the first elastic eigenvalue of a free
 /// bar L long and h thick is 4,200 (h/L)² of it, so that a bar more than 6,000 times as long as thick would lose its first mode.
 const ZERO: f64 = 1e-4;
 
 impl Assembled {
     /// σ > 0 for which K + σM is positive definite and well conditioned, 1/s².
-    pub(crate) fn shift(&self) -> f64 {
+    ///
+    /// # Errors
+    /// As [`modes`](Self::modes): for given matrices it takes a factorisation.
+    pub(crate) fn shift(&self) -> Result<f64, Error> {
+        if let Some(known) = self.known_shift().get() {
+            return Ok(*known);
+        }
+        let shift = if self.structure().given.is_some() {
+            self.shift_from_matrices()?
+        } else {
+            self.shift_of_a_bar()
+        };
+        Ok(*self.known_shift().get_or_init(|| shift))
+    }
+
+    /// The first eigenvalue above zero with all joints stuck, found with a shift from the diagonals.
+    fn shift_from_matrices(&self) -> Result<f64, Error> {
+        let (stiffness, analysis) = (self.stiffness(Limit::Stuck), self.analysis()?);
+        let ratio = |j: usize| stiffness.diagonal_entry(j) / self.mass().diagonal_entry(j);
+        let highest = (0..self.unknowns()).map(ratio).filter(|r| r.is_finite()).fold(0.0, f64::max);
+        if highest <= 0.0 {
+            let finding = "no unknown has both stiffness and mass".into();
+            let remedy = "check that the stiffness and the mass are of one model and not exchanged";
+            return Err(Error::Analysis { analysis: "modes", finding, remedy });
+        }
+        let crude = CRUDE * highest;
+        let problem = Problem { stiffness: &stiffness, mass: self.mass(), shift: crude, analysis };
+        let factor = problem.factor()?;
+        let mut count = FIRST_LOOK.min(self.unknowns());
+        loop {
+            let pairs = problem.lowest(count, &factor, UNWATCHED)?;
+            let elastic = pairs.values.iter().copied().find(|value| *value > NOTHING * crude);
+            match elastic {
+                Some(value) => return Ok(value),
+                None if count == self.unknowns() => return Ok(crude),
+                None => count = (2 * count).min(self.unknowns()),
+            }
+        }
+    }
+
+    /// From the speed of sound and the extent.
+    fn shift_of_a_bar(&self) -> f64 {
         let structure = self.structure();
         let speed = structure
             .materials
@@ -91,7 +141,7 @@ impl Assembled {
     /// K + σM, factored.
     pub(crate) fn shifted_factor(&self, limit: Limit) -> Result<Cholesky, Error> {
         let (stiffness, analysis) = (self.stiffness(limit), self.analysis()?);
-        Problem { stiffness: &stiffness, mass: self.mass(), shift: self.shift(), analysis }.factor()
+        Problem { stiffness: &stiffness, mass: self.mass(), shift: self.shift()?, analysis }.factor()
     }
 
     /// The modes and the factor of K + σM that led to them.
@@ -102,7 +152,7 @@ impl Assembled {
         progress: Progress<'_>,
     ) -> Result<(Modes, Cholesky), Error> {
         let (stiffness, analysis) = (self.stiffness(limit), self.analysis()?);
-        let shift = self.shift();
+        let shift = self.shift()?;
         let problem = Problem { stiffness: &stiffness, mass: self.mass(), shift, analysis };
         let factor = problem.factor()?;
         let pairs = problem.lowest(count, &factor, progress)?;

@@ -89,7 +89,7 @@ impl Assembled {
         }
         let slipping = check("slipping_eigenvalue", slipping_eigenvalue, true, "must be finite")?;
         let factor = self.shifted_factor(Limit::Stuck)?;
-        let columns = self.static_flexibility(stuck, &factor);
+        let columns = self.static_flexibility(stuck, &factor, self.shift()?);
         let unknowns: Vec<usize> = self.slips().iter().map(|slip| slip.unknown).collect();
         let stiffness = inverse_of(unknowns.len(), |i, j| columns[j][unknowns[i]])?;
         let shape = unknowns.iter().map(|&j| stuck.shape(index)[j]).collect();
@@ -97,13 +97,13 @@ impl Assembled {
     }
 
     /// K_0⁺ e of each slip: displacements under a unit force on it, without what moves the structure as a whole.
-    fn static_flexibility(&self, stuck: &Modes, factor: &Cholesky) -> Vec<Vec<f64>> {
+    fn static_flexibility(&self, stuck: &Modes, factor: &Cholesky, shift: f64) -> Vec<Vec<f64>> {
         let free: Vec<Vec<f64>> = (0..stuck.zero_modes()).map(|i| stuck.shape(i).to_vec()).collect();
         let column = |unknown: usize| {
             let mut z = vec![0.0; self.unknowns()];
             for _ in 0..REFINEMENTS {
                 let mut right = self.mass().times(&z);
-                scale(&mut right, self.shift());
+                scale(&mut right, shift);
                 right[unknown] += 1.0;
                 factor.solve(&mut right);
                 self.remove(&mut right, &free);

@@ -1,5 +1,6 @@
 //! A structure: mesh, materials, what connects its parts and what holds it.
 
+use super::given::Given;
 use super::interface::Joint;
 use crate::element::{Formulation, Inertia, Material};
 use crate::error::{Error, check};
@@ -57,6 +58,8 @@ pub struct Structure {
     pub supports: Vec<Support>,
     /// Masses and springs at nodes.
     pub lumps: Vec<Lump>,
+    /// Stiffness and mass from another program. With them the elements of the mesh serve pictures only, and materials nothing.
+    pub given: Option<Given>,
 }
 
 impl Structure {
@@ -72,6 +75,7 @@ impl Structure {
             joints: Vec::new(),
             supports: Vec::new(),
             lumps: Vec::new(),
+            given: None,
         }
     }
 

@@ -41,6 +41,9 @@ pub enum Interface {
     Whole(Patch),
     /// Each node of the face follows the patch's node at its place: a slip per direction and node, each with the whole law.
     NodeToNode,
+    /// As [`NodeToNode`](Self::NodeToNode), but the nodes are tied in no direction: the law acts between their displacements along the slips,
+    /// which must be x, y or z. For structures that connect the nodes in the other directions by themselves.
+    Directions,
 }
 
 /// A bolted interface: a face follows a patch but for the slips; all other motions, drilling included, are tied.

@@ -2,10 +2,12 @@
 //! computed with.
 
 mod interface;
+mod given;
 mod description;
 
 pub mod check;
 pub mod paper;
 
 pub use description::{Lump, Structure, Support};
+pub use given::{Given, Row};
 pub use interface::{Interface, Joint, Law, Patch, Slip};

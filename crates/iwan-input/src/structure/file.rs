@@ -5,7 +5,7 @@ use std::path::Path;
 use iwan_fem::Structure;
 
 use super::ends::{self, Load, Output};
-use super::{joints, materials, meshes, sets};
+use super::{joints, materials, matrices, meshes, sets};
 use crate::error::InputError;
 use crate::section::Section;
 use crate::text::InputText;
@@ -14,8 +14,10 @@ use crate::text::InputText;
 pub const STRUCTURE_SCHEMA: &str = include_str!("../../schema/structure.schema.json");
 
 /// Keys at the top of a structure file.
-pub(super) const KEYS: &[&str] =
-    &["title", "mesh", "set", "elements", "material", "joint", "tie", "support", "lump", "load", "output"];
+pub(super) const KEYS: &[&str] = &[
+    "title", "mesh", "matrices", "set", "elements", "material", "joint", "tie", "support", "lump", "load",
+    "output",
+];
 
 /// Whether a file is a structure rather than a scenario: whether it says anything about a mesh.
 ///
@@ -71,9 +73,7 @@ impl StructureFile {
     pub fn read(source: &InputText) -> Result<Self, InputError> {
         let document = source.document("paper-a")?;
         let top = Section::new(source, "the structure", document.top(), KEYS)?;
-        let (mut mesh, mut notes) = meshes::read(source, &top)?;
-        sets::read(source, &top, &mut mesh)?;
-        let mut structure = materials::read(source, &top, mesh)?;
+        let (mut structure, mut notes) = body(source, &top)?;
         structure.joints = joints::read(source, &top, &structure.mesh)?;
         structure.supports = ends::supports(source, &top, &structure.mesh)?;
         structure.lumps = ends::lumps(source, &top, &structure.mesh)?;
@@ -87,4 +87,16 @@ impl StructureFile {
         notes.extend(findings.remarks.iter().map(ToString::to_string));
         Ok(Self { title: top.optional_text("title")?, structure, loads, outputs, notes })
     }
+}
+
+/// Mesh, sets and materials; or matrices with their nodes and sets.
+fn body(source: &InputText, top: &Section<'_>) -> Result<(Structure, Vec<String>), InputError> {
+    if let Some(place) = top.optional_table("matrices")? {
+        let (mut structure, notes) = matrices::read(source, top, place)?;
+        sets::read(source, top, &mut structure.mesh)?;
+        return Ok((structure, notes));
+    }
+    let (mut mesh, notes) = meshes::read(source, top)?;
+    sets::read(source, top, &mut mesh)?;
+    Ok((materials::read(source, top, mesh)?, notes))
 }

@@ -24,6 +24,7 @@ const MOTIONS: &[(&str, Interface)] = &[
     ("rigid", Interface::Whole(Patch::Rigid)),
     ("averaging", Interface::Whole(Patch::Averaging)),
     ("node-to-node", Interface::NodeToNode),
+    ("directions", Interface::Directions),
 ];
 
 /// Joints, then ties.
@@ -36,7 +37,9 @@ pub(super) fn read(source: &InputText, top: &Section<'_>, mesh: &Mesh) -> Result
             let (section, name) = name(section, word, taken)?;
             let face = known(&section, "face", "node", &mesh.node_sets)?;
             let patch = known(&section, "patch", "node", &mesh.node_sets)?;
-            let motion = section.choice("motion", MOTIONS)?.unwrap_or(Interface::Whole(Patch::default()));
+            // A tie in no direction would be none.
+            let motions = if word == "joint" { MOTIONS } else { &MOTIONS[..3] };
+            let motion = section.choice("motion", motions)?.unwrap_or(Interface::Whole(Patch::default()));
             let mut joint = Joint::new(name, face, patch, motion);
             if word == "joint" {
                 joint = slips(source, &section, joint)?;

@@ -11,7 +11,7 @@ use crate::text::InputText;
 
 /// Where meshes come from, with their keys.
 pub(super) const KINDS: &[TableKind] = &[
-    TableKind { name: "file", keys: &["path"] },
+    TableKind { name: "file", keys: &["path", "ignore"] },
     TableKind { name: "paper-beam", keys: &["configuration", "refinement"] },
     TableKind { name: "block", keys: &["size", "cells"] },
 ];
@@ -36,7 +36,8 @@ pub(super) fn read(source: &InputText, top: &Section<'_>) -> Result<(Mesh, Vec<S
 
 fn from_file(source: &InputText, section: &Section<'_>) -> Result<(Mesh, Vec<String>), InputError> {
     let path = source.folder.join(section.text("path")?);
-    let read = mesh::read(&path).map_err(|error| {
+    let ignored = if section.has("ignore") { section.texts("ignore")? } else { Vec::new() };
+    let read = mesh::read_ignoring(&path, &ignored).map_err(|error| {
         section.failure(
             "path",
             &error.to_string(),

@@ -2,6 +2,8 @@
 
 mod sets;
 mod meshes;
+mod row_map;
+mod matrices;
 mod materials;
 mod ends;
 mod joints;

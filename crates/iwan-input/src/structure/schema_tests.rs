@@ -5,7 +5,9 @@ use serde_json::Value;
 use toml::de::{DeTable, DeValue};
 
 use super::file::KEYS;
-use super::{BUILT_IN_STRUCTURES, STRUCTURE_SCHEMA, StructureFile, ends, joints, materials, meshes, sets};
+use super::{
+    BUILT_IN_STRUCTURES, STRUCTURE_SCHEMA, StructureFile, ends, joints, materials, matrices, meshes, sets,
+};
 use crate::section::TableKind;
 use crate::text::InputText;
 use crate::written_law::LAWS;
@@ -31,6 +33,7 @@ fn same(mut a: Vec<String>, b: &[&str]) {
 fn plain_tables_have_the_same_keys() {
     same(keys_at("/properties"), KEYS);
     let tables = [
+        ("matrices", matrices::MATRICES_KEYS),
         ("elements", materials::ELEMENT_KEYS),
         ("material", materials::MATERIAL_KEYS),
         ("joint", joints::JOINT_KEYS),

@@ -38,6 +38,30 @@ pub(super) fn read(source: &InputText, top: &Section<'_>, mesh: &mut Mesh) -> Re
         let sets = if kind.name == "elements" { &mut mesh.element_sets } else { &mut mesh.node_sets };
         sets.insert(name, members);
     }
+    single_nodes(source, top, mesh)
+}
+
+/// A set of one node for each place where a node is named by its number, `nodes = "17"`.
+fn single_nodes(source: &InputText, top: &Section<'_>, mesh: &mut Mesh) -> Result<(), InputError> {
+    let mut index: Option<BTreeMap<u64, usize>> = None;
+    for word in ["joint", "tie", "support", "lump", "load", "output"] {
+        for place in top.tables(word)? {
+            let section = Section::any(source, word, place);
+            for key in ["face", "patch", "nodes"] {
+                if !section.is_text(key) {
+                    continue;
+                }
+                let name = section.text(key)?;
+                let Ok(label) = name.parse::<u64>() else { continue };
+                let all =
+                    || mesh.node_labels.iter().enumerate().map(|(index, label)| (*label, index)).collect();
+                let node = index.get_or_insert_with(all).get(&label);
+                if let Some(node) = node {
+                    mesh.node_sets.entry(name).or_insert_with(|| vec![*node]);
+                }
+            }
+        }
+    }
     Ok(())
 }
 

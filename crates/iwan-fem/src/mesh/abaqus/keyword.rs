@@ -18,7 +18,7 @@ impl Keyword {
     /// Reads the keyword that begins in `line`.
     pub(super) fn parse(lines: &mut Lines, line: Line) -> Result<Self, MeshError> {
         let mut fields = line.fields();
-        let name = words(fields.next().unwrap_or_default()).trim_start_matches('*').trim().to_string();
+        let name = name(fields.next().unwrap_or_default());
         let mut parameters: Vec<_> = fields.map(parameter).collect();
         let mut last = line;
         while last.continues() {
@@ -68,6 +68,11 @@ impl Keyword {
         let remedy = format!("write the data out without it; read are {}", known.join(", "));
         Err(self.refused(source, &found, &remedy))
     }
+}
+
+/// Name of a keyword: capitals, single blanks, no star.
+pub(super) fn name(bytes: &[u8]) -> String {
+    words(bytes).trim_start_matches('*').trim().to_string()
 }
 
 /// Capitals, single blanks.

@@ -1,13 +1,15 @@
 //! Abaqus input: nodes, hexahedra and sets (Abaqus Keywords Reference; CalculiX reads the same).
 //!
-//! `*NODE`, `*ELEMENT`, `*NSET` and `*ELSET` are read, `*INCLUDE` and whatever would need another file is refused, other
-//! keywords are passed over with a remark. One part with one instance in its own place is read as if it stood alone.
+//! `*NODE`, `*SYSTEM`, `*ELEMENT`, `*NSET` and `*ELSET` are read. Keywords that are known to leave the model as it is are passed over
+//! with a remark; all others are refused by name, unless the user wants them to be ignored. One part with one instance in its own place is read as if it stood alone.
 
 mod lines;
 mod fields;
 mod keyword;
+mod known;
 mod definition;
 mod parts;
+mod system;
 mod reader;
 mod nodes;
 mod elements;
@@ -23,9 +25,12 @@ use lines::Lines;
 use reader::{PassedOver, ReadAs, Reader};
 
 /// Mesh and remarks of an Abaqus input file.
-pub(super) fn parse(source: FileBytes) -> Result<MeshFile, MeshError> {
+///
+/// `ignored` are names of keywords that are passed over although they change the model.
+pub(super) fn parse(source: FileBytes, ignored: &[String]) -> Result<MeshFile, MeshError> {
     let mut lines = Lines::new(source);
-    let mut reader = Reader::default();
+    let ignored = ignored.iter().map(|name| keyword::name(name.as_bytes())).collect();
+    let mut reader = Reader { ignored, ..Reader::default() };
     while let Some(line) = lines.next() {
         if !line.is_keyword() {
             let place = format!("line {}", line.number);
@@ -40,7 +45,17 @@ pub(super) fn parse(source: FileBytes) -> Result<MeshFile, MeshError> {
 impl Reader {
     fn keyword(&mut self, lines: &mut Lines, keyword: &Keyword) -> Result<(), MeshError> {
         match keyword.name.as_str() {
+            name if self.ignored.iter().any(|ignored| ignored == name) => {
+                let first = PassedOver { line: keyword.line, times: 0 };
+                self.passed_over.entry(name.to_string()).or_insert(first).times += 1;
+                while lines.next_data().is_some() {}
+                Ok(())
+            }
             "NODE" => self.nodes(lines, keyword),
+            "SYSTEM" => {
+                self.axes = system::read(lines, keyword)?;
+                Ok(())
+            }
             "ELEMENT" => self.elements(lines, keyword),
             "NSET" => self.set(lines, keyword, SetKind::Nodes),
             "ELSET" => self.set(lines, keyword, SetKind::Elements),
@@ -53,6 +68,10 @@ impl Reader {
                 self.parts.keyword(lines, keyword)
             }
             name => {
+                if !known::is_harmless(name) {
+                    let found = format!("*{name}, which may change the model,");
+                    return Err(keyword.refused(lines.source, &found, &known::remedy(name)));
+                }
                 let first = PassedOver { line: keyword.line, times: 0 };
                 self.passed_over.entry(name.to_string()).or_insert(first).times += 1;
                 while lines.next_data().is_some() {}
@@ -77,7 +96,12 @@ impl Reader {
         elements::resolve(source, &mut mesh.elements, &self.element_lines, &nodes)?;
         sets::resolve(source, &mut mesh, &self.definitions, &nodes, &elements)?;
         let passed_over = self.passed_over.into_iter().map(|(name, PassedOver { line, times })| {
-            MeshWarning::PassedOver { name: format!("*{name}"), place: format!("line {line}"), times }
+            let place = format!("line {line}");
+            if self.ignored.contains(&name) {
+                MeshWarning::Ignored { name: format!("*{name}"), place, times }
+            } else {
+                MeshWarning::PassedOver { name: format!("*{name}"), place, times }
+            }
         });
         let formulations = self.formulations.into_iter().map(|(found, ReadAs { line, read_as })| {
             MeshWarning::Formulation { place: format!("line {line}"), found: found.into(), read_as }

@@ -6,11 +6,13 @@ use super::fields::{number, whole};
 use super::keyword::Keyword;
 use super::lines::Lines;
 use super::reader::Reader;
+use super::system::coordinates;
 
 impl Reader {
     /// Reads numbers and positions; coordinates left out are zero.
     pub(super) fn nodes(&mut self, lines: &mut Lines, keyword: &Keyword) -> Result<(), MeshError> {
-        keyword.only(lines.source, &["NSET"])?;
+        keyword.only(lines.source, &["NSET", "SYSTEM"])?;
+        let coordinates = coordinates(lines, keyword)?;
         let first = self.node_labels.len();
         while let Some(line) = lines.next_data() {
             let mut fields = line.fields();
@@ -23,7 +25,7 @@ impl Reader {
                 }
             }
             // Direction cosines of shell normals may follow; they mean nothing to solids.
-            self.positions.push(position);
+            self.positions.push(self.axes.global(coordinates.rectangular(position)));
             self.node_labels.push(label);
             self.node_lines.push(line.offset);
         }

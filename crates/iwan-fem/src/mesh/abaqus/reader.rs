@@ -2,6 +2,7 @@
 
 use std::collections::BTreeMap;
 
+use super::super::axes::Axes;
 use super::super::topology::Element;
 use super::definition::Definition;
 use super::parts::Parts;
@@ -18,6 +19,10 @@ pub(super) struct Reader {
     pub(super) element_lines: Vec<usize>,
     pub(super) definitions: Vec<Definition>,
     pub(super) parts: Parts,
+    /// Axes in which nodes are given from now on.
+    pub(super) axes: Axes,
+    /// Names of keywords that the user wants to be passed over.
+    pub(super) ignored: Vec<String>,
     /// Keywords that mean nothing to a mesh, by their names.
     pub(super) passed_over: BTreeMap<String, PassedOver>,
     /// Element types that name a formulation, by their names.

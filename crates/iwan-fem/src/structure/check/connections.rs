@@ -30,6 +30,7 @@ pub(super) fn check(mesh: &Mesh, sizes: &[f64], links: &[Link], findings: &mut F
             match link.interface {
                 Interface::Whole(_) => case.interface(),
                 Interface::NodeToNode => case.pairs(sizes),
+                Interface::Directions => {}
             }
         }
     }

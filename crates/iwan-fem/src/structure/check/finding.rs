@@ -81,6 +81,17 @@ pub enum Defect {
     },
     /// No elements at all.
     Empty,
+    /// Given matrices that no structure has.
+    Matrix {
+        /// `stiffness` or `mass`.
+        matrix: &'static str,
+        /// Row, with its node and component, both from the file.
+        row: String,
+        /// What is wrong, with values.
+        reason: String,
+        /// What helps.
+        remedy: &'static str,
+    },
 }
 
 /// Something that is allowed, but seldom meant.
@@ -217,6 +228,7 @@ impl fmt::Display for Defect {
                     "{user}: the {kind} set `{name}` has no members; choose another, or fill it when meshing"
                 )
             }
+            Self::Matrix { matrix, row, reason, remedy } => write!(f, "{matrix}, {row}: {reason}; {remedy}"),
             Self::Empty => f.write_str("the mesh has no elements; export the volumes with their hexahedra"),
         }
     }

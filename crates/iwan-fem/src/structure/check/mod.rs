@@ -6,6 +6,7 @@ mod parts;
 mod nodes;
 mod connections;
 mod quality;
+mod given;
 
 use std::collections::BTreeMap;
 
@@ -31,6 +32,10 @@ impl Structure {
     pub fn check(&self) -> Findings {
         let (mesh, mut findings) = (&self.mesh, Findings::default());
         sets(self, &mut findings);
+        if self.given.is_some() {
+            given::check(self, &mut findings);
+            return findings;
+        }
         quality::check(mesh, &mut findings);
         let links = links(self);
         let parts = parts::Parts::new(mesh);

@@ -1,0 +1,52 @@
+//! Why a file of matrices could not be read: file, place, what stands there, what is allowed, what helps.
+
+use std::path::PathBuf;
+
+/// Why a file of matrices could not be read.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum ExchangeError {
+    /// The operating system refused the file.
+    #[error("{}: cannot be read: {source}; check the path and the permissions", .file.display())]
+    Io {
+        /// File.
+        file: PathBuf,
+        /// Reason given by the operating system.
+        source: std::io::Error,
+    },
+    /// No format is known by this extension and content.
+    #[error(
+        "{}: unknown format ({found}); say format = \"abaqus\", \"op4\", \"dmig\", \"sierra\", \"calculix\", \"matlab\", \
+         \"matrix-market\" or \"npz\"", .file.display()
+    )]
+    UnknownFormat {
+        /// File.
+        file: PathBuf,
+        /// What was looked at.
+        found: String,
+    },
+    /// Something the format allows and this reader does not take.
+    #[error("{}: {place}: {found} cannot be read; {remedy}", .file.display())]
+    Unsupported {
+        /// File.
+        file: PathBuf,
+        /// Line, byte, matrix or variable.
+        place: String,
+        /// What stands there.
+        found: String,
+        /// What helps.
+        remedy: String,
+    },
+    /// The bytes break the rules of the format.
+    #[error("{}: {place}: found {found}, expected {expected}; export the file again, or repair this place", .file.display())]
+    Malformed {
+        /// File.
+        file: PathBuf,
+        /// Line, byte, matrix or variable.
+        place: String,
+        /// What stands there.
+        found: String,
+        /// What may stand there.
+        expected: String,
+    },
+}

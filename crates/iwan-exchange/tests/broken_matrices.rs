@@ -1,0 +1,230 @@
+//! Broken files of matrices are refused with the place and what is expected there; none is read silently.
+#![allow(clippy::unwrap_used)]
+
+mod common;
+
+use common::{Layout, abaqus_substructure, dmig, mat, matrix_market, npz, op4_binary, op4_text, sierra};
+use iwan_exchange::{read_bytes, read_rows};
+use std::path::Path;
+
+fn refused(name: &str, bytes: &[u8], expected: &str) {
+    let error = match read_bytes(Path::new(name), bytes, None) {
+        Ok(read) => panic!("{name} with {expected:?} was read: {read:?}"),
+        Err(error) => error.to_string(),
+    };
+    assert!(error.starts_with(&format!("{name}: ")) && error.contains(expected), "{error}\n{expected}");
+}
+
+/// `text` with the first `old` replaced.
+fn with(text: &str, old: &str, new: &str) -> Vec<u8> {
+    assert!(text.contains(old), "{old} is not in\n{text}");
+    text.replacen(old, new, 1).into_bytes()
+}
+
+#[test]
+fn matrix_market_files() {
+    let text = matrix_market(false);
+    let cases = [
+        ("real", "complex", "line 1: the word complex of the first line cannot be read; write real numbers"),
+        ("symmetric", "hermitian", "line 1: the word hermitian"),
+        ("coordinate", "list", "line 1: the word list"),
+        ("matrix coordinate", "matrix", "line 1: found '%%MatrixMarket matrix real symmetric'"),
+        ("7 7 13", "7 7 14", "the end of the file: found 13 entries, expected 14 entries"),
+        ("7 7 13", "7 8 13", "line 3: found '7 8 13', expected as many columns as rows"),
+        ("7 7 13", "7 13", "line 3: found '7 13', expected rows, columns and entries"),
+        ("7 7 13", "6 6 13", "expected the row: a whole number from 1 to 6"),
+        ("1 1 1.25e1", "0 1 1.25e1", "line 4: found '0', expected the row: a whole number from 1 to 7"),
+        ("1 1 1.25e1", "1 1 nan", "line 4: found 'nan', expected the value: a finite number"),
+        ("1 1 1.25e1", "1 1", "line 4: found '1 1', expected row, column and value"),
+    ];
+    for (old, new, expected) in cases {
+        refused("k.mtx", &with(&text, old, new), expected);
+    }
+    refused("k.mtx", b"%%MatrixMarket matrix array real general\n2 2\n1\n2\n3\n", "the values of column 2");
+    refused(
+        "k.mtx",
+        b"%%MatrixMarket matrix array real general\n1 1\n1\n2\n",
+        "line 4: found '2', expected no more values",
+    );
+}
+
+#[test]
+fn abaqus_calculix_and_sierra_files() {
+    refused("k.mtx", b"3,1, 3,1, 5.0\n3,1, 3,2\n", "line 2: found '3,1, 3,2', expected row node");
+    refused(
+        "k.mtx",
+        b"3,1, 3,9, 5.0\n",
+        "line 1: found '9', expected the column component: a whole number from 0 to 6",
+    );
+    refused(
+        "k.mtx",
+        b"3,1, -4,1, 5.0\n",
+        "line 1: the internal node -4 cannot be read; model without Lagrange",
+    );
+    refused("k.mtx", b"3,1, 3,1, inf\n", "line 1: found 'inf', expected the value: a finite number");
+    refused("k.mtx", b"3 1\n", "line 1: found '3 1'");
+    refused("k.mtx", b"  \n \n", "the whole file: found nothing, expected a matrix");
+    let element = abaqus_substructure();
+    refused("z.mtx", &with(&element, "NODES=2", "NODES=3"), "*MATRIX, TYPE=STIFFNESS, expected 9 rows");
+    refused(
+        "z.mtx",
+        &with(&element, "12.5", "x"),
+        "line 7: found 'x', expected an entry of the lower triangle",
+    );
+    refused("z.mtx", &with(&element, "NODES=2", "NODES=many"), "expected NODES: a whole number");
+    refused(
+        "z.mtx",
+        &with(&element, "2, 1, 2, 6", "3, 1, 2, 6"),
+        "line 5: found '3', expected a position: a whole number from 1 to 2",
+    );
+    refused("k.sti", b"1 1 2.0\n1 x 2.0\n", "line 2: found 'x', expected the column");
+    let text = sierra();
+    refused("Kaa.m", &with(&text, "NumRows = 7;", ""), "expected NumRows");
+    refused(
+        "Kaa.m",
+        &with(&text, "NumRows = 7;", "NumRows = 6;"),
+        "line 14: found '7', expected the row: a whole number from 1 to 6",
+    );
+    refused("Kaa.m", &with(&text, "];", ""), "row, column and value;");
+    refused("Kaa.m", &text.as_bytes()[..80], "");
+}
+
+#[test]
+fn op4_files() {
+    let text = op4_text(Layout::Dense, false);
+    let cases = [
+        (
+            "       7       7       6       2KAA",
+            "       7       7       6       5KAA",
+            "line 1, matrix KAA: found 5, expected the type",
+        ),
+        (
+            "       7       7       6",
+            "     x 7       7       6",
+            "line 1: found 'x 7', expected the number of columns in columns 1 to 8",
+        ),
+        ("1P,3E24.16", "3F24", "line 1: found '3F24', expected a format such as 1P,3E23.16"),
+        ("1.2500000000000000E+01", "1.25000000000000xxE+01", "line 3: found"),
+        (
+            "       1       1       5",
+            "       1       4       5",
+            "line 2, matrix KAA: found 5 values from row 4 on in column 1, expected a string within 7 rows",
+        ),
+        (
+            "       1       1       5",
+            "       1       1      -5",
+            "line 2: found '       1       1      -5', expected a column",
+        ),
+    ];
+    for (old, new, expected) in cases {
+        refused("k.op4", &with(&text, old, new), expected);
+    }
+    refused("k.op4", &text.as_bytes()[..200], "");
+    let packed = op4_text(Layout::Packed, false);
+    refused("k.op4", &with(&packed, "  327681", "  983041"), "a string of at most the");
+    let bigmat = op4_text(Layout::BigMat, false);
+    refused(
+        "k.op4",
+        &with(&bigmat, "       5       1", "       5       7"),
+        "2 values from row 7 on in column 1",
+    );
+    let binary = op4_binary(Layout::Dense, false, false, 4);
+    refused("k.op4", &binary[..80], "byte 33: found a record of 52 bytes without its end");
+    let mut changed = binary.clone();
+    changed[0] = 25;
+    refused(
+        "k.op4",
+        &changed,
+        "byte 1: found a record of 25 bytes, expected a first record of 24 or 48 bytes",
+    );
+    changed = binary.clone();
+    changed[48..56].copy_from_slice(&f64::NAN.to_le_bytes());
+    refused(
+        "k.op4",
+        &changed,
+        "byte 33, matrix KAA: found NaN in row 1 of column 1, expected finite numbers",
+    );
+    changed = binary.clone();
+    changed[40] = 6;
+    refused("k.op4", &changed, "5 values from row 6 on in column 1");
+    // The other byte order in the middle of a file.
+    let mut swapped = binary[..32].to_vec();
+    swapped.extend(&op4_binary(Layout::Dense, false, true, 4)[32..]);
+    refused("k.op4", &swapped, "byte 33: found a record of");
+}
+
+#[test]
+fn dmig_files() {
+    let text = dmig("large");
+    refused(
+        "k.pch",
+        &with(&text, "       6       2", "       5       2"),
+        "line 2: found form 5 of 'KAAX', expected 1 (square)",
+    );
+    refused("k.pch", &with(&text, "       6       2", "       6       9"), "line 2: found type 9");
+    refused(
+        "k.pch",
+        &with(&text, "DMIG    KAAX           0", "DMIG    KAAX           3"),
+        "line 2: found a column of 'KAAX' before its header",
+    );
+    refused(
+        "k.pch",
+        &with(&text, "1.250000000D+01", "1.2500x0000D+01"),
+        "expected the value in column node 3 component 1, row node 3 component 1",
+    );
+    refused(
+        "k.pch",
+        &with(&text, "10               6", "10               7"),
+        "found component 7 of point 10, expected a component from 0 to 6",
+    );
+    refused("k.pch", b"GRID,1,,0.,0.,0.\n", "the end of the file: found nothing more, expected entries DMIG");
+}
+
+#[test]
+fn archives() {
+    let bytes = npz("csr");
+    refused("k.npz", &bytes[..bytes.len() - 30], "the archive: found");
+    refused("k.npz", &npz("dia"), "array 'format': a matrix of the kind dia cannot be read; save it with");
+    refused("k.npy", b"\x93NUMPY\x01\x00\x10\x00{'descr': '<f8'}", "array 'the file': found");
+    refused(
+        "k.mat",
+        b"MATLAB 7.3 MAT-file",
+        "the header: a MATLAB v7.3 (HDF5) file cannot be read; save it again with save(..., '-v7')",
+    );
+    let bytes = mat(true, false, false);
+    refused("k.mat", &bytes[..bytes.len() - 20], "that is cut short, expected a whole data element");
+    let mut changed = bytes.clone();
+    let at = bytes.len() - 8;
+    changed[at..].copy_from_slice(&f64::INFINITY.to_le_bytes());
+    refused("k.mat", &changed, "variable 'K': found row 7 with value inf in column 7");
+    refused(
+        "k.mat",
+        &[b'x'; 200],
+        "the header: found 'xxxxxxxxxxxxxxxxxxxx', expected that of a level 5 MAT-file",
+    );
+    refused("k.dat2", b"1 1 1", "unknown format (extension 'dat2'");
+}
+
+#[test]
+fn row_maps() {
+    let folder = std::env::temp_dir().join(format!("iwan-broken-{}", std::process::id()));
+    std::fs::create_dir_all(&folder).unwrap();
+    let refused = |name: &str, text: &str, expected: &str| {
+        let path = folder.join(name);
+        std::fs::write(&path, text).unwrap();
+        let error = read_rows(&path, None).unwrap_err().to_string();
+        assert!(error.contains(expected), "{error}\n{expected}");
+    };
+    refused("a.csv", "1,1\n1,7\n", "line 2: found '7', expected the component (or x, y, z, rx, ry, rz)");
+    refused("a.csv", "1,1\n1\n", "line 2: found '1', expected node, component");
+    refused("a.dof", "1.1\n13\n", "line 2: found '13', expected node.component");
+    refused(
+        "ASetMap.m",
+        "x(1) = 1;\nx(2) = 1;\n",
+        "x(2): found row 1 for node 1 component 2 and for node 1 component 1",
+    );
+    refused("ASetMap.m", "x(1) = 1;\nx(2) = 3;\n", "beyond all entries of the map");
+    refused("ASetMap.m", "x(1) = 1;\nx(7) = 2;\n", "x(7), component 7 of a node cannot be read");
+    refused("ASetMap.m", "x(3) = 1;\nx(1) = 2;\n", "line 2: found '1', expected the index, ascending");
+    std::fs::remove_dir_all(&folder).unwrap();
+}

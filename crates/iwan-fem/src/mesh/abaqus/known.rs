@@ -1,0 +1,145 @@
+//! Which keywords may be passed over, and what helps with those that may not.
+//!
+//! A keyword that is on neither list is refused too: only what is known to leave nodes, elements, sets, stiffness and mass as they are is
+//! passed over.
+
+/// Keywords that leave nodes, elements, sets and their connections as they are: titles, materials and sections (materials stand in the
+/// structure file), names for faces, laws of contact (the contact itself is refused), amplitudes, and the steps with their procedures,
+/// loads and outputs.
+static HARMLESS: &[&str] = &[
+    // Titles and printing.
+    "HEADING",
+    "PREPRINT",
+    "FILE FORMAT",
+    "RESTART",
+    "PHYSICAL CONSTANTS",
+    // Materials and sections: the structure file gives them.
+    "MATERIAL",
+    "ELASTIC",
+    "DENSITY",
+    "EXPANSION",
+    "CONDUCTIVITY",
+    "SPECIFIC HEAT",
+    "PLASTIC",
+    "DAMPING",
+    "SOLID SECTION",
+    // Names, and laws of what is refused where it is used.
+    "SURFACE",
+    "SURFACE INTERACTION",
+    "SURFACE BEHAVIOR",
+    "FRICTION",
+    "AMPLITUDE",
+    "TIME POINTS",
+    // Steps, procedures, loads and outputs: the command line and the structure file say what is computed.
+    "STEP",
+    "END STEP",
+    "STATIC",
+    "FREQUENCY",
+    "DYNAMIC",
+    "MODAL DYNAMIC",
+    "STEADY STATE DYNAMICS",
+    "COMPLEX FREQUENCY",
+    "MODAL DAMPING",
+    "GLOBAL DAMPING",
+    "DAMPING CONTROLS",
+    "SELECT EIGENMODES",
+    "CONTROLS",
+    "SOLVER CONTROLS",
+    "CLOAD",
+    "DLOAD",
+    "DSLOAD",
+    "OUTPUT",
+    "NODE OUTPUT",
+    "ELEMENT OUTPUT",
+    "CONTACT OUTPUT",
+    "ENERGY OUTPUT",
+    "MODAL OUTPUT",
+    "NODE PRINT",
+    "NODE FILE",
+    "EL PRINT",
+    "EL FILE",
+    "ENERGY PRINT",
+    "ENERGY FILE",
+    "MODAL PRINT",
+    "MODAL FILE",
+    "MONITOR",
+    "PRINT",
+    "MATRIX GENERATE",
+    "MATRIX OUTPUT",
+    "SUBSTRUCTURE GENERATE",
+    "SUBSTRUCTURE MATRIX OUTPUT",
+    "SUBSTRUCTURE LOAD CASE",
+    "RETAINED NODAL DOFS",
+];
+
+/// Keywords that change the model, with what helps.
+static CHANGES: &[(&str, &str)] = &[
+    ("TIE", "tie the two faces with [[tie]] in the structure file"),
+    ("EQUATION", "say the same with [[tie]] or [[joint]] in the structure file"),
+    ("MPC", "say the same with [[tie]] or [[joint]] in the structure file"),
+    (
+        "COUPLING",
+        "say the same with [[tie]] in the structure file: motion = \"rigid\" is kinematic, \"averaging\" distributing",
+    ),
+    (
+        "KINEMATIC",
+        "it belongs to *COUPLING: say the same with [[tie]] and motion = \"rigid\" in the structure file",
+    ),
+    (
+        "DISTRIBUTING",
+        "it belongs to *COUPLING: say the same with [[tie]] and motion = \"averaging\" in the structure file",
+    ),
+    ("KINEMATIC COUPLING", "say the same with [[tie]] and motion = \"rigid\" in the structure file"),
+    ("DISTRIBUTING COUPLING", "say the same with [[tie]] and motion = \"averaging\" in the structure file"),
+    (
+        "RIGID BODY",
+        "say the same with [[tie]] and motion = \"rigid\" in the structure file, or give the part a stiff material",
+    ),
+    ("EMBEDDED ELEMENT", "mesh the two parts with common nodes"),
+    ("BOUNDARY", "fix the nodes with [[support]] in the structure file"),
+    ("TRANSFORM", "give loads, supports and directions of slip in global axes in the structure file"),
+    ("ORIENTATION", "materials are isotropic here: delete it where a section refers to it"),
+    ("CONTACT", "friction is computed by [[joint]] in the structure file"),
+    ("CONTACT PAIR", "friction is computed by [[joint]] in the structure file"),
+    ("CLEARANCE", "friction is computed by [[joint]] in the structure file"),
+    ("PRE-TENSION SECTION", "the preload of a bolt is part of the joint law: give it in [[joint]]"),
+    ("MASS", "add the mass with [[lump]] in the structure file"),
+    ("ROTARY INERTIA", "model the body with elements, or leave it out"),
+    ("SPRING", "springs to the ground are [[lump]] with stiffness in the structure file"),
+    ("DASHPOT", "give the damping of the modes where the structure is simulated"),
+    (
+        "NONSTRUCTURAL MASS",
+        "add the mass with [[lump]] in the structure file, or to the density of the material",
+    ),
+    ("MODEL CHANGE", "write the model as it is after the change"),
+    ("NGEN", "let the preprocessor write all nodes out"),
+    ("NFILL", "let the preprocessor write all nodes out"),
+    ("NCOPY", "let the preprocessor write all nodes out"),
+    ("NMAP", "let the preprocessor write all nodes out"),
+    ("ELGEN", "let the preprocessor write all elements out"),
+    ("ELCOPY", "let the preprocessor write all elements out"),
+];
+
+/// Whether a keyword may be passed over.
+pub(super) fn is_harmless(name: &str) -> bool {
+    HARMLESS.contains(&name)
+}
+
+/// What helps with a keyword that may not be passed over.
+pub(super) fn remedy(name: &str) -> String {
+    let own = CHANGES.iter().find(|known| known.0 == name);
+    let what = own
+        .map_or("it is not known to leave the model as it is: say the same in the structure file", |k| k.1);
+    format!("{what}; then pass over it with ignore = [\"{name}\"] in [mesh], or delete it from the file")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn no_keyword_is_on_both_lists() {
+        assert!(CHANGES.iter().all(|(name, _)| !is_harmless(name)));
+        assert!(remedy("TIE").starts_with("tie the two faces") && remedy("XYZ").contains("not known"));
+    }
+}

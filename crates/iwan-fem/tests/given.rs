@@ -1,0 +1,191 @@
+//! Matrices in place of elements: the same structure by two ways, closed forms, and what is refused.
+#![allow(clippy::unwrap_used, reason = "a failed test may panic")]
+
+use std::f64::consts::PI;
+use std::sync::Arc;
+
+use iwan_core::{Jenkins, Pulse};
+use iwan_fem::mesh::Mesh;
+use iwan_fem::mesh::beam::Configuration;
+use iwan_fem::{
+    Basis, Given, Interface, Joint, Law, Limit, Material, Patch, Representation, Row, Structure, Symmetric,
+    Transient, paper,
+};
+
+/// The paper's beam, and the same with its matrices in place of its elements.
+fn twins(configuration: Configuration) -> [Structure; 2] {
+    let meshed = paper::structure(configuration, 1).unwrap();
+    let bare = Structure { joints: Vec::new(), ..meshed.clone() }.assemble().unwrap();
+    let rows = (0..bare.unknowns()).map(|j| Row::Displacement { node: j / 3, axis: j % 3 }).collect();
+    let (stiffness, mass) = (bare.slipping_stiffness().clone(), bare.mass().clone());
+    let given = Structure { given: Some(Given { rows, stiffness, mass, placed: true }), ..meshed.clone() };
+    [meshed, given]
+}
+
+#[test]
+fn matrices_of_a_mesh_give_its_frequencies() {
+    for configuration in [Configuration::A, Configuration::B] {
+        let [meshed, given] = twins(configuration).map(|structure| structure.assemble().unwrap());
+        assert_eq!(meshed.unknowns(), given.unknowns());
+        assert!((meshed.total_mass() / given.total_mass() - 1.0).abs() < 1e-12);
+        for limit in [Limit::Stuck, Limit::Slipping] {
+            let (a, b) = (meshed.modes(limit, 30).unwrap(), given.modes(limit, 30).unwrap());
+            // Slipping, the link slides freely along each of its joints' directions.
+            assert_eq!(a.zero_modes(), b.zero_modes());
+            for (a, b) in a.frequencies().iter().zip(b.frequencies()).skip(a.zero_modes()) {
+                assert!((a / b - 1.0).abs() < 1e-8, "{a} {b}");
+            }
+        }
+    }
+}
+
+#[test]
+fn a_ring_down_with_joints_is_that_of_the_mesh() {
+    let acceleration = |structure: &Structure| {
+        let assembled = structure.assemble().unwrap();
+        let task = Transient {
+            dt: 1e-5,
+            steps: 300,
+            pulse: Pulse::Haversine { amplitude: 300.0, duration: 1.6e-3 },
+            load: assembled.load("tip", [0.0, 0.0, 1.0]).unwrap(),
+            initial_velocity: None,
+            representation: Representation::DEFAULT_IN_A_STRUCTURE,
+            outputs: vec![assembled.output("tip", "tip", [0.0, 0.0, 1.0]).unwrap()],
+        };
+        let reduced = assembled.reduce(20, Basis::default()).unwrap().transient(&task).unwrap();
+        let full = assembled.transient(&task).unwrap();
+        [reduced, full].map(|response| response.outputs[0].acceleration.clone())
+    };
+    let [meshed, given] = twins(Configuration::A);
+    // The attachment vectors of the reduced model are those of K + shift M, and the shift is found in another way: the two reduced models
+    // differ by what twenty modes leave out. The full models are one.
+    let tolerances = [1e-3, 1e-9];
+    for ((a, b), tolerance) in acceleration(&meshed).iter().zip(acceleration(&given)).zip(tolerances) {
+        let peak = a.iter().fold(0.0_f64, |m, x| m.max(x.abs()));
+        let off = a.iter().zip(&b).fold(0.0_f64, |m, (a, b)| m.max((a - b).abs()));
+        assert!(peak > 100.0 && off < tolerance * peak, "{off:e} of {peak}");
+    }
+}
+
+/// Masses 2 and 3 on springs 800 and 500 to the ground, with a joint of 900 between them; no positions.
+fn pair() -> Structure {
+    let mesh = Mesh {
+        positions: vec![[0.0; 3]; 2],
+        node_labels: vec![5, 9],
+        node_sets: [("a".to_owned(), vec![0]), ("b".to_owned(), vec![1])].into(),
+        ..Mesh::default()
+    };
+    let rows = vec![Row::Displacement { node: 0, axis: 0 }, Row::Displacement { node: 1, axis: 0 }];
+    let stiffness = Symmetric::diagonal(vec![800.0, 500.0]);
+    let mass = Symmetric::diagonal(vec![2.0, 3.0]);
+    let mut structure = Structure::new(mesh, Material::new(1.0, 0.0, 1.0).unwrap());
+    structure.given = Some(Given { rows, stiffness, mass, placed: false });
+    let law: Law = Arc::new(Jenkins::new(900.0, 1.0).unwrap());
+    structure.joints =
+        vec![Joint::new("bolt", "a", "b", Interface::Directions).slip([1.0, 0.0, 0.0], Some(law))];
+    structure
+}
+
+/// Frequencies of two masses by the closed form.
+fn two_masses(k: [f64; 3], m: [f64; 2]) -> [f64; 2] {
+    let (a, b, c) = (k[0] + k[2], k[1] + k[2], -k[2]);
+    let (p, q) = (a / m[0] + b / m[1], (a * b - c * c) / (m[0] * m[1]));
+    [-1.0, 1.0].map(|sign| (0.5 * (p + sign * (p * p - 4.0 * q).sqrt())).sqrt() / (2.0 * PI))
+}
+
+#[test]
+fn a_joint_between_two_masses_has_the_frequencies_of_the_closed_form() {
+    let structure = pair();
+    assert_eq!(structure.check().message(), None);
+    let assembled = structure.assemble().unwrap();
+    for (limit, k) in [(Limit::Stuck, 900.0), (Limit::Slipping, 0.0)] {
+        let modes = assembled.modes(limit, 2).unwrap();
+        assert_eq!(modes.zero_modes(), 0);
+        for (found, expected) in modes.frequencies().iter().zip(two_masses([800.0, 500.0, k], [2.0, 3.0])) {
+            assert!((found / expected - 1.0).abs() < 1e-12, "{limit:?} {found} {expected}");
+        }
+    }
+}
+
+/// The coordinate of the second mass as a generalised one, x_2 = x_1 + 0.3 q, beside a rotation that is a third oscillator.
+#[test]
+fn rotations_and_generalised_coordinates_are_unknowns() {
+    let mut structure = pair();
+    structure.joints.clear();
+    let given = structure.given.as_mut().unwrap();
+    let (k, m, t) = ([800.0, 500.0], [2.0, 3.0], 0.3);
+    given.rows =
+        vec![Row::Displacement { node: 0, axis: 0 }, Row::Generalised, Row::Rotation { node: 1, axis: 2 }];
+    let lower = |a: f64, b: f64, c: f64| vec![(0, 0, a + b), (1, 0, t * b), (1, 1, t * t * b), (2, 2, c)];
+    given.stiffness = Symmetric::from_lower(3, lower(k[0], k[1], 90.0));
+    given.mass = Symmetric::from_lower(3, lower(m[0], m[1], 1.0));
+    let assembled = structure.assemble().unwrap();
+    let modes = assembled.modes(Limit::Stuck, 3).unwrap();
+    let mut expected = vec![(k[0] / m[0]).sqrt(), (k[1] / m[1]).sqrt(), 90.0_f64.sqrt()];
+    expected.sort_by(f64::total_cmp);
+    for (found, expected) in modes.frequencies().iter().zip(expected) {
+        assert!((found * 2.0 * PI / expected - 1.0).abs() < 1e-12, "{found} {expected}");
+    }
+    // The displacement of node 9 has no row: it does not move. That of node 5 moves in the modes of the two masses alone.
+    let moved = assembled.displacements(modes.shape(0));
+    assert_eq!(moved[3..], [0.0; 3]);
+}
+
+#[test]
+fn without_positions_there_are_no_rigid_rotations_and_a_free_structure_has_its_zero_mode() {
+    let mut structure = pair();
+    structure.given.as_mut().unwrap().stiffness =
+        Symmetric::from_lower(2, vec![(0, 0, 700.0), (1, 0, -700.0), (1, 1, 700.0)]);
+    let assembled = structure.assemble().unwrap();
+    let modes = assembled.modes(Limit::Stuck, 2).unwrap();
+    assert_eq!(modes.zero_modes(), 1);
+    let expected = (1600.0_f64 * (1.0 / 2.0 + 1.0 / 3.0)).sqrt() / (2.0 * PI);
+    assert!((modes.frequency(1) / expected - 1.0).abs() < 1e-10);
+    assert!((assembled.total_mass() - 5.0).abs() < 1e-14);
+    let remarks: Vec<String> = structure.check().remarks.iter().map(ToString::to_string).collect();
+    assert!(
+        remarks[0].contains("joint `bolt`: nodes 5 and 9 on its two sides belong to one part"),
+        "{remarks:?}"
+    );
+}
+
+#[test]
+fn matrices_that_no_structure_has_are_refused_with_row_node_and_value() {
+    let message = |change: &dyn Fn(&mut Structure)| {
+        let mut structure = pair();
+        change(&mut structure);
+        structure.check().message().unwrap_or_default()
+    };
+    let negative = message(&|s| s.given.as_mut().unwrap().mass = Symmetric::diagonal(vec![2.0, -3.0]));
+    assert!(
+        negative.starts_with("mass, row 2 (node 9, x): the diagonal entry is -3e0, below 0; check"),
+        "{negative}"
+    );
+    let indefinite = message(&|s| {
+        s.given.as_mut().unwrap().stiffness =
+            Symmetric::from_lower(2, vec![(0, 0, 4.0), (1, 1, 9.0), (1, 0, -7.0)]);
+    });
+    assert!(
+        indefinite
+            .contains("stiffness, row 2 (node 9, x): the entry with row 1 (node 5, x) is -7e0, larger than")
+            && indefinite.contains("6e0"),
+        "{indefinite}"
+    );
+    let idle = message(&|s| {
+        let given = s.given.as_mut().unwrap();
+        (given.stiffness, given.mass) =
+            (Symmetric::diagonal(vec![4.0, 0.0]), Symmetric::diagonal(vec![1.0, 0.0]));
+    });
+    assert!(idle.contains("stiffness and mass, row 2 (node 9, x): both diagonal entries are 0"), "{idle}");
+    let itself = message(&|s| s.joints[0].patch = "a".into());
+    assert!(itself.contains("joint `bolt`: both sides begin with node 5"), "{itself}");
+    let rigid = message(&|s| s.joints[0].interface = Interface::Whole(Patch::Rigid));
+    assert!(rigid.contains("it needs the positions of its nodes, and the matrices come without"), "{rigid}");
+    let mut held = pair();
+    held.joints[0].interface = Interface::NodeToNode;
+    let error = held.assemble().unwrap_err().to_string();
+    assert!(
+        error.contains("node 5: its motion along y is given by the matrices, which have no row for it,"),
+        "{error}"
+    );
+}
