@@ -36,7 +36,7 @@ fn three_hits(place: &Path) {
         let t = f64::from(n) / 2048.0;
         let wave = |at: f64, size: f64| match t - at {
             s if s < 0.0 => 0.0,
-            s => size * (-1.0 * s).exp() * (502.654_8 * s).sin(),
+            s => size * (-s).exp() * (502.654_8 * s).sin(),
         };
         writeln!(text, "{t},{}", wave(0.25, 1.0) + wave(2.25, 3.0) + wave(4.25, 2.0)).unwrap();
     }
@@ -106,7 +106,7 @@ fn what_is_no_motion_or_in_no_unit_is_asked_for() {
     let place = folder("");
     let write = |name: &str, header: &str| {
         let text = ring_down(2048.0, 4096, &[(80.0, 0.002, 3.0)], &[&[1.0]], "X");
-        std::fs::write(place.path().join(name), text.replacen("X", header, 1)).unwrap();
+        std::fs::write(place.path().join(name), text.replacen('X', header, 1)).unwrap();
     };
     for (unit, word) in [("Pa", "pressure"), ("V", "voltage"), ("N", "force"), ("counts", "not known")] {
         write("a.csv", &format!("sensor [{unit}]"));

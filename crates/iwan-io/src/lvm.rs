@@ -78,7 +78,7 @@ pub(crate) fn parse(source: FileBytes, options: &ReadOptions) -> Result<Raw, Rea
     whole.into_raw(&source, options)
 }
 
-impl<'a> Lines<'a> {
+impl Lines<'_> {
     fn place(number: usize) -> String {
         format!("line {}", number + 1)
     }
@@ -100,7 +100,7 @@ impl<'a> Lines<'a> {
                 ("Separator", "Tab") => style.separator = '\t',
                 ("Separator", "Comma") => style.separator = ',',
                 ("Decimal_Separator", sign) => {
-                    style.decimal_comma = sign == "," || (sign.is_empty() && line.contains(","))
+                    style.decimal_comma = sign == "," || (sign.is_empty() && line.contains(','));
                 }
                 ("X_Columns", "No") => style.x_columns = XColumns::None,
                 ("X_Columns", "One") => style.x_columns = XColumns::One,

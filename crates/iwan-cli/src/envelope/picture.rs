@@ -21,12 +21,11 @@ const FLOOR: f64 = -80.0;
 /// The spectrogram of samples every `dt` seconds from `start` (s); none where the record is too short for one.
 pub(super) fn picture(samples: &[f64], dt: f64, start: f64, band: Option<Band>) -> Option<HeatMap> {
     let nyquist = 0.5 / dt;
-    let wanted = match band {
-        Some(band) => AROUND * band.high,
-        None => {
-            let peaks = spectral_peaks(&[samples], dt).unwrap_or_default();
-            BEYOND * peaks.iter().filter(|p| p.height > SEEN).map(|p| p.frequency).fold(0.0, f64::max)
-        }
+    let wanted = if let Some(band) = band {
+        AROUND * band.high
+    } else {
+        let peaks = spectral_peaks(&[samples], dt).unwrap_or_default();
+        BEYOND * peaks.iter().filter(|p| p.height > SEEN).map(|p| p.frequency).fold(0.0, f64::max)
     };
     let high = if wanted > 0.0 { wanted.min(nyquist) } else { nyquist };
     let shown = spectrogram(samples, dt, (0.0, high), (TIMES, CELLS)).ok()?;

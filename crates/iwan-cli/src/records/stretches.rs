@@ -39,13 +39,14 @@ fn stretches(mut recording: Recording, wanted: Hits) -> Result<Vec<Recording>, F
     let chosen: Vec<(usize, &Hit)> = match wanted {
         Hits::All => found.iter().enumerate().collect(),
         Hits::One(n) if n == 0 && found.len() < 2 => Vec::new(),
-        Hits::One(n) => match found.get(n) {
-            Some(hit) => vec![(n, hit)],
-            None => {
+        Hits::One(n) => {
+            if let Some(hit) = found.get(n) {
+                vec![(n, hit)]
+            } else {
                 let message = format!("{name}: there is no hit {} ({} found)", n + 1, found.len());
                 return Err(Failure::input(message, "choose --hits all, first, or one of those"));
             }
-        },
+        }
     };
     if found.len() < 2 {
         return Ok(vec![recording]);

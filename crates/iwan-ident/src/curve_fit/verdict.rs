@@ -117,10 +117,9 @@ impl Verdict {
     pub(crate) fn leaving(mut self, relative_residual: f64) -> Self {
         if relative_residual > MOST_LEFT {
             (self.grade, self.adequate) = (Grade::No, false);
-            self.misfit += &format!(
-                "; its ring-down leaves {:.0} % of the records' amplitudes: it does not describe this",
-                100.0 * relative_residual
-            );
+            let left = 100.0 * relative_residual;
+            self.misfit =
+                format!("its ring-down leaves {left:.0} % of the records' amplitudes; {}", self.misfit);
         }
         self
     }

@@ -155,7 +155,7 @@ fn onsets(x: &[f64], cycle: usize) -> Vec<usize> {
     let (medians, top) = (block_medians(&error), largest(x, 0, x.len()));
     let usual = |i: usize| {
         let before = i.checked_sub(GUARD).map(|j| medians[j / AROUND]);
-        let after = medians.get((i + GUARD + AROUND - 1) / AROUND).copied();
+        let after = medians.get((i + GUARD).div_ceil(AROUND)).copied();
         // A louder part beside a quiet one has the larger errors for good: the smaller median is that of the quiet one.
         before.unwrap_or(0.0).max(after.unwrap_or(0.0))
     };

@@ -152,7 +152,7 @@ mod tests {
 
     fn record(hum: f64) -> Vec<f64> {
         let wave = |t: f64| (-1.5 * t).exp() * (TAU * 160.0 * t).sin() + hum * (TAU * 149.95 * t).sin();
-        (0..40_000).map(|n| wave(n as f64 / 5000.0)).collect()
+        (0..40_000).map(|n| wave(f64::from(n) / 5000.0)).collect()
     }
 
     #[test]
@@ -168,7 +168,7 @@ mod tests {
     #[test]
     fn a_mode_at_a_multiple_of_the_mains_decays_and_is_none() {
         let wave = |t: f64| (-1.5 * t).exp() * (TAU * 150.0 * t).sin();
-        let x: Vec<f64> = (0..20_000).map(|n| wave(n as f64 / 5000.0)).collect();
+        let x: Vec<f64> = (0..20_000).map(|n| wave(f64::from(n) / 5000.0)).collect();
         let band = Band { low: 120.0, high: 190.0, peak: 150.0 };
         assert_eq!(intruders(&x, 2e-4, &band).unwrap(), []);
     }
