@@ -119,7 +119,7 @@ fn keywords_that_change_the_model_are_passed_over_when_the_user_says_so() {
 
 fn tempfile(text: &str) -> std::path::PathBuf {
     let path = std::env::temp_dir().join(format!("iwan-ignored-{}.inp", std::process::id()));
-    std::fs::write(&path, text).unwrap();
+    std::fs::write(&path, text).expect("the folder for temporary files can be written");
     path
 }
 

@@ -56,7 +56,9 @@ fn mass() -> Vec<(usize, usize, f64)> {
 
 fn matrix_market(entries: &[(usize, usize, f64)]) -> String {
     let mut text = format!("%%MatrixMarket matrix coordinate real symmetric\n8 8 {}\n", entries.len());
-    entries.iter().for_each(|(i, j, v)| text += &format!("{} {} {v}\n", i + 1, j + 1));
+    for (i, j, v) in entries {
+        text += &format!("{} {} {v}\n", i + 1, j + 1);
+    }
     text
 }
 
@@ -85,8 +87,9 @@ fn files(folder: &Folder) {
     folder.write("k.mtx", &matrix_market(&stiffness()));
     folder.write("m.mtx", &matrix_market(&mass()));
     folder.write("rows.csv", ROWS);
-    let positions: String =
-        NODES.iter().map(|(n, p)| format!("{n}, {}, {}, {}\n", p[0], p[1], p[2])).collect();
+    let positions: String = NODES
+        .iter()
+        .fold(String::new(), |text, (n, p)| text + &format!("{n}, {}, {}, {}\n", p[0], p[1], p[2]));
     folder.write("nodes.csv", &positions);
     folder.write("abaqus_k.mtx", &abaqus(&stiffness()));
     folder.write("abaqus_m.mtx", &abaqus(&mass()));

@@ -124,7 +124,8 @@ fn units_of_time_are_known_asked_for_or_told() {
 #[test]
 fn times_without_a_unit_that_are_unlike_seconds_are_doubted() {
     let text = |header: &str, step: f64, n: i32| {
-        let rows: String = (0..n).map(|i| format!("{},{}\n", f64::from(i) * step, i % 7)).collect();
+        let rows: String =
+            (0..n).fold(String::new(), |text, i| text + &format!("{},{}\n", f64::from(i) * step, i % 7));
         format!("{header},a [g]\n{rows}")
     };
     let doubted = |header: &str, step: f64, n: i32| {
@@ -140,7 +141,8 @@ fn times_without_a_unit_that_are_unlike_seconds_are_doubted() {
 
 #[test]
 fn a_clock_that_stutters_is_named_with_its_row_and_what_helps() {
-    let rows: String = (0..200).map(|i| format!("{:.3},{}\n", 0.0006 * f64::from(i), i % 5)).collect();
+    let rows: String =
+        (0..200).fold(String::new(), |text, i| text + &format!("{:.3},{}\n", 0.0006 * f64::from(i), i % 5));
     let text = format!("time [s],angle [deg]\n{rows}");
     let message = refused(&text);
     assert!(

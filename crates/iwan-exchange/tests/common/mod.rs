@@ -1,4 +1,6 @@
 //! One symmetric matrix of seven rows, written in every format.
+
+#![allow(clippy::cast_possible_wrap)] // orders and lengths here are below a hundred
 #![allow(unreachable_pub, reason = "shared by test files")]
 #![allow(dead_code, reason = "not every test file needs all writers")]
 #![allow(clippy::unwrap_used)]
@@ -225,7 +227,9 @@ pub fn matrix_market(general: bool) -> String {
         "%%MatrixMarket matrix coordinate real {word}\n% of a test\n{ORDER} {ORDER} {}\n",
         entries.len()
     );
-    entries.iter().for_each(|(i, j, v)| text += &format!("{} {} {v:e}\n", i + 1, j + 1));
+    for (i, j, v) in entries {
+        text += &format!("{} {} {v:e}\n", i + 1, j + 1);
+    }
     text
 }
 
@@ -292,8 +296,9 @@ fn npy(descr: &str, shape: &str, data: &[u8]) -> Vec<u8> {
 
 /// What `scipy.sparse.save_npz` writes: `csr`, `csc` or `coo`.
 pub fn npz(format: &str) -> Vec<u8> {
-    let ints =
-        |values: Vec<u32>| -> Vec<u8> { values.into_iter().flat_map(|v| (v as i32).to_le_bytes()).collect() };
+    let ints = |values: Vec<u32>| -> Vec<u8> {
+        values.into_iter().flat_map(|v| v.cast_signed().to_le_bytes()).collect()
+    };
     let mut entries = all();
     if format == "csr" {
         entries.sort_by_key(|e| (e.0, e.1));
@@ -310,7 +315,8 @@ pub fn npz(format: &str) -> Vec<u8> {
         members.push(("row.npy", npy("<i4", &format!("({n},)"), &ints(of(|e| e.0)))));
         members.push(("col.npy", npy("<i4", &format!("({n},)"), &ints(of(|e| e.1)))));
     } else {
-        let (outer, inner): (fn(&Entry) -> u32, fn(&Entry) -> u32) =
+        type Index = fn(&Entry) -> u32;
+        let (outer, inner): (Index, Index) =
             if format == "csr" { (|e| e.0, |e| e.1) } else { (|e| e.1, |e| e.0) };
         let starts =
             (0..=ORDER as u32).map(|k| entries.iter().filter(|e| outer(e) < k).count() as u32).collect();
@@ -333,7 +339,9 @@ fn archive(members: &[(&str, Vec<u8>)]) -> Vec<u8> {
 
 pub fn npy_dense() -> Vec<u8> {
     let mut data = vec![0.0; ORDER * ORDER];
-    all().iter().for_each(|&(i, j, v)| data[i as usize * ORDER + j as usize] = v);
+    for (i, j, v) in all() {
+        data[i as usize * ORDER + j as usize] = v;
+    }
     npy("<f8", "(7, 7)", &data.iter().flat_map(|v| v.to_le_bytes()).collect::<Vec<u8>>())
 }
 
@@ -362,7 +370,9 @@ pub fn mat(sparse: bool, compressed: bool, big: bool) -> Vec<u8> {
         body.extend(element(9, doubles(all().iter().map(|e| e.2).collect())));
     } else {
         let mut data = vec![0.0; ORDER * ORDER];
-        all().iter().for_each(|&(i, j, v)| data[j as usize * ORDER + i as usize] = v);
+        for (i, j, v) in all() {
+            data[j as usize * ORDER + i as usize] = v;
+        }
         body.extend(element(9, doubles(data)));
     }
     let variable = [word(14).to_vec(), word(body.len() as u32).to_vec(), body].concat();

@@ -112,7 +112,9 @@ impl Chooser<'_> {
         let Variable { name, unit, mut values, .. } = time;
         let (factor, unit_known) = self.source.seconds(&name, &unit, self.options)?;
         if factor != 1.0 {
-            values.iter_mut().for_each(|t| *t *= factor);
+            for t in &mut values {
+                *t *= factor;
+            }
             let unit = self.options.time_unit.map_or(unit, |u| u.to_string());
             warnings.push(Warning::TimeScaled { unit, factor });
         }
