@@ -23,8 +23,7 @@ const SCENARIO: &str = "scenario.toml";
 
 /// Runs the command.
 pub(crate) fn run(args: &FitArgs) -> Result<(), Failure> {
-    let recordings =
-        args.fit.iter().map(|path| records::read(path, &args.records)).collect::<Result<Vec<_>, _>>()?;
+    let recordings = records::read_all(&args.fit, &args.records)?;
     let [curves, response] = ["curves", "response"].map(|stem| args.format.file(stem));
     let files = [WHOLE, SUMMARY, SCENARIO, PAGE, &curves, &response];
     let mut session = Session::open(args.place(), &args.common, files)?;
