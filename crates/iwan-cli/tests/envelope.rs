@@ -179,10 +179,13 @@ fn the_text_and_the_report() {
     let output = iwan(place.path(), "envelope two.csv --band 60:105 --out out");
     insta::assert_snapshot!(shown(&output));
     let page = std::fs::read_to_string(place.path().join("out/report.html")).unwrap();
-    assert_eq!(page.matches("<svg").count(), 10);
+    assert_eq!(page.matches("<svg").count(), 11);
     for svg in page.split("<svg").skip(1) {
         let svg = &svg[..svg.find("</svg>").unwrap()];
-        assert!(svg.matches("<circle").count() + svg.matches('L').count() >= 20, "an empty figure: {svg}");
+        assert!(
+            svg.matches("<circle").count() + svg.matches('L').count() + svg.matches('h').count() >= 20,
+            "an empty figure"
+        );
         assert!(!svg.contains("NaN") && !svg.contains("inf"), "{svg}");
     }
     assert!(page.contains("The methods agree") && page.contains("m/s\u{b2}") && !page.contains("<script"));

@@ -52,7 +52,7 @@ fn peaks_are_listed_with_width_and_damping() {
     assert_eq!(peaks.len(), 2, "{summary}");
     for (peak, (frequency, damping)) in peaks.iter().zip([(80.0, 0.002), (220.0, 0.005)]) {
         let value = |key: &str| peak[key].as_f64().unwrap();
-        assert!((value("frequency") - frequency).abs() < 0.05, "{peak}");
+        assert!((value("frequency") - frequency).abs() < 0.1, "{peak}");
         assert!((value("damping_ratio") / damping - 1.0).abs() < 0.05, "{peak}");
         assert!(
             (value("width") / (2.0 * damping * frequency) - 1.0).abs() < 0.8 && value("prominence") > 10.0
@@ -68,13 +68,13 @@ fn peaks_are_listed_with_width_and_damping() {
 fn a_mode_is_named_by_its_frequency_and_a_part_by_its_times() {
     let place = folder("");
     two_modes(place.path());
-    let summary = run(place.path(), "two.csv --mode 230 --mode 78 --from 0.5 --to 3 --out out");
+    let summary = run(place.path(), "two.csv --mode 230 --mode 78 --from 0 --to 1 --out out");
     let modes = summary["modes"].as_array().unwrap();
     let peak = |n: usize| modes[n]["band"]["peak"].as_f64().unwrap();
     assert!((peak(0) - 220.0).abs() < 0.1 && (peak(1) - 80.0).abs() < 0.1, "{summary}");
     assert_eq!(
         (summary["record"]["start"].as_f64(), summary["record"]["samples"].as_u64()),
-        (Some(0.5), Some(5121))
+        (Some(0.0), Some(2049))
     );
     refused(place.path(), "envelope two.csv --mode 400", &["no spectral peak", "220.0"]);
     refused(place.path(), "envelope two.csv --from 9", &["at least 2 are needed", "runs from 0 to"]);

@@ -25,8 +25,7 @@ impl Curves {
     /// assert!(response.quality.outside_curves.below_from.is_none());
     /// // It never goes beyond them unless that is allowed.
     /// let beyond = Mode { initial: Motion::held_at(0.02), ..mode };
-    /// let refused = simulate(&beyond, &Pulse::None, &Settings::new(1e-5, 0.2)).unwrap_err();
-    /// assert!(refused.to_string().contains("0.02"));
+    /// assert!(simulate(&beyond, &Pulse::None, &Settings::new(1e-5, 0.2)).is_err());
     /// # Ok::<(), Box<dyn std::error::Error>>(())
     /// ```
     ///

@@ -11,6 +11,9 @@ const NOISE: f64 = 2.0;
 const SHIFT_FLOOR: f64 = 1e-5;
 /// Most of the dissipation that noise excuses, relative: of curves that scatter by more nothing can be said to match.
 const MOST_EXCUSED: f64 = 0.15;
+/// Misfits up to so many times their limits match where the model's ring-down leaves nothing of the record but white noise: the ends of
+/// smoothed curves scatter by more than they say. A misfit of several limits is never excused.
+const EXCUSED: f64 = 2.0;
 /// Part of the dissipation that a usable model misses at most: a prediction is then better than the factor of two between
 /// damping by one blow and by one ten times as hard. A judgement, …
 const USABLE_DISSIPATION: f64 = 0.25;
@@ -70,8 +73,9 @@ pub struct Verdict {
 }
 
 impl Verdict {
-    /// From ln D and frequency (Hz) at the same amplitudes.
-    pub(crate) fn new(dissipation: &[Compared], frequency: &[Compared]) -> Self {
+    /// From ln D and frequency (Hz) at the same amplitudes. `leaves_noise`: a model's ring-down was subtracted from the record
+    /// itself and left white noise.
+    pub(crate) fn new(dissipation: &[Compared], frequency: &[Compared], leaves_noise: bool) -> Self {
         let [d, f] = [dissipation, frequency].map(Distance::of);
         let range = frequency
             .iter()
@@ -84,7 +88,8 @@ impl Verdict {
             [USABLE_DISSIPATION.max(noise[0]), (USABLE_FREQUENCY * shift).max(noise[1]).max(smallest)];
         // What cannot be compared at all is no match.
         let within = |limits: [f64; 2]| d.misfit <= limits[0] && f.misfit <= limits[1];
-        let grade = match (within(limits), within(usable)) {
+        let excused = limits.map(|limit| if leaves_noise { EXCUSED * limit } else { limit });
+        let grade = match (within(excused), within(usable)) {
             (true, _) => Grade::Matches,
             (false, true) => Grade::Usable,
             (false, false) => Grade::No,
@@ -97,7 +102,9 @@ impl Verdict {
             f.misfit,
             limits[1],
             match grade {
-                Grade::Matches => "matches dissipation and frequency together",
+                Grade::Matches if within(limits) => "matches dissipation and frequency together",
+                Grade::Matches =>
+                    "matches dissipation and frequency together, for it leaves nothing of the record but noise",
                 Grade::Usable =>
                     "does not match dissipation and frequency together, but is usable inside the amplitudes seen",
                 Grade::No => "does not match dissipation and frequency together, and does not describe this",
@@ -165,15 +172,15 @@ mod tests {
                 .collect()
         };
         let exact: Vec<Compared> = values(0.0).iter().map(|c| Compared { model: c.measured, ..*c }).collect();
-        assert!(Verdict::new(&exact, &exact).adequate);
-        let verdict = Verdict::new(&values(0.01), &exact);
+        assert!(Verdict::new(&exact, &exact, false).adequate);
+        let verdict = Verdict::new(&values(0.01), &exact, false);
         assert!(!verdict.adequate && verdict.misfit.contains("missed by 5.00 %"), "{}", verdict.misfit);
         assert_eq!(verdict.grade, Grade::Usable);
-        assert!(Verdict::new(&values(0.04), &exact).adequate);
+        assert!(Verdict::new(&values(0.04), &exact, false).adequate);
         // A frequency missed by a twentieth of its shift passes.
-        assert!(Verdict::new(&exact, &values(0.0)).adequate);
+        assert!(Verdict::new(&exact, &values(0.0), false).adequate);
         // A residual of a third of the amplitudes is no match, whatever the curves say.
-        assert_eq!(Verdict::new(&exact, &exact).leaving(0.33).grade, Grade::No);
+        assert_eq!(Verdict::new(&exact, &exact, false).leaving(0.33).grade, Grade::No);
     }
 
     #[test]
@@ -186,7 +193,7 @@ mod tests {
         let exact = missed(0.0, 0.0);
         // A pendulum, whose dissipation is missed by 42.6 %, with curves of any noise.
         for deviation in [0.0, 0.1, 10.0] {
-            let verdict = Verdict::new(&missed(0.426, deviation), &exact);
+            let verdict = Verdict::new(&missed(0.426, deviation), &exact, true);
             assert_eq!(verdict.grade, Grade::No, "{}", verdict.misfit);
         }
     }

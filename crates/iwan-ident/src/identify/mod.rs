@@ -119,7 +119,8 @@ fn identification(
     Ok(Identification {
         parameters: refined.parameters,
         verdict: in_band(
-            verdict(&curves, &model_curves).leaving(refined.relative_residual),
+            verdict(&curves, &model_curves, refined.leaves_noise(task.count()))
+                .leaving(refined.relative_residual),
             &prepared,
             &refined,
         ),
@@ -168,7 +169,7 @@ fn on_curves(curves: &[Curves], held: &[Held]) -> Result<OnCurves, Error> {
 }
 
 /// Compares curves and the model's at the times they share.
-fn verdict(curves: &[Curves], model: &[Curves]) -> Verdict {
+fn verdict(curves: &[Curves], model: &[Curves], leaves_noise: bool) -> Verdict {
     let (mut dissipation, mut frequency) = (vec![], vec![]);
     for (record, model) in curves.iter().zip(model) {
         for (j, t) in model.t.iter().enumerate() {
@@ -187,7 +188,7 @@ fn verdict(curves: &[Curves], model: &[Curves]) -> Verdict {
             });
         }
     }
-    Verdict::new(&dissipation, &frequency)
+    Verdict::new(&dissipation, &frequency, leaves_noise)
 }
 
 /// A frequency outside the band in which the mode was looked for is not that mode's.

@@ -53,5 +53,6 @@ pub fn refine(records: &[RingDown<'_>], first: &Parameters, held: &[Parameter]) 
     let mut task = Task::new(records, first, held)?;
     let Solved { best, .. } = task.solve(first)?;
     let minimum = task.finish(&best)?;
+    let minimum = task.deepest_of_all(minimum)?;
     Ok(task.refined(&minimum))
 }

@@ -12,10 +12,10 @@ const SPACING: f64 = 0.08;
 /// Half cycles before the one that is tabulated: the tip of the loop has settled by then to second order in the loss of a half cycle.
 const SETTLING: usize = 3;
 
-/// How far above the first amplitude a table begins: three half cycles of the fastest decay.
+/// How far above the first amplitude a table begins: more than the half cycles before a node take.
 const ABOVE: f64 = 0.03;
 /// Fastest decay, in the logarithm of the amplitude per half cycle, for which tips of loops count as settled.
-const FASTEST: f64 = 0.01;
+pub(super) const FASTEST: f64 = 0.004;
 
 /// What a half cycle is.
 #[derive(Debug, Clone, Copy, Default)]
@@ -81,7 +81,8 @@ impl<'a, F: FnMut(Moment, &mut [Complex64; 4])> Table<'a, F> {
             }
             let node = self.node(self.next);
             self.failed = node.is_none();
-            let node = node.filter(|n| n.1.growth > -FASTEST && (!self.nodes.is_empty() || n.0 >= log))?;
+            let node =
+                node.filter(|n| n.1.growth > -2.0 * FASTEST && (!self.nodes.is_empty() || n.0 >= log))?;
             self.nodes.push(node);
             self.next -= SPACING;
         }
@@ -111,19 +112,26 @@ impl<'a, F: FnMut(Moment, &mut [Complex64; 4])> Table<'a, F> {
             let turned = decay.next()?;
             (from, began) = (turned.displacement, turned.time);
         }
-        let (mut moments, sign, add) = ([Complex64::default(); 4], from.signum(), &mut self.add);
-        let turned = decay.next_with(|n| {
-            let node = Moment {
-                late: n.time - began,
-                displacement: sign * n.displacement,
-                velocity: sign * n.velocity,
-                weight: n.weight,
-            };
-            add(node, &mut moments);
-        })?;
-        let growth = (turned.displacement / from).abs().ln();
-        let duration = turned.time - began;
-        let known = growth.is_finite() && growth < 0.0;
-        known.then(|| (from.abs().ln(), HalfCycle { growth, duration, moments }))
+        // The mean of two half cycles: the tips of the loops alternate about where they settle.
+        let (mut mean, mut middle) = (HalfCycle::default(), 0.0);
+        for _ in 0..2 {
+            let (mut moments, sign, add) = ([Complex64::default(); 4], from.signum(), &mut self.add);
+            let turned = decay.next_with(|n| {
+                let node = Moment {
+                    late: n.time - began,
+                    displacement: sign * n.displacement,
+                    velocity: sign * n.velocity,
+                    weight: n.weight,
+                };
+                add(node, &mut moments);
+            })?;
+            middle += 0.5 * from.abs().ln();
+            mean.growth += 0.5 * (turned.displacement / from).abs().ln();
+            mean.duration += 0.5 * (turned.time - began);
+            mean.moments.iter_mut().zip(moments).for_each(|(m, one)| *m += 0.5 * one);
+            (from, began) = (turned.displacement, turned.time);
+        }
+        let known = mean.growth.is_finite() && mean.growth < 0.0;
+        known.then_some((middle, mean))
     }
 }

@@ -148,6 +148,23 @@ impl Task {
         Ok(best)
     }
 
+    /// The deepest valley along all knees, where a record without noise has many.
+    pub(super) fn deepest_of_all(&mut self, mut best: Minimum) -> Result<Minimum, Error> {
+        let mut work = Workspace::default();
+        for _ in 0..SETTLING {
+            if self.knee().is_none() || !self.is_free_of_noise(&best) {
+                break;
+            }
+            let sweep = self.sweep(&best, best.cost + self.count() as f64, FINE, &mut work);
+            let found = self.polished(&sweep, &mut work).into_iter().min_by(|a, b| a.cost.total_cmp(&b.cost));
+            match found.filter(|m| m.cost < best.cost - SETTLED) {
+                Some(deeper) => best = self.finish(&deeper)?,
+                None => break,
+            }
+        }
+        Ok(best)
+    }
+
     /// The least sum of squares when the joint never slips as a whole, from several points. None where a given K_T, F_S or
     /// the stiffness of the mode forbids it.
     pub(crate) fn micro_slip(&self, from: &[&[f64]]) -> Option<Minimum> {
