@@ -108,7 +108,7 @@ def test_bad_arguments_are_named():
     ]:
         with pytest.raises(iwan.InvalidValueError, match=message):
             iwan.fit(x, dt=DT, **options)
-    with pytest.raises(iwan.InvalidValueError, match="is a force, not a motion"):
+    with pytest.raises(iwan.InvalidValueError, match="is a force, not known as a motion"):
         iwan.fit(iwan.Record(x, dt=DT, quantity="force"))
     with pytest.raises(iwan.InvalidValueError, match="do not belong together"):
         iwan.fit([iwan.Record(x, dt=DT, names=["a"]), iwan.Record(x, dt=DT, names=["b"])])

@@ -56,7 +56,7 @@ def test_curves_of_an_iwan_mode_reproduce_its_ring_down(method):
     truth = iwan.simulate(mode, sliders=None, **options)
     found = iwan.simulate(by_curves, method=method, **options)
     assert np.abs(found.displacement - truth.displacement).max() < 5e-3 * truth.displacement[0]
-    assert found.statistics["below_curves_from"] is None
+    assert "below_curves_from" not in found.statistics
 
 
 def test_leaving_the_curves_is_never_silent():

@@ -104,7 +104,7 @@ def made_fit():
     profiles = {"chi": (chi, ((chi + 0.183) / 0.02) ** 2), "f_s": (f_s, 3.0 * (1 - (239.4 / f_s).clip(0, 3)) ** 2)}
     intervals = {"chi": (-0.222, -0.144), "f_s": (111.0, None)}
     return iwan.Fit(
-        mode=MODE, intervals=intervals, identifiable={"chi": True, "f_s": False}, adequate=True, misfit="", joint_needed=True,
+        mode=MODE, intervals=intervals, identifiable={"chi": True, "f_s": False}, adequate=True, grade="matches", misfit="", joint_needed=True,
         words=[], notes=[], curves=curves, model_curves=model, force_axis="modal", envelopes=[ENVELOPE, ENVELOPE],
         profiles=profiles, limit=3.9, relative_residual=1e-3, _records=[], _request={},
     )

@@ -109,7 +109,8 @@ fn profile(task: &Task, known: Known<'_>, region: &Region, scale: &Scale, parame
             profile.high = end(task, region, scale, parameter, 1.0, &mut points);
         }
     }
-    points.sort_by(|a, b| a.value.total_cmp(&b.value));
+    points.sort_by(|a, b| a.value.total_cmp(&b.value).then(a.deviance.total_cmp(&b.deviance)));
+    points.dedup_by(|later, kept| later.value == kept.value);
     Profile { points, ..profile }
 }
 

@@ -1,6 +1,6 @@
 """Types of arguments and results, for annotations."""
 
-from typing import Literal, TypeAlias, TypedDict
+from typing import Literal, NotRequired, TypeAlias, TypedDict
 
 import numpy as np
 from numpy.typing import NDArray
@@ -34,8 +34,8 @@ class Statistics(TypedDict):
     time_step_error: float | None
     discretisation_error: float | None
     forgotten_force: float
-    below_curves_from: float | None
-    above_curves_from: float | None
+    below_curves_from: NotRequired[float]
+    above_curves_from: NotRequired[float]
     steps: int
     seconds: float
 

@@ -151,7 +151,7 @@ impl Response {
     /// `final_displacement`, `slip_ratio` (peak |q| over phi_max; macro-slip above 1), `energy_error`, `time_step_error`
     /// and `discretisation_error` (relative to the peak; None where not estimated), `forgotten_force` (bound on the
     /// force error from lack of room, 0 = exact), `below_curves_from` and `above_curves_from` (of a mode by curves: times, s,
-    /// from which on its amplitude stays below and at which it first exceeds them; None where it does not), `steps`, `seconds` (of the integration itself).
+    /// from which on its amplitude stays below and at which it first exceeds them; only there where it does), `steps`, `seconds` (of the integration itself).
     #[getter]
     fn statistics<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
         let (quality, dict) = (&self.summary.quality, PyDict::new(py));
@@ -162,8 +162,12 @@ impl Response {
         dict.set_item("time_step_error", quality.time_step_error)?;
         dict.set_item("discretisation_error", quality.discretisation_error)?;
         dict.set_item("forgotten_force", quality.forgotten_force)?;
-        dict.set_item("below_curves_from", quality.outside_curves.below_from)?;
-        dict.set_item("above_curves_from", quality.outside_curves.above_from)?;
+        let outside = quality.outside_curves;
+        for (name, time) in
+            [("below_curves_from", outside.below_from), ("above_curves_from", outside.above_from)]
+        {
+            time.map_or(Ok(()), |time| dict.set_item(name, time))?;
+        }
         dict.set_item("steps", self.steps)?;
         dict.set_item("seconds", self.summary.seconds)?;
         Ok(dict)
