@@ -33,7 +33,7 @@ pub(super) struct Region {
 }
 
 impl Region {
-    /// From the minimum along all knees, `whole`, or where the knee is not sought the minimum alone.
+    /// From the minimum along all knees, or where the knee is not sought the minimum alone.
     ///
     /// # Errors
     /// A better minimum.

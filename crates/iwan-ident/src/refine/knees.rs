@@ -7,7 +7,7 @@ use iwan_core::{Decay, Motion, Reversal};
 use super::release::TurningPoint;
 use super::task::{Effort, FINE, ROUGH, Task, Workspace};
 use crate::parameters::{COUNT, Parameters};
-use crate::search::{Chart, DIRAC, KNEE, Minimum, Scales};
+use crate::search::{DIRAC, KNEE, Minimum, Scales};
 
 /// φ_max over the largest amplitude where no record reaches it: any larger one would do.
 pub(crate) const KNEE_UNSEEN: f64 = 2.0;
@@ -37,7 +37,7 @@ const MOST_SLIPPING: usize = 64;
 const ANEW: usize = 6;
 /// Deviances up to so many times the limit are looked at closely: beyond, a better search does not bring a point inside.
 const MARGIN: f64 = 20.0;
-/// Knees beyond the margin after which a sweep ends: ln φ_max has then moved by 0.4, over several valleys.
+/// Knees in a row beyond the margin after which a sweep under noise ends. A judgement, not varied.
 const PATIENCE: usize = 16;
 /// Part of ω0² that the joint has at most where it is chosen freely: K_∞ stays well positive.
 const MOST_JOINT: f64 = 0.9;
@@ -265,7 +265,6 @@ impl Task {
     pub(crate) fn start_from(&self, first: &Parameters) -> Option<Vec<f64>> {
         let mut x = self.chart.coordinates(first).ok()?.to_vec();
         x.resize(COUNT + super::task::OWN * self.records.len(), 0.0);
-        debug_assert_eq!(Chart::bounds().len(), COUNT);
         Some(x)
     }
 }

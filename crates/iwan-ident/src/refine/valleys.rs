@@ -19,8 +19,8 @@ const LITTLE_JOINT: f64 = 1e-4;
 const HOPS: [f64; 4] = [0.5 * STEP, 0.25 * STEP, 0.1 * STEP, 0.03 * STEP];
 /// Relative residual that hides the creases: above it noise decides, and hops cost time only.
 const CREASE: f64 = 5e-4;
-/// Valleys of a scan that searches on the records themselves go on from. The logarithms of the scan weigh a valley as the records
-/// do, nearly: in a thousand random ring-downs the deepest was among the first three.
+/// Valleys of a scan that searches on the records themselves go on from. A judgement, not varied: the sweep along all knees that
+/// follows looks at the others once more.
 const KEPT: usize = 4;
 
 /// Rounds in which sampling and minimum are brought into agreement without noise; each brings them nearer by the part that

@@ -31,8 +31,8 @@ const CUTS: usize = 4;
 /// Blocks in which a quiet tail is looked for, and values that a block has at least: five cycles.
 const PHASE_BLOCKS: usize = 40;
 const LEAST_BLOCK: usize = 20;
-/// Root mean square of the phase's second differences, rad at four values a cycle, from which on there is noise alone: a mode as loud as the
-/// noise in its band has 0.7, one five times as loud 0.2.
+/// Root mean square of the phase's second differences, rad at four values a cycle, from which on there counts noise alone. An estimate for a
+/// mode about as loud as the noise in its band; not varied.
 const WANDERING: f64 = 0.6;
 /// Least relative scatter of an amplitude: that of rounding.
 const LEAST_SCATTER: f64 = 1e-12;
