@@ -80,7 +80,7 @@ fn verdict(fit: &ModeFit) -> Markup {
     html! {
         div class=(if fit.adequate { "verdict" } else { "verdict look" }) {
             p { strong {
-                @if fit.linear.is_enough { "A linear mode is enough: the joint is not needed to tell these records." }
+                @if fit.linear.is_enough && fit.adequate { "A linear mode is enough: the joint is not needed to tell these records." }
                 @else if fit.adequate { "One four-parameter Iwan joint with a viscous damper matches these records." }
                 @else if fit.grade == "usable" { "One four-parameter Iwan joint with a viscous damper is usable for these records, but does not match them." }
                 @else { "One four-parameter Iwan joint with a viscous damper does not match these records." }

@@ -245,7 +245,7 @@ impl ModeFit {
     /// Writing to a string cannot fail.
     fn write(&self, text: &mut String) {
         let verdict = match (self.linear.is_enough, self.grade) {
-            (true, _) => "a linear mode is enough, the joint is not needed",
+            (true, "matches") => "a linear mode is enough, the joint is not needed",
             (_, "matches") => "the model matches",
             (_, "usable") => "the model is usable, but does not match",
             _ => "THE MODEL DOES NOT MATCH",
