@@ -6,7 +6,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 
 use iwan_core::{Backbone, Continuum, Hysteresis, Newmark, Reversal, Samples};
 use iwan_ident::curves::Quantity;
-use iwan_ident::identify::{Identification, ModeRecord, Settings, identify, identify_until};
+use iwan_ident::identify::{Held, Identification, ModeRecord, Settings, identify, identify_until};
 use iwan_ident::{Error, Parameter, Parameters};
 
 const MODE_1: Parameters =
@@ -142,6 +142,26 @@ fn micro_slip_tells_the_power_and_the_level_and_leaves_the_rest_open() {
     // What is said to be too little is too little.
     assert!(k_t.low.is_some_and(|low| low < MODE_1.k_t) && f_s.low.is_some_and(|low| low < MODE_1.f_s));
     assert!(found.in_words().iter().any(|w| w.contains("f_s") && w.contains("no upper bound")));
+}
+
+/// Where K_T and F_S are given the knee follows from them, and none of the searches may move it.
+#[test]
+fn given_parameters_keep_their_values() {
+    let dt = 1.0 / 5000.0;
+    let samples = record(&MODE_1, 1.5, dt, 1500);
+    let mode = ModeRecord { samples: &samples, dt, quantity: Quantity::Acceleration };
+    for names in [&[Parameter::KT][..], &[Parameter::FS], &[Parameter::KT, Parameter::FS], &[Parameter::Beta]]
+    {
+        let held = names.iter().map(|p| Held { parameter: *p, value: MODE_1.get(*p) }).collect();
+        let found = identify(&[mode], &Settings { held, ..Settings::default() }).unwrap();
+        for p in names {
+            let error = found.parameters.get(*p) / MODE_1.get(*p) - 1.0;
+            assert!(error.abs() < 1e-12, "{names:?}: {} is off by {error:e}", p.name());
+            assert!(found.profile(*p).held);
+        }
+        let chi = found.parameters.chi;
+        assert!((chi / MODE_1.chi - 1.0).abs() < 0.01, "{names:?}: chi {chi}");
+    }
 }
 
 #[test]

@@ -6,8 +6,7 @@ use iwan_core::{Decay, Motion, Reversal};
 
 use super::release::TurningPoint;
 use super::task::{Effort, FINE, ROUGH, Task, Workspace};
-use crate::parameters::{COUNT, Parameters};
-use crate::search::{DIRAC, KNEE, Minimum, Scales};
+use crate::search::{CHI, DIRAC, KNEE, Minimum, SOFTENING, Scales};
 
 /// φ_max over the largest amplitude where no record reaches it: any larger one would do.
 pub(crate) const KNEE_UNSEEN: f64 = 2.0;
@@ -77,7 +76,7 @@ impl Task {
 
     /// Whether nothing but the records decides about the joint's size.
     pub(crate) fn is_open(&self) -> bool {
-        self.chart.scales == Scales::SofteningAndKnee && self.free().contains(&2) && self.free().contains(&3)
+        self.chart.scales == Scales::SofteningAndKnee && self.free().contains(&CHI)
     }
 
     /// Coordinates of the knees of a scan, from the largest to the smallest.
@@ -89,9 +88,13 @@ impl Task {
         (0..=count).map(|i| high - STEP * i as f64).collect()
     }
 
-    /// `x` with its knee where no record reaches it, and no Dirac where that is free.
+    /// `x` with its knee where no record reaches it, and no Dirac where that is free; `x` itself where K_T and F_S are given, and the
+    /// knee with them.
     pub(super) fn unseen(&self, x: &[f64]) -> Vec<f64> {
         let mut x = x.to_vec();
+        if self.knee().is_none() {
+            return x;
+        }
         let own = self.starts_at(&x).iter().map(|s| s.displacement.abs()).fold(0.0, f64::max);
         let middle = (self.loudest().max(own) / self.chart.amplitude).ln();
         if self.free().contains(&DIRAC) {
@@ -122,8 +125,8 @@ impl Task {
     fn with_residual_stiffness(&self, mut x: Vec<f64>) -> Vec<f64> {
         let p = self.chart.parameters(&x);
         let most = MOST_JOINT * (TAU * p.frequency).powi(2);
-        if p.k_t > most && self.chart.scales == Scales::SofteningAndKnee && self.free().contains(&2) {
-            x[2] += (most / p.k_t).ln();
+        if p.k_t > most && self.chart.scales == Scales::SofteningAndKnee {
+            x[SOFTENING] += (most / p.k_t).ln();
         }
         x
     }
@@ -259,12 +262,5 @@ impl Task {
     /// Whether no record reaches φ_max.
     pub(crate) fn is_micro_slip(&self, x: &[f64]) -> bool {
         self.slip_ratio(x) < 1.0
-    }
-
-    /// Coordinates in the chart of every search.
-    pub(crate) fn start_from(&self, first: &Parameters) -> Option<Vec<f64>> {
-        let mut x = self.chart.coordinates(first).ok()?.to_vec();
-        x.resize(COUNT + super::task::OWN * self.records.len(), 0.0);
-        Some(x)
     }
 }

@@ -127,6 +127,12 @@ impl Task {
         Chart::bounds().into_iter().chain(self.records.iter().flat_map(|_| own)).collect()
     }
 
+    pub(crate) fn coordinates(&self, parameters: &Parameters) -> Result<Vec<f64>, Error> {
+        let mut x = self.chart.coordinates(parameters)?.to_vec();
+        x.resize(COUNT + OWN * self.records.len(), 0.0);
+        Ok(x)
+    }
+
     /// Whitened residuals over each record's standard deviation.
     pub(crate) fn residuals(&self, x: &[f64], out: &mut [f64], work: &mut Workspace) -> bool {
         let starts = self.starts_at(x);

@@ -7,7 +7,7 @@ use super::task::{Effort, FINE, ROUGH, Task, Workspace, no_ring_down};
 use crate::curve_fit::predict;
 use crate::error::Error;
 use crate::parameters::{COUNT, Parameter, Parameters};
-use crate::search::{Chart, DIRAC, Minimum, TOLERANCE};
+use crate::search::{CHI, Chart, DIRAC, Minimum, TOLERANCE};
 
 /// Powers χ of the further starts, at the same softening: what measured joints have. A slope off a short or noisy curve can be
 /// mistaken by half.
@@ -39,12 +39,12 @@ pub(crate) struct Solved {
 impl Task {
     /// `first`, the same softening with other powers, and next to no joint.
     fn bases(&self, first: &Parameters) -> Result<Vec<Vec<f64>>, Error> {
-        let x = self.start_from(first).ok_or_else(no_ring_down)?;
+        let x = self.coordinates(first)?;
         let mut bases = vec![x.clone()];
-        if self.free().contains(&3) {
+        if self.free().contains(&CHI) {
             bases.extend(CHIS.map(|chi| {
                 let mut other = x.clone();
-                other[3] = chi;
+                other[CHI] = chi;
                 other
             }));
         }
@@ -56,14 +56,15 @@ impl Task {
             let damping_ratio = model.dissipation / (TAU * omega_squared * loudest * loudest);
             let (frequency, f_s) = (model.frequency, k_t * loudest);
             let little = Parameters { frequency, damping_ratio, k_t, f_s, ..*first };
-            bases.extend(self.start_from(&little));
+            bases.push(self.coordinates(&little)?);
         }
         Ok(bases)
     }
 
-    /// The unknowns of a ring-down whose knee no record reaches.
+    /// The unknowns of a ring-down whose knee no record reaches; all of them where the knee is given.
     fn without_knee(&self) -> Vec<usize> {
-        self.smooth().into_iter().filter(|j| *j != DIRAC).collect()
+        let unseen = |j: usize| j == DIRAC && self.knee().is_some();
+        self.smooth().into_iter().filter(|j| !unseen(*j)).collect()
     }
 
     /// Where the first searches end without macro-slip, by ascending sum of squares.
@@ -195,7 +196,7 @@ impl Task {
         let mut task = self.clone();
         task.held.extend(joint.iter().filter(|p| !self.held.contains(p)));
         task.chart = Chart::holding(&task.held, self.chart.amplitude);
-        let mut x = task.start_from(linear).ok_or_else(no_ring_down)?;
+        let mut x = task.coordinates(linear)?;
         x[COUNT..].copy_from_slice(&minimum.x[COUNT..]);
         let mut work = Workspace::default();
         let mut log = |x: &[f64], out: &mut [f64]| task.log_residuals(x, out, &mut work);

@@ -16,9 +16,13 @@ const DAMPING_UNIT: f64 = 1e-3;
 /// K_T stays below this part of ω0²: K_∞ = ω0² - K_T must be positive. Beyond, there is no model.
 const MOST_JOINT: f64 = 0.999;
 /// Range of χ: the law needs -1 < χ < 1.
-const CHI: (f64, f64) = (-0.99, 0.99);
+const CHI_RANGE: (f64, f64) = (-0.99, 0.99);
 /// Most of K_T that can be the Dirac's, β/(1+β): β = 999, a single slider for every purpose.
 const MOST_DIRAC: f64 = 0.999;
+/// Place of the softening among the coordinates, where it is one, …
+pub(crate) const SOFTENING: usize = 2;
+/// … and of χ.
+pub(crate) const CHI: usize = 3;
 /// Place of the knee among the coordinates, where it is one.
 pub(crate) const KNEE: usize = 4;
 /// Place of β/(1+β).
@@ -127,7 +131,7 @@ impl Chart {
     /// Lower and upper bounds of the coordinates.
     pub(crate) fn bounds() -> [(f64, f64); COUNT] {
         const NONE: (f64, f64) = (f64::NEG_INFINITY, f64::INFINITY);
-        [NONE, (0.0, 0.5 / DAMPING_UNIT), NONE, CHI, NONE, (0.0, MOST_DIRAC)]
+        [NONE, (0.0, 0.5 / DAMPING_UNIT), NONE, CHI_RANGE, NONE, (0.0, MOST_DIRAC)]
     }
 }
 
