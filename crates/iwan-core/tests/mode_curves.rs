@@ -93,13 +93,13 @@ fn of_an_iwan_mode() -> Curves {
     curves(&amplitude, &frequency, &damping).unwrap()
 }
 
-/// Curves made from an Iwan mode reproduce its ring-down over 50 cycles, to first order in the damping: the amplitude
-/// within 0.4 %, the phase within 0.02 cycles, from where the displacement is within 8 % of its peak at all samples.
+/// Curves made from an Iwan mode reproduce its ring-down over 50 cycles, to first order in the damping: released at 0.05 and
+/// 0.5 φ_max the displacement is off by 2.4e-4 and 3.0e-3 of the release, the amplitude by 0.03 and 0.4 %.
 #[test]
 fn curves_of_an_iwan_mode_reproduce_its_ring_down() {
     let (joint, mode, by_curves) = (joint(), oscillator(), of_an_iwan_mode());
     let (dt, samples) = (1e-5, 40_001);
-    for share in [0.05, 0.5] {
+    for (share, displacement_error, amplitude_error) in [(0.05, 5e-4, 6e-4), (0.5, 6e-3, 8e-3)] {
         let start = Motion::held_at(share * joint.phi_max());
         let law = Continuum::new(joint);
         let mut state = law.virgin(vec![Reversal::default(); 256]).unwrap();
@@ -121,7 +121,8 @@ fn curves_of_an_iwan_mode_reproduce_its_ring_down() {
             (0..samples).step_by(100).map(|n| (amplitude(&found, n) / amplitude(&truth, n) - 1.0).abs());
         let envelope = envelope.fold(0.0, f64::max);
         println!("envelope {envelope}");
-        assert!(against_truth < 0.08 && against_slow < 0.02 && envelope < 0.02, "{share}");
+        assert!(against_truth < displacement_error && envelope < amplitude_error, "{share}");
+        assert!(against_slow < 3.0 * displacement_error, "{share}");
     }
 }
 
