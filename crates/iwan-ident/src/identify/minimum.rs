@@ -19,7 +19,8 @@ pub(super) struct Found {
 /// Searches until no profile finds a better minimum. Where the records do not see macro-slip, the best fit without it.
 pub(super) fn minimum_and_profiles(task: &mut Task, first: &Parameters) -> Result<Found, Error> {
     let Solved { best, micro_slip } = task.solve(first)?;
-    let mut minimum = task.finish(&best)?;
+    let start = task.coordinates(first)?;
+    let mut minimum = task.finished(&best, &start)?;
     let mut near = micro_slip.map(|m| m.x);
     let mut round = 0;
     loop {
@@ -27,13 +28,14 @@ pub(super) fn minimum_and_profiles(task: &mut Task, first: &Parameters) -> Resul
         let extent = extent(task, &minimum, without.as_ref().map(|w| &w.minimum));
         near = without.as_ref().map(|w| w.minimum.x.clone());
         if let (Extent::MicroSlip, Some(without)) = (extent, without) {
-            (*task, minimum) = (without.task, without.minimum);
+            *task = without.task;
+            minimum = task.discounted(without.minimum, &start)?;
         }
         let known = Known { minimum: &minimum, extent, settled: round >= ANEW };
         match profiles(task, known) {
             Ok(profiles) => return Ok(Found { minimum, profiles }),
             Err(better) => match task.resume(&better, &minimum) {
-                Some(deeper) => minimum = task.finish(&deeper)?,
+                Some(deeper) => minimum = task.finished(&deeper, &start)?,
                 None => round = ANEW,
             },
         }

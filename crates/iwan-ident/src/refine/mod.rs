@@ -14,15 +14,19 @@ mod slow;
 mod windows;
 mod whitening;
 mod record;
+mod discount;
 mod task;
+mod fields;
+mod sizes;
 mod knees;
 mod valleys;
+mod discrepancy;
 
 use crate::error::Error;
 use crate::parameters::{Parameter, Parameters};
 pub(crate) use release::Sampling;
 pub use release::TurningPoint;
-pub use ring_down::{Refined, RingDown};
+pub use ring_down::{Discrepancy, Refined, RingDown};
 pub(crate) use task::{Effort, Task, Workspace};
 pub(crate) use valleys::Solved;
 
@@ -54,5 +58,7 @@ pub fn refine(records: &[RingDown<'_>], first: &Parameters, held: &[Parameter]) 
     let Solved { best, .. } = task.solve(first)?;
     let minimum = task.finish(&best)?;
     let minimum = task.deepest_of_all(minimum)?;
+    let start = task.coordinates(first)?;
+    let minimum = task.discounted(minimum, &start)?;
     Ok(task.refined(&minimum))
 }

@@ -101,12 +101,32 @@ impl Windowed {
         }
     }
 
+    /// Turns amplitudes of a model into the record's own times the logarithm of the ratio of the two: their difference to first order.
+    pub(super) fn ratios(&self, model: &mut [Complex64]) {
+        let logs: Vec<Complex64> = unwrapped(&self.amplitudes, model).collect();
+        model.iter_mut().zip(&self.amplitudes).zip(logs).for_each(|((m, z), log)| *m = z * log);
+    }
+
     /// Windows of the first search.
     pub(super) fn loud(&self) -> usize {
         let loudest = self.amplitudes.iter().map(|z| z.norm()).fold(0.0, f64::max);
         let quiet = self.amplitudes.iter().position(|z| z.norm() < LOUD * loudest);
         quiet.unwrap_or(self.amplitudes.len()).max(8.min(self.amplitudes.len()))
     }
+}
+
+/// Logarithms of the ratios of a record's amplitudes and a model's, their phases going on evenly from one to the next.
+pub(super) fn unwrapped<'a>(
+    record: &'a [Complex64],
+    model: &'a [Complex64],
+) -> impl Iterator<Item = Complex64> + 'a {
+    let mut turned = (Complex64::new(1.0, 0.0), 0.0);
+    record.iter().zip(model).map(move |(z, m)| {
+        let ratio = z / m;
+        let angle = turned.1 + (ratio / turned.0).arg();
+        turned = (ratio, angle);
+        Complex64::new(ratio.norm().max(f64::MIN_POSITIVE).ln(), angle)
+    })
 }
 
 fn root_mean_square(values: &[Complex64]) -> f64 {

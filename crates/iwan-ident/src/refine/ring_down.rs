@@ -21,6 +21,19 @@ pub struct RingDown<'a> {
     pub band: Option<f64>,
 }
 
+/// Standard deviations of what a model misses, each varying slowly with ln amplitude: zero where nothing is left but noise.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub struct Discrepancy {
+    /// Of ln D, in all records alike.
+    pub dissipation: f64,
+    /// Of ln ω, in all records alike.
+    pub frequency: f64,
+    /// Of ln D from record to record.
+    pub dissipation_of_record: f64,
+    /// Of ln ω from record to record.
+    pub frequency_of_record: f64,
+}
+
 /// Parameters that reproduce records, and what is left over.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Refined {
@@ -34,6 +47,8 @@ pub struct Refined {
     pub relative_residual: f64,
     /// Correlation of neighbouring residuals: near 0 when only noise is left, near 1 when the model misses something.
     pub correlation: f64,
+    /// How large a part of dissipation and of frequency the model misses, by the form of the residuals.
+    pub discrepancy: Discrepancy,
     /// Whether the search ended by itself.
     pub converged: bool,
 }

@@ -7,9 +7,10 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use iwan_core::Reversal;
 use rustfft::num_complex::Complex64;
 
-use super::record::Windowed;
+use super::discount::Discount;
+use super::record::{Windowed, unwrapped};
 use super::release::{Sampling, TurningPoint};
-use super::ring_down::{Refined, RingDown};
+use super::ring_down::{Discrepancy, Refined, RingDown};
 use crate::error::{Error, check};
 use crate::parameters::{COUNT, Parameter, Parameters};
 use crate::search::{Chart, Minimum, Search};
@@ -36,6 +37,12 @@ pub(crate) struct Task {
     pub(crate) chart: Chart,
     pub(super) records: Vec<Windowed>,
     pub(super) held: Vec<Parameter>,
+    /// What the model is known to miss.
+    pub(super) discount: Option<Discount>,
+    pub(super) discrepancy: Discrepancy,
+    /// Whether residuals are logarithms of the ratio of record and model, times the record: to these, what the model misses adds up however
+    /// far the phases are apart.
+    pub(super) by_logarithms: bool,
     /// Once set there are no residuals any more, so that every search ends.
     pub(crate) stopped: Arc<AtomicBool>,
 }
@@ -82,7 +89,15 @@ impl Task {
         let sum = records.iter().map(middle).fold((0.0, 0.0), |s, m| (s.0 + m.0, s.1 + m.1));
         let amplitude = (sum.0 / sum.1 - 1.0).exp();
         let chart = Chart::holding(held, amplitude);
-        let task = Self { chart, records, held: held.to_vec(), stopped: Arc::default() };
+        let task = Self {
+            chart,
+            records,
+            held: held.to_vec(),
+            discount: None,
+            discrepancy: Discrepancy::default(),
+            by_logarithms: false,
+            stopped: Arc::default(),
+        };
         let needed = COUNT + OWN * task.records.len() + SPARE;
         if task.count() < needed {
             let remedy = "record longer";
@@ -133,7 +148,7 @@ impl Task {
         Ok(x)
     }
 
-    /// Whitened residuals over each record's standard deviation.
+    /// Whitened residuals over each record's standard deviation, without what the model is known to miss.
     pub(crate) fn residuals(&self, x: &[f64], out: &mut [f64], work: &mut Workspace) -> bool {
         let starts = self.starts_at(x);
         self.chart.leaves_residual_stiffness(x)
@@ -148,11 +163,38 @@ impl Task {
         out: &mut [f64],
         work: &mut Workspace,
     ) -> bool {
+        let known = self.plain_residuals(parameters, starts, out, work);
+        if let Some(discount) = self.discount.as_ref().filter(|_| known) {
+            discount.apply(out);
+        }
+        known
+    }
+
+    /// Whitened residuals with all that the model misses.
+    fn plain_residuals(
+        &self,
+        parameters: &Parameters,
+        starts: &[TurningPoint],
+        out: &mut [f64],
+        work: &mut Workspace,
+    ) -> bool {
         self.each_model(parameters, starts, work, |record, model, range| {
+            if self.by_logarithms {
+                record.ratios(model);
+            } else {
+                record.amplitudes.iter().zip(model.iter_mut()).for_each(|(z, m)| *m = z - *m);
+            }
             record.whitening.apply(model);
-            let left = record.white.iter().zip(model.iter()).map(|(z, m)| (z - m) / record.scale);
+            let left = model.iter().map(|r| r / record.scale);
             out[range].chunks_exact_mut(2).zip(left).for_each(|(o, r)| (o[0], o[1]) = (r.re, r.im));
         })
+    }
+
+    /// The model's amplitudes in each record's windows; none where there is no model.
+    pub(super) fn models(&self, x: &[f64], work: &mut Workspace) -> Option<Vec<Vec<Complex64>>> {
+        let (mut models, starts) = (vec![], self.starts_at(x));
+        let keep = |_: &Windowed, model: &mut [Complex64], _| models.push(model.to_vec());
+        self.each_model(&self.chart.parameters(x), &starts, work, keep).then_some(models)
     }
 
     /// The turning point of each record.
@@ -174,15 +216,11 @@ impl Task {
         out.fill(0.0);
         let starts = self.starts_at(x);
         self.each_model(&self.chart.parameters(x), &starts, work, |record, model, range| {
-            let loud = record.loud();
             let loudest = record.amplitudes.iter().map(|z| z.norm()).fold(0.0, f64::max);
-            let mut turned = (Complex64::new(1.0, 0.0), 0.0);
-            for (k, o) in out[range].chunks_exact_mut(2).enumerate().take(loud) {
-                let ratio = record.amplitudes[k] / model[k];
-                let angle = turned.1 + (ratio / turned.0).arg();
-                turned = (ratio, angle);
-                let weight = record.amplitudes[k].norm() / loudest;
-                (o[0], o[1]) = (weight * ratio.norm().max(f64::MIN_POSITIVE).ln(), weight * angle);
+            let loud = record.amplitudes.iter().zip(unwrapped(&record.amplitudes, model)).take(record.loud());
+            for ((z, log), o) in loud.zip(out[range].chunks_exact_mut(2)) {
+                let weight = z.norm() / loudest;
+                (o[0], o[1]) = (weight * log.re, weight * log.im);
             }
         })
     }
@@ -258,10 +296,11 @@ impl Task {
         }
     }
 
-    /// Sets each record's standard deviation to that of its residuals at `x`.
+    /// Sets each record's standard deviation to that of its residuals at `x`; it stays where what the model misses is known, and noise
+    /// with it.
     pub(super) fn weigh(&mut self, x: &[f64], work: &mut Workspace) {
         let mut out = vec![0.0; self.count()];
-        if !self.residuals(x, &mut out, work) {
+        if self.discount.is_some() || !self.residuals(x, &mut out, work) {
             return;
         }
         let unknowns = self.free().len() as f64 / self.records.len() as f64;
@@ -282,17 +321,19 @@ impl Task {
     }
 
     pub(crate) fn refined(&self, minimum: &Minimum) -> Refined {
-        let mut out = vec![0.0; self.count()];
-        self.residuals(&minimum.x, &mut out, &mut Workspace::default());
+        let mut work = Workspace::default();
+        let (mut out, mut plain) = (vec![0.0; self.count()], vec![0.0; self.count()]);
+        self.residuals(&minimum.x, &mut out, &mut work);
         let parameters = self.chart.parameters(&minimum.x);
+        self.plain_residuals(&parameters, &self.starts_at(&minimum.x), &mut plain, &mut work);
         let (mut noise, mut square, mut total, mut product, mut from) = (vec![], 0.0, 0.0, 0.0, 0);
         for record in &self.records {
             let n = 2 * record.windows.count;
             let part = &out[from..from + n];
-            let sum: f64 = part.iter().map(|r| r * r).sum();
+            let sum = |part: &[f64]| part.iter().map(|r| r * r).sum::<f64>();
             // Density of the noise in each quadrature is half the variance of a sample times dt.
-            noise.push(record.scale * (sum / n as f64).sqrt() * (2.0 / record.dt).sqrt());
-            square += sum * record.scale.powi(2);
+            noise.push(record.scale * (sum(part) / n as f64).sqrt() * (2.0 / record.dt).sqrt());
+            square += sum(&plain[from..from + n]) * record.scale.powi(2);
             total += record.root_mean_square().powi(2) * record.windows.count as f64;
             product += part.iter().zip(&part[2..]).map(|(a, b)| a * b).sum::<f64>();
             from += n;
@@ -303,6 +344,7 @@ impl Task {
             noise,
             relative_residual: (square / total).sqrt(),
             correlation: product / minimum.cost.max(f64::MIN_POSITIVE),
+            discrepancy: self.discrepancy,
             converged: minimum.converged,
         }
     }

@@ -1,0 +1,62 @@
+//! Residuals discounted by what the model is known to miss: with covariance 1 + M Mᵀ in place of 1 their inverse root is taken of it.
+
+use nalgebra::DMatrix;
+
+/// Directions whose added variance is below this part of the noise's are left as they are.
+const LEAST: f64 = 1e-4;
+
+/// (1 + M Mᵀ)^(-1/2) = 1 - B diag(w) Bᵀ, with orthonormal columns B.
+#[derive(Debug, Clone)]
+pub(super) struct Discount {
+    directions: DMatrix<f64>,
+    weights: Vec<f64>,
+}
+
+impl Discount {
+    /// Of columns M, in units of the residuals' noise; none where they add nothing.
+    pub(super) fn new(columns: &DMatrix<f64>) -> Option<Self> {
+        let eigen = columns.tr_mul(columns).symmetric_eigen();
+        let kept: Vec<usize> = (0..eigen.eigenvalues.len()).filter(|i| eigen.eigenvalues[*i] > LEAST).collect();
+        if kept.is_empty() {
+            return None;
+        }
+        let mut directions = columns * eigen.eigenvectors.select_columns(&kept);
+        let mut weights = vec![];
+        for (k, &i) in kept.iter().enumerate() {
+            directions.column_mut(k).scale_mut(1.0 / eigen.eigenvalues[i].sqrt());
+            weights.push(1.0 - 1.0 / (1.0 + eigen.eigenvalues[i]).sqrt());
+        }
+        Some(Self { directions, weights })
+    }
+
+    pub(super) fn apply(&self, r: &mut [f64]) {
+        let parts: Vec<f64> = self
+            .directions
+            .column_iter()
+            .zip(&self.weights)
+            .map(|(b, w)| w * b.iter().zip(r.iter()).map(|(b, r)| b * r).sum::<f64>())
+            .collect();
+        for (b, part) in self.directions.column_iter().zip(parts) {
+            r.iter_mut().zip(b.iter()).for_each(|(r, b)| *r -= part * b);
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn discounted_residuals_have_the_covariance_of_noise() {
+        let columns = DMatrix::from_fn(6, 2, |i, j| ((i * (j + 2)) as f64).sin() * 3.0);
+        let covariance = DMatrix::identity(6, 6) + &columns * columns.transpose();
+        let discount = Discount::new(&columns).unwrap();
+        let mut root = DMatrix::identity(6, 6);
+        for mut column in root.column_iter_mut() {
+            discount.apply(column.as_mut_slice());
+        }
+        let white = &root * covariance * root.transpose();
+        assert!((white - DMatrix::identity(6, 6)).norm() < 1e-12);
+        assert!(Discount::new(&DMatrix::zeros(6, 2)).is_none());
+    }
+}

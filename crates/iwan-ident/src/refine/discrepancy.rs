@@ -1,0 +1,180 @@
+//! What the model misses is found out, and what it explains is discounted.
+
+use nalgebra::{DMatrix, DVector};
+
+use super::discount::Discount;
+use super::fields::{Component, Kind};
+use super::record::Windowed;
+use super::ring_down::Discrepancy;
+use super::sizes::{Projected, Sizes};
+use super::task::{Effort, FINE, Task, Workspace, no_ring_down};
+use crate::error::Error;
+use crate::search::{DIRAC, Minimum};
+
+/// Rounds in which the discrepancies' sizes, the noise and the best fit are brought into agreement. Each changes intervals by less than the
+/// one before; a judgement, and not varied.
+const ROUNDS: usize = 4;
+/// Size of a discrepancy that is expected before a record is seen, and that searches begin with: dissipation of repeated hits differs by some
+/// per cent. Larger ones count as less likely by a factor of e for each time this.
+const TYPICAL: f64 = 0.03;
+/// Part of the residuals that is taken to be free at least: of fewer no variance can be had.
+const LEAST_FREEDOM: f64 = 0.1;
+
+/// What the residuals at a point say about the processes.
+struct Found {
+    components: Vec<Component>,
+    jacobian: DMatrix<f64>,
+    residuals: Vec<f64>,
+    sizes: Sizes,
+}
+
+/// A fit with the discrepancies that go with it.
+struct Settled {
+    task: Task,
+    minimum: Minimum,
+    /// ln of the restricted likelihood of both, up to a constant.
+    likelihood: f64,
+}
+
+/// The sizes by their names.
+fn named(components: &[Component], sizes: &[f64]) -> Discrepancy {
+    let mut all = Discrepancy::default();
+    for (Component { kind, shift, .. }, size) in components.iter().zip(sizes) {
+        match kind {
+            Kind::Shared => (all.dissipation, all.frequency) = (*size, shift * size),
+            Kind::OfRecord => (all.dissipation_of_record, all.frequency_of_record) = (*size, shift * size),
+        }
+    }
+    all
+}
+
+impl Task {
+    /// The minimum next to a rough one, without what the model is found to miss there. `first` is what the curves say.
+    pub(crate) fn finished(&mut self, rough: &Minimum, first: &[f64]) -> Result<Minimum, Error> {
+        (self.discount, self.by_logarithms) = (None, false);
+        let minimum = self.finish(rough)?;
+        self.discounted(minimum, first)
+    }
+
+    /// Finds out at a minimum what the model misses, discounts it, and goes on to the minimum of what is left. Where it misses anything
+    /// the search begins at the curves' parameters as well: least squares that know of no discrepancy buy phase at the price of damping.
+    /// The likelier end is taken.
+    pub(crate) fn discounted(&mut self, best: Minimum, first: &[f64]) -> Result<Minimum, Error> {
+        let mut work = Workspace::default();
+        (self.discount, self.discrepancy, self.by_logarithms) = (None, Discrepancy::default(), false);
+        let nothing = |found: &Found| found.sizes.sizes.iter().all(|s| *s == 0.0);
+        if self.look(&best.x, &mut work).is_none_or(|found| nothing(&found)) {
+            return Ok(best);
+        }
+        let ends = [best.x.as_slice(), first].into_iter().filter_map(|x| self.clone().settled(x, &mut work));
+        let likeliest = ends.max_by(|a, b| a.likelihood.total_cmp(&b.likelihood));
+        let Settled { task, minimum, .. } = likeliest.ok_or_else(no_ring_down)?;
+        *self = task;
+        Ok(minimum)
+    }
+
+    /// The unknowns that the records see at a point.
+    fn seen_at(&self, x: &[f64]) -> Vec<usize> {
+        if self.is_open() && self.is_micro_slip(x) {
+            self.smooth().into_iter().filter(|j| *j != DIRAC).collect()
+        } else {
+            self.free()
+        }
+    }
+
+    /// Sizes and the fit that goes with them, in turn, from a point on.
+    fn settled(mut self, from: &[f64], work: &mut Workspace) -> Option<Settled> {
+        self.by_logarithms = true;
+        let scales = self.wandering(from, work)?;
+        let components = self.components(from, work)?;
+        let typical = vec![TYPICAL; components.len()];
+        self.take(&components, &typical, &scales);
+        let mut minimum = self.minimise(from, self.seen_at(from), FINE, work)?;
+        for _ in 0..ROUNDS {
+            self.discount = None;
+            let found = self.look(&minimum.x, work)?;
+            let scales = self.noise(&found);
+            self.take(&found.components, &found.sizes.sizes, &scales);
+            minimum = self.minimise(&minimum.x, self.seen_at(&minimum.x), FINE, work)?;
+        }
+        let discount = self.discount.take();
+        let found = self.look(&minimum.x, work)?;
+        self.discount = discount;
+        let unit = |r: &Windowed| (2 * r.windows.count) as f64 * r.scale.ln();
+        let likelihood = found.sizes.likelihood - self.records.iter().map(unit).sum::<f64>();
+        Some(Settled { task: self, minimum, likelihood })
+    }
+
+    /// What the residuals as they are say about the processes.
+    fn look(&self, x: &[f64], work: &mut Workspace) -> Option<Found> {
+        let components = self.components(x, work)?;
+        let search = self.search(self.seen_at(x), Effort { iterations: 0, tolerance: 0.0 });
+        let mut r = vec![0.0; self.count()];
+        let mut residuals = |x: &[f64], out: &mut [f64]| self.residuals(x, out, work);
+        residuals(x, &mut r);
+        let jacobian = search.jacobian(&mut residuals, x, &r)?;
+        let processes: Vec<&DMatrix<f64>> = components.iter().map(|c| &c.columns).collect();
+        let sizes = Projected::new(jacobian.clone(), &r, &processes, TYPICAL).sizes()?;
+        Some(Found { components, jacobian, residuals: r, sizes })
+    }
+
+    /// Takes over each record's noise, and the discount of processes of such sizes.
+    fn take(&mut self, components: &[Component], sizes: &[f64], scales: &[f64]) {
+        let mut columns = DMatrix::zeros(self.count(), components.iter().map(|c| c.columns.ncols()).sum());
+        let (mut from, mut row) = (0, 0);
+        for (component, size) in components.iter().zip(sizes) {
+            let n = component.columns.ncols();
+            columns.columns_mut(from, n).copy_from(&(&component.columns * *size));
+            from += n;
+        }
+        for (record, scale) in self.records.iter_mut().zip(scales) {
+            let n = 2 * record.windows.count;
+            columns.rows_mut(row, n).scale_mut(record.scale / scale);
+            record.scale = *scale;
+            row += n;
+        }
+        self.discount = Discount::new(&columns);
+        self.discrepancy = named(components, sizes);
+    }
+
+    /// Standard deviation of each record's noise: of what neither parameters nor processes explain.
+    fn noise(&self, found: &Found) -> Vec<f64> {
+        let mut left = DVector::from_column_slice(&found.residuals);
+        let mut from = 0;
+        for component in &found.components {
+            let n = component.columns.ncols();
+            left -= &component.columns * found.sizes.expected.rows(from, n);
+            from += n;
+        }
+        let unknowns = found.jacobian.ncols() as f64;
+        let explained = found.jacobian.clone().qr().q();
+        left -= &explained * explained.tr_mul(&left);
+        let part = (left.len() as f64 - unknowns - found.sizes.explained) / left.len() as f64;
+        let mut row = 0;
+        let of = |record: &Windowed| {
+            let n = 2 * record.windows.count;
+            let square = left.rows(row, n).norm_squared();
+            row += n;
+            (record.scale * (square / (part.max(LEAST_FREEDOM) * n as f64)).sqrt()).max(record.floor())
+        };
+        self.records.iter().map(of).collect()
+    }
+
+    /// The same before anything is known: what the residuals change by from window to window beside an even course.
+    fn wandering(&self, x: &[f64], work: &mut Workspace) -> Option<Vec<f64>> {
+        let mut r = vec![0.0; self.count()];
+        if !self.residuals(x, &mut r, work) {
+            return None;
+        }
+        let mut row = 0;
+        let of = |record: &Windowed| {
+            let part = &r[row..row + 2 * record.windows.count];
+            row += part.len();
+            let bends: Vec<f64> = (0..part.len().saturating_sub(4)).map(|i| part[i] - 2.0 * part[i + 2] + part[i + 4]).collect();
+            // A second difference of white noise has six times its variance.
+            let square = bends.iter().map(|b| b * b).sum::<f64>() / (6.0 * bends.len().max(1) as f64);
+            (record.scale * square.sqrt()).max(record.floor())
+        };
+        Some(self.records.iter().map(of).collect())
+    }
+}

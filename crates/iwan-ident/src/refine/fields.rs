@@ -1,0 +1,162 @@
+//! What a model may miss: its dissipation and its frequency off by parts that vary slowly with amplitude.
+//!
+//! D(a) exp(d(ln a)) in place of D(a) and ω(a) (1 + w(ln a)) in place of ω(a), where d and w are Gaussian processes of zero mean
+//! (M. C. Kennedy, A. O'Hagan, *Bayesian calibration of computer models*, J. R. Stat. Soc. B 63:425, 2001). Along a ring-down
+//! d ln a = -Λ dt, so that the complex amplitudes of the model become z exp(g + iψ) with g = -∫ d(l) dl from ln a to its first
+//! value and ψ = ∫ ω w dt: the logarithms of the amplitudes are linear in the values of d and w at nodes.
+//!
+//! Both come from one cause, a hysteresis of another form. So both have one size, w relative to the frequency's shift over the amplitudes
+//! seen as d to the dissipation.
+
+use nalgebra::DMatrix;
+use rustfft::num_complex::Complex64;
+
+use super::record::Windowed;
+use super::task::{Task, Workspace};
+use crate::curves::Quantity;
+
+/// Distance in ln amplitude over which a discrepancy changes: a factor of e. What varies faster is wiggles of a measured curve,
+/// what varies more slowly a law can follow by its own parameters. A judgement, and not varied.
+const LENGTH: f64 = 0.3;
+/// Distance of the nodes: half of that, between which the process is straight to a tenth of its size.
+const SPACING: f64 = 0.25;
+/// Windows below this part of the largest amplitude have the discrepancy of the last node: they weigh a thousandth, and noise
+/// hides what a slow process does there.
+const LOWEST: f64 = 1e-3;
+
+/// Least relative shift of the frequency that a discrepancy of dissipation is related to: ring-downs of real structures do not repeat
+/// better than a thirtieth of it.
+const LEAST_SHIFT: f64 = 3e-4;
+
+/// A process whose size is one variance: columns of the residuals' derivatives for values that are independent and of variance one.
+#[derive(Debug, Clone)]
+pub(super) struct Component {
+    pub(super) kind: Kind,
+    /// Change of ln ω that goes with a change of one in ln D.
+    pub(super) shift: f64,
+    pub(super) columns: DMatrix<f64>,
+}
+
+/// Whose discrepancy a process is.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Kind {
+    /// The same in all records.
+    Shared,
+    /// Every record's own.
+    OfRecord,
+}
+
+/// Nodes in ln amplitude, from the smallest on.
+struct Nodes {
+    first: f64,
+    count: usize,
+}
+
+impl Nodes {
+    fn over(logs: &[Vec<f64>]) -> Self {
+        let high = logs.iter().flatten().copied().fold(f64::NEG_INFINITY, f64::max);
+        let low = logs.iter().flatten().copied().fold(f64::INFINITY, f64::min).max(high + LOWEST.ln());
+        let count = ((high - low) / SPACING).ceil() as usize + 1;
+        Self { first: low, count }
+    }
+
+    /// Values of all hat functions at `log`.
+    fn hats(&self, log: f64) -> Vec<f64> {
+        let place = ((log - self.first) / SPACING).clamp(0.0, (self.count - 1) as f64);
+        (0..self.count).map(|i| (1.0 - (place - i as f64).abs()).max(0.0)).collect()
+    }
+
+    /// Lower triangular factor of the covariance of the nodes' values: a process of Ornstein and Uhlenbeck's, of variance one.
+    fn factor(&self) -> DMatrix<f64> {
+        let covariance = DMatrix::from_fn(self.count, self.count, |i, j| {
+            (-(SPACING * i.abs_diff(j) as f64 / LENGTH)).exp()
+        });
+        covariance.cholesky().map_or_else(|| DMatrix::identity(self.count, self.count), |c| c.l())
+    }
+}
+
+impl Task {
+    /// The processes at a point; none where there is no model.
+    pub(super) fn components(&self, x: &[f64], work: &mut Workspace) -> Option<Vec<Component>> {
+        let models = self.models(x, work)?;
+        let logs: Vec<Vec<f64>> =
+            models.iter().zip(&self.records).map(|(m, r)| log_amplitudes(m, r)).collect();
+        let nodes = Nodes::over(&logs);
+        let factor = nodes.factor();
+        let shift = shift(&models, &self.records);
+        let block = |i: usize| {
+            let [d, w] = derivatives(&self.records[i], &models[i], &logs[i], &nodes).map(|z| z * &factor);
+            let mut both = DMatrix::zeros(d.nrows(), 2 * nodes.count);
+            both.columns_mut(0, nodes.count).copy_from(&d);
+            both.columns_mut(nodes.count, nodes.count).copy_from(&(w * shift));
+            both
+        };
+        let blocks: Vec<DMatrix<f64>> = (0..models.len()).map(block).collect();
+        let (width, records) = (2 * nodes.count, blocks.len());
+        let mut shared = DMatrix::zeros(self.count(), width);
+        let mut own = DMatrix::zeros(self.count(), width * records);
+        let mut row = 0;
+        for (i, block) in blocks.iter().enumerate() {
+            shared.rows_mut(row, block.nrows()).copy_from(block);
+            own.view_mut((row, i * width), block.shape()).copy_from(block);
+            row += block.nrows();
+        }
+        let mut all = vec![Component { kind: Kind::Shared, shift, columns: shared }];
+        if records > 1 {
+            all.push(Component { kind: Kind::OfRecord, shift, columns: own });
+        }
+        Some(all)
+    }
+}
+
+/// Relative range of the frequency over the models' windows.
+fn shift(models: &[Vec<Complex64>], records: &[Windowed]) -> f64 {
+    let (mut low, mut high) = (f64::INFINITY, f64::NEG_INFINITY);
+    for (model, record) in models.iter().zip(records) {
+        let radians = record.windows.hop * record.windows.omega;
+        for pair in model.windows(2) {
+            let ratio = 1.0 + (pair[1] / pair[0]).arg() / radians;
+            (low, high) = (low.min(ratio), high.max(ratio));
+        }
+    }
+    (high - low).max(LEAST_SHIFT)
+}
+
+/// ln of the displacement amplitude in each window of a model.
+fn log_amplitudes(model: &[Complex64], record: &Windowed) -> Vec<f64> {
+    let power = match record.quantity {
+        Quantity::Displacement => 0.0,
+        Quantity::Velocity => 1.0,
+        Quantity::Acceleration => 2.0,
+    };
+    // A window's amplitude is that of the motion times its integral.
+    let constant = power * record.windows.omega.ln() + record.windows.hop.ln();
+    model.iter().map(|z| z.norm().max(f64::MIN_POSITIVE).ln() - constant).collect()
+}
+
+/// Derivatives of a record's residuals with respect to the nodes' values of ln D and of ln ω: real and imaginary parts of each window
+/// one after the other.
+fn derivatives(record: &Windowed, model: &[Complex64], logs: &[f64], nodes: &Nodes) -> [DMatrix<f64>; 2] {
+    let radians = record.windows.hop * record.windows.omega;
+    let mut out = [DMatrix::zeros(2 * model.len(), nodes.count), DMatrix::zeros(2 * model.len(), nodes.count)];
+    let hats: Vec<Vec<f64>> = logs.iter().map(|l| nodes.hats(*l)).collect();
+    let mut column = vec![Complex64::default(); model.len()];
+    for node in 0..nodes.count {
+        for (which, out) in out.iter_mut().enumerate() {
+            let mut sum = 0.0;
+            for k in 0..model.len() {
+                if k > 0 {
+                    let mean = 0.5 * (hats[k][node] + hats[k - 1][node]);
+                    sum += mean * if which == 0 { logs[k] - logs[k - 1] } else { radians };
+                }
+                let turn = if which == 0 { Complex64::new(sum, 0.0) } else { Complex64::new(0.0, sum) };
+                column[k] = record.amplitudes[k] * turn / record.scale;
+            }
+            record.whitening.apply(&mut column);
+            for (k, z) in column.iter().enumerate() {
+                (out[(2 * k, node)], out[(2 * k + 1, node)]) = (z.re, z.im);
+            }
+        }
+    }
+    out
+}
