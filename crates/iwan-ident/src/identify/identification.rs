@@ -5,7 +5,7 @@ use crate::curves::Curves;
 use crate::likelihood::Likelihood;
 use crate::parameters::{Parameter, Parameters};
 use crate::profile::{Profile, Profiles};
-use crate::refine::Refined;
+use crate::refine::{Discrepancy, Refined};
 use crate::signal::Envelope;
 
 /// The simplest model: a linear mode with viscous damping, and whether it is enough.
@@ -71,10 +71,33 @@ impl Identification {
         &self.profiles.parameters[place]
     }
 
+    /// What the model misses beside noise, in words; none where only noise is left.
+    fn discrepancy_in_words(&self) -> Option<String> {
+        let Discrepancy { dissipation, frequency, dissipation_of_record, frequency_of_record } =
+            self.refined.discrepancy;
+        let hertz = |relative: f64| relative * self.parameters.frequency;
+        let size = |d: f64, f: f64| format!("{:.2} % of dissipation and {:.4} Hz", 100.0 * d, hertz(f));
+        let law = (dissipation > 0.0).then(|| {
+            format!(
+                "the law itself misses about {} beside noise (standard deviations)",
+                size(dissipation, frequency)
+            )
+        });
+        let records = (dissipation_of_record > 0.0).then(|| {
+            format!(
+                "the records differ among each other by {}",
+                size(dissipation_of_record, frequency_of_record)
+            )
+        });
+        let found: Vec<String> = law.into_iter().chain(records).collect();
+        (!found.is_empty()).then(|| format!("{}: the intervals allow for it", found.join("; ")))
+    }
+
     /// What the records do not tell, in words: open intervals, a joint that is not needed, a model that does not fit.
     #[must_use]
     pub fn in_words(&self) -> Vec<String> {
         let mut words = vec![self.verdict.misfit.clone()];
+        words.extend(self.discrepancy_in_words());
         if self.linear.is_enough() {
             words.push(format!(
                 "the joint is not needed: a linear mode of {:.6} Hz with {:.4} % viscous damping tells the records as well",

@@ -16,7 +16,8 @@ impl Discount {
     /// Of columns M, in units of the residuals' noise; none where they add nothing.
     pub(super) fn new(columns: &DMatrix<f64>) -> Option<Self> {
         let eigen = columns.tr_mul(columns).symmetric_eigen();
-        let kept: Vec<usize> = (0..eigen.eigenvalues.len()).filter(|i| eigen.eigenvalues[*i] > LEAST).collect();
+        let kept: Vec<usize> =
+            (0..eigen.eigenvalues.len()).filter(|i| eigen.eigenvalues[*i] > LEAST).collect();
         if kept.is_empty() {
             return None;
         }

@@ -13,7 +13,7 @@ use crate::search::{DIRAC, Minimum};
 
 /// Rounds in which the discrepancies' sizes, the noise and the best fit are brought into agreement. Each changes intervals by less than the
 /// one before; a judgement, and not varied.
-const ROUNDS: usize = 4;
+const ROUNDS: usize = 3;
 /// Size of a discrepancy that is expected before a record is seen, and that searches begin with: dissipation of repeated hits differs by some
 /// per cent. Larger ones count as less likely by a factor of e for each time this.
 const TYPICAL: f64 = 0.03;
@@ -66,8 +66,12 @@ impl Task {
         if self.look(&best.x, &mut work).is_none_or(|found| nothing(&found)) {
             return Ok(best);
         }
-        let ends = [best.x.as_slice(), first].into_iter().filter_map(|x| self.clone().settled(x, &mut work));
-        let likeliest = ends.max_by(|a, b| a.likelihood.total_cmp(&b.likelihood));
+        let settle = |x: &[f64]| self.clone().settled(x, &mut Workspace::default());
+        let ends = std::thread::scope(|scope| {
+            let second = scope.spawn(|| settle(first));
+            [settle(&best.x), second.join().unwrap_or_else(|panic| std::panic::resume_unwind(panic))]
+        });
+        let likeliest = ends.into_iter().flatten().max_by(|a, b| a.likelihood.total_cmp(&b.likelihood));
         let Settled { task, minimum, .. } = likeliest.ok_or_else(no_ring_down)?;
         *self = task;
         Ok(minimum)
@@ -170,7 +174,9 @@ impl Task {
         let of = |record: &Windowed| {
             let part = &r[row..row + 2 * record.windows.count];
             row += part.len();
-            let bends: Vec<f64> = (0..part.len().saturating_sub(4)).map(|i| part[i] - 2.0 * part[i + 2] + part[i + 4]).collect();
+            let bends: Vec<f64> = (0..part.len().saturating_sub(4))
+                .map(|i| part[i] - 2.0 * part[i + 2] + part[i + 4])
+                .collect();
             // A second difference of white noise has six times its variance.
             let square = bends.iter().map(|b| b * b).sum::<f64>() / (6.0 * bends.len().max(1) as f64);
             (record.scale * square.sqrt()).max(record.floor())

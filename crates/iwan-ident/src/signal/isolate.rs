@@ -6,6 +6,7 @@ use rustfft::num_complex::Complex64;
 
 use super::defects::{clipped_until, stops_at};
 use super::filter::{Butterworth, Passband};
+use super::first_peak::{behind_the_blow, first_of_the_largest};
 use super::raw::{Raw, raw, widened};
 use super::spectrum::{Band, automatic_band, given_band, is_alone, strongest_line};
 use crate::error::{Error, check, check_dt, check_samples};
@@ -182,7 +183,7 @@ fn window(
     notes: &mut Vec<String>,
 ) -> Result<Range<usize>, Error> {
     let n = samples.len();
-    let top = (0..n).max_by(|&i, &j| samples[i].abs().total_cmp(&samples[j].abs())).unwrap_or(0);
+    let top = first_of_the_largest(samples.iter().map(|x| x.abs()));
     let mut start = if options.filter_order == 0 && options.window.is_some() { 0 } else { top + trim };
     if let Some(clipped) = clipped_until(x) {
         let seconds = clipped as f64 * dt;
@@ -249,8 +250,9 @@ impl Isolated {
     pub(crate) fn free_decay(&self, x: &[f64], window: Option<(f64, f64)>) -> Range<usize> {
         let x = &x[..self.samples.len()];
         let mean = x.iter().sum::<f64>() / x.len() as f64;
-        let largest = (0..x.len()).max_by(|&i, &j| (x[i] - mean).abs().total_cmp(&(x[j] - mean).abs()));
-        let start = largest.unwrap_or(0).max(clipped_until(x).unwrap_or(0));
+        let largest = first_of_the_largest(x.iter().map(|x| (x - mean).abs()));
+        let start = behind_the_blow(x, mean, largest, 1.0 / (self.band.peak * self.dt));
+        let start = start.max(clipped_until(x).unwrap_or(0));
         let wanted = window.map_or(0, |w| (w.0 / self.dt).ceil() as usize);
         start.max(wanted).min(self.window.start)..self.window.end
     }

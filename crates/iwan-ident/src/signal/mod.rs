@@ -8,6 +8,7 @@ mod spectrum;
 mod spot;
 mod extrema;
 mod defects;
+mod first_peak;
 mod survey;
 mod raw;
 mod isolate;
