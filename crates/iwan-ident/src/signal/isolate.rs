@@ -183,7 +183,8 @@ fn window(
     notes: &mut Vec<String>,
 ) -> Result<Range<usize>, Error> {
     let n = samples.len();
-    let top = first_of_the_largest(samples.iter().map(|x| x.abs()));
+    // At the last samples a filter shows its own end.
+    let top = first_of_the_largest(samples[..n.saturating_sub(trim).max(1)].iter().map(|x| x.abs()));
     let mut start = if options.filter_order == 0 && options.window.is_some() { 0 } else { top + trim };
     if let Some(clipped) = clipped_until(x) {
         let seconds = clipped as f64 * dt;
