@@ -29,12 +29,14 @@ mod mat;
 mod lvm;
 mod wav;
 mod read;
+mod measurement;
 
 // Files that are written.
 pub mod atomic;
 mod table;
 
 pub use error::ReadError;
+pub use measurement::{MeasuredChannel, Measurement, ModalTest, read_modal_test};
 pub use options::{Format, ReadOptions};
 pub use quantity::Quantity;
 pub use read::{read, read_bytes};
@@ -42,4 +44,5 @@ pub use record::{Record, RecordError};
 pub use table::{Table, TableError};
 pub use text::{Columns, parse_table, read_table};
 pub use time_unit::{TimeUnit, UnknownTimeUnit};
+pub use uff::{NodalDirection, UffFunction, functions as uff_functions, write as write_uff};
 pub use warning::Warning;

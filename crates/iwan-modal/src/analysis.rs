@@ -55,6 +55,25 @@ pub struct ModalFit {
     pub fitted: Fitted,
 }
 
+/// Part of the modes whose drive point answers against its force from which a channel is doubted: a mode with a node there may do so by noise.
+const DOUBTFUL: f64 = 0.34;
+
+impl ModalFit {
+    /// A word where the response at the drive point goes against the force: a reversed direction, or swapped channels.
+    #[must_use]
+    pub fn drive_point_doubt(&self) -> Option<String> {
+        let phases: Vec<f64> = self.modes.iter().filter_map(|m| m.drive_phase).collect();
+        let against = phases.iter().filter(|c| **c < 0.0).count();
+        let doubtful = against > 0 && against as f64 >= DOUBTFUL * phases.len() as f64;
+        doubtful.then(|| {
+            format!(
+                "the response where the hammer hits goes against the force in {against} of {} modes: a direction is reversed, or channels are swapped",
+                phases.len()
+            )
+        })
+    }
+}
+
 /// Finds the modes of frequency responses: in `band` (Hz), or as far up as the force reaches; by polynomials up to `order` (60 is a good choice).
 ///
 /// # Errors

@@ -29,3 +29,4 @@ mod analysis;
 
 pub use analysis::{Analysis, ModalFit, modal_fit};
 pub use error::Error;
+pub use nalgebra::Complex;

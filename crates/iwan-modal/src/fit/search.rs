@@ -2,7 +2,7 @@
 
 use nalgebra::{Cholesky, DMatrix, DVector};
 
-use super::band::{Band, ROUNDING, floored};
+use super::band::{Band, ROUNDING, at, floored};
 use super::certainty::Certainty;
 use super::linear::Linear;
 use crate::error::Error;
@@ -34,6 +34,10 @@ pub struct Fitted {
     pub certainty: Certainty,
     /// Root mean square of what is left of each response over that of the response, weighted as the fit was.
     pub left: Vec<f64>,
+    /// First line of the band.
+    pub first: usize,
+    /// The fit's responses at the lines of the band, one list for each response.
+    pub curves: Vec<Vec<nalgebra::Complex<f64>>>,
     /// What is left of all responses together, relative.
     pub misfit: f64,
 }
@@ -81,12 +85,23 @@ impl Fitted {
         Ok(Self {
             residues: (0..poles.len()).map(residues).collect(),
             left: linear.left.iter().enumerate().map(|(c, l)| (l / size(c)).sqrt()).collect(),
+            first: band.first,
+            curves: (0..band.values.ncols()).map(|c| curve(band, &linear, c)).collect(),
             misfit: (rest / total).sqrt(),
             certainty: Certainty::new(band, &poles, &linear, &noise),
             noise,
             poles,
         })
     }
+}
+
+/// The fit of a response at the lines of the band.
+fn curve(band: &Band, linear: &Linear, response: usize) -> Vec<Complex> {
+    let value = |k: usize| {
+        let weight = band.weights[k].max(f64::MIN_POSITIVE);
+        (band.value(k, response) - at(&linear.rest, k, response)) / weight
+    };
+    (0..band.lines()).map(value).collect()
 }
 
 /// Variance of each response's entries: what the fit leaves of them, and no less than the scatter of hits says.

@@ -38,6 +38,9 @@ pub struct Mode {
     pub shape_sd: Vec<f64>,
     /// Modal phase collinearity, 1 for a real shape.
     pub phase_collinearity: f64,
+    /// Cosine of the angle between the drive point's residue and that of a driven point that follows its force, 1 for real modes; -1 where a
+    /// direction is reversed; none without a drive point.
+    pub drive_phase: Option<f64>,
     /// Largest difference between pairs that reciprocity makes equal, over the larger one; none where no pair was measured both ways.
     pub reciprocity: Option<f64>,
 }
@@ -178,6 +181,7 @@ fn mode(responses: &FrequencyResponses, fitted: &Fitted, pairs: &Pairs, p: usize
             unit * factor.norm() * root.norm(),
             (&u, &v, alpha),
         ),
+        drive_phase: drive_phase(pairs, &receptance, pole),
         reciprocity: reciprocity(pairs, &receptance),
         shape,
         real_shape,
@@ -244,6 +248,16 @@ fn shape_deviations(
         (own + value * value * scale).sqrt()
     };
     real.iter().zip(&own).map(one).collect()
+}
+
+/// A real mode's residue at the drive point is φ²/(2i ω_d).
+fn drive_phase(pairs: &Pairs, receptance: &[Complex], pole: Complex) -> Option<f64> {
+    let value = |(i, j, sign): &(usize, usize, f64)| {
+        let k = pairs.places.iter().position(|place| place == &(*i, *j))?;
+        Some(receptance[k] * 2.0 * I * pole.im * *sign)
+    };
+    let sum: Complex = pairs.drives.iter().filter_map(value).sum();
+    (!pairs.drives.is_empty() && sum.norm() > 0.0).then(|| sum.re / sum.norm())
 }
 
 /// Pairs measured both ways: response at a and force at b, response at b and force at a.

@@ -3,10 +3,9 @@
 use rayon::prelude::*;
 use rustfft::FftPlanner;
 
-use super::pulse::Pulse;
 use super::set::{FiniteRecord, FrequencyResponses, Function};
 use crate::error::{Error, check};
-use crate::measure::{Channel, Hit, Motion};
+use crate::measure::{Channel, Hit, Motion, Pulse};
 use crate::number::{Complex, complex};
 
 /// How averages over hits become a frequency response; G with two letters is the averaged product of spectra of force f and response y.

@@ -1,10 +1,8 @@
 //! From hits to frequency responses: windows, averages, coherence, and what a record of finite length leaves out.
 
-mod pulse;
 mod set;
 mod estimate;
 
 pub use estimate::{Estimator, Windows, frequency_responses};
-pub use pulse::Pulse;
 pub(crate) use set::laplace;
 pub use set::{FiniteRecord, FrequencyResponses, Function};

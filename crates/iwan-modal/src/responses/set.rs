@@ -1,7 +1,6 @@
 //! Frequency responses of a measurement, with what they do not show by themselves.
 
-use super::pulse::Pulse;
-use crate::measure::{Freedom, Motion};
+use crate::measure::{Freedom, Motion, Pulse};
 use crate::number::{Complex, I, complex};
 
 /// A response over a force, against frequency.

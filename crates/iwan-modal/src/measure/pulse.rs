@@ -30,7 +30,7 @@ impl Pulse {
     /// ```
     /// let mut force = vec![0.5; 400];
     /// force[100] = 10.5;
-    /// let pulse = iwan_modal::responses::Pulse::of(&force, 1e-3, false);
+    /// let pulse = iwan_modal::measure::Pulse::of(&force, 1e-3, false);
     /// assert!(pulse.start > 90 && pulse.start + pulse.force.len() < 110);
     /// assert_eq!(pulse.force.iter().sum::<f64>(), 10.0);
     /// ```
