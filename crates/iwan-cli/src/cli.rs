@@ -92,7 +92,7 @@ fn command(command: Command) -> Result<(), Failure> {
         Command::Backbone(args) => backbone::run(&args),
         Command::Envelope(args) => envelope::run(&args),
         Command::Modal(args) => modal::run(&args),
-        Command::Fit(args) => fit::run(&args),
+        Command::Fit(args) => fit::run(args),
         Command::Modes(args) => modes::run(&args),
         Command::QuasiStatic(args) => quasi_static::run(&args),
         Command::Reproduce(args) => reproduce::run(&args),

@@ -11,4 +11,4 @@ mod report;
 mod command;
 
 pub(crate) use args::ModalArgs;
-pub(crate) use command::run;
+pub(crate) use command::{MODAL, SHAPES, run};

@@ -9,8 +9,8 @@ const HIT: f64 = 0.1;
 /// Pulses this close to the one before, s, are a double hit: a hammer that bounces comes back after 5 to 50 ms, a hand strikes anew after more
 /// than 0.2 s.
 pub(super) const BOUNCE: f64 = 0.1;
-/// Part of the distance to the pulse that stays before it when a record is cut: what was there before belongs to the hit before.
-const BEFORE: f64 = 0.02;
+/// Samples that stay before a pulse when a record is cut: its foot, and enough to see whether something moved before.
+const BEFORE: usize = 16;
 
 /// Cuts a record at its hits: each hit gets a name with its number, and ends where the next one begins. A record of one hit stays whole.
 ///
@@ -21,7 +21,7 @@ const BEFORE: f64 = 0.02;
 /// let tip = (0..4000).map(|n| (0.1 * n as f64).sin()).collect();
 /// let record = Hit { name: "taps.csv".into(), dt: 1e-3, force: channel("hammer", force), responses: vec![channel("tip", tip)] };
 /// let hits = cut(record);
-/// assert_eq!((hits.len(), hits[1].name.as_str(), hits[0].samples()), (2, "taps.csv, hit 2", 2060));
+/// assert_eq!((hits.len(), hits[1].name.as_str(), hits[0].samples()), (2, "taps.csv, hit 2", 2084));
 /// ```
 #[must_use]
 pub fn cut(record: Hit) -> Vec<Hit> {
@@ -30,11 +30,7 @@ pub fn cut(record: Hit) -> Vec<Hit> {
         return vec![record];
     }
     let n = record.samples();
-    let lead = |i: usize| {
-        let before = if i == 0 { 0 } else { starts[i - 1] };
-        ((starts[i] - before) as f64 * BEFORE) as usize
-    };
-    let first = |i: usize| if i == 0 { 0 } else { starts[i] - lead(i) };
+    let first = |i: usize| if i == 0 { 0 } else { starts[i] - BEFORE.min(starts[i] - starts[i - 1]) };
     let stretch = |i: usize| {
         let range = first(i)..if i + 1 < starts.len() { first(i + 1) } else { n };
         let part = |c: &Channel| Channel { samples: c.samples[range.clone()].to_vec(), ..c.clone() };

@@ -4,8 +4,8 @@
 use std::f64::consts::{PI, TAU};
 
 use iwan_core::SplitMix64;
+use iwan_modal::Complex;
 use iwan_modal::measure::{Channel, Direction, Freedom, Hit};
-use nalgebra::Complex;
 
 /// A mode: frequency in Hz, damping ratio, half waves along the beam, and whether it twists.
 #[derive(Debug, Clone, Copy)]
