@@ -27,6 +27,10 @@ pub mod modes;
 // All of it in one call.
 mod analysis;
 
+// From when on a decay is linear.
+mod zeroed;
+
 pub use analysis::{Analysis, ModalFit, modal_fit};
 pub use error::Error;
 pub use nalgebra::Complex;
+pub use zeroed::{LinearFrom, Zeroed, ZeroedSpectrum, zeroed};

@@ -75,6 +75,8 @@ pub(crate) enum MethodChoice {
     Peaks,
     /// Peak finding and fitting
     Pff,
+    /// FREEVIB: Feldman's equations on the analytic signal
+    Freevib,
 }
 
 /// Kinds of motion.

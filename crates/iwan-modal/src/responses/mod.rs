@@ -2,7 +2,9 @@
 
 mod set;
 mod estimate;
+mod free;
 
 pub use estimate::{Estimator, Windows, frequency_responses};
+pub use free::free_responses;
 pub(crate) use set::laplace;
 pub use set::{FiniteRecord, FrequencyResponses, Function};
