@@ -14,7 +14,7 @@ use crate::exchange::work;
 /// What the hits were, and how they are looked at.
 #[derive(FromPyObject)]
 #[pyo3(from_item_all)]
-struct Request {
+pub(crate) struct Request {
     dt: f64,
     names: Vec<String>,
     force_at: Option<String>,

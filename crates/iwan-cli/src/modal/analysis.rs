@@ -1,8 +1,10 @@
 //! What is computed: responses and modes at each level of force.
 
-use iwan_modal::measure::{Hit, levels};
+use iwan_modal::measure::{Channel, Hit, levels};
 use iwan_modal::modes::mac;
-use iwan_modal::responses::{Estimator, FrequencyResponses, Function, Windows, frequency_responses};
+use iwan_modal::responses::{
+    Estimator, FiniteRecord, FrequencyResponses, Function, Windows, free_responses, frequency_responses,
+};
 use iwan_modal::{Analysis, ModalFit, modal_fit};
 
 use super::args::{EstimatorChoice, ModalArgs, WayChoice};
@@ -32,6 +34,10 @@ pub(super) fn analyse(test: &Test, args: &ModalArgs) -> Result<Vec<Level>, Failu
         let fit = modal_fit(&responses, args.band, &way, order).map_err(failed)?;
         Ok(Level { force, hits, responses, fit })
     };
+    if !test.decays.is_empty() {
+        let names = test.decays.iter().map(|d| d.0.clone()).collect();
+        return Ok(vec![level(0.0, names, free(test)?)?]);
+    }
     if test.hits.is_empty() {
         return Ok(vec![level(0.0, Vec::new(), measured(test, args)?)?]);
     }
@@ -50,6 +56,23 @@ pub(super) fn analyse(test: &Test, args: &ModalArgs) -> Result<Vec<Level>, Failu
         level(force, hits.iter().map(|h| h.name.clone()).collect(), responses)
     };
     levels(&peaks).iter().map(one).collect()
+}
+
+/// Free decays of all files, cut to the shortest.
+fn free(test: &Test) -> Result<FrequencyResponses, Failure> {
+    let (first, dt, _) = &test.decays[0];
+    let lengths = test.decays.iter().flat_map(|d| &d.2).map(|c| c.samples.len());
+    let shortest = lengths.min().unwrap_or(0);
+    let mut decays = Vec::new();
+    for (name, own, channels) in &test.decays {
+        if (own / dt - 1.0).abs() > SAME_INTERVAL {
+            let message = format!("{name}: sampled at {:.6} Hz, {first} at {:.6} Hz", 1.0 / own, 1.0 / dt);
+            return Err(Failure::input(message, "give decays of one sampling rate"));
+        }
+        let cut = |c: &Channel| Channel { samples: c.samples[..shortest].to_vec(), ..c.clone() };
+        decays.push(channels.iter().map(cut).collect());
+    }
+    free_responses(&decays, *dt, test.motion).map_err(|e| Failure::said("free decays", &e))
 }
 
 /// Intervals of functions may differ by this part, two units of the fifth and last digit that an ASCII header has.
@@ -95,13 +118,14 @@ fn measured(test: &Test, args: &ModalArgs) -> Result<FrequencyResponses, Failure
             variance,
         });
     }
+    let lines = functions[0].values.len();
     Ok(FrequencyResponses {
         step: first.step,
         functions,
         motion: test.motion,
         force: Vec::new(),
         decay: args.exponential.unwrap_or(0.0),
-        record: None,
+        record: Some(FiniteRecord::of_impulse(1.0 / first.step, lines)),
     })
 }
 

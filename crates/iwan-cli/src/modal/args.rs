@@ -30,6 +30,12 @@ pub(crate) struct ModalArgs {
     /// Channel of the hammer [default: the one that measures a force]
     #[arg(long, value_name = "NAME")]
     pub(crate) hammer: Option<String>,
+    /// The files hold free decays from their first sample on, or from --from on, and no force: shapes have no scale then
+    #[arg(long, conflicts_with_all = ["hammer", "at", "exponential"])]
+    pub(crate) free: bool,
+    /// With --free: where the decay begins, s from the first sample
+    #[arg(long, value_name = "S", value_parser = positive, requires = "free")]
+    pub(crate) from: Option<f64>,
     /// Where the hammer hits, POINT or POINT:DIRECTION as in 54:-z [default: what file or table say]
     #[arg(long, value_name = "POINT", value_parser = freedom)]
     pub(crate) at: Option<Freedom>,
@@ -102,6 +108,7 @@ Examples:
   iwan modal hit*.csv --hammer force --at tip         all other channels are points; the hammer hits the one called tip
   iwan modal rove*.mat --points points.toml           which file and channel is which point, from a table
   iwan modal frf.uff --band 50:900                    frequency responses that were measured elsewhere
+  iwan modal decay.csv --free --from 0.1              free decays without a force
   iwan modal hits.uff --method isolation --order 40   mode isolation instead of the stabilisation chart
   iwan fit --modal modal                              on to the joints' parameters, mode by mode
 

@@ -23,6 +23,8 @@ pub(super) struct JudgedHit {
 /// What the files hold.
 pub(super) struct Test {
     pub(super) hits: Vec<JudgedHit>,
+    /// Free decays without a force: file, interval and channels of each.
+    pub(super) decays: Vec<(String, f64, Vec<Channel>)>,
     /// Frequency responses that others measured.
     pub(super) functions: Vec<UffFunction>,
     pub(super) motion: Sensed,
@@ -42,6 +44,7 @@ impl Test {
         };
         let mut test = Self {
             hits: Vec::new(),
+            decays: Vec::new(),
             functions: Vec::new(),
             motion: args.quantity.map_or(Sensed::Acceleration, sensed),
             table,
@@ -73,6 +76,11 @@ impl Test {
         let several = read.measurements.len() > 1;
         for (n, measurement) in read.measurements.into_iter().enumerate() {
             let place = if several { format!("{name}, record {}", n + 1) } else { name.clone() };
+            if args.free {
+                let decay = self.decay(path, &place, measurement, args, quantities)?;
+                self.decays.push(decay);
+                continue;
+            }
             let record = self.record(path, &place, measurement, args, quantities)?;
             for hit in cut(record) {
                 let faults = faults(&hit).iter().map(ToString::to_string).collect();
@@ -82,6 +90,37 @@ impl Test {
         quantities.extend(read.responses.iter().map(|f| (format!("{name}, {}", f.name), f.quantity)));
         self.functions.extend(read.responses);
         Ok(())
+    }
+
+    /// One free decay.
+    fn decay(
+        &self,
+        path: &Path,
+        place: &str,
+        measurement: Measurement,
+        args: &ModalArgs,
+        quantities: &mut Vec<(String, Quantity)>,
+    ) -> Result<(String, f64, Vec<Channel>), Failure> {
+        let skipped = (args.from.unwrap_or(0.0) / measurement.dt).round() as usize;
+        let mut channels = Vec::new();
+        for channel in measurement.channels {
+            let entry = self.table.channel(path, &channel.name);
+            if channel.quantity == Quantity::Force || entry.is_some_and(|e| e.role != Role::Response) {
+                continue;
+            }
+            let freedom = self.freedom(path, place, &channel)?;
+            quantities.push((format!("{place}, channel {}", channel.name), channel.quantity));
+            let scale = entry.map_or(1.0, |e| e.scale);
+            let samples = channel.samples.iter().skip(skipped).map(|x| scale * x).collect();
+            channels.push(Channel { name: channel.name, freedom, samples });
+        }
+        if channels.is_empty() {
+            return Err(Failure::input(
+                format!("{place}: no channel measures a motion"),
+                "check the file and the table of --points",
+            ));
+        }
+        Ok((place.into(), measurement.dt, channels))
     }
 
     /// One record with its hammer and its sensors.

@@ -140,7 +140,7 @@ fn warnings(test: &Test, level: &Level) -> Vec<String> {
         warnings.extend(judged.faults.iter().map(|fault| format!("{name}: {fault}; {advice}")));
     }
     let fit = &level.fit;
-    if fit.scale == Scale::LargestIsOne {
+    if fit.scale == Scale::LargestIsOne && test.decays.is_empty() {
         warnings.push("no response was measured where the hammer hits: shapes are not mass-normalised, their largest value is 1; say where it hits with --at POINT".into());
     }
     let place = |k: usize| {

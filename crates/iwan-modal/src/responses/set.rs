@@ -105,6 +105,17 @@ impl FiniteRecord {
         Self { length: samples as f64 * dt, dt, pulses: Vec::new(), weights: Vec::new() }
     }
 
+    /// Of records of `length` seconds and hits that nobody kept: an impulse at the first sample stands for the hammer. What the true pulse
+    /// makes different is smooth, and goes into the terms for what lies outside the band. `lines` of responses that reach the Nyquist frequency
+    /// give the sampling interval.
+    #[must_use]
+    pub fn of_impulse(length: f64, lines: usize) -> Self {
+        let samples = 2 * lines.saturating_sub(1).max(1);
+        let dt = length / samples as f64;
+        let pulse = Pulse { start: 0, force: vec![dt.recip()], samples, dt };
+        Self { length, dt, pulses: vec![pulse], weights: vec![vec![complex(1.0, 0.0); lines]] }
+    }
+
     /// Whether the records are free decays without a force.
     #[must_use]
     pub fn is_free(&self) -> bool {

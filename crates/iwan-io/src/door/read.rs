@@ -43,11 +43,11 @@ pub fn read_bytes(file: &Path, bytes: &[u8], options: &ReadOptions) -> Result<Re
 }
 
 /// The format by the user's word, by content, or by the extension.
-pub(crate) fn format_of(source: &FileBytes, options: &ReadOptions) -> Option<Format> {
+pub(super) fn format_of(source: &FileBytes, options: &ReadOptions) -> Option<Format> {
     options.format.or_else(|| by_content(source.bytes)).or_else(|| by_extension(source.file))
 }
 
-pub(crate) fn parse(source: FileBytes, options: &ReadOptions) -> Result<Raw, ReadError> {
+pub(super) fn parse(source: FileBytes, options: &ReadOptions) -> Result<Raw, ReadError> {
     match format_of(&source, options) {
         Some(Format::Text) => text::parse(source, options),
         Some(Format::Npy) => numpy::parse_npy(source, options),

@@ -1,11 +1,11 @@
 //! All channels of a file, whatever each of them measures: force and motions of a modal test.
 
+use super::read::{format_of, parse};
 use crate::assembly;
 use crate::error::ReadError;
 use crate::file_bytes::FileBytes;
 use crate::options::{Format, ReadOptions};
 use crate::quantity::Quantity;
-use crate::read::{format_of, parse};
 use crate::uff::{self, NodalDirection, UffFunction};
 use crate::warning::Warning;
 use std::path::Path;
