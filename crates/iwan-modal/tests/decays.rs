@@ -65,7 +65,7 @@ fn decays_that_do_not_fit_together_are_named() {
 fn zeroed_spectra_say_from_when_on_a_decay_is_linear() {
     let (omega, zeta, until) = (TAU * 80.0, 4e-3, 0.4);
     let phase = |t: f64| omega * t + if t < until { 9.0 * (1.0 - t / until).powi(2) } else { 0.0 };
-    let x: Vec<f64> = (0..4096)
+    let x: Vec<f64> = (0..4096_usize)
         .map(|n| {
             let t = n as f64 * DT;
             (-zeta * omega * t).exp() * phase(t).cos()
@@ -77,7 +77,8 @@ fn zeroed_spectra_say_from_when_on_a_decay_is_linear() {
     assert!((0.2..0.45).contains(&time), "{time}");
     assert!((amplitude / (-zeta * omega * time).exp() - 1.0).abs() < 0.01, "{amplitude}");
     assert!(found.modes[0].misfit[0] > 0.2, "{:?}", found.modes[0].misfit);
-    let linear: Vec<f64> =
-        (0..4096).map(|n| (-zeta * omega * n as f64 * DT).exp() * (omega * n as f64 * DT).cos()).collect();
+    let linear: Vec<f64> = (0..4096_usize)
+        .map(|n| (-zeta * omega * n as f64 * DT).exp() * (omega * n as f64 * DT).cos())
+        .collect();
     assert_eq!(zeroed(&linear, DT, (40.0, 160.0)).unwrap().modes[0].time, Some(0.0));
 }

@@ -118,14 +118,19 @@ fn measured(test: &Test, args: &ModalArgs) -> Result<FrequencyResponses, Failure
             variance,
         });
     }
-    let lines = functions[0].values.len();
+    let (lines, decay) = (functions[0].values.len(), args.exponential.unwrap_or(0.0));
     Ok(FrequencyResponses {
         step: first.step,
         functions,
         motion: test.motion,
         force: Vec::new(),
-        decay: args.exponential.unwrap_or(0.0),
-        record: Some(FiniteRecord::of_impulse(1.0 / first.step, lines)),
+        decay,
+        record: Some(FiniteRecord::of_impulse(
+            1.0 / first.step,
+            lines,
+            args.pretrigger.unwrap_or(0.0),
+            decay,
+        )),
     })
 }
 

@@ -63,6 +63,9 @@ pub(crate) struct ModalArgs {
     /// Decay of an exponential window, 1/s: put on hits, known to be on measured frequency responses. Its damping is taken off again [default: 0, none is needed]
     #[arg(long, value_name = "DECAY", value_parser = finite)]
     pub(crate) exponential: Option<f64>,
+    /// With frequency responses: time from the begin of their records to the hit, s. It matters where the records ended before the decay did [default: 0]
+    #[arg(long, value_name = "S", value_parser = positive)]
+    pub(crate) pretrigger: Option<f64>,
     /// Take the force as measured from end to end, noise after the pulse included
     #[arg(long)]
     pub(crate) whole_force: bool,

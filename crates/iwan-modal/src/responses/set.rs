@@ -105,15 +105,18 @@ impl FiniteRecord {
         Self { length: samples as f64 * dt, dt, pulses: Vec::new(), weights: Vec::new() }
     }
 
-    /// Of records of `length` seconds and hits that nobody kept: an impulse at the first sample stands for the hammer. What the true pulse
-    /// makes different is smooth, and goes into the terms for what lies outside the band. `lines` of responses that reach the Nyquist frequency
-    /// give the sampling interval.
+    /// Of records of `length` seconds whose hits nobody kept: an impulse `delay` seconds after the first sample stands for the hammer. What
+    /// the true pulse makes different is smooth, and goes into the terms for what lies outside the band. `lines` of responses that reach the
+    /// Nyquist frequency give the sampling interval; `decay` is that of their exponential window, 1/s.
     #[must_use]
-    pub fn of_impulse(length: f64, lines: usize) -> Self {
+    pub fn of_impulse(length: f64, lines: usize, delay: f64, decay: f64) -> Self {
         let samples = 2 * lines.saturating_sub(1).max(1);
         let dt = length / samples as f64;
-        let pulse = Pulse { start: 0, force: vec![dt.recip()], samples, dt };
-        Self { length, dt, pulses: vec![pulse], weights: vec![vec![complex(1.0, 0.0); lines]] }
+        let start = ((delay / dt).round().max(0.0) as usize).min(samples - 1);
+        let pulse = Pulse { start, force: vec![dt.recip()], samples, dt };
+        let spectrum: Vec<Complex> =
+            (0..lines).map(|k| pulse.transform(laplace(k as f64 / length, decay)).0).collect();
+        Self::new(&[pulse], &[spectrum])
     }
 
     /// Whether the records are free decays without a force.
