@@ -126,7 +126,7 @@ fn hits(forces: &Bound<'_, PyAny>, channels: &[Vec<Channel>], request: &Request)
     let freedom = Freedom::parse(&at)
         .ok_or_else(|| value(format!("force_at = \"{at}\" is no POINT or POINT:DIRECTION")))?;
     let hit = |(h, responses): (usize, &Vec<Channel>)| Hit {
-        name: format!("hit {} (counted from 0)", h),
+        name: format!("hit {h} (counted from 0)"),
         dt: request.dt,
         force: Channel {
             name: "force".into(),

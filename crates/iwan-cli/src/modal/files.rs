@@ -111,7 +111,7 @@ impl Numbers {
             }
         }
         let own: Option<Vec<i64>> = points.iter().map(|p| p.parse().ok().filter(|n| *n > 0)).collect();
-        let numbers = own.unwrap_or_else(|| (1..=points.len() as i64).collect());
+        let numbers = own.unwrap_or_else(|| (1_i64..).take(points.len()).collect());
         Self(points.into_iter().cloned().zip(numbers).collect())
     }
 
