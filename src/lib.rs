@@ -4,6 +4,7 @@ pub use iwan_core as core;
 pub use iwan_fem as fem;
 pub use iwan_ident as ident;
 pub use iwan_io as io;
+pub use iwan_modal as modal;
 pub use iwan_sim as sim;
 pub use iwan_study as study;
 
@@ -38,6 +39,9 @@ pub mod book {
 
     #[doc = include_str!("../book/src/records.md")]
     pub mod records {}
+
+    #[doc = include_str!("../book/src/modal.md")]
+    pub mod modal {}
 
     #[doc = include_str!("../book/src/python.md")]
     pub mod python {}

@@ -9,6 +9,7 @@ use crate::envelope::{self, EnvelopeArgs};
 use crate::failure::Failure;
 use crate::fit::{self, FitArgs};
 use crate::frf::{self, FrfArgs};
+use crate::modal::{self, ModalArgs};
 use crate::modes::{self, ModesArgs};
 use crate::output;
 use crate::quasi_static::{self, QuasiStaticArgs};
@@ -33,6 +34,7 @@ Examples:
   iwan frf beam.toml --out shaker            steady responses to a shaker, over frequency
   iwan envelope hammer.mat --out mode1       amplitude, frequency and damping of a measured ring-down
   iwan fit hammer.mat --out mode1            the joint's parameters from it, with intervals
+  iwan modal hit*.uff --out modal            hits of a hammer to modes, with mass-normalised shapes
   iwan modes structure.toml --out modes      frequencies and shapes of a finite-element structure
   iwan reproduce                             the paper's tables and figures beside ours
 
@@ -45,6 +47,7 @@ enum Command {
     Frf(FrfArgs),
     Backbone(BackboneArgs),
     Envelope(EnvelopeArgs),
+    Modal(ModalArgs),
     Fit(FitArgs),
     Modes(ModesArgs),
     QuasiStatic(QuasiStaticArgs),
@@ -88,7 +91,8 @@ fn command(command: Command) -> Result<(), Failure> {
         Command::Frf(args) => frf::run(&args),
         Command::Backbone(args) => backbone::run(&args),
         Command::Envelope(args) => envelope::run(&args),
-        Command::Fit(args) => fit::run(&args),
+        Command::Modal(args) => modal::run(&args),
+        Command::Fit(args) => fit::run(args),
         Command::Modes(args) => modes::run(&args),
         Command::QuasiStatic(args) => quasi_static::run(&args),
         Command::Reproduce(args) => reproduce::run(&args),

@@ -27,6 +27,7 @@ mod simulate;
 mod frf;
 mod backbone;
 mod envelope;
+mod modal;
 mod fit;
 mod reproduce;
 

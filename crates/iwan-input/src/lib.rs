@@ -14,10 +14,12 @@ mod section;
 
 // What the tables mean.
 mod written_law;
+mod modal_test;
 mod structure;
 pub mod scenario;
 
 pub use error::InputError;
+pub use modal_test::{ChannelEntry, ModalTable, PointEntry, Role};
 pub use section::{Document, Section, TableKind, TablePlace, known, nearest, plain};
 pub use structure::{
     BUILT_IN_STRUCTURES, Load, Output, RunError, STRUCTURE_SCHEMA, StructureFile, StructureTask,

@@ -21,25 +21,26 @@ mod inflate;
 // From named arrays to a record.
 mod assembly;
 
-// One room for each format that is read, and one door to all.
+// One room for each format that is read, and the doors to all.
 mod text;
 mod numpy;
 mod uff;
 mod mat;
 mod lvm;
 mod wav;
-mod read;
+mod door;
 
 // Files that are written.
 pub mod atomic;
 mod table;
 
+pub use door::{MeasuredChannel, Measurement, ModalTest, read, read_bytes, read_modal_test};
 pub use error::ReadError;
 pub use options::{Format, ReadOptions};
 pub use quantity::Quantity;
-pub use read::{read, read_bytes};
 pub use record::{Record, RecordError};
 pub use table::{Table, TableError};
 pub use text::{Columns, parse_table, read_table};
 pub use time_unit::{TimeUnit, UnknownTimeUnit};
+pub use uff::{NodalDirection, UffFunction, functions as uff_functions, write as write_uff};
 pub use warning::Warning;

@@ -16,8 +16,9 @@ mod values;
 mod ring_down;
 mod steady;
 
-// Records and what they tell; structures.
+// Records and what they tell; hits; structures.
 mod records;
+mod modal;
 mod structures;
 
 // The paper reproduced, and the command line, whole.
@@ -29,6 +30,8 @@ mod command;
 mod _native {
     #[pymodule_export]
     use crate::command::_command;
+    #[pymodule_export]
+    use crate::modal::_modal_fit;
     #[pymodule_export]
     use crate::records::envelope::{_envelope, _envelopes, Envelope, envelope};
     #[pymodule_export]

@@ -35,6 +35,7 @@ fn style(method: Method) -> (Mark, &'static str) {
         Method::Peaks => (Mark::Dashed, colour::VERMILLION),
         Method::PeakFitting => (Mark::Line, colour::GREEN),
         Method::Demodulation => (Mark::Dashed, colour::PURPLE),
+        Method::FreeVibration => (Mark::Line, colour::ORANGE),
     }
 }
 

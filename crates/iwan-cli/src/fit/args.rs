@@ -20,8 +20,11 @@ use crate::session::Place;
 #[command(after_help = FIT_EXAMPLES)]
 pub(crate) struct FitArgs {
     /// Files with the records, one for each force level
-    #[arg(value_name = "RECORD", required = true, value_hint = ValueHint::FilePath)]
+    #[arg(value_name = "RECORD", required_unless_present = "modal", value_hint = ValueHint::FilePath)]
     pub(crate) fit: Vec<PathBuf>,
+    /// Folder that `iwan modal` wrote: its mode shapes, where its modes are, and, without RECORD, the files of its hits
+    #[arg(long, value_name = "DIR", value_hint = ValueHint::DirPath, conflicts_with_all = ["shapes", "modes"])]
+    pub(crate) modal: Option<PathBuf>,
     /// Folder for the results; without it `iwan-fit`, or the next free number behind it
     #[arg(long, value_name = "DIR", value_hint = ValueHint::DirPath)]
     pub(crate) out: Option<PathBuf>,
@@ -49,6 +52,7 @@ Examples:
   iwan fit soft.csv hard.csv --band 60:105 --out mode1      two force levels of one mode, fitted jointly
   iwan fit hammer.mat --time HIdata.time --channel HIdata.acc1 --band 60:105
   iwan fit tap.uff --shapes shapes.csv                      every mode of the file of mode shapes
+  iwan fit --modal iwan-modal --band 110:135                the hits and shapes of `iwan modal`, one of its modes
   iwan fit tap.csv --hold damping_ratio=0                   what comes out if all damping is friction
   iwan simulate iwan-fit/scenario.toml                      the fitted model, simulated
   iwan fit tap.csv --json --quiet | jq '.modes[0].k_t'";

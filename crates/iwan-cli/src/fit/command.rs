@@ -7,6 +7,7 @@ use iwan_io::Table;
 use iwan_sim::in_parallel;
 
 use super::args::FitArgs;
+use super::modal::over_from_modal;
 use super::report::{Reported, render};
 use super::scenario::as_scenario;
 use super::summary::FitSummary;
@@ -22,7 +23,11 @@ const WHOLE: &str = "fit.json";
 const SCENARIO: &str = "scenario.toml";
 
 /// Runs the command.
-pub(crate) fn run(args: &FitArgs) -> Result<(), Failure> {
+pub(crate) fn run(mut args: FitArgs) -> Result<(), Failure> {
+    if let Some(folder) = args.modal.take() {
+        over_from_modal(&mut args, &folder)?;
+    }
+    let args = &args;
     let recordings = records::read_all(&args.fit, &args.records)?;
     let [curves, response] = ["curves", "response"].map(|stem| args.format.file(stem));
     let files = [WHOLE, SUMMARY, SCENARIO, PAGE, &curves, &response];

@@ -1,6 +1,7 @@
 //! `iwan fit`: from records to the parameters of an Iwan joint, with intervals and a verdict.
 
 mod args;
+mod modal;
 mod summary;
 mod scenario;
 mod figures;

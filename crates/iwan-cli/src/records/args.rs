@@ -75,6 +75,8 @@ pub(crate) enum MethodChoice {
     Peaks,
     /// Peak finding and fitting
     Pff,
+    /// FREEVIB: Feldman's equations on the analytic signal
+    Freevib,
 }
 
 /// Kinds of motion.
@@ -122,7 +124,7 @@ fn time_unit(text: &str) -> Result<TimeUnit, String> {
 }
 
 /// `LOW:HIGH` in Hz.
-fn band(text: &str) -> Result<(f64, f64), String> {
+pub(crate) fn band(text: &str) -> Result<(f64, f64), String> {
     let wrong = || "must be LOW:HIGH in Hz with 0 < LOW < HIGH, as in 60:105".to_string();
     let (low, high) = text.split_once(':').ok_or_else(wrong)?;
     match (positive(low), positive(high)) {

@@ -40,7 +40,10 @@ impl Extraction {
         let said = |e: iwan_ident::Error| Failure::said(&place, &e);
         let dt = recording.record.dt();
         let isolated = isolate(&modal.samples, dt, &wanted.options).map_err(said)?;
-        let opinions = isolated.opinions(None);
+        let mut opinions = isolated.opinions(None);
+        if !Method::INDEPENDENT.contains(&method) {
+            opinions.envelopes.push(isolated.envelope(method, None).map_err(said)?);
+        }
         if let Some(refused) = opinions.refused.iter().find(|r| r.method == method) {
             return Err(said(refused.error.clone()));
         }

@@ -7,7 +7,7 @@ mod reading;
 mod stretches;
 mod extraction;
 
-pub(crate) use args::{Axis, MethodChoice, RecordArgs};
+pub(crate) use args::{Axis, MethodChoice, Motion, RecordArgs, band};
 pub(crate) use extraction::Extraction;
 pub(crate) use reading::{ModalRecord, Recording, Wanted, modes};
 pub(crate) use stretches::read_all;

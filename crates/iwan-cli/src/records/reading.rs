@@ -203,6 +203,7 @@ impl MethodChoice {
             Self::Hilbert => iwan_ident::signal::Method::Hilbert,
             Self::Peaks => iwan_ident::signal::Method::Peaks,
             Self::Pff => iwan_ident::signal::Method::PeakFitting,
+            Self::Freevib => iwan_ident::signal::Method::FreeVibration,
         }
     }
 }

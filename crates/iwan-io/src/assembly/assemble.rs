@@ -80,6 +80,22 @@ pub(crate) fn assemble(source: &FileBytes, mut raw: Raw, options: &ReadOptions) 
     Ok(record.with_quantity(quantity, unit).with_warnings(raw.warnings))
 }
 
+/// All channels whatever they measure, with their interval in s and what was noticed.
+pub(crate) fn all_channels(
+    source: &FileBytes,
+    mut raw: Raw,
+    options: &ReadOptions,
+) -> Result<(f64, Vec<Channel>, Vec<Warning>), ReadError> {
+    if let Some(value) = options.rate.filter(|r| !(r.is_finite() && *r > 0.0)) {
+        return Err(ReadError::Rate { file: source.file.into(), value });
+    }
+    let Grid { dt, .. } = place_in_time(source, &mut raw, options)?;
+    // The record checks intervals, lengths and samples.
+    let (names, samples) = raw.channels.iter().map(|c| (c.name.clone(), c.values.clone())).unzip();
+    Record::new(dt, samples, names).map_err(|e| source.record(e))?;
+    Ok((dt, raw.channels, raw.warnings))
+}
+
 /// Leaves out channels of another quantity than the one wanted; what is no motion beside one kind of motion is left out, too.
 fn keep_one_quantity(source: &FileBytes, raw: &mut Raw, wanted: Option<Quantity>) -> Result<(), ReadError> {
     let found = quantities(&raw.channels);

@@ -8,6 +8,6 @@ mod sampling;
 mod assemble;
 mod variables;
 
-pub(crate) use assemble::{Axis, Channel, Raw, assemble};
+pub(crate) use assemble::{Axis, Channel, Raw, all_channels, assemble};
 pub(crate) use variable::Variable;
 pub(crate) use variables::Chooser;

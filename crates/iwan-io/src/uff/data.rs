@@ -51,6 +51,28 @@ pub(super) fn read(
     Ok(points)
 }
 
+/// Values of an even abscissa, real or complex: real parts, and imaginary parts where there are any.
+pub(super) fn read_any(
+    source: &FileBytes,
+    section: &Section,
+    header: &Header,
+    warnings: &mut Vec<Warning>,
+) -> Result<(Vec<f64>, Vec<f64>), ReadError> {
+    if !matches!(header.data_type, 5 | 6) {
+        return Ok((read(source, section, header, warnings)?.values, Vec::new()));
+    }
+    let values = match section.binary {
+        Some(Binary { order, .. }) => {
+            let kind = if header.data_type == 6 { NumberType::F64 } else { NumberType::F32 };
+            to_f64(section.data, kind, order)
+        }
+        None => text_values(source, section, &if header.data_type == 6 { [20, 20] } else { [13, 13] })?,
+    };
+    let (re, im): (Vec<f64>, Vec<f64>) = values.chunks_exact(2).map(|p| (p[0], p[1])).unzip();
+    check_count(source, section, header, re.len(), warnings)?;
+    Ok((re, im))
+}
+
 fn check_count(
     source: &FileBytes,
     section: &Section,

@@ -1,5 +1,6 @@
 //! Records 1 to 11 of a dataset 58.
 
+use super::nodal::NodalDirection;
 use super::sections::Section;
 use crate::assembly::units;
 use crate::error::ReadError;
@@ -11,7 +12,11 @@ use crate::quantity::Quantity;
 pub(super) struct Header {
     id: String,
     response: String,
-    function_type: i64,
+    /// Node and direction of the response …
+    pub(super) response_at: NodalDirection,
+    /// … and of the reference.
+    pub(super) reference_at: NodalDirection,
+    pub(super) function_type: i64,
     /// 2 real single, 4 real double, 5 complex single, 6 complex double.
     pub(super) data_type: i64,
     /// Number of points as the header says.
@@ -38,6 +43,8 @@ impl Header {
         Ok(Self {
             id: line(0).trim().into(),
             response: response(&dof),
+            response_at: nodal(&dof, 41),
+            reference_at: nodal(&dof, 66),
             function_type: integer(&dof, 0, 5),
             data_type: integer_field(&form, 0),
             points: form.get(1).and_then(|f| f.parse().ok()).unwrap_or(0),
@@ -110,6 +117,11 @@ fn response(dof: &str) -> String {
         (true, _) => format!("node {node} direction {direction}"),
         (false, _) => format!("{entity} {node} {direction}"),
     }
+}
+
+/// Node and direction from a column on, Format(I10,I4).
+fn nodal(dof: &str, at: usize) -> NodalDirection {
+    NodalDirection { node: integer(dof, at, at + 10), direction: integer(dof, at + 10, at + 14) }
 }
 
 fn is_none(text: &str) -> bool {

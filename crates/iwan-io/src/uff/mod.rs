@@ -4,9 +4,15 @@
 //! Cincinnati. Every dataset with a real time history is a channel; other datasets are skipped, spectra and complex
 //! functions with a warning.
 
+mod nodal;
 mod sections;
 mod header;
 mod data;
+mod functions;
+pub mod write;
+
+pub use functions::{UffFunction, functions};
+pub use nodal::NodalDirection;
 
 use crate::assembly::{Axis, Channel, Raw};
 use crate::error::ReadError;

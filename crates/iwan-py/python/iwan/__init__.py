@@ -55,6 +55,7 @@ from iwan.errors import (
     StructureError,
 )
 
+from iwan.modal import ModalFit, ModalMode, modal_fit
 from iwan.records import as_record
 from iwan.steady import Backbone, SteadyResponse, backbone, frf
 from iwan.structure import StaticCurves, Structure, StructureModes, StructureResponse
@@ -79,6 +80,8 @@ __all__ = [
     "Joint",
     "LogLikelihood",
     "MissingFileError",
+    "ModalFit",
+    "ModalMode",
     "Mode",
     "ModeCurves",
     "Part",
@@ -108,6 +111,7 @@ __all__ = [
     "fit",
     "frf",
     "log_likelihood",
+    "modal_fit",
     "plot",
     "read_record",
     "reproduce",

@@ -431,6 +431,9 @@ def _frf(
     points: int,
     threads: int | None,
 ) -> list[list[dict[str, Any]]]: ...
+def _modal_fit(
+    forces: ArrayLike | None, responses: ArrayLike, request: dict[str, Any]
+) -> dict[str, Any]: ...
 def _backbone(
     modes: Sequence[Mode], amplitude: ArrayLike, harmonics: int, threads: int | None
 ) -> list[dict[str, Any]]: ...

@@ -14,7 +14,7 @@ Grid: TypeAlias = Literal["graded", "uniform"] | float
 Method: TypeAlias = Literal["newmark", "half-cycle", "averaging", "event"]
 """Methods of `simulate`."""
 
-EnvelopeMethod: TypeAlias = Literal["hilbert", "peaks", "pff", "demodulation"]
+EnvelopeMethod: TypeAlias = Literal["hilbert", "peaks", "pff", "demodulation", "freevib"]
 """Methods of `envelope`."""
 
 History: TypeAlias = Literal["displacement", "velocity", "acceleration", "joint_force"]

@@ -74,6 +74,11 @@ pub(crate) fn simulation_at(place: &str, error: SimulationError) -> PyErr {
     }
 }
 
+/// Records that do not tell what was asked: `iwan.IdentificationError`.
+pub(crate) fn identification_failed(message: String) -> PyErr {
+    python::IdentificationError::new_err(message)
+}
+
 /// An error of iwan-ident.
 pub(crate) fn identification(error: iwan_ident::Error) -> PyErr {
     told_at("", error)

@@ -36,7 +36,7 @@ impl Isolated {
     /// [`Error::OutOfRange`] when the sampling rate is too low for the method; [`Error::TooShort`].
     pub fn envelope(&self, method: Method, order: Option<usize>) -> Result<Envelope, Error> {
         let traces = match method {
-            Method::Hilbert => Traces {
+            Method::Hilbert | Method::FreeVibration => Traces {
                 amplitude: Trace { t: self.raw.t.clone(), y: self.raw.log_amplitude.clone() },
                 phase: Trace { t: self.raw.t.clone(), y: self.raw.phase.clone() },
             },
@@ -83,6 +83,9 @@ impl Isolated {
         for i in 0..=count {
             envelope.push(&*amplitude, &*phase.curve, envelope.t[i], self.band.peak);
         }
+        if method == Method::FreeVibration {
+            envelope.by_feldman(&*amplitude, &*phase.curve, self.band.peak);
+        }
         Ok(envelope)
     }
 
@@ -113,7 +116,7 @@ impl Isolated {
                 let intervals = spline.intervals();
                 Fitted { curve: Box::new(spline), order: intervals }
             }
-            Method::PeakFitting | Method::Demodulation => {
+            Method::PeakFitting | Method::Demodulation | Method::FreeVibration => {
                 let half = self.neighbourhood();
                 let cycles = (2.0 * half * self.band.peak).round() as usize;
                 Fitted { curve: Box::new(LocalFit::new(&points, half)), order: cycles }
@@ -149,6 +152,25 @@ fn common(a: &[f64], b: &[f64]) -> Result<(f64, f64), Error> {
 }
 
 impl Envelope {
+    /// Frequency and damping of an oscillator whose stiffness and damping move with the amplitude (Feldman 1994): with L = ln A
+    /// and ω = θ' the natural frequency ω0² = ω² - L'' + L'² + L' ω'/ω and the damping coefficient h = -L' - ω'/(2ω). Frequency is
+    /// √(ω0² - h²), as the other methods give it for a linear mode. Second derivatives are differences over a cycle.
+    fn by_feldman(&mut self, amplitude: &dyn Smooth, phase: &dyn Smooth, centre: f64) {
+        let turn = std::f64::consts::TAU;
+        let step = 0.5 / centre;
+        let (first, last) = self.trusted;
+        for i in 0..self.t.len() {
+            let (from, to) = ((self.t[i] - step).max(first), (self.t[i] + step).min(last));
+            let rate = |curve: &dyn Smooth| (curve.at(to).slope - curve.at(from).slope) / (to - from);
+            let (slope, omega) = (amplitude.at(self.t[i]).slope, turn * centre + phase.at(self.t[i]).slope);
+            let (bend, drift) = (rate(amplitude), rate(phase));
+            let natural = omega * omega - bend + slope * slope + slope * drift / omega;
+            let damping = -slope - 0.5 * drift / omega;
+            self.frequency[i] = (natural - damping * damping).max(0.0).sqrt() / turn;
+            self.damping_ratio[i] = damping / natural.max(f64::MIN_POSITIVE).sqrt();
+        }
+    }
+
     fn push(&mut self, amplitude: &dyn Smooth, phase: &dyn Smooth, t: f64, centre: f64) {
         let (a, p) = (amplitude.at(t), phase.at(t));
         let turn = std::f64::consts::TAU;

@@ -13,11 +13,18 @@ pub enum Method {
     PeakFitting,
     /// Hann-windowed demodulation at the spectral peak, moving least squares: a cross-check, coarser at the ends.
     Demodulation,
+    /// FREEVIB: analytic signal, moving least squares, and Feldman's equations for the natural frequency and the damping coefficient of an
+    /// oscillator whose stiffness and damping move (M. Feldman, Mechanical Systems and Signal Processing 8:119, 1994,
+    /// doi:10.1006/mssp.1994.1011). It differs from the others where amplitude and frequency change fast.
+    FreeVibration,
 }
 
 impl Method {
     /// All methods, the default first.
-    pub const ALL: [Self; 4] = [Self::Hilbert, Self::Peaks, Self::PeakFitting, Self::Demodulation];
+    pub const ALL: [Self; 5] =
+        [Self::Hilbert, Self::Peaks, Self::PeakFitting, Self::Demodulation, Self::FreeVibration];
+    /// Those that have a way of their own to amplitude and phase, so that they are opinions of one another.
+    pub const INDEPENDENT: [Self; 4] = [Self::Hilbert, Self::Peaks, Self::PeakFitting, Self::Demodulation];
 
     /// Its name in reports and options.
     #[must_use]
@@ -27,6 +34,7 @@ impl Method {
             Self::Peaks => "peaks",
             Self::PeakFitting => "pff",
             Self::Demodulation => "demodulation",
+            Self::FreeVibration => "freevib",
         }
     }
 }

@@ -81,7 +81,7 @@ pub struct Refusal {
 /// What the methods say on one mode of a record.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Opinions {
-    /// One envelope per method that could be used, in the order of [`Method::ALL`].
+    /// One envelope per method that could be used, in the order of [`Method::INDEPENDENT`].
     pub envelopes: Vec<Envelope>,
     /// The others.
     pub refused: Vec<Refusal>,
@@ -111,7 +111,7 @@ impl Isolated {
     #[must_use]
     pub fn opinions(&self, order: Option<usize>) -> Opinions {
         let (mut envelopes, mut refused) = (Vec::new(), Vec::new());
-        for method in Method::ALL {
+        for method in Method::INDEPENDENT {
             match self.envelope(method, order.filter(|_| method == Method::Hilbert)) {
                 Ok(envelope) => envelopes.push(envelope),
                 Err(error) => refused.push(Refusal { method, error }),

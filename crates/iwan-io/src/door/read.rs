@@ -42,9 +42,13 @@ pub fn read_bytes(file: &Path, bytes: &[u8], options: &ReadOptions) -> Result<Re
     assemble(&source, raw, options)
 }
 
-fn parse(source: FileBytes, options: &ReadOptions) -> Result<Raw, ReadError> {
-    let format = options.format.or_else(|| by_content(source.bytes)).or_else(|| by_extension(source.file));
-    match format {
+/// The format by the user's word, by content, or by the extension.
+pub(super) fn format_of(source: &FileBytes, options: &ReadOptions) -> Option<Format> {
+    options.format.or_else(|| by_content(source.bytes)).or_else(|| by_extension(source.file))
+}
+
+pub(super) fn parse(source: FileBytes, options: &ReadOptions) -> Result<Raw, ReadError> {
+    match format_of(&source, options) {
         Some(Format::Text) => text::parse(source, options),
         Some(Format::Npy) => numpy::parse_npy(source, options),
         Some(Format::Npz) => numpy::parse_npz(source, options),

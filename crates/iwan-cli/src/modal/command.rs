@@ -1,0 +1,37 @@
+//! `iwan modal` from files to results.
+
+use super::analysis::analyse;
+use super::args::ModalArgs;
+use super::files::{frf_columns, shape_columns, universal};
+use super::hits::Test;
+use super::report::render;
+use super::summary::ModalSummary;
+use crate::args::Format;
+use crate::failure::Failure;
+use crate::session::{PAGE, Session};
+
+/// The summary, which `iwan fit --modal` reads.
+pub(crate) const MODAL: &str = "modal.json";
+/// Shapes, which `--shapes` reads.
+pub(crate) const SHAPES: &str = "shapes.csv";
+const RESPONSES: &str = "frf.csv";
+const UNIVERSAL: &str = "shapes.uff";
+
+/// Runs the command.
+pub(crate) fn run(args: &ModalArgs) -> Result<(), Failure> {
+    let test = Test::read(args)?;
+    let mut session = Session::open(args.place(), &args.common, [MODAL, RESPONSES, SHAPES, UNIVERSAL, PAGE])?;
+    let levels = analyse(&test, args)?;
+    let chosen = args.level.get() - 1;
+    let Some(level) = levels.get(chosen) else {
+        let message = format!("--level {}: there are {} levels of force", args.level, levels.len());
+        return Err(Failure::input(message, "choose one of them, the softest is 1"));
+    };
+    let summary = ModalSummary::new(&test, &levels, chosen, args);
+    session.columns(RESPONSES, &frf_columns(level), Format::Csv)?;
+    session.columns(SHAPES, &shape_columns(&level.fit), Format::Csv)?;
+    session.file(UNIVERSAL, universal(&test, level).as_bytes())?;
+    session.summary(MODAL, &summary)?;
+    session.page(&render(&test, level, &summary))?;
+    session.finish(&summary)
+}

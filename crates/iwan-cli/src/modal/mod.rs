@@ -1,0 +1,14 @@
+//! `iwan modal`: hits of a hammer to frequency responses, mode shapes and modal records.
+
+mod args;
+mod hits;
+mod analysis;
+mod summary;
+mod files;
+mod figures;
+mod shape_picture;
+mod report;
+mod command;
+
+pub(crate) use args::ModalArgs;
+pub(crate) use command::{MODAL, SHAPES, run};

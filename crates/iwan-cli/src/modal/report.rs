@@ -1,0 +1,85 @@
+//! The report of `iwan modal`.
+
+use maud::{Markup, html};
+
+use super::analysis::Level;
+use super::figures::{chart, coherence, composite, response};
+use super::hits::Test;
+use super::shape_picture::draw;
+use super::summary::ModalSummary;
+use crate::page::html::{grid, page, warnings};
+use crate::page::numbers::short;
+use crate::session::VERSION;
+
+/// The page.
+pub(super) fn render(test: &Test, level: &Level, summary: &ModalSummary) -> String {
+    let figures = [Some(composite(level)), Some(response(level)), chart(level), coherence(level)];
+    let figures: Vec<_> = figures.into_iter().flatten().collect();
+    let body = html! {
+        h1 { "Modes from hits" }
+        p.about {
+            (summary.modes.len()) " modes between " (format!("{:.3}", summary.band[0])) " and " (format!("{:.3}", summary.band[1]))
+            " Hz, shapes at " (summary.channels.len()) " channels. Written by iwan " (VERSION) "."
+        }
+        (warnings(&summary.warnings))
+        nav { a href="#modes" { "Modes" } a href="#responses" { "Responses" } a href="#shapes" { "Shapes" } a href="#levels" { "Levels" } }
+        h2 id="modes" { "Modes" }
+        p { "\u{b1} is one standard deviation from the scatter of hits and from what the fit leaves; spread of calibrations is not in it. MPC: 1 for a real shape." }
+        (table(summary))
+        h2 id="responses" { "Responses" }
+        (grid(&figures))
+        h2 id="shapes" { "Shapes" }
+        div.figures { @for m in &level.fit.modes {
+            (draw(&test.table, &level.fit.freedoms, &m.real_shape, &format!("{:.3} Hz, {:.4} %", m.frequency, 100.0 * m.damping_ratio)))
+        } }
+        h2 id="levels" { "Levels of force" }
+        (levels(summary))
+        @if !summary.hits.is_empty() { h2 { "Hits" } (hits(summary)) }
+    };
+    page("iwan modal", &body)
+}
+
+fn table(summary: &ModalSummary) -> Markup {
+    html! {
+        div.wide { table {
+            thead { tr { th { "mode" } th { "frequency, Hz" } th { "\u{b1}" } th { "damping, %" } th { "\u{b1}" } th { "MPC" } } }
+            tbody { @for (n, m) in summary.modes.iter().enumerate() { tr {
+                th { (n + 1) }
+                td { (format!("{:.5}", m.frequency)) }
+                td { (short(m.frequency_sd)) }
+                td { (format!("{:.5}", 100.0 * m.damping_ratio)) }
+                td { (short(100.0 * m.damping_ratio_sd)) }
+                td { (format!("{:.4}", m.phase_collinearity)) }
+            } } }
+        } }
+    }
+}
+
+/// Frequencies and damping level by level: what moves is not linear.
+fn levels(summary: &ModalSummary) -> Markup {
+    html! {
+        div.wide { table {
+            thead { tr { th { "mode" } @for l in &summary.levels { th { "force " (short(l.force)) ": Hz" } th { "%" } th { "MAC" } } } }
+            tbody { @for n in 0..summary.modes.len() { tr {
+                th { (n + 1) }
+                @for l in &summary.levels { @match &l.modes[n] {
+                    Some(m) => { td { (format!("{:.4}", m.frequency)) } td { (format!("{:.4}", 100.0 * m.damping_ratio)) } td { (format!("{:.4}", m.mac)) } },
+                    None => { td { "\u{2013}" } td { "\u{2013}" } td { "\u{2013}" } },
+                } }
+            } } }
+        } }
+    }
+}
+
+fn hits(summary: &ModalSummary) -> Markup {
+    html! {
+        div.wide { table {
+            thead { tr { th { "hit" } th { "peak force" } th { "faults" } } }
+            tbody { @for h in &summary.hits { tr {
+                th { (h.name) @if h.left_out { " (left out)" } }
+                td { (short(h.peak_force)) }
+                td { (h.faults.join("; ")) }
+            } } }
+        } }
+    }
+}

@@ -1,0 +1,232 @@
+//! What `iwan modal` says: `modal.json`, and the table on the terminal.
+
+use std::fmt::Write;
+
+use iwan_modal::modes::Scale;
+use serde::Serialize;
+use serde_json::{Map, Value, json};
+
+use super::analysis::{Level, partners};
+use super::hits::Test;
+use crate::page::numbers::short;
+use crate::session::Summary;
+
+/// A mode.
+#[derive(Debug, Clone, Serialize)]
+pub(crate) struct ModeSummary {
+    pub(crate) frequency: f64,
+    pub(crate) frequency_sd: f64,
+    pub(crate) damping_ratio: f64,
+    pub(crate) damping_ratio_sd: f64,
+    /// Real shape by channel.
+    pub(crate) shape: Map<String, Value>,
+    pub(crate) shape_sd: Map<String, Value>,
+    /// Complex shape by channel, [re, im].
+    pub(crate) complex_shape: Map<String, Value>,
+    pub(crate) phase_collinearity: f64,
+    pub(crate) reciprocity: Option<f64>,
+}
+
+/// Frequency and damping of a mode at another level.
+#[derive(Debug, Clone, Serialize)]
+pub(crate) struct LevelMode {
+    pub(crate) frequency: f64,
+    pub(crate) damping_ratio: f64,
+    /// Modal assurance criterion with the reported mode.
+    pub(crate) mac: f64,
+}
+
+/// A level of force.
+#[derive(Debug, Clone, Serialize)]
+pub(crate) struct LevelSummary {
+    /// Mean peak force.
+    pub(crate) force: f64,
+    pub(crate) hits: Vec<String>,
+    /// Root mean square of what the fit leaves over that of the responses.
+    pub(crate) misfit: f64,
+    /// One entry for each reported mode; null where the level has no such mode.
+    pub(crate) modes: Vec<Option<LevelMode>>,
+}
+
+/// A hit.
+#[derive(Debug, Clone, Serialize)]
+pub(crate) struct HitSummary {
+    pub(crate) name: String,
+    pub(crate) peak_force: f64,
+    pub(crate) faults: Vec<String>,
+    pub(crate) left_out: bool,
+}
+
+/// The whole.
+#[derive(Debug, Clone, Serialize)]
+pub(crate) struct ModalSummary {
+    /// Files that were read, as absolute paths where they can be told, so that `iwan fit --modal` finds them.
+    pub(crate) sources: Vec<String>,
+    pub(crate) quantity: &'static str,
+    pub(crate) band: [f64; 2],
+    pub(crate) mass_normalised: bool,
+    /// Which level the modes are of, counted from 1.
+    pub(crate) level: usize,
+    pub(crate) channels: Vec<String>,
+    pub(crate) freedoms: Vec<String>,
+    pub(crate) modes: Vec<ModeSummary>,
+    pub(crate) levels: Vec<LevelSummary>,
+    pub(crate) hits: Vec<HitSummary>,
+    pub(crate) warnings: Vec<String>,
+}
+
+/// Below this mean coherence of a response in the band noise, or a channel that is not what it seems, decides.
+const INCOHERENT: f64 = 0.5;
+/// A channel in which the fit leaves this part of it does not move with the modes of the others.
+const STRANGER: f64 = 0.5;
+
+impl ModalSummary {
+    pub(super) fn new(test: &Test, levels: &[Level], chosen: usize, args: &super::args::ModalArgs) -> Self {
+        let fit = &levels[chosen].fit;
+        let by_name = |values: &[Value]| fit.names.iter().cloned().zip(values.iter().cloned()).collect();
+        let modes = fit.modes.iter().map(|m| ModeSummary {
+            frequency: m.frequency,
+            frequency_sd: m.frequency_sd,
+            damping_ratio: m.damping_ratio,
+            damping_ratio_sd: m.damping_ratio_sd,
+            shape: by_name(&m.real_shape.iter().map(|x| json!(x)).collect::<Vec<_>>()),
+            shape_sd: by_name(&m.shape_sd.iter().map(|x| json!(x)).collect::<Vec<_>>()),
+            complex_shape: by_name(&m.shape.iter().map(|x| json!([x.re, x.im])).collect::<Vec<_>>()),
+            phase_collinearity: m.phase_collinearity,
+            reciprocity: m.reciprocity,
+        });
+        let level = |own: &Level| {
+            let mode = |partner: Option<(usize, f64)>| {
+                let (i, mac) = partner?;
+                let m = &own.fit.modes[i];
+                Some(LevelMode { frequency: m.frequency, damping_ratio: m.damping_ratio, mac })
+            };
+            LevelSummary {
+                force: own.force,
+                hits: own.hits.clone(),
+                misfit: own.fit.fitted.misfit,
+                modes: partners(fit, &own.fit).into_iter().map(mode).collect(),
+            }
+        };
+        let path = |p: &std::path::PathBuf| {
+            std::path::absolute(p).unwrap_or_else(|_| p.clone()).display().to_string()
+        };
+        Self {
+            sources: args.files.iter().map(path).collect(),
+            quantity: ["displacement", "velocity", "acceleration"][test.motion.derivatives() as usize],
+            band: [fit.band.0, fit.band.1],
+            mass_normalised: fit.scale == Scale::DrivePoint,
+            level: chosen + 1,
+            channels: fit.names.clone(),
+            freedoms: fit.freedoms.iter().map(ToString::to_string).collect(),
+            modes: modes.collect(),
+            levels: levels.iter().map(level).collect(),
+            hits: test.hits.iter().map(hit).collect(),
+            warnings: warnings(test, &levels[chosen]),
+        }
+    }
+}
+
+fn hit(judged: &super::hits::JudgedHit) -> HitSummary {
+    let (name, peak_force) = (judged.hit.name.clone(), judged.hit.peak_force());
+    HitSummary { name, peak_force, faults: judged.faults.clone(), left_out: judged.left_out }
+}
+
+fn warnings(test: &Test, level: &Level) -> Vec<String> {
+    let mut warnings = test.warnings.clone();
+    for judged in test.hits.iter().filter(|h| !h.left_out) {
+        let name = &judged.hit.name;
+        let advice = format!("leave it out with --leave-out \"{name}\"");
+        warnings.extend(judged.faults.iter().map(|fault| format!("{name}: {fault}; {advice}")));
+    }
+    let fit = &level.fit;
+    if fit.scale == Scale::LargestIsOne && test.decays.is_empty() {
+        warnings.push("no response was measured where the hammer hits: shapes are not mass-normalised, their largest value is 1; say where it hits with --at POINT".into());
+    }
+    let place = |k: usize| {
+        let f = &level.responses.functions[k];
+        let named = |h: &&super::hits::JudgedHit| {
+            h.hit.force.freedom == f.force && h.hit.responses.iter().any(|c| c.freedom == f.response)
+        };
+        let file = test.hits.iter().find(named).map_or_else(String::new, |h| format!("{}, ", h.file));
+        format!("{file}channel {} ({} over {})", f.name, f.response, f.force)
+    };
+    let lines = |v: &[f64]| {
+        let at = |f: f64| (f / level.responses.step) as usize;
+        let part = &v[at(fit.band.0).min(v.len() - 1)..=at(fit.band.1).min(v.len() - 1)];
+        part.iter().sum::<f64>() / part.len() as f64
+    };
+    for (k, f) in level.responses.functions.iter().enumerate() {
+        if !f.coherence.is_empty() && lines(&f.coherence) < INCOHERENT {
+            warnings.push(format!(
+                "{}: mean coherence {:.2} in the band: noise, a loose sensor, or hits at other points",
+                place(k),
+                lines(&f.coherence)
+            ));
+        }
+        if fit.fitted.left[k] > STRANGER {
+            warnings.push(format!(
+                "{}: the modes leave {:.0} % of it: it does not move as the other channels do",
+                place(k),
+                100.0 * fit.fitted.left[k]
+            ));
+        }
+    }
+    if let Some(doubt) = fit.drive_point_doubt() {
+        warnings.push(doubt);
+    }
+    warnings
+}
+
+impl Summary for ModalSummary {
+    fn warnings(&self) -> &[String] {
+        &self.warnings
+    }
+
+    fn text(&self) -> String {
+        let mut text = format!(
+            "{} modes between {:.3} and {:.3} Hz, shapes at {} channels{}\n\n{:>14}{:>12}{:>14}{:>12}{:>9}\n",
+            self.modes.len(),
+            self.band[0],
+            self.band[1],
+            self.channels.len(),
+            if self.mass_normalised { ", mass-normalised" } else { " (largest value 1)" },
+            "frequency, Hz",
+            "sd",
+            "damping, %",
+            "sd",
+            "MPC"
+        );
+        for m in &self.modes {
+            // Writing to a string cannot fail.
+            let _ = writeln!(
+                text,
+                "{:>14.5}{:>12}{:>14.5}{:>12}{:>9.4}",
+                m.frequency,
+                short(m.frequency_sd),
+                100.0 * m.damping_ratio,
+                short(100.0 * m.damping_ratio_sd),
+                m.phase_collinearity
+            );
+        }
+        for (n, level) in self.levels.iter().enumerate().filter(|_| self.levels.len() > 1) {
+            let _ = writeln!(
+                text,
+                "\nlevel {} ({} hits, peak force {}):",
+                n + 1,
+                level.hits.len(),
+                short(level.force)
+            );
+            for mode in level.modes.iter().flatten() {
+                let _ = writeln!(
+                    text,
+                    "{:>14.5} Hz{:>12.5} %   MAC {:.4}",
+                    mode.frequency,
+                    100.0 * mode.damping_ratio,
+                    mode.mac
+                );
+            }
+        }
+        text
+    }
+}

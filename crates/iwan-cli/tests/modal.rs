@@ -1,0 +1,238 @@
+//! `iwan modal`: from files of hits to modes, and what it says about hits that are no good.
+#![allow(clippy::unwrap_used, reason = "tests may panic")]
+
+mod common;
+#[path = "../../iwan-modal/tests/support/mod.rs"]
+mod support;
+
+use std::fmt::Write;
+use std::path::Path;
+
+use common::{csv, folder, iwan, shown};
+use iwan_modal::measure::{Channel, Hit};
+use serde_json::Value;
+use support::{Bench, TrueMode, ten_modes};
+
+fn run(place: &Path, arguments: &str) -> Value {
+    let output = iwan(place, &format!("modal {arguments} --json"));
+    assert!(output.status.success(), "{}", shown(&output));
+    serde_json::from_slice(&output.stdout).unwrap()
+}
+
+fn refused(place: &Path, arguments: &str, words: &[&str]) {
+    let output = iwan(place, &format!("modal {arguments}"));
+    let text = String::from_utf8_lossy(&output.stderr);
+    assert_eq!(output.status.code(), Some(2), "{arguments}: {text}");
+    for word in words {
+        assert!(text.contains(word), "{arguments}: no \"{word}\" in {text}");
+    }
+}
+
+/// Four modes at eight points.
+fn bench() -> Bench {
+    let modes: Vec<TrueMode> = ten_modes().into_iter().take(4).collect();
+    Bench { stations: 4, rate: 4096.0, samples: 8192, calibration: 0.0, ..Bench::new(modes) }
+}
+
+/// A hit as a CSV file: t, force, a1 to a8.
+fn write(place: &Path, name: &str, hit: &Hit) {
+    let channels: Vec<&Channel> = std::iter::once(&hit.force).chain(&hit.responses).collect();
+    let mut text = "t".to_string();
+    for channel in &channels {
+        let unit = if channel.name == "hammer" { "N" } else { "m/s^2" };
+        write!(text, ",{} [{unit}]", channel.name).unwrap();
+    }
+    for n in 0..hit.samples() {
+        write!(text, "\n{}", n as f64 * hit.dt).unwrap();
+        for channel in &channels {
+            write!(text, ",{}", channel.samples[n]).unwrap();
+        }
+    }
+    std::fs::write(place.join(name), text).unwrap();
+}
+
+fn hits(place: &Path, count: usize) {
+    for (n, hit) in bench().hits(100.0, count, 1).iter().enumerate() {
+        write(place, &format!("h{}.csv", n + 1), hit);
+    }
+}
+
+#[test]
+fn hits_become_modes_and_files() {
+    let place = folder("");
+    hits(place.path(), 3);
+    let found = run(place.path(), "h1.csv h2.csv h3.csv --at a1 --band 60:480 --out out");
+    let modes = found["modes"].as_array().unwrap();
+    assert_eq!(
+        (modes.len(), &found["mass_normalised"], found["warnings"].as_array().unwrap().len()),
+        (4, &Value::Bool(true), 0),
+        "{found}"
+    );
+    let bench = bench();
+    for (mode, truth) in modes.iter().zip(&bench.modes) {
+        let number = |key: &str| mode[key].as_f64().unwrap();
+        assert!((number("frequency") / truth.frequency - 1.0).abs() < 2e-5);
+        assert!((number("damping_ratio") / truth.damping_ratio - 1.0).abs() < 0.01);
+        assert!(number("frequency_sd") > 0.0 && number("frequency_sd") < 1e-3 * truth.frequency);
+        let (shape, own) =
+            (bench.shape(truth), |k: usize| mode["shape"][format!("a{}", k + 1)].as_f64().unwrap());
+        let sign = own(0).signum() * shape[0].signum();
+        assert!((0..8).all(|k| (own(k) * sign - shape[k]).abs() < 0.01), "{mode}");
+    }
+    let shapes = csv(&place.path().join("out/shapes.csv"));
+    let names: Vec<&str> = shapes.iter().map(|(name, _)| name.as_str()).collect();
+    assert_eq!(names[..3], ["frequency", "damping_ratio", "a1"]);
+    let frf = csv(&place.path().join("out/frf.csv"));
+    assert!(frf[0].1[0] >= 60.0 && frf.len() == 1 + 8 * 5);
+    let page = std::fs::read_to_string(place.path().join("out/report.html")).unwrap();
+    for word in ["Stabilisation chart", "Coherence", "animate", "Composite response"] {
+        assert!(page.contains(word), "{word}");
+    }
+}
+
+#[test]
+fn what_it_writes_it_reads_again() {
+    let place = folder("");
+    hits(place.path(), 2);
+    let first = run(place.path(), "h1.csv h2.csv --at a1 --band 60:480 --out first");
+    // Frequency responses as others would measure them. The records end when the mode of 0.01 % has lost a fourth of its amplitude.
+    let again = run(
+        place.path(),
+        "first/shapes.uff --pretrigger 0.0249 --band 60:480 --quantity acceleration --out again",
+    );
+    let frequency = |all: &Value, n: usize| all["modes"][n]["frequency"].as_f64().unwrap();
+    for n in 0..4 {
+        let off = frequency(&first, n) / frequency(&again, n) - 1.0;
+        assert!(off.abs() < 2e-5, "{n}: {off:e}");
+    }
+}
+
+#[test]
+fn several_hits_in_one_record_are_cut_and_a_fault_is_said_and_left_out_on_request() {
+    let place = folder("");
+    let (one, two) = (bench().hit(100.0, 1), bench().hit(105.0, 2));
+    let join = |a: &Channel, b: &Channel| Channel {
+        samples: [a.samples.clone(), b.samples.clone()].concat(),
+        ..a.clone()
+    };
+    let mut both = Hit { force: join(&one.force, &two.force), ..one.clone() };
+    both.responses = one.responses.iter().zip(&two.responses).map(|(a, b)| join(a, b)).collect();
+    // The first hit bounces.
+    (0..8).for_each(|n| both.force.samples[190 + n] += 20.0);
+    write(place.path(), "long.csv", &both);
+    let found = run(place.path(), "long.csv --at a1 --band 60:480 --out all");
+    let hits = found["hits"].as_array().unwrap();
+    assert_eq!(hits.len(), 2);
+    assert!(hits[0]["faults"][0].as_str().unwrap().contains("double hit"), "{found}");
+    assert!(hits[1]["faults"].as_array().unwrap().is_empty(), "{found}");
+    let warning = found["warnings"][0].as_str().unwrap();
+    assert!(warning.contains("long.csv, hit 1") && warning.contains("--leave-out"), "{warning}");
+    let without = run(place.path(), "long.csv --at a1 --band 60:480 --leave-out faulty --out without");
+    assert_eq!(without["levels"][0]["hits"], serde_json::json!(["long.csv, hit 2"]));
+    refused(place.path(), "long.csv --at a1 --leave-out nonsense", &["nonsense", "long.csv, hit 1"]);
+}
+
+#[test]
+fn a_second_hit_in_the_decay_and_a_saturated_channel_are_named() {
+    let place = folder("");
+    let (one, two) = (bench().hit(100.0, 1), bench().hit(105.0, 2));
+    let late = |a: &Channel, b: &Channel| {
+        let samples =
+            (0..a.samples.len()).map(|n| a.samples[n] + if n < 3000 { 0.0 } else { b.samples[n - 3000] });
+        Channel { samples: samples.collect(), ..a.clone() }
+    };
+    let mut both = Hit { force: late(&one.force, &two.force), ..one.clone() };
+    both.responses = one.responses.iter().zip(&two.responses).map(|(a, b)| late(a, b)).collect();
+    let limit = 0.3 * both.responses[2].samples.iter().fold(0.0, |m: f64, x| m.max(x.abs()));
+    both.responses[2].samples.iter_mut().for_each(|x| *x = x.clamp(-limit, limit));
+    write(place.path(), "both.csv", &both);
+    let found = run(place.path(), "both.csv --at a1 --band 60:480");
+    let warnings = found["warnings"].to_string();
+    assert!(
+        warnings.contains("both.csv, hit 2: channel") && warnings.contains("during the decay of the last"),
+        "{warnings}"
+    );
+    assert!(warnings.contains("both.csv, hit 1: channel a3 is overloaded"), "{warnings}");
+}
+
+#[test]
+fn files_that_do_not_belong_together_are_refused() {
+    let place = folder("");
+    hits(place.path(), 1);
+    let mut slow = bench().hit(100.0, 1);
+    slow.dt *= 2.0;
+    write(place.path(), "slow.csv", &slow);
+    refused(place.path(), "h1.csv slow.csv --at a1", &["slow.csv", "2048", "4096"]);
+    let mut dead = bench().hit(100.0, 1);
+    dead.responses[4].samples.fill(0.25);
+    write(place.path(), "dead.csv", &dead);
+    refused(place.path(), "dead.csv --at a1", &["dead.csv", "channel a5", "0.25"]);
+    let text = std::fs::read_to_string(place.path().join("h1.csv")).unwrap();
+    std::fs::write(place.path().join("none.csv"), text.replacen("hammer [N]", "a0 [m/s^2]", 1)).unwrap();
+    refused(place.path(), "none.csv", &["none.csv", "no channel measures a force", "--hammer"]);
+    std::fs::write(place.path().join("volts.csv"), text.replacen("a2 [m/s^2]", "a2 [V]", 1)).unwrap();
+    refused(place.path(), "volts.csv --at a1", &["volts.csv", "channel a2", "voltage"]);
+    refused(place.path(), "h1.csv --at a1 --level 2 --band 60:480", &["--level 2", "1 levels"]);
+    refused(place.path(), "h1.csv --at a1 --band 60:48000", &["48000"]);
+}
+
+#[test]
+fn a_swapped_channel_and_a_missing_drive_point_are_said() {
+    let place = folder("");
+    let mut swapped = bench().hit(100.0, 1);
+    // The tip's sensor looks the other way.
+    swapped.responses[0].samples.iter_mut().for_each(|x| *x = -*x);
+    write(place.path(), "swapped.csv", &swapped);
+    let found = run(place.path(), "swapped.csv --at a1 --band 60:480");
+    assert!(found["warnings"].to_string().contains("goes against the force"), "{found}");
+    let free = run(place.path(), "swapped.csv --band 60:480 --out free");
+    assert!(free["warnings"].to_string().contains("not mass-normalised") && free["mass_normalised"] == false);
+    refused_fit(place.path(), "free");
+}
+
+fn refused_fit(place: &Path, modal: &str) {
+    let output = iwan(place, &format!("fit --modal {modal}"));
+    let text = String::from_utf8_lossy(&output.stderr);
+    assert!(output.status.code() == Some(2) && text.contains("not mass-normalised"), "{text}");
+}
+
+#[test]
+fn free_decays_need_no_force() {
+    let place = folder("");
+    let hit = bench().hit(100.0, 1);
+    write(place.path(), "decay.csv", &hit);
+    let found = run(place.path(), "decay.csv --free --from 0.03 --band 60:480 --out out");
+    let modes = found["modes"].as_array().unwrap();
+    assert_eq!((modes.len(), &found["mass_normalised"]), (4, &Value::Bool(false)), "{found}");
+    for (mode, truth) in modes.iter().zip(&bench().modes) {
+        assert!((mode["frequency"].as_f64().unwrap() / truth.frequency - 1.0).abs() < 1e-4, "{mode}");
+    }
+    refused(place.path(), "decay.csv --from 1", &["--free"]);
+}
+
+#[test]
+fn a_table_says_which_file_and_channel_is_which_point() {
+    let place = folder("");
+    let hit = bench().hit(100.0, 1);
+    let mut table =
+        "[[channel]]\nname = \"hammer\"\npoint = \"1\"\ndirection = \"z\"\nrole = \"force\"\n".to_string();
+    // One sensor roves: eight files with one channel each.
+    let mut files = String::new();
+    for k in 0..8 {
+        let mut own = Hit { responses: vec![hit.responses[k].clone()], ..hit.clone() };
+        own.responses[0].name = "acc".into();
+        write(place.path(), &format!("p{}.csv", k + 1), &own);
+        write!(table, "[[channel]]\nname = \"acc\"\nfile = \"p{}.csv\"\npoint = \"{}\"\ndirection = \"+z\"\n[[point]]\nname = \"{}\"\nposition = [{}, 0, 0]\n", k + 1, k + 1, k + 1, k).unwrap();
+        write!(files, "p{}.csv ", k + 1).unwrap();
+    }
+    std::fs::write(place.path().join("points.toml"), table).unwrap();
+    let found = run(place.path(), &format!("{files} --points points.toml --band 60:480 --out out"));
+    assert_eq!(
+        (found["modes"].as_array().unwrap().len(), &found["mass_normalised"]),
+        (4, &Value::Bool(true))
+    );
+    assert_eq!(found["channels"][7], "8:+z");
+    let text = std::fs::read_to_string(place.path().join("out/shapes.uff")).unwrap();
+    assert!(text.starts_with("    -1\n    15\n         1") && text.contains("\n    55\n"));
+    refused(place.path(), "p1.csv p2.csv --hammer hammer --at nowhere:+q", &["POINT:DIRECTION"]);
+}

@@ -1,0 +1,143 @@
+//! The table of a modal test: which channel of which file measures what, at which point, in which direction; and where the points are.
+
+use std::path::Path;
+
+use crate::error::InputError;
+use crate::section::Section;
+use crate::text::InputText;
+
+/// What a channel is.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Role {
+    /// The hammer.
+    Force,
+    /// A sensor.
+    Response,
+    /// Not used.
+    None,
+}
+
+/// One entry `[[channel]]`.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ChannelEntry {
+    /// Name of the channel as the file has it.
+    pub name: String,
+    /// File name; none: in all files.
+    pub file: Option<String>,
+    /// Name or number of the point.
+    pub point: String,
+    /// Direction such as `+z`.
+    pub direction: String,
+    /// What it is.
+    pub role: Role,
+    /// Factor on the samples, such as a calibration or a change of unit.
+    pub scale: f64,
+}
+
+/// One entry `[[point]]`.
+#[derive(Debug, Clone, PartialEq)]
+pub struct PointEntry {
+    /// Name or number.
+    pub name: String,
+    /// x, y, z.
+    pub position: [f64; 3],
+}
+
+/// The table.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct ModalTable {
+    /// Channels.
+    pub channels: Vec<ChannelEntry>,
+    /// Points with positions.
+    pub points: Vec<PointEntry>,
+}
+
+impl ModalTable {
+    /// Reads a table.
+    ///
+    /// ```
+    /// use iwan_input::{InputText, ModalTable, Role};
+    /// let text = "[[channel]]\nname = \"h\"\npoint = \"1\"\ndirection = \"-z\"\nrole = \"force\"\n[[point]]\nname = \"1\"\nposition = [0, 0.5, 0]";
+    /// let table = ModalTable::parse(&InputText::built_in("points.toml", text))?;
+    /// assert_eq!((table.channels[0].role, table.points[0].position), (Role::Force, [0.0, 0.5, 0.0]));
+    /// # Ok::<(), iwan_input::InputError>(())
+    /// ```
+    ///
+    /// # Errors
+    /// [`InputError`] with file, line, key and remedy.
+    pub fn parse(source: &InputText) -> Result<Self, InputError> {
+        let document = source.document("paper-modal")?;
+        let top = Section::new(source, "the file", document.top(), &["channel", "point"])?;
+        let mut table = Self::default();
+        for (n, place) in top.tables("channel")?.into_iter().enumerate() {
+            let known = ["name", "file", "point", "direction", "role", "scale"];
+            let section = Section::new(source, format!("channel {}", n + 1), place, &known)?;
+            let roles = [("force", Role::Force), ("response", Role::Response), ("none", Role::None)];
+            let scale = section.number_or("scale", 1.0)?;
+            if !(scale.is_finite() && scale != 0.0) {
+                let message = format!("scale = {scale} is out of range: must be finite and not 0");
+                return Err(section.failure(
+                    "scale",
+                    &message,
+                    "give the factor from the file's samples to the unit wanted",
+                ));
+            }
+            let name = section.text("name")?;
+            table.channels.push(ChannelEntry {
+                point: section.optional_text("point")?.unwrap_or_else(|| name.clone()),
+                name,
+                file: section.optional_text("file")?,
+                direction: section.optional_text("direction")?.unwrap_or_default(),
+                role: section.choice("role", &roles)?.unwrap_or(Role::Response),
+                scale,
+            });
+        }
+        for (n, place) in top.tables("point")?.into_iter().enumerate() {
+            let section = Section::new(source, format!("point {}", n + 1), place, &["name", "position"])?;
+            let numbers = section.numbers("position")?;
+            let Ok(position) = <[f64; 3]>::try_from(numbers.as_slice()) else {
+                let message = format!("position has {} numbers, not 3", numbers.len());
+                return Err(section.failure("position", &message, "give x, y and z"));
+            };
+            table.points.push(PointEntry { name: section.text("name")?, position });
+        }
+        Ok(table)
+    }
+
+    /// The entry of a channel in a file; an entry that names the file goes before one for all files.
+    #[must_use]
+    pub fn channel(&self, file: &Path, name: &str) -> Option<&ChannelEntry> {
+        let own = |c: &&ChannelEntry| {
+            c.name == name
+                && c.file.as_ref().is_some_and(|f| file.ends_with(f) || file.as_os_str() == f.as_str())
+        };
+        let all = |c: &&ChannelEntry| c.name == name && c.file.is_none();
+        self.channels.iter().find(own).or_else(|| self.channels.iter().find(all))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn mistakes_are_named_with_their_line() {
+        let refused =
+            |text: &str| ModalTable::parse(&InputText::built_in("p.toml", text)).unwrap_err().to_string();
+        let unknown = refused("[[channel]]\nname = \"a\"\npont = \"1\"");
+        assert!(
+            unknown.contains("pont") && unknown.contains("line 3") && unknown.contains("`point`"),
+            "{unknown}"
+        );
+        assert!(refused("[[point]]\nname = \"a\"\nposition = [1, 2]").contains("2 numbers"));
+        assert!(refused("[[channel]]\nname = \"a\"\nscale = 0").contains("scale = 0"));
+    }
+
+    #[test]
+    fn an_entry_for_one_file_goes_before_one_for_all() {
+        let text = "[[channel]]\nname = \"a\"\npoint = \"1\"\n[[channel]]\nname = \"a\"\nfile = \"two.csv\"\npoint = \"2\"";
+        let table = ModalTable::parse(&InputText::built_in("p.toml", text)).unwrap();
+        let point = |file: &str| table.channel(Path::new(file), "a").map(|c| c.point.clone());
+        assert_eq!((point("x/one.csv").as_deref(), point("x/two.csv").as_deref()), (Some("1"), Some("2")));
+    }
+}

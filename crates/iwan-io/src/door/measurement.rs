@@ -1,0 +1,127 @@
+//! All channels of a file, whatever each of them measures: force and motions of a modal test.
+
+use super::read::{format_of, parse};
+use crate::assembly;
+use crate::error::ReadError;
+use crate::file_bytes::FileBytes;
+use crate::options::{Format, ReadOptions};
+use crate::quantity::Quantity;
+use crate::uff::{self, NodalDirection, UffFunction};
+use crate::warning::Warning;
+use std::path::Path;
+
+/// One channel with what the file says about it.
+#[derive(Debug, Clone, PartialEq)]
+pub struct MeasuredChannel {
+    /// Name.
+    pub name: String,
+    /// Unit as the file writes it; empty when it says none.
+    pub unit: String,
+    /// What it measures.
+    pub quantity: Quantity,
+    /// Samples.
+    pub samples: Vec<f64>,
+    /// Node and direction, where the format has them.
+    pub at: Option<NodalDirection>,
+}
+
+/// Channels that were sampled together.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Measurement {
+    /// Sampling interval, s.
+    pub dt: f64,
+    /// Channels of equal length.
+    pub channels: Vec<MeasuredChannel>,
+}
+
+/// What a file of a modal test holds.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ModalTest {
+    /// Records in time, one for each time that a channel's node, direction and quantity come again.
+    pub measurements: Vec<Measurement>,
+    /// Frequency responses (universal files).
+    pub responses: Vec<UffFunction>,
+    /// What the reader noticed.
+    pub warnings: Vec<Warning>,
+}
+
+/// Reads all channels of a file, whatever they measure.
+///
+/// # Errors
+/// [`ReadError`] as [`read`](crate::read); [`ReadError::Mismatch`] where channels of a record differ in their sampling.
+///
+/// ```no_run
+/// let test = iwan_io::read_modal_test("hits.uff".as_ref(), &iwan_io::ReadOptions::default())?;
+/// let names: Vec<&str> = test.measurements[0].channels.iter().map(|c| c.name.as_str()).collect();
+/// # Ok::<(), iwan_io::ReadError>(())
+/// ```
+pub fn read_modal_test(path: &Path, options: &ReadOptions) -> Result<ModalTest, ReadError> {
+    let bytes = std::fs::read(path).map_err(|source| ReadError::Io { file: path.into(), source })?;
+    let source = FileBytes { file: path, bytes: &bytes };
+    if format_of(&source, options) == Some(Format::Uff) {
+        return universal(&source);
+    }
+    let raw = parse(FileBytes { file: path, bytes: &bytes }, options)?;
+    let (dt, channels, warnings) = assembly::all_channels(&source, raw, options)?;
+    let channel = |c: assembly::Channel| MeasuredChannel {
+        name: c.name,
+        unit: c.unit,
+        quantity: c.quantity,
+        samples: c.values,
+        at: None,
+    };
+    let channels = channels.into_iter().map(channel).collect();
+    Ok(ModalTest { measurements: vec![Measurement { dt, channels }], responses: Vec::new(), warnings })
+}
+
+/// Intervals of channels may differ by this part, two units of the fifth and last digit that an ASCII header has.
+const SAME_INTERVAL: f64 = 2e-5;
+
+fn universal(source: &FileBytes) -> Result<ModalTest, ReadError> {
+    let (functions, warnings) = uff::functions(source.file, source.bytes)?;
+    let mut test = ModalTest { measurements: Vec::new(), responses: Vec::new(), warnings };
+    for f in functions {
+        match (f.kind, f.im.is_empty()) {
+            (4, false) => test.responses.push(f),
+            (0 | 1, true) => add(source, &mut test.measurements, f)?,
+            (kind, _) => {
+                let reason = format!(
+                    "a function of type {kind}, neither a time response (1) nor a frequency response (4)"
+                );
+                test.warnings.push(Warning::LeftOut { name: f.name, reason });
+            }
+        }
+    }
+    if test.measurements.is_empty() && test.responses.is_empty() {
+        let remedy = "export time responses (type 1) of force and motions, or frequency responses (type 4), as dataset 58";
+        return Err(source.unsupported("the whole file", "a file without either", remedy));
+    }
+    Ok(test)
+}
+
+fn add(source: &FileBytes, all: &mut Vec<Measurement>, f: UffFunction) -> Result<(), ReadError> {
+    let at = (f.response.node != 0).then_some(f.response);
+    let channel = MeasuredChannel { name: f.name, unit: f.unit, quantity: f.quantity, samples: f.re, at };
+    let again = |m: &Measurement| {
+        m.channels
+            .iter()
+            .any(|c| (&c.name, c.at, c.quantity) == (&channel.name, channel.at, channel.quantity))
+    };
+    match all.last_mut() {
+        Some(last) if !again(last) => {
+            let (dt, n, first) = (last.dt, last.channels[0].samples.len(), &last.channels[0].name);
+            if (f.step / dt - 1.0).abs() > SAME_INTERVAL || channel.samples.len() != n {
+                return Err(ReadError::Mismatch {
+                    file: source.file.into(),
+                    found: format!("{} samples at {:.6} Hz", channel.samples.len(), 1.0 / f.step),
+                    expected: format!("{n} at {:.6} Hz", 1.0 / dt),
+                    reference: first.clone(),
+                    name: channel.name,
+                });
+            }
+            last.channels.push(channel);
+        }
+        _ => all.push(Measurement { dt: f.step, channels: vec![channel] }),
+    }
+    Ok(())
+}

@@ -1,0 +1,178 @@
+//! Universal files written: points (dataset 15), mode shapes (55) and functions (58), as text.
+//!
+//! Layouts after the pages of the Structural Dynamics Research Laboratory, University of Cincinnati.
+
+use std::fmt::Write;
+
+use super::functions::UffFunction;
+use crate::quantity::Quantity;
+
+/// A point of a structure.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Node {
+    /// Number, > 0.
+    pub number: i64,
+    /// x, y, z.
+    pub position: [f64; 3],
+}
+
+/// A mode shape at nodes.
+#[derive(Debug, Clone, PartialEq)]
+pub struct NodalMode {
+    /// Hz.
+    pub frequency: f64,
+    /// Ratio of critical damping.
+    pub damping_ratio: f64,
+    /// Pole (real, imaginary), 1/s.
+    pub pole: [f64; 2],
+    /// Node and complex values (re, im) along x, y, z.
+    pub values: Vec<(i64, [[f64; 2]; 3])>,
+}
+
+const MARK: &str = "    -1\n";
+
+/// Points as dataset 15.
+///
+/// ```
+/// let text = iwan_io::write_uff::nodes(&[iwan_io::write_uff::Node { number: 7, position: [0.0, 0.5, 1.0] }]);
+/// assert_eq!(text.lines().nth(2), Some("         7         0         0         8  0.00000E+00  5.00000E-01  1.00000E+00"));
+/// ```
+#[must_use]
+pub fn nodes(nodes: &[Node]) -> String {
+    let mut text = format!("{MARK}    15\n");
+    for node in nodes {
+        let [x, y, z] = node.position.map(|x| real(x, 13, 5));
+        // Writing to a string cannot fail.
+        let _ = writeln!(text, "{:>10}{:>10}{:>10}{:>10}{x}{y}{z}", node.number, 0, 0, 8);
+    }
+    text + MARK
+}
+
+/// Mode shapes as datasets 55, complex, three translations a node.
+///
+/// ```
+/// let mode = iwan_io::write_uff::NodalMode {
+///     frequency: 120.0, damping_ratio: 0.01, pole: [-7.5, 754.0], values: vec![(3, [[0.0; 2], [0.0; 2], [1.0, 0.5]])],
+/// };
+/// let text = iwan_io::write_uff::modes(&[mode]);
+/// assert!(text.lines().nth(1) == Some("    55") && text.contains("  1.00000E+00  5.00000E-01"));
+/// ```
+#[must_use]
+pub fn modes(modes: &[NodalMode]) -> String {
+    let mut text = String::new();
+    for (n, mode) in modes.iter().enumerate() {
+        let _ = write!(text, "{MARK}    55\nmode {}\nNONE\nNONE\nNONE\nNONE\n", n + 1);
+        // Structural, complex eigenvalue of first order, three translations, displacement, complex, three values a node.
+        let _ = writeln!(text, "{:>10}{:>10}{:>10}{:>10}{:>10}{:>10}", 1, 3, 2, 8, 5, 3);
+        let _ = writeln!(text, "{:>10}{:>10}{:>10}{:>10}", 2, 6, 1, n + 1);
+        let [re, im] = mode.pole.map(|x| real(x, 13, 5));
+        let zero = real(0.0, 13, 5);
+        let _ = writeln!(text, "{re}{im}{zero}{zero}{zero}{zero}");
+        for (node, values) in &mode.values {
+            let line: String = values.iter().flatten().map(|x| real(*x, 13, 5)).collect();
+            let _ = writeln!(text, "{node:>10}\n{line}");
+        }
+        text += MARK;
+    }
+    text
+}
+
+/// Functions as datasets 58 in double precision, over an even abscissa.
+#[must_use]
+pub fn functions(functions: &[UffFunction]) -> String {
+    let mut text = String::new();
+    for f in functions {
+        let complex = !f.im.is_empty();
+        let time = f.kind == 1;
+        let _ = write!(text, "{MARK}    58\n{}\nNONE\nNONE\nNONE\nNONE\n", f.name);
+        let (a, b) = (f.response, f.reference);
+        let _ = writeln!(
+            text,
+            "{:>5}{:>10}{:>5}{:>10} {:<10}{:>10}{:>4} {:<10}{:>10}{:>4}",
+            f.kind, 0, 1, 0, "NONE", a.node, a.direction, "NONE", b.node, b.direction
+        );
+        let _ = writeln!(
+            text,
+            "{:>10}{:>10}{:>10}{}{}{}",
+            if complex { 6 } else { 4 },
+            f.re.len(),
+            1,
+            real(f.start, 13, 5),
+            real(f.step, 13, 5),
+            real(0.0, 13, 5)
+        );
+        let axis = |kind: i32, label: &str, unit: &str| {
+            format!("{kind:>10}{:>5}{:>5}{:>5} {label:<20} {unit:<20}\n", 0, 0, 0)
+        };
+        text += &if time { axis(17, "Time", "s") } else { axis(18, "Frequency", "Hz") };
+        text += &axis(code(f.quantity), "NONE", if f.unit.is_empty() { "NONE" } else { &f.unit });
+        text += &if time { axis(0, "NONE", "NONE") } else { axis(13, "NONE", "NONE") };
+        text += &axis(0, "NONE", "NONE");
+        let values: Vec<f64> =
+            if complex { f.re.iter().zip(&f.im).flat_map(|(a, b)| [*a, *b]).collect() } else { f.re.clone() };
+        for line in values.chunks(4) {
+            let line: String = line.iter().map(|x| real(*x, 20, 12)).collect();
+            text = text + &line + "\n";
+        }
+        text += MARK;
+    }
+    text
+}
+
+/// The format's number for a quantity.
+const fn code(quantity: Quantity) -> i32 {
+    match quantity {
+        Quantity::Strain => 3,
+        Quantity::Displacement => 8,
+        Quantity::Force => 13,
+        Quantity::Velocity => 11,
+        Quantity::Acceleration => 12,
+        Quantity::Pressure => 15,
+        Quantity::Voltage | Quantity::Unknown => 0,
+    }
+}
+
+/// Fortran's E format: sign, digits, two digits of exponent at least.
+fn real(value: f64, width: usize, digits: usize) -> String {
+    let text = format!("{value:.digits$E}");
+    let (mantissa, exponent) = text.split_once('E').unwrap_or((&text, "0"));
+    let (sign, size) = match exponent.strip_prefix('-') {
+        Some(size) => ('-', size),
+        None => ('+', exponent),
+    };
+    format!("{:>width$}", format!("{mantissa}E{sign}{size:0>2}"))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::functions::functions as read;
+    use super::super::nodal::NodalDirection;
+    use super::*;
+
+    #[test]
+    fn what_is_written_is_read_again() {
+        let at = |node, direction| NodalDirection { node, direction };
+        let function = |kind, im: Vec<f64>| UffFunction {
+            name: "point 3".into(),
+            kind,
+            response: at(3, -2),
+            reference: at(11, 3),
+            quantity: Quantity::Velocity,
+            unit: "m/s".into(),
+            start: 0.0,
+            step: 0.25,
+            re: vec![1.5, -2e-7, 3e12, 0.0, 1.0],
+            im,
+        };
+        let all = [function(1, Vec::new()), function(4, vec![0.1, 2e-300, -3.0, 4.0, 5.0])];
+        let (found, warnings) = read("x.uff".as_ref(), functions(&all).as_bytes()).unwrap();
+        assert_eq!((found.as_slice(), warnings.len()), (all.as_slice(), 0));
+    }
+
+    #[test]
+    fn numbers_fill_their_columns() {
+        assert_eq!(real(-1.0, 13, 5), " -1.00000E+00");
+        assert_eq!(real(2.5e-120, 13, 5), " 2.50000E-120");
+        assert_eq!(real(0.0, 20, 12).len(), 20);
+    }
+}

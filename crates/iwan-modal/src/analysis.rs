@@ -1,0 +1,164 @@
+//! From frequency responses to modes in one call.
+
+use std::f64::consts::TAU;
+
+use crate::error::{Error, check};
+use crate::fit::{Band, Fitted, pruned};
+use crate::measure::Freedom;
+use crate::modes::{Mode, Scale, modes};
+use crate::number::{Complex, complex};
+use crate::poles::{Isolation, Stabilisation, chart, isolation};
+use crate::responses::FrequencyResponses;
+
+/// Without a band, lines count up to where the hammer's force falls below this part of its largest value: 30 dB, where common hammers leave
+/// nothing but noise.
+const FORCE_LEFT: f64 = 0.03;
+/// … and no higher than this part of the Nyquist frequency, above which recorders' filters act.
+const BELOW_NYQUIST: f64 = 0.8;
+/// Lowest line that counts without a band: below, a record holds too few cycles.
+const CYCLES: f64 = 10.0;
+/// Modes that are taken off what the chart's modes leave, at most.
+const MORE: usize = 20;
+/// Modes that mode isolation finds by itself, at most.
+const MOST: usize = 60;
+
+/// By which way the first poles are found; the fit that follows is the same.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub enum Analysis {
+    /// Stabilisation chart, then isolation of what it missed.
+    #[default]
+    Chart,
+    /// Mode isolation alone.
+    Isolation,
+    /// Poles near these frequencies (Hz), and no others.
+    Given(Vec<f64>),
+}
+
+/// Modes with all that led to them.
+#[derive(Debug)]
+pub struct ModalFit {
+    /// By ascending frequency.
+    pub modes: Vec<Mode>,
+    /// Points and directions of the shapes' values.
+    pub freedoms: Vec<Freedom>,
+    /// Names of the shapes' channels.
+    pub names: Vec<String>,
+    /// What the shapes are scaled by.
+    pub scale: Scale,
+    /// Edges of the band, Hz.
+    pub band: (f64, f64),
+    /// The stabilisation chart; none where another way was chosen.
+    pub stabilisation: Option<Stabilisation>,
+    /// Modes taken off one after another.
+    pub isolation: Option<Isolation>,
+    /// Poles, residues, what is left.
+    pub fitted: Fitted,
+}
+
+/// Part of the modes whose drive point answers against its force from which a channel is doubted: a mode with a node there may do so by noise.
+const DOUBTFUL: f64 = 0.34;
+
+impl ModalFit {
+    /// A word where the response at the drive point goes against the force: a reversed direction, or swapped channels.
+    #[must_use]
+    pub fn drive_point_doubt(&self) -> Option<String> {
+        let phases: Vec<f64> = self.modes.iter().filter_map(|m| m.drive_phase).collect();
+        let against = phases.iter().filter(|c| **c < 0.0).count();
+        let doubtful = against > 0 && against as f64 >= DOUBTFUL * phases.len() as f64;
+        doubtful.then(|| {
+            format!(
+                "the response where the hammer hits goes against the force in {against} of {} modes: a direction is reversed, or channels are swapped",
+                phases.len()
+            )
+        })
+    }
+}
+
+/// Finds the modes of frequency responses: in `band` (Hz), or as far up as the force reaches; by polynomials up to `order` (60 is a good choice).
+///
+/// # Errors
+/// [`Error::OutOfRange`] for band, order and given frequencies; [`Error::Refused`] where no mode is found.
+pub fn modal_fit(
+    responses: &FrequencyResponses,
+    band: Option<(f64, f64)>,
+    analysis: &Analysis,
+    order: usize,
+) -> Result<ModalFit, Error> {
+    let edges = band.unwrap_or_else(|| automatic_band(responses));
+    let band = Band::new(responses, edges)?;
+    let mut stabilisation = None;
+    let mut steps = None;
+    let fitted = match analysis {
+        Analysis::Chart => {
+            let chart = chart(&band, order)?;
+            let start: Vec<Complex> = chart.candidates.iter().map(|c| c.pole).collect();
+            stabilisation = Some(chart);
+            let first = pruned(&band, &start)?;
+            let more = isolation(&band, first.poles.clone(), MORE)?;
+            let found = if more.steps.is_empty() { first } else { pruned(&band, &more.poles)? };
+            steps = Some(more);
+            found
+        }
+        Analysis::Isolation => {
+            let alone = isolation(&band, Vec::new(), MOST)?;
+            let found = pruned(&band, &alone.poles)?;
+            steps = Some(alone);
+            found
+        }
+        Analysis::Given(frequencies) => Fitted::new(&band, &given(&band, frequencies)?)?,
+    };
+    let (low, high) = band.edges();
+    let inside = |p: Complex| (low..=high).contains(&(p.norm() / TAU));
+    let shapes = modes(responses, &fitted, &inside);
+    if shapes.modes.is_empty() {
+        let finding = format!("no mode between {low:.6} and {high:.6} Hz");
+        return Err(Error::refused(
+            "modal fit",
+            finding,
+            "choose another --band, or give frequencies with --poles",
+        ));
+    }
+    Ok(ModalFit {
+        modes: shapes.modes,
+        freedoms: shapes.freedoms,
+        names: shapes.names,
+        scale: shapes.scale,
+        band: (low, high),
+        stabilisation,
+        isolation: steps,
+        fitted,
+    })
+}
+
+/// From ten cycles in a record up to where the force has fallen.
+fn automatic_band(responses: &FrequencyResponses) -> (f64, f64) {
+    let lines = responses.lines();
+    let highest = (BELOW_NYQUIST * lines as f64) as usize;
+    let strongest = responses.force.iter().copied().fold(0.0, f64::max);
+    let falls = responses.force.iter().position(|f| *f < FORCE_LEFT * strongest);
+    let last = falls.map_or(highest, |k| k.saturating_sub(1)).min(highest);
+    (CYCLES * responses.step, responses.frequency(last))
+}
+
+/// Poles at given frequencies, their damping that of the peak there by its half-power width, two lines at least.
+fn given(band: &Band, frequencies: &[f64]) -> Result<Vec<Complex>, Error> {
+    let (low, high) = band.edges();
+    let composite = band.responses.composite();
+    let one = |f: &f64| {
+        let allowed = format!("within the band, {low:.6} to {high:.6} Hz");
+        check(
+            "frequency of a pole",
+            *f,
+            *f >= low && *f <= high,
+            allowed,
+            "choose another --band or frequency",
+        )?;
+        let line = (f / band.responses.step).round() as usize;
+        let high = |k: &usize| composite.get(*k).is_some_and(|c| *c > 0.707 * composite[line]);
+        let width = (line + 1..composite.len()).take_while(high).count()
+            + (0..line).rev().take_while(high).count()
+            + 1;
+        Ok(complex(-std::f64::consts::PI * width as f64 * band.responses.step, TAU * f))
+    };
+    frequencies.iter().map(one).collect()
+}

@@ -1,0 +1,115 @@
+//! The lines of frequency responses that a fit looks at, weighted so that noise is equally large on all of them.
+
+use nalgebra::DMatrix;
+
+use crate::error::{Error, check};
+use crate::number::{Complex, complex, median};
+use crate::responses::{FrequencyResponses, laplace};
+
+/// Lines that a fit needs at least: four for each of two modes, beside the residual terms.
+const FEWEST: usize = 16;
+
+/// A response's noise is at least this part of the median of all: a channel that fits too well by chance must not rule alone.
+const QUIETEST: f64 = 1e-2;
+/// Noise is at least this part of a response's root mean square: rounding in double precision, four decimal places of it.
+pub(super) const ROUNDING: f64 = 1e-12;
+
+/// A band of lines of all responses.
+pub(crate) struct Band<'a> {
+    pub(crate) responses: &'a FrequencyResponses,
+    /// First line.
+    pub(crate) first: usize,
+    /// Laplace variable of each line, 1/s.
+    pub(crate) s: Vec<Complex>,
+    /// Weight of each line, at most 1.
+    pub(crate) weights: Vec<f64>,
+    /// Weighted responses: real parts of all lines above the imaginary parts, one column each.
+    pub(crate) values: DMatrix<f64>,
+    /// Variance of each column's entries as the scatter of hits tells it; 0 where it does not.
+    pub(crate) scatter: Vec<f64>,
+}
+
+impl<'a> Band<'a> {
+    /// Lines from `low` to `high` Hz.
+    pub(crate) fn new(responses: &'a FrequencyResponses, (low, high): (f64, f64)) -> Result<Self, Error> {
+        let top = responses.frequency(responses.lines().saturating_sub(1));
+        let allowed = format!("above 0 and below the highest line, {top} Hz");
+        let remedy = "choose a band within the measured frequencies";
+        check(
+            "lower edge of the band",
+            low,
+            low > 0.0 && low < high,
+            "above 0 and below the upper edge",
+            remedy,
+        )?;
+        check("upper edge of the band", high, high <= top, allowed, remedy)?;
+        let first = (low / responses.step).ceil().max(1.0) as usize;
+        let last = (high / responses.step).floor() as usize;
+        if last < first + FEWEST {
+            let finding =
+                format!("the band from {low} to {high} Hz holds {} lines", (last + 1).saturating_sub(first));
+            return Err(Error::refused("modal fit", finding, "widen the band, or record longer"));
+        }
+        let lines = first..=last;
+        let s = lines.clone().map(|k| laplace(responses.frequency(k), responses.decay)).collect();
+        let strongest = responses.force.get(first..=last).into_iter().flatten().copied().fold(0.0, f64::max);
+        let weight = |k: usize| if strongest > 0.0 { responses.force[k] / strongest } else { 1.0 };
+        let weights: Vec<f64> = lines.map(weight).collect();
+        let count = weights.len();
+        let value = |row: usize, column: usize| {
+            let (k, part) = (row % count, row / count);
+            let v = responses.functions[column].values[first + k] * weights[k];
+            if part == 0 { v.re } else { v.im }
+        };
+        let values = DMatrix::from_fn(2 * count, responses.functions.len(), value);
+        let scatter = responses.functions.iter().map(|f| {
+            let parts = f.variance.get(first..=last).into_iter().flatten().zip(&weights);
+            parts.map(|(v, w)| 0.5 * v * w * w).sum::<f64>() / count as f64
+        });
+        let scatter = scatter.collect();
+        Ok(Self { responses, first, s, weights, values, scatter })
+    }
+
+    /// Variance of each response's entries: the scatter of hits, or that of the response itself where nothing tells it.
+    pub(crate) fn noise(&self) -> Vec<f64> {
+        let rows = self.values.nrows() as f64;
+        let size = |c: usize| self.values.column(c).norm_squared() / rows;
+        let all = self.scatter.iter().all(|s| *s > 0.0);
+        let own = |c: usize| if all { self.scatter[c].max(ROUNDING * ROUNDING * size(c)) } else { size(c) };
+        floored((0..self.values.ncols()).map(own).collect())
+    }
+
+    /// Weighted value of a response at a line.
+    pub(crate) fn value(&self, line: usize, response: usize) -> Complex {
+        at(&self.values, line, response)
+    }
+
+    /// Number of lines.
+    pub(crate) fn lines(&self) -> usize {
+        self.s.len()
+    }
+
+    /// Frequency of a line of the band, Hz.
+    pub(crate) fn frequency(&self, line: usize) -> f64 {
+        self.responses.frequency(self.first + line)
+    }
+
+    /// Edges, Hz.
+    pub(crate) fn edges(&self) -> (f64, f64) {
+        (self.frequency(0), self.frequency(self.lines() - 1))
+    }
+}
+
+/// Entry of a matrix in which real parts stand above imaginary parts.
+pub(crate) fn at(values: &DMatrix<f64>, line: usize, column: usize) -> Complex {
+    complex(values[(line, column)], values[(values.nrows() / 2 + line, column)])
+}
+
+/// No variance far below the median of all.
+pub(super) fn floored(mut noise: Vec<f64>) -> Vec<f64> {
+    let least = (QUIETEST * QUIETEST * median(&noise)).max(f64::MIN_POSITIVE);
+    for v in &mut noise {
+        *v = v.max(least);
+    }
+    noise
+}

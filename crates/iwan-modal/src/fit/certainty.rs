@@ -1,0 +1,79 @@
+//! Standard deviations of poles and residues, to first order in the noise.
+
+use nalgebra::{Cholesky, DMatrix};
+
+use super::band::Band;
+use super::linear::Linear;
+use crate::number::Complex;
+
+/// Covariances of what was fitted.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Certainty {
+    /// Of real and imaginary parts of the poles in turn, 1/s².
+    poles: DMatrix<f64>,
+    /// Of real and imaginary parts of each residue: `residues[pole][response]` = (variance of re, of im, covariance).
+    residues: Vec<Vec<[f64; 3]>>,
+}
+
+impl Certainty {
+    /// `noise`: variance of each response's entries.
+    pub(super) fn new(band: &Band, poles: &[Complex], linear: &Linear, noise: &[f64]) -> Self {
+        let precision: Vec<f64> = noise.iter().map(|v| v.recip()).collect();
+        let n = poles.len();
+        let Some(slopes) = &linear.slopes else {
+            return Self { poles: DMatrix::zeros(0, 0), residues: Vec::new() };
+        };
+        let (matrix, _) = slopes.normal(linear, &precision);
+        let scale: Vec<f64> =
+            (0..2 * n).map(|i| matrix[(i, i)].max(f64::MIN_POSITIVE).sqrt().recip()).collect();
+        let scaled = DMatrix::from_fn(2 * n, 2 * n, |i, j| matrix[(i, j)] * scale[i] * scale[j]);
+        let inverse = Cholesky::new(scaled)
+            .map_or_else(|| DMatrix::from_element(2 * n, 2 * n, f64::INFINITY), |c| c.inverse());
+        let covariance = DMatrix::from_fn(2 * n, 2 * n, |i, j| inverse[(i, j)] * scale[i] * scale[j]);
+        let residues = |p: usize| {
+            let of = |c: usize| residue(linear, &slopes.follow, &covariance, noise[c], p, c);
+            (0..band.values.ncols()).map(of).collect()
+        };
+        Self { residues: (0..n).map(residues).collect(), poles: covariance }
+    }
+
+    /// Variances of a pole's real and imaginary part and their covariance, 1/s².
+    #[must_use]
+    pub fn pole(&self, pole: usize) -> [f64; 3] {
+        let i = 2 * pole;
+        [self.poles[(i, i)], self.poles[(i + 1, i + 1)], self.poles[(i, i + 1)]]
+    }
+
+    /// Variances of a residue's real and imaginary part and their covariance.
+    #[must_use]
+    pub fn residue(&self, pole: usize, response: usize) -> [f64; 3] {
+        self.residues[pole][response]
+    }
+}
+
+/// A residue is uncertain by itself and by all poles, which it follows: δR = Φ⁺ δy - Φ⁺ W δp.
+fn residue(
+    linear: &Linear,
+    follow: &DMatrix<f64>,
+    poles: &DMatrix<f64>,
+    noise: f64,
+    p: usize,
+    c: usize,
+) -> [f64; 3] {
+    let count = poles.nrows();
+    let along = |row: usize| -> Vec<f64> {
+        let one = |k: usize| {
+            let (q, r) = (k / 2, linear.residue(k / 2, c));
+            let [a, b] = if k.is_multiple_of(2) { [r.re, r.im] } else { [-r.im, r.re] };
+            a * follow[(row, 2 * q)] + b * follow[(row, 2 * q + 1)]
+        };
+        (0..count).map(one).collect()
+    };
+    let (re, im) = (along(2 * p), along(2 * p + 1));
+    let product = |x: &[f64], y: &[f64]| {
+        let row = |i: usize| (0..count).map(|j| poles[(i, j)] * y[j]).sum::<f64>();
+        (0..count).map(|i| x[i] * row(i)).sum::<f64>()
+    };
+    let own = |i: usize, j: usize| noise * linear.inverse[(2 * p + i, 2 * p + j)];
+    [own(0, 0) + product(&re, &re), own(1, 1) + product(&im, &im), own(0, 1) + product(&re, &im)]
+}

@@ -1,0 +1,189 @@
+//! The search for the poles.
+
+use nalgebra::{Cholesky, DMatrix, DVector};
+
+use super::band::{Band, ROUNDING, at, floored};
+use super::certainty::Certainty;
+use super::linear::Linear;
+use crate::error::Error;
+use crate::number::{Complex, complex};
+
+/// Steps at most: from start values within a half-power bandwidth five to ten do.
+const STEPS: usize = 40;
+/// The search ends where no pole moves by more than this part of its decay: a thousandth of what records usually tell.
+const STILL: f64 = 1e-7;
+/// Steps shorter than the full one at most, each with ten times the damping of Levenberg and Marquardt.
+const TRIALS: usize = 12;
+/// Rounds of search and of weighing responses by what is left of them.
+const ROUNDS: usize = 2;
+/// Steps of a search that only asks whether a mode is there.
+const FEW: usize = 6;
+/// … which ends where no pole moves by more than this part of its decay.
+const NEARLY_STILL: f64 = 1e-2;
+
+/// Poles fitted to all responses of a band.
+#[derive(Debug, Clone)]
+pub struct Fitted {
+    /// Poles in the upper half plane, 1/s, by ascending frequency.
+    pub poles: Vec<nalgebra::Complex<f64>>,
+    /// Residues, one row for each pole, one entry for each response: motion per force times 1/s.
+    pub residues: Vec<Vec<nalgebra::Complex<f64>>>,
+    /// Variance of each response's weighted real and imaginary parts, as hits or what is left tell it.
+    pub noise: Vec<f64>,
+    /// Standard deviations.
+    pub certainty: Certainty,
+    /// Root mean square of what is left of each response over that of the response, weighted as the fit was.
+    pub left: Vec<f64>,
+    /// First line of the band.
+    pub first: usize,
+    /// The fit's responses at the lines of the band, one list for each response.
+    pub curves: Vec<Vec<nalgebra::Complex<f64>>>,
+    /// What is left of all responses together, relative.
+    pub misfit: f64,
+}
+
+/// Moves `start` (poles in the upper half plane, 1/s) until the responses between the edges (Hz) are fitted best.
+///
+/// # Errors
+/// [`Error::OutOfRange`] for the band; [`Error::Refused`] where the lines cannot tell the poles apart.
+pub fn fit(
+    responses: &crate::responses::FrequencyResponses,
+    edges: (f64, f64),
+    start: &[nalgebra::Complex<f64>],
+) -> Result<Fitted, Error> {
+    let band = Band::new(responses, edges)?;
+    Fitted::new(&band, start)
+}
+
+impl Fitted {
+    pub(crate) fn new(band: &Band, start: &[Complex]) -> Result<Self, Error> {
+        Self::searched(band, start, (STEPS, STILL, ROUNDS))
+    }
+
+    /// Near enough to tell whether a mode is there.
+    pub(crate) fn rough(band: &Band, start: &[Complex]) -> Result<Self, Error> {
+        Self::searched(band, start, (FEW, NEARLY_STILL, 1))
+    }
+
+    fn searched(
+        band: &Band,
+        start: &[Complex],
+        (steps, still, rounds): (usize, f64, usize),
+    ) -> Result<Self, Error> {
+        let mut poles = start.to_vec();
+        let mut noise = band.noise();
+        for _ in 0..rounds {
+            poles = search(band, poles, &noise, (steps, still))?;
+            noise = left_over(band, &Linear::new(band, &poles, false)?);
+        }
+        poles.sort_by(|a, b| a.im.total_cmp(&b.im));
+        let linear = Linear::new(band, &poles, true)?;
+        let size = |c: usize| band.values.column(c).norm_squared().max(f64::MIN_POSITIVE);
+        let (total, rest): (f64, f64) =
+            linear.left.iter().enumerate().fold((0.0, 0.0), |(t, r), (c, l)| (t + size(c), r + l));
+        let residues = |p: usize| (0..band.values.ncols()).map(|c| linear.residue(p, c)).collect();
+        Ok(Self {
+            residues: (0..poles.len()).map(residues).collect(),
+            left: linear.left.iter().enumerate().map(|(c, l)| (l / size(c)).sqrt()).collect(),
+            first: band.first,
+            curves: (0..band.values.ncols()).map(|c| curve(band, &linear, c)).collect(),
+            misfit: (rest / total).sqrt(),
+            certainty: Certainty::new(band, &poles, &linear, &noise),
+            noise,
+            poles,
+        })
+    }
+}
+
+/// The fit of a response at the lines of the band.
+fn curve(band: &Band, linear: &Linear, response: usize) -> Vec<Complex> {
+    let value = |k: usize| {
+        let weight = band.weights[k].max(f64::MIN_POSITIVE);
+        (band.value(k, response) - at(&linear.rest, k, response)) / weight
+    };
+    (0..band.lines()).map(value).collect()
+}
+
+/// Variance of each response's entries: what the fit leaves of them, and no less than the scatter of hits says.
+pub(crate) fn left_over(band: &Band, linear: &Linear) -> Vec<f64> {
+    let rows = band.values.nrows() as f64;
+    let free = rows - linear.coefficients.nrows() as f64;
+    let size = |c: usize| ROUNDING * ROUNDING * band.values.column(c).norm_squared() / rows;
+    let own = |c: usize| (linear.left[c] / free).max(band.scatter[c]).max(size(c));
+    floored((0..band.values.ncols()).map(own).collect())
+}
+
+fn cost(linear: &Linear, precision: &[f64]) -> f64 {
+    linear.left.iter().zip(precision).map(|(l, p)| l * p).sum()
+}
+
+fn search(
+    band: &Band,
+    mut poles: Vec<Complex>,
+    noise: &[f64],
+    (steps, still): (usize, f64),
+) -> Result<Vec<Complex>, Error> {
+    if poles.is_empty() {
+        return Ok(poles);
+    }
+    let precision: Vec<f64> = noise.iter().map(|v| v.recip()).collect();
+    let mut linear = Linear::new(band, &poles, true)?;
+    let mut damping = 1e-4;
+    for _ in 0..steps {
+        let Some(slopes) = &linear.slopes else { break };
+        let (matrix, gradient) = slopes.normal(&linear, &precision);
+        let before = cost(&linear, &precision);
+        let mut better = None;
+        for _ in 0..TRIALS {
+            let Some(step) = step(&matrix, &gradient, damping) else {
+                damping *= 10.0;
+                continue;
+            };
+            let moved = moved(&poles, &step);
+            let largest = furthest(&poles, &moved);
+            let tried = Linear::new(band, &moved, true)?;
+            if cost(&tried, &precision) <= before {
+                better = Some((moved, tried, largest));
+                damping = (damping * 0.1).max(1e-12);
+                break;
+            }
+            if largest < still {
+                break;
+            }
+            damping *= 10.0;
+        }
+        let Some((next, found, largest)) = better else { break };
+        (poles, linear) = (next, found);
+        if largest < still {
+            break;
+        }
+    }
+    Ok(poles)
+}
+
+fn step(matrix: &DMatrix<f64>, gradient: &DVector<f64>, damping: f64) -> Option<DVector<f64>> {
+    let n = gradient.len();
+    let scale: Vec<f64> = (0..n).map(|i| matrix[(i, i)].max(f64::MIN_POSITIVE).sqrt().recip()).collect();
+    let damped = DMatrix::from_fn(n, n, |i, j| {
+        matrix[(i, j)] * scale[i] * scale[j] + if i == j { damping } else { 0.0 }
+    });
+    let right = DVector::from_fn(n, |i, _| gradient[i] * scale[i]);
+    let solved = Cholesky::new(damped)?.solve(&right);
+    let step = DVector::from_fn(n, |i, _| solved[i] * scale[i]);
+    step.iter().all(|x| x.is_finite()).then_some(step)
+}
+
+/// The poles moved; none crosses an axis, for it may lose at most nine tenths of its decay, and half of its frequency, in a step.
+fn moved(poles: &[Complex], step: &DVector<f64>) -> Vec<Complex> {
+    let one = |(p, pole): (usize, &Complex)| {
+        let re = (pole.re + step[2 * p]).min(0.1 * pole.re);
+        let im = (pole.im + step[2 * p + 1]).max(0.5 * pole.im);
+        complex(re, im)
+    };
+    poles.iter().enumerate().map(one).collect()
+}
+
+/// Largest move of a pole over its decay.
+fn furthest(from: &[Complex], to: &[Complex]) -> f64 {
+    from.iter().zip(to).map(|(a, b)| (b - a).norm() / a.re.abs().max(1e-9 * a.norm())).fold(0.0, f64::max)
+}

@@ -1,0 +1,90 @@
+//! Which modes the responses need: a mode that takes off no more than noise does, or that doubles another, is none.
+
+use std::f64::consts::TAU;
+
+use super::band::Band;
+use super::linear::Linear;
+use super::search::Fitted;
+use crate::error::Error;
+use crate::number::Complex;
+
+/// A mode takes at least this many times as much off the responses as fitting its residues to noise would: to white noise 1 on average, 3 to 5
+/// for the best of a thousand places and decays on one response, and less on many. A judgement above that.
+pub(crate) const WORTH: f64 = 10.0;
+/// Above this damping ratio what was fitted is no peak but a slope of the background.
+const HIGHEST_DAMPING: f64 = 0.2;
+/// Two poles this many sums of their decays apart or closer, …
+const NEAR: f64 = 2.0;
+/// … with shapes of this modal assurance criterion, are two halves of one peak that is not quite linear. Modes that close and that alike cannot be told
+/// apart by any measurement at these points.
+const ALIKE: f64 = 0.95;
+/// Responses that make a shape that can be compared: with fewer the criterion is high by chance.
+const ENOUGH: usize = 4;
+
+/// How much more is left without a mode, over what fitting a mode to noise takes off. `noise` is the variance of each response's entries.
+pub(crate) fn worth(without: &Linear, with: &Linear, noise: &[f64]) -> f64 {
+    let gain = |c: usize| (without.left[c] - with.left[c]) / noise[c];
+    (0..noise.len()).map(gain).sum::<f64>() / (2 * noise.len()) as f64
+}
+
+/// Modal assurance criterion of two rows of residues: 1 for the same shape.
+fn alike(a: &[Complex], b: &[Complex]) -> f64 {
+    let product: Complex = a.iter().zip(b).map(|(a, b)| a.conj() * b).sum();
+    let power = |x: &[Complex]| x.iter().map(Complex::norm_sqr).sum::<f64>();
+    product.norm_sqr() / (power(a) * power(b)).max(f64::MIN_POSITIVE)
+}
+
+/// Of each pair of poles that share one peak and one shape the weaker one.
+pub(crate) fn twins(poles: &[Complex], residues: &[Vec<Complex>]) -> Vec<usize> {
+    let strength = |p: usize| residues[p].iter().map(Complex::norm_sqr).sum::<f64>() / poles[p].re.powi(2);
+    let mut weaker = Vec::new();
+    for p in 0..poles.len() {
+        for q in 0..p {
+            let near = (poles[p] - poles[q]).norm() < NEAR * (poles[p].re + poles[q].re).abs();
+            if residues[p].len() >= ENOUGH && near && alike(&residues[p], &residues[q]) > ALIKE {
+                weaker.push(if strength(p) < strength(q) { p } else { q });
+            }
+        }
+    }
+    weaker.sort_unstable();
+    weaker.dedup();
+    weaker
+}
+
+/// Fits, and leaves out one needless mode after another, the most needless first.
+pub(crate) fn pruned(band: &Band, start: &[Complex]) -> Result<Fitted, Error> {
+    let mut poles = start.to_vec();
+    loop {
+        let fitted = Fitted::new(band, &poles)?;
+        let Some(needless) = needless(band, &fitted)? else { return Ok(fitted) };
+        poles.clone_from(&fitted.poles);
+        poles.remove(needless);
+    }
+}
+
+fn needless(band: &Band, fitted: &Fitted) -> Result<Option<usize>, Error> {
+    let poles = &fitted.poles;
+    let (low, high) = band.edges();
+    let outside = |p: &Complex| {
+        let margin = p.re.abs() / TAU;
+        let f = p.im / TAU;
+        f < low - margin || f > high + margin
+    };
+    if let Some(p) = poles.iter().position(|p| outside(p) || -p.re > HIGHEST_DAMPING * p.norm()) {
+        return Ok(Some(p));
+    }
+    if let Some(p) = twins(poles, &fitted.residues).first() {
+        return Ok(Some(*p));
+    }
+    let with = Linear::new(band, poles, false)?;
+    let mut least = (None, WORTH);
+    for p in 0..poles.len() {
+        let mut others = poles.clone();
+        others.remove(p);
+        let worth = worth(&Linear::new(band, &others, false)?, &with, &fitted.noise);
+        if worth < least.1 {
+            least = (Some(p), worth);
+        }
+    }
+    Ok(least.0)
+}

@@ -1,0 +1,114 @@
+//! One blow of the hammer: force and responses, sampled together.
+
+use super::freedom::Freedom;
+use crate::error::{Error, check};
+
+/// What the sensors measure.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub enum Motion {
+    /// Displacement: responses are receptances.
+    Displacement,
+    /// Velocity: mobilities.
+    Velocity,
+    /// Acceleration: accelerances.
+    Acceleration,
+}
+
+impl Motion {
+    /// Number of time derivatives of displacement: 0, 1, 2.
+    #[must_use]
+    pub const fn derivatives(self) -> i32 {
+        match self {
+            Self::Displacement => 0,
+            Self::Velocity => 1,
+            Self::Acceleration => 2,
+        }
+    }
+}
+
+/// Samples of one sensor, or of the hammer.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Channel {
+    /// Name as the file has it.
+    pub name: String,
+    /// Where and in which direction.
+    pub freedom: Freedom,
+    /// In the user's consistent unit.
+    pub samples: Vec<f64>,
+}
+
+/// One blow: the force and what the sensors saw of it, over the same times.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Hit {
+    /// Such as the file, and the number of the hit in it; messages begin with it.
+    pub name: String,
+    /// Sampling interval in s.
+    pub dt: f64,
+    /// The hammer.
+    pub force: Channel,
+    /// The sensors.
+    pub responses: Vec<Channel>,
+}
+
+/// Samples that a hit needs at least: below that a spectrum has too few lines for any mode.
+const FEWEST: usize = 64;
+
+impl Hit {
+    /// Number of samples.
+    #[must_use]
+    pub fn samples(&self) -> usize {
+        self.force.samples.len()
+    }
+
+    /// Largest deviation of the force from its median, with its sign taken off.
+    #[must_use]
+    pub fn peak_force(&self) -> f64 {
+        let zero = crate::number::median(&self.force.samples);
+        self.force.samples.iter().map(|f| (f - zero).abs()).fold(0.0, f64::max)
+    }
+
+    /// Interval, lengths and samples.
+    ///
+    /// # Errors
+    /// [`Error::OutOfRange`] for the interval; [`Error::Refused`] for a hit without responses, channels of other lengths, too few
+    /// samples or a channel that stands still; [`Error::NotFinite`]. Each names hit and channel.
+    pub fn check(&self) -> Result<(), Error> {
+        check(
+            "dt",
+            self.dt,
+            self.dt > 0.0,
+            "a sampling interval > 0 s",
+            "give the sampling interval in seconds",
+        )?;
+        if self.responses.is_empty() {
+            let remedy = "name at least one channel of motion";
+            return Err(Error::refused(&self.name, "there is a force and no response", remedy));
+        }
+        let n = self.samples();
+        if n < FEWEST {
+            let finding = format!("{n} samples are too few for a spectrum, at least {FEWEST} are needed");
+            return Err(Error::refused(&self.name, finding, "record longer"));
+        }
+        for channel in std::iter::once(&self.force).chain(&self.responses) {
+            self.check_channel(channel, n)?;
+        }
+        Ok(())
+    }
+
+    fn check_channel(&self, channel: &Channel, n: usize) -> Result<(), Error> {
+        let place = format!("{}, channel {}", self.name, channel.name);
+        let x = &channel.samples;
+        if x.len() != n {
+            let finding = format!("{} samples, the force has {n}", x.len());
+            return Err(Error::refused(place, finding, "record all channels together"));
+        }
+        if let Some(index) = x.iter().position(|v| !v.is_finite()) {
+            return Err(Error::NotFinite { place, index, value: x[index] });
+        }
+        if x.iter().all(|v| *v == x[0]) {
+            let finding = format!("all samples are {}", x[0]);
+            return Err(Error::refused(place, finding, "check the cable, or leave the channel out"));
+        }
+        Ok(())
+    }
+}

@@ -1,0 +1,197 @@
+//! How good hits are: what is wrong with each is said, and left to the user.
+
+use std::fmt;
+
+use super::cut::pulses;
+use super::hit::{Channel, Hit};
+use crate::number::median;
+
+/// A second pulse of this part of the first is a double hit: less changes responses by less than the spread of sensors.
+const DOUBLE: f64 = 0.02;
+/// Equal samples in a row at the largest or smallest value that count as overload, …
+const RUN: usize = 3;
+/// … in so many places at least: a digitised crest can be flat once.
+const PLACES: usize = 2;
+/// A response before the hit of this part of its peak is the decay of something else. Noise of 40 dB is below.
+const MOVING: f64 = 0.05;
+/// Samples before the pulse at least: with fewer nothing can be said of what was there before, and the pulse's foot may be missing.
+const BEFORE: usize = 8;
+/// Hits of one level differ by this factor at most; a gap of more begins the next level.
+const LEVEL: f64 = 1.5;
+
+/// What is wrong with a hit.
+#[derive(Debug, Clone, PartialEq)]
+#[non_exhaustive]
+pub enum Fault {
+    /// The hammer came back.
+    DoubleHit {
+        /// s from the first sample.
+        time: f64,
+        /// Height over that of the first pulse.
+        part: f64,
+    },
+    /// Samples stand at the end of the measuring range.
+    Overload {
+        /// Channel.
+        channel: String,
+        /// The range, in the unit of the channel.
+        level: f64,
+        /// Number of such samples.
+        samples: usize,
+    },
+    /// The record begins with the hit.
+    NoPretrigger {
+        /// Samples before the pulse.
+        samples: usize,
+    },
+    /// A channel still moves when the hit comes: it came during the decay of the last one.
+    StillMoving {
+        /// Channel that moves most, over its peak.
+        channel: String,
+        /// Largest value before the hit over the largest after it.
+        part: f64,
+    },
+}
+
+impl fmt::Display for Fault {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::DoubleHit { time, part } => {
+                write!(f, "double hit: a second pulse of {:.0} % of the first at {time:.4} s", 100.0 * part)
+            }
+            Self::Overload { channel, level, samples } => {
+                write!(f, "channel {channel} is overloaded: {samples} samples stand at {level:.6}")
+            }
+            Self::NoPretrigger { samples } => {
+                write!(f, "{samples} samples before the pulse: the begin of the hit may be missing")
+            }
+            Self::StillMoving { channel, part } => write!(
+                f,
+                "channel {channel} still moves when the hit comes, at {:.0} % of its peak: it came during the decay of the last",
+                100.0 * part
+            ),
+        }
+    }
+}
+
+/// What is wrong with a hit; empty where nothing is.
+///
+/// ```
+/// use iwan_modal::measure::{Channel, Fault, Freedom, Hit, faults};
+/// let channel = |name: &str, samples| Channel { name: name.into(), freedom: Freedom::point(name), samples };
+/// let force = (0..500).map(|n| if n == 100 { 8.0 } else if n == 130 { 2.0 } else { 0.0 }).collect();
+/// let tip = (0..500).map(|n| if n < 100 { 0.0 } else { (0.3 * n as f64).sin() }).collect();
+/// let hit = Hit { name: "tap".into(), dt: 1e-3, force: channel("hammer", force), responses: vec![channel("tip", tip)] };
+/// assert_eq!(faults(&hit), [Fault::DoubleHit { time: 0.13, part: 0.25 }]);
+/// ```
+#[must_use]
+pub fn faults(hit: &Hit) -> Vec<Fault> {
+    let mut found = Vec::new();
+    let (pulses, _) = pulses(&hit.force.samples);
+    let Some(first) = pulses.iter().max_by(|a, b| a.peak.total_cmp(&b.peak)) else { return found };
+    let others = pulses.iter().filter(|p| p.start != first.start && p.peak > DOUBLE * first.peak);
+    found.extend(
+        others.map(|p| Fault::DoubleHit { time: p.start as f64 * hit.dt, part: p.peak / first.peak }),
+    );
+    found.extend(std::iter::once(&hit.force).chain(&hit.responses).filter_map(overload));
+    let onset = pulses.first().map_or(0, |p| p.start);
+    if onset < BEFORE {
+        found.push(Fault::NoPretrigger { samples: onset });
+    } else {
+        found.extend(still_moving(hit, onset - BEFORE / 2));
+    }
+    found
+}
+
+fn overload(channel: &Channel) -> Option<Fault> {
+    let x = &channel.samples;
+    let (low, high) = x.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), v| (a.min(*v), b.max(*v)));
+    let zero = median(x);
+    let (mut from, mut runs, mut samples) = (0, 0, 0);
+    for i in 1..=x.len() {
+        if i < x.len() && x[i] == x[from] {
+            continue;
+        }
+        // A zero line that never falls below zero is no range.
+        if i - from >= RUN && (x[from] == low || x[from] == high) && x[from] != zero {
+            (runs, samples) = (runs + 1, samples + i - from);
+        }
+        from = i;
+    }
+    let level = high.abs().max(low.abs());
+    (runs >= PLACES).then(|| Fault::Overload { channel: channel.name.clone(), level, samples })
+}
+
+fn still_moving(hit: &Hit, end: usize) -> Option<Fault> {
+    let part = |c: &Channel| {
+        let zero = median(&c.samples);
+        let largest = |x: &[f64]| x.iter().map(|x| (x - zero).abs()).fold(0.0, f64::max);
+        largest(&c.samples[..end]) / largest(&c.samples[end..]).max(f64::MIN_POSITIVE)
+    };
+    let parts = hit.responses.iter().map(|c| (c, part(c)));
+    let (channel, part) = parts.max_by(|a, b| a.1.total_cmp(&b.1))?;
+    (part > MOVING).then(|| Fault::StillMoving { channel: channel.name.clone(), part })
+}
+
+/// Hits by level of force, the softest level first: indices of the hits. A level ends where the next harder hit is 1.5 times as hard.
+///
+/// ```
+/// let peaks = [50.0, 10.0, 55.0, 12.0, 200.0];
+/// assert_eq!(iwan_modal::measure::levels(&peaks), [vec![1, 3], vec![0, 2], vec![4]]);
+/// ```
+#[must_use]
+pub fn levels(peaks: &[f64]) -> Vec<Vec<usize>> {
+    let mut order: Vec<usize> = (0..peaks.len()).collect();
+    order.sort_by(|a, b| peaks[*a].total_cmp(&peaks[*b]));
+    let mut levels: Vec<Vec<usize>> = Vec::new();
+    for i in order {
+        match levels.last_mut() {
+            Some(level) if level.last().is_some_and(|last| peaks[i] < LEVEL * peaks[*last]) => level.push(i),
+            _ => levels.push(vec![i]),
+        }
+    }
+    for level in &mut levels {
+        level.sort_unstable();
+    }
+    levels
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::measure::Freedom;
+
+    fn hit(response: impl Fn(usize) -> f64, onset: usize) -> Hit {
+        let channel =
+            |name: &str, samples| Channel { name: name.into(), freedom: Freedom::point(name), samples };
+        let force = (0..2000).map(|n| if n == onset { 8.0 } else { 0.0 }).collect();
+        let tip = (0..2000).map(response).collect();
+        Hit {
+            name: "tap".into(),
+            dt: 1e-3,
+            force: channel("hammer", force),
+            responses: vec![channel("tip", tip)],
+        }
+    }
+
+    fn decay(n: usize, onset: usize) -> f64 {
+        if n < onset { 0.0 } else { (-2e-3 * (n - onset) as f64).exp() * (0.3 * (n - onset) as f64).sin() }
+    }
+
+    #[test]
+    fn a_good_hit_has_no_faults_and_a_bad_one_says_which() {
+        assert_eq!(faults(&hit(|n| decay(n, 100), 100)), []);
+        let clipped = faults(&hit(|n| decay(n, 100).clamp(-0.5, 0.5), 100));
+        assert!(
+            matches!(&clipped[..], [Fault::Overload { channel, level, .. }] if channel == "tip" && *level == 0.5),
+            "{clipped:?}"
+        );
+        let late = faults(&hit(|n| decay(n, 3), 3));
+        assert!(matches!(late[..], [Fault::NoPretrigger { samples: 3 }]), "{late:?}");
+        let moving = faults(&hit(|n| decay(n, 100) + decay(n, 1000), 1000));
+        assert!(
+            matches!(&moving[..], [Fault::StillMoving { channel, part }] if channel == "tip" && *part > 0.5),
+            "{moving:?}"
+        );
+    }
+}

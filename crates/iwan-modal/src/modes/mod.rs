@@ -1,0 +1,8 @@
+//! What poles and residues say about modes: mass-normalised shapes, how alike and how complex they are, reciprocity.
+
+mod compare;
+mod shape;
+
+pub use compare::{mac, phase_collinearity};
+pub(crate) use shape::modes;
+pub use shape::{Mode, Scale};

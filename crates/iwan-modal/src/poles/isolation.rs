@@ -1,0 +1,72 @@
+//! Mode isolation: M. S. Allen, J. H. Ginsberg, *A global, single-input-multi-output (SIMO) implementation of the algorithm of mode
+//! isolation and application to analytical and experimental data*, Mechanical Systems and Signal Processing 20, 2006.
+
+use super::residue_peak::strongest_peak;
+use crate::error::{Error, check};
+use crate::fit::{Band, Fitted, Linear, WORTH, left_over, twins, worth};
+use crate::number::Complex;
+use crate::responses::FrequencyResponses;
+
+/// Peaks in a row that prove to be no modes, after which the search ends: the strongest come first.
+const IN_VAIN: usize = 3;
+
+/// One mode taken off.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Step {
+    /// Pole when it was isolated, 1/s.
+    pub pole: nalgebra::Complex<f64>,
+    /// Height of its peak over the lines around it, in what the modes before it had left.
+    pub height: f64,
+    /// Root mean square of what is left with it over that of the responses.
+    pub left: f64,
+}
+
+/// Modes one after another.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Isolation {
+    /// In the order in which they were found.
+    pub steps: Vec<Step>,
+    /// Poles after all were refined together, 1/s, by ascending frequency.
+    pub poles: Vec<nalgebra::Complex<f64>>,
+}
+
+/// Takes at most `most` modes off the responses between the edges (Hz), one after another, the strongest peak of the composite first, and
+/// refines all of them together after each.
+///
+/// # Errors
+/// [`Error::OutOfRange`] for the band and for `most` (1 to 100); [`Error::Refused`] where two modes cannot be told apart.
+pub fn isolate(responses: &FrequencyResponses, edges: (f64, f64), most: usize) -> Result<Isolation, Error> {
+    check("most modes", most as f64, (1..=100).contains(&most), "1 to 100", "40 is a good choice")?;
+    isolation(&Band::new(responses, edges)?, Vec::new(), most)
+}
+
+/// From modes that are known already.
+pub(crate) fn isolation(band: &Band, mut poles: Vec<Complex>, most: usize) -> Result<Isolation, Error> {
+    let (mut steps, mut passed) = (Vec::new(), Vec::new());
+    let mut linear = Linear::new(band, &poles, false)?;
+    let all: f64 = band.values.norm_squared().max(f64::MIN_POSITIVE);
+    let mut in_vain = 0;
+    while steps.len() < most && in_vain < IN_VAIN {
+        let noise = left_over(band, &linear);
+        let Some(peak) = strongest_peak(band, &linear.rest, &noise, &passed) else { break };
+        let mut more = poles.clone();
+        more.push(peak.pole);
+        let Ok(fitted) = Fitted::rough(band, &more) else {
+            passed.push(peak.pole.im / std::f64::consts::TAU);
+            in_vain += 1;
+            continue;
+        };
+        let found = Linear::new(band, &fitted.poles, false)?;
+        passed.push(peak.pole.im / std::f64::consts::TAU);
+        if worth(&linear, &found, &fitted.noise) < WORTH || !twins(&fitted.poles, &fitted.residues).is_empty()
+        {
+            in_vain += 1;
+            continue;
+        }
+        in_vain = 0;
+        let after: f64 = found.left.iter().sum();
+        (poles, linear) = (fitted.poles, found);
+        steps.push(Step { pole: peak.pole, height: peak.height, left: (after / all).sqrt() });
+    }
+    Ok(Isolation { steps, poles })
+}

@@ -1,0 +1,152 @@
+//! Right matrix fractions by least squares: B. Peeters, H. Van der Auweraer, P. Guillaume, J. Leuridan, *The PolyMAX frequency-domain
+//! method: a new standard for modal parameter estimation?*, Shock and Vibration 11:395, 2004.
+
+use std::f64::consts::{PI, TAU};
+
+use nalgebra::{Cholesky, DMatrix};
+use rayon::prelude::*;
+use rustfft::FftPlanner;
+
+use crate::error::Error;
+use crate::fit::Band;
+use crate::number::{Complex, complex};
+
+/// The reduced normal matrix of the denominator for all orders up to the highest.
+pub(super) struct Denominator {
+    /// Number of references: the blocks' size.
+    references: usize,
+    /// T - Sᵀ R⁻¹ S is summed order by order, since R⁻¹ of a lower order is not a part of that of a higher one: these are the rows of
+    /// L⁻¹ S, whose leading parts serve all orders (R = L Lᵀ).
+    outputs: Vec<Output>,
+    /// Lowest frequency, Hz, and interval whose half sampling rate is the width of the band, s.
+    low: f64,
+    interval: f64,
+}
+
+struct Output {
+    moments: DMatrix<f64>,
+    reduced: DMatrix<f64>,
+}
+
+impl Denominator {
+    /// From responses in a band; `matrix[output]` are the responses of one output to all references.
+    pub(super) fn new(band: &Band, matrix: &[Vec<usize>], highest: usize) -> Result<Self, Error> {
+        let noise = band.noise();
+        let lines = band.lines();
+        let (low, high) = band.edges();
+        let weight: Vec<Complex> = band.weights.iter().map(|w| complex(w * w, 0.0)).collect();
+        let own = lags(&weight, highest);
+        let toeplitz = DMatrix::from_fn(highest + 1, highest + 1, |i, j| own.at(i, j));
+        let remedy = "lower --order, or widen the band";
+        let factor = Cholesky::new(toeplitz).ok_or_else(|| {
+            let finding = format!("{lines} lines do not carry polynomials of order {highest}");
+            Error::refused("stabilisation chart", finding, remedy)
+        })?;
+        let lower = factor.l();
+        let output = |responses: &Vec<usize>| {
+            let n = responses.len();
+            let value = |k: usize, c: usize| band.value(k, c) / noise[c].sqrt();
+            let side = (highest + 1) * n;
+            let mut moments = DMatrix::zeros(side, side);
+            let mut cross = DMatrix::zeros(highest + 1, side);
+            for (l, &c) in responses.iter().enumerate() {
+                let sequence: Vec<Complex> = (0..lines).map(|k| value(k, c) * band.weights[k]).collect();
+                let s = lags(&sequence, highest);
+                for i in 0..=highest {
+                    for j in 0..=highest {
+                        cross[(i, j * n + l)] = s.at(i, j);
+                    }
+                }
+                for (m, &d) in responses.iter().enumerate() {
+                    let sequence: Vec<Complex> =
+                        (0..lines).map(|k| value(k, d).conj() * value(k, c)).collect();
+                    let t = lags(&sequence, highest);
+                    for i in 0..=highest {
+                        for j in 0..=highest {
+                            moments[(i * n + m, j * n + l)] = t.at(i, j);
+                        }
+                    }
+                }
+            }
+            let reduced =
+                lower.solve_lower_triangular(&cross).unwrap_or_else(|| DMatrix::zeros(highest + 1, side));
+            Output { moments, reduced }
+        };
+        let outputs = matrix.par_iter().map(output).collect();
+        let references = matrix.first().map_or(1, Vec::len);
+        Ok(Self { references, outputs, low, interval: 0.5 / (high - low) })
+    }
+
+    /// Poles (1/s, upper half plane, decaying) of the denominator of an order. Its last coefficient is one: then poles that noise
+    /// makes grow instead of decaying, and are left out here.
+    pub(super) fn poles(&self, order: usize) -> Vec<Complex> {
+        let n = self.references;
+        let side = (order + 1) * n;
+        let mut normal = DMatrix::zeros(side, side);
+        for output in &self.outputs {
+            let reduced = output.reduced.view((0, 0), (order + 1, side));
+            normal += output.moments.view((0, 0), (side, side)) - reduced.tr_mul(&reduced);
+        }
+        let free = order * n;
+        let left = normal.view((0, 0), (free, free)).into_owned();
+        let right = -normal.view((0, free), (free, n)).into_owned();
+        let Some(coefficients) = solve(&left, right) else { return Vec::new() };
+        // z^order = -Σ A_j z^j: rows of the companion matrix are blocks.
+        let mut companion = DMatrix::zeros(free, free);
+        for j in 0..order {
+            for a in 0..n {
+                for b in 0..n {
+                    companion[(free - n + a, j * n + b)] = -coefficients[(j * n + b, a)];
+                }
+            }
+        }
+        for i in 0..free - n {
+            companion[(i, i + n)] = 1.0;
+        }
+        companion.complex_eigenvalues().iter().filter_map(|z| self.pole(*z)).collect()
+    }
+
+    /// The pole behind a root z = e^(-(s - s_low) Δ).
+    fn pole(&self, z: Complex) -> Option<Complex> {
+        let log = -z.ln();
+        let inside = z.norm() > 1.0 && (0.0..=PI).contains(&log.im);
+        inside.then(|| complex(log.re / self.interval, log.im / self.interval + TAU * self.low))
+    }
+}
+
+fn solve(left: &DMatrix<f64>, right: DMatrix<f64>) -> Option<DMatrix<f64>> {
+    let n = left.nrows();
+    let scale: Vec<f64> = (0..n).map(|i| left[(i, i)].max(f64::MIN_POSITIVE).sqrt().recip()).collect();
+    let scaled = DMatrix::from_fn(n, n, |i, j| left[(i, j)] * scale[i] * scale[j]);
+    let mut b = right;
+    scale.iter().enumerate().for_each(|(i, s)| b.row_mut(i).scale_mut(*s));
+    // Without noise the matrix is singular above the true order: then the plain solution is of no use, and none is given.
+    let mut x = scaled.lu().solve(&b)?;
+    scale.iter().enumerate().for_each(|(i, s)| x.row_mut(i).scale_mut(*s));
+    x.iter().all(|v| v.is_finite()).then_some(x)
+}
+
+/// Real parts of Σ x_k z_k^m for |m| up to an order, z_k = e^(-iπ k/(lines - 1)).
+struct Lags {
+    /// From 0 upwards.
+    forward: Vec<f64>,
+    /// From 0 downwards.
+    backward: Vec<f64>,
+}
+
+impl Lags {
+    /// Entry of the Toeplitz matrix with conj(z^i) z^j.
+    fn at(&self, i: usize, j: usize) -> f64 {
+        if j >= i { self.forward[j - i] } else { self.backward[i - j] }
+    }
+}
+
+fn lags(x: &[Complex], highest: usize) -> Lags {
+    let length = 2 * (x.len() - 1);
+    let mut buffer = x.to_vec();
+    buffer.resize(length, complex(0.0, 0.0));
+    FftPlanner::new().plan_fft_forward(length).process(&mut buffer);
+    let forward = (0..=highest).map(|m| buffer[m % length].re).collect();
+    let backward = (0..=highest).map(|m| buffer[(length - m % length) % length].re).collect();
+    Lags { forward, backward }
+}

@@ -1,0 +1,120 @@
+//! The strongest peak of what is left of responses, and the pole under it.
+
+use std::f64::consts::TAU;
+
+use nalgebra::DMatrix;
+
+use crate::fit::{Band, at};
+use crate::number::{Complex, complex, median};
+
+/// A peak is worth a trial when it is this many times the median of the lines around it; whether it is a mode, the fit of one tells.
+const HEIGHT: f64 = 2.0;
+/// Part of the band on either side from which that median is taken: a damped peak may be a good part of it wide.
+const AROUND: f64 = 0.125;
+/// The pole is looked for among lines in which the composite is above this part of the peak …
+const FOOT: f64 = 0.25;
+/// … and among so many on either side at least, …
+const LEAST: usize = 4;
+/// … at most so many.
+const MOST: usize = 200;
+/// Rounds of weighing lines by the distance from the pole (C. Sanathanan, J. Koerner, IEEE Trans. Automatic Control 8:56, 1963).
+const ROUNDS: usize = 6;
+
+/// A peak of a composite response.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Peak {
+    /// Pole, 1/s.
+    pub(super) pole: Complex,
+    /// Height over the median of the lines around it.
+    pub(super) height: f64,
+}
+
+/// The strongest peak of `rest` (as the band's values stand), lines in `passed` left out; responses weighted by their noise.
+pub(super) fn strongest_peak(
+    band: &Band,
+    rest: &DMatrix<f64>,
+    noise: &[f64],
+    passed: &[f64],
+) -> Option<Peak> {
+    let lines = band.lines();
+    let power = |k: usize| (0..noise.len()).map(|c| at(rest, k, c).norm_sqr() / noise[c]).sum::<f64>();
+    let composite: Vec<f64> = (0..lines).map(|k| power(k).sqrt()).collect();
+    let reach = (AROUND * lines as f64) as usize + 1;
+    let around = |k: usize| median(&composite[k.saturating_sub(reach)..(k + reach + 1).min(lines)]);
+    let free = |k: &usize| passed.iter().all(|f| (band.frequency(*k) - f).abs() > 2.5 * band.responses.step);
+    let crest = |k: &usize| composite[*k] >= composite[k - 1] && composite[*k] >= composite[k + 1];
+    let crests = (2..lines - 2).filter(crest).filter(free);
+    let top = crests.max_by(|&a, &b| composite[a].total_cmp(&composite[b]))?;
+    let height = composite[top] / around(top).max(f64::MIN_POSITIVE);
+    if height < HEIGHT {
+        return None;
+    }
+    let side = |towards: &mut dyn Iterator<Item = usize>| {
+        towards.take_while(|&k| composite[k] > FOOT * composite[top]).count().clamp(LEAST, MOST)
+    };
+    let (left, right) = (side(&mut (0..top).rev()), side(&mut (top + 1..lines)));
+    let (first, last) = (top.saturating_sub(left), (top + right).min(lines - 1));
+    let pole = pole(band, rest, noise, (first, top, last))?;
+    Some(Peak { pole, height })
+}
+
+/// One pole for all responses: s H = λ H + c0 + c1 s + c2 s², the polynomial different for each response.
+fn pole(
+    band: &Band,
+    rest: &DMatrix<f64>,
+    noise: &[f64],
+    (first, top, last): (usize, usize, usize),
+) -> Option<Complex> {
+    let decay = band.responses.decay;
+    let width = TAU * band.responses.step * (last - first) as f64;
+    let mut pole = complex(-0.1 * width, band.s[top].im);
+    for _ in 0..ROUNDS {
+        let weight: Vec<f64> =
+            (first..=last).map(|k| (band.s[k] - pole).norm().recip() / band.weights[k].max(1e-12)).collect();
+        let basis = orthonormal(band, &weight, first);
+        let (mut product, mut power) = (complex(0.0, 0.0), 0.0);
+        for (c, variance) in noise.iter().enumerate() {
+            let own: Vec<Complex> = (first..=last).map(|k| at(rest, k, c) * weight[k - first]).collect();
+            let turned: Vec<Complex> =
+                own.iter().enumerate().map(|(i, h)| h * (band.s[first + i] - band.s[top])).collect();
+            let (own, turned) = (freed(own, &basis), freed(turned, &basis));
+            product += own.iter().zip(&turned).map(|(a, b)| a.conj() * b).sum::<Complex>() / *variance;
+            power += own.iter().map(Complex::norm_sqr).sum::<f64>() / variance;
+        }
+        pole = band.s[top] + product / power;
+        if pole.re.is_nan() {
+            return None;
+        }
+        pole.re = pole.re.min(decay - 1e-4 * width);
+    }
+    let inside = pole.im >= band.s[first].im && pole.im <= band.s[last].im;
+    // A window's decay is no damping.
+    let least = -1e-6 * pole.im;
+    inside.then(|| complex(pole.re.min(least), pole.im))
+}
+
+/// Weighted 1, x, x² over the lines, orthonormal.
+fn orthonormal(band: &Band, weight: &[f64], first: usize) -> Vec<Vec<Complex>> {
+    let (count, middle) = (weight.len(), first + weight.len() / 2);
+    let scale = (band.s[first + count - 1] - band.s[first]).norm();
+    let mut basis: Vec<Vec<Complex>> = Vec::new();
+    for degree in 0..3 {
+        let x = |i: usize| ((band.s[first + i] - band.s[middle]) / scale).powi(degree) * weight[i];
+        let mut column = freed((0..count).map(x).collect(), &basis);
+        let norm = column.iter().map(Complex::norm_sqr).sum::<f64>().sqrt();
+        for v in &mut column {
+            *v /= norm;
+        }
+        basis.push(column);
+    }
+    basis
+}
+
+/// What is left of a column when the basis is taken off.
+fn freed(mut column: Vec<Complex>, basis: &[Vec<Complex>]) -> Vec<Complex> {
+    for unit in basis {
+        let part: Complex = unit.iter().zip(&column).map(|(u, x)| u.conj() * x).sum();
+        column.iter_mut().zip(unit).for_each(|(x, u)| *x -= u * part);
+    }
+    column
+}

@@ -1,0 +1,69 @@
+//! Free decays without a force: their transforms stand for responses.
+
+use rayon::prelude::*;
+
+use super::estimate::spectrum;
+use super::set::{FiniteRecord, FrequencyResponses, Function};
+use crate::error::{Error, check};
+use crate::measure::{Channel, Freedom, Motion};
+
+/// Samples that a decay needs at least.
+const FEWEST: usize = 64;
+
+/// Free decays, each a set of channels sampled together every `dt` seconds, as "responses": one function for each channel of each decay, its
+/// transform, with the decay's number as the point of force. Poles and shapes of the modes are in them as in responses to a force, scale and
+/// participation are not.
+///
+/// # Errors
+/// [`Error::OutOfRange`] for `dt`; [`Error::Refused`] without decays, for lengths that differ, and for less than 64 samples;
+/// [`Error::NotFinite`].
+///
+/// ```
+/// use iwan_modal::measure::{Channel, Freedom, Motion};
+/// use iwan_modal::responses::free_responses;
+/// let decay = (0..4096).map(|n| (-2e-4 * n as f64).exp() * (0.25 * n as f64).cos()).collect();
+/// let tip = Channel { name: "tip".into(), freedom: Freedom::point("tip"), samples: decay };
+/// let responses = free_responses(&[vec![tip]], 1e-3, Motion::Acceleration)?;
+/// let fit = iwan_modal::modal_fit(&responses, Some((20.0, 80.0)), &iwan_modal::Analysis::Chart, 20)?;
+/// assert!((fit.modes[0].pole.re + 0.2).abs() < 1e-6 && (fit.modes[0].pole.im - 250.0).abs() < 1e-6);
+/// # Ok::<(), iwan_modal::Error>(())
+/// ```
+pub fn free_responses(decays: &[Vec<Channel>], dt: f64, motion: Motion) -> Result<FrequencyResponses, Error> {
+    check("dt", dt, dt > 0.0, "a sampling interval > 0 s", "give the sampling interval in seconds")?;
+    let samples = decays.first().and_then(|d| d.first()).map_or(0, |c| c.samples.len());
+    if samples < FEWEST {
+        let finding = format!("{samples} samples, at least {FEWEST} are needed");
+        return Err(Error::refused("free decays", finding, "give decays that are longer"));
+    }
+    let mut tasks: Vec<(usize, &Channel)> = Vec::new();
+    for (n, decay) in decays.iter().enumerate() {
+        for channel in decay {
+            let place = format!("decay {}, channel {}", n + 1, channel.name);
+            if channel.samples.len() != samples {
+                let finding = format!("{} samples, the first channel has {samples}", channel.samples.len());
+                return Err(Error::refused(place, finding, "cut all decays to one length"));
+            }
+            if let Some(index) = channel.samples.iter().position(|x| !x.is_finite()) {
+                return Err(Error::NotFinite { place, index, value: channel.samples[index] });
+            }
+            tasks.push((n, channel));
+        }
+    }
+    let function = |(n, channel): &(usize, &Channel)| Function {
+        name: channel.name.clone(),
+        response: channel.freedom.clone(),
+        force: Freedom::point(format!("decay {}", n + 1)),
+        hits: 1,
+        values: spectrum(&channel.samples, dt),
+        coherence: Vec::new(),
+        variance: Vec::new(),
+    };
+    Ok(FrequencyResponses {
+        step: 1.0 / (samples as f64 * dt),
+        functions: tasks.par_iter().map(function).collect(),
+        motion,
+        force: Vec::new(),
+        decay: 0.0,
+        record: Some(FiniteRecord::free(samples, dt)),
+    })
+}

@@ -1,0 +1,10 @@
+//! From hits to frequency responses: windows, averages, coherence, and what a record of finite length leaves out.
+
+mod set;
+mod estimate;
+mod free;
+
+pub use estimate::{Estimator, Windows, frequency_responses};
+pub use free::free_responses;
+pub(crate) use set::laplace;
+pub use set::{FiniteRecord, FrequencyResponses, Function};

@@ -1,0 +1,201 @@
+//! Frequency responses of a measurement, with what they do not show by themselves.
+
+use crate::measure::{Freedom, Motion, Pulse};
+use crate::number::{Complex, I, complex};
+
+/// A response over a force, against frequency.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Function {
+    /// Name of the channel that measured the response.
+    pub name: String,
+    /// Where the response was measured.
+    pub response: Freedom,
+    /// Where the force acted.
+    pub force: Freedom,
+    /// Number of hits that were averaged.
+    pub hits: usize,
+    /// Response over force at each line, motion per unit of force.
+    pub values: Vec<Complex>,
+    /// Coherence at each line, 0 to 1; empty below two hits, where it is 1 by construction.
+    pub coherence: Vec<f64>,
+    /// Variance of `values` at each line, real and imaginary part together; empty below two hits.
+    pub variance: Vec<f64>,
+}
+
+/// Frequency responses at the lines `0, step, 2 step, …`.
+#[derive(Debug, Clone, PartialEq)]
+pub struct FrequencyResponses {
+    /// Distance of lines, Hz.
+    pub step: f64,
+    /// All pairs of response and force.
+    pub functions: Vec<Function>,
+    /// What the responses measure.
+    pub motion: Motion,
+    /// Root mean square of the force's spectrum over the hits, force times s; empty where it is not known.
+    pub force: Vec<f64>,
+    /// Decay of the exponential window, 1/s: the responses are those at s = iω + decay.
+    pub decay: f64,
+    /// The records that they come from; none for responses that others computed.
+    pub record: Option<FiniteRecord>,
+}
+
+impl FrequencyResponses {
+    /// Number of lines.
+    #[must_use]
+    pub fn lines(&self) -> usize {
+        self.functions.first().map_or(0, |f| f.values.len())
+    }
+
+    /// Frequency of a line, Hz.
+    #[must_use]
+    pub fn frequency(&self, line: usize) -> f64 {
+        line as f64 * self.step
+    }
+
+    /// Root of the mean square over all functions at each line: the composite response.
+    #[must_use]
+    pub fn composite(&self) -> Vec<f64> {
+        let n = self.functions.len().max(1) as f64;
+        let at = |k: usize| self.functions.iter().map(|f| f.values[k].norm_sqr()).sum::<f64>();
+        (0..self.lines()).map(|k| (at(k) / n).sqrt()).collect()
+    }
+}
+
+/// Most pulses whose form is kept: those of one hammer differ in height more than in form.
+const MOST: usize = 16;
+
+/// What the end of a record cuts off a free decay.
+///
+/// A response that still moves when the record ends has a discrete Fourier transform without leakage of its own kind: at the lines
+/// k/T of a record of length T, a decay c e^(λt) contributes c/(s-λ) less c e^((λ-s)T) Δt/(1 - e^((λ-s)Δt)), and c is the residue times
+/// the force's transform at λ. With that in the model no window is needed, and none costs damping.
+#[derive(Debug, Clone, PartialEq)]
+pub struct FiniteRecord {
+    /// Length of the records, s.
+    pub length: f64,
+    /// Sampling interval, s.
+    pub dt: f64,
+    /// What happened before the free decay; empty for free decays from the first sample on.
+    pulses: Vec<Pulse>,
+    /// Weight of each pulse at each line: the conjugate of its windowed spectrum over the sum of squares.
+    weights: Vec<Vec<Complex>>,
+}
+
+impl FiniteRecord {
+    /// Of records of hits: pulses and their windowed spectra at all lines.
+    pub(super) fn new(pulses: &[Pulse], spectra: &[Vec<Complex>]) -> Self {
+        let stride = pulses.len().div_ceil(MOST);
+        let chosen: Vec<usize> = (0..pulses.len()).step_by(stride).collect();
+        let lines = spectra[0].len();
+        let power =
+            |k: usize| chosen.iter().map(|h| spectra[*h][k].norm_sqr()).sum::<f64>().max(f64::MIN_POSITIVE);
+        let total: Vec<f64> = (0..lines).map(power).collect();
+        let weight = |h: &usize| spectra[*h].iter().zip(&total).map(|(f, p)| f.conj() / *p).collect();
+        Self {
+            length: pulses[0].samples as f64 * pulses[0].dt,
+            dt: pulses[0].dt,
+            weights: chosen.iter().map(weight).collect(),
+            pulses: chosen.iter().map(|h| pulses[*h].clone()).collect(),
+        }
+    }
+
+    /// Of free decays from the first of `samples` samples on: their "responses" are the transforms themselves.
+    #[must_use]
+    pub fn free(samples: usize, dt: f64) -> Self {
+        Self { length: samples as f64 * dt, dt, pulses: Vec::new(), weights: Vec::new() }
+    }
+
+    /// Of records of `length` seconds whose hits nobody kept: an impulse `delay` seconds after the first sample stands for the hammer. What
+    /// the true pulse makes different is smooth, and goes into the terms for what lies outside the band. `lines` of responses that reach the
+    /// Nyquist frequency give the sampling interval; `decay` is that of their exponential window, 1/s.
+    #[must_use]
+    pub fn of_impulse(length: f64, lines: usize, delay: f64, decay: f64) -> Self {
+        let samples = 2 * lines.saturating_sub(1).max(1);
+        let dt = length / samples as f64;
+        let start = ((delay / dt).round().max(0.0) as usize).min(samples - 1);
+        let pulse = Pulse { start, force: vec![dt.recip()], samples, dt };
+        let spectrum: Vec<Complex> =
+            (0..lines).map(|k| pulse.transform(laplace(k as f64 / length, decay)).0).collect();
+        Self::new(&[pulse], &[spectrum])
+    }
+
+    /// Whether the records are free decays without a force.
+    #[must_use]
+    pub fn is_free(&self) -> bool {
+        self.pulses.is_empty()
+    }
+
+    /// The force's transform at each pole, ready for all lines.
+    pub(crate) fn at(&self, pole: Complex) -> PoleInRecord<'_> {
+        PoleInRecord { record: self, pole, forces: self.pulses.iter().map(|p| p.transform(pole)).collect() }
+    }
+}
+
+/// What the end of the record cuts off one mode.
+pub(crate) struct PoleInRecord<'a> {
+    record: &'a FiniteRecord,
+    pole: Complex,
+    forces: Vec<(Complex, Complex)>,
+}
+
+impl PoleInRecord<'_> {
+    /// The contribution of a unit residue at a line, and its derivative with respect to the pole.
+    pub(crate) fn value(&self, line: usize, s: Complex) -> (Complex, Complex) {
+        let (dt, length) = (self.record.dt, self.record.length);
+        let distance = self.pole - s;
+        let turn = (distance * dt).exp();
+        let left = complex(1.0, 0.0) - turn;
+        let rest = (distance * length).exp();
+        if self.record.is_free() {
+            let value = dt * (1.0 - rest) / left;
+            let slope = value * (turn * dt / left) - dt * length * rest / left;
+            return (value, slope);
+        }
+        let (mut share, mut moment) = (complex(0.0, 0.0), complex(0.0, 0.0));
+        for ((f, m), weights) in self.forces.iter().zip(&self.record.weights) {
+            share += weights[line] * *f;
+            moment += weights[line] * *m;
+        }
+        let tail = rest * dt / left;
+        let slope = tail * (share * (length + dt * turn / left) - moment);
+        let direct = -distance.inv();
+        (direct - tail * share, direct * direct - slope)
+    }
+}
+
+/// Laplace variable at a line, 1/s.
+pub(crate) fn laplace(frequency: f64, decay: f64) -> Complex {
+    I * (std::f64::consts::TAU * frequency) + decay
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn slopes_are_those_of_differences() {
+        let pulse = Pulse { start: 5, force: vec![1.0, 3.0, 2.0], samples: 400, dt: 1e-2 };
+        let spectrum: Vec<Complex> =
+            (0..20).map(|k| pulse.transform(laplace(f64::from(k) / 4.0, 0.0)).0).collect();
+        let records = [FiniteRecord::new(&[pulse], &[spectrum]), FiniteRecord::free(400, 1e-2)];
+        let (pole, h, s) = (complex(-0.3, 20.0), 1e-6, laplace(13.0 / 4.0, 0.0));
+        for record in &records {
+            let at = |p: Complex| record.at(p).value(13, s).0;
+            let slope = record.at(pole).value(13, s).1;
+            let found = (at(pole + h) - at(pole - h)) / (2.0 * h);
+            assert!((slope - found).norm() < 1e-6 * slope.norm(), "{slope} {found}");
+        }
+    }
+
+    #[test]
+    fn a_free_decay_that_is_cut_off_is_exact() {
+        let (pole, dt, n) = (complex(-0.05, 30.0), 1e-2, 300);
+        let record = FiniteRecord::free(n, dt);
+        for line in [3, 14, 40] {
+            let s = laplace(f64::from(line) / (n as f64 * dt), 0.0);
+            let sum: Complex = (0..n).map(|k| ((pole - s) * (k as f64 * dt)).exp() * dt).sum();
+            let (value, _) = record.at(pole).value(line as usize, s);
+            assert!((value - sum).norm() < 1e-11 * sum.norm(), "{line}: {value} {sum}");
+        }
+    }
+}

@@ -1,0 +1,141 @@
+//! From when on a decay is linear: M. S. Allen, R. L. Mayes, *Estimating the degree of nonlinearity in transient responses with zeroed
+//! early-time fast Fourier transforms*, Mechanical Systems and Signal Processing 24:2049, 2010.
+
+use std::f64::consts::TAU;
+
+use crate::analysis::{Analysis, modal_fit};
+use crate::error::{Error, check};
+use crate::fit::Band;
+use crate::fit::Linear;
+use crate::measure::{Channel, Motion};
+use crate::number::Complex;
+use crate::responses::{FrequencyResponses, free_responses};
+
+/// Zeroed times at which spectra are taken: a fan of these is read at a glance, and the time is told to a thirtieth of the record.
+const TIMES: usize = 30;
+/// The model is fitted to the record from this part of it on, where the decay is most linear.
+const LATE: f64 = 0.5;
+/// Half-power widths on either side of a mode in which its spectrum is compared, …
+const WIDTHS: f64 = 4.0;
+/// … and lines of the spectrum at least.
+const LINES: f64 = 3.0;
+/// A decay is linear from where the model, carried backwards, keeps within this part of the mode's spectrum for good. A judgement: by that much
+/// noise of 30 dB and a neighbour in the band disturb it.
+const WITHIN: f64 = 0.05;
+
+/// The spectrum of a record whose samples before a time are zero.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ZeroedSpectrum {
+    /// That time, s from the first sample.
+    pub time: f64,
+    /// Magnitude at the lines from 0 on, unit of the record times s.
+    pub magnitude: Vec<f64>,
+    /// Distance of lines, Hz.
+    pub step: f64,
+}
+
+/// From when on a mode is linear.
+#[derive(Debug, Clone, PartialEq)]
+pub struct LinearFrom {
+    /// Pole of the late decay, 1/s.
+    pub pole: nalgebra::Complex<f64>,
+    /// How far the model carried backwards is off the mode's spectrum, at each zeroed time, relative.
+    pub misfit: Vec<f64>,
+    /// First zeroed time (s) from which on that stays within 5 %; none where it never does before the late part.
+    pub time: Option<f64>,
+    /// Amplitude of the mode at that time, in the unit of the record.
+    pub amplitude: Option<f64>,
+}
+
+/// The fan of zeroed spectra and what it says of each mode.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Zeroed {
+    /// By ascending zeroed time.
+    pub spectra: Vec<ZeroedSpectrum>,
+    /// Modes of the late decay, by ascending frequency.
+    pub modes: Vec<LinearFrom>,
+}
+
+/// Zeroed early-time spectra of a free decay `x`, sampled every `dt` seconds, and from when on each mode in `band` (Hz) is linear.
+///
+/// # Errors
+/// As [`modal_fit`] and [`free_responses`] on the late half of the record; [`Error::OutOfRange`] for `dt`.
+///
+/// ```
+/// // 40 Hz, linear from the first sample on.
+/// let x: Vec<f64> = (0..4096).map(|n| (-1e-3 * n as f64).exp() * (0.25 * n as f64).sin()).collect();
+/// let zeroed = iwan_modal::zeroed(&x, 1e-3, (20.0, 80.0))?;
+/// assert_eq!(zeroed.modes[0].time, Some(0.0));
+/// # Ok::<(), iwan_modal::Error>(())
+/// ```
+pub fn zeroed(x: &[f64], dt: f64, band: (f64, f64)) -> Result<Zeroed, Error> {
+    check("dt", dt, dt > 0.0, "a sampling interval > 0 s", "give the sampling interval in seconds")?;
+    let start = (LATE * x.len() as f64) as usize;
+    let late = responses(&x[start..], dt)?;
+    let order = 30.min(late.lines() / 4);
+    let fit = modal_fit(&late, Some(band), &Analysis::Chart, order)?;
+    let poles: Vec<Complex> = fit.modes.iter().map(|m| m.pole).collect();
+    let amplitudes: Vec<Complex> = {
+        let band = Band::new(&late, band)?;
+        let linear = Linear::new(&band, &poles, false)?;
+        (0..poles.len()).map(|p| linear.residue(p, 0)).collect()
+    };
+    let mut modes: Vec<LinearFrom> = poles
+        .iter()
+        .map(|p| LinearFrom { pole: *p, misfit: Vec::new(), time: None, amplitude: None })
+        .collect();
+    let mut spectra = Vec::new();
+    for k in 0..TIMES {
+        let from = k * start / TIMES;
+        let own = responses(&x[from..], dt)?;
+        let back = (start - from) as f64 * dt;
+        for (p, mode) in modes.iter_mut().enumerate() {
+            mode.misfit.push(misfit(&own, &poles, &amplitudes, p, back));
+        }
+        let magnitude = own.functions[0].values.iter().map(|v| v.norm()).collect();
+        spectra.push(ZeroedSpectrum { time: from as f64 * dt, magnitude, step: own.step });
+    }
+    for (mode, c) in modes.iter_mut().zip(&amplitudes) {
+        let within = mode.misfit.iter().rev().take_while(|m| **m < WITHIN).count();
+        if within > 0 {
+            let spectrum = &spectra[TIMES - within];
+            let back = start as f64 * dt - spectrum.time;
+            mode.time = Some(spectrum.time);
+            mode.amplitude = Some(2.0 * c.norm() * (-mode.pole.re * back).exp());
+        }
+    }
+    Ok(Zeroed { spectra, modes })
+}
+
+fn responses(x: &[f64], dt: f64) -> Result<FrequencyResponses, Error> {
+    let freedom = crate::measure::Freedom::point("record");
+    let channel = Channel { name: "record".into(), freedom, samples: x.to_vec() };
+    free_responses(&[vec![channel]], dt, Motion::Acceleration)
+}
+
+/// Distance of the spectrum around a mode from that of all modes carried back by a time, over the former.
+fn misfit(own: &FrequencyResponses, poles: &[Complex], amplitudes: &[Complex], p: usize, back: f64) -> f64 {
+    let record = own.record.as_ref();
+    let centre = poles[p].im / TAU;
+    let half = (WIDTHS * poles[p].re.abs() / TAU).max(LINES * own.step);
+    let first = ((centre - half) / own.step).ceil().max(1.0) as usize;
+    let last = (((centre + half) / own.step) as usize).min(own.lines() - 1);
+    let parts: Vec<_> = poles
+        .iter()
+        .zip(amplitudes)
+        .flat_map(|(pole, c)| {
+            let now = c * (-pole * back).exp();
+            [(*pole, now), (pole.conj(), now.conj())]
+        })
+        .filter_map(|(pole, now)| Some((record?.at(pole), now)))
+        .collect();
+    let (mut off, mut all) = (0.0, 0.0);
+    for k in first..=last {
+        let s = crate::responses::laplace(own.frequency(k), 0.0);
+        let model: Complex = parts.iter().map(|(at, now)| at.value(k, s).0 * now).sum();
+        let measured = own.functions[0].values[k];
+        off += (measured - model).norm_sqr();
+        all += measured.norm_sqr();
+    }
+    (off / all.max(f64::MIN_POSITIVE)).sqrt()
+}

@@ -1,0 +1,197 @@
+//! Modes from hits, for `iwan.modal_fit`.
+
+use iwan_modal::measure::{Channel, Freedom, Hit, Motion, faults};
+use iwan_modal::responses::{Estimator, FrequencyResponses, Windows, free_responses, frequency_responses};
+use iwan_modal::{Analysis, Error, ModalFit, modal_fit};
+use pyo3::prelude::*;
+use pyo3::types::{PyDict, PyList};
+
+use crate::exchange::array::{Numbers, array, shaped};
+use crate::exchange::errors::{identification_failed, value};
+use crate::exchange::options::choose;
+use crate::exchange::work;
+
+/// What the hits were, and how they are looked at.
+#[derive(FromPyObject)]
+#[pyo3(from_item_all)]
+pub(crate) struct Request {
+    dt: f64,
+    names: Vec<String>,
+    force_at: Option<String>,
+    quantity: String,
+    estimator: String,
+    decay: f64,
+    band: Option<(f64, f64)>,
+    method: String,
+    order: usize,
+    poles: Option<Vec<f64>>,
+}
+
+/// Modes of hits (or of free decays, without forces): a dict.
+#[pyfunction]
+pub(crate) fn _modal_fit<'py>(
+    py: Python<'py>,
+    forces: Option<&Bound<'py, PyAny>>,
+    responses: &Bound<'py, PyAny>,
+    request: Request,
+) -> PyResult<Bound<'py, PyDict>> {
+    let motions = [
+        ("acceleration", Motion::Acceleration),
+        ("velocity", Motion::Velocity),
+        ("displacement", Motion::Displacement),
+    ];
+    let motion = choose("quantity", &request.quantity, &motions)?;
+    let estimators = [("h1", Estimator::H1), ("h2", Estimator::H2), ("hv", Estimator::Hv)];
+    let estimator = choose("estimator", &request.estimator, &estimators)?;
+    let ways = [("chart", Analysis::Chart), ("isolation", Analysis::Isolation)];
+    let way = match request.poles.clone() {
+        Some(poles) => Analysis::Given(poles),
+        None => {
+            ways.iter().find(|(name, _)| *name == request.method).map(|(_, way)| way.clone()).ok_or_else(
+                || value(format!("method = \"{}\" must be \"chart\" or \"isolation\"", request.method)),
+            )?
+        }
+    };
+    let channels = channels(responses, &request.names)?;
+    let hits = forces.map(|f| hits(f, &channels, &request)).transpose()?;
+    let words = hits
+        .iter()
+        .flatten()
+        .flat_map(|h| faults(h).into_iter().map(|f| format!("{}: {f}", h.name)))
+        .collect::<Vec<_>>();
+    let (dt, decay, band, order) = (request.dt, request.decay, request.band, request.order);
+    let found = work::run(py, true, move |_| -> Result<(FrequencyResponses, ModalFit), Error> {
+        let responses = match &hits {
+            Some(hits) => {
+                frequency_responses(hits, motion, estimator, Windows { decay, whole_force: false })?
+            }
+            None => free_responses(&channels, dt, motion)?,
+        };
+        let fit = modal_fit(&responses, band, &way, order)?;
+        Ok((responses, fit))
+    })?;
+    let (responses, fit) = found.map_err(|e| told_error(&e))?;
+    told(py, &responses, &fit, words)
+}
+
+/// Something that the records do not give is an identification's error; all else is a bad value.
+fn told_error(error: &Error) -> PyErr {
+    match error {
+        Error::Refused { .. } | Error::Record { .. } => identification_failed(error.to_string()),
+        _ => value(error.to_string()),
+    }
+}
+
+/// Channels of each hit from an array of hits x channels x samples.
+fn channels(responses: &Bound<'_, PyAny>, names: &[String]) -> PyResult<Vec<Vec<Channel>>> {
+    let numbers = Numbers::finite("responses", responses)?;
+    let [hits, channels, samples] = numbers.shape[..] else {
+        return Err(value(format!(
+            "responses has the shape {:?}: it must be (hits, channels, samples)",
+            numbers.shape
+        )));
+    };
+    if names.len() != channels {
+        return Err(value(format!(
+            "names has {} entries for {channels} channels: give one for each",
+            names.len()
+        )));
+    }
+    let freedom = |name: &String| {
+        Freedom::parse(name)
+            .ok_or_else(|| value(format!("names: \"{name}\" is no POINT or POINT:DIRECTION such as 12:+z")))
+    };
+    let freedoms: Vec<Freedom> = names.iter().map(freedom).collect::<PyResult<_>>()?;
+    let one = |h: usize, c: usize| {
+        let from = (h * channels + c) * samples;
+        let samples = numbers.values[from..from + samples].to_vec();
+        Channel { name: names[c].clone(), freedom: freedoms[c].clone(), samples }
+    };
+    Ok((0..hits).map(|h| (0..channels).map(|c| one(h, c)).collect()).collect())
+}
+
+fn hits(forces: &Bound<'_, PyAny>, channels: &[Vec<Channel>], request: &Request) -> PyResult<Vec<Hit>> {
+    let numbers = Numbers::finite("force", forces)?;
+    let [count, samples] = numbers.shape[..] else {
+        return Err(value(format!("force has the shape {:?}: it must be (hits, samples)", numbers.shape)));
+    };
+    let own = channels.first().and_then(|c| c.first()).map_or(0, |c| c.samples.len());
+    if count != channels.len() || samples != own {
+        let found = channels.len();
+        return Err(value(format!(
+            "force is {count} x {samples}, responses hold {found} hits of {own} samples: give one force for each hit"
+        )));
+    }
+    let at = request.force_at.clone().unwrap_or_else(|| "force".into());
+    let freedom = Freedom::parse(&at)
+        .ok_or_else(|| value(format!("force_at = \"{at}\" is no POINT or POINT:DIRECTION")))?;
+    let hit = |(h, responses): (usize, &Vec<Channel>)| Hit {
+        name: format!("hit {h} (counted from 0)"),
+        dt: request.dt,
+        force: Channel {
+            name: "force".into(),
+            freedom: freedom.clone(),
+            samples: numbers.values[h * samples..(h + 1) * samples].to_vec(),
+        },
+        responses: responses.clone(),
+    };
+    Ok(channels.iter().enumerate().map(hit).collect())
+}
+
+fn told<'py>(
+    py: Python<'py>,
+    responses: &FrequencyResponses,
+    fit: &ModalFit,
+    words: Vec<String>,
+) -> PyResult<Bound<'py, PyDict>> {
+    let modes = PyList::empty(py);
+    for m in &fit.modes {
+        let mode = PyDict::new(py);
+        mode.set_item("frequency", m.frequency)?;
+        mode.set_item("damping_ratio", m.damping_ratio)?;
+        mode.set_item("frequency_sd", m.frequency_sd)?;
+        mode.set_item("damping_ratio_sd", m.damping_ratio_sd)?;
+        mode.set_item("shape", array(py, m.real_shape.clone()))?;
+        mode.set_item("shape_sd", array(py, m.shape_sd.clone()))?;
+        mode.set_item(
+            "complex_shape",
+            (
+                array(py, m.shape.iter().map(|x| x.re).collect()),
+                array(py, m.shape.iter().map(|x| x.im).collect()),
+            ),
+        )?;
+        mode.set_item("phase_collinearity", m.phase_collinearity)?;
+        modes.append(mode)?;
+    }
+    let first = fit.fitted.first;
+    let lines = fit.fitted.curves.first().map_or(0, Vec::len);
+    let table = |of: &dyn Fn(usize) -> Vec<f64>| {
+        let values = (0..fit.fitted.curves.len()).flat_map(of).collect();
+        shaped(py, vec![fit.fitted.curves.len(), lines], values)
+    };
+    let measured = |k: usize| &responses.functions[k].values[first..first + lines];
+    let dict = PyDict::new(py);
+    dict.set_item("modes", modes)?;
+    dict.set_item("names", fit.names.clone())?;
+    dict.set_item("mass_normalised", fit.scale == iwan_modal::modes::Scale::DrivePoint)?;
+    dict.set_item("band", fit.band)?;
+    dict.set_item("misfit", fit.fitted.misfit)?;
+    dict.set_item("frequency", array(py, (first..first + lines).map(|k| responses.frequency(k)).collect()))?;
+    dict.set_item(
+        "responses",
+        (
+            table(&|k| measured(k).iter().map(|v| v.re).collect())?,
+            table(&|k| measured(k).iter().map(|v| v.im).collect())?,
+        ),
+    )?;
+    dict.set_item(
+        "fitted",
+        (
+            table(&|k| fit.fitted.curves[k].iter().map(|v| v.re).collect())?,
+            table(&|k| fit.fitted.curves[k].iter().map(|v| v.im).collect())?,
+        ),
+    )?;
+    let doubt = fit.drive_point_doubt();
+    dict.set_item("remarks", words.into_iter().chain(doubt).collect::<Vec<String>>())?;
+    Ok(dict)
+}

@@ -1,0 +1,63 @@
+"""Modes from hits and from free decays."""
+
+import pickle
+
+import numpy as np
+import pytest
+
+import iwan
+
+RATE = 2048
+N = 8192
+
+
+def _hit(seed: int) -> tuple[np.ndarray, np.ndarray]:
+    """Two modes of mass 1 at three points, the first struck by an impulse of 2 N s at sample 30."""
+    t = np.maximum(np.arange(N) - 30, 0) / RATE
+    random = np.random.default_rng(seed)
+    force = np.zeros(N)
+    force[30] = 2 * RATE
+    shapes = np.array([[1.0, 0.5, -0.7], [0.8, -1.1, 0.6]])
+    motion = np.zeros((3, N))
+    for (frequency, damping), shape in zip([(90.0, 2e-3), (170.0, 5e-4)], shapes, strict=True):
+        omega = 2 * np.pi * frequency
+        damped = omega * np.sqrt(1 - damping**2)
+        motion += 2 * shape[0] * shape[:, None] * np.exp(-damping * omega * t) * np.sin(damped * t) / damped
+    scale = np.sqrt(np.mean(motion**2))
+    return force, motion + 3e-3 * scale * random.standard_normal(motion.shape)
+
+
+def test_hits_give_modes_with_scale_and_standard_deviations():
+    force, motion = (np.array(x) for x in zip(*[_hit(seed) for seed in range(3)], strict=True))
+    fit = iwan.modal_fit(force, motion, 1 / RATE, names=["tip", "b", "c"], force_at="tip", quantity="displacement", band=(50, 250), order=20)
+    assert fit.mass_normalised and fit.remarks == [] and len(fit.modes) == 2
+    for mode, (frequency, damping) in zip(fit.modes, [(90.0, 2e-3), (170.0, 5e-4)], strict=True):
+        assert mode.frequency == pytest.approx(frequency, rel=1e-5)
+        assert mode.damping_ratio == pytest.approx(damping, rel=1e-2)
+        assert abs(mode.frequency - frequency) < 4 * mode.frequency_sd
+    assert np.abs(fit.modes[0].shape) == pytest.approx([1.0, 0.5, 0.7], rel=5e-3)
+    assert fit.responses.shape == fit.fitted.shape == (3, len(fit.frequency))
+    assert fit.misfit < 0.1
+    again = pickle.loads(pickle.dumps(fit))
+    assert again.modes[1].frequency == fit.modes[1].frequency
+
+
+def test_free_decays_need_no_force():
+    motion = _hit(1)[1][:, 31:]
+    fit = iwan.modal_fit(None, motion, 1 / RATE, quantity="displacement", band=(50, 250), order=20)
+    assert not fit.mass_normalised
+    assert [mode.frequency for mode in fit.modes] == pytest.approx([90.0, 170.0], rel=1e-5)
+
+
+def test_what_does_not_go_together_is_refused():
+    force, motion = _hit(2)
+    with pytest.raises(iwan.InvalidValueError, match="one force for each hit"):
+        iwan.modal_fit([force, force], motion, 1 / RATE)
+    with pytest.raises(iwan.InvalidValueError, match="3 channels"):
+        iwan.modal_fit(force, motion, 1 / RATE, names=["a"])
+    with pytest.raises(iwan.InvalidValueError, match="quantity"):
+        iwan.modal_fit(force, motion, 1 / RATE, quantity="force")
+    with pytest.raises(iwan.InvalidValueError, match="method"):
+        iwan.modal_fit(force, motion, 1 / RATE, method="fourier")
+    with pytest.raises(iwan.IdentificationError, match="no mode"):
+        iwan.modal_fit(force, motion, 1 / RATE, quantity="displacement", band=(300, 500), order=20)
