@@ -1,0 +1,92 @@
+//! Sizes of what a law misses, on a ladder, with the covariance of all residuals for each.
+
+use nalgebra::{DMatrix, DVector};
+
+use super::linear::Information;
+use super::process::Covariances;
+
+/// Steps of the ladder, each twice the one below.
+const RUNGS: i32 = 9;
+/// Least part of a decay rate that a law is taken to miss: averaging is of first order in the damping, and ring-downs of real
+/// structures repeat worse. A judgement.
+const DECAY_FLOOR: f64 = 2e-3;
+/// Least part of the frequency's shift that a law is taken to miss, for the same reasons, …
+const SHIFT_FLOOR: f64 = 3e-3;
+/// … and of the frequency itself.
+const FREQUENCY_FLOOR: f64 = 2e-6;
+
+/// A size of the discrepancy: relative in the decay rate, in parts of its shift in the frequency.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Size {
+    pub(super) decay: f64,
+    pub(super) omega: f64,
+}
+
+/// Residuals with a discrepancy of some size are independent and of variance 1 after this.
+#[derive(Debug, Clone)]
+pub(super) struct Whitener {
+    pub(super) size: Size,
+    lower: DMatrix<f64>,
+    /// Logarithm of the determinant of the covariance.
+    pub(super) log_determinant: f64,
+}
+
+impl Whitener {
+    fn new(size: Size, covariance: DMatrix<f64>) -> Option<Self> {
+        let lower = covariance.cholesky()?.l();
+        let log_determinant = 2.0 * lower.diagonal().iter().map(|d| d.ln()).sum::<f64>();
+        Some(Self { size, lower, log_determinant })
+    }
+
+    pub(super) fn vector(&self, y: &DVector<f64>) -> DVector<f64> {
+        let mut out = y.clone();
+        self.lower.solve_lower_triangular_mut(&mut out);
+        out
+    }
+
+    pub(super) fn matrix(&self, y: &DMatrix<f64>) -> DMatrix<f64> {
+        let mut out = y.clone();
+        self.lower.solve_lower_triangular_mut(&mut out);
+        out
+    }
+}
+
+/// All sizes that are tried.
+#[derive(Debug, Clone)]
+pub(super) struct Ladder {
+    pub(super) rungs: Vec<Whitener>,
+}
+
+impl Ladder {
+    /// For information about curves; `shift` and `frequency` are the range of the circular frequency and itself, 1/s. Curves of the
+    /// covariance `free` are not seen at all.
+    pub(super) fn new(
+        information: &Information,
+        covariances: &Covariances,
+        (shift, frequency): (f64, f64),
+        free: Option<&DMatrix<f64>>,
+    ) -> Option<Self> {
+        let factor = &information.factor;
+        let seen = covariances.each(|m| factor * m * factor.transpose());
+        let rank = information.target.len();
+        let mut base = DMatrix::identity(rank, rank);
+        if let Some(free) = free {
+            base += factor * free * factor.transpose();
+        }
+        let floor = SHIFT_FLOOR.max(FREQUENCY_FLOOR * frequency / shift);
+        let mut rungs = vec![];
+        for i in 0..RUNGS {
+            for j in 0..RUNGS {
+                let size = Size { decay: DECAY_FLOOR * 2.0_f64.powi(i), omega: floor * 2.0_f64.powi(j) };
+                let whole = &base + &seen.decay * size.decay.powi(2) + &seen.omega * size.omega.powi(2);
+                rungs.push(Whitener::new(size, whole)?);
+            }
+        }
+        Some(Self { rungs })
+    }
+
+    /// The rung in the middle of both: where nothing is known of a law yet.
+    pub(super) fn middle(&self) -> &Whitener {
+        &self.rungs[self.rungs.len() / 2]
+    }
+}

@@ -1,0 +1,118 @@
+//! Parameters of a law in their own units, with intervals.
+
+use iwan_core::{Backbone, Part};
+
+use super::backbone::HALF_WIDTH;
+use super::fit::{Fitted, Problem};
+use super::mode::{Joint, LawMode};
+
+/// Part of its prior's standard deviation below which a parameter counts as told by the records.
+const TOLD: f64 = 0.3;
+/// Step of the differences in the coordinates.
+const STEP: f64 = 1e-5;
+/// Share of a damper or a spring below which its logarithm has no interval.
+const NOTHING: f64 = 1e-9;
+
+/// A parameter of a law.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Estimate {
+    /// Its name: `frequency`, `damping_ratio`, `coulomb_force`, `quadratic_c`, `damping_c`, `damping_n`, `cubic_k`, `spring_k`,
+    /// `spring_exponent`, `pinning_k`, `pinning_gap`, `k_t`, `f_s`, `chi`, `beta`.
+    pub name: &'static str,
+    /// Its value, mass-normalised.
+    pub value: f64,
+    /// Lower end of the interval of 95 %; none: open.
+    pub low: Option<f64>,
+    /// Upper end; none: open.
+    pub high: Option<f64>,
+}
+
+/// A value, and whether it is positive by nature: its interval is then one of the logarithm.
+#[derive(Debug, Clone, Copy)]
+struct Value {
+    name: &'static str,
+    value: f64,
+    positive: bool,
+}
+
+/// The parameters of a mode in the order of tables.
+fn values(mode: &LawMode) -> Vec<Value> {
+    let positive = |name, value| Value { name, value, positive: true };
+    let any = |name, value| Value { name, value, positive: false };
+    let mut out = vec![any("frequency", mode.frequency), any("damping_ratio", mode.damping_ratio)];
+    match &mode.joint {
+        Some(Joint::FourParameter(joint)) => {
+            let k_t = joint.initial_stiffness();
+            out.extend([positive("k_t", k_t), positive("f_s", joint.slip_force())]);
+            out.extend([any("chi", joint.chi()), any("beta", joint.beta())]);
+        }
+        Some(Joint::Jenkins(joint)) => {
+            out.extend([positive("k_t", joint.initial_stiffness()), positive("f_s", joint.slip_force())]);
+        }
+        None => {}
+    }
+    for part in &mode.parts {
+        match part {
+            Part::Coulomb(part) => out.push(any("coulomb_force", part.size())),
+            Part::PowerDamping(part) if part.n() == 2.0 => out.push(any("quadratic_c", part.c())),
+            Part::PowerDamping(part) => {
+                out.extend([positive("damping_c", part.c()), any("damping_n", part.n())]);
+            }
+            Part::Spring(part) if part.exponent() == 3.0 => out.push(any("cubic_k", part.k())),
+            Part::Spring(part) => {
+                out.extend([positive("spring_k", part.k()), any("spring_exponent", part.exponent())]);
+            }
+            Part::Pinning(part) => {
+                out.extend([positive("pinning_k", part.k()), positive("pinning_gap", part.gap())]);
+            }
+        }
+    }
+    out
+}
+
+/// The parameters of a fitted law with their intervals.
+pub(super) fn estimates(problem: &Problem<'_>, fitted: &Fitted) -> Vec<Estimate> {
+    let own = values(&fitted.mode);
+    let logs =
+        |v: &Value, w: &Value| if v.positive { (w.value / v.value).abs().ln() } else { w.value - v.value };
+    // Rows: parameters, columns: coordinates. One-sided at a bound.
+    let mut slopes = vec![vec![0.0; fitted.x.len()]; own.len()];
+    for j in 0..fitted.x.len() {
+        let step = if fitted.x[j] + STEP > problem.coordinates[j].bounds.1 { -STEP } else { STEP };
+        let mut x = fitted.x.clone();
+        x[j] += step;
+        let Some(moved) = problem.scales.mode(problem.terms, &x) else { continue };
+        for (i, (v, w)) in own.iter().zip(values(&moved)).enumerate() {
+            slopes[i][j] = logs(v, &w) / step;
+        }
+    }
+    let variance = |slope: &[f64], covariance: &dyn Fn(usize, usize) -> f64| {
+        let mut sum = 0.0;
+        for (i, a) in slope.iter().enumerate() {
+            for (j, b) in slope.iter().enumerate() {
+                sum += a * b * covariance(i, j);
+            }
+        }
+        sum.max(0.0).sqrt()
+    };
+    let prior = |i: usize, j: usize| if i == j { problem.coordinates[i].width.powi(2) } else { 0.0 };
+    let one = |(v, slope): (&Value, &Vec<f64>)| {
+        let sd = variance(slope, &|i, j| fitted.covariance[(i, j)]);
+        let told = sd < TOLD * variance(slope, &prior) && (!v.positive || v.value.abs() > NOTHING);
+        interval(v, HALF_WIDTH * sd, told)
+    };
+    own.iter().zip(&slopes).map(one).collect()
+}
+
+fn interval(v: &Value, half: f64, told: bool) -> Estimate {
+    let (low, high) = if v.positive {
+        // Of either sign, as a softening spring is.
+        let ends = (v.value * (-half).exp(), v.value * half.exp());
+        (ends.0.min(ends.1), ends.0.max(ends.1))
+    } else {
+        let least = if matches!(v.name, "chi" | "cubic_k" | "frequency") { f64::NEG_INFINITY } else { 0.0 };
+        ((v.value - half).max(least), v.value + half)
+    };
+    let end = |e: f64| (told && e.is_finite()).then_some(e);
+    Estimate { name: v.name, value: v.value, low: end(low), high: end(high) }
+}

@@ -1,0 +1,175 @@
+//! One law fitted to the curves: its coordinates, the size of what it misses, and its evidence.
+
+use nalgebra::{DMatrix, DVector};
+
+use super::discrepancy::{Ladder, Size, Whitener};
+use super::linear::Information;
+use super::mode::LawMode;
+use super::terms::{Coordinate, Scales, Term, coordinates};
+use crate::search::{Search, TOLERANCE};
+
+/// Rounds in which coordinates and sizes are made to agree: the sizes stand on a ladder, so that they settle soon.
+const ROUNDS: usize = 4;
+/// Steps of a search from one of many starts, and of the last.
+const FIRST_STEPS: usize = 30;
+const LAST_STEPS: usize = 100;
+/// Relative reduction of the sum of squares at which a first search ends.
+const FIRST_TOLERANCE: f64 = 1e-4;
+
+/// A law before its parameters are known.
+#[derive(Debug, Clone)]
+pub(super) struct Problem<'a> {
+    pub(super) terms: &'a [Term],
+    pub(super) scales: Scales,
+    pub(super) amplitudes: &'a [f64],
+    pub(super) information: &'a Information,
+    pub(super) coordinates: Vec<Coordinate>,
+}
+
+/// A law with its parameters.
+#[derive(Debug, Clone)]
+pub(super) struct Fitted {
+    pub(super) x: Vec<f64>,
+    pub(super) mode: LawMode,
+    pub(super) size: Size,
+    /// Twice the negative logarithm of the evidence.
+    pub(super) criterion: f64,
+    /// Covariance of the coordinates, with the prior.
+    pub(super) covariance: DMatrix<f64>,
+}
+
+/// Residuals and their derivatives at a point.
+struct Local {
+    residuals: DVector<f64>,
+    jacobian: DMatrix<f64>,
+}
+
+impl<'a> Problem<'a> {
+    pub(super) fn new(
+        terms: &'a [Term],
+        scales: Scales,
+        amplitudes: &'a [f64],
+        information: &'a Information,
+    ) -> Self {
+        Self { terms, scales, amplitudes, information, coordinates: coordinates(terms) }
+    }
+
+    /// What the law misses of the information.
+    fn residuals(&self, x: &[f64]) -> Option<DVector<f64>> {
+        let mode = self.scales.mode(self.terms, x)?;
+        let rates = mode.rates(self.amplitudes).ok()?;
+        let n = rates.len();
+        let curves =
+            DVector::from_iterator(2 * n, rates.iter().map(|r| r.decay).chain(rates.iter().map(|r| r.omega)));
+        Some(&self.information.target - &self.information.factor * curves)
+    }
+
+    fn search(&self, iterations: usize, tolerance: f64) -> Search {
+        Search {
+            count: self.information.target.len(),
+            free: (0..self.coordinates.len()).collect(),
+            bounds: self.coordinates.iter().map(|c| c.bounds).collect(),
+            iterations,
+            tolerance,
+            floor: 1.0,
+        }
+    }
+
+    fn whitened<'b>(&'b self, whitener: &'b Whitener) -> impl FnMut(&[f64], &mut [f64]) -> bool + 'b {
+        move |x, out| {
+            let Some(residuals) = self.residuals(x) else { return false };
+            out.copy_from_slice(whitener.vector(&residuals).as_slice());
+            true
+        }
+    }
+
+    /// All combinations of the coordinates' starts.
+    fn starts(&self) -> Vec<Vec<f64>> {
+        let mut all = vec![vec![]];
+        for coordinate in &self.coordinates {
+            let longer = |x: &Vec<f64>| {
+                let x = x.clone();
+                coordinate.starts.iter().map(move |s| x.iter().copied().chain([*s]).collect::<Vec<f64>>())
+            };
+            all = all.iter().flat_map(longer).collect();
+        }
+        all
+    }
+
+    /// The law with the parameters and the discrepancy that are likeliest.
+    pub(super) fn fit(&self, ladder: &Ladder, more: &[Vec<f64>]) -> Option<Fitted> {
+        let first = self.search(FIRST_STEPS, FIRST_TOLERANCE);
+        let from = |start: &Vec<f64>| first.run(&mut self.whitened(ladder.middle()), start);
+        let starts = self.starts();
+        let best = starts.iter().chain(more).filter_map(from).min_by(|a, b| a.cost.total_cmp(&b.cost))?;
+        let (mut x, mut whitener) = (best.x, ladder.middle());
+        let last = self.search(LAST_STEPS, TOLERANCE);
+        for _ in 0..ROUNDS {
+            let local = self.local(&x)?;
+            let likelier = ladder
+                .rungs
+                .iter()
+                .min_by(|a, b| self.criterion(a, &local).total_cmp(&self.criterion(b, &local)))?;
+            let same = std::ptr::eq(likelier, whitener);
+            whitener = likelier;
+            x = last.run(&mut self.whitened(whitener), &x)?.x;
+            if same {
+                break;
+            }
+        }
+        let local = self.local(&x)?;
+        Some(Fitted {
+            mode: self.scales.mode(self.terms, &x)?,
+            criterion: self.criterion(whitener, &local),
+            covariance: self.covariance(whitener, &local)?,
+            size: whitener.size,
+            x,
+        })
+    }
+
+    fn local(&self, x: &[f64]) -> Option<Local> {
+        let residuals = self.residuals(x)?;
+        let mut plain = |x: &[f64], out: &mut [f64]| {
+            self.residuals(x).is_some_and(|r| {
+                out.copy_from_slice(r.as_slice());
+                true
+            })
+        };
+        let jacobian = self.search(1, TOLERANCE).jacobian(&mut plain, x, residuals.as_slice())?;
+        Some(Local { residuals, jacobian })
+    }
+
+    /// Derivatives with respect to coordinates in units of their priors.
+    fn scaled(&self, whitener: &Whitener, local: &Local) -> DMatrix<f64> {
+        let mut jacobian = whitener.matrix(&local.jacobian);
+        for (mut column, c) in jacobian.column_iter_mut().zip(&self.coordinates) {
+            column *= c.width;
+        }
+        jacobian
+    }
+
+    /// Twice the negative logarithm of the evidence by Laplace's method, about the point itself as the middle of the prior: the
+    /// coordinates integrated out, so that those which the records tell cost ln of the prior's width over that of the posterior, and
+    /// those which they do not tell cost nothing.
+    fn criterion(&self, whitener: &Whitener, local: &Local) -> f64 {
+        let jacobian = self.scaled(whitener, local);
+        let residuals = whitener.vector(&local.residuals);
+        let p = self.coordinates.len();
+        let Some(inner) = (jacobian.transpose() * &jacobian + DMatrix::identity(p, p)).cholesky() else {
+            return f64::INFINITY;
+        };
+        let gradient = jacobian.transpose() * &residuals;
+        let logs: f64 = inner.l_dirty().diagonal().iter().map(|d| d.abs().ln()).sum();
+        whitener.log_determinant + residuals.norm_squared() - gradient.dot(&inner.solve(&gradient))
+            + 2.0 * logs
+    }
+
+    fn covariance(&self, whitener: &Whitener, local: &Local) -> Option<DMatrix<f64>> {
+        let jacobian = self.scaled(whitener, local);
+        let p = self.coordinates.len();
+        let inner = (jacobian.transpose() * &jacobian + DMatrix::identity(p, p)).cholesky()?.inverse();
+        Some(DMatrix::from_fn(p, p, |i, j| {
+            inner[(i, j)] * self.coordinates[i].width * self.coordinates[j].width
+        }))
+    }
+}
