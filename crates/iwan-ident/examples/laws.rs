@@ -18,11 +18,11 @@ struct Tally {
     refused: u32,
     closed: u32,
     held: u32,
-    false_green: u32,
     seconds: f64,
     others: Vec<(&'static str, f64)>,
 }
 
+#[allow(clippy::print_stderr)] // a program for the terminal
 fn trial(law: &str, seed: u64, decibels: f64, tally: &mut Tally) {
     let clean = ring_down(law, seed);
     let samples = noisy(&clean, decibels, seed);
@@ -33,6 +33,25 @@ fn trial(law: &str, seed: u64, decibels: f64, tally: &mut Tally) {
         return;
     };
     tally.seconds += begun.elapsed().as_secs_f64();
+    if std::env::var_os("ALL").is_some() {
+        eprintln!("{law} {seed} noise {:.2e} truth {:?}", found.noise[0], clean.truth);
+        let b = &found.backbone;
+        eprintln!(
+            "   a {:.3?}\n   f {:.4?}\n   z {:.5?}\n   zl {:.5?}\n   zh {:.5?}",
+            b.amplitude, b.frequency, b.damping_ratio, b.damping_ratio_low, b.damping_ratio_high
+        );
+        for l in &found.laws {
+            eprintln!(
+                "   {:<26} {:8.2} D {:7.4} f {:.5} {:?} {:?}",
+                l.law.name,
+                l.criterion,
+                l.dissipation_misfit,
+                l.frequency_misfit,
+                l.discrepancy,
+                l.parameters.iter().map(|p| (p.name, p.value)).collect::<Vec<_>>()
+            );
+        }
+    }
     let Some(own) = found.named(law) else { return };
     if found.chosen().law.name == law {
         tally.named += 1;

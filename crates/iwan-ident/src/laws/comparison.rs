@@ -4,18 +4,13 @@ use std::f64::consts::TAU;
 
 use nalgebra::DMatrix;
 
-use super::backbone::{Backbone, Smooth};
 use super::candidates::{CANDIDATES, Candidate};
 use super::discrepancy::Ladder;
 use super::estimates::{Estimate, estimates};
 use super::fit::Problem;
-use super::grid::Grid;
-use super::linear::Information;
-use super::measured::{Measured, guess, measure};
 use super::mode::LawMode;
-use super::process::Covariances;
+use super::slow::{Backbone, Covariances, Grid, Information, Measured, Smooth, Source, guess, measure};
 use super::terms::{Scales, Term};
-use super::windowed::Source;
 use crate::curve_fit::{Compared, Grade, Verdict};
 use crate::curves::Curves;
 use crate::error::{Error, check};
@@ -179,16 +174,17 @@ impl Together {
         let problem = Problem::new(law.terms, self.scales, amplitudes, &self.information);
         let more = if law.terms == [Term::Iwan] { iwan.and_then(|p| self.scales.of_iwan(p)) } else { None };
         let fitted = problem.fit(&self.ladder, &more.into_iter().collect::<Vec<_>>())?;
-        let verdict = self.verdict(&fitted.mode)?;
+        let verdict = self.verdict(&fitted.at.mode)?;
+        let size = fitted.whitener.size;
         Some(FittedLaw {
             law: *law,
             criterion: fitted.criterion,
             dissipation_misfit: verdict.dissipation_misfit,
             frequency_misfit: verdict.frequency_misfit,
-            discrepancy: (fitted.size.decay, fitted.size.omega * self.scales.shift / TAU),
+            discrepancy: (size.decay, size.omega * self.scales.shift / TAU),
             grade: verdict.grade,
             parameters: estimates(&problem, &fitted),
-            mode: fitted.mode,
+            mode: fitted.at.mode,
         })
     }
 

@@ -2,8 +2,8 @@
 
 use nalgebra::{DMatrix, DVector};
 
-use super::linear::Information;
-use super::process::Covariances;
+use super::slow::Covariances;
+use super::slow::Information;
 
 /// Steps of the ladder, each twice the one below.
 const RUNGS: i32 = 9;
@@ -88,5 +88,26 @@ impl Ladder {
     /// The rung in the middle of both: where nothing is known of a law yet.
     pub(super) fn middle(&self) -> &Whitener {
         &self.rungs[self.rungs.len() / 2]
+    }
+
+    /// The rung of the least `criterion`, first along one size, then along the other, until neither gains.
+    pub(super) fn least(&self, criterion: impl Fn(&Whitener) -> f64) -> &Whitener {
+        let side = RUNGS as usize;
+        let mut known = vec![f64::NAN; self.rungs.len()];
+        let mut value = |i: usize| {
+            if known[i].is_nan() {
+                known[i] = criterion(&self.rungs[i]);
+            }
+            known[i]
+        };
+        let (mut i, mut j) = (side / 2, side / 2);
+        loop {
+            let before = (i, j);
+            i = (0..side).min_by(|a, b| value(a * side + j).total_cmp(&value(b * side + j))).unwrap_or(i);
+            j = (0..side).min_by(|a, b| value(i * side + a).total_cmp(&value(i * side + b))).unwrap_or(j);
+            if (i, j) == before {
+                return &self.rungs[i * side + j];
+            }
+        }
     }
 }

@@ -2,9 +2,10 @@
 
 use iwan_core::{Backbone, Part};
 
-use super::backbone::HALF_WIDTH;
-use super::fit::{Fitted, Problem};
+use super::fit::{At, Fitted, Problem};
 use super::mode::{Joint, LawMode};
+use super::slow::HALF_WIDTH;
+use super::terms::knee;
 
 /// Part of its prior's standard deviation below which a parameter counts as told by the records.
 const TOLD: f64 = 0.3;
@@ -12,6 +13,13 @@ const TOLD: f64 = 0.3;
 const STEP: f64 = 1e-5;
 /// Share of a damper or a spring below which its logarithm has no interval.
 const NOTHING: f64 = 1e-9;
+
+/// Amplitudes at which a knee is tried on either side of the best one.
+const KNEES: usize = 10;
+/// Increase of the sum of squares up to which a knee is accepted: the 95 % quantile of χ² with one degree of freedom.
+const ACCEPTED: f64 = 3.841;
+/// Part of its value by which a parameter must lie off the best, at the last knee that was tried, to be moving still.
+const MOVING: f64 = 0.2;
 
 /// A parameter of a law.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -25,6 +33,26 @@ pub struct Estimate {
     pub low: Option<f64>,
     /// Upper end; none: open.
     pub high: Option<f64>,
+}
+
+impl Estimate {
+    /// Grows to hold another interval of the same parameter.
+    fn include(&mut self, other: &Self) {
+        let join =
+            |a: Option<f64>, b: Option<f64>, pick: fn(f64, f64) -> f64| a.zip(b).map(|(a, b)| pick(a, b));
+        self.low = join(self.low, other.low, f64::min);
+        self.high = join(self.high, other.high, f64::max);
+    }
+
+    /// Opens towards a value far from the best.
+    fn open_towards(&mut self, last: &Self) {
+        let away = (last.value - self.value) / self.value.abs();
+        if away > MOVING {
+            self.high = None;
+        } else if away < -MOVING {
+            self.low = None;
+        }
+    }
 }
 
 /// A value, and whether it is positive by nature: its interval is then one of the logarithm.
@@ -70,8 +98,40 @@ fn values(mode: &LawMode) -> Vec<Value> {
     out
 }
 
-/// The parameters of a fitted law with their intervals.
-pub(super) fn estimates(problem: &Problem<'_>, fitted: &Fitted) -> Vec<Estimate> {
+/// The parameters of a fitted law with their intervals. A law whose curves have a knee is fitted with the knee at many amplitudes, and
+/// an interval holds that of every knee which the records accept.
+pub(super) fn estimates(problem: &Problem<'_>, fitted: &Fitted<'_>) -> Vec<Estimate> {
+    let mut out = about(problem, &fitted.at, true);
+    let Some(place) = knee(problem.terms) else { return out };
+    let (at, ends) = (fitted.at.x[place], problem.knees());
+    // Upwards and downwards from the best, each from its neighbour.
+    for end in [ends.1, ends.0] {
+        let (mut x, mut last) = (fitted.at.x.clone(), None);
+        let mut open = true;
+        for k in 1..=KNEES {
+            x[place] = at + (end - at) * (k as f64 / KNEES as f64).powi(2);
+            let Some(held) = problem.holding(fitted.whitener, place, &x) else { continue };
+            x.clone_from(&held.fitted.x);
+            if held.cost - fitted.cost > ACCEPTED {
+                open = false;
+                continue;
+            }
+            let one = about(problem, &held.fitted, false);
+            out.iter_mut().zip(&one).for_each(|(all, one)| all.include(one));
+            open = true;
+            last = Some((one, k));
+        }
+        // Accepted to the very end: what still moves there has no end on that side.
+        if let (true, Some((last, KNEES))) = (open, last) {
+            out.iter_mut().zip(&last).for_each(|(all, last)| all.open_towards(last));
+        }
+    }
+    out
+}
+
+/// The parameters at some coordinates, with intervals from the covariance. Where the records say next to nothing the interval is open if
+/// `may_open`.
+fn about(problem: &Problem<'_>, fitted: &At, may_open: bool) -> Vec<Estimate> {
     let own = values(&fitted.mode);
     let logs =
         |v: &Value, w: &Value| if v.positive { (w.value / v.value).abs().ln() } else { w.value - v.value };
@@ -98,7 +158,8 @@ pub(super) fn estimates(problem: &Problem<'_>, fitted: &Fitted) -> Vec<Estimate>
     let prior = |i: usize, j: usize| if i == j { problem.coordinates[i].width.powi(2) } else { 0.0 };
     let one = |(v, slope): (&Value, &Vec<f64>)| {
         let sd = variance(slope, &|i, j| fitted.covariance[(i, j)]);
-        let told = sd < TOLD * variance(slope, &prior) && (!v.positive || v.value.abs() > NOTHING);
+        let known = sd < TOLD * variance(slope, &prior) && (!v.positive || v.value.abs() > NOTHING);
+        let told = known || !may_open;
         interval(v, HALF_WIDTH * sd, told)
     };
     own.iter().zip(&slopes).map(one).collect()

@@ -2,9 +2,9 @@
 
 use nalgebra::{DMatrix, DVector};
 
-use super::discrepancy::{Ladder, Size, Whitener};
-use super::linear::Information;
+use super::discrepancy::{Ladder, Whitener};
 use super::mode::LawMode;
+use super::slow::Information;
 use super::terms::{Coordinate, Scales, Term, coordinates};
 use crate::search::{Search, TOLERANCE};
 
@@ -13,6 +13,10 @@ const ROUNDS: usize = 4;
 /// Steps of a search from one of many starts, and of the last.
 const FIRST_STEPS: usize = 30;
 const LAST_STEPS: usize = 100;
+/// … and of one with a coordinate held, from a neighbour.
+const HELD_STEPS: usize = 40;
+/// Precision of a coordinate that is held, in units of its prior: its standard deviation is then a millionth.
+const HELD: f64 = 1e12;
 /// Relative reduction of the sum of squares at which a first search ends.
 const FIRST_TOLERANCE: f64 = 1e-4;
 
@@ -26,16 +30,33 @@ pub(super) struct Problem<'a> {
     pub(super) coordinates: Vec<Coordinate>,
 }
 
-/// A law with its parameters.
+/// A law at some coordinates.
 #[derive(Debug, Clone)]
-pub(super) struct Fitted {
+pub(super) struct At {
     pub(super) x: Vec<f64>,
     pub(super) mode: LawMode,
-    pub(super) size: Size,
-    /// Twice the negative logarithm of the evidence.
-    pub(super) criterion: f64,
     /// Covariance of the coordinates, with the prior.
     pub(super) covariance: DMatrix<f64>,
+}
+
+/// A law with its parameters.
+#[derive(Debug, Clone)]
+pub(super) struct Fitted<'a> {
+    pub(super) at: At,
+    /// The discrepancy.
+    pub(super) whitener: &'a Whitener,
+    /// Sum of squares with it.
+    pub(super) cost: f64,
+    /// Twice the negative logarithm of the evidence.
+    pub(super) criterion: f64,
+}
+
+/// A law with one coordinate held.
+#[derive(Debug, Clone)]
+pub(super) struct Held {
+    pub(super) fitted: At,
+    /// Sum of squares.
+    pub(super) cost: f64,
 }
 
 /// Residuals and their derivatives at a point.
@@ -54,6 +75,14 @@ impl<'a> Problem<'a> {
         Self { terms, scales, amplitudes, information, coordinates: coordinates(terms) }
     }
 
+    /// Knees worth trying, as coordinates: from below the smallest amplitude to far above the largest, where there is none.
+    pub(super) fn knees(&self) -> (f64, f64) {
+        const BELOW: f64 = -0.5;
+        const ABOVE: f64 = 3.0;
+        let log = |a: Option<&f64>| a.map_or(0.0, |a| (a / self.scales.amplitude).ln());
+        (log(self.amplitudes.first()) + BELOW, log(self.amplitudes.last()) + ABOVE)
+    }
+
     /// What the law misses of the information.
     fn residuals(&self, x: &[f64]) -> Option<DVector<f64>> {
         let mode = self.scales.mode(self.terms, x)?;
@@ -65,9 +94,13 @@ impl<'a> Problem<'a> {
     }
 
     fn search(&self, iterations: usize, tolerance: f64) -> Search {
+        self.search_but(None, iterations, tolerance)
+    }
+
+    fn search_but(&self, held: Option<usize>, iterations: usize, tolerance: f64) -> Search {
         Search {
             count: self.information.target.len(),
-            free: (0..self.coordinates.len()).collect(),
+            free: (0..self.coordinates.len()).filter(|j| Some(*j) != held).collect(),
             bounds: self.coordinates.iter().map(|c| c.bounds).collect(),
             iterations,
             tolerance,
@@ -97,7 +130,7 @@ impl<'a> Problem<'a> {
     }
 
     /// The law with the parameters and the discrepancy that are likeliest.
-    pub(super) fn fit(&self, ladder: &Ladder, more: &[Vec<f64>]) -> Option<Fitted> {
+    pub(super) fn fit<'l>(&self, ladder: &'l Ladder, more: &[Vec<f64>]) -> Option<Fitted<'l>> {
         let first = self.search(FIRST_STEPS, FIRST_TOLERANCE);
         let from = |start: &Vec<f64>| first.run(&mut self.whitened(ladder.middle()), start);
         let starts = self.starts();
@@ -106,10 +139,7 @@ impl<'a> Problem<'a> {
         let last = self.search(LAST_STEPS, TOLERANCE);
         for _ in 0..ROUNDS {
             let local = self.local(&x)?;
-            let likelier = ladder
-                .rungs
-                .iter()
-                .min_by(|a, b| self.criterion(a, &local).total_cmp(&self.criterion(b, &local)))?;
+            let likelier = ladder.least(|rung| self.criterion(rung, &local));
             let same = std::ptr::eq(likelier, whitener);
             whitener = likelier;
             x = last.run(&mut self.whitened(whitener), &x)?.x;
@@ -118,12 +148,31 @@ impl<'a> Problem<'a> {
             }
         }
         let local = self.local(&x)?;
+        let covariance = self.precision(whitener, &local)?.cholesky()?.inverse();
         Some(Fitted {
-            mode: self.scales.mode(self.terms, &x)?,
             criterion: self.criterion(whitener, &local),
-            covariance: self.covariance(whitener, &local)?,
-            size: whitener.size,
-            x,
+            cost: whitener.vector(&local.residuals).norm_squared(),
+            at: At {
+                mode: self.scales.mode(self.terms, &x)?,
+                covariance: self.in_coordinates(&covariance),
+                x,
+            },
+            whitener,
+        })
+    }
+
+    /// The likeliest coordinates next to `x` with one of them held, and the sum of squares there, for the discrepancy of `whitener`.
+    pub(super) fn holding(&self, whitener: &Whitener, held: usize, x: &[f64]) -> Option<Held> {
+        let found =
+            self.search_but(Some(held), HELD_STEPS, FIRST_TOLERANCE).run(&mut self.whitened(whitener), x)?;
+        let local = self.local(&found.x)?;
+        let mut precision = self.precision(whitener, &local)?;
+        // A coordinate that is held has no variance.
+        precision[(held, held)] += HELD;
+        let covariance = self.in_coordinates(&precision.cholesky()?.inverse());
+        Some(Held {
+            fitted: At { mode: self.scales.mode(self.terms, &found.x)?, x: found.x, covariance },
+            cost: found.cost,
         })
     }
 
@@ -164,12 +213,17 @@ impl<'a> Problem<'a> {
             + 2.0 * logs
     }
 
-    fn covariance(&self, whitener: &Whitener, local: &Local) -> Option<DMatrix<f64>> {
+    /// Of the coordinates in units of their priors, these included.
+    fn precision(&self, whitener: &Whitener, local: &Local) -> Option<DMatrix<f64>> {
         let jacobian = self.scaled(whitener, local);
         let p = self.coordinates.len();
-        let inner = (jacobian.transpose() * &jacobian + DMatrix::identity(p, p)).cholesky()?.inverse();
-        Some(DMatrix::from_fn(p, p, |i, j| {
-            inner[(i, j)] * self.coordinates[i].width * self.coordinates[j].width
-        }))
+        Some(jacobian.transpose() * &jacobian + DMatrix::identity(p, p))
+    }
+
+    fn in_coordinates(&self, covariance: &DMatrix<f64>) -> DMatrix<f64> {
+        let width = |i: usize| self.coordinates[i].width;
+        DMatrix::from_fn(covariance.nrows(), covariance.ncols(), |i, j| {
+            covariance[(i, j)] * width(i) * width(j)
+        })
     }
 }

@@ -7,13 +7,7 @@
 //! are compared by the evidence for law and discrepancy together, so that one law can be better than another though neither is
 //! right.
 
-mod grid;
-mod windowed;
-mod flow;
-mod process;
-mod linear;
-mod measured;
-mod backbone;
+mod slow;
 mod mode;
 mod terms;
 mod candidates;
@@ -22,9 +16,8 @@ mod fit;
 mod estimates;
 mod comparison;
 
-pub use backbone::Backbone;
 pub use candidates::{CANDIDATES, Candidate};
 pub use comparison::{Comparison, FittedLaw, compare};
 pub use estimates::Estimate;
 pub use mode::{Joint, LawMode, Rate};
-pub use windowed::Source;
+pub use slow::{Backbone, Source};

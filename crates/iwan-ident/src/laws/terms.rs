@@ -86,6 +86,29 @@ impl Term {
     }
 }
 
+impl Term {
+    /// Place of the coordinate that says where its curves have a knee: along it the sum of squares has creases and several valleys.
+    pub(super) const fn knee(self) -> Option<usize> {
+        match self {
+            Self::Pinning | Self::Jenkins => Some(1),
+            Self::Iwan => Some(2),
+            _ => None,
+        }
+    }
+}
+
+/// Place of the knee among the coordinates of a law of some terms, if one has a knee.
+pub(super) fn knee(terms: &[Term]) -> Option<usize> {
+    let mut place = 2;
+    for term in terms {
+        if let Some(own) = term.knee() {
+            return Some(place + own);
+        }
+        place += term.coordinates().len();
+    }
+    None
+}
+
 /// Coordinates of a law of some terms: those that every law has first.
 pub(super) fn coordinates(terms: &[Term]) -> Vec<Coordinate> {
     let own = terms.iter().flat_map(|term| term.coordinates().iter().copied());

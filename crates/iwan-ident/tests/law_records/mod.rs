@@ -14,16 +14,16 @@ use iwan_core::{
 };
 
 /// A record with what it was made of.
-pub struct Simulated {
+pub(crate) struct Simulated {
     /// Displacement.
-    pub samples: Vec<f64>,
-    pub dt: f64,
+    pub(crate) samples: Vec<f64>,
+    pub(crate) dt: f64,
     /// Names and values of the parameters.
-    pub truth: Vec<(&'static str, f64)>,
+    pub(crate) truth: Vec<(&'static str, f64)>,
 }
 
 /// Names of the laws that are simulated.
-pub const LAWS: [&str; 13] = [
+pub(crate) const LAWS: [&str; 13] = [
     "linear",
     "viscous-coulomb",
     "viscous-quadratic",
@@ -111,7 +111,7 @@ fn made(law: &str, random: &mut SplitMix64) -> Made {
 }
 
 /// A ring-down of a law with random parameters, without noise.
-pub fn ring_down(law: &str, seed: u64) -> Simulated {
+pub(crate) fn ring_down(law: &str, seed: u64) -> Simulated {
     let mut random = SplitMix64::new(77 + 1000 * seed);
     let Made { frequency, damping_ratio, parts, mut truth } = made(law, &mut random);
     let per_cycle = between(&mut random, 12.0, 40.0);
@@ -147,7 +147,7 @@ pub fn ring_down(law: &str, seed: u64) -> Simulated {
 }
 
 /// Noise of so many decibels below the first cycle's amplitude, as a standard deviation.
-pub fn noisy(clean: &Simulated, decibels: f64, seed: u64) -> Vec<f64> {
+pub(crate) fn noisy(clean: &Simulated, decibels: f64, seed: u64) -> Vec<f64> {
     let mut random = SplitMix64::new(0xabcd_0123 ^ (seed << 8));
     let top = clean.samples.iter().fold(0.0_f64, |m, x| m.max(x.abs()));
     let deviation = top * 10.0_f64.powf(-decibels / 20.0);

@@ -10,29 +10,29 @@ use super::windowed::Windowed;
 
 /// Decay rate and circular frequency at the amplitudes of a grid, 1/s.
 #[derive(Debug, Clone, PartialEq)]
-pub(super) struct Rates {
-    pub(super) decay: Vec<f64>,
-    pub(super) omega: Vec<f64>,
+pub(crate) struct Rates {
+    pub(crate) decay: Vec<f64>,
+    pub(crate) omega: Vec<f64>,
 }
 
 /// Where a decay begins: logarithm of the displacement amplitude and phase against the reference, at the first sample.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct Beginning {
-    pub(super) log: f64,
-    pub(super) phase: f64,
+pub(crate) struct Beginning {
+    pub(crate) log: f64,
+    pub(crate) phase: f64,
 }
 
 /// A motion in the course of a decay.
 #[derive(Debug, Clone)]
-pub(super) struct Decay {
+pub(crate) struct Decay {
     /// ½ of the complex amplitude of the measured quantity, less the reference phase, at each moment.
-    pub(super) slow: Vec<Complex64>,
+    pub(crate) slow: Vec<Complex64>,
     /// Logarithm of the displacement amplitude at the last moment.
-    pub(super) end: f64,
+    pub(crate) end: f64,
 }
 
 /// The decay at the moments of a record's windows, by the classical Runge-Kutta method.
-pub(super) fn decay(grid: &Grid, rates: &Rates, from: Beginning, windowed: &Windowed) -> Decay {
+pub(crate) fn decay(grid: &Grid, rates: &Rates, from: Beginning, windowed: &Windowed) -> Decay {
     let at = |u: f64| grid.at(u, &rates.decay, &rates.omega);
     let h = windowed.step;
     let (mut u, mut theta) = (from.log, from.phase);

@@ -23,25 +23,25 @@ const OMEGA_WIDTH: f64 = 0.1;
 
 /// Covariances of the values of curves, decay rates first, then circular frequencies.
 #[derive(Debug, Clone)]
-pub(super) struct Covariances {
+pub(crate) struct Covariances {
     /// Of level and slope.
-    pub(super) line: DMatrix<f64>,
+    pub(crate) line: DMatrix<f64>,
     /// Of decay rates that stray by a factor e, …
-    pub(super) decay: DMatrix<f64>,
+    pub(crate) decay: DMatrix<f64>,
     /// … and of frequencies that stray by their shift.
-    pub(super) omega: DMatrix<f64>,
+    pub(crate) omega: DMatrix<f64>,
 }
 
 /// The likeliest sizes, and the Cholesky factor of the covariance with them.
-pub(super) struct Likeliest {
-    pub(super) decay: f64,
-    pub(super) omega: f64,
-    pub(super) factor: Cholesky<f64, Dyn>,
+pub(crate) struct Likeliest {
+    pub(crate) decay: f64,
+    pub(crate) omega: f64,
+    pub(crate) factor: Cholesky<f64, Dyn>,
 }
 
 impl Covariances {
     /// About curves `near` those sought; `shift` is the range of the frequency, 1/s.
-    pub(super) fn new(grid: &Grid, near: &Rates, shift: f64) -> Self {
+    pub(crate) fn new(grid: &Grid, near: &Rates, shift: f64) -> Self {
         let n = grid.count();
         let middle = grid.middle().ln();
         let width = OMEGA_WIDTH * near.omega.iter().sum::<f64>() / n as f64;
@@ -63,17 +63,17 @@ impl Covariances {
         Self { line, decay, omega }
     }
 
-    pub(super) fn each(&self, map: impl Fn(&DMatrix<f64>) -> DMatrix<f64>) -> Self {
+    pub(crate) fn each(&self, map: impl Fn(&DMatrix<f64>) -> DMatrix<f64>) -> Self {
         Self { line: map(&self.line), decay: map(&self.decay), omega: map(&self.omega) }
     }
 
     /// All together, with the sizes of the two processes.
-    pub(super) fn whole(&self, decay: f64, omega: f64) -> DMatrix<f64> {
+    pub(crate) fn whole(&self, decay: f64, omega: f64) -> DMatrix<f64> {
         &self.line + &self.decay * (decay * decay) + &self.omega * (omega * omega)
     }
 
     /// The sizes that tell `observed` best, whose covariance is this one plus `noise` on the diagonal.
-    pub(super) fn likeliest(&self, observed: &DVector<f64>, noise: f64) -> Option<Likeliest> {
+    pub(crate) fn likeliest(&self, observed: &DVector<f64>, noise: f64) -> Option<Likeliest> {
         let mut best: Option<(f64, Likeliest)> = None;
         for decay in ROUGHNESS {
             for omega in ROUGHNESS {

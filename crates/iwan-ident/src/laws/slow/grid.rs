@@ -10,7 +10,7 @@ const MOST: usize = 32;
 
 /// Amplitudes at which curves have their values.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct Grid {
+pub(crate) struct Grid {
     low: f64,
     step: f64,
     count: usize,
@@ -25,31 +25,31 @@ struct Place {
 
 impl Grid {
     /// From one amplitude to another.
-    pub(super) fn over(low: f64, high: f64) -> Self {
+    pub(crate) fn over(low: f64, high: f64) -> Self {
         let range = (high / low).ln().max(1e-3);
         let count = ((range / STEP).ceil() as usize + 1).clamp(FEWEST, MOST);
         Self { low: low.ln(), step: range / (count - 1) as f64, count }
     }
 
-    pub(super) const fn count(&self) -> usize {
+    pub(crate) const fn count(&self) -> usize {
         self.count
     }
 
     /// Logarithm of an amplitude.
-    pub(super) fn log(&self, i: usize) -> f64 {
+    pub(crate) fn log(&self, i: usize) -> f64 {
         self.low + self.step * i as f64
     }
 
-    pub(super) fn amplitude(&self, i: usize) -> f64 {
+    pub(crate) fn amplitude(&self, i: usize) -> f64 {
         self.log(i).exp()
     }
 
-    pub(super) fn amplitudes(&self) -> Vec<f64> {
+    pub(crate) fn amplitudes(&self) -> Vec<f64> {
         (0..self.count).map(|i| self.amplitude(i)).collect()
     }
 
     /// Geometric mean of all.
-    pub(super) fn middle(&self) -> f64 {
+    pub(crate) fn middle(&self) -> f64 {
         (self.low + 0.5 * self.step * (self.count - 1) as f64).exp()
     }
 
@@ -63,7 +63,7 @@ impl Grid {
     }
 
     /// Two curves at a logarithm.
-    pub(super) fn at(&self, log: f64, one: &[f64], other: &[f64]) -> (f64, f64) {
+    pub(crate) fn at(&self, log: f64, one: &[f64], other: &[f64]) -> (f64, f64) {
         let Place { first, weights } = self.place(log);
         let sum = |y: &[f64]| (0..4).map(|i| weights[i] * y[first + i]).sum();
         (sum(one), sum(other))

@@ -9,15 +9,15 @@ use super::process::{Covariances, Likeliest};
 
 /// Curves on a grid, and the covariance of their values.
 #[derive(Debug, Clone)]
-pub(super) struct Smooth {
-    pub(super) rates: Rates,
+pub(crate) struct Smooth {
+    pub(crate) rates: Rates,
     /// Of decay rates first, then circular frequencies.
-    pub(super) covariance: DMatrix<f64>,
+    pub(crate) covariance: DMatrix<f64>,
 }
 
 impl Smooth {
     /// The curves that all information together makes likeliest, about curves `near` them.
-    pub(super) fn new(information: &Information, covariances: &Covariances, near: &Rates) -> Option<Self> {
+    pub(crate) fn new(information: &Information, covariances: &Covariances, near: &Rates) -> Option<Self> {
         let Information { factor, target } = information;
         let mean = DVector::from_iterator(factor.ncols(), near.decay.iter().chain(&near.omega).copied());
         let surprise = target - factor * &mean;
@@ -36,12 +36,12 @@ impl Smooth {
     }
 
     /// Standard deviation of a decay rate.
-    pub(super) fn decay_sd(&self, i: usize) -> f64 {
+    pub(crate) fn decay_sd(&self, i: usize) -> f64 {
         self.covariance[(i, i)].max(0.0).sqrt()
     }
 
     /// Standard deviation of a circular frequency.
-    pub(super) fn omega_sd(&self, i: usize) -> f64 {
+    pub(crate) fn omega_sd(&self, i: usize) -> f64 {
         let i = i + self.rates.omega.len();
         self.covariance[(i, i)].max(0.0).sqrt()
     }
@@ -67,11 +67,11 @@ pub struct Backbone {
 }
 
 /// Half width of an interval of 95 %, in standard deviations.
-pub(super) const HALF_WIDTH: f64 = 1.959_964;
+pub(crate) const HALF_WIDTH: f64 = 1.959_964;
 
 impl Backbone {
     /// Of curves at the amplitudes of a grid that lie in a range.
-    pub(super) fn new(grid: &Grid, smooth: &Smooth, seen: &[usize]) -> Self {
+    pub(crate) fn new(grid: &Grid, smooth: &Smooth, seen: &[usize]) -> Self {
         let mut out = Self::default();
         let turn = std::f64::consts::TAU;
         for &i in seen {

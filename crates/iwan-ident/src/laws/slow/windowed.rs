@@ -16,11 +16,16 @@ use crate::refine::RingDown;
 const OVERLAP: usize = 4;
 /// Moments at which the slow motion is taken between the beginnings of two windows: the sum over a window is then its
 /// integral to rounding as long as the phase strays by less than six turns of it.
-pub(super) const PER_HOP: usize = 4;
+pub(crate) const PER_HOP: usize = 4;
 /// Most windows of a record: more say no more about a slow amplitude, and cost time.
 const MOST: f64 = 120.0;
 /// Fewest windows: amplitude and phase at five places.
 const FEWEST: usize = 5;
+/// Part of the amplitude that is left from one window to the next where a mode stops: linear decays of 10 % of damping leave half.
+const STOPPED: f64 = 0.3;
+/// Times the noise that a window's amplitude must be. Below, a mode under dry friction may have stopped, which averaging does not
+/// know, and a viscous decay tells little more. A judgement.
+const ABOVE_NOISE: f64 = 4.0;
 /// Steps of the midpoint rule for the overlap of two windows: rounding is left, as in `refine`.
 const STEPS: usize = 400;
 
@@ -37,22 +42,24 @@ pub struct Source<'a> {
 
 /// Complex amplitudes of a record in windows.
 #[derive(Debug, Clone)]
-pub(super) struct Windowed {
+pub(crate) struct Windowed {
     /// Time between the moments at which the slow motion is taken, s.
-    pub(super) step: f64,
+    pub(crate) step: f64,
     /// Reference phase at these moments, rad.
-    pub(super) phase: Vec<f64>,
+    pub(crate) phase: Vec<f64>,
     count: usize,
     /// Rows of the Cholesky factor of the windows' overlap: entries k-3 to k.
     rows: Vec<[f64; OVERLAP]>,
+    /// Absolute values before whitening, over those of noise of variance 1.
+    loudness: Vec<f64>,
     /// Whitened amplitudes: real and imaginary parts one after the other.
-    pub(super) values: Vec<f64>,
-    /// First amplitude and phase as the windows see it: of the first window.
-    pub(super) power: i32,
+    pub(crate) values: Vec<f64>,
+    /// How often the displacement was differentiated.
+    pub(crate) power: i32,
 }
 
 impl Windowed {
-    pub(super) fn new(source: &Source<'_>) -> Result<Self, Error> {
+    pub(crate) fn new(source: &Source<'_>) -> Result<Self, Error> {
         let RingDown { samples, dt, quantity, band } = source.ring_down;
         let curves = source.curves;
         let frequency = curves.frequency.iter().sum::<f64>() / curves.frequency.len().max(1) as f64;
@@ -80,14 +87,43 @@ impl Windowed {
         for j in 1..nodes {
             phase[j] = phase[j - 1] + 0.5 * step * (omega[j - 1] + omega[j]);
         }
-        let mut windowed =
-            Self { step, phase, count, rows: overlaps(count, hop), values: vec![], power: quantity.power() };
-        windowed.values = windowed.of_samples(samples, dt, &omega);
+        let (rows, power) = (overlaps(count, hop), quantity.power());
+        let mut windowed = Self { step, phase, count, rows, loudness: vec![], values: vec![], power };
+        let amplitudes = windowed.of_samples(samples, dt, &omega);
+        // The first row holds the root of a window's own overlap.
+        let own = windowed.rows[0][OVERLAP - 1];
+        windowed.loudness = amplitudes.iter().map(|z| z.norm() / own).collect();
+        windowed.values = windowed.whitened(&amplitudes);
+        windowed.cut_at(windowed.stops());
         Ok(windowed)
     }
 
-    /// Of uniform samples from t = 0, whitened.
-    fn of_samples(&self, samples: &[f64], dt: f64, omega: &[f64]) -> Vec<f64> {
+    /// First window in which the mode comes to rest, as under dry friction; their number if there is none.
+    fn stops(&self) -> usize {
+        let stops = |pair: &[f64]| pair[1] < STOPPED * pair[0];
+        self.loudness.windows(2).position(stops).map_or(self.count, |k| k + 1)
+    }
+
+    /// Leaves out windows that are not louder than some times the noise, as its standard deviation in whitened values. Whether any were.
+    pub(crate) fn cut_at_noise(&mut self, noise: f64) -> bool {
+        let quiet = self.loudness.iter().position(|l| *l < ABOVE_NOISE * noise).unwrap_or(self.count);
+        self.cut_at(quiet)
+    }
+
+    /// Keeps the windows that end before window `quiet` does; at least the fewest.
+    fn cut_at(&mut self, quiet: usize) -> bool {
+        let count =
+            if quiet < self.count { (quiet + 1).saturating_sub(OVERLAP).max(FEWEST) } else { self.count };
+        let cut = count < self.count;
+        self.count = count.min(self.count);
+        self.loudness.truncate(self.count);
+        self.values.truncate(2 * self.count);
+        self.phase.truncate((self.count + OVERLAP - 1) * PER_HOP + 1);
+        cut
+    }
+
+    /// Of uniform samples from t = 0.
+    fn of_samples(&self, samples: &[f64], dt: f64, omega: &[f64]) -> Vec<Complex64> {
         let mean = samples.iter().sum::<f64>() / samples.len() as f64;
         let mut out = vec![Complex64::default(); self.count];
         let hop = self.step * PER_HOP as f64;
@@ -106,11 +142,11 @@ impl Windowed {
                 out[k] += turned * (0.25 * PI * (t / hop - k as f64)).sin().powi(4);
             }
         }
-        self.whitened(&out)
+        out
     }
 
     /// Of a slow motion: ½ of its complex amplitude, less the reference phase, at each moment; whitened.
-    pub(super) fn of_motion(&self, slow: &[Complex64]) -> Vec<f64> {
+    pub(crate) fn of_motion(&self, slow: &[Complex64]) -> Vec<f64> {
         const WIDE: usize = OVERLAP * PER_HOP;
         let weight: [f64; WIDE] =
             std::array::from_fn(|m| self.step * (PI * m as f64 / WIDE as f64).sin().powi(4));

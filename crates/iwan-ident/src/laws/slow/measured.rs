@@ -24,21 +24,23 @@ const BEGINNING_WIDTH: f64 = 10.0;
 const NOISE_FLOOR: f64 = 1e-6;
 /// Least decay rate of a first guess, over the mean: the logarithm of a smaller one has no meaning.
 const LEAST_RATE: f64 = 0.05;
+/// Times that windows are left out where the mode sinks into noise, each time with the noise estimated anew.
+const CUTS: usize = 3;
 /// Step of the differences in the curves' own units: a tenth of a per cent of the mean decay rate.
 const STEP: f64 = 1e-3;
 
 /// The curves of one record.
 #[derive(Debug, Clone)]
-pub(super) struct Measured {
-    pub(super) information: Information,
+pub(crate) struct Measured {
+    pub(crate) information: Information,
     /// Standard deviation of a whitened value.
-    pub(super) noise: f64,
+    pub(crate) noise: f64,
     /// Root mean square of the whitened values.
-    pub(super) level: f64,
+    pub(crate) level: f64,
     /// Logarithms of the smallest and largest displacement amplitude seen.
-    pub(super) span: (f64, f64),
+    pub(crate) span: (f64, f64),
     /// Displacement amplitude at the first sample.
-    pub(super) released: f64,
+    pub(crate) released: f64,
 }
 
 /// Units and prior of the unknowns.
@@ -69,7 +71,7 @@ struct Step {
 }
 
 /// First guesses on the grid from the envelope's curves.
-pub(super) fn guess(grid: &Grid, curves: &[&Curves]) -> Rates {
+pub(crate) fn guess(grid: &Grid, curves: &[&Curves]) -> Rates {
     let mut points: Vec<(f64, f64, f64)> = curves
         .iter()
         .flat_map(|c| {
@@ -178,27 +180,31 @@ impl Frame<'_> {
 }
 
 /// The curves of a record on a grid.
-pub(super) fn measure(grid: &Grid, source: &Source<'_>) -> Result<Measured, Error> {
-    let windowed = Windowed::new(source)?;
+pub(crate) fn measure(grid: &Grid, source: &Source<'_>) -> Result<Measured, Error> {
+    let mut windowed = Windowed::new(source)?;
+    for _ in 0..CUTS {
+        let found = in_windows(grid, source, &windowed)?;
+        if !windowed.cut_at_noise(found.noise) {
+            return Ok(found);
+        }
+    }
+    in_windows(grid, source, &windowed)
+}
+
+fn in_windows(grid: &Grid, source: &Source<'_>, windowed: &Windowed) -> Result<Measured, Error> {
     let guess = guess(grid, &[source.curves]);
     let n = grid.count();
     let range =
         |y: &[f64]| y.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |r, y| (r.0.min(*y), r.1.max(*y)));
     let (low, high) = range(&guess.omega);
     let rate = guess.decay.iter().sum::<f64>() / n as f64;
-    let beginning = beginning(source, &windowed, grid, &guess);
+    let beginning = beginning(source, windowed, grid, &guess);
     let mean = DVector::from_iterator(
         2 * n + 2,
         guess.decay.iter().chain(&guess.omega).copied().chain([beginning.log, beginning.phase]),
     );
-    let frame = Frame {
-        grid,
-        windowed: &windowed,
-        shift: (high - low).max(0.1 * rate),
-        mean: mean.clone(),
-        guess,
-        rate,
-    };
+    let frame =
+        Frame { grid, windowed, shift: (high - low).max(0.1 * rate), mean: mean.clone(), guess, rate };
     settle(&frame, mean)
 }
 

@@ -8,16 +8,16 @@ const LEAST: f64 = 1e-9;
 
 /// What records tell about the values of curves on a grid, decay rates first, then circular frequencies.
 #[derive(Debug, Clone)]
-pub(super) struct Information {
+pub(crate) struct Information {
     /// R, one row for each direction that is known at all.
-    pub(super) factor: DMatrix<f64>,
+    pub(crate) factor: DMatrix<f64>,
     /// z.
-    pub(super) target: DVector<f64>,
+    pub(crate) target: DVector<f64>,
 }
 
 impl Information {
     /// From a log-likelihood -½ δᵀN δ + gᵀδ in the distance δ of the curves from `about`.
-    pub(super) fn new(matrix: DMatrix<f64>, gradient: &DVector<f64>, about: &DVector<f64>) -> Self {
+    pub(crate) fn new(matrix: DMatrix<f64>, gradient: &DVector<f64>, about: &DVector<f64>) -> Self {
         let eigen = SymmetricEigen::new(matrix);
         let most = eigen.eigenvalues.max();
         let known: Vec<usize> =
@@ -33,7 +33,7 @@ impl Information {
     }
 
     /// What several tell together.
-    pub(super) fn sum(all: &[Self]) -> Self {
+    pub(crate) fn sum(all: &[Self]) -> Self {
         if let [one] = all {
             return one.clone();
         }
@@ -52,7 +52,7 @@ impl Information {
 }
 
 /// N with the last `count` unknowns integrated out, and the gradient with them.
-pub(super) fn without_last(
+pub(crate) fn without_last(
     matrix: &DMatrix<f64>,
     gradient: &DVector<f64>,
     count: usize,
