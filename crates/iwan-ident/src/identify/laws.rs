@@ -3,8 +3,9 @@
 use super::prepared::Prepared;
 use super::settings::{ModeRecord, Settings};
 use crate::error::Error;
-use crate::laws::{Comparison, Source, compare};
-use crate::parameters::Parameters;
+use crate::laws::{Comparison, Estimate, Joint, LawMode, Source, compare};
+use crate::parameters::{Parameter, Parameters};
+use crate::profile::Profiles;
 
 /// All laws on the records of a mode, without the simulation in the loop that [`identify`](super::identify()) needs: some tens of
 /// milliseconds.
@@ -39,4 +40,29 @@ pub(super) fn of_prepared(prepared: &[Prepared<'_>], iwan: Option<&Parameters>) 
         .map(|p| Source { ring_down: p.ring_down(), first: source(p), curves: &p.curves })
         .collect();
     compare(&sources, iwan)
+}
+
+/// All laws beside the fit of the Iwan joint on the records themselves, whose parameters and intervals the law `iwan` then has.
+pub(super) fn beside(
+    prepared: &[Prepared<'_>],
+    parameters: &Parameters,
+    profiles: &Profiles,
+) -> Result<Comparison, Error> {
+    let mut found = of_prepared(prepared, Some(parameters))?;
+    let (_, joint) = parameters.model()?;
+    let of_records = |parameter: Parameter| {
+        let profile = profiles.parameters.iter().find(|p| p.parameter == parameter);
+        let (low, high) = profile.map_or((None, None), |p| (p.low, p.high));
+        Estimate { name: parameter.name(), value: parameters.get(parameter), low, high }
+    };
+    if let Some(iwan) = found.laws.iter_mut().find(|l| l.law.name == "iwan") {
+        iwan.parameters = Parameter::ALL.map(of_records).to_vec();
+        iwan.mode = LawMode {
+            frequency: parameters.frequency,
+            damping_ratio: parameters.damping_ratio,
+            joint: Some(Joint::FourParameter(joint)),
+            parts: vec![],
+        };
+    }
+    Ok(found)
 }

@@ -118,7 +118,7 @@ fn identification(
         .map(|(p, start)| p.model_curves(&refined.parameters, *start, settings))
         .collect::<Result<Vec<_>, _>>()?;
     let linear = linear(&task, &minimum, &refined.parameters, &curves)?;
-    let laws = laws::of_prepared(&prepared, Some(&refined.parameters));
+    let laws = laws::beside(&prepared, &refined.parameters, &profiles);
     Ok(Identification {
         parameters: refined.parameters,
         verdict: in_band(

@@ -2,12 +2,10 @@
 
 use std::f64::consts::TAU;
 
-use nalgebra::DMatrix;
-
 use super::candidates::{CANDIDATES, Candidate};
 use super::discrepancy::Ladder;
 use super::estimates::{Estimate, estimates};
-use super::fit::Problem;
+use super::fit::{Fitted, Problem};
 use super::mode::LawMode;
 use super::slow::{Backbone, Covariances, Grid, Information, Measured, Smooth, Source, guess, measure};
 use super::terms::{Scales, Term};
@@ -27,7 +25,8 @@ const BEYOND: f64 = 1.1;
 pub struct FittedLaw {
     /// Which one.
     pub law: Candidate,
-    /// Twice the negative logarithm of its evidence, less that of the best law: 0 is the best.
+    /// Twice the negative logarithm of its evidence, less that of the best law: 0 is the best. All with a discrepancy of one size, that of the law
+    /// that misses least.
     pub criterion: f64,
     /// Root-mean-square misfit of ln D against the smooth curves, evenly in ln a.
     pub dissipation_misfit: f64,
@@ -81,9 +80,7 @@ pub fn compare(sources: &[Source<'_>], iwan: Option<&Parameters>) -> Result<Comp
         finding: "what the records tell of frequency and damping makes no curves".into(),
         remedy: "check the band and the window",
     })?;
-    let amplitudes = grid.amplitudes();
-    let one = |law: &Candidate| together.law(law, &amplitudes, iwan);
-    let mut laws: Vec<FittedLaw> = CANDIDATES.iter().filter_map(one).collect();
+    let mut laws = together.laws(iwan);
     let best = laws.iter().map(|l| l.criterion).fold(f64::INFINITY, f64::min);
     laws.iter_mut().for_each(|l| l.criterion -= best);
     let good = laws.iter().enumerate().filter(|(_, l)| l.criterion <= AS_GOOD);
@@ -109,6 +106,31 @@ impl Comparison {
     #[must_use]
     pub fn chosen(&self) -> &FittedLaw {
         &self.laws[self.chosen]
+    }
+
+    /// The law to take in one sentence, beside what an Iwan joint misses.
+    #[must_use]
+    pub fn in_words(&self) -> String {
+        let law = self.chosen();
+        let misses = |l: &FittedLaw| {
+            let (d, f) = (100.0 * l.dissipation_misfit, l.frequency_misfit);
+            format!("{d:.2} % of dissipation and {f:.4} Hz")
+        };
+        let verdict = match law.grade {
+            Grade::Matches => format!("{} describes these records: it misses {}", law.law.words, misses(law)),
+            Grade::Usable => {
+                format!("{} comes nearest to these records: it misses {}", law.law.words, misses(law))
+            }
+            Grade::No => format!(
+                "no law of the list describes these records; {} comes nearest and misses {}: use the curves",
+                law.law.words,
+                misses(law)
+            ),
+        };
+        match self.named("iwan").filter(|iwan| iwan.law.name != law.law.name) {
+            Some(iwan) => format!("{verdict}; an Iwan joint misses {}", misses(iwan)),
+            None => verdict,
+        }
     }
 
     /// The law of a name, if it could be fitted.
@@ -160,7 +182,8 @@ fn together(grid: Grid, measured: &[Measured], sources: &[Source<'_>]) -> Option
         rate: found.decay[middle],
         shift,
     };
-    let ladder = Ladder::new(&information, &covariances, (shift, scales.omega), None::<&DMatrix<f64>>)?;
+    let always = covariances.of_averaging(&found, shift);
+    let ladder = Ladder::new(&information, &covariances, (shift, scales.omega), &always)?;
     Some(Together { grid, information, smooth, ladder, scales, seen })
 }
 
@@ -170,21 +193,50 @@ fn range(y: &[f64]) -> f64 {
 }
 
 impl Together {
-    fn law(&self, law: &Candidate, amplitudes: &[f64], iwan: Option<&Parameters>) -> Option<FittedLaw> {
-        let problem = Problem::new(law.terms, self.scales, amplitudes, &self.information);
-        let more = if law.terms == [Term::Iwan] { iwan.and_then(|p| self.scales.of_iwan(p)) } else { None };
-        let fitted = problem.fit(&self.ladder, &more.into_iter().collect::<Vec<_>>())?;
+    /// All laws, each with parameters and a discrepancy of its own; their criteria with the discrepancy of the law that misses least.
+    fn laws(&self, iwan: Option<&Parameters>) -> Vec<FittedLaw> {
+        let amplitudes = self.grid.amplitudes();
+        let fit = |law: &Candidate| {
+            let problem = Problem::new(law.terms, self.scales, &amplitudes, &self.information);
+            let more =
+                if law.terms == [Term::Iwan] { iwan.and_then(|p| self.scales.of_iwan(p)) } else { None };
+            let fitted = problem.fit(&self.ladder, &more.into_iter().collect::<Vec<_>>())?;
+            Some((*law, problem, fitted))
+        };
+        let all: Vec<_> = CANDIDATES.iter().filter_map(fit).collect();
+        // The least product of both sizes, and of equal ones that of the best criterion.
+        let rank = |f: &Fitted<'_>| (f.whitener.size.decay * f.whitener.size.omega, f.criterion);
+        let least = all.iter().map(|(_, _, f)| f).min_by(|a, b| {
+            let (a, b) = (rank(a), rank(b));
+            a.0.total_cmp(&b.0).then(a.1.total_cmp(&b.1))
+        });
+        let Some(common) = least.map(|f| f.whitener) else { return vec![] };
+        all.iter()
+            .filter_map(|(law, problem, fitted)| {
+                let criterion = problem.criterion_with(common, &fitted.at.x)?;
+                self.fitted_law(*law, problem, fitted, criterion)
+            })
+            .collect()
+    }
+
+    fn fitted_law(
+        &self,
+        law: Candidate,
+        problem: &Problem<'_>,
+        fitted: &Fitted<'_>,
+        criterion: f64,
+    ) -> Option<FittedLaw> {
         let verdict = self.verdict(&fitted.at.mode)?;
         let size = fitted.whitener.size;
         Some(FittedLaw {
-            law: *law,
-            criterion: fitted.criterion,
+            law,
+            criterion,
             dissipation_misfit: verdict.dissipation_misfit,
             frequency_misfit: verdict.frequency_misfit,
             discrepancy: (size.decay, size.omega * self.scales.shift / TAU),
             grade: verdict.grade,
-            parameters: estimates(&problem, &fitted),
-            mode: fitted.at.mode,
+            parameters: estimates(problem, fitted),
+            mode: fitted.at.mode.clone(),
         })
     }
 

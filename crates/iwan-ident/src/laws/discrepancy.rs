@@ -58,21 +58,19 @@ pub(super) struct Ladder {
 }
 
 impl Ladder {
-    /// For information about curves; `shift` and `frequency` are the range of the circular frequency and itself, 1/s. Curves of the
-    /// covariance `free` are not seen at all.
+    /// For information about curves; `shift` and `frequency` are the range of the circular frequency and itself, 1/s. Errors of the
+    /// covariance `always` are there at every size.
     pub(super) fn new(
         information: &Information,
         covariances: &Covariances,
         (shift, frequency): (f64, f64),
-        free: Option<&DMatrix<f64>>,
+        always: &DMatrix<f64>,
     ) -> Option<Self> {
         let factor = &information.factor;
         let seen = covariances.each(|m| factor * m * factor.transpose());
         let rank = information.target.len();
         let mut base = DMatrix::identity(rank, rank);
-        if let Some(free) = free {
-            base += factor * free * factor.transpose();
-        }
+        base += factor * always * factor.transpose();
         let floor = SHIFT_FLOOR.max(FREQUENCY_FLOOR * frequency / shift);
         let mut rungs = vec![];
         for i in 0..RUNGS {

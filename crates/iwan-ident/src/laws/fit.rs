@@ -161,6 +161,12 @@ impl<'a> Problem<'a> {
         })
     }
 
+    /// The criterion with a discrepancy of another size.
+    pub(super) fn criterion_with(&self, whitener: &Whitener, x: &[f64]) -> Option<f64> {
+        let found = self.search(LAST_STEPS, TOLERANCE).run(&mut self.whitened(whitener), x)?;
+        Some(self.criterion(whitener, &self.local(&found.x)?))
+    }
+
     /// The likeliest coordinates next to `x` with one of them held, and the sum of squares there, for the discrepancy of `whitener`.
     pub(super) fn holding(&self, whitener: &Whitener, held: usize, x: &[f64]) -> Option<Held> {
         let found =

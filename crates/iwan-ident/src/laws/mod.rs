@@ -4,8 +4,8 @@
 //! curves is kept as Gaussian information, with all its correlations, and every law of a short list is
 //! fitted to it by averaging. A law may be wrong: it is fitted together with a discrepancy that varies slowly with the logarithm of
 //! the amplitude and whose size is estimated with the parameters. Its intervals grow with what it misses, and laws
-//! are compared by the evidence for law and discrepancy together, so that one law can be better than another though neither is
-//! right.
+//! are compared by their evidence with the discrepancy of the one that misses least: one law can be better than another though
+//! neither is right, and the simplest that misses no more than the best is the one to take.
 
 mod slow;
 mod mode;

@@ -17,6 +17,9 @@ const JITTER: f64 = 1e-8;
 /// Roughness of ln λ, and of the frequency in parts of its shift, that records may choose from: from next to a straight line in ln a
 /// to a factor e.
 const ROUGHNESS: [f64; 5] = [0.01, 0.03, 0.1, 0.3, 1.0];
+/// Error of averaging: in the decay rate, relative and in damping ratios; in the frequency, relative and in squares of damping ratios. Under dry
+/// friction the fundamental lags by 4F/(π k a), 2 ζ, which changes the frequency by 4 ζ² and less; dampers that are a power of the velocity stay below.
+const SECOND_ORDER: f64 = 2.0;
 /// Width of level and slope: ln λ, and the frequency in parts of itself. Wide enough to say nothing.
 const DECAY_WIDTH: f64 = 2.0;
 const OMEGA_WIDTH: f64 = 0.1;
@@ -61,6 +64,18 @@ impl Covariances {
             }
         }
         Self { line, decay, omega }
+    }
+
+    /// Of what averaging itself leaves out, about curves `near` those sought: it is of first order in the damping.
+    pub(crate) fn of_averaging(&self, near: &Rates, shift: f64) -> DMatrix<f64> {
+        let n = near.decay.len();
+        let ratio = |i: usize| near.decay[i] / near.omega[i];
+        DMatrix::from_fn(2 * n, 2 * n, |i, j| {
+            let (a, b) = (i % n, j % n);
+            let decay = SECOND_ORDER.powi(2) * ratio(a) * ratio(b) * self.decay[(i, j)];
+            let bend = |i: usize| SECOND_ORDER * ratio(i).powi(2) * near.omega[i] / shift;
+            decay + bend(a) * bend(b) * self.omega[(i, j)]
+        })
     }
 
     pub(crate) fn each(&self, map: impl Fn(&DMatrix<f64>) -> DMatrix<f64>) -> Self {

@@ -24,8 +24,8 @@ const FEWEST: usize = 5;
 /// Part of the amplitude that is left from one window to the next where a mode stops: linear decays of 10 % of damping leave half.
 const STOPPED: f64 = 0.3;
 /// Times the noise that a window's amplitude must be. Below, a mode under dry friction may have stopped, which averaging does not
-/// know, and a viscous decay tells little more. A judgement.
-const ABOVE_NOISE: f64 = 4.0;
+/// know, and what a viscous decay tells more of its damping is a per cent of what it told before. A judgement.
+const ABOVE_NOISE: f64 = 12.0;
 /// Steps of the midpoint rule for the overlap of two windows: rounding is left, as in `refine`.
 const STEPS: usize = 400;
 
