@@ -28,7 +28,7 @@ pub struct FittedLaw {
     /// Twice the negative logarithm of its evidence, less that of the best law: 0 is the best. All with a discrepancy of one size, that of the law
     /// that misses least.
     pub criterion: f64,
-    /// Root-mean-square misfit of ln D against the smooth curves, evenly in ln a.
+    /// Root-mean-square misfit of ln D against the smooth curves, over the cycles of the records.
     pub dissipation_misfit: f64,
     /// Root-mean-square misfit of the frequency, Hz.
     pub frequency_misfit: f64,
@@ -66,6 +66,8 @@ struct Together {
     scales: Scales,
     /// Places on the grid that the records saw.
     seen: Vec<usize>,
+    /// Of each cycle of the records' curves: the place on the grid next to its amplitude.
+    cycles: Vec<usize>,
 }
 
 /// Fits all laws to the ring-downs of a mode; `iwan` is where the search for the four-parameter joint also begins.
@@ -184,7 +186,14 @@ fn together(grid: Grid, measured: &[Measured], sources: &[Source<'_>]) -> Option
     };
     let always = covariances.of_averaging(&found, shift);
     let ladder = Ladder::new(&information, &covariances, (shift, scales.omega), &always)?;
-    Some(Together { grid, information, smooth, ladder, scales, seen })
+    let next = |a: &f64| {
+        seen.iter().copied().min_by(|&i, &j| {
+            let away = |i: usize| (grid.log(i) - a.ln()).abs();
+            away(i).total_cmp(&away(j))
+        })
+    };
+    let cycles = curves.iter().flat_map(|c| c.displacement.iter().filter_map(next)).collect();
+    Some(Together { grid, information, smooth, ladder, scales, seen, cycles })
 }
 
 fn range(y: &[f64]) -> f64 {
@@ -240,12 +249,12 @@ impl Together {
         })
     }
 
-    /// The law's curves against the smooth ones, by the limits of every fit.
+    /// The law's curves against the smooth ones, cycle by cycle and by the limits of every fit.
     fn verdict(&self, mode: &LawMode) -> Option<Verdict> {
-        let amplitudes: Vec<f64> = self.seen.iter().map(|&i| self.grid.amplitude(i)).collect();
-        let rates = mode.rates(&amplitudes).ok()?;
+        let rates = mode.rates(&self.grid.amplitudes()).ok()?;
         let (mut dissipation, mut frequency) = (vec![], vec![]);
-        for (&i, law) in self.seen.iter().zip(rates) {
+        for &i in &self.cycles {
+            let law = rates[i];
             let (decay, omega) = (self.smooth.rates.decay[i], self.smooth.rates.omega[i]);
             // D = 2π a² ω λ at the same amplitude.
             if decay > 0.0 && law.decay > 0.0 {

@@ -83,9 +83,10 @@ impl Ladder {
         Some(Self { rungs })
     }
 
-    /// The rung in the middle of both: where nothing is known of a law yet.
-    pub(super) fn middle(&self) -> &Whitener {
-        &self.rungs[self.rungs.len() / 2]
+    /// The largest of both: where nothing is known of a law yet. Dissipation and frequency then weigh alike, and the one that is known better
+    /// does not lead the search astray.
+    pub(super) fn largest(&self) -> &Whitener {
+        &self.rungs[self.rungs.len() - 1]
     }
 
     /// The rung of the least `criterion`, first along one size, then along the other, until neither gains.

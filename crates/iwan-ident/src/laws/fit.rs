@@ -132,10 +132,10 @@ impl<'a> Problem<'a> {
     /// The law with the parameters and the discrepancy that are likeliest.
     pub(super) fn fit<'l>(&self, ladder: &'l Ladder, more: &[Vec<f64>]) -> Option<Fitted<'l>> {
         let first = self.search(FIRST_STEPS, FIRST_TOLERANCE);
-        let from = |start: &Vec<f64>| first.run(&mut self.whitened(ladder.middle()), start);
+        let from = |start: &Vec<f64>| first.run(&mut self.whitened(ladder.largest()), start);
         let starts = self.starts();
         let best = starts.iter().chain(more).filter_map(from).min_by(|a, b| a.cost.total_cmp(&b.cost))?;
-        let (mut x, mut whitener) = (best.x, ladder.middle());
+        let (mut x, mut whitener) = (best.x, ladder.largest());
         let last = self.search(LAST_STEPS, TOLERANCE);
         for _ in 0..ROUNDS {
             let local = self.local(&x)?;

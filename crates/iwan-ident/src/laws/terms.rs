@@ -60,8 +60,8 @@ impl Term {
     pub(super) const fn coordinates(self) -> &'static [Coordinate] {
         /// Exponents: towards 0 a damper becomes dry friction, and 4 is beyond any fluid's.
         const DAMPING: [Coordinate; 2] = [SHARE, coordinate(0.02, 4.0, 1.0, &[0.4, 1.6, 2.4])];
-        /// Exponents above 1, so that the spring has a stiffness at small amplitude.
-        const POWER: [Coordinate; 2] = [SPRING, coordinate(1.02, 8.0, 1.0, &[1.4, 3.0])];
+        /// Logarithm of the exponent less 1: it is above 1, so that the spring has no stiffness at small amplitude.
+        const POWER: [Coordinate; 2] = [SPRING, coordinate(-4.0, 2.0, 1.0, &[-1.2, -0.3, 0.6])];
         /// Logarithms over the amplitude in the middle.
         const PINNING: [Coordinate; 2] =
             [coordinate(0.0, 1e3, 1.0, &[0.3]), coordinate(-3.0, 3.0, 1.0, &[-0.7, 0.0, 0.7])];
@@ -150,7 +150,9 @@ impl Scales {
             Term::Quadratic => self.damper(x[0], |c| PowerDamping::new(c, 2.0).map(Part::from))?,
             Term::PowerDamping => self.damper(x[0], |c| PowerDamping::new(c, x[1]).map(Part::from))?,
             Term::Cubic => self.spring(x[0], |k| PowerSpring::new(k, 3.0).map(Part::from))?,
-            Term::PowerSpring => self.spring(x[0], |k| PowerSpring::new(k, x[1]).map(Part::from))?,
+            Term::PowerSpring => {
+                self.spring(x[0], |k| PowerSpring::new(k, 1.0 + x[1].exp()).map(Part::from))?
+            }
             Term::Pinning => {
                 let k = 2.0 * self.omega * self.shift * x[0];
                 Pinning::new(k, self.amplitude * x[1].exp()).ok()?.into()
