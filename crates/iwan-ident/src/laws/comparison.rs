@@ -3,7 +3,7 @@
 use std::f64::consts::TAU;
 
 use super::candidates::{CANDIDATES, Candidate};
-use super::discrepancy::Ladder;
+use super::discrepancy::{Ladder, Whitener};
 use super::estimates::{Estimate, estimates};
 use super::fit::{Fitted, Problem};
 use super::mode::LawMode;
@@ -204,42 +204,38 @@ fn range(y: &[f64]) -> f64 {
 impl Together {
     /// All laws, each with parameters and a discrepancy of its own; their criteria with the discrepancy of the law that misses least.
     fn laws(&self, iwan: Option<&Parameters>) -> Vec<FittedLaw> {
-        let amplitudes = self.grid.amplitudes();
-        let fit = |law: &Candidate| {
-            let problem = Problem::new(law.terms, self.scales, &amplitudes, &self.information);
+        let (amplitudes, smooth) = (self.grid.amplitudes(), self.seen_curves());
+        let own = |law: &Candidate| {
+            let problem = Problem::new(law.terms, self.scales, &amplitudes, &self.information, &smooth);
             let more =
                 if law.terms == [Term::Iwan] { iwan.and_then(|p| self.scales.of_iwan(p)) } else { None };
-            let fitted = problem.fit(&self.ladder, &more.into_iter().collect::<Vec<_>>())?;
-            Some((*law, problem, fitted))
+            let more: Vec<Vec<f64>> = more.into_iter().collect();
+            let (x, whitener) = problem.own(&self.ladder, &more)?;
+            Some((*law, problem, more, x, whitener))
         };
-        let all: Vec<_> = CANDIDATES.iter().filter_map(fit).collect();
-        // The least product of both sizes, and of equal ones that of the best criterion.
-        let rank = |f: &Fitted<'_>| (f.whitener.size.decay * f.whitener.size.omega, f.criterion);
-        let least = all.iter().map(|(_, _, f)| f).min_by(|a, b| {
-            let (a, b) = (rank(a), rank(b));
-            a.0.total_cmp(&b.0).then(a.1.total_cmp(&b.1))
-        });
-        let Some(common) = least.map(|f| f.whitener) else { return vec![] };
+        let all: Vec<_> = CANDIDATES.iter().filter_map(own).collect();
+        let size = |w: &Whitener| w.size.decay * w.size.omega;
+        let sizes = all.iter().map(|one| one.4);
+        let Some(common) = sizes.min_by(|a, b| size(a).total_cmp(&size(b))) else { return vec![] };
         all.iter()
-            .filter_map(|(law, problem, fitted)| {
-                let criterion = problem.criterion_with(common, &fitted.at.x)?;
-                self.fitted_law(*law, problem, fitted, criterion)
+            .filter_map(|(law, problem, more, x, _)| {
+                self.fitted_law(*law, problem, &problem.fit(&self.ladder, common, x, more)?)
             })
             .collect()
     }
 
-    fn fitted_law(
-        &self,
-        law: Candidate,
-        problem: &Problem<'_>,
-        fitted: &Fitted<'_>,
-        criterion: f64,
-    ) -> Option<FittedLaw> {
+    /// ln λ and ω of the smooth curves at the places that the records saw, where damping is positive.
+    fn seen_curves(&self) -> Vec<(usize, f64, f64)> {
+        let curve = |&i: &usize| (i, self.smooth.rates.decay[i].ln(), self.smooth.rates.omega[i]);
+        self.seen.iter().map(curve).filter(|c| c.1.is_finite()).collect()
+    }
+
+    fn fitted_law(&self, law: Candidate, problem: &Problem<'_>, fitted: &Fitted<'_>) -> Option<FittedLaw> {
         let verdict = self.verdict(&fitted.at.mode)?;
         let size = fitted.whitener.size;
         Some(FittedLaw {
             law,
-            criterion,
+            criterion: fitted.criterion,
             dissipation_misfit: verdict.dissipation_misfit,
             frequency_misfit: verdict.frequency_misfit,
             discrepancy: (size.decay, size.omega * self.scales.shift / TAU),

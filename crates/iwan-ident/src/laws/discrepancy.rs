@@ -83,12 +83,6 @@ impl Ladder {
         Some(Self { rungs })
     }
 
-    /// The largest of both: where nothing is known of a law yet. Dissipation and frequency then weigh alike, and the one that is known better
-    /// does not lead the search astray.
-    pub(super) fn largest(&self) -> &Whitener {
-        &self.rungs[self.rungs.len() - 1]
-    }
-
     /// The rung of the least `criterion`, first along one size, then along the other, until neither gains.
     pub(super) fn least(&self, criterion: impl Fn(&Whitener) -> f64) -> &Whitener {
         let side = RUNGS as usize;

@@ -27,6 +27,8 @@ pub(super) struct Problem<'a> {
     pub(super) scales: Scales,
     pub(super) amplitudes: &'a [f64],
     pub(super) information: &'a Information,
+    /// Places among the amplitudes that the records saw, with ln λ and ω there by smooth curves.
+    pub(super) smooth: &'a [(usize, f64, f64)],
     pub(super) coordinates: Vec<Coordinate>,
 }
 
@@ -71,8 +73,9 @@ impl<'a> Problem<'a> {
         scales: Scales,
         amplitudes: &'a [f64],
         information: &'a Information,
+        smooth: &'a [(usize, f64, f64)],
     ) -> Self {
-        Self { terms, scales, amplitudes, information, coordinates: coordinates(terms) }
+        Self { terms, scales, amplitudes, information, smooth, coordinates: coordinates(terms) }
     }
 
     /// Knees worth trying, as coordinates: from below the smallest amplitude to far above the largest, where there is none.
@@ -129,28 +132,62 @@ impl<'a> Problem<'a> {
         all
     }
 
-    /// The law with the parameters and the discrepancy that are likeliest.
-    pub(super) fn fit<'l>(&self, ladder: &'l Ladder, more: &[Vec<f64>]) -> Option<Fitted<'l>> {
-        let first = self.search(FIRST_STEPS, FIRST_TOLERANCE);
-        let from = |start: &Vec<f64>| first.run(&mut self.whitened(ladder.largest()), start);
+    /// The coordinates whose curves lie nearest to the smooth ones, all amplitudes alike. A discrepancy bends after every smooth curve: a
+    /// search with one, from far away, would fit what is not smooth and leave the rest to it.
+    fn nearest(&self, more: &[Vec<f64>]) -> Option<Vec<f64>> {
+        let search = Search { count: 2 * self.smooth.len(), ..self.search(FIRST_STEPS, FIRST_TOLERANCE) };
+        let mut residuals = |x: &[f64], out: &mut [f64]| {
+            let rates = self.scales.mode(self.terms, x).and_then(|mode| mode.rates(self.amplitudes).ok());
+            let Some(rates) = rates else { return false };
+            for (out, &(i, log_decay, omega)) in out.chunks_exact_mut(2).zip(self.smooth) {
+                out[0] = rates[i].decay.max(f64::MIN_POSITIVE).ln() - log_decay;
+                out[1] = (rates[i].omega - omega) / self.scales.shift;
+            }
+            true
+        };
         let starts = self.starts();
-        let best = starts.iter().chain(more).filter_map(from).min_by(|a, b| a.cost.total_cmp(&b.cost))?;
-        let (mut x, mut whitener) = (best.x, ladder.largest());
+        let all = starts.iter().chain(more).filter_map(|start| search.run(&mut residuals, start));
+        all.min_by(|a, b| a.cost.total_cmp(&b.cost)).map(|best| best.x)
+    }
+
+    /// The coordinates that are likeliest with a discrepancy of their own, and that.
+    pub(super) fn own<'l>(&self, ladder: &'l Ladder, more: &[Vec<f64>]) -> Option<(Vec<f64>, &'l Whitener)> {
+        let mut x = self.nearest(more)?;
         let last = self.search(LAST_STEPS, TOLERANCE);
+        let mut whitener = self.size(ladder, &x)?;
         for _ in 0..ROUNDS {
-            let local = self.local(&x)?;
-            let likelier = ladder.least(|rung| self.criterion(rung, &local));
-            let same = std::ptr::eq(likelier, whitener);
-            whitener = likelier;
             x = last.run(&mut self.whitened(whitener), &x)?.x;
-            if same {
+            let likelier = self.size(ladder, &x)?;
+            if std::ptr::eq(likelier, whitener) {
                 break;
             }
+            whitener = likelier;
         }
-        let local = self.local(&x)?;
+        Some((x, whitener))
+    }
+
+    fn size<'l>(&self, ladder: &'l Ladder, x: &[f64]) -> Option<&'l Whitener> {
+        let local = self.local(x)?;
+        Some(ladder.least(|rung| self.criterion(rung, &local)))
+    }
+
+    /// The law with the discrepancy that all laws share, from `own` coordinates or from the nearest ones, whichever leads lower. Its intervals are
+    /// those of the discrepancy that it needs itself.
+    pub(super) fn fit<'l>(
+        &self,
+        ladder: &'l Ladder,
+        common: &Whitener,
+        own: &[f64],
+        more: &[Vec<f64>],
+    ) -> Option<Fitted<'l>> {
+        let last = self.search(LAST_STEPS, TOLERANCE);
+        let from = [own.to_vec(), self.nearest(more)?];
+        let found = from.iter().filter_map(|x| last.run(&mut self.whitened(common), x));
+        let x = found.min_by(|a, b| a.cost.total_cmp(&b.cost))?.x;
+        let (local, whitener) = (self.local(&x)?, self.size(ladder, &x)?);
         let covariance = self.precision(whitener, &local)?.cholesky()?.inverse();
         Some(Fitted {
-            criterion: self.criterion(whitener, &local),
+            criterion: self.criterion(common, &local),
             cost: whitener.vector(&local.residuals).norm_squared(),
             at: At {
                 mode: self.scales.mode(self.terms, &x)?,
@@ -159,12 +196,6 @@ impl<'a> Problem<'a> {
             },
             whitener,
         })
-    }
-
-    /// The criterion with a discrepancy of another size.
-    pub(super) fn criterion_with(&self, whitener: &Whitener, x: &[f64]) -> Option<f64> {
-        let found = self.search(LAST_STEPS, TOLERANCE).run(&mut self.whitened(whitener), x)?;
-        Some(self.criterion(whitener, &self.local(&found.x)?))
     }
 
     /// The likeliest coordinates next to `x` with one of them held, and the sum of squares there, for the discrepancy of `whitener`.

@@ -237,7 +237,9 @@ def fit(
     >>> found = iwan.fit(response.acceleration, dt=2e-4)
     >>> print(found.adequate, f"{found.joint.chi:.2f}", found.identifiable["chi"], found.identifiable["f_s"])
     True -0.18 True False
-    >>> print(found.law, f"{found.law_mode.frequency:.1f} Hz, {found.curve_mode.damping_ratio_at(1e-3):.4f}")
+    >>> by_law = iwan.fit(response.acceleration, dt=2e-4, law="separate-powers").law_mode  # another law than the joint
+    >>> print(f"{by_law.frequency:.1f} Hz", len(by_law.parts), found.curve_mode.frequency_at(1e-3) < 124.0)
+    124.0 Hz 2 True
     """
     arguments = request(dt, channel, quantity, shape, mass, band, near, method, filter_order, window, order, hold)
     records = several(record)

@@ -15,8 +15,8 @@ const LENGTH: f64 = 1.0;
 /// Part of a variance that is added on the diagonal, so that the matrix is positive definite in rounding.
 const JITTER: f64 = 1e-8;
 /// Roughness of ln λ, and of the frequency in parts of its shift, that records may choose from: from next to a straight line in ln a
-/// to a factor e.
-const ROUGHNESS: [f64; 5] = [0.01, 0.03, 0.1, 0.3, 1.0];
+/// to many times that.
+const ROUGHNESS: [f64; 6] = [0.01, 0.03, 0.1, 0.3, 1.0, 3.0];
 /// Error of averaging: in the decay rate, relative and in damping ratios; in the frequency, relative and in squares of damping ratios. Under dry
 /// friction the fundamental lags by 4F/(π k a), 2 ζ, which changes the frequency by 4 ζ² and less; dampers that are a power of the velocity stay below.
 const SECOND_ORDER: f64 = 2.0;

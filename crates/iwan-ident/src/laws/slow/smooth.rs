@@ -19,7 +19,11 @@ impl Smooth {
     /// The curves that all information together makes likeliest, about curves `near` them.
     pub(crate) fn new(information: &Information, covariances: &Covariances, near: &Rates) -> Option<Self> {
         let Information { factor, target } = information;
-        let mean = DVector::from_iterator(factor.ncols(), near.decay.iter().chain(&near.omega).copied());
+        // Level curves in the mean: those of the envelope would keep their wiggles, and seem to be certain of them.
+        let n = near.decay.len();
+        let level = (near.decay.iter().map(|d| d.ln()).sum::<f64>() / n as f64).exp();
+        let omega = near.omega.iter().sum::<f64>() / n as f64;
+        let mean = DVector::from_fn(2 * n, |i, _| if i < n { level } else { omega });
         let surprise = target - factor * &mean;
         let seen = covariances.each(|m| factor * m * factor.transpose());
         let Likeliest { decay, omega, factor: whole } = seen.likeliest(&surprise, 1.0)?;
@@ -27,7 +31,6 @@ impl Smooth {
         let across = &prior * factor.transpose();
         let values = mean + &across * whole.solve(&surprise);
         let covariance = &prior - &across * whole.solve(&across.transpose());
-        let n = near.decay.len();
         let rates = Rates {
             decay: values.rows(0, n).as_slice().to_vec(),
             omega: values.rows(n, n).as_slice().to_vec(),

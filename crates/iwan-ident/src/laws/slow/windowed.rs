@@ -25,7 +25,7 @@ const FEWEST: usize = 5;
 const STOPPED: f64 = 0.3;
 /// Times the noise that a window's amplitude must be. Below, a mode under dry friction may have stopped, which averaging does not
 /// know, and what a viscous decay tells more of its damping is a per cent of what it told before. A judgement.
-const ABOVE_NOISE: f64 = 12.0;
+const ABOVE_NOISE: f64 = 5.0;
 /// Steps of the midpoint rule for the overlap of two windows: rounding is left, as in `refine`.
 const STEPS: usize = 400;
 
