@@ -3,7 +3,7 @@
 use std::f64::consts::TAU;
 
 use super::candidates::{CANDIDATES, Candidate};
-use super::discrepancy::{Ladder, Whitener};
+use super::discrepancy::{Ladder, Size, Whitener};
 use super::estimates::{Estimate, estimates};
 use super::fit::{Fitted, Problem};
 use super::mode::LawMode;
@@ -216,7 +216,13 @@ impl Together {
         let all: Vec<_> = CANDIDATES.iter().filter_map(own).collect();
         let size = |w: &Whitener| w.size.decay * w.size.omega;
         let sizes = all.iter().map(|one| one.4);
-        let Some(common) = sizes.min_by(|a, b| size(a).total_cmp(&size(b))) else { return vec![] };
+        let Some(least) = sizes.min_by(|a, b| size(a).total_cmp(&size(b))) else { return vec![] };
+        // Not more than the laws need that lie nearest to either curve: a discrepancy could bend after what a law can tell.
+        let common = all.iter().filter_map(|(_, problem, more, ..)| problem.distances(more)).fold(
+            least.size,
+            |size, (decay, omega)| Size { decay: size.decay.min(decay), omega: size.omega.min(omega) },
+        );
+        let common = self.ladder.at_most(common);
         all.iter()
             .filter_map(|(law, problem, more, x, _)| {
                 self.fitted_law(*law, problem, &problem.fit(&self.ladder, common, x, more)?)

@@ -83,6 +83,16 @@ impl Ladder {
         Some(Self { rungs })
     }
 
+    /// The rung of the largest sizes that are not above those given; the lowest where all are.
+    pub(super) fn at_most(&self, size: Size) -> &Whitener {
+        let lowest = self.rungs[0].size;
+        let (decay, omega) = (size.decay.max(lowest.decay), size.omega.max(lowest.omega));
+        let fits = |w: &&Whitener| w.size.decay <= decay && w.size.omega <= omega;
+        let product = |w: &Whitener| w.size.decay * w.size.omega;
+        let largest = self.rungs.iter().filter(fits).max_by(|a, b| product(a).total_cmp(&product(b)));
+        largest.unwrap_or(&self.rungs[0])
+    }
+
     /// The rung of the least `criterion`, first along one size, then along the other, until neither gains.
     pub(super) fn least(&self, criterion: impl Fn(&Whitener) -> f64) -> &Whitener {
         let side = RUNGS as usize;

@@ -166,6 +166,18 @@ impl<'a> Problem<'a> {
         Some((x, whitener))
     }
 
+    /// Root-mean-square distances of the nearest curves from the smooth ones: of ln λ, and of ω in shifts. They are what the law misses, and noise.
+    pub(super) fn distances(&self, more: &[Vec<f64>]) -> Option<(f64, f64)> {
+        let rates = self.scales.mode(self.terms, &self.nearest(more)?)?.rates(self.amplitudes).ok()?;
+        let n = self.smooth.len() as f64;
+        let (mut decay, mut omega) = (0.0, 0.0);
+        for &(i, log_decay, smooth) in self.smooth {
+            decay += (rates[i].decay.max(f64::MIN_POSITIVE).ln() - log_decay).powi(2) / n;
+            omega += ((rates[i].omega - smooth) / self.scales.shift).powi(2) / n;
+        }
+        Some((decay.sqrt(), omega.sqrt()))
+    }
+
     fn size<'l>(&self, ladder: &'l Ladder, x: &[f64]) -> Option<&'l Whitener> {
         let local = self.local(x)?;
         Some(ladder.least(|rung| self.criterion(rung, &local)))
