@@ -17,6 +17,8 @@ use crate::parameters::Parameters;
 /// Difference of the criterion up to which a law is as good as the best: evidence of a factor e (R. E. Kass and A. E. Raftery, Bayes
 /// factors, J. Am. Statist. Assoc. 90:773, 1995: "not worth more than a bare mention").
 const AS_GOOD: f64 = 2.0;
+/// Difference of the criterion from which on evidence is strong, by the same scale.
+const STRONG: f64 = 6.0;
 /// Factor by which the grid reaches beyond the amplitudes of the envelopes: a ring-down begins before its envelope is trusted.
 const BEYOND: f64 = 1.1;
 
@@ -85,7 +87,11 @@ pub fn compare(sources: &[Source<'_>], iwan: Option<&Parameters>) -> Result<Comp
     let mut laws = together.laws(iwan);
     let best = laws.iter().map(|l| l.criterion).fold(f64::INFINITY, f64::min);
     laws.iter_mut().for_each(|l| l.criterion -= best);
-    let good = laws.iter().enumerate().filter(|(_, l)| l.criterion <= AS_GOOD);
+    // A law that describes the records goes before one that does not, unless the evidence is strong.
+    let near = laws.iter().filter(|l| l.criterion <= STRONG);
+    let grade = near.map(|l| l.grade).max().unwrap_or(Grade::No);
+    let least = laws.iter().filter(|l| l.grade == grade).map(|l| l.criterion).fold(f64::INFINITY, f64::min);
+    let good = laws.iter().enumerate().filter(|(_, l)| l.grade == grade && l.criterion <= least + AS_GOOD);
     let simplest = good.min_by(|(_, a), (_, b)| {
         let order = a.parameters.len().cmp(&b.parameters.len());
         order.then(a.criterion.total_cmp(&b.criterion))
