@@ -72,8 +72,7 @@ fn page(mode: &FittedMode<'_>) -> Result<String, Failure> {
     let identified = [Identified::of(&recordings, &wanted, extractions, axis, mode.found.clone())?];
     let units = Units::new(first.record.unit(), first.quantity, mode.mass_normalised);
     let summary = FitSummary::new(&recordings, &identified, axis, &units);
-    let failed = |e: iwan_core::Error| Failure::Computation(e.to_string());
-    let toml = to_toml(&as_scenario(&identified, &summary.title()).map_err(failed)?, "");
+    let toml = to_toml(&as_scenario(&identified, &summary.title(), |_| None)?, "");
     Ok(render(&Reported { identified: &identified, summary: &summary, units: &units, toml: &toml }))
 }
 

@@ -42,7 +42,12 @@ fn run(place: &Path, arguments: &str) -> Value {
 
 /// A folder with `NAME.csv`, the acceleration after release at a displacement.
 fn record(place: &Path, name: &str, displacement: &str) {
-    std::fs::write(place.join("in.toml"), RELEASE.replace("0.014", displacement)).unwrap();
+    record_of(place, name, &RELEASE.replace("0.014", displacement));
+}
+
+/// The same of any scenario of one mode.
+fn record_of(place: &Path, name: &str, scenario: &str) {
+    std::fs::write(place.join("in.toml"), scenario).unwrap();
     let output = iwan(place, &format!("simulate in.toml --out {name}-sim"));
     assert!(output.status.success(), "{}", shown(&output));
     let table = csv(&place.join(format!("{name}-sim/response.csv")));
@@ -69,7 +74,16 @@ fn a_ring_down_through_macro_slip_gives_all_parameters_and_a_scenario_that_runs(
     let lengths = ["amplitude", "frequency", "damping_ratio", "dissipation", "force"]
         .map(|key| mode["curves"][key].as_array().unwrap().len());
     assert!(lengths[0] > 20 && lengths.iter().all(|n| *n == lengths[0]), "{lengths:?}");
-    let expected = ["curves.csv", "fit.json", "report.html", "response.csv", "scenario.toml", "summary.json"];
+    assert_eq!(mode["law"], "iwan", "{}", mode["law_in_words"]);
+    let expected = [
+        "curves.csv",
+        "fit.json",
+        "report.html",
+        "response.csv",
+        "scenario-curves.toml",
+        "scenario.toml",
+        "summary.json",
+    ];
     assert_eq!(names(&place.path().join("out")), expected);
     let written: Value =
         serde_json::from_slice(&std::fs::read(place.path().join("out/fit.json")).unwrap()).unwrap();
@@ -229,4 +243,59 @@ fn ctrl_c_ends_a_fit_at_once_and_leaves_nothing_behind() {
     assert!(std::process::Command::new("kill").args(["-INT", &id]).status().unwrap().success());
     assert_eq!(child.wait().unwrap().code(), Some(130));
     assert_eq!(names(place.path()), ["in.toml", "long.csv"]);
+}
+
+/// A pendulum: viscous, Coulomb and quadratic damping with a cubic spring, and no joint.
+const PENDULUM: &str = r#"
+[[mode]]
+name = "p"
+frequency = 20.0
+damping_ratio = 2.0e-3
+parts = [
+    { law = "coulomb", force = 0.02 },
+    { law = "power-damping", c = 0.015, n = 2 },
+    { law = "spring", k = -800.0, exponent = 3 },
+]
+initial = { displacement = 1.0 }
+[force]
+kind = "none"
+[time]
+step = 1.0e-3
+duration = 8.0
+"#;
+
+#[test]
+fn a_pendulum_is_named_for_what_it_is_and_its_law_and_curves_run() {
+    let place = folder("");
+    record_of(place.path(), "p", PENDULUM);
+    let fit = run(place.path(), "p.csv --out out");
+    let mode = &fit["modes"][0];
+    assert_eq!(mode["law"], "duffing-coulomb-quadratic", "{}", mode["law_in_words"]);
+    assert_ne!(mode["grade"], "matches");
+    let laws = mode["laws"].as_array().unwrap();
+    let named = laws.iter().find(|l| l["name"] == mode["law"]).unwrap();
+    assert!(named["dissipation_misfit"].as_f64().unwrap() < 0.02 && named["grade"] == "matches", "{named}");
+    let whole: Value =
+        serde_json::from_slice(&std::fs::read(place.path().join("out/fit.json")).unwrap()).unwrap();
+    let backbone = &whole["modes"][0]["backbone"];
+    let column = |key: &str| -> Vec<f64> {
+        backbone[key].as_array().unwrap().iter().map(|x| x.as_f64().unwrap()).collect()
+    };
+    let (f, low, high) = (column("frequency"), column("frequency_low"), column("frequency_high"));
+    assert!(f.len() > 7 && (0..f.len()).all(|i| low[i] < f[i] && f[i] < high[i]));
+    // Each scenario runs as it is, and begins at the amplitude at which the record does.
+    for name in ["scenario", "scenario-law", "scenario-curves"] {
+        let output = iwan(place.path(), &format!("simulate out/{name}.toml --out {name} --json"));
+        assert!(output.status.success(), "{name}: {}", shown(&output));
+        let said: Value = serde_json::from_slice(&output.stdout).unwrap();
+        let peak = said["modes"][0]["peak_displacement"].as_f64().unwrap();
+        assert!((peak - 1.0).abs() < 0.15, "{name}: {peak}");
+    }
+    // Asked for another law, scenario.toml is that one's.
+    let asked = run(place.path(), "p.csv --law duffing --out duffing");
+    assert_eq!(asked["modes"][0]["law"], "duffing");
+    let toml = std::fs::read_to_string(place.path().join("duffing/scenario.toml")).unwrap();
+    assert!(toml.contains("law = \"spring\"") && !toml.contains("joint = {"), "{toml}");
+    let output = iwan(place.path(), "fit p.csv --law pendulum");
+    assert_eq!(output.status.code(), Some(2), "{}", shown(&output));
 }

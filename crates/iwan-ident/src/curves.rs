@@ -17,6 +17,17 @@ pub enum Quantity {
     Displacement,
 }
 
+impl Quantity {
+    /// How often the displacement was differentiated.
+    pub(crate) const fn power(self) -> i32 {
+        match self {
+            Self::Acceleration => 2,
+            Self::Velocity => 1,
+            Self::Displacement => 0,
+        }
+    }
+}
+
 /// Which force stands on the abscissa of dissipation against force.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub enum ForceAxis {
@@ -86,11 +97,7 @@ impl Curves {
         check_length("envelope.frequency", envelope.frequency.len(), n)?;
         check_length("envelope.damping_ratio", envelope.damping_ratio.len(), n)?;
         let k_inf = residual(axis)?;
-        let power = match quantity {
-            Quantity::Acceleration => 2,
-            Quantity::Velocity => 1,
-            Quantity::Displacement => 0,
-        };
+        let power = quantity.power();
         let rates = slopes(&envelope.t, &envelope.frequency);
         let mut curves = Self::empty(envelope, axis);
         for (i, rate) in rates.into_iter().enumerate() {

@@ -30,6 +30,9 @@ pub mod refine;
 pub mod profile;
 pub mod likelihood;
 
+// Laws beside one Iwan joint, compared by evidence; curves as a model of every record.
+pub mod laws;
+
 // All of it in one call.
 pub mod identify;
 

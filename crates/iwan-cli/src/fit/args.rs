@@ -5,6 +5,7 @@ use std::path::PathBuf;
 use clap::{Args, ValueHint};
 use iwan_ident::Parameter;
 
+use super::laws::named;
 use crate::args::{Common, Format};
 use crate::records::{MethodChoice, RecordArgs};
 use crate::session::Place;
@@ -14,8 +15,10 @@ use crate::session::Place;
 /// Reads one or several records (several force levels of the same structure are fitted jointly), isolates each mode,
 /// and finds small-amplitude frequency, viscous damping ratio, K_T, F_S, chi and beta by simulation in the loop. Every
 /// parameter comes with its 95 % interval by profile likelihood, open where the records do not bound it, and the fit with a
-/// verdict on whether one four-parameter joint explains damping and frequency together. Writes fit.json, summary.json,
-/// scenario.toml (which `iwan simulate` runs), report.html (figures), curves.csv and response.csv into one folder.
+/// verdict on whether one four-parameter joint explains damping and frequency together. Other laws are compared with it by
+/// evidence. Writes fit.json, summary.json, scenario.toml (the Iwan joint, or the law of --law), scenario-law.toml (the chosen law, where
+/// that is another), scenario-curves.toml (frequency and damping against amplitude), all of which `iwan simulate` runs, report.html
+/// (figures), curves.csv and response.csv into one folder.
 #[derive(Debug, Args)]
 #[command(after_help = FIT_EXAMPLES)]
 pub(crate) struct FitArgs {
@@ -31,6 +34,10 @@ pub(crate) struct FitArgs {
     /// Keep a parameter at a value instead of seeking it, as in damping_ratio=0; repeat it for several
     #[arg(long, value_name = "NAME=VALUE", value_parser = held)]
     pub(crate) hold: Vec<(Parameter, f64)>,
+    /// Law of scenario.toml and of `law` in place of the chosen one: linear, duffing, viscous-coulomb-quadratic, separate-powers, iwan,
+    /// curves and others that the table of laws names
+    #[arg(long, value_name = "NAME", value_parser = named)]
+    pub(crate) law: Option<String>,
     /// Method of the curves and of the verdict; the report shows them all
     #[arg(long, value_enum, default_value_t = MethodChoice::Hilbert)]
     pub(crate) method: MethodChoice,
@@ -54,6 +61,7 @@ Examples:
   iwan fit tap.uff --shapes shapes.csv                      every mode of the file of mode shapes
   iwan fit --modal iwan-modal --band 110:135                the hits and shapes of `iwan modal`, one of its modes
   iwan fit tap.csv --hold damping_ratio=0                   what comes out if all damping is friction
+  iwan fit tap.csv --law separate-powers                    scenario.toml by another law than the Iwan joint
   iwan simulate iwan-fit/scenario.toml                      the fitted model, simulated
   iwan fit tap.csv --json --quiet | jq '.modes[0].k_t'";
 

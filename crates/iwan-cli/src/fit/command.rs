@@ -7,6 +7,7 @@ use iwan_io::Table;
 use iwan_sim::in_parallel;
 
 use super::args::FitArgs;
+use super::laws::BY_CURVES;
 use super::modal::over_from_modal;
 use super::report::{Reported, render};
 use super::scenario::as_scenario;
@@ -21,6 +22,13 @@ use crate::simulate::response_columns;
 const WHOLE: &str = "fit.json";
 /// The fit as a scenario.
 const SCENARIO: &str = "scenario.toml";
+/// The chosen law as a scenario, where that is not the Iwan joint.
+const LAW: &str = "scenario-law.toml";
+/// The curves as a scenario.
+const CURVES: &str = "scenario-curves.toml";
+
+/// Name of the law of the records' own fit.
+const IWAN: &str = "iwan";
 
 /// Runs the command.
 pub(crate) fn run(mut args: FitArgs) -> Result<(), Failure> {
@@ -30,7 +38,7 @@ pub(crate) fn run(mut args: FitArgs) -> Result<(), Failure> {
     let args = &args;
     let recordings = records::read_all(&args.fit, &args.records)?;
     let [curves, response] = ["curves", "response"].map(|stem| args.format.file(stem));
-    let files = [WHOLE, SUMMARY, SCENARIO, PAGE, &curves, &response];
+    let files = [WHOLE, SUMMARY, SCENARIO, LAW, CURVES, PAGE, &curves, &response];
     let mut session = Session::open(args.place(), &args.common, files)?;
     for recording in &recordings {
         session.warnings(&recording.warnings);
@@ -40,8 +48,12 @@ pub(crate) fn run(mut args: FitArgs) -> Result<(), Failure> {
     let identified = identify_all(&recordings, wanted, args, &session)?;
     let (unit, quantity) = (recordings[0].record.unit(), recordings[0].quantity);
     let units = Units::new(unit, quantity, args.records.mass_normalised());
-    let summary = FitSummary::new(&recordings, &identified, args.records.force_axis, &units);
-    let scenario = as_scenario(&identified, &summary.title()).map_err(|error| failed(&error))?;
+    let mut summary = FitSummary::new(&recordings, &identified, args.records.force_axis, &units);
+    if let Some(law) = &args.law {
+        summary.modes.iter_mut().for_each(|mode| mode.law = Some(law.clone()));
+    }
+    let asked = args.law.clone().filter(|law| law != IWAN);
+    let scenario = as_scenario(&identified, &summary.title(), |_| asked.clone())?;
     let toml = to_toml(&scenario, "");
 
     session.columns(&curves, &curve_columns(&identified), args.format)?;
@@ -49,6 +61,7 @@ pub(crate) fn run(mut args: FitArgs) -> Result<(), Failure> {
     session.summary(WHOLE, &summary)?;
     session.summary(SUMMARY, &summary.without_curves())?;
     session.file(SCENARIO, toml.as_bytes())?;
+    write_others(&mut session, &identified, &summary)?;
     session.page(&render(&Reported {
         identified: &identified,
         summary: &summary,
@@ -56,6 +69,27 @@ pub(crate) fn run(mut args: FitArgs) -> Result<(), Failure> {
         toml: &toml,
     }))?;
     session.finish(&summary)
+}
+
+/// Writes the chosen laws as a scenario where one of them is not the Iwan joint, and the curves where every mode has them.
+fn write_others(
+    session: &mut Session,
+    identified: &[Identified],
+    summary: &FitSummary,
+) -> Result<(), Failure> {
+    let chosen = |i: &Identified| {
+        let name = i.found.laws.as_ref().ok().map(|laws| laws.chosen().law.name.to_string());
+        name.filter(|name| name != IWAN)
+    };
+    if identified.iter().any(|i| chosen(i).is_some()) {
+        let scenario = as_scenario(identified, &summary.title(), chosen)?;
+        session.file(LAW, to_toml(&scenario, "").as_bytes())?;
+    }
+    if identified.iter().all(|i| i.found.laws.is_ok()) {
+        let scenario = as_scenario(identified, &summary.title(), |_| Some(BY_CURVES.to_string()))?;
+        session.file(CURVES, to_toml(&scenario, "").as_bytes())?;
+    }
+    Ok(())
 }
 
 fn failed(error: &dyn std::fmt::Display) -> Failure {

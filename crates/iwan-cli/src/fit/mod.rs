@@ -1,5 +1,6 @@
 //! `iwan fit`: from records to the parameters of an Iwan joint, with intervals and a verdict.
 
+mod laws;
 mod args;
 mod modal;
 mod summary;

@@ -4,6 +4,7 @@ use maud::{Markup, html};
 
 use super::figures::Fitted;
 use super::intervals;
+use super::laws::ranked;
 use super::summary::{FitSummary, ModeFit, ROWS, Row, interval};
 use crate::envelope::{self, Extracted};
 use crate::identified::Identified;
@@ -56,6 +57,7 @@ fn mode(n: usize, i: &Identified, fit: &ModeFit, units: &Units) -> Markup {
         (verdict(fit))
         (table(fit))
         (intervals::draw(fit))
+        (laws(fit))
         p { "What was found on the way:" }
         (notes(fit))
         h2 { "Curves and fit" }
@@ -105,6 +107,39 @@ fn table(fit: &ModeFit) -> Markup {
                     tr { th { "residual / record" } td { (format!("{:.3} %", 100.0 * fit.relative_residual)) } td {} }
                     tr { th { "the same, linear mode" } td { (format!("{:.3} %", 100.0 * fit.linear.relative_residual)) } td {} }
                 }
+            }
+        }
+    }
+}
+
+/// All laws, best first, and the one to take.
+fn laws(fit: &ModeFit) -> Markup {
+    html! {
+        h2 { "Which law" }
+        p { (fit.law_in_words) "." }
+        @if !fit.laws.is_empty() {
+            div.wide {
+                table {
+                    thead { tr {
+                        th { "law" } th { "criterion" } th { "dissipation missed" } th { "frequency missed, Hz" } th { "grade" } th { "parameters" }
+                    } }
+                    tbody {
+                        @for law in ranked(&fit.laws) {
+                            tr {
+                                th { (law.name) }
+                                td { (format!("{:.1}", law.criterion)) }
+                                td { (format!("{:.2} %", 100.0 * law.dissipation_misfit)) }
+                                td { (format!("{:.5}", law.frequency_misfit)) }
+                                td { (law.grade) }
+                                td { (law.values()) }
+                            }
+                        }
+                    }
+                }
+            }
+            p.about {
+                "Criterion: twice the logarithm of the evidence that the best law has over this one; up to 2 is no difference. Misfits: against "
+                "smooth curves of the records, root mean square."
             }
         }
     }

@@ -1,32 +1,88 @@
-//! A fit as a scenario that `iwan simulate` runs.
+//! A fit as scenarios that `iwan simulate` runs.
 
 use iwan_core::Pulse;
+use iwan_ident::laws::{Joint, LawMode};
 use iwan_input::WrittenLaw;
 use iwan_input::scenario::{Force, Scenario, ScenarioMode};
 use iwan_sim::{Method, Settings};
-use iwan_study::identified::time_step;
+use iwan_study::identified::{mode_of_curves, mode_of_law, time_step};
 
+use super::laws::BY_CURVES;
+use crate::failure::Failure;
 use crate::identified::Identified;
 
-/// The fit as a scenario: each mode is released where the loudest record begins.
-pub(crate) fn as_scenario(identified: &[Identified], title: &str) -> Result<Scenario, iwan_core::Error> {
+/// The fit as a scenario: each mode is released where the loudest record begins. `law` of each mode: a name, that of the curves, or
+/// none for the Iwan joint of the records' fit.
+pub(crate) fn as_scenario(
+    identified: &[Identified],
+    title: &str,
+    law: impl Fn(&Identified) -> Option<String>,
+) -> Result<Scenario, Failure> {
     let mut modes = Vec::new();
     let (mut shortest, mut longest) = (f64::INFINITY, 0.0_f64);
+    let mut plain = true;
     for i in identified {
-        let (p, record) = (i.found.parameters, i.loudest());
-        let joint = WrittenLaw::FourParameter { k_t: p.k_t, f_s: p.f_s, chi: p.chi, beta: p.beta };
-        modes.push(ScenarioMode { mode: i.mode(record)?, joint: Some(joint) });
+        let record = i.loudest();
+        let mode = match law(i) {
+            None => iwan(i, record)?,
+            Some(law) => {
+                plain = false;
+                by_law(i, &law, record)?
+            }
+        };
+        modes.push(mode);
         let c = &i.comparisons[record];
-        shortest = shortest.min(time_step(c.dt, p.frequency));
+        shortest = shortest.min(time_step(c.dt, i.found.parameters.frequency));
         longest = longest.max(c.record.len() as f64 * c.dt);
     }
-    let settings = Settings { method: Method::HalfCycle, ..Settings::new(shortest, longest) };
+    let settings = Settings::new(shortest, longest);
+    // Half cycles are exact for an Iwan joint, and know no other parts.
+    let method = if plain { Method::HalfCycle } else { settings.method };
     Ok(Scenario {
         title: Some(title.into()),
         modes,
         structure: None,
         force: Force::Formula("none", Pulse::None),
-        settings,
+        settings: Settings { method, ..settings },
         sweep: None,
+    })
+}
+
+fn failed(error: &iwan_core::Error) -> Failure {
+    Failure::Computation(error.to_string())
+}
+
+fn iwan(i: &Identified, record: usize) -> Result<ScenarioMode, Failure> {
+    let p = i.found.parameters;
+    let joint = WrittenLaw::FourParameter { k_t: p.k_t, f_s: p.f_s, chi: p.chi, beta: p.beta };
+    Ok(ScenarioMode { mode: i.mode(record).map_err(|e| failed(&e))?, joint: Some(joint) })
+}
+
+fn by_law(i: &Identified, law: &str, record: usize) -> Result<ScenarioMode, Failure> {
+    let missing = |why: &str| {
+        let message = format!("{}: the law {law} could not be fitted: {why}", i.name);
+        Failure::input(message, "leave --law out, or take a longer or louder record")
+    };
+    let found = i.found.laws.as_ref().map_err(|error| missing(&error.to_string()))?;
+    let displacement = found.released[record];
+    if law == BY_CURVES {
+        let mode = mode_of_curves(&i.name, &found.backbone, displacement).map_err(|e| failed(&e))?;
+        return Ok(ScenarioMode { mode, joint: None });
+    }
+    let fitted = found.named(law).ok_or_else(|| missing("no parameters describe these records"))?;
+    let mode = mode_of_law(&i.name, &fitted.mode, displacement);
+    Ok(ScenarioMode { mode, joint: written(&fitted.mode) })
+}
+
+fn written(law: &LawMode) -> Option<WrittenLaw> {
+    use iwan_core::Backbone;
+    law.joint.map(|joint| match joint {
+        Joint::FourParameter(j) => WrittenLaw::FourParameter {
+            k_t: j.initial_stiffness(),
+            f_s: j.slip_force(),
+            chi: j.chi(),
+            beta: j.beta(),
+        },
+        Joint::Jenkins(j) => WrittenLaw::Jenkins { k_t: j.initial_stiffness(), f_s: j.slip_force() },
     })
 }

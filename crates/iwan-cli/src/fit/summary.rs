@@ -7,6 +7,7 @@ use iwan_ident::density::FreeForm;
 use iwan_ident::profile::Profile;
 use serde::Serialize;
 
+use super::laws::{self, BackboneSummary, LawSummary};
 use crate::envelope::{RecordSummary, agreement};
 use crate::identified::Identified;
 use crate::page::numbers::{long, short};
@@ -50,6 +51,13 @@ pub(crate) struct ModeFit {
     pub(crate) linear: LinearSummary,
     /// What the records tell and what not, in sentences.
     pub(crate) in_words: Vec<String>,
+    /// The simplest law that is as good as the best, or the one that was asked for.
+    pub(crate) law: Option<String>,
+    /// That in a sentence, or why there is none.
+    pub(crate) law_in_words: String,
+    pub(crate) laws: Vec<LawSummary>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(crate) backbone: Option<BackboneSummary>,
     pub(crate) force_axis: &'static str,
     pub(crate) band: (f64, f64),
     /// Displacement of the release that stands for each record, and its time on the record's axis, s.
@@ -183,7 +191,7 @@ impl FitSummary {
     pub(crate) fn without_curves(&self) -> Self {
         let mut short = self.clone();
         for mode in &mut short.modes {
-            (mode.curves, mode.free_form) = (None, None);
+            (mode.curves, mode.free_form, mode.backbone) = (None, None, None);
         }
         short
     }
@@ -233,6 +241,13 @@ impl ModeFit {
                 criterion: found.linear.criterion,
             },
             in_words: in_words(i),
+            law: found.laws.as_ref().ok().map(|laws| laws.chosen().law.name.to_string()),
+            law_in_words: match &found.laws {
+                Ok(laws) => laws.in_words(),
+                Err(error) => format!("laws were not compared: {error}"),
+            },
+            laws: found.laws.as_ref().map(LawSummary::all).unwrap_or_default(),
+            backbone: found.laws.as_ref().ok().map(|laws| BackboneSummary::new(&laws.backbone)),
             force_axis: if axis == Axis::Modal { "modal" } else { "joint" },
             band: (band.low, band.high),
             releases: releases.collect(),
@@ -263,7 +278,8 @@ impl ModeFit {
             short(self.phi_max),
             short(self.slip_ratio)
         );
-        text.push('\n');
+        laws::write(&self.laws, text);
+        let _ = writeln!(text, "\n  {}", self.law_in_words);
         for words in self.in_words.iter().chain(&self.notes) {
             let _ = writeln!(text, "  {words}");
         }

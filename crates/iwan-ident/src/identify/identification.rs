@@ -2,6 +2,8 @@
 
 use crate::curve_fit::{Fit, Start, Verdict};
 use crate::curves::Curves;
+use crate::error::Error;
+use crate::laws::Comparison;
 use crate::likelihood::Likelihood;
 use crate::parameters::{Parameter, Parameters};
 use crate::profile::{Profile, Profiles};
@@ -54,6 +56,8 @@ pub struct Identification {
     pub first_samples: Vec<usize>,
     /// The linear mode with viscous damping.
     pub linear: Linear,
+    /// Other laws on the same records, and smooth curves; why there are none where there are none.
+    pub laws: Result<Comparison, Error>,
     /// Whether the model matches, how far off it is.
     pub verdict: Verdict,
     /// What was found and done, in words.

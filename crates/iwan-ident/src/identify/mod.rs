@@ -6,6 +6,7 @@
 mod settings;
 mod identification;
 mod prepared;
+mod laws;
 mod minimum;
 mod linear;
 
@@ -20,6 +21,7 @@ use crate::parameters::{Parameter, Parameters};
 use crate::refine::{Refined, RingDown, Task};
 use crate::signal::Band;
 pub use identification::{Identification, Linear};
+pub use laws::compare_laws;
 use linear::linear;
 use minimum::{Found, minimum_and_profiles};
 use prepared::Prepared;
@@ -116,6 +118,7 @@ fn identification(
         .map(|(p, start)| p.model_curves(&refined.parameters, *start, settings))
         .collect::<Result<Vec<_>, _>>()?;
     let linear = linear(&task, &minimum, &refined.parameters, &curves)?;
+    let laws = laws::beside(&prepared, &refined.parameters, &profiles);
     Ok(Identification {
         parameters: refined.parameters,
         verdict: in_band(
@@ -135,6 +138,7 @@ fn identification(
         curves,
         model_curves,
         linear,
+        laws,
     })
 }
 

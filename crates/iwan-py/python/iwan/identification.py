@@ -3,14 +3,28 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from os import PathLike
 from typing import TYPE_CHECKING, Any, Literal, cast
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from iwan._native import Envelope, FourParameter, Mode, Record, _identify, _Identified
+from iwan._native import (
+    Coulomb,
+    Envelope,
+    FourParameter,
+    Jenkins,
+    Mode,
+    ModeCurves,
+    Part,
+    Pinning,
+    PowerDamping,
+    Record,
+    Spring,
+    _identify,
+    _Identified,
+)
 from iwan.errors import InvalidValueError, IwanError
 from iwan.types import Array, EnvelopeMethod
 
@@ -64,6 +78,16 @@ class Fit:
     """Deviance at the ends of the intervals."""
     relative_residual: float
     """Root mean square of all residuals over that of the records."""
+    law: str | None
+    """Name of the simplest law that is as good as the best, or of the one that was asked for; None where laws could not be compared."""
+    law_words: str
+    """That law in a sentence, or why there is none."""
+    laws: Sequence[Mapping[str, Any]]
+    """All laws compared: `name`, `words`, `criterion` (twice the logarithm of the evidence that the best law has over it),
+    `dissipation_misfit` (root mean square, of ln D), `frequency_misfit` (Hz), `grade`, `parameters` and `intervals` by name."""
+    backbone: Mapping[str, Array]
+    """Smooth curves with bands of 95 %: `amplitude`, `frequency` (Hz), `damping_ratio`, `frequency_low`, `frequency_high`,
+    `damping_ratio_low`, `damping_ratio_high`; empty where laws could not be compared."""
     _records: Sequence[Any] = field(repr=False)
     _request: Mapping[str, Any] = field(repr=False)
     """Records and arguments, to identify again."""
@@ -90,6 +114,29 @@ class Fit:
         joint = self.joint
         own = {"k_t": joint.k_t, "f_s": joint.f_s, "chi": joint.chi, "beta": joint.beta}
         return {"frequency": self.frequency, "damping_ratio": self.damping_ratio} | own
+
+    @property
+    def law_mode(self) -> Mode:
+        """The mode by the law `law`. Raises `iwan.InvalidValueError` where there is none.
+
+        Example: that of `iwan.fit`.
+        """
+        for found in self.laws:
+            if found["name"] == self.law:
+                return _mode_of_law(found["parameters"])
+        raise InvalidValueError(f"there is no mode by the law {self.law!r}: {self.law_words}")
+
+    @property
+    def curve_mode(self) -> Mode:
+        """The mode by its smooth curves, without a law. Raises `iwan.InvalidValueError` where there are none.
+
+        Example: that of `iwan.fit`.
+        """
+        if not self.backbone:
+            raise InvalidValueError(f"there is no mode by curves: {self.law_words}")
+        b = self.backbone
+        damping = np.clip(b["damping_ratio"], 0.0, 0.99)
+        return Mode(curves=ModeCurves(amplitude=b["amplitude"], frequency=b["frequency"], damping_ratio=damping))
 
     def __str__(self) -> str:
         """Table of the parameters with their intervals, and what the records tell."""
@@ -129,6 +176,29 @@ class Fit:
         return {**self.__dict__, "_identified": None}
 
 
+def _mode_of_law(p: Mapping[str, float]) -> Mode:
+    """The mode that the parameters of a law make, by their names."""
+    joint: FourParameter | Jenkins | None = None
+    if "chi" in p:
+        joint = FourParameter(k_t=p["k_t"], f_s=p["f_s"], chi=p["chi"], beta=p["beta"])
+    elif "k_t" in p:
+        joint = Jenkins(k_t=p["k_t"], f_s=p["f_s"])
+    parts: list[Part] = []
+    if "coulomb_force" in p:
+        parts.append(Coulomb(force=p["coulomb_force"]))
+    if "quadratic_c" in p:
+        parts.append(PowerDamping(c=p["quadratic_c"], n=2.0))
+    if "damping_c" in p:
+        parts.append(PowerDamping(c=p["damping_c"], n=p["damping_n"]))
+    if "cubic_k" in p:
+        parts.append(Spring(k=p["cubic_k"], exponent=3.0))
+    if "spring_k" in p:
+        parts.append(Spring(k=p["spring_k"], exponent=p["spring_exponent"]))
+    if "pinning_k" in p:
+        parts.append(Pinning(k=p["pinning_k"], gap=p["pinning_gap"]))
+    return Mode(frequency=p["frequency"], joint=joint, damping_ratio=p["damping_ratio"], parts=parts)
+
+
 def fit(
     record: Record | ArrayLike | Sequence[Record | ArrayLike],
     *,
@@ -145,6 +215,7 @@ def fit(
     order: int | None = None,
     force_axis: Literal["modal", "joint"] = "modal",
     hold: Mapping[str, float] | None = None,
+    law: str | None = None,
 ) -> Fit:
     """Identify the parameters of a mode with a four-parameter Iwan joint and a viscous damper.
 
@@ -153,7 +224,8 @@ def fit(
     (mass-normalised), or else by the shape that dominates in the band; `channel` chooses one. `mass`: modal mass of records that
     are not mass-normalised. `quantity`: goes before what the record says. `band`, `near`, `method`, `filter_order`, `window`,
     `order`: as in `iwan.envelope`. `force_axis`: of the curves. `hold`: parameters that keep a value, such as
-    `{"damping_ratio": 0.0}`.
+    `{"damping_ratio": 0.0}`. `law`: name of the law that `Fit.law` and `Fit.law_mode` shall be of, in place of the one that the records
+    favour; the book's chapter on laws has the names.
 
     Start values off the curves, least squares on the curves, refinement on the records by simulation, profile likelihood
     (Sec. 2.4, 2.5 and 4.4 of the paper, completed). The interpreter's lock is released; Ctrl-C is honoured. Raises
@@ -165,11 +237,25 @@ def fit(
     >>> found = iwan.fit(response.acceleration, dt=2e-4)
     >>> print(found.adequate, f"{found.joint.chi:.2f}", found.identifiable["chi"], found.identifiable["f_s"])
     True -0.18 True False
+    >>> by_law = iwan.fit(response.acceleration, dt=2e-4, law="separate-powers").law_mode  # another law than the joint
+    >>> print(f"{by_law.frequency:.1f} Hz", len(by_law.parts), found.curve_mode.frequency_at(1e-3) < 124.0)
+    124.0 Hz 2 True
     """
     arguments = request(dt, channel, quantity, shape, mass, band, near, method, filter_order, window, order, hold)
     records = several(record)
     identified = _identify(records, arguments)
-    return made(identified.told(force_axis), records, arguments, force_axis, identified)
+    return by_law(made(identified.told(force_axis), records, arguments, force_axis, identified), law)
+
+
+def by_law(found: Fit, law: str | None) -> Fit:
+    """The fit with another law than the one the records favour."""
+    if law is None:
+        return found
+    names = [one["name"] for one in found.laws]
+    if law not in names:
+        said = f"must be one of {', '.join(names)}" if names else found.law_words
+        raise InvalidValueError(f"law = {law!r}: {said}")
+    return replace(found, law=law)
 
 
 def request(

@@ -7,6 +7,7 @@ use std::sync::Arc;
 use iwan_cli::{FittedMode, FittedRecord};
 use iwan_ident::curves::{Curves, ForceAxis, Quantity};
 use iwan_ident::identify::{Held, Identification, ModeRecord, Settings, identify_until};
+use iwan_ident::laws::{Backbone, FittedLaw};
 use iwan_ident::likelihood::{Buffers, Likelihood as Library};
 use iwan_ident::refine::TurningPoint;
 use iwan_ident::signal::Options;
@@ -178,6 +179,7 @@ impl Identified {
         let own = self.0.records.iter().flat_map(|record| record.notes.iter().cloned());
         dict.set_item("notes", own.chain(found.notes.iter().cloned()).collect::<Vec<_>>())?;
         dict.set_item("words", found.in_words())?;
+        self.laws(&dict)?;
         dict.set_item("curves", self.curves(py, &found.curves, force_axis)?)?;
         dict.set_item("model_curves", self.curves(py, &found.model_curves, force_axis)?)?;
         let envelopes = found.envelopes.iter().zip(&self.0.records);
@@ -215,6 +217,42 @@ impl Identified {
     }
 }
 
+/// One law with the parameters that make its mode.
+fn law<'py>(py: Python<'py>, l: &FittedLaw) -> PyResult<Bound<'py, PyDict>> {
+    let (dict, parameters, intervals) = (PyDict::new(py), PyDict::new(py), PyDict::new(py));
+    for p in &l.parameters {
+        parameters.set_item(p.name, p.value)?;
+        intervals.set_item(p.name, (p.low, p.high))?;
+    }
+    dict.set_item("name", l.law.name)?;
+    dict.set_item("words", l.law.words)?;
+    dict.set_item("criterion", l.criterion)?;
+    dict.set_item("dissipation_misfit", l.dissipation_misfit)?;
+    dict.set_item("frequency_misfit", l.frequency_misfit)?;
+    dict.set_item("grade", l.grade.name())?;
+    dict.set_item("parameters", parameters)?;
+    dict.set_item("intervals", intervals)?;
+    Ok(dict)
+}
+
+/// Smooth curves with bands.
+fn backbone<'py>(py: Python<'py>, b: &Backbone) -> PyResult<Bound<'py, PyDict>> {
+    let dict = PyDict::new(py);
+    let columns = [
+        ("amplitude", &b.amplitude),
+        ("frequency", &b.frequency),
+        ("damping_ratio", &b.damping_ratio),
+        ("frequency_low", &b.frequency_low),
+        ("frequency_high", &b.frequency_high),
+        ("damping_ratio_low", &b.damping_ratio_low),
+        ("damping_ratio_high", &b.damping_ratio_high),
+    ];
+    for (name, values) in columns {
+        dict.set_item(name, array(py, values.clone()))?;
+    }
+    Ok(dict)
+}
+
 /// The page of `iwan fit`.
 fn page(made: &Made, names: Vec<String>, joint_force: bool) -> Result<String, String> {
     let record = |(name, record): (String, &Modal)| FittedRecord {
@@ -238,6 +276,26 @@ fn page(made: &Made, names: Vec<String>, joint_force: bool) -> Result<String, St
 }
 
 impl Identified {
+    /// What the comparison of laws found, or why there is none.
+    fn laws(&self, dict: &Bound<'_, PyDict>) -> PyResult<()> {
+        let py = dict.py();
+        match &self.0.found.laws {
+            Ok(laws) => {
+                dict.set_item("law", laws.chosen().law.name)?;
+                dict.set_item("law_words", laws.in_words())?;
+                dict.set_item("backbone", backbone(py, &laws.backbone)?)?;
+                let all = laws.laws.iter().map(|l| law(py, l)).collect::<PyResult<Vec<_>>>()?;
+                dict.set_item("laws", all)
+            }
+            Err(error) => {
+                dict.set_item("law", py.None())?;
+                dict.set_item("law_words", format!("laws were not compared: {error}"))?;
+                dict.set_item("backbone", PyDict::new(py))?;
+                dict.set_item("laws", Vec::<Bound<'_, PyDict>>::new())
+            }
+        }
+    }
+
     /// Curves of all records, one below the other, on the axis asked for.
     fn curves<'py>(&self, py: Python<'py>, all: &[Curves], force_axis: &str) -> PyResult<Bound<'py, PyDict>> {
         let p = &self.0.found.parameters;

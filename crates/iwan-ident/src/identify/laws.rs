@@ -1,0 +1,68 @@
+//! Laws compared on the records of a mode, beside or without the fit of the Iwan joint.
+
+use super::prepared::Prepared;
+use super::settings::{ModeRecord, Settings};
+use crate::error::Error;
+use crate::laws::{Comparison, Estimate, Joint, LawMode, Source, compare};
+use crate::parameters::{Parameter, Parameters};
+use crate::profile::Profiles;
+
+/// All laws on the records of a mode, without the simulation in the loop that [`identify`](super::identify()) needs: some tens of
+/// milliseconds.
+///
+/// # Errors
+/// As [`isolate`](crate::signal::isolate) and [`compare`].
+///
+/// ```
+/// use iwan_ident::{curves::Quantity, identify::{ModeRecord, Settings, compare_laws}};
+/// // A linear mode: 80 Hz, 0.2 % damping, with a little noise.
+/// let (omega, zeta, mut noise) = (std::f64::consts::TAU * 80.0, 0.002_f64, iwan_core::SplitMix64::new(1));
+/// let x: Vec<f64> = (0..8192).map(|n| n as f64 / 4096.0)
+///     .map(|t| (-zeta * omega * t).exp() * (omega * t).cos() + 1e-3 * noise.next_symmetric()).collect();
+/// let record = ModeRecord { samples: &x, dt: 1.0 / 4096.0, quantity: Quantity::Velocity };
+/// let found = compare_laws(&[record], &Settings::default())?;
+/// assert_eq!(found.chosen().law.name, "linear");
+/// let ratio = &found.chosen().parameters[1];
+/// assert!(ratio.low.unwrap() < zeta && zeta < ratio.high.unwrap());
+/// # Ok::<(), iwan_ident::Error>(())
+/// ```
+pub fn compare_laws(records: &[ModeRecord<'_>], settings: &Settings) -> Result<Comparison, Error> {
+    let prepared =
+        records.iter().map(|record| Prepared::new(*record, settings)).collect::<Result<Vec<_>, _>>()?;
+    of_prepared(&prepared, None)
+}
+
+/// The same of records that are prepared already.
+pub(super) fn of_prepared(prepared: &[Prepared<'_>], iwan: Option<&Parameters>) -> Result<Comparison, Error> {
+    let source = |p: &'_ Prepared<'_>| p.first as f64 * p.ring_down().dt;
+    let sources: Vec<Source<'_>> = prepared
+        .iter()
+        .map(|p| Source { ring_down: p.ring_down(), first: source(p), curves: &p.curves })
+        .collect();
+    compare(&sources, iwan)
+}
+
+/// All laws beside the fit of the Iwan joint on the records themselves, whose parameters and intervals the law `iwan` then has.
+pub(super) fn beside(
+    prepared: &[Prepared<'_>],
+    parameters: &Parameters,
+    profiles: &Profiles,
+) -> Result<Comparison, Error> {
+    let mut found = of_prepared(prepared, Some(parameters))?;
+    let (_, joint) = parameters.model()?;
+    let of_records = |parameter: Parameter| {
+        let profile = profiles.parameters.iter().find(|p| p.parameter == parameter);
+        let (low, high) = profile.map_or((None, None), |p| (p.low, p.high));
+        Estimate { name: parameter.name(), value: parameters.get(parameter), low, high }
+    };
+    if let Some(iwan) = found.laws.iter_mut().find(|l| l.law.name == "iwan") {
+        iwan.parameters = Parameter::ALL.map(of_records).to_vec();
+        iwan.mode = LawMode {
+            frequency: parameters.frequency,
+            damping_ratio: parameters.damping_ratio,
+            joint: Some(Joint::FourParameter(joint)),
+            parts: vec![],
+        };
+    }
+    Ok(found)
+}

@@ -1,0 +1,283 @@
+//! All laws on the same records, and the one to take.
+
+use std::f64::consts::TAU;
+
+use super::candidates::{CANDIDATES, Candidate};
+use super::discrepancy::{Ladder, Size, Whitener};
+use super::estimates::{Estimate, estimates};
+use super::fit::{Fitted, Problem};
+use super::mode::LawMode;
+use super::slow::{Backbone, Covariances, Grid, Information, Measured, Smooth, Source, guess, measure};
+use super::terms::{Scales, Term};
+use crate::curve_fit::{Compared, Grade, Verdict};
+use crate::curves::Curves;
+use crate::error::{Error, check};
+use crate::parameters::Parameters;
+
+/// Difference of the criterion up to which a law is as good as the best: evidence of a factor e (R. E. Kass and A. E. Raftery, Bayes
+/// factors, J. Am. Statist. Assoc. 90:773, 1995: "not worth more than a bare mention").
+const AS_GOOD: f64 = 2.0;
+/// Difference of the criterion from which on evidence is strong, by the same scale.
+const STRONG: f64 = 6.0;
+/// Factor by which the grid reaches beyond the amplitudes of the envelopes: a ring-down begins before its envelope is trusted.
+const BEYOND: f64 = 1.1;
+
+/// A law with what the records say of it.
+#[derive(Debug, Clone)]
+pub struct FittedLaw {
+    /// Which one.
+    pub law: Candidate,
+    /// Twice the negative logarithm of its evidence, less that of the best law: 0 is the best. All with a discrepancy of one size, that of the law
+    /// that misses least.
+    pub criterion: f64,
+    /// Root-mean-square misfit of ln D against the smooth curves, over the cycles of the records.
+    pub dissipation_misfit: f64,
+    /// Root-mean-square misfit of the frequency, Hz.
+    pub frequency_misfit: f64,
+    /// Size of the slow discrepancy that is estimated with the law: of the decay rate, relative, and of the frequency, Hz.
+    pub discrepancy: (f64, f64),
+    /// How well it describes the records.
+    pub grade: Grade,
+    /// Its parameters with intervals.
+    pub parameters: Vec<Estimate>,
+    /// The mode with this law.
+    pub mode: LawMode,
+}
+
+/// What records say of all laws.
+#[derive(Debug, Clone)]
+pub struct Comparison {
+    /// All laws that could be fitted, in the order of the list.
+    pub laws: Vec<FittedLaw>,
+    /// Place of the simplest that is as good as the best.
+    pub chosen: usize,
+    /// Smooth curves with bands.
+    pub backbone: Backbone,
+    /// Displacement amplitude at the first sample of each record.
+    pub released: Vec<f64>,
+    /// Standard deviation of the noise over the root mean square of each record, as the windows see them.
+    pub noise: Vec<f64>,
+}
+
+/// What all laws are fitted to.
+struct Together {
+    grid: Grid,
+    information: Information,
+    smooth: Smooth,
+    ladder: Ladder,
+    scales: Scales,
+    /// Places on the grid that the records saw.
+    seen: Vec<usize>,
+    /// Of each cycle of the records' curves: the place on the grid next to its amplitude.
+    cycles: Vec<usize>,
+}
+
+/// Fits all laws to the ring-downs of a mode; `iwan` is where the search for the four-parameter joint also begins.
+///
+/// # Errors
+/// [`Error::TooShort`] for a record of fewer than a dozen cycles; [`Error::Refused`] where no smooth curves follow a record.
+pub fn compare(sources: &[Source<'_>], iwan: Option<&Parameters>) -> Result<Comparison, Error> {
+    check("records", sources.len() as f64, !sources.is_empty(), "at least one", "give a record")?;
+    let grid = grid(sources);
+    let measured = sources.iter().map(|s| measure(&grid, s)).collect::<Result<Vec<_>, _>>()?;
+    let together = together(grid, &measured, sources).ok_or_else(|| Error::Refused {
+        finding: "what the records tell of frequency and damping makes no curves".into(),
+        remedy: "check the band and the window",
+    })?;
+    let mut laws = together.laws(iwan);
+    let best = laws.iter().map(|l| l.criterion).fold(f64::INFINITY, f64::min);
+    laws.iter_mut().for_each(|l| l.criterion -= best);
+    // A law that describes the records goes before one that does not, unless the evidence is strong.
+    let near = laws.iter().filter(|l| l.criterion <= STRONG);
+    let grade = near.map(|l| l.grade).max().unwrap_or(Grade::No);
+    let least = laws.iter().filter(|l| l.grade == grade).map(|l| l.criterion).fold(f64::INFINITY, f64::min);
+    let good = laws.iter().enumerate().filter(|(_, l)| l.grade == grade && l.criterion <= least + AS_GOOD);
+    let simplest = good.min_by(|(_, a), (_, b)| {
+        let order = a.parameters.len().cmp(&b.parameters.len());
+        order.then(a.criterion.total_cmp(&b.criterion))
+    });
+    let chosen = simplest.map(|(i, _)| i).ok_or_else(|| Error::Refused {
+        finding: "no law could be fitted".into(),
+        remedy: "check the band and the window",
+    })?;
+    Ok(Comparison {
+        laws,
+        chosen,
+        backbone: Backbone::new(&together.grid, &together.smooth, &together.seen),
+        released: measured.iter().map(|m| m.released).collect(),
+        noise: measured.iter().map(|m| m.noise / m.level).collect(),
+    })
+}
+
+impl Comparison {
+    /// The law to take.
+    #[must_use]
+    pub fn chosen(&self) -> &FittedLaw {
+        &self.laws[self.chosen]
+    }
+
+    /// The law to take in one sentence, beside what an Iwan joint misses.
+    #[must_use]
+    pub fn in_words(&self) -> String {
+        let law = self.chosen();
+        let misses = |l: &FittedLaw| {
+            let (d, f) = (100.0 * l.dissipation_misfit, l.frequency_misfit);
+            format!("{d:.2} % of dissipation and {f:.4} Hz")
+        };
+        let verdict = match law.grade {
+            Grade::Matches => format!("{} describes these records: it misses {}", law.law.words, misses(law)),
+            Grade::Usable => {
+                format!("{} comes nearest to these records: it misses {}", law.law.words, misses(law))
+            }
+            Grade::No => format!(
+                "no law of the list describes these records; {} comes nearest and misses {}: use the curves",
+                law.law.words,
+                misses(law)
+            ),
+        };
+        match self.named("iwan").filter(|iwan| iwan.law.name != law.law.name) {
+            Some(iwan) => format!("{verdict}; an Iwan joint misses {}", misses(iwan)),
+            None => verdict,
+        }
+    }
+
+    /// The law of a name, if it could be fitted.
+    #[must_use]
+    pub fn named(&self, name: &str) -> Option<&FittedLaw> {
+        self.laws.iter().find(|l| l.law.name == name)
+    }
+}
+
+/// Amplitudes from the smallest to the largest that any record holds.
+fn grid(sources: &[Source<'_>]) -> Grid {
+    let (mut low, mut high) = (f64::INFINITY, 0.0_f64);
+    for Source { curves, first, .. } in sources {
+        let all = || curves.displacement.iter().copied().filter(|a| *a > 0.0);
+        low = all().fold(low, f64::min);
+        // From the envelope's first value back to the first sample.
+        let omega = TAU * curves.frequency.first().copied().unwrap_or(0.0);
+        let rate = curves.damping_ratio.first().copied().unwrap_or(0.0).max(0.0) * omega;
+        let early = (curves.t.first().copied().unwrap_or(0.0) - first).max(0.0);
+        high = all()
+            .fold(high, f64::max)
+            .max(curves.displacement.first().copied().unwrap_or(0.0) * (rate * early).min(2.0).exp());
+    }
+    Grid::over(low / BEYOND, high * BEYOND)
+}
+
+fn together(grid: Grid, measured: &[Measured], sources: &[Source<'_>]) -> Option<Together> {
+    let all: Vec<Information> = measured.iter().map(|m| m.information.clone()).collect();
+    let information = Information::sum(&all);
+    let curves: Vec<&Curves> = sources.iter().map(|s| s.curves).collect();
+    let near = guess(&grid, &curves);
+    let ends = |m: &dyn Fn(&Measured) -> f64, pick: fn(f64, f64) -> f64| measured.iter().map(m).reduce(pick);
+    let (low, high) = (ends(&|m| m.span.0, f64::min)?, ends(&|m| m.span.1, f64::max)?);
+    let half = 0.5 * (grid.log(1) - grid.log(0));
+    let seen: Vec<usize> =
+        (0..grid.count()).filter(|&i| (low - half..=high + half).contains(&grid.log(i))).collect();
+    let rate = near.decay.iter().sum::<f64>() / near.decay.len() as f64;
+    let shift = range(&near.omega).max(0.1 * rate);
+    let smooth = Smooth::new(&information, &Covariances::new(&grid, &near, shift), &near)?;
+    // Once more about what was found: discrepancies are relative to it.
+    let mut found = smooth.rates.clone();
+    found.decay.iter_mut().for_each(|d| *d = d.max(0.05 * rate));
+    let shift = range(&seen.iter().map(|&i| found.omega[i]).collect::<Vec<_>>()).max(0.1 * rate);
+    let covariances = Covariances::new(&grid, &found, shift);
+    let middle = seen[seen.len() / 2];
+    let scales = Scales {
+        amplitude: grid.amplitude(middle),
+        omega: found.omega[middle],
+        rate: found.decay[middle],
+        shift,
+    };
+    let always = covariances.of_averaging(&found, shift);
+    let ladder = Ladder::new(&information, &covariances, (shift, scales.omega), &always)?;
+    let next = |a: &f64| {
+        seen.iter().copied().min_by(|&i, &j| {
+            let away = |i: usize| (grid.log(i) - a.ln()).abs();
+            away(i).total_cmp(&away(j))
+        })
+    };
+    let cycles = curves.iter().flat_map(|c| c.displacement.iter().filter_map(next)).collect();
+    Some(Together { grid, information, smooth, ladder, scales, seen, cycles })
+}
+
+fn range(y: &[f64]) -> f64 {
+    let ends = y.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |r, y| (r.0.min(*y), r.1.max(*y)));
+    ends.1 - ends.0
+}
+
+impl Together {
+    /// All laws, each with parameters and a discrepancy of its own; their criteria with the discrepancy of the law that misses least.
+    fn laws(&self, iwan: Option<&Parameters>) -> Vec<FittedLaw> {
+        let (amplitudes, smooth) = (self.grid.amplitudes(), self.seen_curves());
+        let own = |law: &Candidate| {
+            let problem = Problem::new(law.terms, self.scales, &amplitudes, &self.information, &smooth);
+            let more =
+                if law.terms == [Term::Iwan] { iwan.and_then(|p| self.scales.of_iwan(p)) } else { None };
+            let more: Vec<Vec<f64>> = more.into_iter().collect();
+            let (x, whitener) = problem.own(&self.ladder, &more)?;
+            Some((*law, problem, more, x, whitener))
+        };
+        let all: Vec<_> = CANDIDATES.iter().filter_map(own).collect();
+        let size = |w: &Whitener| w.size.decay * w.size.omega;
+        let sizes = all.iter().map(|one| one.4);
+        let Some(least) = sizes.min_by(|a, b| size(a).total_cmp(&size(b))) else { return vec![] };
+        // Not more than the laws need that lie nearest to either curve: a discrepancy could bend after what a law can tell.
+        let common = all.iter().filter_map(|(_, problem, more, ..)| problem.distances(more)).fold(
+            least.size,
+            |size, (decay, omega)| Size { decay: size.decay.min(decay), omega: size.omega.min(omega) },
+        );
+        let common = self.ladder.at_most(common);
+        all.iter()
+            .filter_map(|(law, problem, more, x, _)| {
+                self.fitted_law(*law, problem, &problem.fit(&self.ladder, common, x, more)?)
+            })
+            .collect()
+    }
+
+    /// ln λ and ω of the smooth curves at the places that the records saw, where damping is positive.
+    fn seen_curves(&self) -> Vec<(usize, f64, f64)> {
+        let curve = |&i: &usize| (i, self.smooth.rates.decay[i].ln(), self.smooth.rates.omega[i]);
+        self.seen.iter().map(curve).filter(|c| c.1.is_finite()).collect()
+    }
+
+    fn fitted_law(&self, law: Candidate, problem: &Problem<'_>, fitted: &Fitted<'_>) -> Option<FittedLaw> {
+        let verdict = self.verdict(&fitted.at.mode)?;
+        let size = fitted.whitener.size;
+        Some(FittedLaw {
+            law,
+            criterion: fitted.criterion,
+            dissipation_misfit: verdict.dissipation_misfit,
+            frequency_misfit: verdict.frequency_misfit,
+            discrepancy: (size.decay, size.omega * self.scales.shift / TAU),
+            grade: verdict.grade,
+            parameters: estimates(problem, fitted),
+            mode: fitted.at.mode.clone(),
+        })
+    }
+
+    /// The law's curves against the smooth ones, cycle by cycle and by the limits of every fit.
+    fn verdict(&self, mode: &LawMode) -> Option<Verdict> {
+        let rates = mode.rates(&self.grid.amplitudes()).ok()?;
+        let (mut dissipation, mut frequency) = (vec![], vec![]);
+        for &i in &self.cycles {
+            let law = rates[i];
+            let (decay, omega) = (self.smooth.rates.decay[i], self.smooth.rates.omega[i]);
+            // D = 2π a² ω λ at the same amplitude.
+            if decay > 0.0 && law.decay > 0.0 {
+                dissipation.push(Compared {
+                    measured: (decay * omega).ln(),
+                    deviation: self.smooth.decay_sd(i) / decay,
+                    model: (law.decay * law.omega).ln(),
+                });
+            }
+            frequency.push(Compared {
+                measured: omega / TAU,
+                deviation: self.smooth.omega_sd(i) / TAU,
+                model: law.omega / TAU,
+            });
+        }
+        Some(Verdict::new(&dissipation, &frequency, false))
+    }
+}

@@ -1,0 +1,116 @@
+//! Sizes of what a law misses, on a ladder, with the covariance of all residuals for each.
+
+use nalgebra::{DMatrix, DVector};
+
+use super::slow::Covariances;
+use super::slow::Information;
+
+/// Steps of the ladder, each twice the one below.
+const RUNGS: i32 = 9;
+/// Least part of a decay rate that a law is taken to miss: averaging is of first order in the damping, and ring-downs of real
+/// structures repeat worse. A judgement.
+const DECAY_FLOOR: f64 = 2e-3;
+/// Least part of the frequency's shift that a law is taken to miss, for the same reasons, …
+const SHIFT_FLOOR: f64 = 3e-3;
+/// … and of the frequency itself.
+const FREQUENCY_FLOOR: f64 = 2e-6;
+
+/// A size of the discrepancy: relative in the decay rate, in parts of its shift in the frequency.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Size {
+    pub(super) decay: f64,
+    pub(super) omega: f64,
+}
+
+/// Residuals with a discrepancy of some size are independent and of variance 1 after this.
+#[derive(Debug, Clone)]
+pub(super) struct Whitener {
+    pub(super) size: Size,
+    lower: DMatrix<f64>,
+    /// Logarithm of the determinant of the covariance.
+    pub(super) log_determinant: f64,
+}
+
+impl Whitener {
+    fn new(size: Size, covariance: DMatrix<f64>) -> Option<Self> {
+        let lower = covariance.cholesky()?.l();
+        let log_determinant = 2.0 * lower.diagonal().iter().map(|d| d.ln()).sum::<f64>();
+        Some(Self { size, lower, log_determinant })
+    }
+
+    pub(super) fn vector(&self, y: &DVector<f64>) -> DVector<f64> {
+        let mut out = y.clone();
+        self.lower.solve_lower_triangular_mut(&mut out);
+        out
+    }
+
+    pub(super) fn matrix(&self, y: &DMatrix<f64>) -> DMatrix<f64> {
+        let mut out = y.clone();
+        self.lower.solve_lower_triangular_mut(&mut out);
+        out
+    }
+}
+
+/// All sizes that are tried.
+#[derive(Debug, Clone)]
+pub(super) struct Ladder {
+    pub(super) rungs: Vec<Whitener>,
+}
+
+impl Ladder {
+    /// For information about curves; `shift` and `frequency` are the range of the circular frequency and itself, 1/s. Errors of the
+    /// covariance `always` are there at every size.
+    pub(super) fn new(
+        information: &Information,
+        covariances: &Covariances,
+        (shift, frequency): (f64, f64),
+        always: &DMatrix<f64>,
+    ) -> Option<Self> {
+        let factor = &information.factor;
+        let seen = covariances.each(|m| factor * m * factor.transpose());
+        let rank = information.target.len();
+        let mut base = DMatrix::identity(rank, rank);
+        base += factor * always * factor.transpose();
+        let floor = SHIFT_FLOOR.max(FREQUENCY_FLOOR * frequency / shift);
+        let mut rungs = vec![];
+        for i in 0..RUNGS {
+            for j in 0..RUNGS {
+                let size = Size { decay: DECAY_FLOOR * 2.0_f64.powi(i), omega: floor * 2.0_f64.powi(j) };
+                let whole = &base + &seen.decay * size.decay.powi(2) + &seen.omega * size.omega.powi(2);
+                rungs.push(Whitener::new(size, whole)?);
+            }
+        }
+        Some(Self { rungs })
+    }
+
+    /// The rung of the largest sizes that are not above those given; the lowest where all are.
+    pub(super) fn at_most(&self, size: Size) -> &Whitener {
+        let lowest = self.rungs[0].size;
+        let (decay, omega) = (size.decay.max(lowest.decay), size.omega.max(lowest.omega));
+        let fits = |w: &&Whitener| w.size.decay <= decay && w.size.omega <= omega;
+        let product = |w: &Whitener| w.size.decay * w.size.omega;
+        let largest = self.rungs.iter().filter(fits).max_by(|a, b| product(a).total_cmp(&product(b)));
+        largest.unwrap_or(&self.rungs[0])
+    }
+
+    /// The rung of the least `criterion`, first along one size, then along the other, until neither gains.
+    pub(super) fn least(&self, criterion: impl Fn(&Whitener) -> f64) -> &Whitener {
+        let side = RUNGS as usize;
+        let mut known = vec![f64::NAN; self.rungs.len()];
+        let mut value = |i: usize| {
+            if known[i].is_nan() {
+                known[i] = criterion(&self.rungs[i]);
+            }
+            known[i]
+        };
+        let (mut i, mut j) = (side / 2, side / 2);
+        loop {
+            let before = (i, j);
+            i = (0..side).min_by(|a, b| value(a * side + j).total_cmp(&value(b * side + j))).unwrap_or(i);
+            j = (0..side).min_by(|a, b| value(i * side + a).total_cmp(&value(i * side + b))).unwrap_or(j);
+            if (i, j) == before {
+                return &self.rungs[i * side + j];
+            }
+        }
+    }
+}

@@ -1,0 +1,179 @@
+//! Parameters of a law in their own units, with intervals.
+
+use iwan_core::{Backbone, Part};
+
+use super::fit::{At, Fitted, Problem};
+use super::mode::{Joint, LawMode};
+use super::slow::HALF_WIDTH;
+use super::terms::knee;
+
+/// Part of its prior's standard deviation below which a parameter counts as told by the records.
+const TOLD: f64 = 0.3;
+/// Step of the differences in the coordinates.
+const STEP: f64 = 1e-5;
+/// Share of a damper or a spring below which its logarithm has no interval.
+const NOTHING: f64 = 1e-9;
+
+/// Amplitudes at which a knee is tried on either side of the best one.
+const KNEES: usize = 10;
+/// Increase of the sum of squares up to which a knee is accepted: the 95 % quantile of χ² with one degree of freedom.
+const ACCEPTED: f64 = 3.841;
+/// Part of its value by which a parameter must lie off the best, at the last knee that was tried, to be moving still.
+const MOVING: f64 = 0.2;
+
+/// A parameter of a law.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Estimate {
+    /// Its name: `frequency`, `damping_ratio`, `coulomb_force`, `quadratic_c`, `damping_c`, `damping_n`, `cubic_k`, `spring_k`,
+    /// `spring_exponent`, `pinning_k`, `pinning_gap`, `k_t`, `f_s`, `chi`, `beta`.
+    pub name: &'static str,
+    /// Its value, mass-normalised.
+    pub value: f64,
+    /// Lower end of the interval of 95 %; none: open.
+    pub low: Option<f64>,
+    /// Upper end; none: open.
+    pub high: Option<f64>,
+}
+
+impl Estimate {
+    /// Grows to hold another interval of the same parameter.
+    fn include(&mut self, other: &Self) {
+        let join =
+            |a: Option<f64>, b: Option<f64>, pick: fn(f64, f64) -> f64| a.zip(b).map(|(a, b)| pick(a, b));
+        self.low = join(self.low, other.low, f64::min);
+        self.high = join(self.high, other.high, f64::max);
+    }
+
+    /// Opens towards a value far from the best.
+    fn open_towards(&mut self, last: &Self) {
+        let away = (last.value - self.value) / self.value.abs();
+        if away > MOVING {
+            self.high = None;
+        } else if away < -MOVING {
+            self.low = None;
+        }
+    }
+}
+
+/// A value, and whether it is positive by nature: its interval is then one of the logarithm.
+#[derive(Debug, Clone, Copy)]
+struct Value {
+    name: &'static str,
+    value: f64,
+    positive: bool,
+}
+
+/// The parameters of a mode in the order of tables.
+fn values(mode: &LawMode) -> Vec<Value> {
+    let positive = |name, value| Value { name, value, positive: true };
+    let any = |name, value| Value { name, value, positive: false };
+    let mut out = vec![any("frequency", mode.frequency), any("damping_ratio", mode.damping_ratio)];
+    match &mode.joint {
+        Some(Joint::FourParameter(joint)) => {
+            let k_t = joint.initial_stiffness();
+            out.extend([positive("k_t", k_t), positive("f_s", joint.slip_force())]);
+            out.extend([any("chi", joint.chi()), any("beta", joint.beta())]);
+        }
+        Some(Joint::Jenkins(joint)) => {
+            out.extend([positive("k_t", joint.initial_stiffness()), positive("f_s", joint.slip_force())]);
+        }
+        None => {}
+    }
+    for part in &mode.parts {
+        match part {
+            Part::Coulomb(part) => out.push(any("coulomb_force", part.size())),
+            Part::PowerDamping(part) if part.n() == 2.0 => out.push(any("quadratic_c", part.c())),
+            Part::PowerDamping(part) => {
+                out.extend([positive("damping_c", part.c()), any("damping_n", part.n())]);
+            }
+            Part::Spring(part) if part.exponent() == 3.0 => out.push(any("cubic_k", part.k())),
+            Part::Spring(part) => {
+                out.extend([positive("spring_k", part.k()), any("spring_exponent", part.exponent())]);
+            }
+            Part::Pinning(part) => {
+                out.extend([positive("pinning_k", part.k()), positive("pinning_gap", part.gap())]);
+            }
+        }
+    }
+    out
+}
+
+/// The parameters of a fitted law with their intervals. A law whose curves have a knee is fitted with the knee at many amplitudes, and
+/// an interval holds that of every knee which the records accept.
+pub(super) fn estimates(problem: &Problem<'_>, fitted: &Fitted<'_>) -> Vec<Estimate> {
+    let mut out = about(problem, &fitted.at, true);
+    let Some(place) = knee(problem.terms) else { return out };
+    let (at, ends) = (fitted.at.x[place], problem.knees());
+    // Upwards and downwards from the best, each from its neighbour.
+    for end in [ends.1, ends.0] {
+        let (mut x, mut last) = (fitted.at.x.clone(), None);
+        let mut open = true;
+        for k in 1..=KNEES {
+            x[place] = at + (end - at) * (k as f64 / KNEES as f64).powi(2);
+            let Some(held) = problem.holding(fitted.whitener, place, &x) else { continue };
+            x.clone_from(&held.fitted.x);
+            if held.cost - fitted.cost > ACCEPTED {
+                open = false;
+                continue;
+            }
+            let one = about(problem, &held.fitted, false);
+            out.iter_mut().zip(&one).for_each(|(all, one)| all.include(one));
+            open = true;
+            last = Some((one, k));
+        }
+        // Accepted to the very end: what still moves there has no end on that side.
+        if let (true, Some((last, KNEES))) = (open, last) {
+            out.iter_mut().zip(&last).for_each(|(all, last)| all.open_towards(last));
+        }
+    }
+    out
+}
+
+/// The parameters at some coordinates, with intervals from the covariance. Where the records say next to nothing the interval is open if
+/// `may_open`.
+fn about(problem: &Problem<'_>, fitted: &At, may_open: bool) -> Vec<Estimate> {
+    let own = values(&fitted.mode);
+    let logs =
+        |v: &Value, w: &Value| if v.positive { (w.value / v.value).abs().ln() } else { w.value - v.value };
+    // Rows: parameters, columns: coordinates. One-sided at a bound.
+    let mut slopes = vec![vec![0.0; fitted.x.len()]; own.len()];
+    for j in 0..fitted.x.len() {
+        let step = if fitted.x[j] + STEP > problem.coordinates[j].bounds.1 { -STEP } else { STEP };
+        let mut x = fitted.x.clone();
+        x[j] += step;
+        let Some(moved) = problem.scales.mode(problem.terms, &x) else { continue };
+        for (i, (v, w)) in own.iter().zip(values(&moved)).enumerate() {
+            slopes[i][j] = logs(v, &w) / step;
+        }
+    }
+    let variance = |slope: &[f64], covariance: &dyn Fn(usize, usize) -> f64| {
+        let mut sum = 0.0;
+        for (i, a) in slope.iter().enumerate() {
+            for (j, b) in slope.iter().enumerate() {
+                sum += a * b * covariance(i, j);
+            }
+        }
+        sum.max(0.0).sqrt()
+    };
+    let prior = |i: usize, j: usize| if i == j { problem.coordinates[i].width.powi(2) } else { 0.0 };
+    let one = |(v, slope): (&Value, &Vec<f64>)| {
+        let sd = variance(slope, &|i, j| fitted.covariance[(i, j)]);
+        let known = sd < TOLD * variance(slope, &prior) && (!v.positive || v.value.abs() > NOTHING);
+        let told = known || !may_open;
+        interval(v, HALF_WIDTH * sd, told)
+    };
+    own.iter().zip(&slopes).map(one).collect()
+}
+
+fn interval(v: &Value, half: f64, told: bool) -> Estimate {
+    let (low, high) = if v.positive {
+        // Of either sign, as a softening spring is.
+        let ends = (v.value * (-half).exp(), v.value * half.exp());
+        (ends.0.min(ends.1), ends.0.max(ends.1))
+    } else {
+        let least = if matches!(v.name, "chi" | "cubic_k" | "frequency") { f64::NEG_INFINITY } else { 0.0 };
+        ((v.value - half).max(least), v.value + half)
+    };
+    let end = |e: f64| (told && e.is_finite()).then_some(e);
+    Estimate { name: v.name, value: v.value, low: end(low), high: end(high) }
+}

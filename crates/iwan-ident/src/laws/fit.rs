@@ -1,0 +1,278 @@
+//! One law fitted to the curves: its coordinates, the size of what it misses, and its evidence.
+
+use nalgebra::{DMatrix, DVector};
+
+use super::discrepancy::{Ladder, Whitener};
+use super::mode::LawMode;
+use super::slow::Information;
+use super::terms::{Coordinate, Scales, Term, coordinates};
+use crate::search::{Search, TOLERANCE};
+
+/// Rounds in which coordinates and sizes are made to agree: the sizes stand on a ladder, so that they settle soon.
+const ROUNDS: usize = 4;
+/// Steps of a search from one of many starts, and of the last.
+const FIRST_STEPS: usize = 30;
+const LAST_STEPS: usize = 100;
+/// … and of one with a coordinate held, from a neighbour.
+const HELD_STEPS: usize = 40;
+/// Precision of a coordinate that is held, in units of its prior: its standard deviation is then a millionth.
+const HELD: f64 = 1e12;
+/// Relative reduction of the sum of squares at which a first search ends.
+const FIRST_TOLERANCE: f64 = 1e-4;
+
+/// A law before its parameters are known.
+#[derive(Debug, Clone)]
+pub(super) struct Problem<'a> {
+    pub(super) terms: &'a [Term],
+    pub(super) scales: Scales,
+    pub(super) amplitudes: &'a [f64],
+    pub(super) information: &'a Information,
+    /// Places among the amplitudes that the records saw, with ln λ and ω there by smooth curves.
+    pub(super) smooth: &'a [(usize, f64, f64)],
+    pub(super) coordinates: Vec<Coordinate>,
+}
+
+/// A law at some coordinates.
+#[derive(Debug, Clone)]
+pub(super) struct At {
+    pub(super) x: Vec<f64>,
+    pub(super) mode: LawMode,
+    /// Covariance of the coordinates, with the prior.
+    pub(super) covariance: DMatrix<f64>,
+}
+
+/// A law with its parameters.
+#[derive(Debug, Clone)]
+pub(super) struct Fitted<'a> {
+    pub(super) at: At,
+    /// The discrepancy.
+    pub(super) whitener: &'a Whitener,
+    /// Sum of squares with it.
+    pub(super) cost: f64,
+    /// Twice the negative logarithm of the evidence.
+    pub(super) criterion: f64,
+}
+
+/// A law with one coordinate held.
+#[derive(Debug, Clone)]
+pub(super) struct Held {
+    pub(super) fitted: At,
+    /// Sum of squares.
+    pub(super) cost: f64,
+}
+
+/// Residuals and their derivatives at a point.
+struct Local {
+    residuals: DVector<f64>,
+    jacobian: DMatrix<f64>,
+}
+
+impl<'a> Problem<'a> {
+    pub(super) fn new(
+        terms: &'a [Term],
+        scales: Scales,
+        amplitudes: &'a [f64],
+        information: &'a Information,
+        smooth: &'a [(usize, f64, f64)],
+    ) -> Self {
+        Self { terms, scales, amplitudes, information, smooth, coordinates: coordinates(terms) }
+    }
+
+    /// Knees worth trying, as coordinates: from below the smallest amplitude to far above the largest, where there is none.
+    pub(super) fn knees(&self) -> (f64, f64) {
+        const BELOW: f64 = -0.5;
+        const ABOVE: f64 = 3.0;
+        let log = |a: Option<&f64>| a.map_or(0.0, |a| (a / self.scales.amplitude).ln());
+        (log(self.amplitudes.first()) + BELOW, log(self.amplitudes.last()) + ABOVE)
+    }
+
+    /// What the law misses of the information.
+    fn residuals(&self, x: &[f64]) -> Option<DVector<f64>> {
+        let mode = self.scales.mode(self.terms, x)?;
+        let rates = mode.rates(self.amplitudes).ok()?;
+        let n = rates.len();
+        let curves =
+            DVector::from_iterator(2 * n, rates.iter().map(|r| r.decay).chain(rates.iter().map(|r| r.omega)));
+        Some(&self.information.target - &self.information.factor * curves)
+    }
+
+    fn search(&self, iterations: usize, tolerance: f64) -> Search {
+        self.search_but(None, iterations, tolerance)
+    }
+
+    fn search_but(&self, held: Option<usize>, iterations: usize, tolerance: f64) -> Search {
+        Search {
+            count: self.information.target.len(),
+            free: (0..self.coordinates.len()).filter(|j| Some(*j) != held).collect(),
+            bounds: self.coordinates.iter().map(|c| c.bounds).collect(),
+            iterations,
+            tolerance,
+            floor: 1.0,
+        }
+    }
+
+    fn whitened<'b>(&'b self, whitener: &'b Whitener) -> impl FnMut(&[f64], &mut [f64]) -> bool + 'b {
+        move |x, out| {
+            let Some(residuals) = self.residuals(x) else { return false };
+            out.copy_from_slice(whitener.vector(&residuals).as_slice());
+            true
+        }
+    }
+
+    /// All combinations of the coordinates' starts.
+    fn starts(&self) -> Vec<Vec<f64>> {
+        let mut all = vec![vec![]];
+        for coordinate in &self.coordinates {
+            let longer = |x: &Vec<f64>| {
+                let x = x.clone();
+                coordinate.starts.iter().map(move |s| x.iter().copied().chain([*s]).collect::<Vec<f64>>())
+            };
+            all = all.iter().flat_map(longer).collect();
+        }
+        all
+    }
+
+    /// The coordinates whose curves lie nearest to the smooth ones, all amplitudes alike. A discrepancy bends after every smooth curve: a
+    /// search with one, from far away, would fit what is not smooth and leave the rest to it.
+    fn nearest(&self, more: &[Vec<f64>]) -> Option<Vec<f64>> {
+        let search = Search { count: 2 * self.smooth.len(), ..self.search(FIRST_STEPS, FIRST_TOLERANCE) };
+        let mut residuals = |x: &[f64], out: &mut [f64]| {
+            let rates = self.scales.mode(self.terms, x).and_then(|mode| mode.rates(self.amplitudes).ok());
+            let Some(rates) = rates else { return false };
+            for (out, &(i, log_decay, omega)) in out.chunks_exact_mut(2).zip(self.smooth) {
+                out[0] = rates[i].decay.max(f64::MIN_POSITIVE).ln() - log_decay;
+                out[1] = (rates[i].omega - omega) / self.scales.shift;
+            }
+            true
+        };
+        let starts = self.starts();
+        let all = starts.iter().chain(more).filter_map(|start| search.run(&mut residuals, start));
+        all.min_by(|a, b| a.cost.total_cmp(&b.cost)).map(|best| best.x)
+    }
+
+    /// The coordinates that are likeliest with a discrepancy of their own, and that.
+    pub(super) fn own<'l>(&self, ladder: &'l Ladder, more: &[Vec<f64>]) -> Option<(Vec<f64>, &'l Whitener)> {
+        let mut x = self.nearest(more)?;
+        let last = self.search(LAST_STEPS, TOLERANCE);
+        let mut whitener = self.size(ladder, &x)?;
+        for _ in 0..ROUNDS {
+            x = last.run(&mut self.whitened(whitener), &x)?.x;
+            let likelier = self.size(ladder, &x)?;
+            if std::ptr::eq(likelier, whitener) {
+                break;
+            }
+            whitener = likelier;
+        }
+        Some((x, whitener))
+    }
+
+    /// Root-mean-square distances of the nearest curves from the smooth ones: of ln λ, and of ω in shifts. They are what the law misses, and noise.
+    pub(super) fn distances(&self, more: &[Vec<f64>]) -> Option<(f64, f64)> {
+        let rates = self.scales.mode(self.terms, &self.nearest(more)?)?.rates(self.amplitudes).ok()?;
+        let n = self.smooth.len() as f64;
+        let (mut decay, mut omega) = (0.0, 0.0);
+        for &(i, log_decay, smooth) in self.smooth {
+            decay += (rates[i].decay.max(f64::MIN_POSITIVE).ln() - log_decay).powi(2) / n;
+            omega += ((rates[i].omega - smooth) / self.scales.shift).powi(2) / n;
+        }
+        Some((decay.sqrt(), omega.sqrt()))
+    }
+
+    fn size<'l>(&self, ladder: &'l Ladder, x: &[f64]) -> Option<&'l Whitener> {
+        let local = self.local(x)?;
+        Some(ladder.least(|rung| self.criterion(rung, &local)))
+    }
+
+    /// The law with the discrepancy that all laws share, from `own` coordinates or from the nearest ones, whichever leads lower. Its intervals are
+    /// those of the discrepancy that it needs itself.
+    pub(super) fn fit<'l>(
+        &self,
+        ladder: &'l Ladder,
+        common: &Whitener,
+        own: &[f64],
+        more: &[Vec<f64>],
+    ) -> Option<Fitted<'l>> {
+        let last = self.search(LAST_STEPS, TOLERANCE);
+        let from = [own.to_vec(), self.nearest(more)?];
+        let found = from.iter().filter_map(|x| last.run(&mut self.whitened(common), x));
+        let x = found.min_by(|a, b| a.cost.total_cmp(&b.cost))?.x;
+        let (local, whitener) = (self.local(&x)?, self.size(ladder, &x)?);
+        let covariance = self.precision(whitener, &local)?.cholesky()?.inverse();
+        Some(Fitted {
+            criterion: self.criterion(common, &local),
+            cost: whitener.vector(&local.residuals).norm_squared(),
+            at: At {
+                mode: self.scales.mode(self.terms, &x)?,
+                covariance: self.in_coordinates(&covariance),
+                x,
+            },
+            whitener,
+        })
+    }
+
+    /// The likeliest coordinates next to `x` with one of them held, and the sum of squares there, for the discrepancy of `whitener`.
+    pub(super) fn holding(&self, whitener: &Whitener, held: usize, x: &[f64]) -> Option<Held> {
+        let found =
+            self.search_but(Some(held), HELD_STEPS, FIRST_TOLERANCE).run(&mut self.whitened(whitener), x)?;
+        let local = self.local(&found.x)?;
+        let mut precision = self.precision(whitener, &local)?;
+        // A coordinate that is held has no variance.
+        precision[(held, held)] += HELD;
+        let covariance = self.in_coordinates(&precision.cholesky()?.inverse());
+        Some(Held {
+            fitted: At { mode: self.scales.mode(self.terms, &found.x)?, x: found.x, covariance },
+            cost: found.cost,
+        })
+    }
+
+    fn local(&self, x: &[f64]) -> Option<Local> {
+        let residuals = self.residuals(x)?;
+        let mut plain = |x: &[f64], out: &mut [f64]| {
+            self.residuals(x).is_some_and(|r| {
+                out.copy_from_slice(r.as_slice());
+                true
+            })
+        };
+        let jacobian = self.search(1, TOLERANCE).jacobian(&mut plain, x, residuals.as_slice())?;
+        Some(Local { residuals, jacobian })
+    }
+
+    /// Derivatives with respect to coordinates in units of their priors.
+    fn scaled(&self, whitener: &Whitener, local: &Local) -> DMatrix<f64> {
+        let mut jacobian = whitener.matrix(&local.jacobian);
+        for (mut column, c) in jacobian.column_iter_mut().zip(&self.coordinates) {
+            column *= c.width;
+        }
+        jacobian
+    }
+
+    /// Twice the negative logarithm of the evidence by Laplace's method, about the point itself as the middle of the prior: the
+    /// coordinates integrated out, so that those which the records tell cost ln of the prior's width over that of the posterior, and
+    /// those which they do not tell cost nothing.
+    fn criterion(&self, whitener: &Whitener, local: &Local) -> f64 {
+        let jacobian = self.scaled(whitener, local);
+        let residuals = whitener.vector(&local.residuals);
+        let p = self.coordinates.len();
+        let Some(inner) = (jacobian.transpose() * &jacobian + DMatrix::identity(p, p)).cholesky() else {
+            return f64::INFINITY;
+        };
+        let gradient = jacobian.transpose() * &residuals;
+        let logs: f64 = inner.l_dirty().diagonal().iter().map(|d| d.abs().ln()).sum();
+        whitener.log_determinant + residuals.norm_squared() - gradient.dot(&inner.solve(&gradient))
+            + 2.0 * logs
+    }
+
+    /// Of the coordinates in units of their priors, these included.
+    fn precision(&self, whitener: &Whitener, local: &Local) -> Option<DMatrix<f64>> {
+        let jacobian = self.scaled(whitener, local);
+        let p = self.coordinates.len();
+        Some(jacobian.transpose() * &jacobian + DMatrix::identity(p, p))
+    }
+
+    fn in_coordinates(&self, covariance: &DMatrix<f64>) -> DMatrix<f64> {
+        let width = |i: usize| self.coordinates[i].width;
+        DMatrix::from_fn(covariance.nrows(), covariance.ncols(), |i, j| {
+            covariance[(i, j)] * width(i) * width(j)
+        })
+    }
+}

@@ -1,0 +1,23 @@
+//! Laws compared by evidence, and curves as a model of every record.
+//!
+//! The slow flow of a ring-down is decay rate λ(a) and frequency ω(a) against amplitude. What records tell about these
+//! curves is kept as Gaussian information, with all its correlations, and every law of a short list is
+//! fitted to it by averaging. A law may be wrong: it is fitted together with a discrepancy that varies slowly with the logarithm of
+//! the amplitude and whose size is estimated with the parameters. Its intervals grow with what it misses, and laws
+//! are compared by their evidence with the discrepancy of the one that misses least: one law can be better than another though
+//! neither is right, and the simplest that misses no more than the best is the one to take.
+
+mod slow;
+mod mode;
+mod terms;
+mod candidates;
+mod discrepancy;
+mod fit;
+mod estimates;
+mod comparison;
+
+pub use candidates::{CANDIDATES, Candidate};
+pub use comparison::{Comparison, FittedLaw, compare};
+pub use estimates::Estimate;
+pub use mode::{Joint, LawMode, Rate};
+pub use slow::{Backbone, Source};

@@ -1,0 +1,107 @@
+//! Curves, and what laws miss of them, as Gaussian processes of the logarithm of the amplitude.
+//!
+//! C. E. Rasmussen and C. K. I. Williams, Gaussian Processes for Machine Learning, 2006, Sec. 2.7 (a straight line of unknown
+//! coefficients beneath the process) and 5.4.1 (sizes by the marginal likelihood); as a discrepancy of a law: M. C. Kennedy and A.
+//! O'Hagan, Bayesian calibration of computer models, J. R. Statist. Soc. B 63:425, 2001.
+
+use nalgebra::{Cholesky, DMatrix, DVector, Dyn};
+
+use super::flow::Rates;
+use super::grid::Grid;
+
+/// Length over which a process keeps its value, in ln amplitude: a factor e. Laws that are wrong miss by a bend or two over the
+/// one to two decades of a ring-down. A judgement.
+const LENGTH: f64 = 1.0;
+/// Part of a variance that is added on the diagonal, so that the matrix is positive definite in rounding.
+const JITTER: f64 = 1e-8;
+/// Roughness of ln λ, and of the frequency in parts of its shift, that records may choose from: from next to a straight line in ln a
+/// to many times that.
+const ROUGHNESS: [f64; 6] = [0.01, 0.03, 0.1, 0.3, 1.0, 3.0];
+/// Error of averaging: in the decay rate, relative and in damping ratios; in the frequency, relative and in squares of damping ratios. Under dry
+/// friction the fundamental lags by 4F/(π k a), 2 ζ, which changes the frequency by 4 ζ² and less; dampers that are a power of the velocity stay below.
+const SECOND_ORDER: f64 = 2.0;
+/// Width of level and slope: ln λ, and the frequency in parts of itself. Wide enough to say nothing.
+const DECAY_WIDTH: f64 = 2.0;
+const OMEGA_WIDTH: f64 = 0.1;
+
+/// Covariances of the values of curves, decay rates first, then circular frequencies.
+#[derive(Debug, Clone)]
+pub(crate) struct Covariances {
+    /// Of level and slope.
+    pub(crate) line: DMatrix<f64>,
+    /// Of decay rates that stray by a factor e, …
+    pub(crate) decay: DMatrix<f64>,
+    /// … and of frequencies that stray by their shift.
+    pub(crate) omega: DMatrix<f64>,
+}
+
+/// The likeliest sizes, and the Cholesky factor of the covariance with them.
+pub(crate) struct Likeliest {
+    pub(crate) decay: f64,
+    pub(crate) omega: f64,
+    pub(crate) factor: Cholesky<f64, Dyn>,
+}
+
+impl Covariances {
+    /// About curves `near` those sought; `shift` is the range of the frequency, 1/s.
+    pub(crate) fn new(grid: &Grid, near: &Rates, shift: f64) -> Self {
+        let n = grid.count();
+        let middle = grid.middle().ln();
+        let width = OMEGA_WIDTH * near.omega.iter().sum::<f64>() / n as f64;
+        let zeros = || DMatrix::zeros(2 * n, 2 * n);
+        let (mut line, mut decay, mut omega) = (zeros(), zeros(), zeros());
+        for i in 0..n {
+            for j in 0..n {
+                let (u, v) = (grid.log(i), grid.log(j));
+                let straight = 1.0 + (u - middle) * (v - middle);
+                let jitter = if i == j { JITTER } else { 0.0 };
+                let rough = (-0.5 * ((u - v) / LENGTH).powi(2)).exp() + jitter;
+                let product = near.decay[i] * near.decay[j];
+                line[(i, j)] = product * DECAY_WIDTH.powi(2) * straight;
+                line[(n + i, n + j)] = width * width * straight;
+                decay[(i, j)] = product * rough;
+                omega[(n + i, n + j)] = shift * shift * rough;
+            }
+        }
+        Self { line, decay, omega }
+    }
+
+    /// Of what averaging itself leaves out, about curves `near` those sought: it is of first order in the damping.
+    pub(crate) fn of_averaging(&self, near: &Rates, shift: f64) -> DMatrix<f64> {
+        let n = near.decay.len();
+        let ratio = |i: usize| near.decay[i] / near.omega[i];
+        DMatrix::from_fn(2 * n, 2 * n, |i, j| {
+            let (a, b) = (i % n, j % n);
+            let decay = SECOND_ORDER.powi(2) * ratio(a) * ratio(b) * self.decay[(i, j)];
+            let bend = |i: usize| SECOND_ORDER * ratio(i).powi(2) * near.omega[i] / shift;
+            decay + bend(a) * bend(b) * self.omega[(i, j)]
+        })
+    }
+
+    pub(crate) fn each(&self, map: impl Fn(&DMatrix<f64>) -> DMatrix<f64>) -> Self {
+        Self { line: map(&self.line), decay: map(&self.decay), omega: map(&self.omega) }
+    }
+
+    /// All together, with the sizes of the two processes.
+    pub(crate) fn whole(&self, decay: f64, omega: f64) -> DMatrix<f64> {
+        &self.line + &self.decay * (decay * decay) + &self.omega * (omega * omega)
+    }
+
+    /// The sizes that tell `observed` best, whose covariance is this one plus `noise` on the diagonal.
+    pub(crate) fn likeliest(&self, observed: &DVector<f64>, noise: f64) -> Option<Likeliest> {
+        let mut best: Option<(f64, Likeliest)> = None;
+        for decay in ROUGHNESS {
+            for omega in ROUGHNESS {
+                let mut whole = self.whole(decay, omega);
+                (0..observed.len()).for_each(|i| whole[(i, i)] += noise);
+                let factor = whole.cholesky()?;
+                let logs: f64 = factor.l_dirty().diagonal().iter().map(|d| d.abs().ln()).sum();
+                let log_likelihood = -0.5 * observed.dot(&factor.solve(observed)) - logs;
+                if best.as_ref().is_none_or(|b| log_likelihood > b.0) {
+                    best = Some((log_likelihood, Likeliest { decay, omega, factor }));
+                }
+            }
+        }
+        best.map(|b| b.1)
+    }
+}

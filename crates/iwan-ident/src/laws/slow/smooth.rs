@@ -1,0 +1,93 @@
+//! Smooth curves of frequency and damping with bands: a model of every record.
+
+use nalgebra::{DMatrix, DVector};
+
+use super::flow::Rates;
+use super::grid::Grid;
+use super::linear::Information;
+use super::process::{Covariances, Likeliest};
+
+/// Curves on a grid, and the covariance of their values.
+#[derive(Debug, Clone)]
+pub(crate) struct Smooth {
+    pub(crate) rates: Rates,
+    /// Of decay rates first, then circular frequencies.
+    pub(crate) covariance: DMatrix<f64>,
+}
+
+impl Smooth {
+    /// The curves that all information together makes likeliest, about curves `near` them.
+    pub(crate) fn new(information: &Information, covariances: &Covariances, near: &Rates) -> Option<Self> {
+        let Information { factor, target } = information;
+        // Level curves in the mean: those of the envelope would keep their wiggles, and seem to be certain of them.
+        let n = near.decay.len();
+        let level = (near.decay.iter().map(|d| d.ln()).sum::<f64>() / n as f64).exp();
+        let omega = near.omega.iter().sum::<f64>() / n as f64;
+        let mean = DVector::from_fn(2 * n, |i, _| if i < n { level } else { omega });
+        let surprise = target - factor * &mean;
+        let seen = covariances.each(|m| factor * m * factor.transpose());
+        let Likeliest { decay, omega, factor: whole } = seen.likeliest(&surprise, 1.0)?;
+        let prior = covariances.whole(decay, omega);
+        let across = &prior * factor.transpose();
+        let values = mean + &across * whole.solve(&surprise);
+        let covariance = &prior - &across * whole.solve(&across.transpose());
+        let rates = Rates {
+            decay: values.rows(0, n).as_slice().to_vec(),
+            omega: values.rows(n, n).as_slice().to_vec(),
+        };
+        Some(Self { rates, covariance })
+    }
+
+    /// Standard deviation of a decay rate.
+    pub(crate) fn decay_sd(&self, i: usize) -> f64 {
+        self.covariance[(i, i)].max(0.0).sqrt()
+    }
+
+    /// Standard deviation of a circular frequency.
+    pub(crate) fn omega_sd(&self, i: usize) -> f64 {
+        let i = i + self.rates.omega.len();
+        self.covariance[(i, i)].max(0.0).sqrt()
+    }
+}
+
+/// Frequency and damping ratio against amplitude with bands of 95 %, ascending in amplitude.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Backbone {
+    /// Displacement amplitude, mass-normalised.
+    pub amplitude: Vec<f64>,
+    /// Frequency, Hz.
+    pub frequency: Vec<f64>,
+    /// Damping ratio: decay rate over circular frequency.
+    pub damping_ratio: Vec<f64>,
+    /// Lower end of the frequency's band.
+    pub frequency_low: Vec<f64>,
+    /// Upper end of the frequency's band.
+    pub frequency_high: Vec<f64>,
+    /// Lower end of the damping ratio's band.
+    pub damping_ratio_low: Vec<f64>,
+    /// Upper end of the damping ratio's band.
+    pub damping_ratio_high: Vec<f64>,
+}
+
+/// Half width of an interval of 95 %, in standard deviations.
+pub(crate) const HALF_WIDTH: f64 = 1.959_964;
+
+impl Backbone {
+    /// Of curves at the amplitudes of a grid that lie in a range.
+    pub(crate) fn new(grid: &Grid, smooth: &Smooth, seen: &[usize]) -> Self {
+        let mut out = Self::default();
+        let turn = std::f64::consts::TAU;
+        for &i in seen {
+            let (decay, omega) = (smooth.rates.decay[i], smooth.rates.omega[i]);
+            let (d, w) = (HALF_WIDTH * smooth.decay_sd(i), HALF_WIDTH * smooth.omega_sd(i));
+            out.amplitude.push(grid.amplitude(i));
+            out.frequency.push(omega / turn);
+            out.frequency_low.push((omega - w) / turn);
+            out.frequency_high.push((omega + w) / turn);
+            out.damping_ratio.push(decay / omega);
+            out.damping_ratio_low.push((decay - d) / omega);
+            out.damping_ratio_high.push((decay + d) / omega);
+        }
+        out
+    }
+}

@@ -1,0 +1,92 @@
+//! Laws named on simulated records of each, with intervals that hold; the records are made by time steps, not by averaging.
+#![allow(clippy::unwrap_used, reason = "a failed test may panic and say why")]
+
+mod law_records;
+
+use iwan_ident::Grade;
+use iwan_ident::curves::Quantity;
+use iwan_ident::identify::{ModeRecord, Settings, compare_laws};
+use iwan_ident::laws::{CANDIDATES, Comparison};
+use law_records::{LAWS, noisy, ring_down};
+
+/// Difference of the criterion up to which another law than the true one may be named in noise: below 6 evidence is not "strong" (Kass and
+/// Raftery 1995).
+const NEAR: f64 = 6.0;
+
+fn compared(samples: &[f64], dt: f64) -> Comparison {
+    let record = ModeRecord { samples, dt, quantity: Quantity::Displacement };
+    compare_laws(&[record], &Settings::default()).unwrap()
+}
+
+/// The laws of the list are those that are simulated.
+#[test]
+fn every_law_is_simulated() {
+    let names: Vec<&str> = CANDIDATES.iter().map(|c| c.name).collect();
+    assert_eq!(names, LAWS);
+}
+
+/// Two records of every law, at 40 and 30 dB: `examples/laws.rs` makes a hundred.
+#[test]
+fn the_law_is_named_and_its_parameters_are_held() {
+    let (mut closed, mut held, mut wrong) = (0, 0, vec![]);
+    for law in LAWS {
+        for (seed, decibels) in [(0, 40.0), (1, 30.0)] {
+            let clean = ring_down(law, seed);
+            let found = compared(&noisy(&clean, decibels, seed), clean.dt);
+            let own = found.named(law).unwrap();
+            if found.chosen().law.name != law && own.criterion > NEAR {
+                wrong.push((law, seed, found.chosen().law.name, own.criterion));
+            }
+            // What is named describes the record; the true law is never said not to.
+            assert!(found.chosen().grade != Grade::No && own.grade != Grade::No, "{law} {seed}");
+            for p in &own.parameters {
+                let (Some(low), Some(high)) = (p.low, p.high) else { continue };
+                let truth = clean.truth.iter().find(|t| t.0 == p.name).unwrap().1;
+                closed += 1;
+                held += i32::from((low..=high).contains(&truth));
+            }
+        }
+    }
+    assert!(wrong.len() <= 1, "{wrong:?}");
+    assert!(closed > 60 && 100 * held >= 90 * closed, "{held} of {closed}");
+}
+
+/// A pendulum's law is nobody else's: neither linear nor an Iwan joint may match.
+#[test]
+fn a_wrong_law_does_not_match() {
+    let clean = ring_down("duffing-coulomb-quadratic", 2);
+    let found = compared(&noisy(&clean, 46.0, 2), clean.dt);
+    for name in ["linear", "iwan"] {
+        let law = found.named(name).unwrap();
+        assert!(
+            law.grade != Grade::Matches && law.criterion > 10.0,
+            "{name} {:?} {}",
+            law.grade,
+            law.criterion
+        );
+    }
+}
+
+/// The bands hold the curves of the truth at 90 of 100 amplitudes and more.
+#[test]
+fn the_bands_hold_the_curves() {
+    let (mut all, mut held) = (0, 0);
+    for seed in 0..6 {
+        let clean = ring_down("viscous-quadratic", seed);
+        let found = compared(&noisy(&clean, 40.0, seed), clean.dt);
+        let truth = |name: &str| clean.truth.iter().find(|t| t.0 == name).unwrap().1;
+        let (omega, zeta, c) =
+            (std::f64::consts::TAU * truth("frequency"), truth("damping_ratio"), truth("quadratic_c"));
+        let b = &found.backbone;
+        for (i, a) in b.amplitude.iter().enumerate() {
+            // D = (8/3) c ω² a³ of the quadratic damper, over 2π ω² a².
+            let exact = zeta + 4.0 / (3.0 * std::f64::consts::PI) * c * a;
+            let inside = (b.damping_ratio_low[i]..=b.damping_ratio_high[i]).contains(&exact);
+            (all, held) = (all + 1, held + i32::from(inside));
+            let frequency = omega / std::f64::consts::TAU;
+            let inside = (b.frequency_low[i]..=b.frequency_high[i]).contains(&frequency);
+            (all, held) = (all + 1, held + i32::from(inside));
+        }
+    }
+    assert!(100 * held >= 85 * all, "{held} of {all}");
+}
