@@ -4,7 +4,7 @@
 
 mod common;
 
-use common::{CORNERS, Encoding, GMSH_EDGES, Msh, hex20, inp};
+use common::{CORNERS, Encoding, GMSH_EDGES, GMSH_TET_EDGES, Msh, hex20, inp, tet10};
 use iwan_fem::mesh::read_bytes;
 use proptest::prelude::*;
 use std::path::Path;
@@ -19,6 +19,8 @@ fn seeds() -> Vec<(&'static str, Vec<u8>)> {
         ("a.msh", Msh::block(Encoding::Ascii, &hex20(&GMSH_EDGES), 17).bytes),
         ("a.msh", Msh::block(Encoding::Little, &CORNERS, 5).bytes),
         ("a.msh", Msh::block(Encoding::Big, &hex20(&GMSH_EDGES), 17).bytes),
+        ("a.msh", Msh::block_two(Encoding::Ascii, &tet10(&GMSH_TET_EDGES), 11).bytes),
+        ("a.msh", Msh::block_two(Encoding::Little, &CORNERS, 5).bytes),
         ("a.inp", inp().into_bytes()),
     ]
 }
@@ -114,7 +116,7 @@ proptest! {
 
     #[test]
     fn mutations_are_survived(
-        seed in 0..5_usize,
+        seed in 0..seeds().len(),
         edits in prop::collection::vec((any::<prop::sample::Index>(), any::<u8>(), 0..4_u8), 1..12),
     ) {
         let (name, mut bytes) = seeds().swap_remove(seed);

@@ -2,7 +2,10 @@
 
 mod common;
 
-use common::{CORNERS, EDGES, Encoding, GMSH_EDGES, Msh, hex20, inp, inp_nodes};
+use common::{
+    CORNERS, EDGES, Encoding, GMSH_EDGES, GMSH_TET_EDGES, GMSH_WEDGE_EDGES, Msh, TET_EDGES, WEDGE_EDGES,
+    hex20, inp, inp_nodes, tet10, wedge15,
+};
 use iwan_fem::mesh::{MeshFile, Shape, read, read_bytes};
 use std::path::Path;
 
@@ -42,6 +45,64 @@ fn mid_edge_nodes_of_gmsh_come_in_the_order_of_the_shape() {
         let positions: Vec<_> = element.nodes.iter().map(|n| mesh.positions[*n]).collect();
         assert_eq!(positions, hex20(&EDGES));
         assert_eq!(*Shape::Hex20.edges(), EDGES);
+    }
+}
+
+#[test]
+fn gmsh_two_in_three_encodings_is_one_mesh() {
+    let read = |encoding| msh(&Msh::block_two(encoding, &CORNERS, 5).bytes).unwrap();
+    let ascii = read(Encoding::Ascii);
+    let mesh = &ascii.mesh;
+    assert_eq!((&mesh.positions[..], &mesh.node_labels[..2]), (&CORNERS[..], &[11, 12][..]));
+    assert_eq!((mesh.elements.len(), mesh.elements[0].label, mesh.elements[0].shape), (1, 2, Shape::Hex8));
+    assert_eq!(mesh.node_sets["bottom face"], [0, 1, 2]);
+    assert_eq!((mesh.node_sets["block"].len(), &mesh.element_sets["block"]), (8, &vec![0]));
+    assert!(mesh.node_sets["nothing"].is_empty());
+    assert_eq!(ascii, read(Encoding::Little));
+    assert_eq!(ascii, read(Encoding::Big));
+    let sound = String::from_utf8(Msh::block_two(Encoding::Ascii, &CORNERS, 5).bytes).unwrap();
+    for (old, new, expected) in [
+        ("2 5 3 5", "2 7 3 5", "element 2, a 5-node pyramid (type 7), cannot be read"),
+        ("2 5 3 5", "2 93 3 5", "element type 93 cannot be read"),
+        ("$Nodes\n8", "$Nodes\n9", "found '$EndNodes', expected the number of a node"),
+        ("$Nodes\n8", "$Nodes\n999", "found 999, expected the number of nodes: at most"),
+        ("$Nodes\n8", "$Nodes\nx", "found 'x', expected the number of nodes"),
+        ("17 18 \n", "17 19 \n", "found node 19, expected the number of a node in $Nodes"),
+        ("2 5 3 5", "-2 5 3 5", "found -2, expected the number of an element: a number >= 0"),
+    ] {
+        assert!(sound.contains(old), "{old} is not in\n{sound}");
+        let error = msh(sound.replacen(old, new, 1).as_bytes()).unwrap_err();
+        assert!(error.starts_with("a.msh: line ") && error.contains(expected), "{error}\n{expected}");
+    }
+}
+
+/// Tetrahedra and wedges of both orders, from all three formats, with their mid-edge nodes in one order.
+#[test]
+fn tetrahedra_and_wedges_of_all_formats() {
+    let cases = [
+        (Shape::Tet4, "C3D4", 4, tet10(&TET_EDGES)[..4].to_vec(), tet10(&TET_EDGES)[..4].to_vec()),
+        (Shape::Tet10, "C3D10", 11, tet10(&TET_EDGES), tet10(&GMSH_TET_EDGES)),
+        (Shape::Wedge6, "C3D6", 6, wedge15(&WEDGE_EDGES)[..6].to_vec(), wedge15(&WEDGE_EDGES)[..6].to_vec()),
+        (Shape::Wedge15, "C3D15", 18, wedge15(&WEDGE_EDGES), wedge15(&GMSH_WEDGE_EDGES)),
+    ];
+    for (shape, name, kind, ours, gmsh) in cases {
+        let labels: Vec<_> = (11..).take(ours.len()).map(|n: u32| n.to_string()).collect();
+        let deck = format!("{}*ELEMENT, TYPE={name}\n1, {}\n", inp_nodes(&ours), labels.join(", "));
+        let files = [
+            abaqus(&deck).unwrap(),
+            msh(&Msh::block_two(Encoding::Ascii, &gmsh, kind).bytes).unwrap(),
+            msh(&Msh::block_two(Encoding::Little, &gmsh, kind).bytes).unwrap(),
+            msh(&Msh::block(Encoding::Big, &gmsh, kind).bytes).unwrap(),
+        ];
+        for MeshFile { mesh, .. } in files {
+            let element = &mesh.elements[0];
+            let positions: Vec<_> = element.nodes.iter().map(|n| mesh.positions[*n]).collect();
+            assert_eq!((element.shape, positions), (shape, ours.clone()), "{name}");
+        }
+        if shape.has_middles() {
+            let edges = if shape == Shape::Tet10 { &TET_EDGES[..] } else { &WEDGE_EDGES };
+            assert_eq!(shape.edges(), edges);
+        }
     }
 }
 
@@ -150,8 +211,8 @@ fn errors_of_abaqus_files_name_line_element_and_node() {
     let nodes = inp_nodes(&CORNERS);
     let cases = [
         (
-            "*ELEMENT, TYPE=C3D4\n1,11,12,13,14\n",
-            "line 10: element type 'C3D4' cannot be read; mesh with hexahedra",
+            "*ELEMENT, TYPE=C3D5\n1,11,12,13,14,15\n",
+            "line 10: element type 'C3D5' cannot be read; mesh with hexahedra, tetrahedra or wedges",
         ),
         ("*ELEMENT, ELSET=A\n1,11\n", "line 10: found *ELEMENT without TYPE, expected TYPE=..."),
         ("*ELEMENT, TYPE=C3D8\n3,11,12,13,14,15,16,17,99\n", "line 11, element 3: found node 99"),
@@ -211,9 +272,9 @@ fn errors_of_abaqus_files_name_line_element_and_node() {
 fn errors_of_gmsh_files_name_the_place() {
     let sound = String::from_utf8(Msh::block(Encoding::Ascii, &CORNERS, 5).bytes).unwrap();
     let cases = [
-        ("4.1 0 8", "2.2 0 8", "line 2: MSH version '2.2' cannot be read; save as MSH 4.1"),
+        ("4.1 0 8", "3.0 0 8", "line 2: MSH version '3.0' cannot be read; save as MSH 4.1 or 2.2"),
         ("4.1 0 8", "4.1 0 7", "line 2: found data size '7', expected 8 or 4"),
-        ("3 1 5 1 2", "3 1 4 1 2", "line 17: element 2, a 4-node tetrahedron (type 4), cannot be read"),
+        ("3 1 5 1 2", "3 1 7 1 2", "line 17: element 2, a 5-node pyramid (type 7), cannot be read"),
         ("3 1 5 1 2", "3 1 92 1 2", "line 17: element type 92 cannot be read; mesh in first or second order"),
         ("17 18 \n$EndEl", "17 99 \n$EndEl", "line 17, element 2: found node 99"),
         ("17 18 \n$EndEl", "17 \n$EndEl", "found '$EndElements', expected a node of element 2"),
@@ -242,7 +303,7 @@ fn other_files_are_told_apart() {
     let error = read_bytes(Path::new("a.stl"), b"solid a").unwrap_err().to_string();
     assert_eq!(
         error,
-        "a.stl: unknown format (extension 'stl', content 'solid a'); known are Gmsh MSH 4.1 (.msh) and Abaqus input (.inp): export to one of these"
+        "a.stl: unknown format (extension 'stl', content 'solid a'); known are Gmsh MSH 4.1 and 2.2 (.msh) and Abaqus input (.inp): export to one of these"
     );
     assert!(
         read("no/such/file.msh").unwrap_err().to_string().starts_with("no/such/file.msh: cannot be read: ")

@@ -6,12 +6,12 @@ use super::error::MeshError;
 use super::file::{FileBytes, MeshFile, quote};
 use super::{abaqus, gmsh};
 
-/// Reads a mesh: Gmsh MSH 4.1 (ASCII or binary) or Abaqus input; the format is found from the content and, where that
+/// Reads a mesh: Gmsh MSH 4.1 or 2.2 (ASCII or binary) or Abaqus input; the format is found from the content and, where that
 /// does not tell, from the extension.
 ///
-/// Gmsh: hexahedra of 8 and 20 nodes; a physical group of volumes gives a set of elements and a set of their nodes, a
-/// group of points, curves or surfaces a set of nodes. Abaqus: `*NODE`, `*SYSTEM`, `*ELEMENT` (C3D8, C3D8I, C3D8R, C3D20,
-/// C3D20R), `*NSET`, `*ELSET`; what else may change the model (ties, couplings, equations, ...) is refused by name.
+/// Elements: hexahedra of 8 and 20, tetrahedra of 4 and 10, wedges of 6 and 15 nodes, also mixed. Gmsh: a physical group of volumes gives a set of elements and a set of their nodes, a
+/// group of points, curves or surfaces a set of nodes. Abaqus: `*NODE`, `*SYSTEM`, `*ELEMENT` (C3D8 and its kin, C3D20, C3D4,
+/// C3D10, C3D6, C3D15), `*NSET`, `*ELSET`; what else may change the model (ties, couplings, equations, ...) is refused by name.
 ///
 /// Memory: at most 160 bytes for each byte of the file, and 64 KiB. No count in a file is trusted for an allocation.
 ///

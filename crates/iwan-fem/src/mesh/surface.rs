@@ -4,12 +4,9 @@ use std::collections::BTreeMap;
 
 use super::topology::Mesh;
 
-/// Faces of a hexahedron by its corners, seen from outside counter-clockwise.
-const FACES: [[usize; 4]; 6] =
-    [[0, 3, 2, 1], [4, 5, 6, 7], [0, 1, 5, 4], [1, 2, 6, 5], [2, 3, 7, 6], [3, 0, 4, 7]];
-
 impl Mesh {
-    /// The outer faces: index of the element, and of the nodes at the corners, counter-clockwise seen from outside.
+    /// The outer faces: index of the element, and of the nodes at the corners, counter-clockwise seen from outside. A triangle
+    /// repeats its third corner as the fourth.
     ///
     /// ```
     /// use iwan_fem::mesh::block::{block, uniform};
@@ -20,11 +17,16 @@ impl Mesh {
     pub fn outer_faces(&self) -> Vec<(usize, [usize; 4])> {
         let mut seen: BTreeMap<[usize; 4], Option<(usize, [usize; 4])>> = BTreeMap::new();
         for (index, element) in self.elements.iter().enumerate() {
-            for face in FACES {
-                let corners = face.map(|corner| element.nodes[corner]);
+            for face in element.shape.faces() {
+                let corner = |at: usize| element.nodes[face[at.min(face.len() - 1)]];
+                let corners: [usize; 4] = std::array::from_fn(corner);
                 let mut key = corners;
                 key.sort_unstable();
-                // A face of two elements is inside.
+                // A face of two elements is inside. Two triangles that differ in the corner they repeat are one face.
+                if face.len() == 3 {
+                    key = [corners[0], corners[1], corners[2], usize::MAX];
+                    key.sort_unstable();
+                }
                 seen.entry(key).and_modify(|entry| *entry = None).or_insert(Some((index, corners)));
             }
         }

@@ -17,15 +17,23 @@ struct ElementType {
     read_as: Option<&'static str>,
 }
 
-const HEX8: Option<&str> = Some("a hexahedron of 8 nodes");
-const HEX20: Option<&str> = Some("a hexahedron of 20 nodes");
+const fn entry(name: &'static str, shape: Shape, read_as: Option<&'static str>) -> ElementType {
+    ElementType { name, shape, read_as }
+}
 
 static TYPES: &[ElementType] = &[
-    ElementType { name: "C3D8", shape: Shape::Hex8, read_as: HEX8 },
-    ElementType { name: "C3D8I", shape: Shape::Hex8, read_as: None },
-    ElementType { name: "C3D8R", shape: Shape::Hex8, read_as: HEX8 },
-    ElementType { name: "C3D20", shape: Shape::Hex20, read_as: None },
-    ElementType { name: "C3D20R", shape: Shape::Hex20, read_as: HEX20 },
+    entry("C3D8", Shape::Hex8, Some("a hexahedron of 8 nodes")),
+    entry("C3D8I", Shape::Hex8, None),
+    entry("C3D8R", Shape::Hex8, Some("a hexahedron of 8 nodes")),
+    entry("C3D20", Shape::Hex20, None),
+    entry("C3D20R", Shape::Hex20, Some("a hexahedron of 20 nodes")),
+    entry("C3D4", Shape::Tet4, None),
+    entry("C3D10", Shape::Tet10, None),
+    entry("C3D10M", Shape::Tet10, Some("a tetrahedron of 10 nodes")),
+    entry("C3D10HS", Shape::Tet10, Some("a tetrahedron of 10 nodes")),
+    entry("C3D10T", Shape::Tet10, Some("a tetrahedron of 10 nodes")),
+    entry("C3D6", Shape::Wedge6, None),
+    entry("C3D15", Shape::Wedge15, None),
 ];
 
 impl Reader {
@@ -36,7 +44,10 @@ impl Reader {
         let Some(kind) = TYPES.iter().find(|t| t.name.eq_ignore_ascii_case(given)) else {
             let found = format!("element type {}", quote(given.as_bytes(), 40));
             let names: Vec<_> = TYPES.iter().map(|t| t.name).collect();
-            let remedy = format!("mesh with hexahedra; read are {}", names.join(", "));
+            let remedy = format!(
+                "mesh with hexahedra, tetrahedra or wedges (shells and beams come in by [matrices]); read are {}",
+                names.join(", ")
+            );
             return Err(keyword.refused(lines.source, &found, &remedy));
         };
         if let Some(read_as) = kind.read_as {

@@ -5,7 +5,7 @@ use std::collections::BTreeSet;
 use super::finding::{Defect, Findings, Remark};
 use super::link::Link;
 use super::parts::Parts;
-use crate::mesh::{Element, Mesh, Shape};
+use crate::mesh::{Element, Mesh};
 
 /// Two nodes closer than this share of the shortest edge at either are at the same place: files with six digits
 /// round much less, and no sound element is so thin.
@@ -30,7 +30,7 @@ pub(super) fn edges(mesh: &Mesh, element: &Element) -> impl Iterator<Item = f64>
 pub(super) fn sizes(mesh: &Mesh) -> Vec<f64> {
     let mut sizes = vec![f64::INFINITY; mesh.positions.len()];
     for element in &mesh.elements {
-        let share = if element.shape == Shape::Hex20 { 0.5 } else { 1.0 };
+        let share = if element.shape.has_middles() { 0.5 } else { 1.0 };
         let lengths = edges(mesh, element).filter(|length| *length > 0.0);
         let shortest = share * lengths.fold(f64::INFINITY, f64::min);
         for node in &element.nodes {
