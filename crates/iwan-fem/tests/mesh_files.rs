@@ -108,7 +108,7 @@ fn tetrahedra_and_wedges_of_all_formats() {
 
 #[test]
 fn abaqus_nodes_elements_and_sets() {
-    let MeshFile { mesh, warnings } = abaqus(&inp()).unwrap();
+    let MeshFile { mesh, warnings, .. } = abaqus(&inp()).unwrap();
     assert_eq!(mesh.positions.len(), 28);
     assert_eq!((mesh.node_labels[0], mesh.node_labels[27]), (11, 38));
     assert_eq!(mesh.elements[0].nodes, [0, 1, 2, 3, 4, 5, 6, 7]);
@@ -123,7 +123,7 @@ fn abaqus_nodes_elements_and_sets() {
     let texts: Vec<_> = warnings.iter().map(ToString::to_string).collect();
     assert!(texts[0].starts_with("line 33: C3D8 is read as a hexahedron of 8 nodes"), "{texts:?}");
     let passed: Vec<_> = texts[1..].iter().map(|t| t.split(' ').next().unwrap()).collect();
-    assert_eq!(passed, ["*ELASTIC", "*END", "*HEADING", "*MATERIAL", "*STEP"]);
+    assert_eq!(passed, ["*END", "*HEADING", "*STEP"]);
 }
 
 #[test]
@@ -194,16 +194,6 @@ fn one_part_in_its_own_place_is_read_as_if_alone() {
     let read = abaqus(&part).unwrap();
     assert_eq!(read.mesh.node_sets["tip"], [1]);
     assert!(read.warnings.is_empty(), "{:?}", read.warnings);
-    let moved = part.replace("PART=P\n", "PART=P\n1.0, 0.0, 0.0\n");
-    assert!(
-        abaqus(&moved).unwrap_err().contains("line 16: an instance that is moved or turned cannot be read")
-    );
-    let second = part.replace("*ASSEMBLY", "*PART, NAME=Q\n*END PART\n*ASSEMBLY");
-    assert!(
-        abaqus(&second)
-            .unwrap_err()
-            .contains("*PART, the second of its kind, cannot be read; write the model")
-    );
 }
 
 #[test]
@@ -231,20 +221,43 @@ fn errors_of_abaqus_files_name_line_element_and_node() {
         ("*NODE, INPUT=a.inp\n", "line 10: parameter 'INPUT' of *NODE cannot be read"),
         (
             "*TIE, NAME=T\na, b\n",
-            "line 10: *TIE, which may change the model, cannot be read; tie the two faces with [[tie]]",
+            "line 10: found the name \"a\", expected a *SURFACE or node set of this file",
         ),
         (
             "*Kinematic Coupling\n1, 2\n",
             "line 10: *KINEMATIC COUPLING, which may change the model, cannot be read",
         ),
         (
-            "*EQUATION\n2\n11, 1, 1., 12, 1, -1.\n",
-            "line 10: *EQUATION, which may change the model, cannot be read",
+            "*EQUATION\n2\n11, 1, 1., 99, 1, -1.\n",
+            "line 12: found \"99\", expected a node, or a node set with nodes,",
         ),
         (
-            "*BOUNDARY\n11, 1, 3\n",
-            "fix the nodes with [[support]] in the structure file; then pass over it with ignore = [\"BOUNDARY\"]",
+            "*EQUATION\n2\n11, 7, 1., 12, 1, -1.\n",
+            "line 12: found the degree of freedom \"7\", expected a number from 1 to 6",
         ),
+        ("*EQUATION\n3\n11, 1, 1., 12, 1, -1.\n", "line 11: found 2 terms of an equation, expected 3"),
+        (
+            "*BOUNDARY\n11, 1, 3, 0.1\n",
+            "line 11: a displacement that is not zero cannot be read; hold the node at zero",
+        ),
+        (
+            "*STEP\n*BOUNDARY\n11, 1\n*STEP\n",
+            "line 11: *BOUNDARY in one of 2 steps cannot be read; put it before the first *STEP",
+        ),
+        (
+            "*MPC\nSLIDER, 11, 12\n",
+            "line 11: *MPC of type SLIDER cannot be read; obeyed are BEAM, TIE, PIN and LINK",
+        ),
+        (
+            "*COUPLING, REF NODE=11, SURFACE=S\n",
+            "line 10: found *COUPLING without what it does, expected *KINEMATIC or",
+        ),
+        ("*KINEMATIC\n", "line 10: found *KINEMATIC without *COUPLING"),
+        ("*RIGID BODY, REF NODE=11\n", "line 10: found *RIGID BODY without nodes"),
+        ("*MASS, ELSET=A\n1\n", "line 10: found ELSET=A, expected the ELSET of an *ELEMENT, TYPE=MASS above"),
+        ("*PART, NAME=P\n", "the end of the file: found part P still open"),
+        ("*INSTANCE, NAME=I, PART=P\n", "line 10: found PART=P, expected a part defined above"),
+        ("*END INSTANCE\n", "line 10: found *END INSTANCE, expected *INSTANCE before it"),
         (
             "*FLUX CAPACITOR\n",
             "line 10: *FLUX CAPACITOR, which may change the model, cannot be read; it is not known",
@@ -255,10 +268,7 @@ fn errors_of_abaqus_files_name_line_element_and_node() {
         ("*NSET, NSET=S\n11, 45\n", "line 10, node set 'S': found node 45"),
         ("*NSET, NSET=S, GENERATE\n14, 11\n", "found the range 14 to 11, expected first <= last"),
         ("*ELSET, ELSET=S\n5\n", "line 10, element set 'S': found element 5"),
-        (
-            "*INCLUDE, INPUT=more.inp\n",
-            "line 10: *INCLUDE, another file, cannot be read; put the text of that file",
-        ),
+        ("*INCLUDE, INPUT=more.inp\n", "*INCLUDE, another file, cannot be read; read the file from a folder"),
         ("*ELEMENT, TYPE=C3D8,\n", "line 10: found a comma at the end"),
     ];
     for (text, expected) in cases {

@@ -70,3 +70,12 @@ impl Coordinates {
         }
     }
 }
+
+/// A point turned about the line from `a` to `b` by an angle in degrees, right-handed (O. Rodrigues' formula).
+pub(super) fn turned(point: [f64; 3], a: [f64; 3], b: [f64; 3], degrees: f64) -> [f64; 3] {
+    let Some(axis) = unit(std::array::from_fn(|i| b[i] - a[i])) else { return point };
+    let arm: [f64; 3] = std::array::from_fn(|i| point[i] - a[i]);
+    let (sin, cos) = degrees.to_radians().sin_cos();
+    let (spin, along) = (cross(axis, arm), dot(axis, arm));
+    std::array::from_fn(|i| a[i] + arm[i] * cos + spin[i] * sin + axis[i] * along * (1.0 - cos))
+}

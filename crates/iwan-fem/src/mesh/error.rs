@@ -88,6 +88,22 @@ pub enum MeshWarning {
         /// What it is read as.
         read_as: &'static str,
     },
+    /// Numbers of an instance that were shifted because another has the same.
+    #[error("nodes and elements of instance {instance} are numbered from {shift} on: its node 1 is {}", .shift + 1)]
+    Renumbered {
+        /// Instance.
+        instance: String,
+        /// What was added to its numbers.
+        shift: u64,
+    },
+    /// How a constraint was obeyed.
+    #[error("{name}: {reason}")]
+    Constraint {
+        /// Keyword, name and place.
+        name: String,
+        /// What was done or left.
+        reason: String,
+    },
     /// Named groups that no entity refers to, or groups without entities.
     #[error("{place}: {reason}")]
     Groups {

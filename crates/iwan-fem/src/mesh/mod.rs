@@ -2,6 +2,9 @@
 
 mod topology;
 mod surface;
+mod face;
+mod constraint;
+mod tie;
 
 pub mod block;
 pub mod beam;
@@ -17,7 +20,10 @@ mod read;
 
 pub mod vtu;
 
+pub use constraint::{Constraint, Directions, Freedom, GLOBAL, PointMass, Rule, Section, Weighted};
 pub use error::{MeshError, MeshWarning};
+pub use face::Face;
 pub use file::MeshFile;
 pub use read::{read, read_bytes, read_ignoring};
+pub(crate) use tie::Sides;
 pub use topology::{Element, Mesh, Shape};

@@ -29,7 +29,7 @@ pub fn read(path: impl AsRef<Path>) -> Result<MeshFile, MeshError> {
 pub fn read_ignoring(path: impl AsRef<Path>, ignored: &[String]) -> Result<MeshFile, MeshError> {
     let file = path.as_ref();
     let bytes = std::fs::read(file).map_err(|source| MeshError::Io { file: file.into(), source })?;
-    parse(file, &bytes, ignored)
+    parse(file, &bytes, ignored, Some(file.parent().unwrap_or(Path::new(""))))
 }
 
 /// The same from bytes in memory; `file` serves the extension and the messages only.
@@ -37,17 +37,22 @@ pub fn read_ignoring(path: impl AsRef<Path>, ignored: &[String]) -> Result<MeshF
 /// # Errors
 /// As [`read`].
 pub fn read_bytes(file: &Path, bytes: &[u8]) -> Result<MeshFile, MeshError> {
-    parse(file, bytes, &[])
+    parse(file, bytes, &[], None)
 }
 
-fn parse(file: &Path, bytes: &[u8], ignored: &[String]) -> Result<MeshFile, MeshError> {
-    let source = FileBytes { file, bytes };
+fn parse(
+    file: &Path,
+    bytes: &[u8],
+    ignored: &[String],
+    folder: Option<&Path>,
+) -> Result<MeshFile, MeshError> {
+    let source = FileBytes { file, bytes, pieces: &[] };
     let content = bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes).trim_ascii_start();
     let extension = file.extension().unwrap_or_default().to_ascii_lowercase();
     if content.starts_with(b"$") || extension == "msh" {
         gmsh::parse(source)
     } else if content.starts_with(b"*") || extension == "inp" {
-        abaqus::parse(source, ignored)
+        abaqus::parse(source, ignored, folder)
     } else {
         let found = format!("extension '{}', content {}", extension.display(), quote(content, 16));
         Err(MeshError::UnknownFormat { file: file.into(), found })

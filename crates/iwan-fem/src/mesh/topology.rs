@@ -125,4 +125,6 @@ pub struct Mesh {
     pub node_sets: BTreeMap<String, Vec<usize>>,
     /// Named sets of elements, as indices into [`Mesh::elements`], ascending.
     pub element_sets: BTreeMap<String, Vec<usize>>,
+    /// Instances of parts by their names, with what was added to the numbers of their nodes and elements.
+    pub instances: BTreeMap<String, u64>,
 }

@@ -159,10 +159,11 @@ impl Msh {
         let labels: Vec<i32> = (11..).take(points.len()).collect();
         for (label, kind, tags, nodes) in [(1, 2, &[7, 2][..], &labels[..3]), (2, kind, &[5, 1, 0], &labels)]
         {
+            let count = i32::try_from(tags.len()).expect("a few tags");
             if encoding == Encoding::Ascii {
-                msh.ints(&[label, kind, tags.len() as i32]);
+                msh.ints(&[label, kind, count]);
             } else {
-                msh.ints(&[kind, 1, tags.len() as i32, label]);
+                msh.ints(&[kind, 1, count, label]);
             }
             msh.ints(tags).ints(nodes);
         }

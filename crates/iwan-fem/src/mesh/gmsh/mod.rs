@@ -90,6 +90,6 @@ impl Reader {
         }
         self.mesh.node_sets = self.node_sets.finish();
         self.mesh.element_sets = self.element_sets.finish();
-        Ok(MeshFile { mesh: self.mesh, warnings })
+        Ok(MeshFile::plain(self.mesh, warnings))
     }
 }
