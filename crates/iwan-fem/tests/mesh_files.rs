@@ -196,6 +196,69 @@ fn one_part_in_its_own_place_is_read_as_if_alone() {
     assert!(read.warnings.is_empty(), "{:?}", read.warnings);
 }
 
+/// Two instances of one part, the second moved by 2 along x and then turned by 90 degrees about z through (2, 0, 0).
+#[test]
+fn instances_are_parts_moved_turned_and_numbered_apart() {
+    let part = format!(
+        "*PART, NAME=P\n{}*ELEMENT, TYPE=C3D8I, ELSET=Body\n1,11,12,13,14,15,16,17,18\n*NSET, NSET=corner\n12\n\
+         *SURFACE, NAME=side\nBody, S1\n*END PART\n",
+        inp_nodes(&CORNERS)
+    );
+    let deck = format!(
+        "{part}*ASSEMBLY, NAME=A\n*INSTANCE, NAME=Left, PART=p\n*END INSTANCE\n*INSTANCE, NAME=Right, PART=P\n2., 0., 0.\n\
+         2., 0., 0., 2., 0., 1., 90.\n*END INSTANCE\n*NSET, NSET=both\nLeft.corner, Right.12\n*NSET, NSET=r, INSTANCE=Right\n11, 12\n\
+         *END ASSEMBLY\n*EQUATION\n2\nLeft.corner, 1, 1., Right.corner, 1, -1.\n"
+    );
+    let read = abaqus(&deck).unwrap();
+    let mesh = &read.mesh;
+    assert_eq!(mesh.node_labels[..2], [111, 112]);
+    assert_eq!(mesh.node_labels[8..10], [211, 212]);
+    assert_eq!((mesh.elements[0].label, mesh.elements[1].label), (101, 201));
+    // (1, 0, 0) moved to (3, 0, 0), one beside the axis, and turned to (2, 1, 0).
+    assert!(
+        (0..3).all(|a| (mesh.positions[9][a] - [2.0, 1.0, 0.0][a]).abs() < 1e-15),
+        "{:?}",
+        mesh.positions[9]
+    );
+    assert_eq!(mesh.node_sets["both"], [1, 9]);
+    assert_eq!(mesh.node_sets["r"], [8, 9]);
+    assert_eq!(mesh.node_sets["Right.side"], [8, 9, 10, 11]);
+    assert_eq!(mesh.element_sets["Left.Body"], [0]);
+    assert_eq!(read.constraints[0].nodes(), [1, 9]);
+    assert_eq!(mesh.instances["Right"], 200);
+    assert!(read.warnings.iter().any(|w| w.to_string().contains("instance Right are numbered from 200 on")));
+    let error = abaqus(&deck.replace("Right.12", "Wrong.12")).unwrap_err();
+    assert!(error.contains("node set 'both': found the name \"Wrong.12\""), "{error}");
+    let error = abaqus(&deck.replace("NAME=Right", "NAME=left")).unwrap_err();
+    assert!(error.contains("found the instance \"left\" twice"), "{error}");
+}
+
+#[test]
+fn included_files_stand_in_place_and_are_named_in_errors() {
+    let folder = std::env::temp_dir().join(format!("iwan-include-{}", std::process::id()));
+    std::fs::create_dir_all(&folder).unwrap();
+    let write = |name: &str, text: &str| std::fs::write(folder.join(name), text).unwrap();
+    write("nodes.inp", &inp_nodes(&CORNERS));
+    write(
+        "main.inp",
+        "*HEADING\n*INCLUDE, INPUT=nodes.inp\n*ELEMENT, TYPE=C3D8I\n1,11,12,13,14,15,16,17,18\n",
+    );
+    let read = |name: &str| iwan_fem::mesh::read(folder.join(name)).map_err(|e| e.to_string());
+    assert_eq!(read("main.inp").unwrap().mesh.positions, CORNERS);
+    write("nodes.inp", "*NODE\n11, 0, 0, 0\n12, 1, x, 0\n");
+    let error = read("main.inp").unwrap_err();
+    assert!(error.contains("line 3 of") && error.contains("nodes.inp: found 'x'"), "{error}");
+    write("nodes.inp", "*NODE\n11, 0, 0, 0\n");
+    assert!(read("main.inp").unwrap_err().contains("main.inp: line 4, element 1: found node 12"));
+    write("circle.inp", "*INCLUDE, INPUT=circle.inp\n");
+    assert!(
+        read("circle.inp").unwrap_err().contains("write files that do not include each other in a circle")
+    );
+    write("missing.inp", "*INCLUDE, INPUT=nowhere.inp\n");
+    assert!(read("missing.inp").unwrap_err().contains("nowhere.inp: cannot be read"));
+    std::fs::remove_dir_all(&folder).unwrap();
+}
+
 #[test]
 fn errors_of_abaqus_files_name_line_element_and_node() {
     let nodes = inp_nodes(&CORNERS);
@@ -313,7 +376,7 @@ fn other_files_are_told_apart() {
     let error = read_bytes(Path::new("a.stl"), b"solid a").unwrap_err().to_string();
     assert_eq!(
         error,
-        "a.stl: unknown format (extension 'stl', content 'solid a'); known are Gmsh MSH 4.1 and 2.2 (.msh) and Abaqus input (.inp): export to one of these"
+        "a.stl: unknown format (extension 'stl', content 'solid a'); known are Gmsh MSH 4.1 and 2.2 (.msh), Abaqus input (.inp) and Nastran bulk data (.bdf): export to one of these"
     );
     assert!(
         read("no/such/file.msh").unwrap_err().to_string().starts_with("no/such/file.msh: cannot be read: ")

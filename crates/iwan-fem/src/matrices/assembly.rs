@@ -45,7 +45,7 @@ impl Structure {
             None => assemble_elements(self, &transformation)?,
         };
         let (stiffness, mass) = add_lumps(self, &transformation, stiffness, &mass)?;
-        let mass = point_masses::add(self, &rotations, &transformation, mass)?;
+        let (stiffness, mass) = point_masses::add(self, &rotations, &transformation, stiffness, mass)?;
         check_held(self, &transformation, &stiffness)?;
         let structure = self.clone();
         let (analysis, shift) = (OnceLock::new(), OnceLock::new());

@@ -9,15 +9,16 @@ use crate::error::Error;
 use crate::mesh::{Freedom, PointMass};
 use crate::structure::Structure;
 
-/// The mass with all bodies at nodes added.
+/// The mass with all bodies at nodes added, and the stiffness with room at the same places: both are factored on the stiffness's pattern.
 pub(crate) fn add(
     structure: &Structure,
     rotations: &Rotations,
     transformation: &Transformation,
+    stiffness: Symmetric,
     mass: Symmetric,
-) -> Result<Symmetric, Error> {
+) -> Result<(Symmetric, Symmetric), Error> {
     if structure.masses.is_empty() {
-        return Ok(mass);
+        return Ok((stiffness, mass));
     }
     let mut entries = BTreeMap::new();
     for body in &structure.masses {
@@ -44,7 +45,8 @@ pub(crate) fn add(
             }
         }
     }
-    Ok(mass.plus(1.0, &Symmetric::from_entries(mass.order(), &entries)).without_zeros())
+    let added = Symmetric::from_entries(mass.order(), &entries);
+    Ok((stiffness.plus(0.0, &added), mass.plus(1.0, &added).without_zeros()))
 }
 
 /// Mass of displacements and rotations of the node: with the offset e, the centre moves by u + θ x e.

@@ -54,6 +54,8 @@ pub(super) enum Coordinates {
     Cylindrical,
     /// Radius, angle about z and elevation in degrees.
     Spherical,
+    /// Radius, angle from z and angle about z in degrees.
+    Colatitude,
 }
 
 impl Coordinates {
@@ -62,6 +64,7 @@ impl Coordinates {
         let (sin, cos) = b.to_radians().sin_cos();
         match self {
             Self::Rectangular => [a, b, c],
+            Self::Colatitude => Self::Spherical.rectangular([a, c, 90.0 - b]),
             Self::Cylindrical => [a * cos, a * sin, c],
             Self::Spherical => {
                 let (up, out) = c.to_radians().sin_cos();

@@ -15,7 +15,7 @@ pub enum MeshError {
         source: std::io::Error,
     },
     /// Neither a Gmsh nor an Abaqus mesh.
-    #[error("{}: unknown format ({found}); known are Gmsh MSH 4.1 and 2.2 (.msh) and Abaqus input (.inp): export to one of these", .file.display())]
+    #[error("{}: unknown format ({found}); known are Gmsh MSH 4.1 and 2.2 (.msh), Abaqus input (.inp) and Nastran bulk data (.bdf): export to one of these", .file.display())]
     UnknownFormat {
         /// File.
         file: PathBuf,

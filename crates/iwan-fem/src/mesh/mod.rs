@@ -16,6 +16,7 @@ mod labels;
 mod sets;
 mod abaqus;
 mod gmsh;
+mod nastran;
 mod read;
 
 pub mod vtu;

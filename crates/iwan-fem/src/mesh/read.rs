@@ -4,9 +4,9 @@ use std::path::Path;
 
 use super::error::MeshError;
 use super::file::{FileBytes, MeshFile, quote};
-use super::{abaqus, gmsh};
+use super::{abaqus, gmsh, nastran};
 
-/// Reads a mesh: Gmsh MSH 4.1 or 2.2 (ASCII or binary) or Abaqus input; the format is found from the content and, where that
+/// Reads a mesh: Gmsh MSH 4.1 or 2.2 (ASCII or binary) Abaqus input or Nastran bulk data; the format is found from the content and, where that
 /// does not tell, from the extension.
 ///
 /// Elements: hexahedra of 8 and 20, tetrahedra of 4 and 10, wedges of 6 and 15 nodes, also mixed. Gmsh: a physical group of volumes gives a set of elements and a set of their nodes, a
@@ -49,7 +49,12 @@ fn parse(
     let source = FileBytes { file, bytes, pieces: &[] };
     let content = bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes).trim_ascii_start();
     let extension = file.extension().unwrap_or_default().to_ascii_lowercase();
-    if content.starts_with(b"$") || extension == "msh" {
+    let bulk_data = ["bdf", "nas", "dat", "bulk", "blk"].iter().any(|known| extension == *known);
+    if content.starts_with(b"$MeshFormat") || extension == "msh" {
+        gmsh::parse(source)
+    } else if bulk_data || (extension != "inp" && nastran::is_bulk_data(content)) {
+        nastran::parse(source, ignored)
+    } else if content.starts_with(b"$") {
         gmsh::parse(source)
     } else if content.starts_with(b"*") || extension == "inp" {
         abaqus::parse(source, ignored, folder)

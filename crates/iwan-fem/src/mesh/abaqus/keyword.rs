@@ -76,7 +76,8 @@ impl Keyword {
 
 /// Name of a keyword: capitals, single blanks, no star.
 pub(super) fn name(bytes: &[u8]) -> String {
-    words(bytes).trim_start_matches('*').trim().to_string()
+    // No keyword is as long; what is no keyword at all need not fill the screen.
+    words(bytes).trim_start_matches('*').trim().chars().take(60).collect()
 }
 
 /// Capitals, single blanks.
