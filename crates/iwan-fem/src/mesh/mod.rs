@@ -1,7 +1,6 @@
 //! Nodes, elements and named sets: what every reader delivers and the assembly starts from.
 
 mod topology;
-mod surface;
 mod face;
 mod constraint;
 mod tie;

@@ -20,7 +20,7 @@ impl Reader {
             Err(source.malformed(keyword.place(source), format!("*{}", keyword.name), expected))
         };
         match keyword.name.as_str() {
-            "PART" if self.part.is_some() || self.in_instance => {
+            "PART" | "INSTANCE" if self.part.is_some() || self.in_instance => {
                 misplaced("*END PART or *END INSTANCE first")
             }
             "PART" => {
@@ -37,9 +37,6 @@ impl Reader {
                 self.parts.insert(name, body);
                 self.axes = Axes::default();
                 no_data(lines, keyword)
-            }
-            "INSTANCE" if self.part.is_some() || self.in_instance => {
-                misplaced("*END PART or *END INSTANCE first")
             }
             "INSTANCE" => self.instance(lines, keyword),
             "END INSTANCE" => {

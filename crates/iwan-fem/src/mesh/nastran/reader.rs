@@ -45,7 +45,7 @@ impl<'a> Reader<'a> {
             "GRID" => self.grids.push(card),
             "GRDSET" => self.defaults = Some(card),
             "CORD2R" | "CORD2C" | "CORD2S" => {
-                let number = card.label(source, 0)? as i64;
+                let number = card.label(source, 0)?.cast_signed();
                 once(source, &mut self.systems, number, card)?;
             }
             "CHEXA" | "CPENTA" | "CTETRA" => self.elements.push(card),
@@ -58,7 +58,7 @@ impl<'a> Reader<'a> {
                 once(source, &mut self.materials, number, card)?;
             }
             "RBE2" | "RBE3" | "MPC" | "MPCADD" | "SPC" | "SPC1" | "SPCADD" | "CONM2" => {
-                self.connections.push(card)
+                self.connections.push(card);
             }
             "PARAM" if card.field(0).eq_ignore_ascii_case("WTMASS") => {
                 self.mass_factor = Some(card.real(source, 1, None)?);
@@ -81,11 +81,9 @@ fn once<'a, K: Ord + std::fmt::Display + Copy>(
     card: Card<'a>,
 ) -> Result<(), MeshError> {
     let (line, name) = (card.line, card.name.clone());
-    match list.insert(number, card) {
-        None => Ok(()),
-        Some(_) => {
-            let place = format!("{}, {name}", source.at_line(line));
-            Err(source.malformed(place, format!("number {number} twice"), "a number of its own"))
-        }
+    if list.insert(number, card).is_none() {
+        return Ok(());
     }
+    let place = format!("{}, {name}", source.at_line(line));
+    Err(source.malformed(place, format!("number {number} twice"), "a number of its own"))
 }

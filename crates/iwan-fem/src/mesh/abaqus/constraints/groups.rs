@@ -7,8 +7,8 @@ use super::super::super::error::MeshError;
 use super::super::super::topology::Mesh;
 use super::super::definition::Pending;
 use super::super::surfaces::Surface;
-use super::Outcome;
 use super::lookup::Lookup;
+use super::outcome::Outcome;
 
 /// Reads `*COUPLING` with `*KINEMATIC` or `*DISTRIBUTING` under it.
 pub(super) fn coupling(

@@ -4,8 +4,8 @@ use super::super::super::constraint::{Constraint, Freedom, GLOBAL, Rule};
 use super::super::super::error::MeshError;
 use super::super::super::topology::Mesh;
 use super::super::definition::{Pending, Row};
-use super::Outcome;
 use super::lookup::Lookup;
+use super::outcome::Outcome;
 
 /// Reads equations: the number of terms, then node or set, degree of freedom and coefficient of each. A set stands for one equation each of its nodes,
 /// in the order of their numbers.
@@ -148,6 +148,19 @@ fn by_word(word: &str) -> Option<&'static [usize]> {
     })
 }
 
+/// Components that are held by the first and the last of them.
+fn by_number(lookup: &Lookup, row: &Row) -> Result<Vec<usize>, MeshError> {
+    let first = lookup.component(row, 1)?;
+    let given = |at: usize| row.fields.get(at).is_some_and(|field| !field.is_empty());
+    let last = if given(2) { lookup.component(row, 2)? } else { first };
+    if given(3) && lookup.number(row, 3, "the displacement")? != 0.0 {
+        let found = "a displacement that is not zero";
+        let remedy = "hold the node at zero: loads are given in the structure file";
+        return Err(lookup.source.unsupported(lookup.place(row), found, remedy));
+    }
+    Ok((first..=last).collect())
+}
+
 /// Reads nodes that are held: `node or set, first, last` or a word such as ENCASTRE.
 pub(super) fn boundary(lookup: &Lookup, text: &Pending, out: &mut Outcome) -> Result<(), MeshError> {
     text.keyword.only(lookup.source, &[])?;
@@ -155,19 +168,9 @@ pub(super) fn boundary(lookup: &Lookup, text: &Pending, out: &mut Outcome) -> Re
     for row in &text.rows {
         let nodes = lookup.nodes(text, row, &row.fields[0])?;
         let word = row.fields.get(1).map(|field| field.to_ascii_uppercase()).unwrap_or_default();
-        let components: Vec<usize> = match by_word(&word) {
+        let components = match by_word(&word) {
             Some(components) => components.to_vec(),
-            None => {
-                let first = lookup.component(row, 1)?;
-                let given = |at: usize| row.fields.get(at).is_some_and(|field| !field.is_empty());
-                let last = if given(2) { lookup.component(row, 2)? } else { first };
-                if given(3) && lookup.number(row, 3, "the displacement")? != 0.0 {
-                    let found = "a displacement that is not zero";
-                    let remedy = "hold the node at zero: loads are given in the structure file";
-                    return Err(lookup.source.unsupported(lookup.place(row), found, remedy));
-                }
-                (first..=last).collect()
-            }
+            None => by_number(lookup, row)?,
         };
         held.extend(
             nodes

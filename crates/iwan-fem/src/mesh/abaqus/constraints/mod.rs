@@ -1,16 +1,17 @@
 //! `*TIE`, `*EQUATION`, `*MPC`, `*COUPLING`, `*RIGID BODY`, `*BOUNDARY`, `*MASS`: obeyed, or refused by name.
 
+mod outcome;
 mod lookup;
 mod linear;
 mod groups;
 mod ties;
 mod sections;
 
-use super::super::constraint::{Constraint, PointMass, Section};
-use super::super::error::{MeshError, MeshWarning};
+use super::super::error::MeshError;
 use super::super::topology::Mesh;
 use super::definition::Pending;
 pub(super) use lookup::Lookup;
+use outcome::Outcome;
 
 /// Keywords that are kept until all names are known.
 pub(super) const KEPT: &[&str] = &[
@@ -28,15 +29,6 @@ pub(super) const KEPT: &[&str] = &[
     "DENSITY",
     "SOLID SECTION",
 ];
-
-/// What the kept keywords say.
-#[derive(Debug, Default)]
-pub(super) struct Outcome {
-    pub(super) constraints: Vec<Constraint>,
-    pub(super) masses: Vec<PointMass>,
-    pub(super) sections: Vec<Section>,
-    pub(super) warnings: Vec<MeshWarning>,
-}
 
 /// Obeys all of them in the order of the file. Nodes that are tied are moved onto the faces below them.
 pub(super) fn resolve(lookup: &Lookup, mesh: &mut Mesh, pending: &[Pending]) -> Result<Outcome, MeshError> {

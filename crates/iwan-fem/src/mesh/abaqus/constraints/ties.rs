@@ -4,8 +4,8 @@ use super::super::super::error::{MeshError, MeshWarning};
 use super::super::super::tie::Sides;
 use super::super::super::topology::Mesh;
 use super::super::definition::Pending;
-use super::Outcome;
 use super::lookup::Lookup;
+use super::outcome::Outcome;
 
 /// Reads `slave surface, master surface`; nodes of the first follow the faces of the second and, unless ADJUST=NO, are moved onto them first.
 pub(super) fn read(
