@@ -6,17 +6,36 @@ use iwan_fem::{ElementMatrices, Error, Formulation, Inertia, Material};
 
 type Point = [f64; 3];
 
-const KINDS: [(Shape, Formulation); 3] = [
+const KINDS: [(Shape, Formulation); 7] = [
     (Shape::Hex8, Formulation::Displacement),
     (Shape::Hex8, Formulation::IncompatibleModes),
     (Shape::Hex20, Formulation::IncompatibleModes),
+    (Shape::Tet4, Formulation::IncompatibleModes),
+    (Shape::Tet10, Formulation::IncompatibleModes),
+    (Shape::Wedge6, Formulation::IncompatibleModes),
+    (Shape::Wedge15, Formulation::IncompatibleModes),
 ];
 
-/// Corners, and the middles of the edges where the shape has nodes there.
-fn with_middles(shape: Shape, corners: &[Point; 8]) -> Vec<Point> {
+/// Corners of a piece of the brick, and the middles of its edges where the shape has nodes there.
+fn with_middles(shape: Shape, brick: &[Point; 8]) -> Vec<Point> {
+    let corners: &[usize] = match shape.corners() {
+        4 => &[0, 1, 3, 4],
+        6 => &[0, 1, 3, 4, 5, 7],
+        _ => &[0, 1, 2, 3, 4, 5, 6, 7],
+    };
+    let corners: Vec<Point> = corners.iter().map(|corner| brick[*corner]).collect();
     let middle = |&(a, b): &(usize, usize)| std::array::from_fn(|i| 0.5 * (corners[a][i] + corners[b][i]));
-    let edges = if shape == Shape::Hex20 { shape.edges() } else { &[] };
+    let edges = if shape.has_middles() { shape.edges() } else { &[] };
     corners.iter().copied().chain(edges.iter().map(middle)).collect()
+}
+
+/// Share of a brick that the shape takes.
+fn share(shape: Shape) -> f64 {
+    match shape.corners() {
+        4 => 1.0 / 6.0,
+        6 => 0.5,
+        _ => 1.0,
+    }
 }
 
 fn brick(size: Point) -> [Point; 8] {
@@ -87,7 +106,8 @@ fn stiffness_is_symmetric_and_forgets_rigid_motion() {
     }
 }
 
-/// Exactly six motions cost no energy: no spurious modes.
+/// Exactly six motions cost no energy: no spurious modes. The six-node wedge, by two points on its axis, twists freely as well (two of them
+/// side by side do not: the meshes of tests/convergence.rs have six).
 #[test]
 fn there_are_six_zero_energy_motions() {
     for kind in KINDS {
@@ -97,7 +117,8 @@ fn there_are_six_zero_energy_motions() {
             let k = faer::Mat::from_fn(n, n, |i, j| element.stiffness[i * n + j]);
             let values = k.self_adjoint_eigenvalues(faer::Side::Lower).unwrap();
             let zero = values.iter().filter(|v| v.abs() < 1e-10 * values[n - 1]).count();
-            assert_eq!(zero, 6, "{kind:?} {values:?}");
+            let expected = if kind.0 == Shape::Wedge6 { 7 } else { 6 };
+            assert_eq!(zero, expected, "{kind:?} {values:?}");
             assert!(values[0] > -1e-10 * values[n - 1]);
         }
     }
@@ -138,7 +159,7 @@ fn mass_is_that_of_the_volume_consistent_and_lumped() {
             let positions = with_middles(shape, &brick([2.0, 3.0, 0.5]));
             let element =
                 ElementMatrices::of(1, shape, (formulation, inertia), &material(), &positions).unwrap();
-            assert!((element.mass.iter().sum::<f64>() / 21.0 - 1.0).abs() < 1e-13);
+            assert!((element.mass.iter().sum::<f64>() / (21.0 * share(shape)) - 1.0).abs() < 1e-13);
             let n = positions.len();
             assert!((0..n).all(|i| element.mass[i * n + i] > 0.0));
         }
@@ -155,7 +176,8 @@ fn incompatible_modes_bend_exactly_and_plain_ones_lock() {
     let (l, b, h) = (10.0, 1.0, 1.0);
     let corners = brick([l, b, h]).map(|p| [p[0] - 0.5 * l, p[1], p[2] - 0.5 * h]);
     let exact = 0.5 * 200.0 * b * h.powi(3) / 12.0 * l;
-    for (shape, formulation) in KINDS {
+    for (shape, formulation) in &KINDS[..3] {
+        let (shape, formulation) = (*shape, *formulation);
         let positions = with_middles(shape, &corners);
         let element =
             ElementMatrices::of(1, shape, (formulation, Inertia::Consistent), &m, &positions).unwrap();
@@ -171,8 +193,7 @@ fn incompatible_modes_bend_exactly_and_plain_ones_lock() {
 
 #[test]
 fn inverted_flat_and_collapsed_elements_are_named() {
-    let mut inverted = brick([1.0, 1.0, 1.0]);
-    inverted.swap(0, 4);
+    let inverted = brick([1.0, 1.0, -1.0]);
     let flat = brick([1.0, 1.0, 0.0]);
     let not_a_number = brick([1.0, f64::NAN, 1.0]);
     for corners in [inverted, flat, not_a_number] {

@@ -4,7 +4,7 @@
 
 mod common;
 
-use common::{CORNERS, Encoding, GMSH_EDGES, Msh, hex20, inp};
+use common::{CORNERS, Encoding, GMSH_EDGES, GMSH_TET_EDGES, Msh, hex20, inp, tet10};
 use iwan_fem::mesh::read_bytes;
 use proptest::prelude::*;
 use std::path::Path;
@@ -19,9 +19,23 @@ fn seeds() -> Vec<(&'static str, Vec<u8>)> {
         ("a.msh", Msh::block(Encoding::Ascii, &hex20(&GMSH_EDGES), 17).bytes),
         ("a.msh", Msh::block(Encoding::Little, &CORNERS, 5).bytes),
         ("a.msh", Msh::block(Encoding::Big, &hex20(&GMSH_EDGES), 17).bytes),
+        ("a.msh", Msh::block_two(Encoding::Ascii, &tet10(&GMSH_TET_EDGES), 11).bytes),
+        ("a.msh", Msh::block_two(Encoding::Little, &CORNERS, 5).bytes),
         ("a.inp", inp().into_bytes()),
+        ("a.inp", include_bytes!("../../../tests/peers/decks/rigid.inp").to_vec()),
+        ("a.inp", PARTS.as_bytes().to_vec()),
+        ("a.bdf", BULK.as_bytes().to_vec()),
     ]
 }
+
+const PARTS: &str = "*PART, NAME=P\n*NODE\n1,0,0,0\n2,1,0,0\n3,0,1,0\n4,0,0,1\n*ELEMENT,TYPE=C3D4,ELSET=B\n1,1,2,3,4\n*SURFACE,NAME=S\nB,S1\n\
+    *END PART\n*INSTANCE,NAME=I,PART=P\n*END INSTANCE\n*INSTANCE,NAME=J,PART=P\n0,0,-0.01\n0,0,0,0,0,1,9\n*END INSTANCE\n\
+    *NODE,NSET=R\n1,0,0,2\n*TIE,NAME=T\nI.S,J.S\n*COUPLING,REF NODE=R,SURFACE=I.S\n*DISTRIBUTING\n*MPC\nBEAM,I.4,J.4\n*EQUATION\n2\n\
+    I.2,1,1.,J.2,1,-1.\n*RIGID BODY,REF NODE=R,ELSET=J.B\n*BOUNDARY\nJ.1,1,3\nR,ENCASTRE\n";
+const BULK: &str = "SPC=4\nBEGIN BULK\nCORD2C,2,,0.,0.,0.,0.,0.,1.\n,1.,0.,0.\nGRID,1,2,1.,90.,0.,2,3\nGRID           2              0.      0.      0.\n\
+    GRID*                  3                         1.0+0              0.0\n*                    0.0\nGRID,4,,0.,0.,1.\nCTETRA,9,7,1,2,3,4\nPSOLID,7,8\n\
+    MAT1,8,2.8+7,,.29,7.48-4\nSPC1,4,123,1,THRU,2\nRBE2,20,4,123456,1,2\nRBE3,21,,3,123,1.,123,1,2\n,4\nMPC,1,1,1,1.,2,1,-1.\n,,3,2,.5\n\
+    CONM2,22,4,,6.,1.,0.,0.\n,1.,.1,2.,.2,.3,3.\nENDDATA\n";
 
 fn check(name: &str, bytes: &[u8]) {
     let mut outcome = None;
@@ -114,7 +128,7 @@ proptest! {
 
     #[test]
     fn mutations_are_survived(
-        seed in 0..5_usize,
+        seed in 0..seeds().len(),
         edits in prop::collection::vec((any::<prop::sample::Index>(), any::<u8>(), 0..4_u8), 1..12),
     ) {
         let (name, mut bytes) = seeds().swap_remove(seed);

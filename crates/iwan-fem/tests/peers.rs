@@ -1,4 +1,6 @@
-//! Plain hexahedra of 8 and of 20 nodes against CalculiX: numbers and their origin in tests/peers of the project.
+//! Hexahedra, tetrahedra and wedges against CalculiX: numbers and their origin in tests/peers of the project.
+
+mod solids;
 
 use std::collections::BTreeMap;
 use std::f64::consts::PI;
@@ -6,13 +8,13 @@ use std::f64::consts::PI;
 use iwan_fem::mesh::block::{block, uniform};
 use iwan_fem::mesh::{Mesh, Shape};
 use iwan_fem::{Formulation, Limit, Material, Structure, Support};
+use solids::{cut, with_middles};
 
 /// CalculiX prints seven digits.
 const DIGITS: f64 = 1e-6;
 
 /// Frequencies by body and element.
-fn stored() -> BTreeMap<(String, String), Vec<f64>> {
-    let text = include_str!("../../../tests/peers/calculix.csv");
+fn stored(text: &str) -> BTreeMap<(String, String), Vec<f64>> {
     let mut cases: BTreeMap<(String, String), Vec<f64>> = BTreeMap::new();
     for line in text.lines().filter(|line| !line.starts_with('#')).skip(1) {
         let fields: Vec<&str> = line.split(',').collect();
@@ -36,37 +38,30 @@ fn body(name: &str) -> (Mesh, Option<f64>) {
         "cantilever" => (beam, Some(-10.0)),
         _ => {
             let mut mesh = block(&[uniform(0.0, 6.0, 6), uniform(0.0, 3.0, 3), uniform(0.0, 2.0, 2)]);
-            for position in &mut mesh.positions {
-                *position = skew(*position);
+            if name == "skewed" {
+                mesh.positions.iter_mut().for_each(|position| *position = skew(*position));
             }
             (mesh, Some(0.0))
         }
     }
 }
 
-/// Nodes in the middle of straight edges.
-fn with_middles(mesh: &mut Mesh) {
-    let mut middles: BTreeMap<(usize, usize), usize> = BTreeMap::new();
-    for element in &mut mesh.elements {
-        for (a, b) in Shape::Hex20.edges() {
-            let (a, b) = (element.nodes[*a], element.nodes[*b]);
-            let node = *middles.entry((a.min(b), a.max(b))).or_insert_with(|| {
-                let (p, q) = (mesh.positions[a], mesh.positions[b]);
-                mesh.positions.push(std::array::from_fn(|i| 0.5 * (p[i] + q[i])));
-                mesh.node_labels.push(mesh.positions.len() as u64);
-                mesh.positions.len() - 1
-            });
-            element.nodes.push(node);
-        }
-        element.shape = Shape::Hex20;
-    }
-}
-
 /// Elastic frequencies in Hz.
 fn frequencies(name: &str, element: &str, count: usize) -> Vec<f64> {
     let (mut mesh, wall) = body(name);
-    if element == "C3D20" {
-        with_middles(&mut mesh);
+    match element {
+        "C3D4" | "C3D10" => cut(&mut mesh, Shape::Tet4),
+        "C3D6" | "C3D15" => cut(&mut mesh, Shape::Wedge6),
+        _ => {}
+    }
+    match element {
+        "C3D20" => with_middles(&mut mesh, Shape::Hex20),
+        "C3D10" => with_middles(&mut mesh, Shape::Tet10),
+        "C3D15" => with_middles(&mut mesh, Shape::Wedge15),
+        _ => {}
+    }
+    if name == "curved" {
+        mesh.positions.iter_mut().for_each(|position| *position = skew(*position));
     }
     let clamped: Vec<usize> =
         (0..mesh.positions.len()).filter(|n| Some(mesh.positions[*n][0]) == wall).collect();
@@ -84,11 +79,10 @@ fn frequencies(name: &str, element: &str, count: usize) -> Vec<f64> {
     modes.frequencies()[zero..].to_vec()
 }
 
-#[test]
-fn plain_elements_have_the_frequencies_of_calculix() {
-    let cases = stored();
-    assert_eq!(cases.len(), 6);
-    for ((name, element), expected) in cases {
+fn compare(text: &str, cases: usize) {
+    let stored = stored(text);
+    assert_eq!(stored.len(), cases);
+    for ((name, element), expected) in stored {
         let found = frequencies(&name, &element, expected.len());
         for (mode, (found, expected)) in found.iter().zip(&expected).enumerate() {
             let error = (found / expected - 1.0).abs();
@@ -99,4 +93,15 @@ fn plain_elements_have_the_frequencies_of_calculix() {
             );
         }
     }
+}
+
+#[test]
+fn plain_hexahedra_have_the_frequencies_of_calculix() {
+    compare(include_str!("../../../tests/peers/calculix.csv"), 6);
+}
+
+/// Bricks cut into tetrahedra and wedges, with straight and with curved edges.
+#[test]
+fn tetrahedra_and_wedges_have_the_frequencies_of_calculix() {
+    compare(include_str!("../../../tests/peers/calculix_solids.csv"), 6);
 }

@@ -3,9 +3,14 @@
 mod material;
 mod geometry;
 mod isotropic;
+mod rules;
 mod hex8;
 mod hex8_incompatible;
 mod hex20;
+mod tet4;
+mod tet10;
+mod wedge6;
+mod wedge15;
 mod quality;
 
 use crate::error::Error;
@@ -14,7 +19,7 @@ use geometry::NoVolume;
 pub use material::Material;
 pub(crate) use quality::{corner_quality, least_quality_inside};
 
-/// Formulation of eight-node hexahedra; twenty-node ones are always fully integrated.
+/// Formulation of eight-node hexahedra; all other elements have displacements alone.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Formulation {
     /// With nine condensed incompatible modes: bends without locking ([`Shape::Hex8`] of Abaqus' C3D8I kind).
@@ -27,7 +32,7 @@ pub enum Formulation {
 /// How inertia is spread over the nodes of an element.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Inertia {
-    /// ∫ρ N_i N_j.
+    /// ∫ρ N_i N_j by the element's integration points: exact in bricks, to CalculiX's rules in tetrahedra and wedges.
     #[default]
     Consistent,
     /// Diagonal of the consistent matrix, scaled to the element's mass (Hinton, Rock and Zienkiewicz, Earthquake Eng.
@@ -95,6 +100,10 @@ impl ElementMatrices {
             }
             (Shape::Hex8, Formulation::Displacement) => hex8::matrices(material, positions, out),
             (Shape::Hex20, _) => hex20::matrices(material, positions, out),
+            (Shape::Tet4, _) => tet4::matrices(material, positions, out),
+            (Shape::Tet10, _) => tet10::matrices(material, positions, out),
+            (Shape::Wedge6, _) => wedge6::matrices(material, positions, out),
+            (Shape::Wedge15, _) => wedge15::matrices(material, positions, out),
         }?;
         if inertia == Inertia::Lumped {
             lump(&mut self.mass, n);

@@ -3,8 +3,10 @@
 use std::collections::BTreeMap;
 use std::sync::OnceLock;
 
+use super::constraint_equations::Rotations;
 use super::elimination::Transformation;
 use super::joint_equations::{SlipUnknown, connect};
+use super::point_masses;
 use super::unknowns::{Unknown, triples};
 use crate::algebra::{Analysis, NodalProduct, Site, Symmetric, add_scaled, largest, scale};
 use crate::element::ElementMatrices;
@@ -30,7 +32,8 @@ impl Structure {
     /// [`Error`] names the element, node, set or joint that does not fit, and the remedy.
     pub fn assemble(&self) -> Result<Assembled, Error> {
         self.check_lumps()?;
-        let (equations, mut slips) = connect(self)?;
+        let rotations = Rotations::new(self);
+        let (equations, mut slips) = connect(self, &rotations)?;
         let extras = equations.extra.len();
         let transformation = equations.eliminate()?;
         let displacements = transformation.places.len() - extras;
@@ -42,6 +45,7 @@ impl Structure {
             None => assemble_elements(self, &transformation)?,
         };
         let (stiffness, mass) = add_lumps(self, &transformation, stiffness, &mass)?;
+        let (stiffness, mass) = point_masses::add(self, &rotations, &transformation, stiffness, mass)?;
         check_held(self, &transformation, &stiffness)?;
         let structure = self.clone();
         let (analysis, shift) = (OnceLock::new(), OnceLock::new());
@@ -236,15 +240,18 @@ fn check_held(
     stiffness: &Symmetric,
 ) -> Result<(), Error> {
     for (j, place) in transformation.places.iter().enumerate() {
-        if structure.given.is_none()
-            && let Unknown::Displacement { node, .. } = place.unknown
-            && stiffness.diagonal_entry(j) == 0.0
-        {
-            return Err(Error::Node {
-                label: structure.mesh.node_labels[node],
-                finding: "no element holds it".into(),
-                remedy: "delete the node, or connect it",
-            });
+        let (node, finding, remedy) = match place.unknown {
+            Unknown::Displacement { node, .. } => {
+                (node, "no element holds it", "delete the node, or connect it")
+            }
+            Unknown::Rotation { node, .. } => {
+                (node, "nothing holds its rotation", "let more nodes follow it, or hold the rotation")
+            }
+            _ => continue,
+        };
+        if structure.given.is_none() && stiffness.diagonal_entry(j) == 0.0 {
+            let label = structure.mesh.node_labels[node];
+            return Err(Error::Node { label, finding: finding.into(), remedy });
         }
     }
     Ok(())

@@ -3,13 +3,20 @@
 //! A joint's stiffness is then an entry on the diagonal and each Iwan element acts on one scalar unknown; there are
 //! neither penalties nor multipliers, and the matrices stay symmetric and positive (semi-)definite.
 
+use std::collections::BTreeMap;
+
 use super::unknowns::{Place, Unknown};
 use crate::algebra::Site;
 use crate::error::Error;
 use crate::mesh::Mesh;
 
+/// A coefficient beside the largest one given that is rounding: what cancels in a constraint that holds already.
+const CANCELLED: f64 = 1e-12;
+/// A coefficient beside the largest that is not divided by although the user named its displacement first: that would lose six digits.
+const SMALL: f64 = 1e-6;
+
 /// What a displacement follows: another displacement or an unknown that is no displacement of a node.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub(crate) enum Source {
     /// Degree of freedom 3 node + axis, or one of the further ones behind them.
     Displacement(usize),
@@ -68,6 +75,83 @@ impl<'a> Equations<'a> {
         self.rows[dof] = Some(terms);
         self.owners[dof] = owner;
         Ok(())
+    }
+
+    /// Makes Σ c x = 0 hold: what others eliminated already is put in, then one displacement of the rest is eliminated, the first of
+    /// `preferred` that is there with a coefficient that is not small, or else the one with the largest. Nothing is done where
+    /// the equation holds already.
+    pub(crate) fn equation(&mut self, terms: &[(Source, f64)], preferred: &[usize]) -> Result<(), Error> {
+        let mut sum: BTreeMap<Source, f64> = BTreeMap::new();
+        for &(source, coefficient) in terms {
+            self.expand(source, coefficient, 0, &mut sum)?;
+        }
+        let given = terms.iter().fold(0.0_f64, |m, term| m.max(term.1.abs()));
+        sum.retain(|_, c| c.abs() > CANCELLED * given);
+        if sum.is_empty() {
+            return Ok(());
+        }
+        let largest = sum.values().fold(0.0_f64, |m, c| m.max(c.abs()));
+        let chosen = preferred.iter().map(|dof| Source::Displacement(*dof));
+        let mut chosen = chosen.filter(|s| sum.get(s).is_some_and(|c| c.abs() > SMALL * largest));
+        let best = || {
+            let dofs = sum.iter().filter(|(source, _)| matches!(source, Source::Displacement(_)));
+            dofs.fold(None, |best: Option<(Source, f64)>, (source, c)| match best {
+                Some((_, most)) if most >= c.abs() => best,
+                _ => Some((*source, c.abs())),
+            })
+        };
+        let Some(Source::Displacement(dof)) = chosen.next().or_else(|| best().map(|(source, _)| source))
+        else {
+            return Err(Error::Connection {
+                name: self.names.last().cloned().unwrap_or_default(),
+                finding: "it leaves nothing free but slips of joints".into(),
+                remedy: "take its nodes out of the joints' faces, or drop it",
+            });
+        };
+        let pivot = sum.remove(&Source::Displacement(dof)).expect("chosen above");
+        self.rows[dof] = Some(sum.into_iter().map(|(source, c)| (source, -c / pivot)).collect());
+        self.owners[dof] = self.names.len() - 1;
+        Ok(())
+    }
+
+    /// Adds a term, with what it follows put in.
+    fn expand(
+        &self,
+        source: Source,
+        coefficient: f64,
+        depth: usize,
+        sum: &mut BTreeMap<Source, f64>,
+    ) -> Result<(), Error> {
+        let row = match source {
+            Source::Displacement(dof) => self.rows[dof].as_ref().map(|row| (dof, row)),
+            Source::Extra(_) => None,
+        };
+        let Some((dof, row)) = row else {
+            *sum.entry(source).or_insert(0.0) += coefficient;
+            return Ok(());
+        };
+        if depth > LONGEST_CHAIN {
+            return Err(self.circle(dof));
+        }
+        row.iter().try_for_each(|&(other, c)| self.expand(other, c * coefficient, depth + 1, sum))
+    }
+
+    /// Number of the node of a displacement or rotation, for messages.
+    fn label(&self, dof: usize) -> u64 {
+        let node = match dof.checked_sub(3 * self.mesh.positions.len()).map(|at| self.further[at]) {
+            None => dof / 3,
+            Some(Unknown::Rotation { node, .. }) => node,
+            Some(_) => return 0,
+        };
+        self.mesh.node_labels[node]
+    }
+
+    fn circle(&self, dof: usize) -> Error {
+        Error::Node {
+            label: self.label(dof),
+            finding: format!("{} makes its motion depend on itself", self.names[self.owners[dof]]),
+            remedy: "the face and the patch of a joint must not share nodes, nor follow each other in a circle",
+        }
     }
 
     /// Eliminates all dependent displacements.
@@ -149,14 +233,7 @@ impl Resolver<'_> {
             return Ok(known.clone());
         }
         if self.depth > LONGEST_CHAIN {
-            return Err(Error::Node {
-                label: self.equations.mesh.node_labels[dof / 3],
-                finding: format!(
-                    "{} makes its motion depend on itself",
-                    self.equations.names[self.equations.owners[dof]]
-                ),
-                remedy: "the face and the patch of a joint must not share nodes, nor follow each other in a circle",
-            });
+            return Err(self.equations.circle(dof));
         }
         self.depth += 1;
         let mut terms: Vec<(u32, f64)> = Vec::new();

@@ -2,6 +2,7 @@
 
 use faer::Mat;
 
+use super::constraint_equations::{Rotations, constrain};
 use super::elimination::{AXES, Equations, Source};
 use super::unknowns::{Unknown, cross};
 use crate::algebra::positive_inverse;
@@ -31,9 +32,12 @@ impl std::fmt::Debug for SlipUnknown {
 /// The slips found while the equations are written; `unknown` counts extra unknowns until all are known.
 pub(crate) type Slips = Vec<SlipUnknown>;
 
-/// Writes the equations of all joints, then of all supports.
-pub(crate) fn connect(structure: &Structure) -> Result<(Equations<'_>, Slips), Error> {
-    let further = structure.given.as_ref().map(further).unwrap_or_default();
+/// Writes the equations of all joints, then of all supports, then of the constraints of the mesh file.
+pub(crate) fn connect<'a>(
+    structure: &'a Structure,
+    rotations: &Rotations,
+) -> Result<(Equations<'a>, Slips), Error> {
+    let further = structure.given.as_ref().map_or_else(|| rotations.meaning(), further);
     let (mut equations, mut slips) = (Equations::new(&structure.mesh, further), Slips::new());
     if let Some(given) = &structure.given {
         hold_unknown(&mut equations, given)?;
@@ -56,6 +60,7 @@ pub(crate) fn connect(structure: &Structure) -> Result<(Equations<'_>, Slips), E
     for support in &structure.supports {
         fix(&mut equations, structure, support)?;
     }
+    constrain(structure, rotations, &mut equations)?;
     Ok((equations, slips))
 }
 

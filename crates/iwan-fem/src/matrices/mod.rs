@@ -2,6 +2,8 @@
 
 mod unknowns;
 mod elimination;
+mod constraint_equations;
+mod point_masses;
 mod joint_equations;
 mod assembly;
 

@@ -54,6 +54,8 @@ pub(super) enum Coordinates {
     Cylindrical,
     /// Radius, angle about z and elevation in degrees.
     Spherical,
+    /// Radius, angle from z and angle about z in degrees.
+    Colatitude,
 }
 
 impl Coordinates {
@@ -62,6 +64,7 @@ impl Coordinates {
         let (sin, cos) = b.to_radians().sin_cos();
         match self {
             Self::Rectangular => [a, b, c],
+            Self::Colatitude => Self::Spherical.rectangular([a, c, 90.0 - b]),
             Self::Cylindrical => [a * cos, a * sin, c],
             Self::Spherical => {
                 let (up, out) = c.to_radians().sin_cos();
@@ -69,4 +72,13 @@ impl Coordinates {
             }
         }
     }
+}
+
+/// A point turned about the line from `a` to `b` by an angle in degrees, right-handed (O. Rodrigues' formula).
+pub(super) fn turned(point: [f64; 3], a: [f64; 3], b: [f64; 3], degrees: f64) -> [f64; 3] {
+    let Some(axis) = unit(std::array::from_fn(|i| b[i] - a[i])) else { return point };
+    let arm: [f64; 3] = std::array::from_fn(|i| point[i] - a[i]);
+    let (sin, cos) = degrees.to_radians().sin_cos();
+    let (spin, along) = (cross(axis, arm), dot(axis, arm));
+    std::array::from_fn(|i| a[i] + arm[i] * cos + spin[i] * sin + axis[i] * along * (1.0 - cos))
 }

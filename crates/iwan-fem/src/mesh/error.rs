@@ -15,7 +15,7 @@ pub enum MeshError {
         source: std::io::Error,
     },
     /// Neither a Gmsh nor an Abaqus mesh.
-    #[error("{}: unknown format ({found}); known are Gmsh MSH 4.1 (.msh) and Abaqus input (.inp): export to one of these", .file.display())]
+    #[error("{}: unknown format ({found}); known are Gmsh MSH 4.1 and 2.2 (.msh), Abaqus input (.inp) and Nastran bulk data (.bdf): export to one of these", .file.display())]
     UnknownFormat {
         /// File.
         file: PathBuf,
@@ -87,6 +87,22 @@ pub enum MeshWarning {
         found: String,
         /// What it is read as.
         read_as: &'static str,
+    },
+    /// Numbers of an instance that were shifted because another has the same.
+    #[error("nodes and elements of instance {instance} are numbered from {shift} on: its node 1 is {}", .shift + 1)]
+    Renumbered {
+        /// Instance.
+        instance: String,
+        /// What was added to its numbers.
+        shift: u64,
+    },
+    /// How a constraint was obeyed.
+    #[error("{name}: {reason}")]
+    Constraint {
+        /// Keyword, name and place.
+        name: String,
+        /// What was done or left.
+        reason: String,
     },
     /// Named groups that no entity refers to, or groups without entities.
     #[error("{place}: {reason}")]

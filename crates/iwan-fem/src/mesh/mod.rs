@@ -1,7 +1,9 @@
 //! Nodes, elements and named sets: what every reader delivers and the assembly starts from.
 
 mod topology;
-mod surface;
+mod face;
+mod constraint;
+mod tie;
 
 pub mod block;
 pub mod beam;
@@ -13,11 +15,15 @@ mod labels;
 mod sets;
 mod abaqus;
 mod gmsh;
+mod nastran;
 mod read;
 
 pub mod vtu;
 
+pub use constraint::{Constraint, Directions, Freedom, GLOBAL, PointMass, Rule, Section, Weighted};
 pub use error::{MeshError, MeshWarning};
+pub use face::Face;
 pub use file::MeshFile;
 pub use read::{read, read_bytes, read_ignoring};
+pub(crate) use tie::Sides;
 pub use topology::{Element, Mesh, Shape};

@@ -4,14 +4,14 @@ use std::path::Path;
 
 use super::error::MeshError;
 use super::file::{FileBytes, MeshFile, quote};
-use super::{abaqus, gmsh};
+use super::{abaqus, gmsh, nastran};
 
-/// Reads a mesh: Gmsh MSH 4.1 (ASCII or binary) or Abaqus input; the format is found from the content and, where that
+/// Reads a mesh: Gmsh MSH 4.1 or 2.2 (ASCII or binary) Abaqus input or Nastran bulk data; the format is found from the content and, where that
 /// does not tell, from the extension.
 ///
-/// Gmsh: hexahedra of 8 and 20 nodes; a physical group of volumes gives a set of elements and a set of their nodes, a
-/// group of points, curves or surfaces a set of nodes. Abaqus: `*NODE`, `*SYSTEM`, `*ELEMENT` (C3D8, C3D8I, C3D8R, C3D20,
-/// C3D20R), `*NSET`, `*ELSET`; what else may change the model (ties, couplings, equations, ...) is refused by name.
+/// Elements: hexahedra of 8 and 20, tetrahedra of 4 and 10, wedges of 6 and 15 nodes, also mixed. Gmsh: a physical group of volumes gives a set of elements and a set of their nodes, a
+/// group of points, curves or surfaces a set of nodes. Abaqus: `*NODE`, `*SYSTEM`, `*ELEMENT` (C3D8 and its kin, C3D20, C3D4,
+/// C3D10, C3D6, C3D15), `*NSET`, `*ELSET`; what else may change the model (ties, couplings, equations, ...) is refused by name.
 ///
 /// Memory: at most 160 bytes for each byte of the file, and 64 KiB. No count in a file is trusted for an allocation.
 ///
@@ -29,7 +29,7 @@ pub fn read(path: impl AsRef<Path>) -> Result<MeshFile, MeshError> {
 pub fn read_ignoring(path: impl AsRef<Path>, ignored: &[String]) -> Result<MeshFile, MeshError> {
     let file = path.as_ref();
     let bytes = std::fs::read(file).map_err(|source| MeshError::Io { file: file.into(), source })?;
-    parse(file, &bytes, ignored)
+    parse(file, &bytes, ignored, Some(file.parent().unwrap_or(Path::new(""))))
 }
 
 /// The same from bytes in memory; `file` serves the extension and the messages only.
@@ -37,17 +37,27 @@ pub fn read_ignoring(path: impl AsRef<Path>, ignored: &[String]) -> Result<MeshF
 /// # Errors
 /// As [`read`].
 pub fn read_bytes(file: &Path, bytes: &[u8]) -> Result<MeshFile, MeshError> {
-    parse(file, bytes, &[])
+    parse(file, bytes, &[], None)
 }
 
-fn parse(file: &Path, bytes: &[u8], ignored: &[String]) -> Result<MeshFile, MeshError> {
-    let source = FileBytes { file, bytes };
+fn parse(
+    file: &Path,
+    bytes: &[u8],
+    ignored: &[String],
+    folder: Option<&Path>,
+) -> Result<MeshFile, MeshError> {
+    let source = FileBytes { file, bytes, pieces: &[] };
     let content = bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes).trim_ascii_start();
     let extension = file.extension().unwrap_or_default().to_ascii_lowercase();
-    if content.starts_with(b"$") || extension == "msh" {
+    let bulk_data = ["bdf", "nas", "dat", "bulk", "blk"].iter().any(|known| extension == *known);
+    if content.starts_with(b"$MeshFormat") || extension == "msh" {
+        gmsh::parse(source)
+    } else if bulk_data || (extension != "inp" && nastran::is_bulk_data(content)) {
+        nastran::parse(source, ignored)
+    } else if content.starts_with(b"$") {
         gmsh::parse(source)
     } else if content.starts_with(b"*") || extension == "inp" {
-        abaqus::parse(source, ignored)
+        abaqus::parse(source, ignored, folder)
     } else {
         let found = format!("extension '{}', content {}", extension.display(), quote(content, 16));
         Err(MeshError::UnknownFormat { file: file.into(), found })

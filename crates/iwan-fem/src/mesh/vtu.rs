@@ -5,7 +5,7 @@
 
 use std::fmt::Write;
 
-use super::topology::{Mesh, Shape};
+use super::topology::{Element, Mesh, Shape};
 
 /// Values at the nodes of a mesh.
 #[derive(Debug, Clone, Copy)]
@@ -71,7 +71,7 @@ pub fn grid(mesh: &Mesh, fields: &[Field]) -> Vec<u8> {
     body += "</Points>\n<Cells>\n";
     body += &data.integers(
         "connectivity",
-        mesh.elements.iter().flat_map(|e| &e.nodes).map(|n| i64::try_from(*n).unwrap_or(i64::MAX)),
+        mesh.elements.iter().flat_map(in_vtk_order).map(|n| i64::try_from(n).unwrap_or(i64::MAX)),
     );
     let ends = mesh.elements.iter().scan(0, |end, element| {
         *end += i64::try_from(element.nodes.len()).unwrap_or_default();
@@ -105,12 +105,24 @@ pub fn series<'a>(frames: impl Iterator<Item = (f64, &'a str)>) -> String {
     text + "</Collection>\n</VTKFile>\n"
 }
 
-/// VTK's number of the cell type; its nodes come in the order of [`Shape`].
+/// VTK's number of the cell type.
 fn cell_type(shape: Shape) -> u8 {
     match shape {
         Shape::Hex8 => 12,
         Shape::Hex20 => 25,
+        Shape::Tet4 => 10,
+        Shape::Tet10 => 24,
+        Shape::Wedge6 => 13,
+        Shape::Wedge15 => 26,
     }
+}
+
+/// Nodes as VTK wants them: in the order of [`Shape`], but the bottom triangle of the six-node wedge is seen from below (VTK's
+/// vtkWedge: "a triangle whose normal points outward").
+fn in_vtk_order(element: &Element) -> impl Iterator<Item = usize> + '_ {
+    const WEDGE: [usize; 6] = [0, 2, 1, 3, 5, 4];
+    let turned = element.shape == Shape::Wedge6;
+    (0..element.nodes.len()).map(move |at| element.nodes[if turned { WEDGE[at] } else { at }])
 }
 
 /// A text inside an attribute.

@@ -4,7 +4,7 @@ use super::given::Given;
 use super::interface::Joint;
 use crate::element::{Formulation, Inertia, Material};
 use crate::error::{Error, check};
-use crate::mesh::Mesh;
+use crate::mesh::{Constraint, Mesh, PointMass, Sides};
 
 /// Nodes that do not move in some of the directions x, y, z.
 #[derive(Debug, Clone, PartialEq)]
@@ -58,6 +58,10 @@ pub struct Structure {
     pub supports: Vec<Support>,
     /// Masses and springs at nodes.
     pub lumps: Vec<Lump>,
+    /// Constraints of the mesh file.
+    pub constraints: Vec<Constraint>,
+    /// Masses with inertia at nodes.
+    pub masses: Vec<PointMass>,
     /// Stiffness and mass from another program. With them the elements of the mesh serve pictures only, and materials nothing.
     pub given: Option<Given>,
 }
@@ -75,8 +79,67 @@ impl Structure {
             joints: Vec::new(),
             supports: Vec::new(),
             lumps: Vec::new(),
+            constraints: Vec::new(),
+            masses: Vec::new(),
             given: None,
         }
+    }
+
+    /// Ties the nodes of the set `face` to the outer faces of the mesh whose corners all belong to the set `patch`: each follows the point of a face
+    /// on which it lies, and is moved there first. The meshes need not match. Nodes farther from all faces than `tolerance` stay free; without
+    /// one that is a twentieth of the faces' mean size. Returns the largest distance by which a node was moved, and how many stay free.
+    ///
+    /// # Errors
+    /// [`Error::MissingSet`]; [`Error::Connection`] where the patch has no faces or no node is near them.
+    ///
+    /// ```
+    /// use iwan_fem::mesh::block::{block, uniform};
+    /// use iwan_fem::{Material, Structure};
+    /// // Two blocks on top of each other, 2 x 2 elements on 3 x 3.
+    /// let mut mesh = block(&[uniform(0.0, 1.0, 3), uniform(0.0, 1.0, 3), uniform(0.0, 1.0, 1)]);
+    /// let upper = block(&[uniform(0.0, 1.0, 2), uniform(0.0, 1.0, 2), uniform(1.0, 2.0, 1)]);
+    /// let nodes = mesh.positions.len();
+    /// mesh.positions.extend(upper.positions);
+    /// mesh.node_labels.extend(upper.node_labels.iter().map(|label| label + 100));
+    /// mesh.elements.extend(upper.elements.into_iter().map(|mut element| {
+    ///     element.label += 100;
+    ///     element.nodes.iter_mut().for_each(|node| *node += nodes);
+    ///     element
+    /// }));
+    /// let at = |z: f64, range: std::ops::Range<usize>| range.filter(|n| mesh.positions[*n][2] == z).collect::<Vec<_>>();
+    /// let (below, above) = (at(1.0, 0..nodes), at(1.0, nodes..mesh.positions.len()));
+    /// mesh.node_sets.insert("below".into(), below);
+    /// mesh.node_sets.insert("above".into(), above);
+    /// let mut structure = Structure::new(mesh, Material::new(1.0, 0.3, 1.0)?);
+    /// assert_eq!(structure.project("glue", "above", "below", None)?, (0.0, 0));
+    /// assert!(structure.check().message().is_none());
+    /// # Ok::<(), iwan_fem::Error>(())
+    /// ```
+    pub fn project(
+        &mut self,
+        name: &str,
+        face: &str,
+        patch: &str,
+        tolerance: Option<f64>,
+    ) -> Result<(f64, usize), Error> {
+        let user = format!("tie `{name}`");
+        let faces = self.mesh.faces_within(self.nodes(&user, patch)?);
+        let nodes = self.nodes(&user, face)?.to_vec();
+        let refused = |finding: String, remedy| Error::Connection { name: user.clone(), finding, remedy };
+        if faces.is_empty() {
+            let finding = format!("no outer face of the mesh has all its corners in the set `{patch}`");
+            return Err(refused(finding, "name the set of all nodes of a face of the part"));
+        }
+        let tied = self.mesh.tie(Sides { name: &user, nodes: &nodes, faces: &faces, tolerance });
+        if tied.constraints.is_empty() {
+            let finding = format!("none of its {} nodes is near the faces of `{patch}`", nodes.len());
+            return Err(refused(finding, "name sets that face each other, or give a larger tolerance"));
+        }
+        for (node, position) in &tied.feet {
+            self.mesh.positions[*node] = *position;
+        }
+        self.constraints.extend(tied.constraints);
+        Ok((tied.gap, tied.free.len()))
     }
 
     /// Nodes of a set, with an error that says who asked.
@@ -104,6 +167,12 @@ impl Structure {
             check("lumped mass", lump.mass, lump.mass >= 0.0, "must be a finite number >= 0")?;
             for k in lump.stiffness {
                 check("lumped stiffness", k, k >= 0.0, "must be a finite number >= 0")?;
+            }
+        }
+        for mass in &self.masses {
+            check("mass at a node", mass.mass, mass.mass >= 0.0, "must be a finite number >= 0")?;
+            for value in mass.offset.iter().chain(mass.inertia.as_flattened()) {
+                check("offset or inertia of a mass at a node", *value, true, "must be finite")?;
             }
         }
         Ok(())

@@ -46,9 +46,13 @@ pub(crate) struct Msh {
 
 impl Msh {
     pub(crate) fn new(encoding: Encoding) -> Self {
+        Self::version(encoding, "4.1")
+    }
+
+    fn version(encoding: Encoding, version: &str) -> Self {
         let mut msh = Self { encoding, bytes: Vec::new() };
         let kind = u8::from(encoding != Encoding::Ascii);
-        msh.text(&format!("$MeshFormat\n4.1 {kind} 8\n"));
+        msh.text(&format!("$MeshFormat\n{version} {kind} 8\n"));
         if encoding != Encoding::Ascii {
             msh.int(1);
             msh.text("\n");
@@ -139,6 +143,58 @@ impl Msh {
         msh
     }
 }
+
+impl Msh {
+    /// The same element in version 2.2: as volume in the group 5 "block", its first three nodes as a triangle in group 7 "bottom face".
+    pub(crate) fn block_two(encoding: Encoding, points: &[[f64; 3]], kind: i32) -> Self {
+        let mut msh = Self::version(encoding, "2.2");
+        msh.text(
+            "$PhysicalNames\n3\n2 7 \"bottom face\"\n3 5 \"block\"\n1 9 \"nothing\"\n$EndPhysicalNames\n",
+        );
+        msh.text(&format!("$Nodes\n{}\n", points.len()));
+        for (label, point) in (11..).zip(points) {
+            msh.int(label).numbers(point);
+        }
+        msh.text("\n$EndNodes\n$Elements\n2\n");
+        let labels: Vec<i32> = (11..).take(points.len()).collect();
+        for (label, kind, tags, nodes) in [(1, 2, &[7, 2][..], &labels[..3]), (2, kind, &[5, 1, 0], &labels)]
+        {
+            let count = i32::try_from(tags.len()).expect("a few tags");
+            if encoding == Encoding::Ascii {
+                msh.ints(&[label, kind, count]);
+            } else {
+                msh.ints(&[kind, 1, count, label]);
+            }
+            msh.ints(tags).ints(nodes);
+        }
+        msh.text("\n$EndElements\n");
+        msh
+    }
+}
+
+/// Corners of the unit tetrahedron, then the middles of `edges`.
+pub(crate) fn tet10(edges: &[(usize, usize); 6]) -> Vec<[f64; 3]> {
+    let corners = [[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
+    let middle = |(a, b): &(usize, usize)| std::array::from_fn(|i| 0.5 * (corners[*a][i] + corners[*b][i]));
+    corners.iter().copied().chain(edges.iter().map(middle)).collect()
+}
+
+/// Corners of the unit wedge, then the middles of `edges`.
+pub(crate) fn wedge15(edges: &[(usize, usize); 9]) -> Vec<[f64; 3]> {
+    let corners: Vec<[f64; 3]> =
+        [[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1], [1, 0, 1], [0, 1, 1]].map(|p| p.map(f64::from)).to_vec();
+    let middle = |(a, b): &(usize, usize)| std::array::from_fn(|i| 0.5 * (corners[*a][i] + corners[*b][i]));
+    corners.iter().copied().chain(edges.iter().map(middle)).collect()
+}
+
+/// Edges whose middles are the nodes 4 to 9 of Abaqus' C3D10, and Gmsh's order of them (Gmsh reference manual, "Node ordering").
+pub(crate) const TET_EDGES: [(usize, usize); 6] = [(0, 1), (1, 2), (2, 0), (0, 3), (1, 3), (2, 3)];
+pub(crate) const GMSH_TET_EDGES: [(usize, usize); 6] = [(0, 1), (1, 2), (2, 0), (3, 0), (3, 2), (3, 1)];
+/// The same of the nodes 6 to 14 of C3D15 and of Gmsh's prism.
+pub(crate) const WEDGE_EDGES: [(usize, usize); 9] =
+    [(0, 1), (1, 2), (2, 0), (3, 4), (4, 5), (5, 3), (0, 3), (1, 4), (2, 5)];
+pub(crate) const GMSH_WEDGE_EDGES: [(usize, usize); 9] =
+    [(0, 1), (0, 2), (0, 3), (1, 2), (1, 4), (2, 5), (3, 4), (3, 5), (4, 5)];
 
 /// Nodes of an Abaqus file, numbered from 11.
 pub(crate) fn inp_nodes(points: &[[f64; 3]]) -> String {

@@ -3,6 +3,7 @@
 use std::path::Path;
 
 use iwan_fem::Structure;
+use iwan_fem::mesh::MeshFile;
 
 use super::ends::{self, Load, Output};
 use super::{joints, materials, matrices, meshes, sets};
@@ -75,6 +76,7 @@ impl StructureFile {
         let top = Section::new(source, "the structure", document.top(), KEYS)?;
         let (mut structure, mut notes) = body(source, &top)?;
         structure.joints = joints::read(source, &top, &structure.mesh)?;
+        notes.extend(joints::project(source, &top, &mut structure)?);
         structure.supports = ends::supports(source, &top, &structure.mesh)?;
         structure.lumps = ends::lumps(source, &top, &structure.mesh)?;
         let loads = ends::loads(source, &top, &structure.mesh)?;
@@ -96,7 +98,10 @@ fn body(source: &InputText, top: &Section<'_>) -> Result<(Structure, Vec<String>
         sets::read(source, top, &mut structure.mesh)?;
         return Ok((structure, notes));
     }
-    let (mut mesh, notes) = meshes::read(source, top)?;
+    let (MeshFile { mut mesh, constraints, masses, sections, .. }, notes) = meshes::read(source, top)?;
     sets::read(source, top, &mut mesh)?;
-    Ok((materials::read(source, top, mesh)?, notes))
+    let mut structure = materials::read(source, top, mesh, &sections)?;
+    structure.constraints = constraints;
+    structure.masses = masses;
+    Ok((structure, notes))
 }

@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use iwan_fem::mesh::Mesh;
-use iwan_fem::{Interface, Joint, Law, Patch};
+use iwan_fem::{Interface, Joint, Law, Patch, Structure};
 
 use super::ends::name;
 use super::sets::{direction, known};
@@ -38,6 +38,9 @@ pub(super) fn read(source: &InputText, top: &Section<'_>, mesh: &Mesh) -> Result
             let face = known(&section, "face", "node", &mesh.node_sets)?;
             let patch = known(&section, "patch", "node", &mesh.node_sets)?;
             // A tie in no direction would be none.
+            if word == "tie" && is_projected(&section)? {
+                continue;
+            }
             let motions = if word == "joint" { MOTIONS } else { &MOTIONS[..3] };
             let motion = section.choice("motion", motions)?.unwrap_or(Interface::Whole(Patch::default()));
             let mut joint = Joint::new(name, face, patch, motion);
@@ -48,6 +51,50 @@ pub(super) fn read(source: &InputText, top: &Section<'_>, mesh: &Mesh) -> Result
         }
     }
     Ok(joints)
+}
+
+/// Whether a tie says motion = "projection".
+fn is_projected(section: &Section<'_>) -> Result<bool, InputError> {
+    Ok(section.is_text("motion") && section.text("motion")? == PROJECTION)
+}
+
+/// How a tie between meshes that do not match is called.
+const PROJECTION: &str = "projection";
+
+/// Ties between meshes that do not match: nodes of the face are moved onto the faces of the patch and follow them. Returns notes.
+pub(super) fn project(
+    source: &InputText,
+    top: &Section<'_>,
+    structure: &mut Structure,
+) -> Result<Vec<String>, InputError> {
+    let mut notes = Vec::new();
+    for (index, place) in top.tables("tie")?.into_iter().enumerate() {
+        let section = Section::new(source, format!("tie {}", index + 1), place, TIE_KEYS)?;
+        if !is_projected(&section)? {
+            continue;
+        }
+        let (section, name) = name(section, "tie", |_| false)?;
+        let (face, patch) = (section.text("face")?, section.text("patch")?);
+        let tied = structure.project(&name, &face, &patch, None).map_err(|error| {
+            section.failure(
+                "patch",
+                &error.to_string(),
+                "a tie by projection needs faces that are near its nodes",
+            )
+        })?;
+        let (moved, free) = tied;
+        if moved > 0.0 {
+            notes.push(format!(
+                "tie `{name}`: nodes of `{face}` were moved by up to {moved:.3e} onto the faces of `{patch}`"
+            ));
+        }
+        if free > 0 {
+            notes.push(format!(
+                "tie `{name}`: {free} nodes of `{face}` are not near the faces of `{patch}` and stay free"
+            ));
+        }
+    }
+    Ok(notes)
 }
 
 fn slips(source: &InputText, section: &Section<'_>, mut joint: Joint) -> Result<Joint, InputError> {

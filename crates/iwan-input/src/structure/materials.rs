@@ -1,6 +1,6 @@
 //! `[[material]]` and `[elements]`.
 
-use iwan_fem::mesh::Mesh;
+use iwan_fem::mesh::{Mesh, Section as MeshSection};
 use iwan_fem::{Error, Formulation, Inertia, Material, Structure};
 
 use super::sets::known;
@@ -13,9 +13,19 @@ pub(super) const MATERIAL_KEYS: &[&str] = &["elements", "young", "poisson", "den
 /// Keys of `[elements]`.
 pub(super) const ELEMENT_KEYS: &[&str] = &["formulation", "mass"];
 
-/// A structure of the mesh with its materials and formulations.
-pub(super) fn read(source: &InputText, top: &Section<'_>, mesh: Mesh) -> Result<Structure, InputError> {
+/// A structure of the mesh with its materials and formulations. Materials of the mesh file hold where the structure file gives none at all.
+pub(super) fn read(
+    source: &InputText,
+    top: &Section<'_>,
+    mesh: Mesh,
+    sections: &[MeshSection],
+) -> Result<Structure, InputError> {
     let (mut general, mut special) = (None, Vec::new());
+    if top.tables("material")?.is_empty() {
+        for section in sections {
+            special.push((section.elements.clone(), of_file(top, section)?));
+        }
+    }
     for (index, place) in top.tables("material")?.into_iter().enumerate() {
         let title = format!("material {}", index + 1);
         let section = Section::new(source, title, place, MATERIAL_KEYS)?;
@@ -44,6 +54,15 @@ pub(super) fn read(source: &InputText, top: &Section<'_>, mesh: Mesh) -> Result<
         structure.inertia = section.choice("mass", &masses)?.unwrap_or_default();
     }
     Ok(structure)
+}
+
+/// A material of the mesh file.
+fn of_file(top: &Section<'_>, section: &MeshSection) -> Result<Material, InputError> {
+    let [young, poisson, density] = section.constants;
+    Material::new(young, poisson, density).map_err(|error| {
+        let message = format!("material {} of the mesh file: {error}", section.material);
+        top.failure("mesh", &message, "correct it there, or give [[material]] here")
+    })
 }
 
 fn material(section: &Section<'_>) -> Result<Material, InputError> {

@@ -2,7 +2,7 @@
 
 use iwan_fem::mesh::beam::{Configuration, beam};
 use iwan_fem::mesh::block::{block, uniform};
-use iwan_fem::mesh::{self, Mesh};
+use iwan_fem::mesh::{self, Mesh, MeshFile};
 
 use super::sets::triple;
 use crate::error::InputError;
@@ -20,32 +20,38 @@ pub(super) const KINDS: &[TableKind] = &[
 /// 28,000 unknowns). It is refused before the mesh is made; a mesh from a file is limited by its reader alone.
 const MOST_ELEMENTS: f64 = 2e6;
 
-/// The mesh, and what its reader remarked.
-pub(super) fn read(source: &InputText, top: &Section<'_>) -> Result<(Mesh, Vec<String>), InputError> {
+/// The mesh with what its file says beside it, and what the reader remarked.
+pub(super) fn read(source: &InputText, top: &Section<'_>) -> Result<(MeshFile, Vec<String>), InputError> {
     let Some(place) = top.optional_table("mesh")? else {
-        let remedy = "add [mesh] with path = \"FILE.msh\" (Gmsh 4.1) or \"FILE.inp\" (Abaqus)";
+        let remedy =
+            "add [mesh] with path = \"FILE.msh\" (Gmsh), \"FILE.inp\" (Abaqus) or \"FILE.bdf\" (Nastran)";
         return Err(top.failure("mesh", "the table [mesh] is missing", remedy));
     };
     let (section, kind) = Section::kind(source, "[mesh]", place, KINDS, Some("file"))?;
     match kind.name {
         "file" => from_file(source, &section),
-        "paper-beam" => paper_beam(&section).map(|mesh| (mesh, Vec::new())),
-        _ => brick(&section).map(|mesh| (mesh, Vec::new())),
+        "paper-beam" => paper_beam(&section).map(alone),
+        _ => brick(&section).map(alone),
     }
 }
 
-fn from_file(source: &InputText, section: &Section<'_>) -> Result<(Mesh, Vec<String>), InputError> {
+/// A mesh that no file says more about.
+fn alone(mesh: Mesh) -> (MeshFile, Vec<String>) {
+    (MeshFile::plain(mesh, Vec::new()), Vec::new())
+}
+
+fn from_file(source: &InputText, section: &Section<'_>) -> Result<(MeshFile, Vec<String>), InputError> {
     let path = source.folder.join(section.text("path")?);
     let ignored = if section.has("ignore") { section.texts("ignore")? } else { Vec::new() };
     let read = mesh::read_ignoring(&path, &ignored).map_err(|error| {
         section.failure(
             "path",
             &error.to_string(),
-            "the path is relative to the structure file; Gmsh 4.1 and Abaqus are read",
+            "the path is relative to the structure file; Gmsh, Abaqus and Nastran bulk data are read",
         )
     })?;
     let notes = read.warnings.iter().map(|warning| format!("{}: {warning}", path.display())).collect();
-    Ok((read.mesh, notes))
+    Ok((read, notes))
 }
 
 fn paper_beam(section: &Section<'_>) -> Result<Mesh, InputError> {

@@ -8,7 +8,7 @@ use super::definition::{Definition, SetKind};
 use super::fields::whole;
 use super::keyword::Keyword;
 use super::lines::Lines;
-use super::reader::{ReadAs, Reader};
+use super::reader::{ReadAs, Reader, number_of, within};
 
 /// An element type, and what it is read as where the name promises a formulation of its own.
 struct ElementType {
@@ -17,15 +17,23 @@ struct ElementType {
     read_as: Option<&'static str>,
 }
 
-const HEX8: Option<&str> = Some("a hexahedron of 8 nodes");
-const HEX20: Option<&str> = Some("a hexahedron of 20 nodes");
+const fn entry(name: &'static str, shape: Shape, read_as: Option<&'static str>) -> ElementType {
+    ElementType { name, shape, read_as }
+}
 
 static TYPES: &[ElementType] = &[
-    ElementType { name: "C3D8", shape: Shape::Hex8, read_as: HEX8 },
-    ElementType { name: "C3D8I", shape: Shape::Hex8, read_as: None },
-    ElementType { name: "C3D8R", shape: Shape::Hex8, read_as: HEX8 },
-    ElementType { name: "C3D20", shape: Shape::Hex20, read_as: None },
-    ElementType { name: "C3D20R", shape: Shape::Hex20, read_as: HEX20 },
+    entry("C3D8", Shape::Hex8, Some("a hexahedron of 8 nodes")),
+    entry("C3D8I", Shape::Hex8, None),
+    entry("C3D8R", Shape::Hex8, Some("a hexahedron of 8 nodes")),
+    entry("C3D20", Shape::Hex20, None),
+    entry("C3D20R", Shape::Hex20, Some("a hexahedron of 20 nodes")),
+    entry("C3D4", Shape::Tet4, None),
+    entry("C3D10", Shape::Tet10, None),
+    entry("C3D10M", Shape::Tet10, Some("a tetrahedron of 10 nodes")),
+    entry("C3D10HS", Shape::Tet10, Some("a tetrahedron of 10 nodes")),
+    entry("C3D10T", Shape::Tet10, Some("a tetrahedron of 10 nodes")),
+    entry("C3D6", Shape::Wedge6, None),
+    entry("C3D15", Shape::Wedge15, None),
 ];
 
 impl Reader {
@@ -33,25 +41,62 @@ impl Reader {
     pub(super) fn elements(&mut self, lines: &mut Lines, keyword: &Keyword) -> Result<(), MeshError> {
         keyword.only(lines.source, &["TYPE", "ELSET"])?;
         let given = keyword.required(lines.source, "TYPE")?;
+        if given.eq_ignore_ascii_case("MASS") || given.eq_ignore_ascii_case("ROTARYI") {
+            return self.mass_elements(lines, keyword);
+        }
         let Some(kind) = TYPES.iter().find(|t| t.name.eq_ignore_ascii_case(given)) else {
             let found = format!("element type {}", quote(given.as_bytes(), 40));
             let names: Vec<_> = TYPES.iter().map(|t| t.name).collect();
-            let remedy = format!("mesh with hexahedra; read are {}", names.join(", "));
+            let remedy = format!(
+                "mesh with hexahedra, tetrahedra or wedges (shells and beams come in by [matrices]); read are {}",
+                names.join(", ")
+            );
             return Err(keyword.refused(lines.source, &found, &remedy));
         };
         if let Some(read_as) = kind.read_as {
             self.formulations.entry(kind.name).or_insert(ReadAs { line: keyword.line, read_as });
         }
-        let first = self.elements.len();
-        while let Some(element) = element(lines, kind)? {
-            self.element_lines.push(element.1);
-            self.elements.push(element.0);
+        let own = self.within();
+        let body = self.body();
+        let first = body.elements.len();
+        while let Some((mut element, offset)) = element(lines, kind)? {
+            element.label = within(own, element.label);
+            element.nodes.iter_mut().for_each(|node| *node = within(own, *node as u64) as usize);
+            body.element_lines.push(offset);
+            body.elements.push(element);
         }
         if let Some(name) = keyword.value("ELSET") {
-            let added = self.elements[first..].iter().map(|e| e.label).collect();
-            self.definitions.push(Definition::of(SetKind::Elements, name, keyword.line, added));
+            let added = body.elements[first..].iter().map(|e| number_of(e.label)).collect();
+            let name = self.named(name);
+            let definition = Definition::of(SetKind::Elements, &name, keyword.line, added, own);
+            self.body().definitions.push(definition);
         }
         Ok(())
+    }
+}
+
+impl Reader {
+    /// Elements of one node: what `*MASS` gives to them comes later.
+    fn mass_elements(&mut self, lines: &mut Lines, keyword: &Keyword) -> Result<(), MeshError> {
+        let set = self.named(keyword.required(lines.source, "ELSET")?).to_uppercase();
+        let own = self.within();
+        let nodes = self.body().mass_elements.entry(set).or_default();
+        while let Some(line) = lines.next_data() {
+            let mut fields = line.fields();
+            let label =
+                whole(lines.source, &line, fields.next().unwrap_or_default(), "the number of an element")?;
+            let what = format_args!("the node of element {label}");
+            nodes.push(within(own, whole(lines.source, &line, fields.next().unwrap_or_default(), what)?));
+        }
+        Ok(())
+    }
+
+    /// A name with that of the present instance in front.
+    pub(super) fn named(&self, name: &str) -> String {
+        match self.within().checked_sub(1) {
+            Some(at) => format!("{}.{name}", self.instances[at]),
+            None => name.into(),
+        }
     }
 }
 
@@ -66,12 +111,11 @@ fn element(lines: &mut Lines, kind: &ElementType) -> Result<Option<(Element, usi
     loop {
         for field in fields {
             let node = whole(lines.source, &line, field, format_args!("a node of element {label}"))?;
-            // A number that no index can hold is no node of this file; it is found out when nodes are looked up.
-            nodes.push(usize::try_from(node).unwrap_or(usize::MAX));
+            nodes.push(node as usize);
             if nodes.len() > wanted {
                 let found = format!("element {label} with more than {wanted} nodes");
                 let expected = format!("the {wanted} nodes of {}", kind.name);
-                return Err(lines.source.malformed(format!("line {}", line.number), found, expected));
+                return Err(lines.source.malformed(line.place(lines.source), found, expected));
             }
         }
         if nodes.len() == wanted {
@@ -84,7 +128,7 @@ fn element(lines: &mut Lines, kind: &ElementType) -> Result<Option<(Element, usi
                 "the {wanted} nodes of {} (a line ends in a comma when the next continues it)",
                 kind.name
             );
-            return Err(lines.source.malformed(format!("line {}", line.number), found, expected));
+            return Err(lines.source.malformed(line.place(lines.source), found, expected));
         };
         line = next;
         fields = line.fields();
@@ -101,8 +145,10 @@ pub(super) fn resolve(
     for (element, offset) in elements.iter_mut().zip(lines) {
         for node in &mut element.nodes {
             *node = nodes.index(*node as u64).ok_or_else(|| {
-                let place = format!("line {}, element {}", source.line(*offset), element.label);
-                source.malformed(place, format!("node {node}"), "the number of a node of this file")
+                let line = source.at_line(source.line(*offset));
+                let place = format!("{line}, element {}", number_of(element.label));
+                let found = format!("node {}", number_of(*node as u64));
+                source.malformed(place, found, "the number of a node of this file, or of this instance")
             })?;
         }
     }

@@ -6,6 +6,9 @@ use super::super::error::MeshError;
 use super::super::file::{FileBytes, quote};
 use super::lines::Line;
 
+/// Numbers of nodes and elements stay below this, so that there is room for the instance beside them.
+const LARGEST: u64 = 1 << 40;
+
 /// A whole number > 0.
 pub(super) fn whole(
     source: FileBytes,
@@ -13,10 +16,11 @@ pub(super) fn whole(
     field: &[u8],
     what: impl Display,
 ) -> Result<u64, MeshError> {
-    let value = std::str::from_utf8(field).ok().and_then(|text| text.parse().ok()).filter(|n| *n > 0);
+    let value =
+        std::str::from_utf8(field).ok().and_then(|text| text.parse().ok()).filter(|n| *n > 0 && *n < LARGEST);
     value.ok_or_else(|| {
-        let expected = format!("{what}: a whole number > 0");
-        source.malformed(format!("line {}", line.number), quote(field, 40), expected)
+        let expected = format!("{what}: a whole number > 0 and below {LARGEST}");
+        source.malformed(line.place(source), quote(field, 40), expected)
     })
 }
 
@@ -31,6 +35,6 @@ pub(super) fn number(
     let value = text.parse().or_else(|_| text.to_ascii_lowercase().replacen('d', "e", 1).parse::<f64>());
     value.ok().filter(|value| value.is_finite()).ok_or_else(|| {
         let expected = format!("{what}: a finite number");
-        source.malformed(format!("line {}", line.number), quote(field, 40), expected)
+        source.malformed(line.place(source), quote(field, 40), expected)
     })
 }

@@ -5,7 +5,7 @@ use super::super::file::{FileBytes, quote};
 use super::lines::{Line, Lines};
 
 /// A keyword with its parameters, continued lines joined.
-#[derive(Debug)]
+#[derive(Debug, Clone)]
 pub(super) struct Keyword {
     /// In capitals, single blanks between words, without the star.
     pub(super) name: String,
@@ -23,7 +23,7 @@ impl Keyword {
         let mut last = line;
         while last.continues() {
             let Some(next) = lines.next_data() else {
-                let place = format!("line {}", last.number);
+                let place = last.place(lines.source);
                 return Err(lines.source.malformed(place, "a comma at the end", "a line that continues it"));
             };
             parameters.extend(next.fields().map(parameter));
@@ -34,12 +34,12 @@ impl Keyword {
     }
 
     /// Where it is, for messages.
-    pub(super) fn place(&self) -> String {
-        format!("line {}", self.line)
+    pub(super) fn place(&self, source: FileBytes) -> String {
+        source.at_line(self.line)
     }
 
     pub(super) fn refused(&self, source: FileBytes, found: &str, remedy: &str) -> MeshError {
-        source.unsupported(self.place(), found, remedy)
+        source.unsupported(self.place(source), found, remedy)
     }
 
     /// Whether a parameter is there, with or without a value.
@@ -55,7 +55,11 @@ impl Keyword {
     /// Value of a parameter that must be there.
     pub(super) fn required(&self, source: FileBytes, name: &str) -> Result<&str, MeshError> {
         self.value(name).filter(|value| !value.is_empty()).ok_or_else(|| {
-            source.malformed(self.place(), format!("*{} without {name}", self.name), format!("{name}=..."))
+            source.malformed(
+                self.place(source),
+                format!("*{} without {name}", self.name),
+                format!("{name}=..."),
+            )
         })
     }
 
@@ -72,7 +76,8 @@ impl Keyword {
 
 /// Name of a keyword: capitals, single blanks, no star.
 pub(super) fn name(bytes: &[u8]) -> String {
-    words(bytes).trim_start_matches('*').trim().to_string()
+    // No keyword is as long; what is no keyword at all need not fill the screen.
+    words(bytes).trim_start_matches('*').trim().chars().take(60).collect()
 }
 
 /// Capitals, single blanks.

@@ -14,6 +14,11 @@ pub(super) struct Line<'a> {
 }
 
 impl<'a> Line<'a> {
+    /// Where it is, for messages.
+    pub(super) fn place(&self, source: FileBytes) -> String {
+        source.at_line(self.number)
+    }
+
     pub(super) fn is_keyword(&self) -> bool {
         self.text.starts_with(b"*")
     }

@@ -1,40 +1,57 @@
-//! Abaqus input: nodes, hexahedra and sets (Abaqus Keywords Reference; CalculiX reads the same).
+//! Abaqus input: nodes, elements, sets, surfaces, parts with their instances, and constraints (Abaqus Keywords Reference; CalculiX reads
+//! the same).
 //!
-//! `*NODE`, `*SYSTEM`, `*ELEMENT`, `*NSET` and `*ELSET` are read. Keywords that are known to leave the model as it is are passed over
-//! with a remark; all others are refused by name, unless the user wants them to be ignored. One part with one instance in its own place is read as if it stood alone.
+//! Keywords that are known to leave the model as it is are passed over with a remark; those that change it are obeyed or refused by name,
+//! unless the user wants them to be ignored.
 
 mod lines;
 mod fields;
 mod keyword;
 mod known;
 mod definition;
+mod reader;
 mod parts;
 mod system;
-mod reader;
 mod nodes;
 mod elements;
 mod sets;
+mod surfaces;
+mod constraints;
+mod include;
+
+use std::collections::BTreeMap;
+use std::path::Path;
 
 use super::error::{MeshError, MeshWarning};
 use super::file::{FileBytes, MeshFile};
 use super::labels::{Labels, Twice};
 use super::topology::Mesh;
-use definition::SetKind;
+use constraints::Lookup;
+use definition::{Pending, Row, SetKind, SurfaceText};
 use keyword::Keyword;
 use lines::Lines;
-use reader::{PassedOver, ReadAs, Reader};
+use reader::{PassedOver, ReadAs, Reader, instance_of, number_of};
+use surfaces::Surfaces;
 
 /// Mesh and remarks of an Abaqus input file.
 ///
 /// `ignored` are names of keywords that are passed over although they change the model.
-pub(super) fn parse(source: FileBytes, ignored: &[String]) -> Result<MeshFile, MeshError> {
+pub(super) fn parse(
+    source: FileBytes,
+    ignored: &[String],
+    folder: Option<&Path>,
+) -> Result<MeshFile, MeshError> {
+    let (bytes, pieces) = include::expand(source, folder)?;
+    let source = FileBytes { bytes: &bytes, pieces: &pieces, ..source };
     let mut lines = Lines::new(source);
-    let ignored = ignored.iter().map(|name| keyword::name(name.as_bytes())).collect();
+    let mut ignored: Vec<String> = ignored.iter().map(|name| keyword::name(name.as_bytes())).collect();
+    if ignored.iter().any(|name| name == "COUPLING") {
+        ignored.extend(["KINEMATIC".into(), "DISTRIBUTING".into()]);
+    }
     let mut reader = Reader { ignored, ..Reader::default() };
     while let Some(line) = lines.next() {
         if !line.is_keyword() {
-            let place = format!("line {}", line.number);
-            return Err(source.malformed(place, line.quoted(), "a keyword (*NAME)"));
+            return Err(source.malformed(line.place(source), line.quoted(), "a keyword (*NAME)"));
         }
         let keyword = Keyword::parse(&mut lines, line)?;
         reader.keyword(&mut lines, &keyword)?;
@@ -59,19 +76,26 @@ impl Reader {
             "ELEMENT" => self.elements(lines, keyword),
             "NSET" => self.set(lines, keyword, SetKind::Nodes),
             "ELSET" => self.set(lines, keyword, SetKind::Elements),
-            "INCLUDE" => Err(keyword.refused(
-                lines.source,
-                "*INCLUDE, another file,",
-                "put the text of that file into this one in place of the line",
-            )),
             "PART" | "END PART" | "ASSEMBLY" | "END ASSEMBLY" | "INSTANCE" | "END INSTANCE" => {
-                self.parts.keyword(lines, keyword)
+                self.part_or_instance(lines, keyword)
+            }
+            "SURFACE" => {
+                let name = self.named(keyword.required(lines.source, "NAME")?);
+                let text = self.kept(lines, keyword)?;
+                self.body().surfaces.push(SurfaceText { name, text });
+                Ok(())
+            }
+            name if constraints::KEPT.contains(&name) => {
+                let text = self.kept(lines, keyword)?;
+                self.body().pending.push(text);
+                Ok(())
             }
             name => {
                 if !known::is_harmless(name) {
                     let found = format!("*{name}, which may change the model,");
                     return Err(keyword.refused(lines.source, &found, &known::remedy(name)));
                 }
+                self.steps += usize::from(name == "STEP");
                 let first = PassedOver { line: keyword.line, times: 0 };
                 self.passed_over.entry(name.to_string()).or_insert(first).times += 1;
                 while lines.next_data().is_some() {}
@@ -80,33 +104,163 @@ impl Reader {
         }
     }
 
-    fn finish(self, source: FileBytes) -> Result<MeshFile, MeshError> {
-        let twice = |what: &str, Twice { label, first, second }: Twice, lines: &[usize]| {
-            let (first, second) = (source.line(lines[first]), source.line(lines[second]));
-            let found = format!("{what} {label}, which stands in line {first} already");
+    /// A keyword with its data, for when all names are known.
+    fn kept(&self, lines: &mut Lines, keyword: &Keyword) -> Result<Pending, MeshError> {
+        let mut rows = Vec::new();
+        while let Some(line) = lines.next_data() {
+            let fields = line.fields().map(keyword::label).collect();
+            rows.push(Row { line: line.number, fields });
+        }
+        let within = self.named_instance(lines.source, keyword)?;
+        Ok(Pending { keyword: keyword.clone(), rows, within, step: self.steps })
+    }
+
+    /// Refuses what the file leaves open, or what several steps may say differently.
+    fn whole(&self, source: FileBytes) -> Result<(), MeshError> {
+        if let Some((name, _)) = &self.part {
+            return Err(source.malformed(
+                "the end of the file",
+                format!("part {name} still open"),
+                "*END PART",
+            ));
+        }
+        let in_step = |text: &&Pending| text.keyword.name == "BOUNDARY" && text.step > 0;
+        match self.main.pending.iter().find(in_step) {
+            Some(text) if self.steps > 1 => {
+                let found = format!("*BOUNDARY in one of {} steps", self.steps);
+                let remedy = "put it before the first *STEP if it holds in all of them; or fix the nodes with [[support]] in the \
+                              structure file and pass over it with ignore = [\"BOUNDARY\"] in [mesh]";
+                Err(text.keyword.refused(source, &found, remedy))
+            }
+            _ => Ok(()),
+        }
+    }
+
+    fn finish(mut self, source: FileBytes) -> Result<MeshFile, MeshError> {
+        self.whole(source)?;
+        let mut main = std::mem::take(&mut self.main);
+        let twice = |what: &str, double: Twice, lines: &[usize]| {
+            let place = |at: usize| source.at_line(source.line(lines[at]));
+            let label = self.shown(double.label);
+            let found = format!("{what} {label}, which stands in {} already", place(double.first));
             let expected = format!("a number of its own for every {what}");
-            source.malformed(format!("line {second}"), found, expected)
+            source.malformed(place(double.second), found, expected)
         };
-        let nodes = Labels::new(self.node_labels.iter().copied());
-        let nodes = nodes.map_err(|double| twice("node", double, &self.node_lines))?;
-        let elements = Labels::new(self.elements.iter().map(|e| e.label));
-        let elements = elements.map_err(|double| twice("element", double, &self.element_lines))?;
-        let mut mesh = Mesh { positions: self.positions, node_labels: self.node_labels, ..Mesh::default() };
-        mesh.elements = self.elements;
-        elements::resolve(source, &mut mesh.elements, &self.element_lines, &nodes)?;
-        sets::resolve(source, &mut mesh, &self.definitions, &nodes, &elements)?;
-        let passed_over = self.passed_over.into_iter().map(|(name, PassedOver { line, times })| {
-            let place = format!("line {line}");
+        let nodes = Labels::new(main.node_labels.iter().copied());
+        let nodes = nodes.map_err(|double| twice("node", double, &main.node_lines))?;
+        let elements = Labels::new(main.elements.iter().map(|e| e.label));
+        let elements = elements.map_err(|double| twice("element", double, &main.element_lines))?;
+        let mut mesh = Mesh { positions: main.positions, node_labels: main.node_labels, ..Mesh::default() };
+        mesh.elements = main.elements;
+        elements::resolve(source, &mut mesh.elements, &main.element_lines, &nodes)?;
+        let sets = (&main.definitions[..], &self.instances[..]);
+        let named = sets::resolve(source, &mesh, sets, &nodes, &elements)?;
+        let surfaces = Surfaces::new(source, &self.instances, &main.surfaces);
+        let index = |label| nodes.index(label);
+        let mass_elements = std::mem::take(&mut main.mass_elements);
+        let lookup = Lookup {
+            source,
+            named: &named,
+            surfaces: &surfaces,
+            mass_elements: &mass_elements,
+            index: &index,
+            instances: &self.instances,
+        };
+        let outcome = constraints::resolve(&lookup, &mut mesh, &main.pending)?;
+        let of_surfaces = surface_nodes(&mesh, &surfaces, &lookup, &main.surfaces);
+        mesh.node_sets = named.nodes.finish();
+        mesh.element_sets = named.elements.finish();
+        for (name, nodes) in of_surfaces {
+            mesh.node_sets.entry(name).or_insert(nodes);
+        }
+        let mut warnings = self.remarks(source);
+        warnings.extend(outcome.warnings);
+        let mut sections = outcome.sections;
+        self.number(&mut mesh, &mut sections, &mut warnings);
+        let (constraints, masses) = (outcome.constraints, outcome.masses);
+        Ok(MeshFile { mesh, warnings, constraints, masses, sections })
+    }
+
+    /// What was passed over or read in another sense.
+    fn remarks(&mut self, source: FileBytes) -> Vec<MeshWarning> {
+        let formulations = std::mem::take(&mut self.formulations).into_iter();
+        let formulations = formulations.map(|(found, ReadAs { line, read_as })| MeshWarning::Formulation {
+            place: source.at_line(line),
+            found: found.into(),
+            read_as,
+        });
+        let passed_over = std::mem::take(&mut self.passed_over).into_iter();
+        let passed_over = passed_over.map(|(name, PassedOver { line, times })| {
+            let place = source.at_line(line);
             if self.ignored.contains(&name) {
                 MeshWarning::Ignored { name: format!("*{name}"), place, times }
             } else {
                 MeshWarning::PassedOver { name: format!("*{name}"), place, times }
             }
         });
-        let formulations = self.formulations.into_iter().map(|(found, ReadAs { line, read_as })| {
-            MeshWarning::Formulation { place: format!("line {line}"), found: found.into(), read_as }
-        });
-        let warnings = formulations.chain(passed_over).collect();
-        Ok(MeshFile { mesh, warnings })
+        formulations.chain(passed_over).collect()
     }
+
+    /// Numbers that are the file's own where no two instances share one; otherwise each instance's are shifted by a round number. The names of the sets
+    /// of a single instance stand alone.
+    fn number(
+        &self,
+        mesh: &mut Mesh,
+        sections: &mut [super::constraint::Section],
+        warnings: &mut Vec<MeshWarning>,
+    ) {
+        let own = |labels: &mut dyn Iterator<Item = u64>| {
+            let mut plain: Vec<u64> = labels.map(number_of).collect();
+            plain.sort_unstable();
+            (plain.windows(2).any(|w| w[0] == w[1]), plain.last().copied().unwrap_or(0))
+        };
+        let (shared_nodes, last_node) = own(&mut mesh.node_labels.iter().copied());
+        let (shared_elements, last_element) = own(&mut mesh.elements.iter().map(|e| e.label));
+        let shared = shared_nodes || shared_elements;
+        // A power of ten keeps the file's number readable at the end of the new one.
+        let stride = if shared { 10_u64.pow(1 + last_node.max(last_element).max(1).ilog10()) } else { 0 };
+        let numbered = |label: u64| number_of(label) + stride * instance_of(label) as u64;
+        mesh.node_labels.iter_mut().for_each(|label| *label = numbered(*label));
+        mesh.elements.iter_mut().for_each(|element| element.label = numbered(element.label));
+        for (index, name) in self.instances.iter().enumerate() {
+            let shift = stride * (index as u64 + 1);
+            mesh.instances.insert(name.clone(), shift);
+            if shift > 0 {
+                warnings.push(MeshWarning::Renumbered { instance: name.clone(), shift });
+            }
+        }
+        if let [only] = &self.instances[..] {
+            let short = |name: &str| name.strip_prefix(&format!("{only}.")).map(str::to_owned);
+            for sets in [&mut mesh.node_sets, &mut mesh.element_sets] {
+                let taken = std::mem::take(sets);
+                let (prefixed, plain): (BTreeMap<_, _>, _) =
+                    taken.into_iter().partition(|(name, _)| short(name).is_some());
+                *sets = plain;
+                for (name, members) in prefixed {
+                    let name = short(&name).filter(|short| !sets.contains_key(short)).unwrap_or(name);
+                    sets.insert(name, members);
+                }
+            }
+            for section in sections {
+                if !mesh.element_sets.contains_key(&section.elements) {
+                    section.elements = short(&section.elements).unwrap_or_default();
+                }
+            }
+        }
+    }
+}
+
+/// Nodes of all surfaces that can be looked up, by their names: joints and ties of the structure file may name them. One that cannot and that
+/// nothing refers to does no harm.
+fn surface_nodes(
+    mesh: &Mesh,
+    surfaces: &Surfaces,
+    lookup: &Lookup,
+    texts: &[SurfaceText],
+) -> Vec<(String, Vec<usize>)> {
+    let nodes = |surface: &SurfaceText| {
+        let found = surfaces.find(mesh, lookup.named, &surface.name, surface.text.within).ok()??;
+        Some((surface.name.clone(), found.nodes))
+    };
+    texts.iter().filter_map(nodes).collect()
 }

@@ -5,7 +5,7 @@ use super::definition::{Definition, SetKind};
 use super::fields::{number, whole};
 use super::keyword::Keyword;
 use super::lines::Lines;
-use super::reader::Reader;
+use super::reader::{Reader, number_of, within};
 use super::system::coordinates;
 
 impl Reader {
@@ -13,7 +13,9 @@ impl Reader {
     pub(super) fn nodes(&mut self, lines: &mut Lines, keyword: &Keyword) -> Result<(), MeshError> {
         keyword.only(lines.source, &["NSET", "SYSTEM"])?;
         let coordinates = coordinates(lines, keyword)?;
-        let first = self.node_labels.len();
+        let (own, axes) = (self.within(), self.axes);
+        let body = self.body();
+        let first = body.node_labels.len();
         while let Some(line) = lines.next_data() {
             let mut fields = line.fields();
             let label =
@@ -25,13 +27,15 @@ impl Reader {
                 }
             }
             // Direction cosines of shell normals may follow; they mean nothing to solids.
-            self.positions.push(self.axes.global(coordinates.rectangular(position)));
-            self.node_labels.push(label);
-            self.node_lines.push(line.offset);
+            body.positions.push(axes.global(coordinates.rectangular(position)));
+            body.node_labels.push(within(own, label));
+            body.node_lines.push(line.offset);
         }
         if let Some(name) = keyword.value("NSET") {
-            let added = (first..self.node_labels.len()).map(|index| self.node_labels[index]).collect();
-            self.definitions.push(Definition::of(SetKind::Nodes, name, keyword.line, added));
+            let added = body.node_labels[first..].iter().map(|label| number_of(*label)).collect();
+            let name = self.named(name);
+            let definition = Definition::of(SetKind::Nodes, &name, keyword.line, added, own);
+            self.body().definitions.push(definition);
         }
         Ok(())
     }

@@ -11,7 +11,7 @@ use super::definition::{Definition, Item, SetKind};
 use super::fields::whole;
 use super::keyword::{Keyword, label};
 use super::lines::Lines;
-use super::reader::Reader;
+use super::reader::{Reader, within};
 
 impl Reader {
     /// Reads `*NSET` or `*ELSET`.
@@ -23,7 +23,8 @@ impl Reader {
     ) -> Result<(), MeshError> {
         let own = if kind == SetKind::Nodes { "NSET" } else { "ELSET" };
         keyword.only(lines.source, &["NSET", "ELSET", "GENERATE", "UNSORTED", "INSTANCE", "INTERNAL"])?;
-        let name = keyword.required(lines.source, own)?.to_string();
+        let name = self.named(keyword.required(lines.source, own)?);
+        let instance = self.named_instance(lines.source, keyword)?;
         let mut items = Vec::new();
         if kind == SetKind::Nodes
             && let Some(elements) = keyword.value("ELSET")
@@ -46,39 +47,71 @@ impl Reader {
                 });
             }
         }
-        self.definitions.push(Definition { kind, name, line: keyword.line, items });
+        let definition = Definition { kind, name, line: keyword.line, items, within: instance };
+        self.body().definitions.push(definition);
         Ok(())
     }
 }
 
 /// The sets of one kind while they are filled.
-struct Filling<'a> {
+pub(super) struct Filling<'a> {
     labels: &'a Labels,
+    instances: &'a [String],
     sets: Sets,
     /// First spelling of each name by its capitals: Abaqus does not tell capitals from small letters.
     spelling: BTreeMap<String, String>,
 }
 
 impl<'a> Filling<'a> {
-    fn new(labels: &'a Labels, length: usize) -> Self {
-        Self { labels, sets: Sets::new(length), spelling: BTreeMap::new() }
+    fn new(labels: &'a Labels, instances: &'a [String], length: usize) -> Self {
+        Self { labels, instances, sets: Sets::new(length), spelling: BTreeMap::new() }
     }
 
-    fn members(&self, name: &str) -> Option<&[usize]> {
-        self.sets.get(self.spelling.get(&name.to_uppercase())?)
+    /// Members of a set by its name as an instance calls it: its own set, or one outside.
+    pub(super) fn members(&self, name: &str, instance: usize) -> Option<&[usize]> {
+        self.sets.get(&self.spelled(name, instance)?)
+    }
+
+    /// The name under which that set is found in the mesh.
+    pub(super) fn spelled(&self, name: &str, instance: usize) -> Option<String> {
+        let own = instance.checked_sub(1).map(|at| format!("{}.{name}", self.instances[at]).to_uppercase());
+        let own = own.and_then(|own| self.spelling.get(&own));
+        own.or_else(|| self.spelling.get(&name.to_uppercase())).cloned()
+    }
+
+    /// Index of a node or element by its number, as an instance calls it, or by `INSTANCE.NUMBER`.
+    pub(super) fn numbered(&self, text: &str, instance: usize) -> Option<usize> {
+        if let Ok(number) = text.parse::<u64>() {
+            return self.labels.index(within(instance, number));
+        }
+        let (name, number) = text.rsplit_once('.')?;
+        let at = self.instances.iter().position(|known| known.eq_ignore_ascii_case(name))?;
+        self.labels.index(within(at + 1, number.parse().ok()?))
+    }
+
+    pub(super) fn finish(self) -> BTreeMap<String, Vec<usize>> {
+        self.sets.finish()
     }
 }
 
+/// Sets of nodes and of elements.
+pub(super) struct Named<'a> {
+    pub(super) nodes: Filling<'a>,
+    pub(super) elements: Filling<'a>,
+}
+
 /// Fills the sets of the mesh in the order of the file.
-pub(super) fn resolve(
+pub(super) fn resolve<'a>(
     source: FileBytes,
-    mesh: &mut Mesh,
-    definitions: &[Definition],
-    nodes: &Labels,
-    elements: &Labels,
-) -> Result<(), MeshError> {
-    let length = source.bytes.len();
-    let (mut node_sets, mut element_sets) = (Filling::new(nodes, length), Filling::new(elements, length));
+    mesh: &Mesh,
+    (definitions, instances): (&[Definition], &'a [String]),
+    nodes: &'a Labels,
+    elements: &'a Labels,
+) -> Result<Named<'a>, MeshError> {
+    // What instances repeat counts as if it were written out.
+    let length = source.bytes.len().max(mesh.positions.len() + 8 * mesh.elements.len());
+    let mut node_sets = Filling::new(nodes, instances, length);
+    let mut element_sets = Filling::new(elements, instances, length);
     for definition in definitions {
         let (own, other) = match definition.kind {
             SetKind::Nodes => (&mut node_sets, Some(&element_sets)),
@@ -94,9 +127,7 @@ pub(super) fn resolve(
                 .map_err(|limit| too_large(source, definition, limit))?;
         }
     }
-    mesh.node_sets = node_sets.sets.finish();
-    mesh.element_sets = element_sets.sets.finish();
-    Ok(())
+    Ok(Named { nodes: node_sets, elements: element_sets })
 }
 
 /// Indices of what one item names.
@@ -108,25 +139,34 @@ fn members(
     own: &Filling,
     other: Option<&Filling>,
 ) -> Result<Vec<usize>, MeshError> {
-    let word = definition.kind.word();
+    let (word, instance) = (definition.kind.word(), definition.within);
     let fail = |found: String, expected: &str| {
-        let place = format!("line {}, {word} set {}", definition.line, quote(definition.name.as_bytes(), 40));
+        let line = source.at_line(definition.line);
+        let place = format!("{line}, {word} set {}", quote(definition.name.as_bytes(), 40));
         source.malformed(place, found, expected)
     };
     match item {
-        Item::Number(number) => match own.labels.index(*number) {
+        Item::Number(number) => match own.labels.index(within(instance, *number)) {
             Some(index) => Ok(vec![index]),
-            None => Err(fail(format!("{word} {number}"), &format!("the number of an {word} of this file"))),
+            None => Err(fail(
+                format!("{word} {number}"),
+                &format!("the number of an {word} of this file, or of the instance named"),
+            )),
         },
         Item::Range { first, last, .. } if last < first => {
             Err(fail(format!("the range {first} to {last}"), "first <= last"))
         }
-        Item::Range { first, last, step } => Ok(own.labels.range(*first, *last, *step).collect()),
-        Item::Set(name) => match own.members(name) {
-            Some(members) => Ok(members.to_vec()),
-            None => Err(fail(format!("the name {name:?}"), &format!("a {word} set defined above"))),
+        Item::Range { first, last, step } => {
+            Ok(own.labels.range(within(instance, *first), within(instance, *last), *step).collect())
+        }
+        Item::Set(name) => match own.members(name, instance).map(<[usize]>::to_vec) {
+            Some(members) => Ok(members),
+            None => match own.numbered(name, instance) {
+                Some(index) => Ok(vec![index]),
+                None => Err(fail(format!("the name {name:?}"), &format!("a {word} set defined above"))),
+            },
         },
-        Item::NodesOf(name) => match other.and_then(|other| other.members(name)) {
+        Item::NodesOf(name) => match other.and_then(|other| other.members(name, instance)) {
             Some(elements) => Ok(nodes_of(mesh, elements)),
             None => Err(fail(format!("ELSET={name}"), "an element set defined above")),
         },
@@ -134,7 +174,7 @@ fn members(
 }
 
 /// The nodes of some elements, ascending, each once.
-fn nodes_of(mesh: &Mesh, elements: &[usize]) -> Vec<usize> {
+pub(super) fn nodes_of(mesh: &Mesh, elements: &[usize]) -> Vec<usize> {
     let mut elements = elements.to_vec();
     elements.sort_unstable();
     elements.dedup();
@@ -150,5 +190,5 @@ fn too_large(source: FileBytes, definition: &Definition, TooLarge { limit }: Too
         definition.kind.word(),
         quote(definition.name.as_bytes(), 40)
     );
-    source.unsupported(format!("line {}", definition.line), found, "write fewer sets of sets")
+    source.unsupported(source.at_line(definition.line), found, "write fewer sets of sets")
 }

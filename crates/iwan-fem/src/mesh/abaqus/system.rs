@@ -43,7 +43,7 @@ pub(super) fn read(lines: &mut Lines, keyword: &Keyword) -> Result<Axes, MeshErr
     let second = lines.next_data();
     let flat = || {
         let expected = "points a, b and c that are not on one line";
-        lines.source.malformed(keyword.place(), "*SYSTEM whose points span no plane", expected)
+        lines.source.malformed(keyword.place(lines.source), "*SYSTEM whose points span no plane", expected)
     };
     if values[3..].iter().all(Option::is_none) {
         return match second {

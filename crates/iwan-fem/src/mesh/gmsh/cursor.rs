@@ -21,14 +21,24 @@ pub(super) struct Cursor<'a> {
     pub(super) source: FileBytes<'a>,
     at: usize,
     encoding: Encoding,
+    version: Version,
 }
 
-const VERSION_REMEDY: &str = "save as MSH 4.1 (in Gmsh: -format msh41, or Mesh.MshFileVersion = 4.1)";
+/// Version of the format.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Version {
+    /// 4.1.
+    Four,
+    /// 2, 2.1 and 2.2, which differ in sections that mean nothing to a mesh.
+    Two,
+}
+
+const VERSION_REMEDY: &str = "save as MSH 4.1 or 2.2 (in Gmsh: -format msh41, or Mesh.MshFileVersion = 4.1)";
 
 impl<'a> Cursor<'a> {
     /// Reads `$MeshFormat`.
     pub(super) fn open(source: FileBytes<'a>) -> Result<Self, MeshError> {
-        let mut cursor = Self { source, at: 0, encoding: Encoding::Ascii };
+        let mut cursor = Self { source, at: 0, encoding: Encoding::Ascii, version: Version::Four };
         match cursor.section()? {
             Some((name, _)) if name == "MeshFormat" => {}
             Some((name, offset)) => {
@@ -39,10 +49,14 @@ impl<'a> Cursor<'a> {
         }
         let place = cursor.place();
         let version = cursor.token("the version")?;
-        if version != b"4.1" {
-            let found = format!("MSH version {}", quote(version, 16));
-            return Err(source.unsupported(place, found, VERSION_REMEDY));
-        }
+        cursor.version = match version {
+            b"4.1" => Version::Four,
+            b"2" | b"2.0" | b"2.1" | b"2.2" => Version::Two,
+            _ => {
+                let found = format!("MSH version {}", quote(version, 16));
+                return Err(source.unsupported(place, found, VERSION_REMEDY));
+            }
+        };
         let kind = cursor.token("the file type")?;
         let size = cursor.token("the data size")?;
         let size = match size {
@@ -78,6 +92,15 @@ impl<'a> Cursor<'a> {
     fn line_end(&mut self) {
         let rest = &self.source.bytes[self.at..];
         self.at += rest.iter().position(|b| *b == b'\n').map_or(rest.len(), |n| n + 1);
+    }
+
+    pub(super) fn version(&self) -> Version {
+        self.version
+    }
+
+    /// Whether the numbers of the sections are binary.
+    pub(super) fn is_binary(&self) -> bool {
+        self.encoding != Encoding::Ascii
     }
 
     /// Byte at which the cursor is.
@@ -193,8 +216,11 @@ impl<'a> Cursor<'a> {
         }
     }
 
-    /// A `size_t`: a count or the number of a node or element.
+    /// A count or the number of a node or element: a `size_t`, in version 2 an `int`.
     pub(super) fn size(&mut self, what: impl Display) -> Result<u64, MeshError> {
+        if self.version == Version::Two {
+            return self.label(what);
+        }
         match self.encoding {
             Encoding::Ascii => self.parsed(what),
             Encoding::Binary { big: false, size: 8 } => self.raw(what).map(u64::from_le_bytes),
@@ -217,10 +243,35 @@ impl<'a> Cursor<'a> {
         Err(self.source.malformed(self.place(), value.to_string(), format!("{what}: a finite number")))
     }
 
+    /// A number of a node, an element or a tag of version 2, where all are `int`: it is not negative.
+    fn label(&mut self, what: impl Display) -> Result<u64, MeshError> {
+        let start = self.at;
+        let value = self.integer(&what)?;
+        u64::try_from(value).map_err(|_| {
+            self.source.malformed(self.place_at(start), value.to_string(), format!("{what}: a number >= 0"))
+        })
+    }
+
+    /// A count that stands in a line of text, in binary files too: version 2.
+    pub(super) fn text_count(&mut self, what: impl Display, words: usize) -> Result<usize, MeshError> {
+        self.skip_blanks();
+        let start = self.at;
+        let line = self.text_line();
+        let count = std::str::from_utf8(line).ok().and_then(|text| text.trim().parse::<u64>().ok());
+        let count = count
+            .ok_or_else(|| self.source.malformed(self.place_at(start), quote(line, 40), what.to_string()))?;
+        self.fits(start, count, what, words)
+    }
+
     /// A count of items that need `words` numbers each, at least; more than the rest of the file can hold is an error.
     pub(super) fn count(&mut self, what: impl Display, words: usize) -> Result<usize, MeshError> {
         let start = self.at;
         let count = self.size(&what)?;
+        self.fits(start, count, what, words)
+    }
+
+    /// A count, if the rest of the file has room for it.
+    fn fits(&self, start: usize, count: u64, what: impl Display, words: usize) -> Result<usize, MeshError> {
         let least = match self.encoding {
             Encoding::Ascii => 2,
             Encoding::Binary { .. } => 4,

@@ -3,12 +3,12 @@
 use super::super::error::MeshError;
 use super::super::labels::{Labels, Twice};
 use super::super::sets::TooLarge;
-use super::super::topology::{Element, Shape};
+use super::super::topology::Element;
 use super::cursor::Cursor;
-use super::element_types::{self, ElementType, HEX20, Use};
+use super::element_types::{self, ElementType, Use};
 use super::reader::Reader;
 
-/// Reads hexahedra into the mesh, and the sets of all physical groups.
+/// Reads elements into the mesh, and the sets of all physical groups.
 pub(super) fn read(cursor: &mut Cursor, reader: &mut Reader) -> Result<(), MeshError> {
     let blocks = cursor.count("the number of blocks of elements", 4)?;
     let total = cursor.count("the number of elements", 2)?;
@@ -26,6 +26,11 @@ pub(super) fn read(cursor: &mut Cursor, reader: &mut Reader) -> Result<(), MeshE
             format!("{total}, as $Elements promises"),
         ));
     }
+    numbered_once(cursor, reader)
+}
+
+/// Refuses a number that two elements have.
+pub(super) fn numbered_once(cursor: &Cursor, reader: &Reader) -> Result<(), MeshError> {
     Labels::new(reader.mesh.elements.iter().map(|e| e.label)).map(|_| ()).map_err(
         |Twice { label, .. }| {
             let place = format!("$Elements, which ends at {}", cursor.place());
@@ -41,18 +46,14 @@ fn block(cursor: &mut Cursor, reader: &mut Reader) -> Result<usize, MeshError> {
     let entity =
         (cursor.integer("the dimension of the entity")?, cursor.integer("the number of the entity")?);
     let number = cursor.integer("the type of the elements")?;
-    let kind = element_types::find(number).ok_or_else(|| {
-        let remedy = "mesh in first or second order (in Gmsh: Mesh.ElementOrder = 1 or 2)";
-        cursor.source.unsupported(cursor.place_at(start), format!("element type {number}"), remedy)
-    })?;
+    let kind = known(cursor, start, number)?;
     let count = cursor.count("the number of elements in the block", kind.nodes + 1)?;
-    if let (Use::Refused(remedy), 1..) = (kind.role, count) {
-        let label = cursor.size("the number of an element")?;
-        let found = format!("element {label}, a {} (type {number}),", kind.name);
-        return Err(cursor.source.unsupported(cursor.place_at(start), found, remedy));
-    }
     if count == 0 {
         return Ok(0);
+    }
+    if let Use::Refused(_) = kind.role {
+        let label = cursor.size("the number of an element")?;
+        usable(cursor, start, kind, label)?;
     }
     let sets = reader.groups.sets_of(entity);
     let first = reader.mesh.elements.len();
@@ -64,18 +65,42 @@ fn block(cursor: &mut Cursor, reader: &mut Reader) -> Result<usize, MeshError> {
             reader.mesh.elements.push(Element { label, shape, nodes: element });
         }
     }
-    let last = reader.mesh.elements.len();
     nodes.sort_unstable();
     nodes.dedup();
-    for name in sets {
-        let added = reader.node_sets.extend(&name, nodes.iter().copied());
-        let added = match kind.role {
-            Use::Element(_) => added.and_then(|()| reader.element_sets.extend(&name, first..last)),
-            _ => added,
-        };
-        added.map_err(|limit| too_large(cursor, start, &name, limit))?;
-    }
+    sets.iter().try_for_each(|name| join(cursor, reader, start, name, (kind, &nodes, first)))?;
     Ok(count)
+}
+
+/// The element type with a number.
+pub(super) fn known(cursor: &Cursor, start: usize, number: i32) -> Result<&'static ElementType, MeshError> {
+    element_types::find(number).ok_or_else(|| {
+        let remedy = "mesh in first or second order (in Gmsh: Mesh.ElementOrder = 1 or 2)";
+        cursor.source.unsupported(cursor.place_at(start), format!("element type {number}"), remedy)
+    })
+}
+
+/// Refuses elements that cannot be computed with.
+pub(super) fn usable(cursor: &Cursor, start: usize, kind: &ElementType, label: u64) -> Result<(), MeshError> {
+    let Use::Refused(remedy) = kind.role else { return Ok(()) };
+    let found = format!("element {label}, a {} (type {}),", kind.name, kind.number());
+    Err(cursor.source.unsupported(cursor.place_at(start), found, remedy))
+}
+
+/// Adds nodes, and the elements from `first` on, to the sets of a physical group.
+pub(super) fn join(
+    cursor: &Cursor,
+    reader: &mut Reader,
+    start: usize,
+    name: &str,
+    (kind, nodes, first): (&ElementType, &[usize], usize),
+) -> Result<(), MeshError> {
+    let added = reader.node_sets.extend(name, nodes.iter().copied());
+    let last = reader.mesh.elements.len();
+    let added = match kind.role {
+        Use::Element(_) => added.and_then(|()| reader.element_sets.extend(name, first..last)),
+        _ => added,
+    };
+    added.map_err(|limit| too_large(cursor, start, name, limit))
 }
 
 fn too_large(cursor: &Cursor, start: usize, name: &str, TooLarge { limit }: TooLarge) -> MeshError {
@@ -83,9 +108,19 @@ fn too_large(cursor: &Cursor, start: usize, name: &str, TooLarge { limit }: TooL
     cursor.source.unsupported(cursor.place_at(start), found, "put entities into fewer physical groups")
 }
 
-/// Number and nodes of one element, in the order of [`Shape`].
+/// Number and nodes of one element, in the order of [`Shape`](super::super::topology::Shape).
 fn element(cursor: &mut Cursor, reader: &Reader, kind: &ElementType) -> Result<(u64, Vec<usize>), MeshError> {
     let label = cursor.size("the number of an element")?;
+    Ok((label, nodes(cursor, reader, kind, label)?))
+}
+
+/// Indices of the nodes of an element.
+pub(super) fn nodes(
+    cursor: &mut Cursor,
+    reader: &Reader,
+    kind: &ElementType,
+    label: u64,
+) -> Result<Vec<usize>, MeshError> {
     let mut nodes = Vec::with_capacity(kind.nodes);
     for _ in 0..kind.nodes {
         let start = cursor.offset();
@@ -96,8 +131,10 @@ fn element(cursor: &mut Cursor, reader: &Reader, kind: &ElementType) -> Result<(
         })?;
         nodes.push(index);
     }
-    if kind.role == Use::Element(Shape::Hex20) {
-        nodes = HEX20.iter().map(|at| nodes[*at]).collect();
+    if let Use::Element(shape) = kind.role
+        && let Some(places) = element_types::places(shape)
+    {
+        nodes = places.iter().map(|at| nodes[*at]).collect();
     }
-    Ok((label, nodes))
+    Ok(nodes)
 }

@@ -80,11 +80,13 @@ impl Groups {
     /// dimension and number, such as `surface 7`.
     pub(super) fn sets_of(&self, entity: Key) -> Vec<String> {
         let groups = self.entities.get(&entity).map_or(&[][..], Vec::as_slice);
-        let named = |group: &i32| match self.names.get(&(entity.0, *group)) {
-            Some(name) => name.clone(),
-            None => format!("{} {group}", DIMENSIONS[entity.0.clamp(0, 3) as usize]),
-        };
-        groups.iter().map(named).collect()
+        groups.iter().map(|group| self.name((entity.0, *group))).collect()
+    }
+
+    /// Name of a physical group, given or made of its dimension and number.
+    pub(super) fn name(&self, group: Key) -> String {
+        let made = || format!("{} {}", DIMENSIONS[group.0.clamp(0, 3) as usize], group.1);
+        self.names.get(&group).cloned().unwrap_or_else(made)
     }
 
     /// Makes empty sets of the names that nothing belongs to, so that a user of one hears that it is empty rather than

@@ -1,4 +1,4 @@
-//! Gmsh MSH 4.1, ASCII and binary (Gmsh reference manual, "MSH file format").
+//! Gmsh MSH 4.1 and 2.2, ASCII and binary (Gmsh reference manual, "MSH file format").
 //!
 //! Sections `$PhysicalNames`, `$Entities`, `$Nodes` and `$Elements` are read, others passed over. Written here because
 //! the one crate for the format stops with a panic on some input and knows no physical groups.
@@ -9,10 +9,11 @@ mod groups;
 mod reader;
 mod nodes;
 mod elements;
+mod version_two;
 
 use super::error::{MeshError, MeshWarning};
 use super::file::{FileBytes, MeshFile, quote};
-use cursor::Cursor;
+use cursor::{Cursor, Version};
 use reader::{PassedOver, Reader};
 
 /// Mesh and remarks of a MSH file.
@@ -36,12 +37,18 @@ impl Reader {
             }
             "Nodes" => {
                 self.once(cursor, name, offset, self.nodes.is_some())?;
-                self.nodes = Some(nodes::read(cursor, &mut self.mesh)?);
+                self.nodes = Some(match cursor.version() {
+                    Version::Four => nodes::read(cursor, &mut self.mesh)?,
+                    Version::Two => version_two::nodes(cursor, &mut self.mesh)?,
+                });
             }
             "Elements" => {
                 self.once(cursor, name, offset, self.elements_seen)?;
                 self.elements_seen = true;
-                elements::read(cursor, self)?;
+                match cursor.version() {
+                    Version::Four => elements::read(cursor, self)?,
+                    Version::Two => version_two::elements(cursor, self)?,
+                }
             }
             _ => {
                 match self.passed_over.iter_mut().find(|seen| seen.name == name) {
@@ -83,6 +90,6 @@ impl Reader {
         }
         self.mesh.node_sets = self.node_sets.finish();
         self.mesh.element_sets = self.element_sets.finish();
-        Ok(MeshFile { mesh: self.mesh, warnings })
+        Ok(MeshFile::plain(self.mesh, warnings))
     }
 }

@@ -18,6 +18,11 @@ pub(super) fn read(cursor: &mut Cursor, mesh: &mut Mesh) -> Result<Labels, MeshE
         let found = format!("{} nodes in the blocks", mesh.positions.len());
         return Err(cursor.source.malformed(cursor.place(), found, format!("{total}, as $Nodes promises")));
     }
+    numbered_once(cursor, mesh)
+}
+
+/// Numbers of all nodes; one that two have is refused.
+pub(super) fn numbered_once(cursor: &Cursor, mesh: &Mesh) -> Result<Labels, MeshError> {
     Labels::new(mesh.node_labels.iter().copied()).map_err(|Twice { label, .. }| {
         cursor.source.malformed(
             format!("$Nodes, which ends at {}", cursor.place()),

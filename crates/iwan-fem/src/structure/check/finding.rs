@@ -103,6 +103,13 @@ pub enum Remark {
         /// Element and its least scaled Jacobian determinant (1 for a brick).
         elements: Vec<(u64, f64)>,
     },
+    /// Four-node tetrahedra.
+    Stiff {
+        /// How many there are.
+        count: usize,
+        /// The first of them.
+        element: u64,
+    },
     /// Nodes of two parts at the same place which no tie or joint connects.
     Touching {
         /// Pairs of nodes.
@@ -241,6 +248,11 @@ impl fmt::Display for Remark {
                 f,
                 "badly distorted {} (least scaled Jacobian determinant; 1 is a brick): results there are poor",
                 counted("element", elements, &list(elements, |(e, j)| format!("{e} ({j:.2})")))
+            ),
+            Self::Stiff { count, element } => write!(
+                f,
+                "{count} elements are tetrahedra of 4 nodes (the first is {element}): much too stiff in bending, frequencies come out too \
+                 high; mesh with tetrahedra of 10 nodes, or show that a finer mesh gives the same"
             ),
             Self::Touching { pairs: found } => write!(
                 f,

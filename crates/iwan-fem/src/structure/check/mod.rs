@@ -41,9 +41,10 @@ impl Structure {
         let parts = parts::Parts::new(mesh);
         let sizes = nodes::sizes(mesh);
         let pairs = nodes::coincident(mesh, &sizes);
-        nodes::orphans(mesh, &parts, &mut findings);
-        nodes::report(mesh, &parts, &pairs, &links, &mut findings);
-        parts::unconnected(mesh, &parts, &pairs, &links, &mut findings);
+        nodes::orphans(self, &parts, &mut findings);
+        let connections = (&links[..], &self.constraints[..]);
+        nodes::report(mesh, &parts, &pairs, connections, &mut findings);
+        parts::unconnected(mesh, &parts, &pairs, connections, &mut findings);
         connections::check(mesh, &sizes, &links, &mut findings);
         findings
     }

@@ -1,19 +1,23 @@
 //! Nodes without elements, and nodes at the same place.
 
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 
+use super::super::description::Structure;
 use super::finding::{Defect, Findings, Remark};
 use super::link::Link;
 use super::parts::Parts;
-use crate::mesh::{Element, Mesh, Shape};
+use crate::mesh::{Constraint, Element, Mesh};
 
 /// Two nodes closer than this share of the shortest edge at either are at the same place: files with six digits
 /// round much less, and no sound element is so thin.
 pub const COINCIDENT: f64 = 1e-3;
 
-/// Nodes that belong to no element.
-pub(super) fn orphans(mesh: &Mesh, parts: &Parts, findings: &mut Findings) {
-    let alone = (0..mesh.positions.len()).filter(|node| parts.of(*node).is_none());
+/// Nodes that belong to no element and to no constraint.
+pub(super) fn orphans(structure: &Structure, parts: &Parts, findings: &mut Findings) {
+    let mesh = &structure.mesh;
+    let mentioned: BTreeSet<usize> = structure.constraints.iter().flat_map(Constraint::nodes).collect();
+    let alone =
+        (0..mesh.positions.len()).filter(|node| parts.of(*node).is_none() && !mentioned.contains(node));
     let nodes: Vec<u64> = alone.map(|node| mesh.node_labels[node]).collect();
     if !nodes.is_empty() {
         findings.defects.push(Defect::Orphans { nodes });
@@ -30,7 +34,7 @@ pub(super) fn edges(mesh: &Mesh, element: &Element) -> impl Iterator<Item = f64>
 pub(super) fn sizes(mesh: &Mesh) -> Vec<f64> {
     let mut sizes = vec![f64::INFINITY; mesh.positions.len()];
     for element in &mesh.elements {
-        let share = if element.shape == Shape::Hex20 { 0.5 } else { 1.0 };
+        let share = if element.shape.has_middles() { 0.5 } else { 1.0 };
         let lengths = edges(mesh, element).filter(|length| *length > 0.0);
         let shortest = share * lengths.fold(f64::INFINITY, f64::min);
         for node in &element.nodes {
@@ -82,10 +86,11 @@ pub(super) fn report(
     mesh: &Mesh,
     parts: &Parts,
     pairs: &[(usize, usize)],
-    links: &[Link],
+    (links, constraints): (&[Link], &[Constraint]),
     findings: &mut Findings,
 ) {
-    let linked = linked(pairs, links);
+    let mut linked = linked(pairs, links);
+    linked.extend(constrained(pairs, constraints));
     let label = |(a, b): &(usize, usize)| (mesh.node_labels[*a], mesh.node_labels[*b]);
     let whole = |(a, b): &&(usize, usize)| parts.of(*a).is_some() && parts.of(*b).is_some();
     let open = pairs.iter().filter(|pair| !linked.contains(pair)).filter(whole);
@@ -111,4 +116,19 @@ fn linked<'a>(pairs: &'a [(usize, usize)], links: &[Link]) -> BTreeSet<&'a (usiz
         })
     };
     pairs.iter().filter(across).collect()
+}
+
+/// The pairs whose nodes both belong to one constraint.
+fn constrained<'a>(pairs: &'a [(usize, usize)], constraints: &[Constraint]) -> Vec<&'a (usize, usize)> {
+    // Constraints of each node that is in a pair; few are.
+    let mut of: BTreeMap<usize, BTreeSet<usize>> =
+        pairs.iter().flat_map(|(a, b)| [(*a, BTreeSet::new()), (*b, BTreeSet::new())]).collect();
+    for (index, constraint) in constraints.iter().enumerate() {
+        for node in constraint.nodes() {
+            if let Some(known) = of.get_mut(&node) {
+                known.insert(index);
+            }
+        }
+    }
+    pairs.iter().filter(|(a, b)| !of[a].is_disjoint(&of[b])).collect()
 }

@@ -2,7 +2,7 @@
 
 use super::finding::{Defect, Findings};
 use super::link::Link;
-use crate::mesh::Mesh;
+use crate::mesh::{Constraint, Mesh, Rule};
 
 /// Parts of a mesh: sets of nodes that elements connect.
 pub(super) struct Parts {
@@ -61,7 +61,7 @@ pub(super) fn unconnected(
     mesh: &Mesh,
     parts: &Parts,
     pairs: &[(usize, usize)],
-    links: &[Link],
+    (links, constraints): (&[Link], &[Constraint]),
     findings: &mut Findings,
 ) {
     let mut forest = Forest::new(mesh.positions.len());
@@ -73,6 +73,10 @@ pub(super) fn unconnected(
         if let (false, Some(first)) = (link.face.is_empty() || link.patch.is_empty(), nodes.next()) {
             nodes.for_each(|node| forest.join(*first, *node));
         }
+    }
+    for constraint in constraints.iter().filter(|c| !matches!(c.rule, Rule::Held(_))) {
+        let nodes = constraint.nodes();
+        nodes.iter().skip(1).for_each(|node| forest.join(nodes[0], *node));
     }
     let mut elements = vec![(0, 0); mesh.positions.len()];
     for element in mesh.elements.iter().rev() {

@@ -3,7 +3,7 @@
 use super::finding::{Defect, Findings, Remark};
 use super::nodes::edges;
 use crate::element::{corner_quality, least_quality_inside};
-use crate::mesh::{Element, Mesh};
+use crate::mesh::{Element, Mesh, Shape};
 
 /// A scaled determinant below this is none, as is a ratio of edges: of two edges at an angle of 0.06 thousandths of a degree the scaled
 /// determinant is 1e-6, which no mesher means. Files with seven digits round to 1e-7 of the coordinates.
@@ -24,6 +24,10 @@ struct Lists {
 pub(super) fn check(mesh: &Mesh, findings: &mut Findings) {
     if mesh.elements.is_empty() {
         findings.defects.push(Defect::Empty);
+    }
+    let mut linear = mesh.elements.iter().filter(|element| element.shape == Shape::Tet4);
+    if let Some(first) = linear.next() {
+        findings.remarks.push(Remark::Stiff { count: 1 + linear.count(), element: first.label });
     }
     let mut lists = Lists::default();
     for element in &mesh.elements {

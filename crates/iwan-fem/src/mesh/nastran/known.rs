@@ -1,0 +1,45 @@
+//! Which cards may be passed over, and what helps with those that may not.
+
+/// Cards that leave nodes, elements, stiffness, mass and connections as they are: what is computed, loads, tables, and sets for it.
+static HARMLESS: &[&str] = &[
+    "EIGRL", "EIGR", "EIGB", "EIGC", "LOAD", "FORCE", "FORCE1", "FORCE2", "MOMENT", "PLOAD", "PLOAD1",
+    "PLOAD2", "PLOAD4", "GRAV", "RFORCE", "TEMP", "TEMPD", "DLOAD", "DAREA", "DELAY", "DPHASE", "RLOAD1",
+    "RLOAD2", "TLOAD1", "TLOAD2", "TABLED1", "TABLED2", "TABLED3", "TABLED4", "TABLEM1", "TABDMP1", "FREQ",
+    "FREQ1", "FREQ2", "FREQ3", "FREQ4", "TSTEP", "TSTEPNL", "NLPARM", "SET1", "SET3", "ASET", "ASET1",
+    "BSET", "BSET1", "CSET", "CSET1", "QSET", "QSET1", "OMIT", "OMIT1", "TSTEP1", "LSEQ", "MATT1", "PLOTEL",
+    "DTI", "ECHOON", "ECHOOFF", "MDLPRM", "CORD3G",
+];
+
+/// Cards that change the model, with what helps.
+static CHANGES: &[(&str, &str)] = &[
+    ("INCLUDE", "put the text of that file in place of the line"),
+    ("CPYRAM", "mesh with hexahedra, wedges or tetrahedra"),
+    ("CPYRA", "mesh with hexahedra, wedges or tetrahedra"),
+    ("CQUAD4", "shells come in as matrices: export K and M (DMIG or OP4) and give [matrices]"),
+    ("CTRIA3", "shells come in as matrices: export K and M (DMIG or OP4) and give [matrices]"),
+    ("CBAR", "beams come in as matrices: export K and M (DMIG or OP4) and give [matrices]"),
+    ("CBEAM", "beams come in as matrices: export K and M (DMIG or OP4) and give [matrices]"),
+    ("CBUSH", "joints are [[joint]], springs to the ground [[lump]] in the structure file"),
+    ("CELAS1", "joints are [[joint]], springs to the ground [[lump]] in the structure file"),
+    ("CELAS2", "joints are [[joint]], springs to the ground [[lump]] in the structure file"),
+    ("RBAR", "say the same with RBE2"),
+    ("RBE1", "say the same with RBE2"),
+    ("CORD1R", "say the same with CORD2R"),
+    ("CORD1C", "say the same with CORD2C"),
+    ("CORD1S", "say the same with CORD2S"),
+    ("CONM1", "say the same with CONM2"),
+    ("DMIG", "matrices come in by [matrices]"),
+];
+
+/// Whether a card may be passed over.
+pub(super) fn is_harmless(name: &str) -> bool {
+    HARMLESS.contains(&name)
+}
+
+/// What helps with a card that may not be passed over.
+pub(super) fn remedy(name: &str) -> String {
+    let own = CHANGES.iter().find(|known| known.0 == name);
+    let what = own
+        .map_or("it is not known to leave the model as it is: say the same in the structure file", |k| k.1);
+    format!("{what}; then pass over it with ignore = [\"{name}\"] in [mesh], or delete it from the file")
+}
