@@ -86,7 +86,9 @@ pub fn compare(sources: &[Source<'_>], iwan: Option<&Parameters>) -> Result<Comp
     })?;
     let mut laws = together.laws(iwan);
     let best = laws.iter().map(|l| l.criterion).fold(f64::INFINITY, f64::min);
-    laws.iter_mut().for_each(|l| l.criterion -= best);
+    for law in &mut laws {
+        law.criterion -= best;
+    }
     // A law that describes the records goes before one that does not, unless the evidence is strong.
     let near = laws.iter().filter(|l| l.criterion <= STRONG);
     let grade = near.map(|l| l.grade).max().unwrap_or(Grade::No);

@@ -57,16 +57,16 @@ impl Estimate {
 
 /// A value, and whether it is positive by nature: its interval is then one of the logarithm.
 #[derive(Debug, Clone, Copy)]
-struct Value {
+struct Named {
     name: &'static str,
     value: f64,
     positive: bool,
 }
 
 /// The parameters of a mode in the order of tables.
-fn values(mode: &LawMode) -> Vec<Value> {
-    let positive = |name, value| Value { name, value, positive: true };
-    let any = |name, value| Value { name, value, positive: false };
+fn values(mode: &LawMode) -> Vec<Named> {
+    let positive = |name, value| Named { name, value, positive: true };
+    let any = |name, value| Named { name, value, positive: false };
     let mut out = vec![any("frequency", mode.frequency), any("damping_ratio", mode.damping_ratio)];
     match &mode.joint {
         Some(Joint::FourParameter(joint)) => {
@@ -134,7 +134,7 @@ pub(super) fn estimates(problem: &Problem<'_>, fitted: &Fitted<'_>) -> Vec<Estim
 fn about(problem: &Problem<'_>, fitted: &At, may_open: bool) -> Vec<Estimate> {
     let own = values(&fitted.mode);
     let logs =
-        |v: &Value, w: &Value| if v.positive { (w.value / v.value).abs().ln() } else { w.value - v.value };
+        |v: &Named, w: &Named| if v.positive { (w.value / v.value).abs().ln() } else { w.value - v.value };
     // Rows: parameters, columns: coordinates. One-sided at a bound.
     let mut slopes = vec![vec![0.0; fitted.x.len()]; own.len()];
     for j in 0..fitted.x.len() {
@@ -156,7 +156,7 @@ fn about(problem: &Problem<'_>, fitted: &At, may_open: bool) -> Vec<Estimate> {
         sum.max(0.0).sqrt()
     };
     let prior = |i: usize, j: usize| if i == j { problem.coordinates[i].width.powi(2) } else { 0.0 };
-    let one = |(v, slope): (&Value, &Vec<f64>)| {
+    let one = |(v, slope): (&Named, &Vec<f64>)| {
         let sd = variance(slope, &|i, j| fitted.covariance[(i, j)]);
         let known = sd < TOLD * variance(slope, &prior) && (!v.positive || v.value.abs() > NOTHING);
         let told = known || !may_open;
@@ -165,7 +165,7 @@ fn about(problem: &Problem<'_>, fitted: &At, may_open: bool) -> Vec<Estimate> {
     own.iter().zip(&slopes).map(one).collect()
 }
 
-fn interval(v: &Value, half: f64, told: bool) -> Estimate {
+fn interval(v: &Named, half: f64, told: bool) -> Estimate {
     let (low, high) = if v.positive {
         // Of either sign, as a softening spring is.
         let ends = (v.value * (-half).exp(), v.value * half.exp());

@@ -197,7 +197,7 @@ impl<'a> Problem<'a> {
         let found = from.iter().filter_map(|x| last.run(&mut self.whitened(common), x));
         let x = found.min_by(|a, b| a.cost.total_cmp(&b.cost))?.x;
         let (local, whitener) = (self.local(&x)?, self.size(ladder, &x)?);
-        let covariance = self.precision(whitener, &local)?.cholesky()?.inverse();
+        let covariance = self.precision(whitener, &local).cholesky()?.inverse();
         Some(Fitted {
             criterion: self.criterion(common, &local),
             cost: whitener.vector(&local.residuals).norm_squared(),
@@ -215,7 +215,7 @@ impl<'a> Problem<'a> {
         let found =
             self.search_but(Some(held), HELD_STEPS, FIRST_TOLERANCE).run(&mut self.whitened(whitener), x)?;
         let local = self.local(&found.x)?;
-        let mut precision = self.precision(whitener, &local)?;
+        let mut precision = self.precision(whitener, &local);
         // A coordinate that is held has no variance.
         precision[(held, held)] += HELD;
         let covariance = self.in_coordinates(&precision.cholesky()?.inverse());
@@ -263,10 +263,10 @@ impl<'a> Problem<'a> {
     }
 
     /// Of the coordinates in units of their priors, these included.
-    fn precision(&self, whitener: &Whitener, local: &Local) -> Option<DMatrix<f64>> {
+    fn precision(&self, whitener: &Whitener, local: &Local) -> DMatrix<f64> {
         let jacobian = self.scaled(whitener, local);
         let p = self.coordinates.len();
-        Some(jacobian.transpose() * &jacobian + DMatrix::identity(p, p))
+        jacobian.transpose() * &jacobian + DMatrix::identity(p, p)
     }
 
     fn in_coordinates(&self, covariance: &DMatrix<f64>) -> DMatrix<f64> {

@@ -6,7 +6,7 @@ use super::discount::Discount;
 use super::fields::{Component, Kind};
 use super::record::Windowed;
 use super::ring_down::Discrepancy;
-use super::sizes::{Projected, Sizes};
+use super::sizes::{Likeliest, Projected};
 use super::task::{Effort, FINE, Task, Workspace, no_ring_down};
 use crate::error::Error;
 use crate::search::{DIRAC, Minimum};
@@ -25,7 +25,7 @@ struct Found {
     components: Vec<Component>,
     jacobian: DMatrix<f64>,
     residuals: Vec<f64>,
-    sizes: Sizes,
+    likeliest: Likeliest,
 }
 
 /// A fit with the discrepancies that go with it.
@@ -62,7 +62,7 @@ impl Task {
     pub(crate) fn discounted(&mut self, best: Minimum, first: &[f64]) -> Result<Minimum, Error> {
         let mut work = Workspace::default();
         (self.discount, self.discrepancy, self.by_logarithms) = (None, Discrepancy::default(), false);
-        let nothing = |found: &Found| found.sizes.sizes.iter().all(|s| *s == 0.0);
+        let nothing = |found: &Found| found.likeliest.sizes.iter().all(|s| *s == 0.0);
         if self.look(&best.x, &mut work).is_none_or(|found| nothing(&found)) {
             return Ok(best);
         }
@@ -98,14 +98,14 @@ impl Task {
             self.discount = None;
             let found = self.look(&minimum.x, work)?;
             let scales = self.noise(&found);
-            self.take(&found.components, &found.sizes.sizes, &scales);
+            self.take(&found.components, &found.likeliest.sizes, &scales);
             minimum = self.minimise(&minimum.x, self.seen_at(&minimum.x), FINE, work)?;
         }
         let discount = self.discount.take();
         let found = self.look(&minimum.x, work)?;
         self.discount = discount;
         let unit = |r: &Windowed| (2 * r.windows.count) as f64 * r.scale.ln();
-        let likelihood = found.sizes.likelihood - self.records.iter().map(unit).sum::<f64>();
+        let likelihood = found.likeliest.likelihood - self.records.iter().map(unit).sum::<f64>();
         Some(Settled { task: self, minimum, likelihood })
     }
 
@@ -118,8 +118,8 @@ impl Task {
         residuals(x, &mut r);
         let jacobian = search.jacobian(&mut residuals, x, &r)?;
         let processes: Vec<&DMatrix<f64>> = components.iter().map(|c| &c.columns).collect();
-        let sizes = Projected::new(jacobian.clone(), &r, &processes, TYPICAL).sizes()?;
-        Some(Found { components, jacobian, residuals: r, sizes })
+        let likeliest = Projected::new(jacobian.clone(), &r, &processes, TYPICAL).sizes()?;
+        Some(Found { components, jacobian, residuals: r, likeliest })
     }
 
     /// Takes over each record's noise, and the discount of processes of such sizes.
@@ -147,13 +147,13 @@ impl Task {
         let mut from = 0;
         for component in &found.components {
             let n = component.columns.ncols();
-            left -= &component.columns * found.sizes.expected.rows(from, n);
+            left -= &component.columns * found.likeliest.expected.rows(from, n);
             from += n;
         }
         let unknowns = found.jacobian.ncols() as f64;
         let explained = found.jacobian.clone().qr().q();
         left -= &explained * explained.tr_mul(&left);
-        let part = (left.len() as f64 - unknowns - found.sizes.explained) / left.len() as f64;
+        let part = (left.len() as f64 - unknowns - found.likeliest.explained) / left.len() as f64;
         let mut row = 0;
         let of = |record: &Windowed| {
             let n = 2 * record.windows.count;

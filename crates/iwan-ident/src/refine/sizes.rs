@@ -18,7 +18,7 @@ const LAST_STEP: f64 = 0.1;
 const GAIN: f64 = 2.0;
 
 /// The sizes, and what follows from them.
-pub(super) struct Sizes {
+pub(super) struct Likeliest {
     /// Of each process, in units of its values.
     pub(super) sizes: Vec<f64>,
     /// All values that are expected.
@@ -101,12 +101,12 @@ impl Projected {
     }
 
     /// The sizes at which the restricted likelihood is largest, zero for processes that add nothing.
-    pub(super) fn sizes(&self) -> Option<Sizes> {
+    pub(super) fn sizes(&self) -> Option<Likeliest> {
         let relative = self.likeliest();
         let (_, deviation) = self.likelihood(&relative)?;
         let s = self.spread(&relative);
         let factor = self.matrix(&s)?;
-        Some(Sizes {
+        Some(Likeliest {
             likelihood: self.score(&relative),
             sizes: relative.iter().map(|size| size * deviation).collect(),
             expected: s.component_mul(&factor.solve(&s.component_mul(&self.product))),

@@ -225,9 +225,9 @@ fn settle(frame: &Frame<'_>, start: DVector<f64>) -> Result<Measured, Error> {
         let step = frame.step(&x, &at, &prior, noise).ok_or_else(lost)?;
         let (mut part, mut next) = (1.0, step.to.clone());
         let mut after = frame.residuals(&next);
-        while part > 0.05
-            && !(after.norm_squared() <= residuals.norm_squared() * (1.0 + 1e-3) + values * noise)
-        {
+        let most = residuals.norm_squared() * (1.0 + 1e-3) + values * noise;
+        let fits = |r: f64| r.is_finite() && r <= most;
+        while part > 0.05 && !fits(after.norm_squared()) {
             part *= 0.5;
             next = &x + (&step.to - &x) * part;
             after = frame.residuals(&next);

@@ -138,8 +138,9 @@ impl Windowed {
             let phase = self.phase[j] + s * (omega[j] + bend * s);
             let turned = Complex64::cis(-phase.rem_euclid(TAU)) * ((x - mean) * dt);
             let last = (t / hop) as usize;
-            for k in last.saturating_sub(OVERLAP - 1)..=last.min(self.count - 1) {
-                out[k] += turned * (0.25 * PI * (t / hop - k as f64)).sin().powi(4);
+            let covering = last.saturating_sub(OVERLAP - 1)..(last + 1).min(self.count);
+            for (k, out) in out.iter_mut().enumerate().take(covering.end).skip(covering.start) {
+                *out += turned * (0.25 * PI * (t / hop - k as f64)).sin().powi(4);
             }
         }
         out
