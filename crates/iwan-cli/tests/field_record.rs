@@ -40,20 +40,20 @@ fn the_brake_reuss_record(record: &Path) {
     assert_eq!(summary["record"]["unit"], "m/s^2");
 }
 
-fn the_brake_reuss_beam_is_told_to_be_no_single_joint(record: &Path) {
+fn the_brake_reuss_beam_is_told_with_what_the_law_misses(record: &Path) {
     let record = record.display();
     let place = folder("");
     let fit = run("fit", place.path(), &format!("{record} --channel HIdata.acc1 --band 60:105 --out out"));
     let mode = &fit["modes"][0];
-    assert_eq!(mode["adequate"], false);
-    assert!(mode["misfit"].as_str().unwrap().contains("does not match"), "{}", mode["misfit"]);
+    // Dissipation within 3 %, frequency within a tenth of its shift: what hits differ by, and more than noise, which the intervals know.
+    assert_eq!(mode["grade"], "matches", "{}", mode["misfit"]);
+    assert!(mode["dissipation_misfit"].as_f64().unwrap() < 0.03);
+    assert!(mode["in_words"].to_string().contains("the law itself misses about"), "{}", mode["in_words"]);
     assert!((mode["frequency"]["value"].as_f64().unwrap() - 80.6).abs() < 0.3);
-    assert!(mode["in_words"].to_string().contains("no density of sliders"), "{}", mode["in_words"]);
+    assert!(mode["in_words"].to_string().contains("no density comes nearer"), "{}", mode["in_words"]);
     assert!(iwan(place.path(), "simulate out/scenario.toml --out again").status.success());
     let page = std::fs::read_to_string(place.path().join("out/report.html")).unwrap();
-    // Dissipation is missed by about a tenth, frequency by a tenth of its shift: near enough to predict with, and no match.
-    assert_eq!(mode["grade"], "usable");
-    assert!(page.contains("is usable for these records, but does not match them"));
+    assert!(page.contains(r#"class="verdict"#));
 }
 
 /// Viscous, dry and quadratic damping with a cubic spring, on a clock that stutters: nothing on the page says that an Iwan joint or
@@ -70,6 +70,6 @@ fn a_pendulum_is_not_told_by_an_iwan_joint(record: &Path) {
 
 field::field_tests! {
     the_brake_reuss_record on "field/brb_hammer_impact.mat",
-    the_brake_reuss_beam_is_told_to_be_no_single_joint on "field/brb_hammer_impact.mat",
+    the_brake_reuss_beam_is_told_with_what_the_law_misses on "field/brb_hammer_impact.mat",
     a_pendulum_is_not_told_by_an_iwan_joint on "field/pendulum_100.csv",
 }

@@ -98,12 +98,13 @@ fn no_density_matches_its_damping_and_frequency_together(path: &Path) {
     }
 }
 
-fn its_record_is_that_of_no_single_four_parameter_joint(path: &Path) {
+fn its_record_is_matched_and_the_law_is_known_to_miss_some(path: &Path) {
     let record = record(path);
     let source = ModeRecord { samples: record.channel(0), dt: record.dt(), quantity: Quantity::Acceleration };
     let found = identify(&[source], &Settings::default()).unwrap();
-    assert!(!found.verdict.adequate && found.verdict.misfit.contains("does not match"));
-    assert!(found.verdict.dissipation_misfit > 0.03, "{}", found.verdict.misfit);
+    // Within 3 % of dissipation and a tenth of the shift; what is missed there is no noise, and the intervals allow for it.
+    assert!(found.verdict.adequate && found.verdict.dissipation_misfit < 0.03, "{}", found.verdict.misfit);
+    assert!((0.005..0.1).contains(&found.refined.discrepancy.dissipation), "{:?}", found.refined.discrepancy);
     assert!(!found.linear.is_enough());
 }
 
@@ -111,5 +112,5 @@ field::field_tests! {
     mode_1_of_the_brake_reuss_beam on "field/brb_hammer_impact.mat",
     its_curves_are_those_of_no_single_four_parameter_joint on "field/brb_hammer_impact.mat",
     no_density_matches_its_damping_and_frequency_together on "field/brb_hammer_impact.mat",
-    its_record_is_that_of_no_single_four_parameter_joint on "field/brb_hammer_impact.mat",
+    its_record_is_matched_and_the_law_is_known_to_miss_some on "field/brb_hammer_impact.mat",
 }

@@ -126,7 +126,7 @@ mod tests {
             |text: &str| ModalTable::parse(&InputText::built_in("p.toml", text)).unwrap_err().to_string();
         let unknown = refused("[[channel]]\nname = \"a\"\npont = \"1\"");
         assert!(
-            unknown.contains("pont") && unknown.contains("line 3") && unknown.contains("`point`"),
+            unknown.contains("pont") && unknown.contains("p.toml:3:1") && unknown.contains("`point`"),
             "{unknown}"
         );
         assert!(refused("[[point]]\nname = \"a\"\nposition = [1, 2]").contains("2 numbers"));

@@ -2,9 +2,9 @@
 
 use std::fmt::Write;
 
-use iwan_ident::Parameter;
 use iwan_ident::density::FreeForm;
 use iwan_ident::profile::Profile;
+use iwan_ident::{Parameter, Verdict};
 use serde::Serialize;
 
 use super::laws::{self, BackboneSummary, LawSummary};
@@ -288,8 +288,10 @@ impl ModeFit {
 
 /// What the records tell and what not.
 fn in_words(i: &Identified) -> Vec<String> {
-    // By averaging, as the fit on the curves: misfits of one kind.
-    let densities = i.densities.iter().map(|d| d.words(&i.found.fit.verdict));
+    // By averaging, as the fit on the curves: misfits of one kind. What the record's own fit matches is matched.
+    let curves = &i.found.fit.verdict;
+    let four = Verdict { adequate: curves.adequate || i.found.verdict.adequate, ..curves.clone() };
+    let densities = i.densities.iter().map(|d| d.words(&four));
     i.found.in_words().into_iter().chain(densities).collect()
 }
 
