@@ -106,7 +106,8 @@ def made_fit():
     return iwan.Fit(
         mode=MODE, intervals=intervals, identifiable={"chi": True, "f_s": False}, adequate=True, grade="matches", misfit="", joint_needed=True,
         words=[], notes=[], curves=curves, model_curves=model, force_axis="modal", envelopes=[ENVELOPE, ENVELOPE],
-        profiles=profiles, limit=3.9, relative_residual=1e-3, _records=[], _request={},
+        profiles=profiles, limit=3.9, relative_residual=1e-3, law=None, law_words="", laws=[], backbone={},
+        _records=[], _request={},
     )
 
 
