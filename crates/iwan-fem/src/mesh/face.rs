@@ -9,7 +9,7 @@ use super::topology::Mesh;
 pub struct Face {
     /// Index of the element.
     pub element: usize,
-    /// Number of the side, from 0, in the order of [`Shape::faces`].
+    /// Number of the side, from 0, in the order of the faces of its shape.
     pub side: usize,
 }
 
