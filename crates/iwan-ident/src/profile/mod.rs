@@ -80,10 +80,11 @@ pub(crate) fn profiles(task: &Task, known: Known<'_>) -> Result<Profiles, Minimu
 /// How much of the knee the records see: what they have against the best fit without macro-slip. All of it where given
 /// parameters decide that, so that there is no such fit.
 pub(crate) fn extent(task: &Task, minimum: &Minimum, micro_slip: Option<&Minimum>) -> Extent {
-    let Some(micro_slip) = micro_slip else { return Extent::Full };
     let scale = Scale::new(task, minimum, true);
-    if scale.rise(micro_slip) <= SLIP_SEEN {
+    if micro_slip.is_some_and(|m| scale.rise(m) <= SLIP_SEEN) {
         Extent::MicroSlip
+    } else if !task.is_open() {
+        Extent::Full
     } else if task.slip_ratio(&minimum.x) < CLEARLY_INSIDE || task.slipping_half_cycles(&minimum.x) < SLIPPING
     {
         Extent::Edge

@@ -50,8 +50,11 @@ pub(crate) struct Minimum {
 }
 
 impl Search {
-    /// The least sum of squares from `start`; none when the start has no residuals.
+    /// The least sum of squares from `start`; none when the start has no residuals, or fewer than there are unknowns.
     pub(crate) fn run(&self, residuals: &mut Residuals<'_>, start: &[f64]) -> Option<Minimum> {
+        if self.count < self.free.len() {
+            return None;
+        }
         let mut x = start.to_vec();
         let (mut r, mut trial) = (vec![0.0; self.count], vec![0.0; self.count]);
         let mut cost = evaluate(residuals, &x, &mut r)?;
@@ -269,6 +272,22 @@ mod tests {
         // r = (x0 - 3 x1, 0): x0 goes three times as far as x1.
         let jacobian = DMatrix::from_row_slice(2, 2, &[1.0, -3.0, 0.0, 0.0]);
         assert!((following(&jacobian).unwrap()[0] - 3.0).abs() < 1e-6);
+    }
+
+    #[test]
+    fn fewer_residuals_than_unknowns_tell_no_minimum() {
+        let short = search(1, &[0, 1], &[NONE; 2]);
+        assert!(
+            short
+                .run(
+                    &mut |x, r| {
+                        r[0] = x[0] - x[1];
+                        true
+                    },
+                    &[0.0, 1.0]
+                )
+                .is_none()
+        );
     }
 
     #[test]
