@@ -10,6 +10,10 @@ use crate::search::Minimum;
 /// profiles together. When they are spent the profiles are taken as they are, and points below the minimum count as on it.
 const ANEW: usize = 6;
 
+/// Relative residual below which the fit in micro-slip is sought from other powers too: with so little noise valleys are narrow, and a short record, whose
+/// dissipation is not seen to change, begins its searches anywhere. Above, noise fills them.
+const CLEAN: f64 = 2e-3;
+
 /// A minimum and the profiles about it.
 pub(super) struct Found {
     pub(super) minimum: Minimum,
@@ -51,7 +55,10 @@ struct WithoutMacroSlip {
 }
 
 fn without_macro_slip(task: &Task, near: Option<&[f64]>, minimum: &Minimum) -> Option<WithoutMacroSlip> {
-    let from: Vec<&[f64]> = near.into_iter().chain([minimum.x.as_slice()]).collect();
+    let clean = task.refined(minimum).relative_residual < CLEAN;
+    let others = if clean { task.other_powers(&minimum.x) } else { vec![] };
+    let near = near.into_iter().chain([minimum.x.as_slice()]);
+    let from: Vec<&[f64]> = near.chain(others.iter().map(Vec::as_slice)).collect();
     let first = task.micro_slip(&from)?;
     let mut task = task.clone();
     task.take_samples(&first.x, &mut Workspace::default());

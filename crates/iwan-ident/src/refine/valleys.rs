@@ -41,13 +41,7 @@ impl Task {
     fn bases(&self, first: &Parameters) -> Result<Vec<Vec<f64>>, Error> {
         let x = self.coordinates(first)?;
         let mut bases = vec![x.clone()];
-        if self.free().contains(&CHI) {
-            bases.extend(CHIS.map(|chi| {
-                let mut other = x.clone();
-                other[CHI] = chi;
-                other
-            }));
-        }
+        bases.extend(self.other_powers(&x));
         if self.held.is_empty() {
             let loudest = self.loudest();
             let model = predict(first, loudest)?;
@@ -59,6 +53,16 @@ impl Task {
             bases.push(self.coordinates(&little)?);
         }
         Ok(bases)
+    }
+
+    /// A point with other powers at the same softening, where the power is sought.
+    pub(crate) fn other_powers(&self, x: &[f64]) -> Vec<Vec<f64>> {
+        let with = |chi| {
+            let mut other = x.to_vec();
+            other[CHI] = chi;
+            other
+        };
+        if self.free().contains(&CHI) { CHIS.map(with).to_vec() } else { vec![] }
     }
 
     /// The unknowns of a ring-down whose knee no record reaches; all of them where the knee is given.
