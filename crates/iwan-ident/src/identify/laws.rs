@@ -7,8 +7,8 @@ use crate::laws::{Comparison, Estimate, Joint, LawMode, Source, compare};
 use crate::parameters::{Parameter, Parameters};
 use crate::profile::Profiles;
 
-/// All laws on the records of a mode, without the simulation in the loop that [`identify`](super::identify()) needs: some tens of
-/// milliseconds.
+/// All laws on the records of a mode, without the simulation in the loop that [`identify`](super::identify()) needs: less than
+/// a second a record.
 ///
 /// # Errors
 /// As [`isolate`](crate::signal::isolate) and [`compare`].
@@ -34,10 +34,12 @@ pub fn compare_laws(records: &[ModeRecord<'_>], settings: &Settings) -> Result<C
 
 /// The same of records that are prepared already.
 pub(super) fn of_prepared(prepared: &[Prepared<'_>], iwan: Option<&Parameters>) -> Result<Comparison, Error> {
-    let source = |p: &'_ Prepared<'_>| p.first as f64 * p.ring_down().dt;
     let sources: Vec<Source<'_>> = prepared
         .iter()
-        .map(|p| Source { ring_down: p.ring_down(), first: source(p), curves: &p.curves })
+        .map(|p| {
+            let ring_down = p.ring_down();
+            Source { ring_down, first: p.first as f64 * ring_down.dt, curves: &p.curves }
+        })
         .collect();
     compare(&sources, iwan)
 }

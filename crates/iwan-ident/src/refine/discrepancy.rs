@@ -11,8 +11,8 @@ use super::task::{Effort, FINE, Task, Workspace, no_ring_down};
 use crate::error::Error;
 use crate::search::{DIRAC, Minimum};
 
-/// Rounds in which the discrepancies' sizes, the noise and the best fit are brought into agreement. Each changes intervals by less than the
-/// one before; a judgement, and not varied.
+/// Rounds in which the discrepancies' sizes, the noise and the best fit are brought into agreement. With four the intervals of measured hits were much
+/// the same; where they are spent the last sizes are taken.
 const ROUNDS: usize = 3;
 /// Size of a discrepancy that is expected before a record is seen, and that searches begin with: dissipation of repeated hits differs by some
 /// per cent. Larger ones count as less likely by a factor of e for each time this.
@@ -61,7 +61,14 @@ impl Task {
     /// The likelier end is taken.
     pub(crate) fn discounted(&mut self, best: Minimum, first: &[f64]) -> Result<Minimum, Error> {
         let mut work = Workspace::default();
+        let known = self.by_logarithms;
         (self.discount, self.discrepancy, self.by_logarithms) = (None, Discrepancy::default(), false);
+        let mut best = best;
+        if known {
+            // Found with another discount: its sum of squares is not that of the residuals as they are.
+            self.weigh(&best.x, &mut work);
+            best = self.minimise(&best.x, self.seen_at(&best.x), FINE, &mut work).ok_or_else(no_ring_down)?;
+        }
         let nothing = |found: &Found| found.likeliest.sizes.iter().all(|s| *s == 0.0);
         if self.look(&best.x, &mut work).is_none_or(|found| nothing(&found)) {
             return Ok(best);

@@ -29,6 +29,8 @@ pub use release::TurningPoint;
 pub use ring_down::{Discrepancy, Refined, RingDown};
 pub(crate) use task::{Effort, Task, Workspace};
 pub(crate) use valleys::Solved;
+pub(crate) use whitening::Whitening;
+pub(crate) use windows::OVERLAP;
 
 /// Refines parameters on the records themselves, several force levels at once; those in `held` keep their values.
 ///

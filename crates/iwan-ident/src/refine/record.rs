@@ -63,7 +63,7 @@ impl Windowed {
             "> 0",
             "check the channel",
         )?;
-        let whitening = Whitening::new(&windows);
+        let whitening = Whitening::of(windows.count, windows.hop);
         let mut white = amplitudes.clone();
         whitening.apply(&mut white);
         let mut windowed = Self {

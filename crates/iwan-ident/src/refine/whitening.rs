@@ -4,7 +4,7 @@ use std::f64::consts::PI;
 
 use rustfft::num_complex::Complex64;
 
-use super::windows::{OVERLAP, Windows};
+use super::windows::OVERLAP;
 
 /// Steps of the midpoint rule for the overlap of two windows. The integrand and its derivatives up to the third vanish at
 /// both ends, so that the error falls with the sixth power of the step: 1e-12 with 100 steps, rounding with 400.
@@ -15,12 +15,13 @@ const STEPS: i32 = 400;
 /// The Cholesky factor of the windows' overlaps, a band of four: z = L y, and E|y|² = 1 for noise of density 1
 /// (variance of a sample times dt).
 #[derive(Debug, Clone)]
-pub(super) struct Whitening {
+pub(crate) struct Whitening {
     rows: Vec<[f64; OVERLAP]>,
 }
 
 impl Whitening {
-    pub(super) fn new(windows: &Windows) -> Self {
+    /// For `count` windows, each `hop` seconds behind the one before.
+    pub(crate) fn of(count: usize, hop: f64) -> Self {
         // ∫ sin⁴(x) sin⁴(x + iπ/4) over the common support, in units of H·4/π.
         let overlap: [f64; OVERLAP] = std::array::from_fn(|i| {
             let shift = i as f64 * 0.25 * PI;
@@ -29,11 +30,11 @@ impl Whitening {
                 let x = h * (f64::from(n) + 0.5);
                 x.sin().powi(4) * (x + shift).sin().powi(4)
             };
-            h * (0..STEPS).map(term).sum::<f64>() * windows.hop * 4.0 / PI
+            h * (0..STEPS).map(term).sum::<f64>() * hop * 4.0 / PI
         });
         // Row k holds L[k][k-3 ..= k].
-        let mut rows: Vec<[f64; OVERLAP]> = Vec::with_capacity(windows.count);
-        for k in 0..windows.count {
+        let mut rows: Vec<[f64; OVERLAP]> = Vec::with_capacity(count);
+        for k in 0..count {
             let mut row = [0.0; OVERLAP];
             for i in (0..OVERLAP).rev().filter(|i| *i <= k) {
                 // Column j = k - i.
@@ -49,8 +50,13 @@ impl Whitening {
         Self { rows }
     }
 
+    /// Standard deviation of a window's amplitude in noise of density 1.
+    pub(crate) fn of_noise(&self) -> f64 {
+        self.rows.first().map_or(0.0, |row| row[OVERLAP - 1])
+    }
+
     /// Solves L y = z in place.
-    pub(super) fn apply(&self, z: &mut [Complex64]) {
+    pub(crate) fn apply(&self, z: &mut [Complex64]) {
         for k in 0..z.len() {
             let row = &self.rows[k];
             let mut sum = z[k];
@@ -69,12 +75,13 @@ fn rows_at(rows: &[[f64; OVERLAP]], row: &[f64; OVERLAP], j: usize, k: usize, ba
 
 #[cfg(test)]
 mod tests {
+    use super::super::windows::Windows;
     use super::*;
 
     #[test]
     fn whitened_noise_is_white() {
         let windows = Windows { omega: 50.0, hop: 0.1, count: 40 };
-        let (dt, whitening) = (1e-3_f64, Whitening::new(&windows));
+        let (dt, whitening) = (1e-3_f64, Whitening::of(windows.count, windows.hop));
         let mut state = 1_u64;
         let mut uniform = || {
             state = state.wrapping_mul(6364136223846793005).wrapping_add(1442695040888963407);

@@ -18,7 +18,7 @@ use crate::parameters::Parameters;
 
 /// Windows that cover a moment: sin⁴ windows shifted by a quarter of their length sum to a constant, so that no moment counts
 /// more than another.
-pub(super) const OVERLAP: usize = 4;
+pub(crate) const OVERLAP: usize = 4;
 /// Cycles from window to window from which on a window is a cubic over half a cycle: what is left of sin⁴ is below
 /// 40/24 (π/16/cycles)⁴ at the ends of the half cycle.
 const LONG: f64 = 4.0;

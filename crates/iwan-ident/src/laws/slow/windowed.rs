@@ -5,15 +5,12 @@
 
 use std::f64::consts::{PI, TAU};
 
-use nalgebra::DMatrix;
 use rustfft::num_complex::Complex64;
 
 use crate::curves::Curves;
 use crate::error::Error;
-use crate::refine::RingDown;
+use crate::refine::{OVERLAP, RingDown, Whitening};
 
-/// Windows that cover a moment.
-const OVERLAP: usize = 4;
 /// Moments at which the slow motion is taken between the beginnings of two windows: the sum over a window is then its
 /// integral to rounding as long as the phase strays by less than six turns of it.
 pub(crate) const PER_HOP: usize = 4;
@@ -26,8 +23,6 @@ const STOPPED: f64 = 0.3;
 /// Times the noise that a window's amplitude must be. Below, a mode under dry friction may have stopped, which averaging does not
 /// know, and what a viscous decay tells more of its damping is a per cent of what it told before. A judgement.
 const ABOVE_NOISE: f64 = 5.0;
-/// Steps of the midpoint rule for the overlap of two windows: rounding is left, as in `refine`.
-const STEPS: usize = 400;
 
 /// A ring-down with the curves that its envelope gave.
 #[derive(Debug, Clone, Copy)]
@@ -48,8 +43,7 @@ pub(crate) struct Windowed {
     /// Reference phase at these moments, rad.
     pub(crate) phase: Vec<f64>,
     count: usize,
-    /// Rows of the Cholesky factor of the windows' overlap: entries k-3 to k.
-    rows: Vec<[f64; OVERLAP]>,
+    whitening: Whitening,
     /// Absolute values before whitening, over those of noise of variance 1.
     loudness: Vec<f64>,
     /// Whitened amplitudes: real and imaginary parts one after the other.
@@ -87,13 +81,12 @@ impl Windowed {
         for j in 1..nodes {
             phase[j] = phase[j - 1] + 0.5 * step * (omega[j - 1] + omega[j]);
         }
-        let (rows, power) = (overlaps(count, hop), quantity.power());
-        let mut windowed = Self { step, phase, count, rows, loudness: vec![], values: vec![], power };
+        let (whitening, power) = (Whitening::of(count, hop), quantity.power());
+        let mut windowed = Self { step, phase, count, whitening, loudness: vec![], values: vec![], power };
         let amplitudes = windowed.of_samples(samples, dt, &omega);
-        // The first row holds the root of a window's own overlap.
-        let own = windowed.rows[0][OVERLAP - 1];
+        let own = windowed.whitening.of_noise();
         windowed.loudness = amplitudes.iter().map(|z| z.norm() / own).collect();
-        windowed.values = windowed.whitened(&amplitudes);
+        windowed.values = windowed.whitened(amplitudes);
         windowed.cut_at(windowed.stops());
         Ok(windowed)
     }
@@ -154,21 +147,12 @@ impl Windowed {
         let window = |k: usize| {
             weight.iter().zip(&slow[k * PER_HOP..]).fold(Complex64::default(), |sum, (w, z)| sum + z * *w)
         };
-        let out: Vec<Complex64> = (0..self.count).map(window).collect();
-        self.whitened(&out)
+        self.whitened((0..self.count).map(window).collect())
     }
 
-    fn whitened(&self, z: &[Complex64]) -> Vec<f64> {
-        let mut y = z.to_vec();
-        for k in 0..y.len() {
-            let row = &self.rows[k];
-            let mut sum = y[k];
-            for back in 1..OVERLAP.min(k + 1) {
-                sum -= y[k - back] * row[OVERLAP - 1 - back];
-            }
-            y[k] = sum / row[OVERLAP - 1];
-        }
-        y.iter().flat_map(|y| [y.re, y.im]).collect()
+    fn whitened(&self, mut z: Vec<Complex64>) -> Vec<f64> {
+        self.whitening.apply(&mut z);
+        z.iter().flat_map(|z| [z.re, z.im]).collect()
     }
 }
 
@@ -180,22 +164,4 @@ fn frequency_at(curves: &Curves, t: f64) -> f64 {
     }
     let s = (t - curves.t[next - 1]) / (curves.t[next] - curves.t[next - 1]);
     curves.frequency[next - 1] + s * (curves.frequency[next] - curves.frequency[next - 1])
-}
-
-/// Rows of the Cholesky factor of ∫ w_j w_k dt.
-fn overlaps(count: usize, hop: f64) -> Vec<[f64; OVERLAP]> {
-    let overlap: [f64; OVERLAP] = std::array::from_fn(|i| {
-        let shift = i as f64 * 0.25 * PI;
-        let h = (PI - shift) / STEPS as f64;
-        let term = |n: usize| {
-            let x = h * (n as f64 + 0.5);
-            x.sin().powi(4) * (x + shift).sin().powi(4)
-        };
-        h * (0..STEPS).map(term).sum::<f64>() * hop * 4.0 / PI
-    });
-    let matrix = DMatrix::from_fn(count, count, |j, k| overlap.get(j.abs_diff(k)).copied().unwrap_or(0.0));
-    // Positive definite: windows are linearly independent.
-    let lower = matrix.cholesky().map_or_else(|| DMatrix::identity(count, count), |c| c.l());
-    let entry = |k: usize, i: usize| (k + i + 1).checked_sub(OVERLAP).map_or(0.0, |j| lower[(k, j)]);
-    (0..count).map(|k| std::array::from_fn(|i| entry(k, i))).collect()
 }
