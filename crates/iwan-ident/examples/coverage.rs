@@ -4,6 +4,9 @@
 //! of 10 to 100 samples, without noise. `noise COUNT DB`: random joints of 1 to 30 % of the stiffness in noise of so many decibels below the
 //! record's root mean square. `scripts/validate` runs both; the last figures stand in the book's chapter on validation.
 
+#[path = "../tests/law_records/random.rs"]
+mod random;
+
 use std::f64::consts::TAU;
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicU64, Ordering};
@@ -12,6 +15,7 @@ use iwan_core::{Decay, Motion, Reversal, Samples, SplitMix64};
 use iwan_ident::curves::Quantity;
 use iwan_ident::identify::{Identification, ModeRecord, Settings, identify};
 use iwan_ident::{Error, Parameter, Parameters};
+use random::{between, normal, scale};
 
 /// One random ring-down.
 struct Trial {
@@ -30,24 +34,6 @@ struct Tally {
     refused: u32,
     /// Trials with at least one interval that misses by more than its width.
     wrong: u32,
-}
-
-fn uniform(random: &mut SplitMix64) -> f64 {
-    0.5 + 0.5 * random.next_symmetric()
-}
-
-/// A normal value (Box and Muller).
-fn normal(random: &mut SplitMix64) -> f64 {
-    let radius = (-2.0 * uniform(random).max(f64::MIN_POSITIVE).ln()).sqrt();
-    radius * (TAU * uniform(random)).cos()
-}
-
-fn between(random: &mut SplitMix64, low: f64, high: f64) -> f64 {
-    low + (high - low) * uniform(random)
-}
-
-fn scale(random: &mut SplitMix64, low: f64, high: f64) -> f64 {
-    between(random, low.ln(), high.ln()).exp()
 }
 
 fn ring_down(truth: &Parameters, ratio: f64, dt: f64, count: usize) -> Result<Vec<f64>, Error> {

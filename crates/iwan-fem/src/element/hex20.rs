@@ -13,10 +13,10 @@
 //! Integrated with 3 x 3 x 3 points (O. C. Zienkiewicz and R. L. Taylor, The Finite Element Method, Vol. 1, Sec. 8.7): exact
 //! for brick-shaped elements, mass included.
 
-use super::geometry::{Jacobian, NoVolume, THREE, points};
+use super::geometry::{NoVolume, THREE, points};
 use super::hex8::CORNERS;
-use super::isotropic::{GradientProducts, add_mass};
 use super::material::Material;
+use super::rules::integrate;
 use crate::mesh::Shape;
 
 /// Nodes on the reference cube: a coordinate of a mid-edge node is 0 along its edge.
@@ -62,17 +62,9 @@ pub(super) fn functions(at: [f64; 3]) -> ([f64; 20], [[f64; 3]; 20]) {
 pub(super) fn matrices(
     material: &Material,
     positions: &[[f64; 3]],
-    (stiffness, mass): (&mut [f64], &mut [f64]),
+    out: (&mut [f64], &mut [f64]),
 ) -> Result<(), NoVolume> {
-    let mut products = GradientProducts::<20>::new();
-    for (point, (at, weight)) in points(&THREE).enumerate() {
-        let (values, d) = functions(at);
-        let jacobian = Jacobian::new(&d, positions, point + 1)?;
-        products.add(&d.map(|d| jacobian.gradient(d)), weight * jacobian.determinant);
-        add_mass(&values, material.density() * weight * jacobian.determinant, mass);
-    }
-    products.stiffness(material, stiffness);
-    Ok(())
+    integrate(points(&THREE), functions, material, positions, out)
 }
 
 #[cfg(test)]

@@ -1,4 +1,4 @@
-//! Integration rules of tetrahedra and wedges, and stiffness and mass of an element that is integrated by such a rule.
+//! Integration rules of tetrahedra and wedges, and stiffness and mass of an element that is integrated by a rule.
 //!
 //! Number and places of the points are those of CalculiX (G. Dhondt, CalculiX User's Manual, Sec. "Element types"): one and four points
 //! in tetrahedra, two and nine in wedges, for stiffness and mass alike. The stiffness of elements with straight edges is exact but for the
@@ -46,14 +46,14 @@ pub(super) type Functions<const N: usize> = fn([f64; 3]) -> ([f64; N], [[f64; 3]
 
 /// Stiffness (3N x 3N) and mass (N x N) of an element with the given shape functions.
 pub(super) fn integrate<const N: usize>(
-    rule: &[Point],
+    rule: impl IntoIterator<Item = Point>,
     functions: Functions<N>,
     material: &Material,
     positions: &[[f64; 3]],
     (stiffness, mass): (&mut [f64], &mut [f64]),
 ) -> Result<(), NoVolume> {
     let mut products = GradientProducts::<N>::new();
-    for (point, &(at, weight)) in rule.iter().enumerate() {
+    for (point, (at, weight)) in rule.into_iter().enumerate() {
         let (values, d) = functions(at);
         let jacobian = Jacobian::new(&d, positions, point + 1)?;
         products.add(&d.map(|d| jacobian.gradient(d)), weight * jacobian.determinant);

@@ -39,7 +39,7 @@ pub(super) fn matrices(
     positions: &[[f64; 3]],
     out: (&mut [f64], &mut [f64]),
 ) -> Result<(), NoVolume> {
-    integrate(&TETRAHEDRON_4, functions, material, positions, out)
+    integrate(TETRAHEDRON_4, functions, material, positions, out)
 }
 
 #[cfg(test)]

@@ -34,7 +34,7 @@ pub(super) fn matrices(
     positions: &[[f64; 3]],
     out: (&mut [f64], &mut [f64]),
 ) -> Result<(), NoVolume> {
-    integrate(&TETRAHEDRON_1, functions, material, positions, out)
+    integrate(TETRAHEDRON_1, functions, material, positions, out)
 }
 
 #[cfg(test)]

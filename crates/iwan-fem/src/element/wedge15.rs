@@ -51,7 +51,7 @@ pub(super) fn matrices(
     positions: &[[f64; 3]],
     out: (&mut [f64], &mut [f64]),
 ) -> Result<(), NoVolume> {
-    integrate(&WEDGE_9, functions, material, positions, out)
+    integrate(WEDGE_9, functions, material, positions, out)
 }
 
 #[cfg(test)]

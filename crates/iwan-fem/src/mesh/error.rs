@@ -113,3 +113,11 @@ pub enum MeshWarning {
         reason: String,
     },
 }
+
+/// What helps with a keyword or card `name` that may not be passed over, by a list of names and remedies.
+pub(super) fn remedy_among(known: &[(&str, &str)], name: &str) -> String {
+    let own = known.iter().find(|known| known.0 == name);
+    let what = own
+        .map_or("it is not known to leave the model as it is: say the same in the structure file", |k| k.1);
+    format!("{what}; then pass over it with ignore = [\"{name}\"] in [mesh], or delete it from the file")
+}

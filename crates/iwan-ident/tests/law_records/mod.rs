@@ -5,6 +5,8 @@
     reason = "shared by several programs; a failed test may panic and say why"
 )]
 
+mod random;
+
 use std::f64::consts::TAU;
 
 use iwan_core::{
@@ -12,6 +14,7 @@ use iwan_core::{
     Oscillator, Part, Pinning, PowerDamping, PowerSpring, ResidualStiffness, Reversal, Samples, SplitMix64,
     WithParts,
 };
+use random::{between, normal, scale};
 
 /// A record with what it was made of.
 pub(crate) struct Simulated {
@@ -38,23 +41,6 @@ pub(crate) const LAWS: [&str; 13] = [
     "separate-powers",
     "iwan",
 ];
-
-fn uniform(random: &mut SplitMix64) -> f64 {
-    0.5 + 0.5 * random.next_symmetric()
-}
-
-fn normal(random: &mut SplitMix64) -> f64 {
-    let radius = (-2.0 * uniform(random).max(f64::MIN_POSITIVE).ln()).sqrt();
-    radius * (TAU * uniform(random)).cos()
-}
-
-fn between(random: &mut SplitMix64, low: f64, high: f64) -> f64 {
-    low + (high - low) * uniform(random)
-}
-
-fn scale(random: &mut SplitMix64, low: f64, high: f64) -> f64 {
-    between(random, low.ln(), high.ln()).exp()
-}
 
 /// What a mode is made of.
 struct Made {

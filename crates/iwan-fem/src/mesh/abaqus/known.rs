@@ -3,6 +3,8 @@
 //! A keyword that is on neither list is refused too: only what is known to leave nodes, elements, sets, stiffness and mass as they are is
 //! passed over.
 
+use crate::mesh::error::remedy_among;
+
 /// Keywords that leave nodes, elements, sets and their connections as they are: titles, materials and sections (materials stand in the
 /// structure file), names for faces, laws of contact (the contact itself is refused), amplitudes, and the steps with their procedures,
 /// loads and outputs.
@@ -101,10 +103,7 @@ pub(super) fn is_harmless(name: &str) -> bool {
 
 /// What helps with a keyword that may not be passed over.
 pub(super) fn remedy(name: &str) -> String {
-    let own = CHANGES.iter().find(|known| known.0 == name);
-    let what = own
-        .map_or("it is not known to leave the model as it is: say the same in the structure file", |k| k.1);
-    format!("{what}; then pass over it with ignore = [\"{name}\"] in [mesh], or delete it from the file")
+    remedy_among(CHANGES, name)
 }
 
 #[cfg(test)]

@@ -1,5 +1,7 @@
 //! Which cards may be passed over, and what helps with those that may not.
 
+use crate::mesh::error::remedy_among;
+
 /// Cards that leave nodes, elements, stiffness, mass and connections as they are: what is computed, loads, tables, and sets for it.
 static HARMLESS: &[&str] = &[
     "EIGRL", "EIGR", "EIGB", "EIGC", "LOAD", "FORCE", "FORCE1", "FORCE2", "MOMENT", "PLOAD", "PLOAD1",
@@ -38,8 +40,5 @@ pub(super) fn is_harmless(name: &str) -> bool {
 
 /// What helps with a card that may not be passed over.
 pub(super) fn remedy(name: &str) -> String {
-    let own = CHANGES.iter().find(|known| known.0 == name);
-    let what = own
-        .map_or("it is not known to leave the model as it is: say the same in the structure file", |k| k.1);
-    format!("{what}; then pass over it with ignore = [\"{name}\"] in [mesh], or delete it from the file")
+    remedy_among(CHANGES, name)
 }
