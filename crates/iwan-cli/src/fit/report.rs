@@ -131,7 +131,7 @@ fn laws(fit: &ModeFit) -> Markup {
                                 td { (format!("{:.2} %", 100.0 * law.dissipation_misfit)) }
                                 td { (format!("{:.5}", law.frequency_misfit)) }
                                 td { (law.grade) }
-                                td { (law.values()) }
+                                td.words { (law.values()) }
                             }
                         }
                     }
@@ -139,7 +139,7 @@ fn laws(fit: &ModeFit) -> Markup {
             }
             p.about {
                 "Criterion: twice the logarithm of the evidence that the best law has over this one; up to 2 is no difference. Misfits: against "
-                "smooth curves of the records, root mean square."
+                "smooth curves of the records, root mean square; those of the Iwan joint by its own ring-down, as in the verdict above."
             }
         }
     }

@@ -2,6 +2,7 @@
 
 use super::prepared::Prepared;
 use super::settings::{ModeRecord, Settings};
+use crate::curve_fit::Verdict;
 use crate::error::Error;
 use crate::laws::{Comparison, Estimate, Joint, LawMode, Source, compare};
 use crate::parameters::{Parameter, Parameters};
@@ -44,20 +45,25 @@ pub(super) fn of_prepared(prepared: &[Prepared<'_>], iwan: Option<&Parameters>) 
     compare(&sources, iwan)
 }
 
-/// All laws beside the fit of the Iwan joint on the records themselves, whose parameters and intervals the law `iwan` then has.
+/// All laws beside the fit of the Iwan joint on the records themselves, whose parameters, intervals and verdict the law `iwan` then has: a page
+/// says one thing of one law.
 pub(super) fn beside(
     prepared: &[Prepared<'_>],
     parameters: &Parameters,
     profiles: &Profiles,
+    verdict: &Verdict,
 ) -> Result<Comparison, Error> {
-    let mut found = of_prepared(prepared, Some(parameters))?;
+    let found = of_prepared(prepared, Some(parameters))?;
     let (_, joint) = parameters.model()?;
     let of_records = |parameter: Parameter| {
         let profile = profiles.parameters.iter().find(|p| p.parameter == parameter);
         let (low, high) = profile.map_or((None, None), |p| (p.low, p.high));
         Estimate { name: parameter.name(), value: parameters.get(parameter), low, high }
     };
-    if let Some(iwan) = found.laws.iter_mut().find(|l| l.law.name == "iwan") {
+    Ok(found.knowing("iwan", |iwan| {
+        (iwan.dissipation_misfit, iwan.frequency_misfit) =
+            (verdict.dissipation_misfit, verdict.frequency_misfit);
+        iwan.grade = verdict.grade;
         iwan.parameters = Parameter::ALL.map(of_records).to_vec();
         iwan.mode = LawMode {
             frequency: parameters.frequency,
@@ -65,6 +71,5 @@ pub(super) fn beside(
             joint: Some(Joint::FourParameter(joint)),
             parts: vec![],
         };
-    }
-    Ok(found)
+    }))
 }

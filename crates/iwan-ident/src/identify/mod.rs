@@ -118,15 +118,12 @@ fn identification(
         .map(|(p, start)| p.model_curves(&refined.parameters, *start, settings))
         .collect::<Result<Vec<_>, _>>()?;
     let linear = linear(&task, &minimum, &refined.parameters, &curves)?;
-    let laws = laws::beside(&prepared, &refined.parameters, &profiles);
+    let verdict = verdict(&curves, &model_curves, refined.leaves_noise(task.count()));
+    let verdict = in_band(verdict.leaving(refined.relative_residual), &prepared, &refined);
+    let laws = laws::beside(&prepared, &refined.parameters, &profiles, &verdict);
     Ok(Identification {
         parameters: refined.parameters,
-        verdict: in_band(
-            verdict(&curves, &model_curves, refined.leaves_noise(task.count()))
-                .leaving(refined.relative_residual),
-            &prepared,
-            &refined,
-        ),
+        verdict,
         notes: prepared.iter().flat_map(Prepared::notes).chain(start.notes.iter().cloned()).collect(),
         envelopes: prepared.iter().map(|p| p.envelope.clone()).collect(),
         first_samples: prepared.iter().map(|p| p.first).collect(),

@@ -89,16 +89,7 @@ pub fn compare(sources: &[Source<'_>], iwan: Option<&Parameters>) -> Result<Comp
     for law in &mut laws {
         law.criterion -= best;
     }
-    // A law that describes the records goes before one that does not, unless the evidence is strong.
-    let near = laws.iter().filter(|l| l.criterion <= STRONG);
-    let grade = near.map(|l| l.grade).max().unwrap_or(Grade::No);
-    let least = laws.iter().filter(|l| l.grade == grade).map(|l| l.criterion).fold(f64::INFINITY, f64::min);
-    let good = laws.iter().enumerate().filter(|(_, l)| l.grade == grade && l.criterion <= least + AS_GOOD);
-    let simplest = good.min_by(|(_, a), (_, b)| {
-        let order = a.parameters.len().cmp(&b.parameters.len());
-        order.then(a.criterion.total_cmp(&b.criterion))
-    });
-    let chosen = simplest.map(|(i, _)| i).ok_or_else(|| Error::Refused {
+    let chosen = choice(&laws).ok_or_else(|| Error::Refused {
         finding: "no law could be fitted".into(),
         remedy: "check the band and the window",
     })?;
@@ -111,7 +102,30 @@ pub fn compare(sources: &[Source<'_>], iwan: Option<&Parameters>) -> Result<Comp
     })
 }
 
+/// The simplest of the laws that are as good as the best: one that describes the records goes before one that does not, unless the evidence
+/// is strong. None of no laws.
+fn choice(laws: &[FittedLaw]) -> Option<usize> {
+    let near = laws.iter().filter(|l| l.criterion <= STRONG);
+    let grade = near.map(|l| l.grade).max()?;
+    let least = laws.iter().filter(|l| l.grade == grade).map(|l| l.criterion).fold(f64::INFINITY, f64::min);
+    let good = laws.iter().enumerate().filter(|(_, l)| l.grade == grade && l.criterion <= least + AS_GOOD);
+    let simplest = good.min_by(|(_, a), (_, b)| {
+        let order = a.parameters.len().cmp(&b.parameters.len());
+        order.then(a.criterion.total_cmp(&b.criterion))
+    });
+    simplest.map(|(i, _)| i)
+}
+
 impl Comparison {
+    /// The same where more is known of the law of a name; the choice is made anew.
+    pub(crate) fn knowing(mut self, name: &str, more: impl FnOnce(&mut FittedLaw)) -> Self {
+        if let Some(law) = self.laws.iter_mut().find(|l| l.law.name == name) {
+            more(law);
+        }
+        self.chosen = choice(&self.laws).unwrap_or(self.chosen);
+        self
+    }
+
     /// The law to take.
     #[must_use]
     pub fn chosen(&self) -> &FittedLaw {
