@@ -103,17 +103,50 @@ impl<'a, B: Backbone, S: AsRef<[Reversal]> + AsMut<[Reversal]>> Decay<'a, B, S> 
         memory: Reversals<S>,
         velocity: f64,
     ) -> Result<Self, Error> {
+        crate::error::check("load", load, true, "must be a finite number")?;
+        Self::with_map(Map::new(oscillator, law, load)?, *oscillator, memory, velocity)
+    }
+
+    /// Ends this decay, and begins another of the same mode under the same load as [`new`](Self::new) does: the tables of
+    /// the map, which take as long as some ten half cycles, and the stack are used again.
+    ///
+    /// ```
+    /// use iwan_core::{Backbone, Decay, FourParameter, Motion, Oscillator, ResidualStiffness, Reversal};
+    /// let joint = FourParameter::new(4.45e4, 239.4, -0.183, 0.3)?;
+    /// let mode = Oscillator::new(124.0, 1e-3, joint.k_t(), ResidualStiffness::Positive)?;
+    /// let begun = |at| Decay::new(&mode, &joint, 0.0, Motion::held_at(at), [Reversal::default(); 64]);
+    /// let mut decay = begun(0.01)?;
+    /// decay.next();
+    /// let mut decay = decay.anew(Motion::held_at(0.002))?;
+    /// assert_eq!(decay.next(), begun(0.002)?.next());
+    /// # Ok::<(), iwan_core::Error>(())
+    /// ```
+    ///
+    /// # Errors
+    /// [`Error::OutOfRange`] when a value is not finite.
+    pub fn anew(self, start: Motion) -> Result<Self, Error> {
+        let law = self.map.law;
+        let mut memory = self.memory.into_virgin(law.initial_stiffness());
+        self.joint.advance(&mut memory, start.displacement);
+        Self::with_map(self.map, self.oscillator, memory, start.velocity)
+    }
+
+    fn with_map(
+        map: Map<'a, B>,
+        oscillator: Oscillator,
+        memory: Reversals<S>,
+        velocity: f64,
+    ) -> Result<Self, Error> {
+        let law = map.law;
         let joint = Continuum::new(law);
         let q = joint.displacement(&memory);
-        for (name, value) in [("load", load), ("displacement", q), ("velocity", velocity)] {
+        for (name, value) in [("displacement", q), ("velocity", velocity)] {
             crate::error::check(name, value, true, "must be a finite number")?;
         }
-        let map = Map::new(oscillator, law, load)?;
         let stored = joint.stored_energy(&memory);
         let now = Moment { time: 0.0, q, v: velocity };
         let start = Motion { displacement: q, velocity };
         let (half, under_way, clock, works) = (HalfCycle::NONE, false, None, Works::default());
-        let oscillator = *oscillator;
         let mut decay =
             Self { map, oscillator, joint, memory, now, half, under_way, clock, start, stored, works };
         if velocity == 0.0 {

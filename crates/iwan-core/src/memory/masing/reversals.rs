@@ -39,6 +39,11 @@ impl Prepared {
 }
 
 impl<S> Reversals<S> {
+    /// The virgin state again, in the same memory.
+    pub(crate) fn into_virgin(self, initial_stiffness: f64) -> Self {
+        Self::virgin(self.stack, initial_stiffness)
+    }
+
     /// The virgin state of a law of this initial stiffness.
     pub(super) fn virgin(stack: S, initial_stiffness: f64) -> Self {
         let (u, force, origin, depth, forgotten) = (0.0, 0.0, 0.0, 0, 0.0);
