@@ -9,10 +9,10 @@ use iwan_core::{Decay, FourParameter, Motion, Oscillator, Reversal};
 use rustfft::num_complex::Complex64;
 
 /// Spacing of the table in the logarithm of the amplitude in micro-slip, where powers of the amplitude are all there is: amplitudes of a
-/// record of a thousand cycles are then right to 1e-5 (the test in `windows`), …
+/// record of a thousand cycles are then right to 3e-5, from micro-slip on to 2e-6 (the test in `windows`), …
 const SPACING: f64 = 0.24;
 /// … and in macro-slip at most, where they change with the distance from φ_max.
-const SPACING_IN_MACRO_SLIP: f64 = 0.2;
+const SPACING_IN_MACRO_SLIP: f64 = 0.12;
 /// Nodes of an interpolating polynomial. With four in place of six the same precision takes three times as many nodes.
 const POINTS: usize = 6;
 /// Half cycles before the one that is tabulated: the tip of the loop has settled by then to second order in the loss of a half cycle.
@@ -20,8 +20,11 @@ const SETTLING: usize = 3;
 
 /// How far above the first amplitude a table begins: more than the half cycles before a node take.
 const ABOVE: f64 = 0.03;
-/// Fastest decay, in the logarithm of the amplitude per half cycle, for which tips of loops count as settled.
-pub(super) const FASTEST: f64 = 0.004;
+/// Fastest decay, in the logarithm of the amplitude per half cycle, for which tips of loops in micro-slip count as settled.
+/// With half as much as this the amplitudes of the test in `windows` are no nearer to the decay's.
+pub(super) const FASTEST: f64 = 0.018;
+/// The same at φ_max for tables in macro-slip, of which no half cycle shall end without slipping as a whole.
+pub(super) const FASTEST_IN_MACRO_SLIP: f64 = 0.06;
 
 /// What a half cycle is.
 #[derive(Debug, Clone, Copy, Default)]
@@ -153,8 +156,8 @@ impl<'a, F: FnMut(Moment, &mut [Complex64; 4])> Table<'a, F> {
             }
             let node = self.node(self.next);
             self.failed = node.is_none();
-            let node =
-                node.filter(|n| n.1.growth > -2.0 * FASTEST && (!self.nodes.is_empty() || n.0 >= log))?;
+            let slow = |growth: f64| self.floor.is_some() || growth > -2.0 * FASTEST;
+            let node = node.filter(|n| slow(n.1.growth) && (!self.nodes.is_empty() || n.0 >= log))?;
             self.nodes.push(node);
             self.next -= self.spacing;
         }
