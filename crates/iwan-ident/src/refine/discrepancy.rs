@@ -17,6 +17,8 @@ const ROUNDS: usize = 3;
 /// Size of a discrepancy that is expected before a record is seen, and that searches begin with: dissipation of repeated hits differs by some
 /// per cent. Larger ones count as less likely by a factor of e for each time this.
 const TYPICAL: f64 = 0.03;
+/// Part of a sum of squares below which another counts as deeper: what is less than half a per cent is a tolerance of the searches.
+const DEEPER: f64 = 0.995;
 /// Part of the residuals that is taken to be free at least: of fewer no variance can be had.
 const LEAST_FREEDOM: f64 = 0.1;
 
@@ -53,7 +55,21 @@ impl Task {
     pub(crate) fn finished(&mut self, rough: &Minimum, first: &[f64]) -> Result<Minimum, Error> {
         (self.discount, self.by_logarithms) = (None, false);
         let minimum = self.finish(rough)?;
+        let minimum = self.by_other_powers(minimum)?;
         self.discounted(minimum, first)
+    }
+
+    /// The minimum again, or a deeper one that searches from other powers find: over a few cycles a small power with a higher frequency looks much the same, and
+    /// what it misses would be taken for a discrepancy.
+    fn by_other_powers(&mut self, minimum: Minimum) -> Result<Minimum, Error> {
+        let mut work = Workspace::default();
+        let seen = self.seen_at(&minimum.x);
+        let others = self.other_powers(&minimum.x);
+        let found = others.iter().filter_map(|x| self.minimise(x, seen.clone(), FINE, &mut work));
+        match found.min_by(|a, b| a.cost.total_cmp(&b.cost)).filter(|m| m.cost < DEEPER * minimum.cost) {
+            Some(deeper) => self.finish(&deeper),
+            None => Ok(minimum),
+        }
     }
 
     /// Finds out at a minimum what the model misses, discounts it, and goes on to the minimum of what is left. Where it misses anything
@@ -69,8 +85,7 @@ impl Task {
             self.weigh(&best.x, &mut work);
             best = self.minimise(&best.x, self.seen_at(&best.x), FINE, &mut work).ok_or_else(no_ring_down)?;
         }
-        let nothing = |found: &Found| found.likeliest.sizes.iter().all(|s| *s == 0.0);
-        if self.look(&best.x, &mut work).is_none_or(|found| nothing(&found)) {
+        if self.look(&best.x, &mut work).is_none_or(|found| !found.likeliest.seen) {
             return Ok(best);
         }
         let settle = |x: &[f64]| self.clone().settled(x, &mut Workspace::default());
@@ -82,6 +97,23 @@ impl Task {
         let Settled { task, minimum, .. } = likeliest.ok_or_else(no_ring_down)?;
         *self = task;
         Ok(minimum)
+    }
+
+    /// The task for intervals, and its minimum next to one: where a record shows nothing that the model misses, what it cannot show widens the
+    /// intervals all the same. Minima are not sought so: what a record of a few cycles tells of the power is next to nothing then.
+    pub(crate) fn widened(&self, minimum: &Minimum) -> Result<(Self, Minimum), Error> {
+        let (mut task, mut work) = (self.clone(), Workspace::default());
+        if self.discount.is_some() {
+            return Ok((task, minimum.clone()));
+        }
+        if let Some(found) = self.look(&minimum.x, &mut work) {
+            let scales = self.noise(&found);
+            task.take(&found.components, &found.likeliest.sizes, &scales);
+            task.discrepancy = Discrepancy::default();
+        }
+        let seen = task.seen_at(&minimum.x);
+        let minimum = task.minimise(&minimum.x, seen, FINE, &mut work).ok_or_else(no_ring_down)?;
+        Ok((task, minimum))
     }
 
     /// The unknowns that the records see at a point.

@@ -55,14 +55,31 @@ impl Task {
         Ok(bases)
     }
 
-    /// A point with other powers at the same softening, where the power is sought.
+    /// A point with other powers at the same softening, where the power is sought: with frequency and dissipation at the largest amplitude as they were, for a
+    /// start that is off by a cycle finds no way back.
     pub(crate) fn other_powers(&self, x: &[f64]) -> Vec<Vec<f64>> {
+        let free = self.free();
+        let loudest = self.loudest();
+        let at_loudest = |x: &[f64]| predict(&self.chart.parameters(x), loudest).ok();
         let with = |chi| {
             let mut other = x.to_vec();
             other[CHI] = chi;
+            if let (Some(was), Some(is)) = (at_loudest(x), at_loudest(&other)) {
+                let mut p = self.chart.parameters(&other);
+                let omega_squared = (TAU * was.frequency).powi(2);
+                p.frequency *= was.frequency / is.frequency;
+                let lost = (was.dissipation - is.dissipation) / (TAU * omega_squared * loudest * loudest);
+                p.damping_ratio = (p.damping_ratio + lost).max(0.0);
+                let moved = self.coordinates(&p).unwrap_or_else(|_| other.clone());
+                for parameter in [Parameter::Frequency, Parameter::DampingRatio] {
+                    if let Some(j) = self.chart.index(parameter).filter(|j| free.contains(j)) {
+                        other[j] = moved[j];
+                    }
+                }
+            }
             other
         };
-        if self.free().contains(&CHI) { CHIS.map(with).to_vec() } else { vec![] }
+        if free.contains(&CHI) { CHIS.map(with).to_vec() } else { vec![] }
     }
 
     /// The unknowns of a ring-down whose knee no record reaches; all of them where the knee is given.
