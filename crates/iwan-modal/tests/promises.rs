@@ -1,0 +1,100 @@
+//! What the guide states in numbers: accuracy at three levels of force, random systems, calibration.
+#![allow(clippy::expect_used, reason = "tests may panic")]
+
+mod support;
+
+use iwan_core::SplitMix64;
+use iwan_modal::measure::{Hit, Motion, levels};
+use iwan_modal::modes::{Scale, mac};
+use iwan_modal::responses::{Estimator, Windows, frequency_responses};
+use iwan_modal::{Analysis, Complex, ModalFit, modal_fit};
+use support::{Bench, TrueMode, ten_modes};
+
+fn found(hits: &[Hit], band: (f64, f64)) -> ModalFit {
+    let responses = frequency_responses(hits, Motion::Acceleration, Estimator::H1, Windows::default())
+        .expect("hits belong together");
+    modal_fit(&responses, Some(band), &Analysis::Chart, 60).expect("modes")
+}
+
+/// 54 points, three levels of five hits, noise of 40 dB, calibrations spread by 1 %.
+#[test]
+fn ten_modes_at_three_levels_of_force_keep_within_what_is_stated() {
+    let bench = Bench { rate: 4096.0, samples: 8192, ..Bench::new(ten_modes()) };
+    let hits: Vec<Hit> = [40.0, 120.0, 360.0]
+        .iter()
+        .enumerate()
+        .flat_map(|(n, force)| bench.hits(*force, 5, 40 + n as u64))
+        .collect();
+    let peaks: Vec<f64> = hits.iter().map(Hit::peak_force).collect();
+    let sorted = levels(&peaks);
+    assert_eq!(sorted.iter().map(Vec::len).collect::<Vec<_>>(), [5, 5, 5]);
+    for members in sorted {
+        let own: Vec<Hit> = members.iter().map(|i| hits[*i].clone()).collect();
+        let fit = found(&own, (60.0, 1100.0));
+        assert_eq!((fit.modes.len(), fit.scale), (10, Scale::DrivePoint));
+        for (mode, truth) in fit.modes.iter().zip(&bench.modes) {
+            let shape: Vec<Complex<f64>> =
+                bench.shape(truth).iter().map(|x| Complex::new(*x, 0.0)).collect();
+            let off = [
+                mode.frequency / truth.frequency - 1.0,
+                mode.damping_ratio / truth.damping_ratio - 1.0,
+                1.0 - mac(&mode.shape, &shape),
+                mode.real_shape[0].abs() / shape[0].re.abs() - 1.0,
+            ];
+            let allowed = [2e-4, 3e-2, 1e-3, 1e-2];
+            assert!(
+                off.iter().zip(allowed).all(|(x, most)| x.abs() < most),
+                "{} Hz: {off:?}",
+                truth.frequency
+            );
+        }
+    }
+}
+
+/// Four to ten modes between 100 and 950 Hz, 0.01 % to 1 % of damping, 1.5 half-power bandwidths apart or more.
+fn random_modes(random: &mut SplitMix64) -> Vec<TrueMode> {
+    let mut unit = || 0.5 * (random.next_symmetric() + 1.0);
+    let count = 4 + (7.0 * unit()) as usize;
+    let mut modes: Vec<TrueMode> = Vec::new();
+    while modes.len() < count {
+        let one = TrueMode {
+            frequency: 100.0 + 850.0 * unit(),
+            damping_ratio: 10f64.powf(-4.0 + 2.0 * unit()),
+            half_waves: (1 + modes.len()) as f64,
+            twists: unit() < 0.5,
+        };
+        let apart = |other: &TrueMode| {
+            let widths = [one, *other].map(|m| 2.0 * m.damping_ratio * m.frequency);
+            (one.frequency - other.frequency).abs() > 1.5 * widths[0].max(widths[1])
+        };
+        if modes.iter().all(apart) {
+            modes.push(one);
+        }
+    }
+    modes.sort_by(|a, b| a.frequency.total_cmp(&b.frequency));
+    modes
+}
+
+#[test]
+fn of_twenty_random_systems_no_mode_is_missed_and_none_invented() {
+    let mut random = SplitMix64::new(20);
+    for system in 0..20 {
+        let modes = random_modes(&mut random);
+        let bench = Bench { stations: 6, rate: 4096.0, samples: 8192, ..Bench::new(modes) };
+        let fit = found(&bench.hits(100.0, 3, 500 + system), (60.0, 1000.0));
+        let listed: Vec<f64> = fit.modes.iter().map(|m| m.frequency).collect();
+        let truth: Vec<f64> = bench.modes.iter().map(|m| m.frequency).collect();
+        assert_eq!(listed.len(), truth.len(), "system {system}: {listed:?} for {truth:?}");
+        for (mode, truth) in fit.modes.iter().zip(&bench.modes) {
+            let off = (mode.frequency - truth.frequency).abs();
+            let width = 2.0 * truth.damping_ratio * truth.frequency;
+            assert!(
+                off < 2e-4 * truth.frequency && off < 0.1 * width,
+                "system {system}: {} for {}",
+                mode.frequency,
+                truth.frequency
+            );
+            assert!((mode.damping_ratio / truth.damping_ratio - 1.0).abs() < 0.1);
+        }
+    }
+}
