@@ -5,7 +5,7 @@ use std::f64::consts::TAU;
 use crate::error::{Error, check};
 use crate::fit::{Band, Fitted, pruned};
 use crate::measure::Freedom;
-use crate::modes::{Mode, Scale, modes};
+use crate::modes::{Drive, Mode, Scale, modes};
 use crate::number::{Complex, complex};
 use crate::poles::{Isolation, Stabilisation, chart, isolation};
 use crate::responses::FrequencyResponses;
@@ -32,6 +32,9 @@ pub enum Analysis {
     Isolation,
     /// Poles near these frequencies (Hz), and no others.
     Given(Vec<f64>),
+    /// These poles to begin with (1/s, upper half plane), as of another method or program, such as [`subspace`](crate::poles::subspace); those
+    /// that the responses do not need are left out.
+    From(Vec<nalgebra::Complex<f64>>),
 }
 
 /// Modes with all that led to them.
@@ -45,6 +48,8 @@ pub struct ModalFit {
     pub names: Vec<String>,
     /// What the shapes are scaled by.
     pub scale: Scale,
+    /// Where the hammer hits; none where no response was measured there.
+    pub drive: Option<Drive>,
     /// Edges of the band, Hz.
     pub band: (f64, f64),
     /// The stabilisation chart; none where another way was chosen.
@@ -71,6 +76,37 @@ impl ModalFit {
                 phases.len()
             )
         })
+    }
+
+    /// Mass-normalised shape of a mode at the hammer, along its force; none without a drive point.
+    #[must_use]
+    pub fn shape_at_force(&self, mode: &Mode) -> Option<f64> {
+        self.drive.map(|d| d.sign * mode.real_shape[d.freedom])
+    }
+
+    /// The standard deviations of the shapes with that of the sensors' gains in them, `spread` relative (0.01 for 1 %). An error e of a sensor's
+    /// gain goes into the shape there, and an error e of the drive point's sensor, or of the hammer, as -e/2 into all of a mass-normalised shape:
+    /// its scale is the root of the response at the drive point. Nothing in responses to one point of force tells such errors.
+    ///
+    /// # Errors
+    /// [`Error::OutOfRange`] for a spread that is negative or not below 1.
+    pub fn with_calibration(mut self, spread: f64) -> Result<Self, Error> {
+        let remedy = "give the standard deviation of the sensors' gains, 0.01 for 1 %";
+        check("spread of calibrations", spread, (0.0..1.0).contains(&spread), "0 or more and below 1", remedy)?;
+        let (scale, drive) = (self.scale, self.drive);
+        for mode in &mut self.modes {
+            let largest = mode.real_shape.iter().map(|x| x.abs()).fold(0.0, f64::max);
+            for (i, (value, sd)) in mode.real_shape.iter().zip(&mut mode.shape_sd).enumerate() {
+                let parts = match (scale, drive) {
+                    (Scale::DrivePoint, Some(d)) if d.roving_hammer || d.freedom == i => 0.5,
+                    (Scale::DrivePoint, _) => 1.25_f64.sqrt(),
+                    (Scale::LargestIsOne, _) if value.abs() == largest => 0.0,
+                    (Scale::LargestIsOne, _) => 2.0_f64.sqrt(),
+                };
+                *sd = sd.hypot(parts * spread * value);
+            }
+        }
+        Ok(self)
     }
 }
 
@@ -105,6 +141,7 @@ pub fn modal_fit(
             steps = Some(alone);
             found
         }
+        Analysis::From(poles) => pruned(&band, poles)?,
         Analysis::Given(frequencies) => Fitted::new(&band, &given(&band, frequencies)?)?,
     };
     let (low, high) = band.edges();
@@ -123,6 +160,7 @@ pub fn modal_fit(
         freedoms: shapes.freedoms,
         names: shapes.names,
         scale: shapes.scale,
+        drive: shapes.drive,
         band: (low, high),
         stabilisation,
         isolation: steps,

@@ -27,10 +27,14 @@ pub mod modes;
 // All of it in one call.
 mod analysis;
 
+// On how many threads.
+mod threads;
+
 // From when on a decay is linear.
 mod zeroed;
 
 pub use analysis::{Analysis, ModalFit, modal_fit};
 pub use error::Error;
 pub use nalgebra::Complex;
+pub use threads::on_threads;
 pub use zeroed::{LinearFrom, Zeroed, ZeroedSpectrum, zeroed};

@@ -5,6 +5,7 @@ mod estimate;
 mod free;
 
 pub use estimate::{Estimator, Windows, frequency_responses};
+pub(crate) use free::common_length;
 pub use free::free_responses;
 pub(crate) use set::laplace;
 pub use set::{FiniteRecord, FrequencyResponses, Function};
