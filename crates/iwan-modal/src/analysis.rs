@@ -92,7 +92,13 @@ impl ModalFit {
     /// [`Error::OutOfRange`] for a spread that is negative or not below 1.
     pub fn with_calibration(mut self, spread: f64) -> Result<Self, Error> {
         let remedy = "give the standard deviation of the sensors' gains, 0.01 for 1 %";
-        check("spread of calibrations", spread, (0.0..1.0).contains(&spread), "0 or more and below 1", remedy)?;
+        check(
+            "spread of calibrations",
+            spread,
+            (0.0..1.0).contains(&spread),
+            "0 or more and below 1",
+            remedy,
+        )?;
         let (scale, drive) = (self.scale, self.drive);
         for mode in &mut self.modes {
             let largest = mode.real_shape.iter().map(|x| x.abs()).fold(0.0, f64::max);

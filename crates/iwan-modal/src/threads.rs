@@ -16,6 +16,7 @@ pub fn on_threads<T: Send>(threads: usize, work: impl FnOnce() -> T + Send) -> R
     let remedy = "ask for fewer threads, 1 at least";
     check("threads", threads as f64, threads > 0, "1 or more", remedy)?;
     let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build();
-    let pool = pool.map_err(|e| Error::refused("threads", format!("{threads} could not be started: {e}"), remedy))?;
+    let pool =
+        pool.map_err(|e| Error::refused("threads", format!("{threads} could not be started: {e}"), remedy))?;
     Ok(pool.install(work))
 }

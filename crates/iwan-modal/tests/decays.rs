@@ -5,6 +5,7 @@ use std::f64::consts::TAU;
 
 use iwan_modal::measure::{Channel, Freedom, Motion};
 use iwan_modal::modes::Scale;
+use iwan_modal::poles::subspace;
 use iwan_modal::responses::free_responses;
 use iwan_modal::{Analysis, modal_fit, zeroed};
 
@@ -81,4 +82,48 @@ fn zeroed_spectra_say_from_when_on_a_decay_is_linear() {
         .map(|n| (-zeta * omega * n as f64 * DT).exp() * (omega * n as f64 * DT).cos())
         .collect();
     assert_eq!(zeroed(&linear, DT, (40.0, 160.0)).unwrap().modes[0].time, Some(0.0));
+}
+
+#[test]
+fn subspaces_find_the_modes_of_decays_and_end_in_the_same_fit() {
+    let shapes = [[1.0, 0.7, 0.5], [0.4, -0.8, 0.6], [-0.5, 0.9, 0.3], [0.8, 0.3, -0.4]];
+    let decays: Vec<Channel> =
+        shapes.iter().enumerate().map(|(n, s)| channel(&format!("a{n}"), decay(*s, n as u64 + 1))).collect();
+    let chart = subspace(&[decays.clone()], DT, (20.0, 300.0), 24).unwrap();
+    let first: Vec<_> = chart.candidates.iter().map(|c| c.pole).collect();
+    for (f, z) in MODES {
+        let near = |p: &&iwan_modal::Complex<f64>| (p.norm() / TAU / f - 1.0).abs() < 1e-3;
+        let pole = first.iter().find(near).unwrap_or_else(|| panic!("{f} Hz is not in {first:?}"));
+        assert!((-pole.re / pole.norm() / z - 1.0).abs() < 0.1, "{pole}");
+    }
+    let responses = free_responses(&[decays], DT, Motion::Acceleration).unwrap();
+    let fit = |way: &Analysis| modal_fit(&responses, Some((20.0, 300.0)), way, 30).unwrap();
+    let (own, other) = (fit(&Analysis::From(first)), fit(&Analysis::Chart));
+    assert_eq!(own.modes.len(), 3);
+    for (a, b) in own.modes.iter().zip(&other.modes) {
+        assert!((a.pole - b.pole).norm() < 1e-5 * a.pole.re.abs(), "{} {}", a.pole, b.pole);
+    }
+    let refused = |order, band| {
+        subspace(&[vec![channel("a", decay(shapes[0], 1))]], DT, band, order).unwrap_err().to_string()
+    };
+    assert!(refused(400, (20.0, 300.0)).contains("order = 400"));
+    assert!(refused(24, (20.0, 3000.0)).contains("upper edge of the band = 3000"));
+}
+
+/// Two decays of one structure, thinned by the low-pass: the poles are those of the decays, not of the filter.
+#[test]
+fn thinning_decays_leaves_their_poles_where_they_are() {
+    let decays: Vec<Vec<Channel>> = [[1.0, 0.5, 0.2], [0.2, -1.0, 0.4]]
+        .iter()
+        .map(|a| vec![channel("a", decay(*a, 0)), channel("b", decay([a[1], a[0], -a[2]], 0))])
+        .collect();
+    let chart = subspace(&decays, DT, (20.0, 90.0), 12).unwrap();
+    assert_eq!(chart.candidates.len(), 2, "{:?}", chart.candidates);
+    for (c, (f, z)) in chart.candidates.iter().zip(MODES) {
+        assert!(
+            (c.pole.norm() / TAU / f - 1.0).abs() < 1e-6
+                && (-c.pole.re / c.pole.norm() / z - 1.0).abs() < 1e-3,
+            "{c:?}"
+        );
+    }
 }

@@ -33,8 +33,7 @@ fn ten_modes_at_three_levels_of_force_keep_within_what_is_stated() {
         let fit = found(&own, (60.0, 1100.0));
         assert_eq!((fit.modes.len(), fit.scale), (10, Scale::DrivePoint));
         for (mode, truth) in fit.modes.iter().zip(&bench.modes) {
-            let shape: Vec<Complex<f64>> =
-                bench.shape(truth).iter().map(|x| Complex::new(*x, 0.0)).collect();
+            let shape: Vec<Complex<f64>> = bench.shape(truth).iter().map(|x| Complex::new(*x, 0.0)).collect();
             let off = [
                 mode.frequency / truth.frequency - 1.0,
                 mode.damping_ratio / truth.damping_ratio - 1.0,
@@ -97,4 +96,64 @@ fn of_twenty_random_systems_no_mode_is_missed_and_none_invented() {
             assert!((mode.damping_ratio / truth.damping_ratio - 1.0).abs() < 0.1);
         }
     }
+}
+
+/// One hammer point sees two modes of one frequency as one; two points tell them apart.
+#[test]
+fn two_hammer_points_tell_modes_of_one_frequency_apart() {
+    let mode = |half_waves, twists| TrueMode { frequency: 301.7, damping_ratio: 3e-3, half_waves, twists };
+    let mut pair = vec![ten_modes()[0], mode(1.0, true), mode(3.0, false), ten_modes()[3]];
+    // A twentieth of the half-power bandwidth.
+    pair[2].frequency += 0.05 * 2.0 * 3e-3 * 301.7;
+    let base = Bench { stations: 6, rate: 4096.0, samples: 8192, calibration: 0.0, ..Bench::new(pair) };
+    let hits: Vec<Hit> =
+        [0, 8].iter().flat_map(|drive| Bench { drive: *drive, ..base.clone() }.hits(100.0, 3, 70)).collect();
+    let fit = found(&hits, (60.0, 480.0));
+    let listed: Vec<f64> = fit.modes.iter().map(|m| m.frequency).collect();
+    assert_eq!(fit.modes.len(), 4, "{listed:?}");
+    for (mode, truth) in fit.modes.iter().zip(&base.modes) {
+        let shape: Vec<Complex<f64>> = base.shape(truth).iter().map(|x| Complex::new(*x, 0.0)).collect();
+        let alike = mac(&mode.shape, &shape);
+        assert!(
+            alike > 0.999 && (mode.frequency / truth.frequency - 1.0).abs() < 2e-4,
+            "{} {alike}",
+            mode.frequency
+        );
+        assert!((mode.real_shape[0].abs() / shape[0].re.abs() - 1.0).abs() < 0.01);
+        assert!(mode.reciprocity.is_some_and(|r| r < 0.05), "{:?}", mode.reciprocity);
+    }
+}
+
+/// An error of the drive point's gain goes into the shape by half; standard deviations with the spread of calibrations hold it.
+#[test]
+fn calibration_goes_into_shapes_and_into_their_standard_deviations() {
+    let modes: Vec<TrueMode> = ten_modes().into_iter().take(3).collect();
+    let bench = Bench { stations: 3, rate: 4096.0, samples: 8192, calibration: 0.0, ..Bench::new(modes) };
+    let spread = 0.01;
+    let mut gains = support::Normal::new(5);
+    let (mut inside, mut all) = (0, 0);
+    for repeat in 0..12 {
+        let mut hits = bench.hits(100.0, 3, 800 + repeat);
+        let gains: Vec<f64> = (0..6).map(|_| 1.0 + spread * gains.next()).collect();
+        for (channel, gain) in hits.iter_mut().flat_map(|h| h.responses.iter_mut().zip(&gains)) {
+            channel.samples.iter_mut().for_each(|x| *x *= gain);
+        }
+        let fit = found(&hits, (60.0, 380.0));
+        let own = fit.modes[0].real_shape[0].abs() / bench.shape(&bench.modes[0])[0].abs() - 1.0;
+        assert!((own - 0.5 * (gains[0] - 1.0)).abs() < 1e-3, "{own} for a gain of {}", gains[0]);
+        let fit = fit.with_calibration(spread).expect("a spread of 1 %");
+        for (mode, truth) in fit.modes.iter().zip(&bench.modes) {
+            for (i, exact) in bench.shape(truth).iter().enumerate() {
+                all += 1;
+                inside +=
+                    usize::from((mode.real_shape[i].abs() - exact.abs()).abs() < 1.96 * mode.shape_sd[i]);
+            }
+        }
+    }
+    // Modes of a repeat share their gains: 72 independent errors, 95 % of them within, give or take 2.5 %.
+    let share = inside as f64 / all as f64;
+    assert!((0.88..=1.0).contains(&share), "{inside} of {all}");
+    let refused =
+        found(&bench.hits(100.0, 2, 3), (60.0, 380.0)).with_calibration(-0.1).expect_err("negative");
+    assert!(refused.to_string().contains("-0.1"), "{refused}");
 }

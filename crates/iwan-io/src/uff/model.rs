@@ -189,16 +189,22 @@ mod tests {
 
     #[test]
     fn what_is_written_is_read_again() {
-        let nodes = [(3, [0.0, -0.5, 1e-3]), (12, [1.0, 2.0, 3.0])].map(|(number, position)| Node { number, position });
+        let nodes = [(3, [0.0, -0.5, 1e-3]), (12, [1.0, 2.0, 3.0])]
+            .map(|(number, position)| Node { number, position });
         let mode = NodalMode {
             frequency: 100.0,
             damping_ratio: 0.01,
             pole: [-6.28319, 628.287],
             scale: ModalScale::A([0.0, 1256.57]),
-            values: vec![(3, [[0.0; 2], [1.5, -0.25], [2.0, 0.0]]), (12, [[-1.0, 1e-9], [0.0; 2], [0.5, 0.125]])],
+            values: vec![
+                (3, [[0.0; 2], [1.5, -0.25], [2.0, 0.0]]),
+                (12, [[-1.0, 1e-9], [0.0; 2], [0.5, 0.125]]),
+            ],
         };
         let line = vec![3, 12, 0, 3, 4, 5, 6, 7, 8, 9];
-        let text = write::nodes(&nodes) + &write::lines(std::slice::from_ref(&line)) + &write::modes(std::slice::from_ref(&mode));
+        let text = write::nodes(&nodes)
+            + &write::lines(std::slice::from_ref(&line))
+            + &write::modes(std::slice::from_ref(&mode));
         let found = read(&text);
         assert_eq!((found.nodes.as_slice(), found.lines.as_slice()), (nodes.as_slice(), [line].as_slice()));
         assert_eq!(found.edges(), [[3, 4], [3, 12], [4, 5], [5, 6], [6, 7], [7, 8], [8, 9]]);
@@ -233,11 +239,17 @@ mod tests {
 
     #[test]
     fn mistakes_are_named_with_dataset_and_row() {
-        let text = refused("    -1\n    15\n         1         0         0         8  0.0  zero  1.0\n    -1\n");
-        assert!(text.contains("m.uff") && text.contains("dataset 15 at byte 7, row 1") && text.contains("zero"), "{text}");
-        let text = refused("    -1\n    15\n       1.5         0         0         8  0.0  0.0  1.0\n    -1\n");
+        let text =
+            refused("    -1\n    15\n         1         0         0         8  0.0  zero  1.0\n    -1\n");
+        assert!(
+            text.contains("m.uff") && text.contains("dataset 15 at byte 7, row 1") && text.contains("zero"),
+            "{text}"
+        );
+        let text =
+            refused("    -1\n    15\n       1.5         0         0         8  0.0  0.0  1.0\n    -1\n");
         assert!(text.contains("1.5") && text.contains("whole"), "{text}");
-        let text = refused("    -1\n    82\n         1         5         1\nrim\n         1         2\n    -1\n");
+        let text =
+            refused("    -1\n    82\n         1         5         1\nrim\n         1         2\n    -1\n");
         assert!(text.contains("2 nodes"), "{text}");
     }
 }

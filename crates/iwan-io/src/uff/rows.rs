@@ -32,7 +32,11 @@ impl<'s, 'a> Rows<'s, 'a> {
     }
 
     pub(super) fn wrong(&self, found: &str, expected: &'static str) -> ReadError {
-        self.source.malformed(format!("{}, row {}", self.place, self.row), format!("'{}'", shorten(found, 60)), expected)
+        self.source.malformed(
+            format!("{}, row {}", self.place, self.row),
+            format!("'{}'", shorten(found, 60)),
+            expected,
+        )
     }
 
     /// `count` numbers of the next rows, `width` columns each, `a_row` in each row.

@@ -25,13 +25,23 @@ pub(super) fn mode(rows: &mut Rows) -> Result<Result<NodalMode, String>, ReadErr
     for _ in 0..TITLES {
         let _ = rows.next();
     }
-    let head = rows.integers(6, "six whole numbers: model, analysis, data, what is measured, real or complex, values a node")?;
-    let kind = Kind { analysis: head[1], complex: matches!(head[4], 5 | 6), values: usize::try_from(head[5]).unwrap_or(0) };
+    let head = rows.integers(
+        6,
+        "six whole numbers: model, analysis, data, what is measured, real or complex, values a node",
+    )?;
+    let kind = Kind {
+        analysis: head[1],
+        complex: matches!(head[4], 5 | 6),
+        values: usize::try_from(head[5]).unwrap_or(0),
+    };
     if !matches!(kind.analysis, 2 | 3 | 7) {
         return Ok(Err(format!("analysis type {} is no mode (2, 3 or 7)", kind.analysis)));
     }
     if !matches!((head[2], kind.values), (2, 3) | (3, 6)) {
-        return Ok(Err(format!("{} values of characteristic {} a node are no translations (three, or six with rotations)", head[5], head[2])));
+        return Ok(Err(format!(
+            "{} values of characteristic {} a node are no translations (three, or six with rotations)",
+            head[5], head[2]
+        )));
     }
     let counts = rows.integers(2, "how many whole and how many real numbers follow")?;
     let [whole, real] = [counts[0], counts[1]].map(|n| usize::try_from(n).unwrap_or(0).min(64));

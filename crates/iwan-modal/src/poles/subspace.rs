@@ -52,7 +52,13 @@ pub fn subspace(
     let samples = common_length(decays, dt)?;
     let remedy = "choose a band within the measured frequencies";
     let nyquist = 0.5 / dt;
-    check("lower edge of the band", low, low > 0.0 && low < high, "above 0 and below the upper edge", remedy)?;
+    check(
+        "lower edge of the band",
+        low,
+        low > 0.0 && low < high,
+        "above 0 and below the upper edge",
+        remedy,
+    )?;
     check("upper edge of the band", high, high <= nyquist, format!("at most {nyquist} Hz"), remedy)?;
     let ok = (4..=ROWS / ROWS_A_POLE).contains(&highest);
     let allowed = format!("4 to {}", ROWS / ROWS_A_POLE);
@@ -63,7 +69,8 @@ pub fn subspace(
     let kept = thinned[0][0].len();
     let blocks = (ROWS / patterns.ncols()).min(kept / 4).max(2);
     if blocks * patterns.ncols() < ROWS_A_POLE * highest {
-        let finding = format!("{samples} samples in the band to {high} Hz carry no realization of order {highest}");
+        let finding =
+            format!("{samples} samples in the band to {high} Hz carry no realization of order {highest}");
         return Err(Error::refused("free decays", finding, "lower --order, or record longer"));
     }
     let shift = Shift::new(&products(&thinned, &patterns, blocks), patterns.ncols(), highest);
@@ -93,9 +100,8 @@ fn thinned(channels: &[Channel], stride: usize, edge: f64) -> Vec<Vec<f64>> {
     let one = |channel: &Channel| {
         let mean = channel.samples.iter().sum::<f64>() / channel.samples.len() as f64;
         let places = (0..(channel.samples.len() + 1).saturating_sub(taps.len())).step_by(stride);
-        let value = |n: usize| {
-            taps.iter().zip(&channel.samples[n..]).map(|(h, x)| h * (x - mean)).sum::<f64>()
-        };
+        let value =
+            |n: usize| taps.iter().zip(&channel.samples[n..]).map(|(h, x)| h * (x - mean)).sum::<f64>();
         places.map(value).collect()
     };
     channels.par_iter().map(one).collect()
