@@ -127,3 +127,27 @@ fn thinning_decays_leaves_their_poles_where_they_are() {
         );
     }
 }
+
+/// The numbers are those of NumPy and SciPy (`tests/peers/decays.py`): spectra by an FFT of the zeroed record, the late model by least squares in time.
+#[test]
+fn zeroed_spectra_and_distances_are_those_of_scipy() {
+    let (omega, zeta, until) = (TAU * 80.0, 4e-3, 0.4);
+    let phase = |t: f64| omega * t + if t < until { 9.0 * (1.0 - t / until).powi(2) } else { 0.0 };
+    let value = |t: f64| (-zeta * omega * t).exp() * phase(t).cos();
+    let x: Vec<f64> = (0..4096).map(|n| value(f64::from(n) * DT)).collect();
+    let found = zeroed(&x, DT, (40.0, 160.0)).unwrap();
+    let mode = &found.modes[0];
+    assert!((mode.pole.re + 2.010_619).abs() < 1e-5 && (mode.pole.im - 502.654_825).abs() < 1e-5, "{}", mode.pole);
+    let expected = [
+        (0, 0.0, 1.336147973e-1, 1.446815),
+        (3, 0.099609, 1.166891173e-1, 1.102449),
+        (6, 0.199707, 1.410602701e-1, 5.032219e-1),
+        (12, 0.399902, 1.069448314e-1, 0.0),
+    ];
+    for (k, time, line, distance) in expected {
+        let spectrum = &found.spectra[k];
+        let largest = spectrum.magnitude.iter().copied().fold(0.0, f64::max);
+        assert!((spectrum.time - time).abs() < 1e-6 && (largest / line - 1.0).abs() < 1e-8, "{k}: {largest}");
+        assert!((mode.misfit[k] - distance).abs() < 1e-5, "{k}: {} {distance}", mode.misfit[k]);
+    }
+}
