@@ -48,11 +48,16 @@ fn curves_from_raw_hits_are_those_of_the_exact_modal_record() {
         place.path(),
         "modal h1.npz h2.npz h3.npz --at tip --band 60:700 --quantity acceleration --out modal",
     );
-    assert_eq!((&modal["mass_normalised"], modal["levels"].as_array().unwrap().len()), (&Value::Bool(true), 3));
+    assert_eq!(
+        (&modal["mass_normalised"], modal["levels"].as_array().unwrap().len()),
+        (&Value::Bool(true), 3)
+    );
     for n in 1..=3 {
         let measured = run(place.path(), &format!("fit h{n}.npz --modal modal --band 115:150 --out fit{n}"));
-        let exact =
-            run(place.path(), &format!("fit q{n}.npz --band 115:150 --quantity acceleration --mass 1 --out exact{n}"));
+        let exact = run(
+            place.path(),
+            &format!("fit q{n}.npz --band 115:150 --quantity acceleration --mass 1 --out exact{n}"),
+        );
         let amplitudes = curve(&exact, "frequency");
         let (low, high) = (amplitudes[0].0, amplitudes[amplitudes.len() - 1].0);
         for key in ["dissipation", "frequency"] {

@@ -137,7 +137,11 @@ fn zeroed_spectra_and_distances_are_those_of_scipy() {
     let x: Vec<f64> = (0..4096).map(|n| value(f64::from(n) * DT)).collect();
     let found = zeroed(&x, DT, (40.0, 160.0)).unwrap();
     let mode = &found.modes[0];
-    assert!((mode.pole.re + 2.010_619).abs() < 1e-5 && (mode.pole.im - 502.654_825).abs() < 1e-5, "{}", mode.pole);
+    assert!(
+        (mode.pole.re + 2.010_619).abs() < 1e-5 && (mode.pole.im - 502.654_825).abs() < 1e-5,
+        "{}",
+        mode.pole
+    );
     let expected = [
         (0, 0.0, 1.336147973e-1, 1.446815),
         (3, 0.099609, 1.166891173e-1, 1.102449),
