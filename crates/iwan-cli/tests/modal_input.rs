@@ -4,9 +4,6 @@
 mod common;
 #[path = "common/hits.rs"]
 mod hits_of_bench;
-#[path = "../../iwan-io/tests/common/mod.rs"]
-#[allow(dead_code, unreachable_pub, clippy::pedantic, reason = "its MATLAB files are used here")]
-mod files;
 #[path = "../../iwan-modal/tests/support/mod.rs"]
 mod support;
 
@@ -25,20 +22,48 @@ fn frequencies(found: &Value) -> Vec<f64> {
     found["modes"].as_array().unwrap().iter().map(|m| m["frequency"].as_f64().unwrap()).collect()
 }
 
+/// A data element of a level-5 MATLAB file in little endian.
+fn element(code: u32, data: &[u8]) -> Vec<u8> {
+    let mut out =
+        [code, u32::try_from(data.len()).unwrap()].iter().flat_map(|v| v.to_le_bytes()).collect::<Vec<u8>>();
+    out.extend(data);
+    out.resize(out.len().next_multiple_of(8), 0);
+    out
+}
+
+/// A column of doubles.
+fn matrix(name: &str, x: &[f64]) -> Vec<u8> {
+    let words = |words: &[u32]| words.iter().flat_map(|v| v.to_le_bytes()).collect::<Vec<u8>>();
+    let numbers: Vec<u8> = x.iter().flat_map(|v| v.to_le_bytes()).collect();
+    // Class 6 (double), dimensions, name, real part.
+    let parts = [
+        element(6, &words(&[6, 0])),
+        element(5, &words(&[u32::try_from(x.len()).unwrap(), 1])),
+        element(1, name.as_bytes()),
+        element(9, &numbers),
+    ];
+    element(14, &parts.concat())
+}
+
+/// A hit as a level-5 MATLAB file: t, hammer, a1 to a8.
+fn matlab(hit: &Hit) -> Vec<u8> {
+    let mut out = b"MATLAB 5.0 MAT-file".to_vec();
+    out.resize(124, b' ');
+    out.extend(*b"\x00\x01IM");
+    let times: Vec<f64> = (0..hit.samples()).map(|n| n as f64 * hit.dt).collect();
+    out.extend(matrix("t", &times));
+    for channel in std::iter::once(&hit.force).chain(&hit.responses) {
+        out.extend(matrix(&channel.name, &channel.samples));
+    }
+    out
+}
+
 #[test]
 fn hits_in_matlab_files_are_those_in_text() {
     let place = folder("");
     hits(place.path(), 2);
     for (n, hit) in bench().hits(100.0, 2, 1).iter().enumerate() {
-        let array = |name: &str, x: &[f64]| {
-            let bytes: Vec<u8> = x.iter().flat_map(|v| v.to_le_bytes()).collect();
-            files::mat_array(name, x.len(), 1, 9, &bytes, false)
-        };
-        let times: Vec<f64> = (0..hit.samples()).map(|n| n as f64 * hit.dt).collect();
-        let mut arrays = vec![array("t", &times), array("hammer", &hit.force.samples)];
-        arrays.extend(hit.responses.iter().map(|c| array(&c.name, &c.samples)));
-        let bytes = files::mat_file(&arrays, false, false);
-        std::fs::write(place.path().join(format!("h{}.mat", n + 1)), bytes).unwrap();
+        std::fs::write(place.path().join(format!("h{}.mat", n + 1)), matlab(hit)).unwrap();
     }
     let text = run(place.path(), "h1.csv h2.csv --at a1 --band 60:480 --out text");
     let matlab =

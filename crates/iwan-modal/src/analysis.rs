@@ -4,10 +4,10 @@ use std::f64::consts::TAU;
 
 use crate::error::{Error, check};
 use crate::fit::{Band, Fitted, pruned};
-use crate::measure::Freedom;
+use crate::measure::{Channel, Freedom};
 use crate::modes::{Drive, Mode, Scale, modes};
 use crate::number::{Complex, complex};
-use crate::poles::{Isolation, Stabilisation, chart, isolation};
+use crate::poles::{Isolation, Stabilisation, chart, isolation, subspace};
 use crate::responses::FrequencyResponses;
 
 /// Without a band, lines count up to where the hammer's force falls below this part of its largest value: 30 dB, where common hammers leave
@@ -172,6 +172,36 @@ pub fn modal_fit(
         isolation: steps,
         fitted,
     })
+}
+
+/// Finds the modes of free decays, each a set of channels sampled together every `dt` seconds, by [`subspace`]: in `band` (Hz), or up to 0.8 of the
+/// Nyquist frequency, by realizations up to `order`. `responses` are the [`free_responses`](crate::responses::free_responses) of the same decays,
+/// which poles and shapes are fitted to.
+///
+/// # Errors
+/// As [`subspace`] and [`modal_fit`].
+///
+/// ```
+/// use iwan_modal::measure::{Channel, Freedom, Motion};
+/// let decay = (0..4096).map(|n| (-2e-4 * n as f64).exp() * (0.25 * n as f64).cos()).collect();
+/// let decays = [vec![Channel { name: "tip".into(), freedom: Freedom::point("tip"), samples: decay }]];
+/// let responses = iwan_modal::responses::free_responses(&decays, 1e-3, Motion::Acceleration)?;
+/// let fit = iwan_modal::modal_fit_by_subspaces(&responses, &decays, 1e-3, Some((20.0, 80.0)), 12)?;
+/// assert!((fit.modes[0].pole.im - 250.0).abs() < 1e-6);
+/// # Ok::<(), iwan_modal::Error>(())
+/// ```
+pub fn modal_fit_by_subspaces(
+    responses: &FrequencyResponses,
+    decays: &[Vec<Channel>],
+    dt: f64,
+    band: Option<(f64, f64)>,
+    order: usize,
+) -> Result<ModalFit, Error> {
+    let edges = band.unwrap_or_else(|| automatic_band(responses));
+    let chart = subspace(decays, dt, edges, order)?;
+    let poles = chart.candidates.iter().map(|c| c.pole).collect();
+    let fit = modal_fit(responses, Some(edges), &Analysis::From(poles), order)?;
+    Ok(ModalFit { stabilisation: Some(chart), ..fit })
 }
 
 /// From ten cycles in a record up to where the force has fallen.

@@ -33,7 +33,7 @@ mod threads;
 // From when on a decay is linear.
 mod zeroed;
 
-pub use analysis::{Analysis, ModalFit, modal_fit};
+pub use analysis::{Analysis, ModalFit, modal_fit, modal_fit_by_subspaces};
 pub use error::Error;
 pub use nalgebra::Complex;
 pub use threads::on_threads;

@@ -2,11 +2,10 @@
 
 use iwan_modal::measure::{Channel, Hit, levels};
 use iwan_modal::modes::mac;
-use iwan_modal::poles::subspace;
 use iwan_modal::responses::{
     Estimator, FiniteRecord, FrequencyResponses, Function, Windows, free_responses, frequency_responses,
 };
-use iwan_modal::{Analysis, Complex, ModalFit, modal_fit, on_threads};
+use iwan_modal::{Analysis, ModalFit, modal_fit, modal_fit_by_subspaces, on_threads};
 
 use super::args::{EstimatorChoice, ModalArgs, WayChoice};
 use super::hits::{Test, nodal};
@@ -96,13 +95,8 @@ fn free(test: &Test, args: &ModalArgs) -> Result<Level, Failure> {
     if !(args.poles.is_empty() && (subspaces || args.compare)) {
         return fitted(responses, args);
     }
-    let top = responses.frequency(responses.lines() - 1);
-    let band = args.band.unwrap_or((FREE_BAND.0 * responses.step, FREE_BAND.1 * top));
     let order = args.order.get().min(responses.lines() / 4);
-    let chart = subspace(&decays, dt, band, order).map_err(said)?;
-    let poles: Vec<Complex<f64>> = chart.candidates.iter().map(|c| c.pole).collect();
-    let mut fit = by(&responses, args, &Analysis::From(poles))?;
-    fit.stabilisation = Some(chart);
+    let fit = modal_fit_by_subspaces(&responses, &decays, dt, args.band, order).map_err(said)?;
     if subspaces {
         let other = args.compare.then(|| by(&responses, args, &Analysis::Chart)).transpose()?;
         let other = other.map(|fit| ("chart", fit));
@@ -112,10 +106,6 @@ fn free(test: &Test, args: &ModalArgs) -> Result<Level, Failure> {
     level.other = Some(("subspace", fit));
     Ok(level)
 }
-
-/// Without a band, decays are looked at from so many lines on, ten cycles in the record, and up to this part of the Nyquist frequency, above
-/// which recorders' filters act: as with hits.
-const FREE_BAND: (f64, f64) = (10.0, 0.8);
 
 /// The channels of all files, and their interval.
 fn decays(test: &Test) -> Result<(Vec<Vec<Channel>>, f64), Failure> {
