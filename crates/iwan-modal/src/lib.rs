@@ -27,6 +27,9 @@ pub mod modes;
 // All of it in one call.
 mod analysis;
 
+// The scale of shapes where a mode is not linear.
+mod begin;
+
 // On how many threads.
 mod threads;
 
@@ -34,6 +37,7 @@ mod threads;
 mod zeroed;
 
 pub use analysis::{Analysis, ModalFit, modal_fit, modal_fit_by_subspaces};
+pub use begin::early_decay;
 pub use error::Error;
 pub use nalgebra::Complex;
 pub use threads::on_threads;

@@ -140,7 +140,14 @@ fn calibration_goes_into_shapes_and_into_their_standard_deviations() {
         }
         let fit = found(&hits, (60.0, 380.0));
         let own = fit.modes[0].real_shape[0].abs() / bench.shape(&bench.modes[0])[0].abs() - 1.0;
-        assert!((own - 0.5 * (gains[0] - 1.0)).abs() < 1e-3, "{own} for a gain of {}", gains[0]);
+        // What is not half the gain's error is within four of the standard deviations that noise leaves.
+        let noise = fit.modes[0].shape_sd[0] / fit.modes[0].real_shape[0].abs();
+        assert!(
+            (own - 0.5 * (gains[0] - 1.0)).abs() < 4.0 * noise,
+            "{own} for a gain of {}, {noise}",
+            gains[0]
+        );
+        assert!(noise < 0.4 * spread, "noise hides the gains: {noise}");
         let fit = fit.with_calibration(spread).expect("a spread of 1 %");
         for (mode, truth) in fit.modes.iter().zip(&bench.modes) {
             for (i, exact) in bench.shape(truth).iter().enumerate() {

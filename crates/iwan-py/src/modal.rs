@@ -2,7 +2,7 @@
 
 use iwan_modal::measure::{Channel, Freedom, Hit, Motion, faults};
 use iwan_modal::responses::{Estimator, FrequencyResponses, Windows, free_responses, frequency_responses};
-use iwan_modal::{Analysis, Error, ModalFit, modal_fit, modal_fit_by_subspaces};
+use iwan_modal::{Analysis, Error, ModalFit, early_decay, modal_fit, modal_fit_by_subspaces};
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyList};
 
@@ -85,6 +85,13 @@ pub(crate) fn _modal_fit<'py>(
             modal_fit_by_subspaces(&responses, &channels, dt, band, order)?
         } else {
             modal_fit(&responses, band, &way, order)?
+        };
+        let fit = match &hits {
+            Some(hits) if decay == 0.0 => {
+                let windows = Windows { decay: early_decay(&responses), whole_force: false };
+                fit.scaled_at_begin(&frequency_responses(hits, motion, estimator, windows)?)?
+            }
+            _ => fit,
         };
         Ok((responses, fit))
     })?;

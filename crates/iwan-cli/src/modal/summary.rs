@@ -28,6 +28,8 @@ pub(crate) struct ModeSummary {
     pub(crate) complex_shape: Map<String, Value>,
     /// Real shape at the hammer, along its force; null without a drive point.
     pub(crate) shape_at_force: Option<f64>,
+    /// Factor by which the shape was stretched to the scale of the decay's begin; null for a linear mode.
+    pub(crate) stretch: Option<f64>,
     pub(crate) phase_collinearity: f64,
     pub(crate) reciprocity: Option<f64>,
 }
@@ -137,6 +139,7 @@ impl ModalSummary {
             shape_sd: by_name(&m.shape_sd.iter().map(|x| json!(x)).collect::<Vec<_>>()),
             complex_shape: by_name(&m.shape.iter().map(|x| json!([x.re, x.im])).collect::<Vec<_>>()),
             shape_at_force: fit.shape_at_force(m),
+            stretch: m.stretch,
             phase_collinearity: m.phase_collinearity,
             reciprocity: m.reciprocity,
         });
@@ -207,6 +210,13 @@ fn warnings(test: &Test, level: &Level) -> Vec<String> {
     let fit = &level.fit;
     if fit.scale == Scale::LargestIsOne && test.decays.is_empty() {
         warnings.push("no response was measured where the hammer hits: shapes are not mass-normalised, their largest value is 1; say where it hits with --at POINT".into());
+    }
+    for (m, stretch) in fit.modes.iter().filter_map(|m| Some((m, m.stretch?))) {
+        warnings.push(format!(
+            "the decay at {:.3} Hz is not linear: the scale of its shape is that of the decay's begin, {:.2} % off that of the whole",
+            m.frequency,
+            100.0 * (stretch - 1.0)
+        ));
     }
     let place = |k: usize| {
         let f = &level.responses.functions[k];

@@ -41,6 +41,8 @@ pub struct Mode {
     /// Cosine of the angle between the drive point's residue and that of a driven point that follows its force, 1 for real modes; -1 where a
     /// direction is reversed; none without a drive point.
     pub drive_phase: Option<f64>,
+    /// Factor by which the shape was stretched, where the begin of the decay gives another scale than all of it: the mode is not linear.
+    pub stretch: Option<f64>,
     /// Largest difference between pairs that reciprocity makes equal, over the larger one; none where no pair was measured both ways.
     pub reciprocity: Option<f64>,
 }
@@ -202,6 +204,7 @@ fn mode(responses: &FrequencyResponses, fitted: &Fitted, pairs: &Pairs, p: usize
             (&u, &v, alpha),
         ),
         drive_phase: drive_phase(pairs, &receptance, pole),
+        stretch: None,
         reciprocity: reciprocity(pairs, &receptance),
         shape,
         real_shape,
