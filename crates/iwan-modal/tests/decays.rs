@@ -155,3 +155,19 @@ fn zeroed_spectra_and_distances_are_those_of_scipy() {
         assert!((mode.misfit[k] - distance).abs() < 1e-5, "{k}: {} {distance}", mode.misfit[k]);
     }
 }
+
+/// A mode whose damping falls all the time is still one mode.
+#[test]
+fn a_peak_that_is_not_linear_is_one_mode() {
+    let omega = TAU * 80.0;
+    // The decay rate falls from 6 to 1 per second.
+    let x: Vec<f64> = (0..8192)
+        .map(|n| {
+            let t = f64::from(n) * DT;
+            (-t - 5.0 * (1.0 - (-t).exp())).exp() * (omega * t - 3.0 * (-t).exp()).cos()
+        })
+        .collect();
+    let found = zeroed(&x, DT, (40.0, 160.0)).unwrap();
+    assert_eq!(found.modes.len(), 1, "{:?}", found.modes.iter().map(|m| m.pole).collect::<Vec<_>>());
+    assert!(found.modes[0].misfit[0] > 0.1, "{:?}", found.modes[0].misfit);
+}
