@@ -57,7 +57,8 @@ fn curves_from_raw_hits_are_those_of_the_exact_modal_record() {
     // The joints make the decay slower as it sinks: the scale is that of its begin.
     let stretch = modal["modes"][0]["stretch"].as_f64().unwrap();
     assert!((1.01..1.05).contains(&stretch), "{stretch}");
-    for n in [1, 3] {
+    // The hardest of the three, which is farthest from linear; scripts/validate fits all of them.
+    for n in [3] {
         let measured = run(place.path(), &format!("fit h{n}.npz --modal modal --band 115:150 --out fit{n}"));
         let exact = run(
             place.path(),

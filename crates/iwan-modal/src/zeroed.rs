@@ -77,12 +77,18 @@ pub fn zeroed(x: &[f64], dt: f64, band: (f64, f64)) -> Result<Zeroed, Error> {
     let late = responses(&x[start..], dt)?;
     let order = 30.min(late.lines() / 4);
     let fit = modal_fit(&late, Some(band), &Analysis::Chart, order)?;
-    let found: Vec<Complex> = fit.modes.iter().map(|m| m.pole).collect();
+    let mut poles: Vec<Complex> = fit.modes.iter().map(|m| m.pole).collect();
     let band = Band::new(&late, band)?;
-    let apart = one_for_each_peak(&found, &Linear::new(&band, &found, false)?);
+    let mut linear = Linear::new(&band, &poles, false)?;
     // A single channel has no shapes by which two halves of a peak that is not linear yet could be told from two modes.
-    let poles = if apart.len() == found.len() { found } else { Fitted::new(&band, &apart)?.poles };
-    let linear = Linear::new(&band, &poles, false)?;
+    loop {
+        let apart = one_for_each_peak(&poles, &linear);
+        if apart.len() == poles.len() {
+            break;
+        }
+        poles = Fitted::new(&band, &apart)?.poles;
+        linear = Linear::new(&band, &poles, false)?;
+    }
     let amplitudes: Vec<Complex> = (0..poles.len()).map(|p| linear.residue(p, 0)).collect();
     let mut modes: Vec<LinearFrom> = poles
         .iter()

@@ -53,7 +53,7 @@ pub(crate) fn twins(poles: &[Complex], residues: &[Vec<Complex>]) -> Vec<usize> 
 
 /// Fits, and leaves out one needless mode after another, the most needless first.
 pub(crate) fn pruned(band: &Band, start: &[Complex]) -> Result<Fitted, Error> {
-    let mut poles = start.to_vec();
+    let mut poles: Vec<Complex> = start.iter().copied().filter(|p| !is_outside(band, p)).collect();
     loop {
         let fitted = Fitted::new(band, &poles)?;
         let Some(needless) = needless(band, &fitted)? else { return Ok(fitted) };
@@ -62,15 +62,16 @@ pub(crate) fn pruned(band: &Band, start: &[Complex]) -> Result<Fitted, Error> {
     }
 }
 
+/// Whether a pole lies outside the band by more than its own decay.
+fn is_outside(band: &Band, p: &Complex) -> bool {
+    let (low, high) = band.edges();
+    let (f, margin) = (p.im / TAU, p.re.abs() / TAU);
+    f < low - margin || f > high + margin
+}
+
 fn needless(band: &Band, fitted: &Fitted) -> Result<Option<usize>, Error> {
     let poles = &fitted.poles;
-    let (low, high) = band.edges();
-    let outside = |p: &Complex| {
-        let margin = p.re.abs() / TAU;
-        let f = p.im / TAU;
-        f < low - margin || f > high + margin
-    };
-    if let Some(p) = poles.iter().position(|p| outside(p) || -p.re > HIGHEST_DAMPING * p.norm()) {
+    if let Some(p) = poles.iter().position(|p| is_outside(band, p) || -p.re > HIGHEST_DAMPING * p.norm()) {
         return Ok(Some(p));
     }
     if let Some(p) = twins(poles, &fitted.residues).first() {
