@@ -60,7 +60,9 @@ impl ModalFit {
             }
             let stretch = begin.0 / own.0;
             let uncertain = begin.1 / begin.0;
-            mode.shape.iter_mut().for_each(|x| *x *= stretch);
+            for x in &mut mode.shape {
+                *x *= stretch;
+            }
             for (x, sd) in mode.real_shape.iter_mut().zip(&mut mode.shape_sd) {
                 *x *= stretch;
                 *sd = (*sd * stretch).hypot(uncertain * *x);

@@ -3,6 +3,7 @@
 use std::path::Path;
 
 use iwan_ident::signal::Options;
+use iwan_io::write_uff::NodalValues;
 use iwan_modal::measure::Freedom;
 
 use crate::failure::Failure;
@@ -127,7 +128,7 @@ impl Shapes {
 }
 
 /// A shape's value at a channel called by its node: `12:+z`, `node 12 direction 3`, or `12` where the shape moves along one axis there.
-fn value_at(shape: &[(i64, [[f64; 2]; 3])], channel: &str) -> Result<f64, String> {
+fn value_at(shape: &[(i64, NodalValues)], channel: &str) -> Result<f64, String> {
     let words: Vec<&str> = channel.split_whitespace().collect();
     let (point, direction) = match words.as_slice() {
         ["node", node, "direction", direction] => ((*node).to_string(), direction.parse::<i64>().ok()),

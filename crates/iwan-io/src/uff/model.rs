@@ -52,7 +52,9 @@ impl UffModel {
         let mut edges: Vec<[i64; 2]> = along.chain(self.elements.iter().flat_map(of)).collect();
         // A zero lifts the pen.
         edges.retain(|[a, b]| *a != 0 && *b != 0 && a != b);
-        edges.iter_mut().for_each(|e| e.sort_unstable());
+        for edge in &mut edges {
+            edge.sort_unstable();
+        }
         edges.sort_unstable();
         edges.dedup();
         edges
@@ -99,7 +101,7 @@ pub fn model(name: &Path, bytes: &[u8]) -> Result<UffModel, ReadError> {
 const NODE: &str = "a node: its number, three more whole numbers, and x, y, z";
 
 fn node(rows: &Rows, number: f64, xyz: &[f64]) -> Result<Node, ReadError> {
-    if number.fract() != 0.0 || number < 1.0 || number > 1e15 {
+    if number.fract() != 0.0 || !(1.0..=1e15).contains(&number) {
         return Err(rows.wrong(&number.to_string(), "the number of a node, whole and > 0"));
     }
     Ok(Node { number: number as i64, position: [xyz[0], xyz[1], xyz[2]] })

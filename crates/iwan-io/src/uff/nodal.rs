@@ -18,6 +18,9 @@ pub struct Node {
     pub position: [f64; 3],
 }
 
+/// Complex values (re, im) along x, y, z.
+pub type NodalValues = [[f64; 2]; 3];
+
 /// What the values of a mode shape are scaled by.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum ModalScale {
@@ -41,7 +44,7 @@ pub struct NodalMode {
     /// Scale of the values.
     pub scale: ModalScale,
     /// Node and complex values (re, im) along x, y, z.
-    pub values: Vec<(i64, [[f64; 2]; 3])>,
+    pub values: Vec<(i64, NodalValues)>,
 }
 
 impl NodalMode {
@@ -55,7 +58,7 @@ impl NodalMode {
     /// assert_eq!(mode.mass_normalised().unwrap()[0].1[2], [1.5, 0.0]);
     /// ```
     #[must_use]
-    pub fn mass_normalised(&self) -> Option<Vec<(i64, [[f64; 2]; 3])>> {
+    pub fn mass_normalised(&self) -> Option<Vec<(i64, NodalValues)>> {
         let [re, im] = match self.scale {
             ModalScale::Unknown => return None,
             ModalScale::Mass(mass) => [mass.sqrt().recip(), 0.0],

@@ -2,7 +2,7 @@
 
 use std::f64::consts::TAU;
 
-use super::nodal::{ModalScale, NodalMode};
+use super::nodal::{ModalScale, NodalMode, NodalValues};
 use super::rows::Rows;
 use crate::error::ReadError;
 
@@ -74,7 +74,9 @@ fn conjugate(mode: &mut NodalMode) {
     if let ModalScale::A(a) = &mut mode.scale {
         a[1] = -a[1];
     }
-    mode.values.iter_mut().flat_map(|(_, values)| values).for_each(|v| v[1] = -v[1]);
+    for value in mode.values.iter_mut().flat_map(|(_, values)| values) {
+        value[1] = -value[1];
+    }
 }
 
 fn poles(kind: &Kind, reals: &[f64]) -> Result<([f64; 2], ModalScale), String> {
@@ -94,7 +96,7 @@ fn poles(kind: &Kind, reals: &[f64]) -> Result<([f64; 2], ModalScale), String> {
     Ok(([value(0), value(1)], if a == [0.0; 2] { ModalScale::Unknown } else { ModalScale::A(a) }))
 }
 
-fn values(rows: &mut Rows, kind: &Kind) -> Result<Vec<(i64, [[f64; 2]; 3])>, ReadError> {
+fn values(rows: &mut Rows, kind: &Kind) -> Result<Vec<(i64, NodalValues)>, ReadError> {
     let mut values = Vec::new();
     while !rows.ended() {
         let node = rows.integers(1, "the number of a node")?[0];

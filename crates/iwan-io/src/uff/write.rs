@@ -5,7 +5,7 @@
 use std::fmt::Write;
 
 use super::functions::UffFunction;
-pub use super::nodal::{ModalScale, NodalMode, Node};
+pub use super::nodal::{ModalScale, NodalMode, NodalValues, Node};
 use crate::quantity::Quantity;
 
 const MARK: &str = "    -1\n";
@@ -40,8 +40,10 @@ pub fn lines(lines: &[Vec<i64>]) -> String {
         // Writing to a string cannot fail.
         let _ = writeln!(text, "{MARK}    82\n{:>10}{:>10}{:>10}\nline {}", n + 1, line.len(), 1, n + 1);
         for nodes in line.chunks(8) {
-            let row: String = nodes.iter().map(|node| format!("{node:>10}")).collect();
-            text = text + &row + "\n";
+            for node in nodes {
+                let _ = write!(text, "{node:>10}");
+            }
+            text += "\n";
         }
         text += MARK;
     }
