@@ -89,7 +89,7 @@ fn subspaces_find_the_modes_of_decays_and_end_in_the_same_fit() {
     let shapes = [[1.0, 0.7, 0.5], [0.4, -0.8, 0.6], [-0.5, 0.9, 0.3], [0.8, 0.3, -0.4]];
     let decays: Vec<Channel> =
         shapes.iter().enumerate().map(|(n, s)| channel(&format!("a{n}"), decay(*s, n as u64 + 1))).collect();
-    let chart = subspace(&[decays.clone()], DT, (20.0, 300.0), 24).unwrap();
+    let chart = subspace(std::slice::from_ref(&decays), DT, (20.0, 300.0), 24).unwrap();
     let first: Vec<_> = chart.candidates.iter().map(|c| c.pole).collect();
     for (f, z) in MODES {
         let near = |p: &&iwan_modal::Complex<f64>| (p.norm() / TAU / f - 1.0).abs() < 1e-3;

@@ -159,7 +159,7 @@ fn calibration_goes_into_shapes_and_into_their_standard_deviations() {
         }
     }
     // Modes of a repeat share their gains: 72 independent errors, 95 % of them within, give or take 2.5 %.
-    let share = inside as f64 / all as f64;
+    let share = inside as f64 / f64::from(all);
     assert!((0.88..=1.0).contains(&share), "{inside} of {all}");
     let refused =
         found(&bench.hits(100.0, 2, 3), (60.0, 380.0)).with_calibration(-0.1).expect_err("negative");

@@ -17,6 +17,7 @@ use crate::session::Place;
 /// responses together. Writes modal.json, frf.csv, shapes.csv (for `iwan fit --shapes`), shapes.uff and report.html into one folder.
 #[derive(Debug, Args)]
 #[command(after_help = MODAL_EXAMPLES)]
+#[allow(clippy::struct_excessive_bools, reason = "each is a switch of its own on the command line")]
 pub(crate) struct ModalArgs {
     /// Files with hits, or with frequency responses
     #[arg(value_name = "FILES", required = true, value_hint = ValueHint::FilePath)]

@@ -43,12 +43,11 @@ impl Test {
         let mut warnings = Vec::new();
         let (mut table, mut geometry) = (ModalTable::default(), Geometry::default());
         if let Some(path) = &args.points {
-            match std::fs::read(path).ok().filter(|bytes| is_universal(bytes)) {
-                Some(bytes) => warnings = geometry.add(path, &bytes)?,
-                None => {
-                    table = ModalTable::parse(&InputText::read(path, "table of points", "paper-modal")?)?;
-                    geometry = Geometry::of_table(&table);
-                }
+            if let Some(bytes) = std::fs::read(path).ok().filter(|bytes| is_universal(bytes)) {
+                warnings = geometry.add(path, &bytes)?;
+            } else {
+                table = ModalTable::parse(&InputText::read(path, "table of points", "paper-modal")?)?;
+                geometry = Geometry::of_table(&table);
             }
         }
         let mut test = Self {

@@ -140,13 +140,11 @@ fn value_at(shape: &[(i64, NodalValues)], channel: &str) -> Result<f64, String> 
     let node: i64 = point.parse().map_err(|_| format!("channel \"{channel}\" names no node"))?;
     let (_, own) =
         shape.iter().find(|(n, _)| *n == node).ok_or_else(|| format!("no value at node {node}"))?;
-    let axis = match direction {
-        Some(code) => usize::try_from(code.abs() - 1).ok().filter(|axis| *axis < 3),
-        None => {
-            let moves = |axis: &usize| own[*axis] != [0.0; 2];
-            let mut moving = (0..3).filter(moves);
-            moving.next().filter(|_| moving.next().is_none())
-        }
+    let axis = if let Some(code) = direction {
+        usize::try_from(code.abs() - 1).ok().filter(|axis| *axis < 3)
+    } else {
+        let mut moving = (0..3).filter(|axis| own[*axis] != [0.0; 2]);
+        moving.next().filter(|_| moving.next().is_none())
     };
     let axis =
         axis.ok_or_else(|| format!("channel \"{channel}\" does not say along which axis of node {node}"))?;
