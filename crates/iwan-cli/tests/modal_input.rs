@@ -168,17 +168,17 @@ fn geometry_and_shapes_come_and_go_as_universal_files() {
         channel.name = format!("{}:+z", k + 1);
     }
     write(place.path(), "hit.csv", &named);
-    let geometry = "    -1\n  2411\n".to_string()
-        + &(1..=8)
-            .map(|n| {
-                format!(
-                    "{n:>10}         1         1        11\n   {}.0D+00   0.0D+00   {}.0D+00\n",
-                    n % 5,
-                    n / 5
-                )
-            })
-            .collect::<String>()
-        + "    -1\n    -1\n    82\n         1         4         0\nedge\n         1         2         3         4\n    -1\n";
+    let mut geometry = "    -1\n  2411\n".to_string();
+    for n in 1..=8 {
+        writeln!(
+            geometry,
+            "{n:>10}         1         1        11\n   {}.0D+00   0.0D+00   {}.0D+00",
+            n % 5,
+            n / 5
+        )
+        .unwrap();
+    }
+    geometry += "    -1\n    -1\n    82\n         1         4         0\nedge\n         1         2         3         4\n    -1\n";
     std::fs::write(place.path().join("plate.unv"), geometry).unwrap();
     run(place.path(), "hit.csv --at 1:+z --points plate.unv --band 60:480 --out out");
     let written = std::fs::read(place.path().join("out/shapes.uff")).unwrap();
