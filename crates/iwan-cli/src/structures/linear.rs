@@ -3,7 +3,7 @@
 use std::ops::Deref;
 
 use iwan_fem::NamedModes;
-use iwan_input::{BUILT_IN_STRUCTURES, InputError, InputText, StructureFile};
+use iwan_input::{BUILT_IN_STRUCTURES, InputError, InputText, ReducedFolder, StructureFile};
 
 use super::args::StructureArgs;
 use crate::failure::Failure;
@@ -30,13 +30,15 @@ impl Deref for Linear {
     }
 }
 
-/// The structure file that was given, or the built-in one.
-pub(crate) fn load(args: &StructureArgs) -> Result<(String, StructureFile), Failure> {
+/// The structure file that was given, the folder of a reduced model, or the built-in structure.
+pub(crate) fn load(args: &StructureArgs) -> Result<(InputText, StructureFile), Failure> {
     let source = match &args.path {
+        Some(path) if ReducedFolder::is_one(path) => return Ok(StructureFile::open_reduced(path)?),
         Some(path) => InputText::read(path, "structure", BUILT_IN_STRUCTURES[0].0)?,
         None => InputText::built_in(BUILT_IN_STRUCTURES[0].0, BUILT_IN_STRUCTURES[0].2),
     };
-    Ok((source.name.clone(), StructureFile::read(&source)?))
+    let file = StructureFile::read(&source)?;
+    Ok((source, file))
 }
 
 /// A failure of the analysis in the user's terms: what could not be set up is bad input, the rest failed.

@@ -363,6 +363,16 @@ impl Assembled {
         self.transformation.apply(y, 3 * self.structure.mesh.positions.len())
     }
 
+    /// Unknowns and coefficients that make up the displacement of a node (index into the mesh) along x, y or z (0, 1, 2): one row of T.
+    ///
+    /// # Panics
+    /// When there is no such node or axis.
+    #[must_use]
+    pub fn displacement_terms(&self, node: usize, axis: usize) -> &[(u32, f64)] {
+        assert!(axis < 3 && node < self.structure.mesh.positions.len(), "a displacement of a node");
+        self.transformation.row(3 * node + axis)
+    }
+
     /// Forces on the unknowns of the total force `force` (x, y, z), shared equally by the nodes of a set.
     ///
     /// # Errors

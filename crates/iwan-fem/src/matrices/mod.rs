@@ -6,6 +6,7 @@ mod constraint_equations;
 mod point_masses;
 mod joint_equations;
 mod assembly;
+mod fingerprint;
 
 pub use assembly::Assembled;
 pub use joint_equations::SlipUnknown;

@@ -58,7 +58,8 @@ impl NamedModes {
     /// reach to 10 kHz and take a fraction of a second; a name beyond them is answered with the list of those there are.
     pub const LOOKED_UP: usize = 40;
 
-    /// Computes at least `count` elastic modes in both limits, where there are as many, and names the first `count`.
+    /// Computes at least `count` elastic modes in both limits, where there are as many, and names the first `count`. Where the structure
+    /// brings [modes](Structure::kept) with it these are taken, as many as there are.
     ///
     /// # Errors
     /// As [`Structure::assemble`] and [`Assembled::modes`].
@@ -72,6 +73,14 @@ impl NamedModes {
     /// As [`new`](Self::new), and [`Error::Interrupted`].
     pub fn observed(structure: &Structure, count: usize, progress: Progress<'_>) -> Result<Self, Error> {
         let assembled = structure.assemble()?;
+        if let Some(kept) = assembled.kept()? {
+            let n = assembled.unknowns();
+            let stuck = Modes::of_kept(&kept.stuck, Limit::Stuck, n);
+            let slipping = Modes::of_kept(&kept.slipping, Limit::Slipping, n);
+            let mut elastic = elastic(&assembled, &stuck, &slipping);
+            elastic.truncate(count.min(kept.named));
+            return Ok(Self { assembled, stuck, slipping, elastic });
+        }
         let most = assembled.unknowns();
         let wanted = count.saturating_add(RIGID).min(most);
         let stuck = assembled.modes_observed(Limit::Stuck, wanted, &part(progress, [0.0, 0.5]))?;

@@ -11,6 +11,7 @@ use crate::algebra::{Cholesky, Symmetric, add_scaled, dot, product, scale, symme
 use crate::error::{Error, check};
 use crate::matrices::Assembled;
 use crate::modes::{Limit, Modes};
+use crate::structure::Kept;
 use iwan_core::Progress;
 use iwan_core::progress::UNWATCHED;
 
@@ -61,6 +62,11 @@ impl Assembled {
         basis: Basis,
         progress: Progress<'_>,
     ) -> Result<Reduced<'_>, Error> {
+        if let Some(kept) = self.kept()?
+            && (modes, basis) == (kept.basis.values.len(), Basis::ModesAndAttachments)
+        {
+            return Ok(Reduced::of_kept(self, kept));
+        }
         let (modes, factor) = self.modes_and_factor(Limit::Stuck, modes, progress)?;
         Reduced::new(self, modes, &factor, basis)
     }
@@ -68,9 +74,7 @@ impl Assembled {
 
 impl<'a> Reduced<'a> {
     fn new(assembled: &'a Assembled, modes: Modes, factor: &Cholesky, basis: Basis) -> Result<Self, Error> {
-        let mut eigenvalues: Vec<f64> = (0..modes.len())
-            .map(|i| if i < modes.zero_modes() { 0.0 } else { modes.eigenvalue(i) })
-            .collect();
+        let mut eigenvalues = eigenvalues_of(&modes);
         let mut attachments = Vec::new();
         if basis == Basis::ModesAndAttachments {
             let raw = attachment_vectors(assembled, &modes, factor);
@@ -80,6 +84,16 @@ impl<'a> Reduced<'a> {
         }
         let damping = vec![0.0; eigenvalues.len()];
         Ok(Self { assembled, modes, attachments, eigenvalues, damping })
+    }
+
+    fn of_kept(assembled: &'a Assembled, kept: &Kept) -> Self {
+        let modes = Modes::of_kept(&kept.basis, Limit::Stuck, assembled.unknowns());
+        let mut eigenvalues = eigenvalues_of(&modes);
+        eigenvalues.extend(&kept.attachments.values);
+        let vectors = kept.attachments.vectors.chunks_exact(assembled.unknowns());
+        let attachments = vectors.map(<[f64]>::to_vec).collect();
+        let damping = vec![0.0; eigenvalues.len()];
+        Self { assembled, modes, attachments, eigenvalues, damping }
     }
 
     /// The same with viscous modal damping: every coordinate gets a term 2ζωq' with the ratio ζ that `ratio` gives for its
@@ -153,6 +167,11 @@ impl<'a> Reduced<'a> {
     pub fn project(&self, f: &[f64]) -> Vec<f64> {
         (0..self.coordinates()).map(|k| dot(self.column(k), f)).collect()
     }
+}
+
+/// Λ of the modes, with nothing left of what is rounding in rigid motions.
+fn eigenvalues_of(modes: &Modes) -> Vec<f64> {
+    (0..modes.len()).map(|i| if i < modes.zero_modes() { 0.0 } else { modes.eigenvalue(i) }).collect()
 }
 
 /// (K_0 + σM)⁻¹ e of each slip without its part in the modes. The shift is so far below the first mode left out that

@@ -10,6 +10,8 @@ mod joints;
 mod built_in;
 mod file;
 mod run;
+mod reduced;
+mod written;
 
 #[cfg(test)]
 mod schema_tests;
@@ -19,4 +21,6 @@ mod tests;
 pub use built_in::{BUILT_IN_STRUCTURES, built_in_structure};
 pub use ends::{Load, Output};
 pub use file::{STRUCTURE_SCHEMA, StructureFile, is_structure};
+pub use reduced::ReducedFolder;
 pub use run::{RunError, StructureTask};
+pub use written::{MatrixFormat, matrix_file_names, matrix_files};
