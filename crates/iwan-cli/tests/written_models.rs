@@ -36,7 +36,10 @@ fn a_reduced_model_opens_again_with_the_same_bits() {
     json(&iwan(place.path(), "simulate once.toml --json --quiet --out once"));
     json(&iwan(place.path(), "simulate again.toml --json --quiet --out again"));
     for file in ["response.csv", "frame-1.vtu"] {
-        assert!(read(place.path(), &format!("once/{file}")) == read(place.path(), &format!("again/{file}")), "{file}");
+        assert!(
+            read(place.path(), &format!("once/{file}")) == read(place.path(), &format!("again/{file}")),
+            "{file}"
+        );
     }
     // The scenario that is written beside the response runs from its own folder.
     json(&iwan(&place.path().join("again"), "simulate scenario.toml --json --quiet --out ../third"));
@@ -97,7 +100,10 @@ fn written_matrices_have_the_same_frequencies() {
              coordinates = '{folder}/nodes.csv'\n"
         );
         std::fs::write(place.path().join("again.toml"), text).unwrap();
-        let again = json(&iwan(place.path(), &format!("modes again.toml --json --quiet --out again-{folder} --count 10")));
+        let again = json(&iwan(
+            place.path(),
+            &format!("modes again.toml --json --quiet --out again-{folder} --count 10"),
+        ));
         for (a, b) in expected.iter().zip(numbers(&again["stuck"])) {
             assert!((a / b - 1.0).abs() < 1e-8, "{folder}: {a} {b}");
         }

@@ -35,6 +35,7 @@ impl Assembled {
         let mut hash = Fnv(0xcbf2_9ce4_8422_2325);
         hash.matrix(self.slipping_stiffness());
         hash.matrix(self.mass());
+        self.damping().into_iter().for_each(|damping| hash.matrix(damping));
         for slip in self.slips() {
             hash.word(slip.unknown as u64);
             hash.word(slip.law.as_ref().map_or(0.0, |law| law.initial_stiffness()).to_bits());

@@ -5,6 +5,7 @@ mod elimination;
 mod constraint_equations;
 mod point_masses;
 mod joint_equations;
+mod given_matrices;
 mod assembly;
 mod fingerprint;
 

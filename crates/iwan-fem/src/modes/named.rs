@@ -5,6 +5,7 @@ use std::collections::BTreeMap;
 use super::class::Class;
 use super::joint_mode::JointMode;
 use super::linear::{Limit, Modes};
+use crate::algebra::dot;
 use crate::error::Error;
 use crate::matrices::Assembled;
 use crate::structure::Structure;
@@ -19,6 +20,10 @@ const FIRST: usize = 3;
 /// Shapes less alike than this (MAC) are not the same mode, by the custom of modal testing; the paper's beam has 0.9989 and more. Below
 /// it a bending mode is warned about, and its K_T is told all the same.
 const ALIKE: f64 = 0.9;
+
+/// Damping that couples two modes by more than this part of the geometric mean of their own is told: a judgement, ten times what light
+/// proportional damping leaves after rounding to a few digits, and a third of what close modes need to exchange energy.
+const COUPLED: f64 = 0.1;
 
 /// An elastic mode.
 #[derive(Debug, Clone, PartialEq)]
@@ -134,6 +139,26 @@ impl NamedModes {
         names.iter().map(|name| self.named(name).cloned()).collect()
     }
 
+    /// How strongly given damping couples the named modes, where it does: reduced models take its diagonal alone.
+    fn damping_left_out(&self) -> Option<String> {
+        let damping = self.assembled.damping()?;
+        let shape = |mode: &NamedMode| self.stuck.shape(mode.pair.stuck);
+        let images: Vec<Vec<f64>> = self.elastic.iter().map(|mode| damping.times(shape(mode))).collect();
+        let entry = |i: usize, j: usize| dot(shape(&self.elastic[i]), &images[j]);
+        let own: Vec<f64> = (0..images.len()).map(|i| entry(i, i)).collect();
+        let pairs = (0..own.len()).flat_map(|i| (0..i).map(move |j| (i, j)));
+        let ratio = |(i, j): (usize, usize)| (entry(i, j).abs() / (own[i] * own[j]).sqrt(), i, j);
+        let found =
+            pairs.map(ratio).filter(|(ratio, ..)| *ratio > COUPLED).max_by(|a, b| a.0.total_cmp(&b.0));
+        found.map(|(ratio, i, j)| {
+            let names = (&self.elastic[i].name, &self.elastic[j].name);
+            format!(
+                "the damping of the matrices couples {} and {} by {ratio:.2} of their own: reduced models and forced responses leave that out",
+                names.0, names.1
+            )
+        })
+    }
+
     /// What the user should know about the modes.
     #[must_use]
     pub fn warnings(&self) -> Vec<String> {
@@ -145,6 +170,7 @@ impl NamedModes {
                  the directions of their slips"
             ));
         }
+        warnings.extend(self.damping_left_out());
         let unlike = self.elastic.iter().filter(|m| m.class == Class::Bending && m.pair.mac < ALIKE);
         warnings.extend(unlike.map(|m| {
             format!(

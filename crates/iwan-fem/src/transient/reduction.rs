@@ -82,8 +82,7 @@ impl<'a> Reduced<'a> {
             eigenvalues.extend(own);
             attachments = vectors;
         }
-        let damping = vec![0.0; eigenvalues.len()];
-        Ok(Self { assembled, modes, attachments, eigenvalues, damping })
+        Ok(Self::damped(Self { assembled, modes, attachments, eigenvalues, damping: Vec::new() }))
     }
 
     fn of_kept(assembled: &'a Assembled, kept: &Kept) -> Self {
@@ -92,11 +91,20 @@ impl<'a> Reduced<'a> {
         eigenvalues.extend(&kept.attachments.values);
         let vectors = kept.attachments.vectors.chunks_exact(assembled.unknowns());
         let attachments = vectors.map(<[f64]>::to_vec).collect();
-        let damping = vec![0.0; eigenvalues.len()];
-        Self { assembled, modes, attachments, eigenvalues, damping }
+        Self::damped(Self { assembled, modes, attachments, eigenvalues, damping: Vec::new() })
     }
 
-    /// The same with viscous modal damping: every coordinate gets a term 2ζωq' with the ratio ζ that `ratio` gives for its
+    /// With what the damping of given matrices takes from each coordinate alone: the diagonal of Vᵀ C V. What couples coordinates is left
+    /// out, as is usual where damping is light.
+    fn damped(mut self) -> Self {
+        let own = |k: usize| {
+            self.assembled.damping().map_or(0.0, |c| c.form(self.column(k), self.column(k)).max(0.0))
+        };
+        self.damping = (0..self.coordinates()).map(own).collect();
+        self
+    }
+
+    /// The same with viscous modal damping besides that of given matrices: every coordinate gets a term 2ζωq' with the ratio ζ that `ratio` gives for its
     /// frequency in Hz. Rigid motions stay undamped. What a suspension or a sensor's cable takes besides the joints.
     ///
     /// # Errors
@@ -115,12 +123,12 @@ impl<'a> Reduced<'a> {
             let omega = eigenvalue.max(0.0).sqrt();
             let given = ratio(omega / std::f64::consts::TAU);
             check("modal damping ratio", given, given >= 0.0, "must be a finite number >= 0")?;
-            *damping = 2.0 * given * omega;
+            *damping += 2.0 * given * omega;
         }
         Ok(self)
     }
 
-    /// 2ζω of each coordinate, 1/s; zeros unless [`with_damping`](Self::with_damping) was called.
+    /// 2ζω of each coordinate, 1/s; zeros unless matrices with damping were given or [`with_damping`](Self::with_damping) was called.
     #[must_use]
     pub fn damping(&self) -> &[f64] {
         &self.damping

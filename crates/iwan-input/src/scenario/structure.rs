@@ -11,7 +11,8 @@ use iwan_fem::Model;
 use iwan_sim::Method;
 
 /// Keys of the table.
-pub(crate) const KEYS: &[&str] = &["path", "name", "reduced", "model", "basis", "tolerance", "modes", "frames"];
+pub(crate) const KEYS: &[&str] =
+    &["path", "name", "reduced", "model", "basis", "tolerance", "modes", "frames"];
 
 /// Where the structure comes from.
 #[derive(Debug, Clone, PartialEq)]
@@ -79,11 +80,8 @@ impl OnStructure {
 
 fn origin(source: &InputText, section: &Section<'_>) -> Result<Origin, InputError> {
     let names: Vec<(&str, &'static str)> = BUILT_IN_STRUCTURES.iter().map(|b| (b.0, b.0)).collect();
-    let given = (
-        section.optional_text("path")?,
-        section.choice("name", &names)?,
-        section.optional_text("reduced")?,
-    );
+    let given =
+        (section.optional_text("path")?, section.choice("name", &names)?, section.optional_text("reduced")?);
     match given {
         (Some(path), None, None) => Ok(Origin::File(source.folder.join(path))),
         (None, Some(name), None) => Ok(Origin::BuiltIn(name)),
@@ -111,7 +109,9 @@ fn model(section: &Section<'_>, kept: bool) -> Result<Model, InputError> {
             return Err(section.failure(key, &message, "remove it, or choose model = \"reduced\""));
         }
         if kept && given {
-            let message = format!("`{key}` does not apply to a reduced model that was written: its basis is in the folder");
+            let message = format!(
+                "`{key}` does not apply to a reduced model that was written: its basis is in the folder"
+            );
             return Err(section.failure(key, &message, "remove it, or give path = \"FILE.toml\""));
         }
     }

@@ -22,7 +22,8 @@ const KEYS: &[&str] = &["format", "name", "folder", "fingerprint", "named", "zer
 const FORMAT: usize = 1;
 /// Arrays of the archive, each with its eigenvalues under `NAME_values` and its vectors under `NAME_vectors`.
 const NAMES: [&str; 4] = ["stuck", "slipping", "basis", "attachments"];
-const WRITE_AGAIN: &str = "write the folder again with `iwan modes STRUCTURE.toml --write-reduced N --out FOLDER`";
+const WRITE_AGAIN: &str =
+    "write the folder again with `iwan modes STRUCTURE.toml --write-reduced N --out FOLDER`";
 
 /// A reduced model that is to be written.
 #[derive(Debug, Clone, Copy)]
@@ -108,7 +109,8 @@ impl ReducedFolder<'_> {
 /// The way from one folder to another, relative where both are known and share a beginning.
 fn from_to(from: &Path, to: &Path) -> PathBuf {
     let absolute = |path: &Path| {
-        let path = std::path::absolute(if path.as_os_str().is_empty() { Path::new(".") } else { path }).ok()?;
+        let path =
+            std::path::absolute(if path.as_os_str().is_empty() { Path::new(".") } else { path }).ok()?;
         // A folder that is still to be made lies in one that is there, whose links are followed.
         let there = path.ancestors().find(|above| above.exists())?;
         let rest = path.strip_prefix(there).ok()?;

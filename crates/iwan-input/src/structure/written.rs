@@ -83,7 +83,15 @@ pub fn matrix_files(assembled: &Assembled, format: MatrixFormat) -> io::Result<V
 fn triangle(name: &str, matrix: &Symmetric) -> Matrix {
     let entries = matrix.lower().map(|(i, j, value)| (i as u32, j as u32, value)).collect();
     let (rows, columns) = (matrix.order(), matrix.order());
-    Matrix { name: name.into(), rows, columns, entries, stored: Stored::Triangle, labels: None, complex: false }
+    Matrix {
+        name: name.into(),
+        rows,
+        columns,
+        entries,
+        stored: Stored::Triangle,
+        labels: None,
+        complex: false,
+    }
 }
 
 fn displacements(assembled: &Assembled) -> Matrix {
@@ -94,7 +102,15 @@ fn displacements(assembled: &Assembled) -> Matrix {
         entries.extend(terms.iter().map(|&(unknown, c)| (row as u32, unknown, c)));
     }
     let columns = assembled.unknowns();
-    Matrix { name: "T".into(), rows: 3 * count, columns, entries, stored: Stored::All, labels: None, complex: false }
+    Matrix {
+        name: "T".into(),
+        rows: 3 * count,
+        columns,
+        entries,
+        stored: Stored::All,
+        labels: None,
+        complex: false,
+    }
 }
 
 /// A line `node, component` for each unknown; a comment before what is no motion of one node.
@@ -105,9 +121,15 @@ fn rows(assembled: &Assembled) -> String {
     for j in 0..assembled.unknowns() {
         // Writing to a string cannot fail.
         let _ = match assembled.unknown(j) {
-            Unknown::Displacement { node, axis } => writeln!(text, "{},{}", labels[node], ["x", "y", "z"][axis]),
-            Unknown::Rotation { node, axis } => writeln!(text, "{},{}", labels[node], ["rx", "ry", "rz"][axis]),
-            Unknown::Generalised { row } => writeln!(text, "# generalised coordinate of row {}\n0,0", row + 1),
+            Unknown::Displacement { node, axis } => {
+                writeln!(text, "{},{}", labels[node], ["x", "y", "z"][axis])
+            }
+            Unknown::Rotation { node, axis } => {
+                writeln!(text, "{},{}", labels[node], ["rx", "ry", "rz"][axis])
+            }
+            Unknown::Generalised { row } => {
+                writeln!(text, "# generalised coordinate of row {}\n0,0", row + 1)
+            }
             Unknown::Reference { joint, component } => {
                 let name = structure.joints.get(joint).map_or("a constraint", |joint| &joint.name);
                 let motion = ["x", "y", "z", "rx", "ry", "rz"][component];
