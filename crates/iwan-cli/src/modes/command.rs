@@ -36,7 +36,7 @@ pub(crate) fn run(args: &ModesArgs) -> Result<(), Failure> {
     let bar = session.bar("modes");
     let least = if args.write_reduced.is_some() { NAMED_MODES } else { 1 };
     let count = args.count.get().max(least);
-    let linear = Linear::observed(source.name.clone(), file, count, &|share| bar.report(share))?;
+    let linear = Linear::computed(source.name.clone(), file, count, &bar)?;
     drop(bar);
     let summary = ModesSummary::new(&linear, clock.elapsed().as_secs_f64());
 

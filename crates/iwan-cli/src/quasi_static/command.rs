@@ -26,7 +26,7 @@ pub(crate) fn run(args: &QuasiStaticArgs) -> Result<(), Failure> {
 
     let clock = Instant::now();
     let bar = session.bar("modes");
-    let linear = Linear::observed(source, file, NAMED_MODES, &|share| bar.report(share))?;
+    let linear = Linear::computed(source, file, NAMED_MODES, &bar)?;
     drop(bar);
     let analysed = analyse(&linear, args, &session.bar("static loads"))?;
     let summary = QuasiStaticSummary::new(&linear, &analysed, clock.elapsed().as_secs_f64());

@@ -374,7 +374,8 @@ impl<'a> Search<'a> {
             let (low, high) = (i.min(j), i.max(j));
             self.projection[high][low]
         });
-        let eigen = symmetric_eigen(&projection).ok_or_else(singular_mass)?;
+        let finite = symmetric_eigen(&projection).filter(|e| e.values.iter().all(|v| v.is_finite()));
+        let eigen = finite.ok_or_else(singular_mass)?;
         let values: Vec<f64> = eigen.values.iter().rev().copied().collect();
         let combinations = Mat::from_fn(k, k, |i, j| eigen.vectors[(i, k - 1 - j)]);
         let last = self.pending.ncols();

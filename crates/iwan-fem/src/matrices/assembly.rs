@@ -392,6 +392,14 @@ impl Assembled {
         NodalProduct::new(&self.stiffness, triples(&self.transformation.places))
     }
 
+    /// Bytes of one factor of the stiffness, from the order of elimination: what modes and reduced models need most of.
+    ///
+    /// # Errors
+    /// [`Error::Analysis`] where even the factor's pattern does not fit into memory.
+    pub fn factor_bytes(&self) -> Result<u64, Error> {
+        Ok(self.analysis()?.entries() as u64 * size_of::<f64>() as u64)
+    }
+
     /// Order of elimination for all matrices of the structure, found once.
     pub(crate) fn analysis(&self) -> Result<&Analysis, Error> {
         if let Some(analysis) = self.analysis.get() {

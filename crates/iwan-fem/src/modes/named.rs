@@ -77,7 +77,14 @@ impl NamedModes {
     /// # Errors
     /// As [`new`](Self::new), and [`Error::Interrupted`].
     pub fn observed(structure: &Structure, count: usize, progress: Progress<'_>) -> Result<Self, Error> {
-        let assembled = structure.assemble()?;
+        Self::of(structure.assemble()?, count, progress)
+    }
+
+    /// [`observed`](Self::observed) of a structure whose matrices are assembled already.
+    ///
+    /// # Errors
+    /// As [`Assembled::modes`], and [`Error::Interrupted`].
+    pub fn of(assembled: Assembled, count: usize, progress: Progress<'_>) -> Result<Self, Error> {
         if let Some(kept) = assembled.kept()? {
             let n = assembled.unknowns();
             let stuck = Modes::of_kept(&kept.stuck, Limit::Stuck, n);

@@ -7,7 +7,7 @@ use std::sync::Arc;
 use iwan_exchange::{ArrayRef, StoredArray, arrays_to_npz, read_arrays};
 use iwan_fem::{Kept, KeptModes};
 
-use super::file::StructureFile;
+use super::super::file::StructureFile;
 use crate::error::InputError;
 use crate::section::Section;
 use crate::text::{InputText, quoted};
