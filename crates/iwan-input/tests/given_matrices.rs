@@ -150,7 +150,6 @@ fn what_does_not_fit_is_refused_with_place_and_remedy() {
     folder.write("few.csv", "1, 0, 0, 0\n2, 1, 0, 0\n");
     folder.write("doubled.csv", "1, 0, 0, 0\n2, 1, 0, 0\n2, 1, 0, 0\n11, 1, 0, 0\n12, 1, 0, 0\n");
     folder.write("other_m.mtx", "99,1, 99,1, 1.0\n");
-    folder.write("damps.mtx", &matrix_market(&mass()).replace("3 3 1.25", "3 3 -1.25"));
     folder.write("rectangle.mtx", "%%MatrixMarket matrix coordinate real general\n8 7 1\n1 1 1\n");
     let table = |old: &str, new: &str| format!("{}{REST}", MATRICES.replace(old, new));
     let cases = [
@@ -160,14 +159,6 @@ fn what_does_not_fit_is_refused_with_place_and_remedy() {
             "the stiffness is not symmetric: row 3 (node 2 component 1), column 1 (node 1 component 1) is -1000, and mirrored -990",
         ),
         (table("m.mtx", "negative.mtx"), "mass, row 3 (node 2, x): the diagonal entry is -1.25e0, below 0"),
-        (
-            table("rows = 'rows.csv'", "rows = 'rows.csv'\ndamping = 'damps.mtx'"),
-            "damps.mtx: row 3 (node 2 component 1) of the damping has -1.25 on its diagonal",
-        ),
-        (
-            table("rows = 'rows.csv'", "rows = 'rows.csv'\ndamping = 'rectangle.mtx'"),
-            "the damping has 8 rows and 7 columns",
-        ),
         (table("rows.csv", "short.csv"), "2 rows are named, but the stiffness has 8"),
         (table("rows.csv", "twice.csv"), "row 3 is node 1 component 1, and so is row 1"),
         (table("k.mtx", "rectangle.mtx"), "the stiffness has 8 rows and 7 columns"),
@@ -211,4 +202,25 @@ fn what_does_not_fit_is_refused_with_place_and_remedy() {
         assert!(error.contains(expected) && error.contains("structure.toml"), "{error}\n{expected}");
     }
     assert!(Path::new(&folder.0).exists());
+}
+
+/// A damping that gives energy back, or of another size, is refused; one that fits is read.
+#[test]
+fn a_damping_that_cannot_be_one_is_refused() {
+    let folder = Folder::new("damping");
+    files(&folder);
+    folder.write("c.mtx", &matrix_market(&mass()));
+    folder.write("negative.mtx", &matrix_market(&mass()).replace("3 3 1.25", "3 3 -1.25"));
+    folder.write("rectangle.mtx", "%%MatrixMarket matrix coordinate real general\n8 7 1\n1 1 1\n");
+    let with = |file: &str| folder.load(&format!("{MATRICES}damping = '{file}'\n{REST}"));
+    let structure = with("c.mtx").unwrap().structure;
+    assert_eq!(structure.given.unwrap().damping.unwrap().diagonal_entry(2), 1.25);
+    for (file, expected) in [
+        ("negative.mtx", "negative.mtx: row 3 (node 2 component 1) of the damping has -1.25 on its diagonal"),
+        ("rectangle.mtx", "the damping has 8 rows and 7 columns"),
+        ("none.mtx", "none.mtx: cannot be read"),
+    ] {
+        let error = with(file).unwrap_err();
+        assert!(error.contains(expected) && error.contains("structure.toml"), "{error}\n{expected}");
+    }
 }
