@@ -73,7 +73,8 @@ pub(super) fn start<W: Write + io::Seek>(
 ) -> io::Result<()> {
     let stored = SimpleFileOptions::default().compression_method(zip::CompressionMethod::Stored);
     archive.start_file(format!("{name}.npy"), stored.large_file(large))?;
-    let sizes: String = shape.iter().map(|size| format!("{size}, ")).collect();
+    let sizes: Vec<String> = shape.iter().map(|size| format!("{size}, ")).collect();
+    let sizes = sizes.concat();
     let mut text = format!("{{'descr': '{descr}', 'fortran_order': False, 'shape': ({sizes}), }}");
     // Magic, version and length take ten bytes; the data begin at a multiple of 64.
     let length = (10 + text.len() + 1).next_multiple_of(64) - 10;

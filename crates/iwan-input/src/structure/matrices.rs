@@ -59,7 +59,7 @@ pub(super) fn read(
     let rows = rows(&section, &mut places, &labels)?;
     let stiffness = reading.symmetric("stiffness", &stiffness_file, &stiffness, &labels)?;
     let mass = reading.symmetric("mass", &mass_file, &mass, &labels)?;
-    let damping = reading.damping(&labels, &given_labels)?;
+    let damping = reading.damping(&labels, given_labels.as_deref())?;
     let Places { mesh, placed, notes } = places;
     let mut structure = Structure::new(mesh, unused()?);
     structure.given = Some(Given { rows, stiffness, mass, damping, placed });
@@ -137,13 +137,13 @@ impl Reading<'_, '_> {
     fn damping(
         &self,
         labels: &[Label],
-        of_stiffness: &Option<Vec<Label>>,
+        of_stiffness: Option<&[Label]>,
     ) -> Result<Option<Symmetric>, InputError> {
         if !self.section.has("damping") {
             return Ok(None);
         }
         let (file, damping) = self.matrix("damping", DAMPINGS)?;
-        let damping = self.in_order_of(labels, of_stiffness.as_deref(), ("damping", damping))?;
+        let damping = self.in_order_of(labels, of_stiffness, ("damping", damping))?;
         let damping = self.symmetric("damping", &file, &damping, labels)?;
         if let Some(row) = (0..damping.order()).find(|&row| damping.diagonal_entry(row) < 0.0) {
             let value = plain(damping.diagonal_entry(row));
