@@ -1,4 +1,5 @@
 //! Reads files of matrices and says how long it took, and how much memory at most: `read_matrix FILE ...`.
+#![allow(clippy::print_stdout, reason = "what an example is for")]
 
 use std::time::Instant;
 

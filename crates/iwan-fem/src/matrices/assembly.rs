@@ -42,15 +42,12 @@ impl Structure {
         for slip in &mut slips {
             slip.unknown += displacements;
         }
-        let (stiffness, mass, damping) = match &self.given {
-            Some(given) => {
-                let found = given_matrices::assemble(self.mesh.positions.len(), given, &transformation);
-                (found.stiffness, found.mass, found.damping)
-            }
-            None => {
-                let (stiffness, mass) = assemble_elements(self, &transformation)?;
-                (stiffness, mass, None)
-            }
+        let (stiffness, mass, damping) = if let Some(given) = &self.given {
+            let found = given_matrices::assemble(self.mesh.positions.len(), given, &transformation);
+            (found.stiffness, found.mass, found.damping)
+        } else {
+            let (stiffness, mass) = assemble_elements(self, &transformation)?;
+            (stiffness, mass, None)
         };
         let (stiffness, mass) = add_lumps(self, &transformation, stiffness, &mass)?;
         let (stiffness, mass) = point_masses::add(self, &rotations, &transformation, stiffness, mass)?;

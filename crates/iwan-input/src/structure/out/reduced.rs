@@ -122,7 +122,8 @@ fn from_to(from: &Path, to: &Path) -> PathBuf {
         return to;
     }
     while a.peek().is_some() && a.peek() == b.peek() {
-        (a.next(), b.next());
+        a.next();
+        b.next();
     }
     let up = a.map(|_| Component::ParentDir);
     let way: PathBuf = up.chain(b).collect();
