@@ -55,6 +55,8 @@ mod _native {
     #[pymodule_export]
     use crate::structures::structure::{_built_in_structure, _load_structure, _structure, Structure};
     #[pymodule_export]
+    use crate::structures::written::{_write_matrices, _write_reduced};
+    #[pymodule_export]
     use crate::study::_reproduce;
     #[pymodule_export]
     use crate::values::joint_face::Joint;

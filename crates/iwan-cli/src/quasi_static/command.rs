@@ -3,6 +3,7 @@
 use std::time::Instant;
 
 use iwan_fem::ModalCurves;
+use iwan_input::InputText;
 
 use super::analysis::{Analysed, analyse};
 use super::args::QuasiStaticArgs;
@@ -18,14 +19,14 @@ use crate::structures::linear::{NAMED_MODES, load};
 const TABLE: &str = "curves.csv";
 /// Runs the command.
 pub(crate) fn run(args: &QuasiStaticArgs) -> Result<(), Failure> {
-    let (source, file) = load(&args.structure)?;
+    let (InputText { name: source, .. }, file) = load(&args.structure)?;
     let place = args.structure.place("iwan-quasi-static");
     let mut session = Session::open(place, &args.common, [TABLE, SUMMARY, PAGE])?;
     session.notes(&file.notes);
 
     let clock = Instant::now();
     let bar = session.bar("modes");
-    let linear = Linear::observed(source, file, NAMED_MODES, &|share| bar.report(share))?;
+    let linear = Linear::computed(source, file, NAMED_MODES, &bar)?;
     drop(bar);
     let analysed = analyse(&linear, args, &session.bar("static loads"))?;
     let summary = QuasiStaticSummary::new(&linear, &analysed, clock.elapsed().as_secs_f64());

@@ -5,6 +5,7 @@ use std::fmt::Write;
 use iwan_core::{Grid, Pulse, ResidualStiffness};
 use iwan_sim::{Method, Representation, Settings};
 
+use crate::text::quoted;
 use crate::written_law::WrittenLaw;
 use iwan_fem::Model;
 
@@ -45,23 +46,6 @@ fn line(out: &mut String, key: &str, value: &str) {
 
 fn number(out: &mut String, key: &str, value: f64) {
     line(out, key, &format!("{value:?}"));
-}
-
-/// A basic string of TOML.
-fn quoted(text: &str) -> String {
-    let mut out = String::from("\"");
-    for c in text.chars() {
-        match c {
-            '"' => out.push_str("\\\""),
-            '\\' => out.push_str("\\\\"),
-            c if c.is_control() => {
-                let _ = write!(out, "\\u{:04X}", u32::from(c));
-            }
-            c => out.push(c),
-        }
-    }
-    out.push('"');
-    out
 }
 
 /// `{ key = value, ... }`.
@@ -130,10 +114,14 @@ fn write_structure(out: &mut String, structure: &OnStructure) {
             line(out, "path", &quoted(&path.display().to_string()));
         }
         Origin::BuiltIn(name) => line(out, "name", &quoted(name)),
+        Origin::Reduced(folder) => {
+            let folder = folder.canonicalize().unwrap_or_else(|_| folder.clone());
+            line(out, "reduced", &quoted(&folder.display().to_string()));
+        }
     }
     line(out, "model", if structure.model == Model::Full { "\"full\"" } else { "\"reduced\"" });
     match structure.model {
-        Model::Full => {}
+        Model::Full | Model::Kept => {}
         Model::Basis(modes) => line(out, "basis", &modes.to_string()),
         Model::Tolerance(tolerance) => number(out, "tolerance", tolerance),
     }

@@ -20,7 +20,7 @@ pub(super) const KEYS: &[&str] = &[
     "output",
 ];
 
-/// Whether a file is a structure rather than a scenario: whether it says anything about a mesh.
+/// Whether a file is a structure rather than a scenario: whether it says anything about a mesh or matrices.
 ///
 /// # Errors
 /// [`InputError`] where the file is no TOML.
@@ -31,7 +31,9 @@ pub(super) const KEYS: &[&str] = &[
 /// # Ok::<(), iwan_input::InputError>(())
 /// ```
 pub fn is_structure(source: &InputText) -> Result<bool, InputError> {
-    Ok(source.document("paper-a")?.top().has("mesh"))
+    let document = source.document("paper-a")?;
+    let top = document.top();
+    Ok(top.has("mesh") || top.has("matrices"))
 }
 
 /// A structure file, read and checked.
