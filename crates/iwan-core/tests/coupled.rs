@@ -234,6 +234,43 @@ fn the_scheme_is_of_second_order() {
     assert!((3.4..4.6).contains(&(first / second)), "{first:e} {second:e}");
 }
 
+/// The quick path of sliders is the general one, over reversals, breaks and stretches.
+#[test]
+fn sliders_glide_as_they_step() {
+    let (dt, samples) = (1e-5, 4001);
+    for (amplitude, bins) in [(10.0, 100), (1000.0, 100), (1e4, 7), (1e5, 1000)] {
+        let (stepped, _) = on_sliders(amplitude, dt, samples, bins);
+        let coupled = CoupledModes::new(&modes(dt, true), &[one_joint(RHO, 2e-8)], storage).unwrap();
+        let mut table = vec![Slider::default(); Sliders::table_len(bins)];
+        let sliders = Sliders::discretise(&law(), Grid::graded(bins), bins, &mut table).unwrap();
+        let mut state = sliders.virgin(vec![Run::default(); sliders.len()]).unwrap();
+        let force = pulse(amplitude, dt, samples);
+        let mut rows = Rows::new(samples, 3, 1);
+        let mut joint = OneJoint::new(&sliders, &mut state);
+        let mut motion = CoupledMotion::new(&coupled, &mut joint, [&[0.0; 3]; 2], 0.0, storage).unwrap();
+        let whole = rows.rows();
+        // In two stretches, the second of which begins with the last sample of the first.
+        for (from, to) in [(0, 1500), (1500, samples - 1)] {
+            let rest = force.get(from..).unwrap_or(&[]);
+            let mut part = CoupledRows {
+                displacement: &mut whole.displacement[from..=to],
+                velocity: &mut whole.velocity[from..=to],
+                acceleration: &mut whole.acceleration[from..=to],
+                slip: &mut whole.slip[from..=to],
+                joint_force: &mut whole.joint_force[from..=to],
+            };
+            coupled.integrate_sliders(&mut motion, &sliders, &mut state, rest, &mut part).unwrap();
+        }
+        for quantity in 0..3 {
+            for r in 0..3 {
+                let difference = worst(&rows.mode(quantity, r), &stepped.mode(quantity, r));
+                assert!(difference < 1e-10, "{amplitude}, {bins}, {quantity}, mode {r}: {difference:e}");
+            }
+        }
+        assert!(worst(&rows.joint(1, 0), &stepped.joint(1, 0)) < 1e-10);
+    }
+}
+
 /// Two joints that move alike are one of twice the stiffness and strength and half the compliance; their own system is
 /// singular.
 #[test]

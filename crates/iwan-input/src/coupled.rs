@@ -69,8 +69,9 @@ impl StructureFile {
         };
         let (mut chosen, mut added) = (modes.to_vec(), Vec::new());
         let mut others = named.elastic.iter().filter(|mode| modes.iter().all(|m| m.name != mode.name));
+        let flexibility = named.slip_flexibility(load.clone()).map_err(|error| failed(&error.to_string()))?;
         loop {
-            let statics = named.slip_statics(&chosen, &load).map_err(|error| failed(&error.to_string()))?;
+            let statics = flexibility.beside(&chosen);
             let (groups, stuck) = self.grouped(named, &statics)?;
             let scenario = self.scenario(named, &chosen, (&statics, &groups), &load)?;
             let refused = check_coupled(&scenario.modes(), &scenario.joints(), &scenario.settings).err();

@@ -54,6 +54,11 @@ impl<'a, State, J: Hysteresis<State>> OneJoint<'a, J, State> {
     pub fn new(law: &'a J, state: &'a mut State) -> Self {
         Self { law, state }
     }
+
+    /// The law and its state.
+    pub fn parts(&mut self) -> (&'a J, &mut State) {
+        (self.law, self.state)
+    }
 }
 
 impl<State, J: Hysteresis<State>> JointsInMotion for OneJoint<'_, J, State> {

@@ -19,6 +19,7 @@ mod motion;
 mod joints;
 mod several;
 mod stepper;
+mod glide;
 mod energy;
 
 pub use energy::CoupledEnergy;

@@ -19,26 +19,23 @@ pub struct SlipStatics {
     pub at_force: Vec<f64>,
 }
 
+/// Slips of the whole structure under static forces, from which a few modes take their part.
+#[derive(Debug, Clone)]
+pub struct SlipFlexibility<'a> {
+    named: &'a NamedModes,
+    forces: Vec<f64>,
+    /// Eᵀ K_0⁺ E by slip and slip, and Eᵀ K_0⁺ f.
+    slips: Vec<Vec<f64>>,
+    at_force: Vec<f64>,
+}
+
 impl NamedModes {
-    /// Slips in these modes, and those that the others add under static forces on slips and under the load `forces`, one
-    /// entry per unknown ([`Assembled::load`](crate::Assembled::load)).
+    /// Slips under unit forces on each slip, and under the load `forces`, one entry per unknown
+    /// ([`Assembled::load`](crate::Assembled::load)).
     ///
     /// # Errors
-    /// As [`Assembled::modes`](crate::Assembled::modes).
-    ///
-    /// ```
-    /// use iwan_fem::{NamedModes, mesh::beam::Configuration, paper};
-    /// let named = NamedModes::new(&paper::structure(Configuration::A, 1)?, 12)?;
-    /// let load = named.assembled.load("tip", [0.0, 0.0, 1.0])?;
-    /// let statics = named.slip_statics(&named.first_bending(), &load)?;
-    /// // Two ends of the link, each with K_T = 2.75e5: as one joint they have K_T rho = 0.2875.
-    /// let [one, other] = [0, 2];
-    /// let rho = &statics.compliance;
-    /// assert!((2.75e5 * (rho[one][one] - rho[one][other]) - 0.2875).abs() < 1e-3);
-    /// assert!((statics.participation[one][0].abs() - 0.2397).abs() < 1e-4);
-    /// # Ok::<(), iwan_fem::Error>(())
-    /// ```
-    pub fn slip_statics(&self, modes: &[NamedMode], forces: &[f64]) -> Result<SlipStatics, Error> {
+    /// As [`Assembled::modes`](crate::Assembled::modes); [`Error::Analysis`] for the load of another structure.
+    pub fn slip_flexibility(&self, forces: Vec<f64>) -> Result<SlipFlexibility<'_>, Error> {
         let assembled = &self.assembled;
         let unknowns = assembled.unknowns();
         if forces.len() != unknowns {
@@ -49,26 +46,50 @@ impl NamedModes {
         }
         let factor = assembled.shifted_factor(Limit::Stuck)?;
         let columns = static_flexibility(assembled, &self.stuck, &factor, assembled.shift()?);
+        let at: Vec<usize> = assembled.slips().iter().map(|slip| slip.unknown).collect();
+        let entry = |i: usize, j: usize| 0.5 * (columns[j][at[i]] + columns[i][at[j]]);
+        let all = 0..at.len();
+        let slips = all.clone().map(|i| all.clone().map(|j| entry(i, j)).collect()).collect();
+        let at_force = columns.iter().map(|column| dot(column, &forces)).collect();
+        Ok(SlipFlexibility { named: self, forces, slips, at_force })
+    }
+}
+
+impl SlipFlexibility<'_> {
+    /// Slips in these modes, and those that the others add under static forces on slips and under the load.
+    ///
+    /// ```
+    /// use iwan_fem::{NamedModes, mesh::beam::Configuration, paper};
+    /// let named = NamedModes::new(&paper::structure(Configuration::A, 1)?, 12)?;
+    /// let load = named.assembled.load("tip", [0.0, 0.0, 1.0])?;
+    /// let statics = named.slip_flexibility(load)?.beside(&named.first_bending());
+    /// // Two ends of the link, each with K_T = 2.75e5: as one joint they have K_T rho = 0.2875.
+    /// let [one, other] = [0, 2];
+    /// let rho = &statics.compliance;
+    /// assert!((2.75e5 * (rho[one][one] - rho[one][other]) - 0.2875).abs() < 1e-3);
+    /// assert!((statics.participation[one][0].abs() - 0.2397).abs() < 1e-4);
+    /// # Ok::<(), iwan_fem::Error>(())
+    /// ```
+    #[must_use]
+    pub fn beside(&self, modes: &[NamedMode]) -> SlipStatics {
+        let stuck = &self.named.stuck;
         let shapes: Vec<(&[f64], f64)> = modes
             .iter()
-            .map(|mode| (self.stuck.shape(mode.pair.stuck), self.stuck.eigenvalue(mode.pair.stuck)))
+            .map(|mode| (stuck.shape(mode.pair.stuck), stuck.eigenvalue(mode.pair.stuck)))
             .collect();
-        let slips: Vec<usize> = assembled.slips().iter().map(|slip| slip.unknown).collect();
+        let at: Vec<usize> = self.named.assembled.slips().iter().map(|slip| slip.unknown).collect();
         let kept = |i: usize, of: &dyn Fn(&[f64]) -> f64| -> f64 {
-            shapes.iter().map(|(shape, eigenvalue)| shape[slips[i]] * of(shape) / eigenvalue).sum()
+            shapes.iter().map(|(shape, eigenvalue)| shape[at[i]] * of(shape) / eigenvalue).sum()
         };
-        let rho = |i: usize, j: usize| {
-            let whole = 0.5 * (columns[j][slips[i]] + columns[i][slips[j]]);
-            whole - kept(i, &|shape| shape[slips[j]])
-        };
-        let all = 0..slips.len();
-        Ok(SlipStatics {
-            participation: slips
+        let rho = |i: usize, j: usize| self.slips[i][j] - kept(i, &|shape| shape[at[j]]);
+        let all = 0..at.len();
+        SlipStatics {
+            participation: at
                 .iter()
-                .map(|unknown| shapes.iter().map(|(shape, _)| shape[*unknown]).collect())
+                .map(|&slip| shapes.iter().map(|(shape, _)| shape[slip]).collect())
                 .collect(),
             compliance: all.clone().map(|i| all.clone().map(|j| rho(i, j)).collect()).collect(),
-            at_force: all.map(|i| dot(&columns[i], forces) - kept(i, &|shape| dot(shape, forces))).collect(),
-        })
+            at_force: all.map(|i| self.at_force[i] - kept(i, &|shape| dot(shape, &self.forces))).collect(),
+        }
     }
 }

@@ -4,8 +4,8 @@ use std::time::Instant;
 
 use iwan_core::{
     Backbone, Continuum, CoupledEnergy, CoupledModes, CoupledMotion, CoupledRows, JointEnergy,
-    JointsInMotion, Lanes, OneJoint, Progress, Representation, Reversal, Run, SeveralJoints, Slider, Sliders,
-    TabledFourParameter, groups,
+    JointsInMotion, Lanes, OneJoint, Progress, Representation, Reversal, Run, Runs, SeveralJoints, Slider,
+    Sliders, TabledFourParameter, groups,
 };
 
 use super::response::{CoupledResponse, JointHistory};
@@ -40,8 +40,12 @@ pub(super) fn newmark(
             let virgin = |law: &Sliders<'_>| law.virgin(vec![Run::default(); law.len()]);
             let mut states = laws.iter().map(virgin).collect::<Result<Vec<_>, _>>()?;
             match (laws.as_slice(), states.as_mut_slice()) {
-                ([law], [state]) => run.steps(&mut OneJoint::new(law, state), progress)?,
-                (laws, states) => run.steps(&mut SeveralJoints::new(laws, states, storage)?, progress)?,
+                ([law], [state]) => run.on_sliders(law, state, progress)?,
+                (laws, states) => run.steps(
+                    &mut SeveralJoints::new(laws, states, storage)?,
+                    CoupledModes::integrate,
+                    progress,
+                )?,
             }
         }
         Representation::Continuum => match task.joints.as_slice() {
@@ -66,8 +70,11 @@ pub(super) fn newmark(
 
 struct Stepping<'a> {
     task: &'a Task<'a>,
-    coupled: CoupledModes<Vec<Lanes>>,
+    coupled: Coupled,
 }
+
+/// Modes and joints with memory of their own.
+type Coupled = CoupledModes<Vec<Lanes>>;
 
 impl Stepping<'_> {
     /// Room for the reversals of a joint, which turns round at most as often as the fastest of its modes does.
@@ -80,7 +87,8 @@ impl Stepping<'_> {
     fn alone<B: Backbone>(&self, law: B, progress: Progress<'_>) -> Result<CoupledResponse, SimulationError> {
         let law = Continuum::new(law);
         let mut state = law.virgin(self.stack())?;
-        let mut response = self.steps(&mut OneJoint::new(&law, &mut state), progress)?;
+        let mut response =
+            self.steps(&mut OneJoint::new(&law, &mut state), CoupledModes::integrate, progress)?;
         response.joints[0].forgotten_force = state.forgotten();
         Ok(response)
     }
@@ -97,17 +105,47 @@ impl Stepping<'_> {
         let laws: Vec<_> = boxed.iter().map(|law| Continuum::new(law.as_ref())).collect();
         let virgin = |law: &Continuum<&dyn Backbone>| law.virgin(self.stack());
         let mut states = laws.iter().map(virgin).collect::<Result<Vec<_>, _>>()?;
-        let mut response = self.steps(&mut SeveralJoints::new(&laws, &mut states, storage)?, progress)?;
+        let mut response = self.steps(
+            &mut SeveralJoints::new(&laws, &mut states, storage)?,
+            CoupledModes::integrate,
+            progress,
+        )?;
         for (history, state) in response.joints.iter_mut().zip(&states) {
             history.forgotten_force = state.forgotten();
         }
         Ok(response)
     }
 
-    /// Integrates stretch by stretch, balances the energy and checks that all is finite.
-    fn steps(
+    /// One joint on sliders, by the quick path of up to four modes.
+    fn on_sliders(
         &self,
-        joints: &mut impl JointsInMotion,
+        law: &Sliders<'_>,
+        state: &mut Runs<Vec<Run>>,
+        progress: Progress<'_>,
+    ) -> Result<CoupledResponse, SimulationError> {
+        let mut joint = OneJoint::new(law, state);
+        let step = |coupled: &Coupled,
+                    motion: &mut CoupledMotion<Vec<Lanes>>,
+                    joint: &mut OneJoint<'_, Sliders<'_>, Runs<Vec<Run>>>,
+                    force: &[f64],
+                    rows: &mut CoupledRows<'_>| {
+            let (law, state) = joint.parts();
+            coupled.integrate_sliders(motion, law, state, force, rows)
+        };
+        self.steps(&mut joint, step, progress)
+    }
+
+    /// Integrates stretch by stretch, balances the energy and checks that all is finite.
+    fn steps<J: JointsInMotion>(
+        &self,
+        joints: &mut J,
+        mut step: impl FnMut(
+            &Coupled,
+            &mut CoupledMotion<Vec<Lanes>>,
+            &mut J,
+            &[f64],
+            &mut CoupledRows<'_>,
+        ) -> Result<(), iwan_core::Error>,
         progress: Progress<'_>,
     ) -> Result<CoupledResponse, SimulationError> {
         let Task { modes, force, samples, .. } = self.task;
@@ -126,7 +164,7 @@ impl Stepping<'_> {
             let count = (samples - first).min(ROWS);
             let rest = force.get(first..).unwrap_or(&[]);
             let mut stretch = rows.first(count);
-            self.coupled.integrate(&mut motion, joints, rest, &mut stretch)?;
+            step(&self.coupled, &mut motion, joints, rest, &mut stretch)?;
             energy.add(&self.coupled, rest, &stretch)?;
             self.hand_out(&stretch, first, &mut response);
             first += count - 1;
