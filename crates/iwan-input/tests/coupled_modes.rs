@@ -2,6 +2,8 @@
 
 #![allow(clippy::unwrap_used, reason = "a failed test may panic and say why")]
 
+use std::sync::LazyLock;
+
 use iwan_core::progress::UNWATCHED;
 use iwan_core::{Backbone, Pulse, Representation};
 use iwan_fem::{Extras, Model, NamedModes};
@@ -18,12 +20,13 @@ struct Beam {
     scenario: Scenario,
 }
 
-fn beam() -> Beam {
+/// Computed once for all tests.
+static BEAM: LazyLock<Beam> = LazyLock::new(|| {
     let file = StructureFile::read(&built_in_structure("paper-a").unwrap()).unwrap();
     let named = NamedModes::new(&file.structure, 12).unwrap();
     let scenario = file.coupled(&named, &named.first_bending()).unwrap().scenario;
     Beam { file, named, scenario }
-}
+});
 
 impl Beam {
     /// Modal coordinates of the structure, and of the coupled modes, under a blow.
@@ -99,8 +102,8 @@ fn loss_ratio(alone: &Curve, response: &Response, at: f64) -> f64 {
 /// What uncoupled modes are off by 3 to 120 % (`iwan reproduce`), one joint and three modes follow.
 #[test]
 fn three_modes_and_one_joint_follow_the_structure() {
-    let beam = beam();
-    let curves = [0, 2].map(|mode| Curve::new(&beam, mode));
+    let beam = &*BEAM;
+    let curves = [0, 2].map(|mode| Curve::new(beam, mode));
     for (amplitude, first, third) in [(10.0, 2e-4, 1e-3), (100.0, 0.001, 0.01), (1000.0, 0.01, 0.12)] {
         let (truth, coupled) = beam.under(amplitude);
         assert!(coupled.energy.error() < 1e-13, "{amplitude} lbf: {:e}", coupled.energy.error());
@@ -129,7 +132,7 @@ fn three_modes_and_one_joint_follow_the_structure() {
 /// Under the static load of one mode the model dissipates as the structure does.
 #[test]
 fn static_loads_dissipate_as_on_the_structure() {
-    let beam = beam();
+    let beam = &*BEAM;
     let (modes, joint) = (beam.scenario.modes(), &beam.scenario.joints()[0]);
     let law = &joint.law;
     for mode in [0, 2] {
@@ -160,7 +163,7 @@ fn static_loads_dissipate_as_on_the_structure() {
 /// What is written is read again to the last bit.
 #[test]
 fn the_scenario_survives_writing() {
-    let scenario = beam().scenario;
+    let scenario = BEAM.scenario.clone();
     let text = to_toml(&scenario, "");
     let read = Scenario::read(&InputText::built_in("coupled.toml", &text), &Overrides::default()).unwrap();
     assert_eq!(read, scenario, "{text}");

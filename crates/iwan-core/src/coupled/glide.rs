@@ -1,11 +1,10 @@
-//! Up to four modes with one joint on sliders, without Newton's method.
+//! Up to four modes with one joint: all constants and the motion of the modes stay in registers.
 //!
-//! On a straight piece of slope k the step Δs = Δs* - c ΔN with ΔN = (k - K) Δs is one product, Δs = Δs*/(1 + c (k - K)),
-//! and all constants of the modes stay in registers. Where a slider breaks loose or the motion turns round, the general
-//! step takes over.
+//! On sliders Newton's method is not needed. On a straight piece of slope k the step Δs = Δs* - c ΔN with ΔN = (k - K) Δs is one product, Δs = Δs*/(1 + c (k - K)).
+//! Where a slider breaks loose or the motion turns round, the general step takes over.
 
-use super::joints::OneJoint;
-use super::lanes::{LANES, Lanes, groups};
+use super::joints::{JointsInMotion, OneJoint};
+use super::lanes::{LANES, Lanes, dot, groups};
 use super::modes::CoupledModes;
 use super::motion::CoupledMotion;
 use super::stepper::CoupledRows;
@@ -17,7 +16,6 @@ use crate::step::force_at;
 struct Constants {
     step: Lanes,
     push: Lanes,
-    give: Lanes,
     drag: Lanes,
     stiffness: Lanes,
     viscous: Lanes,
@@ -25,6 +23,11 @@ struct Constants {
     drive: Lanes,
     shape: Lanes,
     reach: Lanes,
+    /// What a unit of ΔN takes off q, v, v̄* and Δs*: a step waits for the one before through `on_ahead` alone.
+    on_q: Lanes,
+    on_v: Lanes,
+    on_mean: Lanes,
+    on_ahead: f64,
     slip_at_force: f64,
     /// K and c of the joint.
     joint: f64,
@@ -51,13 +54,33 @@ struct Piece {
     /// N at x = 0, and its slope k - K.
     held: f64,
     slope: f64,
-    /// 1/(1 + c (k - K)).
+    /// 1/(1 + c (k - K)), and (k - K) times that.
     gain: f64,
+    yielding: f64,
+}
+
+impl Motion {
+    fn of<S: AsRef<[Lanes]> + AsMut<[Lanes]>>(motion: &CoupledMotion<S>) -> Self {
+        let lanes = |row: &S| row.as_ref()[0];
+        Self {
+            q: lanes(&motion.q),
+            v: lanes(&motion.v),
+            mean: lanes(&motion.mean),
+            missing: motion.missing.as_ref()[0][0],
+            ahead: motion.ahead.as_ref()[0][0],
+        }
+    }
+
+    fn hand_back<S: AsRef<[Lanes]> + AsMut<[Lanes]>>(&self, motion: &mut CoupledMotion<S>) {
+        (motion.q.as_mut()[0], motion.v.as_mut()[0], motion.mean.as_mut()[0]) = (self.q, self.v, self.mean);
+        motion.ahead.as_mut()[0][0] = self.ahead;
+    }
 }
 
 impl Constants {
     fn piece(&self, segment: &Segment) -> Piece {
         let slope = segment.stiffness - self.joint;
+        let gain = 1.0 / (1.0 + self.coupling * slope);
         Piece {
             anchor: segment.anchor,
             reach: segment.reach,
@@ -65,25 +88,40 @@ impl Constants {
             stiffness: segment.stiffness,
             held: segment.base - self.joint * segment.anchor,
             slope,
-            gain: 1.0 / (1.0 + self.coupling * slope),
+            gain,
+            yielding: slope * gain,
         }
     }
 
-    /// Ends a step with N and ΔN, writes it at the load `p`, and begins the next one at the load `next`.
+    /// Completes the step to a sample at which the load is `p` as if N were held, and begins the one after it, at the
+    /// end of which the load is `next`.
     #[inline]
-    fn sweep(&self, m: &mut Motion, change: f64, [p, next]: [f64; 2]) -> Lanes {
+    fn held(&self, m: &Motion, [p, next]: [f64; 2]) -> Motion {
         let (mean, jump) = (0.5 * (p + next), next - p);
-        let (mut acceleration, mut way) = ([0.0; LANES], [0.0; LANES]);
+        let (mut to, mut way) = (*m, [0.0; LANES]);
         for l in 0..LANES {
-            let rate = m.mean[l] - self.give[l] * (self.shape[l] * change);
-            m.q[l] += self.step[l] * rate;
-            m.v[l] = 2.0 * rate - m.v[l];
+            to.q[l] = m.q[l] + self.step[l] * m.mean[l];
+            to.v[l] = 2.0 * m.mean[l] - m.v[l];
+            let pull = self.stiffness[l] * to.q[l] + self.shape[l] * m.missing;
+            to.mean[l] = to.v[l] + (self.push[l] * (self.drive[l] * mean - pull) - self.drag[l] * to.v[l]);
+            way[l] = self.reach[l] * to.mean[l];
+        }
+        to.ahead = ((way[0] + way[2]) + (way[1] + way[3])) + self.slip_at_force * jump;
+        to
+    }
+
+    /// What ΔN changes of that, and the accelerations under the load `p`.
+    #[inline]
+    fn changed(&self, m: &mut Motion, change: f64, p: f64) -> Lanes {
+        let mut acceleration = [0.0; LANES];
+        for l in 0..LANES {
+            m.q[l] -= self.on_q[l] * change;
+            m.v[l] -= self.on_v[l] * change;
+            m.mean[l] -= self.on_mean[l] * change;
             let pull = self.stiffness[l] * m.q[l] + self.shape[l] * m.missing;
             acceleration[l] = self.load[l] * p - self.viscous[l] * m.v[l] - pull;
-            m.mean[l] = m.v[l] + (self.push[l] * (self.drive[l] * mean - pull) - self.drag[l] * m.v[l]);
-            way[l] = self.reach[l] * m.mean[l];
         }
-        m.ahead = ((way[0] + way[2]) + (way[1] + way[3])) + self.slip_at_force * jump;
+        m.ahead -= self.on_ahead * change;
         acceleration
     }
 }
@@ -106,44 +144,70 @@ impl<S: AsRef<[Lanes]> + AsMut<[Lanes]>> CoupledModes<S> {
             return self.integrate(motion, &mut OneJoint::new(sliders, state), force, out);
         }
         let samples = out.checked_len(self)?;
-        // The first sample, and the first step's prediction, are the general path's.
-        let mut first = CoupledRows {
-            displacement: &mut out.displacement[..1],
-            velocity: &mut out.velocity[..1],
-            acceleration: &mut out.acceleration[..1],
-            slip: &mut out.slip[..1],
-            joint_force: &mut out.joint_force[..1],
-        };
-        self.integrate(motion, &mut OneJoint::new(sliders, state), force, &mut first)?;
-        let c = self.constants();
-        let lanes = |row: &S| row.as_ref()[0];
-        let mut m = Motion {
-            q: lanes(&motion.q),
-            v: lanes(&motion.v),
-            mean: lanes(&motion.mean),
-            missing: motion.missing.as_ref()[0][0],
-            ahead: motion.ahead.as_ref()[0][0],
-        };
-        glide(&c, &mut m, (sliders, state), force, (samples, out));
-        (motion.q.as_mut()[0], motion.v.as_mut()[0], motion.mean.as_mut()[0]) = (m.q, m.v, m.mean);
-        motion.ahead.as_mut()[0][0] = m.ahead;
+        self.begin(motion, &OneJoint::new(sliders, state), force, out);
+        let mut m = Motion::of(motion);
+        glide(&self.constants(), &mut m, (sliders, state), force, (samples, out));
+        m.hand_back(motion);
         motion.read_joints(self, &OneJoint::new(sliders, state));
+        Ok(())
+    }
+
+    /// [`integrate`](Self::integrate) for one joint and up to four modes, from the second sample on.
+    #[inline]
+    pub(super) fn narrow(
+        &self,
+        motion: &mut CoupledMotion<S>,
+        joint: &mut impl JointsInMotion,
+        force: &[f64],
+        (samples, out): (usize, &mut CoupledRows<'_>),
+    ) -> Result<(), Error> {
+        let (q, v, a) = (
+            &mut out.displacement[..samples],
+            &mut out.velocity[..samples],
+            &mut out.acceleration[..samples],
+        );
+        let (slip, joint_force) = (&mut out.slip[..samples], &mut out.joint_force[..samples]);
+        let (c, mut m) = (self.constants(), Motion::of(motion));
+        for n in 1..samples {
+            let (mut change, p) = ([0.0], force_at(force, n));
+            let mut to = c.held(&m, [p, force_at(force, n + 1)]);
+            joint.solve(self, &[m.ahead], &mut change)?;
+            (slip[n], joint_force[n]) = (joint.slip(0), joint.force(0));
+            to.missing = joint_force[n] - c.joint * slip[n];
+            a[n] = c.changed(&mut to, change[0], p);
+            m = to;
+            (q[n], v[n]) = (m.q, m.v);
+        }
+        m.hand_back(motion);
+        motion.read_joints(self, joint);
         Ok(())
     }
 
     fn constants(&self) -> Constants {
         let lanes = |row: &S| row.as_ref()[0];
+        let (step, push, give, drag) =
+            (lanes(&self.step), lanes(&self.push), lanes(&self.give), lanes(&self.drag));
+        let (stiffness, shape, reach) =
+            (lanes(&self.stiffness), lanes(&self.participation), lanes(&self.reach));
+        let of_rate: Lanes = core::array::from_fn(|l| give[l] * shape[l]);
+        let on_q: Lanes = core::array::from_fn(|l| step[l] * of_rate[l]);
+        let on_mean: Lanes = core::array::from_fn(|l| {
+            2.0 * of_rate[l] + (push[l] * (shape[l] - stiffness[l] * on_q[l]) - 2.0 * drag[l] * of_rate[l])
+        });
         Constants {
-            step: lanes(&self.step),
-            push: lanes(&self.push),
-            give: lanes(&self.give),
-            drag: lanes(&self.drag),
-            stiffness: lanes(&self.stiffness),
+            step,
+            push,
+            drag,
+            stiffness,
             viscous: lanes(&self.viscous),
             load: lanes(&self.load),
             drive: lanes(&self.drive),
-            shape: lanes(&self.participation),
-            reach: lanes(&self.reach),
+            shape,
+            reach,
+            on_q,
+            on_v: of_rate.map(|rate| 2.0 * rate),
+            on_mean,
+            on_ahead: dot(&[reach], &[on_mean]),
             slip_at_force: self.slip_at_force()[0],
             joint: self.joint_stiffness()[0],
             coupling: self.coupling()[0],
@@ -167,11 +231,13 @@ fn glide<R: AsRef<[Run]> + AsMut<[Run]>>(
     let (mut direction, mut x) = (state.direction(), state.displacement() - piece.anchor);
     let mut at = *m;
     for n in 1..samples {
+        let p = force_at(force, n);
+        let mut to_come = c.held(&at, [p, force_at(force, n + 1)]);
         let way = piece.gain * at.ahead;
         let to = x + way;
         let change = if direction * way >= 0.0 && direction * to <= piece.reach {
             x = to;
-            piece.slope * way
+            piece.yielding * at.ahead
         } else {
             state.rest_at(piece.anchor + x);
             let before = piece.base + piece.stiffness * x;
@@ -180,8 +246,9 @@ fn glide<R: AsRef<[Run]> + AsMut<[Run]>>(
             (direction, x) = (state.direction(), state.displacement() - piece.anchor);
             (piece.base + piece.stiffness * x - before) - c.joint * way
         };
-        at.missing = piece.held + piece.slope * x;
-        a[n] = c.sweep(&mut at, change, [force_at(force, n), force_at(force, n + 1)]);
+        to_come.missing = piece.held + piece.slope * x;
+        a[n] = c.changed(&mut to_come, change, p);
+        at = to_come;
         (q[n], v[n]) = (at.q, at.v);
         (slip[n], joint_force[n]) = (piece.anchor + x, piece.base + piece.stiffness * x);
     }

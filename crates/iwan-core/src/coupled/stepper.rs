@@ -84,8 +84,10 @@ impl<S: AsRef<[Lanes]> + AsMut<[Lanes]>> CoupledModes<S> {
     ) -> Result<(), Error> {
         let samples = out.checked_len(self)?;
         check_length("joints", joints.count(), self.joints())?;
-        self.write(motion, joints, force_at(force, 0), (0, out));
-        self.predict(motion, force, 0);
+        self.begin(motion, joints, force, out);
+        if self.joints() == 1 && groups(self.modes()) == 1 {
+            return self.narrow(motion, joints, force, (samples, out));
+        }
         for n in 1..samples {
             let j = self.joints();
             let ahead = &motion.ahead.as_ref().as_flattened()[..j];
@@ -99,9 +101,21 @@ impl<S: AsRef<[Lanes]> + AsMut<[Lanes]>> CoupledModes<S> {
         Ok(())
     }
 
+    /// Writes the first sample and begins the first step.
+    pub(super) fn begin(
+        &self,
+        motion: &mut CoupledMotion<S>,
+        joints: &impl JointsInMotion,
+        force: &[f64],
+        out: &mut CoupledRows<'_>,
+    ) {
+        self.write(motion, joints, force_at(force, 0), (0, out));
+        self.predict(motion, force, 0);
+    }
+
     /// Begins the step from sample `n`: v̄* with N held, and Δs*.
     #[inline]
-    pub(super) fn predict(&self, motion: &mut CoupledMotion<S>, force: &[f64], n: usize) {
+    fn predict(&self, motion: &mut CoupledMotion<S>, force: &[f64], n: usize) {
         let (p, next) = (force_at(force, n), force_at(force, n + 1));
         let mean = 0.5 * (p + next);
         let width = groups(self.modes());
