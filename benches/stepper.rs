@@ -98,11 +98,11 @@ impl Shared {
         };
         let joint = CoupledJoint {
             stiffness: Self::K,
-            participation: &[1.0, -0.0111, -4.905],
+            participation: &[1.0, 0.0, -4.905],
             compliance: &[0.2875 / Self::K],
             slip_at_force: 0.0,
         };
-        let modes = [132.35, 364.0, 700.0].map(mode);
+        let modes = [132.35, 344.23, 696.24].map(mode);
         Self {
             modes: CoupledModes::new(&modes, &[joint], |_| [[0.0; 4]; 1]).expect("fits"),
             law: FourParameter::new(Self::K, 143.8, -0.3, 0.02).expect("in range"),
