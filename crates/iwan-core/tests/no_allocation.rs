@@ -91,8 +91,8 @@ fn coupled(continuum: &Continuum<TabledFourParameter>, sliders: &Sliders<'_>, fo
     one.integrate_sliders(&mut motion, sliders, &mut runs, force, &mut rows).unwrap();
     CoupledEnergy::new(&one, storage).unwrap().add(&one, force, &rows).unwrap();
     let two = CoupledModes::new(&modes, &[joint(&[1e-7, 0.0]), joint(&[0.0, 1e-7])], storage).unwrap();
-    let laws = [*continuum, *continuum];
-    let mut states = laws.map(|law| law.virgin([Reversal::default(); 64]).unwrap());
+    let laws = [(); 2].map(|()| continuum.clone());
+    let mut states = [(); 2].map(|()| continuum.virgin([Reversal::default(); 64]).unwrap());
     let mut several = SeveralJoints::new(&laws, &mut states, storage).unwrap();
     let mut motion = CoupledMotion::new(&two, &mut several, [&[0.0; 2]; 2], 0.0, storage).unwrap();
     let mut rows = CoupledRows {

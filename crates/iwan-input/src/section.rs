@@ -307,12 +307,6 @@ impl<'a> Section<'a> {
         self.value(key).is_some_and(|v| v.get_ref().is_str())
     }
 
-    /// Whether the value of `key` is a table.
-    #[must_use]
-    pub fn is_table(&self, key: &str) -> bool {
-        self.value(key).is_some_and(|v| v.get_ref().is_table())
-    }
-
     /// A list of texts that must be there.
     ///
     /// # Errors

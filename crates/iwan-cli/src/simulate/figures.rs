@@ -253,7 +253,9 @@ impl Decay<'_> {
         let marker = self.mode.joint.as_ref().filter(|_| !self.shares).map(onset);
         // A stuck mode loses nothing in joints, and a logarithmic axis has no place for that.
         if self.shares {
-            layers.iter_mut().for_each(|layer| layer.points.retain(|(_, y)| *y > 0.0));
+            for layer in &mut layers {
+                layer.points.retain(|(_, y)| *y > 0.0);
+            }
             layers.retain(|layer| !layer.points.is_empty());
         }
         let caption = match self.cycles.len() {

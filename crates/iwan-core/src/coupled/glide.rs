@@ -99,12 +99,12 @@ impl Constants {
     fn held(&self, m: &Motion, [p, next]: [f64; 2]) -> Motion {
         let (mean, jump) = (0.5 * (p + next), next - p);
         let (mut to, mut way) = (*m, [0.0; LANES]);
-        for l in 0..LANES {
+        for (l, way) in way.iter_mut().enumerate() {
             to.q[l] = m.q[l] + self.step[l] * m.mean[l];
             to.v[l] = 2.0 * m.mean[l] - m.v[l];
             let pull = self.stiffness[l] * to.q[l] + self.shape[l] * m.missing;
             to.mean[l] = to.v[l] + (self.push[l] * (self.drive[l] * mean - pull) - self.drag[l] * to.v[l]);
-            way[l] = self.reach[l] * to.mean[l];
+            *way = self.reach[l] * to.mean[l];
         }
         to.ahead = ((way[0] + way[2]) + (way[1] + way[3])) + self.slip_at_force * jump;
         to
@@ -114,12 +114,12 @@ impl Constants {
     #[inline]
     fn changed(&self, m: &mut Motion, change: f64, p: f64) -> Lanes {
         let mut acceleration = [0.0; LANES];
-        for l in 0..LANES {
+        for (l, acceleration) in acceleration.iter_mut().enumerate() {
             m.q[l] -= self.on_q[l] * change;
             m.v[l] -= self.on_v[l] * change;
             m.mean[l] -= self.on_mean[l] * change;
             let pull = self.stiffness[l] * m.q[l] + self.shape[l] * m.missing;
-            acceleration[l] = self.load[l] * p - self.viscous[l] * m.v[l] - pull;
+            *acceleration = self.load[l] * p - self.viscous[l] * m.v[l] - pull;
         }
         m.ahead -= self.on_ahead * change;
         acceleration

@@ -166,13 +166,15 @@ fn compliance(
     (names, own): (&[String], usize),
 ) -> Result<Vec<f64>, InputError> {
     let mut row = vec![f64::NAN; names.len()];
-    if section.is_table("compliance") {
-        let Some(place) = section.optional_table("compliance")? else { return Ok(row) };
-        let known: Vec<&str> = names.iter().map(String::as_str).collect();
-        let given = by_name(source, section, ("compliance", place), ("joint", &known))?;
-        row.iter_mut().zip(given).for_each(|(rho, given)| *rho = given.unwrap_or(f64::NAN));
-    } else if let Some(value) = section.optional_number("compliance")? {
-        row[own] = finite(section, "compliance", value)?;
+    match section.optional_table("compliance") {
+        Ok(Some(place)) => {
+            let known: Vec<&str> = names.iter().map(String::as_str).collect();
+            let given = by_name(source, section, ("compliance", place), ("joint", &known))?;
+            row.iter_mut().zip(given).for_each(|(rho, given)| *rho = given.unwrap_or(f64::NAN));
+        }
+        Ok(None) => {}
+        // No table: then it is the joint's own number, or neither.
+        Err(_) => row[own] = finite(section, "compliance", section.number("compliance")?)?,
     }
     if row[own].is_nan() {
         row[own] = 0.0;

@@ -94,9 +94,10 @@ impl<'a> Task<'a> {
             let constants = || -> Result<CoupledMode, Error> {
                 let (f, zeta) = (mode.frequency, mode.damping_ratio);
                 let oscillator = Oscillator::new(f, zeta, 0.0, ResidualStiffness::Positive)?;
-                let scheme = match prewarp {
-                    true => Newmark::prewarped(self.dt, oscillator.omega0()),
-                    false => Newmark::average_acceleration(self.dt),
+                let scheme = if prewarp {
+                    Newmark::prewarped(self.dt, oscillator.omega0())
+                } else {
+                    Newmark::average_acceleration(self.dt)
                 };
                 Ok(CoupledMode { oscillator, scheme: scheme?, shape_at_force: mode.shape_at_force })
             };
