@@ -15,8 +15,8 @@
 mod lanes;
 mod definite;
 mod modes;
-mod motion;
 mod joints;
+mod motion;
 mod several;
 mod stepper;
 mod glide;
