@@ -58,6 +58,7 @@ pub fn simulate_coupled(
     if !coupled.is_empty() {
         let history = sampled(&force, dt, samples);
         let task = Task::new(modes, &coupled, joints, (&history, dt, samples))?;
+        task.check(prewarp)?;
         whole = newmark(&task, prewarp, representation, &part(progress, [0.0, 0.6]))?;
         let forgotten = whole.joints.iter().map(|joint| joint.forgotten_force);
         whole.quality.forgotten_force = forgotten.fold(0.0, f64::max);
@@ -87,7 +88,7 @@ pub fn check_coupled(
     let (prewarp, _) = of_method(settings.method)?;
     let [coupled, _] = parted(modes, joints);
     if !coupled.is_empty() {
-        Task::new(modes, &coupled, joints, (&[], settings.dt, settings.samples()?))?.coupled(prewarp)?;
+        Task::new(modes, &coupled, joints, (&[], settings.dt, settings.samples()?))?.check(prewarp)?;
     }
     Ok(())
 }

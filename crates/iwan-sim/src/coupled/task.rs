@@ -70,10 +70,14 @@ impl<'a> Task<'a> {
             let participation = (0..modes.len()).map(|i| if i == r { 1.0 } else { 0.0 }).collect();
             joints.push(SharedJoint::new(mode.name.clone(), law, participation, count));
         }
-        let statics = Statics::new(&modes, &joints);
-        statics.check(&modes)?;
-        let modal_stiffness = statics.modal_stiffness();
+        let modal_stiffness = Statics::new(&modes, &joints).modal_stiffness();
         Ok(Self { modes, joints, force, dt, samples, modal_stiffness })
+    }
+
+    /// Refuses what no step can solve, then what nothing holds once the joints slip.
+    pub(super) fn check(&self, prewarp: bool) -> Result<(), SimulationError> {
+        self.coupled(prewarp)?;
+        Ok(Statics::new(&self.modes, &self.joints).check(&self.modes)?)
     }
 
     /// The same at twice the time step.
