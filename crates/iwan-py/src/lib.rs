@@ -39,6 +39,8 @@ mod _native {
     #[pymodule_export]
     use crate::records::record::{_read_bytes, _record, Record, read_record};
     #[pymodule_export]
+    use crate::ring_down::coupled::_simulate_coupled;
+    #[pymodule_export]
     use crate::ring_down::ensemble::_ensemble;
     #[pymodule_export]
     use crate::ring_down::response::{_response, Response};

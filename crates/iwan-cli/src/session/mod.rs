@@ -131,6 +131,11 @@ impl Session {
         self.results.path()
     }
 
+    /// Takes back the announcement of a file that there is nothing to write into.
+    pub(crate) fn omit(&mut self, name: &str) {
+        self.files.retain(|file| file != name);
+    }
+
     /// Adds a table.
     pub(crate) fn table(&mut self, name: &str, table: &Table<'_>, format: Format) -> Result<(), Failure> {
         progress::check_interrupt()?;

@@ -47,6 +47,10 @@ impl OnStructure {
             let message = "[structure] and [[mode]] exclude each other";
             return Err(top.failure("mode", message, "keep the modes, or the structure they belong to"));
         }
+        if top.has("joint") {
+            let message = "[structure] and [[joint]] exclude each other";
+            return Err(top.failure("joint", message, "give the joints of a structure in its own file"));
+        }
         let origin = origin(source, &section)?;
         let model = model(&section, matches!(origin, Origin::Reduced(_)))?;
         let frames = section.optional_count("frames")?.unwrap_or(0);

@@ -10,6 +10,7 @@ use crate::written_law::WrittenLaw;
 use iwan_fem::Model;
 
 use super::force::Force;
+use super::joint::ScenarioJoint;
 use super::mode::ScenarioMode;
 use super::part;
 use super::read::Scenario;
@@ -26,6 +27,9 @@ pub fn to_toml(scenario: &Scenario, force_file: &str) -> String {
     }
     for mode in &scenario.modes {
         write_mode(&mut out, mode);
+    }
+    for joint in &scenario.joints {
+        write_joint(&mut out, joint, scenario);
     }
     if let Some(structure) = &scenario.structure {
         write_structure(&mut out, structure);
@@ -86,6 +90,27 @@ fn write_mode(out: &mut String, ScenarioMode { mode, joint }: &ScenarioMode) {
     if mode.residual == ResidualStiffness::Any {
         line(out, "allow_negative_residual", "true");
     }
+}
+
+fn write_joint(out: &mut String, ScenarioJoint { joint, law }: &ScenarioJoint, scenario: &Scenario) {
+    out.push_str("\n[[joint]]\n");
+    line(out, "name", &quoted(&joint.name));
+    line(out, "law", &joint_table(law));
+    let by_name = |names: Vec<&str>, values: &[f64]| {
+        let named = names.iter().zip(values).filter(|(_, value)| **value != 0.0);
+        let pairs: Vec<_> = named.map(|(name, value)| format!("{} = {value:?}", quoted(name))).collect();
+        format!("{{ {} }}", pairs.join(", "))
+    };
+    let modes = scenario.modes.iter().map(|m| m.mode.name.as_str()).collect();
+    line(out, "participation", &by_name(modes, &joint.participation));
+    let own = scenario.joints.iter().position(|j| j.joint.name == joint.name).unwrap_or(0);
+    if joint.compliance.iter().enumerate().all(|(l, rho)| l == own || *rho == 0.0) {
+        number(out, "compliance", joint.compliance.get(own).copied().unwrap_or(0.0));
+    } else {
+        let joints = scenario.joints.iter().map(|j| j.joint.name.as_str()).collect();
+        line(out, "compliance", &by_name(joints, &joint.compliance));
+    }
+    number(out, "slip_at_force", joint.slip_at_force);
 }
 
 fn part_table(part: &iwan_core::Part) -> String {

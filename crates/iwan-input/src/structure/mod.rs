@@ -20,5 +20,6 @@ mod tests;
 pub use built_in::{BUILT_IN_STRUCTURES, built_in_structure};
 pub use ends::{Load, Output};
 pub use file::{STRUCTURE_SCHEMA, StructureFile, is_structure};
+pub use joints::StructureLaw;
 pub use out::{MatrixFormat, ReducedFolder, matrix_file_names, matrix_files};
 pub use run::{RunError, StructureTask};

@@ -282,6 +282,19 @@ def simulate(
     quality: bool = True,
     threads: int | None = None,
 ) -> list[Response]: ...
+def _simulate_coupled(
+    modes: Sequence[Mode],
+    joints: Sequence[tuple[str, Joint, Sequence[float], Sequence[float], float]],
+    force: Pulse | ArrayLike | None,
+    dt: float,
+    duration: float,
+    sliders: int | None,
+    grid: Grid | None,
+    prewarp: bool,
+    initial: ArrayLike | None,
+    quality: bool,
+    threads: int | None,
+) -> dict[str, Any]: ...
 def superpose(modes: Sequence[Mode], responses: Sequence[Response]) -> dict[str, Motion]: ...
 @final
 class Record:
