@@ -34,6 +34,9 @@ pub mod book {
     #[doc = include_str!("../book/src/guide.md")]
     pub mod guide {}
 
+    #[doc = include_str!("../book/src/coupled.md")]
+    pub mod coupled {}
+
     #[doc = include_str!("../book/src/steady.md")]
     pub mod steady {}
 

@@ -61,6 +61,7 @@ fn page(mode: &FittedMode<'_>) -> Result<String, Failure> {
     };
     let wanted = Wanted {
         name: "mode 1".into(),
+        number: 0,
         options: mode.settings.options,
         records: (mode.records.iter().enumerate())
             .map(|(source, record)| ModalRecord { source, samples: record.samples.clone() })

@@ -8,6 +8,7 @@ use std::time::Duration;
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 
 use crate::failure::Failure;
+use crate::output;
 
 /// Set by Ctrl-C (and by termination).
 static INTERRUPTED: AtomicBool = AtomicBool::new(false);
@@ -34,6 +35,29 @@ pub(crate) fn check_interrupt() -> Result<(), Failure> {
 #[derive(Debug)]
 pub(crate) struct Bar {
     bar: ProgressBar,
+    quiet: bool,
+}
+
+/// What shows progress from another thread.
+#[derive(Debug, Clone)]
+pub(crate) struct Teller {
+    bar: ProgressBar,
+    quiet: bool,
+}
+
+impl Teller {
+    /// Shows the share done; breaks off after Ctrl-C.
+    pub(crate) fn report(&self, share: f64) -> ControlFlow<()> {
+        self.bar.set_position((share * PARTS) as u64);
+        if INTERRUPTED.load(Ordering::Relaxed) { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
+    }
+
+    /// Says something above the bar.
+    pub(crate) fn say(&self, text: &str) {
+        if !self.quiet {
+            self.bar.suspend(|| output::message(text));
+        }
+    }
 }
 
 impl Bar {
@@ -45,7 +69,7 @@ impl Bar {
         if let Ok(style) = ProgressStyle::with_template("{msg} {wide_bar} {percent:>3} %  {eta} left") {
             bar.set_style(style);
         }
-        Self { bar: bar.with_message(title) }
+        Self { bar: bar.with_message(title), quiet }
     }
 
     /// A sign of life for work that cannot say how far it is.
@@ -77,10 +101,14 @@ impl Bar {
         }
     }
 
+    /// For work on another thread.
+    pub(crate) fn teller(&self) -> Teller {
+        Teller { bar: self.bar.clone(), quiet: self.quiet }
+    }
+
     /// Shows the share done; breaks off after Ctrl-C.
     pub(crate) fn report(&self, share: f64) -> ControlFlow<()> {
-        self.bar.set_position((share * PARTS) as u64);
-        if INTERRUPTED.load(Ordering::Relaxed) { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
+        self.teller().report(share)
     }
 }
 

@@ -3,7 +3,7 @@
 
 mod common;
 
-use common::{folder, iwan, shown};
+use common::{csv, folder, iwan, shown};
 use serde_json::Value;
 
 fn json(output: &std::process::Output) -> Value {
@@ -201,4 +201,28 @@ fn what_cannot_be_computed_is_named_and_nothing_is_written() {
 /// A block without joints.
 fn block() -> String {
     "[mesh]\nkind = 'block'\nsize = [4, 1, 1]\ncells = [4, 1, 1]\n[[material]]\nyoung = 1e6\npoisson = 0.3\ndensity = 1\n".into()
+}
+
+/// The modes with the joints they share, from the structure to their response.
+#[test]
+fn a_structure_becomes_coupled_modes() {
+    let place = folder("");
+    iwan(place.path(), "quasi-static --json --quiet --out q --points 8");
+    let arguments = "simulate q/coupled.toml --json --quiet --out s --amplitude 100 --duration 0.02";
+    let found = json(&iwan(place.path(), arguments));
+    let coupled = &found["coupled"];
+    assert!(coupled["energy_error"].as_f64().unwrap() < 1e-13);
+    let joint = &coupled["joints"][0];
+    assert_eq!(
+        (joint["name"].as_str(), coupled["joints"].as_array().unwrap().len()),
+        (Some("left link x + right link x"), 1)
+    );
+    close(&joint["friction"], coupled["energy"]["friction"].as_f64().unwrap(), 1e-9);
+    let columns = csv(&place.path().join("s/response.csv"));
+    let slip = &columns.iter().find(|(name, _)| name == "left link x + right link x.slip").unwrap().1;
+    let largest = slip.iter().fold(0.0_f64, |most, s| most.max(s.abs()));
+    close(&joint["peak_slip"], largest, 1e-12);
+    // As it was run, to the last bit.
+    let again = json(&iwan(place.path(), "simulate s/scenario.toml --json --quiet --out t"));
+    assert_eq!(again["coupled"]["joints"], coupled["joints"]);
 }

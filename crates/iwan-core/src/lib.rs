@@ -3,11 +3,12 @@
 //! The modules below stand in floors: each imports only from those above it.
 #![no_std]
 
-// The ground: errors, progress of long work, functions at compile time, Gauss-Legendre rules.
+// The ground: errors, progress of long work, functions at compile time, line search, Gauss-Legendre rules.
 mod error;
 pub mod progress;
 mod random;
 mod elementary;
+mod line_search;
 pub mod quadrature;
 
 // Laws: a joint is its virgin curve.
@@ -22,6 +23,9 @@ mod memory;
 // Steps: a mode with a joint, in time steps or from event to event.
 mod step;
 
+// Coupled modes: linear oscillators that share joints.
+mod coupled;
+
 // Half cycles: free decay from one turning point to the next, without time steps.
 mod half_cycle;
 
@@ -31,6 +35,10 @@ mod curves;
 // Steady vibration: the joint in the frequency domain, without time steps.
 mod steady;
 
+pub use coupled::{
+    CoupledEnergy, CoupledJoint, CoupledMode, CoupledModes, CoupledMotion, CoupledRows, JointsInMotion,
+    LANES, Lanes, OneJoint, SeveralJoints, groups,
+};
 pub use curves::{AveragedCurves, CurveNewmark, CurvePoint, CurvesEnd, ModeCurves, Rate};
 pub use error::Error;
 pub use half_cycle::{Decay, PathNode, TurningPoint};
@@ -38,6 +46,7 @@ pub use law::{
     Backbone, DensityPoint, FixedPower, FourParameter, Grid, Jenkins, PowerLaw, Representation,
     TabledFourParameter, Tabulated, Uniform,
 };
+pub use line_search::search_line;
 pub use memory::{
     Continuum, Extensions, Hysteresis, NoJoint, Plain, Reversal, Reversals, Run, Runs, Slider, Sliders,
     Straight, Trial,

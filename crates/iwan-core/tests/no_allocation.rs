@@ -3,8 +3,9 @@
 #![allow(clippy::unwrap_used, reason = "a failed test may panic and say why")]
 
 use iwan_core::{
-    Averaging, Continuum, Decay, EventDriven, FourParameter, Grid, Harmonics, Hysteresis, Motion, Newmark,
-    Oscillator, Plain, Pulse, ResidualStiffness, Reversal, Run, Samples, Slider, Sliders, SteadyWork,
+    Averaging, Continuum, CoupledEnergy, CoupledJoint, CoupledMode, CoupledModes, CoupledMotion, CoupledRows,
+    Decay, EventDriven, FourParameter, Grid, Harmonics, Hysteresis, Motion, Newmark, OneJoint, Oscillator,
+    Plain, Pulse, ResidualStiffness, Reversal, Run, Samples, SeveralJoints, Slider, Sliders, SteadyWork,
     TabledFourParameter, one_harmonic, steady_force,
 };
 
@@ -56,4 +57,50 @@ fn run_everything(out: &mut Samples<'_>) {
     one_harmonic(&joint, 1e-2, cosine, sine).unwrap();
     let mut runs = sliders.virgin([Run::default(); 101]).unwrap();
     EventDriven::new(&oscillator, sliders, pulse, 1.0).unwrap().integrate(&mut runs, 0.0, 1e-5, out).unwrap();
+    coupled(&continuum, &sliders, &force[..used]);
+}
+
+/// Two modes that share one joint, then two.
+fn coupled(continuum: &Continuum<TabledFourParameter>, sliders: &Sliders<'_>, force: &[f64]) {
+    let mode = |frequency: f64| {
+        let oscillator = Oscillator::new(frequency, 0.0, 0.0, ResidualStiffness::Positive).unwrap();
+        CoupledMode { oscillator, scheme: Newmark::average_acceleration(1e-5).unwrap(), shape_at_force: 1.0 }
+    };
+    let (modes, storage) = ([mode(124.0), mode(700.0)], |_: usize| [[0.0; 4]; 4]);
+    let joint = |compliance| CoupledJoint {
+        stiffness: 4.45e4,
+        participation: &[1.0, -2.0],
+        compliance,
+        slip_at_force: 0.0,
+    };
+    let (mut q, mut v, mut a) = ([[0.0; 4]; 300], [[0.0; 4]; 300], [[0.0; 4]; 300]);
+    let (mut slip, mut joint_force) = ([0.0; 600], [0.0; 600]);
+    let one = CoupledModes::new(&modes, &[joint(&[1e-7])], storage).unwrap();
+    let mut rows = CoupledRows {
+        displacement: &mut q,
+        velocity: &mut v,
+        acceleration: &mut a,
+        slip: &mut slip[..300],
+        joint_force: &mut joint_force[..300],
+    };
+    let mut state = continuum.virgin([Reversal::default(); 64]).unwrap();
+    let mut law = OneJoint::new(continuum, &mut state);
+    let mut motion = CoupledMotion::new(&one, &mut law, [&[0.0; 2]; 2], 0.0, storage).unwrap();
+    one.integrate(&mut motion, &mut law, force, &mut rows).unwrap();
+    let mut runs = sliders.virgin([Run::default(); 101]).unwrap();
+    one.integrate_sliders(&mut motion, sliders, &mut runs, force, &mut rows).unwrap();
+    CoupledEnergy::new(&one, storage).unwrap().add(&one, force, &rows).unwrap();
+    let two = CoupledModes::new(&modes, &[joint(&[1e-7, 0.0]), joint(&[0.0, 1e-7])], storage).unwrap();
+    let laws = [(); 2].map(|()| continuum.clone());
+    let mut states = [(); 2].map(|()| continuum.virgin([Reversal::default(); 64]).unwrap());
+    let mut several = SeveralJoints::new(&laws, &mut states, storage).unwrap();
+    let mut motion = CoupledMotion::new(&two, &mut several, [&[0.0; 2]; 2], 0.0, storage).unwrap();
+    let mut rows = CoupledRows {
+        displacement: &mut q,
+        velocity: &mut v,
+        acceleration: &mut a,
+        slip: &mut slip,
+        joint_force: &mut joint_force,
+    };
+    two.integrate(&mut motion, &mut several, force, &mut rows).unwrap();
 }

@@ -17,7 +17,11 @@ mod packed;
 mod read;
 mod row_map;
 
+// And out again.
+mod write;
+
 pub use error::ExchangeError;
 pub use matrix::{Asymmetry, Component, Entry, Label, Matrix, Stored};
 pub use read::{Format, read, read_bytes};
 pub use row_map::{read_positions, read_rows};
+pub use write::{ArrayRef, StoredArray, arrays_to_npz, read_arrays, to_mat, to_matrix_market, to_npz};

@@ -89,3 +89,14 @@ pub enum Error {
 pub(crate) fn check(name: &'static str, value: f64, ok: bool, allowed: &'static str) -> Result<f64, Error> {
     if ok && value.is_finite() { Ok(value) } else { Err(Error::OutOfRange { name, value, allowed }) }
 }
+
+/// What ends a search for more modes than the mass can move.
+pub(crate) fn singular_mass() -> Error {
+    Error::Analysis {
+        analysis: "modes",
+        finding: "the search met numbers that are not finite: the mass moves fewer motions than were asked for, as that of one or two \
+                  tetrahedra of 10 nodes does"
+            .into(),
+        remedy: "ask for fewer modes, mesh with more elements, or give mass to what has none",
+    }
+}

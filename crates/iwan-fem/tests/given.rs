@@ -18,7 +18,10 @@ fn twins(configuration: Configuration) -> [Structure; 2] {
     let bare = Structure { joints: Vec::new(), ..meshed.clone() }.assemble().unwrap();
     let rows = (0..bare.unknowns()).map(|j| Row::Displacement { node: j / 3, axis: j % 3 }).collect();
     let (stiffness, mass) = (bare.slipping_stiffness().clone(), bare.mass().clone());
-    let given = Structure { given: Some(Given { rows, stiffness, mass, placed: true }), ..meshed.clone() };
+    let given = Structure {
+        given: Some(Given { rows, stiffness, mass, damping: None, placed: true }),
+        ..meshed.clone()
+    };
     [meshed, given]
 }
 
@@ -79,7 +82,7 @@ fn pair() -> Structure {
     let stiffness = Symmetric::diagonal(vec![800.0, 500.0]);
     let mass = Symmetric::diagonal(vec![2.0, 3.0]);
     let mut structure = Structure::new(mesh, Material::new(1.0, 0.0, 1.0).unwrap());
-    structure.given = Some(Given { rows, stiffness, mass, placed: false });
+    structure.given = Some(Given { rows, stiffness, mass, damping: None, placed: false });
     let law: Law = Arc::new(Jenkins::new(900.0, 1.0).unwrap());
     structure.joints =
         vec![Joint::new("bolt", "a", "b", Interface::Directions).slip([1.0, 0.0, 0.0], Some(law))];
@@ -188,4 +191,69 @@ fn matrices_that_no_structure_has_are_refused_with_row_node_and_value() {
         error.contains("node 5: its motion along y is given by the matrices, which have no row for it,"),
         "{error}"
     );
+}
+
+/// A condensed mass couples unknowns that no stiffness connects: the order of elimination knows both patterns.
+#[test]
+fn a_mass_with_entries_that_the_stiffness_has_not() {
+    let mut structure = pair();
+    structure.joints.clear();
+    let given = structure.given.as_mut().unwrap();
+    given.mass = Symmetric::from_lower(2, vec![(0, 0, 2.0), (1, 0, 0.5), (1, 1, 3.0)]);
+    let found = structure.assemble().unwrap().modes(Limit::Stuck, 2).unwrap().frequencies();
+    // det(K - λ M) = 0 with K = diag(800, 500), M = [2 1/2; 1/2 3].
+    let (a, b, c): (f64, f64, f64) = (2.0 * 3.0 - 0.25, -(800.0 * 3.0 + 500.0 * 2.0), 800.0 * 500.0);
+    let root = (b * b - 4.0 * a * c).sqrt();
+    for (found, sign) in found.iter().zip([-1.0, 1.0]) {
+        let expected = ((-b + sign * root) / (2.0 * a)).sqrt() / (2.0 * PI);
+        assert!((found / expected - 1.0).abs() < 1e-12, "{found} {expected}");
+    }
+}
+
+/// Given damping acts on each coordinate of a reduced model by its own part, and the full model refuses it.
+#[test]
+fn given_damping_is_obeyed_or_refused() {
+    let mut structure = pair();
+    let given = structure.given.as_mut().unwrap();
+    // C = α M + β K with all joints slipping has the diagonal α + β ω² in their modes.
+    let (alpha, beta) = (0.3, 1e-3);
+    given.damping = Some(Symmetric::diagonal(vec![alpha * 2.0 + beta * 800.0, alpha * 3.0 + beta * 500.0]));
+    structure.joints.clear();
+    let assembled = structure.assemble().unwrap();
+    let reduced = assembled.reduce(2, Basis::default()).unwrap();
+    for (damping, eigenvalue) in reduced.damping().iter().zip(reduced.eigenvalues()) {
+        assert!((damping / (alpha + beta * eigenvalue) - 1.0).abs() < 1e-12, "{damping} {eigenvalue}");
+    }
+    let twice = reduced.with_damping(|_| 0.01).unwrap();
+    let expected = alpha + beta * twice.eigenvalues()[1] + 0.02 * twice.eigenvalues()[1].sqrt();
+    assert!((twice.damping()[1] / expected - 1.0).abs() < 1e-12);
+    let task = Transient {
+        dt: 1e-4,
+        steps: 10,
+        pulse: Pulse::None,
+        load: vec![0.0; 2],
+        initial_velocity: Some(vec![1.0, 0.0]),
+        representation: Representation::DEFAULT_IN_A_STRUCTURE,
+        outputs: Vec::new(),
+    };
+    let error = assembled.transient(&task).unwrap_err().to_string();
+    assert!(error.contains("the full model knows no viscous damping"), "{error}");
+}
+
+/// One tetrahedron of 10 nodes: its mass by four points moves 12 motions, and a search for more ends with a sentence.
+#[test]
+fn more_modes_than_the_mass_moves_are_refused() {
+    let corners = [[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
+    let mut positions = corners.to_vec();
+    for (a, b) in [(0, 1), (1, 2), (2, 0), (0, 3), (1, 3), (2, 3)] {
+        positions.push(std::array::from_fn(|i| 0.5 * (corners[a][i] + corners[b][i])));
+    }
+    let element =
+        iwan_fem::mesh::Element { label: 1, shape: iwan_fem::mesh::Shape::Tet10, nodes: (0..10).collect() };
+    let mesh =
+        Mesh { node_labels: (1..=10).collect(), positions, elements: vec![element], ..Mesh::default() };
+    let structure = Structure::new(mesh, Material::new(1.0, 0.3, 1.0).unwrap());
+    let assembled = structure.assemble().unwrap();
+    let error = assembled.modes(Limit::Stuck, 30).unwrap_err().to_string();
+    assert!(error.contains("modes") && error.contains(';'), "{error}");
 }

@@ -182,3 +182,31 @@ fn mid_edge_nodes_come_in_the_order_of_the_shape() {
         assert_eq!(file.mesh.positions[element.nodes[6 + k]], middle((*a, *b)), "edge {k}");
     }
 }
+
+/// Tabs stand for blanks up to the next of eight columns, and INCLUDE for the lines of another file.
+#[test]
+fn tabs_and_included_files_are_read() {
+    let tabs = "GRID\t1\t\t0.\t0.\t0.\nGRID\t2\t\t1.\nGRID\t3\t\t\t1.\nGRID\t4\t\t\t\t1.\nCTETRA\t9\t7\t1\t2\t3\t4\n";
+    let expected = [[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
+    assert_eq!(bulk(tabs).unwrap().mesh.positions, expected);
+    let folder = std::env::temp_dir().join(format!("iwan-nastran-include-{}", std::process::id()));
+    std::fs::create_dir_all(&folder).unwrap();
+    let write = |name: &str, text: &str| std::fs::write(folder.join(name), text).unwrap();
+    write("grids.bdf", &tabs.lines().take(4).map(|line| format!("{line}\n")).collect::<Vec<_>>().concat());
+    write("main.bdf", "BEGIN BULK\nINCLUDE 'grids.bdf'\nCTETRA,9,7,1,2,3,4\nPSHELL,1,2,.1\nENDDATA\n");
+    let read = iwan_fem::mesh::read(folder.join("main.bdf")).unwrap();
+    assert_eq!(read.mesh.positions, expected);
+    write("grids.bdf", "GRID,1,,x\n");
+    let error = iwan_fem::mesh::read(folder.join("main.bdf")).unwrap_err().to_string();
+    assert!(error.contains("line 1 of") && error.contains("grids.bdf"), "{error}");
+    std::fs::remove_dir_all(&folder).unwrap();
+    let error = bulk("INCLUDE 'grids.bdf'\n").unwrap_err();
+    assert!(error.contains("INCLUDE, another file, cannot be read"), "{error}");
+}
+
+/// A fluid is no solid.
+#[test]
+fn fluid_properties_are_refused() {
+    let text = TETRAHEDRON.replace("PSOLID         7       8", "PSOLID,7,8,,,,,PFLUID");
+    assert!(bulk(&text).unwrap_err().contains("PSOLID 7, a fluid, cannot be read"));
+}

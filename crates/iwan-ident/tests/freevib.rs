@@ -47,6 +47,14 @@ fn a_hardening_spring_has_its_backbone_and_a_constant_damping_coefficient() {
         let at = e.at(t).unwrap();
         (at.damping_ratio * TAU * at.frequency, at.frequency, at.amplitude)
     };
+    // SciPy (tests/peers/decays.py): Feldman's equations on the solution by DOP853, time, natural frequency, damping coefficient.
+    for (t, natural, other) in [(0.2, 41.30978, 4.0036), (0.3, 40.60306, 3.9995)] {
+        let (damping, frequency, _) = coefficient(&found, t);
+        assert!(
+            (frequency / natural - 1.0).abs() < 2e-3 && (damping / other - 1.0).abs() < 0.02,
+            "{frequency} {damping}"
+        );
+    }
     let first = found.trusted.0.max(plain.trusted.0);
     for t in [first + 0.01, first + 0.03, first + 0.05] {
         let (damping, frequency, amplitude) = coefficient(&found, t);

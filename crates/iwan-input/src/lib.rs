@@ -18,12 +18,17 @@ mod modal_test;
 mod structure;
 pub mod scenario;
 
+// From a structure to coupled modes.
+mod coupled;
+
+pub use coupled::CoupledScenario;
 pub use error::InputError;
 pub use modal_test::{ChannelEntry, ModalTable, PointEntry, Role};
 pub use section::{Document, Section, TableKind, TablePlace, known, nearest, plain};
 pub use structure::{
-    BUILT_IN_STRUCTURES, Load, Output, RunError, STRUCTURE_SCHEMA, StructureFile, StructureTask,
-    built_in_structure, is_structure,
+    BUILT_IN_STRUCTURES, Load, MatrixFormat, Output, ReducedFolder, RunError, STRUCTURE_SCHEMA,
+    StructureFile, StructureLaw, StructureTask, built_in_structure, is_structure, matrix_file_names,
+    matrix_files,
 };
 pub use text::InputText;
 pub use written_law::{LAWS, WrittenLaw};

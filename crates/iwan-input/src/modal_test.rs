@@ -1,4 +1,4 @@
-//! The table of a modal test: which channel of which file measures what, at which point, in which direction; and where the points are.
+//! The table of a modal test: which channel of which file measures what, at which point, in which direction; where the points are, and lines between them.
 
 use std::path::Path;
 
@@ -50,6 +50,8 @@ pub struct ModalTable {
     pub channels: Vec<ChannelEntry>,
     /// Points with positions.
     pub points: Vec<PointEntry>,
+    /// Lines of a drawing, from point to point.
+    pub lines: Vec<Vec<String>>,
 }
 
 impl ModalTable {
@@ -67,7 +69,7 @@ impl ModalTable {
     /// [`InputError`] with file, line, key and remedy.
     pub fn parse(source: &InputText) -> Result<Self, InputError> {
         let document = source.document("paper-modal")?;
-        let top = Section::new(source, "the file", document.top(), &["channel", "point"])?;
+        let top = Section::new(source, "the file", document.top(), &["channel", "point", "line"])?;
         let mut table = Self::default();
         for (n, place) in top.tables("channel")?.into_iter().enumerate() {
             let known = ["name", "file", "point", "direction", "role", "scale"];
@@ -101,6 +103,15 @@ impl ModalTable {
             };
             table.points.push(PointEntry { name: section.text("name")?, position });
         }
+        for (n, place) in top.tables("line")?.into_iter().enumerate() {
+            let section = Section::new(source, format!("line {}", n + 1), place, &["points"])?;
+            let points = section.texts("points")?;
+            if let Some(unknown) = points.iter().find(|p| table.points.iter().all(|own| own.name != **p)) {
+                let message = format!("there is no point \"{unknown}\"");
+                return Err(section.failure("points", &message, "give it a [[point]] with its position"));
+            }
+            table.lines.push(points);
+        }
         Ok(table)
     }
 
@@ -131,6 +142,7 @@ mod tests {
         );
         assert!(refused("[[point]]\nname = \"a\"\nposition = [1, 2]").contains("2 numbers"));
         assert!(refused("[[channel]]\nname = \"a\"\nscale = 0").contains("scale = 0"));
+        assert!(refused("[[line]]\npoints = [\"a\", \"b\"]").contains("no point \"a\""));
     }
 
     #[test]

@@ -1,5 +1,6 @@
 //! The text of an input file with its name, for messages that say where.
 
+use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 
 use crate::error::InputError;
@@ -77,6 +78,23 @@ impl InputText {
         let start = before.rfind('\n').map_or(0, |n| n + 1);
         (before.matches('\n').count() + 1, before[start..].chars().count() + 1)
     }
+}
+
+/// A basic string of TOML.
+pub(crate) fn quoted(text: &str) -> String {
+    let mut out = String::from("\"");
+    for c in text.chars() {
+        match c {
+            '"' => out.push_str("\\\""),
+            '\\' => out.push_str("\\\\"),
+            c if c.is_control() => {
+                let _ = write!(out, "\\u{:04X}", u32::from(c));
+            }
+            c => out.push(c),
+        }
+    }
+    out.push('"');
+    out
 }
 
 #[cfg(test)]

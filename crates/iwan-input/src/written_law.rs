@@ -64,8 +64,30 @@ impl WrittenLaw {
         })
     }
 
+    /// So many joints of this law side by side: stiffness and slip force times `count` at the same slips.
+    #[must_use]
+    pub fn times(&self, count: f64) -> Self {
+        match self {
+            Self::FourParameter { k_t, f_s, chi, beta } => {
+                Self::FourParameter { k_t: count * k_t, f_s: count * f_s, chi: *chi, beta: *beta }
+            }
+            Self::Jenkins { k_t, f_s } => Self::Jenkins { k_t: count * k_t, f_s: count * f_s },
+            Self::Uniform { k_t, f_s, width } => {
+                Self::Uniform { k_t: count * k_t, f_s: count * f_s, width: *width }
+            }
+            Self::Tabulated { strength, density, dirac } => Self::Tabulated {
+                strength: strength.clone(),
+                density: density.iter().map(|rho| count * rho).collect(),
+                dirac: count * dirac,
+            },
+        }
+    }
+
     /// The joint law.
-    fn law(&self) -> Result<JointLaw, Error> {
+    ///
+    /// # Errors
+    /// [`Error`] with the name of the parameter that is out of range.
+    pub fn law(&self) -> Result<JointLaw, Error> {
         match self {
             Self::FourParameter { k_t, f_s, chi, beta } => {
                 FourParameter::new(*k_t, *f_s, *chi, *beta).map(JointLaw::FourParameter)

@@ -203,3 +203,24 @@ fn what_does_not_fit_is_refused_with_place_and_remedy() {
     }
     assert!(Path::new(&folder.0).exists());
 }
+
+/// A damping that gives energy back, or of another size, is refused; one that fits is read.
+#[test]
+fn a_damping_that_cannot_be_one_is_refused() {
+    let folder = Folder::new("damping");
+    files(&folder);
+    folder.write("c.mtx", &matrix_market(&mass()));
+    folder.write("negative.mtx", &matrix_market(&mass()).replace("3 3 1.25", "3 3 -1.25"));
+    folder.write("rectangle.mtx", "%%MatrixMarket matrix coordinate real general\n8 7 1\n1 1 1\n");
+    let with = |file: &str| folder.load(&format!("{MATRICES}damping = '{file}'\n{REST}"));
+    let structure = with("c.mtx").unwrap().structure;
+    assert_eq!(structure.given.unwrap().damping.unwrap().diagonal_entry(2), 1.25);
+    for (file, expected) in [
+        ("negative.mtx", "negative.mtx: row 3 (node 2 component 1) of the damping has -1.25 on its diagonal"),
+        ("rectangle.mtx", "the damping has 8 rows and 7 columns"),
+        ("none.mtx", "none.mtx: cannot be read"),
+    ] {
+        let error = with(file).unwrap_err();
+        assert!(error.contains(expected) && error.contains("structure.toml"), "{error}\n{expected}");
+    }
+}

@@ -42,5 +42,7 @@ pub use record::{Record, RecordError};
 pub use table::{Table, TableError};
 pub use text::{Columns, parse_table, read_table};
 pub use time_unit::{TimeUnit, UnknownTimeUnit};
-pub use uff::{NodalDirection, UffFunction, functions as uff_functions, write as write_uff};
+pub use uff::{
+    NodalDirection, UffFunction, UffModel, functions as uff_functions, model as uff_model, write as write_uff,
+};
 pub use warning::Warning;

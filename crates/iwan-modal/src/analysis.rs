@@ -4,10 +4,10 @@ use std::f64::consts::TAU;
 
 use crate::error::{Error, check};
 use crate::fit::{Band, Fitted, pruned};
-use crate::measure::Freedom;
-use crate::modes::{Mode, Scale, modes};
+use crate::measure::{Channel, Freedom};
+use crate::modes::{Drive, Mode, Scale, modes};
 use crate::number::{Complex, complex};
-use crate::poles::{Isolation, Stabilisation, chart, isolation};
+use crate::poles::{Isolation, Stabilisation, chart, isolation, subspace};
 use crate::responses::FrequencyResponses;
 
 /// Without a band, lines count up to where the hammer's force falls below this part of its largest value: 30 dB, where common hammers leave
@@ -32,6 +32,9 @@ pub enum Analysis {
     Isolation,
     /// Poles near these frequencies (Hz), and no others.
     Given(Vec<f64>),
+    /// These poles to begin with (1/s, upper half plane), as of another method or program, such as [`subspace`](crate::poles::subspace); those
+    /// that the responses do not need are left out.
+    From(Vec<nalgebra::Complex<f64>>),
 }
 
 /// Modes with all that led to them.
@@ -45,6 +48,8 @@ pub struct ModalFit {
     pub names: Vec<String>,
     /// What the shapes are scaled by.
     pub scale: Scale,
+    /// Where the hammer hits; none where no response was measured there.
+    pub drive: Option<Drive>,
     /// Edges of the band, Hz.
     pub band: (f64, f64),
     /// The stabilisation chart; none where another way was chosen.
@@ -71,6 +76,43 @@ impl ModalFit {
                 phases.len()
             )
         })
+    }
+
+    /// Mass-normalised shape of a mode at the hammer, along its force; none without a drive point.
+    #[must_use]
+    pub fn shape_at_force(&self, mode: &Mode) -> Option<f64> {
+        self.drive.map(|d| d.sign * mode.real_shape[d.freedom])
+    }
+
+    /// The standard deviations of the shapes with that of the sensors' gains in them, `spread` relative (0.01 for 1 %). An error e of a sensor's
+    /// gain goes into the shape there, and an error e of the drive point's sensor, or of the hammer, as -e/2 into all of a mass-normalised shape:
+    /// its scale is the root of the response at the drive point. Nothing in responses to one point of force tells such errors.
+    ///
+    /// # Errors
+    /// [`Error::OutOfRange`] for a spread that is negative or not below 1.
+    pub fn with_calibration(mut self, spread: f64) -> Result<Self, Error> {
+        let remedy = "give the standard deviation of the sensors' gains, 0.01 for 1 %";
+        check(
+            "spread of calibrations",
+            spread,
+            (0.0..1.0).contains(&spread),
+            "0 or more and below 1",
+            remedy,
+        )?;
+        let (scale, drive) = (self.scale, self.drive);
+        for mode in &mut self.modes {
+            let largest = mode.real_shape.iter().map(|x| x.abs()).fold(0.0, f64::max);
+            for (i, (value, sd)) in mode.real_shape.iter().zip(&mut mode.shape_sd).enumerate() {
+                let parts = match (scale, drive) {
+                    (Scale::DrivePoint, Some(d)) if d.roving_hammer || d.freedom == i => 0.5,
+                    (Scale::DrivePoint, _) => 1.25_f64.sqrt(),
+                    (Scale::LargestIsOne, _) if value.abs() == largest => 0.0,
+                    (Scale::LargestIsOne, _) => 2.0_f64.sqrt(),
+                };
+                *sd = sd.hypot(parts * spread * value);
+            }
+        }
+        Ok(self)
     }
 }
 
@@ -105,6 +147,7 @@ pub fn modal_fit(
             steps = Some(alone);
             found
         }
+        Analysis::From(poles) => pruned(&band, poles)?,
         Analysis::Given(frequencies) => Fitted::new(&band, &given(&band, frequencies)?)?,
     };
     let (low, high) = band.edges();
@@ -123,11 +166,42 @@ pub fn modal_fit(
         freedoms: shapes.freedoms,
         names: shapes.names,
         scale: shapes.scale,
+        drive: shapes.drive,
         band: (low, high),
         stabilisation,
         isolation: steps,
         fitted,
     })
+}
+
+/// Finds the modes of free decays, each a set of channels sampled together every `dt` seconds, by [`subspace`]: in `band` (Hz), or up to 0.8 of the
+/// Nyquist frequency, by realizations up to `order`. `responses` are the [`free_responses`](crate::responses::free_responses) of the same decays,
+/// which poles and shapes are fitted to.
+///
+/// # Errors
+/// As [`subspace`] and [`modal_fit`].
+///
+/// ```
+/// use iwan_modal::measure::{Channel, Freedom, Motion};
+/// let decay = (0..4096).map(|n| (-2e-4 * n as f64).exp() * (0.25 * n as f64).cos()).collect();
+/// let decays = [vec![Channel { name: "tip".into(), freedom: Freedom::point("tip"), samples: decay }]];
+/// let responses = iwan_modal::responses::free_responses(&decays, 1e-3, Motion::Acceleration)?;
+/// let fit = iwan_modal::modal_fit_by_subspaces(&responses, &decays, 1e-3, Some((20.0, 80.0)), 12)?;
+/// assert!((fit.modes[0].pole.im - 250.0).abs() < 1e-6);
+/// # Ok::<(), iwan_modal::Error>(())
+/// ```
+pub fn modal_fit_by_subspaces(
+    responses: &FrequencyResponses,
+    decays: &[Vec<Channel>],
+    dt: f64,
+    band: Option<(f64, f64)>,
+    order: usize,
+) -> Result<ModalFit, Error> {
+    let edges = band.unwrap_or_else(|| automatic_band(responses));
+    let chart = subspace(decays, dt, edges, order)?;
+    let poles = chart.candidates.iter().map(|c| c.pole).collect();
+    let fit = modal_fit(responses, Some(edges), &Analysis::From(poles), order)?;
+    Ok(ModalFit { stabilisation: Some(chart), ..fit })
 }
 
 /// From ten cycles in a record up to where the force has fallen.

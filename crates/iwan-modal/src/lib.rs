@@ -27,10 +27,18 @@ pub mod modes;
 // All of it in one call.
 mod analysis;
 
+// The scale of shapes where a mode is not linear.
+mod begin;
+
+// On how many threads.
+mod threads;
+
 // From when on a decay is linear.
 mod zeroed;
 
-pub use analysis::{Analysis, ModalFit, modal_fit};
+pub use analysis::{Analysis, ModalFit, modal_fit, modal_fit_by_subspaces};
+pub use begin::early_decay;
 pub use error::Error;
 pub use nalgebra::Complex;
+pub use threads::on_threads;
 pub use zeroed::{LinearFrom, Zeroed, ZeroedSpectrum, zeroed};

@@ -5,8 +5,7 @@ use std::f64::consts::TAU;
 
 use crate::analysis::{Analysis, modal_fit};
 use crate::error::{Error, check};
-use crate::fit::Band;
-use crate::fit::Linear;
+use crate::fit::{Band, Fitted, Linear};
 use crate::measure::{Channel, Motion};
 use crate::number::Complex;
 use crate::responses::{FrequencyResponses, free_responses};
@@ -22,6 +21,10 @@ const LINES: f64 = 3.0;
 /// A decay is linear from where the model, carried backwards, keeps within this part of the mode's spectrum for good. A judgement: by that much
 /// noise of 30 dB and a neighbour in the band disturb it.
 const WITHIN: f64 = 0.05;
+
+/// Poles this many sums of their decays apart are two modes, nearer ones two halves of one peak. Two modes of one damping that are 1.5 half-power
+/// bandwidths apart have 1.5. A judgement.
+const APART: f64 = 1.25;
 
 /// The spectrum of a record whose samples before a time are zero.
 #[derive(Debug, Clone, PartialEq)]
@@ -74,12 +77,19 @@ pub fn zeroed(x: &[f64], dt: f64, band: (f64, f64)) -> Result<Zeroed, Error> {
     let late = responses(&x[start..], dt)?;
     let order = 30.min(late.lines() / 4);
     let fit = modal_fit(&late, Some(band), &Analysis::Chart, order)?;
-    let poles: Vec<Complex> = fit.modes.iter().map(|m| m.pole).collect();
-    let amplitudes: Vec<Complex> = {
-        let band = Band::new(&late, band)?;
-        let linear = Linear::new(&band, &poles, false)?;
-        (0..poles.len()).map(|p| linear.residue(p, 0)).collect()
-    };
+    let mut poles: Vec<Complex> = fit.modes.iter().map(|m| m.pole).collect();
+    let band = Band::new(&late, band)?;
+    let mut linear = Linear::new(&band, &poles, false)?;
+    // A single channel has no shapes by which two halves of a peak that is not linear yet could be told from two modes.
+    loop {
+        let apart = one_for_each_peak(&poles, &linear);
+        if apart.len() == poles.len() {
+            break;
+        }
+        poles = Fitted::new(&band, &apart)?.poles;
+        linear = Linear::new(&band, &poles, false)?;
+    }
+    let amplitudes: Vec<Complex> = (0..poles.len()).map(|p| linear.residue(p, 0)).collect();
     let mut modes: Vec<LinearFrom> = poles
         .iter()
         .map(|p| LinearFrom { pole: *p, misfit: Vec::new(), time: None, amplitude: None })
@@ -105,6 +115,15 @@ pub fn zeroed(x: &[f64], dt: f64, band: (f64, f64)) -> Result<Zeroed, Error> {
         }
     }
     Ok(Zeroed { spectra, modes })
+}
+
+/// Of poles nearer than that the one of the higher peak.
+fn one_for_each_peak(poles: &[Complex], linear: &Linear) -> Vec<Complex> {
+    let height = |p: usize| linear.residue(p, 0).norm() / poles[p].re.abs();
+    let near = |p: usize, q: usize| (poles[p] - poles[q]).norm() < APART * (poles[p].re + poles[q].re).abs();
+    let higher = |p: usize, q: usize| height(q) > height(p) || height(q) == height(p) && q < p;
+    let stays = |p: &usize| (0..poles.len()).all(|q| q == *p || !near(*p, q) || !higher(*p, q));
+    (0..poles.len()).filter(stays).map(|p| poles[p]).collect()
 }
 
 fn responses(x: &[f64], dt: f64) -> Result<FrequencyResponses, Error> {

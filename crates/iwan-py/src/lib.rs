@@ -39,6 +39,8 @@ mod _native {
     #[pymodule_export]
     use crate::records::record::{_read_bytes, _record, Record, read_record};
     #[pymodule_export]
+    use crate::ring_down::coupled::_simulate_coupled;
+    #[pymodule_export]
     use crate::ring_down::ensemble::_ensemble;
     #[pymodule_export]
     use crate::ring_down::response::{_response, Response};
@@ -54,6 +56,8 @@ mod _native {
     use crate::structures::static_curves::_quasi_static;
     #[pymodule_export]
     use crate::structures::structure::{_built_in_structure, _load_structure, _structure, Structure};
+    #[pymodule_export]
+    use crate::structures::written::{_write_matrices, _write_reduced};
     #[pymodule_export]
     use crate::study::_reproduce;
     #[pymodule_export]

@@ -2,7 +2,7 @@
 
 use iwan_modal::measure::{Channel, Freedom, Hit, Motion, faults};
 use iwan_modal::responses::{Estimator, FrequencyResponses, Windows, free_responses, frequency_responses};
-use iwan_modal::{Analysis, Error, ModalFit, modal_fit};
+use iwan_modal::{Analysis, Error, ModalFit, early_decay, modal_fit, modal_fit_by_subspaces};
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyList};
 
@@ -43,12 +43,26 @@ pub(crate) fn _modal_fit<'py>(
     let motion = choose("quantity", &request.quantity, &motions)?;
     let estimators = [("h1", Estimator::H1), ("h2", Estimator::H2), ("hv", Estimator::Hv)];
     let estimator = choose("estimator", &request.estimator, &estimators)?;
-    let ways = [("chart", Analysis::Chart), ("isolation", Analysis::Isolation)];
+    let ways = [
+        ("chart", Analysis::Chart),
+        ("isolation", Analysis::Isolation),
+        // Their poles come from the samples, not from the responses.
+        ("subspace", Analysis::Chart),
+    ];
+    let subspaces = request.poles.is_none() && request.method == "subspace";
+    if subspaces && forces.is_some() {
+        return Err(value("method = \"subspace\" is for free decays: give force = None"));
+    }
     let way = match request.poles.clone() {
         Some(poles) => Analysis::Given(poles),
         None => {
             ways.iter().find(|(name, _)| *name == request.method).map(|(_, way)| way.clone()).ok_or_else(
-                || value(format!("method = \"{}\" must be \"chart\" or \"isolation\"", request.method)),
+                || {
+                    value(format!(
+                        "method = \"{}\" must be \"chart\", \"isolation\" or \"subspace\"",
+                        request.method
+                    ))
+                },
             )?
         }
     };
@@ -67,7 +81,18 @@ pub(crate) fn _modal_fit<'py>(
             }
             None => free_responses(&channels, dt, motion)?,
         };
-        let fit = modal_fit(&responses, band, &way, order)?;
+        let fit = if subspaces {
+            modal_fit_by_subspaces(&responses, &channels, dt, band, order)?
+        } else {
+            modal_fit(&responses, band, &way, order)?
+        };
+        let fit = match &hits {
+            Some(hits) if decay == 0.0 => {
+                let windows = Windows { decay: early_decay(&responses), whole_force: false };
+                fit.scaled_at_begin(&frequency_responses(hits, motion, estimator, windows)?)?
+            }
+            _ => fit,
+        };
         Ok((responses, fit))
     })?;
     let (responses, fit) = found.map_err(|e| told_error(&e))?;

@@ -47,6 +47,8 @@ def test_free_decays_need_no_force():
     fit = iwan.modal_fit(None, motion, 1 / RATE, quantity="displacement", band=(50, 250), order=20)
     assert not fit.mass_normalised
     assert [mode.frequency for mode in fit.modes] == pytest.approx([90.0, 170.0], rel=1e-5)
+    other = iwan.modal_fit(None, motion, 1 / RATE, quantity="displacement", band=(50, 250), order=20, method="subspace")
+    assert [mode.frequency for mode in other.modes] == pytest.approx([mode.frequency for mode in fit.modes], rel=1e-9)
 
 
 def test_what_does_not_go_together_is_refused():
@@ -55,6 +57,8 @@ def test_what_does_not_go_together_is_refused():
         iwan.modal_fit([force, force], motion, 1 / RATE)
     with pytest.raises(iwan.InvalidValueError, match="3 channels"):
         iwan.modal_fit(force, motion, 1 / RATE, names=["a"])
+    with pytest.raises(iwan.InvalidValueError, match="free decays"):
+        iwan.modal_fit(force, motion, 1 / RATE, method="subspace")
     with pytest.raises(iwan.InvalidValueError, match="quantity"):
         iwan.modal_fit(force, motion, 1 / RATE, quantity="force")
     with pytest.raises(iwan.InvalidValueError, match="method"):

@@ -240,3 +240,32 @@ def test_ctrl_c_ends_a_transient():
     time.sleep(1.5)
     os.kill(process.pid, signal.SIGINT)
     assert process.communicate(timeout=60)[0] == "interrupted\n"
+
+
+def test_a_reduced_model_opens_again_with_the_same_bits(beam, tmp_path):
+    beam.write_reduced(tmp_path / "r", modes=30)
+    again = iwan.Structure.load(tmp_path / "r")
+    once = beam.simulate(force=BLOW, dt=1e-5, duration=0.005, basis=30, quality=False)
+    for structure in (again, pickle.loads(pickle.dumps(again))):
+        response = structure.simulate(force=BLOW, dt=1e-5, duration=0.005, quality=False)
+        assert response.basis == 30
+        np.testing.assert_array_equal(response.acceleration["bending 1"], once.acceleration["bending 1"])
+        np.testing.assert_array_equal(response.acceleration["tip"], once.acceleration["tip"])
+    with pytest.raises(OSError, match="force"):
+        beam.write_reduced(tmp_path / "r", modes=30)
+
+
+def test_matrices_are_those_of_the_modes(beam, tmp_path):
+    sparse = pytest.importorskip("scipy.sparse")
+    names = beam.write_matrices(tmp_path / "m", format="npz")
+    assert "mass.npz" in names
+    stiffness, mass, displacements = (
+        sparse.load_npz(tmp_path / "m" / f"{name}.npz") for name in ("stuck_stiffness", "mass", "displacements")
+    )
+    assert stiffness.shape == mass.shape == (displacements.shape[1],) * 2
+    assert displacements.shape[0] == beam.nodes.size
+    # A rigid displacement along x, in the unknowns, by least squares: its mass is that of the structure.
+    rigid = sparse.linalg.lsqr(displacements.tocsr(), np.tile([1.0, 0.0, 0.0], len(beam.nodes)), atol=1e-14, btol=1e-14)[0]
+    assert rigid @ (mass @ rigid) == pytest.approx(beam.modes(1).total_mass, rel=1e-6)
+    with pytest.raises(iwan.InvalidValueError, match="format"):
+        beam.write_matrices(tmp_path / "n", format="csv")

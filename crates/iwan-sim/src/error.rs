@@ -14,6 +14,14 @@ pub enum SimulationError {
         /// What is wrong with it.
         source: Box<SimulationError>,
     },
+    /// A parameter of a joint that modes share.
+    #[error("joint \"{joint}\": {source}")]
+    Joint {
+        /// Name of the joint.
+        joint: String,
+        /// What is wrong with it.
+        source: Box<SimulationError>,
+    },
     /// The numbers overflowed: from this time on the response is not finite.
     #[error("the response is not finite from t = {time} s on: check units, amplitude and time step")]
     NotFinite {

@@ -27,9 +27,13 @@ mod force_history;
 mod simulate;
 mod ensemble;
 
+// Modes that share joints, in time.
+mod coupled;
+
 // Steady vibration by harmonic balance: no time steps, no start values.
 mod steady;
 
+pub use coupled::{CoupledResponse, JointHistory, SharedJoint, check_coupled, simulate_coupled};
 pub use curves::Curves;
 pub use cycles::{Cycle, Extreme, cycles, extremes};
 pub use ensemble::{Ensemble, Figures, History, MemberError, Outcome};

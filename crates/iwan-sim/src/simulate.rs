@@ -90,7 +90,7 @@ fn in_mode(mode: &Mode, error: SimulationError) -> SimulationError {
 }
 
 /// Refuses what cannot be sampled or would never end.
-fn check_scales(mode: &Mode, force: &Pulse<'_>, settings: &Settings) -> Result<(), Error> {
+pub(crate) fn check_scales(mode: &Mode, force: &Pulse<'_>, settings: &Settings) -> Result<(), Error> {
     /// Cycles of a run: at one sample a cycle a billion fill 32 GB, and methods that go from cycle to cycle take a
     /// minute for them. More is a slip of the pen, refused by name. The number stands in the message.
     const MOST_CYCLES: f64 = 1e9;

@@ -26,8 +26,7 @@ pub(super) fn trace(
     session: &Session,
 ) -> Result<Vec<Traced>, Failure> {
     let bar = session.bar("modes");
-    let linear =
-        Linear::observed(on.source, on.file, iwan_fem::NamedModes::LOOKED_UP, &|share| bar.report(share))?;
+    let linear = Linear::computed(on.source, on.file, iwan_fem::NamedModes::LOOKED_UP, &bar)?;
     drop(bar);
     let steady = Steady::new(&linear, on.model, on.at.as_deref(), on.damping_ratio)?;
     let chosen = linear.chosen(&args.modes).map_err(|error| linear.failed(&error))?;

@@ -32,9 +32,8 @@ const IWAN: &str = "iwan";
 
 /// Runs the command.
 pub(crate) fn run(mut args: FitArgs) -> Result<(), Failure> {
-    if let Some(folder) = args.modal.take() {
-        over_from_modal(&mut args, &folder)?;
-    }
+    let folder = args.modal.take();
+    let measured = folder.map(|folder| over_from_modal(&mut args, &folder)).transpose()?;
     let args = &args;
     let recordings = records::read_all(&args.fit, &args.records)?;
     let [curves, response] = ["curves", "response"].map(|stem| args.format.file(stem));
@@ -45,6 +44,13 @@ pub(crate) fn run(mut args: FitArgs) -> Result<(), Failure> {
     }
 
     let wanted = records::modes(&recordings, &args.records)?;
+    let numbers: Vec<usize> = wanted.iter().map(|mode| mode.number).collect();
+    let placed = |mut scenario: Scenario| {
+        if let Some(measured) = &measured {
+            measured.place(&mut scenario, &numbers);
+        }
+        scenario
+    };
     let identified = identify_all(&recordings, wanted, args, &session)?;
     let (unit, quantity) = (recordings[0].record.unit(), recordings[0].quantity);
     let units = Units::new(unit, quantity, args.records.mass_normalised());
@@ -53,7 +59,7 @@ pub(crate) fn run(mut args: FitArgs) -> Result<(), Failure> {
         summary.modes.iter_mut().for_each(|mode| mode.law = Some(law.clone()));
     }
     let asked = args.law.clone().filter(|law| law != IWAN);
-    let scenario = as_scenario(&identified, &summary.title(), |_| asked.clone())?;
+    let scenario = placed(as_scenario(&identified, &summary.title(), |_| asked.clone())?);
     let toml = to_toml(&scenario, "");
 
     session.columns(&curves, &curve_columns(&identified), args.format)?;
@@ -61,7 +67,7 @@ pub(crate) fn run(mut args: FitArgs) -> Result<(), Failure> {
     session.summary(WHOLE, &summary)?;
     session.summary(SUMMARY, &summary.without_curves())?;
     session.file(SCENARIO, toml.as_bytes())?;
-    write_others(&mut session, &identified, &summary)?;
+    write_others(&mut session, &identified, &summary, &placed)?;
     session.page(&render(&Reported {
         identified: &identified,
         summary: &summary,
@@ -76,17 +82,18 @@ fn write_others(
     session: &mut Session,
     identified: &[Identified],
     summary: &FitSummary,
+    placed: &dyn Fn(Scenario) -> Scenario,
 ) -> Result<(), Failure> {
     let chosen = |i: &Identified| {
         let name = i.found.laws.as_ref().ok().map(|laws| laws.chosen().law.name.to_string());
         name.filter(|name| name != IWAN)
     };
     if identified.iter().any(|i| chosen(i).is_some()) {
-        let scenario = as_scenario(identified, &summary.title(), chosen)?;
+        let scenario = placed(as_scenario(identified, &summary.title(), chosen)?);
         session.file(LAW, to_toml(&scenario, "").as_bytes())?;
     }
     if identified.iter().all(|i| i.found.laws.is_ok()) {
-        let scenario = as_scenario(identified, &summary.title(), |_| Some(BY_CURVES.to_string()))?;
+        let scenario = placed(as_scenario(identified, &summary.title(), |_| Some(BY_CURVES.to_string()))?);
         session.file(CURVES, to_toml(&scenario, "").as_bytes())?;
     }
     Ok(())

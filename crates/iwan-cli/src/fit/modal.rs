@@ -1,7 +1,10 @@
-//! What `iwan modal` found goes over to the fit: records, channels, shapes and what the sensors measure.
+//! What `iwan modal` found goes over to the fit: records, channels, shapes and what the sensors measure; and from there to the scenario: the
+//! shapes at the hammer and at all measured points.
 
 use std::path::{Path, PathBuf};
 
+use iwan_input::scenario::Scenario;
+use iwan_sim::Point;
 use serde_json::Value;
 
 use super::args::FitArgs;
@@ -9,8 +12,45 @@ use crate::failure::Failure;
 use crate::modal::{MODAL, SHAPES};
 use crate::records::Motion;
 
-/// Fills in what the user left open.
-pub(super) fn over_from_modal(args: &mut FitArgs, folder: &Path) -> Result<(), Failure> {
+/// Mass-normalised shapes, one for each mode that `iwan modal` found.
+pub(super) struct MeasuredShapes(Vec<MeasuredShape>);
+
+struct MeasuredShape {
+    at_force: Option<f64>,
+    points: Vec<Point>,
+}
+
+impl MeasuredShapes {
+    fn of(summary: &Value) -> Option<Self> {
+        let mode = |mode: &Value| {
+            let point =
+                |(name, value): (&String, &Value)| Some(Point { name: name.clone(), shape: value.as_f64()? });
+            let points = mode["shape"].as_object()?.iter().map(point).collect::<Option<Vec<Point>>>()?;
+            Some(MeasuredShape { at_force: mode["shape_at_force"].as_f64(), points })
+        };
+        summary["modes"].as_array()?.iter().map(mode).collect::<Option<_>>().map(Self)
+    }
+
+    /// Puts the shapes into a scenario's modes; `numbers` are those of the scenario's modes among the measured ones, counted from 0.
+    pub(super) fn place(&self, scenario: &mut Scenario, numbers: &[usize]) {
+        let names: Vec<String> = scenario.modes.iter().map(|m| m.mode.name.clone()).collect();
+        for (mode, number) in scenario.modes.iter_mut().zip(numbers) {
+            let Some(measured) = self.0.get(*number) else { continue };
+            if let Some(shape) = measured.at_force {
+                mode.mode.shape_at_force = shape;
+            }
+            // A point may not be called as a mode is.
+            let own = |p: &Point| {
+                let name = if names.contains(&p.name) { format!("point {}", p.name) } else { p.name.clone() };
+                Point { name, shape: p.shape }
+            };
+            mode.mode.outputs = measured.points.iter().map(own).collect();
+        }
+    }
+}
+
+/// Fills in what the user left open; returns the shapes.
+pub(super) fn over_from_modal(args: &mut FitArgs, folder: &Path) -> Result<MeasuredShapes, Failure> {
     let path = folder.join(MODAL);
     let name = path.display().to_string();
     let wrong =
@@ -43,5 +83,5 @@ pub(super) fn over_from_modal(args: &mut FitArgs, folder: &Path) -> Result<(), F
             _ => Some(Motion::Acceleration),
         };
     }
-    Ok(())
+    MeasuredShapes::of(&summary).ok_or_else(|| wrong("has no shapes under `modes`"))
 }

@@ -41,6 +41,7 @@ pub(crate) fn as_scenario(
     Ok(Scenario {
         title: Some(title.into()),
         modes,
+        joints: Vec::new(),
         structure: None,
         force: Force::Formula("none", Pulse::None),
         settings: Settings { method, ..settings },

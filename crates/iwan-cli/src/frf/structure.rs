@@ -24,7 +24,7 @@ pub(super) fn respond(
     let (source, file) = on.load()?;
     let mut notes = file.notes.clone();
     let bar = session.bar("modes");
-    let linear = Linear::observed(source, file, iwan_fem::NamedModes::LOOKED_UP, &|share| bar.report(share))?;
+    let linear = Linear::computed(source, file, iwan_fem::NamedModes::LOOKED_UP, &bar)?;
     drop(bar);
     let steady = Steady::new(&linear, on.model, table.at.as_deref(), table.damping_ratio.unwrap_or(0.0))?;
     let busy = session.busy("balancing harmonics");

@@ -5,7 +5,7 @@ use iwan_modal::modes::mac;
 use iwan_modal::responses::{
     Estimator, FiniteRecord, FrequencyResponses, Function, Windows, free_responses, frequency_responses,
 };
-use iwan_modal::{Analysis, ModalFit, modal_fit};
+use iwan_modal::{Analysis, ModalFit, early_decay, modal_fit, modal_fit_by_subspaces, on_threads};
 
 use super::args::{EstimatorChoice, ModalArgs, WayChoice};
 use super::hits::{Test, nodal};
@@ -19,27 +19,33 @@ pub(super) struct Level {
     pub(super) hits: Vec<String>,
     pub(super) responses: FrequencyResponses,
     pub(super) fit: ModalFit,
+    /// From poles that another way found, and its name.
+    pub(super) other: Option<(&'static str, ModalFit)>,
 }
 
-/// All levels, the softest first.
+/// All levels, the softest first, on the threads that were asked for.
 pub(super) fn analyse(test: &Test, args: &ModalArgs) -> Result<Vec<Level>, Failure> {
-    let failed = |e: iwan_modal::Error| Failure::said("modal analysis", &e);
-    let way = match (args.poles.is_empty(), args.method) {
-        (false, _) => Analysis::Given(args.poles.clone()),
-        (true, WayChoice::Chart) => Analysis::Chart,
-        (true, WayChoice::Isolation) => Analysis::Isolation,
-    };
-    let level = |force, hits, responses: FrequencyResponses| {
-        let order = args.order.get().min(responses.lines() / 4);
-        let fit = modal_fit(&responses, args.band, &way, order).map_err(failed)?;
-        Ok(Level { force, hits, responses, fit })
-    };
+    on_threads(args.common.thread_count(), || levels_of(test, args)).map_err(|e| failed(&e))?
+}
+
+fn failed(error: &iwan_modal::Error) -> Failure {
+    Failure::said("modal analysis", error)
+}
+
+fn levels_of(test: &Test, args: &ModalArgs) -> Result<Vec<Level>, Failure> {
     if !test.decays.is_empty() {
         let names = test.decays.iter().map(|d| d.0.clone()).collect();
-        return Ok(vec![level(0.0, names, free(test)?)?]);
+        return free(test, args).map(|mut level| {
+            level.hits = names;
+            vec![level]
+        });
+    }
+    if args.method == WayChoice::Subspace {
+        let remedy = "use it with --free, or take the chart or isolation";
+        return Err(Failure::input("--method subspace is for free decays without a force", remedy));
     }
     if test.hits.is_empty() {
-        return Ok(vec![level(0.0, Vec::new(), measured(test, args)?)?]);
+        return Ok(vec![fitted(measured(test, args)?, args)?]);
     }
     let used: Vec<&Hit> = test.hits.iter().filter(|h| !h.left_out).map(|h| &h.hit).collect();
     let peaks: Vec<f64> = used.iter().map(|h| h.peak_force()).collect();
@@ -51,15 +57,63 @@ pub(super) fn analyse(test: &Test, args: &ModalArgs) -> Result<Vec<Level>, Failu
     };
     let one = |members: &Vec<usize>| {
         let hits: Vec<Hit> = members.iter().map(|i| used[*i].clone()).collect();
-        let force = members.iter().map(|i| peaks[*i]).sum::<f64>() / members.len() as f64;
-        let responses = frequency_responses(&hits, test.motion, estimator, windows).map_err(failed)?;
-        level(force, hits.iter().map(|h| h.name.clone()).collect(), responses)
+        let responses =
+            frequency_responses(&hits, test.motion, estimator, windows).map_err(|e| failed(&e))?;
+        let mut level = fitted(responses, args)?;
+        if args.exponential.is_none() {
+            let decay = early_decay(&level.responses);
+            let early = frequency_responses(&hits, test.motion, estimator, Windows { decay, ..windows });
+            level.fit = early.and_then(|early| level.fit.scaled_at_begin(&early)).map_err(|e| failed(&e))?;
+        }
+        level.force = members.iter().map(|i| peaks[*i]).sum::<f64>() / members.len() as f64;
+        level.hits = hits.iter().map(|h| h.name.clone()).collect();
+        Ok(level)
     };
     levels(&peaks).iter().map(one).collect()
 }
 
+/// The modes of responses by the way that was asked for, and by another.
+fn fitted(responses: FrequencyResponses, args: &ModalArgs) -> Result<Level, Failure> {
+    let (way, name, other) = match (args.poles.is_empty(), args.method) {
+        (false, _) => (Analysis::Given(args.poles.clone()), "chart", Analysis::Chart),
+        (true, WayChoice::Isolation) => (Analysis::Isolation, "chart", Analysis::Chart),
+        (true, _) => (Analysis::Chart, "isolation", Analysis::Isolation),
+    };
+    let fit = by(&responses, args, &way)?;
+    let other = args.compare.then(|| by(&responses, args, &other).map(|fit| (name, fit))).transpose()?;
+    Ok(Level { force: 0.0, hits: Vec::new(), responses, fit, other })
+}
+
+fn by(responses: &FrequencyResponses, args: &ModalArgs, way: &Analysis) -> Result<ModalFit, Failure> {
+    let order = args.order.get().min(responses.lines() / 4);
+    let fit = modal_fit(responses, args.band, way, order).map_err(|e| failed(&e))?;
+    let spread = args.calibration.map_or(0.0, |percent| 0.01 * percent);
+    fit.with_calibration(spread).map_err(|e| failed(&e))
+}
+
 /// Free decays of all files, cut to the shortest.
-fn free(test: &Test) -> Result<FrequencyResponses, Failure> {
+fn free(test: &Test, args: &ModalArgs) -> Result<Level, Failure> {
+    let (decays, dt) = decays(test)?;
+    let said = |e: iwan_modal::Error| Failure::said("free decays", &e);
+    let responses = free_responses(&decays, dt, test.motion).map_err(said)?;
+    let subspaces = args.method == WayChoice::Subspace;
+    if !(args.poles.is_empty() && (subspaces || args.compare)) {
+        return fitted(responses, args);
+    }
+    let order = args.order.get().min(responses.lines() / 4);
+    let fit = modal_fit_by_subspaces(&responses, &decays, dt, args.band, order).map_err(said)?;
+    if subspaces {
+        let other = args.compare.then(|| by(&responses, args, &Analysis::Chart)).transpose()?;
+        let other = other.map(|fit| ("chart", fit));
+        return Ok(Level { force: 0.0, hits: Vec::new(), responses, fit, other });
+    }
+    let mut level = fitted(responses, args)?;
+    level.other = Some(("subspace", fit));
+    Ok(level)
+}
+
+/// The channels of all files, and their interval.
+fn decays(test: &Test) -> Result<(Vec<Vec<Channel>>, f64), Failure> {
     let (first, dt, _) = &test.decays[0];
     let lengths = test.decays.iter().flat_map(|d| &d.2).map(|c| c.samples.len());
     let shortest = lengths.min().unwrap_or(0);
@@ -72,7 +126,7 @@ fn free(test: &Test) -> Result<FrequencyResponses, Failure> {
         let cut = |c: &Channel| Channel { samples: c.samples[..shortest].to_vec(), ..c.clone() };
         decays.push(channels.iter().map(cut).collect());
     }
-    free_responses(&decays, *dt, test.motion).map_err(|e| Failure::said("free decays", &e))
+    Ok((decays, *dt))
 }
 
 /// Intervals of functions may differ by this part, two units of the fifth and last digit that an ASCII header has.
@@ -134,16 +188,27 @@ fn measured(test: &Test, args: &ModalArgs) -> Result<FrequencyResponses, Failure
     })
 }
 
-/// For each mode of `a` the modal assurance criterion with the mode of `b` that is most like it in its neighbourhood, and its index.
+/// For each mode of `a` the modal assurance criterion with the mode of `b` that is most like it in its neighbourhood, and its index. Points that
+/// only one of both has do not count.
 pub(super) fn partners(a: &ModalFit, b: &ModalFit) -> Vec<Option<(usize, f64)>> {
     let near = |f: f64, g: f64| (g / f - 1.0).abs() < NEIGHBOURHOOD;
     let partner = |mode: &iwan_modal::modes::Mode| {
         let candidates =
             b.modes.iter().enumerate().filter(|(_, other)| near(mode.frequency, other.frequency));
-        let alike = candidates.map(|(i, other)| (i, mac(&mode.shape, &other.shape)));
+        let alike = candidates.map(|(i, _)| (i, alike(a, mode, b, i)));
         alike.max_by(|x, y| x.1.total_cmp(&y.1))
     };
     a.modes.iter().map(partner).collect()
+}
+
+/// Modal assurance criterion of a mode of `a` and mode `i` of `b` at the freedoms of both.
+pub(super) fn alike(a: &ModalFit, mode: &iwan_modal::modes::Mode, b: &ModalFit, i: usize) -> f64 {
+    let common = a.freedoms.iter().zip(&mode.shape).filter_map(|(freedom, x)| {
+        let place = b.freedoms.iter().position(|f| f == freedom)?;
+        Some((*x, b.modes[i].shape[place]))
+    });
+    let (x, y): (Vec<_>, Vec<_>) = common.unzip();
+    mac(&x, &y)
 }
 
 /// A mode of a bolted structure moves less than this part of its frequency from level to level. A judgement: the paper's moves by 2 %.

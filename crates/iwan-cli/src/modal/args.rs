@@ -17,6 +17,7 @@ use crate::session::Place;
 /// responses together. Writes modal.json, frf.csv, shapes.csv (for `iwan fit --shapes`), shapes.uff and report.html into one folder.
 #[derive(Debug, Args)]
 #[command(after_help = MODAL_EXAMPLES)]
+#[allow(clippy::struct_excessive_bools, reason = "each is a switch of its own on the command line")]
 pub(crate) struct ModalArgs {
     /// Files with hits, or with frequency responses
     #[arg(value_name = "FILES", required = true, value_hint = ValueHint::FilePath)]
@@ -39,7 +40,8 @@ pub(crate) struct ModalArgs {
     /// Where the hammer hits, POINT or POINT:DIRECTION as in 54:-z [default: what file or table say]
     #[arg(long, value_name = "POINT", value_parser = freedom)]
     pub(crate) at: Option<Freedom>,
-    /// Table (TOML) of channels with points, directions and roles, and of points with positions
+    /// Table (TOML) of channels with points, directions and roles, and of points with positions; or a universal file with points (dataset 15 or
+    /// 2411) and lines (82 or 2412)
     #[arg(long, value_name = "FILE", value_hint = ValueHint::FilePath)]
     pub(crate) points: Option<PathBuf>,
     /// Name of the time vector
@@ -72,9 +74,15 @@ pub(crate) struct ModalArgs {
     /// Band in Hz [default: from ten cycles in a record to where the force has fallen by 30 dB]
     #[arg(long, value_name = "LOW:HIGH", value_parser = band)]
     pub(crate) band: Option<(f64, f64)>,
-    /// How poles are looked for: a stabilisation chart, or one mode after another
+    /// How poles are looked for: a stabilisation chart, one mode after another, or with --free by subspaces of the samples
     #[arg(long, value_enum, default_value_t = WayChoice::Chart)]
     pub(crate) method: WayChoice,
+    /// Look for the poles by another way as well, and set both beside each other
+    #[arg(long)]
+    pub(crate) compare: bool,
+    /// Spread (standard deviation) of the sensors' calibrations in %, which then counts in the standard deviations of the shapes
+    #[arg(long, value_name = "PERCENT", value_parser = positive)]
+    pub(crate) calibration: Option<f64>,
     /// Highest order of the stabilisation chart
     #[arg(long, value_name = "N", default_value = "60")]
     pub(crate) order: NonZeroUsize,
@@ -103,6 +111,8 @@ pub(crate) enum WayChoice {
     Chart,
     /// Mode isolation alone
     Isolation,
+    /// Subspaces of free decays, with --free
+    Subspace,
 }
 
 const MODAL_EXAMPLES: &str = "\
@@ -112,6 +122,7 @@ Examples:
   iwan modal rove*.mat --points points.toml           which file and channel is which point, from a table
   iwan modal frf.uff --band 50:900                    frequency responses that were measured elsewhere
   iwan modal decay.csv --free --from 0.1              free decays without a force
+  iwan modal decay.csv --free --method subspace       the same by subspaces
   iwan modal hits.uff --method isolation --order 40   mode isolation instead of the stabilisation chart
   iwan fit --modal modal                              on to the joints' parameters, mode by mode
 
@@ -124,7 +135,9 @@ Table of points (TOML):
   role = \"response\"        # response, force or none
   [[point]]
   name = \"12\"
-  position = [0.1, 0.0, 0.5]";
+  position = [0.1, 0.0, 0.5]
+  [[line]]
+  points = [\"12\", \"13\"]   # optional: lines of the drawings";
 
 impl ModalArgs {
     /// Where results go.

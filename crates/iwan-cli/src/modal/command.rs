@@ -4,6 +4,7 @@ use super::analysis::analyse;
 use super::args::ModalArgs;
 use super::files::{frf_columns, shape_columns, universal};
 use super::hits::Test;
+use super::linearity::hardest;
 use super::report::render;
 use super::summary::ModalSummary;
 use crate::args::Format;
@@ -27,11 +28,12 @@ pub(crate) fn run(args: &ModalArgs) -> Result<(), Failure> {
         let message = format!("--level {}: there are {} levels of force", args.level, levels.len());
         return Err(Failure::input(message, "choose one of them, the softest is 1"));
     };
-    let summary = ModalSummary::new(&test, &levels, chosen, args);
+    let decay = hardest(&test, level.fit.band);
+    let summary = ModalSummary::new(&test, &levels, chosen, decay.as_ref(), args);
     session.columns(RESPONSES, &frf_columns(level), Format::Csv)?;
     session.columns(SHAPES, &shape_columns(&level.fit), Format::Csv)?;
     session.file(UNIVERSAL, universal(&test, level).as_bytes())?;
     session.summary(MODAL, &summary)?;
-    session.page(&render(&test, level, &summary))?;
+    session.page(&render(&test, &levels, level, decay.as_ref(), &summary))?;
     session.finish(&summary)
 }

@@ -1,8 +1,11 @@
-//! Figures of a modal analysis: composite response with fit, drive point, coherence, stabilisation chart.
+//! Figures of a modal analysis: composite response with fit, drive point, coherence, stabilisation chart, zeroed spectra, shapes of
+//! levels beside each other.
 
-use super::analysis::Level;
+use super::analysis::{Level, alike};
+use super::linearity::Decay;
 use crate::page::decimate::thin;
 use crate::page::figure::{Axis, Figure, Layer, Mark, colour};
+use crate::page::heat::HeatMap;
 
 /// Points of a curve, at most: nearly two for each unit of the plane, so that a narrow peak is not lost.
 const CURVE: usize = 1200;
@@ -115,4 +118,77 @@ pub(super) fn chart(level: &Level) -> Option<Figure> {
         ],
         marker: None,
     })
+}
+
+/// Zeroed spectra that are drawn: a fan of more cannot be told apart.
+const FAN: usize = 7;
+
+/// Spectra of the hardest hit with its begin left out, more and more of it.
+pub(super) fn fan(decay: &Decay, (low, high): (f64, f64)) -> Figure {
+    let colours = [
+        colour::VERMILLION,
+        colour::ORANGE,
+        colour::PURPLE,
+        colour::GREEN,
+        colour::BLUE,
+        "#08305e",
+        colour::GREY,
+    ];
+    let spectra = &decay.zeroed.spectra;
+    let layer = |(n, own): (usize, &'static str)| {
+        let spectrum = &spectra[n * (spectra.len() - 1) / (FAN - 1)];
+        let lines = spectrum.magnitude.iter().enumerate().map(|(k, m)| (k as f64 * spectrum.step, *m));
+        let inside: Points = lines.filter(|(f, m)| (low..=high).contains(f) && *m > 0.0).collect();
+        Layer::new(Mark::Line, own, crests(&inside))
+            .named(format!("from {:.3} s", decay.start + spectrum.time))
+    };
+    Figure {
+        title: "Zeroed early-time spectra".into(),
+        caption: format!(
+            "{}: what is left when the record's begin is zero. A linear mode only sinks; one whose peak moves is not linear yet.",
+            decay.place
+        ),
+        x: Axis::linear("frequency", "Hz"),
+        y: Axis::log("spectrum", ""),
+        layers: (0..FAN).zip(colours).map(layer).collect(),
+        marker: None,
+    }
+}
+
+/// How far the linear model of the late decay, carried backwards, is off each mode.
+pub(super) fn misfits(decay: &Decay) -> Figure {
+    let colours =
+        [colour::BLUE, colour::VERMILLION, colour::GREEN, colour::PURPLE, colour::ORANGE, colour::GREY];
+    let layer = |(mode, own): (&iwan_modal::LinearFrom, &&'static str)| {
+        let points =
+            decay.zeroed.spectra.iter().zip(&mode.misfit).map(|(s, m)| (decay.start + s.time, 100.0 * m));
+        let name = format!("{:.2} Hz", mode.pole.norm() / std::f64::consts::TAU);
+        Layer::new(Mark::Line, own, points.collect()).named(name)
+    };
+    Figure {
+        title: "From when on is it linear?".into(),
+        caption: "Distance of each mode's zeroed spectrum from the linear model of the late half: within 5 % for good, it is linear.".into(),
+        x: Axis::linear("zeroed until", "s"),
+        y: Axis::log("distance", "%"),
+        layers: decay.zeroed.modes.iter().zip(colours.iter().cycle()).map(layer).collect(),
+        marker: None,
+    }
+}
+
+/// Modal assurance criteria of the reported modes (across) with those of another level (up).
+pub(super) fn criteria(level: &Level, other: &Level, name: &str) -> HeatMap {
+    let (a, b) = (&level.fit, &other.fit);
+    let column = |m: &iwan_modal::modes::Mode| (0..b.modes.len()).map(|i| alike(a, m, b, i)).collect();
+    let span = |count: usize| (0.5, count as f64 + 0.5);
+    HeatMap {
+        title: format!("MAC with {name}"),
+        caption: "Shapes of the reported modes (across) beside those of the other level: dark where they are the same.".into(),
+        x: Axis::linear("mode", ""),
+        y: Axis::linear("mode of the other level", ""),
+        across: span(a.modes.len()),
+        up: span(b.modes.len()),
+        values: a.modes.iter().map(column).collect(),
+        band: None,
+        ends: ("0".into(), "1".into()),
+    }
 }

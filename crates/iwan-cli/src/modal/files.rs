@@ -2,10 +2,11 @@
 
 use std::collections::BTreeMap;
 
-use iwan_io::write_uff::{NodalMode, Node, functions, modes, nodes};
+use iwan_io::write_uff::{ModalScale, NodalMode, Node, functions, lines, modes, nodes};
 use iwan_io::{NodalDirection, Quantity, UffFunction};
 use iwan_modal::ModalFit;
 use iwan_modal::measure::{Freedom, Motion};
+use iwan_modal::modes::Scale;
 
 use super::analysis::Level;
 use super::hits::Test;
@@ -47,12 +48,15 @@ pub(super) fn shape_columns(fit: &ModalFit) -> Vec<(String, Vec<f64>)> {
 pub(super) fn universal(test: &Test, level: &Level) -> String {
     let numbers = Numbers::new(&level.fit);
     let positions: Vec<Node> = test
-        .table
+        .geometry
         .points
         .iter()
         .filter_map(|p| Some(Node { number: numbers.get(&p.name)?, position: p.position }))
         .collect();
     let mut text = if positions.is_empty() { String::new() } else { nodes(&positions) };
+    let drawn = |[a, b]: &[String; 2]| Some(vec![numbers.get(a)?, numbers.get(b)?]);
+    text += &lines(&test.geometry.edges.iter().filter_map(drawn).collect::<Vec<_>>());
+    let scaled = level.fit.scale == Scale::DrivePoint;
     let mode = |m: &iwan_modal::modes::Mode| {
         let mut values: BTreeMap<i64, [[f64; 2]; 3]> = BTreeMap::new();
         for (freedom, value) in level.fit.freedoms.iter().zip(&m.shape) {
@@ -68,7 +72,9 @@ pub(super) fn universal(test: &Test, level: &Level) -> String {
             }
         }
         let (frequency, damping_ratio, pole) = (m.frequency, m.damping_ratio, [m.pole.re, m.pole.im]);
-        NodalMode { frequency, damping_ratio, pole, values: values.into_iter().collect() }
+        // The shapes' own scale: receptances are φ φᵀ/(2i ω_d (s - λ)).
+        let scale = if scaled { ModalScale::A([0.0, 2.0 * m.pole.im]) } else { ModalScale::Unknown };
+        NodalMode { frequency, damping_ratio, pole, scale, values: values.into_iter().collect() }
     };
     text += &modes(&level.fit.modes.iter().map(mode).collect::<Vec<_>>());
     text + &functions(&responses(level, &numbers))

@@ -7,6 +7,7 @@ use iwan_io::{MeasuredChannel, Measurement, NodalDirection, Quantity, ReadOption
 use iwan_modal::measure::{Channel, Direction, Freedom, Hit, Motion as Sensed, cut, faults};
 
 use super::args::ModalArgs;
+use super::geometry::{Geometry, is_universal};
 use crate::failure::Failure;
 use crate::records::Motion;
 
@@ -29,6 +30,7 @@ pub(super) struct Test {
     pub(super) functions: Vec<UffFunction>,
     pub(super) motion: Sensed,
     pub(super) table: ModalTable,
+    pub(super) geometry: Geometry,
     pub(super) warnings: Vec<String>,
 }
 
@@ -38,23 +40,31 @@ const HAMMERS: [&str; 4] = ["force", "hammer", "impact", "load"];
 impl Test {
     /// Reads all files.
     pub(super) fn read(args: &ModalArgs) -> Result<Self, Failure> {
-        let table = match &args.points {
-            Some(path) => ModalTable::parse(&InputText::read(path, "table of points", "paper-modal")?)?,
-            None => ModalTable::default(),
-        };
+        let mut warnings = Vec::new();
+        let (mut table, mut geometry) = (ModalTable::default(), Geometry::default());
+        if let Some(path) = &args.points {
+            if let Some(bytes) = std::fs::read(path).ok().filter(|bytes| is_universal(bytes)) {
+                warnings = geometry.add(path, &bytes)?;
+            } else {
+                table = ModalTable::parse(&InputText::read(path, "table of points", "paper-modal")?)?;
+                geometry = Geometry::of_table(&table);
+            }
+        }
         let mut test = Self {
             hits: Vec::new(),
             decays: Vec::new(),
             functions: Vec::new(),
             motion: args.quantity.map_or(Sensed::Acceleration, sensed),
             table,
-            warnings: Vec::new(),
+            geometry,
+            warnings,
         };
         let mut quantities = Vec::new();
         for path in &args.files {
             test.add(path, args, &mut quantities)?;
         }
         test.settle_motion(args, &quantities)?;
+        test.look_for_entries(args)?;
         if !test.hits.is_empty() && !test.functions.is_empty() {
             let message = "some files hold hits, others frequency responses".to_string();
             return Err(Failure::input(message, "give either of them"));
@@ -73,6 +83,9 @@ impl Test {
         let options = ReadOptions { time: args.time.clone(), rate: args.rate, ..ReadOptions::default() };
         let read = iwan_io::read_modal_test(path, &options).map_err(|e| Failure::said(&name, &e))?;
         self.warnings.extend(read.warnings.iter().map(|w| format!("{name}: {w}")));
+        if let Some(bytes) = std::fs::read(path).ok().filter(|bytes| is_universal(bytes)) {
+            self.warnings.extend(self.geometry.add(path, &bytes)?);
+        }
         let several = read.measurements.len() > 1;
         for (n, measurement) in read.measurements.into_iter().enumerate() {
             let place = if several { format!("{name}, record {}", n + 1) } else { name.clone() };
@@ -231,6 +244,38 @@ impl Test {
             None => self.warnings.push(
                 "the files do not say what the sensors measure: taken as acceleration; --quantity says otherwise".into(),
             ),
+        }
+        Ok(())
+    }
+
+    /// Entries of the table that no file has: a point that is missing, or a name that is wrong.
+    fn look_for_entries(&self, args: &ModalArgs) -> Result<(), Failure> {
+        let Some(place) = &args.points else { return Ok(()) };
+        let channels = || {
+            let hits = self.hits.iter().flat_map(|h| {
+                std::iter::once(&h.hit.force)
+                    .chain(&h.hit.responses)
+                    .map(move |c| (h.file.as_str(), c.name.as_str()))
+            });
+            hits.chain(
+                self.decays.iter().flat_map(|d| d.2.iter().map(move |c| (d.0.as_str(), c.name.as_str()))),
+            )
+        };
+        for entry in self.table.channels.iter().filter(|e| e.role != Role::None) {
+            let here = |file: &str| entry.file.as_ref().is_none_or(|own| Path::new(file).ends_with(own));
+            let force_of_decays = entry.role == Role::Force && self.hits.is_empty();
+            if force_of_decays || channels().any(|(file, name)| name == entry.name && here(file)) {
+                continue;
+            }
+            let file = entry.file.as_deref().unwrap_or("all files");
+            let message = format!(
+                "{}: point {} is missing: no channel \"{}\" in {file}",
+                place.display(),
+                entry.point,
+                entry.name
+            );
+            let remedy = "check the names of file and channel, give the file, or take the entry out";
+            return Err(Failure::input(message, remedy));
         }
         Ok(())
     }

@@ -1,8 +1,11 @@
 //! `iwan modal`: hits of a hammer to frequency responses, mode shapes and modal records.
 
 mod args;
+mod geometry;
 mod hits;
 mod analysis;
+mod agreement;
+mod linearity;
 mod summary;
 mod files;
 mod figures;

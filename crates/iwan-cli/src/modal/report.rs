@@ -3,18 +3,26 @@
 use maud::{Markup, html};
 
 use super::analysis::Level;
-use super::figures::{chart, coherence, composite, response};
+use super::figures::{chart, coherence, composite, criteria, fan, misfits, response};
 use super::hits::Test;
+use super::linearity::Decay;
 use super::shape_picture::draw;
-use super::summary::ModalSummary;
+use super::summary::{ModalSummary, OtherSummary};
 use crate::page::html::{grid, page, warnings};
 use crate::page::numbers::short;
 use crate::session::VERSION;
 
 /// The page.
-pub(super) fn render(test: &Test, level: &Level, summary: &ModalSummary) -> String {
+pub(super) fn render(
+    test: &Test,
+    levels: &[Level],
+    level: &Level,
+    decay: Option<&Decay>,
+    summary: &ModalSummary,
+) -> String {
     let figures = [Some(composite(level)), Some(response(level)), chart(level), coherence(level)];
     let figures: Vec<_> = figures.into_iter().flatten().collect();
+    let zeroed: Vec<_> = decay.iter().flat_map(|d| [fan(d, summary.band.into()), misfits(d)]).collect();
     let body = html! {
         h1 { "Modes from hits" }
         p.about {
@@ -22,7 +30,7 @@ pub(super) fn render(test: &Test, level: &Level, summary: &ModalSummary) -> Stri
             " Hz, shapes at " (summary.channels.len()) " channels. Written by iwan " (VERSION) "."
         }
         (warnings(&summary.warnings))
-        nav { a href="#modes" { "Modes" } a href="#responses" { "Responses" } a href="#shapes" { "Shapes" } a href="#levels" { "Levels" } }
+        nav { a href="#modes" { "Modes" } a href="#responses" { "Responses" } a href="#shapes" { "Shapes" } a href="#levels" { "Levels" } @if !zeroed.is_empty() { a href="#linear" { "Linear from when on" } } }
         h2 id="modes" { "Modes" }
         p { "\u{b1} is one standard deviation from the scatter of hits and from what the fit leaves; spread of calibrations is not in it. MPC: 1 for a real shape." }
         (table(summary))
@@ -30,10 +38,15 @@ pub(super) fn render(test: &Test, level: &Level, summary: &ModalSummary) -> Stri
         (grid(&figures))
         h2 id="shapes" { "Shapes" }
         div.figures { @for m in &level.fit.modes {
-            (draw(&test.table, &level.fit.freedoms, &m.real_shape, &format!("{:.3} Hz, {:.4} %", m.frequency, 100.0 * m.damping_ratio)))
+            (draw(&test.geometry, &level.fit.freedoms, &m.real_shape, &format!("{:.3} Hz, {:.4} %", m.frequency, 100.0 * m.damping_ratio)))
         } }
         h2 id="levels" { "Levels of force" }
-        (levels(summary))
+        (by_level(summary))
+        div.figures { @for (n, other) in levels.iter().enumerate().filter(|(n, _)| n + 1 != summary.level) {
+            (criteria(level, other, &format!("level {}", n + 1)).draw())
+        } }
+        @if let Some(other) = &summary.other { h2 { "By " (other.method) } (by_other(summary, other)) }
+        @if !zeroed.is_empty() { h2 id="linear" { "Linear from when on" } (grid(&zeroed)) (linear(summary)) }
         @if !summary.hits.is_empty() { h2 { "Hits" } (hits(summary)) }
     };
     page("iwan modal", &body)
@@ -56,7 +69,7 @@ fn table(summary: &ModalSummary) -> Markup {
 }
 
 /// Frequencies and damping level by level: what moves is not linear.
-fn levels(summary: &ModalSummary) -> Markup {
+fn by_level(summary: &ModalSummary) -> Markup {
     html! {
         div.wide { table {
             thead { tr { th { "mode" } @for l in &summary.levels { th { "force " (short(l.force)) ": Hz" } th { "%" } th { "MAC" } } } }
@@ -69,6 +82,39 @@ fn levels(summary: &ModalSummary) -> Markup {
             } } }
         } }
     }
+}
+
+/// Both ways to the poles, mode by mode.
+fn by_other(summary: &ModalSummary, other: &OtherSummary) -> Markup {
+    html! {
+        p { (other.found) " modes by " (other.method) ", " (summary.modes.len()) " reported." }
+        div.wide { table {
+            thead { tr { th { "mode" } th { "frequency, Hz" } th { (other.method) ", Hz" } th { "damping, %" } th { (other.method) ", %" } th { "MAC" } } }
+            tbody { @for (n, (own, m)) in summary.modes.iter().zip(&other.modes).enumerate() { tr {
+                th { (n + 1) }
+                td { (format!("{:.5}", own.frequency)) }
+                td { (m.as_ref().map_or("\u{2013}".into(), |m| format!("{:.5}", m.frequency))) }
+                td { (format!("{:.5}", 100.0 * own.damping_ratio)) }
+                td { (m.as_ref().map_or("\u{2013}".into(), |m| format!("{:.5}", 100.0 * m.damping_ratio))) }
+                td { (m.as_ref().map_or("\u{2013}".into(), |m| format!("{:.4}", m.mac))) }
+            } } }
+        } }
+    }
+}
+
+/// Mode by mode the time and amplitude from which the decay is linear.
+fn linear(summary: &ModalSummary) -> Markup {
+    html! { @if let Some(found) = &summary.linear_from {
+        div.wide { table {
+            thead { tr { th { "late decay, Hz" } th { "%" } th { "linear from, s" } th { "amplitude" } } }
+            tbody { @for m in &found.modes { tr {
+                td { (format!("{:.4}", m.frequency)) }
+                td { (format!("{:.4}", 100.0 * m.damping_ratio)) }
+                td { (m.time.map_or("not before the late half".into(), |t| format!("{t:.4}"))) }
+                td { (m.amplitude.map_or(String::new(), short)) }
+            } } }
+        } }
+    } }
 }
 
 fn hits(summary: &ModalSummary) -> Markup {

@@ -2,47 +2,66 @@
 
 use std::fmt::Write;
 
-use iwan_input::ModalTable;
 use iwan_modal::measure::Freedom;
 use maud::{Markup, PreEscaped, html};
+
+use super::geometry::Geometry;
 
 /// Size of the drawing.
 const SIZE: (f64, f64) = (560.0, 220.0);
 /// Largest displacement over the smaller side of the drawing: a shape is seen, and the structure recognised.
 const EXAGGERATION: f64 = 0.18;
-/// Length of a cycle in the browser, s: slow enough to follow with the eye.
-const CYCLE: f64 = 1.6;
+/// Timing of the animation: 1.6 s a cycle, slow enough to follow with the eye, fast in the middle and slow at the ends as a vibration is.
+const TIMING: &str = "dur=\"1.6s\" repeatCount=\"indefinite\" calcMode=\"spline\" keyTimes=\"0;0.5;1\" keySplines=\"0.37 0 0.63 1;0.37 0 0.63 1\"";
+
+/// A point of the drawing: where it stands, and how far it moves.
+struct Drawn {
+    point: String,
+    at: (f64, f64),
+    step: (f64, f64),
+    /// Sign of its largest value.
+    negative: bool,
+}
+
+impl Drawn {
+    /// At an end of its way: `side` 1 or -1.
+    fn end(&self, side: f64) -> (f64, f64) {
+        (self.at.0 + side * self.step.0, self.at.1 + side * self.step.1)
+    }
+}
 
 /// The drawing of real shape values at freedoms.
-pub(super) fn draw(table: &ModalTable, freedoms: &[Freedom], shape: &[f64], title: &str) -> Markup {
-    let places = places(table, freedoms);
-    let (low, high) = places.iter().fold(([f64::INFINITY; 2], [f64::NEG_INFINITY; 2]), |(a, b), p| {
-        ([a[0].min(p[0]), a[1].min(p[1])], [b[0].max(p[0]), b[1].max(p[1])])
-    });
-    let span = [high[0] - low[0], high[1] - low[1]];
-    let room = [SIZE.0 * 0.84, SIZE.1 * 0.5];
-    let scales = [0, 1].map(|i| if span[i] > 0.0 { room[i] / span[i] } else { f64::INFINITY });
-    let scale = scales[0].min(scales[1]);
-    let scale = if scale.is_finite() { scale } else { 1.0 };
-    let largest = shape.iter().map(|x| x.abs()).fold(f64::MIN_POSITIVE, f64::max);
-    let step = EXAGGERATION * SIZE.1 / largest;
+pub(super) fn draw(geometry: &Geometry, freedoms: &[Freedom], shape: &[f64], title: &str) -> Markup {
+    let points = points(geometry, freedoms, shape);
     let mut drawing = String::new();
-    for ((place, freedom), value) in places.iter().zip(freedoms).zip(shape) {
-        let x = 0.5 * SIZE.0 + (place[0] - 0.5 * (low[0] + high[0])) * scale;
-        let y = 0.5 * SIZE.1 - (place[1] - 0.5 * (low[1] + high[1])) * scale;
-        let [dx, dy] = projected(axis(freedom)).map(|c| c * value * step);
-        let (there, back) = ((x + dx, y - dy), (x - dx, y + dy));
-        // Writing to a string cannot fail.
+    let path = |side: f64| -> String {
+        let place = |name: &String| points.iter().find(|p| p.point == *name).map(|p| p.end(side));
+        let line = |[a, b]: &[String; 2]| {
+            let ((x, y), (u, v)) = (place(a)?, place(b)?);
+            Some(format!("M{x:.1} {y:.1}L{u:.1} {v:.1}"))
+        };
+        geometry.edges.iter().filter_map(line).collect()
+    };
+    let (there, back) = (path(1.0), path(-1.0));
+    // Writing to a string cannot fail.
+    if !there.is_empty() {
+        let _ = write!(
+            drawing,
+            "<path d=\"{there}\" stroke=\"#7fb5d6\" fill=\"none\"><animate attributeName=\"d\" values=\"{there};{back};{there}\" {TIMING}/></path>"
+        );
+    }
+    for p in &points {
+        let ((x, y), there, back) = (p.at, p.end(1.0), p.end(-1.0));
         let _ = write!(
             drawing,
             "<line x1=\"{x:.1}\" y1=\"{y:.1}\" x2=\"{:.1}\" y2=\"{:.1}\" stroke=\"#b9c2cc\"/><circle cx=\"{:.1}\" cy=\"{:.1}\" r=\"3\" fill=\"{}\">\
-             <animate attributeName=\"cx\" values=\"{:.1};{:.1};{:.1}\" dur=\"{CYCLE}s\" repeatCount=\"indefinite\" calcMode=\"spline\" keyTimes=\"0;0.5;1\" keySplines=\"0.37 0 0.63 1;0.37 0 0.63 1\"/>\
-             <animate attributeName=\"cy\" values=\"{:.1};{:.1};{:.1}\" dur=\"{CYCLE}s\" repeatCount=\"indefinite\" calcMode=\"spline\" keyTimes=\"0;0.5;1\" keySplines=\"0.37 0 0.63 1;0.37 0 0.63 1\"/></circle>",
+             <animate attributeName=\"cx\" values=\"{:.1};{:.1};{:.1}\" {TIMING}/>\
+             <animate attributeName=\"cy\" values=\"{:.1};{:.1};{:.1}\" {TIMING}/></circle>",
             there.0,
             there.1,
             there.0,
             there.1,
-            if *value < 0.0 { "#D55E00" } else { "#0072B2" },
+            if p.negative { "#D55E00" } else { "#0072B2" },
             there.0,
             back.0,
             there.0,
@@ -59,10 +78,40 @@ pub(super) fn draw(table: &ModalTable, freedoms: &[Freedom], shape: &[f64], titl
     }
 }
 
+/// The points in the drawing's units, each with what all its freedoms move it.
+fn points(geometry: &Geometry, freedoms: &[Freedom], shape: &[f64]) -> Vec<Drawn> {
+    let places = places(geometry, freedoms);
+    let (low, high) = places.iter().fold(([f64::INFINITY; 2], [f64::NEG_INFINITY; 2]), |(a, b), p| {
+        ([a[0].min(p[0]), a[1].min(p[1])], [b[0].max(p[0]), b[1].max(p[1])])
+    });
+    let room = [SIZE.0 * 0.84, SIZE.1 * 0.5];
+    let scales = [0, 1].map(|i| if high[i] > low[i] { room[i] / (high[i] - low[i]) } else { f64::INFINITY });
+    let scale = scales[0].min(scales[1]);
+    let scale = if scale.is_finite() { scale } else { 1.0 };
+    let largest = shape.iter().map(|x| x.abs()).fold(f64::MIN_POSITIVE, f64::max);
+    let step = EXAGGERATION * SIZE.1 / largest;
+    let mut points: Vec<Drawn> = Vec::new();
+    for ((place, freedom), value) in places.iter().zip(freedoms).zip(shape) {
+        let [dx, dy] = projected(axis(freedom)).map(|c| c * value * step);
+        if let Some(known) = points.iter_mut().find(|p| p.point == freedom.point) {
+            known.step = (known.step.0 + dx, known.step.1 - dy);
+            continue;
+        }
+        let x = 0.5 * SIZE.0 + (place[0] - 0.5 * (low[0] + high[0])) * scale;
+        let y = 0.5 * SIZE.1 - (place[1] - 0.5 * (low[1] + high[1])) * scale;
+        points.push(Drawn {
+            point: freedom.point.clone(),
+            at: (x, y),
+            step: (dx, -dy),
+            negative: *value < 0.0,
+        });
+    }
+    points
+}
+
 /// Where the points are drawn: projected positions, or a row in the order of the channels where a position is missing.
-fn places(table: &ModalTable, freedoms: &[Freedom]) -> Vec<[f64; 2]> {
-    let position =
-        |f: &Freedom| table.points.iter().find(|p| p.name == f.point).map(|p| projected(p.position));
+fn places(geometry: &Geometry, freedoms: &[Freedom]) -> Vec<[f64; 2]> {
+    let position = |f: &Freedom| geometry.position(&f.point).map(projected);
     let all: Option<Vec<_>> = freedoms.iter().map(position).collect();
     all.unwrap_or_else(|| (0..freedoms.len()).map(|i| [i as f64, 0.0]).collect())
 }

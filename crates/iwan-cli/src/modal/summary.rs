@@ -2,12 +2,15 @@
 
 use std::fmt::Write;
 
+use iwan_modal::ModalFit;
 use iwan_modal::modes::Scale;
 use serde::Serialize;
 use serde_json::{Map, Value, json};
 
+use super::agreement::doubts;
 use super::analysis::{Level, partners};
 use super::hits::Test;
+use super::linearity::Decay;
 use crate::page::numbers::short;
 use crate::session::Summary;
 
@@ -23,8 +26,42 @@ pub(crate) struct ModeSummary {
     pub(crate) shape_sd: Map<String, Value>,
     /// Complex shape by channel, [re, im].
     pub(crate) complex_shape: Map<String, Value>,
+    /// Real shape at the hammer, along its force; null without a drive point.
+    pub(crate) shape_at_force: Option<f64>,
+    /// Factor by which the shape was stretched to the scale of the decay's begin; null for a linear mode.
+    pub(crate) stretch: Option<f64>,
     pub(crate) phase_collinearity: f64,
     pub(crate) reciprocity: Option<f64>,
+}
+
+/// From when on a mode of the hardest hit is linear, by zeroed spectra.
+#[derive(Debug, Clone, Serialize)]
+pub(crate) struct LinearSummary {
+    /// Of the late half of the decay, Hz.
+    pub(crate) frequency: f64,
+    pub(crate) damping_ratio: f64,
+    /// s from the first sample of the hit; null where the decay is not linear before its late half.
+    pub(crate) time: Option<f64>,
+    /// Amplitude then, in the unit of the channel.
+    pub(crate) amplitude: Option<f64>,
+}
+
+/// The fan of the hardest hit in words and numbers.
+#[derive(Debug, Clone, Serialize)]
+pub(crate) struct LinearitySummary {
+    /// Hit and channel.
+    pub(crate) of: String,
+    pub(crate) modes: Vec<LinearSummary>,
+}
+
+/// What another way to the poles ends in.
+#[derive(Debug, Clone, Serialize)]
+pub(crate) struct OtherSummary {
+    pub(crate) method: &'static str,
+    /// Number of modes that it finds.
+    pub(crate) found: usize,
+    /// One entry for each reported mode; null where the other way has no such mode.
+    pub(crate) modes: Vec<Option<LevelMode>>,
 }
 
 /// Frequency and damping of a mode at another level.
@@ -71,6 +108,9 @@ pub(crate) struct ModalSummary {
     pub(crate) freedoms: Vec<String>,
     pub(crate) modes: Vec<ModeSummary>,
     pub(crate) levels: Vec<LevelSummary>,
+    /// The other way of `--compare`.
+    pub(crate) other: Option<OtherSummary>,
+    pub(crate) linear_from: Option<LinearitySummary>,
     pub(crate) hits: Vec<HitSummary>,
     pub(crate) warnings: Vec<String>,
 }
@@ -81,7 +121,13 @@ const INCOHERENT: f64 = 0.5;
 const STRANGER: f64 = 0.5;
 
 impl ModalSummary {
-    pub(super) fn new(test: &Test, levels: &[Level], chosen: usize, args: &super::args::ModalArgs) -> Self {
+    pub(super) fn new(
+        test: &Test,
+        levels: &[Level],
+        chosen: usize,
+        linearity: Option<&Decay>,
+        args: &super::args::ModalArgs,
+    ) -> Self {
         let fit = &levels[chosen].fit;
         let by_name = |values: &[Value]| fit.names.iter().cloned().zip(values.iter().cloned()).collect();
         let modes = fit.modes.iter().map(|m| ModeSummary {
@@ -92,22 +138,22 @@ impl ModalSummary {
             shape: by_name(&m.real_shape.iter().map(|x| json!(x)).collect::<Vec<_>>()),
             shape_sd: by_name(&m.shape_sd.iter().map(|x| json!(x)).collect::<Vec<_>>()),
             complex_shape: by_name(&m.shape.iter().map(|x| json!([x.re, x.im])).collect::<Vec<_>>()),
+            shape_at_force: fit.shape_at_force(m),
+            stretch: m.stretch,
             phase_collinearity: m.phase_collinearity,
             reciprocity: m.reciprocity,
         });
-        let level = |own: &Level| {
-            let mode = |partner: Option<(usize, f64)>| {
-                let (i, mac) = partner?;
-                let m = &own.fit.modes[i];
-                Some(LevelMode { frequency: m.frequency, damping_ratio: m.damping_ratio, mac })
-            };
-            LevelSummary {
-                force: own.force,
-                hits: own.hits.clone(),
-                misfit: own.fit.fitted.misfit,
-                modes: partners(fit, &own.fit).into_iter().map(mode).collect(),
-            }
+        let level = |own: &Level| LevelSummary {
+            force: own.force,
+            hits: own.hits.clone(),
+            misfit: own.fit.fitted.misfit,
+            modes: beside(fit, &own.fit),
         };
+        let other = levels[chosen].other.as_ref().map(|(method, other)| OtherSummary {
+            method,
+            found: other.modes.len(),
+            modes: beside(fit, other),
+        });
         let path = |p: &std::path::PathBuf| {
             std::path::absolute(p).unwrap_or_else(|_| p.clone()).display().to_string()
         };
@@ -121,10 +167,32 @@ impl ModalSummary {
             freedoms: fit.freedoms.iter().map(ToString::to_string).collect(),
             modes: modes.collect(),
             levels: levels.iter().map(level).collect(),
+            other,
+            linear_from: linearity.map(linear),
             hits: test.hits.iter().map(hit).collect(),
-            warnings: warnings(test, &levels[chosen]),
+            warnings: [warnings(test, &levels[chosen]), doubts(test, levels)].concat(),
         }
     }
+}
+
+/// The modes of another fit that go with those of a fit.
+fn beside(fit: &ModalFit, other: &ModalFit) -> Vec<Option<LevelMode>> {
+    let mode = |partner: Option<(usize, f64)>| {
+        let (i, mac) = partner?;
+        let m = &other.modes[i];
+        Some(LevelMode { frequency: m.frequency, damping_ratio: m.damping_ratio, mac })
+    };
+    partners(fit, other).into_iter().map(mode).collect()
+}
+
+fn linear(decay: &Decay) -> LinearitySummary {
+    let mode = |m: &iwan_modal::LinearFrom| LinearSummary {
+        frequency: m.pole.norm() / std::f64::consts::TAU,
+        damping_ratio: -m.pole.re / m.pole.norm(),
+        time: m.time.map(|t| decay.start + t),
+        amplitude: m.amplitude,
+    };
+    LinearitySummary { of: decay.place.clone(), modes: decay.zeroed.modes.iter().map(mode).collect() }
 }
 
 fn hit(judged: &super::hits::JudgedHit) -> HitSummary {
@@ -142,6 +210,13 @@ fn warnings(test: &Test, level: &Level) -> Vec<String> {
     let fit = &level.fit;
     if fit.scale == Scale::LargestIsOne && test.decays.is_empty() {
         warnings.push("no response was measured where the hammer hits: shapes are not mass-normalised, their largest value is 1; say where it hits with --at POINT".into());
+    }
+    for (m, stretch) in fit.modes.iter().filter_map(|m| Some((m, m.stretch?))) {
+        warnings.push(format!(
+            "the decay at {:.3} Hz is not linear: the scale of its shape is that of the decay's begin, {:.2} % off that of the whole",
+            m.frequency,
+            100.0 * (stretch - 1.0)
+        ));
     }
     let place = |k: usize| {
         let f = &level.responses.functions[k];
@@ -172,8 +247,11 @@ fn warnings(test: &Test, level: &Level) -> Vec<String> {
             ));
         }
     }
-    if let Some(doubt) = fit.drive_point_doubt() {
-        warnings.push(doubt);
+    if let (Some(doubt), Some(drive)) = (fit.drive_point_doubt(), fit.drive) {
+        let at = &fit.freedoms[drive.freedom];
+        let there = |f: &&iwan_modal::responses::Function| f.response.is_at(at) || f.force.is_at(at);
+        let k = level.responses.functions.iter().position(|f| there(&f)).unwrap_or(0);
+        warnings.push(format!("{}: {doubt}", place(k)));
     }
     warnings
 }
@@ -208,6 +286,18 @@ impl Summary for ModalSummary {
                 short(100.0 * m.damping_ratio_sd),
                 m.phase_collinearity
             );
+        }
+        if let Some(other) = &self.other {
+            let _ = writeln!(text, "\nby {} ({} modes):", other.method, other.found);
+            for mode in other.modes.iter().flatten() {
+                let _ = writeln!(
+                    text,
+                    "{:>14.5} Hz{:>12.5} %   MAC {:.4}",
+                    mode.frequency,
+                    100.0 * mode.damping_ratio,
+                    mode.mac
+                );
+            }
         }
         for (n, level) in self.levels.iter().enumerate().filter(|_| self.levels.len() > 1) {
             let _ = writeln!(

@@ -2,7 +2,7 @@
 
 use std::num::NonZeroUsize;
 
-use clap::Args;
+use clap::{Args, ValueEnum};
 
 use crate::args::Common;
 use crate::structures::StructureArgs;
@@ -20,8 +20,26 @@ pub(crate) struct ModesArgs {
     /// Number of elastic modes
     #[arg(long, value_name = "N", default_value = "20")]
     pub(crate) count: NonZeroUsize,
+    /// Also write stiffness (slipping and stuck), mass and the displacements of all nodes in the unknowns, with what each row is
+    #[arg(long, value_name = "FORMAT", num_args = 0..=1, require_equals = true, default_missing_value = "matrix-market")]
+    pub(crate) write_matrices: Option<Written>,
+    /// Also write a reduced model of N modes and the attachment vectors: the folder then opens in place of a structure file, and as
+    /// `[structure] reduced = "DIR"` in scenarios, without a factorisation. At least 40 elastic modes are computed then
+    #[arg(long, value_name = "N")]
+    pub(crate) write_reduced: Option<NonZeroUsize>,
     #[command(flatten)]
     pub(crate) common: Common,
+}
+
+/// Formats of matrices.
+#[derive(Debug, Clone, Copy, ValueEnum)]
+pub(crate) enum Written {
+    /// One text for each matrix (.mtx)
+    MatrixMarket,
+    /// As `scipy.sparse.save_npz` writes them (.npz)
+    Npz,
+    /// MATLAB level 5, all in one file (.mat)
+    Mat,
 }
 
 const MODES_EXAMPLES: &str = "\
@@ -29,4 +47,6 @@ Examples:
   iwan modes                                  the built-in structure: the paper's beam, configuration A
   iwan scenario paper-a > structure.toml      a structure file to start from
   iwan modes structure.toml --out modes       your own: modes/report.html shows the result
+  iwan modes structure.toml --write-matrices=npz --out modes      K, M and their rows for SciPy
+  iwan modes large.toml --write-reduced 60 --out reduced          factored once; `[structure] reduced = \"reduced\"` from then on
   iwan modes --json --quiet | jq '.joint_modes[0].k_t'";

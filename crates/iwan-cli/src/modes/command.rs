@@ -3,15 +3,16 @@
 use std::time::Instant;
 
 use iwan_fem::mesh::vtu::{Field, grid};
+use iwan_input::{InputText, MatrixFormat, ReducedFolder, matrix_file_names, matrix_files};
 
-use super::args::ModesArgs;
+use super::args::{ModesArgs, Written};
 use super::report;
 use super::summary::ModesSummary;
 use crate::args::Format;
 use crate::failure::Failure;
 use crate::session::{PAGE, SUMMARY, Session};
 use crate::structures::Linear;
-use crate::structures::linear::load;
+use crate::structures::linear::{NAMED_MODES, load};
 
 /// Table of the modes.
 const TABLE: &str = "modes.csv";
@@ -22,12 +23,20 @@ const SHAPES: &str = "modes.vtu";
 pub(crate) fn run(args: &ModesArgs) -> Result<(), Failure> {
     let (source, file) = load(&args.structure)?;
     let place = args.structure.place("iwan-modes");
-    let mut session = Session::open(place, &args.common, [TABLE, SHAPES, SUMMARY, PAGE])?;
+    let mut files: Vec<String> = [TABLE, SHAPES, SUMMARY, PAGE].map(String::from).to_vec();
+    let format = args.write_matrices.map(format_of);
+    files.extend(format.into_iter().flat_map(matrix_file_names));
+    if args.write_reduced.is_some() {
+        files.extend(ReducedFolder::FILES.map(String::from));
+    }
+    let mut session = Session::open(place, &args.common, files)?;
     session.notes(&file.notes);
 
     let clock = Instant::now();
     let bar = session.bar("modes");
-    let linear = Linear::observed(source, file, args.count.get(), &|share| bar.report(share))?;
+    let least = if args.write_reduced.is_some() { NAMED_MODES } else { 1 };
+    let count = args.count.get().max(least);
+    let linear = Linear::computed(source.name.clone(), file, count, &bar)?;
     drop(bar);
     let summary = ModesSummary::new(&linear, clock.elapsed().as_secs_f64());
 
@@ -35,7 +44,42 @@ pub(crate) fn run(args: &ModesArgs) -> Result<(), Failure> {
     session.file(SHAPES, &shapes(&linear))?;
     session.summary(SUMMARY, &summary)?;
     session.page(&report::render(&linear, &summary))?;
+    if let Some(format) = format {
+        let written = matrix_files(&linear.assembled, format);
+        for (name, content) in written.map_err(|error| Failure::Computation(error.to_string()))? {
+            session.file(&name, &content)?;
+        }
+    }
+    if let Some(modes) = args.write_reduced {
+        write_reduced(&mut session, &source, &linear, modes.get())?;
+    }
     session.finish(&summary)
+}
+
+fn format_of(written: Written) -> MatrixFormat {
+    match written {
+        Written::MatrixMarket => MatrixFormat::MatrixMarket,
+        Written::Npz => MatrixFormat::Npz,
+        Written::Mat => MatrixFormat::Matlab,
+    }
+}
+
+/// The reduced model, whose folder opens again.
+fn write_reduced(
+    session: &mut Session,
+    source: &InputText,
+    linear: &Linear,
+    modes: usize,
+) -> Result<(), Failure> {
+    let bar = session.bar("reducing");
+    let kept = linear.keep(modes, &|share| bar.report(share)).map_err(|error| linear.failed(&error))?;
+    drop(bar);
+    let folder = ReducedFolder { source, kept: &kept };
+    let [table, text, arrays] = ReducedFolder::FILES;
+    let at = session.folder().to_path_buf();
+    session.file(table, folder.table(&at).as_bytes())?;
+    session.file(text, folder.structure().as_bytes())?;
+    session.written(arrays, |sink| folder.arrays(sink))
 }
 
 /// The mesh with all shapes.

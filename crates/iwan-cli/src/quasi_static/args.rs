@@ -9,7 +9,8 @@ use crate::structures::StructureArgs;
 ///
 /// Loads the structure statically in the shape of a mode, reads the secant frequency and, by Masing's rule, the dissipation
 /// over the modal displacement, and fits a modal Iwan joint to them: what a ring-down test of that mode alone would
-/// find, without any transient. Writes curves.csv, summary.json and report.html (figures) into one folder.
+/// find, without any transient. Writes curves.csv, summary.json, report.html (figures) and coupled.toml (a scenario in which
+/// these modes share their joints, for `iwan simulate`) into one folder.
 #[derive(Debug, Args)]
 #[command(after_help = QUASI_STATIC_EXAMPLES)]
 pub(crate) struct QuasiStaticArgs {

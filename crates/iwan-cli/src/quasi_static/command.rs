@@ -2,7 +2,9 @@
 
 use std::time::Instant;
 
-use iwan_fem::ModalCurves;
+use iwan_fem::{ModalCurves, NamedMode};
+use iwan_input::scenario::to_toml;
+use iwan_input::{CoupledScenario, InputText};
 
 use super::analysis::{Analysed, analyse};
 use super::args::QuasiStaticArgs;
@@ -16,20 +18,36 @@ use crate::structures::linear::{NAMED_MODES, load};
 
 /// Table of the curves.
 const TABLE: &str = "curves.csv";
+
+/// Scenario of the modes that share joints.
+const COUPLED: &str = "coupled.toml";
+
 /// Runs the command.
 pub(crate) fn run(args: &QuasiStaticArgs) -> Result<(), Failure> {
-    let (source, file) = load(&args.structure)?;
+    let (InputText { name: source, .. }, file) = load(&args.structure)?;
     let place = args.structure.place("iwan-quasi-static");
-    let mut session = Session::open(place, &args.common, [TABLE, SUMMARY, PAGE])?;
+    let mut session = Session::open(place, &args.common, [TABLE, SUMMARY, PAGE, COUPLED])?;
     session.notes(&file.notes);
 
     let clock = Instant::now();
     let bar = session.bar("modes");
-    let linear = Linear::observed(source, file, NAMED_MODES, &|share| bar.report(share))?;
+    let linear = Linear::computed(source, file, NAMED_MODES, &bar)?;
     drop(bar);
     let analysed = analyse(&linear, args, &session.bar("static loads"))?;
     let summary = QuasiStaticSummary::new(&linear, &analysed, clock.elapsed().as_secs_f64());
 
+    let modes: Vec<NamedMode> = analysed.iter().map(|a| a.mode.clone()).collect();
+    match linear.file.coupled(&linear, &modes) {
+        Ok(CoupledScenario { scenario, notes }) => {
+            session.notes(&notes);
+            session.file(COUPLED, to_toml(&scenario, "").as_bytes())?;
+        }
+        // The curves stand by themselves.
+        Err(error) => {
+            session.omit(COUPLED);
+            session.notes(&[format!("{}: {} ({})", linear.source, error.message, error.remedy)]);
+        }
+    }
     session.columns(TABLE, &columns(&linear, &analysed), Format::Csv)?;
     session.summary(SUMMARY, &summary)?;
     session.page(&report::render(&linear, &analysed, &summary))?;

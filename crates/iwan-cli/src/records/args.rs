@@ -48,7 +48,7 @@ pub(crate) struct RecordArgs {
     #[arg(long = "mode", value_name = "HZ", value_parser = positive, conflicts_with_all = ["bands", "shapes"])]
     pub(crate) modes: Vec<f64>,
     /// Mass-normalised mode shapes as text: a header of channel names, one row for each mode; a column `frequency` (Hz)
-    /// says where each mode is
+    /// says where each mode is. Or a universal file with datasets 55, whose channels are called by node and direction as in 12:+z
     #[arg(long, value_name = "FILE", value_hint = ValueHint::FilePath)]
     pub(crate) shapes: Option<PathBuf>,
     /// Modal mass behind the record, for records that are not mass-normalised: q = sqrt(mass) x [default: 1]

@@ -34,6 +34,8 @@ pub(crate) struct ModalRecord {
 #[derive(Debug, Clone)]
 pub(crate) struct Wanted {
     pub(crate) name: String,
+    /// Number among the mode shapes, or the bands, counted from 0.
+    pub(crate) number: usize,
     /// How it is taken out of the record: band, or the frequency near which it is.
     pub(crate) options: Options,
     pub(crate) records: Vec<ModalRecord>,
@@ -193,7 +195,7 @@ fn wanted(
     })?;
     let record = |(source, samples)| ModalRecord { source, samples };
     let records = mode.records.into_iter().enumerate().map(record).collect();
-    Ok(Wanted { name: format!("mode {}", n + 1), options, records, notes: mode.notes })
+    Ok(Wanted { name: format!("mode {}", n + 1), number: n, options, records, notes: mode.notes })
 }
 
 impl MethodChoice {

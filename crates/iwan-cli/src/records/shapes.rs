@@ -1,8 +1,10 @@
-//! Mode shapes from a text file.
+//! Mode shapes from a table or a universal file.
 
 use std::path::Path;
 
 use iwan_ident::signal::Options;
+use iwan_io::write_uff::NodalValues;
+use iwan_modal::measure::Freedom;
 
 use crate::failure::Failure;
 
@@ -24,6 +26,11 @@ impl Shapes {
     /// Reads the columns called as the channels; in a file without names they stand in the order of the channels.
     pub(super) fn read(path: &Path, channels: &[String]) -> Result<Self, Failure> {
         let name = path.display().to_string();
+        if let Some(bytes) =
+            std::fs::read(path).ok().filter(|bytes| bytes.trim_ascii_start().starts_with(b"-1"))
+        {
+            return Self::universal(path, &bytes, channels);
+        }
         let table = iwan_io::read_table(path).map_err(|e| Failure::said(&name, &e))?;
         let unnamed =
             table.names().iter().all(|n| n.starts_with("column ")) && table.names().len() == channels.len();
@@ -51,6 +58,33 @@ impl Shapes {
                 return Err(Failure::input(message, "give it in Hz, finite and > 0"));
             }
         }
+        Ok(Self { name, values, frequencies })
+    }
+
+    /// From the datasets 55 of a universal file: the real part of each mass-normalised shape at the channels' nodes.
+    fn universal(path: &Path, bytes: &[u8], channels: &[String]) -> Result<Self, Failure> {
+        let name = path.display().to_string();
+        let model = iwan_io::uff_model(path, bytes).map_err(|e| Failure::said(&name, &e))?;
+        let mut values = Vec::new();
+        for (n, mode) in model.modes.iter().enumerate() {
+            let shape = mode.mass_normalised().ok_or_else(|| {
+                let message = format!("{name}: mode {} has no modal mass and no modal A", n + 1);
+                Failure::input(message, "export shapes with their modal mass (dataset 55, record 8)")
+            })?;
+            let at = |channel: &String| {
+                value_at(&shape, channel).map_err(|wrong| {
+                    let remedy = "call channels by node and direction as in 12:+z, or give shapes as a table with their names";
+                    Failure::input(format!("{name}: mode {}: {wrong}", n + 1), remedy)
+                })
+            };
+            values.push(channels.iter().map(at).collect::<Result<Vec<f64>, _>>()?);
+        }
+        if values.is_empty() {
+            let left: Vec<String> = model.warnings.iter().map(ToString::to_string).collect();
+            let message = format!("{name}: no mode shape (dataset 55) that can be used {}", left.join("; "));
+            return Err(Failure::input(message, "export normal or complex modes at nodes as dataset 55"));
+        }
+        let frequencies = Some(model.modes.iter().map(|m| m.frequency).collect());
         Ok(Self { name, values, frequencies })
     }
 
@@ -93,9 +127,44 @@ impl Shapes {
     }
 }
 
+/// A shape's value at a channel called by its node: `12:+z`, `node 12 direction 3`, or `12` where the shape moves along one axis there.
+fn value_at(shape: &[(i64, NodalValues)], channel: &str) -> Result<f64, String> {
+    let words: Vec<&str> = channel.split_whitespace().collect();
+    let (point, direction) = match words.as_slice() {
+        ["node", node, "direction", direction] => ((*node).to_string(), direction.parse::<i64>().ok()),
+        _ => match Freedom::parse(channel) {
+            Some(f) => (f.point, Some(i64::from(f.direction.code())).filter(|code| *code != 0)),
+            None => (channel.to_string(), None),
+        },
+    };
+    let node: i64 = point.parse().map_err(|_| format!("channel \"{channel}\" names no node"))?;
+    let (_, own) =
+        shape.iter().find(|(n, _)| *n == node).ok_or_else(|| format!("no value at node {node}"))?;
+    let axis = if let Some(code) = direction {
+        usize::try_from(code.abs() - 1).ok().filter(|axis| *axis < 3)
+    } else {
+        let mut moving = (0..3).filter(|axis| own[*axis] != [0.0; 2]);
+        moving.next().filter(|_| moving.next().is_none())
+    };
+    let axis =
+        axis.ok_or_else(|| format!("channel \"{channel}\" does not say along which axis of node {node}"))?;
+    Ok(own[axis][0] * if direction.is_some_and(|code| code < 0) { -1.0 } else { 1.0 })
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn channels_are_nodes_with_directions_in_universal_files() {
+        let shape = [(12, [[0.5, 0.0], [0.0; 2], [-2.0, 0.1]]), (7, [[0.0; 2], [0.0; 2], [3.0, 0.0]])];
+        let at = |channel: &str| value_at(&shape, channel);
+        assert_eq!((at("12:-z"), at("node 12 direction 1"), at("7")), (Ok(2.0), Ok(0.5), Ok(3.0)));
+        assert!(at("12").unwrap_err().contains("along which axis"));
+        assert!(
+            at("tip").unwrap_err().contains("names no node") && at("9:+z").unwrap_err().contains("node 9")
+        );
+    }
 
     fn shapes(frequencies: Option<Vec<f64>>) -> Shapes {
         Shapes { name: "s.csv".into(), values: vec![vec![1.0, 1.0], vec![1.0, -1.0]], frequencies }

@@ -115,6 +115,27 @@ impl Session {
         self.results.add(name, content)
     }
 
+    /// Adds a file that `fill` writes, too large to be held in memory a second time.
+    pub(crate) fn written(
+        &mut self,
+        name: &str,
+        fill: impl FnOnce(&mut std::io::BufWriter<std::fs::File>) -> std::io::Result<()>,
+    ) -> Result<(), Failure> {
+        progress::check_interrupt()?;
+        debug_assert!(self.files.iter().any(|file| file == name), "{name} was not announced");
+        self.results.add_written(name, fill)
+    }
+
+    /// Where the results will be.
+    pub(crate) fn folder(&self) -> &Path {
+        self.results.path()
+    }
+
+    /// Takes back the announcement of a file that there is nothing to write into.
+    pub(crate) fn omit(&mut self, name: &str) {
+        self.files.retain(|file| file != name);
+    }
+
     /// Adds a table.
     pub(crate) fn table(&mut self, name: &str, table: &Table<'_>, format: Format) -> Result<(), Failure> {
         progress::check_interrupt()?;

@@ -71,6 +71,15 @@ impl Results {
         self.folder.write(name, |w| w.write_all(content)).map_err(|e| failed(&e))
     }
 
+    /// Adds a file that `fill` writes.
+    pub(crate) fn add_written(
+        &mut self,
+        name: &str,
+        fill: impl FnOnce(&mut std::io::BufWriter<std::fs::File>) -> std::io::Result<()>,
+    ) -> Result<(), Failure> {
+        self.folder.write(name, fill).map_err(|e| failed(&e))
+    }
+
     /// Adds a table.
     pub(crate) fn add_table(&mut self, name: &str, table: &Table<'_>, format: Format) -> Result<(), Failure> {
         let written = self.folder.write(name, |w| match format {

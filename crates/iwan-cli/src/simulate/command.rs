@@ -5,7 +5,7 @@ use std::time::Instant;
 use iwan_input::InputText;
 use iwan_input::scenario::{Scenario, built_in, to_toml};
 use iwan_io::Table;
-use iwan_sim::{Response, SimulationError, superpose};
+use iwan_sim::{CoupledResponse, SimulationError, superpose};
 
 use super::args::SimulateArgs;
 use super::files::{FORCE, names, response_columns, write_input};
@@ -34,36 +34,45 @@ fn run_modes(args: &SimulateArgs, name: &str, scenario: &Scenario) -> Result<(),
     session.notes(scenario.notes());
 
     let clock = Instant::now();
-    let responses = compute(scenario, &session).map_err(|error| explain(name, &error))?;
+    let response = compute(scenario, &session).map_err(|error| explain(name, &error))?;
     let seconds = clock.elapsed().as_secs_f64();
-    let points = superpose(&scenario.modes(), &responses);
-    let summary = SimulationSummary::new(scenario, name, &responses, &points, seconds);
+    let points = superpose(&scenario.modes(), &response.modes);
+    let summary = SimulationSummary::new(scenario, name, &response, &points, seconds);
 
-    let times: Vec<f64> = responses.first().map(|r| r.times().collect()).unwrap_or_default();
-    let table = Table::new(response_columns(&times, scenario, &responses, &points))
+    let times: Vec<f64> = response.modes.first().map(|r| r.times().collect()).unwrap_or_default();
+    let mut columns = response_columns(&times, scenario, &response.modes, &points);
+    for joint in &response.joints {
+        columns.push((format!("{}.slip", joint.name), &joint.slip));
+        columns.push((format!("{}.force", joint.name), &joint.force));
+    }
+    let table = Table::new(columns)
         .map_err(|error| Failure::input(error.to_string(), "rename modes or points in the scenario"))?;
     session.table(&args.format.file("response"), &table, args.format)?;
     session.summary(SUMMARY, &summary)?;
     let toml = to_toml(scenario, FORCE);
     let reported =
-        Reported { scenario, toml: &toml, responses: &responses, points: &points, summary: &summary };
+        Reported { scenario, toml: &toml, response: &response, points: &points, summary: &summary };
     session.page(&report::render(&reported))?;
     write_input(&mut session, scenario, &toml)?;
     session.finish(&summary)
 }
 
-fn compute(scenario: &Scenario, session: &Session) -> Result<Vec<Response>, SimulationError> {
+/// The response, of which the joints are those that modes share.
+fn compute(scenario: &Scenario, session: &Session) -> Result<CoupledResponse, SimulationError> {
     let bar = session.bar("simulating");
-    let force = scenario.force.pulse();
-    iwan_sim::simulate_all(&scenario.modes(), &force, &scenario.settings, session.threads(), &|share| {
-        bar.report(share)
-    })
+    let (modes, joints, force) = (scenario.modes(), scenario.joints(), scenario.force.pulse());
+    let (settings, threads) = (&scenario.settings, session.threads());
+    if joints.is_empty() {
+        let modes = iwan_sim::simulate_all(&modes, &force, settings, threads, &|share| bar.report(share))?;
+        return Ok(CoupledResponse { modes, ..CoupledResponse::default() });
+    }
+    iwan_sim::simulate_coupled(&modes, &joints, &force, settings, threads, &|share| bar.report(share))
 }
 
 /// A failed computation in the user's terms: what could not be set up is bad input, the rest failed.
 fn explain(name: &str, error: &SimulationError) -> Failure {
     let root = match error {
-        SimulationError::Mode { source, .. } => source,
+        SimulationError::Mode { source, .. } | SimulationError::Joint { source, .. } => source,
         other => other,
     };
     match root {

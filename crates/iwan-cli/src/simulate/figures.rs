@@ -26,6 +26,10 @@ const BEHIND: f64 = 1.25;
 /// The response is compared with the onset of macro-slip where its largest amplitude is no further below than this ratio.
 const NEAR: f64 = 3.0;
 
+/// What is said of a mode that shares joints.
+const SHARED: &str = "Points: from the response, in which all modes move the joints. Line: the mode with all joints stuck; what it \
+    would lose alone is less than what the points show.";
+
 /// A response with what was read off it.
 #[derive(Debug)]
 pub(crate) struct Decay<'a> {
@@ -35,6 +39,8 @@ pub(crate) struct Decay<'a> {
     pub(crate) cycles: Vec<Cycle>,
     /// Time at which it has.
     pub(crate) settled: f64,
+    /// Whether the mode shares joints with others: it has no closed forms of its own.
+    pub(crate) shares: bool,
 }
 
 /// A loop of the joint.
@@ -148,13 +154,13 @@ impl Decay<'_> {
     /// The loops with the virgin curve, and the same less the stuck joint's line, which shows thin loops too.
     fn hysteresis(&self) -> Vec<Figure> {
         let law = self.mode.joint.as_ref();
-        if law.is_none() && self.mode.is_plain() {
+        if law.is_none() && self.mode.is_plain() && !self.shares {
             return Vec::new();
         }
         let (reach, k_t) = (self.response.peak_displacement(), law.map_or(0.0, Backbone::initial_stiffness));
         let at = |n: usize| reach * (n as f64 / (CURVE - 1) as f64);
         // Dampers have no virgin curve.
-        let bare = law.filter(|_| self.mode.is_plain());
+        let bare = law.filter(|_| self.mode.is_plain() && !self.shares);
         let virgin: Vec<_> =
             bare.map(|law| (0..CURVE).map(|n| (at(n), law.force(at(n)))).collect()).unwrap_or_default();
         let loops = self.loops();
@@ -187,7 +193,7 @@ impl Decay<'_> {
             ),
         ];
         // Without a joint there is no stuck line, and the second figure would be the first.
-        figures.truncate(if law.is_some() { 2 } else { 1 });
+        figures.truncate(if law.is_some() && !self.shares { 2 } else { 1 });
         figures
     }
 
@@ -209,7 +215,8 @@ impl Decay<'_> {
     }
 
     fn dissipation(&self) -> Option<Figure> {
-        if self.mode.joint.is_none() && self.mode.is_plain() {
+        let linear = self.mode.joint.is_none() && self.mode.is_plain();
+        if linear && (!self.shares || self.cycles.is_empty()) {
             return None;
         }
         let measured = |c: &Cycle| (c.amplitude, c.dissipation);
@@ -238,13 +245,21 @@ impl Decay<'_> {
         let points: Vec<_> = self.cycles.iter().map(measured).collect();
         let line = Layer::new(Mark::Line, colour::GREY, (0..CURVE).map(curve).collect());
         let dots = Layer::new(Mark::Dots, colour::BLUE, thin(&points, MEASURED));
-        let mut layers = vec![line.named("closed form")];
+        let mut layers = vec![line.named(if self.shares { "with all joints stuck" } else { "closed form" })];
         if !dots.points.is_empty() {
             layers.push(dots.named("from the response"));
         }
         let onset = |law: &JointLaw| Marker { value: law.strengths().1, label: "\u{3c6}_max: macro-slip" };
-        let marker = self.mode.joint.as_ref().map(onset);
+        let marker = self.mode.joint.as_ref().filter(|_| !self.shares).map(onset);
+        // A stuck mode loses nothing in joints, and a logarithmic axis has no place for that.
+        if self.shares {
+            for layer in &mut layers {
+                layer.points.retain(|(_, y)| *y > 0.0);
+            }
+            layers.retain(|layer| !layer.points.is_empty());
+        }
         let caption = match self.cycles.len() {
+            _ if self.shares => SHARED.into(),
             0 => "Line: closed form. There is no free decay from which points could be read.".into(),
             _ => caption.into(),
         };

@@ -3,6 +3,7 @@
 mod args;
 mod files;
 mod summary;
+mod joints;
 mod figures;
 mod report;
 mod structure;

@@ -2,11 +2,12 @@
 
 use iwan_core::Backbone;
 use iwan_input::scenario::Scenario;
-use iwan_sim::{Mode, Response, cycles};
+use iwan_sim::{CoupledResponse, Mode, cycles};
 use maud::{Markup, html};
 
 use super::figures::{Decay, of_force, of_history};
 use super::files::PointResponse;
+use super::joints::{loops, table as table_of_joints};
 use super::summary::{ModeSummary, ROWS, Row, SimulationSummary};
 use crate::page::figure::Figure;
 use crate::page::html::{grid, page, verdict};
@@ -23,7 +24,7 @@ pub(super) struct Reported<'a> {
     pub(crate) scenario: &'a Scenario,
     /// The scenario as run, as TOML.
     pub(crate) toml: &'a str,
-    pub(crate) responses: &'a [Response],
+    pub(crate) response: &'a CoupledResponse,
     /// Displacement, velocity and acceleration at the named points.
     pub(crate) points: &'a [PointResponse],
     pub(crate) summary: &'a SimulationSummary,
@@ -38,6 +39,7 @@ pub(super) fn render(run: &Reported<'_>) -> String {
         (navigation(summary))
         (tables(summary))
         (force_and_points(run))
+        (joints(run))
         (modes(run))
         (repeat(run))
     };
@@ -174,19 +176,23 @@ fn left_out(count: usize, what: &str) -> Markup {
 
 fn modes(run: &Reported<'_>) -> Markup {
     let settled = run.scenario.force.pulse().settled();
-    let each = run.scenario.modes.iter().zip(run.responses).zip(&run.summary.modes).take(MOST);
+    let each = run.scenario.modes.iter().zip(&run.response.modes).zip(&run.summary.modes).take(MOST);
     html! {
         @for (n, ((mode, response), summary)) in each.enumerate() {
             h2 id=(format!("mode-{n}")) { (mode.mode.name) }
-            p { (describe(&mode.mode, summary)) }
-            (grid(&Decay { mode: &mode.mode, response, cycles: cycles(response, settled), settled }.figures()))
+            @let shares = run.scenario.joints.iter().any(|joint| joint.joint.moved_by(n));
+            p { (describe(&mode.mode, summary, shares)) }
+            (grid(&Decay { mode: &mode.mode, response, cycles: cycles(response, settled), settled, shares }.figures()))
         }
-        (left_out(run.responses.len(), "modes"))
+        (left_out(run.response.modes.len(), "modes"))
     }
 }
 
 /// The mode in a sentence.
-fn describe(mode: &Mode, summary: &ModeSummary) -> String {
+fn describe(mode: &Mode, summary: &ModeSummary, shares: bool) -> String {
+    if shares {
+        return describe_coupled(summary);
+    }
     let strengths = mode.joint.as_ref().map(Backbone::strengths);
     let what = match (strengths, summary.slip_ratio) {
         (None, _) if mode.curves.is_some() => "known by its curves, without a law".into(),
@@ -215,6 +221,38 @@ fn describe(mode: &Mode, summary: &ModeSummary) -> String {
         String::new()
     };
     format!("{} Hz at small amplitude; {what}.{parts}{share}", short(summary.frequency))
+}
+
+/// A mode that shares joints, in a sentence.
+fn describe_coupled(summary: &ModeSummary) -> String {
+    let ratio = summary.slip_ratio;
+    let reach = if ratio >= 1.0 { "beyond macro-slip" } else { "into micro-slip" };
+    format!(
+        "{} Hz with all joints stuck; shares joints with other modes. By itself its peak would bring a joint to {} times \
+         \u{3c6}_max, {reach}. Work that it did on the joints: {} of {} that it was given.",
+        short(summary.frequency),
+        short(ratio),
+        short(summary.energy.friction),
+        short(summary.energy.initial + summary.energy.input)
+    )
+}
+
+/// The joints that modes share.
+fn joints(run: &Reported<'_>) -> Markup {
+    let Some(coupled) = &run.summary.coupled else { return html! {} };
+    let histories = run.response.joints.iter().filter(|joint| joint.slip_ratio() > 0.0).take(MOST);
+    let figures: Vec<Figure> = histories.map(|j| loops(&j.name, &j.slip, &j.force)).collect();
+    let lost: f64 = coupled.joints.iter().map(|joint| joint.friction).sum();
+    html! {
+        h2 id="joints" { "Joints" }
+        p {
+            "Each joint feels the sum of the modes that move it. Friction in the joints took " (short(lost)) " of "
+            (short(coupled.energy.initial + coupled.energy.input)) ", viscous damping " (short(coupled.energy.viscous))
+            "; the energy balance of modes and joints closes to " (error(coupled.energy_error)) "."
+        }
+        (table_of_joints(coupled.joints.iter().map(|joint| &joint.slip)))
+        (grid(&figures))
+    }
 }
 
 fn repeat(run: &Reported<'_>) -> Markup {

@@ -4,7 +4,7 @@ use std::fmt::Write;
 
 use iwan_core::{Backbone, EnergyBalance};
 use iwan_input::scenario::Scenario;
-use iwan_sim::{Method, Mode, Response};
+use iwan_sim::{CoupledResponse, JointHistory, Method, Mode, Response};
 use serde::Serialize;
 
 use super::files::PointResponse;
@@ -38,6 +38,9 @@ pub(crate) struct SimulationSummary {
     /// The structure and its joints, where the scenario has one.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(crate) structure: Option<StructureSummary>,
+    /// The joints that modes share, where the scenario has some.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(crate) coupled: Option<CoupledSummary>,
     /// What the user should look at.
     pub(crate) warnings: Vec<String>,
     /// Wall-clock time of all modes and error estimates together, s.
@@ -81,6 +84,68 @@ impl StructureSummary {
             "the reduction to {basis} modes is off by about {}, more than the tolerance: choose model = \"full\" or a larger tolerance",
             percent(error)
         )]
+    }
+}
+
+/// What a run of modes that share joints says beyond its modes.
+#[derive(Debug, Clone, Serialize)]
+pub(crate) struct CoupledSummary {
+    /// Relative error of the energy balance of all coupled modes and joints.
+    pub(crate) energy_error: f64,
+    /// That balance.
+    pub(crate) energy: Energy,
+    /// One entry per joint.
+    pub(crate) joints: Vec<JointSummary>,
+}
+
+/// The summary of one joint.
+#[derive(Debug, Clone, Serialize)]
+pub(crate) struct JointSummary {
+    #[serde(flatten)]
+    pub(crate) slip: SlipSummary,
+    /// Energy that its sliders took.
+    pub(crate) friction: f64,
+    pub(crate) forgotten_force: f64,
+}
+
+impl JointSummary {
+    fn new(joint: &JointHistory) -> Self {
+        let slip = SlipSummary {
+            name: joint.name.clone(),
+            peak_slip: joint.peak_slip(),
+            peak_force: joint.peak_force(),
+            slip_ratio: joint.slip_ratio(),
+        };
+        Self { slip, friction: joint.friction, forgotten_force: joint.forgotten_force }
+    }
+}
+
+impl CoupledSummary {
+    /// Of a response.
+    pub(crate) fn new(response: &CoupledResponse) -> Self {
+        Self {
+            energy_error: response.energy.error(),
+            energy: Energy::from(&response.energy),
+            joints: response.joints.iter().map(JointSummary::new).collect(),
+        }
+    }
+
+    /// What the user should look at, in words.
+    fn warnings(&self) -> Vec<String> {
+        let mut warnings = Vec::new();
+        if self.energy_error > LARGE_ERROR {
+            warnings.push(format!(
+                "the coupled modes leave {} of their energy unaccounted for: shorten step",
+                percent(self.energy_error)
+            ));
+        }
+        for joint in self.joints.iter().filter(|joint| joint.forgotten_force > 0.0) {
+            warnings.push(format!(
+                "joint \"{}\": reversals were forgotten for lack of room; its force is off by at most {:.3e}",
+                joint.slip.name, joint.forgotten_force
+            ));
+        }
+        warnings
     }
 }
 
@@ -280,12 +345,14 @@ impl SimulationSummary {
     pub(super) fn new(
         scenario: &Scenario,
         name: &str,
-        responses: &[Response],
+        response: &CoupledResponse,
         points: &[PointResponse],
         seconds: f64,
     ) -> Self {
-        let modes: Vec<_> =
-            scenario.modes.iter().zip(responses).map(|(m, r)| ModeSummary::new(&m.mode, r)).collect();
+        let each = scenario.modes.iter().zip(&response.modes);
+        let modes: Vec<_> = each.map(|(m, r)| ModeSummary::new(&m.mode, r)).collect();
+        let coupled = (!scenario.joints.is_empty()).then(|| CoupledSummary::new(response));
+        let of_joints = coupled.iter().flat_map(CoupledSummary::warnings);
         Self {
             scenario: scenario.title.clone().unwrap_or_else(|| name.into()),
             method: match scenario.settings.method {
@@ -296,9 +363,10 @@ impl SimulationSummary {
             },
             time_step: scenario.settings.dt,
             duration: scenario.settings.duration,
-            warnings: modes.iter().flat_map(ModeSummary::warnings).collect(),
+            warnings: modes.iter().flat_map(ModeSummary::warnings).chain(of_joints).collect(),
             modes,
             structure: None,
+            coupled,
             points: points.iter().map(|(name, samples)| PointSummary::new(name, samples)).collect(),
             seconds,
         }
@@ -321,7 +389,9 @@ impl Summary for SimulationSummary {
             // Writing to a string cannot fail.
             let _ = writeln!(text, "{:<22} {q:>12}  {v:>12}  {a:>12}", p.name);
         }
-        let slips = self.structure.iter().flat_map(|structure| &structure.slips);
+        let of_structure = self.structure.iter().flat_map(|structure| &structure.slips);
+        let of_joints = self.coupled.iter().flat_map(|coupled| &coupled.joints).map(|joint| &joint.slip);
+        let slips = of_structure.chain(of_joints);
         for (n, slip) in slips.enumerate() {
             if n == 0 {
                 text.push_str("\npeaks                          slip         force    slip ratio\n");

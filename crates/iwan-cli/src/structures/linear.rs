@@ -3,10 +3,11 @@
 use std::ops::Deref;
 
 use iwan_fem::NamedModes;
-use iwan_input::{BUILT_IN_STRUCTURES, InputError, InputText, StructureFile};
+use iwan_input::{BUILT_IN_STRUCTURES, InputError, InputText, ReducedFolder, StructureFile};
 
 use super::args::StructureArgs;
 use crate::failure::Failure;
+use crate::progress::Bar;
 
 /// Elastic modes among which a name is looked up: twice as many as `iwan modes` lists unless told, so that whatever stands in
 /// its table is found. A name beyond them is refused as unknown.
@@ -30,13 +31,15 @@ impl Deref for Linear {
     }
 }
 
-/// The structure file that was given, or the built-in one.
-pub(crate) fn load(args: &StructureArgs) -> Result<(String, StructureFile), Failure> {
+/// The structure file that was given, the folder of a reduced model, or the built-in structure.
+pub(crate) fn load(args: &StructureArgs) -> Result<(InputText, StructureFile), Failure> {
     let source = match &args.path {
+        Some(path) if ReducedFolder::is_one(path) => return Ok(StructureFile::open_reduced(path)?),
         Some(path) => InputText::read(path, "structure", BUILT_IN_STRUCTURES[0].0)?,
         None => InputText::built_in(BUILT_IN_STRUCTURES[0].0, BUILT_IN_STRUCTURES[0].2),
     };
-    Ok((source.name.clone(), StructureFile::read(&source)?))
+    let file = StructureFile::read(&source)?;
+    Ok((source, file))
 }
 
 /// A failure of the analysis in the user's terms: what could not be set up is bad input, the rest failed.
@@ -50,15 +53,40 @@ pub(crate) fn explain(source: &str, error: &iwan_fem::Error) -> Failure {
     }
 }
 
+/// Above so many unknowns memory is spoken of: below, a factor takes some hundred megabytes at most.
+const LARGE: usize = 50_000;
+/// Vectors that a search keeps for each mode that is sought, with their images: the search looks at about twice as many as are wanted.
+const VECTORS_A_MODE: f64 = 4.0;
+
+/// What modes of a large structure need.
+fn memory_of(unknowns: usize, factor: u64, count: usize) -> String {
+    let gigabytes = |bytes: f64| format!("{:.1} GB", bytes / 1e9);
+    let vectors = VECTORS_A_MODE * count as f64 * unknowns as f64 * 8.0;
+    format!(
+        "note: {unknowns} unknowns: a factor takes {} of memory, the vectors of {count} modes about {}",
+        gigabytes(factor as f64),
+        gigabytes(vectors)
+    )
+}
+
 impl Linear {
-    /// Computes at least `count` elastic modes in both limits, with a progress report that may break it off.
-    pub(crate) fn observed(
+    /// Computes at least `count` elastic modes in both limits. That is done beside this thread, which watches for Ctrl-C also while a matrix
+    /// is factored; how much memory that takes is said before where it is much.
+    pub(crate) fn computed(
         source: String,
         file: StructureFile,
         count: usize,
-        progress: iwan_core::Progress<'_>,
+        bar: &Bar,
     ) -> Result<Self, Failure> {
-        let modes = NamedModes::observed(&file.structure, count, progress);
+        let (structure, teller) = (file.structure.clone(), bar.teller());
+        let modes = bar.wait(move || {
+            let assembled = structure.assemble()?;
+            let unknowns = assembled.unknowns();
+            if unknowns > LARGE && structure.kept.is_none() {
+                teller.say(&memory_of(unknowns, assembled.factor_bytes()?, count));
+            }
+            NamedModes::of(assembled, count, &|share| teller.report(share))
+        })?;
         let modes = modes.map_err(|error| explain(&source, &error))?;
         Ok(Self { source, file, modes })
     }

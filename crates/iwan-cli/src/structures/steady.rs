@@ -32,6 +32,7 @@ impl Steady {
         let (output, coefficients) = observed(linear, at, &load)?;
         let basis = match model {
             Model::Basis(modes) => modes,
+            Model::Kept => assembled.basis_of(model).map_err(|error| linear.failed(&error))?,
             _ => USUAL,
         };
         let failed = |error: iwan_fem::Error| linear.failed(&error);

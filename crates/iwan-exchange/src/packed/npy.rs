@@ -9,18 +9,18 @@ use crate::source::{MOST_ROWS, Source, quote};
 pub(crate) const MAGIC: &[u8] = b"\x93NUMPY";
 
 /// An array.
-pub(super) struct Array<'a> {
-    pub(super) kind: Kind,
+pub(crate) struct Array<'a> {
+    kind: Kind,
     /// The array holds text or bytes.
-    pub(super) text: bool,
-    pub(super) shape: Vec<usize>,
-    pub(super) fortran: bool,
+    pub(crate) text: bool,
+    pub(crate) shape: Vec<usize>,
+    pub(crate) fortran: bool,
     pub(super) data: &'a [u8],
 }
 
 impl<'a> Array<'a> {
     /// The array in `bytes`, called `name` in messages.
-    pub(super) fn read(source: &Source, bytes: &'a [u8], name: &str) -> Result<Self, ExchangeError> {
+    pub(crate) fn read(source: &Source, bytes: &'a [u8], name: &str) -> Result<Self, ExchangeError> {
         let place = || format!("array '{name}'");
         let (head, data) = split(bytes).ok_or_else(|| {
             source.malformed(
@@ -51,11 +51,11 @@ impl<'a> Array<'a> {
     }
 
     /// Number `at` in the order of the file.
-    pub(super) fn at(&self, at: usize) -> Option<f64> {
+    pub(crate) fn at(&self, at: usize) -> Option<f64> {
         self.kind.at(self.data, at)
     }
 
-    pub(super) fn len(&self) -> usize {
+    pub(crate) fn len(&self) -> usize {
         self.kind.count(self.data)
     }
 }

@@ -10,7 +10,7 @@ use crate::matrix::{Entry, Matrix, Stored};
 use crate::source::{MOST_ROWS, Source};
 
 /// All members of the archive, by their names.
-fn members(source: &Source) -> Result<BTreeMap<String, Vec<u8>>, ExchangeError> {
+pub(crate) fn members(source: &Source) -> Result<BTreeMap<String, Vec<u8>>, ExchangeError> {
     let bad = |e: zip::result::ZipError| {
         source.malformed("the archive", e.to_string(), "a zip archive of NPY arrays")
     };

@@ -15,6 +15,9 @@ const COMPONENTS: [u64; 2] = [0, 6];
 
 pub(crate) fn parse(source: &Source) -> Result<Vec<Matrix>, ExchangeError> {
     let user_element = |line: &Line| {
+        if !line.text.starts_with(b"*") {
+            return false;
+        }
         let name: Vec<u8> = line.text.iter().filter(|b| !b.is_ascii_whitespace()).copied().collect();
         name.to_ascii_uppercase().starts_with(b"*USERELEMENT")
     };
@@ -40,14 +43,21 @@ pub(crate) fn parse(source: &Source) -> Result<Vec<Matrix>, ExchangeError> {
 struct Rows {
     numbers: BTreeMap<Label, u32>,
     labels: Vec<Label>,
+    /// The one asked for last: lines of one row follow each other.
+    last: Option<(Label, u32)>,
 }
 
 impl Rows {
     fn number(&mut self, label: Label) -> u32 {
-        *self.numbers.entry(label).or_insert_with(|| {
+        if let Some((_, number)) = self.last.filter(|last| last.0 == label) {
+            return number;
+        }
+        let number = *self.numbers.entry(label).or_insert_with(|| {
             self.labels.push(label);
             self.labels.len() as u32 - 1
-        })
+        });
+        self.last = Some((label, number));
+        number
     }
 }
 

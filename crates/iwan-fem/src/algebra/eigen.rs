@@ -15,7 +15,7 @@ use super::lanes::LANES;
 use super::random::random;
 use super::sparse::{Symmetric, add_scaled, dot, largest, scale};
 use super::workers::Workers;
-use crate::error::Error;
+use crate::error::{Error, singular_mass};
 use iwan_core::Progress;
 
 /// Columns per block: a solve takes a group of them. Of an eigenvalue that is repeated more often the first block finds no more than
@@ -103,7 +103,7 @@ impl Problem<'_> {
             if search.columns < check_at && !complete {
                 continue;
             }
-            let ritz = search.ritz();
+            let ritz = search.ritz()?;
             let here = (search.columns, ritz.converged());
             check_at = search.columns + search.until_next_look(looked, here, count + 1);
             looked = here;
@@ -368,19 +368,20 @@ impl<'a> Search<'a> {
         }
     }
 
-    fn ritz(&self) -> Ritz {
+    fn ritz(&self) -> Result<Ritz, Error> {
         let k = self.columns;
         let projection = Mat::from_fn(k, k, |i, j| {
             let (low, high) = (i.min(j), i.max(j));
             self.projection[high][low]
         });
-        let eigen = symmetric_eigen(&projection).expect("a finite symmetric matrix has eigenvalues");
+        let finite = symmetric_eigen(&projection).filter(|e| e.values.iter().all(|v| v.is_finite()));
+        let eigen = finite.ok_or_else(singular_mass)?;
         let values: Vec<f64> = eigen.values.iter().rev().copied().collect();
         let combinations = Mat::from_fn(k, k, |i, j| eigen.vectors[(i, k - 1 - j)]);
         let last = self.pending.ncols();
         let tail = product(self.pending.as_ref(), combinations.submatrix(k - last, 0, last, k));
         let residuals = (0..k).map(|j| tail.col(j).norm_l2() / values[j].abs()).collect();
-        Ritz { values, combinations, residuals }
+        Ok(Ritz { values, combinations, residuals })
     }
 
     /// The first `count` combinations of the basis.

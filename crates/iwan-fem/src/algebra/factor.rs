@@ -57,6 +57,11 @@ impl Analysis {
         let branches = Branches::of(supernodes(&symbolic));
         Ok(Self { symbolic: Arc::new(symbolic), branches })
     }
+
+    /// Numbers of a factor.
+    pub(crate) fn entries(&self) -> usize {
+        self.symbolic.len_val()
+    }
 }
 
 /// Pattern of the factor in an order of elimination.

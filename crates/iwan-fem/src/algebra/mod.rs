@@ -3,7 +3,6 @@
 mod lanes;
 mod workers;
 mod random;
-mod line_search;
 mod dense;
 mod sparse;
 mod nodal_product;
@@ -15,8 +14,8 @@ mod eigen;
 pub(crate) use dense::{positive_inverse, product, symmetric_eigen, thin_svd};
 pub(crate) use eigen::{Pairs, Problem};
 pub(crate) use factor::{Analysis, Cholesky};
+pub(crate) use iwan_core::search_line;
 pub(crate) use lanes::{Group, LANES, grouped, total};
-pub(crate) use line_search::search_line;
 pub(crate) use nodal_product::NodalProduct;
 pub(crate) use ordering::Site;
 #[cfg(test)]

@@ -5,13 +5,14 @@ use std::sync::OnceLock;
 
 use super::constraint_equations::Rotations;
 use super::elimination::Transformation;
+use super::given_matrices;
 use super::joint_equations::{SlipUnknown, connect};
 use super::point_masses;
 use super::unknowns::{Unknown, triples};
 use crate::algebra::{Analysis, NodalProduct, Site, Symmetric, add_scaled, largest, scale};
 use crate::element::ElementMatrices;
 use crate::error::{Error, check};
-use crate::structure::{Given, Row, Structure};
+use crate::structure::Structure;
 
 /// Matrices of a structure in the unknowns y, x = T y: K_∞ without joints, M, and the slips on which the joints act.
 #[derive(Debug, Clone)]
@@ -20,6 +21,7 @@ pub struct Assembled {
     transformation: Transformation,
     stiffness: Symmetric,
     mass: Symmetric,
+    damping: Option<Symmetric>,
     slips: Vec<SlipUnknown>,
     analysis: OnceLock<Analysis>,
     shift: OnceLock<f64>,
@@ -40,16 +42,19 @@ impl Structure {
         for slip in &mut slips {
             slip.unknown += displacements;
         }
-        let (stiffness, mass) = match &self.given {
-            Some(given) => assemble_given(self.mesh.positions.len(), given, &transformation),
-            None => assemble_elements(self, &transformation)?,
+        let (stiffness, mass, damping) = if let Some(given) = &self.given {
+            let found = given_matrices::assemble(self.mesh.positions.len(), given, &transformation);
+            (found.stiffness, found.mass, found.damping)
+        } else {
+            let (stiffness, mass) = assemble_elements(self, &transformation)?;
+            (stiffness, mass, None)
         };
         let (stiffness, mass) = add_lumps(self, &transformation, stiffness, &mass)?;
         let (stiffness, mass) = point_masses::add(self, &rotations, &transformation, stiffness, mass)?;
         check_held(self, &transformation, &stiffness)?;
         let structure = self.clone();
         let (analysis, shift) = (OnceLock::new(), OnceLock::new());
-        Ok(Assembled { structure, transformation, stiffness, mass, slips, analysis, shift })
+        Ok(Assembled { structure, transformation, stiffness, mass, damping, slips, analysis, shift })
     }
 }
 
@@ -150,36 +155,6 @@ fn assemble_elements(
         });
     }
     Ok((stiffness, mass.without_zeros()))
-}
-
-/// Both given matrices in the unknowns: Tᵀ K T and Tᵀ M T.
-fn assemble_given(nodes: usize, given: &Given, transformation: &Transformation) -> (Symmetric, Symmetric) {
-    let mut further = 3 * nodes;
-    let mut dof = |row: &Row| match *row {
-        Row::Displacement { node, axis } => 3 * node + axis,
-        Row::Rotation { .. } | Row::Generalised => {
-            further += 1;
-            further - 1
-        }
-    };
-    let dofs: Vec<usize> = given.rows.iter().map(&mut dof).collect();
-    let into = |matrix: &Symmetric| {
-        let mut entries = Vec::with_capacity(matrix.stored());
-        for (i, j, value) in matrix.lower() {
-            let (rows, columns) = (transformation.row(dofs[i]), transformation.row(dofs[j]));
-            for &(p, c) in rows {
-                for &(q, d) in columns {
-                    // Off the diagonal an entry stands for two, which meet in one place where both belong to one unknown.
-                    let twice = if i != j && p == q { 2.0 } else { 1.0 };
-                    if i != j || q <= p {
-                        entries.push((p.max(q), p.min(q), twice * c * d * value));
-                    }
-                }
-            }
-        }
-        Symmetric::from_lower(transformation.places.len(), entries)
-    };
-    (into(&given.stiffness), into(&given.mass).without_zeros())
 }
 
 /// Which unknowns meet in an element.
@@ -301,6 +276,12 @@ impl Assembled {
         &self.mass
     }
 
+    /// Viscous damping that was given with the matrices.
+    #[must_use]
+    pub fn damping(&self) -> Option<&Symmetric> {
+        self.damping.as_ref()
+    }
+
     /// The slips.
     #[must_use]
     pub fn slips(&self) -> &[SlipUnknown] {
@@ -363,6 +344,16 @@ impl Assembled {
         self.transformation.apply(y, 3 * self.structure.mesh.positions.len())
     }
 
+    /// Unknowns and coefficients that make up the displacement of a node (index into the mesh) along x, y or z (0, 1, 2): one row of T.
+    ///
+    /// # Panics
+    /// When there is no such node or axis.
+    #[must_use]
+    pub fn displacement_terms(&self, node: usize, axis: usize) -> &[(u32, f64)] {
+        assert!(axis < 3 && node < self.structure.mesh.positions.len(), "a displacement of a node");
+        self.transformation.row(3 * node + axis)
+    }
+
     /// Forces on the unknowns of the total force `force` (x, y, z), shared equally by the nodes of a set.
     ///
     /// # Errors
@@ -398,13 +389,22 @@ impl Assembled {
         NodalProduct::new(&self.stiffness, triples(&self.transformation.places))
     }
 
+    /// Bytes of one factor of the stiffness, from the order of elimination: what modes and reduced models need most of.
+    ///
+    /// # Errors
+    /// [`Error::Analysis`] where even the factor's pattern does not fit into memory.
+    pub fn factor_bytes(&self) -> Result<u64, Error> {
+        Ok(self.analysis()?.entries() as u64 * size_of::<f64>() as u64)
+    }
+
     /// Order of elimination for all matrices of the structure, found once.
     pub(crate) fn analysis(&self) -> Result<&Analysis, Error> {
         if let Some(analysis) = self.analysis.get() {
             return Ok(analysis);
         }
         let sites: Vec<Site> = self.transformation.places.iter().map(|place| place.site).collect();
-        let analysis = Analysis::new(&self.stiffness, &sites)?;
+        // Both patterns: a condensed mass couples what the stiffness does not.
+        let analysis = Analysis::new(&self.stiffness.plus(1.0, &self.mass), &sites)?;
         Ok(self.analysis.get_or_init(|| analysis))
     }
 }

@@ -5,7 +5,9 @@ mod elimination;
 mod constraint_equations;
 mod point_masses;
 mod joint_equations;
+mod given_matrices;
 mod assembly;
+mod fingerprint;
 
 pub use assembly::Assembled;
 pub use joint_equations::SlipUnknown;

@@ -52,9 +52,9 @@ pub enum MeshError {
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 #[non_exhaustive]
 pub enum MeshWarning {
-    /// A keyword or section that means nothing to a mesh was passed over.
+    /// A keyword, card or section that leaves the model as it is was passed over.
     #[error(
-        "{name} was passed over ({times} times, first at {place}): only nodes, elements and sets are read"
+        "{name} was passed over ({times} times, first at {place}): it leaves nodes, elements, connections, stiffness and mass as they are"
     )]
     PassedOver {
         /// Keyword or section.
@@ -103,6 +103,18 @@ pub enum MeshWarning {
         name: String,
         /// What was done or left.
         reason: String,
+    },
+    /// Surface or line elements without a section: they have no stiffness, and their nodes are a set.
+    #[error("{place}: {times} elements {found} have no section and so no stiffness or mass: {as_set}")]
+    Skin {
+        /// Line of the first such block.
+        place: String,
+        /// Element type of the file.
+        found: String,
+        /// How many elements.
+        times: usize,
+        /// What became of them.
+        as_set: String,
     },
     /// Named groups that no entity refers to, or groups without entities.
     #[error("{place}: {reason}")]

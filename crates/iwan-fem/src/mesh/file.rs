@@ -1,5 +1,6 @@
-//! A mesh file: its bytes with its path, so that every error can name file and place, and what a reader makes of it.
+//! A mesh file: its bytes with its path, so that every error can name file and place, the files that it includes, and what a reader makes of it.
 
+use std::borrow::Cow;
 use std::path::{Path, PathBuf};
 
 use super::constraint::{Constraint, PointMass, Section};
@@ -83,6 +84,91 @@ impl FileBytes<'_> {
     ) -> MeshError {
         let (place, found, remedy) = (place.into(), found.into(), remedy.into());
         MeshError::Unsupported { file: self.file.into(), place, found, remedy }
+    }
+}
+
+/// Files may include files so deep: a chain longer than this is a circle.
+const DEEPEST: usize = 16;
+/// Files one file may include, in all.
+const MOST: usize = 10_000;
+
+/// How a format includes other files.
+#[derive(Clone, Copy)]
+pub(super) struct Include {
+    /// Its word, for messages.
+    pub(super) word: &'static str,
+    /// What a line of it looks like.
+    pub(super) form: &'static str,
+    pub(super) is_one: fn(&[u8]) -> bool,
+    /// The file that such a line names.
+    pub(super) input: fn(&[u8]) -> Option<PathBuf>,
+}
+
+/// The text with all includes in their places, and where its pieces come from; the text itself where there are none.
+pub(super) fn expand<'a>(
+    source: FileBytes<'a>,
+    folder: Option<&Path>,
+    include: Include,
+) -> Result<(Cow<'a, [u8]>, Vec<Piece>), MeshError> {
+    if !source.bytes.split(|b| *b == b'\n').any(include.is_one) {
+        return Ok((Cow::Borrowed(source.bytes), Vec::new()));
+    }
+    let Some(folder) = folder else {
+        let remedy = "read the file from a folder, where the other can be found";
+        return Err(source.unsupported("the whole file", format!("{}, another file,", include.word), remedy));
+    };
+    let mut out = Expanded { include, bytes: Vec::new(), pieces: Vec::new(), lines: 0, files: 0 };
+    out.add(source.file, source.bytes, folder, 0)?;
+    Ok((Cow::Owned(out.bytes), out.pieces))
+}
+
+struct Expanded {
+    include: Include,
+    bytes: Vec<u8>,
+    pieces: Vec<Piece>,
+    lines: usize,
+    files: usize,
+}
+
+impl Expanded {
+    fn add(&mut self, file: &Path, bytes: &[u8], folder: &Path, depth: usize) -> Result<(), MeshError> {
+        let source = FileBytes { file, bytes, pieces: &[] };
+        self.begin(file, 1);
+        for (index, line) in bytes.split_inclusive(|b| *b == b'\n').enumerate() {
+            if !(self.include.is_one)(line) {
+                self.bytes.extend_from_slice(line);
+                self.lines += usize::from(line.ends_with(b"\n"));
+                continue;
+            }
+            let place = format!("line {}", index + 1);
+            self.files += 1;
+            if depth >= DEEPEST || self.files > MOST {
+                let found =
+                    format!("{}, {depth} files deep and the {}th in all,", self.include.word, self.files);
+                return Err(source.unsupported(
+                    place,
+                    found,
+                    "write files that do not include each other in a circle",
+                ));
+            }
+            let path = (self.include.input)(line)
+                .map(|name| folder.join(name))
+                .ok_or_else(|| source.malformed(&place, quote(line.trim_ascii(), 60), self.include.form))?;
+            let inner =
+                std::fs::read(&path).map_err(|source| MeshError::Io { file: path.clone(), source })?;
+            self.add(&path, &inner, folder, depth + 1)?;
+            if !self.bytes.ends_with(b"\n") {
+                self.bytes.push(b'\n');
+                self.lines += 1;
+            }
+            self.begin(file, index + 2);
+        }
+        Ok(())
+    }
+
+    /// From here on lines are those of a file, the next one being `line`.
+    fn begin(&mut self, file: &Path, line: usize) {
+        self.pieces.push(Piece { first: self.lines + 1, file: file.into(), line });
     }
 }
 

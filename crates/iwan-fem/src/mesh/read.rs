@@ -10,8 +10,10 @@ use super::{abaqus, gmsh, nastran};
 /// does not tell, from the extension.
 ///
 /// Elements: hexahedra of 8 and 20, tetrahedra of 4 and 10, wedges of 6 and 15 nodes, also mixed. Gmsh: a physical group of volumes gives a set of elements and a set of their nodes, a
-/// group of points, curves or surfaces a set of nodes. Abaqus: `*NODE`, `*SYSTEM`, `*ELEMENT` (C3D8 and its kin, C3D20, C3D4,
-/// C3D10, C3D6, C3D15), `*NSET`, `*ELSET`; what else may change the model (ties, couplings, equations, ...) is refused by name.
+/// group of points, curves or surfaces a set of nodes. Abaqus: nodes, elements (C3D8 and its kin, C3D20, C3D4, C3D10, C3D6, C3D15), sets,
+/// surfaces, parts with their instances, includes, ties, couplings, equations, rigid bodies, boundary conditions, masses, materials with
+/// their sections. Nastran: grids in any system, solid elements, RBE2, RBE3, MPC, SPC, CONM2, MAT1. What leaves the model as it is, by a list, is
+/// passed over with a remark; everything else is refused by name.
 ///
 /// Memory: at most 160 bytes for each byte of the file, and 64 KiB. No count in a file is trusted for an allocation.
 ///
@@ -53,7 +55,7 @@ fn parse(
     if content.starts_with(b"$MeshFormat") || extension == "msh" {
         gmsh::parse(source)
     } else if bulk_data || (extension != "inp" && nastran::is_bulk_data(content)) {
-        nastran::parse(source, ignored)
+        nastran::parse(source, ignored, folder)
     } else if content.starts_with(b"$") {
         gmsh::parse(source)
     } else if content.starts_with(b"*") || extension == "inp" {

@@ -162,6 +162,11 @@ impl Assembled {
 }
 
 impl Modes {
+    /// Modes with their parts.
+    pub(super) fn found(limit: Limit, pairs: Pairs, unknowns: usize, zero: usize) -> Self {
+        Self { limit, pairs, unknowns, zero }
+    }
+
     /// Number of modes.
     #[must_use]
     pub fn len(&self) -> usize {

@@ -1,6 +1,7 @@
 //! Linear vibration of a structure in its two limits: all joints stuck, or all slipping.
 
 mod linear;
+mod kept;
 mod class;
 mod joint_mode;
 mod named;

@@ -5,6 +5,7 @@ use std::collections::BTreeMap;
 use super::class::Class;
 use super::joint_mode::JointMode;
 use super::linear::{Limit, Modes};
+use crate::algebra::dot;
 use crate::error::Error;
 use crate::matrices::Assembled;
 use crate::structure::Structure;
@@ -19,6 +20,10 @@ const FIRST: usize = 3;
 /// Shapes less alike than this (MAC) are not the same mode, by the custom of modal testing; the paper's beam has 0.9989 and more. Below
 /// it a bending mode is warned about, and its K_T is told all the same.
 const ALIKE: f64 = 0.9;
+
+/// Damping that couples two modes by more than this part of the geometric mean of their own is told: a judgement, ten times what light
+/// proportional damping leaves after rounding to a few digits, and a third of what close modes need to exchange energy.
+const COUPLED: f64 = 0.1;
 
 /// An elastic mode.
 #[derive(Debug, Clone, PartialEq)]
@@ -58,7 +63,8 @@ impl NamedModes {
     /// reach to 10 kHz and take a fraction of a second; a name beyond them is answered with the list of those there are.
     pub const LOOKED_UP: usize = 40;
 
-    /// Computes at least `count` elastic modes in both limits, where there are as many, and names the first `count`.
+    /// Computes at least `count` elastic modes in both limits, where there are as many, and names the first `count`. Where the structure
+    /// brings [modes](Structure::kept) with it these are taken, as many as there are.
     ///
     /// # Errors
     /// As [`Structure::assemble`] and [`Assembled::modes`].
@@ -71,7 +77,22 @@ impl NamedModes {
     /// # Errors
     /// As [`new`](Self::new), and [`Error::Interrupted`].
     pub fn observed(structure: &Structure, count: usize, progress: Progress<'_>) -> Result<Self, Error> {
-        let assembled = structure.assemble()?;
+        Self::of(structure.assemble()?, count, progress)
+    }
+
+    /// [`observed`](Self::observed) of a structure whose matrices are assembled already.
+    ///
+    /// # Errors
+    /// As [`Assembled::modes`], and [`Error::Interrupted`].
+    pub fn of(assembled: Assembled, count: usize, progress: Progress<'_>) -> Result<Self, Error> {
+        if let Some(kept) = assembled.kept()? {
+            let n = assembled.unknowns();
+            let stuck = Modes::of_kept(&kept.stuck, Limit::Stuck, n);
+            let slipping = Modes::of_kept(&kept.slipping, Limit::Slipping, n);
+            let mut elastic = elastic(&assembled, &stuck, &slipping);
+            elastic.truncate(count.min(kept.named));
+            return Ok(Self { assembled, stuck, slipping, elastic });
+        }
         let most = assembled.unknowns();
         let wanted = count.saturating_add(RIGID).min(most);
         let stuck = assembled.modes_observed(Limit::Stuck, wanted, &part(progress, [0.0, 0.5]))?;
@@ -125,6 +146,26 @@ impl NamedModes {
         names.iter().map(|name| self.named(name).cloned()).collect()
     }
 
+    /// How strongly given damping couples the named modes, where it does: reduced models take its diagonal alone.
+    fn damping_left_out(&self) -> Option<String> {
+        let damping = self.assembled.damping()?;
+        let shape = |mode: &NamedMode| self.stuck.shape(mode.pair.stuck);
+        let images: Vec<Vec<f64>> = self.elastic.iter().map(|mode| damping.times(shape(mode))).collect();
+        let entry = |i: usize, j: usize| dot(shape(&self.elastic[i]), &images[j]);
+        let own: Vec<f64> = (0..images.len()).map(|i| entry(i, i)).collect();
+        let pairs = (0..own.len()).flat_map(|i| (0..i).map(move |j| (i, j)));
+        let ratio = |(i, j): (usize, usize)| (entry(i, j).abs() / (own[i] * own[j]).sqrt(), i, j);
+        let found =
+            pairs.map(ratio).filter(|(ratio, ..)| *ratio > COUPLED).max_by(|a, b| a.0.total_cmp(&b.0));
+        found.map(|(ratio, i, j)| {
+            let names = (&self.elastic[i].name, &self.elastic[j].name);
+            format!(
+                "the damping of the matrices couples {} and {} by {ratio:.2} of their own: reduced models and forced responses leave that out",
+                names.0, names.1
+            )
+        })
+    }
+
     /// What the user should know about the modes.
     #[must_use]
     pub fn warnings(&self) -> Vec<String> {
@@ -136,6 +177,7 @@ impl NamedModes {
                  the directions of their slips"
             ));
         }
+        warnings.extend(self.damping_left_out());
         let unlike = self.elastic.iter().filter(|m| m.class == Class::Bending && m.pair.mac < ALIKE);
         warnings.extend(unlike.map(|m| {
             format!(

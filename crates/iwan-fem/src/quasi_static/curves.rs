@@ -89,35 +89,40 @@ impl Assembled {
         }
         let slipping = check("slipping_eigenvalue", slipping_eigenvalue, true, "must be finite")?;
         let factor = self.shifted_factor(Limit::Stuck)?;
-        let columns = self.static_flexibility(stuck, &factor, self.shift()?);
+        let columns = static_flexibility(self, stuck, &factor, self.shift()?);
         let unknowns: Vec<usize> = self.slips().iter().map(|slip| slip.unknown).collect();
         let stiffness = inverse_of(unknowns.len(), |i, j| columns[j][unknowns[i]])?;
         let shape = unknowns.iter().map(|&j| stuck.shape(index)[j]).collect();
         Ok(QuasiStatic { assembled: self, eigenvalue: stuck.eigenvalue(index), slipping, shape, stiffness })
     }
+}
 
-    /// K_0⁺ e of each slip: displacements under a unit force on it, without what moves the structure as a whole.
-    fn static_flexibility(&self, stuck: &Modes, factor: &Cholesky, shift: f64) -> Vec<Vec<f64>> {
-        let free: Vec<Vec<f64>> = (0..stuck.zero_modes()).map(|i| stuck.shape(i).to_vec()).collect();
-        let column = |unknown: usize| {
-            let mut z = vec![0.0; self.unknowns()];
-            for _ in 0..REFINEMENTS {
-                let mut right = self.mass().times(&z);
-                scale(&mut right, shift);
-                right[unknown] += 1.0;
-                factor.solve(&mut right);
-                self.remove(&mut right, &free);
-                let mut change = right.clone();
-                add_scaled(&mut change, -1.0, &z);
-                z = right;
-                if dot(&change, &change) <= (f64::EPSILON * f64::EPSILON) * dot(&z, &z) {
-                    break;
-                }
+/// K_0⁺ e of each slip: displacements under a unit force on it, without what moves the structure as a whole.
+pub(super) fn static_flexibility(
+    assembled: &Assembled,
+    stuck: &Modes,
+    factor: &Cholesky,
+    shift: f64,
+) -> Vec<Vec<f64>> {
+    let free: Vec<Vec<f64>> = (0..stuck.zero_modes()).map(|i| stuck.shape(i).to_vec()).collect();
+    let column = |unknown: usize| {
+        let mut z = vec![0.0; assembled.unknowns()];
+        for _ in 0..REFINEMENTS {
+            let mut right = assembled.mass().times(&z);
+            scale(&mut right, shift);
+            right[unknown] += 1.0;
+            factor.solve(&mut right);
+            assembled.remove(&mut right, &free);
+            let mut change = right.clone();
+            add_scaled(&mut change, -1.0, &z);
+            z = right;
+            if dot(&change, &change) <= (f64::EPSILON * f64::EPSILON) * dot(&z, &z) {
+                break;
             }
-            z
-        };
-        self.slips().iter().map(|slip| column(slip.unknown)).collect()
-    }
+        }
+        z
+    };
+    assembled.slips().iter().map(|slip| column(slip.unknown)).collect()
 }
 
 impl QuasiStatic<'_> {

@@ -2,5 +2,7 @@
 
 mod curves;
 mod range;
+mod slip_statics;
 
 pub use curves::{ModalCurves, QuasiStatic};
+pub use slip_statics::{SlipFlexibility, SlipStatics};

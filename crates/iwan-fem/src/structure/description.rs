@@ -1,7 +1,10 @@
 //! A structure: mesh, materials, what connects its parts and what holds it.
 
+use std::sync::Arc;
+
 use super::given::Given;
 use super::interface::Joint;
+use super::kept::Kept;
 use crate::element::{Formulation, Inertia, Material};
 use crate::error::{Error, check};
 use crate::mesh::{Constraint, Mesh, PointMass, Sides};
@@ -64,6 +67,8 @@ pub struct Structure {
     pub masses: Vec<PointMass>,
     /// Stiffness and mass from another program. With them the elements of the mesh serve pictures only, and materials nothing.
     pub given: Option<Given>,
+    /// Modes and a reduced basis of an earlier time, in place of factorisations.
+    pub kept: Option<Arc<Kept>>,
 }
 
 impl Structure {
@@ -82,6 +87,7 @@ impl Structure {
             constraints: Vec::new(),
             masses: Vec::new(),
             given: None,
+            kept: None,
         }
     }
 

@@ -32,6 +32,8 @@ pub struct Given {
     pub stiffness: Symmetric,
     /// Mass.
     pub mass: Symmetric,
+    /// Viscous damping; none: none.
+    pub damping: Option<Symmetric>,
     /// Whether the nodes have positions. Without them rotations of a set of nodes are unknown, and so are rigid rotations.
     pub placed: bool,
 }

@@ -3,6 +3,7 @@
 
 mod interface;
 mod given;
+mod kept;
 mod description;
 
 pub mod check;
@@ -11,3 +12,4 @@ pub mod paper;
 pub use description::{Lump, Structure, Support};
 pub use given::{Given, Row};
 pub use interface::{Interface, Joint, Law, Patch, Slip};
+pub use kept::{Kept, KeptModes};

@@ -35,6 +35,13 @@ impl Assembled {
         progress: Progress<'_>,
     ) -> Result<StructureResponse, Error> {
         task.check(self.unknowns(), self.slips().len())?;
+        if self.damping().is_some() {
+            return Err(Error::Analysis {
+                analysis: "transient",
+                finding: "the full model knows no viscous damping, and the matrices bring one".into(),
+                remedy: "choose model = \"reduced\", or leave `damping` out of [matrices]",
+            });
+        }
         let mut memory = tables(self.slips().len(), task.representation);
         let laws = self.slips().iter().map(|slip| slip.law.as_ref());
         let mut joints = Joints::new(laws, task.representation, &mut memory)?;

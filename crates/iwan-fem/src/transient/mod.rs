@@ -11,6 +11,7 @@ mod converged;
 mod model;
 mod modal_force;
 mod run;
+mod keep;
 
 pub use converged::Converged;
 pub use model::{BasisError, Integrated, Model, StepErrors};

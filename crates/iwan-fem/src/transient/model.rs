@@ -18,6 +18,8 @@ pub enum Model {
     Basis(usize),
     /// The same with as many modes as the outputs' accelerations need for this relative error.
     Tolerance(f64),
+    /// The basis that the structure [brings with it](crate::Structure::kept).
+    Kept,
 }
 
 impl Model {
@@ -73,8 +75,8 @@ impl Assembled {
                 let response = self.transient_observed(task, progress)?;
                 Ok(Integrated { response, reduced: None, basis_error: None })
             }
-            Model::Basis(modes) => {
-                let modes = modes.min(self.unknowns());
+            Model::Basis(_) | Model::Kept => {
+                let modes = self.basis_of(model)?.min(self.unknowns());
                 let reduced = self.reduce_observed(modes, Basis::default(), &part(progress, [0.0, 0.5]))?;
                 let response = reduced.transient_observed(task, &part(progress, [0.5, 1.0]))?;
                 Ok(Integrated { response, reduced: Some(reduced), basis_error: None })
@@ -85,6 +87,24 @@ impl Assembled {
                 let (response, reduced) = (found.response, Some(found.reduced));
                 Ok(Integrated { response, reduced, basis_error: Some(basis_error) })
             }
+        }
+    }
+}
+
+impl Assembled {
+    /// Modes in the basis of a model that says how many; of others those of the basis that the structure brings with it.
+    ///
+    /// # Errors
+    /// [`Error::Analysis`] for a structure without one.
+    pub fn basis_of(&self, model: Model) -> Result<usize, Error> {
+        match (model, self.structure().kept.as_deref()) {
+            (Model::Basis(modes), _) => Ok(modes),
+            (_, Some(kept)) => Ok(kept.basis.values.len()),
+            (_, None) => Err(Error::Analysis {
+                analysis: "the reduced model",
+                finding: "the structure was not opened from the folder of one".into(),
+                remedy: "name the folder with reduced = \"FOLDER\", or choose another model",
+            }),
         }
     }
 }

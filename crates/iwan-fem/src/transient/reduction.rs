@@ -11,6 +11,7 @@ use crate::algebra::{Cholesky, Symmetric, add_scaled, dot, product, scale, symme
 use crate::error::{Error, check};
 use crate::matrices::Assembled;
 use crate::modes::{Limit, Modes};
+use crate::structure::Kept;
 use iwan_core::Progress;
 use iwan_core::progress::UNWATCHED;
 
@@ -61,6 +62,11 @@ impl Assembled {
         basis: Basis,
         progress: Progress<'_>,
     ) -> Result<Reduced<'_>, Error> {
+        if let Some(kept) = self.kept()?
+            && (modes, basis) == (kept.basis.values.len(), Basis::ModesAndAttachments)
+        {
+            return Ok(Reduced::of_kept(self, kept));
+        }
         let (modes, factor) = self.modes_and_factor(Limit::Stuck, modes, progress)?;
         Reduced::new(self, modes, &factor, basis)
     }
@@ -68,9 +74,7 @@ impl Assembled {
 
 impl<'a> Reduced<'a> {
     fn new(assembled: &'a Assembled, modes: Modes, factor: &Cholesky, basis: Basis) -> Result<Self, Error> {
-        let mut eigenvalues: Vec<f64> = (0..modes.len())
-            .map(|i| if i < modes.zero_modes() { 0.0 } else { modes.eigenvalue(i) })
-            .collect();
+        let mut eigenvalues = eigenvalues_of(&modes);
         let mut attachments = Vec::new();
         if basis == Basis::ModesAndAttachments {
             let raw = attachment_vectors(assembled, &modes, factor);
@@ -78,11 +82,29 @@ impl<'a> Reduced<'a> {
             eigenvalues.extend(own);
             attachments = vectors;
         }
-        let damping = vec![0.0; eigenvalues.len()];
-        Ok(Self { assembled, modes, attachments, eigenvalues, damping })
+        Ok(Self::damped(Self { assembled, modes, attachments, eigenvalues, damping: Vec::new() }))
     }
 
-    /// The same with viscous modal damping: every coordinate gets a term 2ζωq' with the ratio ζ that `ratio` gives for its
+    fn of_kept(assembled: &'a Assembled, kept: &Kept) -> Self {
+        let modes = Modes::of_kept(&kept.basis, Limit::Stuck, assembled.unknowns());
+        let mut eigenvalues = eigenvalues_of(&modes);
+        eigenvalues.extend(&kept.attachments.values);
+        let vectors = kept.attachments.vectors.chunks_exact(assembled.unknowns());
+        let attachments = vectors.map(<[f64]>::to_vec).collect();
+        Self::damped(Self { assembled, modes, attachments, eigenvalues, damping: Vec::new() })
+    }
+
+    /// With what the damping of given matrices takes from each coordinate alone: the diagonal of Vᵀ C V. What couples coordinates is left
+    /// out, as is usual where damping is light.
+    fn damped(mut self) -> Self {
+        let own = |k: usize| {
+            self.assembled.damping().map_or(0.0, |c| c.form(self.column(k), self.column(k)).max(0.0))
+        };
+        self.damping = (0..self.coordinates()).map(own).collect();
+        self
+    }
+
+    /// The same with viscous modal damping besides that of given matrices: every coordinate gets a term 2ζωq' with the ratio ζ that `ratio` gives for its
     /// frequency in Hz. Rigid motions stay undamped. What a suspension or a sensor's cable takes besides the joints.
     ///
     /// # Errors
@@ -101,12 +123,12 @@ impl<'a> Reduced<'a> {
             let omega = eigenvalue.max(0.0).sqrt();
             let given = ratio(omega / std::f64::consts::TAU);
             check("modal damping ratio", given, given >= 0.0, "must be a finite number >= 0")?;
-            *damping = 2.0 * given * omega;
+            *damping += 2.0 * given * omega;
         }
         Ok(self)
     }
 
-    /// 2ζω of each coordinate, 1/s; zeros unless [`with_damping`](Self::with_damping) was called.
+    /// 2ζω of each coordinate, 1/s; zeros unless matrices with damping were given or [`with_damping`](Self::with_damping) was called.
     #[must_use]
     pub fn damping(&self) -> &[f64] {
         &self.damping
@@ -153,6 +175,11 @@ impl<'a> Reduced<'a> {
     pub fn project(&self, f: &[f64]) -> Vec<f64> {
         (0..self.coordinates()).map(|k| dot(self.column(k), f)).collect()
     }
+}
+
+/// Λ of the modes, with nothing left of what is rounding in rigid motions.
+fn eigenvalues_of(modes: &Modes) -> Vec<f64> {
+    (0..modes.len()).map(|i| if i < modes.zero_modes() { 0.0 } else { modes.eigenvalue(i) }).collect()
 }
 
 /// (K_0 + σM)⁻¹ e of each slip without its part in the modes. The shift is so far below the first mode left out that

@@ -4,6 +4,9 @@ use super::modal::{ModalFilter, dominant_shape, scaled_average};
 use crate::error::{Error, check_length};
 use crate::signal::{Butterworth, Options, Passband, automatic_band};
 
+/// Noise that a modal filter may add, over that of the average. A judgement: below, a neighbour in the band costs more than noise does.
+const AMPLIFIED: f64 = 2.0;
+
 /// Weights by which channels add up to the record of one mode, and how they came about.
 ///
 /// Found once, it serves all records of the same channels: several force levels of one structure.
@@ -90,6 +93,50 @@ impl Combination {
         );
         let rows = (0..shapes.len()).filter_map(|mode| filter.weights(mode));
         Ok(rows.map(|weights| Self { weights, notes: vec![note.clone()] }).collect())
+    }
+
+    /// The combination for one of several mass-normalised mode shapes: the modal filter where the shapes allow it, else the average of all
+    /// channels over their shape, weighted by its square (Sec. 4.4), which leaves it to the band to keep other modes out. A filter is not allowed that
+    /// amplifies noise by more than twice what the average does, or that has more modes than the channels tell apart.
+    ///
+    /// # Errors
+    /// As [`ModalFilter::new`] but for its rank; [`Error::Length`] for a mode that is not there.
+    ///
+    /// ```
+    /// use iwan_ident::channels::Combination;
+    /// // Two shapes that differ in a hundredth at one of two channels.
+    /// let alike = [vec![1.0, 1.0], vec![1.0, 0.99]];
+    /// assert_eq!(Combination::of_shape(&alike, 0)?.weights, [0.5, 0.5]);
+    /// let apart = [vec![1.0, 1.0], vec![1.0, -1.0]];
+    /// assert!(Combination::of_shape(&apart, 1)?.notes[0].contains("modal filter"));
+    /// # Ok::<(), iwan_ident::Error>(())
+    /// ```
+    pub fn of_shape(shapes: &[Vec<f64>], mode: usize) -> Result<Self, Error> {
+        check_length("mode shapes", shapes.len().min(mode + 1), mode + 1)?;
+        let length = |x: &[f64]| x.iter().map(|x| x * x).sum::<f64>().sqrt();
+        let own = length(&shapes[mode]);
+        let average = |why: String| {
+            let weights = shapes[mode].iter().map(|p| p / (own * own)).collect();
+            Self {
+                weights,
+                notes: vec![format!(
+                    "average of {} channels over the mode's shape: {why}",
+                    shapes[mode].len()
+                )],
+            }
+        };
+        let alone = std::slice::from_ref(&shapes[mode]);
+        match Self::of_shapes(shapes).map(|mut all| all.swap_remove(mode)) {
+            Ok(filter) if length(&filter.weights) * own <= AMPLIFIED => Ok(filter),
+            Ok(filter) => Ok(average(format!(
+                "a modal filter of {} shapes would amplify noise {:.1} times",
+                shapes.len(),
+                length(&filter.weights) * own
+            ))),
+            // A shape that is none by itself is refused; shapes that are not told apart leave the average.
+            Err(Error::Refused { finding, .. }) if Self::of_shapes(alone).is_ok() => Ok(average(finding)),
+            Err(error) => Err(error),
+        }
     }
 
     /// The record of the mode.

@@ -22,7 +22,7 @@ pub enum Shape<'a> {
     Unknown,
     /// One of several mass-normalised mode shapes.
     Known {
-        /// `shapes[mode][channel]`: together they make the modal filter.
+        /// `shapes[mode][channel]`: together they make the modal filter, where they allow it.
         shapes: &'a [Vec<f64>],
         /// Which of them is wanted.
         mode: usize,
@@ -57,7 +57,7 @@ pub enum NoMode {
 /// The records of one mode out of recordings of the same channels; the first recording decides how these are combined.
 ///
 /// # Errors
-/// [`NoMode`] with what [`Combination::of_shapes`], [`Combination::dominant`], [`strangers`] or [`Combination::apply`]
+/// [`NoMode`] with what [`Combination::of_shape`], [`Combination::dominant`], [`strangers`] or [`Combination::apply`]
 /// refuse.
 ///
 /// # Panics
@@ -86,7 +86,7 @@ pub fn one_mode(
     let of_first = |error| NoMode::Recording { index: 0, error };
     let combination = match shape {
         Shape::Known { shapes, mode } => {
-            let mut combination = Combination::of_shapes(shapes).map_err(NoMode::Shapes)?.swap_remove(mode);
+            let mut combination = Combination::of_shape(shapes, mode).map_err(NoMode::Shapes)?;
             combination.notes.extend(doubts(first, &shapes[mode], options).map_err(of_first)?);
             combination
         }

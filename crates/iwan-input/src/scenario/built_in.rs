@@ -14,11 +14,18 @@ pub struct BuiltIn {
 }
 
 /// All of them, the default first.
-static ALL: &[BuiltIn] = &[BuiltIn {
-    name: "paper-modal",
-    about: "the beam of Deaner et al. (2015): three modal Iwan oscillators, hammer blow at the tip",
-    text: include_str!("../../scenarios/paper-modal.toml"),
-}];
+static ALL: &[BuiltIn] = &[
+    BuiltIn {
+        name: "paper-modal",
+        about: "the beam of Deaner et al. (2015): three modal Iwan oscillators, hammer blow at the tip",
+        text: include_str!("../../scenarios/paper-modal.toml"),
+    },
+    BuiltIn {
+        name: "coupled",
+        about: "the same beam, configuration A: three modes that share one joint",
+        text: include_str!("../../scenarios/coupled.toml"),
+    },
+];
 
 /// JSON Schema (draft 2020-12) of scenario files.
 pub const SCHEMA: &str = include_str!("../../schema/scenario.schema.json");

@@ -6,6 +6,7 @@ mod method;
 mod part;
 mod curves;
 mod mode;
+mod joint;
 mod structure;
 mod sweep;
 mod read;
@@ -17,6 +18,7 @@ mod schema_tests;
 
 pub use built_in::{BuiltIn, SCHEMA, built_in};
 pub use force::{Force, ForceFile};
+pub use joint::ScenarioJoint;
 pub use method::{JointChoice, Overrides};
 pub use mode::ScenarioMode;
 pub use read::Scenario;

@@ -6,16 +6,17 @@ use crate::error::InputError;
 use crate::section::{Section, plain};
 use crate::text::InputText;
 use iwan_core::Grid;
-use iwan_sim::{Method, Mode, Settings};
+use iwan_sim::{Method, Mode, Settings, SharedJoint};
 
 use super::force::{self, Force};
+use super::joint::{self, ScenarioJoint};
 use super::method::{self, MethodKeys, Overrides, Refusal};
 use super::mode::{self, ScenarioMode};
 use super::structure::OnStructure;
 use super::sweep::SweepTable;
 
 /// Keys at the top of a scenario.
-pub(crate) const KEYS: &[&str] = &["title", "mode", "structure", "force", "time", "method", "sweep"];
+pub(crate) const KEYS: &[&str] = &["title", "mode", "joint", "structure", "force", "time", "method", "sweep"];
 
 /// Numbers of a response at most: 8 GB. A longer one is refused before anything is computed, since a computer for which it is too
 /// much would slow down to a halt; half as much or twice as much would do as well.
@@ -28,6 +29,8 @@ pub struct Scenario {
     pub title: Option<String>,
     /// The modes; none on a structure.
     pub modes: Vec<ScenarioMode>,
+    /// Joints that several modes move; none where each mode has its own.
+    pub joints: Vec<ScenarioJoint>,
     /// The structure, where there is one instead of modes.
     pub structure: Option<OnStructure>,
     /// The force on modes or structure.
@@ -56,15 +59,20 @@ impl Scenario {
         let structure = OnStructure::read(source, &top)?;
         let settings = read_settings(source, &top, overrides, structure.is_some())?;
         let modes = if structure.is_some() { Vec::new() } else { read_modes(source, &top)? };
+        let joints = joint::read(source, &top, &modes)?;
         let scenario = Self {
             title: top.optional_text("title")?,
             modes,
+            joints,
             structure,
             force: read_force(source, &top, settings.dt, overrides)?,
             settings,
             sweep: SweepTable::read(source, &top)?,
         };
         scenario.check_sampling(source, &top, overrides)?;
+        if !scenario.joints.is_empty() {
+            joint::check(source, &top, (&scenario.modes(), &scenario.joints), &settings)?;
+        }
         Ok(scenario)
     }
 
@@ -72,6 +80,12 @@ impl Scenario {
     #[must_use]
     pub fn modes(&self) -> Vec<Mode> {
         self.modes.iter().map(|m| m.mode.clone()).collect()
+    }
+
+    /// The joints that modes share, for the simulation.
+    #[must_use]
+    pub fn joints(&self) -> Vec<SharedJoint> {
+        self.joints.iter().map(|j| j.joint.clone()).collect()
     }
 
     /// What the user should know about the input.
@@ -98,7 +112,8 @@ impl Scenario {
         let Settings { dt, duration, method, .. } = self.settings;
         let steps = duration / dt;
         let points: BTreeSet<_> = self.modes.iter().flat_map(|m| &m.mode.outputs).map(|p| &p.name).collect();
-        let numbers = steps * (1 + 4 * self.modes.len() + 3 * points.len()) as f64;
+        let columns = 1 + 4 * self.modes.len() + 2 * self.joints.len() + 3 * points.len();
+        let numbers = steps * columns as f64;
         if steps < 1.0 {
             let (dt, duration) = (plain(dt), plain(duration));
             let message = format!("step = {dt} is longer than duration = {duration}: there would be no step");

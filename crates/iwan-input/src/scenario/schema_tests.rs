@@ -5,8 +5,8 @@ use serde_json::Value;
 
 use super::read::KEYS;
 use super::{
-    Overrides, SCHEMA, Scenario, SteadyScenario, built_in, curves, force, method, mode, part, structure,
-    sweep, to_toml,
+    Overrides, SCHEMA, Scenario, SteadyScenario, built_in, curves, force, joint, method, mode, part,
+    structure, sweep, to_toml,
 };
 use crate::section::{TableKind, known};
 use crate::text::InputText;
@@ -32,6 +32,7 @@ fn same(mut a: Vec<String>, b: &[&str]) {
 fn plain_tables_have_the_same_keys() {
     same(keys_at("/properties"), KEYS);
     same(keys_at("/$defs/mode/properties"), mode::KEYS);
+    same(keys_at("/$defs/shared_joint/properties"), joint::KEYS);
     same(keys_at("/$defs/initial/properties"), mode::INITIAL_KEYS);
     same(keys_at("/$defs/time/properties"), method::TIME_KEYS);
     same(keys_at("/$defs/structure/properties"), structure::KEYS);
@@ -243,6 +244,83 @@ fn what_the_schema_refuses_the_reader_refuses() {
         assert!(!validator.is_valid(&as_json(&text)), "{text}");
         assert!(read(&text).is_err(), "{text}");
     }
+}
+
+const SHARED: &str = "\
+[[mode]]
+name = 'a'
+frequency = 100
+[[mode]]
+name = 'b'
+frequency = 500
+joint = { kind = 'jenkins', k_t = 1e4, f_s = 10.0 }
+[[joint]]
+name = 'left'
+law = { k_t = 1e5, f_s = 10.0, chi = -0.5, beta = 0.1 }
+participation = { a = 1, b = -2.5 }
+compliance = 1e-6
+[[joint]]
+law = { kind = 'jenkins', k_t = 1e5, f_s = 10.0 }
+participation = { b = 0.5 }
+[force]
+kind = 'none'
+[time]
+step = 1e-5
+duration = 0.1
+";
+
+/// Joints that modes share are valid, survive writing, and are refused with place and remedy.
+#[test]
+fn shared_joints_are_read_written_and_refused() {
+    let validator = jsonschema::validator_for(&schema()).unwrap();
+    let compliance = "compliance = 1e-6";
+    for (from, to) in [
+        ("", ""),
+        (compliance, ""),
+        (compliance, "compliance = { left = 1e-6 }\nslip_at_force = 1e-9"),
+        ("[force]", "compliance = { 'joint 2' = 1e-6, left = -3e-7 }\n[force]"),
+        ("[time]", "[method]\njoint = 'continuum'\nprewarp = false\n[time]"),
+    ] {
+        let text = SHARED.replacen(from, to, 1);
+        assert!(validator.is_valid(&as_json(&text)), "{text}");
+        let scenario = read(&text).unwrap();
+        assert_eq!(scenario.joints[1].joint.name, "joint 2");
+        assert_eq!(scenario.joints[0].joint.compliance[1], scenario.joints[1].joint.compliance[0]);
+        assert_eq!(read(&to_toml(&scenario, "x")).unwrap(), scenario, "{text}");
+    }
+    let invalid = [
+        ("participation = { b = 0.5 }\n", ""),
+        ("participation = { b = 0.5 }", "participation = {}"),
+        ("law = { kind = 'jenkins', k_t = 1e5, f_s = 10.0 }\n", ""),
+        (compliance, "compliance = -1e-6"),
+        (compliance, "complience = 1e-6"),
+        ("name = 'left'", "name = ''"),
+    ];
+    for (from, to) in invalid {
+        let text = SHARED.replacen(from, to, 1);
+        assert!(!validator.is_valid(&as_json(&text)), "{text}");
+        assert!(read(&text).is_err(), "{text}");
+    }
+    let said = |from: &str, to: &str| read(&SHARED.replacen(from, to, 1)).unwrap_err().to_string();
+    let wrong = [
+        ("b = -2.5", "bb = -2.5", "did you mean \"b\"?"),
+        ("a = 1,", "a = nan,", "a = NaN is out of range"),
+        ("{ b = 0.5 }", "{ b = 0 }", "no mode that moves the joint"),
+        ("name = 'left'", "name = 'b'", "name of a mode, a point or another joint"),
+        (compliance, "compliance = 2e-5", "must be below 1"),
+        (compliance, "compliance = { rigth = 1 }", "there is no joint \"rigth\""),
+        (compliance, "compliance = { left = 1e-6, 'joint 2' = 5e-6 }", "positive semi-definite"),
+        ("b = -2.5", "b = -25", "nothing holds the modes"),
+        ("[time]", "[method]\nkind = 'half-cycle'\n[time]", "need newmark"),
+        ("frequency = 100", "frequency = 100\nparts = [{ law = 'coulomb', force = 2 }]", "leave out parts"),
+    ];
+    for (from, to, expected) in wrong {
+        let message = said(from, to);
+        assert!(message.contains(expected) && message.contains("test.toml"), "{message}");
+    }
+    assert!(said(compliance, "compliance = 2e-5").contains("joint \"left\""));
+    let steady = SteadyScenario::read(&InputText::built_in("test.toml", SHARED)).unwrap_err().to_string();
+    assert!(steady.contains("share joints"), "{steady}");
 }
 
 /// Curves come from a file as they do from the scenario, and what is wrong is said with its place.

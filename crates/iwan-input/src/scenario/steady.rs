@@ -38,6 +38,12 @@ impl SteadyScenario {
     pub fn read(source: &InputText) -> Result<Self, InputError> {
         let document = source.document("paper-modal")?;
         let top = Section::new(source, "the scenario", document.top(), KEYS)?;
+        if top.has("joint") {
+            let message =
+                "steady responses and backbones of modes that share joints are not computed from a scenario";
+            let remedy = "give the structure itself, or modes with a joint = { ... } of their own";
+            return Err(top.failure("joint", message, remedy));
+        }
         let structure = OnStructure::read(source, &top)?;
         let modes = if structure.is_some() { Vec::new() } else { read_modes(source, &top)? };
         let sweep = SweepTable::read(source, &top)?;

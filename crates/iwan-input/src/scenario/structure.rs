@@ -11,7 +11,8 @@ use iwan_fem::Model;
 use iwan_sim::Method;
 
 /// Keys of the table.
-pub(crate) const KEYS: &[&str] = &["path", "name", "model", "basis", "tolerance", "modes", "frames"];
+pub(crate) const KEYS: &[&str] =
+    &["path", "name", "reduced", "model", "basis", "tolerance", "modes", "frames"];
 
 /// Where the structure comes from.
 #[derive(Debug, Clone, PartialEq)]
@@ -20,6 +21,8 @@ pub enum Origin {
     File(PathBuf),
     /// A built-in structure, by its name.
     BuiltIn(&'static str),
+    /// The folder of a reduced model.
+    Reduced(PathBuf),
 }
 
 /// The table as written, with its defaults.
@@ -44,7 +47,12 @@ impl OnStructure {
             let message = "[structure] and [[mode]] exclude each other";
             return Err(top.failure("mode", message, "keep the modes, or the structure they belong to"));
         }
-        let model = model(&section)?;
+        if top.has("joint") {
+            let message = "[structure] and [[joint]] exclude each other";
+            return Err(top.failure("joint", message, "give the joints of a structure in its own file"));
+        }
+        let origin = origin(source, &section)?;
+        let model = model(&section, matches!(origin, Origin::Reduced(_)))?;
         let frames = section.optional_count("frames")?.unwrap_or(0);
         if frames > 0 && model == Model::Full {
             let message = "frames are made from the reduced model";
@@ -55,7 +63,7 @@ impl OnStructure {
             ));
         }
         let modes = if section.has("modes") { section.texts("modes")? } else { Vec::new() };
-        Ok(Some(Self { origin: origin(source, &section)?, model, modes, frames }))
+        Ok(Some(Self { origin, model, modes, frames }))
     }
 
     /// The structure file, and its name for messages.
@@ -66,6 +74,9 @@ impl OnStructure {
         let source = match &self.origin {
             Origin::File(path) => InputText::read(path, "structure", BUILT_IN_STRUCTURES[0].0)?,
             Origin::BuiltIn(name) => built_in_structure(name)?,
+            Origin::Reduced(folder) => {
+                return StructureFile::open_reduced(folder).map(|(source, file)| (source.name, file));
+            }
         };
         Ok((source.name.clone(), StructureFile::read(&source)?))
     }
@@ -73,22 +84,26 @@ impl OnStructure {
 
 fn origin(source: &InputText, section: &Section<'_>) -> Result<Origin, InputError> {
     let names: Vec<(&str, &'static str)> = BUILT_IN_STRUCTURES.iter().map(|b| (b.0, b.0)).collect();
-    match (section.optional_text("path")?, section.choice("name", &names)?) {
-        (Some(path), None) => Ok(Origin::File(source.folder.join(path))),
-        (None, Some(name)) => Ok(Origin::BuiltIn(name)),
-        (given, _) => {
-            let message = if given.is_some() {
-                "`path` and `name` exclude each other"
-            } else {
-                "the key `path` is missing"
+    let given =
+        (section.optional_text("path")?, section.choice("name", &names)?, section.optional_text("reduced")?);
+    match given {
+        (Some(path), None, None) => Ok(Origin::File(source.folder.join(path))),
+        (None, Some(name), None) => Ok(Origin::BuiltIn(name)),
+        (None, None, Some(folder)) => Ok(Origin::Reduced(source.folder.join(folder))),
+        (path, name, reduced) => {
+            let message = match (path, name, reduced) {
+                (None, None, None) => "the key `path` is missing",
+                (Some(_), Some(_), None) => "`path` and `name` exclude each other",
+                _ => "`reduced` excludes `path` and `name`: the folder says which structure it belongs to",
             };
-            let remedy = "give path = \"FILE.toml\", or name = \"paper-a\" for a built-in structure";
+            let remedy = "give path = \"FILE.toml\", reduced = \"FOLDER\" for a reduced model that was written, or \
+                          name = \"paper-a\" for a built-in structure";
             Err(section.failure("path", message, remedy))
         }
     }
 }
 
-fn model(section: &Section<'_>) -> Result<Model, InputError> {
+fn model(section: &Section<'_>, kept: bool) -> Result<Model, InputError> {
     let full = section.choice("model", &[("reduced", false), ("full", true)])?.unwrap_or(false);
     let basis = section.optional_count("basis")?;
     let tolerance = section.optional_number("tolerance")?;
@@ -97,9 +112,16 @@ fn model(section: &Section<'_>) -> Result<Model, InputError> {
             let message = format!("`{key}` does not apply to model = \"full\"");
             return Err(section.failure(key, &message, "remove it, or choose model = \"reduced\""));
         }
+        if kept && given {
+            let message = format!(
+                "`{key}` does not apply to a reduced model that was written: its basis is in the folder"
+            );
+            return Err(section.failure(key, &message, "remove it, or give path = \"FILE.toml\""));
+        }
     }
     match (full, basis, tolerance) {
         (true, ..) => Ok(Model::Full),
+        _ if kept => Ok(Model::Kept),
         (_, Some(_), Some(_)) => {
             let message = "`basis` and `tolerance` exclude each other";
             Err(section.failure("basis", message, "fix the number of modes, or the error they may cause"))

@@ -5,10 +5,12 @@ use std::fmt::Write;
 use iwan_core::{Grid, Pulse, ResidualStiffness};
 use iwan_sim::{Method, Representation, Settings};
 
+use crate::text::quoted;
 use crate::written_law::WrittenLaw;
 use iwan_fem::Model;
 
 use super::force::Force;
+use super::joint::ScenarioJoint;
 use super::mode::ScenarioMode;
 use super::part;
 use super::read::Scenario;
@@ -25,6 +27,9 @@ pub fn to_toml(scenario: &Scenario, force_file: &str) -> String {
     }
     for mode in &scenario.modes {
         write_mode(&mut out, mode);
+    }
+    for joint in &scenario.joints {
+        write_joint(&mut out, joint, scenario);
     }
     if let Some(structure) = &scenario.structure {
         write_structure(&mut out, structure);
@@ -45,23 +50,6 @@ fn line(out: &mut String, key: &str, value: &str) {
 
 fn number(out: &mut String, key: &str, value: f64) {
     line(out, key, &format!("{value:?}"));
-}
-
-/// A basic string of TOML.
-fn quoted(text: &str) -> String {
-    let mut out = String::from("\"");
-    for c in text.chars() {
-        match c {
-            '"' => out.push_str("\\\""),
-            '\\' => out.push_str("\\\\"),
-            c if c.is_control() => {
-                let _ = write!(out, "\\u{:04X}", u32::from(c));
-            }
-            c => out.push(c),
-        }
-    }
-    out.push('"');
-    out
 }
 
 /// `{ key = value, ... }`.
@@ -104,6 +92,27 @@ fn write_mode(out: &mut String, ScenarioMode { mode, joint }: &ScenarioMode) {
     }
 }
 
+fn write_joint(out: &mut String, ScenarioJoint { joint, law }: &ScenarioJoint, scenario: &Scenario) {
+    out.push_str("\n[[joint]]\n");
+    line(out, "name", &quoted(&joint.name));
+    line(out, "law", &joint_table(law));
+    let by_name = |names: Vec<&str>, values: &[f64]| {
+        let named = names.iter().zip(values).filter(|(_, value)| **value != 0.0);
+        let pairs: Vec<_> = named.map(|(name, value)| format!("{} = {value:?}", quoted(name))).collect();
+        format!("{{ {} }}", pairs.join(", "))
+    };
+    let modes = scenario.modes.iter().map(|m| m.mode.name.as_str()).collect();
+    line(out, "participation", &by_name(modes, &joint.participation));
+    let own = scenario.joints.iter().position(|j| j.joint.name == joint.name).unwrap_or(0);
+    if joint.compliance.iter().enumerate().all(|(l, rho)| l == own || *rho == 0.0) {
+        number(out, "compliance", joint.compliance.get(own).copied().unwrap_or(0.0));
+    } else {
+        let joints = scenario.joints.iter().map(|j| j.joint.name.as_str()).collect();
+        line(out, "compliance", &by_name(joints, &joint.compliance));
+    }
+    number(out, "slip_at_force", joint.slip_at_force);
+}
+
 fn part_table(part: &iwan_core::Part) -> String {
     let (law, keys, count) = part::written(part);
     let keys = keys.iter().take(count).map(|(key, value)| (*key, format!("{value:?}")));
@@ -130,10 +139,14 @@ fn write_structure(out: &mut String, structure: &OnStructure) {
             line(out, "path", &quoted(&path.display().to_string()));
         }
         Origin::BuiltIn(name) => line(out, "name", &quoted(name)),
+        Origin::Reduced(folder) => {
+            let folder = folder.canonicalize().unwrap_or_else(|_| folder.clone());
+            line(out, "reduced", &quoted(&folder.display().to_string()));
+        }
     }
     line(out, "model", if structure.model == Model::Full { "\"full\"" } else { "\"reduced\"" });
     match structure.model {
-        Model::Full => {}
+        Model::Full | Model::Kept => {}
         Model::Basis(modes) => line(out, "basis", &modes.to_string()),
         Model::Tolerance(tolerance) => number(out, "tolerance", tolerance),
     }

@@ -6,7 +6,8 @@ use iwan_fem::Structure;
 use iwan_fem::mesh::MeshFile;
 
 use super::ends::{self, Load, Output};
-use super::{joints, materials, matrices, meshes, sets};
+use super::joints::{self, StructureLaw};
+use super::{materials, matrices, meshes, sets};
 use crate::error::InputError;
 use crate::section::Section;
 use crate::text::InputText;
@@ -20,7 +21,7 @@ pub(super) const KEYS: &[&str] = &[
     "output",
 ];
 
-/// Whether a file is a structure rather than a scenario: whether it says anything about a mesh.
+/// Whether a file is a structure rather than a scenario: whether it says anything about a mesh or matrices.
 ///
 /// # Errors
 /// [`InputError`] where the file is no TOML.
@@ -31,7 +32,9 @@ pub(super) const KEYS: &[&str] = &[
 /// # Ok::<(), iwan_input::InputError>(())
 /// ```
 pub fn is_structure(source: &InputText) -> Result<bool, InputError> {
-    Ok(source.document("paper-a")?.top().has("mesh"))
+    let document = source.document("paper-a")?;
+    let top = document.top();
+    Ok(top.has("mesh") || top.has("matrices"))
 }
 
 /// A structure file, read and checked.
@@ -41,6 +44,8 @@ pub struct StructureFile {
     pub title: Option<String>,
     /// Mesh, materials and what connects the parts.
     pub structure: Structure,
+    /// Laws of its slips as the file has them.
+    pub laws: Vec<StructureLaw>,
     /// Where the force of a scenario acts.
     pub loads: Vec<Load>,
     /// Points whose motion is wanted.
@@ -75,7 +80,8 @@ impl StructureFile {
         let document = source.document("paper-a")?;
         let top = Section::new(source, "the structure", document.top(), KEYS)?;
         let (mut structure, mut notes) = body(source, &top)?;
-        structure.joints = joints::read(source, &top, &structure.mesh)?;
+        let (read, laws) = joints::read(source, &top, &structure.mesh)?;
+        structure.joints = read;
         notes.extend(joints::project(source, &top, &mut structure)?);
         structure.supports = ends::supports(source, &top, &structure.mesh)?;
         structure.lumps = ends::lumps(source, &top, &structure.mesh)?;
@@ -87,7 +93,7 @@ impl StructureFile {
             return Err(InputError::new(message, "mend the mesh, or the joints in this file, as said above"));
         }
         notes.extend(findings.remarks.iter().map(ToString::to_string));
-        Ok(Self { title: top.optional_text("title")?, structure, loads, outputs, notes })
+        Ok(Self { title: top.optional_text("title")?, structure, laws, loads, outputs, notes })
     }
 }
 

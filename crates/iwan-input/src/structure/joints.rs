@@ -1,5 +1,6 @@
 //! `[[joint]]` and `[[tie]]`.
 
+use std::fmt;
 use std::sync::Arc;
 
 use iwan_fem::mesh::Mesh;
@@ -28,8 +29,12 @@ const MOTIONS: &[(&str, Interface)] = &[
 ];
 
 /// Joints, then ties.
-pub(super) fn read(source: &InputText, top: &Section<'_>, mesh: &Mesh) -> Result<Vec<Joint>, InputError> {
-    let mut joints: Vec<Joint> = Vec::new();
+pub(super) fn read(
+    source: &InputText,
+    top: &Section<'_>,
+    mesh: &Mesh,
+) -> Result<(Vec<Joint>, Vec<StructureLaw>), InputError> {
+    let (mut joints, mut laws): (Vec<Joint>, _) = (Vec::new(), Vec::new());
     for (word, keys) in [("joint", JOINT_KEYS), ("tie", TIE_KEYS)] {
         for (index, place) in top.tables(word)?.into_iter().enumerate() {
             let section = Section::new(source, format!("{word} {}", index + 1), place, keys)?;
@@ -45,12 +50,12 @@ pub(super) fn read(source: &InputText, top: &Section<'_>, mesh: &Mesh) -> Result
             let motion = section.choice("motion", motions)?.unwrap_or(Interface::Whole(Patch::default()));
             let mut joint = Joint::new(name, face, patch, motion);
             if word == "joint" {
-                joint = slips(source, &section, joint)?;
+                joint = slips(source, &section, joint, &mut laws)?;
             }
             joints.push(joint);
         }
     }
-    Ok(joints)
+    Ok((joints, laws))
 }
 
 /// Whether a tie says motion = "projection".
@@ -97,7 +102,27 @@ pub(super) fn project(
     Ok(notes)
 }
 
-fn slips(source: &InputText, section: &Section<'_>, mut joint: Joint) -> Result<Joint, InputError> {
+/// A law of a slip beside the law as written.
+#[derive(Clone)]
+pub struct StructureLaw {
+    /// The law that the structure computes with.
+    pub law: Law,
+    /// As the file has it.
+    pub written: WrittenLaw,
+}
+
+impl fmt::Debug for StructureLaw {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        self.written.fmt(f)
+    }
+}
+
+fn slips(
+    source: &InputText,
+    section: &Section<'_>,
+    mut joint: Joint,
+    laws: &mut Vec<StructureLaw>,
+) -> Result<Joint, InputError> {
     let places = section.tables("slip")?;
     if places.is_empty() || places.len() > 3 {
         let message = format!("it slips in {} directions", places.len());
@@ -107,6 +132,8 @@ fn slips(source: &InputText, section: &Section<'_>, mut joint: Joint) -> Result<
     for (index, place) in places.into_iter().enumerate() {
         let title = format!("slip {} of {}", index + 1, section.title());
         let (direction, law) = slip(source, title, place)?;
+        laws.extend(law.clone());
+        let law = law.map(|law| law.law);
         let along = |other: [f64; 3]| other.iter().zip(direction).map(|(a, b)| a * b).sum::<f64>();
         if let Some(other) = joint.slips.iter().position(|slip| along(slip.direction).abs() > ORTHOGONAL) {
             let message = format!("its directions {} and {} are not orthogonal", other + 1, index + 1);
@@ -125,12 +152,12 @@ fn slip<'a>(
     source: &'a InputText,
     title: String,
     place: TablePlace<'a>,
-) -> Result<([f64; 3], Option<Law>), InputError> {
+) -> Result<([f64; 3], Option<StructureLaw>), InputError> {
     let section = Section::new(source, title, place, SLIP_KEYS)?;
     let law = match section.optional_table("law")? {
         Some(place) => {
-            let (_, law) = WrittenLaw::read(source, format!("law of {}", section.title()), place)?;
-            Some(Arc::new(law) as Law)
+            let (written, law) = WrittenLaw::read(source, format!("law of {}", section.title()), place)?;
+            Some(StructureLaw { law: Arc::new(law), written })
         }
         None => None,
     };

@@ -14,9 +14,11 @@ use crate::text::InputText;
 pub(super) const MATRICES_KEYS: &[&str] = &[
     "stiffness",
     "mass",
+    "damping",
     "format",
     "stiffness_name",
     "mass_name",
+    "damping_name",
     "rows",
     "numbers",
     "coordinates",
@@ -51,14 +53,16 @@ pub(super) fn read(
     let (stiffness_file, stiffness) = reading.matrix("stiffness", STIFFNESS)?;
     let (mass_file, mass) = reading.matrix("mass", MASSES)?;
     let labels = reading.labels(&stiffness)?;
-    let mass = reading.in_order_of(&labels, &stiffness, mass)?;
+    let mass = reading.in_order_of(&labels, stiffness.labels.as_deref(), ("mass", mass))?;
+    let given_labels = stiffness.labels.clone();
     let mut places = Places::read(&section, &source.folder, &labels)?;
     let rows = rows(&section, &mut places, &labels)?;
     let stiffness = reading.symmetric("stiffness", &stiffness_file, &stiffness, &labels)?;
     let mass = reading.symmetric("mass", &mass_file, &mass, &labels)?;
+    let damping = reading.damping(&labels, given_labels.as_deref())?;
     let Places { mesh, placed, notes } = places;
     let mut structure = Structure::new(mesh, unused()?);
-    structure.given = Some(Given { rows, stiffness, mass, placed });
+    structure.given = Some(Given { rows, stiffness, mass, damping, placed });
     check_mass(&section, &structure)?;
     Ok((structure, notes))
 }
@@ -71,6 +75,7 @@ fn unused() -> Result<Material, InputError> {
 /// Names that matrices of stiffness and of mass have in the files of several programs.
 const STIFFNESS: &[&str] = &["K", "STIFFNESS", "KAA", "KAAX", "KGG", "K2GG", "K2PP", "KXX"];
 const MASSES: &[&str] = &["M", "MASS", "MAA", "MAAX", "MGG", "M2GG", "M2PP", "MXX"];
+const DAMPINGS: &[&str] = &["C", "B", "DAMPING", "BAA", "BAAX", "BGG", "B2GG", "B2PP", "BXX"];
 
 /// Reads the files that the table names.
 struct Reading<'r, 's> {
@@ -109,7 +114,7 @@ impl Reading<'_, '_> {
             return Err(self.section.failure(
                 key,
                 &message,
-                "a stiffness and a mass are real: choose that matrix",
+                "stiffness, mass and damping are real: choose that matrix",
             ));
         }
         if matrix.rows != matrix.columns || matrix.rows == 0 {
@@ -122,10 +127,39 @@ impl Reading<'_, '_> {
             return Err(self.section.failure(
                 key,
                 &message,
-                "a stiffness and a mass are square: choose that matrix",
+                "stiffness, mass and damping are square: choose that matrix",
             ));
         }
         Ok((path, matrix))
+    }
+
+    /// The damping, where there is one, with its rows in the order of those of the stiffness.
+    fn damping(
+        &self,
+        labels: &[Label],
+        of_stiffness: Option<&[Label]>,
+    ) -> Result<Option<Symmetric>, InputError> {
+        if !self.section.has("damping") {
+            return Ok(None);
+        }
+        let (file, damping) = self.matrix("damping", DAMPINGS)?;
+        let damping = self.in_order_of(labels, of_stiffness, ("damping", damping))?;
+        let damping = self.symmetric("damping", &file, &damping, labels)?;
+        if let Some(row) = (0..damping.order()).find(|&row| damping.diagonal_entry(row) < 0.0) {
+            let value = plain(damping.diagonal_entry(row));
+            let message = format!(
+                "{}: row {} ({}) of the damping has {value} on its diagonal",
+                file.display(),
+                row + 1,
+                labels[row]
+            );
+            return Err(self.section.failure(
+                "damping",
+                &message,
+                "a viscous damping gives no energy back: check signs",
+            ));
+        }
+        Ok(Some(damping))
     }
 
     /// What the rows are: the key `rows`, else what the stiffness's file says, else one displacement along x of one node each.
@@ -151,14 +185,14 @@ impl Reading<'_, '_> {
         Ok(labels)
     }
 
-    /// The mass with its rows in the order of those of the stiffness. Rows that only the stiffness has carry no mass.
+    /// The mass or damping with its rows in the order of those of the stiffness. Rows that only the stiffness has carry none.
     fn in_order_of(
         &self,
         labels: &[Label],
-        stiffness: &Matrix,
-        mut mass: Matrix,
+        of_stiffness: Option<&[Label]>,
+        (key, mut mass): (&str, Matrix),
     ) -> Result<Matrix, InputError> {
-        if let (Some(_), Some(own)) = (&stiffness.labels, mass.labels.take())
+        if let (Some(_), Some(own)) = (of_stiffness, mass.labels.take())
             && !self.section.has("rows")
         {
             let index: std::collections::BTreeMap<Label, u32> =
@@ -166,8 +200,8 @@ impl Reading<'_, '_> {
             let mut map = Vec::with_capacity(own.len());
             for label in &own {
                 map.push(*index.get(label).ok_or_else(|| {
-                    let message = format!("the mass has {label}, which the stiffness has not");
-                    self.section.failure("mass", &message, "take both matrices from one model")
+                    let message = format!("the {key} has {label}, which the stiffness has not");
+                    self.section.failure(key, &message, "take both matrices from one model")
                 })?);
             }
             for entry in &mut mass.entries {
@@ -180,8 +214,8 @@ impl Reading<'_, '_> {
             (mass.rows, mass.columns) = (labels.len(), labels.len());
         }
         if mass.rows != labels.len() {
-            let message = format!("the mass has {} rows, the stiffness {}", mass.rows, labels.len());
-            return Err(self.section.failure("mass", &message, "take both matrices from one model"));
+            let message = format!("the {key} has {} rows, the stiffness {}", mass.rows, labels.len());
+            return Err(self.section.failure(key, &message, "take both matrices from one model"));
         }
         Ok(mass)
     }

@@ -10,6 +10,7 @@ mod joints;
 mod built_in;
 mod file;
 mod run;
+mod out;
 
 #[cfg(test)]
 mod schema_tests;
@@ -19,4 +20,6 @@ mod tests;
 pub use built_in::{BUILT_IN_STRUCTURES, built_in_structure};
 pub use ends::{Load, Output};
 pub use file::{STRUCTURE_SCHEMA, StructureFile, is_structure};
+pub use joints::StructureLaw;
+pub use out::{MatrixFormat, ReducedFolder, matrix_file_names, matrix_files};
 pub use run::{RunError, StructureTask};

@@ -41,7 +41,20 @@ pub(super) fn read(source: &InputText, top: &Section<'_>, mesh: &mut Mesh) -> Re
     single_nodes(source, top, mesh)
 }
 
-/// A set of one node for each place where a node is named by its number, `nodes = "17"`.
+/// Number of a node in the mesh by what a file calls it: its number, or `INSTANCE.NUMBER` of a node of an instance.
+fn labelled(name: &str, mesh: &Mesh) -> Option<u64> {
+    let (instance, number) = match name.rsplit_once('.') {
+        Some((instance, number)) if !mesh.node_sets.contains_key(name) => (Some(instance), number),
+        _ => (None, name),
+    };
+    let shift = match instance {
+        Some(instance) => *mesh.instances.iter().find(|known| known.0.eq_ignore_ascii_case(instance))?.1,
+        None => 0,
+    };
+    number.parse::<u64>().ok()?.checked_add(shift)
+}
+
+/// A set of one node for each place where a node is named by its number, `nodes = "17"` or `nodes = "Plate-1.17"`.
 fn single_nodes(source: &InputText, top: &Section<'_>, mesh: &mut Mesh) -> Result<(), InputError> {
     let mut index: Option<BTreeMap<u64, usize>> = None;
     for word in ["joint", "tie", "support", "lump", "load", "output"] {
@@ -52,7 +65,7 @@ fn single_nodes(source: &InputText, top: &Section<'_>, mesh: &mut Mesh) -> Resul
                     continue;
                 }
                 let name = section.text(key)?;
-                let Ok(label) = name.parse::<u64>() else { continue };
+                let Some(label) = labelled(&name, mesh) else { continue };
                 let all =
                     || mesh.node_labels.iter().enumerate().map(|(index, label)| (*label, index)).collect();
                 let node = index.get_or_insert_with(all).get(&label);

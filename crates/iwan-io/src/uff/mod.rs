@@ -1,4 +1,4 @@
-//! Universal file format, dataset 58 (ASCII) and 58b (binary): functions at nodal degrees of freedom.
+//! Universal file format, dataset 58 (ASCII) and 58b (binary): functions at nodal degrees of freedom; geometry and mode shapes.
 //!
 //! Layout after the "Universal Dataset Number 58" page of the Structural Dynamics Research Laboratory, University of
 //! Cincinnati. Every dataset with a real time history is a channel; other datasets are skipped, spectra and complex
@@ -6,12 +6,16 @@
 
 mod nodal;
 mod sections;
+mod rows;
 mod header;
 mod data;
 mod functions;
+mod shape;
+mod model;
 pub mod write;
 
 pub use functions::{UffFunction, functions};
+pub use model::{UffModel, model};
 pub use nodal::NodalDirection;
 
 use crate::assembly::{Axis, Channel, Raw};

@@ -48,6 +48,24 @@ pub(super) fn split<'a>(
     source: &FileBytes<'a>,
     warnings: &mut Vec<Warning>,
 ) -> Result<Vec<Section<'a>>, ReadError> {
+    split_all(source, warnings, &mut |_| {})
+}
+
+/// A dataset of another number, in text.
+pub(super) struct Other<'a> {
+    pub(super) number: String,
+    /// Byte offset of the line with the number, for messages.
+    pub(super) offset: usize,
+    /// Lines between the number and the closing line.
+    pub(super) body: &'a [u8],
+}
+
+/// Finds all datasets 58 and 58b, and hands the others on.
+pub(super) fn split_all<'a>(
+    source: &FileBytes<'a>,
+    warnings: &mut Vec<Warning>,
+    others: &mut dyn FnMut(Other<'a>),
+) -> Result<Vec<Section<'a>>, ReadError> {
     let bytes = source.bytes;
     let (mut sections, mut at, mut open) = (Vec::new(), 0, false);
     while let Some((line, next)) = line_at(bytes, at) {
@@ -67,7 +85,9 @@ pub(super) fn split<'a>(
             at = section.end;
             sections.push(section);
         } else {
-            at = skip_to_delimiter(bytes, at);
+            let end = skip_to_delimiter(bytes, at);
+            others(Other { number, offset: start, body: &bytes[at..end] });
+            at = end;
             at = line_at(bytes, at).map_or(bytes.len(), |(_, next)| next);
         }
     }

@@ -1,33 +1,12 @@
-//! Universal files written: points (dataset 15), mode shapes (55) and functions (58), as text.
+//! Universal files written: points (dataset 15), lines between them (82), mode shapes (55) and functions (58), as text.
 //!
 //! Layouts after the pages of the Structural Dynamics Research Laboratory, University of Cincinnati.
 
 use std::fmt::Write;
 
 use super::functions::UffFunction;
+pub use super::nodal::{ModalScale, NodalMode, NodalValues, Node};
 use crate::quantity::Quantity;
-
-/// A point of a structure.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Node {
-    /// Number, > 0.
-    pub number: i64,
-    /// x, y, z.
-    pub position: [f64; 3],
-}
-
-/// A mode shape at nodes.
-#[derive(Debug, Clone, PartialEq)]
-pub struct NodalMode {
-    /// Hz.
-    pub frequency: f64,
-    /// Ratio of critical damping.
-    pub damping_ratio: f64,
-    /// Pole (real, imaginary), 1/s.
-    pub pole: [f64; 2],
-    /// Node and complex values (re, im) along x, y, z.
-    pub values: Vec<(i64, [[f64; 2]; 3])>,
-}
 
 const MARK: &str = "    -1\n";
 
@@ -48,11 +27,34 @@ pub fn nodes(nodes: &[Node]) -> String {
     text + MARK
 }
 
+/// Lines from node to node as datasets 82, which other programs draw.
+///
+/// ```
+/// let text = iwan_io::write_uff::lines(&[vec![1, 2, 3]]);
+/// assert_eq!(text.lines().nth(4), Some("         1         2         3"));
+/// ```
+#[must_use]
+pub fn lines(lines: &[Vec<i64>]) -> String {
+    let mut text = String::new();
+    for (n, line) in lines.iter().enumerate() {
+        // Writing to a string cannot fail.
+        let _ = writeln!(text, "{MARK}    82\n{:>10}{:>10}{:>10}\nline {}", n + 1, line.len(), 1, n + 1);
+        for nodes in line.chunks(8) {
+            for node in nodes {
+                let _ = write!(text, "{node:>10}");
+            }
+            text += "\n";
+        }
+        text += MARK;
+    }
+    text
+}
+
 /// Mode shapes as datasets 55, complex, three translations a node.
 ///
 /// ```
 /// let mode = iwan_io::write_uff::NodalMode {
-///     frequency: 120.0, damping_ratio: 0.01, pole: [-7.5, 754.0], values: vec![(3, [[0.0; 2], [0.0; 2], [1.0, 0.5]])],
+///     frequency: 120.0, damping_ratio: 0.01, pole: [-7.5, 754.0], scale: iwan_io::write_uff::ModalScale::Unknown, values: vec![(3, [[0.0; 2], [0.0; 2], [1.0, 0.5]])],
 /// };
 /// let text = iwan_io::write_uff::modes(&[mode]);
 /// assert!(text.lines().nth(1) == Some("    55") && text.contains("  1.00000E+00  5.00000E-01"));
@@ -65,9 +67,17 @@ pub fn modes(modes: &[NodalMode]) -> String {
         // Structural, complex eigenvalue of first order, three translations, displacement, complex, three values a node.
         let _ = writeln!(text, "{:>10}{:>10}{:>10}{:>10}{:>10}{:>10}", 1, 3, 2, 8, 5, 3);
         let _ = writeln!(text, "{:>10}{:>10}{:>10}{:>10}", 2, 6, 1, n + 1);
-        let [re, im] = mode.pole.map(|x| real(x, 13, 5));
-        let zero = real(0.0, 13, 5);
-        let _ = writeln!(text, "{re}{im}{zero}{zero}{zero}{zero}");
+        let [re, im] = mode.pole;
+        let a = match mode.scale {
+            ModalScale::Unknown => [0.0; 2],
+            // Of a real mode of that mass.
+            ModalScale::Mass(mass) => [0.0, 2.0 * mass * im],
+            ModalScale::A(a) => a,
+        };
+        // Modal B is -λ A.
+        let b = [im * a[1] - re * a[0], -(re * a[1] + im * a[0])];
+        let line: String = [mode.pole, a, b].iter().flatten().map(|x| real(*x, 13, 5)).collect();
+        let _ = writeln!(text, "{line}");
         for (node, values) in &mode.values {
             let line: String = values.iter().flatten().map(|x| real(*x, 13, 5)).collect();
             let _ = writeln!(text, "{node:>10}\n{line}");

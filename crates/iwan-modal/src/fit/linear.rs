@@ -39,7 +39,9 @@ impl Linear {
         let columns = Columns::new(band, poles, slopes);
         let n = columns.linear();
         let x = &columns.matrix;
-        let (gram, with_values) = (x.tr_mul(x), x.tr_mul(&band.values));
+        // Products of matrices are a few times faster than those of columns.
+        let turned = x.transpose();
+        let (gram, with_values) = (&turned * x, &turned * &band.values);
         let scale: Vec<f64> = (0..n).map(|j| gram[(j, j)].sqrt().max(f64::MIN_POSITIVE).recip()).collect();
         let scaled = DMatrix::from_fn(n, n, |i, j| gram[(i, j)] * scale[i] * scale[j]);
         let factor = factor(scaled, poles)?;
@@ -54,11 +56,11 @@ impl Linear {
         let coefficients = solve(&b);
         let rest = &band.values - x.columns(0, n) * &coefficients;
         let slopes = slopes.then(|| {
-            let (w, m) = (x.columns(n, x.ncols() - n), x.ncols() - n);
+            let m = x.ncols() - n;
             let cross = gram.view((0, n), (n, m)).into_owned();
             let follow = solve(&cross);
             let among = gram.view((n, n), (m, m)) - cross.tr_mul(&follow);
-            Slopes { among, with_left: w.tr_mul(&rest), follow }
+            Slopes { among, with_left: turned.rows(n, m) * &rest, follow }
         });
         let left = (0..rest.ncols()).map(|c| rest.column(c).norm_squared()).collect();
         let inverse = solve(&DMatrix::identity(n, n));
@@ -68,6 +70,17 @@ impl Linear {
     /// Residue of a pole in a response.
     pub(crate) fn residue(&self, pole: usize, response: usize) -> Complex {
         complex(self.coefficients[(2 * pole, response)], self.coefficients[(2 * pole + 1, response)])
+    }
+}
+
+impl Linear {
+    /// By how much more of a response's sum of squares would be left without a pole, all others as they are: c P⁻¹ c of its two coefficients c and
+    /// their part P of the normal matrix's inverse.
+    pub(crate) fn loss(&self, pole: usize, response: usize) -> f64 {
+        let i = 2 * pole;
+        let [a, b, d] = [self.inverse[(i, i)], self.inverse[(i, i + 1)], self.inverse[(i + 1, i + 1)]];
+        let [x, y] = [self.coefficients[(i, response)], self.coefficients[(i + 1, response)]];
+        (d * x * x - 2.0 * b * x * y + a * y * y) / (a * d - b * b)
     }
 }
 

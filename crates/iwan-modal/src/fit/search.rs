@@ -141,7 +141,11 @@ fn search(
             };
             let moved = moved(&poles, &step);
             let largest = furthest(&poles, &moved);
-            let tried = Linear::new(band, &moved, true)?;
+            // Two poles that a step brought onto each other, or one that left the lines: a shorter step.
+            let Ok(tried) = Linear::new(band, &moved, true) else {
+                damping *= 10.0;
+                continue;
+            };
             if cost(&tried, &precision) <= before {
                 better = Some((moved, tried, largest));
                 damping = (damping * 0.1).max(1e-12);

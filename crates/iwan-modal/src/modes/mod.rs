@@ -5,4 +5,4 @@ mod shape;
 
 pub use compare::{mac, phase_collinearity};
 pub(crate) use shape::modes;
-pub use shape::{Mode, Scale};
+pub use shape::{Drive, Mode, Scale};

@@ -41,8 +41,21 @@ pub struct Mode {
     /// Cosine of the angle between the drive point's residue and that of a driven point that follows its force, 1 for real modes; -1 where a
     /// direction is reversed; none without a drive point.
     pub drive_phase: Option<f64>,
+    /// Factor by which the shape was stretched, where the begin of the decay gives another scale than all of it: the mode is not linear.
+    pub stretch: Option<f64>,
     /// Largest difference between pairs that reciprocity makes equal, over the larger one; none where no pair was measured both ways.
     pub reciprocity: Option<f64>,
+}
+
+/// Where the hammer hits, among the freedoms of the shapes; of several such points the first.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Drive {
+    /// Index of the freedom.
+    pub freedom: usize,
+    /// +1 where the freedom's direction is that of the force, -1 where it is against it.
+    pub sign: f64,
+    /// Whether the hammer roved: the shape is that of the points of force, seen by one sensor.
+    pub roving_hammer: bool,
 }
 
 /// Freedoms of the shapes, the channel names there, the scale, and the modes.
@@ -50,6 +63,7 @@ pub(crate) struct Shapes {
     pub(crate) freedoms: Vec<Freedom>,
     pub(crate) names: Vec<String>,
     pub(crate) scale: Scale,
+    pub(crate) drive: Option<Drive>,
     pub(crate) modes: Vec<Mode>,
 }
 
@@ -64,7 +78,7 @@ pub(crate) fn modes(
     let chosen = (0..fitted.poles.len()).filter(|p| inside(fitted.poles[*p]));
     let modes = chosen.map(|p| mode(responses, fitted, &pairs, p)).collect();
     let (freedoms, names) = pairs.shape_side(&responses.functions);
-    Shapes { freedoms, names, scale, modes }
+    Shapes { freedoms, names, scale, drive: pairs.drive(), modes }
 }
 
 /// Which function belongs to which row (response) and column (force) of a matrix of pairs.
@@ -101,6 +115,14 @@ impl Pairs {
     /// Whether the shape is that of the points of force: a hammer that roves.
     fn by_force(&self) -> bool {
         self.columns.len() > self.rows.len()
+    }
+
+    fn drive(&self) -> Option<Drive> {
+        let (row, column, sign) = *self.drives.first()?;
+        let roving_hammer = self.by_force();
+        // The points of force have the directions of the forces themselves.
+        let (freedom, sign) = if roving_hammer { (column, 1.0) } else { (row, sign) };
+        Some(Drive { freedom, sign, roving_hammer })
     }
 
     /// Freedoms of the shape, and the names of the channels there: where two are called alike, or the hammer roves, the points.
@@ -182,6 +204,7 @@ fn mode(responses: &FrequencyResponses, fitted: &Fitted, pairs: &Pairs, p: usize
             (&u, &v, alpha),
         ),
         drive_phase: drive_phase(pairs, &receptance, pole),
+        stretch: None,
         reciprocity: reciprocity(pairs, &receptance),
         shape,
         real_shape,

@@ -76,15 +76,17 @@ pub(crate) fn chart(band: &Band, highest: usize) -> Result<Stabilisation, Error>
     let denominator = Denominator::new(band, &matrix, highest)?;
     let orders: Vec<usize> = (2..=highest).step_by(2).collect();
     let found: Vec<Vec<Complex>> = orders.par_iter().map(|n| denominator.poles(*n)).collect();
-    let reach = LINE * std::f64::consts::TAU * band.responses.step;
     // With an exponential window the responses are those at iω + decay, and so is what was found.
-    let usable = |p: &&Complex| -p.re <= HIGHEST_DAMPING * p.norm();
-    let found: Vec<Vec<Complex>> = found
-        .iter()
-        .map(|all| {
-            all.iter().map(|p| *p + band.responses.decay).filter(|p| p.re < 0.0 && usable(&p)).collect()
-        })
-        .collect();
+    let true_poles = |all: &Vec<Complex>| all.iter().map(|p| *p + band.responses.decay).collect();
+    Ok(charted(&orders, &found.iter().map(true_poles).collect::<Vec<_>>(), band.responses.step))
+}
+
+/// The chart of poles that were found at each order; `step` is the distance of lines that the records' length allows, Hz.
+pub(super) fn charted(orders: &[usize], found: &[Vec<Complex>], step: f64) -> Stabilisation {
+    let reach = LINE * std::f64::consts::TAU * step;
+    let usable = |p: &&Complex| p.re < 0.0 && -p.re <= HIGHEST_DAMPING * p.norm();
+    let found: Vec<Vec<Complex>> =
+        found.iter().map(|all| all.iter().filter(usable).copied().collect()).collect();
     let mut poles = Vec::new();
     for (i, (order, own)) in orders.iter().zip(&found).enumerate() {
         for p in own {
@@ -93,7 +95,7 @@ pub(crate) fn chart(band: &Band, highest: usize) -> Result<Stabilisation, Error>
             poles.push(ChartPole { order: *order, frequency, damping_ratio, stable });
         }
     }
-    Ok(Stabilisation { poles, candidates: candidates(&found, reach) })
+    Stabilisation { poles, candidates: candidates(&found, reach) }
 }
 
 /// Responses of each output to all references; where pairs are missing, each response by itself with one denominator for all.

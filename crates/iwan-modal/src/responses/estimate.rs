@@ -90,7 +90,7 @@ pub fn frequency_responses(
 }
 
 /// The interval of all hits, and the number of samples that all of them have.
-fn common_times(hits: &[Hit]) -> Result<(f64, usize), Error> {
+pub(super) fn common_times(hits: &[Hit]) -> Result<(f64, usize), Error> {
     let Some(first) = hits.first() else {
         return Err(Error::refused("frequency responses", "there is no hit", "give at least one"));
     };

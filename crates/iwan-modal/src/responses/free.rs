@@ -29,26 +29,9 @@ const FEWEST: usize = 64;
 /// # Ok::<(), iwan_modal::Error>(())
 /// ```
 pub fn free_responses(decays: &[Vec<Channel>], dt: f64, motion: Motion) -> Result<FrequencyResponses, Error> {
-    check("dt", dt, dt > 0.0, "a sampling interval > 0 s", "give the sampling interval in seconds")?;
-    let samples = decays.first().and_then(|d| d.first()).map_or(0, |c| c.samples.len());
-    if samples < FEWEST {
-        let finding = format!("{samples} samples, at least {FEWEST} are needed");
-        return Err(Error::refused("free decays", finding, "give decays that are longer"));
-    }
-    let mut tasks: Vec<(usize, &Channel)> = Vec::new();
-    for (n, decay) in decays.iter().enumerate() {
-        for channel in decay {
-            let place = format!("decay {}, channel {}", n + 1, channel.name);
-            if channel.samples.len() != samples {
-                let finding = format!("{} samples, the first channel has {samples}", channel.samples.len());
-                return Err(Error::refused(place, finding, "cut all decays to one length"));
-            }
-            if let Some(index) = channel.samples.iter().position(|x| !x.is_finite()) {
-                return Err(Error::NotFinite { place, index, value: channel.samples[index] });
-            }
-            tasks.push((n, channel));
-        }
-    }
+    let samples = common_length(decays, dt)?;
+    let numbered = decays.iter().enumerate().flat_map(|(n, decay)| decay.iter().map(move |c| (n, c)));
+    let tasks: Vec<(usize, &Channel)> = numbered.collect();
     let function = |(n, channel): &(usize, &Channel)| Function {
         name: channel.name.clone(),
         response: channel.freedom.clone(),
@@ -66,4 +49,27 @@ pub fn free_responses(decays: &[Vec<Channel>], dt: f64, motion: Motion) -> Resul
         decay: 0.0,
         record: Some(FiniteRecord::free(samples, dt)),
     })
+}
+
+/// The number of samples that all channels of all decays have.
+pub(crate) fn common_length(decays: &[Vec<Channel>], dt: f64) -> Result<usize, Error> {
+    check("dt", dt, dt > 0.0, "a sampling interval > 0 s", "give the sampling interval in seconds")?;
+    let samples = decays.first().and_then(|d| d.first()).map_or(0, |c| c.samples.len());
+    if samples < FEWEST {
+        let finding = format!("{samples} samples, at least {FEWEST} are needed");
+        return Err(Error::refused("free decays", finding, "give decays that are longer"));
+    }
+    for (n, decay) in decays.iter().enumerate() {
+        for channel in decay {
+            let place = format!("decay {}, channel {}", n + 1, channel.name);
+            if channel.samples.len() != samples {
+                let finding = format!("{} samples, the first channel has {samples}", channel.samples.len());
+                return Err(Error::refused(place, finding, "cut all decays to one length"));
+            }
+            if let Some(index) = channel.samples.iter().position(|x| !x.is_finite()) {
+                return Err(Error::NotFinite { place, index, value: channel.samples[index] });
+            }
+        }
+    }
+    Ok(samples)
 }

@@ -72,11 +72,13 @@ pub(crate) struct Bench {
     pub(crate) noise: f64,
     /// Standard deviation of the sensors' gains.
     pub(crate) calibration: f64,
+    /// Sensor at which the hammer hits.
+    pub(crate) drive: usize,
 }
 
 impl Bench {
     pub(crate) fn new(modes: Vec<TrueMode>) -> Self {
-        Self { modes, stations: 27, rate: 8192.0, samples: 16_384, noise: 1e-2, calibration: 1e-2 }
+        Self { modes, stations: 27, rate: 8192.0, samples: 16_384, noise: 1e-2, calibration: 1e-2, drive: 0 }
     }
 
     /// Mass-normalised shape at every sensor; the first is at the tip, where the hammer hits.
@@ -102,7 +104,7 @@ impl Bench {
         Complex::new(-mode.damping_ratio * w, w * (1.0 - mode.damping_ratio * mode.damping_ratio).sqrt())
     }
 
-    /// One blow with a haversine of 1 ms that begins at sample 100, at a tip of the beam.
+    /// One blow with a haversine of 1 ms that begins at sample 100, at a tip of the beam or at another sensor.
     pub(crate) fn hit(&self, force: f64, seed: u64) -> Hit {
         let gains = self.gains();
         let (dt, start, length) = (1.0 / self.rate, 100, PULSE);
@@ -120,8 +122,9 @@ impl Bench {
             })
             .collect();
         let response = |i: usize| {
-            let at =
-                |n: usize| (0..shapes.len()).map(|m| shapes[m][i] * shapes[m][0] * modal[m][n]).sum::<f64>();
+            let at = |n: usize| {
+                (0..shapes.len()).map(|m| shapes[m][i] * shapes[m][self.drive] * modal[m][n]).sum::<f64>()
+            };
             let clean: Vec<f64> = (0..self.samples).map(at).collect();
             let rms = (clean.iter().map(|x| x * x).sum::<f64>() / clean.len() as f64).sqrt();
             let samples = clean.iter().map(|x| gains[i] * x + self.noise * rms * noise.next()).collect();
@@ -131,7 +134,7 @@ impl Bench {
         let force_noise = 1e-4 * force;
         let mut other = Normal::new(seed ^ 0xabc);
         let samples = (0..self.samples).map(|n| pulse(time(n)) + force_noise * other.next()).collect();
-        let force = Channel { name: "hammer".into(), freedom: point(1), samples };
+        let force = Channel { name: "hammer".into(), freedom: point(self.drive + 1), samples };
         Hit { name: format!("hit {seed}"), dt, force, responses }
     }
 

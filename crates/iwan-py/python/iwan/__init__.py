@@ -41,6 +41,7 @@ from iwan._native import (
     simulate,
     superpose,
 )
+from iwan.coupled import CoupledModes, CoupledResponse, JointHistory, SharedJoint
 from iwan.identification import Fit, LogLikelihood, fit, log_likelihood
 from iwan.errors import (
     ComputationError,
@@ -65,6 +66,8 @@ __all__ = [
     "Backbone",
     "ComputationError",
     "Coulomb",
+    "CoupledModes",
+    "CoupledResponse",
     "Envelope",
     "ExistingFileError",
     "FileError",
@@ -78,6 +81,7 @@ __all__ = [
     "IwanError",
     "Jenkins",
     "Joint",
+    "JointHistory",
     "LogLikelihood",
     "MissingFileError",
     "ModalFit",
@@ -92,6 +96,7 @@ __all__ = [
     "RecordError",
     "Response",
     "Sampled",
+    "SharedJoint",
     "Sine",
     "Spring",
     "StaticCurves",

@@ -282,6 +282,19 @@ def simulate(
     quality: bool = True,
     threads: int | None = None,
 ) -> list[Response]: ...
+def _simulate_coupled(
+    modes: Sequence[Mode],
+    joints: Sequence[tuple[str, Joint, Sequence[float], Sequence[float], float]],
+    force: Pulse | ArrayLike | None,
+    dt: float,
+    duration: float,
+    sliders: int | None,
+    grid: Grid | None,
+    prewarp: bool,
+    initial: ArrayLike | None,
+    quality: bool,
+    threads: int | None,
+) -> dict[str, Any]: ...
 def superpose(modes: Sequence[Mode], responses: Sequence[Response]) -> dict[str, Motion]: ...
 @final
 class Record:
@@ -417,6 +430,8 @@ class _Structure:
 
 def _load_structure(path: str | PathLike[str]) -> _Structure: ...
 def _built_in_structure(name: str) -> _Structure: ...
+def _write_matrices(structure: _Structure, folder: str | PathLike[str], format: str, force: bool) -> list[str]: ...
+def _write_reduced(structure: _Structure, folder: str | PathLike[str], modes: int, force: bool) -> None: ...
 def _quasi_static(
     structure: _Structure, mode: str, displacement: ArrayLike | None, points: int
 ) -> dict[str, Any]: ...

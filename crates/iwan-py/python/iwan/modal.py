@@ -85,7 +85,7 @@ def modal_fit(
     estimator: Literal["h1", "h2", "hv"] = "h1",
     decay: float = 0.0,
     band: tuple[float, float] | None = None,
-    method: Literal["chart", "isolation"] = "chart",
+    method: Literal["chart", "isolation", "subspace"] = "chart",
     order: int = 60,
     poles: Sequence[float] | None = None,
 ) -> ModalFit:
@@ -101,7 +101,7 @@ def modal_fit(
         estimator: How hits are averaged: noise on the responses ("h1"), on the force ("h2"), on both ("hv").
         decay: Decay of an exponential window, 1/s; its damping is not in the result.
         band: Edges in Hz; None: from ten cycles in a record to where the force has fallen by 30 dB.
-        method: Where poles are looked for: stabilisation chart, or mode isolation.
+        method: Where poles are looked for: stabilisation chart, mode isolation, or, of free decays, subspaces of the samples.
         order: Highest order of the chart.
         poles: Frequencies of the modes in Hz, instead of looking for them.
 
@@ -109,8 +109,8 @@ def modal_fit(
         InvalidValueError: for values out of range and arrays that do not go together.
         IdentificationError: where the records hold no mode, or cannot tell modes apart.
 
-    Source: B. Peeters et al., Shock and Vibration 11:395, 2004; M. S. Allen, J. H. Ginsberg, MSSP 20, 2006; then maximum likelihood with the
-    end of the record in the model.
+    Source: B. Peeters et al., Shock and Vibration 11:395, 2004; M. S. Allen, J. H. Ginsberg, MSSP 20, 2006; J.-N. Juang, R. S. Pappa,
+    J. Guidance 8:620, 1985; then maximum likelihood with the end of the record in the model.
 
     >>> import numpy as np, iwan
     >>> t = np.arange(4096) / 1024

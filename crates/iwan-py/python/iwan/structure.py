@@ -251,7 +251,8 @@ class Structure:
 
     @staticmethod
     def load(path: str | PathLike[str]) -> Structure:
-        """Read a structure file (TOML; the `text` of a built-in one is a start); paths in it are relative to its folder.
+        """Read a structure file (TOML; the `text` of a built-in one is a start); paths in it are relative to its folder. Or open the folder
+        of a reduced model that `write_reduced` or `iwan modes --write-reduced` wrote: then nothing is factored, as far as its modes go.
 
         Raises `iwan.MissingFileError` for a file that is not there, `iwan.StructureError` (a `ValueError`) naming file, line, key
         and what helps, for a mesh that cannot be computed with as well.
@@ -369,6 +370,39 @@ class Structure:
             )
         steps = next(iter(told["displacement"].values())).size
         return StructureResponse(t=np.arange(steps, dtype=np.float64) * told["dt"], **told)
+
+    def write_matrices(
+        self,
+        folder: str | PathLike[str],
+        *,
+        format: Literal["matrix-market", "npz", "mat"] = "matrix-market",
+        force: bool = False,
+    ) -> list[str]:
+        """Write stiffness (joints slipping, and stuck), mass, and the displacements of all nodes from the unknowns, into a folder.
+
+        `format`: "matrix-market" (.mtx), "npz" (`scipy.sparse.load_npz`) or "mat" (MATLAB level 5: K, K0, M, T in one file). rows.csv says what
+        each unknown is (node, component; 0 for slips and rigid patches), nodes.csv where the nodes are. Returns the names of the files.
+
+        Raises `iwan.ExistingFileError` where one is there already, unless `force`; `iwan.FileError` where nothing can be written.
+
+        >>> iwan.Structure.built_in("paper-a").write_matrices("matrices", format="npz")
+        ['stiffness.npz', 'stuck_stiffness.npz', 'mass.npz', 'displacements.npz', 'rows.csv', 'nodes.csv']
+        """
+        return _native._write_matrices(self._native, folder, format, force)
+
+    def write_reduced(self, folder: str | PathLike[str], *, modes: int, force: bool = False) -> None:
+        """Write a reduced model of `modes` stuck modes and the attachment vectors of the slips into a folder that `load` opens.
+
+        A structure opened from it simulates with that basis unless told otherwise, with the same bits as `simulate(basis=modes)`, without a
+        factorisation. Loads, outputs and laws in the folder's reduced-structure.toml may be changed as long as each joint keeps its K_T.
+
+        Raises `iwan.InvalidValueError` for modes < 1, `iwan.ExistingFileError` where a file is there already, unless `force`.
+
+        >>> iwan.Structure.built_in("paper-a").write_reduced("reduced", modes=20)
+        >>> iwan.Structure.load("reduced").modes(3).names
+        ['bending 1', 'bending 2', 'bending 3']
+        """
+        _native._write_reduced(self._native, folder, modes, force)
 
     def __repr__(self) -> str:
         return repr(self._native)

@@ -62,6 +62,7 @@ pub(crate) fn simulation(error: SimulationError) -> PyErr {
     match error {
         SimulationError::Parameter(error) => core(error),
         SimulationError::Mode { mode, source } => simulation_at(&format!("mode \"{mode}\""), *source),
+        SimulationError::Joint { joint, source } => simulation_at(&format!("joint \"{joint}\""), *source),
         other => python::ComputationError::new_err(other.to_string()),
     }
 }

@@ -2,4 +2,5 @@
 
 pub(crate) mod response;
 pub(crate) mod simulate;
+pub(crate) mod coupled;
 pub(crate) mod ensemble;

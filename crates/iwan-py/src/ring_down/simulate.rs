@@ -15,7 +15,7 @@ use crate::values::pulse::Force;
 
 /// Steps from which on a run gets a thread of its own, so that Ctrl-C is heard: a million take some 4 ms, a few times that with their
 /// error estimates. Shorter runs would spend more on the thread than on the steps.
-const LASTING: usize = 1_000_000;
+pub(crate) const LASTING: usize = 1_000_000;
 
 /// Simulates the response of a mode, or of each of several modes, to a force.
 ///
@@ -145,7 +145,7 @@ fn modes(object: &Bound<'_, PyAny>) -> PyResult<(Vec<iwan_sim::Mode>, bool)> {
 }
 
 /// Sets displacement and velocity at t = 0: one pair for all, or one for each.
-fn set_initial(modes: &mut [iwan_sim::Mode], initial: Option<&Bound<'_, PyAny>>) -> PyResult<()> {
+pub(crate) fn set_initial(modes: &mut [iwan_sim::Mode], initial: Option<&Bound<'_, PyAny>>) -> PyResult<()> {
     let Some(initial) = initial else { return Ok(()) };
     let numbers = Numbers::finite("initial", initial)?;
     let each = numbers.shape == [modes.len(), 2];

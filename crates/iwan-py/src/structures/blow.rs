@@ -103,13 +103,15 @@ fn model_of(name: &str, basis: Option<usize>, tolerance: Option<f64>) -> PyResul
 
 fn run(loaded: &Loaded, request: &Request, control: &Control) -> Result<Run, RunError> {
     let named = loaded.named_modes(NamedModes::LOOKED_UP, control)?;
+    let kept = loaded.file.structure.kept.is_some();
+    let model = if kept && request.model == Model::USUAL { Model::Kept } else { request.model };
     let task = StructureTask {
         force: request.force.as_ref().map(Force::pulse),
         velocity: &request.velocity,
         dt: request.dt,
         duration: request.duration,
         representation: request.representation,
-        model: request.model,
+        model,
         modes: &request.modes,
         extras: Extras { errors: request.quality, frames: 0 },
     };

@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use std::sync::{Arc, Mutex, PoisonError};
 
 use iwan_fem::{Error, NamedModes};
-use iwan_input::{InputText, StructureFile, built_in_structure};
+use iwan_input::{InputText, ReducedFolder, StructureFile, built_in_structure};
 use pyo3::IntoPyObjectExt;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
@@ -27,6 +27,8 @@ pub(crate) struct Loaded {
     /// Where it came from.
     source: InputText,
     built_in: bool,
+    /// The folder of the reduced model from which it was opened.
+    reduced: Option<PathBuf>,
     pub(crate) file: StructureFile,
     /// By how many were asked for: modes have the same bits whatever was computed before.
     modes: Mutex<BTreeMap<usize, Arc<NamedModes>>>,
@@ -35,7 +37,19 @@ pub(crate) struct Loaded {
 impl Loaded {
     fn read(source: InputText, built_in: bool) -> PyResult<Structure> {
         let file = StructureFile::read(&source).map_err(|error| input("", &error))?;
-        Ok(Structure(Arc::new(Self { source, built_in, file, modes: Mutex::default() })))
+        Ok(Structure(Arc::new(Self { source, built_in, reduced: None, file, modes: Mutex::default() })))
+    }
+
+    /// Opens the folder of a reduced model.
+    fn open_reduced(folder: PathBuf) -> PyResult<Structure> {
+        let (source, file) = StructureFile::open_reduced(&folder).map_err(|error| input("", &error))?;
+        let reduced = Some(folder);
+        Ok(Structure(Arc::new(Self { source, built_in: false, reduced, file, modes: Mutex::default() })))
+    }
+
+    /// The text of the file.
+    pub(crate) fn source(&self) -> &InputText {
+        &self.source
     }
 
     /// Name for messages.
@@ -63,6 +77,9 @@ pub(crate) fn _load_structure(path: PathBuf) -> PyResult<Structure> {
     if let Err(error) = std::fs::metadata(&path) {
         return Err(missing_file(&path, &error));
     }
+    if ReducedFolder::is_one(&path) {
+        return Loaded::open_reduced(path);
+    }
     let source = InputText::read(&path, "structure", "paper-a").map_err(|error| input("", &error))?;
     Loaded::read(source, false)
 }
@@ -73,9 +90,18 @@ pub(crate) fn _built_in_structure(name: &str) -> PyResult<Structure> {
     Loaded::read(built_in_structure(name).map_err(|error| input("", &error))?, true)
 }
 
-/// Makes a pickled structure again, from the text of its file.
+/// Makes a pickled structure again, from the text of its file or the folder of its reduced model.
 #[pyfunction]
-pub(crate) fn _structure(name: String, text: String, folder: PathBuf, built_in: bool) -> PyResult<Structure> {
+pub(crate) fn _structure(
+    name: String,
+    text: String,
+    folder: PathBuf,
+    built_in: bool,
+    reduced: Option<PathBuf>,
+) -> PyResult<Structure> {
+    if let Some(folder) = reduced {
+        return Loaded::open_reduced(folder);
+    }
     Loaded::read(InputText { name, text, folder }, built_in)
 }
 
@@ -144,8 +170,8 @@ impl Structure {
     }
 
     fn __reduce__<'py>(slf: &Bound<'py, Self>) -> PyResult<Remake<'py>> {
-        let Loaded { source, built_in, .. } = &*slf.get().0;
-        let arguments = (&source.name, &source.text, &source.folder, built_in);
+        let Loaded { source, built_in, reduced, .. } = &*slf.get().0;
+        let arguments = (&source.name, &source.text, &source.folder, built_in, reduced);
         let made = slf.py().import("iwan._native")?.getattr("_structure")?;
         Ok((made, arguments.into_bound_py_any(slf.py())?))
     }

@@ -22,28 +22,38 @@ pub(crate) struct Task<'a> {
 
 /// The modal force at the samples, up to the last one that is not zero.
 pub(crate) fn modal_force(mode: &Mode, force: &Pulse<'_>, dt: f64, samples: usize) -> Vec<f64> {
-    let settled = (force.settled() / dt).min(samples as f64) as usize + 2;
-    let constant = force.at(force.settled() + dt) != 0.0;
-    let mut history = vec![0.0; if constant { samples } else { settled.min(samples) }];
-    let used = force.sample(dt, &mut history);
-    history.truncate(used);
+    let mut history = sampled(force, dt, samples);
     for p in &mut history {
         *p *= mode.shape_at_force;
     }
     history
 }
 
+/// The force at the samples, up to the last one that is not zero.
+pub(crate) fn sampled(force: &Pulse<'_>, dt: f64, samples: usize) -> Vec<f64> {
+    let settled = (force.settled() / dt).min(samples as f64) as usize + 2;
+    let constant = force.at(force.settled() + dt) != 0.0;
+    let mut history = vec![0.0; if constant { samples } else { settled.min(samples) }];
+    let used = force.sample(dt, &mut history);
+    history.truncate(used);
+    history
+}
+
 /// Room for the reversals of a run: two a cycle in a decay, at the highest frequency the mode has, and some for the
 /// force.
 pub(crate) fn stack(task: &Task<'_>) -> Vec<Reversal> {
+    reversals(task.mode.frequency * task.dt * task.samples as f64)
+}
+
+/// The same for so many cycles.
+pub(crate) fn reversals(cycles: f64) -> Vec<Reversal> {
     /// Half cycles of a decay that are all remembered (16 MB). Behind them the smallest loops are forgotten, and
     /// the response says how much force that may have cost.
     const MOST: f64 = 1e6;
     /// Reversals that a force may add to those of the decay. A pulse makes a few; should a long irregular force
     /// make more, the smallest loops go, as above.
     const FORCED: usize = 64;
-    let half_cycles = 2.0 * task.mode.frequency * task.dt * task.samples as f64;
-    vec![Reversal::default(); FORCED + half_cycles.min(MOST) as usize]
+    vec![Reversal::default(); FORCED + (2.0 * cycles).min(MOST) as usize]
 }
 
 /// Passes a response on unless NaN or infinity crept in.

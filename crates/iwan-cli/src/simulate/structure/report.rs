@@ -5,13 +5,13 @@ use iwan_input::scenario::Scenario;
 use maud::{Markup, html};
 
 use super::run::Truth;
-use crate::page::decimate::thin;
-use crate::page::figure::{Axis, Figure, Layer, Mark, colour};
+use crate::page::figure::Figure;
 use crate::page::html::{grid, page, verdict};
 use crate::page::numbers::{error, short};
 use crate::page::solid::Solid;
 use crate::session::VERSION;
 use crate::simulate::figures::{of_force, of_history};
+use crate::simulate::joints::{self, table};
 use crate::simulate::summary::{ROWS, SimulationSummary, StructureSummary};
 use crate::structures::picture::illustration;
 
@@ -30,9 +30,6 @@ pub(super) struct Reported<'a> {
 const MOST_OUTPUTS: usize = 12;
 /// Joints with figures of their own, those that slip most: the others look alike and are in the table.
 const MOST_SLIPS: usize = 4;
-/// Points of a joint's loops, all cycles on one line, at most: some 70 kB. Longer responses are thinned to as many, which leaves
-/// 60 to each of a hundred cycles.
-const LOOP: usize = 6000;
 
 /// The page.
 pub(super) fn render(run: &Reported<'_>) -> String {
@@ -57,7 +54,7 @@ pub(super) fn render(run: &Reported<'_>) -> String {
         p { "Modal coordinates of the structure's response (exact modal filter); energies and slip ratio are those of the whole structure." }
         (modes(summary))
         h2 id="joints" { "Joints" }
-        (slips(structure))
+        (table(structure.slips.iter()))
         (grid(&loops(run.truth)))
         h2 id="histories" { "Histories" }
         (grid(&histories(run)))
@@ -91,33 +88,11 @@ fn modes(summary: &SimulationSummary) -> Markup {
     }
 }
 
-fn slips(structure: &StructureSummary) -> Markup {
-    html! {
-        div.wide { table {
-            thead { tr { th { "slip" } th { "largest slip" } th { "largest force" } th { "slip ratio" } } }
-            tbody { @for slip in &structure.slips { tr {
-                th { (slip.name) } td { (short(slip.peak_slip)) } td { (short(slip.peak_force)) } td { (short(slip.slip_ratio)) }
-            } } }
-        } }
-        p.caption { "The slip ratio is the largest slip over \u{3c6}_max of the joint: it slips as a whole above 1." }
-    }
-}
-
 /// Force over slip of the joints that slip most.
 fn loops(truth: &Truth) -> Vec<Figure> {
     let mut slips: Vec<&SlipHistory> = truth.response.slips.iter().collect();
     slips.sort_by(|a, b| b.slip_ratio.total_cmp(&a.slip_ratio));
-    let figure = |slip: &&SlipHistory| {
-        let points: Vec<(f64, f64)> = slip.slip.iter().copied().zip(slip.force.iter().copied()).collect();
-        Figure {
-            title: format!("Joint {}", slip.name),
-            caption: "Joint force over slip.".into(),
-            x: Axis::linear("slip", ""),
-            y: Axis::linear("force", ""),
-            layers: vec![Layer::new(Mark::Line, colour::GREEN, thin(&points, LOOP))],
-            marker: None,
-        }
-    };
+    let figure = |slip: &&SlipHistory| joints::loops(&slip.name, &slip.slip, &slip.force);
     slips.iter().filter(|slip| slip.slip_ratio > 0.0).take(MOST_SLIPS).map(figure).collect()
 }
 

@@ -36,7 +36,7 @@ pub(crate) fn run(
 ) -> Result<Truth, Failure> {
     let clock = Instant::now();
     let progress = |share: f64| bar.report(share);
-    let linear = Linear::observed(name, file, NamedModes::LOOKED_UP, &progress)?;
+    let linear = Linear::computed(name, file, NamedModes::LOOKED_UP, bar)?;
     let task = StructureTask {
         force: Some(scenario.force.pulse()),
         velocity: &[],

@@ -27,6 +27,7 @@ pub(super) fn summarise(scenario: &Scenario, name: &str, truth: &Truth) -> Simul
         modes,
         points: points.iter().map(point).collect(),
         structure: Some(structure),
+        coupled: None,
         seconds: truth.seconds,
     }
 }

@@ -8,7 +8,7 @@ use super::definition::{Definition, SetKind};
 use super::fields::whole;
 use super::keyword::Keyword;
 use super::lines::Lines;
-use super::reader::{ReadAs, Reader, number_of, within};
+use super::reader::{ReadAs, Reader, Skin, number_of, within};
 
 /// An element type, and what it is read as where the name promises a formulation of its own.
 struct ElementType {
@@ -36,6 +36,43 @@ static TYPES: &[ElementType] = &[
     entry("C3D15", Shape::Wedge15, None),
 ];
 
+/// Elements of lines and surfaces, which Gmsh writes beside those of volumes: without a section they are no part of the model.
+static SKINS: &[(&str, usize)] = &[
+    ("T3D2", 2),
+    ("T3D3", 3),
+    ("B31", 2),
+    ("B32", 3),
+    ("CPS3", 3),
+    ("CPS4", 4),
+    ("CPS4R", 4),
+    ("CPS6", 6),
+    ("CPS8", 8),
+    ("CPS8R", 8),
+    ("CPE3", 3),
+    ("CPE4", 4),
+    ("CPE6", 6),
+    ("CPE8", 8),
+    ("S3", 3),
+    ("S3R", 3),
+    ("STRI3", 3),
+    ("S4", 4),
+    ("S4R", 4),
+    ("S6", 6),
+    ("STRI65", 6),
+    ("S8", 8),
+    ("S8R", 8),
+    ("SFM3D3", 3),
+    ("SFM3D4", 4),
+    ("SFM3D4R", 4),
+    ("SFM3D6", 6),
+    ("SFM3D8", 8),
+    ("R3D3", 3),
+    ("M3D3", 3),
+    ("M3D4", 4),
+    ("M3D6", 6),
+    ("M3D8", 8),
+];
+
 impl Reader {
     /// Reads numbers and nodes; the nodes stay numbers of the file until [`resolve`].
     pub(super) fn elements(&mut self, lines: &mut Lines, keyword: &Keyword) -> Result<(), MeshError> {
@@ -43,6 +80,9 @@ impl Reader {
         let given = keyword.required(lines.source, "TYPE")?;
         if given.eq_ignore_ascii_case("MASS") || given.eq_ignore_ascii_case("ROTARYI") {
             return self.mass_elements(lines, keyword);
+        }
+        if let Some(&(name, count)) = SKINS.iter().find(|skin| skin.0.eq_ignore_ascii_case(given)) {
+            return self.skin(lines, keyword, name, count);
         }
         let Some(kind) = TYPES.iter().find(|t| t.name.eq_ignore_ascii_case(given)) else {
             let found = format!("element type {}", quote(given.as_bytes(), 40));
@@ -76,6 +116,49 @@ impl Reader {
 }
 
 impl Reader {
+    /// Elements of a surface or a line: their nodes are a set. That no section gives them stiffness is seen when all is read.
+    fn skin(
+        &mut self,
+        lines: &mut Lines,
+        keyword: &Keyword,
+        kind: &'static str,
+        count: usize,
+    ) -> Result<(), MeshError> {
+        let (mut nodes, mut elements, mut pending) = (Vec::new(), 0, 0);
+        while let Some(line) = lines.next_data() {
+            let mut fields = line.fields();
+            if pending == 0 {
+                let label = fields.next().unwrap_or_default();
+                whole(lines.source, &line, label, "the number of an element")?;
+                (elements, pending) = (elements + 1, count);
+            }
+            for field in fields {
+                nodes.push(whole(lines.source, &line, field, format_args!("a node of {kind}"))?);
+                pending = pending.checked_sub(1).ok_or_else(|| {
+                    let found = format!("an element {kind} with more than {count} nodes");
+                    lines.source.malformed(line.place(lines.source), found, format!("{count} nodes"))
+                })?;
+            }
+            if pending > 0 && !line.continues() {
+                let found = format!("an element {kind} with {} nodes", count - pending);
+                return Err(lines.source.malformed(
+                    line.place(lines.source),
+                    found,
+                    format!("{count} nodes"),
+                ));
+            }
+        }
+        let set = keyword.value("ELSET").map(|name| self.named(name));
+        self.skins.push(Skin { kind, line: keyword.line, elements, set: set.clone() });
+        if let Some(name) = set {
+            nodes.sort_unstable();
+            nodes.dedup();
+            let definition = Definition::of(SetKind::Nodes, &name, keyword.line, nodes, self.within());
+            self.body().definitions.push(definition);
+        }
+        Ok(())
+    }
+
     /// Elements of one node: what `*MASS` gives to them comes later.
     fn mass_elements(&mut self, lines: &mut Lines, keyword: &Keyword) -> Result<(), MeshError> {
         let set = self.named(keyword.required(lines.source, "ELSET")?).to_uppercase();

@@ -23,7 +23,7 @@ use std::collections::BTreeMap;
 use std::path::Path;
 
 use super::error::{MeshError, MeshWarning};
-use super::file::{FileBytes, MeshFile};
+use super::file::{FileBytes, MeshFile, expand};
 use super::labels::{Labels, Twice};
 use super::topology::Mesh;
 use constraints::Lookup;
@@ -41,7 +41,7 @@ pub(super) fn parse(
     ignored: &[String],
     folder: Option<&Path>,
 ) -> Result<MeshFile, MeshError> {
-    let (bytes, pieces) = include::expand(source, folder)?;
+    let (bytes, pieces) = expand(source, folder, include::INCLUDE)?;
     let source = FileBytes { bytes: &bytes, pieces: &pieces, ..source };
     let mut lines = Lines::new(source);
     let mut ignored: Vec<String> = ignored.iter().map(|name| keyword::name(name.as_bytes())).collect();
@@ -91,7 +91,8 @@ impl Reader {
                 Ok(())
             }
             name => {
-                if !known::is_harmless(name) {
+                let stressed = keyword.value("TYPE").is_some_and(|kind| kind.eq_ignore_ascii_case("STRESS"));
+                if !known::is_harmless(name) || (name == "INITIAL CONDITIONS" && stressed) {
                     let found = format!("*{name}, which may change the model,");
                     return Err(keyword.refused(lines.source, &found, &known::remedy(name)));
                 }
@@ -136,8 +137,30 @@ impl Reader {
         }
     }
 
+    /// Refuses sections of surface and line elements: these have a stiffness then.
+    fn no_skin_has_a_section(&self, source: FileBytes) -> Result<(), MeshError> {
+        let parts = self.parts.values().flat_map(|body| &body.pending);
+        for text in self.main.pending.iter().chain(parts) {
+            let Some(set) = text.keyword.value("ELSET").filter(|_| text.keyword.name == "SOLID SECTION")
+            else {
+                continue;
+            };
+            let same = |name: &str| {
+                name.eq_ignore_ascii_case(set)
+                    || name.rsplit('.').next().is_some_and(|n| n.eq_ignore_ascii_case(set))
+            };
+            if let Some(skin) = self.skins.iter().find(|skin| skin.set.as_deref().is_some_and(same)) {
+                let found = format!("a section of elements {} (set {set})", skin.kind);
+                let remedy = "shells, plane elements and trusses come in by [matrices]";
+                return Err(text.keyword.refused(source, &found, remedy));
+            }
+        }
+        Ok(())
+    }
+
     fn finish(mut self, source: FileBytes) -> Result<MeshFile, MeshError> {
         self.whole(source)?;
+        self.no_skin_has_a_section(source)?;
         let mut main = std::mem::take(&mut self.main);
         let twice = |what: &str, double: Twice, lines: &[usize]| {
             let place = |at: usize| source.at_line(source.line(lines[at]));
@@ -198,7 +221,16 @@ impl Reader {
                 MeshWarning::PassedOver { name: format!("*{name}"), place, times }
             }
         });
-        formulations.chain(passed_over).collect()
+        let skins = std::mem::take(&mut self.skins).into_iter().map(|skin| MeshWarning::Skin {
+            place: source.at_line(skin.line),
+            found: skin.kind.into(),
+            times: skin.elements,
+            as_set: match skin.set {
+                Some(name) => format!("their nodes are the node set {name}"),
+                None => "they are passed over".into(),
+            },
+        });
+        formulations.chain(passed_over).chain(skins).collect()
     }
 
     /// Numbers that are the file's own where no two instances share one; otherwise each instance's are shifted by a round number. The names of the sets

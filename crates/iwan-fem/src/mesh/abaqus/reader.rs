@@ -66,6 +66,8 @@ pub(super) struct Reader {
     pub(super) passed_over: BTreeMap<String, PassedOver>,
     /// Element types that name a formulation, by their names.
     pub(super) formulations: BTreeMap<&'static str, ReadAs>,
+    /// Blocks of surface and line elements.
+    pub(super) skins: Vec<Skin>,
 }
 
 impl Reader {
@@ -113,6 +115,16 @@ pub(super) struct PassedOver {
     pub(super) line: usize,
     /// How often it occurs.
     pub(super) times: usize,
+}
+
+/// A block of surface or line elements.
+pub(super) struct Skin {
+    pub(super) kind: &'static str,
+    /// Line of the keyword.
+    pub(super) line: usize,
+    pub(super) elements: usize,
+    /// Name of the set, that of the instance in front.
+    pub(super) set: Option<String>,
 }
 
 /// An element type that is read in another sense than the file's.

@@ -112,7 +112,7 @@ fn split<'a>(line: &'a str, fields: &mut Vec<&'a str>) -> &'a str {
     name
 }
 
-/// Columns of a line; what is beyond its end is empty. Tabs and letters of several bytes end it.
+/// Columns of a line; what is beyond its end is empty. Letters of several bytes end it.
 fn part(line: &str, from: usize, width: usize) -> &str {
     line.get(from..(from + width).min(line.len())).unwrap_or_default()
 }

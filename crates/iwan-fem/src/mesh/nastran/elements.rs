@@ -83,6 +83,10 @@ fn section(
     name: &str,
 ) -> Result<Option<Section>, MeshError> {
     let Some(card) = reader.properties.get(&property) else { return Ok(None) };
+    if card.field(6).eq_ignore_ascii_case("PFLUID") {
+        let remedy = "leave the fluid out, or bring both in by [matrices]";
+        return Err(card.unsupported(source, format!("PSOLID {property}, a fluid,"), remedy));
+    }
     let number = card.label(source, 1)?;
     let Some(material) = reader.materials.get(&number) else { return Ok(None) };
     let optional = |at: usize| -> Result<Option<f64>, MeshError> {

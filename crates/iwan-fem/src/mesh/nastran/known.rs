@@ -9,12 +9,23 @@ static HARMLESS: &[&str] = &[
     "RLOAD2", "TLOAD1", "TLOAD2", "TABLED1", "TABLED2", "TABLED3", "TABLED4", "TABLEM1", "TABDMP1", "FREQ",
     "FREQ1", "FREQ2", "FREQ3", "FREQ4", "TSTEP", "TSTEPNL", "NLPARM", "SET1", "SET3", "ASET", "ASET1",
     "BSET", "BSET1", "CSET", "CSET1", "QSET", "QSET1", "OMIT", "OMIT1", "TSTEP1", "LSEQ", "MATT1", "PLOTEL",
-    "DTI", "ECHOON", "ECHOOFF", "MDLPRM", "CORD3G",
+    "DTI", "ECHOON", "ECHOOFF", "MDLPRM", "CORD3G", "RANDPS", "RANDT1", "TABRND1", "USET", "USET1", "SUPORT",
+    "SUPORT1", "SPCD", "PLOTEL3", "PLOTEL4", "PLOTEL6", "PLOTEL8", "EIGP", "TABLES1", "TABLEST", "TEMPRB",
+    "TEMPP1", "NLPCI", "NLPARM1", "MODTRAK", "SWLDPRM",
+    // Materials of heat, and properties of elements that are refused themselves.
+    "MAT4", "MAT5", "MATT4", "PSHELL", "PCOMP", "PCOMPG", "PBAR", "PBARL", "PBEAM", "PBEAML", "PROD", "PTUBE",
+    "PSHEAR", "PBUSH", "PBUSHT", "PELAS", "PELAST", "PDAMP", "PVISC", "PGAP", "MAT2", "MAT8",
 ];
 
 /// Cards that change the model, with what helps.
 static CHANGES: &[(&str, &str)] = &[
-    ("INCLUDE", "put the text of that file in place of the line"),
+    ("INCLUDE", "write it as INCLUDE 'FILE' on a line of its own"),
+    ("CROD", "rods come in as matrices: export K and M (DMIG or OP4) and give [matrices]"),
+    ("CONROD", "rods come in as matrices: export K and M (DMIG or OP4) and give [matrices]"),
+    ("CQUAD8", "shells come in as matrices: export K and M (DMIG or OP4) and give [matrices]"),
+    ("CTRIA6", "shells come in as matrices: export K and M (DMIG or OP4) and give [matrices]"),
+    ("CQUADR", "shells come in as matrices: export K and M (DMIG or OP4) and give [matrices]"),
+    ("CTRIAR", "shells come in as matrices: export K and M (DMIG or OP4) and give [matrices]"),
     ("CPYRAM", "mesh with hexahedra, wedges or tetrahedra"),
     ("CPYRA", "mesh with hexahedra, wedges or tetrahedra"),
     ("CQUAD4", "shells come in as matrices: export K and M (DMIG or OP4) and give [matrices]"),

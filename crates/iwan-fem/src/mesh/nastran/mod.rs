@@ -4,6 +4,7 @@
 //! obeyed. Cards that leave the model as it is are passed over with a remark; all others are refused by name, unless the user wants them
 //! to be ignored.
 
+mod include;
 mod card;
 mod known;
 mod systems;
@@ -13,9 +14,10 @@ mod elements;
 mod connections;
 
 use std::collections::BTreeMap;
+use std::path::Path;
 
 use super::error::{MeshError, MeshWarning};
-use super::file::{FileBytes, MeshFile};
+use super::file::{FileBytes, MeshFile, expand};
 use super::topology::Mesh;
 use card::Cards;
 use grids::Grids;
@@ -31,7 +33,14 @@ pub(super) fn is_bulk_data(bytes: &[u8]) -> bool {
 }
 
 /// Mesh and remarks of bulk data; `ignored` are names of cards that are passed over although they change the model.
-pub(super) fn parse(source: FileBytes, ignored: &[String]) -> Result<MeshFile, MeshError> {
+pub(super) fn parse(
+    source: FileBytes,
+    ignored: &[String],
+    folder: Option<&Path>,
+) -> Result<MeshFile, MeshError> {
+    let (bytes, pieces) = expand(source, folder, include::INCLUDE)?;
+    let bytes = include::without_tabs(&bytes);
+    let source = FileBytes { bytes: &bytes, pieces: &pieces, ..source };
     let ignored: Vec<String> = ignored.iter().map(|name| name.trim().to_uppercase()).collect();
     let mut reader = Reader::default();
     let mut cards = Cards::new(source);

@@ -14,7 +14,8 @@ struct Constants {
     density: Option<f64>,
 }
 
-/// Materials of element sets. Sections whose material is not isotropic, or has no density, are left to the structure file.
+/// Materials of element sets. Sections whose material is not isotropic, changes with temperature, or has no density, are left to the structure
+/// file.
 pub(super) fn read(lookup: &Lookup, pending: &[Pending]) -> Result<Vec<Section>, MeshError> {
     let (mut materials, mut current): (BTreeMap<String, Constants>, _) = (BTreeMap::new(), None);
     for text in pending {
@@ -32,7 +33,7 @@ pub(super) fn read(lookup: &Lookup, pending: &[Pending]) -> Result<Vec<Section>,
                 let constants = materials.entry(name.clone()).or_default();
                 if keyword.name == "DENSITY" {
                     constants.density = Some(lookup.number(row, 0, "the density")?);
-                } else if isotropic {
+                } else if isotropic && text.rows.len() == 1 {
                     constants.elastic = Some([
                         lookup.number(row, 0, "Young's modulus")?,
                         lookup.number(row, 1, "Poisson's ratio")?,

@@ -1,0 +1,54 @@
+//! Where points are, and lines between them for drawings: from the table of points, or from universal files.
+
+use std::path::Path;
+
+use iwan_input::{ModalTable, PointEntry};
+
+use crate::failure::Failure;
+
+/// Points with positions, and pairs of them with a line between.
+#[derive(Debug, Clone, Default)]
+pub(super) struct Geometry {
+    pub(super) points: Vec<PointEntry>,
+    pub(super) edges: Vec<[String; 2]>,
+}
+
+/// Whether a file begins as universal files do.
+pub(super) fn is_universal(bytes: &[u8]) -> bool {
+    let first = bytes.split(|b| *b == b'\n').map(<[u8]>::trim_ascii).find(|line| !line.is_empty());
+    first == Some(b"-1")
+}
+
+impl Geometry {
+    /// What a table says.
+    pub(super) fn of_table(table: &ModalTable) -> Self {
+        let pairs = |line: &Vec<String>| -> Vec<[String; 2]> {
+            line.windows(2).map(|w| [w[0].clone(), w[1].clone()]).collect()
+        };
+        Self { points: table.points.clone(), edges: table.lines.iter().flat_map(pairs).collect() }
+    }
+
+    /// Adds what a universal file says of points that are not known yet; returns what was left out of it.
+    pub(super) fn add(&mut self, path: &Path, bytes: &[u8]) -> Result<Vec<String>, Failure> {
+        let name = path.display().to_string();
+        let model = iwan_io::uff_model(path, bytes).map_err(|e| Failure::said(&name, &e))?;
+        for node in &model.nodes {
+            let own = node.number.to_string();
+            if self.points.iter().all(|p| p.name != own) {
+                self.points.push(PointEntry { name: own, position: node.position });
+            }
+        }
+        for edge in model.edges() {
+            let edge = edge.map(|n| n.to_string());
+            if !self.edges.contains(&edge) {
+                self.edges.push(edge);
+            }
+        }
+        Ok(model.warnings.iter().map(|w| format!("{name}: {w}")).collect())
+    }
+
+    /// Position of a point.
+    pub(super) fn position(&self, point: &str) -> Option<[f64; 3]> {
+        self.points.iter().find(|p| p.name == point).map(|p| p.position)
+    }
+}

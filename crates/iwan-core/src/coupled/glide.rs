@@ -1,0 +1,257 @@
+//! Up to four modes with one joint: all constants and the motion of the modes stay in registers.
+//!
+//! On sliders Newton's method is not needed. On a straight piece of slope k the step Δs = Δs* - c ΔN with ΔN = (k - K) Δs is one product, Δs = Δs*/(1 + c (k - K)).
+//! Where a slider breaks loose or the motion turns round, the general step takes over.
+
+use super::joints::{JointsInMotion, OneJoint};
+use super::lanes::{LANES, Lanes, dot, groups};
+use super::modes::CoupledModes;
+use super::motion::CoupledMotion;
+use super::stepper::CoupledRows;
+use crate::error::Error;
+use crate::memory::{Hysteresis, Run, Runs, Segment, Sliders};
+use crate::step::force_at;
+
+/// The constants of one group of modes, as in [`CoupledModes`].
+struct Constants {
+    step: Lanes,
+    push: Lanes,
+    drag: Lanes,
+    stiffness: Lanes,
+    viscous: Lanes,
+    load: Lanes,
+    drive: Lanes,
+    shape: Lanes,
+    reach: Lanes,
+    /// What a unit of ΔN takes off q, v, v̄* and Δs*: a step waits for the one before through `on_ahead` alone.
+    on_q: Lanes,
+    on_v: Lanes,
+    on_mean: Lanes,
+    on_ahead: f64,
+    slip_at_force: f64,
+    /// K and c of the joint.
+    joint: f64,
+    coupling: f64,
+}
+
+/// What one step hands to the next.
+#[derive(Clone, Copy)]
+struct Motion {
+    q: Lanes,
+    v: Lanes,
+    mean: Lanes,
+    /// N, and Δs* of the step that comes.
+    missing: f64,
+    ahead: f64,
+}
+
+/// A straight piece, in x = s - anchor.
+struct Piece {
+    anchor: f64,
+    reach: f64,
+    base: f64,
+    stiffness: f64,
+    /// N at x = 0, and its slope k - K.
+    held: f64,
+    slope: f64,
+    /// 1/(1 + c (k - K)), and (k - K) times that.
+    gain: f64,
+    yielding: f64,
+}
+
+impl Motion {
+    fn of<S: AsRef<[Lanes]> + AsMut<[Lanes]>>(motion: &CoupledMotion<S>) -> Self {
+        let lanes = |row: &S| row.as_ref()[0];
+        Self {
+            q: lanes(&motion.q),
+            v: lanes(&motion.v),
+            mean: lanes(&motion.mean),
+            missing: motion.missing.as_ref()[0][0],
+            ahead: motion.ahead.as_ref()[0][0],
+        }
+    }
+
+    fn hand_back<S: AsRef<[Lanes]> + AsMut<[Lanes]>>(&self, motion: &mut CoupledMotion<S>) {
+        (motion.q.as_mut()[0], motion.v.as_mut()[0], motion.mean.as_mut()[0]) = (self.q, self.v, self.mean);
+        motion.ahead.as_mut()[0][0] = self.ahead;
+    }
+}
+
+impl Constants {
+    fn piece(&self, segment: &Segment) -> Piece {
+        let slope = segment.stiffness - self.joint;
+        let gain = 1.0 / (1.0 + self.coupling * slope);
+        Piece {
+            anchor: segment.anchor,
+            reach: segment.reach,
+            base: segment.base,
+            stiffness: segment.stiffness,
+            held: segment.base - self.joint * segment.anchor,
+            slope,
+            gain,
+            yielding: slope * gain,
+        }
+    }
+
+    /// Completes the step to a sample at which the load is `p` as if N were held, and begins the one after it, at the
+    /// end of which the load is `next`.
+    #[inline]
+    fn held(&self, m: &Motion, [p, next]: [f64; 2]) -> Motion {
+        let (mean, jump) = (0.5 * (p + next), next - p);
+        let (mut to, mut way) = (*m, [0.0; LANES]);
+        for (l, way) in way.iter_mut().enumerate() {
+            to.q[l] = m.q[l] + self.step[l] * m.mean[l];
+            to.v[l] = 2.0 * m.mean[l] - m.v[l];
+            let pull = self.stiffness[l] * to.q[l] + self.shape[l] * m.missing;
+            to.mean[l] = to.v[l] + (self.push[l] * (self.drive[l] * mean - pull) - self.drag[l] * to.v[l]);
+            *way = self.reach[l] * to.mean[l];
+        }
+        to.ahead = ((way[0] + way[2]) + (way[1] + way[3])) + self.slip_at_force * jump;
+        to
+    }
+
+    /// What ΔN changes of that, and the accelerations under the load `p`.
+    #[inline]
+    fn changed(&self, m: &mut Motion, change: f64, p: f64) -> Lanes {
+        let mut acceleration = [0.0; LANES];
+        for (l, acceleration) in acceleration.iter_mut().enumerate() {
+            m.q[l] -= self.on_q[l] * change;
+            m.v[l] -= self.on_v[l] * change;
+            m.mean[l] -= self.on_mean[l] * change;
+            let pull = self.stiffness[l] * m.q[l] + self.shape[l] * m.missing;
+            *acceleration = self.load[l] * p - self.viscous[l] * m.v[l] - pull;
+        }
+        m.ahead -= self.on_ahead * change;
+        acceleration
+    }
+}
+
+impl<S: AsRef<[Lanes]> + AsMut<[Lanes]>> CoupledModes<S> {
+    /// As [`integrate`](Self::integrate) for one joint on a population of sliders, several times faster with up to four
+    /// modes; more modes or joints take the general path.
+    ///
+    /// # Errors
+    /// As [`integrate`](Self::integrate).
+    pub fn integrate_sliders<R: AsRef<[Run]> + AsMut<[Run]>>(
+        &self,
+        motion: &mut CoupledMotion<S>,
+        sliders: &Sliders<'_>,
+        state: &mut Runs<R>,
+        force: &[f64],
+        out: &mut CoupledRows<'_>,
+    ) -> Result<(), Error> {
+        if self.joints() != 1 || groups(self.modes()) != 1 {
+            return self.integrate(motion, &mut OneJoint::new(sliders, state), force, out);
+        }
+        let samples = out.checked_len(self)?;
+        self.begin(motion, &OneJoint::new(sliders, state), force, out);
+        let mut m = Motion::of(motion);
+        glide(&self.constants(), &mut m, (sliders, state), force, (samples, out));
+        m.hand_back(motion);
+        motion.read_joints(self, &OneJoint::new(sliders, state));
+        Ok(())
+    }
+
+    /// [`integrate`](Self::integrate) for one joint and up to four modes, from the second sample on.
+    #[inline]
+    pub(super) fn narrow(
+        &self,
+        motion: &mut CoupledMotion<S>,
+        joint: &mut impl JointsInMotion,
+        force: &[f64],
+        (samples, out): (usize, &mut CoupledRows<'_>),
+    ) -> Result<(), Error> {
+        let (q, v, a) = (
+            &mut out.displacement[..samples],
+            &mut out.velocity[..samples],
+            &mut out.acceleration[..samples],
+        );
+        let (slip, joint_force) = (&mut out.slip[..samples], &mut out.joint_force[..samples]);
+        let (c, mut m) = (self.constants(), Motion::of(motion));
+        for n in 1..samples {
+            let (mut change, p) = ([0.0], force_at(force, n));
+            let mut to = c.held(&m, [p, force_at(force, n + 1)]);
+            joint.solve(self, &[m.ahead], &mut change)?;
+            (slip[n], joint_force[n]) = (joint.slip(0), joint.force(0));
+            to.missing = joint_force[n] - c.joint * slip[n];
+            a[n] = c.changed(&mut to, change[0], p);
+            m = to;
+            (q[n], v[n]) = (m.q, m.v);
+        }
+        m.hand_back(motion);
+        motion.read_joints(self, joint);
+        Ok(())
+    }
+
+    fn constants(&self) -> Constants {
+        let lanes = |row: &S| row.as_ref()[0];
+        let (step, push, give, drag) =
+            (lanes(&self.step), lanes(&self.push), lanes(&self.give), lanes(&self.drag));
+        let (stiffness, shape, reach) =
+            (lanes(&self.stiffness), lanes(&self.participation), lanes(&self.reach));
+        let of_rate: Lanes = core::array::from_fn(|l| give[l] * shape[l]);
+        let on_q: Lanes = core::array::from_fn(|l| step[l] * of_rate[l]);
+        let on_mean: Lanes = core::array::from_fn(|l| {
+            2.0 * of_rate[l] + (push[l] * (shape[l] - stiffness[l] * on_q[l]) - 2.0 * drag[l] * of_rate[l])
+        });
+        Constants {
+            step,
+            push,
+            drag,
+            stiffness,
+            viscous: lanes(&self.viscous),
+            load: lanes(&self.load),
+            drive: lanes(&self.drive),
+            shape,
+            reach,
+            on_q,
+            on_v: of_rate.map(|rate| 2.0 * rate),
+            on_mean,
+            on_ahead: dot(&[reach], &[on_mean]),
+            slip_at_force: self.slip_at_force()[0],
+            joint: self.joint_stiffness()[0],
+            coupling: self.coupling()[0],
+        }
+    }
+}
+
+/// Steps from the second sample on.
+fn glide<R: AsRef<[Run]> + AsMut<[Run]>>(
+    c: &Constants,
+    m: &mut Motion,
+    (sliders, state): (&Sliders<'_>, &mut Runs<R>),
+    force: &[f64],
+    (samples, out): (usize, &mut CoupledRows<'_>),
+) {
+    let inverse = 1.0 / c.coupling;
+    let (q, v, a) =
+        (&mut out.displacement[..samples], &mut out.velocity[..samples], &mut out.acceleration[..samples]);
+    let (slip, joint_force) = (&mut out.slip[..samples], &mut out.joint_force[..samples]);
+    let mut piece = c.piece(&state.segment(sliders.table()));
+    let (mut direction, mut x) = (state.direction(), state.displacement() - piece.anchor);
+    let mut at = *m;
+    for n in 1..samples {
+        let p = force_at(force, n);
+        let mut to_come = c.held(&at, [p, force_at(force, n + 1)]);
+        let way = piece.gain * at.ahead;
+        let to = x + way;
+        let change = if direction * way >= 0.0 && direction * to <= piece.reach {
+            x = to;
+            piece.yielding * at.ahead
+        } else {
+            state.rest_at(piece.anchor + x);
+            let before = piece.base + piece.stiffness * x;
+            let way = sliders.solve(state, inverse - c.joint, inverse * at.ahead);
+            piece = c.piece(&state.segment(sliders.table()));
+            (direction, x) = (state.direction(), state.displacement() - piece.anchor);
+            (piece.base + piece.stiffness * x - before) - c.joint * way
+        };
+        to_come.missing = piece.held + piece.slope * x;
+        a[n] = c.changed(&mut to_come, change, p);
+        at = to_come;
+        (q[n], v[n]) = (at.q, at.v);
+        (slip[n], joint_force[n]) = (piece.anchor + x, piece.base + piece.stiffness * x);
+    }
+    state.rest_at(piece.anchor + x);
+    *m = at;
+}

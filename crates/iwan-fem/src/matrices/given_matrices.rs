@@ -1,0 +1,46 @@
+//! Matrices of another program, in the unknowns.
+
+use super::elimination::Transformation;
+use crate::algebra::Symmetric;
+use crate::structure::{Given, Row};
+
+/// Given matrices in the unknowns.
+pub(super) struct InUnknowns {
+    pub(super) stiffness: Symmetric,
+    pub(super) mass: Symmetric,
+    pub(super) damping: Option<Symmetric>,
+}
+
+/// The given matrices in the unknowns: Tᵀ K T, Tᵀ M T and Tᵀ C T.
+pub(super) fn assemble(nodes: usize, given: &Given, transformation: &Transformation) -> InUnknowns {
+    let mut further = 3 * nodes;
+    let mut dof = |row: &Row| match *row {
+        Row::Displacement { node, axis } => 3 * node + axis,
+        Row::Rotation { .. } | Row::Generalised => {
+            further += 1;
+            further - 1
+        }
+    };
+    let dofs: Vec<usize> = given.rows.iter().map(&mut dof).collect();
+    let into = |matrix: &Symmetric| {
+        let mut entries = Vec::with_capacity(matrix.stored());
+        for (i, j, value) in matrix.lower() {
+            let (rows, columns) = (transformation.row(dofs[i]), transformation.row(dofs[j]));
+            for &(p, c) in rows {
+                for &(q, d) in columns {
+                    // Off the diagonal an entry stands for two, which meet in one place where both belong to one unknown.
+                    let twice = if i != j && p == q { 2.0 } else { 1.0 };
+                    if i != j || q <= p {
+                        entries.push((p.max(q), p.min(q), twice * c * d * value));
+                    }
+                }
+            }
+        }
+        Symmetric::from_lower(transformation.places.len(), entries)
+    };
+    InUnknowns {
+        stiffness: into(&given.stiffness),
+        mass: into(&given.mass).without_zeros(),
+        damping: given.damping.as_ref().map(into),
+    }
+}

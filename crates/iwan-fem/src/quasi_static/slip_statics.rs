@@ -1,0 +1,95 @@
+//! What a few stuck modes leave out of the slips: static compliance.
+
+use super::curves::static_flexibility;
+use crate::algebra::dot;
+use crate::error::Error;
+use crate::modes::{Limit, NamedMode, NamedModes};
+
+/// Slips in a few stuck modes, and through all the others under static forces: s = Σ b_r q_r - ρ N + a f.
+///
+/// The modes left out follow forces at once, as far below their frequencies (R. R. Craig Jr. and C.-J. Chang,
+/// NASA CR-2893, 1977): ρ = Eᵀ K_0⁺ E - Σ b bᵀ/ω² over the modes kept.
+#[derive(Debug, Clone, PartialEq)]
+pub struct SlipStatics {
+    /// b by slip and mode: `participation[slip][mode]`.
+    pub participation: Vec<Vec<f64>>,
+    /// ρ by slip and slip.
+    pub compliance: Vec<Vec<f64>>,
+    /// a by slip: slip under the load.
+    pub at_force: Vec<f64>,
+}
+
+/// Slips of the whole structure under static forces, from which a few modes take their part.
+#[derive(Debug, Clone)]
+pub struct SlipFlexibility<'a> {
+    named: &'a NamedModes,
+    forces: Vec<f64>,
+    /// Eᵀ K_0⁺ E by slip and slip, and Eᵀ K_0⁺ f.
+    slips: Vec<Vec<f64>>,
+    at_force: Vec<f64>,
+}
+
+impl NamedModes {
+    /// Slips under unit forces on each slip, and under the load `forces`, one entry per unknown
+    /// ([`Assembled::load`](crate::Assembled::load)).
+    ///
+    /// # Errors
+    /// As [`Assembled::modes`](crate::Assembled::modes); [`Error::Analysis`] for the load of another structure.
+    pub fn slip_flexibility(&self, forces: Vec<f64>) -> Result<SlipFlexibility<'_>, Error> {
+        let assembled = &self.assembled;
+        let unknowns = assembled.unknowns();
+        if forces.len() != unknowns {
+            let finding =
+                format!("the load has {} entries, the structure has {unknowns} unknowns", forces.len());
+            let remedy = "make it with the same assembled structure";
+            return Err(Error::Analysis { analysis: "statics of the slips", finding, remedy });
+        }
+        let factor = assembled.shifted_factor(Limit::Stuck)?;
+        let columns = static_flexibility(assembled, &self.stuck, &factor, assembled.shift()?);
+        let at: Vec<usize> = assembled.slips().iter().map(|slip| slip.unknown).collect();
+        let entry = |i: usize, j: usize| 0.5 * (columns[j][at[i]] + columns[i][at[j]]);
+        let all = 0..at.len();
+        let slips = all.clone().map(|i| all.clone().map(|j| entry(i, j)).collect()).collect();
+        let at_force = columns.iter().map(|column| dot(column, &forces)).collect();
+        Ok(SlipFlexibility { named: self, forces, slips, at_force })
+    }
+}
+
+impl SlipFlexibility<'_> {
+    /// Slips in these modes, and those that the others add under static forces on slips and under the load.
+    ///
+    /// ```
+    /// use iwan_fem::{NamedModes, mesh::beam::Configuration, paper};
+    /// let named = NamedModes::new(&paper::structure(Configuration::A, 1)?, 12)?;
+    /// let load = named.assembled.load("tip", [0.0, 0.0, 1.0])?;
+    /// let statics = named.slip_flexibility(load)?.beside(&named.first_bending());
+    /// // Two ends of the link, each with K_T = 2.75e5: as one joint they have K_T rho = 0.2875.
+    /// let [one, other] = [0, 2];
+    /// let rho = &statics.compliance;
+    /// assert!((2.75e5 * (rho[one][one] - rho[one][other]) - 0.2875).abs() < 1e-3);
+    /// assert!((statics.participation[one][0].abs() - 0.2397).abs() < 1e-4);
+    /// # Ok::<(), iwan_fem::Error>(())
+    /// ```
+    #[must_use]
+    pub fn beside(&self, modes: &[NamedMode]) -> SlipStatics {
+        let stuck = &self.named.stuck;
+        let shapes: Vec<(&[f64], f64)> = modes
+            .iter()
+            .map(|mode| (stuck.shape(mode.pair.stuck), stuck.eigenvalue(mode.pair.stuck)))
+            .collect();
+        let at: Vec<usize> = self.named.assembled.slips().iter().map(|slip| slip.unknown).collect();
+        let kept = |i: usize, of: &dyn Fn(&[f64]) -> f64| -> f64 {
+            shapes.iter().map(|(shape, eigenvalue)| shape[at[i]] * of(shape) / eigenvalue).sum()
+        };
+        let rho = |i: usize, j: usize| self.slips[i][j] - kept(i, &|shape| shape[at[j]]);
+        let all = 0..at.len();
+        SlipStatics {
+            participation: at
+                .iter()
+                .map(|&slip| shapes.iter().map(|(shape, _)| shape[slip]).collect())
+                .collect(),
+            compliance: all.clone().map(|i| all.clone().map(|j| rho(i, j)).collect()).collect(),
+            at_force: all.map(|i| self.at_force[i] - kept(i, &|shape| dot(shape, &self.forces))).collect(),
+        }
+    }
+}

@@ -1,0 +1,54 @@
+//! Abaqus input with elements that are no volumes, and with stress in the unloaded structure.
+#![allow(clippy::unwrap_used, reason = "a failed test may panic")]
+
+mod common;
+
+use std::path::Path;
+
+use common::{CORNERS, inp_nodes};
+use iwan_fem::mesh::{MeshFile, read_bytes};
+
+fn abaqus(text: &str) -> Result<MeshFile, String> {
+    read_bytes(Path::new("a.inp"), text.as_bytes()).map_err(|e| e.to_string())
+}
+
+/// Gmsh's own export has the elements of lines and surfaces beside those of volumes: they have no section, and become node sets.
+#[test]
+fn surface_elements_without_a_section_are_node_sets() {
+    let solid = "*ELEMENT, TYPE=C3D8I, ELSET=Volume1\n1,11,12,13,14,15,16,17,18\n";
+    let skin = "*ELEMENT, type=T3D2, ELSET=Line1\n2, 11, 12\n*ELEMENT, type=CPS4, ELSET=Surface1\n3, 11, 12, 13, 14\n\
+                *ELEMENT, type=S3\n4, 11, 12,\n13\n";
+    let text = format!("*HEADING\n a.inp\n{}{skin}{solid}", inp_nodes(&CORNERS));
+    let read = abaqus(&text).unwrap();
+    assert_eq!(read.mesh.elements.len(), 1);
+    assert_eq!(read.mesh.node_sets["Surface1"], [0, 1, 2, 3]);
+    assert_eq!(read.mesh.node_sets["Line1"], [0, 1]);
+    let texts: Vec<String> = read.warnings.iter().map(ToString::to_string).collect();
+    assert!(
+        texts
+            .iter()
+            .any(|t| t.contains("1 elements CPS4 have no section") && t.contains("node set Surface1")),
+        "{texts:?}"
+    );
+    assert!(texts.iter().any(|t| t.contains("S3") && t.contains("they are passed over")), "{texts:?}");
+    let error = abaqus(&format!("{text}*SOLID SECTION, ELSET=surface1, MATERIAL=A\n1.\n")).unwrap_err();
+    assert!(error.contains("a section of elements CPS4 (set surface1)"), "{error}");
+    let error = abaqus(&format!("{text}*SHELL SECTION, ELSET=surface1, MATERIAL=A\n1.\n")).unwrap_err();
+    assert!(
+        error.contains("*SHELL SECTION, which may change the model") && error.contains("[matrices]"),
+        "{error}"
+    );
+    let error = abaqus(&text.replace("3, 11, 12, 13, 14", "3, 11, 12, 13")).unwrap_err();
+    assert!(error.contains("an element CPS4 with 3 nodes, expected 4 nodes"), "{error}");
+}
+
+/// Stress in the unloaded structure stiffens it; temperatures do not.
+#[test]
+fn initial_stress_is_refused() {
+    let text = format!(
+        "{}*ELEMENT, TYPE=C3D8I\n1,11,12,13,14,15,16,17,18\n*INITIAL CONDITIONS, TYPE=",
+        inp_nodes(&CORNERS)
+    );
+    assert!(abaqus(&format!("{text}TEMPERATURE\n11, 20.\n")).is_ok());
+    assert!(abaqus(&format!("{text}STRESS\n1, 1., 1., 1.\n")).unwrap_err().contains("*INITIAL CONDITIONS"));
+}

@@ -1,0 +1,282 @@
+//! From a structure to a scenario of coupled modes: stuck modes, and the joints that they share.
+
+use iwan_core::{Backbone, Pulse, Representation};
+use iwan_fem::{NamedMode, NamedModes, SlipStatics};
+use iwan_sim::{Method, Mode, Point, Settings, SharedJoint, SimulationError, check_coupled};
+
+use crate::error::InputError;
+use crate::scenario::{Force, Scenario, ScenarioJoint, ScenarioMode};
+use crate::structure::StructureFile;
+use crate::written_law::WrittenLaw;
+
+/// Slip in any of the modes over the largest slip of all below which a joint counts as stuck in these modes. Of the
+/// paper's beam, joints that matter have 0.05 and more, those of the washers 1e-3 and less.
+const STUCK: f64 = 0.01;
+/// Difference of slips, over the largest of all, below which two joints of the same law move alike. The two ends of the
+/// paper's link differ by 0.0045 in bending 2, which hardly moves them.
+const ALIKE: f64 = 0.01;
+/// Samples in a cycle of the fastest mode, cycles of the slowest in the response, and length of the blow over the
+/// slowest period: those of the paper's own figures, about.
+const SAMPLES: f64 = 100.0;
+const CYCLES: f64 = 25.0;
+const BLOW: f64 = 0.2;
+/// Share of macro-slip to which the blow brings the first mode, about.
+const REACH: f64 = 0.3;
+
+/// A scenario of coupled modes, and what the user should know of it.
+#[derive(Debug, Clone)]
+pub struct CoupledScenario {
+    /// The scenario.
+    pub scenario: Scenario,
+    /// In words: joints that stay stuck, modes that were added.
+    pub notes: Vec<String>,
+}
+
+/// Joints that move alike, with their signs.
+struct Group {
+    members: Vec<(usize, f64)>,
+    law: WrittenLaw,
+}
+
+impl StructureFile {
+    /// The coupled modal model of these modes: b from the stuck modes, ρ from statics, joints of the same law that move
+    /// alike joined. Where so few modes give a model that cannot be stepped, the next ones join them.
+    ///
+    /// The scenario is stepped as a structure is, by average acceleration without prewarping, so that both responses can
+    /// be laid over each other at the same time step. Its force is a blow on the loads of the file, so hard that the
+    /// first mode comes near macro-slip.
+    ///
+    /// # Errors
+    /// [`InputError`] where no joint slips in these modes, where laws are not known as written, and where no number of
+    /// modes gives a model that can be stepped.
+    ///
+    /// ```
+    /// use iwan_fem::NamedModes;
+    /// use iwan_input::{StructureFile, built_in_structure};
+    /// let file = StructureFile::read(&built_in_structure("paper-a")?)?;
+    /// let named = NamedModes::new(&file.structure, 12)?;
+    /// let scenario = file.coupled(&named, &named.first_bending())?.scenario;
+    /// assert_eq!((scenario.modes.len(), scenario.joints.len()), (3, 1));
+    /// let joint = &scenario.joints[0].joint;
+    /// assert!((5.5e5 * joint.compliance[0] - 0.2875).abs() < 1e-3); // two ends: twice K_T
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    pub fn coupled(&self, named: &NamedModes, modes: &[NamedMode]) -> Result<CoupledScenario, InputError> {
+        let load = if self.loads.is_empty() {
+            vec![0.0; named.assembled.unknowns()]
+        } else {
+            self.forces(&named.assembled)?
+        };
+        let (mut chosen, mut added) = (modes.to_vec(), Vec::new());
+        let mut others = named.elastic.iter().filter(|mode| modes.iter().all(|m| m.name != mode.name));
+        let flexibility = named.slip_flexibility(load.clone()).map_err(|error| failed(&error.to_string()))?;
+        loop {
+            let statics = flexibility.beside(&chosen);
+            let (groups, stuck) = self.grouped(named, &statics)?;
+            let scenario = self.scenario(named, &chosen, (&statics, &groups), &load)?;
+            let refused = check_coupled(&scenario.modes(), &scenario.joints(), &scenario.settings).err();
+            let Some(error) = refused else {
+                return Ok(CoupledScenario { scenario, notes: notes(&stuck, &added) });
+            };
+            let next = others.next().filter(|_| is_of_compliance(&error));
+            let Some(next) = next else { return Err(failed(&error.to_string())) };
+            added.push(next.name.clone());
+            chosen.push(next.clone());
+        }
+    }
+
+    /// Slips that matter, joined where they move alike; and the names of those that stay stuck.
+    fn grouped(
+        &self,
+        named: &NamedModes,
+        statics: &SlipStatics,
+    ) -> Result<(Vec<Group>, Vec<String>), InputError> {
+        let size = |b: &[f64]| b.iter().fold(0.0_f64, |most, b| most.max(b.abs()));
+        let largest = statics.participation.iter().map(|b| size(b)).fold(0.0, f64::max);
+        let (mut groups, mut stuck): (Vec<Group>, Vec<String>) = (Vec::new(), Vec::new());
+        for (i, (slip, b)) in named.assembled.slips().iter().zip(&statics.participation).enumerate() {
+            let Some(law) = &slip.law else { continue };
+            if size(b) <= STUCK * largest {
+                stuck.push(slip.name.clone());
+                continue;
+            }
+            let written = self.laws.iter().find(|known| std::sync::Arc::ptr_eq(&known.law, law));
+            let Some(written) = written.map(|known| known.written.clone()) else {
+                return Err(failed(&format!("the law of {} is not one of this file", slip.name)));
+            };
+            let alike = |group: &Group, sign: f64| {
+                let first = &statics.participation[group.members[0].0];
+                group.law == written
+                    && first.iter().zip(b).all(|(a, b)| (a - sign * b).abs() <= ALIKE * largest)
+            };
+            let found = groups.iter_mut().find_map(|group| {
+                let sign = [1.0, -1.0].into_iter().find(|sign| alike(group, *sign))?;
+                Some((group, sign))
+            });
+            match found {
+                Some((group, sign)) => group.members.push((i, sign)),
+                None => groups.push(Group { members: vec![(i, 1.0)], law: written }),
+            }
+        }
+        if groups.is_empty() {
+            return Err(failed("no joint with a law slips in these modes"));
+        }
+        Ok((groups, stuck))
+    }
+
+    fn scenario(
+        &self,
+        named: &NamedModes,
+        chosen: &[NamedMode],
+        (statics, groups): (&SlipStatics, &[Group]),
+        load: &[f64],
+    ) -> Result<Scenario, InputError> {
+        let dot = |shape: &[f64], f: &[f64]| shape.iter().zip(f).map(|(a, b)| a * b).sum::<f64>();
+        let outputs = self.recorded(named, chosen)?.split_off(chosen.len());
+        let modes: Vec<ScenarioMode> = chosen
+            .iter()
+            .map(|mode| {
+                let shape = named.stuck.shape(mode.pair.stuck);
+                let point =
+                    |o: &iwan_fem::Output| Point { name: o.name.clone(), shape: dot(shape, &o.coefficients) };
+                let mode = Mode {
+                    shape_at_force: if self.loads.is_empty() { 1.0 } else { dot(shape, load) },
+                    outputs: outputs.iter().map(point).collect(),
+                    ..Mode::new(mode.name.clone(), named.frequency_stuck(mode), None)
+                };
+                ScenarioMode { mode, joint: None }
+            })
+            .collect();
+        let joints = groups
+            .iter()
+            .map(|group| joint(named, (statics, groups), group))
+            .collect::<Result<Vec<_>, _>>()?;
+        let frequencies = || modes.iter().map(|m| m.mode.frequency);
+        let (slowest, fastest) =
+            (frequencies().fold(f64::INFINITY, f64::min), frequencies().fold(0.0, f64::max));
+        let method =
+            Method::Newmark { beta: 0.25, gamma: 0.5, prewarp: false, joint: Representation::Continuum };
+        let settings = Settings {
+            method,
+            ..Settings::new(rounded(1.0 / (SAMPLES * fastest), false), rounded(CYCLES / slowest, true))
+        };
+        let title = self.title.clone().unwrap_or_else(|| "Structure".into());
+        Ok(Scenario {
+            title: Some(format!("{title}: coupled modes")),
+            force: self.blow(&modes, &joints),
+            modes,
+            joints,
+            structure: None,
+            settings,
+            sweep: None,
+        })
+    }
+
+    /// A blow that brings the first mode that it meets near macro-slip.
+    fn blow(&self, modes: &[ScenarioMode], joints: &[ScenarioJoint]) -> Force {
+        let none = Force::Formula("none", Pulse::None);
+        if self.loads.is_empty() {
+            return none;
+        }
+        let of_mode = |(r, mode): (usize, &ScenarioMode)| {
+            let reach = |j: &ScenarioJoint| j.joint.law.strengths().1 / j.joint.participation[r].abs();
+            let onset = joints.iter().map(reach).fold(f64::INFINITY, f64::min);
+            let (shape, f) = (mode.mode.shape_at_force.abs(), mode.mode.frequency);
+            // The impulse of a haversine, half its amplitude times its duration, moves a mode by φ I/ω.
+            let amplitude = 2.0 * REACH * onset * std::f64::consts::TAU * f / (shape * BLOW / f);
+            (amplitude > 0.0 && amplitude.is_finite())
+                .then(|| (rounded(amplitude, false), rounded(BLOW / f, true)))
+        };
+        match modes.iter().enumerate().find_map(of_mode) {
+            Some((amplitude, duration)) => {
+                Force::Formula("haversine", Pulse::Haversine { amplitude, duration })
+            }
+            None => none,
+        }
+    }
+}
+
+/// A group of joints as one: m times the law, the mean of the slips, ρ of the mean slip under a force that all share.
+fn joint(
+    named: &NamedModes,
+    (statics, groups): (&SlipStatics, &[Group]),
+    group: &Group,
+) -> Result<ScenarioJoint, InputError> {
+    let count = group.members.len() as f64;
+    let mean = |of: &dyn Fn(usize) -> f64| -> f64 {
+        group.members.iter().map(|(i, sign)| sign * of(*i)).sum::<f64>() / count
+    };
+    let law = group.law.times(count);
+    let shared = law.law().map_err(|error| failed(&error.to_string()))?;
+    let modes = statics.participation.first().map_or(0, Vec::len);
+    let compliance = |other: &Group| {
+        let share =
+            |j: usize, sign: f64| sign * mean(&|i| statics.compliance[i][j]) / other.members.len() as f64;
+        other.members.iter().map(|(j, sign)| share(*j, *sign)).sum()
+    };
+    let names: Vec<&str> =
+        group.members.iter().map(|(i, _)| named.assembled.slips()[*i].name.as_str()).collect();
+    let joint = SharedJoint {
+        name: names.join(" + "),
+        law: shared,
+        participation: (0..modes).map(|r| mean(&|i| statics.participation[i][r])).collect(),
+        compliance: groups.iter().map(compliance).collect(),
+        slip_at_force: mean(&|i| statics.at_force[i]),
+    };
+    Ok(ScenarioJoint { joint, law })
+}
+
+/// A number of one digit, 1, 2 or 5 times a power of ten, next below or above.
+fn rounded(value: f64, up: bool) -> f64 {
+    let power = value.log10().floor() as i32;
+    let steps = [1.0, 2.0, 5.0, 10.0].map(|m| {
+        // Of what is written down the nearest number.
+        format!("{m}e{power}").parse::<f64>().unwrap_or(m * 10.0_f64.powi(power))
+    });
+    let fits = |x: &&f64| if up { **x >= value } else { **x <= value };
+    let found = if up { steps.iter().find(fits) } else { steps.iter().rev().find(fits) };
+    found.copied().unwrap_or(value)
+}
+
+/// Whether more modes in place of compliance would help.
+fn is_of_compliance(error: &SimulationError) -> bool {
+    let inner = match error {
+        SimulationError::Joint { source, .. } => source,
+        other => other,
+    };
+    matches!(inner, SimulationError::Parameter(iwan_core::Error::OutOfRange { .. }))
+}
+
+fn notes(stuck: &[String], added: &[String]) -> Vec<String> {
+    let mut notes = Vec::new();
+    if !stuck.is_empty() {
+        notes.push(format!(
+            "coupled.toml: these joints hardly slip in these modes and stay stuck: {}",
+            stuck.join(", ")
+        ));
+    }
+    if !added.is_empty() {
+        let added = added.join(", ");
+        notes.push(format!(
+            "coupled.toml: further modes take part, without which no step has one solution: {added}"
+        ));
+    }
+    notes
+}
+
+fn failed(message: &str) -> InputError {
+    let remedy = "choose other modes with --mode, or simulate the structure itself";
+    InputError::new(format!("no coupled modal model: {message}"), remedy)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::rounded;
+
+    #[test]
+    fn numbers_are_rounded_to_one_digit() {
+        assert_eq!(rounded(1.43e-5, false), 1e-5);
+        assert_eq!([rounded(0.189, true), rounded(0.2, true), rounded(0.51, true)], [0.2, 0.2, 1.0]);
+        assert_eq!([rounded(731.0, false), rounded(1.6e-3, true)], [500.0, 2e-3]);
+    }
+}

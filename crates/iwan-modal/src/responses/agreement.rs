@@ -1,0 +1,152 @@
+//! Whether hits agree channel by channel: cables that were swapped, sensors that were turned round between hits.
+
+use std::fmt;
+
+use rayon::prelude::*;
+
+use super::estimate::{common_times, spectrum};
+use crate::error::Error;
+use crate::measure::{Hit, Pulse};
+use crate::number::{Complex, complex};
+
+/// Lines count up to where the force's spectrum falls below this part of its largest value.
+const FORCE_LEFT: f64 = 0.03;
+/// Correlation with the same channel of the other hits below which a channel is looked at: noise of 0 dB on both gives 0.5, a mode that moves
+/// by its own width from hit to hit 0.7.
+const UNLIKE: f64 = 0.7;
+/// Correlation with another channel from which it is that one. A judgement: neighbours on a structure may be that alike, and are told apart
+/// because they are then alike themselves.
+const ALIKE: f64 = 0.9;
+
+/// A channel of a hit that does not go with the other hits.
+#[derive(Debug, Clone, PartialEq)]
+#[non_exhaustive]
+pub enum Disagreement {
+    /// Two channels are changed over.
+    Swapped {
+        /// Name of the hit.
+        hit: String,
+        /// The two channels.
+        channels: [String; 2],
+        /// Name of another hit.
+        other: String,
+    },
+    /// A channel has the opposite sign.
+    Reversed {
+        /// Name of the hit.
+        hit: String,
+        /// The channel.
+        channel: String,
+        /// Name of another hit.
+        other: String,
+    },
+}
+
+impl fmt::Display for Disagreement {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Swapped { hit, channels: [a, b], other } => {
+                write!(f, "{hit}: channels {a} and {b} are swapped against {other}")
+            }
+            Self::Reversed { hit, channel, other } => {
+                write!(f, "{hit}: channel {channel} is reversed against {other}")
+            }
+        }
+    }
+}
+
+/// Channels of hits at one point that do not go with those of the other hits there. Of two hits the second is named, as nothing says which of them
+/// is wrong; of more the one that is alone.
+///
+/// # Errors
+/// As [`frequency_responses`](super::frequency_responses).
+///
+/// ```
+/// use iwan_modal::measure::{Channel, Freedom, Hit};
+/// use iwan_modal::responses::disagreements;
+/// let channel = |name: &str, samples| Channel { name: name.into(), freedom: Freedom::point(name), samples };
+/// let force: Vec<f64> = (0..256).map(|n| if n == 10 { 1.0 } else { 0.0 }).collect();
+/// let wave = |w: f64| (0..256).map(|n| if n < 10 { 0.0 } else { (w * n as f64).sin() }).collect::<Vec<f64>>();
+/// let hit = |name: &str, a, b| Hit {
+///     name: name.into(), dt: 1e-3, force: channel("hammer", force.clone()), responses: vec![channel("a", wave(a)), channel("b", wave(b))],
+/// };
+/// let found = disagreements(&[hit("one", 0.3, 0.5), hit("two", 0.5, 0.3)])?;
+/// assert_eq!(found[0].to_string(), "two: channels a and b are swapped against one");
+/// # Ok::<(), iwan_modal::Error>(())
+/// ```
+pub fn disagreements(hits: &[Hit]) -> Result<Vec<Disagreement>, Error> {
+    let (dt, samples) = common_times(hits)?;
+    let mut points: Vec<_> = hits.iter().map(|h| &h.force.freedom).collect();
+    points.sort();
+    points.dedup();
+    let at = |point: &crate::measure::Freedom| {
+        hits.iter().filter(|h| h.force.freedom == *point).collect::<Vec<&Hit>>()
+    };
+    let groups = points.into_iter().map(at).filter(|group| group.len() > 1);
+    Ok(groups.flat_map(|group| of_group(&group, dt, samples)).collect())
+}
+
+/// Products of a hit's force and responses, for those channels that all hits of the group have.
+struct Products(Vec<Vec<Complex>>);
+
+fn of_group(hits: &[&Hit], dt: f64, samples: usize) -> Vec<Disagreement> {
+    let in_all = |c: &&crate::measure::Channel| {
+        hits.iter().all(|h| h.responses.iter().any(|other| other.freedom == c.freedom))
+    };
+    let common: Vec<_> = hits[0].responses.iter().filter(in_all).collect();
+    let place = |hit: &Hit, c: usize| {
+        hit.responses.iter().position(|own| own.freedom == common[c].freedom).unwrap_or(c)
+    };
+    let products = |hit: &&Hit| {
+        let force = spectrum(&Pulse::of(&hit.force.samples[..samples], dt, false).record(0.0), dt);
+        let strongest = force.iter().map(|f| f.norm()).fold(0.0, f64::max);
+        let lines = force.iter().position(|f| f.norm() < FORCE_LEFT * strongest).unwrap_or(force.len());
+        let one = |c: usize| {
+            let x = &hit.responses[place(hit, c)].samples[..samples];
+            let y = spectrum(x, dt);
+            // The first line is the mean, which no sensor measures.
+            (1..lines).map(|k| force[k].conj() * y[k]).collect()
+        };
+        Products((0..common.len()).into_par_iter().map(one).collect())
+    };
+    let all: Vec<Products> = hits.iter().map(products).collect();
+    let sum = |c: usize| -> Vec<Complex> {
+        let lines = all.iter().map(|p| p.0[c].len()).min().unwrap_or(0);
+        (0..lines).map(|k| all.iter().map(|p| p.0[c][k]).sum()).collect()
+    };
+    let sums: Vec<Vec<Complex>> = (0..common.len()).map(sum).collect();
+    let name = |h: usize, c: usize| hits[h].responses[place(hits[h], c)].name.clone();
+    // Of two hits both would be named.
+    let first = usize::from(hits.len() == 2);
+    let mut found = Vec::new();
+    for h in first..hits.len() {
+        let other = hits[usize::from(h == 0)].name.clone();
+        let alike = |c: usize, d: usize| correlation(&all[h].0[c], &sums[d], &all[h].0[d]);
+        let doubtful: Vec<usize> = (0..common.len()).filter(|c| alike(*c, *c) < UNLIKE).collect();
+        for (n, &c) in doubtful.iter().enumerate() {
+            let hit = hits[h].name.clone();
+            if alike(c, c) < -ALIKE {
+                found.push(Disagreement::Reversed { hit, channel: name(h, c), other: other.clone() });
+                continue;
+            }
+            let partner = doubtful[n + 1..].iter().find(|d| alike(c, **d) > ALIKE && alike(**d, c) > ALIKE);
+            if let Some(&d) = partner {
+                let channels = [name(h, c), name(h, d)];
+                found.push(Disagreement::Swapped { hit, channels, other: other.clone() });
+            }
+        }
+    }
+    found
+}
+
+/// Correlation of a channel's products with those of all other hits in a channel: the sum of all less `own`.
+fn correlation(x: &[Complex], sum: &[Complex], own: &[Complex]) -> f64 {
+    let (mut both, mut xx, mut yy) = (complex(0.0, 0.0), 0.0, 0.0);
+    for ((x, sum), own) in x.iter().zip(sum).zip(own) {
+        let y = sum - own;
+        both += x.conj() * y;
+        xx += x.norm_sqr();
+        yy += y.norm_sqr();
+    }
+    both.re / (xx * yy).sqrt().max(f64::MIN_POSITIVE)
+}

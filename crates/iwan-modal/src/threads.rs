@@ -1,0 +1,22 @@
+//! On how many threads the methods work.
+
+use crate::error::{Error, check};
+
+/// Does `work` on `threads` threads, which end with it; the bits are the same whatever their number.
+///
+/// # Errors
+/// [`Error::OutOfRange`] for 0 threads, and where the system gives none.
+///
+/// ```
+/// assert_eq!(iwan_modal::on_threads(2, || 6 * 7)?, 42);
+/// assert!(iwan_modal::on_threads(0, || 0).is_err());
+/// # Ok::<(), iwan_modal::Error>(())
+/// ```
+pub fn on_threads<T: Send>(threads: usize, work: impl FnOnce() -> T + Send) -> Result<T, Error> {
+    let remedy = "ask for fewer threads, 1 at least";
+    check("threads", threads as f64, threads > 0, "1 or more", remedy)?;
+    let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build();
+    let pool =
+        pool.map_err(|e| Error::refused("threads", format!("{threads} could not be started: {e}"), remedy))?;
+    Ok(pool.install(work))
+}

@@ -1,0 +1,145 @@
+//! From modes that share joints and a force to responses.
+
+use iwan_core::progress::{Progress, UNWATCHED, part};
+use iwan_core::{Error, Pulse, Representation};
+
+use super::joint::{SharedJoint, check_rows};
+use super::response::CoupledResponse;
+use super::run::newmark;
+use super::task::{Task, parted};
+use crate::error::SimulationError;
+use crate::methods::quality::difference;
+use crate::methods::task::sampled;
+use crate::mode::Mode;
+use crate::response::Response;
+use crate::settings::{Method, Settings};
+use crate::simulate::{check_scales, simulate_all};
+
+/// Simulates modes of which some share joints, under `force` (physical; a mode's `shape_at_force` makes it modal). A mode
+/// that moves no shared joint is simulated by itself, on up to `threads` threads.
+///
+/// The frequency of a mode is that with all joints stuck. The equations are those of `iwan_core::CoupledModes`.
+///
+/// ```
+/// use iwan_core::{FourParameter, Pulse, progress::UNWATCHED};
+/// use iwan_sim::{JointLaw, Mode, Settings, SharedJoint, simulate_coupled};
+/// let law = JointLaw::FourParameter(FourParameter::new(3.16e4, 143.8, -0.3, 0.02)?);
+/// let modes = [Mode::new("bending 1", 132.35, None), Mode::new("bending 3", 719.6, None)];
+/// let joint = SharedJoint { compliance: vec![9.1e-6], ..SharedJoint::new("link", law, vec![1.0, -4.905], 1) };
+/// let blow = Pulse::Haversine { amplitude: 7000.0, duration: 1.6e-3 };
+/// let response = simulate_coupled(&modes, &[joint], &blow, &Settings::new(1e-5, 0.05), 1, UNWATCHED)?;
+/// assert!(response.energy.error() < 1e-13);
+/// assert!(response.joints[0].slip_ratio() > 0.1);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+///
+/// # Errors
+/// [`SimulationError::Joint`] and [`SimulationError::Mode`] with the name of what is out of range or does not fit,
+/// [`SimulationError::Parameter`] for joints that no step can solve or no stiffness holds and for methods other than
+/// Newmark's average acceleration, [`SimulationError::NotFinite`] on overflow, [`SimulationError::Interrupted`] when
+/// `progress` broke off.
+pub fn simulate_coupled(
+    modes: &[Mode],
+    joints: &[SharedJoint],
+    force: &Pulse<'_>,
+    settings: &Settings,
+    threads: usize,
+    progress: Progress<'_>,
+) -> Result<CoupledResponse, SimulationError> {
+    let force = force.checked()?;
+    let (dt, samples) = (settings.dt, settings.samples()?);
+    check_rows(modes, joints)?;
+    let [coupled, alone] = parted(modes, joints);
+    let (prewarp, representation) = of_method(settings.method)?;
+    for mode in coupled.iter().map(|r| &modes[*r]) {
+        check_scales(mode, &force, settings)?;
+    }
+    let mut whole = CoupledResponse::default();
+    if !coupled.is_empty() {
+        let history = sampled(&force, dt, samples);
+        let task = Task::new(modes, &coupled, joints, (&history, dt, samples))?;
+        task.check(prewarp)?;
+        whole = newmark(&task, prewarp, representation, &part(progress, [0.0, 0.6]))?;
+        let forgotten = whole.joints.iter().map(|joint| joint.forgotten_force);
+        whole.quality.forgotten_force = forgotten.fold(0.0, f64::max);
+        if settings.quality {
+            estimate(&task, &mut whole, (prewarp, representation), &part(progress, [0.6, 0.9]))?;
+        }
+    }
+    let lonely: Vec<Mode> = alone.iter().map(|r| modes[*r].clone()).collect();
+    let by_themselves = simulate_all(&lonely, &force, settings, threads, &part(progress, [0.9, 1.0]))?;
+    let mut ordered: Vec<(usize, Response)> =
+        coupled.into_iter().zip(whole.modes).chain(alone.into_iter().zip(by_themselves)).collect();
+    ordered.sort_by_key(|(r, _)| *r);
+    whole.modes = ordered.into_iter().map(|(_, response)| response).collect();
+    Ok(whole)
+}
+
+/// Checks that modes, joints and settings can be simulated, without simulating.
+///
+/// # Errors
+/// As [`simulate_coupled`] before its first step.
+pub fn check_coupled(
+    modes: &[Mode],
+    joints: &[SharedJoint],
+    settings: &Settings,
+) -> Result<(), SimulationError> {
+    check_rows(modes, joints)?;
+    let (prewarp, _) = of_method(settings.method)?;
+    let [coupled, _] = parted(modes, joints);
+    if !coupled.is_empty() {
+        Task::new(modes, &coupled, joints, (&[], settings.dt, settings.samples()?))?.check(prewarp)?;
+    }
+    Ok(())
+}
+
+/// Whether the method prewarps, and how it sees joints.
+fn of_method(method: Method) -> Result<(bool, Representation), Error> {
+    let what = match method {
+        Method::Newmark { beta: 0.25, gamma: 0.5, prewarp, joint } => return Ok((prewarp, joint)),
+        Method::Newmark { .. } => "modes that share joints are stepped with beta = 0.25 and gamma = 0.5 only",
+        Method::HalfCycle | Method::Averaging | Method::Event { .. } => {
+            "half-cycle, averaging and event run one mode at a time: modes that share joints need newmark"
+        }
+    };
+    Err(Error::Unsupported { what })
+}
+
+/// Shortest response, in samples of the companion, that gets an estimate: as for modes by themselves.
+const FEWEST: usize = 8;
+
+/// Time-step error by Richardson extrapolation from the double step, discretisation error against the continuum there.
+fn estimate(
+    task: &Task<'_>,
+    response: &mut CoupledResponse,
+    (prewarp, joint): (bool, Representation),
+    progress: Progress<'_>,
+) -> Result<(), SimulationError> {
+    let force: Vec<f64> = task.force.iter().copied().step_by(2).collect();
+    let coarse = task.coarse(&force);
+    let exact = joint == Representation::Continuum;
+    let run = |joint| newmark(&coarse, prewarp, joint, UNWATCHED);
+    // A double step that does not work says nothing about the single one.
+    let double = if coarse.samples < FEWEST { None } else { run(joint).ok() };
+    if progress(0.5).is_break() {
+        return Err(SimulationError::Interrupted);
+    }
+    let continuum =
+        if exact { None } else { double.as_ref().and_then(|_| run(Representation::Continuum).ok()) };
+    if progress(1.0).is_break() {
+        return Err(SimulationError::Interrupted);
+    }
+    for (r, mode) in response.modes.iter_mut().enumerate() {
+        let time_step = double.as_ref().map(|double| difference(&double.modes[r], mode, 2) / 3.0);
+        let cut = double.as_ref().zip(continuum.as_ref());
+        let cut = cut.map(|(sliders, continuum)| difference(&sliders.modes[r], &continuum.modes[r], 1));
+        mode.quality.time_step_error = time_step;
+        mode.quality.discretisation_error = if exact { Some(0.0) } else { cut };
+    }
+    let worst = |of: fn(&Response) -> Option<f64>| {
+        response.modes.iter().map(of).try_fold(0.0_f64, |most, error| Some(most.max(error?)))
+    };
+    response.quality.time_step_error = worst(|mode| mode.quality.time_step_error);
+    response.quality.discretisation_error = worst(|mode| mode.quality.discretisation_error);
+    Ok(())
+}

@@ -1,0 +1,132 @@
+//! What is run: the modes that share joints, and all joints that they move.
+
+use iwan_core::{
+    Backbone, CoupledJoint, CoupledMode, CoupledModes, Error, Lanes, Newmark, Oscillator, ResidualStiffness,
+};
+
+use super::joint::{SharedJoint, Statics, check_rows, of_joint};
+use crate::error::SimulationError;
+use crate::mode::Mode;
+
+/// Room for the core.
+pub(super) fn storage(groups: usize) -> Vec<Lanes> {
+    vec![[0.0; 4]; groups]
+}
+
+/// A run of coupled modes: force samples (physical, from t = 0, zero behind the last) and time axis.
+pub(super) struct Task<'a> {
+    pub(super) modes: Vec<&'a Mode>,
+    /// Shared joints, then the own joints of the modes; participation in `modes` only.
+    pub(super) joints: Vec<SharedJoint>,
+    pub(super) force: &'a [f64],
+    pub(super) dt: f64,
+    pub(super) samples: usize,
+    /// K_T of each mode.
+    pub(super) modal_stiffness: Vec<f64>,
+}
+
+/// Numbers of the modes that share joints, and of those that move by themselves.
+pub(super) fn parted(modes: &[Mode], joints: &[SharedJoint]) -> [Vec<usize>; 2] {
+    let shares = |r: &usize| joints.iter().any(|joint| joint.moved_by(*r));
+    let (coupled, alone) = (0..modes.len()).partition(shares);
+    [coupled, alone]
+}
+
+/// A row of numbers by joint, with zeros for joints that come behind.
+fn widened(row: &[f64], joints: usize) -> Vec<f64> {
+    row.iter().copied().chain(std::iter::repeat(0.0)).take(joints).collect()
+}
+
+impl<'a> Task<'a> {
+    /// The modes of these numbers with the joints.
+    pub(super) fn new(
+        all: &'a [Mode],
+        chosen: &[usize],
+        shared: &[SharedJoint],
+        (force, dt, samples): (&'a [f64], f64, usize),
+    ) -> Result<Self, SimulationError> {
+        check_rows(all, shared)?;
+        let modes: Vec<&Mode> = chosen.iter().map(|r| &all[*r]).collect();
+        for mode in &modes {
+            mode.oscillator().map_err(|error| of_mode(mode, error))?;
+            if !mode.is_plain() {
+                let what = "a mode that moves a shared joint is linear beside its own joint: leave out parts and curves";
+                return Err(of_mode(mode, Error::Unsupported { what }));
+            }
+        }
+        let own: Vec<(usize, &Mode)> =
+            modes.iter().enumerate().filter(|(_, mode)| mode.joint.is_some()).map(|(r, m)| (r, *m)).collect();
+        let count = shared.len() + own.len();
+        let mut joints: Vec<SharedJoint> = shared
+            .iter()
+            .map(|joint| SharedJoint {
+                participation: chosen.iter().map(|r| joint.participation[*r]).collect(),
+                compliance: widened(&joint.compliance, count),
+                ..joint.clone()
+            })
+            .collect();
+        for (r, mode) in own {
+            let Some(law) = mode.joint.clone() else { continue };
+            let participation = (0..modes.len()).map(|i| if i == r { 1.0 } else { 0.0 }).collect();
+            joints.push(SharedJoint::new(mode.name.clone(), law, participation, count));
+        }
+        let modal_stiffness = Statics::new(&modes, &joints).modal_stiffness();
+        Ok(Self { modes, joints, force, dt, samples, modal_stiffness })
+    }
+
+    /// Refuses what no step can solve, then what nothing holds once the joints slip.
+    pub(super) fn check(&self, prewarp: bool) -> Result<(), SimulationError> {
+        self.coupled(prewarp)?;
+        Ok(Statics::new(&self.modes, &self.joints).check(&self.modes)?)
+    }
+
+    /// The same at twice the time step.
+    pub(super) fn coarse(&self, force: &'a [f64]) -> Self {
+        Self {
+            modes: self.modes.clone(),
+            joints: self.joints.clone(),
+            force,
+            dt: 2.0 * self.dt,
+            samples: self.samples.div_ceil(2),
+            modal_stiffness: self.modal_stiffness.clone(),
+        }
+    }
+
+    /// Constants of the steps, each mode prewarped or not.
+    pub(super) fn coupled(&self, prewarp: bool) -> Result<CoupledModes<Vec<Lanes>>, SimulationError> {
+        let mode = |mode: &&Mode| -> Result<CoupledMode, SimulationError> {
+            let constants = || -> Result<CoupledMode, Error> {
+                let (f, zeta) = (mode.frequency, mode.damping_ratio);
+                let oscillator = Oscillator::new(f, zeta, 0.0, ResidualStiffness::Positive)?;
+                let scheme = if prewarp {
+                    Newmark::prewarped(self.dt, oscillator.omega0())
+                } else {
+                    Newmark::average_acceleration(self.dt)
+                };
+                Ok(CoupledMode { oscillator, scheme: scheme?, shape_at_force: mode.shape_at_force })
+            };
+            constants().map_err(|error| of_mode(mode, error))
+        };
+        let modes = self.modes.iter().map(mode).collect::<Result<Vec<_>, _>>()?;
+        // Each joint by itself first, so that a number out of range is told with its name.
+        for (i, joint) in self.joints.iter().enumerate() {
+            let own = CoupledJoint { compliance: &joint.compliance[i..=i], ..of_row(joint) };
+            CoupledModes::new(&modes, &[own], storage).map_err(|error| of_joint(&joint.name, error))?;
+        }
+        let rows: Vec<_> = self.joints.iter().map(of_row).collect();
+        Ok(CoupledModes::new(&modes, &rows, storage)?)
+    }
+}
+
+fn of_row(joint: &SharedJoint) -> CoupledJoint<'_> {
+    CoupledJoint {
+        stiffness: joint.law.initial_stiffness(),
+        participation: &joint.participation,
+        compliance: &joint.compliance,
+        slip_at_force: joint.slip_at_force,
+    }
+}
+
+pub(super) fn of_mode(mode: &Mode, error: impl Into<SimulationError>) -> SimulationError {
+    SimulationError::Mode { mode: mode.name.clone(), source: Box::new(error.into()) }
+}
