@@ -7,7 +7,7 @@ use crate::refine::{Solved, Task, Workspace};
 use crate::search::Minimum;
 
 /// Searches that begin anew because a profile found a better minimum, at most. A judgement: each costs as much as all
-/// profiles together, and with more the records of tests ended no better. When they are spent the profiles are taken as they are, and points below the minimum count as on it.
+/// profiles together. When they are spent the profiles are taken as they are, and points below the minimum count as on it.
 const ANEW: usize = 3;
 
 /// Relative residual below which the fit in micro-slip is sought from other powers too: with so little noise valleys are narrow, and a short record, whose
@@ -35,13 +35,9 @@ pub(super) fn minimum_and_profiles(task: &mut Task, first: &Parameters) -> Resul
             *task = without.task;
             minimum = task.discounted(without.minimum, &start)?;
         }
-        let (widened, least) = task.widened(&minimum)?;
-        let known = Known { minimum: &least, extent, settled: round >= ANEW };
-        match profiles(&widened, known) {
-            Ok(profiles) => {
-                *task = widened;
-                return Ok(Found { minimum: least, profiles });
-            }
+        let known = Known { minimum: &minimum, extent, settled: round >= ANEW };
+        match profiles(task, known) {
+            Ok(profiles) => return Ok(Found { minimum, profiles }),
             Err(better) => match task.resume(&better, &minimum) {
                 Some(deeper) => minimum = task.finished(&deeper, &start)?,
                 None => round = ANEW,

@@ -85,7 +85,8 @@ impl Task {
             self.weigh(&best.x, &mut work);
             best = self.minimise(&best.x, self.seen_at(&best.x), FINE, &mut work).ok_or_else(no_ring_down)?;
         }
-        if self.look(&best.x, &mut work).is_none_or(|found| !found.likeliest.seen) {
+        let nothing = |found: &Found| found.likeliest.sizes.iter().all(|s| *s == 0.0);
+        if self.look(&best.x, &mut work).is_none_or(|found| nothing(&found)) {
             return Ok(best);
         }
         let settle = |x: &[f64]| self.clone().settled(x, &mut Workspace::default());
@@ -97,23 +98,6 @@ impl Task {
         let Settled { task, minimum, .. } = likeliest.ok_or_else(no_ring_down)?;
         *self = task;
         Ok(minimum)
-    }
-
-    /// The task for intervals, and its minimum next to one: where a record shows nothing that the model misses, what it cannot show widens the
-    /// intervals all the same. Minima are not sought so: what a record of a few cycles tells of the power is next to nothing then.
-    pub(crate) fn widened(&self, minimum: &Minimum) -> Result<(Self, Minimum), Error> {
-        let (mut task, mut work) = (self.clone(), Workspace::default());
-        if self.discount.is_some() {
-            return Ok((task, minimum.clone()));
-        }
-        if let Some(found) = self.look(&minimum.x, &mut work) {
-            let scales = self.noise(&found);
-            task.take(&found.components, &found.likeliest.sizes, &scales);
-            task.discrepancy = Discrepancy::default();
-        }
-        let seen = task.seen_at(&minimum.x);
-        let minimum = task.minimise(&minimum.x, seen, FINE, &mut work).ok_or_else(no_ring_down)?;
-        Ok((task, minimum))
     }
 
     /// The unknowns that the records see at a point.

@@ -3,9 +3,6 @@
 //! Residuals at the best fit, r = J dx + Σ s_i Z_i u_i + e with u and e of variance one: J's part is projected out, and the sizes
 //! s_i maximise the likelihood of what is left, whose own variance is profiled out (H. D. Patterson, R. Thompson, Biometrika
 //! 58:545, 1971). Where the residuals are white all sizes come out as zero or next to it.
-//!
-//! What is taken in the end is the size that is expected: the mean over all sizes, weighted by that likelihood and by what is expected before a record is
-//! seen. A long clean record leaves next to nothing of it, one of a few cycles all: it cannot tell a joint of another power from a law that is not quite right.
 
 use nalgebra::{Cholesky, DMatrix, DVector, Dyn};
 
@@ -20,17 +17,10 @@ const LAST_STEP: f64 = 0.1;
 /// freedom for the others (S. G. Self, K.-Y. Liang, J. Am. Stat. Assoc. 82:605, 1987): it passes 4 in 2 records of 100.
 const GAIN: f64 = 2.0;
 
-/// Sizes over which the mean is taken: from the smallest to the largest of these, in units of the values' own, …
-const MEAN_OVER: [f64; 2] = [1e-6, 1.0];
-/// … in so many steps of the logarithm: a factor of 1.4 each, which moves the mean by less than a per cent.
-const MEAN_STEPS: usize = 40;
-
 /// The sizes, and what follows from them.
 pub(super) struct Likeliest {
-    /// Expected size of each process, in units of its values.
+    /// Of each process, in units of its values.
     pub(super) sizes: Vec<f64>,
-    /// Whether the residuals show any process at all.
-    pub(super) seen: bool,
     /// All values that are expected.
     pub(super) expected: DVector<f64>,
     /// Number of values that the residuals tell, of all.
@@ -110,45 +100,21 @@ impl Projected {
         likelihood - prior
     }
 
-    /// The expected sizes.
+    /// The sizes at which the restricted likelihood is largest, zero for processes that add nothing.
     pub(super) fn sizes(&self) -> Option<Likeliest> {
-        let likeliest = self.likeliest();
-        let relative = self.mean(&likeliest)?;
+        let relative = self.likeliest();
         let (_, deviation) = self.likelihood(&relative)?;
         let s = self.spread(&relative);
         let factor = self.matrix(&s)?;
         Some(Likeliest {
-            likelihood: self.score(&likeliest),
-            seen: likeliest.iter().any(|size| *size > 0.0),
+            likelihood: self.score(&relative),
             sizes: relative.iter().map(|size| size * deviation).collect(),
             expected: s.component_mul(&factor.solve(&s.component_mul(&self.product))),
             explained: s.len() as f64 - factor.inverse().trace(),
         })
     }
 
-    /// The mean of each size over what the residuals allow, the others at their likeliest; relative as these.
-    fn mean(&self, likeliest: &[f64]) -> Option<Vec<f64>> {
-        let (_, deviation) = self.likelihood(likeliest)?;
-        let [low, high] = MEAN_OVER.map(|size: f64| (size / deviation).ln());
-        let trials: Vec<f64> =
-            (0..=MEAN_STEPS).map(|k| (low + (high - low) * k as f64 / MEAN_STEPS as f64).exp()).collect();
-        let one = |i: usize| {
-            let score = |size: f64| {
-                let mut sizes = likeliest.to_vec();
-                sizes[i] = size;
-                self.score(&sizes)
-            };
-            let scores: Vec<f64> = trials.iter().map(|t| score(*t)).collect();
-            let top = scores.iter().copied().fold(f64::NEG_INFINITY, f64::max);
-            // Steps of the logarithm are the longer the larger the size.
-            let weights = || trials.iter().zip(&scores).map(|(t, s)| (t, t * (s - top).exp()));
-            weights().map(|(t, w)| t * w).sum::<f64>() / weights().map(|(_, w)| w).sum::<f64>()
-        };
-        let mean: Vec<f64> = (0..likeliest.len()).map(one).collect();
-        mean.iter().all(|m| m.is_finite()).then_some(mean)
-    }
-
-    /// The sizes at which the restricted likelihood is largest, relative to the residuals' standard deviation; zero for processes that add nothing.
+    /// The same sizes relative to the residuals' standard deviation.
     fn likeliest(&self) -> Vec<f64> {
         let count = self.widths.len();
         let score = |sizes: &[f64]| self.score(sizes);

@@ -314,11 +314,6 @@ impl Task {
         }
     }
 
-    /// Whether the residuals are discounted by what the model misses.
-    pub(crate) fn is_discounted(&self) -> bool {
-        self.discount.is_some()
-    }
-
     /// Variance of residuals that the forward model itself accounts for.
     pub(crate) fn least_variance(&self) -> f64 {
         let floor = |r: &Windowed| (r.floor() / r.scale).powi(2);
