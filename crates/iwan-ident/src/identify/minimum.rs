@@ -35,9 +35,17 @@ pub(super) fn minimum_and_profiles(task: &mut Task, first: &Parameters) -> Resul
             *task = without.task;
             minimum = task.discounted(without.minimum, &start)?;
         }
-        let known = Known { minimum: &minimum, extent, settled: round >= ANEW };
-        match profiles(task, known) {
-            Ok(profiles) => return Ok(Found { minimum, profiles }),
+        // Where macro-slip is seen the knee tells enough.
+        let (widened, least) = match extent {
+            Extent::MicroSlip => task.widened(&minimum)?,
+            _ => (task.clone(), minimum.clone()),
+        };
+        let known = Known { minimum: &least, extent, settled: round >= ANEW };
+        match profiles(&widened, known) {
+            Ok(profiles) => {
+                *task = widened;
+                return Ok(Found { minimum: least, profiles });
+            }
             Err(better) => match task.resume(&better, &minimum) {
                 Some(deeper) => minimum = task.finished(&deeper, &start)?,
                 None => round = ANEW,

@@ -26,11 +26,13 @@ impl Scale {
         let freedom = (task.count() - task.free().len()) as f64;
         let refined = task.refined(minimum);
         let r = refined.correlation;
+        // What is allowed for a clean record is in units of the noise that was found with it: a smaller sum of squares by chance does not make it smaller.
+        let least = if task.widened { 1.0 } else { task.least_variance() };
         // Neighbours that agree say the same twice.
         let inflation = if refined.leaves_noise(task.count()) { 1.0 } else { (1.0 + r) / (1.0 - r.min(0.9)) };
         Self {
             least: minimum.cost,
-            variance: inflation * (minimum.cost / freedom).max(task.least_variance()),
+            variance: inflation * (minimum.cost / freedom).max(least),
             limit: student(freedom / inflation).powi(2),
             better: if settled { f64::NEG_INFINITY } else { BETTER },
         }

@@ -17,10 +17,17 @@ const LAST_STEP: f64 = 0.1;
 /// freedom for the others (S. G. Self, K.-Y. Liang, J. Am. Stat. Assoc. 82:605, 1987): it passes 4 in 2 records of 100.
 const GAIN: f64 = 2.0;
 
+/// Sizes over which the mean is taken: from the smallest to the largest of these, in units of the values' own, …
+const MEAN_OVER: [f64; 2] = [1e-6, 1.0];
+/// … in so many steps of the logarithm: a factor of 1.4 each.
+const MEAN_STEPS: usize = 40;
+
 /// The sizes, and what follows from them.
 pub(super) struct Likeliest {
     /// Of each process, in units of its values.
     pub(super) sizes: Vec<f64>,
+    /// The mean of each size over what the residuals allow and what is expected before they are seen.
+    pub(super) expected_sizes: Vec<f64>,
     /// All values that are expected.
     pub(super) expected: DVector<f64>,
     /// Number of values that the residuals tell, of all.
@@ -108,10 +115,35 @@ impl Projected {
         let factor = self.matrix(&s)?;
         Some(Likeliest {
             likelihood: self.score(&relative),
+            expected_sizes: self.expected_sizes()?,
             sizes: relative.iter().map(|size| size * deviation).collect(),
             expected: s.component_mul(&factor.solve(&s.component_mul(&self.product))),
             explained: s.len() as f64 - factor.inverse().trace(),
         })
+    }
+
+    /// The mean of each size over what the residuals allow and what is expected before they are seen, the others at their likeliest.
+    fn expected_sizes(&self) -> Option<Vec<f64>> {
+        let likeliest = self.likeliest();
+        let (_, deviation) = self.likelihood(&likeliest)?;
+        let [low, high] = MEAN_OVER.map(|size: f64| (size / deviation).ln());
+        let trials: Vec<f64> =
+            (0..=MEAN_STEPS).map(|k| (low + (high - low) * k as f64 / MEAN_STEPS as f64).exp()).collect();
+        let one = |i: usize| {
+            let score = |size: f64| {
+                let mut sizes = likeliest.clone();
+                sizes[i] = size;
+                self.score(&sizes)
+            };
+            let scores: Vec<f64> = trials.iter().map(|t| score(*t)).collect();
+            let top = scores.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+            // Steps of the logarithm are the longer the larger the size.
+            let weights = || trials.iter().zip(&scores).map(|(t, s)| (t, t * (s - top).exp()));
+            let mean = weights().map(|(t, w)| t * w).sum::<f64>() / weights().map(|(_, w)| w).sum::<f64>();
+            mean * deviation
+        };
+        let mean: Vec<f64> = (0..likeliest.len()).map(one).collect();
+        mean.iter().all(|m| m.is_finite()).then_some(mean)
     }
 
     /// The same sizes relative to the residuals' standard deviation.

@@ -40,6 +40,8 @@ pub(crate) struct Task {
     /// What the model is known to miss.
     pub(super) discount: Option<Discount>,
     pub(super) discrepancy: Discrepancy,
+    /// Whether the discount is for what a clean record cannot show.
+    pub(crate) widened: bool,
     /// Whether residuals are logarithms of the ratio of record and model, times the record: to these, what the model misses adds up however
     /// far the phases are apart.
     pub(super) by_logarithms: bool,
@@ -95,6 +97,7 @@ impl Task {
             held: held.to_vec(),
             discount: None,
             discrepancy: Discrepancy::default(),
+            widened: false,
             by_logarithms: false,
             stopped: Arc::default(),
         };
