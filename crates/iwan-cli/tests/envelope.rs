@@ -230,7 +230,6 @@ fn results_are_not_overwritten_and_bad_records_leave_nothing() {
         "two.csv --band 300:400",
         "two.csv --shapes shapes.csv",
         "two.csv --shapes many.csv",
-        "two.csv --shapes same.csv --band 60:105 --band 180:260",
         "two.csv --band 105:60",
         "two.csv --band 60",
         "two.csv --rate 0",
@@ -244,4 +243,14 @@ fn results_are_not_overwritten_and_bad_records_leave_nothing() {
         shown_all.push(format!("iwan envelope {arguments}\n{}", String::from_utf8_lossy(&output.stderr)));
     }
     insta::assert_snapshot!("bad_records", shown_all.join("\n"));
+    // Shapes that are not told apart leave the average over the shape, which says so and names what does not move with it.
+    let output =
+        iwan(place.path(), "envelope two.csv --shapes same.csv --band 60:105 --band 180:260 --out alike");
+    let said = shown(&output);
+    assert!(output.status.success(), "{said}");
+    assert!(
+        said.contains("2 channels tell only 1 of 2 mode shapes apart")
+            && said.contains("do not move with the shape"),
+        "{said}"
+    );
 }

@@ -106,7 +106,7 @@ impl Combination {
     /// use iwan_ident::channels::Combination;
     /// // Two shapes that differ in a hundredth at one of two channels.
     /// let alike = [vec![1.0, 1.0], vec![1.0, 0.99]];
-    /// assert_eq!(Combination::of_shape(&alike, 0)?.weights, [0.5, 0.5]);
+    /// assert!(Combination::of_shape(&alike, 0)?.weights.iter().all(|w| (w - 0.5).abs() < 1e-12));
     /// let apart = [vec![1.0, 1.0], vec![1.0, -1.0]];
     /// assert!(Combination::of_shape(&apart, 1)?.notes[0].contains("modal filter"));
     /// # Ok::<(), iwan_ident::Error>(())
