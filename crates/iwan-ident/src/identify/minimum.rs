@@ -37,8 +37,8 @@ pub(super) fn minimum_and_profiles(task: &mut Task, first: &Parameters) -> Resul
         }
         // Where macro-slip is seen the knee tells enough.
         let (widened, least) = match extent {
-            Extent::MicroSlip => task.widened(&minimum)?,
-            _ => (task.clone(), minimum.clone()),
+            Extent::MicroSlip | Extent::Edge => task.widened(&minimum)?,
+            Extent::Full => (task.clone(), minimum.clone()),
         };
         let known = Known { minimum: &least, extent, settled: round >= ANEW };
         match profiles(&widened, known) {
