@@ -71,3 +71,16 @@ pub(crate) fn check(
     }
     Err(Error::OutOfRange { name, value, allowed: allowed.into(), remedy })
 }
+
+/// The edges of a band, Hz, whose upper one `ok_above` allows.
+pub(crate) fn check_band(
+    (low, high): (f64, f64),
+    ok_above: bool,
+    allowed_above: impl Into<String>,
+) -> Result<(), Error> {
+    let remedy = "choose a band within the measured frequencies";
+    let ok = low > 0.0 && low < high;
+    check("lower edge of the band", low, ok, "above 0 and below the upper edge", remedy)?;
+    check("upper edge of the band", high, ok_above, allowed_above, remedy)?;
+    Ok(())
+}

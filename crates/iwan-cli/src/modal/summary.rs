@@ -289,15 +289,7 @@ impl Summary for ModalSummary {
         }
         if let Some(other) = &self.other {
             let _ = writeln!(text, "\nby {} ({} modes):", other.method, other.found);
-            for mode in other.modes.iter().flatten() {
-                let _ = writeln!(
-                    text,
-                    "{:>14.5} Hz{:>12.5} %   MAC {:.4}",
-                    mode.frequency,
-                    100.0 * mode.damping_ratio,
-                    mode.mac
-                );
-            }
+            lines_of(&mut text, &other.modes);
         }
         for (n, level) in self.levels.iter().enumerate().filter(|_| self.levels.len() > 1) {
             let _ = writeln!(
@@ -307,16 +299,21 @@ impl Summary for ModalSummary {
                 level.hits.len(),
                 short(level.force)
             );
-            for mode in level.modes.iter().flatten() {
-                let _ = writeln!(
-                    text,
-                    "{:>14.5} Hz{:>12.5} %   MAC {:.4}",
-                    mode.frequency,
-                    100.0 * mode.damping_ratio,
-                    mode.mac
-                );
-            }
+            lines_of(&mut text, &level.modes);
         }
         text
+    }
+}
+
+/// A line for each mode that another way or level has too.
+fn lines_of(text: &mut String, modes: &[Option<LevelMode>]) {
+    for mode in modes.iter().flatten() {
+        let _ = writeln!(
+            text,
+            "{:>14.5} Hz{:>12.5} %   MAC {:.4}",
+            mode.frequency,
+            100.0 * mode.damping_ratio,
+            mode.mac
+        );
     }
 }

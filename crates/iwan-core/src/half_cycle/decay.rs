@@ -108,7 +108,7 @@ impl<'a, B: Backbone, S: AsRef<[Reversal]> + AsMut<[Reversal]>> Decay<'a, B, S> 
     }
 
     /// Ends this decay, and begins another of the same mode under the same load as [`new`](Self::new) does: the tables of
-    /// the map, which take as long as some ten half cycles, and the stack are used again.
+    /// the map and the stack are used again.
     ///
     /// ```
     /// use iwan_core::{Backbone, Decay, FourParameter, Motion, Oscillator, ResidualStiffness, Reversal};

@@ -2,7 +2,7 @@
 
 use nalgebra::DMatrix;
 
-use crate::error::{Error, check};
+use crate::error::{Error, check_band};
 use crate::number::{Complex, complex, median};
 use crate::responses::{FrequencyResponses, laplace};
 
@@ -34,15 +34,7 @@ impl<'a> Band<'a> {
     pub(crate) fn new(responses: &'a FrequencyResponses, (low, high): (f64, f64)) -> Result<Self, Error> {
         let top = responses.frequency(responses.lines().saturating_sub(1));
         let allowed = format!("above 0 and below the highest line, {top} Hz");
-        let remedy = "choose a band within the measured frequencies";
-        check(
-            "lower edge of the band",
-            low,
-            low > 0.0 && low < high,
-            "above 0 and below the upper edge",
-            remedy,
-        )?;
-        check("upper edge of the band", high, high <= top, allowed, remedy)?;
+        check_band((low, high), high <= top, allowed)?;
         let first = (low / responses.step).ceil().max(1.0) as usize;
         let last = (high / responses.step).floor() as usize;
         if last < first + FEWEST {

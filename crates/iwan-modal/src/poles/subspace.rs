@@ -8,7 +8,7 @@ use nalgebra::{Cholesky, DMatrix};
 use rayon::prelude::*;
 
 use super::chart::{Stabilisation, charted};
-use crate::error::{Error, check};
+use crate::error::{Error, check, check_band};
 use crate::measure::Channel;
 use crate::number::Complex;
 use crate::responses::common_length;
@@ -50,16 +50,8 @@ pub fn subspace(
     highest: usize,
 ) -> Result<Stabilisation, Error> {
     let samples = common_length(decays, dt)?;
-    let remedy = "choose a band within the measured frequencies";
     let nyquist = 0.5 / dt;
-    check(
-        "lower edge of the band",
-        low,
-        low > 0.0 && low < high,
-        "above 0 and below the upper edge",
-        remedy,
-    )?;
-    check("upper edge of the band", high, high <= nyquist, format!("at most {nyquist} Hz"), remedy)?;
+    check_band((low, high), high <= nyquist, format!("at most {nyquist} Hz"))?;
     let ok = (4..=ROWS / ROWS_A_POLE).contains(&highest);
     let allowed = format!("4 to {}", ROWS / ROWS_A_POLE);
     check("order", highest as f64, ok, allowed, "three times the number of modes is a good choice")?;
