@@ -50,6 +50,8 @@ pub mod book {
     pub mod python {}
     #[doc = include_str!("../book/src/structures.md")]
     pub mod structures {}
+    #[doc = include_str!("../book/src/update.md")]
+    pub mod update {}
     #[doc = include_str!("../book/src/matrices.md")]
     pub mod matrices {}
     #[doc = include_str!("../book/src/reproduce.md")]
@@ -91,6 +93,9 @@ pub mod book {
     ///
     #[doc = include_str!("../book/src/img/ring_down.svg")]
     pub mod figures {}
+
+    #[doc = include_str!("../book/src/trust.md")]
+    pub mod trust {}
 
     #[doc = include_str!("../book/src/validation.md")]
     pub mod validation {}

@@ -13,6 +13,9 @@ pub(crate) struct Common {
     /// No progress, notes or warnings on standard error; errors still appear
     #[arg(long, short)]
     pub(crate) quiet: bool,
+    /// Exit with 1 where a warning about the results is given, such as a tolerance that is not met; the results are written all the same
+    #[arg(long)]
+    pub(crate) strict: bool,
     /// Number of threads [default: all cores]; the results do not depend on it
     #[arg(long, value_name = "N")]
     pub(crate) threads: Option<NonZeroUsize>,

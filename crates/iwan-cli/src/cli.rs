@@ -3,6 +3,7 @@
 use std::ffi::OsString;
 
 use clap::{CommandFactory, Parser, Subcommand};
+use iwan_machine::memory;
 
 use crate::backbone::{self, BackboneArgs};
 use crate::envelope::{self, EnvelopeArgs};
@@ -12,10 +13,12 @@ use crate::frf::{self, FrfArgs};
 use crate::modal::{self, ModalArgs};
 use crate::modes::{self, ModesArgs};
 use crate::output;
+use crate::progress;
 use crate::quasi_static::{self, QuasiStaticArgs};
 use crate::reproduce::{self, ReproduceArgs};
 use crate::simulate::{self, SimulateArgs};
 use crate::texts::{completions, man, scenario};
+use crate::update::{self, UpdateArgs};
 
 /// Ring-down of bolted structures with Iwan friction models
 #[derive(Debug, Parser)]
@@ -24,6 +27,9 @@ struct Cli {
     /// What to do.
     #[command(subcommand)]
     command: Command,
+    /// Most memory to take, such as 4GB or 500MB [default: what is free]; what needs more is refused before it begins
+    #[arg(long, global = true, value_name = "SIZE", value_parser = memory::parse_bytes)]
+    memory: Option<u64>,
 }
 
 const EXAMPLES: &str = "\
@@ -51,6 +57,7 @@ enum Command {
     Fit(FitArgs),
     Modes(ModesArgs),
     QuasiStatic(QuasiStaticArgs),
+    Update(UpdateArgs),
     Reproduce(ReproduceArgs),
     Scenario(scenario::ScenarioArgs),
     Completions(completions::CompletionsArgs),
@@ -75,7 +82,11 @@ pub fn run(arguments: impl IntoIterator<Item = OsString>) -> u8 {
             return u8::try_from(error.exit_code()).unwrap_or(2);
         }
     };
-    match command(cli.command) {
+    memory::set_limit(cli.memory.unwrap_or(u64::MAX));
+    let outcome = command(cli.command);
+    let _ending = progress::ending();
+    progress::ended();
+    match outcome {
         Ok(()) => 0,
         Err(failure) => {
             output::message(&failure.to_string());
@@ -95,6 +106,7 @@ fn command(command: Command) -> Result<(), Failure> {
         Command::Fit(args) => fit::run(args),
         Command::Modes(args) => modes::run(&args),
         Command::QuasiStatic(args) => quasi_static::run(&args),
+        Command::Update(args) => update::run(&args),
         Command::Reproduce(args) => reproduce::run(&args),
         Command::Scenario(args) => scenario::run(&args),
         Command::Completions(args) => completions::run(&args, &mut Cli::command()),

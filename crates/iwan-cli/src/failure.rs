@@ -1,8 +1,11 @@
 //! How a command can fail, and with which exit code.
 
 use std::fmt;
+use std::io::ErrorKind;
 
 use iwan_input::InputError;
+use iwan_io::ReadError;
+use iwan_machine::memory::Short;
 
 /// A failure with the message for the user.
 #[derive(Debug, Clone, PartialEq)]
@@ -35,6 +38,21 @@ impl Failure {
         Self::input(message, remedy)
     }
 
+    /// A record that could not be read: bad input, but for memory that is lacking.
+    pub(crate) fn read(place: &str, error: &ReadError) -> Self {
+        match error {
+            ReadError::Io { source, .. } if source.kind() == ErrorKind::OutOfMemory => {
+                Self::lacking(&format!("{place}: {source}"))
+            }
+            error => Self::said(place, error),
+        }
+    }
+
+    /// What the machine lacks, in a library's words.
+    pub(crate) fn lacking(text: &str) -> Self {
+        Self::Computation(text.replacen("; ", "\nremedy: ", 1))
+    }
+
     /// The exit code.
     pub(crate) const fn code(&self) -> u8 {
         match self {
@@ -42,6 +60,12 @@ impl Failure {
             Self::Computation(_) => 1,
             Self::Interrupted => 130,
         }
+    }
+}
+
+impl From<Short> for Failure {
+    fn from(short: Short) -> Self {
+        Self::lacking(&short.to_string())
     }
 }
 

@@ -23,6 +23,7 @@ mod structures;
 // The commands that compute, each in its room.
 mod modes;
 mod quasi_static;
+mod update;
 mod simulate;
 mod frf;
 mod backbone;
@@ -34,9 +35,11 @@ mod reproduce;
 // The commands that only print a text.
 mod texts;
 
-// The doors: the page of a fit for other programs, and the command line.
+// The doors: the page of a fit and the files of a shaker's test for other programs, and the command line.
 mod fit_page;
+mod sweep_files;
 mod cli;
 
 pub use cli::run;
 pub use fit_page::{FittedMode, FittedRecord, fit_page};
+pub use sweep_files::{SweepKind, SweepSource, sweep_data};

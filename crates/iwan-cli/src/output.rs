@@ -1,5 +1,6 @@
 //! The only place that prints: results to stdout, everything else to stderr.
 
+use std::borrow::Cow;
 use std::io::Write;
 
 use crate::failure::Failure;
@@ -7,7 +8,8 @@ use crate::failure::Failure;
 /// Prints a result to stdout. A reader that has gone (`iwan ... | head`) is no failure.
 pub(crate) fn result(text: &str) -> Result<(), Failure> {
     let mut out = std::io::stdout().lock();
-    match out.write_all(text.as_bytes()).and_then(|()| out.flush()) {
+    let shown = if std::io::IsTerminal::is_terminal(&out) { harmless(text) } else { text.into() };
+    match out.write_all(shown.as_bytes()).and_then(|()| out.flush()) {
         Err(error) if error.kind() != std::io::ErrorKind::BrokenPipe => {
             Err(Failure::Computation(format!("cannot write to standard output: {error}")))
         }
@@ -17,5 +19,22 @@ pub(crate) fn result(text: &str) -> Result<(), Failure> {
 
 /// Prints a line to stderr; when that is closed there is nobody to tell.
 pub(crate) fn message(text: &str) {
-    let _ = writeln!(std::io::stderr().lock(), "{text}");
+    let _ = writeln!(std::io::stderr().lock(), "{}", harmless(text));
 }
+
+/// Text for a terminal. Names and cells of files stand in it, whose control characters would move the cursor, colour the screen or name
+/// the window: they are shown as codes. Lines and tabs stay.
+fn harmless(text: &str) -> Cow<'_, str> {
+    let harmful = |c: char| c.is_control() && !matches!(c, '\n' | '\t') || HIDDEN.contains(&c);
+    if !text.contains(harmful) {
+        return text.into();
+    }
+    let shown = |c: char| if harmful(c) { c.escape_default().to_string() } else { c.to_string() };
+    text.chars().map(shown).collect::<String>().into()
+}
+
+/// Characters that turn the direction of writing, by which a name can look like another one (Unicode UAX 9).
+const HIDDEN: [char; 9] = [
+    '\u{202a}', '\u{202b}', '\u{202c}', '\u{202d}', '\u{202e}', '\u{2066}', '\u{2067}', '\u{2068}',
+    '\u{2069}',
+];

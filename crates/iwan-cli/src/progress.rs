@@ -2,10 +2,13 @@
 
 use std::io::IsTerminal;
 use std::ops::ControlFlow;
+use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::{Mutex, MutexGuard, PoisonError};
 use std::time::Duration;
 
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
+use iwan_machine::threads::begin;
 
 use crate::failure::Failure;
 use crate::output;
@@ -20,10 +23,52 @@ const PARTS: f64 = 1000.0;
 /// immediate, and twenty looks a second cost nothing.
 const TICK: Duration = Duration::from_millis(50);
 
-/// From now on Ctrl-C is noticed between two pieces of work, so that no half result stays behind.
-pub(crate) fn catch_interrupts() {
-    // It can only fail when a handler is set already, or the system has no signals: then Ctrl-C just kills.
-    let _ = ctrlc::set_handler(|| INTERRUPTED.store(true, Ordering::Relaxed));
+/// Whether a command runs.
+static RUNNING: AtomicBool = AtomicBool::new(false);
+
+/// Held while files become visible and while a command says how it ended: in between it is not broken off.
+static ENDING: Mutex<()> = Mutex::new(());
+
+/// What is removed where the command itself has no time for it.
+static STAGED: Mutex<Option<PathBuf>> = Mutex::new(None);
+
+/// How long a command may take to notice Ctrl-C by itself; then it is ended. People call less than 0.2 s at once.
+const PATIENCE: Duration = Duration::from_millis(120);
+
+/// From now on Ctrl-C is noticed between two pieces of work, so that no half result stays behind. Work that does not look up in
+/// time, as the writing of a long file, ends with the process, and what is `staged` is removed.
+pub(crate) fn catch_interrupts(staged: &Path) {
+    *locked(&STAGED) = Some(staged.to_path_buf());
+    RUNNING.store(true, Ordering::Relaxed);
+    // It can only fail when a handler is set already, or the system has no signals or no thread: then Ctrl-C just kills.
+    let _ = ctrlc::set_handler(|| {
+        INTERRUPTED.store(true, Ordering::Relaxed);
+        std::thread::sleep(PATIENCE);
+        let _ending = ending();
+        if RUNNING.load(Ordering::Relaxed) {
+            // A file may be made while others are removed.
+            let staged = locked(&STAGED).take();
+            if let Some(path) = &staged {
+                (0..3).for_each(|_| drop(std::fs::remove_dir_all(path)));
+            }
+            output::message(&Failure::Interrupted.to_string());
+            std::process::exit(Failure::Interrupted.code().into());
+        }
+    });
+}
+
+/// From here to the drop of what is returned the command is not broken off.
+pub(crate) fn ending() -> MutexGuard<'static, ()> {
+    locked(&ENDING)
+}
+
+/// The command has ended, and said how.
+pub(crate) fn ended() {
+    RUNNING.store(false, Ordering::Relaxed);
+}
+
+fn locked<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
+    mutex.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
 /// Fails when Ctrl-C was pressed.
@@ -88,7 +133,12 @@ impl Bar {
         work: impl FnOnce() -> R + Send + 'static,
     ) -> Result<R, Failure> {
         let (sender, receiver) = std::sync::mpsc::channel();
-        std::thread::spawn(move || sender.send(work()));
+        // Without a receiver nobody waits for the result.
+        let begun = begin("iwan", move || drop(sender.send(work())));
+        // Where no thread can be had, the work is done here, and Ctrl-C is seen when it has ended.
+        if let Err(work) = begun {
+            work();
+        }
         loop {
             match receiver.recv_timeout(TICK) {
                 Ok(result) => return Ok(result),

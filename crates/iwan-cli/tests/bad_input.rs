@@ -1,9 +1,7 @@
 //! Bad input: exit code 2, one clear message with file, place, value and remedy, nothing written.
 #![allow(clippy::unwrap_used, reason = "tests may panic")]
 
-mod common;
-
-use common::{SMALL, folder, iwan, names, shown};
+use crate::common::{SMALL, folder, iwan, names, shown};
 
 /// Replaces once in the small scenario and runs it; the shown result must be a refusal that wrote nothing.
 fn refused(from: &str, to: &str) -> String {

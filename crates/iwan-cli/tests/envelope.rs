@@ -1,11 +1,10 @@
 //! `iwan envelope`: files, numbers, records of all kinds.
 #![allow(clippy::unwrap_used, clippy::print_stderr, reason = "tests may panic and say why")]
 
-mod common;
-
+use crate::common;
 use std::path::Path;
 
-use common::{csv, folder, iwan, names, ring_down, shown};
+use crate::common::{csv, folder, iwan, names, ring_down, shown};
 use serde_json::Value;
 
 fn run(place: &Path, arguments: &str) -> Value {

@@ -1,11 +1,10 @@
 //! `iwan fit`: files, numbers, verdicts, and what comes out is a scenario that runs.
 #![allow(clippy::unwrap_used, clippy::print_stderr, reason = "tests may panic and say why")]
 
-mod common;
-
+use crate::common;
 use std::path::Path;
 
-use common::{csv, folder, iwan, names, shown};
+use crate::common::{csv, folder, iwan, names, shown};
 use serde_json::Value;
 
 /// Mode 1 of Table 2 with a damper, released from rest: an exact ring-down.

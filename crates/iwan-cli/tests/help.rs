@@ -1,9 +1,8 @@
 //! Help, lists, completions and manual pages.
 #![allow(clippy::unwrap_used, reason = "tests may panic")]
 
-mod common;
-
-use common::{folder, iwan, shown};
+use crate::common;
+use crate::common::{folder, iwan, shown};
 
 #[test]
 fn help_texts() {

@@ -1,17 +1,11 @@
 //! `iwan modal`: from files of hits to modes, and what it says about hits that are no good.
 #![allow(clippy::unwrap_used, reason = "tests may panic")]
 
-mod common;
-#[path = "common/hits.rs"]
-mod hits_of_bench;
-#[path = "../../iwan-modal/tests/support/mod.rs"]
-mod support;
-
 use std::fmt::Write;
 use std::path::Path;
 
-use common::{csv, folder, iwan};
-use hits_of_bench::{bench, hits, refused, run, write};
+use crate::common::{csv, folder, iwan};
+use crate::hits_of_bench::{bench, hits, refused, run, write};
 use iwan_modal::measure::{Channel, Hit};
 use serde_json::Value;
 

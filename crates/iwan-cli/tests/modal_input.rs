@@ -1,16 +1,10 @@
 //! `iwan modal`: files of other programs in and out, and what it says of hits that do not go together.
 #![allow(clippy::unwrap_used, reason = "tests may panic")]
 
-mod common;
-#[path = "common/hits.rs"]
-mod hits_of_bench;
-#[path = "../../iwan-modal/tests/support/mod.rs"]
-mod support;
-
 use std::fmt::Write;
 
-use common::{csv, folder, iwan, shown};
-use hits_of_bench::{bench, hits, refused, run, write};
+use crate::common::{csv, folder, iwan, shown};
+use crate::hits_of_bench::{bench, hits, refused, run, write};
 use iwan_modal::measure::{Channel, Hit};
 use serde_json::Value;
 

@@ -1,12 +1,10 @@
 //! What users of real data need on the way: peaks, parts of a record, several hits, units, copies.
 #![allow(clippy::unwrap_used, clippy::print_stderr, reason = "tests may panic and say why")]
 
-mod common;
-
 use std::fmt::Write;
 use std::path::Path;
 
-use common::{csv, folder, iwan, names, ring_down, shown};
+use crate::common::{csv, folder, iwan, names, ring_down, shown};
 use serde_json::Value;
 
 fn run(place: &Path, arguments: &str) -> Value {

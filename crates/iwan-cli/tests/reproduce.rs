@@ -1,11 +1,9 @@
 //! `iwan reproduce`: its numbers against stored ones (`reproduce.values.json`, with where each comes from), its figures, its files.
 #![allow(clippy::unwrap_used)]
 
-mod common;
-
 use std::path::Path;
 
-use common::{folder, iwan, names, shown};
+use crate::common::{folder, iwan, names, shown};
 use serde_json::Value;
 
 const FILES: [&str; 4] = ["curves.csv", "figures.json", "report.html", "reproduce.json"];

@@ -1,11 +1,9 @@
 //! `iwan simulate`: files, contract, repeatability.
 #![allow(clippy::unwrap_used, reason = "tests may panic")]
 
-mod common;
-
 use std::path::Path;
 
-use common::{SMALL, csv, folder, iwan, names, shown};
+use crate::common::{SMALL, csv, folder, iwan, names, shown};
 use serde_json::Value;
 
 fn run(place: &Path, arguments: &str) -> Value {

@@ -1,12 +1,11 @@
 //! `iwan frf` and `iwan backbone`: files, contract, what is refused.
 #![allow(clippy::unwrap_used, reason = "tests may panic")]
 
-mod common;
-
 use std::path::Path;
 
-use common::{csv, folder, iwan, names, shown};
+use crate::common::{csv, folder, iwan, names, shown};
 use serde_json::Value;
+use tempfile::TempDir;
 
 const MODE: &str = r#"
 [[mode]]
@@ -129,16 +128,210 @@ fn a_structure_has_responses_and_nonlinear_modes() {
     assert_eq!(summary["warnings"].as_array().unwrap().len(), 0, "{summary}");
 }
 
+/// A mass of 2 on a spring of 1000 and a joint, both to node 1, which moves with the base: one mode of its own.
+fn hung() -> TempDir {
+    let place = folder("");
+    let write = |name: &str, text: &str| std::fs::write(place.path().join(name), text).unwrap();
+    let matrix = |entries: &str| format!("%%MatrixMarket matrix coordinate real symmetric\n2 2 {entries}");
+    write("k.mtx", &matrix("3\n1 1 1000\n2 1 -1000\n2 2 1000\n"));
+    write("m.mtx", &matrix("2\n1 1 5\n2 2 2\n"));
+    write("rows.csv", "node,component\n1,x\n2,x\n");
+    let structure = "[matrices]\nstiffness = 'k.mtx'\nmass = 'm.mtx'\nrows = 'rows.csv'\n\
+        [[joint]]\nname = 'bolt'\nface = '2'\npatch = '1'\nmotion = 'directions'\n\
+        slip = [{ direction = 'x', law = { k_t = 400.0, f_s = 3.0, chi = -0.3, beta = 0.1 } }]\n\
+        [[load]]\nname = 'push'\nnodes = '2'\ndirection = 'x'\n\
+        [[output]]\nname = 'tip'\nnodes = '2'\ndirection = 'x'\n";
+    write("free.toml", structure);
+    write("hung.toml", &format!("{structure}[[support]]\nname = 'wall'\nnodes = '1'\nfixed = ['x']\n"));
+    place
+}
+
+/// Base and force, held force and held response: a structure of one freedom is the mode that it is.
+#[test]
+fn a_structure_on_its_base_is_its_mode() {
+    let place = hung();
+    let run_on = |what: &str, name: &str, sweep: &str| {
+        let text = format!("{what}[sweep]\nfrom = 3.2\nto = 5.0\n{sweep}\nat = 'tip'\n");
+        std::fs::write(place.path().join(format!("{name}.toml")), text).unwrap();
+        run(place.path(), &format!("frf {name}.toml --out {name}"))
+    };
+    let on = "[structure]\npath = 'hung.toml'\n";
+    // q = √2 u; the base moves the mode by its participation √2, the load by its shape 1/√2.
+    let mode = |at_force: f64| {
+        format!(
+            "[[mode]]\nname = 'mass'\nfrequency = {:?}\ndamping_ratio = 0.01\nshape_at_force = {at_force:?}\n\
+             outputs = {{ tip = {:?} }}\njoint = {{ k_t = 200.0, f_s = {:?}, chi = -0.3, beta = 0.1 }}\n",
+            700_f64.sqrt() / std::f64::consts::TAU,
+            0.5_f64.sqrt(),
+            3.0 * 0.5_f64.sqrt()
+        )
+    };
+    let cases = [
+        ("base", "base_acceleration = [0.1, 1.0]", "direction = [2.0, 0.0, 0.0]", 2_f64.sqrt()),
+        ("held", "acceleration = [0.5, 5.0]", "", 0.5_f64.sqrt()),
+    ];
+    for (name, levels, direction, at_force) in cases {
+        let found =
+            run_on(on, &format!("{name}_whole"), &format!("{levels}\n{direction}\ndamping_ratio = 0.01"));
+        let own = run_on(&mode(at_force), &format!("{name}_mode"), levels);
+        for level in 0..2 {
+            let peak = |of: &Value, key: &str| of["modes"][0]["levels"][level]["peak"][key].as_f64().unwrap();
+            for key in ["frequency", "amplitude", "excitation"] {
+                let (whole, mode) = (peak(&found, key), peak(&own, key));
+                // Where a response is held, the least force is that of the points, which are not the same.
+                let room = if name == "held" { 5e-4 } else { 1e-4 };
+                assert!((whole / mode - 1.0).abs() < room, "{name} {level} {key}: {whole} {mode}");
+            }
+        }
+    }
+    let refused = |file: &str, sweep: &str, message: &str| {
+        let text = format!("[structure]\npath = '{file}.toml'\n[sweep]\nfrom = 3\nto = 5\n{sweep}\n");
+        std::fs::write(place.path().join("bad.toml"), text).unwrap();
+        let output = iwan(place.path(), "frf bad.toml --out bad");
+        let said = String::from_utf8(output.stderr.clone()).unwrap();
+        assert!(output.status.code() == Some(2) && said.contains(message), "{}", shown(&output));
+    };
+    refused(
+        "free",
+        "base_acceleration = [1]\ndirection = [1, 0, 0]",
+        "nothing holds the structure to its base",
+    );
+    refused("hung", "base_acceleration = [1]", "needs the direction");
+    refused("hung", "force = [1]\ndirection = [1, 0, 0]", "direction is that of base_acceleration");
+    refused("hung", "base_acceleration = [1]\ndirection = [0, 0, 0]", "not all 0");
+    refused("hung", "force = [1]\nat = 'moon'", "there is no [[output]] \"moon\"");
+}
+
+/// The third harmonic of mode 1 meets mode 2, and `iwan frf` says so.
+#[test]
+fn superharmonic_resonances_are_found() {
+    let text = SHARED.replace("719.6", "375.0\ndamping_ratio = 1e-3").replace("-4.905", "-2.0");
+    let text = text.replace("= 132.35", "= 132.35\ndamping_ratio = 1e-3").replace("to = 135.0", "to = 130.0");
+    let text = text.replace("from = 125.0", "from = 115.0").replace("[0.1, 20.0]", "[20.0, 200.0]");
+    let place = folder(&format!("{text}at = 'tip'\n"));
+    let summary = run(place.path(), "frf in.toml --out out");
+    for level in summary["modes"][0]["levels"].as_array().unwrap() {
+        // One, just below a third of mode 2's frequency; the primary resonance is none.
+        let found = level["superharmonics"].as_array().unwrap();
+        let at = found[0]["frequency"].as_f64().unwrap();
+        assert!(found.len() == 1 && found[0]["harmonic"] == 3 && (124.0..125.0).contains(&at), "{summary}");
+    }
+}
+
+const SHARED: &str = r#"
+[[mode]]
+name = "bending 1"
+frequency = 132.35
+outputs = { tip = 20.0 }
+[[mode]]
+name = "bending 3"
+frequency = 719.6
+outputs = { tip = -15.0 }
+[[joint]]
+name = "link"
+law = { k_t = 3.16e4, f_s = 143.8, chi = -0.3, beta = 0.02 }
+participation = { "bending 1" = 1.0, "bending 3" = -4.905 }
+compliance = 9.1e-6
+[sweep]
+from = 125.0
+to = 135.0
+force = [0.1, 20.0]
+harmonics = 3
+"#;
+
+#[test]
+fn modes_that_share_a_joint_vibrate_together() {
+    let place = folder(SHARED);
+    let summary = run(place.path(), "frf in.toml --out out");
+    let modes = summary["modes"].as_array().unwrap();
+    assert_eq!((modes.len(), &modes[0]["name"]), (1, &"bending 1".into()), "{summary}");
+    let of = |level: usize, key: &str| modes[0]["levels"][level]["peak"][key].as_f64().unwrap();
+    assert!((of(0, "frequency") - 132.35).abs() < 0.2 && of(1, "frequency") < 131.9, "{summary}");
+    // The peak lies on the nonlinear mode of the same amplitude.
+    let (low, high) = (0.5 * of(0, "amplitude"), of(1, "amplitude"));
+    let arguments =
+        format!("backbone in.toml --from {low:e} --to {high:e} --points 9 --harmonics 3 --out curves");
+    let backbone = run(place.path(), &arguments);
+    let mode = &backbone["modes"][0];
+    let last = mode["frequency"][8].as_f64().unwrap();
+    assert!((last / of(1, "frequency") - 1.0).abs() < 1e-4, "{last} {summary}");
+    assert!(mode["damping_ratio"][8].as_f64().unwrap() > 1e-3, "{backbone}");
+    assert_eq!(backbone["modes"].as_array().unwrap().len(), 2);
+    // At a point, modes superpose: almost all of the motion is mode 1's.
+    std::fs::write(place.path().join("tip.toml"), format!("{SHARED}at = 'tip'\n")).unwrap();
+    let tip = run(place.path(), "frf tip.toml --out tip");
+    let ratio = tip["modes"][0]["levels"][1]["peak"]["amplitude"].as_f64().unwrap() / of(1, "amplitude");
+    assert!((ratio / 20.0 - 1.0).abs() < 0.02, "{ratio}");
+}
+
+/// A shaker's test that `iwan frf` and `iwan backbone` computed gives the mode back, and the scenario says what it was informed of.
+#[test]
+fn sweeps_and_backbones_give_the_mode_back() {
+    let place = folder(&format!("{MODE}{SWEEP}points = 60\n"));
+    run(place.path(), "frf in.toml --out shaker");
+    run(place.path(), "backbone in.toml --from 1e-5 --to 1e-3 --points 20 --out pll");
+    let fit = run(place.path(), "fit --sweep shaker/frf.csv --backbone pll/backbone.csv --out fit");
+    let mode = &fit["modes"][0];
+    assert_eq!((&mode["adequate"], &mode["grade"]), (&true.into(), &"matches".into()), "{fit}");
+    for (key, truth) in
+        [("frequency", 124.0), ("k_t", 4.45e4), ("f_s", 239.4), ("chi", -0.183), ("beta", 0.3)]
+    {
+        let found = mode[key]["value"].as_f64().unwrap();
+        assert!((found / truth - 1.0).abs() < 1e-3, "{key} {found} {fit}");
+        assert_eq!(mode[key]["identifiable"], true, "{key} {fit}");
+    }
+    let files = ["curves.csv", "fit.json", "report.html", "scenario.toml", "summary.json"];
+    assert_eq!(names(&place.path().join("fit")), files);
+    // The same levels are inside what was measured; ten times the force is not.
+    let scenario = std::fs::read_to_string(place.path().join("fit/scenario.toml")).unwrap();
+    let again = run(place.path(), "frf fit/scenario.toml --out again");
+    let informed = again["modes"][0]["informed"]["to"].as_f64().unwrap();
+    assert_eq!(Some(informed), mode["informed"][1].as_f64());
+    assert_eq!(again["warnings"].as_array().unwrap().len(), 0, "{again}");
+    let line = scenario.lines().find(|line| line.starts_with("force = [")).unwrap();
+    std::fs::write(place.path().join("harder.toml"), scenario.replace(line, "force = [100.0, 110.0]"))
+        .unwrap();
+    let harder = run(place.path(), "frf harder.toml --out harder");
+    let said = harder["warnings"][0].as_str().unwrap();
+    assert!(said.contains("leaves what the records informed: force 110"), "{said}");
+}
+
+#[test]
+fn bad_tests_of_shakers_are_named() {
+    let place = folder(MODE);
+    let cases = [
+        ("frequency,amplitude,phase\n120,1,0\n", "there is no column excitation or force"),
+        ("frequency,phase,force\n120,1,0\n", "there is no column amplitude or displacement"),
+        ("mode,frequency,amplitude,phase,force\n1,120,1,0,1\n2,130,1,0,1\n", "several modes apart"),
+        ("frequency,amplitude,phase,force\n120,1,1.5,1\n121,1,1.5,1\n", "sign of the phase"),
+        ("frequency,amplitude,phase,force\n120,-1,0,1\n", "amplitude = -1 is out of range"),
+    ];
+    for (text, message) in cases {
+        std::fs::write(place.path().join("test.csv"), text).unwrap();
+        let output = iwan(place.path(), "fit --sweep test.csv --out out");
+        assert_eq!(output.status.code(), Some(2), "{}", shown(&output));
+        let said = String::from_utf8(output.stderr).unwrap();
+        assert!(said.contains(message), "{said}");
+    }
+}
+
 #[test]
 fn bad_input_is_named() {
     let cases = [
         (MODE.into(), "frf", "the table [sweep] is missing"),
         (format!("{MODE}[sweep]\nfrom = 300\nto = 400\nforce = [1]\n"), "frf", "no mode has its resonance"),
         (format!("{MODE}[sweep]\nfrom = 112\nto = 128\nforce = [0]\n"), "frf", "force = 0 is out of range"),
+        (format!("{MODE}[sweep]\nfrom = 0\nto = 128\nforce = [1]\n"), "frf", "from = 0 is out of range"),
+        // Nothing but the joint holds the mode.
+        (MODE.replace("4.45e4", "7e5") + SWEEP, "frf", "k_t = 700000 of the joint must be below"),
+        (format!("{MODE}{SWEEP}direction = [1, 0, 0]\n"), "frf", "direction is that of base_acceleration"),
         (format!("{MODE}{SWEEP}at = 'moon'\n"), "frf", "has no point \"moon\""),
         (format!("{MODE}{SWEEP}damping_ratio = 0.1\n"), "frf", "damping_ratio is for structures"),
         (format!("{MODE}{SWEEP}harmonics = 4\n"), "frf", "harmonics = 4 is out of range"),
         (MODE.replace("joint", "# joint"), "backbone", "no joint slips"),
+        (SHARED.replace("compliance = 9.1e-6", "compliance = 1e-3"), "frf", "nothing holds the modes"),
+        (SHARED.replace("to = 135", "to = 126"), "frf", "no mode has its resonance"),
+        (format!("{SHARED}at = 'moon'\n"), "frf", "has no point \"moon\""),
         (MODE.into(), "backbone --harmonics 2", "harmonics = 2"),
         (MODE.into(), "backbone --from 2 --to 1", "no range of amplitudes"),
     ];

@@ -1,9 +1,7 @@
 //! `iwan modes` and `iwan quasi-static`: numbers of the paper's beam, files, and messages about bad structures.
 #![allow(clippy::unwrap_used)]
 
-mod common;
-
-use common::{csv, folder, iwan, shown};
+use crate::common::{csv, folder, iwan, shown};
 use serde_json::Value;
 
 fn json(output: &std::process::Output) -> Value {

@@ -1,14 +1,10 @@
 //! From raw hits to the modal joint: simulated hits on the paper's beam through `iwan modal` and `iwan fit --modal`, beside the fit of the mode's own record.
 #![allow(clippy::unwrap_used, reason = "tests may panic")]
 
-#[path = "common/beam.rs"]
-mod beam;
-mod common;
-
 use std::path::Path;
 
-use beam::Beam;
-use common::{folder, iwan, shown};
+use crate::beam::Beam;
+use crate::common::{folder, iwan, shown};
 use iwan_input::InputText;
 use iwan_input::scenario::{Overrides, Scenario};
 use serde_json::Value;

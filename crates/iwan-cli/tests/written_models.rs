@@ -1,11 +1,9 @@
 //! `iwan modes --write-matrices` and `--write-reduced`: what is written opens again.
 #![allow(clippy::unwrap_used, reason = "tests may panic")]
 
-mod common;
-
 use std::path::Path;
 
-use common::{folder, iwan, shown};
+use crate::common::{folder, iwan, shown};
 use serde_json::Value;
 
 fn json(output: &std::process::Output) -> Value {

@@ -43,7 +43,7 @@ pub use curves::{AveragedCurves, CurveNewmark, CurvePoint, CurvesEnd, ModeCurves
 pub use error::Error;
 pub use half_cycle::{Decay, PathNode, TurningPoint};
 pub use law::{
-    Backbone, DensityPoint, FixedPower, FourParameter, Grid, Jenkins, PowerLaw, Representation,
+    Backbone, DensityPoint, FixedPower, FourParameter, Grid, Jenkins, LawSlopes, PowerLaw, Representation,
     TabledFourParameter, Tabulated, Uniform,
 };
 pub use line_search::search_line;

@@ -2,9 +2,7 @@
 
 #![allow(clippy::unwrap_used, reason = "a failed test may panic and say why")]
 
-mod common;
-
-use common::{Buffers, worst};
+use crate::common::{Buffers, worst};
 use iwan_core::{
     Continuum, CoupledEnergy, CoupledJoint, CoupledMode, CoupledModes, CoupledMotion, CoupledRows,
     EnergyBalance, Error, FourParameter, Grid, Hysteresis, JointEnergy, JointsInMotion, Lanes, Newmark,

@@ -1,14 +1,12 @@
 //! Free decay: half-cycle map, averaging and Newmark against the event-driven solution.
 #![allow(clippy::unwrap_used, clippy::print_stdout, reason = "a failed test may panic and say why")]
 
-mod common;
-
 use iwan_core::{
     Averaging, Backbone, Continuum, Decay, EventDriven, FourParameter, Grid, Motion, Newmark, Oscillator,
     Pulse, ResidualStiffness, Reversal, Run, Slider, Sliders, TabledFourParameter,
 };
 
-use common::{Buffers, worst};
+use crate::common::{Buffers, worst};
 
 /// Joint of mode 1, Table 2 of Deaner et al.
 fn mode_1() -> FourParameter {

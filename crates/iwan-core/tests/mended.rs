@@ -2,15 +2,13 @@
 
 #![allow(clippy::unwrap_used, clippy::print_stdout, reason = "a failed test may panic and say why")]
 
-mod common;
-
 use iwan_core::{
     Averaging, Continuum, Decay, EventDriven, FourParameter, Grid, Hysteresis, Jenkins, Motion, Newmark,
     Oscillator, Plain, Pulse, ResidualStiffness, Reversal, Run, Slider, Sliders, TabledFourParameter,
 };
 use proptest::prelude::*;
 
-use common::Buffers;
+use crate::common::Buffers;
 
 /// Joint of mode 1, Table 2 of Deaner et al.
 fn mode_1() -> FourParameter {

@@ -2,8 +2,6 @@
 
 #![allow(clippy::unwrap_used, clippy::print_stdout, reason = "a failed test may panic and say why")]
 
-mod common;
-
 use std::f64::consts::PI;
 
 use iwan_core::{
@@ -11,7 +9,7 @@ use iwan_core::{
     Newmark, Oscillator, ResidualStiffness, Reversal,
 };
 
-use common::{Buffers, worst};
+use crate::common::{Buffers, worst};
 
 type Curves = ModeCurves<Vec<CurvePoint>>;
 

@@ -2,8 +2,6 @@
 
 #![allow(clippy::unwrap_used, reason = "a failed test may panic and say why")]
 
-mod common;
-
 use std::f64::consts::{FRAC_PI_2, PI};
 
 use iwan_core::{
@@ -12,7 +10,7 @@ use iwan_core::{
     Sliders, WithParts,
 };
 
-use common::{Buffers, worst};
+use crate::common::{Buffers, worst};
 
 fn linear(frequency: f64, damping_ratio: f64) -> Oscillator {
     Oscillator::new(frequency, damping_ratio, 0.0, ResidualStiffness::Positive).unwrap()

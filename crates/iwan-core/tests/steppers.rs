@@ -2,8 +2,6 @@
 
 #![allow(clippy::unwrap_used, clippy::print_stdout, reason = "a failed test may panic and say why")]
 
-mod common;
-
 use std::ops::{Add, Div, Mul, Neg, Sub};
 
 use iwan_core::{
@@ -11,7 +9,7 @@ use iwan_core::{
     Plain, Pulse, ResidualStiffness, Reversal, Run, Slider, Sliders, TabledFourParameter,
 };
 
-use common::{Buffers, worst};
+use crate::common::{Buffers, worst};
 
 /// Joint of mode 1, Table 2 of Deaner et al.
 fn mode_1() -> FourParameter {

@@ -1,4 +1,5 @@
-//! Reads files of matrices and says how long it took, and how much memory at most: `read_matrix FILE ...`.
+//! Reads files of matrices and says how long it took, and how much memory at most: `read_matrix FILE ...`; with `--entries` first all entries
+//! of each matrix follow it, one a line: row, column (from 0), value.
 #![allow(clippy::print_stdout, reason = "what an example is for")]
 
 use std::time::Instant;
@@ -11,7 +12,12 @@ fn peak() -> Option<f64> {
 }
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
-    for file in std::env::args().skip(1) {
+    let mut files: Vec<String> = std::env::args().skip(1).collect();
+    let entries = files.first().is_some_and(|first| first == "--entries");
+    if entries {
+        files.remove(0);
+    }
+    for file in files {
         let clock = Instant::now();
         let matrices = iwan_exchange::read(&file, None)?;
         let seconds = clock.elapsed().as_secs_f64();
@@ -25,6 +31,17 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
                 held / 1e6,
                 peak().unwrap_or(f64::NAN) / 1e6
             );
+            if entries {
+                let words = [matrix.rows, matrix.columns, usize::from(matrix.complex)];
+                println!("matrix {} {} {} {}", matrix.name, words[0], words[1], words[2]);
+                let twice = matrix.stored == iwan_exchange::Stored::Triangle;
+                for (i, j, value) in &matrix.entries {
+                    println!("{i} {j} {value:e}");
+                    if twice && i != j {
+                        println!("{j} {i} {value:e}");
+                    }
+                }
+            }
         }
     }
     Ok(())

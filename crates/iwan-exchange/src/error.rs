@@ -17,7 +17,7 @@ pub enum ExchangeError {
     /// No format is known by this extension and content.
     #[error(
         "{}: unknown format ({found}); say format = \"abaqus\", \"op4\", \"dmig\", \"sierra\", \"calculix\", \"matlab\", \
-         \"matrix-market\" or \"npz\"", .file.display()
+         \"matrix-market\", \"npz\" or \"netcdf\"", .file.display()
     )]
     UnknownFormat {
         /// File.

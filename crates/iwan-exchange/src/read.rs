@@ -5,7 +5,7 @@ use std::path::Path;
 use crate::error::ExchangeError;
 use crate::matrix::Matrix;
 use crate::nastran::{dmig, op4_binary, op4_text};
-use crate::packed::{mat, npy, npz};
+use crate::packed::{mat, netcdf, npy, npz};
 use crate::source::{Source, quote};
 use crate::text::{abaqus, calculix, matrix_market, sierra};
 
@@ -23,12 +23,14 @@ pub enum Format {
     Sierra,
     /// CalculiX `.sti` and `.mas`.
     Calculix,
-    /// MATLAB level 5 (`-v6`, `-v7`).
+    /// MATLAB level 5 (`-v6`, `-v7`) and 7.3.
     Matlab,
     /// Matrix Market.
     MatrixMarket,
     /// `scipy.sparse.save_npz`, or a dense NumPy array.
     Npz,
+    /// netCDF classic: a Craig-Bampton model of Sierra/SD.
+    Netcdf,
 }
 
 impl Format {
@@ -42,6 +44,7 @@ impl Format {
         ("matlab", Self::Matlab),
         ("matrix-market", Self::MatrixMarket),
         ("npz", Self::Npz),
+        ("netcdf", Self::Netcdf),
     ];
 
     /// The format of a file by its content and, where that does not tell, by its extension.
@@ -52,6 +55,9 @@ impl Format {
         }
         if bytes.starts_with(b"PK\x03\x04") || bytes.starts_with(npy::MAGIC) {
             return Some(Self::Npz);
+        }
+        if netcdf::is_one(bytes) {
+            return Some(Self::Netcdf);
         }
         match extension.to_str()? {
             "mtx" => Some(Self::Abaqus),
@@ -74,7 +80,8 @@ impl Format {
 /// [`ExchangeError`] names the file, the place in it, what stands there, what is allowed and what helps.
 pub fn read(path: impl AsRef<Path>, format: Option<Format>) -> Result<Vec<Matrix>, ExchangeError> {
     let file = path.as_ref();
-    let bytes = std::fs::read(file).map_err(|source| ExchangeError::Io { file: file.into(), source })?;
+    let bytes =
+        iwan_machine::read_file(file).map_err(|source| ExchangeError::Io { file: file.into(), source })?;
     read_bytes(file, &bytes, format)
 }
 
@@ -112,6 +119,11 @@ pub fn read_bytes(file: &Path, bytes: &[u8], format: Option<Format>) -> Result<V
         Format::MatrixMarket => matrix_market::parse(&source),
         Format::Npz if bytes.starts_with(npy::MAGIC) => npy::parse(&source),
         Format::Npz => npz::parse(&source),
+        Format::Netcdf if netcdf::is_one(bytes) => netcdf::parse(&source),
+        Format::Netcdf => {
+            let found = quote(&bytes[..bytes.len().min(8)], 8);
+            Err(source.malformed("the header", found, "CDF and version 1, 2 or 5: netCDF classic"))
+        }
     }
 }
 

@@ -4,11 +4,12 @@ use std::path::Path;
 
 use crate::error::ExchangeError;
 use crate::matrix::{Component, Label};
+use crate::packed::netcdf;
 use crate::source::{Line, Source};
 use crate::text::{calculix, sierra};
 
 fn bytes(file: &Path) -> Result<Vec<u8>, ExchangeError> {
-    std::fs::read(file).map_err(|source| ExchangeError::Io { file: file.into(), source })
+    iwan_machine::read_file(file).map_err(|source| ExchangeError::Io { file: file.into(), source })
 }
 
 /// Reads what the rows of a matrix are: CalculiX `.dof`, Sierra/SD `ASetMap.m` (with `numbers`, its `gid.m`), or a text with a line
@@ -54,7 +55,8 @@ fn row(source: &Source, line: &Line) -> Result<Label, ExchangeError> {
     Ok(Label { node, component: Component::numbered(number).unwrap_or(Component::Scalar) })
 }
 
-/// Reads positions of nodes: a text with lines `node, x, y, z`; comments and words as in [`read_rows`].
+/// Reads positions of nodes: an Exodus or other netCDF classic file that has `coordx` and `node_num_map`, or a text with lines `node, x, y, z`; comments and
+/// words as in [`read_rows`].
 ///
 /// # Errors
 /// As [`read_rows`].
@@ -62,6 +64,9 @@ pub fn read_positions(path: impl AsRef<Path>) -> Result<Vec<(u64, [f64; 3])>, Ex
     let file = path.as_ref();
     let content = bytes(file)?;
     let source = Source { file, bytes: &content };
+    if netcdf::is_one(&content) {
+        return netcdf::positions(&source);
+    }
     let mut positions = Vec::new();
     for (n, line) in source.lines().filter(|line| !line.text.starts_with(b"#")).enumerate() {
         if n == 0 && line.text.first().is_some_and(u8::is_ascii_alphabetic) {

@@ -1,9 +1,10 @@
 //! Broken files of matrices are refused with the place and what is expected there; none is read silently.
 #![allow(clippy::unwrap_used)]
 
-mod common;
-
-use common::{Layout, abaqus_substructure, dmig, mat, matrix_market, npz, op4_binary, op4_text, sierra};
+use crate::common::packed::{mat_7_3, netcdf};
+use crate::common::{
+    Layout, abaqus_substructure, dmig, mat, matrix_market, npz, op4_binary, op4_text, sierra,
+};
 use iwan_exchange::{read_bytes, read_rows};
 use std::path::Path;
 
@@ -186,13 +187,9 @@ fn archives() {
     refused("k.npz", &bytes[..bytes.len() - 30], "the archive: found");
     refused("k.npz", &npz("dia"), "array 'format': a matrix of the kind dia cannot be read; save it with");
     refused("k.npy", b"\x93NUMPY\x01\x00\x10\x00{'descr': '<f8'}", "array 'the file': found");
-    refused(
-        "k.mat",
-        b"MATLAB 7.3 MAT-file",
-        "the header: a MATLAB v7.3 (HDF5) file cannot be read; save it again with save(..., '-v7')",
-    );
+    refused("k.mat", b"MATLAB 7.3 MAT-file", "header: found 19 bytes without the header of level 5");
     let bytes = mat(true, false, false);
-    refused("k.mat", &bytes[..bytes.len() - 20], "that is cut short, expected a whole data element");
+    refused("k.mat", &bytes[..bytes.len() - 20], "data element at byte 128: found");
     let mut changed = bytes.clone();
     let at = bytes.len() - 8;
     changed[at..].copy_from_slice(&f64::INFINITY.to_le_bytes());
@@ -200,9 +197,57 @@ fn archives() {
     refused(
         "k.mat",
         &[b'x'; 200],
-        "the header: found 'xxxxxxxxxxxxxxxxxxxx', expected that of a level 5 MAT-file",
+        "header: found 200 bytes without the header of level 5, expected 128 bytes",
     );
     refused("k.dat2", b"1 1 1", "unknown format (extension 'dat2'");
+}
+
+#[test]
+fn hdf_files() {
+    let bytes = mat_7_3(true, None);
+    refused("k.mat", &bytes[..bytes.len() / 2], "");
+    refused(
+        "k.mat",
+        &bytes[..512],
+        "header: a MATLAB v7.3 file without the HDF5 part behind its first 512 bytes",
+    );
+    refused(
+        "k.mat",
+        &mat_7_3(true, Some(vec![0, 2, 1])),
+        "variable 'K': found start 1 of column 3, expected 2 to",
+    );
+    refused(
+        "k.mat",
+        &mat_7_3(true, Some(vec![0, 900])),
+        "variable 'K': found start 900 of column 2, expected 0 to",
+    );
+    refused("k.mat", &mat_7_3(true, Some(vec![])), "variable 'K': found 0 column starts, expected 1");
+}
+
+#[test]
+fn netcdf_files() {
+    let bytes = netcdf(2);
+    let at = |word: &str| bytes.windows(word.len()).position(|w| w == word.as_bytes()).unwrap();
+    refused("k.nc", &bytes[..60], "the header: found a header that needs");
+    refused("k.nc", &bytes[..bytes.len() - 1], "variable 'cbmap': found");
+    let mut changed = bytes.clone();
+    // The second dimension of Kr: behind its name of two letters, padded, and the count of dimensions.
+    let dimension = at("Kr") + 4 + 4 + 7;
+    changed[dimension] = 9;
+    refused("k.nc", &changed, "variable 'Kr': found dimension 9, expected one of 3 dimensions");
+    changed = bytes.clone();
+    let last = bytes.len();
+    changed[last - 1] = 9;
+    refused("k.nc", &changed, "variable 'cbmap', row 7: found");
+    changed = bytes.clone();
+    let values = bytes.len() - 7 * 8 - 49 * 8;
+    changed[values..values + 8].copy_from_slice(&f64::NAN.to_be_bytes());
+    refused("k.nc", &changed, "variable 'Kr': found NaN in row 1, column 1, expected finite numbers");
+    changed = bytes.clone();
+    changed[11] = 7;
+    refused("k.nc", &changed, "the header: found tag 7");
+    let other = read_bytes("k.nc".as_ref(), b"\x89HDF\r\n\x1a\n", Some(iwan_exchange::Format::Netcdf));
+    assert!(other.unwrap_err().to_string().contains("expected CDF and version 1, 2 or 5"));
 }
 
 #[test]

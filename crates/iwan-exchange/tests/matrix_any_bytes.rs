@@ -1,9 +1,7 @@
 //! No bytes make a reader panic or ask for more memory than it says, and what it accepts is a sound matrix.
 #![allow(clippy::unwrap_used)]
 
-mod common;
-
-use common::files;
+use crate::common::files;
 use iwan_exchange::{Format, read_bytes};
 use proptest::prelude::*;
 use std::path::Path;
@@ -72,12 +70,12 @@ proptest! {
     }
 
     #[test]
-    fn noise_is_survived(format in 0_usize..8, bytes in prop::collection::vec(any::<u8>(), 0..400)) {
+    fn noise_is_survived(format in 0..Format::ALL.len(), bytes in prop::collection::vec(any::<u8>(), 0..400)) {
         check("noise", &bytes, Some(Format::ALL[format].1));
     }
 
     #[test]
-    fn words_in_any_order_are_survived(format in 0_usize..8, words in prop::collection::vec(prop::sample::select(WORDS), 0..60)) {
+    fn words_in_any_order_are_survived(format in 0..Format::ALL.len(), words in prop::collection::vec(prop::sample::select(WORDS), 0..60)) {
         check("words", words.concat().as_bytes(), Some(Format::ALL[format].1));
     }
 }

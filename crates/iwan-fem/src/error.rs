@@ -77,6 +77,9 @@ pub enum Error {
         /// What helps.
         remedy: &'static str,
     },
+    /// More memory would be needed than there is.
+    #[error(transparent)]
+    Memory(#[from] iwan_machine::memory::Short),
     /// An observer broke the analysis off.
     #[error("interrupted")]
     Interrupted,

@@ -23,15 +23,20 @@ mod transient;
 mod quasi_static;
 mod steady;
 
+// What measurements change: joints and stiffness as unknowns, with derivatives.
+mod adjust;
+
+pub use adjust::{Adjustable, Adjusted, AdjustedMode, Correction, CurvePoint, Stiffness};
 pub use algebra::Symmetric;
 pub use element::{ElementMatrices, Formulation, Inertia, Material};
 pub use error::Error;
 pub use matrices::{Assembled, SlipUnknown, Unknown};
 pub use modes::{Class, JointMode, Limit, ModalFilter, Modes, NamedMode, NamedModes};
-pub use quasi_static::{ModalCurves, QuasiStatic, SlipFlexibility, SlipStatics};
+pub use quasi_static::{ModalCurves, QuasiStatic, SlipFlexibility, SlipGroup, SlipStatics};
 pub use steady::{SteadyCoordinate, SteadyModel, SteadySlip};
 pub use structure::{
-    Given, Interface, Joint, Kept, KeptModes, Law, Lump, Patch, Row, Slip, Structure, Support, check, paper,
+    Given, Interface, Joint, Kept, KeptModes, Law, Lump, Patch, Recovered, RelativeSlip, Row, Slip,
+    Structure, Support, check, paper,
 };
 pub use transient::{
     Basis, BasisError, Converged, Extras, Frame, History, Integrated, ModalVelocity, Model, Output, Reduced,

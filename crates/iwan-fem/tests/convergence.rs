@@ -1,14 +1,12 @@
 //! Rates of convergence of all solid elements against a closed form, patch tests of mixed meshes, and bending.
 #![allow(clippy::unwrap_used, reason = "a failed test may panic")]
 
-mod solids;
-
 use std::f64::consts::PI;
 
+use crate::solids::{cut, some_cut, with_middles};
 use iwan_fem::mesh::block::{block, uniform};
 use iwan_fem::mesh::{Mesh, Shape};
 use iwan_fem::{Formulation, Limit, Material, Structure, Support};
-use solids::{cut, some_cut, with_middles};
 
 /// A quarter of a block, the corner x, y < 1/2 of one with sides 1, and the lower half of it: n x n x n/2 bricks, cut to the given shape.
 fn body(shape: Shape, n: usize) -> Mesh {

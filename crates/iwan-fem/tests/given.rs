@@ -19,7 +19,15 @@ fn twins(configuration: Configuration) -> [Structure; 2] {
     let rows = (0..bare.unknowns()).map(|j| Row::Displacement { node: j / 3, axis: j % 3 }).collect();
     let (stiffness, mass) = (bare.slipping_stiffness().clone(), bare.mass().clone());
     let given = Structure {
-        given: Some(Given { rows, stiffness, mass, damping: None, placed: true }),
+        given: Some(Given {
+            rows,
+            stiffness,
+            mass,
+            damping: None,
+            placed: true,
+            recovered: vec![],
+            relative: vec![],
+        }),
         ..meshed.clone()
     };
     [meshed, given]
@@ -82,7 +90,15 @@ fn pair() -> Structure {
     let stiffness = Symmetric::diagonal(vec![800.0, 500.0]);
     let mass = Symmetric::diagonal(vec![2.0, 3.0]);
     let mut structure = Structure::new(mesh, Material::new(1.0, 0.0, 1.0).unwrap());
-    structure.given = Some(Given { rows, stiffness, mass, damping: None, placed: false });
+    structure.given = Some(Given {
+        rows,
+        stiffness,
+        mass,
+        damping: None,
+        placed: false,
+        recovered: vec![],
+        relative: vec![],
+    });
     let law: Law = Arc::new(Jenkins::new(900.0, 1.0).unwrap());
     structure.joints =
         vec![Joint::new("bolt", "a", "b", Interface::Directions).slip([1.0, 0.0, 0.0], Some(law))];

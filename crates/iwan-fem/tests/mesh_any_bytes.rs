@@ -2,9 +2,7 @@
 #![allow(clippy::unwrap_used)]
 #![allow(clippy::format_collect, reason = "files of the tests are short")]
 
-mod common;
-
-use common::{CORNERS, Encoding, GMSH_EDGES, GMSH_TET_EDGES, Msh, hex20, inp, tet10};
+use crate::common::{CORNERS, Encoding, GMSH_EDGES, GMSH_TET_EDGES, Msh, hex20, inp, tet10};
 use iwan_fem::mesh::read_bytes;
 use proptest::prelude::*;
 use std::path::Path;

@@ -1,8 +1,6 @@
 //! Gmsh and Abaqus files: what is read, and what the errors say.
 
-mod common;
-
-use common::{
+use crate::common::{
     CORNERS, EDGES, Encoding, GMSH_EDGES, GMSH_TET_EDGES, GMSH_WEDGE_EDGES, Msh, TET_EDGES, WEDGE_EDGES,
     hex20, inp, inp_nodes, tet10, wedge15,
 };

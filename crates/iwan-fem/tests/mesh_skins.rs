@@ -1,11 +1,9 @@
 //! Abaqus input with elements that are no volumes, and with stress in the unloaded structure.
 #![allow(clippy::unwrap_used, reason = "a failed test may panic")]
 
-mod common;
-
 use std::path::Path;
 
-use common::{CORNERS, inp_nodes};
+use crate::common::{CORNERS, inp_nodes};
 use iwan_fem::mesh::{MeshFile, read_bytes};
 
 fn abaqus(text: &str) -> Result<MeshFile, String> {

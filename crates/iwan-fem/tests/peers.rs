@@ -1,14 +1,12 @@
 //! Hexahedra, tetrahedra and wedges against CalculiX: numbers and their origin in tests/peers of the project.
 
-mod solids;
-
 use std::collections::BTreeMap;
 use std::f64::consts::PI;
 
+use crate::solids::{cut, with_middles};
 use iwan_fem::mesh::block::{block, uniform};
 use iwan_fem::mesh::{Mesh, Shape};
 use iwan_fem::{Formulation, Limit, Material, Structure, Support};
-use solids::{cut, with_middles};
 
 /// CalculiX prints seven digits.
 const DIGITS: f64 = 1e-6;

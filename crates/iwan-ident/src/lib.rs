@@ -30,6 +30,15 @@ pub mod refine;
 pub mod profile;
 pub mod likelihood;
 
+// Unknowns of any model that brings exact derivatives.
+pub mod estimate;
+
+// Several modes at once: joints that they share, or do not.
+pub mod coupled;
+
+// What a shaker's test tells, by itself or beside ring-downs.
+pub mod sweeps;
+
 // Laws beside one Iwan joint, compared by evidence; curves as a model of every record.
 pub mod laws;
 

@@ -48,6 +48,28 @@ impl Likelihood {
         1.0 / (TAU * self.parameters.frequency)
     }
 
+    /// Number of residuals.
+    pub(crate) fn count(&self) -> usize {
+        self.task.count()
+    }
+
+    /// Residuals in their standard deviations; false where there is no ring-down.
+    pub(crate) fn residuals(
+        &self,
+        parameters: &Parameters,
+        starts: &[TurningPoint],
+        out: &mut [f64],
+        buffers: &mut Buffers,
+    ) -> bool {
+        let known = starts.len() == self.starts.len()
+            && self.task.residuals_of(parameters, starts, out, &mut buffers.work);
+        let deviation = self.variance.sqrt();
+        for r in out.iter_mut() {
+            *r /= deviation;
+        }
+        known
+    }
+
     /// ln of the likelihood of parameters and of each record's start, less that of a perfect match: -½ Σ r²/σ². None where
     /// they are no model, where there is no ring-down, and with another number of starts than of records.
     ///

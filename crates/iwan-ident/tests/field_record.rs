@@ -1,4 +1,5 @@
-//! The Brake-Reuss record, mode 1: envelopes by all methods, curves, densities, identification.
+//! Measured records. The Brake-Reuss beam, mode 1: envelopes by all methods, curves, densities, identification; a double beam's hits and a pendulum:
+//! which law, and whether hits lie in the bands of others.
 //!
 //! Reported as not run without `IWAN_FIELD_DATA`, which names the folder with `field/`.
 #![allow(clippy::unwrap_used, reason = "a failed test may panic")]
@@ -11,7 +12,7 @@ use std::path::Path;
 use iwan_ident::curve_fit::{fit, start};
 use iwan_ident::curves::{Curves, ForceAxis, Quantity};
 use iwan_ident::density::{Evidence, density};
-use iwan_ident::identify::{ModeRecord, Settings, identify};
+use iwan_ident::identify::{ModeRecord, Settings, compare_laws, identify};
 use iwan_ident::signal::{Method, Options, Spread, envelope, isolate};
 use iwan_io::{ReadOptions, Record, read};
 
@@ -108,9 +109,67 @@ fn its_record_is_matched_and_the_law_is_known_to_miss_some(path: &Path) {
     assert!(!found.linear.is_enough());
 }
 
+/// Six hits of one double beam, times rounded to 1 µs.
+fn hits_of_the_double_beam(path: &Path) -> Vec<Record> {
+    let options = ReadOptions { rate: Some(5120.0), ..ReadOptions::default() };
+    (1..=6)
+        .map(|k| read(path.with_file_name(format!("double_beam_hit_0{k}.csv")), &options).unwrap())
+        .collect()
+}
+
+fn hits(records: &[Record]) -> Vec<ModeRecord<'_>> {
+    let quantity = Quantity::Velocity;
+    records.iter().map(|r| ModeRecord { samples: r.channel(0), dt: r.dt(), quantity }).collect()
+}
+
+fn a_hit_that_was_held_out_lies_in_the_bands_of_the_others(path: &Path) {
+    let records = hits_of_the_double_beam(path);
+    let all = hits(&records);
+    let options = Options { band: Some((100.0, 145.0)), ..Options::default() };
+    let settings = Settings { options, ..Settings::default() };
+    let mut counts = [(0, 0); 2];
+    for out in 0..6 {
+        let kept: Vec<_> = (0..6).filter(|k| *k != out).map(|k| all[k]).collect();
+        let band = compare_laws(&kept, &settings).unwrap().backbone;
+        let single = compare_laws(&all[out..=out], &settings).unwrap();
+        // Every hit by itself is told by softening and dissipation of separate powers.
+        let law = single.named("separate-powers").unwrap();
+        assert!(law.dissipation_misfit < 0.03 && law.frequency_misfit < 0.004, "{out} {law:?}");
+        for (i, a) in single.backbone.amplitude.iter().enumerate() {
+            let Some(j) = band.amplitude.windows(2).position(|p| (p[0]..=p[1]).contains(a)) else { continue };
+            let part = (a / band.amplitude[j]).ln() / (band.amplitude[j + 1] / band.amplitude[j]).ln();
+            let at = |y: &[f64]| y[j] + part * (y[j + 1] - y[j]);
+            let ends = [
+                (at(&band.frequency_low), at(&band.frequency_high), single.backbone.frequency[i]),
+                (at(&band.damping_ratio_low), at(&band.damping_ratio_high), single.backbone.damping_ratio[i]),
+            ];
+            for (count, (low, high, value)) in counts.iter_mut().zip(ends) {
+                *count = (count.0 + i32::from((low..=high).contains(&value)), count.1 + 1);
+            }
+        }
+    }
+    for (inside, of) in counts {
+        assert!(100 * inside >= 90 * of, "{counts:?}");
+    }
+}
+
+fn a_pendulum_is_told_from_a_joint(path: &Path) {
+    let options = ReadOptions { rate: Some(259.97), ..ReadOptions::default() };
+    let record = read(path, &options).unwrap();
+    let source = ModeRecord { samples: record.channel(0), dt: record.dt(), quantity: Quantity::Displacement };
+    let found = compare_laws(&[source], &Settings::default()).unwrap();
+    let law = found.chosen();
+    assert_eq!(law.law.name, "duffing-coulomb-quadratic", "{}", found.in_words());
+    assert!(law.dissipation_misfit < 0.02, "{}", found.in_words());
+    // Far from an Iwan joint: strong evidence begins at 6.
+    assert!(found.named("iwan").unwrap().criterion > 20.0);
+}
+
 field::field_tests! {
     mode_1_of_the_brake_reuss_beam on "field/brb_hammer_impact.mat",
     its_curves_are_those_of_no_single_four_parameter_joint on "field/brb_hammer_impact.mat",
     no_density_matches_its_damping_and_frequency_together on "field/brb_hammer_impact.mat",
     its_record_is_matched_and_the_law_is_known_to_miss_some on "field/brb_hammer_impact.mat",
+    a_hit_that_was_held_out_lies_in_the_bands_of_the_others on "field/double_beam_hit_01.csv",
+    a_pendulum_is_told_from_a_joint on "field/pendulum_100.csv",
 }

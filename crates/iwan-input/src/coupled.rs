@@ -1,7 +1,7 @@
 //! From a structure to a scenario of coupled modes: stuck modes, and the joints that they share.
 
 use iwan_core::{Backbone, Pulse, Representation};
-use iwan_fem::{NamedMode, NamedModes, SlipStatics};
+use iwan_fem::{NamedMode, NamedModes, SlipGroup, SlipStatics};
 use iwan_sim::{Method, Mode, Point, Settings, SharedJoint, SimulationError, check_coupled};
 
 use crate::error::InputError;
@@ -9,12 +9,6 @@ use crate::scenario::{Force, Scenario, ScenarioJoint, ScenarioMode};
 use crate::structure::StructureFile;
 use crate::written_law::WrittenLaw;
 
-/// Slip in any of the modes over the largest slip of all below which a joint counts as stuck in these modes. Of the
-/// paper's beam, joints that matter have 0.05 and more, those of the washers 1e-3 and less.
-const STUCK: f64 = 0.01;
-/// Difference of slips, over the largest of all, below which two joints of the same law move alike. The two ends of the
-/// paper's link differ by 0.0045 in bending 2, which hardly moves them.
-const ALIKE: f64 = 0.01;
 /// Samples in a cycle of the fastest mode, cycles of the slowest in the response, and length of the blow over the
 /// slowest period: those of the paper's own figures, about.
 const SAMPLES: f64 = 100.0;
@@ -32,9 +26,9 @@ pub struct CoupledScenario {
     pub notes: Vec<String>,
 }
 
-/// Joints that move alike, with their signs.
+/// Joints that move alike, and the law of each.
 struct Group {
-    members: Vec<(usize, f64)>,
+    slips: SlipGroup,
     law: WrittenLaw,
 }
 
@@ -91,33 +85,25 @@ impl StructureFile {
         named: &NamedModes,
         statics: &SlipStatics,
     ) -> Result<(Vec<Group>, Vec<String>), InputError> {
-        let size = |b: &[f64]| b.iter().fold(0.0_f64, |most, b| most.max(b.abs()));
-        let largest = statics.participation.iter().map(|b| size(b)).fold(0.0, f64::max);
-        let (mut groups, mut stuck): (Vec<Group>, Vec<String>) = (Vec::new(), Vec::new());
-        for (i, (slip, b)) in named.assembled.slips().iter().zip(&statics.participation).enumerate() {
-            let Some(law) = &slip.law else { continue };
-            if size(b) <= STUCK * largest {
-                stuck.push(slip.name.clone());
-                continue;
-            }
-            let written = self.laws.iter().find(|known| std::sync::Arc::ptr_eq(&known.law, law));
-            let Some(written) = written.map(|known| known.written.clone()) else {
-                return Err(failed(&format!("the law of {} is not one of this file", slip.name)));
-            };
-            let alike = |group: &Group, sign: f64| {
-                let first = &statics.participation[group.members[0].0];
-                group.law == written
-                    && first.iter().zip(b).all(|(a, b)| (a - sign * b).abs() <= ALIKE * largest)
-            };
-            let found = groups.iter_mut().find_map(|group| {
-                let sign = [1.0, -1.0].into_iter().find(|sign| alike(group, *sign))?;
-                Some((group, sign))
+        let slips = named.assembled.slips();
+        let mut laws: Vec<Option<&WrittenLaw>> = Vec::new();
+        for slip in slips {
+            let known = slip.law.as_ref().map(|law| {
+                let written = self.laws.iter().find(|known| std::sync::Arc::ptr_eq(&known.law, law));
+                written
+                    .map(|known| &known.written)
+                    .ok_or_else(|| failed(&format!("the law of {} is not one of this file", slip.name)))
             });
-            match found {
-                Some((group, sign)) => group.members.push((i, sign)),
-                None => groups.push(Group { members: vec![(i, 1.0)], law: written }),
-            }
+            laws.push(known.transpose()?);
         }
+        let wanted: Vec<usize> = (0..slips.len()).filter(|i| laws[*i].is_some()).collect();
+        let (groups, stuck) = statics.groups(&wanted, &|a, b| laws[a] == laws[b]);
+        let group = |slips: SlipGroup| {
+            let law = laws[slips.members[0].0].cloned()?;
+            Some(Group { slips, law })
+        };
+        let groups: Vec<Group> = groups.into_iter().filter_map(group).collect();
+        let stuck: Vec<String> = stuck.into_iter().map(|i| slips[i].name.clone()).collect();
         if groups.is_empty() {
             return Err(failed("no joint with a law slips in these modes"));
         }
@@ -144,12 +130,13 @@ impl StructureFile {
                     outputs: outputs.iter().map(point).collect(),
                     ..Mode::new(mode.name.clone(), named.frequency_stuck(mode), None)
                 };
-                ScenarioMode { mode, joint: None }
+                ScenarioMode { mode, joint: None, informed: None }
             })
             .collect();
-        let joints = groups
-            .iter()
-            .map(|group| joint(named, (statics, groups), group))
+        let members: Vec<SlipGroup> = groups.iter().map(|group| group.slips.clone()).collect();
+        let of_groups = statics.of_groups(&members);
+        let joints = (0..groups.len())
+            .map(|g| joint(named, &of_groups, g, &groups[g]))
             .collect::<Result<Vec<_>, _>>()?;
         let frequencies = || modes.iter().map(|m| m.mode.frequency);
         let (slowest, fastest) =
@@ -196,32 +183,22 @@ impl StructureFile {
     }
 }
 
-/// A group of joints as one: m times the law, the mean of the slips, ρ of the mean slip under a force that all share.
+/// Group `g` of joints as one: m times the law, the mean of the slips, ρ of the mean slip under a force that all share.
 fn joint(
     named: &NamedModes,
-    (statics, groups): (&SlipStatics, &[Group]),
+    of_groups: &SlipStatics,
+    g: usize,
     group: &Group,
 ) -> Result<ScenarioJoint, InputError> {
-    let count = group.members.len() as f64;
-    let mean = |of: &dyn Fn(usize) -> f64| -> f64 {
-        group.members.iter().map(|(i, sign)| sign * of(*i)).sum::<f64>() / count
-    };
-    let law = group.law.times(count);
-    let shared = law.law().map_err(|error| failed(&error.to_string()))?;
-    let modes = statics.participation.first().map_or(0, Vec::len);
-    let compliance = |other: &Group| {
-        let share =
-            |j: usize, sign: f64| sign * mean(&|i| statics.compliance[i][j]) / other.members.len() as f64;
-        other.members.iter().map(|(j, sign)| share(*j, *sign)).sum()
-    };
-    let names: Vec<&str> =
-        group.members.iter().map(|(i, _)| named.assembled.slips()[*i].name.as_str()).collect();
+    let members = &group.slips.members;
+    let law = group.law.times(members.len() as f64);
+    let names: Vec<&str> = members.iter().map(|(i, _)| named.assembled.slips()[*i].name.as_str()).collect();
     let joint = SharedJoint {
         name: names.join(" + "),
-        law: shared,
-        participation: (0..modes).map(|r| mean(&|i| statics.participation[i][r])).collect(),
-        compliance: groups.iter().map(compliance).collect(),
-        slip_at_force: mean(&|i| statics.at_force[i]),
+        law: law.law().map_err(|error| failed(&error.to_string()))?,
+        participation: of_groups.participation[g].clone(),
+        compliance: of_groups.compliance[g].clone(),
+        slip_at_force: of_groups.at_force[g],
     };
     Ok(ScenarioJoint { joint, law })
 }

@@ -26,9 +26,9 @@ pub use error::InputError;
 pub use modal_test::{ChannelEntry, ModalTable, PointEntry, Role};
 pub use section::{Document, Section, TableKind, TablePlace, known, nearest, plain};
 pub use structure::{
-    BUILT_IN_STRUCTURES, Load, MatrixFormat, Output, ReducedFolder, RunError, STRUCTURE_SCHEMA,
-    StructureFile, StructureLaw, StructureTask, built_in_structure, is_structure, matrix_file_names,
-    matrix_files,
+    BUILT_IN_STRUCTURES, Changes, Drive, Load, MatrixFormat, Output, Point, ReducedFolder, RunError,
+    STRUCTURE_SCHEMA, SteadyStructure, SteadyTask, StructureFile, StructureLaw, StructureTask,
+    built_in_structure, is_structure, matrix_file_names, matrix_files, updated_structure,
 };
 pub use text::InputText;
 pub use written_law::{LAWS, WrittenLaw};

@@ -178,6 +178,12 @@ impl<'a> Section<'a> {
         self.place.table.iter().find(|(k, _)| k.get_ref().as_ref() == key).map(|(_, v)| v)
     }
 
+    /// Bytes of the text that the value of `key` takes.
+    #[must_use]
+    pub fn span(&self, key: &str) -> Option<Range<usize>> {
+        self.value(key).map(Spanned::span)
+    }
+
     /// A failure at the value of `key`, or at the table when the key is not there.
     #[must_use]
     pub fn failure(&self, key: &str, message: &str, remedy: &str) -> InputError {

@@ -45,7 +45,7 @@ impl InputText {
         if meta.len() > LARGEST {
             return Err(fail(format!("is too large for a {word} (over 16 MB)"), &give));
         }
-        let bytes = std::fs::read(path).map_err(unreadable)?;
+        let bytes = iwan_machine::read_file(path).map_err(unreadable)?;
         let binary = format!("save it as plain text (UTF-8); {start}");
         let text = String::from_utf8(bytes).map_err(|e| {
             let at = e.utf8_error().valid_up_to();

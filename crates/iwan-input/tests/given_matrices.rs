@@ -4,7 +4,8 @@
 
 use std::path::{Path, PathBuf};
 
-use iwan_fem::{Limit, NamedModes};
+use iwan_core::Pulse;
+use iwan_fem::{Limit, NamedModes, Representation, Transient};
 use iwan_input::StructureFile;
 
 /// A folder that is taken away at the end.
@@ -223,4 +224,118 @@ fn a_damping_that_cannot_be_one_is_refused() {
         let error = with(file).unwrap_err();
         assert!(error.contains(expected) && error.contains("structure.toml"), "{error}\n{expected}");
     }
+}
+
+/// One row of a matrix of relative displacements: node 11 against node 2 along x.
+const RELATIVE: &str = "%%MatrixMarket matrix coordinate real general\n2 8 4\n1 5 1\n1 3 -1\n2 6 1\n2 4 -1\n";
+/// As `REST`, by rows: the joint, the load on row 7 and the output of it.
+const BY_ROWS: &str = "[[joint]]\nname = 'bolt'\nrelative = 'l.mtx'\n\
+    slip = [{ rows = [1], law = { k_t = 400.0, f_s = 3.0, chi = -0.3, beta = 0.1 } }]\n\
+    [[load]]\nname = 'push'\nrelative = 'tip.mtx'\n[[output]]\nname = 'tip'\nrelative = 'tip.mtx'\nrow = 1\n";
+
+fn rows_files(folder: &Folder) {
+    files(folder);
+    folder.write("l.mtx", RELATIVE);
+    folder.write("tip.mtx", "%%MatrixMarket matrix coordinate real general\n1 8 1\n1 7 1\n");
+}
+
+/// Joint, load and output by rows of a matrix do what the same by nodes does.
+#[test]
+fn rows_of_a_matrix_stand_for_nodes() {
+    let folder = Folder::new("by-rows");
+    rows_files(&folder);
+    let results = [REST, BY_ROWS].map(|rest| {
+        let file = folder.load(&format!("{MATRICES}{rest}")).unwrap();
+        let named = NamedModes::new(&file.structure, 4).unwrap();
+        let mut frequencies = named.assembled.modes(Limit::Stuck, 8).unwrap().frequencies();
+        frequencies.extend(named.assembled.modes(Limit::Slipping, 8).unwrap().frequencies());
+        let task = Transient {
+            dt: 1e-3,
+            steps: 400,
+            pulse: Pulse::Haversine { amplitude: 40.0, duration: 0.2 },
+            load: file.forces(&named.assembled).unwrap(),
+            initial_velocity: None,
+            representation: Representation::DEFAULT_IN_A_STRUCTURE,
+            outputs: file.recorded(&named, &[]).unwrap(),
+        };
+        let response = named.assembled.transient(&task).unwrap();
+        (frequencies, response.outputs[0].displacement.clone(), response.slips[0].slip.clone())
+    });
+    let close = |a: &[f64], b: &[f64]| {
+        let size = a.iter().fold(0.0_f64, |m, x| m.max(x.abs()));
+        assert!(size > 0.0 && a.iter().zip(b).all(|(a, b)| (a - b).abs() <= 1e-9 * size), "{a:?}\n{b:?}");
+    };
+    let [nodes, rows] = &results;
+    close(&nodes.0, &rows.0);
+    close(&nodes.1, &rows.1);
+    close(&nodes.2, &rows.2);
+}
+
+/// A node without rows moves as the recovery matrix says: half way between nodes 11 and 12.
+#[test]
+fn outputs_are_recovered() {
+    let folder = Folder::new("recovery");
+    rows_files(&folder);
+    folder.write(
+        "otm.mtx",
+        "%%MatrixMarket matrix coordinate real general\n3 8 4\n1 5 0.5\n1 7 0.5\n2 8 1\n3 5 1\n",
+    );
+    // Row 3 is one that the matrices have, and is left out.
+    folder.write("otm.csv", "500,x\n500,y\n11,x\n");
+    let recovery = "recovery = 'otm.mtx'\nrecovery_rows = 'otm.csv'\n";
+    let output = "[[output]]\nname = 'inside'\nnodes = '500'\ndirection = 'x'\n";
+    let file = folder.load(&format!("{MATRICES}{recovery}{REST}{output}")).unwrap();
+    let named = NamedModes::new(&file.structure, 4).unwrap();
+    let outputs = file.recorded(&named, &[]).unwrap();
+    let at = |node: &str| named.assembled.gauge(node, [1.0, 0.0, 0.0]).unwrap();
+    // Sets are made of the numbers that the file names: 2, 11 and 12 are ends of the joint and the load.
+    let (left, right) = (at("11"), at("12"));
+    for ((inside, a), b) in outputs[1].coefficients.iter().zip(left).zip(right) {
+        assert_eq!(*inside, 0.5 * (a + b));
+    }
+}
+
+#[test]
+fn rows_that_cannot_be_meant_are_refused() {
+    let folder = Folder::new("rows-refused");
+    rows_files(&folder);
+    folder.write("turned.mtx", &RELATIVE.replace("1 3 -1", "1 3 1"));
+    folder.write("narrow.mtx", "%%MatrixMarket matrix coordinate real general\n1 7 1\n1 7 1\n");
+    folder.write("tall.mtx", "%%MatrixMarket matrix coordinate real general\n8 2 1\n1 1 1\n");
+    folder.write("twice.mtx", &RELATIVE.replace("2 6 1\n2 4 -1", "2 5 2\n2 3 -2"));
+    folder.write("empty.mtx", &RELATIVE.replace("1 5 1\n1 3 -1", "2 5 0\n2 3 0"));
+    let table = |old: &str, new: &str| format!("{MATRICES}{}", BY_ROWS.replace(old, new));
+    let cases = [
+        (
+            table("l.mtx", "turned.mtx"),
+            "moving everything by 1 along x moves its relative displacement by 2e0",
+        ),
+        (table("l.mtx", "narrow.mtx"), "1 rows and 7 columns, but stiffness and mass have 8 rows"),
+        (table("l.mtx", "tall.mtx"), "transpose it: give a column for each row"),
+        (table("l.mtx", "empty.mtx"), "row 1 of the matrix is all 0"),
+        (table("l.mtx", "none.mtx"), "none.mtx: cannot be read"),
+        (table("rows = [1]", "rows = [3]"), "rows = 3: the matrix has the rows 1 to 2"),
+        (table("rows = [1]", "rows = [1, 1]"), "row 1 slips twice"),
+        (table("rows = [1]", "direction = 'x'"), "direction in a joint by rows"),
+        (table("row = 1", "row = 1.5"), "row = 1.5: the matrix has the rows 1 to 1"),
+        (table("row = 1", "nodes = '12'"), "nodes beside relative"),
+        (table("relative = 'tip.mtx'\nrow = 1", "relative = 'l.mtx'"), "the matrix has 2 rows"),
+        (table("relative = 'l.mtx'", "relative = 'l.mtx'\nface = '2'"), "face beside relative"),
+        (format!("{MATRICES}recovery = 'tip.mtx'\n{REST}"), "tip.mtx does not say what its rows are"),
+        (
+            format!("{MATRICES}recovery = 'l.mtx'\nrecovery_rows = 'rows.csv'\n{REST}"),
+            "2 rows and 8 columns; 8 rows are named and the stiffness has 8",
+        ),
+    ];
+    for (text, expected) in cases {
+        let error = folder.load(&text).unwrap_err();
+        assert!(error.contains(expected) && error.contains("structure.toml"), "{error}\n{expected}");
+    }
+    // Two rows that say the same leave no displacement for the second slip.
+    let twice = folder.load(&table("l.mtx", "twice.mtx").replace("rows = [1]", "rows = [1, 2]")).unwrap();
+    let error = twice.structure.assemble().unwrap_err().to_string();
+    assert!(error.contains("joint `bolt row 2`") && error.contains("nothing free but slips"), "{error}");
+    // A spring to the ground sees the structure move, and says so.
+    let ground = table("relative = 'l.mtx'", "relative = 'tip.mtx'\nto_ground = true");
+    assert_eq!(folder.load(&ground).unwrap().structure.assemble().unwrap().slips().len(), 1);
 }

@@ -1,26 +1,55 @@
 //! Decompression that cannot run away.
 
-use std::io::{self, Read};
+use crate::error::ReadError;
+use crate::file_bytes::FileBytes;
+use std::io::{self, ErrorKind, Read};
 
 /// No deflate stream grows by more than this factor (RFC 1951: 258 bytes from two bits at best). A stream that would is
 /// none, and is refused.
 const MOST_GROWTH: u64 = 1032;
 /// Bytes granted beyond the stream's own. The bound holds without them; the 66 kB that they stand for are no danger.
 const GRANTED: u64 = 64;
+/// Growth beyond [`FREE`]: a record with noise shrinks to no less than a fiftieth, so that what grows by more is the same number
+/// again and again, or made to fill a memory.
+const SENSIBLE_GROWTH: u64 = 100;
+/// Up to so many bytes an archive may grow as deflate can: eight million zeros are no danger to any machine.
+const FREE: u64 = 64 << 20;
+/// Bytes unpacked between two looks at the memory that is left.
+const PIECE: u64 = 16 << 20;
 
-/// The bytes that deflate can make of `compressed` bytes at most.
+/// The bytes that are made of `compressed` bytes at most.
 pub(crate) fn most(compressed: usize) -> u64 {
-    (compressed as u64).saturating_add(GRANTED).saturating_mul(MOST_GROWTH)
+    let compressed = compressed as u64;
+    let deflate = compressed.saturating_add(GRANTED).saturating_mul(MOST_GROWTH);
+    deflate.min(compressed.saturating_mul(SENSIBLE_GROWTH).max(FREE))
 }
 
-/// Reads to the end, but no more than `most` bytes.
+/// Reads to the end, but no more than `most` bytes, and no more than there is memory for.
 pub(crate) fn read_limited(reader: &mut impl Read, most: u64) -> io::Result<Vec<u8>> {
     let mut bytes = Vec::new();
-    reader.take(most.saturating_add(1)).read_to_end(&mut bytes)?;
-    if bytes.len() as u64 > most {
-        return Err(io::Error::other(format!("more than {most} bytes after decompression")));
+    loop {
+        let left = most.saturating_add(1).saturating_sub(bytes.len() as u64).min(PIECE);
+        let read = reader.take(left).read_to_end(&mut bytes)?;
+        if bytes.len() as u64 > most {
+            let times = format!("a growth of more than {SENSIBLE_GROWTH} times and {} MB", FREE >> 20);
+            return Err(io::Error::other(format!("more than {most} bytes after decompression, {times}")));
+        }
+        if (read as u64) < PIECE {
+            return Ok(bytes);
+        }
+        // A vector doubles when it grows, and then its numbers are copied.
+        let remedy = "free some, or give a file of fewer samples";
+        iwan_machine::memory::ask("what it unpacks to", 4 * bytes.len() as u64, remedy)
+            .map_err(|short| io::Error::new(ErrorKind::OutOfMemory, short))?;
     }
-    Ok(bytes)
+}
+
+/// Why something could not be unpacked.
+pub(crate) fn refused(source: &FileBytes, place: &str, error: io::Error, expected: &str) -> ReadError {
+    match error.kind() {
+        ErrorKind::OutOfMemory => ReadError::Io { file: source.file.into(), source: error },
+        _ => source.malformed(place, error.to_string(), expected),
+    }
 }
 
 #[cfg(test)]
@@ -31,5 +60,14 @@ mod tests {
     fn an_endless_stream_is_stopped() {
         assert!(read_limited(&mut io::repeat(7), most(1)).is_err());
         assert_eq!(read_limited(&mut &[1, 2][..], 2).unwrap(), [1, 2]);
+    }
+
+    /// Archives of 9.7 MB unpacked to 15 GB before they were refused.
+    #[test]
+    fn growth_is_bounded_by_the_file() {
+        assert_eq!(most(10), 74 * 1032);
+        assert_eq!(most(200_000), 64 << 20);
+        assert_eq!(most(9_700_000), 970_000_000);
+        assert_eq!(read_limited(&mut io::repeat(0).take(40 << 20), most(200_000)).unwrap().len(), 40 << 20);
     }
 }

@@ -36,6 +36,7 @@ mod table;
 
 pub use door::{MeasuredChannel, Measurement, ModalTest, read, read_bytes, read_modal_test};
 pub use error::ReadError;
+pub use mat::{StoredMatrix, StoredNumbers, mat_matrices};
 pub use options::{Format, ReadOptions};
 pub use quantity::Quantity;
 pub use record::{Record, RecordError};

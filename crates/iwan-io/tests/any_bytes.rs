@@ -1,8 +1,7 @@
 //! No bytes make a reader panic, and what it accepts is a valid record.
 #![allow(clippy::unwrap_used)]
 
-mod common;
-
+use crate::common;
 use iwan_io::{Format, ReadOptions, parse_table, read_bytes};
 use proptest::prelude::*;
 use std::path::Path;

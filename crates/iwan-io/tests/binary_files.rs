@@ -1,9 +1,10 @@
 //! NumPy, universal and MATLAB files in their variants.
 #![allow(clippy::unwrap_used)]
 
-mod common;
-
-use common::{element, mat_array, mat_file, mat_struct, times, uff_ascii, uff_binary, uff_header, wave};
+use crate::common;
+use crate::common::{
+    element, mat_array, mat_file, mat_struct, times, uff_ascii, uff_binary, uff_header, wave,
+};
 use iwan_io::{Quantity, ReadError, ReadOptions, Record, Warning, read_bytes};
 use std::path::Path;
 

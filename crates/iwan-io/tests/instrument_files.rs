@@ -1,10 +1,8 @@
 //! Files of sound recorders, LabVIEW, and cells and HDF5 of MATLAB.
 #![allow(clippy::unwrap_used)]
 
-mod common;
-
-use common::instruments::{lvm, mat_7_3, mat_cells, wav, wav_wave};
-use common::wave;
+use crate::common::instruments::{lvm, mat_7_3, mat_cells, wav, wav_wave};
+use crate::common::wave;
 use iwan_io::{Quantity, ReadError, ReadOptions, Record, Warning, read_bytes};
 use std::path::Path;
 

@@ -1,14 +1,13 @@
 //! What the guide states in numbers: accuracy at three levels of force, random systems, calibration.
 #![allow(clippy::expect_used, reason = "tests may panic")]
 
-mod support;
-
+use crate::support;
+use crate::support::{Bench, TrueMode, ten_modes};
 use iwan_core::SplitMix64;
 use iwan_modal::measure::{Hit, Motion, levels};
 use iwan_modal::modes::{Scale, mac};
 use iwan_modal::responses::{Estimator, Windows, frequency_responses};
 use iwan_modal::{Analysis, Complex, ModalFit, modal_fit};
-use support::{Bench, TrueMode, ten_modes};
 
 fn found(hits: &[Hit], band: (f64, f64)) -> ModalFit {
     let responses = frequency_responses(hits, Motion::Acceleration, Estimator::H1, Windows::default())

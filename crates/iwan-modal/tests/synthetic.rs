@@ -1,14 +1,12 @@
 //! Synthetic hits of known modes, all the way to frequencies, damping and mass-normalised shapes.
 
-mod support;
-
 use std::f64::consts::TAU;
 
+use crate::support::{Bench, TrueMode, point, ten_modes};
 use iwan_modal::measure::{Freedom, Hit, Motion};
 use iwan_modal::modes::{Scale, mac};
 use iwan_modal::responses::{Estimator, Windows, frequency_responses};
 use iwan_modal::{Analysis, Complex, ModalFit, modal_fit};
-use support::{Bench, TrueMode, point, ten_modes};
 
 const BAND: Option<(f64, f64)> = Some((60.0, 1100.0));
 

@@ -39,6 +39,8 @@ mod _native {
     #[pymodule_export]
     use crate::records::record::{_read_bytes, _record, Record, read_record};
     #[pymodule_export]
+    use crate::records::sweeps::_fit_sweeps;
+    #[pymodule_export]
     use crate::ring_down::coupled::_simulate_coupled;
     #[pymodule_export]
     use crate::ring_down::ensemble::_ensemble;
@@ -49,13 +51,19 @@ mod _native {
     #[pymodule_export]
     use crate::steady::backbone::_backbone;
     #[pymodule_export]
+    use crate::steady::coupled::{_backbone_coupled, _frf_coupled};
+    #[pymodule_export]
     use crate::steady::frf::_frf;
     #[pymodule_export]
     use crate::structures::blow::_simulate_structure;
     #[pymodule_export]
     use crate::structures::static_curves::_quasi_static;
     #[pymodule_export]
+    use crate::structures::steady::{_backbone_structure, _frf_structure};
+    #[pymodule_export]
     use crate::structures::structure::{_built_in_structure, _load_structure, _structure, Structure};
+    #[pymodule_export]
+    use crate::structures::update::_update;
     #[pymodule_export]
     use crate::structures::written::{_write_matrices, _write_reduced};
     #[pymodule_export]

@@ -94,3 +94,40 @@ def test_a_response_as_a_dataset():
     data = response.to_xarray()
     np.testing.assert_array_equal(data["velocity"], response.velocity)
     assert data.attrs["steps"] == 100 and data["t"].attrs["units"] == "s"
+
+
+def test_tables_of_pandas_with_their_times_in_a_column():
+    """The row number was taken for seconds, and `time` was ignored."""
+    frame = pandas.DataFrame({"t": T, "a": A})
+    assert iwan.as_record(frame).dt == pytest.approx(T[1] - T[0])
+    assert iwan.as_record(frame).names == ["a"]
+    frame = pandas.DataFrame({"clock": T, "a": A})
+    assert iwan.as_record(frame, time="clock").dt == pytest.approx(T[1] - T[0])
+    with pytest.raises(iwan.IwanError, match="rate|dt="):
+        iwan.as_record(pandas.DataFrame({"a": A, "b": B}))
+    with pytest.raises(iwan.RecordError, match="counts rows"):
+        iwan.as_record(pandas.Series(A))
+
+
+def test_durations_dates_and_units_of_time():
+    """Nanoseconds were read as seconds, dates raised a bare TypeError, `ms` was read as s."""
+    step = T[1] - T[0]
+    durations = pandas.to_timedelta(T, unit="s")
+    for index in [durations, pandas.Timestamp("2026-01-01") + durations, pandas.Timestamp("2026-01-01", tz="UTC") + durations]:
+        assert iwan.as_record(pandas.Series(A, index=index)).dt == pytest.approx(step)
+    assert iwan.as_record(pandas.Series(A, index=pandas.Index(1e3 * T, name="Time [ms]"))).dt == pytest.approx(step)
+    array = xarray.DataArray(A, dims="time", coords={"time": ("time", 1e3 * T, {"units": "ms"})})
+    assert iwan.as_record(array).dt == pytest.approx(step)
+    assert iwan.as_record({"Time [ms]": 1e3 * T, "a": A}).dt == pytest.approx(step)
+    with pytest.raises(iwan.InvalidTypeError, match="no times"):
+        iwan.as_record(pandas.Series(A, index=[str(t) for t in T]))
+
+
+def test_masked_samples_are_no_measurement():
+    """The mask was lost without a word."""
+    masked = np.ma.masked_array(A, mask=np.arange(len(A)) == 1)
+    with pytest.raises(iwan.InvalidValueError, match="under a mask"):
+        iwan.as_record(masked, dt=0.1)
+    with pytest.raises(iwan.InvalidValueError, match="under a mask"):
+        iwan.as_record({"t": T, "a": masked})
+    assert iwan.as_record(np.ma.masked_array(A), dt=0.1).dt == 0.1

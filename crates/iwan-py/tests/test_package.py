@@ -23,7 +23,9 @@ def documented():
     for thing in PUBLIC + [getattr(module, name) for module in modules for name in module.__all__]:
         yield thing.__name__, thing
         if inspect.isclass(thing) and not issubclass(thing, Exception):
-            for name in vars(thing):
+            # What a class has of `iwan.steady` is written down there alone.
+            classes = [thing, *(base for base in thing.__mro__[1:] if base.__module__ == "iwan.steady")]
+            for name in [name for one in classes for name in vars(one)]:
                 if not name.startswith("_"):
                     yield f"{thing.__name__}.{name}", getattr(thing, name)
 

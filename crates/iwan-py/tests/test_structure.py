@@ -269,3 +269,36 @@ def test_matrices_are_those_of_the_modes(beam, tmp_path):
     assert rigid @ (mass @ rigid) == pytest.approx(beam.modes(1).total_mass, rel=1e-6)
     with pytest.raises(iwan.InvalidValueError, match="format"):
         beam.write_matrices(tmp_path / "n", format="csv")
+
+
+@pytest.fixture(scope="module")
+def updated(beam):
+    measured = {mode: beam.quasi_static(mode, points=24) for mode in ("bending 1", "bending 3")}
+    return iwan.update(beam, {"bending 1": measured["bending 1"]}, predict={"bending-3": measured["bending 3"]}, undamped=True)
+
+
+def test_joints_of_a_structure_come_back_from_curves(beam, updated, tmp_path):
+    links, washers = updated.groups
+    assert updated.adequate and links.joints == ["left link", "right link"]
+    assert links.joint.k_t == pytest.approx(2.75e5, rel=0.02) and not washers.f_s.identifiable
+    predicted = updated.curves[1]
+    assert predicted.held_out and predicted.damping_ratio_after == pytest.approx(predicted.damping_ratio, rel=0.03)
+    assert repr(pickle.loads(pickle.dumps(updated))) == repr(updated)
+    updated.write(tmp_path / "updated.toml")
+    assert iwan.Structure.load(tmp_path / "updated.toml").joints == beam.joints
+    matplotlib = pytest.importorskip("matplotlib")
+    matplotlib.use("Agg")
+    axes = iwan.plot.updated(updated, show="frequency")
+    assert [text.get_text() for text in axes.get_legend().get_texts()] == ["bending 1", "bending 3 (predicted)"]
+
+
+def test_curves_that_do_not_fit_are_named(beam):
+    curve = {"displacement": [1e-4, 2e-4, 3e-4, 4e-4], "frequency": [132.3, 132.2, 132.1, 132.0], "damping_ratio": [1e-4] * 4}
+    with pytest.raises(iwan.InvalidValueError, match="has no 'frequency'"):
+        iwan.update(beam, {"bending 1": {"displacement": [1.0]}})
+    with pytest.raises(iwan.InvalidValueError, match="no joint 'nowhere'.*left link"):
+        iwan.update(beam, {"bending 1": curve}, groups={"all": ["nowhere"]})
+    with pytest.raises(iwan.InvalidValueError, match="no part 'air'.*material"):
+        iwan.update(beam, {"bending 1": curve}, correct=["air"])
+    with pytest.raises(iwan.InvalidTypeError, match="must be an iwan.Fit"):
+        iwan.update(beam, {"bending 1": 3.0})

@@ -5,6 +5,8 @@ use std::sync::{Mutex, MutexGuard, PoisonError};
 
 use iwan_core::progress::{Progress, UNWATCHED};
 use iwan_core::{Error, Pulse};
+use iwan_machine::memory::{Short, ask};
+use iwan_machine::threads::together;
 
 use crate::error::SimulationError;
 use crate::mode::Mode;
@@ -134,6 +136,7 @@ impl Ensemble<'_> {
     pub fn run(&self, threads: usize, progress: Progress<'_>) -> Result<Outcome, MemberError> {
         let samples =
             self.settings.samples().map_err(|error| MemberError { member: 0, source: error.into() })?;
+        self.ask(samples).map_err(|short| MemberError { member: 0, source: short.into() })?;
         let mut outcome = Outcome {
             figures: vec![Figures::default(); self.members],
             histories: self.kept.iter().map(|_| vec![0.0; self.members * samples]).collect(),
@@ -142,21 +145,22 @@ impl Ensemble<'_> {
         let work = Work { ensemble: *self, done: AtomicUsize::new(0), failed: Mutex::new(None), progress };
         let chunks = Mutex::new(outcome.chunks(threads));
         let serve = || work.serve(&chunks);
-        std::thread::scope(|scope| {
-            let most = threads.clamp(1, self.members.max(1));
-            let helpers: Vec<_> = (1..most).map(|_| scope.spawn(serve)).collect();
-            serve();
-            for helper in helpers {
-                if let Err(panic) = helper.join() {
-                    std::panic::resume_unwind(panic);
-                }
-            }
-        });
+        together(threads.clamp(1, self.members.max(1)), &serve);
         drop(chunks);
         match work.failed.into_inner().unwrap_or_else(PoisonError::into_inner) {
             Some(error) => Err(error),
             None => Ok(outcome),
         }
+    }
+}
+
+impl Ensemble<'_> {
+    /// Asks for the memory of figures and histories.
+    fn ask(&self, samples: usize) -> Result<(), Short> {
+        let row = samples.saturating_mul(self.kept.len()).saturating_mul(size_of::<f64>());
+        let bytes = self.members.saturating_mul(row.saturating_add(size_of::<Figures>()));
+        let what = format!("an ensemble of {} members", self.members);
+        ask(what, bytes as u64, "keep fewer histories, or take fewer members at a time")
     }
 }
 

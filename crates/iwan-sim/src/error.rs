@@ -50,6 +50,9 @@ pub enum SimulationError {
         /// Time at which the motion first goes beyond, s.
         time: f64,
     },
+    /// More memory would be needed than there is.
+    #[error(transparent)]
+    Memory(#[from] iwan_machine::memory::Short),
     /// The caller asked to stop.
     #[error("interrupted")]
     Interrupted,

@@ -7,7 +7,6 @@
 // The ground: why a simulation fails, numbers as text, work on several threads.
 mod error;
 pub mod numbers;
-mod parallel;
 
 // What the user says: joint laws, curves, modes, time axis and method.
 mod joint_law;
@@ -39,15 +38,16 @@ pub use cycles::{Cycle, Extreme, cycles, extremes};
 pub use ensemble::{Ensemble, Figures, History, MemberError, Outcome};
 pub use error::SimulationError;
 pub use force_history::force_history;
+pub use iwan_machine::threads::in_parallel;
 pub use joint_law::{JointLaw, TabulatedDensity};
 pub use mode::{Mode, Point};
-pub use parallel::in_parallel;
 pub use response::{OutsideCurves, Quality, Response, superpose};
 pub use settings::{Method, Settings};
 pub use simulate::{simulate, simulate_all};
 pub use steady::{
     BackbonePoint, Control, JointedModes, Jump, NonlinearMode, Residual, SharedLaw, SlipJoint, SteadyCurve,
-    SteadyPoint, StuckMode, Sweep, backbone, forced_response, forced_response_of, nonlinear_mode,
+    SteadyPoint, StuckMode, StuckRange, Superharmonic, Sweep, backbone, forced_response, forced_response_of,
+    nonlinear_mode,
 };
 
 // How a joint is evaluated in time is the same question for a mode and for a structure.

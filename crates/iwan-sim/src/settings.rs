@@ -2,6 +2,8 @@
 
 use iwan_core::{Error, Grid, Representation};
 
+use crate::error::SimulationError;
+
 /// The method of integration.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Method {
@@ -55,6 +57,22 @@ impl Settings {
     #[must_use]
     pub fn new(dt: f64, duration: f64) -> Self {
         Self { dt, duration, method: Method::default_newmark(), quality: true }
+    }
+
+    /// Asks for the memory of the responses of `modes` modes, and of `histories` further numbers a sample; nothing is taken.
+    ///
+    /// # Errors
+    /// As [`samples`](Self::samples), and [`SimulationError::Memory`].
+    pub(crate) fn ask(&self, modes: usize, histories: usize) -> Result<(), SimulationError> {
+        /// Displacement, velocity, acceleration and joint force of a mode, and what the superposed motion of a point, the times and companion
+        /// runs add: three modes and a point took 5.3 numbers a sample and mode at 8 million samples.
+        const NUMBERS: usize = 6;
+        let samples = self.samples()?;
+        let bytes =
+            samples.saturating_mul(modes.saturating_mul(NUMBERS).saturating_add(histories)).saturating_mul(8);
+        let what = format!("a response of {samples} samples of {modes} modes");
+        let remedy = "take a longer step, a shorter duration or fewer modes";
+        Ok(iwan_machine::memory::ask(what, bytes as u64, remedy)?)
     }
 
     /// Number of samples of the response, the initial state included.

@@ -4,6 +4,7 @@ use std::sync::Mutex;
 
 use iwan_core::progress::{Progress, UNWATCHED};
 use iwan_core::{Error, Newmark, Pulse};
+use iwan_machine::threads::together;
 
 use crate::error::SimulationError;
 use crate::methods::averaged;
@@ -33,6 +34,7 @@ use crate::settings::{Method, Settings};
 /// # Errors
 /// [`SimulationError::Parameter`] for values out of range, [`SimulationError::NotFinite`] on overflow.
 pub fn simulate(mode: &Mode, force: &Pulse<'_>, settings: &Settings) -> Result<Response, SimulationError> {
+    settings.ask(1, 0)?;
     simulate_observed(mode, force, settings, Response::default(), UNWATCHED)
 }
 
@@ -48,6 +50,7 @@ pub fn simulate_all(
     threads: usize,
     progress: Progress<'_>,
 ) -> Result<Vec<Response>, SimulationError> {
+    settings.ask(modes.len(), 0)?;
     let done = Mutex::new(vec![0.0; modes.len()]);
     let next = Mutex::new(0..modes.len());
     let one = |index: usize| {
@@ -67,17 +70,8 @@ pub fn simulate_all(
             finished.push((index, one(index)));
         }
     };
-    let mut results: Vec<_> = std::thread::scope(|scope| {
-        let workers: Vec<_> = (1..threads.clamp(1, modes.len().max(1))).map(|_| scope.spawn(work)).collect();
-        let mut results = work();
-        for worker in workers {
-            match worker.join() {
-                Ok(finished) => results.extend(finished),
-                Err(panic) => std::panic::resume_unwind(panic),
-            }
-        }
-        results
-    });
+    let finished = together(threads.clamp(1, modes.len().max(1)), &work);
+    let mut results: Vec<_> = finished.into_iter().flatten().collect();
     results.sort_by_key(|(index, _)| *index);
     results.into_iter().map(|(index, result)| result.map_err(|e| in_mode(&modes[index], e))).collect()
 }
@@ -161,7 +155,7 @@ pub(crate) fn simulate_observed(
             let mut response = run::newmark(task, &scheme_at(dt)?, joint, spare, progress)?;
             if settings.quality {
                 let order = if gamma == 0.5 { 2 } else { 1 };
-                response.quality = quality::of_newmark(task, &response, scheme_at, order, joint);
+                response.quality = quality::of_newmark((task, &force), &response, scheme_at, order, joint)?;
             }
             Ok(response)
         }

@@ -1,4 +1,4 @@
-//! Steady vibration beside tmdsimpy (github.com/tmd-lab/tmdsimpy, commit 17d5fc3): ours is the limit of its curves.
+//! Steady vibration beside tmdsimpy (github.com/tmd-lab/tmdsimpy, commit 17d5fc3) and juliajim: ours is the limit of their curves.
 //!
 //! tmdsimpy samples a period, runs sliders through it and transforms back. Its numbers below were computed with its own solver
 //! (xtol 1e-13) on its own examples, harmonics 1 and 3 (and 5), refined as said; its sliders converge with a ratio of about 0.3 from
@@ -12,7 +12,7 @@ use std::f64::consts::TAU;
 use iwan_core::{FourParameter, Jenkins};
 use iwan_sim::{
     Control, JointLaw, JointedModes, Mode, Residual, SlipJoint, SteadyPoint, StuckMode, Sweep, backbone,
-    forced_response_of,
+    forced_response_of, nonlinear_mode,
 };
 use nalgebra::{Matrix3, Vector3};
 
@@ -120,5 +120,141 @@ fn the_limit_of_samples_with_a_jenkins_element() {
         near(2.0 * point.damping_ratio * point.frequency * TAU, xi, 1e-7);
         near(point.response[1], third, 1e-6);
         near(point.response[2], fifth, 1e-6);
+    }
+}
+
+#[test]
+fn the_limit_of_samples_in_a_forced_response() {
+    // juliajim (github.com/Nidish96/juliajim, commit 55465ef), `examples/b2_jenkhb.jl`: ω0 = 2, ζ0 = 0.005, k_t = 5, F_s = 1, F = 0.1,
+    // harmonics 1, 3 and 5. Its marching of the slider, twice round the period from f = k_t u, was written anew in NumPy and solved with
+    // SciPy's fsolve (xtol 1e-13) at 32,768 samples: Ω, amplitudes of the harmonics, phase of the first.
+    let theirs = [
+        (2.93, [0.210206472907, 0.000293842896, 0.000053606917], -0.810096714323),
+        (2.96, [0.214819531791, 0.000407580461, 0.000071607422], -1.371864868849),
+        (3.00, [0.214295098761, 0.000382726102, 0.000067691872], -1.874259359816),
+        (3.04, [0.210113347472, 0.000268654647, 0.000049349773], -2.330519344527),
+    ];
+    let joint = JointLaw::Jenkins(Jenkins::new(5.0, 1.0).unwrap());
+    let mode = Mode { damping_ratio: 0.02 / 6.0, ..Mode::new("jenkins", 3.0 / TAU, Some(joint)) };
+    let system = JointedModes::of_mode(&mode, 1.0).unwrap();
+    for pair in theirs.chunks(2) {
+        let sweep = Sweep {
+            from: pair[0].0 / TAU,
+            to: pair[1].0 / TAU,
+            control: Control::Force,
+            levels: vec![0.1],
+            harmonics: 5,
+            points: 16,
+        };
+        let curve = forced_response_of(&system, &sweep).unwrap().remove(0);
+        let ends = [curve.points.first().unwrap(), curve.points.last().unwrap()];
+        for (point, (_, [first, third, fifth], phase)) in ends.iter().zip(pair) {
+            near(point.amplitude, *first, 5e-7);
+            near(point.phase, *phase, 5e-7);
+            near(point.harmonics[0][0], *third, 2e-6);
+            near(point.harmonics[1][0], *fifth, 5e-6);
+        }
+        // At its own setting, 512 samples, it is off by up to 1.5e-5.
+    }
+}
+
+/// M = I, K = [[2, -1], [-1, 2]], a Jenkins element at the second freedom; C = αM + βK, of which the modes with the joint stuck see their own
+/// part. Observed at a freedom.
+fn two_freedoms([alpha, beta]: [f64; 2], [k_t, f_s]: [f64; 2], observed: usize) -> JointedModes {
+    let stiffness = nalgebra::Matrix2::new(2.0, -1.0, -1.0, 2.0);
+    let stuck = stiffness + nalgebra::Matrix2::new(0.0, 0.0, 0.0, k_t);
+    let eigen = stuck.symmetric_eigen();
+    let lowest = if eigen.eigenvalues[0] < eigen.eigenvalues[1] { [0, 1] } else { [1, 0] };
+    let shapes = lowest.map(|k| {
+        let shape = eigen.eigenvectors.column(k).into_owned();
+        shape * shape.sum().signum()
+    });
+    let mode = |n: usize| {
+        let (shape, omega) = (shapes[n], eigen.eigenvalues[lowest[n]].sqrt());
+        let viscous = alpha + beta * shape.dot(&(stiffness * shape));
+        StuckMode { omega, damping_ratio: 0.5 * viscous / omega, at_force: 0.0, at_output: shape[observed] }
+    };
+    let law = JointLaw::Jenkins(Jenkins::new(k_t, f_s).unwrap()).into();
+    let joint = SlipJoint { name: "slider".into(), law, participation: shapes.map(|shape| shape[1]).into() };
+    JointedModes::new(vec![mode(0), mode(1)], vec![joint], Residual::default()).unwrap()
+}
+
+/// Amplitude of mode 1; frequency (rad/s), ξ, and the amplitudes of both freedoms in the harmonics 1, 3 and 5.
+type Reference = (f64, f64, f64, [f64; 6]);
+
+#[test]
+fn the_limit_of_samples_in_nonlinear_modes_of_two_freedoms() {
+    // scripts/peers/epmc.py: parameters of tmdsimpy's `tests/test_epmc.py` (mdof_jenkins), whose own residual at these solutions is 4e-7 at the
+    // most with its 1,024 samples; and of juliajim's `examples/c4_mdofgen_epmc.jl`, whose 256 samples are off by 4e-6 in frequency. Its C = 0.01 M +
+    // 0.001 K couples the modes with the joint stuck, which we leave out: that moves the frequency by up to 2.4e-5 and ξ by up to 0.5 %.
+    let tmdsimpy: [Reference; 3] = [
+        (
+            1.5,
+            1.049630080035,
+            0.031618476430,
+            [1.115868944630, 1.002678829472, 0.000284054221, 0.002248517098, 0.000010274833, 0.000262453493],
+        ),
+        (
+            4.0,
+            1.014724100680,
+            0.041223802460,
+            [2.873550212083, 2.789792343979, 0.001177922327, 0.008560676079, 0.000034489099, 0.000818845475],
+        ),
+        (
+            20.0,
+            1.001406712511,
+            0.018461834410,
+            [
+                14.188133847948,
+                14.148699334093,
+                0.001656598416,
+                0.011638241050,
+                0.000081486233,
+                0.001879921949,
+            ],
+        ),
+    ];
+    let juliajim: [Reference; 3] = [
+        (
+            2.0,
+            1.173255499012,
+            0.026342329267,
+            [1.697133226879, 1.058520892114, 0.000233660980, 0.002427467604, 0.000012042260, 0.000390325402],
+        ),
+        (
+            5.0,
+            1.060740965573,
+            0.122138113764,
+            [3.811004271117, 3.363786386850, 0.004718209432, 0.038378507809, 0.000144917071, 0.003787498324],
+        ),
+        (
+            30.0,
+            1.004201265995,
+            0.038923925027,
+            [
+                21.865513952460,
+                21.689694730803,
+                0.008255733267,
+                0.058419549057,
+                0.000415733401,
+                0.009649472729,
+            ],
+        ),
+    ];
+    for (damping, joint, theirs) in
+        [([0.01, 0.0], [0.25, 0.2], tmdsimpy), ([0.01, 0.001], [1.0, 1.0], juliajim)]
+    {
+        let amplitudes = theirs.map(|row| row.0);
+        for freedom in 0..2 {
+            let system = two_freedoms(damping, joint, freedom);
+            let curve = nonlinear_mode(&system, 0, 5, &amplitudes).unwrap();
+            for (point, (_, omega, xi, sizes)) in curve.points.iter().zip(theirs) {
+                near(point.frequency * TAU, omega, 1e-9);
+                near(2.0 * point.damping_ratio * point.frequency * TAU, xi, 1e-7);
+                for (harmonic, found) in point.response.iter().enumerate() {
+                    near(*found, sizes[2 * harmonic + freedom], 1e-6);
+                }
+            }
+        }
     }
 }

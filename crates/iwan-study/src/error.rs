@@ -38,6 +38,16 @@ pub enum Error {
         /// What was said.
         source: iwan_ident::Error,
     },
+    /// Measured curves that a structure cannot be updated from.
+    #[error("{place}: {finding}; {remedy}")]
+    Update {
+        /// Which curve, mode or group of joints.
+        place: String,
+        /// What was found.
+        finding: String,
+        /// What helps.
+        remedy: &'static str,
+    },
     /// The observer asked to stop.
     #[error("interrupted")]
     Interrupted,

@@ -25,6 +25,9 @@ pub mod beam;
 pub mod modes;
 pub mod laboratory;
 
+// The joints of any structure from what its modes show
+pub mod update;
+
 // All of it together, in words and in numbers
 mod reproduction;
 pub mod findings;

@@ -7,7 +7,7 @@ use iwan_sim::in_parallel;
 use crate::beam::BeamUnderBlows;
 use crate::error::Error;
 use crate::laboratory::{HITS, Laboratory};
-use crate::modes::StudiedMode;
+use crate::modes::{CoupledModel, StudiedMode};
 use crate::progress::Tally;
 
 /// The configurations that are computed.
@@ -32,6 +32,8 @@ pub struct StudiedBeam {
     pub truth: BeamUnderBlows,
     /// Bending modes 1 to 3.
     pub modes: Vec<StudiedMode>,
+    /// All of them with the joint that they share; none where that is no model.
+    pub coupled: Option<CoupledModel>,
 }
 
 impl Reproduction {
@@ -69,8 +71,11 @@ pub fn reproduce(threads: usize, observer: Progress<'_>) -> Result<Reproduction,
     };
     let found: Vec<StudiedMode> =
         in_parallel(&all, threads, &study).into_iter().collect::<Result<_, Error>>()?;
+    let coupled: Vec<Option<CoupledModel>> =
+        in_parallel(&truths, threads, &CoupledModel::new).into_iter().collect::<Result<_, Error>>()?;
+    let pairs = truths.into_iter().zip(coupled);
     let mut configurations: Vec<StudiedBeam> =
-        truths.into_iter().map(|truth| StudiedBeam { truth, modes: Vec::new() }).collect();
+        pairs.map(|(truth, coupled)| StudiedBeam { truth, modes: Vec::new(), coupled }).collect();
     for ((beam, _), studied) in all.into_iter().zip(found) {
         configurations[beam].modes.push(studied);
     }

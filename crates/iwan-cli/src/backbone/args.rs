@@ -9,7 +9,7 @@ use crate::session::Place;
 
 /// Nonlinear modes: frequency, damping and harmonics against amplitude
 ///
-/// Reads a scenario with [[mode]] or [structure], or a structure file, and computes free vibration at every amplitude, kept going by a damping that gives back
+/// Reads a scenario with [[mode]], perhaps [[joint]], or [structure], or a structure file, and computes free vibration at every amplitude, kept going by a damping that gives back
 /// what is lost: harmonic balance without time steps, sliders or start values. Writes backbone.csv, summary.json and
 /// report.html (figures) into one folder.
 #[derive(Debug, Args)]

@@ -53,8 +53,13 @@ impl Task {
     fn read(source: &InputText) -> Result<Self, Failure> {
         if is_structure(source)? {
             let file = StructureFile::read(source)?;
-            let scenario =
-                SteadyScenario { title: file.title.clone(), modes: Vec::new(), structure: None, sweep: None };
+            let scenario = SteadyScenario {
+                title: file.title.clone(),
+                modes: Vec::new(),
+                joints: Vec::new(),
+                structure: None,
+                sweep: None,
+            };
             let (source, model) = (source.name.clone(), iwan_fem::Model::USUAL);
             let on = OnStructure { source, file, model, at: None, damping_ratio: 0.0 };
             return Ok(Self { scenario, structure: Some(on) });

@@ -2,7 +2,7 @@
 
 use iwan_core::{Backbone, Harmonics};
 use iwan_input::scenario::SteadyScenario;
-use iwan_sim::{Mode, NonlinearMode, SimulationError, backbone, in_parallel};
+use iwan_sim::{JointedModes, Mode, NonlinearMode, SimulationError, backbone, in_parallel, nonlinear_mode};
 
 use super::args::BackboneArgs;
 use crate::failure::Failure;
@@ -41,6 +41,9 @@ pub(super) fn trace(
     threads: usize,
 ) -> Result<Vec<Traced>, Failure> {
     let modes = scenario.modes();
+    if !scenario.joints.is_empty() {
+        return coupled(name, scenario, args, highest);
+    }
     let tasks: Vec<(Mode, Vec<f64>)> = modes
         .into_iter()
         .map(|mode| {
@@ -54,6 +57,30 @@ pub(super) fn trace(
         let curve = curve.map_err(|error| failed(name, &mode, &error))?;
         let onset = mode.joint.as_ref().map(|law| law.strengths().1);
         traced.push(Traced { name: mode.name, frequency: mode.frequency, onset, slips: Vec::new(), curve });
+    }
+    Ok(traced)
+}
+
+/// The backbones of modes that share joints: each grows out of one stuck mode, and all others follow.
+fn coupled(
+    name: &str,
+    scenario: &SteadyScenario,
+    args: &BackboneArgs,
+    highest: usize,
+) -> Result<Vec<Traced>, Failure> {
+    let modes = scenario.modes();
+    let refused =
+        |error: SimulationError| Failure::input(format!("{name}: {error}"), "change this in the scenario");
+    let mut traced = Vec::new();
+    for (r, mode) in modes.iter().enumerate() {
+        let own: Vec<f64> = (0..modes.len()).map(|i| f64::from(u8::from(i == r))).collect();
+        let system = JointedModes::of_coupled(&modes, &scenario.joints(), &own).map_err(refused)?;
+        let onset = system.macro_slip(r);
+        let range = amplitudes(name, &mode.name, onset, args)?;
+        let curve =
+            nonlinear_mode(&system, r, highest, &range).map_err(|error| failed(name, mode, &error))?;
+        let slips = system.joints().iter().map(|joint| joint.name.clone()).collect();
+        traced.push(Traced { name: mode.name.clone(), frequency: mode.frequency, onset, slips, curve });
     }
     Ok(traced)
 }

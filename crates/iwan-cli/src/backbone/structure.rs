@@ -1,13 +1,13 @@
 //! The nonlinear modes of a structure.
 
-use iwan_input::StructureFile;
+use iwan_input::{Drive, StructureFile};
 use iwan_sim::nonlinear_mode;
 
 use super::args::BackboneArgs;
 use super::curves::{Traced, amplitudes};
 use crate::failure::Failure;
 use crate::session::Session;
-use crate::structures::{Linear, Steady};
+use crate::structures::{Asked, Linear, steady};
 
 /// A structure and what a scenario says about it.
 pub(super) struct OnStructure {
@@ -28,7 +28,10 @@ pub(super) fn trace(
     let bar = session.bar("modes");
     let linear = Linear::computed(on.source, on.file, iwan_fem::NamedModes::LOOKED_UP, &bar)?;
     drop(bar);
-    let steady = Steady::new(&linear, on.model, on.at.as_deref(), on.damping_ratio)?;
+    let reducing = session.bar("reducing");
+    let asked = Asked { drive: Drive::Nothing, at: on.at, damping_ratio: on.damping_ratio, model: on.model };
+    let steady = steady(&linear, asked, &reducing)?;
+    drop(reducing);
     let chosen = linear.chosen(&args.modes).map_err(|error| linear.failed(&error))?;
     let busy = session.busy("balancing harmonics");
     let names: Vec<String> = steady.modes.joints().iter().map(|joint| joint.name.clone()).collect();

@@ -7,11 +7,13 @@ use iwan_io::Table;
 use iwan_sim::in_parallel;
 
 use super::args::FitArgs;
+use super::coupled;
 use super::laws::BY_CURVES;
 use super::modal::over_from_modal;
 use super::report::{Reported, render};
-use super::scenario::as_scenario;
+use super::scenario::{as_scenario, informed};
 use super::summary::FitSummary;
+use super::sweeps::{self, RingDowns};
 use crate::failure::Failure;
 use crate::identified::{Identified, extract};
 use crate::records::{self, Extraction, Recording, Units, Wanted};
@@ -35,6 +37,12 @@ pub(crate) fn run(mut args: FitArgs) -> Result<(), Failure> {
     let folder = args.modal.take();
     let measured = folder.map(|folder| over_from_modal(&mut args, &folder)).transpose()?;
     let args = &args;
+    if args.coupled {
+        return coupled::fit(args);
+    }
+    if !args.sweeps.is_empty() || !args.backbones.is_empty() {
+        return sweeps::fit(args, |session| ring_downs(args, session));
+    }
     let recordings = records::read_all(&args.fit, &args.records)?;
     let [curves, response] = ["curves", "response"].map(|stem| args.format.file(stem));
     let files = [WHOLE, SUMMARY, SCENARIO, LAW, CURVES, PAGE, &curves, &response];
@@ -75,6 +83,29 @@ pub(crate) fn run(mut args: FitArgs) -> Result<(), Failure> {
         toml: &toml,
     }))?;
     session.finish(&summary)
+}
+
+/// The ring-downs that are fitted together with sweeps.
+fn ring_downs(args: &FitArgs, session: &Session) -> Result<Option<RingDowns>, Failure> {
+    if args.fit.is_empty() {
+        return Ok(None);
+    }
+    let recordings = records::read_all(&args.fit, &args.records)?;
+    for recording in &recordings {
+        session.warnings(&recording.warnings);
+    }
+    let wanted = records::modes(&recordings, &args.records)?;
+    if wanted.len() > 1 {
+        let message = format!("{} modes are wanted, but sweeps and backbones are those of one", wanted.len());
+        return Err(Failure::input(message, "choose one with --band LOW:HIGH or --mode HZ"));
+    }
+    let identified = identify_all(&recordings, wanted, args, session)?;
+    Ok(identified.into_iter().next().map(|i| RingDowns {
+        files: recordings.iter().map(|recording| recording.name.clone()).collect(),
+        mode: i.name.clone(),
+        informed: informed(&i).unwrap_or([f64::INFINITY, 0.0]),
+        likelihood: i.found.likelihood.clone(),
+    }))
 }
 
 /// Writes the chosen laws as a scenario where one of them is not the Iwan joint, and the curves where every mode has them.

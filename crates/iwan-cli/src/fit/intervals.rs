@@ -2,7 +2,7 @@
 
 use maud::{Markup, html};
 
-use super::summary::{Estimate, ModeFit, ROWS, Row, interval};
+use super::joint::{Estimate, JointFit, interval};
 use crate::page::figure::colour;
 use crate::page::numbers::long;
 
@@ -35,17 +35,17 @@ enum End {
 }
 
 /// The picture with its caption.
-pub(super) fn draw(mode: &ModeFit) -> Markup {
-    let reach = reach(mode);
-    let height = ROW * (ROWS.len() as f64 + 1.6);
+pub(super) fn draw(joint: &JointFit) -> Markup {
+    let (rows, reach) = (joint.rows(), reach(joint));
+    let height = ROW * (rows.len() as f64 + 1.6);
     let middle = 0.5 * (LEFT + RIGHT);
-    let bottom = ROW * (ROWS.len() as f64 + 0.4);
+    let bottom = ROW * (rows.len() as f64 + 0.4);
     html! {
         figure.intervals {
             figcaption { strong { "95 % intervals" } }
             svg viewBox=(format!("0 0 {WIDTH} {height:.0}")) role="img" aria-label="95 % intervals" {
                 line.marker x1=(middle) x2=(middle) y1="8" y2=(bottom) {}
-                @for (n, Row { label, estimate }) in ROWS.iter().enumerate() { (row(ROW * (n as f64 + 0.7), label, estimate(mode), reach)) }
+                @for (n, (label, e)) in rows.into_iter().enumerate() { (row(ROW * (n as f64 + 0.7), label, e, reach)) }
                 line.frame x1=(LEFT) x2=(RIGHT) y1=(bottom) y2=(bottom) {}
                 @for share in [-1.0, -0.5, 0.0, 0.5, 1.0] {
                     @let x = place(share * reach, reach);
@@ -69,10 +69,9 @@ fn ratio(e: &Estimate, bound: f64, chi: bool) -> f64 {
 }
 
 /// How far the scale reaches: the farthest closed end, within limits.
-fn reach(mode: &ModeFit) -> f64 {
-    let ends = ROWS.iter().flat_map(|Row { label, estimate }| {
-        let e = estimate(mode);
-        [e.low, e.high].into_iter().flatten().map(move |bound| ratio(e, bound, *label == "chi").abs())
+fn reach(joint: &JointFit) -> f64 {
+    let ends = joint.rows().into_iter().flat_map(|(label, e)| {
+        [e.low, e.high].into_iter().flatten().map(move |bound| ratio(e, bound, label == "chi").abs())
     });
     1.1 * ends.filter(|r| r.is_finite()).fold(NARROWEST, f64::max).min(WIDEST)
 }

@@ -27,6 +27,10 @@ pub(crate) struct LawSummary {
     pub(crate) criterion: f64,
     pub(crate) dissipation_misfit: f64,
     pub(crate) frequency_misfit: f64,
+    /// What it misses beside noise, as estimated with it (standard deviations): of dissipation, relative, …
+    pub(crate) dissipation_discrepancy: f64,
+    /// … and of the frequency, Hz.
+    pub(crate) frequency_discrepancy: f64,
     pub(crate) grade: &'static str,
     pub(crate) parameters: Vec<ParameterSummary>,
 }
@@ -50,6 +54,16 @@ pub(crate) struct BackboneSummary {
     pub(crate) frequency_high: Vec<f64>,
     pub(crate) damping_ratio_low: Vec<f64>,
     pub(crate) damping_ratio_high: Vec<f64>,
+    /// How far hits stray from each other: null of one hit.
+    pub(crate) scatter: Option<ScatterSummary>,
+}
+
+/// Standard deviations of one hit from the specimen's mean, both relative.
+#[derive(Debug, Clone, Copy, Serialize)]
+pub(crate) struct ScatterSummary {
+    pub(crate) hits: usize,
+    pub(crate) damping_ratio: f64,
+    pub(crate) frequency: f64,
 }
 
 impl LawSummary {
@@ -63,6 +77,8 @@ impl LawSummary {
             criterion: l.criterion,
             dissipation_misfit: l.dissipation_misfit,
             frequency_misfit: l.frequency_misfit,
+            dissipation_discrepancy: l.discrepancy.0,
+            frequency_discrepancy: l.discrepancy.1,
             grade: l.grade.name(),
             parameters: l.parameters.iter().map(ParameterSummary::new).collect(),
         }
@@ -91,6 +107,11 @@ impl BackboneSummary {
             frequency_high: b.frequency_high.clone(),
             damping_ratio_low: b.damping_ratio_low.clone(),
             damping_ratio_high: b.damping_ratio_high.clone(),
+            scatter: (b.scatter.hits > 1).then_some(ScatterSummary {
+                hits: b.scatter.hits,
+                damping_ratio: b.scatter.decay,
+                frequency: b.scatter.frequency,
+            }),
         }
     }
 }

@@ -3,10 +3,13 @@
 mod laws;
 mod args;
 mod modal;
+mod joint;
+mod intervals;
 mod summary;
+mod sweeps;
+mod coupled;
 mod scenario;
 mod figures;
-mod intervals;
 mod report;
 mod command;
 
@@ -15,3 +18,4 @@ pub(crate) use command::run;
 pub(crate) use report::{Reported, render};
 pub(crate) use scenario::as_scenario;
 pub(crate) use summary::FitSummary;
+pub(crate) use sweeps::{Content, Measurement, Scaling, read_columns};

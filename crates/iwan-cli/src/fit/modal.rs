@@ -55,8 +55,8 @@ pub(super) fn over_from_modal(args: &mut FitArgs, folder: &Path) -> Result<Measu
     let name = path.display().to_string();
     let wrong =
         |what: &str| Failure::input(format!("{name}: {what}"), "give the folder that `iwan modal` wrote");
-    let text = std::fs::read_to_string(&path).map_err(|e| wrong(&format!("cannot be read: {e}")))?;
-    let summary: Value = serde_json::from_str(&text).map_err(|e| wrong(&format!("is no summary: {e}")))?;
+    let bytes = iwan_machine::read_file(&path).map_err(|e| wrong(&format!("cannot be read: {e}")))?;
+    let summary: Value = serde_json::from_slice(&bytes).map_err(|e| wrong(&format!("is no summary: {e}")))?;
     let texts = |key: &str| -> Result<Vec<String>, Failure> {
         let list = summary[key].as_array().ok_or_else(|| wrong(&format!("has no list `{key}`")))?;
         let text = |v: &Value| {

@@ -5,11 +5,10 @@ use maud::{Markup, html};
 use super::figures::Fitted;
 use super::intervals;
 use super::laws::ranked;
-use super::summary::{FitSummary, ModeFit, ROWS, Row, interval};
+use super::summary::{FitSummary, ModeFit};
 use crate::envelope::{self, Extracted};
 use crate::identified::Identified;
 use crate::page::html::{grid, page};
-use crate::page::numbers::{long, short};
 use crate::records::Units;
 use crate::session::VERSION;
 
@@ -36,7 +35,7 @@ pub(crate) fn render(reported: &Reported<'_>) -> String {
         }
         @for warning in &summary.warnings { div.verdict.look { (warning) } }
         nav {
-            @for (n, mode) in summary.modes.iter().enumerate() { a href=(format!("#mode-{n}")) { (mode.name) } }
+            @for (n, mode) in summary.modes.iter().enumerate() { a href=(format!("#mode-{n}")) { (mode.joint.name) } }
             a href="#scenario" { "Scenario" }
         }
         @for (n, i) in reported.identified.iter().enumerate() {
@@ -53,70 +52,68 @@ fn mode(n: usize, i: &Identified, fit: &ModeFit, units: &Units) -> Markup {
     let mut curves = fitted.curves();
     curves.extend(fitted.density());
     html! {
-        h2 id=(format!("mode-{n}")) { (fit.name) }
+        h2 id=(format!("mode-{n}")) { (fit.joint.name) }
         (verdict(fit))
         (table(fit))
-        (intervals::draw(fit))
-        (laws(fit))
-        p { "What was found on the way:" }
-        (notes(fit))
+        (intervals::draw(&fit.joint))
         h2 { "Curves and fit" }
         (grid(&curves))
+        (laws(fit))
         h2 { "Record and model" }
         (grid(&compared))
-        h2 { "What the records tell about each parameter" }
-        p {
-            "A parameter is held at a value and all others follow; the deviance says by how much the records then contradict. "
-            "An interval ends where it crosses the 95 % line."
+        h2 { "More about this fit" }
+        details {
+            summary { "What the records tell, in words" }
+            ul.notes { @for words in fit.in_words.iter().skip(1) { li { (words) } } }
         }
-        (grid(&fitted.profiles()))
+        details {
+            summary { "What was found on the way" }
+            (notes(fit))
+        }
+        details {
+            summary { "Profile likelihood of each parameter" }
+            p {
+                "A parameter is held at a value and all others follow; the deviance says by how much the records then contradict. "
+                "An interval ends where it crosses the 95 % line."
+            }
+            (grid(&fitted.profiles()))
+        }
         @for (n, x) in i.extractions.iter().enumerate() {
             @let extracted = Extracted { x, units };
-            h2 { "How the mode was taken out of the record" @if i.extractions.len() > 1 { " " (n + 1) } }
-            (grid(&std::iter::once(extracted.record()).chain(extracted.spectra()).chain(extracted.methods()).collect::<Vec<_>>()))
+            details {
+                summary { "How the mode was taken out of the record" @if i.extractions.len() > 1 { " " (n + 1) } }
+                (grid(&std::iter::once(extracted.record()).chain(extracted.spectra()).chain(extracted.methods()).collect::<Vec<_>>()))
+            }
         }
     }
 }
 
+/// The grade first, what it rests on, and the law to take.
 fn verdict(fit: &ModeFit) -> Markup {
     html! {
-        div class=(if fit.adequate { "verdict" } else { "verdict look" }) {
+        div class=(if fit.joint.adequate { "verdict" } else { "verdict look" }) {
             p { strong {
-                @if fit.linear.is_enough && fit.adequate { "A linear mode is enough: the joint is not needed to tell these records." }
-                @else if fit.adequate { "One four-parameter Iwan joint with a viscous damper matches these records." }
-                @else if fit.grade == "usable" { "One four-parameter Iwan joint with a viscous damper is usable for these records, but does not match them." }
-                @else { "One four-parameter Iwan joint with a viscous damper does not match these records." }
+                @if fit.linear.is_enough && fit.joint.adequate { "A linear mode is enough: the joint is not needed to tell these records." }
+                @else { (fit.joint.sentence("these records")) }
             } }
-            ul { @for words in &fit.in_words { li { (words) } } }
+            @if let Some(misfit) = fit.in_words.first() { p { (misfit) } }
+            p { (fit.law_in_words) "." }
         }
     }
 }
 
 fn table(fit: &ModeFit) -> Markup {
-    html! {
-        div.wide {
-            table {
-                thead { tr { th { "parameter" } th { "value" } th { "95 % interval" } } }
-                tbody {
-                    @for Row { label, estimate } in &ROWS {
-                        @let e = estimate(fit);
-                        tr { th { (label) } td { (long(e.value)) } td { (interval(e)) } }
-                    }
-                    tr { th { "\u{3c6}_max" } td { (short(fit.phi_max)) } td {} }
-                    tr { th { "largest amplitude / \u{3c6}_max" } td { (short(fit.slip_ratio)) } td {} }
-                    tr { th { "residual / record" } td { (format!("{:.3} %", 100.0 * fit.relative_residual)) } td {} }
-                    tr { th { "the same, linear mode" } td { (format!("{:.3} %", 100.0 * fit.linear.relative_residual)) } td {} }
-                }
-            }
-        }
-    }
+    let share = |residual: f64| format!("{:.3} %", 100.0 * residual);
+    fit.joint.table(&[
+        ("residual / record", share(fit.relative_residual)),
+        ("the same, linear mode", share(fit.linear.relative_residual)),
+    ])
 }
 
 /// All laws, best first, and the one to take.
 fn laws(fit: &ModeFit) -> Markup {
     html! {
         h2 { "Which law" }
-        p { (fit.law_in_words) "." }
         @if !fit.laws.is_empty() {
             div.wide {
                 table {

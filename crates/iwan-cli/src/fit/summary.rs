@@ -2,15 +2,14 @@
 
 use std::fmt::Write;
 
+use iwan_ident::Verdict;
 use iwan_ident::density::FreeForm;
-use iwan_ident::profile::Profile;
-use iwan_ident::{Parameter, Verdict};
 use serde::Serialize;
 
+use super::joint::{Estimate, JointFit};
 use super::laws::{self, BackboneSummary, LawSummary};
 use crate::envelope::{RecordSummary, agreement};
 use crate::identified::Identified;
-use crate::page::numbers::{long, short};
 use crate::records::{Axis, Recording, Units};
 use crate::session::Summary;
 
@@ -26,25 +25,8 @@ pub(crate) struct FitSummary {
 /// The fit of one mode.
 #[derive(Debug, Clone, Serialize)]
 pub(crate) struct ModeFit {
-    pub(crate) name: String,
-    pub(crate) frequency: Estimate,
-    pub(crate) damping_ratio: Estimate,
-    pub(crate) k_t: Estimate,
-    pub(crate) f_s: Estimate,
-    pub(crate) chi: Estimate,
-    pub(crate) beta: Estimate,
-    /// Onset of macro-slip by these parameters.
-    pub(crate) phi_max: f64,
-    /// Largest amplitude over φ_max.
-    pub(crate) slip_ratio: f64,
-    pub(crate) adequate: bool,
-    /// `matches`, `usable` or `no`.
-    pub(crate) grade: &'static str,
-    pub(crate) misfit: String,
-    /// Root-mean-square misfits: of ln D, and of the frequency in Hz beside its measured shift.
-    pub(crate) dissipation_misfit: f64,
-    pub(crate) frequency_misfit: f64,
-    pub(crate) frequency_shift: f64,
+    #[serde(flatten)]
+    pub(crate) joint: JointFit,
     /// Root mean square of all residuals over that of the records.
     pub(crate) relative_residual: f64,
     /// The linear mode with viscous damping.
@@ -67,16 +49,6 @@ pub(crate) struct ModeFit {
     pub(crate) free_form: Option<DensitySummary>,
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(crate) curves: Option<CurveSummary>,
-}
-
-/// A parameter with its 95 % interval: null is open.
-#[derive(Debug, Clone, Copy, Serialize)]
-pub(crate) struct Estimate {
-    pub(crate) value: f64,
-    pub(crate) low: Option<f64>,
-    pub(crate) high: Option<f64>,
-    pub(crate) identifiable: bool,
-    pub(crate) held: bool,
 }
 
 /// The linear mode, and whether it is enough.
@@ -115,55 +87,6 @@ pub(crate) struct CurveSummary {
     pub(crate) damping_ratio: Vec<f64>,
     pub(crate) dissipation: Vec<f64>,
     pub(crate) force: Vec<f64>,
-}
-
-/// A parameter in tables.
-pub(crate) struct Row {
-    /// What it is called.
-    pub(crate) label: &'static str,
-    pub(crate) estimate: fn(&ModeFit) -> &Estimate,
-}
-
-/// The parameters in the order of tables.
-pub(crate) const ROWS: [Row; 6] = [
-    Row { label: "frequency, Hz", estimate: |m| &m.frequency },
-    Row { label: "viscous damping ratio", estimate: |m| &m.damping_ratio },
-    Row { label: "K_T", estimate: |m| &m.k_t },
-    Row { label: "F_S", estimate: |m| &m.f_s },
-    Row { label: "chi", estimate: |m| &m.chi },
-    Row { label: "beta", estimate: |m| &m.beta },
-];
-
-impl Estimate {
-    fn new(profile: &Profile) -> Self {
-        Self {
-            value: profile.value,
-            low: profile.low,
-            high: profile.high,
-            identifiable: profile.identifiable(),
-            held: profile.held,
-        }
-    }
-}
-
-/// An interval as text: open ends say so.
-pub(crate) fn interval(e: &Estimate) -> String {
-    match (e.held, e.low, e.high) {
-        (true, ..) => "held".into(),
-        (_, Some(low), Some(high)) => {
-            let decimals = decimals(high - low);
-            format!("{low:.decimals$} to {high:.decimals$}")
-        }
-        (_, Some(low), None) => format!("> {}, open above", short(low)),
-        (_, None, Some(high)) => format!("< {}, open below", short(high)),
-        (_, None, None) => "open on both sides".into(),
-    }
-}
-
-/// Decimals with which both ends of an interval of this width show where it begins and ends, to a tenth of the width or better:
-/// two digits of the width. At most 14, which is what a number of size 1 has; six where the width is nothing.
-fn decimals(width: f64) -> usize {
-    if width > 0.0 { (1 - width.log10().floor() as i32).clamp(0, 14) as usize } else { 6 }
 }
 
 impl FitSummary {
@@ -209,7 +132,6 @@ impl ModeFit {
     fn new(i: &Identified, axis: Axis) -> Self {
         let (found, p) = (&i.found, &i.found.parameters);
         let estimate = |parameter| Estimate::new(found.profile(parameter));
-        let phi_max = p.model().map_or(f64::NAN, |(_, joint)| joint.phi_max());
         let top = found.curves.iter().flat_map(|c| c.displacement.iter().copied()).fold(0.0, f64::max);
         let band = i.extractions[0].isolated.band;
         let releases = i.extractions.iter().enumerate().map(|(n, x)| {
@@ -217,21 +139,7 @@ impl ModeFit {
             (start.displacement, x.start + found.first_samples[n] as f64 * x.isolated.dt + start.time)
         });
         Self {
-            name: i.name.clone(),
-            frequency: estimate(Parameter::Frequency),
-            damping_ratio: estimate(Parameter::DampingRatio),
-            k_t: estimate(Parameter::KT),
-            f_s: estimate(Parameter::FS),
-            chi: estimate(Parameter::Chi),
-            beta: estimate(Parameter::Beta),
-            phi_max,
-            slip_ratio: top / phi_max,
-            adequate: found.verdict.adequate,
-            grade: found.verdict.grade.name(),
-            misfit: found.verdict.misfit.clone(),
-            dissipation_misfit: found.verdict.dissipation_misfit,
-            frequency_misfit: found.verdict.frequency_misfit,
-            frequency_shift: found.verdict.frequency_shift,
+            joint: JointFit::new(&i.name, p, estimate, &found.verdict, top),
             relative_residual: found.refined.relative_residual,
             linear: LinearSummary {
                 is_enough: found.linear.is_enough(),
@@ -259,25 +167,11 @@ impl ModeFit {
 
     /// Writing to a string cannot fail.
     fn write(&self, text: &mut String) {
-        let verdict = match (self.linear.is_enough, self.grade) {
-            (true, "matches") => "a linear mode is enough, the joint is not needed",
-            (_, "matches") => "the model matches",
-            (_, "usable") => "the model is usable, but does not match",
-            _ => "THE MODEL DOES NOT MATCH",
-        };
-        let _ = writeln!(text, "\n{}: {verdict}", self.name);
-        let _ = writeln!(text, "\n{:<24}{:>14}   95 % interval", "parameter", "value");
-        for Row { label, estimate } in &ROWS {
-            let e = estimate(self);
-            let _ = writeln!(text, "{label:<24}{:>14}   {}", long(e.value), interval(e));
-        }
-        let _ = writeln!(
-            text,
-            "{:<24}{:>14}   largest amplitude / phi_max = {}",
-            "phi_max",
-            short(self.phi_max),
-            short(self.slip_ratio)
-        );
+        let enough = self.linear.is_enough && self.joint.adequate;
+        let verdict =
+            if enough { "a linear mode is enough, the joint is not needed" } else { self.joint.verdict() };
+        let _ = writeln!(text, "\n{}: {verdict}\n", self.joint.name);
+        self.joint.write(text);
         laws::write(&self.laws, text);
         let _ = writeln!(text, "\n  {}", self.law_in_words);
         for words in self.in_words.iter().chain(&self.notes) {

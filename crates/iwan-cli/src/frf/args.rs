@@ -9,7 +9,7 @@ use crate::session::Place;
 
 /// Steady forced responses: amplitude and phase over frequency at given force or given response
 ///
-/// Reads a scenario with [[mode]] and [sweep] (the band, what is held and at which levels) and balances harmonics: no time
+/// Reads a scenario with [[mode]], perhaps [[joint]], or [structure], and [sweep] (the band, what is held and at which levels) and balances harmonics: no time
 /// steps, no sliders, no start values. Every curve is followed through the frequencies at which it turns back, where a
 /// measured response would jump. Writes frf.csv, frf.json and report.html (figures) into one folder.
 #[derive(Debug, Args)]

@@ -7,6 +7,7 @@ use iwan_input::scenario::{SteadyScenario, built_in};
 use iwan_sim::SteadyPoint;
 
 use super::args::FrfArgs;
+use super::coupled;
 use super::report;
 use super::responses::{Response, respond};
 use super::structure;
@@ -35,6 +36,7 @@ pub(crate) fn run(args: &FrfArgs) -> Result<(), Failure> {
     let clock = Instant::now();
     let (responses, notes) = match &scenario.structure {
         Some(on) => structure::respond(on, table, &session)?,
+        None if !scenario.joints.is_empty() => coupled::respond(&source.name, &scenario, table, &session)?,
         None => respond(&source.name, &scenario, table, session.threads())?,
     };
     session.notes(&notes);

@@ -1,20 +1,16 @@
 //! The figures of forced responses: amplitude and phase over frequency with the backbone on top, excitation, loops.
 
-use iwan_core::Backbone;
 use iwan_sim::{Control, SteadyCurve, SteadyPoint};
 
+use super::loops::{Loop, level};
 use super::responses::Response;
 use crate::page::figure::{Axis, Figure, Layer, Mark, colour};
-use crate::page::numbers::short;
 
 /// Colours of the levels, in turn.
 const COLOURS: [&str; 5] = [colour::BLUE, colour::VERMILLION, colour::GREEN, colour::PURPLE, colour::ORANGE];
 
 /// Levels with a name in the legend at most: more would cover the plane.
 const NAMED: usize = 8;
-
-/// Points of a loop: corners of straight lines do not show from 100 on.
-const LOOP: usize = 241;
 
 /// All figures of a mode.
 pub(super) fn figures(response: &Response) -> Vec<Figure> {
@@ -24,6 +20,7 @@ pub(super) fn figures(response: &Response) -> Vec<Figure> {
     } else {
         vec![amplitude(response), phase(response), receptance(response)]
     };
+    figures.extend(harmonics(response));
     figures.extend(loops(response));
     figures
 }
@@ -36,10 +33,6 @@ fn lines(response: &Response, y: impl Fn(&SteadyPoint) -> f64) -> Vec<Layer> {
         if n < NAMED { layer.named(level(curve)) } else { layer }
     };
     response.curves.iter().enumerate().map(line).collect()
-}
-
-fn level(curve: &SteadyCurve) -> String {
-    format!("{} {}", curve.control.name().replace('_', " "), short(curve.level))
 }
 
 fn frequency() -> Axis {
@@ -56,10 +49,20 @@ fn amplitude(response: &Response) -> Figure {
         let layer = Layer::new(Mark::Dashed, colour::BLACK, within);
         layers.push(if n == 0 { layer.named("backbone") } else { layer });
     }
+    if let Some([_, to]) = response.informed {
+        let limit = Layer::new(Mark::Dashed, colour::GREY, vec![(low, to), (high, to)]);
+        layers.push(limit.named("largest amplitude of the records"));
+    }
+    let jumps: Vec<(f64, f64)> = (response.curves.iter())
+        .flat_map(|curve| curve.jumps().into_iter().map(|jump| (jump.frequency, jump.amplitude)))
+        .collect();
+    if !jumps.is_empty() {
+        layers.push(Layer::new(Mark::Dots, colour::BLACK, jumps).named("jump"));
+    }
     Figure {
         title: "Amplitude".into(),
         caption: "Amplitude of the first harmonic. Dashed: frequency of the mode against its amplitude, which the peaks \
-            follow; where a curve turns back, a response to a creeping frequency jumps."
+            follow; where a curve turns back (circles), a response to a creeping frequency jumps."
             .into(),
         x: frequency(),
         y: Axis::log("amplitude", ""),
@@ -108,37 +111,64 @@ fn receptance(response: &Response) -> Figure {
     }
 }
 
-/// The joint's loop at the peak of each level, less the line of the stuck joint.
-fn loops(response: &Response) -> Option<Figure> {
-    let (law, shape) = response.joint.as_ref()?;
-    let mut layers = Vec::new();
-    for (n, curve) in response.curves.iter().enumerate().take(NAMED) {
-        let Some(peak) = curve.peak() else { continue };
-        let points = joint_loop(law, peak.amplitude / shape.abs());
-        layers.push(Layer::new(Mark::Line, COLOURS[n % COLOURS.len()], points).named(level(curve)));
+/// Amplitudes of the higher harmonics at the last level, with their resonances.
+fn harmonics(response: &Response) -> Option<Figure> {
+    let curve = response.curves.last()?;
+    let count = curve.points.first()?.harmonics.len();
+    if count == 0 {
+        return None;
+    }
+    let layer = |index: usize| {
+        let points = curve.points.iter().map(|point| (point.frequency, point.harmonics[index][0]));
+        Layer::new(Mark::Line, COLOURS[index % COLOURS.len()], points.filter(|point| point.1 > 0.0).collect())
+            .named(format!("harmonic {}", 2 * index + 3))
+    };
+    let mut layers: Vec<Layer> = (0..count).map(layer).collect();
+    let resonances: Vec<(f64, f64)> =
+        curve.superharmonics().into_iter().map(|s| (s.frequency, s.amplitude)).collect();
+    if !resonances.is_empty() {
+        layers.push(Layer::new(Mark::Dots, colour::BLACK, resonances).named("superharmonic resonance"));
     }
     Some(Figure {
-        title: "Slip in the joint".into(),
-        caption: "Loop of the joint at the peak of each level, less the line of the stuck joint: its area is the energy lost in a \
-            cycle."
-            .into(),
-        x: Axis::linear("modal displacement q", ""),
-        y: Axis::linear("F \u{2212} K_T q", ""),
+        title: "Harmonics".into(),
+        caption: format!(
+            "Amplitudes of the higher harmonics at {}. Circles: a harmonic in resonance with a mode, which its phase tells from \
+             one that is large because the fundamental is.",
+            level(curve)
+        ),
+        x: frequency(),
+        y: Axis::log("amplitude", ""),
         layers,
         marker: None,
     })
 }
 
-/// F - K_T q along one period, by Masing's rule.
-fn joint_loop(law: &impl Backbone, a: f64) -> Vec<(f64, f64)> {
-    let top = law.force(a);
-    let at = |i: usize| {
-        let theta = std::f64::consts::TAU * i as f64 / (LOOP - 1) as f64;
-        let q = a * theta.cos();
-        let back = theta <= std::f64::consts::PI;
-        let force =
-            if back { top - 2.0 * law.force(0.5 * (a - q)) } else { 2.0 * law.force(0.5 * (a + q)) - top };
-        (q, force - law.initial_stiffness() * q)
+/// The loops of the joints.
+fn loops(response: &Response) -> Option<Figure> {
+    let layer = |(n, one): (usize, &Loop)| {
+        Layer::new(Mark::Line, COLOURS[n % COLOURS.len()], one.points()).named(one.name.clone())
     };
-    (0..LOOP).map(at).collect()
+    let layers: Vec<Layer> = response.loops.iter().take(NAMED).enumerate().map(layer).collect();
+    if layers.is_empty() {
+        return None;
+    }
+    let (which, slip) = match response.curves.last() {
+        Some(last) if response.loops.iter().all(|one| one.name != level(last)) => {
+            (format!("Loops of the joints that slip most at the peak under {}", level(last)), "slip s")
+        }
+        _ => (
+            "Loop of the joint at the peak of each level".into(),
+            "slip s (of a mode's own joint: its displacement q)",
+        ),
+    };
+    Some(Figure {
+        title: "Slip in the joints".into(),
+        caption: format!(
+            "{which}, less the line of the stuck joint: the area is the energy lost in a cycle. Drawn for the slip's first harmonic."
+        ),
+        x: Axis::linear(slip, ""),
+        y: Axis::linear("F \u{2212} K_T s", ""),
+        layers,
+        marker: None,
+    })
 }

@@ -1,8 +1,11 @@
 //! `iwan frf`: steady forced responses at given force or given response.
 
 mod args;
+mod loops;
 mod responses;
+mod backbones;
 mod structure;
+mod coupled;
 mod summary;
 mod figures;
 mod report;

@@ -43,7 +43,7 @@ fn table(held: &str, mode: &ModePeaks) -> Markup {
         div.wide { table {
             thead { tr {
                 th { (held.replace('_', " ")) } th { "resonance, Hz" } th { "amplitude" } th { "phase, deg" } th { "excitation" }
-                th { "turns back at, Hz" }
+                th { "turns back at, Hz" } th { "superharmonic resonances" }
             } }
             tbody { @for level in &mode.levels { tr {
                 th { (short(level.level)) }
@@ -54,6 +54,7 @@ fn table(held: &str, mode: &ModePeaks) -> Markup {
                     td { (short(peak.excitation)) }
                 } @else { td { "\u{2013}" } td { "\u{2013}" } td { "\u{2013}" } td { "\u{2013}" } }
                 td { (turns(level)) }
+                td { (superharmonics(level)) }
             } } }
         } }
     }
@@ -64,4 +65,10 @@ fn turns(level: &super::summary::LevelPeak) -> String {
         return "\u{2013}".into();
     }
     level.jumps.iter().map(|jump| long(jump.frequency)).collect::<Vec<_>>().join(", ")
+}
+
+fn superharmonics(level: &super::summary::LevelPeak) -> String {
+    let words = |s: &super::summary::Overtone| format!("harmonic {} at {} Hz", s.harmonic, long(s.frequency));
+    let all: Vec<String> = level.superharmonics.iter().map(words).collect();
+    if all.is_empty() { "\u{2013}".into() } else { all.join(", ") }
 }

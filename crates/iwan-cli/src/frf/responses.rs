@@ -3,8 +3,9 @@
 use std::f64::consts::TAU;
 
 use iwan_input::scenario::{SteadyScenario, SweepTable};
-use iwan_sim::{JointLaw, Mode, SimulationError, SteadyCurve, Sweep, forced_response, in_parallel};
+use iwan_sim::{Mode, SharedLaw, SimulationError, SteadyCurve, Sweep, forced_response, in_parallel};
 
+use super::loops::{self, Loop};
 use crate::failure::Failure;
 
 /// A mode, or a structure, with its responses.
@@ -13,12 +14,14 @@ pub(crate) struct Response {
     pub(crate) name: String,
     /// Frequency at small amplitude, Hz; none for a structure with all its modes.
     pub(crate) frequency: Option<f64>,
-    /// The joint of a mode, and the shape at the point whose response is held or shown.
-    pub(crate) joint: Option<(JointLaw, f64)>,
+    /// Smallest and largest amplitude of the response that the records behind the mode hold.
+    pub(crate) informed: Option<[f64; 2]>,
     /// One curve a level.
     pub(crate) curves: Vec<SteadyCurve>,
     /// Frequency (Hz) and amplitude of the modes without force and damping.
     pub(crate) backbones: Vec<Vec<(f64, f64)>>,
+    /// The joints at the peaks.
+    pub(crate) loops: Vec<Loop>,
 }
 
 /// The curves of all levels, one level a piece of work.
@@ -64,11 +67,8 @@ pub(super) fn respond(
     threads: usize,
 ) -> Result<(Vec<Response>, Vec<String>), Failure> {
     let (mut responses, mut notes) = (Vec::new(), Vec::new());
-    if table.damping_ratio.is_some() {
-        let message = format!("{name}: [sweep]: damping_ratio is for structures: each mode has its own");
-        return Err(Failure::input(message, "give damping_ratio in [[mode]]"));
-    }
-    for mode in scenario.modes() {
+    refuse_of_structures(name, table)?;
+    for (mode, informed) in scenario.modes.iter().map(|m| (m.mode.clone(), m.informed)) {
         let shape = shape(name, &mode, table)?;
         let (from, to) = (table.sweep.from, table.sweep.to);
         let [slipping, stuck] = range(&mode).map_err(|error| failed(name, &mode, &error))?;
@@ -82,13 +82,15 @@ pub(super) fn respond(
         let curves = by_level(&table.sweep, threads, &|sweep| forced_response(&mode, sweep, shape));
         let curves = curves.map_err(|error| failed(name, &mode, &error))?;
         let backbones = vec![backbone(&mode, shape, &curves)];
-        let joint = mode.joint.clone().map(|law| (law, shape));
+        let law = mode.joint.clone().map(SharedLaw::from);
+        let loops = law.map_or_else(Vec::new, |law| loops::of_mode(&law, shape, &curves));
         responses.push(Response {
             name: mode.name,
             frequency: Some(mode.frequency),
-            joint,
+            informed: informed.map(|range| range.map(|a| a * shape.abs())),
             curves,
             backbones,
+            loops,
         });
     }
     if responses.is_empty() {
@@ -105,7 +107,23 @@ fn range(mode: &Mode) -> Result<[f64; 2], SimulationError> {
     Ok([oscillator.k_inf().max(0.0).sqrt() / TAU, mode.frequency])
 }
 
-fn shape(name: &str, mode: &Mode, table: &SweepTable) -> Result<f64, Failure> {
+/// A damping ratio for all modes, and the direction of a base, are for structures.
+pub(super) fn refuse_of_structures(name: &str, table: &SweepTable) -> Result<(), Failure> {
+    let refused = |key: &str, why: &str, remedy: &str| {
+        Err(Failure::input(format!("{name}: [sweep]: {key} is for structures: {why}"), remedy))
+    };
+    if table.damping_ratio.is_some() {
+        return refused("damping_ratio", "each mode has its own", "give damping_ratio in [[mode]]");
+    }
+    if table.direction.is_some() {
+        let remedy = "give each mode's participation as shape_at_force, and remove direction";
+        return refused("direction", "a mode says with its participation how its base moves it", remedy);
+    }
+    Ok(())
+}
+
+/// The shape at the point of the sweep; 1 for the modal displacement.
+pub(super) fn shape(name: &str, mode: &Mode, table: &SweepTable) -> Result<f64, Failure> {
     let Some(at) = &table.at else { return Ok(1.0) };
     let found = mode.outputs.iter().find(|point| point.name == *at).map(|point| point.shape);
     found.ok_or_else(|| {

@@ -1,14 +1,15 @@
 //! The forced response of a structure at one of its points.
 
-use std::f64::consts::TAU;
-
 use iwan_input::scenario::{OnStructure, SweepTable};
-use iwan_sim::{Control, SteadyCurve, forced_response_of, nonlinear_mode};
+use iwan_sim::{Control, forced_response_of};
 
-use super::responses::{POINTS, Response, backbone_range, by_level};
+use super::backbones::backbones;
+use super::loops::of_joints;
+use super::responses::{Response, by_level};
 use crate::failure::Failure;
 use crate::session::Session;
-use crate::structures::{Linear, Steady};
+use crate::structures::{Asked, Linear, steady};
+use iwan_input::Drive;
 
 /// The response of the structure, and what the reader should know.
 pub(super) fn respond(
@@ -16,28 +17,23 @@ pub(super) fn respond(
     table: &SweepTable,
     session: &Session,
 ) -> Result<(Vec<Response>, Vec<String>), Failure> {
-    if table.sweep.control == Control::BaseAcceleration {
-        let message =
-            "[sweep]: base_acceleration is for modes: a structure is driven by the forces of its [[load]]";
-        return Err(Failure::input(message, "give force, or a response that is held"));
-    }
+    let drive = drive(table)?;
     let (source, file) = on.load()?;
     let mut notes = file.notes.clone();
     let bar = session.bar("modes");
     let linear = Linear::computed(source, file, iwan_fem::NamedModes::LOOKED_UP, &bar)?;
     drop(bar);
-    let steady = Steady::new(&linear, on.model, table.at.as_deref(), table.damping_ratio.unwrap_or(0.0))?;
+    let reducing = session.bar("reducing");
+    let damping_ratio = table.damping_ratio.unwrap_or(0.0);
+    let asked = Asked { drive, at: table.at.clone(), damping_ratio, model: on.model };
+    let steady = steady(&linear, asked, &reducing)?;
+    drop(reducing);
     let busy = session.busy("balancing harmonics");
     let failed =
         |error: &iwan_sim::SimulationError| Failure::Computation(format!("{}: {error}", linear.source));
     let curves = by_level(&table.sweep, session.threads(), &|sweep| forced_response_of(&steady.modes, sweep))
         .map_err(|error| failed(&error))?;
-    let mut backbones = Vec::new();
-    for mode in resonant(&steady, table) {
-        let found =
-            backbone(&steady, mode, table.sweep.harmonics, &curves).map_err(|error| failed(&error))?;
-        backbones.push(found);
-    }
+    let backbones = backbones(&steady.modes, &table.sweep, &curves).map_err(|error| failed(&error))?;
     drop(busy);
     if backbones.is_empty() {
         notes.push(format!(
@@ -47,35 +43,17 @@ pub(super) fn respond(
     }
     notes.push(format!("response: {}", steady.output));
     let name = linear.file.title.clone().unwrap_or_else(|| linear.source.clone());
-    Ok((vec![Response { name, frequency: None, joint: None, curves, backbones }], notes))
+    let loops = of_joints(steady.modes.joints(), &curves);
+    Ok((vec![Response { name, frequency: None, informed: None, curves, backbones, loops }], notes))
 }
 
-/// The modes with a frequency in the band that force and response reach.
-fn resonant(steady: &Steady, table: &SweepTable) -> Vec<usize> {
-    /// Residues smaller than this part of the largest in the band do not show: symmetry forbids such modes.
-    const SHOWN: f64 = 1e-6;
-    let modes = steady.modes.modes();
-    let band = TAU * table.sweep.from..=TAU * table.sweep.to;
-    let residue = |mode: usize| (modes[mode].at_force * modes[mode].at_output).abs();
-    let within: Vec<usize> = (0..modes.len()).filter(|&mode| band.contains(&modes[mode].omega)).collect();
-    let most = within.iter().map(|&mode| residue(mode)).fold(0.0, f64::max);
-    within
-        .into_iter()
-        .filter(|&mode| residue(mode) > SHOWN * most && steady.modes.macro_slip(mode).is_some())
-        .collect()
-}
-
-/// Frequency and amplitude at the point of a nonlinear mode, within the amplitudes of the curves.
-fn backbone(
-    steady: &Steady,
-    mode: usize,
-    harmonics: usize,
-    curves: &[SteadyCurve],
-) -> Result<Vec<(f64, f64)>, iwan_sim::SimulationError> {
-    let Some([low, high]) = backbone_range(curves) else { return Ok(Vec::new()) };
-    let shape = steady.modes.modes()[mode].at_output.abs();
-    let amplitude = |i: usize| low / shape * (high / low).powf(i as f64 / (POINTS - 1) as f64);
-    let amplitudes: Vec<f64> = (0..POINTS).map(amplitude).collect();
-    let branch = nonlinear_mode(&steady.modes, mode, harmonics, &amplitudes)?;
-    Ok(branch.points.iter().map(|point| (point.frequency, point.response[0])).collect())
+/// What drives the structure.
+fn drive(table: &SweepTable) -> Result<Drive, Failure> {
+    if table.sweep.control != Control::BaseAcceleration {
+        return Ok(Drive::Loads);
+    }
+    table.direction.map(Drive::Base).ok_or_else(|| {
+        let message = "[sweep]: base_acceleration of a structure needs the direction of its base's motion";
+        Failure::input(message, "add direction = [x, y, z] to [sweep]")
+    })
 }

@@ -3,12 +3,15 @@
 use std::fmt::Write;
 
 use iwan_input::scenario::SweepTable;
-use iwan_sim::SteadyCurve;
+use iwan_sim::{SteadyCurve, Superharmonic};
 use serde::Serialize;
 
 use super::responses::Response;
 use crate::page::numbers::{long, short};
 use crate::session::Summary;
+
+/// A peak this little above the largest amplitude of the records is at it.
+const ROUNDING: f64 = 1e-3;
 
 /// The summary of steady forced responses.
 #[derive(Debug, Clone, Serialize)]
@@ -36,8 +39,18 @@ pub(crate) struct ModePeaks {
     pub(crate) name: String,
     /// Frequency at small amplitude, Hz; none for a structure with all its modes.
     pub(crate) frequency: Option<f64>,
+    /// Amplitudes of the response that the records behind the mode hold, where the scenario says so.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(crate) informed: Option<Informed>,
     /// One entry per level.
     pub(crate) levels: Vec<LevelPeak>,
+}
+
+/// A range of amplitudes.
+#[derive(Debug, Clone, Copy, Serialize)]
+pub(crate) struct Informed {
+    pub(crate) from: f64,
+    pub(crate) to: f64,
 }
 
 /// The response at one level.
@@ -48,6 +61,8 @@ pub(crate) struct LevelPeak {
     pub(crate) peak: Option<Peak>,
     /// Where the curve turns back: a measured response jumps there.
     pub(crate) jumps: Vec<Turn>,
+    /// Where a harmonic is in resonance with a mode.
+    pub(crate) superharmonics: Vec<Overtone>,
     pub(crate) points: usize,
 }
 
@@ -71,6 +86,16 @@ pub(crate) struct Turn {
     pub(crate) amplitude: f64,
 }
 
+/// A superharmonic resonance.
+#[derive(Debug, Clone, Copy, Serialize)]
+pub(crate) struct Overtone {
+    pub(crate) harmonic: usize,
+    /// Of the excitation, Hz.
+    pub(crate) frequency: f64,
+    /// Of the harmonic.
+    pub(crate) amplitude: f64,
+}
+
 impl LevelPeak {
     fn new(curve: &SteadyCurve) -> Self {
         let peak = curve.peak().map(|p| Peak {
@@ -81,7 +106,13 @@ impl LevelPeak {
         });
         let turn = |jump: iwan_sim::Jump| Turn { frequency: jump.frequency, amplitude: jump.amplitude };
         let jumps = curve.jumps().into_iter().map(turn).collect();
-        Self { level: curve.level, peak, jumps, points: curve.points.len() }
+        let overtone = |s: Superharmonic| Overtone {
+            harmonic: s.harmonic,
+            frequency: s.frequency,
+            amplitude: s.amplitude,
+        };
+        let superharmonics = curve.superharmonics().into_iter().map(overtone).collect();
+        Self { level: curve.level, peak, jumps, superharmonics, points: curve.points.len() }
     }
 }
 
@@ -91,6 +122,7 @@ impl FrfSummary {
         let peaks = |response: &Response| ModePeaks {
             name: response.name.clone(),
             frequency: response.frequency,
+            informed: response.informed.map(|[from, to]| Informed { from, to }),
             levels: response.curves.iter().map(LevelPeak::new).collect(),
         };
         let warning = |curve: &SteadyCurve| {
@@ -103,10 +135,31 @@ impl FrfSummary {
             at: table.at.clone(),
             harmonics: table.sweep.harmonics,
             modes: responses.iter().map(peaks).collect(),
-            warnings: responses.iter().flat_map(|r| &r.curves).flat_map(warning).collect(),
+            warnings: responses
+                .iter()
+                .flat_map(|r| r.curves.iter().flat_map(warning).chain(beyond(r)))
+                .collect(),
             seconds,
         }
     }
+}
+
+/// That levels leave what the records behind a mode informed.
+fn beyond(response: &Response) -> Option<String> {
+    let [_, to] = response.informed?;
+    let above =
+        |curve: &&SteadyCurve| curve.peak().is_some_and(|peak| peak.amplitude > to * (1.0 + ROUNDING));
+    let levels: Vec<String> = response.curves.iter().filter(above).map(|curve| short(curve.level)).collect();
+    let first = response.curves.iter().find(above)?;
+    (!levels.is_empty()).then(|| {
+        format!(
+            "{}: beyond the amplitude {} the prediction leaves what the records informed: {} {}",
+            response.name,
+            short(to),
+            first.control.name().replace('_', " "),
+            levels.join(", ")
+        )
+    })
 }
 
 impl Summary for FrfSummary {
@@ -138,6 +191,21 @@ impl Summary for FrfSummary {
                     short(peak.excitation),
                     level.jumps.len()
                 );
+            }
+        }
+        for mode in &self.modes {
+            for level in &mode.levels {
+                for Overtone { harmonic, frequency, amplitude } in &level.superharmonics {
+                    let _ = writeln!(
+                        text,
+                        "{}: at {} {} harmonic {harmonic} is in resonance at {} Hz, with the amplitude {}",
+                        mode.name,
+                        self.held.replace('_', " "),
+                        short(level.level),
+                        long(*frequency),
+                        short(*amplitude)
+                    );
+                }
             }
         }
         text

@@ -43,7 +43,7 @@ impl Test {
         let mut warnings = Vec::new();
         let (mut table, mut geometry) = (ModalTable::default(), Geometry::default());
         if let Some(path) = &args.points {
-            if let Some(bytes) = std::fs::read(path).ok().filter(|bytes| is_universal(bytes)) {
+            if let Some(bytes) = iwan_machine::read_file(path).ok().filter(|bytes| is_universal(bytes)) {
                 warnings = geometry.add(path, &bytes)?;
             } else {
                 table = ModalTable::parse(&InputText::read(path, "table of points", "paper-modal")?)?;
@@ -81,9 +81,9 @@ impl Test {
     ) -> Result<(), Failure> {
         let name = path.display().to_string();
         let options = ReadOptions { time: args.time.clone(), rate: args.rate, ..ReadOptions::default() };
-        let read = iwan_io::read_modal_test(path, &options).map_err(|e| Failure::said(&name, &e))?;
+        let read = iwan_io::read_modal_test(path, &options).map_err(|e| Failure::read(&name, &e))?;
         self.warnings.extend(read.warnings.iter().map(|w| format!("{name}: {w}")));
-        if let Some(bytes) = std::fs::read(path).ok().filter(|bytes| is_universal(bytes)) {
+        if let Some(bytes) = iwan_machine::read_file(path).ok().filter(|bytes| is_universal(bytes)) {
             self.warnings.extend(self.geometry.add(path, &bytes)?);
         }
         let several = read.measurements.len() > 1;

@@ -72,7 +72,9 @@ fn write_reduced(
     modes: usize,
 ) -> Result<(), Failure> {
     let bar = session.bar("reducing");
-    let kept = linear.keep(modes, &|share| bar.report(share)).map_err(|error| linear.failed(&error))?;
+    let (own, teller) = (linear.clone(), bar.teller());
+    let kept = bar.wait(move || own.keep(modes, &|share| teller.report(share)))?;
+    let kept = kept.map_err(|error| linear.failed(&error))?;
     drop(bar);
     let folder = ReducedFolder { source, kept: &kept };
     let [table, text, arrays] = ReducedFolder::FILES;

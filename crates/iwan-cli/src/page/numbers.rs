@@ -18,6 +18,25 @@ pub(crate) fn or_dash(value: Option<f64>, text: fn(f64) -> String) -> String {
     value.map_or_else(|| "-".into(), text)
 }
 
+/// An interval as text: open ends say so.
+pub(crate) fn interval(low: Option<f64>, high: Option<f64>) -> String {
+    match (low, high) {
+        (Some(low), Some(high)) => {
+            let decimals = decimals(high - low);
+            format!("{low:.decimals$} to {high:.decimals$}")
+        }
+        (Some(low), None) => format!("> {}, open above", short(low)),
+        (None, Some(high)) => format!("< {}, open below", short(high)),
+        (None, None) => "open on both sides".into(),
+    }
+}
+
+/// Decimals with which both ends of an interval of this width show where it begins and ends, to a tenth of the width or better:
+/// two digits of the width. At most 14, which is what a number of size 1 has; six where the width is nothing.
+fn decimals(width: f64) -> usize {
+    if width > 0.0 { (1 - width.log10().floor() as i32).clamp(0, 14) as usize } else { 6 }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -37,7 +37,8 @@ pub(super) fn analyse(linear: &Linear, args: &QuasiStaticArgs, bar: &Bar) -> Res
         }
         let displacements = displacements(linear, mode, args)?;
         // Where parts slide freely the curves end, which is an error only when the user asked for more.
-        let curves = linear.static_curves(mode, &displacements, args.to.is_some());
+        let (own, one, given, all) = (linear.clone(), mode.clone(), displacements.clone(), args.to.is_some());
+        let curves = bar.wait(move || own.static_curves(&one, &given, all))?;
         let curves = curves.map_err(|error| linear.failed(&error))?;
         let fit = fit(linear, mode, &curves);
         let whole = curves.displacement.len() == displacements.len();

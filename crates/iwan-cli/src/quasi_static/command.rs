@@ -37,7 +37,8 @@ pub(crate) fn run(args: &QuasiStaticArgs) -> Result<(), Failure> {
     let summary = QuasiStaticSummary::new(&linear, &analysed, clock.elapsed().as_secs_f64());
 
     let modes: Vec<NamedMode> = analysed.iter().map(|a| a.mode.clone()).collect();
-    match linear.file.coupled(&linear, &modes) {
+    let own = linear.clone();
+    match session.bar("coupled modes").wait(move || own.file.coupled(&own, &modes))? {
         Ok(CoupledScenario { scenario, notes }) => {
             session.notes(&notes);
             session.file(COUPLED, to_toml(&scenario, "").as_bytes())?;

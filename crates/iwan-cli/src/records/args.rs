@@ -8,7 +8,7 @@ use iwan_io::TimeUnit;
 use crate::args::{finite, positive};
 
 /// What is in a record and which mode is wanted.
-#[derive(Debug, Args)]
+#[derive(Debug, Clone, Args)]
 #[command(next_help_heading = "The record")]
 pub(crate) struct RecordArgs {
     /// Name of the time vector: a column, a variable or a struct field such as HIdata.time

@@ -9,6 +9,6 @@ mod extraction;
 
 pub(crate) use args::{Axis, MethodChoice, Motion, RecordArgs, band};
 pub(crate) use extraction::Extraction;
-pub(crate) use reading::{ModalRecord, Recording, Wanted, modes};
+pub(crate) use reading::{ModalRecord, Recording, Wanted, modes, read};
 pub(crate) use stretches::read_all;
 pub(crate) use units::Units;

@@ -6,10 +6,14 @@ use iwan_ident::channels::{NoMode, Shape, one_mode};
 use iwan_ident::curves::Quantity;
 use iwan_ident::signal::{Options, band_near};
 use iwan_io::{ReadOptions, Record};
+use iwan_machine::memory::ask;
 
 use super::args::{MethodChoice, Motion, RecordArgs};
 use super::shapes::Shapes;
 use crate::failure::Failure;
+
+/// Bytes that the analysis of a record takes for each of its samples: 305 for the envelope of a million, by all methods.
+const ANALYSIS: u64 = 320;
 
 /// A record file with what is known about it.
 #[derive(Debug, Clone)]
@@ -60,8 +64,11 @@ pub(crate) fn read(path: &Path, args: &RecordArgs) -> Result<Recording, Failure>
         time_unit: args.time_unit,
         unit: args.unit.clone(),
     };
-    let record = iwan_io::read(path, &options).map_err(|e| Failure::said(&name, &e))?;
+    let record = iwan_io::read(path, &options).map_err(|e| Failure::read(&name, &e))?;
     let record = record.between(args.from, args.to).map_err(|e| Failure::said(&name, &e))?;
+    let numbers = record.samples().iter().map(Vec::len).sum::<usize>() as u64;
+    let remedy = "cut the record with --from and --to, or sample it less often";
+    ask(format!("{name}: the analysis of {numbers} samples"), numbers.saturating_mul(ANALYSIS), remedy)?;
     let mut warnings: Vec<String> = record.warnings().iter().map(|w| format!("{name}: {w}")).collect();
     let quantity = motion(&name, &record, &mut warnings)?;
     Ok(Recording { name, record, quantity, warnings })

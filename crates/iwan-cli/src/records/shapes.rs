@@ -27,11 +27,11 @@ impl Shapes {
     pub(super) fn read(path: &Path, channels: &[String]) -> Result<Self, Failure> {
         let name = path.display().to_string();
         if let Some(bytes) =
-            std::fs::read(path).ok().filter(|bytes| bytes.trim_ascii_start().starts_with(b"-1"))
+            iwan_machine::read_file(path).ok().filter(|bytes| bytes.trim_ascii_start().starts_with(b"-1"))
         {
             return Self::universal(path, &bytes, channels);
         }
-        let table = iwan_io::read_table(path).map_err(|e| Failure::said(&name, &e))?;
+        let table = iwan_io::read_table(path).map_err(|e| Failure::read(&name, &e))?;
         let unnamed =
             table.names().iter().all(|n| n.starts_with("column ")) && table.names().len() == channels.len();
         let column = |(i, channel): (usize, &String)| {

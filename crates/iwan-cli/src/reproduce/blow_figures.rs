@@ -6,7 +6,7 @@ use iwan_ident::curves::Curves;
 use iwan_study::StudiedBeam;
 use iwan_study::beam::{BeamUnderBlows, letter};
 use iwan_study::blows::{DT, LEVELS, STEPS};
-use iwan_study::modes::{BendingMode, Counterpart, EARLY, FITTED, SHOWN};
+use iwan_study::modes::{BendingMode, Counterpart, CoupledMode, Distance, EARLY, FITTED, Reading, SHOWN};
 use iwan_study::printed::TABLE_2;
 
 use super::plate::{Plate, Section};
@@ -36,7 +36,8 @@ pub(super) fn plates(studied: &StudiedBeam) -> Vec<Plate> {
     let initial = name.chars().next().unwrap_or('A');
     for mode in &studied.modes {
         let (mode, counterpart) = (&mode.mode, mode.counterpart.as_ref());
-        let drawing = Drawing { truth: &studied.truth, mode, counterpart };
+        let coupled = studied.coupled.as_ref().and_then(|coupled| coupled.modes.get(mode.index));
+        let drawing = Drawing { truth: &studied.truth, mode, counterpart, coupled };
         let mut add = |number: &str, what: &str, section, figure| {
             let id = format!("figure-{number}-{}-mode-{}-{what}", name.to_lowercase(), mode.index + 1);
             plates.push(Plate { id, section, figure });
@@ -59,6 +60,7 @@ struct Drawing<'a> {
     truth: &'a BeamUnderBlows,
     mode: &'a BendingMode,
     counterpart: Option<&'a Counterpart>,
+    coupled: Option<&'a CoupledMode>,
 }
 
 /// A modal joint as it is drawn.
@@ -209,11 +211,18 @@ impl Drawing<'_> {
         let title = format!("Fig. {which}, {}: {} lbf", self.mode.name, LEVELS[n]);
         let y = || Axis::linear("modal acceleration q''", FORCE);
         let difference: Vec<f64> = model.iter().zip(truth).map(|(a, b)| a - b).collect();
-        let both = Figure {
+        let coupled = self.coupled.and_then(|c| Some((c.errors.get(n)?, c.shown.get(shown)?)));
+        let words = |of: fn(&Distance) -> f64| {
+            coupled.map_or_else(String::new, |(e, _)| {
+                format!("; modes that share the joint, nothing fitted: {:.2} %", 100.0 * of(e))
+            })
+        };
+        let mut both = Figure {
             title: title.clone(),
             caption: format!(
-                "The first 50 ms; the difference is {:.2} % (root mean square).",
-                100.0 * error.early
+                "The first 50 ms; the difference is {:.2} % (root mean square){}.",
+                100.0 * error.early,
+                words(|e| e.early)
             ),
             x: Axis::linear("time", "s"),
             y: y(),
@@ -223,11 +232,12 @@ impl Drawing<'_> {
             ],
             marker: None,
         };
-        let apart = Figure {
+        let mut apart = Figure {
             title: format!("{title}, difference"),
             caption: format!(
-                "Modal model less truth over the whole record: {:.2} % (root mean square) of the truth.",
-                100.0 * error.whole
+                "Modal model less truth over the whole record: {:.2} % (root mean square) of the truth{}.",
+                100.0 * error.whole,
+                words(|e| e.whole)
             ),
             x: Axis::linear("time", "s"),
             y: y(),
@@ -238,6 +248,14 @@ impl Drawing<'_> {
             ],
             marker: None,
         };
+        if let Some((_, model)) = coupled {
+            let difference: Vec<f64> = model.iter().zip(truth).map(|(a, b)| a - b).collect();
+            let name = "modes that share the joint";
+            both.layers.push(Layer::new(Mark::Dashed, colour::BLACK, early(model)).named(name));
+            apart
+                .layers
+                .push(Layer::new(Mark::Line, colour::BLACK, history(&difference, DT, BINS)).named(name));
+        }
         Some([both, apart])
     }
 
@@ -248,8 +266,16 @@ impl Drawing<'_> {
         self.mode.curves.iter().enumerate().map(layer).collect()
     }
 
+    /// The modes that share the joint, read early, in the middle and late at each level.
+    fn of_coupled(&self, choose: fn(&Reading) -> f64) -> Option<Layer> {
+        let levels = &self.coupled?.readings;
+        let points = levels.iter().flatten().map(|r| (r.displacement, choose(r))).collect();
+        Some(Layer::new(Mark::Dots, colour::BLACK, points).named("modes that share the joint"))
+    }
+
     fn frequency_at_all_levels(&self) -> Figure {
         let mut layers = self.all_levels(|c| &c.frequency);
+        layers.extend(self.of_coupled(|r| r.frequency));
         for DrawnLaw { name, colour, law, .. } in self.laws().into_iter().take(1) {
             let line = self.displacements(LEVELS.len()).into_iter();
             let line = line.filter_map(|q| Some((q, self.of_law(&law, q)?.frequency)));
@@ -267,6 +293,7 @@ impl Drawing<'_> {
 
     fn dissipation_at_all_levels(&self) -> Figure {
         let mut layers = self.all_levels(|c| &c.dissipation);
+        layers.extend(self.of_coupled(|r| r.dissipation));
         let mut marker = None;
         for DrawnLaw { colour, law, .. } in self.laws().into_iter().take(1) {
             let places = self.displacements(LEVELS.len());

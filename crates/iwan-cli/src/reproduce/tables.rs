@@ -237,7 +237,9 @@ pub(super) fn tables_3_and_4(summary: &Summary, lab: &Laboratory) -> Markup {
     html! {
         h3 { "Table 3" }
         (table(&["mode", "frequency, Hz", "suspension", "printed frequency, Hz", "printed damping"], &rows_3))
-        p.caption { "The printed values of Table 3 are not to hand; the level of damping is assumed, the same in all modes." }
+        p.caption { "Printed (Table 3), damping ratios of the first three elastic modes: 0.01, 0.025, 0.02 % without link and bungees; 0.025, 0.03, 0.025 % \
+             with the link at 50 in-lbf; 0.016, 0.055, 0.045 % with bungees alone; 0.15, 0.06, 0.18 % with bungees and the link at 5 in-lbf. Here \
+             the level is assumed, the same in all modes." }
         h3 { "Table 4" }
         (table(
             &["hit", "modal force, \u{221a}kg\u{b7}m/s\u{b2}", "slope within the record", "less viscous", "slope from the softer hit", "less viscous", "printed"],
@@ -248,7 +250,7 @@ pub(super) fn tables_3_and_4(summary: &Summary, lab: &Laboratory) -> Markup {
             (format!("{:.3e}", found.damping_ratio_given)) "), slope " (format!("{:.3}", found.slope_found)) " to "
             (format!("{:.1} %", 100.0 * found.slope_misfit)) ". For comparison, one joint with a damper in parallel fitted to all curves: "
             (format!("{:.3e}", found.damping_ratio_fitted)) ", " (format!("{:.3}", found.frequency_fitted)) " Hz, \u{3c7} = "
-            (short(found.chi_fitted)) "; " (found.misfit) ". The printed slopes are not to hand."
+            (short(found.chi_fitted)) "; " (found.misfit) ". Printed (Table 4): 2.398, 2.168 and 2.096 at 1, 0.7 and 0.5 of the largest force."
         }
     }
 }

@@ -43,6 +43,7 @@ pub(crate) struct Session {
     files: Vec<String>,
     console: Console,
     json: bool,
+    strict: bool,
     threads: usize,
 }
 
@@ -73,12 +74,19 @@ impl Session {
         common: &Common,
         files: impl IntoIterator<Item = impl Into<String>>,
     ) -> Result<Self, Failure> {
-        progress::catch_interrupts();
         let files: Vec<String> = files.into_iter().map(Into::into).collect();
         let names: Vec<&str> = files.iter().map(String::as_str).collect();
         let results = Results::open(place.given, place.default, place.force, &names)?;
+        progress::catch_interrupts(results.staged());
         let console = Console { quiet: common.quiet };
-        Ok(Self { results, files, console, json: common.json, threads: common.thread_count() })
+        Ok(Self {
+            results,
+            files,
+            console,
+            json: common.json,
+            strict: common.strict,
+            threads: common.thread_count(),
+        })
     }
 
     /// Number of threads to use.
@@ -169,14 +177,25 @@ impl Session {
     /// Makes all files visible, says where they are, and prints the summary.
     pub(crate) fn finish<S: Summary>(self, summary: &S) -> Result<(), Failure> {
         progress::check_interrupt()?;
-        let folder = self.results.path().to_path_buf();
-        self.results.commit()?;
+        let ending = progress::ending();
+        let folder = self.results.commit()?;
+        progress::ended();
+        drop(ending);
         let console = self.console;
-        console.warnings(summary.warnings());
+        let kept = Console { quiet: console.quiet && !self.strict };
+        kept.warnings(summary.warnings());
         console.say(&format!("results: {}", folder.display()));
         console.say(&format!("{}: {}", S::SHOWN, folder.join(PAGE).display()));
         let printed =
             if self.json { summary::printed(summary, &self.files, &folder) } else { summary.text() };
-        output::result(&printed)
+        output::result(&printed)?;
+        match summary.warnings().len() {
+            n if self.strict && n > 0 => Err(Failure::Computation(format!(
+                "--strict: {n} warning{}, see above; the results are in {}",
+                if n == 1 { "" } else { "s" },
+                folder.display()
+            ))),
+            _ => Ok(()),
+        }
     }
 }

@@ -14,6 +14,8 @@ use crate::failure::Failure;
 pub(crate) struct Results {
     folder: Folder,
     path: PathBuf,
+    /// The first choice where the user made none.
+    default: Option<String>,
     /// Dropped after the folder: by then what was staged has gone.
     _parents: Parents,
 }
@@ -47,8 +49,7 @@ impl Results {
         force: bool,
         names: &[&str],
     ) -> Result<Self, Failure> {
-        let path = given.map_or_else(|| free(default, force), Path::to_path_buf);
-        let parents = Parents::missing(&path);
+        let chosen = (given.is_none() && !force).then(|| default.to_owned());
         let input = |error: WriteError| match error {
             WriteError::Exists { path } => Failure::input(
                 format!("{} exists already; nothing was written", path.display()),
@@ -56,9 +57,22 @@ impl Results {
             ),
             other => Failure::input(other.to_string(), "choose a folder you may write to with --out DIR"),
         };
-        let folder = Folder::stage(&path, force).map_err(input)?;
-        folder.check(names).map_err(input)?;
-        Ok(Self { folder, path, _parents: parents })
+        loop {
+            let path = given.map_or_else(|| free(default, force), Path::to_path_buf);
+            let parents = Parents::missing(&path);
+            let staged = Folder::stage(&path, force).and_then(|folder| folder.check(names).map(|()| folder));
+            match staged {
+                Ok(folder) => return Ok(Self { folder, path, default: chosen, _parents: parents }),
+                // Another run has taken the name since it was found free.
+                Err(WriteError::Exists { .. } | WriteError::Busy { .. }) if chosen.is_some() => {}
+                Err(error) => return Err(input(error)),
+            }
+        }
+    }
+
+    /// Where files are until they appear.
+    pub(crate) fn staged(&self) -> &Path {
+        self.folder.staged()
     }
 
     /// The folder.
@@ -90,9 +104,13 @@ impl Results {
         written.map_err(|e| failed(&e))
     }
 
-    /// Makes all files visible.
-    pub(crate) fn commit(self) -> Result<(), Failure> {
-        self.folder.commit().map_err(|e| failed(&e))
+    /// Makes all files visible; returns where. Of two runs that chose the same folder by themselves the later one takes the next number.
+    pub(crate) fn commit(self) -> Result<PathBuf, Failure> {
+        let committed = match &self.default {
+            Some(default) => self.folder.commit_where_free(|| free(default, false)),
+            None => self.folder.commit().map(|()| self.path),
+        };
+        committed.map_err(|e| failed(&e))
     }
 }
 

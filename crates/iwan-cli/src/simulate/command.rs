@@ -77,6 +77,7 @@ fn explain(name: &str, error: &SimulationError) -> Failure {
     };
     match root {
         SimulationError::Interrupted => Failure::Interrupted,
+        SimulationError::Memory(short) => Failure::lacking(&format!("{name}: {short}")),
         SimulationError::Parameter(_) => Failure::input(
             format!("{name}: {error}"),
             "change this in the scenario, or choose another method",

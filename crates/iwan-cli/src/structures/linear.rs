@@ -1,6 +1,7 @@
 //! A structure with its linear modes, named: what the structure commands begin with.
 
 use std::ops::Deref;
+use std::sync::Arc;
 
 use iwan_fem::NamedModes;
 use iwan_input::{BUILT_IN_STRUCTURES, InputError, InputText, ReducedFolder, StructureFile};
@@ -13,14 +14,14 @@ use crate::progress::Bar;
 /// its table is found. A name beyond them is refused as unknown.
 pub(crate) const NAMED_MODES: usize = 40;
 
-/// A structure file and the modes of its structure.
-#[derive(Debug)]
+/// A structure file and the modes of its structure; a clone shares both, for work beside the thread that watches for Ctrl-C.
+#[derive(Debug, Clone)]
 pub(crate) struct Linear {
     /// Name for messages.
     pub(crate) source: String,
     /// The file.
-    pub(crate) file: StructureFile,
-    modes: NamedModes,
+    pub(crate) file: Arc<StructureFile>,
+    modes: Arc<NamedModes>,
 }
 
 impl Deref for Linear {
@@ -47,6 +48,7 @@ pub(crate) fn explain(source: &str, error: &iwan_fem::Error) -> Failure {
     use iwan_fem::Error;
     match error {
         Error::Interrupted => Failure::Interrupted,
+        Error::Memory(short) => Failure::lacking(&format!("{source}: {short}")),
         Error::Analysis { .. } => Failure::Computation(format!("{source}: {error}")),
         Error::MissingMode { .. } => Failure::said(source, error),
         error => Failure::input(format!("{source}: {error}"), "change this in the structure"),
@@ -88,7 +90,7 @@ impl Linear {
             NamedModes::of(assembled, count, &|share| teller.report(share))
         })?;
         let modes = modes.map_err(|error| explain(&source, &error))?;
-        Ok(Self { source, file, modes })
+        Ok(Self { source, file: Arc::new(file), modes: Arc::new(modes) })
     }
 
     /// A failure of the analysis of this structure.

@@ -9,4 +9,4 @@ mod steady;
 pub(crate) use args::StructureArgs;
 pub(crate) use linear::Linear;
 pub(crate) use size::Size;
-pub(crate) use steady::Steady;
+pub(crate) use steady::{Asked, steady};

@@ -51,11 +51,23 @@ const MOST_GROWTH: u64 = 1032;
 /// Bytes granted beyond the stream's own: the bound holds without them.
 const GRANTED: u64 = 64;
 
+/// Growth beyond [`FREE`]: indices of a stiffness shrink to no less than a hundredth.
+const SENSIBLE_GROWTH: u64 = 100;
+/// Up to so many bytes an archive may grow as deflate can.
+const FREE: u64 = 64 << 20;
+/// Bytes unpacked between two looks at the memory that is left.
+const PIECE: u64 = 16 << 20;
+
 /// Reads to the end what `compressed` bytes may have become at most.
 pub(super) fn inflate(reader: &mut impl Read, compressed: usize) -> io::Result<Vec<u8>> {
-    let most = (compressed as u64).saturating_add(GRANTED).saturating_mul(MOST_GROWTH);
+    let deflate = (compressed as u64).saturating_add(GRANTED).saturating_mul(MOST_GROWTH);
+    let most = deflate.min((compressed as u64).saturating_mul(SENSIBLE_GROWTH).max(FREE));
     let mut bytes = Vec::new();
-    reader.take(most.saturating_add(1)).read_to_end(&mut bytes)?;
+    while reader.take(PIECE.min(most + 1 - bytes.len() as u64)).read_to_end(&mut bytes)? as u64 == PIECE {
+        let remedy = "free some, or give a smaller file";
+        iwan_machine::memory::ask("what it unpacks to", 4 * bytes.len() as u64, remedy)
+            .map_err(|short| io::Error::new(io::ErrorKind::OutOfMemory, short))?;
+    }
     if bytes.len() as u64 > most {
         return Err(io::Error::other(format!("more than {most} bytes after decompression")));
     }

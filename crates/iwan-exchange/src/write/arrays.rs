@@ -93,7 +93,8 @@ pub(super) fn start<W: Write + io::Seek>(
 /// [`ExchangeError`] names the file, the array, what stands there and what is allowed.
 pub fn read_arrays(path: impl AsRef<Path>) -> Result<BTreeMap<String, StoredArray>, ExchangeError> {
     let file = path.as_ref();
-    let bytes = std::fs::read(file).map_err(|source| ExchangeError::Io { file: file.into(), source })?;
+    let bytes =
+        iwan_machine::read_file(file).map_err(|source| ExchangeError::Io { file: file.into(), source })?;
     let source = Source { file, bytes: &bytes };
     let mut out = BTreeMap::new();
     for (name, bytes) in members(&source)? {

@@ -6,7 +6,10 @@
 #![allow(clippy::unwrap_used)]
 #![allow(clippy::format_collect, clippy::format_push_string, reason = "files of the tests are short")]
 
+pub mod packed;
+
 use iwan_exchange::{Component, Entry, Label};
+use packed::{mat_7_3, netcdf};
 
 pub const ORDER: usize = 7;
 
@@ -427,6 +430,12 @@ pub fn files() -> Vec<(String, Vec<u8>)> {
         (true, false, true),
     ] {
         files.push((format!("{sparse}-{compressed}-{big}.mat"), mat(sparse, compressed, big)));
+    }
+    for sparse in [true, false] {
+        files.push((format!("{sparse}-7.3.mat"), mat_7_3(sparse, None)));
+    }
+    for version in [1, 2, 5] {
+        files.push((format!("version-{version}.nc"), netcdf(version)));
     }
     files
 }

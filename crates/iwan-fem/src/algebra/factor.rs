@@ -21,6 +21,7 @@ use super::sparse::{Symmetric, largest};
 use super::triangular::{Branches, Factor};
 use super::workers::Workers;
 use crate::error::Error;
+use iwan_machine::memory::ask;
 
 /// Largest backward error ‖A z - b‖ / (‖A‖ ‖z‖) that a sound factorisation leaves. Usual is 1e-16 to 1e-15 for K + σM and up to 1e-12
 /// for shifted, indefinite matrices, which are factored without pivoting. A factor that is worse is refused: the eigensolver moves its
@@ -118,6 +119,8 @@ impl Cholesky {
 
     fn with(analysis: &Analysis, matrix: &Symmetric, workers: &Workers) -> Result<Self, Error> {
         let symbolic = Arc::clone(&analysis.symbolic);
+        let (what, remedy) = ("the factor of a matrix", "take a coarser mesh, or a machine with more memory");
+        ask(what, size_of::<f64>() as u64 * symbolic.len_val() as u64, remedy)?;
         let mut values = vec![0.0; symbolic.len_val()];
         let none = llt::factor::LltRegularization::default();
         let spec = Spec::default();

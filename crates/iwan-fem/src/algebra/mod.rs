@@ -4,6 +4,7 @@ mod lanes;
 mod workers;
 mod random;
 mod dense;
+mod small;
 mod sparse;
 mod nodal_product;
 mod ordering;
@@ -20,5 +21,6 @@ pub(crate) use nodal_product::NodalProduct;
 pub(crate) use ordering::Site;
 #[cfg(test)]
 pub(crate) use random::random;
+pub(crate) use small::solve_small;
 pub use sparse::Symmetric;
 pub(crate) use sparse::{add_scaled, dot, largest, scale};

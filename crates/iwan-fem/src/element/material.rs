@@ -2,6 +2,12 @@
 
 use crate::error::{Error, check};
 
+/// Moduli and densities beyond these are slips of the pen: in every system of units in use they lie between 1e-15 and 1e15. Squares of
+/// what they are multiplied with stay far from the ends of floating point, where searches for modes had no end.
+const SMALLEST: f64 = 1e-30;
+/// The other end.
+const LARGEST: f64 = 1e30;
+
 /// An isotropic linear elastic material in the user's consistent units.
 ///
 /// ```
@@ -18,16 +24,17 @@ pub struct Material {
 }
 
 impl Material {
-    /// Young's modulus `young` > 0 (force/length²), Poisson's ratio -1 < `poisson` < 0.5 and mass density
-    /// `density` > 0 (mass/length³).
+    /// Young's modulus `young` (force/length²), Poisson's ratio -1 < `poisson` < 0.5 and mass density
+    /// `density` (mass/length³), both from 1e-30 to 1e30.
     ///
     /// # Errors
     /// [`Error::OutOfRange`] with the name of the quantity.
     pub fn new(young: f64, poisson: f64, density: f64) -> Result<Self, Error> {
-        check("young", young, young > 0.0, "Young's modulus must be a finite number > 0")?;
+        let sensible = |value: f64| (SMALLEST..=LARGEST).contains(&value);
+        check("young", young, sensible(young), "Young's modulus must be a number from 1e-30 to 1e30")?;
         let stable = poisson > -1.0 && poisson < 0.5;
         check("poisson", poisson, stable, "Poisson's ratio must satisfy -1 < poisson < 0.5")?;
-        check("density", density, density > 0.0, "mass density must be a finite number > 0")?;
+        check("density", density, sensible(density), "mass density must be a number from 1e-30 to 1e30")?;
         Ok(Self { young, poisson, density })
     }
 

@@ -8,6 +8,7 @@ use super::elimination::Transformation;
 use super::given_matrices;
 use super::joint_equations::{SlipUnknown, connect};
 use super::point_masses;
+use super::row_equations;
 use super::unknowns::{Unknown, triples};
 use crate::algebra::{Analysis, NodalProduct, Site, Symmetric, add_scaled, largest, scale};
 use crate::element::ElementMatrices;
@@ -33,9 +34,19 @@ impl Structure {
     /// # Errors
     /// [`Error`] names the element, node, set or joint that does not fit, and the remedy.
     pub fn assemble(&self) -> Result<Assembled, Error> {
+        let found = self.assemble_unheld()?;
+        check_held(self, &found.transformation, &found.stiffness)?;
+        Ok(found)
+    }
+
+    /// The same without asking whether each node is held by something.
+    pub(super) fn assemble_unheld(&self) -> Result<Assembled, Error> {
         self.check_lumps()?;
         let rotations = Rotations::new(self);
-        let (equations, mut slips) = connect(self, &rotations)?;
+        let (mut equations, mut slips) = connect(self, &rotations)?;
+        if let Some(given) = &self.given {
+            row_equations::connect(&mut equations, &mut slips, given, self.joints.len())?;
+        }
         let extras = equations.extra.len();
         let transformation = equations.eliminate()?;
         let displacements = transformation.places.len() - extras;
@@ -51,7 +62,6 @@ impl Structure {
         };
         let (stiffness, mass) = add_lumps(self, &transformation, stiffness, &mass)?;
         let (stiffness, mass) = point_masses::add(self, &rotations, &transformation, stiffness, mass)?;
-        check_held(self, &transformation, &stiffness)?;
         let structure = self.clone();
         let (analysis, shift) = (OnceLock::new(), OnceLock::new());
         Ok(Assembled { structure, transformation, stiffness, mass, damping, slips, analysis, shift })
@@ -239,6 +249,11 @@ impl Assembled {
         &self.structure
     }
 
+    /// x = T y.
+    pub(super) fn transformation(&self) -> &Transformation {
+        &self.transformation
+    }
+
     /// Number of unknowns.
     #[must_use]
     pub fn unknowns(&self) -> usize {
@@ -291,7 +306,12 @@ impl Assembled {
     /// Rigid motion of the whole structure: displacement along (0 to 2) or small rotation about (3 to 5) x, y or z.
     #[must_use]
     pub fn rigid_motion(&self, motion: usize) -> Vec<f64> {
-        self.transformation.places.iter().map(|place| place.rigid(motion, [0.0; 3])).collect()
+        let mut all: Vec<f64> =
+            self.transformation.places.iter().map(|place| place.rigid(motion, [0.0; 3])).collect();
+        if let Some(given) = &self.structure.given {
+            row_equations::move_slips(given, &self.structure.mesh, &self.slips, motion, &mut all);
+        }
+        all
     }
 
     /// Mass-normalised rigid motions that strain nothing: six of a free structure.
@@ -326,13 +346,6 @@ impl Assembled {
             let part = self.mass.form(motion, from);
             add_scaled(from, -part, motion);
         }
-    }
-
-    /// Total mass.
-    #[must_use]
-    pub fn total_mass(&self) -> f64 {
-        let moved = self.rigid_motion(0);
-        self.mass.form(&moved, &moved)
     }
 
     /// Displacements of all nodes from the unknowns: x, y, z of the first node, then of the second, …

@@ -2,7 +2,7 @@
 
 use super::elimination::Transformation;
 use crate::algebra::Symmetric;
-use crate::structure::{Given, Row};
+use crate::structure::Given;
 
 /// Given matrices in the unknowns.
 pub(super) struct InUnknowns {
@@ -13,15 +13,7 @@ pub(super) struct InUnknowns {
 
 /// The given matrices in the unknowns: Tᵀ K T, Tᵀ M T and Tᵀ C T.
 pub(super) fn assemble(nodes: usize, given: &Given, transformation: &Transformation) -> InUnknowns {
-    let mut further = 3 * nodes;
-    let mut dof = |row: &Row| match *row {
-        Row::Displacement { node, axis } => 3 * node + axis,
-        Row::Rotation { .. } | Row::Generalised => {
-            further += 1;
-            further - 1
-        }
-    };
-    let dofs: Vec<usize> = given.rows.iter().map(&mut dof).collect();
+    let dofs = given.freedoms(nodes);
     let into = |matrix: &Symmetric| {
         let mut entries = Vec::with_capacity(matrix.stored());
         for (i, j, value) in matrix.lower() {

@@ -14,6 +14,8 @@ use crate::structure::{Given, Interface, Joint, Law, Patch, Row, Structure, Supp
 pub struct SlipUnknown {
     /// Name: that of the joint, the direction and, node to node, the node.
     pub name: String,
+    /// Number of the joint among those of the structure; joints between rows of given matrices are counted after them.
+    pub joint: usize,
     /// Its number among the unknowns.
     pub unknown: usize,
     /// The law; none slides freely.
@@ -74,7 +76,7 @@ fn further(given: &Given) -> Vec<Unknown> {
     given.rows.iter().enumerate().filter_map(meaning).collect()
 }
 
-/// Displacements of nodes that given matrices do not have are held.
+/// Displacements of nodes that given matrices neither have nor recover are held.
 fn hold_unknown(equations: &mut Equations<'_>, given: &Given) -> Result<(), Error> {
     equations.owner("the matrices, which have no row for it,".into());
     let mut known = vec![false; 3 * equations.mesh().positions.len()];
@@ -83,6 +85,7 @@ fn hold_unknown(equations: &mut Equations<'_>, given: &Given) -> Result<(), Erro
             known[3 * node + axis] = true;
         }
     }
+    given.recovered.iter().for_each(|recovered| known[3 * recovered.node + recovered.axis] = true);
     for dof in (0..known.len()).filter(|&dof| !known[dof]) {
         equations.set(dof / 3, dof % 3, Vec::new())?;
     }
@@ -150,6 +153,7 @@ impl Writer<'_, '_> {
             let label = node.map(|node| format!(" node {}", self.equations.mesh().node_labels[node]));
             self.slips.push(SlipUnknown {
                 name: format!("{} {which}{}", self.joint.name, label.unwrap_or_default()),
+                joint: self.index,
                 unknown: self.equations.extra.len() - 1,
                 law: self.joint.slips[k].law.clone(),
             });

@@ -5,8 +5,11 @@ mod elimination;
 mod constraint_equations;
 mod point_masses;
 mod joint_equations;
+mod row_equations;
 mod given_matrices;
 mod assembly;
+mod row_forces;
+mod base_motion;
 mod fingerprint;
 
 pub use assembly::Assembled;

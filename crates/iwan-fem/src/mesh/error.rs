@@ -88,6 +88,26 @@ pub enum MeshWarning {
         /// What it is read as.
         read_as: &'static str,
     },
+    /// A range of numbers in a set that does not end, or begin, at a number of the file.
+    #[error(
+        "{place}: the {word} set {set} runs from {first} to {last}, and {missing} is no {word} of this file: it has {found} members of that range"
+    )]
+    BeyondRange {
+        /// Line of the set.
+        place: String,
+        /// Nodes or elements.
+        word: &'static str,
+        /// Name of the set.
+        set: String,
+        /// First number of the range.
+        first: u64,
+        /// Last number of the range.
+        last: u64,
+        /// The end that is not there.
+        missing: u64,
+        /// How many of the range are there.
+        found: usize,
+    },
     /// Numbers of an instance that were shifted because another has the same.
     #[error("nodes and elements of instance {instance} are numbered from {shift} on: its node 1 is {}", .shift + 1)]
     Renumbered {

@@ -154,8 +154,8 @@ impl Expanded {
             let path = (self.include.input)(line)
                 .map(|name| folder.join(name))
                 .ok_or_else(|| source.malformed(&place, quote(line.trim_ascii(), 60), self.include.form))?;
-            let inner =
-                std::fs::read(&path).map_err(|source| MeshError::Io { file: path.clone(), source })?;
+            let inner = iwan_machine::read_file(&path)
+                .map_err(|source| MeshError::Io { file: path.clone(), source })?;
             self.add(&path, &inner, folder, depth + 1)?;
             if !self.bytes.ends_with(b"\n") {
                 self.bytes.push(b'\n');

@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use super::error::MeshError;
-use super::file::{FileBytes, MeshFile, quote};
+use super::file::{FileBytes, MeshFile, expand, quote};
 use super::{abaqus, gmsh, nastran};
 
 /// Reads a mesh: Gmsh MSH 4.1 or 2.2 (ASCII or binary) Abaqus input or Nastran bulk data; the format is found from the content and, where that
@@ -30,7 +30,8 @@ pub fn read(path: impl AsRef<Path>) -> Result<MeshFile, MeshError> {
 /// As [`read`].
 pub fn read_ignoring(path: impl AsRef<Path>, ignored: &[String]) -> Result<MeshFile, MeshError> {
     let file = path.as_ref();
-    let bytes = std::fs::read(file).map_err(|source| MeshError::Io { file: file.into(), source })?;
+    let bytes =
+        iwan_machine::read_file(file).map_err(|source| MeshError::Io { file: file.into(), source })?;
     parse(file, &bytes, ignored, Some(file.parent().unwrap_or(Path::new(""))))
 }
 
@@ -55,11 +56,13 @@ fn parse(
     if content.starts_with(b"$MeshFormat") || extension == "msh" {
         gmsh::parse(source)
     } else if bulk_data || (extension != "inp" && nastran::is_bulk_data(content)) {
-        nastran::parse(source, ignored, folder)
+        let (bytes, pieces) = expand(source, folder, nastran::INCLUDE)?;
+        nastran::parse(FileBytes { bytes: &bytes, pieces: &pieces, ..source }, ignored)
     } else if content.starts_with(b"$") {
         gmsh::parse(source)
     } else if content.starts_with(b"*") || extension == "inp" {
-        abaqus::parse(source, ignored, folder)
+        let (bytes, pieces) = expand(source, folder, abaqus::INCLUDE)?;
+        abaqus::parse(FileBytes { bytes: &bytes, pieces: &pieces, ..source }, ignored)
     } else {
         let found = format!("extension '{}', content {}", extension.display(), quote(content, 16));
         Err(MeshError::UnknownFormat { file: file.into(), found })

@@ -167,6 +167,11 @@ impl Modes {
         Self { limit, pairs, unknowns, zero }
     }
 
+    /// The same modes as those of the other limit, where there are no slips that tell the two apart.
+    pub(super) fn called(self, limit: Limit) -> Self {
+        Self { limit, ..self }
+    }
+
     /// Number of modes.
     #[must_use]
     pub fn len(&self) -> usize {

@@ -94,10 +94,25 @@ impl NamedModes {
             return Ok(Self { assembled, stuck, slipping, elastic });
         }
         let most = assembled.unknowns();
+        if count > most.max(Self::LOOKED_UP) {
+            let finding = format!("{count} modes were asked for, the structure has {most} unknowns");
+            let remedy = "ask for at most as many as there are unknowns";
+            return Err(Error::Analysis { analysis: "modes", finding, remedy });
+        }
         let wanted = count.saturating_add(RIGID).min(most);
-        let stuck = assembled.modes_observed(Limit::Stuck, wanted, &part(progress, [0.0, 0.5]))?;
+        // Without slips both limits are one matrix, and one search serves both.
+        let joined = assembled.slips().is_empty();
+        let first = if joined { 1.0 } else { 0.5 };
+        let stuck = assembled.modes_observed(Limit::Stuck, wanted, &part(progress, [0.0, first]))?;
+        if joined {
+            let slipping = stuck.clone().called(Limit::Slipping);
+            let mut elastic = elastic(&assembled, &stuck, &slipping);
+            elastic.truncate(count);
+            return Ok(Self { assembled, stuck, slipping, elastic });
+        }
         let wanted = count.saturating_add(RIGID + assembled.slips().len()).min(most);
         let slipping = assembled.modes_observed(Limit::Slipping, wanted, &part(progress, [0.5, 1.0]))?;
+        check_rigid_motions(assembled.structure(), &stuck)?;
         let mut elastic = elastic(&assembled, &stuck, &slipping);
         elastic.truncate(count);
         Ok(Self { assembled, stuck, slipping, elastic })
@@ -187,6 +202,26 @@ impl NamedModes {
         }));
         warnings
     }
+}
+
+/// A body that nothing holds has six rigid motions without stiffness: where fewer are found, rounding has taken the digits of all low
+/// modes.
+fn check_rigid_motions(structure: &Structure, stuck: &Modes) -> Result<(), Error> {
+    let held = !structure.supports.is_empty()
+        || !structure.constraints.is_empty()
+        || structure.given.is_some()
+        || structure.lumps.iter().any(|lump| lump.stiffness.iter().any(|k| *k > 0.0));
+    if held || stuck.zero_modes() >= RIGID.min(stuck.len()) {
+        return Ok(());
+    }
+    Err(Error::Analysis {
+        analysis: "modes",
+        finding: format!(
+            "{} zero modes of a free body, which has six: the stiffness has lost their digits",
+            stuck.zero_modes()
+        ),
+        remedy: "take Poisson's ratio at most 0.4999, or stiffnesses and sizes that lie less far apart",
+    })
 }
 
 fn elastic(assembled: &Assembled, stuck: &Modes, slipping: &Modes) -> Vec<NamedMode> {

@@ -5,4 +5,4 @@ mod range;
 mod slip_statics;
 
 pub use curves::{ModalCurves, QuasiStatic};
-pub use slip_statics::{SlipFlexibility, SlipStatics};
+pub use slip_statics::{SlipFlexibility, SlipGroup, SlipStatics};

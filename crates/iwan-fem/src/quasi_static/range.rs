@@ -8,6 +8,9 @@ use crate::modes::{NamedMode, NamedModes};
 /// macro-slip, in which the frequency nears that of the slipping structure.
 const RANGE: (f64, f64) = (1e-3, 10.0);
 
+/// Numbers that each point of a curve takes: displacement, force, frequency, dissipation, what each joint does, and room for their growth.
+const NUMBERS_A_POINT: u64 = 32;
+
 impl NamedModes {
     /// The modal displacement at which, linearly, the first joint reaches the strength of its strongest slider; none where
     /// no joint slips in the mode.
@@ -50,6 +53,8 @@ impl NamedModes {
             "the range of modal displacements is empty; must be a finite number above the smallest",
         )?;
         check("points", points as f64, points >= 2, "must be at least 2")?;
+        let bytes = (points as u64).saturating_mul(NUMBERS_A_POINT * 8);
+        iwan_machine::memory::ask(format!("a curve of {points} points"), bytes, "ask for fewer points")?;
         let last = (points - 1) as f64;
         Ok((0..points).map(|i| from * (to / from).powf(i as f64 / last)).collect())
     }

@@ -1,5 +1,6 @@
 //! Stiffness and mass that another program computed, in place of elements.
 
+use super::interface::Law;
 use crate::algebra::Symmetric;
 
 /// What a row of given matrices is.
@@ -23,8 +24,41 @@ pub enum Row {
     Generalised,
 }
 
-/// Stiffness and mass from another program: they stand in place of all elements. Nodes of the mesh say where rows are.
+/// A displacement of a node that the rows of given matrices determine: one row of a recovery matrix.
 #[derive(Debug, Clone, PartialEq)]
+pub struct Recovered {
+    /// Index of the node; the matrices have no row for this displacement.
+    pub node: usize,
+    /// Axis.
+    pub axis: usize,
+    /// Rows of the matrices (from 0) and coefficients: u = Σ c x.
+    pub terms: Vec<(usize, f64)>,
+}
+
+/// A joint between given rows: its law acts on Σ c x, one row of a matrix of relative displacements.
+#[derive(Clone)]
+pub struct RelativeSlip {
+    /// Name of the slip: that of the joint and the row.
+    pub name: String,
+    /// Rows of the matrices (from 0) and coefficients.
+    pub terms: Vec<(usize, f64)>,
+    /// The law; none slides freely.
+    pub law: Option<Law>,
+    /// Whether it acts against the ground: then it may see the structure move as a whole.
+    pub to_ground: bool,
+}
+
+impl std::fmt::Debug for RelativeSlip {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.debug_struct("RelativeSlip")
+            .field("name", &self.name)
+            .field("terms", &self.terms)
+            .finish_non_exhaustive()
+    }
+}
+
+/// Stiffness and mass from another program: they stand in place of all elements. Nodes of the mesh say where rows are.
+#[derive(Debug, Clone)]
 pub struct Given {
     /// What each row is; no two rows are the same displacement or rotation.
     pub rows: Vec<Row>,
@@ -36,4 +70,23 @@ pub struct Given {
     pub damping: Option<Symmetric>,
     /// Whether the nodes have positions. Without them rotations of a set of nodes are unknown, and so are rigid rotations.
     pub placed: bool,
+    /// Displacements of further nodes, for outputs, loads and pictures.
+    pub recovered: Vec<Recovered>,
+    /// Joints by rows of a matrix of relative displacements.
+    pub relative: Vec<RelativeSlip>,
+}
+
+impl Given {
+    /// Number of each row among the degrees of freedom: the three displacements of each of `nodes` nodes, then all other rows in their order.
+    pub(crate) fn freedoms(&self, nodes: usize) -> Vec<usize> {
+        let mut further = 3 * nodes;
+        let number = |row: &Row| match *row {
+            Row::Displacement { node, axis } => 3 * node + axis,
+            Row::Rotation { .. } | Row::Generalised => {
+                further += 1;
+                further - 1
+            }
+        };
+        self.rows.iter().map(number).collect()
+    }
 }

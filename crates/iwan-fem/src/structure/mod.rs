@@ -10,6 +10,6 @@ pub mod check;
 pub mod paper;
 
 pub use description::{Lump, Structure, Support};
-pub use given::{Given, Row};
+pub use given::{Given, Recovered, RelativeSlip, Row};
 pub use interface::{Interface, Joint, Law, Patch, Slip};
 pub use kept::{Kept, KeptModes};

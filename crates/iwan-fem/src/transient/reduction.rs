@@ -42,6 +42,9 @@ pub struct Reduced<'a> {
 /// when two joints act on one motion. It is a square of lengths, so that 1e-6 of a length is kept; those of the paper's beam are all
 /// above 4e-2.
 const DEPENDENT: f64 = 1e-12;
+/// What the modes leave of an attachment vector, over the whole of it, is rounding below this, a square of lengths as well: where modes span everything the
+/// square of 1e-16 is left. As a vector of its own, rounding would be a mode twice over.
+const ROUNDING: f64 = 1e-22;
 
 impl Assembled {
     /// Reduces the structure to its lowest `modes` stuck modes, zero modes included, and the attachment vectors.
@@ -185,10 +188,11 @@ fn eigenvalues_of(modes: &Modes) -> Vec<f64> {
 /// (K_0 + σM)⁻¹ e of each slip without its part in the modes. The shift is so far below the first mode left out that
 /// what it changes lies in the modes.
 fn attachment_vectors(assembled: &Assembled, modes: &Modes, factor: &Cholesky) -> Vec<Vec<f64>> {
-    let vector = |unknown: usize| {
+    let vector = |unknown: usize| -> Option<Vec<f64>> {
         let mut z = vec![0.0; assembled.unknowns()];
         z[unknown] = 1.0;
         factor.solve(&mut z);
+        let whole = assembled.mass().form(&z, &z);
         // Twice: what is left is small against what is taken off.
         for _ in 0..2 {
             let weighted = assembled.mass().times(&z);
@@ -196,16 +200,21 @@ fn attachment_vectors(assembled: &Assembled, modes: &Modes, factor: &Cholesky) -
                 add_scaled(&mut z, -dot(modes.shape(i), &weighted), modes.shape(i));
             }
         }
-        let length = assembled.mass().form(&z, &z).sqrt();
-        scale(&mut z, 1.0 / length);
-        z
+        let left = assembled.mass().form(&z, &z);
+        (left > ROUNDING * whole).then(|| {
+            scale(&mut z, 1.0 / left.sqrt());
+            z
+        })
     };
-    assembled.slips().iter().map(|slip| vector(slip.unknown)).collect()
+    assembled.slips().iter().filter_map(|slip| vector(slip.unknown)).collect()
 }
 
 /// Combinations of vectors of unit mass that are M-orthonormal and K_0-orthogonal, and their eigenvalues.
 fn diagonalise(assembled: &Assembled, vectors: &[Vec<f64>]) -> Result<(Vec<f64>, Vec<Vec<f64>>), Error> {
     let n = vectors.len();
+    if n == 0 {
+        return Ok((Vec::new(), Vec::new()));
+    }
     let failed = || Error::Analysis {
         analysis: "reduction",
         finding: "the attachment vectors are not finite".into(),

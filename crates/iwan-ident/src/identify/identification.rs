@@ -102,6 +102,7 @@ impl Identification {
     pub fn in_words(&self) -> Vec<String> {
         let mut words = vec![self.verdict.misfit.clone()];
         words.extend(self.discrepancy_in_words());
+        words.extend(self.laws.as_ref().ok().and_then(|laws| laws.backbone.scatter_in_words()));
         if self.linear.is_enough() {
             words.push(format!(
                 "the joint is not needed: a linear mode of {:.6} Hz with {:.4} % viscous damping tells the records as well",

@@ -2,12 +2,16 @@
 
 use std::f64::consts::TAU;
 
+use nalgebra::DMatrix;
+
 use super::candidates::{CANDIDATES, Candidate};
-use super::discrepancy::{Ladder, Size, Whitener};
+use super::discrepancy::Ladder;
 use super::estimates::{Estimate, estimates};
 use super::fit::{Fitted, Problem};
 use super::mode::LawMode;
-use super::slow::{Backbone, Covariances, Grid, Information, Measured, Smooth, Source, guess, measure};
+use super::slow::{
+    Backbone, Covariances, Grid, Information, Measured, Scatter, Smooth, Source, guess, measure, specimen,
+};
 use super::terms::{Scales, Term};
 use crate::curve_fit::{Compared, Grade, Verdict};
 use crate::curves::Curves;
@@ -27,8 +31,7 @@ const BEYOND: f64 = 1.1;
 pub struct FittedLaw {
     /// Which one.
     pub law: Candidate,
-    /// Twice the negative logarithm of its evidence, less that of the best law: 0 is the best. All with a discrepancy of one size, that of the law
-    /// that misses least.
+    /// Twice the negative logarithm of its evidence with the discrepancy that it needs, less that of the best law: 0 is the best.
     pub criterion: f64,
     /// Root-mean-square misfit of ln D against the smooth curves, over the cycles of the records.
     pub dissipation_misfit: f64,
@@ -70,6 +73,8 @@ struct Together {
     seen: Vec<usize>,
     /// Of each cycle of the records' curves: the place on the grid next to its amplitude.
     cycles: Vec<usize>,
+    /// How far hits stray from each other, with the covariance of that.
+    scatter: (Scatter, DMatrix<f64>),
 }
 
 /// Fits all laws to the ring-downs of a mode; `iwan` is where the search for the four-parameter joint also begins.
@@ -96,24 +101,40 @@ pub fn compare(sources: &[Source<'_>], iwan: Option<&Parameters>) -> Result<Comp
     Ok(Comparison {
         laws,
         chosen,
-        backbone: Backbone::new(&together.grid, &together.smooth, &together.seen),
+        backbone: Backbone::new(
+            &together.grid,
+            &together.smooth,
+            &together.seen,
+            (together.scatter.0, &together.scatter.1),
+        ),
         released: measured.iter().map(|m| m.released).collect(),
         noise: measured.iter().map(|m| m.noise / m.level).collect(),
     })
 }
 
 /// The simplest of the laws that are as good as the best: one that describes the records goes before one that does not, unless the evidence
-/// is strong. None of no laws.
+/// is strong. Evidence is that of the loudest cycles where noise is small, so that it is not heard for a law which misses more of both
+/// curves than another whose grade is better. None of no laws.
 fn choice(laws: &[FittedLaw]) -> Option<usize> {
-    let near = laws.iter().filter(|l| l.criterion <= STRONG);
-    let grade = near.map(|l| l.grade).max()?;
-    let least = laws.iter().filter(|l| l.grade == grade).map(|l| l.criterion).fold(f64::INFINITY, f64::min);
-    let good = laws.iter().enumerate().filter(|(_, l)| l.grade == grade && l.criterion <= least + AS_GOOD);
+    let surpassed = |l: &FittedLaw| {
+        laws.iter().any(|other| {
+            other.grade > l.grade
+                && other.dissipation_misfit < l.dissipation_misfit
+                && other.frequency_misfit < l.frequency_misfit
+        })
+    };
+    let open: Vec<(usize, &FittedLaw)> = laws.iter().enumerate().filter(|(_, l)| !surpassed(l)).collect();
+    let best = open.iter().map(|(_, l)| l.criterion).fold(f64::INFINITY, f64::min);
+    let near = || open.iter().filter(|(_, l)| l.criterion <= best + STRONG);
+    let grade = near().map(|(_, l)| l.grade).max()?;
+    let of_grade = || open.iter().filter(|(_, l)| l.grade == grade);
+    let least = of_grade().map(|(_, l)| l.criterion).fold(f64::INFINITY, f64::min);
+    let good = of_grade().filter(|(_, l)| l.criterion <= least + AS_GOOD);
     let simplest = good.min_by(|(_, a), (_, b)| {
         let order = a.parameters.len().cmp(&b.parameters.len());
         order.then(a.criterion.total_cmp(&b.criterion))
     });
-    simplest.map(|(i, _)| i)
+    simplest.map(|(i, _)| *i)
 }
 
 impl Comparison {
@@ -183,7 +204,6 @@ fn grid(sources: &[Source<'_>]) -> Grid {
 
 fn together(grid: Grid, measured: &[Measured], sources: &[Source<'_>]) -> Option<Together> {
     let all: Vec<Information> = measured.iter().map(|m| m.information.clone()).collect();
-    let information = Information::sum(&all);
     let curves: Vec<&Curves> = sources.iter().map(|s| s.curves).collect();
     let near = guess(&grid, &curves);
     let ends = |m: &dyn Fn(&Measured) -> f64, pick: fn(f64, f64) -> f64| measured.iter().map(m).reduce(pick);
@@ -193,11 +213,17 @@ fn together(grid: Grid, measured: &[Measured], sources: &[Source<'_>]) -> Option
         (0..grid.count()).filter(|&i| (low - half..=high + half).contains(&grid.log(i))).collect();
     let rate = near.decay.iter().sum::<f64>() / near.decay.len() as f64;
     let shift = range(&near.omega).max(0.1 * rate);
-    let smooth = Smooth::new(&information, &Covariances::new(&grid, &near, shift), &near)?;
+    let covariances = Covariances::new(&grid, &near, shift);
+    let mean = Smooth::mean(&near);
+    let (information, scatter, straying) =
+        specimen(&all, &covariances, &mean, (mean[mean.len() - 1], shift))?;
+    let smooth = Smooth::new(&information, &covariances, &near)?;
     // Once more about what was found: discrepancies are relative to it.
     let mut found = smooth.rates.clone();
     found.decay.iter_mut().for_each(|d| *d = d.max(0.05 * rate));
-    let shift = range(&seen.iter().map(|&i| found.omega[i]).collect::<Vec<_>>()).max(0.1 * rate);
+    let shift = range(&seen.iter().map(|&i| found.omega[i]).collect::<Vec<_>>())
+        .max(0.1 * rate)
+        .max(scatter.frequency * mean[mean.len() - 1]);
     let covariances = Covariances::new(&grid, &found, shift);
     let middle = seen[seen.len() / 2];
     let scales = Scales {
@@ -215,7 +241,7 @@ fn together(grid: Grid, measured: &[Measured], sources: &[Source<'_>]) -> Option
         })
     };
     let cycles = curves.iter().flat_map(|c| c.displacement.iter().filter_map(next)).collect();
-    Some(Together { grid, information, smooth, ladder, scales, seen, cycles })
+    Some(Together { grid, information, smooth, ladder, scales, seen, cycles, scatter: (scatter, straying) })
 }
 
 fn range(y: &[f64]) -> f64 {
@@ -224,32 +250,17 @@ fn range(y: &[f64]) -> f64 {
 }
 
 impl Together {
-    /// All laws, each with parameters and a discrepancy of its own; their criteria with the discrepancy of the law that misses least.
+    /// All laws, each with the discrepancy that it needs.
     fn laws(&self, iwan: Option<&Parameters>) -> Vec<FittedLaw> {
         let (amplitudes, smooth) = (self.grid.amplitudes(), self.seen_curves());
-        let own = |law: &Candidate| {
+        let one = |law: &Candidate| {
             let problem = Problem::new(law.terms, self.scales, &amplitudes, &self.information, &smooth);
             let more =
                 if law.terms == [Term::Iwan] { iwan.and_then(|p| self.scales.of_iwan(p)) } else { None };
             let more: Vec<Vec<f64>> = more.into_iter().collect();
-            let (x, whitener) = problem.own(&self.ladder, &more)?;
-            Some((*law, problem, more, x, whitener))
+            self.fitted_law(*law, &problem, &problem.fit(&self.ladder, &more)?)
         };
-        let all: Vec<_> = CANDIDATES.iter().filter_map(own).collect();
-        let size = |w: &Whitener| w.size.decay * w.size.omega;
-        let sizes = all.iter().map(|one| one.4);
-        let Some(least) = sizes.min_by(|a, b| size(a).total_cmp(&size(b))) else { return vec![] };
-        // Not more than the laws need that lie nearest to either curve: a discrepancy could bend after what a law can tell.
-        let common = all.iter().filter_map(|(_, problem, more, ..)| problem.distances(more)).fold(
-            least.size,
-            |size, (decay, omega)| Size { decay: size.decay.min(decay), omega: size.omega.min(omega) },
-        );
-        let common = self.ladder.at_most(common);
-        all.iter()
-            .filter_map(|(law, problem, more, x, _)| {
-                self.fitted_law(*law, problem, &problem.fit(&self.ladder, common, x, more)?)
-            })
-            .collect()
+        CANDIDATES.iter().filter_map(one).collect()
     }
 
     /// ln λ and ω of the smooth curves at the places that the records saw, where damping is positive.
@@ -295,5 +306,46 @@ impl Together {
             });
         }
         Some(Verdict::new(&dissipation, &frequency, false))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn law(
+        place: usize,
+        criterion: f64,
+        (dissipation_misfit, frequency_misfit): (f64, f64),
+        grade: Grade,
+    ) -> FittedLaw {
+        let parameters = vec![
+            Estimate { name: "frequency", value: 1.0, low: None, high: None };
+            2 + CANDIDATES[place].terms.len()
+        ];
+        FittedLaw {
+            law: CANDIDATES[place],
+            criterion,
+            dissipation_misfit,
+            frequency_misfit,
+            discrepancy: (0.0, 0.0),
+            grade,
+            parameters,
+            mode: LawMode { frequency: 1.0, damping_ratio: 0.0, joint: None, parts: vec![] },
+        }
+    }
+
+    #[test]
+    fn evidence_is_not_heard_for_a_law_that_misses_more_of_both_curves() {
+        let of = |misses: (f64, f64), grade| {
+            choice(&[law(0, 0.0, misses, grade), law(1, 400.0, (0.027, 0.019), Grade::Matches)])
+        };
+        // Misses more of both, and does not describe the records: the other is taken.
+        assert_eq!(of((0.068, 0.051), Grade::Usable), Some(1));
+        // Misses less of one: the evidence decides.
+        assert_eq!(of((0.068, 0.010), Grade::Usable), Some(0));
+        // Describes the records as well: the evidence decides.
+        assert_eq!(of((0.029, 0.020), Grade::Matches), Some(0));
+        assert_eq!(choice(&[]), None);
     }
 }

@@ -83,16 +83,6 @@ impl Ladder {
         Some(Self { rungs })
     }
 
-    /// The rung of the largest sizes that are not above those given; the lowest where all are.
-    pub(super) fn at_most(&self, size: Size) -> &Whitener {
-        let lowest = self.rungs[0].size;
-        let (decay, omega) = (size.decay.max(lowest.decay), size.omega.max(lowest.omega));
-        let fits = |w: &&Whitener| w.size.decay <= decay && w.size.omega <= omega;
-        let product = |w: &Whitener| w.size.decay * w.size.omega;
-        let largest = self.rungs.iter().filter(fits).max_by(|a, b| product(a).total_cmp(&product(b)));
-        largest.unwrap_or(&self.rungs[0])
-    }
-
     /// The rung of the least `criterion`, first along one size, then along the other, until neither gains.
     pub(super) fn least(&self, criterion: impl Fn(&Whitener) -> f64) -> &Whitener {
         let side = RUNGS as usize;
@@ -112,5 +102,24 @@ impl Ladder {
                 return &self.rungs[i * side + j];
             }
         }
+    }
+
+    /// The rung next to the root mean squares of the sizes, each rung weighted by its likelihood, and twice the negative logarithm of the mean
+    /// likelihood: a size that happens to be likeliest near zero is not taken for certain.
+    pub(super) fn typical(&self, criterion: impl Fn(&Whitener) -> f64) -> (&Whitener, f64) {
+        let all: Vec<f64> = self.rungs.iter().map(criterion).collect();
+        let least = all.iter().copied().fold(f64::INFINITY, f64::min);
+        let (mut sum, mut decay, mut omega) = (0.0, 0.0, 0.0);
+        for (rung, c) in self.rungs.iter().zip(&all) {
+            let weight = (-0.5 * (c - least)).exp();
+            sum += weight;
+            decay += weight * rung.size.decay.powi(2);
+            omega += weight * rung.size.omega.powi(2);
+        }
+        let mean = Size { decay: (decay / sum).sqrt(), omega: (omega / sum).sqrt() };
+        let away =
+            |w: &Whitener| (w.size.decay / mean.decay).ln().abs() + (w.size.omega / mean.omega).ln().abs();
+        let next = self.rungs.iter().min_by(|a, b| away(a).total_cmp(&away(b))).unwrap_or(&self.rungs[0]);
+        (next, least - 2.0 * (sum / all.len() as f64).ln())
     }
 }

@@ -150,8 +150,8 @@ impl<'a> Problem<'a> {
         all.min_by(|a, b| a.cost.total_cmp(&b.cost)).map(|best| best.x)
     }
 
-    /// The coordinates that are likeliest with a discrepancy of their own, and that.
-    pub(super) fn own<'l>(&self, ladder: &'l Ladder, more: &[Vec<f64>]) -> Option<(Vec<f64>, &'l Whitener)> {
+    /// The law with the discrepancy that makes it likeliest, and its evidence with that.
+    pub(super) fn fit<'l>(&self, ladder: &'l Ladder, more: &[Vec<f64>]) -> Option<Fitted<'l>> {
         let mut x = self.nearest(more)?;
         let last = self.search(LAST_STEPS, TOLERANCE);
         let mut whitener = self.size(ladder, &x)?;
@@ -163,43 +163,11 @@ impl<'a> Problem<'a> {
             }
             whitener = likelier;
         }
-        Some((x, whitener))
-    }
-
-    /// Root-mean-square distances of the nearest curves from the smooth ones: of ln λ, and of ω in shifts. They are what the law misses, and noise.
-    pub(super) fn distances(&self, more: &[Vec<f64>]) -> Option<(f64, f64)> {
-        let rates = self.scales.mode(self.terms, &self.nearest(more)?)?.rates(self.amplitudes).ok()?;
-        let n = self.smooth.len() as f64;
-        let (mut decay, mut omega) = (0.0, 0.0);
-        for &(i, log_decay, smooth) in self.smooth {
-            decay += (rates[i].decay.max(f64::MIN_POSITIVE).ln() - log_decay).powi(2) / n;
-            omega += ((rates[i].omega - smooth) / self.scales.shift).powi(2) / n;
-        }
-        Some((decay.sqrt(), omega.sqrt()))
-    }
-
-    fn size<'l>(&self, ladder: &'l Ladder, x: &[f64]) -> Option<&'l Whitener> {
-        let local = self.local(x)?;
-        Some(ladder.least(|rung| self.criterion(rung, &local)))
-    }
-
-    /// The law with the discrepancy that all laws share, from `own` coordinates or from the nearest ones, whichever leads lower. Its intervals are
-    /// those of the discrepancy that it needs itself.
-    pub(super) fn fit<'l>(
-        &self,
-        ladder: &'l Ladder,
-        common: &Whitener,
-        own: &[f64],
-        more: &[Vec<f64>],
-    ) -> Option<Fitted<'l>> {
-        let last = self.search(LAST_STEPS, TOLERANCE);
-        let from = [own.to_vec(), self.nearest(more)?];
-        let found = from.iter().filter_map(|x| last.run(&mut self.whitened(common), x));
-        let x = found.min_by(|a, b| a.cost.total_cmp(&b.cost))?.x;
-        let (local, whitener) = (self.local(&x)?, self.size(ladder, &x)?);
+        let local = self.local(&x)?;
+        let (whitener, criterion) = ladder.typical(|rung| self.criterion(rung, &local));
         let covariance = self.precision(whitener, &local).cholesky()?.inverse();
         Some(Fitted {
-            criterion: self.criterion(common, &local),
+            criterion,
             cost: whitener.vector(&local.residuals).norm_squared(),
             at: At {
                 mode: self.scales.mode(self.terms, &x)?,
@@ -208,6 +176,11 @@ impl<'a> Problem<'a> {
             },
             whitener,
         })
+    }
+
+    fn size<'l>(&self, ladder: &'l Ladder, x: &[f64]) -> Option<&'l Whitener> {
+        let local = self.local(x)?;
+        Some(ladder.least(|rung| self.criterion(rung, &local)))
     }
 
     /// The likeliest coordinates next to `x` with one of them held, and the sum of squares there, for the discrepancy of `whitener`.

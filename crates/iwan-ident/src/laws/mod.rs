@@ -2,10 +2,9 @@
 //!
 //! The slow flow of a ring-down is decay rate λ(a) and frequency ω(a) against amplitude. What records tell about these
 //! curves is kept as Gaussian information, with all its correlations, and every law of a short list is
-//! fitted to it by averaging. A law may be wrong: it is fitted together with a discrepancy that varies slowly with the logarithm of
-//! the amplitude and whose size is estimated with the parameters. Its intervals grow with what it misses, and laws
-//! are compared by their evidence with the discrepancy of the one that misses least: one law can be better than another though
-//! neither is right, and the simplest that misses no more than the best is the one to take.
+//! fitted to it by averaging. A law may be wrong: it is fitted together with a discrepancy, a process of the logarithm of
+//! the amplitude whose size is estimated with the parameters. Its intervals grow with what it misses, and its evidence shrinks: laws
+//! are compared by the evidence of law and discrepancy together, and the simplest that is as good as the best is the one to take.
 
 mod slow;
 mod mode;
@@ -20,4 +19,4 @@ pub use candidates::{CANDIDATES, Candidate};
 pub use comparison::{Comparison, FittedLaw, compare};
 pub use estimates::Estimate;
 pub use mode::{Joint, LawMode, Rate};
-pub use slow::{Backbone, Source};
+pub use slow::{Backbone, Scatter, Source};

@@ -52,8 +52,9 @@ const fn coordinate(low: f64, high: f64, width: f64, starts: &'static [f64]) -> 
 const FREQUENCY: Coordinate = coordinate(-1e3, 1e3, 10.0, &[0.0]);
 /// Share of a damper: none is negative.
 const SHARE: Coordinate = coordinate(0.0, 1e3, 1.0, &[0.3]);
-/// Share of a spring, of either sign.
-const SPRING: Coordinate = coordinate(-1e3, 1e3, 1.0, &[-0.3]);
+/// Share of a spring, of either sign. The smaller start is for records of two decades, at whose end a cubic spring that makes a third of the shift in
+/// the middle would have eaten up all stiffness.
+const SPRING: Coordinate = coordinate(-1e3, 1e3, 1.0, &[-0.3, -3e-3]);
 
 impl Term {
     /// Its coordinates.

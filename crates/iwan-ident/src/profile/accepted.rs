@@ -1,84 +1,156 @@
-//! The points that the records accept: at each knee the best of all others, and how far these can move there.
+//! The points that measurements accept: at each knee the best of all others, how far these can move there, and the intervals that they
+//! leave together.
 
 use nalgebra::{DMatrix, DVector};
 
 use super::deviance::Scale;
-use super::walk::Walk;
+use super::ground::Ground;
+use super::outcome::{Profile, ProfilePoint};
+use super::walk::{End, Walk};
 use crate::parameters::{COUNT, Parameter};
-use crate::refine::{Effort, Task, Workspace};
-use crate::search::Minimum;
+use crate::search::{Chart, Minimum};
 
-/// Relative reduction of the sum of squares at which the searches of a sweep end: the deviance then stands to a hundredth.
-const TOLERANCE: f64 = 1e-5;
 /// Half step of the differences of a parameter with respect to the coordinates: these are closed forms, and central differences are
 /// best near the cube root of rounding.
 const STEP: f64 = 1e-5;
 
+/// A ground whose first coordinates are those of the six parameters.
+pub(crate) trait Charted: Ground {
+    /// What the coordinates mean.
+    fn chart(&self) -> &Chart;
+
+    /// The coordinates on which the sum of squares depends smoothly at `x`: not the knee.
+    fn smooth_at(&self, x: &[f64]) -> Vec<usize>;
+}
+
 /// A point within the limit, with what is left of the deviance there.
 #[derive(Debug, Clone)]
-pub(super) struct Accepted {
-    pub(super) minimum: Minimum,
-    pub(super) deviance: f64,
-    /// Inverse of the triangular factor of the residuals' derivatives with respect to the smooth unknowns.
+pub(crate) struct Accepted {
+    pub(crate) minimum: Minimum,
+    deviance: f64,
+    /// Inverse of the triangular factor of the residuals' derivatives with respect to the smooth coordinates, and these.
     spread: Option<DMatrix<f64>>,
+    smooth: Vec<usize>,
 }
 
 /// All points within the limit, and whether they reach the ends of the range of knees.
-pub(super) struct Region {
-    pub(super) points: Vec<Accepted>,
-    /// The largest knee that was tried is accepted: the records do not tell an upper end.
-    pub(super) to_largest_knee: bool,
+#[derive(Debug)]
+pub(crate) struct Region {
+    points: Vec<Accepted>,
+    /// The largest knee that was tried is accepted: an upper end is not told.
+    to_largest_knee: bool,
     /// The smallest one is.
-    pub(super) to_smallest_knee: bool,
+    to_smallest_knee: bool,
 }
 
 impl Region {
-    /// From the minimum along all knees, or where the knee is not sought the minimum alone.
+    /// Of the points found along all knees: `knee` is their coordinate with its range, where it is sought.
     ///
     /// # Errors
     /// A better minimum.
-    pub(super) fn new(task: &Task, minimum: &Minimum, scale: &Scale) -> Result<Self, Minimum> {
-        let mut work = Workspace::default();
-        let mut found = vec![minimum.clone()];
-        let (mut to_largest_knee, mut to_smallest_knee) = (false, false);
-        if let Some(knee) = task.knee() {
-            let knees = task.knees();
-            let (high, low) = (knees[0], knees[knees.len() - 1]);
-            let limit = minimum.cost + scale.limit * scale.variance;
-            found = task.sweep(minimum, limit, TOLERANCE, &mut work);
-            found.extend(task.polished(&found, &mut work));
-            for direction in [-1.0, 1.0] {
-                let mut walk = Walk::new(task, knee, task.smooth(), minimum, scale);
-                walk.go(direction)?;
-                found.extend(walk.visited.into_iter().map(|v| v.minimum));
-            }
-            let inside = |m: &&Minimum| scale.rise(m) < scale.limit;
-            to_largest_knee = found.iter().filter(inside).any(|m| m.x[knee] >= high);
-            to_smallest_knee = found.iter().filter(inside).any(|m| m.x[knee] <= low);
-        }
+    pub(crate) fn of<G: Charted>(
+        ground: &G,
+        mut found: Vec<Minimum>,
+        knee: Option<(usize, [f64; 2])>,
+        scale: &Scale,
+        work: &mut G::Work,
+    ) -> Result<Self, Minimum> {
         let best = found.iter().min_by(|a, b| a.cost.total_cmp(&b.cost));
         if let Some(better) = best.filter(|m| scale.rise(m) < scale.better) {
             return Err(better.clone());
         }
         found.retain(|m| scale.rise(m) < scale.limit);
-        let points = found.into_iter().map(|m| Accepted::new(task, m, scale, &mut work)).collect();
+        let reaches = |end: fn(f64, [f64; 2]) -> bool| {
+            knee.is_some_and(|(knee, range)| found.iter().any(|m| end(m.x[knee], range)))
+        };
+        let to_largest_knee = reaches(|at, [_, high]| at >= high);
+        let to_smallest_knee = reaches(|at, [low, _]| at <= low);
+        let points = found.into_iter().map(|m| Accepted::new(ground, m, scale, work)).collect();
         Ok(Self { points, to_largest_knee, to_smallest_knee })
+    }
+
+    /// The profile of a parameter, whose best value is that of `minimum`; `end` walks to an end of its interval, downwards with -1 and
+    /// upwards with 1, and adds the points that it meets. `slips`: whether macro-slip is clearly seen.
+    pub(crate) fn profile<G: Charted>(
+        &self,
+        ground: &G,
+        minimum: &Minimum,
+        (parameter, held): (Parameter, bool),
+        slips: bool,
+        end: &dyn Fn(f64, &mut Vec<ProfilePoint>) -> Option<f64>,
+    ) -> Profile {
+        let point = |p: &Accepted| ProfilePoint { value: p.value(ground, parameter), deviance: p.deviance };
+        let mut points: Vec<ProfilePoint> = self.points.iter().map(point).collect();
+        let mut reach = |low: bool, direction: f64| {
+            (!held && self.tells(parameter, low, slips)).then(|| end(direction, &mut points)).flatten()
+        };
+        let (low, high) = (reach(true, -1.0), reach(false, 1.0));
+        points.sort_by(|a, b| a.value.total_cmp(&b.value).then(a.deviance.total_cmp(&b.deviance)));
+        points.dedup_by(|later, kept| later.value == kept.value);
+        let value = ground.chart().parameters(&minimum.x).get(parameter);
+        Profile { parameter, value, low, high, points, held }
+    }
+
+    /// Whether this end of a parameter can be told at all.
+    fn tells(&self, parameter: Parameter, low: bool, slips: bool) -> bool {
+        match parameter {
+            Parameter::KT | Parameter::FS if low => !self.to_smallest_knee,
+            Parameter::KT | Parameter::FS => slips && !self.to_largest_knee,
+            Parameter::Beta => slips && !self.to_largest_knee && !self.to_smallest_knee,
+            _ => true,
+        }
+    }
+
+    /// The point from which a parameter reaches farthest in a direction.
+    pub(crate) fn farthest<G: Charted>(
+        &self,
+        ground: &G,
+        scale: &Scale,
+        parameter: Parameter,
+        direction: f64,
+    ) -> Option<&Minimum> {
+        let reached = |p: &Accepted| {
+            direction * scaled(parameter, p.value(ground, parameter)) + p.reach(ground, scale, parameter)
+        };
+        let farthest = self.points.iter().max_by(|a, b| reached(a).total_cmp(&reached(b)))?;
+        Some(&farthest.minimum)
+    }
+
+    /// The end of an interval in a direction, where a walk from the farthest point ends and no accepted point lies outside; none where it is
+    /// open.
+    pub(crate) fn end<G: Charted, W: Charted>(
+        &self,
+        ground: &G,
+        mut walk: Walk<'_, W>,
+        parameter: Parameter,
+        direction: f64,
+        points: &mut Vec<ProfilePoint>,
+    ) -> Option<f64> {
+        let chart = walk.task.chart();
+        let value = |x: &[f64]| chart.parameters(x).get(parameter);
+        walk.stiffness_ends = matches!(parameter, Parameter::KT | Parameter::FS | Parameter::Beta);
+        let found = walk.go(direction).unwrap_or(End::Open);
+        points.extend(
+            walk.visited.iter().map(|v| ProfilePoint { value: value(&v.minimum.x), deviance: v.deviance }),
+        );
+        let End::Closed(at) = found else { return None };
+        let mut x = walk.nearest(at);
+        x[walk.coordinate] = at;
+        let all = self.points.iter().map(|p| p.value(ground, parameter)).chain([value(&x)]);
+        all.reduce(|a, b| if direction < 0.0 { a.min(b) } else { a.max(b) })
     }
 }
 
 impl Accepted {
-    fn new(task: &Task, minimum: Minimum, scale: &Scale, work: &mut Workspace) -> Self {
-        let search = task.search(task.smooth(), Effort { iterations: 0, tolerance: 0.0 });
-        let mut residuals = |x: &[f64], out: &mut [f64]| task.residuals(x, out, work);
-        let mut r = vec![0.0; task.count()];
-        residuals(&minimum.x, &mut r);
-        let jacobian = search.jacobian(&mut residuals, &minimum.x, &r);
+    fn new<G: Charted>(ground: &G, minimum: Minimum, scale: &Scale, work: &mut G::Work) -> Self {
+        let smooth = ground.smooth_at(&minimum.x);
+        let jacobian = ground.jacobian(&minimum.x, smooth.clone(), work);
         let spread = jacobian.and_then(|j| j.qr().r().try_inverse());
-        Self { deviance: scale.rise(&minimum).max(0.0), minimum, spread }
+        Self { deviance: scale.rise(&minimum).max(0.0), minimum, spread, smooth }
     }
 
     /// How far a parameter (its logarithm where it has one) can go from here in the linearised model before the limit is reached.
-    pub(super) fn reach(&self, task: &Task, scale: &Scale, parameter: Parameter) -> f64 {
+    fn reach<G: Charted>(&self, ground: &G, scale: &Scale, parameter: Parameter) -> f64 {
         let Some(spread) = &self.spread else { return 0.0 };
         let slope = |j: &usize| {
             if *j >= COUNT {
@@ -87,23 +159,22 @@ impl Accepted {
             let at = |by: f64| {
                 let mut x = self.minimum.x.clone();
                 x[*j] += by;
-                scaled(parameter, task.chart.parameters(&x).get(parameter))
+                scaled(parameter, ground.chart().parameters(&x).get(parameter))
             };
             (at(STEP) - at(-STEP)) / (2.0 * STEP)
         };
-        let smooth = task.smooth();
-        let slopes = DVector::from_iterator(smooth.len(), smooth.iter().map(slope));
+        let slopes = DVector::from_iterator(self.smooth.len(), self.smooth.iter().map(slope));
         let left = (scale.limit - self.deviance).max(0.0);
         (spread.transpose() * slopes).norm() * (scale.variance * left).sqrt()
     }
 
-    pub(super) fn value(&self, task: &Task, parameter: Parameter) -> f64 {
-        task.chart.parameters(&self.minimum.x).get(parameter)
+    fn value<G: Charted>(&self, ground: &G, parameter: Parameter) -> f64 {
+        ground.chart().parameters(&self.minimum.x).get(parameter)
     }
 }
 
 /// The scale on which intervals are sought: logarithms of what is positive.
-pub(super) fn scaled(parameter: Parameter, value: f64) -> f64 {
+fn scaled(parameter: Parameter, value: f64) -> f64 {
     match parameter {
         Parameter::DampingRatio | Parameter::Chi => value,
         Parameter::Beta => value / (1.0 + value),

@@ -11,14 +11,14 @@ const BETTER: f64 = -0.1;
 
 /// What all profiles of a task share.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Scale {
+pub(crate) struct Scale {
     /// Least sum of squares, that of the best fit.
-    pub(super) least: f64,
+    pub(crate) least: f64,
     /// Variance of the residuals in their unit.
-    pub(super) variance: f64,
-    pub(super) limit: f64,
+    pub(crate) variance: f64,
+    pub(crate) limit: f64,
     /// A deviance below this is a better minimum.
-    pub(super) better: f64,
+    pub(crate) better: f64,
 }
 
 impl Scale {
@@ -38,14 +38,19 @@ impl Scale {
         }
     }
 
+    /// About a least sum of squares with a variance that is known or found elsewhere, on so many degrees of freedom.
+    pub(crate) fn about(least: f64, variance: f64, freedom: f64) -> Self {
+        Self { least, variance, limit: student(freedom).powi(2), better: BETTER }
+    }
+
     /// Deviance of a point: the rise of the sum of squares over its least value, in units of the variance.
-    pub(super) fn rise(&self, found: &Minimum) -> f64 {
+    pub(crate) fn rise(&self, found: &Minimum) -> f64 {
         (found.cost - self.least) / self.variance
     }
 }
 
 /// 97.5 % point of Student's t with ν degrees of freedom: Abramowitz and Stegun 26.7.5, within 0.3 % from ν = 3 on.
-fn student(freedom: f64) -> f64 {
+pub(crate) fn student(freedom: f64) -> f64 {
     let (z, n) = (NORMAL, freedom.max(3.0));
     let z2 = z * z;
     let terms = [

@@ -13,16 +13,23 @@
 mod outcome;
 mod deviance;
 mod charting;
+mod ground;
 mod walk;
 mod accepted;
 
+use iwan_machine::threads::in_parallel;
+
 use crate::parameters::Parameter;
-use crate::refine::Task;
-use crate::search::{DIRAC, Minimum};
-use accepted::{Accepted, Region, scaled};
-use deviance::Scale;
+use crate::refine::{Task, Workspace};
+use crate::search::{Chart, DIRAC, Minimum};
+pub(crate) use accepted::{Charted, Region};
+pub(crate) use deviance::{Scale, student};
+pub(crate) use ground::{Ground, is_all_joint};
 pub use outcome::{Profile, ProfilePoint, Profiles};
-use walk::{End, Walk};
+pub(crate) use walk::{End, Walk};
+
+/// Relative reduction of the sum of squares at which the searches of a sweep end: the deviance then stands to a hundredth.
+const TOLERANCE: f64 = 1e-5;
 
 /// Macro-slip is seen when the best fit without it has a deviance above this. Two parameters more would gain 6 at the 95 %
 /// level; but the knee is sought along its whole range, and noise alone was seen to gain 19.6. With 25, none of 40 records of Table 2's mode 1
@@ -61,18 +68,11 @@ pub(crate) struct Known<'a> {
 pub(crate) fn profiles(task: &Task, known: Known<'_>) -> Result<Profiles, Minimum> {
     let settled = known.settled || known.extent == Extent::MicroSlip;
     let scale = Scale::new(task, known.minimum, settled);
-    let region = Region::new(task, known.minimum, &scale)?;
+    let region = region(task, known.minimum, &scale)?;
     // What a walk meets beside the region is a tolerance of the searches, not another valley.
     let scale = Scale { better: f64::NEG_INFINITY, ..scale };
-    let parameters = std::thread::scope(|scope| {
-        let (region, scale) = (&region, &scale);
-        let handles: Vec<_> = Parameter::ALL
-            .iter()
-            .map(|parameter| scope.spawn(move || profile(task, known, region, scale, *parameter)))
-            .collect();
-        let joined =
-            handles.into_iter().map(|h| h.join().unwrap_or_else(|panic| std::panic::resume_unwind(panic)));
-        joined.collect()
+    let parameters = in_parallel(&Parameter::ALL, Parameter::ALL.len(), &|parameter| {
+        profile(task, known, &region, &scale, *parameter)
     });
     Ok(Profiles { parameters, limit: scale.limit, variance: scale.variance })
 }
@@ -93,70 +93,48 @@ pub(crate) fn extent(task: &Task, minimum: &Minimum, micro_slip: Option<&Minimum
     }
 }
 
-fn profile(task: &Task, known: Known<'_>, region: &Region, scale: &Scale, parameter: Parameter) -> Profile {
-    let value = task.chart.parameters(&known.minimum.x).get(parameter);
-    let held = task.held().contains(&parameter);
-    let mut points: Vec<ProfilePoint> = region
-        .points
-        .iter()
-        .map(|p| ProfilePoint { value: p.value(task, parameter), deviance: p.deviance })
-        .collect();
-    let mut profile = Profile { parameter, value, low: None, high: None, points: vec![], held };
-    if !held {
-        let told = |low: bool| is_told(known.extent, region, parameter, low);
-        if told(true) {
-            profile.low = end(task, region, scale, parameter, -1.0, &mut points);
-        }
-        if told(false) {
-            profile.high = end(task, region, scale, parameter, 1.0, &mut points);
-        }
-    }
-    points.sort_by(|a, b| a.value.total_cmp(&b.value).then(a.deviance.total_cmp(&b.deviance)));
-    points.dedup_by(|later, kept| later.value == kept.value);
-    Profile { points, ..profile }
-}
-
-/// Whether the records can tell this end of a parameter at all.
-fn is_told(extent: Extent, region: &Region, parameter: Parameter, low: bool) -> bool {
-    let full = extent == Extent::Full;
-    match parameter {
-        Parameter::KT | Parameter::FS if low => !region.to_smallest_knee,
-        Parameter::KT | Parameter::FS => full && !region.to_largest_knee,
-        Parameter::Beta => full && !region.to_largest_knee && !region.to_smallest_knee,
-        _ => true,
-    }
-}
-
-/// The end of an interval in a direction: the farthest that any point of the region reaches; none where it is open.
-fn end(
-    task: &Task,
-    region: &Region,
-    scale: &Scale,
-    parameter: Parameter,
-    direction: f64,
-    points: &mut Vec<ProfilePoint>,
-) -> Option<f64> {
-    let reached = |p: &Accepted| {
-        direction * scaled(parameter, p.value(task, parameter)) + p.reach(task, scale, parameter)
+/// All points that the records accept, from the minimum along all knees, or where the knee is not sought the minimum alone.
+fn region(task: &Task, minimum: &Minimum, scale: &Scale) -> Result<Region, Minimum> {
+    let mut work = Workspace::default();
+    let Some(knee) = task.knee() else {
+        return Region::of(task, vec![minimum.clone()], None, scale, &mut work);
     };
-    let farthest = region.points.iter().max_by(|a, b| reached(a).total_cmp(&reached(b)))?;
-    let chart = task.charting(parameter);
-    let minimum = chart.from(task, &farthest.minimum);
-    let coordinate = chart.chart.index(parameter)?;
-    // Without macro-slip the Dirac is nowhere seen.
-    let unseen = |j: usize| j == DIRAC && chart.is_micro_slip(&minimum.x);
-    let free: Vec<usize> = chart.smooth().into_iter().filter(|j| *j != coordinate && !unseen(*j)).collect();
-    let value = |x: &[f64]| chart.chart.parameters(x).get(parameter);
-    let mut walk = Walk::new(&chart, coordinate, free, &minimum, scale);
-    walk.stiffness_ends = matches!(parameter, Parameter::KT | Parameter::FS | Parameter::Beta);
-    let found = walk.go(direction).unwrap_or(End::Open);
-    points.extend(
-        walk.visited.iter().map(|v| ProfilePoint { value: value(&v.minimum.x), deviance: v.deviance }),
-    );
-    let End::Closed(at) = found else { return None };
-    let mut x = walk.nearest(at);
-    x[coordinate] = at;
-    // No accepted point lies outside.
-    let all = region.points.iter().map(|p| p.value(task, parameter)).chain([value(&x)]);
-    all.reduce(|a, b| if direction < 0.0 { a.min(b) } else { a.max(b) })
+    let knees = task.knees();
+    let range = [knees[knees.len() - 1], knees[0]];
+    let limit = minimum.cost + scale.limit * scale.variance;
+    let mut found = task.sweep(minimum, limit, TOLERANCE, &mut work);
+    found.extend(task.polished(&found, &mut work));
+    for direction in [-1.0, 1.0] {
+        let mut walk = Walk::new(task, knee, task.smooth(), minimum, scale);
+        walk.go(direction)?;
+        found.extend(walk.visited.into_iter().map(|v| v.minimum));
+    }
+    Region::of(task, found, Some((knee, range)), scale, &mut work)
+}
+
+fn profile(task: &Task, known: Known<'_>, region: &Region, scale: &Scale, parameter: Parameter) -> Profile {
+    let held = task.held().contains(&parameter);
+    let slips = known.extent == Extent::Full;
+    region.profile(task, known.minimum, (parameter, held), slips, &|direction, points| {
+        let farthest = region.farthest(task, scale, parameter, direction)?;
+        let chart = task.charting(parameter);
+        let minimum = chart.from(task, farthest);
+        let coordinate = chart.chart.index(parameter)?;
+        // Without macro-slip the Dirac is nowhere seen.
+        let unseen = |j: usize| j == DIRAC && chart.is_micro_slip(&minimum.x);
+        let free: Vec<usize> =
+            chart.smooth().into_iter().filter(|j| *j != coordinate && !unseen(*j)).collect();
+        let walk = Walk::new(&chart, coordinate, free, &minimum, scale);
+        region.end(task, walk, parameter, direction, points)
+    })
+}
+
+impl Charted for Task {
+    fn chart(&self) -> &Chart {
+        &self.chart
+    }
+
+    fn smooth_at(&self, _: &[f64]) -> Vec<usize> {
+        self.smooth()
+    }
 }

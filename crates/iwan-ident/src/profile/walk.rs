@@ -1,7 +1,7 @@
 //! A walk from the minimum along one coordinate, to where the records contradict.
 
 use super::deviance::Scale;
-use crate::refine::{Effort, Task, Workspace};
+use super::ground::Ground;
 use crate::search::{Minimum, following};
 
 /// An interval that reaches this far from its value, in coordinates (logarithms, mostly), is open: a factor of 1,100 either
@@ -22,16 +22,9 @@ const FAR_OUTSIDE: f64 = 4.0;
 /// Relative precision of the distance of an end, as the root of the deviance: half a per cent of an interval's half width, below
 /// what anyone reads off it.
 const PRECISION: f64 = 5e-3;
-/// Relative reduction of the sum of squares at which a search along a profile ends: a hundredth of the residuals'
-/// variance, nearly.
-const TOLERANCE: f64 = 1e-5;
-/// If the farthest accepted point has K_T > 0.9 ω0², the walk stopped at the model's limit K_T < ω0², not at evidence in the
-/// record: the end is reported as open.
-const MOST_JOINT: f64 = 0.9;
-
 /// A walk along one coordinate.
-pub(super) struct Walk<'a> {
-    pub(super) task: &'a Task,
+pub(crate) struct Walk<'a, G: Ground> {
+    pub(super) task: &'a G,
     pub(super) coordinate: usize,
     /// The coordinates that follow.
     pub(super) free: Vec<usize>,
@@ -39,21 +32,21 @@ pub(super) struct Walk<'a> {
     pub(super) minimum: &'a Minimum,
     pub(super) scale: &'a Scale,
     /// Whether an end where the joint takes nearly all stiffness is open: it is the model's, not the records'.
-    pub(super) stiffness_ends: bool,
+    pub(crate) stiffness_ends: bool,
     /// How the others follow next to the minimum, per unit of the coordinate.
     tangent: Option<Vec<f64>>,
-    work: Workspace,
+    work: G::Work,
     /// Where it has been, in the order of time.
-    pub(super) visited: Vec<Visited>,
+    pub(crate) visited: Vec<Visited>,
 }
 
 /// A point of a walk.
-pub(super) struct Visited {
+pub(crate) struct Visited {
     /// Value of the coordinate.
-    pub(super) at: f64,
+    pub(crate) at: f64,
     /// The least sum of squares there.
-    pub(super) minimum: Minimum,
-    pub(super) deviance: f64,
+    pub(crate) minimum: Minimum,
+    pub(crate) deviance: f64,
 }
 
 /// A place on the way, and its deviance.
@@ -64,20 +57,20 @@ struct Place {
 }
 
 /// How a walk ended.
-pub(super) enum End {
+pub(crate) enum End {
     Open,
     Closed(f64),
 }
 
-impl<'a> Walk<'a> {
-    pub(super) fn new(
-        task: &'a Task,
+impl<'a, G: Ground> Walk<'a, G> {
+    pub(crate) fn new(
+        task: &'a G,
         coordinate: usize,
         free: Vec<usize>,
         minimum: &'a Minimum,
         scale: &'a Scale,
     ) -> Self {
-        let work = Workspace::default();
+        let work = G::Work::default();
         Self {
             task,
             coordinate,
@@ -104,7 +97,7 @@ impl<'a> Walk<'a> {
         ways.sort_by(|a, b| a.0.total_cmp(&b.0));
         let mut best: Option<Minimum> = None;
         for (_, x) in ways {
-            let found = self.task.minimise(&x, self.free.clone(), TOLERANCE, &mut self.work);
+            let found = self.task.minimise(&x, self.free.clone(), &mut self.work);
             best = best.into_iter().chain(found).min_by(|a, b| a.cost.total_cmp(&b.cost));
             if best.as_ref().is_some_and(|b| self.scale.rise(b) < self.scale.limit) {
                 break;
@@ -148,7 +141,7 @@ impl<'a> Walk<'a> {
     }
 
     /// All coordinates of the point nearest to `at`.
-    pub(super) fn nearest(&self, at: f64) -> Vec<f64> {
+    pub(crate) fn nearest(&self, at: f64) -> Vec<f64> {
         let own = (self.minimum.x[self.coordinate], &self.minimum.x);
         let all = self.visited.iter().map(|p| (p.at, &p.minimum.x)).chain(std::iter::once(own));
         let nearest = all.min_by(|a, b| (a.0 - at).abs().total_cmp(&(b.0 - at).abs()));
@@ -156,7 +149,7 @@ impl<'a> Walk<'a> {
     }
 
     /// Walks outwards until the deviance passes the limit, then to the limit itself.
-    pub(super) fn go(&mut self, direction: f64) -> Result<End, Minimum> {
+    pub(crate) fn go(&mut self, direction: f64) -> Result<End, Minimum> {
         let start = self.minimum.x[self.coordinate];
         let (low, high) = self.task.bounds()[self.coordinate];
         let bound = if direction < 0.0 { low } else { high };
@@ -188,10 +181,7 @@ impl<'a> Walk<'a> {
         let inside = self.visited.iter().filter(|p| p.deviance < self.scale.limit);
         let start = self.minimum.x[self.coordinate];
         let farthest = inside.max_by(|a, b| (a.at - start).abs().total_cmp(&(b.at - start).abs()));
-        farthest.is_some_and(|farthest| {
-            let p = self.task.chart.parameters(&farthest.minimum.x);
-            p.k_t > MOST_JOINT * (std::f64::consts::TAU * p.frequency).powi(2)
-        })
+        farthest.is_some_and(|farthest| self.task.is_at_edge(&farthest.minimum.x))
     }
 
     /// From a point inside and one outside to the limit: by the line through the roots of the deviances, by halves
@@ -225,12 +215,7 @@ impl<'a> Walk<'a> {
     fn first_step(&mut self) -> f64 {
         let free: Vec<usize> = self.free.iter().copied().chain([self.coordinate]).collect();
         let place = Some(free.len() - 1);
-        let search = self.task.search(free, Effort { iterations: 0, tolerance: 0.0 });
-        let (task, work) = (self.task, &mut self.work);
-        let mut residuals = |x: &[f64], out: &mut [f64]| task.residuals(x, out, work);
-        let mut r = vec![0.0; task.count()];
-        residuals(&self.minimum.x, &mut r);
-        let jacobian = search.jacobian(&mut residuals, &self.minimum.x, &r);
+        let jacobian = self.task.jacobian(&self.minimum.x, free, &mut self.work);
         self.tangent = jacobian.as_ref().and_then(following);
         let deviation = jacobian.and_then(|j| {
             let inverse = j.qr().r().try_inverse()?;

@@ -1,5 +1,6 @@
 //! What the model misses is found out, and what it explains is discounted.
 
+use iwan_machine::threads::both;
 use nalgebra::{DMatrix, DVector};
 
 use super::discount::Discount;
@@ -93,10 +94,8 @@ impl Task {
             return Ok(best);
         }
         let settle = |x: &[f64]| self.clone().settled(x, &mut Workspace::default());
-        let ends = std::thread::scope(|scope| {
-            let second = scope.spawn(|| settle(first));
-            [settle(&best.x), second.join().unwrap_or_else(|panic| std::panic::resume_unwind(panic))]
-        });
+        let (second, first) = both(&|| settle(&best.x), &|| settle(first));
+        let ends = [second, first];
         let likeliest = ends.into_iter().flatten().max_by(|a, b| a.likelihood.total_cmp(&b.likelihood));
         let Settled { task, minimum, .. } = likeliest.ok_or_else(no_ring_down)?;
         *self = task;

@@ -2,6 +2,8 @@
 
 use std::f64::consts::TAU;
 
+use iwan_machine::threads::both;
+
 use super::knees::{STEP, valleys};
 use super::task::{Effort, FINE, ROUGH, Task, Workspace, no_ring_down};
 use crate::curve_fit::predict;
@@ -101,11 +103,8 @@ impl Task {
     /// The valleys of the scans from two points, the deepest first.
     fn deepest(&self, from: [&[f64]; 2]) -> Vec<Minimum> {
         let scan = |x: &[f64]| self.scan(x, &mut Workspace::default());
-        let scans = std::thread::scope(|scope| {
-            let second = scope.spawn(|| scan(from[1]));
-            let first = scan(from[0]);
-            [first, second.join().unwrap_or_else(|panic| std::panic::resume_unwind(panic))]
-        });
+        let (first, second) = both(&|| scan(from[0]), &|| scan(from[1]));
+        let scans = [first, second];
         let mut found: Vec<Minimum> = scans.iter().flat_map(|scan| valleys(scan)).collect();
         found.sort_by(|a, b| a.cost.total_cmp(&b.cost));
         found

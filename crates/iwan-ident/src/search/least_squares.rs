@@ -6,8 +6,22 @@
 
 use nalgebra::{DMatrix, DVector};
 
-/// Residuals into the second argument; false where there are none.
-pub(crate) type Residuals<'a> = dyn FnMut(&[f64], &mut [f64]) -> bool + 'a;
+/// What is sought by least squares. A function of the coordinates and of the residuals to fill is one: its derivatives are differences.
+pub(crate) trait Problem {
+    /// Residuals into the second argument; false where there are none.
+    fn residuals(&mut self, x: &[f64], out: &mut [f64]) -> bool;
+
+    /// Derivatives of the residuals with respect to the coordinates `free`, one column each; none where differences are to be taken.
+    fn derivatives(&mut self, _x: &[f64], _free: &[usize]) -> Option<DMatrix<f64>> {
+        None
+    }
+}
+
+impl<F: FnMut(&[f64], &mut [f64]) -> bool + ?Sized> Problem for F {
+    fn residuals(&mut self, x: &[f64], out: &mut [f64]) -> bool {
+        self(x, out)
+    }
+}
 
 /// Relative reduction of the sum of squares at which a search ends that wants the minimum itself.
 pub(crate) const TOLERANCE: f64 = 1e-8;
@@ -51,7 +65,7 @@ pub(crate) struct Minimum {
 
 impl Search {
     /// The least sum of squares from `start`; none when the start has no residuals, or fewer than there are unknowns.
-    pub(crate) fn run(&self, residuals: &mut Residuals<'_>, start: &[f64]) -> Option<Minimum> {
+    pub(crate) fn run<P: Problem + ?Sized>(&self, residuals: &mut P, start: &[f64]) -> Option<Minimum> {
         if self.count < self.free.len() {
             return None;
         }
@@ -119,12 +133,15 @@ impl Search {
     }
 
     /// Derivatives of the residuals, which are `r` at `x`, with respect to the free coordinates.
-    pub(crate) fn jacobian(
+    pub(crate) fn jacobian<P: Problem + ?Sized>(
         &self,
-        residuals: &mut Residuals<'_>,
+        residuals: &mut P,
         x: &[f64],
         r: &[f64],
     ) -> Option<DMatrix<f64>> {
+        if let Some(exact) = residuals.derivatives(x, &self.free) {
+            return Some(exact);
+        }
         let (mut above, mut below) = (vec![0.0; self.count], r.to_vec());
         let mut jacobian = DMatrix::zeros(self.count, self.free.len());
         for (column, &j) in self.free.iter().enumerate() {
@@ -211,8 +228,8 @@ pub(crate) fn following(jacobian: &DMatrix<f64>) -> Option<Vec<f64>> {
     Some(step.as_slice().to_vec())
 }
 
-fn evaluate(residuals: &mut Residuals<'_>, x: &[f64], r: &mut [f64]) -> Option<f64> {
-    let found = x.iter().all(|x| x.is_finite()) && residuals(x, r);
+fn evaluate<P: Problem + ?Sized>(residuals: &mut P, x: &[f64], r: &mut [f64]) -> Option<f64> {
+    let found = x.iter().all(|x| x.is_finite()) && residuals.residuals(x, r);
     let cost: f64 = r.iter().map(|r| r * r).sum();
     (found && cost.is_finite()).then_some(cost)
 }
@@ -280,7 +297,7 @@ mod tests {
         assert!(
             short
                 .run(
-                    &mut |x, r| {
+                    &mut |x: &[f64], r: &mut [f64]| {
                         r[0] = x[0] - x[1];
                         true
                     },
@@ -292,6 +309,6 @@ mod tests {
 
     #[test]
     fn no_residuals_no_minimum() {
-        assert!(search(2, &[0], &[NONE]).run(&mut |_, _| false, &[0.0]).is_none());
+        assert!(search(2, &[0], &[NONE]).run(&mut |_: &[f64], _: &mut [f64]| false, &[0.0]).is_none());
     }
 }

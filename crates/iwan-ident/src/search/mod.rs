@@ -5,5 +5,5 @@ mod least_squares;
 mod non_negative;
 
 pub(crate) use chart::{CHI, Chart, DIRAC, KNEE, SOFTENING, Scales};
-pub(crate) use least_squares::{Minimum, Search, TOLERANCE, following};
+pub(crate) use least_squares::{Minimum, Problem, Search, TOLERANCE, following};
 pub(crate) use non_negative::solve as solve_non_negative;

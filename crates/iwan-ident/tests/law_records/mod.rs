@@ -14,7 +14,8 @@ use iwan_core::{
     Oscillator, Part, Pinning, PowerDamping, PowerSpring, ResidualStiffness, Reversal, Samples, SplitMix64,
     WithParts,
 };
-use random::{between, normal, scale};
+pub(crate) use random::normal;
+use random::{between, scale};
 
 /// A record with what it was made of.
 pub(crate) struct Simulated {

@@ -51,7 +51,7 @@ pub(super) fn read(source: &InputText, mode: &Section<'_>) -> Result<Curves, Inp
 fn columns(path: &Path) -> Result<[Vec<f64>; 3], (String, String)> {
     let remedy = "give a text file of three columns: modal amplitude, frequency in Hz, damping ratio";
     let shown = path.display();
-    let bytes = std::fs::read(path).map_err(|error| {
+    let bytes = iwan_machine::read_file(path).map_err(|error| {
         let remedy = "check the path: it is relative to the scenario file";
         (format!("{shown}: cannot be read: {error}"), remedy.to_string())
     })?;

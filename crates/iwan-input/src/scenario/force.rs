@@ -1,6 +1,6 @@
 //! `[force]`: the force history.
 
-use std::path::PathBuf;
+use std::path::Path;
 
 use iwan_core::Pulse;
 
@@ -97,10 +97,10 @@ impl Force {
     }
 }
 
-fn read_file(path: &PathBuf, step: f64) -> Result<ForceFile, InputError> {
+fn read_file(path: &Path, step: f64) -> Result<ForceFile, InputError> {
     let two = "give a text file of two columns, time in s and force, the time ascending from t >= 0";
     let problem = |what: String| InputError::new(format!("{}: {what}", path.display()), two);
-    let bytes = std::fs::read(path).map_err(|e| {
+    let bytes = iwan_machine::read_file(path).map_err(|e| {
         let remedy = "check `path`: it is relative to the scenario file";
         InputError::new(format!("{}: cannot be read: {e}", path.display()), remedy)
     })?;

@@ -1,6 +1,6 @@
 //! `[[joint]]`: a joint that several modes move.
 
-use iwan_sim::{JointLaw, SharedJoint, SimulationError, check_coupled};
+use iwan_sim::{JointLaw, SharedJoint, SimulationError, StuckRange, check_coupled};
 
 use crate::error::InputError;
 use crate::section::{Section, TablePlace, nearest, plain};
@@ -61,9 +61,34 @@ pub(super) fn check(
     settings: &Settings,
 ) -> Result<(), InputError> {
     let shared: Vec<SharedJoint> = joints.iter().map(|j| j.joint.clone()).collect();
-    let Err(error) = check_coupled(modes, &shared, settings) else { return Ok(()) };
+    match check_coupled(modes, &shared, settings) {
+        Ok(()) => Ok(()),
+        Err(error) => refused(source, top, &shared, &error),
+    }
+}
+
+/// Checks that modes and joints make a structure that can vibrate steadily.
+pub(super) fn check_steady(
+    source: &InputText,
+    top: &Section<'_>,
+    modes: &[Mode],
+    joints: &[SharedJoint],
+) -> Result<(), InputError> {
+    match StuckRange::of_coupled(modes, joints) {
+        Ok(_) => Ok(()),
+        Err(error) => refused(source, top, joints, &error),
+    }
+}
+
+/// The refusal of modes and joints at its place.
+fn refused(
+    source: &InputText,
+    top: &Section<'_>,
+    shared: &[SharedJoint],
+    error: &SimulationError,
+) -> Result<(), InputError> {
     let remedy = "change this joint or this mode, or choose kind = \"newmark\"";
-    let SimulationError::Joint { joint, source: inner } = &error else {
+    let SimulationError::Joint { joint, source: inner } = error else {
         return Err(top.failure("joint", &error.to_string(), remedy));
     };
     let places = top.tables("joint")?;

@@ -23,6 +23,7 @@ pub(crate) const KEYS: &[&str] = &[
     "outputs",
     "initial",
     "allow_negative_residual",
+    "informed",
 ];
 
 /// Keys of a mode's initial conditions.
@@ -35,6 +36,8 @@ pub struct ScenarioMode {
     pub mode: Mode,
     /// Its joint as written.
     pub joint: Option<WrittenLaw>,
+    /// Smallest and largest amplitude of the modal displacement that the records behind this mode hold.
+    pub informed: Option<[f64; 2]>,
 }
 
 impl ScenarioMode {
@@ -64,7 +67,26 @@ impl ScenarioMode {
             ..of_curves(source, &section, name)?
         };
         mode.oscillator().map_err(|error| oscillator_failure(&section, error))?;
-        Ok(Self { mode, joint })
+        Ok(Self { mode, joint, informed: read_informed(&section)? })
+    }
+}
+
+fn read_informed(section: &Section<'_>) -> Result<Option<[f64; 2]>, InputError> {
+    if !section.has("informed") {
+        return Ok(None);
+    }
+    let values = section.numbers("informed")?;
+    match values[..] {
+        [low, high] if low > 0.0 && low <= high && high.is_finite() => Ok(Some([low, high])),
+        _ => {
+            let written: Vec<String> = values.iter().map(|value| plain(*value)).collect();
+            let message = format!(
+                "informed = [{}] is out of range: must be two amplitudes of the modal displacement, 0 < lower <= upper",
+                written.join(", ")
+            );
+            let remedy = "give the amplitudes that a record informed, or leave informed out";
+            Err(section.failure("informed", &message, remedy))
+        }
     }
 }
 

@@ -3,8 +3,9 @@
 use crate::error::InputError;
 use crate::section::Section;
 use crate::text::InputText;
-use iwan_sim::Mode;
+use iwan_sim::{Mode, SharedJoint};
 
+use super::joint::{self, ScenarioJoint};
 use super::mode::ScenarioMode;
 use super::read::{KEYS, read_modes};
 use super::structure::OnStructure;
@@ -17,6 +18,8 @@ pub struct SteadyScenario {
     pub title: Option<String>,
     /// The modes; none on a structure.
     pub modes: Vec<ScenarioMode>,
+    /// Joints that several modes move; none where each mode has its own.
+    pub joints: Vec<ScenarioJoint>,
     /// The structure, where there is one instead of modes.
     pub structure: Option<OnStructure>,
     /// The sweep; nonlinear modes need none.
@@ -38,21 +41,26 @@ impl SteadyScenario {
     pub fn read(source: &InputText) -> Result<Self, InputError> {
         let document = source.document("paper-modal")?;
         let top = Section::new(source, "the scenario", document.top(), KEYS)?;
-        if top.has("joint") {
-            let message =
-                "steady responses and backbones of modes that share joints are not computed from a scenario";
-            let remedy = "give the structure itself, or modes with a joint = { ... } of their own";
-            return Err(top.failure("joint", message, remedy));
-        }
         let structure = OnStructure::read(source, &top)?;
         let modes = if structure.is_some() { Vec::new() } else { read_modes(source, &top)? };
+        let joints = joint::read(source, &top, &modes)?;
         let sweep = SweepTable::read(source, &top)?;
-        Ok(Self { title: top.optional_text("title")?, modes, structure, sweep })
+        let scenario = Self { title: top.optional_text("title")?, modes, joints, structure, sweep };
+        if !scenario.joints.is_empty() {
+            joint::check_steady(source, &top, &scenario.modes(), &scenario.joints())?;
+        }
+        Ok(scenario)
     }
 
     /// The modes for the computation.
     #[must_use]
     pub fn modes(&self) -> Vec<Mode> {
         self.modes.iter().map(|m| m.mode.clone()).collect()
+    }
+
+    /// The joints that modes share, for the computation.
+    #[must_use]
+    pub fn joints(&self) -> Vec<SharedJoint> {
+        self.joints.iter().map(|j| j.joint.clone()).collect()
     }
 }

@@ -15,6 +15,7 @@ pub(crate) const KEYS: &[&str] = &[
     "displacement",
     "velocity",
     "acceleration",
+    "direction",
     "at",
     "harmonics",
     "points",
@@ -39,6 +40,8 @@ pub struct SweepTable {
     pub at: Option<String>,
     /// Viscous ratio of all modes of a structure; modes of a scenario have their own.
     pub damping_ratio: Option<f64>,
+    /// Direction (x, y, z), of length 1, in which the base of a structure is accelerated; modes of a scenario have their participation.
+    pub direction: Option<[f64; 3]>,
 }
 
 impl SweepTable {
@@ -62,7 +65,28 @@ impl SweepTable {
             );
             return Err(section.failure("damping_ratio", &message, "give it as a ratio: 0.01 is 1 %"));
         }
-        Ok(Some(Self { sweep, at: section.optional_text("at")?, damping_ratio }))
+        let direction = direction(&section, control)?;
+        Ok(Some(Self { sweep, at: section.optional_text("at")?, damping_ratio, direction }))
+    }
+}
+
+/// The direction of the base's motion.
+fn direction(section: &Section<'_>, control: Control) -> Result<Option<[f64; 3]>, InputError> {
+    if !section.has("direction") {
+        return Ok(None);
+    }
+    if control != Control::BaseAcceleration {
+        let message = format!("direction is that of base_acceleration, and {} is held", control.name());
+        return Err(section.failure("direction", &message, "remove it, or hold base_acceleration"));
+    }
+    let given = section.numbers("direction")?;
+    let length = given.iter().map(|d| d * d).sum::<f64>().sqrt();
+    match <[f64; 3]>::try_from(given.as_slice()) {
+        Ok(d) if length > 0.0 && length.is_finite() => Ok(Some(d.map(|d| d / length))),
+        _ => {
+            let message = "direction must be three numbers x, y, z that are not all 0";
+            Err(section.failure("direction", message, "give it as in direction = [0, 0, 1]"))
+        }
     }
 }
 

@@ -58,7 +58,7 @@ fn inline(pairs: &[(&str, String)]) -> String {
     format!("{{ {} }}", pairs.join(", "))
 }
 
-fn write_mode(out: &mut String, ScenarioMode { mode, joint }: &ScenarioMode) {
+fn write_mode(out: &mut String, ScenarioMode { mode, joint, informed }: &ScenarioMode) {
     out.push_str("\n[[mode]]\n");
     line(out, "name", &quoted(&mode.name));
     if let Some(curves) = &mode.curves {
@@ -89,6 +89,9 @@ fn write_mode(out: &mut String, ScenarioMode { mode, joint }: &ScenarioMode) {
     line(out, "initial", &inline(&initial));
     if mode.residual == ResidualStiffness::Any {
         line(out, "allow_negative_residual", "true");
+    }
+    if let Some(informed) = informed {
+        line(out, "informed", &format!("{informed:?}"));
     }
 }
 
@@ -240,7 +243,7 @@ fn write_bins(out: &mut String, bins: usize, grid: Grid) {
     line(out, "grid", if grid == Grid::Uniform { "\"uniform\"" } else { "\"graded\"" });
 }
 
-fn write_sweep(out: &mut String, SweepTable { sweep, at, damping_ratio }: &SweepTable) {
+fn write_sweep(out: &mut String, SweepTable { sweep, at, damping_ratio, direction }: &SweepTable) {
     out.push_str("\n[sweep]\n");
     number(out, "from", sweep.from);
     number(out, "to", sweep.to);
@@ -250,6 +253,9 @@ fn write_sweep(out: &mut String, SweepTable { sweep, at, damping_ratio }: &Sweep
     }
     line(out, "harmonics", &sweep.harmonics.to_string());
     line(out, "points", &sweep.points.to_string());
+    if let Some(direction) = direction {
+        line(out, "direction", &format!("{direction:?}"));
+    }
     if let Some(ratio) = damping_ratio {
         number(out, "damping_ratio", *ratio);
     }

@@ -1,8 +1,9 @@
 //! `[[support]]`, `[[lump]]`, `[[load]]` and `[[output]]`: where the structure ends and the world begins.
 
 use iwan_fem::mesh::Mesh;
-use iwan_fem::{Lump, Support};
+use iwan_fem::{Assembled, Lump, Structure, Support};
 
+use super::given::Combinations;
 use super::sets::{direction, known, triple};
 use crate::error::InputError;
 use crate::section::{Section, plain};
@@ -13,19 +14,72 @@ pub(super) const SUPPORT_KEYS: &[&str] = &["name", "nodes", "fixed"];
 /// Keys of a lumped mass or spring.
 pub(super) const LUMP_KEYS: &[&str] = &["name", "nodes", "mass", "stiffness"];
 /// Keys of a load.
-pub(super) const LOAD_KEYS: &[&str] = &["name", "nodes", "direction", "factor"];
+pub(super) const LOAD_KEYS: &[&str] =
+    &["name", "nodes", "direction", "relative", "relative_name", "format", "row", "factor"];
 /// Keys of an output.
-pub(super) const OUTPUT_KEYS: &[&str] = &["name", "nodes", "direction"];
+pub(super) const OUTPUT_KEYS: &[&str] =
+    &["name", "nodes", "direction", "relative", "relative_name", "format", "row"];
+
+/// Where a load acts and an output is read.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Point {
+    /// A node set along a direction: all nodes take equal shares of a force, and the mean of all is read.
+    Nodes {
+        /// The set.
+        set: String,
+        /// Direction, of length 1.
+        direction: [f64; 3],
+    },
+    /// A combination of the rows of given matrices: rows (from 0) and coefficients.
+    Rows(Vec<(usize, f64)>),
+}
+
+impl Point {
+    /// Forces on the unknowns of a force there; those of a force of 1 also read the displacement.
+    ///
+    /// # Errors
+    /// [`iwan_fem::Error`] where the point does not fit the structure.
+    pub fn forces(&self, assembled: &Assembled, force: f64) -> Result<Vec<f64>, iwan_fem::Error> {
+        match self {
+            Self::Nodes { set, direction } => assembled.load(set, direction.map(|d| d * force)),
+            Self::Rows(terms) => {
+                let scaled: Vec<(usize, f64)> = terms.iter().map(|&(row, c)| (row, c * force)).collect();
+                assembled.combination(&scaled)
+            }
+        }
+    }
+
+    /// What `nodes` and `direction` name, or `relative` and `row`.
+    fn read(source: &InputText, section: &Section<'_>, structure: &Structure) -> Result<Self, InputError> {
+        if !section.has("relative") {
+            if let Some(key) = ["relative_name", "format", "row"].into_iter().find(|key| section.has(key)) {
+                let message = format!("{key} without relative: it belongs to a row of a matrix");
+                return Err(section.failure(
+                    key,
+                    &message,
+                    "remove it, or name the matrix with relative = \"FILE\"",
+                ));
+            }
+            let set = known(section, "nodes", "node", &structure.mesh.node_sets)?;
+            return Ok(Self::Nodes { set, direction: direction(section, "direction")? });
+        }
+        if let Some(key) = ["nodes", "direction"].into_iter().find(|key| section.has(key)) {
+            let message = format!("{key} beside relative: the row of the matrix says what is meant");
+            return Err(section.failure(key, &message, "remove one of the two"));
+        }
+        let rows = structure.given.as_ref().map(|given| given.rows.len());
+        let combinations = Combinations::read(section, &source.folder, "relative", rows)?;
+        Ok(Self::Rows(combinations.one(section, "row")?))
+    }
+}
 
 /// Where the force of a scenario acts.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Load {
     /// Name for messages and reports.
     pub name: String,
-    /// Node set; all nodes take equal shares.
-    pub nodes: String,
-    /// Direction, of length 1.
-    pub direction: [f64; 3],
+    /// Where.
+    pub at: Point,
     /// Total force of this load over the force of the scenario.
     pub factor: f64,
 }
@@ -35,10 +89,8 @@ pub struct Load {
 pub struct Output {
     /// Name: columns of the response begin with it.
     pub name: String,
-    /// Node set; the mean of all nodes is taken.
-    pub nodes: String,
-    /// Direction, of length 1.
-    pub direction: [f64; 3],
+    /// Where.
+    pub at: Point,
 }
 
 /// The table under its own name, which must be given and not `taken`.
@@ -129,7 +181,11 @@ pub(super) fn lumps(source: &InputText, top: &Section<'_>, mesh: &Mesh) -> Resul
     )
 }
 
-pub(super) fn loads(source: &InputText, top: &Section<'_>, mesh: &Mesh) -> Result<Vec<Load>, InputError> {
+pub(super) fn loads(
+    source: &InputText,
+    top: &Section<'_>,
+    structure: &Structure,
+) -> Result<Vec<Load>, InputError> {
     each(
         source,
         top,
@@ -145,21 +201,21 @@ pub(super) fn loads(source: &InputText, top: &Section<'_>, mesh: &Mesh) -> Resul
                     "leave it out for the force of the scenario itself",
                 ));
             }
-            let nodes = known(section, "nodes", "node", &mesh.node_sets)?;
-            Ok(Load { name, nodes, direction: direction(section, "direction")?, factor })
+            Ok(Load { name, at: Point::read(source, section, structure)?, factor })
         },
     )
 }
 
-pub(super) fn outputs(source: &InputText, top: &Section<'_>, mesh: &Mesh) -> Result<Vec<Output>, InputError> {
+pub(super) fn outputs(
+    source: &InputText,
+    top: &Section<'_>,
+    structure: &Structure,
+) -> Result<Vec<Output>, InputError> {
     each(
         source,
         top,
         ("output", OUTPUT_KEYS),
         |o: &Output| &o.name,
-        |section, name| {
-            let nodes = known(section, "nodes", "node", &mesh.node_sets)?;
-            Ok(Output { name, nodes, direction: direction(section, "direction")? })
-        },
+        |section, name| Ok(Output { name, at: Point::read(source, section, structure)? }),
     )
 }

@@ -5,9 +5,10 @@ use std::path::Path;
 use iwan_fem::Structure;
 use iwan_fem::mesh::MeshFile;
 
+use super::between_rows;
 use super::ends::{self, Load, Output};
 use super::joints::{self, StructureLaw};
-use super::{materials, matrices, meshes, sets};
+use super::{given, materials, meshes, sets};
 use crate::error::InputError;
 use crate::section::Section;
 use crate::text::InputText;
@@ -80,13 +81,14 @@ impl StructureFile {
         let document = source.document("paper-a")?;
         let top = Section::new(source, "the structure", document.top(), KEYS)?;
         let (mut structure, mut notes) = body(source, &top)?;
-        let (read, laws) = joints::read(source, &top, &structure.mesh)?;
+        let (read, mut laws) = joints::read(source, &top, &structure.mesh)?;
         structure.joints = read;
+        between_rows::read(source, &top, &mut structure, &mut laws)?;
         notes.extend(joints::project(source, &top, &mut structure)?);
         structure.supports = ends::supports(source, &top, &structure.mesh)?;
         structure.lumps = ends::lumps(source, &top, &structure.mesh)?;
-        let loads = ends::loads(source, &top, &structure.mesh)?;
-        let outputs = ends::outputs(source, &top, &structure.mesh)?;
+        let loads = ends::loads(source, &top, &structure)?;
+        let outputs = ends::outputs(source, &top, &structure)?;
         let findings = structure.check();
         if let Some(message) = findings.message() {
             let message = format!("{}: the structure cannot be computed with:\n{message}", source.name);
@@ -100,7 +102,7 @@ impl StructureFile {
 /// Mesh, sets and materials; or matrices with their nodes and sets.
 fn body(source: &InputText, top: &Section<'_>) -> Result<(Structure, Vec<String>), InputError> {
     if let Some(place) = top.optional_table("matrices")? {
-        let (mut structure, notes) = matrices::read(source, top, place)?;
+        let (mut structure, notes) = given::read(source, top, place)?;
         sets::read(source, top, &mut structure.mesh)?;
         return Ok((structure, notes));
     }

@@ -14,11 +14,12 @@ use crate::text::InputText;
 use crate::written_law::WrittenLaw;
 
 /// Keys of a joint.
-pub(super) const JOINT_KEYS: &[&str] = &["name", "face", "patch", "motion", "slip"];
+pub(super) const JOINT_KEYS: &[&str] =
+    &["name", "face", "patch", "motion", "slip", "relative", "relative_name", "format", "to_ground"];
 /// Keys of a tie.
 pub(super) const TIE_KEYS: &[&str] = &["name", "face", "patch", "motion"];
 /// Keys of a slip.
-pub(super) const SLIP_KEYS: &[&str] = &["direction", "law"];
+pub(super) const SLIP_KEYS: &[&str] = &["direction", "law", "rows"];
 
 /// Ways in which a face follows a patch.
 const MOTIONS: &[(&str, Interface)] = &[
@@ -38,6 +39,19 @@ pub(super) fn read(
     for (word, keys) in [("joint", JOINT_KEYS), ("tie", TIE_KEYS)] {
         for (index, place) in top.tables(word)?.into_iter().enumerate() {
             let section = Section::new(source, format!("{word} {}", index + 1), place, keys)?;
+            if word == "joint" && section.has("relative") {
+                continue;
+            }
+            if let Some(key) =
+                ["relative_name", "format", "to_ground"].into_iter().find(|key| section.has(key))
+            {
+                let message = format!("{key} without relative: it belongs to a joint by rows of a matrix");
+                return Err(section.failure(
+                    key,
+                    &message,
+                    "remove it, or name the matrix with relative = \"FILE\"",
+                ));
+            }
             let taken = |given: &str| joints.iter().any(|joint| joint.name == given);
             let (section, name) = name(section, word, taken)?;
             let face = known(&section, "face", "node", &mesh.node_sets)?;
@@ -154,12 +168,20 @@ fn slip<'a>(
     place: TablePlace<'a>,
 ) -> Result<([f64; 3], Option<StructureLaw>), InputError> {
     let section = Section::new(source, title, place, SLIP_KEYS)?;
-    let law = match section.optional_table("law")? {
-        Some(place) => {
-            let (written, law) = WrittenLaw::read(source, format!("law of {}", section.title()), place)?;
-            Some(StructureLaw { law: Arc::new(law), written })
-        }
-        None => None,
-    };
-    Ok((direction(&section, "direction")?, law))
+    if section.has("rows") {
+        let message = "rows in a joint between node sets";
+        return Err(section.failure(
+            "rows",
+            message,
+            "give direction = \"x\" in its place, or the joint a matrix by relative = \"FILE\"",
+        ));
+    }
+    Ok((direction(&section, "direction")?, law(source, &section)?))
+}
+
+/// The law of a slip; none slides freely.
+pub(super) fn law(source: &InputText, slip: &Section<'_>) -> Result<Option<StructureLaw>, InputError> {
+    let Some(place) = slip.optional_table("law")? else { return Ok(None) };
+    let (written, law) = WrittenLaw::read(source, format!("law of {}", slip.title()), place)?;
+    Ok(Some(StructureLaw { law: Arc::new(law), written }))
 }

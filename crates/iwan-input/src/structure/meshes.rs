@@ -20,6 +20,13 @@ pub(super) const KINDS: &[TableKind] = &[
 /// 28,000 unknowns). It is refused before the mesh is made; a mesh from a file is limited by its reader alone.
 const MOST_ELEMENTS: f64 = 2e6;
 
+/// Bytes of the factor of the paper's beam without refinement (0.35 million numbers). It grows with the fourth power of the refinement:
+/// the cuts of nested dissection have its square of unknowns, and their dense triangles the square of that.
+const BEAM_FACTOR: f64 = 2.8e6;
+/// Bytes that each element of a block takes at least: its part of stiffness, mass and factor where the block is slender. Of a cube the factor
+/// is larger, and is asked for again when the order of elimination is known.
+const BLOCK_FACTOR: f64 = 6e3;
+
 /// The mesh with what its file says beside it, and what the reader remarked.
 pub(super) fn read(source: &InputText, top: &Section<'_>) -> Result<(MeshFile, Vec<String>), InputError> {
     let Some(place) = top.optional_table("mesh")? else {
@@ -65,7 +72,9 @@ fn paper_beam(section: &Section<'_>) -> Result<Mesh, InputError> {
     })?;
     let refinement = section.optional_count("refinement")?.unwrap_or(1);
     // 662 elements without refinement: 640 of the beam, 14 of the link, 8 of the washers.
-    size(section, "refinement", 662.0 * (refinement as f64).powi(3))?;
+    let refined = refinement as f64;
+    size(section, "refinement", 662.0 * refined.powi(3))?;
+    memory(section, "refinement", BEAM_FACTOR * refined.powi(4))?;
     Ok(beam(configuration, refinement))
 }
 
@@ -80,6 +89,7 @@ fn brick(section: &Section<'_>) -> Result<Mesh, InputError> {
         return Err(section.failure("cells", &message, "give the number of elements along each side"));
     }
     size(section, "cells", cells.iter().product())?;
+    memory(section, "cells", BLOCK_FACTOR * cells.iter().product::<f64>())?;
     let lines = |axis: usize| uniform(0.0, sides[axis], cells[axis] as usize);
     Ok(block(&[lines(0), lines(1), lines(2)]))
 }
@@ -91,4 +101,15 @@ fn size(section: &Section<'_>, key: &str, elements: f64) -> Result<(), InputErro
     let message =
         format!("{key} would give {elements:.0} elements; at most {MOST_ELEMENTS:.0} are computed with");
     Err(section.failure(key, &message, "take a coarser mesh"))
+}
+
+/// Refuses a mesh whose matrices do not fit into memory, before it is made.
+fn memory(section: &Section<'_>, key: &str, bytes: f64) -> Result<(), InputError> {
+    let asked =
+        iwan_machine::memory::ask(format!("{key}: the structure"), bytes as u64, "take a coarser mesh");
+    asked.map_err(|short| {
+        let message = short.to_string();
+        let (message, remedy) = message.split_once("; ").unwrap_or((&message, "take a coarser mesh"));
+        section.failure(key, message, remedy)
+    })
 }

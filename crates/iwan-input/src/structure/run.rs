@@ -104,8 +104,7 @@ impl StructureFile {
         }
         let mut forces = vec![0.0; assembled.unknowns()];
         for load in &self.loads {
-            let force = load.direction.map(|d| d * load.factor);
-            let own = assembled.load(&load.nodes, force).map_err(|e| refused(&e))?;
+            let own = load.at.forces(assembled, load.factor).map_err(|e| refused(&e))?;
             forces.iter_mut().zip(own).for_each(|(sum, f)| *sum += f);
         }
         Ok(forces)
@@ -129,8 +128,8 @@ impl StructureFile {
                 let remedy = "rename the output: histories are called after modes and outputs";
                 return Err(InputError::new(message, remedy));
             }
-            let own = assembled.output(&output.name, &output.nodes, output.direction);
-            recorded.push(own.map_err(|e| refused(&e))?);
+            let coefficients = output.at.forces(assembled, 1.0).map_err(|e| refused(&e))?;
+            recorded.push(iwan_fem::Output { name: output.name.clone(), coefficients });
         }
         Ok(recorded)
     }

@@ -6,7 +6,7 @@ use toml::de::{DeTable, DeValue};
 
 use super::file::KEYS;
 use super::{
-    BUILT_IN_STRUCTURES, STRUCTURE_SCHEMA, StructureFile, ends, joints, materials, matrices, meshes, sets,
+    BUILT_IN_STRUCTURES, STRUCTURE_SCHEMA, StructureFile, ends, given, joints, materials, meshes, sets,
 };
 use crate::section::TableKind;
 use crate::text::InputText;
@@ -33,7 +33,7 @@ fn same(mut a: Vec<String>, b: &[&str]) {
 fn plain_tables_have_the_same_keys() {
     same(keys_at("/properties"), KEYS);
     let tables = [
-        ("matrices", matrices::MATRICES_KEYS),
+        ("matrices", given::MATRICES_KEYS),
         ("elements", materials::ELEMENT_KEYS),
         ("material", materials::MATERIAL_KEYS),
         ("joint", joints::JOINT_KEYS),

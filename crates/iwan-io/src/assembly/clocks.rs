@@ -54,14 +54,19 @@ fn mark(base: &str) -> String {
 
 /// Whether a vector is a time by its name (`time`, `t2`, `time_steel`, `t{1,2}`) and never decreases.
 pub(super) fn is_time(v: &Variable) -> bool {
-    let plain = units::is_time_name(&v.name);
-    let marked = || {
-        let (last, base) = (v.name.rsplit('.').next().unwrap_or(&v.name), units::base(&v.name));
-        let last = last.split(['{', '[']).next().unwrap_or(last);
-        let named = mark(last) != base;
-        named && v.values.windows(2).all(|w| w[1] >= w[0]) && v.values.first() < v.values.last()
-    };
-    v.is_vector() && (plain || marked())
+    let rises = || v.values.windows(2).all(|w| w[1] >= w[0]) && v.values.first() < v.values.last();
+    v.is_vector() && (units::is_time_name(&v.name) || (is_marked(&v.name) && rises()))
+}
+
+/// Whether a name may be that of a time.
+pub(crate) fn is_time_named(name: &str) -> bool {
+    units::is_time_name(name) || is_marked(name)
+}
+
+/// Whether the word for time stands in a name beside others.
+fn is_marked(name: &str) -> bool {
+    let last = name.rsplit('.').next().unwrap_or(name);
+    mark(last.split(['{', '[']).next().unwrap_or(last)) != units::base(name)
 }
 
 /// The times of a file, and whether they are the clocks of different records.

@@ -3,7 +3,7 @@
 pub(crate) mod scales;
 pub(crate) mod units;
 mod variable;
-mod clocks;
+pub(crate) mod clocks;
 mod sampling;
 mod assemble;
 mod variables;

@@ -73,6 +73,16 @@ pub(crate) fn split_unit(header: &str) -> Label {
         .unwrap_or_else(|| Label::new(header, ""))
 }
 
+/// The unit of time that stands in the name of an array, such as `Time [ms]`; empty where there is none.
+pub(crate) fn time_unit_in(name: &str) -> String {
+    split_unit(name).unit.parse::<TimeUnit>().map_or_else(|_| String::new(), |unit| unit.to_string())
+}
+
+/// The known unit in brackets at the end of an array's name; empty where there is none.
+pub(crate) fn unit_in(name: &str) -> String {
+    bracketed(name).map(|label| label.unit).filter(|unit| scale(unit).is_some()).unwrap_or_default()
+}
+
 /// A unit in brackets at the end; an index is none.
 fn bracketed(header: &str) -> Option<Label> {
     [('[', ']'), ('(', ')'), ('{', '}'), ('<', '>')].into_iter().find_map(|(open, close)| {

@@ -22,7 +22,7 @@ impl Variable {
 
     /// The channels in an array: samples run along the dimension of `length`, else along the longer one.
     pub(super) fn split(self, length: Option<usize>) -> Vec<Variable> {
-        if self.rows <= 1 || self.columns <= 1 {
+        if self.rows <= 1 || self.columns <= 1 || self.values.is_empty() {
             return vec![self];
         }
         let along_columns = match length {

@@ -9,6 +9,7 @@ use crate::error::ReadError;
 use crate::file_bytes::{FileBytes, list};
 use crate::options::ReadOptions;
 use crate::quantity::Quantity;
+use crate::time_unit::TimeUnit;
 use crate::warning::Warning;
 
 /// Named arrays of one file with what the user says about them.
@@ -110,6 +111,7 @@ impl Chooser<'_> {
     /// The times in seconds, by the user's word on their unit or else the file's.
     fn in_seconds(&self, time: Variable, warnings: &mut Vec<Warning>) -> Result<Axis, ReadError> {
         let Variable { name, unit, mut values, .. } = time;
+        let unit = if unit.is_empty() { units::time_unit_in(&name) } else { unit };
         let (factor, unit_known) = self.source.seconds(&name, &unit, self.options)?;
         if factor != 1.0 {
             for t in &mut values {
@@ -248,21 +250,24 @@ fn step_from_scalars(variables: &[Variable]) -> Axis {
         ["fs", "rate", "sample_rate", "samplerate", "sampling_rate", "fsample", "sampling_frequency"];
     let scalar = |names: &[&str]| {
         let is = |v: &&Variable| v.values.len() == 1 && names.contains(&units::base(&v.name).as_str());
-        variables.iter().find(is).map(|v| v.values[0])
+        variables.iter().find(is)
     };
-    let start = scalar(&["t0", "start"]).unwrap_or(0.0);
-    match scalar(&STEPS).or_else(|| scalar(&RATES).map(|rate| 1.0 / rate)) {
+    let seconds = |v: &Variable| units::time_unit_in(&v.name).parse().map_or(1.0, TimeUnit::seconds);
+    let time = |v: &Variable| v.values[0] * seconds(v);
+    let start = scalar(&["t0", "start"]).map_or(0.0, time);
+    match scalar(&STEPS).map(time).or_else(|| scalar(&RATES).map(|rate| 1.0 / rate.values[0])) {
         Some(step) => Axis::Even { start, step },
         None => Axis::None,
     }
 }
 
 fn into_channel(v: Variable) -> Channel {
-    let mut quantity = units::quantity_of_unit(&v.unit);
-    if quantity == Quantity::Unknown && v.unit.is_empty() {
+    let unit = if v.unit.is_empty() { units::unit_in(&v.name) } else { v.unit };
+    let mut quantity = units::quantity_of_unit(&unit);
+    if quantity == Quantity::Unknown && unit.is_empty() {
         quantity = units::quantity_of_name(&v.name);
     }
-    Channel { name: v.name, unit: v.unit, quantity, values: v.values }
+    Channel { name: v.name, unit, quantity, values: v.values }
 }
 
 #[cfg(test)]
@@ -304,6 +309,23 @@ mod tests {
         let raw = choose(vec![array("d", 5, 2)], &options).unwrap();
         assert!(matches!(raw.axis, Axis::Times { values, .. } if values == [0.0, 1.0, 2.0, 3.0, 4.0]));
         assert_eq!(raw.channels[0].values, [5.0, 6.0, 7.0, 8.0, 9.0]);
+    }
+
+    /// A name `Time [ms]` was read as seconds.
+    #[test]
+    fn units_in_names_of_arrays_are_obeyed() {
+        let raw = choose(vec![array("Time [ms]", 3, 1), array("x (mm/s^2)", 3, 1)], &ReadOptions::default());
+        let raw = raw.unwrap();
+        assert!(matches!(raw.axis, Axis::Times { values, .. } if values == [0.0, 1e-3, 2e-3]));
+        assert_eq!(
+            (raw.channels[0].unit.as_str(), raw.channels[0].quantity),
+            ("mm/s^2", Quantity::Acceleration)
+        );
+        let mut dt = array("dt [us]", 1, 1);
+        dt.values[0] = 50.0;
+        let raw = choose(vec![dt, array("a[2]", 1, 9)], &ReadOptions::default()).unwrap();
+        assert!(matches!(raw.axis, Axis::Even { step, .. } if (step - 50e-6).abs() < 1e-18));
+        assert_eq!(raw.channels[0].unit, "");
     }
 
     #[test]

@@ -56,7 +56,8 @@ pub struct ModalTest {
 /// # Ok::<(), iwan_io::ReadError>(())
 /// ```
 pub fn read_modal_test(path: &Path, options: &ReadOptions) -> Result<ModalTest, ReadError> {
-    let bytes = std::fs::read(path).map_err(|source| ReadError::Io { file: path.into(), source })?;
+    let bytes =
+        iwan_machine::read_file(path).map_err(|source| ReadError::Io { file: path.into(), source })?;
     let source = FileBytes { file: path, bytes: &bytes };
     if format_of(&source, options) == Some(Format::Uff) {
         return universal(&source);

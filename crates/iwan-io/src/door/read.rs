@@ -28,7 +28,8 @@ use std::path::Path;
 /// ```
 pub fn read(path: impl AsRef<Path>, options: &ReadOptions) -> Result<Record, ReadError> {
     let file = path.as_ref();
-    let bytes = std::fs::read(file).map_err(|source| ReadError::Io { file: file.into(), source })?;
+    let bytes =
+        iwan_machine::read_file(file).map_err(|source| ReadError::Io { file: file.into(), source })?;
     read_bytes(file, &bytes, options)
 }
 

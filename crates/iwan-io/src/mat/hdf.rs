@@ -6,6 +6,7 @@
 use hdf5_pure::{AttrValue, DType, Dataset, File, Group, Object};
 
 use super::matrix::{DEEPEST, Found, Said};
+use super::stored::{StoredMatrix, StoredNumbers};
 use crate::assembly::Variable;
 use crate::error::ReadError;
 use crate::file_bytes::FileBytes;
@@ -54,10 +55,51 @@ impl Walk<'_> {
         }
         for name in groups.iter().filter(|n| !n.starts_with('#')) {
             match group.group(name) {
-                Ok(inner) => self.group(&inner, &named(name), depth + 1)?,
+                Ok(inner) => match sparse_rows(&inner) {
+                    Some(rows) => self.sparse(&inner, &named(name), rows)?,
+                    None => self.group(&inner, &named(name), depth + 1)?,
+                },
                 Err(e) => self.refuse(&named(name), &e),
             }
         }
+        Ok(())
+    }
+
+    /// A sparse matrix: a group of `ir`, `jc` and `data`, the first and last of which are missing where all entries are zero.
+    fn sparse(&mut self, group: &Group, path: &str, rows: usize) -> Result<(), ReadError> {
+        let mut read = |name: &str| -> Result<Option<Vec<f64>>, ReadError> {
+            let Ok(set) = group.dataset(name) else { return Ok(Some(Vec::new())) };
+            let shape = set.shape().unwrap_or_default();
+            let count = shape.iter().try_fold(1_u64, |n, d| n.checked_mul(*d)).unwrap_or(u64::MAX);
+            self.spend(&format!("{path}.{name}"), count)?;
+            match set.read_f64() {
+                Ok(values) => Ok(Some(values)),
+                Err(e) => {
+                    self.refuse(path, &e);
+                    Ok(None)
+                }
+            }
+        };
+        let (Some(row_indices), Some(starts), Some(values)) = (read("ir")?, read("jc")?, read("data")?)
+        else {
+            return Ok(());
+        };
+        let columns = starts.len().saturating_sub(1);
+        let numbers = StoredNumbers::Sparse { rows: row_indices, starts, values };
+        self.found.matrices.push(StoredMatrix { name: path.into(), rows, columns, numbers, complex: false });
+        Ok(())
+    }
+
+    /// Takes the memory of so many numbers off the budget.
+    fn spend(&mut self, path: &str, count: u64) -> Result<(), ReadError> {
+        let needed = count.saturating_mul(8);
+        if needed > self.budget {
+            let place = format!("variable '{path}'");
+            let found =
+                format!("{count} values, more than a file of {} bytes can hold", self.source.bytes.len());
+            return Err(self.source.malformed(place, found, "sizes that fit the file"));
+        }
+        self.budget -= needed;
         Ok(())
     }
 
@@ -85,14 +127,7 @@ impl Walk<'_> {
             }
         };
         let count = shape.iter().try_fold(1_u64, |n, d| n.checked_mul(*d)).unwrap_or(u64::MAX);
-        let needed = count.saturating_mul(8);
-        if needed > self.budget {
-            let place = format!("variable '{path}'");
-            let found =
-                format!("{count} values, more than a file of {} bytes can hold", self.source.bytes.len());
-            return Err(self.source.malformed(place, found, "sizes that fit the file"));
-        }
-        self.budget -= needed;
+        self.spend(path, count)?;
         match kind {
             DType::ObjectReference => self.elements(set, path, class == "cell", &shape, depth),
             DType::F32
@@ -194,4 +229,16 @@ impl Walk<'_> {
 #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)] // checked
 fn code_unit(value: f64) -> u16 {
     if (0.0..=65_535.0).contains(&value) { value as u16 } else { 0xfffd }
+}
+
+/// Number of rows where a group is a sparse matrix.
+fn sparse_rows(group: &Group) -> Option<usize> {
+    let rows = match group.attrs().ok()?.get("MATLAB_sparse")? {
+        AttrValue::U64(rows) => *rows,
+        AttrValue::I64(rows) => u64::try_from(*rows).ok()?,
+        AttrValue::U32(rows) => u64::from(*rows),
+        AttrValue::I32(rows) => u64::try_from(*rows).ok()?,
+        _ => return None,
+    };
+    usize::try_from(rows).ok()
 }

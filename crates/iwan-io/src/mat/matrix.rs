@@ -1,6 +1,7 @@
 //! Arrays: numeric ones, text, and structs of arrays.
 
 use super::element::{Cursor, Element, ElementType};
+use super::stored::{StoredMatrix, StoredNumbers};
 use crate::assembly::Variable;
 use crate::bytes::{Order, to_f64, u32_at};
 use crate::error::ReadError;
@@ -22,6 +23,8 @@ const LONGEST_NAME: usize = 64;
 pub(super) struct Found {
     pub(super) arrays: Vec<Variable>,
     pub(super) texts: Vec<Said>,
+    /// Sparse and complex ones, which cannot be channels.
+    pub(super) matrices: Vec<StoredMatrix>,
     /// Arrays that cannot be channels, with what they are.
     pub(super) refused: Vec<Said>,
 }
@@ -30,6 +33,14 @@ pub(super) struct Found {
 pub(super) struct Said {
     pub(super) path: String,
     pub(super) text: String,
+}
+
+impl Said {
+    /// Why a matrix is no channel.
+    pub(super) fn no_channel(matrix: &StoredMatrix) -> Self {
+        let text = if matrix.complex { "a complex array" } else { "a sparse array" };
+        Self { path: matrix.name.clone(), text: text.into() }
+    }
 }
 
 pub(super) struct Reader<'s> {
@@ -73,8 +84,19 @@ impl Reader<'_> {
                 found.texts.push(Said { path: path.into(), text: text(&data, self.order) });
                 Ok(())
             }
-            6..=15 if !head.complex && head.dims.len() == 2 => {
-                found.arrays.push(self.numeric(&mut cursor, &head, path)?);
+            5 if head.dims.len() == 2 => {
+                found.matrices.push(self.sparse(&mut cursor, &head, path)?);
+                Ok(())
+            }
+            6..=15 if head.dims.len() == 2 => {
+                let array = self.numeric(&mut cursor, &head, path)?;
+                if head.complex {
+                    let Variable { name, rows, columns, values, .. } = array;
+                    let numbers = StoredNumbers::Full(values);
+                    found.matrices.push(StoredMatrix { name, rows, columns, numbers, complex: true });
+                } else {
+                    found.arrays.push(array);
+                }
                 Ok(())
             }
             class => {
@@ -103,18 +125,35 @@ impl Reader<'_> {
     }
 
     fn numeric(&self, cursor: &mut Cursor, head: &Head, path: &str) -> Result<Variable, ReadError> {
-        let place = || format!("variable '{}'", shorten(path, 80));
         let (rows, columns) = (head.dims[0], head.dims[1]);
-        let data = cursor.expect("numbers")?;
-        let ElementType::Number(kind) = data.kind else {
-            return Err(self.source.malformed(place(), format!("{:?} data", data.kind), "numbers"));
-        };
-        let values = to_f64(data.data, kind, self.order);
+        let values = self.numbers(cursor, "numbers", path)?;
         if rows.checked_mul(columns) != Some(values.len()) {
             let found = format!("{} values for {rows} x {columns}", values.len());
-            return Err(self.source.malformed(place(), found, "as many values as the dimensions say"));
+            let place = format!("variable '{}'", shorten(path, 80));
+            return Err(self.source.malformed(place, found, "as many values as the dimensions say"));
         }
         Ok(Variable { name: path.into(), unit: String::new(), rows, columns, values })
+    }
+
+    /// One element of numbers.
+    fn numbers(&self, cursor: &mut Cursor, what: &str, path: &str) -> Result<Vec<f64>, ReadError> {
+        let data = cursor.expect(what)?;
+        let ElementType::Number(kind) = data.kind else {
+            let place = format!("variable '{}'", shorten(path, 80));
+            return Err(self.source.malformed(place, format!("{:?} data", data.kind), what));
+        };
+        Ok(to_f64(data.data, kind, self.order))
+    }
+
+    /// Row indices, starts of columns and values.
+    fn sparse(&self, cursor: &mut Cursor, head: &Head, path: &str) -> Result<StoredMatrix, ReadError> {
+        let numbers = StoredNumbers::Sparse {
+            rows: self.numbers(cursor, "row indices", path)?,
+            starts: self.numbers(cursor, "column starts", path)?,
+            values: self.numbers(cursor, "values", path)?,
+        };
+        let (rows, columns, complex) = (head.dims[0], head.dims[1], head.complex);
+        Ok(StoredMatrix { name: path.into(), rows, columns, numbers, complex })
     }
 
     fn fields(
@@ -207,8 +246,7 @@ fn describe(class: u8, head: &Head) -> String {
         ),
         2 => format!("a struct more than {DEEPEST} levels deep"),
         3 => "an object".into(),
-        5 => "a sparse array".into(),
-        6..=15 if head.complex => "a complex array".into(),
+        5 => format!("a sparse array of {} dimensions", head.dims.len()),
         6..=15 => format!("an array of {} dimensions", head.dims.len()),
         other => format!("an array of class {other}"),
     }

@@ -5,26 +5,31 @@
 //! from 1 as MATLAB does, `hits(2).acc`.
 
 mod element;
+mod stored;
 mod matrix;
 mod hdf;
+
+pub use stored::{StoredMatrix, StoredNumbers};
 
 use crate::assembly::{Chooser, Raw, Variable, units};
 use crate::bytes::Order;
 use crate::error::ReadError;
 use crate::file_bytes::FileBytes;
-use crate::inflate::{most, read_limited};
+use crate::inflate::{most, read_limited, refused};
 use crate::options::ReadOptions;
 use crate::warning::Warning;
 use element::{Cursor, ElementType};
 use flate2::bufread::ZlibDecoder;
 use matrix::{Found, Reader, Said};
+use std::path::Path;
 
 /// Bytes before the first data element: 116 of text, 8 of offsets, version and byte order.
 const HEADER: usize = 128;
 
 /// Time and channels of a MAT-file.
 pub(crate) fn parse(source: FileBytes, options: &ReadOptions) -> Result<Raw, ReadError> {
-    let found = if is_level_7_3(source.bytes) { hdf::read(&source)? } else { level_5(&source)? };
+    let mut found = read(&source)?;
+    found.refused.extend(found.matrices.iter().map(Said::no_channel));
     let asked =
         options.channels.iter().chain(&options.time).find(|n| found.refused.iter().any(|r| r.path == **n));
     if let Some(refused) = found.refused.iter().find(|r| Some(&r.path) == asked) {
@@ -37,6 +42,32 @@ pub(crate) fn parse(source: FileBytes, options: &ReadOptions) -> Result<Raw, Rea
     let left = |r: &Said| Warning::LeftOut { name: r.path.clone(), reason: format!("it is {}", r.text) };
     let warnings = found.refused.iter().map(left).collect();
     Chooser { source, options, tabular: false }.choose(with_units(found), warnings)
+}
+
+/// All matrices of a MAT-file of level 5 or 7.3, full and sparse, real and complex; `file` serves the messages only.
+///
+/// # Errors
+/// [`ReadError`] where the file is none of these or is damaged.
+///
+/// ```
+/// let error = iwan_io::mat_matrices("k.mat".as_ref(), b"no MAT-file").unwrap_err();
+/// assert!(error.to_string().starts_with("k.mat: header: found 11 bytes"));
+/// ```
+pub fn mat_matrices(file: &Path, bytes: &[u8]) -> Result<Vec<StoredMatrix>, ReadError> {
+    let found = read(&FileBytes { file, bytes })?;
+    let full = |v: Variable| StoredMatrix {
+        name: v.name,
+        rows: v.rows,
+        columns: v.columns,
+        numbers: StoredNumbers::Full(v.values),
+        complex: false,
+    };
+    Ok(found.arrays.into_iter().map(full).chain(found.matrices).collect())
+}
+
+/// What a file of either level holds.
+fn read(source: &FileBytes) -> Result<Found, ReadError> {
+    if is_level_7_3(source.bytes) { hdf::read(source) } else { level_5(source) }
 }
 
 /// Signature of HDF5, at the start or behind MATLAB's own header of 512 bytes.
@@ -58,7 +89,7 @@ fn level_5(source: &FileBytes) -> Result<Found, ReadError> {
         }
         let place = format!("compressed variable at byte {}", element.offset);
         let bytes = read_limited(&mut ZlibDecoder::new(element.data), most(element.data.len()))
-            .map_err(|e| source.malformed(&place, e.to_string(), "zlib data"))?;
+            .map_err(|e| refused(source, &place, e, "zlib data"))?;
         let mut inside = Cursor::new(source, &bytes, order, 0);
         while let Some(inner) = inside.next()? {
             Reader { source, order }.top(&inner, &mut found)?;

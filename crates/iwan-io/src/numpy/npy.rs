@@ -44,7 +44,8 @@ pub(crate) fn array(source: &FileBytes, bytes: &[u8], name: &str) -> Result<Vari
         return Err(source.cut_short(format!("array '{name}'"), "bytes", promised, data.len() as u64));
     };
     let values = to_f64(data, header.kind, header.order);
-    let (rows, columns) = (header.rows, header.columns);
+    // An array of nothing may say that it has any number of columns of no rows: it is an empty vector.
+    let (rows, columns) = if values.is_empty() { (0, 1) } else { (header.rows, header.columns) };
     let values =
         if header.fortran || rows == 1 || columns == 1 { values } else { transpose(&values, columns) };
     Ok(Variable { name: name.into(), unit: String::new(), rows, columns, values })

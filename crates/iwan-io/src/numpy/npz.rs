@@ -1,14 +1,20 @@
 //! Several NumPy arrays in a zip archive, as `numpy.savez` and `numpy.savez_compressed` write them.
 
 use super::npy;
-use crate::assembly::{Chooser, Raw};
+use crate::assembly::{Chooser, Raw, clocks};
 use crate::error::ReadError;
-use crate::file_bytes::FileBytes;
-use crate::inflate::{most, read_limited};
+use crate::file_bytes::{FileBytes, decode, shorten};
+use crate::inflate::{most, read_limited, refused};
 use crate::options::ReadOptions;
 use crate::warning::Warning;
+use std::collections::HashSet;
 use std::io::Cursor;
 use zip::ZipArchive;
+
+const EXPECTED: &str = "a stored or deflated NPY array";
+
+/// Arrays up to this size are read whether they are asked for or not: rates, intervals, and names for messages.
+const SMALL: u64 = 1 << 20;
 
 /// Time and channels of an NPZ file; the time is a vector `t` or `time`, or a number `dt` (seconds) or `fs` (Hz).
 /// Arrays that are not numeric (labels, say) are left out with a warning.
@@ -16,10 +22,14 @@ pub(crate) fn parse(source: FileBytes, options: &ReadOptions) -> Result<Raw, Rea
     let mut archive = ZipArchive::new(Cursor::new(source.bytes))
         .map_err(|e| source.malformed("zip directory", e.to_string(), "a zip archive of NPY arrays"))?;
     let (mut variables, mut warnings) = (Vec::new(), Vec::new());
+    if let Some(name) = twice(source.bytes, archive.central_directory_start()) {
+        let found = format!("two entries '{}'", shorten(&name, 60));
+        return Err(source.malformed("zip directory", found, "names that differ"));
+    }
     // One budget for all entries: those of a hostile archive may share their compressed bytes.
     let mut budget = most(source.bytes.len());
     for index in 0..archive.len() {
-        let Some((name, bytes)) = entry(&source, &mut archive, index, budget)? else { continue };
+        let Some((name, bytes)) = entry(&source, &mut archive, index, (budget, options))? else { continue };
         budget -= bytes.len() as u64;
         match npy::array(&source, &bytes, &name) {
             Ok(variable) => variables.push(variable),
@@ -36,18 +46,49 @@ fn asked(name: &str, options: &ReadOptions) -> bool {
     options.channels.iter().chain(&options.time).any(|n| n == name)
 }
 
-/// Name and bytes of an entry `NAME.npy`; none for another file.
+/// Whether an array may be asked for: all are where the user names none; where channels are named, these, and what may be their time.
+fn wanted(name: &str, options: &ReadOptions) -> bool {
+    let owner =
+        |asked: &String| asked == name || asked.strip_prefix(name).is_some_and(|rest| rest.starts_with('['));
+    options.channels.is_empty()
+        || options.channels.iter().chain(&options.time).any(owner)
+        || clocks::is_time_named(name)
+}
+
+/// A name that stands twice in the directory, of which archive readers see the last entry alone.
+fn twice(bytes: &[u8], start: u64) -> Option<String> {
+    /// Signature, and length without name, extra field and comment (APPNOTE.TXT 4.3.12).
+    const ENTRY: (&[u8], usize) = (b"PK\x01\x02", 46);
+    let mut rest = bytes.get(usize::try_from(start).ok()?..)?;
+    let mut seen = HashSet::new();
+    while rest.starts_with(ENTRY.0) {
+        let length = |at: usize| rest.get(at..at + 2).map(|b| usize::from(u16::from_le_bytes([b[0], b[1]])));
+        let (name, extra, comment) = (length(28)?, length(30)?, length(32)?);
+        let named = rest.get(ENTRY.1..ENTRY.1 + name)?;
+        if !seen.insert(named) {
+            return Some(decode(named));
+        }
+        rest = rest.get(ENTRY.1 + name + extra + comment..)?;
+    }
+    None
+}
+
+/// Name and bytes of an entry `NAME.npy`; none for another file, and for a large array that is not asked for.
 fn entry(
     source: &FileBytes,
     archive: &mut ZipArchive<Cursor<&[u8]>>,
     index: usize,
-    budget: u64,
+    (budget, options): (u64, &ReadOptions),
 ) -> Result<Option<(String, Vec<u8>)>, ReadError> {
     let place = format!("zip entry {index} (counted from 0)");
-    let bad = |e: String| source.malformed(place.clone(), e, "a stored or deflated NPY array");
+    let bad = |e: String| source.malformed(place.clone(), e, EXPECTED);
     let mut entry = archive.by_index(index).map_err(|e| bad(e.to_string()))?;
     let name = entry.name().map_err(|e| bad(e.to_string()))?;
     let Some(name) = name.strip_suffix(".npy").map(str::to_string) else { return Ok(None) };
-    let bytes = read_limited(&mut entry, budget).map_err(|e| bad(e.to_string()))?;
+    if entry.size() > SMALL && !wanted(&name, options) {
+        return Ok(None);
+    }
+    let budget = budget.min(most(usize::try_from(entry.compressed_size()).unwrap_or(usize::MAX)));
+    let bytes = read_limited(&mut entry, budget).map_err(|e| refused(source, &place, e, EXPECTED))?;
     Ok(Some((name, bytes)))
 }

@@ -3,6 +3,8 @@
 mod parquet_file;
 
 use crate::atomic::{WriteError, write_file};
+use std::borrow::Cow;
+use std::collections::HashSet;
 use std::io::{self, Seek, Write};
 use std::path::Path;
 use zip::write::SimpleFileOptions;
@@ -57,6 +59,12 @@ pub struct Table<'a> {
     columns: Vec<(String, &'a [f64])>,
 }
 
+/// A name as spreadsheets show it: one that begins like a formula is told to be text by an apostrophe, as they do themselves (OWASP, "CSV
+/// injection").
+fn as_text(name: &str) -> Cow<'_, str> {
+    if name.starts_with(['=', '+', '-', '@']) { format!("'{name}").into() } else { name.into() }
+}
+
 impl<'a> Table<'a> {
     /// Checks and keeps the columns.
     ///
@@ -64,12 +72,13 @@ impl<'a> Table<'a> {
     /// [`TableError`] names the column.
     pub fn new(columns: Vec<(String, &'a [f64])>) -> Result<Self, TableError> {
         let Some((_, first)) = columns.first() else { return Err(TableError::Empty) };
+        let mut names = HashSet::with_capacity(columns.len());
         for (index, (name, values)) in columns.iter().enumerate() {
             let (rows, expected) = (values.len(), first.len());
             if rows != expected {
                 return Err(TableError::Lengths { name: name.clone(), rows, expected });
             }
-            let twice = columns[..index].iter().any(|(other, _)| other == name);
+            let twice = !names.insert(name);
             if twice || name.is_empty() || name.chars().any(char::is_control) {
                 return Err(TableError::Name { index, name: name.clone() });
             }
@@ -95,7 +104,9 @@ impl<'a> Table<'a> {
     /// What the sink reports.
     pub fn csv_to(&self, mut sink: impl Write) -> io::Result<()> {
         let mut header = csv::Writer::from_writer(Vec::new());
-        header.write_record(self.columns.iter().map(|(name, _)| name)).map_err(io::Error::other)?;
+        header
+            .write_record(self.columns.iter().map(|(name, _)| as_text(name).into_owned()))
+            .map_err(io::Error::other)?;
         sink.write_all(&header.into_inner().map_err(|e| io::Error::other(e.to_string()))?)?;
         let (mut number, mut line) = (ryu::Buffer::new(), Vec::new());
         for row in 0..self.rows() {

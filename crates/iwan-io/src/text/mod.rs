@@ -74,7 +74,8 @@ impl Columns {
 /// [`ReadError`] names the file, the row and column (counted from 1, as an editor shows them) and what stands there.
 pub fn read_table(path: impl AsRef<Path>) -> Result<Columns, ReadError> {
     let file = path.as_ref();
-    let bytes = std::fs::read(file).map_err(|source| ReadError::Io { file: file.into(), source })?;
+    let bytes =
+        iwan_machine::read_file(file).map_err(|source| ReadError::Io { file: file.into(), source })?;
     parse_table(file, &bytes)
 }
 

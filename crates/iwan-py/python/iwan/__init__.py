@@ -42,7 +42,8 @@ from iwan._native import (
     superpose,
 )
 from iwan.coupled import CoupledModes, CoupledResponse, JointHistory, SharedJoint
-from iwan.identification import Fit, LogLikelihood, fit, log_likelihood
+from iwan.identification import Fit, fit
+from iwan.likelihood import LogLikelihood, log_likelihood
 from iwan.errors import (
     ComputationError,
     ExistingFileError,
@@ -61,14 +62,18 @@ from iwan.records import as_record
 from iwan.steady import Backbone, SteadyResponse, backbone, frf
 from iwan.structure import StaticCurves, Structure, StructureModes, StructureResponse
 from iwan.study import reproduce
+from iwan.sweeps import SweepFit
+from iwan.updating import ComparedCurve, Estimate, StructureUpdate, UpdatedJoints, update
 
 __all__ = [
     "Backbone",
+    "ComparedCurve",
     "ComputationError",
     "Coulomb",
     "CoupledModes",
     "CoupledResponse",
     "Envelope",
+    "Estimate",
     "ExistingFileError",
     "FileError",
     "Fit",
@@ -106,8 +111,11 @@ __all__ = [
     "StructureError",
     "StructureModes",
     "StructureResponse",
+    "StructureUpdate",
+    "SweepFit",
     "Tabulated",
     "Uniform",
+    "UpdatedJoints",
     "__version__",
     "as_record",
     "backbone",
@@ -122,4 +130,5 @@ __all__ = [
     "reproduce",
     "simulate",
     "superpose",
+    "update",
 ]

@@ -435,17 +435,60 @@ def _write_reduced(structure: _Structure, folder: str | PathLike[str], modes: in
 def _quasi_static(
     structure: _Structure, mode: str, displacement: ArrayLike | None, points: int
 ) -> dict[str, Any]: ...
+def _update(
+    structure: _Structure,
+    curves: Sequence[tuple[str, str, bool, bool, ArrayLike, ArrayLike, ArrayLike]],
+    *,
+    groups: Mapping[str, Sequence[str]] | None,
+    correct: Sequence[tuple[str, float | None]],
+    undamped: bool,
+    threads: int | None,
+    progress: Callable[[int], object] | None,
+) -> tuple[str, str | None]: ...
 def _reproduce(*, threads: int | None, progress: Callable[[int], object] | None) -> str: ...
+def _fit_sweeps(
+    sweeps: Sequence[str | PathLike[str] | tuple[str, Sequence[tuple[str, ArrayLike]]]],
+    backbones: Sequence[str | PathLike[str] | tuple[str, Sequence[tuple[str, ArrayLike]]]],
+    levels: Sequence[float],
+    mass: float | None,
+    hold: Sequence[tuple[str, float]],
+    ring_downs: _Identified | None,
+) -> dict[str, Any]: ...
 def _frf(
     modes: Sequence[Mode],
-    control: str,
-    levels: ArrayLike,
-    band: tuple[float, float],
+    asked: tuple[str, ArrayLike, tuple[float, float], int, int],
     at: str | None,
-    harmonics: int,
-    points: int,
     threads: int | None,
 ) -> list[list[dict[str, Any]]]: ...
+def _frf_coupled(
+    modes: Sequence[Mode],
+    joints: Sequence[tuple[str, Joint, Sequence[float], Sequence[float], float]],
+    asked: tuple[str, ArrayLike, tuple[float, float], int, int],
+    at: str | None,
+    threads: int | None,
+) -> list[dict[str, Any]]: ...
+def _backbone_coupled(
+    modes: Sequence[Mode],
+    joints: Sequence[tuple[str, Joint, Sequence[float], Sequence[float], float]],
+    mode: int,
+    amplitude: ArrayLike,
+    harmonics: int,
+) -> dict[str, Any]: ...
+def _frf_structure(
+    structure: _Structure,
+    asked: tuple[str, ArrayLike, tuple[float, float], int, int],
+    direction: tuple[float, float, float] | None,
+    given: tuple[str | None, float, int | None],
+    threads: int | None,
+) -> tuple[list[dict[str, Any]], str]: ...
+def _backbone_structure(
+    structure: _Structure,
+    mode: str,
+    amplitude: ArrayLike | None,
+    points: int,
+    harmonics: int,
+    given: tuple[str | None, float, int | None],
+) -> dict[str, Any]: ...
 def _modal_fit(
     forces: ArrayLike | None, responses: ArrayLike, request: dict[str, Any]
 ) -> dict[str, Any]: ...

@@ -10,6 +10,7 @@ from numpy.typing import ArrayLike
 from iwan import _native
 from iwan._native import Joint, Mode, Pulse, Response
 from iwan.errors import InvalidTypeError, InvalidValueError
+from iwan.steady import Backbone, SteadyResponse, asked
 from iwan.types import Array, Grid
 
 __all__ = ["CoupledModes", "CoupledResponse", "JointHistory", "SharedJoint"]
@@ -127,15 +128,70 @@ class CoupledModes:
 
         Example: that of `CoupledModes`.
         """
-        joints = [
-            (joint.name, joint.joint, [float(b) for b in joint.participation], self._compliance(i), float(joint.slip_at_force))
-            for i, joint in enumerate(self.joints)
-        ]
         told = _native._simulate_coupled(
-            self.modes, joints, force, dt, duration, sliders, grid, prewarp, initial, quality, threads
+            self.modes, self._joints(), force, dt, duration, sliders, grid, prewarp, initial, quality, threads
         )
         histories = [JointHistory(**joint) for joint in told["joints"]]
         return CoupledResponse(told["modes"], histories, told["energy"], told["energy_error"])
+
+    def frf(
+        self,
+        *,
+        band: tuple[float, float],
+        force: ArrayLike | None = None,
+        base_acceleration: ArrayLike | None = None,
+        displacement: ArrayLike | None = None,
+        velocity: ArrayLike | None = None,
+        acceleration: ArrayLike | None = None,
+        at: str | None = None,
+        harmonics: int = 1,
+        points: int = 400,
+        threads: int | None = None,
+    ) -> list[SteadyResponse]:
+        """Steady forced responses of all modes together, one curve for each level, on threads; arguments as in `iwan.frf`.
+
+        `at`: a point among the outputs of the modes, where they superpose, or the name of a mode, whose modal displacement is the
+        response then; by default that of the first mode with its resonance in the band.
+
+        >>> modes = [iwan.Mode(frequency=132.35, name="bending 1"), iwan.Mode(frequency=719.6, name="bending 3")]
+        >>> law = iwan.FourParameter(k_t=3.16e4, f_s=143.8, chi=-0.3, beta=0.02)
+        >>> link = iwan.SharedJoint(joint=law, participation=[1.0, -4.905], compliance=9.1e-6, name="link")
+        >>> weak, strong = iwan.CoupledModes(modes, [link]).frf(band=(125.0, 135.0), force=[0.1, 20.0], harmonics=3)
+        >>> weak.peak[0] > strong.peak[0]
+        True
+        """
+        levels = {
+            "force": force,
+            "base_acceleration": base_acceleration,
+            "displacement": displacement,
+            "velocity": velocity,
+            "acceleration": acceleration,
+        }
+        sweep = asked(band, levels, harmonics, points)
+        curves = _native._frf_coupled(self.modes, self._joints(), sweep, at, threads)
+        return [SteadyResponse(**curve) for curve in curves]
+
+    def backbone(self, mode: str | int = 0, *, amplitude: ArrayLike, harmonics: int = 1) -> Backbone:
+        """Nonlinear mode that grows out of one of the modes (its name, or its place from 0); all others follow.
+
+        `amplitude`: its modal displacements (mass^1/2 length), > 0 and ascending; `harmonics`: the highest one, odd.
+
+        Example: that of `iwan.backbone`.
+        """
+        names = [one.name for one in self.modes]
+        if isinstance(mode, str) and mode not in names:
+            raise InvalidValueError(f"mode = '{mode}' is not known: choose one of {', '.join(names)}")
+        number = names.index(mode) if isinstance(mode, str) else mode
+        if not 0 <= number < len(names):
+            raise InvalidValueError(f"mode = {mode} is out of range: must be from 0 to {len(names) - 1}")
+        return Backbone(**_native._backbone_coupled(self.modes, self._joints(), number, amplitude, harmonics))
+
+    def _joints(self) -> list[tuple[str, Joint, list[float], list[float], float]]:
+        """The joints as the compiled part takes them."""
+        return [
+            (joint.name, joint.joint, [float(b) for b in joint.participation], self._compliance(i), float(joint.slip_at_force))
+            for i, joint in enumerate(self.joints)
+        ]
 
     def _compliance(self, index: int) -> list[float]:
         given = self.joints[index].compliance

@@ -1,11 +1,11 @@
-"""From records to the parameters of an Iwan joint, with intervals, a verdict, and the likelihood for samplers."""
+"""From records to the parameters of an Iwan joint, with intervals and a verdict."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from os import PathLike
-from typing import TYPE_CHECKING, Any, Literal, cast
+from typing import Any, Literal, cast, overload
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -25,19 +25,16 @@ from iwan._native import (
     _identify,
     _Identified,
 )
-from iwan.errors import InvalidValueError, IwanError
+from iwan._six import Interval, SixParameters
+from iwan.errors import InvalidTypeError, InvalidValueError
+from iwan.sweeps import Measurement, SweepFit, fit_sweeps
 from iwan.types import Array, EnvelopeMethod
 
-if TYPE_CHECKING:
-    from arviz import InferenceData
-
-__all__ = ["Fit", "LogLikelihood", "fit", "log_likelihood"]
-
-Interval = tuple[float | None, float | None]
+__all__ = ["Fit", "fit"]
 
 
 @dataclass(frozen=True, eq=False)
-class Fit:
+class Fit(SixParameters):
     """What records tell about a mode. Made by `iwan.fit`; picklable.
 
     Parameters are called `frequency` (Hz), `damping_ratio`, `k_t`, `f_s`, `chi` and `beta`. Curves hold one entry per cycle
@@ -84,36 +81,15 @@ class Fit:
     """That law in a sentence, or why there is none."""
     laws: Sequence[Mapping[str, Any]]
     """All laws compared: `name`, `words`, `criterion` (twice the logarithm of the evidence that the best law has over it),
-    `dissipation_misfit` (root mean square, of ln D), `frequency_misfit` (Hz), `grade`, `parameters` and `intervals` by name."""
+    `dissipation_misfit` (root mean square, of ln D), `frequency_misfit` (Hz), `dissipation_discrepancy` and `frequency_discrepancy` (what
+    it misses beside noise as estimated with it; standard deviations, relative and in Hz), `grade`, `parameters` and `intervals` by name."""
     backbone: Mapping[str, Array]
-    """Smooth curves with bands of 95 %: `amplitude`, `frequency` (Hz), `damping_ratio`, `frequency_low`, `frequency_high`,
+    """Smooth curves with bands of 95 %, of several hits those of a further hit: `amplitude`, `frequency` (Hz), `damping_ratio`, `frequency_low`, `frequency_high`,
     `damping_ratio_low`, `damping_ratio_high`; empty where laws could not be compared."""
     _records: Sequence[Any] = field(repr=False)
     _request: Mapping[str, Any] = field(repr=False)
     """Records and arguments, to identify again."""
     _identified: _Identified | None = field(default=None, repr=False)
-
-    @property
-    def joint(self) -> FourParameter:
-        """The joint, as identified."""
-        return cast(FourParameter, self.mode.joint)
-
-    @property
-    def frequency(self) -> float:
-        """Frequency at small amplitude, Hz."""
-        return self.mode.frequency
-
-    @property
-    def damping_ratio(self) -> float:
-        """Viscous damping ratio, in parallel with the joint."""
-        return self.mode.damping_ratio
-
-    @property
-    def parameters(self) -> dict[str, float]:
-        """All six by name."""
-        joint = self.joint
-        own = {"k_t": joint.k_t, "f_s": joint.f_s, "chi": joint.chi, "beta": joint.beta}
-        return {"frequency": self.frequency, "damping_ratio": self.damping_ratio} | own
 
     @property
     def law_mode(self) -> Mode:
@@ -140,15 +116,7 @@ class Fit:
 
     def __str__(self) -> str:
         """Table of the parameters with their intervals, and what the records tell."""
-
-        def end(x: float | None) -> str:
-            return "open" if x is None else f"{x:.6g}"
-
-        rows = [
-            f"{name:<14}{value:>14.7g}   95 %: {end(self.intervals[name][0])} to {end(self.intervals[name][1])}"
-            for name, value in self.parameters.items()
-        ]
-        return "\n".join([*rows, *self.words])
+        return "\n".join([*self.table(), *self.words])
 
     def report(
         self, path: str | PathLike[str], *, names: Sequence[str] | None = None, force: bool = False
@@ -199,6 +167,7 @@ def _mode_of_law(p: Mapping[str, float]) -> Mode:
     return Mode(frequency=p["frequency"], joint=joint, damping_ratio=p["damping_ratio"], parts=parts)
 
 
+@overload
 def fit(
     record: Record | ArrayLike | Sequence[Record | ArrayLike],
     *,
@@ -216,7 +185,68 @@ def fit(
     force_axis: Literal["modal", "joint"] = "modal",
     hold: Mapping[str, float] | None = None,
     law: str | None = None,
-) -> Fit:
+) -> Fit: ...
+@overload
+def fit(
+    record: Record | ArrayLike | Sequence[Record | ArrayLike] | None = None,
+    *,
+    sweeps: Measurement | Sequence[Measurement],
+    backbones: Measurement | Sequence[Measurement] | None = None,
+    levels: Sequence[float] | None = None,
+    dt: float | None = None,
+    channel: str | int | None = None,
+    quantity: Literal["acceleration", "velocity", "displacement"] | None = None,
+    shape: Sequence[float] | None = None,
+    mass: float | None = None,
+    band: tuple[float, float] | None = None,
+    near: float | None = None,
+    method: EnvelopeMethod = "hilbert",
+    filter_order: int = 3,
+    window: tuple[float, float] | None = None,
+    order: int | None = None,
+    hold: Mapping[str, float] | None = None,
+) -> SweepFit: ...
+@overload
+def fit(
+    record: Record | ArrayLike | Sequence[Record | ArrayLike] | None = None,
+    *,
+    sweeps: None = None,
+    backbones: Measurement | Sequence[Measurement],
+    levels: Sequence[float] | None = None,
+    dt: float | None = None,
+    channel: str | int | None = None,
+    quantity: Literal["acceleration", "velocity", "displacement"] | None = None,
+    shape: Sequence[float] | None = None,
+    mass: float | None = None,
+    band: tuple[float, float] | None = None,
+    near: float | None = None,
+    method: EnvelopeMethod = "hilbert",
+    filter_order: int = 3,
+    window: tuple[float, float] | None = None,
+    order: int | None = None,
+    hold: Mapping[str, float] | None = None,
+) -> SweepFit: ...
+def fit(
+    record: Record | ArrayLike | Sequence[Record | ArrayLike] | None = None,
+    *,
+    sweeps: Measurement | Sequence[Measurement] | None = None,
+    backbones: Measurement | Sequence[Measurement] | None = None,
+    levels: Sequence[float] | None = None,
+    dt: float | None = None,
+    channel: str | int | None = None,
+    quantity: Literal["acceleration", "velocity", "displacement"] | None = None,
+    shape: Sequence[float] | None = None,
+    mass: float | None = None,
+    band: tuple[float, float] | None = None,
+    near: float | None = None,
+    method: EnvelopeMethod = "hilbert",
+    filter_order: int = 3,
+    window: tuple[float, float] | None = None,
+    order: int | None = None,
+    force_axis: Literal["modal", "joint"] = "modal",
+    hold: Mapping[str, float] | None = None,
+    law: str | None = None,
+) -> Fit | SweepFit:
     """Identify the parameters of a mode with a four-parameter Iwan joint and a viscous damper.
 
     `record`: a `Record` or a bare array (samples, or channels x samples) with `dt` (s), or a list of them: the force levels
@@ -226,6 +256,12 @@ def fit(
     `order`: as in `iwan.envelope`. `force_axis`: of the curves. `hold`: parameters that keep a value, such as
     `{"damping_ratio": 0.0}`. `law`: name of the law that `Fit.law` and `Fit.law_mode` shall be of, in place of the one that the records
     favour; the book's chapter on laws has the names.
+
+    `sweeps`, `backbones`: a shaker's test of the mode in place of the record or beside it, one measurement for each day: a file as
+    `iwan fit --sweep --backbone` reads it, a mapping with arrays `frequency` (Hz), a motion (`amplitude`, `displacement`, `velocity` or
+    `acceleration`), `phase` (rad, against the force) and `excitation`, or for a backbone `frequency`, `damping_ratio` and a motion;
+    or what `iwan.frf` (a list of levels is one measurement) and `iwan.backbone` return. `levels`: force of each function of a
+    universal file. The result is a `SweepFit` then; `law` and `force_axis` are for ring-downs alone.
 
     Start values off the curves, least squares on the curves, refinement on the records by simulation, profile likelihood
     (Sec. 2.4, 2.5 and 4.4 of the paper, completed). The interpreter's lock is released; Ctrl-C is honoured. Raises
@@ -240,7 +276,21 @@ def fit(
     >>> by_law = iwan.fit(response.acceleration, dt=2e-4, law="separate-powers").law_mode  # another law than the joint
     >>> print(f"{by_law.frequency:.1f} Hz", len(by_law.parts), found.curve_mode.frequency_at(1e-3) < 124.0)
     124.0 Hz 2 True
+    >>> shaker = iwan.frf(mode, band=(112.0, 128.0), force=[1.0, 100.0], points=60)
+    >>> together = iwan.fit(response.acceleration, dt=2e-4, sweeps=[shaker])
+    >>> together.identifiable["f_s"], f"{together.joint.f_s:.0f}"
+    (True, '239')
     """
+    if sweeps is not None or backbones is not None:
+        if law is not None:
+            raise InvalidValueError("law: laws are compared on ring-downs alone; leave it out beside sweeps and backbones")
+        ring_downs = None
+        if record is not None:
+            arguments = request(dt, channel, quantity, shape, mass, band, near, method, filter_order, window, order, hold)
+            ring_downs = _identify(several(record), arguments)
+        return fit_sweeps(sweeps, backbones, levels, mass, hold, ring_downs)
+    if record is None:
+        raise InvalidTypeError("record is missing: give a record, or a shaker's test as sweeps= or backbones=")
     arguments = request(dt, channel, quantity, shape, mass, band, near, method, filter_order, window, order, hold)
     records = several(record)
     identified = _identify(records, arguments)
@@ -320,72 +370,3 @@ def several(record: Any) -> list[Any]:
     if isinstance(record, (list, tuple)) and record and isinstance(record[0], (Record, np.ndarray)):
         return list(record)
     return [record]
-
-
-class LogLikelihood:
-    """Logarithm of the likelihood of a fit's records. Made by `iwan.log_likelihood`.
-
-    Called with coordinates, one row or many (any shape with the last axis as long as `names`), it returns their logarithms
-    (the shape without that axis), minus infinity where there is no model. Coordinates are those of the parameters that were
-    not held, `k_t`, `f_s` and `beta` by their logarithms, and for each record two that say how it began.
-
-    >>> import emcee
-    >>> joint = iwan.FourParameter(k_t=4.45e4, f_s=239.4, chi=-0.183, beta=0.3)
-    >>> mode = iwan.Mode(frequency=124.0, joint=joint, damping_ratio=1e-3)
-    >>> response = iwan.simulate(mode, dt=2e-4, duration=0.4, initial=(0.5 * joint.phi_max, 0.0), method="half-cycle")
-    >>> likelihood = iwan.log_likelihood(iwan.fit(response.acceleration, dt=2e-4))
-    >>> sampler = emcee.EnsembleSampler(20, len(likelihood.names), likelihood, vectorize=True)
-    >>> _ = sampler.run_mcmc(likelihood.walkers(20), 30)
-    >>> likelihood.to_arviz(sampler).posterior["chi"].shape
-    (20, 30)
-    """
-
-    def __init__(self, native: Any) -> None:
-        self._native = native
-        self.names: list[str] = native.names
-        """Names of the coordinates."""
-        self.best: Array = native.best
-        """Coordinates of the best fit."""
-
-    def __call__(self, theta: ArrayLike, *, threads: int | None = None) -> Array:
-        """Logarithms of the likelihood at `theta`; for emcee with `vectorize=True`."""
-        return cast(Array, self._native.log(theta, threads))
-
-    def walkers(self, count: int, *, seed: int = 0, spread: float = 1e-6) -> Array:
-        """Points about the best fit where walkers may start, `count` x coordinates, all of them with a likelihood.
-
-        Example: that of the class. Raises `iwan.InvalidValueError` when `spread`, relative, is too wide.
-        """
-        rng, found = np.random.default_rng(seed), np.empty((0, len(self.names)))
-        scale = spread * np.maximum(np.abs(self.best), 1e-3)
-        for _ in range(100):
-            points = self.best + scale * rng.standard_normal((4 * count, len(self.names)))
-            found = np.concatenate([found, points[np.isfinite(self(points))]])
-            if len(found) >= count:
-                return found[:count]
-        raise InvalidValueError(f"spread = {spread} is too wide: most points about the best fit have no likelihood")
-
-    def to_arviz(self, sampler: Any, **options: Any) -> InferenceData:
-        """The samples of an emcee sampler for ArviZ, by the names of the coordinates; options as in `arviz.from_emcee`.
-
-        Example: that of the class.
-        """
-        try:
-            import arviz
-        except ImportError as error:
-            raise IwanError("this needs arviz: pip install 'iwan-ringdown[posterior]'") from error
-        # The library has no types.
-        return cast("InferenceData", cast(Any, arviz).from_emcee(sampler, var_names=self.names, **options))
-
-
-def log_likelihood(fit: Fit) -> LogLikelihood:
-    """The likelihood of a fit's records as a function, fast enough for hundreds of thousands of samples.
-
-    >>> joint = iwan.FourParameter(k_t=4.45e4, f_s=239.4, chi=-0.183, beta=0.3)
-    >>> mode = iwan.Mode(frequency=124.0, joint=joint, damping_ratio=1e-3)
-    >>> response = iwan.simulate(mode, dt=2e-4, duration=0.4, initial=(0.2 * joint.phi_max, 0.0), method="half-cycle")
-    >>> likelihood = iwan.log_likelihood(iwan.fit(response.acceleration, dt=2e-4))
-    >>> likelihood.names[:4], bool(likelihood(likelihood.best) > likelihood(likelihood.best + 0.01))
-    (['frequency', 'damping_ratio', 'log_k_t', 'log_f_s'], True)
-    """
-    return LogLikelihood(fit._again().likelihood())

@@ -16,24 +16,29 @@ from iwan._axes import axes
 from iwan._native import Envelope, FourParameter, Joint, Mode, Record, Response
 from iwan._shapes import mode_shape, mode_shapes
 from iwan.errors import InvalidTypeError, InvalidValueError
+from iwan.steady import Backbone, SteadyResponse
 from iwan.types import Array, History
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
     from iwan.identification import Fit
+    from iwan.updating import StructureUpdate
 
 __all__ = [
+    "backbone",
     "damping",
     "density",
     "dissipation",
     "fitted",
     "frequency",
+    "frf",
     "hysteresis",
     "mode_shape",
     "mode_shapes",
     "profile",
     "ring_down",
+    "updated",
 ]
 
 _MEASURED: dict[str, Any] = {"marker": ".", "markersize": 4, "linestyle": "none"}
@@ -271,6 +276,45 @@ def fitted(
     return ax
 
 
+def updated(
+    found: StructureUpdate, *, show: Literal["frequency", "damping_ratio"] = "damping_ratio", ax: Axes | None = None
+) -> Axes:
+    """Draw what `iwan.update` compares: measured curves (dots), the structure as given (dashed) and with the joints found (line, with the 95 %
+    band of what the curves leave open). One colour for each curve; curves that were kept out are labelled as predicted.
+
+    `show`: damping ratio or frequency. Frequencies are drawn over the first measured one, because modes lie far apart.
+
+    >>> beam = iwan.Structure.built_in("paper-a")
+    >>> found = iwan.update(beam, {"bending 1": beam.quasi_static("bending 1", points=12)}, undamped=True)
+    >>> iwan.plot.updated(found).get_ylabel()
+    'damping ratio (%)'
+    """
+    ax = axes(ax)
+    for i, curve in enumerate(found.curves):
+        color, q = f"C{i}", curve.displacement
+        label = f"{curve.mode} (predicted)" if curve.held_out else curve.mode
+        if show == "damping_ratio":
+            scale, after, half = 100.0, curve.damping_ratio_after, np.exp(1.96 * curve.log_damping_sd)
+            low, high = after / half, after * half
+            measured, before = curve.damping_ratio, curve.damping_ratio_before
+        else:
+            scale, after, half = 1.0 / float(np.max(curve.frequency)), curve.frequency_after, 1.96 * curve.frequency_sd
+            low, high = after - half, after + half
+            measured, before = curve.frequency, curve.frequency_before
+        ax.fill_between(q, scale * low, scale * high, color=color, alpha=0.25, linewidth=0.0)
+        ax.plot(q, scale * measured, color=color, label=label, **_MEASURED)
+        if before.size:
+            ax.plot(q, scale * before, color=color, linestyle="--", linewidth=1.0)
+        ax.plot(q, scale * after, color=color, linewidth=1.0)
+    label = "damping ratio (%)" if show == "damping_ratio" else "frequency over the highest measured"
+    ax.set(xscale="log", xlabel="modal displacement", ylabel=label)
+    if show == "damping_ratio":
+        ax.set(yscale="log")
+    ax.legend()
+    _readable(ax)
+    return ax
+
+
 def profile(fit: Fit, parameter: str, *, ax: Axes | None = None) -> Axes:
     """Draw the profile likelihood of a parameter of a fit: the deviance against its values, the 95 % limit, and the ends of
     the interval. Where the curve never crosses the limit, the records do not bound the parameter on that side.
@@ -319,4 +363,91 @@ def density(joint: Joint | Mapping[str, Joint], *, ax: Axes | None = None) -> Ax
     ax.set(xscale="log", yscale="log", xlabel="slider strength", ylabel="density (stiffness/length)")
     if any(joints):
         ax.legend()
+    return ax
+
+
+def frf(
+    curves: SteadyResponse | Sequence[SteadyResponse],
+    *,
+    show: Literal["amplitude", "phase", "excitation", "receptance", "harmonics"] = "amplitude",
+    backbone: Backbone | None = None,
+    ax: Axes | None = None,
+) -> Axes:
+    """Draw steady forced responses over frequency, one line for each level.
+
+    `show`: amplitude of the response; its phase in degrees; the excitation that holds it; amplitude over excitation ("receptance");
+    or the higher harmonics. Circles: frequencies at which a measured response jumps, on harmonics their own resonances. `backbone`: drawn
+    through the amplitudes (dashed).
+
+    >>> mode = iwan.Mode(frequency=124.0, joint=iwan.FourParameter(k_t=4.45e4, f_s=239.4, chi=-0.183, beta=0.3))
+    >>> iwan.plot.frf(iwan.frf(mode, band=(112.0, 128.0), force=[1.0, 100.0])).get_ylabel()
+    'amplitude'
+    """
+    ax = axes(ax)
+    several = [curves] if isinstance(curves, SteadyResponse) else list(curves)
+    for i, curve in enumerate(several):
+        label, color = f"{curve.control.replace('_', ' ')} {curve.level:.4g}", f"C{i % 10}"
+        marked: list[tuple[float, float]] = []
+        if show == "harmonics":
+            for n, (amplitude, _) in curve.harmonics.items():
+                ax.plot(curve.frequency, amplitude, color=color, alpha=3 / n, label=f"{label}, harmonic {n}", linewidth=1.0)
+            marked = [(frequency, amplitude) for _, frequency, amplitude in curve.superharmonics]
+        else:
+            of = {
+                "amplitude": curve.amplitude,
+                "phase": np.degrees(curve.phase),
+                "excitation": curve.excitation,
+                "receptance": curve.amplitude / curve.excitation,
+            }
+            ax.plot(curve.frequency, of[show], color=color, label=label, linewidth=1.0)
+            marked = list(curve.jumps) if show == "amplitude" else []
+        if marked:
+            ax.plot(*zip(*marked, strict=True), linestyle="none", marker="o", markersize=4, fillstyle="none", color=color)
+    if backbone is not None and show == "amplitude":
+        ax.plot(backbone.frequency, backbone.response, linestyle="--", label="backbone", **_MODEL)
+    ax.set(xlabel="frequency (Hz)", ylabel="phase (deg)" if show == "phase" else show)
+    if show != "phase":
+        ax.set(yscale="log")
+    ax.legend()
+    return ax
+
+
+def backbone(
+    curves: Backbone | Mapping[str, Backbone],
+    *,
+    show: Literal["frequency", "damping_ratio", "harmonics", "slips"] = "frequency",
+    ax: Axes | None = None,
+) -> Axes:
+    """Draw nonlinear modes against the modal amplitude: frequency, damping ratio in per cent, the higher harmonics over the response's first, or
+    the slips of the joints over the amplitude, which stay level where the mode does not change its shape.
+
+    `curves`: one `Backbone` or several by name.
+
+    >>> mode = iwan.Mode(frequency=124.0, joint=iwan.FourParameter(k_t=4.45e4, f_s=239.4, chi=-0.183, beta=0.3))
+    >>> iwan.plot.backbone(iwan.backbone(mode, amplitude=[1e-4, 1e-3, 1e-2]), show="damping_ratio").get_ylabel()
+    'damping ratio (%)'
+    """
+    ax = axes(ax)
+    named = {"": curves} if isinstance(curves, Backbone) else dict(curves)
+    for label, curve in named.items():
+        of: Mapping[str, Array] = {
+            "frequency": {label: curve.frequency},
+            "damping_ratio": {label: 100.0 * curve.damping_ratio},
+            "harmonics": {f"{label} {n}".strip(): a / curve.response for n, a in curve.harmonics.items()},
+            "slips": {f"{label} {name}".strip(): slip / curve.amplitude for name, slip in curve.slips.items()},
+        }[show]
+        for name, values in of.items():
+            ax.plot(curve.amplitude, values, label=name, linewidth=1.0)
+    words = {
+        "frequency": "frequency (Hz)",
+        "damping_ratio": "damping ratio (%)",
+        "harmonics": "harmonic / first harmonic",
+        "slips": "slip / amplitude",
+    }
+    ax.set(xscale="log", xlabel="modal amplitude", ylabel=words[show])
+    if show != "frequency":
+        ax.set(yscale="log")
+    if any(ax.get_legend_handles_labels()[1]):
+        ax.legend()
+    _readable(ax)
     return ax

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import io
+import re
 from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
 
@@ -33,7 +34,8 @@ def as_record(
     """Make a `Record` of what other libraries hand out; `iwan.envelope` and `iwan.fit` do so by themselves.
 
     `data`: a dataset 58 of `pyuff` (a dict) or a list of them; the dict of `scipy.io.loadmat` or of named arrays; a pandas
-    Series or DataFrame or an xarray DataArray with times as its index; an array with `dt` (s); a `Record`, returned as it is.
+    Series or DataFrame or an xarray DataArray with times as its index (numbers, durations or dates; `units` and names such as
+    `Time [ms]` are obeyed), or a DataFrame with its times in a column; an array with `dt` (s); a `Record`, returned as it is.
     `time`, `channels`, `quantity`, `resample`: as in `iwan.read_record`.
 
     Raises `iwan.InvalidValueError` or `iwan.RecordError` for data that are no record, `iwan.InvalidTypeError`.
@@ -52,10 +54,7 @@ def as_record(
     if isinstance(data, Mapping):
         return _of_names(data, dt, time, channels, quantity, resample)
     if hasattr(data, "to_numpy") and hasattr(data, "index"):
-        columns = {str(name): data[name].to_numpy() for name in data.columns} if hasattr(data, "columns") else {
-            str(data.name or "channel 0"): data.to_numpy()
-        }
-        return _on_axis(columns, np.asarray(data.index), dt, quantity)
+        return _of_pandas(data, dt, time, channels, quantity, resample)
     if hasattr(data, "coords") and hasattr(data, "dims"):
         return _of_xarray(data, dt, quantity)
     if dt is None:
@@ -110,6 +109,55 @@ def _on_axis(
     )
 
 
+def _of_pandas(
+    data: Any,
+    dt: float | None,
+    time: str | None,
+    channels: Sequence[str],
+    quantity: Quantity | None,
+    resample: bool,
+) -> Record:
+    """A Series or a DataFrame. Its index holds the times, unless it counts rows or `time` names a column."""
+    columns = {str(name): data[name].to_numpy() for name in data.columns} if hasattr(data, "columns") else {
+        str(data.name or "channel 0"): data.to_numpy()
+    }
+    index = data.index
+    counts_rows = type(index).__name__ == "RangeIndex" and index.name is None
+    if dt is None and (counts_rows or time in columns):
+        if len(columns) == 1:
+            raise RecordError("the index counts rows and is no time: give dt=, or times as the index")
+        return _of_names(columns, dt, time, channels, quantity, resample)
+    if channels:
+        missing = [name for name in channels if name not in columns]
+        if missing:
+            raise RecordError(f"there is no column {missing[0]!r}; there are: {', '.join(columns)}")
+        columns = {name: columns[name] for name in channels}
+    if getattr(index, "tz", None) is not None:
+        index = index.tz_convert(None)
+    return _on_axis(columns, _seconds(np.asarray(index), str(index.name or "")), dt, quantity)
+
+
+_UNITS = {"s": 1.0, "ms": 1e-3, "us": 1e-6, "µs": 1e-6, "μs": 1e-6, "ns": 1e-9, "min": 60.0, "h": 3600.0}
+"""Units of time and their factors to seconds."""
+
+
+def _seconds(axis: np.ndarray[Any, Any], name: str, unit: str = "") -> np.ndarray[Any, Any]:
+    """Times in seconds: durations and dates by their own unit, numbers by the one beside them or in their name, `Time [ms]`."""
+    if axis.dtype.kind == "M":
+        axis = axis - axis[:1] if axis.size else axis.astype("m8[ns]")
+    if axis.dtype.kind == "m":
+        return axis / np.timedelta64(1, "s")
+    if axis.dtype.kind not in "fiu":
+        raise InvalidTypeError(f"the index holds {axis.dtype}, no times: give dt=, or times in seconds as the index")
+    found = re.search(r"[\[(]([^\])]*)[\])]\s*$", name)
+    unit = unit.strip() or (found.group(1).strip() if found else "")
+    words = {"second": "s", "millisecond": "ms", "microsecond": "us", "nanosecond": "ns", "minute": "min", "hour": "h", "sec": "s"}
+    unit = words.get(unit.lower().rstrip("s"), unit)
+    if unit and unit not in _UNITS:
+        raise RecordError(f"the times are in {unit!r}, which is no unit of time (known are {', '.join(_UNITS)}): give dt=")
+    return axis.astype(np.float64) * _UNITS[unit or "s"]
+
+
 def _of_xarray(data: Any, dt: float | None, quantity: Quantity | None) -> Record:
     along = [dim for dim in data.dims if dim in ("t", "time")] or [data.dims[-1]]
     if data.ndim > 2:
@@ -117,7 +165,9 @@ def _of_xarray(data: Any, dt: float | None, quantity: Quantity | None) -> Record
     rows = data.transpose(..., along[0]).to_numpy().reshape(-1, data.sizes[along[0]])
     others = [dim for dim in data.dims if dim != along[0]]
     labels = [str(x) for x in data[others[0]].to_numpy()] if others else [str(data.name or "channel 0")]
-    return _on_axis(dict(zip(labels, rows, strict=True)), data[along[0]].to_numpy(), dt, quantity)
+    times = data[along[0]]
+    axis = _seconds(times.to_numpy(), str(along[0]), str(times.attrs.get("units", "")))
+    return _on_axis(dict(zip(labels, rows, strict=True)), axis, dt, quantity)
 
 
 def _leaves(name: str, value: Any) -> Iterator[tuple[str, np.ndarray[Any, Any]]]:
@@ -131,6 +181,10 @@ def _leaves(name: str, value: Any) -> Iterator[tuple[str, np.ndarray[Any, Any]]]
     elif isinstance(value, Mapping):
         for key, inner in value.items():
             yield from _leaves(f"{name}.{key}" if name else str(key), inner)
+    elif np.ma.is_masked(value):
+        raise InvalidValueError(f"{name} hides numbers under a mask: cut them off, or fill them (.filled)")
+    elif array.dtype.kind in "mM" and array.size > 1:
+        yield f"{name} [s]" if "[" not in name else name, _seconds(np.squeeze(array), "")
     elif array.dtype.kind in "fiu" and array.size > 1:
         yield name, np.squeeze(array)
 

@@ -14,6 +14,7 @@ from iwan import _native
 from iwan._native import FourParameter, Mode, Pulse, Record
 from iwan.errors import InvalidValueError
 from iwan.progress import Progress, bar
+from iwan.steady import SteadyStructure
 from iwan.types import Array, Energy, Grid
 
 __all__ = ["StaticCurves", "Structure", "StructureModes", "StructureResponse"]
@@ -215,7 +216,7 @@ class StructureResponse:
         return f"<iwan.StructureResponse: {self.t.size - 1} steps of {self.dt!r} s, {how}, largest slip ratio {most:.4}>"
 
 
-class Structure:
+class Structure(SteadyStructure):
     """A finite-element structure with discrete Iwan joints: mesh, materials, joints, supports, loads and outputs.
 
     Made by `Structure.load` or `Structure.built_in`; frozen, picklable, `repr` reads back. Modes are computed once and kept.

@@ -17,6 +17,24 @@ pub(crate) struct Numbers {
     pub(crate) shape: Vec<usize>,
 }
 
+/// Refuses an array of `numpy.ma` that hides samples: what stands under a mask is no measurement.
+fn refuse_masked(name: &str, object: &Bound<'_, PyAny>) -> PyResult<()> {
+    let py = object.py();
+    if object.hasattr(intern!(py, "_mask"))? && object.hasattr(intern!(py, "mask"))? {
+        let masked = object.py().import(intern!(py, "numpy.ma"))?;
+        let hidden: usize = masked
+            .call_method1(intern!(py, "getmaskarray"), (object,))?
+            .call_method0(intern!(py, "sum"))?
+            .extract()?;
+        if hidden > 0 {
+            let what =
+                format!("{name} hides {hidden} numbers under a mask: cut them off, or fill them (.filled)");
+            return Err(value(what));
+        }
+    }
+    Ok(())
+}
+
 impl Numbers {
     /// From anything that NumPy takes for real numbers: arrays of any layout, integers, float32, lists, scalars.
     ///
@@ -27,6 +45,7 @@ impl Numbers {
         {
             return Ok(Self { values: vec![object.extract()?], shape: Vec::new() });
         }
+        refuse_masked(name, object)?;
         if let Ok(array) = object.cast::<PyArrayDyn<f64>>()
             && is_aligned(array)
         {

@@ -31,6 +31,16 @@ pub(crate) fn computation(message: String) -> PyErr {
     python::ComputationError::new_err(message)
 }
 
+/// Memory that is lacking: `iwan.ComputationError`.
+pub(crate) fn lacking(short: &iwan_machine::memory::Short) -> PyErr {
+    computation(short.to_string())
+}
+
+/// A record that is none: `iwan.RecordError`.
+pub(crate) fn record(message: String) -> PyErr {
+    python::RecordError::new_err(in_python(&message))
+}
+
 /// A bad type: `iwan.InvalidTypeError`.
 pub(crate) fn wrong_type(message: impl Into<String>) -> PyErr {
     python::InvalidTypeError::new_err(message.into())

@@ -1,13 +1,16 @@
 //! Long work without the interpreter's lock: Ctrl-C, progress, threads.
 
 use std::ops::ControlFlow;
-use std::panic::resume_unwind;
+use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use std::sync::mpsc::{Receiver, RecvTimeoutError, channel};
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::Duration;
 
+use iwan_machine::threads::{begin, together};
 use pyo3::prelude::*;
+
+use crate::exchange::errors::computation;
 
 /// How often signals are looked at and progress is told: Ctrl-C is honoured well within 0.2 s.
 const PATIENCE: Duration = Duration::from_millis(40);
@@ -53,7 +56,7 @@ pub(crate) fn run<T: Send + 'static>(
     lasting: bool,
     work: impl FnOnce(&Control) -> T + Send + 'static,
 ) -> PyResult<T> {
-    if lasting { watched(py, None, work) } else { Ok(py.detach(|| work(&Control::default()))) }
+    if lasting { watched(py, None, work) } else { py.detach(|| sheltered(|| work(&Control::default()))) }
 }
 
 /// Runs lasting work, and calls `progress` with the number of pieces done, from time to time and at the end.
@@ -65,26 +68,37 @@ pub(crate) fn watched<T: Send + 'static>(
     let (sender, receiver) = channel();
     let control = Control::default();
     let told = control.clone();
-    let worker = std::thread::Builder::new().name("iwan".into()).spawn(move || {
-        // Without a receiver nobody waits for the result.
-        let _ = sender.send(work(&told));
-    })?;
+    // Without a receiver nobody waits for the result.
+    let begun = begin("iwan", move || drop(sender.send(sheltered(|| work(&told)))));
+    // Where no thread can be had, the work is done here, and signals are seen when it has ended.
+    if let Err(work) = begun {
+        py.detach(work);
+    }
     let tell = || {
         progress
             .map_or(Ok(()), |progress| progress.call1((control.0.done.load(Ordering::Relaxed),)).map(drop))
     };
     let result = wait(py, &Mutex::new(receiver), || py.check_signals().and_then(|()| tell()));
     match result {
-        Ok(Some(result)) => tell().map(|()| result),
-        Ok(None) => match worker.join() {
-            Err(panic) => resume_unwind(panic),
-            Ok(()) => unreachable!("the worker sends before it ends"),
-        },
+        Ok(Some(result)) => tell().and(result),
+        Ok(None) => Err(fault("the work ended without a result")),
         Err(signal) => {
             control.0.abandoned.store(true, Ordering::Relaxed);
             Err(signal)
         }
     }
+}
+
+/// Does work; a panic, which is a fault in this program, becomes an `iwan.ComputationError` that `except Exception` catches.
+fn sheltered<T>(work: impl FnOnce() -> T) -> PyResult<T> {
+    catch_unwind(AssertUnwindSafe(work)).map_err(|panic| {
+        let text = panic.downcast_ref::<String>().map(String::as_str);
+        fault(text.or_else(|| panic.downcast_ref::<&str>().copied()).unwrap_or("no message"))
+    })
+}
+
+fn fault(what: &str) -> PyErr {
+    computation(format!("a fault in this program, please report it: {what}"))
 }
 
 /// Waits for a result, looking round between; none when the sender has gone without one.
@@ -120,15 +134,7 @@ pub(crate) fn each<T: Send, U: Send>(
             done.fetch_add(1, Ordering::Relaxed);
         }
     };
-    std::thread::scope(|scope| {
-        let helpers: Vec<_> = (1..most).map(|_| scope.spawn(serve)).collect();
-        serve();
-        for helper in helpers {
-            if let Err(panic) = helper.join() {
-                resume_unwind(panic);
-            }
-        }
-    });
+    together(most, &serve);
     let _ = control.report(done.into_inner());
     results.into_inner().unwrap_or_else(PoisonError::into_inner).into_iter().collect()
 }

@@ -9,9 +9,10 @@ use iwan_ident::curves::{Curves, ForceAxis, Quantity};
 use iwan_ident::identify::{Held, Identification, ModeRecord, Settings, identify_until};
 use iwan_ident::laws::{Backbone, FittedLaw};
 use iwan_ident::likelihood::{Buffers, Likelihood as Library};
+use iwan_ident::profile::Profile;
 use iwan_ident::refine::TurningPoint;
 use iwan_ident::signal::Options;
-use iwan_ident::{Parameter, Parameters};
+use iwan_ident::{Parameter, Parameters, Verdict};
 use numpy::PyArrayDyn;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
@@ -91,18 +92,18 @@ fn sources(records: &[Modal]) -> Vec<ModeRecord<'_>> {
 
 /// An identification with what it was made from.
 #[derive(Debug)]
-struct Made {
+pub(super) struct Made {
     records: Vec<Modal>,
     /// Whether they carry the root of a modal mass.
     mass_normalised: bool,
     settings: Settings,
-    found: Identification,
+    pub(super) found: Identification,
 }
 
 /// What `iwan.Fit` is made of.
 #[pyclass(frozen, module = "iwan._native", name = "_Identified")]
 #[derive(Debug)]
-pub(crate) struct Identified(Arc<Made>);
+pub(crate) struct Identified(pub(super) Arc<Made>);
 
 /// Identifies a mode from its records at several force levels.
 #[pyfunction]
@@ -156,22 +157,7 @@ impl Identified {
     /// Everything as a dict of plain values and arrays.
     fn told<'py>(&self, py: Python<'py>, force_axis: &str) -> PyResult<Bound<'py, PyDict>> {
         let (found, dict) = (&self.0.found, PyDict::new(py));
-        let (parameters, intervals, profiles) = (PyDict::new(py), PyDict::new(py), PyDict::new(py));
-        for profile in &found.profiles.parameters {
-            let name = profile.parameter.name();
-            parameters.set_item(name, found.parameters.get(profile.parameter))?;
-            intervals.set_item(name, (profile.low, profile.high))?;
-            let (values, deviances): (Vec<_>, Vec<_>) =
-                profile.points.iter().map(|p| (p.value, p.deviance)).unzip();
-            profiles.set_item(name, (array(py, values), array(py, deviances)))?;
-        }
-        dict.set_item("parameters", parameters)?;
-        dict.set_item("intervals", intervals)?;
-        dict.set_item("profiles", profiles)?;
-        dict.set_item("limit", found.profiles.limit)?;
-        dict.set_item("adequate", found.verdict.adequate)?;
-        dict.set_item("grade", found.verdict.grade.name())?;
-        dict.set_item("misfit", &found.verdict.misfit)?;
+        six(&dict, &found.profiles.parameters, found.profiles.limit, &found.verdict)?;
         dict.set_item("dissipation_misfit", found.verdict.dissipation_misfit)?;
         dict.set_item("frequency_misfit", found.verdict.frequency_misfit)?;
         dict.set_item("relative_residual", found.refined.relative_residual)?;
@@ -229,10 +215,33 @@ fn law<'py>(py: Python<'py>, l: &FittedLaw) -> PyResult<Bound<'py, PyDict>> {
     dict.set_item("criterion", l.criterion)?;
     dict.set_item("dissipation_misfit", l.dissipation_misfit)?;
     dict.set_item("frequency_misfit", l.frequency_misfit)?;
+    dict.set_item("dissipation_discrepancy", l.discrepancy.0)?;
+    dict.set_item("frequency_discrepancy", l.discrepancy.1)?;
     dict.set_item("grade", l.grade.name())?;
     dict.set_item("parameters", parameters)?;
     dict.set_item("intervals", intervals)?;
     Ok(dict)
+}
+
+/// The six parameters with their intervals and profiles, and the verdict.
+pub(crate) fn six(dict: &Bound<'_, PyDict>, all: &[Profile], limit: f64, verdict: &Verdict) -> PyResult<()> {
+    let py = dict.py();
+    let (parameters, intervals, profiles) = (PyDict::new(py), PyDict::new(py), PyDict::new(py));
+    for profile in all {
+        let name = profile.parameter.name();
+        parameters.set_item(name, profile.value)?;
+        intervals.set_item(name, (profile.low, profile.high))?;
+        let (values, deviances): (Vec<_>, Vec<_>) =
+            profile.points.iter().map(|p| (p.value, p.deviance)).unzip();
+        profiles.set_item(name, (array(py, values), array(py, deviances)))?;
+    }
+    dict.set_item("parameters", parameters)?;
+    dict.set_item("intervals", intervals)?;
+    dict.set_item("profiles", profiles)?;
+    dict.set_item("limit", limit)?;
+    dict.set_item("adequate", verdict.adequate)?;
+    dict.set_item("grade", verdict.grade.name())?;
+    dict.set_item("misfit", &verdict.misfit)
 }
 
 /// Smooth curves with bands.

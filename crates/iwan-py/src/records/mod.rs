@@ -4,3 +4,4 @@ pub(crate) mod record;
 pub(crate) mod mode_records;
 pub(crate) mod envelope;
 pub(crate) mod identified;
+pub(crate) mod sweeps;

@@ -15,7 +15,16 @@ use crate::values::mode::Mode;
 use crate::values::pulse::Force;
 
 /// A joint as Python hands it over: name, law, participation by mode, compliance by joint, slip at the load.
-type Given<'py> = (String, Bound<'py, Joint>, Vec<f64>, Vec<f64>, f64);
+pub(crate) type GivenJoint<'py> = (String, Bound<'py, Joint>, Vec<f64>, Vec<f64>, f64);
+
+/// The joints for the computation.
+pub(crate) fn shared(joints: Vec<GivenJoint<'_>>) -> Vec<SharedJoint> {
+    let shared = |(name, joint, participation, compliance, slip_at_force): GivenJoint<'_>| {
+        let law = joint.get().law.clone();
+        SharedJoint { name, law, participation, compliance, slip_at_force }
+    };
+    joints.into_iter().map(shared).collect()
+}
 
 /// Responses of the modes, histories of the joints, and the energy of all.
 #[pyfunction]
@@ -23,7 +32,7 @@ type Given<'py> = (String, Bound<'py, Joint>, Vec<f64>, Vec<f64>, f64);
 pub(crate) fn _simulate_coupled<'py>(
     py: Python<'py>,
     modes: Vec<Bound<'py, Mode>>,
-    joints: Vec<Given<'py>>,
+    joints: Vec<GivenJoint<'py>>,
     force: Option<&Bound<'py, PyAny>>,
     dt: f64,
     duration: f64,
@@ -36,13 +45,7 @@ pub(crate) fn _simulate_coupled<'py>(
 ) -> PyResult<Bound<'py, PyDict>> {
     let mut modes: Vec<iwan_sim::Mode> = modes.iter().map(|mode| mode.get().mode.clone()).collect();
     set_initial(&mut modes, initial)?;
-    let joints: Vec<SharedJoint> = joints
-        .into_iter()
-        .map(|(name, joint, participation, compliance, slip_at_force)| {
-            let law = joint.get().law.clone();
-            SharedJoint { name, law, participation, compliance, slip_at_force }
-        })
-        .collect();
+    let joints = shared(joints);
     let joint = representation_of(sliders, grid, iwan_core::Grid::graded)?;
     let options = MethodOptions { joint, prewarp, beta: 0.25, gamma: 0.5 };
     let settings = Settings { dt, duration, method: method("newmark", options)?, quality };

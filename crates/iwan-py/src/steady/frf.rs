@@ -1,6 +1,9 @@
 //! Forced responses of modes, for `iwan.frf`.
 
-use iwan_sim::{Control, SimulationError, SteadyCurve, SteadyPoint, Sweep, forced_response, in_parallel};
+use iwan_sim::{
+    Control, JointedModes, SimulationError, SteadyCurve, SteadyPoint, Sweep, forced_response,
+    forced_response_of, in_parallel,
+};
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyList};
 
@@ -10,20 +13,11 @@ use crate::exchange::options::{choose, thread_count};
 use crate::exchange::work;
 use crate::values::mode::Mode;
 
-/// Forced responses of several modes at several levels: a list of dicts per mode.
-#[pyfunction]
-#[expect(clippy::too_many_arguments, reason = "arguments of Python's own function, which names them")]
-pub(crate) fn _frf<'py>(
-    py: Python<'py>,
-    modes: Vec<Bound<'py, Mode>>,
-    control: &str,
-    levels: &Bound<'py, PyAny>,
-    band: (f64, f64),
-    at: Option<&str>,
-    harmonics: usize,
-    points: usize,
-    threads: Option<usize>,
-) -> PyResult<Bound<'py, PyList>> {
+/// What is held, as Python says it: its name and its amplitudes, the band, the highest harmonic, the number of points.
+pub(crate) type Given<'py> = (String, Bound<'py, PyAny>, (f64, f64), usize, usize);
+
+/// The sweep that was asked for.
+pub(crate) fn sweep((control, levels, band, harmonics, points): Given<'_>) -> PyResult<Sweep> {
     let controls = [
         Control::Force,
         Control::BaseAcceleration,
@@ -31,33 +25,63 @@ pub(crate) fn _frf<'py>(
         Control::Velocity,
         Control::Acceleration,
     ];
-    let control = choose("control", control, &controls.map(|control| (control.name(), control)))?;
-    let levels = Numbers::vector(control.name(), levels)?;
+    let control = choose("control", &control, &controls.map(|control| (control.name(), control)))?;
+    let levels = Numbers::vector(control.name(), &levels)?;
     let sweep = Sweep { from: band.0, to: band.1, control, levels, harmonics, points };
+    sweep.checked().map_err(simulation)?;
+    Ok(sweep)
+}
+
+/// One sweep for each level.
+pub(crate) fn by_level(sweep: &Sweep) -> Vec<Sweep> {
+    sweep.levels.iter().map(|&level| Sweep { levels: vec![level], ..sweep.clone() }).collect()
+}
+
+/// The curves of modes that joints couple, one level a piece of work.
+pub(crate) fn coupled_curves(
+    system: &JointedModes,
+    sweep: &Sweep,
+    threads: usize,
+) -> Result<Vec<SteadyCurve>, SimulationError> {
+    let found: Result<Vec<Vec<SteadyCurve>>, SimulationError> =
+        in_parallel(&by_level(sweep), threads, &|level| forced_response_of(system, level))
+            .into_iter()
+            .collect();
+    Ok(found?.concat())
+}
+
+/// Forced responses of several modes at several levels: a list of dicts per mode. One level of one mode is a piece of work.
+#[pyfunction]
+pub(crate) fn _frf<'py>(
+    py: Python<'py>,
+    modes: Vec<Bound<'py, Mode>>,
+    asked: Given<'py>,
+    at: Option<&str>,
+    threads: Option<usize>,
+) -> PyResult<Bound<'py, PyList>> {
+    let sweep = sweep(asked)?;
+    let levels = sweep.levels.len();
     let mut tasks = Vec::new();
     for mode in modes {
         let mode = mode.get().mode.clone();
         let shape = shape(&mode, at)?;
-        tasks.push((mode, shape));
+        tasks.extend(by_level(&sweep).into_iter().map(|level| (mode.clone(), level, shape)));
     }
     let threads = thread_count(threads)?;
     let found = work::run(py, true, move |_| {
-        in_parallel(&tasks, threads, &|(mode, shape)| forced_response(mode, &sweep, *shape))
+        in_parallel(&tasks, threads, &|(mode, level, shape)| forced_response(mode, level, *shape))
     })?;
     let found: Result<Vec<Vec<SteadyCurve>>, SimulationError> = found.into_iter().collect();
+    let found = found.map_err(simulation)?.concat();
     let list = PyList::empty(py);
-    for curves in found.map_err(simulation)? {
-        let of_mode = PyList::empty(py);
-        for curve in curves {
-            of_mode.append(told(py, &curve)?)?;
-        }
-        list.append(of_mode)?;
+    for curves in found.chunks(levels) {
+        list.append(told(py, curves)?)?;
     }
     Ok(list)
 }
 
 /// Shape at the point whose response is held or returned.
-fn shape(mode: &iwan_sim::Mode, at: Option<&str>) -> PyResult<f64> {
+pub(crate) fn shape(mode: &iwan_sim::Mode, at: Option<&str>) -> PyResult<f64> {
     let Some(at) = at else { return Ok(1.0) };
     let found = mode.outputs.iter().find(|point| point.name == at).map(|point| point.shape);
     found.ok_or_else(|| {
@@ -68,7 +92,16 @@ fn shape(mode: &iwan_sim::Mode, at: Option<&str>) -> PyResult<f64> {
     })
 }
 
-fn told<'py>(py: Python<'py>, curve: &SteadyCurve) -> PyResult<Bound<'py, PyDict>> {
+/// A list of dicts, one per curve.
+pub(crate) fn told<'py>(py: Python<'py>, curves: &[SteadyCurve]) -> PyResult<Bound<'py, PyList>> {
+    let list = PyList::empty(py);
+    for curve in curves {
+        list.append(told_curve(py, curve)?)?;
+    }
+    Ok(list)
+}
+
+fn told_curve<'py>(py: Python<'py>, curve: &SteadyCurve) -> PyResult<Bound<'py, PyDict>> {
     let dict = PyDict::new(py);
     let all = |of: &dyn Fn(&SteadyPoint) -> f64| array(py, curve.points.iter().map(of).collect());
     dict.set_item("control", curve.control.name())?;
@@ -86,6 +119,10 @@ fn told<'py>(py: Python<'py>, curve: &SteadyCurve) -> PyResult<Bound<'py, PyDict
     dict.set_item("harmonics", higher)?;
     let jumps: Vec<(f64, f64)> = curve.jumps().iter().map(|jump| (jump.frequency, jump.amplitude)).collect();
     dict.set_item("jumps", jumps)?;
+    let found = curve.superharmonics();
+    let found: Vec<(usize, f64, f64)> =
+        found.iter().map(|s| (s.harmonic, s.frequency, s.amplitude)).collect();
+    dict.set_item("superharmonics", found)?;
     let peak = curve.peak().map(|peak| (peak.frequency, peak.amplitude));
     dict.set_item("peak", peak)?;
     dict.set_item("remarks", curve.remarks.clone())?;

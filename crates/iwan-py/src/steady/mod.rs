@@ -2,3 +2,4 @@
 
 pub(crate) mod frf;
 pub(crate) mod backbone;
+pub(crate) mod coupled;

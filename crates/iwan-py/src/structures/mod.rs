@@ -4,3 +4,5 @@ pub(crate) mod structure;
 pub(crate) mod written;
 pub(crate) mod static_curves;
 pub(crate) mod blow;
+pub(crate) mod steady;
+pub(crate) mod update;

@@ -1,11 +1,12 @@
 //! What all joint laws can do.
 
 use iwan_core::Backbone;
+use iwan_machine::memory::ask;
 use iwan_sim::{JointLaw, force_history};
 use pyo3::prelude::*;
 
 use crate::exchange::array::{Numbers, shaped};
-use crate::exchange::errors::{core, simulation, value};
+use crate::exchange::errors::{core, lacking, simulation, value};
 use crate::exchange::options::representation_of;
 use crate::exchange::pickle::hash;
 use crate::exchange::work;
@@ -187,6 +188,9 @@ impl Joint {
         else {
             return Err(value("sliders must be a number"));
         };
+        // The table, and the two arrays made of it while they grow.
+        let bytes = (bins as u64).saturating_mul(100);
+        ask(format!("a table of {bins} sliders"), bytes, "take fewer sliders").map_err(|e| lacking(&e))?;
         let mut table = vec![iwan_core::Slider::default(); iwan_core::Sliders::table_len(bins)];
         let population = iwan_core::Sliders::discretise(&self.law, grid, bins, &mut table).map_err(core)?;
         let (strength, stiffness): (Vec<_>, Vec<_>) = population.elements().unzip();

@@ -9,3 +9,4 @@ mod simulate;
 pub use joint::SharedJoint;
 pub use response::{CoupledResponse, JointHistory};
 pub use simulate::{check_coupled, simulate_coupled};
+pub(crate) use task::assembled;

@@ -48,6 +48,7 @@ pub fn simulate_coupled(
 ) -> Result<CoupledResponse, SimulationError> {
     let force = force.checked()?;
     let (dt, samples) = (settings.dt, settings.samples()?);
+    settings.ask(modes.len(), 2 * joints.len())?;
     check_rows(modes, joints)?;
     let [coupled, alone] = parted(modes, joints);
     let (prewarp, representation) = of_method(settings.method)?;

@@ -37,6 +37,21 @@ fn widened(row: &[f64], joints: usize) -> Vec<f64> {
     row.iter().copied().chain(std::iter::repeat(0.0)).take(joints).collect()
 }
 
+/// Modes (all of them), shared joints and the modes' own joints as they stand in the equations, checked for what does not fit,
+/// and for what nothing holds once the joints slip; with K_T of each mode.
+///
+/// # Errors
+/// As [`simulate_coupled`](super::simulate_coupled) where no step matters.
+pub(crate) fn assembled(
+    modes: &[Mode],
+    shared: &[SharedJoint],
+) -> Result<(Vec<SharedJoint>, Vec<f64>), SimulationError> {
+    let all: Vec<usize> = (0..modes.len()).collect();
+    let task = Task::new(modes, &all, shared, (&[], 1.0, 0))?;
+    Statics::new(&task.modes, &task.joints).check(&task.modes)?;
+    Ok((task.joints, task.modal_stiffness))
+}
+
 impl<'a> Task<'a> {
     /// The modes of these numbers with the joints.
     pub(super) fn new(

@@ -3,6 +3,7 @@
 pub(crate) mod task;
 pub(crate) mod with_parts;
 pub(crate) mod run;
+pub(crate) mod between;
 pub(crate) mod quality;
 pub(crate) mod event;
 pub(crate) mod free_decay;

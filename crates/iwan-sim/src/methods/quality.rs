@@ -1,8 +1,10 @@
 //! Error estimates from companion runs at twice the time step.
 
 use iwan_core::progress::UNWATCHED;
-use iwan_core::{Newmark, Representation};
+use iwan_core::{Newmark, Pulse, Representation};
 
+use crate::error::SimulationError;
+use crate::methods::between::{Polyline, unseen};
 use crate::methods::run::newmark;
 use crate::methods::task::Task;
 use crate::response::{Quality, Response};
@@ -24,13 +26,16 @@ pub(crate) fn difference(coarse: &Response, fine: &Response, stride: usize) -> f
 
 /// Estimates for a Newmark run: time-step error by Richardson extrapolation from the double step (the
 /// scheme's `order` 1 or 2), discretisation error against the continuum at that step.
+///
+/// A force from a file need not be smooth: what the steps do not see of it, and what double steps see less, is computed with the linear
+/// mode ([`unseen`]), and the sliders are held against the continuum at the step itself.
 pub(crate) fn of_newmark(
-    task: Task<'_>,
+    (task, pulse): (Task<'_>, &Pulse<'_>),
     fine: &Response,
     scheme_at: impl Fn(f64) -> Result<Newmark, iwan_core::Error>,
     order: i32,
     joint: Representation,
-) -> Quality {
+) -> Result<Quality, SimulationError> {
     let mut quality = fine.quality;
     let force: Vec<f64> = task.force.iter().copied().step_by(2).collect();
     let coarse = Task { force: &force, dt: 2.0 * task.dt, samples: task.samples.div_ceil(2), ..task };
@@ -38,16 +43,37 @@ pub(crate) fn of_newmark(
     quality.discretisation_error = (linear || joint == Representation::Continuum).then_some(0.0);
     // A prewarped double step may already be too long for the mode: then there is nothing to compare.
     let Some(scheme) = scheme_at(coarse.dt).ok().filter(|_| coarse.samples >= FEWEST) else {
-        return quality;
+        return Ok(quality);
     };
-    let run = |joint| newmark(coarse, &scheme, joint, Response::default(), UNWATCHED);
+    let run = |task: Task<'_>, scheme: &Newmark, joint| {
+        newmark(task, scheme, joint, Response::default(), UNWATCHED)
+    };
     // A double step that does not work says nothing about the single one.
-    let Ok(sliders) = run(joint) else { return quality };
-    quality.time_step_error =
-        Some(difference(&sliders, fine, 2) / f64::from(2_i32.pow(order.unsigned_abs()) - 1));
+    let Ok(mut sliders) = run(coarse, &scheme, joint) else { return Ok(quality) };
+    let unsmooth = matches!(pulse, Pulse::Sampled { .. });
     if quality.discretisation_error.is_none() {
-        quality.discretisation_error =
-            run(Representation::Continuum).ok().map(|c| difference(&sliders, &c, 1));
+        quality.discretisation_error = if unsmooth {
+            run(task, &scheme_at(task.dt)?, Representation::Continuum).ok().map(|c| difference(fine, &c, 1))
+        } else {
+            run(coarse, &scheme, Representation::Continuum).ok().map(|c| difference(&sliders, &c, 1))
+        };
     }
-    quality
+    let mut missed = 0.0;
+    if let Pulse::Sampled { dt, samples } = pulse {
+        let oscillator = task.mode.oscillator()?;
+        let of_steps = |dt, samples| Polyline { dt, samples, scale: 1.0, ends: false };
+        let given = Polyline { dt: *dt, samples, scale: task.mode.shape_at_force, ends: true };
+        let steps = of_steps(task.dt, task.force);
+        let left_out = unseen(&oscillator, given, steps, task.samples);
+        missed = largest(&left_out) / fine.peak_displacement().max(f64::MIN_POSITIVE);
+        let more = unseen(&oscillator, steps, of_steps(coarse.dt, &force), coarse.samples);
+        sliders.displacement.iter_mut().zip(more).for_each(|(q, more)| *q += more);
+    }
+    let steps = difference(&sliders, fine, 2) / f64::from(2_i32.pow(order.unsigned_abs()) - 1);
+    quality.time_step_error = Some(steps + missed);
+    Ok(quality)
+}
+
+fn largest(values: &[f64]) -> f64 {
+    values.iter().fold(0.0, |most, x| most.max(x.abs()))
 }

@@ -16,6 +16,9 @@ pub(super) trait Curve {
     /// Sizes of the unknowns: what is a large step in each.
     fn scales(&self, y: &[f64]) -> Vec<f64>;
 
+    /// The longest step from a node that passes over nothing which the curve is known to do there.
+    fn longest(&self, from: &Node) -> f64;
+
     /// Equations and their derivatives.
     ///
     /// # Errors
@@ -177,6 +180,7 @@ impl<'a, P: Curve> Follower<'a, P> {
         {
             *from = turned;
         }
+        self.step = self.step.min(self.curve.longest(from));
         while self.step > SHORTEST {
             let step = self.step;
             let found = self.at_distance(from, step)?;

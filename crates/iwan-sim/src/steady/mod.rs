@@ -4,6 +4,7 @@ mod sweep;
 mod curve;
 mod one_mode;
 mod jointed;
+mod shared;
 mod receptance;
 mod balance;
 mod continuation;
@@ -11,8 +12,9 @@ mod problems;
 mod respond;
 mod nonlinear_mode;
 
-pub use curve::{Jump, SteadyCurve, SteadyPoint};
+pub use curve::{Jump, SteadyCurve, SteadyPoint, Superharmonic};
 pub use jointed::{JointedModes, Residual, SharedLaw, SlipJoint, StuckMode};
 pub use nonlinear_mode::{BackbonePoint, NonlinearMode, backbone, nonlinear_mode};
 pub use respond::{forced_response, forced_response_of};
+pub use shared::StuckRange;
 pub use sweep::{Control, Sweep};

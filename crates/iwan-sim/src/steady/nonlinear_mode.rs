@@ -158,17 +158,12 @@ const START: f64 = 1e-6;
 fn point(problem: &mut Problem<'_>, y: &[f64]) -> Result<BackbonePoint, SimulationError> {
     let response = problem.response(y)?.iter().map(|[a, b]| a.hypot(*b)).collect();
     let state = problem.state(y);
-    let each = problem.balance.each();
-    let slip = |j: usize| {
-        let (a, b) = (y[j * each], y[j * each + 1]);
-        [a.hypot(b), (-b).atan2(a)]
-    };
     let amplitude = y[y.len() - 1].exp();
     Ok(BackbonePoint {
         amplitude,
         frequency: state.omega / TAU,
         damping_ratio: 0.5 * state.xi / state.omega,
-        slips: (0..problem.balance.system.joints.len()).map(slip).collect(),
+        slips: (0..problem.balance.system.joints.len()).map(|j| problem.slip(y, j)).collect(),
         response,
     })
 }

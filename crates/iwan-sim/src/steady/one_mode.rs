@@ -180,6 +180,7 @@ impl Task<'_> {
             phase,
             excitation,
             harmonics: Vec::new(),
+            slips: Vec::new(),
         }
     }
 

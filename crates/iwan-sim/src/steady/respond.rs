@@ -291,6 +291,7 @@ impl Sheet<'_> {
             phase,
             excitation: state.force,
             harmonics: pairs[1..].iter().map(|pair| polar(*pair)).collect(),
+            slips: (0..problem.balance.system.joints.len()).map(|j| problem.slip(&node.y, j)[0]).collect(),
         });
         Ok(())
     }

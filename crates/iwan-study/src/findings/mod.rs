@@ -27,6 +27,7 @@ pub fn findings(found: &Reproduction) -> Result<Vec<Finding>, Error> {
         bending_modes::slopes(found, &table_1),
         bending_modes::chi(found, &table_1),
         bending_modes::coupling(found),
+        bending_modes::remedy(found),
         bending_modes::beta(found),
         bending_modes::figure_8(found),
         viscous_term::table_4(&found.laboratory),

@@ -152,7 +152,7 @@ fn intervals(truth: &BeamUnderBlows, mode: &BendingMode) -> Result<Vec<Interval>
 }
 
 /// Differences from the truth at all levels.
-fn distances(truth: &BeamUnderBlows, index: usize, accelerations: &[Vec<f64>]) -> Vec<Distance> {
+pub(super) fn distances(truth: &BeamUnderBlows, index: usize, accelerations: &[Vec<f64>]) -> Vec<Distance> {
     let one = |(n, model): (usize, &Vec<f64>)| {
         let truth = &truth.responses[n].outputs[index].acceleration;
         let early = ((EARLY / DT).round() as usize + 1).min(truth.len());

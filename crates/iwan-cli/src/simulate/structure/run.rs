@@ -35,19 +35,23 @@ pub(crate) fn run(
     bar: &Bar,
 ) -> Result<Truth, Failure> {
     let clock = Instant::now();
-    let progress = |share: f64| bar.report(share);
     let linear = Linear::computed(name, file, NamedModes::LOOKED_UP, bar)?;
-    let task = StructureTask {
-        force: Some(scenario.force.pulse()),
-        velocity: &[],
-        dt: scenario.settings.dt,
-        duration: scenario.settings.duration,
-        representation: representation(&scenario.settings.method),
-        model: on.model,
-        modes: &on.modes,
-        extras: Extras { errors: true, frames: on.frames },
-    };
-    let run = linear.file.run(&linear, &task, &progress).map_err(|error| match error {
+    // Beside this thread, which watches for Ctrl-C also while a matrix is factored.
+    let (own, scenario, on, teller) = (linear.clone(), scenario.clone(), on.clone(), bar.teller());
+    let run = bar.wait(move || {
+        let task = StructureTask {
+            force: Some(scenario.force.pulse()),
+            velocity: &[],
+            dt: scenario.settings.dt,
+            duration: scenario.settings.duration,
+            representation: representation(&scenario.settings.method),
+            model: on.model,
+            modes: &on.modes,
+            extras: Extras { errors: true, frames: on.frames },
+        };
+        own.file.run(&own, &task, &|share| teller.report(share))
+    })?;
+    let run = run.map_err(|error| match error {
         RunError::Input(error) => linear.refused(error),
         RunError::Analysis(error) => linear.failed(&error),
     })?;

@@ -6,7 +6,7 @@ use super::super::file::Include;
 use super::keyword::label;
 
 /// `*INCLUDE, INPUT=FILE`.
-pub(super) const INCLUDE: Include =
+pub(in crate::mesh) const INCLUDE: Include =
     Include { word: "*INCLUDE", form: "*INCLUDE, INPUT=FILE on one line", is_one: is_include, input };
 
 fn is_include(line: &[u8]) -> bool {

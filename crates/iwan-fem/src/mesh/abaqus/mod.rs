@@ -20,10 +20,9 @@ mod constraints;
 mod include;
 
 use std::collections::BTreeMap;
-use std::path::Path;
 
 use super::error::{MeshError, MeshWarning};
-use super::file::{FileBytes, MeshFile, expand};
+use super::file::{FileBytes, MeshFile};
 use super::labels::{Labels, Twice};
 use super::topology::Mesh;
 use constraints::Lookup;
@@ -33,16 +32,12 @@ use lines::Lines;
 use reader::{PassedOver, ReadAs, Reader, instance_of, number_of};
 use surfaces::Surfaces;
 
-/// Mesh and remarks of an Abaqus input file.
+pub(in crate::mesh) use include::INCLUDE;
+
+/// Mesh and remarks of an Abaqus input file with all includes in their places.
 ///
 /// `ignored` are names of keywords that are passed over although they change the model.
-pub(super) fn parse(
-    source: FileBytes,
-    ignored: &[String],
-    folder: Option<&Path>,
-) -> Result<MeshFile, MeshError> {
-    let (bytes, pieces) = expand(source, folder, include::INCLUDE)?;
-    let source = FileBytes { bytes: &bytes, pieces: &pieces, ..source };
+pub(super) fn parse(source: FileBytes, ignored: &[String]) -> Result<MeshFile, MeshError> {
     let mut lines = Lines::new(source);
     let mut ignored: Vec<String> = ignored.iter().map(|name| keyword::name(name.as_bytes())).collect();
     if ignored.iter().any(|name| name == "COUPLING") {
@@ -193,10 +188,12 @@ impl Reader {
         let of_surfaces = surface_nodes(&mesh, &surfaces, &lookup, &main.surfaces);
         mesh.node_sets = named.nodes.finish();
         mesh.element_sets = named.elements.finish();
+        let of_ranges = named.warnings;
         for (name, nodes) in of_surfaces {
             mesh.node_sets.entry(name).or_insert(nodes);
         }
         let mut warnings = self.remarks(source);
+        warnings.extend(of_ranges);
         warnings.extend(outcome.warnings);
         let mut sections = outcome.sections;
         self.number(&mut mesh, &mut sections, &mut warnings);

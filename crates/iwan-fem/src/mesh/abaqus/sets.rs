@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use super::super::error::MeshError;
+use super::super::error::{MeshError, MeshWarning};
 use super::super::file::{FileBytes, quote};
 use super::super::labels::Labels;
 use super::super::sets::{Sets, TooLarge};
@@ -98,6 +98,7 @@ impl<'a> Filling<'a> {
 pub(super) struct Named<'a> {
     pub(super) nodes: Filling<'a>,
     pub(super) elements: Filling<'a>,
+    pub(super) warnings: Vec<MeshWarning>,
 }
 
 /// Fills the sets of the mesh in the order of the file.
@@ -112,6 +113,7 @@ pub(super) fn resolve<'a>(
     let length = source.bytes.len().max(mesh.positions.len() + 8 * mesh.elements.len());
     let mut node_sets = Filling::new(nodes, instances, length);
     let mut element_sets = Filling::new(elements, instances, length);
+    let mut warnings = Vec::new();
     for definition in definitions {
         let (own, other) = match definition.kind {
             SetKind::Nodes => (&mut node_sets, Some(&element_sets)),
@@ -122,12 +124,35 @@ pub(super) fn resolve<'a>(
         own.sets.extend(&name, std::iter::empty()).map_err(|limit| too_large(source, definition, limit))?;
         for item in &definition.items {
             let members = members(source, mesh, definition, item, own, other)?;
+            warnings.extend(beyond(source, definition, item, own.labels, members.len()));
             own.sets
                 .extend(&name, members.into_iter())
                 .map_err(|limit| too_large(source, definition, limit))?;
         }
     }
-    Ok(Named { nodes: node_sets, elements: element_sets })
+    Ok(Named { nodes: node_sets, elements: element_sets, warnings })
+}
+
+/// What to say of a range with an end that is not in the file: most likely the set was meant for another mesh.
+fn beyond(
+    source: FileBytes,
+    definition: &Definition,
+    item: &Item,
+    labels: &Labels,
+    found: usize,
+) -> Option<MeshWarning> {
+    let Item::Range { first, last, .. } = *item else { return None };
+    let missing =
+        [last, first].into_iter().find(|n| labels.index(within(definition.within, *n)).is_none())?;
+    Some(MeshWarning::BeyondRange {
+        place: source.at_line(definition.line),
+        word: definition.kind.word(),
+        set: definition.name.clone(),
+        first,
+        last,
+        missing,
+        found,
+    })
 }
 
 /// Indices of what one item names.

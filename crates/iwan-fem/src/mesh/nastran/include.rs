@@ -6,7 +6,7 @@ use std::path::PathBuf;
 use super::super::file::Include;
 
 /// `INCLUDE 'FILE'`.
-pub(super) const INCLUDE: Include =
+pub(in crate::mesh) const INCLUDE: Include =
     Include { word: "INCLUDE", form: "INCLUDE 'FILE' on one line", is_one: is_include, input };
 
 fn is_include(line: &[u8]) -> bool {

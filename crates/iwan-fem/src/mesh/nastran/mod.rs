@@ -14,14 +14,15 @@ mod elements;
 mod connections;
 
 use std::collections::BTreeMap;
-use std::path::Path;
 
 use super::error::{MeshError, MeshWarning};
-use super::file::{FileBytes, MeshFile, expand};
+use super::file::{FileBytes, MeshFile};
 use super::topology::Mesh;
 use card::Cards;
 use grids::Grids;
 use reader::Reader;
+
+pub(in crate::mesh) use include::INCLUDE;
 
 /// Whether a text looks like bulk data: `BEGIN BULK`, or a first card that only bulk data and its control sections have.
 pub(super) fn is_bulk_data(bytes: &[u8]) -> bool {
@@ -32,15 +33,10 @@ pub(super) fn is_bulk_data(bytes: &[u8]) -> bool {
     first.is_some_and(|word| FIRST.iter().any(|known| word.starts_with(known)))
 }
 
-/// Mesh and remarks of bulk data; `ignored` are names of cards that are passed over although they change the model.
-pub(super) fn parse(
-    source: FileBytes,
-    ignored: &[String],
-    folder: Option<&Path>,
-) -> Result<MeshFile, MeshError> {
-    let (bytes, pieces) = expand(source, folder, include::INCLUDE)?;
-    let bytes = include::without_tabs(&bytes);
-    let source = FileBytes { bytes: &bytes, pieces: &pieces, ..source };
+/// Mesh and remarks of bulk data with all includes in their places; `ignored` are names of cards that are passed over although they change the model.
+pub(super) fn parse(source: FileBytes, ignored: &[String]) -> Result<MeshFile, MeshError> {
+    let bytes = include::without_tabs(source.bytes);
+    let source = FileBytes { bytes: &bytes, ..source };
     let ignored: Vec<String> = ignored.iter().map(|name| name.trim().to_uppercase()).collect();
     let mut reader = Reader::default();
     let mut cards = Cards::new(source);

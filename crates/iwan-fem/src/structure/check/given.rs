@@ -1,7 +1,7 @@
 //! Given matrices: whether they can be a stiffness and a mass, and whether the joints fit them.
 
 use super::super::description::Structure;
-use super::super::given::{Given, Row};
+use super::super::given::{Given, RelativeSlip, Row};
 use super::super::interface::Interface;
 use super::connections;
 use super::finding::{Defect, Findings, Remark};
@@ -39,6 +39,35 @@ pub(super) fn check(structure: &Structure, findings: &mut Findings) {
     let parts = parts(mesh, given);
     for link in &links {
         sides(mesh, given, &parts, link, findings);
+    }
+    for slip in &given.relative {
+        relative(given, slip, findings);
+    }
+}
+
+/// What a relative displacement may see of a motion of the whole structure along an axis, beside the sum of its coefficients: files of six digits
+/// leave 1e-6 for each of some hundred entries.
+const UNMOVED: f64 = 1e-4;
+
+/// A relative displacement does not see the structure move as a whole, unless it is one to the ground: otherwise a sign is turned, or a side is missing.
+fn relative(given: &Given, slip: &RelativeSlip, findings: &mut Findings) {
+    if slip.to_ground {
+        return;
+    }
+    for (axis, word) in ["x", "y", "z"].iter().enumerate() {
+        let along = |&(row, c): &(usize, f64)| match given.rows.get(row) {
+            Some(Row::Displacement { axis: own, .. }) if *own == axis => Some(c),
+            _ => None,
+        };
+        let seen: f64 = slip.terms.iter().filter_map(along).sum();
+        let all: f64 = slip.terms.iter().filter_map(along).map(f64::abs).sum();
+        if seen.abs() > UNMOVED * all {
+            let reason =
+                format!("moving everything by 1 along {word} moves its relative displacement by {seen:e}");
+            let remedy = "turn the sign of one side of the row, or say to_ground = true where it acts against the ground";
+            findings.defects.push(Defect::Link { name: format!("joint `{}`", slip.name), reason, remedy });
+            return;
+        }
     }
 }
 

@@ -172,7 +172,7 @@ impl Frame<'_> {
         let away = (&self.mean - x).component_div(&units);
         let surprise = &at.target - &at.rows * &away;
         let seen = prior.each(|m| &at.rows * m * at.rows.transpose());
-        let Likeliest { decay, omega, factor } = seen.likeliest(&surprise, noise)?;
+        let Likeliest { decay, omega, factor, .. } = seen.likeliest(&surprise, noise)?;
         let change = prior.whole(decay, omega) * (at.rows.transpose() * factor.solve(&surprise));
         let effective = at.target.len() as f64 - noise * factor.inverse().trace();
         Some(Step { to: x + units.component_mul(&(away + change)), effective })

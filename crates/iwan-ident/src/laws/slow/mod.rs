@@ -6,8 +6,11 @@ mod flow;
 mod process;
 mod linear;
 mod measured;
+mod between;
 mod smooth;
 
+pub use between::Scatter;
+pub(super) use between::specimen;
 pub(super) use grid::Grid;
 pub(super) use linear::Information;
 pub(super) use measured::{Measured, guess, measure};

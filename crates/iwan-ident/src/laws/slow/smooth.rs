@@ -2,6 +2,7 @@
 
 use nalgebra::{DMatrix, DVector};
 
+use super::between::Scatter;
 use super::flow::Rates;
 use super::grid::Grid;
 use super::linear::Information;
@@ -16,17 +17,22 @@ pub(crate) struct Smooth {
 }
 
 impl Smooth {
-    /// The curves that all information together makes likeliest, about curves `near` them.
-    pub(crate) fn new(information: &Information, covariances: &Covariances, near: &Rates) -> Option<Self> {
-        let Information { factor, target } = information;
-        // Level curves in the mean: those of the envelope would keep their wiggles, and seem to be certain of them.
+    /// Level curves, the mean of the prior about curves `near` those sought: the envelope's would keep their wiggles, and seem to be certain of
+    /// them.
+    pub(crate) fn mean(near: &Rates) -> DVector<f64> {
         let n = near.decay.len();
         let level = (near.decay.iter().map(|d| d.ln()).sum::<f64>() / n as f64).exp();
         let omega = near.omega.iter().sum::<f64>() / n as f64;
-        let mean = DVector::from_fn(2 * n, |i, _| if i < n { level } else { omega });
+        DVector::from_fn(2 * n, |i, _| if i < n { level } else { omega })
+    }
+
+    /// The curves that all information together makes likeliest, about curves `near` them.
+    pub(crate) fn new(information: &Information, covariances: &Covariances, near: &Rates) -> Option<Self> {
+        let Information { factor, target } = information;
+        let (n, mean) = (near.decay.len(), Self::mean(near));
         let surprise = target - factor * &mean;
         let seen = covariances.each(|m| factor * m * factor.transpose());
-        let Likeliest { decay, omega, factor: whole } = seen.likeliest(&surprise, 1.0)?;
+        let Likeliest { decay, omega, factor: whole, .. } = seen.likeliest(&surprise, 1.0)?;
         let prior = covariances.whole(decay, omega);
         let across = &prior * factor.transpose();
         let values = mean + &across * whole.solve(&surprise);
@@ -50,7 +56,8 @@ impl Smooth {
     }
 }
 
-/// Frequency and damping ratio against amplitude with bands of 95 %, ascending in amplitude.
+/// Frequency and damping ratio against amplitude with bands of 95 %, ascending in amplitude. Of several hits the bands are those of a further
+/// hit of the specimen; of one they are its own, and do not know how the next would differ.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Backbone {
     /// Displacement amplitude, mass-normalised.
@@ -67,19 +74,45 @@ pub struct Backbone {
     pub damping_ratio_low: Vec<f64>,
     /// Upper end of the damping ratio's band.
     pub damping_ratio_high: Vec<f64>,
+    /// How far the hits stray from each other.
+    pub scatter: Scatter,
 }
 
 /// Half width of an interval of 95 %, in standard deviations.
 pub(crate) const HALF_WIDTH: f64 = 1.959_964;
 
 impl Backbone {
-    /// Of curves at the amplitudes of a grid that lie in a range.
-    pub(crate) fn new(grid: &Grid, smooth: &Smooth, seen: &[usize]) -> Self {
-        let mut out = Self::default();
+    /// What several hits say of the specimen's repeatability; none of one hit.
+    #[must_use]
+    pub fn scatter_in_words(&self) -> Option<String> {
+        let Scatter { decay, frequency, hits } = self.scatter;
+        let middle = self.frequency.get(self.frequency.len() / 2)?;
+        (hits > 1).then(|| {
+            format!(
+                "the curves of these {hits} hits stray from each other by {:.2} % in damping and {:.4} Hz (standard deviations): the bands of the smooth curves are those of a further hit",
+                100.0 * decay,
+                frequency * middle
+            )
+        })
+    }
+
+    /// Of curves at the amplitudes of a grid that lie in a range, with the scatter of hits and its covariance.
+    pub(crate) fn new(
+        grid: &Grid,
+        smooth: &Smooth,
+        seen: &[usize],
+        (scatter, straying): (Scatter, &DMatrix<f64>),
+    ) -> Self {
+        let mut out = Self { scatter, ..Self::default() };
         let turn = std::f64::consts::TAU;
+        let (n, wide) = (grid.count(), scatter.half_width());
+        let half = |sd: f64, i: usize| {
+            let own = wide * straying[(i, i)].max(0.0).sqrt();
+            (HALF_WIDTH * sd).hypot(own)
+        };
         for &i in seen {
             let (decay, omega) = (smooth.rates.decay[i], smooth.rates.omega[i]);
-            let (d, w) = (HALF_WIDTH * smooth.decay_sd(i), HALF_WIDTH * smooth.omega_sd(i));
+            let (d, w) = (half(smooth.decay_sd(i), i), half(smooth.omega_sd(i), n + i));
             out.amplitude.push(grid.amplitude(i));
             out.frequency.push(omega / turn);
             out.frequency_low.push((omega - w) / turn);

@@ -1,0 +1,189 @@
+//! From files to records of several modes at once.
+
+use std::path::Path;
+
+use iwan_ident::Parameters;
+use iwan_ident::coupled::{CoupledRecord, Seen, UncoupledMode};
+use iwan_ident::curve_fit::{fit, start};
+use iwan_ident::curves::Quantity;
+use iwan_io::{ReadOptions, Record};
+
+use crate::failure::Failure;
+use crate::fit::args::FitArgs;
+use crate::identified::extract;
+use crate::records::{self, Extraction, Recording, Wanted};
+
+/// Parameters of a mode whose curves tell none: it begins with a joint of 2 % of its stiffness that the record does not quite bring to
+/// macro-slip.
+const JOINT_SHARE: f64 = 0.02;
+const UNTOLD: (f64, f64, f64) = (1e-3, -0.3, 0.1);
+
+/// What is fitted.
+#[derive(Debug)]
+pub(super) struct Measured {
+    pub(super) records: Vec<CoupledRecord>,
+    pub(super) held_out: Vec<CoupledRecord>,
+    pub(super) modes: Vec<UncoupledMode>,
+    pub(super) quantity: Quantity,
+    pub(super) seen: Seen,
+    pub(super) warnings: Vec<String>,
+}
+
+impl Measured {
+    /// Reads all files and looks the modes up by their bands or shapes.
+    pub(super) fn read(args: &FitArgs) -> Result<Self, Failure> {
+        let load = args.load.as_deref();
+        let fitted = files(&args.fit, args, load)?;
+        let held = files(&args.held_out, args, load)?;
+        let mut recordings: Vec<Recording> = fitted.iter().map(|(r, _)| r.clone()).collect();
+        let wanted = records::modes(&recordings, &args.records)?;
+        if wanted.len() < 2 {
+            let message = "modes that share joints are at least two, but one is wanted";
+            return Err(Failure::input(
+                message,
+                "name them with --band LOW:HIGH or --mode HZ for each, or with --shapes",
+            ));
+        }
+        let channels = recordings[0].record.names().len();
+        let seen = if args.records.shapes.is_some() { Seen::Modes } else { Seen::Sum };
+        if seen == Seen::Sum && channels > 1 {
+            let message = format!("{channels} channels, and no mode shapes to tell the modes apart by");
+            return Err(Failure::input(message, "give --shapes FILE, or choose one channel with --channel"));
+        }
+        let (mut modes, mut ends) = (Vec::new(), vec![0; recordings.len()]);
+        for one in &wanted {
+            let extractions = extract(&recordings, one, args.method.method())?;
+            for (end, x) in ends.iter_mut().zip(&extractions) {
+                *end = x.isolated.window.end.max(*end);
+            }
+            modes.push(UncoupledMode { name: one.name.clone(), parameters: by_itself(&extractions) });
+        }
+        let warnings = recordings.iter().flat_map(|r| r.warnings.clone()).collect();
+        let quantity = recordings[0].quantity;
+        let slowest = modes.iter().map(|m| m.parameters.frequency).fold(f64::INFINITY, f64::min);
+        let take = |(n, (recording, force)): (usize, &Loaded), wanted: &[Wanted], seen| {
+            let motions = match seen {
+                Seen::Modes => wanted.iter().map(|mode| mode.records[n].samples.clone()).collect(),
+                Seen::Sum => vec![recording.record.samples()[0].clone()],
+            };
+            CoupledRecord {
+                name: recording.name.clone(),
+                dt: recording.record.dt(),
+                motions,
+                force: force.clone(),
+            }
+        };
+        let mut records: Vec<CoupledRecord> =
+            fitted.iter().enumerate().map(|one| take(one, &wanted, seen)).collect();
+        for (record, end) in records.iter_mut().zip(ends) {
+            cut(record, slowest, Some(end));
+        }
+        let mut held_out = Vec::new();
+        if !held.is_empty() {
+            recordings = held.iter().map(|(r, _)| r.clone()).collect();
+            let wanted = records::modes(&recordings, &args.records)?;
+            held_out = held.iter().enumerate().map(|one| take(one, &wanted, seen)).collect();
+            let longest = records.iter().map(|r| r.dt * r.motions[0].len() as f64).fold(0.0, f64::max);
+            for record in &mut held_out {
+                let end = (longest / record.dt) as usize;
+                cut(record, slowest, Some(end));
+            }
+        }
+        Ok(Self { records, held_out, modes, quantity, seen, warnings })
+    }
+}
+
+/// A recording with its load, where that is known.
+type Loaded = (Recording, Option<Vec<f64>>);
+
+/// Recordings with their loads.
+fn files(paths: &[std::path::PathBuf], args: &FitArgs, load: Option<&str>) -> Result<Vec<Loaded>, Failure> {
+    let Some(load) = load else {
+        let recordings = records::read_all(paths, &args.records)?;
+        return Ok(recordings.into_iter().map(|recording| (recording, None)).collect());
+    };
+    let mut all = Vec::new();
+    for path in paths {
+        let name = path.display().to_string();
+        let force = channel(path, args, load)?;
+        let mut own = args.records.clone();
+        if own.channels.is_empty() {
+            let everything = channels(path, args)?;
+            own.channels = everything.into_iter().filter(|channel| channel != load).collect();
+        }
+        let recording = records::read(path, &own)?;
+        let force = force.samples()[0].clone();
+        if force.len() != recording.record.samples()[0].len() {
+            let message =
+                format!("{name}: channel \"{load}\" has {} samples, the others differ", force.len());
+            return Err(Failure::input(message, "give the load on the clock of the motions"));
+        }
+        all.push((recording, Some(force)));
+    }
+    Ok(all)
+}
+
+/// One channel of a file, whatever it measures.
+fn channel(path: &Path, args: &FitArgs, name: &str) -> Result<Record, Failure> {
+    let options = options(args, vec![name.into()]);
+    let place = path.display().to_string();
+    let record = iwan_io::read(path, &options).map_err(|e| Failure::read(&place, &e))?;
+    record.between(args.records.from, args.records.to).map_err(|e| Failure::said(&place, &e))
+}
+
+/// Names of all channels of a file.
+fn channels(path: &Path, args: &FitArgs) -> Result<Vec<String>, Failure> {
+    let place = path.display().to_string();
+    let record = iwan_io::read(path, &options(args, Vec::new())).map_err(|e| Failure::read(&place, &e))?;
+    Ok(record.names().to_vec())
+}
+
+fn options(args: &FitArgs, channels: Vec<String>) -> ReadOptions {
+    ReadOptions {
+        format: None,
+        time: args.records.time.clone(),
+        channels,
+        rate: args.records.rate,
+        quantity: None,
+        resample: args.records.resample,
+        time_unit: args.records.time_unit,
+        unit: None,
+    }
+}
+
+/// The mode without the others, off its curves: where a search starts.
+fn by_itself(extractions: &[Extraction]) -> Parameters {
+    let curves: Vec<_> = extractions.iter().map(|x| x.curves.clone()).collect();
+    // The loudest record shows most of the joint.
+    let largest = |c: &iwan_ident::curves::Curves| c.displacement.iter().copied().fold(0.0, f64::max);
+    let loudest = curves.iter().max_by(|a, b| largest(a).total_cmp(&largest(b)));
+    let first = loudest.and_then(|c| start(c).ok()).map(|s| s.parameters);
+    if let Some(first) = first {
+        return fit(&curves, &first, &[]).map_or(first, |found| found.parameters);
+    }
+    let frequency = extractions[0].isolated.band.peak;
+    let k_t = JOINT_SHARE * (std::f64::consts::TAU * frequency).powi(2);
+    let top = loudest.map_or(1.0, largest);
+    let (damping_ratio, chi, beta) = UNTOLD;
+    Parameters { frequency, damping_ratio, k_t, f_s: k_t * top.max(f64::MIN_POSITIVE), chi, beta }
+}
+
+/// A free decay from behind the blow on, a forced record from its first sample; to where the modes sink into noise.
+fn cut(record: &mut CoupledRecord, slowest: f64, end: Option<usize>) {
+    let samples = record.motions[0].len();
+    let mut first = 0;
+    if record.force.is_none() {
+        let size = |n: usize| record.motions.iter().map(|m| m[n].abs()).fold(0.0, f64::max);
+        let largest = (0..samples).max_by(|a, b| size(*a).total_cmp(&size(*b))).unwrap_or(0);
+        // A blow at the first sample is over: else half a period of the slowest mode is longer than any hammer's pulse.
+        let behind = (0.5 / (slowest * record.dt)).ceil() as usize;
+        first = if largest < behind { largest } else { largest + behind };
+    }
+    let end = end.unwrap_or(samples).clamp((first + samples.min(64)).min(samples), samples);
+    for motion in &mut record.motions {
+        *motion = motion[first.min(end)..end].to_vec();
+    }
+    if let Some(force) = &mut record.force {
+        *force = force[first..end].to_vec();
+    }
+}

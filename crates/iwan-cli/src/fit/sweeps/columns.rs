@@ -1,0 +1,36 @@
+//! Named columns of any file: text, MATLAB, NumPy; and the frequency responses of universal files.
+
+use std::path::Path;
+
+use iwan_io::{Format, ReadError, ReadOptions, UffFunction, read_modal_test, read_table};
+
+use crate::failure::Failure;
+
+/// Columns of equal length by name, or frequency responses.
+#[derive(Debug)]
+pub(crate) enum Content {
+    Columns(Vec<(String, Vec<f64>)>),
+    Responses(Vec<UffFunction>),
+}
+
+/// Reads a file.
+pub(crate) fn read(path: &Path) -> Result<Content, Failure> {
+    let refused = |error: ReadError| Failure::read(&path.display().to_string(), &error);
+    let extension = path.extension().and_then(|e| e.to_str()).unwrap_or_default().to_lowercase();
+    if matches!(extension.as_str(), "csv" | "tsv" | "txt" | "dat" | "asc") {
+        let table = read_table(path).map_err(refused)?;
+        let columns = table.names().iter().cloned().zip(table.columns().iter().cloned());
+        return Ok(Content::Columns(columns.collect()));
+    }
+    if matches!(extension.as_str(), "uff" | "unv" | "uf" | "bunv") {
+        let options = ReadOptions { format: Some(Format::Uff), ..ReadOptions::default() };
+        return Ok(Content::Responses(read_modal_test(path, &options).map_err(refused)?.responses));
+    }
+    // Arrays of equal length; a rate says that none of them is a time.
+    let options = ReadOptions { rate: Some(1.0), ..ReadOptions::default() };
+    let test = read_modal_test(path, &options).map_err(refused)?;
+    let channels = test.measurements.into_iter().flat_map(|m| m.channels);
+    // A field of a struct is called by its own name.
+    let own = |name: String| name.rsplit('.').next().unwrap_or_default().to_string();
+    Ok(Content::Columns(channels.map(|c| (own(c.name), c.samples)).collect()))
+}

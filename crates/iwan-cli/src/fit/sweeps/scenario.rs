@@ -1,0 +1,66 @@
+//! The fit as a scenario that `iwan frf`, `iwan backbone` and `iwan simulate` run.
+
+use iwan_core::{Motion, Pulse};
+use iwan_ident::sweeps::{SteadyData, SteadyFit};
+use iwan_input::WrittenLaw;
+use iwan_input::scenario::{Force, Scenario, ScenarioMode, SweepTable};
+use iwan_sim::{Control, Mode, Point, Settings, Sweep};
+
+use super::measurement::Measurement;
+
+/// Samples in a cycle of the release, and cycles: `iwan simulate` shows a ring-down from the largest amplitude measured.
+const SAMPLES: f64 = 100.0;
+const CYCLES: f64 = 100.0;
+/// The point of a mode that is not mass-normalised.
+const POINT: &str = "measured";
+
+/// The scenario: the mode where it was measured, the sweep of the levels that were held alike.
+pub(super) fn scenario(
+    title: &str,
+    mode: &Mode,
+    fit: &SteadyFit,
+    measurements: &[Measurement],
+    mass: Option<f64>,
+) -> Scenario {
+    let (p, root) = (fit.parameters, mass.unwrap_or(1.0).sqrt());
+    let joint = WrittenLaw::FourParameter { k_t: p.k_t, f_s: p.f_s, chi: p.chi, beta: p.beta };
+    let outputs = mass.map(|_| Point { name: POINT.into(), shape: 1.0 / root });
+    let mode = Mode {
+        shape_at_force: 1.0 / root,
+        outputs: outputs.into_iter().collect(),
+        initial: Motion::held_at(fit.informed[1]),
+        ..mode.clone()
+    };
+    Scenario {
+        title: Some(title.into()),
+        modes: vec![ScenarioMode { mode, joint: Some(joint), informed: Some(fit.informed) }],
+        joints: Vec::new(),
+        structure: None,
+        force: Force::Formula("none", Pulse::None),
+        settings: Settings::new(1.0 / (SAMPLES * p.frequency), CYCLES / p.frequency),
+        sweep: sweep(measurements, mass.map(|_| root)),
+    }
+}
+
+/// Band and levels of what most levels hold.
+fn sweep(measurements: &[Measurement], root: Option<f64>) -> Option<SweepTable> {
+    let held = || measurements.iter().flat_map(|m| &m.levels).filter_map(|level| level.held);
+    let control = held().next()?.0;
+    let scale = match (root, control) {
+        (None, _) => 1.0,
+        (Some(root), Control::Force) => root,
+        (Some(root), _) => 1.0 / root,
+    };
+    let mut levels: Vec<f64> = held().filter(|h| h.0 == control).map(|h| scale * h.1).collect();
+    levels.sort_by(f64::total_cmp);
+    let frequencies = || {
+        measurements.iter().flat_map(|m| match &m.data {
+            SteadyData::Response(points) => points.iter().map(|p| p.frequency).collect::<Vec<_>>(),
+            SteadyData::Backbone(_) => Vec::new(),
+        })
+    };
+    let (from, to) = (frequencies().fold(f64::INFINITY, f64::min), frequencies().fold(0.0, f64::max));
+    let sweep = Sweep { from, to, control, levels, harmonics: 1, points: Sweep::DEFAULT_POINTS };
+    sweep.checked().ok()?;
+    Some(SweepTable { sweep, at: root.map(|_| POINT.into()), damping_ratio: None, direction: None })
+}

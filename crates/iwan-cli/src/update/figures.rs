@@ -1,0 +1,94 @@
+//! Figures of an update: curves before and after, and the front of compromises.
+
+use iwan_study::update::{ComparedCurve, TradeOff};
+
+use crate::page::figure::{Axis, DEVIATIONS, Figure, Layer, Mark, colour};
+
+/// The band of a curve as a closed line.
+fn band(q: &[f64], values: &[f64], half: impl Fn(usize) -> (f64, f64)) -> Vec<(f64, f64)> {
+    let upper = (0..q.len()).map(|i| (q[i], values[i] + half(i).1));
+    let lower = (0..q.len()).rev().map(|i| (q[i], values[i] - half(i).0));
+    upper.chain(lower).collect()
+}
+
+fn layers(
+    curve: &ComparedCurve,
+    measured: &[f64],
+    before: &[f64],
+    after: &[f64],
+    area: Vec<(f64, f64)>,
+) -> Vec<Layer> {
+    let points = |values: &[f64]| curve.displacement.iter().copied().zip(values.iter().copied()).collect();
+    let mut layers = vec![
+        Layer::new(Mark::Area, colour::VERMILLION, area),
+        Layer::new(Mark::Dots, colour::BLUE, points(measured)).named("measured"),
+    ];
+    if !before.is_empty() {
+        layers.push(Layer::new(Mark::Dashed, colour::GREY, points(before)).named("structure as given"));
+    }
+    let name = if curve.held_out { "predicted" } else { "with the joints found" };
+    layers.push(Layer::new(Mark::Line, colour::VERMILLION, points(after)).named(name));
+    layers
+}
+
+/// Frequency and damping of a mode.
+pub(super) fn figures(curve: &ComparedCurve) -> [Figure; 2] {
+    let held = if curve.held_out { " The mode was kept out of the fit." } else { "" };
+    let q = &curve.displacement;
+    let frequency = band(q, &curve.frequency_after, |i| {
+        let half = DEVIATIONS * curve.frequency_sd[i];
+        (half, half)
+    });
+    let damping = band(q, &curve.damping_ratio_after, |i| {
+        let (value, sd) = (curve.damping_ratio_after[i], DEVIATIONS * curve.log_damping_sd[i]);
+        (value * -(-sd).exp_m1(), value * sd.exp_m1())
+    });
+    [
+        Figure {
+            title: "Frequency".into(),
+            caption: format!("The pale band is what the curves leave open (95 %).{held}"),
+            x: Axis::log("modal displacement q", ""),
+            y: Axis::linear("frequency", "Hz"),
+            layers: layers(
+                curve,
+                &curve.frequency,
+                &curve.frequency_before,
+                &curve.frequency_after,
+                frequency,
+            ),
+            marker: None,
+        },
+        Figure {
+            title: "Damping ratio".into(),
+            caption: format!("Joints and viscous damping together.{held}"),
+            x: Axis::log("modal displacement q", ""),
+            y: Axis::log("damping ratio", ""),
+            layers: layers(
+                curve,
+                &curve.damping_ratio,
+                &curve.damping_ratio_before,
+                &curve.damping_ratio_after,
+                damping,
+            ),
+            marker: None,
+        },
+    ]
+}
+
+/// What frequency and damping want of each other.
+pub(super) fn front(front: &[TradeOff]) -> Figure {
+    let points: Vec<(f64, f64)> = front.iter().map(|t| (t.frequency, t.damping)).collect();
+    Figure {
+        title: "Frequency against damping".into(),
+        caption: "Best compromises: root-mean-square misfit of frequency, over its measured shift, against that of ln \u{3b6}. One point: both \
+                  want the same joints. A long front: the structure cannot have both."
+            .into(),
+        x: Axis::log("misfit of frequency", ""),
+        y: Axis::log("misfit of damping", ""),
+        layers: vec![
+            Layer::new(Mark::Line, colour::BLUE, points.clone()),
+            Layer::new(Mark::Dots, colour::BLUE, points),
+        ],
+        marker: None,
+    }
+}

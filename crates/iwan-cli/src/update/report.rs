@@ -1,0 +1,89 @@
+//! The report of `iwan update`.
+
+use iwan_study::update::TradeOff;
+use maud::{Markup, html};
+
+use super::figures::{figures, front};
+use super::summary::{UpdateSummary, parameters};
+use crate::page::html::{grid, page, verdict};
+use crate::page::numbers::{interval, long, short};
+use crate::session::VERSION;
+
+/// What quasi-static curves of a reduced structure are off by themselves, in damping and in the shift of the frequency: differences of misfits
+/// below are rounding, and no front.
+const OWN_ERROR: f64 = 1e-3;
+
+/// The page.
+pub(super) fn render(summary: &UpdateSummary) -> String {
+    let curves = summary.curves.as_deref().unwrap_or_default();
+    let body = html! {
+        h1 { (summary.structure) }
+        p.about {
+            "Joints of the structure from frequency and damping of its modes against amplitude; the structure's curves are those of static loads. \
+             Written by iwan " (VERSION) "."
+        }
+        (verdict(&summary.warnings, &html! { span { (summary.verdict.in_words) "." } }))
+        h2 { "Joints" }
+        (estimates(summary))
+        @for curve in curves {
+            h2 { (curve.mode) @if curve.held_out { " (predicted)" } }
+            p { "Measured: " (curve.source) }
+            (grid(&figures(curve)))
+        }
+        h2 { "What the curves tell" }
+        (told(summary))
+        (compromises(summary.front.as_deref().unwrap_or_default()))
+    };
+    page(&format!("{} \u{2013} iwan update", summary.structure), &body)
+}
+
+/// The front where there is one to show.
+fn compromises(all: &[TradeOff]) -> Markup {
+    html! {
+        @if all.iter().any(|t| t.frequency.max(t.damping) > OWN_ERROR) {
+            div.alone { (grid(&[front(all)])) }
+        } @else {
+            p { "Frequency and damping want the same joints: no compromise misses more than the curves are off by themselves." }
+        }
+    }
+}
+
+fn estimates(summary: &UpdateSummary) -> Markup {
+    html! {
+        div.wide { table {
+            thead { tr { th { "of" } th { "parameter" } th { "value" } th { "95 % interval" } } }
+            tbody {
+                @for group in &summary.groups { @for (name, e) in parameters(group) { tr {
+                    th { (group.name) } td { (name) } td { (long(e.value)) } td { (interval(e.low, e.high)) }
+                } } }
+                @for f in &summary.factors { tr {
+                    th { (f.name) } td { "factor on the stiffness" } td { (long(f.estimate.value)) } td { (interval(f.estimate.low, f.estimate.high)) }
+                } }
+                @for v in &summary.viscous { tr {
+                    th { (v.name) } td { "viscous damping ratio" } td { (long(v.estimate.value)) } td { (interval(v.estimate.low, v.estimate.high)) }
+                } }
+            }
+        } }
+    }
+}
+
+fn told(summary: &UpdateSummary) -> Markup {
+    html! {
+        p { "Combinations of unknowns, the best told first, with the standard deviation along each:" }
+        div.wide { table {
+            thead { tr { th { "standard deviation" } th { "combination" } } }
+            tbody { @for t in &summary.told { tr {
+                th { (t.deviation.map_or_else(|| "not told".into(), short)) } td.words { (t.combination) }
+            } } }
+        } }
+        @if !summary.next_modes.is_empty() {
+            p { "Modes not measured, those that would tell most first, at amplitudes at which no joint slips more than it did:" }
+            div.wide { table {
+                thead { tr { th { "mode" } th { "Hz" } th { "would tell best" } th { "its deviation after, over before" } th { "up to q" } } }
+                tbody { @for n in &summary.next_modes { tr {
+                    th { (n.mode) } td { (format!("{:.2}", n.frequency)) } td { (n.parameter) } td { (short(n.remaining)) } td { (short(n.displacement)) }
+                } } }
+            } }
+        }
+    }
+}

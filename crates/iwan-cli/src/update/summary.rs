@@ -1,0 +1,131 @@
+//! What an update says: `update.json`, `summary.json` and the table on the terminal.
+
+use std::fmt::Write;
+
+use iwan_study::update::{
+    ComparedCurve, Estimated, JointUpdate, LinearCorrection, NextMode, StructureVerdict, Told, TradeOff,
+    Update,
+};
+use serde::Serialize;
+
+use crate::page::numbers::{interval, long};
+use crate::session::Summary;
+use crate::structures::Linear;
+
+/// An estimate with the name of what it is that of.
+#[derive(Debug, Clone, Serialize)]
+pub(crate) struct NamedEstimate {
+    pub(crate) name: String,
+    #[serde(flatten)]
+    pub(crate) estimate: Estimated,
+}
+
+/// The joints of a structure and what is known about them.
+#[derive(Debug, Clone, Serialize)]
+pub(crate) struct UpdateSummary {
+    pub(crate) structure: String,
+    /// Parameters of each group of joints.
+    pub(crate) groups: Vec<JointUpdate>,
+    /// Factors on parts of the linear stiffness.
+    pub(crate) factors: Vec<NamedEstimate>,
+    /// Viscous damping ratio of each measured mode.
+    pub(crate) viscous: Vec<NamedEstimate>,
+    pub(crate) verdict: StructureVerdict,
+    /// Linear corrections that would explain what is missed.
+    pub(crate) corrections: Vec<LinearCorrection>,
+    /// Combinations of unknowns, the best told first.
+    pub(crate) told: Vec<Told>,
+    /// Modes that would tell most, were they measured.
+    pub(crate) next_modes: Vec<NextMode>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(crate) front: Option<Vec<TradeOff>>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(crate) curves: Option<Vec<ComparedCurve>>,
+    pub(crate) warnings: Vec<String>,
+}
+
+/// Names and values of a group's parameters.
+pub(super) fn parameters(group: &JointUpdate) -> [(&'static str, Estimated); 4] {
+    [("K_T", group.k_t), ("F_S", group.f_s), ("chi", group.chi), ("beta", group.beta)]
+}
+
+impl UpdateSummary {
+    /// Of what was found.
+    pub(super) fn new(linear: &Linear, found: &Update) -> Self {
+        let named = |all: &[(String, Estimated)]| -> Vec<NamedEstimate> {
+            all.iter()
+                .map(|(name, estimate)| NamedEstimate { name: name.clone(), estimate: *estimate })
+                .collect()
+        };
+        let mut warnings = Vec::new();
+        if !(found.verdict.adequate && found.verdict.systematic.is_empty()) {
+            warnings.push(found.verdict.in_words.clone());
+        }
+        warnings.extend(found.corrections.iter().map(|c| {
+            let rest = 100.0 * c.remaining;
+            let then = if c.adequate { "tells all curves" } else { "comes nearer" };
+            format!("with a factor of {:.4} on the stiffness of {} the structure {then}: {rest:.0} % of the misfit is left", c.factor, c.name)
+        }));
+        if !found.converged {
+            warnings.push("the search did not settle: the values may not be the best".into());
+        }
+        for group in &found.groups {
+            let open: Vec<&str> = parameters(group)
+                .into_iter()
+                .filter(|(_, e)| !e.identifiable)
+                .map(|(name, _)| name)
+                .collect();
+            if !open.is_empty() {
+                warnings.push(format!("{}: the curves do not bound {}", group.name, open.join(", ")));
+            }
+        }
+        Self {
+            structure: linear.file.title.clone().unwrap_or_else(|| linear.source.clone()),
+            groups: found.groups.clone(),
+            factors: named(&found.factors),
+            viscous: named(&found.viscous),
+            verdict: found.verdict.clone(),
+            corrections: found.corrections.clone(),
+            told: found.told.clone(),
+            next_modes: found.next_modes.clone(),
+            front: Some(found.front.clone()),
+            curves: Some(found.curves.clone()),
+            warnings,
+        }
+    }
+
+    /// Without the long lists.
+    pub(super) fn without_curves(&self) -> Self {
+        Self { front: None, curves: None, ..self.clone() }
+    }
+}
+
+impl Summary for UpdateSummary {
+    fn warnings(&self) -> &[String] {
+        &self.warnings
+    }
+
+    fn text(&self) -> String {
+        let mut text = format!("{:<32}{:<14}{:>14}  95 % interval\n", "group", "parameter", "value");
+        // Writing to a string cannot fail.
+        let mut line = |group: &str, name: &str, e: &Estimated| {
+            let _ = writeln!(text, "{group:<32}{name:<14}{:>14}  {}", long(e.value), interval(e.low, e.high));
+        };
+        for group in &self.groups {
+            for (name, e) in &parameters(group) {
+                line(&group.name, name, e);
+            }
+        }
+        self.factors.iter().for_each(|f| line(&f.name, "factor", &f.estimate));
+        self.viscous.iter().for_each(|v| line(&v.name, "damping ratio", &v.estimate));
+        let _ = writeln!(text, "{}", self.verdict.in_words);
+        if let Some(next) = self.next_modes.first() {
+            let _ = writeln!(
+                text,
+                "measure next: {} ({:.1} Hz), which would tell most of {}",
+                next.mode, next.frequency, next.parameter
+            );
+        }
+        text
+    }
+}

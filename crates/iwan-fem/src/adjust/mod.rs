@@ -1,0 +1,12 @@
+//! Joints and stiffness as unknowns: modal curves of a reduced structure with exact derivatives.
+
+mod adjustable;
+mod adjusted;
+mod mode;
+mod equilibrium;
+mod curve;
+
+pub use adjustable::{Adjustable, Correction};
+pub use adjusted::Adjusted;
+pub use curve::{CurvePoint, Stiffness};
+pub use mode::AdjustedMode;

@@ -1,0 +1,102 @@
+//! Where records begin, and how large their motions are: before any fit.
+
+use std::f64::consts::TAU;
+
+use nalgebra::{DMatrix, DVector};
+
+use super::model::{Plan, Prepared};
+use super::records::{CoupledRecord, CoupledTask, Seen};
+use super::run::{Clock, run};
+use super::series::{Sums, amplitude};
+use super::unknowns::{Sharing, Values};
+
+/// Periods of the slowest mode over which the shapes at the load are first taken from, as if the modes were linear.
+const FIRST_PERIODS: f64 = 5.0;
+/// Periods of a mode whose amplitude is where a free decay begins: its joints soften and damp it by a few per cent in that time.
+const AT_FIRST: f64 = 4.0;
+
+/// Records with their clocks, sums, beginnings and sizes.
+#[derive(Debug, Clone)]
+pub(super) struct Opened {
+    pub(super) records: Vec<Prepared>,
+    pub(super) plans: Vec<Plan>,
+    pub(super) initial: Vec<Vec<[f64; 2]>>,
+    pub(super) sizes: Vec<Vec<f64>>,
+}
+
+impl Opened {
+    /// Of the records, by the frequencies of the modes.
+    pub(super) fn new(task: &CoupledTask<'_>, records: &[CoupledRecord]) -> Self {
+        let frequencies: Vec<f64> = task.modes.iter().map(|m| m.parameters.frequency).collect();
+        let fastest = frequencies.iter().copied().fold(0.0, f64::max);
+        let prepared = records.iter().map(|record| Prepared {
+            clock: Clock::new(record.dt, record.force.as_deref(), fastest),
+            motions: record.motions.clone(),
+        });
+        let (mut plans, mut initial, mut sizes) = (Vec::new(), Vec::new(), Vec::new());
+        for (k, record) in records.iter().enumerate() {
+            let forced = record.force.is_some();
+            let whole = forced && task.seen == Seen::Sum;
+            for mode in 0..if whole { 1 } else { frequencies.len() } {
+                let motion = if task.seen == Seen::Modes { mode } else { 0 };
+                let sums = if forced {
+                    Sums::of_forced(record.dt, fastest)
+                } else {
+                    Sums::of_free(record.dt, &frequencies, mode)
+                };
+                plans.push((k, motion, mode, sums));
+            }
+            let begun: Vec<[f64; 2]> =
+                (0..frequencies.len()).map(|r| begin(task, record, &frequencies, r)).collect();
+            let size = |(r, [q, v]): (usize, &[f64; 2])| q.hypot(v / (TAU * frequencies[r])).max(1e-300);
+            sizes.push(begun.iter().enumerate().map(size).collect());
+            initial.push(if forced { vec![[0.0; 2]; frequencies.len()] } else { begun });
+        }
+        Self { records: prepared.collect(), plans, initial, sizes }
+    }
+}
+
+/// Displacement and velocity of a mode at the first sample, from its amplitude over the first periods.
+fn begin(task: &CoupledTask<'_>, record: &CoupledRecord, frequencies: &[f64], r: usize) -> [f64; 2] {
+    let samples = &record.motions[if task.seen == Seen::Modes { r } else { 0 }];
+    let omega = TAU * frequencies[r];
+    let others = frequencies.iter().enumerate().filter(|(i, _)| *i != r);
+    let apart = others.map(|(_, f)| (f - frequencies[r]).abs()).fold(f64::INFINITY, f64::min);
+    let length = ((AT_FIRST / frequencies[r]).max(2.0 / apart) / record.dt).ceil() as usize;
+    let [re, im] = amplitude(samples, length.max(8), omega * record.dt);
+    // q = Z exp(iωt) and the sensor shows (iω)^p of it.
+    let (mut q, power) = ([re, im], task.quantity.power());
+    for _ in 0..power {
+        q = [q[1] / omega, -q[0] / omega];
+    }
+    [q[0], -omega * q[1]]
+}
+
+/// Shapes at the load as linear modes would have them over the first periods of the records; one where that says nothing.
+pub(super) fn shapes_at_force(task: &CoupledTask<'_>, opened: &Opened, linear: &Values) -> Vec<f64> {
+    let n = linear.frequency.len();
+    let slowest = linear.frequency.iter().copied().fold(f64::INFINITY, f64::min);
+    let unit = Values { shape_at_force: vec![1.0; n], ..linear.clone() };
+    let (mut square, mut right) = (DMatrix::zeros(n, n), DVector::zeros(n));
+    for (k, record) in task.records.iter().enumerate() {
+        let all = record.motions[0].len();
+        let samples = ((FIRST_PERIODS / (slowest * record.dt)) as usize).clamp(16, all);
+        let clock = &opened.records[k].clock;
+        let Some(motions) = run((Sharing::Linear, &unit), k, clock, samples, task.quantity) else { continue };
+        // Soft blows shall count as much as hard ones.
+        for (m, measured) in record.motions.iter().enumerate() {
+            let size: f64 = measured[..samples].iter().map(|x| x * x).sum::<f64>().max(f64::MIN_POSITIVE);
+            let seen: Vec<usize> = if task.seen == Seen::Modes { vec![m] } else { (0..n).collect() };
+            let product = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>() / size;
+            for &r in &seen {
+                right[r] += product(&motions.modes[r], &measured[..samples]);
+                for &other in &seen {
+                    square[(r, other)] += product(&motions.modes[r], &motions.modes[other]);
+                }
+            }
+        }
+    }
+    let solved = square.lu().solve(&right);
+    let usable = |x: &DVector<f64>| x.iter().all(|x| x.is_finite() && *x != 0.0);
+    solved.filter(usable).map_or_else(|| vec![1.0; n], |x| x.iter().copied().collect())
+}

@@ -1,0 +1,302 @@
+//! All of it in one call.
+
+use std::sync::atomic::Ordering;
+
+use super::beginning::{Opened, shapes_at_force};
+use super::informed::{one_sided, without_knees};
+use super::model::{CoupledModel, FIRST};
+use super::outcome::{CoupledCombination, CoupledEstimate, CoupledFit, FittedSharing, Misfit};
+use super::records::{CoupledRecord, CoupledTask};
+use super::search::{grown, reweight, settled, weights};
+use super::starts::{by_themselves, linear, shared, uncoupled};
+use super::unknowns::{Form, Given, Sharing, Unknown, Values};
+use crate::error::Error;
+use crate::estimate::{About, Found, Interval, Model, Told, Weights, interval, near};
+use crate::parameters::Parameters;
+
+/// Searches begun anew because an interval's walk met a better point, at most.
+const MOST_ANEW: usize = 3;
+/// Further joints are tried where the best model leaves more than this share of the records, and leaves more than noise: a modal model of a
+/// structure is off by about as much, and several joints take ten times as long as one.
+const LEAVES: f64 = 0.01;
+/// What white noise leaves: neighbours that agree widen variances by less than this.
+const WHITE: f64 = 1.5;
+/// Most joints that are tried. Two modes that share two joints have as many unknowns as can be told by two modes.
+const MOST_JOINTS: usize = 2;
+
+/// Fits modes that share joints to several records at once, beside modes by themselves and linear modes.
+///
+/// Searches start from the modes by themselves with several values of K_T and F_S and all signs of the participation, in windows that grow
+/// from a tenth of the records to the whole. Residuals are relative to each record and mode. The models are compared by Schwarz's criterion with
+/// as many independent residuals as their correlation leaves; intervals of the chosen one are by profile likelihood.
+///
+/// # Errors
+/// [`Error::OutOfRange`], [`Error::Length`], [`Error::NotFinite`], [`Error::TooShort`] and [`Error::Model`] for what does not fit;
+/// [`Error::Refused`] when no start has a motion; [`Error::Stopped`].
+///
+/// ```no_run
+/// use std::sync::atomic::AtomicBool;
+/// use iwan_ident::{Parameters, curves::Quantity};
+/// use iwan_ident::coupled::{CoupledRecord, CoupledTask, Seen, Sharing, UncoupledMode, fit_coupled};
+/// # fn hits() -> Vec<CoupledRecord> { Vec::new() }
+/// let records: Vec<CoupledRecord> = hits();
+/// let mode = |name: &str, frequency, k_t| UncoupledMode {
+///     name: name.into(),
+///     parameters: Parameters { frequency, damping_ratio: 1e-3, k_t, f_s: 200.0, chi: -0.3, beta: 0.1 },
+/// };
+/// let modes = [mode("bending 1", 132.0, 4e4), mode("bending 3", 719.0, 1e6)];
+/// let task = CoupledTask {
+///     records: &records, held_out: &[], modes: &modes, quantity: Quantity::Acceleration, seen: Seen::Modes,
+///     shape_at_force: None, threads: 2, stopped: &AtomicBool::new(false),
+/// };
+/// let fit = fit_coupled(&task)?;
+/// assert_eq!(fit.best().sharing, Sharing::Shared(1));
+/// # Ok::<(), iwan_ident::Error>(())
+/// ```
+pub fn fit_coupled(task: &CoupledTask<'_>) -> Result<CoupledFit, Error> {
+    task.check()?;
+    let opened = Opened::new(task, task.records);
+    let fitting = Fitting { task, opened: &opened, reference: reference(task, &opened) };
+    let modes: Vec<Parameters> = task.modes.iter().map(|m| m.parameters).collect();
+    let first = fitting.found(Sharing::Linear, |form| linear(form, &modes))?;
+    let alone = fitting.found(Sharing::Uncoupled, |form| uncoupled(form, &modes))?;
+    let own = alone.0.form.values(&alone.1.x).map_or_else(|| modes.clone(), |values| by_themselves(&values));
+    let mut all = vec![first, alone];
+    for joints in 1..=MOST_JOINTS.min(modes.len()) {
+        if joints > 1 && !leaves_something(&all) {
+            break;
+        }
+        all.push(fitting.found(Sharing::Shared(joints), |form| {
+            let from_curves = if joints == 1 { shared(form, &modes) } else { Vec::new() };
+            [shared(form, &own), from_curves].concat()
+        })?);
+    }
+    let criteria = criteria(&all);
+    let chosen = (0..all.len()).min_by(|a, b| criteria[*a].total_cmp(&criteria[*b])).unwrap_or(0);
+    let models = all
+        .iter()
+        .zip(&criteria)
+        .map(|((model, found), criterion)| fitting.told(model, found, criterion - criteria[chosen]));
+    let mut models = models.collect::<Result<Vec<_>, _>>()?;
+    let (mut model, found) = all.swap_remove(chosen);
+    reweight(&mut model, &found);
+    let certain = Certain::about(model, found)?;
+    if task.stopped.load(Ordering::Relaxed) {
+        return Err(Error::Stopped);
+    }
+    let criterion = models[chosen].criterion;
+    models[chosen] = fitting.told(&certain.model, &certain.found, criterion)?;
+    Ok(CoupledFit {
+        warnings: one_sided(&models[chosen]),
+        estimates: without_knees(&models[chosen], certain.estimates()),
+        combinations: certain.combinations(),
+        models,
+        chosen,
+    })
+}
+
+/// Start frequencies, shapes and beginnings.
+fn reference(task: &CoupledTask<'_>, opened: &Opened) -> Values {
+    let n = task.modes.len();
+    let mut values = Values {
+        frequency: task.modes.iter().map(|m| m.parameters.frequency).collect(),
+        damping_ratio: task.modes.iter().map(|m| m.parameters.damping_ratio).collect(),
+        laws: Vec::new(),
+        participation: Vec::new(),
+        compliance: Vec::new(),
+        shape_at_sensor: vec![1.0; n],
+        shape_at_force: vec![1.0; n],
+        initial: opened.initial.clone(),
+    };
+    values.shape_at_force = match task.shape_at_force {
+        Some(shape) => shape.to_vec(),
+        None if forced(task) => shapes_at_force(task, opened, &values),
+        None => values.shape_at_force,
+    };
+    values
+}
+
+fn forced(task: &CoupledTask<'_>) -> bool {
+    task.records[0].force.is_some()
+}
+
+struct Fitting<'a> {
+    task: &'a CoupledTask<'a>,
+    opened: &'a Opened,
+    reference: Values,
+}
+
+type Fitted<'a> = (CoupledModel<'a>, Found);
+
+impl<'a> Fitting<'a> {
+    /// The best of a model.
+    fn found(
+        &self,
+        sharing: Sharing,
+        starts: impl FnOnce(&Form) -> Vec<Vec<f64>>,
+    ) -> Result<Fitted<'a>, Error> {
+        let (task, opened) = (self.task, self.opened);
+        let given =
+            Given { seen: task.seen, forced: forced(task), shape_at_force: task.shape_at_force.is_some() };
+        let form = Form::new(sharing, &self.reference, &opened.sizes, given);
+        let starts = starts(&form);
+        let how = (task.threads, task.stopped);
+        let mut model = CoupledModel::new(form, &opened.records, opened.plans.clone(), task.quantity, how);
+        let found = grown(&mut model, &starts)?;
+        Ok((model, found))
+    }
+
+    /// What a model says of all records.
+    fn told(&self, model: &CoupledModel<'_>, found: &Found, criterion: f64) -> Result<FittedSharing, Error> {
+        let unknown = || Error::Refused {
+            finding: "the best values have no motion".into(),
+            remedy: "check the units of the records",
+        };
+        let task = self.task;
+        let values = model.form.values(&found.x).ok_or_else(unknown)?;
+        let mut misfits = misfits(model, &found.x, task.records);
+        let mut motions = (0..task.records.len())
+            .map(|k| model.motions(&values, k))
+            .collect::<Option<Vec<_>>>()
+            .ok_or_else(unknown)?;
+        let mut held_out = Vec::new();
+        if !task.held_out.is_empty() {
+            let opened = Opened::new(task, task.held_out);
+            let form = Form::of_beginnings(
+                model.form.sharing,
+                &values,
+                &opened.initial,
+                &opened.sizes,
+                forced(task),
+            );
+            let start = form.start(&[], &[], &[], 0.0);
+            let how = (task.threads, task.stopped);
+            let predicted =
+                CoupledModel::new(form, &opened.records, opened.plans.clone(), task.quantity, how);
+            let x = if start.is_empty() { start } else { near_beginning(&predicted, &start) };
+            held_out = self::misfits(&predicted, &x, task.held_out);
+            let values = predicted.form.values(&x).ok_or_else(unknown)?;
+            let more = (0..task.held_out.len()).map(|k| predicted.motions(&values, k));
+            motions.extend(more.collect::<Option<Vec<_>>>().ok_or_else(unknown)?);
+        }
+        misfits.iter_mut().chain(&mut held_out).for_each(|m| m.relative = m.relative.min(f64::MAX));
+        Ok(FittedSharing {
+            sharing: model.form.sharing,
+            unknowns: found.x.len(),
+            criterion,
+            misfit: mean(&misfits),
+            held_out_misfit: (!held_out.is_empty()).then(|| mean(&held_out)),
+            misfits,
+            held_out,
+            slip_ratios: model.slip_ratios(&found.x).ok_or_else(unknown)?,
+            converged: found.converged,
+            values,
+            motions,
+        })
+    }
+}
+
+/// Where records begin that a model is held against: their first displacements and velocities, and nothing else, are fitted to them.
+fn near_beginning(model: &CoupledModel<'_>, start: &[f64]) -> Vec<f64> {
+    let free: Vec<usize> = (0..start.len()).collect();
+    near(model, start, &free, (30, 1e-5)).map_or_else(|| start.to_vec(), |found| found.x)
+}
+
+/// Relative misfit of each series.
+fn misfits(model: &CoupledModel<'_>, x: &[f64], records: &[CoupledRecord]) -> Vec<Misfit> {
+    let mut residuals = vec![0.0; model.count()];
+    let known = model.evaluate(x, &mut residuals, None);
+    let of = |(series, range): (&super::model::Series, std::ops::Range<usize>)| {
+        let count = range.len().max(1) as f64;
+        let square = residuals[range].iter().map(|r| r * r).sum::<f64>() / count;
+        let relative = if known { square.sqrt() * series.deviation / series.size } else { f64::INFINITY };
+        Misfit { record: records[series.record].name.clone(), mode: series.mode, relative }
+    };
+    model.series.iter().zip(model.ranges()).map(of).collect()
+}
+
+fn mean(misfits: &[Misfit]) -> f64 {
+    (misfits.iter().map(|m| m.relative * m.relative).sum::<f64>() / misfits.len().max(1) as f64).sqrt()
+}
+
+/// Schwarz's criterion of models that were fitted with the same deviations: N ln(cost/N) + k ln N, with the number N of residuals that the
+/// correlation in the best of them leaves.
+fn criteria(all: &[Fitted<'_>]) -> Vec<f64> {
+    let count = all[0].0.count() as f64;
+    let best = all.iter().min_by(|a, b| a.1.cost.total_cmp(&b.1.cost));
+    let inflation = best.map_or(1.0, |(model, found)| weights(model, found).inflation);
+    let own = (count / inflation).max(1.0);
+    let of = |(_, found): &Fitted<'_>| {
+        own * (found.cost / count).max(f64::MIN_POSITIVE).ln() + found.x.len() as f64 * own.ln()
+    };
+    all.iter().map(of).collect()
+}
+
+/// Whether the best model so far leaves anything that more joints could tell.
+fn leaves_something(all: &[Fitted<'_>]) -> bool {
+    let best = all.iter().min_by(|a, b| a.1.cost.total_cmp(&b.1.cost));
+    best.is_none_or(|(model, found)| {
+        let left = (found.cost / model.count() as f64).sqrt() * FIRST;
+        left > LEAVES && weights(model, found).inflation > WHITE
+    })
+}
+
+/// The chosen model with its intervals.
+struct Certain<'a> {
+    model: CoupledModel<'a>,
+    found: Found,
+    intervals: Vec<(usize, Interval)>,
+    told: Told,
+}
+
+impl<'a> Certain<'a> {
+    fn about(model: CoupledModel<'a>, found: Found) -> Result<Self, Error> {
+        let mut found = settled(&model, &found.x).unwrap_or(found);
+        let free: Vec<usize> = (0..found.x.len()).collect();
+        let wanted: Vec<usize> =
+            free.iter().copied().filter(|j| is_of_structure(model.form.unknowns[*j])).collect();
+        for round in 0..=MOST_ANEW {
+            let Weights { inflation, .. } = weights(&model, &found);
+            let freedom = (model.count() as f64 - free.len() as f64).max(1.0);
+            let variance = inflation * found.cost / freedom;
+            let about = About { found: &found, free: &free, variance, settled: round == MOST_ANEW };
+            let all: Result<Vec<_>, Found> =
+                wanted.iter().map(|j| interval(&model, about, *j).map(|i| (*j, i))).collect();
+            match all {
+                Ok(intervals) => {
+                    let told = Told::about(&model, &found, &free, variance)?;
+                    return Ok(Self { model, found, intervals, told });
+                }
+                Err(better) => found = settled(&model, &better.x).unwrap_or(better),
+            }
+        }
+        Err(Error::Stopped)
+    }
+
+    fn estimates(&self) -> Vec<CoupledEstimate> {
+        let of = |(j, interval): &(usize, Interval)| {
+            let unknown = self.model.form.unknowns[*j];
+            let value = |x: f64| self.model.form.value(unknown, x);
+            let ends = [interval.low.map(value), interval.high.map(value)];
+            let turned = matches!((ends[0], ends[1]), (Some(a), Some(b)) if a > b);
+            let [low, high] = if turned { [ends[1], ends[0]] } else { ends };
+            CoupledEstimate { unknown, value: value(self.found.x[*j]), low, high }
+        };
+        self.intervals.iter().map(of).collect()
+    }
+
+    /// Combinations by the unknowns of the structure; the beginnings of records are left out.
+    fn combinations(&self) -> Vec<CoupledCombination> {
+        let own: Vec<usize> = self.intervals.iter().map(|(j, _)| *j).collect();
+        let of = |c: &crate::estimate::Combination| CoupledCombination {
+            deviation: c.deviation,
+            direction: own.iter().map(|j| c.direction[*j]).collect(),
+        };
+        self.told.combinations().iter().map(of).collect()
+    }
+}
+
+/// Whether an unknown is one of modes and joints, and not of a record.
+fn is_of_structure(unknown: Unknown) -> bool {
+    !matches!(unknown, Unknown::Displacement(..) | Unknown::Velocity(..))
+}

@@ -1,0 +1,228 @@
+//! Residuals of all records, and their derivatives.
+
+use std::ops::Range;
+use std::sync::atomic::{AtomicBool, Ordering};
+
+use iwan_machine::threads::in_parallel;
+
+use super::run::{Clock, run};
+use super::series::Sums;
+use super::unknowns::{Form, Unknown, Values};
+use crate::curves::Quantity;
+use crate::estimate::Model;
+
+/// Steps of one-sided differences of whole runs, in coordinates of order one. A run is smooth but for creases of the size of a slider's share,
+/// over which a step must reach; curvature makes derivatives wrong by about as much as the step.
+const STEP: f64 = 3e-4;
+/// Relative deviation that a first search counts with: about the misfit of a good modal model.
+pub(super) const FIRST: f64 = 0.01;
+
+/// A record, ready to be compared.
+#[derive(Debug, Clone)]
+pub(super) struct Prepared {
+    pub(super) clock: Clock,
+    pub(super) motions: Vec<Vec<f64>>,
+}
+
+/// Entries of one series of one record.
+#[derive(Debug, Clone)]
+pub(super) struct Series {
+    pub(super) record: usize,
+    pub(super) motion: usize,
+    /// The mode it tells of, where it is one.
+    pub(super) mode: usize,
+    pub(super) sums: Sums,
+    /// Standard deviation of an entry.
+    pub(super) deviation: f64,
+    /// Root mean square of the measured entries over the whole record.
+    pub(super) size: f64,
+    measured: Vec<f64>,
+    entries: Range<usize>,
+}
+
+/// Modes that share joints beside their records.
+#[derive(Debug, Clone)]
+pub(super) struct CoupledModel<'a> {
+    pub(super) form: Form,
+    pub(super) records: &'a [Prepared],
+    pub(super) series: Vec<Series>,
+    pub(super) quantity: Quantity,
+    pub(super) threads: usize,
+    pub(super) stopped: &'a AtomicBool,
+    /// Samples of each record that count.
+    samples: Vec<usize>,
+    bounds: Vec<(f64, f64)>,
+}
+
+/// How a series is made: which record, motion and mode, and sums.
+pub(super) type Plan = (usize, usize, usize, Sums);
+
+impl<'a> CoupledModel<'a> {
+    /// All of the records.
+    pub(super) fn new(
+        form: Form,
+        records: &'a [Prepared],
+        plans: Vec<Plan>,
+        quantity: Quantity,
+        (threads, stopped): (usize, &'a AtomicBool),
+    ) -> Self {
+        let series = plans.into_iter().map(|(record, motion, mode, sums)| {
+            let samples = &records[record].motions[motion];
+            let mut measured = vec![0.0; sums.count(samples.len())];
+            sums.apply(samples, &mut measured);
+            let size = root_mean_square(&measured);
+            Series { record, motion, mode, sums, deviation: FIRST * size, size, measured, entries: 0..0 }
+        });
+        let series = series.filter(|series| series.size > 0.0).collect();
+        let bounds = form.bounds();
+        let mut model =
+            Self { form, records, series, quantity, threads, stopped, samples: Vec::new(), bounds };
+        model.take(1.0);
+        model
+    }
+
+    /// Takes the first share of each record, and never less than one window.
+    pub(super) fn take(&mut self, share: f64) {
+        let least = |k: usize| {
+            let of = self.series.iter().filter(|s| s.record == k).map(|s| match s.sums {
+                Sums::Blocks(block) => 16 * block,
+                Sums::Windows { length, .. } => 2 * length,
+            });
+            of.max().unwrap_or(1)
+        };
+        let samples = |k: usize| {
+            let all = self.records[k].motions[0].len();
+            ((share * all as f64) as usize).clamp(least(k).min(all), all)
+        };
+        self.samples = (0..self.records.len()).map(samples).collect();
+        let mut first = 0;
+        for series in &mut self.series {
+            let count = series.sums.count(self.samples[series.record]);
+            series.entries = first..first + count;
+            first += count;
+        }
+    }
+
+    /// The entries of each series.
+    pub(super) fn ranges(&self) -> Vec<Range<usize>> {
+        self.series.iter().map(|s| s.entries.clone()).collect()
+    }
+
+    /// Entries of all series of record `k` by the model, each over its deviation; none where there is no model.
+    fn entries(&self, values: &Values, k: usize) -> Option<Vec<Vec<f64>>> {
+        let motions = self.motions(values, k)?;
+        let of = |series: &Series| {
+            let mut out = vec![0.0; series.entries.len()];
+            series.sums.apply(&motions[series.motion], &mut out);
+            for x in &mut out {
+                *x /= series.deviation;
+            }
+            out
+        };
+        Some(self.series.iter().filter(|s| s.record == k).map(of).collect())
+    }
+
+    /// What the sensors of record `k` would show.
+    pub(super) fn motions(&self, values: &Values, k: usize) -> Option<Vec<Vec<f64>>> {
+        let record = &self.records[k];
+        let motions =
+            run((self.form.sharing, values), k, &record.clock, self.samples[k], self.quantity)?.modes;
+        if record.motions.len() == motions.len() {
+            return Some(motions);
+        }
+        let mut sum = vec![0.0; self.samples[k]];
+        for (motion, shape) in motions.iter().zip(&values.shape_at_sensor) {
+            sum.iter_mut().zip(motion).for_each(|(sum, q)| *sum += shape * q);
+        }
+        Some(vec![sum])
+    }
+
+    /// Largest slip over φ_max by record and joint.
+    pub(super) fn slip_ratios(&self, x: &[f64]) -> Option<Vec<Vec<f64>>> {
+        let values = self.form.values(x)?;
+        let one = |k: usize| {
+            let clock = &self.records[k].clock;
+            run((self.form.sharing, &values), k, clock, self.samples[k], self.quantity).map(|m| m.slip_ratios)
+        };
+        (0..self.records.len()).map(one).collect()
+    }
+
+    /// Whether an unknown changes record `k`.
+    fn matters(unknown: Unknown, k: usize) -> bool {
+        match unknown {
+            Unknown::Displacement(own, _) | Unknown::Velocity(own, _) => own == k,
+            _ => true,
+        }
+    }
+
+    /// Where a difference goes.
+    fn moved(&self, x: &[f64], j: usize) -> (Vec<f64>, f64) {
+        // A participation of another mode may be many times that of the first.
+        let many = matches!(self.form.unknowns[j], Unknown::Participation(..));
+        let scale = if many { STEP * x[j].abs().max(1.0) } else { STEP };
+        let step = if x[j] + scale > self.bounds[j].1 { -scale } else { scale };
+        let mut moved = x.to_vec();
+        moved[j] += step;
+        (moved, step)
+    }
+}
+
+impl Model for CoupledModel<'_> {
+    fn bounds(&self) -> &[(f64, f64)] {
+        &self.bounds
+    }
+
+    fn count(&self) -> usize {
+        self.series.last().map_or(0, |s| s.entries.end)
+    }
+
+    fn evaluate(&self, x: &[f64], residuals: &mut [f64], derivatives: Option<&mut [Vec<f64>]>) -> bool {
+        if self.stopped.load(Ordering::Relaxed) {
+            return false;
+        }
+        // Jobs: each record as it is, and each record with each unknown moved.
+        let mut jobs: Vec<(usize, Option<usize>)> = (0..self.records.len()).map(|k| (k, None)).collect();
+        if derivatives.is_some() {
+            let unknowns = || self.form.unknowns.iter().enumerate();
+            let of = |k: usize| {
+                unknowns().filter(move |(_, u)| Self::matters(**u, k)).map(move |(j, _)| (k, Some(j)))
+            };
+            jobs.extend((0..self.records.len()).flat_map(of));
+        }
+        let work = |(k, unknown): &(usize, Option<usize>)| {
+            let at = unknown.map_or_else(|| x.to_vec(), |j| self.moved(x, j).0);
+            self.entries(&self.form.values(&at)?, *k)
+        };
+        let found = in_parallel(&jobs, self.threads, &work);
+        let series_of = |k: usize| self.series.iter().filter(move |s| s.record == k);
+        let mut plain: Vec<Option<&Vec<Vec<f64>>>> = vec![None; self.records.len()];
+        for ((k, _), entries) in jobs.iter().zip(&found).filter(|((_, unknown), _)| unknown.is_none()) {
+            let Some(entries) = entries else { return false };
+            plain[*k] = Some(entries);
+            for (series, own) in series_of(*k).zip(entries) {
+                let out = &mut residuals[series.entries.clone()];
+                for ((out, own), measured) in out.iter_mut().zip(own).zip(&series.measured) {
+                    *out = own - measured / series.deviation;
+                }
+            }
+        }
+        let Some(derivatives) = derivatives else { return true };
+        for row in derivatives.iter_mut() {
+            row.fill(0.0);
+        }
+        for ((k, unknown), entries) in jobs.iter().zip(&found) {
+            let Some(j) = *unknown else { continue };
+            let (Some(entries), Some(plain)) = (entries, plain[*k]) else { return false };
+            let step = self.moved(x, j).1;
+            for ((series, moved), own) in series_of(*k).zip(entries).zip(plain) {
+                let out = &mut derivatives[j][series.entries.clone()];
+                out.iter_mut().zip(moved.iter().zip(own)).for_each(|(out, (a, b))| *out = (a - b) / step);
+            }
+        }
+        true
+    }
+}
+
+fn root_mean_square(x: &[f64]) -> f64 {
+    (x.iter().map(|x| x * x).sum::<f64>() / x.len().max(1) as f64).sqrt()
+}

@@ -1,0 +1,102 @@
+//! What is fitted: records of several modes that move at once.
+
+use std::sync::atomic::AtomicBool;
+
+use crate::curves::Quantity;
+use crate::error::{Error, check, check_dt, check_length, check_samples};
+use crate::parameters::Parameters;
+
+/// Fewest samples of a record: with fewer not even the slowest cycle of a mode is there.
+const FEWEST: usize = 32;
+
+/// One blow or ring-down of all modes.
+#[derive(Debug, Clone, PartialEq)]
+pub struct CoupledRecord {
+    /// Name for messages and results.
+    pub name: String,
+    /// Sampling interval, s.
+    pub dt: f64,
+    /// By [`Seen`]: one series for each mode, or one series that is the sum of all.
+    pub motions: Vec<Vec<f64>>,
+    /// Load at the samples; none: a free decay from the first sample on, of unknown displacement and velocity.
+    pub force: Option<Vec<f64>>,
+}
+
+/// What the series of a record are.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Seen {
+    /// Modal coordinates by mass-normalised shapes: one series for each mode.
+    Modes,
+    /// One series that is the sum of all modes, each with an unknown shape at the sensor.
+    Sum,
+}
+
+/// A mode as it is fitted by itself, to start from: iwan-ident's other fits, or values read off curves.
+#[derive(Debug, Clone, PartialEq)]
+pub struct UncoupledMode {
+    /// Name of the mode.
+    pub name: String,
+    /// Its parameters without the other modes.
+    pub parameters: Parameters,
+}
+
+/// What is given and what is sought.
+#[derive(Debug, Clone)]
+pub struct CoupledTask<'a> {
+    /// Records that are fitted.
+    pub records: &'a [CoupledRecord],
+    /// Records that are kept out of the fit and predicted.
+    pub held_out: &'a [CoupledRecord],
+    /// Modes by themselves, at least two.
+    pub modes: &'a [UncoupledMode],
+    /// What the series measure.
+    pub quantity: Quantity,
+    /// What the series are.
+    pub seen: Seen,
+    /// Mass-normalised shape of each mode at the load, where it is known.
+    pub shape_at_force: Option<&'a [f64]>,
+    /// Number of threads; the results do not depend on it.
+    pub threads: usize,
+    /// Set from outside to end soon.
+    pub stopped: &'a AtomicBool,
+}
+
+impl CoupledTask<'_> {
+    /// Refuses what does not fit together.
+    pub(super) fn check(&self) -> Result<(), Error> {
+        let (modes, n) = (self.modes.len(), self.records.len());
+        check("modes", modes as f64, modes >= 2, "at least two", "name the modes with --band or --mode")?;
+        check("records", n as f64, n >= 1, "at least one", "give a record")?;
+        for mode in self.modes {
+            mode.parameters.model()?;
+        }
+        if let Some(shape) = self.shape_at_force {
+            check_length("shape_at_force", shape.len(), modes)?;
+            check_samples("shape_at_force", shape, modes, "give one number for each mode")?;
+        }
+        let series = if self.seen == Seen::Modes { modes } else { 1 };
+        for record in self.records.iter().chain(self.held_out) {
+            check_dt(record.dt)?;
+            check_length("motions", record.motions.len(), series)?;
+            let samples = record.motions[0].len();
+            for motion in &record.motions {
+                check_samples("record", motion, FEWEST, "record longer")?;
+                check_length("motion", motion.len(), samples)?;
+            }
+            if let Some(force) = &record.force {
+                check_samples("force", force, FEWEST, "record longer")?;
+                check_length("force", force.len(), samples)?;
+                let peak = force.iter().fold(0.0, |most: f64, f| most.max(f.abs()));
+                check("force", peak, peak > 0.0, "not zero throughout", "leave it out for a free decay")?;
+            }
+            let all = self.records.iter().chain(self.held_out);
+            if all.clone().any(|other| other.force.is_some() != record.force.is_some()) {
+                return Err(Error::Refused {
+                    finding: format!("{} and others differ in whether the force is known", record.name),
+                    remedy: "give the force of all records, or of none",
+                });
+            }
+        }
+        Ok(())
+    }
+}

@@ -1,0 +1,67 @@
+//! The search in windows that grow: a mode that is a little off runs out of phase within a long record, where every start ends at a
+//! minimum of its own.
+
+use std::sync::atomic::Ordering;
+
+use super::model::CoupledModel;
+use crate::error::Error;
+use crate::estimate::{Found, Weights, near};
+
+/// Share of the records, iterations and relative reduction of the search from each point kept, and how many are kept.
+const WINDOWS: [(f64, (usize, f64), usize); 4] =
+    [(0.1, (12, 1e-3), 4), (0.25, (12, 1e-3), 3), (0.5, (12, 1e-3), 2), (1.0, (40, 1e-5), 1)];
+/// Iterations and relative reduction of the last search: a millionth of the sum of squares is a ten-thousandth of a 95 % interval for the
+/// records at hand.
+const LAST: (usize, f64) = (60, 1e-6);
+
+/// The unknowns that tell the records best. The whole of them is taken in the end.
+pub(super) fn grown(model: &mut CoupledModel<'_>, starts: &[Vec<f64>]) -> Result<Found, Error> {
+    let free: Vec<usize> = (0..model.form.unknowns.len()).collect();
+    let mut kept: Vec<Vec<f64>> = starts.to_vec();
+    let mut found: Vec<Found> = Vec::new();
+    for (share, effort, keep) in WINDOWS {
+        model.take(share);
+        found = kept.iter().filter_map(|x| near(model, x, &free, effort)).collect();
+        if model.stopped.load(Ordering::Relaxed) {
+            return Err(Error::Stopped);
+        }
+        found.sort_by(|a, b| a.cost.total_cmp(&b.cost));
+        found.truncate(keep);
+        // A window too short to have residuals enough for the unknowns says nothing.
+        if !found.is_empty() {
+            kept = found.iter().map(|found| found.x.clone()).collect();
+        }
+    }
+    found.into_iter().next().ok_or_else(|| Error::Refused {
+        finding: format!("no start of the model \"{}\" has a motion", model.form.sharing.name()),
+        remedy: "give longer records, or check frequencies and units of the modes",
+    })
+}
+
+/// The last search, from where others ended.
+pub(super) fn settled(model: &CoupledModel<'_>, x: &[f64]) -> Option<Found> {
+    let free: Vec<usize> = (0..model.form.unknowns.len()).collect();
+    near(model, x, &free, LAST)
+}
+
+/// Takes the deviation of each series from what is left of it. None counts as better told than half the median of all: a series that a
+/// modal model happens to meet is not worth more than the model is.
+pub(super) fn reweight(model: &mut CoupledModel<'_>, found: &Found) {
+    let weights = weights(model, found);
+    let relative = |(series, w): (&super::model::Series, &f64)| w * series.deviation / series.size;
+    let all: Vec<f64> = model.series.iter().zip(&weights.deviations).map(relative).collect();
+    let mut sorted = all.clone();
+    sorted.sort_by(f64::total_cmp);
+    let floor = 0.5 * sorted[sorted.len() / 2];
+    for (series, relative) in model.series.iter_mut().zip(all) {
+        series.deviation = (relative.max(floor) * series.size).max(f64::MIN_POSITIVE);
+    }
+}
+
+/// Deviations of the series in their unit, and how much neighbours agree.
+pub(super) fn weights(model: &CoupledModel<'_>, found: &Found) -> Weights {
+    use crate::estimate::Model;
+    let mut residuals = vec![0.0; model.count()];
+    model.evaluate(&found.x, &mut residuals, None);
+    Weights::of(&residuals, &model.ranges(), found.x.len())
+}

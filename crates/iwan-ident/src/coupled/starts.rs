@@ -1,0 +1,104 @@
+//! Where searches begin.
+
+use super::unknowns::{Form, Sharing, Values};
+use crate::parameters::Parameters;
+
+/// Factors on K_T and F_S: a knee that was not seen can be mistaken by two either way.
+const FACTORS: [[f64; 2]; 5] = [[1.0, 1.0], [1.0, 2.0], [2.0, 1.0], [0.5, 1.0], [1.0, 0.5]];
+/// Damping ratios of linear modes beside the one given.
+const DAMPING: [f64; 3] = [5e-4, 2e-3, 8e-3];
+/// Compliance times K_T to start with: three modes of the paper's beam have 0.29.
+const COMPLIANCE: f64 = 0.2;
+/// More modes than this do not have all combinations of signs tried, but each sign by itself.
+const ALL_SIGNS: usize = 4;
+/// Participation of the other modes in a joint of several, over that of its own: no search leaves 0, where signs are alike.
+const CROSS: f64 = 0.1;
+
+/// Starts of linear modes.
+pub(super) fn linear(form: &Form, modes: &[Parameters]) -> Vec<Vec<f64>> {
+    let one = |damping: &f64| {
+        let damped = modes.iter().map(|m| Parameters { damping_ratio: *damping, ..*m }).collect::<Vec<_>>();
+        form.start(&damped, &[], &[], 0.0)
+    };
+    DAMPING.iter().map(one).collect()
+}
+
+/// Starts of modes with a joint each.
+pub(super) fn uncoupled(form: &Form, modes: &[Parameters]) -> Vec<Vec<f64>> {
+    let one = |[k, f]: &[f64; 2]| {
+        let laws: Vec<[f64; 4]> = modes.iter().map(|m| [k * m.k_t, f * m.f_s, m.chi, m.beta]).collect();
+        form.start(modes, &laws, &form.reference.participation, 0.0)
+    };
+    FACTORS.iter().map(one).collect()
+}
+
+/// Parameters of the modes by themselves, as found.
+pub(super) fn by_themselves(values: &Values) -> Vec<Parameters> {
+    let one = |(r, law): (usize, &iwan_core::FourParameter)| Parameters {
+        frequency: values.frequency[r],
+        damping_ratio: values.damping_ratio[r],
+        k_t: law.k_t(),
+        f_s: law.f_s(),
+        chi: law.chi(),
+        beta: law.beta(),
+    };
+    values.laws.iter().enumerate().map(one).collect()
+}
+
+/// Starts of modes that share joints. What a mode shows of a joint by itself is K_T,r ≈ b_r² K_T/(1 - ρ_r K_T), so |b_r| = √(K_T,r/K_T,1);
+/// signs do not show.
+pub(super) fn shared(form: &Form, modes: &[Parameters]) -> Vec<Vec<f64>> {
+    if let Sharing::Shared(joints) = form.sharing
+        && joints > 1
+    {
+        return several(form, modes, joints);
+    }
+    let first = modes[0];
+    let size = |m: &Parameters| (m.k_t / first.k_t).sqrt();
+    let mut starts = Vec::new();
+    for signs in signs(modes.len()) {
+        for [k, f] in FACTORS {
+            let law = [k * first.k_t * (1.0 - COMPLIANCE), f * first.f_s, first.chi, first.beta.min(1.0)];
+            let b: Vec<f64> = modes.iter().zip(&signs).map(|(m, sign)| sign * size(m)).collect();
+            starts.push(form.start(modes, &[law], &[b], COMPLIANCE));
+        }
+    }
+    starts
+}
+
+/// Starts of as many joints as modes, each with a mode of its own and some of the others.
+fn several(form: &Form, modes: &[Parameters], joints: usize) -> Vec<Vec<f64>> {
+    let laws: Vec<[f64; 4]> = modes[..joints].iter().map(|m| [m.k_t, m.f_s, m.chi, m.beta]).collect();
+    let one = |sign: &f64| {
+        let cross = |j: usize, r: usize| if r == j { 1.0 } else { sign * CROSS };
+        let b: Vec<Vec<f64>> = (0..joints).map(|j| (0..modes.len()).map(|r| cross(j, r)).collect()).collect();
+        form.start(modes, &laws, &b, 0.0)
+    };
+    [1.0, -1.0].iter().map(one).collect()
+}
+
+/// Signs of all modes, that of the first +1.
+fn signs(modes: usize) -> Vec<Vec<f64>> {
+    let others = modes - 1;
+    let of = |bits: usize| {
+        let bit = |r: usize| if (bits >> r) & 1 == 1 { -1.0 } else { 1.0 };
+        std::iter::once(1.0).chain((0..others).map(bit)).collect()
+    };
+    if modes <= ALL_SIGNS {
+        (0..1 << others).map(of).collect()
+    } else {
+        std::iter::once(0).chain((0..others).map(|r| 1 << r)).map(of).collect()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::signs;
+
+    #[test]
+    fn all_signs_are_tried_for_a_few_modes() {
+        assert_eq!(signs(2), [[1.0, 1.0], [1.0, -1.0]]);
+        assert_eq!((signs(4).len(), signs(5).len()), (8, 5));
+        assert!(signs(7).iter().all(|s| s[0] == 1.0 && s.len() == 7));
+    }
+}

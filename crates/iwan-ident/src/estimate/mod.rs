@@ -1,0 +1,15 @@
+//! Unknowns of any model that brings exact derivatives: least squares between bounds, profile likelihood, and what is told.
+//!
+//! The same searches and walks that identify a mode ([`profile`](mod@crate::profile)), for models that this crate does not know: the joints
+//! of a structure, modes that share joints.
+
+mod model;
+mod minimum;
+mod told;
+mod profiles;
+
+pub(crate) use minimum::near;
+pub use minimum::{Found, Weights, least};
+pub use model::Model;
+pub use profiles::{About, Interval, interval};
+pub use told::{Combination, Told, silent};

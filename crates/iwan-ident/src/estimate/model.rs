@@ -1,0 +1,42 @@
+//! What a model has to say of itself.
+
+use nalgebra::DMatrix;
+
+use crate::search::Problem;
+
+/// Residuals of unknowns, each over its standard deviation.
+pub trait Model: Sync {
+    /// Lower and upper bound of each unknown. Unknowns are of order one: logarithms and shares.
+    fn bounds(&self) -> &[(f64, f64)];
+
+    /// Number of residuals.
+    fn count(&self) -> usize;
+
+    /// Fills the residuals and, where they are asked for, their derivatives: `derivatives[unknown][residual]`. False where there is no model.
+    fn evaluate(&self, x: &[f64], residuals: &mut [f64], derivatives: Option<&mut [Vec<f64>]>) -> bool;
+}
+
+/// A model as a least-squares problem.
+pub(super) struct Squares<'a, M: Model + ?Sized>(pub(super) &'a M);
+
+impl<M: Model + ?Sized> Squares<'_, M> {
+    /// Derivatives with respect to the unknowns in `free`, one column each.
+    pub(super) fn derivatives_at(&self, x: &[f64], free: &[usize]) -> Option<DMatrix<f64>> {
+        let (mut residuals, mut derivatives) =
+            (vec![0.0; self.0.count()], vec![vec![0.0; self.0.count()]; x.len()]);
+        let known = self.0.evaluate(x, &mut residuals, Some(&mut derivatives));
+        let finite = free.iter().all(|j| derivatives[*j].iter().all(|d| d.is_finite()));
+        (known && finite)
+            .then(|| DMatrix::from_fn(self.0.count(), free.len(), |i, k| derivatives[free[k]][i]))
+    }
+}
+
+impl<M: Model + ?Sized> Problem for Squares<'_, M> {
+    fn residuals(&mut self, x: &[f64], out: &mut [f64]) -> bool {
+        self.0.evaluate(x, out, None)
+    }
+
+    fn derivatives(&mut self, x: &[f64], free: &[usize]) -> Option<DMatrix<f64>> {
+        self.derivatives_at(x, free)
+    }
+}

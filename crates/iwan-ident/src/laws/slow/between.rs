@@ -1,0 +1,149 @@
+//! How far the curves of one hit of a specimen stray from those of the next.
+//!
+//! A bolted structure does not repeat itself: joints settle, temperatures differ from hit to hit. Each hit's curves are taken for the specimen's
+//! plus an offset and a process of ln a of its own. Their sizes, one of each for damping and for frequency, are those that make all hits together likeliest with
+//! the specimen's curves integrated out (restricted maximum likelihood: D. A. Harville, J. Am. Statist. Assoc. 72:320, 1977).
+
+use std::collections::HashMap;
+
+use nalgebra::{DMatrix, DVector};
+
+use super::linear::Information;
+use super::process::Covariances;
+use crate::profile::student;
+
+/// Sizes that are tried: none, and from the least on each twice the one below. Decay rates, relative: up to a half.
+const DECAY: (f64, i32) = (1e-3, 10);
+/// Frequencies, relative: up to a half per cent.
+const OMEGA: (f64, i32) = (3e-7, 15);
+
+/// Standard deviations of one hit from the specimen's mean.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Scatter {
+    /// Of the decay rate, relative.
+    pub decay: f64,
+    /// Of the frequency, relative.
+    pub frequency: f64,
+    /// Hits that it was estimated from; below two it is not known, and taken as none.
+    pub hits: usize,
+}
+
+impl Scatter {
+    /// Standard deviations that hold 95 % of further hits: each hit is one more draw of its offset, so that the quantile is Student's with one
+    /// degree of freedom less than hits. For one and two degrees it is in closed form.
+    pub(crate) fn half_width(&self) -> f64 {
+        const CAUCHY: f64 = 12.706_204_736;
+        const OF_TWO: f64 = 4.302_652_730;
+        match self.hits {
+            0..2 => 0.0,
+            2 => CAUCHY,
+            3 => OF_TWO,
+            hits => student((hits - 1) as f64),
+        }
+    }
+}
+
+fn sizes((least, count): (f64, i32)) -> Vec<f64> {
+    std::iter::once(0.0).chain((0..count).map(|i| least * 2.0_f64.powi(i))).collect()
+}
+
+/// What one hit strays by, of unit size each: an offset of the decay rates and one of the frequencies, and the processes.
+struct Straying {
+    parts: [DMatrix<f64>; 4],
+}
+
+impl Straying {
+    /// `ratio`: a relative frequency of 1 in shifts.
+    fn new(covariances: &Covariances, ratio: f64) -> Self {
+        let offset = |process: &DMatrix<f64>| {
+            let sd = process.diagonal().map(f64::sqrt);
+            &sd * sd.transpose()
+        };
+        let (decay, omega) = (&covariances.decay, &covariances.omega * (ratio * ratio));
+        Self { parts: [offset(decay), offset(&omega), decay.clone(), omega] }
+    }
+
+    fn of(&self, sizes: [f64; 4]) -> DMatrix<f64> {
+        let [a, b, c, d] = &self.parts;
+        let [p, q, r, s] = sizes.map(|size| size * size);
+        a * p + b * q + c * r + d * s
+    }
+}
+
+/// All hits with given sizes.
+struct Trial {
+    information: Information,
+    /// Twice the negative logarithm of the likelihood.
+    deviance: f64,
+}
+
+/// What several hits tell of the specimen's curves with the scatter among them, and that scatter with its covariance. `mean` is the mean of the curves'
+/// prior, `omega` and `shift` are the circular frequency and its range, 1/s.
+pub(crate) fn specimen(
+    hits: &[Information],
+    covariances: &Covariances,
+    mean: &DVector<f64>,
+    (omega, shift): (f64, f64),
+) -> Option<(Information, Scatter, DMatrix<f64>)> {
+    let straying = Straying::new(covariances, omega / shift);
+    if hits.len() < 2 {
+        let scatter = Scatter { hits: hits.len(), ..Scatter::default() };
+        return Some((Information::sum(hits), scatter, straying.of([0.0; 4])));
+    }
+    let ladders = [DECAY, OMEGA, DECAY, OMEGA].map(sizes);
+    let at = |place: [usize; 4]| std::array::from_fn::<f64, 4, _>(|k| ladders[k][place[k]]);
+    let mut known = HashMap::new();
+    let mut deviance = |place: [usize; 4]| {
+        *known.entry(place).or_insert_with(|| {
+            let one = trial(hits, &straying.of(at(place)), covariances, mean);
+            one.map_or(f64::INFINITY, |t| t.deviance)
+        })
+    };
+    // Along one size after the other, until none gains.
+    let mut place = ladders.each_ref().map(|ladder| ladder.len() / 2);
+    loop {
+        let before = place;
+        for k in 0..4 {
+            let moved = |i: usize| std::array::from_fn(|j| if j == k { i } else { place[j] });
+            let best =
+                (0..ladders[k].len()).min_by(|a, b| deviance(moved(*a)).total_cmp(&deviance(moved(*b))))?;
+            place[k] = best;
+        }
+        if place == before {
+            break;
+        }
+    }
+    let found = at(place);
+    let covariance = straying.of(found);
+    let Trial { information, .. } = trial(hits, &covariance, covariances, mean)?;
+    let scatter =
+        Scatter { decay: found[0].hypot(found[2]), frequency: found[1].hypot(found[3]), hits: hits.len() };
+    Some((information, scatter, covariance))
+}
+
+/// The hits with a process of the given covariance in each.
+fn trial(
+    hits: &[Information],
+    straying: &DMatrix<f64>,
+    covariances: &Covariances,
+    mean: &DVector<f64>,
+) -> Option<Trial> {
+    let (mut deviance, mut all) = (0.0, Vec::with_capacity(hits.len()));
+    for Information { factor, target } in hits {
+        let rank = target.len();
+        let whole = DMatrix::identity(rank, rank) + factor * straying * factor.transpose();
+        let lower = whole.cholesky()?.l();
+        deviance += 2.0 * lower.diagonal().iter().map(|d| d.ln()).sum::<f64>();
+        // About the mean, so that nothing cancels.
+        let target = lower.solve_lower_triangular(&(target - factor * mean))?;
+        let factor = lower.solve_lower_triangular(factor)?;
+        deviance += target.norm_squared();
+        all.push(Information { factor, target });
+    }
+    let together = Information::sum(&all);
+    deviance -= together.target.norm_squared();
+    let seen = covariances.each(|m| &together.factor * m * together.factor.transpose());
+    deviance -= 2.0 * seen.likeliest(&together.target, 1.0)?.log_likelihood;
+    let target = &together.target + &together.factor * mean;
+    Some(Trial { information: Information { target, ..together }, deviance })
+}

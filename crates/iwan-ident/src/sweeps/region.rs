@@ -1,0 +1,124 @@
+//! The points that a shaker's test accepts: at each knee the best of all others.
+
+use nalgebra::DMatrix;
+
+use super::task::Task;
+use crate::likelihood::Buffers;
+use crate::profile::{Charted, Ground, Region, Scale, is_all_joint};
+use crate::search::{Chart, Minimum, Search, TOLERANCE as FINE};
+
+/// Relative reduction of the sum of squares at which a search along the way ends: a hundredth of a residual's variance among a thousand.
+const TOLERANCE: f64 = 1e-6;
+/// Iterations of such a search, which begins at its neighbour.
+const ITERATIONS: usize = 40;
+/// Knees next to the best one: this many on either side, …
+const CLOSE: u32 = 12;
+/// … in steps of this part of the knee's standard deviation, …
+const SHARE: f64 = 0.25;
+/// … which is no more than this, in logarithms, where the curvature says nothing.
+const LONGEST: f64 = 0.05;
+/// Deviances beyond this many limits end the way out: valleys farther up are not looked for next to the best knee.
+const FAR: f64 = 4.0;
+
+impl Ground for Task<'_> {
+    type Work = Buffers;
+
+    fn bounds(&self) -> Vec<(f64, f64)> {
+        Task::bounds(self)
+    }
+
+    fn cost(&self, x: &[f64], work: &mut Buffers) -> Option<f64> {
+        let mut out = vec![0.0; self.count()];
+        let known = self.residuals(x, &mut out, work);
+        let cost: f64 = out.iter().map(|r| r * r).sum();
+        (known && cost.is_finite()).then_some(cost)
+    }
+
+    fn minimise(&self, x: &[f64], free: Vec<usize>, _: &mut Buffers) -> Option<Minimum> {
+        Task::minimise(self, x, free, TOLERANCE, ITERATIONS)
+    }
+
+    fn jacobian(&self, x: &[f64], free: Vec<usize>, work: &mut Buffers) -> Option<DMatrix<f64>> {
+        let bounds = Task::bounds(self);
+        let search = Search { count: self.count(), free, bounds, iterations: 0, tolerance: FINE, floor: 0.0 };
+        let mut residuals = |x: &[f64], out: &mut [f64]| self.residuals(x, out, work);
+        let mut r = vec![0.0; self.count()];
+        residuals(x, &mut r);
+        search.jacobian(&mut residuals, x, &r)
+    }
+
+    fn is_at_edge(&self, x: &[f64]) -> bool {
+        is_all_joint(&self.chart.parameters(x))
+    }
+}
+
+impl Charted for Task<'_> {
+    fn chart(&self) -> &Chart {
+        &self.chart
+    }
+
+    fn smooth_at(&self, x: &[f64]) -> Vec<usize> {
+        self.smooth(x)
+    }
+}
+
+/// All points that the data accept, from the minimum along all knees, or where the knee is not sought the minimum alone.
+///
+/// # Errors
+/// A better minimum.
+pub(super) fn region(task: &Task<'_>, minimum: &Minimum, scale: &Scale) -> Result<Region, Minimum> {
+    let mut work = Buffers::default();
+    let mut found = vec![minimum.clone()];
+    let knee = task.knee().map(|knee| (knee, task.knee_range()));
+    if let Some((knee, range)) = knee {
+        found.extend(along(task, minimum, scale, knee, range, &mut work));
+    }
+    Region::of(task, found, knee, scale, &mut work)
+}
+
+/// The best of all others at knees next to the minimum's, finely, and through the whole range.
+fn along(
+    task: &Task<'_>,
+    minimum: &Minimum,
+    scale: &Scale,
+    knee: usize,
+    [low, high]: [f64; 2],
+    work: &mut Buffers,
+) -> Vec<Minimum> {
+    let start = minimum.x[knee];
+    let step = step(task, minimum, knee, work);
+    let close = |direction: f64| (1..=CLOSE).map(move |i| start + direction * step * f64::from(i));
+    let coarse = task.knees();
+    let mut found: Vec<Minimum> = Vec::new();
+    for direction in [-1.0, 1.0] {
+        let beyond = coarse.iter().copied().filter(|k| (k - start) * direction > step * f64::from(CLOSE));
+        let mut knees: Vec<f64> =
+            close(direction).chain(beyond).filter(|k| (low..=high).contains(k)).collect();
+        knees.sort_by(|a, b| (a - start).abs().total_cmp(&(b - start).abs()));
+        let mut near = minimum.clone();
+        for at in knees {
+            let mut x = near.x.clone();
+            x[knee] = at;
+            let free = task.smooth(&x);
+            let Some(next) = Task::minimise(task, &x, free, TOLERANCE, ITERATIONS) else { continue };
+            if (at - start).abs() > step * f64::from(CLOSE) || scale.rise(&next) < FAR * scale.limit {
+                near = next.clone();
+            }
+            found.push(next);
+        }
+    }
+    // What is best among them is free to move its knee as well.
+    let best = found.iter().min_by(|a, b| a.cost.total_cmp(&b.cost)).filter(|m| m.cost < minimum.cost);
+    let polished = best.and_then(|m| Task::minimise(task, &m.x, task.free(), TOLERANCE, ITERATIONS));
+    found.extend(polished);
+    found
+}
+
+/// A part of the knee's standard deviation by curvature, all others following.
+fn step(task: &Task<'_>, minimum: &Minimum, knee: usize, work: &mut Buffers) -> f64 {
+    let mut free = task.smooth(&minimum.x);
+    free.push(knee);
+    let last = free.len() - 1;
+    let left = task.jacobian(&minimum.x, free, work).map_or(0.0, |j| j.qr().r()[(last, last)].abs());
+    if left > 0.0 { (SHARE / left).min(LONGEST) } else { LONGEST }
+}

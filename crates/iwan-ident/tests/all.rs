@@ -1,0 +1,14 @@
+//! All tests of iwan-ident in one program: linked once, and run side by side.
+
+mod law_records;
+mod shared_records;
+
+mod curve_fit;
+mod free_form;
+mod freevib;
+mod identification;
+mod shared_joints;
+mod sweeps;
+mod synthetic_truth;
+mod troubled_records;
+mod which_law;

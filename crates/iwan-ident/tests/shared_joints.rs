@@ -1,0 +1,155 @@
+//! Modes that share joints, found in records that another memory made: the continuum, at a quarter of the step.
+#![allow(clippy::unwrap_used, reason = "tests may panic")]
+
+use std::sync::atomic::AtomicBool;
+
+use crate::shared_records::Pair;
+use iwan_core::Pulse;
+use iwan_ident::Parameters;
+use iwan_ident::coupled::{
+    CoupledFit, CoupledRecord, CoupledTask, Seen, Sharing, UncoupledMode, Unknown, fit_coupled,
+};
+use iwan_ident::curves::Quantity;
+
+const FREQUENCIES: [f64; 2] = [20.0, 52.0];
+const SHAPES: [f64; 2] = [1.0, -0.7];
+const DAMPING: f64 = 5e-4;
+/// K_T is a tenth of the first mode's stiffness; F_S by the paper's ratio.
+const LAW: [f64; 4] = [1500.0, 20.0, -0.3, 0.05];
+const SLIP: f64 = -2.5;
+const DT: f64 = 1e-3;
+const STEPS: usize = 4;
+const SAMPLES: usize = 1501;
+
+/// Accelerations under a blow, of modes that share a joint (`slip` in the second) or of the first with it alone.
+fn motions(level: f64, slip: f64) -> (Vec<Vec<f64>>, Vec<f64>) {
+    let pair = Pair {
+        frequencies: FREQUENCIES,
+        damping_ratio: DAMPING,
+        shapes: SHAPES,
+        law: LAW,
+        slip,
+        compliance: 0.15,
+    };
+    let blow = Pulse::Haversine { amplitude: level, duration: 0.01 };
+    let (motions, force) = pair.struck(&blow, DT / STEPS as f64, (SAMPLES - 1) * STEPS + 1);
+    let every = |x: &[f64]| x.iter().copied().step_by(STEPS).collect();
+    (motions.iter().map(|a| every(a)).collect(), every(&force))
+}
+
+fn forced(level: f64, slip: f64) -> CoupledRecord {
+    let (motions, force) = motions(level, slip);
+    CoupledRecord { name: format!("{level}"), dt: DT, motions, force: Some(force) }
+}
+
+fn fitted(records: &[CoupledRecord], held_out: &[CoupledRecord], seen: Seen) -> CoupledFit {
+    let mode = |r: usize, k_t: f64| UncoupledMode {
+        name: format!("mode {}", r + 1),
+        parameters: Parameters {
+            frequency: FREQUENCIES[r] * 0.999,
+            damping_ratio: 1e-3,
+            k_t,
+            f_s: 40.0,
+            chi: -0.1,
+            beta: 0.3,
+        },
+    };
+    let modes = [mode(0, 2000.0), mode(1, 9000.0)];
+    fit_coupled(&CoupledTask {
+        records,
+        held_out,
+        modes: &modes,
+        quantity: Quantity::Acceleration,
+        seen,
+        shape_at_force: None,
+        threads: 2,
+        stopped: &AtomicBool::new(false),
+    })
+    .unwrap()
+}
+
+#[test]
+fn a_shared_joint_is_found_and_predicts() {
+    let records = [60.0, 600.0, 6000.0].map(|level| forced(level, SLIP));
+    let fit = fitted(&records, &[forced(2000.0, SLIP)], Seen::Modes);
+    let best = fit.best();
+    assert_eq!(best.sharing, Sharing::Shared(1), "{:#?}", fit.in_words());
+    let alone = fit.of(Sharing::Uncoupled).unwrap();
+    assert!(best.misfit < 0.004 && alone.misfit > 5.0 * best.misfit, "{} {}", best.misfit, alone.misfit);
+    assert!(best.held_out_misfit.unwrap() < 0.01, "{:?}", best.held_out);
+    assert!(alone.held_out_misfit.unwrap() > 5.0 * best.held_out_misfit.unwrap());
+    let value = |unknown: Unknown| fit.estimates.iter().find(|e| e.unknown == unknown).unwrap();
+    for (unknown, truth, within) in [
+        (Unknown::KT(0), LAW[0], 0.05),
+        (Unknown::FS(0), LAW[1], 0.03),
+        (Unknown::Chi(0), LAW[2], 0.05),
+        (Unknown::Participation(0, 1), SLIP, 0.03),
+        (Unknown::ShapeAtForce(0), SHAPES[0], 0.005),
+        (Unknown::ShapeAtForce(1), SHAPES[1], 0.005),
+    ] {
+        let found = value(unknown);
+        assert!((found.value / truth - 1.0).abs() < within, "{found:?}");
+        assert!(found.identifiable(), "{found:?}");
+    }
+    assert!(fit.warnings.is_empty(), "{:?}", fit.warnings);
+    assert_eq!(best.motions.len(), 4);
+}
+
+#[test]
+fn modes_that_share_nothing_are_told_and_soft_blows_are_named() {
+    let records = [60.0, 200.0].map(|level| forced(level, 0.0));
+    let fit = fitted(&records, &[], Seen::Modes);
+    let shared = fit.of(Sharing::Shared(1)).unwrap();
+    // The second mode is linear, whatever the model calls it.
+    assert!(fit.best().misfit < 0.004 && shared.values.participation[0][1].abs() < 0.2, "{shared:?}");
+    assert!(
+        fit.warnings.iter().any(|words| words.contains("soft blows only")),
+        "{:?} {:?}",
+        fit.warnings,
+        fit.estimates
+    );
+}
+
+/// The sum of both modes at a sensor, picked up behind the blow: the state there is unknown, and shapes at the sensor are.
+#[test]
+fn a_free_decay_of_one_channel_tells_the_joint() {
+    let free = |level: f64| {
+        let (motions, _) = motions(level, SLIP);
+        let sum = motions[0].iter().zip(&motions[1]).skip(20).map(|(a, b)| a + 0.4 * b).collect();
+        CoupledRecord { name: format!("{level}"), dt: DT, motions: vec![sum], force: None }
+    };
+    let fit = fitted(&[free(300.0), free(3000.0)], &[free(1000.0)], Seen::Sum);
+    let of = |sharing| fit.of(sharing).unwrap();
+    let (shared, alone) = (of(Sharing::Shared(1)), of(Sharing::Uncoupled));
+    assert!(shared.misfit < 0.01 && shared.misfit < 0.5 * alone.misfit, "{:#?}", fit.in_words());
+    assert!(shared.held_out_misfit.unwrap() < 0.03, "{:?}", shared.held_out);
+    // Results do not depend on what does not belong together being refused.
+    let forced = forced(60.0, SLIP);
+    let mixed = [CoupledRecord { motions: vec![forced.motions[0].clone()], ..forced }, free(60.0)];
+    let stopped = AtomicBool::new(false);
+    let modes = [UncoupledMode {
+        name: "one".into(),
+        parameters: Parameters {
+            frequency: 20.0,
+            damping_ratio: 0.0,
+            k_t: 1.0,
+            f_s: 1.0,
+            chi: 0.0,
+            beta: 0.0,
+        },
+    }];
+    let task = CoupledTask {
+        records: &mixed,
+        held_out: &[],
+        modes: &modes,
+        quantity: Quantity::Acceleration,
+        seen: Seen::Sum,
+        shape_at_force: None,
+        threads: 1,
+        stopped: &stopped,
+    };
+    assert!(fit_coupled(&task).unwrap_err().to_string().contains("modes = 1"));
+    let two = [modes[0].clone(), modes[0].clone()];
+    let error = fit_coupled(&CoupledTask { modes: &two, ..task }).unwrap_err().to_string();
+    assert!(error.contains("whether the force is known"), "{error}");
+}

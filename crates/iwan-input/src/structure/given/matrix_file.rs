@@ -1,0 +1,45 @@
+//! A matrix of a file, as keys of a table name it.
+
+use std::path::{Path, PathBuf};
+
+use iwan_exchange::{ExchangeError, Format, Matrix};
+
+use crate::error::InputError;
+use crate::section::Section;
+
+/// A file that could not be read.
+pub(super) fn failed(section: &Section<'_>, key: &str, error: &ExchangeError) -> InputError {
+    section.failure(key, &error.to_string(), "paths are relative to the structure file")
+}
+
+/// The matrix of real numbers that `key` names: the only one of its file, the one called by `KEY_name`, or one with a usual name.
+pub(super) fn chosen(
+    section: &Section<'_>,
+    folder: &Path,
+    key: &str,
+    usual: &[&str],
+) -> Result<(PathBuf, Matrix), InputError> {
+    let path = folder.join(section.text(key)?);
+    let format = section.choice("format", Format::ALL)?;
+    let mut matrices = iwan_exchange::read(&path, format).map_err(|error| failed(section, key, &error))?;
+    let names: Vec<String> = matrices.iter().map(|matrix| matrix.name.clone()).collect();
+    let of = |wanted: &str| names.iter().position(|name| name.eq_ignore_ascii_case(wanted));
+    let name_key = format!("{key}_name");
+    let at = match section.optional_text(&name_key)? {
+        Some(wanted) => of(&wanted).ok_or_else(|| {
+            let message = format!("{name_key} = \"{wanted}\": {} has no matrix of that name", path.display());
+            section.failure(&name_key, &message, &format!("choose one of {}", names.join(", ")))
+        })?,
+        None if matrices.len() == 1 => 0,
+        None => usual.iter().find_map(|name| of(name)).ok_or_else(|| {
+            let message = format!("{} has the matrices {}", path.display(), names.join(", "));
+            section.failure(key, &message, &format!("choose one with {name_key} = \"NAME\""))
+        })?,
+    };
+    let matrix = matrices.swap_remove(at);
+    if matrix.complex {
+        let message = format!("{}: {} is a matrix of complex numbers", path.display(), matrix.name);
+        return Err(section.failure(key, &message, "structures take real matrices: choose one"));
+    }
+    Ok((path, matrix))
+}

@@ -1,0 +1,298 @@
+//! Several files that appear together or not at all.
+
+use std::fs::{self, File};
+use std::io::{self, BufWriter};
+use std::path::{Path, PathBuf};
+
+use super::file::{WriteError, builder, io_error, write_through};
+use super::litter::{self, Staging};
+
+/// Several files of one folder that become visible together.
+///
+/// A folder that does not exist yet appears in one step with all its files. In a folder that exists, the files are
+/// renamed one after the other; when one of them cannot be, those before it are taken back and the files they
+/// replaced return. Only a crash between two renamings can leave a part. Dropped without [`Folder::commit`], nothing
+/// appears.
+///
+/// ```
+/// use std::io::Write;
+/// let place = tempfile::tempdir()?;
+/// let out = place.path().join("out");
+/// let mut folder = iwan_io::atomic::Folder::stage(&out, false)?;
+/// folder.write("a.txt", |w| writeln!(w, "a"))?;
+/// folder.write("b.txt", |w| writeln!(w, "b"))?;
+/// assert!(!out.exists());
+/// folder.commit()?;
+/// assert!(out.join("a.txt").exists() && out.join("b.txt").exists());
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+///
+/// Of two processes with one destination one wins whole and the other is told. What a process that was killed has left behind is
+/// removed by the next one that writes into the same place.
+#[derive(Debug)]
+pub struct Folder {
+    target: PathBuf,
+    /// Held where the folder exists: nobody else writes into it.
+    alone: Option<File>,
+    staging: Staging,
+    names: Vec<String>,
+    force: bool,
+}
+
+impl Folder {
+    /// Prepares files for the folder `target`; its parents are made where they are missing.
+    ///
+    /// # Errors
+    /// [`WriteError::Io`] when nothing can be written there, or `target` is a file; [`WriteError::Busy`] when another process writes
+    /// into it.
+    pub fn stage(target: impl AsRef<Path>, force: bool) -> Result<Self, WriteError> {
+        let target = target.as_ref().to_path_buf();
+        let parent = target.parent().filter(|p| !p.as_os_str().is_empty()).unwrap_or(Path::new("."));
+        let place = if target.exists() { target.as_path() } else { parent };
+        fs::create_dir_all(place).map_err(io_error(&target, "make the folder"))?;
+        let alone = if target.exists() { locked(&target)? } else { None };
+        litter::clear(place);
+        let staging =
+            litter::staging(&builder(0o777), place).map_err(io_error(&target, "make a temporary folder"))?;
+        Ok(Self { target, alone, staging, names: Vec::new(), force })
+    }
+
+    /// Where the files are until they appear: what ends the process itself removes it.
+    #[must_use]
+    pub fn staged(&self) -> &Path {
+        self.staging.path()
+    }
+
+    /// Says early, before a long computation, whether these names may be written.
+    ///
+    /// # Errors
+    /// [`WriteError::Folder`] for the first name that is a folder; [`WriteError::Exists`] for the first name that
+    /// exists, unless overwriting was asked for.
+    pub fn check(&self, names: &[&str]) -> Result<(), WriteError> {
+        if let Some(name) = names.iter().find(|name| self.target.join(name).is_dir()) {
+            return Err(WriteError::Folder { path: self.target.join(name) });
+        }
+        let taken = |name: &&&str| self.target.join(name).symlink_metadata().is_ok();
+        match names.iter().find(taken).filter(|_| !self.force) {
+            Some(name) => Err(WriteError::Exists { path: self.target.join(name) }),
+            None => Ok(()),
+        }
+    }
+
+    /// Writes one file through `fill`; it stays hidden until [`Folder::commit`].
+    ///
+    /// # Errors
+    /// [`WriteError::Name`] unless `name` is one plain file name, [`WriteError::Exists`], [`WriteError::Io`].
+    pub fn write(
+        &mut self,
+        name: &str,
+        fill: impl FnOnce(&mut BufWriter<File>) -> io::Result<()>,
+    ) -> Result<(), WriteError> {
+        if Path::new(name).file_name() != Some(name.as_ref()) {
+            return Err(WriteError::Name { path: name.into() });
+        }
+        self.check(&[name])?;
+        let path = self.target.join(name);
+        let file = File::create(self.staging.path().join(name)).map_err(io_error(&path, "create"))?;
+        write_through(&path, file, fill)?;
+        if !self.names.iter().any(|n| n == name) {
+            self.names.push(name.into());
+        }
+        Ok(())
+    }
+
+    /// Makes all files visible.
+    ///
+    /// # Errors
+    /// [`WriteError::Exists`], [`WriteError::Busy`], [`WriteError::Io`]; then no file has become visible and none was replaced.
+    pub fn commit(self) -> Result<(), WriteError> {
+        if !self.target.exists() {
+            return self.appear().map_err(|refused| refused.1);
+        }
+        // Made by another process since this one began.
+        let _alone = if self.alone.is_none() { locked(&self.target)? } else { None };
+        let names: Vec<&str> = self.names.iter().map(String::as_str).collect();
+        self.check(&names)?;
+        let replaced = builder(0o777)
+            .tempdir_in(&self.target)
+            .map_err(io_error(&self.target, "make a temporary folder"))?;
+        for (done, name) in names.iter().enumerate() {
+            if let Err(error) = self.exchange(name, replaced.path()) {
+                names[..=done].iter().for_each(|name| self.take_back(name, replaced.path()));
+                return Err(error);
+            }
+        }
+        Ok(())
+    }
+
+    /// Makes all files visible in a folder that does not exist yet: the destination, or the first that `next` names and nobody has taken
+    /// in the meantime. Returns which.
+    ///
+    /// # Errors
+    /// [`WriteError::Io`]; then nothing has become visible.
+    pub fn commit_where_free(mut self, next: impl Fn() -> PathBuf) -> Result<PathBuf, WriteError> {
+        loop {
+            if self.target.symlink_metadata().is_ok() {
+                self.target = next();
+            }
+            let target = self.target.clone();
+            match self.appear() {
+                Ok(()) => return Ok(target),
+                Err(refused) => match *refused {
+                    (folder, WriteError::Exists { .. }) => self = folder,
+                    (_, error) => return Err(error),
+                },
+            }
+        }
+    }
+
+    /// Renames the staged folder; the guard goes only after success, as it removes what was staged.
+    fn appear(self) -> Result<(), Box<(Self, WriteError)>> {
+        let renamed =
+            litter::forget(self.staging.path()).and_then(|()| fs::rename(self.staging.path(), &self.target));
+        match renamed {
+            Ok(()) => {
+                self.staging.keep();
+                Ok(())
+            }
+            Err(error) => {
+                let taken =
+                    matches!(error.kind(), io::ErrorKind::AlreadyExists | io::ErrorKind::DirectoryNotEmpty);
+                let path = self.target.clone();
+                let error =
+                    if taken { WriteError::Exists { path } } else { io_error(&path, "rename")(error) };
+                Err(Box::new((self, error)))
+            }
+        }
+    }
+
+    /// Moves the old file, if any, aside and the new one in.
+    fn exchange(&self, name: &str, replaced: &Path) -> Result<(), WriteError> {
+        let (new, target) = (self.staging.path().join(name), self.target.join(name));
+        if target.symlink_metadata().is_ok() {
+            fs::rename(&target, replaced.join(name)).map_err(io_error(&target, "move the old file aside"))?;
+        }
+        fs::rename(&new, &target).map_err(io_error(&target, "rename"))
+    }
+
+    /// Undoes [`Folder::exchange`], however far it came.
+    fn take_back(&self, name: &str, replaced: &Path) {
+        let (new, target, old) =
+            (self.staging.path().join(name), self.target.join(name), replaced.join(name));
+        if !new.exists() {
+            let _ = fs::rename(&target, &new);
+        }
+        if old.symlink_metadata().is_ok() {
+            let _ = fs::rename(&old, &target);
+        }
+    }
+}
+
+/// The folder, for this process alone; none where the system has no locks for folders.
+fn locked(folder: &Path) -> Result<Option<File>, WriteError> {
+    let Ok(file) = File::open(folder) else { return Ok(None) };
+    match file.try_lock() {
+        Err(fs::TryLockError::WouldBlock) => Err(WriteError::Busy { path: folder.into() }),
+        Err(fs::TryLockError::Error(_)) => Ok(None),
+        Ok(()) => Ok(Some(file)),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::file::tests::names;
+    use super::*;
+    use std::io::Write;
+
+    #[test]
+    fn a_folder_dropped_leaves_no_trace() {
+        let place = tempfile::tempdir().unwrap();
+        let mut folder = Folder::stage(place.path().join("out"), false).unwrap();
+        folder.write("a", |w| w.write_all(b"1")).unwrap();
+        drop(folder);
+        assert!(names(place.path()).is_empty());
+    }
+
+    #[test]
+    fn files_join_an_existing_folder_all_or_none() {
+        let place = tempfile::tempdir().unwrap();
+        fs::write(place.path().join("a"), "old").unwrap();
+        let mut folder = Folder::stage(place.path(), true).unwrap();
+        folder.write("a", |w| w.write_all(b"new")).unwrap();
+        folder.write("b", |w| w.write_all(b"new")).unwrap();
+        fs::remove_file(folder.staging.path().join("b")).unwrap(); // the second renaming must fail
+        assert!(folder.commit().is_err());
+        assert_eq!(names(place.path()), ["a"]);
+        assert_eq!(fs::read(place.path().join("a")).unwrap(), b"old");
+    }
+
+    /// Two processes wrote into one folder that was there: five times of sixty it then held files of both.
+    #[test]
+    fn one_folder_has_one_writer() {
+        let place = tempfile::tempdir().unwrap();
+        let first = Folder::stage(place.path(), false).unwrap();
+        assert!(matches!(Folder::stage(place.path(), false), Err(WriteError::Busy { .. })));
+        drop(first);
+        assert!(Folder::stage(place.path(), false).is_ok());
+    }
+
+    /// The second of two runs without a place of their own computed, and failed in the end.
+    #[test]
+    fn the_later_of_two_takes_the_next_name() {
+        let place = tempfile::tempdir().unwrap();
+        let (out, next) = (place.path().join("out"), place.path().join("out-2"));
+        let mut both = [1, 2].map(|_| Folder::stage(&out, false).unwrap());
+        for folder in &mut both {
+            folder.write("a", |w| w.write_all(b"1")).unwrap();
+        }
+        let took = both.map(|folder| folder.commit_where_free(|| next.clone()).unwrap());
+        assert_eq!(took, [out.clone(), next.clone()]);
+        assert_eq!((names(&out), names(&next)), (vec!["a".to_string()], vec!["a".to_string()]));
+    }
+
+    /// After SIGKILL up to 650 MB stayed for good.
+    #[test]
+    fn the_next_run_clears_what_a_killed_one_left() {
+        let place = tempfile::tempdir().unwrap();
+        let out = place.path().join("out");
+        let mut killed = Folder::stage(&out, false).unwrap();
+        killed.write("a", |w| w.write_all(b"1")).unwrap();
+        let living = Folder::stage(&out, false).unwrap();
+        assert_eq!(names(place.path()).len(), 2, "what a living process stages stays");
+        killed.staging.keep();
+        drop(Folder::stage(&out, false).unwrap());
+        assert_eq!(names(place.path()).len(), 1);
+        living.commit().unwrap();
+        assert_eq!(names(place.path()), ["out"]);
+        assert!(names(&out).is_empty());
+    }
+
+    #[test]
+    fn an_existing_file_stops_the_folder_early() {
+        let place = tempfile::tempdir().unwrap();
+        fs::write(place.path().join("a"), "old").unwrap();
+        let mut folder = Folder::stage(place.path(), false).unwrap();
+        assert!(matches!(folder.check(&["z", "a"]), Err(WriteError::Exists { .. })));
+        assert!(matches!(folder.write("a", |_| Ok(())), Err(WriteError::Exists { .. })));
+        for name in ["../a", "x/y", "..", "", "."] {
+            assert!(matches!(folder.write(name, |_| Ok(())), Err(WriteError::Name { .. })), "{name}");
+        }
+        folder.write("b", |w| w.write_all(b"1")).unwrap();
+        folder.commit().unwrap();
+        assert_eq!(names(place.path()), ["a", "b"]);
+    }
+
+    /// Overwriting once deleted a folder that stood in the place of a file, with all that was in it.
+    #[test]
+    fn folders_are_never_overwritten() {
+        let place = tempfile::tempdir().unwrap();
+        let inner = place.path().join("report.html");
+        fs::create_dir(&inner).unwrap();
+        fs::write(inner.join("precious"), "x").unwrap();
+        let folder = Folder::stage(place.path(), true).unwrap();
+        assert!(matches!(folder.check(&["report.html"]), Err(WriteError::Folder { .. })));
+        let mut folder = folder;
+        assert!(folder.write("report.html", |_| Ok(())).is_err());
+        assert!(inner.join("precious").exists());
+    }
+}

@@ -1,0 +1,104 @@
+//! Folders that are being filled, and those that a killed process has left.
+//!
+//! A process holds a lock on a file in its folder as long as it lives, whatever ends it. A folder whose lock is free belongs to nobody.
+
+use std::fs::{self, File, TryLockError};
+use std::io;
+use std::path::Path;
+use tempfile::{Builder, TempDir};
+
+/// What temporary names begin with.
+pub(crate) const PREFIX: &str = ".iwan-";
+
+/// The file that is locked.
+const LOCK: &str = ".lock";
+
+/// Tries for a folder of one's own. One that clears litter can take a folder for litter between its making and its lock, and hardly
+/// twice: a hundred tries mean that something else is wrong.
+const TRIES: usize = 100;
+
+/// A folder that is being filled, with the lock that says that its process lives.
+#[derive(Debug)]
+pub(crate) struct Staging {
+    _alive: File,
+    folder: TempDir,
+}
+
+impl Staging {
+    /// Where it is.
+    pub(crate) fn path(&self) -> &Path {
+        self.folder.path()
+    }
+
+    /// The lock goes, the folder stays wherever it is: under its final name, or after a kill.
+    pub(crate) fn keep(self) {
+        let _ = self.folder.keep();
+    }
+}
+
+/// A folder in `place`.
+pub(crate) fn staging(builder: &Builder<'_, '_>, place: &Path) -> io::Result<Staging> {
+    let mut last = None;
+    for _ in 0..TRIES {
+        let folder = builder.tempdir_in(place)?;
+        let path = folder.path().join(LOCK);
+        let file = match File::create(&path) {
+            Ok(file) => file,
+            Err(error) if error.kind() == io::ErrorKind::NotFound => {
+                last = Some(error);
+                continue;
+            }
+            Err(error) => return Err(error),
+        };
+        // A lock that somebody else holds is that of a process which is clearing this folder away. Where the file system has no locks,
+        // nothing is ever cleared, and all goes well without.
+        if matches!(file.try_lock(), Err(TryLockError::WouldBlock)) {
+            continue;
+        }
+        if path.exists() {
+            return Ok(Staging { _alive: file, folder });
+        }
+    }
+    Err(last.unwrap_or_else(|| io::Error::other("another process removes temporary folders")))
+}
+
+/// The folder becomes a result: it is no longer to be cleared.
+pub(crate) fn forget(folder: &Path) -> io::Result<()> {
+    match fs::remove_file(folder.join(LOCK)) {
+        Err(error) if error.kind() != io::ErrorKind::NotFound => Err(error),
+        _ => Ok(()),
+    }
+}
+
+/// Removes what processes that live no longer have left in `place`. What cannot be removed stays: it is not this run's business.
+pub(crate) fn clear(place: &Path) {
+    let Ok(entries) = fs::read_dir(place) else { return };
+    for entry in entries.flatten().filter(|e| e.file_name().to_string_lossy().starts_with(PREFIX)) {
+        let Ok(lock) = File::open(entry.path().join(LOCK)) else { continue };
+        if lock.try_lock().is_ok() {
+            let _ = fs::remove_dir_all(entry.path());
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::thread;
+
+    /// One run in some hundred found its folder gone: another had taken it for litter between its making and its lock.
+    #[test]
+    fn a_folder_that_is_being_made_is_no_litter() {
+        let place = tempfile::tempdir().unwrap();
+        thread::scope(|scope| {
+            let clearing = scope.spawn(|| (0..20_000).for_each(|_| clear(place.path())));
+            while !clearing.is_finished() {
+                let staging = staging(Builder::new().prefix(PREFIX), place.path()).unwrap();
+                // What was going to remove it has had its time.
+                thread::yield_now();
+                clear(place.path());
+                assert!(staging.path().join(LOCK).exists());
+            }
+        });
+    }
+}

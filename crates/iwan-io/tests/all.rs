@@ -1,0 +1,9 @@
+//! All tests of iwan-io in one program: linked once, and run side by side.
+
+mod common;
+
+mod any_bytes;
+mod binary_files;
+mod instrument_files;
+mod tables;
+mod text_files;

@@ -1,0 +1,181 @@
+//! Memory is asked for before it is taken.
+
+use std::fmt;
+use std::sync::atomic::{AtomicU64, Ordering};
+
+use sysinfo::{MemoryRefreshKind, ProcessRefreshKind, ProcessesToUpdate, System};
+
+/// What the user allows this process, bytes. A process has one memory: so this stands for all of it.
+static LIMIT: AtomicU64 = AtomicU64::new(u64::MAX);
+
+/// Estimates below this are not compared with the machine, which takes half a millisecond: no machine that runs this program at all
+/// lacks 16 MB, and one call of a loop over small responses takes less than that half millisecond. The user's limit holds for them too.
+const SMALL: u64 = 16 << 20;
+
+/// Sets what this process may take in all, bytes; `u64::MAX`, as at the beginning, leaves it to the machine.
+pub fn set_limit(bytes: u64) {
+    LIMIT.store(bytes, Ordering::Relaxed);
+}
+
+/// The limit set, bytes.
+#[must_use]
+pub fn limit() -> u64 {
+    LIMIT.load(Ordering::Relaxed)
+}
+
+/// Memory that may still be taken, and whose bound it is.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Free {
+    /// Bytes.
+    pub bytes: u64,
+    /// What sets the bound.
+    pub bound: Bound,
+}
+
+/// Who says how much memory there is.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Bound {
+    /// What is free on the machine, or in the container that the process runs in.
+    Machine,
+    /// The process's own limit of address space (`ulimit -v`).
+    Process,
+    /// [`set_limit`], on the command line `--memory`.
+    Given,
+}
+
+/// More memory is needed than may be taken.
+#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+pub struct Short {
+    /// What needs it.
+    pub what: String,
+    /// About how many bytes it needs.
+    pub needed: u64,
+    /// How many there are.
+    pub free: Free,
+    /// What helps.
+    pub remedy: String,
+}
+
+impl fmt::Display for Short {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let whose = match self.free.bound {
+            Bound::Machine => "are free on this machine",
+            Bound::Process => "are left to this process (ulimit -v)",
+            Bound::Given => "are left of what --memory allows",
+        };
+        let (needed, free) = (Bytes(self.needed), Bytes(self.free.bytes));
+        write!(f, "{} needs about {needed} of memory, and {free} {whose}; {}", self.what, self.remedy)
+    }
+}
+
+/// A number of bytes as people read it.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Bytes(pub u64);
+
+impl fmt::Display for Bytes {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let units = [(1e12, "TB"), (1e9, "GB"), (1e6, "MB"), (1e3, "kB")];
+        let bytes = self.0 as f64;
+        match units.iter().find(|(size, _)| bytes >= *size) {
+            Some((size, unit)) => write!(f, "{:.3} {unit}", bytes / size),
+            None => write!(f, "{bytes} bytes"),
+        }
+    }
+}
+
+/// Reads a number of bytes: `4GB`, `500 MB`, `2 GiB`, `1000000`.
+///
+/// # Errors
+/// What is allowed.
+///
+/// ```
+/// use iwan_machine::memory::parse_bytes;
+/// assert_eq!(parse_bytes("1.5 GB"), Ok(1_500_000_000));
+/// assert_eq!(parse_bytes("2GiB"), Ok(2 << 30));
+/// assert!(parse_bytes("much").is_err());
+/// ```
+pub fn parse_bytes(text: &str) -> Result<u64, String> {
+    let text = text.trim();
+    let split = text.find(|c: char| c.is_ascii_alphabetic()).unwrap_or(text.len());
+    let unit = match text[split..].to_ascii_lowercase().as_str() {
+        "" | "b" => 1.0,
+        "k" | "kb" => 1e3,
+        "m" | "mb" => 1e6,
+        "g" | "gb" => 1e9,
+        "t" | "tb" => 1e12,
+        "kib" => 1024.0,
+        "mib" => 1024.0 * 1024.0,
+        "gib" => 1024.0 * 1024.0 * 1024.0,
+        _ => return Err("must be a size such as 4GB, 500MB or 2GiB".into()),
+    };
+    let bytes = text[..split].trim().parse::<f64>().ok().map(|number| number * unit);
+    let sensible = bytes.filter(|bytes| (1.0..=u64::MAX as f64).contains(bytes));
+    sensible.map(|bytes| bytes as u64).ok_or_else(|| "must be a size such as 4GB, 500MB or 2GiB".into())
+}
+
+/// How much memory may still be taken.
+///
+/// ```
+/// assert!(iwan_machine::memory::free().bytes > 0);
+/// ```
+#[must_use]
+pub fn free() -> Free {
+    let mut system = System::new();
+    system.refresh_memory_specifics(MemoryRefreshKind::nothing().with_ram());
+    let machine = system.available_memory();
+    let machine = system.cgroup_limits().map_or(machine, |group| machine.min(group.free_memory));
+    let mut free = Free { bytes: machine, bound: Bound::Machine };
+    let (limit, address_space) = (limit(), address_space());
+    if limit == u64::MAX && address_space == u64::MAX {
+        return free;
+    }
+    let (resident, reserved) = own(&mut system);
+    for (most, taken, bound) in [(address_space, reserved, Bound::Process), (limit, resident, Bound::Given)] {
+        let left = most.saturating_sub(taken);
+        if most != u64::MAX && left < free.bytes {
+            free = Free { bytes: left, bound };
+        }
+    }
+    free
+}
+
+/// What this process has: memory in use, and addresses reserved.
+fn own(system: &mut System) -> (u64, u64) {
+    let Ok(me) = sysinfo::get_current_pid() else { return (0, 0) };
+    let kind = ProcessRefreshKind::nothing().with_memory();
+    system.refresh_processes_specifics(ProcessesToUpdate::Some(&[me]), false, kind);
+    system.process(me).map_or((0, 0), |own| (own.memory(), own.virtual_memory()))
+}
+
+#[cfg(unix)]
+fn address_space() -> u64 {
+    use rustix::process::{Resource, getrlimit};
+    getrlimit(Resource::As).current.unwrap_or(u64::MAX)
+}
+
+#[cfg(not(unix))]
+fn address_space() -> u64 {
+    u64::MAX
+}
+
+/// Asks for about `needed` bytes for `what`; nothing is taken.
+///
+/// # Errors
+/// [`Short`] when there is less, with `remedy`.
+///
+/// ```
+/// use iwan_machine::memory::ask;
+/// assert!(ask("a response of 1000 samples", 32_000, "take fewer").is_ok());
+/// let refused = ask("a response of 1e15 samples", 32_000_000_000_000_000, "take fewer").unwrap_err();
+/// assert!(refused.to_string().starts_with("a response of 1e15 samples needs about 32000.000 TB of memory, and "));
+/// ```
+pub fn ask(what: impl Into<String>, needed: u64, remedy: impl Into<String>) -> Result<(), Short> {
+    if needed < SMALL && limit() == u64::MAX {
+        return Ok(());
+    }
+    let free = free();
+    if needed <= free.bytes {
+        return Ok(());
+    }
+    Err(Short { what: what.into(), needed, free, remedy: remedy.into() })
+}

@@ -1,0 +1,117 @@
+//! Work on as many threads as can be had, this one among them: where the system gives none, the work is done here.
+//!
+//! No result depends on how many there are: whoever calls cuts the work by its size alone.
+
+use std::panic::resume_unwind;
+use std::sync::atomic::{AtomicUsize, Ordering};
+use std::sync::{Arc, Mutex, PoisonError};
+use std::thread::Builder;
+
+/// Runs `work` on this thread and on up to `threads - 1` others at once, and returns what each of them did, this one first. `work` takes its
+/// pieces from a common pile until there are none.
+///
+/// ```
+/// use std::sync::atomic::{AtomicU32, Ordering};
+/// let pile = AtomicU32::new(100);
+/// let take = || (0..).take_while(|_| pile.fetch_update(Ordering::Relaxed, Ordering::Relaxed, |n| n.checked_sub(1)).is_ok()).count();
+/// assert_eq!(iwan_machine::threads::together(4, &take).iter().sum::<usize>(), 100);
+/// ```
+pub fn together<R: Send>(threads: usize, work: &(dyn Fn() -> R + Sync)) -> Vec<R> {
+    std::thread::scope(|scope| {
+        let helper = |_| Builder::new().spawn_scoped(scope, work).ok();
+        let helpers: Vec<_> = (1..threads).map_while(helper).collect();
+        let mut results = vec![work()];
+        for helper in helpers {
+            match helper.join() {
+                Ok(result) => results.push(result),
+                Err(panic) => resume_unwind(panic),
+            }
+        }
+        results
+    })
+}
+
+/// `work` on every item, on at most `threads` threads; the results are in the order of the items, the same bits whatever the
+/// number of threads. Items are begun in their order: give the longest work first.
+///
+/// ```
+/// assert_eq!(iwan_machine::threads::in_parallel(&[1, 2, 3], 2, &|n| n * n), [1, 4, 9]);
+/// ```
+pub fn in_parallel<I: Sync, R: Send>(items: &[I], threads: usize, work: &(dyn Fn(&I) -> R + Sync)) -> Vec<R> {
+    if threads <= 1 || items.len() <= 1 {
+        return items.iter().map(work).collect();
+    }
+    let next = AtomicUsize::new(0);
+    let take = || {
+        let taken = std::iter::from_fn(|| {
+            let i = next.fetch_add(1, Ordering::Relaxed);
+            items.get(i).map(|item| (i, work(item)))
+        });
+        taken.collect::<Vec<_>>()
+    };
+    let mut done: Vec<_> = together(threads.min(items.len()), &take).into_iter().flatten().collect();
+    done.sort_by_key(|(i, _)| *i);
+    done.into_iter().map(|(_, result)| result).collect()
+}
+
+/// Does both, at once where there is a thread for the second.
+///
+/// ```
+/// assert_eq!(iwan_machine::threads::both(&|| 6 * 7, &|| "x"), (42, "x"));
+/// ```
+pub fn both<A, B: Send>(first: &dyn Fn() -> A, second: &(dyn Fn() -> B + Sync)) -> (A, B) {
+    std::thread::scope(|scope| {
+        let Ok(other) = Builder::new().spawn_scoped(scope, second) else { return (first(), second()) };
+        let first = first();
+        match other.join() {
+            Ok(second) => (first, second),
+            Err(panic) => resume_unwind(panic),
+        }
+    })
+}
+
+/// Begins `work` on a thread of its own, or gives it back where none can be had.
+///
+/// # Errors
+/// The work.
+///
+/// ```
+/// let (sender, receiver) = std::sync::mpsc::channel();
+/// let begun = iwan_machine::threads::begin("sum", move || sender.send(40 + 2).unwrap_or_default());
+/// if let Err(work) = begun {
+///     work();
+/// }
+/// assert_eq!(receiver.recv(), Ok(42));
+/// ```
+pub fn begin<F: FnOnce() + Send + 'static>(name: &str, work: F) -> Result<(), F> {
+    fn take<F>(kept: &Mutex<Option<F>>) -> Option<F> {
+        kept.lock().unwrap_or_else(PoisonError::into_inner).take()
+    }
+    let kept = Arc::new(Mutex::new(Some(work)));
+    let passed = Arc::clone(&kept);
+    let run = move || {
+        if let Some(work) = take(&passed) {
+            work();
+        }
+    };
+    match Builder::new().name(name.into()).spawn(run) {
+        Ok(_) => Ok(()),
+        // A thread that was not begun has taken nothing.
+        Err(_) => take(&kept).map_or(Ok(()), Err),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::in_parallel;
+
+    #[test]
+    fn the_order_stays_whatever_the_threads() {
+        let items: Vec<u32> = (0..100).collect();
+        for threads in [1, 2, 7] {
+            let squares = in_parallel(&items, threads, &|n| n * n);
+            assert!(squares.iter().zip(&items).all(|(s, n)| *s == n * n), "{threads}");
+        }
+        assert!(in_parallel::<u32, u32>(&[], 4, &|n| *n).is_empty());
+    }
+}

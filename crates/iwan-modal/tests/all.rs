@@ -1,0 +1,7 @@
+//! All tests of iwan-modal in one program: linked once, and run side by side.
+
+mod support;
+
+mod decays;
+mod promises;
+mod synthetic;

@@ -1,0 +1,127 @@
+"""Shaker's tests to the parameters of an Iwan joint: stepped-sine responses and phase-resonance backbones, ring-downs beside them."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any, TypeAlias
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from iwan import _native
+from iwan._native import FourParameter, Mode, _Identified
+from iwan._six import Interval, SixParameters
+from iwan.errors import InvalidTypeError
+from iwan.steady import Backbone, SteadyResponse
+from iwan.types import Array
+
+__all__ = ["Measurement", "SweepFit", "fit_sweeps"]
+
+Measurement: TypeAlias = (
+    str | os.PathLike[str] | Mapping[str, ArrayLike] | SteadyResponse | Sequence[SteadyResponse] | Backbone
+)
+"""One measurement, of one day: a file, arrays by name, or what `iwan.frf` and `iwan.backbone` return."""
+
+Columns: TypeAlias = tuple[str, list[tuple[str, Any]]]
+
+
+@dataclass(frozen=True, eq=False)
+class SweepFit(SixParameters):
+    """What a shaker's test tells about a mode, with ring-downs or without. Made by `iwan.fit(sweeps=...)`; picklable.
+
+    Parameters are called `frequency` (Hz), `damping_ratio`, `k_t`, `f_s`, `chi` and `beta`. Measurements are counted as they were given,
+    sweeps first.
+
+    Example: that of `iwan.fit`.
+    """
+
+    mode: Mode
+    """The mode with its joint, as identified: on the day of the ring-downs, or of the first measurement."""
+    intervals: Mapping[str, Interval]
+    """95 % interval of each parameter by profile likelihood; None: open on that side."""
+    identifiable: Mapping[str, bool]
+    """Whether the measurements bound a parameter on both sides."""
+    adequate: bool
+    """Whether one four-parameter joint with a viscous damper matches frequency and damping together."""
+    grade: str
+    """"matches", "usable" or "no", as in `Fit`."""
+    misfit: str
+    """What fits and what does not, in words and numbers."""
+    slips: bool
+    """Whether macro-slip is seen: without it only the least of K_T and F_S is told."""
+    informed: tuple[float, float]
+    """Smallest and largest amplitude of the modal displacement that was measured: beyond, a prediction leaves what the test informed."""
+    drifts: Array
+    """Drift of the linear frequency of each measurement, relative."""
+    errors: Sequence[tuple[float, float]]
+    """Relative errors of each measurement: of force and motion alike; of a backbone's frequency and of its damping."""
+    other_modes: float
+    """Static flexibility of all other modes, as the measured point sees it."""
+    profiles: Mapping[str, tuple[Array, Array]]
+    """Values and deviances of each parameter's profile likelihood."""
+    limit: float
+    """Deviance at the ends of the intervals."""
+
+    def __str__(self) -> str:
+        """Table of the parameters with their intervals, and the verdict."""
+        return "\n".join([*self.table(), self.misfit])
+
+    def __repr__(self) -> str:
+        return f"<iwan.SweepFit: {self.frequency:.6g} Hz, {self.joint}, grade {self.grade}>"
+
+
+def _response(curves: Sequence[SteadyResponse], name: str) -> Columns:
+    """Responses as the columns of a file; a frequency's higher harmonics are not fitted."""
+    joined = {
+        "frequency": [curve.frequency for curve in curves],
+        "amplitude": [curve.amplitude for curve in curves],
+        "phase": [curve.phase for curve in curves],
+        "excitation": [curve.excitation for curve in curves],
+        "level": [np.full(curve.frequency.size, curve.level) for curve in curves],
+    }
+    return name, [(column, np.concatenate(values)) for column, values in joined.items()]
+
+
+def _source(given: Measurement, name: str, kind: str) -> Any:
+    """A measurement as the compiled part takes it."""
+    if isinstance(given, (str, os.PathLike)):
+        return given
+    if isinstance(given, Mapping):
+        return name, [(column, np.asarray(values, dtype=np.float64)) for column, values in given.items()]
+    if kind == "backbone" and isinstance(given, Backbone):
+        columns = {"frequency": given.frequency, "amplitude": given.amplitude, "damping_ratio": given.damping_ratio}
+        return name, list(columns.items())
+    curves = [given] if isinstance(given, SteadyResponse) else given
+    if kind == "sweep" and isinstance(curves, Sequence) and curves and all(isinstance(c, SteadyResponse) for c in curves):
+        return _response(list(curves), name)
+    wanted = "an iwan.Backbone" if kind == "backbone" else "an iwan.SteadyResponse, a sequence of them"
+    raise InvalidTypeError(f"{name} must be a path, a mapping of arrays by name, or {wanted}, not {type(given).__name__}")
+
+
+def _sources(given: Measurement | Sequence[Measurement] | None, name: str, kind: str) -> list[Any]:
+    if given is None:
+        return []
+    if isinstance(given, (str, os.PathLike, Mapping, SteadyResponse, Backbone)):
+        return [_source(given, name, kind)]
+    return [_source(one, f"{name}[{i}]", kind) for i, one in enumerate(given)]
+
+
+def fit_sweeps(
+    sweeps: Measurement | Sequence[Measurement] | None,
+    backbones: Measurement | Sequence[Measurement] | None,
+    levels: Sequence[float] | None,
+    mass: float | None,
+    hold: Mapping[str, float] | None,
+    ring_downs: _Identified | None,
+) -> SweepFit:
+    """`iwan.fit` with sweeps or backbones."""
+    held = list((hold or {}).items())
+    given = _sources(sweeps, "sweeps", "sweep"), _sources(backbones, "backbones", "backbone")
+    told = _native._fit_sweeps(*given, [float(level) for level in levels or ()], mass, held, ring_downs)
+    p = told.pop("parameters")
+    joint = FourParameter(k_t=p["k_t"], f_s=p["f_s"], chi=p["chi"], beta=p["beta"])
+    mode = Mode(frequency=p["frequency"], joint=joint, damping_ratio=p["damping_ratio"])
+    bounded = {name: name not in dict(held) and None not in ends for name, ends in told["intervals"].items()}
+    return SweepFit(mode=mode, identifiable=bounded, **told)

@@ -1,0 +1,155 @@
+//! Joints of a structure from measured curves of several modes: `iwan.update`.
+
+use std::collections::BTreeMap;
+
+use iwan_fem::{Correction, NamedModes, Stiffness};
+use iwan_input::{StructureFile, updated_structure};
+use iwan_study::Error;
+use iwan_study::update::{JointGroup, MeasuredCurve, Update, UpdateTask, groups_that_move_alike, update};
+use pyo3::prelude::*;
+use serde_json::json;
+
+use crate::exchange::array::Numbers;
+use crate::exchange::errors::{computation, fem, value};
+use crate::exchange::options::thread_count;
+use crate::exchange::work;
+use crate::structures::structure::Structure;
+
+/// Parts in which progress is told, of the whole.
+const PARTS: f64 = 1000.0;
+
+/// Mode, source, whether it is kept out, whether its frequency is a secant; displacement, frequency, damping ratio.
+type Given<'py> = (String, String, bool, bool, Bound<'py, PyAny>, Bound<'py, PyAny>, Bound<'py, PyAny>);
+
+/// What was found as a JSON text, and the text of the structure with the joints found, where that can be written.
+#[pyfunction]
+#[pyo3(signature = (structure, curves, *, groups, correct, undamped, threads, progress))]
+pub(crate) fn _update<'py>(
+    structure: &Bound<'py, Structure>,
+    curves: Vec<Given<'py>>,
+    groups: Option<BTreeMap<String, Vec<String>>>,
+    correct: Vec<(String, Option<f64>)>,
+    undamped: bool,
+    threads: Option<usize>,
+    progress: Option<&Bound<'py, PyAny>>,
+) -> PyResult<(String, Option<String>)> {
+    let (py, loaded) = (structure.py(), structure.get().0.clone());
+    let threads = thread_count(threads)?;
+    let (mut measured, mut held_out) = (Vec::new(), Vec::new());
+    for given in curves {
+        let kept_out = given.2;
+        if kept_out { &mut held_out } else { &mut measured }.push(curve(given)?);
+    }
+    let corrections = corrections(&loaded.file, correct)?;
+    let laws = loaded.file.laws_to_seek().0;
+    if laws.is_empty() {
+        let message = "no joint has a four-parameter law to be found: add slip = [{ direction = ..., law = { k_t = ..., f_s = ..., \
+                       chi = ..., beta = ... } }]";
+        return Err(value(format!("{}: {message}", loaded.name())));
+    }
+    let groups = groups.map(|groups| named_groups(&loaded.file, &laws, groups)).transpose()?;
+    let this = loaded.clone();
+    let found = work::watched(py, progress, move |control| {
+        let structure = |source| Error::Structure { place: this.name().to_owned(), source };
+        let named = this.named_modes(NamedModes::LOOKED_UP, control).map_err(structure)?;
+        let modes: Vec<&str> = measured.iter().map(|c: &MeasuredCurve| c.mode.as_str()).collect();
+        let groups = match groups {
+            Some(groups) => groups,
+            None => groups_that_move_alike(&named, &laws, &modes)?,
+        };
+        let task = UpdateTask {
+            named: &named,
+            groups,
+            corrections,
+            viscous: !undamped,
+            curves: measured,
+            held_out,
+            threads,
+        };
+        let found = update(&task, &|share| control.report((share * PARTS) as usize))?;
+        let changes = this.file.changes(found.laws_of_joints(&task), found.factors_of_parts(&task));
+        Ok((found, changes))
+    })?;
+    let (found, changes) = found.map_err(|error| refused(loaded.name(), &error))?;
+    let text = updated_structure(loaded.source(), &changes).ok();
+    Ok((told(&found), text))
+}
+
+fn curve((mode, source, _, secant, displacement, frequency, damping): Given<'_>) -> PyResult<MeasuredCurve> {
+    let stiffness = if secant { Stiffness::Secant } else { Stiffness::FirstHarmonic };
+    Ok(MeasuredCurve {
+        displacement: Numbers::vector("displacement", &displacement)?,
+        frequency: Numbers::vector("frequency", &frequency)?,
+        damping_ratio: Numbers::vector("damping_ratio", &damping)?,
+        mode,
+        source,
+        stiffness,
+    })
+}
+
+fn corrections(
+    file: &StructureFile,
+    wanted: Vec<(String, Option<f64>)>,
+) -> PyResult<Vec<(String, Correction, Option<f64>)>> {
+    let one = |(name, deviation): (String, Option<f64>)| {
+        let part = file.part(&name).ok_or_else(|| {
+            let known = file.parts().join(", ");
+            value(format!("correct: the structure has no part '{name}': choose from {known}"))
+        })?;
+        Ok((name, part, deviation))
+    };
+    wanted.into_iter().map(one).collect()
+}
+
+fn named_groups(
+    file: &StructureFile,
+    laws: &[(usize, iwan_core::FourParameter)],
+    wanted: BTreeMap<String, Vec<String>>,
+) -> PyResult<Vec<JointGroup>> {
+    let joints = &file.structure.joints;
+    let known = || laws.iter().map(|(n, _)| joints[*n].name.as_str()).collect::<Vec<_>>().join(", ");
+    let group = |(name, members): (String, Vec<String>)| {
+        let found: Vec<(usize, iwan_core::FourParameter)> = members
+            .iter()
+            .map(|wanted| {
+                let found = laws.iter().find(|(n, _)| joints[*n].name == *wanted).copied();
+                found.ok_or_else(|| {
+                    value(format!(
+                        "groups: there is no joint '{wanted}' with a four-parameter law: choose from {}",
+                        known()
+                    ))
+                })
+            })
+            .collect::<PyResult<_>>()?;
+        let (_, law) = *found
+            .first()
+            .ok_or_else(|| value(format!("groups: '{name}' has no joint: choose from {}", known())))?;
+        Ok(JointGroup { name, joints: found.into_iter().map(|(n, _)| n).collect(), law })
+    };
+    wanted.into_iter().map(group).collect()
+}
+
+/// All of it; `updating.py` makes values of that.
+fn told(found: &Update) -> String {
+    json!({
+        "groups": found.groups,
+        "factors": found.factors,
+        "viscous": found.viscous,
+        "verdict": found.verdict,
+        "corrections": found.corrections,
+        "told": found.told,
+        "next_modes": found.next_modes,
+        "front": found.front,
+        "curves": found.curves,
+        "converged": found.converged,
+    })
+    .to_string()
+}
+
+fn refused(name: &str, error: &Error) -> PyErr {
+    match error {
+        Error::Update { .. } => value(error.to_string()),
+        Error::Structure { source, .. } => fem(name, source),
+        other => computation(format!("{name}: {other}")),
+    }
+}

@@ -1,0 +1,204 @@
+//! The unknowns that tell the curves best, with intervals.
+
+use iwan_ident::estimate::{About, Found, Interval, Model, Told, Weights, interval, least, silent};
+use serde::Serialize;
+
+use super::model::{Beside, DAMPING_UNIT, law};
+use crate::error::Error;
+
+/// Rounds in which the deviations of the curves are taken from what is left of them: after the third they stand to a hundredth.
+const ROUNDS: usize = 4;
+/// Least relative deviation of a damping ratio and of a frequency: what quasi-static curves of a reduced structure are off by themselves. A
+/// judgement: the reduced model's curves are within 2e-3 of the structure's in dissipation, and within 1e-3 of the loss of frequency.
+pub(super) const LEAST_DAMPING: f64 = 1e-3;
+pub(super) const LEAST_FREQUENCY: f64 = 1e-6;
+/// No curve counts more than this many times the mean of its kind, however well it is told: an unknown that bends to one curve alone would
+/// make it look perfect.
+const MOST_BELIEVED: f64 = 10.0;
+/// Searches begun anew because an interval's walk met a better point, at most.
+const MOST_ANEW: usize = 3;
+
+/// A value with its 95 % interval; null is open.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct Estimated {
+    /// The best value.
+    pub value: f64,
+    /// Lower end.
+    pub low: Option<f64>,
+    /// Upper end.
+    pub high: Option<f64>,
+    /// Whether the curves bound it on both sides.
+    pub identifiable: bool,
+}
+
+/// A group of joints as the curves have it.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct JointUpdate {
+    /// Name of the group.
+    pub name: String,
+    /// Names of its joints.
+    pub joints: Vec<String>,
+    /// Joint stiffness K_T of each joint.
+    pub k_t: Estimated,
+    /// Slip force F_S.
+    pub f_s: Estimated,
+    /// Power χ.
+    pub chi: Estimated,
+    /// Ratio β.
+    pub beta: Estimated,
+    /// Largest slip in the curves over φ_max: macro-slip is seen from 1 on.
+    pub slip_ratio: f64,
+}
+
+/// The best unknowns with the deviations found on the way.
+#[derive(Debug, Clone)]
+pub(super) struct Fit<'a> {
+    pub(super) model: Beside<'a>,
+    pub(super) found: Found,
+    pub(super) free: Vec<usize>,
+    /// Variance of the residuals, widened where neighbours agree.
+    pub(super) variance: f64,
+    pub(super) told: Told,
+}
+
+impl<'a> Fit<'a> {
+    /// From several starts. Unknowns that the curves do not feel keep the values of the first start.
+    pub(super) fn new(mut model: Beside<'a>, starts: &[Vec<f64>]) -> Result<Self, Error> {
+        let failed = Error::identification("update");
+        let unfelt = |model: &Beside<'_>, x: &[f64]| silent(model, x, 1.0).map_err(&failed);
+        let mut held = unfelt(&model, &starts[0])?;
+        let free = |held: &[usize]| (0..starts[0].len()).filter(|j| !held.contains(j)).collect::<Vec<_>>();
+        let starts: Vec<Vec<f64>> = starts.iter().map(|x| holding(x, &starts[0], &held)).collect();
+        let mut found = least(&model, &starts, &free(&held)).map_err(&failed)?;
+        for _ in 0..ROUNDS {
+            let weights = weights_of(&model, &found.x, free(&held).len());
+            reweighted(&mut model, &weights);
+            // What is felt where the search ended is sought from there on.
+            let still = unfelt(&model, &found.x)?;
+            held.retain(|j| still.contains(j));
+            found = least(&model, std::slice::from_ref(&found.x), &free(&held)).map_err(&failed)?;
+        }
+        let free = free(&held);
+        Self::about(model, found, free)
+    }
+
+    /// Of unknowns that are found already.
+    fn about(model: Beside<'a>, found: Found, free: Vec<usize>) -> Result<Self, Error> {
+        let weights = weights_of(&model, &found.x, free.len());
+        let freedom = (model.count() as f64 - free.len() as f64).max(1.0);
+        // What the curves are off by themselves is the least; a smaller sum of squares by chance does not make it smaller.
+        let variance = weights.inflation * (found.cost / freedom).max(0.5);
+        let told = Told::about(&model, &found, &free, variance).map_err(Error::identification("update"))?;
+        Ok(Self { model, found, free, variance, told })
+    }
+
+    /// Intervals of all unknowns in their coordinates; the fit moves where a better point is met.
+    pub(super) fn intervals(&mut self, threads: usize) -> Result<Vec<Interval>, Error> {
+        for round in 0..=MOST_ANEW {
+            match self.intervals_here(threads, round == MOST_ANEW) {
+                Ok(all) => return Ok(all),
+                Err(better) => {
+                    let failed = Error::identification("update");
+                    let found = least(&self.model, &[better.x], &self.free).map_err(failed)?;
+                    *self = Self::about(self.model.clone(), found, self.free.clone())?;
+                }
+            }
+        }
+        Ok(vec![Interval::default(); self.model.bounds.len()])
+    }
+
+    fn intervals_here(&self, threads: usize, settled: bool) -> Result<Vec<Interval>, Found> {
+        let (found, free, variance) = (&self.found, &self.free, self.variance);
+        // An unknown that the curves do not feel is left where the structure has it, whatever its walk gains in the last digits.
+        let of = |j: usize| {
+            let settled = settled || !free.contains(&j);
+            interval(&self.model, About { found, free, variance, settled }, j)
+        };
+        let all: Vec<usize> = (0..self.model.bounds.len()).collect();
+        let size = all.len().div_ceil(threads.max(1));
+        let parts: Vec<Result<Vec<Interval>, Found>> = std::thread::scope(|scope| {
+            let handles: Vec<_> = all
+                .chunks(size)
+                .map(|part| scope.spawn(move || part.iter().map(|j| of(*j)).collect()))
+                .collect();
+            let joined = handles
+                .into_iter()
+                .map(|h| h.join().unwrap_or_else(|panic| std::panic::resume_unwind(panic)));
+            joined.collect()
+        });
+        Ok(parts.into_iter().collect::<Result<Vec<_>, _>>()?.concat())
+    }
+
+    /// A group of joints with its intervals.
+    pub(super) fn joint(&self, group: usize, intervals: &[Interval], slip_ratio: f64) -> JointUpdate {
+        let of = |k: usize, value: &dyn Fn(f64) -> f64| {
+            estimated(self.found.x[4 * group + k], intervals[4 * group + k], value)
+        };
+        let beta = |x: f64| x / (1.0 - x);
+        JointUpdate {
+            name: String::new(),
+            joints: Vec::new(),
+            k_t: of(0, &f64::exp),
+            f_s: of(1, &f64::exp),
+            chi: of(2, &|x| x),
+            beta: of(3, &beta),
+            slip_ratio,
+        }
+    }
+
+    /// The viscous damping ratio of a measured mode.
+    pub(super) fn viscous(&self, mode: usize, intervals: &[Interval]) -> Estimated {
+        let place = self.model.first_viscous() + mode;
+        estimated(self.found.x[place], intervals[place], &|x| DAMPING_UNIT * x)
+    }
+
+    /// A factor on a part of the stiffness.
+    pub(super) fn factor(&self, number: usize, intervals: &[Interval]) -> Estimated {
+        let place = self.model.first_factor() + number;
+        estimated(self.found.x[place], intervals[place], &f64::exp)
+    }
+
+    /// The laws found, group by group.
+    pub(super) fn laws(&self) -> Vec<iwan_core::FourParameter> {
+        self.found.x[..self.model.first_factor()].chunks_exact(4).filter_map(law).collect()
+    }
+}
+
+/// A start with the unknowns that are held where the first start has them.
+fn holding(x: &[f64], first: &[f64], held: &[usize]) -> Vec<f64> {
+    x.iter()
+        .zip(first)
+        .enumerate()
+        .map(|(j, (x, first))| if held.contains(&j) { *first } else { *x })
+        .collect()
+}
+
+fn estimated(x: f64, interval: Interval, value: &dyn Fn(f64) -> f64) -> Estimated {
+    let (low, high) = (interval.low.map(value), interval.high.map(value));
+    Estimated { value: value(x), low, high, identifiable: low.is_some() && high.is_some() }
+}
+
+fn weights_of(model: &Beside<'_>, x: &[f64], unknowns: usize) -> Weights {
+    let mut residuals = vec![0.0; model.count()];
+    model.evaluate(x, &mut residuals, None);
+    Weights::of(&residuals, &model.series(), unknowns)
+}
+
+/// Each curve's deviations from what is left of it.
+fn reweighted(model: &mut Beside<'_>, weights: &Weights) {
+    let square = |values: Vec<f64>| (values.iter().map(|v| v * v).sum::<f64>() / values.len() as f64).sqrt();
+    let mut all: Vec<(f64, f64)> = Vec::new();
+    for (curve, found) in model.curves.iter().zip(weights.deviations.chunks_exact(2)) {
+        all.push((curve.frequency_sd * found[0] / mean_frequency(curve), curve.damping_sd * found[1]));
+    }
+    let mean = (square(all.iter().map(|a| a.0).collect()), square(all.iter().map(|a| a.1).collect()));
+    for (curve, (frequency, damping)) in model.curves.iter_mut().zip(all) {
+        let relative = frequency.max(mean.0 / MOST_BELIEVED).max(LEAST_FREQUENCY);
+        curve.frequency_sd = relative * mean_frequency(curve);
+        curve.damping_sd = damping.max(mean.1 / MOST_BELIEVED).max(LEAST_DAMPING);
+    }
+}
+
+pub(super) fn mean_frequency(curve: &super::model::Curve) -> f64 {
+    curve.points.iter().map(|p| p.frequency).sum::<f64>() / curve.points.len() as f64
+}

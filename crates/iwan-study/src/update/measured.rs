@@ -1,0 +1,145 @@
+//! Frequency and damping of a mode against amplitude, as measured.
+
+use std::f64::consts::TAU;
+
+use iwan_fem::Stiffness;
+
+use crate::error::Error;
+
+/// Means that a long curve becomes: curves of ring-downs have an entry per cycle, and their neighbours share most of their noise. So many show
+/// all that a smooth curve has to say, and averages in each of so many steps of amplitude keep what the entries know.
+const MEANS: usize = 48;
+/// Entries in a mean, on average, at least: with fewer all entries stay. A mean of one or two entries says nothing about their noise and moves the
+/// curve where it bends: of 61 entries without noise, by 0.7 % of damping at the onset of macro-slip, which hid β altogether.
+const FEWEST_IN_A_MEAN: usize = 4;
+/// Points of a curve at least: with fewer there is no level, slope and bend.
+const FEWEST_POINTS: usize = 4;
+
+/// A curve of one mode; one entry per amplitude, in any order.
+#[derive(Debug, Clone, PartialEq)]
+pub struct MeasuredCurve {
+    /// Mode by name, as `iwan modes` calls it.
+    pub mode: String,
+    /// Where it comes from, for messages.
+    pub source: String,
+    /// Amplitude of the mass-normalised modal displacement, mass^½·length.
+    pub displacement: Vec<f64>,
+    /// Frequency, Hz.
+    pub frequency: Vec<f64>,
+    /// Damping ratio; entries that are not > 0 (noise at the end of a decay) are left out.
+    pub damping_ratio: Vec<f64>,
+    /// What the frequency is that of.
+    pub stiffness: Stiffness,
+}
+
+/// A point of a curve.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Point {
+    pub(super) displacement: f64,
+    pub(super) frequency: f64,
+    pub(super) log_damping: f64,
+}
+
+impl MeasuredCurve {
+    /// Damping ratios from the dissipation per cycle: ζ = D / (2π ω² q²).
+    ///
+    /// ```
+    /// use iwan_study::update::MeasuredCurve;
+    /// let ratio = MeasuredCurve::damping_of(&[2.0], &[1.0 / std::f64::consts::TAU], &[std::f64::consts::TAU]);
+    /// assert!((ratio[0] - 0.25).abs() < 1e-15);
+    /// ```
+    #[must_use]
+    pub fn damping_of(displacement: &[f64], frequency: &[f64], dissipation: &[f64]) -> Vec<f64> {
+        let one = |((q, f), d): ((&f64, &f64), &f64)| d / (TAU * (TAU * f * q).powi(2));
+        displacement.iter().zip(frequency).zip(dissipation).map(one).collect()
+    }
+
+    /// The points, ascending, averaged where there are many.
+    pub(super) fn points(&self) -> Result<Vec<Point>, Error> {
+        let refused = |finding: String| Error::Update {
+            place: format!("{}, {}", self.source, self.mode),
+            finding,
+            remedy: "give displacement > 0, frequency > 0 and damping ratio of at least four amplitudes",
+        };
+        let n = self.displacement.len();
+        if self.frequency.len() != n || self.damping_ratio.len() != n {
+            let lengths = (n, self.frequency.len(), self.damping_ratio.len());
+            return Err(refused(format!("columns of different length: {lengths:?}")));
+        }
+        let mut points = Vec::new();
+        for i in 0..n {
+            let (q, f, z) = (self.displacement[i], self.frequency[i], self.damping_ratio[i]);
+            if !(q.is_finite() && f.is_finite() && z.is_finite() && q > 0.0 && f > 0.0) {
+                let entry = i + 1;
+                return Err(refused(format!(
+                    "entry {entry}: displacement {q}, frequency {f}, damping ratio {z}"
+                )));
+            }
+            if z > 0.0 {
+                points.push(Point { displacement: q, frequency: f, log_damping: z.ln() });
+            }
+        }
+        if points.len() < FEWEST_POINTS {
+            return Err(refused(format!("{} usable entries", points.len())));
+        }
+        points.sort_by(|a, b| a.displacement.total_cmp(&b.displacement));
+        Ok(if points.len() > FEWEST_IN_A_MEAN * MEANS { averaged(&points) } else { points })
+    }
+}
+
+/// Means in steps of the logarithm of the amplitude.
+fn averaged(points: &[Point]) -> Vec<Point> {
+    let log = |p: &Point| p.displacement.ln();
+    let (first, last) = (log(&points[0]), log(&points[points.len() - 1]));
+    let width = ((last - first) / MEANS as f64).max(f64::MIN_POSITIVE);
+    let step = |p: &Point| (((log(p) - first) / width) as usize).min(MEANS - 1);
+    let mean = |part: &[Point]| {
+        let of = |get: &dyn Fn(&Point) -> f64| part.iter().map(get).sum::<f64>() / part.len() as f64;
+        Point {
+            displacement: of(&log).exp(),
+            frequency: of(&|p| p.frequency),
+            log_damping: of(&|p| p.log_damping),
+        }
+    };
+    points.chunk_by(|a, b| step(a) == step(b)).map(mean).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn curve(n: usize) -> MeasuredCurve {
+        let q: Vec<f64> = (0..n).map(|i| 1e-3 * (1.0 + i as f64)).rev().collect();
+        MeasuredCurve {
+            mode: "bending 1".into(),
+            source: "table".into(),
+            frequency: q.iter().map(|q| 100.0 - q).collect(),
+            damping_ratio: q.clone(),
+            displacement: q,
+            stiffness: Stiffness::FirstHarmonic,
+        }
+    }
+
+    #[test]
+    fn many_entries_become_means_and_few_stay() {
+        let few = curve(FEWEST_IN_A_MEAN * MEANS).points().unwrap();
+        assert!(
+            few.len() == FEWEST_IN_A_MEAN * MEANS
+                && few.windows(2).all(|p| p[0].displacement < p[1].displacement)
+        );
+        let many = curve(1000).points().unwrap();
+        assert!(many.len() <= MEANS && many.len() > MEANS / 2);
+        // Damping is the amplitude here, and its logarithm the mean of logarithms.
+        assert!(many.iter().all(|p| (p.log_damping - p.displacement.ln()).abs() < 1e-12));
+    }
+
+    #[test]
+    fn what_cannot_be_used_is_named() {
+        let mut broken = curve(10);
+        broken.frequency[3] = f64::NAN;
+        assert!(broken.points().unwrap_err().to_string().contains("entry 4"));
+        let mut negative = curve(6);
+        negative.damping_ratio[..3].fill(-1e-3);
+        assert!(negative.points().unwrap_err().to_string().contains("3 usable"));
+    }
+}

@@ -1,0 +1,26 @@
+//! Joints of a structure from what several of its modes show: frequency and damping against amplitude.
+//!
+//! The forward model are quasi-static curves of the reduced structure ([`iwan_fem::Adjustable`]), in which each joint is a law over its
+//! slip, so that what one mode tells of a joint holds for all modes. Unknowns are the parameters of each group of joints, factors on parts
+//! of the linear stiffness, and the viscous damping of each measured mode.
+
+mod measured;
+mod group;
+mod model;
+mod fitted;
+mod verdict;
+mod further;
+mod task;
+mod explain;
+mod outcome;
+mod run;
+
+pub use explain::LinearCorrection;
+pub use fitted::{Estimated, JointUpdate};
+pub use further::{NextMode, TradeOff};
+pub use group::{JointGroup, StartLaw, groups_that_move_alike};
+pub use measured::MeasuredCurve;
+pub use outcome::{ComparedCurve, Told, Update};
+pub use run::update;
+pub use task::UpdateTask;
+pub use verdict::{Departure, Quantity, StructureVerdict};

@@ -1,0 +1,176 @@
+//! An update from curves to joints, in one call.
+
+use iwan_core::Progress;
+use iwan_core::progress::part;
+use iwan_fem::{Adjustable, Assembled, Basis, Correction, Stiffness};
+use iwan_ident::estimate::Interval;
+
+use super::explain::explanations;
+use super::fitted::{Estimated, Fit, JointUpdate};
+use super::further::{front, next_modes};
+use super::group::JointGroup;
+use super::measured::Point;
+use super::model::{DAMPING_UNIT, Said};
+use super::outcome::{ComparedCurve, Update, names, told};
+use super::task::{Placed, UpdateTask, checked, model, modes_of, placed, starts};
+use super::verdict::{Passing, StructureVerdict, departures};
+use crate::error::Error;
+
+/// Modes of the reduced structure beside the attachment vectors, and as many above the highest mode measured: 40 of the paper's beam reach to
+/// 10 kHz, where frequencies of its first modes under a correction of 3 % are within 1e-6.
+const MODES: usize = 40;
+/// Points of the front of compromises.
+const FRONT: usize = 30;
+/// Finds the joints of a structure from curves of several modes.
+///
+/// # Errors
+/// [`Error::Update`] for curves or groups that cannot be used; [`Error::Structure`]; [`Error::Identification`] when no start has curves;
+/// [`Error::Interrupted`].
+pub fn update(task: &UpdateTask<'_>, progress: Progress<'_>) -> Result<Update, Error> {
+    let failed = Error::structure("update");
+    let assembled = &task.named.assembled;
+    let measured = placed(task, &task.curves)?;
+    let held_out = placed(task, &task.held_out)?;
+    checked(task)?;
+    let highest = measured.iter().chain(&held_out).map(|p| p.mode).max().unwrap_or(0);
+    let basis = MODES.max(2 * highest).min(assembled.unknowns());
+    let reduced =
+        assembled.reduce_observed(basis, Basis::default(), &part(progress, [0.0, 0.2])).map_err(&failed)?;
+    let chosen: Vec<Correction> = task.corrections.iter().map(|c| c.1).collect();
+    let adjustable = Adjustable::new(&reduced, &chosen).map_err(&failed)?;
+    let modes = modes_of(&measured);
+    let model = model(task, &adjustable, &measured, &modes);
+    let go_on = |share: f64| if progress(share).is_break() { Err(Error::Interrupted) } else { Ok(()) };
+    go_on(0.25)?;
+    let mut fit = Fit::new(model, &starts(task, &measured, modes.len()))?;
+    go_on(0.5)?;
+    let intervals = fit.intervals(task.threads)?;
+    go_on(0.8)?;
+    let verdict = verdict(&fit, &measured)?;
+    let corrections =
+        if verdict.adequate { Vec::new() } else { explanations(task, &fit, &reduced, &measured) };
+    let group_names: Vec<String> = task.groups.iter().map(|g| g.name.clone()).collect();
+    let factors: Vec<String> = task.corrections.iter().map(|c| c.0.clone()).collect();
+    let unknowns = names(&group_names, &factors, if task.viscous { &modes } else { &[] });
+    go_on(0.85)?;
+    let front = front(&fit, FRONT);
+    Ok(Update {
+        groups: joints(task, assembled, &fit, &intervals)?,
+        laws: fit.laws(),
+        factors: factors.iter().enumerate().map(|(k, n)| (n.clone(), fit.factor(k, &intervals))).collect(),
+        viscous: viscous(task, &fit, &intervals, &modes),
+        curves: compared(task, &fit, &measured, &held_out)?,
+        told: told(&fit, &unknowns),
+        verdict,
+        corrections,
+        next_modes: next_modes(&fit, task.named, &group_names),
+        front,
+        converged: fit.found.converged,
+    })
+}
+
+fn verdict(fit: &Fit<'_>, measured: &[Placed<'_>]) -> Result<StructureVerdict, Error> {
+    let said = said_of_all(fit)?;
+    let beyond = |passing| {
+        let pairs = measured.iter().zip(&said);
+        pairs.flat_map(|(p, said)| departures(&p.curve.mode, &p.points, said, passing)).collect()
+    };
+    Ok(StructureVerdict::new(beyond(Passing::REPEATS), beyond(Passing::COMPUTED)))
+}
+
+fn said_of_all(fit: &Fit<'_>) -> Result<Vec<Vec<Said>>, Error> {
+    fit.model.said_of_all(&fit.found.x).ok_or_else(|| Error::Update {
+        place: "update".into(),
+        finding: "the joints found have no curves".into(),
+        remedy: "leave out the largest amplitudes",
+    })
+}
+
+fn joints(
+    task: &UpdateTask<'_>,
+    assembled: &Assembled,
+    fit: &Fit<'_>,
+    intervals: &[Interval],
+) -> Result<Vec<JointUpdate>, Error> {
+    let said = said_of_all(fit)?;
+    let one = |(n, group): (usize, &JointGroup)| {
+        let ratio = said.iter().flatten().map(|s| s.slip_ratios[n]).fold(0.0, f64::max);
+        let mut joint = fit.joint(n, intervals, ratio);
+        joint.name.clone_from(&group.name);
+        joint.joints = group.joints.iter().map(|j| assembled.structure().joints[*j].name.clone()).collect();
+        joint
+    };
+    Ok(task.groups.iter().enumerate().map(one).collect())
+}
+
+fn viscous(
+    task: &UpdateTask<'_>,
+    fit: &Fit<'_>,
+    intervals: &[Interval],
+    modes: &[String],
+) -> Vec<(String, Estimated)> {
+    let all = modes.iter().enumerate().filter(|_| task.viscous);
+    all.map(|(n, mode)| (mode.clone(), fit.viscous(n, intervals))).collect()
+}
+
+/// Measured curves beside those of the structure before and after.
+fn compared(
+    task: &UpdateTask<'_>,
+    fit: &Fit<'_>,
+    measured: &[Placed<'_>],
+    held_out: &[Placed<'_>],
+) -> Result<Vec<ComparedCurve>, Error> {
+    let before = starts(task, measured, modes_of(measured).len()).remove(0);
+    let mut undamped = before.clone();
+    undamped[fit.model.first_viscous()..].fill(0.0);
+    let mut all = Vec::new();
+    for (placed, held) in measured.iter().map(|p| (p, false)).chain(held_out.iter().map(|p| (p, true))) {
+        let own =
+            fit.model.curves.iter().find(|curve| curve.mode == placed.mode).and_then(|curve| curve.viscous);
+        let with = (placed.mode, own, placed.curve.stiffness);
+        let after = said_with(fit, &fit.found.x, with, &placed.points)?;
+        // A mode that was not measured gets the mean of the others' viscous damping.
+        let x = &fit.found.x[fit.model.first_viscous()..];
+        let mean = if own.is_none() && !x.is_empty() {
+            DAMPING_UNIT * x.iter().sum::<f64>() / x.len() as f64
+        } else {
+            0.0
+        };
+        // With the joints of the file parts may slide freely at these amplitudes: then there is no such curve.
+        let first =
+            said_with(fit, &undamped, (placed.mode, None, placed.curve.stiffness), &placed.points).ok();
+        let of = |said: Option<&Vec<Said>>, get: &dyn Fn(&Said) -> f64| -> Vec<f64> {
+            said.map(|said| said.iter().map(get).collect()).unwrap_or_default()
+        };
+        all.push(ComparedCurve {
+            mode: placed.curve.mode.replace('-', " "),
+            source: placed.curve.source.clone(),
+            held_out: held,
+            displacement: placed.points.iter().map(|p| p.displacement).collect(),
+            frequency: placed.points.iter().map(|p| p.frequency).collect(),
+            damping_ratio: placed.points.iter().map(|p| p.log_damping.exp()).collect(),
+            frequency_before: of(first.as_ref(), &|s| s.frequency),
+            damping_ratio_before: of(first.as_ref(), &|s| s.log_damping.exp()),
+            frequency_after: of(Some(&after), &|s| s.frequency),
+            damping_ratio_after: of(Some(&after), &|s| s.log_damping.exp() + mean),
+            frequency_sd: of(Some(&after), &|s| fit.told.deviation(&s.frequency_by)),
+            log_damping_sd: of(Some(&after), &|s| fit.told.deviation(&s.log_damping_by)),
+        });
+    }
+    Ok(all)
+}
+
+fn said_with(
+    fit: &Fit<'_>,
+    x: &[f64],
+    with: (usize, Option<usize>, Stiffness),
+    points: &[Point],
+) -> Result<Vec<Said>, Error> {
+    let q: Vec<f64> = points.iter().map(|p| p.displacement).collect();
+    let said = fit.model.adjusted(x).and_then(|adjusted| fit.model.said(&adjusted, x, with, &q));
+    said.ok_or_else(|| Error::Update {
+        place: "prediction".into(),
+        finding: "no static load holds these amplitudes".into(),
+        remedy: "leave out the largest amplitudes",
+    })
+}
