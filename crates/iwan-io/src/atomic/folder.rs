@@ -32,7 +32,9 @@ use super::litter::{self, Staging};
 #[derive(Debug)]
 pub struct Folder {
     target: PathBuf,
-    /// Held where the folder exists: nobody else writes into it.
+    /// Whether the folder was there when this began.
+    joins: bool,
+    /// Held where the folder was there: nobody else writes into it.
     alone: Option<File>,
     staging: Staging,
     names: Vec<String>,
@@ -48,13 +50,14 @@ impl Folder {
     pub fn stage(target: impl AsRef<Path>, force: bool) -> Result<Self, WriteError> {
         let target = target.as_ref().to_path_buf();
         let parent = target.parent().filter(|p| !p.as_os_str().is_empty()).unwrap_or(Path::new("."));
-        let place = if target.exists() { target.as_path() } else { parent };
+        let joins = target.exists();
+        let place = if joins { target.as_path() } else { parent };
         fs::create_dir_all(place).map_err(io_error(&target, "make the folder"))?;
-        let alone = if target.exists() { locked(&target)? } else { None };
+        let alone = if joins { locked(&target)? } else { None };
         litter::clear(place);
         let staging =
             litter::staging(&builder(0o777), place).map_err(io_error(&target, "make a temporary folder"))?;
-        Ok(Self { target, alone, staging, names: Vec::new(), force })
+        Ok(Self { target, joins, alone, staging, names: Vec::new(), force })
     }
 
     /// Where the files are until they appear: what ends the process itself removes it.
@@ -91,7 +94,10 @@ impl Folder {
         if Path::new(name).file_name() != Some(name.as_ref()) {
             return Err(WriteError::Name { path: name.into() });
         }
-        self.check(&[name])?;
+        // A folder that has appeared since is the business of the commit, which may choose another name.
+        if self.joins {
+            self.check(&[name])?;
+        }
         let path = self.target.join(name);
         let file = File::create(self.staging.path().join(name)).map_err(io_error(&path, "create"))?;
         write_through(&path, file, fill)?;
@@ -242,10 +248,11 @@ mod tests {
         let place = tempfile::tempdir().unwrap();
         let (out, next) = (place.path().join("out"), place.path().join("out-2"));
         let mut both = [1, 2].map(|_| Folder::stage(&out, false).unwrap());
-        for folder in &mut both {
+        let took = both.map(|mut folder| {
+            // For the second one the name has gone by now.
             folder.write("a", |w| w.write_all(b"1")).unwrap();
-        }
-        let took = both.map(|folder| folder.commit_where_free(|| next.clone()).unwrap());
+            folder.commit_where_free(|| next.clone()).unwrap()
+        });
         assert_eq!(took, [out.clone(), next.clone()]);
         assert_eq!((names(&out), names(&next)), (vec!["a".to_string()], vec!["a".to_string()]));
     }
