@@ -41,7 +41,7 @@ pub enum Warning {
         dt: f64,
     },
     /// The times lie near an even grid, nearer than matters.
-    #[error("the times lie within {jitter:.1e} s of an even grid of {dt:e} s; taken as even")]
+    #[error("the times lie within {jitter:.1e} s of an even grid of {dt:.6e} s; taken as even")]
     NearlyEven {
         /// Largest distance of a time from the grid in seconds.
         jitter: f64,

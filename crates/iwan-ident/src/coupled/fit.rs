@@ -3,7 +3,7 @@
 use std::sync::atomic::Ordering;
 
 use super::beginning::{Opened, shapes_at_force};
-use super::informed::{one_sided, without_knees};
+use super::informed::{Left, one_sided, without_knees};
 use super::model::{CoupledModel, FIRST};
 use super::outcome::{CoupledCombination, CoupledEstimate, CoupledFit, FittedSharing, Misfit};
 use super::records::{CoupledRecord, CoupledTask};
@@ -86,9 +86,11 @@ pub fn fit_coupled(task: &CoupledTask<'_>) -> Result<CoupledFit, Error> {
     }
     let criterion = models[chosen].criterion;
     models[chosen] = fitting.told(&certain.model, &certain.found, criterion)?;
+    let best = &models[chosen];
+    let left = Left { misfit: best.misfit, is_noise: certain.inflation <= WHITE || best.misfit <= LEAVES };
     Ok(CoupledFit {
-        warnings: one_sided(&models[chosen]),
-        estimates: without_knees(&models[chosen], certain.estimates()),
+        warnings: [left.words(), one_sided(best)].concat(),
+        estimates: without_knees(best, &left, certain.estimates()),
         combinations: certain.combinations(),
         models,
         chosen,
@@ -247,6 +249,8 @@ struct Certain<'a> {
     found: Found,
     intervals: Vec<(usize, Interval)>,
     told: Told,
+    /// How much the correlation of what is left widens variances.
+    inflation: f64,
 }
 
 impl<'a> Certain<'a> {
@@ -265,7 +269,7 @@ impl<'a> Certain<'a> {
             match all {
                 Ok(intervals) => {
                     let told = Told::about(&model, &found, &free, variance)?;
-                    return Ok(Self { model, found, intervals, told });
+                    return Ok(Self { model, found, intervals, told, inflation });
                 }
                 Err(better) => found = settled(&model, &better.x).unwrap_or(better),
             }

@@ -9,18 +9,40 @@ const PASSED: f64 = 1.5;
 /// A record begins softly enough to tell micro-slip where its largest slip is below this share. A judgement.
 const HARD: f64 = 0.3;
 
+/// What the chosen model leaves of the records.
+pub(super) struct Left {
+    /// Relative misfit.
+    pub(super) misfit: f64,
+    /// Whether it is noise, or less than any modal model leaves.
+    pub(super) is_noise: bool,
+}
+
+impl Left {
+    /// A sentence where the law itself misses something.
+    pub(super) fn words(&self) -> Vec<String> {
+        let misses = format!(
+            "what is left, {:.1} % of the motion, is not noise: the law misses something, and intervals hold as far as it describes these records; where a \
+             joint slips as a whole is not told by them",
+            100.0 * self.misfit
+        );
+        if self.is_noise { Vec::new() } else { vec![misses] }
+    }
+}
+
 /// Largest and smallest slip over φ_max of a joint in the records.
 fn ratios(model: &FittedSharing, joint: usize) -> (f64, f64) {
     let all = model.slip_ratios.iter().map(|of_joint| of_joint[joint]);
     all.fold((f64::INFINITY, 0.0_f64), |r, x| (r.0.min(x), r.1.max(x)))
 }
 
-/// The estimates without the ends that need a knee which the records have not clearly passed: the joint may be as strong and as stiff as one likes.
+/// The estimates without the ends that need a knee which the records have not clearly passed, or which a law that misses something shows: the joint
+/// may be as strong and as stiff as one likes.
 pub(super) fn without_knees(
     model: &FittedSharing,
+    left: &Left,
     mut estimates: Vec<CoupledEstimate>,
 ) -> Vec<CoupledEstimate> {
-    for joint in (0..model.values.laws.len()).filter(|j| ratios(model, *j).1 < PASSED) {
+    for joint in (0..model.values.laws.len()).filter(|j| !left.is_noise || ratios(model, *j).1 < PASSED) {
         for e in &mut estimates {
             match e.unknown {
                 Unknown::FS(j) | Unknown::KT(j) if j == joint => e.high = None,

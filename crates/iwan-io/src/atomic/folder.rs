@@ -247,7 +247,7 @@ mod tests {
     fn the_later_of_two_takes_the_next_name() {
         let place = tempfile::tempdir().unwrap();
         let (out, next) = (place.path().join("out"), place.path().join("out-2"));
-        let mut both = [1, 2].map(|_| Folder::stage(&out, false).unwrap());
+        let both = [1, 2].map(|_| Folder::stage(&out, false).unwrap());
         let took = both.map(|mut folder| {
             // For the second one the name has gone by now.
             folder.write("a", |w| w.write_all(b"1")).unwrap();

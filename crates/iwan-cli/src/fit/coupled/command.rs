@@ -22,7 +22,6 @@ const SCENARIO: &str = "scenario.toml";
 pub(crate) fn fit(args: &FitArgs) -> Result<(), Failure> {
     let measured = Measured::read(args)?;
     let mut session = Session::open(args.place(), &args.common, [WHOLE, SUMMARY, SCENARIO, PAGE])?;
-    session.warnings(&measured.warnings);
     let shape = &args.shape_at_force;
     if !shape.is_empty() && shape.len() != measured.modes.len() {
         let message =
