@@ -91,6 +91,9 @@ impl Backbone for JointLaw {
     fn harmonic_stiffness(&self, u: f64) -> f64 {
         with_law!(self, law => law.harmonic_stiffness(u))
     }
+    fn stiffness_and_dissipation(&self, u: f64) -> (f64, f64) {
+        with_law!(self, law => law.stiffness_and_dissipation(u))
+    }
     fn force_and_tangent(&self, u: f64) -> (f64, f64) {
         with_law!(self, law => law.force_and_tangent(u))
     }

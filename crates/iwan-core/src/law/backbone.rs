@@ -66,6 +66,13 @@ pub trait Backbone {
         first_harmonic(self, u.abs())
     }
 
+    /// First-harmonic stiffness K_1 and dissipation D of a cycle of amplitude u at once: laws that share a power between them
+    /// override this.
+    #[inline]
+    fn stiffness_and_dissipation(&self, u: f64) -> (f64, f64) {
+        (self.harmonic_stiffness(u), self.dissipation(u))
+    }
+
     /// Force and tangent at once: laws that share a power between them override this.
     #[inline]
     fn force_and_tangent(&self, u: f64) -> (f64, f64) {
@@ -147,6 +154,9 @@ impl<B: Backbone + ?Sized> Backbone for &B {
     }
     fn harmonic_stiffness(&self, u: f64) -> f64 {
         (**self).harmonic_stiffness(u)
+    }
+    fn stiffness_and_dissipation(&self, u: f64) -> (f64, f64) {
+        (**self).stiffness_and_dissipation(u)
     }
     fn force_and_tangent(&self, u: f64) -> (f64, f64) {
         (**self).force_and_tangent(u)

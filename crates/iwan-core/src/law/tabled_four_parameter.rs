@@ -59,6 +59,13 @@ impl Backbone for TabledFourParameter {
     fn harmonic_stiffness(&self, u: f64) -> f64 {
         self.law.harmonic_stiffness(u)
     }
+    fn stiffness_and_dissipation(&self, u: f64) -> (f64, f64) {
+        if self.law.slipping(u) {
+            return self.law.stiffness_and_dissipation(u);
+        }
+        let p = self.table.at((u * self.inverse_phi_max).abs());
+        (self.law.harmonic_from_power(p), self.law.dissipation_from_power(u, p))
+    }
     #[inline]
     fn force_and_tangent(&self, u: f64) -> (f64, f64) {
         if self.law.slipping(u) {

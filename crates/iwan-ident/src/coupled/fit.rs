@@ -11,7 +11,7 @@ use super::search::{grown, reweight, settled, weights};
 use super::starts::{by_themselves, linear, shared, uncoupled};
 use super::unknowns::{Form, Given, Sharing, Unknown, Values};
 use crate::error::Error;
-use crate::estimate::{About, Found, Interval, Model, Told, Weights, interval, near};
+use crate::estimate::{About, Found, Interval, Model, Told, Weights, intervals, near};
 use crate::parameters::Parameters;
 
 /// Searches begun anew because an interval's walk met a better point, at most.
@@ -28,7 +28,8 @@ const MOST_JOINTS: usize = 2;
 ///
 /// Searches start from the modes by themselves with several values of K_T and F_S and all signs of the participation, in windows that grow
 /// from a tenth of the records to the whole. Residuals are relative to each record and mode. The models are compared by Schwarz's criterion with
-/// as many independent residuals as their correlation leaves; intervals of the chosen one are by profile likelihood.
+/// as many independent residuals as their correlation leaves; intervals of the chosen one are by profile likelihood. Where it leaves noise, each
+/// series counts by its own.
 ///
 /// # Errors
 /// [`Error::OutOfRange`], [`Error::Length`], [`Error::NotFinite`], [`Error::TooShort`] and [`Error::Model`] for what does not fit;
@@ -79,7 +80,10 @@ pub fn fit_coupled(task: &CoupledTask<'_>) -> Result<CoupledFit, Error> {
         .map(|((model, found), criterion)| fitting.told(model, found, criterion - criteria[chosen]));
     let mut models = models.collect::<Result<Vec<_>, _>>()?;
     let (mut model, found) = all.swap_remove(chosen);
-    reweight(&mut model, &found);
+    // What the law misses is a share of each motion, which all series keep; noise is what each of them shows.
+    if weights(&model, &found).inflation <= WHITE {
+        reweight(&mut model, &found);
+    }
     let certain = Certain::about(model, found)?;
     if task.stopped.load(Ordering::Relaxed) {
         return Err(Error::Stopped);
@@ -264,10 +268,9 @@ impl<'a> Certain<'a> {
             let freedom = (model.count() as f64 - free.len() as f64).max(1.0);
             let variance = inflation * found.cost / freedom;
             let about = About { found: &found, free: &free, variance, settled: round == MOST_ANEW };
-            let all: Result<Vec<_>, Found> =
-                wanted.iter().map(|j| interval(&model, about, *j).map(|i| (*j, i))).collect();
-            match all {
-                Ok(intervals) => {
+            match intervals(&model, about, &wanted, 1) {
+                Ok(all) => {
+                    let intervals = wanted.iter().copied().zip(all).collect();
                     let told = Told::about(&model, &found, &free, variance)?;
                     return Ok(Self { model, found, intervals, told, inflation });
                 }

@@ -11,5 +11,5 @@ mod profiles;
 pub(crate) use minimum::near;
 pub use minimum::{Found, Weights, least};
 pub use model::Model;
-pub use profiles::{About, Interval, interval};
+pub use profiles::{About, Interval, intervals};
 pub use told::{Combination, Told, silent};

@@ -66,16 +66,28 @@ pub(crate) struct Minimum {
 impl Search {
     /// The least sum of squares from `start`; none when the start has no residuals, or fewer than there are unknowns.
     pub(crate) fn run<P: Problem + ?Sized>(&self, residuals: &mut P, start: &[f64]) -> Option<Minimum> {
+        self.run_along(residuals, start, &mut None)
+    }
+
+    /// One of many searches along a way: with derivatives that are known from the last one, which serve until a step brings little, and
+    /// are left behind for the next.
+    pub(crate) fn run_along<P: Problem + ?Sized>(
+        &self,
+        residuals: &mut P,
+        start: &[f64],
+        known: &mut Option<DMatrix<f64>>,
+    ) -> Option<Minimum> {
         if self.count < self.free.len() {
             return None;
         }
         let mut x = start.to_vec();
         let (mut r, mut trial) = (vec![0.0; self.count], vec![0.0; self.count]);
         let mut cost = evaluate(residuals, &x, &mut r)?;
-        let Some(mut jacobian) = self.jacobian(residuals, &x, &r) else {
+        let near = known.take().filter(|j| j.shape() == (self.count, self.free.len()));
+        let (mut damping, mut fresh, mut before) = (1e-3, near.is_none(), false);
+        let Some(mut jacobian) = near.or_else(|| self.jacobian(residuals, &x, &r)) else {
             return Some(Minimum { x, cost, converged: false });
         };
-        let (mut damping, mut fresh, mut before) = (1e-3, true, false);
         for _ in 0..self.iterations {
             // By orthogonal factors, not normal equations: valleys here are a million times longer than wide.
             let factors = jacobian.clone().qr();
@@ -103,6 +115,7 @@ impl Search {
             let end = slow && fresh && (taken <= LITTLE_DAMPING || before);
             before = slow && fresh;
             if end {
+                *known = Some(jacobian);
                 return Some(Minimum { x, cost, converged: true });
             }
             fresh = slow || self.is_final();
@@ -112,6 +125,7 @@ impl Search {
                 jacobian = anew;
             }
         }
+        *known = Some(jacobian);
         Some(Minimum { x, cost, converged: false })
     }
 

@@ -2,8 +2,8 @@
 
 mod sweep;
 mod curve;
-mod one_mode;
 mod jointed;
+mod one_mode;
 mod shared;
 mod receptance;
 mod balance;

@@ -3,14 +3,14 @@
 //! With K(a) = K_∞ + K_1(a) and h(a) = D(a)/(π a²) harmonic balance says a |K - ω² + i (c ω + h)| = f. At a given
 //! amplitude K and h are numbers, and the two frequencies are roots of a polynomial: no iteration on the joint at all.
 
-use std::f64::consts::{PI, TAU};
+use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
 use iwan_core::{Backbone, Oscillator};
 
 use super::curve::{SteadyCurve, SteadyPoint};
+use super::jointed::SharedLaw;
 use super::sweep::{Control, Sweep};
 use crate::error::SimulationError;
-use crate::joint_law::{JointLaw, with_law};
 use crate::mode::Mode;
 
 /// Stiffness and loss of a mode at an amplitude.
@@ -25,18 +25,17 @@ struct AtAmplitude {
 }
 
 /// A mode ready for harmonic balance.
-#[derive(Debug, Clone)]
-struct Balance<'a> {
+struct Balance {
     k_inf: f64,
     viscous: f64,
-    joint: Option<&'a JointLaw>,
+    joint: Option<SharedLaw>,
 }
 
-impl Balance<'_> {
+impl Balance {
     fn at(&self, a: f64) -> AtAmplitude {
         let (mut stiffness, mut loss) = (self.k_inf, 0.0);
-        if let Some(joint) = self.joint {
-            let (k, d) = with_law!(joint, law => (law.harmonic_stiffness(a), law.dissipation(a)));
+        if let Some(joint) = &self.joint {
+            let (k, d) = joint.stiffness_and_dissipation(a);
             stiffness += k;
             loss = d / (PI * a * a);
         }
@@ -64,16 +63,19 @@ impl Balance<'_> {
                 break;
             }
             let square = at.stiffness - 0.5 * self.viscous * (self.viscous + at.loss / omega);
-            omega = square.max(0.0).sqrt();
+            let before = std::mem::replace(&mut omega, square.max(0.0).sqrt());
+            // Errors shrink by about the change itself.
+            if (omega - before).abs() <= 1e-8 * omega {
+                break;
+            }
         }
         omega
     }
 
-    /// The frequency below (`side` = -1) or above (+1) resonance at which the force `f` keeps the amplitude going; none where
-    /// it is too small for that at any frequency, or too large below resonance.
-    fn frequency(&self, at: AtAmplitude, f: f64, side: f64) -> Option<f64> {
+    /// The frequency below (`side` = -1) or above (+1) resonance, where the force is `easiest`, at which the force `f` keeps the
+    /// amplitude going; none where it is too small for that at any frequency, or too large below resonance.
+    fn frequency(&self, at: AtAmplitude, f: f64, side: f64, middle: f64) -> Option<f64> {
         let goal = f / at.amplitude;
-        let middle = self.easiest(at);
         let [re, im] = self.dynamic_stiffness(at, middle);
         let spare = goal * goal - re * re - im * im;
         if spare < 0.0 {
@@ -101,7 +103,8 @@ impl Balance<'_> {
             if !next.is_finite() || (next - middle) * side < 0.0 {
                 break;
             }
-            let done = (next - omega).abs() <= 4.0 * f64::EPSILON * omega;
+            // The error of a step of Newton's is its square over twice the distance to the middle, where the slope vanishes.
+            let done = (next - omega).powi(2) <= f64::EPSILON * omega * (next - middle).abs();
             omega = next;
             if done {
                 break;
@@ -111,8 +114,11 @@ impl Balance<'_> {
     }
 }
 
-/// Rounds of Newton's method on the polynomial: its start is off by the viscous damping squared, so that four are enough.
+/// Rounds of Newton's method on the polynomial at most: its start is off by the viscous damping squared, so that one or two are enough.
 const ROUNDS: usize = 8;
+
+/// Signs of the sides of a resonance: below it, and above.
+const SIDES: [f64; 2] = [-1.0, 1.0];
 
 /// Ratio of successive amplitudes in the search for the smallest and the largest one.
 const SEARCH: f64 = 1.2;
@@ -142,13 +148,14 @@ pub(super) fn explicit_response(
     Ok(sweep.levels.iter().map(|&level| task.curve(level)).collect())
 }
 
-fn balance<'a>(oscillator: &Oscillator, mode: &'a Mode) -> Balance<'a> {
-    Balance { k_inf: oscillator.k_inf(), viscous: oscillator.viscous(), joint: mode.joint.as_ref() }
+fn balance(oscillator: &Oscillator, mode: &Mode) -> Balance {
+    let joint = mode.joint.clone().map(SharedLaw::from);
+    Balance { k_inf: oscillator.k_inf(), viscous: oscillator.viscous(), joint }
 }
 
 /// One mode, one sweep.
 struct Task<'a> {
-    balance: Balance<'a>,
+    balance: Balance,
     mode: &'a Mode,
     sweep: &'a Sweep,
     shape_at_output: f64,
@@ -239,15 +246,26 @@ impl Task<'_> {
             curve.remarks.push(self.unbounded(force));
         }
         let top = if top.is_finite() { top } else { self.farthest() };
-        // Each side begins at its own end of the band; where the whole band lies on one side, at the smaller amplitude.
-        let low = ends[0].min(ends[1]);
-        let mut sides = [
-            self.side(force, -1.0, [ends[0].min(top), top], [low, ends[0].max(ends[1])]),
-            self.side(force, 1.0, [ends[1].min(top), top], [low, ends[0].max(ends[1])]),
-        ];
+        // Both sides at the same amplitudes, from the smaller one of the ends; a side that has fewer than half its points then by
+        // itself, from its own end.
+        let (low, count) = (ends[0].min(ends[1]), self.sweep.points / 2);
+        let mut sides = self.sampled(force, SIDES, [low.min(top), top], count);
+        for ((points, side), end) in sides.iter_mut().zip(SIDES).zip(ends) {
+            if points.len() * 2 < count {
+                *points = self.side(force, side, [end.min(top), top], [low, ends[0].max(ends[1])]);
+            } else {
+                let [first] = self.sampled(force, [side], [end.min(top), end.min(top)], 1);
+                let least = points.first().map_or(0.0, |point| point.amplitude);
+                let beyond = |own: &SteadyPoint| own.amplitude < least;
+                let first: Vec<SteadyPoint> = first.into_iter().filter(beyond).collect();
+                points.splice(0..0, first);
+            }
+        }
         // In the order along the curve: up on the lower side, down on the upper one.
-        sides[1].reverse();
-        curve.points = sides.concat();
+        let [up, down] = &mut sides;
+        down.reverse();
+        up.append(down);
+        curve.points = std::mem::take(up);
     }
 
     /// The points of one side within the band, amplitudes ascending. `range` is where they are sought, `ends` the amplitudes
@@ -257,7 +275,11 @@ impl Task<'_> {
         const ROUNDS: usize = 6;
         let (count, scale) = (self.sweep.points / 2, self.shape_at_output.abs());
         let mut reach = range;
-        let mut points = self.sampled(force, side, reach, count);
+        let sampled = |reach| {
+            let [points] = self.sampled(force, [side], reach, count);
+            points
+        };
+        let mut points = sampled(reach);
         for _ in 0..ROUNDS {
             if points.len() * 4 >= count * 3 {
                 break;
@@ -272,23 +294,33 @@ impl Task<'_> {
             if reach[0] >= reach[1] {
                 break;
             }
-            points = self.sampled(force, side, reach, count);
+            points = sampled(reach);
         }
         points
     }
 
-    fn sampled(&self, force: f64, side: f64, [low, high]: [f64; 2], count: usize) -> Vec<SteadyPoint> {
+    /// The points of each of these sides at `count` amplitudes.
+    fn sampled<const N: usize>(
+        &self,
+        force: f64,
+        sides: [f64; N],
+        [low, high]: [f64; 2],
+        count: usize,
+    ) -> [Vec<SteadyPoint>; N] {
         let (from, to) = (self.sweep.from, self.sweep.to);
         let excitation = force / self.mode.shape_at_force.abs();
         let range = (high / low).ln();
-        let mut points = Vec::with_capacity(count);
+        let mut points = sides.map(|_| Vec::with_capacity(count + 1));
         for i in 0..count {
             // Crowded at the top, where frequencies go like the root of the amplitude's distance.
-            let y = 1.0 - i as f64 / (count - 1) as f64;
+            let y = 1.0 - i as f64 / (count - 1).max(1) as f64;
             let at = self.balance.at(high * (-range * y * y).exp());
-            let Some(omega) = self.balance.frequency(at, force, side) else { continue };
-            if (from..=to).contains(&(omega / TAU)) {
-                points.push(self.point(at, omega, excitation));
+            let middle = self.balance.easiest(at);
+            for (points, side) in points.iter_mut().zip(sides) {
+                let Some(omega) = self.balance.frequency(at, force, side, middle) else { continue };
+                if (from..=to).contains(&(omega / TAU)) {
+                    points.push(self.point(at, omega, excitation));
+                }
             }
         }
         points
@@ -328,7 +360,8 @@ impl Task<'_> {
     }
 
     fn remark(&self, curve: &mut SteadyCurve) {
-        let quadrature = curve.points.windows(2).any(|w| w[0].phase.cos() * w[1].phase.cos() <= 0.0);
+        let below = |point: &SteadyPoint| point.phase.abs() < FRAC_PI_2;
+        let quadrature = curve.points.windows(2).any(|w| below(&w[0]) != below(&w[1]));
         if !quadrature {
             let frequency = self.mode.frequency;
             curve.remarks.push(format!(

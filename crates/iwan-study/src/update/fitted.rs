@@ -1,6 +1,6 @@
 //! The unknowns that tell the curves best, with intervals.
 
-use iwan_ident::estimate::{About, Found, Interval, Model, Told, Weights, interval, least, silent};
+use iwan_ident::estimate::{About, Found, Interval, Model, Told, Weights, intervals, least, silent};
 use serde::Serialize;
 
 use super::model::{Beside, DAMPING_UNIT, law};
@@ -108,25 +108,9 @@ impl<'a> Fit<'a> {
     }
 
     fn intervals_here(&self, threads: usize, settled: bool) -> Result<Vec<Interval>, Found> {
-        let (found, free, variance) = (&self.found, &self.free, self.variance);
-        // An unknown that the curves do not feel is left where the structure has it, whatever its walk gains in the last digits.
-        let of = |j: usize| {
-            let settled = settled || !free.contains(&j);
-            interval(&self.model, About { found, free, variance, settled }, j)
-        };
+        let about = About { found: &self.found, free: &self.free, variance: self.variance, settled };
         let all: Vec<usize> = (0..self.model.bounds.len()).collect();
-        let size = all.len().div_ceil(threads.max(1));
-        let parts: Vec<Result<Vec<Interval>, Found>> = std::thread::scope(|scope| {
-            let handles: Vec<_> = all
-                .chunks(size)
-                .map(|part| scope.spawn(move || part.iter().map(|j| of(*j)).collect()))
-                .collect();
-            let joined = handles
-                .into_iter()
-                .map(|h| h.join().unwrap_or_else(|panic| std::panic::resume_unwind(panic)));
-            joined.collect()
-        });
-        Ok(parts.into_iter().collect::<Result<Vec<_>, _>>()?.concat())
+        intervals(&self.model, about, &all, threads)
     }
 
     /// A group of joints with its intervals.
