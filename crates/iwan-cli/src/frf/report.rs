@@ -67,8 +67,14 @@ fn turns(level: &super::summary::LevelPeak) -> String {
     level.jumps.iter().map(|jump| long(jump.frequency)).collect::<Vec<_>>().join(", ")
 }
 
-fn superharmonics(level: &super::summary::LevelPeak) -> String {
+/// One below the other: a level has several on a structure.
+fn superharmonics(level: &super::summary::LevelPeak) -> Markup {
     let words = |s: &super::summary::Overtone| format!("harmonic {} at {} Hz", s.harmonic, long(s.frequency));
-    let all: Vec<String> = level.superharmonics.iter().map(words).collect();
-    if all.is_empty() { "\u{2013}".into() } else { all.join(", ") }
+    html! {
+        @if level.superharmonics.is_empty() { "\u{2013}" }
+        @for (n, resonance) in level.superharmonics.iter().enumerate() {
+            @if n > 0 { br; }
+            (words(resonance))
+        }
+    }
 }

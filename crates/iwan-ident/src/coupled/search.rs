@@ -58,10 +58,27 @@ pub(super) fn reweight(model: &mut CoupledModel<'_>, found: &Found) {
     }
 }
 
-/// Deviations of the series in their unit, and how much neighbours agree.
+/// Deviations of the series in their unit, and how much neighbours agree: of a mode's windows each part of the complex amplitude with the same
+/// part of the next window, not with the other part of its own.
 pub(super) fn weights(model: &CoupledModel<'_>, found: &Found) -> Weights {
     use crate::estimate::Model;
     let mut residuals = vec![0.0; model.count()];
     model.evaluate(&found.x, &mut residuals, None);
-    Weights::of(&residuals, &model.ranges(), found.x.len())
+    let (mut sorted, mut ranges) = (Vec::with_capacity(residuals.len()), Vec::new());
+    let parts = |series: &super::model::Series| series.sums.parts();
+    for (series, range) in model.series.iter().zip(model.ranges()) {
+        for part in 0..parts(series) {
+            let first = sorted.len();
+            sorted.extend(residuals[range.clone()].iter().skip(part).step_by(parts(series)));
+            ranges.push(first..sorted.len());
+        }
+    }
+    let found = Weights::of(&sorted, &ranges, found.x.len());
+    let mut own = found.deviations.into_iter();
+    let mut together = |series| {
+        let all: Vec<f64> = own.by_ref().take(parts(series)).collect();
+        (all.iter().map(|d| d * d).sum::<f64>() / all.len() as f64).sqrt()
+    };
+    let deviations = model.series.iter().map(|series| together(series)).collect();
+    Weights { deviations, inflation: found.inflation }
 }

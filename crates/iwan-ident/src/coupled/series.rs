@@ -43,6 +43,11 @@ impl Sums {
         }
     }
 
+    /// Entries at one place: cosine and sine of a window.
+    pub(super) const fn parts(&self) -> usize {
+        if matches!(self, Self::Windows { .. }) { 2 } else { 1 }
+    }
+
     /// The entries.
     pub(super) fn apply(&self, samples: &[f64], out: &mut [f64]) {
         match self {

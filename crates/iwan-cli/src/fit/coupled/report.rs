@@ -25,13 +25,16 @@ pub(super) fn render(summary: &CoupledSummary, [fitted, predicted]: [&[Figure]; 
                 th { (of) } td.words { (name) } td { (long(e.value)) } td { (interval(e.low, e.high)) }
             } } }
         } }
-        p { "Slips are in units of the first mode's displacement. Combinations of unknowns, the best told first:" }
-        div.wide { table {
-            thead { tr { th { "standard deviation" } th { "combination" } } }
-            tbody { @for t in &summary.told { tr {
-                th { (t.deviation.map_or_else(|| "not told".into(), short)) } td.words { (t.combination) }
-            } } }
-        } }
+        p { "Slips are in units of the displacement of the first mode that moves a joint." }
+        details {
+            summary { "Combinations of unknowns, the best told first" }
+            div.wide { table {
+                thead { tr { th { "standard deviation" } th { "combination" } } }
+                tbody { @for t in &summary.told { tr {
+                    th { (t.deviation.map_or_else(|| "not told".into(), short)) } td.words { (t.combination) }
+                } } }
+            } }
+        }
         h2 { "Models side by side" }
         p.about {
             "Misfit: root mean square of the difference over that of the record, in per cent. Criterion (Schwarz): 0 is best, and 10 more speak \

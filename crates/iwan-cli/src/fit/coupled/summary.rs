@@ -256,7 +256,9 @@ impl CoupledSummary {
             let name = joint.name.as_str();
             let four = [("K_T", joint.k_t), ("F_S", joint.f_s), ("chi", joint.chi), ("beta", joint.beta)];
             rows.extend(four.into_iter().map(|(label, e)| (name, label.to_string(), e)));
-            rows.extend(joint.participation.iter().map(|(mode, e)| (name, format!("slip in {mode}"), *e)));
+            // The first is 1 by the choice of units.
+            let sought = joint.participation.iter().filter(|(_, e)| e.low != e.high || e.low.is_none());
+            rows.extend(sought.map(|(mode, e)| (name, format!("slip in {mode}"), *e)));
             rows.extend(joint.compliance_k_t.map(|e| (name, "compliance times K_T".into(), e)));
         }
         rows
