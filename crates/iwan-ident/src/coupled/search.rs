@@ -75,10 +75,10 @@ pub(super) fn weights(model: &CoupledModel<'_>, found: &Found) -> Weights {
     }
     let found = Weights::of(&sorted, &ranges, found.x.len());
     let mut own = found.deviations.into_iter();
-    let mut together = |series| {
+    let together = |series| {
         let all: Vec<f64> = own.by_ref().take(parts(series)).collect();
         (all.iter().map(|d| d * d).sum::<f64>() / all.len() as f64).sqrt()
     };
-    let deviations = model.series.iter().map(|series| together(series)).collect();
+    let deviations = model.series.iter().map(together).collect();
     Weights { deviations, inflation: found.inflation }
 }
