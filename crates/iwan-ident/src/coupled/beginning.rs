@@ -25,6 +25,11 @@ pub(super) struct Opened {
 }
 
 impl Opened {
+    /// Time steps of all records together.
+    pub(super) fn steps(&self) -> usize {
+        self.records.iter().map(|record| record.clock.steps * record.motions[0].len()).sum()
+    }
+
     /// Of the records, by the frequencies of the modes.
     pub(super) fn new(task: &CoupledTask<'_>, records: &[CoupledRecord]) -> Self {
         let frequencies: Vec<f64> = task.modes.iter().map(|m| m.parameters.frequency).collect();

@@ -22,6 +22,9 @@ const LEAVES: f64 = 0.01;
 /// What white noise leaves: neighbours that agree widen variances by less than this. Hann's windows that overlap by half share a sixth of their
 /// variance, which makes 1.4.
 const WHITE: f64 = 2.0;
+/// Time steps of all records together up to which several joints are tried: each of them takes some microseconds, and a search some thousand
+/// runs. Four measured decays of 126,000 steps were not through after twenty minutes.
+const MOST_STEPS: usize = 50_000;
 /// Most joints that are tried. Two modes that share two joints have as many unknowns as can be told by two modes.
 const MOST_JOINTS: usize = 2;
 
@@ -64,8 +67,16 @@ pub fn fit_coupled(task: &CoupledTask<'_>) -> Result<CoupledFit, Error> {
     let alone = fitting.found(Sharing::Uncoupled, |form| uncoupled(form, &modes))?;
     let own = alone.0.form.values(&alone.1.x).map_or_else(|| modes.clone(), |values| by_themselves(&values));
     let mut all = vec![first, alone];
+    let (steps, mut warnings) = (opened.steps(), Vec::new());
     for joints in 1..=MOST_JOINTS.min(modes.len()) {
         if joints > 1 && !leaves_something(&all) {
+            break;
+        }
+        if joints > 1 && steps > MOST_STEPS {
+            warnings.push(format!(
+                "{joints} shared joints were not tried: the records have {steps} time steps together, more than {MOST_STEPS}, and the search takes \
+                 many minutes; cut the records, or give fewer"
+            ));
             break;
         }
         all.push(fitting.found(Sharing::Shared(joints), |form| {
@@ -94,7 +105,7 @@ pub fn fit_coupled(task: &CoupledTask<'_>) -> Result<CoupledFit, Error> {
     let best = &models[chosen];
     let left = Left { misfit: best.misfit, is_noise: certain.inflation <= WHITE || best.misfit <= LEAVES };
     Ok(CoupledFit {
-        warnings: [left.words(), one_sided(best)].concat(),
+        warnings: [warnings, left.words(), one_sided(best)].concat(),
         estimates: without_knees(best, &left, certain.estimates()),
         combinations: certain.combinations(),
         models,

@@ -82,7 +82,7 @@ impl Balance {
             // At the top of the curve both sides meet: rounding may leave a little less than nothing.
             return (spare > -1e-9 * goal * goal).then_some(middle);
         }
-        if side < 0.0 && at.stiffness.hypot(at.loss) < goal {
+        if side < 0.0 && at.stiffness * at.stiffness + at.loss * at.loss < goal * goal {
             return None;
         }
         let start = (middle * middle + side * spare.sqrt()).max(0.0).sqrt();
@@ -310,7 +310,8 @@ impl Task<'_> {
         let (from, to) = (self.sweep.from, self.sweep.to);
         let excitation = force / self.mode.shape_at_force.abs();
         let range = (high / low).ln();
-        let mut points = sides.map(|_| Vec::with_capacity(count + 1));
+        // With room for the other side, which is appended.
+        let mut points = sides.map(|_| Vec::with_capacity(2 * count + 2));
         for i in 0..count {
             // Crowded at the top, where frequencies go like the root of the amplitude's distance.
             let y = 1.0 - i as f64 / (count - 1).max(1) as f64;
