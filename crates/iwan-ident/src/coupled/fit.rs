@@ -22,8 +22,8 @@ const LEAVES: f64 = 0.01;
 /// What white noise leaves: neighbours that agree widen variances by less than this. Hann's windows that overlap by half share a sixth of their
 /// variance, which makes 1.4.
 const WHITE: f64 = 2.0;
-/// Time steps of all records together up to which several joints are tried: each of them takes some microseconds, and a search some thousand
-/// runs. Four measured decays of 118,000 steps were not through after twenty minutes.
+/// Time steps of all records together up to which several joints are tried: four measured decays of 118,000 steps were not through after
+/// twenty minutes. With more, a warning says that they were not tried.
 const MOST_STEPS: usize = 50_000;
 /// Most joints that are tried. Two modes that share two joints have as many unknowns as can be told by two modes.
 const MOST_JOINTS: usize = 2;

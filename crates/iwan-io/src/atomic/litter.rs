@@ -86,7 +86,7 @@ mod tests {
     use super::*;
     use std::thread;
 
-    /// One run in some hundred found its folder gone: another had taken it for litter between its making and its lock.
+    /// A run found its folder gone: another had taken it for litter between its making and its lock.
     #[test]
     fn a_folder_that_is_being_made_is_no_litter() {
         let place = tempfile::tempdir().unwrap();

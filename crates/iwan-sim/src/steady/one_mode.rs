@@ -64,7 +64,7 @@ impl Balance {
             }
             let square = at.stiffness - 0.5 * self.viscous * (self.viscous + at.loss / omega);
             let before = std::mem::replace(&mut omega, square.max(0.0).sqrt());
-            // Errors shrink by about the change itself.
+            // A round shrinks the error by the first correction's share of the frequency: squared, 1e-8 is rounding.
             if (omega - before).abs() <= 1e-8 * omega {
                 break;
             }
@@ -114,7 +114,7 @@ impl Balance {
     }
 }
 
-/// Rounds of Newton's method on the polynomial at most: its start is off by the viscous damping squared, so that one or two are enough.
+/// Rounds of Newton's method on the polynomial at most: its start is off by the viscous damping squared, and errors are squared each time.
 const ROUNDS: usize = 8;
 
 /// Signs of the sides of a resonance: below it, and above.
@@ -373,7 +373,7 @@ impl Task<'_> {
     }
 }
 
-/// Most rounds of closing in; ten to fourteen are the rule, and halves alone would take 53.
+/// Most rounds of closing in: halves alone would take 53. Where they are spent the lower end of the bracket is taken.
 const ROUNDS_IN: usize = 64;
 
 /// The first zero of a function that is negative at small `low`, by steps of a ratio and the Illinois method; `high` where there is
