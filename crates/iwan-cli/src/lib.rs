@@ -35,11 +35,11 @@ mod reproduce;
 // The commands that only print a text.
 mod texts;
 
-// The doors: the page of a fit and the files of a shaker's test for other programs, and the command line.
+// The doors: the page of a fit and a shaker's test for other programs, and the command line.
 mod fit_page;
-mod sweep_files;
+mod sweep_test;
 mod cli;
 
 pub use cli::run;
 pub use fit_page::{FittedMode, FittedRecord, fit_page};
-pub use sweep_files::{SweepKind, SweepSource, sweep_data};
+pub use sweep_test::{SweepKind, SweepSource, SweepTest};

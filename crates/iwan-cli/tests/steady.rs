@@ -202,6 +202,42 @@ fn a_structure_on_its_base_is_its_mode() {
     refused("hung", "force = [1]\nat = 'moon'", "there is no [[output]] \"moon\"");
 }
 
+/// Bands without a resonance, structures that nothing holds, masses that hang by their joint alone.
+#[test]
+fn structures_at_the_ends_of_what_can_be_asked() {
+    let place = hung();
+    let write = |name: &str, text: &str| std::fs::write(place.path().join(name), text).unwrap();
+    let run_on = |file: &str, name: &str, sweep: &str| {
+        let text = format!(
+            "[structure]\npath = '{file}.toml'\n[sweep]\n{sweep}\nat = 'tip'\ndamping_ratio = 0.01\n"
+        );
+        write(&format!("{name}.toml"), &text);
+        let output = iwan(place.path(), &format!("frf {name}.toml --out {name} --json"));
+        assert!(output.status.success(), "{}", shown(&output));
+        (shown(&output), csv(&place.path().join(name).join("frf.csv")))
+    };
+    let (said, table) = run_on("hung", "above", "from = 6\nto = 8\nforce = [0.1]");
+    assert!(said.contains("no mode has its resonance between 6 and 8 Hz"), "{said}");
+    // Above the only resonance the mass alone is left.
+    let line = |omega: f64| 0.1 / (2.0 * (omega * omega - 700.0));
+    for (frequency, amplitude) in column(&table, "frequency").iter().zip(column(&table, "amplitude")) {
+        let stuck = line(std::f64::consts::TAU * frequency);
+        assert!((amplitude / stuck - 1.0).abs() < 0.02, "{frequency} {amplitude} {stuck}");
+    }
+    // Two free masses of 7 together: far below resonance they move as one.
+    let (_, table) = run_on("free", "low", "from = 0.01\nto = 0.05\nforce = [0.1]");
+    for (frequency, amplitude) in column(&table, "frequency").iter().zip(column(&table, "amplitude")) {
+        let rigid = 0.1 / (7.0 * (std::f64::consts::TAU * frequency).powi(2));
+        assert!((amplitude / rigid - 1.0).abs() < 1e-3, "{frequency} {amplitude} {rigid}");
+    }
+    // The joint alone holds the mass. Beyond 4 F_S/π inertia takes what friction, in quadrature or not, leaves of the force.
+    write("k.mtx", "%%MatrixMarket matrix coordinate real symmetric\n2 2 2\n1 1 1e-9\n2 2 1e-9\n");
+    let (_, table) = run_on("hung", "alone", "from = 0.5\nto = 5\nforce = [5.0]");
+    let (first, friction) = (column(&table, "amplitude")[0], 4.0 * 3.0 / std::f64::consts::PI);
+    let inertia = 2.0 * (std::f64::consts::TAU * column(&table, "frequency")[0]).powi(2) * first;
+    assert!(inertia > (25.0 - friction * friction).sqrt() && inertia < 5.0 + friction, "{inertia}");
+}
+
 /// The third harmonic of mode 1 meets mode 2, and `iwan frf` says so.
 #[test]
 fn superharmonic_resonances_are_found() {

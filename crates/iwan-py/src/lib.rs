@@ -39,7 +39,7 @@ mod _native {
     #[pymodule_export]
     use crate::records::record::{_read_bytes, _record, Record, read_record};
     #[pymodule_export]
-    use crate::records::sweeps::_fit_sweeps;
+    use crate::records::sweeps::{_fit_sweeps, FittedSweeps};
     #[pymodule_export]
     use crate::ring_down::coupled::_simulate_coupled;
     #[pymodule_export]

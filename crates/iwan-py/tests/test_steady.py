@@ -198,6 +198,22 @@ def test_sweeps_of_any_origin_are_one_fit(mode, joint, tmp_path):
     assert held.damping_ratio == 2.5e-4 and not held.identifiable["damping_ratio"]
 
 
+def test_a_fit_of_sweeps_writes_the_page_of_the_command(mode, joint, tmp_path):
+    curves = iwan.frf(mode, band=BAND, force=[2.0, 20.0], points=60)
+    response = iwan.simulate(mode, dt=2e-4, duration=0.4, initial=(2.0 * joint.phi_max, 0.0), method="half-cycle")
+    fit = iwan.fit(response.acceleration, dt=2e-4, sweeps=[curves], mass=1.0)
+    # The ring-down goes beyond what the shaker reached.
+    assert fit.informed[1] > 1.5 * max(curve.amplitude.max() for curve in curves)
+    fit.report(tmp_path / "page.html")
+    page = (tmp_path / "page.html").read_text()
+    assert page.count("<svg") >= 5 and "record" in page and "Measured and predicted: sweeps[0]" in page
+    pickle.loads(pickle.dumps(fit)).report(tmp_path / "again.html")
+    assert (tmp_path / "again.html").read_text() == page
+    with pytest.raises(iwan.ExistingFileError):
+        fit.report(tmp_path / "page.html")
+    fit.report(tmp_path / "page.html", force=True)
+
+
 def universal(path, frequency, responses):
     """Frequency responses of acceleration over force as another program writes them (dataset 58 of type 4)."""
     import pyuff

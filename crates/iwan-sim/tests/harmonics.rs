@@ -15,9 +15,9 @@ fn mode_1(damping_ratio: f64) -> Mode {
     Mode { damping_ratio, ..Mode::new("bending 1", 124.0, Some(JointLaw::FourParameter(joint))) }
 }
 
-/// A mode that hangs by its joint: nine tenths of its stiffness.
-fn soft_mode() -> Mode {
-    let joint = FourParameter::new(5.4e5, 300.0, -0.4, 0.1).unwrap();
+/// A mode of the stiffness 6e5 of which `share` is its joint's.
+fn soft_mode(share: f64) -> Mode {
+    let joint = FourParameter::new(6e5 * share, 1e3 / 3.0 * share, -0.4, 0.1).unwrap();
     Mode { damping_ratio: 0.01, ..Mode::new("soft", 123.3, Some(JointLaw::FourParameter(joint))) }
 }
 
@@ -127,11 +127,19 @@ fn falls(gaps: [f64; 3], last: f64) {
     assert!(gaps[0] > 3.0 * gaps[1] && gaps[1] > 3.0 * gaps[2] && gaps[2] < last, "{gaps:?}");
 }
 
+/// Within 1e-8 of the amplitude with 31 harmonics where the joint has a usual share of the mode's stiffness; a mode that hangs by its joint
+/// is what harmonics tell slowest.
 #[test]
 fn time_marching_stays_on_the_steady_motion() {
-    let mode = soft_mode();
-    let phi = mode.joint.as_ref().unwrap().strengths().1;
-    for (slip, level, last) in [("micro", 0.2 * 300.0, 1e-8), ("macro", 1.1 * 300.0, 5e-7)] {
+    let cases = [
+        ("micro", mode_1(0.01), 50.0, 1e-8),
+        ("macro", mode_1(0.05), 800.0, 1e-8),
+        ("macro", mode_1(0.05), 2000.0, 1e-8),
+        ("micro", soft_mode(0.9), 60.0, 1e-8),
+        ("macro", soft_mode(0.9), 330.0, 5e-7),
+    ];
+    for (slip, mode, level, last) in cases {
+        let phi = mode.joint.as_ref().unwrap().strengths().1;
         let gaps = [7, 15, 31].map(|harmonics| {
             let band = Sweep { from: 20.0, to: 150.0, ..sweep(Control::Force, &[level], harmonics) };
             let curve = &forced_response(&mode, &band, 1.0).unwrap()[0];
@@ -145,25 +153,26 @@ fn time_marching_stays_on_the_steady_motion() {
 
 #[test]
 fn a_superharmonic_resonance_is_found_and_marches() {
-    let mode = soft_mode();
     let third = |point: &SteadyPoint| point.harmonics[0][0] / point.amplitude;
-    let gaps = [7, 15, 31].map(|harmonics| {
-        let band = Sweep { from: 25.0, to: 60.0, ..sweep(Control::Force, &[0.9 * 300.0], harmonics) };
-        let curve = &forced_response(&mode, &band, 1.0).unwrap()[0];
-        let top = (1..curve.points.len() - 1).find(|&i| {
-            let [before, here, after] = [i - 1, i, i + 1].map(|i| third(&curve.points[i]));
-            here > before && here > after
+    for (mode, level, last) in [(soft_mode(0.3), 30.0, 1e-8), (soft_mode(0.9), 270.0, 1e-6)] {
+        let gaps = [7, 15, 31].map(|harmonics| {
+            let band = Sweep { from: 25.0, to: 60.0, ..sweep(Control::Force, &[level], harmonics) };
+            let curve = &forced_response(&mode, &band, 1.0).unwrap()[0];
+            let top = (1..curve.points.len() - 1).find(|&i| {
+                let [before, here, after] = [i - 1, i, i + 1].map(|i| third(&curve.points[i]));
+                here > before && here > after
+            });
+            let top = &curve.points[top.unwrap()];
+            assert!(
+                third(top) > 0.03 && (25.0..50.0).contains(&top.frequency),
+                "{} {}",
+                top.frequency,
+                third(top)
+            );
+            drift(&mode, top)
         });
-        let top = &curve.points[top.unwrap()];
-        assert!(
-            third(top) > 0.03 && (25.0..50.0).contains(&top.frequency),
-            "{} {}",
-            top.frequency,
-            third(top)
-        );
-        drift(&mode, top)
-    });
-    falls(gaps, 1e-6);
+        falls(gaps, last);
+    }
 }
 
 #[test]
@@ -178,7 +187,7 @@ fn a_force_that_nothing_holds_keeps_both_sides() {
 
 #[test]
 fn nonlinear_modes_of_one_mode() {
-    for mode in [mode_1(2.5e-4), soft_mode()] {
+    for mode in [mode_1(2.5e-4), soft_mode(0.9)] {
         let phi = mode.joint.as_ref().unwrap().strengths().1;
         let amplitudes: Vec<f64> = (0..40).map(|i| phi * 1e-3 * 10.0_f64.powf(f64::from(i) / 9.75)).collect();
         let jointed = JointedModes::of_mode(&mode, 1.0).unwrap();

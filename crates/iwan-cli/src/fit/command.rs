@@ -11,7 +11,7 @@ use super::coupled;
 use super::laws::BY_CURVES;
 use super::modal::over_from_modal;
 use super::report::{Reported, render};
-use super::scenario::{as_scenario, informed};
+use super::scenario::as_scenario;
 use super::summary::FitSummary;
 use super::sweeps::{self, RingDowns};
 use crate::failure::Failure;
@@ -103,7 +103,7 @@ fn ring_downs(args: &FitArgs, session: &Session) -> Result<Option<RingDowns>, Fa
     Ok(identified.into_iter().next().map(|i| RingDowns {
         files: recordings.iter().map(|recording| recording.name.clone()).collect(),
         mode: i.name.clone(),
-        informed: informed(&i).unwrap_or([f64::INFINITY, 0.0]),
+        informed: i.found.informed(),
         likelihood: i.found.likelihood.clone(),
     }))
 }

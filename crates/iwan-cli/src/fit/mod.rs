@@ -18,4 +18,4 @@ pub(crate) use command::run;
 pub(crate) use report::{Reported, render};
 pub(crate) use scenario::as_scenario;
 pub(crate) use summary::FitSummary;
-pub(crate) use sweeps::{Content, Measurement, Scaling, read_columns};
+pub(crate) use sweeps::{Content, Measurement, Results, RingDowns, Scaling, ShakerTest, read_columns};

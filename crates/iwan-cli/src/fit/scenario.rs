@@ -53,18 +53,11 @@ fn failed(error: &iwan_core::Error) -> Failure {
     Failure::Computation(error.to_string())
 }
 
-/// Smallest and largest amplitude of the modal displacement that the records hold.
-pub(super) fn informed(i: &Identified) -> Option<[f64; 2]> {
-    let all = || i.found.curves.iter().flat_map(|c| c.displacement.iter().copied()).filter(|a| *a > 0.0);
-    let range = [all().fold(f64::INFINITY, f64::min), all().fold(0.0, f64::max)];
-    (range[1] > 0.0 && range[1].is_finite()).then_some(range)
-}
-
 fn iwan(i: &Identified, record: usize) -> Result<ScenarioMode, Failure> {
     let p = i.found.parameters;
     let joint = WrittenLaw::FourParameter { k_t: p.k_t, f_s: p.f_s, chi: p.chi, beta: p.beta };
     let mode = i.mode(record).map_err(|e| failed(&e))?;
-    Ok(ScenarioMode { mode, joint: Some(joint), informed: informed(i) })
+    Ok(ScenarioMode { mode, joint: Some(joint), informed: i.found.informed() })
 }
 
 fn by_law(i: &Identified, law: &str, record: usize) -> Result<ScenarioMode, Failure> {
@@ -76,11 +69,11 @@ fn by_law(i: &Identified, law: &str, record: usize) -> Result<ScenarioMode, Fail
     let displacement = found.released[record];
     if law == BY_CURVES {
         let mode = mode_of_curves(&i.name, &found.backbone, displacement).map_err(|e| failed(&e))?;
-        return Ok(ScenarioMode { mode, joint: None, informed: informed(i) });
+        return Ok(ScenarioMode { mode, joint: None, informed: i.found.informed() });
     }
     let fitted = found.named(law).ok_or_else(|| missing("no parameters describe these records"))?;
     let mode = mode_of_law(&i.name, &fitted.mode, displacement);
-    Ok(ScenarioMode { mode, joint: written(&fitted.mode), informed: informed(i) })
+    Ok(ScenarioMode { mode, joint: written(&fitted.mode), informed: i.found.informed() })
 }
 
 fn written(law: &LawMode) -> Option<WrittenLaw> {

@@ -75,6 +75,14 @@ impl Identification {
         &self.profiles.parameters[place]
     }
 
+    /// Smallest and largest amplitude of the modal displacement that the records hold; none where they hold no curve.
+    #[must_use]
+    pub fn informed(&self) -> Option<[f64; 2]> {
+        let all = || self.curves.iter().flat_map(|c| c.displacement.iter().copied()).filter(|a| *a > 0.0);
+        let range = [all().fold(f64::INFINITY, f64::min), all().fold(0.0, f64::max)];
+        (range[1] > 0.0 && range[1].is_finite()).then_some(range)
+    }
+
     /// What the model misses beside noise, in words; none where only noise is left.
     fn discrepancy_in_words(&self) -> Option<String> {
         let Discrepancy { dissipation, frequency, dissipation_of_record, frequency_of_record } =

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
+from functools import partial
 from os import PathLike
 from typing import Any, Literal, cast, overload
 
@@ -130,11 +131,7 @@ class Fit(SixParameters):
 
         Example: that of `examples/2_fit_of_a_record.py`.
         """
-        identified = self._again()
-        count = len(self.envelopes)
-        if names is None:
-            names = ["record"] if count == 1 else [f"record {i}" for i in range(1, count + 1)]
-        identified.report(path, list(names), self.force_axis, force)
+        self._again().report(path, None if names is None else list(names), self.force_axis, force)
 
     def _again(self) -> _Identified:
         """What the compiled part knows; a fit that came out of a pickle is identified again, with the same bits."""
@@ -287,7 +284,7 @@ def fit(
         ring_downs = None
         if record is not None:
             arguments = request(dt, channel, quantity, shape, mass, band, near, method, filter_order, window, order, hold)
-            ring_downs = _identify(several(record), arguments)
+            ring_downs = partial(_identify, several(record), arguments)
         return fit_sweeps(sweeps, backbones, levels, mass, hold, ring_downs)
     if record is None:
         raise InvalidTypeError("record is missing: give a record, or a shaker's test as sweeps= or backbones=")

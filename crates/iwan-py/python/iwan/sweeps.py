@@ -3,15 +3,16 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field
+from functools import partial
 from typing import Any, TypeAlias
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from iwan import _native
-from iwan._native import FourParameter, Mode, _Identified
+from iwan._native import FourParameter, Mode, _FittedSweeps, _Identified
 from iwan._six import Interval, SixParameters
 from iwan.errors import InvalidTypeError
 from iwan.steady import Backbone, SteadyResponse
@@ -63,6 +64,25 @@ class SweepFit(SixParameters):
     """Values and deviances of each parameter's profile likelihood."""
     limit: float
     """Deviance at the ends of the intervals."""
+    _again: Callable[[], _FittedSweeps] = field(repr=False)
+    """Fits again what was given."""
+    _fitted: _FittedSweeps | None = field(default=None, repr=False)
+
+    def report(self, path: str | os.PathLike[str], *, force: bool = False) -> None:
+        """Write the report of `iwan fit`: one self-contained HTML page with the predicted responses under the measured ones.
+
+        `path`: where, whole or not at all; `force`: overwrite what is there. A fit that came out of a pickle is made again first, with the
+        same bits.
+
+        Raises `iwan.ExistingFileError` (a `FileExistsError`) or `iwan.FileError` (an `OSError`) when the file cannot be written.
+
+        Example: that of the book's chapter on steady vibration.
+        """
+        fitted = self._again() if self._fitted is None else self._fitted
+        fitted.report(path, force)
+
+    def __getstate__(self) -> dict[str, Any]:
+        return {**self.__dict__, "_fitted": None}
 
     def __str__(self) -> str:
         """Table of the parameters with their intervals, and the verdict."""
@@ -108,20 +128,33 @@ def _sources(given: Measurement | Sequence[Measurement] | None, name: str, kind:
     return [_source(one, f"{name}[{i}]", kind) for i, one in enumerate(given)]
 
 
+def _fit(
+    given: tuple[list[Any], list[Any]],
+    forces: list[float],
+    mass: float | None,
+    held: list[tuple[str, float]],
+    ring_downs: Callable[[], _Identified] | None,
+) -> _FittedSweeps:
+    return _native._fit_sweeps(*given, forces, mass, held, None if ring_downs is None else ring_downs())
+
+
 def fit_sweeps(
     sweeps: Measurement | Sequence[Measurement] | None,
     backbones: Measurement | Sequence[Measurement] | None,
     levels: Sequence[float] | None,
     mass: float | None,
     hold: Mapping[str, float] | None,
-    ring_downs: _Identified | None,
+    ring_downs: Callable[[], _Identified] | None,
 ) -> SweepFit:
     """`iwan.fit` with sweeps or backbones."""
     held = list((hold or {}).items())
     given = _sources(sweeps, "sweeps", "sweep"), _sources(backbones, "backbones", "backbone")
-    told = _native._fit_sweeps(*given, [float(level) for level in levels or ()], mass, held, ring_downs)
+    forces = [float(level) for level in levels or ()]
+    again = partial(_fit, given, forces, mass, held, ring_downs)
+    fitted = again()
+    told = fitted.told()
     p = told.pop("parameters")
     joint = FourParameter(k_t=p["k_t"], f_s=p["f_s"], chi=p["chi"], beta=p["beta"])
     mode = Mode(frequency=p["frequency"], joint=joint, damping_ratio=p["damping_ratio"])
     bounded = {name: name not in dict(held) and None not in ends for name, ends in told["intervals"].items()}
-    return SweepFit(mode=mode, identifiable=bounded, **told)
+    return SweepFit(mode=mode, identifiable=bounded, _again=again, _fitted=fitted, **told)

@@ -179,11 +179,12 @@ impl Identified {
         &self,
         py: Python<'_>,
         path: PathBuf,
-        names: Vec<String>,
+        names: Option<Vec<String>>,
         force_axis: &str,
         force: bool,
     ) -> PyResult<()> {
         let made = self.0.clone();
+        let names = names.unwrap_or_else(|| self.names());
         if names.len() != made.records.len() {
             let (n, records) = (names.len(), made.records.len());
             return Err(value(format!("names has {n} entries for {records} records: give one for each")));
@@ -285,6 +286,14 @@ fn page(made: &Made, names: Vec<String>, joint_force: bool) -> Result<String, St
 }
 
 impl Identified {
+    /// What the records are called where no one named them.
+    pub(super) fn names(&self) -> Vec<String> {
+        match self.0.records.len() {
+            1 => vec!["record".into()],
+            count => (1..=count).map(|i| format!("record {i}")).collect(),
+        }
+    }
+
     /// What the comparison of laws found, or why there is none.
     fn laws(&self, dict: &Bound<'_, PyDict>) -> PyResult<()> {
         let py = dict.py();

@@ -1,16 +1,18 @@
 //! Shaker's tests: responses and backbones in, parameters with intervals out. `iwan.fit(sweeps=)` is its face.
 
+use std::io::Write;
 use std::path::PathBuf;
+use std::sync::Arc;
 
-use iwan_cli::{SweepKind, SweepSource, sweep_data};
+use iwan_cli::{SweepKind, SweepSource, SweepTest};
 use iwan_ident::Parameter;
-use iwan_ident::sweeps::{SteadyData, SteadyFit, fit_steady};
+use iwan_ident::sweeps::SteadyFit;
 use iwan_io::ReadError;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
 use crate::exchange::array::{Numbers, array};
-use crate::exchange::errors::{identification, reading, record, value};
+use crate::exchange::errors::{computation, identification, reading, record, value, writing};
 use crate::exchange::options::unknown;
 use crate::exchange::work;
 use crate::records::identified::{Identified, six};
@@ -23,14 +25,12 @@ pub(crate) enum Source<'py> {
 }
 
 impl Source<'_> {
-    fn data(self, kind: SweepKind, mass: f64, levels: &[f64]) -> PyResult<SteadyData> {
-        let source = match self {
-            Self::File(path) => {
-                if let Err(source) = std::fs::metadata(&path) {
-                    return Err(reading(&ReadError::Io { file: path, source }));
-                }
-                SweepSource::File(path)
-            }
+    fn read(self) -> PyResult<SweepSource> {
+        match self {
+            Self::File(path) => match std::fs::metadata(&path) {
+                Ok(_) => Ok(SweepSource::File(path)),
+                Err(source) => Err(reading(&ReadError::Io { file: path, source })),
+            },
             Self::Columns(name, columns) => {
                 let columns = columns
                     .into_iter()
@@ -45,14 +45,18 @@ impl Source<'_> {
                         columns[0].0
                     )));
                 }
-                SweepSource::Columns { name, columns }
+                Ok(SweepSource::Columns { name, columns })
             }
-        };
-        sweep_data(source, kind, mass, levels).map_err(record)
+        }
     }
 }
 
-/// The parameters of a mode from responses and backbones, with identified ring-downs or without, as a dict.
+/// A fitted test: what `iwan.SweepFit` is made of.
+#[pyclass(frozen, module = "iwan._native", name = "_FittedSweeps")]
+#[derive(Debug)]
+pub(crate) struct FittedSweeps(Arc<(SweepTest, SteadyFit)>);
+
+/// The parameters of a mode from responses and backbones, with identified ring-downs or without.
 #[pyfunction]
 pub(crate) fn _fit_sweeps<'py>(
     py: Python<'py>,
@@ -62,9 +66,8 @@ pub(crate) fn _fit_sweeps<'py>(
     mass: Option<f64>,
     hold: Vec<(String, f64)>,
     ring_downs: Option<&Bound<'py, Identified>>,
-) -> PyResult<Bound<'py, PyDict>> {
-    let mass = mass.unwrap_or(1.0);
-    if !(mass > 0.0 && mass.is_finite()) {
+) -> PyResult<FittedSweeps> {
+    if let Some(mass) = mass.filter(|mass| !(*mass > 0.0 && mass.is_finite())) {
         return Err(value(format!("mass = {mass} is out of range: must be a finite number > 0")));
     }
     if let Some(level) = levels.iter().find(|level| !(**level > 0.0 && level.is_finite())) {
@@ -76,21 +79,39 @@ pub(crate) fn _fit_sweeps<'py>(
         found.map(|parameter| (parameter, held)).ok_or_else(|| unknown("hold", &name, &names()))
     };
     let hold = hold.into_iter().map(held).collect::<PyResult<Vec<_>>>()?;
-    let responses = sweeps.into_iter().map(|source| source.data(SweepKind::Response, mass, &levels));
-    let backbones = backbones.into_iter().map(|source| source.data(SweepKind::Backbone, mass, &[]));
-    let data = responses.chain(backbones).collect::<PyResult<Vec<_>>>()?;
-    let likelihood = ring_downs.map(|found| found.get().0.found.likelihood.clone());
-    let found = work::run(py, true, move |_| fit_steady(&data, likelihood.as_ref(), &hold))?;
-    told(py, &found.map_err(identification)?)
+    let responses = sweeps.into_iter().map(|source| (SweepKind::Response, source));
+    let backbones = backbones.into_iter().map(|source| (SweepKind::Backbone, source));
+    let sources = responses.chain(backbones).map(|(kind, source)| Ok((kind, source.read()?)));
+    let sources = sources.collect::<PyResult<Vec<_>>>()?;
+    let ring_downs = ring_downs.map(|found| (found.get().names(), &found.get().0.found));
+    let test = SweepTest::read(sources, mass, &levels, ring_downs).map_err(record)?;
+    let (test, fit) = work::run(py, true, move |_| {
+        let fit = test.fit(&hold);
+        (test, fit)
+    })?;
+    Ok(FittedSweeps(Arc::new((test, fit.map_err(identification)?))))
 }
 
-fn told<'py>(py: Python<'py>, found: &SteadyFit) -> PyResult<Bound<'py, PyDict>> {
-    let dict = PyDict::new(py);
-    six(&dict, &found.profiles, found.limit, &found.verdict)?;
-    dict.set_item("slips", found.slips)?;
-    dict.set_item("drifts", array(py, found.drifts.clone()))?;
-    dict.set_item("errors", found.errors.iter().map(|e| (e[0], e[1])).collect::<Vec<_>>())?;
-    dict.set_item("other_modes", found.others)?;
-    dict.set_item("informed", (found.informed[0], found.informed[1]))?;
-    Ok(dict)
+#[pymethods]
+impl FittedSweeps {
+    /// Everything as a dict of plain values and arrays.
+    fn told<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
+        let (dict, found) = (PyDict::new(py), &self.0.1);
+        six(&dict, &found.profiles, found.limit, &found.verdict)?;
+        dict.set_item("slips", found.slips)?;
+        dict.set_item("drifts", array(py, found.drifts.clone()))?;
+        dict.set_item("errors", found.errors.iter().map(|e| (e[0], e[1])).collect::<Vec<_>>())?;
+        dict.set_item("other_modes", found.others)?;
+        dict.set_item("informed", (found.informed[0], found.informed[1]))?;
+        Ok(dict)
+    }
+
+    /// Writes the page of `iwan fit`, whole or not at all.
+    fn report(&self, py: Python<'_>, path: PathBuf, force: bool) -> PyResult<()> {
+        let made = self.0.clone();
+        let page = work::run(py, true, move |_| made.0.page(&made.1))?.map_err(computation)?;
+        let written =
+            py.detach(|| iwan_io::atomic::write_file(&path, force, |w| w.write_all(page.as_bytes())));
+        written.map_err(|error| writing(&error))
+    }
 }
