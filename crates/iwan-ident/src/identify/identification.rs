@@ -1,6 +1,7 @@
 //! What an identification finds, and how it says so.
 
-use crate::curve_fit::{Fit, Start, Verdict};
+use super::laws::untold;
+use crate::curve_fit::{Fit, Grade, Start, Verdict};
 use crate::curves::Curves;
 use crate::error::Error;
 use crate::laws::Comparison;
@@ -9,6 +10,10 @@ use crate::parameters::{Parameter, Parameters};
 use crate::profile::{Profile, Profiles};
 use crate::refine::{Discrepancy, Refined};
 use crate::signal::Envelope;
+
+/// Part of the range of frequencies seen by which the frequency at rest may lie above them before a sentence says so: a joint goes on to stiffen below the
+/// quietest cycle, in usual records by up to a third of what was seen.
+const EXTRAPOLATED: f64 = 0.5;
 
 /// The simplest model: a linear mode with viscous damping, and whether it is enough.
 #[derive(Debug, Clone, PartialEq)]
@@ -105,6 +110,30 @@ impl Identification {
         (!found.is_empty()).then(|| format!("{}: the intervals allow for it", found.join("; ")))
     }
 
+    /// Why intervals were left open that the profiles alone would close.
+    fn untold_in_words(&self) -> Option<String> {
+        match (untold(&self.verdict, self.laws.as_ref().ok()), &self.laws) {
+            ([], _) => None,
+            (_, Ok(laws)) if self.verdict.grade == Grade::Usable => Some(format!(
+                "these records speak against the joint and for {}: K_T, F_S and beta, which a bend of the curves would tell, are left open",
+                laws.chosen().law.words
+            )),
+            _ => Some("the joint does not describe these records: they tell none of its parameters".into()),
+        }
+    }
+
+    /// A frequency at rest that lies beyond all that was seen.
+    fn beyond_in_words(&self) -> Option<String> {
+        let all = || self.curves.iter().flat_map(|c| c.frequency.iter().copied());
+        let (low, high) = (all().fold(f64::INFINITY, f64::min), all().fold(0.0, f64::max));
+        let at_rest = self.parameters.frequency;
+        (high > 0.0 && at_rest - high > EXTRAPOLATED * (high - low)).then(|| {
+            format!(
+                "the frequency at rest, {at_rest:.4} Hz, is extrapolated: the highest seen is {high:.4} Hz"
+            )
+        })
+    }
+
     /// What the records do not tell, in words: open intervals, a joint that is not needed, a model that does not fit.
     #[must_use]
     pub fn in_words(&self) -> Vec<String> {
@@ -117,6 +146,11 @@ impl Identification {
                 self.linear.frequency,
                 100.0 * self.linear.damping_ratio
             ));
+        }
+        words.extend(self.untold_in_words());
+        words.extend(self.beyond_in_words());
+        if self.verdict.grade == Grade::No {
+            return words;
         }
         for profile in &self.profiles.parameters {
             let name = profile.parameter.name();

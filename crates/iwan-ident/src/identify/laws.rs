@@ -2,7 +2,7 @@
 
 use super::prepared::Prepared;
 use super::settings::{ModeRecord, Settings};
-use crate::curve_fit::Verdict;
+use crate::curve_fit::{Grade, Verdict};
 use crate::error::Error;
 use crate::laws::{Comparison, Estimate, Joint, LawMode, Source, compare};
 use crate::parameters::{Parameter, Parameters};
@@ -45,15 +45,27 @@ pub(super) fn of_prepared(prepared: &[Prepared<'_>], iwan: Option<&Parameters>) 
     compare(&sources, iwan)
 }
 
-/// All laws beside the fit of the Iwan joint on the records themselves, whose parameters, intervals and verdict the law `iwan` then has: a page
-/// says one thing of one law.
+/// What the records do not tell of an Iwan joint, whatever its profiles say: a joint that does not describe the records has parameters, but not
+/// those of the structure; and where the evidence for another law is strong, the bend that a fit makes of what the joint misses is no
+/// macro-slip.
+pub(super) fn untold(verdict: &Verdict, laws: Option<&Comparison>) -> &'static [Parameter] {
+    match verdict.grade {
+        Grade::No => &Parameter::ALL,
+        Grade::Usable if laws.is_some_and(|laws| laws.speaks_against("iwan")) => {
+            &[Parameter::KT, Parameter::FS, Parameter::Beta]
+        }
+        Grade::Usable | Grade::Matches => &[],
+    }
+}
+
+/// The comparison where the law `iwan` has the parameters, intervals and verdict of the fit on the records themselves: a page says one thing of
+/// one law.
 pub(super) fn beside(
-    prepared: &[Prepared<'_>],
+    found: Comparison,
     parameters: &Parameters,
     profiles: &Profiles,
     verdict: &Verdict,
 ) -> Result<Comparison, Error> {
-    let found = of_prepared(prepared, Some(parameters))?;
     let (_, joint) = parameters.model()?;
     let of_records = |parameter: Parameter| {
         let profile = profiles.parameters.iter().find(|p| p.parameter == parameter);

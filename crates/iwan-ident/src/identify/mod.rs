@@ -4,9 +4,9 @@
 //! verdict. Several records are several force levels of the same mode.
 
 mod settings;
-mod identification;
 mod prepared;
 mod laws;
+mod identification;
 mod minimum;
 mod linear;
 
@@ -120,7 +120,9 @@ fn identification(
     let linear = linear(&task, &minimum, &refined.parameters, &curves)?;
     let verdict = verdict(&curves, &model_curves, refined.leaves_noise(task.count()));
     let verdict = in_band(verdict.leaving(refined.relative_residual), &prepared, &refined);
-    let laws = laws::beside(&prepared, &refined.parameters, &profiles, &verdict);
+    let laws = laws::of_prepared(&prepared, Some(&refined.parameters));
+    let profiles = profiles.without(laws::untold(&verdict, laws.as_ref().ok()));
+    let laws = laws.and_then(|laws| laws::beside(laws, &refined.parameters, &profiles, &verdict));
     Ok(Identification {
         parameters: refined.parameters,
         verdict,

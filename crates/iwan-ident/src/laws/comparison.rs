@@ -153,6 +153,13 @@ impl Comparison {
         &self.laws[self.chosen]
     }
 
+    /// Whether the evidence against a law is strong.
+    #[must_use]
+    pub fn speaks_against(&self, name: &str) -> bool {
+        let own = self.named(name).map_or(f64::INFINITY, |law| law.criterion);
+        own > self.chosen().criterion + STRONG
+    }
+
     /// The law to take in one sentence, beside what an Iwan joint misses.
     #[must_use]
     pub fn in_words(&self) -> String {
@@ -279,7 +286,11 @@ impl Together {
             frequency_misfit: verdict.frequency_misfit,
             discrepancy: (size.decay, size.omega * self.scales.shift / TAU),
             grade: verdict.grade,
-            parameters: estimates(problem, fitted),
+            // A law that does not describe the records tells nothing of the structure.
+            parameters: match verdict.grade {
+                Grade::No => estimates(problem, fitted).into_iter().map(Estimate::untold).collect(),
+                Grade::Matches | Grade::Usable => estimates(problem, fitted),
+            },
             mode: fitted.at.mode.clone(),
         })
     }

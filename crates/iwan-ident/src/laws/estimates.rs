@@ -36,6 +36,11 @@ pub struct Estimate {
 }
 
 impl Estimate {
+    /// The same value without an interval.
+    pub(super) const fn untold(self) -> Self {
+        Self { low: None, high: None, ..self }
+    }
+
     /// Grows to hold another interval of the same parameter.
     fn include(&mut self, other: &Self) {
         let join =

@@ -46,3 +46,15 @@ pub struct Profiles {
     /// Variance of the whitened residuals that the deviances are in units of.
     pub(crate) variance: f64,
 }
+
+impl Profiles {
+    /// The same where the records do not tell `parameters`: their intervals are open on both sides.
+    pub(crate) fn without(mut self, parameters: &[Parameter]) -> Self {
+        let open = |profile: &&mut Profile| !profile.held && parameters.contains(&profile.parameter);
+        self.parameters
+            .iter_mut()
+            .filter(open)
+            .for_each(|profile| (profile.low, profile.high) = (None, None));
+        self
+    }
+}

@@ -9,6 +9,7 @@ use super::filter::{Butterworth, Passband};
 use super::first_peak::{behind_the_blow, first_of_the_largest};
 use super::raw::{Raw, raw, widened};
 use super::spectrum::{Band, automatic_band, given_band, is_alone, strongest_line};
+use super::transients::Known;
 use crate::error::{Error, check, check_dt, check_samples};
 use crate::smooth::{Points, Polynomial, Smooth};
 
@@ -29,6 +30,10 @@ const LEAST_WINDOW: usize = 16;
 /// Times that the window is cut where the mode sinks into noise, each time with the noise estimated anew; one, two and
 /// eight cuts give the same windows on the records tried.
 const CUTS: usize = 4;
+/// Times that the mode is continued and its transients taken off, each time from a better knowledge of it.
+const PASSES: usize = 3;
+/// Part of the amplitude in the band outside the window that the first continuation may leave.
+const LEFT: f64 = 0.5;
 /// Blocks in which a quiet tail is looked for, and values that a block has at least: five cycles.
 const PHASE_BLOCKS: usize = 40;
 const LEAST_BLOCK: usize = 20;
@@ -126,7 +131,7 @@ pub fn isolate(x: &[f64], dt: f64, options: &Options) -> Result<Isolated, Error>
     let automatic = if options.band.is_none() { " (automatic)" } else { "" };
     notes
         .push(format!("band {:.6} to {:.6} Hz{automatic}, peak at {:.6} Hz", band.low, band.high, band.peak));
-    let Filtered { samples, trim, bandwidth } = filtered(x, dt, band, options)?;
+    let Filtered { samples, trim, bandwidth, filter } = filtered(x, dt, band, options)?;
     let window = window(x, &samples, dt, trim, options, &mut notes)?;
     let mut mode = Isolated {
         raw: raw(&samples, &window, dt, band.peak),
@@ -140,6 +145,9 @@ pub fn isolate(x: &[f64], dt: f64, options: &Options) -> Result<Isolated, Error>
         scatter: 0.0,
     };
     mode.end_at_noise()?;
+    if let Some(filter) = filter {
+        mode.without_transients(x, &filter, trim)?;
+    }
     mode.refuse_second_line()?;
     Ok(mode)
 }
@@ -161,16 +169,18 @@ struct Filtered {
     trim: usize,
     /// Independent values a second.
     bandwidth: f64,
+    filter: Option<Butterworth>,
 }
 
 fn filtered(x: &[f64], dt: f64, band: Band, options: &Options) -> Result<Filtered, Error> {
     if options.filter_order == 0 {
-        return Ok(Filtered { samples: x.to_vec(), trim: 0, bandwidth: 0.5 / dt });
+        return Ok(Filtered { samples: x.to_vec(), trim: 0, bandwidth: 0.5 / dt, filter: None });
     }
     let pass = Passband::Band { low: band.low, high: band.high };
     let filter = Butterworth::new(options.filter_order, pass, dt)?;
     let trim = (MEMORIES * filter.memory() / dt).ceil() as usize;
-    Ok(Filtered { samples: filter.forward_backward(x)?, trim, bandwidth: band.high - band.low })
+    let samples = filter.forward_backward(x)?;
+    Ok(Filtered { samples, trim, bandwidth: band.high - band.low, filter: Some(filter) })
 }
 
 /// The trusted window before noise is looked at.
@@ -276,6 +286,33 @@ impl Isolated {
 
     pub(crate) fn points<'a>(&self, t: &'a [f64], y: &'a [f64], weight: &'a [f64]) -> Points<'a> {
         Points { t, y, weight, effective: self.effective(t.len()) }
+    }
+
+    /// Takes off what the filter makes of begin and end of the mode: the record without the mode, as far as it is known, is filtered, and the
+    /// mode put back. Left as it is where the mode's continuation does not leave less in the band than the record held.
+    fn without_transients(&mut self, x: &[f64], filter: &Butterworth, trim: usize) -> Result<(), Error> {
+        let decay = self.free_decay(x, None).start..x.len();
+        let ends = [decay.start..self.window.start, self.window.end..x.len().min(self.window.end + trim)];
+        let held = |y: &[f64]| ends.iter().flat_map(|end| &y[end.clone()]).map(|y| y * y).sum::<f64>();
+        let mut most = LEFT * LEFT * held(&self.samples);
+        for _ in 0..PASSES {
+            let effective = self.effective(self.raw.t.len());
+            let Self { raw: known, window, dt, band, .. } = &*self;
+            let known = Known { raw: known, effective, window, dt: *dt, centre: band.peak };
+            let Some(mode) = known.continued(x.len(), &decay, trim, MAX_ORDER) else { break };
+            let rest: Vec<f64> = x.iter().zip(&mode).map(|(x, mode)| x - mode).collect();
+            let mut samples = filter.forward_backward(&rest)?;
+            let left = held(&samples);
+            if left > most {
+                break;
+            }
+            most = left;
+            samples.iter_mut().zip(&mode).for_each(|(y, mode)| *y += mode);
+            self.samples = samples;
+            self.raw = raw(&self.samples, &self.window, self.dt, self.band.peak);
+        }
+        self.estimate_noise();
+        Ok(())
     }
 
     /// Cuts the window where the mode sinks into the noise, which is estimated from the scatter of the amplitude.

@@ -11,6 +11,7 @@ mod defects;
 mod first_peak;
 mod survey;
 mod raw;
+mod transients;
 mod isolate;
 mod envelope;
 

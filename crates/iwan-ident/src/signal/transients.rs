@@ -1,0 +1,107 @@
+//! What a band-pass filter makes of the ends of a decay, and how it is taken off again.
+//!
+//! A filter answers to the sudden begin of a decay, and to the end of the record, by transients of its own as long as its memory: they are
+//! those of the mode that begins and ends, and that mode is known from the middle of the record. So the mode is continued to both ends,
+//! the filter is given what the record holds beside it, and the mode is put back.
+
+use std::f64::consts::TAU;
+use std::ops::Range;
+
+use super::raw::Raw;
+use crate::smooth::{Points, Polynomial, Smooth};
+
+/// Lengths of the transient over which an end of the mode is fitted by itself, to be continued by one such length.
+const FITTED: f64 = 2.0;
+/// Points of the analytic signal that a fit of an end needs: five cycles of four. With fewer the mode is not continued.
+const LEAST_POINTS: usize = 20;
+/// Degree of the continuation: over some ten cycles a joint bends ln A and the phase little more than evenly.
+const DEGREE: usize = 2;
+/// An end of the decay within so many transients of the window is what the window begins or ends for; farther off something else is, and the
+/// mode is faded out in place of continued.
+const NEAR: f64 = 1.5;
+
+/// A mode that is known in a window of a record.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Known<'a> {
+    /// ln A and the phase without that of the reference frequency, inside the window.
+    pub(super) raw: &'a Raw,
+    /// Independent values among them.
+    pub(super) effective: f64,
+    pub(super) window: &'a Range<usize>,
+    /// Sampling interval, s.
+    pub(super) dt: f64,
+    /// The reference frequency, Hz.
+    pub(super) centre: f64,
+}
+
+/// ln A and phase as curves.
+struct Curves([Polynomial; 2]);
+
+impl Curves {
+    fn at(&self, t: f64) -> [f64; 2] {
+        [self.0[0].at(t).value, self.0[1].at(t).value]
+    }
+}
+
+impl Known<'_> {
+    /// The mode at all samples of the record, of which `decay` is free decay and transients are `reach` samples long: continued to the ends of
+    /// the decay where these are near the window, else faded out. None where the window holds too little of it.
+    pub(super) fn continued(
+        &self,
+        samples: usize,
+        decay: &Range<usize>,
+        reach: usize,
+        order: usize,
+    ) -> Option<Vec<f64>> {
+        let length = FITTED * reach as f64 * self.dt;
+        let [first, last] = [self.raw.t.first()?, self.raw.t.last()?];
+        let middle = self.curves(|_| true, None, order)?;
+        let begin = self.curves(|t| t <= first + length, Some(DEGREE), DEGREE)?;
+        let end = self.curves(|t| t >= last - length, Some(DEGREE), DEGREE)?;
+        let near = (NEAR * reach as f64) as usize;
+        let continues = [decay.start + near >= self.window.start, self.window.end + near >= decay.end];
+        let low = if continues[0] { decay.start } else { self.window.start.saturating_sub(reach) };
+        let high = if continues[1] { decay.end } else { (self.window.end + reach).min(samples) };
+        let fade = |away: usize, continues: bool| {
+            if continues { 1.0 } else { 1.0 - rise(away as f64 / reach as f64) }
+        };
+        let mut mode = vec![0.0; samples];
+        for n in low..high {
+            let t = n as f64 * self.dt;
+            let mix = |a: [f64; 2], b: [f64; 2], s: f64| [0, 1].map(|i| a[i] + s * (b[i] - a[i]));
+            let mut curve = mix(
+                begin.at(t.min(first + length)),
+                middle.at(t.clamp(*first, *last)),
+                rise((t - first) / length),
+            );
+            if t < *first {
+                curve = begin.at(t);
+            } else if t > last - length {
+                curve = mix(curve, end.at(t), rise((t - last + length) / length));
+            }
+            let seen = fade(self.window.start.saturating_sub(n), continues[0])
+                * fade((n + 1).saturating_sub(self.window.end), continues[1]);
+            mode[n] = seen * curve[0].exp() * (curve[1] + TAU * (t * self.centre).fract()).cos();
+        }
+        mode.iter().all(|x| x.is_finite()).then_some(mode)
+    }
+
+    /// Curves through the points at some of the times.
+    fn curves(&self, wanted: impl Fn(f64) -> bool, given: Option<usize>, order: usize) -> Option<Curves> {
+        let of = |y: &[f64]| {
+            let (t, y): (Vec<f64>, Vec<f64>) =
+                self.raw.t.iter().zip(y).filter(|(t, _)| wanted(**t)).map(|(t, y)| (*t, *y)).unzip();
+            let share = t.len() as f64 / self.raw.t.len() as f64;
+            let points =
+                Points { t: &t, y: &y, weight: &vec![1.0; t.len()], effective: share * self.effective };
+            (t.len() >= LEAST_POINTS).then(|| Polynomial::fit(&points, given, order))
+        };
+        Some(Curves([of(&self.raw.log_amplitude)?, of(&self.raw.phase)?]))
+    }
+}
+
+/// From 0 to 1 over 0 to 1, with slopes of nothing at both.
+fn rise(s: f64) -> f64 {
+    let s = s.clamp(0.0, 1.0);
+    s * s * (3.0 - 2.0 * s)
+}
