@@ -260,12 +260,25 @@ impl Isolated {
     /// trusted window; within `window` (s) if given.
     pub(crate) fn free_decay(&self, x: &[f64], window: Option<(f64, f64)>) -> Range<usize> {
         let x = &x[..self.samples.len()];
-        let mean = x.iter().sum::<f64>() / x.len() as f64;
-        let largest = first_of_the_largest(x.iter().map(|x| (x - mean).abs()));
-        let start = behind_the_blow(x, mean, largest, 1.0 / (self.band.peak * self.dt));
-        let start = start.max(clipped_until(x).unwrap_or(0));
+        let start = self.first_peak(x).max(clipped_until(x).unwrap_or(0));
         let wanted = window.map_or(0, |w| (w.0 / self.dt).ceil() as usize);
         start.max(wanted).min(self.window.start)..self.window.end
+    }
+
+    /// Where the mode begins: with the record's first peak, but for one that is a transient's length and more from where the mode itself is
+    /// largest: that of another mode, of an offset or of a drift.
+    fn begin(&self, x: &[f64], trim: usize) -> usize {
+        let inside = self.samples.len().saturating_sub(trim).max(1);
+        let largest = first_of_the_largest(self.samples[..inside].iter().map(|y| y.abs()));
+        let own = self.first_peak(x);
+        if own.abs_diff(largest) < trim { own } else { largest }
+    }
+
+    /// The first peak of the record `x` in free decay.
+    fn first_peak(&self, x: &[f64]) -> usize {
+        let mean = x.iter().sum::<f64>() / x.len() as f64;
+        let largest = first_of_the_largest(x.iter().map(|x| (x - mean).abs()));
+        behind_the_blow(x, mean, largest, 1.0 / (self.band.peak * self.dt))
     }
 
     /// The window and one cycle to either side: peaks and crossings then cover the whole window.
@@ -291,8 +304,11 @@ impl Isolated {
     /// Takes off what the filter makes of begin and end of the mode: the record without the mode, as far as it is known, is filtered, and the
     /// mode put back. Left as it is where the mode's continuation does not leave less in the band than the record held.
     fn without_transients(&mut self, x: &[f64], filter: &Butterworth, trim: usize) -> Result<(), Error> {
-        let decay = self.free_decay(x, None).start..x.len();
-        let ends = [decay.start..self.window.start, self.window.end..x.len().min(self.window.end + trim)];
+        let decay = self.begin(x, trim)..x.len();
+        let ends = [
+            self.window.start.saturating_sub(trim)..self.window.start,
+            self.window.end..x.len().min(self.window.end + trim),
+        ];
         let held = |y: &[f64]| ends.iter().flat_map(|end| &y[end.clone()]).map(|y| y * y).sum::<f64>();
         let mut most = LEFT * LEFT * held(&self.samples);
         for _ in 0..PASSES {

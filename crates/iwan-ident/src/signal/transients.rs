@@ -59,7 +59,9 @@ impl Known<'_> {
         let begin = self.curves(|t| t <= first + length, Some(DEGREE), DEGREE)?;
         let end = self.curves(|t| t >= last - length, Some(DEGREE), DEGREE)?;
         let near = (NEAR * reach as f64) as usize;
-        let continues = [decay.start + near >= self.window.start, self.window.end + near >= decay.end];
+        // A begin inside the transient of the window's would cut the mode where it goes on.
+        let begins = decay.start + near >= self.window.start && decay.start + reach / 2 <= self.window.start;
+        let continues = [begins, self.window.end + near >= decay.end];
         let low = if continues[0] { decay.start } else { self.window.start.saturating_sub(reach) };
         let high = if continues[1] { decay.end } else { (self.window.end + reach).min(samples) };
         let fade = |away: usize, continues: bool| {

@@ -5,9 +5,14 @@ use super::demodulation::demodulated;
 use super::instantaneous::{Envelope, Method};
 use super::peak_fitting::{fitted_peaks, half_cycle_phases};
 use super::peaks::{crossing_phases, peak_amplitudes};
+use super::residuals::Residuals;
 use super::traces::{Trace, Traces};
 use crate::error::Error;
 use crate::smooth::{LocalFit, Polynomial, Smooth, Spline};
+
+/// Half the stretch, in independent values, over which scatter is compared with that of the whole: eight of them on either side are known within a
+/// quarter, and are as long as a filter's transient.
+const EIGHT: f64 = 8.0;
 
 /// Envelope and frequency of one mode of a record `x`, sampled every `dt` seconds.
 ///
@@ -80,8 +85,15 @@ impl Isolated {
             noise: self.noise,
             notes: self.notes.clone(),
         };
+        let residuals =
+            [(&traces.amplitude, &*amplitude), (&traces.phase, &*phase.curve)].map(|(trace, curve)| {
+                Residuals::new(trace, &weights(&trace.t), curve, self.effective(trace.t.len()))
+            });
+        let reach = EIGHT / self.bandwidth;
         for i in 0..=count {
-            envelope.push(&*amplitude, &*phase.curve, envelope.t[i], self.band.peak);
+            let t = envelope.t[i];
+            let by = residuals.each_ref().map(|r| r.inflation(t, reach));
+            envelope.push(&*amplitude, &*phase.curve, t, self.band.peak, by);
         }
         if method == Method::FreeVibration {
             envelope.by_feldman(&*amplitude, &*phase.curve, self.band.peak);
@@ -171,15 +183,15 @@ impl Envelope {
         }
     }
 
-    fn push(&mut self, amplitude: &dyn Smooth, phase: &dyn Smooth, t: f64, centre: f64) {
+    fn push(&mut self, amplitude: &dyn Smooth, phase: &dyn Smooth, t: f64, centre: f64, by: [f64; 2]) {
         let (a, p) = (amplitude.at(t), phase.at(t));
         let turn = std::f64::consts::TAU;
         let omega = turn * centre + p.slope;
         self.amplitude.push(a.value.exp());
         self.frequency.push(omega / turn);
         self.damping_ratio.push(-a.slope / a.slope.hypot(omega));
-        self.log_amplitude_sd.push(a.value_sd);
-        self.frequency_sd.push(p.slope_sd / turn);
-        self.damping_ratio_sd.push(a.slope_sd / omega);
+        self.log_amplitude_sd.push(by[0] * a.value_sd);
+        self.frequency_sd.push(by[1] * p.slope_sd / turn);
+        self.damping_ratio_sd.push(by[0] * a.slope_sd / omega);
     }
 }

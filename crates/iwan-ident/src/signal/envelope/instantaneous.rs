@@ -42,7 +42,8 @@ impl Method {
 /// Amplitude, frequency and damping ratio of one mode against time.
 ///
 /// All vectors have one entry per cycle of the trusted window. Standard deviations hold what scatters about the smooth
-/// curve (noise), not what the method gets wrong: for that compare the methods ([`Spread`](crate::signal::Spread)).
+/// curve, more where it scatters more than elsewhere (near a begin that other modes share) and where it does so slowly (where the curve
+/// bends too little). What several methods get wrong in different ways is in [`Spread`](crate::signal::Spread).
 #[derive(Debug, Clone, PartialEq)]
 pub struct Envelope {
     /// Time from the first sample of the record, s.

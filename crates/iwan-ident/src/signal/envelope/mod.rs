@@ -1,6 +1,7 @@
 //! Amplitude and frequency of an isolated mode against time, by four methods, and how far these disagree.
 
 mod traces;
+mod residuals;
 mod peaks;
 mod peak_fitting;
 mod demodulation;
