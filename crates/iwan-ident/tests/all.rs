@@ -4,6 +4,7 @@ mod law_records;
 mod shared_records;
 
 mod curve_fit;
+mod envelope_ends;
 mod free_form;
 mod freevib;
 mod identification;

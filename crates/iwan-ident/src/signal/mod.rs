@@ -12,13 +12,15 @@ mod first_peak;
 mod survey;
 mod raw;
 mod transients;
+mod isolated;
 mod isolate;
 mod envelope;
 
 pub use envelope::{Envelope, Instant, Method, Opinions, Refusal, Spread, envelope, opinions};
 pub use filter::{Butterworth, Passband};
 pub use hilbert::{Analytic, analytic_signal, whole_cycles};
-pub use isolate::{Isolated, Options, isolate};
+pub use isolate::{Options, isolate};
+pub use isolated::Isolated;
 pub use spectrum::{Band, SpectralLine, amplitude_spectrum, automatic_band};
 pub use spot::{Spot, spot};
 pub use survey::{

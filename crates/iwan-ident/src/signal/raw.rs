@@ -14,7 +14,7 @@ const PER_CYCLE: f64 = 4.0;
 const TRIMMED: f64 = 1.5;
 /// Cycles by which the transform reaches beyond the window where the record has them: one for the cut to whole cycles, one
 /// and a half for the trimming, and some to spare.
-const BEYOND: f64 = 3.0;
+pub(super) const BEYOND: f64 = 3.0;
 /// Highest degree of the curve by which the record is flattened: what is left needs only be flat enough to be periodic. One,
 /// three and ten give the same damping within 0.3 % on the Brake-Reuss record.
 const FLATTENING: usize = 5;

@@ -7,7 +7,9 @@
 use std::f64::consts::TAU;
 use std::ops::Range;
 
+use super::filter::Butterworth;
 use super::raw::Raw;
+use crate::error::Error;
 use crate::smooth::{Points, Polynomial, Smooth};
 
 /// Lengths of the transient over which an end of the mode is fitted by itself, to be continued by one such length.
@@ -16,9 +18,51 @@ const FITTED: f64 = 2.0;
 const LEAST_POINTS: usize = 20;
 /// Degree of the continuation: over some ten cycles a joint bends ln A and the phase little more than evenly.
 const DEGREE: usize = 2;
+/// Part of the amplitude in the band outside the window that a continuation may leave.
+const LEFT: f64 = 0.5;
 /// An end of the decay within so many transients of the window is what the window begins or ends for; farther off something else is, and the
 /// mode is faded out in place of continued.
 const NEAR: f64 = 1.5;
+
+/// A record whose mode begins and ends suddenly.
+#[derive(Debug, Clone)]
+pub(super) struct Ends<'a> {
+    /// The record.
+    pub(super) x: &'a [f64],
+    pub(super) filter: &'a Butterworth,
+    /// From the begin of the mode to the last sample.
+    pub(super) decay: Range<usize>,
+    /// Length of the filter's transients, in samples.
+    pub(super) reach: usize,
+}
+
+/// The record behind the filter, without transients of the mode.
+pub(super) struct Filtered {
+    pub(super) samples: Vec<f64>,
+    /// Sum of squares that the filter leaves outside the window once the mode is taken out of the record: of an exactly known mode none.
+    pub(super) left: f64,
+}
+
+impl Ends<'_> {
+    /// The filtered record with the mode's transients taken off, as far as the mode is known; none where that is too little, or where its
+    /// continuation does not fit the record.
+    pub(super) fn filtered(&self, known: &Known<'_>, order: usize) -> Result<Option<Filtered>, Error> {
+        let Some(mode) = known.continued(self.x.len(), &self.decay, self.reach, order) else {
+            return Ok(None);
+        };
+        let rest: Vec<f64> = self.x.iter().zip(&mode).map(|(x, mode)| x - mode).collect();
+        let mut samples = self.filter.forward_backward(&rest)?;
+        let Range { start, end } = *known.window;
+        let outside = [start.saturating_sub(self.reach)..start, end..self.x.len().min(end + self.reach)];
+        let sum = |y: &[f64]| outside.iter().flat_map(|part| &y[part.clone()]).map(|y| y * y).sum::<f64>();
+        let left = sum(&samples);
+        if left > LEFT * LEFT * sum(&mode) {
+            return Ok(None);
+        }
+        samples.iter_mut().zip(&mode).for_each(|(y, mode)| *y += mode);
+        Ok(Some(Filtered { samples, left }))
+    }
+}
 
 /// A mode that is known in a window of a record.
 #[derive(Debug, Clone, Copy)]
@@ -46,7 +90,7 @@ impl Curves {
 impl Known<'_> {
     /// The mode at all samples of the record, of which `decay` is free decay and transients are `reach` samples long: continued to the ends of
     /// the decay where these are near the window, else faded out. None where the window holds too little of it.
-    pub(super) fn continued(
+    fn continued(
         &self,
         samples: usize,
         decay: &Range<usize>,
@@ -59,9 +103,7 @@ impl Known<'_> {
         let begin = self.curves(|t| t <= first + length, Some(DEGREE), DEGREE)?;
         let end = self.curves(|t| t >= last - length, Some(DEGREE), DEGREE)?;
         let near = (NEAR * reach as f64) as usize;
-        // A begin inside the transient of the window's would cut the mode where it goes on.
-        let begins = decay.start + near >= self.window.start && decay.start + reach / 2 <= self.window.start;
-        let continues = [begins, self.window.end + near >= decay.end];
+        let continues = [decay.start + near >= self.window.start, self.window.end + near >= decay.end];
         let low = if continues[0] { decay.start } else { self.window.start.saturating_sub(reach) };
         let high = if continues[1] { decay.end } else { (self.window.end + reach).min(samples) };
         let fade = |away: usize, continues: bool| {

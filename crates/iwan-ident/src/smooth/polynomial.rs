@@ -6,6 +6,10 @@
 
 use super::points::{Points, Smooth, Smoothed, Stretch};
 
+/// Degrees above that of the fit whose coefficients count as errors of it: at the ends, where all polynomials are largest, what one or two more
+/// degrees would change is more than what scatter makes. One alone may be small by chance, where the curve is even or odd.
+const LEFT_OUT: usize = 2;
+
 /// A fitted polynomial.
 #[derive(Debug, Clone)]
 pub(crate) struct Polynomial {
@@ -13,9 +17,12 @@ pub(crate) struct Polynomial {
     half: f64,
     /// One entry per degree.
     recurrence: Vec<Recurrence>,
+    /// Those of the fit, then those of the degrees above it.
     coefficients: Vec<f64>,
-    /// Variances of the coefficients.
+    /// Variances of the coefficients; of a degree that was left out the square of its coefficient, which the curve lacks.
     variances: Vec<f64>,
+    /// Degree of the fit.
+    order: usize,
 }
 
 /// p_{k+1} = (s - a) p_k - b p_{k-1} in scaled time s.
@@ -36,13 +43,16 @@ impl Polynomial {
     /// The fit of the order that Schwarz's criterion likes best, from 1 to `max`; or of the order `given`.
     pub(crate) fn fit(points: &Points<'_>, given: Option<usize>, max: usize) -> Self {
         let Stretch { middle: centre, half } = points.stretch();
-        let max = given.unwrap_or(max).min(points.t.len().saturating_sub(2));
+        let most = points.t.len().saturating_sub(2);
+        let max = given.unwrap_or(max).min(most);
+        let above = (max + LEFT_OUT).min(most);
         let s: Vec<f64> = points.t.iter().map(|t| (t - centre) / half).collect();
         let (mut now, mut before) = (vec![1.0; s.len()], vec![0.0; s.len()]);
         let mut residual = points.y.to_vec();
-        let mut fit = Self { centre, half, recurrence: vec![], coefficients: vec![], variances: vec![] };
+        let mut fit =
+            Self { centre, half, recurrence: vec![], coefficients: vec![], variances: vec![], order: 0 };
         let (mut norms, mut sums) = (Vec::new(), Vec::new());
-        for k in 0..=max {
+        for k in 0..=above {
             let weighted =
                 |f: &dyn Fn(usize) -> f64| -> f64 { (0..s.len()).map(|i| points.weight[i] * f(i)).sum() };
             let norm = weighted(&|i| now[i] * now[i]);
@@ -62,16 +72,19 @@ impl Polynomial {
         let score = |k: usize| points.criterion(sums[k], k + 1);
         let best = (1..=max).min_by(|&i, &j| score(i).total_cmp(&score(j))).unwrap_or(max);
         let order = given.map_or(best, |_| max);
-        fit.coefficients.truncate(order + 1);
-        fit.recurrence.truncate(order + 1);
+        let kept = (order + LEFT_OUT).min(above) + 1;
+        fit.coefficients.truncate(kept);
+        fit.recurrence.truncate(kept);
         let variance = points.variance(sums[order], order + 1);
-        fit.variances = norms[..=order].iter().map(|norm| variance / norm).collect();
+        let of = |k: usize| if k <= order { variance / norms[k] } else { fit.coefficients[k].powi(2) };
+        fit.variances = (0..kept).map(of).collect();
+        fit.order = order;
         fit
     }
 
     /// Degree of the polynomial.
     pub(crate) fn order(&self) -> usize {
-        self.coefficients.len() - 1
+        self.order
     }
 }
 
@@ -80,10 +93,11 @@ impl Smooth for Polynomial {
         let s = (t - self.centre) / self.half;
         let (mut now, mut before) = (Term { value: 1.0, slope: 0.0 }, Term { value: 0.0, slope: 0.0 });
         let mut sum = [0.0; 4];
-        for ((&Recurrence { a, b }, c), v) in
-            self.recurrence.iter().zip(&self.coefficients).zip(&self.variances)
+        for (k, ((&Recurrence { a, b }, c), v)) in
+            self.recurrence.iter().zip(&self.coefficients).zip(&self.variances).enumerate()
         {
             let Term { value: p, slope: q } = now;
+            let c = if k <= self.order { *c } else { 0.0 };
             let terms = [c * p, c * q, v * p * p, v * q * q];
             sum.iter_mut().zip(terms).for_each(|(sum, term)| *sum += term);
             let next =

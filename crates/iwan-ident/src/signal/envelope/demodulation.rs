@@ -7,7 +7,7 @@ use std::f64::consts::{PI, TAU};
 
 use rustfft::num_complex::Complex64;
 
-use super::super::isolate::Isolated;
+use super::super::isolated::Isolated;
 use super::traces::Traces;
 
 /// Whole cycles in the window, which passes ±4 f/CYCLES around the peak. Fewer let neighbouring modes in, more average over a decay

@@ -1,6 +1,7 @@
 //! How far the methods disagree on one record.
 
-use super::super::isolate::{Isolated, Options, isolate};
+use super::super::isolate::{Options, isolate};
+use super::super::isolated::Isolated;
 use super::instantaneous::{Envelope, Method};
 use crate::error::Error;
 

@@ -10,7 +10,7 @@ use std::f64::consts::{FRAC_PI_3, TAU};
 use nalgebra::{Matrix4, Vector4};
 
 use super::super::extrema::{Extremum, extrema};
-use super::super::isolate::{Isolated, Stretch};
+use super::super::isolated::{Isolated, Stretch};
 use super::peaks::{check_rate, half_turns};
 use super::traces::Trace;
 use crate::error::Error;

@@ -3,7 +3,7 @@
 use std::f64::consts::{PI, TAU};
 
 use super::super::extrema::{crossings, extrema};
-use super::super::isolate::{Isolated, Stretch};
+use super::super::isolated::{Isolated, Stretch};
 use super::traces::Trace;
 use crate::error::{Error, check};
 

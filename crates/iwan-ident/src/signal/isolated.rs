@@ -1,0 +1,300 @@
+//! A mode by itself: the window in which it can be trusted, its noise, and what its begin and end leave behind a filter.
+
+use std::ops::Range;
+
+use rustfft::num_complex::Complex64;
+
+use super::defects::clipped_until;
+use super::first_peak::{behind_the_blow, first_of_the_largest};
+use super::raw::{BEYOND, Raw, raw, widened};
+use super::spectrum::{Band, is_alone, strongest_line};
+use super::transients::{Ends, Known};
+use crate::error::Error;
+use crate::smooth::{Points, Polynomial, Smooth};
+
+/// The window needs so many cycles: an envelope by polynomials has then some thirty values for three coefficients and more.
+/// Fewer are refused.
+const CYCLES: usize = 8;
+/// … and so many values of amplitude and phase: four a cycle, less those of the three cycles that are trimmed.
+const VALUES: usize = 4 * CYCLES - 12;
+/// Times that the window is cut where the mode sinks into noise, each time with the noise estimated anew; one, two and
+/// eight cuts give the same windows on the records tried.
+const CUTS: usize = 4;
+/// Times that the mode is continued and its transients taken off, each time from a better knowledge of it.
+const PASSES: usize = 3;
+/// Blocks in which a quiet tail is looked for, and values that a block has at least: five cycles.
+const PHASE_BLOCKS: usize = 40;
+const LEAST_BLOCK: usize = 20;
+/// Root mean square of the phase's second differences, rad at four values a cycle, from which on there counts noise alone. An estimate for a
+/// mode about as loud as the noise in its band; not varied.
+const WANDERING: f64 = 0.6;
+/// Least relative scatter of an amplitude: that of rounding.
+const LEAST_SCATTER: f64 = 1e-12;
+/// The window ends where the amplitude falls to so many standard deviations of the noise in the band: there one value of
+/// ln A scatters by 20 %. Half and twice change nothing on the records tried down to 20 dB, which end before.
+const ABOVE_NOISE: f64 = 5.0;
+/// Relative residual that is noted when one spectral line makes most of it: damping beats by as much as the residual times
+/// the ratio of beat to decay. A judgement, …
+const NOTED: f64 = 0.01;
+/// … as is the one that is refused: there the instantaneous frequency of the sum is no longer that of a mode.
+const REFUSED: f64 = 0.1;
+/// Part of the residual's power in one line that makes it a component and not noise; a quarter and three quarters name the
+/// same components in the records tried (second modes of 3 to 50 %).
+const SHARE: f64 = 0.5;
+/// Highest degree of polynomials in time. On the Brake-Reuss record six degrees leave 6 % of damping at the start, twelve
+/// leave 3 %, and 24 allowed take twelve or thirteen.
+pub(crate) const MAX_ORDER: usize = 12;
+
+/// A mode by itself.
+#[derive(Debug, Clone)]
+pub struct Isolated {
+    /// The band-passed record, all of it.
+    pub samples: Vec<f64>,
+    /// Sampling interval, s.
+    pub dt: f64,
+    /// Band and spectral peak, Hz.
+    pub band: Band,
+    /// Samples between which amplitude and frequency can be trusted.
+    pub window: Range<usize>,
+    /// Standard deviation of the noise in the band, in the unit of the record (0 when it is not seen).
+    pub noise: f64,
+    /// What was found and done, in words.
+    pub notes: Vec<String>,
+    /// Independent values a second behind the filter.
+    pub(crate) bandwidth: f64,
+    /// Relative scatter of the amplitude apart from noise.
+    pub(crate) scatter: f64,
+    pub(crate) raw: Raw,
+}
+
+/// Some samples of a mode.
+pub(crate) struct Stretch<'a> {
+    /// Index of the first.
+    pub(crate) first: usize,
+    pub(crate) samples: &'a [f64],
+}
+
+/// How far one value of the log amplitude is off the smooth curve, squared, and the amplitude there.
+struct Scatter {
+    amplitude: f64,
+    square: f64,
+}
+
+impl Isolated {
+    /// Time of the sample `n`, s from the first.
+    #[must_use]
+    pub fn time(&self, n: usize) -> f64 {
+        n as f64 * self.dt
+    }
+
+    /// Start and end of the trusted window, s from the first sample.
+    #[must_use]
+    pub fn trusted(&self) -> (f64, f64) {
+        (self.time(self.window.start), self.time(self.window.end - 1))
+    }
+
+    /// The same with the weights of another record of the mode: smooth curves through both then err alike.
+    pub(crate) fn weighted_as(self, other: &Self) -> Self {
+        Self { noise: other.noise, scatter: other.scatter, ..self }
+    }
+
+    /// Whether the mode is the only one that stands out of the record `x` it was taken from.
+    pub(crate) fn is_alone(&self, x: &[f64]) -> bool {
+        is_alone(&x[..self.samples.len()], self.dt, &self.band)
+    }
+
+    /// Samples of the record `x` in free decay: from its largest on, or behind the last clipped one, to the end of the
+    /// trusted window; within `window` (s) if given.
+    pub(crate) fn free_decay(&self, x: &[f64], window: Option<(f64, f64)>) -> Range<usize> {
+        let x = &x[..self.samples.len()];
+        let start = self.first_peak(x).max(clipped_until(x).unwrap_or(0));
+        let wanted = window.map_or(0, |w| (w.0 / self.dt).ceil() as usize);
+        start.max(wanted).min(self.window.start)..self.window.end
+    }
+
+    /// Where the mode begins: with the record's first peak, but for one behind its own largest amplitude or a transient and more before it, which is
+    /// that of another mode, of an offset or of a drift.
+    pub(super) fn begin(&self, x: &[f64], trim: usize) -> usize {
+        let inside = self.samples.len().saturating_sub(trim).max(1);
+        let largest = first_of_the_largest(self.samples[..inside].iter().map(|y| y.abs()));
+        let own = self.first_peak(x);
+        if own <= largest && own + trim > largest { own } else { largest }
+    }
+
+    /// The first peak of the record `x` in free decay.
+    fn first_peak(&self, x: &[f64]) -> usize {
+        let mean = x.iter().sum::<f64>() / x.len() as f64;
+        let largest = first_of_the_largest(x.iter().map(|x| (x - mean).abs()));
+        behind_the_blow(x, mean, largest, 1.0 / (self.band.peak * self.dt))
+    }
+
+    /// The window and one cycle to either side: peaks and crossings then cover the whole window.
+    pub(crate) fn stretch(&self) -> Stretch<'_> {
+        let range = widened(&self.window, self.samples.len(), 1.0 / (self.band.peak * self.dt));
+        Stretch { first: range.start, samples: &self.samples[range] }
+    }
+
+    /// Weight of a logarithm of an amplitude or of a phase at this amplitude: scatter and noise together.
+    pub(crate) fn weight(&self, amplitude: f64) -> f64 {
+        if self.noise == 0.0 { 1.0 } else { 1.0 / (1.0 + (self.noise / (self.scatter * amplitude)).powi(2)) }
+    }
+
+    /// Number of independent values among `count` over the window.
+    pub(crate) fn effective(&self, count: usize) -> f64 {
+        (self.window.len() as f64 * self.dt * self.bandwidth).min(count as f64).max(2.0)
+    }
+
+    pub(crate) fn points<'a>(&self, t: &'a [f64], y: &'a [f64], weight: &'a [f64]) -> Points<'a> {
+        Points { t, y, weight, effective: self.effective(t.len()) }
+    }
+
+    /// Takes off what the filter makes of begin and end of the mode. Where no other mode begins there, the window then reaches back to the begin.
+    pub(super) fn without_transients(
+        &mut self,
+        x: &[f64],
+        ends: &Ends<'_>,
+        may_widen: bool,
+    ) -> Result<(), Error> {
+        self.take_off(ends)?;
+        let first = ends.decay.start + (BEYOND / (self.band.peak * self.dt)).ceil() as usize;
+        if may_widen && first < self.window.start && self.is_alone(x) {
+            self.window.start = first;
+            self.raw = raw(&self.samples, &self.window, self.dt, self.band.peak);
+            self.take_off(ends)?;
+        }
+        self.estimate_noise();
+        Ok(())
+    }
+
+    fn take_off(&mut self, ends: &Ends<'_>) -> Result<(), Error> {
+        let mut most = f64::INFINITY;
+        for _ in 0..PASSES {
+            let effective = self.effective(self.raw.t.len());
+            let Self { raw: known, window, dt, band, .. } = &*self;
+            let known = Known { raw: known, effective, window, dt: *dt, centre: band.peak };
+            let Some(filtered) = ends.filtered(&known, MAX_ORDER)?.filter(|f| f.left < most) else { break };
+            most = filtered.left;
+            self.samples = filtered.samples;
+            self.raw = raw(&self.samples, &self.window, self.dt, self.band.peak);
+        }
+        Ok(())
+    }
+
+    /// Cuts the window where the mode sinks into the noise, which is estimated from the scatter of the amplitude.
+    pub(super) fn end_at_noise(&mut self) -> Result<(), Error> {
+        self.cut_noise_alone();
+        for _ in 0..CUTS {
+            self.enough_cycles()?;
+            let fit = self.estimate_noise();
+            let limit = ABOVE_NOISE * self.noise;
+            let sunk = self.raw.t.iter().position(|&t| fit.at(t).value.exp() < limit);
+            let Some(at) = sunk else { break };
+            let t = self.raw.t[at];
+            self.notes
+                .push(format!("the mode sinks into noise (amplitude {limit:.6}) at {t:.6} s: cut there"));
+            self.window.end = (t / self.dt) as usize;
+            if self.window.end > self.window.start {
+                self.raw = raw(&self.samples, &self.window, self.dt, self.band.peak);
+            }
+        }
+        let fit = self.estimate_noise();
+        let ends = [0, self.raw.t.len() - 1].map(|i| fit.at(self.raw.t[i]).value);
+        if ends[1] >= ends[0] {
+            return Err(Error::Refused {
+                finding: format!(
+                    "the amplitude does not decay: {:.6} to {:.6}",
+                    ends[0].exp(),
+                    ends[1].exp()
+                ),
+                remedy: "choose a window in free decay, or another band",
+            });
+        }
+        Ok(())
+    }
+
+    /// Cuts off a tail in which there is nothing but noise: the phase wanders there from value to value, where that of a mode goes
+    /// on evenly. A curve through the amplitudes of the whole record would bend to such a tail.
+    fn cut_noise_alone(&mut self) {
+        let phase = &self.raw.phase;
+        let wanders: Vec<f64> = phase.windows(3).map(|p| (p[2] - 2.0 * p[1] + p[0]).powi(2)).collect();
+        let length = (wanders.len() / PHASE_BLOCKS).max(LEAST_BLOCK);
+        let is_noise = |block: &[f64]| block.iter().sum::<f64>() / block.len() as f64 > WANDERING * WANDERING;
+        let quiet = wanders.rchunks(length).take_while(|block| is_noise(block)).count();
+        let kept = wanders.len().saturating_sub(quiet * length);
+        if quiet == 0 || kept < VALUES {
+            return;
+        }
+        let t = self.raw.t[kept];
+        self.notes.push(format!("from {t:.6} s on there is nothing but noise in the band: cut there"));
+        self.window.end = (t / self.dt) as usize;
+        self.raw = raw(&self.samples, &self.window, self.dt, self.band.peak);
+    }
+
+    fn enough_cycles(&self) -> Result<(), Error> {
+        let length = self.window.end.saturating_sub(self.window.start) as f64 * self.dt;
+        let found = (length * self.band.peak) as usize;
+        if found >= CYCLES && self.raw.t.len() >= VALUES {
+            return Ok(());
+        }
+        let remedy = "record longer or louder, widen the band, or lower the filter order";
+        Err(Error::TooShort {
+            what: "cycles of the mode in the trusted window",
+            found,
+            needed: CYCLES,
+            remedy,
+        })
+    }
+
+    /// Scatter of the log amplitude: a constant part where it is loud, noise over amplitude where it is not.
+    fn estimate_noise(&mut self) -> Polynomial {
+        let count = self.raw.t.len();
+        let weight = vec![1.0; count];
+        let fit =
+            Polynomial::fit(&self.points(&self.raw.t, &self.raw.log_amplitude, &weight), None, MAX_ORDER);
+        let scatter = |i: usize| {
+            let log = fit.at(self.raw.t[i]).value;
+            Scatter { amplitude: log.exp(), square: (self.raw.log_amplitude[i] - log).powi(2) }
+        };
+        let mut all: Vec<Scatter> = (0..count).map(scatter).collect();
+        all.sort_by(|a, b| b.amplitude.total_cmp(&a.amplitude));
+        let quarter = count.div_ceil(4);
+        let mean = |part: &[Scatter], f: &dyn Fn(&Scatter) -> f64| {
+            part.iter().map(f).sum::<f64>() / part.len() as f64
+        };
+        self.scatter = mean(&all[..quarter], &|s| s.square).sqrt().max(LEAST_SCATTER);
+        self.noise = mean(&all[count - quarter..], &|s| s.square * s.amplitude * s.amplitude).sqrt();
+        fit
+    }
+
+    /// Looks for a second spectral line in what the smooth envelope leaves over.
+    pub(super) fn refuse_second_line(&mut self) -> Result<(), Error> {
+        let raw = &self.raw;
+        let weight = vec![1.0; raw.t.len()];
+        let fits = [&raw.log_amplitude, &raw.phase]
+            .map(|y| Polynomial::fit(&self.points(&raw.t, y, &weight), None, MAX_ORDER));
+        let left: Vec<_> = (0..raw.t.len())
+            .map(|i| {
+                let [log, phase] = [&fits[0], &fits[1]].map(|fit| fit.at(raw.t[i]).value);
+                let ratio = Complex64::new(raw.log_amplitude[i] - log, raw.phase[i] - phase);
+                ratio.exp() - 1.0
+            })
+            .collect();
+        let rms = (left.iter().map(Complex64::norm_sqr).sum::<f64>() / left.len() as f64).sqrt();
+        let line = strongest_line(&left, raw.t[1] - raw.t[0]);
+        if rms < NOTED || line.share < SHARE {
+            return Ok(());
+        }
+        let finding = format!(
+            "a second component {:.3} Hz from {:.3} Hz is {:.1} % of the first: the envelope beats",
+            line.offset.abs(),
+            self.band.peak,
+            100.0 * line.relative
+        );
+        if rms < REFUSED {
+            self.notes.push(finding);
+            return Ok(());
+        }
+        let remedy = "narrow the band to one mode, or separate the modes by mode shapes (modal filter)";
+        Err(Error::Refused { finding, remedy })
+    }
+}
