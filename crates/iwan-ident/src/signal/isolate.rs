@@ -82,8 +82,10 @@ pub fn isolate(x: &[f64], dt: f64, options: &Options) -> Result<Isolated, Error>
     };
     mode.end_at_noise()?;
     if let Some(filter) = &filter {
-        let ends = Ends { x, filter, decay: mode.begin(x, trim)..x.len(), reach: trim };
-        mode.without_transients(x, &ends, options.window.is_none() && clipped_until(x).is_none())?;
+        let (begin, shown) = mode.begin(x, trim);
+        let ends = Ends { x, filter, decay: begin..x.len(), reach: trim };
+        let may_widen = shown && options.window.is_none() && clipped_until(x).is_none();
+        mode.without_transients(x, &ends, may_widen)?;
     }
     mode.refuse_second_line()?;
     Ok(mode)

@@ -112,13 +112,13 @@ impl Isolated {
         start.max(wanted).min(self.window.start)..self.window.end
     }
 
-    /// Where the mode begins: with the record's first peak, but for one behind its own largest amplitude or a transient and more before it, which is
-    /// that of another mode, of an offset or of a drift.
-    pub(super) fn begin(&self, x: &[f64], trim: usize) -> usize {
+    /// Where the mode begins, and whether the record itself shows it there: its first peak, but for one behind the mode's own largest amplitude or
+    /// a transient and more before it, which is that of another mode, of an offset or of a drift.
+    pub(super) fn begin(&self, x: &[f64], trim: usize) -> (usize, bool) {
         let inside = self.samples.len().saturating_sub(trim).max(1);
         let largest = first_of_the_largest(self.samples[..inside].iter().map(|y| y.abs()));
         let own = self.first_peak(x);
-        if own <= largest && own + trim > largest { own } else { largest }
+        if own <= largest && own + trim > largest { (own, true) } else { (largest, false) }
     }
 
     /// The first peak of the record `x` in free decay.
@@ -174,7 +174,7 @@ impl Isolated {
             let known = Known { raw: known, effective, window, dt: *dt, centre: band.peak };
             let Some(filtered) = ends.filtered(&known, MAX_ORDER)?.filter(|f| f.left < most) else { break };
             most = filtered.left;
-            self.samples = filtered.samples;
+            self.samples[ends.decay.start..].copy_from_slice(&filtered.samples);
             self.raw = raw(&self.samples, &self.window, self.dt, self.band.peak);
         }
         Ok(())

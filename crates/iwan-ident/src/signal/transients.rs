@@ -2,7 +2,7 @@
 //!
 //! A filter answers to the sudden begin of a decay, and to the end of the record, by transients of its own as long as its memory: they are
 //! those of the mode that begins and ends, and that mode is known from the middle of the record. So the mode is continued to both ends,
-//! the filter is given what the record holds beside it, and the mode is put back.
+//! the filter is given what the record holds beside it, from the begin of the decay on and without the blow before it, and the mode is put back.
 
 use std::f64::consts::TAU;
 use std::ops::Range;
@@ -38,6 +38,7 @@ pub(super) struct Ends<'a> {
 
 /// The record behind the filter, without transients of the mode.
 pub(super) struct Filtered {
+    /// From the begin of the decay on.
     pub(super) samples: Vec<f64>,
     /// Sum of squares that the filter leaves outside the window once the mode is taken out of the record: of an exactly known mode none.
     pub(super) left: f64,
@@ -50,16 +51,18 @@ impl Ends<'_> {
         let Some(mode) = known.continued(self.x.len(), &self.decay, self.reach, order) else {
             return Ok(None);
         };
-        let rest: Vec<f64> = self.x.iter().zip(&mode).map(|(x, mode)| x - mode).collect();
+        let begin = self.decay.start;
+        let mode = &mode[begin..];
+        let rest: Vec<f64> = self.x[begin..].iter().zip(mode).map(|(x, mode)| x - mode).collect();
         let mut samples = self.filter.forward_backward(&rest)?;
-        let Range { start, end } = *known.window;
-        let outside = [start.saturating_sub(self.reach)..start, end..self.x.len().min(end + self.reach)];
+        let (first, last) = (known.window.start.saturating_sub(begin), known.window.end - begin);
+        let outside = [first.saturating_sub(self.reach)..first, last..rest.len().min(last + self.reach)];
         let sum = |y: &[f64]| outside.iter().flat_map(|part| &y[part.clone()]).map(|y| y * y).sum::<f64>();
         let left = sum(&samples);
-        if left > LEFT * LEFT * sum(&mode) {
+        if left > LEFT * LEFT * sum(mode) {
             return Ok(None);
         }
-        samples.iter_mut().zip(&mode).for_each(|(y, mode)| *y += mode);
+        samples.iter_mut().zip(mode).for_each(|(y, mode)| *y += mode);
         Ok(Some(Filtered { samples, left }))
     }
 }
