@@ -5,6 +5,10 @@ use crate::parameters::Parameters;
 
 /// Factors on K_T and F_S: a knee that was not seen can be mistaken by two either way.
 const FACTORS: [[f64; 2]; 5] = [[1.0, 1.0], [1.0, 2.0], [2.0, 1.0], [0.5, 1.0], [1.0, 0.5]];
+/// Factors on K_T and on F_S of a shared joint, all with all: what the modes show of it by themselves is the shared joint's only as long as one of them
+/// moves, and a knee that was not seen can be mistaken by four.
+const SHARED_K_T: [f64; 5] = [0.5, 0.7, 1.0, 1.4, 2.0];
+const SHARED_F_S: [f64; 5] = [0.25, 0.5, 1.0, 2.0, 4.0];
 /// Damping ratios of linear modes beside the one given.
 const DAMPING: [f64; 3] = [5e-4, 2e-3, 8e-3];
 /// Compliance times K_T to start with: three modes of the paper's beam have 0.29.
@@ -57,10 +61,10 @@ pub(super) fn shared(form: &Form, modes: &[Parameters]) -> Vec<Vec<f64>> {
     let size = |m: &Parameters| (m.k_t / first.k_t).sqrt();
     let mut starts = Vec::new();
     for signs in signs(modes.len()) {
-        for [k, f] in FACTORS {
+        let b: Vec<f64> = modes.iter().zip(&signs).map(|(m, sign)| sign * size(m)).collect();
+        for (k, f) in SHARED_K_T.iter().flat_map(|k| SHARED_F_S.map(|f| (k, f))) {
             let law = [k * first.k_t * (1.0 - COMPLIANCE), f * first.f_s, first.chi, first.beta.min(1.0)];
-            let b: Vec<f64> = modes.iter().zip(&signs).map(|(m, sign)| sign * size(m)).collect();
-            starts.push(form.start(modes, &[law], &[b], COMPLIANCE));
+            starts.push(form.start(modes, &[law], std::slice::from_ref(&b), COMPLIANCE));
         }
     }
     starts
