@@ -90,12 +90,12 @@ fn no_density_matches_its_damping_and_frequency_together(path: &Path) {
         // Damping by itself is matched by a density of some form, which then asks for another frequency.
         let words = alone.words(&four);
         assert!(alone.dissipation_misfit < 0.25 * four.dissipation_misfit, "{words}");
-        assert!(alone.frequency_misfit > 1.5 * four.frequency_misfit, "{words}");
+        assert!(alone.frequency_misfit > 1.3 * four.frequency_misfit, "{words}");
         // Both together are matched by none.
         assert!(found.mean_square > 20.0 && found.words(&four).contains("no density of sliders"));
         let share = (found.dissipation_misfit / four.dissipation_misfit).powi(2)
             + (found.frequency_misfit / four.frequency_misfit).powi(2);
-        assert!(share < 1.7, "nearer than the four parameters, which make 2: {share}");
+        assert!(share < 1.8, "nearer than the four parameters, which make 2: {share}");
     }
 }
 

@@ -100,36 +100,40 @@ impl Known<'_> {
         reach: usize,
         order: usize,
     ) -> Option<Vec<f64>> {
-        let length = FITTED * reach as f64 * self.dt;
-        let [first, last] = [self.raw.t.first()?, self.raw.t.last()?];
+        let stretch = FITTED * reach as f64 * self.dt;
+        let (first, last) = (*self.raw.t.first()?, *self.raw.t.last()?);
         let middle = self.curves(|_| true, None, order)?;
-        let begin = self.curves(|t| t <= first + length, Some(DEGREE), DEGREE)?;
-        let end = self.curves(|t| t >= last - length, Some(DEGREE), DEGREE)?;
-        let near = (NEAR * reach as f64) as usize;
-        let continues = [decay.start + near >= self.window.start, self.window.end + near >= decay.end];
-        let low = if continues[0] { decay.start } else { self.window.start.saturating_sub(reach) };
-        let high = if continues[1] { decay.end } else { (self.window.end + reach).min(samples) };
-        let fade = |away: usize, continues: bool| {
-            if continues { 1.0 } else { 1.0 - rise(away as f64 / reach as f64) }
-        };
-        let mut mode = vec![0.0; samples];
-        for n in low..high {
-            let t = n as f64 * self.dt;
-            let mix = |a: [f64; 2], b: [f64; 2], s: f64| [0, 1].map(|i| a[i] + s * (b[i] - a[i]));
-            let mut curve = mix(
-                begin.at(t.min(first + length)),
-                middle.at(t.clamp(*first, *last)),
-                rise((t - first) / length),
-            );
-            if t < *first {
-                curve = begin.at(t);
-            } else if t > last - length {
-                curve = mix(curve, end.at(t), rise((t - last + length) / length));
+        let begin = self.curves(|t| t <= first + stretch, Some(DEGREE), DEGREE)?;
+        let end = self.curves(|t| t >= last - stretch, Some(DEGREE), DEGREE)?;
+        // From the begin's own curve over that of the middle to the end's.
+        let curve = |t: f64| {
+            let mut curve = middle.at(t.clamp(first, last));
+            if t < first + stretch {
+                curve = mixed(begin.at(t), curve, rise((t - first) / stretch));
             }
-            let seen = fade(self.window.start.saturating_sub(n), continues[0])
-                * fade((n + 1).saturating_sub(self.window.end), continues[1]);
-            mode[n] = seen * curve[0].exp() * (curve[1] + TAU * (t * self.centre).fract()).cos();
-        }
+            if t > last - stretch {
+                curve = mixed(curve, end.at(t), rise((t - last + stretch) / stretch));
+            }
+            curve
+        };
+        let near = (NEAR * reach as f64) as usize;
+        let Range { start, end: stop } = *self.window;
+        let low = (decay.start + near >= start).then_some(decay.start);
+        let high = (stop + near >= decay.end).then_some(decay.end);
+        let faded = |away: usize| 1.0 - rise(away as f64 / reach as f64);
+        let at = |n: usize| {
+            let before =
+                low.map_or_else(|| faded(start.saturating_sub(n)), |low| f64::from(u8::from(n >= low)));
+            let behind = high
+                .map_or_else(|| faded((n + 1).saturating_sub(stop)), |high| f64::from(u8::from(n < high)));
+            if before * behind == 0.0 {
+                return 0.0;
+            }
+            let t = n as f64 * self.dt;
+            let [log, phase] = curve(t);
+            before * behind * log.exp() * (phase + TAU * (t * self.centre).fract()).cos()
+        };
+        let mode: Vec<f64> = (0..samples).map(at).collect();
         mode.iter().all(|x| x.is_finite()).then_some(mode)
     }
 
@@ -145,6 +149,11 @@ impl Known<'_> {
         };
         Some(Curves([of(&self.raw.log_amplitude)?, of(&self.raw.phase)?]))
     }
+}
+
+/// From `a` to `b` as `share` goes from 0 to 1.
+fn mixed(a: [f64; 2], b: [f64; 2], share: f64) -> [f64; 2] {
+    [0, 1].map(|i| a[i] + share * (b[i] - a[i]))
 }
 
 /// From 0 to 1 over 0 to 1, with slopes of nothing at both.
