@@ -150,7 +150,7 @@ impl Extracted<'_> {
             value: |e, i| 100.0 * e.damping_ratio[i],
             sd: Some(|e, i| 100.0 * e.damping_ratio_sd[i]),
         };
-        let bands = "The pale band is 95 % of the noise of the method chosen; where the methods differ by more, the \
+        let bands = "The pale band is what the method chosen may be wrong by, at 95 %; where the methods differ by more, the \
             difference is theirs.";
         vec![
             self.figure(

@@ -51,7 +51,7 @@ struct Panel {
     over: Value,
     /// On the axis of y.
     value: Value,
-    /// Lower and upper edge of the pale band: 95 % of the noise.
+    /// Lower and upper edge of the pale band: what the curve may be wrong by, at 95 %.
     edges: fn(&Curves, usize) -> (f64, f64),
 }
 
@@ -132,7 +132,7 @@ impl Fitted<'_> {
     /// Frequency and damping against amplitude, dissipation against force.
     pub(super) fn curves(&self) -> Vec<Figure> {
         let level = || Axis::log("amplitude of displacement", &self.units.displacement);
-        let pale = "Points: the record, with 95 % of its noise as the pale band. Line: the fitted model's ring-down, by the \
+        let pale = "Points: the record, with what it may be wrong by, at 95 %, as the pale band. Line: the fitted model's ring-down, by the \
             same method.";
         let force =
             if matches!(self.i.curves[0].axis, ForceAxis::Modal) { "modal force" } else { "joint force" };

@@ -140,7 +140,8 @@ impl Verdict {
     }
 }
 
-/// How far a model is from measured values, and how far noise is: root mean squares.
+/// How far a model is from measured values (root mean square), and how far noise is (the median: the ends of a curve are known worst, and excuse
+/// nothing in its middle).
 struct Distance {
     misfit: f64,
     noise: f64,
@@ -149,11 +150,10 @@ struct Distance {
 impl Distance {
     fn of(values: &[Compared]) -> Self {
         let n = values.len() as f64;
-        let sum = |square: &dyn Fn(&Compared) -> f64| values.iter().fold(0.0, |s, c| s + square(c) / n);
-        Self {
-            misfit: sum(&|c| (c.measured - c.model).powi(2)).sqrt(),
-            noise: sum(&|c| c.deviation.powi(2)).sqrt(),
-        }
+        let square = values.iter().fold(0.0, |s, c| s + (c.measured - c.model).powi(2) / n);
+        let mut deviations: Vec<f64> = values.iter().map(|c| c.deviation).collect();
+        deviations.sort_by(f64::total_cmp);
+        Self { misfit: square.sqrt(), noise: deviations.get(values.len() / 2).copied().unwrap_or(0.0) }
     }
 }
 

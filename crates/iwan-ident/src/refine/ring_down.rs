@@ -54,8 +54,10 @@ pub struct Refined {
 }
 
 impl Refined {
-    /// Whether what is left of `count` values looks like white noise: neighbours are not correlated.
+    /// Whether what is left of `count` values looks like white noise: neighbours are not correlated, and nothing that the law misses was set aside
+    /// before.
     pub(crate) fn leaves_noise(&self, count: usize) -> bool {
-        self.correlation < STILL_NOISE / (count as f64).sqrt()
+        let missed = self.discrepancy.dissipation > 0.0 || self.discrepancy.frequency > 0.0;
+        !missed && self.correlation < STILL_NOISE / (count as f64).sqrt()
     }
 }
