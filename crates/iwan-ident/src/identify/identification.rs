@@ -11,8 +11,8 @@ use crate::profile::{Profile, Profiles};
 use crate::refine::{Discrepancy, Refined};
 use crate::signal::Envelope;
 
-/// Part of the range of frequencies seen by which the frequency at rest may lie above them before a sentence says so: a joint goes on to stiffen below the
-/// quietest cycle, in usual records by up to a third of what was seen.
+/// Part of the range of frequencies seen by which the frequency at rest may lie above them before a sentence says so. A joint goes on to stiffen
+/// below the quietest cycle: of forty random ring-downs of 60 to 300 cycles thirty go beyond this, half beyond 0.85, one beyond 10.
 const EXTRAPOLATED: f64 = 0.5;
 
 /// The simplest model: a linear mode with viscous damping, and whether it is enough.
