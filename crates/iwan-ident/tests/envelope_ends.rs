@@ -110,7 +110,6 @@ fn stated_deviations_hold_at_both_ends() {
                 count[1] += usize::from(end[2].abs() > 3.0);
             }
         }
-        println!("{noise} {offset} {other} {beyond:?}");
         assert!(beyond.iter().flatten().all(|n| *n <= 6), "{noise} {offset} {other}: {beyond:?} of 40");
     }
 }

@@ -14,11 +14,11 @@ const WINDOWS: [(f64, (usize, f64), usize); 4] =
 /// records at hand.
 const LAST: (usize, f64) = (60, 1e-6);
 
-/// Starts that are searched from, of those that leave least: a search costs as much as some dozen starts. Twenty were searched, none of them the
-/// right one, for two modes of which either shows the other's slip in its own curves.
+/// Starts that are searched from, of those that leave least. Twenty starts next to the modes' own curves, none held against the records first, led two modes
+/// that share a joint to a minimum that leaves 8 % in place of 0.04 %; the number itself was not varied.
 const SEARCHED: usize = 20;
-/// Searches of [`LAST`] that go on from the last window where it ended before its minimum: one brought the slowest of those met there. A model that
-/// is not at its minimum after all of them says so (`converged`).
+/// Searches of [`LAST`] at most that go on from the last window where it ended before its minimum; not varied. A model that is not at its
+/// minimum after all of them says so (`converged`).
 const FURTHER: usize = 4;
 
 /// The unknowns that tell the records best. The whole of them is taken in the end.

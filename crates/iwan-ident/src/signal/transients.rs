@@ -16,9 +16,11 @@ use crate::smooth::{Points, Polynomial, Smooth};
 const FITTED: f64 = 2.0;
 /// Points of the analytic signal that a fit of an end needs: five cycles of four. With fewer the mode is not continued.
 const LEAST_POINTS: usize = 20;
-/// Degree of the continuation: over some ten cycles a joint bends ln A and the phase little more than evenly.
+/// Degree of the continuation: a straight line would miss how a joint bends ln A and the phase, and a cubic runs off. Not
+/// varied.
 const DEGREE: usize = 2;
-/// Part of the amplitude in the band outside the window that a continuation may leave.
+/// Part of the amplitude in the band outside the window that a continuation may leave: one that leaves more than half does not know the mode. A
+/// judgement, not varied.
 const LEFT: f64 = 0.5;
 /// An end of the decay within so many transients of the window is what the window begins or ends for; farther off something else is, and the
 /// mode is faded out in place of continued.

@@ -11,8 +11,8 @@ use super::traces::{Trace, Traces};
 use crate::error::Error;
 use crate::smooth::{LocalFit, Polynomial, Smooth, Spline};
 
-/// Half the stretch, in independent values, over which scatter is compared with that of the whole: eight of them on either side are known within a
-/// quarter, and are as long as a filter's transient.
+/// Half the stretch, in independent values, over which scatter is compared with that of the whole: some four automatic filter memories, the length of a
+/// transient. Not varied.
 const EIGHT: f64 = 8.0;
 
 /// Envelope and frequency of one mode of a record `x`, sampled every `dt` seconds.
