@@ -109,7 +109,7 @@ fn swapped_and_reversed_channels_are_named_with_their_file() {
 #[test]
 fn sensors_that_rove_under_a_fixed_hammer_make_one_shape() {
     let place = folder("");
-    // Two sensors, four runs of two hits: each run has a file of its own.
+    // Two sensors, four runs of two hits: each hit has a file of its own, every other run in MATLAB's format.
     let mut table =
         "[[channel]]\nname = \"hammer\"\npoint = \"1\"\ndirection = \"z\"\nrole = \"force\"\n".to_string();
     let mut names = String::new();
@@ -120,12 +120,14 @@ fn sensors_that_rove_under_a_fixed_hammer_make_one_shape() {
                 name: name.into(),
                 ..own.responses[2 * run as usize + k].clone()
             };
-            let file = format!("run{run}-{hit}.csv");
-            write(
-                place.path(),
-                &file,
-                &Hit { responses: vec![pair(0, "left"), pair(1, "right")], ..own.clone() },
-            );
+            let both = Hit { responses: vec![pair(0, "left"), pair(1, "right")], ..own.clone() };
+            let file =
+                if run % 2 == 0 { format!("run{run}-{hit}.csv") } else { format!("run{run}-{hit}.mat") };
+            if run % 2 == 0 {
+                write(place.path(), &file, &both);
+            } else {
+                std::fs::write(place.path().join(&file), matlab(&both)).unwrap();
+            }
             for (k, name) in ["left", "right"].iter().enumerate() {
                 write!(
                     table,
@@ -138,7 +140,10 @@ fn sensors_that_rove_under_a_fixed_hammer_make_one_shape() {
         }
     }
     std::fs::write(place.path().join("points.toml"), table).unwrap();
-    let found = run(place.path(), &format!("{names} --points points.toml --band 60:480 --out out"));
+    let found = run(
+        place.path(),
+        &format!("{names} --points points.toml --quantity acceleration --band 60:480 --out out"),
+    );
     assert_eq!(
         (found["channels"].as_array().unwrap().len(), &found["mass_normalised"]),
         (8, &Value::Bool(true))
@@ -173,12 +178,20 @@ fn geometry_and_shapes_come_and_go_as_universal_files() {
         .unwrap();
     }
     geometry += "    -1\n    -1\n    82\n         1         4         0\nedge\n         1         2         3         4\n    -1\n";
+    geometry += "    -1\n  2412\n         1        44         1         1         7         4\n         5         6         7         8\n    -1\n";
     std::fs::write(place.path().join("plate.unv"), geometry).unwrap();
     run(place.path(), "hit.csv --at 1:+z --points plate.unv --band 60:480 --out out");
     let written = std::fs::read(place.path().join("out/shapes.uff")).unwrap();
     let model = iwan_io::uff_model("shapes.uff".as_ref(), &written).unwrap();
-    assert_eq!((model.nodes.len(), model.edges(), model.modes.len()), (8, vec![[1, 2], [2, 3], [3, 4]], 4));
+    assert_eq!(
+        (model.nodes.len(), model.edges(), model.modes.len()),
+        (8, vec![[1, 2], [2, 3], [3, 4], [5, 6], [5, 8], [6, 7], [7, 8]], 4)
+    );
     assert_eq!(model.nodes[6].position, [2.0, 0.0, 1.0]);
+    let again = std::fs::read(place.path().join("out/geometry.unv")).unwrap();
+    let again = iwan_io::uff_model("geometry.unv".as_ref(), &again).unwrap();
+    assert_eq!((&again.nodes, again.edges()), (&model.nodes, model.edges()));
+    assert_eq!(again.elements[0], (44, vec![5, 6, 7, 8]));
     let shape = model.modes[0].mass_normalised().unwrap();
     let table = csv(&place.path().join("out/shapes.csv"));
     let column = |name: &str| table.iter().find(|c| c.0 == name).unwrap().1[0];

@@ -188,3 +188,19 @@ fn values_that_are_not_finite_move_nothing() {
 fn densities_that_overflow_are_refused() {
     assert!(FourParameter::from_density(1.0, 0.0, 1e300, 1e300).is_err());
 }
+
+#[test]
+fn a_pulse_does_nothing_before_it_begins() {
+    let samples = [1.0, 2.0, 0.5];
+    let pulses = [
+        Pulse::Haversine { amplitude: 2.0, duration: 1.6e-3 },
+        Pulse::HalfSine { amplitude: 2.0, duration: 1.6e-3 },
+        Pulse::Step { amplitude: 2.0, duration: 1.0 },
+        Pulse::Sine { amplitude: 2.0, frequency: 50.0, duration: f64::INFINITY },
+        Pulse::Sampled { dt: 1e-3, samples: &samples },
+    ];
+    for pulse in pulses {
+        assert_eq!([-1e-9, -3e-4, -1.0].map(|t| pulse.at(t)), [0.0; 3], "{pulse:?}");
+        assert!(pulse.at(4e-4) > 0.0, "{pulse:?}");
+    }
+}

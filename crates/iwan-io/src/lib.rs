@@ -44,6 +44,7 @@ pub use table::{Table, TableError};
 pub use text::{Columns, parse_table, read_table};
 pub use time_unit::{TimeUnit, UnknownTimeUnit};
 pub use uff::{
-    NodalDirection, UffFunction, UffModel, functions as uff_functions, model as uff_model, write as write_uff,
+    NodalDirection, ROD, UffFunction, UffModel, functions as uff_functions, model as uff_model,
+    write as write_uff,
 };
 pub use warning::Warning;

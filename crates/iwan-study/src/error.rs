@@ -38,6 +38,14 @@ pub enum Error {
         /// What was said.
         source: iwan_ident::Error,
     },
+    /// A modal test.
+    #[error("{place}: {source}")]
+    Modal {
+        /// What was being computed.
+        place: String,
+        /// What was said.
+        source: iwan_modal::Error,
+    },
     /// Measured curves that a structure cannot be updated from.
     #[error("{place}: {finding}; {remedy}")]
     Update {
@@ -82,6 +90,12 @@ impl Error {
     pub(crate) fn identification(place: &str) -> impl Fn(iwan_ident::Error) -> Self + use<> {
         let place = place.to_owned();
         move |source| Self::Identification { place: place.clone(), source }
+    }
+
+    /// Makes a modal test's error one of a study.
+    pub(crate) fn modal(place: &str) -> impl Fn(iwan_modal::Error) -> Self + use<> {
+        let place = place.to_owned();
+        move |source| Self::Modal { place: place.clone(), source }
     }
 }
 

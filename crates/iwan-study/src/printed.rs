@@ -33,6 +33,11 @@ pub const TABLE_2: [PrintedJoint; 3] = [
     PrintedJoint { k_t: 8.73e5, f_s: 534.6, chi: -0.048, beta: 0.38 },
 ];
 
+/// Table 3, with the link: damping ratios of the first three elastic modes with the bolts at 50 in-lbf and without bungees, and with the bolts
+/// at 5 in-lbf on bungees.
+pub const TABLE_3_WITH_LINK: [[f64; 2]; 3] = [[2.5e-4, 1.5e-3], [3e-4, 6e-4], [2.5e-4, 1.8e-3]];
+/// Table 4: level of the impact over the hardest, and slope of ln D over ln force there.
+pub const TABLE_4: [[f64; 2]; 3] = [[0.5, 2.096], [0.7, 2.168], [1.0, 2.398]];
 /// Band of mode 1 in the laboratory, Hz (Sec. 4.4).
 pub const BAND: Span = Span { from: 120.0, to: 135.0 };
 

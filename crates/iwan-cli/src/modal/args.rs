@@ -14,7 +14,7 @@ use crate::session::Place;
 ///
 /// Reads force and responses of many points (UFF/UNV dataset 58 with nodes and directions, CSV and other text, MATLAB, NPZ; measured
 /// frequency responses as dataset 58 functions), finds the hits in long records, says what is wrong with them, and fits the modes of all
-/// responses together. Writes modal.json, frf.csv, shapes.csv (for `iwan fit --shapes`), shapes.uff and report.html into one folder.
+/// responses together. Writes modal.json, frf.csv, shapes.csv (for `iwan fit --shapes`), shapes.uff, geometry.unv (where points have positions) and report.html into one folder.
 #[derive(Debug, Args)]
 #[command(after_help = MODAL_EXAMPLES)]
 #[allow(clippy::struct_excessive_bools, reason = "each is a switch of its own on the command line")]

@@ -2,7 +2,7 @@
 
 use super::analysis::analyse;
 use super::args::ModalArgs;
-use super::files::{frf_columns, shape_columns, universal};
+use super::files::{frf_columns, geometry, shape_columns, universal};
 use super::hits::Test;
 use super::linearity::hardest;
 use super::report::render;
@@ -17,11 +17,16 @@ pub(crate) const MODAL: &str = "modal.json";
 pub(crate) const SHAPES: &str = "shapes.csv";
 const RESPONSES: &str = "frf.csv";
 const UNIVERSAL: &str = "shapes.uff";
+/// Points and elements; only where positions are known.
+const GEOMETRY: &str = "geometry.unv";
 
 /// Runs the command.
 pub(crate) fn run(args: &ModalArgs) -> Result<(), Failure> {
     let test = Test::read(args)?;
-    let mut session = Session::open(args.place(), &args.common, [MODAL, RESPONSES, SHAPES, UNIVERSAL, PAGE])?;
+    let placed = !test.geometry.points.is_empty();
+    let files =
+        [MODAL, RESPONSES, SHAPES, UNIVERSAL].into_iter().chain(placed.then_some(GEOMETRY)).chain([PAGE]);
+    let mut session = Session::open(args.place(), &args.common, files)?;
     let levels = analyse(&test, args)?;
     let chosen = args.level.get() - 1;
     let Some(level) = levels.get(chosen) else {
@@ -33,6 +38,9 @@ pub(crate) fn run(args: &ModalArgs) -> Result<(), Failure> {
     session.columns(RESPONSES, &frf_columns(level), Format::Csv)?;
     session.columns(SHAPES, &shape_columns(&level.fit), Format::Csv)?;
     session.file(UNIVERSAL, universal(&test, level).as_bytes())?;
+    if placed {
+        session.file(GEOMETRY, geometry(&test, level).as_bytes())?;
+    }
     session.summary(MODAL, &summary)?;
     session.page(&render(&test, &levels, level, decay.as_ref(), &summary))?;
     session.finish(&summary)

@@ -1,6 +1,9 @@
 //! Figures of a modal analysis: composite response with fit, drive point, coherence, stabilisation chart, zeroed spectra, shapes of
 //! levels beside each other.
 
+use iwan_modal::fit::Fitted;
+use iwan_modal::responses::FrequencyResponses;
+
 use super::analysis::{Level, alike};
 use super::linearity::Decay;
 use crate::page::decimate::thin;
@@ -19,15 +22,14 @@ fn crests(points: &[(f64, f64)]) -> Points {
 }
 
 /// Composite response and fit.
-pub(super) fn composite(level: &Level) -> Figure {
-    let fitted = &level.fit.fitted;
+pub(crate) fn composite(responses: &FrequencyResponses, fitted: &Fitted) -> Figure {
     let count = fitted.curves.first().map_or(0, Vec::len);
     let n = fitted.curves.len().max(1) as f64;
-    let frequency = |k: usize| level.responses.frequency(fitted.first + k);
-    let measured = level.responses.composite();
+    let frequency = |k: usize| responses.frequency(fitted.first + k);
+    let measured = responses.composite();
     let of_fit = |k: usize| (fitted.curves.iter().map(|c| c[k].norm_sqr()).sum::<f64>() / n).sqrt();
     let left = |k: usize| {
-        let f = level.responses.functions.iter().zip(&fitted.curves);
+        let f = responses.functions.iter().zip(&fitted.curves);
         (f.map(|(f, c)| (f.values[fitted.first + k] - c[k]).norm_sqr()).sum::<f64>() / n).sqrt()
     };
     let points = |value: &dyn Fn(usize) -> f64| -> Points {

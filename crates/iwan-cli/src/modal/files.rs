@@ -1,14 +1,17 @@
-//! The files of `iwan modal`: `frf.csv`, `shapes.csv` and `shapes.uff`.
+//! The files of `iwan modal`: `frf.csv`, `shapes.csv`, `shapes.uff` and `geometry.unv`.
 
 use std::collections::BTreeMap;
 
-use iwan_io::write_uff::{ModalScale, NodalMode, Node, functions, lines, modes, nodes};
+use iwan_io::write_uff::{
+    ModalScale, NodalMode, Node, elements, functions, lines, modes, nodes, nodes_in_full,
+};
 use iwan_io::{NodalDirection, Quantity, UffFunction};
 use iwan_modal::ModalFit;
 use iwan_modal::measure::{Freedom, Motion};
 use iwan_modal::modes::Scale;
 
 use super::analysis::Level;
+use super::geometry::Element;
 use super::hits::Test;
 
 /// Columns of the frequency responses in the band: frequency, then for each function real and imaginary part, those of the fit, and coherence.
@@ -47,12 +50,7 @@ pub(super) fn shape_columns(fit: &ModalFit) -> Vec<(String, Vec<f64>)> {
 /// Points, shapes and frequency responses for other programs.
 pub(super) fn universal(test: &Test, level: &Level) -> String {
     let numbers = Numbers::new(&level.fit);
-    let positions: Vec<Node> = test
-        .geometry
-        .points
-        .iter()
-        .filter_map(|p| Some(Node { number: numbers.get(&p.name)?, position: p.position }))
-        .collect();
+    let positions = positions(test, &numbers);
     let mut text = if positions.is_empty() { String::new() } else { nodes(&positions) };
     let drawn = |[a, b]: &[String; 2]| Some(vec![numbers.get(a)?, numbers.get(b)?]);
     text += &lines(&test.geometry.edges.iter().filter_map(drawn).collect::<Vec<_>>());
@@ -78,6 +76,24 @@ pub(super) fn universal(test: &Test, level: &Level) -> String {
     };
     text += &modes(&level.fit.modes.iter().map(mode).collect::<Vec<_>>());
     text + &functions(&responses(level, &numbers))
+}
+
+/// Points in all their digits, and elements between them, for programs that draw shapes on them and for `--points`.
+pub(super) fn geometry(test: &Test, level: &Level) -> String {
+    let numbers = Numbers::new(&level.fit);
+    let of = |element: &Element| {
+        let nodes = element.points.iter().map(|p| numbers.get(p)).collect::<Option<Vec<i64>>>()?;
+        Some((element.kind, nodes))
+    };
+    let elements_measured: Vec<_> = test.geometry.elements.iter().filter_map(of).collect();
+    let text = nodes_in_full(&positions(test, &numbers));
+    if elements_measured.is_empty() { text } else { text + &elements(&elements_measured) }
+}
+
+/// Points that were measured and whose position is known.
+fn positions(test: &Test, numbers: &Numbers) -> Vec<Node> {
+    let points = test.geometry.points.iter();
+    points.filter_map(|p| Some(Node { number: numbers.get(&p.name)?, position: p.position })).collect()
 }
 
 fn responses(level: &Level, numbers: &Numbers) -> Vec<UffFunction> {

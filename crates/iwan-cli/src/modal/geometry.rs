@@ -3,14 +3,31 @@
 use std::path::Path;
 
 use iwan_input::{ModalTable, PointEntry};
+use iwan_io::{ROD, UffModel};
 
 use crate::failure::Failure;
 
-/// Points with positions, and pairs of them with a line between.
+/// Points with positions, and what lies between them.
 #[derive(Debug, Clone, Default)]
 pub(super) struct Geometry {
     pub(super) points: Vec<PointEntry>,
+    /// Pairs of points with a line between, for drawings.
     pub(super) edges: Vec<[String; 2]>,
+    /// The same for programs that know elements alone: elements as they were given, lines as rods.
+    pub(super) elements: Vec<Element>,
+}
+
+/// An element: the code of its kind in universal files, and its points.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct Element {
+    pub(super) kind: i64,
+    pub(super) points: Vec<String>,
+}
+
+impl Element {
+    fn rod(ends: &[String; 2]) -> Self {
+        Self { kind: ROD, points: ends.to_vec() }
+    }
 }
 
 /// Whether a file begins as universal files do.
@@ -25,7 +42,8 @@ impl Geometry {
         let pairs = |line: &Vec<String>| -> Vec<[String; 2]> {
             line.windows(2).map(|w| [w[0].clone(), w[1].clone()]).collect()
         };
-        Self { points: table.points.clone(), edges: table.lines.iter().flat_map(pairs).collect() }
+        let edges: Vec<[String; 2]> = table.lines.iter().flat_map(pairs).collect();
+        Self { points: table.points.clone(), elements: edges.iter().map(Element::rod).collect(), edges }
     }
 
     /// Adds what a universal file says of points that are not known yet; returns what was left out of it.
@@ -38,6 +56,12 @@ impl Geometry {
                 self.points.push(PointEntry { name: own, position: node.position });
             }
         }
+        for (kind, nodes) in &model.elements {
+            let points = nodes.iter().map(ToString::to_string).collect();
+            self.elements.push(Element { kind: *kind, points });
+        }
+        let lines = UffModel { elements: Vec::new(), ..model.clone() }.edges();
+        self.elements.extend(lines.iter().map(|edge| Element::rod(&edge.map(|n| n.to_string()))));
         for edge in model.edges() {
             let edge = edge.map(|n| n.to_string());
             if !self.edges.contains(&edge) {

@@ -15,3 +15,4 @@ mod command;
 
 pub(crate) use args::ModalArgs;
 pub(crate) use command::{MODAL, SHAPES, run};
+pub(crate) use figures::composite;

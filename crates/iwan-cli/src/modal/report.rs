@@ -20,7 +20,12 @@ pub(super) fn render(
     decay: Option<&Decay>,
     summary: &ModalSummary,
 ) -> String {
-    let figures = [Some(composite(level)), Some(response(level)), chart(level), coherence(level)];
+    let figures = [
+        Some(composite(&level.responses, &level.fit.fitted)),
+        Some(response(level)),
+        chart(level),
+        coherence(level),
+    ];
     let figures: Vec<_> = figures.into_iter().flatten().collect();
     let zeroed: Vec<_> = decay.iter().flat_map(|d| [fan(d, summary.band.into()), misfits(d)]).collect();
     let body = html! {

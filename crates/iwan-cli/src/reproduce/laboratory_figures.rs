@@ -1,9 +1,10 @@
-//! Figs. 14 to 17: from many sensors to dissipation against force.
+//! Sec. 4 with Figs. 14 to 17: from hits to frequency responses, and from many sensors to dissipation against force.
 
-use iwan_study::laboratory::{DrawnSensor, Hit, Laboratory, Table4Row};
+use iwan_study::laboratory::{DrawnSensor, Hit, Laboratory, ModalTest, Table4Row};
 
 use super::plate::{Plate, Section};
 use super::units::ACCELERATION;
+use crate::modal::composite;
 use crate::page::decimate::{history, thin};
 use crate::page::figure::{Axis, Figure, Layer, Mark, colour};
 
@@ -24,6 +25,7 @@ pub(super) fn plates(lab: &Laboratory) -> Vec<Plate> {
     let mut plates = Vec::new();
     let mut add = |id: &str, section, figure| plates.push(Plate { id: id.into(), section, figure });
     let (first, second) = (Section::Figures14And15, Section::Figures16And17);
+    add("section-4-responses", first, responses(&lab.test));
     if let Some(loudest) = lab.hits.last() {
         add("figure-14-sensors", first, sensors(loudest));
         add("figure-14-misfit", first, misfit(loudest));
@@ -34,6 +36,20 @@ pub(super) fn plates(lab: &Laboratory) -> Vec<Plate> {
     add("figure-17-without-viscous", second, without_viscous(lab));
     add("table-4-slopes", second, slopes(lab));
     plates
+}
+
+/// The modal test that everything else begins with.
+fn responses(test: &ModalTest) -> Figure {
+    Figure {
+        title: "Sec. 4: frequency responses of the modal test".into(),
+        caption: format!(
+            "Root mean square over {} sensors, five hits of {} N; the fit is that of mode isolation, all modes refined together.",
+            test.responses.functions.len(),
+            test.force
+        ),
+        y: Axis::log("acceleration per force", "m/s\u{b2}/N"),
+        ..composite(&test.responses, &test.fit.fitted)
+    }
 }
 
 /// A record's samples with the sampling interval its envelope was made from.

@@ -212,9 +212,16 @@ pub(super) fn tables_3_and_4(summary: &Summary, lab: &Laboratory) -> Markup {
             vec![
                 row.mode.clone(),
                 format!("{:.3}", row.frequency),
+                format!("{:.3} \u{b1} {:.1e}", row.frequency_found, row.frequency_sd),
                 format!("{:.4} %", 100.0 * row.damping_ratio),
-                shown(row.printed_frequency),
-                shown(row.printed_damping_ratio),
+                format!(
+                    "{:.4} \u{b1} {:.4} %",
+                    100.0 * row.damping_ratio_found,
+                    100.0 * row.damping_ratio_sd
+                ),
+                format!("{:.6}", row.mac),
+                format!("{:+.2} %", 100.0 * row.scale_error),
+                row.printed_damping_ratios.map(|z| format!("{} %", short(100.0 * z))).join(", "),
             ]
         })
         .collect();
@@ -236,10 +243,19 @@ pub(super) fn tables_3_and_4(summary: &Summary, lab: &Laboratory) -> Markup {
     let found = &summary.lab;
     html! {
         h3 { "Table 3" }
-        (table(&["mode", "frequency, Hz", "suspension", "printed frequency, Hz", "printed damping"], &rows_3))
-        p.caption { "Printed (Table 3), damping ratios of the first three elastic modes: 0.01, 0.025, 0.02 % without link and bungees; 0.025, 0.03, 0.025 % \
-             with the link at 50 in-lbf; 0.016, 0.055, 0.045 % with bungees alone; 0.15, 0.06, 0.18 % with bungees and the link at 5 in-lbf. Here \
-             the level is assumed, the same in all modes." }
+        p {
+            "The modal test: five hits of " (lab.test.force) " N, responses of " (lab.test.responses.functions.len()) " sensors, mode isolation in " (lab.test.fit.band.0) " to "
+            (lab.test.fit.band.1) " Hz. Its shapes are those that the records of Figs. 14 to 17 are divided by."
+        }
+        (table(
+            &[
+                "mode", "true frequency, Hz", "by the test", "suspension", "damping by the test", "MAC", "scale of the shape", "printed damping",
+            ],
+            &rows_3,
+        ))
+        p.caption { "True frequencies are those at rest; under the hits joints soften the modes, and take the damping that is above the suspension's. MAC and scale of the mass-normalised shape \
+             are against the true one. Printed: with the link at 50 in-lbf without bungees, and at 5 in-lbf with them; without the link 0.01, 0.025, 0.02 %, on \
+             bungees 0.016, 0.055, 0.045 %." }
         h3 { "Table 4" }
         (table(
             &["hit", "modal force, \u{221a}kg\u{b7}m/s\u{b2}", "slope within the record", "less viscous", "slope from the softer hit", "less viscous", "printed"],

@@ -110,10 +110,11 @@ impl Pulse<'_> {
         Ok(self)
     }
 
-    /// Force at time `t`.
+    /// Force at time `t`; 0 before t = 0, when the pulse begins.
     #[must_use]
     pub fn at(&self, t: f64) -> f64 {
         match *self {
+            _ if t < 0.0 => 0.0,
             Self::Haversine { amplitude, duration } if t < duration => {
                 0.5 * amplitude * (1.0 - libm::cos(2.0 * PI * t / duration))
             }

@@ -4,7 +4,7 @@ use super::settings::{ModeRecord, Settings};
 use crate::curves::{Curves, ForceAxis};
 use crate::error::Error;
 use crate::parameters::Parameters;
-use crate::refine::{RingDown, Sampling, TurningPoint};
+use crate::refine::{RingDown, Sampling, TurningPoint, check_rate};
 use crate::signal::{Band, Envelope, Isolated, Options, isolate};
 
 /// A record with its mode taken out, its curves, and the samples that are compared with the model.
@@ -24,6 +24,7 @@ pub(super) struct Prepared<'a> {
 impl<'a> Prepared<'a> {
     pub(super) fn new(record: ModeRecord<'a>, settings: &Settings) -> Result<Self, Error> {
         let isolated = isolate(record.samples, record.dt, &settings.options)?;
+        check_rate(1.0 / (isolated.band.peak * record.dt))?;
         let envelope = isolated.envelope(settings.method, settings.options.order)?;
         let curves = Curves::new(&envelope, record.quantity, ForceAxis::Modal)?;
         let automatic = settings.options.band.is_none() && settings.options.window.is_none();

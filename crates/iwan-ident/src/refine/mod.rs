@@ -24,6 +24,7 @@ mod discrepancy;
 
 use crate::error::Error;
 use crate::parameters::{Parameter, Parameters};
+pub(crate) use record::check_rate;
 pub(crate) use release::Sampling;
 pub use release::TurningPoint;
 pub use ring_down::{Discrepancy, Refined, RingDown};

@@ -22,8 +22,17 @@ const LOUD: f64 = 0.03;
 const NOISE_FLOOR: f64 = 1e-6;
 /// Part of what sampling adds to the amplitudes by which that may be wrong: it is taken at one point and used next to it.
 const SAMPLING_ERROR: f64 = 0.01;
+/// Samples a cycle below which a record is refused, those of the highest frequency in the span of common analysers being 2.56: nearer to two the
+/// mode and its image about half the sampling rate are one to the filter.
+const PER_CYCLE: f64 = 2.5;
 /// Most that half a cycle is taken to have lost of the amplitude: a strongly softening joint in macro-slip loses half.
 const MOST_DECAY: f64 = 3.0;
+
+/// Refuses records with too few samples a cycle.
+pub(crate) fn check_rate(per_cycle: f64) -> Result<f64, Error> {
+    let allowed = format!("at least {PER_CYCLE}");
+    check("samples per cycle", per_cycle, per_cycle >= PER_CYCLE, &allowed, "sample faster")
+}
 
 #[derive(Debug, Clone)]
 pub(super) struct Windowed {
@@ -49,9 +58,11 @@ impl Windowed {
         check_dt(record.dt)?;
         check_samples("record", record.samples, 32, "record longer")?;
         let per_cycle = 1.0 / (first.frequency * record.dt);
-        check("samples per cycle", per_cycle, per_cycle >= 4.0, "at least 4", "sample faster")?;
-        // The windows pass ±3/(4H): half of the band at most.
+        check_rate(per_cycle)?;
+        // The windows pass ±3/(4H): half of the band at most, and half of the way to the mode's image, which sampling lays at
+        // 1/dt - f.
         let cycles = record.band.map_or(1.0, |band| 1.5 * first.frequency / band);
+        let cycles = cycles.max(1.5 / (per_cycle - 2.0));
         let seconds = (record.samples.len() - 1) as f64 * record.dt;
         let windows = Windows::over(seconds, first.frequency, cycles);
         let amplitudes = windows.of_samples(record.samples, record.dt);

@@ -15,7 +15,7 @@ mod model;
 pub mod write;
 
 pub use functions::{UffFunction, functions};
-pub use model::{UffModel, model};
+pub use model::{ROD, UffModel, model};
 pub use nodal::NodalDirection;
 
 use crate::assembly::{Axis, Channel, Raw};

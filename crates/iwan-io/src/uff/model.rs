@@ -153,8 +153,10 @@ fn line(rows: &mut Rows, model: &mut UffModel) -> Result<(), ReadError> {
     Ok(())
 }
 
+/// Code of an element of two nodes that needs nothing else: a rod.
+pub const ROD: i64 = 11;
 /// Codes of beams, which have a row of orientation before their nodes.
-const BEAMS: [i64; 5] = [11, 21, 22, 23, 24];
+pub(super) const BEAMS: [i64; 5] = [ROD, 21, 22, 23, 24];
 
 /// Dataset 2412: six whole numbers, the last the number of nodes; the nodes, eight in a row.
 fn elements(rows: &mut Rows, model: &mut UffModel) -> Result<(), ReadError> {
@@ -218,6 +220,17 @@ mod tests {
         // Modal A of 2i ω_d: the shape is mass-normalised as it stands.
         let normalised = own.mass_normalised().unwrap();
         assert!((normalised[0].1[1][0] - 1.5).abs() < 1e-5 && (normalised[0].1[1][1] + 0.25).abs() < 1e-5);
+    }
+
+    #[test]
+    fn nodes_in_full_and_elements_are_read_again_to_the_bit() {
+        let nodes = [(3, [0.1, -1.0 / 3.0, 1e-300]), (12, [f64::MAX, 2.0, -0.0])]
+            .map(|(number, position)| Node { number, position });
+        let elements = [(ROD, vec![3, 12]), (115, (1..=8).collect()), (118, (1..=10).collect())];
+        let found = read(&(write::nodes_in_full(&nodes) + &write::elements(&elements)));
+        let bits = |nodes: &[Node]| nodes.iter().map(|n| n.position.map(f64::to_bits)).collect::<Vec<_>>();
+        assert_eq!(bits(&found.nodes), bits(&nodes));
+        assert_eq!(found.elements, elements);
     }
 
     #[test]

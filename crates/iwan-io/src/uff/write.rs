@@ -1,10 +1,11 @@
-//! Universal files written: points (dataset 15), lines between them (82), mode shapes (55) and functions (58), as text.
+//! Universal files written: points (datasets 15 and 2411), lines between them (82), elements (2412), mode shapes (55) and functions (58), as text.
 //!
 //! Layouts after the pages of the Structural Dynamics Research Laboratory, University of Cincinnati.
 
 use std::fmt::Write;
 
 use super::functions::UffFunction;
+use super::model::BEAMS;
 pub use super::nodal::{ModalScale, NodalMode, NodalValues, Node};
 use crate::quantity::Quantity;
 
@@ -23,6 +24,47 @@ pub fn nodes(nodes: &[Node]) -> String {
         let [x, y, z] = node.position.map(|x| real(x, 13, 5));
         // Writing to a string cannot fail.
         let _ = writeln!(text, "{:>10}{:>10}{:>10}{:>10}{x}{y}{z}", node.number, 0, 0, 8);
+    }
+    text + MARK
+}
+
+/// Points as dataset 2411, whose seventeen digits give every bit again.
+///
+/// ```
+/// let text = iwan_io::write_uff::nodes_in_full(&[iwan_io::write_uff::Node { number: 7, position: [0.0, 0.1, 1.0] }]);
+/// assert_eq!(text.lines().nth(3), Some("   0.0000000000000000D+00   1.0000000000000001D-01   1.0000000000000000D+00"));
+/// ```
+#[must_use]
+pub fn nodes_in_full(nodes: &[Node]) -> String {
+    let mut text = format!("{MARK}  2411\n");
+    for node in nodes {
+        let [x, y, z] = node.position.map(|x| real(x, 25, 16).replace('E', "D"));
+        // Writing to a string cannot fail. Coordinates and displacements are global (0), the colour is 11 as in other programs' files.
+        let _ = writeln!(text, "{:>10}{:>10}{:>10}{:>10}\n{x}{y}{z}", node.number, 0, 0, 11);
+    }
+    text + MARK
+}
+
+/// Elements as dataset 2412: the code of each one's kind, as [`ROD`](crate::ROD), and its nodes.
+///
+/// ```
+/// let text = iwan_io::write_uff::elements(&[(44, vec![1, 2, 3, 4])]);
+/// assert_eq!(text.lines().nth(3), Some("         1         2         3         4"));
+/// ```
+#[must_use]
+pub fn elements(elements: &[(i64, Vec<i64>)]) -> String {
+    let mut text = format!("{MARK}  2412\n");
+    for (n, (kind, nodes)) in elements.iter().enumerate() {
+        // Writing to a string cannot fail. Properties and material are the first, the colour is 7.
+        let _ = writeln!(text, "{:>10}{kind:>10}{:>10}{:>10}{:>10}{:>10}", n + 1, 1, 1, 7, nodes.len());
+        if BEAMS.contains(kind) {
+            // No node of orientation, the first cross-section at both ends.
+            let _ = writeln!(text, "{:>10}{:>10}{:>10}", 0, 1, 1);
+        }
+        for nodes in nodes.chunks(8) {
+            text.extend(nodes.iter().map(|node| format!("{node:>10}")));
+            text += "\n";
+        }
     }
     text + MARK
 }

@@ -15,7 +15,8 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from iwan import _native
-from iwan.identification import Fit, made, request as _request, several
+from iwan.errors import IwanError
+from iwan.identification import Fit, check_hits, made, request as _request, several, stretches
 from iwan.progress import Progress, bar
 from iwan.types import Array, EnvelopeMethod, Grid, History, Method
 
@@ -239,10 +240,14 @@ def fit(
     mass: float | None = None,
     band: tuple[float, float] | None = None,
     near: float | None = None,
+    mode: float | None = None,
     method: EnvelopeMethod = "hilbert",
     filter_order: int = 3,
     window: tuple[float, float] | None = None,
     order: int | None = None,
+    start: float | None = None,
+    stop: float | None = None,
+    hits: Literal["all", "first"] | int = "all",
     force_axis: Literal["modal", "joint"] = "modal",
     hold: Mapping[str, float] | None = None,
     threads: int | None = None,
@@ -264,26 +269,32 @@ def fit(
     >>> found, found.parameters["chi"].round(2).tolist()
     (<iwan.ensemble.Fits: 2 records, 1 failed: 1>, [-0.18, nan])
     """
-    request = _request(dt, channel, quantity, shape, mass, band, near, method, filter_order, window, order, hold)
-    groups = [several(record) for record in records]
+    records = list(records)
+    request = _request(channel, quantity, shape, mass, band, near, mode, method, filter_order, window, order, hold)
+    check_hits(hits)
+    failures: dict[int, Exception] = {}
+    groups: dict[int, list[_native.Record]] = {}
+    for i, record in enumerate(records):
+        try:
+            groups[i] = stretches(several(record), dt, start, stop, hits).records
+        except IwanError as error:
+            failures[i] = error
     natives: list[_native._Identified | Exception] | None = None
     if client is None:
         with bar(progress, len(groups)) as tell:
-            natives = _native._identify_many(groups, request, threads=threads, progress=tell)
+            natives = _native._identify_many(list(groups.values()), request, threads=threads, progress=tell)
         told = _told(natives, force_axis)
     else:
         options = {"request": request, "force_axis": force_axis}
-        told = [one for piece in _on_workers(client, _fit_piece, [groups], options, progress) for one in piece]
-    fits: list[Fit | None] = []
-    failures: dict[int, Exception] = {}
-    for i, (group, one) in enumerate(zip(groups, told, strict=True)):
+        told = [one for piece in _on_workers(client, _fit_piece, [list(groups.values())], options, progress) for one in piece]
+    fits: list[Fit | None] = [None] * len(records)
+    for n, ((i, group), one) in enumerate(zip(groups.items(), told, strict=True)):
         if isinstance(one, Exception):
             failures[i] = one
-            fits.append(None)
         else:
-            native = None if natives is None else cast(_native._Identified, natives[i])
-            fits.append(made(one, group, request, force_axis, native))
-    return Fits(fits, failures)
+            native = None if natives is None else cast(_native._Identified, natives[n])
+            fits[i] = made(one, group, request, force_axis, native)
+    return Fits(fits, dict(sorted(failures.items())))
 
 
 def _fit_piece(columns: list[Any], options: dict[str, Any], first: int) -> list[dict[str, Any] | Exception]:

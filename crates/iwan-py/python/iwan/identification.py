@@ -28,6 +28,7 @@ from iwan._native import (
 )
 from iwan._six import Interval, SixParameters
 from iwan.errors import InvalidTypeError, InvalidValueError
+from iwan.records import as_record
 from iwan.sweeps import Measurement, SweepFit, fit_sweeps
 from iwan.types import Array, EnvelopeMethod
 
@@ -175,10 +176,14 @@ def fit(
     mass: float | None = None,
     band: tuple[float, float] | None = None,
     near: float | None = None,
+    mode: float | None = None,
     method: EnvelopeMethod = "hilbert",
     filter_order: int = 3,
     window: tuple[float, float] | None = None,
     order: int | None = None,
+    start: float | None = None,
+    stop: float | None = None,
+    hits: Literal["all", "first"] | int = "all",
     force_axis: Literal["modal", "joint"] = "modal",
     hold: Mapping[str, float] | None = None,
     law: str | None = None,
@@ -197,10 +202,14 @@ def fit(
     mass: float | None = None,
     band: tuple[float, float] | None = None,
     near: float | None = None,
+    mode: float | None = None,
     method: EnvelopeMethod = "hilbert",
     filter_order: int = 3,
     window: tuple[float, float] | None = None,
     order: int | None = None,
+    start: float | None = None,
+    stop: float | None = None,
+    hits: Literal["all", "first"] | int = "all",
     hold: Mapping[str, float] | None = None,
 ) -> SweepFit: ...
 @overload
@@ -217,10 +226,14 @@ def fit(
     mass: float | None = None,
     band: tuple[float, float] | None = None,
     near: float | None = None,
+    mode: float | None = None,
     method: EnvelopeMethod = "hilbert",
     filter_order: int = 3,
     window: tuple[float, float] | None = None,
     order: int | None = None,
+    start: float | None = None,
+    stop: float | None = None,
+    hits: Literal["all", "first"] | int = "all",
     hold: Mapping[str, float] | None = None,
 ) -> SweepFit: ...
 def fit(
@@ -236,10 +249,14 @@ def fit(
     mass: float | None = None,
     band: tuple[float, float] | None = None,
     near: float | None = None,
+    mode: float | None = None,
     method: EnvelopeMethod = "hilbert",
     filter_order: int = 3,
     window: tuple[float, float] | None = None,
     order: int | None = None,
+    start: float | None = None,
+    stop: float | None = None,
+    hits: Literal["all", "first"] | int = "all",
     force_axis: Literal["modal", "joint"] = "modal",
     hold: Mapping[str, float] | None = None,
     law: str | None = None,
@@ -249,8 +266,9 @@ def fit(
     `record`: a `Record` or a bare array (samples, or channels x samples) with `dt` (s), or a list of them: the force levels
     of one structure, fitted together. Several channels are combined by `shape`, the mode's values at the channels
     (mass-normalised), or else by the shape that dominates in the band; `channel` chooses one. `mass`: modal mass of records that
-    are not mass-normalised. `quantity`: goes before what the record says. `band`, `near`, `method`, `filter_order`, `window`,
-    `order`: as in `iwan.envelope`. `force_axis`: of the curves. `hold`: parameters that keep a value, such as
+    are not mass-normalised. `quantity`: goes before what the record says. `band`, `near`, `mode`, `method`, `filter_order`, `window`,
+    `order`: as in `iwan.envelope`. `start`, `stop`: only the samples between these times (s, on the record's own clock). `hits`: which
+    hits of a record that holds several (`Record.hits`): all, each as a record of its own, the first, or a number counted from 1. `force_axis`: of the curves. `hold`: parameters that keep a value, such as
     `{"damping_ratio": 0.0}`. `law`: name of the law that `Fit.law` and `Fit.law_mode` shall be of, in place of the one that the records
     favour; the book's chapter on laws has the names.
 
@@ -273,25 +291,29 @@ def fit(
     >>> by_law = iwan.fit(response.acceleration, dt=2e-4, law="separate-powers").law_mode  # another law than the joint
     >>> print(f"{by_law.frequency:.1f} Hz", len(by_law.parts), found.curve_mode.frequency_at(1e-3) < 124.0)
     124.0 Hz 2 True
+    >>> twice = iwan.Record([*response.acceleration, *response.acceleration], dt=2e-4)
+    >>> len(iwan.fit(twice).envelopes), len(iwan.fit(twice, hits=2, mode=124.0).envelopes)
+    (2, 1)
     >>> shaker = iwan.frf(mode, band=(112.0, 128.0), force=[1.0, 100.0], points=60)
     >>> together = iwan.fit(response.acceleration, dt=2e-4, sweeps=[shaker])
     >>> together.identifiable["f_s"], f"{together.joint.f_s:.0f}"
     (True, '239')
     """
+    arguments = request(channel, quantity, shape, mass, band, near, mode, method, filter_order, window, order, hold)
     if sweeps is not None or backbones is not None:
         if law is not None:
             raise InvalidValueError("law: laws are compared on ring-downs alone; leave it out beside sweeps and backbones")
         ring_downs = None
         if record is not None:
-            arguments = request(dt, channel, quantity, shape, mass, band, near, method, filter_order, window, order, hold)
-            ring_downs = partial(_identify, several(record), arguments)
+            pieces = stretches(several(record), dt, start, stop, hits)
+            ring_downs = partial(_identify, pieces.records, arguments)
         return fit_sweeps(sweeps, backbones, levels, mass, hold, ring_downs)
     if record is None:
         raise InvalidTypeError("record is missing: give a record, or a shaker's test as sweeps= or backbones=")
-    arguments = request(dt, channel, quantity, shape, mass, band, near, method, filter_order, window, order, hold)
-    records = several(record)
-    identified = _identify(records, arguments)
-    return by_law(made(identified.told(force_axis), records, arguments, force_axis, identified), law)
+    pieces = stretches(several(record), dt, start, stop, hits)
+    identified = _identify(pieces.records, arguments)
+    found = made(identified.told(force_axis), pieces.records, arguments, force_axis, identified)
+    return by_law(replace(found, notes=[*pieces.notes, *found.notes]), law)
 
 
 def by_law(found: Fit, law: str | None) -> Fit:
@@ -306,13 +328,13 @@ def by_law(found: Fit, law: str | None) -> Fit:
 
 
 def request(
-    dt: float | None,
     channel: str | int | None,
     quantity: str | None,
     shape: Sequence[float] | None,
     mass: float | None,
     band: tuple[float, float] | None,
     near: float | None,
+    mode: float | None,
     method: str,
     filter_order: int,
     window: tuple[float, float] | None,
@@ -321,13 +343,13 @@ def request(
 ) -> dict[str, Any]:
     """The arguments of a fit as the compiled part takes them."""
     return {
-        "dt": dt,
         "channel": channel,
         "quantity": quantity,
         "shape": None if shape is None else [float(x) for x in shape],
         "mass": mass,
         "band": band,
         "near": near,
+        "mode": mode,
         "method": method,
         "filter_order": filter_order,
         "window": window,
@@ -360,6 +382,49 @@ def made(
         _identified=identified,
         **told,
     )
+
+
+@dataclass(frozen=True)
+class Stretches:
+    """Records as a fit uses them."""
+
+    records: list[Record]
+    notes: list[str]
+    """Which hits of a record they are."""
+
+
+def check_hits(hits: str | int) -> None:
+    """Which hits are wanted: refused unless it is a choice that there can be."""
+    number = isinstance(hits, int) and not isinstance(hits, bool) and hits > 0
+    if not number and hits not in ("all", "first"):
+        raise InvalidValueError(f"hits = {hits!r}: must be 'all', 'first', or the number of a hit counted from 1")
+
+
+def stretches(
+    records: Sequence[Any], dt: float | None, start: float | None, stop: float | None, hits: str | int
+) -> Stretches:
+    """What a fit uses of some records: the samples between two times, and of several hits in a record those that are wanted."""
+    check_hits(hits)
+    used: list[Record] = []
+    notes = []
+    for n, one in enumerate(records):
+        record = as_record(one, dt=dt)
+        if start is not None or stop is not None:
+            record = record.between(start, stop)
+        found = record.hits()
+        place = f"record {n}: " if len(records) > 1 else ""
+        if len(found) > 1:
+            times = ", ".join(f"{hit.start:.4f}" for hit in found)
+            which = "each is used as a record of its own" if hits == "all" else f"number {1 if hits == 'first' else hits} is used"
+            notes.append(f"{place}{len(found)} hits, at {times} s; {which} (hits=)")
+        if hits == "all":
+            used.extend(found)
+            continue
+        number = 1 if hits == "first" else int(hits)
+        if number > len(found):
+            raise InvalidValueError(f"{place}there is no hit {number} ({len(found)} found): choose hits='all', 'first', or one of those")
+        used.append(found[number - 1])
+    return Stretches(used, notes)
 
 
 def several(record: Any) -> list[Any]:

@@ -22,7 +22,7 @@ use crate::exchange::errors::{computation, identification, value, writing};
 use crate::exchange::options::{thread_count, unknown};
 use crate::exchange::work::{self, Control};
 use crate::records::envelope::{Envelope, method_named};
-use crate::records::mode_records::{Modal, modal};
+use crate::records::mode_records::{Modal, band_of_mode, modal};
 
 /// Parameters that are sought by their logarithms in a likelihood.
 const LOGARITHMIC: [Parameter; 3] = [Parameter::KT, Parameter::FS, Parameter::Beta];
@@ -31,13 +31,13 @@ const LOGARITHMIC: [Parameter; 3] = [Parameter::KT, Parameter::FS, Parameter::Be
 #[derive(FromPyObject)]
 #[pyo3(from_item_all)]
 pub(crate) struct Request<'py> {
-    dt: Option<f64>,
     channel: Option<Bound<'py, PyAny>>,
     quantity: Option<String>,
     shape: Option<Vec<f64>>,
     mass: Option<f64>,
     band: Option<(f64, f64)>,
     near: Option<f64>,
+    mode: Option<f64>,
     method: String,
     filter_order: usize,
     window: Option<(f64, f64)>,
@@ -62,12 +62,19 @@ impl Request<'_> {
 
     /// The records of one mode with these settings.
     fn task(&self, records: &[Bound<'_, PyAny>], settings: &Settings) -> PyResult<Task> {
+        let mut settings = settings.clone();
+        if let (Some(mode), Some(first)) = (self.mode, records.first()) {
+            if self.band.is_some() || self.near.is_some() {
+                return Err(value("mode goes without band and near: give one of them"));
+            }
+            settings.options.band = Some(band_of_mode(first, None, self.channel.as_ref(), mode)?);
+        }
         let quantity = self.quantity.as_deref().map(motion).transpose()?;
         let shape = self.shape.as_deref();
-        let mut records = modal(records, self.dt, self.channel.as_ref(), quantity, shape, &settings.options)?;
+        let mut records = modal(records, None, self.channel.as_ref(), quantity, shape, &settings.options)?;
         scale(&mut records, self.mass)?;
         let mass_normalised = self.mass.is_some() || shape.is_some();
-        Ok(Task { records, mass_normalised, settings: settings.clone() })
+        Ok(Task { records, mass_normalised, settings })
     }
 }
 

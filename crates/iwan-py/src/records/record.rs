@@ -248,6 +248,35 @@ impl Record {
         Ok(Self { warnings: self.warnings.clone(), ..Self::wrap(py, &cut)? })
     }
 
+    /// The hits in the record, each from its blow to the next one, as a list of `Record` on the record's own clock; the record itself where
+    /// there are fewer than two. `iwan.fit` uses each as a record of its own.
+    ///
+    /// >>> import numpy as np
+    /// >>> t = np.arange(2000) / 1000.0
+    /// >>> decay = np.exp(-4.0 * t) * np.sin(600.0 * t)
+    /// >>> record = iwan.Record(np.concatenate([np.zeros(300), decay, 0.7 * decay]), dt=1e-3)
+    /// >>> [round(hit.start, 2) for hit in record.hits()]
+    /// [0.3, 2.3]
+    fn hits(&self, py: Python<'_>) -> PyResult<Vec<Self>> {
+        let record = self.whole(py)?;
+        let (record, found) = work::run(py, true, move |_| {
+            let peak = |x: &[f64]| x.iter().map(|x| x.abs()).fold(0.0, f64::max);
+            let loudest = record.samples().iter().max_by(|a, b| peak(a).total_cmp(&peak(b)));
+            // A record too short to be looked at is refused where it is used.
+            let found = loudest.map(|x| iwan_ident::signal::hits(x, record.dt()).unwrap_or_default());
+            (record, found.unwrap_or_default())
+        })?;
+        let whole = 0..self.__len__(py);
+        let stretches =
+            if found.len() < 2 { vec![whole] } else { found.into_iter().map(|hit| hit.samples).collect() };
+        let cut = |stretch: std::ops::Range<usize>| {
+            let (first, last) = (record.time(stretch.start), record.time(stretch.end - 1));
+            let cut = record.between(Some(first), Some(last)).map_err(|error| value(error.to_string()))?;
+            Ok(Self { warnings: self.warnings.clone(), ..Self::wrap(py, &cut)? })
+        };
+        stretches.into_iter().map(cut).collect()
+    }
+
     /// The peaks of the spectrum of the ring-down, all channels together, by frequency: a list of dicts with `frequency` (Hz), `height` (over
     /// that of the highest), `width` (Hz, at half the power; None where a neighbour hides it), `damping_ratio` (of a linear mode with
     /// a peak of that width; None where the record is too short to tell) and `prominence` (over the valleys beside it).

@@ -11,7 +11,7 @@ use crate::blows::BLOW;
 use crate::error::Error;
 
 /// One pound-force in N, exactly.
-const NEWTON: f64 = 4.448_221_615_260_5;
+pub(super) const NEWTON: f64 = 4.448_221_615_260_5;
 /// One inch in m, exactly.
 const METRE: f64 = 0.0254;
 /// One lbf s²/in in kg.
@@ -30,6 +30,8 @@ pub(super) const NOISE: f64 = 0.05;
 /// What the suspension takes from every elastic mode, as a viscous damping ratio: the 0.025 % that the paper's Table 3 has for
 /// the first mode with the link bolted on and no bungees.
 pub(super) const SUSPENSION: f64 = 2.5e-4;
+/// Set of nodes at which the hammer hits.
+pub(super) const HAMMER: &str = "tip";
 /// Sensors along each edge of the beam: every third mesh line.
 const STATIONS: usize = 27;
 /// How many sensors there are.
@@ -40,16 +42,19 @@ pub(super) struct Bench {
     pub(super) beam: PaperBeam,
     /// Names of the sensors' node sets.
     pub(super) sensors: Vec<String>,
-    /// Mass-normalised shapes of the bending modes at the sensors, kg^-½.
+    /// True mass-normalised shapes of the bending modes at the sensors and, last, at the hammer, kg^-½.
     pub(super) shapes: Vec<Vec<f64>>,
 }
+
+/// What the sensors and, last, one at the hammer would measure under a hit without noise, m/s².
+pub(super) struct Clean(Vec<Vec<f64>>);
 
 impl Bench {
     pub(super) fn new() -> Result<Self, Error> {
         let mut sensors = Vec::new();
         let beam = PaperBeam::prepared(MEASURED, |structure| sensors = place(&mut structure.mesh))?;
         let mut shapes = vec![Vec::new(); beam.bending.len()];
-        for sensor in &sensors {
+        for sensor in sensors.iter().map(String::as_str).chain([HAMMER]) {
             let output = output(&beam, sensor).map_err(Error::structure("laboratory"))?;
             for (shape, mode) in shapes.iter_mut().zip(&beam.bending) {
                 let own = beam.modes.stuck.shape(mode.pair.stuck);
@@ -60,32 +65,43 @@ impl Bench {
         Ok(Self { beam, sensors, shapes })
     }
 
-    /// What the sensors measure under hit `n`, m/s²: one record for each, with the noise of the seed `n`.
-    pub(super) fn measure(&self, n: usize) -> Result<Vec<Vec<f64>>, Error> {
-        let place = format!("laboratory, hit of {} N", HITS[n]);
-        let clean = self.respond(HITS[n]).map_err(Error::structure(&place))?;
-        let mut noise = Noise::new(n as u64);
-        let mut measured = |history: History| -> Vec<f64> {
-            history.acceleration.iter().map(|a| METRE * a + NOISE * noise.normal()).collect()
-        };
-        Ok(clean.into_iter().map(&mut measured).collect())
+    /// The motions that a hit of a peak `force` in N makes.
+    pub(super) fn hit(&self, force: f64) -> Result<Clean, Error> {
+        let place = format!("laboratory, hit of {force} N");
+        let motions = self.respond(force).map_err(Error::structure(&place))?;
+        let metres = |history: History| history.acceleration.iter().map(|a| METRE * a).collect();
+        Ok(Clean(motions.into_iter().map(metres).collect()))
     }
 
     /// Motions of the sensors under a hit, in inches and seconds, without noise.
     fn respond(&self, force: f64) -> Result<Vec<History>, iwan_fem::Error> {
         let assembled = &self.beam.modes.assembled;
         let reduced = assembled.reduce(BASIS, Basis::default())?.with_damping(|_| SUSPENSION)?;
-        let outputs = self.sensors.iter().map(|name| output(&self.beam, name));
+        let sensors = self.sensors.iter().map(String::as_str).chain([HAMMER]);
+        let outputs = sensors.map(|name| output(&self.beam, name));
         let response = reduced.transient(&Transient {
             dt: 1.0 / RATE,
             steps: (SECONDS * RATE) as usize,
             pulse: Pulse::Haversine { amplitude: force / NEWTON, duration: BLOW },
-            load: assembled.load("tip", [0.0, 0.0, 1.0])?,
+            load: assembled.load(HAMMER, [0.0, 0.0, 1.0])?,
             initial_velocity: None,
             representation: Representation::DEFAULT_IN_A_STRUCTURE,
             outputs: outputs.collect::<Result<_, _>>()?,
         })?;
         Ok(response.outputs)
+    }
+}
+
+impl Clean {
+    /// What is measured of them, one record for each sensor and, last, for that at the hammer, with `before` samples ahead of the hit and
+    /// the noise of a seed.
+    pub(super) fn measured(&self, seed: u64, before: usize) -> Vec<Vec<f64>> {
+        let mut noise = Noise::new(seed);
+        let mut noisy = |motion: &Vec<f64>| {
+            let motion = std::iter::repeat_n(&0.0, before).chain(motion);
+            motion.map(|a| a + NOISE * noise.normal()).collect()
+        };
+        self.0.iter().map(&mut noisy).collect()
     }
 }
 

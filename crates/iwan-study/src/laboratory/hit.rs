@@ -6,7 +6,7 @@ use iwan_ident::channels::{Average, scaled_average};
 use iwan_ident::curves::{Curves, ForceAxis, Quantity};
 use iwan_ident::signal::{Butterworth, Envelope, Method, Options, Passband, envelope};
 
-use super::bench::{Bench, HITS, RATE};
+use super::bench::{Bench, HITS, RATE, SENSORS};
 use crate::error::Error;
 use crate::printed::BAND;
 use crate::span::Span;
@@ -72,15 +72,21 @@ impl ViscousTerm {
 }
 
 impl Hit {
-    /// Hit `n` of a bench.
-    pub(super) fn new(bench: &Bench, n: usize) -> Result<Self, Error> {
+    /// Hit `n` of a bench, over the `shape` that a modal test gave the mode at the sensors.
+    pub(super) fn new(bench: &Bench, shape: &[f64], n: usize) -> Result<Self, Error> {
         let place = format!("laboratory, hit of {} N", HITS[n]);
-        let channels = bench.measure(n)?;
-        Self::take_apart(bench, HITS[n], &channels).map_err(Error::identification(&place))
+        let mut channels = bench.hit(HITS[n])?.measured(n as u64, 0);
+        channels.truncate(SENSORS);
+        Self::take_apart(&bench.sensors, shape, HITS[n], &channels).map_err(Error::identification(&place))
     }
 
-    fn take_apart(bench: &Bench, force: f64, channels: &[Vec<f64>]) -> Result<Self, iwan_ident::Error> {
-        let (dt, shape) = (1.0 / RATE, &bench.shapes[0]);
+    fn take_apart(
+        sensors: &[String],
+        shape: &[f64],
+        force: f64,
+        channels: &[Vec<f64>],
+    ) -> Result<Self, iwan_ident::Error> {
+        let dt = 1.0 / RATE;
         let filter = Butterworth::new(ORDER, Passband::Band { low: BAND.from, high: BAND.to }, dt)?;
         let filtered: Result<Vec<Vec<f64>>, _> =
             channels.iter().map(|channel| filter.forward_backward(channel)).collect();
@@ -100,7 +106,7 @@ impl Hit {
         let envelope = envelope(&raw, dt, Method::Hilbert, &options)?;
         let curves = Curves::new(&envelope, Quantity::Acceleration, ForceAxis::Modal)?;
         let scaled = |&k: &usize| DrawnSensor {
-            name: bench.sensors[k].clone(),
+            name: sensors[k].clone(),
             samples: filtered[k].iter().map(|a| a / shape[k]).collect(),
         };
         let peak = channels.iter().flatten().fold(0.0, |most: f64, a| most.max(a.abs()));

@@ -4,7 +4,9 @@ use iwan_ident::curves::straight_line;
 use iwan_ident::levels::LevelStep;
 use serde::Serialize;
 
+use super::bench::HITS;
 use super::hit::{Hit, ViscousTerm};
+use crate::printed::TABLE_4;
 use crate::span::Span;
 
 /// Slopes of ln D over ln force at one level.
@@ -22,7 +24,7 @@ pub struct Table4Row {
     pub step: Option<f64>,
     /// The same without the viscous term.
     pub step_without_viscous: Option<f64>,
-    /// Not to hand.
+    /// Slope as printed for this level over the hardest; none where the paper has no such level.
     pub printed: Option<f64>,
 }
 
@@ -40,7 +42,10 @@ impl Table4Row {
             slope_without_viscous: slope(&hit.without(viscous))?,
             step: step.map(|s| s.total),
             step_without_viscous: step.map(|s| s.friction),
-            printed: None,
+            printed: TABLE_4
+                .iter()
+                .find(|p| (p[0] * HITS[HITS.len() - 1] - hit.force).abs() < 1e-9)
+                .map(|p| p[1]),
         })
     }
 }
