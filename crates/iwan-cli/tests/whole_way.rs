@@ -40,6 +40,7 @@ fn curves_from_raw_hits_are_those_of_the_exact_modal_record() {
     for (n, force) in [30.0, 100.0, 300.0].into_iter().enumerate() {
         let blow = beam.hit(force);
         blow.write(&place.path().join(format!("h{}.npz", n + 1)), n as u64);
+        blow.write(&place.path().join(format!("again{}.npz", n + 1)), 10 + n as u64);
         blow.write_mode(&place.path().join(format!("q{}.npz", n + 1)));
     }
     let modal = run(
@@ -75,6 +76,17 @@ fn curves_from_raw_hits_are_those_of_the_exact_modal_record() {
             }
         }
     }
+    // All levels with a repeat of each: other modes keep the joints slipping under the hard hits, so that levels differ at the same amplitude, and one joint
+    // misses 8 % of dissipation. It is not thrown away for that.
+    let all = run(
+        place.path(),
+        "fit h1.npz again1.npz h2.npz again2.npz h3.npz again3.npz --modal modal --band 115:150 --out all",
+    );
+    let mode = &all["modes"][0];
+    assert_eq!(mode["grade"], "usable", "{}", mode["misfit"]);
+    assert!(mode["dissipation_misfit"].as_f64().unwrap() < 0.13, "{}", mode["misfit"]);
+    let words = mode["in_words"].to_string();
+    assert!(words.contains("levels of force differ at the same amplitude"), "{words}");
     // The scenario knows where the hammer hits, and every sensor.
     let source =
         InputText::read(&place.path().join("fit3/scenario.toml"), "scenario", "paper-modal").unwrap();

@@ -27,6 +27,9 @@ pub(crate) struct LawSummary {
     pub(crate) criterion: f64,
     pub(crate) dissipation_misfit: f64,
     pub(crate) frequency_misfit: f64,
+    /// What it misses of thirds of the amplitudes that it was not fitted to, of ln D and Hz: null where the records saw too few.
+    pub(crate) held_out_dissipation: Option<f64>,
+    pub(crate) held_out_frequency: Option<f64>,
     /// What it misses beside noise, as estimated with it (standard deviations): of dissipation, relative, …
     pub(crate) dissipation_discrepancy: f64,
     /// … and of the frequency, Hz.
@@ -77,6 +80,8 @@ impl LawSummary {
             criterion: l.criterion,
             dissipation_misfit: l.dissipation_misfit,
             frequency_misfit: l.frequency_misfit,
+            held_out_dissipation: l.held_out.map(|h| h.dissipation),
+            held_out_frequency: l.held_out.map(|h| h.frequency),
             dissipation_discrepancy: l.discrepancy.0,
             frequency_discrepancy: l.discrepancy.1,
             grade: l.grade.name(),
@@ -123,14 +128,20 @@ pub(crate) fn write(laws: &[LawSummary], text: &mut String) {
     }
     let _ = writeln!(
         text,
-        "\n{:<28}{:>10}{:>15}{:>14}   grade",
-        "law", "criterion", "dissipation, %", "frequency, Hz"
+        "\n{:<28}{:>10}{:>15}{:>13}{:>14}   grade",
+        "law", "criterion", "dissipation, %", "held out, %", "frequency, Hz"
     );
     for l in ranked(laws) {
         let (name, criterion, grade) = (l.name, l.criterion, l.grade);
         let (d, f) = (100.0 * l.dissipation_misfit, l.frequency_misfit);
-        let _ = writeln!(text, "{name:<28}{criterion:>10.1}{d:>15.2}{f:>14.5}   {grade}");
+        let held_out = l.held_out_dissipation.map_or("-".into(), percent);
+        let _ = writeln!(text, "{name:<28}{criterion:>10.1}{d:>15.2}{held_out:>13}{f:>14.5}   {grade}");
     }
+}
+
+/// A root-mean-square misfit of ln D in per cent; from 100 % on a law predicts nothing, and its digits would say nothing.
+pub(crate) fn percent(misfit: f64) -> String {
+    if misfit < 1.0 { format!("{:.2}", 100.0 * misfit) } else { "> 100".into() }
 }
 
 /// The laws, best first.

@@ -4,7 +4,7 @@ use maud::{Markup, html};
 
 use super::figures::Fitted;
 use super::intervals;
-use super::laws::ranked;
+use super::laws::{percent, ranked};
 use super::summary::{FitSummary, ModeFit};
 use crate::envelope::{self, Extracted};
 use crate::identified::Identified;
@@ -118,7 +118,7 @@ fn laws(fit: &ModeFit) -> Markup {
             div.wide {
                 table {
                     thead { tr {
-                        th { "law" } th { "criterion" } th { "dissipation missed" } th { "frequency missed, Hz" } th { "grade" } th { "parameters" }
+                        th { "law" } th { "criterion" } th { "dissipation missed" } th { "frequency missed, Hz" } th { "held out" } th { "grade" } th { "parameters" }
                     } }
                     tbody {
                         @for law in ranked(&fit.laws) {
@@ -127,6 +127,12 @@ fn laws(fit: &ModeFit) -> Markup {
                                 td { (format!("{:.1}", law.criterion)) }
                                 td { (format!("{:.2} %", 100.0 * law.dissipation_misfit)) }
                                 td { (format!("{:.5}", law.frequency_misfit)) }
+                                td {
+                                    @match (law.held_out_dissipation, law.held_out_frequency) {
+                                        (Some(d), Some(f)) => { (percent(d)) " %, " (format!("{f:.4} Hz")) }
+                                        _ => { "\u{2013}" }
+                                    }
+                                }
                                 td { (law.grade) }
                                 td.words { (law.values()) }
                             }
@@ -136,7 +142,8 @@ fn laws(fit: &ModeFit) -> Markup {
             }
             p.about {
                 "Criterion: twice the logarithm of the evidence that the best law has over this one; up to 2 is no difference. Misfits: against "
-                "smooth curves of the records, root mean square; those of the Iwan joint by its own ring-down, as in the verdict above."
+                "smooth curves of the records, root mean square; those of the Iwan joint by its own ring-down, as in the verdict above. Held out: what the law "
+                "misses of thirds of the amplitudes, each left out of the fit in turn, so that the lowest and the highest are extrapolated."
             }
         }
     }

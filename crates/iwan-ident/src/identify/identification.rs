@@ -90,23 +90,25 @@ impl Identification {
 
     /// What the model misses beside noise, in words; none where only noise is left.
     fn discrepancy_in_words(&self) -> Option<String> {
-        let Discrepancy { dissipation, frequency, dissipation_of_record, frequency_of_record } =
-            self.refined.discrepancy;
+        let found = &self.refined.discrepancy;
         let hertz = |relative: f64| relative * self.parameters.frequency;
         let size = |d: f64, f: f64| format!("{:.2} % of dissipation and {:.4} Hz", 100.0 * d, hertz(f));
+        let Discrepancy { dissipation, frequency, .. } = *found;
         let law = (dissipation > 0.0).then(|| {
             format!(
                 "the law itself misses about {} beside noise (standard deviations)",
                 size(dissipation, frequency)
             )
         });
-        let records = (dissipation_of_record > 0.0).then(|| {
-            format!(
-                "the records differ among each other by {}",
-                size(dissipation_of_record, frequency_of_record)
-            )
+        let levels = (found.dissipation_of_level > 0.0).then(|| {
+            let size = size(found.dissipation_of_level, found.frequency_of_level);
+            format!("levels of force differ at the same amplitude by {size}")
         });
-        let found: Vec<String> = law.into_iter().chain(records).collect();
+        let records = (found.dissipation_of_record > 0.0).then(|| {
+            let size = size(found.dissipation_of_record, found.frequency_of_record);
+            format!("the records differ among each other by {size}")
+        });
+        let found: Vec<String> = law.into_iter().chain(levels).chain(records).collect();
         (!found.is_empty()).then(|| format!("{}: the intervals allow for it", found.join("; ")))
     }
 

@@ -8,6 +8,7 @@ use super::candidates::{CANDIDATES, Candidate};
 use super::discrepancy::Ladder;
 use super::estimates::{Estimate, estimates};
 use super::fit::{Fitted, Problem};
+use super::held_out::{HeldOut, stretches};
 use super::mode::LawMode;
 use super::slow::{
     Backbone, Covariances, Grid, Information, Measured, Scatter, Smooth, Source, guess, measure, specimen,
@@ -39,6 +40,8 @@ pub struct FittedLaw {
     pub frequency_misfit: f64,
     /// Size of the slow discrepancy that is estimated with the law: of the decay rate, relative, and of the frequency, Hz.
     pub discrepancy: (f64, f64),
+    /// What it misses of thirds of the amplitudes (in ln a) that it was not fitted to; none where the records saw too few.
+    pub held_out: Option<HeldOut>,
     /// How well it describes the records.
     pub grade: Grade,
     /// Its parameters with intervals.
@@ -285,6 +288,7 @@ impl Together {
             dissipation_misfit: verdict.dissipation_misfit,
             frequency_misfit: verdict.frequency_misfit,
             discrepancy: (size.decay, size.omega * self.scales.shift / TAU),
+            held_out: problem.held_out(fitted, &stretches(&self.seen), &self.smooth.rates, &self.cycles),
             grade: verdict.grade,
             // A law that does not describe the records tells nothing of the structure.
             parameters: match verdict.grade {
@@ -340,6 +344,7 @@ mod tests {
             dissipation_misfit,
             frequency_misfit,
             discrepancy: (0.0, 0.0),
+            held_out: None,
             grade,
             parameters,
             mode: LawMode { frequency: 1.0, damping_ratio: 0.0, joint: None, parts: vec![] },

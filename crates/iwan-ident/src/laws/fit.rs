@@ -87,7 +87,7 @@ impl<'a> Problem<'a> {
     }
 
     /// What the law misses of the information.
-    fn residuals(&self, x: &[f64]) -> Option<DVector<f64>> {
+    pub(super) fn residuals(&self, x: &[f64]) -> Option<DVector<f64>> {
         let mode = self.scales.mode(self.terms, x)?;
         let rates = mode.rates(self.amplitudes).ok()?;
         let n = rates.len();
@@ -109,6 +109,15 @@ impl<'a> Problem<'a> {
             tolerance,
             floor: 1.0,
         }
+    }
+
+    /// The likeliest coordinates next to `x` by other residuals of as many values.
+    pub(super) fn likeliest_by(
+        &self,
+        mut residuals: impl FnMut(&[f64], &mut [f64]) -> bool,
+        x: &[f64],
+    ) -> Option<Vec<f64>> {
+        self.search(HELD_STEPS, FIRST_TOLERANCE).run(&mut residuals, x).map(|found| found.x)
     }
 
     fn whitened<'b>(&'b self, whitener: &'b Whitener) -> impl FnMut(&[f64], &mut [f64]) -> bool + 'b {

@@ -46,6 +46,8 @@ pub(super) struct Component {
 pub(super) enum Kind {
     /// The same in all records.
     Shared,
+    /// The same in all records of a level.
+    OfLevel,
     /// Every record's own.
     OfRecord,
 }
@@ -57,9 +59,12 @@ struct Nodes {
 }
 
 impl Nodes {
-    fn over(logs: &[Vec<f64>]) -> Self {
-        let high = logs.iter().flatten().copied().fold(f64::NEG_INFINITY, f64::max);
-        let low = logs.iter().flatten().copied().fold(f64::INFINITY, f64::min).max(high + LOWEST.ln());
+    fn over<'a>(logs: impl Iterator<Item = &'a [f64]>) -> Self {
+        let (mut low, mut high) = (f64::INFINITY, f64::NEG_INFINITY);
+        for &log in logs.flatten() {
+            (low, high) = (low.min(log), high.max(log));
+        }
+        let low = low.max(high + LOWEST.ln());
         let count = ((high - low) / SPACING).ceil() as usize + 1;
         Self { first: low, count }
     }
@@ -79,35 +84,66 @@ impl Nodes {
     }
 }
 
+/// Records of which the loudest begins so many times as loud as the softest are of different levels: hits that are meant to be repeats differ by less, levels of
+/// a test by more. A judgement.
+const LEVEL: f64 = 1.25;
+
+/// Records by the amplitude that they begin with, each level the places of its records.
+fn levels(logs: &[Vec<f64>]) -> Vec<Vec<usize>> {
+    let first = |i: usize| logs[i].first().copied().unwrap_or(f64::NEG_INFINITY);
+    let mut order: Vec<usize> = (0..logs.len()).collect();
+    order.sort_by(|a, b| first(*a).total_cmp(&first(*b)));
+    let mut levels: Vec<Vec<usize>> = Vec::new();
+    for i in order {
+        match levels.last_mut() {
+            Some(level) if first(i) < first(level[0]) + LEVEL.ln() => level.push(i),
+            _ => levels.push(vec![i]),
+        }
+    }
+    levels
+}
+
 impl Task {
     /// The processes at a point; none where there is no model.
     pub(super) fn components(&self, x: &[f64], work: &mut Workspace) -> Option<Vec<Component>> {
         let models = self.models(x, work)?;
         let logs: Vec<Vec<f64>> =
             models.iter().zip(&self.records).map(|(m, r)| log_amplitudes(m, r)).collect();
-        let nodes = Nodes::over(&logs);
-        let factor = nodes.factor();
         let shift = shift(&models, &self.records);
-        let block = |i: usize| {
-            let [d, w] = derivatives(&self.records[i], &models[i], &logs[i], &nodes).map(|z| z * &factor);
-            let mut both = DMatrix::zeros(d.nrows(), 2 * nodes.count);
-            both.columns_mut(0, nodes.count).copy_from(&d);
-            both.columns_mut(nodes.count, nodes.count).copy_from(&(w * shift));
-            both
+        let lengths: Vec<usize> = models.iter().map(|m| 2 * m.len()).collect();
+        let first_row = |i: usize| lengths[..i].iter().sum::<usize>();
+        // One process for each group of records, over the amplitudes that these hold.
+        let component = |kind: Kind, groups: &[Vec<usize>]| {
+            let of = |group: &Vec<usize>| {
+                let nodes = Nodes::over(group.iter().map(|i| logs[*i].as_slice()));
+                let factor = nodes.factor();
+                let mut columns = DMatrix::zeros(self.count(), 2 * nodes.count);
+                for &i in group {
+                    let [d, w] = derivatives(&self.records[i], &models[i], &logs[i], &nodes);
+                    columns.view_mut((first_row(i), 0), d.shape()).copy_from(&(d * &factor));
+                    columns
+                        .view_mut((first_row(i), nodes.count), w.shape())
+                        .copy_from(&(w * &factor * shift));
+                }
+                columns
+            };
+            let all: Vec<DMatrix<f64>> = groups.iter().map(of).collect();
+            let mut columns = DMatrix::zeros(self.count(), all.iter().map(DMatrix::ncols).sum());
+            let mut from = 0;
+            for one in &all {
+                columns.columns_mut(from, one.ncols()).copy_from(one);
+                from += one.ncols();
+            }
+            Component { kind, shift, columns }
         };
-        let blocks: Vec<DMatrix<f64>> = (0..models.len()).map(block).collect();
-        let (width, records) = (2 * nodes.count, blocks.len());
-        let mut shared = DMatrix::zeros(self.count(), width);
-        let mut own = DMatrix::zeros(self.count(), width * records);
-        let mut row = 0;
-        for (i, block) in blocks.iter().enumerate() {
-            shared.rows_mut(row, block.nrows()).copy_from(block);
-            own.view_mut((row, i * width), block.shape()).copy_from(block);
-            row += block.nrows();
+        let records = models.len();
+        let mut all = vec![component(Kind::Shared, &[(0..records).collect()])];
+        let levels = levels(&logs);
+        if levels.len() > 1 && levels.len() < records {
+            all.push(component(Kind::OfLevel, &levels));
         }
-        let mut all = vec![Component { kind: Kind::Shared, shift, columns: shared }];
         if records > 1 {
-            all.push(Component { kind: Kind::OfRecord, shift, columns: own });
+            all.push(component(Kind::OfRecord, &(0..records).map(|i| vec![i]).collect::<Vec<_>>()));
         }
         Some(all)
     }
@@ -160,4 +196,15 @@ fn derivatives(record: &Windowed, model: &[Complex64], logs: &[f64], nodes: &Nod
         }
     }
     out
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn repeats_make_a_level_and_harder_hits_another() {
+        let logs = [1.0, 0.12, 1.1, 0.1, 0.11].map(|a: f64| vec![a.ln(), a.ln() - 1.0]);
+        assert_eq!(levels(&logs), [vec![3, 4, 1], vec![0, 2]]);
+    }
 }

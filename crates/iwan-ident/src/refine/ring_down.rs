@@ -28,6 +28,10 @@ pub struct Discrepancy {
     pub dissipation: f64,
     /// Of ln ω, in all records alike.
     pub frequency: f64,
+    /// Of ln D from level to level: what moves beside the mode, such as other modes that keep a joint slipping, is another at every level.
+    pub dissipation_of_level: f64,
+    /// Of ln ω from level to level.
+    pub frequency_of_level: f64,
     /// Of ln D from record to record.
     pub dissipation_of_record: f64,
     /// Of ln ω from record to record.
@@ -53,11 +57,18 @@ pub struct Refined {
     pub converged: bool,
 }
 
+impl Discrepancy {
+    /// Of ln D, all together.
+    pub(crate) fn of_dissipation(&self) -> f64 {
+        self.dissipation.hypot(self.dissipation_of_level).hypot(self.dissipation_of_record)
+    }
+}
+
 impl Refined {
     /// Whether what is left of `count` values looks like white noise: neighbours are not correlated, and nothing that the law misses was set aside
     /// before.
     pub(crate) fn leaves_noise(&self, count: usize) -> bool {
-        let missed = self.discrepancy.dissipation > 0.0 || self.discrepancy.frequency > 0.0;
+        let missed = self.discrepancy.dissipation > 0.0 || self.discrepancy.dissipation_of_level > 0.0;
         !missed && self.correlation < STILL_NOISE / (count as f64).sqrt()
     }
 }

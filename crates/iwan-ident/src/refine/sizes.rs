@@ -152,8 +152,16 @@ impl Projected {
         let score = |sizes: &[f64]| self.score(sizes);
         let none = vec![0.0; count];
         let deviation = self.likelihood(&none).map_or(1.0, |l| l.1);
-        let start = FIRST.map(|first| vec![first / deviation; count]);
-        let best = start.into_iter().max_by(|a, b| score(a).total_cmp(&score(b)));
+        // All processes alike, and each one alone beside next to nothing: what one of them explains others explain in part, and the way from one to another leads
+        // through less likely sizes.
+        let size = |first: f64, own: Option<usize>| -> Vec<f64> {
+            (0..count)
+                .map(|i| if own.is_none_or(|own| own == i) { first } else { FIRST[0] } / deviation)
+                .collect()
+        };
+        let alone = (0..count).filter(|_| count > 1).map(Some);
+        let starts = std::iter::once(None).chain(alone).flat_map(|own| FIRST.map(|first| size(first, own)));
+        let best = starts.max_by(|a, b| score(a).total_cmp(&score(b)));
         let mut best = best.unwrap_or_else(|| none.clone());
         let (mut top, mut step) = (score(&best), STEP);
         for _ in 0..ROUNDS {

@@ -1,5 +1,6 @@
 //! The records in the form that searches work on: residuals, their weights, and one search.
 
+use std::collections::VecDeque;
 use std::f64::consts::{PI, TAU};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -11,6 +12,7 @@ use super::discount::Discount;
 use super::record::{Windowed, unwrapped};
 use super::release::{Sampling, TurningPoint};
 use super::ring_down::{Discrepancy, Refined, RingDown};
+use super::windows::Windows;
 use crate::error::{Error, check};
 use crate::parameters::{COUNT, Parameter, Parameters};
 use crate::search::{Chart, Minimum, Search};
@@ -54,6 +56,56 @@ pub(crate) struct Task {
 pub(crate) struct Workspace {
     stack: Vec<Reversal>,
     model: Vec<Complex64>,
+    /// Of each of several records the models that were computed last. A record's own unknowns change no other record: of the derivatives of fifteen
+    /// records only a quarter is computed.
+    known: Vec<VecDeque<Known>>,
+}
+
+/// Models of a record that are kept: those of a point and of its neighbours along each of the parameters, and one to spare.
+const KEPT: usize = COUNT + 2;
+
+/// A model's amplitudes in the windows of a record.
+#[derive(Debug, Clone)]
+struct Known {
+    parameters: Parameters,
+    start: TurningPoint,
+    windows: Windows,
+    model: Vec<Complex64>,
+}
+
+impl Workspace {
+    /// Puts the model of a record into `model`; false where there is none.
+    fn compute(&mut self, parameters: &Parameters, start: TurningPoint, record: &Windowed) -> bool {
+        let windows = record.windows;
+        self.model.resize(windows.count, Complex64::default());
+        windows.of_model(parameters, start, record.quantity, &mut self.stack, &mut self.model)
+    }
+
+    /// The same for the record of a place among several.
+    fn recall(
+        &mut self,
+        place: usize,
+        parameters: &Parameters,
+        start: TurningPoint,
+        record: &Windowed,
+    ) -> bool {
+        self.known.resize_with(self.known.len().max(place + 1), VecDeque::new);
+        let same = |k: &Known| (&k.parameters, k.start, k.windows) == (parameters, start, record.windows);
+        if let Some(found) = self.known[place].iter().find(|k| same(k)) {
+            self.model.clone_from(&found.model);
+            return true;
+        }
+        if !self.compute(parameters, start, record) {
+            return false;
+        }
+        let known = &mut self.known[place];
+        // The oldest makes room, and lends its buffer.
+        let mut model =
+            if known.len() < KEPT { Vec::new() } else { known.pop_front().map_or(Vec::new(), |k| k.model) };
+        model.clone_from(&self.model);
+        known.push_back(Known { parameters: *parameters, start, windows: record.windows, model });
+        true
+    }
 }
 
 /// How long a search goes on.
@@ -239,12 +291,15 @@ impl Task {
             return false;
         }
         let mut from = 0;
-        for (start, record) in starts.iter().zip(&self.records) {
-            work.model.resize(record.windows.count, Complex64::default());
-            let (stack, model) = (&mut work.stack, &mut work.model);
-            if !record.windows.of_model(parameters, *start, record.quantity, stack, model) {
+        for (place, (start, record)) in starts.iter().zip(&self.records).enumerate() {
+            let found = match self.records.len() {
+                1 => work.compute(parameters, *start, record),
+                _ => work.recall(place, parameters, *start, record),
+            };
+            if !found {
                 return false;
             }
+            let model = &mut work.model;
             model.iter_mut().zip(&record.sampling).for_each(|(m, s)| *m += s);
             compare(record, model, from..from + 2 * record.windows.count);
             from += 2 * record.windows.count;

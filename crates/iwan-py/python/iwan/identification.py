@@ -83,7 +83,8 @@ class Fit(SixParameters):
     """That law in a sentence, or why there is none."""
     laws: Sequence[Mapping[str, Any]]
     """All laws compared: `name`, `words`, `criterion` (twice the logarithm of the evidence that the best law has over it),
-    `dissipation_misfit` (root mean square, of ln D), `frequency_misfit` (Hz), `dissipation_discrepancy` and `frequency_discrepancy` (what
+    `dissipation_misfit` (root mean square, of ln D), `frequency_misfit` (Hz), `held_out_dissipation` and `held_out_frequency` (the same of
+    thirds of the amplitudes that the law was not fitted to; None where the records saw too few), `dissipation_discrepancy` and `frequency_discrepancy` (what
     it misses beside noise as estimated with it; standard deviations, relative and in Hz), `grade`, `parameters` and `intervals` by name."""
     backbone: Mapping[str, Array]
     """Smooth curves with bands of 95 %, of several hits those of a further hit: `amplitude`, `frequency` (Hz), `damping_ratio`, `frequency_low`, `frequency_high`,

@@ -223,6 +223,8 @@ fn law<'py>(py: Python<'py>, l: &FittedLaw) -> PyResult<Bound<'py, PyDict>> {
     dict.set_item("criterion", l.criterion)?;
     dict.set_item("dissipation_misfit", l.dissipation_misfit)?;
     dict.set_item("frequency_misfit", l.frequency_misfit)?;
+    dict.set_item("held_out_dissipation", l.held_out.map(|h| h.dissipation))?;
+    dict.set_item("held_out_frequency", l.held_out.map(|h| h.frequency))?;
     dict.set_item("dissipation_discrepancy", l.discrepancy.0)?;
     dict.set_item("frequency_discrepancy", l.discrepancy.1)?;
     dict.set_item("grade", l.grade.name())?;

@@ -11,6 +11,7 @@ mod smooth;
 
 pub use between::Scatter;
 pub(super) use between::specimen;
+pub(super) use flow::Rates;
 pub(super) use grid::Grid;
 pub(super) use linear::Information;
 pub(super) use measured::{Measured, guess, measure};
