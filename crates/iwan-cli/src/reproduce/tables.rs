@@ -205,6 +205,8 @@ pub(super) fn laboratory(lab: &LaboratorySummary) -> Markup {
 }
 
 pub(super) fn tables_3_and_4(summary: &Summary, lab: &Laboratory) -> Markup {
+    // As printed, without digits that are none.
+    let percent = |ratio: f64| format!("{} %", (1e4 * ratio * 1e2).round() / 1e4);
     let rows_3: Vec<Vec<String>> = summary
         .table_3
         .iter()
@@ -213,15 +215,14 @@ pub(super) fn tables_3_and_4(summary: &Summary, lab: &Laboratory) -> Markup {
                 row.mode.clone(),
                 format!("{:.3}", row.frequency),
                 format!("{:.3} \u{b1} {:.1e}", row.frequency_found, row.frequency_sd),
-                format!("{:.4} %", 100.0 * row.damping_ratio),
                 format!(
-                    "{:.4} \u{b1} {:.4} %",
+                    "{:.4} \u{b1} {:.0e} %",
                     100.0 * row.damping_ratio_found,
                     100.0 * row.damping_ratio_sd
                 ),
-                format!("{:.6}", row.mac),
+                format!("{:.0e}", 1.0 - row.mac),
                 format!("{:+.2} %", 100.0 * row.scale_error),
-                row.printed_damping_ratios.map(|z| format!("{} %", short(100.0 * z))).join(", "),
+                row.printed_damping_ratios.map(percent).join(", "),
             ]
         })
         .collect();
@@ -244,12 +245,12 @@ pub(super) fn tables_3_and_4(summary: &Summary, lab: &Laboratory) -> Markup {
     html! {
         h3 { "Table 3" }
         p {
-            "The modal test: five hits of " (lab.test.force) " N, responses of " (lab.test.responses.functions.len()) " sensors, mode isolation in " (lab.test.fit.band.0) " to "
-            (lab.test.fit.band.1) " Hz. Its shapes are those that the records of Figs. 14 to 17 are divided by."
+            "The modal test: five hits of " (lab.test.force) " N, responses of " (lab.test.responses.functions.len()) " sensors, mode isolation in " (format!("{:.0}", lab.test.fit.band.0)) " to "
+            (format!("{:.0}", lab.test.fit.band.1)) " Hz. The suspension takes " (percent(summary.lab.damping_ratio_given)) " of every mode. Its shapes are those that the records of Figs. 14 to 17 are divided by."
         }
         (table(
             &[
-                "mode", "true frequency, Hz", "by the test", "suspension", "damping by the test", "MAC", "scale of the shape", "printed damping",
+                "mode", "true frequency, Hz", "by the test", "damping by the test", "1 \u{2212} MAC", "scale of the shape", "printed damping",
             ],
             &rows_3,
         ))

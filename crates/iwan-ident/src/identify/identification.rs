@@ -114,9 +114,10 @@ impl Identification {
 
     /// Why intervals were left open that the profiles alone would close.
     fn untold_in_words(&self) -> Option<String> {
-        match (untold(&self.verdict, self.laws.as_ref().ok()), &self.laws) {
+        let missed = self.refined.discrepancy.is_found();
+        match (untold(&self.verdict, missed, self.laws.as_ref().ok()), &self.laws) {
             ([], _) => None,
-            (_, Ok(laws)) if self.verdict.grade == Grade::Usable => Some(format!(
+            (_, Ok(laws)) if self.verdict.grade != Grade::No => Some(format!(
                 "these records speak against the joint and for {}: K_T, F_S and beta, which a bend of the curves would tell, are left open",
                 laws.chosen().law.words
             )),

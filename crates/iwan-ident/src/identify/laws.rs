@@ -46,14 +46,14 @@ pub(super) fn of_prepared(prepared: &[Prepared<'_>], iwan: Option<&Parameters>) 
 }
 
 /// What the records do not tell of an Iwan joint, whatever its profiles say: a joint that does not describe the records has parameters, but not
-/// those of the structure; and where the evidence for another law is strong, the bend that a fit makes of what the joint misses is no
-/// macro-slip.
-pub(super) fn untold(verdict: &Verdict, laws: Option<&Comparison>) -> &'static [Parameter] {
+/// those of the structure; and where it is known to miss something (`missed`: a discrepancy was found) and the evidence for another law is strong, the
+/// bend that a fit makes of that is no macro-slip, whether the limits are kept or not.
+pub(super) fn untold(verdict: &Verdict, missed: bool, laws: Option<&Comparison>) -> &'static [Parameter] {
+    let against = laws.is_some_and(|laws| laws.speaks_against("iwan"));
     match verdict.grade {
         Grade::No => &Parameter::ALL,
-        Grade::Usable if laws.is_some_and(|laws| laws.speaks_against("iwan")) => {
-            &[Parameter::KT, Parameter::FS, Parameter::Beta]
-        }
+        Grade::Usable if against => &[Parameter::KT, Parameter::FS, Parameter::Beta],
+        Grade::Matches if against && missed => &[Parameter::KT, Parameter::FS, Parameter::Beta],
         Grade::Usable | Grade::Matches => &[],
     }
 }

@@ -121,7 +121,8 @@ fn identification(
     let verdict = verdict(&curves, &model_curves, refined.leaves_noise(task.count()));
     let verdict = in_band(verdict.leaving(refined.relative_residual), &prepared, &refined);
     let laws = laws::of_prepared(&prepared, Some(&refined.parameters));
-    let profiles = profiles.without(laws::untold(&verdict, laws.as_ref().ok()));
+    let profiles =
+        profiles.without(laws::untold(&verdict, refined.discrepancy.is_found(), laws.as_ref().ok()));
     let laws = laws.and_then(|laws| laws::beside(laws, &refined.parameters, &profiles, &verdict));
     Ok(Identification {
         parameters: refined.parameters,

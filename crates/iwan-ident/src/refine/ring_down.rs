@@ -62,13 +62,17 @@ impl Discrepancy {
     pub(crate) fn of_dissipation(&self) -> f64 {
         self.dissipation.hypot(self.dissipation_of_level).hypot(self.dissipation_of_record)
     }
+
+    /// Whether the law misses anything beside noise and what repeats differ by.
+    pub(crate) fn is_found(&self) -> bool {
+        self.dissipation > 0.0 || self.dissipation_of_level > 0.0
+    }
 }
 
 impl Refined {
     /// Whether what is left of `count` values looks like white noise: neighbours are not correlated, and nothing that the law misses was set aside
     /// before.
     pub(crate) fn leaves_noise(&self, count: usize) -> bool {
-        let missed = self.discrepancy.dissipation > 0.0 || self.discrepancy.dissipation_of_level > 0.0;
-        !missed && self.correlation < STILL_NOISE / (count as f64).sqrt()
+        !self.discrepancy.is_found() && self.correlation < STILL_NOISE / (count as f64).sqrt()
     }
 }
