@@ -76,7 +76,7 @@ fn curves_from_raw_hits_are_those_of_the_exact_modal_record() {
             }
         }
     }
-    // The softest alone: one joint keeps the limits by a knee inside the record, with a fourth of the structure's K_T. Other laws tell it better, so that K_T stays open.
+    // The softest alone: one joint keeps the limits by a knee inside the record, with less than a tenth of the structure's K_T (47,082). Other laws tell it better, so that K_T stays open.
     let soft = run(place.path(), "fit q1.npz --band 115:150 --quantity acceleration --mass 1 --out soft");
     let mode = &soft["modes"][0];
     assert_eq!(

@@ -43,8 +43,9 @@ fn responses(test: &ModalTest) -> Figure {
     Figure {
         title: "Sec. 4: frequency responses of the modal test".into(),
         caption: format!(
-            "Root mean square over {} sensors, five hits of {} N; the fit is that of mode isolation, all modes refined together.",
+            "Root mean square over {} sensors, {} hits of {} N; the fit is that of mode isolation, all modes refined together.",
             test.responses.functions.len(),
+            test.hits(),
             test.force
         ),
         y: Axis::log("acceleration per force", "m/s\u{b2}/N"),

@@ -245,7 +245,7 @@ pub(super) fn tables_3_and_4(summary: &Summary, lab: &Laboratory) -> Markup {
     html! {
         h3 { "Table 3" }
         p {
-            "The modal test: five hits of " (lab.test.force) " N, responses of " (lab.test.responses.functions.len()) " sensors, mode isolation in " (format!("{:.0}", lab.test.fit.band.0)) " to "
+            "The modal test: " (lab.test.hits()) " hits of " (lab.test.force) " N, responses of " (lab.test.responses.functions.len()) " sensors, mode isolation in " (format!("{:.0}", lab.test.fit.band.0)) " to "
             (format!("{:.0}", lab.test.fit.band.1)) " Hz. The suspension takes " (percent(summary.lab.damping_ratio_given)) " of every mode. Its shapes are those that the records of Figs. 14 to 17 are divided by."
         }
         (table(

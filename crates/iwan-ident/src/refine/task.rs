@@ -56,8 +56,7 @@ pub(crate) struct Task {
 pub(crate) struct Workspace {
     stack: Vec<Reversal>,
     model: Vec<Complex64>,
-    /// Of each of several records the models that were computed last. A record's own unknowns change no other record: of the derivatives of fifteen
-    /// records only a quarter is computed.
+    /// Of each of several records the models that were computed last: a record's own unknowns change no other record.
     known: Vec<VecDeque<Known>>,
 }
 

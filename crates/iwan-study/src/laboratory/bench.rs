@@ -11,7 +11,7 @@ use crate::blows::BLOW;
 use crate::error::Error;
 
 /// One pound-force in N, exactly.
-pub(super) const NEWTON: f64 = 4.448_221_615_260_5;
+const NEWTON: f64 = 4.448_221_615_260_5;
 /// One inch in m, exactly.
 const METRE: f64 = 0.0254;
 /// One lbf s²/in in kg.

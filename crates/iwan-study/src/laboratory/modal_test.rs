@@ -23,7 +23,7 @@ const BEFORE: usize = 64;
 const HAMMER_NOISE: f64 = 1e-4;
 /// Band of the test, Hz: bending modes 1 to 3 with what lies between them.
 const BAND: Span = Span { from: 60.0, to: 900.0 };
-/// Polynomials are not used by mode isolation; the number says nothing.
+/// Order of the polynomials, which mode isolation does not use.
 const NO_CHART: usize = 2;
 
 /// Frequency responses of the softest hits and the modes that they show.
@@ -56,6 +56,12 @@ impl ModalTest {
     /// Hits the beam of a bench and finds its modes.
     pub(super) fn new(bench: &Bench) -> Result<Self, Error> {
         Self::of_hits(&hits(bench)?, bench).map_err(Error::modal("laboratory, modal test"))
+    }
+
+    /// Number of hits that were averaged.
+    #[must_use]
+    pub fn hits(&self) -> usize {
+        self.responses.functions.first().map_or(0, |f| f.hits)
     }
 
     fn of_hits(hits: &[Hit], bench: &Bench) -> Result<Self, iwan_modal::Error> {
