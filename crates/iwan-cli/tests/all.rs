@@ -19,6 +19,7 @@ mod records;
 mod reproduce;
 mod simulate;
 mod steady;
+mod stream;
 mod structures;
 mod trust;
 mod update;

@@ -40,7 +40,7 @@ pub use mat::{StoredMatrix, StoredNumbers, mat_matrices};
 pub use options::{Format, ReadOptions};
 pub use quantity::Quantity;
 pub use record::{Record, RecordError};
-pub use table::{Table, TableError};
+pub use table::{Growing, GrowingError, Table, TableError};
 pub use text::{Columns, parse_table, read_table};
 pub use time_unit::{TimeUnit, UnknownTimeUnit};
 pub use uff::{

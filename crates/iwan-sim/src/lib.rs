@@ -21,9 +21,10 @@ mod cycles;
 // One mode by one method, with the companion runs that estimate its errors.
 mod methods;
 
-// Calls: a joint driven through displacements, modes under a force, many members of an ensemble.
+// Calls: a joint driven through displacements, modes under a force, responses of any length, many members of an ensemble.
 mod force_history;
 mod simulate;
+mod stream;
 mod ensemble;
 
 // Modes that share joints, in time.
@@ -41,7 +42,7 @@ pub use force_history::force_history;
 pub use iwan_machine::threads::in_parallel;
 pub use joint_law::{JointLaw, TabulatedDensity};
 pub use mode::{Mode, Point};
-pub use response::{OutsideCurves, Quality, Response, superpose};
+pub use response::{OutsideCurves, Quality, Response, Totals, superpose};
 pub use settings::{Method, Settings};
 pub use simulate::{simulate, simulate_all};
 pub use steady::{
@@ -49,6 +50,7 @@ pub use steady::{
     SteadyPoint, StuckMode, StuckRange, Superharmonic, Sweep, backbone, forced_response, forced_response_of,
     nonlinear_mode,
 };
+pub use stream::{Stretch, stream};
 
 // How a joint is evaluated in time is the same question for a mode and for a structure.
 pub use iwan_core::Representation;

@@ -120,6 +120,53 @@ impl Response {
     pub fn slip_ratio(&self) -> f64 {
         self.peak_displacement() / self.strongest
     }
+
+    /// What is kept of it where the samples are not.
+    #[must_use]
+    pub fn totals(&self) -> Totals {
+        Totals {
+            dt: self.dt,
+            steps: self.steps(),
+            peak_displacement: self.peak_displacement(),
+            peak_acceleration: self.acceleration.iter().fold(0.0, |most, a| most.max(a.abs())),
+            final_displacement: self.displacement.last().copied().unwrap_or(0.0),
+            energy: self.energy,
+            quality: self.quality,
+            strongest: self.strongest,
+            seconds: self.seconds,
+        }
+    }
+}
+
+/// What is kept of a mode's response, however long it is.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Totals {
+    /// Time between samples, s.
+    pub dt: f64,
+    /// Number of time steps.
+    pub steps: usize,
+    /// Largest |q|.
+    pub peak_displacement: f64,
+    /// Largest |q''|.
+    pub peak_acceleration: f64,
+    /// q at the end.
+    pub final_displacement: f64,
+    /// Energy balance over the whole response.
+    pub energy: EnergyBalance,
+    /// Error estimates.
+    pub quality: Quality,
+    /// Strength φ_max of the strongest slider; infinite for a linear mode.
+    pub strongest: f64,
+    /// Wall-clock time of the integration itself, s.
+    pub seconds: f64,
+}
+
+impl Totals {
+    /// Largest |q| in units of φ_max: macro-slip above 1.
+    #[must_use]
+    pub fn slip_ratio(&self) -> f64 {
+        self.peak_displacement / self.strongest
+    }
 }
 
 /// Physical responses at the points named in the modes' outputs: Σ φ_r q_r, as displacement, velocity

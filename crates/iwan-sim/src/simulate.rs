@@ -76,7 +76,7 @@ pub fn simulate_all(
     results.into_iter().map(|(index, result)| result.map_err(|e| in_mode(&modes[index], e))).collect()
 }
 
-fn in_mode(mode: &Mode, error: SimulationError) -> SimulationError {
+pub(crate) fn in_mode(mode: &Mode, error: SimulationError) -> SimulationError {
     match error {
         SimulationError::Interrupted => error,
         source => SimulationError::Mode { mode: mode.name.clone(), source: Box::new(source) },
@@ -102,7 +102,7 @@ pub(crate) fn check_scales(mode: &Mode, force: &Pulse<'_>, settings: &Settings) 
 }
 
 /// Refuses methods that are made for Iwan joints alone.
-fn check_method(mode: &Mode, method: Method) -> Result<(), Error> {
+pub(crate) fn check_method(mode: &Mode, method: Method) -> Result<(), Error> {
     let what = match (method, mode.is_plain()) {
         (Method::HalfCycle | Method::Event { .. }, false) => {
             "half-cycle and event run Iwan joints with viscous damping only: a mode with parts or curves needs newmark or \
@@ -114,6 +114,20 @@ fn check_method(mode: &Mode, method: Method) -> Result<(), Error> {
         _ => return Ok(()),
     };
     Err(Error::Unsupported { what })
+}
+
+/// Newmark's scheme at any step, for a mode of the circular frequency `omega0`.
+pub(crate) fn schemes(
+    omega0: f64,
+    beta: f64,
+    gamma: f64,
+    prewarp: bool,
+) -> impl Fn(f64) -> Result<Newmark, Error> {
+    move |dt| match prewarp {
+        true if beta == 0.25 && gamma == 0.5 => Newmark::prewarped(dt, omega0),
+        true => Err(Error::Unsupported { what: "prewarp goes with beta = 0.25 and gamma = 0.5 only" }),
+        false => Newmark::new(dt, beta, gamma),
+    }
 }
 
 /// Number of steps after which the force no longer changes. A force that settles on a sample settles there: the
@@ -145,13 +159,7 @@ pub(crate) fn simulate_observed(
     let task = Task { mode, force: &history, dt, samples };
     match settings.method {
         Method::Newmark { beta, gamma, prewarp, joint } => {
-            let scheme_at = |dt| match prewarp {
-                true if beta == 0.25 && gamma == 0.5 => Newmark::prewarped(dt, oscillator.omega0()),
-                true => {
-                    Err(Error::Unsupported { what: "prewarp goes with beta = 0.25 and gamma = 0.5 only" })
-                }
-                false => Newmark::new(dt, beta, gamma),
-            };
+            let scheme_at = schemes(oscillator.omega0(), beta, gamma, prewarp);
             let mut response = run::newmark(task, &scheme_at(dt)?, joint, spare, progress)?;
             if settings.quality {
                 let order = if gamma == 0.5 { 2 } else { 1 };

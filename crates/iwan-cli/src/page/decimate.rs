@@ -7,22 +7,75 @@ pub(crate) const STRETCHES: usize = 700;
 /// Points of `samples` at `dt`: the smallest and the largest of each of `bins` stretches, in their order, and both ends of
 /// the history. A history of up to twice as many samples stays as it is.
 pub(crate) fn history(samples: &[f64], dt: f64, bins: usize) -> Vec<(f64, f64)> {
-    let point = |n: usize| (n as f64 * dt, samples[n]);
-    if samples.len() <= 2 * bins {
-        return (0..samples.len()).map(point).collect();
+    let mut passing = Passing::new(samples.len(), bins);
+    passing.add(samples);
+    passing.points(dt)
+}
+
+/// A history that goes by, of which only what is drawn is kept.
+#[derive(Debug, Clone)]
+pub(crate) struct Passing {
+    /// Number of all samples, and of those that went by.
+    length: usize,
+    passed: usize,
+    bins: usize,
+    /// Number and value of the samples that are kept, in their order.
+    kept: Vec<(usize, f64)>,
+    /// The smallest and the largest of the stretch that goes by.
+    extremes: Option<[(usize, f64); 2]>,
+    /// End of that stretch.
+    until: usize,
+}
+
+impl Passing {
+    /// A history of `length` samples.
+    pub(crate) fn new(length: usize, bins: usize) -> Self {
+        Self { length, passed: 0, bins, kept: Vec::new(), extremes: None, until: 0 }
     }
-    let mut kept = vec![0];
-    for bin in 0..bins {
-        let range = bin * samples.len() / bins..(bin + 1) * samples.len() / bins;
-        let by_value = |a: &usize, b: &usize| samples[*a].total_cmp(&samples[*b]);
-        let (low, high) = (range.clone().min_by(by_value), range.max_by(by_value));
-        kept.extend(low);
-        kept.extend(high);
+
+    /// The samples that come next.
+    pub(crate) fn add(&mut self, samples: &[f64]) {
+        for &value in samples {
+            let this = (self.passed, value);
+            if self.length <= 2 * self.bins {
+                self.kept.push(this);
+            } else {
+                self.follow(this);
+            }
+            self.passed += 1;
+        }
     }
-    kept.push(samples.len() - 1);
-    kept.sort_unstable();
-    kept.dedup();
-    kept.into_iter().map(point).collect()
+
+    fn follow(&mut self, this: (usize, f64)) {
+        if this.0 >= self.until {
+            self.close();
+            // The stretch in which this sample lies.
+            let bin = ((this.0 + 1) * self.bins - 1) / self.length;
+            self.until = (bin + 1) * self.length / self.bins;
+        }
+        let [low, high] = self.extremes.get_or_insert([this, this]);
+        if this.1 < low.1 {
+            *low = this;
+        }
+        if this.1 >= high.1 {
+            *high = this;
+        }
+        if this.0 == 0 || this.0 + 1 == self.length {
+            self.kept.push(this);
+        }
+    }
+
+    fn close(&mut self) {
+        self.kept.extend(self.extremes.take().into_iter().flatten());
+    }
+
+    /// What is drawn, as time and value.
+    pub(crate) fn points(mut self, dt: f64) -> Vec<(f64, f64)> {
+        self.close();
+        self.kept.sort_unstable_by_key(|point| point.0);
+        self.kept.dedup_by_key(|point| point.0);
+        self.kept.into_iter().map(|(n, value)| (n as f64 * dt, value)).collect()
+    }
 }
 
 /// The highest point of each of `bins` stretches of equal ratio in x; points with x <= 0 have no place.
@@ -68,6 +121,23 @@ mod tests {
         assert!(points.len() <= 602 && points.is_sorted_by(|a, b| a.0 < b.0));
         assert!(points.iter().any(|p| p.1 == 7.0) && points.last().is_some_and(|p| p.1 == -0.5));
         assert_eq!(history(&[1.0, 2.0], 0.5, 300), [(0.0, 1.0), (0.5, 2.0)]);
+    }
+
+    #[test]
+    fn a_history_in_pieces_is_the_history_at_once() {
+        let samples: Vec<f64> = (0..50_003).map(|n| (f64::from(n) * 0.11).sin()).collect();
+        let mut passing = Passing::new(samples.len(), 300);
+        for piece in samples.chunks(777) {
+            passing.add(piece);
+        }
+        let points = passing.points(1e-3);
+        assert_eq!(points, history(&samples, 1e-3, 300));
+        // Each stretch's smallest and largest, sought anew.
+        for bin in 0..300 {
+            let range = bin * samples.len() / 300..(bin + 1) * samples.len() / 300;
+            let most = samples[range].iter().copied().fold(f64::NEG_INFINITY, f64::max);
+            assert!(points.iter().any(|p| p.1 == most), "{bin}");
+        }
     }
 
     #[test]

@@ -134,6 +134,11 @@ impl Session {
         self.results.add_written(name, fill)
     }
 
+    /// Where files are until they appear.
+    pub(crate) fn staged(&self) -> &Path {
+        self.results.staged()
+    }
+
     /// Where the results will be.
     pub(crate) fn folder(&self) -> &Path {
         self.results.path()

@@ -4,7 +4,8 @@ use std::num::NonZeroUsize;
 use std::path::PathBuf;
 
 use clap::{Args, ValueEnum, ValueHint};
-use iwan_input::scenario::{JointChoice, Overrides};
+use iwan_input::scenario::{JointChoice, Overrides, Scenario};
+use iwan_input::{InputError, InputText};
 
 use crate::args::{Common, Format, finite};
 use crate::session::Place;
@@ -27,6 +28,12 @@ pub(crate) struct SimulateArgs {
     /// Format of the response
     #[arg(long, value_enum, default_value_t = Format::Csv)]
     pub(crate) format: Format,
+    /// Write the response as it is computed, in memory that does not grow with its length (Newmark's method, modes without shared joints)
+    #[arg(long)]
+    pub(crate) stream: bool,
+    /// Write every N-th sample of the response only; all figures of the summary are those of all samples
+    #[arg(long, value_name = "N", default_value = "1")]
+    pub(crate) every: NonZeroUsize,
     /// Overwrite results that are there already
     #[arg(long)]
     pub(crate) force: bool,
@@ -44,9 +51,15 @@ Examples:
   iwan simulate beam.toml --joint continuum        no sliders: the exact continuum
   iwan simulate --amplitude 1000 --duration 0.5    a harder blow, a longer record
   iwan simulate --json --quiet | jq '.modes[0].slip_ratio'
-  iwan simulate beam.toml --format npz             for numpy.load";
+  iwan simulate beam.toml --format npz             for numpy.load
+  iwan simulate --duration 3600 --stream --every 100    an hour, in the memory of a second";
 
 impl SimulateArgs {
+    /// The scenario of the run, with its changes.
+    pub(super) fn read(&self, source: &InputText) -> Result<Scenario, InputError> {
+        Scenario::read(source, &self.changes.overrides(self.stream))
+    }
+
     /// Where results go.
     pub(super) fn place(&self) -> Place<'_> {
         Place { given: self.out.as_deref(), default: "iwan-simulate", force: self.force }
@@ -79,7 +92,7 @@ pub(crate) struct Changes {
 
 impl Changes {
     /// The changes in the scenario's terms.
-    pub(crate) fn overrides(&self) -> Overrides {
+    fn overrides(&self, streamed: bool) -> Overrides {
         Overrides {
             method: self.method.map(MethodName::name),
             joint: self.joint.map(JointName::representation),
@@ -87,6 +100,7 @@ impl Changes {
             step: self.step,
             duration: self.duration,
             amplitude: self.amplitude,
+            streamed,
         }
     }
 }

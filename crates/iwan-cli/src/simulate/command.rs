@@ -4,12 +4,13 @@ use std::time::Instant;
 
 use iwan_input::InputText;
 use iwan_input::scenario::{Scenario, built_in, to_toml};
-use iwan_io::Table;
 use iwan_sim::{CoupledResponse, SimulationError, superpose};
 
 use super::args::SimulateArgs;
-use super::files::{FORCE, names, response_columns, write_input};
+use super::explain::explain;
+use super::files::{FORCE, names, response_columns, write_input, write_response};
 use super::report::{self, Reported};
+use super::streamed;
 use super::structure;
 use super::summary::SimulationSummary;
 use crate::failure::Failure;
@@ -21,8 +22,9 @@ pub(crate) fn run(args: &SimulateArgs) -> Result<(), Failure> {
         Some(path) => InputText::read(path, "scenario", "paper-modal")?,
         None => built_in()[0].source(),
     };
-    let scenario = Scenario::read(&source, &args.changes.overrides())?;
+    let scenario = args.read(&source)?;
     match &scenario.structure {
+        _ if args.stream => streamed::run(args, &source.name, &scenario),
         Some(on) => structure::run(args, &source.name, &scenario, on),
         None => run_modes(args, &source.name, &scenario),
     }
@@ -45,9 +47,7 @@ fn run_modes(args: &SimulateArgs, name: &str, scenario: &Scenario) -> Result<(),
         columns.push((format!("{}.slip", joint.name), &joint.slip));
         columns.push((format!("{}.force", joint.name), &joint.force));
     }
-    let table = Table::new(columns)
-        .map_err(|error| Failure::input(error.to_string(), "rename modes or points in the scenario"))?;
-    session.table(&args.format.file("response"), &table, args.format)?;
+    write_response(&mut session, args, columns, "rename modes or points in the scenario")?;
     session.summary(SUMMARY, &summary)?;
     let toml = to_toml(scenario, FORCE);
     let reported =
@@ -67,21 +67,4 @@ fn compute(scenario: &Scenario, session: &Session) -> Result<CoupledResponse, Si
         return Ok(CoupledResponse { modes, ..CoupledResponse::default() });
     }
     iwan_sim::simulate_coupled(&modes, &joints, &force, settings, threads, &|share| bar.report(share))
-}
-
-/// A failed computation in the user's terms: what could not be set up is bad input, the rest failed.
-fn explain(name: &str, error: &SimulationError) -> Failure {
-    let root = match error {
-        SimulationError::Mode { source, .. } | SimulationError::Joint { source, .. } => source,
-        other => other,
-    };
-    match root {
-        SimulationError::Interrupted => Failure::Interrupted,
-        SimulationError::Memory(short) => Failure::lacking(&format!("{name}: {short}")),
-        SimulationError::Parameter(_) => Failure::input(
-            format!("{name}: {error}"),
-            "change this in the scenario, or choose another method",
-        ),
-        _ => Failure::Computation(format!("{name}: {error}")),
-    }
 }

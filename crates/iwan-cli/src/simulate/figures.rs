@@ -53,12 +53,17 @@ struct Loop {
 
 /// A history of one quantity.
 pub(crate) fn of_history(title: String, quantity: &str, samples: &[f64], dt: f64, caption: &str) -> Figure {
+    of_points(title, quantity, history(samples, dt, STRETCHES), caption)
+}
+
+/// The same from points that are drawn as they are: time and value.
+pub(super) fn of_points(title: String, quantity: &str, points: Vec<(f64, f64)>, caption: &str) -> Figure {
     Figure {
         title,
         caption: caption.into(),
         x: Axis::linear("time", "s"),
         y: Axis::linear(quantity, ""),
-        layers: vec![Layer::new(Mark::Line, colour::BLUE, history(samples, dt, STRETCHES))],
+        layers: vec![Layer::new(Mark::Line, colour::BLUE, points)],
         marker: None,
     }
 }

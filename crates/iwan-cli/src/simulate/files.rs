@@ -1,8 +1,10 @@
 //! The files of a simulation: their names, and the columns of the response.
 
 use iwan_input::scenario::{Force, Scenario};
+use iwan_io::Table;
 use iwan_sim::Response;
 
+use super::args::SimulateArgs;
 use crate::args::Format;
 use crate::failure::Failure;
 use crate::session::{PAGE, SUMMARY, Session};
@@ -12,6 +14,9 @@ pub(super) const SCENARIO: &str = "scenario.toml";
 
 /// Name under which a force history from a file is handed on.
 pub(super) const FORCE: &str = "force.csv";
+
+/// What the columns of a mode are; a point has the first three.
+const QUANTITIES: [&str; 4] = ["displacement", "velocity", "acceleration", "joint_force"];
 
 /// Displacement, velocity and acceleration at a named point.
 pub(crate) type PointResponse = (String, [Vec<f64>; 3]);
@@ -34,6 +39,35 @@ pub(super) fn write_input(session: &mut Session, scenario: &Scenario, toml: &str
     }
 }
 
+/// Writes the response as the options ask for; `remedy` says what helps where names of columns are no names.
+pub(super) fn write_response(
+    session: &mut Session,
+    args: &SimulateArgs,
+    columns: Vec<(String, &[f64])>,
+    remedy: &str,
+) -> Result<(), Failure> {
+    let (name, every) = (args.format.file("response"), args.every.get());
+    if every > 1 {
+        return session.columns(&name, &thinned(&columns, every), args.format);
+    }
+    let table = Table::new(columns).map_err(|error| Failure::input(error.to_string(), remedy))?;
+    session.table(&name, &table, args.format)
+}
+
+/// Every so many-th row of columns.
+fn thinned(columns: &[(String, &[f64])], every: usize) -> Vec<(String, Vec<f64>)> {
+    let thin = |values: &[f64]| values.iter().copied().step_by(every).collect();
+    columns.iter().map(|(name, values)| (name.clone(), thin(values))).collect()
+}
+
+/// The names of the columns of the response: time, modes, points.
+pub(super) fn column_names(scenario: &Scenario, points: &[String]) -> Vec<String> {
+    let modes = scenario.modes.iter().map(|mode| (&mode.mode.name, 4));
+    let all = modes.chain(points.iter().map(|name| (name, 3)));
+    let named = all.flat_map(|(name, count)| QUANTITIES[..count].iter().map(move |q| format!("{name}.{q}")));
+    std::iter::once("t".to_string()).chain(named).collect()
+}
+
 /// The columns of the response: time, modes, points.
 pub(crate) fn response_columns<'a>(
     times: &'a [f64],
@@ -41,20 +75,12 @@ pub(crate) fn response_columns<'a>(
     responses: &'a [Response],
     points: &'a [PointResponse],
 ) -> Vec<(String, &'a [f64])> {
-    let mut columns = vec![("t".to_string(), times)];
-    let mut add = |name: &str, quantity: &str, values: &'a [f64]| {
-        columns.push((format!("{name}.{quantity}"), values));
-    };
-    for (mode, response) in scenario.modes.iter().zip(responses) {
-        add(&mode.mode.name, "displacement", &response.displacement);
-        add(&mode.mode.name, "velocity", &response.velocity);
-        add(&mode.mode.name, "acceleration", &response.acceleration);
-        add(&mode.mode.name, "joint_force", &response.joint_force);
-    }
-    for (name, [displacement, velocity, acceleration]) in points {
-        add(name, "displacement", displacement);
-        add(name, "velocity", velocity);
-        add(name, "acceleration", acceleration);
-    }
-    columns
+    let of_modes = responses.iter().flat_map(|response| {
+        let Response { displacement, velocity, acceleration, joint_force, .. } = response;
+        [displacement, velocity, acceleration, joint_force].map(Vec::as_slice)
+    });
+    let of_points = points.iter().flat_map(|(_, motion)| motion.iter().map(Vec::as_slice));
+    let names: Vec<String> = points.iter().map(|(name, _)| name.clone()).collect();
+    let values = std::iter::once(times).chain(of_modes).chain(of_points);
+    column_names(scenario, &names).into_iter().zip(values).collect()
 }

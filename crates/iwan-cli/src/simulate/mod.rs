@@ -1,11 +1,13 @@
 //! `iwan simulate`: from a scenario to responses, a summary and a report.
 
 mod args;
+mod explain;
 mod files;
 mod summary;
 mod joints;
 mod figures;
 mod report;
+mod streamed;
 mod structure;
 mod command;
 

@@ -16,7 +16,7 @@ use crate::session::VERSION;
 
 /// Modes with figures of their own, at most, and points as well. Twenty modes take 2.5 MB and twenty points 0.7 MB of the page; it
 /// says that there are more, and the response file has them all.
-const MOST: usize = 20;
+pub(super) const MOST: usize = 20;
 
 /// What the report is about.
 #[derive(Debug)]
@@ -41,12 +41,12 @@ pub(super) fn render(run: &Reported<'_>) -> String {
         (force_and_points(run))
         (joints(run))
         (modes(run))
-        (repeat(run))
+        (repeat(run.toml))
     };
     page(&format!("{} \u{2013} iwan simulate", summary.scenario), &body)
 }
 
-fn head(summary: &SimulationSummary) -> Markup {
+pub(super) fn head(summary: &SimulationSummary) -> Markup {
     let plural = if summary.modes.len() == 1 { "" } else { "s" };
     html! {
         h1 { (summary.scenario) }
@@ -62,7 +62,7 @@ fn head(summary: &SimulationSummary) -> Markup {
 }
 
 /// How exact the response is, in a sentence.
-fn errors(summary: &SimulationSummary) -> Markup {
+pub(super) fn errors(summary: &SimulationSummary) -> Markup {
     let worst = |estimate: fn(&ModeSummary) -> Option<f64>| {
         let estimates = summary.modes.iter().filter_map(estimate);
         estimates.fold(None, |most: Option<f64>, e| Some(most.map_or(e, |m| m.max(e))))
@@ -118,7 +118,7 @@ fn table(summary: &SimulationSummary, rows: &[Row]) -> Markup {
     }
 }
 
-fn tables(summary: &SimulationSummary) -> Markup {
+pub(super) fn tables(summary: &SimulationSummary) -> Markup {
     html! {
         div.tables {
         section { h2 id="summary" { "Summary" }
@@ -166,7 +166,7 @@ fn force_and_points(run: &Reported<'_>) -> Markup {
     }
 }
 
-fn left_out(count: usize, what: &str) -> Markup {
+pub(super) fn left_out(count: usize, what: &str) -> Markup {
     html! {
         @if count > MOST {
             p { "Figures of the first " (MOST) " of " (count) " " (what) "; the response file has them all." }
@@ -189,7 +189,7 @@ fn modes(run: &Reported<'_>) -> Markup {
 }
 
 /// The mode in a sentence.
-fn describe(mode: &Mode, summary: &ModeSummary, shares: bool) -> String {
+pub(super) fn describe(mode: &Mode, summary: &ModeSummary, shares: bool) -> String {
     if shares {
         return describe_coupled(summary);
     }
@@ -255,13 +255,13 @@ fn joints(run: &Reported<'_>) -> Markup {
     }
 }
 
-fn repeat(run: &Reported<'_>) -> Markup {
+pub(super) fn repeat(toml: &str) -> Markup {
     html! {
         h2 id="repeat" { "Scenario" }
         p {
             "The run with all defaults filled in, as in " code { "scenario.toml" } " beside this page. To repeat it to the "
             "last bit: " code { "iwan simulate scenario.toml --out again" }
         }
-        pre { (run.toml) }
+        pre { (toml) }
     }
 }

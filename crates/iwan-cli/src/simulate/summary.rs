@@ -4,7 +4,7 @@ use std::fmt::Write;
 
 use iwan_core::{Backbone, EnergyBalance};
 use iwan_input::scenario::Scenario;
-use iwan_sim::{CoupledResponse, JointHistory, Method, Mode, Response};
+use iwan_sim::{CoupledResponse, JointHistory, Method, Mode, Response, Totals};
 use serde::Serialize;
 
 use super::files::PointResponse;
@@ -214,15 +214,15 @@ pub(super) fn peak(values: &[f64]) -> f64 {
 
 impl ModeSummary {
     /// Of a mode and its response.
-    pub(crate) fn new(mode: &Mode, response: &Response) -> Self {
+    pub(crate) fn new(mode: &Mode, response: &Totals) -> Self {
         Self {
             name: mode.name.clone(),
             frequency: mode.frequency,
             damping_ratio: mode.damping_ratio,
             phi_max: mode.joint.as_ref().map(|law| law.strengths().1),
-            peak_displacement: response.peak_displacement(),
-            peak_acceleration: peak(&response.acceleration),
-            final_displacement: response.displacement.last().copied().unwrap_or(0.0),
+            peak_displacement: response.peak_displacement,
+            peak_acceleration: response.peak_acceleration,
+            final_displacement: response.final_displacement,
             slip_ratio: response.slip_ratio(),
             energy_error: response.energy.error(),
             time_step_error: response.quality.time_step_error,
@@ -231,7 +231,7 @@ impl ModeSummary {
             below_curves_from: response.quality.outside_curves.below_from,
             above_curves_from: response.quality.outside_curves.above_from,
             samples_per_cycle: 1.0 / (mode.frequency * response.dt),
-            steps: response.steps(),
+            steps: response.steps,
             seconds: response.seconds,
             energy: Energy::from(&response.energy),
         }
@@ -349,9 +349,23 @@ impl SimulationSummary {
         points: &[PointResponse],
         seconds: f64,
     ) -> Self {
-        let each = scenario.modes.iter().zip(&response.modes);
-        let modes: Vec<_> = each.map(|(m, r)| ModeSummary::new(&m.mode, r)).collect();
+        let totals: Vec<Totals> = response.modes.iter().map(Response::totals).collect();
         let coupled = (!scenario.joints.is_empty()).then(|| CoupledSummary::new(response));
+        let points = points.iter().map(|(name, samples)| PointSummary::new(name, samples)).collect();
+        Self::of(scenario, name, &totals, coupled, points, seconds)
+    }
+
+    /// The same of what is kept of responses.
+    pub(super) fn of(
+        scenario: &Scenario,
+        name: &str,
+        totals: &[Totals],
+        coupled: Option<CoupledSummary>,
+        points: Vec<PointSummary>,
+        seconds: f64,
+    ) -> Self {
+        let each = scenario.modes.iter().zip(totals);
+        let modes: Vec<_> = each.map(|(m, totals)| ModeSummary::new(&m.mode, totals)).collect();
         let of_joints = coupled.iter().flat_map(CoupledSummary::warnings);
         Self {
             scenario: scenario.title.clone().unwrap_or_else(|| name.into()),
@@ -367,7 +381,7 @@ impl SimulationSummary {
             modes,
             structure: None,
             coupled,
-            points: points.iter().map(|(name, samples)| PointSummary::new(name, samples)).collect(),
+            points,
             seconds,
         }
     }

@@ -209,20 +209,34 @@ impl Pulse<'_> {
     /// A force that ends abruptly within a step keeps its impulse: its last sample is weighted so that
     /// the trapezoidal rule integrates it to the end, which keeps time stepping second order.
     pub fn sample(&self, dt: f64, out: &mut [f64]) -> usize {
+        self.sample_from(0, dt, out)
+    }
+
+    /// As [`sample`](Self::sample) for n = `first`, `first` + 1, …: a long history in pieces.
+    ///
+    /// ```
+    /// let blow = iwan_core::Pulse::HalfSine { amplitude: 2.0, duration: 1e-3 };
+    /// let (mut whole, mut piece) = ([0.0; 20], [0.0; 8]);
+    /// assert_eq!(blow.sample(1e-4, &mut whole), 10);
+    /// assert_eq!(blow.sample_from(5, 1e-4, &mut piece), 5);
+    /// assert_eq!(piece, whole[5..13]);
+    /// ```
+    pub fn sample_from(&self, first: usize, dt: f64, out: &mut [f64]) -> usize {
         let mut last = 0;
         for (n, value) in out.iter_mut().enumerate() {
-            *value = self.at(n as f64 * dt);
+            *value = self.at((first + n) as f64 * dt);
             if *value != 0.0 {
                 last = n + 1;
             }
         }
         if let Some((end, value)) = self.abrupt_end(dt) {
             let n = libm::floor(end * (1.0 + 4.0 * f64::EPSILON));
-            if let Some(sample) = out.get_mut(n as usize) {
+            let place = (n as usize).checked_sub(first);
+            if let Some((place, sample)) = place.and_then(|place| Some((place, out.get_mut(place)?))) {
                 // The first sample stands for half a step only.
                 let weight = if n == 0.0 { 2.0 * end } else { 0.5 + (end - n).max(0.0) };
                 *sample = value * weight;
-                last = last.max(n as usize + 1);
+                last = last.max(place + 1);
             }
         }
         last

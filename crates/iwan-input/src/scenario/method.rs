@@ -63,6 +63,8 @@ pub struct Overrides {
     pub duration: Option<f64>,
     /// Amplitude of the force.
     pub amplitude: Option<f64>,
+    /// Whether the response is handed out as it is computed, so that no memory is needed for it.
+    pub streamed: bool,
 }
 
 /// A method as written: what was left out is none.

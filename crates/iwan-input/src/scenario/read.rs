@@ -119,11 +119,11 @@ impl Scenario {
             let message = format!("step = {dt} is longer than duration = {duration}: there would be no step");
             return Err(fail(&message, "shorten step or lengthen duration"));
         }
-        if numbers > MOST_NUMBERS {
+        if numbers > MOST_NUMBERS && !overrides.streamed {
             let message = format!("{steps:.3e} steps would need {:.0} GB of memory", numbers * 8e-9);
             return Err(fail(
                 &message,
-                "lengthen step or shorten duration (both in s); at most 8 GB are used",
+                "lengthen step or shorten duration (both in s), or write the response as it is computed (--stream); at most 8 GB are used",
             ));
         }
         let Method::Newmark { prewarp: true, .. } = method else { return Ok(()) };

@@ -1,48 +1,23 @@
 //! Tables of results as CSV, NPZ and Parquet.
 
+mod names;
+mod lines;
+mod archive;
 mod parquet_file;
+mod growing;
+
+pub use growing::{Growing, GrowingError};
+pub use names::TableError;
 
 use crate::atomic::{WriteError, write_file};
-use std::borrow::Cow;
-use std::collections::HashSet;
+use archive::{bytes, entry};
+use lines::{csv_header, csv_rows};
+use names::check_names;
 use std::io::{self, Seek, Write};
 use std::path::Path;
-use zip::write::SimpleFileOptions;
 
-/// Values from which on an entry is written with 64-bit sizes: 2 GiB, half of what 32-bit sizes can tell, so that the header
-/// of the array has room.
-const ZIP32: usize = 1 << 28;
 /// Values that are turned into bytes at once, 32 KiB, so that no second copy of a column is made.
 const CHUNK: usize = 1 << 12;
-
-/// Why columns do not make a [`Table`].
-#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
-#[non_exhaustive]
-pub enum TableError {
-    /// No column at all.
-    #[error("the table has no column; it needs at least one")]
-    Empty,
-    /// Columns of different lengths.
-    #[error("column '{name}' has {rows} rows, the first column has {expected}; all must be equally long")]
-    Lengths {
-        /// Name of the column.
-        name: String,
-        /// Its number of rows.
-        rows: usize,
-        /// Number of rows of the first column.
-        expected: usize,
-    },
-    /// The same name twice, an empty name, or one with a line break or zero byte.
-    #[error(
-        "column {index} (counted from 0) is called '{name}'; names must be unique, not empty, and without control characters"
-    )]
-    Name {
-        /// Index of the column, counted from 0.
-        index: usize,
-        /// Its name.
-        name: String,
-    },
-}
 
 /// Named columns of equal length, borrowed for writing. NaN and infinite values are written as they are.
 ///
@@ -59,12 +34,6 @@ pub struct Table<'a> {
     columns: Vec<(String, &'a [f64])>,
 }
 
-/// A name as spreadsheets show it: one that begins like a formula is told to be text by an apostrophe, as they do themselves (OWASP, "CSV
-/// injection").
-fn as_text(name: &str) -> Cow<'_, str> {
-    if name.starts_with(['=', '+', '-', '@']) { format!("'{name}").into() } else { name.into() }
-}
-
 impl<'a> Table<'a> {
     /// Checks and keeps the columns.
     ///
@@ -72,17 +41,13 @@ impl<'a> Table<'a> {
     /// [`TableError`] names the column.
     pub fn new(columns: Vec<(String, &'a [f64])>) -> Result<Self, TableError> {
         let Some((_, first)) = columns.first() else { return Err(TableError::Empty) };
-        let mut names = HashSet::with_capacity(columns.len());
-        for (index, (name, values)) in columns.iter().enumerate() {
+        for (name, values) in &columns {
             let (rows, expected) = (values.len(), first.len());
             if rows != expected {
                 return Err(TableError::Lengths { name: name.clone(), rows, expected });
             }
-            let twice = !names.insert(name);
-            if twice || name.is_empty() || name.chars().any(char::is_control) {
-                return Err(TableError::Name { index, name: name.clone() });
-            }
         }
+        check_names(columns.iter().map(|(name, _)| name))?;
         Ok(Self { columns })
     }
 
@@ -103,23 +68,9 @@ impl<'a> Table<'a> {
     /// # Errors
     /// What the sink reports.
     pub fn csv_to(&self, mut sink: impl Write) -> io::Result<()> {
-        let mut header = csv::Writer::from_writer(Vec::new());
-        header
-            .write_record(self.columns.iter().map(|(name, _)| as_text(name).into_owned()))
-            .map_err(io::Error::other)?;
-        sink.write_all(&header.into_inner().map_err(|e| io::Error::other(e.to_string()))?)?;
-        let (mut number, mut line) = (ryu::Buffer::new(), Vec::new());
-        for row in 0..self.rows() {
-            line.clear();
-            for (_, values) in &self.columns {
-                line.extend_from_slice(number.format(values[row]).as_bytes());
-                line.push(b',');
-            }
-            line.pop();
-            line.push(b'\n');
-            sink.write_all(&line)?;
-        }
-        Ok(())
+        sink.write_all(&csv_header(self.columns.iter().map(|(name, _)| name))?)?;
+        let columns: Vec<&[f64]> = self.columns.iter().map(|(_, values)| *values).collect();
+        csv_rows(&columns, &mut sink)
     }
 
     /// Writes NPZ: one float64 array for each column, not compressed, for `numpy.load`.
@@ -128,14 +79,9 @@ impl<'a> Table<'a> {
     /// What the sink reports.
     pub fn npz_to(&self, sink: impl Write + Seek) -> io::Result<()> {
         let mut archive = zip::ZipWriter::new(sink);
-        let stored = SimpleFileOptions::default().compression_method(zip::CompressionMethod::Stored);
         for (name, values) in &self.columns {
-            let large = values.len() > ZIP32;
-            archive.start_file(format!("{name}.npy"), stored.large_file(large))?;
-            archive.write_all(&npy_header(values.len()))?;
-            for chunk in values.chunks(CHUNK) {
-                archive.write_all(&chunk.iter().flat_map(|v| v.to_le_bytes()).collect::<Vec<u8>>())?;
-            }
+            entry(&mut archive, name, values.len())?;
+            values.chunks(CHUNK).try_for_each(|chunk| archive.write_all(&bytes(chunk)))?;
         }
         archive.finish()?;
         Ok(())
@@ -172,17 +118,4 @@ impl<'a> Table<'a> {
     pub fn write_parquet(&self, path: impl AsRef<Path>, force: bool) -> Result<(), WriteError> {
         write_file(path, force, |w| self.parquet_to(w))
     }
-}
-
-/// Header of a one-dimensional float64 array, version 1, padded so that the data start at a multiple of 64 bytes.
-fn npy_header(rows: usize) -> Vec<u8> {
-    let mut text = format!("{{'descr': '<f8', 'fortran_order': False, 'shape': ({rows},), }}");
-    let length = (10 + text.len() + 1).next_multiple_of(64) - 10;
-    text.push_str(&" ".repeat(length - 1 - text.len()));
-    text.push('\n');
-    let mut header = crate::numpy::MAGIC.to_vec();
-    header.extend([1, 0]);
-    header.extend(u16::try_from(length).unwrap_or(118).to_le_bytes());
-    header.extend(text.bytes());
-    header
 }

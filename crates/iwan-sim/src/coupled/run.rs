@@ -13,7 +13,7 @@ use super::task::{Task, of_mode, storage};
 use crate::error::SimulationError;
 use crate::joint_law::JointLaw;
 use crate::joint_law::with_law;
-use crate::methods::task::{CHUNK, finite, reversals};
+use crate::methods::task::{CHUNK, MOST, finite, reversals};
 use crate::response::Response;
 
 /// Samples written at a time: with four modes their rows take 100 kB, which stay in the cache until they have been
@@ -80,7 +80,7 @@ impl Stepping<'_> {
     /// Room for the reversals of a joint, which turns round at most as often as the fastest of its modes does.
     fn stack(&self) -> Vec<Reversal> {
         let fastest = self.task.modes.iter().map(|mode| mode.frequency).fold(0.0, f64::max);
-        reversals(fastest * self.task.dt * self.task.samples as f64)
+        vec![Reversal::default(); reversals(fastest * self.task.dt * self.task.samples as f64, MOST)]
     }
 
     /// One joint in the continuum.

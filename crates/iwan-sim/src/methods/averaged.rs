@@ -12,7 +12,7 @@ use crate::error::SimulationError;
 use crate::joint_law::with_law;
 use crate::methods::free_decay::{Decaying, fraction};
 use crate::methods::task::{Task, finite, modal_force};
-use crate::methods::{quality, run, with_parts};
+use crate::methods::{outside, quality, run};
 use crate::response::{Quality, Response};
 
 /// The force stepped finely, the decay behind it averaged; the error by time steps at the sampling interval when `wanted`.
@@ -53,7 +53,7 @@ pub(crate) fn simulate(
     response.strongest = mode.joint.as_ref().map_or(f64::INFINITY, |law| law.strengths().1);
     let mut response = finite(response)?;
     if let Some(curves) = &mode.curves {
-        response = with_parts::within(curves, response)?;
+        response = outside::within(curves, response)?;
     }
     if progress(0.5).is_break() {
         return Err(SimulationError::Interrupted);

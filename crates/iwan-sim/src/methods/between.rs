@@ -8,23 +8,25 @@ use iwan_core::Oscillator;
 
 /// A force that is straight between samples at a uniform interval, and zero behind the last.
 #[derive(Debug, Clone, Copy)]
-pub(crate) struct Polyline<'a> {
+pub(crate) struct Polyline<V> {
     pub(crate) dt: f64,
-    pub(crate) samples: &'a [f64],
-    /// Factor on the samples.
-    pub(crate) scale: f64,
+    /// Value of the sample of a number.
+    pub(crate) value: V,
+    /// Number of samples.
+    pub(crate) count: usize,
     /// Whether it ends with its last sample, and not one interval later at zero.
     pub(crate) ends: bool,
 }
 
-impl Polyline<'_> {
+impl<V: Fn(usize) -> f64> Polyline<V> {
     /// Between the samples before and behind `t`, of which the one before is number `n`: value just behind it, and slope.
     fn piece(&self, n: usize) -> [f64; 2] {
-        let value = |i: usize| self.scale * self.samples.get(i).copied().unwrap_or(0.0);
-        if self.ends && n + 1 >= self.samples.len() {
+        let value = |i: usize| if i < self.count { (self.value)(i) } else { 0.0 };
+        if self.ends && n + 1 >= self.count {
             return [0.0; 2];
         }
-        [value(n), (value(n + 1) - value(n)) / self.dt]
+        let first = value(n);
+        [first, (value(n + 1) - first) / self.dt]
     }
 }
 
@@ -62,19 +64,18 @@ impl Propagator {
     }
 }
 
-/// Displacement at n dt, n < `samples`, of the linear mode that starts at rest under `force` less what steps of `seen.dt` see of it.
+/// Displacement at n dt, n = 0, 1, …, of the linear mode that starts at rest under `force` less what steps of `seen.dt` see of it.
 pub(crate) fn unseen(
     oscillator: &Oscillator,
-    force: Polyline<'_>,
-    seen: Polyline<'_>,
-    samples: usize,
-) -> Vec<f64> {
+    force: Polyline<impl Fn(usize) -> f64>,
+    seen: Polyline<impl Fn(usize) -> f64>,
+) -> impl Iterator<Item = f64> {
     let mut propagator = Propagator::new(oscillator);
-    let (mut state, mut out) = ([0.0; 2], Vec::with_capacity(samples));
+    let mut state = [0.0; 2];
     // Number of the sample of `force` that was passed last; a sample that rounding left beside one of the steps stands on it.
     let (mut passed, near) = (0_usize, 1e-9 * seen.dt.min(force.dt));
-    for n in 0..samples {
-        out.push(state[0]);
+    (0..).map(move |n: usize| {
+        let moved = state[0];
         let (start, end) = (n as f64 * seen.dt, (n + 1) as f64 * seen.dt);
         let [value, slope] = seen.piece(n);
         let mut now = start;
@@ -83,7 +84,7 @@ pub(crate) fn unseen(
                 passed += 1;
             }
             // Behind its last sample the force is zero for good.
-            let last = passed > force.samples.len();
+            let last = passed > force.count;
             let until = if last { end } else { end.min((passed + 1) as f64 * force.dt) };
             let until = if end - until < near { end } else { until };
             let [a, b] = force.piece(passed);
@@ -92,14 +93,18 @@ pub(crate) fn unseen(
             state = propagator.advance(state, less, until - now);
             now = until;
         }
-    }
-    out
+        moved
+    })
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
     use iwan_core::ResidualStiffness;
+
+    fn line(dt: f64, samples: &[f64], ends: bool) -> Polyline<impl Fn(usize) -> f64> {
+        Polyline { dt, value: |i| samples[i], count: samples.len(), ends }
+    }
 
     fn oscillator() -> Oscillator {
         Oscillator::new(10.0, 0.02, 0.0, ResidualStiffness::Positive).unwrap()
@@ -108,9 +113,8 @@ mod tests {
     /// Under a constant force q = P/ω² (1 - e^(-ζωt)(cos ω_d t + ζω/ω_d sin ω_d t)).
     #[test]
     fn a_step_that_the_steps_do_not_see_moves_the_mode_as_in_closed_form() {
-        let force = Polyline { dt: 1.0, samples: &[3.0; 3], scale: 2.0, ends: true };
-        let seen = Polyline { dt: 0.013, samples: &[], scale: 1.0, ends: false };
-        let moved = unseen(&oscillator(), force, seen, 100);
+        let (force, seen) = (line(1.0, &[6.0; 3], true), line(0.013, &[], false));
+        let moved: Vec<f64> = unseen(&oscillator(), force, seen).take(100).collect();
         let (w, z) = (oscillator().omega0(), 0.02);
         let d = w * f64::sqrt(1.0 - z * z);
         for (n, q) in moved.iter().enumerate() {
@@ -125,7 +129,7 @@ mod tests {
     #[test]
     fn nothing_is_left_of_a_force_that_is_seen() {
         let samples: Vec<f64> = (0..50).map(|n| f64::from(n * n % 17)).collect();
-        let force = Polyline { dt: 0.01, samples: &samples, scale: 1.0, ends: false };
+        let force = line(0.01, &samples, false);
         let halved: Vec<f64> = (0..100)
             .map(|n| {
                 if n % 2 == 0 {
@@ -135,8 +139,8 @@ mod tests {
                 }
             })
             .collect();
-        let seen = Polyline { dt: 0.005, samples: &halved, scale: 1.0, ends: false };
-        let moved = unseen(&oscillator(), force, seen, 150);
+        let seen = line(0.005, &halved, false);
+        let moved: Vec<f64> = unseen(&oscillator(), force, seen).take(150).collect();
         assert!(moved.iter().all(|q| q.abs() < 1e-12), "{moved:?}");
     }
 
@@ -144,10 +148,10 @@ mod tests {
     #[test]
     fn what_swings_between_the_steps_is_told() {
         let samples: Vec<f64> = (0..1000).map(|n| if n % 10 < 5 { 1.0 } else { -1.0 }).collect();
-        let force = Polyline { dt: 0.001, samples: &samples, scale: 1.0, ends: true };
+        let force = line(0.001, &samples, true);
         let coarse: Vec<f64> = samples.iter().copied().step_by(10).collect();
-        let seen = Polyline { dt: 0.01, samples: &coarse, scale: 1.0, ends: false };
-        let missed = unseen(&oscillator(), force, seen, 100).iter().fold(0.0_f64, |m, q| m.max(q.abs()));
+        let seen = line(0.01, &coarse, false);
+        let missed = unseen(&oscillator(), force, seen).take(100).fold(0.0_f64, |m, q| m.max(q.abs()));
         let peak = 2.0 / oscillator().omega0().powi(2);
         assert!((0.8 * peak..1.1 * peak).contains(&missed), "{missed} {peak}");
     }

@@ -11,7 +11,7 @@ use crate::error::SimulationError;
 use crate::joint_law::with_law;
 use crate::methods::event::{self, Cut};
 use crate::methods::quality;
-use crate::methods::task::{Task, finite, modal_force, stack};
+use crate::methods::task::{Room, Task, finite, modal_force};
 use crate::response::{Quality, Response};
 use crate::settings::Method;
 
@@ -196,7 +196,7 @@ fn forced<B: Backbone>(
 ) -> Result<Forced<Vec<Reversal>>, SimulationError> {
     let Task { mode, dt, .. } = job.task;
     let joint = Continuum::new(law);
-    let mut memory = joint.virgin(stack(&job.task))?;
+    let mut memory = joint.virgin(vec![Reversal::default(); Room::of(&job.task).reversals])?;
     joint.advance(&mut memory, mode.initial.displacement);
     let velocity = mode.initial.velocity;
     if job.settled == 0 {

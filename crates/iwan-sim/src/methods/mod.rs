@@ -1,7 +1,8 @@
 //! One mode by one method, with the companion runs that estimate its errors.
 
 pub(crate) mod task;
-pub(crate) mod with_parts;
+pub(crate) mod stepped;
+pub(crate) mod outside;
 pub(crate) mod run;
 pub(crate) mod between;
 pub(crate) mod quality;

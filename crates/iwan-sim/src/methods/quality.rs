@@ -12,7 +12,7 @@ use crate::response::{Quality, Response};
 /// Shortest response, in samples of the companion, that gets an estimate: over fewer points the largest difference
 /// says little, as they may all lie where two wrong responses cross. The number is arbitrary; responses that anyone
 /// looks at are longer.
-const FEWEST: usize = 8;
+pub(crate) const FEWEST: usize = 8;
 
 /// Largest difference to every `stride`-th sample of a finer response, relative to its peak.
 pub(crate) fn difference(coarse: &Response, fine: &Response, stride: usize) -> f64 {
@@ -61,12 +61,14 @@ pub(crate) fn of_newmark(
     let mut missed = 0.0;
     if let Pulse::Sampled { dt, samples } = pulse {
         let oscillator = task.mode.oscillator()?;
-        let of_steps = |dt, samples| Polyline { dt, samples, scale: 1.0, ends: false };
-        let given = Polyline { dt: *dt, samples, scale: task.mode.shape_at_force, ends: true };
-        let steps = of_steps(task.dt, task.force);
-        let left_out = unseen(&oscillator, given, steps, task.samples);
-        missed = largest(&left_out) / fine.peak_displacement().max(f64::MIN_POSITIVE);
-        let more = unseen(&oscillator, steps, of_steps(coarse.dt, &force), coarse.samples);
+        let scale = task.mode.shape_at_force;
+        let given = Polyline { dt: *dt, value: |i| scale * samples[i], count: samples.len(), ends: true };
+        let seen = task.force;
+        let steps = Polyline { dt: task.dt, value: |i| seen[i], count: seen.len(), ends: false };
+        let twice = Polyline { dt: coarse.dt, value: |i| force[i], count: force.len(), ends: false };
+        let left_out = unseen(&oscillator, given, steps).take(task.samples);
+        missed = left_out.fold(0.0, largest) / fine.peak_displacement().max(f64::MIN_POSITIVE);
+        let more = unseen(&oscillator, steps, twice);
         sliders.displacement.iter_mut().zip(more).for_each(|(q, more)| *q += more);
     }
     let steps = difference(&sliders, fine, 2) / f64::from(2_i32.pow(order.unsigned_abs()) - 1);
@@ -74,6 +76,6 @@ pub(crate) fn of_newmark(
     Ok(quality)
 }
 
-fn largest(values: &[f64]) -> f64 {
-    values.iter().fold(0.0, |most, x| most.max(x.abs()))
+fn largest(most: f64, x: f64) -> f64 {
+    most.max(x.abs())
 }

@@ -1,6 +1,6 @@
 //! What is run: one mode under a force, and what every run of it needs.
 
-use iwan_core::{Pulse, Reversal};
+use iwan_core::{Pulse, Slider};
 
 use crate::error::SimulationError;
 use crate::mode::Mode;
@@ -39,30 +39,45 @@ pub(crate) fn sampled(force: &Pulse<'_>, dt: f64, samples: usize) -> Vec<f64> {
     history
 }
 
-/// Room for the reversals of a run: two a cycle in a decay, at the highest frequency the mode has, and some for the
-/// force.
-pub(crate) fn stack(task: &Task<'_>) -> Vec<Reversal> {
-    reversals(task.mode.frequency * task.dt * task.samples as f64)
+/// Memory that a run borrows.
+#[derive(Debug, Default)]
+pub(crate) struct Room {
+    /// Sliders, where the joint is cut into some.
+    pub(crate) table: Vec<Slider>,
+    /// Number of reversals that are remembered, where it is not.
+    pub(crate) reversals: usize,
 }
 
-/// The same for so many cycles.
-pub(crate) fn reversals(cycles: f64) -> Vec<Reversal> {
-    /// Half cycles of a decay that are all remembered (16 MB). Behind them the smallest loops are forgotten, and
-    /// the response says how much force that may have cost.
-    const MOST: f64 = 1e6;
+impl Room {
+    /// For the whole of a task.
+    pub(crate) fn of(task: &Task<'_>) -> Self {
+        let cycles = task.mode.frequency * task.dt * task.samples as f64;
+        Self { table: Vec::new(), reversals: reversals(cycles, MOST) }
+    }
+}
+
+/// Half cycles of a decay that are all remembered (16 MB). Behind them the smallest loops are forgotten, and
+/// the response says how much force that may have cost.
+pub(crate) const MOST: f64 = 1e6;
+
+/// Number of reversals of so many cycles: two a cycle in a decay, at most so many, and some for the force.
+pub(crate) fn reversals(cycles: f64, most: f64) -> usize {
     /// Reversals that a force may add to those of the decay. A pulse makes a few; should a long irregular force
     /// make more, the smallest loops go, as above.
     const FORCED: usize = 64;
-    vec![Reversal::default(); FORCED + (2.0 * cycles).min(MOST) as usize]
+    FORCED + (2.0 * cycles).min(most) as usize
+}
+
+/// Number of the first sample with a value that is not finite.
+pub(crate) fn first_not_finite([displacement, velocity, acceleration]: [&[f64]; 3]) -> Option<usize> {
+    let bad = |n: &usize| ![displacement[*n], velocity[*n], acceleration[*n]].iter().all(|x| x.is_finite());
+    (0..displacement.len()).find(bad)
 }
 
 /// Passes a response on unless NaN or infinity crept in.
 pub(crate) fn finite(response: Response) -> Result<Response, SimulationError> {
-    let bad = |n: &usize| {
-        let values = [response.displacement[*n], response.velocity[*n], response.acceleration[*n]];
-        !values.iter().all(|x| x.is_finite())
-    };
-    match (0..response.displacement.len()).find(bad) {
+    let motion = [&response.displacement, &response.velocity, &response.acceleration].map(Vec::as_slice);
+    match first_not_finite(motion) {
         None if !response.energy.scale.is_finite() || !response.energy.residual.is_finite() => {
             Err(SimulationError::NotFinite { time: 0.0 })
         }

@@ -2,7 +2,6 @@
 
 use iwan_fem::mesh::vtu::{Field, grid, series};
 use iwan_input::scenario::{OnStructure, Scenario, to_toml};
-use iwan_io::Table;
 
 use super::report::{self, Reported};
 use super::run::{self, Truth};
@@ -10,7 +9,7 @@ use super::summary::summarise;
 use crate::failure::Failure;
 use crate::session::{SUMMARY, Session};
 use crate::simulate::args::SimulateArgs;
-use crate::simulate::files::{FORCE, names, write_input};
+use crate::simulate::files::{FORCE, names, write_input, write_response};
 
 /// Name of the series of frames.
 const SERIES: &str = "response.pvd";
@@ -40,9 +39,7 @@ pub(crate) fn run(
 
     let times: Vec<f64> =
         (0..=summary.modes.first().map_or(0, |m| m.steps)).map(|n| n as f64 * truth.response.dt).collect();
-    let table = Table::new(columns(&times, &truth))
-        .map_err(|error| Failure::input(error.to_string(), "rename outputs or joints in the structure"))?;
-    session.table(&args.format.file("response"), &table, args.format)?;
+    write_response(&mut session, args, columns(&times, &truth), "rename outputs or joints in the structure")?;
     session.summary(SUMMARY, &summary)?;
     let toml = to_toml(scenario, FORCE);
     session.page(&report::render(&Reported { scenario, toml: &toml, truth: &truth, summary: &summary }))?;

@@ -1,0 +1,22 @@
+//! Why a simulation failed.
+
+use iwan_sim::SimulationError;
+
+use crate::failure::Failure;
+
+/// A failed computation in the user's terms: what could not be set up is bad input, the rest failed.
+pub(super) fn explain(name: &str, error: &SimulationError) -> Failure {
+    let root = match error {
+        SimulationError::Mode { source, .. } | SimulationError::Joint { source, .. } => source,
+        other => other,
+    };
+    match root {
+        SimulationError::Interrupted => Failure::Interrupted,
+        SimulationError::Memory(short) => Failure::lacking(&format!("{name}: {short}")),
+        SimulationError::Parameter(_) => Failure::input(
+            format!("{name}: {error}"),
+            "change this in the scenario, or choose another method",
+        ),
+        _ => Failure::Computation(format!("{name}: {error}")),
+    }
+}

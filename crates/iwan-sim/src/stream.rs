@@ -1,0 +1,405 @@
+//! Responses of any length, handed out as they come: what is kept of them does not grow with their length.
+
+use std::ops::ControlFlow;
+
+use iwan_core::progress::Progress;
+use iwan_core::{EnergyBalance, Error, Newmark, Oscillator, Pulse, Representation};
+
+use crate::error::SimulationError;
+use crate::methods::between::{Polyline, unseen};
+use crate::methods::outside::Follower;
+use crate::methods::quality::FEWEST;
+use crate::methods::run::{strongest, told};
+use crate::methods::stepped::{self, Stepped};
+use crate::methods::task::{CHUNK, Room, Task, first_not_finite, reversals};
+use crate::mode::Mode;
+use crate::response::{Response, Totals};
+use crate::settings::{Method, Settings};
+use crate::simulate::{check_method, check_scales, in_mode, schemes};
+
+/// Half cycles that a continuum remembers, 1 MB for each run: a mode of 0.003 % of critical damping has decayed to 0.2 % by then. The response says what forgetting the
+/// others may have cost.
+const MOST: f64 = 65_536.0;
+
+/// What all modes did from one sample on.
+#[derive(Debug)]
+pub struct Stretch<'a> {
+    /// Number of its first sample; that of the initial state is 0.
+    pub first: usize,
+    /// Of each mode displacement, velocity, acceleration and joint force, as in [`Response`].
+    pub modes: Vec<[&'a [f64]; 4]>,
+}
+
+/// Simulates several modes in time steps and hands their samples to `take`, 65,536 steps after the other: 4 MB for each mode
+/// with its companion runs. The samples are those of [`simulate`](crate::simulate()), bit by bit, the error estimates to rounding.
+///
+/// ```
+/// use std::ops::ControlFlow;
+/// use iwan_core::{FourParameter, Pulse, progress::UNWATCHED};
+/// use iwan_sim::{JointLaw, Mode, Settings, simulate, stream};
+/// let joint = FourParameter::new(4.45e4, 239.4, -0.183, 0.3)?;
+/// let modes = [Mode::new("bending 1", 124.0, Some(JointLaw::FourParameter(joint)))];
+/// let blow = Pulse::Haversine { amplitude: 1000.0, duration: 1.6e-3 };
+/// let (settings, mut last) = (Settings::new(1e-5, 0.5), 0.0);
+/// let totals = stream(&modes, &blow, &settings, &mut |stretch| {
+///     last = *stretch.modes[0][0].last().unwrap_or(&last);
+///     ControlFlow::Continue(())
+/// }, UNWATCHED)?;
+/// let whole = simulate(&modes[0], &blow, &settings)?;
+/// assert_eq!(whole.displacement.last(), Some(&last));
+/// assert_eq!((totals[0].energy, totals[0].quality), (whole.energy, whole.quality));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+///
+/// # Errors
+/// As [`simulate_all`](crate::simulate_all); [`SimulationError::Parameter`] for methods other than Newmark's, and [`SimulationError::Interrupted`] when `take` breaks off,
+/// too.
+pub fn stream(
+    modes: &[Mode],
+    force: &Pulse<'_>,
+    settings: &Settings,
+    take: &mut dyn FnMut(&Stretch<'_>) -> ControlFlow<()>,
+    progress: Progress<'_>,
+) -> Result<Vec<Totals>, SimulationError> {
+    let force = force.checked()?;
+    let samples = settings.samples()?;
+    let plans = modes.iter().map(|mode| Plan::new(mode, &force, settings).map_err(|e| in_mode(mode, e)));
+    let mut plans = plans.collect::<Result<Vec<_>, _>>()?;
+    let begun = plans.iter_mut().map(|plan| {
+        let mode = plan.mode;
+        Streamed::new(plan, &force).map_err(|e| in_mode(mode, e))
+    });
+    let mut runs = begun.collect::<Result<Vec<_>, _>>()?;
+    let mut physical = vec![0.0; CHUNK + 2];
+    let mut first = 0;
+    loop {
+        let last = (first + CHUNK).min(samples - 1);
+        let range = Range { first, last, ends: last == samples - 1 };
+        let room = (last + 2 - first).min(samples - first);
+        let used = force.sample_from(first, settings.dt, &mut physical[..room]);
+        for run in &mut runs {
+            run.advance(range, &physical[..used]).map_err(|e| in_mode(run.mode, e))?;
+        }
+        let modes = runs.iter().map(|run| run.handed(range.count(1))).collect();
+        if take(&Stretch { first, modes }).is_break()
+            || progress(last as f64 / (samples - 1).max(1) as f64).is_break()
+        {
+            return Err(SimulationError::Interrupted);
+        }
+        first = last;
+        if range.ends {
+            break;
+        }
+    }
+    runs.into_iter().map(|run| Ok(run.totals())).collect()
+}
+
+/// Steps from one sample to another. The last sample is that with which the next steps begin, and is theirs.
+#[derive(Clone, Copy)]
+struct Range {
+    first: usize,
+    last: usize,
+    /// Whether no steps follow.
+    ends: bool,
+}
+
+impl Range {
+    /// Steps of a run whose own are so many times as long.
+    fn steps(self, stride: usize) -> usize {
+        self.last / stride - self.first / stride
+    }
+
+    /// Samples of such a run that are these steps' own.
+    fn count(self, stride: usize) -> usize {
+        self.steps(stride) + usize::from(self.ends)
+    }
+}
+
+/// What the runs of a mode borrow.
+struct Plan<'a> {
+    mode: &'a Mode,
+    dt: f64,
+    samples: usize,
+    oscillator: Oscillator,
+    joint: Representation,
+    scheme: Newmark,
+    /// At twice the step, where that is not too long.
+    coarse: Option<Newmark>,
+    /// 2^order - 1, of the scheme's order.
+    divisor: f64,
+    rooms: [Room; 3],
+    quality: bool,
+}
+
+impl<'a> Plan<'a> {
+    fn new(mode: &'a Mode, force: &Pulse<'_>, settings: &Settings) -> Result<Self, SimulationError> {
+        let Method::Newmark { beta, gamma, prewarp, joint } = settings.method else {
+            let what = "responses are handed out as they come by Newmark's method only: choose newmark, or leave the stream";
+            return Err(Error::Unsupported { what }.into());
+        };
+        check_scales(mode, force, settings)?;
+        check_method(mode, settings.method)?;
+        let (dt, samples, oscillator) = (settings.dt, settings.samples()?, mode.oscillator()?);
+        let scheme_at = schemes(oscillator.omega0(), beta, gamma, prewarp);
+        let cycles = mode.frequency * dt * samples as f64;
+        let room = || Room { reversals: reversals(cycles, MOST), ..Room::default() };
+        let coarse = settings.quality && samples.div_ceil(2) >= FEWEST;
+        Ok(Self {
+            mode,
+            dt,
+            samples,
+            oscillator,
+            joint,
+            scheme: scheme_at(dt)?,
+            coarse: if coarse { scheme_at(2.0 * dt).ok() } else { None },
+            divisor: if gamma == 0.5 { 3.0 } else { 1.0 },
+            rooms: [room(), room(), room()],
+            quality: settings.quality,
+        })
+    }
+}
+
+/// One run with the samples of the stretch that it did last.
+struct Buffered<'a> {
+    stepped: Box<dyn Stepped + 'a>,
+    response: Response,
+    /// How many samples of the steps lie in one of its own: 1 or 2.
+    stride: usize,
+    peak: f64,
+}
+
+impl<'a> Buffered<'a> {
+    fn new(
+        task: Task<'a>,
+        scheme: &Newmark,
+        joint: Representation,
+        room: &'a mut Room,
+        stride: usize,
+    ) -> Result<Self, SimulationError> {
+        let stepped = stepped::begin(task, scheme, joint, room)?;
+        let response = Response::zeros(task.dt, CHUNK / stride + 1);
+        Ok(Self { stepped, response, stride, peak: 0.0 })
+    }
+
+    /// Over the steps of `range`.
+    fn advance(&mut self, range: Range, force: &[f64]) -> Result<(), Error> {
+        let mut samples = self.response.samples();
+        self.stepped.advance(force, &mut samples.between(0, range.steps(self.stride)))?;
+        let displacement = &self.response.displacement[..range.count(self.stride)];
+        self.peak = displacement.iter().fold(self.peak, |most, q| most.max(q.abs()));
+        Ok(())
+    }
+
+    /// The balance of the last steps.
+    fn balance(&mut self, range: Range, force: &[f64]) -> EnergyBalance {
+        let mut samples = self.response.samples();
+        self.stepped.balance(force, &samples.between(0, range.steps(self.stride)))
+    }
+
+    fn displacement(&self, count: usize) -> &[f64] {
+        &self.response.displacement[..count]
+    }
+
+    fn is_finite(&self, count: usize) -> bool {
+        let Response { displacement, velocity, acceleration, .. } = &self.response;
+        first_not_finite([displacement, velocity, acceleration].map(|x| &x[..count])).is_none()
+    }
+}
+
+/// A run beside the one that is handed out.
+struct Companion<'a> {
+    run: Buffered<'a>,
+    /// Largest difference so far.
+    difference: f64,
+}
+
+impl<'a> Companion<'a> {
+    fn new(run: Result<Buffered<'a>, SimulationError>) -> Option<Self> {
+        // One that does not work says nothing about the others.
+        run.ok().map(|run| Self { run, difference: 0.0 })
+    }
+
+    /// Over the steps of `range`, with the modal force at them; false where it has failed.
+    fn advance(&mut self, range: Range, force: &[f64]) -> bool {
+        let own: Vec<f64> = force.iter().copied().step_by(self.run.stride).collect();
+        self.run.advance(range, &own).is_ok() && self.run.is_finite(range.count(self.run.stride))
+    }
+
+    /// The largest difference over the largest displacement of `against`, as [`quality`](crate::methods::quality) has it.
+    fn relative(&self, own: f64, against: f64) -> f64 {
+        match against {
+            0.0 => f64::from(u8::from(own != 0.0)),
+            peak => self.difference / peak,
+        }
+    }
+}
+
+/// What a file's force holds and steps do not see.
+struct Unseen<'a> {
+    /// Of the steps, and largest so far.
+    steps: Box<dyn Iterator<Item = f64> + 'a>,
+    missed: f64,
+    /// Of steps twice as long beside that.
+    more: Box<dyn Iterator<Item = f64> + 'a>,
+}
+
+impl<'a> Unseen<'a> {
+    /// None for a force by a formula.
+    fn new(
+        mode: &Mode,
+        oscillator: &'a Oscillator,
+        force: &'a Pulse<'a>,
+        dt: f64,
+        samples: usize,
+    ) -> Option<Self> {
+        let Pulse::Sampled { dt: given, samples: file } = *force else { return None };
+        let scale = mode.shape_at_force;
+        // As `modal_force` has it: the samples up to the end of the force.
+        let count = ((force.settled() / dt).min(samples as f64) as usize + 2).min(samples);
+        let at = move |n: usize| {
+            let mut one = [0.0];
+            force.sample_from(n, dt, &mut one);
+            scale * one[0]
+        };
+        let whole = Polyline { dt: given, value: move |i| scale * file[i], count: file.len(), ends: true };
+        let steps = Polyline { dt, value: at, count, ends: false };
+        let twice =
+            Polyline { dt: 2.0 * dt, value: move |n| at(2 * n), count: count.div_ceil(2), ends: false };
+        let more = Box::new(unseen(oscillator, steps, twice));
+        Some(Self { steps: Box::new(unseen(oscillator, whole, steps)), missed: 0.0, more })
+    }
+}
+
+/// A mode that is handed out.
+struct Streamed<'a> {
+    mode: &'a Mode,
+    run: Buffered<'a>,
+    force: Vec<f64>,
+    /// The same by steps twice as long.
+    coarse: Option<Companion<'a>>,
+    /// Sliders against the continuum.
+    continuum: Option<Companion<'a>>,
+    /// Whether no joint is cut into sliders.
+    exact: bool,
+    unseen: Option<Unseen<'a>>,
+    divisor: f64,
+    follower: Option<Follower<'a>>,
+    totals: Totals,
+    energy: Option<EnergyBalance>,
+}
+
+impl<'a> Streamed<'a> {
+    fn new(plan: &'a mut Plan<'_>, force: &'a Pulse<'_>) -> Result<Self, SimulationError> {
+        let Plan { mode, dt, samples, oscillator, joint, scheme, coarse, divisor, rooms, quality } = plan;
+        let (mode, dt, samples) = (*mode, *dt, *samples);
+        let task = Task { mode, force: &[], dt, samples };
+        let twice = Task { dt: 2.0 * dt, samples: samples.div_ceil(2), ..task };
+        let cut = mode.joint.is_some() && matches!(joint, Representation::Sliders { .. });
+        let [own, longer, whole] = rooms;
+        let run = Buffered::new(task, scheme, *joint, own, 1)?;
+        let (mut second, mut third, mut unseen) = (None, None, None);
+        if let Some(coarse) = coarse {
+            second = Companion::new(Buffered::new(twice, coarse, *joint, longer, 2));
+            unseen = Unseen::new(mode, oscillator, force, dt, samples);
+            let beside = match unseen {
+                None => Buffered::new(twice, coarse, Representation::Continuum, whole, 2),
+                Some(_) => Buffered::new(task, scheme, Representation::Continuum, whole, 1),
+            };
+            third = if cut && second.is_some() { Companion::new(beside) } else { None };
+        }
+        Ok(Self {
+            mode,
+            run,
+            force: vec![],
+            coarse: second,
+            continuum: third,
+            exact: *quality && !cut,
+            unseen,
+            divisor: *divisor,
+            follower: mode.curves.as_ref().map(|curves| Follower::new(curves, dt)),
+            totals: Totals { dt, strongest: strongest(mode), ..Totals::default() },
+            energy: None,
+        })
+    }
+
+    /// Over the steps of `range` under the physical force from the first sample on, and all that is beside it.
+    fn advance(&mut self, range: Range, force: &[f64]) -> Result<(), SimulationError> {
+        let shape = self.mode.shape_at_force;
+        self.force.clear();
+        self.force.extend(force.iter().map(|p| p * shape));
+        let clock = std::time::Instant::now();
+        self.run.advance(range, &self.force)?;
+        self.totals.seconds += clock.elapsed().as_secs_f64();
+        let energy = self.run.balance(range, &self.force);
+        self.energy = Some(self.energy.map_or(energy, |before| before.then(&energy)));
+        let Response { displacement, velocity, acceleration, .. } = &self.run.response;
+        let motion = [displacement, velocity, acceleration].map(|x| &x[..range.count(1)]);
+        if let Some(n) = first_not_finite(motion) {
+            let time = (range.first + n) as f64 * self.totals.dt;
+            return Err(told(self.mode, SimulationError::NotFinite { time }));
+        }
+        if let Some(follower) = &mut self.follower {
+            follower.follow(motion[0], motion[1]);
+            self.totals.quality.outside_curves = follower.found()?;
+        }
+        self.totals.peak_acceleration =
+            motion[2].iter().fold(self.totals.peak_acceleration, |most, a| most.max(a.abs()));
+        self.totals.steps = range.last;
+        self.totals.final_displacement = motion[0].last().copied().unwrap_or(0.0);
+        self.compare(range);
+        Ok(())
+    }
+
+    /// Takes the companions on, and compares.
+    fn compare(&mut self, range: Range) {
+        let fine = &self.run.response.displacement;
+        for companion in [&mut self.coarse, &mut self.continuum] {
+            if companion.as_mut().is_some_and(|c| !c.advance(range, &self.force)) {
+                *companion = None;
+            }
+        }
+        // Errors of sliders are those at the companion's step, before what its force leaves out is added.
+        if let (Some(continuum), Some(coarse)) = (&mut self.continuum, &self.coarse) {
+            let stride = continuum.run.stride;
+            let against = if stride == 1 { fine } else { &coarse.run.response.displacement };
+            let pairs = against.iter().zip(continuum.run.displacement(range.count(stride)));
+            continuum.difference = pairs.fold(continuum.difference, |most, (a, b)| most.max((a - b).abs()));
+        }
+        if let Some(unseen) = &mut self.unseen {
+            let left_out = unseen.steps.by_ref().take(range.count(1));
+            unseen.missed = left_out.fold(unseen.missed, |most, q| most.max(q.abs()));
+        }
+        if let Some(coarse) = &mut self.coarse {
+            let pairs = coarse.run.displacement(range.count(2)).iter().zip(fine.iter().step_by(2));
+            let mut most = coarse.difference;
+            for (q, against) in pairs {
+                let more = self.unseen.as_mut().and_then(|u| u.more.next()).unwrap_or(0.0);
+                most = most.max((q + more - against).abs());
+            }
+            coarse.difference = most;
+        }
+    }
+
+    /// The first samples of the last steps.
+    fn handed(&self, count: usize) -> [&[f64]; 4] {
+        let Response { displacement, velocity, acceleration, joint_force, .. } = &self.run.response;
+        [displacement, velocity, acceleration, joint_force].map(|x| &x[..count])
+    }
+
+    fn totals(self) -> Totals {
+        let mut totals = self.totals;
+        let (peak, quality) = (self.run.peak, &mut totals.quality);
+        quality.forgotten_force = self.run.stepped.forgotten();
+        quality.discretisation_error = self.exact.then_some(0.0);
+        if let Some(continuum) = &self.continuum {
+            let own = self.coarse.as_ref().filter(|_| continuum.run.stride == 2).map_or(peak, |c| c.run.peak);
+            quality.discretisation_error = Some(continuum.relative(own, continuum.run.peak));
+        }
+        if let Some(coarse) = &self.coarse {
+            let missed = self.unseen.as_ref().map_or(0.0, |u| u.missed / peak.max(f64::MIN_POSITIVE));
+            let own = if self.unseen.is_some() { coarse.difference } else { coarse.run.peak };
+            quality.time_step_error = Some(coarse.relative(own, peak) / self.divisor + missed);
+        }
+        Totals { peak_displacement: peak, energy: self.energy.unwrap_or_default(), ..totals }
+    }
+}
