@@ -33,7 +33,7 @@ pub(super) fn minimum_and_profiles(task: &mut Task, first: &Parameters) -> Resul
         near = without.as_ref().map(|w| w.minimum.x.clone());
         if let (Extent::MicroSlip, Some(without)) = (extent, without) {
             *task = without.task;
-            minimum = task.discounted(without.minimum, &start)?;
+            minimum = task.discounted(without.minimum, &[&start, &minimum.x])?;
         }
         // Where macro-slip is seen the knee tells enough.
         let (widened, least) = match extent {

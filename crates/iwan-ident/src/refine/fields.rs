@@ -187,10 +187,11 @@ fn derivatives(record: &Windowed, model: &[Complex64], logs: &[f64], nodes: &Nod
                     sum += mean * if which == 0 { logs[k] - logs[k - 1] } else { radians };
                 }
                 let turn = if which == 0 { Complex64::new(sum, 0.0) } else { Complex64::new(0.0, sum) };
-                column[k] = record.amplitudes[k] * turn / record.scale;
+                column[k] = record.amplitudes[k] * turn;
             }
             record.whitening.apply(&mut column);
-            for (k, z) in column.iter().enumerate() {
+            for (k, (z, deviation)) in column.iter().zip(&record.deviations).enumerate() {
+                let z = z / deviation;
                 (out[(2 * k, node)], out[(2 * k + 1, node)]) = (z.re, z.im);
             }
         }

@@ -62,6 +62,6 @@ pub fn refine(records: &[RingDown<'_>], first: &Parameters, held: &[Parameter]) 
     let minimum = task.finish(&best)?;
     let minimum = task.deepest_of_all(minimum)?;
     let start = task.coordinates(first)?;
-    let minimum = task.discounted(minimum, &start)?;
+    let minimum = task.discounted(minimum, &[&start])?;
     Ok(task.refined(&minimum))
 }

@@ -34,6 +34,15 @@ pub(crate) fn check_rate(per_cycle: f64) -> Result<f64, Error> {
     check("samples per cycle", per_cycle, per_cycle >= PER_CYCLE, &allowed, "sample faster")
 }
 
+/// Noise that whitened amplitudes have.
+#[derive(Debug, Clone, Copy, Default)]
+pub(super) struct Noise {
+    /// Standard deviation that all windows have in common.
+    pub(super) floor: f64,
+    /// Standard deviation that goes with the amplitude, as a part of it.
+    pub(super) part: f64,
+}
+
 #[derive(Debug, Clone)]
 pub(super) struct Windowed {
     pub(super) windows: Windows,
@@ -47,8 +56,10 @@ pub(super) struct Windowed {
     /// Amplitudes as they are, and whitened.
     pub(super) amplitudes: Vec<Complex64>,
     pub(super) white: Vec<Complex64>,
-    /// Standard deviation by which whitened residuals are divided.
-    pub(super) scale: f64,
+    /// Noise of the whitened amplitudes.
+    pub(super) noise: Noise,
+    /// Standard deviation of each window's whitened residual, by which it is divided.
+    pub(super) deviations: Vec<f64>,
     /// The turning point that the unknowns are relative to.
     pub(super) start: TurningPoint,
 }
@@ -86,11 +97,18 @@ impl Windowed {
             sampling: vec![Complex64::default(); amplitudes.len()],
             amplitudes,
             white,
-            scale: 1.0,
+            noise: Noise::default(),
+            deviations: vec![],
             start: turning_point(record, first.frequency),
         };
-        windowed.scale = windowed.root_mean_square();
+        windowed.take_noise(Noise { floor: windowed.root_mean_square(), part: 0.0 });
         Ok(windowed)
+    }
+
+    /// From now on residuals are divided by the deviations of such noise.
+    pub(super) fn take_noise(&mut self, noise: Noise) {
+        self.noise = noise;
+        self.deviations = self.white.iter().map(|z| noise.floor.hypot(noise.part * z.norm())).collect();
     }
 
     pub(super) fn root_mean_square(&self) -> f64 {

@@ -26,8 +26,6 @@ const MEAN_STEPS: usize = 40;
 pub(super) struct Likeliest {
     /// Of each process, in units of its values.
     pub(super) sizes: Vec<f64>,
-    /// The mean of each size over what the residuals allow and what is expected before they are seen.
-    pub(super) expected_sizes: Vec<f64>,
     /// All values that are expected.
     pub(super) expected: DVector<f64>,
     /// Number of values that the residuals tell, of all.
@@ -115,7 +113,6 @@ impl Projected {
         let factor = self.matrix(&s)?;
         Some(Likeliest {
             likelihood: self.score(&relative),
-            expected_sizes: self.expected_sizes()?,
             sizes: relative.iter().map(|size| size * deviation).collect(),
             expected: s.component_mul(&factor.solve(&s.component_mul(&self.product))),
             explained: s.len() as f64 - factor.inverse().trace(),
@@ -123,7 +120,7 @@ impl Projected {
     }
 
     /// The mean of each size over what the residuals allow and what is expected before they are seen, the others at their likeliest.
-    fn expected_sizes(&self) -> Option<Vec<f64>> {
+    pub(super) fn expected_sizes(&self) -> Option<Vec<f64>> {
         let likeliest = self.likeliest();
         let (_, deviation) = self.likelihood(&likeliest)?;
         let [low, high] = MEAN_OVER.map(|size: f64| (size / deviation).ln());
@@ -161,9 +158,10 @@ impl Projected {
         };
         let alone = (0..count).filter(|_| count > 1).map(Some);
         let starts = std::iter::once(None).chain(alone).flat_map(|own| FIRST.map(|first| size(first, own)));
-        let best = starts.max_by(|a, b| score(a).total_cmp(&score(b)));
-        let mut best = best.unwrap_or_else(|| none.clone());
-        let (mut top, mut step) = (score(&best), STEP);
+        let scored = starts.map(|sizes| (score(&sizes), sizes));
+        let best = scored.max_by(|a, b| a.0.total_cmp(&b.0));
+        let (mut top, mut best) = best.unwrap_or_else(|| (score(&none), none.clone()));
+        let mut step = STEP;
         for _ in 0..ROUNDS {
             let before = top;
             for i in 0..count {

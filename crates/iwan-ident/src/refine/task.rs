@@ -9,7 +9,7 @@ use iwan_core::Reversal;
 use rustfft::num_complex::Complex64;
 
 use super::discount::Discount;
-use super::record::{Windowed, unwrapped};
+use super::record::{Noise, Windowed, unwrapped};
 use super::release::{Sampling, TurningPoint};
 use super::ring_down::{Discrepancy, Refined, RingDown};
 use super::windows::Windows;
@@ -239,7 +239,7 @@ impl Task {
                 record.amplitudes.iter().zip(model.iter_mut()).for_each(|(z, m)| *m = z - *m);
             }
             record.whitening.apply(model);
-            let left = model.iter().map(|r| r / record.scale);
+            let left = model.iter().zip(&record.deviations).map(|(r, deviation)| r / deviation);
             out[range].chunks_exact_mut(2).zip(left).for_each(|(o, r)| (o[0], o[1]) = (r.re, r.im));
         })
     }
@@ -353,11 +353,15 @@ impl Task {
         }
     }
 
-    /// Sets each record's standard deviation to that of its residuals at `x`; it stays where what the model misses is known, and noise
+    /// Sets each record's noise to that of its residuals at `x`, the same for all windows; it stays where what the model misses is known, and noise
     /// with it.
     pub(super) fn weigh(&mut self, x: &[f64], work: &mut Workspace) {
         let mut out = vec![0.0; self.count()];
-        if self.discount.is_some() || !self.residuals(x, &mut out, work) {
+        if self.discount.is_some() {
+            return;
+        }
+        self.forget_parts();
+        if !self.residuals(x, &mut out, work) {
             return;
         }
         let unknowns = self.free().len() as f64 / self.records.len() as f64;
@@ -365,15 +369,22 @@ impl Task {
         for record in &mut self.records {
             let n = 2 * record.windows.count;
             let square: f64 = out[from..from + n].iter().map(|r| r * r).sum();
-            let deviation = record.scale * (square / (n as f64 - unknowns).max(1.0)).sqrt();
-            record.scale = deviation.max(record.floor());
+            let deviation = record.noise.floor * (square / (n as f64 - unknowns).max(1.0)).sqrt();
+            record.take_noise(Noise { floor: deviation.max(record.floor()), part: 0.0 });
             from += n;
+        }
+    }
+
+    /// Noise that is the same in all windows.
+    pub(super) fn forget_parts(&mut self) {
+        for record in &mut self.records {
+            record.take_noise(Noise { part: 0.0, ..record.noise });
         }
     }
 
     /// Variance of residuals that the forward model itself accounts for.
     pub(crate) fn least_variance(&self) -> f64 {
-        let floor = |r: &Windowed| (r.floor() / r.scale).powi(2);
+        let floor = |r: &Windowed| (r.floor() / r.noise.floor).powi(2);
         self.records.iter().map(floor).fold(0.0, f64::max)
     }
 
@@ -389,8 +400,9 @@ impl Task {
             let part = &out[from..from + n];
             let sum = |part: &[f64]| part.iter().map(|r| r * r).sum::<f64>();
             // Density of the noise in each quadrature is half the variance of a sample times dt.
-            noise.push(record.scale * (sum(part) / n as f64).sqrt() * (2.0 / record.dt).sqrt());
-            square += sum(&plain[from..from + n]) * record.scale.powi(2);
+            noise.push(record.noise.floor * (sum(part) / n as f64).sqrt() * (2.0 / record.dt).sqrt());
+            let left = plain[from..from + n].chunks_exact(2).zip(&record.deviations);
+            square += left.map(|(r, deviation)| sum(r) * deviation.powi(2)).sum::<f64>();
             total += record.root_mean_square().powi(2) * record.windows.count as f64;
             product += part.iter().zip(&part[2..]).map(|(a, b)| a * b).sum::<f64>();
             from += n;

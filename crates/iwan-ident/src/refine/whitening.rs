@@ -80,7 +80,7 @@ mod tests {
 
     #[test]
     fn whitened_noise_is_white() {
-        let windows = Windows { omega: 50.0, hop: 0.1, count: 40 };
+        let windows = Windows { omega: 50.0, hop: 0.1, count: 40, tables: true };
         let (dt, whitening) = (1e-3_f64, Whitening::of(windows.count, windows.hop));
         let mut state = 1_u64;
         let mut uniform = || {

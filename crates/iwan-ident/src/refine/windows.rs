@@ -34,6 +34,10 @@ const MACRO_ENDS: f64 = 1.05;
 /// Cycles that must be left for a table to be worth its ten nodes and more, of five half cycles each.
 const LEFT: f64 = 60.0;
 
+/// Cycles that are computed one by one for a record without noise, a judgement between time and error. Longer records without noise, which only simulations make, keep the tables'
+/// error.
+const MOST_WITHOUT_TABLES: f64 = 1000.0;
+
 /// A decay whose half cycles are of one kind.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Regime {
@@ -57,6 +61,8 @@ pub(super) struct Windows {
     /// Step from window to window, s.
     pub(super) hop: f64,
     pub(super) count: usize,
+    /// Whether a model's half cycles come from tables where these are many.
+    pub(super) tables: bool,
 }
 
 impl Windows {
@@ -65,7 +71,12 @@ impl Windows {
         let cycles = cycles.max(seconds * frequency / MOST).ceil().max(1.0);
         let hop = cycles / frequency;
         let count = ((seconds / hop + 1e-9) as usize + 1).saturating_sub(OVERLAP);
-        Self { omega: TAU * frequency, hop, count }
+        Self { omega: TAU * frequency, hop, count, tables: true }
+    }
+
+    /// From now on a model's half cycles are computed one by one, where they are not too many for that.
+    pub(super) fn leave_tables(&mut self) {
+        self.tables &= self.end() * self.omega > MOST_WITHOUT_TABLES * TAU;
     }
 
     /// End of the last window, s.
@@ -114,25 +125,12 @@ impl Windows {
         stack: &mut Vec<Reversal>,
         out: &mut [Complex64],
     ) -> bool {
-        self.of_model_with(parameters, start, quantity, stack, out, true)
-    }
-
-    /// The same, by tables of half cycles where these are many, or half cycle by half cycle.
-    fn of_model_with(
-        &self,
-        parameters: &Parameters,
-        start: TurningPoint,
-        quantity: Quantity,
-        stack: &mut Vec<Reversal>,
-        out: &mut [Complex64],
-        tables: bool,
-    ) -> bool {
         let Ok((oscillator, joint)) = parameters.model() else { return false };
         let half_cycles = (2.5 * (self.end() + start.time.abs()) * parameters.frequency) as usize + 16;
         if stack.len() < half_cycles {
             stack.resize(half_cycles, Reversal::default());
         }
-        let tables = tables && self.hop * self.omega >= LONG * TAU;
+        let tables = self.tables && self.hop * self.omega >= LONG * TAU;
         let model = Model { oscillator: &oscillator, joint: &joint, quantity };
         out.fill(Complex64::default());
         let (mut now, mut regime) = (start, None);
@@ -415,7 +413,8 @@ mod tests {
             let [mut table, mut plain] = [(); 2].map(|()| vec![Complex64::default(); windows.count]);
             let (quantity, stack) = (Quantity::Acceleration, &mut vec![]);
             assert!(windows.of_model(&mode, start, quantity, stack, &mut table));
-            assert!(windows.of_model_with(&mode, start, quantity, stack, &mut plain, false));
+            let one_by_one = Windows { tables: false, ..windows };
+            assert!(one_by_one.of_model(&mode, start, quantity, stack, &mut plain));
             let largest = plain.iter().map(|z| z.norm()).fold(0.0, f64::max);
             for (k, (a, b)) in table.iter().zip(&plain).enumerate() {
                 let error = (a - b).norm() / b.norm().max(1e-4 * largest);

@@ -5,7 +5,7 @@
     reason = "shared by several programs; a failed test may panic and say why"
 )]
 
-mod random;
+pub(crate) mod random;
 
 use std::f64::consts::TAU;
 
