@@ -245,3 +245,69 @@ class TestWorkers:
         workers = iwan.ensemble.simulate(**sets, **RUN, client=client, progress=kill_one)
         assert killed
         same(iwan.ensemble.simulate(**sets, **RUN), workers)
+
+
+def test_a_killed_ensemble_goes_on_from_where_it_was(tmp_path):
+    script = f"""
+        import os, sys
+        sys.path.insert(0, {os.path.dirname(__file__)!r})
+        import iwan
+        from test_ensemble import RUN, random_sets
+        def told(done, members):
+            if done > members // 3:
+                os.kill(os.getpid(), 9)
+        iwan.ensemble.simulate(**random_sets(1000), **RUN, keep=["displacement"], checkpoint="kept", progress=told)
+    """
+    ended = subprocess.run([sys.executable, "-c", textwrap.dedent(script)], cwd=tmp_path)
+    assert ended.returncode == -signal.SIGKILL
+    kept = tmp_path / "kept"
+    done = len(list(kept.glob("piece-*.pickle")))
+    assert 10 < done < 64
+    # One that is not whole counts as not done.
+    last = sorted(kept.glob("piece-*.pickle"))[-1]
+    last.write_bytes(last.read_bytes()[:100])
+    told = []
+    options = dict(**random_sets(1000), **RUN, keep=["displacement"])
+    again = iwan.ensemble.simulate(**options, checkpoint=kept, progress=lambda done, _: told.append(done))
+    same(again, iwan.ensemble.simulate(**options))
+    assert told == sorted(told) and told[-1] == 1000
+    # All is there now: nothing is computed any more.
+    before = {path: path.stat().st_mtime_ns for path in kept.iterdir()}
+    same(again, iwan.ensemble.simulate(**options, checkpoint=kept))
+    assert before == {path: path.stat().st_mtime_ns for path in kept.iterdir()}
+
+
+def test_a_checkpoint_of_other_work_is_refused(tmp_path):
+    sets = random_sets(50)
+    iwan.ensemble.simulate(**sets, **RUN, checkpoint=tmp_path / "kept")
+    for changed in [RUN | {"dt": 2e-3}, RUN | {"frequency": 125.0}, RUN | {"keep": ["velocity"]}]:
+        with pytest.raises(iwan.InvalidValueError, match="other work.*another folder"):
+            iwan.ensemble.simulate(**sets, **changed, checkpoint=tmp_path / "kept")
+    with pytest.raises(iwan.InvalidValueError, match="other work"):
+        iwan.ensemble.fit([np.ones(100)], dt=1e-3, checkpoint=tmp_path / "kept")
+    (tmp_path / "full").mkdir()
+    (tmp_path / "full" / "mine.txt").write_text("precious")
+    with pytest.raises(iwan.InvalidValueError, match="a folder of its own"):
+        iwan.ensemble.simulate(**sets, **RUN, checkpoint=tmp_path / "full")
+    (tmp_path / "kept" / "checkpoint.json").write_text("{")
+    with pytest.raises(iwan.InvalidValueError, match="damaged"):
+        iwan.ensemble.simulate(**sets, **RUN, checkpoint=tmp_path / "kept")
+    with pytest.raises(iwan.FileError):
+        iwan.ensemble.simulate(**sets, **RUN, checkpoint=tmp_path / "full" / "mine.txt")
+    with pytest.raises(iwan.InvalidValueError, match="client"):
+        iwan.ensemble.simulate(**sets, **RUN, checkpoint=tmp_path / "new", client=object())
+
+
+def test_fits_are_kept_with_their_failures(tmp_path):
+    mode = iwan.Mode(frequency=124.0, joint=iwan.FourParameter(**JOINT), damping_ratio=1e-3)
+    response = iwan.simulate(mode, dt=2e-4, duration=0.4, initial=(2e-3, 0.0), method="half-cycle")
+    records = [response.acceleration, response.acceleration[:20], response.acceleration[50:]]
+    plain = iwan.ensemble.fit(records, dt=2e-4)
+    kept = [iwan.ensemble.fit(records, dt=2e-4, checkpoint=tmp_path / "kept") for _ in range(2)]
+    for fits in kept:
+        assert fits.failures.keys() == plain.failures.keys() == {1}
+        assert str(fits.failures[1]) == str(plain.failures[1])
+        np.testing.assert_array_equal(fits.parameters["f_s"], plain.parameters["f_s"])
+        assert fits.fits[0].intervals == plain.fits[0].intervals
+    kept[1].fits[2].report(tmp_path / "page.html")
+    assert (tmp_path / "page.html").stat().st_size > 10_000

@@ -9,13 +9,15 @@ from __future__ import annotations
 import time
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
+from os import PathLike
 from typing import TYPE_CHECKING, Any, Literal, TypeAlias, TypeVar, cast
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from iwan import _native
-from iwan.errors import IwanError
+from iwan._checkpoint import Checkpoint
+from iwan.errors import InvalidValueError, IwanError
 from iwan.identification import Fit, check_hits, made, request as _request, several, stretches
 from iwan.progress import Progress, bar
 from iwan.types import Array, EnvelopeMethod, Grid, History, Method
@@ -31,6 +33,9 @@ _PARAMETERS = ("frequency", "damping_ratio", "k_t", "f_s", "chi", "beta")
 
 _CHUNK_SECONDS = 0.1
 """Aim for the pieces that workers get: at least 50 ms each, on workers twice as fast as this machine too."""
+
+_KEPT = 64
+"""Pieces of a checkpoint: so much of a work is lost at most, and writing them costs nothing beside it."""
 
 _RETRIES = 3
 """How often a piece is computed again after an error of its worker."""
@@ -81,6 +86,7 @@ def simulate(
     grid: Grid | None = None,
     prewarp: bool = True,
     keep: Sequence[History] = (),
+    checkpoint: str | PathLike[str] | None = None,
     threads: int | None = None,
     client: Client | None = None,
     progress: Progress = None,
@@ -91,6 +97,10 @@ def simulate(
     broadcast against each other. `force`, `dt`, `duration`, `sliders`, `grid`, `prewarp`: as in `iwan.simulate`, shared
     by all; `shape_at_force` scales the force of a member. `method`: the half-cycle map by default, which needs no time
     steps, so that `dt` is only the distance of the samples. `keep`: histories to return; they need 8 bytes a sample.
+
+    `checkpoint`: a folder in which what is done is kept, a sixty-fourth of the members at a time. A call with the same arguments
+    and the same folder goes on from there, to the same bits, also after the process was killed; a folder of other work is
+    refused. The folder is yours to remove; it is read by `pickle`, so take only your own.
 
     `threads`: all cores by default. `client`: a `dask.distributed` client, whose workers then do the work in pieces of at
     least 50 ms; what a lost worker had is computed again. `progress`: True, False, a function of the numbers done and in
@@ -122,12 +132,35 @@ def simulate(
         "keep": list(keep),
         "shape": shape,
     }
-    if client is None:
+    if checkpoint is not None:
+        _alone(checkpoint, client)
+        members = columns[0].size
+        kept = Checkpoint(checkpoint, "iwan.ensemble.simulate", [columns, *options.items()], members, _kept_at_once(members))
+
+        def compute(first: int, last: int) -> _Piece:
+            part = [column[first:last] for column in columns]
+            return _native._ensemble(part, **options, first=first, threads=threads, progress=None)
+
+        with bar(progress, members) as tell:
+            pieces = kept.pieces(compute, tell)
+    elif client is None:
         with bar(progress, columns[0].size) as tell:
             pieces = [_native._ensemble(columns, **options, first=0, threads=threads, progress=tell)]
     else:
         pieces = _on_workers(client, _simulate_piece, columns, options, progress)
     return _joined(pieces, shape, list(keep), dt)
+
+
+def _kept_at_once(members: int) -> int:
+    """Members in a piece of a checkpoint."""
+    return max(1, -(-members // _KEPT))
+
+
+def _alone(checkpoint: str | PathLike[str], client: Client | None) -> None:
+    if client is not None:
+        raise InvalidValueError(
+            f"checkpoint {str(checkpoint)!r} together with client: the workers of a client keep nothing; leave out one of them"
+        )
 
 
 def _simulate_piece(columns: list[Array], options: dict[str, Any], first: int) -> _Piece:
@@ -250,6 +283,7 @@ def fit(
     hits: Literal["all", "first"] | int = "all",
     force_axis: Literal["modal", "joint"] = "modal",
     hold: Mapping[str, float] | None = None,
+    checkpoint: str | PathLike[str] | None = None,
     threads: int | None = None,
     client: Client | None = None,
     progress: Progress = None,
@@ -257,7 +291,7 @@ def fit(
     """Fit many records, each by itself: many tests, or many structures.
 
     `records`: each a `Record`, an array with `dt`, or a list of them (force levels of one structure, fitted together). The
-    other arguments are those of `iwan.fit`, for all records; `threads`, `client` and `progress` as in `simulate`.
+    other arguments are those of `iwan.fit`, for all records; `checkpoint`, `threads`, `client` and `progress` as in `simulate`.
 
     Returns `Fits`. A record that cannot be fitted stops nothing: its error stands in `failures`. Raises
     `iwan.InvalidValueError` for arguments that no record can be fitted with.
@@ -280,7 +314,19 @@ def fit(
         except IwanError as error:
             failures[i] = error
     natives: list[_native._Identified | Exception] | None = None
-    if client is None:
+    if checkpoint is not None:
+        _alone(checkpoint, client)
+        all_groups = list(groups.values())
+        asked = [channel, quantity, shape, mass, band, near, mode, method, filter_order, window, order, hold, force_axis]
+        kept = Checkpoint(checkpoint, "iwan.ensemble.fit", [all_groups, asked], len(all_groups), _kept_at_once(len(all_groups)))
+
+        def compute(first: int, last: int) -> list[dict[str, Any] | Exception]:
+            found = _native._identify_many(all_groups[first:last], request, threads=threads, progress=None)
+            return _told(found, force_axis)
+
+        with bar(progress, len(all_groups)) as tell:
+            told = [one for piece in kept.pieces(compute, tell) for one in piece]
+    elif client is None:
         with bar(progress, len(groups)) as tell:
             natives = _native._identify_many(list(groups.values()), request, threads=threads, progress=tell)
         told = _told(natives, force_axis)
