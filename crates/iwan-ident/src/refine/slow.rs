@@ -18,8 +18,12 @@ const POINTS: usize = 6;
 /// Half cycles before the one that is tabulated: the tip of the loop has settled by then to second order in the loss of a half cycle.
 const SETTLING: usize = 3;
 
-/// How far above the first amplitude a table begins: more than the half cycles before a node take.
+/// Amplitude over φ_max at which a table in micro-slip begins: the loops of its first node stay below φ_max.
+pub(super) const TOP: f64 = 0.99;
+/// How far above the first amplitude a table in macro-slip begins: it ends above φ_max, whatever rounding does to its first amplitude.
 const ABOVE: f64 = 0.03;
+/// Half cycles by whose decay a node of micro-slip lies below the amplitude at which it was begun, and one more.
+pub(super) const BELOW: f64 = SETTLING as f64 + 2.0;
 /// Fastest decay, in the logarithm of the amplitude per half cycle, for which tips of loops in micro-slip count as settled.
 /// In micro-slip the amplitudes of the test in `windows` are then off by 2e-6 at most; with half as much as this by 2e-7 to 1e-6, and faster decays would be computed one by one.
 pub(super) const FASTEST: f64 = 0.018;
@@ -62,9 +66,8 @@ struct Piece {
 }
 
 impl Piece {
-    /// Through the nodes from `first` on, for the logarithms from that of node `middle` to the next one's.
-    fn new(nodes: &[(f64, HalfCycle)], first: usize, middle: usize) -> Self {
-        let through = &nodes[first..first + POINTS];
+    /// Through nodes, for the logarithms from that of node `middle` to the next one's.
+    fn new(through: &[Node; POINTS], middle: usize) -> Self {
         let places: [f64; POINTS] = std::array::from_fn(|i| through[i].0);
         let mut differences: [[f64; VALUES]; POINTS] = std::array::from_fn(|i| through[i].1.values());
         for order in 1..POINTS {
@@ -73,7 +76,7 @@ impl Piece {
                 differences[i] = std::array::from_fn(|k| (differences[i][k] - differences[i - 1][k]) * over);
             }
         }
-        Self { places, differences, from: nodes[middle].0, to: nodes[middle + 1].0 }
+        Self { places, differences, from: places[middle], to: places[middle + 1] }
     }
 
     fn at(&self, log: f64) -> HalfCycle {
@@ -94,85 +97,116 @@ pub(super) struct Moment {
     pub(super) weight: f64,
 }
 
-/// Half cycles by amplitude, computed as they are asked for.
+/// Half cycles at a few amplitudes, each computed when it is first asked for.
+#[derive(Debug, Clone)]
+pub(super) struct Nodes {
+    /// Logarithm of the amplitude at which the first node is begun, and the distance to the next.
+    top: f64,
+    spacing: f64,
+    /// Number of nodes; no end of them in micro-slip.
+    count: usize,
+    in_macro_slip: bool,
+    /// By ascending place: none yet, or one that was tried, and none where its half cycle is none of a slow decay.
+    known: Vec<Option<Option<Node>>>,
+}
+
+/// The logarithm of an amplitude, and the half cycle that begins there.
+type Node = (f64, HalfCycle);
+
+impl Nodes {
+    /// From φ_max downwards: the same nodes for every decay of an oscillator in micro-slip.
+    pub(super) fn in_micro_slip(phi_max: f64) -> Self {
+        let top = (TOP * phi_max).ln();
+        Self { top, spacing: SPACING, count: usize::MAX, in_macro_slip: false, known: vec![] }
+    }
+
+    /// From the logarithm of an amplitude down to the logarithm `floor`.
+    pub(super) fn in_macro_slip(log: f64, floor: f64) -> Self {
+        let top = log + ABOVE;
+        // Down to the floor there is room for as many nodes as a polynomial needs.
+        let spacing = SPACING_IN_MACRO_SLIP.min((top - floor) / POINTS as f64);
+        let count = ((top - floor) / spacing) as usize + 1;
+        Self { top, spacing, count, in_macro_slip: true, known: vec![] }
+    }
+}
+
+/// Half cycles by amplitude for the decay of one oscillator.
 pub(super) struct Table<'a, F> {
+    nodes: &'a mut Nodes,
+    oscillator: &'a Oscillator,
+    joint: &'a FourParameter,
     /// The last decay, which the next one takes the place of.
     decay: Option<Decay<'a, FourParameter, [Reversal; SETTLING + 8]>>,
     /// Adds a node to moments.
     add: F,
-    /// Logarithms of the amplitudes, falling, and what the half cycles are.
-    nodes: Vec<(f64, HalfCycle)>,
-    /// Where the next node is begun, and the distance to the one behind it.
-    next: f64,
-    spacing: f64,
     /// That of the last half cycle asked for.
     piece: Option<Piece>,
-    /// No node is begun below; none in micro-slip.
-    floor: Option<f64>,
-    /// Whether a half cycle had no end or did not decay.
-    failed: bool,
 }
 
 impl<'a, F: FnMut(Moment, &mut [Complex64; 4])> Table<'a, F> {
-    /// From the logarithm of an amplitude downwards: in macro-slip to the logarithm `floor` at most, in micro-slip without end.
-    pub(super) fn below(
-        oscillator: &Oscillator,
+    /// By nodes that may serve several decays of the same oscillator and joint, with the same moments.
+    pub(super) fn new(
+        nodes: &'a mut Nodes,
+        oscillator: &'a Oscillator,
         joint: &'a FourParameter,
-        log: f64,
-        floor: Option<f64>,
         add: F,
     ) -> Self {
-        let (held, stack) = (Motion::held_at(log.exp()), [Reversal::default(); SETTLING + 8]);
-        Self {
-            decay: Decay::new(oscillator, joint, 0.0, held, stack).ok(),
-            add,
-            nodes: vec![],
-            next: log + ABOVE,
-            // Down to the floor there is room for as many nodes as a polynomial needs.
-            spacing: floor
-                .map_or(SPACING, |end| SPACING_IN_MACRO_SLIP.min((log + ABOVE - end) / POINTS as f64)),
-            piece: None,
-            floor,
-            failed: false,
-        }
+        Self { nodes, oscillator, joint, decay: None, add, piece: None }
     }
 
-    /// Whether all half cycles so far were those of a decay.
-    pub(super) fn decays(&self) -> bool {
-        !self.failed
-    }
-
-    /// The half cycle that begins at the logarithm of an amplitude, not above that of the last call; none below the floor, where
-    /// a half cycle takes more than the table's step, and where there is no decay.
+    /// The half cycle that begins at the logarithm of an amplitude; none above the first node and below the last, and where half cycles are none of a slow decay.
     pub(super) fn at(&mut self, log: f64) -> Option<HalfCycle> {
         if let Some(piece) = self.piece.as_ref().filter(|p| log <= p.from && log > p.to) {
             return Some(piece.at(log));
         }
-        // As many nodes below the place as above it, where the table goes on so far.
-        let wanted = |table: &Self| table.nodes.iter().filter(|n| n.0 < log).count() < POINTS / 2;
-        while self.nodes.len() < POINTS || wanted(self) {
-            if self.floor.is_some_and(|floor| self.next < floor) {
-                break;
-            }
-            let node = self.node(self.next);
-            self.failed = node.is_none();
-            let slow = |growth: f64| self.floor.is_some() || growth > -2.0 * FASTEST;
-            let node = node.filter(|n| slow(n.1.growth) && (!self.nodes.is_empty() || n.0 >= log))?;
-            self.nodes.push(node);
-            self.next -= self.spacing;
+        // A node lies at the amplitude at which it was begun, or below it by less than the spacing.
+        let begun = (self.nodes.top - log) / self.nodes.spacing;
+        let begun = if begun >= 0.0 { begun as usize } else { return None };
+        let is_above = |table: &mut Self, i: usize| table.node(i).is_some_and(|n| n.0 >= log);
+        let above = [Some(begun), begun.checked_sub(1)].into_iter().flatten().find(|i| is_above(self, *i))?;
+        // As many nodes below the place as above it, where the table goes so far.
+        let highest = self.nodes.count.checked_sub(POINTS)?;
+        let first = (above + 1).saturating_sub(POINTS / 2).min(highest);
+        let first = (first..=above.min(highest)).find(|i| self.node(*i).is_some())?;
+        let mut through = [Node::default(); POINTS];
+        for (i, node) in through.iter_mut().enumerate() {
+            *node = self.node(first + i)?;
         }
-        let last = self.nodes.len().checked_sub(1).filter(|last| *last + 1 >= POINTS)?;
-        let middle = self.nodes.iter().rposition(|n| n.0 >= log).filter(|i| *i < last)?;
-        let first = (middle + 1).saturating_sub(POINTS / 2).min(last + 1 - POINTS);
-        let piece = self.piece.insert(Piece::new(&self.nodes, first, middle));
-        Some(piece.at(log))
+        let middle = (above - first).min(POINTS - 2);
+        let piece = self.piece.insert(Piece::new(&through, middle));
+        (log > piece.to).then(|| piece.at(log))
+    }
+
+    /// A node, computed where it is asked for the first time.
+    fn node(&mut self, i: usize) -> Option<Node> {
+        if i >= self.nodes.count {
+            return None;
+        }
+        if self.nodes.known.len() <= i {
+            self.nodes.known.resize(i + 1, None);
+        }
+        if let Some(known) = self.nodes.known[i] {
+            return known;
+        }
+        let node = self.computed(self.nodes.top - self.nodes.spacing * i as f64);
+        let slow = |growth: f64| self.nodes.in_macro_slip || growth > -2.0 * FASTEST;
+        let node = node.filter(|n| slow(n.1.growth));
+        self.nodes.known[i] = Some(node);
+        node
     }
 
     /// The half cycle computed: in micro-slip after some that let the tip of the loop settle, and the mean of two, as the tips
     /// alternate about where they settle. In macro-slip the tip lies on the virgin curve from the first on.
-    fn node(&mut self, log: f64) -> Option<(f64, HalfCycle)> {
-        let mut decay = self.decay.take()?.anew(Motion::held_at(log.exp())).ok()?;
-        let (settling, count) = if self.floor.is_some() { (0, 1) } else { (SETTLING, 2) };
+    fn computed(&mut self, log: f64) -> Option<Node> {
+        let held = Motion::held_at(log.exp());
+        let mut decay = match self.decay.take() {
+            Some(decay) => decay.anew(held).ok()?,
+            None => {
+                let stack = [Reversal::default(); SETTLING + 8];
+                Decay::new(self.oscillator, self.joint, 0.0, held, stack).ok()?
+            }
+        };
+        let (settling, count) = if self.nodes.in_macro_slip { (0, 1) } else { (SETTLING, 2) };
         let (mut from, mut began) = (log.exp(), 0.0);
         for _ in 0..settling {
             let turned = decay.next()?;

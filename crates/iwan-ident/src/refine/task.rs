@@ -5,14 +5,13 @@ use std::f64::consts::{PI, TAU};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 
-use iwan_core::Reversal;
 use rustfft::num_complex::Complex64;
 
 use super::discount::Discount;
 use super::record::{Noise, Windowed, unwrapped};
 use super::release::{Sampling, TurningPoint};
 use super::ring_down::{Discrepancy, Refined, RingDown};
-use super::windows::Windows;
+use super::windows::{Buffers, KEPT, Windows};
 use crate::error::{Error, check};
 use crate::parameters::{COUNT, Parameter, Parameters};
 use crate::search::{Chart, Minimum, Search};
@@ -54,14 +53,11 @@ pub(crate) struct Task {
 /// Buffers that all evaluations of a search share.
 #[derive(Debug, Clone, Default)]
 pub(crate) struct Workspace {
-    stack: Vec<Reversal>,
+    buffers: Buffers,
     model: Vec<Complex64>,
-    /// Of each of several records the models that were computed last: a record's own unknowns change no other record.
+    /// Of each of several records as many models, those computed last: a record's own unknowns change no other record.
     known: Vec<VecDeque<Known>>,
 }
-
-/// Models of a record that are kept: those of a point and of its neighbours along each of the parameters, and one to spare.
-const KEPT: usize = COUNT + 2;
 
 /// A model's amplitudes in the windows of a record.
 #[derive(Debug, Clone)]
@@ -77,7 +73,7 @@ impl Workspace {
     fn compute(&mut self, parameters: &Parameters, start: TurningPoint, record: &Windowed) -> bool {
         let windows = record.windows;
         self.model.resize(windows.count, Complex64::default());
-        windows.of_model(parameters, start, record.quantity, &mut self.stack, &mut self.model)
+        windows.of_model(parameters, start, record.quantity, &mut self.buffers, &mut self.model)
     }
 
     /// The same for the record of a place among several.
@@ -341,11 +337,11 @@ impl Task {
     pub(crate) fn take_samples(&mut self, x: &[f64], work: &mut Workspace) {
         let (parameters, starts) = (self.chart.parameters(x), self.starts_at(x));
         for (record, start) in self.records.iter_mut().zip(starts) {
-            let (windows, stack) = (&record.windows, &mut work.stack);
+            let (windows, buffers) = (&record.windows, &mut work.buffers);
             let mut exact = vec![Complex64::default(); windows.count];
             let sampling = Sampling { dt: record.dt, count: record.samples };
             let samples = start.samples(&parameters, sampling, record.quantity);
-            let known = windows.of_model(&parameters, start, record.quantity, stack, &mut exact);
+            let known = windows.of_model(&parameters, start, record.quantity, buffers, &mut exact);
             if let (Ok(samples), true) = (samples, known) {
                 let sampled = windows.of_samples(&samples, record.dt);
                 record.sampling = sampled.iter().zip(&exact).map(|(a, b)| a - b).collect();

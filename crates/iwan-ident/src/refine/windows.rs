@@ -6,15 +6,16 @@
 //! Windows share a quarter and more of each other: [`Whitening`](super::whitening::Whitening) makes white noise of the record white again.
 //! The record is taken to be free of aliases: higher harmonics are not folded into the model's amplitudes.
 
+use std::collections::VecDeque;
 use std::f64::consts::{PI, TAU};
 
 use iwan_core::{Decay, FourParameter, Oscillator, Reversal};
 use rustfft::num_complex::Complex64;
 
 use super::release::TurningPoint;
-use super::slow::{FASTEST, FASTEST_IN_MACRO_SLIP, Moment, Table};
+use super::slow::{BELOW, FASTEST, FASTEST_IN_MACRO_SLIP, Moment, Nodes, TOP, Table};
 use crate::curves::Quantity;
-use crate::parameters::Parameters;
+use crate::parameters::{COUNT, Parameters};
 
 /// Windows that cover a moment: sin⁴ windows shifted by a quarter of their length sum to a constant, so that no moment counts
 /// more than another.
@@ -25,7 +26,7 @@ const LONG: f64 = 3.0;
 /// Most windows of a record: more say no more about a slow amplitude, and cost time. Longer records have longer windows.
 const MOST: f64 = 120.0;
 
-/// Largest amplitude over φ_max of a decay that goes on by a table in micro-slip: the table begins 3 % above the amplitude, …
+/// Largest amplitude over φ_max of a decay that goes on by a table in micro-slip, where half cycles take next to nothing off it, …
 const MICRO: f64 = 0.96;
 /// … smallest one in macro-slip: nearer to the end the table needs as many half cycles as it saves, …
 const MACRO: f64 = 1.15;
@@ -51,6 +52,43 @@ struct Model<'a> {
     oscillator: &'a Oscillator,
     joint: &'a FourParameter,
     quantity: Quantity,
+}
+
+/// What computations of models work in, and half cycles that they have in common.
+#[derive(Debug, Clone, Default)]
+pub(super) struct Buffers {
+    stack: Vec<Reversal>,
+    /// Of the models that were computed last.
+    tables: VecDeque<(TableOf, Nodes)>,
+}
+
+/// What the half cycles of a table in micro-slip depend on.
+#[derive(Debug, Clone, Copy, PartialEq)]
+struct TableOf {
+    parameters: Parameters,
+    omega: f64,
+    quantity: Quantity,
+}
+
+/// Tables that are kept: those of a point of a search, of its neighbours along each of the parameters, and one to spare.
+pub(super) const KEPT: usize = COUNT + 2;
+
+impl Buffers {
+    /// The nodes of a table in micro-slip, those of the same model where it was met before.
+    fn nodes(&mut self, of: TableOf, phi_max: f64) -> Nodes {
+        match self.tables.iter().position(|(known, _)| *known == of) {
+            Some(i) => self.tables.remove(i).map_or_else(|| Nodes::in_micro_slip(phi_max), |(_, nodes)| nodes),
+            None => Nodes::in_micro_slip(phi_max),
+        }
+    }
+
+    /// Keeps nodes for the next decay of the same model; the table that was not used for longest makes room.
+    fn keep(&mut self, of: TableOf, nodes: Nodes) {
+        if self.tables.len() >= KEPT {
+            self.tables.pop_front();
+        }
+        self.tables.push_back((of, nodes));
+    }
 }
 
 /// Where the windows lie.
@@ -122,38 +160,50 @@ impl Windows {
         parameters: &Parameters,
         start: TurningPoint,
         quantity: Quantity,
-        stack: &mut Vec<Reversal>,
+        buffers: &mut Buffers,
         out: &mut [Complex64],
     ) -> bool {
         let Ok((oscillator, joint)) = parameters.model() else { return false };
         let half_cycles = (2.5 * (self.end() + start.time.abs()) * parameters.frequency) as usize + 16;
-        if stack.len() < half_cycles {
-            stack.resize(half_cycles, Reversal::default());
+        if buffers.stack.len() < half_cycles {
+            buffers.stack.resize(half_cycles, Reversal::default());
         }
         let tables = self.tables && self.hop * self.omega >= LONG * TAU;
+        let table_of = TableOf { parameters: *parameters, omega: self.omega, quantity };
         let model = Model { oscillator: &oscillator, joint: &joint, quantity };
         out.fill(Complex64::default());
         let (mut now, mut regime) = (start, None);
         while now.time < self.end() {
             let next = if tables { self.slow_regime(&now, joint.phi_max()) } else { None };
-            let by_table = next.is_some() && next != regime && now.time > start.time;
-            let went = if by_table {
-                self.add_by_table(model, &mut now, next == Some(Regime::Macro), out)
-            } else {
-                let first = (now.time == start.time).then_some(start.time);
-                let left = |now: &TurningPoint, growth: f64| {
-                    let next = if tables { self.slow_regime(now, joint.phi_max()) } else { None };
-                    let fastest = |regime: Regime| match regime {
-                        Regime::Micro => FASTEST,
-                        Regime::Macro => FASTEST_IN_MACRO_SLIP * joint.phi_max() / now.displacement.abs(),
+            let by_table = next.filter(|_| next != regime && now.time > start.time);
+            let went = match by_table {
+                Some(Regime::Micro) => {
+                    let mut nodes = buffers.nodes(table_of, joint.phi_max());
+                    self.add_by_table(model, &mut now, &mut nodes, out);
+                    buffers.keep(table_of, nodes);
+                    true
+                }
+                Some(Regime::Macro) => {
+                    let floor = (MACRO_ENDS * joint.phi_max()).ln();
+                    let mut nodes = Nodes::in_macro_slip(now.displacement.abs().ln(), floor);
+                    self.add_by_table(model, &mut now, &mut nodes, out);
+                    true
+                }
+                None => {
+                    let first = (now.time == start.time).then_some(start.time);
+                    let left = |now: &TurningPoint, growth: f64| {
+                        let next = if tables { self.slow_regime(now, joint.phi_max()) } else { None };
+                        let ratio = now.displacement.abs() / joint.phi_max();
+                        let is_slow = |regime: Regime| match regime {
+                            Regime::Micro => growth > -FASTEST && ratio.ln() < TOP.ln() + BELOW * growth,
+                            Regime::Macro => growth > -FASTEST_IN_MACRO_SLIP / ratio,
+                        };
+                        next.filter(|n| Some(*n) != regime && is_slow(*n))
                     };
-                    next.filter(|n| Some(*n) != regime && growth > -fastest(*n))
-                };
-                self.add_plainly(model, &mut now, first, stack, left, out)
+                    self.add_plainly(model, &mut now, first, &mut buffers.stack, left, out)
+                }
             };
-            if by_table {
-                regime = next;
-            }
+            regime = by_table.or(regime);
             if !went {
                 return false;
             }
@@ -228,15 +278,14 @@ impl Windows {
         true
     }
 
-    /// Adds half cycles by a table from a turning point on: to the end, or in macro-slip to where that ends. False where there
-    /// is no decay.
+    /// Adds half cycles by a table from a turning point on: to the end, or to where the table has no more.
     fn add_by_table(
         &self,
         Model { oscillator, joint, quantity }: Model<'_>,
         now: &mut TurningPoint,
-        macro_slip: bool,
+        nodes: &mut Nodes,
         out: &mut [Complex64],
-    ) -> bool {
+    ) {
         let (quarter, mut sign) = (0.5 * PI / self.omega, now.displacement.signum());
         let mut log = now.displacement.abs().ln();
         let add = |node: Moment, moments: &mut [Complex64; 4]| {
@@ -246,8 +295,7 @@ impl Windows {
             sum.add(late, self.term(late, Motion { displacement, velocity }, weight, quantity));
             moments.iter_mut().zip(sum.0).for_each(|(m, s)| *m += s);
         };
-        let floor = macro_slip.then(|| (MACRO_ENDS * joint.phi_max()).ln());
-        let mut table = Table::below(oscillator, joint, log, floor, add);
+        let mut table = Table::new(nodes, oscillator, joint, add);
         while now.time < self.end() {
             let Some(half) = table.at(log) else { break };
             // The moments are about their own middle: `add_moments` turns them from the record's beginning.
@@ -256,7 +304,6 @@ impl Windows {
             (log, sign) = (log + half.growth, -sign);
             *now = TurningPoint { time: now.time + half.duration, displacement: sign * log.exp() };
         }
-        table.decays()
     }
 
     /// The integrand of a moment but for the window: x e^(-iω_r t) dt, for acceleration -v e^(-iω_r t) dt.
@@ -390,7 +437,7 @@ mod tests {
             {
                 let mut model = vec![Complex64::default(); windows.count];
                 let start = TurningPoint { displacement: ratio * joint.phi_max(), time: 0.0 };
-                assert!(windows.of_model(&MODE, start, quantity, &mut vec![], &mut model));
+                assert!(windows.of_model(&MODE, start, quantity, &mut Buffers::default(), &mut model));
                 let record = windows.of_samples(&samples[i], dt);
                 for (k, (a, b)) in model.iter().zip(&record).enumerate() {
                     // A residual displacement of the centre is slow, and its windows do not see it.
@@ -411,10 +458,10 @@ mod tests {
             let windows = Windows::over(9.0, 123.5, 1.0);
             let start = TurningPoint { displacement: ratio * phi_max, time: -1e-3 };
             let [mut table, mut plain] = [(); 2].map(|()| vec![Complex64::default(); windows.count]);
-            let (quantity, stack) = (Quantity::Acceleration, &mut vec![]);
-            assert!(windows.of_model(&mode, start, quantity, stack, &mut table));
+            let (quantity, buffers) = (Quantity::Acceleration, &mut Buffers::default());
+            assert!(windows.of_model(&mode, start, quantity, buffers, &mut table));
             let one_by_one = Windows { tables: false, ..windows };
-            assert!(one_by_one.of_model(&mode, start, quantity, stack, &mut plain));
+            assert!(one_by_one.of_model(&mode, start, quantity, buffers, &mut plain));
             let largest = plain.iter().map(|z| z.norm()).fold(0.0, f64::max);
             for (k, (a, b)) in table.iter().zip(&plain).enumerate() {
                 let error = (a - b).norm() / b.norm().max(1e-4 * largest);
@@ -433,7 +480,7 @@ mod tests {
             let record = windows.of_samples(&samples[early..], dt);
             let mut model = record.clone();
             let start = TurningPoint { displacement: 0.5 * joint.phi_max(), time: -(early as f64) * dt };
-            assert!(windows.of_model(&MODE, start, Quantity::Acceleration, &mut vec![], &mut model));
+            assert!(windows.of_model(&MODE, start, Quantity::Acceleration, &mut Buffers::default(), &mut model));
             for (a, b) in model.iter().zip(&record) {
                 assert!((a - b).norm() < 2e-5 * b.norm());
             }
