@@ -102,12 +102,14 @@ fn region(task: &Task, minimum: &Minimum, scale: &Scale) -> Result<Region, Minim
     let knees = task.knees();
     let range = [knees[knees.len() - 1], knees[0]];
     let limit = minimum.cost + scale.limit * scale.variance;
-    let mut found = task.sweep(minimum, limit, TOLERANCE, &mut work);
-    found.extend(task.polished(&found, &mut work));
-    for direction in [-1.0, 1.0] {
+    let mut found = task.sweep(minimum, limit, TOLERANCE);
+    found.extend(task.polished(&found));
+    let walked = |direction: &f64| {
         let mut walk = Walk::new(task, knee, task.smooth(), minimum, scale);
-        walk.go(direction)?;
-        found.extend(walk.visited.into_iter().map(|v| v.minimum));
+        walk.go(*direction).map(|_| walk.visited)
+    };
+    for visited in in_parallel(&[-1.0, 1.0], 2, &walked) {
+        found.extend(visited?.into_iter().map(|v| v.minimum));
     }
     Region::of(task, found, Some((knee, range)), scale, &mut work)
 }

@@ -1,6 +1,6 @@
 //! Residuals discounted by what the model is known to miss: with covariance 1 + M Mᵀ in place of 1 their inverse root is taken of it.
 
-use nalgebra::DMatrix;
+use nalgebra::{DMatrix, DVector, DVectorViewMut};
 
 /// Directions whose added variance is below this part of the noise's are left as they are.
 const LEAST: f64 = 1e-4;
@@ -9,7 +9,7 @@ const LEAST: f64 = 1e-4;
 #[derive(Debug, Clone)]
 pub(super) struct Discount {
     directions: DMatrix<f64>,
-    weights: Vec<f64>,
+    weights: DVector<f64>,
 }
 
 impl Discount {
@@ -27,19 +27,14 @@ impl Discount {
             directions.column_mut(k).scale_mut(1.0 / eigen.eigenvalues[i].sqrt());
             weights.push(1.0 - 1.0 / (1.0 + eigen.eigenvalues[i]).sqrt());
         }
-        Some(Self { directions, weights })
+        Some(Self { directions, weights: DVector::from_vec(weights) })
     }
 
     pub(super) fn apply(&self, r: &mut [f64]) {
-        let parts: Vec<f64> = self
-            .directions
-            .column_iter()
-            .zip(&self.weights)
-            .map(|(b, w)| w * b.iter().zip(r.iter()).map(|(b, r)| b * r).sum::<f64>())
-            .collect();
-        for (b, part) in self.directions.column_iter().zip(parts) {
-            r.iter_mut().zip(b.iter()).for_each(|(r, b)| *r -= part * b);
-        }
+        let count = r.len();
+        let mut r = DVectorViewMut::from_slice(r, count);
+        let parts = self.directions.tr_mul(&r).component_mul(&self.weights);
+        r.gemv(-1.0, &self.directions, &parts, 1.0);
     }
 }
 

@@ -115,10 +115,10 @@ impl Task {
     /// The minimum again, or a deeper one that searches from other powers find: over a few cycles a small power with a higher frequency looks much the same, and
     /// what it misses would be taken for a discrepancy.
     fn by_other_powers(&mut self, minimum: Minimum) -> Result<Minimum, Error> {
-        let mut work = Workspace::default();
         let seen = self.seen_at(&minimum.x);
         let others = self.other_powers(&minimum.x);
-        let found = others.iter().filter_map(|x| self.minimise(x, seen.clone(), FINE, &mut work));
+        let end = |x: &Vec<f64>| self.minimise(x, seen.clone(), FINE, &mut Workspace::default());
+        let found = in_parallel(&others, others.len(), &end).into_iter().flatten();
         match found.min_by(|a, b| a.cost.total_cmp(&b.cost)).filter(|m| m.cost < DEEPER * minimum.cost) {
             Some(deeper) => self.finish(&deeper),
             None => Ok(minimum),
@@ -145,7 +145,7 @@ impl Task {
         }
         let settle = |x: &&[f64]| self.clone().settled(x, &mut Workspace::default());
         let starts: Vec<&[f64]> = [best.x.as_slice()].into_iter().chain(others.iter().copied()).collect();
-        let ends = in_parallel(&starts, 2, &settle).into_iter().flatten();
+        let ends = in_parallel(&starts, starts.len(), &settle).into_iter().flatten();
         let Settled { task, minimum, .. } = ends.reduce(Settled::or_better).ok_or_else(no_ring_down)?;
         *self = task;
         Ok(minimum)

@@ -3,6 +3,7 @@
 use std::f64::consts::TAU;
 
 use iwan_core::{Decay, Motion, Reversal};
+use iwan_machine::threads::{both, in_parallel};
 
 use super::release::TurningPoint;
 use super::task::{Effort, FINE, ROUGH, Task, Workspace};
@@ -166,13 +167,7 @@ impl Task {
     /// The least sums of squares at held knees, from `best` outwards to both sides; those below a margin of `limit` to the
     /// relative `tolerance`. Under noise a sweep ends when none of the last few lies below that margin; without noise valleys
     /// are so narrow that none is ever seen from afar, and the whole range is taken at half steps.
-    pub(crate) fn sweep(
-        &self,
-        best: &Minimum,
-        limit: f64,
-        tolerance: f64,
-        work: &mut Workspace,
-    ) -> Vec<Minimum> {
+    pub(crate) fn sweep(&self, best: &Minimum, limit: f64, tolerance: f64) -> Vec<Minimum> {
         let (mut knees, margin) = (self.knees(), best.cost + MARGIN * (limit - best.cost));
         let (high, low) = (knees[0], knees[knees.len() - 1]);
         let all = self.is_free_of_noise(best);
@@ -185,35 +180,47 @@ impl Task {
         knees.extend(close.filter(|k| (low..=high).contains(k)));
         knees.sort_by(|a, b| b.total_cmp(a));
         let split = knees.partition_point(|k| *k > best.x[KNEE]);
-        let mut found = vec![best.clone()];
-        for side in [knees[..split].iter().rev().collect::<Vec<_>>(), knees[split..].iter().collect()] {
-            let (mut near, mut outside) = (best.x.clone(), 0);
-            for at in side {
-                let mut x = self.start_at_knee(&near, *at);
-                x[KNEE] = *at;
-                let Some(mut minimum) = self.minimise_with(&x, self.smooth(), Effort::SCAN, work) else {
-                    continue;
-                };
-                if minimum.cost < margin {
-                    let fine = self.minimise(&minimum.x, self.smooth(), tolerance, work);
-                    minimum = fine.unwrap_or(minimum);
-                }
-                near.clone_from(&minimum.x);
-                outside = if minimum.cost < margin { 0 } else { outside + 1 };
-                found.push(minimum);
-                if outside > PATIENCE && !all {
-                    break;
-                }
+        let go = |side: &[f64]| self.outwards(best, side, (margin, tolerance), !all);
+        let above: Vec<f64> = knees[..split].iter().rev().copied().collect();
+        let (above, below) = both(&|| go(&above), &|| go(&knees[split..]));
+        [vec![best.clone()], above, below].concat()
+    }
+
+    /// One side of a sweep; it may end early where no knee lies below the margin any more.
+    fn outwards(
+        &self,
+        best: &Minimum,
+        side: &[f64],
+        (margin, tolerance): (f64, f64),
+        ends_early: bool,
+    ) -> Vec<Minimum> {
+        let (mut found, mut work) = (vec![], Workspace::default());
+        let (mut near, mut outside) = (best.x.clone(), 0);
+        for at in side {
+            let mut x = self.start_at_knee(&near, *at);
+            x[KNEE] = *at;
+            let scanned = self.minimise_with(&x, self.smooth(), Effort::SCAN, &mut work);
+            let Some(mut minimum) = scanned else { continue };
+            if minimum.cost < margin {
+                let fine = self.minimise(&minimum.x, self.smooth(), tolerance, &mut work);
+                minimum = fine.unwrap_or(minimum);
+            }
+            near.clone_from(&minimum.x);
+            outside = if minimum.cost < margin { 0 } else { outside + 1 };
+            found.push(minimum);
+            if outside > PATIENCE && ends_early {
+                break;
             }
         }
         found
     }
 
     /// The minima of all unknowns next to the valleys of a sweep, the deepest few.
-    pub(crate) fn polished(&self, sweep: &[Minimum], work: &mut Workspace) -> Vec<Minimum> {
+    pub(crate) fn polished(&self, sweep: &[Minimum]) -> Vec<Minimum> {
         let mut found = valleys(sweep);
         found.truncate(POLISHED);
-        found.iter().filter_map(|m| self.minimise(&m.x, self.free(), FINE, work)).collect()
+        let bottom = |m: &Minimum| self.minimise(&m.x, self.free(), FINE, &mut Workspace::default());
+        in_parallel(&found, found.len(), &bottom).into_iter().flatten().collect()
     }
 
     /// Creases are left by hops of the knee: it is moved, all else follows, then all are free.

@@ -4,7 +4,10 @@
 //! s_i maximise the likelihood of what is left, whose own variance is profiled out (H. D. Patterson, R. Thompson, Biometrika
 //! 58:545, 1971). Where the residuals are white all sizes come out as zero or next to it.
 
-use nalgebra::{Cholesky, DMatrix, DVector, Dyn};
+use faer::dyn_stack::{MemBuffer, MemStack};
+use faer::linalg::cholesky::llt;
+use faer::{Mat, Par, Spec};
+use nalgebra::{DMatrix, DVector};
 
 /// Sizes that are tried first, in units of the values' own: a hundredth of a per cent to 30 %, in steps that the search halves.
 const FIRST: [f64; 6] = [1e-5, 1e-4, 1e-3, 1e-2, 0.1, 0.3];
@@ -32,6 +35,44 @@ pub(super) struct Likeliest {
     pub(super) explained: f64,
     /// ln of the restricted likelihood up to a constant.
     pub(super) likelihood: f64,
+}
+
+/// Triangular factor of a symmetric positive definite matrix: of several hundred rows for a dozen records, where blocked factors are ten times as fast as plain ones.
+struct Factors(Mat<f64>);
+
+impl Factors {
+    /// None where the matrix is not positive definite.
+    fn new(mut matrix: Mat<f64>) -> Option<Self> {
+        let spec = Spec::default();
+        let mut buffer =
+            MemBuffer::new(llt::factor::cholesky_in_place_scratch::<f64>(matrix.nrows(), Par::Seq, spec));
+        let (none, stack) = (llt::factor::LltRegularization::default(), MemStack::new(&mut buffer));
+        llt::factor::cholesky_in_place(matrix.as_mut(), none, Par::Seq, stack, spec).ok()?;
+        Some(Self(matrix))
+    }
+
+    /// The matrix's inverse times columns.
+    fn inverse_times(&self, mut columns: Mat<f64>) -> Mat<f64> {
+        let (n, width) = (columns.nrows(), columns.ncols());
+        let mut buffer = MemBuffer::new(llt::solve::solve_in_place_scratch::<f64>(n, width, Par::Seq));
+        llt::solve::solve_in_place(self.0.as_ref(), columns.as_mut(), Par::Seq, MemStack::new(&mut buffer));
+        columns
+    }
+
+    fn solved(&self, right: &DVector<f64>) -> DVector<f64> {
+        let solved = self.inverse_times(Mat::from_fn(right.len(), 1, |i, _| right[i]));
+        DVector::from_fn(right.len(), |i, _| solved[(i, 0)])
+    }
+
+    fn ln_determinant(&self) -> f64 {
+        (0..self.0.nrows()).map(|i| 2.0 * self.0[(i, i)].ln()).sum()
+    }
+
+    fn trace_of_inverse(&self) -> f64 {
+        let n = self.0.nrows();
+        let inverse = self.inverse_times(Mat::identity(n, n));
+        (0..n).map(|i| inverse[(i, i)]).sum()
+    }
 }
 
 /// What is left of the residuals and of the processes' columns behind the projection.
@@ -82,20 +123,20 @@ impl Projected {
         DVector::from_iterator(self.widths.iter().sum(), all)
     }
 
-    /// 1 + S G S with the columns' sizes S.
-    fn matrix(&self, s: &DVector<f64>) -> Option<Cholesky<f64, Dyn>> {
+    /// Factors of 1 + S G S with the columns' sizes S.
+    fn factors(&self, s: &DVector<f64>) -> Option<Factors> {
         let entry = |i, j| s[i] * self.gram[(i, j)] * s[j] + f64::from(u8::from(i == j));
-        DMatrix::from_fn(s.len(), s.len(), entry).cholesky()
+        Factors::new(Mat::from_fn(s.len(), s.len(), entry))
     }
 
     /// ln of the restricted likelihood up to a constant, for sizes relative to the residuals' standard deviation; and that deviation.
     fn likelihood(&self, sizes: &[f64]) -> Option<(f64, f64)> {
         let s = self.spread(sizes);
-        let factor = self.matrix(&s)?;
+        let factors = self.factors(&s)?;
         let scaled = s.component_mul(&self.product);
-        let explained = scaled.dot(&factor.solve(&scaled));
+        let explained = scaled.dot(&factors.solved(&scaled));
         let square = (self.square - explained).max(f64::EPSILON * self.square);
-        let likelihood = -0.5 * (self.freedom * square.ln() + factor.ln_determinant());
+        let likelihood = -0.5 * (self.freedom * square.ln() + factors.ln_determinant());
         Some((likelihood, (square / self.freedom).sqrt()))
     }
 
@@ -110,12 +151,12 @@ impl Projected {
         let relative = self.likeliest();
         let (_, deviation) = self.likelihood(&relative)?;
         let s = self.spread(&relative);
-        let factor = self.matrix(&s)?;
+        let factors = self.factors(&s)?;
         Some(Likeliest {
             likelihood: self.score(&relative),
             sizes: relative.iter().map(|size| size * deviation).collect(),
-            expected: s.component_mul(&factor.solve(&s.component_mul(&self.product))),
-            explained: s.len() as f64 - factor.inverse().trace(),
+            expected: s.component_mul(&factors.solved(&s.component_mul(&self.product))),
+            explained: s.len() as f64 - factors.trace_of_inverse(),
         })
     }
 
@@ -190,5 +231,23 @@ impl Projected {
             }
         }
         best
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn factors_solve_and_have_determinant_and_trace() {
+        let root = DMatrix::from_fn(5, 5, |i, j| ((3 * i + 7 * j) as f64).sin());
+        let matrix = DMatrix::identity(5, 5) + &root * root.transpose();
+        let factors = Factors::new(Mat::from_fn(5, 5, |i, j| matrix[(i, j)])).unwrap();
+        let right = DVector::from_fn(5, |i, _| i as f64 - 1.5);
+        let close = |a: f64, b: f64| assert!((a - b).abs() < 1e-12 * b.abs().max(1.0), "{a} {b}");
+        close((&matrix * factors.solved(&right) - right).norm(), 0.0);
+        close(factors.ln_determinant(), matrix.determinant().ln());
+        close(factors.trace_of_inverse(), matrix.clone().try_inverse().unwrap().trace());
+        assert!(Factors::new(Mat::from_fn(5, 5, |i, j| -matrix[(i, j)])).is_none());
     }
 }

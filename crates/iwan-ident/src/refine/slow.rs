@@ -8,8 +8,8 @@
 use iwan_core::{Decay, FourParameter, Motion, Oscillator, Reversal};
 use rustfft::num_complex::Complex64;
 
-/// Spacing of the table in the logarithm of the amplitude in micro-slip, where powers of the amplitude are all there is: amplitudes of a
-/// record of a thousand cycles are then right to 3e-5, from micro-slip on to 2e-6 (the test in `windows`), …
+/// Spacing of the table in the logarithm of the amplitude in micro-slip, where powers of the amplitude are all there is: a slow decay of a thousand cycles is
+/// then right to 1e-6 (the test in `windows`), …
 const SPACING: f64 = 0.24;
 /// … and in macro-slip at most, where they change with the distance from φ_max.
 const SPACING_IN_MACRO_SLIP: f64 = 0.12;
@@ -25,8 +25,9 @@ const ABOVE: f64 = 0.03;
 /// Half cycles by whose decay a node of micro-slip lies below the amplitude at which it was begun, and one more.
 pub(super) const BELOW: f64 = SETTLING as f64 + 2.0;
 /// Fastest decay, in the logarithm of the amplitude per half cycle, for which tips of loops in micro-slip count as settled.
-/// In micro-slip the amplitudes of the test in `windows` are then off by 2e-6 at most; with half as much as this by 2e-7 to 1e-6, and faster decays would be computed one by one.
-pub(super) const FASTEST: f64 = 0.018;
+/// Amplitudes of the test in `windows` are then off by 1.2e-5 at most, 5e-6 to 8e-6 from micro-slip on; with half as much as this by half as much there, and faster
+/// decays would be computed one by one.
+pub(super) const FASTEST: f64 = 0.008;
 /// The same at φ_max for tables in macro-slip, of which no half cycle shall end without slipping as a whole.
 pub(super) const FASTEST_IN_MACRO_SLIP: f64 = 0.06;
 
@@ -106,12 +107,21 @@ pub(super) struct Nodes {
     /// Number of nodes; no end of them in micro-slip.
     count: usize,
     in_macro_slip: bool,
-    /// By ascending place: none yet, or one that was tried, and none where its half cycle is none of a slow decay.
-    known: Vec<Option<Option<Node>>>,
+    /// By ascending place.
+    known: Vec<Known>,
 }
 
 /// The logarithm of an amplitude, and the half cycle that begins there.
 type Node = (f64, HalfCycle);
+
+/// What is known of a node.
+#[derive(Debug, Clone, Copy)]
+enum Known {
+    NotYet,
+    /// Its half cycle is none of a slow decay.
+    Unfit,
+    Node(Node),
+}
 
 impl Nodes {
     /// From φ_max downwards: the same nodes for every decay of an oscillator in micro-slip.
@@ -183,15 +193,17 @@ impl<'a, F: FnMut(Moment, &mut [Complex64; 4])> Table<'a, F> {
             return None;
         }
         if self.nodes.known.len() <= i {
-            self.nodes.known.resize(i + 1, None);
+            self.nodes.known.resize(i + 1, Known::NotYet);
         }
-        if let Some(known) = self.nodes.known[i] {
-            return known;
+        match self.nodes.known[i] {
+            Known::Node(node) => return Some(node),
+            Known::Unfit => return None,
+            Known::NotYet => {}
         }
         let node = self.computed(self.nodes.top - self.nodes.spacing * i as f64);
         let slow = |growth: f64| self.nodes.in_macro_slip || growth > -2.0 * FASTEST;
         let node = node.filter(|n| slow(n.1.growth));
-        self.nodes.known[i] = Some(node);
+        self.nodes.known[i] = node.map_or(Known::Unfit, Known::Node);
         node
     }
 
@@ -199,12 +211,11 @@ impl<'a, F: FnMut(Moment, &mut [Complex64; 4])> Table<'a, F> {
     /// alternate about where they settle. In macro-slip the tip lies on the virgin curve from the first on.
     fn computed(&mut self, log: f64) -> Option<Node> {
         let held = Motion::held_at(log.exp());
-        let mut decay = match self.decay.take() {
-            Some(decay) => decay.anew(held).ok()?,
-            None => {
-                let stack = [Reversal::default(); SETTLING + 8];
-                Decay::new(self.oscillator, self.joint, 0.0, held, stack).ok()?
-            }
+        let mut decay = if let Some(decay) = self.decay.take() {
+            decay.anew(held).ok()?
+        } else {
+            let stack = [Reversal::default(); SETTLING + 8];
+            Decay::new(self.oscillator, self.joint, 0.0, held, stack).ok()?
         };
         let (settling, count) = if self.nodes.in_macro_slip { (0, 1) } else { (SETTLING, 2) };
         let (mut from, mut began) = (log.exp(), 0.0);

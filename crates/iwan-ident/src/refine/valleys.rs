@@ -2,7 +2,7 @@
 
 use std::f64::consts::TAU;
 
-use iwan_machine::threads::both;
+use iwan_machine::threads::{both, in_parallel};
 
 use super::knees::{STEP, valleys};
 use super::task::{Effort, FINE, ROUGH, Task, Workspace, no_ring_down};
@@ -93,11 +93,14 @@ impl Task {
     }
 
     /// Where the first searches end without macro-slip, by ascending sum of squares.
-    fn logarithmic(&self, bases: &[Vec<f64>], work: &mut Workspace) -> Vec<Minimum> {
+    fn logarithmic(&self, bases: &[Vec<f64>]) -> Vec<Minimum> {
         let search = self.search(self.without_knee(), Effort::ROUGH);
-        let mut log = |x: &[f64], out: &mut [f64]| self.log_residuals(x, out, work);
-        let mut found: Vec<Minimum> =
-            bases.iter().filter_map(|x| search.run(&mut log, &self.unseen(x))).collect();
+        let from = |x: &Vec<f64>| {
+            let mut work = Workspace::default();
+            let mut log = |x: &[f64], out: &mut [f64]| self.log_residuals(x, out, &mut work);
+            search.run(&mut log, &self.unseen(x))
+        };
+        let mut found: Vec<Minimum> = in_parallel(bases, bases.len(), &from).into_iter().flatten().collect();
         found.sort_by(|a, b| a.cost.total_cmp(&b.cost));
         found
     }
@@ -116,7 +119,7 @@ impl Task {
     pub(crate) fn solve(&mut self, first: &Parameters) -> Result<Solved, Error> {
         let mut work = Workspace::default();
         let bases = self.bases(first)?;
-        let unseen = self.logarithmic(&bases, &mut work);
+        let unseen = self.logarithmic(&bases);
         let start = unseen.first().map_or_else(|| bases[0].clone(), |m| m.x.clone());
         let mut valleys =
             if self.knee().is_some() { self.deepest([&start, &bases[0]]) } else { unseen.clone() };
@@ -125,12 +128,13 @@ impl Task {
         let Some(nearest) = nearest else { return Err(no_ring_down()) };
         self.weigh(&nearest.x, &mut work);
         let micro_slip = self.micro_slip(&[&start]);
-        let mut best = micro_slip.clone();
-        for valley in &valleys {
-            let held = self.minimise(&valley.x, self.smooth(), ROUGH, &mut work);
-            let minimum = held.and_then(|m| self.minimise(&m.x, self.free(), ROUGH, &mut work));
-            best = best.into_iter().chain(minimum).min_by(|a, b| a.cost.total_cmp(&b.cost));
-        }
+        let bottom = |valley: &Minimum| {
+            let mut work = Workspace::default();
+            let held = self.minimise(&valley.x, self.smooth(), ROUGH, &mut work)?;
+            self.minimise(&held.x, self.free(), ROUGH, &mut work)
+        };
+        let bottoms = in_parallel(&valleys, valleys.len(), &bottom).into_iter().flatten();
+        let best = micro_slip.clone().into_iter().chain(bottoms).min_by(|a, b| a.cost.total_cmp(&b.cost));
         let best = best.ok_or_else(no_ring_down)?;
         self.weigh(&best.x, &mut work);
         let best = self.priced(best, &mut work)?;
@@ -178,13 +182,12 @@ impl Task {
 
     /// The deepest valley along all knees, where a record without noise has many.
     pub(super) fn deepest_of_all(&mut self, mut best: Minimum) -> Result<Minimum, Error> {
-        let mut work = Workspace::default();
         for _ in 0..SETTLING {
             if self.knee().is_none() || !self.is_free_of_noise(&best) {
                 break;
             }
-            let sweep = self.sweep(&best, best.cost + self.count() as f64, FINE, &mut work);
-            let found = self.polished(&sweep, &mut work).into_iter().min_by(|a, b| a.cost.total_cmp(&b.cost));
+            let sweep = self.sweep(&best, best.cost + self.count() as f64, FINE);
+            let found = self.polished(&sweep).into_iter().min_by(|a, b| a.cost.total_cmp(&b.cost));
             match found.filter(|m| m.cost < best.cost - SETTLED) {
                 Some(deeper) => best = self.finish(&deeper)?,
                 None => break,
@@ -199,11 +202,12 @@ impl Task {
         if !self.is_open() {
             return None;
         }
-        let mut work = Workspace::default();
-        let ends = from.iter().filter_map(|x| {
+        let end = |x: &&[f64]| {
+            let mut work = Workspace::default();
             let near = self.minimise(&self.unseen(x), self.without_knee(), FINE, &mut work)?;
             self.minimise(&self.unseen(&near.x), self.without_knee(), FINE, &mut work)
-        });
+        };
+        let ends = in_parallel(from, from.len(), &end).into_iter().flatten();
         ends.min_by(|a, b| a.cost.total_cmp(&b.cost)).filter(|found| self.is_micro_slip(&found.x))
     }
 
