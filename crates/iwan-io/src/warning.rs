@@ -108,6 +108,16 @@ pub enum Warning {
         /// Name of the column.
         name: String,
     },
+    /// A file says that a window lies over a function.
+    #[error("{window} lies over '{name}' by its dataset 1858: {advice}")]
+    Windowed {
+        /// Channel or function.
+        name: String,
+        /// The window in words.
+        window: String,
+        /// What that means, and what to do.
+        advice: &'static str,
+    },
     /// A channel or dataset was not read.
     #[error("'{name}' was left out: {reason}")]
     LeftOut {

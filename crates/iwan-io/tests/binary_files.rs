@@ -56,6 +56,47 @@ fn universal_files_in_all_number_types() {
     }
 }
 
+/// A dataset 1858 that names a window.
+fn window(kind: u8) -> String {
+    let zeros = |n: usize| format!("{:>15}", "0.0000000E+00").repeat(n);
+    format!(
+        "    -1\n  1858\n{}\n     0{kind:>6}{}\n{}\n{}{:>15}\n{}\nNONE  NONE\nNONE\n    -1\n",
+        format!("{:>12}", 0).repeat(6),
+        format!("{:>6}", 0).repeat(10),
+        zeros(5),
+        zeros(4),
+        "2.5000000E+00",
+        zeros(5),
+    )
+}
+
+#[test]
+fn a_window_that_the_file_names_is_obeyed() {
+    let [a, b] = ["a", "b"].map(|name| uff_ascii(20, name));
+    let file = |parts: &[&[u8]]| parts.concat();
+    let [none, hanning, exponential, impact] = [0, 1, 4, 5].map(|kind| window(kind).into_bytes());
+    // Behind its function, and before it.
+    for file in [file(&[&a, &hanning, &b, &none]), file(&[&hanning, &a, &none, &b])] {
+        let record = read("a.uff", &file).unwrap();
+        assert_eq!(record.names(), ["b"]);
+        let left = record.warnings()[0].to_string();
+        assert!(left.starts_with("'a' was left out: a Hanning window lies over it"), "{left}");
+    }
+    let alone = refused("a.uff", &file(&[&hanning, &a]));
+    assert!(alone.contains("Hanning") && alone.contains("export the time histories without"), "{alone}");
+    let record = read("a.uff", &file(&[&a, &exponential, &b, &impact])).unwrap();
+    let words: Vec<String> = record.warnings().iter().map(ToString::to_string).collect();
+    assert_eq!((record.names().len(), words.len()), (2, 2));
+    assert!(words[0].contains("damping factor 2.5") && words[0].contains("'a'"), "{words:?}");
+    assert!(words[1].contains("an impact window lies over 'b'"), "{words:?}");
+    let (functions, warnings) =
+        iwan_io::uff_functions("a.uff".as_ref(), &file(&[&hanning, &a, &exponential, &b])).unwrap();
+    assert_eq!((functions.len(), functions[0].name.as_str(), warnings.len()), (1, "b", 2));
+    // What is no dataset 1858 says nothing.
+    let broken = String::from_utf8(hanning).unwrap().replace("     0     1", "     0     x").into_bytes();
+    assert!(read("a.uff", &file(&[&a, &broken])).unwrap().warnings().is_empty());
+}
+
 #[test]
 fn other_datasets_are_skipped_and_channels_joined() {
     let other = b"    -1\n    15\n         1         0         0        11  0.0  0.0  0.0\n    -1\n";

@@ -8,7 +8,7 @@ use crate::error::{Error, check};
 use crate::fit::{Band, Fitted, Linear};
 use crate::measure::{Channel, Motion};
 use crate::number::Complex;
-use crate::responses::{FrequencyResponses, free_responses};
+use crate::responses::{FrequencyResponses, PoleInRecord, free_responses, laplace};
 
 /// Zeroed times at which spectra are taken: a fan of these is read at a glance, and the time is told to a thirtieth of the record.
 const TIMES: usize = 30;
@@ -150,8 +150,9 @@ fn misfit(own: &FrequencyResponses, poles: &[Complex], amplitudes: &[Complex], p
         .collect();
     let (mut off, mut all) = (0.0, 0.0);
     for k in first..=last {
-        let s = crate::responses::laplace(own.frequency(k), 0.0);
-        let model: Complex = parts.iter().map(|(at, now)| at.value(k, s).0 * now).sum();
+        let s = laplace(own.frequency(k), 0.0);
+        let value = |(at, now): &(PoleInRecord<'_>, Complex)| at.value(k, s, at.record.turns(-s)).0 * now;
+        let model: Complex = parts.iter().map(value).sum();
         let measured = own.functions[0].values[k];
         off += (measured - model).norm_sqr();
         all += measured.norm_sqr();

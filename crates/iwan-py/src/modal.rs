@@ -27,6 +27,23 @@ pub(crate) struct Request {
     poles: Option<Vec<f64>>,
 }
 
+/// What was measured.
+enum Measured {
+    Hits(Vec<Hit>),
+    /// Channels of each decay.
+    Decays(Vec<Vec<Channel>>),
+}
+
+impl Measured {
+    /// None of decays.
+    fn hits(&self) -> &[Hit] {
+        match self {
+            Self::Hits(hits) => hits,
+            Self::Decays(_) => &[],
+        }
+    }
+}
+
 /// Modes of hits (or of free decays, without forces): a dict.
 #[pyfunction]
 pub(crate) fn _modal_fit<'py>(
@@ -67,27 +84,31 @@ pub(crate) fn _modal_fit<'py>(
         }
     };
     let channels = channels(responses, &request.names)?;
-    let hits = forces.map(|f| hits(f, &channels, &request)).transpose()?;
-    let words = hits
+    let measured = match forces {
+        Some(forces) => Measured::Hits(hits(forces, channels, &request)?),
+        None => Measured::Decays(channels),
+    };
+    let words = measured
+        .hits()
         .iter()
-        .flatten()
         .flat_map(|h| faults(h).into_iter().map(|f| format!("{}: {f}", h.name)))
         .collect::<Vec<_>>();
     let (dt, decay, band, order) = (request.dt, request.decay, request.band, request.order);
     let found = work::run(py, true, move |_| -> Result<(FrequencyResponses, ModalFit), Error> {
-        let responses = match &hits {
-            Some(hits) => {
+        let responses = match &measured {
+            Measured::Hits(hits) => {
                 frequency_responses(hits, motion, estimator, Windows { decay, whole_force: false })?
             }
-            None => free_responses(&channels, dt, motion)?,
+            Measured::Decays(decays) => free_responses(decays, dt, motion)?,
         };
-        let fit = if subspaces {
-            modal_fit_by_subspaces(&responses, &channels, dt, band, order)?
-        } else {
-            modal_fit(&responses, band, &way, order)?
+        let fit = match &measured {
+            Measured::Decays(decays) if subspaces => {
+                modal_fit_by_subspaces(&responses, decays, dt, band, order)?
+            }
+            _ => modal_fit(&responses, band, &way, order)?,
         };
-        let fit = match &hits {
-            Some(hits) if decay == 0.0 => {
+        let fit = match &measured {
+            Measured::Hits(hits) if decay == 0.0 => {
                 let windows = Windows { decay: early_decay(&responses), whole_force: false };
                 fit.scaled_at_begin(&frequency_responses(hits, motion, estimator, windows)?)?
             }
@@ -135,7 +156,7 @@ fn channels(responses: &Bound<'_, PyAny>, names: &[String]) -> PyResult<Vec<Vec<
     Ok((0..hits).map(|h| (0..channels).map(|c| one(h, c)).collect()).collect())
 }
 
-fn hits(forces: &Bound<'_, PyAny>, channels: &[Vec<Channel>], request: &Request) -> PyResult<Vec<Hit>> {
+fn hits(forces: &Bound<'_, PyAny>, channels: Vec<Vec<Channel>>, request: &Request) -> PyResult<Vec<Hit>> {
     let numbers = Numbers::finite("force", forces)?;
     let [count, samples] = numbers.shape[..] else {
         return Err(value(format!("force has the shape {:?}: it must be (hits, samples)", numbers.shape)));
@@ -150,7 +171,7 @@ fn hits(forces: &Bound<'_, PyAny>, channels: &[Vec<Channel>], request: &Request)
     let at = request.force_at.clone().unwrap_or_else(|| "force".into());
     let freedom = Freedom::parse(&at)
         .ok_or_else(|| value(format!("force_at = \"{at}\" is no POINT or POINT:DIRECTION")))?;
-    let hit = |(h, responses): (usize, &Vec<Channel>)| Hit {
+    let hit = |(h, responses): (usize, Vec<Channel>)| Hit {
         name: format!("hit {h} (counted from 0)"),
         dt: request.dt,
         force: Channel {
@@ -158,9 +179,9 @@ fn hits(forces: &Bound<'_, PyAny>, channels: &[Vec<Channel>], request: &Request)
             freedom: freedom.clone(),
             samples: numbers.values[h * samples..(h + 1) * samples].to_vec(),
         },
-        responses: responses.clone(),
+        responses,
     };
-    Ok(channels.iter().enumerate().map(hit).collect())
+    Ok(channels.into_iter().enumerate().map(hit).collect())
 }
 
 fn told<'py>(

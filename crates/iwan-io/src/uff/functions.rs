@@ -3,7 +3,7 @@
 use super::data;
 use super::header::Header;
 use super::nodal::NodalDirection;
-use super::sections;
+use super::qualifiers::{self, Window};
 use crate::error::ReadError;
 use crate::file_bytes::FileBytes;
 use crate::quantity::Quantity;
@@ -54,7 +54,7 @@ pub struct UffFunction {
 pub fn functions(name: &Path, bytes: &[u8]) -> Result<(Vec<UffFunction>, Vec<Warning>), ReadError> {
     let source = FileBytes { file: name, bytes };
     let (mut warnings, mut functions) = (Vec::new(), Vec::new());
-    for section in sections::split(&source, &mut warnings)? {
+    for (section, window) in qualifiers::split(&source, &mut warnings)? {
         let header = Header::parse(&source, &section)?;
         let name = header.name(section.index);
         if !header.even {
@@ -62,6 +62,12 @@ pub fn functions(name: &Path, bytes: &[u8]) -> Result<(Vec<UffFunction>, Vec<War
             warnings.push(Warning::LeftOut { name, reason });
             continue;
         }
+        if let Some(reason) = Window::refusal(window, &header) {
+            let reason = format!("{reason}: {}", qualifiers::REMEDY);
+            warnings.push(Warning::LeftOut { name, reason });
+            continue;
+        }
+        warnings.extend(Window::remark(window, &header, &name));
         let (re, im) = data::read_any(&source, &section, &header, &mut warnings)?;
         functions.push(UffFunction {
             name,

@@ -79,6 +79,11 @@ impl Header {
         None
     }
 
+    /// Whether it is a real function of time.
+    pub(super) fn is_over_time(&self) -> bool {
+        self.refusal().is_none()
+    }
+
     /// Quantity from the ordinate's data type (record 9, field 1), else from its unit.
     pub(super) fn quantity(&self) -> Quantity {
         match self.ordinate_type {

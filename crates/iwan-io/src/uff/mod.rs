@@ -9,6 +9,7 @@ mod sections;
 mod rows;
 mod header;
 mod data;
+mod qualifiers;
 mod functions;
 mod shape;
 mod model;
@@ -25,7 +26,11 @@ use crate::options::ReadOptions;
 use crate::warning::Warning;
 use data::Points;
 use header::Header;
+use qualifiers::Window;
 use sections::Section;
+
+/// Remedy for a file without time histories.
+const HISTORIES: &str = "export time histories (function type 1, real) as dataset 58 or 58b";
 
 /// A time history with where it starts and its interval, or its own times.
 struct Function {
@@ -38,23 +43,24 @@ pub(crate) fn parse(source: FileBytes, options: &ReadOptions) -> Result<Raw, Rea
     let mut warnings = Vec::new();
     let mut functions: Vec<Function> = Vec::new();
     let mut refused = None;
-    for section in sections::split(&source, &mut warnings)? {
+    for (section, window) in qualifiers::split(&source, &mut warnings)? {
         let header = Header::parse(&source, &section)?;
         let name = unique(header.name(section.index), &functions);
         if !wanted(&name, options) {
             continue;
         }
-        if let Some(reason) = header.refusal() {
+        let windowed = Window::refusal(window, &header).map(|reason| (reason, qualifiers::REMEDY));
+        if let Some((reason, remedy)) = header.refusal().map(|r| (r, HISTORIES)).or(windowed) {
             warnings.push(Warning::LeftOut { name, reason: reason.clone() });
-            refused.get_or_insert((section.place(), reason));
+            refused.get_or_insert((section.place(), reason, remedy));
             continue;
         }
+        warnings.extend(Window::remark(window, &header, &name));
         functions.push(function(&source, &section, &header, name, options, &mut warnings)?);
     }
     if functions.is_empty() && options.channels.is_empty() {
-        let (place, reason) =
-            refused.unwrap_or_else(|| ("the whole file".into(), "a file without dataset 58".into()));
-        let remedy = "export time histories (function type 1, real) as dataset 58 or 58b";
+        let none = || ("the whole file".into(), "a file without dataset 58".into(), HISTORIES);
+        let (place, reason, remedy) = refused.unwrap_or_else(none);
         return Err(source.unsupported(place, reason, remedy));
     }
     join(&source, order(&source, functions, options)?, options, warnings)

@@ -21,6 +21,8 @@ pub(crate) struct Band<'a> {
     pub(crate) first: usize,
     /// Laplace variable of each line, 1/s.
     pub(crate) s: Vec<Complex>,
+    /// e^(-s Δt) and e^(-s T) of each line, where the end of the record is in the model.
+    pub(crate) back: Vec<[Complex; 2]>,
     /// Weight of each line, at most 1.
     pub(crate) weights: Vec<f64>,
     /// Weighted responses: real parts of all lines above the imaginary parts, one column each.
@@ -43,7 +45,9 @@ impl<'a> Band<'a> {
             return Err(Error::refused("modal fit", finding, "widen the band, or record longer"));
         }
         let lines = first..=last;
-        let s = lines.clone().map(|k| laplace(responses.frequency(k), responses.decay)).collect();
+        let s: Vec<Complex> =
+            lines.clone().map(|k| laplace(responses.frequency(k), responses.decay)).collect();
+        let back = responses.record.iter().flat_map(|r| s.iter().map(|s| r.turns(-s))).collect();
         let strongest = responses.force.get(first..=last).into_iter().flatten().copied().fold(0.0, f64::max);
         let weight = |k: usize| if strongest > 0.0 { responses.force[k] / strongest } else { 1.0 };
         let weights: Vec<f64> = lines.map(weight).collect();
@@ -59,7 +63,7 @@ impl<'a> Band<'a> {
             parts.map(|(v, w)| 0.5 * v * w * w).sum::<f64>() / count as f64
         });
         let scatter = scatter.collect();
-        Ok(Self { responses, first, s, weights, values, scatter })
+        Ok(Self { responses, first, s, back, weights, values, scatter })
     }
 
     /// Variance of each response's entries: the scatter of hits, or that of the response itself where nothing tells it.

@@ -69,7 +69,7 @@ fn mode(band: &Band, pole: Complex) -> [Vec<Complex>; 2] {
     for (k, s) in band.s.iter().enumerate() {
         for (p, at) in &both {
             let (value, slope) = if let Some(at) = at {
-                at.value(band.first + k, *s)
+                at.value(band.first + k, *s, band.back[k])
             } else {
                 let direct = (s - p).inv();
                 (direct, direct * direct)

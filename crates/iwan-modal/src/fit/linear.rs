@@ -1,11 +1,16 @@
 //! Residues by linear least squares for given poles, and what the poles' own change would do.
 
 use nalgebra::{Cholesky, DMatrix, DVector, Dyn};
+use rayon::prelude::*;
 
 use super::band::Band;
 use super::columns::Columns;
 use crate::error::Error;
 use crate::number::{Complex, complex};
+
+/// Responses whose products are computed together, each such group by itself: so many that matrices are worth it, and so few that fifty responses are work for
+/// several threads.
+const AT_ONCE: usize = 16;
 
 /// Residues of given poles, with the products that a search for better poles needs.
 pub(crate) struct Linear {
@@ -41,7 +46,7 @@ impl Linear {
         let x = &columns.matrix;
         // Products of matrices are a few times faster than those of columns.
         let turned = x.transpose();
-        let (gram, with_values) = (&turned * x, &turned * &band.values);
+        let gram = &turned * x;
         let scale: Vec<f64> = (0..n).map(|j| gram[(j, j)].sqrt().max(f64::MIN_POSITIVE).recip()).collect();
         let scaled = DMatrix::from_fn(n, n, |i, j| gram[(i, j)] * scale[i] * scale[j]);
         let factor = factor(scaled, poles)?;
@@ -52,15 +57,23 @@ impl Linear {
             scale_rows(&mut x, &scale);
             x
         };
-        let b = with_values.rows(0, n).into_owned();
-        let coefficients = solve(&b);
-        let rest = &band.values - x.columns(0, n) * &coefficients;
+        let sought = x.columns(0, n);
+        let of_some = |first: &usize| {
+            let values = band.values.columns(*first, AT_ONCE.min(band.values.ncols() - first));
+            let coefficients = solve(&(turned.rows(0, n) * values));
+            let rest = values - sought * &coefficients;
+            let with_left = turned.rows(n, x.ncols() - n) * &rest;
+            [coefficients, rest, with_left]
+        };
+        let groups: Vec<usize> = (0..band.values.ncols()).step_by(AT_ONCE).collect();
+        let groups: Vec<[DMatrix<f64>; 3]> = groups.par_iter().map(of_some).collect();
+        let [coefficients, rest, with_left] = [0, 1, 2].map(|part| side_by_side(&groups, part));
         let slopes = slopes.then(|| {
             let m = x.ncols() - n;
             let cross = gram.view((0, n), (n, m)).into_owned();
             let follow = solve(&cross);
             let among = gram.view((n, n), (m, m)) - cross.tr_mul(&follow);
-            Slopes { among, with_left: turned.rows(n, m) * &rest, follow }
+            Slopes { among, with_left, follow }
         });
         let left = (0..rest.ncols()).map(|c| rest.column(c).norm_squared()).collect();
         let inverse = solve(&DMatrix::identity(n, n));
@@ -82,6 +95,18 @@ impl Linear {
         let [x, y] = [self.coefficients[(i, response)], self.coefficients[(i + 1, response)]];
         (d * x * x - 2.0 * b * x * y + a * y * y) / (a * d - b * b)
     }
+}
+
+/// One part of all groups of responses.
+fn side_by_side(groups: &[[DMatrix<f64>; 3]], part: usize) -> DMatrix<f64> {
+    let rows = groups.first().map_or(0, |g| g[part].nrows());
+    let mut all = DMatrix::zeros(rows, groups.iter().map(|g| g[part].ncols()).sum());
+    let mut from = 0;
+    for group in groups {
+        all.columns_mut(from, group[part].ncols()).copy_from(&group[part]);
+        from += group[part].ncols();
+    }
+    all
 }
 
 fn factor(scaled: DMatrix<f64>, poles: &[Complex]) -> Result<Cholesky<f64, Dyn>, Error> {

@@ -1,7 +1,5 @@
 //! The stabilisation chart, and what stays in it.
 
-use rayon::prelude::*;
-
 use super::polynomial::Denominator;
 use crate::error::{Error, check};
 use crate::fit::Band;
@@ -73,9 +71,8 @@ pub(crate) fn chart(band: &Band, highest: usize) -> Result<Stabilisation, Error>
     let allowed = format!("4 to {}, below half the number of lines", (band.lines() / 2).min(200));
     check("order", highest as f64, ok, allowed, remedy)?;
     let matrix = matrix(band.responses);
-    let denominator = Denominator::new(band, &matrix, highest)?;
     let orders: Vec<usize> = (2..=highest).step_by(2).collect();
-    let found: Vec<Vec<Complex>> = orders.par_iter().map(|n| denominator.poles(*n)).collect();
+    let found = Denominator::new(band, &matrix, &orders)?.poles();
     // With an exponential window the responses are those at iω + decay, and so is what was found.
     let true_poles = |all: &Vec<Complex>| all.iter().map(|p| *p + band.responses.decay).collect();
     Ok(charted(&orders, &found.iter().map(true_poles).collect::<Vec<_>>(), band.responses.step))

@@ -5,19 +5,19 @@ use std::f64::consts::{PI, TAU};
 
 use nalgebra::{Cholesky, DMatrix};
 use rayon::prelude::*;
-use rustfft::FftPlanner;
+use rustfft::{Fft, FftPlanner};
 
 use crate::error::Error;
 use crate::fit::Band;
 use crate::number::{Complex, complex};
 
-/// The reduced normal matrix of the denominator for all orders up to the highest.
+/// What the denominators of all orders follow from.
 pub(super) struct Denominator {
     /// Number of references: the blocks' size.
     references: usize,
-    /// T - Sᵀ R⁻¹ S is summed order by order, since R⁻¹ of a lower order is not a part of that of a higher one: these are the rows of
-    /// L⁻¹ S, whose leading parts serve all orders (R = L Lᵀ).
-    outputs: Vec<Output>,
+    /// Sums over all outputs of T - Sᵀ R⁻¹ S for each order asked for, in their order. R⁻¹ of a lower order is not a part of that of a higher one, but the leading
+    /// rows of L⁻¹ S are (R = L Lᵀ): from one order to the next the sum grows by the products of two rows.
+    normal: Vec<DMatrix<f64>>,
     /// Lowest frequency, Hz, and interval whose half sampling rate is the width of the band, s.
     low: f64,
     interval: f64,
@@ -25,17 +25,21 @@ pub(super) struct Denominator {
 
 struct Output {
     moments: DMatrix<f64>,
+    /// L⁻¹ S.
     reduced: DMatrix<f64>,
 }
 
 impl Denominator {
-    /// From responses in a band; `matrix[output]` are the responses of one output to all references.
-    pub(super) fn new(band: &Band, matrix: &[Vec<usize>], highest: usize) -> Result<Self, Error> {
+    /// From responses in a band, for ascending orders; `matrix[output]` are the responses of one output to all references.
+    pub(super) fn new(band: &Band, matrix: &[Vec<usize>], orders: &[usize]) -> Result<Self, Error> {
+        let highest = orders.last().copied().unwrap_or(0);
         let noise = band.noise();
         let lines = band.lines();
         let (low, high) = band.edges();
         let weight: Vec<Complex> = band.weights.iter().map(|w| complex(w * w, 0.0)).collect();
-        let own = lags(&weight, highest);
+        let transform = FftPlanner::new().plan_fft_forward(2 * (lines - 1));
+        let lags = |x: &[Complex]| lags(x, highest, transform.as_ref());
+        let own = lags(&weight);
         let toeplitz = DMatrix::from_fn(highest + 1, highest + 1, |i, j| own.at(i, j));
         let remedy = "lower --order, or widen the band";
         let factor = Cholesky::new(toeplitz).ok_or_else(|| {
@@ -51,7 +55,7 @@ impl Denominator {
             let mut cross = DMatrix::zeros(highest + 1, side);
             for (l, &c) in responses.iter().enumerate() {
                 let sequence: Vec<Complex> = (0..lines).map(|k| value(k, c) * band.weights[k]).collect();
-                let s = lags(&sequence, highest);
+                let s = lags(&sequence);
                 for i in 0..=highest {
                     for j in 0..=highest {
                         cross[(i, j * n + l)] = s.at(i, j);
@@ -60,7 +64,7 @@ impl Denominator {
                 for (m, &d) in responses.iter().enumerate() {
                     let sequence: Vec<Complex> =
                         (0..lines).map(|k| value(k, d).conj() * value(k, c)).collect();
-                    let t = lags(&sequence, highest);
+                    let t = lags(&sequence);
                     for i in 0..=highest {
                         for j in 0..=highest {
                             moments[(i * n + m, j * n + l)] = t.at(i, j);
@@ -72,21 +76,21 @@ impl Denominator {
                 lower.solve_lower_triangular(&cross).unwrap_or_else(|| DMatrix::zeros(highest + 1, side));
             Output { moments, reduced }
         };
-        let outputs = matrix.par_iter().map(output).collect();
+        let outputs: Vec<Output> = matrix.par_iter().map(output).collect();
         let references = matrix.first().map_or(1, Vec::len);
-        Ok(Self { references, outputs, low, interval: 0.5 / (high - low) })
+        let normal = normal(&outputs, orders, references);
+        Ok(Self { references, normal, low, interval: 0.5 / (high - low) })
     }
 
-    /// Poles (1/s, upper half plane, decaying) of the denominator of an order. Its last coefficient is one: then poles that noise
+    /// Poles (1/s, upper half plane, decaying) of the denominator of each order. Its last coefficient is one: then poles that noise
     /// makes grow instead of decaying, and are left out here.
-    pub(super) fn poles(&self, order: usize) -> Vec<Complex> {
+    pub(super) fn poles(&self) -> Vec<Vec<Complex>> {
+        self.normal.par_iter().map(|normal| self.of(normal)).collect()
+    }
+
+    fn of(&self, normal: &DMatrix<f64>) -> Vec<Complex> {
         let n = self.references;
-        let side = (order + 1) * n;
-        let mut normal = DMatrix::zeros(side, side);
-        for output in &self.outputs {
-            let reduced = output.reduced.view((0, 0), (order + 1, side));
-            normal += output.moments.view((0, 0), (side, side)) - reduced.tr_mul(&reduced);
-        }
+        let order = normal.nrows() / n - 1;
         let free = order * n;
         let left = normal.view((0, 0), (free, free)).into_owned();
         let right = -normal.view((0, free), (free, n)).into_owned();
@@ -112,6 +116,29 @@ impl Denominator {
         let inside = z.norm() > 1.0 && (0.0..=PI).contains(&log.im);
         inside.then(|| complex(log.re / self.interval, log.im / self.interval + TAU * self.low))
     }
+}
+
+/// The sums of T - Sᵀ R⁻¹ S for each of the ascending orders.
+fn normal(outputs: &[Output], orders: &[usize], references: usize) -> Vec<DMatrix<f64>> {
+    let Some(first) = outputs.first() else { return Vec::new() };
+    let side = first.moments.nrows();
+    let mut sum = DMatrix::zeros(side, side);
+    for output in outputs {
+        sum += &output.moments;
+    }
+    let mut rows_taken = 0;
+    let mut at = |order: &usize| {
+        let own = (order + 1) * references;
+        let new = order + 1 - rows_taken;
+        let mut rows = DMatrix::zeros(new * outputs.len(), side);
+        for (k, output) in outputs.iter().enumerate() {
+            rows.rows_mut(k * new, new).copy_from(&output.reduced.rows(rows_taken, new));
+        }
+        rows_taken = order + 1;
+        sum -= rows.tr_mul(&rows);
+        sum.view((0, 0), (own, own)).into_owned()
+    };
+    orders.iter().map(&mut at).collect()
 }
 
 fn solve(left: &DMatrix<f64>, right: DMatrix<f64>) -> Option<DMatrix<f64>> {
@@ -141,11 +168,12 @@ impl Lags {
     }
 }
 
-fn lags(x: &[Complex], highest: usize) -> Lags {
-    let length = 2 * (x.len() - 1);
+/// `transform` is of the length 2 (lines - 1).
+fn lags(x: &[Complex], highest: usize, transform: &dyn Fft<f64>) -> Lags {
+    let length = transform.len();
     let mut buffer = x.to_vec();
     buffer.resize(length, complex(0.0, 0.0));
-    FftPlanner::new().plan_fft_forward(length).process(&mut buffer);
+    transform.process(&mut buffer);
     let forward = (0..=highest).map(|m| buffer[m % length].re).collect();
     let backward = (0..=highest).map(|m| buffer[(length - m % length) % length].re).collect();
     Lags { forward, backward }

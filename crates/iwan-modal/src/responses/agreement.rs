@@ -3,6 +3,7 @@
 use std::fmt;
 
 use rayon::prelude::*;
+use rustfft::FftPlanner;
 
 use super::estimate::{common_times, spectrum};
 use crate::error::Error;
@@ -97,13 +98,15 @@ fn of_group(hits: &[&Hit], dt: f64, samples: usize) -> Vec<Disagreement> {
     let place = |hit: &Hit, c: usize| {
         hit.responses.iter().position(|own| own.freedom == common[c].freedom).unwrap_or(c)
     };
+    let transform = FftPlanner::new().plan_fft_forward(samples);
+    let spectrum = |x: &[f64]| spectrum(x, dt, transform.as_ref());
     let products = |hit: &&Hit| {
-        let force = spectrum(&Pulse::of(&hit.force.samples[..samples], dt, false).record(0.0), dt);
+        let force = spectrum(&Pulse::of(&hit.force.samples[..samples], dt, false).record(0.0));
         let strongest = force.iter().map(|f| f.norm()).fold(0.0, f64::max);
         let lines = force.iter().position(|f| f.norm() < FORCE_LEFT * strongest).unwrap_or(force.len());
         let one = |c: usize| {
             let x = &hit.responses[place(hit, c)].samples[..samples];
-            let y = spectrum(x, dt);
+            let y = spectrum(x);
             // The first line is the mean, which no sensor measures.
             (1..lines).map(|k| force[k].conj() * y[k]).collect()
         };

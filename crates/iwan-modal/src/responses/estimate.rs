@@ -1,7 +1,7 @@
 //! Frequency responses from hits: H1, H2 and Hv.
 
 use rayon::prelude::*;
-use rustfft::FftPlanner;
+use rustfft::{Fft, FftPlanner};
 
 use super::set::{FiniteRecord, FrequencyResponses, Function};
 use crate::error::{Error, check};
@@ -67,12 +67,15 @@ pub fn frequency_responses(
     let (dt, samples) = common_times(hits)?;
     let pulses: Vec<Pulse> =
         hits.iter().map(|h| Pulse::of(&h.force.samples[..samples], dt, windows.whole_force)).collect();
-    let spectra: Vec<Vec<Complex>> = pulses.iter().map(|p| spectrum(&p.record(windows.decay), dt)).collect();
+    let transform = FftPlanner::new().plan_fft_forward(samples);
+    let spectrum = |x: &[f64]| spectrum(x, dt, transform.as_ref());
+    let spectra: Vec<Vec<Complex>> = pulses.iter().map(|p| spectrum(&p.record(windows.decay))).collect();
     let pairs = pairs(hits)?;
+    let window = exponential(windows.decay, samples, dt);
     let response = |pair: &Pair| {
         let power = |(hit, channel): &(usize, usize)| {
-            let x = prepared(&hits[*hit].responses[*channel].samples[..samples], dt, windows.decay);
-            (*hit, spectrum(&x, dt))
+            let x = prepared(&hits[*hit].responses[*channel].samples[..samples], window.as_deref());
+            (*hit, spectrum(&x))
         };
         let measured: Vec<(usize, Vec<Complex>)> = pair.places.iter().map(power).collect();
         averaged(pair.first(hits), &hits[pair.places[0].0].force, &measured, &spectra, estimator)
@@ -148,16 +151,24 @@ fn pairs(hits: &[Hit]) -> Result<Vec<Pair>, Error> {
     Ok(pairs)
 }
 
-/// Mean taken off, exponential window on.
-fn prepared(x: &[f64], dt: f64, decay: f64) -> Vec<f64> {
-    let mean = x.iter().sum::<f64>() / x.len() as f64;
-    x.iter().enumerate().map(|(n, x)| (x - mean) * (-decay * n as f64 * dt).exp()).collect()
+/// An exponential window at so many samples; none where it does not decay.
+fn exponential(decay: f64, samples: usize, dt: f64) -> Option<Vec<f64>> {
+    (decay > 0.0).then(|| (0..samples).map(|n| (-decay * n as f64 * dt).exp()).collect())
 }
 
-/// Fourier transform at the lines from 0 to the Nyquist frequency, unit times s.
-pub(super) fn spectrum(x: &[f64], dt: f64) -> Vec<Complex> {
+/// Mean taken off, window on.
+fn prepared(x: &[f64], window: Option<&[f64]>) -> Vec<f64> {
+    let mean = x.iter().sum::<f64>() / x.len() as f64;
+    match window {
+        Some(window) => x.iter().zip(window).map(|(x, w)| (x - mean) * w).collect(),
+        None => x.iter().map(|x| x - mean).collect(),
+    }
+}
+
+/// Fourier transform at the lines from 0 to the Nyquist frequency, unit times s; `transform` is of the length of `x`.
+pub(super) fn spectrum(x: &[f64], dt: f64, transform: &dyn Fft<f64>) -> Vec<Complex> {
     let mut buffer: Vec<Complex> = x.iter().map(|x| complex(x * dt, 0.0)).collect();
-    FftPlanner::new().plan_fft_forward(x.len()).process(&mut buffer);
+    transform.process(&mut buffer);
     buffer.truncate(x.len() / 2 + 1);
     buffer
 }

@@ -1,6 +1,7 @@
 //! Free decays without a force: their transforms stand for responses.
 
 use rayon::prelude::*;
+use rustfft::FftPlanner;
 
 use super::estimate::spectrum;
 use super::set::{FiniteRecord, FrequencyResponses, Function};
@@ -30,6 +31,7 @@ const FEWEST: usize = 64;
 /// ```
 pub fn free_responses(decays: &[Vec<Channel>], dt: f64, motion: Motion) -> Result<FrequencyResponses, Error> {
     let samples = common_length(decays, dt)?;
+    let transform = FftPlanner::new().plan_fft_forward(samples);
     let numbered = decays.iter().enumerate().flat_map(|(n, decay)| decay.iter().map(move |c| (n, c)));
     let tasks: Vec<(usize, &Channel)> = numbered.collect();
     let function = |(n, channel): &(usize, &Channel)| Function {
@@ -37,7 +39,7 @@ pub fn free_responses(decays: &[Vec<Channel>], dt: f64, motion: Motion) -> Resul
         response: channel.freedom.clone(),
         force: Freedom::point(format!("decay {}", n + 1)),
         hits: 1,
-        values: spectrum(&channel.samples, dt),
+        values: spectrum(&channel.samples, dt, transform.as_ref()),
         coherence: Vec::new(),
         variance: Vec::new(),
     };

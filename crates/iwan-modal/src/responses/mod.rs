@@ -9,5 +9,5 @@ pub use agreement::{Disagreement, disagreements};
 pub use estimate::{Estimator, Windows, frequency_responses};
 pub(crate) use free::common_length;
 pub use free::free_responses;
-pub(crate) use set::laplace;
 pub use set::{FiniteRecord, FrequencyResponses, Function};
+pub(crate) use set::{PoleInRecord, laplace};

@@ -127,25 +127,33 @@ impl FiniteRecord {
 
     /// The force's transform at each pole, ready for all lines.
     pub(crate) fn at(&self, pole: Complex) -> PoleInRecord<'_> {
-        PoleInRecord { record: self, pole, forces: self.pulses.iter().map(|p| p.transform(pole)).collect() }
+        let forces = self.pulses.iter().map(|p| p.transform(pole)).collect();
+        PoleInRecord { record: self, pole, turns: self.turns(pole), forces }
+    }
+
+    /// e^(s Δt) and e^(s T).
+    pub(crate) fn turns(&self, s: Complex) -> [Complex; 2] {
+        [(s * self.dt).exp(), (s * self.length).exp()]
     }
 }
 
 /// What the end of the record cuts off one mode.
 pub(crate) struct PoleInRecord<'a> {
-    record: &'a FiniteRecord,
+    pub(crate) record: &'a FiniteRecord,
     pole: Complex,
+    /// e^(λ Δt) and e^(λ T).
+    turns: [Complex; 2],
     forces: Vec<(Complex, Complex)>,
 }
 
 impl PoleInRecord<'_> {
-    /// The contribution of a unit residue at a line, and its derivative with respect to the pole.
-    pub(crate) fn value(&self, line: usize, s: Complex) -> (Complex, Complex) {
+    /// The contribution of a unit residue at a line, and its derivative with respect to the pole. `back` are e^(-s Δt) and e^(-s T).
+    pub(crate) fn value(&self, line: usize, s: Complex, back: [Complex; 2]) -> (Complex, Complex) {
         let (dt, length) = (self.record.dt, self.record.length);
         let distance = self.pole - s;
-        let turn = (distance * dt).exp();
+        let turn = self.turns[0] * back[0];
         let left = complex(1.0, 0.0) - turn;
-        let rest = (distance * length).exp();
+        let rest = self.turns[1] * back[1];
         if self.record.is_free() {
             let value = dt * (1.0 - rest) / left;
             let slope = value * (turn * dt / left) - dt * length * rest / left;
@@ -180,8 +188,8 @@ mod tests {
         let records = [FiniteRecord::new(&[pulse], &[spectrum]), FiniteRecord::free(400, 1e-2)];
         let (pole, h, s) = (complex(-0.3, 20.0), 1e-6, laplace(13.0 / 4.0, 0.0));
         for record in &records {
-            let at = |p: Complex| record.at(p).value(13, s).0;
-            let slope = record.at(pole).value(13, s).1;
+            let at = |p: Complex| record.at(p).value(13, s, record.turns(-s)).0;
+            let slope = record.at(pole).value(13, s, record.turns(-s)).1;
             let found = (at(pole + h) - at(pole - h)) / (2.0 * h);
             assert!((slope - found).norm() < 1e-6 * slope.norm(), "{slope} {found}");
         }
@@ -194,7 +202,7 @@ mod tests {
         for line in [3, 14, 40] {
             let s = laplace(f64::from(line) / (n as f64 * dt), 0.0);
             let sum: Complex = (0..n).map(|k| ((pole - s) * (k as f64 * dt)).exp() * dt).sum();
-            let (value, _) = record.at(pole).value(line as usize, s);
+            let (value, _) = record.at(pole).value(line as usize, s, record.turns(-s));
             assert!((value - sum).norm() < 1e-11 * sum.norm(), "{line}: {value} {sum}");
         }
     }
