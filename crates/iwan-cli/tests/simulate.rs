@@ -243,7 +243,7 @@ fn missing_parents_are_made_and_other_files_kept() {
 #[cfg(unix)]
 #[test]
 fn ctrl_c_leaves_nothing_behind() {
-    let long = SMALL.replace("step = 1.0e-4", "step = 1.0e-6").replace("duration = 0.1", "duration = 1.0");
+    let long = SMALL.replace("step = 1.0e-4", "step = 1.0e-6").replace("duration = 0.1", "duration = 5.0");
     let place = folder(&long);
     let mut child = std::process::Command::new(assert_cmd::cargo::cargo_bin!("iwan"))
         .args(["simulate", "in.toml", "--out", "out"])

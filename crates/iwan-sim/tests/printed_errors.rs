@@ -64,6 +64,25 @@ fn forces_from_files_at_any_interval() {
     }
 }
 
+/// The double step of a force that ends between steps lost its end: errors were told 30 to 80 times too large.
+#[test]
+fn forces_that_end_between_steps() {
+    let (dt, duration) = (1e-4, 0.1);
+    for joint in [Representation::Continuum, Representation::default_sliders()] {
+        let (mut is, mut said) = (0.0, 0.0);
+        for end in 0..10 {
+            let force = Pulse::Step { amplitude: 100.0, duration: (20.0 + 0.137 * f64::from(end)) * dt };
+            let exact = reference(&mode(), &force, dt, duration);
+            let settings = Settings { method: newmark(joint), ..Settings::new(dt, duration) };
+            let response = simulate(&mode(), &force, &settings).unwrap();
+            is += error(&response, &exact);
+            said += told(&response);
+        }
+        println!("{joint:?}: is {is:.2e}, said {said:.2e}");
+        assert!(said * FACTOR > is && said < FACTOR * is, "{joint:?}: is {is:e}, said {said:e}");
+    }
+}
+
 /// Half-cycle said 5e-7 whatever the density; corners cost up to 24 times as much.
 #[test]
 fn the_half_cycle_map_on_a_density_with_corners_and_far_in_macro_slip() {

@@ -20,6 +20,8 @@ const SETTLING: usize = 3;
 
 /// Amplitude over φ_max at which a table in micro-slip begins: the loops of its first node stay below φ_max.
 pub(super) const TOP: f64 = 0.99;
+/// Nodes in micro-slip at most: down to e^-1440 times the first amplitude, further than numbers reach.
+const MOST: usize = 6000;
 /// How far above the first amplitude a table in macro-slip begins: it ends above φ_max, whatever rounding does to its first amplitude.
 const ABOVE: f64 = 0.03;
 /// Half cycles by whose decay a node of micro-slip lies below the amplitude at which it was begun, and one more.
@@ -104,7 +106,7 @@ pub(super) struct Nodes {
     /// Logarithm of the amplitude at which the first node is begun, and the distance to the next.
     top: f64,
     spacing: f64,
-    /// Number of nodes; no end of them in micro-slip.
+    /// Number of nodes.
     count: usize,
     in_macro_slip: bool,
     /// By ascending place.
@@ -127,7 +129,7 @@ impl Nodes {
     /// From φ_max downwards: the same nodes for every decay of an oscillator in micro-slip.
     pub(super) fn in_micro_slip(phi_max: f64) -> Self {
         let top = (TOP * phi_max).ln();
-        Self { top, spacing: SPACING, count: usize::MAX, in_macro_slip: false, known: vec![] }
+        Self { top, spacing: SPACING, count: MOST, in_macro_slip: false, known: vec![] }
     }
 
     /// From the logarithm of an amplitude down to the logarithm `floor`.

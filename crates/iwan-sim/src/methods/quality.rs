@@ -6,7 +6,7 @@ use iwan_core::{Newmark, Pulse, Representation};
 use crate::error::SimulationError;
 use crate::methods::between::{Polyline, unseen};
 use crate::methods::run::newmark;
-use crate::methods::task::Task;
+use crate::methods::task::{Task, modal_force};
 use crate::response::{Quality, Response};
 
 /// Shortest response, in samples of the companion, that gets an estimate: over fewer points the largest difference
@@ -37,8 +37,15 @@ pub(crate) fn of_newmark(
     joint: Representation,
 ) -> Result<Quality, SimulationError> {
     let mut quality = fine.quality;
-    let force: Vec<f64> = task.force.iter().copied().step_by(2).collect();
-    let coarse = Task { force: &force, dt: 2.0 * task.dt, samples: task.samples.div_ceil(2), ..task };
+    let unsmooth = matches!(pulse, Pulse::Sampled { .. });
+    let (dt, samples) = (2.0 * task.dt, task.samples.div_ceil(2));
+    let force: Vec<f64> = if unsmooth {
+        task.force.iter().copied().step_by(2).collect()
+    } else {
+        // With the end of a force that stops while it acts in its place between double steps.
+        modal_force(task.mode, pulse, dt, samples)
+    };
+    let coarse = Task { force: &force, dt, samples, ..task };
     let linear = task.mode.joint.is_none();
     quality.discretisation_error = (linear || joint == Representation::Continuum).then_some(0.0);
     // A prewarped double step may already be too long for the mode: then there is nothing to compare.
@@ -50,7 +57,6 @@ pub(crate) fn of_newmark(
     };
     // A double step that does not work says nothing about the single one.
     let Ok(mut sliders) = run(coarse, &scheme, joint) else { return Ok(quality) };
-    let unsmooth = matches!(pulse, Pulse::Sampled { .. });
     if quality.discretisation_error.is_none() {
         quality.discretisation_error = if unsmooth {
             run(task, &scheme_at(task.dt)?, Representation::Continuum).ok().map(|c| difference(fine, &c, 1))
