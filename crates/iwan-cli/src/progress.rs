@@ -35,10 +35,14 @@ static STAGED: Mutex<Option<PathBuf>> = Mutex::new(None);
 /// How long a command may take to notice Ctrl-C by itself; then it is ended. People call less than 0.2 s at once.
 const PATIENCE: Duration = Duration::from_millis(120);
 
+/// What goes when Ctrl-C ends the process.
+pub(crate) fn staged(folder: &Path) {
+    *locked(&STAGED) = Some(folder.to_path_buf());
+}
+
 /// From now on Ctrl-C is noticed between two pieces of work, so that no half result stays behind. Work that does not look up in
-/// time, as the writing of a long file, ends with the process, and what is `staged` is removed.
-pub(crate) fn catch_interrupts(staged: &Path) {
-    *locked(&STAGED) = Some(staged.to_path_buf());
+/// time, as the writing of a long file, ends with the process, and what is [`staged`] is removed.
+pub(crate) fn catch_interrupts() {
     RUNNING.store(true, Ordering::Relaxed);
     // It can only fail when a handler is set already, or the system has no signals or no thread: then Ctrl-C just kills.
     let _ = ctrlc::set_handler(|| {

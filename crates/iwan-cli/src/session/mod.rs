@@ -76,8 +76,10 @@ impl Session {
     ) -> Result<Self, Failure> {
         let files: Vec<String> = files.into_iter().map(Into::into).collect();
         let names: Vec<&str> = files.iter().map(String::as_str).collect();
+        // Before there is a folder that a Ctrl-C could leave behind.
+        progress::catch_interrupts();
         let results = Results::open(place.given, place.default, place.force, &names)?;
-        progress::catch_interrupts(results.staged());
+        progress::staged(results.staged());
         let console = Console { quiet: common.quiet };
         Ok(Self {
             results,
