@@ -11,7 +11,7 @@ use crate::methods::outside::Follower;
 use crate::methods::quality::FEWEST;
 use crate::methods::run::{strongest, told};
 use crate::methods::stepped::{self, Stepped};
-use crate::methods::task::{CHUNK, Room, Task, first_not_finite, reversals};
+use crate::methods::task::{CHUNK, Room, Task, first_not_finite, reversals, seen_by_double_steps};
 use crate::mode::Mode;
 use crate::response::{Response, Totals};
 use crate::settings::{Method, Settings};
@@ -78,7 +78,7 @@ pub fn stream(
         let room = (last + 2 - first).min(samples - first);
         let used = force.sample_from(first, settings.dt, &mut physical[..room]);
         for run in &mut runs {
-            run.advance(range, &physical[..used]).map_err(|e| in_mode(run.mode, e))?;
+            run.advance(range, &force, &physical[..used]).map_err(|e| in_mode(run.mode, e))?;
         }
         let modes = runs.iter().map(|run| run.handed(range.count(1))).collect();
         if take(&Stretch { first, modes }).is_break()
@@ -219,10 +219,9 @@ impl<'a> Companion<'a> {
         run.ok().map(|run| Self { run, difference: 0.0 })
     }
 
-    /// Over the steps of `range`, with the modal force at them; false where it has failed.
+    /// Over the steps of `range`, with the modal force at its own steps; false where it has failed.
     fn advance(&mut self, range: Range, force: &[f64]) -> bool {
-        let own: Vec<f64> = force.iter().copied().step_by(self.run.stride).collect();
-        self.run.advance(range, &own).is_ok() && self.run.is_finite(range.count(self.run.stride))
+        self.run.advance(range, force).is_ok() && self.run.is_finite(range.count(self.run.stride))
     }
 
     /// The largest difference over the largest displacement of `against`, as [`quality`](crate::methods::quality) has it.
@@ -322,11 +321,11 @@ impl<'a> Streamed<'a> {
         })
     }
 
-    /// Over the steps of `range` under the physical force from the first sample on, and all that is beside it.
-    fn advance(&mut self, range: Range, force: &[f64]) -> Result<(), SimulationError> {
+    /// Over the steps of `range` under the physical force, of which `samples` are those from the first step on, and all that is beside it.
+    fn advance(&mut self, range: Range, force: &Pulse<'_>, samples: &[f64]) -> Result<(), SimulationError> {
         let shape = self.mode.shape_at_force;
         self.force.clear();
-        self.force.extend(force.iter().map(|p| p * shape));
+        self.force.extend(samples.iter().map(|p| p * shape));
         let clock = std::time::Instant::now();
         self.run.advance(range, &self.force)?;
         self.totals.seconds += clock.elapsed().as_secs_f64();
@@ -346,15 +345,20 @@ impl<'a> Streamed<'a> {
             motion[2].iter().fold(self.totals.peak_acceleration, |most, a| most.max(a.abs()));
         self.totals.steps = range.last;
         self.totals.final_displacement = motion[0].last().copied().unwrap_or(0.0);
-        self.compare(range);
+        let double = seen_by_double_steps(force, (self.totals.dt, shape), range.first, &self.force);
+        self.compare(range, &double);
         Ok(())
     }
 
-    /// Takes the companions on, and compares.
-    fn compare(&mut self, range: Range) {
+    /// Takes the companions on, those with double steps under the force that these see, and compares.
+    fn compare(&mut self, range: Range, double: &[f64]) {
         let fine = &self.run.response.displacement;
         for companion in [&mut self.coarse, &mut self.continuum] {
-            if companion.as_mut().is_some_and(|c| !c.advance(range, &self.force)) {
+            let fails = |c: &mut Companion<'_>| {
+                let own = if c.run.stride == 2 { double } else { &self.force };
+                !c.advance(range, own)
+            };
+            if companion.as_mut().is_some_and(fails) {
                 *companion = None;
             }
         }

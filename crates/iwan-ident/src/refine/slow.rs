@@ -5,8 +5,13 @@
 //! smoothly with the logarithm of the amplitude, but for a bend between the two. So the map is computed at a few amplitudes and interpolated by
 //! polynomials; the decay still goes from half cycle to half cycle.
 
+use std::collections::VecDeque;
+
 use iwan_core::{Decay, FourParameter, Motion, Oscillator, Reversal};
 use rustfft::num_complex::Complex64;
+
+use crate::curves::Quantity;
+use crate::parameters::{COUNT, Parameters};
 
 /// Spacing of the table in the logarithm of the amplitude in micro-slip, where powers of the amplitude are all there is: a slow decay of a thousand cycles is
 /// then right to 1e-6 (the test in `windows`), …
@@ -139,6 +144,48 @@ impl Nodes {
         let spacing = SPACING_IN_MACRO_SLIP.min((top - floor) / POINTS as f64);
         let count = ((top - floor) / spacing) as usize + 1;
         Self { top, spacing, count, in_macro_slip: true, known: vec![] }
+    }
+}
+
+/// What computations of models work in, and half cycles that they have in common.
+#[derive(Debug, Clone, Default)]
+pub(super) struct Buffers {
+    pub(super) stack: Vec<Reversal>,
+    /// Of the models that were computed last.
+    tables: VecDeque<(TableOf, Nodes)>,
+}
+
+/// What the half cycles of a table in micro-slip depend on.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct TableOf {
+    pub(super) parameters: Parameters,
+    pub(super) omega: f64,
+    pub(super) quantity: Quantity,
+}
+
+/// Tables that are kept: those of a point of a search, of its neighbours along each of the parameters, and one to spare.
+pub(super) const KEPT: usize = COUNT + 2;
+
+impl Buffers {
+    /// The nodes of a table in micro-slip, those of the same model where it was met before.
+    pub(super) fn nodes(&mut self, of: TableOf, phi_max: f64) -> Nodes {
+        let place = self.tables.iter().position(|(known, _)| *known == of);
+        let known = place.and_then(|i| self.tables.remove(i));
+        known.map_or_else(|| Nodes::in_micro_slip(phi_max), |(_, nodes)| nodes)
+    }
+
+    /// Keeps nodes for the next decay of the same model; the table that was not used for longest makes room.
+    pub(super) fn keep(&mut self, of: TableOf, nodes: Nodes) {
+        if self.tables.len() >= KEPT {
+            self.tables.pop_front();
+        }
+        self.tables.push_back((of, nodes));
+    }
+
+    /// Number of tables that are kept.
+    #[cfg(test)]
+    pub(super) fn kept(&self) -> usize {
+        self.tables.len()
     }
 }
 

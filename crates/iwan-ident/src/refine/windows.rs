@@ -6,16 +6,15 @@
 //! Windows share a quarter and more of each other: [`Whitening`](super::whitening::Whitening) makes white noise of the record white again.
 //! The record is taken to be free of aliases: higher harmonics are not folded into the model's amplitudes.
 
-use std::collections::VecDeque;
 use std::f64::consts::{PI, TAU};
 
 use iwan_core::{Decay, FourParameter, Oscillator, Reversal};
 use rustfft::num_complex::Complex64;
 
 use super::release::TurningPoint;
-use super::slow::{BELOW, FASTEST, FASTEST_IN_MACRO_SLIP, Moment, Nodes, TOP, Table};
+use super::slow::{BELOW, Buffers, FASTEST, FASTEST_IN_MACRO_SLIP, Moment, Nodes, TOP, Table, TableOf};
 use crate::curves::Quantity;
-use crate::parameters::{COUNT, Parameters};
+use crate::parameters::Parameters;
 
 /// Windows that cover a moment: sin⁴ windows shifted by a quarter of their length sum to a constant, so that no moment counts
 /// more than another.
@@ -52,45 +51,6 @@ struct Model<'a> {
     oscillator: &'a Oscillator,
     joint: &'a FourParameter,
     quantity: Quantity,
-}
-
-/// What computations of models work in, and half cycles that they have in common.
-#[derive(Debug, Clone, Default)]
-pub(super) struct Buffers {
-    stack: Vec<Reversal>,
-    /// Of the models that were computed last.
-    tables: VecDeque<(TableOf, Nodes)>,
-}
-
-/// What the half cycles of a table in micro-slip depend on.
-#[derive(Debug, Clone, Copy, PartialEq)]
-struct TableOf {
-    parameters: Parameters,
-    omega: f64,
-    quantity: Quantity,
-}
-
-/// Tables that are kept: those of a point of a search, of its neighbours along each of the parameters, and one to spare.
-pub(super) const KEPT: usize = COUNT + 2;
-
-impl Buffers {
-    /// The nodes of a table in micro-slip, those of the same model where it was met before.
-    fn nodes(&mut self, of: TableOf, phi_max: f64) -> Nodes {
-        match self.tables.iter().position(|(known, _)| *known == of) {
-            Some(i) => {
-                self.tables.remove(i).map_or_else(|| Nodes::in_micro_slip(phi_max), |(_, nodes)| nodes)
-            }
-            None => Nodes::in_micro_slip(phi_max),
-        }
-    }
-
-    /// Keeps nodes for the next decay of the same model; the table that was not used for longest makes room.
-    fn keep(&mut self, of: TableOf, nodes: Nodes) {
-        if self.tables.len() >= KEPT {
-            self.tables.pop_front();
-        }
-        self.tables.push_back((of, nodes));
-    }
 }
 
 /// Where the windows lie.
@@ -489,7 +449,7 @@ mod tests {
             assert!(windows.of_model(&mode, start, quantity, shared, &mut other));
             assert_eq!(own, other, "{ratio} {damping_ratio}");
         }
-        assert_eq!(shared.tables.len(), 2);
+        assert_eq!(shared.kept(), 2);
     }
 
     #[test]

@@ -9,7 +9,7 @@ use super::run::newmark;
 use super::task::{Task, parted};
 use crate::error::SimulationError;
 use crate::methods::quality::difference;
-use crate::methods::task::sampled;
+use crate::methods::task::{sampled, seen_by_double_steps};
 use crate::mode::Mode;
 use crate::response::Response;
 use crate::settings::{Method, Settings};
@@ -64,7 +64,13 @@ pub fn simulate_coupled(
         let forgotten = whole.joints.iter().map(|joint| joint.forgotten_force);
         whole.quality.forgotten_force = forgotten.fold(0.0, f64::max);
         if settings.quality {
-            estimate(&task, &mut whole, (prewarp, representation), &part(progress, [0.6, 0.9]))?;
+            let double = seen_by_double_steps(&force, (dt, 1.0), 0, &history);
+            estimate(
+                &task.coarse(&double),
+                &mut whole,
+                (prewarp, representation),
+                &part(progress, [0.6, 0.9]),
+            )?;
         }
     }
     let lonely: Vec<Mode> = alone.iter().map(|r| modes[*r].clone()).collect();
@@ -109,17 +115,15 @@ fn of_method(method: Method) -> Result<(bool, Representation), Error> {
 /// Shortest response, in samples of the companion, that gets an estimate: as for modes by themselves.
 const FEWEST: usize = 8;
 
-/// Time-step error by Richardson extrapolation from the double step, discretisation error against the continuum there.
+/// Time-step error by Richardson extrapolation from the double step `coarse`, discretisation error against the continuum there.
 fn estimate(
-    task: &Task<'_>,
+    coarse: &Task<'_>,
     response: &mut CoupledResponse,
     (prewarp, joint): (bool, Representation),
     progress: Progress<'_>,
 ) -> Result<(), SimulationError> {
-    let force: Vec<f64> = task.force.iter().copied().step_by(2).collect();
-    let coarse = task.coarse(&force);
     let exact = joint == Representation::Continuum;
-    let run = |joint| newmark(&coarse, prewarp, joint, UNWATCHED);
+    let run = |joint| newmark(coarse, prewarp, joint, UNWATCHED);
     // A double step that does not work says nothing about the single one.
     let double = if coarse.samples < FEWEST { None } else { run(joint).ok() };
     if progress(0.5).is_break() {

@@ -6,7 +6,7 @@ use iwan_core::{Newmark, Pulse, Representation};
 use crate::error::SimulationError;
 use crate::methods::between::{Polyline, unseen};
 use crate::methods::run::newmark;
-use crate::methods::task::{Task, modal_force};
+use crate::methods::task::{Task, seen_by_double_steps};
 use crate::response::{Quality, Response};
 
 /// Shortest response, in samples of the companion, that gets an estimate: over fewer points the largest difference
@@ -39,12 +39,7 @@ pub(crate) fn of_newmark(
     let mut quality = fine.quality;
     let unsmooth = matches!(pulse, Pulse::Sampled { .. });
     let (dt, samples) = (2.0 * task.dt, task.samples.div_ceil(2));
-    let force: Vec<f64> = if unsmooth {
-        task.force.iter().copied().step_by(2).collect()
-    } else {
-        // With the end of a force that stops while it acts in its place between double steps.
-        modal_force(task.mode, pulse, dt, samples)
-    };
+    let force = seen_by_double_steps(pulse, (task.dt, task.mode.shape_at_force), 0, task.force);
     let coarse = Task { force: &force, dt, samples, ..task };
     let linear = task.mode.joint.is_none();
     quality.discretisation_error = (linear || joint == Representation::Continuum).then_some(0.0);

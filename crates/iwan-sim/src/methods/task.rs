@@ -39,6 +39,29 @@ pub(crate) fn sampled(force: &Pulse<'_>, dt: f64, samples: usize) -> Vec<f64> {
     history
 }
 
+/// The force as steps twice as long see it, from their sample `first` / 2 on, where the steps see `seen` from `first` on, in time and force
+/// scaled by `(dt, scale)`.
+///
+/// A force by a formula is sampled anew, so that where it stops between two steps its end is in its place for these, too. What a file holds
+/// between samples is found apart ([`unseen`](super::between::unseen)): of its samples every other is taken.
+pub(crate) fn seen_by_double_steps(
+    force: &Pulse<'_>,
+    (dt, scale): (f64, f64),
+    first: usize,
+    seen: &[f64],
+) -> Vec<f64> {
+    if matches!(force, Pulse::Sampled { .. }) {
+        return seen.iter().copied().step_by(2).collect();
+    }
+    let mut history = vec![0.0; seen.len().div_ceil(2)];
+    let used = force.sample_from(first / 2, 2.0 * dt, &mut history);
+    history.truncate(used);
+    for p in &mut history {
+        *p *= scale;
+    }
+    history
+}
+
 /// Memory that a run borrows.
 #[derive(Debug, Default)]
 pub(crate) struct Room {
