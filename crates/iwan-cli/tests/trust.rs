@@ -154,6 +154,13 @@ fn absurd_structures_are_refused() {
         assert!(shown(&output).contains(said), "{to}: {}", shown(&output));
         assert_eq!(names(place.path()), before);
     }
+    // A body without joints as well: it has one search for both limits.
+    let block = "[mesh]\nkind = \"block\"\nsize = [1.0, 0.1, 0.05]\ncells = [20, 4, 2]\n\
+        [[material]]\nyoung = 2.1e11\npoisson = 0.4999999999\ndensity = 7850.0\n";
+    std::fs::write(place.path().join("block.toml"), block).unwrap();
+    let output = bounded(place.path(), "modes block.toml --count 3 --out out", &[]);
+    assert_eq!(output.status.code(), Some(1), "{}", shown(&output));
+    assert!(shown(&output).contains("zero modes of a free body"), "{}", shown(&output));
     std::fs::write(place.path().join("in.toml"), beam).unwrap();
     let output = bounded(place.path(), "modes in.toml --count 100000 --out out", &[]);
     assert!(shown(&output).contains("100000 modes were asked for"), "{}", shown(&output));
@@ -250,4 +257,43 @@ fn a_warning_is_a_failure_by_the_users_word() {
     let output = iwan(place.path(), "simulate in.toml --strict --quiet --out b");
     assert_eq!(output.status.code(), Some(1), "{}", shown(&output));
     assert!(shown(&output).contains("--strict: ") && place.path().join("b/summary.json").exists());
+}
+
+/// Commands that work on structures for long: the work goes on in factorisations and searches that do not look up.
+#[test]
+fn ctrl_c_ends_every_command_on_structures() {
+    let place = folder("");
+    let beam = String::from_utf8(iwan(place.path(), "scenario paper-a").stdout).unwrap();
+    let fine = beam.replacen("refinement = 1", "refinement = 4", 1);
+    assert_ne!(fine, beam);
+    std::fs::write(place.path().join("beam.toml"), fine).unwrap();
+    let scenario = "[structure]\npath = \"beam.toml\"\n[force]\nkind = \"haversine\"\namplitude = 100.0\nduration = 1e-3\n\
+        [time]\nstep = 1e-5\nduration = 0.1\n\
+        [sweep]\nfrom = 100.0\nto = 160.0\nforce = [1.0]\nat = \"tip\"\n";
+    std::fs::write(place.path().join("run.toml"), scenario).unwrap();
+    let there = names(place.path());
+    for line in [
+        "modes beam.toml",
+        "quasi-static beam.toml",
+        "simulate run.toml",
+        "frf run.toml",
+        "backbone run.toml",
+    ] {
+        let mut child = std::process::Command::new(assert_cmd::cargo::cargo_bin!("iwan"))
+            .args(line.split(' ').chain(["--out", "out"]))
+            .current_dir(place.path())
+            .stdout(Stdio::null())
+            .stderr(Stdio::piped())
+            .spawn()
+            .unwrap();
+        std::thread::sleep(std::time::Duration::from_secs(1));
+        assert!(child.try_wait().unwrap().is_none(), "{line} ended before it was interrupted");
+        let id = child.id().to_string();
+        assert!(std::process::Command::new("kill").args(["-INT", &id]).status().unwrap().success());
+        let output = child.wait_with_output().unwrap();
+        let said = String::from_utf8_lossy(&output.stderr);
+        assert_eq!(output.status.code(), Some(130), "{line}: {said}");
+        assert!(said.ends_with("interrupted: nothing was written\n"), "{line}: {said}");
+        assert_eq!(names(place.path()), there, "{line}");
+    }
 }

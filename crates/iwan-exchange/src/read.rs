@@ -53,7 +53,7 @@ impl Format {
         if bytes.len() >= 14 && bytes[..14].eq_ignore_ascii_case(b"%%MatrixMarket") {
             return Some(Self::MatrixMarket);
         }
-        if bytes.starts_with(b"PK\x03\x04") || bytes.starts_with(npy::MAGIC) {
+        if bytes.starts_with(b"PK\x03\x04") || bytes.starts_with(iwan_io::NPY_MAGIC) {
             return Some(Self::Npz);
         }
         if netcdf::is_one(bytes) {
@@ -117,7 +117,7 @@ pub fn read_bytes(file: &Path, bytes: &[u8], format: Option<Format>) -> Result<V
         Format::Calculix => calculix::parse(&source),
         Format::Matlab => mat::parse(&source),
         Format::MatrixMarket => matrix_market::parse(&source),
-        Format::Npz if bytes.starts_with(npy::MAGIC) => npy::parse(&source),
+        Format::Npz if bytes.starts_with(iwan_io::NPY_MAGIC) => npy::parse(&source),
         Format::Npz => npz::parse(&source),
         Format::Netcdf if netcdf::is_one(bytes) => netcdf::parse(&source),
         Format::Netcdf => {

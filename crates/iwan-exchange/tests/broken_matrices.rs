@@ -184,7 +184,7 @@ fn dmig_files() {
 #[test]
 fn archives() {
     let bytes = npz("csr");
-    refused("k.npz", &bytes[..bytes.len() - 30], "the archive: found");
+    refused("k.npz", &bytes[..bytes.len() - 30], "zip directory: found");
     refused("k.npz", &npz("dia"), "array 'format': a matrix of the kind dia cannot be read; save it with");
     refused("k.npy", b"\x93NUMPY\x01\x00\x10\x00{'descr': '<f8'}", "array 'the file': found");
     refused("k.mat", b"MATLAB 7.3 MAT-file", "header: found 19 bytes without the header of level 5");

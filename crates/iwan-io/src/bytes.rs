@@ -2,14 +2,30 @@
 
 /// Byte order of stored numbers.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) enum Order {
+pub enum Order {
+    /// Least significant byte first.
     Little,
+    /// Most significant byte first.
     Big,
 }
 
-/// Stored types of numbers.
+/// One number of as many bytes as its type has.
+macro_rules! number {
+    ($chunk:expr, $order:expr, $type:ty, $convert:expr) => {{
+        let mut raw = [0; size_of::<$type>()];
+        raw.copy_from_slice($chunk);
+        let value = match $order {
+            Order::Little => <$type>::from_le_bytes(raw),
+            Order::Big => <$type>::from_be_bytes(raw),
+        };
+        $convert(value)
+    }};
+}
+
+/// Stored types of numbers: signed and unsigned integers and IEEE 754 floating point, with their bits.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) enum NumberType {
+#[allow(missing_docs, reason = "the names say it")]
+pub enum NumberType {
     I8,
     U8,
     I16,
@@ -24,7 +40,8 @@ pub(crate) enum NumberType {
 
 impl NumberType {
     /// Bytes of one number.
-    pub(crate) fn size(self) -> usize {
+    #[must_use]
+    pub fn size(self) -> usize {
         match self {
             Self::I8 | Self::U8 => 1,
             Self::I16 | Self::U16 => 2,
@@ -32,22 +49,41 @@ impl NumberType {
             Self::I64 | Self::U64 | Self::F64 => 8,
         }
     }
+
+    /// Whether the numbers are floating point.
+    #[must_use]
+    pub fn is_real(self) -> bool {
+        matches!(self, Self::F32 | Self::F64)
+    }
+
+    /// Number `at` (from 0) of `bytes`; none beyond their end. 64-bit integers above 2^53 are rounded.
+    ///
+    /// ```
+    /// use iwan_io::{NumberType, Order};
+    /// assert_eq!(NumberType::I16.at(Order::Big, &[0, 1, 255, 254], 1), Some(-2.0));
+    /// assert_eq!(NumberType::I16.at(Order::Big, &[0, 1, 255], 1), None);
+    /// ```
+    #[must_use]
+    pub fn at(self, order: Order, bytes: &[u8], at: usize) -> Option<f64> {
+        let chunk = bytes.get(at.checked_mul(self.size())?..)?.get(..self.size())?;
+        Some(match self {
+            Self::I8 => number!(chunk, order, i8, f64::from),
+            Self::U8 => number!(chunk, order, u8, f64::from),
+            Self::I16 => number!(chunk, order, i16, f64::from),
+            Self::U16 => number!(chunk, order, u16, f64::from),
+            Self::I32 => number!(chunk, order, i32, f64::from),
+            Self::U32 => number!(chunk, order, u32, f64::from),
+            Self::I64 => number!(chunk, order, i64, |v| v as f64),
+            Self::U64 => number!(chunk, order, u64, |v| v as f64),
+            Self::F32 => number!(chunk, order, f32, f64::from),
+            Self::F64 => number!(chunk, order, f64, |v| v),
+        })
+    }
 }
 
 macro_rules! numbers {
     ($bytes:expr, $order:expr, $type:ty, $convert:expr) => {
-        $bytes
-            .chunks_exact(size_of::<$type>())
-            .map(|chunk| {
-                let mut raw = [0; size_of::<$type>()];
-                raw.copy_from_slice(chunk);
-                let value = match $order {
-                    Order::Little => <$type>::from_le_bytes(raw),
-                    Order::Big => <$type>::from_be_bytes(raw),
-                };
-                $convert(value)
-            })
-            .collect()
+        $bytes.chunks_exact(size_of::<$type>()).map(|chunk| number!(chunk, $order, $type, $convert)).collect()
     };
 }
 

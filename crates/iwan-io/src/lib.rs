@@ -34,9 +34,11 @@ mod door;
 pub mod atomic;
 mod table;
 
+pub use bytes::{NumberType, Order};
 pub use door::{MeasuredChannel, Measurement, ModalTest, read, read_bytes, read_modal_test};
 pub use error::ReadError;
 pub use mat::{StoredMatrix, StoredNumbers, mat_matrices};
+pub use numpy::{NPY_MAGIC, NumpyArray, numpy_members};
 pub use options::{Format, ReadOptions};
 pub use quantity::Quantity;
 pub use record::{Record, RecordError};

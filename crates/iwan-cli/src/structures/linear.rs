@@ -57,17 +57,14 @@ pub(crate) fn explain(source: &str, error: &iwan_fem::Error) -> Failure {
 
 /// Above so many unknowns memory is spoken of: below, a factor takes some hundred megabytes at most.
 const LARGE: usize = 50_000;
-/// Vectors that a search keeps for each mode that is sought, with their images: the search looks at about twice as many as are wanted.
-const VECTORS_A_MODE: f64 = 4.0;
 
 /// What modes of a large structure need.
-fn memory_of(unknowns: usize, factor: u64, count: usize) -> String {
-    let gigabytes = |bytes: f64| format!("{:.1} GB", bytes / 1e9);
-    let vectors = VECTORS_A_MODE * count as f64 * unknowns as f64 * 8.0;
+fn memory_of(unknowns: usize, [all, factor]: [u64; 2], count: usize) -> String {
+    let gigabytes = |bytes: u64| format!("{:.1} GB", bytes as f64 / 1e9);
     format!(
-        "note: {unknowns} unknowns: a factor takes {} of memory, the vectors of {count} modes about {}",
-        gigabytes(factor as f64),
-        gigabytes(vectors)
+        "note: {unknowns} unknowns: a search for {count} modes takes about {} of memory, two factors of {} each among it",
+        gigabytes(all),
+        gigabytes(factor)
     )
 }
 
@@ -85,7 +82,7 @@ impl Linear {
             let assembled = structure.assemble()?;
             let unknowns = assembled.unknowns();
             if unknowns > LARGE && structure.kept.is_none() {
-                teller.say(&memory_of(unknowns, assembled.factor_bytes()?, count));
+                teller.say(&memory_of(unknowns, assembled.search_bytes(count)?, count));
             }
             NamedModes::of(assembled, count, &|share| teller.report(share))
         })?;

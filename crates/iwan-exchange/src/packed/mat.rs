@@ -1,7 +1,8 @@
 //! MATLAB: sparse and full matrices of MAT-files of level 5 and 7.3, which iwan-io reads.
 
-use iwan_io::{ReadError, StoredMatrix, StoredNumbers, mat_matrices};
+use iwan_io::{StoredMatrix, StoredNumbers, mat_matrices};
 
+use super::translated;
 use crate::error::ExchangeError;
 use crate::matrix::{Entry, Matrix, Stored};
 use crate::source::{MOST_ROWS, Source};
@@ -14,18 +15,6 @@ pub(crate) fn parse(source: &Source) -> Result<Vec<Matrix>, ExchangeError> {
         Err(source.ends("a variable that is a matrix of numbers"))
     } else {
         Ok(matrices)
-    }
-}
-
-/// The same refusal in the words of files of matrices.
-fn translated(source: &Source, error: ReadError) -> ExchangeError {
-    match error {
-        ReadError::Malformed { place, found, expected, .. } => source.malformed(place, found, expected),
-        ReadError::Unsupported { place, found, remedy, .. } => source.unsupported(place, found, remedy),
-        ReadError::CutShort { place, what, promised, found, .. } => {
-            source.malformed(place, format!("{found} {what} before the end"), promised.to_string())
-        }
-        other => source.malformed("the whole file", other.to_string(), "a MAT-file of level 5 or 7.3"),
     }
 }
 

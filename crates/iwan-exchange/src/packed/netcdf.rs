@@ -3,7 +3,8 @@
 //!
 //! Own reader of a header and arrays in one piece: the published crate reads from paths only and trusts the sizes in the header.
 
-use super::numbers::{Class, Kind};
+use iwan_io::{NumberType, Order};
+
 use crate::error::ExchangeError;
 use crate::matrix::{Component, Label, Matrix, Stored};
 use crate::source::{MOST_ROWS, Source};
@@ -22,17 +23,17 @@ pub(crate) fn is_one(bytes: &[u8]) -> bool {
 struct Variable<'a> {
     name: String,
     shape: Vec<usize>,
-    kind: Kind,
+    kind: NumberType,
     data: &'a [u8],
 }
 
 impl Variable<'_> {
     fn at(&self, at: usize) -> f64 {
-        self.kind.at(self.data, at).unwrap_or(f64::NAN)
+        self.kind.at(Order::Big, self.data, at).unwrap_or(f64::NAN)
     }
 
     fn count(&self) -> usize {
-        self.kind.count(self.data)
+        self.data.len() / self.kind.size()
     }
 }
 
@@ -83,18 +84,18 @@ impl<'a> Header<'_, 'a> {
         Ok(String::from_utf8_lossy(self.padded(length)?).into_owned())
     }
 
-    fn kind(&mut self) -> Result<Kind, ExchangeError> {
-        let (class, size) = match self.word(4)? {
-            1 => (Class::Signed, 1),
-            2 | 7 => (Class::Unsigned, 1),
-            3 => (Class::Signed, 2),
-            4 => (Class::Signed, 4),
-            5 => (Class::Float, 4),
-            6 => (Class::Float, 8),
-            8 => (Class::Unsigned, 2),
-            9 => (Class::Unsigned, 4),
-            10 => (Class::Signed, 8),
-            11 => (Class::Unsigned, 8),
+    fn kind(&mut self) -> Result<NumberType, ExchangeError> {
+        Ok(match self.word(4)? {
+            1 => NumberType::I8,
+            2 | 7 => NumberType::U8,
+            3 => NumberType::I16,
+            4 => NumberType::I32,
+            5 => NumberType::F32,
+            6 => NumberType::F64,
+            8 => NumberType::U16,
+            9 => NumberType::U32,
+            10 => NumberType::I64,
+            11 => NumberType::U64,
             other => {
                 return Err(self.source.malformed(
                     "the header",
@@ -102,14 +103,13 @@ impl<'a> Header<'_, 'a> {
                     "a type from 1 to 11",
                 ));
             }
-        };
-        Ok(Kind { size, class, big: true })
+        })
     }
 
     fn skip_attributes(&mut self) -> Result<(), ExchangeError> {
         for _ in 0..self.list(ATTRIBUTES)? {
             self.name()?;
-            let size = self.kind()?.size as u64;
+            let size = self.kind()?.size() as u64;
             let count = self.word(self.count)?;
             self.padded(count.saturating_mul(size))?;
         }
@@ -162,7 +162,7 @@ fn variable<'a>(
     if shape.contains(&0) {
         return Ok(None);
     }
-    let length = shape.iter().try_fold(kind.size, |product, n| product.checked_mul(*n));
+    let length = shape.iter().try_fold(kind.size(), |product, n| product.checked_mul(*n));
     let data = usize::try_from(begin).ok().zip(length);
     let data =
         data.and_then(|(begin, length)| source.bytes.get(begin..)?.get(..length)).ok_or_else(|| {
@@ -204,7 +204,7 @@ pub(crate) fn parse(source: &Source) -> Result<Vec<Matrix>, ExchangeError> {
     let map = variables.iter().find(|v| v.name == "cbmap" && v.shape.len() == 2 && v.shape[1] == 2);
     let labels = map.map(|map| labels(source, map)).transpose()?;
     let mut matrices = Vec::new();
-    for variable in variables.iter().filter(|v| v.shape.len() == 2 && v.kind.class == Class::Float) {
+    for variable in variables.iter().filter(|v| v.shape.len() == 2 && v.kind.is_real()) {
         let (rows, columns) = (variable.shape[0], variable.shape[1]);
         let place = || format!("variable '{}'", variable.name);
         if rows as u64 > MOST_ROWS || columns as u64 > MOST_ROWS {

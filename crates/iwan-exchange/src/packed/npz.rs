@@ -1,47 +1,28 @@
 //! Sparse matrices as `scipy.sparse.save_npz` writes them: CSR, CSC and COO; and dense arrays in an archive.
 
 use std::collections::BTreeMap;
-use std::io::Cursor;
 
-use super::npy::{Array, dense};
-use super::numbers::inflate;
+use iwan_io::{NumpyArray, numpy_members};
+
+use super::npy::{array, dense};
+use super::translated;
 use crate::error::ExchangeError;
 use crate::matrix::{Entry, Matrix, Stored};
 use crate::source::{MOST_ROWS, Source};
 
 /// All members of the archive, by their names.
 pub(crate) fn members(source: &Source) -> Result<BTreeMap<String, Vec<u8>>, ExchangeError> {
-    let bad = |e: zip::result::ZipError| {
-        source.malformed("the archive", e.to_string(), "a zip archive of NPY arrays")
-    };
-    let mut archive = zip::ZipArchive::new(Cursor::new(source.bytes)).map_err(bad)?;
-    let mut out = BTreeMap::new();
-    // What all members together may take up: that of the whole file, once.
-    let mut left = source.bytes.len();
-    for index in 0..archive.len() {
-        let mut file = archive.by_index(index).map_err(bad)?;
-        let name = file.name().map_err(bad)?.trim_end_matches(".npy").to_string();
-        let compressed = usize::try_from(file.compressed_size()).unwrap_or(usize::MAX);
-        if compressed > left {
-            let found = format!("members of more bytes than the file has, at '{name}',");
-            return Err(source.malformed("the archive", found, "each byte in one member"));
-        }
-        left -= compressed;
-        let bytes = inflate(&mut file, compressed)
-            .map_err(|e| source.malformed(format!("array '{name}'"), e.to_string(), "a whole member"))?;
-        out.insert(name, bytes);
-    }
-    Ok(out)
+    numpy_members(source.file, source.bytes).map_err(|error| translated(source, error))
 }
 
 /// The arrays that make up one matrix.
 struct Parts<'s, 'a> {
     source: &'s Source<'a>,
-    arrays: BTreeMap<&'s str, Array<'s>>,
+    arrays: BTreeMap<&'s str, NumpyArray<'s>>,
 }
 
 impl Parts<'_, '_> {
-    fn get(&self, name: &str) -> Result<&Array<'_>, ExchangeError> {
+    fn get(&self, name: &str) -> Result<&NumpyArray<'_>, ExchangeError> {
         self.arrays.get(name).ok_or_else(|| {
             let found = format!("no array '{name}'");
             self.source.malformed("the archive", found, "what scipy.sparse.save_npz writes")
@@ -88,13 +69,12 @@ pub(crate) fn parse(source: &Source) -> Result<Vec<Matrix>, ExchangeError> {
     let members = members(source)?;
     let mut parts = Parts { source, arrays: BTreeMap::new() };
     for (name, bytes) in &members {
-        parts.arrays.insert(name, Array::read(source, bytes, name)?);
+        parts.arrays.insert(name, array(source, bytes, name)?);
     }
     if !parts.arrays.contains_key("format") {
         return parts.arrays.iter().map(|(name, array)| dense(source, array, (*name).into())).collect();
     }
-    let letters = parts.get("format")?.data.iter().filter(|b| b.is_ascii_alphabetic());
-    let format: String = letters.map(|b| char::from(*b)).collect();
+    let format = parts.get("format")?.letters().unwrap_or_default();
     let shape = [0, 1].map(|at| parts.index("shape", at, MOST_ROWS as usize + 1));
     let [rows, columns] = [shape[0].as_ref(), shape[1].as_ref()].map(|n| n.copied().unwrap_or(0));
     if let [Err(error), _] | [_, Err(error)] = shape {

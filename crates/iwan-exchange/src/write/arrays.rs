@@ -7,7 +7,7 @@ use std::path::Path;
 use zip::write::SimpleFileOptions;
 
 use crate::error::ExchangeError;
-use crate::packed::npy::{Array, MAGIC};
+use crate::packed::npy::array;
 use crate::packed::npz::members;
 use crate::source::Source;
 
@@ -81,7 +81,7 @@ pub(super) fn start<W: Write + io::Seek>(
     text.push_str(&" ".repeat(length - 1 - text.len()));
     text.push('\n');
     let too_long = || io::Error::other("a header of more than 65 kB");
-    archive.write_all(MAGIC)?;
+    archive.write_all(iwan_io::NPY_MAGIC)?;
     archive.write_all(&[1, 0])?;
     archive.write_all(&u16::try_from(length).map_err(|_| too_long())?.to_le_bytes())?;
     archive.write_all(text.as_bytes())
@@ -98,9 +98,9 @@ pub fn read_arrays(path: impl AsRef<Path>) -> Result<BTreeMap<String, StoredArra
     let source = Source { file, bytes: &bytes };
     let mut out = BTreeMap::new();
     for (name, bytes) in members(&source)? {
-        let array = Array::read(&source, &bytes, &name)?;
+        let array = array(&source, &bytes, &name)?;
         let place = || format!("array '{name}'");
-        if array.text || array.fortran {
+        if array.letters().is_some() || array.fortran {
             let found = "text, or columns one after the other,";
             return Err(source.unsupported(place(), found, "save numbers, rows one after the other"));
         }

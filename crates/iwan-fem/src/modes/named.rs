@@ -100,10 +100,12 @@ impl NamedModes {
             return Err(Error::Analysis { analysis: "modes", finding, remedy });
         }
         let wanted = count.saturating_add(RIGID).min(most);
+        assembled.ask_for_search(wanted)?;
         // Without slips both limits are one matrix, and one search serves both.
         let joined = assembled.slips().is_empty();
         let first = if joined { 1.0 } else { 0.5 };
         let stuck = assembled.modes_observed(Limit::Stuck, wanted, &part(progress, [0.0, first]))?;
+        check_rigid_motions(assembled.structure(), &stuck)?;
         if joined {
             let slipping = stuck.clone().called(Limit::Slipping);
             let mut elastic = elastic(&assembled, &stuck, &slipping);
@@ -112,7 +114,6 @@ impl NamedModes {
         }
         let wanted = count.saturating_add(RIGID + assembled.slips().len()).min(most);
         let slipping = assembled.modes_observed(Limit::Slipping, wanted, &part(progress, [0.5, 1.0]))?;
-        check_rigid_motions(assembled.structure(), &stuck)?;
         let mut elastic = elastic(&assembled, &stuck, &slipping);
         elastic.truncate(count);
         Ok(Self { assembled, stuck, slipping, elastic })

@@ -68,7 +68,7 @@ pub(super) fn parse(source: FileBytes, options: &ReadOptions) -> Result<Raw, Rea
 }
 
 fn by_content(bytes: &[u8]) -> Option<Format> {
-    if bytes.starts_with(numpy::MAGIC) {
+    if bytes.starts_with(numpy::NPY_MAGIC) {
         Some(Format::Npy)
     } else if bytes.starts_with(b"PK\x03\x04") || bytes.starts_with(b"PK\x05\x06") {
         Some(Format::Npz)

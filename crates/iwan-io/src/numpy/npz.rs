@@ -7,8 +7,9 @@ use crate::file_bytes::{FileBytes, decode, shorten};
 use crate::inflate::{most, read_limited, refused};
 use crate::options::ReadOptions;
 use crate::warning::Warning;
-use std::collections::HashSet;
+use std::collections::{BTreeMap, HashSet};
 use std::io::Cursor;
+use std::path::Path;
 use zip::ZipArchive;
 
 const EXPECTED: &str = "a stored or deflated NPY array";
@@ -19,9 +20,44 @@ const SMALL: u64 = 1 << 20;
 /// Time and channels of an NPZ file; the time is a vector `t` or `time`, or a number `dt` (seconds) or `fs` (Hz).
 /// Arrays that are not numeric (labels, say) are left out with a warning.
 pub(crate) fn parse(source: FileBytes, options: &ReadOptions) -> Result<Raw, ReadError> {
+    let (mut variables, mut warnings) = (Vec::new(), Vec::new());
+    each(&source, &|name, size| size <= SMALL || wanted(name, options), |name, bytes| {
+        match npy::variable(&source, &bytes, &name) {
+            Ok(variable) => variables.push(variable),
+            Err(ReadError::Unsupported { found, .. }) if !asked(&name, options) => {
+                warnings.push(Warning::LeftOut { name, reason: found });
+            }
+            Err(error) => return Err(error),
+        }
+        Ok(())
+    })?;
+    Chooser { source, options, tabular: false }.choose(variables, warnings)
+}
+
+/// The bytes of all arrays of an archive by their names, each as of an NPY file ([`NumpyArray`](super::NumpyArray)).
+///
+/// # Errors
+/// [`ReadError`] where the archive is damaged, two arrays have one name, or they unpack to more than sensible arrays do.
+pub fn numpy_members(file: &Path, bytes: &[u8]) -> Result<BTreeMap<String, Vec<u8>>, ReadError> {
+    let mut members = BTreeMap::new();
+    each(&FileBytes { file, bytes }, &|_, _| true, |name, bytes| {
+        members.insert(name, bytes);
+        Ok(())
+    })?;
+    Ok(members)
+}
+
+/// Whether an array of this name and of so many bytes is wanted.
+type Wanted<'a> = &'a dyn Fn(&str, u64) -> bool;
+
+/// Hands out name and bytes of each array whose name and size are `wanted`.
+fn each(
+    source: &FileBytes,
+    wanted: Wanted<'_>,
+    mut take: impl FnMut(String, Vec<u8>) -> Result<(), ReadError>,
+) -> Result<(), ReadError> {
     let mut archive = ZipArchive::new(Cursor::new(source.bytes))
         .map_err(|e| source.malformed("zip directory", e.to_string(), "a zip archive of NPY arrays"))?;
-    let (mut variables, mut warnings) = (Vec::new(), Vec::new());
     if let Some(name) = twice(source.bytes, archive.central_directory_start()) {
         let found = format!("two entries '{}'", shorten(&name, 60));
         return Err(source.malformed("zip directory", found, "names that differ"));
@@ -29,17 +65,11 @@ pub(crate) fn parse(source: FileBytes, options: &ReadOptions) -> Result<Raw, Rea
     // One budget for all entries: those of a hostile archive may share their compressed bytes.
     let mut budget = most(source.bytes.len());
     for index in 0..archive.len() {
-        let Some((name, bytes)) = entry(&source, &mut archive, index, (budget, options))? else { continue };
+        let Some((name, bytes)) = entry(source, &mut archive, index, (budget, wanted))? else { continue };
         budget -= bytes.len() as u64;
-        match npy::array(&source, &bytes, &name) {
-            Ok(variable) => variables.push(variable),
-            Err(ReadError::Unsupported { found, .. }) if !asked(&name, options) => {
-                warnings.push(Warning::LeftOut { name, reason: found });
-            }
-            Err(error) => return Err(error),
-        }
+        take(name, bytes)?;
     }
-    Chooser { source, options, tabular: false }.choose(variables, warnings)
+    Ok(())
 }
 
 fn asked(name: &str, options: &ReadOptions) -> bool {
@@ -73,19 +103,19 @@ fn twice(bytes: &[u8], start: u64) -> Option<String> {
     None
 }
 
-/// Name and bytes of an entry `NAME.npy`; none for another file, and for a large array that is not asked for.
+/// Name and bytes of an entry `NAME.npy`; none for another file, and for an array that is not wanted.
 fn entry(
     source: &FileBytes,
     archive: &mut ZipArchive<Cursor<&[u8]>>,
     index: usize,
-    (budget, options): (u64, &ReadOptions),
+    (budget, wanted): (u64, Wanted<'_>),
 ) -> Result<Option<(String, Vec<u8>)>, ReadError> {
     let place = format!("zip entry {index} (counted from 0)");
     let bad = |e: String| source.malformed(place.clone(), e, EXPECTED);
     let mut entry = archive.by_index(index).map_err(|e| bad(e.to_string()))?;
     let name = entry.name().map_err(|e| bad(e.to_string()))?;
     let Some(name) = name.strip_suffix(".npy").map(str::to_string) else { return Ok(None) };
-    if entry.size() > SMALL && !wanted(&name, options) {
+    if !wanted(&name, entry.size()) {
         return Ok(None);
     }
     let budget = budget.min(most(usize::try_from(entry.compressed_size()).unwrap_or(usize::MAX)));

@@ -27,7 +27,7 @@ fn npy_header(rows: usize) -> Vec<u8> {
     let length = (10 + text.len() + 1).next_multiple_of(64) - 10;
     text.push_str(&" ".repeat(length - 1 - text.len()));
     text.push('\n');
-    let mut header = crate::numpy::MAGIC.to_vec();
+    let mut header = crate::numpy::NPY_MAGIC.to_vec();
     header.extend([1, 0]);
     header.extend(u16::try_from(length).unwrap_or(118).to_le_bytes());
     header.extend(text.bytes());
