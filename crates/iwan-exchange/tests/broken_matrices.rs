@@ -186,7 +186,7 @@ fn archives() {
     let bytes = npz("csr");
     refused("k.npz", &bytes[..bytes.len() - 30], "zip directory: found");
     refused("k.npz", &npz("dia"), "array 'format': a matrix of the kind dia cannot be read; save it with");
-    refused("k.npy", b"\x93NUMPY\x01\x00\x10\x00{'descr': '<f8'}", "array 'the file': found");
+    refused("k.npy", b"\x93NUMPY\x01\x00\x10\x00{'descr': '<f8'}", "key 'fortran_order': found");
     refused("k.mat", b"MATLAB 7.3 MAT-file", "header: found 19 bytes without the header of level 5");
     let bytes = mat(true, false, false);
     refused("k.mat", &bytes[..bytes.len() - 20], "data element at byte 128: found");
