@@ -220,6 +220,19 @@ fn soft_steps_behind_a_stop_end_ahead_of_their_start() {
     }
 }
 
+/// A step whose first trial point lay 1e-20 off its start once took the tangent there for that of its whole way.
+#[test]
+fn a_blow_upon_a_joint_all_but_at_rest_bends_its_force() {
+    let law = FourParameter::new(1.0, 1.0, 1.0, 0.0).unwrap();
+    let joint = Continuum::new(law);
+    let mut state = joint.virgin([Reversal::default(); 8]).unwrap();
+    for load in [1e-20, 1e-20, 100.0] {
+        joint.solve(&mut state, 100.0, load);
+    }
+    let (found, expected) = (joint.joint_force(&state), law.force(joint.displacement(&state)));
+    assert!((found - expected).abs() < 1e-14, "{found} {expected}");
+}
+
 /// sin π, which is not 0 once rounded, times the slip force once outweighed the first harmonic of small cycles.
 #[test]
 fn the_first_harmonic_of_a_small_cycle_is_the_initial_stiffness() {
