@@ -3,8 +3,9 @@
 #![allow(clippy::unwrap_used, clippy::print_stdout, reason = "a failed test may panic and say why")]
 
 use iwan_core::{
-    Averaging, Continuum, Decay, EventDriven, FourParameter, Grid, Hysteresis, Jenkins, Motion, Newmark,
-    Oscillator, Plain, Pulse, ResidualStiffness, Reversal, Run, Slider, Sliders, TabledFourParameter,
+    Averaging, Backbone, Continuum, Decay, EventDriven, FourParameter, Grid, Hysteresis, Jenkins, Motion,
+    Newmark, Oscillator, Plain, Pulse, ResidualStiffness, Reversal, Run, Slider, Sliders,
+    TabledFourParameter, Uniform,
 };
 use proptest::prelude::*;
 
@@ -202,5 +203,54 @@ fn a_pulse_does_nothing_before_it_begins() {
     for pulse in pulses {
         assert_eq!([-1e-9, -3e-4, -1.0].map(|t| pulse.at(t)), [0.0; 3], "{pulse:?}");
         assert!(pulse.at(4e-4) > 0.0, "{pulse:?}");
+    }
+}
+
+/// A step whose first trial point lay beyond macro-slip once ended behind its start, where no equation is solved.
+#[test]
+fn soft_steps_behind_a_stop_end_ahead_of_their_start() {
+    let joint = Continuum::new(Jenkins::new(1.0, 1.0).unwrap());
+    let mut state = joint.virgin([Reversal::default(); 8]).unwrap();
+    // The trail of the first two tells the third to begin at 2.9, where the slider slips.
+    for load in [0.29, 1e-15, 0.2] {
+        let force = joint.joint_force(&state);
+        let du = joint.solve(&mut state, 1e-4, load);
+        let rest = load - 1e-4 * du - (joint.joint_force(&state) - force);
+        assert!(du > 0.0 && rest.abs() < 1e-15, "{load}: {du} {rest}");
+    }
+}
+
+/// A step whose first trial point lay 1e-20 off its start once took the tangent there for that of its whole way.
+#[test]
+fn a_blow_upon_a_joint_all_but_at_rest_bends_its_force() {
+    let law = FourParameter::new(1.0, 1.0, 1.0, 0.0).unwrap();
+    let joint = Continuum::new(law);
+    let mut state = joint.virgin([Reversal::default(); 8]).unwrap();
+    for load in [1e-20, 1e-20, 100.0] {
+        joint.solve(&mut state, 100.0, load);
+    }
+    let (found, expected) = (joint.joint_force(&state), law.force(joint.displacement(&state)));
+    assert!((found - expected).abs() < 1e-14, "{found} {expected}");
+}
+
+/// sin π, which is not 0 once rounded, times the slip force once outweighed the first harmonic of small cycles.
+#[test]
+fn the_first_harmonic_of_a_small_cycle_is_the_initial_stiffness() {
+    let joint = Uniform::new(1000.0, 5.0, 1.0).unwrap();
+    for ratio in [1e-3, 1e-6, 1e-9, 1e-12, 1e-20] {
+        let lost = 1.0 - joint.harmonic_stiffness(0.01 * ratio) / 1000.0;
+        assert!((-1e-14..=ratio).contains(&lost), "{ratio}: {lost}");
+    }
+}
+
+/// The rounding of a square root was once 1e-9 of the first harmonic where macro-slip sets in.
+#[test]
+fn the_first_harmonic_is_smooth_where_macro_slip_sets_in() {
+    let joint = mode_1();
+    let onset = joint.harmonic_stiffness(joint.phi_max());
+    for places in 1..100 {
+        let u = joint.phi_max() * (1.0 + f64::from(places) * f64::EPSILON);
+        let beyond = joint.harmonic_stiffness(u);
+        assert!((beyond - onset).abs() < 1e-13 * joint.k_t(), "{places}: {beyond} {onset}");
     }
 }

@@ -78,6 +78,12 @@ fn abaqus_calculix_and_sierra_files() {
         &with(&element, "2, 1, 2, 6", "3, 1, 2, 6"),
         "line 5: found '3', expected a position: a whole number from 1 to 2",
     );
+    // Its rows were once taken for those of the first element's matrix.
+    refused(
+        "z.mtx",
+        &[element.as_bytes(), b"*USER ELEMENT, NODES=1\n1, 2\n"].concat(),
+        "a second *USER ELEMENT cannot be read; give each a file of its own",
+    );
     refused("k.sti", b"1 1 2.0\n1 x 2.0\n", "line 2: found 'x', expected the column");
     let text = sierra();
     refused("Kaa.m", &with(&text, "NumRows = 7;", ""), "expected NumRows");
@@ -88,6 +94,26 @@ fn abaqus_calculix_and_sierra_files() {
     );
     refused("Kaa.m", &with(&text, "];", ""), "row, column and value;");
     refused("Kaa.m", &text.as_bytes()[..80], "");
+}
+
+/// Entries before NumRows were once not held to it, and those of a second matrix joined the first.
+#[test]
+fn sierra_files_hold_one_matrix_of_the_order_they_say() {
+    let text = sierra();
+    let late = with(&text.replacen("NumRows = 7;\n", "", 1), "];", "];\nNumRows = 6;");
+    refused(
+        "Kaa.m",
+        &late,
+        "the entries: found an entry in row 7 and column 5, expected numbers from 1 to NumRows = 6",
+    );
+    let twice = [text.as_bytes(), text.as_bytes()].concat();
+    refused(
+        "Kaa.m",
+        &twice,
+        "a second matrix from 'NumRows = 7;' on cannot be read; give each a file of its own",
+    );
+    let blocks = with(&text, "];", "];\nb=[\n1 1 1;\n];");
+    refused("Kaa.m", &blocks, "a second matrix from 'b=[' on cannot be read");
 }
 
 #[test]

@@ -126,7 +126,8 @@ pub(crate) fn first_harmonic<B: Backbone + ?Sized>(law: &B, u: f64) -> f64 {
             RULE.integrate(from, from + width, |s| 2.0 * s * span * integrand(first + span * s * s))
         })
         .sum();
-    let sliding = -law.slip_force() * libm::sin(last);
+    // sin π is not 0 once rounded, and F_S times what it is would outweigh the whole integral of a small cycle.
+    let sliding = if u > strongest { -law.slip_force() * libm::sin(last) } else { 0.0 };
     -4.0 / (core::f64::consts::PI * u) * (stuck + slipping + sliding)
 }
 

@@ -233,7 +233,9 @@ const ELEMENTARY: f64 = 0.3;
 /// `cosine_moment` of p = 1: with sin²(θ/2) = x, (sin θ/2 - θ/4 - sin 2θ/8)/x.
 fn linear_moment(x: f64) -> f64 {
     let (sine, cosine) = (2.0 * libm::sqrt(x * (1.0 - x)), 1.0 - 2.0 * x);
-    (0.5 * sine - 0.5 * libm::asin(libm::sqrt(x)) - 0.25 * sine * cosine) / x
+    // Not asin √x: close to 1 the rounding of √x is 1e-8 of the angle.
+    let half = libm::atan2(libm::sqrt(x), libm::sqrt(1.0 - x));
+    (0.5 * sine - 0.5 * half - 0.25 * sine * cosine) / x
 }
 
 /// Most terms of the continued fraction. It needs 35 at the most for χ <= 1 (all x, to the last bit), so the bound

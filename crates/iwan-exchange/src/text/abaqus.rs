@@ -175,6 +175,14 @@ fn substructure(source: &Source) -> Result<Vec<Matrix>, ExchangeError> {
             data.push(next);
         }
         if head.starts_with("*USERELEMENT") {
+            // Rows of one element are never those of another, and a comment of nodes does not say which element it is about.
+            if !labels.is_empty() {
+                return Err(source.unsupported(
+                    line.place(),
+                    "a second *USER ELEMENT",
+                    "give each a file of its own",
+                ));
+            }
             labels = degrees(source, &line, &data)?;
         } else if head.starts_with("*MATRIX") {
             let name = parameter(&head, "TYPE").unwrap_or_default().to_string();

@@ -24,8 +24,14 @@ pub(crate) fn parse(source: &Source) -> Result<Vec<Matrix>, ExchangeError> {
             name = String::from_utf8_lossy(rest).split(['=', '(']).nth(1).unwrap_or_default().trim().into();
         } else if text.starts_with(b"NumRows") {
             let digits: Vec<u8> = text.iter().copied().filter(u8::is_ascii_digit).collect();
+            if order.is_some() {
+                return Err(one_matrix(source, &line));
+            }
             order = Some(source.whole(&line, &digits, [1, MOST_ROWS], "NumRows")?);
         } else if text.ends_with(b"[") {
+            if closed {
+                return Err(one_matrix(source, &line));
+            }
             inside = true;
         } else if text.windows(16).any(|w| w == b"Lower Triangular") {
             stored = Stored::Triangle;
@@ -37,8 +43,22 @@ pub(crate) fn parse(source: &Source) -> Result<Vec<Matrix>, ExchangeError> {
         return Err(source.ends(expected));
     }
     let Some(order) = order else { return Err(source.ends("NumRows = ...")) };
+    // NumRows may stand behind the entries too, which are then read without it.
+    if let Some((row, column, _)) = entries.iter().find(|e| u64::from(e.0.max(e.1)) >= order) {
+        let found = format!("an entry in row {} and column {}", row + 1, column + 1);
+        return Err(source.malformed("the entries", found, format!("numbers from 1 to NumRows = {order}")));
+    }
     let order = order as usize;
     Ok(vec![Matrix { name, rows: order, columns: order, entries, stored, labels: None, complex: false }])
+}
+
+/// What is wrong with a file that begins a second matrix.
+fn one_matrix(source: &Source, line: &Line) -> ExchangeError {
+    source.unsupported(
+        line.place(),
+        format!("a second matrix from {} on", line.quoted()),
+        "give each a file of its own",
+    )
 }
 
 fn entry(source: &Source, line: &Line, most: u64) -> Result<(u32, u32, f64), ExchangeError> {

@@ -131,7 +131,9 @@ impl<B: Backbone, S: AsRef<[Reversal]> + AsMut<[Reversal]>> Hysteresis<Reversals
             let error = ((tangent - k) * step * step).abs();
             let du = way + step;
             let small = step.abs() <= f64::EPSILON * du.abs();
-            let accurate = error <= NEWTON_ERROR * (stiffness * du * way).abs()
+            // The tangents of a trial point that stands at the start but for rounding tell nothing of a step beyond it.
+            let accurate = step.abs() <= way.abs()
+                && error <= NEWTON_ERROR * (stiffness * du * way).abs()
                 && self.no_corner(&branch, trial, u + du);
             if (small || accurate) && !branch.passed_by(u + du) {
                 state.rest_at(u + du, (trial_force + k * step, k));
@@ -148,7 +150,10 @@ impl<B: Backbone, S: AsRef<[Reversal]> + AsMut<[Reversal]>> Hysteresis<Reversals
             if !step.is_finite() {
                 break;
             }
-            at.u = u + du;
+            // From a trial point beyond the solution, where the tangent is small, the round may lead behind the start, where there is no
+            // branch; a step as stiff as the virgin joint never passes the solution.
+            let behind = branch.direction * du < 0.0;
+            at.u = u + if behind { load / (stiffness + self.law.initial_stiffness()) } else { du };
             branch = state.close_loops_before(at.u);
             (at.force, at.tangent) = branch.force_and_tangent(&self.law, at.u);
         }
