@@ -4,7 +4,7 @@
 
 FOLDERs are checkouts of github.com/twmacro/pyyeti and github.com/SteveDoyle2/pyNastran; their files never enter the project. `read_matrix` is the example of
 iwan-exchange. A file counts as *equal* when all its matrices have the names, sizes and values of those that pyyeti (OP4, DMIG) or, where that fails, pyNastran (OP4) reads
-(complex ones: their real parts), *refused* when ours refuses it, *different* otherwise. The reason of each refusal is printed.
+(complex ones: their real parts; square DMIG by grid and component of their rows and columns, as programs order these as they like), *refused* when ours refuses it, *different* otherwise. The reason of each refusal is printed.
 """
 
 import argparse
@@ -31,14 +31,16 @@ def ours(program, path):
         words = line.split()
         if words and words[0] == "matrix":
             name = " ".join(words[1:-3])
-            current = (name, (int(words[-3]), int(words[-2])), bool(int(words[-1])), [])
+            current = (name, (int(words[-3]), int(words[-2])), {}, [])
             matrices.append(current)
+        elif current is not None and len(words) == 4 and words[0] == "label":
+            current[2][int(words[1])] = (int(words[2]), int(words[3]))
         elif current is not None and len(words) == 3 and not line.startswith("/"):
             current[3].append((int(words[0]), int(words[1]), float(words[2])))
     found = []
-    for name, shape, is_complex, entries in matrices:
+    for name, shape, labels, entries in matrices:
         rows, columns, values = zip(*entries) if entries else ((), (), ())
-        found.append((name, sparse.coo_matrix((np.array(values, float), (rows, columns)), shape=shape).tocsr(), is_complex))
+        found.append((name, sparse.coo_matrix((np.array(values, float), (rows, columns)), shape=shape).tocsr(), labels))
     return found, None
 
 
@@ -63,7 +65,7 @@ def dmig(path):
     try:
         from pyyeti.nastran import bulk
         found = bulk.rddmig(str(path))
-        return [(n.upper(), sparse.csr_matrix(frame.values)) for n, frame in found.items()], "pyyeti"
+        return [(n.upper(), Labelled(frame.values, list(frame.index), list(frame.columns))) for n, frame in found.items()], "pyyeti"
     except Exception as error:
         first = str(error)
     try:
@@ -71,20 +73,54 @@ def dmig(path):
         model = BDF(debug=None)
         with contextlib.redirect_stdout(io.StringIO()):
             model.read_bdf(str(path), xref=False, validate=False, punch=path.suffix.lower() == ".pch")
-        found = [(n.upper(), sparse.csr_matrix(m.get_matrix(is_sparse=False)[0])) for n, m in model.dmig.items() if n.upper() != "UACCEL"]
+        found = []
+        for name, card in model.dmig.items():
+            if name.upper() != "UACCEL":
+                values, rows, columns = card.get_matrix(is_sparse=False)
+                found.append((name.upper(), Labelled(values, list(rows.values()), list(columns.values()))))
         return found, "pyNastran"
     except Exception as error:
         return None, f"pyyeti: {first[:80]}; pyNastran: {str(error)[:80]}"
 
 
-def same(a, b):
-    """Same values; otherwise, as rows of DMIG may stand in another order, the same sorted values: that would not see a transposed matrix."""
-    if a.shape == b.shape:
-        difference = abs(a - b.real)
-        if difference.nnz == 0 or difference.max() <= TOLERANCE * abs(b).max():
-            return True
-    x, y = (np.sort(m.tocoo().data[m.tocoo().data != 0.0]) for m in (a, sparse.csr_matrix(b.real)))
-    return x.size == y.size and np.all(np.abs(x - y) <= TOLERANCE * np.maximum(np.abs(x), np.abs(y)))
+class Labelled:
+    """A matrix of a peer with the grid and component of its rows and columns."""
+
+    def __init__(self, values, rows, columns):
+        self.matrix = sparse.csr_matrix(values)
+        self.shape, self.nnz = self.matrix.shape, self.matrix.nnz
+        self.rows, self.columns = ([self.key(label) for label in labels] for labels in (rows, columns))
+
+    @staticmethod
+    def key(label):
+        # A column of a rectangular matrix has a number alone.
+        return tuple(int(part) for part in label) if isinstance(label, tuple) else (int(label), 0)
+
+    def entries(self):
+        found = self.matrix.tocoo()
+        return {(self.rows[i], self.columns[j]): v.real for i, j, v in zip(found.row, found.col, found.data) if v.real != 0.0}
+
+
+def near(x, y, scale):
+    return abs(x - y) <= TOLERANCE * scale
+
+
+def same(a, labels, b):
+    """Same values at the same places; by the labels of rows and columns where both have them."""
+    scale = abs(b.matrix if isinstance(b, Labelled) else b).max() if b.nnz else 0.0
+    if isinstance(b, Labelled):
+        if labels and sorted(b.rows) == sorted(b.columns):
+            found = a.tocoo()
+            own = {(labels[i], labels[j]): v for i, j, v in zip(found.row, found.col, found.data) if v != 0.0}
+            other = b.entries()
+            return own.keys() == other.keys() and all(near(own[place], other[place], scale) for place in own)
+        # A rectangular one: its rows by their labels in ascending order, as ours has them; its columns as they stand.
+        order = np.argsort([row[0] * 10 + row[1] for row in b.rows], kind="stable")
+        b = b.matrix[order]
+    if a.shape != b.shape:
+        return False
+    difference = abs(a - b.real)
+    return difference.nnz == 0 or difference.max() <= TOLERANCE * scale
 
 
 def compare(path, program):
@@ -101,11 +137,11 @@ def compare(path, program):
     if len(found) != len(expected):
         return "different", f"{len(found)} matrices, {who} has {len(expected)}"
     by_name = {n.strip().upper(): m for n, m in expected}
-    for index, (name, matrix, _) in enumerate(found):
+    for index, (name, matrix, labels) in enumerate(found):
         # Several matrices of a file may have one name: then the place tells.
         own = expected[index][0].strip().upper() == name.strip().upper()
         other = expected[index][1] if own else by_name.get(name.strip().upper(), expected[index][1])
-        if not same(matrix, other):
+        if not same(matrix, labels, other):
             return "different", f"{name}: {matrix.shape} with {matrix.nnz} entries, {who} {other.shape} with {other.nnz}"
     return "equal", who
 

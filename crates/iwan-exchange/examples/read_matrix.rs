@@ -1,5 +1,5 @@
-//! Reads files of matrices and says how long it took, and how much memory at most: `read_matrix FILE ...`; with `--entries` first all entries
-//! of each matrix follow it, one a line: row, column (from 0), value.
+//! Reads files of matrices and says how long it took, and how much memory at most: `read_matrix FILE ...`; with `--entries` first what the rows
+//! of each matrix are, where the file says so (`label`, row, node, component), and all its entries follow it, one a line: row, column (from 0), value.
 #![allow(clippy::print_stdout, reason = "what an example is for")]
 
 use std::time::Instant;
@@ -34,6 +34,9 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
             if entries {
                 let words = [matrix.rows, matrix.columns, usize::from(matrix.complex)];
                 println!("matrix {} {} {} {}", matrix.name, words[0], words[1], words[2]);
+                for (row, label) in matrix.labels.iter().flatten().enumerate() {
+                    println!("label {row} {} {}", label.node, label.component.number());
+                }
                 let twice = matrix.stored == iwan_exchange::Stored::Triangle;
                 for (i, j, value) in &matrix.entries {
                     println!("{i} {j} {value:e}");
