@@ -47,21 +47,26 @@ fn population(sliders: Sliders<'_>, bytes: &mut Bytes<'_>) {
     let (mut slow, mut runs, mut stack) =
         (Driven::new(&plain, a, scale), Driven::new(&sliders, b, scale), Driven::new(&masing, c, scale));
     for go in moves {
-        let (expected, run) = (slow.go(go), runs.go_as_told(go));
-        // The continuum is for laws without corners inside: implicit steps are not asked of it here.
-        let turned = stack.go_as_told(match go {
-            Move::Load { .. } => Move::To(slow.displacement()),
-            _ => go,
-        });
+        let before = slow.displacement();
+        let expected = slow.go(go);
         let room = slow.rounding() * 100.0;
-        assert!(
-            (run - expected).abs() <= room,
-            "runs {run}, plain loop {expected}, {room} apart at most, {go:?}"
-        );
-        assert!(
-            (turned - expected).abs() <= room,
-            "Masing {turned}, plain loop {expected}, {room} apart at most, {go:?}"
-        );
+        let mut to = go;
+        if let Move::Load { stiffness, .. } = go {
+            let (mut trial, way) = (runs.clone(), slow.displacement() - before);
+            trial.go(go);
+            let found = trial.displacement() - before;
+            let room = room / stiffness + 64.0 * f64::EPSILON * (way.abs() + before.abs());
+            assert!((found - way).abs() <= room, "runs go {found}, the plain loop {way}, {go:?}");
+            // Soft steps magnify rounding: from here on both are where the plain loop is. The continuum is for laws without corners
+            // inside, and implicit steps are not asked of it here.
+            to = Move::To(slow.displacement());
+        }
+        for (name, found) in [("runs", runs.go_as_told(to)), ("Masing", stack.go_as_told(to))] {
+            assert!(
+                (found - expected).abs() <= room,
+                "{name} {found}, plain loop {expected}, {room}, {go:?}"
+            );
+        }
     }
 }
 

@@ -60,6 +60,12 @@ pub struct Driven<'a, J, S> {
     steps: f64,
 }
 
+impl<J, S: Clone> Clone for Driven<'_, J, S> {
+    fn clone(&self) -> Self {
+        Self { state: self.state.clone(), ..*self }
+    }
+}
+
 impl<'a, S: Clone, J: Hysteresis<S>> Driven<'a, J, S> {
     /// From the virgin state.
     pub fn new(joint: &'a J, state: S, law: Law) -> Self {
