@@ -232,9 +232,14 @@ const ELEMENTARY: f64 = 0.3;
 
 /// `cosine_moment` of p = 1: with sin²(θ/2) = x, (sin θ/2 - θ/4 - sin 2θ/8)/x.
 fn linear_moment(x: f64) -> f64 {
+    /// Above this the rounding of √x, over √(1 - x), is more than 1e-13 of asin √x, and 1e-8 of it next to 1.
+    const NEXT_TO_ONE: f64 = 1.0 - 1e-6;
     let (sine, cosine) = (2.0 * libm::sqrt(x * (1.0 - x)), 1.0 - 2.0 * x);
-    // Not asin √x: close to 1 the rounding of √x is 1e-8 of the angle.
-    let half = libm::atan2(libm::sqrt(x), libm::sqrt(1.0 - x));
+    let half = if x < NEXT_TO_ONE {
+        libm::asin(libm::sqrt(x))
+    } else {
+        0.5 * core::f64::consts::PI - libm::asin(libm::sqrt(1.0 - x))
+    };
     (0.5 * sine - 0.5 * half - 0.25 * sine * cosine) / x
 }
 

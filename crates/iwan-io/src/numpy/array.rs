@@ -51,7 +51,7 @@ impl<'a> NumpyArray<'a> {
     /// The array in `bytes`; `file` and `name` serve the messages.
     ///
     /// ```
-    /// let mut bytes = b"\x93NUMPY\x01\x00\x3a\x00{'descr': '<i2', 'fortran_order': False, 'shape': (2,)} \n".to_vec();
+    /// let mut bytes = b"\x93NUMPY\x01\x00\x39\x00{'descr': '<i2', 'fortran_order': False, 'shape': (2,)} \n".to_vec();
     /// bytes.extend([7, 0, 255, 255]);
     /// let array = iwan_io::NumpyArray::read("k.npy".as_ref(), &bytes, "k")?;
     /// assert_eq!((array.len(), array.at(0), array.at(1)), (2, Some(7.0), Some(-1.0)));
