@@ -4,7 +4,7 @@
 //! (Abaqus Analysis Guide, "Generating structural matrices"); COORDINATE has lines `row column value`. A substructure is
 //! `*USER ELEMENT` with its nodes and components and `*MATRIX, TYPE=STIFFNESS` or `MASS` with the rows of the lower triangle.
 
-use std::collections::BTreeMap;
+use std::collections::HashMap;
 
 use crate::error::ExchangeError;
 use crate::matrix::{Component, Entry, Label, Matrix, Stored};
@@ -41,22 +41,21 @@ pub(crate) fn parse(source: &Source) -> Result<Vec<Matrix>, ExchangeError> {
 /// What follows each label found so far.
 #[derive(Default)]
 struct Rows {
-    numbers: BTreeMap<Label, u32>,
+    numbers: HashMap<Label, u32>,
     labels: Vec<Label>,
-    /// The one asked for last: lines of one row follow each other.
-    last: Option<(Label, u32)>,
 }
 
 impl Rows {
-    fn number(&mut self, label: Label) -> u32 {
-        if let Some((_, number)) = self.last.filter(|last| last.0 == label) {
+    /// The number of a label; `last` is the one that stood at this place of the line before, which files sorted by rows or columns repeat.
+    fn number(&mut self, label: Label, last: &mut Option<(Label, u32)>) -> u32 {
+        if let Some((_, number)) = last.filter(|last| last.0 == label) {
             return number;
         }
         let number = *self.numbers.entry(label).or_insert_with(|| {
             self.labels.push(label);
             self.labels.len() as u32 - 1
         });
-        self.last = Some((label, number));
+        *last = Some((label, number));
         number
     }
 }
@@ -74,6 +73,7 @@ fn stored(entries: &[Entry]) -> Stored {
 /// MATRIX INPUT.
 fn labelled(source: &Source) -> Result<Vec<Matrix>, ExchangeError> {
     let (mut rows, mut entries) = (Rows::default(), Vec::new());
+    let (mut last_row, mut last_column) = (None, None);
     for line in source.lines().filter(|line| !line.text.starts_with(b"*") && !line.text.starts_with(b"%")) {
         let Some([a, i, b, j, value]) = line.exactly() else {
             let expected = "row node, component, column node, component, value";
@@ -93,7 +93,7 @@ fn labelled(source: &Source) -> Result<Vec<Matrix>, ExchangeError> {
             Ok(Label { node, component: Component::numbered(number).unwrap_or(Component::Scalar) })
         };
         let (row, column) = (label(a, i, "row")?, label(b, j, "column")?);
-        let place = (rows.number(row), rows.number(column));
+        let place = (rows.number(row, &mut last_row), rows.number(column, &mut last_column));
         entries.push((place.0, place.1, source.number(&line, value, "the value")?));
     }
     let (labels, map) = ascending(&rows.labels);
