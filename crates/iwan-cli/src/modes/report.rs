@@ -23,7 +23,7 @@ const MOST_SLIPS: usize = 4;
 pub(super) fn render(linear: &Linear, summary: &ModesSummary) -> String {
     let mesh = &linear.file.structure.mesh;
     let solid = Solid::new(mesh);
-    let shapes = (MOST_FACES / solid.faces().max(1)).clamp(1, MOST_SHAPES);
+    let shapes = (MOST_FACES / solid.pieces().max(1)).clamp(1, MOST_SHAPES);
     let body = html! {
         h1 { (summary.structure) }
         p.about {

@@ -1,4 +1,5 @@
-//! Pictures of meshes: outer faces in parallel projection, shaded and drawn from back to front.
+//! Pictures of meshes: outer faces in parallel projection, shaded and drawn from back to front; where there are nodes alone, as with
+//! matrices of another program, these as dots.
 
 use std::fmt::Write;
 
@@ -22,6 +23,9 @@ const SHINE: f64 = 0.40;
 const AZIMUTH: f64 = 30.0;
 /// Height from which the view looks down, degrees: the top is seen. Both angles are a matter of taste, from 20 to 40.
 const ELEVATION: f64 = 28.0;
+
+/// Dots in a picture of nodes alone, at most: as many already touch each other. Of more nodes every second, third, ... is drawn.
+const MOST_DOTS: usize = 4000;
 
 /// A mesh that is ready to be drawn, deformed or not.
 #[derive(Debug)]
@@ -58,28 +62,36 @@ impl<'a> Solid<'a> {
         Self { mesh, faces: mesh.outer_faces(), view: view(sides), diagonal }
     }
 
-    /// Number of outer faces.
-    pub(crate) fn faces(&self) -> usize {
-        self.faces.len()
+    /// Number of outer faces, or of dots where there are none: what a picture is made of.
+    pub(crate) fn pieces(&self) -> usize {
+        if self.faces.is_empty() { self.dotted().count() } else { self.faces.len() }
     }
 
-    /// The picture, deformed or not; `colour` from an element and the corners of its face.
+    /// The nodes that are drawn as dots where the mesh has no faces; none without coordinates, when all are in one place.
+    fn dotted(&self) -> impl Iterator<Item = usize> + use<> {
+        let nodes = if self.faces.is_empty() && self.diagonal > 0.0 { self.mesh.positions.len() } else { 0 };
+        (0..nodes).step_by(nodes.div_ceil(MOST_DOTS).max(1))
+    }
+
+    /// The picture, deformed or not; `colour` from an element and the corners of its face, or from element 0 and four times the node of
+    /// a dot. A line leads from a dot to where the node rests.
     pub(crate) fn draw(
         &self,
         deformation: Option<Deformation<'_>>,
         title: &str,
         colour: &dyn Fn(usize, [usize; 4]) -> Colour,
     ) -> Markup {
-        let places = self.places(deformation);
-        let (low, high) = bounds(&places);
+        if self.pieces() == 0 {
+            return html! { p { "Nothing is drawn: the nodes have no coordinates." } };
+        }
+        let (places, rest) = (self.places(deformation), self.places(None));
+        let resting = self.dotted().map(|node| &rest[node]);
+        let (low, high) = bounds(places.iter().chain(resting));
         let scale = ((WIDTH - 2.0 * MARGIN) / (high[0] - low[0]).max(f64::MIN_POSITIVE))
             .min((HIGHEST * WIDTH - 2.0 * MARGIN) / (high[1] - low[1]).max(f64::MIN_POSITIVE));
         let height = scale * (high[1] - low[1]) + 2.0 * MARGIN;
         let left = 0.5 * (WIDTH - scale * (high[0] - low[0]));
-        let place = |node: usize| {
-            let p = places[node];
-            [left + scale * (p[0] - low[0]), MARGIN + scale * (high[1] - p[1])]
-        };
+        let on_page = |p: [f64; 3]| [left + scale * (p[0] - low[0]), MARGIN + scale * (high[1] - p[1])];
         let mut faces: Vec<(f64, usize)> = (0..self.faces.len())
             .filter_map(|face| {
                 let corners = self.faces[face].1.map(|node| places[node]);
@@ -93,12 +105,21 @@ impl<'a> Solid<'a> {
             let (element, corners) = self.faces[face];
             let shade = shade(normal(corners.map(|node| places[node])));
             let fill = colour(element, corners).map(|c| (c * shade).clamp(0.0, 255.0) as u8);
-            let [a, b, c, d] = corners.map(place);
+            let [a, b, c, d] = corners.map(|node| on_page(places[node]));
             // Writing to a string cannot fail.
             let _ = write!(
                 paths,
                 "<path fill=\"#{:02x}{:02x}{:02x}\" d=\"M{:.1} {:.1}L{:.1} {:.1} {:.1} {:.1} {:.1} {:.1}Z\"/>",
                 fill[0], fill[1], fill[2], a[0], a[1], b[0], b[1], c[0], c[1], d[0], d[1]
+            );
+        }
+        for node in self.dotted() {
+            let fill = colour(0, [node; 4]).map(|c| c as u8);
+            let ([x, y], [u, v]) = (on_page(places[node]), on_page(rest[node]));
+            let _ = write!(
+                paths,
+                "<path d=\"M{u:.1} {v:.1}L{x:.1} {y:.1}\"/><circle fill=\"#{:02x}{:02x}{:02x}\" cx=\"{x:.1}\" cy=\"{y:.1}\" r=\"3\"/>",
+                fill[0], fill[1], fill[2]
             );
         }
         let box_ = format!("0 0 {WIDTH} {height:.0}");
@@ -156,8 +177,8 @@ fn view(sides: [f64; 3]) -> [[f64; 3]; 3] {
     })
 }
 
-fn bounds(places: &[[f64; 3]]) -> ([f64; 2], [f64; 2]) {
-    places.iter().fold(([f64::INFINITY; 2], [f64::NEG_INFINITY; 2]), |(low, high), p| {
+fn bounds<'p>(places: impl Iterator<Item = &'p [f64; 3]>) -> ([f64; 2], [f64; 2]) {
+    places.fold(([f64::INFINITY; 2], [f64::NEG_INFINITY; 2]), |(low, high), p| {
         ([low[0].min(p[0]), low[1].min(p[1])], [high[0].max(p[0]), high[1].max(p[1])])
     })
 }
@@ -184,9 +205,32 @@ mod tests {
     fn only_outer_faces_that_look_at_the_viewer_are_drawn() {
         let mesh = block(&[uniform(0.0, 4.0, 4), uniform(0.0, 2.0, 2), uniform(0.0, 1.0, 1)]);
         let solid = Solid::new(&mesh);
-        assert_eq!(solid.faces(), 2 * (4 * 2 + 4 + 2));
+        assert_eq!(solid.pieces(), 2 * (4 * 2 + 4 + 2));
         let drawn = solid.draw(None, "a block", &|_, _| [200.0; 3]).into_string();
         assert_eq!(drawn.matches("<path").count(), 4 * 2 + 4 + 2);
+    }
+
+    #[test]
+    fn nodes_alone_are_dots() {
+        let mut mesh = block(&[uniform(0.0, 4.0, 4), uniform(0.0, 2.0, 2), uniform(0.0, 1.0, 1)]);
+        mesh.elements.clear();
+        let nodes = mesh.positions.len();
+        let shape: Vec<f64> = (0..3 * nodes).map(|n| f64::from(u8::from(n == 5))).collect();
+        let solid = Solid::new(&mesh);
+        let drawn = solid.draw(Some(Deformation { shape: &shape, part: 0.1 }), "nodes", &|_, corners| {
+            [if corners == [1; 4] { 255.0 } else { 0.0 }, 0.0, 0.0]
+        });
+        let drawn = drawn.into_string();
+        assert_eq!((solid.pieces(), drawn.matches("<circle").count()), (nodes, nodes));
+        // Node 1 alone has moved, and leaves the line to its place: up on the page.
+        let moved = drawn.split("<path d=\"M").skip(1).filter(|dot| {
+            let (from, to) = dot.split('"').next().and_then(|d| d.split_once('L')).unwrap_or_default();
+            from != to
+        });
+        assert_eq!(moved.map(|dot| dot.contains("#ff0000")).collect::<Vec<_>>(), [true]);
+        mesh.positions.fill([0.0; 3]);
+        let drawn = Solid::new(&mesh).draw(None, "nodes", &|_, _| [0.0; 3]).into_string();
+        assert!(drawn.contains("no coordinates") && !drawn.contains("<svg"), "{drawn}");
     }
 
     #[test]

@@ -5,7 +5,7 @@ use maud::{Markup, html};
 
 use crate::page::solid::{Colour, Solid};
 
-/// Outer faces in the pictures of a page, all pictures together, at most. Half of them look at the viewer and take 75 bytes
+/// Outer faces or dots in the pictures of a page, all pictures together, at most. Half of them look at the viewer and take 75 bytes
 /// each: 1.5 MB, which a browser opens without a pause. A mesh with more is not drawn where it is only an illustration.
 pub(crate) const MOST_FACES: usize = 40_000;
 
@@ -21,7 +21,7 @@ const PARTS: [Colour; 6] = [
 
 /// The mesh, where it is not too large for an illustration.
 pub(crate) fn illustration(solid: &Solid<'_>, mesh: &Mesh) -> Markup {
-    html! { @if solid.faces() <= MOST_FACES { (mesh_picture(solid, mesh)) } }
+    html! { @if solid.pieces() <= MOST_FACES { (mesh_picture(solid, mesh)) } }
 }
 
 /// The mesh with its element sets in colours.
@@ -33,11 +33,12 @@ pub(crate) fn mesh_picture(solid: &Solid<'_>, mesh: &Mesh) -> Markup {
         }
     }
     let names: Vec<&String> = mesh.element_sets.keys().collect();
+    let all = if mesh.elements.is_empty() { "The nodes." } else { "The mesh." };
     html! {
         figure {
-            (solid.draw(None, "the mesh", &|element, _| PARTS[part[element] % PARTS.len()]))
+            (solid.draw(None, "the mesh", &|element, _| PARTS[part.get(element).map_or(0, |part| part % PARTS.len())]))
             p.caption {
-                @if names.is_empty() { "The mesh." } @else { "The mesh; element sets in colours: " }
+                @if names.is_empty() { (all) } @else { "The mesh; element sets in colours: " }
                 @for (n, name) in names.iter().enumerate() {
                     @let [r, g, b] = PARTS[n % PARTS.len()];
                     span.key style=(format!("background:rgb({r},{g},{b})")) {} (name) " "
