@@ -10,7 +10,7 @@ use iwan_ident::signal::{Options, isolate};
 use iwan_ident::{Parameter, Parameters};
 
 const DT: f64 = 1.0 / 4000.0;
-const SAMPLES: usize = 3000;
+const SAMPLES: usize = 8000;
 
 /// A joint of a tenth of the stiffness.
 fn mode(frequency: f64, damping_ratio: f64) -> Parameters {

@@ -95,7 +95,13 @@ fn parameters_come_back_from_event_driven_records() {
             let truth = Parameters { damping_ratio, ..truth };
             let dt = 0.005 / truth.frequency;
             let samples = by_events(&truth, 2.0, dt, 5000);
-            let record = RingDown { samples: &samples, dt, quantity: Quantity::Acceleration, band: None };
+            let record = RingDown {
+                samples: &samples,
+                dt,
+                quantity: Quantity::Acceleration,
+                band: None,
+                beside: None,
+            };
             let refined = refine(&[record], &off(&truth), &[]).unwrap();
             eprintln!("{name} {damping_ratio}: left {:e}", refined.relative_residual);
             assert_found(name, &refined.parameters, &truth);
@@ -108,7 +114,8 @@ fn parameters_come_back_from_time_steps_of_the_continuum_at_two_levels() {
     let truth = Parameters { damping_ratio: 1e-3, ..SETS[1].1 };
     let dt = 0.02 / truth.frequency;
     let (low, high) = (by_steps(&truth, 0.3, dt, 1250, 100), by_steps(&truth, 1.5, dt, 1250, 100));
-    let record = |samples| RingDown { samples, dt, quantity: Quantity::Acceleration, band: None };
+    let record =
+        |samples| RingDown { samples, dt, quantity: Quantity::Acceleration, band: None, beside: None };
     let refined = refine(&[record(&low), record(&high)], &off(&truth), &[]).unwrap();
     assert_eq!(refined.starts.len(), 2);
     assert_found("mode 1", &refined.parameters, &truth);

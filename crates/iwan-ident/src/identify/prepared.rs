@@ -15,6 +15,8 @@ pub(super) struct Prepared<'a> {
     pub(super) curves: Curves,
     /// Samples that are compared with the model.
     stretch: Vec<f64>,
+    /// What was taken off them for other modes.
+    beside: Option<Vec<f64>>,
     /// Index of the first of them.
     pub(super) first: usize,
     /// Width of their band, Hz; none: the record as it is.
@@ -29,15 +31,16 @@ impl<'a> Prepared<'a> {
         let curves = Curves::new(&envelope, record.quantity, ForceAxis::Modal)?;
         let automatic = settings.options.band.is_none() && settings.options.window.is_none();
         let raw = settings.options.filter_order == 0 || (automatic && isolated.is_alone(record.samples));
-        let (stretch, first, band) = if raw {
+        let (stretch, beside, first, band) = if raw {
             let range = isolated.free_decay(record.samples, settings.options.window);
-            (record.samples[range.clone()].to_vec(), range.start, None)
+            (record.samples[range.clone()].to_vec(), None, range.start, None)
         } else {
             let range = isolated.window.clone();
             let band = isolated.band.high - isolated.band.low;
-            (isolated.samples[range.clone()].to_vec(), range.start, Some(band))
+            let beside = isolated.beside.as_ref().map(|b| b[range.clone()].to_vec());
+            (isolated.samples[range.clone()].to_vec(), beside, range.start, Some(band))
         };
-        Ok(Self { record, isolated, envelope, curves, stretch, first, band })
+        Ok(Self { record, isolated, envelope, curves, stretch, beside, first, band })
     }
 
     pub(super) fn ring_down(&self) -> RingDown<'_> {
@@ -46,6 +49,7 @@ impl<'a> Prepared<'a> {
             dt: self.record.dt,
             quantity: self.record.quantity,
             band: self.band,
+            beside: self.beside.as_deref(),
         }
     }
 

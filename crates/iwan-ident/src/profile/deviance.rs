@@ -27,7 +27,8 @@ impl Scale {
         let refined = task.refined(minimum);
         let r = refined.correlation;
         // What is allowed for a clean record is in units of the noise that was found with it: a smaller sum of squares by chance does not make it smaller.
-        let least = if task.widened { 1.0 } else { task.least_variance() };
+        // Nor does one that is smaller than what is known to be left of other modes.
+        let least = if task.widened || task.is_beside_others() { 1.0 } else { task.least_variance() };
         // Neighbours that agree say the same twice.
         let inflation = if refined.leaves_noise(task.count()) { 1.0 } else { (1.0 + r) / (1.0 - r.min(0.9)) };
         Self {

@@ -49,7 +49,7 @@ pub(crate) use windows::OVERLAP;
 /// let start = iwan_core::Motion::held_at(1.5 * joint.phi_max());
 /// Decay::new(&oscillator, &joint, 0.0, start, vec![Reversal::default(); 99])?
 ///     .sample(2e-4, &mut Samples { displacement, velocity, acceleration, joint_force })?;
-/// let record = RingDown { samples: &out[2], dt: 2e-4, quantity: Quantity::Acceleration, band: None };
+/// let record = RingDown { samples: &out[2], dt: 2e-4, quantity: Quantity::Acceleration, band: None, beside: None };
 /// let first = Parameters { k_t: 5e4, f_s: 220.0, chi: -0.3, beta: 0.5, ..truth };
 /// let refined = refine(&[record], &first, &[])?;
 /// assert!((refined.parameters.f_s / truth.f_s - 1.0).abs() < 1e-3);

@@ -19,6 +19,8 @@ pub struct RingDown<'a> {
     pub quantity: Quantity,
     /// Width in Hz of the band that the samples were filtered to; none: unfiltered.
     pub band: Option<f64>,
+    /// What other modes had in the samples before it was taken off them; none: nothing was.
+    pub beside: Option<&'a [f64]>,
 }
 
 /// Standard deviations of what a model misses, each varying slowly with ln amplitude: zero where nothing is left but noise.

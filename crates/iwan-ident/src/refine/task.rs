@@ -385,6 +385,11 @@ impl Task {
         self.records.iter().map(floor).fold(0.0, f64::max)
     }
 
+    /// Whether deviations are known beside those that residuals show.
+    pub(crate) fn is_beside_others(&self) -> bool {
+        self.records.iter().any(Windowed::is_beside_others)
+    }
+
     pub(crate) fn refined(&self, minimum: &Minimum) -> Refined {
         let mut work = Workspace::default();
         let (mut out, mut plain) = (vec![0.0; self.count()], vec![0.0; self.count()]);

@@ -7,7 +7,7 @@
 use super::in_band::{InBand, Options, behind_filter};
 use super::isolated::Isolated;
 use super::spectrum::Band;
-use super::survey::{band_near, spectral_peaks};
+use super::survey::{SpectralPeak, band_among, spectral_peaks};
 use super::transients::Gate;
 
 /// Part of the mode's amplitude that another one leaves behind the filter from which on it is taken out. Of less the fit on windows, whose own skirts are
@@ -46,26 +46,61 @@ struct Other {
 
 /// The modes beside `mode` whose skirts reach into its band; none where there are none, or none can be followed.
 pub(super) fn others(x: &[f64], mode: &Isolated, gate: &Gate, options: &Options) -> Option<Others> {
+    let own = mode.continued(gate)?;
+    let rest = without(x, &own, gate.begin);
+    let peaks = peaks(&rest, mode, &own, gate);
+    let of = |nearest| -> Vec<Band> {
+        let all: Vec<SpectralPeak> = peaks.all.iter().copied().chain(nearest).collect();
+        peaks.reaching.iter().map(|p| band_among(&all, p, 0.5 / mode.dt)).collect()
+    };
+    // Wide bands have a short memory, which the begin of the decay needs; but what is not known of a near mode yet stands in them, and keeps some from settling.
+    let own_peak =
+        SpectralPeak { frequency: mode.band.peak, height: f64::INFINITY, ..*peaks.reaching.first()? };
+    let (wide, narrow) = (of(None), of(Some(own_peak)));
+    let first = separated(x, mode, gate, options, &wide);
+    let second = (wide != narrow).then(|| separated(x, mode, gate, options, &narrow));
+    let found = second.into_iter().flatten().chain(first).min_by(|a, b| a.left.total_cmp(&b.left))?;
+    let sum = |n: usize| found.others.iter().map(|other| other.samples[n]).sum::<f64>();
+    (!found.others.is_empty()).then(|| Others {
+        samples: (0..x.len()).map(sum).collect(),
+        frequencies: found.others.iter().map(|other| other.band.peak).collect(),
+    })
+}
+
+/// Modes that were followed one by one, and what is left of the record without all of them.
+struct Separated {
+    others: Vec<Other>,
+    /// Sum of squares.
+    left: f64,
+}
+
+/// Follows the mode and others in bands of their own in turn, each in what the others leave.
+fn separated(
+    x: &[f64],
+    mode: &Isolated,
+    gate: &Gate,
+    options: &Options,
+    bands: &[Band],
+) -> Option<Separated> {
     let dt = mode.dt;
     let mut own = mode.continued(gate)?;
-    let mut rest: Vec<f64> = without(x, &own, gate.begin);
-    let mut found: Vec<Other> = vec![];
-    for band in bands(&rest, mode, &own, gate) {
-        let Some(other) = followed(&rest, dt, band, gate, options) else { continue };
+    let mut rest = without(x, &own, gate.begin);
+    let mut others: Vec<Other> = vec![];
+    for band in bands {
+        let Some(other) = followed(&rest, dt, *band, gate, options) else { continue };
         rest = without(&rest, &other.samples, gate.begin);
-        found.push(other);
+        others.push(other);
     }
     let mut left = power(&rest);
     for _ in 1..ROUNDS {
-        // The mode without the others, then each of these without all others.
-        let of_mode: Vec<f64> = rest.iter().zip(&own).map(|(r, o)| r + o).collect();
-        let again = behind_filter(&of_mode, dt, mode.band, options, vec![]);
+        let of_mode = with(&rest, &own);
+        let again = behind_filter(&of_mode, dt, mode.band, options, None);
         if let Some(better) = again.ok().and_then(|InBand { mode, .. }| mode.continued(gate)) {
             rest = without(&of_mode, &better, gate.begin);
             own = better;
         }
-        for other in &mut found {
-            let alone: Vec<f64> = rest.iter().zip(&other.samples).map(|(r, o)| r + o).collect();
+        for other in &mut others {
+            let alone = with(&rest, &other.samples);
             if let Some(better) = followed(&alone, dt, other.band, gate, options) {
                 rest = without(&alone, &better.samples, gate.begin);
                 *other = better;
@@ -76,11 +111,11 @@ pub(super) fn others(x: &[f64], mode: &Isolated, gate: &Gate, options: &Options)
             break;
         }
     }
-    let sum = |n: usize| found.iter().map(|other| other.samples[n]).sum::<f64>();
-    (!found.is_empty()).then(|| Others {
-        samples: (0..x.len()).map(sum).collect(),
-        frequencies: found.iter().map(|other| other.band.peak).collect(),
-    })
+    Some(Separated { others, left })
+}
+
+fn with(rest: &[f64], mode: &[f64]) -> Vec<f64> {
+    rest.iter().zip(mode).map(|(r, m)| r + m).collect()
 }
 
 /// The record from the begin of the decay on without a mode, and nothing before it.
@@ -88,30 +123,32 @@ fn without(x: &[f64], mode: &[f64], begin: usize) -> Vec<f64> {
     x.iter().zip(mode).enumerate().map(|(n, (x, mode))| if n < begin { 0.0 } else { x - mode }).collect()
 }
 
-/// Bands of the modes that leave most behind the filter.
-fn bands(rest: &[f64], mode: &Isolated, own: &[f64], gate: &Gate) -> Vec<Band> {
+/// Peaks of a record without the mode that is looked for.
+struct Peaks {
+    all: Vec<SpectralPeak>,
+    /// Those that leave most behind the filter.
+    reaching: Vec<SpectralPeak>,
+}
+
+fn peaks(rest: &[f64], mode: &Isolated, own: &[f64], gate: &Gate) -> Peaks {
     let decay = &rest[gate.begin..];
-    let Ok(peaks) = spectral_peaks(&[decay], mode.dt) else { return vec![] };
+    let mut all = spectral_peaks(&[decay], mode.dt).unwrap_or_default();
     let largest = |x: &[f64]| x.iter().map(|x| x.abs()).fold(0.0, f64::max);
     let level = largest(decay) / largest(own).max(f64::MIN_POSITIVE);
     let line = 1.0 / (decay.len() as f64 * mode.dt);
-    let left = |frequency: f64, height: f64| level * height * gate.filter.gain(frequency).powi(2);
-    let mut reaching: Vec<(f64, f64)> = peaks
-        .iter()
-        .filter(|p| (p.frequency - mode.band.peak).abs() > OWN_LINES * line)
-        .map(|p| (left(p.frequency, p.height), p.frequency))
-        .filter(|(left, _)| *left > LEAK)
-        .collect();
-    reaching.sort_by(|a, b| b.0.total_cmp(&a.0));
+    all.retain(|p| (p.frequency - mode.band.peak).abs() > OWN_LINES * line);
+    let left = |p: &SpectralPeak| level * p.height * gate.filter.gain(p.frequency).powi(2);
+    let mut reaching: Vec<SpectralPeak> = all.iter().filter(|p| left(p) > LEAK).copied().collect();
+    reaching.sort_by(|a, b| left(b).total_cmp(&left(a)));
     reaching.truncate(MOST);
-    reaching.iter().filter_map(|(_, frequency)| band_near(&[decay], mode.dt, *frequency).ok()).collect()
+    Peaks { all, reaching }
 }
 
 /// A mode in a band, where that takes something out of what is left.
 fn followed(rest: &[f64], dt: f64, band: Band, gate: &Gate, options: &Options) -> Option<Other> {
     let options =
         Options { band: Some((band.low, band.high)), near: None, order: None, window: None, ..*options };
-    let InBand { mode, gate: own } = behind_filter(rest, dt, band, &options, vec![]).ok()?;
+    let InBand { mode, gate: own } = behind_filter(rest, dt, band, &options, None).ok()?;
     // All modes begin with the same blow.
     let samples = mode.continued(&Gate { begin: gate.begin, ..own? })?;
     (power(&without(rest, &samples, gate.begin)) < power(rest)).then_some(Other { band, samples })

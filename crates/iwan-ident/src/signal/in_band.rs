@@ -70,17 +70,19 @@ pub(super) fn in_band(x: &[f64], dt: f64, options: &Options) -> Result<InBand, E
     let automatic = if options.band.is_none() { " (automatic)" } else { "" };
     notes
         .push(format!("band {:.6} to {:.6} Hz{automatic}, peak at {:.6} Hz", band.low, band.high, band.peak));
-    behind_filter(x, dt, band, options, notes)
+    behind_filter(x, dt, band, options, Some(notes))
 }
 
-/// The same in a band that is known, of samples that are checked.
+/// The same in a band that is known, of samples that are checked. Without notes the mode is one beside: a line that does not decay is taken as well.
 pub(super) fn behind_filter(
     x: &[f64],
     dt: f64,
     band: Band,
     options: &Options,
-    mut notes: Vec<String>,
+    notes: Option<Vec<String>>,
 ) -> Result<InBand, Error> {
+    let must_decay = notes.is_some();
+    let mut notes = notes.unwrap_or_default();
     let Filtered { samples, trim, bandwidth, filter } = filtered(x, dt, band, options)?;
     let window = window(x, &samples, dt, trim, options, &mut notes)?;
     let mut mode = Isolated {
@@ -93,8 +95,9 @@ pub(super) fn behind_filter(
         notes,
         bandwidth,
         scatter: 0.0,
+        beside: None,
     };
-    mode.end_at_noise()?;
+    mode.end_at_noise(must_decay)?;
     let Some(filter) = filter else { return Ok(InBand { mode, gate: None }) };
     let (begin, shown) = mode.begin(x, trim);
     let ends = Ends { x, filter: &filter, decay: begin..x.len(), reach: trim };

@@ -19,8 +19,10 @@ pub fn isolate(x: &[f64], dt: f64, options: &Options) -> Result<Isolated, Error>
     let beside = gate.filter(|_| !mode.is_alone(x)).and_then(|gate| others(x, &mode, &gate, options));
     if let Some(beside) = beside {
         let rest: Vec<f64> = x.iter().zip(&beside.samples).map(|(x, other)| x - other).collect();
-        let again = behind_filter(&rest, dt, mode.band, options, mode.notes.clone());
-        if let Ok(InBand { mode: found, .. }) = again {
+        let again = behind_filter(&rest, dt, mode.band, options, Some(mode.notes.clone()));
+        if let Ok(InBand { mode: mut found, .. }) = again {
+            found.beside =
+                Some(mode.samples.iter().zip(&found.samples).map(|(with, own)| with - own).collect());
             mode = found;
             mode.notes.push(beside.in_words());
         }

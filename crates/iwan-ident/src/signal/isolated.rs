@@ -66,6 +66,8 @@ pub struct Isolated {
     /// Relative scatter of the amplitude apart from noise.
     pub(crate) scatter: f64,
     pub(crate) raw: Raw,
+    /// What other modes had in the band before they were taken out of the record; none where none were.
+    pub(crate) beside: Option<Vec<f64>>,
 }
 
 /// Some samples of a mode.
@@ -190,8 +192,8 @@ impl Isolated {
         Ok(())
     }
 
-    /// Cuts the window where the mode sinks into the noise, which is estimated from the scatter of the amplitude.
-    pub(super) fn end_at_noise(&mut self) -> Result<(), Error> {
+    /// Cuts the window where the mode sinks into the noise, which is estimated from the scatter of the amplitude; refuses one that does not decay if it must.
+    pub(super) fn end_at_noise(&mut self, must_decay: bool) -> Result<(), Error> {
         self.cut_noise_alone();
         for _ in 0..CUTS {
             self.enough_cycles()?;
@@ -210,7 +212,7 @@ impl Isolated {
         self.enough_cycles()?;
         let fit = self.estimate_noise();
         let ends = [0, self.raw.t.len() - 1].map(|i| fit.at(self.raw.t[i]).value);
-        if ends[1] >= ends[0] {
+        if must_decay && ends[1] >= ends[0] {
             return Err(Error::Refused {
                 finding: format!(
                     "the amplitude does not decay: {:.6} to {:.6}",

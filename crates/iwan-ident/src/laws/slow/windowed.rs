@@ -54,7 +54,7 @@ pub(crate) struct Windowed {
 
 impl Windowed {
     pub(crate) fn new(source: &Source<'_>) -> Result<Self, Error> {
-        let RingDown { samples, dt, quantity, band } = source.ring_down;
+        let RingDown { samples, dt, quantity, band, .. } = source.ring_down;
         let curves = source.curves;
         let frequency = curves.frequency.iter().sum::<f64>() / curves.frequency.len().max(1) as f64;
         let seconds = (samples.len().max(1) - 1) as f64 * dt;

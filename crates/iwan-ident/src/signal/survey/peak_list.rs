@@ -172,13 +172,20 @@ pub fn band_near(channels: &[&[f64]], dt: f64, near: f64) -> Result<Band, Error>
             remedy: "choose one of the peaks, or name a band",
         });
     };
-    let high_enough = |p: &&SpectralPeak| p.height >= NEIGHBOUR * mode.height && !shadowed(p);
-    let above = peaks.iter().filter(high_enough).find(|p| p.frequency > mode.frequency);
-    let below = peaks.iter().filter(high_enough).rfind(|p| p.frequency < mode.frequency);
+    let others: Vec<SpectralPeak> = peaks.iter().filter(|p| !shadowed(p)).copied().collect();
+    Ok(band_among(&others, mode, nyquist))
+}
+
+/// The band around one of some peaks.
+pub(in crate::signal) fn band_among(peaks: &[SpectralPeak], mode: &SpectralPeak, nyquist: f64) -> Band {
+    let high_enough = |p: &&SpectralPeak| p.height >= NEIGHBOUR * mode.height;
+    let nearest = |a: &&SpectralPeak, b: &&SpectralPeak| a.frequency.total_cmp(&b.frequency);
+    let above = peaks.iter().filter(high_enough).filter(|p| p.frequency > mode.frequency).min_by(nearest);
+    let below = peaks.iter().filter(high_enough).filter(|p| p.frequency < mode.frequency).max_by(nearest);
     let middle = |p: &SpectralPeak| (p.frequency * mode.frequency).sqrt();
     let low = below.map_or(0.0, middle).max(REACH.0 * mode.frequency);
     let high = above.map_or(f64::INFINITY, middle).min(REACH.1 * mode.frequency).min(NYQUIST_PART * nyquist);
-    Ok(Band { low, high, peak: mode.frequency })
+    Band { low, high, peak: mode.frequency }
 }
 
 fn block_length(lines: usize) -> usize {
