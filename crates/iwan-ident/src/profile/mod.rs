@@ -85,6 +85,9 @@ pub(crate) fn extent(task: &Task, minimum: &Minimum, micro_slip: Option<&Minimum
         Extent::MicroSlip
     } else if !task.is_open() {
         Extent::Full
+    } else if task.is_beside_others() {
+        // What is left of near modes beats through the whole record, and a knee follows it.
+        Extent::Edge
     } else if task.slip_ratio(&minimum.x) < CLEARLY_INSIDE || task.slipping_half_cycles(&minimum.x) < SLIPPING
     {
         Extent::Edge

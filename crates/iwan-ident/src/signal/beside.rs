@@ -13,6 +13,8 @@ use super::transients::Gate;
 /// Part of the mode's amplitude that another one leaves behind the filter from which on it is taken out. Of less the fit on windows, whose own skirts are
 /// steeper, sees a thousandth.
 const LEAK: f64 = 1e-4;
+/// The same inside the band, where what a smooth curve leaves of the mode itself has peaks of a thousandth: less is noted, and stays.
+const INSIDE: f64 = 0.01;
 /// Modes that are taken out at most: those that leave most.
 const MOST: usize = 4;
 /// Rounds in which all modes are followed anew, each without the others, at most, …
@@ -138,7 +140,9 @@ fn peaks(rest: &[f64], mode: &Isolated, own: &[f64], gate: &Gate) -> Peaks {
     let line = 1.0 / (decay.len() as f64 * mode.dt);
     all.retain(|p| (p.frequency - mode.band.peak).abs() > OWN_LINES * line);
     let left = |p: &SpectralPeak| level * p.height * gate.filter.gain(p.frequency).powi(2);
-    let mut reaching: Vec<SpectralPeak> = all.iter().filter(|p| left(p) > LEAK).copied().collect();
+    let inside = |p: &SpectralPeak| (mode.band.low..=mode.band.high).contains(&p.frequency);
+    let least = |p: &SpectralPeak| if inside(p) { INSIDE } else { LEAK };
+    let mut reaching: Vec<SpectralPeak> = all.iter().filter(|p| left(p) > least(p)).copied().collect();
     reaching.sort_by(|a, b| left(b).total_cmp(&left(a)));
     reaching.truncate(MOST);
     Peaks { all, reaching }
