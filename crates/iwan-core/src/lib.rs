@@ -11,7 +11,7 @@ mod elementary;
 mod line_search;
 pub mod quadrature;
 
-// Laws: a joint is its virgin curve.
+// Laws: a joint is its virgin curve, and its cycles follow.
 mod law;
 
 // Parts: dampers and springs beside a joint, without memory.
@@ -43,13 +43,13 @@ pub use curves::{AveragedCurves, CurveNewmark, CurvePoint, CurvesEnd, ModeCurves
 pub use error::Error;
 pub use half_cycle::{Decay, PathNode, TurningPoint};
 pub use law::{
-    Backbone, DensityPoint, FixedPower, FourParameter, Grid, Jenkins, LawSlopes, PowerLaw, Representation,
-    TabledFourParameter, Tabulated, Uniform,
+    Backbone, DensityPoint, FiveParameter, FixedPower, FourParameter, Grid, Jenkins, LawSlopes, PowerLaw,
+    Representation, TabledFourParameter, Tabulated, Uniform,
 };
 pub use line_search::search_line;
 pub use memory::{
     Continuum, Extensions, Hysteresis, NoJoint, Plain, Reversal, Reversals, Run, Runs, Slider, Sliders,
-    Straight, Trial,
+    Spring, Springs, StickSlip, Straight, Trial,
 };
 pub use parts::{Coulomb, Part, Pinning, PowerDamping, PowerSpring, sum_of_parts};
 pub use progress::Progress;

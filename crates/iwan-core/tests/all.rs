@@ -4,6 +4,7 @@ mod common;
 
 mod coupled;
 mod decay;
+mod five_parameter;
 mod golden;
 mod histories;
 mod laws;

@@ -1,6 +1,6 @@
 //! Joint laws: `joint = { ... }` of a mode, `law = { ... }` of a slip.
 
-use iwan_core::{Error, FourParameter, Jenkins, Uniform};
+use iwan_core::{Error, FiveParameter, FourParameter, Jenkins, Uniform};
 use iwan_sim::JointLaw;
 
 use crate::error::InputError;
@@ -10,6 +10,7 @@ use crate::text::InputText;
 /// The joint laws and their keys.
 pub const LAWS: &[TableKind] = &[
     TableKind { name: "four-parameter", keys: &["k_t", "f_s", "chi", "beta"] },
+    TableKind { name: "five-parameter", keys: &["k_t", "f_s", "chi", "beta", "theta"] },
     TableKind { name: "jenkins", keys: &["k_t", "f_s"] },
     TableKind { name: "uniform", keys: &["k_t", "f_s", "width"] },
     TableKind { name: "tabulated", keys: &["strength", "density", "dirac"] },
@@ -21,6 +22,8 @@ pub const LAWS: &[TableKind] = &[
 pub enum WrittenLaw {
     /// Segalman's four-parameter Iwan joint ([`FourParameter`]).
     FourParameter { k_t: f64, f_s: f64, chi: f64, beta: f64 },
+    /// The same with dynamic below static friction ([`FiveParameter`]).
+    FiveParameter { k_t: f64, f_s: f64, chi: f64, beta: f64, theta: f64 },
     /// One Jenkins element ([`Jenkins`]).
     Jenkins { k_t: f64, f_s: f64 },
     /// Iwan's uniform band of strengths ([`Uniform`]).
@@ -30,7 +33,8 @@ pub enum WrittenLaw {
 }
 
 impl WrittenLaw {
-    /// Reads and checks a table under the `title` for messages; without `kind` it is a four-parameter joint.
+    /// Reads and checks a table under the `title` for messages; without `kind` it is a four-parameter joint, or with `theta` one of
+    /// five parameters.
     ///
     /// # Errors
     /// [`InputError`] with the place, what stands there and what helps.
@@ -39,7 +43,8 @@ impl WrittenLaw {
         title: String,
         place: TablePlace<'a>,
     ) -> Result<(Self, JointLaw), InputError> {
-        let (section, kind) = Section::kind(source, title, place, LAWS, Some("four-parameter"))?;
+        let default = if place.has("theta") { "five-parameter" } else { "four-parameter" };
+        let (section, kind) = Section::kind(source, title, place, LAWS, Some(default))?;
         let written = Self::values(&section, kind)?;
         let law = written.law().map_err(|error| section.out_of_range(error, key_of))?;
         Ok((written, law))
@@ -53,6 +58,13 @@ impl WrittenLaw {
                 f_s: number("f_s")?,
                 chi: number("chi")?,
                 beta: number("beta")?,
+            },
+            "five-parameter" => Self::FiveParameter {
+                k_t: number("k_t")?,
+                f_s: number("f_s")?,
+                chi: number("chi")?,
+                beta: number("beta")?,
+                theta: number("theta")?,
             },
             "jenkins" => Self::Jenkins { k_t: number("k_t")?, f_s: number("f_s")? },
             "uniform" => Self::Uniform { k_t: number("k_t")?, f_s: number("f_s")?, width: number("width")? },
@@ -71,6 +83,13 @@ impl WrittenLaw {
             Self::FourParameter { k_t, f_s, chi, beta } => {
                 Self::FourParameter { k_t: count * k_t, f_s: count * f_s, chi: *chi, beta: *beta }
             }
+            Self::FiveParameter { k_t, f_s, chi, beta, theta } => Self::FiveParameter {
+                k_t: count * k_t,
+                f_s: count * f_s,
+                chi: *chi,
+                beta: *beta,
+                theta: *theta,
+            },
             Self::Jenkins { k_t, f_s } => Self::Jenkins { k_t: count * k_t, f_s: count * f_s },
             Self::Uniform { k_t, f_s, width } => {
                 Self::Uniform { k_t: count * k_t, f_s: count * f_s, width: *width }
@@ -91,6 +110,9 @@ impl WrittenLaw {
         match self {
             Self::FourParameter { k_t, f_s, chi, beta } => {
                 FourParameter::new(*k_t, *f_s, *chi, *beta).map(JointLaw::FourParameter)
+            }
+            Self::FiveParameter { k_t, f_s, chi, beta, theta } => {
+                FiveParameter::new(*k_t, *f_s, *chi, *beta, *theta).map(JointLaw::FiveParameter)
             }
             Self::Jenkins { k_t, f_s } => Jenkins::new(*k_t, *f_s).map(JointLaw::Jenkins),
             Self::Uniform { k_t, f_s, width } => Uniform::new(*k_t, *f_s, *width).map(JointLaw::Uniform),

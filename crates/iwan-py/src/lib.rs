@@ -71,7 +71,9 @@ mod _native {
     #[pymodule_export]
     use crate::values::joint_face::Joint;
     #[pymodule_export]
-    use crate::values::joint_laws::{_four_parameter, FourParameter, Jenkins, Tabulated, Uniform};
+    use crate::values::joint_laws::{
+        _four_parameter, FiveParameter, FourParameter, Jenkins, Tabulated, Uniform,
+    };
     #[pymodule_export]
     use crate::values::mode::Mode;
     #[pymodule_export]

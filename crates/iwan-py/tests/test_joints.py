@@ -143,6 +143,7 @@ def test_what_holds_no_real_numbers_is_refused(joint, bad):
         (lambda: iwan.FourParameter(k_t=1.0, f_s=np.nan, chi=0.0, beta=0.0), "f_s = NaN"),
         (lambda: iwan.FourParameter(k_t=1.0, f_s=1.0, chi=-1.0, beta=0.0), "-1 < chi <= 1"),
         (lambda: iwan.FourParameter.from_density(r=1.0, chi=0.0, phi_max=0.0, s=0.0), "phi_max = 0"),
+        (lambda: iwan.FiveParameter(k_t=1.0, f_s=1.0, chi=0.0, beta=0.0, theta=1.1), "0 < theta <= 1"),
         (lambda: iwan.Jenkins(k_t=1.0, f_s=np.inf), "f_s = inf"),
         (lambda: iwan.Uniform(k_t=1.0, f_s=1.0, width=1.5), "0 < width <= 1"),
         (lambda: iwan.Tabulated(strength=[0.0, 0.0], density=[1.0, 1.0]), r"strength\[1\] = 0"),
@@ -165,3 +166,42 @@ def test_joints_are_frozen_and_keyword_only(joint):
         iwan.FourParameter(4.45e4, 239.4, -0.183, 0.3)
     with pytest.raises(TypeError):
         iwan.Joint()
+
+
+def test_a_joint_whose_friction_drops():
+    four = iwan.FourParameter(k_t=4.45e4, f_s=239.4, chi=-0.183, beta=0.3)
+    same, drops = (iwan.FiveParameter(k_t=4.45e4, f_s=239.4, chi=-0.183, beta=0.3, theta=theta) for theta in (1.0, 0.6))
+    u = np.linspace(0.05, 2.0, 9) * four.phi_max
+    for name in ["force", "tangent", "energy", "dissipation", "harmonic_stiffness"]:
+        np.testing.assert_allclose(getattr(same, name)(u), getattr(four, name)(u), rtol=1e-11, atol=1e-9, err_msg=name)
+    # Loops of sliders: driven from rest up to an amplitude, and down to it from twice that.
+    top = 0.4 * four.phi_max
+    turn = np.linspace(0.0, 2 * np.pi, 4001)
+    rise, decay = np.linspace(0.0, top, 500), np.linspace(2.0, 1.0, 60)
+    loud = np.concatenate([a * top * np.cos(turn) for a in decay])
+    for before, lost, stiffness in [
+        (rise, drops.dissipation(top), drops.harmonic_stiffness(top)),
+        (loud, drops.dissipation_in_decay(top), drops.harmonic_stiffness_in_decay(top)),
+    ]:
+        history = np.concatenate([before, *(top * np.cos(turn[1:]) for _ in range(2))])
+        force = drops.force_history(history, sliders=2000)[-4001:]
+        path = top * np.cos(turn)
+        assert np.trapezoid(force, path) == pytest.approx(lost, rel=0.01)
+        assert 2 * np.mean(force[1:] * np.cos(turn[1:])) / top == pytest.approx(stiffness, rel=1e-3)
+    with pytest.raises(iwan.IwanError, match="Masing"):
+        drops.force_history(u)
+    with pytest.raises(iwan.InvalidValueError, match="largest = -1"):
+        drops.dissipation_in_decay(u, largest=-1.0)
+
+
+def test_a_mode_whose_friction_drops_is_stepped_and_averaged():
+    joint = iwan.FiveParameter(k_t=4.45e4, f_s=239.4, chi=-0.183, beta=0.3, theta=0.7)
+    mode = iwan.Mode(frequency=124.0, joint=joint, damping_ratio=2.5e-4)
+    blow = iwan.Haversine(amplitude=300.0, duration=1.6e-3)
+    stepped, averaged = (iwan.simulate(mode, force=blow, dt=2e-5, duration=0.3, method=m) for m in ("newmark", "averaging"))
+    assert stepped.energy_error < 1e-10
+    peak = np.abs(stepped.displacement).max()
+    assert np.abs(stepped.displacement - averaged.displacement).max() < 0.05 * peak
+    for method in ("half-cycle", "event"):
+        with pytest.raises(iwan.IwanError, match="theta < 1"):
+            iwan.simulate(mode, force=blow, dt=2e-5, duration=0.3, method=method)

@@ -12,6 +12,7 @@ JOINT = iwan.FourParameter(k_t=4.45e4, f_s=239.4, chi=-0.183, beta=0.3)
 VALUES = [
     JOINT,
     iwan.FourParameter.from_density(r=12345.678, chi=-0.3, phi_max=1 / 3, s=0.1),
+    iwan.FiveParameter(k_t=4.45e4, f_s=239.4, chi=-0.183, beta=1 / 3, theta=0.7),
     iwan.Jenkins(k_t=1e-300, f_s=5e-301),
     iwan.Uniform(k_t=1e16, f_s=5.0, width=0.1),
     iwan.Tabulated(strength=[0.0, 0.1, 0.3], density=[1 / 3, 2.0, 0.0], dirac=0.1),

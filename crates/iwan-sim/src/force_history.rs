@@ -1,7 +1,8 @@
 //! A joint by itself, driven through given displacements.
 
 use iwan_core::{
-    Backbone, Continuum, Error, Hysteresis, Progress, Representation, Reversal, Run, Slider, Sliders,
+    Backbone, Continuum, Error, Hysteresis, Progress, Representation, Reversal, Run, Slider, Sliders, Spring,
+    StickSlip,
 };
 
 use crate::error::SimulationError;
@@ -41,6 +42,11 @@ pub fn force_history(
         Representation::Sliders { bins, grid } => {
             let mut table = vec![Slider::default(); Sliders::table_len(bins)];
             let sliders = with_law!(law, law => Sliders::discretise(law, grid, bins, &mut table))?;
+            if law.friction_ratio() != 1.0 {
+                let joint = StickSlip::new(sliders);
+                let state = joint.virgin(vec![Spring::default(); sliders.len()])?;
+                return drive(&joint, state, u, progress);
+            }
             let state = sliders.virgin(vec![Run::default(); sliders.len()])?;
             drive(&sliders, state, u, progress)
         }

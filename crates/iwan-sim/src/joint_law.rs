@@ -1,6 +1,8 @@
 //! The joint laws a mode can carry, behind one type.
 
-use iwan_core::{Backbone, DensityPoint, Error, FourParameter, Jenkins, PowerLaw, Tabulated, Uniform};
+use iwan_core::{
+    Backbone, DensityPoint, Error, FiveParameter, FourParameter, Jenkins, PowerLaw, Tabulated, Uniform,
+};
 
 /// A tabulated density that owns its points.
 pub type TabulatedDensity = Tabulated<Vec<DensityPoint>>;
@@ -10,6 +12,8 @@ pub type TabulatedDensity = Tabulated<Vec<DensityPoint>>;
 pub enum JointLaw {
     /// Segalman's four-parameter Iwan joint.
     FourParameter(FourParameter),
+    /// The same with dynamic below static friction.
+    FiveParameter(FiveParameter),
     /// One Jenkins element.
     Jenkins(Jenkins),
     /// Iwan's 1966 model: strengths uniform over a band.
@@ -23,6 +27,7 @@ macro_rules! with_law {
     ($joint:expr, $law:ident => $body:expr) => {
         match $joint {
             $crate::joint_law::JointLaw::FourParameter($law) => $body,
+            $crate::joint_law::JointLaw::FiveParameter($law) => $body,
             $crate::joint_law::JointLaw::Jenkins($law) => $body,
             $crate::joint_law::JointLaw::Uniform($law) => $body,
             $crate::joint_law::JointLaw::Tabulated($law) => $body,
@@ -42,12 +47,23 @@ impl JointLaw {
         Tabulated::new(strength, density, dirac, points).map(Self::Tabulated)
     }
 
+    /// The law whose cycles are those after motions of amplitudes up to `largest`: another one only where friction drops once a
+    /// slider slips ([`FiveParameter::after`]).
+    #[must_use]
+    pub fn after(&self, largest: f64) -> Self {
+        match self {
+            Self::FiveParameter(law) => Self::FiveParameter(law.after(largest)),
+            law => law.clone(),
+        }
+    }
+
     /// Density ρ(φ) of the sliders at the strength φ (stiffness/length), sliders of a single strength left out: see
     /// [`dirac`](Self::dirac).
     #[must_use]
     pub fn density(&self, phi: f64) -> f64 {
         match self {
             Self::FourParameter(law) => law.density(phi),
+            Self::FiveParameter(law) => law.sticking().density(phi),
             Self::Jenkins(_) => 0.0,
             Self::Uniform(law) => law.density(phi),
             Self::Tabulated(law) => law.density(phi),
@@ -59,6 +75,7 @@ impl JointLaw {
     pub fn dirac(&self) -> f64 {
         match self {
             Self::FourParameter(law) => law.s(),
+            Self::FiveParameter(law) => law.sticking().s(),
             Self::Jenkins(law) => law.initial_stiffness(),
             Self::Uniform(_) => 0.0,
             Self::Tabulated(law) => law.dirac(),
@@ -76,6 +93,9 @@ impl Backbone for JointLaw {
     fn strengths(&self) -> (f64, f64) {
         with_law!(self, law => law.strengths())
     }
+    fn friction_ratio(&self) -> f64 {
+        with_law!(self, law => law.friction_ratio())
+    }
     fn force(&self, u: f64) -> f64 {
         with_law!(self, law => law.force(u))
     }
@@ -87,6 +107,9 @@ impl Backbone for JointLaw {
     }
     fn dissipation(&self, u: f64) -> f64 {
         with_law!(self, law => law.dissipation(u))
+    }
+    fn energy_at_turn(&self, u: f64) -> f64 {
+        with_law!(self, law => law.energy_at_turn(u))
     }
     fn harmonic_stiffness(&self, u: f64) -> f64 {
         with_law!(self, law => law.harmonic_stiffness(u))
@@ -123,6 +146,7 @@ mod tests {
         const RULE: Rule<16> = Rule::gauss_legendre();
         let laws = [
             JointLaw::FourParameter(FourParameter::new(4.45e4, 239.4, -0.183, 0.3).unwrap()),
+            JointLaw::FiveParameter(FiveParameter::new(4.45e4, 239.4, -0.183, 0.3, 0.7).unwrap()),
             JointLaw::Uniform(Uniform::new(1e3, 5.0, 0.4).unwrap()),
             JointLaw::tabulated(&[0.0, 0.002, 0.01], &[1e5, 3e5, 2e5], 70.0).unwrap(),
             JointLaw::Jenkins(Jenkins::new(1e3, 5.0).unwrap()),

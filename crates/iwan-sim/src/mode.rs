@@ -72,6 +72,18 @@ impl Mode {
         self.parts.is_empty() && self.curves.is_none()
     }
 
+    /// Whether friction in its joint drops once a slider slips, so that Masing's rule does not hold.
+    #[must_use]
+    pub fn friction_drops(&self) -> bool {
+        self.joint.as_ref().is_some_and(|law| law.friction_ratio() != 1.0)
+    }
+
+    /// The mode whose cycles are those after motions of amplitudes up to `largest`: see [`JointLaw::after`].
+    #[must_use]
+    pub fn after(&self, largest: f64) -> Self {
+        Self { joint: self.joint.as_ref().map(|law| law.after(largest)), ..self.clone() }
+    }
+
     /// The oscillator without the joint and the parts.
     ///
     /// # Errors

@@ -3,7 +3,7 @@
 use std::sync::Mutex;
 
 use iwan_core::progress::{Progress, UNWATCHED};
-use iwan_core::{Error, Newmark, Pulse};
+use iwan_core::{Error, Newmark, Pulse, Representation};
 use iwan_machine::threads::together;
 
 use crate::error::SimulationError;
@@ -101,9 +101,22 @@ pub(crate) fn check_scales(mode: &Mode, force: &Pulse<'_>, settings: &Settings) 
     Ok(())
 }
 
-/// Refuses methods that are made for Iwan joints alone.
+/// Refuses methods that are made for Iwan joints by Masing's rule alone.
 pub(crate) fn check_method(mode: &Mode, method: Method) -> Result<(), Error> {
     let what = match (method, mode.is_plain()) {
+        (Method::HalfCycle | Method::Event { .. }, true) if mode.friction_drops() => {
+            "half-cycle and event rest on Masing's rule, which a joint with theta < 1 (dynamic below static friction) does not \
+             follow: it needs newmark or averaging"
+        }
+        (Method::Newmark { joint: Representation::Continuum, .. }, _) if mode.friction_drops() => {
+            "the continuum rests on Masing's rule, which a joint with theta < 1 (dynamic below static friction) does not follow: \
+             step it on sliders"
+        }
+        (Method::Newmark { beta, gamma, .. }, true)
+            if mode.friction_drops() && (beta != 0.25 || gamma != 0.5) =>
+        {
+            "a joint with theta < 1 (dynamic below static friction) is stepped with beta = 0.25 and gamma = 0.5 only"
+        }
         (Method::HalfCycle | Method::Event { .. }, false) => {
             "half-cycle and event run Iwan joints with viscous damping only: a mode with parts or curves needs newmark or \
              averaging"
@@ -170,7 +183,8 @@ pub(crate) fn simulate_observed(
         method @ (Method::HalfCycle | Method::Averaging) => {
             let settled = settled_after(&force, dt, samples)?;
             let job = Decaying { task, force: &force, method, settled };
-            let simulate = if mode.is_plain() { free_decay::simulate } else { averaged::simulate };
+            let masing = mode.is_plain() && !mode.friction_drops();
+            let simulate = if masing { free_decay::simulate } else { averaged::simulate };
             simulate(job, settings.quality, spare, progress)
         }
         Method::Event { bins, grid } => {

@@ -8,7 +8,7 @@ use iwan_core::{EnergyBalance, Error, Newmark, Oscillator, Pulse, Representation
 use crate::error::SimulationError;
 use crate::methods::between::{Polyline, unseen};
 use crate::methods::outside::Follower;
-use crate::methods::quality::FEWEST;
+use crate::methods::quality::{FEWEST, reference};
 use crate::methods::run::{strongest, told};
 use crate::methods::stepped::{self, Stepped};
 use crate::methods::task::{CHUNK, Room, Task, first_not_finite, reversals, seen_by_double_steps};
@@ -300,9 +300,10 @@ impl<'a> Streamed<'a> {
         if let Some(coarse) = coarse {
             second = Companion::new(Buffered::new(twice, coarse, *joint, longer, 2));
             unseen = Unseen::new(mode, oscillator, force, dt, samples);
+            let finest = reference(mode, *joint);
             let beside = match unseen {
-                None => Buffered::new(twice, coarse, Representation::Continuum, whole, 2),
-                Some(_) => Buffered::new(task, scheme, Representation::Continuum, whole, 1),
+                None => Buffered::new(twice, coarse, finest, whole, 2),
+                Some(_) => Buffered::new(task, scheme, finest, whole, 1),
             };
             third = if cut && second.is_some() { Companion::new(beside) } else { None };
         }

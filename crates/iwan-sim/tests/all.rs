@@ -1,5 +1,6 @@
 //! All tests of iwan-sim in one program: linked once, and run side by side.
 
+mod five_parameter;
 mod forced;
 mod harmonics;
 mod methods;

@@ -182,7 +182,7 @@ fn modes(run: &Reported<'_>) -> Markup {
             h2 id=(format!("mode-{n}")) { (mode.mode.name) }
             @let shares = run.scenario.joints.iter().any(|joint| joint.joint.moved_by(n));
             p { (describe(&mode.mode, summary, shares)) }
-            (grid(&Decay { mode: &mode.mode, response, cycles: cycles(response, settled), settled, shares }.figures()))
+            (grid(&Decay { mode: &mode.mode.after(response.peak_displacement()), response, cycles: cycles(response, settled), settled, shares }.figures()))
         }
         (left_out(run.response.modes.len(), "modes"))
     }

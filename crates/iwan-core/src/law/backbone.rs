@@ -2,8 +2,10 @@
 //!
 //! Any parallel-series Iwan model is known by its virgin (backbone) curve F(u):
 //! its slider density is ρ(u) = -F''(u), and by Masing's rule so are all loops.
-//! A further family of joints is one file that implements [`Backbone`].
+//! A further family of joints is one file that implements [`Backbone`]. One whose friction drops once it slips does not
+//! obey that rule: it says so by [`Backbone::friction_ratio`], and brings its own cycles.
 
+use crate::error::Error;
 use crate::quadrature::Rule;
 
 /// Micro-slip of the form F(u) = stiffness·u - coefficient·u^exponent for |u| <= limit.
@@ -27,8 +29,14 @@ pub trait Backbone {
     /// Stiffness K_T at zero displacement (all sliders stick), > 0.
     fn initial_stiffness(&self) -> f64;
 
-    /// Force F_S when all sliders slip, > 0.
+    /// Force F_S when all sliders slip, > 0: of static friction, where friction drops once they do.
     fn slip_force(&self) -> f64;
+
+    /// Ratio θ of dynamic to static friction of its sliders, 0 < θ <= 1. For θ = 1 loops follow the virgin curve by
+    /// Masing's rule; for θ < 1 they do not, and what rests on that rule refuses the law.
+    fn friction_ratio(&self) -> f64 {
+        1.0
+    }
 
     /// Strengths of the weakest and of the strongest slider: no slip below the first
     /// displacement, macro-slip above the second.
@@ -50,6 +58,12 @@ pub trait Backbone {
     fn dissipation(&self, u: f64) -> f64 {
         let u = u.abs();
         8.0 * self.energy(u) - 4.0 * u * self.force(u)
+    }
+
+    /// Energy of the sliders' springs at a turning point of that cycle: by Masing's rule G(u) - D(u)/4.
+    fn energy_at_turn(&self, u: f64) -> f64 {
+        let u = u.abs();
+        self.energy(u) - 0.25 * self.dissipation(u)
     }
 
     /// Secant stiffness F(u)/u, K_T at u = 0.
@@ -95,6 +109,16 @@ pub trait Backbone {
     }
 }
 
+/// Refuses a law that does not obey Masing's rule.
+pub(crate) fn check_masing<B: Backbone + ?Sized>(law: &B) -> Result<(), Error> {
+    if law.friction_ratio() == 1.0 {
+        return Ok(());
+    }
+    let what = "a joint with dynamic below static friction does not follow Masing's rule, on which this rests: step it on \
+        sliders by Newmark's method (beta = 0.25, gamma = 0.5), or average it";
+    Err(Error::Unsupported { what })
+}
+
 /// Panels of 16 nodes in the first-harmonic quadrature, between the corners at the weakest and the strongest
 /// slider. A smooth density needs two (one leaves 3e-12 at χ = -0.95); more change rounding only. The others are
 /// for the corners of a tabulated density, which lie within the panels: for a table of four points one, two, four
@@ -138,6 +162,9 @@ impl<B: Backbone + ?Sized> Backbone for &B {
     fn slip_force(&self) -> f64 {
         (**self).slip_force()
     }
+    fn friction_ratio(&self) -> f64 {
+        (**self).friction_ratio()
+    }
     fn strengths(&self) -> (f64, f64) {
         (**self).strengths()
     }
@@ -152,6 +179,9 @@ impl<B: Backbone + ?Sized> Backbone for &B {
     }
     fn dissipation(&self, u: f64) -> f64 {
         (**self).dissipation(u)
+    }
+    fn energy_at_turn(&self, u: f64) -> f64 {
+        (**self).energy_at_turn(u)
     }
     fn harmonic_stiffness(&self, u: f64) -> f64 {
         (**self).harmonic_stiffness(u)

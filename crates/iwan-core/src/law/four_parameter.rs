@@ -6,6 +6,7 @@
 use core::f64::consts::PI;
 
 use super::backbone::{Backbone, PowerLaw};
+use super::cosine_moment::{cosine_moment, linear_moment};
 use crate::error::{Error, check};
 
 /// A four-parameter Iwan joint.
@@ -154,7 +155,7 @@ impl FourParameter {
     }
 
     /// (|u|/φ_max)^(χ+1), the only power in the micro-slip formulas.
-    fn power(&self, u: f64) -> f64 {
+    pub(super) fn power(&self, u: f64) -> f64 {
         libm::pow(u.abs() / self.phi_max, self.chi + 1.0)
     }
 }
@@ -199,72 +200,21 @@ impl FourParameter {
 }
 
 impl FourParameter {
+    /// B(χ + 5/2, ½), which the factor g of micro-slip is made of.
+    pub(super) fn complete_beta(&self) -> f64 {
+        let p = self.chi + 2.0;
+        0.25 * PI * self.harmonic * (p + 1.0) / p
+    }
+
     /// K_1 = -(4/πu) ∫F(u sin²(θ/2)) cos θ dθ from 0 to π, with F = K_T z - C z^(χ+2) up to φ_max and F_S beyond.
     fn harmonic_in_macro_slip(&self, u: f64) -> f64 {
         let (x, p) = (self.phi_max / u, self.chi + 2.0);
-        // B(p + ½, ½), which the factor g of micro-slip is made of.
-        let beta = 0.25 * PI * self.harmonic * (p + 1.0) / p;
-        let sticking =
-            self.k_t * if x > ELEMENTARY { linear_moment(x) } else { cosine_moment(1.0, 0.5 * PI, x) };
+        let beta = self.complete_beta();
+        let sticking = self.k_t * linear_moment(x);
         let softening = self.k_power / p * cosine_moment(p, beta, x);
         let sliding = 2.0 * self.f_s * libm::sqrt(x * (1.0 - x));
         -4.0 / (PI * u) * ((sticking - softening) * self.phi_max - sliding)
     }
-}
-
-/// x^(-p) ∫sin^(2p)(θ/2) cos θ dθ from 0 to where sin²(θ/2) = x < 1, which by parts is
-/// x^(-p) [2 x^(p+½) (1-x)^½ - p B_x(p+½, ½)]/(p+1). `beta` is the complete B(p+½, ½).
-///
-/// Beyond x = (a+1)/(a+b+2) the continued fraction of B_x(a, b) converges slowly, and that of 1 - x is taken:
-/// B_x(a, b) = B(a, b) - B_(1-x)(b, a) (DLMF 8.17.4).
-fn cosine_moment(p: f64, beta: f64, x: f64) -> f64 {
-    let (a, b, root) = (p + 0.5, 0.5, libm::sqrt(x * (1.0 - x)));
-    let incomplete = if x < (a + 1.0) / (a + b + 2.0) {
-        root / a * beta_fraction(a, b, x)
-    } else {
-        libm::pow(x, -p) * beta - root / b * beta_fraction(b, a, 1.0 - x)
-    };
-    (2.0 * root - p * incomplete) / (p + 1.0)
-}
-
-/// Above this x the closed form of the linear spring's moment loses less than a digit by cancellation: its terms are six times their sum at 0.3.
-const ELEMENTARY: f64 = 0.3;
-
-/// `cosine_moment` of p = 1: with sin²(θ/2) = x, (sin θ/2 - θ/4 - sin 2θ/8)/x.
-fn linear_moment(x: f64) -> f64 {
-    /// Above this the rounding of √x, over √(1 - x), is more than 1e-13 of asin √x, and 1e-8 of it next to 1.
-    const NEXT_TO_ONE: f64 = 1.0 - 1e-6;
-    let (sine, cosine) = (2.0 * libm::sqrt(x * (1.0 - x)), 1.0 - 2.0 * x);
-    let half = if x < NEXT_TO_ONE {
-        libm::asin(libm::sqrt(x))
-    } else {
-        0.5 * core::f64::consts::PI - libm::asin(libm::sqrt(1.0 - x))
-    };
-    (0.5 * sine - 0.5 * half - 0.25 * sine * cosine) / x
-}
-
-/// Most terms of the continued fraction. It needs 35 at the most for χ <= 1 (all x, to the last bit), so the bound
-/// only keeps NaN, which never converges, from going round for ever.
-const MOST_TERMS: i32 = 200;
-
-/// The continued fraction of a B_x(a, b) / (x^a (1-x)^b), for x below (a+1)/(a+b+2): DLMF 8.17.22, by Lentz's method.
-fn beta_fraction(a: f64, b: f64, x: f64) -> f64 {
-    let (mut fraction, mut up, mut down) = (1.0, 1.0, 0.0);
-    for n in 1..MOST_TERMS {
-        let m = f64::from(n / 2);
-        let term = if n % 2 == 0 {
-            m * (b - m) * x / ((a + 2.0 * m - 1.0) * (a + 2.0 * m))
-        } else {
-            -(a + m) * (a + b + m) * x / ((a + 2.0 * m) * (a + 2.0 * m + 1.0))
-        };
-        down = 1.0 / (1.0 + term * down);
-        up = 1.0 + term / up;
-        fraction *= up * down;
-        if libm::fabs(up * down - 1.0) < f64::EPSILON {
-            break;
-        }
-    }
-    1.0 / fraction
 }
 
 impl Backbone for FourParameter {

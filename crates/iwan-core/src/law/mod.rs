@@ -1,16 +1,23 @@
-//! Joint laws: a law is its virgin curve, from which Masing's rule makes everything else.
+//! Joint laws: a law is its virgin curve, from which Masing's rule makes everything else; where friction drops once it
+//! slips, its cycles are derived slider by slider.
 
 mod backbone;
 mod jenkins;
 mod uniform;
 mod tabulated;
+mod cosine_moment;
 mod four_parameter;
+mod breakaway;
+mod five_parameter;
 mod slopes;
 mod power;
 mod tabled_four_parameter;
 mod representation;
 
+pub(crate) use backbone::check_masing;
 pub use backbone::{Backbone, PowerLaw};
+pub(crate) use breakaway::Breakaway;
+pub use five_parameter::FiveParameter;
 pub use four_parameter::FourParameter;
 pub use jenkins::Jenkins;
 pub(crate) use jenkins::jenkins_harmonic;

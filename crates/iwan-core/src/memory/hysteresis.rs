@@ -40,4 +40,12 @@ pub trait Trial<State>: Hysteresis<State> {
     /// # Ok::<(), iwan_core::Error>(())
     /// ```
     fn trial(&self, state: &State, u: f64) -> (f64, f64);
+
+    /// The mean force over a monotone way to the displacement `u`, work over way, less the mean of the forces at its two ends,
+    /// with its derivative: what a step of average acceleration leaves out. It is of second order in the step, and left out, where the
+    /// force is continuous; where it jumps it is of first order.
+    fn mean_beyond_ends(&self, state: &State, u: f64) -> (f64, f64) {
+        let _ = (state, u);
+        (0.0, 0.0)
+    }
 }

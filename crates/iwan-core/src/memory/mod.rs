@@ -7,6 +7,7 @@ mod hysteresis;
 mod no_joint;
 mod sliders;
 mod plain;
+mod stick_slip;
 mod runs;
 mod masing;
 
@@ -18,3 +19,4 @@ pub use plain::{Extensions, Plain};
 pub(crate) use runs::Segment;
 pub use runs::{Run, Runs, Straight};
 pub use sliders::{Slider, Sliders};
+pub use stick_slip::{Spring, Springs, StickSlip};

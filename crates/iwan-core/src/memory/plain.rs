@@ -3,6 +3,7 @@
 use super::hysteresis::Hysteresis;
 use super::sliders::Sliders;
 use crate::error::{Error, check_length};
+use crate::law::check_masing;
 
 /// The plain loop over a population; the fast kernels are tested against it.
 ///
@@ -38,8 +39,9 @@ impl<'a> Plain<'a> {
     /// The virgin state: `extension` has one entry per slider and is set to zero.
     ///
     /// # Errors
-    /// [`Error::Length`].
+    /// [`Error::Length`]; [`Error::Unsupported`] where friction drops once a slider slips: see [`StickSlip`](crate::StickSlip).
     pub fn virgin<S: AsMut<[f64]>>(&self, mut extension: S) -> Result<Extensions<S>, Error> {
+        check_masing(&self.sliders)?;
         check_length("extension", extension.as_mut().len(), self.sliders.len())?;
         extension.as_mut().fill(0.0);
         Ok(Extensions { u: 0.0, extension })

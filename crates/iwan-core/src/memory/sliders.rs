@@ -3,8 +3,8 @@
 //! The table is sorted by strength and carries the running sums that make the
 //! force of the whole population a matter of one look-up (see [`Runs`](crate::Runs)).
 
-use crate::error::{Error, check_length};
-use crate::law::{Backbone, Grid, jenkins_harmonic};
+use crate::error::{Error, check, check_length};
+use crate::law::{Backbone, Breakaway, Grid, jenkins_harmonic};
 
 /// One Jenkins element and the running sums up to it: 32 bytes, half a cache line.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
@@ -35,6 +35,8 @@ pub struct Slider {
 pub struct Sliders<'a> {
     /// Sorted by strength, closed by a sentinel of infinite reach and no stiffness.
     table: &'a [Slider],
+    /// Ratio of dynamic to static friction.
+    friction_ratio: f64,
 }
 
 /// Reach of the sentinel behind the last slider, farther than any motion: finite, so that 0 · reach is 0 and not NaN.
@@ -99,7 +101,16 @@ impl<'a> Sliders<'a> {
         if dirac > LEAST_DIRAC * law.initial_stiffness() {
             push(dirac, high);
         }
-        Ok(Self::close(count, table))
+        Ok(Self { friction_ratio: law.friction_ratio(), ..Self::close(count, table) })
+    }
+
+    /// The same sliders with a ratio 0 < `theta` <= 1 of dynamic to static friction: below 1 they are for [`StickSlip`](crate::StickSlip).
+    ///
+    /// # Errors
+    /// [`Error::OutOfRange`] for `theta`.
+    pub fn dropping(self, theta: f64) -> Result<Self, Error> {
+        check("theta", theta, theta > 0.0 && theta <= 1.0, "must satisfy 0 < theta <= 1")?;
+        Ok(Self { friction_ratio: theta, ..self })
     }
 
     /// From `strength` φ_i >= 0 (ascending, ties allowed) and `stiffness` k_i > 0 of each slider;
@@ -148,7 +159,7 @@ impl<'a> Sliders<'a> {
             from.add(slider.stiffness);
             slider.stiffness_from = from.value();
         }
-        Self { table: &table[..=count] }
+        Self { table: &table[..=count], friction_ratio: 1.0 }
     }
 
     /// Number of sliders.
@@ -175,6 +186,10 @@ impl<'a> Sliders<'a> {
         self.table
     }
 
+    fn breakaway(&self) -> Breakaway {
+        Breakaway { ratio: self.friction_ratio }
+    }
+
     fn total(&self) -> &Slider {
         &self.table[self.len()]
     }
@@ -185,7 +200,7 @@ impl<'a> Sliders<'a> {
     }
 }
 
-/// The virgin curve of the population itself: piecewise linear.
+/// The virgin curve of the population itself, piecewise linear, and cycles reached from rest.
 impl Backbone for Sliders<'_> {
     fn initial_stiffness(&self) -> f64 {
         self.table[0].stiffness_from
@@ -195,13 +210,17 @@ impl Backbone for Sliders<'_> {
         self.total().slip_force_below
     }
 
+    fn friction_ratio(&self) -> f64 {
+        self.friction_ratio
+    }
+
     fn strengths(&self) -> (f64, f64) {
         (self.table[0].strength, self.table[self.len() - 1].strength)
     }
 
     fn force(&self, u: f64) -> f64 {
         let next = &self.table[self.frontier(u)];
-        (next.slip_force_below + next.stiffness_from * u.abs()).copysign(u)
+        (self.friction_ratio * next.slip_force_below + next.stiffness_from * u.abs()).copysign(u)
     }
 
     fn tangent(&self, u: f64) -> f64 {
@@ -210,16 +229,34 @@ impl Backbone for Sliders<'_> {
 
     fn energy(&self, u: f64) -> f64 {
         let u = u.abs();
+        if self.friction_ratio != 1.0 {
+            return self.elements().map(|(phi, k)| k * self.breakaway().energy(phi, u)).sum();
+        }
         self.elements().map(|(phi, k)| k * phi.min(u) * (u - 0.5 * phi.min(u))).sum()
     }
 
     fn dissipation(&self, u: f64) -> f64 {
         let u = u.abs();
+        if self.friction_ratio != 1.0 {
+            let sliding = self.elements().take_while(|e| e.0 <= u);
+            return sliding.map(|(phi, k)| k * self.breakaway().dissipation(phi, u)).sum();
+        }
         4.0 * self.elements().take_while(|e| e.0 < u).map(|(phi, k)| k * phi * (u - phi)).sum::<f64>()
     }
 
+    fn energy_at_turn(&self, u: f64) -> f64 {
+        let u = u.abs();
+        let spring = |phi: f64| if phi <= u { self.friction_ratio * phi } else { u };
+        self.elements().map(|(phi, k)| 0.5 * k * spring(phi) * spring(phi)).sum()
+    }
+
     fn harmonic_stiffness(&self, u: f64) -> f64 {
-        self.elements().map(|(phi, k)| k * jenkins_harmonic(phi / u.abs())).sum()
+        let u = u.abs();
+        if self.friction_ratio != 1.0 {
+            let one = |phi| if phi <= u { self.breakaway().harmonic(phi, u) } else { 1.0 };
+            return self.elements().map(|(phi, k)| k * if u > 0.0 { one(phi) } else { 1.0 }).sum();
+        }
+        self.elements().map(|(phi, k)| k * jenkins_harmonic(phi / u)).sum()
     }
 
     fn is_smooth(&self) -> bool {

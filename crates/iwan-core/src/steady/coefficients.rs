@@ -4,7 +4,7 @@ use super::harmonics::{Course, Harmonics};
 use super::turns::{farthest, from_turn};
 use super::walk::{SteadyWork, Walk, tolerance};
 use crate::error::{Error, check_length};
-use crate::law::Backbone;
+use crate::law::{Backbone, check_masing};
 
 /// The force of a joint in steady motion, as Fourier coefficients.
 ///
@@ -30,7 +30,8 @@ use crate::law::Backbone;
 /// ```
 ///
 /// # Errors
-/// [`Error::Length`] where a slice does not fit the harmonics, [`Error::Entry`] where a coefficient is not finite.
+/// [`Error::Length`] where a slice does not fit the harmonics, [`Error::Entry`] where a coefficient is not finite;
+/// [`Error::Unsupported`] for a law that does not obey Masing's rule.
 pub fn steady_force<B: Backbone>(
     law: &B,
     harmonics: Harmonics,
@@ -39,6 +40,7 @@ pub fn steady_force<B: Backbone>(
     jacobian: Option<&mut [f64]>,
     work: &mut SteadyWork,
 ) -> Result<(), Error> {
+    check_masing(law)?;
     let count = harmonics.len();
     let course = Course::new(harmonics, displacement)?;
     check_length("force", force.len(), count)?;

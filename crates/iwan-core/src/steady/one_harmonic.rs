@@ -13,7 +13,7 @@ use core::f64::consts::PI;
 
 use super::harmonics::MOST_HARMONICS;
 use crate::error::{Error, check, check_length};
-use crate::law::{Backbone, PowerLaw};
+use crate::law::{Backbone, PowerLaw, check_masing};
 use crate::quadrature::Rule;
 
 /// Number of odd harmonics at most.
@@ -36,8 +36,9 @@ const MOST_ODD: usize = MOST_HARMONICS.div_ceil(2);
 ///
 /// # Errors
 /// [`Error::OutOfRange`] unless the amplitude `a` is finite and >= 0; [`Error::Length`] where the slices differ in length or
-/// hold more than the 16 odd harmonics up to the 31st.
+/// hold more than the 16 odd harmonics up to the 31st; [`Error::Unsupported`] for a law that does not obey Masing's rule.
 pub fn one_harmonic<B: Backbone>(law: &B, a: f64, cosine: &mut [f64], sine: &mut [f64]) -> Result<(), Error> {
+    check_masing(law)?;
     check("amplitude", a, a >= 0.0, "must be a finite number >= 0")?;
     check_length("sine", sine.len(), cosine.len())?;
     if cosine.len() > MOST_ODD {

@@ -65,7 +65,7 @@ impl<'a, B: Backbone> ModalLaw<'a, B> {
     /// Energy of the joint's and the parts' springs at the turning point of a closed cycle of amplitude `a`.
     #[must_use]
     pub fn added_energy(&self, a: f64) -> f64 {
-        let joint = self.joint.map_or(0.0, |law| law.energy(a) - 0.25 * law.dissipation(a));
+        let joint = self.joint.map_or(0.0, |law| law.energy_at_turn(a));
         joint + sum_of_parts(self.parts, |part| part.energy(a))
     }
 

@@ -9,7 +9,9 @@
 //! their energy gains (O. Gonzalez, Time integration and discrete Hamiltonian systems, J. Nonlinear Sci. 6:449, 1996,
 //! in one dimension); d are the dampers at the mean velocity x/h, so that they never give energy back, and a mode that
 //! creeps under a root of the velocity creeps at its own pace (with the mean of the forces at both ends it would go twice
-//! as fast); s F is dry friction in the direction s of the motion, σ the prewarping factor.
+//! as fast); s F is dry friction in the direction s of the motion, σ the prewarping factor. A joint whose force jumps on the
+//! way enters by its mean force, too ([`Trial::mean_beyond_ends`]): with the mean of both ends a jump would cost an error of
+//! first order in the step.
 //!
 //! Dry friction is set-valued at rest and is not smoothed. A step in which the velocity changes its sign is cut where
 //! it vanishes; there the mode sticks while the force that it withstands is at most F, and slides on in the direction
@@ -248,7 +250,8 @@ impl<'a> WithParts<'a> {
         for _ in 0..MOST_ROUNDS {
             let (u, v) = (at.q + x, x / h);
             let (force, tangent) = joint.trial(state, u);
-            let mean = sum_of_parts(self.parts, |part| part.mean_force(at.q, u));
+            let (jumps, jumps_slope) = joint.mean_beyond_ends(state, u);
+            let mean = sum_of_parts(self.parts, |part| part.mean_force(at.q, u)) + jumps;
             let residual = stiffness * x + (force - at.joint) + 2.0 * (mean + damping(v)) - known;
             if residual > 0.0 {
                 high = x;
@@ -258,7 +261,9 @@ impl<'a> WithParts<'a> {
             let least = LEAST_VELOCITY * (at.v.abs() + v.abs()) + f64::MIN_POSITIVE;
             let damper = sum_of_parts(self.parts, |part| part.damping_slope(v.abs().max(least)));
             let spring = sum_of_parts(self.parts, |part| part.tangent(u));
-            let slope = stiffness + tangent + spring + 2.0 / h * damper;
+            let steady = stiffness + tangent + spring + 2.0 / h * damper;
+            // Behind a break next to the step's start the mean force falls steeply: half of the slope is left at least.
+            let slope = steady + if jumps == 0.0 { 0.0 } else { (2.0 * jumps_slope).max(-0.5 * steady) };
             let newton = x - residual / slope;
             let bracketed = low.is_finite() && high.is_finite();
             let outside = newton <= low || newton >= high || (newton - x).abs() > 0.5 * before;
@@ -290,11 +295,12 @@ impl<'a> WithParts<'a> {
         let way = u - at.q;
         let damping = |v: f64| sum_of_parts(self.parts, |part| part.damping_force(v));
         let mean = sum_of_parts(self.parts, |part| part.mean_force(at.q, u));
+        let jumps = joint.mean_beyond_ends(state, u).0;
         let force = if x.is_nan() { f64::NAN } else { joint.advance(state, u) };
         works.force += 0.5 * piece.scheme.force_scale() * (piece.p[0] + piece.p[1]) * way;
         works.damper += 0.5 * self.oscillator.viscous() * (at.v + v) * way;
         let parts = mean + damping(way / piece.scheme.step()) + piece.direction * self.friction;
-        works.joint += (0.5 * (at.joint + force) + parts) * way;
+        works.joint += (0.5 * (at.joint + force) + jumps + parts) * way;
         *at = At { q: u, v, joint: force };
     }
 }

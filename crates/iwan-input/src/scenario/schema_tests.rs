@@ -118,6 +118,11 @@ fn every_variant_is_valid_and_survives_writing() {
     let none = "kind = 'none'";
     let variants = [
         (joint, "joint = { kind = 'jenkins', k_t = 1e4, f_s = 10.0 }"),
+        (joint, "joint = { k_t = 1e4, f_s = 10.0, chi = -0.5, beta = 0.1, theta = 0.8 }"),
+        (
+            joint,
+            "joint = { kind = 'five-parameter', k_t = 1e4, f_s = 10.0, chi = -0.5, beta = 0.1, theta = 1 }",
+        ),
         (joint, "joint = { kind = 'uniform', k_t = 1e4, f_s = 10.0, width = 0.5 }"),
         (joint, "joint = { kind = 'tabulated', strength = [0.0, 1e-3], density = [1e7, 1e6], dirac = 10.0 }"),
         (joint, "joint = { k_t = 1e6, f_s = 10.0, chi = 0, beta = 0 }\nallow_negative_residual = true"),
@@ -221,6 +226,10 @@ fn what_the_schema_refuses_the_reader_refuses() {
         ("name = 'a'", "name = ''"),
         ("chi = -0.5", "chi = -1.0"),
         ("beta = 0.1", "beta = 0.1, gamma = 1"),
+        ("beta = 0.1", "beta = 0.1, theta = 0"),
+        ("beta = 0.1", "beta = 0.1, theta = 1.5"),
+        ("beta = 0.1", "beta = 0.1, theta = 0.8, kind = 'four-parameter'"),
+        ("beta = 0.1", "beta = 0.1, kind = 'five-parameter'"),
         ("beta = 0.1", "beta = 0.1, kind = 'none'"),
         ("kind = 'none'", "kind = 'none'\namplitude = 1"),
         ("kind = 'none'", "kind = 'haversine'\namplitude = 1"),

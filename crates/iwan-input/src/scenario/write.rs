@@ -170,6 +170,14 @@ fn joint_table(joint: &WrittenLaw) -> String {
         WrittenLaw::FourParameter { k_t, f_s, chi, beta } => {
             inline(&[kind("four-parameter"), n("k_t", k_t), n("f_s", f_s), n("chi", chi), n("beta", beta)])
         }
+        WrittenLaw::FiveParameter { k_t, f_s, chi, beta, theta } => inline(&[
+            kind("five-parameter"),
+            n("k_t", k_t),
+            n("f_s", f_s),
+            n("chi", chi),
+            n("beta", beta),
+            n("theta", theta),
+        ]),
         WrittenLaw::Jenkins { k_t, f_s } => inline(&[kind("jenkins"), n("k_t", k_t), n("f_s", f_s)]),
         WrittenLaw::Uniform { k_t, f_s, width } => {
             inline(&[kind("uniform"), n("k_t", k_t), n("f_s", f_s), n("width", width)])

@@ -3,6 +3,7 @@
 use std::fmt;
 use std::sync::Arc;
 
+use iwan_core::Backbone;
 use iwan_fem::mesh::Mesh;
 use iwan_fem::{Interface, Joint, Law, Patch, Structure};
 
@@ -183,5 +184,9 @@ fn slip<'a>(
 pub(super) fn law(source: &InputText, slip: &Section<'_>) -> Result<Option<StructureLaw>, InputError> {
     let Some(place) = slip.optional_table("law")? else { return Ok(None) };
     let (written, law) = WrittenLaw::read(source, format!("law of {}", slip.title()), place)?;
+    if law.friction_ratio() != 1.0 {
+        let message = "theta is below 1: the joints of a structure follow Masing's rule, and dynamic below static friction does not";
+        return Err(slip.failure("law", message, "take the four-parameter law without theta"));
+    }
     Ok(Some(StructureLaw { law: Arc::new(law), written }))
 }

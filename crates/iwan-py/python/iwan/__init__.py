@@ -16,6 +16,7 @@ from iwan import ensemble, plot
 from iwan._native import (
     Coulomb,
     Envelope,
+    FiveParameter,
     FourParameter,
     HalfSine,
     Haversine,
@@ -77,6 +78,7 @@ __all__ = [
     "ExistingFileError",
     "FileError",
     "Fit",
+    "FiveParameter",
     "FourParameter",
     "HalfSine",
     "Haversine",

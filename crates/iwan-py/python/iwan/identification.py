@@ -14,6 +14,7 @@ from numpy.typing import ArrayLike
 from iwan._native import (
     Coulomb,
     Envelope,
+    FiveParameter,
     FourParameter,
     Jenkins,
     Mode,
@@ -145,8 +146,10 @@ class Fit(SixParameters):
 
 def _mode_of_law(p: Mapping[str, float]) -> Mode:
     """The mode that the parameters of a law make, by their names."""
-    joint: FourParameter | Jenkins | None = None
-    if "chi" in p:
+    joint: FiveParameter | FourParameter | Jenkins | None = None
+    if "theta" in p:
+        joint = FiveParameter(k_t=p["k_t"], f_s=p["f_s"], chi=p["chi"], beta=p["beta"], theta=p["theta"])
+    elif "chi" in p:
         joint = FourParameter(k_t=p["k_t"], f_s=p["f_s"], chi=p["chi"], beta=p["beta"])
     elif "k_t" in p:
         joint = Jenkins(k_t=p["k_t"], f_s=p["f_s"])

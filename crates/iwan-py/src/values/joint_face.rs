@@ -17,10 +17,10 @@ const MANY: usize = 1 << 12;
 /// Displacements from which on a history gets a thread of its own, so that Ctrl-C is heard: a million last tens of milliseconds.
 const LASTING: usize = 1 << 20;
 
-/// A joint law: the common face of `FourParameter`, `Jenkins`, `Uniform` and `Tabulated`.
+/// A joint law: the common face of `FourParameter`, `FiveParameter`, `Jenkins`, `Uniform` and `Tabulated`.
 ///
 /// A parallel-series Iwan joint is known by its virgin curve F(u), the density of its sliders being rho = -F''; all loops
-/// follow by Masing's rule. Displacements `u` are of either sign, in the user's own length unit, as a float or as an
+/// follow by Masing's rule (but those of a `FiveParameter` joint). Displacements `u` are of either sign, in the user's own length unit, as a float or as an
 /// array of any shape; results have the same shape. `force` is odd in u, everything else even. Frozen, hashable, picklable.
 ///
 /// Raises `iwan.InvalidValueError` for a displacement that is not finite.
@@ -54,7 +54,7 @@ impl Joint {
         self.law.initial_stiffness()
     }
 
-    /// Slip force F_S, all sliders slipping.
+    /// Slip force F_S, all sliders slipping: of static friction.
     #[getter]
     fn f_s(&self) -> f64 {
         self.law.slip_force()

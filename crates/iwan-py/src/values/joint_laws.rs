@@ -1,5 +1,6 @@
 //! The joint laws: construction, parameters, `repr` and pickling of each.
 
+use iwan_core::Backbone;
 use iwan_sim::JointLaw;
 use numpy::PyArray1;
 use pyo3::IntoPyObjectExt;
@@ -7,7 +8,7 @@ use pyo3::prelude::*;
 use pyo3::types::IntoPyDict;
 
 use crate::exchange::array::{Numbers, array};
-use crate::exchange::errors::core;
+use crate::exchange::errors::{core, value};
 use crate::exchange::pickle::{NewArguments, Remake};
 use crate::exchange::repr;
 use crate::values::joint_face::Joint;
@@ -133,6 +134,115 @@ pub(crate) fn _four_parameter(
         return FourParameter::from_density(py, a, b, c, d);
     }
     Py::new(py, FourParameter::new(a, b, c, d)?)
+}
+
+/// The Iwan joint of five parameters {K_T, F_S, chi, beta, theta}: Segalman's, with dynamic below static friction.
+///
+/// A slider sticks up to its static limit, slides at `theta` of that (0 < `theta` <= 1) until the motion turns round, and sticks again;
+/// the other parameters are those of `FourParameter`, `f_s` that of static friction. Masing's rule does not hold, and a cycle depends on
+/// what was before: `dissipation` and `harmonic_stiffness` are those of a cycle reached from rest, `dissipation_in_decay` and
+/// `harmonic_stiffness_in_decay` of one in a decay, in which more sliders slide. Methods "newmark" on sliders and "averaging" run it.
+///
+/// Raises `iwan.InvalidValueError` for a parameter out of range.
+///
+/// Source: M. P. Mignolet, P. Song, X. Q. Wang, J. Sound Vib. 349:289, 2015, doi:10.1016/j.jsv.2015.03.032.
+///
+/// >>> joint = iwan.FiveParameter(k_t=2.75e5, f_s=300.0, chi=-0.3, beta=0.02, theta=0.8)
+/// >>> print(f"{joint.force(2 * joint.phi_max):.9g}")  # all sliders slide
+/// 240
+#[pyclass(frozen, extends = Joint, module = "iwan")]
+#[derive(Debug)]
+pub(crate) struct FiveParameter {
+    law: iwan_core::FiveParameter,
+}
+
+impl FiveParameter {
+    fn arguments(&self) -> [(&'static str, f64); 5] {
+        let law = self.law.sticking();
+        let own = ("theta", self.law.theta());
+        [("k_t", law.k_t()), ("f_s", law.f_s()), ("chi", law.chi()), ("beta", law.beta()), own]
+    }
+
+    /// A property of cycles after motions up to `largest`, any by default.
+    fn in_decay<'py>(
+        &self,
+        u: &Bound<'py, PyAny>,
+        largest: Option<f64>,
+        property: impl Fn(&iwan_core::FiveParameter, f64) -> f64,
+    ) -> PyResult<Bound<'py, PyAny>> {
+        let largest = largest.unwrap_or(f64::INFINITY);
+        if largest.is_nan() || largest < 0.0 {
+            return Err(value(format!("largest = {largest} is out of range: an amplitude is >= 0")));
+        }
+        let law = self.law.after(largest);
+        Numbers::finite("u", u)?.map(|u| property(&law, u)).into_python(u.py())
+    }
+}
+
+#[pymethods]
+impl FiveParameter {
+    #[new]
+    #[pyo3(signature = (*, k_t, f_s, chi, beta, theta))]
+    fn new(k_t: f64, f_s: f64, chi: f64, beta: f64, theta: f64) -> PyResult<PyClassInitializer<Self>> {
+        let law = iwan_core::FiveParameter::new(k_t, f_s, chi, beta, theta).map_err(core)?;
+        let base = Joint { law: JointLaw::FiveParameter(law) };
+        Ok(PyClassInitializer::from(base).add_subclass(Self { law }))
+    }
+
+    /// Power chi of the density.
+    #[getter]
+    fn chi(&self) -> f64 {
+        self.law.sticking().chi()
+    }
+
+    /// Ratio beta of the stiffness of the Dirac to that of the power-law part.
+    #[getter]
+    fn beta(&self) -> f64 {
+        self.law.sticking().beta()
+    }
+
+    /// Ratio theta of dynamic to static friction.
+    #[getter]
+    fn theta(&self) -> f64 {
+        self.law.theta()
+    }
+
+    /// Energy dissipated in one cycle between -u and u of a decay from the amplitude `largest` (length; None: from any): a slider
+    /// that slid goes on sliding down to the amplitude (1+theta)/2 of its strength.
+    ///
+    /// >>> joint = iwan.FiveParameter(k_t=2.75e5, f_s=300.0, chi=0.0, beta=0.0, theta=0.5)
+    /// >>> print(f"{joint.dissipation_in_decay(1e-4) / joint.dissipation(1e-4):.4f}")
+    /// 1.5802
+    #[pyo3(signature = (u, largest = None))]
+    fn dissipation_in_decay<'py>(
+        &self,
+        u: &Bound<'py, PyAny>,
+        largest: Option<f64>,
+    ) -> PyResult<Bound<'py, PyAny>> {
+        self.in_decay(u, largest, Backbone::dissipation)
+    }
+
+    /// First-harmonic stiffness of a cycle of amplitude u of a decay from the amplitude `largest` (length; None: from any).
+    ///
+    /// >>> joint = iwan.FiveParameter(k_t=2.75e5, f_s=300.0, chi=0.0, beta=0.0, theta=0.5)
+    /// >>> joint.harmonic_stiffness_in_decay(1e-4) < joint.harmonic_stiffness(1e-4)
+    /// True
+    #[pyo3(signature = (u, largest = None))]
+    fn harmonic_stiffness_in_decay<'py>(
+        &self,
+        u: &Bound<'py, PyAny>,
+        largest: Option<f64>,
+    ) -> PyResult<Bound<'py, PyAny>> {
+        self.in_decay(u, largest, Backbone::harmonic_stiffness)
+    }
+
+    fn __repr__(&self) -> String {
+        repr::call("FiveParameter", &self.arguments().map(|(key, value)| (key, repr::float(value))))
+    }
+
+    fn __getnewargs_ex__<'py>(&self, py: Python<'py>) -> PyResult<NewArguments<'py>> {
+        Ok(((), self.arguments().into_py_dict(py)?))
+    }
 }
 
 /// One Jenkins element: a spring `k_t` > 0 in series with a friction slider of slip force `f_s` > 0.

@@ -8,6 +8,10 @@ use super::joint::{SharedJoint, Statics, check_rows, of_joint};
 use crate::error::SimulationError;
 use crate::mode::Mode;
 
+/// Why a joint whose friction drops is refused.
+const DROPS: &str = "joints of coupled modes follow Masing's rule, and one with theta < 1 (dynamic below static friction) does not: \
+    leave theta out, or step its mode alone";
+
 /// Room for the core.
 pub(super) fn storage(groups: usize) -> Vec<Lanes> {
     vec![[0.0; 4]; groups]
@@ -68,6 +72,12 @@ impl<'a> Task<'a> {
                 let what = "a mode that moves a shared joint is linear beside its own joint: leave out parts and curves";
                 return Err(of_mode(mode, Error::Unsupported { what }));
             }
+            if mode.friction_drops() {
+                return Err(of_mode(mode, Error::Unsupported { what: DROPS }));
+            }
+        }
+        if let Some(joint) = shared.iter().find(|joint| joint.law.friction_ratio() != 1.0) {
+            return Err(of_joint(&joint.name, Error::Unsupported { what: DROPS }));
         }
         let own: Vec<(usize, &Mode)> =
             modes.iter().enumerate().filter(|(_, mode)| mode.joint.is_some()).map(|(r, m)| (r, *m)).collect();

@@ -1,4 +1,4 @@
-//! Averaging of modes with parts or by their curves, once the force has settled.
+//! Averaging of modes with parts, by their curves or with friction that drops, once the force has settled.
 
 use std::time::Instant;
 
@@ -13,6 +13,7 @@ use crate::joint_law::with_law;
 use crate::methods::free_decay::{Decaying, fraction};
 use crate::methods::task::{Task, finite, modal_force};
 use crate::methods::{outside, quality, run};
+use crate::mode::Mode;
 use crate::response::{Quality, Response};
 
 /// The force stepped finely, the decay behind it averaged; the error by time steps at the sampling interval when `wanted`.
@@ -29,6 +30,9 @@ pub(crate) fn simulate(
     let mut response = spare.cleared(dt, samples);
     let clock = Instant::now();
     let (start, forced) = forced(job, &mut response)?;
+    // What slid in the loudest motion so far goes on sliding in the decay.
+    let before = response.displacement[..job.settled].iter();
+    let largest = before.fold(start.displacement.abs(), |most: f64, q| most.max(q.abs()));
     let length = (samples - 1 - job.settled) as f64 * dt;
     let mut buffers = response.samples();
     let mut out = buffers.between(job.settled, samples - 1);
@@ -38,6 +42,7 @@ pub(crate) fn simulate(
         decay.sample(dt, &mut out)?;
         decay.energy(length)
     } else if let Some(law) = &mode.joint {
+        let law = &law.after(largest);
         with_law!(law, law => {
             let mut decay = Averaging::of_law(ModalLaw::new(oscillator, Some(law), &mode.parts), start)?;
             decay.sample(dt, &mut out)?;
@@ -70,10 +75,17 @@ pub(crate) fn simulate(
     Ok(response)
 }
 
+/// How the joint is represented in steps beside the average: the continuum, or sliders where friction drops.
+fn finely(mode: &Mode) -> Representation {
+    /// Sliders: D of a thousand is a staircase of 1 % about that of the density, which a decay passes over.
+    const FINE: usize = 1000;
+    if mode.friction_drops() { Representation::in_a_mode(FINE) } else { Representation::Continuum }
+}
+
 /// The same mode in time steps at the sampling interval, where that is short enough.
 fn stepped(task: Task<'_>) -> Option<Response> {
     let scheme = Newmark::prewarped(task.dt, task.mode.oscillator().ok()?.omega0()).ok()?;
-    run::newmark(task, &scheme, Representation::Continuum, Response::default(), UNWATCHED).ok()
+    run::newmark(task, &scheme, finely(task.mode), Response::default(), UNWATCHED).ok()
 }
 
 /// Steps the forced part finely and writes its samples; the motion and the energy at its end.
@@ -87,7 +99,7 @@ fn forced(job: Decaying<'_>, response: &mut Response) -> Result<(Motion, EnergyB
     let force = modal_force(mode, job.force, dt, samples);
     let task = Task { mode, force: &force, dt, samples };
     let scheme = Newmark::prewarped(dt, mode.oscillator()?.omega0())?;
-    let fine = run::newmark(task, &scheme, Representation::Continuum, Response::default(), UNWATCHED)?;
+    let fine = run::newmark(task, &scheme, finely(mode), Response::default(), UNWATCHED)?;
     let histories = [&fine.displacement, &fine.velocity, &fine.acceleration, &fine.joint_force];
     let targets = [
         &mut response.displacement,

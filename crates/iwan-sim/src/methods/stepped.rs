@@ -2,8 +2,8 @@
 
 use iwan_core::{
     Backbone, Continuum, CurveNewmark, CurvePoint, EnergyBalance, Error, Hysteresis, JointEnergy, Motion,
-    Newmark, NoJoint, Oscillator, Representation, Reversals, Run, Samples, Slider, Sliders,
-    TabledFourParameter, Trial, WithParts,
+    Newmark, NoJoint, Oscillator, Representation, Reversals, Run, Samples, Slider, Sliders, Spring,
+    StickSlip, TabledFourParameter, Trial, WithParts,
 };
 
 use crate::error::SimulationError;
@@ -45,6 +45,11 @@ pub(crate) fn begin<'a>(
         Representation::Sliders { bins, grid } => {
             room.table.resize(Sliders::table_len(bins), Slider::default());
             let sliders = with_law!(law, law => Sliders::discretise(law, grid, bins, &mut room.table))?;
+            if mode.friction_drops() {
+                let joint = StickSlip::new(sliders);
+                let state = joint.virgin(vec![Spring::default(); sliders.len()])?;
+                return begun.beside_parts(joint, state, |_| 0.0);
+            }
             let state = sliders.virgin(vec![Run::default(); sliders.len()])?;
             if !mode.parts.is_empty() {
                 return begun.with(sliders, state, |_| 0.0);
@@ -87,7 +92,7 @@ impl<'a> Begun<'a> {
     fn with<S: 'a, J: Trial<S> + 'a>(
         self,
         joint: J,
-        mut state: S,
+        state: S,
         forgotten: fn(&S) -> f64,
     ) -> Result<Box<dyn Stepped + 'a>, SimulationError> {
         if self.mode.parts.is_empty() {
@@ -96,6 +101,16 @@ impl<'a> Begun<'a> {
             };
             return Ok(Box::new(self.jointed(joint, state, step, forgotten)));
         }
+        self.beside_parts(joint, state, forgotten)
+    }
+
+    /// By the path of modes with parts, of which there may be none: it knows of forces that jump.
+    fn beside_parts<S: 'a, J: Trial<S> + 'a>(
+        self,
+        joint: J,
+        mut state: S,
+        forgotten: fn(&S) -> f64,
+    ) -> Result<Box<dyn Stepped + 'a>, SimulationError> {
         let with = WithParts::new(&self.scheme, &self.oscillator, &self.mode.parts)?;
         joint.advance(&mut state, self.mode.initial.displacement);
         Ok(Box::new(BesideParts {

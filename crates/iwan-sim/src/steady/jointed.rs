@@ -91,6 +91,11 @@ impl JointedModes {
             return Err(Error::OutOfRange { name: "omega", value: 0.0, allowed }.into());
         }
         joints.iter().try_for_each(|joint| joint.checked(&modes))?;
+        if joints.iter().any(|joint| joint.law.friction_ratio() != 1.0) {
+            let what = "harmonics of a joint rest on Masing's rule, which one with theta < 1 (dynamic below static friction) does not \
+                follow: take harmonics = 1";
+            return Err(Error::Unsupported { what }.into());
+        }
         residual.checked(joints.len())?;
         Ok(Self { modes, joints, residual })
     }

@@ -3,7 +3,7 @@
 use super::branch::{Branch, Reversal};
 use super::reversals::{Prepared, Reversals};
 use crate::error::Error;
-use crate::law::Backbone;
+use crate::law::{Backbone, check_masing};
 use crate::memory::hysteresis::Hysteresis;
 
 /// A closed-form law evaluated by return-point memory.
@@ -38,8 +38,9 @@ impl<B: Backbone> Continuum<B> {
     /// The virgin state, with room for `stack.len()` >= 3 reversals.
     ///
     /// # Errors
-    /// [`Error::Length`].
+    /// [`Error::Length`]; [`Error::Unsupported`] for a law that does not obey Masing's rule.
     pub fn virgin<S: AsMut<[Reversal]>>(&self, mut stack: S) -> Result<Reversals<S>, Error> {
+        check_masing(&self.law)?;
         let found = stack.as_mut().len();
         if found < 3 {
             return Err(Error::Length { name: "stack", needed: 3, found });

@@ -2,6 +2,7 @@
 
 use super::straight::{Segment, Straight};
 use crate::error::{Error, check_length};
+use crate::law::check_masing;
 use crate::memory::hysteresis::Hysteresis;
 use crate::memory::sliders::{Slider, Sliders};
 
@@ -54,8 +55,9 @@ impl Sliders<'_> {
     /// The virgin state. `runs` has at least one entry per slider.
     ///
     /// # Errors
-    /// [`Error::Length`].
+    /// [`Error::Length`]; [`Error::Unsupported`] where friction drops once a slider slips.
     pub fn virgin<S: AsMut<[Run]>>(&self, mut runs: S) -> Result<Runs<S>, Error> {
+        check_masing(self)?;
         let slice = runs.as_mut();
         if slice.len() < self.len() {
             check_length("runs", slice.len(), self.len())?;
