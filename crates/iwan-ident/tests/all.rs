@@ -8,6 +8,7 @@ mod envelope_ends;
 mod free_form;
 mod freevib;
 mod identification;
+mod neighbours;
 mod shared_joints;
 mod sweeps;
 mod synthetic_truth;

@@ -5,6 +5,7 @@ use std::f64::consts::TAU;
 use iwan_core::{Decay, Motion, Reversal};
 use iwan_machine::threads::{both, in_parallel};
 
+use super::record::Windowed;
 use super::release::TurningPoint;
 use super::task::{Effort, FINE, ROUGH, Task, Workspace};
 use crate::search::{CHI, DIRAC, KNEE, Minimum, SOFTENING, Scales};
@@ -31,7 +32,7 @@ const HIGHEST_GIVEN: f64 = 30.0;
 const FINE_STEP: f64 = 0.01;
 /// … and both belong into the intervals.
 const CLOSE: i32 = 15;
-/// Slipping half cycles are counted up to here: more are enough for every purpose.
+/// Slipping half cycles are counted up to here beyond the gate's: more are enough for every purpose.
 const MOST_SLIPPING: usize = 64;
 /// A scan begins anew from its first point so often: a neighbour that went astray then leads no further.
 const ANEW: usize = 6;
@@ -68,7 +69,7 @@ impl Task {
 
     /// The smallest amplitude of the records over the largest.
     fn quietest(&self) -> f64 {
-        let part = |r: &super::record::Windowed| {
+        let part = |r: &Windowed| {
             let norms = || r.amplitudes.iter().map(|z| z.norm());
             norms().fold(f64::INFINITY, f64::min) / norms().fold(f64::MIN_POSITIVE, f64::max)
         };
@@ -246,24 +247,27 @@ impl Task {
         self.chart.parameters(x).model().map_or(f64::INFINITY, |(_, joint)| largest / joint.phi_max())
     }
 
-    /// Half cycles of the model's ring-downs that slip as a whole.
+    /// Half cycles of the model's ring-downs that slip as a whole, of records in a band beyond those that the gate sees at once: what the gate makes of the
+    /// begin of other modes lasts as long, and looks like a knee just below the largest amplitude.
     pub(crate) fn slipping_half_cycles(&self, x: &[f64]) -> usize {
         let Ok((oscillator, joint)) = self.chart.parameters(x).model() else { return 0 };
-        let one = |start: TurningPoint| -> Option<usize> {
-            let stack = vec![Reversal::default(); MOST_SLIPPING + 4];
+        let one = |(start, record): (TurningPoint, &Windowed)| -> Option<usize> {
+            let gate = record.gate_half_cycles();
+            let most = MOST_SLIPPING + gate;
+            let stack = vec![Reversal::default(); most + 4];
             let held = Motion::held_at(start.displacement);
             let mut decay = Decay::new(&oscillator, &joint, 0.0, held, stack).ok()?;
             let mut from = start.displacement;
-            for count in 0..MOST_SLIPPING {
+            for count in 0..most {
                 let to = decay.next()?.displacement;
                 if 0.5 * (from - to).abs() <= joint.phi_max() {
-                    return Some(count);
+                    return Some(count.saturating_sub(gate));
                 }
                 from = to;
             }
             Some(MOST_SLIPPING)
         };
-        self.starts_at(x).into_iter().filter_map(one).sum()
+        self.starts_at(x).into_iter().zip(&self.records).filter_map(one).sum()
     }
 
     /// Whether no record reaches φ_max.

@@ -7,7 +7,7 @@ use rustfft::num_complex::Complex64;
 use super::release::TurningPoint;
 use super::ring_down::RingDown;
 use super::whitening::Whitening;
-use super::windows::Windows;
+use super::windows::{OVERLAP, Windows};
 use crate::curves::Quantity;
 use crate::error::{Error, check, check_dt, check_samples};
 use crate::parameters::Parameters;
@@ -62,6 +62,8 @@ pub(super) struct Windowed {
     pub(super) deviations: Vec<f64>,
     /// The turning point that the unknowns are relative to.
     pub(super) start: TurningPoint,
+    /// Whether the samples are those of a band.
+    banded: bool,
 }
 
 impl Windowed {
@@ -100,9 +102,16 @@ impl Windowed {
             noise: Noise::default(),
             deviations: vec![],
             start: turning_point(record, first.frequency),
+            banded: record.band.is_some(),
         };
         windowed.take_noise(Noise { floor: windowed.root_mean_square(), part: 0.0 });
         Ok(windowed)
+    }
+
+    /// Half cycles that a window of a record in a band sees at once; none of a record that is taken as it is.
+    pub(super) fn gate_half_cycles(&self) -> usize {
+        let cycles = OVERLAP as f64 * self.windows.hop * self.windows.omega / TAU;
+        if self.banded { (2.0 * cycles).ceil() as usize } else { 0 }
     }
 
     /// From now on residuals are divided by the deviations of such noise.

@@ -8,7 +8,7 @@ use super::defects::clipped_until;
 use super::first_peak::{behind_the_blow, first_of_the_largest};
 use super::raw::{BEYOND, Raw, raw, widened};
 use super::spectrum::{Band, is_alone, strongest_line};
-use super::transients::{Ends, Known};
+use super::transients::{Ends, Gate, Known};
 use crate::error::Error;
 use crate::smooth::{Points, Polynomial, Smooth};
 
@@ -167,12 +167,21 @@ impl Isolated {
         Ok(())
     }
 
+    /// The mode at all samples, continued from its window to both ends of its decay.
+    pub(super) fn continued(&self, gate: &Gate) -> Option<Vec<f64>> {
+        let decay = gate.begin..self.samples.len();
+        self.known().continued(self.samples.len(), &decay, gate.reach, MAX_ORDER)
+    }
+
+    fn known(&self) -> Known<'_> {
+        let Self { raw, window, dt, band, .. } = self;
+        Known { raw, effective: self.effective(raw.t.len()), window, dt: *dt, centre: band.peak }
+    }
+
     fn take_off(&mut self, ends: &Ends<'_>) -> Result<(), Error> {
         let mut most = f64::INFINITY;
         for _ in 0..PASSES {
-            let effective = self.effective(self.raw.t.len());
-            let Self { raw: known, window, dt, band, .. } = &*self;
-            let known = Known { raw: known, effective, window, dt: *dt, centre: band.peak };
+            let known = self.known();
             let Some(filtered) = ends.filtered(&known, MAX_ORDER)?.filter(|f| f.left < most) else { break };
             most = filtered.left;
             self.samples[ends.decay.start..].copy_from_slice(&filtered.samples);
@@ -198,6 +207,7 @@ impl Isolated {
                 self.raw = raw(&self.samples, &self.window, self.dt, self.band.peak);
             }
         }
+        self.enough_cycles()?;
         let fit = self.estimate_noise();
         let ends = [0, self.raw.t.len() - 1].map(|i| fit.at(self.raw.t[i]).value);
         if ends[1] >= ends[0] {

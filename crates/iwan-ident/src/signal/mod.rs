@@ -13,13 +13,16 @@ mod survey;
 mod raw;
 mod transients;
 mod isolated;
+mod in_band;
+mod beside;
 mod isolate;
 mod envelope;
 
 pub use envelope::{Envelope, Instant, Method, Opinions, Refusal, Spread, envelope, opinions};
 pub use filter::{Butterworth, Passband};
 pub use hilbert::{Analytic, analytic_signal, whole_cycles};
-pub use isolate::{Options, isolate};
+pub use in_band::Options;
+pub use isolate::isolate;
 pub use isolated::Isolated;
 pub use spectrum::{Band, SpectralLine, amplitude_spectrum, automatic_band};
 pub use spot::{Spot, spot};

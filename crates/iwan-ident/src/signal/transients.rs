@@ -38,6 +38,16 @@ pub(super) struct Ends<'a> {
     pub(super) reach: usize,
 }
 
+/// The filter of a band and where the mode's decay begins.
+#[derive(Debug, Clone)]
+pub(super) struct Gate {
+    pub(super) filter: Butterworth,
+    /// First sample of the decay.
+    pub(super) begin: usize,
+    /// Length of the filter's transients, in samples.
+    pub(super) reach: usize,
+}
+
 /// The record behind the filter, without transients of the mode.
 pub(super) struct Filtered {
     /// From the begin of the decay on.
@@ -95,7 +105,7 @@ impl Curves {
 impl Known<'_> {
     /// The mode at all samples of the record, of which `decay` is free decay and transients are `reach` samples long: continued to the ends of
     /// the decay where these are near the window, else faded out. None where the window holds too little of it.
-    fn continued(
+    pub(super) fn continued(
         &self,
         samples: usize,
         decay: &Range<usize>,

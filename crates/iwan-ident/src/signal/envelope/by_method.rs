@@ -1,6 +1,7 @@
 //! From an isolated mode to its envelope, by any method.
 
-use super::super::isolate::{Options, isolate};
+use super::super::in_band::Options;
+use super::super::isolate::isolate;
 use super::super::isolated::{Isolated, MAX_ORDER};
 use super::demodulation::demodulated;
 use super::instantaneous::{Envelope, Method};

@@ -1,6 +1,7 @@
 //! How far the methods disagree on one record.
 
-use super::super::isolate::{Options, isolate};
+use super::super::in_band::Options;
+use super::super::isolate::isolate;
 use super::super::isolated::Isolated;
 use super::instantaneous::{Envelope, Method};
 use crate::error::Error;

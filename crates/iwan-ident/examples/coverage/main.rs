@@ -1,0 +1,188 @@
+//! Statistics of fits that take too long for a test: how often 95 % intervals hold the truth.
+//!
+//! `softening COUNT`: random joints from 5 % to three times the residual stiffness, released at 0.2 to 4 φ_max, 20 to 500 cycles
+//! of 10 to 100 samples, without noise. `noise COUNT DB`: random joints of 1 to 30 % of the stiffness in noise of so many decibels below the
+//! record's root mean square. `neighbours COUNT DB [band]`: the same beside one or two other modes at 1.05 to 3 times the frequency, as
+//! loud or up to thirty times less, all automatic or with a band about the mode. `repeats COUNT`: four hits of a specimen whose frequency strays by 0.3 % from
+//! hit to hit and whose damping by 3 %: how often the intervals hold the specimen's mean. A third number is the first seed.
+//! `scripts/validate` runs all of them; the last figures stand in the book's chapter on validation.
+
+#[path = "../../tests/law_records/random.rs"]
+mod random;
+mod tally;
+
+use std::f64::consts::TAU;
+
+use iwan_core::{Decay, Motion, Reversal, Samples, SplitMix64};
+use iwan_ident::identify::Settings;
+use iwan_ident::signal::Options;
+use iwan_ident::{Error, Parameters};
+use random::{between, normal, scale, uniform};
+use tally::{Trial, run};
+
+/// Hits of a specimen in `repeats`.
+const HITS: usize = 4;
+/// Relative standard deviations of frequency and of damping from hit to hit there.
+const SCATTER: [f64; 2] = [0.003, 0.03];
+
+fn ring_down(truth: &Parameters, displacement: f64, dt: f64, count: usize) -> Result<Vec<f64>, Error> {
+    let (oscillator, joint) = truth.model()?;
+    let mut out: [Vec<f64>; 4] = std::array::from_fn(|_| vec![0.0; count]);
+    let stack = vec![Reversal::default(); (3.0 * count as f64 * dt * truth.frequency) as usize + 64];
+    let [displacements, velocity, acceleration, joint_force] = &mut out;
+    Decay::new(&oscillator, &joint, 0.0, Motion::held_at(displacement), stack)?
+        .sample(dt, &mut Samples { displacement: displacements, velocity, acceleration, joint_force })?;
+    let [_, _, acceleration, _] = out;
+    Ok(acceleration)
+}
+
+fn phi_max(truth: &Parameters) -> Result<f64, Error> {
+    Ok(truth.model()?.1.phi_max())
+}
+
+/// Adds noise of so many decibels below the root mean square; none of it for infinitely many.
+fn add_noise(samples: &mut [f64], decibels: f64, random: &mut SplitMix64) {
+    if decibels.is_finite() {
+        let mean_square = samples.iter().map(|x| x * x).sum::<f64>() / samples.len() as f64;
+        let deviation = mean_square.sqrt() * 10.0_f64.powf(-decibels / 20.0);
+        for x in samples {
+            *x += deviation * normal(random);
+        }
+    }
+}
+
+fn softening(seed: u64) -> Result<Trial, Error> {
+    let mut random = SplitMix64::new(1000 + seed);
+    let frequency = scale(&mut random, 20.0, 1000.0);
+    let ratio = scale(&mut random, 0.05, 3.0);
+    let truth = Parameters {
+        frequency,
+        damping_ratio: scale(&mut random, 1e-4, 3e-3),
+        k_t: (TAU * frequency).powi(2) * ratio / (1.0 + ratio),
+        f_s: scale(&mut random, 10.0, 1000.0),
+        chi: between(&mut random, -0.8, 0.0),
+        beta: scale(&mut random, 0.02, 3.0),
+    };
+    let (start, cycles, per_cycle) =
+        (scale(&mut random, 0.2, 4.0), scale(&mut random, 20.0, 500.0), scale(&mut random, 10.0, 100.0));
+    let dt = 1.0 / (frequency * per_cycle);
+    let samples = ring_down(&truth, start * phi_max(&truth)?, dt, (cycles * per_cycle) as usize)?;
+    Ok(Trial { truths: vec![truth], records: vec![samples], dt, settings: Settings::default() })
+}
+
+/// A joint as measured structures have them.
+fn moderate(random: &mut SplitMix64, frequency: f64) -> Parameters {
+    Parameters {
+        frequency,
+        damping_ratio: scale(random, 1e-4, 3e-3),
+        k_t: (TAU * frequency).powi(2) * scale(random, 0.01, 0.3),
+        f_s: scale(random, 10.0, 1000.0),
+        chi: between(random, -0.9, 0.0),
+        beta: scale(random, 0.02, 3.0),
+    }
+}
+
+fn noisy(seed: u64, decibels: f64) -> Result<Trial, Error> {
+    let mut random = SplitMix64::new(5000 + seed);
+    let frequency = scale(&mut random, 20.0, 1000.0);
+    let truth = moderate(&mut random, frequency);
+    let (per_cycle, cycles) = (scale(&mut random, 10.0, 60.0), scale(&mut random, 40.0, 400.0));
+    let dt = 1.0 / (frequency * per_cycle);
+    let start = scale(&mut random, 0.1, 2.0);
+    let mut samples = ring_down(&truth, start * phi_max(&truth)?, dt, (cycles * per_cycle) as usize)?;
+    add_noise(&mut samples, decibels, &mut random);
+    Ok(Trial { truths: vec![truth], records: vec![samples], dt, settings: Settings::default() })
+}
+
+/// A point of a structure: the mode, and one or two others at 1.05 to 3 times its frequency (or as far below it), as loud or up to thirty times less.
+fn neighbours(seed: u64, decibels: f64, banded: bool) -> Result<Trial, Error> {
+    let mut random = SplitMix64::new(9000 + seed);
+    let frequency = scale(&mut random, 20.0, 500.0);
+    let mut truths = vec![moderate(&mut random, frequency)];
+    let count = if uniform(&mut random) < 0.5 { 1 } else { 2 };
+    for _ in 0..count {
+        let ratio = scale(&mut random, 1.05, 3.0);
+        let other = if uniform(&mut random) < 0.5 { frequency * ratio } else { frequency / ratio };
+        truths.push(moderate(&mut random, other));
+    }
+    let highest = truths.iter().map(|p| p.frequency).fold(0.0, f64::max);
+    let lowest = truths.iter().map(|p| p.frequency).fold(f64::INFINITY, f64::min);
+    let (per_cycle, cycles) = (scale(&mut random, 10.0, 40.0), scale(&mut random, 60.0, 400.0));
+    let dt = 1.0 / (highest * per_cycle);
+    let length = (cycles / (lowest * dt)) as usize;
+    let mut samples = vec![0.0; length];
+    let mut loudest = None;
+    for truth in &mut truths {
+        let start = scale(&mut random, 0.1, 2.0) * phi_max(truth)?;
+        let of_mode = ring_down(truth, start, dt, length)?;
+        let own = of_mode[0].abs();
+        // What the point sees of another mode is its motion times a factor of either sign; to that motion its joint slips so many times later.
+        let factor = match loudest {
+            None => 1.0,
+            Some(loudest) => loudest / own / scale(&mut random, 1.0, 30.0),
+        };
+        let sign = if loudest.is_some() && uniform(&mut random) < 0.5 { -1.0 } else { 1.0 };
+        loudest = loudest.or(Some(own));
+        truth.f_s *= factor;
+        samples.iter_mut().zip(&of_mode).for_each(|(s, x)| *s += sign * factor * x);
+    }
+    add_noise(&mut samples, decibels, &mut random);
+    let distance =
+        truths[1..].iter().map(|p| (p.frequency / frequency).ln().abs()).fold(f64::INFINITY, f64::min);
+    let half = (0.5 * distance).min(0.25);
+    let band = banded.then(|| (frequency * (-half).exp(), frequency * half.exp()));
+    let options = Options { band, ..Options::default() };
+    Ok(Trial { truths, records: vec![samples], dt, settings: Settings { options, ..Settings::default() } })
+}
+
+/// Hits of a specimen that does not repeat itself.
+fn repeats(seed: u64) -> Result<Trial, Error> {
+    let mut random = SplitMix64::new(13000 + seed);
+    let frequency = scale(&mut random, 20.0, 1000.0);
+    let truth = moderate(&mut random, frequency);
+    let (per_cycle, cycles) = (scale(&mut random, 10.0, 40.0), scale(&mut random, 60.0, 300.0));
+    let dt = 1.0 / (frequency * per_cycle);
+    let loudest = scale(&mut random, 0.1, 0.6) * phi_max(&truth)?;
+    let hit = |_| {
+        let [frequency, damping] = SCATTER.map(|s| 1.0 + s * normal(&mut random));
+        // Dissipation in micro-slip goes with R, which is K_T over phi_max to the power 1 + chi: so the slip force carries it.
+        let own = Parameters {
+            frequency: truth.frequency * frequency,
+            damping_ratio: truth.damping_ratio * damping,
+            f_s: truth.f_s * damping.powf(-1.0 / (1.0 + truth.chi)),
+            ..truth
+        };
+        let displacement = loudest * scale(&mut random, 0.4, 1.0);
+        let mut samples = ring_down(&own, displacement, dt, (cycles * per_cycle) as usize)?;
+        add_noise(&mut samples, 50.0, &mut random);
+        Ok(samples)
+    };
+    let records = (0..HITS).map(hit).collect::<Result<Vec<_>, Error>>()?;
+    Ok(Trial { truths: vec![truth], records, dt, settings: Settings::default() })
+}
+
+#[allow(clippy::print_stderr)] // a program for the terminal
+fn main() {
+    let arguments: Vec<String> = std::env::args().skip(1).collect();
+    let number = |i: usize| arguments.get(i).and_then(|a| a.parse::<f64>().ok());
+    let first = std::env::var("FIRST").ok().and_then(|f| f.parse::<u64>().ok()).unwrap_or(0);
+    let seeds = |count: f64| first..first + count as u64;
+    let banded = arguments.get(3).is_some_and(|a| a == "band");
+    match (arguments.first().map(String::as_str), number(1), number(2)) {
+        (Some("softening"), Some(count), _) => run("softening", seeds(count), softening),
+        (Some("noise"), Some(count), Some(db)) => {
+            run(&format!("noise of {db} dB"), seeds(count), |seed| noisy(seed, db));
+        }
+        (Some("neighbours"), Some(count), Some(db)) => {
+            let name = format!("neighbours{}, {db} dB", if banded { ", with a band" } else { "" });
+            run(&name, seeds(count), |seed| neighbours(seed, db, banded));
+        }
+        (Some("repeats"), Some(count), _) => run("repeats", seeds(count), repeats),
+        _ => {
+            eprintln!(
+                "usage: coverage softening COUNT | noise COUNT DB | neighbours COUNT DB [band] | repeats COUNT"
+            );
+            std::process::exit(2);
+        }
+    }
+}

@@ -1,0 +1,179 @@
+//! What a band of a record holds: defects, band, filter, and the window in which the result can be trusted.
+
+use std::ops::Range;
+
+use super::defects::{clipped_until, stops_at};
+use super::filter::{Butterworth, Passband};
+use super::first_peak::first_of_the_largest;
+use super::isolated::Isolated;
+use super::raw::raw;
+use super::spectrum::{Band, automatic_band, given_band};
+use super::transients::{Ends, Gate};
+use crate::error::{Error, check, check_dt, check_samples};
+
+/// Times the filter's memory that are cut off at each end before the mode is known: e^-4 = 2 % of a transient is left. With half as much,
+/// damping by peaks of a clean linear record was off by 27 % inside the window in place of 0.04 %; with twice as much a record of 27 cycles
+/// (0.34 s at 80 Hz) is refused for want of eight.
+const MEMORIES: f64 = 4.0;
+/// Samples that a record needs: eight cycles of eight samples. Fewer are refused.
+const SAMPLES: usize = 64;
+/// Samples between start and end of a window, at least: below, nothing could be fitted, and the remedy is another window and not
+/// a longer record.
+const LEAST_WINDOW: usize = 16;
+
+/// How a mode is taken out of a record. `Options::default()` finds everything itself.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Options {
+    /// Band in Hz as (low, high); none: [`automatic_band`].
+    pub band: Option<(f64, f64)>,
+    /// Rough frequency of the mode in Hz, for the automatic band; none: the highest spectral peak.
+    pub near: Option<f64>,
+    /// Order of the Butterworth filter; 0: no filter, for records of one mode that start in free decay.
+    pub filter_order: usize,
+    /// Window in seconds from the first sample; none: from three cycles behind the begin of a mode that is alone, of others from 4 filter
+    /// memories behind the largest amplitude, to 4 before the end, or to where the mode sinks into noise.
+    pub window: Option<(f64, f64)>,
+    /// Degree of the polynomials (Hilbert) or number of spline intervals (peaks); none: Schwarz's criterion.
+    pub order: Option<usize>,
+}
+
+impl Default for Options {
+    fn default() -> Self {
+        Self { band: None, near: None, filter_order: 3, window: None, order: None }
+    }
+}
+
+/// A mode behind the filter of its band, and what that filter does.
+pub(super) struct InBand {
+    pub(super) mode: Isolated,
+    /// None without a filter.
+    pub(super) gate: Option<Gate>,
+}
+
+/// Takes what the band holds out of a record, whether it is one mode or more.
+///
+/// In this order: samples are checked; a tail of equal samples is cut off; the window starts behind the last clipped
+/// sample; band and filter; trimming by the filter's memory; end at the noise; what the filter made of the mode's begin and end is taken
+/// off. Each step that finds something leaves a note.
+pub(super) fn in_band(x: &[f64], dt: f64, options: &Options) -> Result<InBand, Error> {
+    check_dt(dt)?;
+    check_samples("record", x, SAMPLES, "record longer")?;
+    let mut notes = Vec::new();
+    let mut band = band(x, dt, options)?;
+    let end = stops_at(x, (0.5 / (band.peak * dt)).ceil() as usize).unwrap_or(x.len());
+    if end < x.len() {
+        notes.push(format!("the samples are constant from {:.6} s on: cut there", end as f64 * dt));
+        check_samples("record before its constant tail", &x[..end], SAMPLES, "record longer")?;
+        band = self::band(&x[..end], dt, options)?;
+    }
+    let x = &x[..end];
+    let automatic = if options.band.is_none() { " (automatic)" } else { "" };
+    notes
+        .push(format!("band {:.6} to {:.6} Hz{automatic}, peak at {:.6} Hz", band.low, band.high, band.peak));
+    behind_filter(x, dt, band, options, notes)
+}
+
+/// The same in a band that is known, of samples that are checked.
+pub(super) fn behind_filter(
+    x: &[f64],
+    dt: f64,
+    band: Band,
+    options: &Options,
+    mut notes: Vec<String>,
+) -> Result<InBand, Error> {
+    let Filtered { samples, trim, bandwidth, filter } = filtered(x, dt, band, options)?;
+    let window = window(x, &samples, dt, trim, options, &mut notes)?;
+    let mut mode = Isolated {
+        raw: raw(&samples, &window, dt, band.peak),
+        samples,
+        dt,
+        band,
+        window,
+        noise: 0.0,
+        notes,
+        bandwidth,
+        scatter: 0.0,
+    };
+    mode.end_at_noise()?;
+    let Some(filter) = filter else { return Ok(InBand { mode, gate: None }) };
+    let (begin, shown) = mode.begin(x, trim);
+    let ends = Ends { x, filter: &filter, decay: begin..x.len(), reach: trim };
+    let may_widen = shown && options.window.is_none() && clipped_until(x).is_none();
+    mode.without_transients(x, &ends, may_widen)?;
+    Ok(InBand { mode, gate: Some(Gate { filter, begin, reach: trim }) })
+}
+
+fn band(x: &[f64], dt: f64, options: &Options) -> Result<Band, Error> {
+    let Some((low, high)) = options.band else { return automatic_band(x, dt, options.near) };
+    let nyquist = 0.5 / dt;
+    let allowed = format!("0 < low < high < {nyquist} Hz (Nyquist)");
+    let remedy = "move the band, or sample faster";
+    check("band low", low, low > 0.0 && low < high, &allowed, remedy)?;
+    check("band high", high, high < nyquist, &allowed, remedy)?;
+    given_band(x, dt, low, high)
+}
+
+/// A record behind the filter.
+struct Filtered {
+    samples: Vec<f64>,
+    /// Samples to trim at each end.
+    trim: usize,
+    /// Independent values a second.
+    bandwidth: f64,
+    filter: Option<Butterworth>,
+}
+
+fn filtered(x: &[f64], dt: f64, band: Band, options: &Options) -> Result<Filtered, Error> {
+    if options.filter_order == 0 {
+        return Ok(Filtered { samples: x.to_vec(), trim: 0, bandwidth: 0.5 / dt, filter: None });
+    }
+    let pass = Passband::Band { low: band.low, high: band.high };
+    let filter = Butterworth::new(options.filter_order, pass, dt)?;
+    let trim = (MEMORIES * filter.memory() / dt).ceil() as usize;
+    let samples = filter.forward_backward(x)?;
+    Ok(Filtered { samples, trim, bandwidth: band.high - band.low, filter: Some(filter) })
+}
+
+/// The trusted window before noise is looked at.
+fn window(
+    x: &[f64],
+    samples: &[f64],
+    dt: f64,
+    trim: usize,
+    options: &Options,
+    notes: &mut Vec<String>,
+) -> Result<Range<usize>, Error> {
+    let n = samples.len();
+    // At the last samples a filter shows its own end.
+    let top = first_of_the_largest(samples[..n.saturating_sub(trim).max(1)].iter().map(|x| x.abs()));
+    let mut start = if options.filter_order == 0 && options.window.is_some() { 0 } else { top + trim };
+    if let Some(clipped) = clipped_until(x) {
+        let seconds = clipped as f64 * dt;
+        notes.push(format!("clipped up to {seconds:.6} s: the window starts behind it"));
+        start = start.max(clipped + trim);
+    }
+    let mut end = n.saturating_sub(trim);
+    if let Some((from, to)) = options.window {
+        let allowed = format!("0 <= start < end <= {} s", n as f64 * dt);
+        check("window start", from, from >= 0.0 && from < to, &allowed, "give the window as start:end")?;
+        let wanted = (from / dt).ceil() as usize;
+        if wanted < start {
+            notes.push(format!(
+                "the window was to start at {from} s: filter, impact or clipping reach to {:.6} s",
+                start as f64 * dt
+            ));
+        }
+        (start, end) = (start.max(wanted), end.min((to / dt) as usize));
+    }
+    if start + LEAST_WINDOW > end {
+        return Err(Error::Refused {
+            finding: format!(
+                "nothing is left between {:.6} s (largest amplitude, clipping and filter transient) and {:.6} s",
+                start as f64 * dt,
+                end as f64 * dt
+            ),
+            remedy: "record longer, widen the band, or set a lower input range",
+        });
+    }
+    Ok(start..end)
+}
