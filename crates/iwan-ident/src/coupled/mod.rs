@@ -19,4 +19,6 @@ mod fit;
 pub use fit::fit_coupled;
 pub use outcome::{CoupledCombination, CoupledEstimate, CoupledFit, FittedSharing, Misfit};
 pub use records::{CoupledRecord, CoupledTask, Seen, UncoupledMode};
+pub use run::between_samples;
+pub use series::Sums;
 pub use unknowns::{Sharing, Unknown, Values};

@@ -36,8 +36,11 @@ pub(super) struct Series {
     pub(super) deviation: f64,
     /// Root mean square of the measured entries over the whole record.
     pub(super) size: f64,
+    /// Of the measured entries, less what finer steps change in those of the model.
     measured: Vec<f64>,
     entries: Range<usize>,
+    /// Root mean square of what finer steps change; 0 as long as that is not known.
+    pub(super) stepping: f64,
 }
 
 /// Modes that share joints beside their records.
@@ -71,7 +74,17 @@ impl<'a> CoupledModel<'a> {
             let mut measured = vec![0.0; sums.count(samples.len())];
             sums.apply(samples, &mut measured);
             let size = root_mean_square(&measured);
-            Series { record, motion, mode, sums, deviation: FIRST * size, size, measured, entries: 0..0 }
+            Series {
+                record,
+                motion,
+                mode,
+                sums,
+                deviation: FIRST * size,
+                size,
+                measured,
+                entries: 0..0,
+                stepping: 0.0,
+            }
         });
         let series = series.filter(|series| series.size > 0.0).collect();
         let bounds = form.bounds();
@@ -109,8 +122,8 @@ impl<'a> CoupledModel<'a> {
     }
 
     /// Entries of all series of record `k` by the model, each over its deviation; none where there is no model.
-    fn entries(&self, values: &Values, k: usize) -> Option<Vec<Vec<f64>>> {
-        let motions = self.motions(values, k)?;
+    fn entries(&self, values: &Values, k: usize, clock: &Clock) -> Option<Vec<Vec<f64>>> {
+        let motions = self.motions_by(values, k, clock)?;
         let of = |series: &Series| {
             let mut out = vec![0.0; series.entries.len()];
             series.sums.apply(&motions[series.motion], &mut out);
@@ -124,9 +137,12 @@ impl<'a> CoupledModel<'a> {
 
     /// What the sensors of record `k` would show.
     pub(super) fn motions(&self, values: &Values, k: usize) -> Option<Vec<Vec<f64>>> {
+        self.motions_by(values, k, &self.records[k].clock)
+    }
+
+    fn motions_by(&self, values: &Values, k: usize, clock: &Clock) -> Option<Vec<Vec<f64>>> {
         let record = &self.records[k];
-        let motions =
-            run((self.form.sharing, values), k, &record.clock, self.samples[k], self.quantity)?.modes;
+        let motions = run((self.form.sharing, values), k, clock, self.samples[k], self.quantity)?.modes;
         if record.motions.len() == motions.len() {
             return Some(motions);
         }
@@ -145,6 +161,31 @@ impl<'a> CoupledModel<'a> {
             run((self.form.sharing, &values), k, clock, self.samples[k], self.quantity).map(|m| m.slip_ratios)
         };
         (0..self.records.len()).map(one).collect()
+    }
+
+    /// Takes off the measured entries what these clocks change in those of the model at `x`: a search then ends where it would with the finer
+    /// steps, at the cost of the coarse ones (deferred correction). False where there is no model.
+    pub(super) fn correct(&mut self, x: &[f64], clocks: &[Clock]) -> bool {
+        let Some(values) = self.form.values(x) else { return false };
+        let jobs: Vec<(usize, &Clock)> = clocks
+            .iter()
+            .enumerate()
+            .flat_map(|(k, fine)| [(k, fine), (k, &self.records[k].clock)])
+            .collect();
+        let work = |(k, clock): &(usize, &Clock)| self.entries(&values, *k, clock);
+        let found = in_parallel(&jobs, self.threads, &work);
+        let Some(found) = found.into_iter().collect::<Option<Vec<_>>>() else { return false };
+        for (k, pair) in found.chunks_exact(2).enumerate() {
+            for (series, (fine, own)) in
+                self.series.iter_mut().filter(|s| s.record == k).zip(pair[0].iter().zip(&pair[1]))
+            {
+                let change: Vec<f64> =
+                    fine.iter().zip(own).map(|(fine, own)| series.deviation * (fine - own)).collect();
+                series.measured.iter_mut().zip(&change).for_each(|(measured, change)| *measured -= change);
+                series.stepping = root_mean_square(&change);
+            }
+        }
+        true
     }
 
     /// Whether an unknown changes record `k`.
@@ -191,7 +232,7 @@ impl Model for CoupledModel<'_> {
         }
         let work = |(k, unknown): &(usize, Option<usize>)| {
             let at = unknown.map_or_else(|| x.to_vec(), |j| self.moved(x, j).0);
-            self.entries(&self.form.values(&at)?, *k)
+            self.entries(&self.form.values(&at)?, *k, &self.records[*k].clock)
         };
         let found = in_parallel(&jobs, self.threads, &work);
         let series_of = |k: usize| self.series.iter().filter(move |s| s.record == k);

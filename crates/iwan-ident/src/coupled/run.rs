@@ -26,26 +26,41 @@ pub(super) struct Clock {
     pub(super) steps: usize,
     /// Load at each step; empty: none.
     pub(super) force: Vec<f64>,
+    /// Sliders of a joint.
+    bins: usize,
 }
 
 impl Clock {
-    /// Steps for samples `dt` apart that resolve the frequency `fastest`. Between its samples the load is a cubic through four of them: straight lines
-    /// take the factor sinc²(π f dt) off its spectrum, 0.9 % at 52 Hz sampled at 1 kHz.
+    /// Steps for samples `dt` apart that resolve the frequency `fastest`.
     pub(super) fn new(dt: f64, force: Option<&[f64]>, fastest: f64) -> Self {
-        let steps = (dt * fastest * STEPS_A_PERIOD).ceil().max(1.0) as usize;
-        let between = |force: &[f64]| {
-            let at = |n: isize| usize::try_from(n).ok().and_then(|n| force.get(n)).copied().unwrap_or(0.0);
-            let value = |i: usize| {
-                let (n, s) = ((i / steps).cast_signed(), (i % steps) as f64 / steps as f64);
-                let (a, b, c, d) = (s + 1.0, s, s - 1.0, s - 2.0);
-                // Lagrange's weights of the samples before, at, and twice behind.
-                -b * c * d / 6.0 * at(n - 1) + a * c * d / 2.0 * at(n) - a * b * d / 2.0 * at(n + 1)
-                    + a * b * c / 6.0 * at(n + 2)
-            };
-            (0..force.len() * steps).map(value).collect()
-        };
-        Self { step: dt / steps as f64, steps, force: force.map_or_else(Vec::new, between) }
+        Self::finer(dt, force, fastest, 1)
     }
+
+    /// The same with so many times the steps and the sliders.
+    pub(super) fn finer(dt: f64, force: Option<&[f64]>, fastest: f64, times: usize) -> Self {
+        let steps = (dt * fastest * STEPS_A_PERIOD).ceil().max(1.0) as usize * times;
+        Self {
+            step: dt / steps as f64,
+            steps,
+            force: force.map_or_else(Vec::new, |force| between_samples(force, steps)),
+            bins: times * BINS,
+        }
+    }
+}
+
+/// A load at so many steps from each of its samples to the next: a cubic through four of them. Straight lines take the factor sinc²(π f dt) off its
+/// spectrum, 0.9 % at 52 Hz sampled at 1 kHz.
+#[must_use]
+pub fn between_samples(force: &[f64], steps: usize) -> Vec<f64> {
+    let at = |n: isize| usize::try_from(n).ok().and_then(|n| force.get(n)).copied().unwrap_or(0.0);
+    let value = |i: usize| {
+        let (n, s) = ((i / steps).cast_signed(), (i % steps) as f64 / steps as f64);
+        let (a, b, c, d) = (s + 1.0, s, s - 1.0, s - 2.0);
+        // Lagrange's weights of the samples before, at, and twice behind.
+        -b * c * d / 6.0 * at(n - 1) + a * c * d / 2.0 * at(n) - a * b * d / 2.0 * at(n + 1)
+            + a * b * c / 6.0 * at(n + 2)
+    };
+    (0..force.len() * steps).map(value).collect()
 }
 
 /// Motions of the modes at the samples, and the largest slip of each joint over its φ_max.
@@ -162,7 +177,7 @@ impl Part<'_> {
             })
             .collect();
         let coupled = self.coupled(clock.step, &joints)?;
-        let bins = if self.joints.is_empty() { 1 } else { BINS };
+        let bins = if self.joints.is_empty() { 1 } else { clock.bins };
         let mut tables = vec![vec![Slider::default(); Sliders::table_len(bins)]; j];
         let sliders = laws
             .iter()

@@ -12,7 +12,7 @@ const WINDOWS: [(f64, (usize, f64), usize); 4] =
     [(0.1, (12, 1e-3), 4), (0.25, (12, 1e-3), 3), (0.5, (12, 1e-3), 2), (1.0, (40, 1e-5), 1)];
 /// Iterations and relative reduction of the last search: a millionth of the sum of squares is a ten-thousandth of a 95 % interval for the
 /// records at hand.
-const LAST: (usize, f64) = (60, 1e-6);
+pub(super) const LAST: (usize, f64) = (60, 1e-6);
 
 /// Starts that are searched from, of those that leave least. Twenty starts next to the modes' own curves, none held against the records first, led two modes
 /// that share a joint to a minimum that leaves 8 % in place of 0.04 %; the number itself was not varied.

@@ -12,21 +12,28 @@ const APART: f64 = 4.0;
 
 /// How a series of samples becomes entries.
 #[derive(Debug, Clone)]
-pub(super) enum Sums {
+pub enum Sums {
     /// Over so many samples each.
     Blocks(usize),
     /// Of the samples times cosine and sine of a circular frequency per sample, in Hann's windows of so many samples that overlap by half.
-    Windows { turn: f64, length: usize },
+    Windows {
+        /// Circular frequency times sampling interval.
+        turn: f64,
+        /// Samples of a window.
+        length: usize,
+    },
 }
 
 impl Sums {
     /// For a forced record, in which all that happens counts.
-    pub(super) fn of_forced(dt: f64, fastest: f64) -> Self {
+    #[must_use]
+    pub fn of_forced(dt: f64, fastest: f64) -> Self {
         Self::Blocks(((1.0 / (dt * fastest * ENTRIES_A_PERIOD)).floor() as usize).max(1))
     }
 
     /// For a free decay, about the mode `index` of these frequencies.
-    pub(super) fn of_free(dt: f64, frequencies: &[f64], index: usize) -> Self {
+    #[must_use]
+    pub fn of_free(dt: f64, frequencies: &[f64], index: usize) -> Self {
         let own = frequencies[index];
         let others = frequencies.iter().enumerate().filter(|(i, _)| *i != index);
         let nearest = others.map(|(_, f)| (f - own).abs()).fold(f64::INFINITY, f64::min);
@@ -35,7 +42,8 @@ impl Sums {
     }
 
     /// Number of entries that so many samples make.
-    pub(super) fn count(&self, samples: usize) -> usize {
+    #[must_use]
+    pub fn count(&self, samples: usize) -> usize {
         match self {
             Self::Blocks(block) => samples / block,
             Self::Windows { length, .. } if samples < *length => 0,
@@ -44,12 +52,21 @@ impl Sums {
     }
 
     /// Entries at one place: cosine and sine of a window.
-    pub(super) const fn parts(&self) -> usize {
+    #[must_use]
+    pub const fn parts(&self) -> usize {
         if matches!(self, Self::Windows { .. }) { 2 } else { 1 }
     }
 
+    /// Samples that an entry is made of.
+    #[must_use]
+    pub const fn length(&self) -> usize {
+        match self {
+            Self::Blocks(length) | Self::Windows { length, .. } => *length,
+        }
+    }
+
     /// The entries.
-    pub(super) fn apply(&self, samples: &[f64], out: &mut [f64]) {
+    pub fn apply(&self, samples: &[f64], out: &mut [f64]) {
         match self {
             Self::Blocks(block) => {
                 let scale = (*block as f64).sqrt().recip();

@@ -95,7 +95,8 @@ pub fn least<M: Model + ?Sized>(model: &M, starts: &[Vec<f64>], free: &[usize]) 
 }
 
 /// The least sum of squares near one start, with so many iterations down to a relative reduction; none where the start has no residuals.
-pub(crate) fn near<M: Model + ?Sized>(
+#[must_use]
+pub fn near<M: Model + ?Sized>(
     model: &M,
     start: &[f64],
     free: &[usize],

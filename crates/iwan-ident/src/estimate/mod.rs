@@ -8,8 +8,7 @@ mod minimum;
 mod told;
 mod profiles;
 
-pub(crate) use minimum::near;
-pub use minimum::{Found, Weights, least};
+pub use minimum::{Found, Weights, least, near};
 pub use model::Model;
 pub use profiles::{About, Interval, intervals};
 pub use told::{Combination, Told, silent};
