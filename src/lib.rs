@@ -94,6 +94,9 @@ pub mod book {
     #[doc = include_str!("../book/src/img/ring_down.svg")]
     pub mod figures {}
 
+    #[doc = include_str!("../book/src/errors.md")]
+    pub mod errors {}
+
     #[doc = include_str!("../book/src/trust.md")]
     pub mod trust {}
 

@@ -1,13 +1,14 @@
 //! Options that several commands share, and how values on the command line are read. Doc comments are the help text.
 
 use std::num::NonZeroUsize;
+use std::path::PathBuf;
 
-use clap::{Args, ValueEnum};
+use clap::{Args, ValueEnum, ValueHint};
 
 /// Options of every computing command.
 #[derive(Debug, Args)]
 pub(crate) struct Common {
-    /// Print the summary as one JSON object
+    /// Print the summary, or the error, as one JSON object
     #[arg(long)]
     pub(crate) json: bool,
     /// No progress, notes or warnings on standard error; errors still appear
@@ -27,6 +28,15 @@ impl Common {
         let given = self.threads.or_else(|| std::thread::available_parallelism().ok());
         given.map_or(1, NonZeroUsize::get)
     }
+}
+
+/// Where long work is kept while it is done.
+#[derive(Debug, Args)]
+pub(crate) struct Keeping {
+    /// Folder that keeps what is done of long work: after kill -9, Ctrl-C or a loss of power the same command goes on from there and ends with the
+    /// same bits. It is made where there is none, and removed at the end
+    #[arg(long, value_name = "FOLDER", value_hint = ValueHint::DirPath)]
+    pub(crate) checkpoint: Option<PathBuf>,
 }
 
 /// Formats of the response.

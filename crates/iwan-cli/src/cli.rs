@@ -3,7 +3,7 @@
 use std::ffi::OsString;
 
 use clap::{CommandFactory, Parser, Subcommand};
-use iwan_machine::memory;
+use iwan_machine::{Kind, memory};
 
 use crate::backbone::{self, BackboneArgs};
 use crate::envelope::{self, EnvelopeArgs};
@@ -74,12 +74,21 @@ enum Command {
 /// assert_eq!(iwan_cli::run(["iwan".into(), "dance".into()]), 2);
 /// ```
 pub fn run(arguments: impl IntoIterator<Item = OsString>) -> u8 {
+    let arguments: Vec<OsString> = arguments.into_iter().collect();
+    // Asked for in what may be no command line, so that programs read every failure in one form.
+    let json = arguments.iter().any(|argument| argument == "--json");
     let cli = match Cli::try_parse_from(arguments) {
         Ok(cli) => cli,
         Err(error) => {
             // Help and version go to stdout with code 0, usage errors to stderr with code 2.
             let _ = error.print();
-            return u8::try_from(error.exit_code()).unwrap_or(2);
+            let code = u8::try_from(error.exit_code()).unwrap_or(2);
+            if json && code != 0 {
+                let text = error.to_string();
+                let message = text.strip_prefix("error: ").unwrap_or(&text).trim_end();
+                told(&Failure::input(message, "").of(Kind::Usage));
+            }
+            return code;
         }
     };
     memory::set_limit(cli.memory.unwrap_or(u64::MAX));
@@ -90,9 +99,19 @@ pub fn run(arguments: impl IntoIterator<Item = OsString>) -> u8 {
         Ok(()) => 0,
         Err(failure) => {
             output::message(&failure.to_string());
+            // With --strict the summary is there already, and its warnings say it.
+            if json && failure.kind() != Kind::Strict {
+                told(&failure);
+            }
             failure.code()
         }
     }
+}
+
+/// Tells a program of a failure.
+fn told(failure: &Failure) {
+    // Where standard output cannot be written, standard error and the exit code have said it.
+    let _ = output::result(&failure.json());
 }
 
 /// Runs a command.

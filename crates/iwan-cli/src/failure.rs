@@ -5,37 +5,105 @@ use std::io::ErrorKind;
 
 use iwan_input::InputError;
 use iwan_io::ReadError;
+use iwan_machine::Kind;
 use iwan_machine::memory::Short;
+use serde::Serialize;
 
-/// A failure with the message for the user.
+/// Version of iwan, as results, pages and errors carry it.
+pub(crate) const VERSION: &str = env!("CARGO_PKG_VERSION");
+
+/// A failure with the message for the user, and its kind in the catalogue of errors.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) enum Failure {
     /// Bad usage or input: exit code 2.
     Input {
+        /// Its kind.
+        kind: Kind,
         /// What is wrong, and where.
         message: String,
         /// What helps.
         remedy: String,
     },
     /// The computation failed: exit code 1.
-    Computation(String),
+    Computation {
+        /// Its kind.
+        kind: Kind,
+        /// What failed, and what helps.
+        message: String,
+    },
     /// Interrupted by the user: exit code 130, as shells expect it.
     Interrupted,
+}
+
+/// An error of a library, which knows its kind.
+pub(crate) trait Kinded: fmt::Display {
+    /// Its kind in the catalogue.
+    fn its_kind(&self) -> Kind;
+}
+
+macro_rules! kinded {
+    ($($error:ty),*) => {
+        $(impl Kinded for $error {
+            fn its_kind(&self) -> Kind {
+                self.kind()
+            }
+        })*
+    };
+}
+
+kinded!(
+    ReadError,
+    iwan_io::RecordError,
+    iwan_ident::Error,
+    iwan_modal::Error,
+    iwan_fem::Error,
+    iwan_study::Error,
+    iwan_sim::SimulationError,
+    iwan_io::atomic::WriteError
+);
+
+/// What a program reads on standard output in place of the summary.
+#[derive(Serialize)]
+struct Told<'a> {
+    version: &'static str,
+    error: Error<'a>,
+}
+
+#[derive(Serialize)]
+struct Error<'a> {
+    kind: &'static str,
+    exit_code: u8,
+    message: &'a str,
+    #[serde(skip_serializing_if = "str::is_empty")]
+    remedy: &'a str,
 }
 
 impl Failure {
     /// Bad input and what helps.
     pub(crate) fn input(message: impl Into<String>, remedy: impl Into<String>) -> Self {
-        Self::Input { message: message.into(), remedy: remedy.into() }
+        Self::Input { kind: Kind::Input, message: message.into(), remedy: remedy.into() }
+    }
+
+    /// A computation that failed.
+    pub(crate) fn computation(message: impl Into<String>) -> Self {
+        Self::Computation { kind: Kind::Failed, message: message.into() }
+    }
+
+    /// The same as one of another kind.
+    pub(crate) fn of(mut self, new: Kind) -> Self {
+        if let Self::Input { kind, .. } | Self::Computation { kind, .. } = &mut self {
+            *kind = new;
+        }
+        self
     }
 
     /// Bad input in a library's words: what stands behind the first semicolon of its error is the remedy.
-    pub(crate) fn said(place: &str, error: &impl fmt::Display) -> Self {
+    pub(crate) fn said(place: &str, error: &impl Kinded) -> Self {
         let text = error.to_string();
         let (message, remedy) = text.split_once("; ").unwrap_or((&text, "check the record and the options"));
         // Errors of readers name the file themselves.
         let message = if message.starts_with(place) { message.into() } else { format!("{place}: {message}") };
-        Self::input(message, remedy)
+        Self::input(message, remedy).of(error.its_kind())
     }
 
     /// A record that could not be read: bad input, but for memory that is lacking.
@@ -50,16 +118,37 @@ impl Failure {
 
     /// What the machine lacks, in a library's words.
     pub(crate) fn lacking(text: &str) -> Self {
-        Self::Computation(text.replacen("; ", "\nremedy: ", 1))
+        Self::computation(text.replacen("; ", "\nremedy: ", 1)).of(Kind::Memory)
     }
 
     /// The exit code.
     pub(crate) const fn code(&self) -> u8 {
         match self {
             Self::Input { .. } => 2,
-            Self::Computation(_) => 1,
+            Self::Computation { .. } => 1,
             Self::Interrupted => 130,
         }
+    }
+
+    /// Its kind in the catalogue.
+    pub(crate) const fn kind(&self) -> Kind {
+        match self {
+            Self::Input { kind, .. } | Self::Computation { kind, .. } => *kind,
+            Self::Interrupted => Kind::Interrupted,
+        }
+    }
+
+    /// The failure as one JSON object.
+    pub(crate) fn json(&self) -> String {
+        let shown = self.to_string();
+        let text = shown.strip_prefix("error: ").unwrap_or(&shown);
+        let (message, remedy) =
+            text.split_once("\nremedy: ").or_else(|| text.split_once("; ")).unwrap_or((text, ""));
+        let error = Error { kind: self.kind().name(), exit_code: self.code(), message, remedy };
+        // Numbers and texts: serialisation cannot fail.
+        let mut text = serde_json::to_string_pretty(&Told { version: VERSION, error }).unwrap_or_default();
+        text.push('\n');
+        text
     }
 }
 
@@ -70,17 +159,17 @@ impl From<Short> for Failure {
 }
 
 impl From<InputError> for Failure {
-    fn from(InputError { message, remedy }: InputError) -> Self {
-        Self::Input { message, remedy }
+    fn from(InputError { message, remedy, kind }: InputError) -> Self {
+        Self::Input { kind, message, remedy }
     }
 }
 
 impl fmt::Display for Failure {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            Self::Input { message, remedy } if remedy.is_empty() => write!(f, "error: {message}"),
-            Self::Input { message, remedy } => write!(f, "error: {message}\nremedy: {remedy}"),
-            Self::Computation(message) => write!(f, "error: {message}"),
+            Self::Input { message, remedy, .. } if remedy.is_empty() => write!(f, "error: {message}"),
+            Self::Input { message, remedy, .. } => write!(f, "error: {message}\nremedy: {remedy}"),
+            Self::Computation { message, .. } => write!(f, "error: {message}"),
             Self::Interrupted => f.write_str("interrupted: nothing was written"),
         }
     }

@@ -1,11 +1,13 @@
 //! Modes identified from recordings, with the extractions that pages show of them.
 
 use std::ops::Deref;
+use std::sync::Arc;
 
 use iwan_ident::curves::ForceAxis;
-use iwan_ident::identify::{Held, Identification, ModeRecord, Settings, identify};
+use iwan_ident::identify::{Held, Identification, ModeRecord, Settings, identify, identify_kept};
 use iwan_ident::signal::Method;
 use iwan_ident::{Parameter, Parameters};
+use iwan_machine::checkpoint::Checkpoint;
 use iwan_study::identified::{IdentifiedMode, RecordOfMode};
 
 use crate::failure::Failure;
@@ -38,20 +40,25 @@ pub(crate) fn extract(
 }
 
 impl Identified {
-    /// Identifies one mode.
+    /// Identifies one mode, with a checkpoint where one is wanted.
     pub(crate) fn new(
         recordings: &[Recording],
         wanted: &Wanted,
         extractions: Vec<Extraction>,
         axis: Axis,
         held: &[(Parameter, f64)],
+        kept: Option<&Arc<Checkpoint>>,
     ) -> Result<Self, Failure> {
         let place = format!("{}, {}", recordings[0].name, wanted.name);
         let sources = sources(recordings, wanted);
         let method = extractions.first().map(|x| x.method).unwrap_or_default();
         let held = held.iter().map(|&(parameter, value)| Held { parameter, value }).collect();
         let settings = Settings { options: wanted.options, method, held };
-        let found = identify(&sources, &settings).map_err(|e| Failure::said(&place, &e))?;
+        let found = match kept {
+            Some(kept) => identify_kept(&sources, &settings, kept),
+            None => identify(&sources, &settings),
+        };
+        let found = found.map_err(|e| Failure::said(&place, &e))?;
         Self::of(recordings, wanted, extractions, axis, found)
     }
 
@@ -72,9 +79,9 @@ impl Identified {
         let identified = IdentifiedMode::new(&wanted.name, &records, axis, found).map_err(|e| match e {
             iwan_study::Error::Identification { source, .. } => Failure::said(&place, &source),
             iwan_study::Error::Simulation { source, .. } => {
-                Failure::Computation(format!("{place}: {source}"))
+                Failure::computation(format!("{place}: {source}"))
             }
-            other => Failure::Computation(other.to_string()),
+            other => Failure::computation(other.to_string()),
         })?;
         Ok(Self { extractions, identified })
     }

@@ -3,6 +3,8 @@
 use std::borrow::Cow;
 use std::io::Write;
 
+use iwan_machine::Kind;
+
 use crate::failure::Failure;
 
 /// Prints a result to stdout. A reader that has gone (`iwan ... | head`) is no failure.
@@ -11,7 +13,8 @@ pub(crate) fn result(text: &str) -> Result<(), Failure> {
     let shown = if std::io::IsTerminal::is_terminal(&out) { harmless(text) } else { text.into() };
     match out.write_all(shown.as_bytes()).and_then(|()| out.flush()) {
         Err(error) if error.kind() != std::io::ErrorKind::BrokenPipe => {
-            Err(Failure::Computation(format!("cannot write to standard output: {error}")))
+            Err(Failure::computation(format!("cannot write to standard output: {error}"))
+                .of(Kind::Unwritable))
         }
         _ => Ok(()),
     }

@@ -8,6 +8,7 @@ use std::sync::{Mutex, MutexGuard, PoisonError};
 use std::time::Duration;
 
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
+use iwan_machine::Kind;
 use iwan_machine::threads::begin;
 
 use crate::failure::Failure;
@@ -148,7 +149,9 @@ impl Bar {
                 Ok(result) => return Ok(result),
                 Err(std::sync::mpsc::RecvTimeoutError::Timeout) => check_interrupt()?,
                 Err(std::sync::mpsc::RecvTimeoutError::Disconnected) => {
-                    return Err(Failure::Computation("a fault in this program: please report it".into()));
+                    return Err(
+                        Failure::computation("a fault in this program: please report it").of(Kind::Fault)
+                    );
                 }
             }
             self.bar.tick();

@@ -41,7 +41,7 @@ pub use coupled::{
 };
 pub use curves::{AveragedCurves, CurveNewmark, CurvePoint, CurvesEnd, ModeCurves, Rate};
 pub use error::Error;
-pub use half_cycle::{Decay, PathNode, TurningPoint};
+pub use half_cycle::{Decay, HalfCycleTables, PathNode, TurningPoint};
 pub use law::{
     Backbone, DensityPoint, FiveParameter, FixedPower, FourParameter, Grid, Jenkins, LawSlopes, PowerLaw,
     Representation, TabledFourParameter, Tabulated, Uniform,

@@ -1,5 +1,6 @@
 //! Dynamic below static friction: closed forms against quadrature and against loops slider by slider, the memory against a
 //! plain loop, time steps, averaging, and refusals of what rests on Masing's rule.
+#![allow(clippy::unwrap_used, reason = "a failed test may panic and say why")]
 
 use std::f64::consts::{PI, TAU};
 

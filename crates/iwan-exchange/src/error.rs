@@ -1,5 +1,6 @@
 //! Why a file of matrices could not be read: file, place, what stands there, what is allowed, what helps.
 
+use iwan_machine::Kind;
 use std::path::PathBuf;
 
 /// Why a file of matrices could not be read.
@@ -49,4 +50,18 @@ pub enum ExchangeError {
         /// What may stand there.
         expected: String,
     },
+}
+
+impl ExchangeError {
+    /// Its kind in the catalogue of errors.
+    #[must_use]
+    pub fn kind(&self) -> Kind {
+        match self {
+            Self::Io { source, .. } if source.kind() == std::io::ErrorKind::OutOfMemory => Kind::Memory,
+            Self::Io { .. } => Kind::Unreadable,
+            Self::UnknownFormat { .. } => Kind::UnknownFormat,
+            Self::Unsupported { .. } => Kind::Unsupported,
+            Self::Malformed { .. } => Kind::Damaged,
+        }
+    }
 }

@@ -1,5 +1,7 @@
 //! Why a structure or an analysis was refused: which node, element or joint, what was found, what helps.
 
+use iwan_machine::Kind;
+
 /// A structure or a request that the analyses cannot work with.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[non_exhaustive]
@@ -86,6 +88,22 @@ pub enum Error {
     /// A joint law or a force refused its parameters.
     #[error(transparent)]
     Model(#[from] iwan_core::Error),
+}
+
+impl Error {
+    /// Its kind in the catalogue of errors.
+    #[must_use]
+    pub fn kind(&self) -> Kind {
+        match self {
+            Self::OutOfRange { .. } | Self::Model(_) => Kind::Value,
+            Self::Element { .. } | Self::Node { .. } | Self::Connection { .. } => Kind::Structure,
+            Self::MissingSet { .. } => Kind::MissingSet,
+            Self::MissingMode { .. } => Kind::MissingMode,
+            Self::Analysis { .. } => Kind::Analysis,
+            Self::Memory(_) => Kind::Memory,
+            Self::Interrupted => Kind::Interrupted,
+        }
+    }
 }
 
 /// Passes `value` on when `ok` holds and it is finite, names it otherwise.

@@ -40,7 +40,7 @@ pub use structure::{
 };
 pub use transient::{
     Basis, BasisError, Converged, Extras, Frame, History, Integrated, ModalVelocity, Model, Output, Reduced,
-    Run, SlipHistory, StepErrors, StructureResponse, Transient,
+    Run, SlipHistory, StepErrors, StructureResponse, Transient, Watch,
 };
 
 // How joints are evaluated in time, and how long work tells of itself, is the same for a mode and for a structure.

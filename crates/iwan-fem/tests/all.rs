@@ -4,6 +4,7 @@ mod common;
 mod solids;
 
 mod adjusted_curves;
+mod checkpoints;
 mod constraints;
 mod convergence;
 mod elements;

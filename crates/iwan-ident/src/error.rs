@@ -1,5 +1,7 @@
 //! Why an identification was refused: which value, what is allowed, what helps.
 
+use iwan_machine::Kind;
+
 /// A record, option or result that the methods cannot work with.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[non_exhaustive]
@@ -62,6 +64,20 @@ pub enum Error {
     /// A model refused its parameters.
     #[error(transparent)]
     Model(#[from] iwan_core::Error),
+}
+
+impl Error {
+    /// Its kind in the catalogue of errors.
+    #[must_use]
+    pub fn kind(&self) -> Kind {
+        match self {
+            Self::OutOfRange { .. } | Self::Length { .. } | Self::Model(_) => Kind::Value,
+            Self::TooShort { .. } => Kind::TooShort,
+            Self::NotFinite { .. } => Kind::NotFinite,
+            Self::Refused { .. } => Kind::Refused,
+            Self::Stopped => Kind::Interrupted,
+        }
+    }
 }
 
 /// Passes `value` on when `ok` holds and it is finite, names it otherwise.

@@ -10,6 +10,7 @@
 
 // What everything stands on: refusals, the six parameters, smooth curves through noise, searches.
 mod error;
+mod turn;
 mod parameters;
 mod smooth;
 mod search;

@@ -87,6 +87,7 @@ pub fn fit_static(curves: &StaticCurves<'_>, frequency: f64, k_t: f64) -> Result
         iterations: ITERATIONS,
         tolerance: TOLERANCE,
         floor: 0.0,
+        kept: None,
     };
     let mut residuals = |x: &[f64], out: &mut [f64]| residuals(curves, &chart.parameters(x), out).is_some();
     let mut best: Option<Minimum> = None;

@@ -1,5 +1,7 @@
 //! What is wrong with an input file, where, and what helps.
 
+use iwan_machine::Kind;
+
 /// Bad input: `file:line:column: what is wrong`, and the remedy.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 #[error("{message}; {remedy}")]
@@ -8,11 +10,19 @@ pub struct InputError {
     pub message: String,
     /// What helps.
     pub remedy: String,
+    /// Its kind in the catalogue of errors.
+    pub kind: Kind,
 }
 
 impl InputError {
     /// Bad input and what helps.
     pub fn new(message: impl Into<String>, remedy: impl Into<String>) -> Self {
-        Self { message: message.into(), remedy: remedy.into() }
+        Self { message: message.into(), remedy: remedy.into(), kind: Kind::Input }
+    }
+
+    /// The same as an error of another kind.
+    #[must_use]
+    pub fn of(self, kind: Kind) -> Self {
+        Self { kind, ..self }
     }
 }

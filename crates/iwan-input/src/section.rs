@@ -2,6 +2,7 @@
 
 use std::ops::Range;
 
+use iwan_machine::Kind;
 use toml::Spanned;
 use toml::de::{DeTable, DeValue};
 
@@ -391,7 +392,7 @@ impl<'a> Section<'a> {
     #[must_use]
     pub fn out_of_range(&self, error: iwan_core::Error, key_of: impl Fn(&str) -> String) -> InputError {
         use iwan_core::Error;
-        match error {
+        let told = match error {
             Error::OutOfRange { name, value, allowed } => {
                 let key = key_of(name);
                 let shown = self.optional_number(&key).ok().flatten().unwrap_or(value);
@@ -403,7 +404,8 @@ impl<'a> Section<'a> {
                 self.failure(&key, &error.to_string(), &format!("give {key} a value in that range"))
             }
             Error::Unsupported { what } => self.failure("kind", what, "choose another combination"),
-        }
+        };
+        told.of(Kind::Value)
     }
 }
 

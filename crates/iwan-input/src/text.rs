@@ -3,6 +3,8 @@
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 
+use iwan_machine::Kind;
+
 use crate::error::InputError;
 
 /// An input file is a page or two; tabulated densities make it longer, but never this long. A longer one is most likely a record or a
@@ -36,11 +38,13 @@ impl InputText {
         let name = path.display().to_string();
         let fail = |what: String, remedy: &str| InputError::new(format!("{name}: {what}"), remedy);
         let start = format!("`iwan scenario {example}` prints a start");
-        let unreadable = |e| fail(format!("cannot be read: {e}"), &format!("check the path; {start}"));
+        let unreadable = |e| {
+            fail(format!("cannot be read: {e}"), &format!("check the path; {start}")).of(Kind::Unreadable)
+        };
         let give = format!("give the {word} file (.toml)");
         let meta = std::fs::metadata(path).map_err(unreadable)?;
         if meta.is_dir() {
-            return Err(fail("is a folder".into(), &format!("{give} inside it")));
+            return Err(fail("is a folder".into(), &format!("{give} inside it")).of(Kind::Unreadable));
         }
         if meta.len() > LARGEST {
             return Err(fail(format!("is too large for a {word} (over 16 MB)"), &give));

@@ -1,6 +1,7 @@
 //! Why a file could not be read: where, what was found, what is allowed, what helps.
 
 use crate::record::RecordError;
+use iwan_machine::Kind;
 use std::path::PathBuf;
 
 /// Why a file could not be read.
@@ -209,4 +210,31 @@ pub enum ReadError {
         /// What is wrong with them.
         source: RecordError,
     },
+}
+
+impl ReadError {
+    /// Its kind in the catalogue of errors.
+    #[must_use]
+    pub fn kind(&self) -> Kind {
+        match self {
+            Self::Io { source, .. } if source.kind() == std::io::ErrorKind::OutOfMemory => Kind::Memory,
+            Self::Io { .. } => Kind::Unreadable,
+            Self::UnknownFormat { .. } => Kind::UnknownFormat,
+            Self::Unsupported { .. } => Kind::Unsupported,
+            Self::Malformed { .. } => Kind::Damaged,
+            Self::CutShort { .. } => Kind::CutShort,
+            Self::NoTime { .. } => Kind::NoTime,
+            Self::UnknownName { .. } => Kind::UnknownName,
+            Self::Ambiguous { .. } => Kind::Ambiguous,
+            Self::Mismatch { .. } => Kind::Mismatch,
+            Self::TimeOrder { .. } => Kind::TimeOrder,
+            Self::TimeRepeated { .. } => Kind::TimeRepeated,
+            Self::NotUniform { .. } => Kind::TimeUneven,
+            Self::TimeUnit { .. } => Kind::TimeUnit,
+            Self::SeveralTimes { .. } => Kind::SeveralTimes,
+            Self::UnitConversion { .. } => Kind::Unit,
+            Self::Rate { .. } => Kind::Value,
+            Self::Record { source, .. } => source.kind(),
+        }
+    }
 }

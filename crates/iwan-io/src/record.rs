@@ -2,6 +2,7 @@
 
 use crate::quantity::Quantity;
 use crate::warning::Warning;
+use iwan_machine::Kind;
 
 /// Why values do not make a [`Record`].
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
@@ -78,6 +79,21 @@ pub enum RecordError {
         /// The value found.
         value: f64,
     },
+}
+
+impl RecordError {
+    /// Its kind in the catalogue of errors.
+    #[must_use]
+    pub fn kind(&self) -> Kind {
+        match self {
+            Self::Step { .. } | Self::Start { .. } | Self::Names { .. } => Kind::Value,
+            Self::NoChannel => Kind::Ambiguous,
+            Self::TooShort { .. } => Kind::TooShort,
+            Self::Lengths { .. } => Kind::Mismatch,
+            Self::Stretch { .. } => Kind::Stretch,
+            Self::NotFinite { .. } => Kind::NotFinite,
+        }
+    }
 }
 
 /// One or many channels sampled together at a constant interval.

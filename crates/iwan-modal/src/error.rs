@@ -1,5 +1,7 @@
 //! Why a modal analysis was refused: which hit and channel, what was found, what helps.
 
+use iwan_machine::Kind;
+
 /// Measurements or settings that the methods cannot work with.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[non_exhaustive]
@@ -46,6 +48,19 @@ pub enum Error {
         /// Why.
         source: iwan_ident::Error,
     },
+}
+
+impl Error {
+    /// Its kind in the catalogue of errors.
+    #[must_use]
+    pub fn kind(&self) -> Kind {
+        match self {
+            Self::OutOfRange { .. } => Kind::Value,
+            Self::NotFinite { .. } => Kind::NotFinite,
+            Self::Refused { .. } => Kind::Refused,
+            Self::Record { source, .. } => source.kind(),
+        }
+    }
 }
 
 impl Error {

@@ -1,5 +1,7 @@
 //! What can go wrong in a simulation.
 
+use iwan_machine::Kind;
+
 /// A simulation that could not be set up or finished.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum SimulationError {
@@ -56,4 +58,20 @@ pub enum SimulationError {
     /// The caller asked to stop.
     #[error("interrupted")]
     Interrupted,
+}
+
+impl SimulationError {
+    /// Its kind in the catalogue of errors.
+    #[must_use]
+    pub fn kind(&self) -> Kind {
+        match self {
+            Self::Parameter(_) => Kind::Value,
+            Self::Mode { source, .. } | Self::Joint { source, .. } => source.kind(),
+            Self::NotFinite { .. } => Kind::Overflow,
+            Self::NoStiffness { .. } => Kind::NoStiffness,
+            Self::BeyondCurves { .. } => Kind::BeyondCurves,
+            Self::Memory(_) => Kind::Memory,
+            Self::Interrupted => Kind::Interrupted,
+        }
+    }
 }

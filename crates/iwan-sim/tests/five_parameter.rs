@@ -1,4 +1,5 @@
 //! Modes whose joint has dynamic below static friction: which methods run them, how good they say they are, and which refuse.
+#![allow(clippy::unwrap_used, reason = "a failed test may panic and say why")]
 
 use iwan_core::progress::UNWATCHED;
 use iwan_core::{Backbone, FiveParameter, FourParameter, Grid, Motion, Pulse, Representation};

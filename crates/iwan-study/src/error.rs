@@ -1,5 +1,7 @@
 //! Why a study could not be finished: where it was, and what the library at work there said.
 
+use iwan_machine::Kind;
+
 /// A study that was refused, failed or was broken off.
 ///
 /// `place` says what was being computed, such as `configuration A, bending 1`.
@@ -59,6 +61,22 @@ pub enum Error {
     /// The observer asked to stop.
     #[error("interrupted")]
     Interrupted,
+}
+
+impl Error {
+    /// Its kind in the catalogue of errors.
+    #[must_use]
+    pub fn kind(&self) -> Kind {
+        match self {
+            Self::Law { .. } => Kind::Value,
+            Self::Structure { source, .. } => source.kind(),
+            Self::Simulation { source, .. } => source.kind(),
+            Self::Identification { source, .. } => source.kind(),
+            Self::Modal { source, .. } => source.kind(),
+            Self::Update { .. } => Kind::Refused,
+            Self::Interrupted => Kind::Interrupted,
+        }
+    }
 }
 
 impl Error {

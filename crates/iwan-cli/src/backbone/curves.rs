@@ -111,7 +111,9 @@ pub(super) fn amplitudes(
 fn failed(name: &str, mode: &Mode, error: &SimulationError) -> Failure {
     let message = format!("{name}: mode \"{}\": {error}", mode.name);
     match error {
-        SimulationError::Parameter(_) => Failure::input(message, "change this in the scenario"),
-        _ => Failure::Computation(message),
+        SimulationError::Parameter(_) => {
+            Failure::input(message, "change this in the scenario").of(error.kind())
+        }
+        _ => Failure::computation(message).of(error.kind()),
     }
 }

@@ -5,10 +5,10 @@ use maud::html;
 
 use super::curves::Traced;
 use super::summary::BackboneSummary;
+use crate::failure::VERSION;
 use crate::page::figure::{Axis, Figure, Layer, Mark, Marker, colour};
 use crate::page::html::{grid, page, warnings};
 use crate::page::numbers::long;
-use crate::session::VERSION;
 
 /// Colours of the harmonics, in turn.
 const COLOURS: [&str; 5] = [colour::VERMILLION, colour::GREEN, colour::PURPLE, colour::ORANGE, colour::GREY];

@@ -42,7 +42,7 @@ pub(super) fn trace(
         let onset = steady.modes.macro_slip(number);
         let range = amplitudes(&linear.source, &mode.name, onset, args)?;
         let curve = nonlinear_mode(&steady.modes, number, highest, &range)
-            .map_err(|error| Failure::Computation(format!("{}: {}: {error}", linear.source, mode.name)))?;
+            .map_err(|error| Failure::computation(format!("{}: {}: {error}", linear.source, mode.name)))?;
         let frequency = linear.frequency_stuck(&mode);
         traced.push(Traced { name: mode.name, frequency, onset, slips: names.clone(), curve });
     }

@@ -9,11 +9,11 @@ use serde::Serialize;
 use super::args::EnvelopeArgs;
 use super::picture::picture;
 use super::summary::RecordSummary;
-use crate::failure::Failure;
+use crate::failure::{Failure, VERSION};
 use crate::page::html::page;
 use crate::page::numbers::{long, short};
 use crate::records::{Recording, Units};
-use crate::session::{PAGE, SUMMARY, Session, Summary, VERSION};
+use crate::session::{PAGE, SUMMARY, Session, Summary};
 
 /// The peaks of a record.
 #[derive(Debug, Clone, Serialize)]

@@ -4,10 +4,10 @@ use maud::{Markup, html};
 
 use super::figures::Extracted;
 use super::summary::{EnvelopeSummary, FAIRLY, Point, agreement};
+use crate::failure::VERSION;
 use crate::page::html::{grid, page};
 use crate::page::numbers::short;
 use crate::records::{Extraction, Units};
-use crate::session::VERSION;
 
 /// The page.
 pub(super) fn render(extractions: &[Extraction], summary: &EnvelopeSummary, units: &Units) -> String {

@@ -6,7 +6,7 @@ use clap::{Args, ValueHint};
 use iwan_ident::Parameter;
 
 use super::laws::named;
-use crate::args::{Common, Format, finite, positive};
+use crate::args::{Common, Format, Keeping, finite, positive};
 use crate::records::{MethodChoice, RecordArgs};
 use crate::session::Place;
 
@@ -78,6 +78,8 @@ pub(crate) struct FitArgs {
     #[command(flatten)]
     pub(crate) common: Common,
     #[command(flatten)]
+    pub(crate) keeping: Keeping,
+    #[command(flatten)]
     pub(crate) records: RecordArgs,
 }
 
@@ -90,6 +92,7 @@ Examples:
   iwan fit --modal iwan-modal --band 110:135                the hits and shapes of `iwan modal`, one of its modes
   iwan fit --sweep monday.csv --sweep tuesday.csv           stepped-sine responses of two days
   iwan fit tap.csv --sweep shaker.csv --backbone pll.csv    a ring-down, a sweep and a backbone
+  iwan fit hit*.uff --checkpoint kept                       many hits, for a long time, that may be broken off
   iwan fit tap.csv --hold damping_ratio=0                   what comes out if all damping is friction
   iwan fit tap.csv --law separate-powers                    scenario.toml by another law than the Iwan joint
   iwan fit hit-1.csv hit-2.csv --coupled --band 115:130 --band 235:250 --held-out hit-3.csv

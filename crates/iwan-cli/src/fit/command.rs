@@ -4,6 +4,7 @@ use iwan_core::Pulse;
 use iwan_core::progress::UNWATCHED;
 use iwan_input::scenario::{Scenario, to_toml};
 use iwan_io::Table;
+use iwan_machine::checkpoint::Digest;
 use iwan_sim::in_parallel;
 
 use super::args::FitArgs;
@@ -37,6 +38,10 @@ pub(crate) fn run(mut args: FitArgs) -> Result<(), Failure> {
     let folder = args.modal.take();
     let measured = folder.map(|folder| over_from_modal(&mut args, &folder)).transpose()?;
     let args = &args;
+    if args.keeping.checkpoint.is_some() && (args.coupled || args.fit.is_empty()) {
+        let message = "--checkpoint keeps fits of ring-downs mode by mode, and is not for --coupled or for sweeps alone";
+        return Err(Failure::input(message, "leave it out"));
+    }
     if args.coupled {
         return coupled::fit(args);
     }
@@ -59,7 +64,7 @@ pub(crate) fn run(mut args: FitArgs) -> Result<(), Failure> {
         }
         scenario
     };
-    let identified = identify_all(&recordings, wanted, args, &session)?;
+    let identified = identify_all(&recordings, wanted, args, &mut session)?;
     let (unit, quantity) = (recordings[0].record.unit(), recordings[0].quantity);
     let units = Units::new(unit, quantity, args.records.mass_normalised());
     let mut summary = FitSummary::new(&recordings, &identified, args.records.force_axis, &units);
@@ -86,7 +91,7 @@ pub(crate) fn run(mut args: FitArgs) -> Result<(), Failure> {
 }
 
 /// The ring-downs that are fitted together with sweeps.
-fn ring_downs(args: &FitArgs, session: &Session) -> Result<Option<RingDowns>, Failure> {
+fn ring_downs(args: &FitArgs, session: &mut Session) -> Result<Option<RingDowns>, Failure> {
     if args.fit.is_empty() {
         return Ok(None);
     }
@@ -131,7 +136,7 @@ fn write_others(
 }
 
 fn failed(error: &dyn std::fmt::Display) -> Failure {
-    Failure::Computation(error.to_string())
+    Failure::computation(error.to_string())
 }
 
 /// Identifies every mode. That takes up to a hundred thousand ring-downs, so that it runs beside the main thread, which watches for
@@ -140,16 +145,21 @@ fn identify_all(
     recordings: &[Recording],
     wanted: Vec<Wanted>,
     args: &FitArgs,
-    session: &Session,
+    session: &mut Session,
 ) -> Result<Vec<Identified>, Failure> {
     let (method, axis, threads) = (args.method.method(), args.records.force_axis, session.threads());
     let (recordings, hold) = (recordings.to_vec(), args.hold.clone());
+    let kept = session.checkpoint(&args.keeping, "a fit", || {
+        let options = Digest::default().text(&method).text(&axis).text(&hold).text(&wanted);
+        let record = |digest: Digest, r: &Recording| digest.numbers(&[r.record.dt()]).text(&r.quantity);
+        recordings.iter().fold(options, record)
+    })?;
     let work = move || {
         let first = |mode: &Wanted| extract(&recordings, mode, method);
         let extracted: Result<Vec<_>, Failure> = in_parallel(&wanted, threads, &first).into_iter().collect();
         let pairs: Vec<_> = wanted.into_iter().zip(extracted?).collect();
         let then = |(mode, extractions): &(Wanted, Vec<Extraction>)| {
-            Identified::new(&recordings, mode, extractions.clone(), axis, &hold)
+            Identified::new(&recordings, mode, extractions.clone(), axis, &hold, kept.as_ref())
         };
         in_parallel(&pairs, threads, &then).into_iter().collect()
     };

@@ -7,10 +7,10 @@ use super::intervals;
 use super::laws::{percent, ranked};
 use super::summary::{FitSummary, ModeFit};
 use crate::envelope::{self, Extracted};
+use crate::failure::VERSION;
 use crate::identified::Identified;
 use crate::page::html::{grid, page};
 use crate::records::Units;
-use crate::session::VERSION;
 
 /// What the report is about.
 #[derive(Debug)]

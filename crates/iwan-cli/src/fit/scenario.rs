@@ -50,7 +50,7 @@ pub(crate) fn as_scenario(
 }
 
 fn failed(error: &iwan_core::Error) -> Failure {
-    Failure::Computation(error.to_string())
+    Failure::computation(error.to_string())
 }
 
 fn iwan(i: &Identified, record: usize) -> Result<ScenarioMode, Failure> {

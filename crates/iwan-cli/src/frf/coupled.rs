@@ -93,7 +93,9 @@ impl Coupled {
 fn failed(name: &str, error: &SimulationError) -> Failure {
     match error {
         SimulationError::Interrupted => Failure::Interrupted,
-        SimulationError::NotFinite { .. } => Failure::Computation(format!("{name}: {error}")),
-        _ => Failure::input(format!("{name}: {error}"), "change this in the scenario"),
+        SimulationError::NotFinite { .. } => {
+            Failure::computation(format!("{name}: {error}")).of(error.kind())
+        }
+        _ => Failure::input(format!("{name}: {error}"), "change this in the scenario").of(error.kind()),
     }
 }

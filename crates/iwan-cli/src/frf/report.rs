@@ -5,9 +5,9 @@ use maud::{Markup, html};
 use super::figures::figures;
 use super::responses::Response;
 use super::summary::{FrfSummary, ModePeaks};
+use crate::failure::VERSION;
 use crate::page::html::{grid, page, warnings};
 use crate::page::numbers::{long, short};
-use crate::session::VERSION;
 
 /// The page.
 pub(super) fn render(responses: &[Response], summary: &FrfSummary) -> String {

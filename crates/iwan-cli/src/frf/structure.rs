@@ -30,7 +30,7 @@ pub(super) fn respond(
     drop(reducing);
     let busy = session.busy("balancing harmonics");
     let failed =
-        |error: &iwan_sim::SimulationError| Failure::Computation(format!("{}: {error}", linear.source));
+        |error: &iwan_sim::SimulationError| Failure::computation(format!("{}: {error}", linear.source));
     let curves = by_level(&table.sweep, session.threads(), &|sweep| forced_response_of(&steady.modes, sweep))
         .map_err(|error| failed(&error))?;
     let backbones = backbones(&steady.modes, &table.sweep, &curves).map_err(|error| failed(&error))?;

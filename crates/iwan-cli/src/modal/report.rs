@@ -8,9 +8,9 @@ use super::hits::Test;
 use super::linearity::Decay;
 use super::shape_picture::draw;
 use super::summary::{ModalSummary, OtherSummary};
+use crate::failure::VERSION;
 use crate::page::html::{grid, page, warnings};
 use crate::page::numbers::short;
-use crate::session::VERSION;
 
 /// The page.
 pub(super) fn render(

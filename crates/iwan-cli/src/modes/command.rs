@@ -46,7 +46,7 @@ pub(crate) fn run(args: &ModesArgs) -> Result<(), Failure> {
     session.page(&report::render(&linear, &summary))?;
     if let Some(format) = format {
         let written = matrix_files(&linear.assembled, format);
-        for (name, content) in written.map_err(|error| Failure::Computation(error.to_string()))? {
+        for (name, content) in written.map_err(|error| Failure::computation(error.to_string()))? {
             session.file(&name, &content)?;
         }
     }

@@ -4,10 +4,10 @@ use iwan_fem::NamedMode;
 use maud::{Markup, html};
 
 use super::summary::{ModesSummary, Pair};
+use crate::failure::VERSION;
 use crate::page::html::{page, warnings};
 use crate::page::numbers::short;
 use crate::page::solid::{Deformation, Solid, by_share, length};
-use crate::session::VERSION;
 use crate::structures::Linear;
 use crate::structures::picture::{MOST_FACES, mesh_picture};
 

@@ -5,10 +5,10 @@ use maud::{Markup, html};
 use super::analysis::Analysed;
 use super::figures::figures;
 use super::summary::{ModeCurves, QuasiStaticSummary};
+use crate::failure::VERSION;
 use crate::page::html::{grid, page, warnings};
 use crate::page::numbers::short;
 use crate::page::solid::Solid;
-use crate::session::VERSION;
 use crate::structures::Linear;
 use crate::structures::picture::illustration;
 

@@ -53,7 +53,7 @@ impl Extraction {
         notes.extend(strangers.iter().map(ToString::to_string));
         let chosen = opinions.envelopes.iter().find(|e| e.method == method);
         let chosen = chosen
-            .ok_or_else(|| Failure::Computation(format!("{place}: no envelope by {}", method.name())))?;
+            .ok_or_else(|| Failure::computation(format!("{place}: no envelope by {}", method.name())))?;
         let mut curves = Curves::new(chosen, recording.quantity, ForceAxis::Modal).map_err(said)?;
         if axis == Axis::Joint {
             curves = on_joint_axis(curves, &mut notes).map_err(said)?;

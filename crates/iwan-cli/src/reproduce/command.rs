@@ -47,6 +47,6 @@ pub(crate) fn run(args: &ReproduceArgs) -> Result<(), Failure> {
 fn failed(error: iwan_study::Error) -> Failure {
     match error {
         iwan_study::Error::Interrupted => Failure::Interrupted,
-        error => Failure::Computation(error.to_string()),
+        error => Failure::computation(error.to_string()).of(error.kind()),
     }
 }

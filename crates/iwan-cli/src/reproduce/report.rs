@@ -7,10 +7,10 @@ use maud::{Markup, html};
 
 use super::plate::{Plate, Section};
 use super::tables;
+use crate::failure::VERSION;
 use crate::page::figure::Figure;
 use crate::page::html::{grid, page};
 use crate::page::numbers::short;
-use crate::session::VERSION;
 
 /// The page.
 pub(super) fn render(summary: &Summary, laboratory: &Laboratory, plates: &[Plate]) -> String {

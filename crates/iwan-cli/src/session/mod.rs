@@ -9,15 +9,18 @@ mod results;
 mod summary;
 
 use std::path::Path;
+use std::sync::Arc;
 
 use iwan_io::Table;
+use iwan_machine::Kind;
+use iwan_machine::checkpoint::{Checkpoint, Digest};
 
-use crate::args::{Common, Format};
-use crate::failure::Failure;
+use crate::args::{Common, Format, Keeping};
+use crate::failure::{Failure, VERSION};
 use crate::output;
 use crate::progress::{self, Bar};
 pub(crate) use results::Results;
-pub(crate) use summary::{Summary, VERSION};
+pub(crate) use summary::Summary;
 
 /// Name of the summary in the folder of every command.
 pub(crate) const SUMMARY: &str = "summary.json";
@@ -45,6 +48,7 @@ pub(crate) struct Session {
     json: bool,
     strict: bool,
     threads: usize,
+    kept: Option<Arc<Checkpoint>>,
 }
 
 /// Standard error, where `--quiet` allows it.
@@ -88,12 +92,30 @@ impl Session {
             json: common.json,
             strict: common.strict,
             threads: common.thread_count(),
+            kept: None,
         })
     }
 
     /// Number of threads to use.
     pub(crate) fn threads(&self) -> usize {
         self.threads
+    }
+
+    /// Opens the folder that keeps work of the kind `of`, if one is wanted. `given` is all that the results depend on.
+    pub(crate) fn checkpoint(
+        &mut self,
+        keeping: &Keeping,
+        of: &str,
+        given: impl FnOnce() -> Digest,
+    ) -> Result<Option<Arc<Checkpoint>>, Failure> {
+        let Some(folder) = &keeping.checkpoint else { return Ok(None) };
+        let opened = Checkpoint::open(folder, of, VERSION, given()).map_err(|error| {
+            let text = error.to_string();
+            let (message, remedy) = text.split_once("; ").unwrap_or((&text, ""));
+            Failure::input(message, remedy).of(error.kind())
+        })?;
+        self.kept = Some(Arc::new(opened));
+        Ok(self.kept.clone())
     }
 
     /// A progress bar for work that can say how far it is.
@@ -166,7 +188,7 @@ impl Session {
         format: Format,
     ) -> Result<(), Failure> {
         let columns = columns.iter().map(|(name, values)| (name.to_string(), values.as_slice())).collect();
-        let table = Table::new(columns).map_err(|error| Failure::Computation(error.to_string()))?;
+        let table = Table::new(columns).map_err(|error| Failure::computation(error.to_string()))?;
         self.table(name, &table, format)
     }
 
@@ -189,19 +211,24 @@ impl Session {
         progress::ended();
         drop(ending);
         let console = self.console;
-        let kept = Console { quiet: console.quiet && !self.strict };
-        kept.warnings(summary.warnings());
+        if let Some(kept) = &self.kept {
+            console.warnings(kept.warning().as_slice());
+            kept.remove();
+        }
+        let heard = Console { quiet: console.quiet && !self.strict };
+        heard.warnings(summary.warnings());
         console.say(&format!("results: {}", folder.display()));
         console.say(&format!("{}: {}", S::SHOWN, folder.join(PAGE).display()));
         let printed =
             if self.json { summary::printed(summary, &self.files, &folder) } else { summary.text() };
         output::result(&printed)?;
         match summary.warnings().len() {
-            n if self.strict && n > 0 => Err(Failure::Computation(format!(
+            n if self.strict && n > 0 => Err(Failure::computation(format!(
                 "--strict: {n} warning{}, see above; the results are in {}",
                 if n == 1 { "" } else { "s" },
                 folder.display()
-            ))),
+            ))
+            .of(Kind::Strict)),
             _ => Ok(()),
         }
     }

@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 
 use iwan_io::Table;
 use iwan_io::atomic::{Folder, WriteError};
+use iwan_machine::Kind;
 
 use crate::args::Format;
 use crate::failure::Failure;
@@ -54,8 +55,10 @@ impl Results {
             WriteError::Exists { path } => Failure::input(
                 format!("{} exists already; nothing was written", path.display()),
                 "choose another folder with --out, or overwrite with --force",
-            ),
-            other => Failure::input(other.to_string(), "choose a folder you may write to with --out DIR"),
+            )
+            .of(Kind::Exists),
+            other => Failure::input(other.to_string(), "choose a folder you may write to with --out DIR")
+                .of(other.kind()),
         };
         loop {
             let path = given.map_or_else(|| free(default, force), Path::to_path_buf);
@@ -115,7 +118,7 @@ impl Results {
 }
 
 fn failed(error: &WriteError) -> Failure {
-    Failure::Computation(error.to_string())
+    Failure::computation(error.to_string()).of(error.kind())
 }
 
 /// `default`, or the first of `default-2`, `default-3`, … that does not exist.

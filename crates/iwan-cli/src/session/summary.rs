@@ -4,8 +4,7 @@ use std::path::Path;
 
 use serde::Serialize;
 
-/// Version of iwan, as results and pages carry it.
-pub(crate) const VERSION: &str = env!("CARGO_PKG_VERSION");
+use crate::failure::VERSION;
 
 /// The summary of what a command found. Its fields are the keys of the JSON object; the session puts `version` before them
 /// and `files` behind them, and on standard output `folder`.

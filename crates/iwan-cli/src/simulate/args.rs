@@ -7,7 +7,7 @@ use clap::{Args, ValueEnum, ValueHint};
 use iwan_input::scenario::{JointChoice, Overrides, Scenario};
 use iwan_input::{InputError, InputText};
 
-use crate::args::{Common, Format, finite};
+use crate::args::{Common, Format, Keeping, finite};
 use crate::session::Place;
 
 /// Simulate the response of modes with Iwan joints to a force
@@ -40,6 +40,8 @@ pub(crate) struct SimulateArgs {
     #[command(flatten)]
     pub(crate) common: Common,
     #[command(flatten)]
+    pub(crate) keeping: Keeping,
+    #[command(flatten)]
     pub(crate) changes: Changes,
 }
 
@@ -52,7 +54,8 @@ Examples:
   iwan simulate --amplitude 1000 --duration 0.5    a harder blow, a longer record
   iwan simulate --json --quiet | jq '.modes[0].slip_ratio'
   iwan simulate beam.toml --format npz             for numpy.load
-  iwan simulate --duration 3600 --stream --every 100    an hour, in the memory of a second";
+  iwan simulate --duration 3600 --stream --every 100    an hour, in the memory of a second
+  iwan simulate structure.toml --checkpoint kept   a long transient of a structure that may be broken off";
 
 impl SimulateArgs {
     /// The scenario of the run, with its changes.

@@ -23,6 +23,13 @@ pub(crate) fn run(args: &SimulateArgs) -> Result<(), Failure> {
         None => built_in()[0].source(),
     };
     let scenario = args.read(&source)?;
+    if args.keeping.checkpoint.is_some() && scenario.structure.is_none() {
+        let message = "--checkpoint is for scenarios on a structure: modes are stepped in seconds";
+        return Err(Failure::input(
+            message,
+            "leave it out; a response of any length is written with --stream",
+        ));
+    }
     match &scenario.structure {
         _ if args.stream => streamed::run(args, &source.name, &scenario),
         Some(on) => structure::run(args, &source.name, &scenario, on),

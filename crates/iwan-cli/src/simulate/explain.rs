@@ -16,7 +16,8 @@ pub(super) fn explain(name: &str, error: &SimulationError) -> Failure {
         SimulationError::Parameter(_) => Failure::input(
             format!("{name}: {error}"),
             "change this in the scenario, or choose another method",
-        ),
-        _ => Failure::Computation(format!("{name}: {error}")),
+        )
+        .of(root.kind()),
+        _ => Failure::computation(format!("{name}: {error}")).of(root.kind()),
     }
 }

@@ -9,10 +9,10 @@ use super::figures::{Decay, of_force, of_history};
 use super::files::PointResponse;
 use super::joints::{loops, table as table_of_joints};
 use super::summary::{ModeSummary, ROWS, Row, SimulationSummary};
+use crate::failure::VERSION;
 use crate::page::figure::Figure;
 use crate::page::html::{grid, page, verdict};
 use crate::page::numbers::{error, short};
-use crate::session::VERSION;
 
 /// Modes with figures of their own, at most, and points as well. Twenty modes take 2.5 MB and twenty points 0.7 MB of the page; it
 /// says that there are more, and the response file has them all.

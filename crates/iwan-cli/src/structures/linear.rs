@@ -49,9 +49,11 @@ pub(crate) fn explain(source: &str, error: &iwan_fem::Error) -> Failure {
     match error {
         Error::Interrupted => Failure::Interrupted,
         Error::Memory(short) => Failure::lacking(&format!("{source}: {short}")),
-        Error::Analysis { .. } => Failure::Computation(format!("{source}: {error}")),
+        Error::Analysis { .. } => Failure::computation(format!("{source}: {error}")).of(error.kind()),
         Error::MissingMode { .. } => Failure::said(source, error),
-        error => Failure::input(format!("{source}: {error}"), "change this in the structure"),
+        error => {
+            Failure::input(format!("{source}: {error}"), "change this in the structure").of(error.kind())
+        }
     }
 }
 
@@ -96,7 +98,7 @@ impl Linear {
     }
 
     /// What in the file does not fit the run.
-    pub(crate) fn refused(&self, InputError { message, remedy }: InputError) -> Failure {
-        Failure::input(format!("{}: {message}", self.source), remedy)
+    pub(crate) fn refused(&self, InputError { message, remedy, kind }: InputError) -> Failure {
+        Failure::input(format!("{}: {message}", self.source), remedy).of(kind)
     }
 }

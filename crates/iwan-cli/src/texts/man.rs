@@ -29,6 +29,6 @@ pub(crate) fn run(args: &ManArgs, mut whole: Command) -> Result<(), Failure> {
     let mut text = Vec::new();
     clap_mangen::Man::new(page)
         .render(&mut text)
-        .map_err(|error| Failure::Computation(format!("the manual page: {error}")))?;
+        .map_err(|error| Failure::computation(format!("the manual page: {error}")))?;
     output::result(&String::from_utf8_lossy(&text))
 }

@@ -73,6 +73,6 @@ fn explained(linear: &Linear, error: &iwan_study::Error) -> Failure {
         Error::Interrupted => Failure::Interrupted,
         Error::Update { place, .. } => Failure::said(place, error),
         Error::Structure { source, .. } => linear.failed(source),
-        error => Failure::Computation(format!("{}: {error}", linear.source)),
+        error => Failure::computation(format!("{}: {error}", linear.source)).of(error.kind()),
     }
 }

@@ -5,9 +5,9 @@ use maud::{Markup, html};
 
 use super::figures::{figures, front};
 use super::summary::{UpdateSummary, parameters};
+use crate::failure::VERSION;
 use crate::page::html::{grid, page, verdict};
 use crate::page::numbers::{interval, long, short};
-use crate::session::VERSION;
 
 /// What quasi-static curves of a reduced structure are off by themselves, in damping and in the shift of the frequency: differences of misfits
 /// below are rounding, and no front.

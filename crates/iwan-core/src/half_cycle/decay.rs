@@ -1,7 +1,7 @@
 //! Free decay by half cycles, from any state, with output at uniform times.
 
 use super::dormand_prince::{self, Moment, Step};
-use super::map::{HalfCycle, Map};
+use super::map::{HalfCycle, HalfCycleTables, Map};
 use super::phase::PhaseClock;
 use crate::error::Error;
 use crate::law::Backbone;
@@ -92,6 +92,40 @@ impl<'a, B: Backbone, S: AsRef<[Reversal]> + AsMut<[Reversal]>> Decay<'a, B, S> 
         Self::from_memory(oscillator, law, load, memory, start.velocity)
     }
 
+    /// As [`new`](Self::new) without a load, by tables of the mode that several decays share; tables of another mode are not used.
+    ///
+    /// ```
+    /// use iwan_core::{
+    ///     Backbone, Decay, FourParameter, HalfCycleTables, Motion, Oscillator, ResidualStiffness, Reversal,
+    /// };
+    /// let joint = FourParameter::new(4.45e4, 239.4, -0.183, 0.3)?;
+    /// let mode = Oscillator::new(124.0, 1e-3, joint.k_t(), ResidualStiffness::Positive)?;
+    /// let (stack, start) = ([Reversal::default(); 64], Motion::held_at(0.002));
+    /// let own = Decay::new(&mode, &joint, 0.0, start, stack)?.next();
+    /// let tables = HalfCycleTables::new(&mode, &joint);
+    /// assert_eq!(Decay::with_tables(&mode, &joint, &tables, start, stack)?.next(), own);
+    /// // Those of another mode change nothing.
+    /// let other = Oscillator::new(124.0, 2e-3, joint.k_t(), ResidualStiffness::Positive)?;
+    /// let tables = HalfCycleTables::new(&other, &joint);
+    /// assert_eq!(Decay::with_tables(&mode, &joint, &tables, start, stack)?.next(), own);
+    /// # Ok::<(), iwan_core::Error>(())
+    /// ```
+    ///
+    /// # Errors
+    /// As [`new`](Self::new).
+    pub fn with_tables(
+        oscillator: &Oscillator,
+        law: &'a B,
+        tables: &HalfCycleTables,
+        start: Motion,
+        stack: S,
+    ) -> Result<Self, Error> {
+        let joint = Continuum::new(law);
+        let mut memory = joint.virgin(stack)?;
+        joint.advance(&mut memory, start.displacement);
+        Self::with_map(Map::new(oscillator, law, 0.0, Some(tables))?, *oscillator, memory, start.velocity)
+    }
+
     /// From a state that time stepping has reached: `memory` and `velocity`.
     ///
     /// # Errors
@@ -104,7 +138,7 @@ impl<'a, B: Backbone, S: AsRef<[Reversal]> + AsMut<[Reversal]>> Decay<'a, B, S> 
         velocity: f64,
     ) -> Result<Self, Error> {
         crate::error::check("load", load, true, "must be a finite number")?;
-        Self::with_map(Map::new(oscillator, law, load)?, *oscillator, memory, velocity)
+        Self::with_map(Map::new(oscillator, law, load, None)?, *oscillator, memory, velocity)
     }
 
     /// Ends this decay, and begins another of the same mode under the same load as [`new`](Self::new) does: the tables of

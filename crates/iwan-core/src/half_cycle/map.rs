@@ -17,9 +17,50 @@ use super::macro_slip::{MacroSlip, Slip};
 use super::micro_slip::{MicroSlip, Travel};
 use super::phase::{MOST_PASSES, NODES, Node, PANELS, PASS_TOLERANCE, Phase, PhaseClock, Reading, Share};
 use crate::error::Error;
-use crate::law::Backbone;
+use crate::law::{Backbone, PowerLaw};
 use crate::memory::Branch;
 use crate::step::{Motion, Oscillator};
+
+/// What the half cycles of a mode are found from, tabled once: for decays of one mode that begin one after the other
+/// ([`Decay::with_tables`](super::Decay::with_tables)).
+#[derive(Debug, Clone, Copy)]
+pub struct HalfCycleTables {
+    of: TablesOf,
+    micro: Option<MicroSlip>,
+    whole: Option<MacroSlip>,
+}
+
+/// All that the tables depend on.
+#[derive(Debug, Clone, Copy, PartialEq)]
+struct TablesOf {
+    k_inf: f64,
+    viscous: f64,
+    power: Option<PowerLaw>,
+    slip_force: f64,
+    strongest: f64,
+}
+
+impl TablesOf {
+    fn new<B: Backbone>(oscillator: &Oscillator, law: &B) -> Self {
+        let (k_inf, viscous) = (oscillator.k_inf(), oscillator.viscous());
+        let (slip_force, strongest) = (law.slip_force(), law.strengths().1);
+        Self { k_inf, viscous, power: law.power_law(), slip_force, strongest }
+    }
+}
+
+impl HalfCycleTables {
+    /// Of a mode.
+    pub fn new<B: Backbone>(oscillator: &Oscillator, law: &B) -> Self {
+        Self::of(TablesOf::new(oscillator, law), law)
+    }
+
+    fn of<B: Backbone>(of: TablesOf, law: &B) -> Self {
+        let TablesOf { k_inf, viscous, power, .. } = of;
+        let micro = power.and_then(|power| MicroSlip::new(k_inf, viscous, &power));
+        let whole = power.and_then(|power| MacroSlip::new(k_inf, viscous, law, &power));
+        Self { of, micro, whole }
+    }
+}
 
 /// One half cycle from reversal to reversal.
 #[derive(Debug, Clone, Copy)]
@@ -117,9 +158,16 @@ pub(crate) struct Map<'a, B> {
 }
 
 impl<'a, B: Backbone> Map<'a, B> {
+    /// By tables of the mode, where these are known; tables of another mode are made anew.
+    ///
     /// # Errors
     /// [`Error::OutOfRange`] unless K_∞ > 0: without it the mass need not turn round.
-    pub(crate) fn new(oscillator: &Oscillator, law: &'a B, load: f64) -> Result<Self, Error> {
+    pub(crate) fn new(
+        oscillator: &Oscillator,
+        law: &'a B,
+        load: f64,
+        known: Option<&HalfCycleTables>,
+    ) -> Result<Self, Error> {
         let k_inf = oscillator.k_inf();
         crate::error::check(
             "k_inf",
@@ -127,11 +175,10 @@ impl<'a, B: Backbone> Map<'a, B> {
             k_inf > 0.0,
             "the half-cycle map needs K_inf = omega0^2 - k_t > 0",
         )?;
-        let viscous = oscillator.viscous();
-        let power = law.power_law();
-        let micro = power.and_then(|power| MicroSlip::new(k_inf, viscous, &power));
-        let whole = power.and_then(|power| MacroSlip::new(k_inf, viscous, law, &power));
-        Ok(Self { law, k_inf, viscous, load, micro, whole })
+        let of = TablesOf::new(oscillator, law);
+        let known = known.filter(|known| known.of == of).copied();
+        let HalfCycleTables { micro, whole, .. } = known.unwrap_or_else(|| HalfCycleTables::of(of, law));
+        Ok(Self { law, k_inf, viscous: of.viscous, load, micro, whole })
     }
 
     /// Turns `half`, the half cycle before, into the one that leaves the reversal at which `branch` starts; false
@@ -304,7 +351,7 @@ mod tests {
             let law = FourParameter::new(4.45e4, 239.4, chi, beta).unwrap();
             for zeta in [0.0, 2.5e-4, 0.02] {
                 let mode = Oscillator::new(124.0, zeta, law.k_t(), ResidualStiffness::Positive).unwrap();
-                let map = Map::new(&mode, &law, 0.0).unwrap();
+                let map = Map::new(&mode, &law, 0.0, None).unwrap();
                 for ratio in [1.2, 1.5, 3.0, 20.0] {
                     let joint = Continuum::new(&law);
                     let mut memory = joint.virgin([Reversal::default(); 8]).unwrap();

@@ -8,3 +8,4 @@ mod dormand_prince;
 mod decay;
 
 pub use decay::{Decay, PathNode, TurningPoint};
+pub use map::HalfCycleTables;

@@ -29,7 +29,7 @@ use crate::error::{Error, check};
 /// // Beyond φ_max all sliders slide, at 0.8 of their strength.
 /// assert!((joint.force(2.0 * joint.phi_max()) - 240.0).abs() < 1e-12);
 /// // A decay passes this amplitude with more sliders in motion.
-/// assert!(joint.after(f64::INFINITY).dissipation(u) > 1.1 * joint.dissipation(u));
+/// assert!(joint.after(f64::INFINITY).dissipation(u) > joint.dissipation(u));
 /// # Ok::<(), iwan_core::Error>(())
 /// ```
 #[derive(Debug, Clone, Copy, PartialEq)]

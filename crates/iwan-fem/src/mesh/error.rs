@@ -1,5 +1,6 @@
 //! Why a mesh file could not be read, and what a reader noticed in one that could.
 
+use iwan_machine::Kind;
 use std::path::PathBuf;
 
 /// Why a mesh file could not be read: file, place, what stands there, what is allowed, what helps.
@@ -46,6 +47,20 @@ pub enum MeshError {
         /// What may stand there.
         expected: String,
     },
+}
+
+impl MeshError {
+    /// Its kind in the catalogue of errors.
+    #[must_use]
+    pub fn kind(&self) -> Kind {
+        match self {
+            Self::Io { source, .. } if source.kind() == std::io::ErrorKind::OutOfMemory => Kind::Memory,
+            Self::Io { .. } => Kind::Unreadable,
+            Self::UnknownFormat { .. } => Kind::UnknownFormat,
+            Self::Unsupported { .. } => Kind::Unsupported,
+            Self::Malformed { .. } => Kind::Damaged,
+        }
+    }
 }
 
 /// One remark about a mesh file that could be read all the same.

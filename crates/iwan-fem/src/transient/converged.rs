@@ -3,9 +3,9 @@
 use super::reduction::{Basis, Reduced};
 use super::response::{History, StructureResponse};
 use super::task::Transient;
+use super::watch::Watch;
 use crate::error::{Error, check};
 use crate::matrices::Assembled;
-use iwan_core::Progress;
 use iwan_core::progress::UNWATCHED;
 use iwan_core::progress::part;
 
@@ -40,17 +40,18 @@ impl Assembled {
         self.reduced_transient_observed(task, tolerance, UNWATCHED)
     }
 
-    /// [`reduced_transient`](Self::reduced_transient) with a progress report that may break it off: each basis takes
-    /// half of what is left.
+    /// [`reduced_transient`](Self::reduced_transient) with a progress report that may break it off, in which each basis takes half of what is
+    /// left, and with a checkpoint.
     ///
     /// # Errors
     /// As [`reduced_transient`](Self::reduced_transient), and [`Error::Interrupted`].
-    pub fn reduced_transient_observed(
+    pub fn reduced_transient_observed<'w>(
         &self,
         task: &Transient<'_>,
         tolerance: f64,
-        progress: Progress<'_>,
+        watch: impl Into<Watch<'w>>,
     ) -> Result<Converged<'_>, Error> {
+        let watch = watch.into();
         check("tolerance", tolerance, tolerance > 0.0, "must be a finite number > 0")?;
         if task.outputs.is_empty() {
             let (finding, remedy) =
@@ -61,8 +62,9 @@ impl Assembled {
         let mut modes = FIRST.min(most);
         let respond = |modes: usize, done: f64| -> Result<_, Error> {
             let ends = [0.5, 1.0].map(|half: f64| done + 0.5 * half * (1.0 - done));
-            let reduced = self.reduce_observed(modes, Basis::default(), &part(progress, [done, ends[0]]))?;
-            let response = reduced.transient_observed(task, &part(progress, ends))?;
+            let reducing = part(watch.progress, [done, ends[0]]);
+            let reduced = self.reduce_observed(modes, Basis::default(), &reducing)?;
+            let response = reduced.transient_observed(task, watch.with(&part(watch.progress, ends)))?;
             Ok((reduced, response, ends[1]))
         };
         let (_, mut response, mut done) = respond(modes, 0.0)?;

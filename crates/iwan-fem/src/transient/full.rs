@@ -10,10 +10,10 @@ use super::joint_states::{Joints, tables};
 use super::response::{Energies, OBSERVED, Recorder, StructureResponse};
 use super::slip_solver::{SlipSolver, Square};
 use super::task::Transient;
+use super::watch::{Keeper, Watch};
 use crate::algebra::{Cholesky, Group, LANES, NodalProduct, add_scaled, dot};
 use crate::error::Error;
 use crate::matrices::{Assembled, inverse_of};
-use iwan_core::Progress;
 use iwan_core::progress::UNWATCHED;
 
 impl Assembled {
@@ -25,15 +25,16 @@ impl Assembled {
         self.transient_observed(task, UNWATCHED)
     }
 
-    /// [`transient`](Self::transient) with a progress report that may break it off.
+    /// [`transient`](Self::transient) with a progress report that may break it off, and with a checkpoint from which it goes on.
     ///
     /// # Errors
-    /// As [`transient`](Self::transient), and [`Error::Interrupted`].
-    pub fn transient_observed(
+    /// As [`transient`](Self::transient), [`Error::Interrupted`], and [`Error::Analysis`] for a checkpoint that does not fit.
+    pub fn transient_observed<'w>(
         &self,
         task: &Transient<'_>,
-        progress: Progress<'_>,
+        watch: impl Into<Watch<'w>>,
     ) -> Result<StructureResponse, Error> {
+        let watch = watch.into();
         task.check(self.unknowns(), self.slips().len())?;
         if self.damping().is_some() {
             return Err(Error::Analysis {
@@ -55,8 +56,11 @@ impl Assembled {
         }
         recorder.slips(stepper.slips());
         let clock = Instant::now();
+        let mut keeper = Keeper::new(&watch, self, task, &force, |digest| digest.text("full"));
         let mut before = 0.0;
-        for n in 1..=task.steps {
+        let done =
+            keeper.resume(&mut recorder, &mut |see| numbers(&mut stepper, &mut joints, &mut before, see))?;
+        for n in done + 1..=task.steps {
             stepper.step(&mut joints, force[n - 1], force[n])?;
             let here = stepper.load_displacement();
             recorder.work(0.5 * (force[n - 1] + force[n]) * (here - before));
@@ -65,13 +69,46 @@ impl Assembled {
                 recorder.output(i, stepper.acceleration(output, force[n]));
             }
             recorder.slips(stepper.slips());
-            if n % OBSERVED == 0 && progress(n as f64 / task.steps as f64).is_break() {
-                return Err(Error::Interrupted);
+            if n % OBSERVED == 0 {
+                let mut shown = |see: &mut dyn FnMut(&mut f64)| {
+                    numbers(&mut stepper, &mut joints, &mut before, see);
+                };
+                if (watch.progress)(n as f64 / task.steps as f64).is_break() {
+                    keeper.keep(n, &mut recorder, &mut shown);
+                    return Err(Error::Interrupted);
+                }
+                keeper.keep_in_time(n, &mut recorder, &mut shown);
             }
         }
+        keeper.keep(task.steps, &mut recorder, &mut |see| {
+            numbers(&mut stepper, &mut joints, &mut before, see);
+        });
         let seconds = clock.elapsed().as_secs_f64();
         recorder.finish(&mut joints, self.strongest(), [start, stepper.energies()], seconds)
     }
+}
+
+/// Shows every number that one step leaves to the next, with the place of the load's point of attack among them.
+fn numbers(
+    stepper: &mut FullStepper<'_>,
+    joints: &mut Joints<'_>,
+    before: &mut f64,
+    see: &mut dyn FnMut(&mut f64),
+) {
+    let free = &mut stepper.free;
+    let lists = [
+        &mut stepper.x,
+        &mut stepper.v,
+        &mut stepper.a,
+        &mut stepper.internal,
+        &mut stepper.increment,
+        &mut free.displacement,
+        &mut free.velocity,
+    ];
+    lists.into_iter().flatten().for_each(&mut *see);
+    see(before);
+    stepper.slips.each_number(see);
+    joints.each_number(see);
 }
 
 /// A linear functional by its coefficients that are not zero, and its values on the free motions.

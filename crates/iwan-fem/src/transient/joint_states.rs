@@ -165,6 +165,20 @@ impl<'t> Joints<'t> {
         joint.piece.force(s)
     }
 
+    /// Shows every number of the joints' states.
+    pub(crate) fn each_number(&mut self, see: &mut dyn FnMut(&mut f64)) {
+        for joint in &mut self.joints {
+            match &mut joint.kernel {
+                Kernel::Free => {}
+                Kernel::Sliders(_, state) => state.each_number(see),
+                Kernel::Continuum(_, state) => state.each_number(see),
+            }
+            see(&mut joint.slip);
+            joint.piece.each_number(see);
+            joint.ahead.each_number(see);
+        }
+    }
+
     /// Elastic energy in the springs of all joints.
     pub(crate) fn stored_energy(&mut self) -> f64 {
         let energy = |joint: &mut JointState<'_>| {

@@ -3,9 +3,9 @@
 use super::reduction::{Basis, Reduced};
 use super::response::{History, StructureResponse};
 use super::task::Transient;
+use super::watch::Watch;
 use crate::error::Error;
 use crate::matrices::Assembled;
-use iwan_core::Progress;
 use iwan_core::Representation;
 use iwan_core::progress::part;
 
@@ -58,31 +58,34 @@ pub struct StepErrors {
 }
 
 impl Assembled {
-    /// Integrates a model of the structure. `progress` hears a share done that rises to 1; a search for the basis may end
+    /// Integrates a model of the structure. `watch` hears a share done that rises to 1; a search for the basis may end
     /// before.
     ///
     /// # Errors
     /// As [`transient_observed`](Self::transient_observed) and [`reduced_transient`](Self::reduced_transient).
-    pub fn integrate(
+    pub fn integrate<'w>(
         &self,
         model: Model,
         task: &Transient<'_>,
-        progress: Progress<'_>,
+        watch: impl Into<Watch<'w>>,
     ) -> Result<Integrated<'_>, Error> {
+        let watch = watch.into();
         task.check(self.unknowns(), self.slips().len())?;
         match model {
             Model::Full => {
-                let response = self.transient_observed(task, progress)?;
+                let response = self.transient_observed(task, watch)?;
                 Ok(Integrated { response, reduced: None, basis_error: None })
             }
             Model::Basis(_) | Model::Kept => {
                 let modes = self.basis_of(model)?.min(self.unknowns());
-                let reduced = self.reduce_observed(modes, Basis::default(), &part(progress, [0.0, 0.5]))?;
-                let response = reduced.transient_observed(task, &part(progress, [0.5, 1.0]))?;
+                let (reducing, stepping) =
+                    (part(watch.progress, [0.0, 0.5]), part(watch.progress, [0.5, 1.0]));
+                let reduced = self.reduce_observed(modes, Basis::default(), &reducing)?;
+                let response = reduced.transient_observed(task, watch.with(&stepping))?;
                 Ok(Integrated { response, reduced: Some(reduced), basis_error: None })
             }
             Model::Tolerance(tolerance) => {
-                let found = self.reduced_transient_observed(task, tolerance, progress)?;
+                let found = self.reduced_transient_observed(task, tolerance, watch)?;
                 let basis_error = BasisError { estimate: found.error, converged: found.converged };
                 let (response, reduced) = (found.response, Some(found.reduced));
                 Ok(Integrated { response, reduced, basis_error: Some(basis_error) })
@@ -122,21 +125,22 @@ impl Reduced<'_> {
     ///
     /// # Errors
     /// As [`transient_observed`](Self::transient_observed).
-    pub fn step_errors(
+    pub fn step_errors<'w>(
         &self,
         task: &Transient<'_>,
         response: &StructureResponse,
-        progress: Progress<'_>,
+        watch: impl Into<Watch<'w>>,
     ) -> Result<StepErrors, Error> {
+        let watch = watch.into();
         let coarse = Transient { dt: 2.0 * task.dt, steps: task.steps / 2, ..task.clone() };
-        let coarse = self.transient_observed(&coarse, progress)?;
+        let coarse = self.transient_observed(&coarse, watch)?;
         let pairs = response.outputs.iter().zip(&coarse.outputs);
         let time_step = pairs.map(|(fine, coarse)| difference(fine, coarse, 2) / 3.0).collect();
         let sliders = match task.representation {
             Representation::Continuum => None,
             Representation::Sliders { .. } => {
                 let exact = Transient { representation: Representation::Continuum, ..task.clone() };
-                let exact = self.transient_observed(&exact, progress)?;
+                let exact = self.transient_observed(&exact, watch)?;
                 let pairs = response.outputs.iter().zip(&exact.outputs);
                 Some(pairs.map(|(cut, exact)| difference(cut, exact, 1)).collect())
             }

@@ -14,10 +14,10 @@ use super::reduction::Reduced;
 use super::response::{Energies, OBSERVED, Recorder, StructureResponse};
 use super::slip_solver::{SlipSolver, Square};
 use super::task::Transient;
+use super::watch::{Keeper, Watch};
 use crate::algebra::{Group, LANES, grouped, total};
 use crate::error::Error;
 use crate::matrices::inverse_of;
-use iwan_core::Progress;
 use iwan_core::progress::UNWATCHED;
 
 impl Reduced<'_> {
@@ -49,15 +49,16 @@ impl Reduced<'_> {
         self.transient_observed(task, UNWATCHED)
     }
 
-    /// [`transient`](Self::transient) with a progress report that may break it off.
+    /// [`transient`](Self::transient) with a progress report that may break it off, and with a checkpoint from which it goes on.
     ///
     /// # Errors
-    /// As [`transient`](Self::transient), and [`Error::Interrupted`].
-    pub fn transient_observed(
+    /// As [`transient`](Self::transient), [`Error::Interrupted`], and [`Error::Analysis`] for a checkpoint that does not fit.
+    pub fn transient_observed<'w>(
         &self,
         task: &Transient<'_>,
-        progress: Progress<'_>,
+        watch: impl Into<Watch<'w>>,
     ) -> Result<StructureResponse, Error> {
+        let watch = watch.into();
         let assembled = self.assembled();
         task.check(assembled.unknowns(), assembled.slips().len())?;
         let slips = assembled.slips();
@@ -77,7 +78,11 @@ impl Reduced<'_> {
         // The widest registers at hand; nothing is contracted, so the bits are the same in all of them.
         let registers = pulp::Arch::new();
         stepper.predict(0.5 * (force[0] + force.get(1).unwrap_or(&0.0)));
-        for n in 1..=task.steps {
+        let mut keeper = Keeper::new(&watch, assembled, task, &force, |digest| {
+            digest.text("reduced").numbers(self.eigenvalues()).numbers(self.damping())
+        });
+        let done = keeper.resume(&mut recorder, &mut |see| numbers(&mut stepper, &mut joints, see))?;
+        for n in done + 1..=task.steps {
             let ahead = force.get(n + 1).copied().unwrap_or(0.0);
             let mean = 0.5 * (force[n - 1] + force[n]);
             stepper.solve_slips(&mut joints)?;
@@ -90,13 +95,33 @@ impl Reduced<'_> {
                 recorder.output(i, output.read(&stepper.a));
             }
             recorder.slips(&stepper.slips);
-            if n % OBSERVED == 0 && progress(n as f64 / task.steps as f64).is_break() {
-                return Err(Error::Interrupted);
+            if n % OBSERVED == 0 {
+                if (watch.progress)(n as f64 / task.steps as f64).is_break() {
+                    keeper.keep(n, &mut recorder, &mut |see| numbers(&mut stepper, &mut joints, see));
+                    return Err(Error::Interrupted);
+                }
+                keeper.keep_in_time(n, &mut recorder, &mut |see| numbers(&mut stepper, &mut joints, see));
             }
         }
+        keeper.keep(task.steps, &mut recorder, &mut |see| numbers(&mut stepper, &mut joints, see));
         let seconds = clock.elapsed().as_secs_f64();
         recorder.finish(&mut joints, assembled.strongest(), [start, stepper.energies()], seconds)
     }
+}
+
+/// Shows every number that one step leaves to the next.
+fn numbers(stepper: &mut Stepper, joints: &mut Joints<'_>, see: &mut dyn FnMut(&mut f64)) {
+    let lists = [
+        &mut stepper.q,
+        &mut stepper.v,
+        &mut stepper.a,
+        &mut stepper.mean,
+        &mut stepper.joint,
+        &mut stepper.ahead,
+    ];
+    lists.into_iter().flat_map(|list| list.as_flattened_mut()).for_each(&mut *see);
+    stepper.slips.each_number(see);
+    joints.each_number(see);
 }
 
 /// A functional of the coordinates: one of them, or all weighted.

@@ -137,6 +137,31 @@ impl Recorder {
         self.viscous += lost;
     }
 
+    /// Shows the works.
+    pub(crate) fn each_number(&mut self, see: &mut dyn FnMut(&mut f64)) {
+        [&mut self.input, &mut self.viscous, &mut self.joint_work].into_iter().for_each(see);
+    }
+
+    /// What was recorded so far: of each output three lists, of each slip two.
+    pub(crate) fn lists(&self) -> impl Iterator<Item = &[f64]> {
+        let outputs = self.outputs.iter().flat_map(|o| [&o.displacement, &o.velocity, &o.acceleration]);
+        outputs.chain(self.slips.iter().flat_map(|s| [&s.slip, &s.force])).map(Vec::as_slice)
+    }
+
+    /// Goes on behind what was recorded before, `samples` of each; false where that does not fit.
+    pub(crate) fn take_up(&mut self, mut lists: impl Iterator<Item = Vec<f64>>, samples: usize) -> bool {
+        let outputs = self.outputs.iter_mut();
+        let outputs = outputs.flat_map(|o| [&mut o.displacement, &mut o.velocity, &mut o.acceleration]);
+        let mut fits = true;
+        for own in outputs.chain(self.slips.iter_mut().flat_map(|s| [&mut s.slip, &mut s.force])) {
+            let list = lists.next().filter(|list| list.len() == samples);
+            fits &= list.is_some();
+            own.clear();
+            own.extend(list.into_iter().flatten());
+        }
+        fits && lists.next().is_none()
+    }
+
     /// Completes the response from kinetic and elastic energy at both ends.
     pub(crate) fn finish(
         mut self,

@@ -5,9 +5,9 @@ use super::model::{BasisError, Integrated, Model, StepErrors};
 use super::reduction::Reduced;
 use super::response::StructureResponse;
 use super::task::{Output, Transient};
+use super::watch::Watch;
 use crate::error::Error;
 use crate::modes::{NamedMode, NamedModes};
-use iwan_core::Progress;
 
 /// What a run gives besides the response; all of it from the reduced model, so that the full one gives none.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -70,29 +70,30 @@ impl NamedModes {
     }
 
     /// Runs a transient whose first outputs are the coordinates of `modes`
-    /// ([`modal_output`](crate::Assembled::modal_output)). `progress` hears the share done of the response, then those of its
-    /// companions.
+    /// ([`modal_output`](crate::Assembled::modal_output)). `watch` hears the share done of the response, then those of its
+    /// companions; a checkpoint of it keeps them all.
     ///
     /// # Errors
     /// As [`Assembled::integrate`](crate::Assembled::integrate).
-    pub fn run(
+    pub fn run<'w>(
         &self,
         modes: Vec<NamedMode>,
         model: Model,
         task: &Transient<'_>,
         extras: Extras,
-        progress: Progress<'_>,
+        watch: impl Into<Watch<'w>>,
     ) -> Result<Run, Error> {
-        let integrated = self.assembled.integrate(model, task, progress)?;
+        let watch = watch.into();
+        let integrated = self.assembled.integrate(model, task, watch)?;
         let basis = integrated.basis();
         let Integrated { response, reduced, basis_error } = integrated;
         let (mut errors, mut frames) = (None, Vec::new());
         if let Some(reduced) = &reduced {
             if extras.errors {
-                errors = Some(reduced.step_errors(task, &response, progress)?);
+                errors = Some(reduced.step_errors(task, &response, watch)?);
             }
             if extras.frames > 0 {
-                frames = reduced.frames(task, extras.frames)?;
+                frames = reduced.frames(task, extras.frames, watch)?;
             }
         }
         let joint_force = |(mode, history): (&NamedMode, _)| {
@@ -109,12 +110,17 @@ impl Reduced<'_> {
     ///
     /// # Errors
     /// As [`transient`](Self::transient).
-    pub fn frames(&self, task: &Transient<'_>, count: usize) -> Result<Vec<Frame>, Error> {
+    pub fn frames<'w>(
+        &self,
+        task: &Transient<'_>,
+        count: usize,
+        watch: impl Into<Watch<'w>>,
+    ) -> Result<Vec<Frame>, Error> {
         let assembled = self.assembled();
         let coordinate =
             |k: usize| Output { name: k.to_string(), coefficients: assembled.mass().times(self.column(k)) };
         let outputs = (0..self.coordinates()).map(coordinate).collect();
-        let response = self.transient(&Transient { outputs, ..task.clone() })?;
+        let response = self.transient_observed(&Transient { outputs, ..task.clone() }, watch)?;
         let frame = |n: usize| {
             let sample = if count > 1 { n * task.steps / (count - 1) } else { 0 };
             let mut unknowns = vec![0.0; assembled.unknowns()];

@@ -119,6 +119,22 @@ impl SlipSolver {
         Ok(solver)
     }
 
+    /// Shows every number that one step leaves to the next.
+    pub(crate) fn each_number(&mut self, see: &mut dyn FnMut(&mut f64)) {
+        let lists = [
+            &mut self.tangents,
+            &mut self.inverse.columns,
+            &mut self.scale,
+            &mut self.slips,
+            &mut self.forces,
+            &mut self.increments,
+        ];
+        lists.into_iter().flat_map(|list| list.as_flattened_mut()).for_each(&mut *see);
+        let mut updates = self.updates as f64;
+        see(&mut updates);
+        self.updates = updates as usize;
+    }
+
     /// Slips of all joints, filled up with zeros to whole groups.
     pub(crate) fn slips(&self) -> &[f64] {
         self.slips.as_flattened()

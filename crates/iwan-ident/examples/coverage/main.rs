@@ -4,7 +4,7 @@
 //! of 10 to 100 samples, without noise. `noise COUNT DB`: random joints of 1 to 30 % of the stiffness in noise of so many decibels below the
 //! record's root mean square. `neighbours COUNT DB [band]`: the same beside one or two other modes at 1.05 to 3 times the frequency, as
 //! loud or up to thirty times less, all automatic or with a band about the mode. `repeats COUNT`: four hits of a specimen whose frequency strays by 0.3 % from
-//! hit to hit and whose damping by 3 %: how often the intervals hold the specimen's mean. A third number is the first seed.
+//! hit to hit and whose damping by 3 %: how often the intervals hold the specimen's mean. `FIRST` in the environment is the first seed.
 //! `scripts/validate` runs all of them; the last figures stand in the book's chapter on validation.
 
 #[path = "../../tests/law_records/random.rs"]

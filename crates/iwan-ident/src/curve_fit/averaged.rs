@@ -131,6 +131,7 @@ pub fn fit(curves: &[Curves], first: &Parameters, held: &[Parameter]) -> Result<
         iterations: ITERATIONS,
         tolerance: TOLERANCE,
         floor: 0.0,
+        kept: None,
     };
     let mut residuals = |x: &[f64], out: &mut [f64]| residuals(&entries, &chart.parameters(x), out);
     let found = search.run(&mut residuals, &chart.coordinates(first)?).ok_or_else(|| Error::Refused {

@@ -13,6 +13,8 @@ mod linear;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 
+use iwan_machine::checkpoint::Checkpoint;
+
 use crate::curve_fit::{Compared, Fit, Start, Verdict, fit_from, start};
 use crate::curves::Curves;
 use crate::error::{Error, check};
@@ -79,7 +81,20 @@ struct OtherStart {
 /// # Ok::<(), iwan_ident::Error>(())
 /// ```
 pub fn identify(records: &[ModeRecord<'_>], settings: &Settings) -> Result<Identification, Error> {
-    identification(records, settings, &Arc::default())
+    identification(records, settings, &Arc::default(), None)
+}
+
+/// [`identify`] that keeps the ends of its searches: another process with the same records, settings and checkpoint goes on where this one
+/// ended, and ends with the same bits.
+///
+/// # Errors
+/// As [`identify`].
+pub fn identify_kept(
+    records: &[ModeRecord<'_>],
+    settings: &Settings,
+    kept: &Arc<Checkpoint>,
+) -> Result<Identification, Error> {
+    identification(records, settings, &Arc::default(), Some(kept))
 }
 
 /// [`identify`] that ends soon, by an error, once another thread sets `stopped`.
@@ -91,7 +106,7 @@ pub fn identify_until(
     settings: &Settings,
     stopped: &Arc<AtomicBool>,
 ) -> Result<Identification, Error> {
-    let found = identification(records, settings, stopped);
+    let found = identification(records, settings, stopped, None);
     if stopped.load(Ordering::Relaxed) { Err(Error::Stopped) } else { found }
 }
 
@@ -99,6 +114,7 @@ fn identification(
     records: &[ModeRecord<'_>],
     settings: &Settings,
     stopped: &Arc<AtomicBool>,
+    kept: Option<&Arc<Checkpoint>>,
 ) -> Result<Identification, Error> {
     check("records", records.len() as f64, !records.is_empty(), "at least one", "give a record")?;
     let prepared =
@@ -109,7 +125,7 @@ fn identification(
     let ring_downs: Vec<RingDown<'_>> = prepared.iter().map(Prepared::ring_down).collect();
     let held: Vec<Parameter> = settings.held.iter().map(|h| h.parameter).collect();
     let mut task = Task::new(&ring_downs, &fit.parameters, &held)?;
-    task.stopped = stopped.clone();
+    (task.stopped, task.kept) = (stopped.clone(), kept.cloned());
     let Found { minimum, profiles } = minimum_and_profiles(&mut task, &fit.parameters)?;
     let refined = task.refined(&minimum);
     let model_curves = prepared

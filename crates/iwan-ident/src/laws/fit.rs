@@ -108,6 +108,7 @@ impl<'a> Problem<'a> {
             iterations,
             tolerance,
             floor: 1.0,
+            kept: None,
         }
     }
 

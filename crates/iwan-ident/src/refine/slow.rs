@@ -7,7 +7,7 @@
 
 use std::collections::VecDeque;
 
-use iwan_core::{Decay, FourParameter, Motion, Oscillator, Reversal};
+use iwan_core::{Decay, FourParameter, HalfCycleTables, Motion, Oscillator, Reversal};
 use rustfft::num_complex::Complex64;
 
 use crate::curves::Quantity;
@@ -66,6 +66,7 @@ impl HalfCycle {
 }
 
 /// The polynomial through neighbouring nodes, in Newton's form, and the logarithms between which it is taken.
+#[derive(Debug, Clone, Copy)]
 struct Piece {
     places: [f64; POINTS],
     differences: [[f64; VALUES]; POINTS],
@@ -116,6 +117,8 @@ pub(super) struct Nodes {
     in_macro_slip: bool,
     /// By ascending place.
     known: Vec<Known>,
+    /// Between a node and the next one, where it was asked for.
+    pieces: Vec<Option<Piece>>,
 }
 
 /// The logarithm of an amplitude, and the half cycle that begins there.
@@ -134,7 +137,7 @@ impl Nodes {
     /// From φ_max downwards: the same nodes for every decay of an oscillator in micro-slip.
     pub(super) fn in_micro_slip(phi_max: f64) -> Self {
         let top = (TOP * phi_max).ln();
-        Self { top, spacing: SPACING, count: MOST, in_macro_slip: false, known: vec![] }
+        Self { top, spacing: SPACING, count: MOST, in_macro_slip: false, known: vec![], pieces: vec![] }
     }
 
     /// From the logarithm of an amplitude down to the logarithm `floor`.
@@ -143,7 +146,7 @@ impl Nodes {
         // Down to the floor there is room for as many nodes as a polynomial needs.
         let spacing = SPACING_IN_MACRO_SLIP.min((top - floor) / POINTS as f64);
         let count = ((top - floor) / spacing) as usize + 1;
-        Self { top, spacing, count, in_macro_slip: true, known: vec![] }
+        Self { top, spacing, count, in_macro_slip: true, known: vec![], pieces: vec![] }
     }
 }
 
@@ -153,6 +156,15 @@ pub(super) struct Buffers {
     pub(super) stack: Vec<Reversal>,
     /// Of the models that were computed last.
     tables: VecDeque<(TableOf, Nodes)>,
+    commons: VecDeque<(Parameters, Common)>,
+}
+
+/// A model, and what its half cycles are found from.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Common {
+    pub(super) oscillator: Oscillator,
+    pub(super) joint: FourParameter,
+    pub(super) tables: HalfCycleTables,
 }
 
 /// What the half cycles of a table in micro-slip depend on.
@@ -167,6 +179,20 @@ pub(super) struct TableOf {
 pub(super) const KEPT: usize = COUNT + 2;
 
 impl Buffers {
+    /// The model of parameters, known where it was met before; none where they are no model.
+    pub(super) fn common(&mut self, parameters: &Parameters) -> Option<Common> {
+        if let Some((_, common)) = self.commons.iter().find(|(known, _)| known == parameters) {
+            return Some(*common);
+        }
+        let (oscillator, joint) = parameters.model().ok()?;
+        let common = Common { oscillator, joint, tables: HalfCycleTables::new(&oscillator, &joint) };
+        if self.commons.len() >= KEPT {
+            self.commons.pop_front();
+        }
+        self.commons.push_back((*parameters, common));
+        Some(common)
+    }
+
     /// The nodes of a table in micro-slip, those of the same model where it was met before.
     pub(super) fn nodes(&mut self, of: TableOf, phi_max: f64) -> Nodes {
         let place = self.tables.iter().position(|(known, _)| *known == of);
@@ -194,28 +220,34 @@ pub(super) struct Table<'a, F> {
     nodes: &'a mut Nodes,
     oscillator: &'a Oscillator,
     joint: &'a FourParameter,
+    tables: &'a HalfCycleTables,
     /// The last decay, which the next one takes the place of.
     decay: Option<Decay<'a, FourParameter, [Reversal; SETTLING + 8]>>,
     /// Adds a node to moments.
     add: F,
-    /// That of the last half cycle asked for.
-    piece: Option<Piece>,
+    /// Place of that of the last half cycle asked for.
+    piece: Option<usize>,
 }
 
 impl<'a, F: FnMut(Moment, &mut [Complex64; 4])> Table<'a, F> {
     /// By nodes that may serve several decays of the same oscillator and joint, with the same moments.
     pub(super) fn new(
         nodes: &'a mut Nodes,
-        oscillator: &'a Oscillator,
-        joint: &'a FourParameter,
+        (oscillator, joint, tables): (&'a Oscillator, &'a FourParameter, &'a HalfCycleTables),
         add: F,
     ) -> Self {
-        Self { nodes, oscillator, joint, decay: None, add, piece: None }
+        Self { nodes, oscillator, joint, tables, decay: None, add, piece: None }
+    }
+
+    /// The polynomial of a place.
+    fn piece(&self, place: usize) -> Option<&Piece> {
+        self.nodes.pieces.get(place)?.as_ref()
     }
 
     /// The half cycle that begins at the logarithm of an amplitude; none above the first node and below the last, and where half cycles are none of a slow decay.
     pub(super) fn at(&mut self, log: f64) -> Option<HalfCycle> {
-        if let Some(piece) = self.piece.as_ref().filter(|p| log <= p.from && log > p.to) {
+        let last = self.piece.and_then(|place| self.piece(place));
+        if let Some(piece) = last.filter(|p| log <= p.from && log > p.to) {
             return Some(piece.at(log));
         }
         // A node lies at the amplitude at which it was begun, or below it by less than the spacing.
@@ -223,6 +255,10 @@ impl<'a, F: FnMut(Moment, &mut [Complex64; 4])> Table<'a, F> {
         let begun = if begun >= 0.0 { begun as usize } else { return None };
         let is_above = |table: &mut Self, i: usize| table.node(i).is_some_and(|n| n.0 >= log);
         let above = [Some(begun), begun.checked_sub(1)].into_iter().flatten().find(|i| is_above(self, *i))?;
+        self.piece = Some(above);
+        if let Some(piece) = self.piece(above) {
+            return (log > piece.to).then(|| piece.at(log));
+        }
         // As many nodes below the place as above it, where the table goes so far.
         let highest = self.nodes.count.checked_sub(POINTS)?;
         let first = (above + 1).saturating_sub(POINTS / 2).min(highest);
@@ -232,7 +268,11 @@ impl<'a, F: FnMut(Moment, &mut [Complex64; 4])> Table<'a, F> {
             *node = self.node(first + i)?;
         }
         let middle = (above - first).min(POINTS - 2);
-        let piece = self.piece.insert(Piece::new(&through, middle));
+        let piece = Piece::new(&through, middle);
+        if self.nodes.pieces.len() <= above {
+            self.nodes.pieces.resize(above + 1, None);
+        }
+        self.nodes.pieces[above] = Some(piece);
         (log > piece.to).then(|| piece.at(log))
     }
 
@@ -264,7 +304,7 @@ impl<'a, F: FnMut(Moment, &mut [Complex64; 4])> Table<'a, F> {
             decay.anew(held).ok()?
         } else {
             let stack = [Reversal::default(); SETTLING + 8];
-            Decay::new(self.oscillator, self.joint, 0.0, held, stack).ok()?
+            Decay::with_tables(self.oscillator, self.joint, self.tables, held, stack).ok()?
         };
         let (settling, count) = if self.nodes.in_macro_slip { (0, 1) } else { (SETTLING, 2) };
         let (mut from, mut began) = (log.exp(), 0.0);

@@ -5,6 +5,7 @@ use std::f64::consts::{PI, TAU};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 
+use iwan_machine::checkpoint::Checkpoint;
 use rustfft::num_complex::Complex64;
 
 use super::discount::Discount;
@@ -15,7 +16,7 @@ use super::slow::{Buffers, KEPT};
 use super::windows::Windows;
 use crate::error::{Error, check};
 use crate::parameters::{COUNT, Parameter, Parameters};
-use crate::search::{Chart, Minimum, Search};
+use crate::search::{Chart, Kept, Minimum, Search};
 
 /// Unknowns of each record: ln of the first amplitude, phase of the release.
 pub(super) const OWN: usize = 2;
@@ -49,6 +50,8 @@ pub(crate) struct Task {
     pub(super) by_logarithms: bool,
     /// Once set there are no residuals any more, so that every search ends.
     pub(crate) stopped: Arc<AtomicBool>,
+    /// Where the ends of searches are kept.
+    pub(crate) kept: Option<Arc<Checkpoint>>,
 }
 
 /// Buffers that all evaluations of a search share.
@@ -148,6 +151,7 @@ impl Task {
             widened: false,
             by_logarithms: false,
             stopped: Arc::default(),
+            kept: None,
         };
         let needed = COUNT + OWN * task.records.len() + SPARE;
         if task.count() < needed {
@@ -307,7 +311,9 @@ impl Task {
     pub(crate) fn search(&self, free: Vec<usize>, effort: Effort) -> Search {
         let Effort { iterations, tolerance } = effort;
         let floor = self.count() as f64 * self.least_variance();
-        Search { count: self.count(), free, bounds: self.bounds(), iterations, tolerance, floor }
+        let (count, bounds) = (self.count(), self.bounds());
+        let kept = self.kept.clone().map(|checkpoint| Kept { checkpoint, stopped: self.stopped.clone() });
+        Search { count, free, bounds, iterations, tolerance, floor, kept }
     }
 
     /// The least whitened sum of squares from `x`, until an iteration brings less than the relative `tolerance`.

@@ -8,13 +8,16 @@
 
 use std::f64::consts::{PI, TAU};
 
-use iwan_core::{Decay, FourParameter, Oscillator, Reversal};
+use iwan_core::{Decay, FourParameter, HalfCycleTables, Oscillator, Reversal};
 use rustfft::num_complex::Complex64;
 
 use super::release::TurningPoint;
-use super::slow::{BELOW, Buffers, FASTEST, FASTEST_IN_MACRO_SLIP, Moment, Nodes, TOP, Table, TableOf};
+use super::slow::{
+    BELOW, Buffers, Common, FASTEST, FASTEST_IN_MACRO_SLIP, Moment, Nodes, TOP, Table, TableOf,
+};
 use crate::curves::Quantity;
 use crate::parameters::Parameters;
+use crate::turn::{cosine_and_sine, turn};
 
 /// Windows that cover a moment: sin⁴ windows shifted by a quarter of their length sum to a constant, so that no moment counts
 /// more than another.
@@ -50,6 +53,7 @@ enum Regime {
 struct Model<'a> {
     oscillator: &'a Oscillator,
     joint: &'a FourParameter,
+    tables: &'a HalfCycleTables,
     quantity: Quantity,
 }
 
@@ -84,34 +88,22 @@ impl Windows {
         (self.count + OVERLAP - 1) as f64 * self.hop
     }
 
-    /// Calls `add` with each window that covers the time `t`, its weight there and the derivative of the weight.
-    fn covering(&self, t: f64, mut add: impl FnMut(usize, f64, f64)) {
+    /// How many windows end before the time `t`, which is not negative, and cosine and sine of the angle 2x there of the last window that has begun.
+    fn phase_at(&self, t: f64) -> (usize, [f64; 2]) {
         let place = t / self.hop;
-        if place < 0.0 {
-            return;
-        }
         let last = place as usize;
-        let (s, c) = (0.5 * PI * (place - last as f64)).sin_cos();
-        let rate = 0.25 * PI / self.hop;
-        // cos 2x and sin 2x of the angle x within window last - i, a quarter turn on for each i.
-        let turns = [(c, s), (-s, c), (-c, -s), (s, -c)];
-        for (i, (cos, sin)) in turns.into_iter().enumerate().take(last + 1) {
-            if last - i < self.count {
-                let square = 0.5 * (1.0 - cos);
-                add(last - i, square * square, 2.0 * square * sin * rate);
-            }
-        }
+        (last, cosine_and_sine(0.5 * PI * (place - last as f64)))
     }
 
     /// Complex amplitudes of uniform samples from t = 0.
     pub(super) fn of_samples(&self, samples: &[f64], dt: f64) -> Vec<Complex64> {
         let mean = samples.iter().sum::<f64>() / samples.len() as f64;
         let mut out = vec![Complex64::default(); self.count];
+        let mut gathered = Gathered::default();
         for (n, x) in samples.iter().enumerate() {
-            let t = n as f64 * dt;
-            let x = Complex64::cis(-(self.omega * t).rem_euclid(TAU)) * ((x - mean) * dt);
-            self.covering(t, |k, weight, _| out[k] += x * weight);
+            self.gather(n as f64 * dt, (x - mean) * dt, Quantity::Displacement, &mut gathered, &mut out);
         }
+        self.spread_gathered(&gathered, Quantity::Displacement, &mut out);
         out
     }
 
@@ -125,14 +117,16 @@ impl Windows {
         buffers: &mut Buffers,
         out: &mut [Complex64],
     ) -> bool {
-        let Ok((oscillator, joint)) = parameters.model() else { return false };
+        let Some(Common { oscillator, joint, tables: half_cycle_tables }) = buffers.common(parameters) else {
+            return false;
+        };
         let half_cycles = (2.5 * (self.end() + start.time.abs()) * parameters.frequency) as usize + 16;
         if buffers.stack.len() < half_cycles {
             buffers.stack.resize(half_cycles, Reversal::default());
         }
         let tables = self.tables && self.hop * self.omega >= LONG * TAU;
         let table_of = TableOf { parameters: *parameters, omega: self.omega, quantity };
-        let model = Model { oscillator: &oscillator, joint: &joint, quantity };
+        let model = Model { oscillator: &oscillator, joint: &joint, tables: &half_cycle_tables, quantity };
         out.fill(Complex64::default());
         let (mut now, mut regime) = (start, None);
         while now.time < self.end() {
@@ -190,7 +184,7 @@ impl Windows {
     /// the decay begins with it. False where there is no decay.
     fn add_plainly(
         &self,
-        Model { oscillator, joint, quantity }: Model<'_>,
+        Model { oscillator, joint, tables, quantity }: Model<'_>,
         now: &mut TurningPoint,
         first: Option<f64>,
         stack: &mut [Reversal],
@@ -198,11 +192,11 @@ impl Windows {
         out: &mut [Complex64],
     ) -> bool {
         let held = iwan_core::Motion::held_at(now.displacement);
-        let Ok(mut decay) = Decay::new(oscillator, joint, 0.0, held, stack) else { return false };
+        let Ok(mut decay) = Decay::with_tables(oscillator, joint, tables, held, stack) else { return false };
         let (began, long, mut first) = (now.time, self.hop * self.omega >= LONG * TAU, first);
         let mut logs = [f64::INFINITY, f64::INFINITY, f64::INFINITY, now.displacement.abs().ln()];
         while now.time < self.end() {
-            let mut moments = Moments::default();
+            let (mut moments, mut gathered) = (Moments::default(), Gathered::default());
             let middle = now.time + 0.5 * PI / self.omega;
             let turned = decay.next_with(|node| {
                 let t = began + node.time;
@@ -212,12 +206,14 @@ impl Windows {
                     moments.add(late, self.term(late, motion, node.weight, quantity));
                     return;
                 }
-                self.add(t, motion, node.weight, quantity, out);
+                self.add(t, motion, node.weight, quantity, (&mut gathered, out));
                 if first.is_some_and(|release| node.time < release) {
-                    self.add(began - node.time, motion.mirrored(), node.weight, quantity, out);
+                    let t = began - node.time;
+                    self.add(t, motion.mirrored(), node.weight, quantity, (&mut gathered, out));
                 }
             });
             let Some(turned) = turned else { return false };
+            self.spread_gathered(&gathered, quantity, out);
             if long && first.is_none() {
                 self.add_moments(middle, &moments, quantity, out);
             }
@@ -245,7 +241,7 @@ impl Windows {
     /// Adds half cycles by a table from a turning point on: to the end, or to where the table has no more.
     fn add_by_table(
         &self,
-        Model { oscillator, joint, quantity }: Model<'_>,
+        Model { oscillator, joint, tables, quantity }: Model<'_>,
         now: &mut TurningPoint,
         nodes: &mut Nodes,
         out: &mut [Complex64],
@@ -259,7 +255,7 @@ impl Windows {
             sum.add(late, self.term(late, Motion { displacement, velocity }, weight, quantity));
             moments.iter_mut().zip(sum.0).for_each(|(m, s)| *m += s);
         };
-        let mut table = Table::new(nodes, oscillator, joint, add);
+        let mut table = Table::new(nodes, (oscillator, joint, tables), add);
         while now.time < self.end() {
             let Some(half) = table.at(log) else { break };
             // The moments are about their own middle: `add_moments` turns them from the record's beginning.
@@ -272,68 +268,104 @@ impl Windows {
 
     /// The integrand of a moment but for the window: x e^(-iω_r t) dt, for acceleration -v e^(-iω_r t) dt.
     fn term(&self, t: f64, motion: Motion, seconds: f64, quantity: Quantity) -> Complex64 {
-        let (sin, cos) = (self.omega * t).sin_cos();
-        let x = match quantity {
-            Quantity::Displacement => motion.displacement,
-            Quantity::Velocity => motion.velocity,
-            Quantity::Acceleration => -motion.velocity,
-        };
-        Complex64::new(cos, -sin) * (x * seconds)
+        turn(self.omega * t) * (motion.seen(quantity) * seconds)
     }
 
     /// Adds a half cycle about the time `t` to the windows that cover it, these by their Taylor series.
     fn add_moments(&self, t: f64, moments: &Moments, quantity: Quantity, out: &mut [Complex64]) {
-        let place = t / self.hop;
-        let last = place as usize;
-        let (s, c) = (0.5 * PI * (place - last as f64)).sin_cos();
+        let (last, [c, s]) = self.phase_at(t);
         let rate = 0.5 * PI / self.hop;
-        let turns = [(c, s), (-s, c), (-c, -s), (s, -c)];
-        let turn = Complex64::cis(-(self.omega * t).rem_euclid(TAU));
-        let m = moments.0.map(|moment| moment * turn);
-        for (i, (cos, sin)) in turns.into_iter().enumerate().take(last + 1) {
-            if last - i >= self.count {
-                continue;
+        let [m0, m1, m2, m3] = moments.0;
+        let with = |rate: f64, [c, s]: [f64; 2]| {
+            let even = m0 - m2 * (0.5 * rate * rate);
+            let odd = (m3 * (rate * rate / 6.0) - m1) * rate;
+            [even * c + odd * s, odd * c - even * s]
+        };
+        let parts = Parts {
+            mean: m0,
+            single: with(rate, [c, s]),
+            double: with(2.0 * rate, [c * c - s * s, 2.0 * s * c]),
+        };
+        self.spread(last, parts, turn(self.omega * t), quantity, out);
+    }
+
+    /// Adds integrals to the last window that has begun and to the three before it: sin⁴x = ⅜ - ½ cos 2x + ⅛ cos 4x, and the angle 2x of each
+    /// is a quarter turn ahead of the next one's.
+    fn spread(
+        &self,
+        last: usize,
+        Parts { mean, mut single, double: [double, double_on] }: Parts,
+        turn: Complex64,
+        quantity: Quantity,
+        out: &mut [Complex64],
+    ) {
+        let (mut mean, mut double) = (mean * 0.375, double * 0.125);
+        if quantity == Quantity::Acceleration {
+            // By parts: minus iω_r times the same, and the windows' derivatives.
+            let (minus, rate) = (Complex64::new(0.0, -self.omega), 0.5 * PI / self.hop);
+            mean *= minus;
+            single = [single[0] * minus + single[1] * rate, single[1] * minus - single[0] * rate];
+            double = double * minus + double_on * (0.25 * rate);
+        }
+        let (mean, double) = (mean * turn, double * turn);
+        let single = single.map(|x| x * (0.5 * turn));
+        let (above, below) = (mean + double, mean - double);
+        let added = [above - single[0], below - single[1], above + single[0], below + single[1]];
+        for (i, added) in added.into_iter().enumerate().take(last + 1) {
+            if let Some(out) = out.get_mut(last - i) {
+                *out += added;
             }
-            // sin⁴x = (3 - 4 cos 2x + cos 4x)/8, and its derivatives with respect to time.
-            let (cos_2, sin_2) = (cos * cos - sin * sin, 2.0 * sin * cos);
-            let series = [
-                0.125 * (3.0 - 4.0 * cos + cos_2),
-                rate * 0.25 * (2.0 * sin - sin_2),
-                rate * rate * 0.5 * (cos - cos_2),
-                rate.powi(3) * 0.5 * (2.0 * sin_2 - sin),
-                rate.powi(4) * 0.5 * (4.0 * cos_2 - cos),
-            ];
-            let weighted = |s: &[f64]| m[0] * s[0] + m[1] * s[1] + m[2] * (0.5 * s[2]) + m[3] * (s[3] / 6.0);
-            out[last - i] += match quantity {
-                Quantity::Acceleration => {
-                    weighted(&series[1..]) + weighted(&series[..4]) * Complex64::new(0.0, -self.omega)
-                }
-                _ => weighted(&series[..4]),
-            };
         }
     }
 
-    /// Adds a moment of the motion. Acceleration by parts: the velocity times the derivative of the weight.
-    fn add(&self, t: f64, motion: Motion, seconds: f64, quantity: Quantity, out: &mut [Complex64]) {
-        let (sin, cos) = (self.omega * t).sin_cos();
-        let turn = Complex64::new(cos, -sin);
-        match quantity {
-            Quantity::Displacement => {
-                let x = turn * (motion.displacement * seconds);
-                self.covering(t, |k, weight, _| out[k] += x * weight);
-            }
-            Quantity::Velocity => {
-                let x = turn * (motion.velocity * seconds);
-                self.covering(t, |k, weight, _| out[k] += x * weight);
-            }
-            Quantity::Acceleration => {
-                let x = turn * (-motion.velocity * seconds);
-                self.covering(t, |k, weight, slope| {
-                    out[k] += x * Complex64::new(slope, -self.omega * weight);
-                });
-            }
-        }
+    /// Adds a node of the motion.
+    fn add(
+        &self,
+        t: f64,
+        motion: Motion,
+        seconds: f64,
+        quantity: Quantity,
+        (gathered, out): (&mut Gathered, &mut [Complex64]),
+    ) {
+        self.gather(t, motion.seen(quantity) * seconds, quantity, gathered, out);
     }
+
+    /// Adds x dt at the time `t` to what is gathered, which is handed on where other windows begin.
+    fn gather(&self, t: f64, x: f64, quantity: Quantity, gathered: &mut Gathered, out: &mut [Complex64]) {
+        if t < 0.0 {
+            return;
+        }
+        let (last, [c, s]) = self.phase_at(t);
+        if last != gathered.last {
+            self.spread_gathered(gathered, quantity, out);
+            *gathered = Gathered { last, ..Gathered::default() };
+        }
+        let (x, Parts { mean, single, double }) = (turn(self.omega * t) * x, &mut gathered.parts);
+        *mean += x;
+        single[0] += x * c;
+        single[1] -= x * s;
+        double[0] += x * (c * c - s * s);
+        double[1] -= x * (2.0 * s * c);
+    }
+
+    fn spread_gathered(&self, gathered: &Gathered, quantity: Quantity, out: &mut [Complex64]) {
+        self.spread(gathered.last, gathered.parts, Complex64::new(1.0, 0.0), quantity, out);
+    }
+}
+
+/// Integrals of what is seen: as it is, times the cosine of the last window's angle 2x and of the angle a quarter turn ahead, and the same for 4x.
+#[derive(Debug, Clone, Copy, Default)]
+struct Parts {
+    mean: Complex64,
+    single: [Complex64; 2],
+    double: [Complex64; 2],
+}
+
+/// Integrals over a time in which no window begins.
+#[derive(Debug, Clone, Copy, Default)]
+struct Gathered {
+    last: usize,
+    parts: Parts,
 }
 
 /// Displacement and velocity at a moment.
@@ -344,6 +376,15 @@ struct Motion {
 }
 
 impl Motion {
+    /// What windows are taken of: acceleration by parts, as minus the velocity.
+    fn seen(self, quantity: Quantity) -> f64 {
+        match quantity {
+            Quantity::Displacement => self.displacement,
+            Quantity::Velocity => self.velocity,
+            Quantity::Acceleration => -self.velocity,
+        }
+    }
+
     /// The same at the same time before a turning point.
     fn mirrored(self) -> Self {
         Self { velocity: -self.velocity, ..self }

@@ -4,7 +4,10 @@
 //! The problems here have a dozen unknowns and residuals that cost microseconds; what a search shall not do is leave the
 //! region in which a model exists, or stop where a bound and a valley meet.
 
+use iwan_machine::checkpoint::Digest;
 use nalgebra::{DMatrix, DVector};
+
+use super::kept::{End, Kept};
 
 /// What is sought by least squares. A function of the coordinates and of the residuals to fill is one: its derivatives are differences.
 pub(crate) trait Problem {
@@ -51,6 +54,8 @@ pub(crate) struct Search {
     pub(crate) tolerance: f64,
     /// Sum of squares that the residuals' own errors make: a reduction counts relative to this at least.
     pub(crate) floor: f64,
+    /// Keeps where it ended, for a later process that searches the same.
+    pub(crate) kept: Option<Kept>,
 }
 
 /// Where a search ended.
@@ -66,7 +71,31 @@ pub(crate) struct Minimum {
 impl Search {
     /// The least sum of squares from `start`; none when the start has no residuals, or fewer than there are unknowns.
     pub(crate) fn run<P: Problem + ?Sized>(&self, residuals: &mut P, start: &[f64]) -> Option<Minimum> {
-        self.run_along(residuals, start, &mut None)
+        let (r, cost) = self.begin(residuals, start)?;
+        let Some(kept) = &self.kept else { return Some(self.go_on(residuals, start, (r, cost), &mut None)) };
+        let key = self.key(start, &r);
+        if let Some(End { x, cost, converged }) = kept.end(key) {
+            return Some(Minimum { x, cost, converged });
+        }
+        let end = self.go_on(residuals, start, (r, cost), &mut None);
+        kept.keep(key, (&end.x, end.cost, end.converged));
+        Some(end)
+    }
+
+    /// What a search depends on: where it begins, and all residuals there. Two problems that differ in a record, a weight or a parameter
+    /// that is held differ in these.
+    fn key(&self, start: &[f64], residuals: &[f64]) -> u128 {
+        let bounds: Vec<f64> = self.bounds.iter().flat_map(|b| [b.0, b.1]).collect();
+        let free = self.free.iter().fold(Digest::default(), |digest, j| digest.count(*j));
+        let effort = free.count(self.iterations).numbers(&[self.tolerance, self.floor]);
+        effort.numbers(&bounds).numbers(start).numbers(residuals).value()
+    }
+
+    /// Residuals at the start, and the sum of their squares.
+    fn begin<P: Problem + ?Sized>(&self, residuals: &mut P, start: &[f64]) -> Option<(Vec<f64>, f64)> {
+        let mut r = vec![0.0; self.count];
+        let cost = (self.count >= self.free.len()).then(|| evaluate(residuals, start, &mut r))??;
+        Some((r, cost))
     }
 
     /// One of many searches along a way: with derivatives that are known from the last one, which serve until a step brings little, and
@@ -77,16 +106,23 @@ impl Search {
         start: &[f64],
         known: &mut Option<DMatrix<f64>>,
     ) -> Option<Minimum> {
-        if self.count < self.free.len() {
-            return None;
-        }
-        let mut x = start.to_vec();
-        let (mut r, mut trial) = (vec![0.0; self.count], vec![0.0; self.count]);
-        let mut cost = evaluate(residuals, &x, &mut r)?;
+        let first = self.begin(residuals, start)?;
+        Some(self.go_on(residuals, start, first, known))
+    }
+
+    /// Goes on from the start, whose residuals and cost are known.
+    fn go_on<P: Problem + ?Sized>(
+        &self,
+        residuals: &mut P,
+        start: &[f64],
+        (mut r, mut cost): (Vec<f64>, f64),
+        known: &mut Option<DMatrix<f64>>,
+    ) -> Minimum {
+        let (mut x, mut trial) = (start.to_vec(), vec![0.0; self.count]);
         let near = known.take().filter(|j| j.shape() == (self.count, self.free.len()));
         let (mut damping, mut fresh, mut before) = (1e-3, near.is_none(), false);
         let Some(mut jacobian) = near.or_else(|| self.jacobian(residuals, &x, &r)) else {
-            return Some(Minimum { x, cost, converged: false });
+            return Minimum { x, cost, converged: false };
         };
         for _ in 0..self.iterations {
             // By orthogonal factors, not normal equations: valleys here are a million times longer than wide.
@@ -116,7 +152,7 @@ impl Search {
             before = slow && fresh;
             if end {
                 *known = Some(jacobian);
-                return Some(Minimum { x, cost, converged: true });
+                return Minimum { x, cost, converged: true };
             }
             fresh = slow || self.is_final();
             if fresh {
@@ -126,7 +162,7 @@ impl Search {
             }
         }
         *known = Some(jacobian);
-        Some(Minimum { x, cost, converged: false })
+        Minimum { x, cost, converged: false }
     }
 
     /// Whether the search wants the minimum itself: derivatives are central and made anew each time then; else they are
@@ -260,6 +296,7 @@ mod tests {
             iterations: 200,
             tolerance: TOLERANCE,
             floor: 0.0,
+            kept: None,
         }
     }
 

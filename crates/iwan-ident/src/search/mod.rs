@@ -1,9 +1,11 @@
 //! Searches: the coordinates in which parameters are sought, and least squares between bounds.
 
 mod chart;
+mod kept;
 mod least_squares;
 mod non_negative;
 
 pub(crate) use chart::{CHI, Chart, DIRAC, KNEE, SOFTENING, Scales};
+pub(crate) use kept::Kept;
 pub(crate) use least_squares::{Minimum, Problem, Search, TOLERANCE, following};
 pub(crate) use non_negative::solve as solve_non_negative;

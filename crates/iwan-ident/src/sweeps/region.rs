@@ -40,7 +40,8 @@ impl Ground for Task<'_> {
 
     fn jacobian(&self, x: &[f64], free: Vec<usize>, work: &mut Buffers) -> Option<DMatrix<f64>> {
         let bounds = Task::bounds(self);
-        let search = Search { count: self.count(), free, bounds, iterations: 0, tolerance: FINE, floor: 0.0 };
+        let (count, iterations, tolerance) = (self.count(), 0, FINE);
+        let search = Search { count, free, bounds, iterations, tolerance, floor: 0.0, kept: None };
         let mut residuals = |x: &[f64], out: &mut [f64]| self.residuals(x, out, work);
         let mut r = vec![0.0; self.count()];
         residuals(x, &mut r);

@@ -232,7 +232,8 @@ impl<'a> Task<'a> {
     ) -> Option<Minimum> {
         let mut buffers = Buffers::default();
         let bounds = self.bounds();
-        let search = Search { count: self.count(), free, bounds, iterations, tolerance, floor: 0.0 };
+        let (count, floor) = (self.count(), 0.0);
+        let search = Search { count, free, bounds, iterations, tolerance, floor, kept: None };
         search.run(&mut |x: &[f64], out: &mut [f64]| self.residuals(x, out, &mut buffers), x)
     }
 

@@ -3,6 +3,7 @@
 use std::path::Path;
 
 use iwan_core::Pulse;
+use iwan_machine::Kind;
 
 use crate::error::InputError;
 use crate::section::{Section, TableKind};
@@ -73,9 +74,9 @@ impl Force {
             "none" => Pulse::None,
             _ => {
                 let path = source.folder.join(section.text("path")?);
-                return read_file(&path, step)
-                    .map(Self::File)
-                    .map_err(|refusal| section.failure("path", &refusal.message, &refusal.remedy));
+                return read_file(&path, step).map(Self::File).map_err(|refusal| {
+                    section.failure("path", &refusal.message, &refusal.remedy).of(refusal.kind)
+                });
             }
         };
         let key_of = |name: &str| name.trim_start_matches("force ").to_string();
@@ -102,9 +103,10 @@ fn read_file(path: &Path, step: f64) -> Result<ForceFile, InputError> {
     let problem = |what: String| InputError::new(format!("{}: {what}", path.display()), two);
     let bytes = iwan_machine::read_file(path).map_err(|e| {
         let remedy = "check `path`: it is relative to the scenario file";
-        InputError::new(format!("{}: cannot be read: {e}", path.display()), remedy)
+        InputError::new(format!("{}: cannot be read: {e}", path.display()), remedy).of(Kind::Unreadable)
     })?;
-    let columns = iwan_io::parse_table(path, &bytes).map_err(|e| InputError::new(e.to_string(), two))?;
+    let columns =
+        iwan_io::parse_table(path, &bytes).map_err(|e| InputError::new(e.to_string(), two).of(e.kind()))?;
     let mut notes: Vec<String> = columns.warnings().iter().map(ToString::to_string).collect();
     let [time, force] = columns.columns() else {
         return Err(problem(format!("has {} columns, not 2", columns.columns().len())));

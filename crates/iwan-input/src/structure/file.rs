@@ -4,6 +4,7 @@ use std::path::Path;
 
 use iwan_fem::Structure;
 use iwan_fem::mesh::MeshFile;
+use iwan_machine::Kind;
 
 use super::between_rows;
 use super::ends::{self, Load, Output};
@@ -92,7 +93,8 @@ impl StructureFile {
         let findings = structure.check();
         if let Some(message) = findings.message() {
             let message = format!("{}: the structure cannot be computed with:\n{message}", source.name);
-            return Err(InputError::new(message, "mend the mesh, or the joints in this file, as said above"));
+            let remedy = "mend the mesh, or the joints in this file, as said above";
+            return Err(InputError::new(message, remedy).of(Kind::Structure));
         }
         notes.extend(findings.remarks.iter().map(ToString::to_string));
         Ok(Self { title: top.optional_text("title")?, structure, laws, loads, outputs, notes })

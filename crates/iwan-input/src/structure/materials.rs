@@ -2,6 +2,7 @@
 
 use iwan_fem::mesh::{Mesh, Section as MeshSection};
 use iwan_fem::{Error, Formulation, Inertia, Material, Structure};
+use iwan_machine::Kind;
 
 use super::sets::known;
 use crate::error::InputError;
@@ -68,11 +69,13 @@ fn of_file(top: &Section<'_>, section: &MeshSection) -> Result<Material, InputEr
 fn material(section: &Section<'_>) -> Result<Material, InputError> {
     let number = |key| section.number(key);
     Material::new(number("young")?, number("poisson")?, number("density")?).map_err(|error| match error {
-        Error::OutOfRange { name, value, allowed } => section.failure(
-            name,
-            &format!("{name} = {} is out of range: {allowed}", plain(value)),
-            &format!("give {name} a value in that range, in the units of the mesh"),
-        ),
+        Error::OutOfRange { name, value, allowed } => section
+            .failure(
+                name,
+                &format!("{name} = {} is out of range: {allowed}", plain(value)),
+                &format!("give {name} a value in that range, in the units of the mesh"),
+            )
+            .of(Kind::Value),
         error => section.failure("young", &error.to_string(), "correct the material"),
     })
 }

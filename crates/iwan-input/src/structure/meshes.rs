@@ -3,6 +3,7 @@
 use iwan_fem::mesh::beam::{Configuration, beam};
 use iwan_fem::mesh::block::{block, uniform};
 use iwan_fem::mesh::{self, Mesh, MeshFile};
+use iwan_machine::Kind;
 
 use super::sets::triple;
 use crate::error::InputError;
@@ -51,11 +52,13 @@ fn from_file(source: &InputText, section: &Section<'_>) -> Result<(MeshFile, Vec
     let path = source.folder.join(section.text("path")?);
     let ignored = if section.has("ignore") { section.texts("ignore")? } else { Vec::new() };
     let read = mesh::read_ignoring(&path, &ignored).map_err(|error| {
-        section.failure(
-            "path",
-            &error.to_string(),
-            "the path is relative to the structure file; Gmsh, Abaqus and Nastran bulk data are read",
-        )
+        section
+            .failure(
+                "path",
+                &error.to_string(),
+                "the path is relative to the structure file; Gmsh, Abaqus and Nastran bulk data are read",
+            )
+            .of(error.kind())
     })?;
     let notes = read.warnings.iter().map(|warning| format!("{}: {warning}", path.display())).collect();
     Ok((read, notes))
@@ -110,6 +113,6 @@ fn memory(section: &Section<'_>, key: &str, bytes: f64) -> Result<(), InputError
     asked.map_err(|short| {
         let message = short.to_string();
         let (message, remedy) = message.split_once("; ").unwrap_or((&message, "take a coarser mesh"));
-        section.failure(key, message, remedy)
+        section.failure(key, message, remedy).of(Kind::Memory)
     })
 }

@@ -2,8 +2,8 @@
 
 use iwan_core::Pulse;
 use iwan_fem::{
-    Assembled, Error, Extras, ModalVelocity, Model, NamedMode, NamedModes, Progress, Representation, Run,
-    Transient,
+    Assembled, Error, Extras, ModalVelocity, Model, NamedMode, NamedModes, Representation, Run, Transient,
+    Watch,
 };
 
 use super::file::StructureFile;
@@ -42,8 +42,8 @@ pub enum RunError {
 }
 
 impl StructureFile {
-    /// Integrates the structure, whose modes are `named`. `progress` hears the share done of the response, then those of the
-    /// companion runs.
+    /// Integrates the structure, whose modes are `named`. `watch` hears the share done of the response, then those of the
+    /// companion runs; a checkpoint of it keeps them all.
     ///
     /// # Errors
     /// [`RunError`], with the structure's or the task's fault.
@@ -70,11 +70,11 @@ impl StructureFile {
     /// assert!(run.errors.is_some_and(|errors| errors.time_step[0] < 0.01));
     /// # Ok::<(), Box<dyn std::error::Error>>(())
     /// ```
-    pub fn run(
+    pub fn run<'w>(
         &self,
         named: &NamedModes,
         task: &StructureTask<'_>,
-        progress: Progress<'_>,
+        watch: impl Into<Watch<'w>>,
     ) -> Result<Run, RunError> {
         let modes = named.chosen(task.modes)?;
         let load = match task.force {
@@ -90,7 +90,7 @@ impl StructureFile {
             representation: task.representation,
             outputs: self.recorded(named, &modes)?,
         };
-        Ok(named.run(modes, task.model, &transient, task.extras, progress)?)
+        Ok(named.run(modes, task.model, &transient, task.extras, watch)?)
     }
 
     /// Forces on the unknowns under a force of 1: all loads together.
@@ -136,5 +136,5 @@ impl StructureFile {
 }
 
 fn refused(error: &Error) -> InputError {
-    InputError::new(error.to_string(), "change this in the structure")
+    InputError::new(error.to_string(), "change this in the structure").of(error.kind())
 }

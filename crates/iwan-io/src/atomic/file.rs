@@ -1,5 +1,6 @@
 //! One file that appears whole or not at all.
 
+use iwan_machine::Kind;
 use std::fs::File;
 use std::io::{self, BufWriter, Write};
 use std::path::{Path, PathBuf};
@@ -49,6 +50,18 @@ pub enum WriteError {
         /// Reason given by the operating system.
         source: io::Error,
     },
+}
+
+impl WriteError {
+    /// Its kind in the catalogue of errors.
+    #[must_use]
+    pub fn kind(&self) -> Kind {
+        match self {
+            Self::Exists { .. } => Kind::Exists,
+            Self::Busy { .. } => Kind::Busy,
+            Self::Name { .. } | Self::Folder { .. } | Self::Io { .. } => Kind::Unwritable,
+        }
+    }
 }
 
 pub(super) fn io_error(path: &Path, action: &'static str) -> impl FnOnce(io::Error) -> WriteError {

@@ -3,10 +3,10 @@
 use maud::{Markup, html};
 
 use super::summary::{CoupledSummary, MisfitSummary, ModelSummary};
+use crate::failure::VERSION;
 use crate::page::figure::Figure;
 use crate::page::html::{grid, page, warnings};
 use crate::page::numbers::{interval, long, short};
-use crate::session::VERSION;
 
 /// The page; `fitted` and `predicted` are the figures of the records.
 pub(super) fn render(summary: &CoupledSummary, [fitted, predicted]: [&[Figure]; 2], toml: &str) -> String {

@@ -24,7 +24,7 @@ const CURVES: &str = "curves.csv";
 /// are read.
 pub(crate) fn fit(
     args: &FitArgs,
-    identify: impl FnOnce(&Session) -> Result<Option<RingDowns>, Failure>,
+    identify: impl FnOnce(&mut Session) -> Result<Option<RingDowns>, Failure>,
 ) -> Result<(), Failure> {
     let mass = args.records.mass;
     let scaling = Scaling { mass: mass.unwrap_or(1.0), levels: &args.levels };
@@ -35,7 +35,7 @@ pub(crate) fn fit(
         args.backbones.iter().map(|path| Measurement::backbone(name(path), columns::read(path)?, scaling));
     let measurements = responses.chain(backbones).collect::<Result<Vec<_>, _>>()?;
     let mut session = Session::open(args.place(), &args.common, [WHOLE, SUMMARY, SCENARIO, CURVES, PAGE])?;
-    let test = ShakerTest { measurements, ring_downs: identify(&session)?, mass };
+    let test = ShakerTest { measurements, ring_downs: identify(&mut session)?, mass };
     let fit = fitted(&test, &args.hold, &session)?;
 
     let results = Results::new(&test, &fit)?;

@@ -14,7 +14,7 @@ const BEYOND: f64 = 0.05;
 pub(super) fn mode(name: &str, fit: &SteadyFit) -> Result<Mode, Failure> {
     let p = fit.parameters;
     let joint = FourParameter::new(p.k_t, p.f_s, p.chi, p.beta);
-    let joint = joint.map_err(|error| Failure::Computation(error.to_string()))?;
+    let joint = joint.map_err(|error| Failure::computation(error.to_string()))?;
     Ok(Mode {
         damping_ratio: p.damping_ratio,
         ..Mode::new(name, p.frequency, Some(JointLaw::FourParameter(joint)))
@@ -57,7 +57,7 @@ pub(super) fn curves(
             points: Sweep::DEFAULT_POINTS,
         };
         let found =
-            forced_response(mode, &sweep, 1.0).map_err(|error| Failure::Computation(error.to_string()))?;
+            forced_response(mode, &sweep, 1.0).map_err(|error| Failure::computation(error.to_string()))?;
         let with_others = |p: &iwan_sim::SteadyPoint| {
             let (re, im) = (p.amplitude * p.phase.cos(), p.amplitude * p.phase.sin());
             let re = re + fit.others * p.excitation;

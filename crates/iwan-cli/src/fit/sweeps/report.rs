@@ -3,10 +3,10 @@
 use maud::html;
 
 use super::summary::SweepSummary;
+use crate::failure::VERSION;
 use crate::fit::intervals;
 use crate::page::figure::Figure;
 use crate::page::html::{grid, page, warnings};
-use crate::session::VERSION;
 
 /// The page; `responses` are the figures of each measurement.
 pub(super) fn render(

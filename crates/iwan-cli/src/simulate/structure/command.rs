@@ -2,6 +2,7 @@
 
 use iwan_fem::mesh::vtu::{Field, grid, series};
 use iwan_input::scenario::{OnStructure, Scenario, to_toml};
+use iwan_machine::checkpoint::Digest;
 
 use super::report::{self, Reported};
 use super::run::{self, Truth};
@@ -32,8 +33,12 @@ pub(crate) fn run(
     session.notes(scenario.notes());
     session.notes(&file.notes);
 
+    let kept = session.checkpoint(&args.keeping, "a scenario on a structure", || {
+        Digest::default().text(scenario).text(&file.structure).text(&file.laws)
+    })?;
+
     let bar = session.bar("simulating");
-    let truth = run::run(scenario, on, (source, file), &bar)?;
+    let truth = run::run(scenario, on, (source, file), &bar, kept)?;
     drop(bar);
     let summary = summarise(scenario, name, &truth);
 

@@ -5,11 +5,11 @@ use iwan_input::scenario::Scenario;
 use maud::{Markup, html};
 
 use super::run::Truth;
+use crate::failure::VERSION;
 use crate::page::figure::Figure;
 use crate::page::html::{grid, page, verdict};
 use crate::page::numbers::{error, short};
 use crate::page::solid::Solid;
-use crate::session::VERSION;
 use crate::simulate::figures::{of_force, of_history};
 use crate::simulate::joints::{self, table};
 use crate::simulate::summary::{ROWS, SimulationSummary, StructureSummary};

@@ -1,11 +1,13 @@
 //! A scenario on a structure: the run of the library, with the structure it belongs to.
 
 use std::ops::Deref;
+use std::sync::Arc;
 use std::time::Instant;
 
-use iwan_fem::{Extras, NamedModes, Run};
+use iwan_fem::{Extras, NamedModes, Run, Watch};
 use iwan_input::scenario::{OnStructure, Scenario, representation};
 use iwan_input::{RunError, StructureFile, StructureTask};
+use iwan_machine::checkpoint::Checkpoint;
 
 use crate::failure::Failure;
 use crate::progress::Bar;
@@ -33,6 +35,7 @@ pub(crate) fn run(
     on: &OnStructure,
     (name, file): (String, StructureFile),
     bar: &Bar,
+    kept: Option<Arc<Checkpoint>>,
 ) -> Result<Truth, Failure> {
     let clock = Instant::now();
     let linear = Linear::computed(name, file, NamedModes::LOOKED_UP, bar)?;
@@ -49,7 +52,7 @@ pub(crate) fn run(
             modes: &on.modes,
             extras: Extras { errors: true, frames: on.frames },
         };
-        own.file.run(&own, &task, &|share| teller.report(share))
+        own.file.run(&own, &task, Watch { progress: &|share| teller.report(share), kept: kept.as_deref() })
     })?;
     let run = run.map_err(|error| match error {
         RunError::Input(error) => linear.refused(error),

@@ -52,6 +52,12 @@ impl Branch {
         Self { start, scale: 2.0, to_virgin: 0.5 * direction, direction, end }
     }
 
+    /// Shows every number.
+    pub(super) fn each_number(&mut self, see: &mut dyn FnMut(&mut f64)) {
+        let Self { start: Reversal { u, force }, scale, to_virgin, direction, end } = self;
+        [u, force, scale, to_virgin, direction, end].into_iter().for_each(see);
+    }
+
     /// Displacement on the virgin curve that corresponds to `u`, >= 0.
     #[inline]
     pub(crate) fn virgin_distance(&self, u: f64) -> f64 {

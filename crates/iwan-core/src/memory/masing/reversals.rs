@@ -63,6 +63,35 @@ impl<S> Reversals<S> {
 }
 
 impl<S: AsRef<[Reversal]> + AsMut<[Reversal]>> Reversals<S> {
+    /// Shows every number of the state, as [`Runs::each_number`](crate::Runs::each_number) does.
+    ///
+    /// ```
+    /// use iwan_core::{Continuum, FourParameter, Hysteresis, Reversal};
+    /// let joint = Continuum::new(FourParameter::new(1.0, 1.0, -0.5, 0.1)?);
+    /// let [mut state, mut other] = [joint.virgin([Reversal::default(); 8])?; 2];
+    /// [0.5, -0.3, 0.2].map(|u| joint.advance(&mut state, u));
+    /// let mut numbers = vec![];
+    /// state.each_number(&mut |x| numbers.push(*x));
+    /// let mut written = numbers.into_iter();
+    /// other.each_number(&mut |x| *x = written.next().unwrap());
+    /// assert_eq!(joint.advance(&mut other, 0.9), joint.advance(&mut state, 0.9));
+    /// # Ok::<(), iwan_core::Error>(())
+    /// ```
+    pub fn each_number(&mut self, see: &mut dyn FnMut(&mut f64)) {
+        [&mut self.u, &mut self.force, &mut self.tangent].into_iter().for_each(&mut *see);
+        self.branch.each_number(see);
+        let Prepared { u, force, tangent } = &mut self.prepared;
+        [u, force, tangent].into_iter().for_each(&mut *see);
+        self.trail.iter_mut().for_each(&mut *see);
+        [&mut self.origin, &mut self.forgotten].into_iter().for_each(&mut *see);
+        let mut depth = self.depth as f64;
+        see(&mut depth);
+        self.depth = (depth as usize).min(self.stack.as_ref().len());
+        for Reversal { u, force } in &mut self.stack.as_mut()[..self.depth] {
+            [u, force].into_iter().for_each(&mut *see);
+        }
+    }
+
     /// Bound on the force error from loops forgotten because the stack was full; 0 = exact.
     ///
     /// Sliders are non-expansive: two histories of one population never drift apart, so the force gap at

@@ -89,6 +89,39 @@ impl Sliders<'_> {
 }
 
 impl<S: AsRef<[Run]> + AsMut<[Run]>> Runs<S> {
+    /// Shows every number of the state, in an order that the numbers before tell: to write a state down, and, where `see` changes them, to
+    /// take up one that was written down. Places are whole numbers, and are kept inside the list.
+    ///
+    /// ```
+    /// use iwan_core::{Hysteresis, Run, Slider, Sliders};
+    /// let mut table = [Slider::default(); 3];
+    /// let sliders = Sliders::from_elements(&[0.1, 0.3], &[2.0, 1.0], &mut table)?;
+    /// let (mut state, mut other) = (sliders.virgin([Run::default(); 2])?, sliders.virgin([Run::default(); 2])?);
+    /// [0.2, -0.05, 0.15].map(|u| sliders.advance(&mut state, u));
+    /// let mut numbers = vec![];
+    /// state.each_number(&mut |x| numbers.push(*x));
+    /// let mut written = numbers.into_iter();
+    /// other.each_number(&mut |x| *x = written.next().unwrap());
+    /// assert_eq!(sliders.advance(&mut other, 0.4), sliders.advance(&mut state, 0.4));
+    /// # Ok::<(), iwan_core::Error>(())
+    /// ```
+    pub fn each_number(&mut self, see: &mut dyn FnMut(&mut f64)) {
+        let room = self.list.as_ref().len();
+        let place = |at: &mut usize, most: usize, see: &mut dyn FnMut(&mut f64)| {
+            let mut number = *at as f64;
+            see(&mut number);
+            *at = (number as usize).min(most);
+        };
+        see(&mut self.u);
+        see(&mut self.direction);
+        place(&mut self.frontier, room, see);
+        place(&mut self.top, room.saturating_sub(1), see);
+        for run in &mut self.list.as_mut()[..=self.top] {
+            place(&mut run.end, room, see);
+            [&mut run.sign, &mut run.anchor, &mut run.carried].into_iter().for_each(&mut *see);
+        }
+    }
+
     #[inline]
     pub(super) fn run(&self) -> &Run {
         &self.list.as_ref()[self.top]

@@ -38,6 +38,12 @@ impl Straight {
         self.direction * (u - self.start) >= 0.0 && self.direction * (self.end - u) >= 0.0
     }
 
+    /// Shows every number, as [`Runs::each_number`](crate::Runs::each_number) does.
+    pub fn each_number(&mut self, see: &mut dyn FnMut(&mut f64)) {
+        let Self { anchor, base, stiffness, direction, start, end } = self;
+        [anchor, base, stiffness, direction, start, end].into_iter().for_each(see);
+    }
+
     /// Force at the displacement `u`.
     #[inline]
     #[must_use]

@@ -9,7 +9,7 @@ use crate::section::Section;
 
 /// A file that could not be read.
 pub(super) fn failed(section: &Section<'_>, key: &str, error: &ExchangeError) -> InputError {
-    section.failure(key, &error.to_string(), "paths are relative to the structure file")
+    section.failure(key, &error.to_string(), "paths are relative to the structure file").of(error.kind())
 }
 
 /// The matrix of real numbers that `key` names: the only one of its file, the one called by `KEY_name`, or one with a usual name.
