@@ -22,7 +22,7 @@ const LOUD: f64 = 0.03;
 const NOISE_FLOOR: f64 = 1e-6;
 /// Part of what sampling adds to the amplitudes by which that may be wrong: it is taken at one point and used next to it.
 const SAMPLING_ERROR: f64 = 0.01;
-/// Part of what other modes had in a record that is left when they are taken out: of modes 8 % apart and half as loud two per cent. A judgement, with room for records that are
+/// Part of what other modes had in a record that is left when they are taken out: of modes 8 % apart and half as loud three per cent at the begin. A judgement, with room for records that are
 /// shorter or noisier; what is left is slow beats, which a joint would follow.
 const LEFT_OF_OTHERS: f64 = 0.05;
 /// Samples a cycle below which a record is refused, those of the highest frequency in the span of common analysers being 2.56: nearer to two the

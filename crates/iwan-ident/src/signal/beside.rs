@@ -10,18 +10,19 @@ use super::spectrum::Band;
 use super::survey::{SpectralPeak, band_among, spectral_peaks};
 use super::transients::Gate;
 
-/// Part of the mode's amplitude that another one leaves behind the filter from which on it is taken out. Of less the fit on windows, whose own skirts are
-/// steeper, sees a thousandth.
+/// Part of the mode's amplitude that another one leaves behind the filter from which on it is taken out. The windows of the fit have steeper skirts
+/// of their own. A judgement, not varied; less stays in the record.
 const LEAK: f64 = 1e-4;
-/// The same inside the band, where what a smooth curve leaves of the mode itself has peaks of a thousandth: less is noted, and stays.
+/// The same inside the band, where what a smooth curve leaves of the mode itself has peaks of a thousandth: less is noted, and stays. A judgement: with
+/// that of outside such a trace was taken for a mode.
 const INSIDE: f64 = 0.01;
-/// Modes that are taken out at most: those that leave most.
+/// Modes that are taken out at most: those that leave most; further ones stay. Not varied.
 const MOST: usize = 4;
 /// Rounds in which all modes are followed anew, each without the others, at most, …
 const ROUNDS: usize = 8;
-/// … and the part of what is left that a round must still take away. Modes an eighth of their frequency apart take four to six rounds, others two.
+/// … and the part of what is left that a round must still take away. Modes 8 % apart take all eight rounds, modes 30 % apart two.
 const WORTH: f64 = 0.1;
-/// Distance in resolved lines from the mode's own peak within which a line is a trace of that mode.
+/// Distance in resolved lines from the mode's own peak within which a line is a trace of that mode. A judgement, not varied.
 const OWN_LINES: f64 = 3.0;
 
 /// What other modes have in a record.
