@@ -139,6 +139,9 @@ fn micro_slip_leaves_the_knee_open_and_two_levels_are_one_structure() {
     let mode = &both["modes"][0];
     assert_eq!(both["records"].as_array().unwrap().len(), 2);
     assert_eq!(mode["releases"].as_array().unwrap().len(), 2);
+    let days = mode["frequencies_of_records"].as_array().unwrap();
+    let mean = days.iter().map(|day| day.as_f64().unwrap()).sum::<f64>() / 2.0;
+    assert!((mean / mode["frequency"]["value"].as_f64().unwrap() - 1.0).abs() < 1e-4, "{days:?}");
     assert_eq!(
         (&mode["f_s"]["identifiable"], &mode["force_axis"]),
         (&Value::from(true), &Value::from("joint"))

@@ -44,6 +44,8 @@ pub(crate) struct ModeFit {
     pub(crate) band: (f64, f64),
     /// Displacement of the release that stands for each record, and its time on the record's axis, s.
     pub(crate) releases: Vec<(f64, f64)>,
+    /// Frequency at small amplitude on the day of each record, Hz; that of the mode is their mean.
+    pub(crate) frequencies_of_records: Vec<f64>,
     pub(crate) notes: Vec<String>,
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(crate) free_form: Option<DensitySummary>,
@@ -159,6 +161,7 @@ impl ModeFit {
             force_axis: if axis == Axis::Modal { "modal" } else { "joint" },
             band: (band.low, band.high),
             releases: releases.collect(),
+            frequencies_of_records: found.refined.starts.iter().map(|s| s.of_day(p).frequency).collect(),
             notes: notes(i),
             free_form: i.densities.first().map(DensitySummary::new),
             curves: Some(CurveSummary::new(i)),

@@ -15,6 +15,9 @@ use crate::signal::Envelope;
 /// below the quietest cycle: of forty random ring-downs of 60 to 300 cycles thirty go beyond this, half beyond 0.85, one beyond 10.
 const EXTRAPOLATED: f64 = 0.5;
 
+/// Relative scatter of the days' frequencies below which no sentence says so: ring-downs of real structures do not repeat better.
+const LEAST_TOLD: f64 = 1e-5;
+
 /// The simplest model: a linear mode with viscous damping, and whether it is enough.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Linear {
@@ -88,6 +91,14 @@ impl Identification {
         (range[1] > 0.0 && range[1].is_finite()).then_some(range)
     }
 
+    /// Standard deviation of the days' frequencies, relative; zero for one record.
+    fn strayed(&self) -> f64 {
+        let days = || self.refined.starts.iter().map(|start| start.day);
+        let count = self.refined.starts.len() as f64;
+        let mean = days().sum::<f64>() / count;
+        (days().map(|day| (day - mean).powi(2)).sum::<f64>() / (count - 1.0).max(1.0)).sqrt()
+    }
+
     /// What the model misses beside noise, in words; none where only noise is left.
     fn discrepancy_in_words(&self) -> Option<String> {
         let found = &self.refined.discrepancy;
@@ -108,7 +119,15 @@ impl Identification {
             let size = size(found.dissipation_of_record, found.frequency_of_record);
             format!("the records differ among each other by {size}")
         });
-        let found: Vec<String> = law.into_iter().chain(levels).chain(records).collect();
+        let strayed = self.strayed();
+        let days = (strayed > LEAST_TOLD).then(|| {
+            format!(
+                "the frequencies of the {} records stray by {:.4} Hz (standard deviation), for which each has a day of its own",
+                self.refined.starts.len(),
+                hertz(strayed)
+            )
+        });
+        let found: Vec<String> = law.into_iter().chain(levels).chain(records).chain(days).collect();
         (!found.is_empty()).then(|| format!("{}: the intervals allow for it", found.join("; ")))
     }
 

@@ -5,6 +5,7 @@
 
 mod settings;
 mod prepared;
+mod days;
 mod laws;
 mod identification;
 mod minimum;
@@ -20,8 +21,9 @@ use crate::curves::Curves;
 use crate::error::{Error, check};
 use crate::likelihood::Likelihood;
 use crate::parameters::{Parameter, Parameters};
-use crate::refine::{Refined, RingDown, Task};
+use crate::refine::{Refined, RingDown, Task, TurningPoint};
 use crate::signal::Band;
+use days::{days, largest, on_mean_day};
 pub use identification::{Identification, Linear};
 pub use laws::compare_laws;
 use linear::linear;
@@ -121,11 +123,14 @@ fn identification(
         records.iter().map(|record| Prepared::new(*record, settings)).collect::<Result<Vec<_>, _>>()?;
     check_together(records, &prepared)?;
     let curves: Vec<Curves> = prepared.iter().map(|p| p.curves.clone()).collect();
-    let OnCurves { start, fit } = on_curves(&curves, &settings.held)?;
+    let days = days(&prepared);
+    let on_mean_day: Vec<Curves> = curves.iter().zip(&days).map(|(c, day)| on_mean_day(c, *day)).collect();
+    let OnCurves { start, fit } = on_curves(&on_mean_day, &settings.held)?;
     let ring_downs: Vec<RingDown<'_>> = prepared.iter().map(Prepared::ring_down).collect();
     let held: Vec<Parameter> = settings.held.iter().map(|h| h.parameter).collect();
     let mut task = Task::new(&ring_downs, &fit.parameters, &held)?;
     (task.stopped, task.kept) = (stopped.clone(), kept.cloned());
+    task.begin_with(&days);
     let Found { minimum, profiles } = minimum_and_profiles(&mut task, &fit.parameters)?;
     let refined = task.refined(&minimum);
     let model_curves = prepared
@@ -134,7 +139,7 @@ fn identification(
         .map(|(p, start)| p.model_curves(&refined.parameters, *start, settings))
         .collect::<Result<Vec<_>, _>>()?;
     let linear = linear(&task, &minimum, &refined.parameters, &curves)?;
-    let verdict = verdict(&curves, &model_curves, refined.leaves_noise(task.count()));
+    let verdict = verdict(&curves, &model_curves, &refined.starts, refined.leaves_noise(task.count()));
     let verdict = in_band(verdict.leaving(refined.relative_residual), &prepared, &refined);
     let laws = laws::of_prepared(&prepared, Some(&refined.parameters));
     let profiles =
@@ -166,7 +171,6 @@ struct OnCurves {
 
 /// Start values and the fit on the curves.
 fn on_curves(curves: &[Curves], held: &[Held]) -> Result<OnCurves, Error> {
-    let largest = |c: &Curves| c.displacement.iter().copied().fold(0.0, f64::max);
     let loudest = curves.iter().max_by(|a, b| largest(a).total_cmp(&largest(b)));
     let mut start = start(loudest.ok_or(Error::Length { name: "curves", needed: 1, found: 0 })?)?;
     // Quieter records come nearer to the small-amplitude frequency.
@@ -188,10 +192,12 @@ fn on_curves(curves: &[Curves], held: &[Held]) -> Result<OnCurves, Error> {
     Ok(OnCurves { start, fit })
 }
 
-/// Compares curves and the model's at the times they share.
-fn verdict(curves: &[Curves], model: &[Curves], leaves_noise: bool) -> Verdict {
+/// Compares curves and the model's at the times they share; frequencies as they would be on the mean day, so that what hits stray by is neither a misfit nor
+/// a shift.
+fn verdict(curves: &[Curves], model: &[Curves], starts: &[TurningPoint], leaves_noise: bool) -> Verdict {
     let (mut dissipation, mut frequency) = (vec![], vec![]);
-    for (record, model) in curves.iter().zip(model) {
+    for ((record, model), start) in curves.iter().zip(model).zip(starts) {
+        let mean_day = (-start.day).exp();
         for (j, t) in model.t.iter().enumerate() {
             let Some(i) = record.t.iter().position(|s| s == t) else { continue };
             if record.dissipation[i] > 0.0 && model.dissipation[j] > 0.0 {
@@ -202,9 +208,9 @@ fn verdict(curves: &[Curves], model: &[Curves], leaves_noise: bool) -> Verdict {
                 });
             }
             frequency.push(Compared {
-                measured: record.frequency[i],
-                deviation: record.frequency_sd[i],
-                model: model.frequency[j],
+                measured: mean_day * record.frequency[i],
+                deviation: mean_day * record.frequency_sd[i],
+                model: mean_day * model.frequency[j],
             });
         }
     }
@@ -233,7 +239,7 @@ fn check_together(records: &[ModeRecord<'_>], prepared: &[Prepared<'_>]) -> Resu
             });
         }
     }
-    let loudness = |p: &Prepared<'_>| p.curves.displacement.iter().copied().fold(0.0, f64::max);
+    let loudness = |p: &Prepared<'_>| largest(&p.curves);
     for (i, one) in prepared.iter().enumerate() {
         for (j, other) in prepared.iter().enumerate().take(i) {
             let (soft, hard) = if loudness(one) < loudness(other) { (one, other) } else { (other, one) };

@@ -2,9 +2,10 @@
 
 use crate::refine::Task;
 use crate::search::Minimum;
+use crate::student::student;
 
-/// 97.5 % point of the normal distribution: intervals hold 95 %.
-const NORMAL: f64 = 1.959963984540054;
+/// Degrees of freedom that a fit has at least: a fit of fewer is refused before, and what correlated residuals leave of more is an estimate.
+const LEAST_FREEDOM: f64 = 3.0;
 /// A deviance so far below zero is a better minimum, and the search begins anew from there: a fortieth of the limit of 3.84, which
 /// moves no end by more than 1.3 %. Smaller differences are the searches' tolerance.
 const BETTER: f64 = -0.1;
@@ -34,44 +35,18 @@ impl Scale {
         Self {
             least: minimum.cost,
             variance: inflation * (minimum.cost / freedom).max(least),
-            limit: student(freedom / inflation).powi(2),
+            limit: student((freedom / inflation).max(LEAST_FREEDOM)).powi(2),
             better: if settled { f64::NEG_INFINITY } else { BETTER },
         }
     }
 
     /// About a least sum of squares with a variance that is known or found elsewhere, on so many degrees of freedom.
     pub(crate) fn about(least: f64, variance: f64, freedom: f64) -> Self {
-        Self { least, variance, limit: student(freedom).powi(2), better: BETTER }
+        Self { least, variance, limit: student(freedom.max(LEAST_FREEDOM)).powi(2), better: BETTER }
     }
 
     /// Deviance of a point: the rise of the sum of squares over its least value, in units of the variance.
     pub(crate) fn rise(&self, found: &Minimum) -> f64 {
         (found.cost - self.least) / self.variance
-    }
-}
-
-/// 97.5 % point of Student's t with ν degrees of freedom: Abramowitz and Stegun 26.7.5, within 0.3 % from ν = 3 on.
-pub(crate) fn student(freedom: f64) -> f64 {
-    let (z, n) = (NORMAL, freedom.max(3.0));
-    let z2 = z * z;
-    let terms = [
-        z * (z2 + 1.0) / 4.0,
-        z * ((5.0 * z2 + 16.0) * z2 + 3.0) / 96.0,
-        z * (((3.0 * z2 + 19.0) * z2 + 17.0) * z2 - 15.0) / 384.0,
-        z * ((((79.0 * z2 + 776.0) * z2 + 1482.0) * z2 - 1920.0) * z2 - 945.0) / 92160.0,
-    ];
-    z + terms.iter().rev().fold(0.0, |sum, term| (sum + term) / n)
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn student_as_tabled() {
-        // Abramowitz and Stegun, Table 26.10.
-        for (freedom, t) in [(3.0, 3.182), (5.0, 2.571), (10.0, 2.228), (30.0, 2.042), (120.0, 1.980)] {
-            assert!((student(freedom) / t - 1.0).abs() < 3e-3, "{freedom}: {}", student(freedom));
-        }
     }
 }

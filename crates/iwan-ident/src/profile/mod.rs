@@ -23,7 +23,7 @@ use crate::parameters::Parameter;
 use crate::refine::{Task, Workspace};
 use crate::search::{Chart, DIRAC, Minimum};
 pub(crate) use accepted::{Charted, Region};
-pub(crate) use deviance::{Scale, student};
+pub(crate) use deviance::Scale;
 pub(crate) use ground::{Ground, is_all_joint};
 pub use outcome::{Profile, ProfilePoint, Profiles};
 pub(crate) use walk::{End, Walk};

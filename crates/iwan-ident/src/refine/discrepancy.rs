@@ -3,14 +3,15 @@
 use iwan_machine::threads::in_parallel;
 use nalgebra::{DMatrix, DVector};
 
+use super::days;
 use super::discount::Discount;
 use super::fields::{Component, Kind};
 use super::record::{Noise, Windowed};
 use super::ring_down::Discrepancy;
 use super::sizes::{Likeliest, Projected};
-use super::task::{Effort, FINE, Task, Workspace, no_ring_down};
+use super::task::{DAY, Effort, FINE, OWN, Task, Workspace, no_ring_down};
 use crate::error::Error;
-use crate::parameters::COUNT;
+use crate::parameters::{COUNT, Parameter};
 use crate::search::{DIRAC, Minimum};
 
 /// Rounds in which the discrepancies' sizes, the noise and the best fit are brought into agreement. With three, ends of searches on measured records were still apart by
@@ -96,7 +97,10 @@ fn named(components: &[Component], sizes: &[f64]) -> Discrepancy {
         match kind {
             Kind::Shared => (all.dissipation, all.frequency) = (*size, shift * size),
             Kind::OfLevel => (all.dissipation_of_level, all.frequency_of_level) = (*size, shift * size),
-            Kind::OfRecord => (all.dissipation_of_record, all.frequency_of_record) = (*size, shift * size),
+            Kind::OfRecord | Kind::Even => {
+                all.dissipation_of_record = all.dissipation_of_record.hypot(*size);
+                all.frequency_of_record = all.frequency_of_record.hypot(shift * size);
+            }
         }
     }
     all
@@ -140,8 +144,9 @@ impl Task {
             best = self.minimise(&best.x, self.seen_at(&best.x), FINE, &mut work).ok_or_else(no_ring_down)?;
         }
         let nothing = |found: &Found| found.likeliest.sizes.iter().all(|s| *s == 0.0);
-        if self.look(&best.x, &mut work).is_none_or(|found| nothing(&found)) {
-            return Ok(best);
+        let found = self.look(&best.x, &mut work);
+        if found.as_ref().is_none_or(nothing) {
+            return self.with_days(best, found.as_ref(), &mut work).ok_or_else(no_ring_down);
         }
         let settle = |x: &&[f64]| self.clone().settled(x, &mut Workspace::default());
         let starts: Vec<&[f64]> = [best.x.as_slice()].into_iter().chain(others.iter().copied()).collect();
@@ -149,6 +154,41 @@ impl Task {
         let Settled { task, minimum, .. } = ends.reduce(Settled::or_better).ok_or_else(no_ring_down)?;
         *self = task;
         Ok(minimum)
+    }
+
+    /// The minimum next to one with the scatter of days that is found there.
+    fn with_days(&mut self, best: Minimum, found: Option<&Found>, work: &mut Workspace) -> Option<Minimum> {
+        if !self.has_days() {
+            return Some(best);
+        }
+        if let Some(found) = found {
+            self.take_days(&best.x, &found.jacobian);
+        }
+        self.minimise(&best.x, self.seen_at(&best.x), FINE, work)
+    }
+
+    /// Takes over the scatter of the days at a point where the residuals have such derivatives.
+    fn take_days(&mut self, x: &[f64], jacobian: &DMatrix<f64>) {
+        let days: Vec<f64> = self.starts_at(x).iter().map(|start| start.day).collect();
+        if days.len() < 2 {
+            return;
+        }
+        // What was taken for granted is the scatter and what is not known of it; the estimate goes on from the scatter.
+        let (mut jacobian, unknowns) = (jacobian.clone(), self.seen_at(x));
+        let inflated = days::of_few(1.0, days.len());
+        jacobian.rows_mut(self.in_windows(), days.len()).scale_mut(inflated);
+        let Some(spread) = jacobian.qr().r().try_inverse() else { return };
+        let row = |j: usize| unknowns.iter().position(|u| *u == j).map(|k| spread.row(k));
+        let mean = self.chart.index(Parameter::Frequency).and_then(row);
+        let uncertain = |record: usize| {
+            let own = row(COUNT + OWN * record + DAY)?;
+            Some(mean.map_or_else(|| own.norm_squared(), |mean| (own - mean).norm_squared()))
+        };
+        let known = days.iter().map(|day| day * day).sum::<f64>();
+        let unknown = (0..days.len()).filter_map(uncertain).sum::<f64>();
+        // A step of expectation and maximisation: the mean day is among what is not known, so that the division is by all days.
+        let scatter = ((known + unknown) / days.len() as f64).sqrt();
+        self.day_deviation = days::of_few(scatter.max(days::LEAST), days.len());
     }
 
     /// The task for intervals, and its minimum next to one: of a clean record that shows nothing that the law misses, what it cannot show widens the intervals all the
@@ -160,7 +200,11 @@ impl Task {
             return Ok((task, minimum.clone()));
         }
         let found = self.look(&minimum.x, &mut work);
-        let sizes = found.as_ref().and_then(|f| f.projected.expected_sizes());
+        let sizes = found.as_ref().and_then(|f| {
+            let (expected, likeliest) = (f.projected.expected_sizes()?, &f.likeliest.sizes);
+            let one = |((c, e), l): ((&Component, f64), &f64)| if c.kind == Kind::Even { *l } else { e };
+            Some(f.components.iter().zip(expected).zip(likeliest).map(one).collect::<Vec<f64>>())
+        });
         if let (Some(found), Some(sizes)) = (found, sizes) {
             let scales = self.noise(&found);
             task.take(&found.components, &sizes, &scales);
@@ -211,6 +255,7 @@ impl Task {
             }
             let scales = self.noise(&found);
             self.take(&found.components, &found.likeliest.sizes, &scales);
+            self.take_days(&minimum.x, &found.jacobian);
             minimum = self.minimise(&minimum.x, self.seen_at(&minimum.x), FINE, work)?;
         }
         best
@@ -236,7 +281,9 @@ impl Task {
         let (mut from, mut row) = (0, 0);
         for (component, size) in components.iter().zip(sizes) {
             let n = component.columns.ncols();
-            columns.columns_mut(from, n).copy_from(&(&component.columns * *size));
+            let even = component.kind == Kind::Even;
+            let size = if even { days::of_few(*size, self.records.len()) } else { *size };
+            columns.columns_mut(from, n).copy_from(&(&component.columns * size));
             from += n;
         }
         for (record, noise) in self.records.iter_mut().zip(noise) {

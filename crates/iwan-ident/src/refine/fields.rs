@@ -50,6 +50,9 @@ pub(super) enum Kind {
     OfLevel,
     /// Every record's own.
     OfRecord,
+    /// Every record's own dissipation, at all amplitudes alike: suspension and preload differ from hit to hit. Frequencies that do are those of the
+    /// [`days`](super::days).
+    Even,
 }
 
 /// Nodes in ln amplitude, from the smallest on.
@@ -144,8 +147,26 @@ impl Task {
         }
         if records > 1 {
             all.push(component(Kind::OfRecord, &(0..records).map(|i| vec![i]).collect::<Vec<_>>()));
+            all.push(self.even(&models, &logs, &first_row));
         }
         Some(all)
+    }
+}
+
+impl Task {
+    /// Dissipation that records differ by at all amplitudes alike.
+    fn even(
+        &self,
+        models: &[Vec<Complex64>],
+        logs: &[Vec<f64>],
+        first_row: &dyn Fn(usize) -> usize,
+    ) -> Component {
+        let mut columns = DMatrix::zeros(self.count(), models.len());
+        for (i, (model, record)) in models.iter().zip(&self.records).enumerate() {
+            let one = column(record, even(model, &logs[i]));
+            columns.view_mut((first_row(i), i), (one.len(), 1)).copy_from_slice(&one);
+        }
+        Component { kind: Kind::Even, shift: 0.0, columns }
     }
 }
 
@@ -170,6 +191,35 @@ fn log_amplitudes(model: &[Complex64], record: &Windowed) -> Vec<f64> {
     model.iter().map(|z| z.norm().max(f64::MIN_POSITIVE).ln() - constant).collect()
 }
 
+/// Derivatives of the logarithms of a record's amplitudes with respect to ln D at all amplitudes alike. Where dissipation is larger amplitudes are
+/// smaller, and with a joint that softens the phase runs ahead.
+fn even(model: &[Complex64], logs: &[f64]) -> Vec<Complex64> {
+    let mut turns = vec![Complex64::default(); model.len()];
+    let (mut ahead, mut before) = (0.0, None::<f64>);
+    for k in 1..model.len() {
+        let (fallen, now) = (logs[k] - logs[0], (model[k] / model[k - 1]).arg());
+        if let Some(before) = before.replace(now) {
+            // The phase from window to window changes with ln amplitude by the slope of the curve of frequency.
+            let change = logs[k] - logs[k - 1];
+            let slope = if change < 0.0 { (now - before) / change } else { 0.0 };
+            ahead += slope * fallen;
+        }
+        turns[k] = Complex64::new(fallen, ahead);
+    }
+    turns
+}
+
+/// A record's residuals where logarithms of its amplitudes change by so much: real and imaginary parts one after the other.
+fn column(record: &Windowed, mut turns: Vec<Complex64>) -> Vec<f64> {
+    turns.iter_mut().zip(&record.amplitudes).for_each(|(turn, z)| *turn *= z);
+    record.whitening.apply(&mut turns);
+    turns
+        .iter()
+        .zip(&record.deviations)
+        .flat_map(|(z, deviation)| [z.re / deviation, z.im / deviation])
+        .collect()
+}
+
 /// Derivatives of a record's residuals with respect to the nodes' values of ln D and of ln ω: real and imaginary parts of each window
 /// one after the other.
 fn derivatives(record: &Windowed, model: &[Complex64], logs: &[f64], nodes: &Nodes) -> [DMatrix<f64>; 2] {
@@ -177,23 +227,17 @@ fn derivatives(record: &Windowed, model: &[Complex64], logs: &[f64], nodes: &Nod
     let mut out =
         [DMatrix::zeros(2 * model.len(), nodes.count), DMatrix::zeros(2 * model.len(), nodes.count)];
     let hats: Vec<Vec<f64>> = logs.iter().map(|l| nodes.hats(*l)).collect();
-    let mut column = vec![Complex64::default(); model.len()];
     for node in 0..nodes.count {
         for (which, out) in out.iter_mut().enumerate() {
-            let mut sum = 0.0;
+            let (mut sum, mut turns) = (0.0, Vec::with_capacity(model.len()));
             for k in 0..model.len() {
                 if k > 0 {
                     let mean = 0.5 * (hats[k][node] + hats[k - 1][node]);
                     sum += mean * if which == 0 { logs[k] - logs[k - 1] } else { radians };
                 }
-                let turn = if which == 0 { Complex64::new(sum, 0.0) } else { Complex64::new(0.0, sum) };
-                column[k] = record.amplitudes[k] * turn;
+                turns.push(if which == 0 { Complex64::new(sum, 0.0) } else { Complex64::new(0.0, sum) });
             }
-            record.whitening.apply(&mut column);
-            for (k, (z, deviation)) in column.iter().zip(&record.deviations).enumerate() {
-                let z = z / deviation;
-                (out[(2 * k, node)], out[(2 * k + 1, node)]) = (z.re, z.im);
-            }
+            out.column_mut(node).copy_from_slice(&column(record, turns));
         }
     }
     out

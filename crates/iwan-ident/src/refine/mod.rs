@@ -13,6 +13,7 @@ mod ring_down;
 mod slow;
 mod windows;
 mod whitening;
+mod days;
 mod record;
 mod discount;
 mod task;

@@ -152,12 +152,19 @@ impl Windowed {
         (NOISE_FLOOR * self.root_mean_square()).max(SAMPLING_ERROR * root_mean_square(&sampling))
     }
 
-    /// The turning point for the record's own unknowns: ln of the amplitude over the first guess, phase of the release.
-    pub(super) fn start_at(&self, own: &[f64], omega: f64) -> TurningPoint {
+    /// The turning point for the record's own unknowns: ln of the amplitude over the first guess, phase of the release, and ln of the record's own frequency at
+    /// small amplitude over the windows', of which a day is left where records have days.
+    pub(super) fn start_at(&self, own: &[f64], omega: f64, has_day: bool) -> TurningPoint {
         TurningPoint {
             displacement: self.start.displacement * own[0].exp(),
             time: self.start.time + own[1] / omega,
+            day: if has_day { self.start.day + own[2] - self.ln_over_windows(omega) } else { 0.0 },
         }
+    }
+
+    /// ln of a frequency over that of the windows.
+    pub(super) fn ln_over_windows(&self, omega: f64) -> f64 {
+        (omega / self.windows.omega).ln()
     }
 
     /// Turns amplitudes of a model into the record's own times the logarithm of the ratio of the two: their difference to first order.
@@ -224,5 +231,6 @@ fn turning_point(record: &RingDown<'_>, frequency: f64) -> TurningPoint {
     TurningPoint {
         displacement: sign * decayed * first.norm() / rate.abs().powi(power),
         time: (turns * PI - phase) / rate,
+        day: 0.0,
     }
 }

@@ -6,13 +6,16 @@ use crate::curves::Quantity;
 use crate::error::Error;
 use crate::parameters::Parameters;
 
-/// A turning point of the motion: the model's ring-down starts from rest there.
+/// What a record has of its own: the turning point of the motion from which the model's ring-down starts at rest, and the frequency of its day.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct TurningPoint {
     /// Displacement q, mass-normalised.
     pub displacement: f64,
     /// Time from the first sample, s: before it when negative.
     pub time: f64,
+    /// ln of the frequency at small amplitude when the record was taken over the mode's: temperature and mounting differ from hit to hit. Zero for one
+    /// record alone.
+    pub day: f64,
 }
 
 /// At which times a ring-down is wanted.
@@ -25,6 +28,17 @@ pub(crate) struct Sampling {
 }
 
 impl TurningPoint {
+    /// The mode on the day of the record.
+    #[must_use]
+    pub fn of_day(&self, parameters: &Parameters) -> Parameters {
+        Parameters { frequency: parameters.frequency * self.day.exp(), ..*parameters }
+    }
+
+    /// The same turning point on the mean of all days.
+    pub(super) fn on_mean_day(self) -> Self {
+        Self { day: 0.0, ..self }
+    }
+
     /// Samples of the model's ring-down from here. Before the release the motion is mirrored: it is a turning point.
     ///
     /// # Errors
@@ -54,9 +68,10 @@ impl TurningPoint {
         Sampling { dt, count }: Sampling,
         quantity: Quantity,
     ) -> Result<Vec<f64>, Error> {
-        let (oscillator, joint) = parameters.model()?;
+        let own = self.of_day(parameters);
+        let (oscillator, joint) = own.model()?;
         let seconds = first + count as f64 * dt;
-        let stack = vec![Reversal::default(); (2.5 * seconds * parameters.frequency) as usize + 16];
+        let stack = vec![Reversal::default(); (2.5 * seconds * own.frequency) as usize + 16];
         let mut out: [Vec<f64>; 4] = std::array::from_fn(|_| vec![0.0; count]);
         let [displacement, velocity, acceleration, joint_force] = &mut out;
         let mut samples = Samples { displacement, velocity, acceleration, joint_force };

@@ -34,9 +34,9 @@ pub struct Discrepancy {
     pub dissipation_of_level: f64,
     /// Of ln ω from level to level.
     pub frequency_of_level: f64,
-    /// Of ln D from record to record.
+    /// Of ln D from record to record, with what they differ by at all amplitudes alike.
     pub dissipation_of_record: f64,
-    /// Of ln ω from record to record.
+    /// Of ln ω from record to record, the day's included.
     pub frequency_of_record: f64,
 }
 

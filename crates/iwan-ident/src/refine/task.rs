@@ -8,6 +8,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use iwan_machine::checkpoint::Checkpoint;
 use rustfft::num_complex::Complex64;
 
+use super::days;
 use super::discount::Discount;
 use super::record::{Noise, Windowed, unwrapped};
 use super::release::{Sampling, TurningPoint};
@@ -18,8 +19,13 @@ use crate::error::{Error, check};
 use crate::parameters::{COUNT, Parameter, Parameters};
 use crate::search::{Chart, Kept, Minimum, Search};
 
-/// Unknowns of each record: ln of the first amplitude, phase of the release.
-pub(super) const OWN: usize = 2;
+/// Unknowns of each record: ln of the first amplitude, phase of the release, ln of the record's own frequency at small amplitude over that of its windows. Not the day's
+/// over the mean: what a record tells is its own, and a mean that moves with all days is a long way for a search.
+pub(super) const OWN: usize = 3;
+/// Bounds of that: a joint that softens by a third hides as much of the frequency at rest.
+const OWN_FREQUENCY: f64 = 0.5;
+/// Place of the last among them.
+pub(super) const DAY: usize = 2;
 /// Relative reduction of the sum of squares at which searches end that are not the last: enough to tell which valley is the deepest, …
 pub(super) const ROUGH: f64 = 1e-4;
 /// … and of searches for a minimum under noise: of some 200 residuals it moves the deviance by 4e-4, a ten-thousandth of the limit.
@@ -43,6 +49,8 @@ pub(crate) struct Task {
     /// What the model is known to miss.
     pub(super) discount: Option<Discount>,
     pub(super) discrepancy: Discrepancy,
+    /// Standard deviation of the days' frequencies that is taken for granted; each of several records has a residual that says so.
+    pub(super) day_deviation: f64,
     /// Whether the discount is for what a clean record cannot show.
     pub(crate) widened: bool,
     /// Whether residuals are logarithms of the ratio of record and model, times the record: to these, what the model misses adds up however
@@ -148,17 +156,18 @@ impl Task {
             held: held.to_vec(),
             discount: None,
             discrepancy: Discrepancy::default(),
+            day_deviation: days::FIRST,
             widened: false,
             by_logarithms: false,
             stopped: Arc::default(),
             kept: None,
         };
-        let needed = COUNT + OWN * task.records.len() + SPARE;
-        if task.count() < needed {
+        let needed = COUNT + DAY * task.records.len() + SPARE;
+        if task.in_windows() < needed {
             let remedy = "record longer";
             return Err(Error::TooShort {
                 what: "independent amplitudes",
-                found: task.count(),
+                found: task.in_windows(),
                 needed,
                 remedy,
             });
@@ -166,9 +175,26 @@ impl Task {
         Ok(task)
     }
 
-    /// Number of residuals.
+    /// Searches begin with such days, of mean zero.
+    pub(crate) fn begin_with(&mut self, days: &[f64]) {
+        for (record, day) in self.records.iter_mut().zip(days) {
+            record.start.day = *day;
+        }
+    }
+
+    /// Number of residuals: those in windows, and one for the day of each of several records.
     pub(crate) fn count(&self) -> usize {
+        self.in_windows() + if self.has_days() { self.records.len() } else { 0 }
+    }
+
+    /// Number of residuals in windows.
+    pub(super) fn in_windows(&self) -> usize {
         self.records.iter().map(|r| 2 * r.windows.count).sum()
+    }
+
+    /// Whether records may differ by the day: one alone cannot.
+    pub(super) fn has_days(&self) -> bool {
+        self.records.len() > 1
     }
 
     pub(crate) fn held(&self) -> &[Parameter] {
@@ -178,7 +204,9 @@ impl Task {
     /// Unknowns without those that are held.
     pub(crate) fn free(&self) -> Vec<usize> {
         let all = COUNT + OWN * self.records.len();
-        (0..all).filter(|j| self.held.iter().all(|h| self.chart.index(*h) != Some(*j))).collect()
+        let is_day = |j: usize| j >= COUNT && (j - COUNT) % OWN == DAY;
+        let is_free = |j: &usize| self.held.iter().all(|h| self.chart.index(*h) != Some(*j));
+        (0..all).filter(|j| is_free(j) && (self.has_days() || !is_day(*j))).collect()
     }
 
     /// The unknowns without the knee: along them the sum of squares is smooth.
@@ -193,14 +221,24 @@ impl Task {
     }
 
     pub(crate) fn bounds(&self) -> Vec<(f64, f64)> {
-        let own = [(-3.0, 3.0), (-0.5 * PI, 0.5 * PI)];
+        let own = [(-3.0, 3.0), (-0.5 * PI, 0.5 * PI), (-OWN_FREQUENCY, OWN_FREQUENCY)];
         Chart::bounds().into_iter().chain(self.records.iter().flat_map(|_| own)).collect()
     }
 
     pub(crate) fn coordinates(&self, parameters: &Parameters) -> Result<Vec<f64>, Error> {
         let mut x = self.chart.coordinates(parameters)?.to_vec();
-        x.resize(COUNT + OWN * self.records.len(), 0.0);
+        for record in &self.records {
+            x.extend([0.0, 0.0, record.ln_over_windows(TAU * parameters.frequency)]);
+        }
         Ok(x)
+    }
+
+    /// The own frequencies of a point that comes from another with another frequency, so that its days stay.
+    pub(super) fn keep_days(&self, from: &[f64], to: &mut [f64]) {
+        if let Some(j) = self.chart.index(Parameter::Frequency) {
+            let moved = to[j] - from[j];
+            to[COUNT..].iter_mut().skip(DAY).step_by(OWN).for_each(|own| *own += moved);
+        }
     }
 
     /// Whitened residuals over each record's standard deviation, without what the model is known to miss.
@@ -219,13 +257,20 @@ impl Task {
         work: &mut Workspace,
     ) -> bool {
         let known = self.plain_residuals(parameters, starts, out, work);
+        self.of_days(starts, out);
         if let Some(discount) = self.discount.as_ref().filter(|_| known) {
             discount.apply(out);
         }
         known
     }
 
-    /// Whitened residuals with all that the model misses.
+    /// What is taken for granted of the days, behind the residuals in windows.
+    fn of_days(&self, starts: &[TurningPoint], out: &mut [f64]) {
+        let days = starts.iter().map(|start| start.day / self.day_deviation);
+        out[self.in_windows()..].iter_mut().zip(days).for_each(|(o, day)| *o = day);
+    }
+
+    /// Whitened residuals in windows with all that the model misses.
     fn plain_residuals(
         &self,
         parameters: &Parameters,
@@ -256,7 +301,7 @@ impl Task {
     pub(super) fn starts_at(&self, x: &[f64]) -> Vec<TurningPoint> {
         let omega = TAU * self.chart.parameters(x).frequency;
         let own = x[COUNT..].chunks_exact(OWN);
-        own.zip(&self.records).map(|(own, record)| record.start_at(own, omega)).collect()
+        own.zip(&self.records).map(|(own, record)| record.start_at(own, omega, self.has_days())).collect()
     }
 
     /// Whitened sum of squares; none where there is no model.
@@ -270,6 +315,7 @@ impl Task {
     pub(super) fn log_residuals(&self, x: &[f64], out: &mut [f64], work: &mut Workspace) -> bool {
         out.fill(0.0);
         let starts = self.starts_at(x);
+        self.of_days(&starts, out);
         self.each_model(&self.chart.parameters(x), &starts, work, |record, model, range| {
             let loudest = record.amplitudes.iter().map(|z| z.norm()).fold(0.0, f64::max);
             let loud = record.amplitudes.iter().zip(unwrapped(&record.amplitudes, model)).take(record.loud());
@@ -294,13 +340,15 @@ impl Task {
         for (place, (start, record)) in starts.iter().zip(&self.records).enumerate() {
             let found = match self.records.len() {
                 1 => work.compute(parameters, *start, record),
-                _ => work.recall(place, parameters, *start, record),
+                // A day turns amplitudes that are known: it needs no ring-down of its own.
+                _ => work.recall(place, parameters, start.on_mean_day(), record),
             };
             if !found {
                 return false;
             }
             let model = &mut work.model;
             model.iter_mut().zip(&record.sampling).for_each(|(m, s)| *m += s);
+            days::turn(model, &record.windows, TAU * parameters.frequency, start.day);
             compare(record, model, from..from + 2 * record.windows.count);
             from += 2 * record.windows.count;
         }
@@ -343,7 +391,8 @@ impl Task {
     /// samples a cycle, and the sum over samples in place of an integral.
     pub(crate) fn take_samples(&mut self, x: &[f64], work: &mut Workspace) {
         let (parameters, starts) = (self.chart.parameters(x), self.starts_at(x));
-        for (record, start) in self.records.iter_mut().zip(starts) {
+        for (record, start) in self.records.iter_mut().zip(starts.into_iter().map(TurningPoint::on_mean_day))
+        {
             let (windows, buffers) = (&record.windows, &mut work.buffers);
             let mut exact = vec![Complex64::default(); windows.count];
             let sampling = Sampling { dt: record.dt, count: record.samples };

@@ -80,6 +80,7 @@ impl Task {
                         other[j] = moved[j];
                     }
                 }
+                self.keep_days(x, &mut other);
             }
             other
         };

@@ -219,7 +219,7 @@ impl Windows {
             }
             first = None;
             let crosses = now.displacement * turned.displacement < 0.0;
-            *now = TurningPoint { time: began + turned.time, displacement: turned.displacement };
+            *now = TurningPoint { time: began + turned.time, displacement: turned.displacement, ..*now };
             logs = [logs[1], logs[2], logs[3], turned.displacement.abs().ln()];
             // By half cycles of both signs: a decay out of macro-slip goes on about a displacement that is not zero.
             let growth = 0.5 * (logs[3] - logs[1]);
@@ -262,7 +262,7 @@ impl Windows {
             let moments = Moments(half.moments.map(|m| m * sign));
             self.add_moments(now.time + quarter, &moments, quantity, out);
             (log, sign) = (log + half.growth, -sign);
-            *now = TurningPoint { time: now.time + half.duration, displacement: sign * log.exp() };
+            *now = TurningPoint { time: now.time + half.duration, displacement: sign * log.exp(), ..*now };
         }
     }
 
@@ -441,7 +441,7 @@ mod tests {
                 [Quantity::Displacement, Quantity::Velocity, Quantity::Acceleration].into_iter().enumerate()
             {
                 let mut model = vec![Complex64::default(); windows.count];
-                let start = TurningPoint { displacement: ratio * joint.phi_max(), time: 0.0 };
+                let start = TurningPoint { displacement: ratio * joint.phi_max(), time: 0.0, day: 0.0 };
                 assert!(windows.of_model(&MODE, start, quantity, &mut Buffers::default(), &mut model));
                 let record = windows.of_samples(&samples[i], dt);
                 for (k, (a, b)) in model.iter().zip(&record).enumerate() {
@@ -461,7 +461,7 @@ mod tests {
         {
             let mode = Parameters { damping_ratio, ..MODE };
             let windows = Windows::over(9.0, 123.5, 1.0);
-            let start = TurningPoint { displacement: ratio * phi_max, time: -1e-3 };
+            let start = TurningPoint { displacement: ratio * phi_max, time: -1e-3, day: 0.0 };
             let [mut table, mut plain] = [(); 2].map(|()| vec![Complex64::default(); windows.count]);
             let (quantity, buffers) = (Quantity::Acceleration, &mut Buffers::default());
             assert!(windows.of_model(&mode, start, quantity, buffers, &mut table));
@@ -484,7 +484,7 @@ mod tests {
         // Softer and harder releases in turn, and another mode between them.
         for (ratio, damping_ratio) in [(0.1, 1e-4), (2.0, 1e-4), (0.1, 2e-4), (0.5, 1e-4), (0.02, 1e-4)] {
             let mode = Parameters { damping_ratio, ..MODE };
-            let start = TurningPoint { displacement: ratio * phi_max, time: -1e-3 };
+            let start = TurningPoint { displacement: ratio * phi_max, time: -1e-3, day: 0.0 };
             let [mut own, mut other] = [(); 2].map(|()| vec![Complex64::default(); windows.count]);
             assert!(windows.of_model(&mode, start, quantity, &mut Buffers::default(), &mut own));
             assert!(windows.of_model(&mode, start, quantity, shared, &mut other));
@@ -502,7 +502,8 @@ mod tests {
         for early in [30_usize, 90] {
             let record = windows.of_samples(&samples[early..], dt);
             let mut model = record.clone();
-            let start = TurningPoint { displacement: 0.5 * joint.phi_max(), time: -(early as f64) * dt };
+            let start =
+                TurningPoint { displacement: 0.5 * joint.phi_max(), time: -(early as f64) * dt, day: 0.0 };
             assert!(windows.of_model(
                 &MODE,
                 start,

@@ -217,6 +217,7 @@ impl<'a> Task<'a> {
             .map(|(start, own)| TurningPoint {
                 displacement: start.displacement * own[0].exp(),
                 time: start.time + own[1] * radian,
+                day: start.day,
             })
             .collect();
         ring_downs.residuals(&p, &starts, &mut out[at..], buffers)

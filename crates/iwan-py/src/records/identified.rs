@@ -368,16 +368,22 @@ impl Likelihood {
         for (parameter, x) in self.free.iter().zip(x) {
             *parameters.get_mut(*parameter) = if LOGARITHMIC.contains(parameter) { x.exp() } else { *x };
         }
-        let own = x[self.free.len()..].chunks_exact(2).zip(self.library.starts());
+        let own = x[self.free.len()..].chunks_exact(self.own()).zip(self.library.starts());
         let starts = own.map(|(own, start)| TurningPoint {
             displacement: start.displacement * own[0].exp(),
             time: start.time + own[1] * self.library.radian(),
+            day: own.get(2).copied().unwrap_or(start.day),
         });
         (parameters, starts.collect())
     }
 
+    /// Coordinates of each record: one alone has no day of its own.
+    fn own(&self) -> usize {
+        if self.library.starts().len() > 1 { 3 } else { 2 }
+    }
+
     fn width(&self) -> usize {
-        self.free.len() + 2 * self.library.starts().len()
+        self.free.len() + self.own() * self.library.starts().len()
     }
 }
 
@@ -390,8 +396,10 @@ impl Likelihood {
             let prefix = if LOGARITHMIC.contains(p) { "log_" } else { "" };
             format!("{prefix}{}", p.name())
         };
-        let own = (0..self.library.starts().len())
-            .flat_map(|i| [format!("log_amplitude_{i}"), format!("phase_{i}")]);
+        let own = (0..self.library.starts().len()).flat_map(|i| {
+            let names = [format!("log_amplitude_{i}"), format!("phase_{i}"), format!("log_day_{i}")];
+            names.into_iter().take(self.own())
+        });
         self.free.iter().map(name).chain(own).collect()
     }
 
@@ -402,7 +410,7 @@ impl Likelihood {
         let coordinate = |p: &Parameter| {
             if LOGARITHMIC.contains(p) { best.get(*p).max(1e-12).ln() } else { best.get(*p) }
         };
-        let own = std::iter::repeat_n(0.0, 2 * self.library.starts().len());
+        let own = self.library.starts().iter().flat_map(|s| [0.0, 0.0, s.day].into_iter().take(self.own()));
         array(py, self.free.iter().map(coordinate).chain(own).collect())
     }
 

@@ -50,7 +50,7 @@ impl Comparison {
         let samples = if unfiltered { source.samples } else { isolated.samples.as_slice() };
         let dt = source.dt;
         let step = time_step(dt, found.parameters.frequency);
-        let mode = released(name, &found.parameters, displacement)?;
+        let mode = released(name, &release.of_day(&found.parameters), displacement)?;
         // Two samples more than are compared: the cubic between samples looks ahead.
         let duration = (window.end - first) as f64 * dt - late + 2.0 * dt;
         let settings = Settings { method: Method::HalfCycle, ..Settings::new(step, duration) };

@@ -10,7 +10,7 @@ use nalgebra::{DMatrix, DVector};
 
 use super::linear::Information;
 use super::process::Covariances;
-use crate::profile::student;
+use crate::student::student;
 
 /// Sizes that are tried: none, and from the least on each twice the one below. Decay rates, relative: up to a half.
 const DECAY: (f64, i32) = (1e-3, 10);
@@ -30,16 +30,9 @@ pub struct Scatter {
 
 impl Scatter {
     /// Standard deviations that hold 95 % of further hits: each hit is one more draw of its offset, so that the quantile is Student's with one
-    /// degree of freedom less than hits. For one and two degrees it is in closed form.
+    /// degree of freedom less than hits.
     pub(crate) fn half_width(&self) -> f64 {
-        const CAUCHY: f64 = 12.706_204_736;
-        const OF_TWO: f64 = 4.302_652_730;
-        match self.hits {
-            0..2 => 0.0,
-            2 => CAUCHY,
-            3 => OF_TWO,
-            hits => student((hits - 1) as f64),
-        }
+        if self.hits < 2 { 0.0 } else { student((self.hits - 1) as f64) }
     }
 }
 

@@ -1,0 +1,46 @@
+//! By how much the frequencies of several records stand apart at the same amplitude: where the search for each day's frequency begins.
+
+use super::prepared::Prepared;
+use crate::curves::Curves;
+
+/// ln of each record's frequency over the mean of all records, where both the record and the loudest one have the same amplitude; zero for
+/// records that share none with it.
+pub(super) fn days(prepared: &[Prepared<'_>]) -> Vec<f64> {
+    let curves: Vec<&Curves> = prepared.iter().map(|p| &p.curves).collect();
+    let Some(loudest) = curves.iter().max_by(|a, b| largest(a).total_cmp(&largest(b))) else { return vec![] };
+    let apart: Vec<f64> = curves.iter().map(|c| apart(c, loudest)).collect();
+    let mean = apart.iter().sum::<f64>() / apart.len() as f64;
+    apart.iter().map(|day| day - mean).collect()
+}
+
+/// The same curves on the mean day.
+pub(super) fn on_mean_day(curves: &Curves, day: f64) -> Curves {
+    let mut curves = curves.clone();
+    curves.frequency.iter_mut().for_each(|f| *f *= (-day).exp());
+    curves
+}
+
+pub(super) fn largest(curves: &Curves) -> f64 {
+    curves.displacement.iter().copied().fold(0.0, f64::max)
+}
+
+/// Median of the logarithm of a record's frequency over that of another at the same amplitude.
+fn apart(curves: &Curves, other: &Curves) -> f64 {
+    let pairs = curves.displacement.iter().zip(&curves.frequency);
+    let mut logs: Vec<f64> = pairs
+        .filter_map(|(a, f)| Some((f / frequency_at(other, *a)?).ln()))
+        .filter(|l| l.is_finite())
+        .collect();
+    logs.sort_by(f64::total_cmp);
+    logs.get(logs.len() / 2).copied().unwrap_or(0.0)
+}
+
+/// Frequency at an amplitude that decaying curves pass; none outside them.
+fn frequency_at(curves: &Curves, displacement: f64) -> Option<f64> {
+    let pairs = curves.displacement.windows(2).zip(curves.frequency.windows(2));
+    let mut passed = pairs.filter(|(a, _)| a[0] >= displacement && displacement >= a[1]);
+    passed.next().map(|(a, f)| {
+        let part = if a[0] > a[1] { (a[0] - displacement) / (a[0] - a[1]) } else { 0.0 };
+        f[0] + part * (f[1] - f[0])
+    })
+}
