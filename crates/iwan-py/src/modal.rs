@@ -7,7 +7,7 @@ use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyList};
 
 use crate::exchange::array::{Numbers, array, shaped};
-use crate::exchange::errors::{identification_failed, value};
+use crate::exchange::errors::{identification_failed, of, value};
 use crate::exchange::options::choose;
 use crate::exchange::work;
 
@@ -122,10 +122,11 @@ pub(crate) fn _modal_fit<'py>(
 
 /// Something that the records do not give is an identification's error; all else is a bad value.
 fn told_error(error: &Error) -> PyErr {
-    match error {
+    let exception = match error {
         Error::Refused { .. } | Error::Record { .. } => identification_failed(error.to_string()),
         _ => value(error.to_string()),
-    }
+    };
+    of(error.kind(), exception)
 }
 
 /// Channels of each hit from an array of hits x channels x samples.

@@ -8,6 +8,7 @@ import subprocess
 import sys
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 import iwan
@@ -66,6 +67,30 @@ def test_types_are_those_of_the_stubs(tmp_path):
     ]:
         run = subprocess.run([sys.executable, "-m", *arguments], capture_output=True, text=True, cwd=tmp_path, env=environment)
         assert run.returncode == 0, run.stdout + run.stderr
+
+
+def test_errors_have_the_kinds_of_the_catalogue(tmp_path):
+    assert iwan.IwanError.kind == "failed" and iwan.InvalidValueError("x").kind == "value"
+    times = tmp_path / "times.csv"
+    times.write_text("t,a\n" + "".join(f"{t},1\n" for t in [0, 1, 2, 1.5, 3, 4]))
+    garbage = tmp_path / "garbage.mat"
+    garbage.write_bytes(b"MATLAB 5.0 MAT-file" + bytes(200))
+    beam = tmp_path / "beam.toml"
+    beam.write_text("[nothing]\n")
+    short = np.sin(np.arange(20.0))
+    for kind, call in [
+        ("unreadable", lambda: iwan.read_record(tmp_path / "nowhere.csv")),
+        ("time-order", lambda: iwan.read_record(times)),
+        ("input", lambda: iwan.Structure.load(beam)),
+        ("too-short", lambda: iwan.fit(short, dt=1e-3)),
+        ("value", lambda: iwan.FourParameter(k_t=-1.0, f_s=1.0, chi=0.0, beta=0.0)),
+    ]:
+        with pytest.raises(iwan.IwanError) as caught:
+            call()
+        assert caught.value.kind == kind, (kind, caught.value.kind, caught.value)
+    with pytest.raises(iwan.RecordError) as caught:
+        iwan.read_record(garbage)
+    assert caught.value.kind in {"damaged", "cut-short", "unsupported", "unknown-format"}, caught.value.kind
 
 
 def test_errors_are_one_tree():

@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 use iwan_input::InputError;
 use iwan_io::ReadError;
 use iwan_io::atomic::WriteError;
+use iwan_machine::Kind;
 use iwan_sim::SimulationError;
 use pyo3::prelude::*;
 
@@ -21,6 +22,13 @@ mod python {
     pyo3::import_exception!(iwan.errors, StructureError);
 }
 
+/// The exception with its kind in the catalogue of errors, where it is another than that of its class.
+pub(crate) fn of(kind: Kind, error: PyErr) -> PyErr {
+    // An attribute that cannot be set leaves the class's own, which says less and nothing wrong.
+    Python::attach(|py| error.value(py).setattr("kind", kind.name()).ok());
+    error
+}
+
 /// A bad value: `iwan.InvalidValueError`.
 pub(crate) fn value(message: impl Into<String>) -> PyErr {
     python::InvalidValueError::new_err(message.into())
@@ -33,7 +41,7 @@ pub(crate) fn computation(message: String) -> PyErr {
 
 /// Memory that is lacking: `iwan.ComputationError`.
 pub(crate) fn lacking(short: &iwan_machine::memory::Short) -> PyErr {
-    computation(short.to_string())
+    of(Kind::Memory, computation(short.to_string()))
 }
 
 /// A record that is none: `iwan.RecordError`.
@@ -73,7 +81,7 @@ pub(crate) fn simulation(error: SimulationError) -> PyErr {
         SimulationError::Parameter(error) => core(error),
         SimulationError::Mode { mode, source } => simulation_at(&format!("mode \"{mode}\""), *source),
         SimulationError::Joint { joint, source } => simulation_at(&format!("joint \"{joint}\""), *source),
-        other => python::ComputationError::new_err(other.to_string()),
+        other => of(other.kind(), python::ComputationError::new_err(other.to_string())),
     }
 }
 
@@ -81,7 +89,7 @@ pub(crate) fn simulation(error: SimulationError) -> PyErr {
 pub(crate) fn simulation_at(place: &str, error: SimulationError) -> PyErr {
     match error {
         SimulationError::Parameter(error) => value(format!("{place}: {error}")),
-        other => python::ComputationError::new_err(format!("{place}: {other}")),
+        other => of(other.kind(), python::ComputationError::new_err(format!("{place}: {other}"))),
     }
 }
 
@@ -102,18 +110,21 @@ pub(crate) fn identification_at(record: usize, error: iwan_ident::Error) -> PyEr
 
 fn told_at(place: &str, error: iwan_ident::Error) -> PyErr {
     use iwan_ident::Error::{Refused, TooShort};
-    let message = format!("{place}{error}");
-    match error {
+    let (message, kind) = (format!("{place}{error}"), error.kind());
+    let error = match error {
         Refused { .. } | TooShort { .. } => python::IdentificationError::new_err(message),
         _ => value(message),
-    }
+    };
+    of(kind, error)
 }
 
 /// An error of the reader of records, with Python's arguments in place of the command line's options.
 pub(crate) fn reading(error: &ReadError) -> PyErr {
     let message = in_python(&error.to_string());
-    let ReadError::Io { file, source } = error else { return python::RecordError::new_err(message) };
-    file_error(source, message, file.clone())
+    let ReadError::Io { file, source } = error else {
+        return of(error.kind(), python::RecordError::new_err(message));
+    };
+    of(error.kind(), file_error(source, message, file.clone()))
 }
 
 /// What the reader of records says, with Python's arguments in place of the command line's options.
@@ -148,14 +159,15 @@ const EEXIST: i32 = 17;
 /// An error of the writer of files.
 pub(crate) fn writing(error: &WriteError) -> PyErr {
     let message = error.to_string().replace("--force", "force=True");
-    match error {
+    let exception = match error {
         WriteError::Exists { path } => python::ExistingFileError::new_err((EEXIST, message, path.clone())),
         WriteError::Io { path, source, .. } => file_error(source, message, path.clone()),
         WriteError::Name { path } | WriteError::Folder { path } => {
             python::FileError::new_err((None::<i32>, message, path.clone()))
         }
         _ => python::FileError::new_err(message),
-    }
+    };
+    of(error.kind(), exception)
 }
 
 /// A structure file that cannot be read at all.
@@ -167,13 +179,13 @@ pub(crate) fn missing_file(path: &Path, error: &std::io::Error) -> PyErr {
 /// What is wrong in a structure file; `place` where the message does not name it.
 pub(crate) fn input(place: &str, error: &InputError) -> PyErr {
     let prefix = if place.is_empty() { String::new() } else { format!("{place}: ") };
-    python::StructureError::new_err(format!("{prefix}{error}"))
+    of(error.kind, python::StructureError::new_err(format!("{prefix}{error}")))
 }
 
 /// An error of iwan-fem: what could not be set up is a bad value, the rest failed.
 pub(crate) fn fem(name: &str, error: &iwan_fem::Error) -> PyErr {
     use iwan_fem::Error::{Analysis, Element, Interrupted, Model, Node, OutOfRange};
-    match error {
+    let exception = match error {
         OutOfRange { name: "time step", value: dt, allowed } => {
             value(format!("dt = {dt} is out of range: {allowed}"))
         }
@@ -182,5 +194,6 @@ pub(crate) fn fem(name: &str, error: &iwan_fem::Error) -> PyErr {
         Analysis { .. } | Interrupted => python::ComputationError::new_err(format!("{name}: {error}")),
         Element { .. } | Node { .. } => python::StructureError::new_err(format!("{name}: {error}")),
         _ => value(format!("{name}: {error}")),
-    }
+    };
+    of(error.kind(), exception)
 }
