@@ -35,11 +35,13 @@ mod reproduce;
 // The commands that only print a text.
 mod texts;
 
-// The doors: the page of a fit and a shaker's test for other programs, and the command line.
+// The doors: the page of a fit, a shaker's test and records of several modes for other programs, and the command line.
 mod fit_page;
 mod sweep_test;
+mod coupled_test;
 mod cli;
 
 pub use cli::run;
+pub use coupled_test::{CoupledTest, ModesSought, StruckRecord};
 pub use fit_page::{FittedMode, FittedRecord, fit_page};
 pub use sweep_test::{SweepKind, SweepSource, SweepTest};

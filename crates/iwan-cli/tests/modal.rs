@@ -114,7 +114,7 @@ fn files_that_do_not_belong_together_are_refused() {
     let mut slow = bench().hit(100.0, 1);
     slow.dt *= 2.0;
     write(place.path(), "slow.csv", &slow);
-    refused(place.path(), "h1.csv slow.csv --at a1", &["slow.csv", "2048", "4096"]);
+    refused(place.path(), "h1.csv slow.csv --at a1", &["slow.csv", "2048", "4096", "one sampling rate"]);
     let mut dead = bench().hit(100.0, 1);
     dead.responses[4].samples.fill(0.25);
     write(place.path(), "dead.csv", &dead);

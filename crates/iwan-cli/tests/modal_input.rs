@@ -5,7 +5,8 @@ use std::fmt::Write;
 
 use crate::common::{csv, folder, iwan, shown};
 use crate::hits_of_bench::{bench, hits, refused, run, write};
-use iwan_modal::measure::{Channel, Hit};
+use crate::support::Bench;
+use iwan_modal::measure::{Channel, Freedom, Hit};
 use serde_json::Value;
 
 fn warnings(found: &Value) -> String {
@@ -264,4 +265,122 @@ fn calibration_counts_in_the_standard_deviations_of_shapes() {
     };
     let ((plain, _), (wide, shape)) = (sd("", "plain"), sd("--calibration 1", "wide"));
     assert!((wide - plain.hypot(0.005 * shape)).abs() < 1e-6 * wide, "{plain} {wide} {shape}");
+}
+
+#[test]
+fn odd_files_and_options_are_named_with_file_and_channel() {
+    let place = folder("");
+    hits(place.path(), 3);
+    refused(place.path(), "h1.csv --hammer a99", &["h1.csv", "--hammer a99", "hammer, a1"]);
+    refused(place.path(), "h1.csv --free --from 1e6", &["h1.csv", "--from 1000000 s", "lasts"]);
+    // A record, and words, in place of the table of points.
+    std::fs::write(place.path().join("words.txt"), "hello world\n").unwrap();
+    for junk in ["h2.csv", "words.txt"] {
+        let arguments = format!("h1.csv --at a1 --points {junk}");
+        refused(place.path(), &arguments, &[junk, "as a table of points", "[[channel]]", "universal file"]);
+    }
+    // A hit twice, a hit without a channel that the others have, and a second force.
+    let found = run(place.path(), "h1.csv h2.csv h1.csv --at a1 --band 60:480 --out twice");
+    assert!(warnings(&found).contains("h1.csv holds the samples of h1.csv again"), "{found}");
+    let mut short = bench().hit(100.0, 7);
+    short.responses.pop();
+    let mut second = short.force.clone();
+    second.name = "force at the back".into();
+    second.freedom = Freedom::point("back");
+    short.responses.push(second);
+    write(place.path(), "short.csv", &short);
+    let text = std::fs::read_to_string(place.path().join("short.csv")).unwrap();
+    let text = text.replace("back [m/s^2]", "back [stone]");
+    std::fs::write(place.path().join("short.csv"), text).unwrap();
+    let found = run(place.path(), "h1.csv h2.csv short.csv --at a1 --band 60:480 --out out");
+    let said = warnings(&found);
+    assert!(
+        said.contains("short.csv: point a8 is missing, which h1.csv has; it is averaged over 2 hits"),
+        "{said}"
+    );
+    assert!(said.contains("the unit \\\"stone\\\" is not known"), "{said}");
+    assert!(said.contains("short.csv, channel force at the back: its name speaks of a force"), "{said}");
+}
+
+#[test]
+fn a_hammer_that_is_cut_off_and_a_hit_that_shortens_all_are_named() {
+    let place = folder("");
+    let mut hit = bench().hit(100.0, 1);
+    let peak = hit.peak_force();
+    // Of the pulse's five samples three are above a third of its height.
+    hit.force.samples.iter_mut().for_each(|f| *f = f.min(0.3 * peak));
+    write(place.path(), "cut.csv", &hit);
+    let found = run(place.path(), "cut.csv --at a1 --band 60:480 --out cut");
+    assert!(warnings(&found).contains("cut.csv: channel hammer is overloaded"), "{found}");
+    // A second hit a fifth of a second after the first: the first is too short for the order.
+    let (mut twice, later) = (bench().hit(100.0, 1), (0.2 / hit.dt) as usize);
+    let add = |x: &mut Vec<f64>| (later..x.len()).rev().for_each(|n| x[n] += x[n - later]);
+    add(&mut twice.force.samples);
+    twice.responses.iter_mut().for_each(|c| add(&mut c.samples));
+    write(place.path(), "again.csv", &twice);
+    let words = ["again.csv, hit 1 lasts 0.", "all hits are cut to it", "--leave-out"];
+    refused(place.path(), "again.csv --at a1 --band 60:480", &words);
+}
+
+#[test]
+fn a_hammer_that_roves_over_the_points_makes_one_shape() {
+    let place = folder("");
+    // One sensor, at point 1: each run hits another point.
+    let (mut table, mut names) = (String::new(), String::new());
+    for drive in 0..8 {
+        let mut own = Bench { drive, ..bench() }.hit(100.0, 40 + drive as u64);
+        own.responses.truncate(1);
+        let file = format!("at{drive}.csv");
+        write(place.path(), &file, &own);
+        for (name, point, role) in [("hammer", drive + 1, "force"), ("a1", 1, "response")] {
+            writeln!(
+                table,
+                "[[channel]]\nname = \"{name}\"\nfile = \"{file}\"\npoint = \"{point}\"\ndirection = \"z\"\nrole = \"{role}\""
+            )
+            .unwrap();
+        }
+        write!(names, "{file} ").unwrap();
+    }
+    std::fs::write(place.path().join("points.toml"), table).unwrap();
+    let found = run(place.path(), &format!("{names} --points points.toml --band 60:480"));
+    assert_eq!((&found["mass_normalised"], &found["warnings"]), (&true.into(), &serde_json::json!([])));
+    for (mode, truth) in found["modes"].as_array().unwrap().iter().zip(&bench().modes) {
+        assert!((mode["frequency"].as_f64().unwrap() / truth.frequency - 1.0).abs() < 1e-5, "{mode}");
+        let shape: Vec<f64> =
+            mode["shape"].as_object().unwrap().values().map(|v| v.as_f64().unwrap()).collect();
+        let exact = bench().shape(truth);
+        assert_eq!(shape.len(), exact.len());
+        let sign = shape[0] * exact[0];
+        for (own, exact) in shape.iter().zip(&exact) {
+            assert!((own * sign.signum() - exact).abs() < 0.01, "{shape:?}");
+        }
+    }
+}
+
+#[test]
+fn a_force_without_a_pulse_is_refused_and_a_second_force_is_said() {
+    let place = folder("");
+    hits(place.path(), 1);
+    let mut hit = bench().hit(100.0, 2);
+    let samples = (0..hit.samples()).map(|n| f64::from(((n * 7919) % 101) as u32) - 50.0).collect();
+    let noise = Channel { samples, ..hit.force.clone() };
+    write(place.path(), "noise.csv", &Hit { force: noise.clone(), ..hit.clone() });
+    let words = [
+        "noise.csv: no pulse stands out of the noise of channel hammer",
+        "--leave-out \"noise.csv\"",
+        "--whole-force",
+    ];
+    refused(place.path(), "h1.csv noise.csv --at a1 --band 60:480", &words);
+    let found = run(place.path(), "h1.csv noise.csv --at a1 --band 60:480 --leave-out faulty");
+    assert_eq!(found["hits"][1]["left_out"], true, "{found}");
+    // A load cell beside the hammer, in the hammer's unit.
+    hit.responses.push(Channel { name: "cell".into(), freedom: Freedom::point("cell"), ..noise });
+    write(place.path(), "two.csv", &hit);
+    let text = std::fs::read_to_string(place.path().join("two.csv")).unwrap();
+    std::fs::write(place.path().join("two.csv"), text.replacen("cell [m/s^2]", "cell [N]", 1)).unwrap();
+    let said = warnings(&run(place.path(), "two.csv --at a1 --band 60:480 --out two"));
+    assert!(
+        said.contains("two.csv, channel cell: it measures a force too and is left out, the hammer is hammer"),
+        "{said}"
+    );
 }

@@ -1,6 +1,8 @@
 //! `iwan update`: from the curves that `iwan quasi-static` writes back to the joints, and messages about bad curves.
 #![allow(clippy::unwrap_used, reason = "tests may panic")]
 
+use std::fmt::Write;
+
 use crate::common::{folder, iwan};
 use serde_json::Value;
 
@@ -57,6 +59,65 @@ fn what_does_not_fit_is_named() {
         ("update --out o --curves bending-1=few.csv", "1 usable entries"),
         ("update --out o --curves bending-1=few.csv --group x=nowhere", "there is no joint \"nowhere\""),
         ("update --out o --curves bending-1=few.csv --correct air", "the structure has no such part"),
+    ] {
+        let output = iwan(place.path(), arguments);
+        let text = String::from_utf8(output.stderr).unwrap();
+        assert_eq!(output.status.code(), Some(2), "{arguments}: {text}");
+        assert!(text.contains(said), "{arguments}: {text}");
+        assert!(!place.path().join("o").exists());
+    }
+}
+
+/// Blows on the built-in beam as `iwan simulate` writes them, with the force beside: the link's joints come back without any curve.
+#[test]
+fn blows_give_the_joints_back() {
+    let place = folder("");
+    let scenario = |amplitude: f64| {
+        format!(
+            "[structure]\nname = \"paper-a\"\nmodes = [\"bending-1\", \"bending-3\"]\n[force]\nkind = \"haversine\"\namplitude = {amplitude}\n\
+             duration = 1.6e-3\n[time]\nstep = 1e-5\nduration = 0.15\n"
+        )
+    };
+    for amplitude in [30.0, 1000.0] {
+        let name = format!("blow-{amplitude}");
+        std::fs::write(place.path().join(format!("{name}.toml")), scenario(amplitude)).unwrap();
+        let output = iwan(place.path(), &format!("simulate {name}.toml --quiet --out {name}"));
+        assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+        // The record of a hammer stands beside the motions.
+        let text = std::fs::read_to_string(place.path().join(&name).join("response.csv")).unwrap();
+        let mut lines = text.lines();
+        let mut out = format!("{},hammer\n", lines.next().unwrap());
+        let pulse = iwan_core::Pulse::Haversine { amplitude, duration: 1.6e-3 };
+        for (n, line) in lines.enumerate() {
+            writeln!(out, "{line},{}", pulse.at(n as f64 * 1e-5)).unwrap();
+        }
+        std::fs::write(place.path().join(format!("{name}.csv")), out).unwrap();
+    }
+    let text = String::from_utf8(iwan(place.path(), "scenario paper-a").stdout).unwrap();
+    let wrong = "k_t = 2.5e5, f_s = 330.0, chi = -0.35, beta = 0.05";
+    std::fs::write(
+        place.path().join("off.toml"),
+        text.replace("k_t = 2.75e5, f_s = 300.0, chi = -0.3, beta = 0.02", wrong),
+    )
+    .unwrap();
+    let update = "update off.toml --json --quiet --out u --records blow-30.csv --records blow-1000.csv --load hammer --mode bending-1 \
+                  --mode bending-3";
+    let output = iwan(place.path(), update);
+    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    let found: Value = serde_json::from_slice(&output.stdout).unwrap();
+    let links = &found["groups"][0];
+    for (key, expected) in [("k_t", 2.75e5), ("f_s", 300.0), ("chi", -0.3)] {
+        let value = links[key]["value"].as_f64().unwrap();
+        assert!((value / expected - 1.0).abs() < 0.03, "{key} {value}");
+    }
+    assert_eq!(found["verdict"]["adequate"], true, "{}", found["verdict"]);
+    assert!(found["blows"].as_array().unwrap().len() >= 4);
+    assert!(std::fs::read_to_string(place.path().join("u/report.html")).unwrap().contains("Blows"));
+    for (arguments, said) in [
+        ("update --out o --records blow-30.csv --load hammer", "no mode to compare"),
+        ("update --out o --records blow-30.csv --load hummer --mode bending-1", "hummer"),
+        ("update --out o --records blow-30.csv --mode bending-1", "--load"),
+        ("update --out o --records blow-30.csv --load hammer --mode bending-77", "bending"),
     ] {
         let output = iwan(place.path(), arguments);
         let text = String::from_utf8(output.stderr).unwrap();

@@ -26,7 +26,10 @@ mod steady;
 // What measurements change: joints and stiffness as unknowns, with derivatives.
 mod adjust;
 
-pub use adjust::{Adjustable, Adjusted, AdjustedMode, Correction, CurvePoint, Stiffness};
+pub use adjust::{
+    Adjustable, Adjusted, AdjustedMode, Blow, Correction, CurvePoint, InCoordinates, Kinematic, Stiffness,
+    Struck,
+};
 pub use algebra::Symmetric;
 pub use element::{ElementMatrices, Formulation, Inertia, Material};
 pub use error::Error;

@@ -16,6 +16,7 @@ mod shared_records;
 use std::sync::atomic::AtomicBool;
 use std::time::Instant;
 
+use iwan_core::progress::UNWATCHED;
 use iwan_core::{Pulse, SplitMix64};
 use iwan_ident::Parameters;
 use iwan_ident::coupled::{CoupledRecord, CoupledTask, Seen, Sharing, UncoupledMode, Unknown, fit_coupled};
@@ -95,6 +96,7 @@ fn main() {
             shape_at_force: Some(&SHAPES),
             threads: 2,
             stopped: &AtomicBool::new(false),
+            progress: UNWATCHED,
         })
         .unwrap();
         if fit.best().sharing != Sharing::Shared(1) {

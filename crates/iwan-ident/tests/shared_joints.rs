@@ -5,6 +5,7 @@ use std::sync::atomic::AtomicBool;
 
 use crate::shared_records::Pair;
 use iwan_core::Pulse;
+use iwan_core::progress::UNWATCHED;
 use iwan_ident::Parameters;
 use iwan_ident::coupled::{
     CoupledFit, CoupledRecord, CoupledTask, Seen, Sharing, UncoupledMode, Unknown, fit_coupled,
@@ -64,6 +65,7 @@ fn fitted(records: &[CoupledRecord], held_out: &[CoupledRecord], seen: Seen) -> 
         shape_at_force: None,
         threads: 2,
         stopped: &AtomicBool::new(false),
+        progress: UNWATCHED,
     })
     .unwrap()
 }
@@ -147,6 +149,7 @@ fn a_free_decay_of_one_channel_tells_the_joint() {
         shape_at_force: None,
         threads: 1,
         stopped: &stopped,
+        progress: UNWATCHED,
     };
     assert!(fit_coupled(&task).unwrap_err().to_string().contains("modes = 1"));
     let two = [modes[0].clone(), modes[0].clone()];

@@ -54,7 +54,20 @@ pub struct ModalTable {
     pub lines: Vec<Vec<String>>,
 }
 
+/// What helps where a file is no table of points at all.
+const REMEDY: &str = "give a table in TOML with [[channel]] (name, point, direction, role) and [[point]] (name, position), or a universal file with points \
+     (dataset 15 or 2411)";
+
 impl ModalTable {
+    /// Reads a file that is a table.
+    ///
+    /// # Errors
+    /// [`InputError`] for what cannot be read or is no text, else as [`parse`](Self::parse).
+    pub fn read(path: &Path) -> Result<Self, InputError> {
+        let source = InputText::read(path, "table of points", "paper-modal");
+        Self::parse(&source.map_err(|e| InputError::new(e.message, REMEDY))?)
+    }
+
     /// Reads a table.
     ///
     /// ```
@@ -68,7 +81,13 @@ impl ModalTable {
     /// # Errors
     /// [`InputError`] with file, line, key and remedy.
     pub fn parse(source: &InputText) -> Result<Self, InputError> {
-        let document = source.document("paper-modal")?;
+        let no_table = |e: InputError| {
+            InputError::new(
+                format!("{} (as a table of points)", e.message),
+                format!("correct this place, or {REMEDY}"),
+            )
+        };
+        let document = source.document("paper-modal").map_err(no_table)?;
         let top = Section::new(source, "the file", document.top(), &["channel", "point", "line"])?;
         let mut table = Self::default();
         for (n, place) in top.tables("channel")?.into_iter().enumerate() {
@@ -143,6 +162,23 @@ mod tests {
         assert!(refused("[[point]]\nname = \"a\"\nposition = [1, 2]").contains("2 numbers"));
         assert!(refused("[[channel]]\nname = \"a\"\nscale = 0").contains("scale = 0"));
         assert!(refused("[[line]]\npoints = [\"a\", \"b\"]").contains("no point \"a\""));
+    }
+
+    #[test]
+    fn what_is_no_table_at_all_is_not_told_of_scenarios() {
+        let text = "0.0 1.0 2.0\n0.1 1.1 2.1\n";
+        let refused = ModalTable::parse(&InputText::built_in("p.csv", text)).unwrap_err();
+        assert!(
+            refused.message.contains("p.csv:1:") && refused.message.contains("table of points"),
+            "{refused}"
+        );
+        assert!(
+            refused.remedy.contains("[[point]]") && refused.remedy.contains("universal file"),
+            "{refused}"
+        );
+        let missing = ModalTable::read(Path::new("no-such-table.toml")).unwrap_err();
+        assert!(missing.message.contains("no-such-table.toml: cannot be read"), "{missing}");
+        assert!(!refused.remedy.contains("scenario") && !missing.remedy.contains("scenario"), "{missing}");
     }
 
     #[test]

@@ -95,7 +95,7 @@ pub enum ReadError {
         names: String,
     },
     /// A channel is not as long as the time, or channels differ in their sampling.
-    #[error("{}: '{name}' has {found}, expected {expected} as '{reference}' has; choose channels that belong together with --channel NAME", .file.display())]
+    #[error("{}: '{name}' has {found}, expected {expected} as '{reference}' has; choose channels that belong together with --channel NAME, or export all with one rate and length", .file.display())]
     Mismatch {
         /// File.
         file: PathBuf,

@@ -40,5 +40,5 @@ pub use analysis::{Analysis, ModalFit, modal_fit, modal_fit_by_subspaces};
 pub use begin::early_decay;
 pub use error::Error;
 pub use nalgebra::Complex;
-pub use threads::on_threads;
+pub use threads::{each_of, on_threads};
 pub use zeroed::{LinearFrom, Zeroed, ZeroedSpectrum, zeroed};

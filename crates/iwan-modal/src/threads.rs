@@ -1,5 +1,7 @@
 //! On how many threads the methods work.
 
+use rayon::prelude::*;
+
 use crate::error::{Error, check};
 
 /// Does `work` on `threads` threads, which end with it; the bits are the same whatever their number.
@@ -19,4 +21,13 @@ pub fn on_threads<T: Send>(threads: usize, work: impl FnOnce() -> T + Send) -> R
     let pool =
         pool.map_err(|e| Error::refused("threads", format!("{threads} could not be started: {e}"), remedy))?;
     Ok(pool.install(work))
+}
+
+/// `work` on every item, on the threads of [`on_threads`] where it is called there; the results are in the order of the items.
+///
+/// ```
+/// assert_eq!(iwan_modal::each_of(&[1, 2, 3], |n| n * n), [1, 4, 9]);
+/// ```
+pub fn each_of<I: Sync, R: Send>(items: &[I], work: impl Fn(&I) -> R + Send + Sync) -> Vec<R> {
+    items.par_iter().map(work).collect()
 }

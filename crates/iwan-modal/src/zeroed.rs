@@ -3,6 +3,8 @@
 
 use std::f64::consts::TAU;
 
+use rayon::prelude::*;
+
 use crate::analysis::{Analysis, modal_fit};
 use crate::error::{Error, check};
 use crate::fit::{Band, Fitted, Linear};
@@ -94,16 +96,19 @@ pub fn zeroed(x: &[f64], dt: f64, band: (f64, f64)) -> Result<Zeroed, Error> {
         .iter()
         .map(|p| LinearFrom { pole: *p, misfit: Vec::new(), time: None, amplitude: None })
         .collect();
-    let mut spectra = Vec::new();
-    for k in 0..TIMES {
+    let zeroed_until = |k: usize| -> Result<(ZeroedSpectrum, Vec<f64>), Error> {
         let from = k * start / TIMES;
         let own = responses(&x[from..], dt)?;
         let back = (start - from) as f64 * dt;
-        for (p, mode) in modes.iter_mut().enumerate() {
-            mode.misfit.push(misfit(&own, &poles, &amplitudes, p, back));
-        }
+        let misfits = (0..poles.len()).map(|p| misfit(&own, &poles, &amplitudes, p, back)).collect();
         let magnitude = own.functions[0].values.iter().map(|v| v.norm()).collect();
-        spectra.push(ZeroedSpectrum { time: from as f64 * dt, magnitude, step: own.step });
+        Ok((ZeroedSpectrum { time: from as f64 * dt, magnitude, step: own.step }, misfits))
+    };
+    let all: Vec<_> = (0..TIMES).into_par_iter().map(zeroed_until).collect::<Result<_, Error>>()?;
+    let mut spectra = Vec::new();
+    for (spectrum, misfits) in all {
+        modes.iter_mut().zip(misfits).for_each(|(mode, misfit)| mode.misfit.push(misfit));
+        spectra.push(spectrum);
     }
     for (mode, c) in modes.iter_mut().zip(&amplitudes) {
         let within = mode.misfit.iter().rev().take_while(|m| **m < WITHIN).count();

@@ -33,6 +33,8 @@ mod _native {
     #[pymodule_export]
     use crate::modal::_modal_fit;
     #[pymodule_export]
+    use crate::records::coupled_fit::{_fit_coupled, FittedCoupled};
+    #[pymodule_export]
     use crate::records::envelope::{_envelope, _envelopes, Envelope, envelope};
     #[pymodule_export]
     use crate::records::identified::{_identify, _identify_many, Identified, Likelihood};

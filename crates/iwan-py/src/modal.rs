@@ -2,7 +2,7 @@
 
 use iwan_modal::measure::{Channel, Freedom, Hit, Motion, faults};
 use iwan_modal::responses::{Estimator, FrequencyResponses, Windows, free_responses, frequency_responses};
-use iwan_modal::{Analysis, Error, ModalFit, early_decay, modal_fit, modal_fit_by_subspaces};
+use iwan_modal::{Analysis, Error, ModalFit, each_of, early_decay, modal_fit, modal_fit_by_subspaces};
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyList};
 
@@ -88,11 +88,8 @@ pub(crate) fn _modal_fit<'py>(
         Some(forces) => Measured::Hits(hits(forces, channels, &request)?),
         None => Measured::Decays(channels),
     };
-    let words = measured
-        .hits()
-        .iter()
-        .flat_map(|h| faults(h).into_iter().map(|f| format!("{}: {f}", h.name)))
-        .collect::<Vec<_>>();
+    let of_hit = |h: &Hit| faults(h).iter().map(|f| format!("{}: {f}", h.name)).collect::<Vec<_>>();
+    let words = each_of(measured.hits(), of_hit).concat();
     let (dt, decay, band, order) = (request.dt, request.decay, request.band, request.order);
     let found = work::run(py, true, move |_| -> Result<(FrequencyResponses, ModalFit), Error> {
         let responses = match &measured {

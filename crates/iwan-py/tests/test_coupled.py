@@ -1,5 +1,14 @@
 """Modes that share joints."""
 
+import json
+import os
+import pickle
+import signal
+import subprocess
+import sys
+import textwrap
+import time
+
 import numpy as np
 import pytest
 
@@ -46,3 +55,150 @@ def test_what_does_not_fit_is_named() -> None:
         iwan.CoupledModes(MODES, [])
     with pytest.raises(iwan.InvalidTypeError, match="SharedJoint"):
         iwan.CoupledModes(MODES, [LAW])
+
+
+def blows(levels):
+    """Motions of two modes that share a joint, and the forces of blows on them, sampled coarsely so that a fit takes a moment."""
+    law = iwan.FourParameter(k_t=1500.0, f_s=20.0, chi=-0.3, beta=0.05)
+    stuck = [
+        iwan.Mode(frequency=20.0, damping_ratio=5e-4, name="one"),
+        iwan.Mode(frequency=52.0, damping_ratio=5e-4, shape_at_force=-0.7, name="two"),
+    ]
+    truth = iwan.CoupledModes(stuck, [iwan.SharedJoint(joint=law, participation=[1.0, -2.5], compliance=1e-4)])
+    motions, forces = [], []
+    for level in levels:
+        blow = iwan.Haversine(amplitude=level, duration=0.01)
+        rung = truth.simulate(force=blow, dt=2.5e-4, duration=1.5)
+        motions.append(np.array([mode.acceleration[::4] for mode in rung.modes]))
+        forces.append(np.array([blow.at(1e-3 * n) for n in range(1501)]))
+    return motions, forces
+
+
+ASKED = {"dt": 1e-3, "shapes": np.eye(2), "frequencies": [20.0, 52.0]}
+
+
+@pytest.fixture(scope="module")
+def fitted():
+    motions, forces = blows([60.0, 600.0, 6000.0, 2000.0])
+    told = []
+    found = iwan.fit_coupled(
+        motions[:3], forces=forces[:3], predict=motions[3:], predict_forces=forces[3:],
+        progress=lambda done, total: told.append(done / total), **ASKED,
+    )
+    assert told == sorted(told) and told[-1] == 1.0 and any(0.0 < share < 1.0 for share in told)
+    return found, motions, forces
+
+
+def test_a_coupled_fit_finds_the_shared_joint_and_predicts_a_blow_kept_out(fitted) -> None:
+    found, motions, _ = fitted
+    assert found.chosen == "shared 1" and found.in_words[0] == "all modes share one joint"
+    told = found.estimates["participation of mode 2 in joint"]
+    assert told.low < told.value < told.high and told.value == found.joints[0].participation[1] == pytest.approx(-2.5, rel=2e-3)
+    assert found.estimates["k_t of joint"].value == found.joints[0].joint.k_t == pytest.approx(1500.0, rel=0.05)
+    misfit = {model["name"]: model["held_out_misfit"] for model in found.models}
+    assert misfit["shared 1"] < 0.02 and misfit["uncoupled"] > 3.0 * misfit["shared 1"]
+    # Records are cut where the modes have rung down, and the model with them.
+    for own, model, motion in zip(found.measured, found.motions, motions, strict=True):
+        assert own.shape == model.shape and 700 < own.shape[1] <= 1501
+        assert np.abs(own - motion[:, : own.shape[1]]).max() < 1e-12 * np.abs(motion).max()
+        assert np.sqrt(np.mean((own - model) ** 2) / np.mean(own**2)) < 0.02
+    # The model goes on: it is what `simulate` takes.
+    rung = found.model.simulate(force=iwan.Haversine(amplitude=2000.0, duration=0.01), dt=2.5e-4, duration=1.5)
+    left = rung.modes[0].acceleration[::4] - motions[3][0]
+    assert np.sqrt(np.mean(left**2) / np.mean(motions[3][0] ** 2)) < 0.05
+
+
+def test_a_coupled_fit_is_that_of_the_command_line(fitted, tmp_path) -> None:
+    found, motions, forces = fitted
+    (tmp_path / "shapes.csv").write_text("frequency,a,b\n20,1,0\n52,0,1\n")
+    names = []
+    for n, (motion, force) in enumerate(zip(motions, forces, strict=True)):
+        names.append(f"hit-{n}.csv")
+        rows = [f"{k * 1e-3!r},{a!r},{b!r},{f!r}" for k, (a, b, f) in enumerate(zip(*motion.tolist(), force.tolist(), strict=True))]
+        (tmp_path / names[-1]).write_text("\n".join(["t [s],a [m/s^2],b [m/s^2],hammer [N]", *rows]))
+    told = json.loads(
+        subprocess.run(
+            [sys.executable, "-m", "iwan", "fit", *names[:3], "--coupled", "--shapes", "shapes.csv", "--load", "hammer",
+             "--held-out", names[3], "--json", "--quiet", "--out", "f"],
+            cwd=tmp_path, check=True, capture_output=True,
+        ).stdout
+    )
+    joint = told["joints"][0]
+    for what in ("k_t", "f_s", "chi", "beta", "compliance_k_t"):
+        assert vars(found.estimates[f"{what} of joint"]) == joint[what]
+    assert vars(found.estimates["participation of mode 2 in joint"]) == joint["participation"]["mode 2"]
+    for mode in told["modes"]:
+        for what in ("frequency", "damping_ratio", "shape_at_force"):
+            assert vars(found.estimates[f"{what} of {mode['name']}"]) == mode[what]
+    for own, other in zip(found.models, told["models"], strict=True):
+        assert {**own, "misfits": 0, "held_out": 0} == {**other, "misfits": 0, "held_out": 0}
+        assert [m["relative"] for m in own["misfits"]] == [m["relative"] for m in other["misfits"]]
+    assert list(found.in_words) == told["in_words"]
+
+
+def test_a_coupled_fit_out_of_a_pickle_writes_the_same_report(fitted, tmp_path) -> None:
+    found = fitted[0]
+    again = pickle.loads(pickle.dumps(found))
+    assert repr(again) == repr(found) and vars(again)["estimates"] == found.estimates
+    found.report(tmp_path / "one.html")
+    again.report(tmp_path / "two.html")
+    page = (tmp_path / "one.html").read_bytes()
+    assert page == (tmp_path / "two.html").read_bytes() and b"Models side by side" in page
+    with pytest.raises(iwan.ExistingFileError):
+        found.report(tmp_path / "one.html")
+
+
+def test_a_coupled_fit_hears_an_interrupt_and_its_work_ends() -> None:
+    program = """
+        import os, time, iwan, numpy as np
+        from pathlib import Path
+
+        t = 1e-4 * np.arange(20_000)
+        decays = [np.exp(-2.0 * t) * np.cos(2.0 * np.pi * f * t + 0.3 * np.exp(-2.0 * t)) for f in (20.0, 52.0)]
+
+        def name(task):
+            try:
+                return (task / "comm").read_text()
+            except OSError:
+                return "ended"
+
+        def workers():
+            return [task for task in Path("/proc/self/task").iterdir() if name(task).startswith("iwan")]
+
+        print("ready", flush=True)
+        try:
+            iwan.fit_coupled(np.array(decays), dt=1e-4, shapes=np.eye(2), frequencies=[20.0, 52.0], hits="first")
+            print("finished", flush=True)
+        except KeyboardInterrupt:
+            busy = len(workers())
+            until = time.monotonic() + 10.0
+            while workers() and time.monotonic() < until:
+                time.sleep(0.02)
+            print("interrupted", busy > 0, len(workers()), flush=True)
+    """
+    process = subprocess.Popen([sys.executable, "-c", textwrap.dedent(program)], stdout=subprocess.PIPE, text=True)
+    assert process.stdout is not None and process.stdout.readline() == "ready\n"
+    time.sleep(0.5)
+    os.kill(process.pid, signal.SIGINT)
+    assert process.communicate(timeout=120)[0] == "interrupted True 0\n"
+
+
+def test_what_does_not_fit_a_coupled_fit_is_named() -> None:
+    motions, forces = blows([60.0])
+    one, force = motions[0], forces[0]
+    for records, options, said in [
+        (one, {"shapes": [[1.0, 0.0]], "frequencies": [20.0]}, "at least two"),
+        (one, {"bands": [(15.0, 25.0), (45.0, 60.0)]}, "(?s)2 channels, and no mode shapes.*shapes=, or give one channel"),
+        (one, {"shapes": np.eye(3), "frequencies": [20.0, 52.0, 90.0]}, "3 values for 2 channels"),
+        (one, {"shapes": np.eye(2), "frequencies": [20.0]}, "1 frequencies for 2 shapes"),
+        (one, {"shapes": np.eye(2), "near": [20.0, 52.0]}, "near goes without shapes"),
+        (one, {**ASKED, "forces": force[:10]}, "give 1 x 1501"),
+        (one, {**ASKED, "forces": [force, force]}, "one array for each of 1 records"),
+        (one, {**ASKED, "forces": force, "shape_at_force": [1.0]}, "shape_at_force"),
+        (one, {**ASKED, "forces": force, "quantity": "warmth"}, "quantity"),
+        (one, {**ASKED, "forces": force, "threads": 0}, "threads"),
+        ([one, one], {**ASKED, "forces": [force, force]}, "it is the same record"),
+        (one, {**ASKED, "forces": force, "predict": 2.0 * one}, "differ in whether the force is known"),
+    ]:
+        with pytest.raises(iwan.InvalidValueError, match=said):
+            iwan.fit_coupled(records, **{"dt": 1e-3, **options})

@@ -302,3 +302,39 @@ def test_curves_that_do_not_fit_are_named(beam):
         iwan.update(beam, {"bending 1": curve}, correct=["air"])
     with pytest.raises(iwan.InvalidTypeError, match="must be an iwan.Fit"):
         iwan.update(beam, {"bending 1": 3.0})
+
+
+def test_joints_of_a_structure_come_back_from_blows(beam):
+    def hit(amplitude):
+        blow = iwan.Haversine(amplitude=amplitude, duration=1.6e-3)
+        told = beam.simulate(force=blow, dt=5e-6, duration=0.13, modes=["bending 1", "bending 3"], basis=50, quality=False)
+        motions = {name: told.acceleration[name][::4] for name in ("tip", "bending 3")}
+        return {"dt": 2e-5, "force": [blow.at(2e-5 * n) for n in range(motions["tip"].size)], **motions}
+
+    told = []
+    found = iwan.update(
+        beam, records=[hit(1000.0)], predict_records=[hit(100.0)], modes=["bending 1", "bending 3"], undamped=True,
+        progress=lambda done, total: told.append(done / total),
+    )
+    assert found.groups[0].k_t.value == pytest.approx(2.75e5, rel=0.02) and found.adequate
+    assert {blow.point for blow in found.blows} == {"tip", "bending 3"} and not found.curves
+    assert all(blow.after < 0.02 for blow in found.blows) and {blow.held_out for blow in found.blows} == {False, True}
+    assert told == sorted(told) and told[-1] <= 1.0 and len(set(told)) > 3
+    assert repr(pickle.loads(pickle.dumps(found))) == repr(found)
+
+
+def test_blows_that_do_not_fit_are_named(beam):
+    samples = [0.0, 1.0] * 50
+    for records, modes, said in [
+        ([{"dt": 1e-4, "tip": samples}], ["bending 1"], "has no 'force'"),
+        ([{"dt": 1e-4, "force": samples, "nose": samples}], ["bending 1"], "no mode or output 'nose'.*tip"),
+        ([{"dt": 1e-4, "force": samples, "tip": samples[:80]}], ["bending 1"], "tip has 80 samples"),
+        ([{"dt": 1e-4, "force": samples, "tip": samples}], None, "modes is missing"),
+        ([{"dt": -1.0, "force": samples, "tip": samples}], ["bending 1"], "sampling interval"),
+    ]:
+        with pytest.raises(iwan.InvalidValueError, match=said):
+            iwan.update(beam, records=records, modes=modes)
+    with pytest.raises(iwan.InvalidTypeError, match="curves and records are missing"):
+        iwan.update(beam)
+    with pytest.raises(iwan.InvalidTypeError, match=r"records\[0\] must be a mapping"):
+        iwan.update(beam, records=[3.0], modes=["bending 1"])

@@ -14,6 +14,7 @@ use std::sync::atomic::AtomicBool;
 use std::time::Instant;
 
 use iwan_core::SplitMix64;
+use iwan_core::progress::UNWATCHED;
 use iwan_fem::mesh::beam::Configuration;
 use iwan_fem::{Basis, Representation, Transient};
 use iwan_ident::Parameters;
@@ -81,6 +82,7 @@ fn main() {
         shape_at_force: Some(&tip),
         threads: 2,
         stopped: &AtomicBool::new(false),
+        progress: UNWATCHED,
     })
     .unwrap();
     println!("{:.1} s", clock.elapsed().as_secs_f64());

@@ -15,6 +15,7 @@ mod command;
 
 pub(crate) use args::FitArgs;
 pub(crate) use command::run;
+pub(crate) use coupled::{CoupledResults, Loaded, Measured};
 pub(crate) use report::{Reported, render};
 pub(crate) use scenario::as_scenario;
 pub(crate) use summary::FitSummary;

@@ -1,6 +1,6 @@
 //! Whether hits and levels go together: swapped or reversed channels, points that a level lacks.
 
-use iwan_modal::measure::{Freedom, Hit};
+use iwan_modal::measure::{Channel, Freedom, Hit};
 use iwan_modal::responses::disagreements;
 
 use super::analysis::Level;
@@ -8,7 +8,50 @@ use super::hits::Test;
 
 /// What is said of channels, level by level.
 pub(super) fn doubts(test: &Test, levels: &[Level]) -> Vec<String> {
-    levels.iter().flat_map(|level| of_level(test, level)).chain(missing(test, levels)).collect()
+    let of_levels = levels.iter().flat_map(|level| [of_level(test, level), lacking(test, level)].concat());
+    of_levels.chain(missing(test, levels)).chain(same_samples(test)).collect()
+}
+
+/// Points that a hit lacks and more than half of the hits of its level at the same point have: the average there is over fewer hits. Where sensors rove, few
+/// hits have a point.
+fn lacking(test: &Test, level: &Level) -> Vec<String> {
+    let mut said = Vec::new();
+    for f in &level.responses.functions {
+        let has = |hit: &&Hit| hit.responses.iter().any(|c| c.freedom == f.response);
+        let (with, without): (Vec<&Hit>, Vec<&Hit>) =
+            used(test, level).filter(|hit| hit.force.freedom == f.force).partition(has);
+        if with.len() > without.len() {
+            said.extend(without.iter().map(|hit| {
+                format!(
+                    "{}: point {} is missing, which {} has; it is averaged over {} hits",
+                    hit.name,
+                    f.response,
+                    with[0].name,
+                    with.len()
+                )
+            }));
+        }
+    }
+    said
+}
+
+/// Hits that hold the same samples: they look like two that agree perfectly.
+fn same_samples(test: &Test) -> Vec<String> {
+    let hits: Vec<&Hit> = test.hits.iter().filter(|h| !h.left_out).map(|h| &h.hit).collect();
+    let same = |a: &Hit, b: &Hit| {
+        let alike = |(a, b): (&Channel, &Channel)| a.samples == b.samples;
+        a.responses.len() == b.responses.len()
+            && alike((&a.force, &b.force))
+            && a.responses.iter().zip(&b.responses).all(alike)
+    };
+    let twin = |(n, b): (usize, &&Hit)| {
+        let a = hits[..n].iter().find(|a| same(a, b))?;
+        Some(format!(
+            "{} holds the samples of {} again: standard deviations are too small; leave it out with --leave-out \"{}\"",
+            b.name, a.name, b.name
+        ))
+    };
+    hits.iter().enumerate().filter_map(twin).collect()
 }
 
 fn used<'a>(test: &'a Test, level: &'a Level) -> impl Iterator<Item = &'a Hit> {
@@ -16,7 +59,7 @@ fn used<'a>(test: &'a Test, level: &'a Level) -> impl Iterator<Item = &'a Hit> {
 }
 
 fn of_level(test: &Test, level: &Level) -> Vec<String> {
-    let hits: Vec<Hit> = used(test, level).cloned().collect();
+    let hits: Vec<&Hit> = used(test, level).collect();
     // What these hits are refused for has been said before.
     let found = if hits.is_empty() { Ok(Vec::new()) } else { disagreements(&hits) };
     found.unwrap_or_default().iter().map(ToString::to_string).collect()

@@ -5,10 +5,11 @@ use iwan_modal::modes::mac;
 use iwan_modal::responses::{
     Estimator, FiniteRecord, FrequencyResponses, Function, Windows, free_responses, frequency_responses,
 };
-use iwan_modal::{Analysis, ModalFit, early_decay, modal_fit, modal_fit_by_subspaces, on_threads};
+use iwan_modal::{Analysis, ModalFit, each_of, early_decay, modal_fit, modal_fit_by_subspaces, on_threads};
 
 use super::args::{EstimatorChoice, ModalArgs, WayChoice};
-use super::hits::{Test, nodal};
+use super::file_of_test::nodal;
+use super::hits::Test;
 use crate::failure::Failure;
 
 /// One level of force.
@@ -56,10 +57,10 @@ fn levels_of(test: &Test, args: &ModalArgs) -> Result<Vec<Level>, Failure> {
         EstimatorChoice::Hv => Estimator::Hv,
     };
     let one = |members: &Vec<usize>| {
-        let hits: Vec<Hit> = members.iter().map(|i| used[*i].clone()).collect();
+        let hits: Vec<&Hit> = members.iter().map(|i| used[*i]).collect();
         let responses =
             frequency_responses(&hits, test.motion, estimator, windows).map_err(|e| failed(&e))?;
-        let mut level = fitted(responses, args)?;
+        let mut level = fitted(responses, args).map_err(|failure| shortened(failure, &hits))?;
         if args.exponential.is_none() {
             let decay = early_decay(&level.responses);
             let early = frequency_responses(&hits, test.motion, estimator, Windows { decay, ..windows });
@@ -69,7 +70,30 @@ fn levels_of(test: &Test, args: &ModalArgs) -> Result<Vec<Level>, Failure> {
         level.hits = hits.iter().map(|h| h.name.clone()).collect();
         Ok(level)
     };
-    levels(&peaks).iter().map(one).collect()
+    each_of(&levels(&peaks), one).into_iter().collect()
+}
+
+/// A hit shorter than this part of the longest is looked at where an analysis fails: all records are cut to it.
+const SHORT: f64 = 0.5;
+
+/// A failure with a word on the hit that all records were cut to, where that is a short one.
+fn shortened(failure: Failure, hits: &[&Hit]) -> Failure {
+    let length = |hit: &&Hit| hit.samples() as f64 * hit.dt;
+    let by_length = |a: &&&Hit, b: &&&Hit| length(a).total_cmp(&length(b));
+    let (Some(shortest), Some(longest)) = (hits.iter().min_by(by_length), hits.iter().max_by(by_length))
+    else {
+        return failure;
+    };
+    let Failure::Input { message, .. } = &failure else { return failure };
+    if length(shortest) > SHORT * length(longest) {
+        return failure;
+    }
+    let name = &shortest.name;
+    let message = format!("{message}; {name} lasts {:.4} s, and all hits are cut to it", length(shortest));
+    Failure::input(
+        message,
+        format!("leave it out with --leave-out \"{name}\", or record longer before the next hit"),
+    )
 }
 
 /// The modes of responses by the way that was asked for, and by another.

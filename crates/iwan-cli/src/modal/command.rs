@@ -37,7 +37,7 @@ pub(crate) fn run(args: &ModalArgs) -> Result<(), Failure> {
     let summary = ModalSummary::new(&test, &levels, chosen, decay.as_ref(), args);
     session.columns(RESPONSES, &frf_columns(level), Format::Csv)?;
     session.columns(SHAPES, &shape_columns(&level.fit), Format::Csv)?;
-    session.file(UNIVERSAL, universal(&test, level).as_bytes())?;
+    session.file(UNIVERSAL, universal(&test, level, args.common.thread_count()).as_bytes())?;
     if placed {
         session.file(GEOMETRY, geometry(&test, level).as_bytes())?;
     }

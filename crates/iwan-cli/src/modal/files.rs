@@ -6,6 +6,7 @@ use iwan_io::write_uff::{
     ModalScale, NodalMode, Node, elements, functions, lines, modes, nodes, nodes_in_full,
 };
 use iwan_io::{NodalDirection, Quantity, UffFunction};
+use iwan_machine::threads::in_parallel;
 use iwan_modal::ModalFit;
 use iwan_modal::measure::{Freedom, Motion};
 use iwan_modal::modes::Scale;
@@ -48,7 +49,7 @@ pub(super) fn shape_columns(fit: &ModalFit) -> Vec<(String, Vec<f64>)> {
 }
 
 /// Points, shapes and frequency responses for other programs.
-pub(super) fn universal(test: &Test, level: &Level) -> String {
+pub(super) fn universal(test: &Test, level: &Level, threads: usize) -> String {
     let numbers = Numbers::new(&level.fit);
     let positions = positions(test, &numbers);
     let mut text = if positions.is_empty() { String::new() } else { nodes(&positions) };
@@ -75,7 +76,9 @@ pub(super) fn universal(test: &Test, level: &Level) -> String {
         NodalMode { frequency, damping_ratio, pole, scale, values: values.into_iter().collect() }
     };
     text += &modes(&level.fit.modes.iter().map(mode).collect::<Vec<_>>());
-    text + &functions(&responses(level, &numbers))
+    // Each function is a text of its own; digits take longer than all else here.
+    let one = |function: &UffFunction| functions(std::slice::from_ref(function));
+    text + &in_parallel(&responses(level, &numbers), threads, &one).concat()
 }
 
 /// Points in all their digits, and elements between them, for programs that draw shapes on them and for `--points`.

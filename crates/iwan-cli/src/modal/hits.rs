@@ -1,25 +1,17 @@
-//! From files to hits: which channel is the hammer, which are sensors, and where they are.
+//! All files of a test together: one motion, the table's entries, hits that are left out.
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
-use iwan_input::{InputText, ModalTable, Role};
-use iwan_io::{MeasuredChannel, Measurement, NodalDirection, Quantity, ReadOptions, UffFunction};
-use iwan_modal::measure::{Channel, Direction, Freedom, Hit, Motion as Sensed, cut, faults};
+use iwan_input::{ModalTable, Role};
+use iwan_io::{Quantity, UffFunction};
+use iwan_machine::threads::in_parallel;
+use iwan_modal::measure::{Channel, Motion as Sensed};
 
 use super::args::ModalArgs;
+use super::file_of_test::{FileOfTest, JudgedHit};
 use super::geometry::{Geometry, is_universal};
 use crate::failure::Failure;
 use crate::records::Motion;
-
-/// A hit with what is wrong with it.
-pub(super) struct JudgedHit {
-    pub(super) hit: Hit,
-    /// File that it comes from.
-    pub(super) file: String,
-    /// In words.
-    pub(super) faults: Vec<String>,
-    pub(super) left_out: bool,
-}
 
 /// What the files hold.
 pub(super) struct Test {
@@ -34,9 +26,6 @@ pub(super) struct Test {
     pub(super) warnings: Vec<String>,
 }
 
-/// Names of channels that are hammers where no file says so.
-const HAMMERS: [&str; 4] = ["force", "hammer", "impact", "load"];
-
 impl Test {
     /// Reads all files.
     pub(super) fn read(args: &ModalArgs) -> Result<Self, Failure> {
@@ -46,7 +35,7 @@ impl Test {
             if let Some(bytes) = iwan_machine::read_file(path).ok().filter(|bytes| is_universal(bytes)) {
                 warnings = geometry.add(path, &bytes)?;
             } else {
-                table = ModalTable::parse(&InputText::read(path, "table of points", "paper-modal")?)?;
+                table = ModalTable::read(path)?;
                 geometry = Geometry::of_table(&table);
             }
         }
@@ -60,8 +49,11 @@ impl Test {
             warnings,
         };
         let mut quantities = Vec::new();
-        for path in &args.files {
-            test.add(path, args, &mut quantities)?;
+        // The first file that cannot be read is the one that is named, whatever the threads.
+        let read = |path: &PathBuf| FileOfTest::read(path, &test.table, args);
+        let files = in_parallel(&args.files, args.common.thread_count(), &read);
+        for (path, file) in args.files.iter().zip(files) {
+            test.add(path, file?, &mut quantities)?;
         }
         test.settle_motion(args, &quantities)?;
         test.look_for_entries(args)?;
@@ -76,137 +68,18 @@ impl Test {
     fn add(
         &mut self,
         path: &Path,
-        args: &ModalArgs,
+        file: FileOfTest,
         quantities: &mut Vec<(String, Quantity)>,
     ) -> Result<(), Failure> {
-        let name = path.display().to_string();
-        let options = ReadOptions { time: args.time.clone(), rate: args.rate, ..ReadOptions::default() };
-        let read = iwan_io::read_modal_test(path, &options).map_err(|e| Failure::read(&name, &e))?;
-        self.warnings.extend(read.warnings.iter().map(|w| format!("{name}: {w}")));
-        if let Some(bytes) = iwan_machine::read_file(path).ok().filter(|bytes| is_universal(bytes)) {
-            self.warnings.extend(self.geometry.add(path, &bytes)?);
+        self.warnings.extend(file.warnings);
+        if let Some(bytes) = &file.universal {
+            self.warnings.extend(self.geometry.add(path, bytes)?);
         }
-        let several = read.measurements.len() > 1;
-        for (n, measurement) in read.measurements.into_iter().enumerate() {
-            let place = if several { format!("{name}, record {}", n + 1) } else { name.clone() };
-            if args.free {
-                let decay = self.decay(path, &place, measurement, args, quantities)?;
-                self.decays.push(decay);
-                continue;
-            }
-            let record = self.record(path, &place, measurement, args, quantities)?;
-            for hit in cut(record) {
-                let faults = faults(&hit).iter().map(ToString::to_string).collect();
-                self.hits.push(JudgedHit { hit, file: name.clone(), faults, left_out: false });
-            }
-        }
-        quantities.extend(read.responses.iter().map(|f| (format!("{name}, {}", f.name), f.quantity)));
-        self.functions.extend(read.responses);
+        self.hits.extend(file.hits);
+        self.decays.extend(file.decays);
+        self.functions.extend(file.functions);
+        quantities.extend(file.quantities);
         Ok(())
-    }
-
-    /// One free decay.
-    fn decay(
-        &self,
-        path: &Path,
-        place: &str,
-        measurement: Measurement,
-        args: &ModalArgs,
-        quantities: &mut Vec<(String, Quantity)>,
-    ) -> Result<(String, f64, Vec<Channel>), Failure> {
-        let skipped = (args.from.unwrap_or(0.0) / measurement.dt).round() as usize;
-        let mut channels = Vec::new();
-        for channel in measurement.channels {
-            let entry = self.table.channel(path, &channel.name);
-            if channel.quantity == Quantity::Force || entry.is_some_and(|e| e.role != Role::Response) {
-                continue;
-            }
-            let freedom = self.freedom(path, place, &channel)?;
-            quantities.push((format!("{place}, channel {}", channel.name), channel.quantity));
-            let scale = entry.map_or(1.0, |e| e.scale);
-            let samples = channel.samples.iter().skip(skipped).map(|x| scale * x).collect();
-            channels.push(Channel { name: channel.name, freedom, samples });
-        }
-        if channels.is_empty() {
-            return Err(Failure::input(
-                format!("{place}: no channel measures a motion"),
-                "check the file and the table of --points",
-            ));
-        }
-        Ok((place.into(), measurement.dt, channels))
-    }
-
-    /// One record with its hammer and its sensors.
-    fn record(
-        &self,
-        path: &Path,
-        place: &str,
-        measurement: Measurement,
-        args: &ModalArgs,
-        quantities: &mut Vec<(String, Quantity)>,
-    ) -> Result<Hit, Failure> {
-        let names: Vec<String> = measurement.channels.iter().map(|c| c.name.clone()).collect();
-        let hammer = self.hammer(path, &measurement.channels, args).ok_or_else(|| {
-            let message = format!("{place}: no channel measures a force (there are: {})", names.join(", "));
-            Failure::input(message, "name the channel of the hammer with --hammer NAME, or give it role = \"force\" in the table of --points")
-        })?;
-        let (mut force, mut responses) = (None, Vec::new());
-        for (k, channel) in measurement.channels.into_iter().enumerate() {
-            let entry = self.table.channel(path, &channel.name);
-            if k != hammer
-                && (channel.quantity == Quantity::Force || entry.is_some_and(|e| e.role != Role::Response))
-            {
-                continue;
-            }
-            let freedom = self.freedom(path, place, &channel)?;
-            if k != hammer {
-                quantities.push((format!("{place}, channel {}", channel.name), channel.quantity));
-            }
-            let scale = entry.map_or(1.0, |e| e.scale);
-            let samples = channel.samples.iter().map(|x| scale * x).collect();
-            let made = Channel { name: channel.name, freedom, samples };
-            if k == hammer { force = Some(made) } else { responses.push(made) }
-        }
-        let Some(mut force) = force else { return Err(Failure::input(format!("{place}: no force"), "")) };
-        if let Some(at) = &args.at {
-            force.freedom = at.clone();
-        }
-        let hit = Hit { name: place.into(), dt: measurement.dt, force, responses };
-        hit.check().map_err(|e| Failure::said(place, &e))?;
-        Ok(hit)
-    }
-
-    /// The hammer's channel: by the user's word, by the table, by what the file says it measures, by its name.
-    fn hammer(&self, path: &Path, channels: &[MeasuredChannel], args: &ModalArgs) -> Option<usize> {
-        let place = |is: &dyn Fn(&MeasuredChannel) -> bool| channels.iter().position(is);
-        if let Some(name) = &args.hammer {
-            return place(&|c| c.name == *name);
-        }
-        let by_table =
-            |c: &MeasuredChannel| self.table.channel(path, &c.name).is_some_and(|e| e.role == Role::Force);
-        let by_name = |c: &MeasuredChannel| {
-            let name = c.name.to_lowercase();
-            c.quantity == Quantity::Unknown && HAMMERS.iter().any(|h| name.starts_with(h))
-        };
-        place(&by_table).or_else(|| place(&|c| c.quantity == Quantity::Force)).or_else(|| place(&by_name))
-    }
-
-    /// Where a channel is: by the table, by the file, else a point of the channel's name.
-    fn freedom(&self, path: &Path, place: &str, channel: &MeasuredChannel) -> Result<Freedom, Failure> {
-        if let Some(entry) = self.table.channel(path, &channel.name) {
-            let direction = Direction::from_name(&entry.direction).ok_or_else(|| {
-                let message = format!(
-                    "{place}, channel {}: direction = \"{}\" is not known",
-                    channel.name, entry.direction
-                );
-                Failure::input(message, "choose one of +x, -x, +y, -y, +z, -z, +rx, -rx, +ry, -ry, +rz, -rz")
-            })?;
-            return Ok(Freedom { point: entry.point.clone(), direction });
-        }
-        Ok(match channel.at {
-            Some(at) => nodal(at),
-            None => Freedom::parse(&channel.name).unwrap_or_else(|| Freedom::point(&channel.name)),
-        })
     }
 
     /// One motion for all sensors.
@@ -299,13 +172,18 @@ impl Test {
         if !self.hits.is_empty() && self.hits.iter().all(|h| h.left_out) {
             return Err(Failure::input("--leave-out leaves no hit", "leave fewer out"));
         }
+        // Responses over noise are no frequency responses.
+        if let Some(judged) = self.hits.iter().find(|h| !h.left_out && !h.has_pulse) {
+            let name = &judged.hit.name;
+            return Err(Failure::input(
+                format!("{name}: {}", judged.faults.join("; ")),
+                format!(
+                    "name the hammer with --hammer NAME, leave the hit out with --leave-out \"{name}\", or take the force from end to end with --whole-force"
+                ),
+            ));
+        }
         Ok(())
     }
-}
-
-/// Point and direction of a node.
-pub(super) fn nodal(at: NodalDirection) -> Freedom {
-    Freedom { point: at.node.to_string(), direction: Direction::from_code(at.direction).unwrap_or_default() }
 }
 
 fn sensed(motion: Motion) -> Sensed {

@@ -2,6 +2,7 @@
 
 mod args;
 mod geometry;
+mod file_of_test;
 mod hits;
 mod analysis;
 mod agreement;

@@ -195,7 +195,7 @@ fn linear(decay: &Decay) -> LinearitySummary {
     LinearitySummary { of: decay.place.clone(), modes: decay.zeroed.modes.iter().map(mode).collect() }
 }
 
-fn hit(judged: &super::hits::JudgedHit) -> HitSummary {
+fn hit(judged: &super::file_of_test::JudgedHit) -> HitSummary {
     let (name, peak_force) = (judged.hit.name.clone(), judged.hit.peak_force());
     HitSummary { name, peak_force, faults: judged.faults.clone(), left_out: judged.left_out }
 }
@@ -220,7 +220,7 @@ fn warnings(test: &Test, level: &Level) -> Vec<String> {
     }
     let place = |k: usize| {
         let f = &level.responses.functions[k];
-        let named = |h: &&super::hits::JudgedHit| {
+        let named = |h: &&super::file_of_test::JudgedHit| {
             h.hit.force.freedom == f.force && h.hit.responses.iter().any(|c| c.freedom == f.response)
         };
         let file = test.hits.iter().find(named).map_or_else(String::new, |h| format!("{}, ", h.file));

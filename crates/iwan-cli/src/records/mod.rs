@@ -9,6 +9,7 @@ mod extraction;
 
 pub(crate) use args::{Axis, MethodChoice, Motion, RecordArgs, band};
 pub(crate) use extraction::Extraction;
-pub(crate) use reading::{ModalRecord, Recording, Wanted, modes, read};
+pub(crate) use reading::{ModalRecord, Recording, Sought, Wanted, modes, read};
+pub(crate) use shapes::Shapes;
 pub(crate) use stretches::read_all;
 pub(crate) use units::Units;

@@ -105,11 +105,45 @@ fn motion(name: &str, record: &Record, warnings: &mut Vec<String>) -> Result<Qua
 pub(crate) fn modes(recordings: &[Recording], args: &RecordArgs) -> Result<Vec<Wanted>, Failure> {
     same_channels(recordings)?;
     no_copies(recordings)?;
-    let mut wanted = match &args.shapes {
-        Some(path) => by_shapes(recordings, &Shapes::read(path, recordings[0].record.names())?, args)?,
-        None => by_bands(recordings, args)?,
+    let shapes = args.shapes.as_ref().map(|path| Shapes::read(path, recordings[0].record.names()));
+    taken(
+        recordings,
+        &Sought {
+            shapes: shapes.transpose()?,
+            bands: args.bands.clone(),
+            near: args.modes.clone(),
+            mass: args.mass.unwrap_or(1.0),
+        },
+    )
+}
+
+/// Which modes are wanted, as options say it.
+#[derive(Debug, Clone)]
+pub(crate) struct Sought {
+    pub(crate) shapes: Option<Shapes>,
+    /// Hz.
+    pub(crate) bands: Vec<(f64, f64)>,
+    /// Rough frequencies, Hz, where there are neither bands nor shapes.
+    pub(crate) near: Vec<f64>,
+    /// Modal mass.
+    pub(crate) mass: f64,
+}
+
+impl Sought {
+    /// These modes out of one or several recordings with the same channels.
+    pub(crate) fn modes(&self, recordings: &[Recording]) -> Result<Vec<Wanted>, Failure> {
+        same_channels(recordings)?;
+        no_copies(recordings)?;
+        taken(recordings, self)
+    }
+}
+
+fn taken(recordings: &[Recording], sought: &Sought) -> Result<Vec<Wanted>, Failure> {
+    let mut wanted = match &sought.shapes {
+        Some(shapes) => by_shapes(recordings, shapes, &sought.bands)?,
+        None => by_bands(recordings, sought)?,
     };
-    let scale = args.mass.unwrap_or(1.0).sqrt();
+    let scale = sought.mass.sqrt();
     let samples = wanted.iter_mut().flat_map(|w| &mut w.records).flat_map(|r| &mut r.samples);
     samples.for_each(|x| *x *= scale);
     Ok(wanted)
@@ -155,12 +189,14 @@ fn channels(recording: &Recording) -> iwan_ident::channels::Recording<'_> {
 }
 
 /// Without mode shapes: one channel, or the dominant shape in each band.
-fn by_bands(recordings: &[Recording], args: &RecordArgs) -> Result<Vec<Wanted>, Failure> {
-    let bands: Vec<_> = match args.bands.as_slice() {
-        [] if args.modes.is_empty() => vec![None],
-        [] => {
-            args.modes.iter().map(|near| around(&recordings[0], *near).map(Some)).collect::<Result<_, _>>()?
-        }
+fn by_bands(recordings: &[Recording], sought: &Sought) -> Result<Vec<Wanted>, Failure> {
+    let bands: Vec<_> = match sought.bands.as_slice() {
+        [] if sought.near.is_empty() => vec![None],
+        [] => sought
+            .near
+            .iter()
+            .map(|near| around(&recordings[0], *near).map(Some))
+            .collect::<Result<_, _>>()?,
         bands => bands.iter().copied().map(Some).collect(),
     };
     let mode = |(n, band): (usize, Option<(f64, f64)>)| {
@@ -179,12 +215,16 @@ fn around(recording: &Recording, near: f64) -> Result<(f64, f64), Failure> {
 }
 
 /// With mode shapes: the modal filter, and a look at whether the channels move as the shapes say.
-fn by_shapes(recordings: &[Recording], shapes: &Shapes, args: &RecordArgs) -> Result<Vec<Wanted>, Failure> {
+fn by_shapes(
+    recordings: &[Recording],
+    shapes: &Shapes,
+    bands: &[(f64, f64)],
+) -> Result<Vec<Wanted>, Failure> {
     let mode = |(mode, options)| {
         let shape = Shape::Known { shapes: &shapes.values, mode };
         wanted(recordings, mode, shape, options, &shapes.name)
     };
-    shapes.select(&args.bands)?.into_iter().map(mode).collect()
+    shapes.select(bands)?.into_iter().map(mode).collect()
 }
 
 /// Mode `n` (counted from 0) out of all recordings; `shapes` is the file of the mode shapes.

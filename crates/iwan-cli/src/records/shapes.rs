@@ -13,7 +13,7 @@ const FREQUENCY: &str = "frequency";
 
 /// Mass-normalised mode shapes: one row for each mode, one value for each channel of the record.
 #[derive(Debug, Clone, PartialEq)]
-pub(super) struct Shapes {
+pub(crate) struct Shapes {
     /// Path as the user wrote it.
     pub(super) name: String,
     /// `values[mode][channel]`.
@@ -23,6 +23,11 @@ pub(super) struct Shapes {
 }
 
 impl Shapes {
+    /// Rows as they are given, with the frequencies of the modes in Hz where they are known.
+    pub(crate) fn given(values: Vec<Vec<f64>>, frequencies: Option<Vec<f64>>) -> Self {
+        Self { name: "shapes".into(), values, frequencies }
+    }
+
     /// Reads the columns called as the channels; in a file without names they stand in the order of the channels.
     pub(super) fn read(path: &Path, channels: &[String]) -> Result<Self, Failure> {
         let name = path.display().to_string();

@@ -1,9 +1,10 @@
 //! `iwan update` from files to joints.
 
 use iwan_input::updated_structure;
-use iwan_study::update::{MeasuredCurve, UpdateTask, update};
+use iwan_study::update::{MeasuredCurve, UpdateTask, update, update_from_blows};
 
 use super::args::UpdateArgs;
+use super::blows::blows;
 use super::curves::read;
 use super::groups::{corrections, groups};
 use super::report;
@@ -31,7 +32,14 @@ pub(crate) fn run(args: &UpdateArgs) -> Result<(), Failure> {
     let bar = session.bar("modes");
     let linear = Linear::computed(source.name.clone(), file, NAMED_MODES, &bar)?;
     drop(bar);
-    let modes: Vec<&str> = curves.iter().map(|curve| curve.mode.as_str()).collect();
+    let blows = blows(&linear, args, &curves)?;
+    if let Some((_, notes)) = &blows {
+        session.notes(notes);
+    }
+    let modes: Vec<&str> = match &blows {
+        Some((blows, _)) => blows.modes.iter().map(String::as_str).collect(),
+        None => curves.iter().map(|curve| curve.mode.as_str()).collect(),
+    };
     let (groups, kept) = groups(&linear, args, &modes)?;
     session.notes(&kept);
     let corrections = corrections(&linear, args)?;
@@ -46,7 +54,11 @@ pub(crate) fn run(args: &UpdateArgs) -> Result<(), Failure> {
         threads,
     };
     let bar = session.bar("joints");
-    let found = update(&task, &|share| bar.report(share)).map_err(|error| explained(&linear, &error))?;
+    let found = match &blows {
+        Some((blows, _)) => update_from_blows(&task, blows, &|share| bar.report(share)),
+        None => update(&task, &|share| bar.report(share)),
+    };
+    let found = found.map_err(|error| explained(&linear, &error))?;
     drop(bar);
     let summary = UpdateSummary::new(&linear, &found);
     match updated_structure(

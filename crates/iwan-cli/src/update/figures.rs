@@ -1,6 +1,6 @@
 //! Figures of an update: curves before and after, and the front of compromises.
 
-use iwan_study::update::{ComparedCurve, TradeOff};
+use iwan_study::update::{ComparedBlow, ComparedCurve, TradeOff};
 
 use crate::page::figure::{Axis, DEVIATIONS, Figure, Layer, Mark, colour};
 
@@ -73,6 +73,23 @@ pub(super) fn figures(curve: &ComparedCurve) -> [Figure; 2] {
             marker: None,
         },
     ]
+}
+
+/// Amplitude of a mode at a point against time.
+pub(super) fn amplitudes(blow: &ComparedBlow) -> Figure {
+    let points = |values: &[f64]| blow.time.iter().copied().zip(values.iter().copied()).collect();
+    let name = if blow.held_out { "predicted" } else { "with the joints found" };
+    Figure {
+        title: format!("{}: {} at {}", blow.source, blow.mode, blow.point),
+        caption: "Amplitude about the frequency of the mode, in windows.".into(),
+        x: Axis::linear("t", "s"),
+        y: Axis::log("amplitude", ""),
+        layers: vec![
+            Layer::new(Mark::Dots, colour::BLUE, points(&blow.measured)).named("measured"),
+            Layer::new(Mark::Line, colour::VERMILLION, points(&blow.computed)).named(name),
+        ],
+        marker: None,
+    }
 }
 
 /// What frequency and damping want of each other.

@@ -1,7 +1,8 @@
-//! `iwan update`: joints of a structure from frequency and damping of several modes against amplitude.
+//! `iwan update`: joints of a structure from frequency and damping of several modes against amplitude, and from blows on several points.
 
 mod args;
 mod curves;
+mod blows;
 mod groups;
 mod summary;
 mod figures;

@@ -1,9 +1,9 @@
 //! The report of `iwan update`.
 
-use iwan_study::update::TradeOff;
+use iwan_study::update::{ComparedBlow, TradeOff};
 use maud::{Markup, html};
 
-use super::figures::{figures, front};
+use super::figures::{amplitudes, figures, front};
 use super::summary::{UpdateSummary, parameters};
 use crate::failure::VERSION;
 use crate::page::html::{grid, page, verdict};
@@ -19,8 +19,8 @@ pub(super) fn render(summary: &UpdateSummary) -> String {
     let body = html! {
         h1 { (summary.structure) }
         p.about {
-            "Joints of the structure from frequency and damping of its modes against amplitude; the structure's curves are those of static loads. \
-             Written by iwan " (VERSION) "."
+            "Joints of the structure from frequency and damping of its modes against amplitude, whose counterparts are curves of static loads, or from \
+             blows, whose counterparts are transients of the structure. Written by iwan " (VERSION) "."
         }
         (verdict(&summary.warnings, &html! { span { (summary.verdict.in_words) "." } }))
         h2 { "Joints" }
@@ -30,11 +30,29 @@ pub(super) fn render(summary: &UpdateSummary) -> String {
             p { "Measured: " (curve.source) }
             (grid(&figures(curve)))
         }
-        h2 { "What the curves tell" }
+        (blows(summary.blows.as_deref().unwrap_or_default()))
+        h2 { "What is told" }
         (told(summary))
         (compromises(summary.front.as_deref().unwrap_or_default()))
     };
     page(&format!("{} \u{2013} iwan update", summary.structure), &body)
+}
+
+/// Blows beside the structure's.
+fn blows(all: &[ComparedBlow]) -> Markup {
+    let percent = |share: f64| format!("{:.3}", 100.0 * share);
+    html! { @if !all.is_empty() {
+        h2 { "Blows" }
+        p { "Missed: root mean square of the difference of complex amplitudes about the frequency of a mode over that of the record, in per cent." }
+        div.wide { table {
+            thead { tr { th { "record" } th { "point" } th { "mode" } th { "missed before" } th { "missed" } } }
+            tbody { @for blow in all { tr {
+                th { (blow.source) @if blow.held_out { " (predicted)" } } td.words { (blow.point) } td.words { (blow.mode) }
+                td { (blow.before.map_or_else(|| "-".into(), percent)) } td { (percent(blow.after)) }
+            } } }
+        } }
+        (grid(&all.iter().map(amplitudes).collect::<Vec<_>>()))
+    } }
 }
 
 /// The front where there is one to show.

@@ -3,8 +3,8 @@
 use std::fmt::Write;
 
 use iwan_study::update::{
-    ComparedCurve, Estimated, JointUpdate, LinearCorrection, NextMode, StructureVerdict, Told, TradeOff,
-    Update,
+    ComparedBlow, ComparedCurve, Estimated, JointUpdate, LinearCorrection, NextMode, StructureVerdict, Told,
+    TradeOff, Update,
 };
 use serde::Serialize;
 
@@ -41,6 +41,9 @@ pub(crate) struct UpdateSummary {
     pub(crate) front: Option<Vec<TradeOff>>,
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(crate) curves: Option<Vec<ComparedCurve>>,
+    /// Blows beside the structure's, where there are any.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(crate) blows: Option<Vec<ComparedBlow>>,
     pub(crate) warnings: Vec<String>,
 }
 
@@ -76,7 +79,12 @@ impl UpdateSummary {
                 .map(|(name, _)| name)
                 .collect();
             if !open.is_empty() {
-                warnings.push(format!("{}: the curves do not bound {}", group.name, open.join(", ")));
+                warnings.push(format!(
+                    "{}: the {} do not bound {}",
+                    group.name,
+                    if found.blows.is_empty() { "curves" } else { "blows" },
+                    open.join(", ")
+                ));
             }
         }
         Self {
@@ -90,13 +98,14 @@ impl UpdateSummary {
             next_modes: found.next_modes.clone(),
             front: Some(found.front.clone()),
             curves: Some(found.curves.clone()),
+            blows: (!found.blows.is_empty()).then(|| found.blows.clone()),
             warnings,
         }
     }
 
     /// Without the long lists.
     pub(super) fn without_curves(&self) -> Self {
-        Self { front: None, curves: None, ..self.clone() }
+        Self { front: None, curves: None, blows: None, ..self.clone() }
     }
 }
 

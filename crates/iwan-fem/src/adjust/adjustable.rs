@@ -52,7 +52,7 @@ pub struct Adjustable {
     /// Λ of the coordinates that strain the structure, 1/s².
     pub(super) eigenvalues: Vec<f64>,
     /// Rigid motions before them.
-    zero: usize,
+    pub(super) zero: usize,
     /// Coordinates that are modes; the others are attachment vectors.
     modes: usize,
     /// Slips with a law.

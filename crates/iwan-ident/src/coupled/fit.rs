@@ -2,6 +2,9 @@
 
 use std::sync::atomic::Ordering;
 
+use iwan_core::Progress;
+use iwan_core::progress::part;
+
 use super::beginning::{Opened, shapes_at_force};
 use super::informed::{Left, one_sided, without_knees};
 use super::model::{CoupledModel, FIRST};
@@ -36,6 +39,9 @@ const STILL_STEPPING: f64 = 1.0;
 /// about values from 0 to 0.024, and held the truth in 5. Without a Dirac those fits had deviances up to 22. As at the knee of a mode
 /// ([`profile`](mod@crate::profile)), 25 is a judgement.
 const DIRAC_SEEN: f64 = 25.0;
+/// Share of the work done when the linear modes, the uncoupled ones and those with shared joints are fitted; the rest are intervals. A judgement for
+/// progress alone.
+const FITTED: [f64; 3] = [0.02, 0.15, 0.45];
 /// Most joints that are tried. Two modes that share two joints have as many unknowns as can be told by two modes.
 const MOST_JOINTS: usize = 2;
 
@@ -52,6 +58,7 @@ const MOST_JOINTS: usize = 2;
 ///
 /// ```no_run
 /// use std::sync::atomic::AtomicBool;
+/// use iwan_core::progress::UNWATCHED;
 /// use iwan_ident::{Parameters, curves::Quantity};
 /// use iwan_ident::coupled::{CoupledRecord, CoupledTask, Seen, Sharing, UncoupledMode, fit_coupled};
 /// # fn hits() -> Vec<CoupledRecord> { Vec::new() }
@@ -63,7 +70,7 @@ const MOST_JOINTS: usize = 2;
 /// let modes = [mode("bending 1", 132.0, 4e4), mode("bending 3", 719.0, 1e6)];
 /// let task = CoupledTask {
 ///     records: &records, held_out: &[], modes: &modes, quantity: Quantity::Acceleration, seen: Seen::Modes,
-///     shape_at_force: None, threads: 2, stopped: &AtomicBool::new(false),
+///     shape_at_force: None, threads: 2, stopped: &AtomicBool::new(false), progress: UNWATCHED,
 /// };
 /// let fit = fit_coupled(&task)?;
 /// assert_eq!(fit.best().sharing, Sharing::Shared(1));
@@ -74,9 +81,12 @@ pub fn fit_coupled(task: &CoupledTask<'_>) -> Result<CoupledFit, Error> {
     let opened = Opened::new(task, task.records);
     let fitting = Fitting { task, opened: &opened, reference: reference(task, &opened) };
     let modes: Vec<Parameters> = task.modes.iter().map(|m| m.parameters).collect();
+    let done = |share: f64| if (task.progress)(share).is_break() { Err(Error::Stopped) } else { Ok(()) };
     let first = fitting.found(Sharing::Linear, |form| linear(form, &modes))?;
+    done(FITTED[0])?;
     let alone = fitting.found(Sharing::Uncoupled, |form| uncoupled(form, &modes))?;
     let own = alone.0.form.values(&alone.1.x).map_or_else(|| modes.clone(), |values| by_themselves(&values));
+    done(FITTED[1])?;
     let mut all = vec![first, alone];
     let (steps, mut warnings) = (opened.steps(), Vec::new());
     for joints in 1..=MOST_JOINTS.min(modes.len()) {
@@ -94,6 +104,7 @@ pub fn fit_coupled(task: &CoupledTask<'_>) -> Result<CoupledFit, Error> {
             let from_curves = if joints == 1 { shared(form, &modes) } else { Vec::new() };
             [shared(form, &own), from_curves].concat()
         })?);
+        done(FITTED[2])?;
     }
     let criteria = criteria(&all);
     let chosen = (0..all.len()).min_by(|a, b| criteria[*a].total_cmp(&criteria[*b])).unwrap_or(0);
@@ -110,7 +121,7 @@ pub fn fit_coupled(task: &CoupledTask<'_>) -> Result<CoupledFit, Error> {
     if weights(&model, &found).inflation <= WHITE {
         reweight(&mut model, &found);
     }
-    let certain = Certain::about(model, found)?;
+    let certain = Certain::about(model, found, &part(task.progress, [FITTED[2], 1.0]))?;
     if task.stopped.load(Ordering::Relaxed) {
         return Err(Error::Stopped);
     }
@@ -284,7 +295,7 @@ struct Certain<'a> {
 }
 
 impl<'a> Certain<'a> {
-    fn about(model: CoupledModel<'a>, found: Found) -> Result<Self, Error> {
+    fn about(model: CoupledModel<'a>, found: Found, progress: Progress<'_>) -> Result<Self, Error> {
         let mut found = settled(&model, &found.x).unwrap_or(found);
         let free: Vec<usize> = (0..found.x.len()).collect();
         let wanted: Vec<usize> =
@@ -294,7 +305,7 @@ impl<'a> Certain<'a> {
             let freedom = (model.count() as f64 - free.len() as f64).max(1.0);
             let variance = (inflation * found.cost / freedom).max(still_stepping(&model));
             let about = About { found: &found, free: &free, variance, settled: round == MOST_ANEW };
-            match intervals(&model, about, &wanted, 1) {
+            match walked(&model, about, &wanted, progress)? {
                 Ok(mut all) => {
                     for (j, interval) in wanted.iter().zip(&mut all) {
                         let beta = matches!(model.form.unknowns[*j], Unknown::Beta(_));
@@ -333,6 +344,26 @@ impl<'a> Certain<'a> {
         };
         self.told.combinations().iter().map(of).collect()
     }
+}
+
+/// The intervals one after the other; a better minimum met on the way in their place.
+fn walked(
+    model: &CoupledModel<'_>,
+    about: About<'_>,
+    wanted: &[usize],
+    progress: Progress<'_>,
+) -> Result<Result<Vec<Interval>, Found>, Error> {
+    let mut all = Vec::new();
+    for (n, j) in wanted.iter().enumerate() {
+        match intervals(model, about, &[*j], 1) {
+            Ok(one) => all.extend(one),
+            Err(better) => return Ok(Err(better)),
+        }
+        if progress((n + 1) as f64 / wanted.len() as f64).is_break() {
+            return Err(Error::Stopped);
+        }
+    }
+    Ok(Ok(all))
 }
 
 /// Variance that the steps leave, in the unit of the residuals.

@@ -2,6 +2,8 @@
 
 use std::sync::atomic::AtomicBool;
 
+use iwan_core::Progress;
+
 use crate::curves::Quantity;
 use crate::error::{Error, check, check_dt, check_length, check_samples};
 use crate::parameters::Parameters;
@@ -41,7 +43,7 @@ pub struct UncoupledMode {
 }
 
 /// What is given and what is sought.
-#[derive(Debug, Clone)]
+#[derive(Clone)]
 pub struct CoupledTask<'a> {
     /// Records that are fitted.
     pub records: &'a [CoupledRecord],
@@ -59,6 +61,15 @@ pub struct CoupledTask<'a> {
     pub threads: usize,
     /// Set from outside to end soon.
     pub stopped: &'a AtomicBool,
+    /// Told the share done after each model and each interval; `Break` ends the fit there.
+    pub progress: Progress<'a>,
+}
+
+impl std::fmt::Debug for CoupledTask<'_> {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        let Self { records, held_out, modes, quantity, seen, .. } = self;
+        write!(f, "CoupledTask {{ {records:?}, {held_out:?}, {modes:?}, {quantity:?}, {seen:?}, .. }}")
+    }
 }
 
 impl CoupledTask<'_> {

@@ -13,7 +13,7 @@ use std::path::Path;
 /// One channel with what the file says about it.
 #[derive(Debug, Clone, PartialEq)]
 pub struct MeasuredChannel {
-    /// Name.
+    /// Name, with node and direction where channels of a record have one name.
     pub name: String,
     /// Unit as the file writes it; empty when it says none.
     pub unit: String,
@@ -97,7 +97,22 @@ fn universal(source: &FileBytes) -> Result<ModalTest, ReadError> {
         let remedy = "export time responses (type 1) of force and motions, or frequency responses (type 4), as dataset 58";
         return Err(source.unsupported("the whole file", "a file without either", remedy));
     }
+    test.measurements.iter_mut().for_each(tell_apart);
     Ok(test)
+}
+
+/// Channels of one name get their places into it: some programs write the same identification for all.
+fn tell_apart(measurement: &mut Measurement) {
+    let names: Vec<String> = measurement.channels.iter().map(|c| c.name.clone()).collect();
+    for channel in &mut measurement.channels {
+        if names.iter().filter(|n| **n == channel.name).count() > 1 {
+            channel.name = placed(channel);
+        }
+    }
+}
+
+fn placed(channel: &MeasuredChannel) -> String {
+    channel.at.map_or_else(|| channel.name.clone(), |at| format!("{} at {at}", channel.name))
 }
 
 fn add(source: &FileBytes, all: &mut Vec<Measurement>, f: UffFunction) -> Result<(), ReadError> {
@@ -110,14 +125,14 @@ fn add(source: &FileBytes, all: &mut Vec<Measurement>, f: UffFunction) -> Result
     };
     match all.last_mut() {
         Some(last) if !again(last) => {
-            let (dt, n, first) = (last.dt, last.channels[0].samples.len(), &last.channels[0].name);
+            let (dt, n, first) = (last.dt, last.channels[0].samples.len(), &last.channels[0]);
             if (f.step / dt - 1.0).abs() > SAME_INTERVAL || channel.samples.len() != n {
                 return Err(ReadError::Mismatch {
                     file: source.file.into(),
                     found: format!("{} samples at {:.6} Hz", channel.samples.len(), 1.0 / f.step),
                     expected: format!("{n} at {:.6} Hz", 1.0 / dt),
-                    reference: first.clone(),
-                    name: channel.name,
+                    reference: placed(first),
+                    name: placed(&channel),
                 });
             }
             last.channels.push(channel);
@@ -125,4 +140,54 @@ fn add(source: &FileBytes, all: &mut Vec<Measurement>, f: UffFunction) -> Result
         _ => all.push(Measurement { dt: f.step, channels: vec![channel] }),
     }
     Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::uff::write;
+
+    /// A force at node 1 and two motions, all with one identification.
+    fn functions(last: (f64, usize)) -> Vec<UffFunction> {
+        let function = |node, quantity, (step, samples): (f64, usize)| UffFunction {
+            name: "Record 1".into(),
+            kind: 1,
+            response: NodalDirection { node, direction: -3 },
+            reference: NodalDirection { node: 0, direction: 0 },
+            quantity,
+            unit: String::new(),
+            start: 0.0,
+            step,
+            re: (0..samples).map(|n| n as f64).collect(),
+            im: Vec::new(),
+        };
+        let all = (1e-3, 8);
+        let motion = |node, own| function(node, Quantity::Acceleration, own);
+        vec![function(1, Quantity::Force, all), motion(1, all), motion(2, last)]
+    }
+
+    fn read(functions: &[UffFunction]) -> Result<ModalTest, ReadError> {
+        let text = write::functions(functions);
+        universal(&FileBytes { file: Path::new("hits.unv"), bytes: text.as_bytes() })
+    }
+
+    #[test]
+    fn channels_of_one_name_are_told_apart_by_their_places() {
+        let test = read(&functions((1e-3, 8))).unwrap();
+        let names: Vec<&str> = test.measurements[0].channels.iter().map(|c| c.name.as_str()).collect();
+        assert_eq!(names, ["Record 1 at 1:-z", "Record 1 at 1:-z", "Record 1 at 2:-z"]);
+        let alone = read(&functions((1e-3, 8))[..1]).unwrap();
+        assert_eq!(alone.measurements[0].channels[0].name, "Record 1");
+    }
+
+    #[test]
+    fn rates_and_lengths_that_differ_are_named_with_file_and_channel() {
+        for (own, found) in [((2e-3, 8), "8 samples at 500"), ((1e-3, 7), "7 samples at 1000")] {
+            let said = read(&functions(own)).unwrap_err().to_string();
+            for word in ["hits.unv", "'Record 1 at 2:-z'", found, "expected 8 at 1000", "'Record 1 at 1:-z'"]
+            {
+                assert!(said.contains(word), "no {word} in {said}");
+            }
+        }
+    }
 }

@@ -1,5 +1,7 @@
 //! Nodes, directions there, and mode shapes at them.
 
+use std::fmt;
+
 /// Node and direction of a response or a force; directions are 0 (none), ±1 to ±3 along x, y, z, ±4 to ±6 about them.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub struct NodalDirection {
@@ -7,6 +9,18 @@ pub struct NodalDirection {
     pub node: i64,
     /// Direction.
     pub direction: i64,
+}
+
+/// As in `12:+z`; the node alone where there is no direction.
+impl fmt::Display for NodalDirection {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        const AXES: [&str; 7] = ["", "x", "y", "z", "rx", "ry", "rz"];
+        let axis = usize::try_from(self.direction.unsigned_abs()).ok().and_then(|n| AXES.get(n));
+        match (self.direction, axis) {
+            (0, _) | (_, None) => write!(f, "{}", self.node),
+            (d, Some(axis)) => write!(f, "{}:{}{axis}", self.node, if d < 0 { '-' } else { '+' }),
+        }
+    }
 }
 
 /// A point of a structure.

@@ -162,9 +162,13 @@ pub fn functions(functions: &[UffFunction]) -> String {
         text += &axis(0, "NONE", "NONE");
         let values: Vec<f64> =
             if complex { f.re.iter().zip(&f.im).flat_map(|(a, b)| [*a, *b]).collect() } else { f.re.clone() };
+        // Twenty characters a value and an end for each four.
+        text.reserve(21 * values.len() + 100);
         for line in values.chunks(4) {
-            let line: String = line.iter().map(|x| real(*x, 20, 12)).collect();
-            text = text + &line + "\n";
+            for x in line {
+                add_real(&mut text, *x, 20, 12);
+            }
+            text.push('\n');
         }
         text += MARK;
     }
@@ -186,13 +190,30 @@ const fn code(quantity: Quantity) -> i32 {
 
 /// Fortran's E format: sign, digits, two digits of exponent at least.
 fn real(value: f64, width: usize, digits: usize) -> String {
-    let text = format!("{value:.digits$E}");
-    let (mantissa, exponent) = text.split_once('E').unwrap_or((&text, "0"));
-    let (sign, size) = match exponent.strip_prefix('-') {
-        Some(size) => ('-', size),
-        None => ('+', exponent),
-    };
-    format!("{:>width$}", format!("{mantissa}E{sign}{size:0>2}"))
+    let mut text = String::with_capacity(width);
+    add_real(&mut text, value, width, digits);
+    text
+}
+
+/// The same at the end of a text.
+fn add_real(text: &mut String, value: f64, width: usize, digits: usize) {
+    let begin = text.len();
+    // Rust's own exponent has neither a plus nor a leading zero, and is three digits at most. Writing to a string cannot fail.
+    let _ = write!(text, "{value:>width$.digits$E}");
+    let written = &text.as_bytes()[begin..];
+    let Some(e) = written.iter().rposition(|b| *b == b'E') else { return };
+    let negative = written.get(e + 1) == Some(&b'-');
+    let size = written.len() - e - 1 - usize::from(negative);
+    let missing = usize::from(!negative) + usize::from(size < 2);
+    // What is missing takes the place of leading blanks.
+    let blanks = written.iter().take_while(|b| **b == b' ').count().min(missing);
+    if !negative {
+        text.insert(begin + e + 1, '+');
+    }
+    if size < 2 {
+        text.insert(begin + e + 2, '0');
+    }
+    text.replace_range(begin..begin + blanks, "");
 }
 
 #[cfg(test)]
@@ -200,6 +221,25 @@ mod tests {
     use super::super::functions::functions as read;
     use super::super::nodal::NodalDirection;
     use super::*;
+
+    #[test]
+    fn reals_are_as_fortran_writes_them() {
+        for (value, text) in [
+            (0.0, "  0.00000E+00"),
+            (-1.5, " -1.50000E+00"),
+            (2e-7, "  2.00000E-07"),
+            (-3e12, " -3.00000E+12"),
+            (9.999999e99, " 1.00000E+100"),
+            (-2e-300, "-2.00000E-300"),
+            (f64::INFINITY, "          inf"),
+        ] {
+            assert_eq!(real(value, 13, 5), text);
+        }
+        assert_eq!(real(-1e-300, 5, 5), "-1.00000E-300");
+        let mut text = "before".to_string();
+        add_real(&mut text, 0.25, 20, 12);
+        assert_eq!(text, "before  2.500000000000E-01");
+    }
 
     #[test]
     fn what_is_written_is_read_again() {

@@ -2,6 +2,7 @@
 
 use nalgebra::DMatrix;
 
+use super::outside::outside;
 use crate::error::{Error, check_band};
 use crate::number::{Complex, complex, median};
 use crate::responses::{FrequencyResponses, laplace};
@@ -27,6 +28,10 @@ pub(crate) struct Band<'a> {
     pub(crate) weights: Vec<f64>,
     /// Weighted responses: real parts of all lines above the imaginary parts, one column each.
     pub(crate) values: DMatrix<f64>,
+    /// Sum of squares of each column.
+    pub(crate) squares: Vec<f64>,
+    /// Columns of what lies outside the band, one after another: the same for all poles.
+    pub(super) outside: Vec<f64>,
     /// Variance of each column's entries as the scatter of hits tells it; 0 where it does not.
     pub(crate) scatter: Vec<f64>,
 }
@@ -45,6 +50,7 @@ impl<'a> Band<'a> {
             return Err(Error::refused("modal fit", finding, "widen the band, or record longer"));
         }
         let lines = first..=last;
+        let frequencies: Vec<f64> = lines.clone().map(|k| responses.frequency(k)).collect();
         let s: Vec<Complex> =
             lines.clone().map(|k| laplace(responses.frequency(k), responses.decay)).collect();
         let back = responses.record.iter().flat_map(|r| s.iter().map(|s| r.turns(-s))).collect();
@@ -52,24 +58,27 @@ impl<'a> Band<'a> {
         let weight = |k: usize| if strongest > 0.0 { responses.force[k] / strongest } else { 1.0 };
         let weights: Vec<f64> = lines.map(weight).collect();
         let count = weights.len();
-        let value = |row: usize, column: usize| {
-            let (k, part) = (row % count, row / count);
-            let v = responses.functions[column].values[first + k] * weights[k];
-            if part == 0 { v.re } else { v.im }
-        };
-        let values = DMatrix::from_fn(2 * count, responses.functions.len(), value);
+        let mut values = DMatrix::zeros(2 * count, responses.functions.len());
+        for (mut column, function) in values.column_iter_mut().zip(&responses.functions) {
+            for (k, (value, weight)) in function.values[first..=last].iter().zip(&weights).enumerate() {
+                column[k] = value.re * weight;
+                column[count + k] = value.im * weight;
+            }
+        }
         let scatter = responses.functions.iter().map(|f| {
             let parts = f.variance.get(first..=last).into_iter().flatten().zip(&weights);
             parts.map(|(v, w)| 0.5 * v * w * w).sum::<f64>() / count as f64
         });
         let scatter = scatter.collect();
-        Ok(Self { responses, first, s, back, weights, values, scatter })
+        let outside = outside(&frequencies, &s, &weights, responses.motion.derivatives() - 2);
+        let squares = values.column_iter().map(|c| c.norm_squared()).collect();
+        Ok(Self { responses, first, s, back, weights, values, squares, outside, scatter })
     }
 
     /// Variance of each response's entries: the scatter of hits, or that of the response itself where nothing tells it.
     pub(crate) fn noise(&self) -> Vec<f64> {
         let rows = self.values.nrows() as f64;
-        let size = |c: usize| self.values.column(c).norm_squared() / rows;
+        let size = |c: usize| self.squares[c] / rows;
         let all = self.scatter.iter().all(|s| *s > 0.0);
         let own = |c: usize| if all { self.scatter[c].max(ROUNDING * ROUNDING * size(c)) } else { size(c) };
         floored((0..self.values.ncols()).map(own).collect())

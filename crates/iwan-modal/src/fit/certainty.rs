@@ -1,6 +1,7 @@
 //! Standard deviations of poles and residues, to first order in the noise.
 
 use nalgebra::{Cholesky, DMatrix};
+use rayon::prelude::*;
 
 use super::band::Band;
 use super::linear::Linear;
@@ -34,7 +35,7 @@ impl Certainty {
             let of = |c: usize| residue(linear, &slopes.follow, &covariance, noise[c], p, c);
             (0..band.values.ncols()).map(of).collect()
         };
-        Self { residues: (0..n).map(residues).collect(), poles: covariance }
+        Self { residues: (0..n).into_par_iter().map(residues).collect(), poles: covariance }
     }
 
     /// Variances of a pole's real and imaginary part and their covariance, 1/s².
@@ -70,10 +71,11 @@ fn residue(
         (0..count).map(one).collect()
     };
     let (re, im) = (along(2 * p), along(2 * p + 1));
-    let product = |x: &[f64], y: &[f64]| {
-        let row = |i: usize| (0..count).map(|j| poles[(i, j)] * y[j]).sum::<f64>();
-        (0..count).map(|i| x[i] * row(i)).sum::<f64>()
+    let times = |y: &[f64]| -> Vec<f64> {
+        poles.column_iter().map(|column| column.iter().zip(y).map(|(a, b)| a * b).sum()).collect()
     };
+    let dot = |x: &[f64], y: &[f64]| x.iter().zip(y).map(|(a, b)| a * b).sum::<f64>();
+    let (of_re, of_im) = (times(&re), times(&im));
     let own = |i: usize, j: usize| noise * linear.inverse[(2 * p + i, 2 * p + j)];
-    [own(0, 0) + product(&re, &re), own(1, 1) + product(&im, &im), own(0, 1) + product(&re, &im)]
+    [own(0, 0) + dot(&re, &of_re), own(1, 1) + dot(&im, &of_im), own(0, 1) + dot(&re, &of_im)]
 }

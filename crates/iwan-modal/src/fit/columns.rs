@@ -4,12 +4,9 @@ use nalgebra::DMatrix;
 use rayon::prelude::*;
 
 use super::band::Band;
-use crate::number::{Complex, I, complex};
-
-/// Complex terms for what lies outside the band: s^(d-2) times a cubic in frequency, d = 0, 1, 2 for displacement, velocity, acceleration.
-/// The first is rigid motion and the modes below, the third the modes above; the other two take up what modes just outside the band
-/// make of it.
-pub(super) const OUTSIDE: usize = 4;
+use super::outside::OUTSIDE;
+use crate::number::{Complex, I};
+use crate::responses::PoleInRecord;
 
 /// Columns of a set of poles in a band; weighted, real parts above imaginary parts.
 pub(super) struct Columns {
@@ -22,36 +19,17 @@ pub(super) struct Columns {
 impl Columns {
     /// Of `poles`, 1/s, upper half plane; `slopes` adds the derivatives with respect to the poles.
     pub(super) fn new(band: &Band, poles: &[Complex], slopes: bool) -> Self {
-        let pairs: Vec<[Vec<Complex>; 2]> = poles.par_iter().map(|p| mode(band, *p)).collect();
-        let outside = outside(band);
-        let mut columns: Vec<&[Complex]> = Vec::new();
-        let [mut values, mut derivatives] = [Vec::new(), Vec::new()];
-        for [value, slope] in &pairs {
-            values.push(value.as_slice());
-            derivatives.push(slope.as_slice());
-        }
-        columns.extend(values);
-        columns.extend(outside.iter().map(Vec::as_slice));
-        if slopes {
-            columns.extend(derivatives);
-        }
-        let (lines, n) = (band.lines(), poles.len());
-        let mut matrix = DMatrix::zeros(2 * lines, 2 * columns.len());
-        for (j, column) in columns.iter().enumerate() {
-            let own = (n..n + OUTSIDE).contains(&j);
-            for k in 0..lines {
-                // A mode stands as what multiplies the residue and what multiplies its conjugate; a term outside has no conjugate.
-                let (x, conjugate) =
-                    if own { (column[k], complex(0.0, 0.0)) } else { (column[2 * k], column[2 * k + 1]) };
-                let (re, im) = (x + conjugate, I * (x - conjugate));
-                let w = band.weights[k];
-                matrix[(k, 2 * j)] = w * re.re;
-                matrix[(lines + k, 2 * j)] = w * re.im;
-                matrix[(k, 2 * j + 1)] = w * im.re;
-                matrix[(lines + k, 2 * j + 1)] = w * im.im;
-            }
-        }
-        Self { poles: n, matrix }
+        let (rows, n) = (2 * band.lines(), poles.len());
+        let (own, around) = (2 * n * rows, 2 * OUTSIDE * rows);
+        let mut values = vec![0.0; own + around + if slopes { own } else { 0 }];
+        let (sought, derivatives) = values.split_at_mut(own + around);
+        let (of_poles, outside) = sought.split_at_mut(own);
+        outside.copy_from_slice(&band.outside);
+        let mut derivatives = derivatives.chunks_mut(2 * rows);
+        let mut pairs: Vec<[&mut [f64]; 2]> =
+            of_poles.chunks_mut(2 * rows).map(|v| [v, derivatives.next().unwrap_or_default()]).collect();
+        pairs.par_iter_mut().zip(poles).for_each(|([value, slope], pole)| mode(band, *pole, value, slope));
+        Self { poles: n, matrix: DMatrix::from_vec(rows, values.len() / rows, values) }
     }
 
     /// Columns whose coefficients are sought: all but the slopes.
@@ -60,41 +38,33 @@ impl Columns {
     }
 }
 
-/// For each line what multiplies a residue and what multiplies its conjugate; and the slopes of both.
-fn mode(band: &Band, pole: Complex) -> [Vec<Complex>; 2] {
-    let count = 2 * band.lines();
-    let (mut values, mut slopes) = (Vec::with_capacity(count), Vec::with_capacity(count));
+/// The two columns of a pole, which multiply real and imaginary part of its residue, into `values`; their derivatives with respect to the pole
+/// into `slopes`, unless that is empty.
+fn mode(band: &Band, pole: Complex, values: &mut [f64], slopes: &mut [f64]) {
+    let lines = band.lines();
     let record = band.responses.record.as_ref();
-    let both = [pole, pole.conj()].map(|p| (p, record.map(|r| r.at(p))));
-    for (k, s) in band.s.iter().enumerate() {
-        for (p, at) in &both {
-            let (value, slope) = if let Some(at) = at {
-                at.value(band.first + k, *s, band.back[k])
-            } else {
-                let direct = (s - p).inv();
-                (direct, direct * direct)
-            };
-            values.push(value);
-            slopes.push(slope);
+    let [own, conjugate] = [pole, pole.conj()].map(|p| (p, record.map(|r| r.at(p))));
+    let at = |k: usize, (p, in_record): &(Complex, Option<PoleInRecord<'_>>)| {
+        if let Some(pole) = in_record {
+            return pole.value(band.first + k, band.s[k], band.back[k]);
+        }
+        let direct = (band.s[k] - p).inv();
+        (direct, direct * direct)
+    };
+    // What multiplies the residue, and what multiplies its conjugate.
+    let put = |target: &mut [f64], k: usize, x: Complex, conjugate: Complex| {
+        let w = band.weights[k];
+        let (re, im) = (x + conjugate, I * (x - conjugate));
+        target[k] = w * re.re;
+        target[lines + k] = w * re.im;
+        target[2 * lines + k] = w * im.re;
+        target[3 * lines + k] = w * im.im;
+    };
+    for k in 0..lines {
+        let ((value, slope), (value_of, slope_of)) = (at(k, &own), at(k, &conjugate));
+        put(values, k, value, value_of);
+        if !slopes.is_empty() {
+            put(slopes, k, slope, slope_of);
         }
     }
-    [values, slopes]
-}
-
-fn outside(band: &Band) -> Vec<Vec<Complex>> {
-    let (low, high) = band.edges();
-    let top = band.s[band.lines() - 1].norm();
-    let power = band.responses.motion.derivatives() - 2;
-    let term = |degree: usize| {
-        let at = |k: usize| {
-            let x = (2.0 * band.frequency(k) - low - high) / (high - low);
-            (band.s[k] / top).powi(power) * chebyshev(degree, x)
-        };
-        (0..band.lines()).map(at).collect()
-    };
-    (0..OUTSIDE).map(term).collect()
-}
-
-fn chebyshev(degree: usize, x: f64) -> f64 {
-    (degree as f64 * x.clamp(-1.0, 1.0).acos()).cos()
 }

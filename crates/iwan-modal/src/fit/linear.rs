@@ -12,6 +12,10 @@ use crate::number::{Complex, complex};
 /// several threads.
 const AT_ONCE: usize = 16;
 
+/// What is left of a response is the difference of two sums of squares, which costs digits: below this part of the response it is taken from the
+/// residual itself, which costs twice the time. Ten digits are left there, and a search needs the first five.
+const BY_PRODUCTS: f64 = 1e-6;
+
 /// Residues of given poles, with the products that a search for better poles needs.
 pub(crate) struct Linear {
     /// Number of poles.
@@ -20,12 +24,11 @@ pub(crate) struct Linear {
     pub(crate) coefficients: DMatrix<f64>,
     /// Sum of squares that is left of each response.
     pub(crate) left: Vec<f64>,
-    /// What is left of the responses, as they stand in the band.
-    pub(crate) rest: DMatrix<f64>,
     /// Inverse of the linear columns' normal matrix.
     pub(crate) inverse: DMatrix<f64>,
     /// Slopes, what lies in the linear columns' space taken off: products with each other and with what is left of the responses.
     pub(super) slopes: Option<Slopes>,
+    columns: Columns,
 }
 
 /// Products of the slope columns, two for each pole.
@@ -44,40 +47,49 @@ impl Linear {
         let columns = Columns::new(band, poles, slopes);
         let n = columns.linear();
         let x = &columns.matrix;
+        let m = x.ncols() - n;
         // Products of matrices are a few times faster than those of columns.
         let turned = x.transpose();
-        let gram = &turned * x;
+        let (gram, products) = rayon::join(|| &turned * x, || with_responses(band, &turned));
         let scale: Vec<f64> = (0..n).map(|j| gram[(j, j)].sqrt().max(f64::MIN_POSITIVE).recip()).collect();
         let scaled = DMatrix::from_fn(n, n, |i, j| gram[(i, j)] * scale[i] * scale[j]);
         let factor = factor(scaled, poles)?;
-        let solve = |b: &DMatrix<f64>| {
-            let mut b = b.clone();
+        let solve = |mut b: DMatrix<f64>| {
             scale_rows(&mut b, &scale);
-            let mut x = factor.solve(&b);
-            scale_rows(&mut x, &scale);
-            x
+            factor.solve_mut(&mut b);
+            scale_rows(&mut b, &scale);
+            b
         };
-        let sought = x.columns(0, n);
-        let of_some = |first: &usize| {
-            let values = band.values.columns(*first, AT_ONCE.min(band.values.ncols() - first));
-            let coefficients = solve(&(turned.rows(0, n) * values));
-            let rest = values - sought * &coefficients;
-            let with_left = turned.rows(n, x.ncols() - n) * &rest;
-            [coefficients, rest, with_left]
-        };
-        let groups: Vec<usize> = (0..band.values.ncols()).step_by(AT_ONCE).collect();
-        let groups: Vec<[DMatrix<f64>; 3]> = groups.par_iter().map(of_some).collect();
-        let [coefficients, rest, with_left] = [0, 1, 2].map(|part| side_by_side(&groups, part));
+        let with_sought = products.rows(0, n).into_owned();
+        let coefficients = solve(with_sought.clone());
+        let left_of = |c: usize| band.squares[c] - coefficients.column(c).dot(&with_sought.column(c));
+        let mut left: Vec<f64> = (0..products.ncols()).map(left_of).collect();
+        let cross = gram.view((0, n), (n, m)).into_owned();
+        let mut with_left = products.rows(n, m) - cross.transpose() * &coefficients;
+        if left.iter().zip(&band.squares).any(|(left, all)| *left < BY_PRODUCTS * all) {
+            let rest = &band.values - x.columns(0, n) * &coefficients;
+            left = rest.column_iter().map(|c| c.norm_squared()).collect();
+            with_left = turned.rows(n, m) * rest;
+        }
         let slopes = slopes.then(|| {
-            let m = x.ncols() - n;
-            let cross = gram.view((0, n), (n, m)).into_owned();
-            let follow = solve(&cross);
-            let among = gram.view((n, n), (m, m)) - cross.tr_mul(&follow);
+            let follow = solve(cross.clone());
+            let among = gram.view((n, n), (m, m)) - cross.transpose() * &follow;
             Slopes { among, with_left, follow }
         });
-        let left = (0..rest.ncols()).map(|c| rest.column(c).norm_squared()).collect();
-        let inverse = solve(&DMatrix::identity(n, n));
-        Ok(Self { poles: poles.len(), coefficients, left, rest, inverse, slopes })
+        let inverse = solve(DMatrix::identity(n, n));
+        Ok(Self { poles: poles.len(), coefficients, left, inverse, slopes, columns })
+    }
+
+    /// What is left of the responses, as they stand in the band.
+    pub(crate) fn rest(&self, band: &Band) -> DMatrix<f64> {
+        let sought = self.columns.matrix.columns(0, self.columns.linear());
+        let of_some = |some: &Vec<usize>| {
+            let (from, count) = (some[0], some.len());
+            let rest = band.values.columns(from, count) - sought * self.coefficients.columns(from, count);
+            rest.data.into()
+        };
+        let parts: Vec<Vec<f64>> = groups(band).par_iter().map(of_some).collect();
+        DMatrix::from_vec(band.values.nrows(), band.values.ncols(), parts.concat())
     }
 
     /// Residue of a pole in a response.
@@ -97,16 +109,18 @@ impl Linear {
     }
 }
 
-/// One part of all groups of responses.
-fn side_by_side(groups: &[[DMatrix<f64>; 3]], part: usize) -> DMatrix<f64> {
-    let rows = groups.first().map_or(0, |g| g[part].nrows());
-    let mut all = DMatrix::zeros(rows, groups.iter().map(|g| g[part].ncols()).sum());
-    let mut from = 0;
-    for group in groups {
-        all.columns_mut(from, group[part].ncols()).copy_from(&group[part]);
-        from += group[part].ncols();
-    }
-    all
+/// Numbers of the responses in groups of [`AT_ONCE`].
+fn groups(band: &Band) -> Vec<Vec<usize>> {
+    let all: Vec<usize> = (0..band.values.ncols()).collect();
+    all.chunks(AT_ONCE).map(<[usize]>::to_vec).collect()
+}
+
+/// Products of rows with all responses.
+pub(super) fn with_responses(band: &Band, turned: &DMatrix<f64>) -> DMatrix<f64> {
+    let of_some =
+        |some: &Vec<usize>| -> Vec<f64> { (turned * band.values.columns(some[0], some.len())).data.into() };
+    let parts: Vec<Vec<f64>> = groups(band).par_iter().map(of_some).collect();
+    DMatrix::from_vec(turned.nrows(), band.values.ncols(), parts.concat())
 }
 
 fn factor(scaled: DMatrix<f64>, poles: &[Complex]) -> Result<Cholesky<f64, Dyn>, Error> {
@@ -158,5 +172,55 @@ impl Slopes {
             }
         }
         (matrix, gradient)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::measure::{Channel, Freedom, Motion};
+    use crate::responses::free_responses;
+
+    /// What products give is what residuals give, for close poles, and for residuals on either side of the limit.
+    #[test]
+    fn products_tell_what_residuals_do() {
+        for (noise, below) in [(1e-1, false), (1e-2, false), (1e-4, true)] {
+            let value = |n: usize, a: f64| {
+                let t = n as f64;
+                (-1e-3 * t).exp() * (0.3 * t).cos()
+                    + a * (-2e-3 * t).exp() * (0.303 * t).sin()
+                    + noise * (1.7 * t * t).sin()
+            };
+            let channel = |name: &str, a: f64| Channel {
+                name: name.into(),
+                freedom: Freedom::point(name),
+                samples: (0..2048).map(|n| value(n, a)).collect(),
+            };
+            let decay = vec![channel("a", 0.3), channel("b", -0.7)];
+            let responses = free_responses(&[decay], 1e-3, Motion::Acceleration).unwrap();
+            let band = Band::new(&responses, (20.0, 120.0)).unwrap();
+            let poles = [complex(-1.0, 300.0), complex(-2.0, 303.0), complex(-5.0, 306.0)];
+            let found = Linear::new(&band, &poles, true).unwrap();
+            let slopes = found.slopes.as_ref().unwrap();
+            let columns = Columns::new(&band, &poles, true);
+            let n = columns.linear();
+            let sought = columns.matrix.columns(0, n).into_owned();
+            // Orthogonal triangles, which square nothing.
+            let q = sought.qr().q();
+            let rest = &band.values - &q * (q.transpose() * &band.values);
+            let own = columns.matrix.columns(n, 2 * poles.len());
+            let with_left = own.transpose() * &rest;
+            for (c, left) in found.left.iter().enumerate() {
+                let exact = rest.column(c).norm_squared();
+                assert_eq!(exact < BY_PRODUCTS * band.squares[c], below, "{noise}: {exact}");
+                assert!((left / exact - 1.0).abs() < 1e-8, "{noise} {c}: {left} {exact}");
+                for j in 0..2 * poles.len() {
+                    let off = slopes.with_left[(j, c)] - with_left[(j, c)];
+                    let size = own.column(j).norm() * exact.sqrt();
+                    assert!(off.abs() < 1e-8 * size, "{noise} {c} {j}: {off} of {size}");
+                }
+            }
+            assert!((found.rest(&band) - &rest).norm() < 1e-8 * rest.norm());
+        }
     }
 }

@@ -4,6 +4,7 @@
 //! V. Pereyra, SIAM J. Numer. Anal. 10:413, 1973, with Kaufman's Jacobian, BIT 15:49, 1975). The model is that of the finite record
 //! (see [`FiniteRecord`](crate::responses::FiniteRecord)), so that no window is needed.
 
+mod outside;
 mod band;
 mod columns;
 mod linear;

@@ -14,8 +14,11 @@ const STEPS: usize = 40;
 const STILL: f64 = 1e-7;
 /// Steps shorter than the full one at most, each with ten times the damping of Levenberg and Marquardt.
 const TRIALS: usize = 12;
-/// Rounds of search and of weighing responses by what is left of them.
-const ROUNDS: usize = 2;
+/// A step is no worse while what is left grows by no more than this part, which is rounding.
+const NO_HIGHER: f64 = 1e-10;
+/// After a first search responses are weighed by what is left of them, for the second. The first ends where no pole moves by more than this part of its decay: the weights are then right to some 1e-7, the second round
+/// goes on from there.
+const FOR_WEIGHTS: f64 = 1e-4;
 /// Steps of a search that only asks whether a mode is there.
 const FEW: usize = 6;
 /// … which ends where no pole moves by more than this part of its decay.
@@ -57,49 +60,56 @@ pub fn fit(
 
 impl Fitted {
     pub(crate) fn new(band: &Band, start: &[Complex]) -> Result<Self, Error> {
-        Self::searched(band, start, (STEPS, STILL, ROUNDS))
+        Ok(Self::with_products(band, start)?.0)
+    }
+
+    /// The fit and the least squares that it ends with.
+    pub(crate) fn with_products(band: &Band, start: &[Complex]) -> Result<(Self, Linear), Error> {
+        Self::searched(band, start, &[(STEPS, FOR_WEIGHTS), (STEPS, STILL)])
     }
 
     /// Near enough to tell whether a mode is there.
-    pub(crate) fn rough(band: &Band, start: &[Complex]) -> Result<Self, Error> {
-        Self::searched(band, start, (FEW, NEARLY_STILL, 1))
+    pub(crate) fn rough(band: &Band, start: &[Complex]) -> Result<(Self, Linear), Error> {
+        Self::searched(band, start, &[(FEW, NEARLY_STILL)])
     }
 
-    fn searched(
-        band: &Band,
-        start: &[Complex],
-        (steps, still, rounds): (usize, f64, usize),
-    ) -> Result<Self, Error> {
+    fn searched(band: &Band, start: &[Complex], rounds: &[(usize, f64)]) -> Result<(Self, Linear), Error> {
         let mut poles = start.to_vec();
-        let mut noise = band.noise();
-        for _ in 0..rounds {
-            poles = search(band, poles, &noise, (steps, still))?;
-            noise = left_over(band, &Linear::new(band, &poles, false)?);
-        }
         poles.sort_by(|a, b| a.im.total_cmp(&b.im));
-        let linear = Linear::new(band, &poles, true)?;
-        let size = |c: usize| band.values.column(c).norm_squared().max(f64::MIN_POSITIVE);
+        let mut linear = Linear::new(band, &poles, true)?;
+        let mut noise = band.noise();
+        for (steps, still) in rounds {
+            (poles, linear) = search(band, poles, linear, &noise, (*steps, *still));
+            noise = left_over(band, &linear);
+        }
+        if !poles.is_sorted_by(|a, b| a.im <= b.im) {
+            poles.sort_by(|a, b| a.im.total_cmp(&b.im));
+            linear = Linear::new(band, &poles, true)?;
+        }
+        let size = |c: usize| band.squares[c].max(f64::MIN_POSITIVE);
         let (total, rest): (f64, f64) =
             linear.left.iter().enumerate().fold((0.0, 0.0), |(t, r), (c, l)| (t + size(c), r + l));
         let residues = |p: usize| (0..band.values.ncols()).map(|c| linear.residue(p, c)).collect();
-        Ok(Self {
+        let values = linear.rest(band);
+        let fitted = Self {
             residues: (0..poles.len()).map(residues).collect(),
             left: linear.left.iter().enumerate().map(|(c, l)| (l / size(c)).sqrt()).collect(),
             first: band.first,
-            curves: (0..band.values.ncols()).map(|c| curve(band, &linear, c)).collect(),
+            curves: (0..band.values.ncols()).map(|c| curve(band, &values, c)).collect(),
             misfit: (rest / total).sqrt(),
             certainty: Certainty::new(band, &poles, &linear, &noise),
             noise,
             poles,
-        })
+        };
+        Ok((fitted, linear))
     }
 }
 
 /// The fit of a response at the lines of the band.
-fn curve(band: &Band, linear: &Linear, response: usize) -> Vec<Complex> {
+fn curve(band: &Band, rest: &DMatrix<f64>, response: usize) -> Vec<Complex> {
     let value = |k: usize| {
         let weight = band.weights[k].max(f64::MIN_POSITIVE);
-        (band.value(k, response) - at(&linear.rest, k, response)) / weight
+        (band.value(k, response) - at(rest, k, response)) / weight
     };
     (0..band.lines()).map(value).collect()
 }
@@ -108,7 +118,7 @@ fn curve(band: &Band, linear: &Linear, response: usize) -> Vec<Complex> {
 pub(crate) fn left_over(band: &Band, linear: &Linear) -> Vec<f64> {
     let rows = band.values.nrows() as f64;
     let free = rows - linear.coefficients.nrows() as f64;
-    let size = |c: usize| ROUNDING * ROUNDING * band.values.column(c).norm_squared() / rows;
+    let size = |c: usize| ROUNDING * ROUNDING * band.squares[c] / rows;
     let own = |c: usize| (linear.left[c] / free).max(band.scatter[c]).max(size(c));
     floored((0..band.values.ncols()).map(own).collect())
 }
@@ -117,17 +127,18 @@ fn cost(linear: &Linear, precision: &[f64]) -> f64 {
     linear.left.iter().zip(precision).map(|(l, p)| l * p).sum()
 }
 
+/// From poles and their least squares to better ones.
 fn search(
     band: &Band,
     mut poles: Vec<Complex>,
+    mut linear: Linear,
     noise: &[f64],
     (steps, still): (usize, f64),
-) -> Result<Vec<Complex>, Error> {
+) -> (Vec<Complex>, Linear) {
     if poles.is_empty() {
-        return Ok(poles);
+        return (poles, linear);
     }
     let precision: Vec<f64> = noise.iter().map(|v| v.recip()).collect();
-    let mut linear = Linear::new(band, &poles, true)?;
     let mut damping = 1e-4;
     for _ in 0..steps {
         let Some(slopes) = &linear.slopes else { break };
@@ -146,7 +157,7 @@ fn search(
                 damping *= 10.0;
                 continue;
             };
-            if cost(&tried, &precision) <= before {
+            if cost(&tried, &precision) <= before * (1.0 + NO_HIGHER) {
                 better = Some((moved, tried, largest));
                 damping = (damping * 0.1).max(1e-12);
                 break;
@@ -162,7 +173,7 @@ fn search(
             break;
         }
     }
-    Ok(poles)
+    (poles, linear)
 }
 
 fn step(matrix: &DMatrix<f64>, gradient: &DVector<f64>, damping: f64) -> Option<DVector<f64>> {

@@ -55,8 +55,8 @@ pub(crate) fn twins(poles: &[Complex], residues: &[Vec<Complex>]) -> Vec<usize> 
 pub(crate) fn pruned(band: &Band, start: &[Complex]) -> Result<Fitted, Error> {
     let mut poles: Vec<Complex> = start.iter().copied().filter(|p| !is_outside(band, p)).collect();
     loop {
-        let fitted = Fitted::new(band, &poles)?;
-        let Some(needless) = needless(band, &fitted)? else { return Ok(fitted) };
+        let (fitted, linear) = Fitted::with_products(band, &poles)?;
+        let Some(needless) = needless(band, &fitted, &linear) else { return Ok(fitted) };
         poles.clone_from(&fitted.poles);
         poles.remove(needless);
     }
@@ -69,15 +69,14 @@ fn is_outside(band: &Band, p: &Complex) -> bool {
     f < low - margin || f > high + margin
 }
 
-fn needless(band: &Band, fitted: &Fitted) -> Result<Option<usize>, Error> {
+fn needless(band: &Band, fitted: &Fitted, with: &Linear) -> Option<usize> {
     let poles = &fitted.poles;
     if let Some(p) = poles.iter().position(|p| is_outside(band, p) || -p.re > HIGHEST_DAMPING * p.norm()) {
-        return Ok(Some(p));
+        return Some(p);
     }
     if let Some(p) = twins(poles, &fitted.residues).first() {
-        return Ok(Some(*p));
+        return Some(*p);
     }
-    let with = Linear::new(band, poles, false)?;
     let mut least = (None, WORTH);
     for p in 0..poles.len() {
         let gains = fitted.noise.iter().enumerate().map(|(c, noise)| with.loss(p, c) / noise);
@@ -86,7 +85,7 @@ fn needless(band: &Band, fitted: &Fitted) -> Result<Option<usize>, Error> {
             least = (Some(p), worth);
         }
     }
-    Ok(least.0)
+    least.0
 }
 
 #[cfg(test)]

@@ -12,6 +12,9 @@ const DOUBLE: f64 = 0.02;
 const RUN: usize = 3;
 /// … in so many places at least: a digitised crest can be flat once.
 const PLACES: usize = 2;
+/// Of a hammer, which has one crest, one run is enough that is this part of the samples above half of it: of a half sine digitised in 8 bits the crest is
+/// flat over a twelfth of them.
+const CREST: f64 = 0.3;
 /// A response before the hit of this part of its peak is the decay of something else. Noise of 40 dB is below.
 const MOVING: f64 = 0.05;
 /// Samples before the pulse at least: with fewer nothing can be said of what was there before, and the pulse's foot may be missing.
@@ -39,6 +42,11 @@ pub enum Fault {
         /// Number of such samples.
         samples: usize,
     },
+    /// The force has no pulse above its noise.
+    NoPulse {
+        /// Channel of the hammer.
+        channel: String,
+    },
     /// The record begins with the hit.
     NoPretrigger {
         /// Samples before the pulse.
@@ -61,6 +69,12 @@ impl fmt::Display for Fault {
             }
             Self::Overload { channel, level, samples } => {
                 write!(f, "channel {channel} is overloaded: {samples} samples stand at {level:.6}")
+            }
+            Self::NoPulse { channel } => {
+                write!(
+                    f,
+                    "no pulse stands out of the noise of channel {channel}: there is no hit, or it is not the hammer"
+                )
             }
             Self::NoPretrigger { samples } => {
                 write!(f, "{samples} samples before the pulse: the begin of the hit may be missing")
@@ -88,12 +102,16 @@ impl fmt::Display for Fault {
 pub fn faults(hit: &Hit) -> Vec<Fault> {
     let mut found = Vec::new();
     let (pulses, _) = pulses(&hit.force.samples);
-    let Some(first) = pulses.iter().max_by(|a, b| a.peak.total_cmp(&b.peak)) else { return found };
+    let Some(first) = pulses.iter().max_by(|a, b| a.peak.total_cmp(&b.peak)) else {
+        found.push(Fault::NoPulse { channel: hit.force.name.clone() });
+        return found;
+    };
     let others = pulses.iter().filter(|p| p.start != first.start && p.peak > DOUBLE * first.peak);
     found.extend(
         others.map(|p| Fault::DoubleHit { time: p.start as f64 * hit.dt, part: p.peak / first.peak }),
     );
-    found.extend(std::iter::once(&hit.force).chain(&hit.responses).filter_map(overload));
+    found.extend(flat_crest(&hit.force).or_else(|| overload(&hit.force)));
+    found.extend(hit.responses.iter().filter_map(overload));
     let onset = pulses.first().map_or(0, |p| p.start);
     if onset < BEFORE {
         found.push(Fault::NoPretrigger { samples: onset });
@@ -106,20 +124,35 @@ pub fn faults(hit: &Hit) -> Vec<Fault> {
 fn overload(channel: &Channel) -> Option<Fault> {
     let x = &channel.samples;
     let (low, high) = x.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), v| (a.min(*v), b.max(*v)));
-    let zero = median(x);
+    let mut zero = None;
     let (mut from, mut runs, mut samples) = (0, 0, 0);
     for i in 1..=x.len() {
         if i < x.len() && x[i] == x[from] {
             continue;
         }
-        // A zero line that never falls below zero is no range.
-        if i - from >= RUN && (x[from] == low || x[from] == high) && x[from] != zero {
+        // A zero line that never falls below zero is no range. Few channels have such a run: the median waits for one.
+        let at_end = i - from >= RUN && (x[from] == low || x[from] == high);
+        if at_end && x[from] != *zero.get_or_insert_with(|| median(x)) {
             (runs, samples) = (runs + 1, samples + i - from);
         }
         from = i;
     }
     let level = high.abs().max(low.abs());
     (runs >= PLACES).then(|| Fault::Overload { channel: channel.name.clone(), level, samples })
+}
+
+/// A hammer whose highest pulse is cut off.
+fn flat_crest(force: &Channel) -> Option<Fault> {
+    let x = &force.samples;
+    let zero = median(x);
+    let height = |v: &f64| (v - zero).abs();
+    let peak = x.iter().map(height).fold(0.0, f64::max);
+    let at = x.iter().position(|v| height(v) == peak)?;
+    let run = x[at..].iter().take_while(|v| **v == x[at]).count();
+    let above = |v: &&f64| height(v) > 0.5 * peak;
+    let wide = x[at..].iter().take_while(above).count() + x[..at].iter().rev().take_while(above).count();
+    let flat = run >= RUN && run as f64 > CREST * wide as f64;
+    flat.then(|| Fault::Overload { channel: force.name.clone(), level: x[at].abs(), samples: run })
 }
 
 fn still_moving(hit: &Hit, end: usize) -> Option<Fault> {
@@ -186,6 +219,21 @@ mod tests {
             matches!(&clipped[..], [Fault::Overload { channel, level, .. }] if channel == "tip" && *level == 0.5),
             "{clipped:?}"
         );
+        let mut cut_off = hit(|n| decay(n, 100), 100);
+        let half_sine = |n: usize| if n < 12 { (std::f64::consts::PI * n as f64 / 12.0).sin() } else { 0.0 };
+        let pulse =
+            |highest: f64| (0..2000_usize).map(|n| half_sine(n.wrapping_sub(100)).min(highest)).collect();
+        cut_off.force.samples = pulse(1.0);
+        assert_eq!(faults(&cut_off), []);
+        cut_off.force.samples = pulse(0.8);
+        assert!(
+            matches!(&faults(&cut_off)[..], [Fault::Overload { channel, level, samples: 5 }] if channel == "hammer" && *level == 0.8),
+            "{:?}",
+            faults(&cut_off)
+        );
+        // Noise where the hammer should be.
+        cut_off.force.samples = (0..2000).map(|n| f64::from((n * 7919) % 101 - 50)).collect();
+        assert_eq!(faults(&cut_off), [Fault::NoPulse { channel: "hammer".into() }]);
         let late = faults(&hit(|n| decay(n, 3), 3));
         assert!(matches!(late[..], [Fault::NoPretrigger { samples: 3 }]), "{late:?}");
         let moving = faults(&hit(|n| decay(n, 100) + decay(n, 1000), 1000));

@@ -44,28 +44,24 @@ pub fn isolate(responses: &FrequencyResponses, edges: (f64, f64), most: usize) -
 pub(crate) fn isolation(band: &Band, mut poles: Vec<Complex>, most: usize) -> Result<Isolation, Error> {
     let (mut steps, mut passed) = (Vec::new(), Vec::new());
     let mut linear = Linear::new(band, &poles, false)?;
-    let all: f64 = band.values.norm_squared().max(f64::MIN_POSITIVE);
+    let (mut rest, mut noise) = (linear.rest(band), left_over(band, &linear));
+    let all: f64 = band.squares.iter().sum::<f64>().max(f64::MIN_POSITIVE);
     let mut in_vain = 0;
     while steps.len() < most && in_vain < IN_VAIN {
-        let noise = left_over(band, &linear);
-        let Some(peak) = strongest_peak(band, &linear.rest, &noise, &passed) else { break };
+        let Some(peak) = strongest_peak(band, &rest, &noise, &passed) else { break };
+        passed.push(peak.pole.im / std::f64::consts::TAU);
+        in_vain += 1;
         let mut more = poles.clone();
         more.push(peak.pole);
-        let Ok(fitted) = Fitted::rough(band, &more) else {
-            passed.push(peak.pole.im / std::f64::consts::TAU);
-            in_vain += 1;
-            continue;
-        };
-        let found = Linear::new(band, &fitted.poles, false)?;
-        passed.push(peak.pole.im / std::f64::consts::TAU);
+        let Ok((fitted, found)) = Fitted::rough(band, &more) else { continue };
         if worth(&linear, &found, &fitted.noise) < WORTH || !twins(&fitted.poles, &fitted.residues).is_empty()
         {
-            in_vain += 1;
             continue;
         }
         in_vain = 0;
         let after: f64 = found.left.iter().sum();
         (poles, linear) = (fitted.poles, found);
+        (rest, noise) = (linear.rest(band), left_over(band, &linear));
         steps.push(Step { pole: peak.pole, height: peak.height, left: (after / all).sqrt() });
     }
     Ok(Isolation { steps, poles })

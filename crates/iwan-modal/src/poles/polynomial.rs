@@ -23,12 +23,6 @@ pub(super) struct Denominator {
     interval: f64,
 }
 
-struct Output {
-    moments: DMatrix<f64>,
-    /// L⁻¹ S.
-    reduced: DMatrix<f64>,
-}
-
 impl Denominator {
     /// From responses in a band, for ascending orders; `matrix[output]` are the responses of one output to all references.
     pub(super) fn new(band: &Band, matrix: &[Vec<usize>], orders: &[usize]) -> Result<Self, Error> {
@@ -47,38 +41,39 @@ impl Denominator {
             Error::refused("stabilisation chart", finding, remedy)
         })?;
         let lower = factor.l();
-        let output = |responses: &Vec<usize>| {
-            let n = responses.len();
-            let value = |k: usize, c: usize| band.value(k, c) / noise[c].sqrt();
-            let side = (highest + 1) * n;
-            let mut moments = DMatrix::zeros(side, side);
+        let references = matrix.first().map_or(1, Vec::len);
+        let side = (highest + 1) * references;
+        let value = |k: usize, c: usize| band.value(k, c) / noise[c].sqrt();
+        let reduced = |responses: &Vec<usize>| {
             let mut cross = DMatrix::zeros(highest + 1, side);
             for (l, &c) in responses.iter().enumerate() {
                 let sequence: Vec<Complex> = (0..lines).map(|k| value(k, c) * band.weights[k]).collect();
                 let s = lags(&sequence);
                 for i in 0..=highest {
                     for j in 0..=highest {
-                        cross[(i, j * n + l)] = s.at(i, j);
-                    }
-                }
-                for (m, &d) in responses.iter().enumerate() {
-                    let sequence: Vec<Complex> =
-                        (0..lines).map(|k| value(k, d).conj() * value(k, c)).collect();
-                    let t = lags(&sequence);
-                    for i in 0..=highest {
-                        for j in 0..=highest {
-                            moments[(i * n + m, j * n + l)] = t.at(i, j);
-                        }
+                        cross[(i, j * references + l)] = s.at(i, j);
                     }
                 }
             }
-            let reduced =
-                lower.solve_lower_triangular(&cross).unwrap_or_else(|| DMatrix::zeros(highest + 1, side));
-            Output { moments, reduced }
+            lower.solve_lower_triangular(&cross).unwrap_or_else(|| DMatrix::zeros(highest + 1, side))
         };
-        let outputs: Vec<Output> = matrix.par_iter().map(output).collect();
-        let references = matrix.first().map_or(1, Vec::len);
-        let normal = normal(&outputs, orders, references);
+        let reduced: Vec<DMatrix<f64>> = matrix.par_iter().map(reduced).collect();
+        // The other sum is linear in the products of responses: one transform serves all outputs.
+        let mut moments = DMatrix::zeros(side, side);
+        for l in 0..references {
+            for m in 0..references {
+                let product = |k: usize| -> Complex {
+                    matrix.iter().map(|own| value(k, own[m]).conj() * value(k, own[l])).sum()
+                };
+                let t = lags(&(0..lines).map(product).collect::<Vec<_>>());
+                for i in 0..=highest {
+                    for j in 0..=highest {
+                        moments[(i * references + m, j * references + l)] = t.at(i, j);
+                    }
+                }
+            }
+        }
+        let normal = normal(moments, &reduced, orders, references);
         Ok(Self { references, normal, low, interval: 0.5 / (high - low) })
     }
 
@@ -118,24 +113,25 @@ impl Denominator {
     }
 }
 
-/// The sums of T - Sᵀ R⁻¹ S for each of the ascending orders.
-fn normal(outputs: &[Output], orders: &[usize], references: usize) -> Vec<DMatrix<f64>> {
-    let Some(first) = outputs.first() else { return Vec::new() };
-    let side = first.moments.nrows();
-    let mut sum = DMatrix::zeros(side, side);
-    for output in outputs {
-        sum += &output.moments;
-    }
+/// The sums of T - Sᵀ R⁻¹ S for each of the ascending orders, from the sum of T and L⁻¹ S of each output.
+fn normal(
+    mut sum: DMatrix<f64>,
+    reduced: &[DMatrix<f64>],
+    orders: &[usize],
+    references: usize,
+) -> Vec<DMatrix<f64>> {
+    let side = sum.nrows();
     let mut rows_taken = 0;
     let mut at = |order: &usize| {
         let own = (order + 1) * references;
         let new = order + 1 - rows_taken;
-        let mut rows = DMatrix::zeros(new * outputs.len(), side);
-        for (k, output) in outputs.iter().enumerate() {
-            rows.rows_mut(k * new, new).copy_from(&output.reduced.rows(rows_taken, new));
+        let mut rows = DMatrix::zeros(new * reduced.len(), side);
+        for (k, reduced) in reduced.iter().enumerate() {
+            rows.rows_mut(k * new, new).copy_from(&reduced.rows(rows_taken, new));
         }
         rows_taken = order + 1;
-        sum -= rows.tr_mul(&rows);
+        // Products of matrices are a few times faster than those of columns.
+        sum -= rows.transpose() * &rows;
         sum.view((0, 0), (own, own)).into_owned()
     };
     orders.iter().map(&mut at).collect()

@@ -37,8 +37,15 @@ pub(super) fn strongest_peak(
     passed: &[f64],
 ) -> Option<Peak> {
     let lines = band.lines();
-    let power = |k: usize| (0..noise.len()).map(|c| at(rest, k, c).norm_sqr() / noise[c]).sum::<f64>();
-    let composite: Vec<f64> = (0..lines).map(|k| power(k).sqrt()).collect();
+    let mut composite = vec![0.0; lines];
+    for (column, variance) in rest.column_iter().zip(noise) {
+        for (k, power) in composite.iter_mut().enumerate() {
+            *power += complex(column[k], column[lines + k]).norm_sqr() / variance;
+        }
+    }
+    for power in &mut composite {
+        *power = power.sqrt();
+    }
     let reach = (AROUND * lines as f64) as usize + 1;
     let around = |k: usize| median(&composite[k.saturating_sub(reach)..(k + reach + 1).min(lines)]);
     let free = |k: &usize| passed.iter().all(|f| (band.frequency(*k) - f).abs() > 2.5 * band.responses.step);

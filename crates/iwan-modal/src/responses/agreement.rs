@@ -1,11 +1,12 @@
 //! Whether hits agree channel by channel: cables that were swapped, sensors that were turned round between hits.
 
+use std::borrow::Borrow;
 use std::fmt;
 
 use rayon::prelude::*;
-use rustfft::FftPlanner;
 
-use super::estimate::{common_times, spectrum};
+use super::estimate::common_times;
+use super::transform::Transform;
 use crate::error::Error;
 use crate::measure::{Hit, Pulse};
 use crate::number::{Complex, complex};
@@ -75,13 +76,14 @@ impl fmt::Display for Disagreement {
 /// assert_eq!(found[0].to_string(), "two: channels a and b are swapped against one");
 /// # Ok::<(), iwan_modal::Error>(())
 /// ```
-pub fn disagreements(hits: &[Hit]) -> Result<Vec<Disagreement>, Error> {
-    let (dt, samples) = common_times(hits)?;
+pub fn disagreements<H: Borrow<Hit>>(hits: &[H]) -> Result<Vec<Disagreement>, Error> {
+    let hits: Vec<&Hit> = hits.iter().map(Borrow::borrow).collect();
+    let (dt, samples) = common_times(&hits)?;
     let mut points: Vec<_> = hits.iter().map(|h| &h.force.freedom).collect();
     points.sort();
     points.dedup();
     let at = |point: &crate::measure::Freedom| {
-        hits.iter().filter(|h| h.force.freedom == *point).collect::<Vec<&Hit>>()
+        hits.iter().copied().filter(|h| h.force.freedom == *point).collect::<Vec<&Hit>>()
     };
     let groups = points.into_iter().map(at).filter(|group| group.len() > 1);
     Ok(groups.flat_map(|group| of_group(&group, dt, samples)).collect())
@@ -98,19 +100,22 @@ fn of_group(hits: &[&Hit], dt: f64, samples: usize) -> Vec<Disagreement> {
     let place = |hit: &Hit, c: usize| {
         hit.responses.iter().position(|own| own.freedom == common[c].freedom).unwrap_or(c)
     };
-    let transform = FftPlanner::new().plan_fft_forward(samples);
-    let spectrum = |x: &[f64]| spectrum(x, dt, transform.as_ref());
+    let transform = Transform::new(samples, dt);
     let products = |hit: &&Hit| {
-        let force = spectrum(&Pulse::of(&hit.force.samples[..samples], dt, false).record(0.0));
+        let force = transform.one(Pulse::of(&hit.force.samples[..samples], dt, false).record(0.0));
         let strongest = force.iter().map(|f| f.norm()).fold(0.0, f64::max);
         let lines = force.iter().position(|f| f.norm() < FORCE_LEFT * strongest).unwrap_or(force.len());
-        let one = |c: usize| {
-            let x = &hit.responses[place(hit, c)].samples[..samples];
-            let y = spectrum(x);
+        let some = |two: &[usize]| {
+            let mut found = Vec::with_capacity(2);
+            let record = |c: &usize| hit.responses[place(hit, *c)].samples[..samples].to_vec();
             // The first line is the mean, which no sensor measures.
-            (1..lines).map(|k| force[k].conj() * y[k]).collect()
+            transform.each(two.iter().map(record), |_, y| {
+                found.push((1..lines).map(|k| force[k].conj() * y[k]).collect::<Vec<Complex>>());
+            });
+            found
         };
-        Products((0..common.len()).into_par_iter().map(one).collect())
+        let channels: Vec<usize> = (0..common.len()).collect();
+        Products(channels.par_chunks(2).flat_map_iter(some).collect())
     };
     let all: Vec<Products> = hits.iter().map(products).collect();
     let sum = |c: usize| -> Vec<Complex> {

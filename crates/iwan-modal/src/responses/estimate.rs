@@ -1,9 +1,11 @@
 //! Frequency responses from hits: H1, H2 and Hv.
 
+use std::borrow::Borrow;
+
 use rayon::prelude::*;
-use rustfft::{Fft, FftPlanner};
 
 use super::set::{FiniteRecord, FrequencyResponses, Function};
+use super::transform::{Transform, quick_length};
 use crate::error::{Error, check};
 use crate::measure::{Channel, Hit, Motion, Pulse};
 use crate::number::{Complex, complex};
@@ -34,7 +36,7 @@ pub struct Windows {
 const SAME_INTERVAL: f64 = 2e-5;
 
 /// Frequency responses of all pairs of response and force in `hits`, averaged over the hits that hold the pair. Records longer than the
-/// shortest are cut to its length.
+/// shortest are cut to its length, and all by up to a thousandth to a length with small prime factors, whose transforms are quick.
 ///
 /// # Errors
 /// As [`Hit::check`]; [`Error::Refused`] without hits, where sampling intervals differ, and where a hit has two channels at one freedom.
@@ -51,8 +53,8 @@ const SAME_INTERVAL: f64 = 2e-5;
 /// assert!((found.functions[0].values[5].norm() - 2.0).abs() < 1e-12);
 /// # Ok::<(), iwan_modal::Error>(())
 /// ```
-pub fn frequency_responses(
-    hits: &[Hit],
+pub fn frequency_responses<H: Borrow<Hit> + Sync>(
+    hits: &[H],
     motion: Motion,
     estimator: Estimator,
     windows: Windows,
@@ -64,23 +66,37 @@ pub fn frequency_responses(
         "0 or more, 1/s",
         "0 means no exponential window",
     )?;
-    let (dt, samples) = common_times(hits)?;
+    let hits: Vec<&Hit> = hits.iter().map(Borrow::borrow).collect();
+    let (dt, samples) = common_times(&hits)?;
     let pulses: Vec<Pulse> =
         hits.iter().map(|h| Pulse::of(&h.force.samples[..samples], dt, windows.whole_force)).collect();
-    let transform = FftPlanner::new().plan_fft_forward(samples);
-    let spectrum = |x: &[f64]| spectrum(x, dt, transform.as_ref());
-    let spectra: Vec<Vec<Complex>> = pulses.iter().map(|p| spectrum(&p.record(windows.decay))).collect();
-    let pairs = pairs(hits)?;
+    let transform = Transform::new(samples, dt);
+    let mut spectra: Vec<Vec<Complex>> = Vec::new();
+    transform.each(pulses.iter().map(|p| p.record(windows.decay)), |_, own| spectra.push(own.to_vec()));
+    let pairs = pairs(&hits)?;
     let window = exponential(windows.decay, samples, dt);
-    let response = |pair: &Pair| {
-        let power = |(hit, channel): &(usize, usize)| {
-            let x = prepared(&hits[*hit].responses[*channel].samples[..samples], window.as_deref());
-            (*hit, spectrum(&x))
+    // Two pairs at a time: an odd number of hits is then an even number of records.
+    let functions = |some: &[Pair]| {
+        let places: Vec<(usize, usize, usize)> = some
+            .iter()
+            .enumerate()
+            .flat_map(|(p, pair)| pair.places.iter().map(move |(h, c)| (p, *h, *c)))
+            .collect();
+        let record = |(_, hit, channel): &(usize, usize, usize)| {
+            prepared(&hits[*hit].responses[*channel].samples[..samples], window.as_deref())
         };
-        let measured: Vec<(usize, Vec<Complex>)> = pair.places.iter().map(power).collect();
-        averaged(pair.first(hits), &hits[pair.places[0].0].force, &measured, &spectra, estimator)
+        let mut averages: Vec<Average> = some.iter().map(|_| Average::new(transform.lines())).collect();
+        transform.each(places.iter().map(record), |n, spectrum| {
+            let (pair, hit, _) = places[n];
+            averages[pair].add(&spectra[hit], spectrum);
+        });
+        let function = |(pair, average): (&Pair, Average)| {
+            let force = &hits[pair.places[0].0].force;
+            average.function(pair.first(&hits), force, pair.places.len(), estimator)
+        };
+        some.iter().zip(averages).map(function).collect::<Vec<Function>>()
     };
-    let functions = pairs.par_iter().map(response).collect();
+    let functions = pairs.par_chunks(2).flat_map_iter(functions).collect();
     let mean = |k: usize| spectra.iter().map(|f| f[k].norm_sqr()).sum::<f64>() / spectra.len() as f64;
     Ok(FrequencyResponses {
         step: 1.0 / (samples as f64 * dt),
@@ -92,8 +108,8 @@ pub fn frequency_responses(
     })
 }
 
-/// The interval of all hits, and the number of samples that all of them have.
-pub(super) fn common_times(hits: &[Hit]) -> Result<(f64, usize), Error> {
+/// The interval of all hits, and the number of samples that all of them are cut to.
+pub(super) fn common_times(hits: &[&Hit]) -> Result<(f64, usize), Error> {
     let Some(first) = hits.first() else {
         return Err(Error::refused("frequency responses", "there is no hit", "give at least one"));
     };
@@ -109,7 +125,7 @@ pub(super) fn common_times(hits: &[Hit]) -> Result<(f64, usize), Error> {
             ));
         }
     }
-    Ok((first.dt, hits.iter().map(Hit::samples).min().unwrap_or(0)))
+    Ok((first.dt, quick_length(hits.iter().map(|h| h.samples()).min().unwrap_or(0))))
 }
 
 /// A pair of response and force, and in which hits and channels it was measured.
@@ -118,13 +134,13 @@ struct Pair {
 }
 
 impl Pair {
-    fn first<'a>(&self, hits: &'a [Hit]) -> &'a Channel {
+    fn first<'a>(&self, hits: &[&'a Hit]) -> &'a Channel {
         let (hit, channel) = self.places[0];
         &hits[hit].responses[channel]
     }
 }
 
-fn pairs(hits: &[Hit]) -> Result<Vec<Pair>, Error> {
+fn pairs(hits: &[&Hit]) -> Result<Vec<Pair>, Error> {
     let mut pairs: Vec<Pair> = Vec::new();
     for (h, hit) in hits.iter().enumerate() {
         for (c, channel) in hit.responses.iter().enumerate() {
@@ -165,47 +181,45 @@ fn prepared(x: &[f64], window: Option<&[f64]>) -> Vec<f64> {
     }
 }
 
-/// Fourier transform at the lines from 0 to the Nyquist frequency, unit times s; `transform` is of the length of `x`.
-pub(super) fn spectrum(x: &[f64], dt: f64, transform: &dyn Fft<f64>) -> Vec<Complex> {
-    let mut buffer: Vec<Complex> = x.iter().map(|x| complex(x * dt, 0.0)).collect();
-    transform.process(&mut buffer);
-    buffer.truncate(x.len() / 2 + 1);
-    buffer
+/// Sums over the hits of a pair at each line.
+struct Average {
+    /// Of |f|², of |y|² and of conj(f) y, for force f and response y.
+    sums: Vec<(f64, f64, Complex)>,
 }
 
-/// One function from the spectra of its hits.
-fn averaged(
-    response: &Channel,
-    force: &Channel,
-    measured: &[(usize, Vec<Complex>)],
-    forces: &[Vec<Complex>],
-    estimator: Estimator,
-) -> Function {
-    let hits = measured.len();
-    let lines = measured[0].1.len();
-    let (mut values, mut coherence, mut variance) = (Vec::with_capacity(lines), Vec::new(), Vec::new());
-    for k in 0..lines {
-        let (mut ff, mut yy, mut fy) = (0.0, 0.0, complex(0.0, 0.0));
-        for (hit, y) in measured {
-            let f = forces[*hit][k];
-            ff += f.norm_sqr();
-            yy += y[k].norm_sqr();
-            fy += f.conj() * y[k];
-        }
-        let (h1, cross) = (fy / ff.max(f64::MIN_POSITIVE), fy.norm_sqr());
-        let ratio = if cross > 0.0 { (ff * yy / cross).max(1.0) } else { 1.0 };
-        values.push(match estimator {
-            Estimator::H1 => h1,
-            Estimator::H2 => h1 * ratio,
-            Estimator::Hv => h1 * ratio.sqrt(),
-        });
-        if hits > 1 {
-            coherence.push(1.0 / ratio);
-            variance.push(h1.norm_sqr() * (ratio - 1.0) / (hits - 1) as f64);
+impl Average {
+    fn new(lines: usize) -> Self {
+        Self { sums: vec![(0.0, 0.0, complex(0.0, 0.0)); lines] }
+    }
+
+    fn add(&mut self, force: &[Complex], response: &[Complex]) {
+        for ((ff, yy, fy), (f, y)) in self.sums.iter_mut().zip(force.iter().zip(response)) {
+            *ff += f.norm_sqr();
+            *yy += y.norm_sqr();
+            *fy += f.conj() * y;
         }
     }
-    let (name, response, force) = (response.name.clone(), response.freedom.clone(), force.freedom.clone());
-    Function { name, response, force, hits, values, coherence, variance }
+
+    fn function(self, response: &Channel, force: &Channel, hits: usize, estimator: Estimator) -> Function {
+        let lines = self.sums.len();
+        let (mut values, mut coherence, mut variance) = (Vec::with_capacity(lines), Vec::new(), Vec::new());
+        for (ff, yy, fy) in self.sums {
+            let (h1, cross) = (fy / ff.max(f64::MIN_POSITIVE), fy.norm_sqr());
+            let ratio = if cross > 0.0 { (ff * yy / cross).max(1.0) } else { 1.0 };
+            values.push(match estimator {
+                Estimator::H1 => h1,
+                Estimator::H2 => h1 * ratio,
+                Estimator::Hv => h1 * ratio.sqrt(),
+            });
+            if hits > 1 {
+                coherence.push(1.0 / ratio);
+                variance.push(h1.norm_sqr() * (ratio - 1.0) / (hits - 1) as f64);
+            }
+        }
+        let (name, response, force) =
+            (response.name.clone(), response.freedom.clone(), force.freedom.clone());
+        Function { name, response, force, hits, values, coherence, variance }
+    }
 }
 
 #[cfg(test)]

@@ -1,10 +1,9 @@
 //! Free decays without a force: their transforms stand for responses.
 
 use rayon::prelude::*;
-use rustfft::FftPlanner;
 
-use super::estimate::spectrum;
 use super::set::{FiniteRecord, FrequencyResponses, Function};
+use super::transform::Transform;
 use crate::error::{Error, check};
 use crate::measure::{Channel, Freedom, Motion};
 
@@ -31,21 +30,28 @@ const FEWEST: usize = 64;
 /// ```
 pub fn free_responses(decays: &[Vec<Channel>], dt: f64, motion: Motion) -> Result<FrequencyResponses, Error> {
     let samples = common_length(decays, dt)?;
-    let transform = FftPlanner::new().plan_fft_forward(samples);
+    let transform = Transform::new(samples, dt);
     let numbered = decays.iter().enumerate().flat_map(|(n, decay)| decay.iter().map(move |c| (n, c)));
     let tasks: Vec<(usize, &Channel)> = numbered.collect();
-    let function = |(n, channel): &(usize, &Channel)| Function {
-        name: channel.name.clone(),
-        response: channel.freedom.clone(),
-        force: Freedom::point(format!("decay {}", n + 1)),
-        hits: 1,
-        values: spectrum(&channel.samples, dt, transform.as_ref()),
-        coherence: Vec::new(),
-        variance: Vec::new(),
+    let functions = |two: &[(usize, &Channel)]| {
+        let mut found = Vec::with_capacity(2);
+        transform.each(two.iter().map(|(_, channel)| channel.samples.clone()), |i, spectrum| {
+            let (n, channel) = two[i];
+            found.push(Function {
+                name: channel.name.clone(),
+                response: channel.freedom.clone(),
+                force: Freedom::point(format!("decay {}", n + 1)),
+                hits: 1,
+                values: spectrum.to_vec(),
+                coherence: Vec::new(),
+                variance: Vec::new(),
+            });
+        });
+        found
     };
     Ok(FrequencyResponses {
         step: 1.0 / (samples as f64 * dt),
-        functions: tasks.par_iter().map(function).collect(),
+        functions: tasks.par_chunks(2).flat_map_iter(functions).collect(),
         motion,
         force: Vec::new(),
         decay: 0.0,

@@ -1,6 +1,7 @@
 //! From hits to frequency responses: windows, averages, coherence, and what a record of finite length leaves out.
 
 mod set;
+mod transform;
 mod estimate;
 mod free;
 mod agreement;

@@ -128,7 +128,8 @@ impl FiniteRecord {
     /// The force's transform at each pole, ready for all lines.
     pub(crate) fn at(&self, pole: Complex) -> PoleInRecord<'_> {
         let forces = self.pulses.iter().map(|p| p.transform(pole)).collect();
-        PoleInRecord { record: self, pole, turns: self.turns(pole), forces }
+        let over = self.pulses.iter().map(|p| p.start + p.force.len()).max().unwrap_or(0) as f64 * self.dt;
+        PoleInRecord { record: self, pole, turns: self.turns(pole), quiet: self.length - over, forces }
     }
 
     /// e^(s Δt) and e^(s T).
@@ -137,12 +138,17 @@ impl FiniteRecord {
     }
 }
 
+/// A decay that falls by e to this power after the last pulse has ended in the record: what is cut off is 1e-20 of it, far below rounding.
+const ENDED: f64 = -46.0;
+
 /// What the end of the record cuts off one mode.
 pub(crate) struct PoleInRecord<'a> {
     pub(crate) record: &'a FiniteRecord,
     pole: Complex,
     /// e^(λ Δt) and e^(λ T).
     turns: [Complex; 2],
+    /// From the end of the last pulse to that of the record, s.
+    quiet: f64,
     forces: Vec<(Complex, Complex)>,
 }
 
@@ -150,23 +156,25 @@ impl PoleInRecord<'_> {
     /// The contribution of a unit residue at a line, and its derivative with respect to the pole. `back` are e^(-s Δt) and e^(-s T).
     pub(crate) fn value(&self, line: usize, s: Complex, back: [Complex; 2]) -> (Complex, Complex) {
         let (dt, length) = (self.record.dt, self.record.length);
-        let distance = self.pole - s;
         let turn = self.turns[0] * back[0];
-        let left = complex(1.0, 0.0) - turn;
-        let rest = self.turns[1] * back[1];
         if self.record.is_free() {
-            let value = dt * (1.0 - rest) / left;
-            let slope = value * (turn * dt / left) - dt * length * rest / left;
-            return (value, slope);
+            let rest = self.turns[1] * back[1];
+            let inverse = (1.0 - turn).inv() * dt;
+            let value = inverse * (1.0 - rest);
+            return (value, value * (turn * inverse) - inverse * rest * length);
+        }
+        let direct = (s - self.pole).inv();
+        if (self.pole.re - s.re) * self.quiet < ENDED {
+            return (direct, direct * direct);
         }
         let (mut share, mut moment) = (complex(0.0, 0.0), complex(0.0, 0.0));
         for ((f, m), weights) in self.forces.iter().zip(&self.record.weights) {
             share += weights[line] * *f;
             moment += weights[line] * *m;
         }
-        let tail = rest * dt / left;
-        let slope = tail * (share * (length + dt * turn / left) - moment);
-        let direct = -distance.inv();
+        let inverse = (1.0 - turn).inv() * dt;
+        let tail = self.turns[1] * back[1] * inverse;
+        let slope = tail * (share * (turn * inverse + length) - moment);
         (direct - tail * share, direct * direct - slope)
     }
 }

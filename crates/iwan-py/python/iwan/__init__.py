@@ -64,13 +64,16 @@ from iwan.steady import Backbone, SteadyResponse, backbone, frf
 from iwan.structure import StaticCurves, Structure, StructureModes, StructureResponse
 from iwan.study import reproduce
 from iwan.sweeps import SweepFit
-from iwan.updating import ComparedCurve, Estimate, StructureUpdate, UpdatedJoints, update
+from iwan.updating import ComparedBlow, ComparedCurve, Estimate, StructureUpdate, UpdatedJoints, update
+from iwan.coupled_fit import CoupledFit, fit_coupled
 
 __all__ = [
     "Backbone",
+    "ComparedBlow",
     "ComparedCurve",
     "ComputationError",
     "Coulomb",
+    "CoupledFit",
     "CoupledModes",
     "CoupledResponse",
     "Envelope",
@@ -124,6 +127,7 @@ __all__ = [
     "ensemble",
     "envelope",
     "fit",
+    "fit_coupled",
     "frf",
     "log_likelihood",
     "modal_fit",

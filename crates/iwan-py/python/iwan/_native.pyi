@@ -461,9 +461,25 @@ def _update(
     groups: Mapping[str, Sequence[str]] | None,
     correct: Sequence[tuple[str, float | None]],
     undamped: bool,
+    blows: Sequence[tuple[str, bool, float, ArrayLike, Sequence[tuple[str, ArrayLike]]]],
+    modes: Sequence[str],
+    quantity: str,
     threads: int | None,
     progress: Callable[[int], object] | None,
 ) -> tuple[str, str | None]: ...
+def _fit_coupled(
+    records: Sequence[tuple[str, Record, ArrayLike | None]],
+    held_out: Sequence[tuple[str, Record, ArrayLike | None]],
+    asked: Mapping[str, Any],
+    progress: Callable[[int], object] | None,
+) -> _FittedCoupled: ...
+@final
+class _FittedCoupled:
+    def told(self) -> tuple[str, str]: ...
+    def motions(self) -> list[list[Array]]: ...
+    def initial(self) -> list[list[Array]]: ...
+    def report(self, path: str | PathLike[str], force: bool) -> None: ...
+
 def _reproduce(*, threads: int | None, progress: Callable[[int], object] | None) -> str: ...
 def _fit_sweeps(
     sweeps: Sequence[str | PathLike[str] | tuple[str, Sequence[tuple[str, ArrayLike]]]],

@@ -1,4 +1,4 @@
-"""Joints of a structure from frequency and damping of several modes."""
+"""Joints of a structure from frequency and damping of several modes, and from blows on several points."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ import json
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, TypeAlias, cast
+from typing import Any, Literal, TypeAlias, cast
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -19,7 +19,7 @@ from iwan.progress import Progress, bar
 from iwan.structure import StaticCurves, Structure
 from iwan.types import Array
 
-__all__ = ["ComparedCurve", "Estimate", "StructureUpdate", "UpdatedJoints", "update"]
+__all__ = ["ComparedBlow", "ComparedCurve", "Estimate", "StructureUpdate", "UpdatedJoints", "update"]
 
 _PARTS = 1000
 """What progress counts to."""
@@ -96,6 +96,34 @@ class ComparedCurve:
 
 
 @dataclass(frozen=True, eq=False)
+class ComparedBlow:
+    """One mode at one point under a blow beside the structure's; arrays have one entry per window. Made by `update`.
+
+    Example: that of `update`.
+    """
+
+    source: str
+    """Which record: its place in what was given."""
+    point: str
+    """Output of the structure, or mode."""
+    mode: str
+    """Mode about whose frequency both are compared."""
+    held_out: bool
+    """Whether the blow was kept out of the fit and predicted."""
+    before: float | None
+    """Root mean square of the difference over that of the record there (over 2 % of the loudest mode and point of the blow where it is
+    less), with the joints as given; None where these have no motion."""
+    after: float
+    """The same with the joints found."""
+    time: Array
+    """Middles of the windows, s."""
+    measured: Array
+    """Measured amplitudes, in the unit of the record."""
+    computed: Array
+    """Those of the structure with the joints found."""
+
+
+@dataclass(frozen=True, eq=False)
 class StructureUpdate:
     """Joints of a structure with what is known about them. Made by `update`; picklable.
 
@@ -122,6 +150,8 @@ class StructureUpdate:
     """Best compromises: misfit of frequency over its measured shift, and of the logarithm of damping."""
     curves: Sequence[ComparedCurve]
     """Measured curves beside the structure's."""
+    blows: Sequence[ComparedBlow]
+    """Blows beside the structure's, where joints were found from blows."""
     converged: bool
     """Whether the search ended by itself."""
     text: str | None
@@ -173,10 +203,32 @@ def _listed(
     return listed
 
 
+def _blows(
+    records: Sequence[Mapping[str, ArrayLike]], held_out: bool
+) -> list[tuple[str, bool, float, ArrayLike, list[tuple[str, ArrayLike]]]]:
+    word = "predict_records" if held_out else "records"
+    if isinstance(records, Mapping) or not isinstance(records, Sequence):
+        raise InvalidTypeError(f"{word} must be a sequence of mappings with dt, force and motions")
+    listed = []
+    for i, given in enumerate(records):
+        if not isinstance(given, Mapping):
+            raise InvalidTypeError(f"{word}[{i}] must be a mapping with dt, force and motions, not {type(given).__name__}")
+        for key in ("dt", "force"):
+            if key not in given:
+                raise InvalidValueError(f"{word}[{i}] has no '{key}': it has {', '.join(given)}")
+        motions = [(name, samples) for name, samples in given.items() if name not in ("dt", "force")]
+        listed.append((f"{word}[{i}]", held_out, float(cast("float", given["dt"])), given["force"], motions))
+    return listed
+
+
 def update(
     structure: Structure,
-    curves: Mapping[str, Curve | Sequence[Curve]],
+    curves: Mapping[str, Curve | Sequence[Curve]] | None = None,
     *,
+    records: Sequence[Mapping[str, ArrayLike]] = (),
+    predict_records: Sequence[Mapping[str, ArrayLike]] = (),
+    modes: Sequence[str] | None = None,
+    quantity: Literal["acceleration", "velocity", "displacement"] = "acceleration",
     predict: Mapping[str, Curve | Sequence[Curve]] | None = None,
     groups: Mapping[str, Sequence[str]] | None = None,
     correct: Mapping[str, float | None] | Sequence[str] = (),
@@ -184,12 +236,15 @@ def update(
     threads: int | None = None,
     progress: Progress = None,
 ) -> StructureUpdate:
-    """Find the joints of a structure from frequency and damping of several of its modes against amplitude.
+    """Find the joints of a structure from frequency and damping of several of its modes against amplitude, or from blows.
 
     `curves`: by the structure's name of the mode, one curve or several: an `iwan.Fit`, an `iwan.StaticCurves`, or a mapping with the
     arrays `displacement` (modal, mass^1/2 length), `frequency` (Hz) and `damping_ratio`. `predict`: curves that are kept out and
     predicted. `groups`: names of the joints that share one law, by the name of the group; without it those that move alike in the
-    measured modes. `correct`: parts of the linear stiffness that may be wrong by a factor ("material", an element set, a lump), with the
+    measured modes. `records`: blows on several points from rest, mappings with `dt` (s), `force` on the structure's loads, and samples by the
+    names of outputs and modes of the structure, all of one `quantity`; joints are then found from the motion itself, by transients of the
+    structure with all modes, the search beginning at what the curves give where there are any. `modes`: about whose frequencies records
+    and structure are compared; without it those of the curves. `predict_records`: blows that are kept out and predicted. `correct`: parts of the linear stiffness that may be wrong by a factor ("material", an element set, a lump), with the
     standard deviation of its logarithm where that is known before. `undamped`: no viscous damping beside the joints. Results do not
     depend on `threads`; `progress`: as in `iwan.ensemble.simulate`, in thousandths.
 
@@ -207,7 +262,12 @@ def update(
     if not isinstance(structure, Structure):
         raise InvalidTypeError("structure must be an iwan.Structure")
     parts = list(correct.items()) if isinstance(correct, Mapping) else [(name, None) for name in correct]
-    given = _listed(curves, False) + _listed({} if predict is None else predict, True)
+    if curves is None and not records:
+        raise InvalidTypeError("curves and records are missing: give what was measured")
+    given = _listed({} if curves is None else curves, False) + _listed({} if predict is None else predict, True)
+    compared = list(modes) if modes is not None else list(curves or ())
+    if records and not compared:
+        raise InvalidValueError("modes is missing: name the modes about whose frequencies records and structure are compared")
     with bar(progress, _PARTS) as tell:
         found, text = _native._update(
             structure._native,
@@ -215,6 +275,9 @@ def update(
             groups=None if groups is None else {name: list(joints) for name, joints in groups.items()},
             correct=parts,
             undamped=undamped,
+            blows=_blows(records, False) + _blows(predict_records, True),
+            modes=compared,
+            quantity=quantity,
             threads=threads,
             progress=tell,
         )
@@ -231,6 +294,9 @@ def _made(told: dict[str, Any], text: str | None) -> StructureUpdate:
         kept = {key: np.asarray(curve[key], dtype=np.float64) for key in ComparedCurve.__annotations__ if isinstance(curve[key], list)}
         return ComparedCurve(mode=curve["mode"], held_out=curve["held_out"], **kept)
 
+    def struck(blow: dict[str, Any]) -> ComparedBlow:
+        return ComparedBlow(**{**blow, **{key: np.asarray(blow[key], dtype=np.float64) for key in ("time", "measured", "computed")}})
+
     return StructureUpdate(
         groups=[joints(group) for group in told["groups"]],
         factors={name: Estimate(**estimate) for name, estimate in told["factors"]},
@@ -242,6 +308,7 @@ def _made(told: dict[str, Any], text: str | None) -> StructureUpdate:
         next_modes=told["next_modes"],
         front=[(point["frequency"], point["damping"]) for point in told["front"]],
         curves=[compared(curve) for curve in told["curves"]],
+        blows=[struck(blow) for blow in told["blows"]],
         converged=told["converged"],
         text=text,
     )

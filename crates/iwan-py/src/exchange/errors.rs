@@ -129,7 +129,7 @@ pub(crate) fn reading(error: &ReadError) -> PyErr {
 
 /// What the reader of records says, with Python's arguments in place of the command line's options.
 pub(crate) fn in_python(text: &str) -> String {
-    const WORDS: [(&str, &str); 9] = [
+    const WORDS: [(&str, &str); 16] = [
         ("--time-unit s|ms|us|ns|min|h", "time_unit="),
         ("--time-unit ", "time_unit="),
         ("leave --unit out", "leave unit= out"),
@@ -139,6 +139,13 @@ pub(crate) fn in_python(text: &str) -> String {
         ("--quantity", "quantity="),
         ("--resample", "resample=True"),
         ("--force", "force=True"),
+        ("--band LOW:HIGH", "bands="),
+        ("one --band", "one band"),
+        ("--mode HZ", "near="),
+        ("--shapes FILE", "shapes="),
+        ("choose one channel with --channel", "give one channel"),
+        ("--shapes", "shapes="),
+        ("a column `frequency` (Hz) in the file", "frequencies="),
     ];
     WORDS.iter().fold(text.to_owned(), |text, (from, to)| text.replace(from, to))
 }

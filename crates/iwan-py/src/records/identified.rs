@@ -450,7 +450,7 @@ impl Likelihood {
     }
 }
 
-fn motion(name: &str) -> PyResult<Quantity> {
+pub(crate) fn motion(name: &str) -> PyResult<Quantity> {
     match name {
         "acceleration" => Ok(Quantity::Acceleration),
         "velocity" => Ok(Quantity::Velocity),

@@ -5,3 +5,4 @@ pub(crate) mod mode_records;
 pub(crate) mod envelope;
 pub(crate) mod identified;
 pub(crate) mod sweeps;
+pub(crate) mod coupled_fit;

@@ -76,7 +76,7 @@ impl Record {
     }
 
     /// The record of the library, checked again.
-    fn whole(&self, py: Python<'_>) -> PyResult<iwan_io::Record> {
+    pub(crate) fn whole(&self, py: Python<'_>) -> PyResult<iwan_io::Record> {
         let rows = self.samples.bind(py).readonly().as_array().outer_iter().map(|row| row.to_vec()).collect();
         let record = iwan_io::Record::new(self.dt, rows, self.names.clone());
         let record = record.and_then(|record| record.with_start(self.start));

@@ -2,16 +2,19 @@
 
 use std::collections::BTreeMap;
 
-use iwan_fem::{Correction, NamedModes, Stiffness};
+use iwan_fem::{Correction, Kinematic, NamedModes, Stiffness};
 use iwan_input::{StructureFile, updated_structure};
 use iwan_study::Error;
-use iwan_study::update::{JointGroup, MeasuredCurve, Update, UpdateTask, groups_that_move_alike, update};
+use iwan_study::update::{
+    BlowTask, JointGroup, MeasuredBlow, MeasuredCurve, Update, UpdateTask, groups_that_move_alike, update,
+    update_from_blows,
+};
 use pyo3::prelude::*;
 use serde_json::json;
 
 use crate::exchange::array::Numbers;
 use crate::exchange::errors::{computation, fem, value};
-use crate::exchange::options::thread_count;
+use crate::exchange::options::{thread_count, unknown};
 use crate::exchange::work;
 use crate::structures::structure::Structure;
 
@@ -21,15 +24,31 @@ const PARTS: f64 = 1000.0;
 /// Mode, source, whether it is kept out, whether its frequency is a secant; displacement, frequency, damping ratio.
 type Given<'py> = (String, String, bool, bool, Bound<'py, PyAny>, Bound<'py, PyAny>, Bound<'py, PyAny>);
 
+/// Source, whether it is kept out, sampling interval, force, motions by the names of modes and outputs.
+type GivenBlow<'py> = (String, bool, f64, Bound<'py, PyAny>, Vec<(String, Bound<'py, PyAny>)>);
+
+/// A blow before it is placed on the structure.
+struct Read {
+    source: String,
+    held_out: bool,
+    dt: f64,
+    force: Vec<f64>,
+    motions: Vec<(String, Vec<f64>)>,
+}
+
 /// What was found as a JSON text, and the text of the structure with the joints found, where that can be written.
 #[pyfunction]
-#[pyo3(signature = (structure, curves, *, groups, correct, undamped, threads, progress))]
+#[pyo3(signature = (structure, curves, *, groups, correct, undamped, blows, modes, quantity, threads, progress))]
+#[expect(clippy::too_many_arguments, reason = "the keywords of one function of Python")]
 pub(crate) fn _update<'py>(
     structure: &Bound<'py, Structure>,
     curves: Vec<Given<'py>>,
     groups: Option<BTreeMap<String, Vec<String>>>,
     correct: Vec<(String, Option<f64>)>,
     undamped: bool,
+    blows: Vec<GivenBlow<'py>>,
+    modes: Vec<String>,
+    quantity: &str,
     threads: Option<usize>,
     progress: Option<&Bound<'py, PyAny>>,
 ) -> PyResult<(String, Option<String>)> {
@@ -48,11 +67,25 @@ pub(crate) fn _update<'py>(
         return Err(value(format!("{}: {message}", loaded.name())));
     }
     let groups = groups.map(|groups| named_groups(&loaded.file, &laws, groups)).transpose()?;
+    let kinematic = match quantity {
+        "acceleration" => Kinematic::Acceleration,
+        "velocity" => Kinematic::Velocity,
+        "displacement" => Kinematic::Displacement,
+        other => {
+            return Err(unknown("quantity", other, &["acceleration", "velocity", "displacement"]));
+        }
+    };
+    let blows = blows.into_iter().map(blow).collect::<PyResult<Vec<_>>>()?;
     let this = loaded.clone();
     let found = work::watched(py, progress, move |control| {
         let structure = |source| Error::Structure { place: this.name().to_owned(), source };
         let named = this.named_modes(NamedModes::LOOKED_UP, control).map_err(structure)?;
-        let modes: Vec<&str> = measured.iter().map(|c: &MeasuredCurve| c.mode.as_str()).collect();
+        let blows =
+            if blows.is_empty() { None } else { Some(placed(&this.file, &named, blows, modes, kinematic)?) };
+        let modes: Vec<&str> = match &blows {
+            Some(blows) => blows.modes.iter().map(String::as_str).collect(),
+            None => measured.iter().map(|c: &MeasuredCurve| c.mode.as_str()).collect(),
+        };
         let groups = match groups {
             Some(groups) => groups,
             None => groups_that_move_alike(&named, &laws, &modes)?,
@@ -66,7 +99,11 @@ pub(crate) fn _update<'py>(
             held_out,
             threads,
         };
-        let found = update(&task, &|share| control.report((share * PARTS) as usize))?;
+        let progress = |share: f64| control.report((share * PARTS) as usize);
+        let found = match &blows {
+            Some(blows) => update_from_blows(&task, blows, &progress)?,
+            None => update(&task, &progress)?,
+        };
         let changes = this.file.changes(found.laws_of_joints(&task), found.factors_of_parts(&task));
         Ok((found, changes))
     })?;
@@ -85,6 +122,54 @@ fn curve((mode, source, _, secant, displacement, frequency, damping): Given<'_>)
         source,
         stiffness,
     })
+}
+
+fn blow((source, held_out, dt, force, motions): GivenBlow<'_>) -> PyResult<Read> {
+    let motion = |(name, samples): (String, Bound<'_, PyAny>)| {
+        let samples = Numbers::vector(&name, &samples)?;
+        Ok((name, samples))
+    };
+    let motions = motions.into_iter().map(motion).collect::<PyResult<Vec<_>>>()?;
+    Ok(Read { source, held_out, dt, force: Numbers::vector("force", &force)?, motions })
+}
+
+/// Blows with their points as outputs of the structure.
+fn placed(
+    file: &StructureFile,
+    named: &NamedModes,
+    blows: Vec<Read>,
+    modes: Vec<String>,
+    kinematic: Kinematic,
+) -> Result<BlowTask, Error> {
+    let structure = |place: &str| {
+        let place = place.to_owned();
+        move |source| Error::Structure { place, source }
+    };
+    let refused =
+        |place: &str, finding: String, remedy| Error::Update { place: place.into(), finding, remedy };
+    let of_file = |error: iwan_input::InputError| {
+        refused("structure", error.message, "see the chapter on structures for [[load]] and [[output]]")
+    };
+    let chosen = named.chosen(&modes).map_err(structure("modes"))?;
+    let outputs = file.recorded(named, &chosen).map_err(of_file)?;
+    let load = file.forces(&named.assembled).map_err(of_file)?;
+    let mut task = BlowTask { load, blows: Vec::new(), held_out: Vec::new(), modes };
+    for Read { source, held_out, dt, force, motions } in blows {
+        let mut points = Vec::new();
+        for (name, samples) in motions {
+            let found = outputs.iter().find(|output| output.name == name).cloned();
+            let output = found.ok_or_else(|| {
+                let known: Vec<&str> = outputs.iter().map(|output| output.name.as_str()).collect();
+                let finding =
+                    format!("there is no mode or output '{name}': choose from {}", known.join(", "));
+                refused(&source, finding, "add an output to the structure, or a mode to modes")
+            })?;
+            points.push((output, samples));
+        }
+        let blow = MeasuredBlow { source, dt, force, points, kinematic };
+        if held_out { &mut task.held_out } else { &mut task.blows }.push(blow);
+    }
+    Ok(task)
 }
 
 fn corrections(
@@ -141,6 +226,7 @@ fn told(found: &Update) -> String {
         "next_modes": found.next_modes,
         "front": found.front,
         "curves": found.curves,
+        "blows": found.blows,
         "converged": found.converged,
     })
     .to_string()

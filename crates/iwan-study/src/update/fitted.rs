@@ -149,7 +149,7 @@ impl<'a> Fit<'a> {
 }
 
 /// A start with the unknowns that are held where the first start has them.
-fn holding(x: &[f64], first: &[f64], held: &[usize]) -> Vec<f64> {
+pub(super) fn holding(x: &[f64], first: &[f64], held: &[usize]) -> Vec<f64> {
     x.iter()
         .zip(first)
         .enumerate()
@@ -157,7 +157,7 @@ fn holding(x: &[f64], first: &[f64], held: &[usize]) -> Vec<f64> {
         .collect()
 }
 
-fn estimated(x: f64, interval: Interval, value: &dyn Fn(f64) -> f64) -> Estimated {
+pub(super) fn estimated(x: f64, interval: Interval, value: &dyn Fn(f64) -> f64) -> Estimated {
     let (low, high) = (interval.low.map(value), interval.high.map(value));
     Estimated { value: value(x), low, high, identifiable: low.is_some() && high.is_some() }
 }

@@ -200,6 +200,20 @@ impl Model for Beside<'_> {
             }
             from += 2 * n;
         }
+        self.known_before(x, from, residuals, derivatives);
+        residuals.iter().all(|r| r.is_finite())
+    }
+}
+
+impl Beside<'_> {
+    /// What is known of the factors before, as residuals from the place `from` on.
+    pub(super) fn known_before(
+        &self,
+        x: &[f64],
+        mut from: usize,
+        residuals: &mut [f64],
+        mut derivatives: Option<&mut [Vec<f64>]>,
+    ) {
         for (k, deviation) in self.priors.iter().enumerate() {
             let Some(deviation) = deviation else { continue };
             let place = self.first_factor() + k;
@@ -211,6 +225,5 @@ impl Model for Beside<'_> {
             }
             from += 1;
         }
-        residuals.iter().all(|r| r.is_finite())
     }
 }

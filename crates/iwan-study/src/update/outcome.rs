@@ -39,6 +39,30 @@ pub struct ComparedCurve {
     pub log_damping_sd: Vec<f64>,
 }
 
+/// One mode at one point under a blow: how far the structure is from what was measured.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct ComparedBlow {
+    /// Where the record comes from.
+    pub source: String,
+    /// Point, by the name of the structure's output.
+    pub point: String,
+    /// Mode about whose frequency both were compared.
+    pub mode: String,
+    /// Whether the blow was kept out of the fit.
+    pub held_out: bool,
+    /// Root mean square of the difference of complex amplitudes over that of the measured ones, with the joints of the file; none where these have no
+    /// motion.
+    pub before: Option<f64>,
+    /// The same with the joints found.
+    pub after: f64,
+    /// Middles of the windows, s.
+    pub time: Vec<f64>,
+    /// Measured amplitude in each window, in the unit of the record.
+    pub measured: Vec<f64>,
+    /// That of the structure with the joints found.
+    pub computed: Vec<f64>,
+}
+
 /// A combination of unknowns, and how well the curves tell it.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Told {
@@ -71,6 +95,8 @@ pub struct Update {
     pub next_modes: Vec<NextMode>,
     /// Compromises of frequency and damping.
     pub front: Vec<TradeOff>,
+    /// Blows beside the structure's, where joints were found from blows: one entry for each point and mode of each.
+    pub blows: Vec<ComparedBlow>,
     /// Whether the search ended by itself.
     pub converged: bool,
 }
@@ -98,9 +124,14 @@ const MOST_NAMED: usize = 4;
 
 /// The combinations in words.
 pub(super) fn told(fit: &Fit<'_>, names: &[String]) -> Vec<Told> {
+    in_words(&fit.told, &fit.free, names)
+}
+
+/// Combinations of these free unknowns in words.
+pub(super) fn in_words(told: &iwan_ident::estimate::Told, free: &[usize], names: &[String]) -> Vec<Told> {
     let in_words = |direction: &[f64]| {
         let mut terms: Vec<(f64, &String)> =
-            direction.iter().copied().zip(fit.free.iter().map(|j| &names[*j])).collect();
+            direction.iter().copied().zip(free.iter().map(|j| &names[*j])).collect();
         terms.sort_by(|a, b| b.0.abs().total_cmp(&a.0.abs()));
         let least = NAMED * terms.first().map_or(0.0, |t| t.0.abs());
         let sign = terms.first().map_or(1.0, |t| t.0.signum());
@@ -121,7 +152,7 @@ pub(super) fn told(fit: &Fit<'_>, names: &[String]) -> Vec<Told> {
         deviation: Some(c.deviation).filter(|d| d.is_finite()),
         combination: in_words(&c.direction),
     };
-    fit.told.combinations().iter().map(one).collect()
+    told.combinations().iter().map(one).collect()
 }
 
 /// Names of all coordinates.

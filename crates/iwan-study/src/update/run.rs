@@ -18,7 +18,7 @@ use crate::error::Error;
 
 /// Modes of the reduced structure beside the attachment vectors, and as many above the highest mode measured: 40 of the paper's beam reach to
 /// 10 kHz, where frequencies of its first modes under a correction of 3 % are within 1e-6.
-const MODES: usize = 40;
+pub(super) const MODES: usize = 40;
 /// Points of the front of compromises.
 const FRONT: usize = 30;
 /// Finds the joints of a structure from curves of several modes.
@@ -29,6 +29,13 @@ const FRONT: usize = 30;
 pub fn update(task: &UpdateTask<'_>, progress: Progress<'_>) -> Result<Update, Error> {
     let failed = Error::structure("update");
     let assembled = &task.named.assembled;
+    if task.curves.is_empty() {
+        return Err(Error::Update {
+            place: "update".into(),
+            finding: "no curve was given".into(),
+            remedy: "give curves of at least one mode",
+        });
+    }
     let measured = placed(task, &task.curves)?;
     let held_out = placed(task, &task.held_out)?;
     checked(task)?;
@@ -65,6 +72,7 @@ pub fn update(task: &UpdateTask<'_>, progress: Progress<'_>) -> Result<Update, E
         corrections,
         next_modes: next_modes(&fit, task.named, &group_names),
         front,
+        blows: Vec::new(),
         converged: fit.found.converged,
     })
 }

@@ -35,12 +35,10 @@ pub(super) struct Placed<'a> {
     pub(super) points: Vec<Point>,
 }
 
+/// Refuses groups and priors that do not fit.
 pub(super) fn checked(task: &UpdateTask<'_>) -> Result<(), Error> {
     let refused =
         |finding: &str, remedy| Error::Update { place: "update".into(), finding: finding.into(), remedy };
-    if task.curves.is_empty() {
-        return Err(refused("no curve was given", "give curves of at least one mode"));
-    }
     let empty = task.groups.iter().find(|g| slips_of_group(&task.named.assembled, g).is_empty());
     if task.groups.is_empty() || empty.is_some() {
         let name = empty.map_or("", |g| g.name.as_str());
@@ -127,6 +125,8 @@ pub(super) fn starts(task: &UpdateTask<'_>, measured: &[Placed<'_>], modes: usiz
         [1.0, 2.5, -0.2, 0.5],
     ];
     let least = measured.iter().flat_map(|p| &p.points).map(|p| p.log_damping).fold(f64::INFINITY, f64::min);
+    // Without curves a joint's 0.1 %.
+    let least = if least.is_finite() { least } else { DAMPING_UNIT.ln() };
     let viscous = if task.viscous { modes } else { 0 };
     let one = |&[k, f, chi, dirac]: &[f64; 4]| {
         let mut x: Vec<f64> = Vec::new();

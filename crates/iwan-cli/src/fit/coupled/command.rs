@@ -2,14 +2,10 @@
 
 use std::sync::atomic::AtomicBool;
 
-use iwan_ident::coupled::{CoupledFit, CoupledRecord, CoupledTask, fit_coupled};
-use iwan_input::scenario::to_toml;
+use iwan_ident::coupled::{CoupledFit, fit_coupled};
 
-use super::figures::figures;
 use super::records::Measured;
-use super::report::render;
-use super::scenario::scenario;
-use super::summary::CoupledSummary;
+use super::results::CoupledResults;
 use crate::failure::Failure;
 use crate::fit::args::FitArgs;
 use crate::session::{PAGE, SUMMARY, Session};
@@ -28,40 +24,25 @@ pub(crate) fn fit(args: &FitArgs) -> Result<(), Failure> {
             format!("--shape-at-force has {} numbers for {} modes", shape.len(), measured.modes.len());
         return Err(Failure::input(message, "give one for each mode, in their order"));
     }
-    let names: Vec<String> = measured.modes.iter().map(|m| m.name.clone()).collect();
-    let files = |records: &[CoupledRecord]| records.iter().map(|r| r.name.clone()).collect::<Vec<_>>();
-    let (fitted, held_out) = (files(&measured.records), files(&measured.held_out));
     let found = run(&measured, shape, &session)?;
-    let summary = CoupledSummary::new(&found, &names, [fitted, held_out], measured.warnings.clone());
-    let toml = to_toml(&scenario(&summary.title, &found, &names, &measured.records, measured.seen), "");
-    let all: Vec<CoupledRecord> = measured.records.iter().chain(&measured.held_out).cloned().collect();
-    let drawn = figures(&found, &all, &names, measured.quantity);
-    let motions: usize = measured.records.iter().map(|r| r.motions.len()).sum();
-    session.summary(WHOLE, &summary)?;
-    session.summary(SUMMARY, &summary.short())?;
-    session.file(SCENARIO, toml.as_bytes())?;
-    session.page(&render(&summary, [&drawn[..motions], &drawn[motions..]], &toml))?;
-    session.finish(&summary)
+    let results = CoupledResults::new(&measured, &found);
+    session.summary(WHOLE, &results.summary)?;
+    session.summary(SUMMARY, &results.summary.short())?;
+    session.file(SCENARIO, results.toml.as_bytes())?;
+    session.page(&results.page)?;
+    session.finish(&results.summary)
 }
 
 /// The fit, beside the main thread, which watches for Ctrl-C.
 fn run(measured: &Measured, shape: &[f64], session: &Session) -> Result<CoupledFit, Failure> {
     let place = measured.records.iter().map(|r| r.name.as_str()).collect::<Vec<_>>().join(", ");
-    let (records, held_out, modes) =
-        (measured.records.clone(), measured.held_out.clone(), measured.modes.clone());
-    let (quantity, seen, threads) = (measured.quantity, measured.seen, session.threads());
-    let shape = (!shape.is_empty()).then(|| shape.to_vec());
+    let (measured, threads, shape) = (measured.clone(), session.threads(), shape.to_vec());
+    let bar = session.bar("fitting");
+    let teller = bar.teller();
     let work = move || {
-        fit_coupled(&CoupledTask {
-            records: &records,
-            held_out: &held_out,
-            modes: &modes,
-            quantity,
-            seen,
-            shape_at_force: shape.as_deref(),
-            threads,
-            stopped: &AtomicBool::new(false),
-        })
+        let shape = (!shape.is_empty()).then_some(shape.as_slice());
+        let progress = |share| teller.report(share);
+        fit_coupled(&measured.task(shape, threads, &AtomicBool::new(false), &progress))
     };
-    session.busy("fitting").wait(work)?.map_err(|error| Failure::said(&place, &error))
+    bar.wait(work)?.map_err(|error| Failure::said(&place, &error))
 }

@@ -5,6 +5,9 @@ mod summary;
 mod scenario;
 mod figures;
 mod report;
+mod results;
 mod command;
 
 pub(crate) use command::fit;
+pub(crate) use records::{Loaded, Measured};
+pub(crate) use results::CoupledResults;

@@ -1,11 +1,14 @@
 //! From files to records of several modes at once.
 
 use std::path::Path;
+use std::sync::atomic::AtomicBool;
 
+use iwan_core::Progress;
 use iwan_ident::Parameters;
-use iwan_ident::coupled::{CoupledRecord, Seen, UncoupledMode};
+use iwan_ident::coupled::{CoupledRecord, CoupledTask, Seen, UncoupledMode};
 use iwan_ident::curve_fit::{fit, start};
 use iwan_ident::curves::Quantity;
+use iwan_ident::signal::Method;
 use iwan_io::{ReadOptions, Record};
 
 use crate::failure::Failure;
@@ -19,14 +22,14 @@ const JOINT_SHARE: f64 = 0.02;
 const UNTOLD: (f64, f64, f64) = (1e-3, -0.3, 0.1);
 
 /// What is fitted.
-#[derive(Debug)]
-pub(super) struct Measured {
-    pub(super) records: Vec<CoupledRecord>,
-    pub(super) held_out: Vec<CoupledRecord>,
-    pub(super) modes: Vec<UncoupledMode>,
-    pub(super) quantity: Quantity,
-    pub(super) seen: Seen,
-    pub(super) warnings: Vec<String>,
+#[derive(Debug, Clone)]
+pub(crate) struct Measured {
+    pub(crate) records: Vec<CoupledRecord>,
+    pub(crate) held_out: Vec<CoupledRecord>,
+    pub(crate) modes: Vec<UncoupledMode>,
+    pub(crate) quantity: Quantity,
+    pub(crate) seen: Seen,
+    pub(crate) warnings: Vec<String>,
 }
 
 impl Measured {
@@ -35,8 +38,21 @@ impl Measured {
         let load = args.load.as_deref();
         let fitted = files(&args.fit, args, load)?;
         let held = files(&args.held_out, args, load)?;
+        let seen = if args.records.shapes.is_some() { Seen::Modes } else { Seen::Sum };
+        let modes = |recordings: &[Recording]| records::modes(recordings, &args.records);
+        Self::new(&fitted, &held, seen, args.method.method(), modes)
+    }
+
+    /// Takes modes out of recordings that are fitted and others that are kept out.
+    pub(crate) fn new(
+        fitted: &[Loaded],
+        held: &[Loaded],
+        seen: Seen,
+        method: Method,
+        find: impl Fn(&[Recording]) -> Result<Vec<Wanted>, Failure>,
+    ) -> Result<Self, Failure> {
         let mut recordings: Vec<Recording> = fitted.iter().map(|(r, _)| r.clone()).collect();
-        let wanted = records::modes(&recordings, &args.records)?;
+        let wanted = find(&recordings)?;
         if wanted.len() < 2 {
             let message = "modes that share joints are at least two, but one is wanted";
             return Err(Failure::input(
@@ -45,14 +61,13 @@ impl Measured {
             ));
         }
         let channels = recordings[0].record.names().len();
-        let seen = if args.records.shapes.is_some() { Seen::Modes } else { Seen::Sum };
         if seen == Seen::Sum && channels > 1 {
             let message = format!("{channels} channels, and no mode shapes to tell the modes apart by");
             return Err(Failure::input(message, "give --shapes FILE, or choose one channel with --channel"));
         }
         let (mut modes, mut ends) = (Vec::new(), vec![0; recordings.len()]);
         for one in &wanted {
-            let extractions = extract(&recordings, one, args.method.method())?;
+            let extractions = extract(&recordings, one, method)?;
             for (end, x) in ends.iter_mut().zip(&extractions) {
                 *end = x.isolated.window.end.max(*end);
             }
@@ -81,7 +96,7 @@ impl Measured {
         let mut held_out = Vec::new();
         if !held.is_empty() {
             recordings = held.iter().map(|(r, _)| r.clone()).collect();
-            let wanted = records::modes(&recordings, &args.records)?;
+            let wanted = find(&recordings)?;
             held_out = held.iter().enumerate().map(|one| take(one, &wanted, seen)).collect();
             let longest = records.iter().map(|r| r.dt * r.motions[0].len() as f64).fold(0.0, f64::max);
             for record in &mut held_out {
@@ -91,10 +106,31 @@ impl Measured {
         }
         Ok(Self { records, held_out, modes, quantity, seen, warnings })
     }
+
+    /// The fit of it; results do not depend on `threads`.
+    pub(crate) fn task<'a>(
+        &'a self,
+        shape_at_force: Option<&'a [f64]>,
+        threads: usize,
+        stopped: &'a AtomicBool,
+        progress: Progress<'a>,
+    ) -> CoupledTask<'a> {
+        CoupledTask {
+            records: &self.records,
+            held_out: &self.held_out,
+            modes: &self.modes,
+            quantity: self.quantity,
+            seen: self.seen,
+            shape_at_force,
+            threads,
+            stopped,
+            progress,
+        }
+    }
 }
 
 /// A recording with its load, where that is known.
-type Loaded = (Recording, Option<Vec<f64>>);
+pub(crate) type Loaded = (Recording, Option<Vec<f64>>);
 
 /// Recordings with their loads.
 fn files(paths: &[std::path::PathBuf], args: &FitArgs, load: Option<&str>) -> Result<Vec<Loaded>, Failure> {

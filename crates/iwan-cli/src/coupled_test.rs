@@ -1,0 +1,143 @@
+//! Records of several modes at once for other programs: read, fitted and drawn as `iwan fit --coupled` does.
+
+use std::sync::atomic::AtomicBool;
+
+use iwan_core::Progress;
+use iwan_ident::Error;
+use iwan_ident::coupled::{CoupledFit, Seen, fit_coupled};
+use iwan_ident::curves::Quantity;
+use iwan_ident::signal::Method;
+use iwan_io::Record;
+
+use crate::failure::Failure;
+use crate::fit::{CoupledResults, Loaded, Measured};
+use crate::records::{Recording, Shapes, Sought};
+
+/// A record with its force, where that is known.
+#[derive(Debug, Clone)]
+pub struct StruckRecord {
+    /// What messages and results call it.
+    pub name: String,
+    /// The motions.
+    pub record: Record,
+    /// What they measure.
+    pub quantity: Quantity,
+    /// What had to be assumed, in words.
+    pub warnings: Vec<String>,
+    /// Force at the samples; none: a free decay.
+    pub force: Option<Vec<f64>>,
+}
+
+/// Which modes are looked for, and where.
+#[derive(Debug, Clone)]
+pub struct ModesSought {
+    /// Mass-normalised shapes, one row for each mode and one value for each channel. Without them the one channel shows the sum of all modes.
+    pub shapes: Option<Vec<Vec<f64>>>,
+    /// Frequency of each row, Hz.
+    pub frequencies: Option<Vec<f64>>,
+    /// Band of each mode, Hz.
+    pub bands: Vec<(f64, f64)>,
+    /// Rough frequency of each mode, Hz, where there are neither bands nor shapes.
+    pub near: Vec<f64>,
+    /// How each mode is followed by itself for the start values.
+    pub method: Method,
+}
+
+/// Several modes of several records, ready to be fitted.
+#[derive(Debug, Clone)]
+pub struct CoupledTest(Measured);
+
+impl CoupledTest {
+    /// Takes the modes out of records that are fitted and others that are kept out.
+    ///
+    /// # Errors
+    /// Why they do not fit, in words.
+    pub fn new(
+        records: Vec<StruckRecord>,
+        held_out: Vec<StruckRecord>,
+        sought: ModesSought,
+    ) -> Result<Self, String> {
+        made(records, held_out, sought).map(Self).map_err(|failure| failure.to_string())
+    }
+
+    /// Names of the modes, in their order.
+    #[must_use]
+    pub fn modes(&self) -> Vec<String> {
+        self.0.modes.iter().map(|mode| mode.name.clone()).collect()
+    }
+
+    /// What was measured of the modes, or by the one sensor, in the samples that are fitted and then in those that are predicted: by record,
+    /// series and sample.
+    #[must_use]
+    pub fn motions(&self) -> Vec<Vec<Vec<f64>>> {
+        self.0.records.iter().chain(&self.0.held_out).map(|record| record.motions.clone()).collect()
+    }
+
+    /// Fits linear modes, modes with joints of their own and modes that share joints; results do not depend on `threads`.
+    ///
+    /// # Errors
+    /// Those of [`fit_coupled`].
+    pub fn fit(
+        &self,
+        shape_at_force: Option<&[f64]>,
+        threads: usize,
+        stopped: &AtomicBool,
+        progress: Progress<'_>,
+    ) -> Result<CoupledFit, Error> {
+        fit_coupled(&self.0.task(shape_at_force, threads, stopped, progress))
+    }
+
+    /// `fit.json` of `iwan fit --coupled`.
+    ///
+    /// # Errors
+    /// Why there is none, in words.
+    pub fn json(&self, fit: &CoupledFit) -> Result<String, String> {
+        serde_json::to_string(&CoupledResults::new(&self.0, fit).summary).map_err(|error| error.to_string())
+    }
+
+    /// The page of `iwan fit --coupled`: self-contained HTML.
+    #[must_use]
+    pub fn page(&self, fit: &CoupledFit) -> String {
+        CoupledResults::new(&self.0, fit).page
+    }
+}
+
+fn made(
+    records: Vec<StruckRecord>,
+    held_out: Vec<StruckRecord>,
+    sought: ModesSought,
+) -> Result<Measured, Failure> {
+    if records.is_empty() {
+        return Err(Failure::input("there is no record", "give at least one"));
+    }
+    let (fitted, held) = (loaded(records)?, loaded(held_out)?);
+    let seen = if sought.shapes.is_some() { Seen::Modes } else { Seen::Sum };
+    let channels = fitted[0].0.record.names().len();
+    let method = sought.method;
+    let shapes = sought.shapes.map(|rows| {
+        if let Some(row) = rows.iter().find(|row| row.len() != channels) {
+            let message = format!("a shape has {} values for {channels} channels", row.len());
+            return Err(Failure::input(message, "give one value for each channel of the records"));
+        }
+        if let Some(all) = sought.frequencies.as_ref().filter(|all| all.len() != rows.len()) {
+            let message = format!("{} frequencies for {} shapes", all.len(), rows.len());
+            return Err(Failure::input(message, "give one for each"));
+        }
+        Ok(Shapes::given(rows, sought.frequencies))
+    });
+    let modes = Sought { shapes: shapes.transpose()?, bands: sought.bands, near: sought.near, mass: 1.0 };
+    Measured::new(&fitted, &held, seen, method, |recordings| modes.modes(recordings))
+}
+
+fn loaded(records: Vec<StruckRecord>) -> Result<Vec<Loaded>, Failure> {
+    let one = |given: StruckRecord| {
+        let StruckRecord { name, record, quantity, warnings, force } = given;
+        let samples = record.samples()[0].len();
+        if let Some(force) = force.as_ref().filter(|force| force.len() != samples) {
+            let message = format!("{name}: the force has {} samples, the record {samples}", force.len());
+            return Err(Failure::input(message, "give the force on the clock of the motions"));
+        }
+        Ok((Recording { name, record, quantity, warnings }, force))
+    };
+    records.into_iter().map(one).collect()
+}

@@ -1,0 +1,210 @@
+//! The search for joints from blows: windows that grow, weights from what is left, intervals and what of them is told.
+
+use iwan_ident::estimate::{About, Found, Interval, Model, Told, Weights, intervals, near, silent};
+
+use super::fitted::holding;
+use super::rings::{Rings, root_mean_square};
+use super::straight::Straight;
+use crate::error::Error;
+
+/// Shares of the blows, effort of the search from each point kept, and how many are kept: a mode that is a little off runs out of phase within a long
+/// record, where every start ends at a minimum of its own.
+const WINDOWS: [(f64, (usize, f64), usize); 3] =
+    [(0.1, (12, 1e-3), 2), (0.3, (12, 1e-3), 1), (1.0, (30, 1e-5), 1)];
+/// Starts that are searched from, of those that leave least in the first window. Not varied.
+const SEARCHED: usize = 3;
+/// Iterations and relative reduction of the last search: a millionth of the sum of squares is a ten-thousandth of a 95 % interval.
+const LAST: (usize, f64) = (40, 1e-6);
+/// Neighbours that agree widen variances by less than this where noise is left: Hann's windows that overlap by half make 1.4.
+const WHITE: f64 = 2.0;
+/// Of what finer steps change so much is taken for what they are off by elsewhere, so that intervals do not shrink to nothing where there is no noise. A
+/// judgement.
+const STILL_STEPPING: f64 = 1.0;
+/// Largest slip over φ_max that a knee must have been passed by to be told, as for modes that share joints.
+const PASSED: f64 = 1.5;
+/// A joint has a Dirac, β > 0, where the best fit without one has a deviance above this, as for modes that share joints.
+const DIRAC_SEEN: f64 = 25.0;
+/// Effort of the search without a Dirac. A judgement.
+const WITHOUT: (usize, f64) = (15, 1e-4);
+/// A gate that misses more than this of the motion, and more than noise, is no match. A damping ratio that is wrong by 3 %, as repeated hits are, is 6 % of
+/// the motion when half the energy is gone twice over. A judgement.
+pub(super) const MISSED: f64 = 0.06;
+
+/// The search.
+pub(super) struct Fitting<'a> {
+    pub(super) rings: Rings<'a>,
+}
+
+/// The best unknowns with what is known of them.
+pub(super) struct Certain {
+    pub(super) found: Found,
+    pub(super) free: Vec<usize>,
+    pub(super) intervals: Vec<Interval>,
+    pub(super) told: Told,
+    pub(super) slip_ratios: Vec<f64>,
+    pub(super) is_noise: bool,
+}
+
+/// Hears the share done and says whether to go on.
+type GoOn<'a> = &'a dyn Fn(f64) -> Result<(), Error>;
+
+impl<'a> Fitting<'a> {
+    pub(super) const fn new(rings: Rings<'a>) -> Self {
+        Self { rings }
+    }
+
+    fn free(&self) -> Vec<usize> {
+        (0..self.rings.beside.bounds.len()).filter(|j| !self.rings.unfelt.contains(j)).collect()
+    }
+
+    /// In windows that grow.
+    pub(super) fn grown(&mut self, all: &[Vec<f64>], go_on: GoOn<'_>) -> Result<Found, Error> {
+        let failed = Error::identification("update");
+        self.rings.take(WINDOWS[0].0);
+        self.rings.unfelt = silent(&self.rings, &all[0], 1.0).map_err(&failed)?;
+        let starts: Vec<Vec<f64>> = all.iter().map(|x| holding(x, &all[0], &self.rings.unfelt)).collect();
+        let mut kept = self.nearest(starts);
+        let mut found: Vec<Found> = Vec::new();
+        for (n, (share, effort, keep)) in WINDOWS.into_iter().enumerate() {
+            self.rings.take(share);
+            let free = self.free();
+            found = kept.iter().filter_map(|x| near(&self.rings, x, &free, effort)).collect();
+            go_on((n + 1) as f64 / (WINDOWS.len() + 1) as f64)?;
+            found.sort_by(|a, b| a.cost.total_cmp(&b.cost));
+            found.truncate(keep);
+            kept = found.iter().map(|found| found.x.clone()).collect();
+            // What is felt where the search ended is sought from there on.
+            if let Some(x) = kept.first() {
+                let before = std::mem::take(&mut self.rings.unfelt);
+                let still = silent(&self.rings, x, 1.0).map_err(&failed)?;
+                self.rings.unfelt = before.into_iter().filter(|j| still.contains(j)).collect();
+            }
+        }
+        found.into_iter().next().ok_or_else(|| Error::Update {
+            place: "update".into(),
+            finding: "no start has a motion".into(),
+            remedy: "check the units of force and records, or start nearer to the joints",
+        })
+    }
+
+    /// The starts that leave least in the first window: a run of each costs a tenth of one step of a search.
+    fn nearest(&self, mut starts: Vec<Vec<f64>>) -> Vec<Vec<f64>> {
+        let mut residuals = vec![0.0; self.rings.count()];
+        let mut left = |x: &Vec<f64>| {
+            let known = self.rings.evaluate(x, &mut residuals, None);
+            if known { residuals.iter().map(|r| r * r).sum::<f64>() } else { f64::INFINITY }
+        };
+        starts.sort_by_cached_key(|x| left(x).to_bits());
+        starts.truncate(SEARCHED);
+        starts
+    }
+
+    fn settled(&self, found: Found) -> Found {
+        near(&self.rings, &found.x, &self.free(), LAST).unwrap_or(found)
+    }
+
+    fn weights(&self, found: &Found) -> Weights {
+        let mut residuals = vec![0.0; self.rings.count()];
+        self.rings.evaluate(&found.x, &mut residuals, None);
+        Weights::of(&residuals, &self.rings.series(), self.free().len())
+    }
+
+    /// Each gate counts by what is left of it; none as better told than half the median of all.
+    fn reweight(&mut self, weights: &Weights) {
+        let mut own = weights.deviations.chunks_exact(2);
+        let sizes: Vec<Vec<f64>> = self
+            .rings
+            .blows
+            .iter()
+            .map(|blow| blow.gates.iter().map(|g| root_mean_square(g.measured.iter().copied())).collect())
+            .collect();
+        let mut relative = Vec::new();
+        for (deviations, sizes) in self.rings.deviations.iter_mut().zip(&sizes) {
+            for (deviation, size) in deviations.iter_mut().zip(sizes) {
+                let [a, b] = own.next().map_or([1.0; 2], |pair| [pair[0], pair[1]]);
+                *deviation *= (0.5 * (a * a + b * b)).sqrt();
+                relative.push(*deviation / size.max(f64::MIN_POSITIVE));
+            }
+        }
+        relative.sort_by(f64::total_cmp);
+        let floor = 0.5 * relative[relative.len() / 2];
+        for (deviations, sizes) in self.rings.deviations.iter_mut().zip(&sizes) {
+            for (deviation, size) in deviations.iter_mut().zip(sizes) {
+                *deviation = deviation.max(floor * size).max(f64::MIN_POSITIVE);
+            }
+        }
+    }
+
+    /// Variance that the steps leave, in the unit of the residuals.
+    fn still_stepping(&self) -> f64 {
+        let (mut sum, mut count) = (0.0, 0.0);
+        for (blow, deviations) in self.rings.blows.iter().zip(&self.rings.deviations) {
+            for (gate, deviation) in blow.gates.iter().zip(deviations) {
+                let n = gate.measured.len() as f64;
+                sum += n * (STILL_STEPPING * gate.stepping / deviation).powi(2);
+                count += n;
+            }
+        }
+        sum / f64::max(count, 1.0)
+    }
+
+    pub(super) fn certain(&mut self, found: Found, go_on: GoOn<'_>) -> Result<Certain, Error> {
+        let mut found = found;
+        if self.rings.correct(&found.x) {
+            found = self.settled(found);
+        }
+        go_on(0.2)?;
+        let weights = self.weights(&found);
+        let is_noise = weights.inflation <= WHITE;
+        if is_noise {
+            self.reweight(&weights);
+        }
+        found = self.settled(found);
+        go_on(0.3)?;
+        let free = self.free();
+        let freedom = (self.rings.count() as f64 - free.len() as f64).max(1.0);
+        let inflation = self.weights(&found).inflation;
+        let variance = (inflation * found.cost / freedom).max(self.still_stepping());
+        let failed = Error::identification("update");
+        let straight = Straight::at(&self.rings, &found.x).map_err(&failed)?;
+        // What is straight has no better point: what a walk gains is what the search left.
+        let about = About { found: &found, free: &free, variance, settled: true };
+        let mut all = vec![Interval::default(); self.rings.beside.bounds.len()];
+        // Unknowns that the blows do not feel are open: a walk along them has nowhere to end.
+        if let Ok(walked) = intervals(&straight, about, &free, self.rings.threads) {
+            free.iter().zip(walked).for_each(|(j, interval)| all[*j] = interval);
+        }
+        let told = Told::about(&straight, &found, &free, variance).map_err(&failed)?;
+        go_on(0.6)?;
+        let slip_ratios = self.rings.slip_ratios(&found.x);
+        self.without_knees(about, (&slip_ratios, is_noise), &mut all);
+        Ok(Certain { found, free, intervals: all, told, slip_ratios, is_noise })
+    }
+
+    /// Opens the ends that need a knee which no blow has clearly passed, or which what is left shows: the joint may be as strong and as stiff as one likes.
+    fn without_knees(
+        &self,
+        about: About<'_>,
+        (slip_ratios, is_noise): (&[f64], bool),
+        intervals: &mut [Interval],
+    ) {
+        let misses = root_mean_square(self.rings.misfits(&about.found.x).into_iter().flatten().flatten());
+        for (group, ratio) in slip_ratios.iter().enumerate() {
+            let of = &mut intervals[4 * group..4 * group + 4];
+            if *ratio < PASSED || !(is_noise || misses <= MISSED) {
+                (of[0].high, of[1].high) = (None, None);
+                of[3] = Interval::default();
+            } else if of[3] != Interval::default() && !self.has_dirac(about, 4 * group + 3) {
+                of[3] = Interval::default();
+            }
+        }
+    }
+
+    fn has_dirac(&self, about: About<'_>, beta: usize) -> bool {
+        let mut start = about.found.x.clone();
+        start[beta] = 0.0;
+        let others: Vec<usize> = about.free.iter().copied().filter(|j| *j != beta).collect();
+        let without = near(&self.rings, &start, &others, WITHOUT);
+        without.is_none_or(|without| without.cost - about.found.cost > DIRAC_SEEN * about.variance)
+    }
+}

@@ -1,0 +1,50 @@
+//! A model that goes on straight from one point: intervals of unknowns whose every residual takes a transient.
+
+use iwan_ident::Error;
+use iwan_ident::estimate::Model;
+
+/// Residuals at a point and their derivatives there. Walks along profile likelihoods would take some hundred derivatives of all blows; on this they
+/// take none, and what they find is the linearised profile. Where an interval is wide the true one may be skewed.
+#[derive(Debug)]
+pub(super) struct Straight {
+    at: Vec<f64>,
+    residuals: Vec<f64>,
+    slopes: Vec<Vec<f64>>,
+    bounds: Vec<(f64, f64)>,
+}
+
+impl Straight {
+    /// Of a model at `x`.
+    pub(super) fn at(model: &impl Model, x: &[f64]) -> Result<Self, Error> {
+        let count = model.count();
+        let (mut residuals, mut slopes) = (vec![0.0; count], vec![vec![0.0; count]; x.len()]);
+        if !model.evaluate(x, &mut residuals, Some(&mut slopes)) {
+            return Err(Error::Refused {
+                finding: "the best values have no derivatives".into(),
+                remedy: "leave out the hardest blow",
+            });
+        }
+        Ok(Self { at: x.to_vec(), residuals, slopes, bounds: model.bounds().to_vec() })
+    }
+}
+
+impl Model for Straight {
+    fn bounds(&self) -> &[(f64, f64)] {
+        &self.bounds
+    }
+
+    fn count(&self) -> usize {
+        self.residuals.len()
+    }
+
+    fn evaluate(&self, x: &[f64], residuals: &mut [f64], derivatives: Option<&mut [Vec<f64>]>) -> bool {
+        residuals.copy_from_slice(&self.residuals);
+        for ((x, at), slopes) in x.iter().zip(&self.at).zip(&self.slopes) {
+            residuals.iter_mut().zip(slopes).for_each(|(r, slope)| *r += slope * (x - at));
+        }
+        if let Some(derivatives) = derivatives {
+            derivatives.iter_mut().zip(&self.slopes).for_each(|(out, slopes)| out.copy_from_slice(slopes));
+        }
+        true
+    }
+}
