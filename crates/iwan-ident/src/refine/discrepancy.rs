@@ -3,7 +3,7 @@
 use iwan_machine::threads::in_parallel;
 use nalgebra::{DMatrix, DVector};
 
-use super::days;
+use super::amplitudes::days;
 use super::discount::Discount;
 use super::fields::{Component, Kind};
 use super::record::{Noise, Windowed};

@@ -51,7 +51,7 @@ pub(super) enum Kind {
     /// Every record's own.
     OfRecord,
     /// Every record's own dissipation, at all amplitudes alike: suspension and preload differ from hit to hit. Frequencies that do are those of the
-    /// [`days`](super::days).
+    /// [`days`](super::amplitudes::days).
     Even,
 }
 
@@ -230,9 +230,9 @@ fn derivatives(record: &Windowed, model: &[Complex64], logs: &[f64], nodes: &Nod
     for node in 0..nodes.count {
         for (which, out) in out.iter_mut().enumerate() {
             let (mut sum, mut turns) = (0.0, Vec::with_capacity(model.len()));
-            for k in 0..model.len() {
+            for (k, hat) in hats.iter().enumerate() {
                 if k > 0 {
-                    let mean = 0.5 * (hats[k][node] + hats[k - 1][node]);
+                    let mean = 0.5 * (hat[node] + hats[k - 1][node]);
                     sum += mean * if which == 0 { logs[k] - logs[k - 1] } else { radians };
                 }
                 turns.push(if which == 0 { Complex64::new(sum, 0.0) } else { Complex64::new(0.0, sum) });

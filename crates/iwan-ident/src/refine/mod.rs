@@ -1,6 +1,6 @@
 //! Simulation in the loop: the parameters whose ring-down is the record itself.
 //!
-//! Forward model: the half-cycle map of iwan-core; compared are complex amplitudes in windows (the module `windows`),
+//! Forward model: the half-cycle map of iwan-core; compared are complex amplitudes in windows (the room `amplitudes`),
 //! taken of record and model alike. Each record brings two unknowns of its own: amplitude and time of the turning point
 //! next to its first sample. The joint is taken to have been loaded along its virgin curve up to there: exact for
 //! a release from rest; later in a decay, where loops shrink slowly, the tips of the loops lie next to the virgin curve.
@@ -10,10 +10,7 @@
 
 mod release;
 mod ring_down;
-mod slow;
-mod windows;
-mod whitening;
-mod days;
+mod amplitudes;
 mod record;
 mod discount;
 mod task;
@@ -25,14 +22,14 @@ mod discrepancy;
 
 use crate::error::Error;
 use crate::parameters::{Parameter, Parameters};
+pub(crate) use amplitudes::whitening::Whitening;
+pub(crate) use amplitudes::windows::OVERLAP;
 pub(crate) use record::check_rate;
 pub(crate) use release::Sampling;
 pub use release::TurningPoint;
 pub use ring_down::{Discrepancy, Refined, RingDown};
 pub(crate) use task::{Effort, Task, Workspace};
 pub(crate) use valleys::Solved;
-pub(crate) use whitening::Whitening;
-pub(crate) use windows::OVERLAP;
 
 /// Refines parameters on the records themselves, several force levels at once; those in `held` keep their values.
 ///

@@ -4,10 +4,10 @@ use std::f64::consts::{PI, TAU};
 
 use rustfft::num_complex::Complex64;
 
+use super::amplitudes::whitening::Whitening;
+use super::amplitudes::windows::{OVERLAP, Windows};
 use super::release::TurningPoint;
 use super::ring_down::RingDown;
-use super::whitening::Whitening;
-use super::windows::{OVERLAP, Windows};
 use crate::curves::Quantity;
 use crate::error::{Error, check, check_dt, check_samples};
 use crate::parameters::Parameters;

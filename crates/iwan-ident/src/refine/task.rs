@@ -8,13 +8,13 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use iwan_machine::checkpoint::Checkpoint;
 use rustfft::num_complex::Complex64;
 
-use super::days;
+use super::amplitudes::days;
+use super::amplitudes::slow::{Buffers, KEPT};
+use super::amplitudes::windows::Windows;
 use super::discount::Discount;
 use super::record::{Noise, Windowed, unwrapped};
 use super::release::{Sampling, TurningPoint};
 use super::ring_down::{Discrepancy, Refined, RingDown};
-use super::slow::{Buffers, KEPT};
-use super::windows::Windows;
 use crate::error::{Error, check};
 use crate::parameters::{COUNT, Parameter, Parameters};
 use crate::search::{Chart, Kept, Minimum, Search};

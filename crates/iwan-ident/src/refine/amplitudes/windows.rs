@@ -11,12 +11,12 @@ use std::f64::consts::{PI, TAU};
 use iwan_core::{Decay, FourParameter, HalfCycleTables, Oscillator, Reversal};
 use rustfft::num_complex::Complex64;
 
-use super::release::TurningPoint;
 use super::slow::{
     BELOW, Buffers, Common, FASTEST, FASTEST_IN_MACRO_SLIP, Moment, Nodes, TOP, Table, TableOf,
 };
 use crate::curves::Quantity;
 use crate::parameters::Parameters;
+use crate::refine::release::TurningPoint;
 use crate::turn::{cosine_and_sine, turn};
 
 /// Windows that cover a moment: sin⁴ windows shifted by a quarter of their length sum to a constant, so that no moment counts
@@ -59,19 +59,19 @@ struct Model<'a> {
 
 /// Where the windows lie.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct Windows {
+pub(in crate::refine) struct Windows {
     /// ω_r, rad/s.
-    pub(super) omega: f64,
+    pub(in crate::refine) omega: f64,
     /// Step from window to window, s.
-    pub(super) hop: f64,
-    pub(super) count: usize,
+    pub(in crate::refine) hop: f64,
+    pub(in crate::refine) count: usize,
     /// Whether a model's half cycles come from tables where these are many.
-    pub(super) tables: bool,
+    pub(in crate::refine) tables: bool,
 }
 
 impl Windows {
     /// As many as a record of `seconds` holds, at least `cycles` of the reference `frequency` (Hz) apart.
-    pub(super) fn over(seconds: f64, frequency: f64, cycles: f64) -> Self {
+    pub(in crate::refine) fn over(seconds: f64, frequency: f64, cycles: f64) -> Self {
         let cycles = cycles.max(seconds * frequency / MOST).ceil().max(1.0);
         let hop = cycles / frequency;
         let count = ((seconds / hop + 1e-9) as usize + 1).saturating_sub(OVERLAP);
@@ -79,12 +79,12 @@ impl Windows {
     }
 
     /// From now on a model's half cycles are computed one by one, where they are not too many for that.
-    pub(super) fn leave_tables(&mut self) {
+    pub(in crate::refine) fn leave_tables(&mut self) {
         self.tables &= self.end() * self.omega > MOST_WITHOUT_TABLES * TAU;
     }
 
     /// End of the last window, s.
-    pub(super) fn end(&self) -> f64 {
+    pub(in crate::refine) fn end(&self) -> f64 {
         (self.count + OVERLAP - 1) as f64 * self.hop
     }
 
@@ -96,7 +96,7 @@ impl Windows {
     }
 
     /// Complex amplitudes of uniform samples from t = 0.
-    pub(super) fn of_samples(&self, samples: &[f64], dt: f64) -> Vec<Complex64> {
+    pub(in crate::refine) fn of_samples(&self, samples: &[f64], dt: f64) -> Vec<Complex64> {
         let mean = samples.iter().sum::<f64>() / samples.len() as f64;
         let mut out = vec![Complex64::default(); self.count];
         let mut gathered = Gathered::default();
@@ -109,7 +109,7 @@ impl Windows {
 
     /// Complex amplitudes of the model's ring-down from rest at `start`; false when there is none. Before the release the
     /// motion is mirrored: it is a turning point.
-    pub(super) fn of_model(
+    pub(in crate::refine) fn of_model(
         &self,
         parameters: &Parameters,
         start: TurningPoint,

@@ -1,7 +1,7 @@
 //! The frequency of the day: hits of one specimen differ by what temperature and mounting do to its stiffness.
 //!
 //! Each of several records has an unknown of its own, δ = ln(ω/ω0) at small amplitude, whose scatter from hit to hit is estimated with the rest
-//! ([`sizes`](super::sizes)). Parameters are those of the mean of all days. K_∞ carries the difference: ω(a) = √(K_∞ + K_1(a)) then moves by δ ω0²/ω(a), and the
+//! ([`sizes`](crate::refine::sizes)). Parameters are those of the mean of all days. K_∞ carries the difference: ω(a) = √(K_∞ + K_1(a)) then moves by δ ω0²/ω(a), and the
 //! phase of a ring-down by the integral of that over time.
 
 use rustfft::num_complex::Complex64;
@@ -10,18 +10,18 @@ use super::windows::{OVERLAP, Windows};
 use crate::student::{NORMAL, student};
 
 /// What hits stray by before anything is known, relative: a third of a per cent, which ten kelvin and a bolted joint that is put together anew do not pass.
-pub(super) const FIRST: f64 = 3e-3;
+pub(in crate::refine) const FIRST: f64 = 3e-3;
 /// Least scatter that is taken for granted: ring-downs of real structures do not repeat better, and simulated ones lose nothing by it.
-pub(super) const LEAST: f64 = 1e-5;
+pub(in crate::refine) const LEAST: f64 = 1e-5;
 
 /// A standard deviation that was estimated from so many records, as one that is known would have to be for an interval of the mean to hold 95 %: Student's quantile over the
 /// normal one.
-pub(super) fn of_few(deviation: f64, records: usize) -> f64 {
+pub(in crate::refine) fn of_few(deviation: f64, records: usize) -> f64 {
     deviation * student(records as f64 - 1.0) / NORMAL
 }
 
 /// Turns a model's amplitudes in windows by the phase that a day's frequency adds; `omega0` is that of the mean of all days, rad/s.
-pub(super) fn turn(model: &mut [Complex64], windows: &Windows, omega0: f64, day: f64) {
+pub(in crate::refine) fn turn(model: &mut [Complex64], windows: &Windows, omega0: f64, day: f64) {
     if day == 0.0 {
         return;
     }

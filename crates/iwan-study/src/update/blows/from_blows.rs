@@ -4,16 +4,16 @@ use iwan_core::progress::part;
 use iwan_core::{FourParameter, Progress};
 use iwan_fem::{Adjustable, Basis, Correction, InCoordinates};
 
-use super::fitted::{Estimated, JointUpdate, estimated};
-use super::model::{DAMPING_UNIT, coordinates, law};
-use super::outcome::{ComparedBlow, Update, in_words, names};
 use super::rings::Rings;
-use super::run::{MODES, update};
 use super::settle::{Certain, Fitting, MISSED};
 use super::struck::{BlowTask, MeasuredBlow, Timed, modes_of};
-use super::task::{UpdateTask, checked, model, starts};
-use super::verdict::StructureVerdict;
 use crate::error::Error;
+use crate::update::fitted::{Estimated, JointUpdate, estimated};
+use crate::update::model::{DAMPING_UNIT, coordinates, law};
+use crate::update::outcome::{ComparedBlow, Update, in_words, names};
+use crate::update::run::{MODES, update};
+use crate::update::task::{UpdateTask, checked, model, starts};
+use crate::update::verdict::StructureVerdict;
 
 /// Finds the joints of a structure from blows: transients of the reduced structure with all modes are held against the records of several points, as
 /// complex amplitudes about the frequencies of the named modes in Hann's windows. Where the task has curves as well, the search starts from the joints
@@ -145,7 +145,7 @@ fn nothing() -> Update {
 
 fn joints(task: &UpdateTask<'_>, certain: &Certain) -> Vec<JointUpdate> {
     let all = &task.named.assembled.structure().joints;
-    let one = |(n, group): (usize, &super::group::JointGroup)| {
+    let one = |(n, group): (usize, &crate::update::group::JointGroup)| {
         let of = |k: usize, value: &dyn Fn(f64) -> f64| -> Estimated {
             estimated(certain.found.x[4 * n + k], certain.intervals[4 * n + k], value)
         };
