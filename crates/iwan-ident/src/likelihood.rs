@@ -42,6 +42,12 @@ impl Likelihood {
         &self.starts
     }
 
+    /// Whether records differ by the day, so that each turning point has a `day` that is sought with the rest.
+    #[must_use]
+    pub fn has_days(&self) -> bool {
+        self.task.has_days()
+    }
+
     /// Time in s by which the phase of a start is one radian.
     #[must_use]
     pub fn radian(&self) -> f64 {

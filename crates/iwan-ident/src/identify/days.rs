@@ -2,15 +2,18 @@
 
 use super::prepared::Prepared;
 use crate::curves::Curves;
+use crate::refine::may_stray;
 
 /// ln of each record's frequency over the mean of all records, where both the record and the loudest one have the same amplitude; zero for
-/// records that share none with it.
-pub(super) fn days(prepared: &[Prepared<'_>]) -> Vec<f64> {
+/// records that share none with it. None where records are not taken to differ by the day.
+pub(super) fn days(prepared: &[Prepared<'_>]) -> Option<Vec<f64>> {
     let curves: Vec<&Curves> = prepared.iter().map(|p| &p.curves).collect();
-    let Some(loudest) = curves.iter().max_by(|a, b| largest(a).total_cmp(&largest(b))) else { return vec![] };
+    let loudness: Vec<f64> = curves.iter().map(|c| largest(c)).collect();
+    let loudest =
+        curves.iter().max_by(|a, b| largest(a).total_cmp(&largest(b))).filter(|_| may_stray(&loudness))?;
     let apart: Vec<f64> = curves.iter().map(|c| apart(c, loudest)).collect();
     let mean = apart.iter().sum::<f64>() / apart.len() as f64;
-    apart.iter().map(|day| day - mean).collect()
+    Some(apart.iter().map(|day| day - mean).collect())
 }
 
 /// The same curves on the mean day.

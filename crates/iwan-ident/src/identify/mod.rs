@@ -124,13 +124,14 @@ fn identification(
     check_together(records, &prepared)?;
     let curves: Vec<Curves> = prepared.iter().map(|p| p.curves.clone()).collect();
     let days = days(&prepared);
-    let on_mean_day: Vec<Curves> = curves.iter().zip(&days).map(|(c, day)| on_mean_day(c, *day)).collect();
+    let day = |i: usize| days.as_ref().map_or(0.0, |days| days[i]);
+    let on_mean_day: Vec<Curves> = curves.iter().enumerate().map(|(i, c)| on_mean_day(c, day(i))).collect();
     let OnCurves { start, fit } = on_curves(&on_mean_day, &settings.held)?;
     let ring_downs: Vec<RingDown<'_>> = prepared.iter().map(Prepared::ring_down).collect();
     let held: Vec<Parameter> = settings.held.iter().map(|h| h.parameter).collect();
     let mut task = Task::new(&ring_downs, &fit.parameters, &held)?;
     (task.stopped, task.kept) = (stopped.clone(), kept.cloned());
-    task.begin_with(&days);
+    task.begin_with(days.as_deref());
     let Found { minimum, profiles } = minimum_and_profiles(&mut task, &fit.parameters)?;
     let refined = task.refined(&minimum);
     let model_curves = prepared

@@ -170,7 +170,7 @@ impl Task {
     /// Takes over the scatter of the days at a point where the residuals have such derivatives.
     fn take_days(&mut self, x: &[f64], jacobian: &DMatrix<f64>) {
         let days: Vec<f64> = self.starts_at(x).iter().map(|start| start.day).collect();
-        if days.len() < 2 {
+        if !self.has_days() {
             return;
         }
         // What was taken for granted is the scatter and what is not known of it; the estimate goes on from the scatter.

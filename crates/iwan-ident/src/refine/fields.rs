@@ -11,6 +11,7 @@
 use nalgebra::DMatrix;
 use rustfft::num_complex::Complex64;
 
+use super::amplitudes::days::LEVEL;
 use super::record::Windowed;
 use super::task::{Task, Workspace};
 
@@ -87,10 +88,6 @@ impl Nodes {
     }
 }
 
-/// Records of which the loudest begins so many times as loud as the softest are of different levels: hits that are meant to be repeats differ by less, levels of
-/// a test by more. A judgement.
-const LEVEL: f64 = 1.25;
-
 /// Records by the amplitude that they begin with, each level the places of its records.
 fn levels(logs: &[Vec<f64>]) -> Vec<Vec<usize>> {
     let first = |i: usize| logs[i].first().copied().unwrap_or(f64::NEG_INFINITY);
@@ -147,6 +144,8 @@ impl Task {
         }
         if records > 1 {
             all.push(component(Kind::OfRecord, &(0..records).map(|i| vec![i]).collect::<Vec<_>>()));
+        }
+        if self.has_days() {
             all.push(self.even(&models, &logs, &first_row));
         }
         Some(all)

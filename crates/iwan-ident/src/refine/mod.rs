@@ -22,6 +22,7 @@ mod discrepancy;
 
 use crate::error::Error;
 use crate::parameters::{Parameter, Parameters};
+pub(crate) use amplitudes::days::may_stray;
 pub(crate) use amplitudes::whitening::Whitening;
 pub(crate) use amplitudes::windows::OVERLAP;
 pub(crate) use record::check_rate;

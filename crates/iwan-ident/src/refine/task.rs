@@ -51,6 +51,8 @@ pub(crate) struct Task {
     pub(super) discrepancy: Discrepancy,
     /// Standard deviation of the days' frequencies that is taken for granted; each of several records has a residual that says so.
     pub(super) day_deviation: f64,
+    /// Whether records may differ by the day.
+    strays: bool,
     /// Whether the discount is for what a clean record cannot show.
     pub(crate) widened: bool,
     /// Whether residuals are logarithms of the ratio of record and model, times the record: to these, what the model misses adds up however
@@ -150,6 +152,7 @@ impl Task {
         let sum = records.iter().map(middle).fold((0.0, 0.0), |s, m| (s.0 + m.0, s.1 + m.1));
         let amplitude = (sum.0 / sum.1 - 1.0).exp();
         let chart = Chart::holding(held, amplitude);
+        let loudness: Vec<f64> = records.iter().map(|r| r.start.displacement.abs()).collect();
         let task = Self {
             chart,
             records,
@@ -157,6 +160,7 @@ impl Task {
             discount: None,
             discrepancy: Discrepancy::default(),
             day_deviation: days::FIRST,
+            strays: days::may_stray(&loudness),
             widened: false,
             by_logarithms: false,
             stopped: Arc::default(),
@@ -175,8 +179,10 @@ impl Task {
         Ok(task)
     }
 
-    /// Searches begin with such days, of mean zero.
-    pub(crate) fn begin_with(&mut self, days: &[f64]) {
+    /// Searches begin with such days, of mean zero; without any, records do not differ by the day.
+    pub(crate) fn begin_with(&mut self, days: Option<&[f64]>) {
+        self.strays = days.is_some();
+        let days = days.unwrap_or_default();
         for (record, day) in self.records.iter_mut().zip(days) {
             record.start.day = *day;
         }
@@ -192,9 +198,9 @@ impl Task {
         self.records.iter().map(|r| 2 * r.windows.count).sum()
     }
 
-    /// Whether records may differ by the day: one alone cannot.
-    pub(super) fn has_days(&self) -> bool {
-        self.records.len() > 1
+    /// Whether records may differ by the day.
+    pub(crate) fn has_days(&self) -> bool {
+        self.strays
     }
 
     pub(crate) fn held(&self) -> &[Parameter] {

@@ -377,9 +377,9 @@ impl Likelihood {
         (parameters, starts.collect())
     }
 
-    /// Coordinates of each record: one alone has no day of its own.
+    /// Coordinates of each record.
     fn own(&self) -> usize {
-        if self.library.starts().len() > 1 { 3 } else { 2 }
+        if self.library.has_days() { 3 } else { 2 }
     }
 
     fn width(&self) -> usize {

@@ -14,6 +14,20 @@ pub(in crate::refine) const FIRST: f64 = 3e-3;
 /// Least scatter that is taken for granted: ring-downs of real structures do not repeat better, and simulated ones lose nothing by it.
 pub(in crate::refine) const LEAST: f64 = 1e-5;
 
+/// Records of which the loudest begins so many times as loud as the softest are of different levels: hits that are meant to be repeats differ by less, levels of
+/// a test by more. A judgement.
+pub(in crate::refine) const LEVEL: f64 = 1.25;
+
+/// Whether records that begin with such amplitudes may differ by the day. Of two levels with one record each what differs may as well be the level: other modes that
+/// ring with a hard blow, and softening that the law tells wrongly, would be taken for a day.
+pub(crate) fn may_stray(amplitudes: &[f64]) -> bool {
+    match *amplitudes {
+        [] | [_] => false,
+        [a, b] => (a / b).ln().abs() < LEVEL.ln(),
+        _ => true,
+    }
+}
+
 /// A standard deviation that was estimated from so many records, as one that is known would have to be for an interval of the mean to hold 95 %: Student's quantile over the
 /// normal one.
 pub(in crate::refine) fn of_few(deviation: f64, records: usize) -> f64 {

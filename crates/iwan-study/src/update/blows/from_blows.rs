@@ -3,9 +3,10 @@
 use iwan_core::progress::part;
 use iwan_core::{FourParameter, Progress};
 use iwan_fem::{Adjustable, Basis, Correction, InCoordinates};
+use iwan_ident::estimate::Interval;
 
 use super::rings::Rings;
-use super::settle::{Certain, Fitting, MISSED};
+use super::settle::{Certain, Fitting, MISSED, MOST_EXCUSED};
 use super::struck::{BlowTask, MeasuredBlow, Timed, modes_of};
 use crate::error::Error;
 use crate::update::fitted::{Estimated, JointUpdate, estimated};
@@ -69,7 +70,7 @@ pub fn update_from_blows(
     go_on(0.25)?;
     let found = fitting.grown(&all, &|share| go_on(0.25 + 0.35 * share))?;
     go_on(0.6)?;
-    let certain = fitting.certain(found, &|share| go_on(0.6 + 0.4 * share))?;
+    let mut certain = fitting.certain(found, &|share| go_on(0.6 + 0.4 * share))?;
     let group_names: Vec<String> = task.groups.iter().map(|g| g.name.clone()).collect();
     let factors: Vec<String> = task.corrections.iter().map(|c| c.0.clone()).collect();
     let unknowns = names(&group_names, &factors, if task.viscous { &modes } else { &[] });
@@ -79,6 +80,11 @@ pub fn update_from_blows(
         compared(&predicted, (&all[0], &certain.found.x), &modes, true)?,
     ]
     .concat();
+    let verdict = verdict(&compared, certain.is_noise);
+    if !verdict.adequate {
+        // Joints that do not tell the blows have parameters, but not those of the structure.
+        certain.intervals.fill(Interval::default());
+    }
     let place = |k: usize| fitting.rings.beside.first_factor() + k;
     let of =
         |j: usize, value: &dyn Fn(f64) -> f64| estimated(certain.found.x[j], certain.intervals[j], value);
@@ -94,7 +100,7 @@ pub fn update_from_blows(
         factors: factors.iter().enumerate().map(|(k, n)| (n.clone(), of(place(k), &f64::exp))).collect(),
         viscous: damped.map(|(n, mode)| (mode.clone(), of(viscous + n, &|x| DAMPING_UNIT * x))).collect(),
         told: in_words(&certain.told, &certain.free, &unknowns),
-        verdict: verdict(&compared, certain.is_noise),
+        verdict,
         blows: compared,
         converged: certain.found.converged,
         ..base
@@ -207,14 +213,17 @@ fn compared(
 fn verdict(compared: &[ComparedBlow], is_noise: bool) -> StructureVerdict {
     let fitted = compared.iter().filter(|blow| !blow.held_out);
     let worst = fitted.max_by(|a, b| a.after.total_cmp(&b.after));
-    let missed = worst.filter(|worst| !is_noise && worst.after > MISSED);
+    let limit = if is_noise { MOST_EXCUSED } else { MISSED };
+    // What is no number is no match.
+    let missed = worst.filter(|worst| worst.after.is_nan() || worst.after > limit);
     let in_words = match (missed, worst) {
         (Some(worst), _) => format!(
-            "the structure with the best joints leaves the records: {:.1} % of {} at {} in {} is missed, and what is left is not noise",
+            "the structure with the best joints leaves the records: {:.1} % of {} at {} in {} is missed, {}; the intervals of all unknowns are left open",
             100.0 * worst.after,
             worst.mode,
             worst.point,
-            worst.source
+            worst.source,
+            if is_noise { "which is more than noise excuses" } else { "and what is left is not noise" }
         ),
         (None, Some(worst)) => format!(
             "the structure with these joints tells all records: at most {:.2} % is missed ({} at {} in {})",
@@ -226,4 +235,29 @@ fn verdict(compared: &[ComparedBlow], is_noise: bool) -> StructureVerdict {
         (None, None) => String::new(),
     };
     StructureVerdict { adequate: missed.is_none(), departures: Vec::new(), systematic: Vec::new(), in_words }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn noise_excuses_no_blow_that_is_missed_by_a_third() {
+        let blow = |after: f64| ComparedBlow {
+            source: "hit".into(),
+            point: "tip".into(),
+            mode: "bending 1".into(),
+            held_out: false,
+            before: None,
+            after,
+            time: vec![],
+            measured: vec![],
+            computed: vec![],
+        };
+        assert!(verdict(&[blow(0.01), blow(0.2)], true).adequate);
+        for (missed, is_noise) in [(0.2, false), (47.0, true), (f64::NAN, true)] {
+            let verdict = verdict(&[blow(0.01), blow(missed)], is_noise);
+            assert!(!verdict.adequate && verdict.in_words.contains("left open"), "{}", verdict.in_words);
+        }
+    }
 }

@@ -34,6 +34,8 @@ const WITHOUT: (usize, f64) = (15, 1e-4);
 /// A gate that misses more than this of the motion, and more than noise, is no match. A damping ratio that is wrong by 3 %, as repeated hits are, is 6 % of
 /// the motion when half the energy is gone twice over. A judgement.
 pub(in crate::update) const MISSED: f64 = 0.06;
+/// Most of the motion that noise excuses: with more than 30 % a tenth of the energy is told by nothing. A search that ends anywhere may leave what looks like noise.
+pub(in crate::update) const MOST_EXCUSED: f64 = 0.3;
 
 /// The search.
 pub(in crate::update) struct Fitting<'a> {
@@ -196,7 +198,7 @@ impl<'a> Fitting<'a> {
         let misses = root_mean_square(self.rings.misfits(&about.found.x).into_iter().flatten().flatten());
         for (group, ratio) in slip_ratios.iter().enumerate() {
             let of = &mut intervals[4 * group..4 * group + 4];
-            if *ratio < PASSED || !(is_noise || misses <= MISSED) {
+            if *ratio < PASSED || misses > if is_noise { MOST_EXCUSED } else { MISSED } {
                 (of[0].high, of[1].high) = (None, None);
                 of[3] = Interval::default();
             } else if of[3] != Interval::default() && !self.has_dirac(about, 4 * group + 3) {
