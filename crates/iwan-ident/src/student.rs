@@ -2,6 +2,8 @@
 
 /// 97.5 % point of the normal distribution: intervals hold 95 %.
 pub(crate) const NORMAL: f64 = 1.959_963_984_540_054;
+/// Degrees of freedom that a fit has at least: a fit of fewer is refused before, and what correlated residuals leave of more is an estimate.
+pub(crate) const LEAST_FREEDOM: f64 = 3.0;
 /// The same point of Student's with one degree of freedom, tan(0.475 π), …
 const OF_ONE: f64 = 12.706_204_736;
 /// … and with two, 0.95 √(2 / 0.0975).

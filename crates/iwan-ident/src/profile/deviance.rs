@@ -2,10 +2,8 @@
 
 use crate::refine::Task;
 use crate::search::Minimum;
-use crate::student::student;
+use crate::student::{LEAST_FREEDOM, student};
 
-/// Degrees of freedom that a fit has at least: a fit of fewer is refused before, and what correlated residuals leave of more is an estimate.
-const LEAST_FREEDOM: f64 = 3.0;
 /// A deviance so far below zero is a better minimum, and the search begins anew from there: a fortieth of the limit of 3.84, which
 /// moves no end by more than 1.3 %. Smaller differences are the searches' tolerance.
 const BETTER: f64 = -0.1;

@@ -12,7 +12,7 @@ use crate::likelihood::Likelihood;
 use crate::parameters::{Parameter, Parameters};
 use crate::profile::Profile;
 use crate::search::{Minimum, TOLERANCE};
-use crate::student::student;
+use crate::student::{LEAST_FREEDOM, student};
 
 /// Points of each measurement in the first searches: with more, time is spent on digits that the next searches bring.
 const THINNED: usize = 120;
@@ -109,7 +109,7 @@ pub fn fit_steady(
     }
     let (task, minimum) = deepest(&task, data, &starts)?;
     let (slips, mut minimum) = seen_to_slip(&task, minimum);
-    let limit = student(((task.count() - task.free().len()) as f64).max(3.0)).powi(2);
+    let limit = student(((task.count() - task.free().len()) as f64).max(LEAST_FREEDOM)).powi(2);
     let mut round = 0;
     let profiles = loop {
         // A better point that comes again and again is the searches' own tolerance.

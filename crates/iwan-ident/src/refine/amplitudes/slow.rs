@@ -24,30 +24,30 @@ const POINTS: usize = 6;
 const SETTLING: usize = 3;
 
 /// Amplitude over φ_max at which a table in micro-slip begins: the loops of its first node stay below φ_max.
-pub(in crate::refine) const TOP: f64 = 0.99;
+pub(super) const TOP: f64 = 0.99;
 /// Nodes in micro-slip at most: down to e^-1440 times the first amplitude, further than numbers reach.
 const MOST: usize = 6000;
 /// How far above the first amplitude a table in macro-slip begins: it ends above φ_max, whatever rounding does to its first amplitude.
 const ABOVE: f64 = 0.03;
 /// Half cycles by whose decay a node of micro-slip lies below the amplitude at which it was begun, and one more.
-pub(in crate::refine) const BELOW: f64 = SETTLING as f64 + 2.0;
+pub(super) const BELOW: f64 = SETTLING as f64 + 2.0;
 /// Fastest decay, in the logarithm of the amplitude per half cycle, for which tips of loops in micro-slip count as settled.
 /// Amplitudes of the test in `windows` are then off by 1.2e-5 at most, 5e-6 to 8e-6 from micro-slip on; with half as much as this by half as much there, and faster
 /// decays would be computed one by one.
-pub(in crate::refine) const FASTEST: f64 = 0.008;
+pub(super) const FASTEST: f64 = 0.008;
 /// The same at φ_max for tables in macro-slip, of which no half cycle shall end without slipping as a whole.
-pub(in crate::refine) const FASTEST_IN_MACRO_SLIP: f64 = 0.06;
+pub(super) const FASTEST_IN_MACRO_SLIP: f64 = 0.06;
 
 /// What a half cycle is.
 #[derive(Debug, Clone, Copy, Default)]
-pub(in crate::refine) struct HalfCycle {
+pub(super) struct HalfCycle {
     /// Change of the logarithm of the amplitude.
-    pub(in crate::refine) growth: f64,
+    pub(super) growth: f64,
     /// Seconds.
-    pub(in crate::refine) duration: f64,
+    pub(super) duration: f64,
     /// Integrals of x e^(-iω_r (t - m)) (t - m)^k about m, a quarter of the reference period behind the beginning; of a half cycle
     /// that begins at a positive displacement.
-    pub(in crate::refine) moments: [Complex64; 4],
+    pub(super) moments: [Complex64; 4],
 }
 
 /// Numbers in a half cycle.
@@ -99,16 +99,16 @@ impl Piece {
 }
 
 /// A node of a half cycle for the moments: seconds from its beginning, displacement, velocity, weight.
-pub(in crate::refine) struct Moment {
-    pub(in crate::refine) late: f64,
-    pub(in crate::refine) displacement: f64,
-    pub(in crate::refine) velocity: f64,
-    pub(in crate::refine) weight: f64,
+pub(super) struct Moment {
+    pub(super) late: f64,
+    pub(super) displacement: f64,
+    pub(super) velocity: f64,
+    pub(super) weight: f64,
 }
 
 /// Half cycles at a few amplitudes, each computed when it is first asked for.
 #[derive(Debug, Clone)]
-pub(in crate::refine) struct Nodes {
+pub(super) struct Nodes {
     /// Logarithm of the amplitude at which the first node is begun, and the distance to the next.
     top: f64,
     spacing: f64,
@@ -135,13 +135,13 @@ enum Known {
 
 impl Nodes {
     /// From φ_max downwards: the same nodes for every decay of an oscillator in micro-slip.
-    pub(in crate::refine) fn in_micro_slip(phi_max: f64) -> Self {
+    pub(super) fn in_micro_slip(phi_max: f64) -> Self {
         let top = (TOP * phi_max).ln();
         Self { top, spacing: SPACING, count: MOST, in_macro_slip: false, known: vec![], pieces: vec![] }
     }
 
     /// From the logarithm of an amplitude down to the logarithm `floor`.
-    pub(in crate::refine) fn in_macro_slip(log: f64, floor: f64) -> Self {
+    pub(super) fn in_macro_slip(log: f64, floor: f64) -> Self {
         let top = log + ABOVE;
         // Down to the floor there is room for as many nodes as a polynomial needs.
         let spacing = SPACING_IN_MACRO_SLIP.min((top - floor) / POINTS as f64);
@@ -153,7 +153,7 @@ impl Nodes {
 /// What computations of models work in, and half cycles that they have in common.
 #[derive(Debug, Clone, Default)]
 pub(in crate::refine) struct Buffers {
-    pub(in crate::refine) stack: Vec<Reversal>,
+    pub(super) stack: Vec<Reversal>,
     /// Of the models that were computed last.
     tables: VecDeque<(TableOf, Nodes)>,
     commons: VecDeque<(Parameters, Common)>,
@@ -161,18 +161,18 @@ pub(in crate::refine) struct Buffers {
 
 /// A model, and what its half cycles are found from.
 #[derive(Debug, Clone, Copy)]
-pub(in crate::refine) struct Common {
-    pub(in crate::refine) oscillator: Oscillator,
-    pub(in crate::refine) joint: FourParameter,
-    pub(in crate::refine) tables: HalfCycleTables,
+pub(super) struct Common {
+    pub(super) oscillator: Oscillator,
+    pub(super) joint: FourParameter,
+    pub(super) tables: HalfCycleTables,
 }
 
 /// What the half cycles of a table in micro-slip depend on.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(in crate::refine) struct TableOf {
-    pub(in crate::refine) parameters: Parameters,
-    pub(in crate::refine) omega: f64,
-    pub(in crate::refine) quantity: Quantity,
+pub(super) struct TableOf {
+    pub(super) parameters: Parameters,
+    pub(super) omega: f64,
+    pub(super) quantity: Quantity,
 }
 
 /// Tables that are kept: those of a point of a search, of its neighbours along each of the parameters, and one to spare.
@@ -180,7 +180,7 @@ pub(in crate::refine) const KEPT: usize = COUNT + 2;
 
 impl Buffers {
     /// The model of parameters, known where it was met before; none where they are no model.
-    pub(in crate::refine) fn common(&mut self, parameters: &Parameters) -> Option<Common> {
+    pub(super) fn common(&mut self, parameters: &Parameters) -> Option<Common> {
         if let Some((_, common)) = self.commons.iter().find(|(known, _)| known == parameters) {
             return Some(*common);
         }
@@ -194,14 +194,14 @@ impl Buffers {
     }
 
     /// The nodes of a table in micro-slip, those of the same model where it was met before.
-    pub(in crate::refine) fn nodes(&mut self, of: TableOf, phi_max: f64) -> Nodes {
+    pub(super) fn nodes(&mut self, of: TableOf, phi_max: f64) -> Nodes {
         let place = self.tables.iter().position(|(known, _)| *known == of);
         let known = place.and_then(|i| self.tables.remove(i));
         known.map_or_else(|| Nodes::in_micro_slip(phi_max), |(_, nodes)| nodes)
     }
 
     /// Keeps nodes for the next decay of the same model; the table that was not used for longest makes room.
-    pub(in crate::refine) fn keep(&mut self, of: TableOf, nodes: Nodes) {
+    pub(super) fn keep(&mut self, of: TableOf, nodes: Nodes) {
         if self.tables.len() >= KEPT {
             self.tables.pop_front();
         }
@@ -210,13 +210,13 @@ impl Buffers {
 
     /// Number of tables that are kept.
     #[cfg(test)]
-    pub(in crate::refine) fn kept(&self) -> usize {
+    pub(super) fn kept(&self) -> usize {
         self.tables.len()
     }
 }
 
 /// Half cycles by amplitude for the decay of one oscillator.
-pub(in crate::refine) struct Table<'a, F> {
+pub(super) struct Table<'a, F> {
     nodes: &'a mut Nodes,
     oscillator: &'a Oscillator,
     joint: &'a FourParameter,
@@ -231,7 +231,7 @@ pub(in crate::refine) struct Table<'a, F> {
 
 impl<'a, F: FnMut(Moment, &mut [Complex64; 4])> Table<'a, F> {
     /// By nodes that may serve several decays of the same oscillator and joint, with the same moments.
-    pub(in crate::refine) fn new(
+    pub(super) fn new(
         nodes: &'a mut Nodes,
         (oscillator, joint, tables): (&'a Oscillator, &'a FourParameter, &'a HalfCycleTables),
         add: F,
@@ -245,7 +245,7 @@ impl<'a, F: FnMut(Moment, &mut [Complex64; 4])> Table<'a, F> {
     }
 
     /// The half cycle that begins at the logarithm of an amplitude; none above the first node and below the last, and where half cycles are none of a slow decay.
-    pub(in crate::refine) fn at(&mut self, log: f64) -> Option<HalfCycle> {
+    pub(super) fn at(&mut self, log: f64) -> Option<HalfCycle> {
         let last = self.piece.and_then(|place| self.piece(place));
         if let Some(piece) = last.filter(|p| log <= p.from && log > p.to) {
             return Some(piece.at(log));

@@ -24,33 +24,33 @@ const FINER: usize = 4;
 
 /// Structure, unknowns and blows; the unknowns are those of the curves.
 #[derive(Debug, Clone)]
-pub(in crate::update) struct Rings<'a> {
-    pub(in crate::update) beside: Beside<'a>,
+pub(super) struct Rings<'a> {
+    pub(super) beside: Beside<'a>,
     /// Whether each compared mode has viscous damping of its own.
-    pub(in crate::update) viscous: bool,
-    pub(in crate::update) blows: Vec<Timed>,
-    pub(in crate::update) load: InCoordinates,
-    pub(in crate::update) outputs: Vec<Vec<InCoordinates>>,
+    pub(super) viscous: bool,
+    pub(super) blows: Vec<Timed>,
+    pub(super) load: InCoordinates,
+    pub(super) outputs: Vec<Vec<InCoordinates>>,
     /// Frequencies of the modes compared, Hz, of the structure as given.
-    pub(in crate::update) frequencies: Vec<f64>,
+    pub(super) frequencies: Vec<f64>,
     /// Deviation of each gate of each blow.
-    pub(in crate::update) deviations: Vec<Vec<f64>>,
-    pub(in crate::update) threads: usize,
+    pub(super) deviations: Vec<Vec<f64>>,
+    pub(super) threads: usize,
     /// Samples of each blow that count.
-    pub(in crate::update) samples: Vec<usize>,
+    pub(super) samples: Vec<usize>,
     /// Unknowns that the blows do not feel: derivatives with respect to them are taken as zero.
-    pub(in crate::update) unfelt: Vec<usize>,
+    pub(super) unfelt: Vec<usize>,
 }
 
 /// What a blow does to the structure: amplitudes by gate, and the largest slips.
-pub(in crate::update) struct Rung {
-    pub(in crate::update) amplitudes: Vec<Vec<f64>>,
-    pub(in crate::update) slips: Vec<f64>,
+pub(super) struct Rung {
+    pub(super) amplitudes: Vec<Vec<f64>>,
+    pub(super) slips: Vec<f64>,
 }
 
 impl<'a> Rings<'a> {
     /// All of the blows.
-    pub(in crate::update) fn new(
+    pub(super) fn new(
         beside: Beside<'a>,
         viscous: bool,
         (blows, load, outputs): (Vec<Timed>, InCoordinates, Vec<Vec<InCoordinates>>),
@@ -64,7 +64,7 @@ impl<'a> Rings<'a> {
     }
 
     /// Takes the first share of each blow, and never less than two windows of its slowest mode.
-    pub(in crate::update) fn take(&mut self, share: f64) {
+    pub(super) fn take(&mut self, share: f64) {
         let taken = |blow: &Timed| {
             let longest = blow.gates.iter().map(|gate| gate.sums.length()).max().unwrap_or(1);
             ((share * blow.samples as f64) as usize).clamp((2 * longest).min(blow.samples), blow.samples)
@@ -78,7 +78,7 @@ impl<'a> Rings<'a> {
     }
 
     /// The residuals of each part of each gate.
-    pub(in crate::update) fn series(&self) -> Vec<Range<usize>> {
+    pub(super) fn series(&self) -> Vec<Range<usize>> {
         let (mut from, mut all) = (0, Vec::new());
         for (k, blow) in self.blows.iter().enumerate() {
             for gate in 0..blow.gates.len() {
@@ -91,7 +91,7 @@ impl<'a> Rings<'a> {
     }
 
     /// Blow `k` on the structure at these coordinates.
-    pub(in crate::update) fn rung(&self, x: &[f64], k: usize) -> Option<Rung> {
+    pub(super) fn rung(&self, x: &[f64], k: usize) -> Option<Rung> {
         self.rung_finer(x, k, 1)
     }
 
@@ -126,7 +126,7 @@ impl<'a> Rings<'a> {
     }
 
     /// Measured amplitudes of a gate in what counts of the blow.
-    pub(in crate::update) fn measured(&self, k: usize, gate: usize) -> Vec<f64> {
+    pub(super) fn measured(&self, k: usize, gate: usize) -> Vec<f64> {
         let all = &self.blows[k].gates[gate].measured;
         let (half, whole) = (self.length(k, gate) / 2, all.len() / 2);
         [&all[..half], &all[whole..whole + half]].concat()
@@ -134,7 +134,7 @@ impl<'a> Rings<'a> {
 
     /// Takes off the measured amplitudes what finer steps change in those of the structure at `x`: a search then ends where it would with the finer
     /// steps, at the cost of the coarse ones (deferred correction). Only with all of the blows, and once. False where there is no motion.
-    pub(in crate::update) fn correct(&mut self, x: &[f64]) -> bool {
+    pub(super) fn correct(&mut self, x: &[f64]) -> bool {
         let jobs: Vec<(usize, usize)> = (0..self.blows.len()).flat_map(|k| [(k, FINER), (k, 1)]).collect();
         let found =
             in_parallel(&jobs, self.threads, &|(k, times): &(usize, usize)| self.rung_finer(x, *k, *times));
@@ -162,7 +162,7 @@ impl<'a> Rings<'a> {
     }
 
     /// Largest slip over φ_max of each group in all blows.
-    pub(in crate::update) fn slip_ratios(&self, x: &[f64]) -> Vec<f64> {
+    pub(super) fn slip_ratios(&self, x: &[f64]) -> Vec<f64> {
         let slips: Vec<Vec<f64>> =
             (0..self.blows.len()).filter_map(|k| self.rung(x, k)).map(|rung| rung.slips).collect();
         let ratio = |(group, x): (&Vec<usize>, &[f64])| {
@@ -173,7 +173,7 @@ impl<'a> Rings<'a> {
     }
 
     /// Misfit of each gate of each blow over the size of what was measured there, or over the least part of the loudest gate where it is less.
-    pub(in crate::update) fn misfits(&self, x: &[f64]) -> Option<Vec<Vec<f64>>> {
+    pub(super) fn misfits(&self, x: &[f64]) -> Option<Vec<Vec<f64>>> {
         let of = |k: usize| {
             let rung = self.rung(x, k)?;
             let size = |gate| root_mean_square(self.measured(k, gate).into_iter());
@@ -203,7 +203,7 @@ fn first_deviations(blow: &Timed) -> Vec<f64> {
     sizes.into_iter().map(|size| FIRST * size.max(LEAST * largest)).collect()
 }
 
-pub(in crate::update) fn root_mean_square(x: impl Iterator<Item = f64>) -> f64 {
+pub(super) fn root_mean_square(x: impl Iterator<Item = f64>) -> f64 {
     let (sum, count) = x.fold((0.0, 0.0_f64), |(sum, count), x| (sum + x * x, count + 1.0));
     (sum / count.max(1.0)).sqrt()
 }

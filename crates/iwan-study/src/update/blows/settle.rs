@@ -33,30 +33,30 @@ const DIRAC_SEEN: f64 = 25.0;
 const WITHOUT: (usize, f64) = (15, 1e-4);
 /// A gate that misses more than this of the motion, and more than noise, is no match. A damping ratio that is wrong by 3 %, as repeated hits are, is 6 % of
 /// the motion when half the energy is gone twice over. A judgement.
-pub(in crate::update) const MISSED: f64 = 0.06;
+pub(super) const MISSED: f64 = 0.06;
 /// Most of the motion that noise excuses: with more than 30 % a tenth of the energy is told by nothing. A search that ends anywhere may leave what looks like noise.
-pub(in crate::update) const MOST_EXCUSED: f64 = 0.3;
+pub(super) const MOST_EXCUSED: f64 = 0.3;
 
 /// The search.
-pub(in crate::update) struct Fitting<'a> {
-    pub(in crate::update) rings: Rings<'a>,
+pub(super) struct Fitting<'a> {
+    pub(super) rings: Rings<'a>,
 }
 
 /// The best unknowns with what is known of them.
-pub(in crate::update) struct Certain {
-    pub(in crate::update) found: Found,
-    pub(in crate::update) free: Vec<usize>,
-    pub(in crate::update) intervals: Vec<Interval>,
-    pub(in crate::update) told: Told,
-    pub(in crate::update) slip_ratios: Vec<f64>,
-    pub(in crate::update) is_noise: bool,
+pub(super) struct Certain {
+    pub(super) found: Found,
+    pub(super) free: Vec<usize>,
+    pub(super) intervals: Vec<Interval>,
+    pub(super) told: Told,
+    pub(super) slip_ratios: Vec<f64>,
+    pub(super) is_noise: bool,
 }
 
 /// Hears the share done and says whether to go on.
 type GoOn<'a> = &'a dyn Fn(f64) -> Result<(), Error>;
 
 impl<'a> Fitting<'a> {
-    pub(in crate::update) const fn new(rings: Rings<'a>) -> Self {
+    pub(super) const fn new(rings: Rings<'a>) -> Self {
         Self { rings }
     }
 
@@ -65,7 +65,7 @@ impl<'a> Fitting<'a> {
     }
 
     /// In windows that grow.
-    pub(in crate::update) fn grown(&mut self, all: &[Vec<f64>], go_on: GoOn<'_>) -> Result<Found, Error> {
+    pub(super) fn grown(&mut self, all: &[Vec<f64>], go_on: GoOn<'_>) -> Result<Found, Error> {
         let failed = Error::identification("update");
         self.rings.take(WINDOWS[0].0);
         self.rings.unfelt = silent(&self.rings, &all[0], 1.0).map_err(&failed)?;
@@ -155,7 +155,7 @@ impl<'a> Fitting<'a> {
         sum / f64::max(count, 1.0)
     }
 
-    pub(in crate::update) fn certain(&mut self, found: Found, go_on: GoOn<'_>) -> Result<Certain, Error> {
+    pub(super) fn certain(&mut self, found: Found, go_on: GoOn<'_>) -> Result<Certain, Error> {
         let mut found = found;
         if self.rings.correct(&found.x) {
             found = self.settled(found);

@@ -6,7 +6,7 @@ use iwan_ident::estimate::Model;
 /// Residuals at a point and their derivatives there. Walks along profile likelihoods would take some hundred derivatives of all blows; on this they
 /// take none, and what they find is the linearised profile. Where an interval is wide the true one may be skewed.
 #[derive(Debug)]
-pub(in crate::update) struct Straight {
+pub(super) struct Straight {
     at: Vec<f64>,
     residuals: Vec<f64>,
     slopes: Vec<Vec<f64>>,
@@ -15,7 +15,7 @@ pub(in crate::update) struct Straight {
 
 impl Straight {
     /// Of a model at `x`.
-    pub(in crate::update) fn at(model: &impl Model, x: &[f64]) -> Result<Self, Error> {
+    pub(super) fn at(model: &impl Model, x: &[f64]) -> Result<Self, Error> {
         let count = model.count();
         let (mut residuals, mut slopes) = (vec![0.0; count], vec![vec![0.0; count]; x.len()]);
         if !model.evaluate(x, &mut residuals, Some(&mut slopes)) {

@@ -41,33 +41,33 @@ pub struct BlowTask {
 
 /// A blow on the clock of the structure.
 #[derive(Debug, Clone)]
-pub(in crate::update) struct Timed {
-    pub(in crate::update) source: String,
-    pub(in crate::update) step: f64,
-    pub(in crate::update) every: usize,
-    pub(in crate::update) samples: usize,
-    pub(in crate::update) force: Vec<f64>,
-    pub(in crate::update) kinematic: Kinematic,
-    pub(in crate::update) gates: Vec<Gate>,
+pub(super) struct Timed {
+    pub(super) source: String,
+    pub(super) step: f64,
+    pub(super) every: usize,
+    pub(super) samples: usize,
+    pub(super) force: Vec<f64>,
+    pub(super) kinematic: Kinematic,
+    pub(super) gates: Vec<Gate>,
 }
 
 /// One mode at one point: complex amplitudes in windows.
 #[derive(Debug, Clone)]
-pub(in crate::update) struct Gate {
-    pub(in crate::update) point: usize,
-    pub(in crate::update) name: String,
+pub(super) struct Gate {
+    pub(super) point: usize,
+    pub(super) name: String,
     /// Place of the mode among those compared.
-    pub(in crate::update) mode: usize,
-    pub(in crate::update) sums: Sums,
+    pub(super) mode: usize,
+    pub(super) sums: Sums,
     /// Amplitudes of the record: all real parts, then all imaginary parts.
-    pub(in crate::update) measured: Vec<f64>,
+    pub(super) measured: Vec<f64>,
     /// Root mean square of what finer steps change in those of the structure; 0 as long as that is not known.
-    pub(in crate::update) stepping: f64,
+    pub(super) stepping: f64,
 }
 
 impl Gate {
     /// Amplitudes of a motion.
-    pub(in crate::update) fn of(&self, motion: &[f64]) -> Vec<f64> {
+    pub(super) fn of(&self, motion: &[f64]) -> Vec<f64> {
         entries(&self.sums, motion)
     }
 }
@@ -117,7 +117,7 @@ impl MeasuredBlow {
 
     /// On a clock that resolves the fastest of these frequencies: of a record sampled faster only every so many samples are stepped, and compared
     /// with its means over as many.
-    pub(in crate::update) fn timed(&self, frequencies: &[f64], unknowns: usize) -> Result<Timed, Error> {
+    pub(super) fn timed(&self, frequencies: &[f64], unknowns: usize) -> Result<Timed, Error> {
         self.checked(unknowns)?;
         let fastest = frequencies.iter().copied().fold(0.0, f64::max);
         let steps = self.dt * fastest * STEPS_A_PERIOD;
@@ -174,10 +174,7 @@ fn lost_by_means(periods: f64, stride: usize) -> f64 {
 }
 
 /// Numbers of the stuck modes with these names and their frequencies, Hz.
-pub(in crate::update) fn modes_of(
-    named: &NamedModes,
-    names: &[String],
-) -> Result<(Vec<usize>, Vec<f64>), Error> {
+pub(super) fn modes_of(named: &NamedModes, names: &[String]) -> Result<(Vec<usize>, Vec<f64>), Error> {
     let one = |name: &String| {
         let mode = named.named(name).map_err(Error::structure(name))?;
         Ok((mode.pair.stuck, named.stuck.frequency(mode.pair.stuck)))
