@@ -254,3 +254,21 @@ fn the_first_harmonic_is_smooth_where_macro_slip_sets_in() {
         assert!((beyond - onset).abs() < 1e-13 * joint.k_t(), "{places}: {beyond} {onset}");
     }
 }
+
+/// Whether a loop closes was once asked with the rounding of φ_max, where distances far beyond are differences of displacements that are many times larger: many decays from
+/// there had no second turning point, and searches for parameters stopped at such points.
+#[test]
+fn decays_from_far_beyond_macro_slip_have_all_their_turning_points() {
+    let mut random = iwan_core::SplitMix64::new(7);
+    for trial in 0..2000 {
+        let k_t = 4.45e4 * (1.0 + 0.4 * random.next_symmetric());
+        let joint = FourParameter::new(k_t, 239.4, -0.5 + 0.4 * random.next_symmetric(), 0.5).unwrap();
+        let mode = Oscillator::new(124.0, 1e-4, k_t, ResidualStiffness::Positive).unwrap();
+        let start = joint.phi_max() * (15.0 + 13.0 * random.next_symmetric());
+        let mut decay =
+            Decay::new(&mode, &joint, 0.0, Motion::held_at(start), vec![Reversal::default(); 64]).unwrap();
+        for turn in 0..20 {
+            assert!(decay.next_with(|_| ()).is_some(), "{trial}: no turning point {turn} from {start}");
+        }
+    }
+}

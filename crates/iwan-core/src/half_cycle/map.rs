@@ -199,9 +199,12 @@ impl<'a, B: Backbone> Map<'a, B> {
         }
         (half.start, half.direction) = (branch.start.u, branch.direction);
         // A loop may close in macro-slip: there the force is F_S on both branches. The margin is rounding of the
-        // distance.
-        let strongest = || self.law.strengths().1 * (1.0 - 4.0 * f64::EPSILON);
-        !branch.passed_by(half.end()) || branch.virgin_distance(branch.end) >= strongest()
+        // distance, a difference of displacements that are many times larger far beyond φ_max.
+        let reaches = || {
+            let rounding = 4.0 * f64::EPSILON * (libm::fabs(branch.start.u) + libm::fabs(branch.end));
+            branch.virgin_distance(branch.end) + rounding >= self.law.strengths().1
+        };
+        !branch.passed_by(half.end()) || reaches()
     }
 
     #[inline]
