@@ -255,8 +255,8 @@ fn the_first_harmonic_is_smooth_where_macro_slip_sets_in() {
     }
 }
 
-/// Whether a loop closes was once asked with the rounding of φ_max, where distances far beyond are differences of displacements that are many times larger: many decays from
-/// there had no second turning point, and searches for parameters stopped at such points.
+/// Whether a loop closes was once asked with the rounding of φ_max, where distances are differences of displacements that are many times larger: the map of half cycles gave up
+/// on decays from there, some of them at the release, and searches for parameters stopped at such points.
 #[test]
 fn decays_from_far_beyond_macro_slip_have_all_their_turning_points() {
     let mut random = iwan_core::SplitMix64::new(7);
