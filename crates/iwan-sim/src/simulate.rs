@@ -144,9 +144,13 @@ pub(crate) fn schemes(
 }
 
 /// Number of steps after which the force no longer changes. A force that settles on a sample settles there: the
-/// rounding of the quotient adds no step.
+/// rounding of the quotient adds no step. One that may stop while it acts is stepped one sample further: there its last impulse has gone in whole, also
+/// where it ends on a sample.
 fn settled_after(force: &Pulse<'_>, dt: f64, samples: usize) -> Result<usize, Error> {
-    let steps = (force.settled() / dt * (1.0 - 4.0 * f64::EPSILON)).ceil();
+    let abrupt = matches!(force, Pulse::Step { .. } | Pulse::Sine { .. } | Pulse::Sampled { .. });
+    let settled = force.settled();
+    let further = if abrupt && settled > 0.0 { 1.0 } else { 0.0 };
+    let steps = (settled / dt * (1.0 - 4.0 * f64::EPSILON)).ceil() + further;
     if steps < samples as f64 - 1.0 {
         return Ok(steps as usize);
     }

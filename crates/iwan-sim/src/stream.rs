@@ -3,15 +3,15 @@
 use std::ops::ControlFlow;
 
 use iwan_core::progress::Progress;
-use iwan_core::{EnergyBalance, Error, Newmark, Oscillator, Pulse, Representation};
+use iwan_core::{EnergyBalance, Error, Newmark, Pulse, Representation};
 
 use crate::error::SimulationError;
-use crate::methods::between::{Polyline, unseen};
+use crate::methods::between;
 use crate::methods::outside::Follower;
-use crate::methods::quality::{FEWEST, reference};
+use crate::methods::quality::{FEWEST, reference, relative};
 use crate::methods::run::{strongest, told};
 use crate::methods::stepped::{self, Stepped};
-use crate::methods::task::{CHUNK, Room, Task, first_not_finite, reversals, seen_by_double_steps};
+use crate::methods::task::{CHUNK, Room, Task, first_not_finite, for_companions, reversals};
 use crate::mode::Mode;
 use crate::response::{Response, Totals};
 use crate::settings::{Method, Settings};
@@ -120,14 +120,13 @@ struct Plan<'a> {
     mode: &'a Mode,
     dt: f64,
     samples: usize,
-    oscillator: Oscillator,
     joint: Representation,
     scheme: Newmark,
     /// At twice the step, where that is not too long.
     coarse: Option<Newmark>,
     /// 2^order - 1, of the scheme's order.
     divisor: f64,
-    rooms: [Room; 3],
+    rooms: [Room; 4],
     quality: bool,
 }
 
@@ -148,12 +147,11 @@ impl<'a> Plan<'a> {
             mode,
             dt,
             samples,
-            oscillator,
             joint,
             scheme: scheme_at(dt)?,
             coarse: if coarse { scheme_at(2.0 * dt).ok() } else { None },
             divisor: if gamma == 0.5 { 3.0 } else { 1.0 },
-            rooms: [room(), room(), room()],
+            rooms: [room(), room(), room(), room()],
             quality: settings.quality,
         })
     }
@@ -223,50 +221,6 @@ impl<'a> Companion<'a> {
     fn advance(&mut self, range: Range, force: &[f64]) -> bool {
         self.run.advance(range, force).is_ok() && self.run.is_finite(range.count(self.run.stride))
     }
-
-    /// The largest difference over the largest displacement of `against`, as [`quality`](crate::methods::quality) has it.
-    fn relative(&self, own: f64, against: f64) -> f64 {
-        match against {
-            0.0 => f64::from(u8::from(own != 0.0)),
-            peak => self.difference / peak,
-        }
-    }
-}
-
-/// What a file's force holds and steps do not see.
-struct Unseen<'a> {
-    /// Of the steps, and largest so far.
-    steps: Box<dyn Iterator<Item = f64> + 'a>,
-    missed: f64,
-    /// Of steps twice as long beside that.
-    more: Box<dyn Iterator<Item = f64> + 'a>,
-}
-
-impl<'a> Unseen<'a> {
-    /// None for a force by a formula.
-    fn new(
-        mode: &Mode,
-        oscillator: &'a Oscillator,
-        force: &'a Pulse<'a>,
-        dt: f64,
-        samples: usize,
-    ) -> Option<Self> {
-        let Pulse::Sampled { dt: given, samples: file } = *force else { return None };
-        let scale = mode.shape_at_force;
-        // As `modal_force` has it: the samples up to the end of the force.
-        let count = ((force.settled() / dt).min(samples as f64) as usize + 2).min(samples);
-        let at = move |n: usize| {
-            let mut one = [0.0];
-            force.sample_from(n, dt, &mut one);
-            scale * one[0]
-        };
-        let whole = Polyline { dt: given, value: move |i| scale * file[i], count: file.len(), ends: true };
-        let steps = Polyline { dt, value: at, count, ends: false };
-        let twice =
-            Polyline { dt: 2.0 * dt, value: move |n| at(2 * n), count: count.div_ceil(2), ends: false };
-        let more = Box::new(unseen(oscillator, steps, twice));
-        Some(Self { steps: Box::new(unseen(oscillator, whole, steps)), missed: 0.0, more })
-    }
 }
 
 /// A mode that is handed out.
@@ -276,11 +230,14 @@ struct Streamed<'a> {
     force: Vec<f64>,
     /// The same by steps twice as long.
     coarse: Option<Companion<'a>>,
+    /// Under a force from a file: by the steps themselves as the file does.
+    whole: Option<Companion<'a>>,
     /// Sliders against the continuum.
     continuum: Option<Companion<'a>>,
     /// Whether no joint is cut into sliders.
     exact: bool,
-    unseen: Option<Unseen<'a>>,
+    /// Whether the force is from a file.
+    unsmooth: bool,
     divisor: f64,
     follower: Option<Follower<'a>>,
     totals: Totals,
@@ -288,33 +245,37 @@ struct Streamed<'a> {
 }
 
 impl<'a> Streamed<'a> {
-    fn new(plan: &'a mut Plan<'_>, force: &'a Pulse<'_>) -> Result<Self, SimulationError> {
-        let Plan { mode, dt, samples, oscillator, joint, scheme, coarse, divisor, rooms, quality } = plan;
+    fn new(plan: &'a mut Plan<'_>, force: &Pulse<'_>) -> Result<Self, SimulationError> {
+        let Plan { mode, dt, samples, joint, scheme, coarse, divisor, rooms, quality } = plan;
         let (mode, dt, samples) = (*mode, *dt, *samples);
         let task = Task { mode, force: &[], dt, samples };
         let twice = Task { dt: 2.0 * dt, samples: samples.div_ceil(2), ..task };
         let cut = mode.joint.is_some() && matches!(joint, Representation::Sliders { .. });
-        let [own, longer, whole] = rooms;
+        let unsmooth = matches!(force, Pulse::Sampled { .. });
+        let [own, longer, continuum, whole] = rooms;
         let run = Buffered::new(task, scheme, *joint, own, 1)?;
-        let (mut second, mut third, mut unseen) = (None, None, None);
+        let (mut second, mut third, mut fourth) = (None, None, None);
         if let Some(coarse) = coarse {
             second = Companion::new(Buffered::new(twice, coarse, *joint, longer, 2));
-            unseen = Unseen::new(mode, oscillator, force, dt, samples);
             let finest = reference(mode, *joint);
-            let beside = match unseen {
-                None => Buffered::new(twice, coarse, finest, whole, 2),
-                Some(_) => Buffered::new(task, scheme, finest, whole, 1),
-            };
-            third = if cut && second.is_some() { Companion::new(beside) } else { None };
+            if cut && second.is_some() {
+                let (task, scheme, stride) =
+                    if unsmooth { (task, &*scheme, 1) } else { (twice, &*coarse, 2) };
+                third = Companion::new(Buffered::new(task, scheme, finest, continuum, stride));
+            }
+            if unsmooth && second.is_some() {
+                fourth = Companion::new(Buffered::new(task, scheme, *joint, whole, 1));
+            }
         }
         Ok(Self {
             mode,
             run,
             force: vec![],
             coarse: second,
+            whole: fourth,
             continuum: third,
             exact: *quality && !cut,
-            unseen,
+            unsmooth,
             divisor: *divisor,
             follower: mode.curves.as_ref().map(|curves| Follower::new(curves, dt)),
             totals: Totals { dt, strongest: strongest(mode), ..Totals::default() },
@@ -346,42 +307,39 @@ impl<'a> Streamed<'a> {
             motion[2].iter().fold(self.totals.peak_acceleration, |most, a| most.max(a.abs()));
         self.totals.steps = range.last;
         self.totals.final_displacement = motion[0].last().copied().unwrap_or(0.0);
-        let double = seen_by_double_steps(force, (self.totals.dt, shape), range.first, &self.force);
-        self.compare(range, &double);
+        let (dt, samples) = (self.totals.dt, range.steps(1) + 2);
+        let double = for_companions(force, (2.0 * dt, shape), range.first / 2, samples.div_ceil(2));
+        let whole = if self.whole.is_some() {
+            for_companions(force, (dt, shape), range.first, samples)
+        } else {
+            vec![]
+        };
+        self.compare(range, [&double, &whole]);
         Ok(())
     }
 
-    /// Takes the companions on, those with double steps under the force that these see, and compares.
-    fn compare(&mut self, range: Range, double: &[f64]) {
+    /// Takes the companions on, those with double steps and those that do as a file does under the forces that these see, and compares.
+    fn compare(&mut self, range: Range, [double, whole]: [&[f64]; 2]) {
         let fine = &self.run.response.displacement;
-        for companion in [&mut self.coarse, &mut self.continuum] {
-            let fails = |c: &mut Companion<'_>| {
-                let own = if c.run.stride == 2 { double } else { &self.force };
-                !c.advance(range, own)
-            };
-            if companion.as_mut().is_some_and(fails) {
+        let companions = [&mut self.coarse, &mut self.continuum, &mut self.whole];
+        let beside = if self.unsmooth { &self.force } else { double };
+        for (companion, force) in companions.into_iter().zip([double, beside, whole]) {
+            if companion.as_mut().is_some_and(|c| !c.advance(range, force)) {
                 *companion = None;
             }
         }
-        // Errors of sliders are those at the companion's step, before what its force leaves out is added.
         if let (Some(continuum), Some(coarse)) = (&mut self.continuum, &self.coarse) {
             let stride = continuum.run.stride;
             let against = if stride == 1 { fine } else { &coarse.run.response.displacement };
             let pairs = against.iter().zip(continuum.run.displacement(range.count(stride)));
             continuum.difference = pairs.fold(continuum.difference, |most, (a, b)| most.max((a - b).abs()));
         }
-        if let Some(unseen) = &mut self.unseen {
-            let left_out = unseen.steps.by_ref().take(range.count(1));
-            unseen.missed = left_out.fold(unseen.missed, |most, q| most.max(q.abs()));
-        }
         if let Some(coarse) = &mut self.coarse {
-            let pairs = coarse.run.displacement(range.count(2)).iter().zip(fine.iter().step_by(2));
-            let mut most = coarse.difference;
-            for (q, against) in pairs {
-                let more = self.unseen.as_mut().and_then(|u| u.more.next()).unwrap_or(0.0);
-                most = most.max((q + more - against).abs());
-            }
-            coarse.difference = most;
+            let (double, divisor) = (coarse.run.displacement(range.count(2)), self.divisor);
+            // Without a file the steps themselves are whole.
+            let whole = self.whole.as_ref().map_or(fine, |whole| &whole.run.response.displacement);
+            let most = between::error(fine, whole, double, divisor);
+            coarse.difference = coarse.difference.max(most);
         }
     }
 
@@ -397,13 +355,11 @@ impl<'a> Streamed<'a> {
         quality.forgotten_force = self.run.stepped.forgotten();
         quality.discretisation_error = self.exact.then_some(0.0);
         if let Some(continuum) = &self.continuum {
-            let own = self.coarse.as_ref().filter(|_| continuum.run.stride == 2).map_or(peak, |c| c.run.peak);
-            quality.discretisation_error = Some(continuum.relative(own, continuum.run.peak));
+            quality.discretisation_error = Some(relative(continuum.difference, continuum.run.peak));
         }
         if let Some(coarse) = &self.coarse {
-            let missed = self.unseen.as_ref().map_or(0.0, |u| u.missed / peak.max(f64::MIN_POSITIVE));
-            let own = if self.unseen.is_some() { coarse.difference } else { coarse.run.peak };
-            quality.time_step_error = Some(coarse.relative(own, peak) / self.divisor + missed);
+            let told = !self.unsmooth || self.whole.is_some();
+            quality.time_step_error = told.then(|| relative(coarse.difference, peak));
         }
         Totals { peak_displacement: peak, energy: self.energy.unwrap_or_default(), ..totals }
     }

@@ -1,6 +1,8 @@
 //! Folders that are being filled, and those that a killed process has left.
 //!
-//! A process holds a lock on a file in its folder as long as it lives, whatever ends it. A folder whose lock is free belongs to nobody.
+//! A process holds a lock on its folder as long as it lives, whatever ends it, and one on a file in it, for systems that lock no folders. A folder whose locks
+//! are free belongs to nobody. The lock on the folder is there from its making until it stands under its final name, and also where a process was killed while it cleared
+//! such a folder away, when the file was gone already.
 
 use std::fs::{self, File, TryLockError};
 use std::io;
@@ -20,7 +22,7 @@ const TRIES: usize = 100;
 /// A folder that is being filled, with the lock that says that its process lives.
 #[derive(Debug)]
 pub(crate) struct Staging {
-    _alive: File,
+    _alive: [Option<File>; 2],
     folder: TempDir,
 }
 
@@ -41,6 +43,7 @@ pub(crate) fn staging(builder: &Builder<'_, '_>, place: &Path) -> io::Result<Sta
     let mut last = None;
     for _ in 0..TRIES {
         let folder = builder.tempdir_in(place)?;
+        let Ok(whole) = locked(folder.path()) else { continue };
         let path = folder.path().join(LOCK);
         let file = match File::create(&path) {
             Ok(file) => file,
@@ -56,7 +59,7 @@ pub(crate) fn staging(builder: &Builder<'_, '_>, place: &Path) -> io::Result<Sta
             continue;
         }
         if path.exists() {
-            return Ok(Staging { _alive: file, folder });
+            return Ok(Staging { _alive: [whole, Some(file)], folder });
         }
     }
     Err(last.unwrap_or_else(|| io::Error::other("another process removes temporary folders")))
@@ -70,13 +73,31 @@ pub(crate) fn forget(folder: &Path) -> io::Result<()> {
     }
 }
 
+/// A folder that somebody else has locked.
+struct Taken;
+
+/// The folder with a lock on it; none where the system locks no folders.
+fn locked(folder: &Path) -> Result<Option<File>, Taken> {
+    let Ok(file) = File::open(folder) else { return Ok(None) };
+    match file.try_lock() {
+        Ok(()) => Ok(Some(file)),
+        Err(TryLockError::WouldBlock) => Err(Taken),
+        Err(TryLockError::Error(_)) => Ok(None),
+    }
+}
+
 /// Removes what processes that live no longer have left in `place`. What cannot be removed stays: it is not this run's business.
 pub(crate) fn clear(place: &Path) {
     let Ok(entries) = fs::read_dir(place) else { return };
     for entry in entries.flatten().filter(|e| e.file_name().to_string_lossy().starts_with(PREFIX)) {
-        let Ok(lock) = File::open(entry.path().join(LOCK)) else { continue };
-        if lock.try_lock().is_ok() {
-            let _ = fs::remove_dir_all(entry.path());
+        let folder = entry.path();
+        let Ok(whole) = locked(&folder) else { continue };
+        let free = match File::open(folder.join(LOCK)) {
+            Ok(lock) => lock.try_lock().is_ok(),
+            Err(error) => whole.is_some() && error.kind() == io::ErrorKind::NotFound,
+        };
+        if free {
+            let _ = fs::remove_dir_all(&folder);
         }
     }
 }
@@ -100,5 +121,21 @@ mod tests {
                 assert!(staging.path().join(LOCK).exists());
             }
         });
+    }
+
+    /// A process was killed while it made its folder, while it gave it its name or while it cleared one away: the folder had no locked file, and no later run removed
+    /// it (one of 160 kills).
+    #[cfg(unix)]
+    #[test]
+    fn a_folder_without_its_file_is_litter_unless_its_process_lives() {
+        let place = tempfile::tempdir().unwrap();
+        let left = place.path().join(".iwan-left");
+        fs::create_dir(&left).unwrap();
+        fs::write(left.join("response.csv"), "half").unwrap();
+        let alive = staging(Builder::new().prefix(PREFIX), place.path()).unwrap();
+        forget(alive.path()).unwrap();
+        clear(place.path());
+        assert!(!left.exists());
+        assert!(alive.path().exists());
     }
 }

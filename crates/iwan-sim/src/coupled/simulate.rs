@@ -8,8 +8,8 @@ use super::response::CoupledResponse;
 use super::run::newmark;
 use super::task::{Task, parted};
 use crate::error::SimulationError;
-use crate::methods::quality::difference;
-use crate::methods::task::{sampled, seen_by_double_steps};
+use crate::methods::quality::{difference, step_error};
+use crate::methods::task::{for_companions, sampled};
 use crate::mode::Mode;
 use crate::response::Response;
 use crate::settings::{Method, Settings};
@@ -64,13 +64,8 @@ pub fn simulate_coupled(
         let forgotten = whole.joints.iter().map(|joint| joint.forgotten_force);
         whole.quality.forgotten_force = forgotten.fold(0.0, f64::max);
         if settings.quality {
-            let double = seen_by_double_steps(&force, (dt, 1.0), 0, &history);
-            estimate(
-                &task.coarse(&double),
-                &mut whole,
-                (prewarp, representation),
-                &part(progress, [0.6, 0.9]),
-            )?;
+            let progress = part(progress, [0.6, 0.9]);
+            estimate((&task, &force), &mut whole, (prewarp, representation), &progress)?;
         }
     }
     let lonely: Vec<Mode> = alone.iter().map(|r| modes[*r].clone()).collect();
@@ -115,29 +110,51 @@ fn of_method(method: Method) -> Result<(bool, Representation), Error> {
 /// Shortest response, in samples of the companion, that gets an estimate: as for modes by themselves.
 const FEWEST: usize = 8;
 
-/// Time-step error by Richardson extrapolation from the double step `coarse`, discretisation error against the continuum there.
+/// Time-step error by Richardson extrapolation from the double step, discretisation error against the continuum there; under a force from a file as for a mode by
+/// itself.
 fn estimate(
-    coarse: &Task<'_>,
+    (task, force): (&Task<'_>, &Pulse<'_>),
     response: &mut CoupledResponse,
     (prewarp, joint): (bool, Representation),
     progress: Progress<'_>,
 ) -> Result<(), SimulationError> {
     let exact = joint == Representation::Continuum;
-    let run = |joint| newmark(coarse, prewarp, joint, UNWATCHED);
+    let unsmooth = matches!(force, Pulse::Sampled { .. });
+    let (dt, samples) = (2.0 * task.dt, task.samples.div_ceil(2));
+    let seen = for_companions(force, (dt, 1.0), 0, samples);
+    let coarse = task.beside((&seen, dt, samples));
+    let run = |task: &Task<'_>, joint| newmark(task, prewarp, joint, UNWATCHED);
     // A double step that does not work says nothing about the single one.
-    let double = if coarse.samples < FEWEST { None } else { run(joint).ok() };
-    if progress(0.5).is_break() {
+    let double = if samples < FEWEST { None } else { run(&coarse, joint).ok() };
+    if progress(0.3).is_break() {
         return Err(SimulationError::Interrupted);
     }
-    let continuum =
-        if exact { None } else { double.as_ref().and_then(|_| run(Representation::Continuum).ok()) };
+    let beside = if unsmooth { task } else { &coarse };
+    let continuum = match double {
+        Some(_) if !exact => run(beside, Representation::Continuum).ok(),
+        _ => None,
+    };
+    if progress(0.6).is_break() {
+        return Err(SimulationError::Interrupted);
+    }
+    let whole = if unsmooth && double.is_some() {
+        let seen = for_companions(force, (task.dt, 1.0), 0, task.samples);
+        run(&task.beside((&seen, task.dt, task.samples)), joint).ok()
+    } else {
+        None
+    };
     if progress(1.0).is_break() {
         return Err(SimulationError::Interrupted);
     }
     for (r, mode) in response.modes.iter_mut().enumerate() {
-        let time_step = double.as_ref().map(|double| difference(&double.modes[r], mode, 2) / 3.0);
-        let cut = double.as_ref().zip(continuum.as_ref());
-        let cut = cut.map(|(sliders, continuum)| difference(&sliders.modes[r], &continuum.modes[r], 1));
+        let fine = &*mode;
+        let cut = double.as_ref().zip(continuum.as_ref()).map(|(double, continuum)| {
+            let against = if unsmooth { fine } else { &double.modes[r] };
+            difference(against, &continuum.modes[r], 1)
+        });
+        let told = double.as_ref().filter(|_| !unsmooth || whole.is_some());
+        let time_step =
+            told.map(|double| step_error(fine, whole.as_ref().map(|w| &w.modes[r]), &double.modes[r], 3.0));
         mode.quality.time_step_error = time_step;
         mode.quality.discretisation_error = if exact { Some(0.0) } else { cut };
     }

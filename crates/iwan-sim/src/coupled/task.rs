@@ -105,14 +105,14 @@ impl<'a> Task<'a> {
         Ok(Statics::new(&self.modes, &self.joints).check(&self.modes)?)
     }
 
-    /// The same at twice the time step.
-    pub(super) fn coarse(&self, force: &'a [f64]) -> Self {
-        Self {
+    /// The same under another force, with another time axis.
+    pub(super) fn beside<'b>(&'b self, (force, dt, samples): (&'b [f64], f64, usize)) -> Task<'b> {
+        Task {
             modes: self.modes.clone(),
             joints: self.joints.clone(),
             force,
-            dt: 2.0 * self.dt,
-            samples: self.samples.div_ceil(2),
+            dt,
+            samples,
             modal_stiffness: self.modal_stiffness.clone(),
         }
     }

@@ -11,7 +11,7 @@ use iwan_core::{
 use crate::error::SimulationError;
 use crate::joint_law::with_law;
 use crate::methods::free_decay::{Decaying, fraction};
-use crate::methods::task::{Task, finite, modal_force};
+use crate::methods::task::{Task, add, finite, stepped_finely};
 use crate::methods::{outside, quality, run};
 use crate::mode::Mode;
 use crate::response::{Quality, Response};
@@ -96,10 +96,11 @@ fn forced(job: Decaying<'_>, response: &mut Response) -> Result<(Motion, EnergyB
     }
     let fraction = fraction(job)?;
     let (dt, samples) = (dt / fraction as f64, job.settled * fraction + 1);
-    let force = modal_force(mode, job.force, dt, samples);
+    let (force, lacking) = stepped_finely(mode, job.force, dt, samples);
     let task = Task { mode, force: &force, dt, samples };
     let scheme = Newmark::prewarped(dt, mode.oscillator()?.omega0())?;
-    let fine = run::newmark(task, &scheme, finely(mode), Response::default(), UNWATCHED)?;
+    let mut fine = run::newmark(task, &scheme, finely(mode), Response::default(), UNWATCHED)?;
+    add(lacking.as_deref().unwrap_or(&[]), &mut fine.acceleration);
     let histories = [&fine.displacement, &fine.velocity, &fine.acceleration, &fine.joint_force];
     let targets = [
         &mut response.displacement,

@@ -1,158 +1,140 @@
-//! What the samples of a force leave out: the motion of a linear mode under the difference of two forces.
+//! What a force from a file does between the steps.
 //!
-//! Time steps see a force at their own samples and take it for straight in between. A force from a file has samples of its own. Where these
-//! lie between the steps, or are far more, the steps miss what no halving of their length would show. The difference of the two forces is
-//! straight from one sample of either to the next, so that a linear mode's motion under it has a closed form.
+//! Time steps see a force at their own samples. A force from a file has samples of its own, is straight between them, and need not be smooth: where its samples lie
+//! between the steps, or are far more, the steps miss what no halving of their length would show. So companion runs take other samples: those under which the steps
+//! push a motion on as the file does.
 
-use iwan_core::Oscillator;
+use iwan_core::Pulse;
 
-/// A force that is straight between samples at a uniform interval, and zero behind the last.
-#[derive(Debug, Clone, Copy)]
-pub(crate) struct Polyline<V> {
-    pub(crate) dt: f64,
-    /// Value of the sample of a number.
-    pub(crate) value: V,
-    /// Number of samples.
-    pub(crate) count: usize,
-    /// Whether it ends with its last sample, and not one interval later at zero.
-    pub(crate) ends: bool,
-}
+/// Nodes of Gauss and Legendre's rule of three points on -1 to 1, and their weights: exact for a straight force times a cubic.
+const RULE: [(f64, f64); 3] =
+    [(-0.774_596_669_241_483_4, 5.0 / 9.0), (0.0, 8.0 / 9.0), (0.774_596_669_241_483_4, 5.0 / 9.0)];
 
-impl<V: Fn(usize) -> f64> Polyline<V> {
-    /// Between the samples before and behind `t`, of which the one before is number `n`: value just behind it, and slope.
-    fn piece(&self, n: usize) -> [f64; 2] {
-        let value = |i: usize| if i < self.count { (self.value)(i) } else { 0.0 };
-        if self.ends && n + 1 >= self.count {
-            return [0.0; 2];
-        }
-        let first = value(n);
-        [first, (value(n + 1) - first) / self.dt]
-    }
-}
-
-/// Closed form of q'' + 2ζω q' + ω² q = a + b t over one interval.
-struct Propagator {
-    omega: f64,
-    zeta: f64,
-    damped: f64,
-    /// The interval, and exp, cos and sin for it: most are as long as the one before.
-    known: [f64; 4],
-}
-
-impl Propagator {
-    fn new(oscillator: &Oscillator) -> Self {
-        let (omega, zeta) = (oscillator.omega0(), oscillator.damping_ratio());
-        // Scenarios keep ζ below 1; at 1 itself the limit is as good as any value beside it.
-        let damped = omega * (1.0 - zeta * zeta).max(1e-12).sqrt();
-        Self { omega, zeta, damped, known: [0.0, 1.0, 1.0, 0.0] }
-    }
-
-    fn advance(&mut self, [q, v]: [f64; 2], [a, b]: [f64; 2], h: f64) -> [f64; 2] {
-        if h != self.known[0] {
-            let (s, c) = libm::sincos(self.damped * h);
-            self.known = [h, libm::exp(-self.zeta * self.omega * h), c, s];
-        }
-        let [_, decay, c, s] = self.known;
-        let (square, decrement) = (self.omega * self.omega, self.zeta * self.omega);
-        let velocity = b / square;
-        let rest = (a - 2.0 * self.zeta * self.omega * velocity) / square;
-        let cosine = q - rest;
-        let sine = (v - velocity + decrement * cosine) / self.damped;
-        let swing = decay * (cosine * c + sine * s);
-        let turned = decay * (sine * c - cosine * s);
-        [swing + rest + velocity * h, self.damped * turned - decrement * swing + velocity]
-    }
-}
-
-/// Displacement at n dt, n = 0, 1, …, of the linear mode that starts at rest under `force` less what steps of `seen.dt` see of it.
-pub(crate) fn unseen(
-    oscillator: &Oscillator,
-    force: Polyline<impl Fn(usize) -> f64>,
-    seen: Polyline<impl Fn(usize) -> f64>,
-) -> impl Iterator<Item = f64> {
-    let mut propagator = Propagator::new(oscillator);
-    let mut state = [0.0; 2];
-    // Number of the sample of `force` that was passed last; a sample that rounding left beside one of the steps stands on it.
-    let (mut passed, near) = (0_usize, 1e-9 * seen.dt.min(force.dt));
-    (0..).map(move |n: usize| {
-        let moved = state[0];
-        let (start, end) = (n as f64 * seen.dt, (n + 1) as f64 * seen.dt);
-        let [value, slope] = seen.piece(n);
+/// Samples at n `dt`, n = `first`, `first` + 1, …, with which steps of average acceleration do as a force from a file does; returns how many
+/// come before all are zero. None for a force by a formula.
+///
+/// Such steps work as the trapezoidal rule does: sample n counts `dt` times what a push at its time moves later. The file's force at a time between them is handed to the four
+/// samples around it, by the weights with which a cubic through four points gives the value there (at the start through the first four). What a push moves is smooth, a sine of the time
+/// that has passed since, so that this is as good as the file up to (ω dt)^4.
+pub(crate) fn as_the_file_does(force: &Pulse<'_>, dt: f64, first: usize, out: &mut [f64]) -> Option<usize> {
+    let Pulse::Sampled { dt: own, samples } = *force else { return None };
+    out.fill(0.0);
+    let ends = force.settled();
+    let intervals = first.saturating_sub(3)..first + out.len() + 1;
+    for k in intervals.take_while(|k| (*k as f64) * dt < ends) {
+        let stencil = k.saturating_sub(1);
+        let (start, end) = (k as f64 * dt, ((k + 1) as f64 * dt).min(ends));
+        let mut piece = (start / own) as usize;
         let mut now = start;
-        while now < end - near {
-            while (passed + 1) as f64 * force.dt <= now + near {
-                passed += 1;
+        while now < end {
+            let until = ((piece + 1) as f64 * own).min(end);
+            for (node, weight) in RULE.map(|(x, w)| (0.5 * (now + until + x * (until - now)), w)) {
+                let at = (node / own - piece as f64).clamp(0.0, 1.0);
+                let next = samples.get(piece + 1).copied().unwrap_or(0.0);
+                let value = samples[piece.min(samples.len() - 1)] * (1.0 - at) + next * at;
+                let push = 0.5 * (until - now).max(0.0) / dt * weight * value;
+                for (share, n) in cubic(node / dt - stencil as f64).into_iter().zip(stencil..) {
+                    if let Some(sample) = n.checked_sub(first).and_then(|place| out.get_mut(place)) {
+                        // The first sample stands for half a step only.
+                        *sample += push * share * if n == 0 { 2.0 } else { 1.0 };
+                    }
+                }
             }
-            // Behind its last sample the force is zero for good.
-            let last = passed > force.count;
-            let until = if last { end } else { end.min((passed + 1) as f64 * force.dt) };
-            let until = if end - until < near { end } else { until };
-            let [a, b] = force.piece(passed);
-            let at = [a + b * (now - passed as f64 * force.dt), b];
-            let less = [at[0] - value - slope * (now - start), at[1] - slope];
-            state = propagator.advance(state, less, until - now);
-            now = until;
+            (now, piece) = (until, piece + 1);
         }
-        moved
+    }
+    Some(out.iter().rposition(|p| *p != 0.0).map_or(0, |last| last + 1))
+}
+
+/// Weights of the values at 0, 1, 2 and 3 in that of the cubic through them at `x`.
+fn cubic(x: f64) -> [f64; 4] {
+    let [a, b, c, d] = [x, x - 1.0, x - 2.0, x - 3.0];
+    [-b * c * d / 6.0, a * c * d / 2.0, -a * b * d / 2.0, a * b * c / 6.0]
+}
+
+/// Largest error of steps, over all samples of the double steps: what the file does and they miss, and a `divisor`-th of what steps
+/// twice as long differ by.
+///
+/// `fine` are displacements under the samples that the steps see, `whole` and `double` under those that do as the file does; without a file `whole` is `fine`.
+pub(crate) fn error(fine: &[f64], whole: &[f64], double: &[f64], divisor: f64) -> f64 {
+    let steps = fine.iter().step_by(2).zip(whole.iter().step_by(2)).zip(double);
+    steps.fold(0.0, |most: f64, ((fine, whole), double)| {
+        most.max((whole - fine + (whole - double) / divisor).abs())
     })
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use iwan_core::ResidualStiffness;
+    use iwan_core::SplitMix64;
 
-    fn line(dt: f64, samples: &[f64], ends: bool) -> Polyline<impl Fn(usize) -> f64> {
-        Polyline { dt, value: |i| samples[i], count: samples.len(), ends }
+    fn samples(force: &Pulse<'_>, dt: f64, first: usize, count: usize) -> Vec<f64> {
+        let mut out = vec![f64::NAN; count];
+        as_the_file_does(force, dt, first, &mut out).unwrap();
+        out
     }
 
-    fn oscillator() -> Oscillator {
-        Oscillator::new(10.0, 0.02, 0.0, ResidualStiffness::Positive).unwrap()
+    fn file(count: usize) -> Vec<f64> {
+        let mut random = SplitMix64::new(3);
+        (0..count).map(|_| random.next_symmetric()).collect()
     }
 
-    /// Under a constant force q = P/ω² (1 - e^(-ζωt)(cos ω_d t + ζω/ω_d sin ω_d t)).
+    /// The integral of a straight force times t³ - 2 t + 1 is known: so is the sum of the samples by the trapezoidal rule, whatever the two intervals.
     #[test]
-    fn a_step_that_the_steps_do_not_see_moves_the_mode_as_in_closed_form() {
-        let (force, seen) = (line(1.0, &[6.0; 3], true), line(0.013, &[], false));
-        let moved: Vec<f64> = unseen(&oscillator(), force, seen).take(100).collect();
-        let (w, z) = (oscillator().omega0(), 0.02);
-        let d = w * f64::sqrt(1.0 - z * z);
-        for (n, q) in moved.iter().enumerate() {
-            let t = n as f64 * 0.013;
-            let exact =
-                6.0 / (w * w) * (1.0 - (-z * w * t).exp() * ((d * t).cos() + z * w / d * (d * t).sin()));
-            assert!((q - exact).abs() < 1e-14, "{n} {q} {exact}");
+    fn steps_push_a_cubic_as_the_file_does() {
+        let file = file(40);
+        let moves = |t: f64| t * t * t - 2.0 * t + 1.0;
+        for own in [0.0137, 0.1, 0.31] {
+            let force = Pulse::Sampled { dt: own, samples: &file };
+            let mut exact = 0.0;
+            for (n, pair) in file.windows(2).enumerate() {
+                // Gauss and Legendre's rule again, which is exact.
+                for (x, w) in RULE {
+                    let at = 0.5 * (1.0 + x);
+                    let value = pair[0] * (1.0 - at) + pair[1] * at;
+                    exact += 0.5 * own * w * value * moves((n as f64 + at) * own);
+                }
+            }
+            let dt = 0.1;
+            let pushed = samples(&force, dt, 0, 130).iter().enumerate().fold(0.0, |sum, (n, p)| {
+                sum + dt * p * moves(n as f64 * dt) * if n == 0 { 0.5 } else { 1.0 }
+            });
+            assert!((pushed - exact).abs() < 1e-12 * exact.abs().max(1.0), "{own}: {pushed} {exact}");
         }
     }
 
-    /// A force whose samples are those of the steps, or every other of them, is seen whole.
     #[test]
-    fn nothing_is_left_of_a_force_that_is_seen() {
-        let samples: Vec<f64> = (0..50).map(|n| f64::from(n * n % 17)).collect();
-        let force = line(0.01, &samples, false);
-        let halved: Vec<f64> = (0..100)
-            .map(|n| {
-                if n % 2 == 0 {
-                    samples[n / 2]
-                } else {
-                    0.5 * (samples[n / 2] + samples.get(n / 2 + 1).copied().unwrap_or(0.0))
-                }
-            })
-            .collect();
-        let seen = line(0.005, &halved, false);
-        let moved: Vec<f64> = unseen(&oscillator(), force, seen).take(150).collect();
-        assert!(moved.iter().all(|q| q.abs() < 1e-12), "{moved:?}");
+    fn a_history_in_pieces_is_the_same_to_the_bit() {
+        let file = file(50);
+        let force = Pulse::Sampled { dt: 0.07, samples: &file };
+        let whole = samples(&force, 0.1, 0, 40);
+        for first in 0..30 {
+            assert_eq!(samples(&force, 0.1, first, 10), whole[first..first + 10], "{first}");
+        }
     }
 
-    /// A force whose mean over every step is zero and that the steps see as constant: the mode hardly moves, where they push it on.
     #[test]
-    fn what_swings_between_the_steps_is_told() {
-        let samples: Vec<f64> = (0..1000).map(|n| if n % 10 < 5 { 1.0 } else { -1.0 }).collect();
-        let force = line(0.001, &samples, true);
-        let coarse: Vec<f64> = samples.iter().copied().step_by(10).collect();
-        let seen = line(0.01, &coarse, false);
-        let missed = unseen(&oscillator(), force, seen).take(100).fold(0.0_f64, |m, q| m.max(q.abs()));
-        let peak = 2.0 / oscillator().omega0().powi(2);
-        assert!((0.8 * peak..1.1 * peak).contains(&missed), "{missed} {peak}");
+    fn a_constant_force_is_seen_as_it_is_up_to_its_end() {
+        let file = [6.0; 30];
+        let seen = samples(&Pulse::Sampled { dt: 0.013, samples: &file }, 0.02, 0, 25);
+        // The first four make up for the corner at which the force begins.
+        assert!(seen[4..17].iter().all(|p| (p - 6.0).abs() < 1e-13), "{seen:?}");
+        assert!(seen[21..].iter().all(|p| *p == 0.0), "{seen:?}");
+    }
+
+    /// A force whose mean over every step is zero, where the steps see a constant one.
+    #[test]
+    fn what_swings_between_the_steps_is_next_to_nothing() {
+        let file: Vec<f64> = (0..1000).map(|n| if n % 10 < 5 { 1.0 } else { -1.0 }).collect();
+        let seen = samples(&Pulse::Sampled { dt: 0.001, samples: &file }, 0.01, 0, 90);
+        let most = seen[1..].iter().fold(0.0_f64, |most, p| most.max(p.abs()));
+        assert!(most < 0.05, "{most}");
+        assert_eq!(file.iter().step_by(10).filter(|p| **p == 1.0).count(), 100);
+    }
+
+    #[test]
+    fn a_force_by_a_formula_is_no_file() {
+        let mut out = [0.0; 4];
+        assert_eq!(as_the_file_does(&Pulse::None, 0.1, 0, &mut out), None);
     }
 }

@@ -3,6 +3,7 @@
 use iwan_core::{Pulse, Slider};
 
 use crate::error::SimulationError;
+use crate::methods::between::as_the_file_does;
 use crate::mode::Mode;
 use crate::response::Response;
 
@@ -39,22 +40,47 @@ pub(crate) fn sampled(force: &Pulse<'_>, dt: f64, samples: usize) -> Vec<f64> {
     history
 }
 
-/// The force as steps twice as long see it, from their sample `first` / 2 on, where the steps see `seen` from `first` on, in time and force
-/// scaled by `(dt, scale)`.
+/// Force of a run whose steps are far finer than the response's: as the file does where it is from a file, so that what is left falls with the square of the step.
+/// With it goes what an acceleration at a sample lacks then, the force there less what does as the file does.
+pub(crate) fn stepped_finely(
+    mode: &Mode,
+    force: &Pulse<'_>,
+    dt: f64,
+    samples: usize,
+) -> (Vec<f64>, Option<Vec<f64>>) {
+    let scale = mode.shape_at_force;
+    let stepped = for_companions(force, (dt, scale), 0, samples);
+    let lacking = matches!(force, Pulse::Sampled { .. }).then(|| {
+        let mut itself = modal_force(mode, force, dt, samples);
+        itself.resize(stepped.len().max(itself.len()), 0.0);
+        itself.iter_mut().zip(&stepped).for_each(|(p, stepped)| *p -= stepped);
+        itself
+    });
+    (stepped, lacking)
+}
+
+/// Adds one history to another from the start on.
+pub(crate) fn add(one: &[f64], other: &mut [f64]) {
+    other.iter_mut().zip(one).for_each(|(to, x)| *to += x);
+}
+
+/// The force, times `scale`, as companion runs see it in steps of `dt`, from their sample `first` on and over at most so many samples.
 ///
-/// A force by a formula is sampled anew, so that where it stops between two steps its end is in its place for these, too. What a file holds
-/// between samples is found apart ([`unseen`](super::between::unseen)): of its samples every other is taken.
-pub(crate) fn seen_by_double_steps(
+/// A force by a formula is sampled anew, so that where it stops between two steps its end is in its place for these steps, too. One from a file is told by the
+/// samples that do as the file does ([`as_the_file_does`]).
+pub(crate) fn for_companions(
     force: &Pulse<'_>,
     (dt, scale): (f64, f64),
     first: usize,
-    seen: &[f64],
+    samples: usize,
 ) -> Vec<f64> {
-    if matches!(force, Pulse::Sampled { .. }) {
-        return seen.iter().copied().step_by(2).collect();
-    }
-    let mut history = vec![0.0; seen.len().div_ceil(2)];
-    let used = force.sample_from(first / 2, 2.0 * dt, &mut history);
+    // A cubic reaches two samples beyond the file's end.
+    let reach = ((force.settled() / dt) as usize).saturating_add(3);
+    let constant = force.at(force.settled() + dt) != 0.0;
+    let room = if constant { samples } else { samples.min(reach.saturating_sub(first)) };
+    let mut history = vec![0.0; room];
+    let used = as_the_file_does(force, dt, first, &mut history)
+        .unwrap_or_else(|| force.sample_from(first, dt, &mut history));
     history.truncate(used);
     for p in &mut history {
         *p *= scale;
