@@ -161,6 +161,14 @@ fn absurd_structures_are_refused() {
     let output = bounded(place.path(), "modes block.toml --count 3 --out out", &[]);
     assert_eq!(output.status.code(), Some(1), "{}", shown(&output));
     assert!(shown(&output).contains("zero modes of a free body"), "{}", shown(&output));
+    // One whose nodes are all held: a panic in the factorisation of nothing.
+    let set = "[[set]]\nkind = \"box\"\nname = \"all\"\nlow = [-9.0, -9.0, -9.0]\nhigh = [9.0, 9.0, 9.0]\n";
+    let support = "[[support]]\nname = \"ground\"\nnodes = \"all\"\nfixed = [\"x\", \"y\", \"z\"]\n";
+    let held = block.replace("0.4999999999", "0.3") + set + support;
+    std::fs::write(place.path().join("held.toml"), held).unwrap();
+    let output = bounded(place.path(), "modes held.toml --out out", &[]);
+    assert_eq!(output.status.code(), Some(1), "{}", shown(&output));
+    assert!(shown(&output).contains("no unknowns are left"), "{}", shown(&output));
     std::fs::write(place.path().join("in.toml"), beam).unwrap();
     let output = bounded(place.path(), "modes in.toml --count 100000 --out out", &[]);
     assert!(shown(&output).contains("100000 modes were asked for"), "{}", shown(&output));

@@ -40,6 +40,24 @@ fn surface_elements_without_a_section_are_node_sets() {
     assert!(error.contains("an element CPS4 with 3 nodes, expected 4 nodes"), "{error}");
 }
 
+/// Gmsh writes a physical group of a surface as a set of its surface elements: "left", of which no element was found, ended the file.
+#[test]
+fn sets_of_surface_elements_are_node_sets() {
+    let solid = "*ELEMENT, TYPE=C3D8I, ELSET=Volume1\n3,11,12,13,14,15,16,17,18\n";
+    let skin = "*ELEMENT, type=CPS4, ELSET=Surface1\n1, 11, 12, 13, 14\n2, 15, 16, 17, 18\n";
+    let sets = "*ELSET,ELSET=left\n1,\n*ELSET,ELSET=body\n3,\n*ELSET,ELSET=both\n2, 3\n*ELSET, ELSET=ends, GENERATE\n1, 2, 1\n";
+    let read = abaqus(&format!("{}{skin}{solid}{sets}", inp_nodes(&CORNERS))).unwrap();
+    assert_eq!(read.mesh.node_sets["left"], [0, 1, 2, 3]);
+    assert_eq!(read.mesh.node_sets["both"], [4, 5, 6, 7]);
+    assert_eq!(read.mesh.node_sets["ends"], [0, 1, 2, 3, 4, 5, 6, 7]);
+    assert_eq!(read.mesh.element_sets["body"], [0]);
+    assert_eq!(read.mesh.element_sets["both"], [0]);
+    assert!(!read.mesh.element_sets.contains_key("left") && !read.mesh.element_sets.contains_key("ends"));
+    assert!(!read.warnings.iter().any(|w| w.to_string().contains("runs from")), "{:?}", read.warnings);
+    let error = abaqus(&format!("{}{skin}{solid}*ELSET,ELSET=none\n4,\n", inp_nodes(&CORNERS))).unwrap_err();
+    assert!(error.contains("found element 4"), "{error}");
+}
+
 /// Stress in the unloaded structure stiffens it; temperatures do not.
 #[test]
 fn initial_stress_is_refused() {

@@ -49,6 +49,12 @@ impl Structure {
         }
         let extras = equations.extra.len();
         let transformation = equations.eliminate()?;
+        if transformation.places.is_empty() {
+            let finding =
+                "no unknowns are left: supports and ties hold every displacement of every node".into();
+            let remedy = "hold fewer nodes or directions";
+            return Err(Error::Analysis { analysis: "assembly", finding, remedy });
+        }
         let displacements = transformation.places.len() - extras;
         for slip in &mut slips {
             slip.unknown += displacements;

@@ -124,16 +124,20 @@ impl Reader {
         kind: &'static str,
         count: usize,
     ) -> Result<(), MeshError> {
-        let (mut nodes, mut elements, mut pending) = (Vec::new(), 0, 0);
+        let (mut found, mut pending) = (Vec::new(), 0);
         while let Some(line) = lines.next_data() {
             let mut fields = line.fields();
             if pending == 0 {
                 let label = fields.next().unwrap_or_default();
-                whole(lines.source, &line, label, "the number of an element")?;
-                (elements, pending) = (elements + 1, count);
+                let label = whole(lines.source, &line, label, "the number of an element")?;
+                found.push((label, Vec::with_capacity(count)));
+                pending = count;
             }
             for field in fields {
-                nodes.push(whole(lines.source, &line, field, format_args!("a node of {kind}"))?);
+                let node = whole(lines.source, &line, field, format_args!("a node of {kind}"))?;
+                if let Some((_, nodes)) = found.last_mut() {
+                    nodes.push(node);
+                }
                 pending = pending.checked_sub(1).ok_or_else(|| {
                     let found = format!("an element {kind} with more than {count} nodes");
                     lines.source.malformed(line.place(lines.source), found, format!("{count} nodes"))
@@ -149,14 +153,21 @@ impl Reader {
             }
         }
         let set = keyword.value("ELSET").map(|name| self.named(name));
-        self.skins.push(Skin { kind, line: keyword.line, elements, set: set.clone() });
+        self.skins.push(Skin { kind, line: keyword.line, elements: found.len(), set: set.clone() });
         if let Some(name) = set {
-            nodes.sort_unstable();
-            nodes.dedup();
-            let definition = Definition::of(SetKind::Nodes, &name, keyword.line, nodes, self.within());
-            self.body().definitions.push(definition);
+            let nodes = found.iter().flat_map(|(_, nodes)| nodes).copied().collect();
+            self.nodes_of_skin(&name, keyword.line, nodes);
         }
+        self.body().skin.extend(found);
         Ok(())
+    }
+
+    /// Nodes of surface or line elements as a set of nodes, each once.
+    pub(super) fn nodes_of_skin(&mut self, name: &str, line: usize, mut nodes: Vec<u64>) {
+        nodes.sort_unstable();
+        nodes.dedup();
+        let definition = Definition::of(SetKind::Nodes, name, line, nodes, self.within());
+        self.body().definitions.push(definition);
     }
 
     /// Elements of one node: what `*MASS` gives to them comes later.

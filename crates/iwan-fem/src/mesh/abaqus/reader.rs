@@ -38,6 +38,8 @@ pub(super) struct Body {
     pub(super) element_lines: Vec<usize>,
     /// Nodes of elements that are masses, by the name of their set in capitals.
     pub(super) mass_elements: BTreeMap<String, Vec<u64>>,
+    /// Nodes of surface and line elements, by the number of the element.
+    pub(super) skin: BTreeMap<u64, Vec<u64>>,
     pub(super) definitions: Vec<Definition>,
     pub(super) surfaces: Vec<SurfaceText>,
     pub(super) pending: Vec<Pending>,

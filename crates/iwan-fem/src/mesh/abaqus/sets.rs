@@ -47,9 +47,41 @@ impl Reader {
                 });
             }
         }
+        if kind == SetKind::Elements && self.take_skin(&name, keyword.line, &mut items) && items.is_empty() {
+            return Ok(());
+        }
         let definition = Definition { kind, name, line: keyword.line, items, within: instance };
         self.body().definitions.push(definition);
         Ok(())
+    }
+
+    /// Takes surface and line elements out of a set of elements, as which Gmsh writes a physical group of a surface: their nodes are a set of nodes of that name.
+    /// Whether there were any.
+    fn take_skin(&mut self, name: &str, line: usize, items: &mut Vec<Item>) -> bool {
+        let mut nodes = Vec::new();
+        let skin = &self.body().skin;
+        items.retain(|item| match item {
+            Item::Number(number) => match skin.get(number) {
+                Some(of) => {
+                    nodes.extend(of);
+                    false
+                }
+                None => true,
+            },
+            Item::Range { first, last, step } if first <= last => {
+                let step = (*step).max(1);
+                let inside: Vec<_> =
+                    skin.range(first..=last).filter(|(n, _)| (*n - first) % step == 0).collect();
+                nodes.extend(inside.iter().flat_map(|(_, of)| *of));
+                inside.len() as u64 <= (last - first) / step
+            }
+            Item::Range { .. } | Item::Set(_) | Item::NodesOf(_) => true,
+        });
+        if nodes.is_empty() {
+            return false;
+        }
+        self.nodes_of_skin(name, line, nodes);
+        true
     }
 }
 
