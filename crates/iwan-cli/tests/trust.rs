@@ -118,6 +118,32 @@ fn memory_is_asked_for_before_it_is_taken() {
     assert!(text.contains("block.toml:4:") && text.contains("GB of memory"), "{text}");
 }
 
+/// Under a bound on address space the kernels of matrices reserved a gigabyte and aborted the process, and so did a response that seemed to fit.
+#[cfg(target_os = "linux")]
+#[test]
+fn a_bound_on_address_space_is_no_abort() {
+    let place = folder("");
+    let program = assert_cmd::cargo::cargo_bin!("iwan").display().to_string();
+    for megabytes in [300, 400, 600, 1000, 1500] {
+        for command in ["simulate --duration 20", "modes", "quasi-static"] {
+            let line =
+                format!("ulimit -v {megabytes}000; exec {program} {command} --force --out out --quiet");
+            let output = Command::new("bash").args(["-c", &line]).current_dir(place.path()).output().unwrap();
+            let code = output.status.code();
+            assert!(
+                code == Some(0) || code == Some(1),
+                "{megabytes} MB, {command}: {code:?} {}",
+                shown(&output)
+            );
+            assert!(
+                code == Some(0) || shown(&output).contains("ulimit -v"),
+                "{megabytes} MB, {command}: {}",
+                shown(&output)
+            );
+        }
+    }
+}
+
 /// A thread that cannot be had was a panic, also with `--threads 1`. A stack of 100 TB cannot be had anywhere.
 #[test]
 fn work_is_done_without_threads() {

@@ -67,9 +67,12 @@ impl Settings {
         /// Displacement, velocity, acceleration and joint force of a mode, and what the superposed motion of a point, the times and companion
         /// runs add: three modes and a point took 5.3 numbers a sample and mode at 8 million samples.
         const NUMBERS: usize = 6;
+        /// What the companion runs of one mode add, under a force from a file: a run with the same step, one with twice the step, and two forces.
+        const COMPANIONS: usize = 6;
         let samples = self.samples()?;
-        let bytes =
-            samples.saturating_mul(modes.saturating_mul(NUMBERS).saturating_add(histories)).saturating_mul(8);
+        let bytes = samples
+            .saturating_mul(modes.saturating_mul(NUMBERS).saturating_add(COMPANIONS + histories))
+            .saturating_mul(8);
         let what = format!("a response of {samples} samples of {modes} modes");
         let remedy = "take a longer step, a shorter duration or fewer modes";
         Ok(iwan_machine::memory::ask(what, bytes as u64, remedy)?)

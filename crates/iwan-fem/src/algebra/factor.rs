@@ -21,7 +21,7 @@ use super::sparse::{Symmetric, largest};
 use super::triangular::{Branches, Factor};
 use super::workers::Workers;
 use crate::error::Error;
-use iwan_machine::memory::ask;
+use iwan_machine::memory::{ask, ask_for_kernels};
 
 /// Largest backward error ‖A z - b‖ / (‖A‖ ‖z‖) that a sound factorisation leaves. Usual is 1e-16 to 1e-15 for K + σM and up to 1e-12
 /// for shifted, indefinite matrices, which are factored without pivoting. A factor that is worse is refused: the eigensolver moves its
@@ -121,6 +121,7 @@ impl Cholesky {
         let symbolic = Arc::clone(&analysis.symbolic);
         let (what, remedy) = ("the factor of a matrix", "take a coarser mesh, or a machine with more memory");
         ask(what, size_of::<f64>() as u64 * symbolic.len_val() as u64, remedy)?;
+        ask_for_kernels(workers.threads())?;
         let mut values = vec![0.0; symbolic.len_val()];
         let none = llt::factor::LltRegularization::default();
         let spec = Spec::default();

@@ -24,6 +24,11 @@ impl Workers {
         Self { pool: pool.and_then(Result::ok) }
     }
 
+    /// How many threads do the work.
+    pub(crate) fn threads(&self) -> usize {
+        self.pool.as_ref().map_or(1, rayon::ThreadPool::current_num_threads)
+    }
+
     #[cfg(test)]
     pub(crate) fn none() -> Self {
         Self { pool: None }

@@ -1,6 +1,6 @@
 //! A scenario as a whole: its tables together, and the checks that need more than one of them.
 
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 
 use crate::error::InputError;
 use crate::section::{Section, plain};
@@ -237,11 +237,11 @@ pub(super) fn read_modes(source: &InputText, top: &Section<'_>) -> Result<Vec<Sc
         let remedy = "add [[mode]] with name and frequency (`iwan scenario paper-modal` prints an example), or [structure]";
         return Err(top.failure("mode", "there is no mode", remedy));
     }
-    let mut modes: Vec<ScenarioMode> = Vec::new();
+    let (mut modes, mut known) = (Vec::<ScenarioMode>::new(), BTreeMap::new());
     for (index, place) in tables.iter().enumerate() {
         let mode = ScenarioMode::read(source, index, place.clone())?;
         let section = Section::new(source, format!("mode {}", index + 1), place.clone(), mode::KEYS)?;
-        if let Some(other) = modes.iter().position(|m| m.mode.name == mode.mode.name) {
+        if let Some(other) = known.insert(mode.mode.name.clone(), index) {
             let message = format!("name = \"{}\" is the name of mode {} already", mode.mode.name, other + 1);
             return Err(section.failure("name", &message, "give every mode a name of its own"));
         }
