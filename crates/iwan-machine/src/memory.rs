@@ -1,5 +1,6 @@
 //! Memory is asked for before it is taken.
 
+use std::cell::Cell;
 use std::fmt;
 use std::sync::atomic::{AtomicU64, Ordering};
 
@@ -167,25 +168,29 @@ fn address_space() -> u64 {
     u64::MAX
 }
 
-/// Asks for the address space that the kernels of dense matrices reserve once on each of so many threads, of which they use little: twice the largest cache of the
-/// processor, 960 MiB where that has 480. It counts where `ulimit -v` bounds it.
+thread_local! {
+    /// Whether this thread has been granted what kernels of dense matrices reserve on it.
+    static GRANTED: Cell<bool> = const { Cell::new(false) };
+}
+
+/// Asks for the address space that the kernels of dense matrices reserve once on each thread, of which they use little: twice the largest cache of the
+/// processor, 960 MiB where that has 480. It counts where `ulimit -v` bounds it. `started` is the number of threads that were started for the work; with none
+/// this thread does it, and has to ask once only.
 ///
 /// # Errors
 /// [`Short`] where there is less; without that the kernels abort the process.
-pub fn ask_for_kernels(threads: usize) -> Result<(), Short> {
-    static GRANTED: AtomicU64 = AtomicU64::new(0);
-    let (threads, granted) = (threads as u64, GRANTED.load(Ordering::Relaxed));
-    if address_space() == u64::MAX || granted >= threads {
+pub fn ask_for_kernels(started: usize) -> Result<(), Short> {
+    if address_space() == u64::MAX || (started == 0 && GRANTED.get()) {
         return Ok(());
     }
-    let needed = 2 * largest_cache() * (threads - granted);
+    let needed = 2 * largest_cache() * started.max(1) as u64;
     let free = free();
     if free.bound == Bound::Process && needed > free.bytes {
         let what = "the workspace of matrix factors (address space, of which little is used)".into();
         let remedy = "raise or lift ulimit -v; --memory bounds what is really taken".into();
         return Err(Short { what, needed, free, remedy });
     }
-    GRANTED.fetch_max(threads, Ordering::Relaxed);
+    GRANTED.set(GRANTED.get() || started == 0);
     Ok(())
 }
 

@@ -91,7 +91,7 @@ impl Problem<'_> {
                 remedy: "ask for at least 1 and at most as many as there are unknowns",
             });
         }
-        let mut search = Search::new(self.mass, factor);
+        let mut search = Search::new(self.mass, factor)?;
         let (mut check_at, mut looked) = (count + BLOCK.min(count), (0, 0));
         loop {
             let usual = (USUAL * count as f64).min(n as f64);
@@ -193,11 +193,11 @@ struct Search<'a> {
 }
 
 impl<'a> Search<'a> {
-    fn new(mass: &'a Symmetric, factor: &'a Cholesky) -> Self {
+    fn new(mass: &'a Symmetric, factor: &'a Cholesky) -> Result<Self, Error> {
         let mut search = Self {
             mass,
             factor,
-            workers: Workers::for_entries(factor.entries()),
+            workers: Workers::for_entries(factor.entries())?,
             n: mass.order(),
             basis: Vec::new(),
             weighted: Vec::new(),
@@ -208,7 +208,7 @@ impl<'a> Search<'a> {
             seed: 0,
         };
         search.widen(BLOCK);
-        search
+        Ok(search)
     }
 
     /// Columns of the basis, those not yet expanded included.

@@ -21,7 +21,7 @@ use super::sparse::{Symmetric, largest};
 use super::triangular::{Branches, Factor};
 use super::workers::Workers;
 use crate::error::Error;
-use iwan_machine::memory::{ask, ask_for_kernels};
+use iwan_machine::memory::ask;
 
 /// Largest backward error ‖A z - b‖ / (‖A‖ ‖z‖) that a sound factorisation leaves. Usual is 1e-16 to 1e-15 for K + σM and up to 1e-12
 /// for shifted, indefinite matrices, which are factored without pivoting. A factor that is worse is refused: the eigensolver moves its
@@ -114,14 +114,13 @@ pub(crate) struct Cholesky {
 impl Cholesky {
     /// Factors and probes.
     pub(crate) fn new(analysis: &Analysis, matrix: &Symmetric) -> Result<Self, Error> {
-        Self::with(analysis, matrix, &Workers::for_entries(analysis.symbolic.len_val()))
+        Self::with(analysis, matrix, &Workers::for_entries(analysis.symbolic.len_val())?)
     }
 
     fn with(analysis: &Analysis, matrix: &Symmetric, workers: &Workers) -> Result<Self, Error> {
         let symbolic = Arc::clone(&analysis.symbolic);
         let (what, remedy) = ("the factor of a matrix", "take a coarser mesh, or a machine with more memory");
         ask(what, size_of::<f64>() as u64 * symbolic.len_val() as u64, remedy)?;
-        ask_for_kernels(workers.threads())?;
         let mut values = vec![0.0; symbolic.len_val()];
         let none = llt::factor::LltRegularization::default();
         let spec = Spec::default();
@@ -187,7 +186,7 @@ pub(crate) fn negative_eigenvalues(analysis: &Analysis, matrix: &Symmetric) -> R
     let mut values = vec![0.0; symbolic.len_val()];
     let none = ldlt::factor::LdltRegularization::default();
     let spec = Spec::default();
-    Workers::for_entries(values.len()).run(|par| {
+    Workers::for_entries(values.len())?.run(|par| {
         let mut buffer = memory(symbolic.factorize_numeric_ldlt_scratch::<f64>(par, spec))?;
         let stack = MemStack::new(&mut buffer);
         symbolic
@@ -257,7 +256,7 @@ mod tests {
         let assembled = Structure::new(mesh, Material::new(1.0, 0.3, 1.0).unwrap()).assemble().unwrap();
         let matrix = assembled.slipping_stiffness().plus(1.0, assembled.mass());
         let analysis = assembled.analysis().unwrap();
-        assert!(Workers::for_entries(analysis.symbolic.len_val()).are_threads());
+        assert!(Workers::for_entries(analysis.symbolic.len_val()).unwrap().are_threads());
         assert!(analysis.branches != Branches::NONE, "a block falls into two branches");
         let alone = solves(&matrix, analysis, &Workers::none());
         for threads in [1, 2, 3] {
@@ -269,7 +268,9 @@ mod tests {
     fn small_factors_solve_as_well() {
         let assembled = paper::structure(Configuration::A, 1).unwrap().assemble().unwrap();
         let matrix = assembled.slipping_stiffness().plus(1e4, assembled.mass());
-        assert!(!Workers::for_entries(assembled.analysis().unwrap().symbolic.len_val()).are_threads());
+        assert!(
+            !Workers::for_entries(assembled.analysis().unwrap().symbolic.len_val()).unwrap().are_threads()
+        );
         solves(&matrix, assembled.analysis().unwrap(), &Workers::none());
     }
 }

@@ -4,6 +4,9 @@
 //! order in which a single thread would. The threads end with the work: none is left behind for a fork to lose.
 
 use faer::Par;
+use iwan_machine::memory::ask_for_kernels;
+
+use crate::error::Error;
 
 /// Entries of a factor from which on threads are worth their start: the paper's beam has 0.35 million, a cube of 10,000 unknowns
 /// about 4 million. How much threads gain above depends on what else the cores do; the bits do not depend on them.
@@ -18,15 +21,15 @@ pub(crate) struct Workers {
 
 impl Workers {
     /// For work with a factor of so many entries; as many threads as there are cores, or as RAYON_NUM_THREADS says.
-    pub(crate) fn for_entries(entries: usize) -> Self {
+    ///
+    /// # Errors
+    /// Too little address space for what the kernels reserve on each thread.
+    pub(crate) fn for_entries(entries: usize) -> Result<Self, Error> {
         let pool = (entries >= LARGE).then(|| rayon::ThreadPoolBuilder::new().build());
         // Where no thread can be had, the work is done without.
-        Self { pool: pool.and_then(Result::ok) }
-    }
-
-    /// How many threads do the work.
-    pub(crate) fn threads(&self) -> usize {
-        self.pool.as_ref().map_or(1, rayon::ThreadPool::current_num_threads)
+        let pool = pool.and_then(Result::ok);
+        ask_for_kernels(pool.as_ref().map_or(0, rayon::ThreadPool::current_num_threads))?;
+        Ok(Self { pool })
     }
 
     #[cfg(test)]
