@@ -10,6 +10,7 @@ use iwan_ident::identify::{Held, Identification, ModeRecord, Settings, identify,
 use iwan_ident::{Error, Parameter, Parameters};
 
 use crate::law_records::random::{between, scale};
+use crate::law_records::sliders::{README, STEP, blow};
 
 const MODE_1: Parameters =
     Parameters { frequency: 124.0, damping_ratio: 2.5e-4, k_t: 4.45e4, f_s: 239.4, chi: -0.183, beta: 0.3 };
@@ -381,8 +382,34 @@ fn a_record_without_noise_through_macro_slip_closes_no_wrong_interval() {
     decay.sample(dt, &mut Samples { displacement, velocity, acceleration, joint_force }).unwrap();
     let found = identified(&[out[2].clone()], dt);
     for parameter in Parameter::ALL {
-        let (profile, value) = (found.profile(parameter), truth.get(parameter));
-        let (Some(low), Some(high)) = (profile.low, profile.high) else { panic!("{parameter:?} is open") };
-        assert!((low..=high).contains(&value), "{parameter:?}: {value} in {low} to {high}");
+        let profile = found.profile(parameter);
+        assert!(profile.low.is_some() && profile.high.is_some(), "{parameter:?} is open");
+        holds(&found, &truth, parameter);
+    }
+}
+
+/// That no closed end of an interval excludes the truth.
+fn holds(found: &Identification, truth: &Parameters, parameter: Parameter) {
+    let (profile, value) = (found.profile(parameter), truth.get(parameter));
+    let inside = profile.low.is_none_or(|low| low <= value) && profile.high.is_none_or(|high| value <= high);
+    assert!(inside, "{parameter:?}: {value} in {:?} to {:?}", profile.low, profile.high);
+}
+
+/// A joint of few sliders is not the law of the fit, and its record shows no noise: one slider that began to slip once was taken for the onset of macro-slip (F_S 8.4 for 239), and
+/// intervals of a thousandth missed β by a tenth.
+#[test]
+fn sliders_in_place_of_the_continuum_exclude_no_truth() {
+    for (sliders, amplitude, seconds) in
+        [(20, 100.0, 0.5), (20, 1000.0, 0.5), (20, 3000.0, 0.2), (100, 1000.0, 0.5)]
+    {
+        let found = identified(&[blow(sliders, amplitude, seconds).unwrap()], STEP);
+        for parameter in Parameter::ALL {
+            holds(&found, &README, parameter);
+            let profile = found.profile(parameter);
+            let own = found.parameters.get(parameter);
+            assert!(profile.low.is_none_or(|low| low <= own) && profile.high.is_none_or(|high| own <= high));
+        }
+        // The frequency is told all the same.
+        assert!(found.profile(Parameter::Frequency).identifiable(), "{sliders} {amplitude} {seconds}");
     }
 }

@@ -4,11 +4,14 @@
 //! of 10 to 100 samples, without noise. `noise COUNT DB`: random joints of 1 to 30 % of the stiffness in noise of so many decibels below the
 //! record's root mean square. `neighbours COUNT DB [band]`: the same beside one or two other modes at 1.05 to 3 times the frequency, as
 //! loud or up to thirty times less, all automatic or with a band about the mode. `repeats COUNT`: four hits of a specimen whose frequency strays by 0.3 % from
-//! hit to hit and whose damping by 3 %: how often the intervals hold the specimen's mean. `FIRST` in the environment is the first seed.
+//! hit to hit and whose damping by 3 %: how often the intervals hold the specimen's mean. `sliders`: README's mode cut into 20, 100 and 1000 sliders, under three blows, in records of three
+//! lengths. `FIRST` in the environment is the first seed.
 //! `scripts/validate` runs all of them; the last figures stand in the book's chapter on validation.
 
 #[path = "../../tests/law_records/random.rs"]
 mod random;
+#[path = "../../tests/law_records/sliders.rs"]
+mod sliders;
 mod tally;
 
 use std::f64::consts::TAU;
@@ -92,6 +95,20 @@ fn noisy(seed: u64, decibels: f64) -> Result<Trial, Error> {
     let mut samples = ring_down(&truth, start * phi_max(&truth)?, dt, (cycles * per_cycle) as usize)?;
     add_noise(&mut samples, decibels, &mut random);
     Ok(Trial { truths: vec![truth], records: vec![samples], dt, settings: Settings::default() })
+}
+
+/// Sliders, amplitudes of the blow and lengths (s) of the records of README's mode.
+const CUT_INTO: [usize; 3] = [20, 100, 1000];
+const BLOWS: [f64; 3] = [100.0, 1000.0, 3000.0];
+const LENGTHS: [f64; 3] = [0.2, 0.5, 2.0];
+
+/// README's mode simulated with few and with many sliders.
+fn cut_into_sliders(case: u64) -> Result<Trial, Error> {
+    let case = case as usize;
+    let (cut, amplitude, seconds) = (CUT_INTO[case / 9 % 3], BLOWS[case / 3 % 3], LENGTHS[case % 3]);
+    let samples = sliders::blow(cut, amplitude, seconds)?;
+    let settings = Settings::default();
+    Ok(Trial { truths: vec![sliders::README], records: vec![samples], dt: sliders::STEP, settings })
 }
 
 /// A point of a structure: the mode, and one or two others at 1.05 to 3 times its frequency (or as far below it), as loud or up to thirty times less.
@@ -178,9 +195,10 @@ fn main() {
             run(&name, seeds(count), |seed| neighbours(seed, db, banded));
         }
         (Some("repeats"), Some(count), _) => run("repeats", seeds(count), repeats),
+        (Some("sliders"), ..) => run("sliders", 0..27, cut_into_sliders),
         _ => {
             eprintln!(
-                "usage: coverage softening COUNT | noise COUNT DB | neighbours COUNT DB [band] | repeats COUNT"
+                "usage: coverage softening COUNT | noise COUNT DB | neighbours COUNT DB [band] | repeats COUNT | sliders"
             );
             std::process::exit(2);
         }

@@ -128,7 +128,16 @@ impl Identification {
             )
         });
         let found: Vec<String> = law.into_iter().chain(levels).chain(records).chain(days).collect();
-        (!found.is_empty()).then(|| format!("{}: the intervals allow for it", found.join("; ")))
+        let misses = (!found.is_empty()).then(|| format!("{}: the intervals allow for it", found.join("; ")));
+        let allowed = self.refined.discrepancy.allowed;
+        let clean = (allowed > 0.0).then(|| {
+            format!(
+                "the record shows no noise, as only simulations do, which have sliders or time steps in place of the law: the intervals allow for {:.1} % of dissipation",
+                100.0 * allowed
+            )
+        });
+        let all: Vec<String> = misses.into_iter().chain(clean).collect();
+        (!all.is_empty()).then(|| all.join("; "))
     }
 
     /// Why intervals were left open that the profiles alone would close.

@@ -2,8 +2,8 @@
 
 use crate::error::Error;
 use crate::parameters::Parameters;
-use crate::profile::{Extent, Known, Profiles, extent, profiles};
-use crate::refine::{Solved, Task, Workspace};
+use crate::profile::{Extent, Known, Profiles, SLIP_SEEN, extent, profiles};
+use crate::refine::{Clean, Solved, Task, Workspace};
 use crate::search::Minimum;
 
 /// Searches that begin anew because a profile found a better minimum, at most. A judgement: each costs as much as all
@@ -30,21 +30,37 @@ pub(super) fn minimum_and_profiles(task: &mut Task, first: &Parameters) -> Resul
     loop {
         let without = without_macro_slip(task, near.as_deref(), &minimum);
         let extent = extent(task, &minimum, without.as_ref().map(|w| &w.minimum));
-        near = without.as_ref().map(|w| w.minimum.x.clone());
-        if let (Extent::MicroSlip, Some(without)) = (extent, without) {
-            *task = without.task;
-            minimum = task.discounted(without.minimum, &[&start, &minimum.x])?;
-        }
-        // Where macro-slip is seen the knee tells enough.
-        let (widened, least) = match extent {
-            Extent::MicroSlip | Extent::Edge => task.widened(&minimum)?,
-            Extent::Full => (task.clone(), minimum.clone()),
+        let clean = task.clean(&minimum);
+        let allowed_for = match (clean, &without) {
+            (Some(Clean::Nearly), Some(without)) if extent != Extent::MicroSlip => {
+                without.explains(&minimum)?
+            }
+            _ => false,
         };
-        let known = Known { minimum: &least, extent, settled: round >= ANEW };
+        near = without.as_ref().map(|w| w.minimum.x.clone());
+        let extent = if allowed_for { Extent::MicroSlip } else { extent };
+        let (mut open, mut lowest) = (task.clone(), minimum.clone());
+        if let (Extent::MicroSlip, Some(without)) = (extent, without) {
+            open = without.task;
+            lowest = open.discounted(without.minimum, &[&start, &minimum.x])?;
+        }
+        if !allowed_for {
+            (*task, minimum) = (open.clone(), lowest.clone());
+        }
+        let (widened, least) = match (clean, extent) {
+            (None, _) | (Some(Clean::OfTheLaw), Extent::Full) => (open, lowest),
+            (Some(clean), _) => open.widened(&lowest, clean)?,
+        };
+        let known = Known { minimum: &least, given: &minimum.x, extent, settled: round >= ANEW };
         match profiles(&widened, known) {
             Ok(profiles) => {
                 *task = widened;
-                return Ok(Found { minimum: least, profiles });
+                if allowed_for {
+                    // The best values are those with macro-slip, though the intervals are those without.
+                    task.take_samples(&minimum.x, &mut Workspace::default());
+                }
+                let cost = task.cost(&minimum.x, &mut Workspace::default()).unwrap_or(minimum.cost);
+                return Ok(Found { minimum: Minimum { cost, ..minimum }, profiles });
             }
             Err(better) => match task.resume(&better, &minimum) {
                 Some(deeper) => minimum = task.finished(&deeper, &start)?,
@@ -60,6 +76,14 @@ pub(super) fn minimum_and_profiles(task: &mut Task, first: &Parameters) -> Resul
 struct WithoutMacroSlip {
     task: Task,
     minimum: Minimum,
+}
+
+impl WithoutMacroSlip {
+    /// Whether what the law may miss of a clean record explains as well what macro-slip does.
+    fn explains(&self, minimum: &Minimum) -> Result<bool, Error> {
+        let gain = self.task.slip_gains(&self.minimum, minimum)?;
+        Ok(gain.is_some_and(|gain| gain <= SLIP_SEEN))
+    }
 }
 
 fn without_macro_slip(task: &Task, near: Option<&[f64]>, minimum: &Minimum) -> Option<WithoutMacroSlip> {

@@ -69,12 +69,12 @@ impl Region {
         Ok(Self { points, to_largest_knee, to_smallest_knee })
     }
 
-    /// The profile of a parameter, whose best value is that of `minimum`; `end` walks to an end of its interval, downwards with -1 and
+    /// The profile of a parameter with such a best value, which its interval contains; `end` walks to an end of its interval, downwards with -1 and
     /// upwards with 1, and adds the points that it meets. `slips`: whether macro-slip is clearly seen.
     pub(crate) fn profile<G: Charted>(
         &self,
         ground: &G,
-        minimum: &Minimum,
+        value: f64,
         (parameter, held): (Parameter, bool),
         slips: bool,
         end: &dyn Fn(f64, &mut Vec<ProfilePoint>) -> Option<f64>,
@@ -84,10 +84,10 @@ impl Region {
         let mut reach = |low: bool, direction: f64| {
             (!held && self.tells(parameter, low, slips)).then(|| end(direction, &mut points)).flatten()
         };
-        let (low, high) = (reach(true, -1.0), reach(false, 1.0));
+        let low = reach(true, -1.0).map(|low| low.min(value));
+        let high = reach(false, 1.0).map(|high| high.max(value));
         points.sort_by(|a, b| a.value.total_cmp(&b.value).then(a.deviance.total_cmp(&b.deviance)));
         points.dedup_by(|later, kept| later.value == kept.value);
-        let value = ground.chart().parameters(&minimum.x).get(parameter);
         Profile { parameter, value, low, high, points, held }
     }
 

@@ -4,7 +4,7 @@ use nalgebra::DMatrix;
 
 use crate::parameters::Parameters;
 use crate::refine::{Effort, Task, Workspace};
-use crate::search::Minimum;
+use crate::search::{Minimum, TOLERANCE as LAST};
 
 /// Relative reduction of the sum of squares at which a search along a profile ends: a hundredth of the residuals'
 /// variance, nearly.
@@ -27,6 +27,11 @@ pub(crate) trait Ground {
     /// The least sum of squares over the coordinates in `free`, from `x`.
     fn minimise(&self, x: &[f64], free: Vec<usize>, work: &mut Self::Work) -> Option<Minimum>;
 
+    /// The same once more with all effort, for a point that would end an interval; none where the first search spared none.
+    fn deepened(&self, _found: &Minimum, _free: Vec<usize>, _work: &mut Self::Work) -> Option<Minimum> {
+        None
+    }
+
     /// Derivatives of the residuals with respect to the coordinates in `free`, one column each.
     fn jacobian(&self, x: &[f64], free: Vec<usize>, work: &mut Self::Work) -> Option<DMatrix<f64>>;
 
@@ -47,6 +52,11 @@ impl Ground for Task {
 
     fn minimise(&self, x: &[f64], free: Vec<usize>, work: &mut Workspace) -> Option<Minimum> {
         Self::minimise(self, x, free, TOLERANCE, work)
+    }
+
+    /// Where a valley is narrow and bent, searches with derivatives to one side end above its floor.
+    fn deepened(&self, found: &Minimum, free: Vec<usize>, work: &mut Workspace) -> Option<Minimum> {
+        self.widened.then(|| Self::minimise(self, &found.x, free, LAST, work)).flatten()
     }
 
     fn jacobian(&self, x: &[f64], free: Vec<usize>, work: &mut Workspace) -> Option<DMatrix<f64>> {

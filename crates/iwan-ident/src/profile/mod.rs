@@ -34,7 +34,7 @@ const TOLERANCE: f64 = 1e-5;
 /// Macro-slip is seen when the best fit without it has a deviance above this. Two parameters more would gain 6 at the 95 %
 /// level; but the knee is sought along its whole range, and noise alone was seen to gain 19.6. With 25, none of 40 records of Table 2's mode 1
 /// at 0.3 φ_max and 40 dB claims macro-slip.
-const SLIP_SEEN: f64 = 25.0;
+pub(crate) const SLIP_SEEN: f64 = 25.0;
 /// The knee lies clearly inside the data when the largest amplitude is so many times φ_max: any small defect of a record's loud
 /// start (a second mode, clipping, the hammer's rebound) looks like a knee just below the largest amplitude.
 const CLEARLY_INSIDE: f64 = 1.1;
@@ -59,6 +59,8 @@ pub(crate) enum Extent {
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Known<'a> {
     pub(crate) minimum: &'a Minimum,
+    /// The point whose parameters are given: the minimum itself, or that without what intervals allow for. It lies inside all intervals.
+    pub(crate) given: &'a [f64],
     pub(crate) extent: Extent,
     /// Whether a better point, should a walk meet one, is passed over: else the walk ends there.
     pub(crate) settled: bool,
@@ -120,7 +122,8 @@ fn region(task: &Task, minimum: &Minimum, scale: &Scale) -> Result<Region, Minim
 fn profile(task: &Task, known: Known<'_>, region: &Region, scale: &Scale, parameter: Parameter) -> Profile {
     let held = task.held().contains(&parameter);
     let slips = known.extent == Extent::Full;
-    region.profile(task, known.minimum, (parameter, held), slips, &|direction, points| {
+    let value = task.chart.parameters(known.given).get(parameter);
+    region.profile(task, value, (parameter, held), slips, &|direction, points| {
         let farthest = region.farthest(task, scale, parameter, direction)?;
         let chart = task.charting(parameter);
         let minimum = chart.from(task, farthest);

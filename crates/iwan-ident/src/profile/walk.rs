@@ -19,6 +19,11 @@ const OUTWARDS: usize = 24;
 const INWARDS: usize = 16;
 /// Roots of deviances this many times the limit's are too far for a straight line: halves close in faster there.
 const FAR_OUTSIDE: f64 = 4.0;
+/// Factor on either side of the limit by which a deviance jumps where a search has lost the valley: along a valley that is followed it changes by less between
+/// points so near. A judgement.
+const JUMP: f64 = 1.5;
+/// Times that a walk sets out anew from where its search lost the valley. Each gets some steps farther; when they are spent the end stands where the valley was lost last.
+const ANEW: usize = 8;
 /// Relative precision of the distance of an end, as the root of the deviance: half a per cent of an interval's half width, below
 /// what anyone reads off it.
 const PRECISION: f64 = 5e-3;
@@ -103,7 +108,11 @@ impl<'a, G: Ground> Walk<'a, G> {
                 break;
             }
         }
-        let Some(found) = best else { return Ok(None) };
+        let Some(mut found) = best else { return Ok(None) };
+        if self.scale.rise(&found) >= self.scale.limit {
+            let deepened = self.task.deepened(&found, self.free.clone(), &mut self.work);
+            found = deepened.filter(|d| d.cost < found.cost).unwrap_or(found);
+        }
         let deviance = self.scale.rise(&found);
         if deviance < self.scale.better {
             return Err(found);
@@ -148,32 +157,71 @@ impl<'a, G: Ground> Walk<'a, G> {
         nearest.map_or_else(|| self.minimum.x.clone(), |p| p.1.clone())
     }
 
-    /// Walks outwards until the deviance passes the limit, then to the limit itself.
+    /// Walks outwards until the deviance passes the limit, then to the limit itself. Where the deviance jumps there, far inside the limit on one side and far outside on the
+    /// other, the search has lost a valley that is narrow and bent: from its last point the walk sets out anew, by shorter steps.
     pub(crate) fn go(&mut self, direction: f64) -> Result<End, Minimum> {
+        let start = self.minimum.x[self.coordinate];
+        let mut step = self.first_step();
+        let mut inside = Place { at: start, deviance: self.scale.rise(self.minimum).max(0.0) };
+        for round in 0.. {
+            let Some([last, outside]) = self.outwards(inside, direction, step)? else { return Ok(End::Open) };
+            let Some([last, outside]) = self.close_in(last, outside)? else { return Ok(End::Open) };
+            let lost = outside.deviance.is_finite() && self.jumps(last, outside);
+            if !lost || last.at == inside.at || round == ANEW {
+                return Ok(End::Closed(self.between(last, outside)));
+            }
+            (step, inside) = ((outside.at - last.at).abs(), last);
+        }
+        Ok(End::Open)
+    }
+
+    /// The last point inside the limit and the first outside, from a point and a first step on; none where the way is open.
+    fn outwards(
+        &mut self,
+        mut inside: Place,
+        direction: f64,
+        mut step: f64,
+    ) -> Result<Option<[Place; 2]>, Minimum> {
         let start = self.minimum.x[self.coordinate];
         let (low, high) = self.task.bounds()[self.coordinate];
         let bound = if direction < 0.0 { low } else { high };
-        let mut step = self.first_step();
-        let mut inside = Place { at: start, deviance: self.scale.rise(self.minimum).max(0.0) };
         for _ in 0..OUTWARDS {
             let wanted = inside.at + direction * step;
             let at = if (wanted - bound) * direction >= 0.0 { bound } else { wanted };
             let deviance = self.deviance(at)?.unwrap_or(f64::INFINITY);
             if deviance >= self.scale.limit {
-                return Ok(self.close_in(inside, Place { at, deviance })?.map_or(End::Open, End::Closed));
+                return Ok(Some([inside, Place { at, deviance }]));
             }
             if at == bound
                 || (at - start).abs() > FARTHEST
                 || (self.stiffness_ends && self.all_of_stiffness())
             {
-                return Ok(End::Open);
+                return Ok(None);
             }
             // Where the root of the deviance grows evenly, a little beyond the limit.
             let growth = (self.scale.limit / deviance.max(1e-3 * self.scale.limit)).sqrt();
             step = (1.1 * growth * (at - start).abs() - (at - start).abs()).clamp(0.3 * step, 4.0 * step);
             inside = Place { at, deviance };
         }
-        Ok(End::Open)
+        Ok(None)
+    }
+
+    /// Whether the deviance jumps over the limit between two points.
+    fn jumps(&self, inside: Place, outside: Place) -> bool {
+        inside.deviance < self.scale.limit / JUMP && outside.deviance > self.scale.limit * JUMP
+    }
+
+    /// Where the limit lies between a point inside and one outside, by the line through the roots of the deviances, or halfway where they are too far apart for that.
+    fn share(&self, inside: Place, outside: Place) -> f64 {
+        let root = self.scale.limit.sqrt();
+        let (a, b) = (inside.deviance.sqrt(), outside.deviance.sqrt());
+        if b > FAR_OUTSIDE * root { 0.5 } else { ((root - a) / (b - a)).clamp(0.05, 0.95) }
+    }
+
+    /// The end of an interval between its last point inside and the first outside: the first where there is no model beyond.
+    fn between(&self, inside: Place, outside: Place) -> f64 {
+        let share = if outside.deviance.is_finite() { self.share(inside, outside) } else { 0.0 };
+        inside.at + share * (outside.at - inside.at)
     }
 
     /// Whether the farthest point inside needs nearly all stiffness to be the joint's: the end is not the record's then.
@@ -184,31 +232,23 @@ impl<'a, G: Ground> Walk<'a, G> {
         farthest.is_some_and(|farthest| self.task.is_at_edge(&farthest.minimum.x))
     }
 
-    /// From a point inside and one outside to the limit: by the line through the roots of the deviances, by halves
-    /// where they are too far apart for that. None where the way ends not at the limit but at the edge of the model.
-    fn close_in(&mut self, mut inside: Place, mut outside: Place) -> Result<Option<f64>, Minimum> {
+    /// From a point inside and one outside to two that are next to each other or to the limit. None where the way ends not at the limit but at the edge of the model.
+    fn close_in(&mut self, mut inside: Place, mut outside: Place) -> Result<Option<[Place; 2]>, Minimum> {
         let (root, start) = (self.scale.limit.sqrt(), self.minimum.x[self.coordinate]);
-        let share = |inside: f64, outside: f64| {
-            let (a, b) = (inside.sqrt(), outside.sqrt());
-            if b > FAR_OUTSIDE * root { 0.5 } else { ((root - a) / (b - a)).clamp(0.05, 0.95) }
-        };
         for _ in 0..INWARDS {
             let near = |d: f64| (d.sqrt() - root).abs() <= PRECISION * root;
             let narrow = (outside.at - inside.at).abs() <= PRECISION * (inside.at - start).abs();
             if near(inside.deviance) || near(outside.deviance) || narrow {
                 break;
             }
-            let at = inside.at + share(inside.deviance, outside.deviance) * (outside.at - inside.at);
+            let at = inside.at + self.share(inside, outside) * (outside.at - inside.at);
             let deviance = self.deviance(at)?.unwrap_or(f64::INFINITY);
             let place = Place { at, deviance };
             if deviance < self.scale.limit { inside = place } else { outside = place }
         }
         // Where there is no model beyond, the model itself ends the interval: of joint and force that is no finding.
-        if self.stiffness_ends && (!outside.deviance.is_finite() || self.all_of_stiffness()) {
-            return Ok(None);
-        }
-        let share = if outside.deviance.is_finite() { share(inside.deviance, outside.deviance) } else { 0.0 };
-        Ok(Some(inside.at + share * (outside.at - inside.at)))
+        let ends_model = !outside.deviance.is_finite() || self.all_of_stiffness();
+        Ok((!self.stiffness_ends || !ends_model).then_some([inside, outside]))
     }
 
     /// Student's t times the standard deviation by curvature.

@@ -19,7 +19,10 @@ use super::task::{Task, Workspace};
 /// counts as likelier than the small bends that measured curves have, and the best fit of the double beam's fifth hit misses dissipation by that.
 const LENGTH: f64 = 0.3;
 /// Distance of the nodes in ln amplitude, between which a discrepancy is straight: about that length, so that a node tells what its neighbours do not.
-const SPACING: f64 = 0.25;
+pub(super) const SPACING: f64 = 0.25;
+/// The same for one record without noise: there a process that is straight between nodes would miss what the sliders of a joint make, which begin to slip one
+/// by one, at distances of 0.05 and more. With more records the distance grows, because time grows with the cube of the number of nodes.
+pub(super) const FINEST: f64 = 0.05;
 /// Windows below this part of the largest amplitude have the discrepancy of the last node: they weigh a thousandth, and noise
 /// hides what a slow process does there.
 const LOWEST: f64 = 1e-3;
@@ -59,30 +62,31 @@ pub(super) enum Kind {
 /// Nodes in ln amplitude, from the smallest on.
 struct Nodes {
     first: f64,
+    spacing: f64,
     count: usize,
 }
 
 impl Nodes {
-    fn over<'a>(logs: impl Iterator<Item = &'a [f64]>) -> Self {
+    fn over<'a>(logs: impl Iterator<Item = &'a [f64]>, spacing: f64) -> Self {
         let (mut low, mut high) = (f64::INFINITY, f64::NEG_INFINITY);
         for &log in logs.flatten() {
             (low, high) = (low.min(log), high.max(log));
         }
         let low = low.max(high + LOWEST.ln());
-        let count = ((high - low) / SPACING).ceil() as usize + 1;
-        Self { first: low, count }
+        let count = ((high - low) / spacing).ceil() as usize + 1;
+        Self { first: low, spacing, count }
     }
 
     /// Values of all hat functions at `log`.
     fn hats(&self, log: f64) -> Vec<f64> {
-        let place = ((log - self.first) / SPACING).clamp(0.0, (self.count - 1) as f64);
+        let place = ((log - self.first) / self.spacing).clamp(0.0, (self.count - 1) as f64);
         (0..self.count).map(|i| (1.0 - (place - i as f64).abs()).max(0.0)).collect()
     }
 
     /// Lower triangular factor of the covariance of the nodes' values: a process of Ornstein and Uhlenbeck's, of variance one.
     fn factor(&self) -> DMatrix<f64> {
         let covariance = DMatrix::from_fn(self.count, self.count, |i, j| {
-            (-(SPACING * i.abs_diff(j) as f64 / LENGTH)).exp()
+            (-(self.spacing * i.abs_diff(j) as f64 / LENGTH)).exp()
         });
         covariance.cholesky().map_or_else(|| DMatrix::identity(self.count, self.count), |c| c.l())
     }
@@ -104,8 +108,8 @@ fn levels(logs: &[Vec<f64>]) -> Vec<Vec<usize>> {
 }
 
 impl Task {
-    /// The processes at a point; none where there is no model.
-    pub(super) fn components(&self, x: &[f64], work: &mut Workspace) -> Option<Vec<Component>> {
+    /// The processes at a point, their nodes so far apart in ln amplitude; none where there is no model.
+    pub(super) fn components(&self, x: &[f64], spacing: f64, work: &mut Workspace) -> Option<Vec<Component>> {
         let models = self.models(x, work)?;
         let logs: Vec<Vec<f64>> =
             models.iter().zip(&self.records).map(|(m, r)| log_amplitudes(m, r)).collect();
@@ -115,7 +119,7 @@ impl Task {
         // One process for each group of records, over the amplitudes that these hold.
         let component = |kind: Kind, groups: &[Vec<usize>]| {
             let of = |group: &Vec<usize>| {
-                let nodes = Nodes::over(group.iter().map(|i| logs[*i].as_slice()));
+                let nodes = Nodes::over(group.iter().map(|i| logs[*i].as_slice()), spacing);
                 let factor = nodes.factor();
                 let mut columns = DMatrix::zeros(self.count(), 2 * nodes.count);
                 for &i in group {

@@ -25,6 +25,7 @@ use crate::parameters::{Parameter, Parameters};
 pub(crate) use amplitudes::days::may_stray;
 pub(crate) use amplitudes::whitening::Whitening;
 pub(crate) use amplitudes::windows::OVERLAP;
+pub(crate) use discrepancy::Clean;
 pub(crate) use record::check_rate;
 pub(crate) use release::Sampling;
 pub use release::TurningPoint;

@@ -38,6 +38,8 @@ pub struct Discrepancy {
     pub dissipation_of_record: f64,
     /// Of ln ω from record to record, the day's included.
     pub frequency_of_record: f64,
+    /// What intervals allow for although the records show none of it, of ln D: zero but for records without noise, which only a simulation makes.
+    pub allowed: f64,
 }
 
 /// Parameters that reproduce records, and what is left over.

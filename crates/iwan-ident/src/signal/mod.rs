@@ -18,6 +18,7 @@ mod beside;
 mod isolate;
 mod envelope;
 
+pub(crate) use defects::sample_noise;
 pub use envelope::{Envelope, Instant, Method, Opinions, Refusal, Spread, envelope, opinions};
 pub use filter::{Butterworth, Passband};
 pub use hilbert::{Analytic, analytic_signal, whole_cycles};

@@ -48,7 +48,8 @@ fn profile(
     scale: &Scale,
 ) -> Profile {
     let held = task.held.contains(&parameter);
-    region.profile(task, minimum, (parameter, held), slips, &|direction, points| {
+    let value = task.chart.parameters(&minimum.x).get(parameter);
+    region.profile(task, value, (parameter, held), slips, &|direction, points| {
         let farthest = region.farthest(task, scale, parameter, direction)?;
         let holding = task.holding(parameter);
         let coordinate = holding.chart.index(parameter)?;

@@ -6,6 +6,7 @@
 )]
 
 pub(crate) mod random;
+pub(crate) mod sliders;
 
 use std::f64::consts::TAU;
 

@@ -1,0 +1,45 @@
+//! A mode whose joint is cut into few sliders, under a hammer blow: the law of a fit is the continuum, which such a record is not.
+
+use iwan_core::Oscillator;
+use iwan_core::{
+    Error, FourParameter, Grid, Newmark, Pulse, ResidualStiffness, Run, Samples, Slider, Sliders,
+};
+use iwan_ident::Parameters;
+
+/// README's mode.
+pub(crate) const README: Parameters =
+    Parameters { frequency: 124.0, damping_ratio: 2.5e-4, k_t: 4.45e4, f_s: 239.4, chi: -0.183, beta: 0.3 };
+/// Its mode shape at the hammer.
+const SHAPE: f64 = 23.5;
+/// Time step, s.
+pub(crate) const STEP: f64 = 1e-5;
+
+/// Acceleration in so many `seconds` from the blow on, of a haversine of this amplitude on a joint of so many sliders.
+///
+/// # Errors
+/// As the stepper's.
+pub(crate) fn blow(sliders: usize, amplitude: f64, seconds: f64) -> Result<Vec<f64>, Error> {
+    let joint = FourParameter::new(README.k_t, README.f_s, README.chi, README.beta)?;
+    let (frequency, zeta) = (README.frequency, README.damping_ratio);
+    let mode = Oscillator::new(frequency, zeta, README.k_t, ResidualStiffness::Positive)?;
+    let mut table = vec![Slider::default(); Sliders::table_len(sliders)];
+    let law = Sliders::discretise(&joint, Grid::graded(sliders), sliders, &mut table)?;
+    let mut state = law.virgin(vec![Run::default(); law.len()])?;
+    let count = (seconds / STEP).round() as usize + 1;
+    let mut force = vec![0.0; count];
+    let used = Pulse::Haversine { amplitude: SHAPE * amplitude, duration: 1.6e-3 }.sample(STEP, &mut force);
+    force.truncate(used);
+    let mut out: [Vec<f64>; 4] = std::array::from_fn(|_| vec![0.0; count]);
+    let [displacement, velocity, acceleration, joint_force] = &mut out;
+    let mut samples = Samples { displacement, velocity, acceleration, joint_force };
+    Newmark::prewarped(STEP, mode.omega0())?.integrate_sliders(
+        &mode,
+        &law,
+        &mut state,
+        0.0,
+        &force,
+        &mut samples,
+    )?;
+    let [_, _, acceleration, _] = out;
+    Ok(acceleration)
+}
