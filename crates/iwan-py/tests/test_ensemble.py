@@ -277,6 +277,21 @@ def test_a_killed_ensemble_goes_on_from_where_it_was(tmp_path):
     assert before == {path: path.stat().st_mtime_ns for path in kept.iterdir()}
 
 
+def test_half_written_files_of_killed_processes_are_cleared(tmp_path):
+    ended = subprocess.Popen([sys.executable, "-c", ""])
+    ended.wait()
+    kept = tmp_path / "kept"
+    kept.mkdir()
+    # The first was killed before it had said what the work is, and every further call was refused.
+    left = [kept / f"checkpoint.{ended.pid}", kept / f"piece-000000000.{ended.pid}"]
+    alive = kept / f"piece-000000001.{os.getpid()}"
+    for path in [*left, alive]:
+        path.write_bytes(b"half")
+    sets = random_sets(50)
+    same(iwan.ensemble.simulate(**sets, **RUN, checkpoint=kept), iwan.ensemble.simulate(**sets, **RUN))
+    assert alive.exists() and not any(path.exists() for path in left)
+
+
 def test_a_checkpoint_of_other_work_is_refused(tmp_path):
     sets = random_sets(50)
     iwan.ensemble.simulate(**sets, **RUN, checkpoint=tmp_path / "kept")

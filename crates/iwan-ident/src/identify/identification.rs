@@ -99,8 +99,8 @@ impl Identification {
         (days().map(|day| (day - mean).powi(2)).sum::<f64>() / (count - 1.0).max(1.0)).sqrt()
     }
 
-    /// What the model misses beside noise, in words; none where only noise is left.
-    fn discrepancy_in_words(&self) -> Option<String> {
+    /// What the model misses beside noise, and what intervals allow for beside that, in words; none where only noise is left.
+    fn discrepancy_in_words(&self) -> Vec<String> {
         let found = &self.refined.discrepancy;
         let hertz = |relative: f64| relative * self.parameters.frequency;
         let size = |d: f64, f: f64| format!("{:.2} % of dissipation and {:.4} Hz", 100.0 * d, hertz(f));
@@ -132,12 +132,11 @@ impl Identification {
         let allowed = self.refined.discrepancy.allowed;
         let clean = (allowed > 0.0).then(|| {
             format!(
-                "the record shows no noise, as only simulations do, which have sliders or time steps in place of the law: the intervals allow for {:.1} % of dissipation",
+                "the record shows no noise that would say what the law misses, as simulations and filtered records do: the intervals allow for {:.1} % of dissipation",
                 100.0 * allowed
             )
         });
-        let all: Vec<String> = misses.into_iter().chain(clean).collect();
-        (!all.is_empty()).then(|| all.join("; "))
+        misses.into_iter().chain(clean).collect()
     }
 
     /// Why intervals were left open that the profiles alone would close.

@@ -94,8 +94,12 @@ pub fn write_file(
         return Err(WriteError::Exists { path: path.into() });
     }
     let folder = path.parent().filter(|p| !p.as_os_str().is_empty()).unwrap_or(Path::new("."));
-    let temporary = builder(0o666).tempfile_in(folder).map_err(io_error(path, "create a temporary file"))?;
+    litter::clear(folder);
+    let temporary =
+        litter::file(&builder(0o666), folder).map_err(io_error(path, "create a temporary file"))?;
     let (file, temporary) = temporary.into_parts();
+    // The lock stays until the file has its name.
+    let _alive = file.try_clone();
     write_through(path, file, fill)?;
     let persisted = if force { temporary.persist(path) } else { temporary.persist_noclobber(path) };
     persisted.map_err(|e| match e.error.kind() {
@@ -160,6 +164,18 @@ pub(super) mod tests {
         assert!(refused.to_string().contains("--force"));
         write_file(&path, true, |w| w.write_all(b"3")).unwrap();
         assert_eq!(fs::read(&path).unwrap(), b"3");
+    }
+
+    /// A process that was killed while it wrote a single file left it under its temporary name for ever.
+    #[test]
+    fn the_next_write_clears_what_a_killed_one_left() {
+        let place = tempfile::tempdir().unwrap();
+        fs::write(place.path().join(".iwan-left"), "half").unwrap();
+        fs::write(place.path().join(".another"), "not ours").unwrap();
+        let alive = litter::file(&builder(0o666), place.path()).unwrap();
+        write_file(place.path().join("a"), false, |w| w.write_all(b"1")).unwrap();
+        let own = alive.path().file_name().unwrap().to_str().unwrap();
+        assert_eq!(names(place.path()), [".another", own, "a"]);
     }
 
     #[cfg(unix)]

@@ -1,4 +1,4 @@
-//! Folders that are being filled, and those that a killed process has left.
+//! Folders and single files that are being filled, and those that a killed process has left.
 //!
 //! A process holds a lock on its folder as long as it lives, whatever ends it, and one on a file in it, for systems that lock no folders. A folder whose locks
 //! are free belongs to nobody. The lock on the folder is there from its making until it stands under its final name, and also where a process was killed while it cleared
@@ -7,7 +7,7 @@
 use std::fs::{self, File, TryLockError};
 use std::io;
 use std::path::Path;
-use tempfile::{Builder, TempDir};
+use tempfile::{Builder, NamedTempFile, TempDir};
 
 /// What temporary names begin with.
 pub(crate) const PREFIX: &str = ".iwan-";
@@ -15,7 +15,7 @@ pub(crate) const PREFIX: &str = ".iwan-";
 /// The file that is locked.
 const LOCK: &str = ".lock";
 
-/// Tries for a folder of one's own. One that clears litter can take a folder for litter between its making and its lock, and hardly
+/// Tries for a folder or a file of one's own. One that clears litter can take a folder for litter between its making and its lock, and hardly
 /// twice: a hundred tries mean that something else is wrong.
 const TRIES: usize = 100;
 
@@ -36,6 +36,19 @@ impl Staging {
     pub(crate) fn keep(self) {
         let _ = self.folder.keep();
     }
+}
+
+/// A file in `place`, locked as long as it is open anywhere in this process.
+pub(crate) fn file(builder: &Builder<'_, '_>, place: &Path) -> io::Result<NamedTempFile> {
+    for _ in 0..TRIES {
+        let file = builder.tempfile_in(place)?;
+        // As with folders, a lock that somebody else holds is that of a process which is clearing it away.
+        let taken = matches!(file.as_file().try_lock(), Err(TryLockError::WouldBlock));
+        if !taken && file.path().exists() {
+            return Ok(file);
+        }
+    }
+    Err(io::Error::other("another process removes temporary files"))
 }
 
 /// A folder in `place`.
@@ -86,11 +99,17 @@ fn locked(folder: &Path) -> Result<Option<File>, Taken> {
     }
 }
 
-/// Removes what processes that live no longer have left in `place`. What cannot be removed stays: it is not this run's business.
+/// Removes folders and files that processes which live no longer have left in `place`. What cannot be removed stays: it is not this run's business.
 pub(crate) fn clear(place: &Path) {
     let Ok(entries) = fs::read_dir(place) else { return };
     for entry in entries.flatten().filter(|e| e.file_name().to_string_lossy().starts_with(PREFIX)) {
         let folder = entry.path();
+        if entry.file_type().is_ok_and(|kind| kind.is_file()) {
+            if File::open(&folder).is_ok_and(|file| file.try_lock().is_ok()) {
+                let _ = fs::remove_file(&folder);
+            }
+            continue;
+        }
         let Ok(whole) = locked(&folder) else { continue };
         let free = match File::open(folder.join(LOCK)) {
             Ok(lock) => lock.try_lock().is_ok(),

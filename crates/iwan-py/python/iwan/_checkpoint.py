@@ -6,6 +6,7 @@ import hashlib
 import json
 import os
 import pickle
+import re
 from collections.abc import Callable, Iterable
 from pathlib import Path
 from typing import Any, TypeVar
@@ -19,6 +20,9 @@ _Piece = TypeVar("_Piece")
 
 _SAID = "checkpoint.json"
 """What the pieces in the folder are of."""
+
+_TEMPORARY = re.compile(r"(?:checkpoint|piece-[0-9]+)\.([0-9]+)")
+"""Files that are being written end with the number of their process."""
 
 
 class Checkpoint:
@@ -34,8 +38,9 @@ class Checkpoint:
         path = self.folder / _SAID
         try:
             self.folder.mkdir(parents=True, exist_ok=True)
+            _clear(self.folder)
             if not path.exists():
-                if any(self.folder.iterdir()):
+                if any(_TEMPORARY.fullmatch(other.name) is None for other in self.folder.iterdir()):
                     raise InvalidValueError(f"checkpoint {self.folder}: holds files, but no {_SAID}; give a folder of its own")
                 _write(path, json.dumps(said, indent=1).encode())
             found = json.loads(path.read_text())
@@ -75,6 +80,27 @@ def _read(path: Path) -> tuple[Any] | None:
     except (OSError, EOFError, pickle.UnpicklingError, ValueError, AttributeError, ImportError, IndexError):
         return None
     return piece if isinstance(piece, tuple) and len(piece) == 1 else None
+
+
+def _clear(folder: Path) -> None:
+    """Remove what processes that live no longer have left half written: one killed while it began would be refused for ever."""
+    for path in folder.iterdir():
+        temporary = _TEMPORARY.fullmatch(path.name)
+        if temporary and not _lives(int(temporary[1])):
+            path.unlink(missing_ok=True)
+
+
+def _lives(process: int) -> bool:
+    """Whether a process of this number lives, as far as the system can tell."""
+    if os.name != "posix":
+        return True
+    try:
+        os.kill(process, 0)
+    except (ProcessLookupError, OverflowError):
+        return False
+    except OSError:
+        return True
+    return True
 
 
 def _write(path: Path, content: bytes) -> None:
