@@ -284,7 +284,7 @@ def test_half_written_files_of_killed_processes_are_cleared(tmp_path):
     kept.mkdir()
     # The first was killed before it had said what the work is, and every further call was refused.
     left = [kept / f"checkpoint.{ended.pid}", kept / f"piece-000000000.{ended.pid}"]
-    alive = kept / f"piece-000000001.{os.getpid()}"
+    alive = kept / f"piece-000000001.{os.getppid()}"
     for path in [*left, alive]:
         path.write_bytes(b"half")
     sets = random_sets(50)
