@@ -174,5 +174,5 @@ fn silence_noise_and_steady_vibration_are_refused() {
 fn a_short_record_is_refused_with_the_number_of_cycles() {
     let x = record(decay);
     let error = envelope(&x[..600], DT, Method::Hilbert, &Options::default()).unwrap_err().to_string();
-    assert!(error.contains("cycles") || error.contains("nothing is left"), "{error}");
+    assert!(error.contains("cycles") || error.contains("nothing of the record is left"), "{error}");
 }

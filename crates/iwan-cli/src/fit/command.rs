@@ -128,7 +128,7 @@ fn write_others(
         let scenario = placed(as_scenario(identified, &summary.title(), chosen)?);
         session.file(LAW, to_toml(&scenario, "").as_bytes())?;
     }
-    if identified.iter().all(|i| i.found.laws.is_ok()) {
+    if identified.iter().all(|i| i.found.laws.as_ref().is_ok_and(|laws| laws.backbone.is_curve())) {
         let scenario = placed(as_scenario(identified, &summary.title(), |_| Some(BY_CURVES.to_string()))?);
         session.file(CURVES, to_toml(&scenario, "").as_bytes())?;
     }

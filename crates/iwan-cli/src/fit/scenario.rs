@@ -68,6 +68,11 @@ fn by_law(i: &Identified, law: &str, record: usize) -> Result<ScenarioMode, Fail
     let found = i.found.laws.as_ref().map_err(|error| missing(&error.to_string()))?;
     let displacement = found.released[record];
     if law == BY_CURVES {
+        if !found.backbone.is_curve() {
+            return Err(missing(
+                "the record tells frequency and damping at a single amplitude, which is no curve",
+            ));
+        }
         let mode = mode_of_curves(&i.name, &found.backbone, displacement).map_err(|e| failed(&e))?;
         return Ok(ScenarioMode { mode, joint: None, informed: i.found.informed() });
     }

@@ -23,6 +23,9 @@ const USABLE_FREQUENCY: f64 = 0.5;
 /// a tenth of the energy is left.
 const MOST_LEFT: f64 = 0.3;
 
+/// What verdicts speak of.
+const SUBJECT: &str = ": one four-parameter Iwan joint with a viscous damper";
+
 /// A measured value of a curve, its standard deviation, and the model's value.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Compared {
@@ -97,7 +100,7 @@ impl Verdict {
         };
         let misfit = format!(
             "dissipation is missed by {:.2} % (limit {:.2} %), frequency by {:.4} Hz of a shift of {shift:.4} Hz (limit \
-             {:.4} Hz): one four-parameter Iwan joint with a viscous damper {}",
+             {:.4} Hz){SUBJECT} {}",
             100.0 * d.misfit,
             100.0 * limits[0],
             f.misfit,
@@ -122,20 +125,20 @@ impl Verdict {
     }
 
     /// The same for a model that leaves a part of the records' amplitudes, `relative_residual`.
-    pub(crate) fn leaving(mut self, relative_residual: f64) -> Self {
-        if relative_residual > MOST_LEFT {
-            (self.grade, self.adequate) = (Grade::No, false);
-            let left = 100.0 * relative_residual;
-            self.misfit =
-                format!("its ring-down leaves {left:.0} % of the records' amplitudes; {}", self.misfit);
+    pub(crate) fn leaving(self, relative_residual: f64) -> Self {
+        if relative_residual <= MOST_LEFT {
+            return self;
         }
-        self
+        let left = 100.0 * relative_residual;
+        self.refused(&format!("its ring-down leaves {left:.0} % of the records' amplitudes"))
     }
 
     /// The same for a frequency that is not that of the band, with the reason in words.
     pub(crate) fn refused(mut self, why: &str) -> Self {
         (self.grade, self.adequate) = (Grade::No, false);
-        self.misfit = format!("{why}; {}", self.misfit);
+        // What the figures alone would allow stands no longer behind them.
+        let figures = self.misfit.split(SUBJECT).next().unwrap_or_default();
+        self.misfit = format!("{why}; {figures}{SUBJECT} does not describe this");
         self
     }
 }
@@ -181,7 +184,14 @@ mod tests {
         // A frequency missed by a twentieth of its shift passes.
         assert!(Verdict::new(&exact, &values(0.0), false).adequate);
         // A residual of a third of the amplitudes is no match, whatever the curves say.
-        assert_eq!(Verdict::new(&exact, &exact, false).leaving(0.33).grade, Grade::No);
+        let refused = Verdict::new(&exact, &exact, false).leaving(0.33);
+        assert_eq!(refused.grade, Grade::No);
+        // Its sentence said "matches" and "usable" all the same.
+        assert!(
+            !refused.misfit.contains("matches") && refused.misfit.contains("leaves 33 %"),
+            "{}",
+            refused.misfit
+        );
     }
 
     /// A pendulum on a clock that stutters: its curves scatter by 8 %, an Iwan joint misses 15 % of its dissipation, and what is left

@@ -171,11 +171,11 @@ fn window(
     if start + LEAST_WINDOW > end {
         return Err(Error::Refused {
             finding: format!(
-                "nothing is left between {:.6} s (largest amplitude, clipping and filter transient) and {:.6} s",
+                "nothing of the record is left: largest amplitude, clipping and the filter's beginning reach to {:.6} s, and its end begins at {:.6} s",
                 start as f64 * dt,
                 end as f64 * dt
             ),
-            remedy: "record longer, widen the band, or set a lower input range",
+            remedy: "record longer, widen the band (--band), or set a lower input range; a motion that grows, or a record that was turned round, is no ring-down",
         });
     }
     Ok(start..end)

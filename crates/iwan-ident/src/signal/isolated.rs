@@ -249,7 +249,8 @@ impl Isolated {
         if found >= CYCLES && self.raw.t.len() >= VALUES {
             return Ok(());
         }
-        let remedy = "record longer or louder, widen the band, or lower the filter order";
+        let remedy =
+            "record longer or louder, or choose a wider band (--band) where other modes leave room for it";
         Err(Error::TooShort {
             what: "cycles of the mode in the trusted window",
             found,

@@ -82,6 +82,12 @@ pub struct Backbone {
 pub(crate) const HALF_WIDTH: f64 = 1.959_964;
 
 impl Backbone {
+    /// Whether it has more than one amplitude: records that are trusted for an instant only leave a single one.
+    #[must_use]
+    pub const fn is_curve(&self) -> bool {
+        self.amplitude.len() > 1
+    }
+
     /// What several hits say of the specimen's repeatability; none of one hit.
     #[must_use]
     pub fn scatter_in_words(&self) -> Option<String> {

@@ -14,6 +14,8 @@ const HARMONICS: [u32; 2] = [2, 3];
 const STRONG: f64 = 0.3;
 /// Frequencies of the mains in use, Hz.
 const MAINS: [f64; 2] = [50.0, 60.0];
+/// Highest multiple that grids are judged by (IEC 61000-4-7); bands of kilohertz would hold thousands of further ones, which take time and are not there.
+const HIGHEST: u32 = 40;
 /// The mains wander by this much, Hz: 0.2 Hz is the range in which grids of Europe and North America are kept.
 const WANDER: f64 = 0.2;
 /// A line of the mains stands out of its neighbours by this factor in the last third of the record, …
@@ -98,7 +100,7 @@ pub fn intruders(x: &[f64], dt: f64, band: &Band) -> Result<Vec<Intruder>, Error
     });
     let multiples = |base: f64| {
         let (first, last) = ((band.low / base).ceil() as u32, (band.high / base).floor() as u32);
-        (first.max(1)..=last).map(move |order| (base, order))
+        (first.max(1)..=last.min(HIGHEST)).map(move |order| (base, order))
     };
     // 300 Hz is a multiple of both: it is named once.
     let twice = |(base, order): &(f64, u32)| {
