@@ -24,6 +24,7 @@ use crate::parameters::{Parameter, Parameters};
 use crate::refine::{Refined, RingDown, Task, TurningPoint};
 use crate::signal::Band;
 use days::{days, largest, on_mean_day};
+use identification::far_beyond;
 pub use identification::{Identification, Linear};
 pub use laws::compare_laws;
 use linear::linear;
@@ -145,6 +146,7 @@ fn identification(
     let laws = laws::of_prepared(&prepared, Some(&refined.parameters));
     let profiles =
         profiles.without(laws::untold(&verdict, refined.discrepancy.is_found(), laws.as_ref().ok()));
+    let profiles = profiles.without(far_beyond(&curves, refined.parameters.frequency));
     let laws = laws.and_then(|laws| laws::beside(laws, &refined.parameters, &profiles, &verdict));
     Ok(Identification {
         parameters: refined.parameters,
