@@ -152,6 +152,29 @@ fn micro_slip_leaves_the_knee_open_and_two_levels_are_one_structure() {
     assert!(records.contains(&1) && records.contains(&2) && records.is_sorted());
 }
 
+/// The record is trusted for an instant only, whose single amplitude is no curve: the fit ended in "amplitude has 1 entries, 2 are needed".
+#[test]
+fn one_wild_sample_ends_no_fit() {
+    let place = folder("");
+    record_of(place.path(), "soft", &RELEASE.replace("0.014", "0.002").replace("0.6", "1.0"));
+    let text = std::fs::read_to_string(place.path().join("soft.csv")).unwrap();
+    let mut lines: Vec<String> = text.lines().map(String::from).collect();
+    let value = |line: &str| line.split(',').nth(1).unwrap().parse::<f64>().unwrap();
+    let largest = lines[1..].iter().map(|line| value(line).abs()).fold(0.0, f64::max);
+    let time = lines[301].split(',').next().unwrap().to_string();
+    lines[301] = format!("{time},{}", -30.0 * largest);
+    std::fs::write(place.path().join("wild.csv"), lines.join("\n")).unwrap();
+    let fit = run(place.path(), "wild.csv --out out");
+    assert!((fit["modes"][0]["frequency"]["value"].as_f64().unwrap() / 124.0 - 1.0).abs() < 0.01);
+    let files = names(&place.path().join("out"));
+    assert!(
+        files.contains(&"scenario.toml".to_string()) && !files.contains(&"scenario-curves.toml".to_string())
+    );
+    let output = iwan(place.path(), "fit wild.csv --law curves --out again");
+    assert_eq!(output.status.code(), Some(2), "{}", shown(&output));
+    assert!(shown(&output).contains("single amplitude"), "{}", shown(&output));
+}
+
 #[test]
 fn parameters_can_be_held_and_threads_change_nothing() {
     let place = folder("");
