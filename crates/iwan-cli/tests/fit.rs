@@ -164,7 +164,9 @@ fn one_wild_sample_ends_no_fit() {
     let time = lines[301].split(',').next().unwrap().to_string();
     lines[301] = format!("{time},{}", -30.0 * largest);
     std::fs::write(place.path().join("wild.csv"), lines.join("\n")).unwrap();
-    let fit = run(place.path(), "wild.csv --out out");
+    run(place.path(), "soft.csv --out out");
+    assert!(names(&place.path().join("out")).contains(&"scenario-curves.toml".to_string()));
+    let fit = run(place.path(), "wild.csv --out out --force");
     assert!((fit["modes"][0]["frequency"]["value"].as_f64().unwrap() / 124.0 - 1.0).abs() < 0.01);
     let files = names(&place.path().join("out"));
     assert!(

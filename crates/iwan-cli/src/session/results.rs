@@ -63,7 +63,8 @@ impl Results {
         loop {
             let path = given.map_or_else(|| free(default, force), Path::to_path_buf);
             let parents = Parents::missing(&path);
-            let staged = Folder::stage(&path, force).and_then(|folder| folder.check(names).map(|()| folder));
+            let staged = Folder::stage(&path, force)
+                .and_then(|folder| folder.check(names).map(|()| folder.in_place_of(names)));
             match staged {
                 Ok(folder) => return Ok(Self { folder, path, default: chosen, _parents: parents }),
                 // Another run has taken the name since it was found free.

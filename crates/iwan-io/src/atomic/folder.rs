@@ -38,6 +38,8 @@ pub struct Folder {
     alone: Option<File>,
     staging: Staging,
     names: Vec<String>,
+    /// Names that go where nothing new takes their place.
+    outdated: Vec<String>,
     force: bool,
 }
 
@@ -57,7 +59,7 @@ impl Folder {
         litter::clear(place);
         let staging =
             litter::staging(&builder(0o777), place).map_err(io_error(&target, "make a temporary folder"))?;
-        Ok(Self { target, joins, alone, staging, names: Vec::new(), force })
+        Ok(Self { target, joins, alone, staging, names: Vec::new(), outdated: Vec::new(), force })
     }
 
     /// Where the files are until they appear: what ends the process itself removes it.
@@ -80,6 +82,14 @@ impl Folder {
             Some(name) => Err(WriteError::Exists { path: self.target.join(name) }),
             None => Ok(()),
         }
+    }
+
+    /// Says which files belong to these results: with `force`, those of an earlier run that this one does not write go when all appear, so that no folder
+    /// holds results of two runs.
+    #[must_use]
+    pub fn in_place_of(mut self, names: &[&str]) -> Self {
+        self.outdated = names.iter().map(ToString::to_string).collect();
+        self
     }
 
     /// Writes one file through `fill`; it stays hidden until [`Folder::commit`].
@@ -127,6 +137,10 @@ impl Folder {
                 names[..=done].iter().for_each(|name| self.take_back(name, replaced.path()));
                 return Err(error);
             }
+        }
+        for name in self.outdated.iter().filter(|name| self.force && !self.names.contains(name)) {
+            // What cannot be moved stays, as everything does that this run knows nothing of.
+            let _ = fs::rename(self.target.join(name), replaced.path().join(name));
         }
         Ok(())
     }
@@ -233,6 +247,20 @@ mod tests {
     }
 
     /// Two processes wrote into one folder that was there: five times of sixty it then held files of both.
+    /// A second fit with --force into one folder left the first one's law beside its own results.
+    #[test]
+    fn results_of_two_runs_do_not_stand_side_by_side() {
+        let place = tempfile::tempdir().unwrap();
+        for name in ["a", "law", "mine"] {
+            fs::write(place.path().join(name), "old").unwrap();
+        }
+        let mut folder = Folder::stage(place.path(), true).unwrap().in_place_of(&["a", "law", "absent"]);
+        folder.write("a", |w| w.write_all(b"new")).unwrap();
+        folder.commit().unwrap();
+        assert_eq!(names(place.path()), ["a", "mine"]);
+        assert_eq!(fs::read(place.path().join("a")).unwrap(), b"new");
+    }
+
     #[test]
     fn one_folder_has_one_writer() {
         let place = tempfile::tempdir().unwrap();
