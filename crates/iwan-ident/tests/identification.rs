@@ -409,8 +409,8 @@ fn sliders_in_place_of_the_continuum_exclude_no_truth() {
             let own = found.parameters.get(parameter);
             assert!(profile.low.is_none_or(|low| low <= own) && profile.high.is_none_or(|high| own <= high));
         }
-        // The frequency is told all the same, but where every cycle of the record slips as a whole.
+        // The frequency is told all the same, but where few sliders have begun to slip, or the whole joint slips in every cycle.
         let told = found.profile(Parameter::Frequency).identifiable();
-        assert_eq!(told, amplitude < 3000.0, "{sliders} {amplitude} {seconds}");
+        assert!(told || !(500.0..2000.0).contains(&amplitude), "{sliders} {amplitude} {seconds}");
     }
 }
