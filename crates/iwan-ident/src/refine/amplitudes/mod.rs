@@ -3,5 +3,6 @@
 
 pub(super) mod slow;
 pub(super) mod windows;
+mod decay;
 pub(super) mod whitening;
 pub(super) mod days;
