@@ -172,6 +172,7 @@ fn one_wild_sample_ends_no_fit() {
     assert!(
         files.contains(&"scenario.toml".to_string()) && !files.contains(&"scenario-curves.toml".to_string())
     );
+    assert_eq!(fit["files"].as_array().unwrap().len(), files.len(), "{}", fit["files"]);
     let output = iwan(place.path(), "fit wild.csv --law curves --out again");
     assert_eq!(output.status.code(), Some(2), "{}", shown(&output));
     assert!(shown(&output).contains("single amplitude"), "{}", shown(&output));

@@ -77,10 +77,10 @@ pub(crate) fn run(mut args: FitArgs) -> Result<(), Failure> {
 
     session.columns(&curves, &curve_columns(&identified), args.format)?;
     write_response(&mut session, &scenario, &response, args)?;
-    session.summary(WHOLE, &summary)?;
-    session.summary(SUMMARY, &summary.without_curves())?;
     session.file(SCENARIO, toml.as_bytes())?;
     write_others(&mut session, &identified, &summary, &placed)?;
+    session.summary(WHOLE, &summary)?;
+    session.summary(SUMMARY, &summary.without_curves())?;
     session.page(&render(&Reported {
         identified: &identified,
         summary: &summary,
@@ -127,10 +127,14 @@ fn write_others(
     if identified.iter().any(|i| chosen(i).is_some()) {
         let scenario = placed(as_scenario(identified, &summary.title(), chosen)?);
         session.file(LAW, to_toml(&scenario, "").as_bytes())?;
+    } else {
+        session.omit(LAW);
     }
     if identified.iter().all(|i| i.found.laws.as_ref().is_ok_and(|laws| laws.backbone.is_curve())) {
         let scenario = placed(as_scenario(identified, &summary.title(), |_| Some(BY_CURVES.to_string()))?);
         session.file(CURVES, to_toml(&scenario, "").as_bytes())?;
+    } else {
+        session.omit(CURVES);
     }
     Ok(())
 }

@@ -168,9 +168,15 @@ impl Session {
         self.results.path()
     }
 
-    /// Takes back the announcement of a file that there is nothing to write into.
+    /// Takes back the announcement of a file that there is nothing to write into; with `--force` one of an earlier run goes.
     pub(crate) fn omit(&mut self, name: &str) {
         self.files.retain(|file| file != name);
+    }
+
+    /// The same for a file that may be what this run has read: one that stands there stays.
+    pub(crate) fn spare(&mut self, name: &str) {
+        self.omit(name);
+        self.results.spare(name);
     }
 
     /// Adds a table.

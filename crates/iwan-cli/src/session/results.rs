@@ -84,6 +84,11 @@ impl Results {
         &self.path
     }
 
+    /// Leaves a file of an earlier run where it is.
+    pub(crate) fn spare(&mut self, name: &str) {
+        self.folder.spare(name);
+    }
+
     /// Adds a file from memory.
     pub(crate) fn add(&mut self, name: &str, content: &[u8]) -> Result<(), Failure> {
         self.folder.write(name, |w| w.write_all(content)).map_err(|e| failed(&e))

@@ -68,7 +68,7 @@ pub(crate) fn run(args: &UpdateArgs) -> Result<(), Failure> {
         Ok(text) => session.file(UPDATED, text.as_bytes())?,
         // The values stand in update.json.
         Err(error) => {
-            session.omit(UPDATED);
+            session.spare(UPDATED);
             session.notes(&[format!("{} ({})", error.message, error.remedy)]);
         }
     }

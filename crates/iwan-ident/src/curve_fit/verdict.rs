@@ -23,9 +23,6 @@ const USABLE_FREQUENCY: f64 = 0.5;
 /// a tenth of the energy is left.
 const MOST_LEFT: f64 = 0.3;
 
-/// What verdicts speak of.
-const SUBJECT: &str = ": one four-parameter Iwan joint with a viscous damper";
-
 /// A measured value of a curve, its standard deviation, and the model's value.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Compared {
@@ -79,6 +76,16 @@ impl Verdict {
     /// From ln D and frequency (Hz) at the same amplitudes. `leaves_noise`: a model's ring-down was subtracted from the record
     /// itself and left white noise.
     pub(crate) fn new(dissipation: &[Compared], frequency: &[Compared], leaves_noise: bool) -> Self {
+        Self::against(&[], dissipation, frequency, leaves_noise)
+    }
+
+    /// The same where `reasons`, in words, speak against the model: any of them makes it none, whatever the curves say.
+    pub(crate) fn against(
+        reasons: &[String],
+        dissipation: &[Compared],
+        frequency: &[Compared],
+        leaves_noise: bool,
+    ) -> Self {
         let [d, f] = [dissipation, frequency].map(Distance::of);
         let range = frequency
             .iter()
@@ -94,13 +101,14 @@ impl Verdict {
         let ends = if leaves_noise { [EXCUSED * DISSIPATION, EXCUSED * FREQUENCY * shift] } else { limits };
         let excused = [limits[0].max(ends[0]), limits[1].max(ends[1])];
         let grade = match (within(excused), within(usable)) {
+            _ if !reasons.is_empty() => Grade::No,
             (true, _) => Grade::Matches,
             (false, true) => Grade::Usable,
             (false, false) => Grade::No,
         };
         let misfit = format!(
             "dissipation is missed by {:.2} % (limit {:.2} %), frequency by {:.4} Hz of a shift of {shift:.4} Hz (limit \
-             {:.4} Hz){SUBJECT} {}",
+             {:.4} Hz): one four-parameter Iwan joint with a viscous damper {}",
             100.0 * d.misfit,
             100.0 * limits[0],
             f.misfit,
@@ -111,6 +119,7 @@ impl Verdict {
                     "matches dissipation and frequency together, for it leaves nothing of the record but noise",
                 Grade::Usable =>
                     "does not match dissipation and frequency together, but is usable inside the amplitudes seen",
+                Grade::No if within(usable) => "does not describe this",
                 Grade::No => "does not match dissipation and frequency together, and does not describe this",
             }
         );
@@ -120,27 +129,16 @@ impl Verdict {
             frequency_shift: shift,
             adequate: grade == Grade::Matches,
             grade,
-            misfit,
+            misfit: [reasons, &[misfit]].concat().join("; "),
         }
     }
+}
 
-    /// The same for a model that leaves a part of the records' amplitudes, `relative_residual`.
-    pub(crate) fn leaving(self, relative_residual: f64) -> Self {
-        if relative_residual <= MOST_LEFT {
-            return self;
-        }
-        let left = 100.0 * relative_residual;
-        self.refused(&format!("its ring-down leaves {left:.0} % of the records' amplitudes"))
-    }
-
-    /// The same for a frequency that is not that of the band, with the reason in words.
-    pub(crate) fn refused(mut self, why: &str) -> Self {
-        (self.grade, self.adequate) = (Grade::No, false);
-        // What the figures alone would allow stands no longer behind them.
-        let figures = self.misfit.split(SUBJECT).next().unwrap_or_default();
-        self.misfit = format!("{why}; {figures}{SUBJECT} does not describe this");
-        self
-    }
+/// What speaks against a model that leaves such a part of the records' amplitudes, whatever the curves say; none where it leaves little.
+pub(crate) fn left_over(relative_residual: f64) -> Option<String> {
+    let left = 100.0 * relative_residual;
+    (relative_residual > MOST_LEFT)
+        .then(|| format!("its ring-down leaves {left:.0} % of the records' amplitudes"))
 }
 
 /// How far a model is from measured values (root mean square), and how far noise is (the median: the ends of a curve are known worst, and excuse
@@ -184,9 +182,11 @@ mod tests {
         // A frequency missed by a twentieth of its shift passes.
         assert!(Verdict::new(&exact, &values(0.0), false).adequate);
         // A residual of a third of the amplitudes is no match, whatever the curves say.
-        let refused = Verdict::new(&exact, &exact, false).leaving(0.33);
+        let reasons: Vec<String> = left_over(0.33).into_iter().collect();
+        let refused = Verdict::against(&reasons, &exact, &exact, false);
         assert_eq!(refused.grade, Grade::No);
         // Its sentence said "matches" and "usable" all the same.
+        assert_eq!(left_over(0.3), None);
         assert!(
             !refused.misfit.contains("matches") && refused.misfit.contains("leaves 33 %"),
             "{}",

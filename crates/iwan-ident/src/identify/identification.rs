@@ -1,5 +1,6 @@
 //! What an identification finds, and how it says so.
 
+use super::extrapolation::Extrapolation;
 use super::laws::untold;
 use crate::curve_fit::{Fit, Grade, Start, Verdict};
 use crate::curves::Curves;
@@ -10,37 +11,6 @@ use crate::parameters::{Parameter, Parameters};
 use crate::profile::{Profile, Profiles};
 use crate::refine::{Discrepancy, Refined};
 use crate::signal::Envelope;
-
-/// Range of the frequencies seen, Hz.
-struct Seen {
-    low: f64,
-    high: f64,
-}
-
-impl Seen {
-    fn of(curves: &[Curves]) -> Self {
-        let all = || curves.iter().flat_map(|c| c.frequency.iter().copied());
-        Self { low: all().fold(f64::INFINITY, f64::min), high: all().fold(0.0, f64::max) }
-    }
-}
-
-/// What a fit does not tell whose frequency at rest lies far beyond all that was seen: a mode that is in macro-slip throughout has its frequency at rest and χ by the form of
-/// the law alone.
-pub(super) fn far_beyond(curves: &[Curves], at_rest: f64) -> &'static [Parameter] {
-    let Seen { low, high } = Seen::of(curves);
-    let beyond = at_rest - high;
-    let far = high > 0.0 && beyond > FAR_BEYOND * (high - low) && beyond > FAR_OFF * at_rest;
-    if far { &[Parameter::Frequency, Parameter::Chi] } else { &[] }
-}
-
-/// Times the range of frequencies seen by which the frequency at rest may lie above them and still have an interval. Of 43 random joints of 150 sliders in noise, and of short records through
-/// macro-slip, those from 13 times on missed χ by up to 25 widths of its interval; below 3 none missed it by more than 0.4.
-const FAR_BEYOND: f64 = 5.0;
-/// Part of the frequency that counts as far: linear modes have no range to compare with.
-const FAR_OFF: f64 = 1e-3;
-/// Part of the range of frequencies seen by which the frequency at rest may lie above them before a sentence says so. A joint goes on to stiffen
-/// below the quietest cycle: of forty random ring-downs of 60 to 300 cycles thirty go beyond this, half beyond 0.85, one beyond 10.
-const EXTRAPOLATED: f64 = 0.5;
 
 /// Relative scatter of the days' frequencies below which no sentence says so: ring-downs of real structures do not repeat better.
 const LEAST_TOLD: f64 = 1e-5;
@@ -179,20 +149,6 @@ impl Identification {
         }
     }
 
-    /// A frequency at rest that lies beyond all that was seen.
-    fn beyond_in_words(&self) -> Option<String> {
-        let (at_rest, Seen { low, high }) = (self.parameters.frequency, Seen::of(&self.curves));
-        (high > 0.0 && at_rest - high > EXTRAPOLATED * (high - low)).then(|| {
-            let untold = match far_beyond(&self.curves, at_rest) {
-                [] => "",
-                _ => ", and that is too far from it for an interval of either the frequency or chi",
-            };
-            format!(
-                "the frequency at rest, {at_rest:.4} Hz, is extrapolated: the highest seen is {high:.4} Hz{untold}"
-            )
-        })
-    }
-
     /// What the records do not tell, in words: open intervals, a joint that is not needed, a model that does not fit.
     #[must_use]
     pub fn in_words(&self) -> Vec<String> {
@@ -207,7 +163,7 @@ impl Identification {
             ));
         }
         words.extend(self.untold_in_words());
-        words.extend(self.beyond_in_words());
+        words.extend(Extrapolation::of(&self.curves, self.parameters.frequency).in_words());
         if self.verdict.grade == Grade::No {
             return words;
         }
@@ -227,34 +183,5 @@ impl Identification {
             });
         }
         words
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::curves::ForceAxis;
-
-    /// A joint that slipped as a whole in all 40 cycles was told to have χ between -0.951 and -0.935 where it had -0.538.
-    #[test]
-    fn a_mode_that_is_never_seen_near_its_rest_is_not_told() {
-        let of = |frequency: [f64; 2]| Curves {
-            t: vec![],
-            displacement: vec![],
-            frequency: frequency.to_vec(),
-            damping_ratio: vec![],
-            dissipation: vec![],
-            force: vec![],
-            axis: ForceAxis::Modal,
-            log_dissipation_sd: vec![],
-            frequency_sd: vec![],
-            independent: 0.0,
-        };
-        let seen = [of([63.82, 63.85]), of([63.81, 63.88])];
-        assert_eq!(far_beyond(&seen, 65.18), [Parameter::Frequency, Parameter::Chi]);
-        assert_eq!(far_beyond(&seen, 63.95), []);
-        // A linear mode shifts by nothing, and its frequency is told.
-        assert_eq!(far_beyond(&[of([120.0, 120.0])], 120.01), []);
-        assert_eq!(far_beyond(&[], 120.0), []);
     }
 }

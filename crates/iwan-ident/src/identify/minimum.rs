@@ -12,7 +12,7 @@ const ANEW: usize = 3;
 
 /// Relative residual below which the fit in micro-slip is sought from other powers too: with so little noise valleys are narrow, and a short record, whose
 /// dissipation is not seen to change, begins its searches anywhere. Above, noise fills them.
-const CLEAN: f64 = 2e-3;
+const QUIET: f64 = 2e-3;
 
 /// A minimum and the profiles about it.
 pub(super) struct Found {
@@ -31,32 +31,33 @@ pub(super) fn minimum_and_profiles(task: &mut Task, first: &Parameters) -> Resul
         let without = without_macro_slip(task, near.as_deref(), &minimum);
         let extent = extent(task, &minimum, without.as_ref().map(|w| &w.minimum));
         let clean = task.clean(&minimum);
-        let allowed_for = match (clean, &without) {
-            (Some(Clean::Nearly), Some(without)) if extent != Extent::MicroSlip => {
+        // Macro-slip that is seen, but not beyond what is allowed for: the intervals are those without it, the best values those with it.
+        let explained = match &without {
+            Some(without) if clean == Some(Clean::Nearly) && extent != Extent::MicroSlip => {
                 without.explains(&minimum)?
             }
             _ => false,
         };
+        let extent = if explained { Extent::MicroSlip } else { extent };
         near = without.as_ref().map(|w| w.minimum.x.clone());
-        let extent = if allowed_for { Extent::MicroSlip } else { extent };
-        let (mut open, mut lowest) = (task.clone(), minimum.clone());
-        if let (Extent::MicroSlip, Some(without)) = (extent, without) {
-            open = without.task;
-            lowest = open.discounted(without.minimum, &[&start, &minimum.x])?;
-        }
-        if !allowed_for {
+        let (open, lowest) = match without {
+            Some(without) if extent == Extent::MicroSlip => without.discounted(&[&start, &minimum.x])?,
+            _ => (task.clone(), minimum.clone()),
+        };
+        if !explained {
             (*task, minimum) = (open.clone(), lowest.clone());
         }
-        let (widened, least) = match (clean, extent) {
-            (None, _) | (Some(Clean::OfTheLaw), Extent::Full) => (open, lowest),
-            (Some(clean), _) => open.widened(&lowest, clean)?,
+        let (widened, least) = match clean {
+            Some(clean) if clean == Clean::Nearly || extent != Extent::Full => {
+                open.widened(&lowest, clean)?
+            }
+            _ => (open, lowest),
         };
         let known = Known { minimum: &least, given: &minimum.x, extent, settled: round >= ANEW };
         match profiles(&widened, known) {
             Ok(profiles) => {
                 *task = widened;
-                if allowed_for {
-                    // The best values are those with macro-slip, though the intervals are those without.
+                if explained {
                     task.take_samples(&minimum.x, &mut Workspace::default());
                 }
                 let cost = task.cost(&minimum.x, &mut Workspace::default()).unwrap_or(minimum.cost);
@@ -79,6 +80,12 @@ struct WithoutMacroSlip {
 }
 
 impl WithoutMacroSlip {
+    /// Brought to the minimum without what it is found to miss; `others` are further starts.
+    fn discounted(mut self, others: &[&[f64]]) -> Result<(Task, Minimum), Error> {
+        let minimum = self.task.discounted(self.minimum, others)?;
+        Ok((self.task, minimum))
+    }
+
     /// Whether what the law may miss of a clean record explains as well what macro-slip does.
     fn explains(&self, minimum: &Minimum) -> Result<bool, Error> {
         let gain = self.task.slip_gains(&self.minimum, minimum)?;
@@ -87,8 +94,8 @@ impl WithoutMacroSlip {
 }
 
 fn without_macro_slip(task: &Task, near: Option<&[f64]>, minimum: &Minimum) -> Option<WithoutMacroSlip> {
-    let clean = task.refined(minimum).relative_residual < CLEAN;
-    let others = if clean { task.other_powers(&minimum.x) } else { vec![] };
+    let quiet = task.refined(minimum).relative_residual < QUIET;
+    let others = if quiet { task.other_powers(&minimum.x) } else { vec![] };
     let near = near.into_iter().chain([minimum.x.as_slice()]);
     let from: Vec<&[f64]> = near.chain(others.iter().map(Vec::as_slice)).collect();
     let first = task.micro_slip(&from)?;

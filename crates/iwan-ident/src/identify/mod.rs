@@ -7,6 +7,7 @@ mod settings;
 mod prepared;
 mod days;
 mod laws;
+mod extrapolation;
 mod identification;
 mod minimum;
 mod linear;
@@ -16,7 +17,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 
 use iwan_machine::checkpoint::Checkpoint;
 
-use crate::curve_fit::{Compared, Fit, Start, Verdict, fit_from, start};
+use crate::curve_fit::{Compared, Fit, Start, Verdict, fit_from, left_over, start};
 use crate::curves::Curves;
 use crate::error::{Error, check};
 use crate::likelihood::Likelihood;
@@ -24,7 +25,7 @@ use crate::parameters::{Parameter, Parameters};
 use crate::refine::{Refined, RingDown, Task, TurningPoint};
 use crate::signal::Band;
 use days::{days, largest, on_mean_day};
-use identification::far_beyond;
+use extrapolation::Extrapolation;
 pub use identification::{Identification, Linear};
 pub use laws::compare_laws;
 use linear::linear;
@@ -141,12 +142,14 @@ fn identification(
         .map(|(p, start)| p.model_curves(&refined.parameters, *start, settings))
         .collect::<Result<Vec<_>, _>>()?;
     let linear = linear(&task, &minimum, &refined.parameters, &curves)?;
-    let verdict = verdict(&curves, &model_curves, &refined.starts, refined.leaves_noise(task.count()));
-    let verdict = in_band(verdict.leaving(refined.relative_residual), &prepared, &refined);
+    let against: Vec<String> =
+        outside_band(&prepared, &refined).into_iter().chain(left_over(refined.relative_residual)).collect();
+    let noise = refined.leaves_noise(task.count());
+    let verdict = verdict(&against, &curves, &model_curves, &refined.starts, noise);
     let laws = laws::of_prepared(&prepared, Some(&refined.parameters));
     let profiles =
         profiles.without(laws::untold(&verdict, refined.discrepancy.is_found(), laws.as_ref().ok()));
-    let profiles = profiles.without(far_beyond(&curves, refined.parameters.frequency));
+    let profiles = profiles.without(Extrapolation::of(&curves, refined.parameters.frequency).untold());
     let laws = laws.and_then(|laws| laws::beside(laws, &refined.parameters, &profiles, &verdict));
     Ok(Identification {
         parameters: refined.parameters,
@@ -197,7 +200,13 @@ fn on_curves(curves: &[Curves], held: &[Held]) -> Result<OnCurves, Error> {
 
 /// Compares curves and the model's at the times they share; frequencies as they would be on the mean day, so that what hits stray by is neither a misfit nor
 /// a shift.
-fn verdict(curves: &[Curves], model: &[Curves], starts: &[TurningPoint], leaves_noise: bool) -> Verdict {
+fn verdict(
+    against: &[String],
+    curves: &[Curves],
+    model: &[Curves],
+    starts: &[TurningPoint],
+    leaves_noise: bool,
+) -> Verdict {
     let (mut dissipation, mut frequency) = (vec![], vec![]);
     for ((record, model), start) in curves.iter().zip(model).zip(starts) {
         let mean_day = (-start.day).exp();
@@ -217,19 +226,17 @@ fn verdict(curves: &[Curves], model: &[Curves], starts: &[TurningPoint], leaves_
             });
         }
     }
-    Verdict::new(&dissipation, &frequency, leaves_noise)
+    Verdict::against(against, &dissipation, &frequency, leaves_noise)
 }
 
-/// A frequency outside the band in which the mode was looked for is not that mode's.
-fn in_band(verdict: Verdict, prepared: &[Prepared<'_>], refined: &Refined) -> Verdict {
+/// What speaks against a frequency outside the band in which the mode was looked for: it is not that mode's.
+fn outside_band(prepared: &[Prepared<'_>], refined: &Refined) -> Option<String> {
     let frequency = refined.parameters.frequency;
-    let outside = prepared.iter().map(Prepared::band).find(|b| frequency < b.low || frequency > b.high);
-    match outside {
-        None => verdict,
-        Some(Band { low, high, peak }) => verdict.refused(&format!(
-            "the frequency of {frequency:.4} Hz lies outside the band of {low:.4} to {high:.4} Hz about the peak at {peak:.4} Hz"
-        )),
-    }
+    let Band { low, high, peak } =
+        prepared.iter().map(Prepared::band).find(|b| frequency < b.low || frequency > b.high)?;
+    Some(format!(
+        "the frequency of {frequency:.4} Hz lies outside the band of {low:.4} to {high:.4} Hz about the peak at {peak:.4} Hz"
+    ))
 }
 
 /// Refuses records that cannot be hits of one mode: equal samples, and peaks that no softening brings together.

@@ -163,16 +163,16 @@ impl<'a, G: Ground> Walk<'a, G> {
         let start = self.minimum.x[self.coordinate];
         let mut step = self.first_step();
         let mut inside = Place { at: start, deviance: self.scale.rise(self.minimum).max(0.0) };
-        for round in 0.. {
+        let mut anew = ANEW;
+        loop {
             let Some([last, outside]) = self.outwards(inside, direction, step)? else { return Ok(End::Open) };
             let Some([last, outside]) = self.close_in(last, outside)? else { return Ok(End::Open) };
             let lost = outside.deviance.is_finite() && self.jumps(last, outside);
-            if !lost || last.at == inside.at || round == ANEW {
+            if !lost || last.at == inside.at || anew == 0 {
                 return Ok(End::Closed(self.between(last, outside)));
             }
-            (step, inside) = ((outside.at - last.at).abs(), last);
+            (step, inside, anew) = ((outside.at - last.at).abs(), last, anew - 1);
         }
-        Ok(End::Open)
     }
 
     /// The last point inside the limit and the first outside, from a point and a first step on; none where the way is open.

@@ -204,7 +204,7 @@ impl Task {
         self.day_deviation = days::of_few(scatter.max(days::LEAST), days.len());
     }
 
-    /// What clean records are: none is where samples or the minimum leave noise.
+    /// What clean records are; none where samples show noise and the minimum leaves it.
     pub(crate) fn clean(&self, minimum: &Minimum) -> Option<Clean> {
         let residual = self.refined(minimum).relative_residual;
         let clean = residual < CLEAN || self.records.iter().all(Windowed::is_without_noise);
@@ -215,24 +215,27 @@ impl Task {
     /// be off by what is expected of laws, and changes from window to window that no process follows, such as those of a joint of few sliders, are in none of their
     /// windows' noise. Minima are not sought so: what a record of a few cycles tells of the power is next to nothing then.
     pub(crate) fn widened(&self, minimum: &Minimum, clean: Clean) -> Result<(Self, Minimum), Error> {
-        let least = if clean == Clean::Nearly { TYPICAL } else { 0.0 };
-        self.allowing(minimum, clean, |found| {
+        let (mut task, minimum) = self.allowing(minimum, clean, |found| {
             let (expected, likeliest) = (found.projected.expected_sizes()?, &found.likeliest.sizes);
             let one = |((c, e), l): ((&Component, f64), &f64)| match c.kind {
                 Kind::Even => *l,
                 Kind::Shared if clean == Clean::Nearly => e.max(*l).max(TYPICAL),
                 Kind::Shared | Kind::OfLevel | Kind::OfRecord => e,
             };
-            Some((found.components.iter().zip(expected).zip(likeliest).map(one).collect(), least))
-        })
+            Some(found.components.iter().zip(expected).zip(likeliest).map(one).collect())
+        })?;
+        if clean == Clean::OfTheLaw {
+            task.discrepancy.allowed = 0.0;
+        }
+        Ok((task, minimum))
     }
 
-    /// The same with sizes of the processes by what is found at the minimum, and how much of them is allowed for whatever is found; where there are none the task stays as it is.
+    /// The same with sizes of the processes by what is found at the minimum; where there are none task and minimum stay as they are.
     fn allowing(
         &self,
         minimum: &Minimum,
         clean: Clean,
-        sizes: impl FnOnce(&Found) -> Option<(Vec<f64>, f64)>,
+        sizes: impl FnOnce(&Found) -> Option<Vec<f64>>,
     ) -> Result<(Self, Minimum), Error> {
         let (spacing, least) = match clean {
             Clean::OfTheLaw => (SPACING, 0.0),
@@ -242,13 +245,15 @@ impl Task {
         (task.discount, task.by_logarithms) = (None, false);
         task.forget_parts();
         let found = task.look_at(&minimum.x, spacing, &mut work);
-        let sized = found.and_then(|found| sizes(&found).map(|sizes| (found, sizes)));
-        if let Some((found, (sizes, allowed))) = sized {
-            let no_less = |noise: Noise| Noise { part: noise.part.max(least), ..noise };
-            let scales: Vec<Noise> = task.noise(&found).into_iter().map(no_less).collect();
-            task.take(&found.components, &sizes, &scales);
-            (task.discrepancy, task.widened) = (Discrepancy { allowed, ..self.discrepancy }, true);
-        }
+        let Some((found, sizes)) = found.and_then(|found| sizes(&found).map(|sizes| (found, sizes))) else {
+            return Ok((self.clone(), minimum.clone()));
+        };
+        let no_less = |noise: Noise| Noise { part: noise.part.max(least), ..noise };
+        let scales: Vec<Noise> = task.noise(&found).into_iter().map(no_less).collect();
+        task.take(&found.components, &sizes, &scales);
+        let shared = found.components.iter().zip(&sizes).find(|(c, _)| c.kind == Kind::Shared);
+        let allowed = shared.map_or(0.0, |(_, size)| *size);
+        (task.discrepancy, task.widened) = (Discrepancy { allowed, ..self.discrepancy }, true);
         let seen = task.seen_at(&minimum.x);
         let minimum = task.minimise(&minimum.x, seen, FINE, &mut work).ok_or_else(no_ring_down)?;
         Ok((task, minimum))
@@ -258,7 +263,7 @@ impl Task {
     /// where no search ends. A joint of few sliders looks like macro-slip wherever one of them begins to slip.
     pub(crate) fn slip_gains(&self, without: &Minimum, with: &Minimum) -> Result<Option<f64>, Error> {
         // Sizes that are found without macro-slip would explain all of it.
-        let sizes = |found: &Found| Some((vec![NO_SLIP; found.components.len()], NO_SLIP));
+        let sizes = |found: &Found| Some(vec![NO_SLIP; found.components.len()]);
         // The second time what the law may miss is that at the first end, which lies far from the best fit that allows for nothing.
         let near = self.allowing(without, Clean::Nearly, sizes)?.1;
         let (allowing, without) = self.allowing(&near, Clean::Nearly, sizes)?;

@@ -38,7 +38,7 @@ pub struct Discrepancy {
     pub dissipation_of_record: f64,
     /// Of ln ω from record to record, the day's included.
     pub frequency_of_record: f64,
-    /// What intervals allow for although the records show none of it, of ln D: zero but for records without noise, which only a simulation makes.
+    /// Of ln D, in all records alike: what intervals allow for in records without noise, which say too little of what the law misses; zero in others and where the law itself made them.
     pub allowed: f64,
 }
 

@@ -1,8 +1,7 @@
 //! A mode whose joint is cut into few sliders, under a hammer blow: the law of a fit is the continuum, which such a record is not.
 
-use iwan_core::Oscillator;
 use iwan_core::{
-    Error, FourParameter, Grid, Newmark, Pulse, ResidualStiffness, Run, Samples, Slider, Sliders,
+    Error, FourParameter, Grid, Newmark, Oscillator, Pulse, ResidualStiffness, Run, Samples, Slider, Sliders,
 };
 use iwan_ident::Parameters;
 

@@ -92,6 +92,11 @@ impl Folder {
         self
     }
 
+    /// Leaves one of these files where it is although nothing takes its place.
+    pub fn spare(&mut self, name: &str) {
+        self.outdated.retain(|outdated| outdated != name);
+    }
+
     /// Writes one file through `fill`; it stays hidden until [`Folder::commit`].
     ///
     /// # Errors
@@ -246,21 +251,23 @@ mod tests {
         assert_eq!(fs::read(place.path().join("a")).unwrap(), b"old");
     }
 
-    /// Two processes wrote into one folder that was there: five times of sixty it then held files of both.
     /// A second fit with --force into one folder left the first one's law beside its own results.
     #[test]
     fn results_of_two_runs_do_not_stand_side_by_side() {
         let place = tempfile::tempdir().unwrap();
-        for name in ["a", "law", "mine"] {
+        for name in ["a", "law", "mine", "read"] {
             fs::write(place.path().join(name), "old").unwrap();
         }
-        let mut folder = Folder::stage(place.path(), true).unwrap().in_place_of(&["a", "law", "absent"]);
+        let mut folder =
+            Folder::stage(place.path(), true).unwrap().in_place_of(&["a", "law", "read", "absent"]);
+        folder.spare("read");
         folder.write("a", |w| w.write_all(b"new")).unwrap();
         folder.commit().unwrap();
-        assert_eq!(names(place.path()), ["a", "mine"]);
+        assert_eq!(names(place.path()), ["a", "mine", "read"]);
         assert_eq!(fs::read(place.path().join("a")).unwrap(), b"new");
     }
 
+    /// Two processes wrote into one folder that was there: five times of sixty it then held files of both.
     #[test]
     fn one_folder_has_one_writer() {
         let place = tempfile::tempdir().unwrap();

@@ -103,20 +103,20 @@ fn locked(folder: &Path) -> Result<Option<File>, Taken> {
 pub(crate) fn clear(place: &Path) {
     let Ok(entries) = fs::read_dir(place) else { return };
     for entry in entries.flatten().filter(|e| e.file_name().to_string_lossy().starts_with(PREFIX)) {
-        let folder = entry.path();
+        let path = entry.path();
         if entry.file_type().is_ok_and(|kind| kind.is_file()) {
-            if File::open(&folder).is_ok_and(|file| file.try_lock().is_ok()) {
-                let _ = fs::remove_file(&folder);
+            if File::open(&path).is_ok_and(|file| file.try_lock().is_ok()) {
+                let _ = fs::remove_file(&path);
             }
             continue;
         }
-        let Ok(whole) = locked(&folder) else { continue };
-        let free = match File::open(folder.join(LOCK)) {
+        let Ok(whole) = locked(&path) else { continue };
+        let free = match File::open(path.join(LOCK)) {
             Ok(lock) => lock.try_lock().is_ok(),
             Err(error) => whole.is_some() && error.kind() == io::ErrorKind::NotFound,
         };
         if free {
-            let _ = fs::remove_dir_all(&folder);
+            let _ = fs::remove_dir_all(&path);
         }
     }
 }
