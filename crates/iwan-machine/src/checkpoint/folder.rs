@@ -176,13 +176,23 @@ impl Checkpoint {
 
     /// Removes what was kept, and the folder where nothing else is in it.
     pub fn remove(&self) {
-        let own = |name: &str| name == JOURNAL || name.contains(STATE) || name.starts_with(SAID);
-        let files = fs::read_dir(&self.folder).into_iter().flatten().flatten();
-        for file in files.filter(|file| file.file_name().to_str().is_some_and(own)) {
+        for path in self.files() {
             // What cannot be removed stays, and the next run of other work says so.
-            let _ = fs::remove_file(file.path());
+            let _ = fs::remove_file(path);
         }
         let _ = fs::remove_dir(&self.folder);
+    }
+
+    /// The files that were kept. What says which work they are of comes last: a process may be killed while it removes them, and a folder without it is
+    /// nobody's.
+    fn files(&self) -> Vec<PathBuf> {
+        let is_said = |name: &str| name.starts_with(SAID);
+        let own = |name: &str| name == JOURNAL || name.contains(STATE) || is_said(name);
+        let all = fs::read_dir(&self.folder).into_iter().flatten().flatten();
+        let mut names: Vec<String> =
+            all.filter_map(|file| file.file_name().into_string().ok()).filter(|name| own(name)).collect();
+        names.sort_by_key(|name| is_said(name));
+        names.iter().map(|name| self.folder.join(name)).collect()
     }
 }
 
@@ -277,6 +287,25 @@ mod tests {
             assert_eq!(last.noted(10).unwrap(), [3.0]);
             assert_eq!(last.noted(7).map(|x| x[1].to_bits()), there[0].then_some((-0.0_f64).to_bits()));
         }
+    }
+
+    /// A run was killed while it removed its checkpoint, and the next one was refused: the file that says what the work is had gone first.
+    #[test]
+    fn a_removal_that_is_broken_off_leaves_a_checkpoint() {
+        let place = tempfile::tempdir().unwrap();
+        let folder = place.path().join("kept");
+        let first = open(&folder, 1).unwrap();
+        first.note(7, &[1.0]);
+        for key in 0..20 {
+            first.replace(key, 1, &[&[2.0]]);
+        }
+        let files = first.files();
+        assert_eq!(files.len(), 22);
+        for path in &files {
+            open(&folder, 1).unwrap();
+            fs::remove_file(path).unwrap();
+        }
+        assert_eq!(files[21].file_name().unwrap(), SAID);
     }
 
     #[test]
