@@ -78,6 +78,20 @@ proptest! {
     }
 }
 
+/// A short step behind a long one, both in macro-slip: the trial point told by the long one lay 39 away from a solution 2e-6 away, and the step kept
+/// 8 of its 16 digits.
+#[test]
+fn a_short_step_behind_a_long_one_keeps_its_digits() {
+    let joint = Continuum::new(mode_1());
+    let mut state = joint.virgin(vec![Reversal::default(); 8]).unwrap();
+    let (far, near) = (40.0 * mode_1().phi_max(), 1e-7 * mode_1().phi_max());
+    let stiffness = 1e6;
+    joint.solve(&mut state, stiffness, stiffness * far);
+    joint.solve(&mut state, stiffness, stiffness * 1e-15 * far);
+    let du = joint.solve(&mut state, stiffness, stiffness * near);
+    assert!((du / near - 1.0).abs() < 1e-14, "{du} {near}");
+}
+
 #[test]
 fn two_places_for_reversals_are_refused() {
     assert!(Continuum::new(mode_1()).virgin([Reversal::default(); 2]).is_err());

@@ -72,6 +72,10 @@ const NEWTON_ERROR: f64 = 1e-18;
 /// any from 1 to 16 they end within three rounds.
 const ROUNDING: f64 = 4.0;
 
+/// A trial point so many steps away tells no step: the way back to the solution leaves rounding so many times larger. Sixteen
+/// give away four of 53 bits; a judgement, not varied. Beyond, one more round is made.
+const FAR: f64 = 16.0;
+
 /// Most rounds of Newton's method; a handful is the rule. A law so crooked that these do not suffice is met as well
 /// as the last of them did, and the time stepping goes on.
 const MOST_ROUNDS: u32 = 100;
@@ -134,6 +138,7 @@ impl<B: Backbone, S: AsRef<[Reversal]> + AsMut<[Reversal]>> Hysteresis<Reversals
             let small = step.abs() <= f64::EPSILON * du.abs();
             // The tangents of a trial point that stands at the start but for rounding tell nothing of a step beyond it.
             let accurate = step.abs() <= way.abs()
+                && way.abs() <= FAR * du.abs()
                 && error <= NEWTON_ERROR * (stiffness * du * way).abs()
                 && self.no_corner(&branch, trial, u + du);
             if (small || accurate) && !branch.passed_by(u + du) {
