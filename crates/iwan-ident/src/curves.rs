@@ -144,10 +144,10 @@ impl Curves {
         Ok(self)
     }
 
-    /// The same curves `late` seconds later, by straight lines at those of the `times` that they cover.
+    /// The same curves, by straight lines at those of the `times` that they cover.
     #[must_use]
-    pub(crate) fn at(&self, late: f64, times: &[f64]) -> Self {
-        let own: Vec<f64> = self.t.iter().map(|t| t + late).collect();
+    pub(crate) fn at(&self, times: &[f64]) -> Self {
+        let own = &self.t;
         let covered = |t: &f64| own.first().is_some_and(|a| a <= t) && own.last().is_some_and(|b| t <= b);
         let t: Vec<f64> = times.iter().copied().filter(covered).collect();
         let places: Vec<(usize, f64)> = t

@@ -113,7 +113,7 @@ fn at_equal_times(curves: &[Curves]) -> Result<Vec<Curves>, Error> {
     // Inside the ends: rounding shall not lose one of them.
     let time = |i: usize| from + (to - from) * (i as f64 + 0.5) / TIMES as f64;
     let times: Vec<f64> = (0..TIMES).map(time).collect();
-    Ok(curves.iter().map(|c| c.at(0.0, &times)).collect())
+    Ok(curves.iter().map(|c| c.at(&times)).collect())
 }
 
 /// Viscous dissipation for ζ_v = 1.

@@ -57,9 +57,9 @@ impl Grade {
 /// The answer in numbers and in words.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Verdict {
-    /// Root-mean-square misfit of ln D.
+    /// Root-mean-square misfit of ln D; values that are known worse than to the limit without noise weigh less by their variance.
     pub dissipation_misfit: f64,
-    /// Root-mean-square misfit of the frequency, Hz.
+    /// Root-mean-square misfit of the frequency, Hz, weighted in the same way.
     pub frequency_misfit: f64,
     /// Measured range of the frequency, Hz.
     pub frequency_shift: f64,
@@ -86,12 +86,13 @@ impl Verdict {
         frequency: &[Compared],
         leaves_noise: bool,
     ) -> Self {
-        let [d, f] = [dissipation, frequency].map(Distance::of);
         let range = frequency
             .iter()
             .fold((f64::INFINITY, f64::NEG_INFINITY), |r, c| (r.0.min(c.measured), r.1.max(c.measured)));
         let shift = range.1 - range.0;
         let smallest = SHIFT_FLOOR * range.1;
+        let d = Distance::of(dissipation, DISSIPATION);
+        let f = Distance::of(frequency, (FREQUENCY * shift).max(smallest));
         let noise = [(NOISE * d.noise).min(MOST_EXCUSED), NOISE * f.noise];
         let limits = [DISSIPATION.max(noise[0]), (FREQUENCY * shift).max(noise[1]).max(smallest)];
         let usable =
@@ -141,20 +142,23 @@ pub(crate) fn left_over(relative_residual: f64) -> Option<String> {
         .then(|| format!("its ring-down leaves {left:.0} % of the records' amplitudes"))
 }
 
-/// How far a model is from measured values (root mean square), and how far noise is (the median: the ends of a curve are known worst, and excuse
-/// nothing in its middle).
+/// How far a model is from measured values, and how far noise is; root mean squares, in which a value that is known worse than to `limit` weighs less by
+/// its variance: where a decay sinks into noise, its curves tell nothing of a model, and excuse nothing of it elsewhere.
 struct Distance {
     misfit: f64,
     noise: f64,
 }
 
 impl Distance {
-    fn of(values: &[Compared]) -> Self {
-        let n = values.len() as f64;
-        let square = values.iter().fold(0.0, |s, c| s + (c.measured - c.model).powi(2) / n);
-        let mut deviations: Vec<f64> = values.iter().map(|c| c.deviation).collect();
-        deviations.sort_by(f64::total_cmp);
-        Self { misfit: square.sqrt(), noise: deviations.get(values.len() / 2).copied().unwrap_or(0.0) }
+    fn of(values: &[Compared], limit: f64) -> Self {
+        let (mut misfit, mut noise, mut sum) = (0.0, 0.0, 0.0);
+        for Compared { measured, deviation, model } in values {
+            let weight = 1.0 / (1.0 + (deviation / limit).powi(2));
+            sum += weight;
+            misfit += weight * (measured - model).powi(2);
+            noise += weight * deviation.powi(2);
+        }
+        Self { misfit: (misfit / sum).sqrt(), noise: (noise / sum).sqrt() }
     }
 }
 
@@ -209,6 +213,23 @@ mod tests {
             exact.iter().map(|c| Compared { model: c.measured + 0.05, deviation: 0.0, ..*c }).collect();
         assert_eq!(Verdict::new(&ends, &exact, true).grade, Grade::Matches);
         assert_eq!(Verdict::new(&ends, &exact, false).grade, Grade::Usable);
+    }
+
+    /// Behind a decay that sank into noise, curves are off by their own deviations. They neither speak against the model nor excuse it.
+    #[test]
+    fn a_tail_in_noise_tells_nothing() {
+        let known = |by: f64| (0..10).map(move |i| (f64::from(i), 0.01, by));
+        let compared = |by: f64| -> Vec<Compared> {
+            let tail = (10..30).map(|i| (f64::from(i), 0.5, if i % 2 == 0 { 0.5 } else { -0.5 }));
+            let all = known(by).chain(tail);
+            all.map(|(measured, deviation, by)| Compared { measured, deviation, model: measured + by })
+                .collect()
+        };
+        let exact = compared(0.0);
+        for (by, grade) in [(0.0, Grade::Matches), (0.2, Grade::Usable), (0.5, Grade::No)] {
+            let verdict = Verdict::new(&compared(by), &exact, false);
+            assert_eq!(verdict.grade, grade, "{}", verdict.misfit);
+        }
     }
 
     #[test]

@@ -5,7 +5,7 @@ use crate::curves::{Curves, ForceAxis};
 use crate::error::Error;
 use crate::parameters::Parameters;
 use crate::refine::{RingDown, Sampling, TurningPoint, check_rate};
-use crate::signal::{Band, Envelope, Isolated, Options, isolate};
+use crate::signal::{Band, Envelope, Isolated, isolate, taken_as};
 
 /// A record with its mode taken out, its curves, and the samples that are compared with the model.
 pub(super) struct Prepared<'a> {
@@ -70,23 +70,34 @@ impl<'a> Prepared<'a> {
         self.envelope.notes.iter().cloned().chain([own])
     }
 
-    /// Curves of the model's ring-down by the same filter and envelope, at those times of the record's that both cover.
+    /// Curves of the model's ring-down, taken as the record's were: its samples stand in the record in place of the record's own from the first that is
+    /// compared on, so that filter and smooth curves see the same before it, and err alike.
     pub(super) fn model_curves(
         &self,
         parameters: &Parameters,
         start: TurningPoint,
         settings: &Settings,
     ) -> Result<Curves, Error> {
-        let (dt, late) = (self.record.dt, self.first as f64 * self.record.dt + start.time);
-        let count = (self.isolated.samples.len() as f64 - late / dt) as usize;
-        let released = TurningPoint { time: 0.0, ..start };
-        let samples = released.samples(parameters, Sampling { dt, count }, self.record.quantity)?;
-        let band = Some((self.isolated.band.low, self.isolated.band.high));
-        let window = Some((0.0, self.isolated.trusted().1 - late));
-        let options = Options { band, window, order: Some(self.envelope.order), ..settings.options };
-        let isolated = isolate(&samples, dt, &options)?.weighted_as(&self.isolated);
-        let envelope = isolated.envelope(settings.method, options.order)?;
+        let mut samples = self.before();
+        let (dt, count) = (self.record.dt, self.isolated.samples.len() - self.first);
+        let model = start.samples(parameters, Sampling { dt, count }, self.record.quantity)?;
+        let off = |(own, model): (&f64, &f64)| own - model;
+        let offset = self.stretch.iter().zip(&model).map(off).sum::<f64>() / self.stretch.len() as f64;
+        samples.extend(model.iter().map(|x| x + offset));
+        let isolated = taken_as(&self.isolated, &samples, &settings.options)?;
+        let envelope = isolated.envelope(settings.method, Some(self.envelope.order))?;
         let model = Curves::new(&envelope, self.record.quantity, ForceAxis::Modal)?;
-        Ok(model.at(late, &self.curves.t))
+        Ok(model.at(&self.curves.t))
+    }
+
+    /// The record before the first sample that is compared; of one in a band, only the mode, from where it begins.
+    fn before(&self) -> Vec<f64> {
+        if self.band.is_none() {
+            return self.record.samples[..self.first].to_vec();
+        }
+        let begin = self.isolated.begin.min(self.first);
+        let mut samples = vec![0.0; begin];
+        samples.extend_from_slice(&self.isolated.samples[begin..self.first]);
+        samples
     }
 }

@@ -95,15 +95,33 @@ pub(super) fn behind_filter(
         notes,
         bandwidth,
         scatter: 0.0,
+        begin: 0,
         beside: None,
     };
     mode.end_at_noise(must_decay)?;
     let Some(filter) = filter else { return Ok(InBand { mode, gate: None }) };
     let (begin, shown) = mode.begin(x, trim);
+    mode.begin = begin;
     let ends = Ends { x, filter: &filter, decay: begin..x.len(), reach: trim };
     let may_widen = shown && options.window.is_none() && clipped_until(x).is_none();
     mode.without_transients(x, &ends, may_widen)?;
     Ok(InBand { mode, gate: Some(Gate { filter, begin, reach: trim }) })
+}
+
+/// The mode of samples of which all but the mode is known from another record: behind the same filter, in the same window, with the transients of the
+/// same begin taken off, and with the same weights. Smooth curves through both then err alike.
+///
+/// # Errors
+/// As [`isolate`](super::isolate).
+pub(crate) fn taken_as(mode: &Isolated, x: &[f64], options: &Options) -> Result<Isolated, Error> {
+    let Filtered { samples, trim, filter, .. } = filtered(x, mode.dt, mode.band, options)?;
+    let raw = raw(&samples, &mode.window, mode.dt, mode.band.peak);
+    let mut taken = Isolated { raw, samples, beside: None, ..mode.clone() };
+    if let Some(filter) = &filter {
+        let ends = Ends { x, filter, decay: mode.begin..x.len(), reach: trim };
+        taken.without_transients(x, &ends, false)?;
+    }
+    Ok(Isolated { noise: mode.noise, scatter: mode.scatter, ..taken })
 }
 
 fn band(x: &[f64], dt: f64, options: &Options) -> Result<Band, Error> {

@@ -66,6 +66,8 @@ pub struct Isolated {
     /// Relative scatter of the amplitude apart from noise.
     pub(crate) scatter: f64,
     pub(crate) raw: Raw,
+    /// The sample at which the mode's decay begins; the first without a filter.
+    pub(crate) begin: usize,
     /// What other modes had in the band before they were taken out of the record; none where none were.
     pub(crate) beside: Option<Vec<f64>>,
 }
@@ -94,11 +96,6 @@ impl Isolated {
     #[must_use]
     pub fn trusted(&self) -> (f64, f64) {
         (self.time(self.window.start), self.time(self.window.end - 1))
-    }
-
-    /// The same with the weights of another record of the mode: smooth curves through both then err alike.
-    pub(crate) fn weighted_as(self, other: &Self) -> Self {
-        Self { noise: other.noise, scatter: other.scatter, ..self }
     }
 
     /// Whether the mode is the only one that stands out of the record `x` it was taken from.

@@ -23,6 +23,7 @@ pub use envelope::{Envelope, Instant, Method, Opinions, Refusal, Spread, envelop
 pub use filter::{Butterworth, Passband};
 pub use hilbert::{Analytic, analytic_signal, whole_cycles};
 pub use in_band::Options;
+pub(crate) use in_band::taken_as;
 pub use isolate::isolate;
 pub use isolated::Isolated;
 pub use spectrum::{Band, SpectralLine, amplitude_spectrum, automatic_band};
