@@ -2,7 +2,7 @@
 
 use iwan_ident::curve_fit::{fit, start};
 use iwan_ident::curves::{Curves, ForceAxis};
-use iwan_ident::signal::{Envelope, Isolated, Method, Opinions, intruders, isolate};
+use iwan_ident::signal::{Envelope, Isolated, Method, Opinions, isolate};
 
 use super::args::Axis;
 use super::reading::{Recording, Wanted};
@@ -48,9 +48,6 @@ impl Extraction {
             return Err(said(refused.error.clone()));
         }
         let mut notes = [wanted.notes.clone(), isolated.notes.clone()].concat();
-        // A record too short for its spectrum has been refused by now.
-        let strangers = intruders(&modal.samples, dt, &isolated.band).unwrap_or_default();
-        notes.extend(strangers.iter().map(ToString::to_string));
         let chosen = opinions.envelopes.iter().find(|e| e.method == method);
         let chosen = chosen
             .ok_or_else(|| Failure::computation(format!("{place}: no envelope by {}", method.name())))?;

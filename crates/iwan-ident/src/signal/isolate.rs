@@ -8,7 +8,7 @@ use crate::error::Error;
 /// Takes one mode out of a uniformly sampled record `x` (any unit, every `dt` seconds).
 ///
 /// What the band of the mode holds is taken out of the record; modes beside the band that reach into it are taken off before, and the band is
-/// looked at once more. Each step that finds something leaves a note.
+/// looked at once more. Each step that finds something leaves a note, and so do lines that stand in the band and are not of the mode.
 ///
 /// # Errors
 /// [`Error::Refused`] for a record with two modes in the band, without decay, or clipped to its end;
@@ -28,5 +28,8 @@ pub fn isolate(x: &[f64], dt: f64, options: &Options) -> Result<Isolated, Error>
         }
     }
     mode.refuse_second_line()?;
+    // A record too short for its spectrum has been refused by now.
+    let strangers = mode.intruders(x).unwrap_or_default();
+    mode.notes.extend(strangers.iter().map(ToString::to_string));
     Ok(mode)
 }

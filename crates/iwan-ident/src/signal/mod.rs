@@ -29,6 +29,5 @@ pub use isolated::Isolated;
 pub use spectrum::{Band, SpectralLine, amplitude_spectrum, automatic_band};
 pub use spot::{Spot, spot};
 pub use survey::{
-    Event, Hit, Intruder, SpectralPeak, Spectrogram, band_near, events, hits, intruders, spectral_peaks,
-    spectrogram,
+    Event, Hit, Intruder, SpectralPeak, Spectrogram, band_near, events, hits, spectral_peaks, spectrogram,
 };

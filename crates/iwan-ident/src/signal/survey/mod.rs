@@ -6,11 +6,12 @@ mod peak_list;
 mod hits;
 mod events;
 mod intruders;
+mod mains;
 mod spectrogram;
 
 pub use events::{Event, events};
 pub use hits::{Hit, hits};
-pub use intruders::{Intruder, intruders};
+pub use intruders::Intruder;
 pub(super) use peak_list::band_among;
 pub use peak_list::{SpectralPeak, band_near, spectral_peaks};
 pub use spectrogram::{Spectrogram, spectrogram};
