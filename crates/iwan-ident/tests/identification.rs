@@ -250,10 +250,10 @@ fn fast_decays_into_noise_are_matched() {
     {
         let dt = 1.0 / 4000.0;
         let samples = (seconds / dt) as usize;
-        let mut hit = noisy(&vec![1.0; 80], 20.0, 3);
         let decay = noisy(&finely(&truth, start, dt, samples, 20), decibels, 7);
         // Noise before the release, as a recorder with a trigger keeps it.
-        hit.iter_mut().for_each(|x| *x = (*x - 1.0) * 1e-3 * decay[0].abs());
+        let mut noise = Noise(3);
+        let mut hit: Vec<f64> = (0..80).map(|_| 1e-4 * decay[0].abs() * noise.normal()).collect();
         hit.extend_from_slice(&decay);
         let found = identified(&[hit], dt);
         assert!(found.verdict.adequate, "{truth:?}: {}", found.verdict.misfit);
