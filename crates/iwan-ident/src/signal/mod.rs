@@ -15,6 +15,7 @@ mod transients;
 mod isolated;
 mod in_band;
 mod beside;
+mod strangers;
 mod isolate;
 mod envelope;
 
@@ -28,6 +29,7 @@ pub use isolate::isolate;
 pub use isolated::Isolated;
 pub use spectrum::{Band, SpectralLine, amplitude_spectrum, automatic_band};
 pub use spot::{Spot, spot};
+pub use strangers::Intruder;
 pub use survey::{
-    Event, Hit, Intruder, SpectralPeak, Spectrogram, band_near, events, hits, spectral_peaks, spectrogram,
+    Event, Hit, SpectralPeak, Spectrogram, band_near, events, hits, spectral_peaks, spectrogram,
 };

@@ -1,17 +1,13 @@
-//! What a record holds before one mode is taken out of it: peaks of its spectrum, hits, defects, lines that do not belong, and its spectrum
-//! over time.
+//! What a record holds before one mode is taken out of it: peaks of its spectrum, hits, defects, and its spectrum over time.
 
 mod ring;
 mod peak_list;
 mod hits;
 mod events;
-mod intruders;
-mod mains;
 mod spectrogram;
 
 pub use events::{Event, events};
 pub use hits::{Hit, hits};
-pub use intruders::Intruder;
 pub(super) use peak_list::band_among;
 pub use peak_list::{SpectralPeak, band_near, spectral_peaks};
 pub use spectrogram::{Spectrogram, spectrogram};

@@ -1,9 +1,9 @@
 //! Lines that fall into a mode's band and are not of it: harmonics of a stronger mode, and the mains.
 
-use super::mains;
-use super::peak_list::spectral_peaks;
+use super::mains::{Line, lines};
 use crate::error::Error;
-use crate::signal::Isolated;
+use crate::signal::isolated::Isolated;
+use crate::signal::survey::spectral_peaks;
 
 /// Harmonics that friction and clearance make strong enough to matter.
 const HARMONICS: [u32; 2] = [2, 3];
@@ -86,7 +86,10 @@ impl Isolated {
             };
             HARMONICS.into_iter().filter(|order| inside(f64::from(*order) * p.frequency)).map(line)
         });
-        Ok(harmonics.chain(mains::lines(self, x)).collect())
+        let mains = lines(self, x).into_iter();
+        Ok(harmonics
+            .chain(mains.map(|Line { base, order, amplitude }| Intruder::Mains { base, order, amplitude }))
+            .collect())
     }
 }
 

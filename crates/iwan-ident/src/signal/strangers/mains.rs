@@ -4,9 +4,7 @@ use std::f64::consts::{PI, TAU};
 
 use rustfft::num_complex::Complex64;
 
-use super::intruders::Intruder;
-use crate::signal::Isolated;
-use crate::signal::isolated::MAX_ORDER;
+use crate::signal::isolated::{Isolated, MAX_ORDER};
 use crate::smooth::{Points, Polynomial, Smooth};
 
 /// Frequencies of the mains in use, Hz.
@@ -31,8 +29,16 @@ const BEATS: f64 = 3.0;
 /// Frequencies at which a line is looked for within the mains' wander: of decays longer than 40 s only the time behind them is looked at, where lines are told apart.
 const MOST_PLACES: i32 = 32;
 
+/// A line of the mains: its base frequency (Hz), the multiple of it, and its amplitude in the unit of the record.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Line {
+    pub(super) base: f64,
+    pub(super) order: u32,
+    pub(super) amplitude: f64,
+}
+
 /// The lines of the mains in the band of a mode, or next to it, that was taken out of the record `x`.
-pub(super) fn lines(mode: &Isolated, x: &[f64]) -> Vec<Intruder> {
+pub(super) fn lines(mode: &Isolated, x: &[f64]) -> Vec<Line> {
     let beside = BESIDE * mode.band.peak;
     let (low, high) = (mode.band.low - beside, mode.band.high + beside);
     let multiples = |base: f64| {
@@ -48,7 +54,7 @@ pub(super) fn lines(mode: &Isolated, x: &[f64]) -> Vec<Intruder> {
     let line = |(base, order)| {
         let frequency = base * f64::from(order);
         let amplitude = behind(mode, x, frequency).or_else(|| loud.as_ref()?.line_near(frequency))?;
-        Some(Intruder::Mains { base, order, amplitude })
+        Some(Line { base, order, amplitude })
     };
     all.filter_map(line).collect()
 }
