@@ -28,7 +28,7 @@ pub enum Intruder {
         base: f64,
         /// Multiple of it.
         order: u32,
-        /// Amplitude, in the unit of the record.
+        /// Amplitude, in the unit of the record; under a mode that is loud to the end what is left of it where modes beside the band were taken off, a third at least.
         amplitude: f64,
     },
 }
@@ -48,7 +48,7 @@ impl std::fmt::Display for Intruder {
                 let frequency = base * f64::from(*order);
                 write!(
                     f,
-                    "a line of the mains at {frequency} Hz ({order} x {base} Hz), amplitude {amplitude:.4e}, does not decay and stands \
+                    "a line of the mains at {frequency} Hz ({order} x {base} Hz), amplitude {amplitude:.2e} or more, does not decay and stands \
                            in the band or next to it: damping beats with it, and where the mode sinks to it, it is not the mode that is seen"
                 )
             }
@@ -124,6 +124,11 @@ mod tests {
                 assert!(lines[0].to_string().contains("150 Hz"));
             }
         }
+        // Six beats with a mode that outlives the record: no spectrum of its end tells the two apart.
+        assert!(
+            matches!(found(151.5, 0.3, 0.01)[..], [Intruder::Mains { order: 3, amplitude, .. }] if amplitude > 0.003)
+        );
+        assert_eq!(found(151.5, 0.3, 0.0), []);
     }
 
     #[test]
