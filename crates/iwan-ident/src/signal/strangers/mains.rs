@@ -111,7 +111,6 @@ struct Loud<'a> {
     centre: f64,
     /// In the unit of the record.
     z: Vec<Complex64>,
-    log: Vec<Complex64>,
     /// ln z less its polynomial, times |z|: what is left of the record.
     left: Vec<Complex64>,
 }
@@ -122,14 +121,10 @@ impl<'a> Loud<'a> {
         (raw.t.len() > 4 * MAX_ORDER).then_some(())?;
         let log: Vec<Complex64> =
             raw.log_amplitude.iter().zip(&raw.phase).map(|(a, p)| Complex64::new(*a, *p)).collect();
-        Some(Self::of(&raw.t, mode.band.peak, log))
-    }
-
-    fn of(t: &'a [f64], centre: f64, log: Vec<Complex64>) -> Self {
-        let z: Vec<Complex64> = log.iter().map(|log| log.exp()).collect();
-        let mut loud = Self { t, centre, z, log, left: vec![] };
-        loud.left = loud.without_polynomial(&loud.log);
-        loud
+        let z = log.iter().map(|log| log.exp()).collect();
+        let mut loud = Self { t: &raw.t, centre: mode.band.peak, z, left: vec![] };
+        loud.left = loud.without_polynomial(&log);
+        Some(loud)
     }
 
     /// What a polynomial leaves of ratios to z, times |z|.
@@ -183,7 +178,7 @@ impl<'a> Loud<'a> {
         self.amplitude(place(top))
     }
 
-    /// Amplitude of the line at an offset, where it makes enough of what is left.
+    /// Amplitude of the line at an offset by least squares beside the polynomial, where it makes enough of what is left.
     fn amplitude(&self, offset: f64) -> Option<f64> {
         let without = self.without_polynomial(&self.ratios(offset));
         let sum: Complex64 = without.iter().zip(&self.left).map(|(line, left)| line.conj() * left).sum();
