@@ -8,6 +8,8 @@
 //! lengths. `FIRST` in the environment is the first seed.
 //! `scripts/validate` runs all of them; the last figures stand in the book's chapter on validation.
 
+#[path = "../../tests/law_records/in_noise.rs"]
+mod in_noise;
 #[path = "../../tests/law_records/random.rs"]
 mod random;
 #[path = "../../tests/law_records/sliders.rs"]
@@ -16,7 +18,8 @@ mod tally;
 
 use std::f64::consts::TAU;
 
-use iwan_core::{Decay, Motion, Reversal, Samples, SplitMix64};
+use in_noise::{InNoise, add_noise, in_noise, moderate, phi_max, ring_down};
+use iwan_core::SplitMix64;
 use iwan_ident::identify::Settings;
 use iwan_ident::signal::Options;
 use iwan_ident::{Error, Parameters};
@@ -28,30 +31,9 @@ const HITS: usize = 4;
 /// Relative standard deviations of frequency and of damping from hit to hit there.
 const SCATTER: [f64; 2] = [0.003, 0.03];
 
-fn ring_down(truth: &Parameters, displacement: f64, dt: f64, count: usize) -> Result<Vec<f64>, Error> {
-    let (oscillator, joint) = truth.model()?;
-    let mut out: [Vec<f64>; 4] = std::array::from_fn(|_| vec![0.0; count]);
-    let stack = vec![Reversal::default(); (3.0 * count as f64 * dt * truth.frequency) as usize + 64];
-    let [displacements, velocity, acceleration, joint_force] = &mut out;
-    Decay::new(&oscillator, &joint, 0.0, Motion::held_at(displacement), stack)?
-        .sample(dt, &mut Samples { displacement: displacements, velocity, acceleration, joint_force })?;
-    let [_, _, acceleration, _] = out;
-    Ok(acceleration)
-}
-
-fn phi_max(truth: &Parameters) -> Result<f64, Error> {
-    Ok(truth.model()?.1.phi_max())
-}
-
-/// Adds noise of so many decibels below the root mean square; none of it for infinitely many.
-fn add_noise(samples: &mut [f64], decibels: f64, random: &mut SplitMix64) {
-    if decibels.is_finite() {
-        let mean_square = samples.iter().map(|x| x * x).sum::<f64>() / samples.len() as f64;
-        let deviation = mean_square.sqrt() * 10.0_f64.powf(-decibels / 20.0);
-        for x in samples {
-            *x += deviation * normal(random);
-        }
-    }
+fn noisy(seed: u64, decibels: f64) -> Result<Trial, Error> {
+    let InNoise { truth, dt, samples } = in_noise(seed, decibels)?;
+    Ok(Trial { truths: vec![truth], records: vec![samples], dt, settings: Settings::default() })
 }
 
 fn softening(seed: u64) -> Result<Trial, Error> {
@@ -70,30 +52,6 @@ fn softening(seed: u64) -> Result<Trial, Error> {
         (scale(&mut random, 0.2, 4.0), scale(&mut random, 20.0, 500.0), scale(&mut random, 10.0, 100.0));
     let dt = 1.0 / (frequency * per_cycle);
     let samples = ring_down(&truth, start * phi_max(&truth)?, dt, (cycles * per_cycle) as usize)?;
-    Ok(Trial { truths: vec![truth], records: vec![samples], dt, settings: Settings::default() })
-}
-
-/// A joint as measured structures have them.
-fn moderate(random: &mut SplitMix64, frequency: f64) -> Parameters {
-    Parameters {
-        frequency,
-        damping_ratio: scale(random, 1e-4, 3e-3),
-        k_t: (TAU * frequency).powi(2) * scale(random, 0.01, 0.3),
-        f_s: scale(random, 10.0, 1000.0),
-        chi: between(random, -0.9, 0.0),
-        beta: scale(random, 0.02, 3.0),
-    }
-}
-
-fn noisy(seed: u64, decibels: f64) -> Result<Trial, Error> {
-    let mut random = SplitMix64::new(5000 + seed);
-    let frequency = scale(&mut random, 20.0, 1000.0);
-    let truth = moderate(&mut random, frequency);
-    let (per_cycle, cycles) = (scale(&mut random, 10.0, 60.0), scale(&mut random, 40.0, 400.0));
-    let dt = 1.0 / (frequency * per_cycle);
-    let start = scale(&mut random, 0.1, 2.0);
-    let mut samples = ring_down(&truth, start * phi_max(&truth)?, dt, (cycles * per_cycle) as usize)?;
-    add_noise(&mut samples, decibels, &mut random);
     Ok(Trial { truths: vec![truth], records: vec![samples], dt, settings: Settings::default() })
 }
 

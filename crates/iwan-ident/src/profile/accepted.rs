@@ -116,16 +116,27 @@ impl Region {
         Some(&farthest.minimum)
     }
 
-    /// The end of an interval in a direction, where a walk from the farthest point ends and no accepted point lies outside; none where it is
-    /// open.
-    pub(crate) fn end<G: Charted, W: Charted>(
+    /// The accepted points, those first that have the least against a value of a parameter in the linearised model.
+    pub(crate) fn likeliest_at<G: Charted>(
         &self,
         ground: &G,
+        scale: &Scale,
+        parameter: Parameter,
+        value: f64,
+    ) -> Vec<&Minimum> {
+        let against = |p: &Accepted| p.deviance_at(ground, scale, parameter, value);
+        let mut points: Vec<(f64, &Minimum)> = self.points.iter().map(|p| (against(p), &p.minimum)).collect();
+        points.sort_by(|a, b| a.0.total_cmp(&b.0));
+        points.into_iter().map(|(_, minimum)| minimum).collect()
+    }
+
+    /// The coordinates where a walk from the farthest point ends, the end of an interval; none where it is open. The points it meets are added to `points`.
+    pub(crate) fn end<W: Charted>(
         mut walk: Walk<'_, W>,
         parameter: Parameter,
         direction: f64,
         points: &mut Vec<ProfilePoint>,
-    ) -> Option<f64> {
+    ) -> Option<Vec<f64>> {
         let chart = walk.task.chart();
         let value = |x: &[f64]| chart.parameters(x).get(parameter);
         walk.stiffness_ends = matches!(parameter, Parameter::KT | Parameter::FS | Parameter::Beta);
@@ -136,8 +147,19 @@ impl Region {
         let End::Closed(at) = found else { return None };
         let mut x = walk.nearest(at);
         x[walk.coordinate] = at;
-        let all = self.points.iter().map(|p| p.value(ground, parameter)).chain([value(&x)]);
-        all.reduce(|a, b| if direction < 0.0 { a.min(b) } else { a.max(b) })
+        Some(x)
+    }
+
+    /// The end of an interval where a walk ends at `value`: no accepted point lies outside.
+    pub(crate) fn outermost<G: Charted>(
+        &self,
+        ground: &G,
+        parameter: Parameter,
+        direction: f64,
+        value: f64,
+    ) -> f64 {
+        let all = self.points.iter().map(|p| p.value(ground, parameter));
+        all.fold(value, |a, b| if direction < 0.0 { a.min(b) } else { a.max(b) })
     }
 }
 
@@ -151,6 +173,19 @@ impl Accepted {
 
     /// How far a parameter (its logarithm where it has one) can go from here in the linearised model before the limit is reached.
     fn reach<G: Charted>(&self, ground: &G, scale: &Scale, parameter: Parameter) -> f64 {
+        let left = (scale.limit - self.deviance).max(0.0);
+        self.deviation(ground, scale, parameter) * left.sqrt()
+    }
+
+    /// The deviance in the linearised model where a parameter has a value.
+    fn deviance_at<G: Charted>(&self, ground: &G, scale: &Scale, parameter: Parameter, value: f64) -> f64 {
+        let away = scaled(parameter, value) - scaled(parameter, self.value(ground, parameter));
+        let deviation = self.deviation(ground, scale, parameter).max(f64::MIN_POSITIVE);
+        self.deviance + (away / deviation).powi(2)
+    }
+
+    /// Standard deviation of a parameter (its logarithm where it has one) in the linearised model.
+    fn deviation<G: Charted>(&self, ground: &G, scale: &Scale, parameter: Parameter) -> f64 {
         let Some(spread) = &self.spread else { return 0.0 };
         let slope = |j: &usize| {
             if *j >= COUNT {
@@ -164,8 +199,7 @@ impl Accepted {
             (at(STEP) - at(-STEP)) / (2.0 * STEP)
         };
         let slopes = DVector::from_iterator(self.smooth.len(), self.smooth.iter().map(slope));
-        let left = (scale.limit - self.deviance).max(0.0);
-        (spread.transpose() * slopes).norm() * (scale.variance * left).sqrt()
+        (spread.transpose() * slopes).norm() * scale.variance.sqrt()
     }
 
     fn value<G: Charted>(&self, ground: &G, parameter: Parameter) -> f64 {

@@ -16,14 +16,16 @@ mod charting;
 mod ground;
 mod walk;
 mod accepted;
+mod ends;
 
 use iwan_machine::threads::in_parallel;
 
 use crate::parameters::Parameter;
 use crate::refine::{Task, Workspace};
-use crate::search::{Chart, DIRAC, Minimum};
+use crate::search::{Chart, Minimum};
 pub(crate) use accepted::{Charted, Region};
 pub(crate) use deviance::Scale;
+use ends::Ends;
 pub(crate) use ground::{Ground, is_all_joint};
 pub use outcome::{Profile, ProfilePoint, Profiles};
 pub(crate) use walk::{End, Walk};
@@ -124,16 +126,8 @@ fn profile(task: &Task, known: Known<'_>, region: &Region, scale: &Scale, parame
     let slips = known.extent == Extent::Full;
     let value = task.chart.parameters(known.given).get(parameter);
     region.profile(task, value, (parameter, held), slips, &|direction, points| {
-        let farthest = region.farthest(task, scale, parameter, direction)?;
-        let chart = task.charting(parameter);
-        let minimum = chart.from(task, farthest);
-        let coordinate = chart.chart.index(parameter)?;
-        // Without macro-slip the Dirac is nowhere seen.
-        let unseen = |j: usize| j == DIRAC && chart.is_micro_slip(&minimum.x);
-        let free: Vec<usize> =
-            chart.smooth().into_iter().filter(|j| *j != coordinate && !unseen(*j)).collect();
-        let walk = Walk::new(&chart, coordinate, free, &minimum, scale);
-        region.end(task, walk, parameter, direction, points)
+        let end = Ends { task, region, scale, parameter }.seek(direction, points)?;
+        Some(region.outermost(task, parameter, direction, end))
     })
 }
 

@@ -5,6 +5,7 @@
     reason = "shared by several programs; a failed test may panic and say why"
 )]
 
+pub(crate) mod in_noise;
 pub(crate) mod random;
 pub(crate) mod sliders;
 

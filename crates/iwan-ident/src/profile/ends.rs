@@ -1,0 +1,88 @@
+//! The end of an interval: where the records contradict a parameter at every knee.
+//!
+//! The sum of squares is smooth only where the knee is held, so a walk keeps its own. Where it ends, other knees may still accept the value; from one that does
+//! the walk goes on.
+
+use super::accepted::Region;
+use super::deviance::Scale;
+use super::outcome::ProfilePoint;
+use super::walk::Walk;
+use crate::parameters::Parameter;
+use crate::refine::{Task, Workspace};
+use crate::search::{DIRAC, Minimum};
+
+/// Times that a walk goes on from another knee. In noise of 20 dB most ends need one or none; where they are spent the end stands where the last walk ended.
+const FURTHER: usize = 4;
+/// Knees that are tried at an end, the likeliest by the linearised model. A scan of all knees there held the truth no more often, and took half as long again.
+const TRIED: usize = 4;
+/// How far they are from each other at least, in ln φ_max: nearer ones tell the same under noise. A judgement.
+const APART: f64 = 0.1;
+/// Part of the limit below which another knee accepts an end: what lies nearer to it is a tolerance of the searches.
+const ACCEPTS: f64 = 0.9;
+/// Relative reduction of the sum of squares at which searches at other knees end: of some 200 residuals it moves the deviance by 0.02.
+const TOLERANCE: f64 = 1e-4;
+
+/// What the ends of a parameter's interval are sought in.
+pub(super) struct Ends<'a> {
+    pub(super) task: &'a Task,
+    /// What the records accept at each knee.
+    pub(super) region: &'a Region,
+    pub(super) scale: &'a Scale,
+    pub(super) parameter: Parameter,
+}
+
+impl Ends<'_> {
+    /// The end in a direction; none where the interval is open. Points that are met are added to `points`.
+    pub(super) fn seek(&self, direction: f64, points: &mut Vec<ProfilePoint>) -> Option<f64> {
+        let farthest = self.region.farthest(self.task, self.scale, self.parameter, direction)?;
+        let charting = self.task.charting(self.parameter);
+        let coordinate = charting.chart.index(self.parameter)?;
+        let mut start = charting.from(self.task, farthest);
+        // Without noise valleys are so narrow that a walk's own is all there is.
+        let mut further = if charting.is_free_of_noise(&start) { 0 } else { FURTHER };
+        loop {
+            let walk = Walk::new(
+                &charting,
+                coordinate,
+                following(&charting, coordinate, &start.x),
+                &start,
+                self.scale,
+            );
+            let end = Region::end(walk, self.parameter, direction, points)?;
+            let other = if further > 0 { self.at_another_knee(&charting, coordinate, &end) } else { None };
+            match other {
+                Some(accepted) => start = accepted,
+                None => return Some(charting.chart.parameters(&end).get(self.parameter)),
+            }
+            further -= 1;
+        }
+    }
+
+    /// The likeliest point with the coordinate where `end` has it, at another knee that accepts it.
+    fn at_another_knee(&self, charting: &Task, coordinate: usize, end: &[f64]) -> Option<Minimum> {
+        let knee = charting.knee()?;
+        let value = charting.chart.parameters(end).get(self.parameter);
+        let (mut tried, mut work) = (vec![end[knee]], Workspace::default());
+        let mut best: Option<Minimum> = None;
+        for accepted in self.region.likeliest_at(self.task, self.scale, self.parameter, value) {
+            let mut x = charting.from(self.task, accepted).x;
+            if tried.iter().any(|k| (k - x[knee]).abs() < APART) {
+                continue;
+            }
+            tried.push(x[knee]);
+            x[coordinate] = end[coordinate];
+            let found = charting.minimise(&x, following(charting, coordinate, &x), TOLERANCE, &mut work);
+            best = best.into_iter().chain(found).min_by(|a, b| a.cost.total_cmp(&b.cost));
+            if tried.len() > TRIED {
+                break;
+            }
+        }
+        best.filter(|m| self.scale.rise(m) < ACCEPTS * self.scale.limit)
+    }
+}
+
+/// The coordinates that follow at a held knee: without macro-slip the Dirac is nowhere seen.
+fn following(charting: &Task, coordinate: usize, x: &[f64]) -> Vec<usize> {
+    let unseen = |j: usize| j == DIRAC && charting.is_micro_slip(x);
+    charting.smooth().into_iter().filter(|j| *j != coordinate && !unseen(*j)).collect()
+}
