@@ -4,7 +4,7 @@
 use crate::law_records::{LAWS, noisy, normal, ring_down};
 use iwan_ident::Grade;
 use iwan_ident::curves::Quantity;
-use iwan_ident::identify::{ModeRecord, Settings, compare_laws};
+use iwan_ident::identify::{ModeRecord, Settings, compare_laws, identify};
 use iwan_ident::laws::{CANDIDATES, Comparison};
 
 /// Difference of the criterion up to which another law than the true one may be named in noise: below 6 evidence is not "strong" (Kass and
@@ -45,8 +45,34 @@ fn the_law_is_named_and_its_parameters_are_held() {
             }
         }
     }
-    assert!(wrong.len() <= 1, "{wrong:?}");
+    // One in twenty.
+    assert!(20 * wrong.len() <= 2 * LAWS.len() + 10, "{wrong:?}");
     assert!(closed > 60 && 100 * held >= 90 * closed, "{held} of {closed}");
+}
+
+/// A joint that something else damps or stiffens beside it: fits of the joint alone matched or were usable with closed intervals of K_T and F_S, each of which missed.
+#[test]
+fn a_joint_with_something_beside_it_closes_no_wrong_interval() {
+    for (law, seed) in [("iwan-quadratic", 0), ("iwan-coulomb", 1), ("iwan-duffing", 2)] {
+        let clean = ring_down(law, seed);
+        let samples = noisy(&clean, 55.0, seed);
+        let record = ModeRecord { samples: &samples, dt: clean.dt, quantity: Quantity::Displacement };
+        let found = identify(&[record], &Settings::default()).unwrap();
+        assert!(found.verdict.grade != Grade::Matches, "{law}: {}", found.verdict.misfit);
+        for profile in &found.profiles.parameters {
+            let truth = clean.truth.iter().find(|t| t.0 == profile.parameter.name()).unwrap().1;
+            let holds = profile.low.is_none_or(|l| l <= truth) && profile.high.is_none_or(|h| truth <= h);
+            assert!(
+                holds,
+                "{law}: {} {truth} {:?} {:?}",
+                profile.parameter.name(),
+                profile.low,
+                profile.high
+            );
+        }
+        let laws = found.laws.unwrap();
+        assert_eq!(laws.chosen().law.name, law);
+    }
 }
 
 /// A pendulum's law is nobody else's: neither linear nor an Iwan joint may match.

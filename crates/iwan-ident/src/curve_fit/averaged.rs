@@ -191,5 +191,5 @@ fn judged(entries: &[Entry], parameters: Parameters) -> Result<Fit, Error> {
     }
     let largest = entries.iter().map(|e| e.displacement).fold(0.0, f64::max);
     let slip_ratio = largest / parameters.model()?.1.phi_max();
-    Ok(Fit { parameters, slip_ratio, verdict: Verdict::new(&dissipation, &frequency, false) })
+    Ok(Fit { parameters, slip_ratio, verdict: Verdict::new(&dissipation, &frequency) })
 }

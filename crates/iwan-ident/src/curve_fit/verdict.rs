@@ -31,6 +31,17 @@ pub(crate) struct Compared {
     pub(crate) model: f64,
 }
 
+/// What a record says of a model beside its curves.
+#[derive(Debug, Default)]
+pub(crate) struct Beside {
+    /// What speaks against it, in words: any of it makes the model none, whatever the curves say.
+    pub(crate) reasons: Vec<String>,
+    /// The model's ring-down was subtracted from the record and left white noise.
+    pub(crate) leaves_noise: bool,
+    /// It is known to miss something beside noise, and another law tells the record clearly better: it matches within no noise then.
+    pub(crate) surpassed: bool,
+}
+
 /// How well a model describes records.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum Grade {
@@ -73,19 +84,14 @@ pub struct Verdict {
 }
 
 impl Verdict {
-    /// From ln D and frequency (Hz) at the same amplitudes. `leaves_noise`: a model's ring-down was subtracted from the record
-    /// itself and left white noise.
-    pub(crate) fn new(dissipation: &[Compared], frequency: &[Compared], leaves_noise: bool) -> Self {
-        Self::against(&[], dissipation, frequency, leaves_noise)
+    /// From ln D and frequency (Hz) at the same amplitudes alone.
+    pub(crate) fn new(dissipation: &[Compared], frequency: &[Compared]) -> Self {
+        Self::beside(&Beside::default(), dissipation, frequency)
     }
 
-    /// The same where `reasons`, in words, speak against the model: any of them makes it none, whatever the curves say.
-    pub(crate) fn against(
-        reasons: &[String],
-        dissipation: &[Compared],
-        frequency: &[Compared],
-        leaves_noise: bool,
-    ) -> Self {
+    /// The same beside what the record itself says.
+    pub(crate) fn beside(beside: &Beside, dissipation: &[Compared], frequency: &[Compared]) -> Self {
+        let Beside { reasons, leaves_noise, surpassed } = beside;
         let range = frequency
             .iter()
             .fold((f64::INFINITY, f64::NEG_INFINITY), |r, c| (r.0.min(c.measured), r.1.max(c.measured)));
@@ -99,12 +105,12 @@ impl Verdict {
             [USABLE_DISSIPATION.max(noise[0]), (USABLE_FREQUENCY * shift).max(noise[1]).max(smallest)];
         // What cannot be compared at all is no match.
         let within = |limits: [f64; 2]| d.misfit <= limits[0] && f.misfit <= limits[1];
-        let ends = if leaves_noise { [EXCUSED * DISSIPATION, EXCUSED * FREQUENCY * shift] } else { limits };
+        let ends = if *leaves_noise { [EXCUSED * DISSIPATION, EXCUSED * FREQUENCY * shift] } else { limits };
         let excused = [limits[0].max(ends[0]), limits[1].max(ends[1])];
         let grade = match (within(excused), within(usable)) {
             _ if !reasons.is_empty() => Grade::No,
-            (true, _) => Grade::Matches,
-            (false, true) => Grade::Usable,
+            (true, _) if !surpassed => Grade::Matches,
+            (true, _) | (false, true) => Grade::Usable,
             (false, false) => Grade::No,
         };
         let misfit = format!(
@@ -118,6 +124,8 @@ impl Verdict {
                 Grade::Matches if within(limits) => "matches dissipation and frequency together",
                 Grade::Matches =>
                     "matches dissipation and frequency together, for it leaves nothing of the record but noise",
+                Grade::Usable if within(limits) =>
+                    "keeps both limits, but misses more than noise where another law does not: it is usable inside the amplitudes seen",
                 Grade::Usable =>
                     "does not match dissipation and frequency together, but is usable inside the amplitudes seen",
                 Grade::No if within(usable) => "does not describe this",
@@ -130,7 +138,7 @@ impl Verdict {
             frequency_shift: shift,
             adequate: grade == Grade::Matches,
             grade,
-            misfit: [reasons, &[misfit]].concat().join("; "),
+            misfit: [reasons.as_slice(), &[misfit]].concat().join("; "),
         }
     }
 }
@@ -166,6 +174,29 @@ impl Distance {
 mod tests {
     use super::*;
 
+    fn beside_noise(dissipation: &[Compared], frequency: &[Compared]) -> Verdict {
+        Verdict::beside(&Beside { leaves_noise: true, ..Beside::default() }, dissipation, frequency)
+    }
+
+    /// A joint with a little quadratic damping missed 1.9 % of dissipation and "matched", beside the sentence that the record speaks against it.
+    #[test]
+    fn a_law_that_another_surpasses_is_usable_at_best() {
+        let surpassed = Beside { surpassed: true, ..Beside::default() };
+        let missed = |by: f64| -> Vec<Compared> {
+            (0..10)
+                .map(|i| Compared { measured: f64::from(i), deviation: 0.0, model: f64::from(i) + by })
+                .collect()
+        };
+        let verdict = Verdict::beside(&surpassed, &missed(0.019), &missed(0.0));
+        assert!(verdict.grade == Grade::Usable && !verdict.adequate, "{}", verdict.misfit);
+        assert!(
+            verdict.misfit.contains("keeps both limits, but misses more than noise"),
+            "{}",
+            verdict.misfit
+        );
+        assert_eq!(Verdict::beside(&surpassed, &missed(0.5), &missed(0.0)).grade, Grade::No);
+    }
+
     #[test]
     fn noise_excuses_what_it_explains_and_no_more() {
         let values = |deviation: f64| -> Vec<Compared> {
@@ -178,16 +209,16 @@ mod tests {
                 .collect()
         };
         let exact: Vec<Compared> = values(0.0).iter().map(|c| Compared { model: c.measured, ..*c }).collect();
-        assert!(Verdict::new(&exact, &exact, false).adequate);
-        let verdict = Verdict::new(&values(0.01), &exact, false);
+        assert!(Verdict::new(&exact, &exact).adequate);
+        let verdict = Verdict::new(&values(0.01), &exact);
         assert!(!verdict.adequate && verdict.misfit.contains("missed by 5.00 %"), "{}", verdict.misfit);
         assert_eq!(verdict.grade, Grade::Usable);
-        assert!(Verdict::new(&values(0.04), &exact, false).adequate);
+        assert!(Verdict::new(&values(0.04), &exact).adequate);
         // A frequency missed by a twentieth of its shift passes.
-        assert!(Verdict::new(&exact, &values(0.0), false).adequate);
+        assert!(Verdict::new(&exact, &values(0.0)).adequate);
         // A residual of a third of the amplitudes is no match, whatever the curves say.
-        let reasons: Vec<String> = left_over(0.33).into_iter().collect();
-        let refused = Verdict::against(&reasons, &exact, &exact, false);
+        let against = Beside { reasons: left_over(0.33).into_iter().collect(), ..Beside::default() };
+        let refused = Verdict::beside(&against, &exact, &exact);
         assert_eq!(refused.grade, Grade::No);
         // Its sentence said "matches" and "usable" all the same.
         assert_eq!(left_over(0.3), None);
@@ -207,12 +238,12 @@ mod tests {
             .collect();
         let missed: Vec<Compared> =
             exact.iter().map(|c| Compared { model: c.measured + 0.1515, ..*c }).collect();
-        assert_eq!(Verdict::new(&missed, &exact, true).grade, Grade::Usable);
+        assert_eq!(beside_noise(&missed, &exact).grade, Grade::Usable);
         // A misfit of 5 % beside white residuals is that of the curves' ends.
         let ends: Vec<Compared> =
             exact.iter().map(|c| Compared { model: c.measured + 0.05, deviation: 0.0, ..*c }).collect();
-        assert_eq!(Verdict::new(&ends, &exact, true).grade, Grade::Matches);
-        assert_eq!(Verdict::new(&ends, &exact, false).grade, Grade::Usable);
+        assert_eq!(beside_noise(&ends, &exact).grade, Grade::Matches);
+        assert_eq!(Verdict::new(&ends, &exact).grade, Grade::Usable);
     }
 
     /// Behind a decay that sank into noise, curves are off by their own deviations. They neither speak against the model nor excuse it.
@@ -227,7 +258,7 @@ mod tests {
         };
         let exact = compared(0.0);
         for (by, grade) in [(0.0, Grade::Matches), (0.2, Grade::Usable), (0.5, Grade::No)] {
-            let verdict = Verdict::new(&compared(by), &exact, false);
+            let verdict = Verdict::new(&compared(by), &exact);
             assert_eq!(verdict.grade, grade, "{}", verdict.misfit);
         }
     }
@@ -242,7 +273,7 @@ mod tests {
         let exact = missed(0.0, 0.0);
         // A pendulum, whose dissipation is missed by 42.6 %, with curves of any noise.
         for deviation in [0.0, 0.1, 10.0] {
-            let verdict = Verdict::new(&missed(0.426, deviation), &exact, true);
+            let verdict = beside_noise(&missed(0.426, deviation), &exact);
             assert_eq!(verdict.grade, Grade::No, "{}", verdict.misfit);
         }
     }

@@ -63,6 +63,8 @@ pub struct Identification {
     pub linear: Linear,
     /// Other laws on the same records, and smooth curves; why there are none where there are none.
     pub laws: Result<Comparison, Error>,
+    /// Names of the other laws that tell the records as well as the joint, which is known to miss something, or better: the intervals hold theirs.
+    pub as_likely: Vec<&'static str>,
     /// Whether the model matches, how far off it is.
     pub verdict: Verdict,
     /// What was found and done, in words.
@@ -138,8 +140,7 @@ impl Identification {
 
     /// Why intervals were left open that the profiles alone would close.
     fn untold_in_words(&self) -> Option<String> {
-        let missed = self.refined.discrepancy.is_found();
-        match (untold(&self.verdict, missed, self.laws.as_ref().ok()), &self.laws) {
+        match (untold(&self.verdict, self.laws.as_ref().ok()), &self.laws) {
             ([], _) => None,
             (_, Ok(laws)) if self.verdict.grade != Grade::No => Some(format!(
                 "these records speak against the joint and for {}: K_T, F_S and beta, which a bend of the curves would tell, are left open",
@@ -147,6 +148,14 @@ impl Identification {
             )),
             _ => Some("the joint does not describe these records: they tell none of its parameters".into()),
         }
+    }
+
+    /// What other laws add to the intervals.
+    fn others_in_words(&self) -> Option<String> {
+        (!self.as_likely.is_empty() && self.verdict.grade != Grade::No).then(|| {
+            let names = self.as_likely.join(", ");
+            format!("laws that tell the records as well or better: {names}; the intervals hold what they say of the same parameters")
+        })
     }
 
     /// What the records do not tell, in words: open intervals, a joint that is not needed, a model that does not fit.
@@ -162,6 +171,7 @@ impl Identification {
                 100.0 * self.linear.damping_ratio
             ));
         }
+        words.extend(self.others_in_words());
         words.extend(self.untold_in_words());
         words.extend(Extrapolation::of(&self.curves, self.parameters.frequency).in_words());
         if self.verdict.grade == Grade::No {

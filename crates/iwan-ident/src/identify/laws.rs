@@ -4,7 +4,7 @@ use super::prepared::Prepared;
 use super::settings::{ModeRecord, Settings};
 use crate::curve_fit::{Grade, Verdict};
 use crate::error::Error;
-use crate::laws::{Comparison, Estimate, Joint, LawMode, Source, compare};
+use crate::laws::{Comparison, Estimate, FittedLaw, Joint, LawMode, Source, compare};
 use crate::parameters::{Parameter, Parameters};
 use crate::profile::Profiles;
 
@@ -46,16 +46,33 @@ pub(super) fn of_prepared(prepared: &[Prepared<'_>], iwan: Option<&Parameters>) 
 }
 
 /// What the records do not tell of an Iwan joint, whatever its profiles say: a joint that does not describe the records has parameters, but not
-/// those of the structure; and where it is known to miss something (`missed`: a discrepancy was found) and the evidence for another law is strong, the
-/// bend that a fit makes of that is no macro-slip, whether the limits are kept or not.
-pub(super) fn untold(verdict: &Verdict, missed: bool, laws: Option<&Comparison>) -> &'static [Parameter] {
+/// those of the structure; and where it misses something and the evidence for another law is strong, the bend that a fit makes of that is no macro-slip.
+pub(super) fn untold(verdict: &Verdict, laws: Option<&Comparison>) -> &'static [Parameter] {
     let against = laws.is_some_and(|laws| laws.speaks_against("iwan"));
     match verdict.grade {
         Grade::No => &Parameter::ALL,
         Grade::Usable if against => &[Parameter::KT, Parameter::FS, Parameter::Beta],
-        Grade::Matches if against && missed => &[Parameter::KT, Parameter::FS, Parameter::Beta],
         Grade::Usable | Grade::Matches => &[],
     }
+}
+
+/// Laws that tell the records as well as the joint or better, where that is known to miss something (`missed`): what they say of a parameter that both
+/// have is as likely.
+pub(super) fn as_likely(missed: bool, laws: Option<&Comparison>) -> Vec<&FittedLaw> {
+    let near = laws.into_iter().flat_map(Comparison::near);
+    near.filter(|law| missed && law.law.name != "iwan").collect()
+}
+
+/// Intervals that hold those of other laws.
+pub(super) fn with_others(mut profiles: Profiles, others: &[&FittedLaw]) -> Profiles {
+    for law in others {
+        for estimate in &law.parameters {
+            if let Some(parameter) = Parameter::ALL.into_iter().find(|p| p.name() == estimate.name) {
+                profiles = profiles.holding(parameter, [estimate.low, estimate.high]);
+            }
+        }
+    }
+    profiles
 }
 
 /// The comparison where the law `iwan` has the parameters, intervals and verdict of the fit on the records themselves: a page says one thing of

@@ -17,7 +17,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 
 use iwan_machine::checkpoint::Checkpoint;
 
-use crate::curve_fit::{Compared, Fit, Start, Verdict, fit_from, left_over, start};
+use crate::curve_fit::{Beside, Compared, Fit, Start, Verdict, fit_from, left_over, start};
 use crate::curves::Curves;
 use crate::error::{Error, check};
 use crate::likelihood::Likelihood;
@@ -142,14 +142,19 @@ fn identification(
         .map(|(p, start)| p.model_curves(&refined.parameters, *start, settings))
         .collect::<Result<Vec<_>, _>>()?;
     let linear = linear(&task, &minimum, &refined.parameters, &curves)?;
-    let against: Vec<String> =
-        outside_band(&prepared, &refined).into_iter().chain(left_over(refined.relative_residual)).collect();
-    let noise = refined.leaves_noise(task.count());
-    let verdict = verdict(&against, &curves, &model_curves, &refined.starts, noise);
     let laws = laws::of_prepared(&prepared, Some(&refined.parameters));
-    let profiles =
-        profiles.without(laws::untold(&verdict, refined.discrepancy.is_found(), laws.as_ref().ok()));
+    let speaks_against = laws.as_ref().is_ok_and(|laws| laws.speaks_against("iwan"));
+    let against = outside_band(&prepared, &refined).into_iter().chain(left_over(refined.relative_residual));
+    let beside = Beside {
+        reasons: against.collect(),
+        leaves_noise: refined.leaves_noise(task.count()),
+        surpassed: speaks_against && refined.discrepancy.is_found(),
+    };
+    let verdict = verdict(&beside, &curves, &model_curves, &refined.starts);
+    let others = laws::as_likely(refined.discrepancy.is_found(), laws.as_ref().ok());
+    let profiles = laws::with_others(profiles, &others).without(laws::untold(&verdict, laws.as_ref().ok()));
     let profiles = profiles.without(Extrapolation::of(&curves, refined.parameters.frequency).untold());
+    let as_likely = others.iter().map(|law| law.law.name).collect();
     let laws = laws.and_then(|laws| laws::beside(laws, &refined.parameters, &profiles, &verdict));
     Ok(Identification {
         parameters: refined.parameters,
@@ -166,6 +171,7 @@ fn identification(
         model_curves,
         linear,
         laws,
+        as_likely,
     })
 }
 
@@ -200,13 +206,7 @@ fn on_curves(curves: &[Curves], held: &[Held]) -> Result<OnCurves, Error> {
 
 /// Compares curves and the model's at the times they share; frequencies as they would be on the mean day, so that what hits stray by is neither a misfit nor
 /// a shift.
-fn verdict(
-    against: &[String],
-    curves: &[Curves],
-    model: &[Curves],
-    starts: &[TurningPoint],
-    leaves_noise: bool,
-) -> Verdict {
+fn verdict(beside: &Beside, curves: &[Curves], model: &[Curves], starts: &[TurningPoint]) -> Verdict {
     let (mut dissipation, mut frequency) = (vec![], vec![]);
     for ((record, model), start) in curves.iter().zip(model).zip(starts) {
         let mean_day = (-start.day).exp();
@@ -226,7 +226,7 @@ fn verdict(
             });
         }
     }
-    Verdict::against(against, &dissipation, &frequency, leaves_noise)
+    Verdict::beside(beside, &dissipation, &frequency)
 }
 
 /// What speaks against a frequency outside the band in which the mode was looked for: it is not that mode's.

@@ -67,6 +67,21 @@ pub const CANDIDATES: &[Candidate] = &[
         words: "one four-parameter Iwan joint with viscous damping",
         terms: &[Term::Iwan],
     },
+    Candidate {
+        name: "iwan-coulomb",
+        words: "one four-parameter Iwan joint with viscous and Coulomb damping",
+        terms: &[Term::Iwan, Term::Coulomb],
+    },
+    Candidate {
+        name: "iwan-quadratic",
+        words: "one four-parameter Iwan joint with viscous and quadratic damping",
+        terms: &[Term::Iwan, Term::Quadratic],
+    },
+    Candidate {
+        name: "iwan-duffing",
+        words: "one four-parameter Iwan joint with viscous damping and a cubic spring",
+        terms: &[Term::Iwan, Term::Cubic],
+    },
 ];
 
 impl Candidate {

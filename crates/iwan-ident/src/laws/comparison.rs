@@ -163,6 +163,12 @@ impl Comparison {
         own > self.chosen().criterion + STRONG
     }
 
+    /// The laws that describe the records and have no strong evidence against them.
+    pub(crate) fn near(&self) -> impl Iterator<Item = &FittedLaw> {
+        let limit = self.chosen().criterion + STRONG;
+        self.laws.iter().filter(move |law| law.criterion <= limit && law.grade != Grade::No)
+    }
+
     /// The law to take in one sentence, beside what an Iwan joint misses.
     #[must_use]
     pub fn in_words(&self) -> String {
@@ -265,9 +271,12 @@ impl Together {
         let (amplitudes, smooth) = (self.grid.amplitudes(), self.seen_curves());
         let one = |law: &Candidate| {
             let problem = Problem::new(law.terms, self.scales, &amplitudes, &self.information, &smooth);
-            let more =
-                if law.terms == [Term::Iwan] { iwan.and_then(|p| self.scales.of_iwan(p)) } else { None };
-            let more: Vec<Vec<f64>> = more.into_iter().collect();
+            let more: Vec<Vec<f64>> = match law.terms {
+                [Term::Iwan, beside @ ..] => {
+                    iwan.and_then(|p| self.scales.of_iwan(p, beside)).into_iter().collect()
+                }
+                _ => vec![],
+            };
             self.fitted_law(*law, &problem, &problem.fit(&self.ladder, &more)?)
         };
         CANDIDATES.iter().filter_map(one).collect()
@@ -320,7 +329,7 @@ impl Together {
                 model: law.omega / TAU,
             });
         }
-        Some(Verdict::new(&dissipation, &frequency, false))
+        Some(Verdict::new(&dissipation, &frequency))
     }
 }
 

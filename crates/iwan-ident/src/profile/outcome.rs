@@ -48,6 +48,16 @@ pub struct Profiles {
 }
 
 impl Profiles {
+    /// The same where the interval of a parameter holds another one, none of whose ends is an open end.
+    pub(crate) fn holding(mut self, parameter: Parameter, [low, high]: [Option<f64>; 2]) -> Self {
+        let own = |profile: &&mut Profile| !profile.held && profile.parameter == parameter;
+        for profile in self.parameters.iter_mut().filter(own) {
+            profile.low = profile.low.zip(low).map(|(a, b)| a.min(b));
+            profile.high = profile.high.zip(high).map(|(a, b)| a.max(b));
+        }
+        self
+    }
+
     /// The same where the records do not tell `parameters`: their intervals are open on both sides.
     pub(crate) fn without(mut self, parameters: &[Parameter]) -> Self {
         let open = |profile: &&mut Profile| !profile.held && parameters.contains(&profile.parameter);

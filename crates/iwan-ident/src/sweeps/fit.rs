@@ -264,5 +264,5 @@ fn verdict(task: &Task<'_>, minimum: &Minimum) -> Result<Verdict, Error> {
             }
         }
     }
-    Ok(Verdict::new(&dissipation, &frequency, false))
+    Ok(Verdict::new(&dissipation, &frequency))
 }

@@ -29,7 +29,7 @@ pub(crate) struct Simulated {
 }
 
 /// Names of the laws that are simulated.
-pub(crate) const LAWS: [&str; 13] = [
+pub(crate) const LAWS: [&str; 16] = [
     "linear",
     "viscous-coulomb",
     "viscous-quadratic",
@@ -43,6 +43,9 @@ pub(crate) const LAWS: [&str; 13] = [
     "duffing-coulomb-quadratic",
     "separate-powers",
     "iwan",
+    "iwan-coulomb",
+    "iwan-quadratic",
+    "iwan-duffing",
 ];
 
 /// What a mode is made of.
@@ -117,7 +120,7 @@ pub(crate) fn ring_down(law: &str, seed: u64) -> Simulated {
             let mode = Oscillator::new(frequency, damping_ratio, k_t, ResidualStiffness::Positive).unwrap();
             stepped(&mode, Some(&joint), &parts, dt, count)
         }
-        "iwan" => {
+        _ if law.starts_with("iwan") => {
             let k_t = k * scale(&mut random, 1e-2, 0.2);
             let (chi, beta) = (between(&mut random, -0.7, 0.0), scale(&mut random, 0.1, 2.0));
             let phi_max = scale(&mut random, 0.4, 5.0);
@@ -125,7 +128,11 @@ pub(crate) fn ring_down(law: &str, seed: u64) -> Simulated {
             truth.extend([("k_t", k_t), ("f_s", f_s), ("chi", chi), ("beta", beta)]);
             let joint = FourParameter::new(k_t, f_s, chi, beta).unwrap();
             let mode = Oscillator::new(frequency, damping_ratio, k_t, ResidualStiffness::Positive).unwrap();
-            by_half_cycles(&mode, &joint, dt, count)
+            if parts.is_empty() {
+                by_half_cycles(&mode, &joint, dt, count)
+            } else {
+                stepped(&mode, Some(&joint), &parts, dt, count)
+            }
         }
         _ => {
             let mode = Oscillator::new(frequency, damping_ratio, 0.0, ResidualStiffness::Positive).unwrap();
