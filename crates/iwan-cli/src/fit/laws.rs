@@ -5,7 +5,7 @@ use std::fmt::Write;
 use iwan_ident::laws::{Backbone, CANDIDATES, Comparison, Estimate, FittedLaw};
 use serde::Serialize;
 
-use crate::page::numbers::long;
+use crate::page::numbers::{interval, long};
 
 /// Name of the curves where a law can be asked for.
 pub(crate) const BY_CURVES: &str = "curves";
@@ -89,9 +89,10 @@ impl LawSummary {
         }
     }
 
-    /// Its parameters as text.
+    /// Its parameters as text, with their intervals.
     pub(crate) fn values(&self) -> String {
-        let one = |p: &ParameterSummary| format!("{} = {}", p.name, long(p.value));
+        let one =
+            |p: &ParameterSummary| format!("{} = {} ({})", p.name, long(p.value), interval(p.low, p.high));
         self.parameters.iter().map(one).collect::<Vec<_>>().join(", ")
     }
 }
@@ -121,8 +122,8 @@ impl BackboneSummary {
     }
 }
 
-/// The laws as a table for the terminal, best first. Writing to a string cannot fail.
-pub(crate) fn write(laws: &[LawSummary], text: &mut String) {
+/// The laws as a table for the terminal, best first, and the parameters of the one to take where that is another one than the joint above. Writing to a string cannot fail.
+pub(crate) fn write(laws: &[LawSummary], chosen: &str, text: &mut String) {
     if laws.is_empty() {
         return;
     }
@@ -136,6 +137,12 @@ pub(crate) fn write(laws: &[LawSummary], text: &mut String) {
         let (d, f) = (100.0 * l.dissipation_misfit, l.frequency_misfit);
         let held_out = l.held_out_dissipation.map_or("-".into(), percent);
         let _ = writeln!(text, "{name:<28}{criterion:>10.1}{d:>15.2}{held_out:>13}{f:>14.5}   {grade}");
+    }
+    if let Some(law) = laws.iter().find(|l| l.name == chosen && l.name != "iwan" && l.grade != "no") {
+        let _ = writeln!(text, "\n{:<28}{:>14}   95 % interval", law.name, "value");
+        for p in &law.parameters {
+            let _ = writeln!(text, "{:<28}{:>14}   {}", p.name, long(p.value), interval(p.low, p.high));
+        }
     }
 }
 

@@ -175,7 +175,7 @@ impl ModeFit {
             if enough { "a linear mode is enough, the joint is not needed" } else { self.joint.verdict() };
         let _ = writeln!(text, "\n{}: {verdict}\n", self.joint.name);
         self.joint.write(text);
-        laws::write(&self.laws, text);
+        laws::write(&self.laws, self.law.as_deref().unwrap_or_default(), text);
         let _ = writeln!(text, "\n  {}", self.law_in_words);
         for words in self.in_words.iter().chain(&self.notes) {
             let _ = writeln!(text, "  {words}");

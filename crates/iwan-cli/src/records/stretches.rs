@@ -26,12 +26,7 @@ fn stretches(mut recording: Recording, wanted: Hits) -> Result<Vec<Recording>, F
     let found = hits(samples, record.dt()).unwrap_or_default();
     let disturbed = events(samples, record.dt()).unwrap_or_default();
     let (name, start) = (recording.name.clone(), record.start());
-    for event in &disturbed {
-        if let Event::Jump { time, size } = event {
-            let at = start + time;
-            recording.warnings.push(format!("{name}: the zero line jumps by {size:.4} at {at:.6} s; cut there with --to {at:.4} or --from {at:.4}"));
-        }
-    }
+    recording.warnings.extend(disturbed.iter().filter_map(|event| disturbance(&name, start, event)));
     for again in found.iter().flat_map(|hit| &hit.again) {
         let at = start + again;
         recording.warnings.push(format!("{name}: driven again at {at:.6} s, as by a double hit: behind it with --from {at:.4} the decay is free"));
@@ -62,6 +57,23 @@ fn stretches(mut recording: Recording, wanted: Hits) -> Result<Vec<Recording>, F
         times.join(", ")
     ));
     chosen.into_iter().map(|(n, hit)| cut(&recording, n, hit)).collect()
+}
+
+/// What disturbs a record that begins at `start`, with what to do about it; none for what every fit looks after itself.
+fn disturbance(name: &str, start: f64, event: &Event) -> Option<String> {
+    let (what, at) = match *event {
+        Event::Jump { time, size } => (format!("the zero line jumps by {size:.4}"), start + time),
+        Event::Wild { time, size, count } => {
+            let others = if count > 1 { format!(" ({count} such samples)") } else { String::new() };
+            (format!("one sample stands {size:.4} off its neighbours{others}"), start + time)
+        }
+        Event::Lost { time, count } => {
+            let others = if count > 1 { format!(" ({count} such places)") } else { String::new() };
+            (format!("the vibration breaks off, as where samples are lost{others}"), start + time)
+        }
+        _ => return None,
+    };
+    Some(format!("{name}: {what} at {at:.6} s; cut there with --to {at:.4} or --from {at:.4}"))
 }
 
 /// The stretch of a hit.

@@ -1,5 +1,6 @@
-//! Defects of a record with their times: clipping and jumps of the zero line.
+//! Defects of a record with their times: clipping, jumps of the zero line, wild and lost samples.
 
+use super::breaks::{Lost, Wild, breaks};
 use super::peak_list::spectral_peaks;
 use crate::error::Error;
 
@@ -38,6 +39,22 @@ pub enum Event {
         /// In the unit of the record.
         size: f64,
     },
+    /// Samples that stand alone, as a disturbed transmission makes them.
+    Wild {
+        /// The first of them, s from the first sample.
+        time: f64,
+        /// How far it lies off its neighbours, in the unit of the record.
+        size: f64,
+        /// How many there are.
+        count: usize,
+    },
+    /// The vibration breaks off between two samples and goes on elsewhere: some in between are missing.
+    Lost {
+        /// First sample behind the first such place, s from the first sample.
+        time: f64,
+        /// How many places there are.
+        count: usize,
+    },
 }
 
 impl std::fmt::Display for Event {
@@ -47,14 +64,24 @@ impl std::fmt::Display for Event {
                 write!(f, "clipped at {level:.6} from {from:.6} to {to:.6} s")
             }
             Self::Jump { time, size } => write!(f, "the zero line jumps by {size:.6} at {time:.6} s"),
+            Self::Wild { time, size, count } => {
+                write!(
+                    f,
+                    "the sample at {time:.6} s stands alone, {size:.6} off its neighbours ({count} in all)"
+                )
+            }
+            Self::Lost { time, count } => {
+                write!(f, "samples are missing before {time:.6} s ({count} places in all)")
+            }
         }
     }
 }
 
-/// Clipping and the largest jump of the zero line in a record of any unit, sampled every `dt` seconds.
+/// Clipping, the largest jump of the zero line, wild and lost samples in a record of any unit, sampled every `dt` seconds.
 ///
 /// Clipped: the largest or the smallest value stands three times in a row, in two places or more. A jump: averages over ten
-/// cycles of the slowest peak before and behind it differ twelve times as much as such averages do elsewhere.
+/// cycles of the slowest peak before and behind it differ twelve times as much as such averages do elsewhere. Wild and lost samples: what the cubic of its four
+/// neighbours leaves of a sample is ten times as large as about it and has the form that a single wrong sample or a step leaves; records of eight samples a cycle and more show that.
 ///
 /// # Errors
 /// [`Error::OutOfRange`] for `dt`, [`Error::NotFinite`], [`Error::TooShort`] below 64 samples.
@@ -69,8 +96,13 @@ impl std::fmt::Display for Event {
 /// ```
 pub fn events(x: &[f64], dt: f64) -> Result<Vec<Event>, Error> {
     let peaks = spectral_peaks(&[x], dt)?;
-    let slowest = peaks.iter().find(|p| p.height > SEEN).map(|p| jump(x, dt, 1.0 / (p.frequency * dt)));
-    Ok(clipped(x, dt).into_iter().chain(slowest.flatten()).collect())
+    let cycle = peaks.iter().find(|p| p.height > SEEN).map(|p| 1.0 / (p.frequency * dt));
+    let jump = cycle.and_then(|cycle| jump(x, dt, cycle));
+    let (wild, lost) = cycle.map_or((None, None), |cycle| breaks(x, dt, cycle));
+    let wild = wild.map(|Wild { time, size, count }| Event::Wild { time, size, count });
+    // A zero line that jumps is a step, too.
+    let lost = lost.filter(|_| jump.is_none()).map(|Lost { time, count }| Event::Lost { time, count });
+    Ok(clipped(x, dt).into_iter().chain(jump).chain(wild).chain(lost).collect())
 }
 
 fn clipped(x: &[f64], dt: f64) -> Option<Event> {

@@ -3,6 +3,7 @@
 mod ring;
 mod peak_list;
 mod hits;
+mod breaks;
 mod events;
 mod spectrogram;
 

@@ -1,0 +1,164 @@
+//! What no vibration does: samples that stand alone, and places where samples are missing.
+//!
+//! A vibration of eight samples a cycle and more goes through the cubic of the four samples about each to some per cent. What is left of that, with the signature of one
+//! wrong sample or of a step, and nothing like it nearby, is no noise; and where it is as loud before as behind, no hit.
+
+/// Weights of the neighbours, at one and at two samples' distance, in the cubic through them.
+const CUBIC: [f64; 2] = [4.0 / 6.0, -1.0 / 6.0];
+/// What one wrong sample leaves of itself, from two before it on.
+const LONE: [f64; 5] = [1.0 / 6.0, -4.0 / 6.0, 1.0, -4.0 / 6.0, 1.0 / 6.0];
+/// What a step from one sample to the next leaves.
+const STEP: [f64; 4] = [1.0 / 6.0, -0.5, 0.5, -1.0 / 6.0];
+/// Part of the sum of squares about a place that its signature has to explain.
+const EXPLAINED: f64 = 0.9;
+/// Samples on either side that have to be quiet, beyond the signature's own, …
+const BESIDE: usize = 24;
+/// … by this factor against what stands out. Of normal noise the largest of so many is 2.5 standard deviations: ten times that never happens.
+const QUIET: f64 = 10.0;
+/// Cycles of the slowest peak on either side whose largest samples are compared, not fewer than so many samples, …
+const CYCLES: f64 = 2.0;
+const LEAST: usize = 10 * BESIDE;
+/// … and their ratio at most: behind a hit it is louder, and noise alone stays well below.
+const LOUDER: f64 = 1.4;
+/// Part of the largest sample from which on it matters: a wrong sample of a twentieth among thousands moves no curve.
+const PART: f64 = 0.05;
+/// Wild samples, …
+const WILD: usize = 20;
+/// … and places with lost ones, that a record has at most: what comes again and again is the structure's, as impacts and the steps of dry friction.
+const LOST: usize = 3;
+
+/// Wild samples: the first of them, s, how far it lies off its neighbours, and how many there are.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Wild {
+    pub(super) time: f64,
+    pub(super) size: f64,
+    pub(super) count: usize,
+}
+
+/// Lost samples: the first one behind the first place, s, and how many places there are.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Lost {
+    pub(super) time: f64,
+    pub(super) count: usize,
+}
+
+/// Wild and lost samples of a record whose slowest peak has so many samples a `cycle`.
+pub(super) fn breaks(x: &[f64], dt: f64, cycle: f64) -> (Option<Wild>, Option<Lost>) {
+    let reach = ((CYCLES * cycle) as usize).max(LEAST);
+    let mean = x.iter().sum::<f64>() / x.len().max(1) as f64;
+    let loud = |part: &[f64]| part.iter().map(|x| (x - mean).abs()).fold(0.0, f64::max);
+    // Behind the signature: it has two samples on either side.
+    let alike = |p: &Place| {
+        let (before, behind) = (&x[..p.at - 2], &x[p.at + 3..]);
+        let (a, b) =
+            (loud(&before[before.len().saturating_sub(reach)..]), loud(&behind[..behind.len().min(reach)]));
+        a.max(b) < LOUDER * a.min(b)
+    };
+    let places = |signature: &[f64]| standing_out(x, signature).into_iter().filter(alike).collect::<Vec<_>>();
+    let (lone, steps) = (places(&LONE), places(&STEP));
+    // The two signatures are alike: one that explains less than the other next to it is its shadow.
+    let without = |all: &[Place], others: &[Place]| -> Vec<Place> {
+        let shadowed =
+            |p: &Place| others.iter().any(|o| o.at.abs_diff(p.at) < BESIDE && o.explained > p.explained);
+        all.iter().copied().filter(|p| !shadowed(p)).collect()
+    };
+    let (wild, lost) = (without(&lone, &steps), without(&steps, &lone));
+    let time = |place: &Place| place.at as f64 * dt;
+    (
+        wild.first().filter(|_| wild.len() <= WILD).map(|p| Wild {
+            time: time(p),
+            size: p.size,
+            count: wild.len(),
+        }),
+        lost.first().filter(|_| lost.len() <= LOST).map(|p| Lost { time: time(p), count: lost.len() }),
+    )
+}
+
+/// Where a signature stands out.
+#[derive(Debug, Clone, Copy)]
+struct Place {
+    at: usize,
+    size: f64,
+    /// Part of the sum of squares there that the signature explains.
+    explained: f64,
+}
+
+/// What the cubic of its neighbours leaves of each sample but the first two and the last two.
+fn left_over(x: &[f64]) -> Vec<f64> {
+    let one = |w: &[f64]| w[2] - CUBIC[0] * (w[1] + w[3]) - CUBIC[1] * (w[0] + w[4]);
+    x.windows(5).map(one).collect()
+}
+
+/// The samples at which a signature stands out.
+fn standing_out(x: &[f64], signature: &[f64]) -> Vec<Place> {
+    let (left, least) = (left_over(x), PART * x.iter().map(|x| x.abs()).fold(0.0, f64::max));
+    let norm: f64 = signature.iter().map(|s| s * s).sum();
+    let size = |w: &[f64]| w.iter().zip(signature).map(|(l, s)| l * s).sum::<f64>() / norm;
+    let peak = |part: &[f64]| part.iter().map(|l| l.abs()).fold(0.0, f64::max);
+    let mut found = vec![];
+    for (i, around) in left.windows(signature.len() + 2 * BESIDE).enumerate() {
+        let (before, rest) = around.split_at(BESIDE);
+        let (window, behind) = rest.split_at(signature.len());
+        let (size, total) = (size(window), window.iter().map(|l| l * l).sum::<f64>());
+        let explained = size * size * norm / total.max(f64::MIN_POSITIVE);
+        if size.abs() > least
+            && explained > EXPLAINED
+            && peak(window) > QUIET * peak(before).max(peak(behind))
+        {
+            // What is left begins with the third sample, and both signatures have two samples before the place itself.
+            found.push(Place { at: i + BESIDE + 4, size, explained });
+        }
+    }
+    found
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Two modes, fifteen and nine samples a cycle, in noise.
+    fn record() -> Vec<f64> {
+        let mut random = iwan_core::SplitMix64::new(3);
+        let mode = |n: f64, turn: f64, size: f64| size * (-4e-4 * n).exp() * (turn * n).cos();
+        let one = |n: i32| mode(f64::from(n), 0.42, 1.0) + mode(f64::from(n), 0.7, 0.02);
+        (0..6000).map(|n| if n < 500 { 0.0 } else { one(n - 500) } + 2e-3 * random.next_symmetric()).collect()
+    }
+
+    #[test]
+    fn what_a_vibration_does_is_no_break() {
+        let x = record();
+        let none = |x: &[f64]| breaks(x, 1e-3, 15.0) == (None, None);
+        assert!(none(&x));
+        // Another hit during the decay, a clipped begin and a fall to nothing.
+        let again: Vec<f64> = (0..x.len()).map(|n| x[n] + if n < 3000 { 0.0 } else { x[n - 2500] }).collect();
+        assert!(none(&again));
+        let clipped: Vec<f64> = x.iter().map(|x| x.clamp(-0.7, 0.7)).collect();
+        assert!(none(&clipped));
+        // Dry friction takes steps of the acceleration at every turn.
+        let friction: Vec<f64> = (0..4000)
+            .map(|n| (0.1 * f64::from(n)).cos() + 0.2 * (0.1 * f64::from(n)).sin().signum())
+            .collect();
+        assert!(none(&friction));
+        assert!(none(&[1.0; 3]));
+    }
+
+    #[test]
+    fn wild_samples_are_told() {
+        let mut x = record();
+        x[2000] += 0.4;
+        x[2500] -= 7.0;
+        let (Some(found), None) = breaks(&x, 1e-3, 15.0) else { panic!("{:?}", breaks(&x, 1e-3, 15.0)) };
+        assert!(
+            (found.time - 2.0).abs() < 1e-9 && (found.size - 0.4).abs() < 0.05 && found.count == 2,
+            "{found:?}"
+        );
+    }
+
+    #[test]
+    fn lost_samples_are_told() {
+        let mut x = record();
+        x.drain(1801..1806);
+        let (None, Some(found)) = breaks(&x, 1e-3, 15.0) else { panic!("{:?}", breaks(&x, 1e-3, 15.0)) };
+        assert!((found.time - 1.801).abs() < 1e-9 && found.count == 1, "{found:?}");
+    }
+}
