@@ -71,7 +71,13 @@ fn a_joint_with_something_beside_it_closes_no_wrong_interval() {
             );
         }
         let laws = found.laws.unwrap();
-        assert_eq!(laws.chosen().law.name, law);
+        let own = laws.named(law).unwrap();
+        assert!(own.grade == Grade::Matches && own.criterion < NEAR, "{law}: {}", own.criterion);
+        for p in &own.parameters {
+            let truth = clean.truth.iter().find(|t| t.0 == p.name).unwrap().1;
+            let holds = p.low.is_none_or(|l| l <= truth) && p.high.is_none_or(|h| truth <= h);
+            assert!(holds, "{law}: {} {truth} {:?} {:?}", p.name, p.low, p.high);
+        }
     }
 }
 

@@ -85,6 +85,11 @@ pub const CANDIDATES: &[Candidate] = &[
 ];
 
 impl Candidate {
+    /// Whether it is an Iwan joint with something beside it.
+    pub(super) fn is_combined(&self) -> bool {
+        matches!(self.terms, [Term::Iwan, _, ..])
+    }
+
     /// The law of a name; none where there is none.
     #[must_use]
     pub fn named(name: &str) -> Option<&'static Self> {

@@ -115,6 +115,12 @@ pub fn compare(sources: &[Source<'_>], iwan: Option<&Parameters>) -> Result<Comp
     })
 }
 
+/// What the evidence of a law counts for in the choice: a joint with something beside it combines two laws of the list, follows many a smooth curve, and has its knee sought along
+/// its whole range; so it is taken where the evidence for it is strong. Of a hundred pendulums in noise of 40 dB nine were taken for a joint with dry friction without that.
+fn weighed(law: &FittedLaw) -> f64 {
+    law.criterion + if law.law.is_combined() { STRONG } else { 0.0 }
+}
+
 /// The simplest of the laws that are as good as the best: one that describes the records goes before one that does not, unless the evidence
 /// is strong. Evidence is that of the loudest cycles where noise is small, so that it is not heard for a law which misses more of both
 /// curves than another whose grade is better. None of no laws.
@@ -127,12 +133,12 @@ fn choice(laws: &[FittedLaw]) -> Option<usize> {
         })
     };
     let open: Vec<(usize, &FittedLaw)> = laws.iter().enumerate().filter(|(_, l)| !surpassed(l)).collect();
-    let best = open.iter().map(|(_, l)| l.criterion).fold(f64::INFINITY, f64::min);
-    let near = || open.iter().filter(|(_, l)| l.criterion <= best + STRONG);
+    let best = open.iter().map(|(_, l)| weighed(l)).fold(f64::INFINITY, f64::min);
+    let near = || open.iter().filter(|(_, l)| weighed(l) <= best + STRONG);
     let grade = near().map(|(_, l)| l.grade).max()?;
     let of_grade = || open.iter().filter(|(_, l)| l.grade == grade);
-    let least = of_grade().map(|(_, l)| l.criterion).fold(f64::INFINITY, f64::min);
-    let good = of_grade().filter(|(_, l)| l.criterion <= least + AS_GOOD);
+    let least = of_grade().map(|(_, l)| weighed(l)).fold(f64::INFINITY, f64::min);
+    let good = of_grade().filter(|(_, l)| weighed(l) <= least + AS_GOOD);
     let simplest = good.min_by(|(_, a), (_, b)| {
         let order = a.parameters.len().cmp(&b.parameters.len());
         order.then(a.criterion.total_cmp(&b.criterion))
@@ -372,5 +378,20 @@ mod tests {
         // Describes the records as well: the evidence decides.
         assert_eq!(of((0.029, 0.020), Grade::Matches), Some(0));
         assert_eq!(choice(&[]), None);
+    }
+
+    #[test]
+    fn a_joint_with_something_beside_it_needs_strong_evidence() {
+        let place = |name| CANDIDATES.iter().position(|c| c.name == name).unwrap();
+        let (plain, combined) = (place("duffing"), place("iwan-coulomb"));
+        let of = |criterion| {
+            let misses = (0.01, 0.001);
+            choice(&[
+                law(plain, criterion, misses, Grade::Matches),
+                law(combined, 0.0, misses, Grade::Matches),
+            ])
+        };
+        assert_eq!(of(5.0), Some(0));
+        assert_eq!(of(9.0), Some(1));
     }
 }

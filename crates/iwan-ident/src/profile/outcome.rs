@@ -48,7 +48,7 @@ pub struct Profiles {
 }
 
 impl Profiles {
-    /// The same where the interval of a parameter holds another one, none of whose ends is an open end.
+    /// The same where the interval of a parameter holds another one: an end that is open in either of them is open.
     pub(crate) fn holding(mut self, parameter: Parameter, [low, high]: [Option<f64>; 2]) -> Self {
         let own = |profile: &&mut Profile| !profile.held && profile.parameter == parameter;
         for profile in self.parameters.iter_mut().filter(own) {
