@@ -45,8 +45,8 @@ fn the_law_is_named_and_its_parameters_are_held() {
             }
         }
     }
-    // One in twenty.
-    assert!(20 * wrong.len() <= 2 * LAWS.len() + 10, "{wrong:?}");
+    // Of 32 records: at 30 dB separate powers and an Iwan joint tell some of each other's as well.
+    assert!(wrong.len() <= 2, "{wrong:?}");
     assert!(closed > 60 && 100 * held >= 90 * closed, "{held} of {closed}");
 }
 

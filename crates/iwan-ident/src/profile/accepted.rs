@@ -130,26 +130,6 @@ impl Region {
         points.into_iter().map(|(_, minimum)| minimum).collect()
     }
 
-    /// The coordinates where a walk from the farthest point ends, the end of an interval; none where it is open. The points it meets are added to `points`.
-    pub(crate) fn end<W: Charted>(
-        mut walk: Walk<'_, W>,
-        parameter: Parameter,
-        direction: f64,
-        points: &mut Vec<ProfilePoint>,
-    ) -> Option<Vec<f64>> {
-        let chart = walk.task.chart();
-        let value = |x: &[f64]| chart.parameters(x).get(parameter);
-        walk.stiffness_ends = matches!(parameter, Parameter::KT | Parameter::FS | Parameter::Beta);
-        let found = walk.go(direction).unwrap_or(End::Open);
-        points.extend(
-            walk.visited.iter().map(|v| ProfilePoint { value: value(&v.minimum.x), deviance: v.deviance }),
-        );
-        let End::Closed(at) = found else { return None };
-        let mut x = walk.nearest(at);
-        x[walk.coordinate] = at;
-        Some(x)
-    }
-
     /// The end of an interval where a walk ends at `value`: no accepted point lies outside.
     pub(crate) fn outermost<G: Charted>(
         &self,
@@ -160,6 +140,28 @@ impl Region {
     ) -> f64 {
         let all = self.points.iter().map(|p| p.value(ground, parameter));
         all.fold(value, |a, b| if direction < 0.0 { a.min(b) } else { a.max(b) })
+    }
+}
+
+impl<W: Charted> Walk<'_, W> {
+    /// The coordinates where the walk ends, the end of an interval of its parameter; none where it is open. The points it meets are added to `points`.
+    pub(crate) fn end(
+        mut self,
+        parameter: Parameter,
+        direction: f64,
+        points: &mut Vec<ProfilePoint>,
+    ) -> Option<Vec<f64>> {
+        let chart = self.task.chart();
+        let value = |x: &[f64]| chart.parameters(x).get(parameter);
+        self.stiffness_ends = matches!(parameter, Parameter::KT | Parameter::FS | Parameter::Beta);
+        let found = self.go(direction).unwrap_or(End::Open);
+        points.extend(
+            self.visited.iter().map(|v| ProfilePoint { value: value(&v.minimum.x), deviance: v.deviance }),
+        );
+        let End::Closed(at) = found else { return None };
+        let mut x = self.nearest(at);
+        x[self.coordinate] = at;
+        Some(x)
     }
 }
 

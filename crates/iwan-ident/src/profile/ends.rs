@@ -41,14 +41,9 @@ impl Ends<'_> {
         // Without noise valleys are so narrow that a walk's own is all there is.
         let mut further = if charting.is_free_of_noise(&start) { 0 } else { FURTHER };
         loop {
-            let walk = Walk::new(
-                &charting,
-                coordinate,
-                following(&charting, coordinate, &start.x),
-                &start,
-                self.scale,
-            );
-            let end = Region::end(walk, self.parameter, direction, points)?;
+            let free = following(&charting, coordinate, &start.x);
+            let walk = Walk::new(&charting, coordinate, free, &start, self.scale);
+            let end = walk.end(self.parameter, direction, points)?;
             let other = if further > 0 { self.at_another_knee(&charting, coordinate, &end) } else { None };
             match other {
                 Some(accepted) => start = accepted,

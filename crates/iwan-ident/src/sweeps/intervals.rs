@@ -56,7 +56,7 @@ fn profile(
         let start = Minimum { x: holding.carried(task, &farthest.x).ok()?, ..*farthest };
         let free: Vec<usize> = holding.smooth(&start.x).into_iter().filter(|j| *j != coordinate).collect();
         let walk = Walk::new(&holding, coordinate, free, &start, scale);
-        let end = Region::end(walk, parameter, direction, points)?;
+        let end = walk.end(parameter, direction, points)?;
         let value = holding.chart.parameters(&end).get(parameter);
         Some(region.outermost(task, parameter, direction, value))
     })

@@ -27,23 +27,26 @@ const WILD: usize = 20;
 /// … and places with lost ones, that a record has at most: what comes again and again is the structure's, as impacts and the steps of dry friction.
 const LOST: usize = 3;
 
-/// Wild samples: the first of them, s, how far it lies off its neighbours, and how many there are.
+/// Where a signature stands out.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct Wild {
-    pub(super) time: f64,
+pub(super) struct Place {
+    /// The wrong sample, or the first one behind a gap.
+    pub(super) at: usize,
+    /// How far the sample lies off its neighbours, or what the gap's two sides differ by, in the unit of the record.
     pub(super) size: f64,
-    pub(super) count: usize,
+    /// Part of the sum of squares there that the signature explains.
+    explained: f64,
 }
 
-/// Lost samples: the first one behind the first place, s, and how many places there are.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct Lost {
-    pub(super) time: f64,
-    pub(super) count: usize,
+/// Wild samples, and places where samples are lost.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub(super) struct Breaks {
+    pub(super) wild: Vec<Place>,
+    pub(super) lost: Vec<Place>,
 }
 
-/// Wild and lost samples of a record whose slowest peak has so many samples a `cycle`.
-pub(super) fn breaks(x: &[f64], dt: f64, cycle: f64) -> (Option<Wild>, Option<Lost>) {
+/// Those of a record whose slowest peak has so many samples a `cycle`; none where there are more than a record has.
+pub(super) fn breaks(x: &[f64], cycle: f64) -> Breaks {
     let reach = ((CYCLES * cycle) as usize).max(LEAST);
     let mean = x.iter().sum::<f64>() / x.len().max(1) as f64;
     let loud = |part: &[f64]| part.iter().map(|x| (x - mean).abs()).fold(0.0, f64::max);
@@ -57,30 +60,13 @@ pub(super) fn breaks(x: &[f64], dt: f64, cycle: f64) -> (Option<Wild>, Option<Lo
     let places = |signature: &[f64]| standing_out(x, signature).into_iter().filter(alike).collect::<Vec<_>>();
     let (lone, steps) = (places(&LONE), places(&STEP));
     // The two signatures are alike: one that explains less than the other next to it is its shadow.
-    let without = |all: &[Place], others: &[Place]| -> Vec<Place> {
+    let without = |all: &[Place], others: &[Place], most: usize| -> Vec<Place> {
         let shadowed =
             |p: &Place| others.iter().any(|o| o.at.abs_diff(p.at) < BESIDE && o.explained > p.explained);
-        all.iter().copied().filter(|p| !shadowed(p)).collect()
+        let own: Vec<Place> = all.iter().copied().filter(|p| !shadowed(p)).collect();
+        if own.len() > most { vec![] } else { own }
     };
-    let (wild, lost) = (without(&lone, &steps), without(&steps, &lone));
-    let time = |place: &Place| place.at as f64 * dt;
-    (
-        wild.first().filter(|_| wild.len() <= WILD).map(|p| Wild {
-            time: time(p),
-            size: p.size,
-            count: wild.len(),
-        }),
-        lost.first().filter(|_| lost.len() <= LOST).map(|p| Lost { time: time(p), count: lost.len() }),
-    )
-}
-
-/// Where a signature stands out.
-#[derive(Debug, Clone, Copy)]
-struct Place {
-    at: usize,
-    size: f64,
-    /// Part of the sum of squares there that the signature explains.
-    explained: f64,
+    Breaks { wild: without(&lone, &steps, WILD), lost: without(&steps, &lone, LOST) }
 }
 
 /// What the cubic of its neighbours leaves of each sample but the first two and the last two.
@@ -127,7 +113,7 @@ mod tests {
     #[test]
     fn what_a_vibration_does_is_no_break() {
         let x = record();
-        let none = |x: &[f64]| breaks(x, 1e-3, 15.0) == (None, None);
+        let none = |x: &[f64]| breaks(x, 15.0) == Breaks::default();
         assert!(none(&x));
         // Another hit during the decay, a clipped begin and a fall to nothing.
         let again: Vec<f64> = (0..x.len()).map(|n| x[n] + if n < 3000 { 0.0 } else { x[n - 2500] }).collect();
@@ -147,18 +133,18 @@ mod tests {
         let mut x = record();
         x[2000] += 0.4;
         x[2500] -= 7.0;
-        let (Some(found), None) = breaks(&x, 1e-3, 15.0) else { panic!("{:?}", breaks(&x, 1e-3, 15.0)) };
-        assert!(
-            (found.time - 2.0).abs() < 1e-9 && (found.size - 0.4).abs() < 0.05 && found.count == 2,
-            "{found:?}"
-        );
+        let Breaks { wild, lost } = breaks(&x, 15.0);
+        assert_eq!(wild.iter().map(|p| p.at).collect::<Vec<_>>(), [2000, 2500]);
+        assert!((wild[0].size - 0.4).abs() < 0.05 && (wild[1].size + 7.0).abs() < 0.05, "{wild:?}");
+        assert_eq!(lost, []);
     }
 
     #[test]
     fn lost_samples_are_told() {
         let mut x = record();
         x.drain(1801..1806);
-        let (None, Some(found)) = breaks(&x, 1e-3, 15.0) else { panic!("{:?}", breaks(&x, 1e-3, 15.0)) };
-        assert!((found.time - 1.801).abs() < 1e-9 && found.count == 1, "{found:?}");
+        let Breaks { wild, lost } = breaks(&x, 15.0);
+        assert_eq!(lost.iter().map(|p| p.at).collect::<Vec<_>>(), [1801]);
+        assert_eq!(wild, []);
     }
 }

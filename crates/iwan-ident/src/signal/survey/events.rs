@@ -1,6 +1,6 @@
 //! Defects of a record with their times: clipping, jumps of the zero line, wild and lost samples.
 
-use super::breaks::{Lost, Wild, breaks};
+use super::breaks::{Breaks, Place, breaks};
 use super::peak_list::spectral_peaks;
 use crate::error::Error;
 
@@ -98,10 +98,11 @@ pub fn events(x: &[f64], dt: f64) -> Result<Vec<Event>, Error> {
     let peaks = spectral_peaks(&[x], dt)?;
     let cycle = peaks.iter().find(|p| p.height > SEEN).map(|p| 1.0 / (p.frequency * dt));
     let jump = cycle.and_then(|cycle| jump(x, dt, cycle));
-    let (wild, lost) = cycle.map_or((None, None), |cycle| breaks(x, dt, cycle));
-    let wild = wild.map(|Wild { time, size, count }| Event::Wild { time, size, count });
+    let Breaks { wild, lost } = cycle.map_or_else(Breaks::default, |cycle| breaks(x, cycle));
+    let first = |places: &[Place]| places.first().map(|p| (p.at as f64 * dt, p.size, places.len()));
+    let wild = first(&wild).map(|(time, size, count)| Event::Wild { time, size, count });
     // A zero line that jumps is a step, too.
-    let lost = lost.filter(|_| jump.is_none()).map(|Lost { time, count }| Event::Lost { time, count });
+    let lost = first(&lost).filter(|_| jump.is_none()).map(|(time, _, count)| Event::Lost { time, count });
     Ok(clipped(x, dt).into_iter().chain(jump).chain(wild).chain(lost).collect())
 }
 
