@@ -208,7 +208,8 @@ impl Lines<'_> {
             // LabVIEW writes an empty first field where there is no X.
             let skip = usize::from(xs == 0 && cells[0].is_empty());
             let value = |at: usize| cells.get(at + skip).filter(|c| !c.is_empty());
-            for k in 0..channels {
+            // What stands behind the last cell of a line is no channel's, however many the header promises.
+            for k in 0..channels.min(cells.len()) {
                 let wrong = |found: &str| {
                     let place = format!("{}, column {}", Self::place(number), column(k) + skip + 1);
                     self.source.malformed(place, format!("'{}'", shorten(found, 40)), "a number")
@@ -282,20 +283,27 @@ impl Segment {
         };
         let names: Vec<String> = (0..self.y.len()).map(name).collect();
         let chosen = !options.channels.is_empty();
-        let wanted = if chosen { &options.channels } else { &names };
-        let channel = |name: &String| {
-            let Some(k) = names.iter().position(|n| n == name) else {
+        let place = |name: &String| {
+            names.iter().position(|n| n == name).ok_or_else(|| {
                 let (file, names) = (source.file.into(), list(names.iter().map(String::as_str)));
-                return Err(ReadError::UnknownName { file, role: "channel", name: name.clone(), names });
-            };
-            let unit = self.units.get(k).cloned().unwrap_or_default();
+                ReadError::UnknownName { file, role: "channel", name: name.clone(), names }
+            })
+        };
+        // LabVIEW lets several channels have one name: where none is asked for by it, each is the one at its place.
+        let wanted: Vec<usize> = if chosen {
+            options.channels.iter().map(place).collect::<Result<_, _>>()?
+        } else {
+            (0..names.len()).collect()
+        };
+        let channel = |k: usize| {
+            let (name, unit) = (names[k].clone(), self.units.get(k).cloned().unwrap_or_default());
             let mut quantity = units::quantity_of_unit(&unit);
             if quantity == Quantity::Unknown && unit.is_empty() {
-                quantity = units::quantity_of_name(name);
+                quantity = units::quantity_of_name(&name);
             }
-            Ok(Channel { name: name.clone(), unit, quantity, values: self.y[k].clone() })
+            Channel { name, unit, quantity, values: self.y[k].clone() }
         };
-        let channels = wanted.iter().map(channel).collect::<Result<_, _>>()?;
+        let channels = wanted.into_iter().map(channel).collect();
         Ok(Raw { axis, channels, chosen, warnings })
     }
 }

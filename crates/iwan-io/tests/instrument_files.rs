@@ -1,9 +1,9 @@
 //! Files of sound recorders, LabVIEW, and cells and HDF5 of MATLAB.
 #![allow(clippy::unwrap_used)]
 
-use crate::common::instruments::{lvm, mat_7_3, mat_cells, wav, wav_wave};
+use crate::common::instruments::{lvm, mat_7_3, mat_7_3_circle, mat_cells, wav, wav_wave};
 use crate::common::wave;
-use iwan_io::{Quantity, ReadError, ReadOptions, Record, Warning, read_bytes};
+use iwan_io::{Quantity, ReadError, ReadOptions, Record, Warning, mat_matrices, read_bytes};
 use std::path::Path;
 
 fn read(name: &str, bytes: &[u8]) -> Result<Record, ReadError> {
@@ -75,6 +75,15 @@ fn labview_without_x_and_with_a_decimal_comma() {
     assert_eq!(record.names(), ["Untitled"]);
 }
 
+/// Two channels of one name were both read as the first.
+#[test]
+fn labview_channels_of_one_name_are_each_their_own() {
+    let text = "LabVIEW Measurement\t\nSeparator\tTab\nX_Columns\tNo\n***End_of_Header***\t\nChannels\t2\nDelta_X\t0.5\t0.5\nY_Unit_Label\tm/s^2\tm/s^2\n***End_of_Header***\nX_Value\tUntitled\tUntitled\tComment\n\t1\t5\n\t2\t6\n";
+    let record = read("a.lvm", text.as_bytes()).unwrap();
+    assert_eq!(record.names(), ["Untitled", "Untitled"]);
+    assert_eq!((record.channel(0), record.channel(1)), (&[1.0, 2.0][..], &[5.0, 6.0][..]));
+}
+
 #[test]
 fn labview_with_x_for_every_channel() {
     let text = "LabVIEW Measurement\t\nSeparator\tTab\nX_Columns\tMulti\n***End_of_Header***\t\nChannels\t2\n***End_of_Header***\nX_Value\ta\tX_Value\tb\tComment\n0\t1\t0\t5\n0.5\t2\t0.5\t6\n1\t3\t1\t7\n";
@@ -100,4 +109,12 @@ fn matlab_7_3_reads_as_level_5_does() {
     assert_eq!((record.channel(0), record.quantity()), (&wave(40)[..], Quantity::Acceleration));
     let bytes = mat_7_3(40);
     assert!(refused("a.mat", &bytes[..600]).contains("HDF5"));
+}
+
+/// Four cells that hold the struct in which they stand were followed to every depth, sixty-five thousand times.
+#[test]
+fn matlab_structs_that_hold_themselves_are_refused() {
+    let error = mat_matrices(Path::new("a.mat"), &mat_7_3_circle(4)).unwrap_err().to_string();
+    assert!(error.contains("more than a file of") && error.contains("nothing that holds itself"), "{error}");
+    assert!(!mat_matrices(Path::new("a.mat"), &mat_7_3_circle(1)).unwrap().is_empty());
 }

@@ -9,11 +9,16 @@ use super::matrix::{DEEPEST, Found, Said};
 use super::stored::{StoredMatrix, StoredNumbers};
 use crate::assembly::Variable;
 use crate::error::ReadError;
-use crate::file_bytes::FileBytes;
+use crate::file_bytes::{FileBytes, shorten};
 use crate::inflate::most;
 
 /// Longest text that is kept: units have some characters, and what is longer is no unit.
 const LONGEST_TEXT: usize = 1000;
+
+/// What a look at a struct, an array or a cell takes off the budget, bytes: these may name each other in circles, which a file of a few
+/// hundred bytes closes more often than any machine counts. Each takes some hundred bytes of the file, for which the budget grants
+/// ten thousand: any number up to that does as well.
+const LOOK: u64 = 4096;
 
 /// What a level 7.3 file holds.
 pub(super) fn read(source: &FileBytes) -> Result<Found, ReadError> {
@@ -35,6 +40,7 @@ struct Walk<'s> {
 impl Walk<'_> {
     /// The fields of a struct, or the variables of the file.
     fn group(&mut self, group: &Group, path: &str, depth: usize) -> Result<(), ReadError> {
+        self.spend(path, 0, || "structs in structs".into())?;
         if depth > DEEPEST {
             let text = format!("a struct more than {DEEPEST} levels deep");
             self.found.refused.push(Said { path: path.into(), text });
@@ -71,7 +77,7 @@ impl Walk<'_> {
             let Ok(set) = group.dataset(name) else { return Ok(Some(Vec::new())) };
             let shape = set.shape().unwrap_or_default();
             let count = shape.iter().try_fold(1_u64, |n, d| n.checked_mul(*d)).unwrap_or(u64::MAX);
-            self.spend(&format!("{path}.{name}"), count)?;
+            self.spend(&format!("{path}.{name}"), count, || format!("{count} values"))?;
             match set.read_f64() {
                 Ok(values) => Ok(Some(values)),
                 Err(e) => {
@@ -90,14 +96,17 @@ impl Walk<'_> {
         Ok(())
     }
 
-    /// Takes the memory of so many numbers off the budget.
-    fn spend(&mut self, path: &str, count: u64) -> Result<(), ReadError> {
-        let needed = count.saturating_mul(8);
+    /// Takes a look and the memory of so many numbers off the budget; `what` it is, for the message.
+    fn spend(&mut self, path: &str, count: u64, what: impl Fn() -> String) -> Result<(), ReadError> {
+        let needed = count.saturating_mul(8).saturating_add(LOOK);
         if needed > self.budget {
-            let place = format!("variable '{path}'");
-            let found =
-                format!("{count} values, more than a file of {} bytes can hold", self.source.bytes.len());
-            return Err(self.source.malformed(place, found, "sizes that fit the file"));
+            let place = format!("variable '{}'", shorten(path, 80));
+            let found = format!("{}, more than a file of {} bytes can hold", what(), self.source.bytes.len());
+            return Err(self.source.malformed(
+                place,
+                found,
+                "sizes that fit the file, and nothing that holds itself",
+            ));
         }
         self.budget -= needed;
         Ok(())
@@ -127,7 +136,7 @@ impl Walk<'_> {
             }
         };
         let count = shape.iter().try_fold(1_u64, |n, d| n.checked_mul(*d)).unwrap_or(u64::MAX);
-        self.spend(path, count)?;
+        self.spend(path, count, || format!("{count} values"))?;
         match kind {
             DType::ObjectReference => self.elements(set, path, class == "cell", &shape, depth),
             DType::F32

@@ -75,6 +75,18 @@ pub fn mat_7_3(n: usize) -> Vec<u8> {
     file.finish().unwrap()
 }
 
+/// A struct `d` with a number `x` and a cell array of so many cells, each of which is the struct itself.
+pub fn mat_7_3_circle(cells: usize) -> Vec<u8> {
+    let mut file = FileBuilder::new();
+    let mut group = file.create_group("d");
+    group.create_dataset("x").with_f64_data(&[1.0]).with_shape(&[1, 1]);
+    let set =
+        group.create_dataset("c").with_path_references(&vec!["d"; cells]).with_shape(&[1, cells as u64]);
+    set.set_attr("MATLAB_class", AttrValue::AsciiString("cell".into()));
+    file.add_group(group.finish());
+    file.finish().unwrap()
+}
+
 /// A cell array `x` of two cells, and a time `t`.
 pub fn mat_cells(n: usize) -> Vec<u8> {
     let bytes = |v: &[f64]| -> Vec<u8> { v.iter().flat_map(|v| number(*v, false, true)).collect() };
