@@ -180,6 +180,38 @@ fn op4_files() {
     refused("k.op4", &swapped, "byte 33: found a record of");
 }
 
+/// A hundred names of one array were read as a hundred matrices: a small file could fill any memory.
+#[test]
+fn netcdf_variables_that_lie_on_each_other_are_refused() {
+    let word = |n: u32| n.to_be_bytes();
+    let named = [word(1), *b"K\0\0\0"].concat();
+    let mut bytes = [*b"CDF\x01", word(0), word(10), word(1)].concat();
+    bytes.extend([&named[..], &word(8)].concat());
+    bytes.extend([word(0), word(0), word(11), word(100)].concat());
+    let begin = u32::try_from(bytes.len() + 100 * 44).unwrap();
+    for _ in 0..100 {
+        bytes.extend(&named);
+        bytes.extend([2, 0, 0, 0, 0, 6, 512, begin].map(word).concat());
+    }
+    bytes.resize(bytes.len() + 512 + 400, 0);
+    refused("k.nc", &bytes, "the header: found variables of 51200 bytes in a file of");
+}
+
+/// Rows and lengths of strings near the ends of 64 bits overflowed.
+#[test]
+fn op4_words_of_eight_bytes_may_hold_anything() {
+    let mut dense = op4_binary(Layout::Dense, false, false, 8);
+    dense[68..76].copy_from_slice(&i64::MAX.to_le_bytes());
+    refused(
+        "k.op4",
+        &dense,
+        "5 values from row 9223372036854775807 on in column 1, expected a string within 7",
+    );
+    let mut bigmat = op4_binary(Layout::BigMat, false, false, 8);
+    bigmat[84..92].copy_from_slice(&i64::MIN.to_le_bytes());
+    refused("k.op4", &bigmat, "a string of -9223372036854775808 words in");
+}
+
 #[test]
 fn dmig_files() {
     let text = dmig("large");

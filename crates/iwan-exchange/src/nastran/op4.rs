@@ -95,7 +95,8 @@ impl Head {
         let inside = row >= 1
             && count >= 0
             && numbers % self.parts() as i64 == 0
-            && (row + count - 1) as u64 <= self.rows;
+            // Words of eight bytes hold rows that no sum does.
+            && (row - 1).saturating_add(count) as u64 <= self.rows;
         if inside {
             return Ok(row as u32 - 1);
         }

@@ -172,7 +172,9 @@ impl Strings<'_, '_, '_> {
         while !self.data.is_empty() {
             let first = self.words.word(self.data, 0);
             let (length, row, taken) = match (layout, first) {
-                (Layout::BigMat, Some(length)) => (length - 1, self.words.word(self.data, 1).unwrap_or(0), 2),
+                (Layout::BigMat, Some(length)) => {
+                    (length.saturating_sub(1), self.words.word(self.data, 1).unwrap_or(0), 2)
+                }
                 (_, Some(word)) => {
                     let (length, row) = Head::unpack(word);
                     (length, row, 1)

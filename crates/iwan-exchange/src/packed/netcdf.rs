@@ -136,6 +136,12 @@ fn variables<'a>(source: &Source<'a>) -> Result<Vec<Variable<'a>>, ExchangeError
     for _ in 0..header.list(VARIABLES)? {
         all.extend(variable(source, &mut header, &sizes)?);
     }
+    // Variables that lie on each other would be as many matrices as the header names, whatever the file's size.
+    let held: usize = all.iter().map(|v| v.data.len()).sum();
+    if held > source.bytes.len() {
+        let found = format!("variables of {held} bytes in a file of {}", source.bytes.len());
+        return Err(source.malformed("the header", found, "variables that lie behind each other"));
+    }
     Ok(all)
 }
 
