@@ -89,6 +89,14 @@ fn every_byte_set_to_an_extreme_is_survived() {
     }
 }
 
+/// A name of a file stood in the message as long as it was.
+#[test]
+fn long_names_are_shortened_in_messages() {
+    let name = "N".repeat(5000);
+    check("a.inp", format!("*INSTANCE,NAME=I,PART={name}\n*END INSTANCE\n").as_bytes());
+    check("a.inp", format!("*NODE\n1,0,0,0\n*MPC\n{name},1,1\n").as_bytes());
+}
+
 /// Files made to grow: every line of a few bytes asks for as much as it can.
 #[test]
 fn memory_stays_within_what_is_said() {
@@ -106,6 +114,18 @@ fn memory_stays_within_what_is_said() {
     check("a.inp", sets.as_bytes());
     check("a.inp", format!("*NODE{}", ",A".repeat(20_000)).as_bytes());
     check("a.inp", format!("*ELEMENT,TYPE=C3D8\n{}", "1,1,1,1,1,1,1,1,1\n".repeat(3000)).as_bytes());
+    let held = format!("{nodes}*NSET,NSET=A,GENERATE\n1,1999\n*BOUNDARY\n{}", "A,1,6\n".repeat(500));
+    check("a.inp", held.as_bytes());
+    for tied in ["*EQUATION\n2\nA,1,1,A,2,-1\n", "*MPC\nTIE,A,A\n", "*BOUNDARY\nA,1,6\n"] {
+        check("a.inp", format!("{nodes}*NSET,NSET=A,GENERATE\n1,1999\n{}", tied.repeat(300)).as_bytes());
+    }
+    let grids: String = (1..2000).map(|n| format!("GRID,{n}\n")).collect();
+    for end in [
+        "SPC1,1,123456,1,THRU,1999\n".repeat(300),
+        format!("RBE2,{},1,123{}", "0".repeat(9000), ",2".repeat(5)),
+    ] {
+        check("a.bdf", format!("BEGIN BULK\n{grids}{end}{}", "\n,2,2,2,2,2,2,2,2".repeat(300)).as_bytes());
+    }
     let start = "$MeshFormat\n4.1 0 8\n$EndMeshFormat\n";
     let many =
         "$Nodes\n1 3000 1 3000\n0 0 0 3000\n".to_string() + &"1\n".repeat(3000) + &"0 0 0\n".repeat(3000);

@@ -42,11 +42,25 @@ fn fields_of_three_forms_and_chosen_sets() {
     assert_eq!(file.sections[0].constants, [2.8e7, 0.29, 3.74e-4]);
     // GRID's own 345, then set 4 with its six; set 5 is not chosen.
     let held: Vec<&Rule> = file.constraints.iter().map(|c| &c.rule).collect();
-    assert_eq!(held.len(), 3 + 6);
-    assert_eq!(*held[0], Rule::Held(vec![Freedom { node: 3, component: 2 }]));
-    assert_eq!(file.constraints[8].name, "SPC1 4 of line 15");
+    let of = |node: usize, components: std::ops::Range<usize>| {
+        components.map(move |component| Freedom { node, component })
+    };
+    assert_eq!(
+        held,
+        [&Rule::Held(of(3, 2..5).collect()), &Rule::Held(of(0, 0..3).chain(of(1, 0..3)).collect())]
+    );
+    assert_eq!(file.constraints[1].name, "SPC1 4 of line 15");
     let texts: Vec<_> = file.warnings.iter().map(ToString::to_string).collect();
     assert!(texts.iter().any(|t| t.starts_with("EIGRL was passed over")), "{texts:?}");
+}
+
+/// A system far away moved a node out of all numbers, and the mesh was taken for a sound one.
+#[test]
+fn nodes_beyond_all_numbers_are_refused() {
+    let text = "CORD2R,1,,1.7+308,0.,0.,1.7+308,0.,1.\n,1.7+308,1.,0.\nGRID,7,1,0.,-1.7+308,0.\n";
+    let error = bulk(text).unwrap_err();
+    assert!(error.starts_with("a.bdf: node 7: found the position ["), "{error}");
+    assert!(error.contains("expected finite coordinates"), "{error}");
 }
 
 /// Round systems inside a turned one, and directions of components: radial at the node.
@@ -80,7 +94,7 @@ fn rigid_means_equations_and_masses() {
         "RBE2,20,4,123456,1,2\nRBE3,21,,3,123,1.,123,1,2\n,4,2.0,12,2\nMPC,1,1,1,1.,2,1,-1.\n,,3,2,.5\nCONM2,22,4,,6.,1.,0.,0.\n,1.,.1,2.,.2,.3,3.\nEIGRL",
     );
     let file = bulk(&text).unwrap();
-    let rules: Vec<&Rule> = file.constraints[9..].iter().map(|c| &c.rule).collect();
+    let rules: Vec<&Rule> = file.constraints[2..].iter().map(|c| &c.rule).collect();
     assert!(
         matches!(rules[0], Rule::Rigid { reference: 3, nodes, components: [true, true, true, true, true, true], .. } if nodes == &[0])
     );

@@ -72,7 +72,7 @@ impl FileBytes<'_> {
         found: impl Into<String>,
         expected: impl Into<String>,
     ) -> MeshError {
-        let (place, found, expected) = (place.into(), found.into(), expected.into());
+        let (place, found, expected) = (shown(place), shown(found), shown(expected));
         MeshError::Malformed { file: self.file.into(), place, found, expected }
     }
 
@@ -82,9 +82,21 @@ impl FileBytes<'_> {
         found: impl Into<String>,
         remedy: impl Into<String>,
     ) -> MeshError {
-        let (place, found, remedy) = (place.into(), found.into(), remedy.into());
+        let (place, found, remedy) = (shown(place), shown(found), shown(remedy));
         MeshError::Unsupported { file: self.file.into(), place, found, remedy }
     }
+}
+
+/// Characters of each part of a message: names in a file may have any length, and nobody reads so many.
+const LONGEST: usize = 400;
+
+fn shown(part: impl Into<String>) -> String {
+    let mut part = part.into();
+    if let Some((end, _)) = part.char_indices().nth(LONGEST) {
+        part.truncate(end);
+        part.push_str("...");
+    }
+    part
 }
 
 /// Files may include files so deep: a chain longer than this is a circle.

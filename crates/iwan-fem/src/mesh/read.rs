@@ -53,7 +53,7 @@ fn parse(
     let content = bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes).trim_ascii_start();
     let extension = file.extension().unwrap_or_default().to_ascii_lowercase();
     let bulk_data = ["bdf", "nas", "dat", "bulk", "blk"].iter().any(|known| extension == *known);
-    if content.starts_with(b"$MeshFormat") || extension == "msh" {
+    let read = if content.starts_with(b"$MeshFormat") || extension == "msh" {
         gmsh::parse(source)
     } else if bulk_data || (extension != "inp" && nastran::is_bulk_data(content)) {
         let (bytes, pieces) = expand(source, folder, nastran::INCLUDE)?;
@@ -66,5 +66,15 @@ fn parse(
     } else {
         let found = format!("extension '{}', content {}", extension.display(), quote(content, 16));
         Err(MeshError::UnknownFormat { file: file.into(), found })
-    }
+    }?;
+    placed(source, read)
+}
+
+/// Coordinates are finite in the file; systems and instances far away may move nodes out of all numbers.
+fn placed(source: FileBytes, read: MeshFile) -> Result<MeshFile, MeshError> {
+    let mesh = &read.mesh;
+    let lost = mesh.positions.iter().zip(&mesh.node_labels).find(|(p, _)| !p.iter().all(|x| x.is_finite()));
+    let Some((position, label)) = lost else { return Ok(read) };
+    let expected = "finite coordinates, with the systems and instances that they are in";
+    Err(source.malformed(format!("node {label}"), format!("the position {position:?}"), expected))
 }

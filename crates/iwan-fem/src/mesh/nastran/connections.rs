@@ -18,7 +18,12 @@ struct Context<'a> {
     grids: &'a Grids,
     mesh: &'a Mesh,
     constraints: Vec<Constraint>,
+    /// Components of each node that are held already.
+    held: Vec<[bool; 6]>,
 }
+
+/// Characters of a card's number in the name of its constraint: a large field has so many.
+const NUMBER: usize = 16;
 
 /// Constraints and masses of the file.
 pub(super) fn read(
@@ -29,13 +34,14 @@ pub(super) fn read(
     grids: &Grids,
     mesh: &Mesh,
 ) -> Result<(Vec<Constraint>, Vec<PointMass>), MeshError> {
-    let mut context = Context { source, grids, mesh, constraints: Vec::new() };
+    let held = vec![[false; 6]; mesh.positions.len()];
+    let mut context = Context { source, grids, mesh, constraints: Vec::new(), held };
     let chosen = |names: [&str; 3], choice| sets(source, &reader.connections, names, choice);
     let spc = chosen(["SPC", "SPC1", "SPCADD"], selected.spc)?;
     let mpc = chosen(["MPC", "", "MPCADD"], selected.mpc)?;
     let mut masses = Vec::new();
-    for &(freedom, line) in &grids.held {
-        context.hold(format!("GRID of {}", source.at_line(line)), freedom.node, freedom.component);
+    for (node, components, line) in &grids.held {
+        context.hold(format!("GRID of {}", source.at_line(*line)), &[*node], *components);
     }
     for card in &reader.connections {
         let sid = || card.integer(source, 0, None);
@@ -86,22 +92,39 @@ fn sets(
 
 impl Context<'_> {
     fn title(&self, card: &Card) -> String {
-        format!("{} {} of {}", card.name, card.field(0), card.place(self.source))
+        let number: String = card.field(0).chars().take(NUMBER).collect();
+        format!("{} {number} of {}", card.name, card.place(self.source))
     }
 
     fn push(&mut self, name: String, rule: Rule) {
         self.constraints.push(Constraint { name, rule });
     }
 
-    /// Holds a component of a node along its own directions.
-    fn hold(&mut self, name: String, node: usize, component: usize) {
-        let terms = self.terms(node, component, 1.0);
-        let rule = match terms[..] {
-            [(freedom, _)] => Rule::Held(vec![freedom]),
-            _ if component >= 3 => Rule::Held((3..6).map(|component| Freedom { node, component }).collect()),
-            _ => Rule::Equation(terms),
-        };
-        self.push(name, rule);
+    /// Holds components of nodes, each in the node's own directions, unless they are held already: all that are global by one constraint.
+    fn hold(&mut self, name: String, nodes: &[usize], components: [bool; 6]) {
+        let mut together = Vec::new();
+        for &node in nodes {
+            for component in (0..6).filter(|c| components[*c]) {
+                if std::mem::replace(&mut self.held[node][component], true) {
+                    continue;
+                }
+                let terms = self.terms(node, component, 1.0);
+                let base = component / 3 * 3;
+                match terms[..] {
+                    [(freedom, _)] => together.push(freedom),
+                    // Held along all three directions, or about any, a node is held in all.
+                    _ if base == 3 || components[..3] == [true; 3] => {
+                        together.extend((base..base + 3).map(|component| Freedom { node, component }));
+                    }
+                    _ => self.push(name.clone(), Rule::Equation(terms)),
+                }
+            }
+        }
+        together.sort_unstable();
+        together.dedup();
+        if !together.is_empty() {
+            self.push(name, Rule::Held(together));
+        }
     }
 
     /// A component along the node's own directions, in global ones.
@@ -123,7 +146,7 @@ impl Context<'_> {
                 return Err(card.unsupported(self.source, "a displacement that is not zero", remedy));
             }
             let components = card.components(self.source, at + 1)?;
-            (0..6).filter(|c| components[*c]).for_each(|c| self.hold(self.title(card), node, c));
+            self.hold(self.title(card), &[node], components);
         }
         Ok(())
     }
@@ -139,9 +162,7 @@ impl Context<'_> {
                 nodes.push(self.grids.node(self.source, card, at)?);
             }
         }
-        for node in nodes {
-            (0..6).filter(|c| components[*c]).for_each(|c| self.hold(self.title(card), node, c));
-        }
+        self.hold(self.title(card), &nodes, components);
         Ok(())
     }
 

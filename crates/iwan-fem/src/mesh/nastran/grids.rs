@@ -1,6 +1,6 @@
 //! `GRID`: nodes, and the systems in which their components count.
 
-use super::super::constraint::{Freedom, GLOBAL};
+use super::super::constraint::GLOBAL;
 use super::super::error::MeshError;
 use super::super::file::FileBytes;
 use super::super::labels::{Labels, Twice};
@@ -15,7 +15,7 @@ pub(super) struct Grids {
     /// System of the components of each node that does not count them in global axes.
     systems: Vec<Option<System>>,
     /// Components that are held for good, with the line.
-    pub(super) held: Vec<(Freedom, usize)>,
+    pub(super) held: Vec<(usize, [bool; 6], usize)>,
 }
 
 impl Grids {
@@ -54,8 +54,9 @@ impl Grids {
             let (number, components) = system(5)?;
             used.push((number != 0).then_some(components));
             let permanent = filled(6).components(source, 6)?;
-            let freedom = |component| (Freedom { node, component }, card.line);
-            held.extend((0..6).filter(|c| permanent[*c]).map(freedom));
+            if permanent.contains(&true) {
+                held.push((node, permanent, card.line));
+            }
         }
         let labels =
             Labels::new(mesh.node_labels.iter().copied()).map_err(|Twice { label, second, .. }| {

@@ -56,8 +56,7 @@ pub(super) fn coupling(
         let nodes = weighted(mesh, &surface, reference);
         Rule::Mean { reference, components, nodes, directions: GLOBAL }
     };
-    out.constraints.push(Constraint { name, rule });
-    Ok(())
+    out.push(lookup, text, Constraint { name, rule })
 }
 
 /// Weights of a surface of elements are the areas that belong to its nodes, those of nodes are equal (Abaqus Analysis Guide, "Coupling
@@ -111,8 +110,7 @@ pub(super) fn rigid_body(
         ));
     }
     let rule = Rule::Rigid { reference, nodes, components: [true; 6], directions: GLOBAL };
-    out.constraints.push(Constraint { name: lookup.title(text, "REF NODE"), rule });
-    Ok(())
+    out.push(lookup, text, Constraint { name: lookup.title(text, "REF NODE"), rule })
 }
 
 /// Reads the mass of the elements of one node that a set holds: each of them has it.
@@ -142,6 +140,7 @@ pub(super) fn mass(lookup: &Lookup, text: &Pending, out: &mut Outcome) -> Result
             )
         })?;
         let name = lookup.title(text, "ELSET");
+        out.take(lookup, text, size_of::<PointMass>() + name.len())?;
         out.masses.push(PointMass { name, node, mass: value, offset: [0.0; 3], inertia: [[0.0; 3]; 3] });
     }
     Ok(())

@@ -31,6 +31,7 @@ pub(super) fn equation(lookup: &Lookup, text: &Pending, out: &mut Outcome) -> Re
                     continue;
                 }
                 let nodes = lookup.nodes(text, row, &row.fields[at])?;
+                out.take(lookup, text, size_of_val(&nodes[..]))?;
                 terms.push((
                     nodes,
                     lookup.component(row, at + 1)?,
@@ -53,7 +54,7 @@ pub(super) fn equation(lookup: &Lookup, text: &Pending, out: &mut Outcome) -> Re
                 (Freedom { node, component: *component }, *c)
             };
             let rule = Rule::Equation(terms.iter().map(term).collect());
-            out.constraints.push(Constraint { name: name.clone(), rule });
+            out.push(lookup, text, Constraint { name: name.clone(), rule })?;
         }
     }
     Ok(())
@@ -87,7 +88,7 @@ pub(super) fn multi_point(
         for (k, &node) in followers.iter().enumerate() {
             let reference = leaders[if leaders.len() == 1 { 0 } else { k }];
             for rule in pair(lookup, mesh, row, &kind, (node, reference))? {
-                out.constraints.push(Constraint { name: name.clone(), rule });
+                out.push(lookup, text, Constraint { name: name.clone(), rule })?;
             }
         }
     }
@@ -172,6 +173,7 @@ pub(super) fn boundary(lookup: &Lookup, text: &Pending, out: &mut Outcome) -> Re
             Some(components) => components.to_vec(),
             None => by_number(lookup, row)?,
         };
+        out.take(lookup, text, size_of::<Freedom>() * nodes.len() * components.len())?;
         held.extend(
             nodes
                 .iter()

@@ -1,7 +1,7 @@
 //! `*TIE`, `*EQUATION`, `*MPC`, `*COUPLING`, `*RIGID BODY`, `*BOUNDARY`, `*MASS`: obeyed, or refused by name.
 
-mod outcome;
 mod lookup;
+mod outcome;
 mod linear;
 mod groups;
 mod ties;
@@ -32,7 +32,7 @@ pub(super) const KEPT: &[&str] = &[
 
 /// Obeys all of them in the order of the file. Nodes that are tied are moved onto the faces below them.
 pub(super) fn resolve(lookup: &Lookup, mesh: &mut Mesh, pending: &[Pending]) -> Result<Outcome, MeshError> {
-    let mut outcome = Outcome::default();
+    let mut outcome = Outcome::new(lookup, mesh);
     let mut rest = pending.iter().peekable();
     while let Some(text) = rest.next() {
         match text.keyword.name.as_str() {

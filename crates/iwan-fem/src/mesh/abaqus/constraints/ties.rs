@@ -70,7 +70,9 @@ pub(super) fn read(
                     .push(warn(format!("nodes were moved onto the leading faces by up to {:.3e}", tied.gap)));
             }
         }
-        out.constraints.extend(tied.constraints);
+        for constraint in tied.constraints {
+            out.push(lookup, text, constraint)?;
+        }
     }
     Ok(())
 }
