@@ -1,6 +1,7 @@
 //! What is wrong with an input file, where, and what helps.
 
 use iwan_machine::Kind;
+use iwan_machine::memory::Short;
 
 /// Bad input: `file:line:column: what is wrong`, and the remedy.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
@@ -24,5 +25,14 @@ impl InputError {
     #[must_use]
     pub fn of(self, kind: Kind) -> Self {
         Self { kind, ..self }
+    }
+}
+
+/// Too little memory for what the file asks, and what helps.
+impl From<Short> for InputError {
+    fn from(short: Short) -> Self {
+        let told = short.to_string();
+        let message = told.strip_suffix(&format!("; {}", short.remedy)).unwrap_or(&told);
+        Self::new(message, short.remedy).of(Kind::Memory)
     }
 }

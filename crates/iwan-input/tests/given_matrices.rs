@@ -205,6 +205,18 @@ fn what_does_not_fit_is_refused_with_place_and_remedy() {
     assert!(Path::new(&folder.0).exists());
 }
 
+/// Four thousand million rows with one entry ended the program for want of memory.
+#[test]
+fn more_rows_than_any_memory_holds_are_refused() {
+    let folder = Folder::new("rows");
+    files(&folder);
+    let head = "%%MatrixMarket matrix coordinate real symmetric\n4000000000 4000000000 1\n1 1 1\n";
+    folder.write("k.mtx", head);
+    let error = folder.load(&format!("[matrices]\nstiffness = 'k.mtx'\nmass = 'm.mtx'\n{REST}")).unwrap_err();
+    let expected = "k.mtx: a matrix of 4000000000 x 4000000000 needs about 600.000 GB of memory";
+    assert!(error.contains(expected) && error.contains("correct the numbers of rows"), "{error}");
+}
+
 /// A damping that gives energy back, or of another size, is refused; one that fits is read.
 #[test]
 fn a_damping_that_cannot_be_one_is_refused() {

@@ -4,6 +4,7 @@ use std::path::Path;
 
 use iwan_core::Pulse;
 use iwan_machine::Kind;
+use iwan_machine::memory::{Short, ask};
 
 use crate::error::InputError;
 use crate::section::{Section, TableKind};
@@ -132,6 +133,12 @@ fn read_file(path: &Path, step: f64) -> Result<ForceFile, InputError> {
     let (dt, samples) = if is_uniform(time, dt) {
         (dt, force.clone())
     } else {
+        let last = time[time.len() - 1];
+        ask_for_steps(last / step).map_err(|short| {
+            let InputError { message, remedy, kind } = short.into();
+            let message = format!("{}: the time ends at {last} s: {message}", path.display());
+            InputError::new(message, remedy).of(kind)
+        })?;
         notes.push(format!(
             "{}: the samples are uneven or do not start at t = 0: interpolated linearly at the time step",
             path.display()
@@ -148,6 +155,12 @@ const ROUNDING: f64 = 1e-3;
 /// Whether the times are n·dt.
 fn is_uniform(time: &[f64], dt: f64) -> bool {
     time.iter().enumerate().all(|(n, t)| (t - n as f64 * dt).abs() <= ROUNDING * dt)
+}
+
+/// Asks for the memory of the force at so many steps: times of day, or in another unit than s, are as many as no memory holds.
+fn ask_for_steps(steps: f64) -> Result<(), Short> {
+    let remedy = "let the time count in s from the beginning of the run, or lengthen the step";
+    ask(format!("the force at {steps:.3e} steps"), (8.0 * steps) as u64, remedy)
 }
 
 /// Linear interpolation at n·step; zero before the first sample and behind the last.
@@ -182,5 +195,20 @@ mod tests {
     fn uneven_samples_are_interpolated() {
         let samples = resample(&[1.0, 2.0, 4.0], &[0.0, 10.0, 30.0], 0.5);
         assert_eq!(samples, [0.0, 0.0, 0.0, 5.0, 10.0, 15.0, 20.0, 25.0, 30.0, 0.0]);
+    }
+
+    /// Times of day at steps of 10 microseconds ended the program for want of memory.
+    #[test]
+    fn a_force_of_more_steps_than_fit_is_refused() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("force.csv");
+        std::fs::write(&path, "1700000000.0,0\n1700000000.5,1\n1700000002.5,0\n").unwrap();
+        for step in [1e-5, 1e-300] {
+            let refused = read_file(&path, step).unwrap_err();
+            assert!(refused.message.contains("force.csv: the time ends at 1700000002.5 s"), "{refused}");
+            assert!(refused.remedy.contains("count in s from the beginning of the run"), "{refused}");
+            assert_eq!(refused.kind, Kind::Memory);
+        }
+        assert!(read_file(&path, 1e6).is_ok());
     }
 }

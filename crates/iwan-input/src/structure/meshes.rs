@@ -3,7 +3,6 @@
 use iwan_fem::mesh::beam::{Configuration, beam};
 use iwan_fem::mesh::block::{block, uniform};
 use iwan_fem::mesh::{self, Mesh, MeshFile};
-use iwan_machine::Kind;
 
 use super::sets::triple;
 use crate::error::InputError;
@@ -111,8 +110,7 @@ fn memory(section: &Section<'_>, key: &str, bytes: f64) -> Result<(), InputError
     let asked =
         iwan_machine::memory::ask(format!("{key}: the structure"), bytes as u64, "take a coarser mesh");
     asked.map_err(|short| {
-        let message = short.to_string();
-        let (message, remedy) = message.split_once("; ").unwrap_or((&message, "take a coarser mesh"));
-        section.failure(key, message, remedy).of(Kind::Memory)
+        let InputError { message, remedy, kind } = short.into();
+        section.failure(key, &message, &remedy).of(kind)
     })
 }

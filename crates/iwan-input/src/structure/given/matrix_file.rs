@@ -7,6 +7,10 @@ use iwan_exchange::{ExchangeError, Format, Matrix};
 use crate::error::InputError;
 use crate::section::Section;
 
+/// Bytes that a row takes while it is read, with entries or without: its label, its places in maps of labels and nodes, its meaning and its
+/// node. A number of rows that is a slip, or of a damaged file, would fill any memory.
+const ROW: u64 = 150;
+
 /// A file that could not be read.
 pub(super) fn failed(section: &Section<'_>, key: &str, error: &ExchangeError) -> InputError {
     section.failure(key, &error.to_string(), "paths are relative to the structure file").of(error.kind())
@@ -41,5 +45,13 @@ pub(super) fn chosen(
         let message = format!("{}: {} is a matrix of complex numbers", path.display(), matrix.name);
         return Err(section.failure(key, &message, "structures take real matrices: choose one"));
     }
+    let what = format!("{}: a matrix of {} x {}", path.display(), matrix.rows, matrix.columns);
+    let remedy = "correct the numbers of rows and columns in the file";
+    iwan_machine::memory::ask(what, ROW * matrix.rows.max(matrix.columns) as u64, remedy).map_err(
+        |short| {
+            let InputError { message, remedy, kind } = short.into();
+            section.failure(key, &message, &remedy).of(kind)
+        },
+    )?;
     Ok((path, matrix))
 }
