@@ -75,6 +75,21 @@ fn labview_without_x_and_with_a_decimal_comma() {
     assert_eq!(record.names(), ["Untitled"]);
 }
 
+/// LabVIEW writes such files without any header on request: a table as others are.
+#[test]
+fn labview_without_a_header_is_a_table() {
+    let text = "0,000000\t1,5\t5\n0,500000\t2,5\t6\n1,000000\t3,5\t7\n";
+    let record = read("a.lvm", text.as_bytes()).unwrap();
+    assert_eq!(record.dt(), 0.5);
+    assert_eq!((record.channel(0), record.channel(1)), (&[1.5, 2.5, 3.5][..], &[5.0, 6.0, 7.0][..]));
+}
+
+#[test]
+fn the_binary_format_of_labview_is_named() {
+    let message = refused("a.tdms", b"TDSm\x0e\0\0\0\x69\x12\0\0");
+    assert!(message.contains("TDMS of LabVIEW") && message.contains(".lvm, CSV or .mat"), "{message}");
+}
+
 /// Two channels of one name were both read as the first.
 #[test]
 fn labview_channels_of_one_name_are_each_their_own() {

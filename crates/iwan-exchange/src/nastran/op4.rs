@@ -95,7 +95,7 @@ impl Head {
         let inside = row >= 1
             && count >= 0
             && numbers % self.parts() as i64 == 0
-            // Words of eight bytes hold rows that no sum does.
+            // With words of eight bytes the sum of row and count may be beyond what a word holds.
             && (row - 1).saturating_add(count) as u64 <= self.rows;
         if inside {
             return Ok(row as u32 - 1);

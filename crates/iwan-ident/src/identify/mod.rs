@@ -159,7 +159,7 @@ fn identification(
     Ok(Identification {
         parameters: refined.parameters,
         verdict,
-        notes: prepared.iter().flat_map(Prepared::notes).chain(start.notes.iter().cloned()).collect(),
+        notes: prepared.iter().flat_map(Prepared::notes).collect(),
         envelopes: prepared.iter().map(|p| p.envelope.clone()).collect(),
         first_samples: prepared.iter().map(|p| p.first).collect(),
         likelihood: Likelihood::new(&task, profiles.variance, &refined.parameters, &refined.starts),

@@ -43,6 +43,9 @@ pub fn read_bytes(file: &Path, bytes: &[u8], options: &ReadOptions) -> Result<Re
     assemble(&source, raw, options)
 }
 
+/// First bytes of a TDMS file: named, because no crate reads all its variants from bytes that may be damaged.
+const TDMS_MAGIC: &[u8] = b"TDSm";
+
 /// The format by the user's word, by content, or by the extension.
 pub(super) fn format_of(source: &FileBytes, options: &ReadOptions) -> Option<Format> {
     options.format.or_else(|| by_content(source.bytes)).or_else(|| by_extension(source.file))
@@ -57,6 +60,12 @@ pub(super) fn parse(source: FileBytes, options: &ReadOptions) -> Result<Raw, Rea
         Some(Format::Mat) => mat::parse(source, options),
         Some(Format::Lvm) => lvm::parse(source, options),
         Some(Format::Wav) => wav::parse(source, options),
+        None if source.bytes.starts_with(TDMS_MAGIC) => Err(ReadError::Unsupported {
+            file: source.file.into(),
+            place: "the file".into(),
+            found: "the binary format TDMS of LabVIEW".into(),
+            remedy: "write it as .lvm, CSV or .mat, in LabVIEW or by npTDMS in Python".into(),
+        }),
         None => {
             let start: String = decode(&source.bytes[..source.bytes.len().min(16)]);
             let start: String = start.chars().map(|c| if c.is_control() { '.' } else { c }).collect();
@@ -105,12 +114,12 @@ fn opens_dataset(bytes: &[u8]) -> bool {
 
 fn by_extension(file: &Path) -> Option<Format> {
     match file.extension()?.to_str()?.to_lowercase().as_str() {
-        "csv" | "tsv" | "txt" | "dat" | "asc" => Some(Format::Text),
+        // A LabVIEW file without the header that `by_content` knows is a table: LabVIEW leaves headers away on request.
+        "csv" | "tsv" | "txt" | "dat" | "asc" | "lvm" => Some(Format::Text),
         "npy" => Some(Format::Npy),
         "npz" => Some(Format::Npz),
         "uff" | "unv" | "uf" | "bunv" => Some(Format::Uff),
         "mat" => Some(Format::Mat),
-        "lvm" => Some(Format::Lvm),
         "wav" | "wave" => Some(Format::Wav),
         _ => None,
     }

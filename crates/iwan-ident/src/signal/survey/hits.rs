@@ -24,6 +24,9 @@ const MEDIANS: f64 = 12.0;
 const PART: f64 = 5e-3;
 /// … and this part of the largest amplitude of the record: smaller ones are of no use and no harm.
 const LOUD: f64 = 2e-3;
+/// … and so many of the steps between the numbers that the record can hold: where a decay sinks into the last bit of a converter, errors of one step stand among zeros. The prediction
+/// of a cycle in few samples weighs the rounding of several of them.
+const STEPS: f64 = 4.0;
 /// A driven sample belongs to the hit before it unless this many samples between them are not driven: half a cycle.
 const QUIET: usize = 10;
 /// Of what follows a hit within the memory of the prediction nothing is told, and within the next cycles only errors of this part of its own count: the rest is what the prediction, or a joint that
@@ -81,7 +84,7 @@ pub fn hits(x: &[f64], dt: f64) -> Result<Vec<Hit>, Error> {
     let mean = x.iter().sum::<f64>() / x.len() as f64;
     let coarse: Vec<f64> = x.chunks_exact(few).map(|c| c.iter().sum::<f64>() / few as f64 - mean).collect();
     let cycle = ((1.0 / (frequency * dt * few as f64)).ceil() as usize).max(2);
-    let onsets = onsets(&coarse, cycle);
+    let onsets = onsets(&coarse, cycle, step_of(x));
     let scale = Scale { few, dt, cycle };
     Ok(scale.stretches(x, mean, &coarse, &onsets))
 }
@@ -146,8 +149,13 @@ fn largest(x: &[f64], from: usize, to: usize) -> f64 {
     x[from.min(x.len())..to.min(x.len())].iter().map(|x| x.abs()).fold(0.0, f64::max)
 }
 
-/// Samples at which the vibration begins to be driven.
-fn onsets(x: &[f64], cycle: usize) -> Vec<usize> {
+/// The least by which two neighbours differ: one step of the converter where a record has few digits, and next to nothing where it has many.
+fn step_of(x: &[f64]) -> f64 {
+    x.windows(2).map(|w| (w[1] - w[0]).abs()).filter(|d| *d > 0.0).fold(f64::INFINITY, f64::min)
+}
+
+/// Samples at which the vibration begins to be driven, where the record goes in steps of `step`.
+fn onsets(x: &[f64], cycle: usize, step: f64) -> Vec<usize> {
     if x.len() < 4 * ORDER {
         return Vec::new();
     }
@@ -162,7 +170,7 @@ fn onsets(x: &[f64], cycle: usize) -> Vec<usize> {
     let driven = |i: usize| {
         let follows = largest(x, i, i + cycle);
         let e = error[i].abs();
-        e > MEDIANS * usual(i) && e > PART * follows && e > LOUD * top
+        e > MEDIANS * usual(i) && e > PART * follows && e > LOUD * top && e > STEPS * step
     };
     let mut found: Vec<usize> = Vec::new();
     let (mut last, mut strongest) = (None::<usize>, 0.0_f64);
@@ -292,6 +300,21 @@ mod tests {
         }
         assert_eq!(hits(&noise(30_000, 1.0), 1.0 / RATE).unwrap(), []);
         assert_eq!(hits(&[0.0; 500], 1.0 / RATE).unwrap(), []);
+    }
+
+    #[test]
+    fn the_last_bits_of_a_converter_are_no_hits() {
+        for bits in [8, 10, 12] {
+            let full = f64::from(1 << (bits - 1)) - 1.0;
+            let stored = |x: f64| (full * x).round() / full;
+            let decay = |t: f64| stored((-8.0 * t).exp() * (TAU * 122.4 * t + 0.3).cos());
+            assert_eq!(hits(&record(&[&decay], 3.0, 0.0), 1.0 / RATE).unwrap(), [], "{bits} bits");
+            let hit = struck(0.1, 0.9);
+            let hit = |t: f64| stored(hit(t));
+            let found = hits(&record(&[&hit], 3.0, 0.0), 1.0 / RATE).unwrap();
+            assert_eq!(found.len(), 1, "{bits} bits: {found:?}");
+            assert_eq!(found[0].again, [] as [f64; 0], "{bits} bits");
+        }
     }
 
     #[test]
