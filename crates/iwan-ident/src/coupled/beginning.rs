@@ -27,14 +27,14 @@ pub(super) struct Opened {
 impl Opened {
     /// Time steps of all records together.
     pub(super) fn steps(&self) -> usize {
-        self.records.iter().map(|record| record.clock.steps * record.motions[0].len()).sum()
+        self.records.iter().map(|record| record.clock.steps_for(record.motions[0].len())).sum()
     }
 
-    /// Clocks of the same records with so many times the steps and the sliders.
-    pub(super) fn finer(task: &CoupledTask<'_>, times: usize) -> Vec<Clock> {
+    /// Clocks of the same records with so many times the steps, and more sliders.
+    pub(super) fn finer(task: &CoupledTask<'_>, records: &[CoupledRecord], times: usize) -> Vec<Clock> {
         let fastest = task.modes.iter().map(|m| m.parameters.frequency).fold(0.0, f64::max);
         let of = |record: &CoupledRecord| Clock::finer(record.dt, record.force.as_deref(), fastest, times);
-        task.records.iter().map(of).collect()
+        records.iter().map(of).collect()
     }
 
     /// Of the records, by the frequencies of the modes.

@@ -36,10 +36,11 @@ pub(super) struct Series {
     pub(super) deviation: f64,
     /// Root mean square of the measured entries over the whole record.
     pub(super) size: f64,
-    /// Of the measured entries, less what finer steps change in those of the model.
     measured: Vec<f64>,
+    /// The measured entries, less what steps without end change in those of the model.
+    sought: Vec<f64>,
     entries: Range<usize>,
-    /// Root mean square of what finer steps change; 0 as long as that is not known.
+    /// Root mean square of that; 0 as long as that is not known.
     pub(super) stepping: f64,
 }
 
@@ -81,6 +82,7 @@ impl<'a> CoupledModel<'a> {
                 sums,
                 deviation: FIRST * size,
                 size,
+                sought: measured.clone(),
                 measured,
                 entries: 0..0,
                 stepping: 0.0,
@@ -163,8 +165,9 @@ impl<'a> CoupledModel<'a> {
         (0..self.records.len()).map(one).collect()
     }
 
-    /// Takes off the measured entries what these clocks change in those of the model at `x`: a search then ends where it would with the finer
-    /// steps, at the cost of the coarse ones (deferred correction). False where there is no model.
+    /// Takes off the measured entries what steps without end would change in those of the model at `x`, by these clocks' finer ones: a search then ends where it
+    /// would with such steps, at the cost of the coarse ones (deferred correction). The error of a step goes with its square, so that what the finer steps change
+    /// is extrapolated (L. F. Richardson). False where there is no model.
     pub(super) fn correct(&mut self, x: &[f64], clocks: &[Clock]) -> bool {
         let Some(values) = self.form.values(x) else { return false };
         let jobs: Vec<(usize, &Clock)> = clocks
@@ -176,16 +179,24 @@ impl<'a> CoupledModel<'a> {
         let found = in_parallel(&jobs, self.threads, &work);
         let Some(found) = found.into_iter().collect::<Option<Vec<_>>>() else { return false };
         for (k, pair) in found.chunks_exact(2).enumerate() {
+            let square = (self.records[k].clock.step / clocks[k].step).powi(2);
+            let extrapolated = square / (square - 1.0);
             for (series, (fine, own)) in
                 self.series.iter_mut().filter(|s| s.record == k).zip(pair[0].iter().zip(&pair[1]))
             {
-                let change: Vec<f64> =
-                    fine.iter().zip(own).map(|(fine, own)| series.deviation * (fine - own)).collect();
-                series.measured.iter_mut().zip(&change).for_each(|(measured, change)| *measured -= change);
+                let unit = extrapolated * series.deviation;
+                let change: Vec<f64> = fine.iter().zip(own).map(|(fine, own)| unit * (fine - own)).collect();
+                let sought = series.measured.iter().zip(&change).map(|(measured, change)| measured - change);
+                series.sought = sought.collect();
                 series.stepping = root_mean_square(&change);
             }
         }
         true
+    }
+
+    /// Whether [`correct`](Self::correct) was asked for.
+    pub(super) fn is_corrected(&self) -> bool {
+        self.series.iter().any(|series| series.stepping > 0.0)
     }
 
     /// Whether an unknown changes record `k`.
@@ -242,8 +253,8 @@ impl Model for CoupledModel<'_> {
             plain[*k] = Some(entries);
             for (series, own) in series_of(*k).zip(entries) {
                 let out = &mut residuals[series.entries.clone()];
-                for ((out, own), measured) in out.iter_mut().zip(own).zip(&series.measured) {
-                    *out = own - measured / series.deviation;
+                for ((out, own), sought) in out.iter_mut().zip(own).zip(&series.sought) {
+                    *out = own - sought / series.deviation;
                 }
             }
         }

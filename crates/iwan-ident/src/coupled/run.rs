@@ -18,12 +18,15 @@ pub(super) const STEPS_A_PERIOD: f64 = 40.0;
 /// Samples stepped at a time: rows of four modes take 100 kB, which stay in the cache.
 const ROWS: usize = 1024;
 
-/// When and how a record is stepped.
+/// When and how a record is stepped: so many steps for each sample, or so many samples for each step.
 #[derive(Debug, Clone)]
 pub(super) struct Clock {
-    /// Step, s, and steps for each sample.
+    /// Step, s.
     pub(super) step: f64,
-    pub(super) steps: usize,
+    /// Steps for each sample; 1 where a step spans several.
+    steps: usize,
+    /// Samples for each step; 1 where a sample takes several.
+    every: usize,
     /// Load at each step; empty: none.
     pub(super) force: Vec<f64>,
     /// Sliders of a joint.
@@ -31,21 +34,54 @@ pub(super) struct Clock {
 }
 
 impl Clock {
-    /// Steps for samples `dt` apart that resolve the frequency `fastest`.
+    /// Steps for samples `dt` apart that resolve the frequency `fastest`. Records of many more samples than that are stepped from every second or third sample
+    /// to the next: what their sensors show in between follows by cubics, which are off by 1e-5 at forty steps a period.
     pub(super) fn new(dt: f64, force: Option<&[f64]>, fastest: f64) -> Self {
-        Self::finer(dt, force, fastest, 1)
+        Self::of((dt, force), dt * fastest * STEPS_A_PERIOD, BINS)
     }
 
-    /// The same with so many times the steps and the sliders.
+    /// The same with so many times the steps, or more, and the square of that in sliders: both errors are of second order, and sliders cost nothing.
     pub(super) fn finer(dt: f64, force: Option<&[f64]>, fastest: f64, times: usize) -> Self {
-        let steps = (dt * fastest * STEPS_A_PERIOD).ceil().max(1.0) as usize * times;
-        Self {
-            step: dt / steps as f64,
-            steps,
-            force: force.map_or_else(Vec::new, |force| between_samples(force, steps)),
-            bins: times * BINS,
+        let wanted =
+            (dt * fastest * STEPS_A_PERIOD).max(1.0 / samples_a_step(dt * fastest * STEPS_A_PERIOD) as f64);
+        Self::of((dt, force), times as f64 * wanted, times * times * BINS)
+    }
+
+    /// With `wanted` steps for each sample, or a little more.
+    fn of((dt, force): (f64, Option<&[f64]>), wanted: f64, bins: usize) -> Self {
+        let (steps, every) = (wanted.ceil().max(1.0) as usize, samples_a_step(wanted));
+        // A load between its samples is smooth where the record has more of them than the steps need.
+        let force = force.map_or_else(Vec::new, |force| match every {
+            1 => between_samples(force, steps),
+            _ => force.iter().copied().step_by(every).collect(),
+        });
+        Self { step: dt * every as f64 / steps as f64, steps, every, force, bins }
+    }
+
+    /// Steps for so many samples.
+    pub(super) fn steps_for(&self, samples: usize) -> usize {
+        samples * self.steps / self.every
+    }
+
+    /// Rows that hold so many samples. Cubics want four.
+    fn rows(&self, samples: usize) -> usize {
+        if self.every == 1 {
+            (samples - 1) * self.steps + 1
+        } else {
+            ((samples - 1).div_ceil(self.every) + 1).max(4)
         }
     }
+}
+
+/// Samples that one step spans where `wanted` steps are wanted for each.
+fn samples_a_step(wanted: f64) -> usize {
+    (1.0 / wanted).floor().max(1.0) as usize
+}
+
+/// Lagrange's weights of four values, one apart, at the place `s` behind the second of them.
+fn cubic(s: f64) -> [f64; 4] {
+    let (a, b, c, d) = (s + 1.0, s, s - 1.0, s - 2.0);
+    [-b * c * d / 6.0, a * c * d / 2.0, -a * b * d / 2.0, a * b * c / 6.0]
 }
 
 /// A load at so many steps from each of its samples to the next: a cubic through four of them. Straight lines take the factor sinc²(π f dt) off its
@@ -53,14 +89,36 @@ impl Clock {
 #[must_use]
 pub fn between_samples(force: &[f64], steps: usize) -> Vec<f64> {
     let at = |n: isize| usize::try_from(n).ok().and_then(|n| force.get(n)).copied().unwrap_or(0.0);
+    let weights: Vec<[f64; 4]> = (0..steps).map(|i| cubic(i as f64 / steps as f64)).collect();
     let value = |i: usize| {
-        let (n, s) = ((i / steps).cast_signed(), (i % steps) as f64 / steps as f64);
-        let (a, b, c, d) = (s + 1.0, s, s - 1.0, s - 2.0);
-        // Lagrange's weights of the samples before, at, and twice behind.
-        -b * c * d / 6.0 * at(n - 1) + a * c * d / 2.0 * at(n) - a * b * d / 2.0 * at(n + 1)
-            + a * b * c / 6.0 * at(n + 2)
+        let n = (i / steps).cast_signed();
+        let of = |(k, weight): (usize, &f64)| weight * at(n - 1 + k.cast_signed());
+        weights[i % steps].iter().enumerate().map(of).sum::<f64>()
     };
     (0..force.len() * steps).map(value).collect()
+}
+
+/// So many samples of which every `every`th is a row, by the cubic through the four rows about each; four rows at least.
+fn at_samples(rows: &[f64], every: usize, samples: usize) -> Vec<f64> {
+    let weights = |first: f64| -> Vec<[f64; 4]> {
+        (0..every).map(|i| cubic(first + i as f64 / every as f64)).collect()
+    };
+    // The first interval and the last one have no row on their other side.
+    let last = rows.len() - 2;
+    let mut out = vec![0.0; (last + 1) * every + 1];
+    let fill = |out: &mut [f64], rows: &[f64], weights: &[[f64; 4]]| {
+        for (out, rows) in out.chunks_exact_mut(every).zip(rows.windows(4)) {
+            for (x, w) in out.iter_mut().zip(weights) {
+                *x = (w[0] * rows[0] + w[1] * rows[1]) + (w[2] * rows[2] + w[3] * rows[3]);
+            }
+        }
+    };
+    fill(&mut out[..every], rows, &weights(-1.0));
+    fill(&mut out[every..last * every], rows, &weights(0.0));
+    fill(&mut out[last * every..], &rows[last - 2..], &weights(1.0));
+    out[(last + 1) * every] = rows[last + 1];
+    out.truncate(samples);
+    out
 }
 
 /// Motions of the modes at the samples, and the largest slip of each joint over its φ_max.
@@ -193,6 +251,11 @@ impl Part<'_> {
             ([law], [state]) => stepping.one(law, state, &begin, out)?,
             (laws, states) => stepping.several(laws, states, &begin, out)?,
         };
+        if clock.every > 1 {
+            for r in &self.modes {
+                out.modes[*r] = at_samples(&out.modes[*r], clock.every, samples);
+            }
+        }
         for ((joint, slip), law) in self.joints.iter().zip(slips).zip(&laws) {
             out.slip_ratios[*joint] = slip / law.phi_max();
         }
@@ -254,8 +317,8 @@ impl Stepping<'_> {
         out: &mut Motions,
         mut step: impl FnMut(&[f64], &mut CoupledRows<'_>) -> Option<()>,
     ) -> Option<Vec<f64>> {
-        let (width, steps) = (groups(self.part.modes.len()), self.clock.steps);
-        let total = (self.samples - 1) * steps + 1;
+        let width = groups(self.part.modes.len());
+        let total = self.clock.rows(self.samples);
         let count = ROWS.min(total);
         let mut modal: [Vec<Lanes>; 3] = std::array::from_fn(|_| storage(count * width));
         let mut of_joints: [Vec<f64>; 2] = std::array::from_fn(|_| vec![0.0; count * joints]);
@@ -300,5 +363,70 @@ impl Stepping<'_> {
             let at = (sample..first + count).step_by(steps);
             out.modes[*r].extend(at.map(|n| flat[(n - first) * width * 4 + lane]));
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn samples_between_rows_are_those_of_a_cubic() {
+        let cubic = |t: f64| 1.0 - t * (0.5 - t * (0.3 + 0.02 * t));
+        for (every, samples) in [(2, 18), (3, 26), (5, 37)] {
+            let rows: Vec<f64> = (0..10).map(|n| cubic(f64::from(n * every))).collect();
+            let found = at_samples(&rows, every as usize, samples);
+            assert_eq!(found.len(), samples);
+            for (n, x) in found.iter().enumerate() {
+                let expected = cubic(n as f64);
+                assert!(
+                    (x - expected).abs() < 1e-12 * expected.abs().max(1.0),
+                    "{every} {n}: {x} {expected}"
+                );
+            }
+        }
+        let wave = |n: usize| (std::f64::consts::TAU * n as f64 / (3.0 * STEPS_A_PERIOD)).sin();
+        let rows: Vec<f64> = (0..100).map(|n| wave(3 * n)).collect();
+        let found = at_samples(&rows, 3, 298);
+        let worst = (3..295).map(|n| (found[n] - wave(n)).abs()).fold(0.0, f64::max);
+        assert!(worst < 2e-5, "{worst}");
+    }
+
+    /// A record of more samples than the steps need is stepped from every fifth to the next, and shows the same at all of them.
+    #[test]
+    fn steps_over_several_samples_show_what_steps_of_each_show() {
+        let law = FourParameter::new(3e4, 140.0, -0.3, 0.1).unwrap();
+        let values = Values {
+            frequency: vec![130.0, 690.0],
+            damping_ratio: vec![1e-3; 2],
+            laws: vec![law],
+            participation: vec![vec![1.0, -4.9]],
+            compliance: vec![1e-6],
+            shape_at_sensor: vec![1.0; 2],
+            shape_at_force: vec![20.0; 2],
+            initial: vec![vec![[0.0; 2]; 2]],
+        };
+        let dt = 1.0 / (690.0 * 5.5 * STEPS_A_PERIOD);
+        let blow = |n: usize| {
+            let phase = std::f64::consts::PI * n as f64 * dt / 1.6e-3;
+            if phase < std::f64::consts::PI { 100.0 * phase.sin().powi(2) } else { 0.0 }
+        };
+        let force: Vec<f64> = (0..20_000).map(blow).collect();
+        let coarse = Clock::new(dt, Some(&force), 690.0);
+        assert_eq!((coarse.every, coarse.steps, coarse.force.len()), (5, 1, 4000));
+        let each = Clock { step: dt, every: 1, force: force.clone(), ..coarse.clone() };
+        let motions = |clock: &Clock| {
+            run((Sharing::Shared(1), &values), 0, clock, 19_998, Quantity::Acceleration).unwrap().modes
+        };
+        for (mode, (found, expected)) in motions(&coarse).iter().zip(&motions(&each)).enumerate() {
+            assert_eq!((found.len(), expected.len()), (19_998, 19_998));
+            let size = expected.iter().map(|x| x * x).sum::<f64>().sqrt();
+            let off = found.iter().zip(expected).map(|(a, b)| (a - b).powi(2)).sum::<f64>().sqrt();
+            // Of second order in the step, and 12 cycles of the fast mode's memory of the blow.
+            assert!(off < 5e-3 * size, "mode {mode}: {} of {size}", off / size);
+        }
+        let fine = Clock::finer(dt, Some(&force), 690.0, 4);
+        assert_eq!((fine.every, fine.steps, fine.bins), (1, 1, 16 * BINS));
+        assert_eq!(Clock::finer(4.0 * dt, None, 690.0, 4).steps, 4);
     }
 }
