@@ -311,7 +311,8 @@ fn a_hammer_that_is_cut_off_and_a_hit_that_shortens_all_are_named() {
     hit.force.samples.iter_mut().for_each(|f| *f = f.min(0.3 * peak));
     write(place.path(), "cut.csv", &hit);
     let found = run(place.path(), "cut.csv --at a1 --band 60:480 --out cut");
-    assert!(warnings(&found).contains("cut.csv: channel hammer is overloaded"), "{found}");
+    let scale = "channel hammer is overloaded in cut.csv: the scale of all shapes";
+    assert!(warnings(&found).contains(scale), "{found}");
     // A second hit a fifth of a second after the first: the first is too short for the order.
     let (mut twice, later) = (bench().hit(100.0, 1), (0.2 / hit.dt) as usize);
     let add = |x: &mut Vec<f64>| (later..x.len()).rev().for_each(|n| x[n] += x[n - later]);
@@ -320,6 +321,25 @@ fn a_hammer_that_is_cut_off_and_a_hit_that_shortens_all_are_named() {
     write(place.path(), "again.csv", &twice);
     let words = ["again.csv, hit 1 lasts 0.", "all hits are cut to it", "--leave-out"];
     refused(place.path(), "again.csv --at a1 --band 60:480", &words);
+}
+
+#[test]
+fn a_channel_that_no_hit_spares_is_not_mended_by_leaving_hits_out() {
+    let place = folder("");
+    let mut hits = [bench().hit(100.0, 1), bench().hit(105.0, 2)];
+    for (hit, name) in hits.iter_mut().zip(["h1.csv", "h2.csv"]) {
+        for channel in [0, 2] {
+            let limit = 0.3 * hit.responses[channel].samples.iter().fold(0.0, |m: f64, x| m.max(x.abs()));
+            hit.responses[channel].samples.iter_mut().for_each(|x| *x = x.clamp(-limit, limit));
+        }
+        write(place.path(), name, hit);
+    }
+    let found = run(place.path(), "h1.csv h2.csv --at a1 --band 60:480");
+    let said = warnings(&found);
+    let [drive, other] = ["a1", "a3"].map(|name| format!("channel {name} is overloaded in all 2 hits: "));
+    assert!(said.contains(&format!("{drive}the scale of all shapes")), "{said}");
+    assert!(said.contains(&format!("{other}what is said of its point")), "{said}");
+    assert!(!said.contains("--leave-out"), "{said}");
 }
 
 #[test]

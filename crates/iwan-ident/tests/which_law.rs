@@ -82,6 +82,26 @@ fn a_joint_with_something_beside_it_closes_no_wrong_interval() {
 }
 
 /// A pendulum's law is nobody else's: neither linear nor an Iwan joint may match.
+/// A frequency that falls with the logarithm of the amplitude drives the exponent of a softening spring to where the search ends. Intervals of it and of the frequency at rest were closed
+/// there, the latter far above all that was seen.
+#[test]
+fn what_hangs_on_an_exponent_at_its_limit_has_no_interval() {
+    let (dt, rate, rise) = (1e-3, 1.5, 0.6);
+    let decay = |n: u32| {
+        let t = f64::from(n) * dt;
+        (-rate * t).exp() * (std::f64::consts::TAU * (40.0 + 0.5 * rise * t) * t).cos()
+    };
+    let clean: Vec<f64> = (0..3000).map(decay).collect();
+    let found = compared(&clean, dt);
+    let law = found.named("separate-powers").unwrap();
+    let of = |name: &str| law.parameters.iter().find(|p| p.name == name).unwrap();
+    assert!((of("spring_exponent").value - 1.0 - (-4.0_f64).exp()).abs() < 1e-6, "{law:?}");
+    for name in ["spring_exponent", "spring_k", "frequency"] {
+        assert_eq!((of(name).low, of(name).high), (None, None), "{name}");
+    }
+    assert!(of("damping_n").high.is_some(), "{law:?}");
+}
+
 #[test]
 fn a_wrong_law_does_not_match() {
     let clean = ring_down("duffing-coulomb-quadratic", 2);

@@ -17,6 +17,10 @@ const MAGIC: &[u8] = b"LabVIEW Measurement";
 const END: &str = "***End_of_Header***";
 /// Channels are refused beyond this number, as columns of other text files are: the file is damaged.
 const MOST_CHANNELS: usize = 10_000;
+/// The column of X and the header agree on the interval within this part of it …
+const SAME: f64 = 0.01;
+/// … and the rounding of X, s.
+const ROUNDED: f64 = 1e-6;
 /// A segment continues the one before when it begins one interval behind its last sample, within this part of it: to the nearest sample.
 const NEXT: f64 = 0.5;
 
@@ -238,6 +242,18 @@ impl Segment {
         Some((self.starts.first().copied().unwrap_or(0.0), step))
     }
 
+    /// What the column of X says against the header's interval: programs that thin samples out leave the header as it was.
+    fn contradiction(&self) -> Option<String> {
+        let ((_, step), x) = (self.even()?, self.x.first()?);
+        let mut steps: Vec<f64> = x.windows(2).map(|w| w[1] - w[0]).collect();
+        let middle = steps.len() / 2;
+        (!steps.is_empty()).then_some(())?;
+        let seen = *steps.select_nth_unstable_by(middle, f64::total_cmp).1;
+        // X is written with six digits behind the point, which leaves nothing of an interval below a microsecond.
+        let differs = (seen - step).abs() > SAME * step + ROUNDED;
+        differs.then(|| format!("steps of {seen:.6e} in the column X_Value where Delta_X is {step:.6e}"))
+    }
+
     /// Puts another segment behind this one, where it continues it; says why not otherwise.
     fn append(&mut self, other: Self) -> Result<(), String> {
         if other.y.iter().all(Vec::is_empty) {
@@ -268,6 +284,12 @@ impl Segment {
         let mut warnings = Vec::new();
         if factor != 1.0 {
             warnings.push(Warning::TimeScaled { unit: unit.into(), factor });
+        }
+        if options.rate.is_none()
+            && let Some(contradiction) = self.contradiction()
+        {
+            let expected = "one interval in both; say the rate with --rate";
+            return Err(source.malformed("X_Value and Delta_X", contradiction, expected));
         }
         let axis = match (self.even(), self.x.first()) {
             (Some((start, step)), _) => Axis::Even { start: factor * start, step: factor * step },

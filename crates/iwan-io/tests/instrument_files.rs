@@ -90,6 +90,30 @@ fn the_binary_format_of_labview_is_named() {
     assert!(message.contains("TDMS of LabVIEW") && message.contains(".lvm, CSV or .mat"), "{message}");
 }
 
+/// A program that thins samples out left the header as it was: 51,200 Hz were read where the samples lay 1,600 Hz apart.
+#[test]
+fn labview_times_that_contradict_the_header_are_named() {
+    let text = |x: &str| {
+        format!(
+            "LabVIEW Measurement\t\nSeparator\tTab\nX_Columns\tOne\n***End_of_Header***\t\nChannels\t1\nDelta_X\t1.953125E-5\n***End_of_Header***\nX_Value\ta\tComment\n{x}"
+        )
+    };
+    let thinned = text("0.000000\t1\n0.000625\t2\n0.001250\t3\n");
+    let message = refused("a.lvm", thinned.as_bytes());
+    assert!(
+        message.contains("steps of 6.250000e-4 in the column X_Value where Delta_X is 1.953125e-5"),
+        "{message}"
+    );
+    assert!(message.contains("--rate"), "{message}");
+    let options = ReadOptions { rate: Some(1600.0), ..ReadOptions::default() };
+    assert_eq!(read_bytes(Path::new("a.lvm"), thinned.as_bytes(), &options).unwrap().dt(), 6.25e-4);
+    // Rounded to the microsecond, as LabVIEW writes them.
+    assert_eq!(
+        read("a.lvm", text("0.000000\t1\n0.000020\t2\n0.000039\t3\n").as_bytes()).unwrap().dt(),
+        1.953125e-5
+    );
+}
+
 /// Two channels of one name were both read as the first.
 #[test]
 fn labview_channels_of_one_name_are_each_their_own() {

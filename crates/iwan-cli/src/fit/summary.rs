@@ -144,7 +144,7 @@ impl ModeFit {
             joint: JointFit::new(&i.name, p, estimate, &found.verdict, top),
             relative_residual: found.refined.relative_residual,
             linear: LinearSummary {
-                is_enough: found.linear.is_enough(),
+                is_enough: found.needs_no_joint(),
                 frequency: found.linear.frequency,
                 damping_ratio: found.linear.damping_ratio,
                 relative_residual: found.linear.relative_residual,

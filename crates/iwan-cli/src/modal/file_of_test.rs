@@ -18,8 +18,7 @@ pub(super) struct JudgedHit {
     pub(super) hit: Hit,
     /// File that it comes from.
     pub(super) file: String,
-    /// In words.
-    pub(super) faults: Vec<String>,
+    pub(super) faults: Vec<Fault>,
     /// Whether there is a pulse in the force, or the force is taken whole.
     pub(super) has_pulse: bool,
     pub(super) left_out: bool,
@@ -71,7 +70,7 @@ impl FileOfTest {
                 let counts = |f: &&Fault| !(args.whole_force && is_missing(f));
                 let found = faults(&hit);
                 let has_pulse = args.whole_force || !found.iter().any(is_missing);
-                let faults = found.iter().filter(counts).map(ToString::to_string).collect();
+                let faults = found.into_iter().filter(|fault| counts(&fault)).collect();
                 file.hits.push(JudgedHit { hit, file: name.clone(), faults, has_pulse, left_out: false });
             }
         }

@@ -3,12 +3,14 @@
 use std::fmt::Write;
 
 use iwan_modal::ModalFit;
+use iwan_modal::measure::Fault;
 use iwan_modal::modes::Scale;
 use serde::Serialize;
 use serde_json::{Map, Value, json};
 
 use super::agreement::doubts;
 use super::analysis::{Level, partners};
+use super::file_of_test::JudgedHit;
 use super::hits::Test;
 use super::linearity::Decay;
 use crate::page::numbers::short;
@@ -195,19 +197,58 @@ fn linear(decay: &Decay) -> LinearitySummary {
     LinearitySummary { of: decay.place.clone(), modes: decay.zeroed.modes.iter().map(mode).collect() }
 }
 
-fn hit(judged: &super::file_of_test::JudgedHit) -> HitSummary {
+fn hit(judged: &JudgedHit) -> HitSummary {
     let (name, peak_force) = (judged.hit.name.clone(), judged.hit.peak_force());
-    HitSummary { name, peak_force, faults: judged.faults.clone(), left_out: judged.left_out }
+    let faults = judged.faults.iter().map(ToString::to_string).collect();
+    HitSummary { name, peak_force, faults, left_out: judged.left_out }
+}
+
+/// Channels that stand at the end of their range in every hit that is taken.
+fn always_overloaded(taken: &[&JudgedHit]) -> Vec<String> {
+    let of = |hit: &&JudgedHit| -> Vec<String> {
+        let channel = |fault: &Fault| match fault {
+            Fault::Overload { channel, .. } => Some(channel.clone()),
+            _ => None,
+        };
+        hit.faults.iter().filter_map(channel).collect()
+    };
+    let mut all = taken.iter().map(of);
+    let first = all.next().unwrap_or_default();
+    all.fold(first, |left, own| left.into_iter().filter(|name| own.contains(name)).collect())
+}
+
+/// What becomes of a channel that no hit spares: to leave the hits out would leave none.
+fn without_remedy(name: &str, taken: &[&JudgedHit], fit: &ModalFit) -> String {
+    let hits = if taken.len() == 1 { taken[0].hit.name.clone() } else { format!("all {} hits", taken.len()) };
+    let normalises = fit.scale != Scale::LargestIsOne
+        && fit.drive.is_some_and(|drive| {
+            let (at, hit) = (&fit.freedoms[drive.freedom], &taken[0].hit);
+            hit.force.name == name || hit.responses.iter().any(|c| c.name == name && c.freedom.is_at(at))
+        });
+    let wrong = if normalises {
+        "the scale of all shapes, which are normalised by it, is wrong"
+    } else {
+        "what is said of its point is wrong"
+    };
+    format!(
+        "channel {name} is overloaded in {hits}: {wrong}; measure it with a lower gain, or leave it out by role = \"none\" in the table of --points"
+    )
 }
 
 fn warnings(test: &Test, level: &Level) -> Vec<String> {
     let mut warnings = test.warnings.clone();
-    for judged in test.hits.iter().filter(|h| !h.left_out) {
+    let taken: Vec<&JudgedHit> = test.hits.iter().filter(|h| !h.left_out).collect();
+    let always = always_overloaded(&taken);
+    for judged in &taken {
         let name = &judged.hit.name;
         let advice = format!("leave it out with --leave-out \"{name}\"");
-        warnings.extend(judged.faults.iter().map(|fault| format!("{name}: {fault}; {advice}")));
+        let spared =
+            |fault: &&Fault| !matches!(fault, Fault::Overload { channel, .. } if always.contains(channel));
+        warnings
+            .extend(judged.faults.iter().filter(spared).map(|fault| format!("{name}: {fault}; {advice}")));
     }
     let fit = &level.fit;
+    warnings.extend(always.iter().map(|name| without_remedy(name, &taken, fit)));
     if fit.scale == Scale::LargestIsOne && test.decays.is_empty() {
         warnings.push("no response was measured where the hammer hits: shapes are not mass-normalised, their largest value is 1; say where it hits with --at POINT".into());
     }
@@ -220,7 +261,7 @@ fn warnings(test: &Test, level: &Level) -> Vec<String> {
     }
     let place = |k: usize| {
         let f = &level.responses.functions[k];
-        let named = |h: &&super::file_of_test::JudgedHit| {
+        let named = |h: &&JudgedHit| {
             h.hit.force.freedom == f.force && h.hit.responses.iter().any(|c| c.freedom == f.response)
         };
         let file = test.hits.iter().find(named).map_or_else(String::new, |h| format!("{}, ", h.file));

@@ -42,9 +42,9 @@ impl Clock {
 
     /// The same with so many times the steps, or more, and the square of that in sliders: both errors are of second order, and sliders cost nothing.
     pub(super) fn finer(dt: f64, force: Option<&[f64]>, fastest: f64, times: usize) -> Self {
-        let wanted =
-            (dt * fastest * STEPS_A_PERIOD).max(1.0 / samples_a_step(dt * fastest * STEPS_A_PERIOD) as f64);
-        Self::of((dt, force), times as f64 * wanted, times * times * BINS)
+        let wanted = dt * fastest * STEPS_A_PERIOD;
+        let own = if wanted > 1.0 { wanted.ceil() } else { 1.0 / samples_a_step(wanted) as f64 };
+        Self::of((dt, force), times as f64 * own, times * times * BINS)
     }
 
     /// With `wanted` steps for each sample, or a little more.
@@ -428,5 +428,6 @@ mod tests {
         let fine = Clock::finer(dt, Some(&force), 690.0, 4);
         assert_eq!((fine.every, fine.steps, fine.bins), (1, 1, 16 * BINS));
         assert_eq!(Clock::finer(4.0 * dt, None, 690.0, 4).steps, 4);
+        assert_eq!(Clock::finer(12.0 * dt, None, 690.0, 4).steps, 4 * 3);
     }
 }

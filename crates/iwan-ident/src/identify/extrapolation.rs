@@ -39,6 +39,11 @@ impl Extrapolation {
         if far { &[Parameter::Frequency, Parameter::DampingRatio, Parameter::Chi] } else { &[] }
     }
 
+    /// Frequency from which on no interval has an upper end: as far above those seen as where none is left.
+    pub(super) fn limit(self) -> f64 {
+        self.high + (FAR * (self.high - self.low)).max(LITTLE * self.high)
+    }
+
     /// The same in words; none where the frequency at rest is not extrapolated.
     pub(super) fn in_words(self) -> Option<String> {
         let untold = match self.untold() {
@@ -85,5 +90,6 @@ mod tests {
         // A linear mode shifts by nothing, and its frequency is told.
         assert_eq!(Extrapolation::of(&[of([120.0, 120.0])], 120.01).untold(), []);
         assert_eq!(Extrapolation::of(&[], 120.0).in_words(), None);
+        assert!((far.limit() - (63.88 + 5.0 * 0.07)).abs() < 1e-9);
     }
 }

@@ -29,7 +29,7 @@ pub struct Linear {
 }
 
 impl Linear {
-    /// Whether the records are told as well without a joint.
+    /// Whether the records are told as well without a joint, whatever that is worth: see [`Identification::needs_no_joint`].
     #[must_use]
     pub fn is_enough(&self) -> bool {
         self.criterion < 0.0
@@ -138,6 +138,12 @@ impl Identification {
         misses.into_iter().chain(clean).collect()
     }
 
+    /// Whether a linear mode tells the records as well as the joint, which describes them: what neither describes needs another law.
+    #[must_use]
+    pub fn needs_no_joint(&self) -> bool {
+        self.linear.is_enough() && self.verdict.grade != Grade::No
+    }
+
     /// Why intervals were left open that the profiles alone would close.
     fn untold_in_words(&self) -> Option<String> {
         match (untold(&self.verdict, self.laws.as_ref().ok()), &self.laws) {
@@ -164,7 +170,7 @@ impl Identification {
         let mut words = vec![self.verdict.misfit.clone()];
         words.extend(self.discrepancy_in_words());
         words.extend(self.laws.as_ref().ok().and_then(|laws| laws.backbone.scatter_in_words()));
-        if self.linear.is_enough() {
+        if self.needs_no_joint() {
             words.push(format!(
                 "the joint is not needed: a linear mode of {:.6} Hz with {:.4} % viscous damping tells the records as well",
                 self.linear.frequency,

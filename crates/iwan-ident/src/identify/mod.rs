@@ -153,7 +153,9 @@ fn identification(
     let verdict = verdict(&beside, &curves, &model_curves, &refined.starts);
     let others = laws::as_likely(refined.discrepancy.is_found(), laws.as_ref().ok());
     let profiles = laws::with_others(profiles, &others).without(laws::untold(&verdict, laws.as_ref().ok()));
-    let profiles = profiles.without(Extrapolation::of(&curves, refined.parameters.frequency).untold());
+    let extrapolation = Extrapolation::of(&curves, refined.parameters.frequency);
+    let profiles =
+        profiles.without(extrapolation.untold()).open_beyond(Parameter::Frequency, extrapolation.limit());
     let as_likely = others.iter().map(|law| law.law.name).collect();
     let laws = laws.and_then(|laws| laws::beside(laws, &refined.parameters, &profiles, &verdict));
     Ok(Identification {

@@ -14,6 +14,11 @@ const STEP: f64 = 1e-5;
 /// Share of a damper or a spring below which its logarithm has no interval.
 const NOTHING: f64 = 1e-9;
 
+/// A coordinate this near to the end of its range stands at it: the end is where searches stop, and no finding.
+const AT_LIMIT: f64 = 1e-6;
+/// A parameter hangs on such a coordinate where the width of its prior moves it by more than this part of its standard deviation.
+const HANGS: f64 = 0.1;
+
 /// Amplitudes at which a knee is tried on either side of the best one.
 const KNEES: usize = 10;
 /// Increase of the sum of squares up to which a knee is accepted: the 95 % quantile of χ² with one degree of freedom.
@@ -161,9 +166,24 @@ fn about(problem: &Problem<'_>, fitted: &At, may_open: bool) -> Vec<Estimate> {
         sum.max(0.0).sqrt()
     };
     let prior = |i: usize, j: usize| if i == j { problem.coordinates[i].width.powi(2) } else { 0.0 };
+    // Zero is what a share can be at least; all other ends are those of the search.
+    let stands = |(x, end): (f64, f64)| end != 0.0 && (x - end).abs() < AT_LIMIT;
+    let at_limit = |j: usize| {
+        let (x, (low, high)) = (fitted.x[j], problem.coordinates[j].bounds);
+        stands((x, low)) || stands((x, high))
+    };
+    let limits: Vec<usize> = (0..fitted.x.len()).filter(|j| at_limit(*j)).collect();
+    let hangs = |slope: &[f64]| {
+        let sd = variance(slope, &|i, j| fitted.covariance[(i, j)]);
+        limits.iter().any(|j| slope[*j].abs() * problem.coordinates[*j].width > HANGS * sd)
+    };
+    // A spring whose exponent stands at its limit carries the frequency at rest far from all that was seen.
+    let carried = own.iter().zip(&slopes).any(|(v, slope)| v.name == "spring_exponent" && hangs(slope));
     let one = |(v, slope): (&Named, &Vec<f64>)| {
         let sd = variance(slope, &|i, j| fitted.covariance[(i, j)]);
-        let known = sd < TOLD * variance(slope, &prior) && (!v.positive || v.value.abs() > NOTHING);
+        let untold = hangs(slope) || carried && v.name == "frequency";
+        let known =
+            !untold && sd < TOLD * variance(slope, &prior) && (!v.positive || v.value.abs() > NOTHING);
         let told = known || !may_open;
         interval(v, HALF_WIDTH * sd, told)
     };

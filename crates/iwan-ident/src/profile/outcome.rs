@@ -67,4 +67,13 @@ impl Profiles {
             .for_each(|profile| (profile.low, profile.high) = (None, None));
         self
     }
+
+    /// The same where no value of `parameter` above a limit is told: an interval that reaches beyond it is open above.
+    pub(crate) fn open_beyond(mut self, parameter: Parameter, limit: f64) -> Self {
+        let beyond = |profile: &&mut Profile| {
+            !profile.held && profile.parameter == parameter && profile.high.is_some_and(|high| high > limit)
+        };
+        self.parameters.iter_mut().filter(beyond).for_each(|profile| profile.high = None);
+        self
+    }
 }

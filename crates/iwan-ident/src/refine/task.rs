@@ -484,5 +484,8 @@ impl Task {
 
 pub(super) fn no_ring_down() -> Error {
     let finding = "the start values have no ring-down".into();
-    Error::Refused { finding, remedy: "start nearer to the solution" }
+    Error::Refused {
+        finding,
+        remedy: "narrow the band to the mode, cut the records to their decays, or fit them one by one",
+    }
 }

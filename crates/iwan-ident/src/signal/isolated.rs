@@ -192,6 +192,7 @@ impl Isolated {
     /// Cuts the window where the mode sinks into the noise, which is estimated from the scatter of the amplitude; refuses one that does not decay if it must.
     pub(super) fn end_at_noise(&mut self, must_decay: bool) -> Result<(), Error> {
         self.cut_noise_alone();
+        let mut cut = None;
         for _ in 0..CUTS {
             self.enough_cycles()?;
             let fit = self.estimate_noise();
@@ -199,13 +200,13 @@ impl Isolated {
             let sunk = self.raw.t.iter().position(|&t| fit.at(t).value.exp() < limit);
             let Some(at) = sunk else { break };
             let t = self.raw.t[at];
-            self.notes
-                .push(format!("the mode sinks into noise (amplitude {limit:.6}) at {t:.6} s: cut there"));
+            cut = Some(format!("the mode sinks into noise (amplitude {limit:.6}) at {t:.6} s: cut there"));
             self.window.end = (t / self.dt) as usize;
             if self.window.end > self.window.start {
                 self.raw = raw(&self.samples, &self.window, self.dt, self.band.peak);
             }
         }
+        self.notes.extend(cut);
         self.enough_cycles()?;
         let fit = self.estimate_noise();
         let ends = [0, self.raw.t.len() - 1].map(|i| fit.at(self.raw.t[i]).value);

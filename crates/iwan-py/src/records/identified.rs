@@ -168,7 +168,7 @@ impl Identified {
         dict.set_item("dissipation_misfit", found.verdict.dissipation_misfit)?;
         dict.set_item("frequency_misfit", found.verdict.frequency_misfit)?;
         dict.set_item("relative_residual", found.refined.relative_residual)?;
-        dict.set_item("joint_needed", !found.linear.is_enough())?;
+        dict.set_item("joint_needed", !found.needs_no_joint())?;
         let own = self.0.records.iter().flat_map(|record| record.notes.iter().cloned());
         dict.set_item("notes", own.chain(found.notes.iter().cloned()).collect::<Vec<_>>())?;
         dict.set_item("words", found.in_words())?;

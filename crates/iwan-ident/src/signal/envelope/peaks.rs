@@ -16,7 +16,9 @@ pub(super) fn check_rate(mode: &Isolated) -> Result<(), Error> {
     let per_cycle = 1.0 / (mode.band.peak * mode.dt);
     let allowed = format!("at least {PER_CYCLE} for methods that look for peaks");
     let remedy = "use the method `hilbert`, or sample faster";
-    check("samples per cycle", per_cycle, per_cycle >= PER_CYCLE, &allowed, remedy).map(|_| ())
+    // To as many digits as anyone reads.
+    let told = (100.0 * per_cycle).round() / 100.0;
+    check("samples per cycle", told, per_cycle >= PER_CYCLE, &allowed, remedy).map(|_| ())
 }
 
 /// Logarithms of the interpolated peaks in the trusted window.
