@@ -104,7 +104,10 @@ fn a_second_hit_in_the_decay_and_a_saturated_channel_are_named() {
         warnings.contains("both.csv, hit 2: channel") && warnings.contains("during the decay of the last"),
         "{warnings}"
     );
-    assert!(warnings.contains("both.csv, hit 1: channel a3 is overloaded"), "{warnings}");
+    assert!(
+        warnings.contains("channel a3 is overloaded in all 2 hits: what is said of its point"),
+        "{warnings}"
+    );
 }
 
 #[test]

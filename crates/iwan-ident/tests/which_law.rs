@@ -50,7 +50,8 @@ fn the_law_is_named_and_its_parameters_are_held() {
     assert!(closed > 60 && 100 * held >= 90 * closed, "{held} of {closed}");
 }
 
-/// A joint that something else damps or stiffens beside it: fits of the joint alone matched or were usable with closed intervals of K_T and F_S, each of which missed.
+/// A joint that something else damps or stiffens beside it: fits of the joint alone were usable, with closed intervals of frequency, damping ratio and χ that missed
+/// under quadratic damping and under a cubic spring.
 #[test]
 fn a_joint_with_something_beside_it_closes_no_wrong_interval() {
     for (law, seed) in [("iwan-quadratic", 0), ("iwan-coulomb", 1), ("iwan-duffing", 2)] {
