@@ -43,7 +43,7 @@ pub fn read_bytes(file: &Path, bytes: &[u8], options: &ReadOptions) -> Result<Re
     assemble(&source, raw, options)
 }
 
-/// First bytes of a TDMS file: named, because no crate reads all its variants from bytes that may be damaged.
+/// First bytes of a TDMS file, which is named with what to do and not read.
 const TDMS_MAGIC: &[u8] = b"TDSm";
 
 /// The format by the user's word, by content, or by the extension.
