@@ -94,6 +94,17 @@ pub(crate) fn check(
     Err(Error::OutOfRange { name, value, allowed: allowed.to_owned(), remedy })
 }
 
+/// Samples in a cycle, told to as many digits as anyone reads.
+pub(crate) fn check_per_cycle(
+    found: f64,
+    least: f64,
+    allowed: &str,
+    remedy: &'static str,
+) -> Result<f64, Error> {
+    let told = (100.0 * found).round() / 100.0;
+    check("samples per cycle", told, found >= least, allowed, remedy).map(|_| found)
+}
+
 /// All samples finite, and at least `needed` of them.
 pub(crate) fn check_samples(
     name: &'static str,

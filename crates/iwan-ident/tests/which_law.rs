@@ -82,7 +82,6 @@ fn a_joint_with_something_beside_it_closes_no_wrong_interval() {
     }
 }
 
-/// A pendulum's law is nobody else's: neither linear nor an Iwan joint may match.
 /// A frequency that falls with the logarithm of the amplitude drives the exponent of a softening spring to where the search ends. Intervals of it and of the frequency at rest were closed
 /// there, the latter far above all that was seen.
 #[test]
@@ -103,6 +102,7 @@ fn what_hangs_on_an_exponent_at_its_limit_has_no_interval() {
     assert!(of("damping_n").high.is_some(), "{law:?}");
 }
 
+/// A pendulum's law is nobody else's: neither linear nor an Iwan joint may match.
 #[test]
 fn a_wrong_law_does_not_match() {
     let clean = ring_down("duffing-coulomb-quadratic", 2);

@@ -17,10 +17,8 @@ const MAGIC: &[u8] = b"LabVIEW Measurement";
 const END: &str = "***End_of_Header***";
 /// Channels are refused beyond this number, as columns of other text files are: the file is damaged.
 const MOST_CHANNELS: usize = 10_000;
-/// The column of X and the header agree on the interval within this part of it …
+/// The column of X and the header agree on the interval within this part of it, beside what X is rounded to.
 const SAME: f64 = 0.01;
-/// … and the rounding of X, s.
-const ROUNDED: f64 = 1e-6;
 /// A segment continues the one before when it begins one interval behind its last sample, within this part of it: to the nearest sample.
 const NEXT: f64 = 0.5;
 
@@ -245,12 +243,12 @@ impl Segment {
     /// What the column of X says against the header's interval: programs that thin samples out leave the header as it was.
     fn contradiction(&self) -> Option<String> {
         let ((_, step), x) = (self.even()?, self.x.first()?);
-        let mut steps: Vec<f64> = x.windows(2).map(|w| w[1] - w[0]).collect();
-        let middle = steps.len() / 2;
-        (!steps.is_empty()).then_some(())?;
-        let seen = *steps.select_nth_unstable_by(middle, f64::total_cmp).1;
-        // X is written with six digits behind the point, which leaves nothing of an interval below a microsecond.
-        let differs = (seen - step).abs() > SAME * step + ROUNDED;
+        // X may begin anew with each segment, and be written with so few digits that neighbours are equal: the mean up to the first step back.
+        let steps: Vec<f64> = x.windows(2).map(|w| w[1] - w[0]).take_while(|d| *d >= 0.0).collect();
+        let count = steps.len().max(1) as f64;
+        let seen = steps.iter().sum::<f64>() / count;
+        let digit = steps.iter().copied().filter(|d| *d > 0.0).fold(f64::INFINITY, f64::min);
+        let differs = (seen - step).abs() > SAME * step + digit / count;
         differs.then(|| format!("steps of {seen:.6e} in the column X_Value where Delta_X is {step:.6e}"))
     }
 

@@ -90,7 +90,7 @@ fn the_binary_format_of_labview_is_named() {
     assert!(message.contains("TDMS of LabVIEW") && message.contains(".lvm, CSV or .mat"), "{message}");
 }
 
-/// A program that thins samples out left the header as it was: 51,200 Hz were read where the samples lay 1,600 Hz apart.
+/// A program that thins samples out left the header as it was: 51,200 Hz were read for 1,600.
 #[test]
 fn labview_times_that_contradict_the_header_are_named() {
     let text = |x: &str| {
@@ -107,6 +107,10 @@ fn labview_times_that_contradict_the_header_are_named() {
     assert!(message.contains("--rate"), "{message}");
     let options = ReadOptions { rate: Some(1600.0), ..ReadOptions::default() };
     assert_eq!(read_bytes(Path::new("a.lvm"), thinned.as_bytes(), &options).unwrap().dt(), 6.25e-4);
+    // Rounded to more than the interval, as those are who write three digits.
+    let row = |n: u32| format!("{:.3}\t1", f64::from(n) * 1.953_125e-5);
+    let coarse = text(&(0..200).map(row).collect::<Vec<_>>().join("\n"));
+    assert_eq!(read("a.lvm", coarse.as_bytes()).unwrap().dt(), 1.953125e-5);
     // Rounded to the microsecond, as LabVIEW writes them.
     assert_eq!(
         read("a.lvm", text("0.000000\t1\n0.000020\t2\n0.000039\t3\n").as_bytes()).unwrap().dt(),

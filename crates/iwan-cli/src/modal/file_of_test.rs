@@ -24,6 +24,13 @@ pub(super) struct JudgedHit {
     pub(super) left_out: bool,
 }
 
+impl JudgedHit {
+    /// Its faults in words.
+    pub(super) fn in_words(&self) -> Vec<String> {
+        self.faults.iter().map(ToString::to_string).collect()
+    }
+}
+
 /// Names of channels that are hammers where no file says so.
 const HAMMERS: [&str; 4] = ["force", "hammer", "impact", "load"];
 

@@ -176,10 +176,7 @@ impl Test {
         if let Some(judged) = self.hits.iter().find(|h| !h.left_out && !h.has_pulse) {
             let name = &judged.hit.name;
             return Err(Failure::input(
-                format!(
-                    "{name}: {}",
-                    judged.faults.iter().map(ToString::to_string).collect::<Vec<_>>().join("; ")
-                ),
+                format!("{name}: {}", judged.in_words().join("; ")),
                 format!(
                     "name the hammer with --hammer NAME, leave the hit out with --leave-out \"{name}\", or take the force from end to end with --whole-force"
                 ),

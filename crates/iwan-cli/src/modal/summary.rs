@@ -199,8 +199,7 @@ fn linear(decay: &Decay) -> LinearitySummary {
 
 fn hit(judged: &JudgedHit) -> HitSummary {
     let (name, peak_force) = (judged.hit.name.clone(), judged.hit.peak_force());
-    let faults = judged.faults.iter().map(ToString::to_string).collect();
-    HitSummary { name, peak_force, faults, left_out: judged.left_out }
+    HitSummary { name, peak_force, faults: judged.in_words(), left_out: judged.left_out }
 }
 
 /// Channels that stand at the end of their range in every hit that is taken.

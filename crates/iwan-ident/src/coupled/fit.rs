@@ -35,7 +35,7 @@ const FINER: usize = 4;
 /// at 40 dB. The second leaves the square of that.
 const CORRECTIONS: usize = 2;
 /// Of what the correction changes so much is taken for what it is off by, so that intervals do not shrink to nothing where there is no noise. A judgement: next in the
-/// series is the fourth power of the step, which is a thousandth.
+/// series is the fourth power of the step, less than what is taken off by the square of ω h, a fortieth at forty steps a period.
 const STILL_STEPPING: f64 = 0.1;
 /// β is told where the best fit without a Dirac has a deviance above this. One parameter more gains 4 at the 95 % level; but a motion has a crease
 /// wherever a slider begins to slip, so that walks along β end in valleys of their own: of 7 repeats with β = 0.02 at 40 dB they ended within ±0.005

@@ -194,7 +194,7 @@ impl<'a> CoupledModel<'a> {
         true
     }
 
-    /// Whether [`correct`](Self::correct) was asked for.
+    /// Whether [`correct`](Self::correct) found the steps' error.
     pub(super) fn is_corrected(&self) -> bool {
         self.series.iter().any(|series| series.stepping > 0.0)
     }

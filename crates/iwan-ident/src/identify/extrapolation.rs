@@ -35,8 +35,11 @@ impl Extrapolation {
     /// What the fit does not tell: a mode that is in macro-slip throughout has its frequency at rest and χ by the form of the law alone, and
     /// with them how much of its damping is viscous: friction of χ near -1 damps like a viscous damper.
     pub(super) fn untold(self) -> &'static [Parameter] {
-        let far = self.is_beyond(FAR) && self.at_rest - self.high > LITTLE * self.at_rest;
-        if far { &[Parameter::Frequency, Parameter::DampingRatio, Parameter::Chi] } else { &[] }
+        if self.high > 0.0 && self.at_rest > self.limit() {
+            &[Parameter::Frequency, Parameter::DampingRatio, Parameter::Chi]
+        } else {
+            &[]
+        }
     }
 
     /// Frequency from which on no interval has an upper end: as far above those seen as where none is left.

@@ -194,12 +194,13 @@ impl Comparison {
             let (d, f) = (100.0 * l.dissipation_misfit, l.frequency_misfit);
             format!("{d:.2} % of dissipation and {f:.4} Hz")
         };
+        let comparable = |l: &&FittedLaw| l.dissipation_misfit.is_finite() && l.frequency_misfit.is_finite();
         let verdict = match law.grade {
             Grade::Matches => format!("{} describes these records: it misses {}", law.law.words, misses(law)),
             Grade::Usable => {
                 format!("{} comes nearest to these records: it misses {}", law.law.words, misses(law))
             }
-            Grade::No if !(law.dissipation_misfit.is_finite() && law.frequency_misfit.is_finite()) => {
+            Grade::No if !comparable(&law) => {
                 "no law of the list describes these records, and none has curves to compare: use the measured ones".into()
             }
             Grade::No => format!(
@@ -208,7 +209,7 @@ impl Comparison {
                 misses(law)
             ),
         };
-        match self.named("iwan").filter(|iwan| iwan.law.name != law.law.name) {
+        match self.named("iwan").filter(|iwan| iwan.law.name != law.law.name).filter(comparable) {
             Some(iwan) => format!("{verdict}; an Iwan joint misses {}", misses(iwan)),
             None => verdict,
         }

@@ -173,14 +173,15 @@ fn about(problem: &Problem<'_>, fitted: &At, may_open: bool) -> Vec<Estimate> {
         stands((x, low)) || stands((x, high))
     };
     let limits: Vec<usize> = (0..fitted.x.len()).filter(|j| at_limit(*j)).collect();
+    let deviation = |slope: &[f64]| variance(slope, &|i, j| fitted.covariance[(i, j)]);
     let hangs = |slope: &[f64]| {
-        let sd = variance(slope, &|i, j| fitted.covariance[(i, j)]);
-        limits.iter().any(|j| slope[*j].abs() * problem.coordinates[*j].width > HANGS * sd)
+        let least = HANGS * deviation(slope);
+        limits.iter().any(|j| slope[*j].abs() * problem.coordinates[*j].width > least)
     };
     // A spring whose exponent stands at its limit carries the frequency at rest far from all that was seen.
     let carried = own.iter().zip(&slopes).any(|(v, slope)| v.name == "spring_exponent" && hangs(slope));
     let one = |(v, slope): (&Named, &Vec<f64>)| {
-        let sd = variance(slope, &|i, j| fitted.covariance[(i, j)]);
+        let sd = deviation(slope);
         let untold = hangs(slope) || carried && v.name == "frequency";
         let known =
             !untold && sd < TOLD * variance(slope, &prior) && (!v.positive || v.value.abs() > NOTHING);

@@ -9,7 +9,7 @@ use super::amplitudes::windows::{OVERLAP, Windows};
 use super::release::TurningPoint;
 use super::ring_down::RingDown;
 use crate::curves::Quantity;
-use crate::error::{Error, check, check_dt, check_samples};
+use crate::error::{Error, check, check_dt, check_per_cycle, check_samples};
 use crate::parameters::Parameters;
 use crate::signal::sample_noise;
 
@@ -38,7 +38,7 @@ const MOST_DECAY: f64 = 3.0;
 /// Refuses records with too few samples a cycle.
 pub(crate) fn check_rate(per_cycle: f64) -> Result<f64, Error> {
     let allowed = format!("at least {PER_CYCLE}");
-    check("samples per cycle", per_cycle, per_cycle >= PER_CYCLE, &allowed, "sample faster")
+    check_per_cycle(per_cycle, PER_CYCLE, &allowed, "sample faster")
 }
 
 /// Noise that whitened amplitudes have.

@@ -101,7 +101,7 @@ impl Search {
         Some((r, cost))
     }
 
-    /// One of many searches along a way: with derivatives that are known from the last one, which serve until they foretell more than a step brings, and
+    /// One of many searches along a way: with derivatives that are known from the last one, which serve as long as steps bring what they foretell, and
     /// are left behind for the next.
     pub(crate) fn run_along<P: Problem + ?Sized>(
         &self,

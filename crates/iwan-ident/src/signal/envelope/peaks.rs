@@ -5,7 +5,7 @@ use std::f64::consts::{PI, TAU};
 use super::super::extrema::{crossings, extrema};
 use super::super::isolated::{Isolated, Stretch};
 use super::traces::Trace;
-use crate::error::{Error, check};
+use crate::error::{Error, check_per_cycle};
 
 /// Samples per cycle below which methods that look for peaks are refused: with eight, a zero crossing by a straight line is
 /// off by 0.13 % of a cycle at worst, with six by 0.3 %, with four by 1.1 % (a sinusoid, worst place of the samples).
@@ -16,9 +16,7 @@ pub(super) fn check_rate(mode: &Isolated) -> Result<(), Error> {
     let per_cycle = 1.0 / (mode.band.peak * mode.dt);
     let allowed = format!("at least {PER_CYCLE} for methods that look for peaks");
     let remedy = "use the method `hilbert`, or sample faster";
-    // To as many digits as anyone reads.
-    let told = (100.0 * per_cycle).round() / 100.0;
-    check("samples per cycle", told, per_cycle >= PER_CYCLE, &allowed, remedy).map(|_| ())
+    check_per_cycle(per_cycle, PER_CYCLE, &allowed, remedy).map(|_| ())
 }
 
 /// Logarithms of the interpolated peaks in the trusted window.
