@@ -16,6 +16,8 @@ const LEAK: f64 = 1e-4;
 /// The same inside the band, where what a smooth curve leaves of the mode itself has peaks of a thousandth: less is noted, and stays. A judgement: with
 /// that of outside such a trace was taken for a mode.
 const INSIDE: f64 = 0.01;
+/// A mode of this part of the amplitude in the band is followed in a narrow band of its own where it is near: less can be a trace of the mode itself. As for neighbours of the automatic band.
+const NEIGHBOUR: f64 = 0.03;
 /// Modes that are taken out at most: those that leave most; further ones stay. Not varied.
 const MOST: usize = 4;
 /// Rounds in which all modes are followed anew, each without the others, at most, …
@@ -49,20 +51,21 @@ struct Other {
 
 /// The modes beside `mode` whose skirts reach into its band; none where there are none, or none can be followed.
 pub(super) fn others(x: &[f64], mode: &Isolated, gate: &Gate, options: &Options) -> Option<Others> {
-    let own = mode.continued(gate)?;
+    let own = alone(x, mode, gate, options)?;
     let rest = without(x, &own, gate.begin);
     let peaks = peaks(&rest, mode, &own, gate);
     let of = |nearest| -> Vec<Band> {
         let all: Vec<SpectralPeak> = peaks.all.iter().copied().chain(nearest).collect();
-        peaks.reaching.iter().map(|p| band_among(&all, p, 0.5 / mode.dt)).collect()
+        let yields = |p: &SpectralPeak| peaks.level * p.height >= NEIGHBOUR;
+        peaks.reaching.iter().map(|p| band_among(&all, p, yields(p), 0.5 / mode.dt)).collect()
     };
     // Wide bands have a short memory, which the begin of the decay needs; but what is not known of a near mode yet stands in them, and keeps some from settling.
     let own_peak =
         SpectralPeak { frequency: mode.band.peak, height: f64::INFINITY, ..*peaks.reaching.first()? };
     let (wide, narrow) = (of(None), of(Some(own_peak)));
-    let first = separated(x, mode, gate, options, &wide);
-    let second = (wide != narrow).then(|| separated(x, mode, gate, options, &narrow));
-    let found = second.into_iter().flatten().chain(first).min_by(|a, b| a.left.total_cmp(&b.left))?;
+    let first = separated(x, (mode, &own), gate, options, &wide);
+    let second = (wide != narrow).then(|| separated(x, (mode, &own), gate, options, &narrow));
+    let found = second.into_iter().chain([first]).min_by(|a, b| a.left.total_cmp(&b.left))?;
     let sum = |n: usize| found.others.iter().map(|other| other.samples[n]).sum::<f64>();
     (!found.others.is_empty()).then(|| Others {
         samples: (0..x.len()).map(sum).collect(),
@@ -77,16 +80,25 @@ struct Separated {
     left: f64,
 }
 
+/// The mode as it is known before others are followed: continued to both ends of its decay. Curves through a sum of two modes next to each other would beat with it, so the
+/// smaller one is taken out as a linear mode before.
+fn alone(x: &[f64], mode: &Isolated, gate: &Gate, options: &Options) -> Option<Vec<f64>> {
+    let smaller = mode.smaller_of_two(gate);
+    let rest = smaller.map(|other| without(x, &other, gate.begin));
+    let again = rest.and_then(|rest| behind_filter(&rest, mode.dt, mode.band, options, None).ok());
+    again.and_then(|found| found.mode.continued(gate)).or_else(|| mode.continued(gate))
+}
+
 /// Follows the mode and others in bands of their own in turn, each in what the others leave.
 fn separated(
     x: &[f64],
-    mode: &Isolated,
+    (mode, own): (&Isolated, &[f64]),
     gate: &Gate,
     options: &Options,
     bands: &[Band],
-) -> Option<Separated> {
+) -> Separated {
     let dt = mode.dt;
-    let mut own = mode.continued(gate)?;
+    let mut own = own.to_vec();
     let mut rest = without(x, &own, gate.begin);
     let mut others: Vec<Other> = vec![];
     for band in bands {
@@ -114,7 +126,7 @@ fn separated(
             break;
         }
     }
-    Some(Separated { others, left })
+    Separated { others, left }
 }
 
 fn with(rest: &[f64], mode: &[f64]) -> Vec<f64> {
@@ -128,6 +140,8 @@ fn without(x: &[f64], mode: &[f64], begin: usize) -> Vec<f64> {
 
 /// Peaks of a record without the mode that is looked for.
 struct Peaks {
+    /// Amplitude of the highest over that of the mode.
+    level: f64,
     all: Vec<SpectralPeak>,
     /// Those that leave most behind the filter.
     reaching: Vec<SpectralPeak>,
@@ -146,7 +160,7 @@ fn peaks(rest: &[f64], mode: &Isolated, own: &[f64], gate: &Gate) -> Peaks {
     let mut reaching: Vec<SpectralPeak> = all.iter().filter(|p| left(p) > least(p)).copied().collect();
     reaching.sort_by(|a, b| left(b).total_cmp(&left(a)));
     reaching.truncate(MOST);
-    Peaks { all, reaching }
+    Peaks { level, all, reaching }
 }
 
 /// A mode in a band, where that takes something out of what is left.

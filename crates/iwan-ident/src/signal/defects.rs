@@ -1,4 +1,4 @@
-//! What a record may suffer from: clipped peaks, a tail that was cut off and filled up, noise.
+//! What a record may suffer from: clipped peaks, a tail that was cut off and filled up or holds nothing but noise, noise.
 
 use std::ops::Range;
 
@@ -7,6 +7,20 @@ use std::ops::Range;
 const CLIPPED_RUN: usize = 3;
 /// … in at least so many places: a digitised crest can be flat once.
 const CLIPPED_PLACES: usize = 2;
+
+/// Blocks in which the energy of a record is followed: a decay as short as the blocks are many lasts one of them.
+const BLOCKS: usize = 400;
+/// A tail is told from a decay where the loudest block has this many times its energy, 20 dB: below, the decay is not much more than the noise.
+const LOUD: f64 = 100.0;
+/// The decay is gone in the first of two blocks of less than this many times the tail's energy. Half of it is the tail itself, twice of it ends the decay
+/// a third of an e-fold earlier.
+const GONE: f64 = 2.0;
+/// A later block of this many times the tail's energy is no noise: the record is left as it is. Noise in a narrow band reaches it once in many thousand blocks.
+const ANEW: f64 = 20.0;
+/// So many times the length of the decay stay, so that noise is seen behind it.
+const STAYS: f64 = 1.5;
+/// What stays is at most this part of the record; of a longer decay spectra and curves see enough.
+const SHORT: f64 = 0.25;
 
 /// Coefficients of twelfth differences: they leave a millionth of a mode of twenty samples a cycle and a thousandth of one of ten, and enlarge noise 1,600 times.
 const DIFFERENCES: [f64; 13] =
@@ -57,6 +71,28 @@ pub(crate) fn stops_at(x: &[f64], longest: usize) -> Option<usize> {
     runs(x, longest.max(8)).find(|run| run.end > top + longest).map(|run| run.start)
 }
 
+/// Where a record may end whose decay is over in a small part of it: some noise behind the decay stays. The energy of blocks of at least `least` samples is
+/// followed. None where the decay fills a quarter of the record, where the tail is not quiet, or where nothing rises above it.
+pub(super) fn gone_by(x: &[f64], least: usize) -> Option<usize> {
+    let length = (x.len() / BLOCKS).max(least).max(8);
+    let energy = |block: &[f64]| {
+        let mean = block.iter().sum::<f64>() / block.len() as f64;
+        block.iter().map(|x| (x - mean).powi(2)).sum::<f64>()
+    };
+    let all: Vec<f64> = x.chunks_exact(length).map(energy).collect();
+    let mut tail = all[all.len() / 2..].to_vec();
+    let middle = tail.len() / 2;
+    (middle > 0).then_some(())?;
+    let floor = *tail.select_nth_unstable_by(middle, f64::total_cmp).1;
+    let loudest = (0..all.len()).max_by(|&i, &j| all[i].total_cmp(&all[j]))?;
+    (all[loudest] > LOUD * floor).then_some(())?;
+    let sunk = |pair: &[f64]| pair.iter().all(|e| *e < GONE * floor);
+    let gone = loudest + all[loudest..].windows(2).position(sunk)?;
+    let end = loudest + (STAYS * (gone - loudest) as f64).ceil() as usize + 1;
+    let quiet = all[gone..].iter().all(|e| *e < ANEW * floor);
+    (quiet && (end as f64) < SHORT * all.len() as f64).then_some(end * length)
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -92,6 +128,23 @@ mod tests {
         flat[9] = 1.5;
         assert_eq!(clipped_until(&flat), None);
         assert_eq!(clipped_until(&[0.0; 50]), None);
+    }
+
+    #[test]
+    fn a_short_decay_is_told_from_the_noise_behind_it() {
+        let mut random = iwan_core::SplitMix64::new(9);
+        let mut with = |rate: f64, second: f64| -> Vec<f64> {
+            let wave = |n: f64| if n < 0.0 { 0.0 } else { (-rate * n).exp() * (0.2 * n).sin() };
+            let at = |n: f64| wave(n - 500.0) + second * wave(n - 30_000.0);
+            (0..40_000).map(|n| at(f64::from(n)) + 0.01 * random.next_symmetric()).collect()
+        };
+        // From the sample 500 on the amplitude e^(-n/300) sinks to the noise of 0.0058 within 1,440 samples.
+        let end = gone_by(&with(1.0 / 300.0, 0.0), 64).unwrap();
+        assert!((2_000..3_500).contains(&end), "{end}");
+        assert_eq!(gone_by(&with(1.0 / 300.0, 0.5), 64), None);
+        assert_eq!(gone_by(&with(1e-4, 0.0), 64), None);
+        assert_eq!(gone_by(&with(1.0, 0.0)[600..], 64), None);
+        assert_eq!(gone_by(&[0.0; 100], 64), None);
     }
 
     #[test]

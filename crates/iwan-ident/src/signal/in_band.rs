@@ -2,12 +2,12 @@
 
 use std::ops::Range;
 
-use super::defects::{clipped_until, stops_at};
+use super::defects::{clipped_until, gone_by, stops_at};
 use super::filter::{Butterworth, Passband};
 use super::first_peak::first_of_the_largest;
 use super::isolated::Isolated;
 use super::raw::raw;
-use super::spectrum::{Band, automatic_band, given_band};
+use super::spectrum::{Band, automatic_band, given_band, goes_on};
 use super::transients::{Ends, Gate};
 use crate::error::{Error, check, check_dt, check_samples};
 
@@ -20,6 +20,9 @@ const SAMPLES: usize = 64;
 /// Samples between start and end of a window, at least: below, nothing could be fitted, and the remedy is another window and not
 /// a longer record.
 const LEAST_WINDOW: usize = 16;
+
+/// Cycles of the blocks in which the energy behind the filter is followed. A judgement: one is less than the filter remembers.
+const BLOCK: f64 = 2.0;
 
 /// How a mode is taken out of a record. `Options::default()` finds everything itself.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -52,7 +55,7 @@ pub(super) struct InBand {
 
 /// Takes what the band holds out of a record, whether it is one mode or more.
 ///
-/// In this order: samples are checked; a tail of equal samples is cut off; the window starts behind the last clipped
+/// In this order: samples are checked; a tail of equal samples is cut off, and a long one of noise; the window starts behind the last clipped
 /// sample; band and filter; trimming by the filter's memory; end at the noise; what the filter made of the mode's begin and end is taken
 /// off. Each step that finds something leaves a note.
 pub(super) fn in_band(x: &[f64], dt: f64, options: &Options) -> Result<InBand, Error> {
@@ -66,7 +69,15 @@ pub(super) fn in_band(x: &[f64], dt: f64, options: &Options) -> Result<InBand, E
         check_samples("record before its constant tail", &x[..end], SAMPLES, "record longer")?;
         band = self::band(&x[..end], dt, options)?;
     }
-    let x = &x[..end];
+    let mut x = &x[..end];
+    // A spectrum of the whole record sees little of a decay at its very begin, and all of the noise.
+    if let Some(gone) = gone_by(x, 1).filter(|gone| !goes_on(&x[*gone..], dt, band.peak)) {
+        let shorter = self::band(&x[..gone], dt, options);
+        if let Some(found) = shorter.ok().filter(|_| gone >= SAMPLES) {
+            notes.push(format!("behind {:.6} s there is nothing but noise: cut there", gone as f64 * dt));
+            (band, x) = (found, &x[..gone]);
+        }
+    }
     let automatic = if options.band.is_none() { " (automatic)" } else { "" };
     notes
         .push(format!("band {:.6} to {:.6} Hz{automatic}, peak at {:.6} Hz", band.low, band.high, band.peak));
@@ -83,7 +94,18 @@ pub(super) fn behind_filter(
 ) -> Result<InBand, Error> {
     let must_decay = notes.is_some();
     let mut notes = notes.unwrap_or_default();
-    let Filtered { samples, trim, bandwidth, filter } = filtered(x, dt, band, options)?;
+    let mut x = x;
+    let mut behind = filtered(x, dt, band, options)?;
+    let cycles = (BLOCK / (band.peak * dt)).ceil() as usize;
+    if let Some(gone) = gone_by(&behind.samples, cycles).filter(|gone| must_decay && *gone >= SAMPLES) {
+        notes.push(format!(
+            "behind {:.6} s there is nothing but noise in the band: cut there",
+            gone as f64 * dt
+        ));
+        x = &x[..gone];
+        behind = filtered(x, dt, band, options)?;
+    }
+    let Filtered { samples, trim, bandwidth, filter } = behind;
     let window = window(x, &samples, dt, trim, options, &mut notes)?;
     let mut mode = Isolated {
         raw: raw(&samples, &window, dt, band.peak),
@@ -114,6 +136,7 @@ pub(super) fn behind_filter(
 /// # Errors
 /// As [`isolate`](super::isolate).
 pub(crate) fn taken_as(mode: &Isolated, x: &[f64], options: &Options) -> Result<Isolated, Error> {
+    let x = &x[..x.len().min(mode.samples.len())];
     let Filtered { samples, trim, filter, .. } = filtered(x, mode.dt, mode.band, options)?;
     let raw = raw(&samples, &mode.window, mode.dt, mode.band.peak);
     let mut taken = Isolated { raw, samples, beside: None, ..mode.clone() };

@@ -2,12 +2,10 @@
 
 use std::ops::Range;
 
-use rustfft::num_complex::Complex64;
-
 use super::defects::clipped_until;
 use super::first_peak::{behind_the_blow, first_of_the_largest};
 use super::raw::{BEYOND, Raw, raw, widened};
-use super::spectrum::{Band, is_alone, strongest_line};
+use super::spectrum::{Band, is_alone};
 use super::transients::{Ends, Gate, Known};
 use crate::error::Error;
 use crate::smooth::{Points, Polynomial, Smooth};
@@ -34,14 +32,6 @@ const LEAST_SCATTER: f64 = 1e-12;
 /// The window ends where the amplitude falls to so many standard deviations of the noise in the band: there one value of
 /// ln A scatters by 20 %. Half and twice change nothing on the records tried down to 20 dB, which end before.
 const ABOVE_NOISE: f64 = 5.0;
-/// Relative residual that is noted when one spectral line makes most of it: damping beats by as much as the residual times
-/// the ratio of beat to decay. A judgement, …
-const NOTED: f64 = 0.01;
-/// … as is the one that is refused: there the instantaneous frequency of the sum is no longer that of a mode.
-const REFUSED: f64 = 0.1;
-/// Part of the residual's power in one line that makes it a component and not noise; a quarter and three quarters name the
-/// same components in the records tried (second modes of 3 to 50 %).
-const SHARE: f64 = 0.5;
 /// Highest degree of polynomials in time. On the Brake-Reuss record six degrees leave 6 % of damping at the start, twelve
 /// leave 3 %, and 24 allowed take twelve or thirteen.
 pub(crate) const MAX_ORDER: usize = 12;
@@ -276,37 +266,5 @@ impl Isolated {
         self.scatter = mean(&all[..quarter], &|s| s.square).sqrt().max(LEAST_SCATTER);
         self.noise = mean(&all[count - quarter..], &|s| s.square * s.amplitude * s.amplitude).sqrt();
         fit
-    }
-
-    /// Looks for a second spectral line in what the smooth envelope leaves over.
-    pub(super) fn refuse_second_line(&mut self) -> Result<(), Error> {
-        let raw = &self.raw;
-        let weight = vec![1.0; raw.t.len()];
-        let fits = [&raw.log_amplitude, &raw.phase]
-            .map(|y| Polynomial::fit(&self.points(&raw.t, y, &weight), None, MAX_ORDER));
-        let left: Vec<_> = (0..raw.t.len())
-            .map(|i| {
-                let [log, phase] = [&fits[0], &fits[1]].map(|fit| fit.at(raw.t[i]).value);
-                let ratio = Complex64::new(raw.log_amplitude[i] - log, raw.phase[i] - phase);
-                ratio.exp() - 1.0
-            })
-            .collect();
-        let rms = (left.iter().map(Complex64::norm_sqr).sum::<f64>() / left.len() as f64).sqrt();
-        let line = strongest_line(&left, raw.t[1] - raw.t[0]);
-        if rms < NOTED || line.share < SHARE {
-            return Ok(());
-        }
-        let finding = format!(
-            "a second component {:.3} Hz from {:.3} Hz is {:.1} % of the first: the envelope beats",
-            line.offset.abs(),
-            self.band.peak,
-            100.0 * line.relative
-        );
-        if rms < REFUSED {
-            self.notes.push(finding);
-            return Ok(());
-        }
-        let remedy = "narrow the band to one mode, or separate the modes by mode shapes (modal filter)";
-        Err(Error::Refused { finding, remedy })
     }
 }

@@ -14,8 +14,8 @@ mod raw;
 mod transients;
 mod isolated;
 mod in_band;
-mod beside;
 mod strangers;
+mod beside;
 mod isolate;
 mod envelope;
 

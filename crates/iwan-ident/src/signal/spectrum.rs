@@ -15,6 +15,13 @@ const REACH: (f64, f64) = (0.75, 1.3);
 const NEIGHBOUR: f64 = 0.03;
 /// and of this many times the median line, which noise alone does not reach, …
 const ABOVE_MEDIAN: f64 = 5.0;
+/// … nor more than so many times as far to one side as to a near neighbour on the other: a filter's skirts are as wide as its band, and let a neighbour through that is nearer than that. The
+/// first is for neighbours at 5 % and does nothing there; for nearer ones it falls in proportion to the distance, to the second. With twenty-five times modes 1 % apart were not
+/// separated, with twelve times the smaller of them was not, with 2.5 times both are. That is for neighbours of …
+const ASIDE: (f64, f64) = (12.5, 2.0);
+const FIVE_PER_CENT: f64 = 0.0247;
+/// … this part of the peak's height: friction that stops a mode makes ripples of some per cent beside its peak.
+pub(super) const STRONG: f64 = 0.1;
 /// … nor beyond this part of the Nyquist frequency, at which the bilinear transformation has no edge.
 const NYQUIST_PART: f64 = 0.95;
 /// A line of this part of the peak's height is another mode, and the record is compared in the band and not as it is: a mode of
@@ -23,6 +30,13 @@ const OTHER_MODE: f64 = 2e-4;
 /// … It is none where it lies this near to a multiple of the peak's frequency, relative to that: the harmonics of a mode whose frequency
 /// falls with amplitude are as wide as that.
 const HARMONIC: f64 = 0.03;
+/// A decay that goes on has its line within this part of the frequency, …
+const OWN: f64 = 0.01;
+/// … this many times above the median of the lines within the next part of it, which noise does not reach, …
+const ABOVE_NOISE: f64 = 7.0;
+const NOISE: f64 = 0.1;
+/// … and falls to this part from one half of the samples to the other: less is a line that somebody drives. Judgements, not varied.
+const FALLS: f64 = 0.9;
 /// A peak needs this many cycles in the record: below lie offset and drift.
 const CYCLES: f64 = 5.0;
 
@@ -35,6 +49,15 @@ pub struct Band {
     pub high: f64,
     /// Frequency of the highest spectral line within, Hz.
     pub peak: f64,
+}
+
+/// A peak beside another one.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Neighbour {
+    /// Hz.
+    pub(super) frequency: f64,
+    /// Whether it is high enough to be no ripple of the other one.
+    pub(super) is_strong: bool,
 }
 
 /// A line of an amplitude spectrum.
@@ -92,7 +115,7 @@ impl Spectrum {
     }
 
     /// Nearest peak on one side of line `k` that stands by itself: high enough, with a valley of half its height before.
-    fn neighbour(&self, k: usize, lines: impl Iterator<Item = usize>) -> Option<f64> {
+    fn neighbour(&self, k: usize, lines: impl Iterator<Item = usize>) -> Option<Neighbour> {
         let mut sorted = self.lines.clone();
         let middle = sorted.len() / 2;
         let median = *sorted.select_nth_unstable_by(middle, f64::total_cmp).1;
@@ -101,7 +124,8 @@ impl Spectrum {
         for i in lines {
             valley = valley.min(self.lines[i]);
             if self.lines[i] >= least && self.is_peak(i) && valley < 0.5 * self.lines[i] {
-                return Some(self.frequency(i));
+                let is_strong = self.lines[i] >= STRONG * self.lines[k];
+                return Some(Neighbour { frequency: self.frequency(i), is_strong });
             }
         }
         None
@@ -169,13 +193,29 @@ pub fn automatic_band(x: &[f64], dt: f64, near: Option<f64>) -> Result<Band, Err
     // A Hann-windowed line is four lines wide.
     let above = spectrum.neighbour(k, k + 2..spectrum.lines.len() - 1);
     let below = spectrum.neighbour(k, (1..k.saturating_sub(1)).rev());
-    let high = above.map_or(f64::INFINITY, |f| (f * peak).sqrt());
-    let low = below.map_or(0.0, |f| (f * peak).sqrt());
-    Ok(Band {
-        low: low.max(REACH.0 * peak),
-        high: high.min(REACH.1 * peak).min(NYQUIST_PART * nyquist),
-        peak,
-    })
+    Ok(Band::between((below, above), peak, nyquist))
+}
+
+impl Band {
+    /// The automatic band about a peak with neighbours below and above it. It reaches no farther to one side than a strong neighbour near on the other allows.
+    pub(super) fn between(
+        (below, above): (Option<Neighbour>, Option<Neighbour>),
+        peak: f64,
+        nyquist: f64,
+    ) -> Self {
+        let middle = |n: Neighbour| (n.frequency * peak).sqrt();
+        let low = below.map_or(0.0, middle).max(REACH.0 * peak);
+        let high = above.map_or(f64::INFINITY, middle).min(REACH.1 * peak).min(NYQUIST_PART * nyquist);
+        let reach = |neighbour: Option<Neighbour>, near: f64| {
+            let aside = ASIDE.0 * (near / (FIVE_PER_CENT * peak)).min(1.0);
+            neighbour.filter(|n| n.is_strong).map_or(f64::INFINITY, |_| aside.max(ASIDE.1) * near)
+        };
+        Self {
+            low: low.max(peak - reach(above, high - peak)),
+            high: high.min(peak + reach(below, peak - low)),
+            peak,
+        }
+    }
 }
 
 /// Whether no other line than the band's peak and its harmonics stands out of a record's spectrum.
@@ -228,6 +268,27 @@ pub(super) fn given_band(x: &[f64], dt: f64, low: f64, high: f64) -> Result<Band
         });
     }
     Ok(Band { low, high, peak })
+}
+
+/// Whether a line at this frequency (Hz) stands out of the noise in the first half of some samples, and is lower in the second: a decay that goes on.
+pub(super) fn goes_on(x: &[f64], dt: f64, frequency: f64) -> bool {
+    let halves = [&x[..x.len() / 2], &x[x.len() / 2..]];
+    if halves[0].len() < 16 {
+        return true;
+    }
+    let [first, second] = halves.map(|half| Spectrum::new(half, dt));
+    let around = |spectrum: &Spectrum, part: f64, least: usize| {
+        let (at, reach) = (frequency / spectrum.step, (part * frequency / spectrum.step).max(least as f64));
+        let last = spectrum.lines.len() - 1;
+        spectrum.lines[((at - reach).max(0.0) as usize).min(last)..=((at + reach) as usize).min(last)]
+            .to_vec()
+    };
+    let highest = |spectrum: &Spectrum| around(spectrum, OWN, 3).into_iter().fold(0.0, f64::max);
+    let mut near = around(&first, NOISE, 20);
+    let middle = near.len() / 2;
+    let noise = *near.select_nth_unstable_by(middle, f64::total_cmp).1;
+    let height = highest(&first);
+    height > ABOVE_NOISE * noise && highest(&second) < FALLS * height
 }
 
 /// The line that carries most of a complex residual.

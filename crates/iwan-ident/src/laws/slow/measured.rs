@@ -250,11 +250,16 @@ fn settle(frame: &Frame<'_>, start: DVector<f64>) -> Result<Measured, Error> {
         without_last(&(at.matrix / noise), &(at.gradient / noise), 2).ok_or_else(lost)?;
     let (rates, beginning) = frame.rates(&x);
     let end = decay(frame.grid, &rates, beginning, frame.windowed).end;
+    let span = (end.min(beginning.log), end.max(beginning.log));
+    // Curves that ran away from all amplitudes of the envelope are none.
+    if !(span.0 <= frame.grid.log(n - 1) && span.1 >= frame.grid.log(0)) {
+        return Err(lost());
+    }
     Ok(Measured {
         information: Information::new(matrix, &gradient, &x.rows(0, 2 * n).into_owned()),
         noise: noise.sqrt(),
         level,
-        span: (end.min(beginning.log), end.max(beginning.log)),
+        span,
         released: beginning.log.exp(),
     })
 }

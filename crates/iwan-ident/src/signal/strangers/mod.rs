@@ -1,6 +1,7 @@
-//! What stands in the band of a mode and is not of it: harmonics of a stronger mode, and the mains.
+//! What stands in the band of a mode and is not of it: a second mode, harmonics of a stronger one, and the mains.
 
 mod mains;
 mod intruders;
+mod second_line;
 
 pub use intruders::Intruder;

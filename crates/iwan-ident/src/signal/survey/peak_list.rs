@@ -2,7 +2,7 @@
 
 use super::ring::{RingSpectrum, Window, decay_rate};
 use crate::error::{Error, check};
-use crate::signal::spectrum::Band;
+use crate::signal::spectrum::{Band, Neighbour, STRONG};
 
 /// A peak stands out of the noise when its amplitude is this many times the median of it around: of a million lines of noise the highest
 /// reaches 4.5 times, and a median of some tens of independent lines is a fifth off.
@@ -27,12 +27,8 @@ const FAR: f64 = 1.2;
 const BESIDE: f64 = 0.03;
 /// … and this many times lower, is a part of it where a mode is asked for.
 const LOWER: f64 = 10.0;
-/// The band reaches from 0.75 to 1.3 times the peak, …
-const REACH: (f64, f64) = (0.75, 1.3);
-/// … up to the geometric mean with a neighbour of this part of its height, …
+/// The band reaches up to the geometric mean with a neighbour of this part of the peak's height, as the automatic band does.
 const NEIGHBOUR: f64 = 0.03;
-/// … and to this part of the Nyquist frequency: as the automatic band does.
-const NYQUIST_PART: f64 = 0.95;
 
 /// A peak of a ring-down's spectrum.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -173,19 +169,25 @@ pub fn band_near(channels: &[&[f64]], dt: f64, near: f64) -> Result<Band, Error>
         });
     };
     let others: Vec<SpectralPeak> = peaks.iter().filter(|p| !shadowed(p)).copied().collect();
-    Ok(band_among(&others, mode, nyquist))
+    Ok(band_among(&others, mode, true, nyquist))
 }
 
-/// The band around one of some peaks.
-pub(in crate::signal) fn band_among(peaks: &[SpectralPeak], mode: &SpectralPeak, nyquist: f64) -> Band {
+/// The band around one of some peaks, narrow where it `yields` to a near neighbour.
+pub(in crate::signal) fn band_among(
+    peaks: &[SpectralPeak],
+    mode: &SpectralPeak,
+    yields: bool,
+    nyquist: f64,
+) -> Band {
     let high_enough = |p: &&SpectralPeak| p.height >= NEIGHBOUR * mode.height;
     let nearest = |a: &&SpectralPeak, b: &&SpectralPeak| a.frequency.total_cmp(&b.frequency);
     let above = peaks.iter().filter(high_enough).filter(|p| p.frequency > mode.frequency).min_by(nearest);
     let below = peaks.iter().filter(high_enough).filter(|p| p.frequency < mode.frequency).max_by(nearest);
-    let middle = |p: &SpectralPeak| (p.frequency * mode.frequency).sqrt();
-    let low = below.map_or(0.0, middle).max(REACH.0 * mode.frequency);
-    let high = above.map_or(f64::INFINITY, middle).min(REACH.1 * mode.frequency).min(NYQUIST_PART * nyquist);
-    Band { low, high, peak: mode.frequency }
+    let next = [below, above].map(|p| {
+        let is_strong = |p: &SpectralPeak| yields && p.height >= STRONG * mode.height;
+        p.map(|p| Neighbour { frequency: p.frequency, is_strong: is_strong(p) })
+    });
+    Band::between((next[0], next[1]), mode.frequency, nyquist)
 }
 
 fn block_length(lines: usize) -> usize {
