@@ -70,6 +70,8 @@ struct Together {
     grid: Grid,
     information: Information,
     smooth: Smooth,
+    /// Its decay rates, none of which is nothing.
+    near: Vec<f64>,
     ladder: Ladder,
     scales: Scales,
     /// Places on the grid that the records saw.
@@ -278,7 +280,9 @@ fn together(grid: Grid, measured: &[Measured], sources: &[Source<'_>]) -> Option
         })
     };
     let cycles = curves.iter().flat_map(|c| c.displacement.iter().filter_map(next)).collect();
-    Some(Together { grid, information, smooth, ladder, scales, seen, cycles, scatter: (scatter, straying) })
+    let near = found.decay;
+    let scatter = (scatter, straying);
+    Some(Together { grid, information, smooth, near, ladder, scales, seen, cycles, scatter })
 }
 
 fn range(y: &[f64]) -> f64 {
@@ -291,7 +295,8 @@ impl Together {
     fn laws(&self, iwan: Option<&Parameters>) -> Vec<FittedLaw> {
         let (amplitudes, smooth) = (self.grid.amplitudes(), self.seen_curves());
         let one = |law: &Candidate| {
-            let problem = Problem::new(law.terms, self.scales, &amplitudes, &self.information, &smooth);
+            let problem =
+                Problem::new(law.terms, self.scales, &amplitudes, &self.information, &self.near, &smooth);
             let more: Vec<Vec<f64>> = match law.terms {
                 [Term::Iwan, beside @ ..] => {
                     iwan.and_then(|p| self.scales.of_iwan(p, beside)).into_iter().collect()

@@ -20,6 +20,20 @@ const HELD: f64 = 1e12;
 /// Relative reduction of the sum of squares at which a first search ends.
 const FIRST_TOLERANCE: f64 = 1e-4;
 
+/// Logarithm of a law's decay rate over that of the curves up to which their difference counts as it is, as records tell it. Beyond, where a law misses them, its logarithm counts: a
+/// discrepancy is a factor, and what is too large by a factor is as wrong as what is too small by it. Differences relative to the curves drew laws to where curves have least damping:
+/// a linear mode to 4e-5 between curves of 4e-5 and 3e-4.
+const AS_TOLD: f64 = 0.2;
+
+/// Least decay rate of a law in parts of that of the curves, for its logarithm.
+const LEAST_DECAY: f64 = 1e-6;
+
+/// A decay rate that is off by the logarithm `away`, relative to that of the curves less one.
+fn off(away: f64) -> f64 {
+    let inside = away.clamp(-AS_TOLD, AS_TOLD);
+    inside.exp_m1() + inside.exp() * (away - inside)
+}
+
 /// A law before its parameters are known.
 #[derive(Debug, Clone)]
 pub(super) struct Problem<'a> {
@@ -27,6 +41,8 @@ pub(super) struct Problem<'a> {
     pub(super) scales: Scales,
     pub(super) amplitudes: &'a [f64],
     pub(super) information: &'a Information,
+    /// Decay rates of the curves at all amplitudes, about which discrepancies are factors.
+    pub(super) decay: &'a [f64],
     /// Places among the amplitudes that the records saw, with ln λ and ω there by smooth curves.
     pub(super) smooth: &'a [(usize, f64, f64)],
     pub(super) coordinates: Vec<Coordinate>,
@@ -73,9 +89,10 @@ impl<'a> Problem<'a> {
         scales: Scales,
         amplitudes: &'a [f64],
         information: &'a Information,
+        decay: &'a [f64],
         smooth: &'a [(usize, f64, f64)],
     ) -> Self {
-        Self { terms, scales, amplitudes, information, smooth, coordinates: coordinates(terms) }
+        Self { terms, scales, amplitudes, information, decay, smooth, coordinates: coordinates(terms) }
     }
 
     /// Knees worth trying, as coordinates: from below the smallest amplitude to far above the largest, where there is none.
@@ -91,8 +108,13 @@ impl<'a> Problem<'a> {
         let mode = self.scales.mode(self.terms, x)?;
         let rates = mode.rates(self.amplitudes).ok()?;
         let n = rates.len();
-        let curves =
-            DVector::from_iterator(2 * n, rates.iter().map(|r| r.decay).chain(rates.iter().map(|r| r.omega)));
+        // A law that drives the mode somewhere is as far off as one that hardly damps it.
+        let least = |near: f64| LEAST_DECAY * near;
+        let decay = rates
+            .iter()
+            .zip(self.decay)
+            .map(|(r, near)| near * (1.0 + off((r.decay.max(least(*near)) / near).ln())));
+        let curves = DVector::from_iterator(2 * n, decay.chain(rates.iter().map(|r| r.omega)));
         Some(&self.information.target - &self.information.factor * curves)
     }
 
