@@ -106,6 +106,14 @@ impl Failure {
         Self::input(message, remedy).of(error.its_kind())
     }
 
+    /// The same with another way out.
+    pub(crate) fn or(mut self, other: &str) -> Self {
+        if let Self::Input { remedy, .. } = &mut self {
+            *remedy = format!("{remedy}; or {other}");
+        }
+        self
+    }
+
     /// A record that could not be read: bad input, but for memory that is lacking.
     pub(crate) fn read(place: &str, error: &ReadError) -> Self {
         match error {

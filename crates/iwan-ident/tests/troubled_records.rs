@@ -211,7 +211,17 @@ fn silence_noise_and_steady_vibration_are_refused() {
     let refused = |x: &[f64]| envelope(x, DT, Method::Hilbert, &Options::default()).unwrap_err().to_string();
     assert!(refused(&vec![0.0; 4096]).contains("no spectral peak"));
     let steady = record(|t| (OMEGA * t).sin() * (1.0 + 0.01 * t));
-    assert!(!refused(&steady).is_empty());
+    assert!(refused(&steady).contains("does not decay"), "{}", refused(&steady));
+    // A tone that falls by half a per cent.
+    let driven = found(&record(|t| (OMEGA * t).sin() * (1.0 - 0.0025 * t)));
+    assert!(
+        driven.notes.iter().any(|n| n.contains("falls by 0.") && n.contains("driven")),
+        "{:?}",
+        driven.notes
+    );
+    // Eleven cycles, of which the filter takes nine.
+    let few: Vec<f64> = (0..563).map(|n| decay(f64::from(n) * DT)).collect();
+    assert!(refused(&few).contains("cycles of the mode behind its largest amplitude"), "{}", refused(&few));
     let mut random = noise(3);
     let x: Vec<f64> = (0..8192).map(|_| random()).collect();
     assert!(!refused(&x).is_empty());

@@ -37,7 +37,15 @@ impl Extraction {
         let modal = &wanted.records[record];
         let recording = &recordings[modal.source];
         let place = format!("{}, {}", recording.name, wanted.name);
-        let said = |e: iwan_ident::Error| Failure::said(&place, &e);
+        let said = |e: iwan_ident::Error| {
+            let failure = Failure::said(&place, &e);
+            let alone = recordings.len() == 1;
+            if alone {
+                failure
+            } else {
+                failure.or("leave it out: name the others, hits of a file with --hits")
+            }
+        };
         let dt = recording.record.dt();
         let isolated = isolate(&modal.samples, dt, &wanted.options).map_err(said)?;
         let mut opinions = isolated.opinions(None);

@@ -5,7 +5,7 @@ use std::ops::Range;
 use super::defects::{clipped_until, gone_by, stops_at};
 use super::filter::{Butterworth, Passband};
 use super::first_peak::first_of_the_largest;
-use super::isolated::Isolated;
+use super::isolated::{CYCLES, Isolated};
 use super::raw::raw;
 use super::spectrum::{Band, automatic_band, given_band, goes_on};
 use super::transients::{Ends, Gate};
@@ -106,7 +106,7 @@ pub(super) fn behind_filter(
         behind = filtered(x, dt, band, options)?;
     }
     let Filtered { samples, trim, bandwidth, filter } = behind;
-    let window = window(x, &samples, dt, trim, options, &mut notes)?;
+    let window = window(x, &samples, (dt, band.peak), trim, options, &mut notes)?;
     let mut mode = Isolated {
         raw: raw(&samples, &window, dt, band.peak),
         samples,
@@ -182,7 +182,7 @@ fn filtered(x: &[f64], dt: f64, band: Band, options: &Options) -> Result<Filtere
 fn window(
     x: &[f64],
     samples: &[f64],
-    dt: f64,
+    (dt, peak): (f64, f64),
     trim: usize,
     options: &Options,
     notes: &mut Vec<String>,
@@ -191,6 +191,15 @@ fn window(
     // At the last samples a filter shows its own end.
     let top = first_of_the_largest(samples[..n.saturating_sub(trim).max(1)].iter().map(|x| x.abs()));
     let mut start = if options.filter_order == 0 && options.window.is_some() { 0 } else { top + trim };
+    let cycles = |samples: usize| (samples as f64 * dt * peak) as usize;
+    if options.window.is_none() && start + LEAST_WINDOW > n.saturating_sub(trim) && 2 * top < n {
+        return Err(Error::TooShort {
+            what: "cycles of the mode behind its largest amplitude, of which the filter of its band takes most",
+            found: cycles(n - top),
+            needed: cycles(2 * trim) + CYCLES,
+            remedy: "record longer, or choose a wider band (--band) where other modes leave room for it",
+        });
+    }
     if let Some(clipped) = clipped_until(x) {
         let seconds = clipped as f64 * dt;
         notes.push(format!("clipped up to {seconds:.6} s: the window starts behind it"));

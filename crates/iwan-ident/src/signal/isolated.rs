@@ -12,7 +12,7 @@ use crate::smooth::{Points, Polynomial, Smooth};
 
 /// The window needs so many cycles: an envelope by polynomials has then some thirty values for three coefficients and more.
 /// Fewer are refused.
-const CYCLES: usize = 8;
+pub(super) const CYCLES: usize = 8;
 /// … and so many values of amplitude and phase: four a cycle, less those of the three cycles that are trimmed.
 const VALUES: usize = 4 * CYCLES - 12;
 /// Times that the window is cut where the mode sinks into noise, each time with the noise estimated anew; one, two and
@@ -27,6 +27,8 @@ const LEAST_BLOCK: usize = 20;
 /// Root mean square of the phase's second differences, rad at four values a cycle, from which on there counts noise alone. An estimate for a
 /// mode about as loud as the noise in its band; not varied.
 const WANDERING: f64 = 0.6;
+/// An amplitude that falls by less than this part over the window is that of a tone that somebody drives, or of a record too short to tell its damping. A judgement.
+const HARDLY: f64 = 0.02;
 /// Least relative scatter of an amplitude: that of rounding.
 const LEAST_SCATTER: f64 = 1e-12;
 /// The window ends where the amplitude falls to so many standard deviations of the noise in the band: there one value of
@@ -209,6 +211,13 @@ impl Isolated {
                 ),
                 remedy: "choose a window in free decay, or another band",
             });
+        }
+        let lost = 1.0 - (ends[1] - ends[0]).exp();
+        if must_decay && lost < HARDLY {
+            self.notes.push(format!(
+                "the amplitude falls by {:.2} % in all: a tone that is driven, or a record too short to tell its damping",
+                100.0 * lost
+            ));
         }
         Ok(())
     }
