@@ -17,4 +17,4 @@ pub use certainty::Certainty;
 pub(crate) use linear::Linear;
 pub(crate) use search::left_over;
 pub use search::{Fitted, fit};
-pub(crate) use worth::{WORTH, pruned, twins, worth};
+pub(crate) use worth::{least_worth, pruned, twins, worth};

@@ -3,7 +3,7 @@
 
 use super::residue_peak::strongest_peak;
 use crate::error::{Error, check};
-use crate::fit::{Band, Fitted, Linear, WORTH, left_over, twins, worth};
+use crate::fit::{Band, Fitted, Linear, least_worth, left_over, twins, worth};
 use crate::number::Complex;
 use crate::responses::FrequencyResponses;
 
@@ -54,7 +54,8 @@ pub(crate) fn isolation(band: &Band, mut poles: Vec<Complex>, most: usize) -> Re
         let mut more = poles.clone();
         more.push(peak.pole);
         let Ok((fitted, found)) = Fitted::rough(band, &more) else { continue };
-        if worth(&linear, &found, &fitted.noise) < WORTH || !twins(&fitted.poles, &fitted.residues).is_empty()
+        if worth(&linear, &found, &fitted.noise) < least_worth(band)
+            || !twins(&fitted.poles, &fitted.residues).is_empty()
         {
             continue;
         }
