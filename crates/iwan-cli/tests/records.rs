@@ -92,6 +92,11 @@ fn several_hits_are_several_records() {
     let starts = modes.iter().map(|m| m["window"][0].as_f64().unwrap());
     assert!(starts.zip([0.25, 2.25, 4.25]).all(|(from, at)| from > at && from < at + 0.5), "{summary}");
     assert!(summary["warnings"].to_string().contains("3 hits"), "{summary}");
+    // What is said of the file is said once.
+    let told = iwan(place.path(), "fit hits.csv --out fit --threads 2");
+    assert_eq!(String::from_utf8_lossy(&told.stderr).matches("3 hits, at").count(), 1, "{}", shown(&told));
+    let refused_with_others = ["hit 1, mode 1", "0.25", "one hit of a file with --hits N"];
+    refused(place.path(), "envelope hits.csv --window 0.9:0.95", &refused_with_others);
     let summary = run(place.path(), "hits.csv --hits 2 --out two");
     assert_eq!(summary["modes"].as_array().unwrap().len(), 1);
     assert!(summary["modes"][0]["window"][0].as_f64().unwrap() > 2.25);

@@ -43,7 +43,7 @@ impl Extraction {
             if alone {
                 failure
             } else {
-                failure.or("leave it out: name the others, hits of a file with --hits")
+                failure.or("leave it out: name the other files, or one hit of a file with --hits N")
             }
         };
         let dt = recording.record.dt();

@@ -56,7 +56,13 @@ fn stretches(mut recording: Recording, wanted: Hits) -> Result<Vec<Recording>, F
         found.len(),
         times.join(", ")
     ));
-    chosen.into_iter().map(|(n, hit)| cut(&recording, n, hit)).collect()
+    // What is said of the file is said once, with its first hit.
+    let mut cuts =
+        chosen.into_iter().map(|(n, hit)| cut(&recording, n, hit)).collect::<Result<Vec<_>, _>>()?;
+    if let Some(first) = cuts.first_mut() {
+        first.warnings = recording.warnings;
+    }
+    Ok(cuts)
 }
 
 /// What disturbs a record that begins at `start`, with what to do about it; none for what every fit looks after itself.
@@ -82,7 +88,7 @@ fn cut(recording: &Recording, n: usize, hit: &Hit) -> Result<Recording, Failure>
     let ends = (record.time(hit.samples.start), record.time(hit.samples.end - 1));
     let name = format!("{}, hit {}", recording.name, n + 1);
     let cut = record.between(Some(ends.0), Some(ends.1)).map_err(|e| Failure::said(&name, &e))?;
-    Ok(Recording { name, record: cut, quantity: recording.quantity, warnings: recording.warnings.clone() })
+    Ok(Recording { name, record: cut, quantity: recording.quantity, warnings: Vec::new() })
 }
 
 /// Largest magnitude.
