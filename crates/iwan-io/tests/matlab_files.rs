@@ -260,6 +260,21 @@ fn texts_empty_arrays_and_arrays_of_any_shape_of_level_7_3_are_told_apart() {
     assert!(refused.contains("d.cube: an array of 3 dimensions cannot be read"), "{refused}");
 }
 
+/// The class of a text was known only where the file left no room behind its name, and the text was taken for numbers.
+#[test]
+fn classes_of_level_7_3_are_known_whatever_room_is_left_for_them() {
+    for room in [4, 5, 32] {
+        let mut file = FileBuilder::new();
+        file.create_dataset("t").with_f64_data(&times(20)).with_shape(&[1, 20]);
+        file.create_dataset("a").with_f64_data(&wave(20)).with_shape(&[1, 20]);
+        let unit = file.create_dataset("unit").with_u16_data(&[u16::from(b'm'), u16::from(b'm')]);
+        let class = AttrValue::ascii_string_sized("char", room).unwrap();
+        unit.with_shape(&[2, 1]).set_attr("MATLAB_class", class);
+        let record = read(&behind_matlabs_header(file));
+        assert_eq!((record.names(), record.unit()), (&["a".to_string()][..], "mm"), "{room}");
+    }
+}
+
 /// Level 7.3 keeps each field of a struct array as references to the elements.
 #[test]
 fn elements_of_structs_and_cells_of_level_7_3_are_called_as_in_matlab() {
