@@ -285,6 +285,20 @@ fn times_must_be_several_finite_numbers() {
     );
 }
 
+/// A clock that stands still was said to stutter at infinitely many samples a second on average.
+#[test]
+fn a_clock_that_stands_still_is_named() {
+    let text = "t,a\n1,1\n1,2\n1,3\n";
+    for resample in [false, true] {
+        let options = ReadOptions { resample, ..Default::default() };
+        let message = read_with(text.as_bytes(), &options).unwrap_err().to_string();
+        assert!(message.contains("'t': found 1 s at all 3 samples"), "{message}");
+        assert!(message.contains("--rate HZ") && !message.contains("inf"), "{message}");
+    }
+    let rated = ReadOptions { rate: Some(4.0), ..Default::default() };
+    assert_eq!(read_with(text.as_bytes(), &rated).unwrap().dt(), 0.25);
+}
+
 #[test]
 fn two_samples_are_resampled_along_a_line() {
     let options = ReadOptions { resample: true, ..Default::default() };
