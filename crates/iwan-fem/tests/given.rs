@@ -8,8 +8,8 @@ use iwan_core::{Jenkins, Pulse};
 use iwan_fem::mesh::Mesh;
 use iwan_fem::mesh::beam::Configuration;
 use iwan_fem::{
-    Basis, Given, Interface, Joint, Law, Limit, Material, Patch, Representation, Row, Structure, Symmetric,
-    Transient, paper,
+    Assembled, Basis, Given, Interface, Joint, Law, Limit, Material, NamedModes, Patch, Recovered,
+    RelativeSlip, Representation, Row, SlipGroup, SlipStatics, Structure, Symmetric, Transient, paper,
 };
 
 /// The paper's beam, and the same with its matrices in place of its elements.
@@ -272,4 +272,235 @@ fn more_modes_than_the_mass_moves_are_refused() {
     let assembled = structure.assemble().unwrap();
     let error = assembled.modes(Limit::Stuck, 30).unwrap_err().to_string();
     assert!(error.contains("modes") && error.contains(';'), "{error}");
+}
+
+/// The same masses and springs with the joint as a row of relative displacements, and node 9 moving along y as half of node 5 and twice
+/// itself along x.
+fn pair_by_rows() -> Structure {
+    let mut structure = pair();
+    let law = structure.joints.remove(0).slips.remove(0).law;
+    let given = structure.given.as_mut().unwrap();
+    given.relative =
+        vec![RelativeSlip { name: "bolt".into(), terms: vec![(0, -1.0), (1, 1.0)], law, to_ground: false }];
+    given.recovered = vec![Recovered { node: 1, axis: 1, terms: vec![(0, 0.5), (1, 2.0)] }];
+    structure
+}
+
+#[test]
+fn a_joint_between_rows_is_the_joint_between_their_nodes() {
+    let structure = pair_by_rows();
+    assert_eq!(structure.check().message(), None);
+    let assembled = structure.assemble().unwrap();
+    assert_eq!(assembled.slips()[0].name, "bolt");
+    for (limit, k) in [(Limit::Stuck, 900.0), (Limit::Slipping, 0.0)] {
+        let modes = assembled.modes(limit, 2).unwrap();
+        for (found, expected) in modes.frequencies().iter().zip(two_masses([800.0, 500.0, k], [2.0, 3.0])) {
+            assert!((found / expected - 1.0).abs() < 1e-12, "{limit:?} {found} {expected}");
+        }
+        // The slip is what the row says of the displacements, and a combination of rows reads them.
+        let apart = assembled.combination(&[(0, -1.0), (1, 1.0)]).unwrap();
+        for index in 0..2 {
+            let (shape, u) = (modes.shape(index), assembled.displacements(modes.shape(index)));
+            assert!((shape[assembled.slips()[0].unknown] - (u[3] - u[0])).abs() < 1e-14, "{u:?}");
+            assert!((dot(&apart, shape) - (u[3] - u[0])).abs() < 1e-14, "{u:?}");
+            assert!((u[4] - (0.5 * u[0] + 2.0 * u[3])).abs() < 1e-14, "{u:?}");
+        }
+    }
+    let words = format!("{:?}", structure.given.unwrap().relative);
+    assert!(words.contains("bolt") && words.contains("(1, 1.0)"), "{words}");
+}
+
+fn dot(a: &[f64], b: &[f64]) -> f64 {
+    a.iter().zip(b).map(|(a, b)| a * b).sum()
+}
+
+#[test]
+fn rows_that_no_joint_and_no_recovery_has_are_refused() {
+    let refused = |change: &dyn Fn(&mut Given)| {
+        let mut structure = pair_by_rows();
+        change(structure.given.as_mut().unwrap());
+        structure.assemble().unwrap_err().to_string()
+    };
+    for terms in [vec![(0, 1.0), (7, -1.0)], vec![(0, 0.0)], vec![(0, f64::NAN)], Vec::new()] {
+        let message = refused(&|given| given.relative[0].terms = terms.clone());
+        assert!(
+            message.starts_with("joint `bolt`: its row is all 0, has a column without a row, or a number"),
+            "{message}"
+        );
+    }
+    let message = refused(&|given| given.recovered[0].terms = vec![(2, 1.0)]);
+    assert!(message.starts_with("the recovery matrix: it has a column without a row"), "{message}");
+    let assembled = pair_by_rows().assemble().unwrap();
+    let message = assembled.combination(&[(2, 1.0)]).unwrap_err().to_string();
+    assert!(message.contains("there is no row 3 among 2; name rows of the matrices"), "{message}");
+    let message = assembled.combination(&[(0, f64::NAN)]).unwrap_err().to_string();
+    assert!(message.contains("coefficient = NaN is out of range"), "{message}");
+    let message = paper::structure(Configuration::A, 1).unwrap().assemble().unwrap().combination(&[(0, 1.0)]);
+    assert!(message.unwrap_err().to_string().contains("the structure has elements, and no given matrices"));
+}
+
+/// A relative displacement does not change where everything moves as one, but for one to the ground.
+#[test]
+fn a_sign_that_is_turned_in_a_row_is_found() {
+    let mut structure = pair_by_rows();
+    structure.given.as_mut().unwrap().relative[0].terms[0].1 = 1.0;
+    let message = structure.check().message().unwrap();
+    assert!(
+        message
+            .contains("joint `bolt`: moving everything by 1 along x moves its relative displacement by 2e0"),
+        "{message}"
+    );
+    structure.given.as_mut().unwrap().relative[0].to_ground = true;
+    assert_eq!(structure.check().message(), None);
+    // Then 900 x is added to both masses at once: K = [1700 900; 900 1400].
+    let modes = structure.assemble().unwrap().modes(Limit::Stuck, 2).unwrap();
+    for (found, expected) in modes.frequencies().iter().zip(two_masses([800.0, 500.0, 900.0], [2.0, 3.0])) {
+        assert!((found / expected - 1.0).abs() < 1e-12, "{found} {expected}");
+    }
+}
+
+/// Masses 2 and 3 pull with their own inertia where the base is accelerated; no row moves along y.
+#[test]
+fn a_base_pulls_at_every_mass() {
+    for structure in [pair(), pair_by_rows()] {
+        let assembled = structure.assemble().unwrap();
+        let modes = assembled.modes(Limit::Stuck, 2).unwrap();
+        let force = assembled.base_force([1.5, 0.0, 0.0]).unwrap();
+        for index in 0..2 {
+            let u = assembled.displacements(modes.shape(index));
+            let expected = -1.5 * (2.0 * u[0] + 3.0 * u[3]);
+            assert!((dot(&force, modes.shape(index)) - expected).abs() < 1e-13, "{expected}");
+        }
+        assert!(assembled.base_force([0.0, 1.0, 0.0]).unwrap().iter().all(|f| *f == 0.0));
+        for (direction, words) in [
+            ([0.0; 3], "length of the direction = 0 is out of range: must be > 0"),
+            ([1.0, f64::NAN, 0.0], "direction = NaN is out of range: must be finite"),
+        ] {
+            let message = assembled.base_force(direction).unwrap_err().to_string();
+            assert_eq!(message, words);
+        }
+    }
+}
+
+/// x_2 = x_1 + 0.3 q, beside a rotation: M ι is the first column of the mass, and a rotation does not see the base.
+#[test]
+fn generalised_coordinates_feel_the_base_by_their_mass() {
+    let mut structure = pair();
+    structure.joints.clear();
+    let given = structure.given.as_mut().unwrap();
+    given.rows =
+        vec![Row::Displacement { node: 0, axis: 0 }, Row::Generalised, Row::Rotation { node: 1, axis: 2 }];
+    let lower = |a: f64, b: f64, c: f64| vec![(0, 0, a + b), (1, 0, 0.3 * b), (1, 1, 0.09 * b), (2, 2, c)];
+    given.stiffness = Symmetric::from_lower(3, lower(800.0, 500.0, 90.0));
+    given.mass = Symmetric::from_lower(3, lower(2.0, 3.0, 1.0));
+    let force = structure.assemble().unwrap().base_force([1.0, 0.0, 0.0]).unwrap();
+    let mut sorted = force.clone();
+    sorted.sort_by(f64::total_cmp);
+    for (found, expected) in sorted.iter().zip([-5.0, -0.9, 0.0]) {
+        assert!((found - expected).abs() < 1e-14, "{force:?}");
+    }
+}
+
+/// Flexibility of the two masses with the joint stuck: the inverse of [1700 -900; -900 1400].
+const FLEXIBILITY: [[f64; 2]; 2] = [[1400.0 / 1.57e6, 900.0 / 1.57e6], [900.0 / 1.57e6, 1700.0 / 1.57e6]];
+
+fn force_on_the_first(assembled: &Assembled) -> Vec<f64> {
+    assembled.combination(&[(0, 1.0)]).unwrap()
+}
+
+/// What few modes leave out of a slip under static forces is the whole of it without their part, and nothing is left out by all.
+#[test]
+fn compliance_is_what_the_modes_leave_out() {
+    let structure = pair_by_rows();
+    let named = NamedModes::new(&structure, 2).unwrap();
+    let flexibility = named.slip_flexibility(force_on_the_first(&named.assembled)).unwrap();
+    let [[a, b], [_, c]] = FLEXIBILITY;
+    let (slip, at_force) = (a - 2.0 * b + c, b - a);
+    let whole = flexibility.beside(&[]);
+    assert!((whole.compliance[0][0] / slip - 1.0).abs() < 1e-9, "{whole:?}");
+    assert!((whole.at_force[0] / at_force - 1.0).abs() < 1e-9, "{whole:?}");
+    assert!(whole.participation[0].is_empty());
+    let first = flexibility.beside(&named.elastic[..1]);
+    let omega = std::f64::consts::TAU * named.frequency_stuck(&named.elastic[0]);
+    let own = first.participation[0][0].powi(2) / omega.powi(2);
+    assert!((first.compliance[0][0] / (slip - own) - 1.0).abs() < 1e-9, "{first:?}");
+    let all = flexibility.beside(&named.elastic);
+    assert!(all.compliance[0][0].abs() < 1e-9 * slip && all.at_force[0].abs() < 1e-9 * slip, "{all:?}");
+    let message = named.slip_flexibility(vec![0.0; 3]).unwrap_err().to_string();
+    assert!(message.contains("the load has 3 entries, the structure has 2 unknowns"), "{message}");
+}
+
+/// Slips 0 and 1 are the two ends of one link, 2 hardly moves, 3 goes its own way.
+#[test]
+fn slips_that_move_alike_are_one() {
+    let statics = SlipStatics {
+        participation: vec![vec![1.0, 0.5], vec![-1.003, -0.5], vec![0.004, 0.0], vec![0.3, 0.1]],
+        compliance: vec![
+            vec![4.0, -1.0, 0.0, 0.5],
+            vec![-1.0, 2.0, 0.0, 0.25],
+            vec![0.0; 4],
+            vec![0.5, 0.25, 0.0, 3.0],
+        ],
+        at_force: vec![0.2, -0.4, 0.0, 0.7],
+    };
+    let (groups, stuck) = statics.groups(&[0, 1, 2, 3], &|_, _| true);
+    let [link, other] = [vec![(0, 1.0), (1, -1.0)], vec![(3, 1.0)]].map(|members| SlipGroup { members });
+    assert_eq!((groups.as_slice(), stuck.as_slice()), ([link, other].as_slice(), [2].as_slice()));
+    let joined = statics.of_groups(&groups);
+    // Means with signs: (4 + 1 + 1 + 2)/4 among the two ends, (0.5 - 0.25)/2 to the third.
+    assert_eq!(joined.compliance, [[2.0, 0.125], [0.125, 3.0]]);
+    assert!((joined.participation[0][0] - 1.0015).abs() < 1e-15 && joined.participation[0][1] == 0.5);
+    assert!((joined.at_force[0] - 0.3).abs() < 1e-15 && joined.at_force[1] == 0.7);
+    // Other laws are other joints, however alike they move.
+    assert_eq!(statics.groups(&[0, 1], &|_, _| false).0.len(), 2);
+}
+
+/// Receptances of the coordinates, summed, are those of the two masses: the inverse of K - ω² M with the joint stuck.
+#[test]
+fn steady_coordinates_have_the_receptance_of_the_closed_form() {
+    let structure = pair_by_rows();
+    let assembled = structure.assemble().unwrap();
+    let reduced = assembled.reduce(2, Basis::default()).unwrap().with_damping(|_| 0.02).unwrap();
+    let [load, output] = [0, 1].map(|row| assembled.combination(&[(row, 1.0)]).unwrap());
+    let model = reduced.steady_model(&load, &output).unwrap();
+    assert!(model.coordinates.iter().all(|c| (c.damping_ratio - 0.02).abs() < 1e-15), "{model:?}");
+    for omega in [0.0_f64, 3.0, 17.0, 60.0] {
+        let at = |c: &iwan_fem::SteadyCoordinate| c.at_force / (c.omega.powi(2) - omega.powi(2));
+        let found: f64 = model.coordinates.iter().map(|c| at(c) * c.at_output).sum();
+        let (a, b) = (1700.0 - 2.0 * omega.powi(2), 1400.0 - 3.0 * omega.powi(2));
+        let expected = 900.0 / (a * b - 900.0 * 900.0);
+        assert!((found / expected - 1.0).abs() < 1e-10, "{omega}: {found} {expected}");
+        let slip: f64 =
+            model.coordinates.iter().zip(&model.slips[0].participation).map(|(c, b)| at(c) * b).sum();
+        let expected = (900.0 - b) / (a * b - 900.0 * 900.0);
+        assert!((slip / expected - 1.0).abs() < 1e-10, "{omega}: {slip} {expected}");
+    }
+    assert!(format!("{:?}", model.slips[0]).contains("bolt"));
+    let message = reduced.steady_model(&load, &[0.0]).unwrap_err().to_string();
+    assert!(message.contains("a load or output has 1 entries, the structure has 2 unknowns"), "{message}");
+    let heavy = {
+        let mut structure = pair_by_rows();
+        structure.given.as_mut().unwrap().damping = Some(Symmetric::diagonal(vec![300.0, 300.0]));
+        structure
+    };
+    let assembled = heavy.assemble().unwrap();
+    let message = assembled.reduce(2, Basis::default()).unwrap().steady_model(&load, &output).unwrap_err();
+    assert!(message.to_string().contains("modal damping ratio"), "{message}");
+}
+
+/// C = [4 -2; -2 9] in the modes of two masses that nothing connects: 2/√(4·9) of their own.
+#[test]
+fn damping_that_couples_modes_is_told() {
+    let mut structure = pair();
+    structure.joints.clear();
+    let given = structure.given.as_mut().unwrap();
+    given.damping = Some(Symmetric::from_lower(2, vec![(0, 0, 4.0), (1, 0, -2.0), (1, 1, 9.0)]));
+    let warnings = NamedModes::new(&structure, 2).unwrap().warnings();
+    assert_eq!(warnings.len(), 1, "{warnings:?}");
+    assert!(warnings[0].contains("couples other 2 and other 1 by 0.33 of their own"), "{warnings:?}");
+    let given = structure.given.as_mut().unwrap();
+    given.damping = Some(Symmetric::from_lower(2, vec![(0, 0, 4.0), (1, 0, -0.5), (1, 1, 9.0)]));
+    assert_eq!(NamedModes::new(&structure, 2).unwrap().warnings(), Vec::<String>::new());
+    let message = NamedModes::new(&structure, 41).unwrap_err().to_string();
+    assert!(message.contains("41 modes were asked for, the structure has 2 unknowns"), "{message}");
 }

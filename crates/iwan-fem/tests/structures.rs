@@ -6,7 +6,11 @@ use std::sync::Arc;
 use iwan_core::Jenkins;
 use iwan_fem::mesh::beam::Configuration;
 use iwan_fem::mesh::block::{block, uniform};
-use iwan_fem::{Interface, Joint, Law, Limit, Lump, Material, Patch, Structure, Support, paper};
+use iwan_fem::{
+    Adjustable, Basis, Correction, Error, Interface, Joint, Law, Limit, Lump, Material, NamedModes, Patch,
+    Slip, Structure, Support, paper,
+};
+use iwan_machine::Kind;
 
 /// Two blocks of 2 x 1 x 1, end to end at x = 2, with the sets `left` and `right` of the nodes on either side.
 fn two_blocks() -> Structure {
@@ -146,4 +150,101 @@ fn the_modal_filter_reports_rank_and_condition() {
     let top: Vec<usize> = (0..1458).filter(|&i| nodes[i][2] == 0.25).map(|i| 3 * i + 2).collect();
     assert_eq!(assembled.modal_filter(&modes, &top).unwrap().rank(), 47);
     assert!(assembled.modal_filter(&modes, &[1_000_000]).is_err());
+}
+
+/// Two blocks that nothing joins have twelve rigid motions: six of them are one too many.
+#[test]
+fn parts_that_move_freely_are_told() {
+    let warnings = NamedModes::new(&two_blocks(), 2).unwrap().warnings();
+    assert_eq!(warnings.len(), 1, "{warnings:?}");
+    let start = "8 zero modes with all joints stuck, 6 are rigid motions: parts can move freely";
+    assert!(warnings[0].starts_with(start), "{warnings:?}");
+}
+
+/// A block on springs: a factor on these is that of a structure made with it, and about one on the square of its lowest frequencies.
+#[test]
+fn springs_are_corrected_by_a_factor() {
+    let made = |stiffness: f64| {
+        let mesh = block(&[uniform(0.0, 1.0, 2), uniform(0.0, 1.0, 2), uniform(0.0, 1.0, 2)]);
+        let all = (0..mesh.positions.len()).collect();
+        let mut structure = Structure::new(mesh, Material::new(100.0, 0.3, 1.0).unwrap());
+        structure.mesh.node_sets.insert("all".into(), all);
+        let stiffness = [stiffness; 3];
+        structure.lumps.push(Lump { name: "feet".into(), nodes: "all".into(), mass: 0.0, stiffness });
+        structure.assemble().unwrap()
+    };
+    let (given, truth) = (made(3.0), made(1.21 * 3.0));
+    let reduced = given.reduce(60, Basis::default()).unwrap();
+    let adjustable = Adjustable::new(&reduced, &[Correction::Springs(0)]).unwrap();
+    let adjusted = adjustable.at(&[], &[], &[1.21]).unwrap();
+    let modes = truth.modes(Limit::Stuck, 6).unwrap();
+    for mode in 0..3 {
+        let (found, expected) = (adjusted.mode(mode).unwrap().omega_squared(), modes.eigenvalue(mode));
+        // The modes of the structure as given span a little less: frequencies are too high, in the second order.
+        assert!((0.0..2e-5).contains(&(found / expected - 1.0)), "{mode}: {found} {expected}");
+        // Three translations of the mass 1, a little softer by what the block itself gives way.
+        assert!((found / (3.0 * 1.21) - 1.0).abs() < 0.02, "{mode}: {found}");
+    }
+    for missing in [Correction::Springs(1), Correction::Material(0)] {
+        let message = Adjustable::new(&reduced, &[missing]).unwrap_err().to_string();
+        assert!(message.contains(&format!("the structure has no part {missing:?}")), "{message}");
+    }
+    assert!(format!("{adjustable:?}").starts_with("Adjustable { eigenvalues: ["), "{adjustable:?}");
+}
+
+/// Twice the modulus of one of two materials is what a structure made with it has.
+#[test]
+fn one_of_several_materials_is_corrected_by_a_factor() {
+    let made = |factor: f64| {
+        let mut structure = two_blocks();
+        structure.joints.push(Joint::new("tie", "right", "left", Interface::NodeToNode));
+        let later =
+            structure.mesh.elements.iter().filter(|e| e.label >= 100).map(|e| e.label).collect::<Vec<_>>();
+        let index = |label: u64| structure.mesh.elements.iter().position(|e| e.label == label).unwrap();
+        let elements: Vec<usize> = later.into_iter().map(index).collect();
+        structure.mesh.element_sets.insert("second".into(), elements);
+        structure.materials.push(("second".into(), Material::new(factor * 1000.0, 0.3, 1.0).unwrap()));
+        structure.assemble().unwrap()
+    };
+    let (given, truth) = (made(1.0), made(1.1));
+    let reduced = given.reduce(60, Basis::default()).unwrap();
+    let adjustable = Adjustable::new(&reduced, &[Correction::Material(0)]).unwrap();
+    let adjusted = adjustable.at(&[], &[], &[1.1]).unwrap();
+    let modes = truth.modes(Limit::Stuck, 10).unwrap();
+    for mode in 6..9 {
+        let (found, expected) = (adjusted.mode(mode).unwrap().omega_squared(), modes.eigenvalue(mode));
+        assert!((found / expected - 1.0).abs() < 1e-3, "{mode}: {found} {expected}");
+    }
+}
+
+#[test]
+fn what_is_refused_has_its_kind_in_the_catalogue() {
+    let paper = || paper::structure(Configuration::A, 1).unwrap();
+    let kind = |change: &dyn Fn(&mut Structure)| {
+        let mut structure = two_blocks();
+        change(&mut structure);
+        structure.assemble().unwrap_err().kind()
+    };
+    assert_eq!(Material::new(-1.0, 0.3, 1.0).unwrap_err().kind(), Kind::Value);
+    let tie = |face: &str| Joint::new("tie", face, "left", Interface::NodeToNode);
+    assert_eq!(kind(&|s| s.joints.push(tie("nowhere"))), Kind::MissingSet);
+    assert_eq!(kind(&|s| s.joints.push(tie("empty"))), Kind::Structure);
+    assert_eq!(kind(&|s| s.mesh.elements[0].nodes.swap(0, 1)), Kind::Structure);
+    let named = NamedModes::new(&paper(), 2).unwrap();
+    assert_eq!(named.named("bending 9").unwrap_err().kind(), Kind::MissingMode);
+    assert_eq!(named.slip_flexibility(Vec::new()).unwrap_err().kind(), Kind::Analysis);
+    let stop = |_: f64| std::ops::ControlFlow::Break(());
+    let stopped = NamedModes::observed(&paper(), 2, &stop).unwrap_err();
+    assert_eq!((stopped.kind(), stopped), (Kind::Interrupted, Error::Interrupted));
+    let law: Result<Jenkins, _> = Jenkins::new(-1.0, 1.0);
+    assert_eq!(Error::from(law.unwrap_err()).kind(), Kind::Value);
+}
+
+/// Laws have no words of their own: a slip is told by its direction, stiffness and strength.
+#[test]
+fn a_slip_is_told_by_what_its_law_holds() {
+    let law: Law = Arc::new(Jenkins::new(50.0, 1.5).unwrap());
+    let joint = Joint::new("bolt", "right", "left", Interface::NodeToNode).slip([0.0, 1.0, 0.0], Some(law));
+    let slip: &Slip = &joint.slips[0];
+    assert_eq!(format!("{slip:?}"), "Slip { direction: [0.0, 1.0, 0.0], k_t, f_s: Some((50.0, 1.5)) }");
 }

@@ -3,6 +3,7 @@
 #![allow(clippy::unwrap_used, reason = "a failed test may panic")]
 
 use std::ops::ControlFlow;
+use std::sync::Arc;
 use std::sync::Mutex;
 use std::sync::OnceLock;
 
@@ -10,8 +11,8 @@ use iwan_core::Pulse;
 use iwan_core::progress::UNWATCHED;
 use iwan_fem::mesh::beam::Configuration;
 use iwan_fem::{
-    Assembled, Basis, Class, Error, Limit, Model, Modes, NamedModes, Representation, StructureResponse,
-    Transient, paper,
+    Assembled, Basis, Class, Error, Extras, Limit, ModalVelocity, Model, Modes, NamedModes, Output,
+    Representation, StructureResponse, Transient, Watch, paper,
 };
 
 struct Beam {
@@ -273,4 +274,126 @@ fn modal_damping_is_that_of_the_modes() {
     }
     assert!(response.energy.error() < 1e-12 && response.energy.viscous > 0.5 * response.energy.initial);
     assert!(assembled.reduce(10, Basis::default()).unwrap().with_damping(|_| -0.1).is_err());
+}
+
+fn named() -> &'static NamedModes {
+    static NAMED: OnceLock<NamedModes> = OnceLock::new();
+    NAMED.get_or_init(|| NamedModes::new(&paper::structure(Configuration::A, 1).unwrap(), 4).unwrap())
+}
+
+/// A mode that moves alone, so little that its joints are stuck: q = v/ω sin ωt, and a joint force of K_T q (Deaner et al., Eq. 5).
+#[test]
+fn a_run_from_a_moving_mode_is_its_sine() {
+    let named = named();
+    let mode = named.named("bending-1").unwrap().clone();
+    let omega = 2.0 * std::f64::consts::PI * named.frequency_stuck(&mode);
+    let velocity = 1e-10;
+    let moving = [ModalVelocity { mode: "bending 1".into(), velocity }];
+    assert_eq!(named.velocity(&[]).unwrap(), None);
+    let task = Transient {
+        dt: 2e-5,
+        steps: 1000,
+        pulse: Pulse::None,
+        load: vec![0.0; named.assembled.unknowns()],
+        initial_velocity: named.velocity(&moving).unwrap(),
+        representation: Representation::DEFAULT_IN_A_STRUCTURE,
+        outputs: vec![named.assembled.modal_output("bending 1", &named.stuck, mode.pair.stuck)],
+    };
+    let extras = Extras { errors: true, frames: 3 };
+    let run = named.run(vec![mode.clone()], Model::Basis(12), &task, extras, UNWATCHED).unwrap();
+    let (q, size) = (&run.response.outputs[0].displacement, velocity / omega);
+    let sine = |n: usize| size * (omega * task.dt * n as f64).sin();
+    let off = (0..q.len()).fold(0.0_f64, |most, n| most.max((q[n] - sine(n)).abs())) / size;
+    let told = run.errors.clone().unwrap();
+    assert!(off < 5e-3 && told.time_step[0] > 0.5 * off && told.time_step[0] < 2.0 * off, "{off} {told:?}");
+    assert!(told.sliders.as_ref().unwrap()[0] < 1e-5);
+    for (n, force) in run.joint_forces[0].iter().enumerate() {
+        assert!((force - mode.pair.k_t * q[n]).abs() < 1e-4 * mode.pair.k_t * size, "{n}");
+    }
+    // Pictures at the begin, halfway and at the end are the shape times q.
+    let shape = named.assembled.displacements(named.stuck.shape(mode.pair.stuck));
+    let widest = shape.iter().fold(0.0_f64, |most, x| most.max(x.abs()));
+    assert_eq!(run.frames.iter().map(|f| f.time).collect::<Vec<_>>(), [0.0, 0.01, 0.02]);
+    for (frame, n) in run.frames.iter().zip([0, 500, 1000]) {
+        for (u, phi) in frame.displacement.iter().zip(&shape) {
+            assert!((u - q[n] * phi).abs() < 1e-4 * size * widest, "{n} {u} {}", q[n] * phi);
+        }
+    }
+    assert_eq!((run.basis, run.basis_error), (Some(12), None));
+    // The full model gives the response alone.
+    let short = Transient { steps: 20, ..task };
+    let full = named.run(vec![mode], Model::Full, &short, extras, UNWATCHED).unwrap();
+    assert!(full.errors.is_none() && full.frames.is_empty() && full.basis.is_none());
+    assert!((full.response.outputs[0].displacement[20] / q[20] - 1.0).abs() < 1e-4);
+    let missing = [ModalVelocity { mode: "bending 9".into(), velocity }];
+    let message = named.velocity(&missing).unwrap_err().to_string();
+    assert!(message.starts_with("there is no mode \"bending 9\"; choose from bending 1"), "{message}");
+}
+
+/// What an earlier run kept serves as if it had been found again, and belongs to its own matrices alone.
+#[test]
+fn kept_modes_serve_their_own_structure() {
+    let first = named();
+    let mut structure = paper::structure(Configuration::A, 1).unwrap();
+    let kept = first.keep(12, UNWATCHED).unwrap();
+    structure.kept = Some(Arc::new(kept.clone()));
+    let again = NamedModes::new(&structure, 4).unwrap();
+    assert_eq!(
+        (&again.stuck, &again.slipping, &again.elastic),
+        (&first.stuck, &first.slipping, &first.elastic)
+    );
+    let task = Transient { steps: 200, ..blow(100.0, 200) };
+    let run = |named: &NamedModes, model: Model| {
+        named
+            .run(named.first_bending(), model, &task, Extras::default(), UNWATCHED)
+            .map(|r| r.response.outputs)
+    };
+    assert_eq!(run(&again, Model::Kept).unwrap(), run(first, Model::Basis(12)).unwrap());
+    let message = run(first, Model::Kept).unwrap_err().to_string();
+    assert!(
+        message.contains("the structure was not opened from the folder of one; name the folder"),
+        "{message}"
+    );
+    let mut short = kept;
+    short.slipping.vectors.pop();
+    structure.kept = Some(Arc::new(short));
+    let message = NamedModes::new(&structure, 4).unwrap_err().to_string();
+    assert!(message.contains("`slipping` has") && message.contains("for 4514 unknowns"), "{message}");
+    structure.material = iwan_fem::Material::new(28.1e6, 0.29, 7.48e-4).unwrap();
+    let message = NamedModes::new(&structure, 4).unwrap_err().to_string();
+    assert!(message.contains("stiffness or mass of its structure are not those it was made of"), "{message}");
+}
+
+/// A duration that is a multiple of the step has all its steps, and tasks that belong elsewhere are refused with what was found.
+#[test]
+fn tasks_are_checked_before_they_are_run() {
+    assert_eq!((Transient::steps_in(1e-5, 0.2), Transient::steps_in(1e-5, 0.2 - 1e-9)), (20_000, 19_999));
+    assert_eq!(Transient::steps_in(0.1, 0.3), 3);
+    let Beam { assembled, .. } = beam();
+    let refused = |change: &dyn Fn(&mut Transient<'static>)| {
+        let mut task = blow(10.0, 10);
+        change(&mut task);
+        assembled.integrate(Model::Basis(4), &task, UNWATCHED).unwrap_err().to_string()
+    };
+    let n = assembled.unknowns();
+    for change in [
+        &|task: &mut Transient<'static>| task.load.truncate(7),
+        &|task: &mut Transient<'static>| task.initial_velocity = Some(vec![0.0; 7]),
+        &|task: &mut Transient<'static>| {
+            task.outputs.push(Output { name: "short".into(), coefficients: vec![0.0; 7] });
+        },
+    ] as [&dyn Fn(&mut Transient<'static>); 3]
+    {
+        let message = refused(change);
+        let words =
+            format!("a load, initial velocity or output has 7 entries, the structure has {n} unknowns");
+        assert!(message.contains(&words), "{message}");
+    }
+    let message = refused(&|task| task.load[3] = f64::INFINITY);
+    assert_eq!(message, "load, initial velocity or output = inf is out of range: must be finite");
+    let message = refused(&|task| task.dt = 0.0);
+    assert!(message.starts_with("time step = 0 is out of range"), "{message}");
+    let message = refused(&|task| task.steps = usize::MAX);
+    assert!(message.contains("the response would need more than 8 GB of memory"), "{message}");
+    assert!(format!("{:?}", Watch::default()).starts_with("Watch { kept: None"));
 }

@@ -5,5 +5,8 @@ mod common;
 mod any_bytes;
 mod binary_files;
 mod instrument_files;
+mod matlab_files;
+mod records;
 mod tables;
 mod text_files;
+mod universal_files;

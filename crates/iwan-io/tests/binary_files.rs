@@ -5,7 +5,8 @@ use crate::common;
 use crate::common::{
     element, mat_array, mat_file, mat_struct, times, uff_ascii, uff_binary, uff_header, wave,
 };
-use iwan_io::{Quantity, ReadError, ReadOptions, Record, Warning, read_bytes};
+use iwan_io::{NumpyArray, Quantity, ReadError, ReadOptions, Record, Warning, numpy_members, read_bytes};
+use std::io::{Cursor, Write};
 use std::path::Path;
 
 fn read(name: &str, bytes: &[u8]) -> Result<Record, ReadError> {
@@ -43,6 +44,114 @@ fn npz_finds_time_and_channels() {
     let record = read("a.npz", &common::npz(40)).unwrap();
     assert_eq!((record.names()[0].as_str(), record.quantity()), ("acc", Quantity::Acceleration));
     assert_eq!((record.dt(), record.channel(0)), (1.0 / 128.0, &wave(40)[..]));
+}
+
+/// Arrays as `numpy.savez` stores them.
+fn archive(arrays: &[(&str, Vec<u8>)]) -> Vec<u8> {
+    let mut out = zip::ZipWriter::new(Cursor::new(Vec::new()));
+    for (name, bytes) in arrays {
+        let plain =
+            zip::write::SimpleFileOptions::default().compression_method(zip::CompressionMethod::Stored);
+        out.start_file(format!("{name}.npy"), plain).unwrap();
+        out.write_all(bytes).unwrap();
+    }
+    out.finish().unwrap().into_inner()
+}
+
+fn vector(values: &[f64]) -> Vec<u8> {
+    let data: Vec<u8> = values.iter().flat_map(|v| v.to_le_bytes()).collect();
+    common::npy("<f8", false, &format!("({},)", values.len()), &data)
+}
+
+#[test]
+fn arrays_that_are_no_channels_are_left_out_of_an_archive_unless_they_are_asked_for() {
+    let cube = common::npy("<f8", false, "(2, 2, 2)", &[0; 64]);
+    let labels = common::npy("<U3", false, "(2,)", &[0; 24]);
+    let arrays = [("t", vector(&times(9))), ("a", vector(&wave(9))), ("cube", cube), ("labels", labels)];
+    let file = archive(&arrays);
+    let record = read("a.npz", &file).unwrap();
+    assert_eq!((record.names(), record.channel(0)), (&["a".to_string()][..], &wave(9)[..]));
+    let words: Vec<String> = record.warnings().iter().map(ToString::to_string).collect();
+    assert_eq!(words, ["'cube' was left out: an array of 3 dimensions", "'labels' was left out: type '<U3'"]);
+    let asked = |name: &str| {
+        let options = ReadOptions { channels: vec![name.into()], ..Default::default() };
+        read_bytes(Path::new("a.npz"), &file, &options)
+    };
+    let refused = asked("cube").unwrap_err().to_string();
+    assert!(
+        refused.contains("array 'cube', key 'shape': an array of 3 dimensions cannot be read"),
+        "{refused}"
+    );
+    let refused = asked("labels").unwrap_err().to_string();
+    assert!(
+        refused.contains("array 'labels', key 'descr': type '<U3' cannot be read; save real"),
+        "{refused}"
+    );
+    assert_eq!(asked("a").unwrap().channel(0), wave(9));
+    let damaged = archive(&[("t", vector(&times(9))), ("a", b"\x93NUMPY\x04\x00".to_vec())]);
+    assert!(
+        refused_npz(&damaged).contains("array 'a': found no complete NPY header"),
+        "{}",
+        refused_npz(&damaged)
+    );
+}
+
+fn refused_npz(bytes: &[u8]) -> String {
+    refused("a.npz", bytes)
+}
+
+/// Readers of archives show the last of two entries alone: half of such a file would be missing without a word.
+#[test]
+fn two_arrays_of_one_name_are_refused() {
+    let file = archive(&[("t", vector(&times(9))), ("a", vector(&wave(9))), ("b", vector(&wave(9)))]);
+    assert_eq!(numpy_members(Path::new("a.npz"), &file).unwrap()["b"], vector(&wave(9)));
+    let mut twice = file;
+    for at in 0..twice.len() - 5 {
+        if &twice[at..at + 5] == b"b.npy" {
+            twice[at] = b'a';
+        }
+    }
+    let message = refused_npz(&twice);
+    assert!(
+        message.contains("zip directory: found two entries 'a.npy', expected names that differ"),
+        "{message}"
+    );
+    let message = numpy_members(Path::new("k.npz"), &twice).unwrap_err().to_string();
+    assert!(message.starts_with("k.npz: zip directory: found two entries 'a.npy'"), "{message}");
+}
+
+#[test]
+fn arrays_are_looked_into_element_by_element() {
+    let of = |bytes: &[u8]| -> (usize, Option<f64>, Option<f64>, Option<String>) {
+        let array = NumpyArray::read(Path::new("k.npy"), bytes, "k").unwrap();
+        (array.len(), array.at(1), array.at(2), array.letters())
+    };
+    let two: Vec<u8> = [7_i64, -3].iter().flat_map(|v| v.to_be_bytes()).collect();
+    assert_eq!(of(&common::npy(">i8", false, "(2,)", &two)), (2, Some(-3.0), None, None));
+    let texts: Vec<u8> = "abcxyz".chars().flat_map(|c| u32::from(c).to_le_bytes()).collect();
+    let texts = common::npy("<U3", false, "(2,)", &texts);
+    assert_eq!(of(&texts), (2, None, None, Some("abcxyz".into())));
+    assert_eq!(of(&common::npy("|S4", false, "(1,)", b"csr\0")), (1, None, None, Some("csr".into())));
+    let nothing = common::npy("<f8", false, "(0, 3)", &[]);
+    assert_eq!(of(&nothing), (0, None, None, None));
+    assert!(NumpyArray::read(Path::new("k.npy"), &nothing, "k").unwrap().is_empty());
+    assert!(!NumpyArray::read(Path::new("k.npy"), &texts, "k").unwrap().is_empty());
+    // Version 2 has four bytes for the length of the header.
+    let mut second = common::npy(">i8", false, "(2,)", &two);
+    second[6] = 2;
+    second.splice(10..10, [0, 0]);
+    assert_eq!(of(&second), (2, Some(-3.0), None, None));
+    let error = NumpyArray::read(Path::new("k.npy"), b"\x93NUMPY\x05\x00", "k").unwrap_err().to_string();
+    assert!(error.starts_with("k.npy: array 'k': found no complete NPY header"), "{error}");
+}
+
+#[test]
+fn an_array_of_three_dimensions_is_refused_with_what_to_do() {
+    let message = refused("a.npy", &common::npy("<f8", false, "(2, 2, 2)", &[0; 64]));
+    assert!(
+        message.contains("an array of 3 dimensions cannot be read; save arrays of one or two"),
+        "{message}"
+    );
 }
 
 #[test]

@@ -47,6 +47,43 @@ fn broken_sound_is_named() {
     assert!(refused("a.wav", b"RIFF....WAVE").contains("cut short"));
 }
 
+/// Recorders of more than two channels or 16 bits name the format in an extension, and its first two bytes are the number.
+#[test]
+fn sound_whose_format_stands_in_an_extension_is_read() {
+    let data: Vec<u8> = [-1.0_f32, 0.0, 0.5].iter().flat_map(|v| v.to_le_bytes()).collect();
+    let mut file = wav(0xfffe, 32, 1, 8000, &data);
+    // 22 bytes more: valid bits, positions of loudspeakers, and the identifier that begins with the format.
+    let extension = [&[22, 0, 32, 0, 0, 0, 0, 0, 3, 0][..], &[0; 14]].concat();
+    file.splice(36..36, extension);
+    file[16] = 40;
+    assert_eq!(read("a.wav", &file).unwrap().channel(0), [-1.0, 0.0, 0.5]);
+    file[44] = 1;
+    assert_eq!(
+        read("a.wav", &file).unwrap().channel(0)[0],
+        f64::from((-1.0_f32).to_bits().cast_signed()) / 2.0_f64.powi(31)
+    );
+    file[44] = 2;
+    assert!(refused("a.wav", &file).contains("samples of format 2"), "{}", refused("a.wav", &file));
+}
+
+#[test]
+fn labview_times_in_other_units_become_seconds() {
+    let text = "LabVIEW Measurement\t\nSeparator\tTab\nX_Columns\tOne\n***End_of_Header***\t\nChannels\t1\nX_Unit_Label\tms\nDelta_X\t0.5\n***End_of_Header***\nX_Value\ta\tComment\n0\t1\n0.5\t2\n1.0\t3\n";
+    let record = read("a.lvm", text.as_bytes()).unwrap();
+    assert!((record.dt() - 5e-4).abs() < 1e-18, "{}", record.dt());
+    assert_eq!(record.warnings()[0].to_string(), "times in ms were multiplied by 1e-3 to give seconds");
+}
+
+#[test]
+fn labview_without_times_and_interval_asks_for_the_rate() {
+    let text = "LabVIEW Measurement\t\nSeparator\tTab\nX_Columns\tNo\n***End_of_Header***\t\nChannels\t1\n***End_of_Header***\nX_Value\ta\tComment\n\t1\n\t2\n\t3\n";
+    let message = refused("a.lvm", text.as_bytes());
+    assert!(message.contains("no time is stored; give the sampling rate with --rate HZ"), "{message}");
+    let options = ReadOptions { rate: Some(4.0), ..Default::default() };
+    let record = read_bytes(Path::new("a.lvm"), text.as_bytes(), &options).unwrap();
+    assert_eq!((record.dt(), record.channel(0)), (0.25, &[1.0, 2.0, 3.0][..]));
+}
+
 #[test]
 fn labview_segments_that_follow_each_other_are_one_record() {
     let record = read("a.lvm", &lvm(40)).unwrap();

@@ -229,3 +229,86 @@ fn a_force_history_is_a_table() {
     assert_eq!(table.names(), ["t", "force"]);
     assert_eq!((table.rows(), table.column("t").unwrap()), (3, &[0.0, 1e-3, 5e-3][..]));
 }
+
+#[test]
+fn columns_of_a_table_have_units_and_what_was_noticed() {
+    let table = parse_table(Path::new("f.csv"), b"made by hand\nt [s];force [N]\n0;0\n1;10\n").unwrap();
+    assert_eq!(table.units(), ["s", "N"]);
+    assert!(matches!(table.warnings(), [Warning::Preamble { lines: 1 }]), "{:?}", table.warnings());
+}
+
+/// Times of three digits at 300 Hz: the intervals are 3 and 4 ms, and the rate is known all the same.
+#[test]
+fn times_rounded_to_their_digits_are_even() {
+    let rows: String =
+        (0..200).fold(String::new(), |text, i| text + &format!("{:.3},{}\n", f64::from(i) / 300.0, i % 5));
+    let record = accepted(&format!("t [s],a [g]\n{rows}"));
+    assert!((record.dt() * 300.0 - 1.0).abs() < 1e-4, "{}", record.dt());
+    let [Warning::RoundedTime { quantum, .. }] = record.warnings() else { panic!("{:?}", record.warnings()) };
+    assert!((quantum * 1e3 - 1.0).abs() < 1e-9, "{quantum}");
+}
+
+#[test]
+fn the_users_word_on_the_quantity_goes_before_the_files() {
+    let options = ReadOptions { quantity: Some(Quantity::Velocity), ..Default::default() };
+    let record = read_with(b"t,a [m/s^2]\n0,1\n1,2\n2,3\n", &options).unwrap();
+    assert_eq!((record.quantity(), record.channel(0)), (Quantity::Velocity, &[1.0, 2.0, 3.0][..]));
+    assert_eq!(record.warnings()[0].to_string(), "the file says acceleration, velocity was used as told");
+}
+
+#[test]
+fn beside_a_force_what_is_not_known_may_be_the_motion() {
+    let record = accepted("t,force [N],x\n0,1,2\n1,1,3\n2,1,4\n");
+    assert_eq!((record.names(), record.quantity()), (&["x".to_string()][..], Quantity::Unknown));
+    assert_eq!(record.warnings()[0].to_string(), "'force' was left out: it measures force, not a motion");
+    // Pressure, voltage and strain are known by their units and names, and are no motions.
+    for (header, quantity) in [("p [Pa]", "pressure"), ("u [V]", "voltage"), ("strain 1", "strain")] {
+        let record = accepted(&format!("t,{header},acc\n0,1,2\n1,1,3\n2,1,4\n"));
+        let left = record.warnings()[0].to_string();
+        assert!(left.ends_with(&format!("was left out: it measures {quantity}, not acceleration")), "{left}");
+    }
+}
+
+#[test]
+fn times_must_be_several_finite_numbers() {
+    let named = ReadOptions { time: Some("t".into()), ..Default::default() };
+    let refused = |text: &str| read_with(text.as_bytes(), &named).unwrap_err().to_string();
+    let single = refused("t,a\n0,1\n");
+    assert!(
+        single.contains("time 't': found an array of 1 x 1 values, expected a vector of times"),
+        "{single}"
+    );
+    let hole = refused("t,a\n0,1\nNaN,2\n2,3\n");
+    assert!(
+        hole.contains("'t', sample 1 (counted from 0): found NaN, expected a finite time in seconds"),
+        "{hole}"
+    );
+}
+
+/// A clock that stands still was said to stutter at infinitely many samples a second on average.
+#[test]
+fn a_clock_that_stands_still_is_named() {
+    let text = "t,a\n1,1\n1,2\n1,3\n";
+    for resample in [false, true] {
+        let options = ReadOptions { resample, ..Default::default() };
+        let message = read_with(text.as_bytes(), &options).unwrap_err().to_string();
+        assert!(message.contains("'t': found 1 s at all 3 samples"), "{message}");
+        assert!(message.contains("--rate HZ") && !message.contains("inf"), "{message}");
+    }
+    let rated = ReadOptions { rate: Some(4.0), ..Default::default() };
+    assert_eq!(read_with(text.as_bytes(), &rated).unwrap().dt(), 0.25);
+}
+
+#[test]
+fn two_samples_are_resampled_along_a_line() {
+    let options = ReadOptions { resample: true, ..Default::default() };
+    let record = read_with(b"t [s],a\n0,1\n0,3\n1,4\n", &options).unwrap();
+    assert_eq!((record.dt(), record.channel(0)), (0.5, &[2.0, 3.0, 4.0][..]));
+}
+
+#[test]
+fn a_table_of_more_columns_than_any_instrument_has_is_refused() {
+    let row = vec!["1"; 100_001].join(",");
+    let message = refused(&format!("{row}\n{row}\n"));
+    assert!(message.contains("100001 columns, expected at most"), "{}", &message[..200.min(message.len())]);
+}

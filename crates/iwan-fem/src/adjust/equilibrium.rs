@@ -105,6 +105,9 @@ impl AdjustedMode {
     /// ds by slip and unknown, slip by slip, at the modal displacement `q`; none where the slips have no derivatives.
     pub(super) fn slips_by(&self, adjusted: &Adjusted<'_>, q: f64, at: &Equilibrium) -> Option<Vec<f64>> {
         let (n, unknowns) = (self.shape.len(), self.unknowns);
+        if unknowns == 0 {
+            return Some(Vec::new());
+        }
         let mut right = vec![0.0; n * unknowns];
         for p in &self.perturbed {
             for i in 0..n {

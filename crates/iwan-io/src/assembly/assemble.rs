@@ -227,6 +227,10 @@ fn follow_times(source: &FileBytes, raw: &mut Raw, resample: bool) -> Result<Gri
             raw.warnings.push(Warning::Resampled { jitter, gap, merged, dt });
             Ok(Grid { start, dt })
         }
+        Times::Repeated { .. } if values[values.len() - 1] <= start => {
+            let found = format!("{start} s at all {} samples", values.len());
+            Err(source.malformed(format!("'{name}'"), found, "times that increase, or the rate by --rate HZ"))
+        }
         Times::Repeated { sample, count } => {
             let (value, samples) = (values[sample], values.len());
             let rate = (samples - 1) as f64 / (values[samples - 1] - start);

@@ -124,10 +124,8 @@ impl Walk<'_> {
         if attributes.contains_key("MATLAB_empty") {
             return Ok(());
         }
-        let class = match attributes.get("MATLAB_class") {
-            Some(AttrValue::AsciiString(class) | AttrValue::String(class)) => class.as_str(),
-            _ => "",
-        };
+        // Whatever room the file leaves for the name: programs in C count the zero that ends it.
+        let class = attributes.get("MATLAB_class").and_then(AttrValue::as_str).unwrap_or_default();
         let (shape, kind) = match (set.shape(), set.dtype()) {
             (Ok(shape), Ok(kind)) => (shape, kind),
             (Err(e), _) | (_, Err(e)) => {

@@ -67,6 +67,11 @@ pub fn mat_7_3(n: usize) -> Vec<u8> {
     let acc = group.create_dataset("acc").with_f64_data(&wave(n)).with_shape(&shape);
     acc.with_chunks(&[1, 10]).with_deflate(3).set_attr("MATLAB_class", class());
     file.add_group(group.finish());
+    behind_matlabs_header(file)
+}
+
+/// The file with the 512 bytes before it by which MATLAB knows its own.
+pub fn behind_matlabs_header(mut file: FileBuilder) -> Vec<u8> {
     let mut head = b"MATLAB 7.3 MAT-file, Platform: GLNXA64".to_vec();
     head.resize(124, b' ');
     head.extend(b"\x00\x02IM");

@@ -112,7 +112,12 @@ pub fn word(v: u32, big: bool) -> Vec<u8> {
 }
 
 fn head(class: u32, rows: usize, columns: usize, name: &str, big: bool) -> Vec<u8> {
-    let dims = [rows, columns].map(|d| word(u32::try_from(d).unwrap(), big)).concat();
+    mat_head(class, &[rows, columns], name, big)
+}
+
+/// What an array of any class and dimensions begins with.
+pub fn mat_head(class: u32, dims: &[usize], name: &str, big: bool) -> Vec<u8> {
+    let dims: Vec<u8> = dims.iter().flat_map(|d| word(u32::try_from(*d).unwrap(), big)).collect();
     let flags = [word(class, big), word(0, big)].concat();
     [element(6, &flags, big), element(5, &dims, big), element(1, name.as_bytes(), big)].concat()
 }
