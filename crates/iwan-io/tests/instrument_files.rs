@@ -144,7 +144,10 @@ fn labview_intervals_rounded_in_the_header_come_from_the_column() {
     );
     // Half a unit of the last digit is 0.32 % here: 1 % off is another interval.
     let message = refused("a.lvm", text(0.000_157_6).as_bytes());
-    assert!(message.contains("steps of 1.57") && message.contains("--time X_Value"), "{message}");
+    assert!(
+        message.contains("steps of 1.57") && message.contains("name X_Value with --time NAME"),
+        "{message}"
+    );
     // Four samples tell less than the header does.
     let short = labview("One", "Channels,1\nDelta_X,0.00015625\n", "X_Value,a", &rows_every(0.000_156_1, 4));
     assert_eq!(read("a.lvm", short.as_bytes()).unwrap().dt(), 1.562_5e-4);

@@ -271,8 +271,16 @@ fn a_time_goes_no_further_than_the_channel_that_is_chosen() {
 #[test]
 fn a_first_column_that_rises_unevenly_is_asked_about() {
     let text = "0,5\n0.1,7\n0.25,6\n0.3,6\n";
-    assert!(refused(text).contains("'column 1' rises by 1.0000e-1 on average"), "{}", refused(text));
-    assert!(refused(text).contains("--time \"column 1\" takes it"), "{}", refused(text));
+    assert!(
+        refused(text).contains("'column 1' rises from row to row, unevenly, by 1.0000e-1 on average"),
+        "{}",
+        refused(text)
+    );
+    assert!(
+        refused(text).contains("name the time with --time NAME (there are: column 1"),
+        "{}",
+        refused(text)
+    );
     assert!(refused("0,5\n0.2,7\n0.1,6\n0.3,6\n").contains("no time is stored"));
     let rated = ReadOptions { rate: Some(10.0), ..Default::default() };
     assert_eq!(read_with(text.as_bytes(), &rated).unwrap().channels(), 2);

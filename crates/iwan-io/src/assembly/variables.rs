@@ -173,7 +173,7 @@ impl Chooser<'_> {
         }
         let mean = (v[v.len() - 1] - v[0]) / (v.len() - 1) as f64;
         let found = format!(
-            "no column is named as the time, but '{name}' rises by {mean:.4e} on average from row to row, though unevenly: --time \"{name}\" takes it"
+            "no column is called time, but '{name}' rises from row to row, unevenly, by {mean:.4e} on average, and may be it"
         );
         Err(ReadError::NoTime { file: self.source.file.into(), found, names: names.into() })
     }

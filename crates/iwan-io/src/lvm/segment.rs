@@ -192,7 +192,7 @@ impl Segment {
         let judged = if options.rate.is_some() { Ok(header) } else { self.judged(k, header) };
         let Interval { step, digit } = judged.map_err(|contradiction| {
             let expected =
-                "one interval in both; say the rate with --rate, or take the column with --time X_Value";
+                "one interval in both; give the rate with --rate HZ, or name X_Value with --time NAME";
             source.malformed("X_Value and Delta_X", contradiction, expected)
         })?;
         if step != header.step {
