@@ -155,6 +155,94 @@ fn labview_times_that_contradict_the_header_are_named() {
     );
 }
 
+/// A file of LabVIEW whose parts are given.
+fn labview(x_columns: &str, header: &str, names: &str, rows: &str) -> String {
+    format!(
+        "LabVIEW Measurement,\nSeparator,Comma\nX_Columns,{x_columns}\n***End_of_Header***,\n{header}***End_of_Header***,\n{names}\n{rows}"
+    )
+}
+
+/// Rows of one channel with X to six decimals, as LabVIEW writes them.
+fn rows_every(dt: f64, n: u32) -> String {
+    let row = |i: u32| format!("{:.6},{i}", dt * f64::from(i));
+    (0..n).map(row).collect::<Vec<_>>().join("\n")
+}
+
+/// `Delta_X` 0.000156 beside a column at 6400 Hz was read as 6410 Hz.
+#[test]
+fn labview_intervals_rounded_in_the_header_come_from_the_column() {
+    let text = |dt: f64| {
+        labview("One", "Channels,1\nDelta_X,0.000156\n", "X_Value,a,Comment", &rows_every(dt, 2000))
+    };
+    let record = read("a.lvm", text(1.0 / 6400.0).as_bytes()).unwrap();
+    assert!((record.rate() - 6400.0).abs() < 0.02, "{}", record.rate());
+    assert!(
+        matches!(record.warnings(), [Warning::RoundedTime { quantum, .. }] if (quantum - 1e-6).abs() < 1e-12)
+    );
+    // Half a unit of the last digit is 0.32 % here: 1 % off is another interval.
+    let message = refused("a.lvm", text(0.000_157_6).as_bytes());
+    assert!(
+        message.contains("steps of 1.57") && message.contains("name X_Value with --time NAME"),
+        "{message}"
+    );
+    // Four samples tell less than the header does.
+    let short = labview("One", "Channels,1\nDelta_X,0.00015625\n", "X_Value,a", &rows_every(0.000_156_1, 4));
+    assert_eq!(read("a.lvm", short.as_bytes()).unwrap().dt(), 1.562_5e-4);
+    let obeyed = ReadOptions { time: Some("X_Value".into()), ..Default::default() };
+    let record = read_bytes(Path::new("a.lvm"), text(0.000_157_6).as_bytes(), &obeyed).unwrap();
+    assert!((record.dt() - 1.576e-4).abs() < 1e-9, "{}", record.dt());
+}
+
+/// The interval of the first channel, which holds the times, was taken for all: 1 Hz.
+#[test]
+fn labview_channels_have_intervals_of_their_own() {
+    let header = "Channels,3\nY_Unit_Label,s,g,g\nDelta_X,1.0,0.0006,0.0005\n";
+    let text = labview("No", header, ",time,shock,board", ",0.0000,1,4\n,0.0006,2,5\n,0.0012,3,\n");
+    let read = |channels: &[&str], time: Option<&str>| {
+        let channels = channels.iter().map(|c| (*c).to_string()).collect();
+        let options = ReadOptions { channels, time: time.map(String::from), ..Default::default() };
+        read_bytes(Path::new("a.lvm"), text.as_bytes(), &options)
+    };
+    for (name, dt, samples) in [("shock", 6e-4, &[1.0, 2.0, 3.0][..]), ("board", 5e-4, &[4.0, 5.0])] {
+        let record = read(&[name], None).unwrap();
+        assert_eq!((record.dt(), record.channel(0), record.unit()), (dt, samples, "g"));
+    }
+    let message = read(&["shock", "board"], None).unwrap_err().to_string();
+    assert!(
+        message.contains("'board' has interval 5e-4 s") && message.contains("'shock' has; choose"),
+        "{message}"
+    );
+    for (name, samples) in [("shock", 3), ("board", 2)] {
+        let record = read(&[name], Some("time")).unwrap();
+        assert!((record.dt() - 6e-4).abs() < 1e-15 && record.len() == samples, "{name}");
+    }
+    let message = read(&["shock", "board"], Some("time")).unwrap_err().to_string();
+    assert!(message.contains("'board' has 2 samples, expected 3 samples as 'shock' has"), "{message}");
+    let message = read(&["shock"], Some("X_Value")).unwrap_err().to_string();
+    assert!(message.contains("no time 'X_Value'; there are: time, shock, board"), "{message}");
+    let multi = labview(
+        "Multi",
+        "Channels,2\nDelta_X,0.5,0.25\n",
+        "X_Value,a,X_Value,b,Comment",
+        "0,1,0,5\n0.5,2,0.25,6\n1,3,0.5,7\n",
+    );
+    let options = ReadOptions { channels: vec!["b".into()], ..Default::default() };
+    assert_eq!(read_bytes(Path::new("a.lvm"), multi.as_bytes(), &options).unwrap().dt(), 0.25);
+}
+
+/// The column that LabVIEW leaves empty where there is no X was headed by nothing, and every name stood one channel too late.
+#[test]
+fn labview_names_stand_behind_a_heading_of_x_that_is_empty() {
+    for names in [",a,b", "X_Value,a,b,Comment", ",a,b,Comment"] {
+        let text = labview("No", "Channels,2\nDelta_X,0.5,0.5\n", names, ",1,5\n,2,6\n");
+        let record = read("a.lvm", text.as_bytes()).unwrap();
+        assert_eq!(
+            (record.names(), record.channel(0)),
+            (&["a".to_string(), "b".to_string()][..], &[1.0, 2.0][..])
+        );
+    }
+}
+
 /// Two channels of one name were both read as the first.
 #[test]
 fn labview_channels_of_one_name_are_each_their_own() {

@@ -214,6 +214,94 @@ fn a_rate_given_goes_before_the_times() {
     assert!(matches!(record.warnings(), [Warning::RateReplaced { .. }]));
 }
 
+fn chosen(text: &str, channels: &[&str]) -> Result<Record, ReadError> {
+    let channels = channels.iter().map(|c| (*c).to_string()).collect();
+    read_with(text.as_bytes(), &ReadOptions { channels, ..Default::default() })
+}
+
+/// Runs side by side were refused for the first empty cell behind the shortest of them, whatever channel was chosen.
+#[test]
+fn runs_of_unequal_length_are_read_each_to_its_end() {
+    for [empty, two] in [["", ";;"], ["NA", "NA;NA;"]] {
+        let rows =
+            format!("0;1;0;5;9\n0,5;2;0,5;6;{empty}\n1;3;1;7;4\n1,5;4;{two}{empty}\n{two}{two}{empty}\n");
+        let text = format!("Time (s) Run #1;Angle Run #1;Time (s) Run #2;Angle Run #2;late\n{rows}");
+        for (name, samples) in
+            [("Angle Run #1", &[1.0, 2.0, 3.0, 4.0][..]), ("Angle Run #2", &[5.0, 6.0, 7.0])]
+        {
+            let record = chosen(&text, &[name]).unwrap();
+            assert_eq!((record.channel(0), record.dt()), (samples, 0.5), "{empty}");
+        }
+        let message = refused(&text.replace("1;3;1;7;4", &format!("1;3;1;7;{empty}")));
+        assert!(
+            message.contains("Angle Run #1 4, Time (s) Run #2 3") && message.contains("--channel"),
+            "{message}"
+        );
+        let time = ReadOptions {
+            channels: vec!["Angle Run #1".into(), "Angle Run #2".into()],
+            time: Some("Time (s) Run #1".into()),
+            ..Default::default()
+        };
+        let message = read_with(text.as_bytes(), &time).unwrap_err().to_string();
+        assert!(
+            message.contains("'Angle Run #2' has 3 samples, expected 4 samples as 'Angle Run #1' has"),
+            "{message}"
+        );
+        // A hole before the end of a column is an error where the column is read.
+        let late = ReadOptions { channels: vec!["late".into()], ..time };
+        let message = read_with(text.as_bytes(), &late).unwrap_err().to_string();
+        assert!(message.contains(&format!("line 3, column 5: found '{empty}'")), "{message}");
+        assert!(parse_table(Path::new("a.csv"), text.as_bytes()).is_err());
+    }
+}
+
+/// One time for several channels, as R exports them: the shorter channel ends where its first `NA` stands.
+#[test]
+fn a_time_goes_no_further_than_the_channel_that_is_chosen() {
+    let text = "Time,Angle 1,Angle 2\n0,1,5\n0.5,2,6\n1,3,7\n1.5,4,NA\nNA,5,NA\n";
+    let record = chosen(text, &["Angle 2"]).unwrap();
+    assert_eq!((record.channel(0), record.dt()), (&[5.0, 6.0, 7.0][..], 0.5));
+    let message = chosen(text, &["Angle 1"]).unwrap_err().to_string();
+    assert!(message.contains("'Angle 1' has 5 samples, expected 4 samples as 'Time' has"), "{message}");
+    let holes = chosen(&text.replace("1,3,7", "1,NA,7"), &["Angle 1"]).unwrap_err().to_string();
+    assert!(holes.contains("line 4, column 2: found 'NA'"), "{holes}");
+}
+
+/// The message said that no time is stored, beside a column of times that are not quite even.
+#[test]
+fn a_first_column_that_rises_unevenly_is_asked_about() {
+    let text = "0,5\n0.1,7\n0.25,6\n0.3,6\n";
+    assert!(
+        refused(text).contains("'column 1' rises from row to row, unevenly, by 1.0000e-1 on average"),
+        "{}",
+        refused(text)
+    );
+    assert!(
+        refused(text).contains("name the time with --time NAME (there are: column 1"),
+        "{}",
+        refused(text)
+    );
+    assert!(refused("0,5\n0.2,7\n0.1,6\n0.3,6\n").contains("no time is stored"));
+    let rated = ReadOptions { rate: Some(10.0), ..Default::default() };
+    assert_eq!(read_with(text.as_bytes(), &rated).unwrap().channels(), 2);
+}
+
+/// Oscilloscopes write settings into the first columns of the first rows, beside the samples.
+#[test]
+fn samples_beside_the_settings_of_an_oscilloscope() {
+    let text = "Record Length,2.5e+03,,  -0.50,  -6.0,\nUnits,V,,  0.00,  4.0,\n,,,  0.50,  5.0,\n,,,00.75,6.0,\n,,,01.00,x,\n";
+    let message = refused(text);
+    assert!(message.contains("line 5, column 5: found 'x'"), "{message}");
+    assert!(refused(&text.replace(",,,01.00,x,", "Pt,Y")).contains("line 5: found 2 fields, expected 5"));
+    let record = accepted(&text.replace('x', "6.0").replace(",,,00.75,6.0,\n", ""));
+    assert_eq!(
+        (record.names(), record.channel(0)),
+        (&["column 5".to_string()][..], &[-6.0, 4.0, 5.0, 6.0][..])
+    );
+    assert_eq!((record.dt(), record.start()), (0.5, -0.5));
+    assert!(matches!(record.warnings(), [Warning::TimeAssumed { name }] if name == "column 4"));
+}
+
 #[test]
 fn latin_1_headers_and_utf_16_files() {
     let record = read_with(b"t;a [m/s\xb2]\n0;1\n1;2\n2;3\n", &ReadOptions::default()).unwrap();

@@ -6,8 +6,11 @@ mod variable;
 pub(crate) mod clocks;
 mod sampling;
 mod assemble;
+mod alike;
 mod variables;
 
+pub(crate) use alike::unlike;
 pub(crate) use assemble::{Axis, Channel, Raw, all_channels, assemble};
+pub(crate) use sampling::last_digit;
 pub(crate) use variable::Variable;
 pub(crate) use variables::Chooser;

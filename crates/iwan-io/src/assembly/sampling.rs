@@ -148,6 +148,11 @@ fn grid(times: &[f64], allowed: &[f64]) -> Even {
     Even { dt, jitter: beyond(dt) }
 }
 
+/// The largest unit of the last digit that times were written with.
+pub(crate) fn last_digit(times: &[f64]) -> f64 {
+    units_of_last_digit(times).into_iter().fold(0.0, f64::max)
+}
+
 /// For each time the unit of the last digit it was written with: for each power of ten of its size the coarsest unit that all times of
 /// that size are multiples of; where none is seen that of single precision, if all are numbers of it, or of double precision.
 fn units_of_last_digit(times: &[f64]) -> Vec<f64> {

@@ -36,6 +36,7 @@ impl Chooser<'_> {
             length = length_of(&axis);
         }
         if matches!(axis, Axis::None) {
+            self.ask_about_first(&variables, &names)?;
             axis = step_from_scalars(&variables);
         }
         let chosen = !self.options.channels.is_empty();
@@ -158,6 +159,23 @@ impl Chooser<'_> {
         let time = variables.remove(0);
         warnings.push(Warning::TimeAssumed { name: time.name.clone() });
         self.in_seconds(time, warnings)
+    }
+
+    /// A first column of a table that rises from row to row without being even may be the time: the user is asked, and nothing is guessed.
+    fn ask_about_first(&self, variables: &[Variable], names: &str) -> Result<(), ReadError> {
+        let asked = self.tabular && self.options.rate.is_none() && variables.len() > 1;
+        let Some(first) = variables.first().filter(|v| asked && !self.is_channel(&v.name)) else {
+            return Ok(());
+        };
+        let (name, v) = (&first.name, &first.values);
+        if v.len() < 3 || !v.windows(2).all(|w| w[1] > w[0]) {
+            return Ok(());
+        }
+        let mean = (v[v.len() - 1] - v[0]) / (v.len() - 1) as f64;
+        let found = format!(
+            "no column is called time, but '{name}' rises from row to row, unevenly, by {mean:.4e} on average, and may be it"
+        );
+        Err(ReadError::NoTime { file: self.source.file.into(), found, names: names.into() })
     }
 
     fn is_channel(&self, name: &str) -> bool {

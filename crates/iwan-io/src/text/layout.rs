@@ -48,7 +48,9 @@ impl Separator {
 #[derive(Debug)]
 pub(super) struct Layout {
     pub(super) separator: Separator,
-    /// Number of columns.
+    /// Columns in front that hold no samples: settings of an oscilloscope stand beside the first rows, and nothing beside the others.
+    pub(super) settings: usize,
+    /// Number of columns behind these.
     pub(super) fields: usize,
     /// Line of the first row of numbers, counted from 1.
     pub(super) first_row: usize,
@@ -89,7 +91,10 @@ impl Layout {
             (Some((at, s)), Some(one)) if at <= one => Ok(Self::at(&lines, at, s)),
             (Some((at, s)), None) => Ok(Self::at(&lines, at, s)),
             (_, Some(one)) => Ok(Self::at(&lines, one, separator(one))),
-            (None, None) => Err(no_row(source, &lines)),
+            (None, None) => {
+                let beside = |s: Separator| Self::beside_settings(&lines, s);
+                [Tab, Semicolon, Comma].into_iter().find_map(beside).ok_or_else(|| no_row(source, &lines))
+            }
         }
     }
 
@@ -105,7 +110,33 @@ impl Layout {
         let Header { names, units, used } = header(&above, separator, fields);
         let plain = above.iter().filter(|l| !is_comment(l.text)).count();
         let (first_row, offset) = (lines[at].number, lines[at].offset);
-        Self { separator, fields, first_row, names, units, preamble: plain.saturating_sub(used), offset }
+        let preamble = plain.saturating_sub(used);
+        Self { separator, settings: 0, fields, first_row, names, units, preamble, offset }
+    }
+
+    /// The layout of columns beside settings: in some row nothing stands in front of two or more numbers, and from the first row on
+    /// these columns hold numbers.
+    fn beside_settings(lines: &[Line], separator: Separator) -> Option<Self> {
+        let count = |l: &Line| separator.split(l.text).len();
+        let tail = |l: &Line, settings: usize| {
+            let cells = separator.split(l.text);
+            cells.len() >= settings + 2 && cells[settings..].iter().all(|f| number(f, separator).is_some())
+        };
+        let empty = |l: &Line| separator.split(l.text).iter().take_while(|f| f.is_empty()).count();
+        let row = lines.iter().find(|l| empty(l) > 0 && tail(l, empty(l)))?;
+        let settings = empty(row);
+        let first = lines.iter().find(|l| count(l) == count(row) && tail(l, settings))?;
+        let above = lines.iter().take_while(|l| l.number < first.number);
+        Some(Self {
+            separator,
+            settings,
+            fields: count(row) - settings,
+            first_row: first.number,
+            names: Vec::new(),
+            units: Vec::new(),
+            preamble: above.filter(|l| !l.text.trim_ascii().is_empty()).count(),
+            offset: first.offset,
+        })
     }
 
     /// The rows, with runs of white space turned into tabs where white space separates.
@@ -127,14 +158,19 @@ impl Layout {
         Cow::Owned(out)
     }
 
-    /// Number of fields in a row, an empty one at the end not counted.
+    /// Number of fields that a row has.
+    pub(super) fn all(&self) -> usize {
+        self.settings + self.fields
+    }
+
+    /// Number of fields in a row, an empty one at the end not counted; none in an empty line.
     pub(super) fn count(&self, record: &csv::ByteRecord) -> usize {
         let n = record.len();
         let empty = |i: usize| record[i].trim_ascii().is_empty();
         match n {
             0 => 0,
             1 if empty(0) => 0,
-            n if n == self.fields + 1 && empty(n - 1) => n - 1,
+            n if n == self.all() + 1 && empty(n - 1) => n - 1,
             n => n,
         }
     }
@@ -197,6 +233,13 @@ pub(super) fn is_comment(line: &[u8]) -> bool {
 fn is_row(separator: Separator, line: &[u8], least: usize) -> bool {
     let fields = separator.split(line);
     fields.len() >= least && fields.iter().all(|f| number(f, separator).is_some())
+}
+
+/// Whether nothing stands in a cell; R writes `NA` where nothing was measured.
+pub(super) fn is_blank(field: &[u8]) -> bool {
+    let quoted = |b: &u8| *b == b'"' || b.is_ascii_whitespace();
+    let mut left = field.iter().filter(|b| !quoted(b));
+    matches!((left.next(), left.next(), left.next()), (None, ..) | (Some(b'N'), Some(b'A'), None))
 }
 
 fn number(field: &[u8], separator: Separator) -> Option<f64> {

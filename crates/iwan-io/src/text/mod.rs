@@ -2,16 +2,18 @@
 //!
 //! Comments start with `#` or `%`. A header of names is optional, a second one of units too; units may also stand
 //! behind the name as in `acc [m/s^2]`. Where the columns are separated by something else, the decimal sign may be
-//! a comma. Quoting follows RFC 4180.
+//! a comma. Quoting follows RFC 4180. Of a record only the columns that are chosen need to be whole, and they may end before others.
 
 mod layout;
+mod column;
 
 use crate::assembly::units::{self, Label};
-use crate::assembly::{Chooser, Raw, Variable};
+use crate::assembly::{Axis, Chooser, Raw, Variable};
 use crate::error::ReadError;
-use crate::file_bytes::{FileBytes, decode, shorten};
+use crate::file_bytes::{FileBytes, list};
 use crate::options::ReadOptions;
 use crate::warning::Warning;
+use column::{Column, Fault};
 use layout::Layout;
 use std::path::Path;
 
@@ -91,30 +93,89 @@ pub fn read_table(path: impl AsRef<Path>) -> Result<Columns, ReadError> {
 /// As [`read_table`].
 pub fn parse_table(file: &Path, bytes: &[u8]) -> Result<Columns, ReadError> {
     let source = FileBytes { file, bytes };
-    let layout = Layout::detect(&source)?;
+    let Table { columns, labels, warnings } = read(&source)?;
+    if let Some(fault) = columns.iter().filter_map(|c| c.fault.as_ref()).min_by_key(|f| f.line) {
+        return Err(fault.refusal(&source));
+    }
+    let (names, units) = labels.into_iter().map(|label| (label.name, label.unit)).unzip();
+    Ok(Columns { names, units, values: columns.into_iter().map(|c| c.values).collect(), warnings })
+}
+
+/// Columns as they stand in the file, each with its own end.
+struct Table {
+    columns: Vec<Column>,
+    labels: Vec<Label>,
+    warnings: Vec<Warning>,
+}
+
+fn read(source: &FileBytes) -> Result<Table, ReadError> {
+    let layout = Layout::detect(source)?;
     if layout.fields > MOST_COLUMNS {
         let found = format!("{} columns", layout.fields);
         let place = format!("line {}", layout.first_row);
         return Err(source.malformed(place, found, format!("at most {MOST_COLUMNS}")));
     }
-    let values = read_rows(&source, &layout)?;
-    let labels = label(&layout);
-    let (names, units) = labels.into_iter().map(|label| (label.name, label.unit)).unzip();
+    let columns = read_rows(source, &layout)?;
     let skipped = layout.preamble;
     let warnings = if skipped > 0 { vec![Warning::Preamble { lines: skipped }] } else { Vec::new() };
-    Ok(Columns { names, units, values, warnings })
+    Ok(Table { columns, labels: label(&layout), warnings })
 }
 
 /// Time and channels of a text file.
 pub(crate) fn parse(source: FileBytes, options: &ReadOptions) -> Result<Raw, ReadError> {
-    let table = parse_table(source.file, source.bytes)?;
-    let labels = table.names.into_iter().zip(table.units);
-    let variables = labels.zip(table.values).map(|((name, unit), values)| {
+    let Table { columns, labels, warnings } = read(&source)?;
+    let mut faults: Vec<(String, Fault)> = Vec::new();
+    let mut variables = Vec::new();
+    for (Column { values, fault, hole, .. }, Label { name, unit }) in columns.into_iter().zip(labels) {
         let name = chosen_name(name, &unit, options);
-        Variable { name, unit, rows: values.len(), columns: 1, values }
-    });
-    let variables = variables.collect();
-    Chooser { source, options, tabular: true }.choose(variables, table.warnings)
+        faults.extend(fault.filter(|_| hole).map(|fault| (name.clone(), fault)));
+        variables.push(Variable::vector(name, unit, values));
+    }
+    let whole = |is_read: &dyn Fn(&String) -> bool| {
+        let read = faults.iter().filter(|(name, _)| is_read(name)).map(|(_, fault)| fault);
+        read.min_by_key(|f| f.line).map_or(Ok(()), |fault| Err(fault.refusal(&source)))
+    };
+    if options.channels.is_empty() {
+        whole(&|_| true)?;
+        one_length(&source, &variables, options)?;
+    }
+    let mut raw = Chooser { source, options, tabular: true }.choose(variables, warnings)?;
+    let time = if let Axis::Times { name, .. } = &raw.axis { Some(name) } else { None };
+    whole(&|name| Some(name) == time || raw.channels.iter().any(|c| c.name == *name))?;
+    end_together(&source, &mut raw)?;
+    Ok(raw)
+}
+
+/// Refuses columns of different lengths where the user has chosen nothing among them.
+fn one_length(source: &FileBytes, variables: &[Variable], options: &ReadOptions) -> Result<(), ReadError> {
+    let uneven = variables.windows(2).any(|v| v[0].values.len() != v[1].values.len());
+    if !uneven || options.time.is_some() {
+        return Ok(());
+    }
+    let each: Vec<String> = variables.iter().map(|v| format!("{} {}", v.name, v.values.len())).collect();
+    let found =
+        format!("the columns have different numbers of rows ({})", list(each.iter().map(String::as_str)));
+    let names = list(variables.iter().map(|v| v.name.as_str()));
+    Err(ReadError::Ambiguous { file: source.file.into(), found, names })
+}
+
+/// Channels that are read together end in one row, and the time that they share goes no further.
+fn end_together(source: &FileBytes, raw: &mut Raw) -> Result<(), ReadError> {
+    let Some((first, rest)) = raw.channels.split_first() else { return Ok(()) };
+    let rows = first.values.len();
+    if let Some(other) = rest.iter().find(|c| c.values.len() != rows) {
+        return Err(ReadError::Mismatch {
+            file: source.file.into(),
+            name: other.name.clone(),
+            found: format!("{} samples", other.values.len()),
+            expected: format!("{rows} samples"),
+            reference: first.name.clone(),
+        });
+    }
+    if let Axis::Times { values, .. } = &mut raw.axis {
+        values.truncate(rows);
+    }
+    Ok(())
 }
 
 /// The user may write a column's name with its unit, as it stands in the file.
@@ -133,30 +194,34 @@ fn label(layout: &Layout) -> Vec<Label> {
     let one = |i: usize| {
         let header = layout.names.get(i).map(String::as_str).unwrap_or_default();
         let Label { name, unit } = units::split_unit(header);
-        let name = if name.is_empty() { format!("column {}", i + 1) } else { name };
+        let name = if name.is_empty() { format!("column {}", layout.settings + i + 1) } else { name };
         let row = layout.units.get(i).map(|u| u.trim_matches(['[', ']', '(', ')']).to_string());
         Label { name, unit: row.filter(|u| !u.is_empty()).unwrap_or(unit) }
     };
     (0..layout.fields).map(one).collect()
 }
 
-fn read_rows(source: &FileBytes, layout: &Layout) -> Result<Vec<Vec<f64>>, ReadError> {
+fn read_rows(source: &FileBytes, layout: &Layout) -> Result<Vec<Column>, ReadError> {
     let body = layout.body(source.bytes);
     let mut reader = csv::ReaderBuilder::new()
         .has_headers(false)
         .flexible(true)
         .delimiter(layout.separator.byte())
         .from_reader(&*body);
-    let mut columns = vec![Vec::new(); layout.fields];
+    let mut columns: Vec<Column> = (0..layout.fields).map(|_| Column::default()).collect();
     let mut record = csv::ByteRecord::new();
+    let in_file = |line: u64| layout.first_row as u64 + line - 1;
     loop {
         let line = reader.position().line();
         match reader.read_byte_record(&mut record) {
             Ok(true) => {}
             Ok(false) => return Ok(columns),
-            Err(e) => return Err(source.malformed(at_line(layout, line), e.to_string(), "a row of numbers")),
+            Err(e) => {
+                let place = format!("line {}", in_file(line));
+                return Err(source.malformed(place, e.to_string(), "a row of numbers"));
+            }
         }
-        let line = record.position().map_or(line, csv::Position::line);
+        let line = in_file(record.position().map_or(line, csv::Position::line));
         push_row(source, layout, &record, line, &mut columns)?;
     }
 }
@@ -166,27 +231,19 @@ fn push_row(
     layout: &Layout,
     record: &csv::ByteRecord,
     line: u64,
-    columns: &mut [Vec<f64>],
+    columns: &mut [Column],
 ) -> Result<(), ReadError> {
     let fields = layout.count(record);
     if fields == 0 || layout::is_comment(&record[0]) {
         return Ok(());
     }
-    if fields != columns.len() {
-        let expected = format!("{} as in line {}", columns.len(), layout.first_row);
-        return Err(source.malformed(at_line(layout, line), format!("{fields} fields"), expected));
+    if fields != layout.all() {
+        let expected = format!("{} as in line {}", layout.all(), layout.first_row);
+        return Err(source.malformed(format!("line {line}"), format!("{fields} fields"), expected));
     }
-    for (i, (field, column)) in record.iter().zip(&mut *columns).enumerate() {
-        let Some(value) = layout.number(field) else {
-            let place = format!("{}, column {}", at_line(layout, line), i + 1);
-            let found = format!("'{}'", shorten(&decode(field), 40));
-            return Err(source.malformed(place, found, "a number"));
-        };
-        column.push(value);
+    for (i, column) in columns.iter_mut().enumerate() {
+        let at = layout.settings + i;
+        column.push(layout, &record[at], (line, at));
     }
     Ok(())
-}
-
-fn at_line(layout: &Layout, line: u64) -> String {
-    format!("line {}", layout.first_row as u64 + line - 1)
 }

@@ -19,7 +19,7 @@ pub use functions::{UffFunction, functions};
 pub use model::{ROD, UffModel, model};
 pub use nodal::NodalDirection;
 
-use crate::assembly::{Axis, Channel, Raw};
+use crate::assembly::{Axis, Channel, Raw, unlike};
 use crate::error::ReadError;
 use crate::file_bytes::{FileBytes, list};
 use crate::options::ReadOptions;
@@ -139,47 +139,13 @@ fn join(
 ) -> Result<Raw, ReadError> {
     let (mut axis, mut channels): (Option<Axis>, Vec<Channel>) = (None, Vec::new());
     for function in functions {
-        let unlike = axis.as_ref().and_then(|a| difference(a, &function.axis)).zip(channels.first());
-        if let Some((Unlike { found, expected }, first)) = unlike {
-            let (file, name) = (source.file.into(), function.channel.name);
-            return Err(ReadError::Mismatch { file, name, found, expected, reference: first.name.clone() });
+        let differs = axis.as_ref().and_then(|a| unlike(a, &function.axis)).zip(channels.first());
+        if let Some((unlike, first)) = differs {
+            return Err(unlike.refusal(source, function.channel.name, first.name.clone()));
         }
         axis.get_or_insert(function.axis);
         channels.push(function.channel);
     }
     let axis = axis.unwrap_or(Axis::None);
     Ok(Raw { axis, channels, chosen: !options.channels.is_empty(), warnings })
-}
-
-/// Intervals of channels may differ by this part, two units of the fifth and last digit that an ASCII header has.
-const SAME_INTERVAL: f64 = 2e-5;
-/// Starts of channels may differ by this part of an interval: to the nearest sample they are the same.
-const SAME_START: f64 = 0.5;
-
-/// Sampling of a channel that does not go with the others, in words.
-struct Unlike {
-    found: String,
-    expected: String,
-}
-
-impl Unlike {
-    fn new(found: impl Into<String>, expected: impl Into<String>) -> Self {
-        Self { found: found.into(), expected: expected.into() }
-    }
-}
-
-/// How the sampling found differs from the one expected, if it does.
-fn difference(expected: &Axis, found: &Axis) -> Option<Unlike> {
-    match (expected, found) {
-        (Axis::Even { start: s, step: a }, Axis::Even { start, step }) => {
-            let same =
-                (step - a).abs() <= SAME_INTERVAL * a.abs() && (start - s).abs() <= SAME_START * a.abs();
-            let text = |start, step| format!("interval {step:e} s from {start:e} s");
-            (!same).then(|| Unlike::new(text(*start, *step), text(*s, *a)))
-        }
-        (Axis::Times { values: a, .. }, Axis::Times { values: b, .. }) => {
-            (a != b).then(|| Unlike::new("other times", "the same times"))
-        }
-        _ => Some(Unlike::new("another kind of abscissa", "the same kind")),
-    }
 }

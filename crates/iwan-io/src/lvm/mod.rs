@@ -4,12 +4,13 @@
 //! stand between fields, a comma may be the decimal sign, columns of X stand once, once a channel, or not at all. Segments with the
 //! same channels that follow each other evenly are one record; others are refused by name.
 
-use crate::assembly::{Axis, Channel, Raw, units};
+mod segment;
+
+use crate::assembly::Raw;
 use crate::error::ReadError;
-use crate::file_bytes::{FileBytes, decode, list, shorten};
+use crate::file_bytes::{FileBytes, decode, shorten};
 use crate::options::ReadOptions;
-use crate::quantity::Quantity;
-use crate::warning::Warning;
+use segment::{Interval, Segment};
 
 /// First word of the file.
 const MAGIC: &[u8] = b"LabVIEW Measurement";
@@ -17,10 +18,6 @@ const MAGIC: &[u8] = b"LabVIEW Measurement";
 const END: &str = "***End_of_Header***";
 /// Channels are refused beyond this number, as columns of other text files are: the file is damaged.
 const MOST_CHANNELS: usize = 10_000;
-/// The column of X and the header agree on the interval within this part of it, beside what X is rounded to.
-const SAME: f64 = 0.01;
-/// A segment continues the one before when it begins one interval behind its last sample, within this part of it: to the nearest sample.
-const NEXT: f64 = 0.5;
 
 /// Whether bytes begin as such a file does.
 pub(crate) fn is_lvm(bytes: &[u8]) -> bool {
@@ -40,18 +37,6 @@ enum XColumns {
     None,
     One,
     Multi,
-}
-
-/// One segment: its header's figures for each channel, and the numbers.
-#[derive(Default)]
-struct Segment {
-    names: Vec<String>,
-    units: Vec<String>,
-    x_units: Vec<String>,
-    starts: Vec<f64>,
-    steps: Vec<f64>,
-    x: Vec<Vec<f64>>,
-    y: Vec<Vec<f64>>,
 }
 
 /// Lines with their numbers, counted from 1.
@@ -164,7 +149,13 @@ impl Lines<'_> {
                 }
                 "X_Unit_Label" => segment.x_units = words(),
                 "X0" => segment.starts = numbers().ok_or_else(wrong)?,
-                "Delta_X" => segment.steps = numbers().ok_or_else(wrong)?,
+                "Delta_X" => {
+                    let values = numbers().ok_or_else(wrong)?;
+                    let cells = cells[1..].iter().filter(|c| !c.is_empty());
+                    let steps = values.into_iter().zip(cells);
+                    segment.steps =
+                        steps.map(|(step, cell)| Interval { step, digit: last_digit(cell) }).collect();
+                }
                 _ => {}
             }
         }
@@ -188,13 +179,16 @@ impl Lines<'_> {
         let names: Vec<&str> =
             self.rest.next().map_or("", |(_, line)| line).split(style.separator).map(str::trim).collect();
         let multi = style.x_columns == XColumns::Multi;
-        // Which column is which: X once in front, or in front of every channel. LabVIEW heads a column of X even where there is none.
+        // Which column is which: X once in front, or in front of every channel. Where there is no X, LabVIEW leaves its first column
+        // empty, and heads it X_Value or not at all.
         let column = |k: usize| if multi { 2 * k + 1 } else { k + xs };
-        let heading =
-            |k: usize| if xs == 0 { k + usize::from(names.first() == Some(&"X_Value")) } else { column(k) };
+        let empty_x = xs == 0 && matches!(names.first(), Some(&("X_Value" | "")));
+        let heading = |k: usize| column(k) + usize::from(empty_x);
         segment.names = (0..channels)
             .map(|k| names.get(heading(k)).map_or(String::new(), |n| (*n).to_string()))
             .collect();
+        segment.x_names =
+            (0..xs).map(|k| names.get(2 * k).map_or(String::new(), |n| (*n).to_string())).collect();
         (segment.x, segment.y) = (vec![Vec::new(); xs], vec![Vec::new(); channels]);
         while let Some((number, line)) = self.rest.peek().copied() {
             let cells: Vec<&str> = line.split(style.separator).map(str::trim).collect();
@@ -233,97 +227,9 @@ fn number_of(text: &str, style: &Style) -> Option<f64> {
     if style.decimal_comma { text.replace(',', ".").parse().ok() } else { text.parse().ok() }
 }
 
-impl Segment {
-    /// Interval and start of its samples as the header has them.
-    fn even(&self) -> Option<(f64, f64)> {
-        let step = self.steps.first().copied().filter(|s| *s > 0.0 && s.is_finite())?;
-        Some((self.starts.first().copied().unwrap_or(0.0), step))
-    }
-
-    /// What the column of X says against the header's interval: programs that thin samples out leave the header as it was.
-    fn contradiction(&self) -> Option<String> {
-        let ((_, step), x) = (self.even()?, self.x.first()?);
-        // X may begin anew with each segment, and be written with so few digits that neighbours are equal: the mean up to the first step back.
-        let steps: Vec<f64> = x.windows(2).map(|w| w[1] - w[0]).take_while(|d| *d >= 0.0).collect();
-        let count = steps.len().max(1) as f64;
-        let seen = steps.iter().sum::<f64>() / count;
-        let digit = steps.iter().copied().filter(|d| *d > 0.0).fold(f64::INFINITY, f64::min);
-        let differs = (seen - step).abs() > SAME * step + digit / count;
-        differs.then(|| format!("steps of {seen:.6e} in the column X_Value where Delta_X is {step:.6e}"))
-    }
-
-    /// Puts another segment behind this one, where it continues it; says why not otherwise.
-    fn append(&mut self, other: Self) -> Result<(), String> {
-        if other.y.iter().all(Vec::is_empty) {
-            return Ok(());
-        }
-        if self.y.len() != other.y.len() || self.names != other.names {
-            return Err("segments of different channels".into());
-        }
-        let samples = self.y.first().map_or(0, Vec::len);
-        let (Some((start, step)), Some((next, other_step))) = (self.even(), other.even()) else {
-            return Err("several segments without a start and an interval".into());
-        };
-        let gap = next - (start + samples as f64 * step);
-        if (other_step - step).abs() > 1e-9 * step || gap.is_nan() || gap.abs() > NEXT * step {
-            return Err(format!(
-                "segments that do not follow each other (the next begins {gap:.6e} s away from where it would)"
-            ));
-        }
-        for (mine, more) in self.y.iter_mut().zip(other.y).chain(self.x.iter_mut().zip(other.x)) {
-            mine.extend(more);
-        }
-        Ok(())
-    }
-
-    fn into_raw(self, source: &FileBytes, options: &ReadOptions) -> Result<Raw, ReadError> {
-        let unit = self.x_units.first().map_or("", String::as_str);
-        let (factor, unit_known) = source.seconds("X", unit, options)?;
-        let mut warnings = Vec::new();
-        if factor != 1.0 {
-            warnings.push(Warning::TimeScaled { unit: unit.into(), factor });
-        }
-        if options.rate.is_none()
-            && let Some(contradiction) = self.contradiction()
-        {
-            let expected = "one interval in both; say the rate with --rate";
-            return Err(source.malformed("X_Value and Delta_X", contradiction, expected));
-        }
-        let axis = match (self.even(), self.x.first()) {
-            (Some((start, step)), _) => Axis::Even { start: factor * start, step: factor * step },
-            (None, Some(times)) => {
-                let values = times.iter().map(|t| factor * t).collect();
-                Axis::Times { name: "X".into(), values, unit_known: unit_known || !unit.is_empty() }
-            }
-            (None, None) => Axis::None,
-        };
-        let name = |k: usize| match self.names.get(k).map(String::as_str) {
-            None | Some("") => format!("channel {}", k + 1),
-            Some(name) => name.to_string(),
-        };
-        let names: Vec<String> = (0..self.y.len()).map(name).collect();
-        let chosen = !options.channels.is_empty();
-        let place = |name: &String| {
-            names.iter().position(|n| n == name).ok_or_else(|| {
-                let (file, names) = (source.file.into(), list(names.iter().map(String::as_str)));
-                ReadError::UnknownName { file, role: "channel", name: name.clone(), names }
-            })
-        };
-        // LabVIEW lets several channels have one name: where none is asked for by it, each is the one at its place.
-        let wanted: Vec<usize> = if chosen {
-            options.channels.iter().map(place).collect::<Result<_, _>>()?
-        } else {
-            (0..names.len()).collect()
-        };
-        let channel = |k: usize| {
-            let (name, unit) = (names[k].clone(), self.units.get(k).cloned().unwrap_or_default());
-            let mut quantity = units::quantity_of_unit(&unit);
-            if quantity == Quantity::Unknown && unit.is_empty() {
-                quantity = units::quantity_of_name(&name);
-            }
-            Channel { name, unit, quantity, values: self.y[k].clone() }
-        };
-        let channels = wanted.into_iter().map(channel).collect();
-        Ok(Raw { axis, channels, chosen, warnings })
-    }
+/// Unit of the last digit of a number as it is written: 1e-6 of `0.000156`, 1e-11 of `1.953125E-5`.
+fn last_digit(text: &str) -> f64 {
+    let (mantissa, exponent) = text.split_once(['e', 'E']).unwrap_or((text, "0"));
+    let decimals = mantissa.split_once(['.', ',']).map_or(0, |(_, decimals)| decimals.len());
+    10.0_f64.powf(exponent.parse().unwrap_or(0.0) - decimals as f64)
 }

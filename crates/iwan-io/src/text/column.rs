@@ -1,0 +1,49 @@
+//! One column of a table, to its own end.
+
+use super::layout::{self, Layout};
+use crate::error::ReadError;
+use crate::file_bytes::{FileBytes, decode, shorten};
+
+/// A cell that holds no number.
+pub(super) struct Fault {
+    /// Line of the file, counted from 1.
+    pub(super) line: u64,
+    /// Column, counted from 1.
+    column: usize,
+    found: String,
+}
+
+impl Fault {
+    pub(super) fn refusal(&self, source: &FileBytes) -> ReadError {
+        let place = format!("line {}, column {}", self.line, self.column);
+        source.malformed(place, format!("'{}'", self.found), "a number")
+    }
+}
+
+/// A column whose cells are empty from some row on is shorter than others; one with an empty cell before its end, or a word, has a hole.
+#[derive(Default)]
+pub(super) struct Column {
+    /// Numbers up to the last one, NaN in holes.
+    pub(super) values: Vec<f64>,
+    /// The first cell that holds no number.
+    pub(super) fault: Option<Fault>,
+    pub(super) hole: bool,
+    /// Cells without a number behind the last one.
+    without: usize,
+}
+
+impl Column {
+    /// Takes the cell in a line, counted from 1, and a column of the file, counted from 0.
+    pub(super) fn push(&mut self, layout: &Layout, field: &[u8], (line, column): (u64, usize)) {
+        if let Some(value) = layout.number(field) {
+            self.hole |= self.without > 0;
+            self.values.extend(std::iter::repeat_n(f64::NAN, std::mem::take(&mut self.without)));
+            self.values.push(value);
+        } else {
+            self.hole |= !layout::is_blank(field);
+            self.without += 1;
+            let found = || shorten(&decode(field), 40);
+            self.fault.get_or_insert_with(|| Fault { line, column: column + 1, found: found() });
+        }
+    }
+}
