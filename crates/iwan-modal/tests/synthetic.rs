@@ -172,7 +172,9 @@ fn noise_on_one_response_is_no_mode() {
     let bench = Bench { stations: 1, samples: 32_768, noise: 2e-2, ..Bench::new(modes) };
     for seed in 0..8 {
         let mut hits = bench.hits(100.0, 3, 40 + seed);
-        hits.iter_mut().for_each(|hit| hit.responses.truncate(1));
+        for hit in &mut hits {
+            hit.responses.truncate(1);
+        }
         for analysis in [Analysis::Chart, Analysis::Isolation] {
             let fit = found(&hits, Windows::default(), &analysis);
             let listed: Vec<f64> = fit.modes.iter().map(|m| m.frequency).collect();
