@@ -13,4 +13,5 @@ mod shared_joints;
 mod sweeps;
 mod synthetic_truth;
 mod troubled_records;
+mod what_is_told;
 mod which_law;

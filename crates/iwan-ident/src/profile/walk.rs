@@ -215,7 +215,7 @@ impl<'a, G: Ground> Walk<'a, G> {
     fn share(&self, inside: Place, outside: Place) -> f64 {
         let root = self.scale.limit.sqrt();
         let (a, b) = (inside.deviance.sqrt(), outside.deviance.sqrt());
-        if b > FAR_OUTSIDE * root { 0.5 } else { ((root - a) / (b - a)).clamp(0.05, 0.95) }
+        if b > FAR_OUTSIDE * root { 0.5 } else { ((root - a) / (b - a)).clamp(0.0, 1.0) }
     }
 
     /// The end of an interval between its last point inside and the first outside: the first where there is no model beyond.
@@ -241,7 +241,9 @@ impl<'a, G: Ground> Walk<'a, G> {
             if near(inside.deviance) || near(outside.deviance) || narrow {
                 break;
             }
-            let at = inside.at + self.share(inside, outside) * (outside.at - inside.at);
+            // Off both ends, so that each round closes in whatever the line says.
+            let share = self.share(inside, outside).clamp(0.05, 0.95);
+            let at = inside.at + share * (outside.at - inside.at);
             let deviance = self.deviance(at)?.unwrap_or(f64::INFINITY);
             let place = Place { at, deviance };
             if deviance < self.scale.limit { inside = place } else { outside = place }
