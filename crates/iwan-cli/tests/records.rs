@@ -95,13 +95,35 @@ fn several_hits_are_several_records() {
     // What is said of the file is said once.
     let told = iwan(place.path(), "fit hits.csv --out fit --threads 2");
     assert_eq!(String::from_utf8_lossy(&told.stderr).matches("3 hits, at").count(), 1, "{}", shown(&told));
-    let refused_with_others = ["hit 1, mode 1", "0.25", "one hit of a file with --hits N"];
-    refused(place.path(), "envelope hits.csv --window 0.9:0.95", &refused_with_others);
     let summary = run(place.path(), "hits.csv --hits 2 --out two");
     assert_eq!(summary["modes"].as_array().unwrap().len(), 1);
     assert!(summary["modes"][0]["window"][0].as_f64().unwrap() > 2.25);
     refused(place.path(), "envelope hits.csv --hits 4", &["no hit 4", "3 found"]);
     refused(place.path(), "envelope hits.csv --hits none", &["must be all, first, or a number"]);
+}
+
+/// A mode that only the first of two hits excites.
+#[test]
+fn a_hit_that_cannot_be_followed_can_be_left_out() {
+    let place = folder("");
+    let mut text = "t [s],tip [m/s^2]\n".to_string();
+    for n in 0..8192 {
+        let t = f64::from(n) / 2048.0;
+        let wave = |at: f64, size: f64, frequency: f64| match t - at {
+            s if s < 0.0 => 0.0,
+            s => size * (-s).exp() * (std::f64::consts::TAU * frequency * s).sin(),
+        };
+        let sum = wave(0.25, 1.0, 80.0) + wave(0.25, 0.5, 200.0) + wave(2.25, 3.0, 80.0);
+        writeln!(text, "{t},{sum}").unwrap();
+    }
+    std::fs::write(place.path().join("two_hits.csv"), text).unwrap();
+    refused(
+        place.path(),
+        "envelope two_hits.csv --mode 200",
+        &["two_hits.csv, hit 2, mode 1", "leave it out", "one hit of a file with --hits N"],
+    );
+    let summary = run(place.path(), "two_hits.csv --mode 200 --hits 1 --out one");
+    assert!((summary["modes"][0]["band"]["peak"].as_f64().unwrap() - 200.0).abs() < 0.1, "{summary}");
 }
 
 #[test]
