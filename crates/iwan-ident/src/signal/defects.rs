@@ -8,7 +8,7 @@ const CLIPPED_RUN: usize = 3;
 /// … in at least so many places: a digitised crest can be flat once.
 const CLIPPED_PLACES: usize = 2;
 
-/// Blocks in which the energy of a record is followed: a decay as short as the blocks are many lasts one of them.
+/// Blocks in which the energy of a record is followed. A decay that fills less than one of them, a four-hundredth of the record, is not seen.
 const BLOCKS: usize = 400;
 /// A tail is told from a decay where the loudest block has this many times its energy, 20 dB: below, the decay is not much more than the noise.
 const LOUD: f64 = 100.0;
