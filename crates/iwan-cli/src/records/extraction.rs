@@ -39,12 +39,10 @@ impl Extraction {
         let place = format!("{}, {}", recording.name, wanted.name);
         let said = |e: iwan_ident::Error| {
             let failure = Failure::said(&place, &e);
-            let alone = recordings.len() == 1;
-            if alone {
-                failure
-            } else {
-                failure.or("leave it out: name the other files, or one hit of a file with --hits N")
+            if recordings.len() == 1 {
+                return failure;
             }
+            failure.or("leave it out: name the other files, or one hit of a file with --hits N")
         };
         let dt = recording.record.dt();
         let isolated = isolate(&modal.samples, dt, &wanted.options).map_err(said)?;

@@ -94,8 +94,7 @@ pub(super) fn behind_filter(
 ) -> Result<InBand, Error> {
     let must_decay = notes.is_some();
     let mut notes = notes.unwrap_or_default();
-    let mut x = x;
-    let mut behind = filtered(x, dt, band, options)?;
+    let (mut x, mut behind) = (x, filtered(x, dt, band, options)?);
     let cycles = (BLOCK / (band.peak * dt)).ceil() as usize;
     if let Some(gone) = gone_by(&behind.samples, cycles).filter(|gone| must_decay && *gone >= SAMPLES) {
         notes.push(format!(

@@ -8,12 +8,12 @@ use super::search::Fitted;
 use crate::error::Error;
 use crate::number::Complex;
 
-/// A mode takes at least this many times as much off the responses as fitting its residues to noise would: to white noise 1 on average. A judgement above what noise does on
-/// four responses and more; fewer tell less, and there chance decides.
+/// A mode takes at least this many times as much off the responses as fitting its residues to noise would: to white noise 1 on average. A judgement above what the best of all
+/// lines of noise does on many responses; on one or two chance asks for more.
 const WORTH: f64 = 10.0;
-/// Fits of bands without a mode in which noise may be taken for one, in a hundred. A judgement; a thousandth of it asks for half as much again.
+/// Probability with which noise alone may make a mode in a band, at most. A judgement: a thousandth of it asks for a third more on one response.
 const BY_CHANCE: f64 = 0.01;
-/// Decays that are as good as different ones at each line of a band, from a line's width to the band's.
+/// Decays that are as good as different ones at each line of a band, from a line's width to the band's. A judgement; ten times as many ask for an eighth more on one response.
 const DECAYS: f64 = 3.0;
 /// Above this damping ratio what was fitted is no peak but a slope of the background.
 const HIGHEST_DAMPING: f64 = 0.2;
@@ -31,13 +31,18 @@ pub(crate) fn worth(without: &Linear, with: &Linear, noise: &[f64]) -> f64 {
     (0..noise.len()).map(gain).sum::<f64>() / (2 * noise.len()) as f64
 }
 
-/// Worth that a mode needs: what noise does not reach at the best of all lines and decays of the band. What a pole and its residues take off noise of variance 1 is χ² distributed with two
-/// values for the pole and two for each response, which exceeds its mean by more than the bound below with a probability of e^-l (B. Laurent, P. Massart, Ann. Statist. 28:1302,
-/// 2000, Lemma 1). On one response of 3,600 lines that is 24; with 10 modes of noise were found there in every second test.
+/// Worth that a mode needs in a band.
 pub(crate) fn least_worth(band: &Band) -> f64 {
-    let residues = 2.0 * band.squares.len() as f64;
-    let (values, log) = (residues + 2.0, (DECAYS * band.s.len() as f64 / BY_CHANCE).ln());
-    WORTH.max((values + 2.0 * (values * log).sqrt() + 2.0 * log) / residues)
+    WORTH.max(by_chance(band.squares.len(), band.s.len()))
+}
+
+/// Worth that noise does not reach at the best of so many lines and all decays. What a pole and its residues take off noise of variance 1 is χ² distributed, with two values for the pole
+/// and two for each response, and exceeds the bound below with a probability of e^-l at most (B. Laurent, P. Massart, Ann. Statist. 28:1302, 2000, Lemma 1,
+/// doi:10.1214/aos/1015957395).
+fn by_chance(responses: usize, lines: usize) -> f64 {
+    let residues = 2.0 * responses as f64;
+    let (values, log) = (residues + 2.0, (DECAYS * lines as f64 / BY_CHANCE).ln());
+    (values + 2.0 * (values * log).sqrt() + 2.0 * log) / residues
 }
 
 /// Modal assurance criterion of two rows of residues: 1 for the same shape.
@@ -106,6 +111,14 @@ mod tests {
     use super::*;
     use crate::measure::{Channel, Freedom, Motion};
     use crate::responses::free_responses;
+
+    /// The best of 3,600 lines of noise: a worth of ten was too little on one response, and is enough on three.
+    #[test]
+    fn few_responses_ask_for_more() {
+        let worth = [1, 2, 3, 54].map(|responses| by_chance(responses, 3600));
+        assert!((23.0..24.0).contains(&worth[0]) && (12.5..13.5).contains(&worth[1]), "{worth:?}");
+        assert!(worth[2] < WORTH && worth[3] < 2.1, "{worth:?}");
+    }
 
     #[test]
     fn what_a_mode_takes_off_is_what_a_fit_without_it_leaves() {

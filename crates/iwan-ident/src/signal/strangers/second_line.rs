@@ -2,7 +2,7 @@
 
 use std::f64::consts::TAU;
 
-use nalgebra::{DMatrix, Matrix2, SVD, Vector2};
+use nalgebra::{DMatrix, Matrix2, Vector2};
 use rustfft::num_complex::Complex64;
 
 use crate::error::Error;
@@ -178,7 +178,7 @@ fn norm(z: &[Complex64]) -> f64 {
 fn poles(z: &[Complex64]) -> Option<[Complex64; 2]> {
     let rows = z.len() / 2;
     let hankel = DMatrix::from_fn(rows, z.len() - rows, |i, j| z[i + j]);
-    let left = SVD::try_new(hankel, true, false, f64::EPSILON, 0)?.u?;
+    let left = hankel.svd(true, false).u?;
     let (above, below) = (left.view((0, 0), (rows - 1, 2)), left.view((1, 0), (rows - 1, 2)));
     let normal = above.adjoint() * above;
     let shift = normal.try_inverse()? * (above.adjoint() * below);

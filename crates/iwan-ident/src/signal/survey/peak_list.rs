@@ -133,7 +133,8 @@ impl Listed {
 }
 
 /// The band around the spectral peak nearest to `near` Hz: 0.75 to 1.3 times its frequency, cut at the geometric mean with the next
-/// peak on either side that has 3 % of its height, and at 95 % of the Nyquist frequency. A peak beside one that is ten times
+/// peak on either side that has 3 % of its height, and at 95 % of the Nyquist frequency, and narrower beside a strong one nearer than 5 %, as by
+/// [`automatic_band`](crate::signal::automatic_band). A peak beside one that is ten times
 /// higher, within 3 % of its frequency, is not meant.
 ///
 /// # Errors
