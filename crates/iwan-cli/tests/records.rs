@@ -102,6 +102,31 @@ fn several_hits_are_several_records() {
     refused(place.path(), "envelope hits.csv --hits none", &["must be all, first, or a number"]);
 }
 
+#[test]
+fn a_structure_that_is_pulled_and_let_go_rings_from_its_release_on() {
+    let place = folder("");
+    let mut text = "t [s],tip [mm]\n".to_string();
+    for n in 0..5000 {
+        let t = f64::from(n) / 250.0;
+        let hand = 0.1 * (11.0 * t).sin() * (2.3 * t).cos();
+        let x = match t - 5.0 {
+            s if s < -3.0 => 0.0,
+            s if s < -1.5 => -(s + 3.0) / 1.5 + hand,
+            s if s < 0.0 => -1.0 + hand,
+            s => -(-0.25 * s).exp() * (31.415_93 * s).cos(),
+        };
+        writeln!(text, "{t},{}", 20.0 + x).unwrap();
+    }
+    std::fs::write(place.path().join("let_go.csv"), text).unwrap();
+    let summary = run(place.path(), "let_go.csv --out out");
+    let warnings = summary["warnings"].to_string();
+    let is_told = warnings.contains("before 5.0") && warnings.contains("pulled, held or handled");
+    assert!(is_told && !warnings.contains("jumps") && !warnings.contains("driven again"), "{warnings}");
+    let mode = &summary["modes"][0];
+    let window = mode["window"][0].as_f64().unwrap();
+    assert!(window > 5.0 && window < 6.0 && (mode["band"]["peak"].as_f64().unwrap() - 5.0).abs() < 0.05);
+}
+
 /// A mode that only the first of two hits excites.
 #[test]
 fn a_hit_that_cannot_be_followed_can_be_left_out() {

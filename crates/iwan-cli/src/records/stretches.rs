@@ -24,9 +24,17 @@ fn stretches(mut recording: Recording, wanted: Hits) -> Result<Vec<Recording>, F
     let Some(samples) = loudest else { return Ok(vec![recording]) };
     // A record too short to be looked at is refused where it is used.
     let found = hits(samples, record.dt()).unwrap_or_default();
-    let disturbed = events(samples, record.dt()).unwrap_or_default();
+    let from = found.first().filter(|hit| hit.lead_in).map_or(0, |hit| hit.samples.start);
+    let disturbed = events(&samples[from..], record.dt()).unwrap_or_default();
     let (name, start) = (recording.name.clone(), record.start());
-    recording.warnings.extend(disturbed.iter().filter_map(|event| disturbance(&name, start, event)));
+    if from > 0 {
+        let at = record.time(from);
+        recording.warnings.push(format!(
+            "{name}: before {at:.6} s the structure is pulled, held or handled: the record begins there"
+        ));
+    }
+    let ringing = record.time(from);
+    recording.warnings.extend(disturbed.iter().filter_map(|event| disturbance(&name, ringing, event)));
     for again in found.iter().flat_map(|hit| &hit.again) {
         let at = start + again;
         recording.warnings.push(format!("{name}: driven again at {at:.6} s, as by a double hit: behind it with --from {at:.4} the decay is free"));
@@ -44,6 +52,11 @@ fn stretches(mut recording: Recording, wanted: Hits) -> Result<Vec<Recording>, F
         }
     };
     if found.len() < 2 {
+        if from > 0 {
+            let end = record.time(samples.len() - 1);
+            let cut = record.between(Some(ringing), Some(end)).map_err(|e| Failure::said(&name, &e))?;
+            recording.record = cut;
+        }
         return Ok(vec![recording]);
     }
     let times: Vec<String> = found.iter().map(|hit| format!("{:.4}", start + hit.time)).collect();

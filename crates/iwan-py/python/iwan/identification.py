@@ -394,7 +394,7 @@ class Stretches:
 
     records: list[Record]
     notes: list[str]
-    """Which hits of a record they are."""
+    """Which hits of a record they are, and where a structure is let go."""
 
 
 def check_hits(hits: str | int) -> None:
@@ -421,6 +421,8 @@ def stretches(
             times = ", ".join(f"{hit.start:.4f}" for hit in found)
             which = "each is used as a record of its own" if hits == "all" else f"number {1 if hits == 'first' else hits} is used"
             notes.append(f"{place}{len(found)} hits, at {times} s; {which} (hits=)")
+        elif found[0].start > record.start:
+            notes.append(f"{place}before {found[0].start:.6f} s the structure is pulled, held or handled: the record begins there")
         if hits == "all":
             used.extend(found)
             continue

@@ -249,7 +249,7 @@ impl Record {
     }
 
     /// The hits in the record, each from its blow to the next one, as a list of `Record` on the record's own clock; the record itself where
-    /// there are fewer than two. `iwan.fit` uses each as a record of its own.
+    /// there are fewer than two, from its release on where the structure is pulled, held or handled before. `iwan.fit` uses each as a record of its own.
     ///
     /// >>> import numpy as np
     /// >>> t = np.arange(2000) / 1000.0
@@ -267,8 +267,8 @@ impl Record {
             (record, found.unwrap_or_default())
         })?;
         let whole = 0..self.__len__(py);
-        let stretches =
-            if found.len() < 2 { vec![whole] } else { found.into_iter().map(|hit| hit.samples).collect() };
+        let alone = found.len() < 2 && !found.first().is_some_and(|hit| hit.lead_in);
+        let stretches = if alone { vec![whole] } else { found.into_iter().map(|hit| hit.samples).collect() };
         let cut = |stretch: std::ops::Range<usize>| {
             let (first, last) = (record.time(stretch.start), record.time(stretch.end - 1));
             let cut = record.between(Some(first), Some(last)).map_err(|error| value(error.to_string()))?;

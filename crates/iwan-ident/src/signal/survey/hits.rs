@@ -36,10 +36,14 @@ const ECHO: f64 = 0.05;
 const ANEW: f64 = 8.0;
 /// … of so many samples before: a cycle.
 const RECENT: usize = 23;
-/// A hit begins a stretch of its own when the amplitude rises by this factor, …
+/// A hit begins a stretch of its own when the swing rises by this factor from the cycle before to the two behind, …
 const RISE: f64 = 1.5;
-/// … and this many cycles pass until the next: an envelope needs as many.
+/// … and this many cycles pass until the next: an envelope needs as many. Of hits that follow each other sooner, the last at which the swing rises begins the stretch.
 const CYCLES: f64 = 20.0;
+/// Quantiles between which the swing is taken: a sinusoid keeps 95 % of its own between them, and two wild samples of twenty do not count.
+const QUANTILES: (f64, f64) = (0.1, 0.9);
+/// A lead-in goes as far from the zero line of the decay behind it as this part of its swing: less is noise, or a hand that finds its place.
+const LEAD_IN: f64 = 0.2;
 
 /// A stretch of a record that begins with a hit, up to the next one or the end.
 #[derive(Debug, Clone, PartialEq)]
@@ -50,6 +54,8 @@ pub struct Hit {
     pub time: f64,
     /// Largest deviation from the mean within two cycles of it, in the unit of the record.
     pub peak: f64,
+    /// Whether this is the first hit and the record before it is neither quiet nor a free decay: a structure that is pulled, held and let go, or handled.
+    pub lead_in: bool,
     /// Times (s from the first sample of the record) at which the stretch is driven again, too early or too weakly for a stretch of their own:
     /// a double hit, or another disturbance.
     pub again: Vec<f64>,
@@ -57,6 +63,8 @@ pub struct Hit {
 
 /// The hits in a record of any unit, sampled every `dt` seconds; none where nothing is driven: in noise, or in a free decay from the first
 /// sample on. A free decay before the first hit is a stretch of its own.
+///
+/// What is pulled, held or handled before it is let go is a lead-in, and no stretch.
 ///
 /// A free vibration of any number of modes, beats and all, follows from its past by linear prediction (of order 32, by Burg's method, at
 /// twenty samples a cycle of the strongest peak). Where the prediction fails by far more than around, and by a part of the
@@ -106,31 +114,35 @@ impl Scale {
     /// The stretches that the onsets begin, and the onsets within them.
     fn stretches(&self, x: &[f64], mean: f64, coarse: &[f64], onsets: &[usize]) -> Vec<Hit> {
         let least = (CYCLES * self.cycle as f64) as usize;
+        let behind = |onset: usize| swing(coarse, onset, onset + 2 * self.cycle);
+        let rises =
+            |onset: usize| behind(onset) >= RISE * swing(coarse, onset.saturating_sub(self.cycle), onset);
+        // Where each stretch begins, and where the one before it ends.
         let mut starts: Vec<usize> = Vec::new();
-        for (n, &onset) in onsets.iter().enumerate() {
-            let next = onsets.get(n + 1).copied().unwrap_or(coarse.len());
-            let (before, after) = (
-                largest(coarse, onset.saturating_sub(self.cycle), onset),
-                largest(coarse, onset, onset + 2 * self.cycle),
-            );
-            // The first of several hits that follow each other at once begins the stretch.
-            let free = starts.last().is_none_or(|last| onset - last >= least);
-            let alone = next - onset >= least || starts.last().is_none_or(|last| onset - last >= least);
-            if after >= RISE * before && free && alone && coarse.len() - onset >= least {
-                starts.push(onset);
+        let mut ends: Vec<usize> = Vec::new();
+        for &onset in onsets.iter().filter(|onset| coarse.len() - **onset >= least && rises(**onset)) {
+            if starts.pop_if(|last| onset - *last < least).is_none() {
+                ends.push(onset);
             }
+            starts.push(onset);
         }
-        if let Some(&first) = starts.first().filter(|first| **first >= least) {
-            let third = first / 3;
-            // A decay that was there before the first hit.
-            if largest(coarse, 0, third) > 3.0 * largest(coarse, 2 * third, first)
-                && largest(coarse, 0, third) > 0.1 * largest(coarse, first, coarse.len())
-            {
+        let decays_before = |first: usize| {
+            let third = |n: usize| self.largest_swing(&coarse[n * first / 3..(n + 1) * first / 3]);
+            third(0) > 3.0 * third(2) && third(0) > 0.1 * self.largest_swing(&coarse[first..])
+        };
+        let mut lead_in = None;
+        if let Some(&first) = starts.first() {
+            if first >= least && decays_before(first) {
                 starts.insert(0, 0);
+                ends.insert(0, 0);
+            } else {
+                let zero = quantile(&coarse[first..], 0.5);
+                let away = coarse[..first].iter().map(|x| (x - zero).abs()).fold(0.0, f64::max);
+                lead_in = Some(first).filter(|_| away > LEAD_IN * behind(first));
             }
         }
         let hit = |(n, &start): (usize, &usize)| {
-            let end = starts.get(n + 1).map_or(x.len(), |next| next * self.few);
+            let end = ends.get(n + 1).map_or(x.len(), |next| next * self.few);
             let within = |o: &&usize| **o > start && **o * self.few < end;
             let from = start * self.few;
             let to = (from + 2 * self.cycle * self.few).min(end);
@@ -138,11 +150,30 @@ impl Scale {
                 samples: from..end,
                 time: self.time(start),
                 peak: x[from..to].iter().map(|x| (x - mean).abs()).fold(0.0, f64::max),
+                lead_in: lead_in == Some(start),
                 again: onsets.iter().filter(within).map(|o| self.time(*o)).collect(),
             }
         };
         starts.iter().enumerate().map(hit).collect()
     }
+
+    /// The largest swing in a cycle.
+    fn largest_swing(&self, coarse: &[f64]) -> f64 {
+        coarse.chunks(self.cycle).map(|cycle| swing(cycle, 0, cycle.len())).fold(0.0, f64::max)
+    }
+}
+
+/// Half the way between low and high values.
+fn swing(x: &[f64], from: usize, to: usize) -> f64 {
+    let part = &x[from.min(x.len())..to.min(x.len())];
+    0.5 * (quantile(part, QUANTILES.1) - quantile(part, QUANTILES.0))
+}
+
+/// The value below which a part of all lies; 0 of nothing.
+fn quantile(x: &[f64], part: f64) -> f64 {
+    let mut sorted = x.to_vec();
+    let at = (part * x.len().saturating_sub(1) as f64).round() as usize;
+    if sorted.is_empty() { 0.0 } else { *sorted.select_nth_unstable_by(at, f64::total_cmp).1 }
 }
 
 fn largest(x: &[f64], from: usize, to: usize) -> f64 {
@@ -197,9 +228,7 @@ fn onsets(x: &[f64], cycle: usize, step: f64) -> Vec<usize> {
 
 /// Median of |error|; 0 of nothing.
 fn median_of(error: &[f64]) -> f64 {
-    let mut sorted: Vec<f64> = error.iter().map(|e| e.abs()).collect();
-    let middle = sorted.len() / 2;
-    if sorted.is_empty() { 0.0 } else { *sorted.select_nth_unstable_by(middle, f64::total_cmp).1 }
+    quantile(&error.iter().map(|e| e.abs()).collect::<Vec<f64>>(), 0.5)
 }
 
 /// Median of |error| in each block.
@@ -285,6 +314,43 @@ mod tests {
             assert_eq!(found[0].again.len(), 1, "{size}: {found:?}");
             assert!((found[0].again[0] - 0.12).abs() < 3e-3, "{size}: {found:?}");
         }
+    }
+
+    /// Pulled to -1 in half a second, held for another by an unsteady hand, and let go.
+    fn let_go(t: f64) -> f64 {
+        let held = |t: f64| 0.05 * (TAU * 3.1 * t).sin() * (TAU * 0.7 * t).cos();
+        match t {
+            t if t < 0.5 => 0.0,
+            t if t < 1.0 => -2.0 * (t - 0.5),
+            t if t < 1.5 => -1.0 + held(t - 1.0),
+            t => -(-0.4 * (t - 1.5)).exp() * (TAU * 20.0 * (t - 1.5)).cos(),
+        }
+    }
+
+    #[test]
+    fn a_structure_that_is_let_go_rings_from_then_on() {
+        for (scatter, offset) in [(0.0, 0.0), (1e-3, 35.0), (1e-2, -0.4)] {
+            let released = |t: f64| offset + let_go(t);
+            let found = hits(&record(&[&released], 8.0, scatter), 1.0 / RATE).unwrap();
+            assert_eq!(found.len(), 1, "{scatter}: {found:?}");
+            assert!(found[0].lead_in && (found[0].time - 1.5).abs() < 5e-3, "{scatter}: {found:?}");
+        }
+        // A quiet begin is none.
+        let found = hits(&record(&[&struck(0.5, 1.0)], 3.0, 1e-2), 1.0 / RATE).unwrap();
+        assert!(found.len() == 1 && !found[0].lead_in, "{found:?}");
+    }
+
+    #[test]
+    fn the_stronger_of_two_hits_near_each_other_begins_the_stretch() {
+        let (a, b, c) = (struck(0.1, 1.0), struck(2.0, 0.1), struck(2.05, 1.0));
+        let found = hits(&record(&[&a, &b, &c], 4.0, 1e-4), 1.0 / RATE).unwrap();
+        assert_eq!(found.len(), 2, "{found:?}");
+        assert!((found[1].time - 2.05).abs() < 3e-3, "{found:?}");
+        // The decay before ends at the weaker one.
+        assert!(
+            (found[0].samples.end as f64 / RATE - 2.0).abs() < 3e-3 && found[0].again.is_empty(),
+            "{found:?}"
+        );
     }
 
     #[test]
