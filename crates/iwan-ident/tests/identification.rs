@@ -192,6 +192,21 @@ fn hits_of_other_days_are_told_by_their_mean() {
 }
 
 /// Hits of a law that is no Iwan joint, with the scatter of measured hits (0.003 Hz, 1 %): what one says the others say too.
+/// Two modes 5 % apart were one mode with days of their own, "usable".
+#[test]
+fn records_of_two_modes_are_refused_whichever_is_given_first() {
+    let dt = 1.0 / 2000.0;
+    for other in [118.0, 130.0, 140.0, 186.0] {
+        let second = Parameters { frequency: other, ..MODE_1 };
+        let records = [record(&MODE_1, 0.5, dt, 2000), record(&second, 0.4, dt, 2000)];
+        let record = |n: usize| ModeRecord { samples: &records[n], dt, quantity: Quantity::Acceleration };
+        for order in [[0, 1], [1, 0]] {
+            let refused = identify(&order.map(record), &Settings::default()).unwrap_err().to_string();
+            assert!(refused.contains("these are not one mode"), "{other}: {refused}");
+        }
+    }
+}
+
 #[test]
 fn hits_of_another_law_do_not_contradict_each_other() {
     let dt = 1.0 / 2500.0;

@@ -50,6 +50,17 @@ fn the_law_is_named_and_its_parameters_are_held() {
     assert!(closed > 60 && 100 * held >= 90 * closed, "{held} of {closed}");
 }
 
+/// A cubic spring "matched" a tone without decay, of which noise alone is told.
+#[test]
+fn no_law_is_named_for_a_tone_that_does_not_decay() {
+    let mut random = iwan_core::SplitMix64::new(3);
+    let tone = |n: usize| (1.0 - 1e-7 * n as f64) * (TAU * 0.0523 * n as f64).cos();
+    let samples: Vec<f64> = (0..10_000).map(|n| tone(n) + 0.01 * normal(&mut random)).collect();
+    let record = ModeRecord { samples: &samples, dt: 1e-3, quantity: Quantity::Displacement };
+    let refused = compare_laws(&[record], &Settings::default()).unwrap_err().to_string();
+    assert!(refused.contains("all laws look alike"), "{refused}");
+}
+
 /// A joint that something else damps or stiffens beside it: fits of the joint alone were usable, with closed intervals of frequency, damping ratio and χ that missed
 /// under quadratic damping and under a cubic spring.
 #[test]

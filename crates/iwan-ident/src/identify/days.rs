@@ -27,8 +27,8 @@ pub(super) fn largest(curves: &Curves) -> f64 {
     curves.displacement.iter().copied().fold(0.0, f64::max)
 }
 
-/// Median of the logarithm of a record's frequency over that of another at the same amplitude.
-fn apart(curves: &Curves, other: &Curves) -> f64 {
+/// Median of the logarithm of a record's frequency over that of another at the same amplitude; zero where they share none.
+pub(super) fn apart(curves: &Curves, other: &Curves) -> f64 {
     let pairs = curves.displacement.iter().zip(&curves.frequency);
     let mut logs: Vec<f64> = pairs
         .filter_map(|(a, f)| Some((f / frequency_at(other, *a)?).ln()))

@@ -24,7 +24,7 @@ use crate::likelihood::Likelihood;
 use crate::parameters::{Parameter, Parameters};
 use crate::refine::{Refined, RingDown, Task, TurningPoint};
 use crate::signal::Band;
-use days::{days, largest, on_mean_day};
+use days::{apart, days, largest, on_mean_day};
 use extrapolation::Extrapolation;
 pub use identification::{Identification, Linear};
 pub use laws::compare_laws;
@@ -48,6 +48,10 @@ const OTHER_STARTS: [OtherStart; 4] = [
 const SOFTENING: f64 = 1.3;
 /// … and what goes the other way is the day's temperature, mounting and the width of a spectral line.
 const STIFFENING: f64 = 0.98;
+
+/// By so much, as a logarithm, the frequencies of hits of one mode differ at most at the same amplitude. Hits of a day differ by a thousandth, a joint that was taken apart and bolted again
+/// by one or two per cent. A judgement.
+const OTHER_DAY: f64 = 0.04;
 
 /// A start on the curves beside the graphical one.
 struct OtherStart {
@@ -264,6 +268,20 @@ fn check_together(records: &[ModeRecord<'_>], prepared: &[Prepared<'_>]) -> Resu
                         i + 1,
                         other.band().peak,
                         one.band().peak
+                    ),
+                    remedy: "fit them one by one, or give the band of the mode that they share",
+                });
+            }
+            let at_one_amplitude = apart(&one.curves, &other.curves);
+            if at_one_amplitude.abs() > OTHER_DAY {
+                return Err(Error::Refused {
+                    finding: format!(
+                        "records {} and {}, with peaks at {:.4} and {:.4} Hz, differ by {:.1} % of frequency at the same amplitude: these are not one mode",
+                        j + 1,
+                        i + 1,
+                        other.band().peak,
+                        one.band().peak,
+                        100.0 * at_one_amplitude.abs()
                     ),
                     remedy: "fit them one by one, or give the band of the mode that they share",
                 });

@@ -18,6 +18,7 @@ use crate::curve_fit::{Compared, Grade, Verdict};
 use crate::curves::Curves;
 use crate::error::{Error, check};
 use crate::parameters::Parameters;
+use crate::signal::HARDLY;
 
 /// Difference of the criterion up to which a law is as good as the best: evidence of a factor e (R. E. Kass and A. E. Raftery, Bayes
 /// factors, J. Am. Statist. Assoc. 90:773, 1995: "not worth more than a bare mention").
@@ -85,9 +86,18 @@ struct Together {
 /// Fits all laws to the ring-downs of a mode; `iwan` is where the search for the four-parameter joint also begins.
 ///
 /// # Errors
-/// [`Error::TooShort`] for a record of fewer than a dozen cycles; [`Error::Refused`] where no smooth curves follow a record.
+/// [`Error::TooShort`] for a record of fewer than a dozen cycles; [`Error::Refused`] where no smooth curves follow a record, or where all together see less than 2 % of amplitude.
 pub fn compare(sources: &[Source<'_>], iwan: Option<&Parameters>) -> Result<Comparison, Error> {
     check("records", sources.len() as f64, !sources.is_empty(), "at least one", "give a record")?;
+    let seen = sources.iter().flat_map(|s| &s.curves.displacement);
+    let (least, most) = seen.fold((f64::INFINITY, 0.0_f64), |(a, b), x| (a.min(*x), b.max(*x)));
+    let lost = 1.0 - least / most;
+    if lost < HARDLY {
+        return Err(Error::Refused {
+            finding: format!("over {:.2} % of amplitude all laws look alike", 100.0 * lost),
+            remedy: "record longer, or harder and softer hits of the same specimen",
+        });
+    }
     let grid = grid(sources);
     let measured = sources.iter().map(|s| measure(&grid, s)).collect::<Result<Vec<_>, _>>()?;
     let together = together(grid, &measured, sources).ok_or_else(|| Error::Refused {

@@ -28,7 +28,7 @@ const LEAST_BLOCK: usize = 20;
 /// mode about as loud as the noise in its band; not varied.
 const WANDERING: f64 = 0.6;
 /// An amplitude that falls by less than this part over the window is that of a tone that somebody drives, or of a record too short to tell its damping. A judgement.
-const HARDLY: f64 = 0.02;
+pub(crate) const HARDLY: f64 = 0.02;
 /// Least relative scatter of an amplitude: that of rounding.
 const LEAST_SCATTER: f64 = 1e-12;
 /// The window ends where the amplitude falls to so many standard deviations of the noise in the band: there one value of

@@ -26,6 +26,7 @@ pub use hilbert::{Analytic, analytic_signal, whole_cycles};
 pub use in_band::Options;
 pub(crate) use in_band::taken_as;
 pub use isolate::isolate;
+pub(crate) use isolated::HARDLY;
 pub use isolated::Isolated;
 pub use spectrum::{Band, SpectralLine, amplitude_spectrum, automatic_band};
 pub use spot::{Spot, spot};
