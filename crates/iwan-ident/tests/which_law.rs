@@ -1,6 +1,8 @@
 //! Laws named on simulated records of each, with intervals that hold; the records are made by time steps, not by averaging.
 #![allow(clippy::unwrap_used, reason = "a failed test may panic and say why")]
 
+use std::f64::consts::TAU;
+
 use crate::law_records::{LAWS, noisy, normal, ring_down};
 use iwan_ident::Grade;
 use iwan_ident::curves::Quantity;
@@ -100,7 +102,7 @@ fn what_hangs_on_an_exponent_at_its_limit_has_no_interval() {
     let (dt, rate, rise) = (1e-3, 1.5, 0.6);
     let decay = |n: u32| {
         let t = f64::from(n) * dt;
-        (-rate * t).exp() * (std::f64::consts::TAU * (40.0 + 0.5 * rise * t) * t).cos()
+        (-rate * t).exp() * (TAU * (40.0 + 0.5 * rise * t) * t).cos()
     };
     let clean: Vec<f64> = (0..3000).map(decay).collect();
     let found = compared(&clean, dt);
@@ -137,15 +139,14 @@ fn the_bands_hold_the_curves() {
         let clean = ring_down("viscous-quadratic", seed);
         let found = compared(&noisy(&clean, 40.0, seed), clean.dt);
         let truth = |name: &str| clean.truth.iter().find(|t| t.0 == name).unwrap().1;
-        let (omega, zeta, c) =
-            (std::f64::consts::TAU * truth("frequency"), truth("damping_ratio"), truth("quadratic_c"));
+        let (omega, zeta, c) = (TAU * truth("frequency"), truth("damping_ratio"), truth("quadratic_c"));
         let b = &found.backbone;
         for (i, a) in b.amplitude.iter().enumerate() {
             // D = (8/3) c ω² a³ of the quadratic damper, over 2π ω² a².
             let exact = zeta + 4.0 / (3.0 * std::f64::consts::PI) * c * a;
             let inside = (b.damping_ratio_low[i]..=b.damping_ratio_high[i]).contains(&exact);
             (all, held) = (all + 1, held + i32::from(inside));
-            let frequency = omega / std::f64::consts::TAU;
+            let frequency = omega / TAU;
             let inside = (b.frequency_low[i]..=b.frequency_high[i]).contains(&frequency);
             (all, held) = (all + 1, held + i32::from(inside));
         }
@@ -163,7 +164,7 @@ fn hits_that_do_not_repeat_are_known_to_stray() {
     let mut hit = || {
         let frequency = 80.0 * (1.0 + 3e-3 * normal(&mut random));
         let ratio = 2e-3 * (1.0 + 0.03 * normal(&mut random));
-        let omega = std::f64::consts::TAU * frequency;
+        let omega = TAU * frequency;
         let x: Vec<f64> = (0..count)
             .map(|n| f64::from(n) * dt)
             .map(|t| (-ratio * omega * t).exp() * (omega * t).cos() + 1e-3 * normal(&mut random))
