@@ -120,7 +120,7 @@ fn a_structure_that_is_pulled_and_let_go_rings_from_its_release_on() {
     std::fs::write(place.path().join("let_go.csv"), text).unwrap();
     let summary = run(place.path(), "let_go.csv --out out");
     let warnings = summary["warnings"].to_string();
-    let is_told = warnings.contains("before 5.0") && warnings.contains("pulled, held or handled");
+    let is_told = warnings.contains("before 5.0") && warnings.contains("pulled, held, handled or driven");
     assert!(is_told && !warnings.contains("jumps") && !warnings.contains("driven again"), "{warnings}");
     let mode = &summary["modes"][0];
     let window = mode["window"][0].as_f64().unwrap();

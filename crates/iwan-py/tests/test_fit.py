@@ -233,7 +233,7 @@ def test_stretches_hits_and_the_mode_are_chosen_by_argument():
         iwan.fit(several, hits=1, mode=124.0, band=(100.0, 150.0))
     pulled = np.concatenate([np.linspace(0.0, x[0], 300), np.full(200, x[0]), x])
     released = iwan.fit(iwan.Record(pulled, dt=dt, start=0.0), hits="first")
-    assert "the structure is pulled, held or handled" in released.notes[0] and abs(released.frequency - 124.0) < 0.5
+    assert "the structure is pulled, held, handled or driven" in released.notes[0] and abs(released.frequency - 124.0) < 0.5
     many = iwan.ensemble.fit([several, x], hits="first")
     assert many.fits[0] is not None and "dt is missing" in str(many.failures[1])
     with pytest.raises(iwan.InvalidValueError, match="'last'"):

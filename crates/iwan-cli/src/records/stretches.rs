@@ -30,7 +30,7 @@ fn stretches(mut recording: Recording, wanted: Hits) -> Result<Vec<Recording>, F
     if from > 0 {
         let at = record.time(from);
         recording.warnings.push(format!(
-            "{name}: before {at:.6} s the structure is pulled, held or handled: the record begins there"
+            "{name}: before {at:.6} s the structure is pulled, held, handled or driven: the record begins there"
         ));
     }
     let ringing = record.time(from);

@@ -422,7 +422,7 @@ def stretches(
             which = "each is used as a record of its own" if hits == "all" else f"number {1 if hits == 'first' else hits} is used"
             notes.append(f"{place}{len(found)} hits, at {times} s; {which} (hits=)")
         elif found[0].start > record.start:
-            notes.append(f"{place}before {found[0].start:.6f} s the structure is pulled, held or handled: the record begins there")
+            notes.append(f"{place}before {found[0].start:.6f} s the structure is pulled, held, handled or driven: the record begins there")
         if hits == "all":
             used.extend(found)
             continue

@@ -249,7 +249,7 @@ impl Record {
     }
 
     /// The hits in the record, each from its blow to the next one, as a list of `Record` on the record's own clock; the record itself where
-    /// there are fewer than two, from its release on where the structure is pulled, held or handled before. `iwan.fit` uses each as a record of its own.
+    /// there are fewer than two, from its release on where the structure is pulled, held, handled or driven before. `iwan.fit` uses each as a record of its own.
     ///
     /// >>> import numpy as np
     /// >>> t = np.arange(2000) / 1000.0

@@ -3,7 +3,9 @@
 use std::ops::Range;
 
 use super::ring::{RingSpectrum, Window};
+use super::swing::{driven_until, largest_swing, quantile, swing};
 use crate::error::Error;
+use crate::signal::defects::clipped_until;
 
 /// Samples a cycle of the strongest peak that are looked at: records of more are averaged over as many samples. Ten and forty find the
 /// same hits.
@@ -40,8 +42,6 @@ const RECENT: usize = 23;
 const RISE: f64 = 1.5;
 /// … and this many cycles pass until the next: an envelope needs as many. Of hits that follow each other sooner, the last at which the swing rises begins the stretch.
 const CYCLES: f64 = 20.0;
-/// Quantiles between which the swing is taken: a sinusoid keeps 95 % of its own between them, and two wild samples of twenty do not count.
-const QUANTILES: (f64, f64) = (0.1, 0.9);
 /// A lead-in goes as far from the zero line of the decay behind it as this part of its swing: less is noise, or a hand that finds its place.
 const LEAD_IN: f64 = 0.2;
 
@@ -54,7 +54,8 @@ pub struct Hit {
     pub time: f64,
     /// Largest deviation from the mean within two cycles of it, in the unit of the record.
     pub peak: f64,
-    /// Whether this is the first hit and the record before it is neither quiet nor a free decay: a structure that is pulled, held and let go, or handled.
+    /// Whether this is the first hit and the record before it is neither quiet nor a free decay: a structure that is pulled, held and let go, or handled, or driven at a resonance
+    /// until the force is taken away.
     pub lead_in: bool,
     /// Times (s from the first sample of the record) at which the stretch is driven again, too early or too weakly for a stretch of their own:
     /// a double hit, or another disturbance.
@@ -64,7 +65,7 @@ pub struct Hit {
 /// The hits in a record of any unit, sampled every `dt` seconds; none where nothing is driven: in noise, or in a free decay from the first
 /// sample on. A free decay before the first hit is a stretch of its own.
 ///
-/// What is pulled, held or handled before it is let go is a lead-in, and no stretch.
+/// What is pulled, held, handled or driven at constant amplitude before it is let go is a lead-in, and no stretch.
 ///
 /// A free vibration of any number of modes, beats and all, follows from its past by linear prediction (of order 32, by Burg's method, at
 /// twenty samples a cycle of the strongest peak). Where the prediction fails by far more than around, and by a part of the
@@ -114,9 +115,9 @@ impl Scale {
     /// The stretches that the onsets begin, and the onsets within them.
     fn stretches(&self, x: &[f64], mean: f64, coarse: &[f64], onsets: &[usize]) -> Vec<Hit> {
         let least = (CYCLES * self.cycle as f64) as usize;
-        let behind = |onset: usize| swing(coarse, onset, onset + 2 * self.cycle);
+        let behind = |onset: usize| swing(coarse, onset..onset + 2 * self.cycle);
         let rises =
-            |onset: usize| behind(onset) >= RISE * swing(coarse, onset.saturating_sub(self.cycle), onset);
+            |onset: usize| behind(onset) >= RISE * swing(coarse, onset.saturating_sub(self.cycle)..onset);
         // Where each stretch begins, and where the one before it ends.
         let mut starts: Vec<usize> = Vec::new();
         let mut ends: Vec<usize> = Vec::new();
@@ -127,8 +128,8 @@ impl Scale {
             starts.push(onset);
         }
         let decays_before = |first: usize| {
-            let third = |n: usize| self.largest_swing(&coarse[n * first / 3..(n + 1) * first / 3]);
-            third(0) > 3.0 * third(2) && third(0) > 0.1 * self.largest_swing(&coarse[first..])
+            let third = |n: usize| largest_swing(&coarse[n * first / 3..(n + 1) * first / 3], self.cycle);
+            third(0) > 3.0 * third(2) && third(0) > 0.1 * largest_swing(&coarse[first..], self.cycle)
         };
         let mut lead_in = None;
         if let Some(&first) = starts.first() {
@@ -140,6 +141,10 @@ impl Scale {
                 let away = coarse[..first].iter().map(|x| (x - zero).abs()).fold(0.0, f64::max);
                 lead_in = Some(first).filter(|_| away > LEAD_IN * behind(first));
             }
+        }
+        // A clipped decay is as steady as a tone.
+        if clipped_until(x).is_none() {
+            lead_in = self.without_tones(coarse, &mut starts, &mut ends).or(lead_in);
         }
         let hit = |(n, &start): (usize, &usize)| {
             let end = ends.get(n + 1).map_or(x.len(), |next| next * self.few);
@@ -157,23 +162,24 @@ impl Scale {
         starts.iter().enumerate().map(hit).collect()
     }
 
-    /// The largest swing in a cycle.
-    fn largest_swing(&self, coarse: &[f64]) -> f64 {
-        coarse.chunks(self.cycle).map(|cycle| swing(cycle, 0, cycle.len())).fold(0.0, f64::max)
+    /// Lets stretches begin where a tone that is driven in them ends; a record without hits may be such a stretch. The begin of the first one, if it is.
+    fn without_tones(&self, coarse: &[f64], starts: &mut Vec<usize>, ends: &mut Vec<usize>) -> Option<usize> {
+        let least = (CYCLES * self.cycle as f64) as usize;
+        let (begins, stops) =
+            if starts.is_empty() { (vec![0], vec![0]) } else { (starts.clone(), ends.clone()) };
+        let released = |(n, begin): (usize, &usize)| {
+            let part = &coarse[*begin..stops.get(n + 1).copied().unwrap_or(coarse.len())];
+            driven_until(part, self.cycle).filter(|end| part.len() - end >= least).map(|end| begin + end)
+        };
+        let released: Vec<Option<usize>> = begins.iter().enumerate().map(released).collect();
+        let first = released[0];
+        if let (true, Some(first)) = (starts.is_empty(), first) {
+            (*starts, *ends) = (vec![first], vec![first]);
+        } else {
+            starts.iter_mut().zip(&released).for_each(|(start, end)| *start = end.unwrap_or(*start));
+        }
+        first
     }
-}
-
-/// Half the way between low and high values.
-fn swing(x: &[f64], from: usize, to: usize) -> f64 {
-    let part = &x[from.min(x.len())..to.min(x.len())];
-    0.5 * (quantile(part, QUANTILES.1) - quantile(part, QUANTILES.0))
-}
-
-/// The value below which a part of all lies; 0 of nothing.
-fn quantile(x: &[f64], part: f64) -> f64 {
-    let mut sorted = x.to_vec();
-    let at = (part * x.len().saturating_sub(1) as f64).round() as usize;
-    if sorted.is_empty() { 0.0 } else { *sorted.select_nth_unstable_by(at, f64::total_cmp).1 }
 }
 
 fn largest(x: &[f64], from: usize, to: usize) -> f64 {
@@ -338,6 +344,22 @@ mod tests {
         // A quiet begin is none.
         let found = hits(&record(&[&struck(0.5, 1.0)], 3.0, 1e-2), 1.0 / RATE).unwrap();
         assert!(found.len() == 1 && !found[0].lead_in, "{found:?}");
+    }
+
+    #[test]
+    fn a_resonance_that_is_switched_off_rings_from_then_on() {
+        let dwell = |t: f64| {
+            let amplitude = if t < 2.0 { 1.0 - (-8.0 * t).exp() } else { (-3.0 * (t - 2.0)).exp() };
+            amplitude * (TAU * 122.4 * t).sin()
+        };
+        let late = |t: f64| if t < 0.5 { 0.0 } else { dwell(t - 0.5) };
+        for scatter in [1e-4, 1e-2] {
+            for (wave, at) in [(&dwell as &dyn Fn(f64) -> f64, 2.0), (&late, 2.5)] {
+                let found = hits(&record(&[wave], 5.0, scatter), 1.0 / RATE).unwrap();
+                assert!(found.len() == 1 && found[0].lead_in, "{scatter}: {found:?}");
+                assert!((found[0].time - at).abs() < 0.05, "{scatter}: {found:?}");
+            }
+        }
     }
 
     #[test]

@@ -2,6 +2,7 @@
 
 mod ring;
 mod peak_list;
+mod swing;
 mod hits;
 mod breaks;
 mod events;

@@ -1,0 +1,75 @@
+//! The amplitude of a vibration from cycle to cycle, and where a vibration at constant amplitude ends.
+
+use std::ops::Range;
+
+/// Quantiles between which the swing is taken: a sinusoid keeps 95 % of its own between them, and two wild samples of twenty do not count.
+const QUANTILES: (f64, f64) = (0.1, 0.9);
+/// Cycles over which swings are smoothed by their median: noise of 10 % then leaves 2 % of the amplitude.
+const SMOOTHED: usize = 5;
+/// A steady vibration stays above this part of its largest amplitude, …
+const STEADY: f64 = 0.95;
+/// … and its decay is timed down to this part of it.
+const FALLEN: f64 = 0.8;
+/// It is steady for at least so many cycles …
+const CYCLES: usize = 10;
+/// … and so many times as long as the decay takes from the one part to the other: a decay of constant damping ratio takes three times as long there as above, dry friction too, and a
+/// beat is above for twice as long as it takes to fall.
+const LONGER: usize = 3;
+
+/// The value below which a part of all lies; 0 of nothing.
+pub(super) fn quantile(x: &[f64], part: f64) -> f64 {
+    let mut sorted = x.to_vec();
+    let at = (part * x.len().saturating_sub(1) as f64).round() as usize;
+    if sorted.is_empty() { 0.0 } else { *sorted.select_nth_unstable_by(at, f64::total_cmp).1 }
+}
+
+/// Half the way between low and high values of some samples.
+pub(super) fn swing(x: &[f64], samples: Range<usize>) -> f64 {
+    let part = &x[samples.start.min(x.len())..samples.end.min(x.len())];
+    0.5 * (quantile(part, QUANTILES.1) - quantile(part, QUANTILES.0))
+}
+
+/// The largest swing in a cycle.
+pub(super) fn largest_swing(x: &[f64], cycle: usize) -> f64 {
+    x.chunks(cycle).map(|one| swing(one, 0..one.len())).fold(0.0, f64::max)
+}
+
+/// Where a vibration of constant amplitude, which somebody drives, goes over into a decay; none where the samples hold no such vibration. At a resonance it is driven until
+/// the force is taken away.
+pub(super) fn driven_until(x: &[f64], cycle: usize) -> Option<usize> {
+    let swings: Vec<f64> = x.chunks_exact(cycle).map(|one| swing(one, 0..one.len())).collect();
+    let smooth: Vec<f64> = swings.windows(SMOOTHED).map(|w| quantile(w, 0.5)).collect();
+    let largest = smooth.iter().copied().fold(0.0, f64::max);
+    let last = smooth.iter().rposition(|s| *s >= STEADY * largest)?;
+    let steady = smooth[..=last].iter().rev().take_while(|s| **s >= STEADY * largest).count();
+    let fall = smooth[last..].iter().position(|s| *s < FALLEN * largest)?;
+    // The force ends where the decay, followed backwards, meets the amplitude before it: as far above the one part as the decay takes from there to the other, by logarithms.
+    let above = STEADY.ln() / (FALLEN / STEADY).ln() * fall as f64;
+    let end = (last + SMOOTHED / 2).saturating_sub(above as usize) + 1;
+    (steady >= CYCLES && steady > LONGER * fall).then_some(end * cycle)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const CYCLE: usize = 20;
+
+    fn wave(amplitude: impl Fn(f64) -> f64) -> Vec<f64> {
+        let turn = std::f64::consts::TAU / CYCLE as f64;
+        (0..8000).map(|n| amplitude(f64::from(n)) * (turn * f64::from(n) + 0.4).sin()).collect()
+    }
+
+    #[test]
+    fn a_tone_that_is_switched_off_is_told_from_decays_and_beats() {
+        for rate in [5e-4, 2e-3, 1e-2] {
+            let switched_off = wave(|n| (-rate * (n - 4000.0).max(0.0)).exp());
+            let end = driven_until(&switched_off, CYCLE).unwrap();
+            assert!(end.abs_diff(4000) <= 5 * CYCLE, "{rate}: {end}");
+            assert_eq!(driven_until(&wave(|n| (-rate * n).exp()), CYCLE), None, "{rate}");
+        }
+        assert_eq!(driven_until(&wave(|_| 1.0), CYCLE), None);
+        assert_eq!(driven_until(&wave(|n| (1.0 - n / 8000.0).max(0.0)), CYCLE), None, "dry friction");
+        assert_eq!(driven_until(&wave(|n| (n / 1200.0).cos()), CYCLE), None, "a beat");
+    }
+}
