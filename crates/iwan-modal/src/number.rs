@@ -17,3 +17,48 @@ pub(crate) fn median(values: &[f64]) -> f64 {
     let middle = sorted.len() / 2;
     if sorted.is_empty() { 0.0 } else { *sorted.select_nth_unstable_by(middle, f64::total_cmp).1 }
 }
+
+/// Values that are taken together: sums and extremes of eight independent sequences keep a processor's units busy, and are the same on all machines.
+const LANES: usize = 8;
+
+/// Sum of values.
+pub(crate) fn sum(values: &[f64]) -> f64 {
+    let mut sums = [0.0; LANES];
+    let chunks = values.chunks_exact(LANES);
+    let rest: f64 = chunks.remainder().iter().sum();
+    for chunk in chunks {
+        sums.iter_mut().zip(chunk).for_each(|(sum, x)| *sum += x);
+    }
+    sums.iter().sum::<f64>() + rest
+}
+
+/// Smallest and largest of finite values; infinities of nothing.
+pub(crate) fn extent(values: &[f64]) -> (f64, f64) {
+    let (mut low, mut high) = ([f64::INFINITY; LANES], [f64::NEG_INFINITY; LANES]);
+    for chunk in values.chunks(LANES) {
+        for (x, (low, high)) in chunk.iter().zip(low.iter_mut().zip(&mut high)) {
+            *low = if *x < *low { *x } else { *low };
+            *high = if *x > *high { *x } else { *high };
+        }
+    }
+    (low.into_iter().fold(f64::INFINITY, f64::min), high.into_iter().fold(f64::NEG_INFINITY, f64::max))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn sums_and_extremes_take_every_value_once() {
+        for count in 0..20 {
+            let values: Vec<f64> = (0..count).map(|n| f64::from((n * 7) % 11) - 4.0).collect();
+            assert_eq!(sum(&values), values.iter().sum::<f64>(), "{count}");
+            let fold = |f: fn(f64, f64) -> f64, from: f64| values.iter().copied().fold(from, f);
+            assert_eq!(
+                extent(&values),
+                (fold(f64::min, f64::INFINITY), fold(f64::max, f64::NEG_INFINITY)),
+                "{count}"
+            );
+        }
+    }
+}
