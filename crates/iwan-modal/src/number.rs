@@ -23,25 +23,29 @@ const LANES: usize = 8;
 
 /// Sum of values.
 pub(crate) fn sum(values: &[f64]) -> f64 {
+    let (chunks, rest) = values.as_chunks::<LANES>();
     let mut sums = [0.0; LANES];
-    let chunks = values.chunks_exact(LANES);
-    let rest: f64 = chunks.remainder().iter().sum();
     for chunk in chunks {
         sums.iter_mut().zip(chunk).for_each(|(sum, x)| *sum += x);
     }
-    sums.iter().sum::<f64>() + rest
+    sums.iter().chain(rest).sum()
 }
 
 /// Smallest and largest of finite values; infinities of nothing.
 pub(crate) fn extent(values: &[f64]) -> (f64, f64) {
+    let (chunks, rest) = values.as_chunks::<LANES>();
     let (mut low, mut high) = ([f64::INFINITY; LANES], [f64::NEG_INFINITY; LANES]);
-    for chunk in values.chunks(LANES) {
-        for (x, (low, high)) in chunk.iter().zip(low.iter_mut().zip(&mut high)) {
-            *low = if *x < *low { *x } else { *low };
-            *high = if *x > *high { *x } else { *high };
+    for chunk in chunks {
+        for (i, x) in chunk.iter().enumerate() {
+            // Unlike `min` and `max`, which look for what is no number, a single instruction.
+            low[i] = if *x < low[i] { *x } else { low[i] };
+            high[i] = if *x > high[i] { *x } else { high[i] };
         }
     }
-    (low.into_iter().fold(f64::INFINITY, f64::min), high.into_iter().fold(f64::NEG_INFINITY, f64::max))
+    let all = |values: [f64; LANES], better: fn(f64, f64) -> f64| {
+        values.into_iter().chain(rest.iter().copied()).reduce(better)
+    };
+    (all(low, f64::min).unwrap_or(f64::INFINITY), all(high, f64::max).unwrap_or(f64::NEG_INFINITY))
 }
 
 #[cfg(test)]
