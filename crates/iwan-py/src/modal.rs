@@ -94,7 +94,8 @@ pub(crate) fn _modal_fit<'py>(
     };
     let whole_force = request.whole_force;
     let words = each_of(measured.hits(), |hit| judged(hit, whole_force));
-    let words = words.into_iter().collect::<PyResult<Vec<_>>>()?.concat();
+    let words = words.into_iter().collect::<Result<Vec<_>, String>>();
+    let words = words.map_err(|message| of(Kind::Refused, identification_failed(message)))?.concat();
     let (dt, decay, band, order) = (request.dt, request.decay, request.band, request.order);
     let (added, dropped) = (request.add_poles, request.drop_poles);
     let found = work::run(py, true, move |_| -> Result<(FrequencyResponses, ModalFit), Error> {
@@ -129,17 +130,17 @@ pub(crate) fn _modal_fit<'py>(
 }
 
 /// Faults of a hit in words. Responses over a force without a pulse are no frequency responses: such a hit is refused, unless the force is taken whole.
-fn judged(hit: &Hit, whole_force: bool) -> PyResult<Vec<String>> {
+/// Threads that work for the caller cannot make Python's exceptions, which wait for the lock that the caller holds: what is wrong is a text.
+fn judged(hit: &Hit, whole_force: bool) -> Result<Vec<String>, String> {
     let mut words = Vec::new();
     for fault in faults(hit) {
         match fault {
             Fault::NoPulse { .. } if whole_force => {}
             Fault::NoPulse { .. } => {
-                let message = format!(
+                return Err(format!(
                     "{}: {fault}; leave the hit out, give the hammer's channel as force, or take the force from end to end with whole_force=True",
                     hit.name
-                );
-                return Err(of(Kind::Refused, identification_failed(message)));
+                ));
             }
             _ => words.push(format!("{}: {fault}", hit.name)),
         }
