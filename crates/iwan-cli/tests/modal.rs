@@ -1,6 +1,7 @@
 //! `iwan modal`: from files of hits to modes, and what it says about hits that are no good.
 #![allow(clippy::unwrap_used, reason = "tests may panic")]
 
+use std::f64::consts::TAU;
 use std::fmt::Write;
 use std::path::Path;
 
@@ -190,4 +191,88 @@ fn a_table_says_which_file_and_channel_is_which_point() {
     let text = std::fs::read_to_string(place.path().join("out/shapes.uff")).unwrap();
     assert!(text.starts_with("    -1\n    15\n         1") && text.contains("\n    55\n"));
     refused(place.path(), "p1.csv p2.csv --hammer hammer --at nowhere:+q", &["POINT:DIRECTION"]);
+}
+
+#[test]
+fn modes_that_were_found_are_overruled_pole_by_pole() {
+    let place = folder("");
+    hits(place.path(), 2);
+    let frequencies = |found: &Value| -> Vec<f64> {
+        found["modes"].as_array().unwrap().iter().map(|m| m["frequency"].as_f64().unwrap()).collect()
+    };
+    let all = frequencies(&run(place.path(), "h1.csv h2.csv --at a1 --band 60:480 --out all"));
+    let dropped = format!("{:.2},{:.2}", all[0], all[2]);
+    let fewer =
+        run(place.path(), &format!("h1.csv h2.csv --at a1 --band 60:480 --drop-poles {dropped} --out fewer"));
+    let left = frequencies(&fewer);
+    assert!(
+        left.len() == 2 && (left[0] - all[1]).abs() < 0.02 && (left[1] - all[3]).abs() < 0.02,
+        "{left:?}"
+    );
+    let page = std::fs::read_to_string(place.path().join("fewer/report.html")).unwrap();
+    assert!(
+        page.contains("<td>not taken</td>") && page.contains("<td>taken</td>"),
+        "candidates of the chart"
+    );
+    let again = format!(
+        "h1.csv h2.csv --at a1 --band 60:480 --drop-poles {dropped} --add-poles {:.2} --out again",
+        all[2]
+    );
+    let again = frequencies(&run(place.path(), &again));
+    assert!(again.len() == 3 && (again[1] - all[2]).abs() < 0.02, "{again:?}");
+    refused(
+        place.path(),
+        "h1.csv --at a1 --band 60:480 --drop-poles 99",
+        &[
+            "frequency of a mode to leave out = 99",
+            "there are modes at 122.4",
+            "give the frequency of one of them",
+        ],
+    );
+    refused(place.path(), "h1.csv --at a1 --poles 122 --add-poles 243", &["--poles", "--add-poles"]);
+}
+
+#[test]
+fn modes_that_were_not_asked_for_are_no_fault_of_the_channels() {
+    let place = folder("");
+    hits(place.path(), 1);
+    let found = run(place.path(), "h1.csv --at a1 --band 60:480 --poles 243.1");
+    let said = found["warnings"].to_string();
+    assert!(
+        said.contains("--poles: the modes leave") && said.contains("other modes stand there too"),
+        "{said}"
+    );
+    assert!(!said.contains("does not move as the other channels do"), "{said}");
+}
+
+/// A sensor on a structure that sways: phases of all modes turn with the sway.
+#[test]
+fn sidebands_of_a_sway_are_named_and_can_be_left_out() {
+    let place = folder("");
+    let modes = [(82.0, 3e-3), (133.0, 2e-3), (195.0, 2e-3), (251.0, 2.5e-3)];
+    let mut text = String::from("time [s],a1 [m/s^2],a2 [m/s^2]\n");
+    for n in 0..4096 {
+        let t = f64::from(n) * 1e-3;
+        let sway = 0.2 * (-t).exp() * (TAU * 5.8 * t).sin();
+        let mode = |(f, damping): (f64, f64)| (-damping * TAU * f * t).exp() * (TAU * f * t + sway).cos();
+        let [a, b, c, d] = modes.map(mode);
+        let noise = 1e-4 * (1.7 * f64::from(n) * f64::from(n)).sin();
+        writeln!(text, "{t},{},{}", a + b + c + d + noise, a - 0.5 * b + 0.3 * c - 0.8 * d + noise).unwrap();
+    }
+    std::fs::write(place.path().join("sway.csv"), text).unwrap();
+    let found = run(place.path(), "sway.csv --free --band 50:300 --out found");
+    let said = found["warnings"].to_string();
+    assert!(
+        said.contains("sidebands of stronger modes") && said.contains("modulates the structure"),
+        "{said}"
+    );
+    let sidebands: Vec<&Value> =
+        found["modes"].as_array().unwrap().iter().filter(|m| !m["sideband_of"].is_null()).collect();
+    assert!(sidebands.len() >= 6, "{found}");
+    let page = std::fs::read_to_string(place.path().join("found/report.html")).unwrap();
+    assert!(page.contains("probably a sideband of 133.0"), "the report says it beside the mode");
+    let list = said.split("--drop-poles ").nth(1).unwrap().split('"').next().unwrap();
+    let left = run(place.path(), &format!("sway.csv --free --band 50:300 --drop-poles {list} --out left"));
+    let count = |all: &Value| all["modes"].as_array().unwrap().len();
+    assert_eq!(count(&left), count(&found) - sidebands.len());
 }

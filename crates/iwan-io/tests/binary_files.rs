@@ -149,7 +149,7 @@ fn arrays_are_looked_into_element_by_element() {
 fn an_array_of_three_dimensions_is_refused_with_what_to_do() {
     let message = refused("a.npy", &common::npy("<f8", false, "(2, 2, 2)", &[0; 64]));
     assert!(
-        message.contains("an array of 3 dimensions cannot be read; save arrays of one or two"),
+        message.contains("an array of 3 dimensions cannot be read; save arrays of one or two dimensions: of several hits each in a file of its own"),
         "{message}"
     );
 }

@@ -60,22 +60,68 @@ pub struct ModalFit {
     pub fitted: Fitted,
 }
 
-/// Part of the modes whose drive point answers against its force from which a channel is doubted: a mode with a node there may do so by noise.
-const DOUBTFUL: f64 = 0.34;
-
 impl ModalFit {
-    /// A word where the response at the drive point goes against the force: a reversed direction, or swapped channels.
-    #[must_use]
-    pub fn drive_point_doubt(&self) -> Option<String> {
-        let phases: Vec<f64> = self.modes.iter().filter_map(|m| m.drive_phase).collect();
-        let against = phases.iter().filter(|c| **c < 0.0).count();
-        let doubtful = against > 0 && against as f64 >= DOUBTFUL * phases.len() as f64;
-        doubtful.then(|| {
-            format!(
-                "the response where the hammer hits goes against the force in {against} of {} modes: a direction is reversed, or channels are swapped",
-                phases.len()
-            )
+    /// The modes of what was fitted in a band.
+    fn of(band: &Band, fitted: Fitted) -> Result<Self, Error> {
+        let (low, high) = band.edges();
+        let inside = |p: Complex| (low..=high).contains(&(p.norm() / TAU));
+        let shapes = modes(band.responses, &fitted, &inside);
+        if shapes.modes.is_empty() {
+            let finding = format!("no mode between {low:.6} and {high:.6} Hz");
+            return Err(Error::refused(
+                "modal fit",
+                finding,
+                "choose another --band, or give frequencies with --poles",
+            ));
+        }
+        Ok(Self {
+            modes: shapes.modes,
+            freedoms: shapes.freedoms,
+            names: shapes.names,
+            scale: shapes.scale,
+            drive: shapes.drive,
+            band: (low, high),
+            stabilisation: None,
+            isolation: None,
+            fitted,
         })
+    }
+
+    /// The mode at a frequency (Hz), to within half of its half-power width and one line.
+    #[must_use]
+    pub fn mode_at(&self, frequency: f64, responses: &FrequencyResponses) -> Option<usize> {
+        let distance = |m: &Mode| (m.frequency - frequency).abs();
+        let nearest = self.modes.iter().enumerate().min_by(|a, b| distance(a.1).total_cmp(&distance(b.1)));
+        let (n, mode) = nearest?;
+        (distance(mode) <= -mode.pole.re / TAU + responses.step).then_some(n)
+    }
+
+    /// The fit with modes at frequencies (Hz) added to those that were found, and others left out; all are fitted anew, and none is left out for taking off
+    /// too little. `responses` are those of the fit.
+    ///
+    /// # Errors
+    /// [`Error::OutOfRange`] for a frequency to add that lies outside the band, and for one to leave out at which there is no mode;
+    /// [`Error::Refused`] where no mode is left, or two cannot be told apart.
+    pub fn overruled(
+        self,
+        responses: &FrequencyResponses,
+        added: &[f64],
+        dropped: &[f64],
+    ) -> Result<Self, Error> {
+        let band = Band::new(responses, self.band)?;
+        let mut poles = self.fitted.poles.clone();
+        for &frequency in dropped {
+            let own = self.mode_at(frequency, responses);
+            let listed: Vec<String> = self.modes.iter().map(|m| format!("{:.3}", m.frequency)).collect();
+            let allowed = format!("there are modes at {} Hz", listed.join(", "));
+            let remedy = "give the frequency of one of them";
+            check("frequency of a mode to leave out", frequency, own.is_some(), allowed, remedy)?;
+            poles.retain(|p| own.is_none_or(|n| *p != self.modes[n].pole));
+        }
+        poles.extend(given(&band, added)?);
+        let fitted = Fitted::new(&band, &poles)?;
+        let Self { stabilisation, isolation, .. } = self;
+        Ok(Self { stabilisation, isolation, ..Self::of(&band, fitted)? })
     }
 
     /// Mass-normalised shape of a mode at the hammer, along its force; none without a drive point.
@@ -150,28 +196,7 @@ pub fn modal_fit(
         Analysis::From(poles) => pruned(&band, poles)?,
         Analysis::Given(frequencies) => Fitted::new(&band, &given(&band, frequencies)?)?,
     };
-    let (low, high) = band.edges();
-    let inside = |p: Complex| (low..=high).contains(&(p.norm() / TAU));
-    let shapes = modes(responses, &fitted, &inside);
-    if shapes.modes.is_empty() {
-        let finding = format!("no mode between {low:.6} and {high:.6} Hz");
-        return Err(Error::refused(
-            "modal fit",
-            finding,
-            "choose another --band, or give frequencies with --poles",
-        ));
-    }
-    Ok(ModalFit {
-        modes: shapes.modes,
-        freedoms: shapes.freedoms,
-        names: shapes.names,
-        scale: shapes.scale,
-        drive: shapes.drive,
-        band: (low, high),
-        stabilisation,
-        isolation: steps,
-        fitted,
-    })
+    Ok(ModalFit { stabilisation, isolation: steps, ..ModalFit::of(&band, fitted)? })
 }
 
 /// Finds the modes of free decays, each a set of channels sampled together every `dt` seconds, by [`subspace`]: in `band` (Hz), or up to 0.8 of the

@@ -43,7 +43,7 @@ impl ModalFit {
     pub fn scaled_at_begin(mut self, early: &FrequencyResponses) -> Result<Self, Error> {
         let Some(drive) = self.drive.filter(|_| self.scale == Scale::DrivePoint) else { return Ok(self) };
         let band = Band::new(early, self.band)?;
-        let Ok(fitted) = Fitted::new(&band, &self.fitted.poles) else { return Ok(self) };
+        let Ok(fitted) = Fitted::without_curves(&band, &self.fitted.poles) else { return Ok(self) };
         let found = modes(early, &fitted, &|_| true).modes;
         for mode in &mut self.modes {
             let distance = |other: &&crate::modes::Mode| (other.pole - mode.pole).norm();

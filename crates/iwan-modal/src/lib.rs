@@ -27,6 +27,9 @@ pub mod modes;
 // All of it in one call.
 mod analysis;
 
+// What a fit itself casts doubt on.
+mod doubts;
+
 // The scale of shapes where a mode is not linear.
 mod begin;
 

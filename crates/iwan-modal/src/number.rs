@@ -17,3 +17,52 @@ pub(crate) fn median(values: &[f64]) -> f64 {
     let middle = sorted.len() / 2;
     if sorted.is_empty() { 0.0 } else { *sorted.select_nth_unstable_by(middle, f64::total_cmp).1 }
 }
+
+/// Values that are taken together: sums and extremes of eight independent sequences keep a processor's units busy, and are the same on all machines.
+const LANES: usize = 8;
+
+/// Sum of values.
+pub(crate) fn sum(values: &[f64]) -> f64 {
+    let (chunks, rest) = values.as_chunks::<LANES>();
+    let mut sums = [0.0; LANES];
+    for chunk in chunks {
+        sums.iter_mut().zip(chunk).for_each(|(sum, x)| *sum += x);
+    }
+    sums.iter().chain(rest).sum()
+}
+
+/// Smallest and largest of finite values; infinities of nothing.
+pub(crate) fn extent(values: &[f64]) -> (f64, f64) {
+    let (chunks, rest) = values.as_chunks::<LANES>();
+    let (mut low, mut high) = ([f64::INFINITY; LANES], [f64::NEG_INFINITY; LANES]);
+    for chunk in chunks {
+        for (i, x) in chunk.iter().enumerate() {
+            // Unlike `min` and `max`, which look for what is no number, a single instruction.
+            low[i] = if *x < low[i] { *x } else { low[i] };
+            high[i] = if *x > high[i] { *x } else { high[i] };
+        }
+    }
+    let all = |values: [f64; LANES], better: fn(f64, f64) -> f64| {
+        values.into_iter().chain(rest.iter().copied()).reduce(better)
+    };
+    (all(low, f64::min).unwrap_or(f64::INFINITY), all(high, f64::max).unwrap_or(f64::NEG_INFINITY))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn sums_and_extremes_take_every_value_once() {
+        for count in 0..20 {
+            let values: Vec<f64> = (0..count).map(|n| f64::from((n * 7) % 11) - 4.0).collect();
+            assert_eq!(sum(&values), values.iter().sum::<f64>(), "{count}");
+            let fold = |f: fn(f64, f64) -> f64, from: f64| values.iter().copied().fold(from, f);
+            assert_eq!(
+                extent(&values),
+                (fold(f64::min, f64::INFINITY), fold(f64::max, f64::NEG_INFINITY)),
+                "{count}"
+            );
+        }
+    }
+}

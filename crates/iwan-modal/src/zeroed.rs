@@ -144,19 +144,18 @@ fn misfit(own: &FrequencyResponses, poles: &[Complex], amplitudes: &[Complex], p
     let half = (WIDTHS * poles[p].re.abs() / TAU).max(LINES * own.step);
     let first = ((centre - half) / own.step).ceil().max(1.0) as usize;
     let last = (((centre + half) / own.step) as usize).min(own.lines() - 1);
-    let parts: Vec<_> = poles
+    let parts: Vec<(PoleInRecord<'_>, Complex)> = poles
         .iter()
         .zip(amplitudes)
-        .flat_map(|(pole, c)| {
-            let now = c * (-pole * back).exp();
-            [(*pole, now), (pole.conj(), now.conj())]
-        })
-        .filter_map(|(pole, now)| Some((record?.at(pole), now)))
+        .filter_map(|(pole, c)| Some((record?.at(*pole), c * (-pole * back).exp())))
         .collect();
     let (mut off, mut all) = (0.0, 0.0);
     for k in first..=last {
         let s = laplace(own.frequency(k), 0.0);
-        let value = |(at, now): &(PoleInRecord<'_>, Complex)| at.value(k, s, at.record.turns(-s)).0 * now;
+        let value = |(at, now): &(PoleInRecord<'_>, Complex)| {
+            let [(own, _), (conjugate, _)] = at.pair(k, s, at.record.turns(-s));
+            own * now + conjugate * now.conj()
+        };
         let model: Complex = parts.iter().map(value).sum();
         let measured = own.functions[0].values[k];
         off += (measured - model).norm_sqr();

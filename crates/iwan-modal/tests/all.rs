@@ -3,5 +3,6 @@
 mod support;
 
 mod decays;
+mod doubts;
 mod promises;
 mod synthetic;

@@ -83,6 +83,7 @@ fn of_twenty_random_systems_no_mode_is_missed_and_none_invented() {
         let listed: Vec<f64> = fit.modes.iter().map(|m| m.frequency).collect();
         let truth: Vec<f64> = bench.modes.iter().map(|m| m.frequency).collect();
         assert_eq!(listed.len(), truth.len(), "system {system}: {listed:?} for {truth:?}");
+        assert_eq!(fit.sidebands(), None, "system {system}: {listed:?}");
         for (mode, truth) in fit.modes.iter().zip(&bench.modes) {
             let off = (mode.frequency - truth.frequency).abs();
             let width = 2.0 * truth.damping_ratio * truth.frequency;

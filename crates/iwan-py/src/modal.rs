@@ -1,6 +1,7 @@
 //! Modes from hits, for `iwan.modal_fit`.
 
-use iwan_modal::measure::{Channel, Freedom, Hit, Motion, faults};
+use iwan_machine::Kind;
+use iwan_modal::measure::{Channel, Fault, Freedom, Hit, Motion, faults};
 use iwan_modal::responses::{Estimator, FrequencyResponses, Windows, free_responses, frequency_responses};
 use iwan_modal::{Analysis, Error, ModalFit, each_of, early_decay, modal_fit, modal_fit_by_subspaces};
 use pyo3::prelude::*;
@@ -21,10 +22,13 @@ pub(crate) struct Request {
     quantity: String,
     estimator: String,
     decay: f64,
+    whole_force: bool,
     band: Option<(f64, f64)>,
     method: String,
     order: usize,
     poles: Option<Vec<f64>>,
+    add_poles: Vec<f64>,
+    drop_poles: Vec<f64>,
 }
 
 /// What was measured.
@@ -88,13 +92,16 @@ pub(crate) fn _modal_fit<'py>(
         Some(forces) => Measured::Hits(hits(forces, channels, &request)?),
         None => Measured::Decays(channels),
     };
-    let of_hit = |h: &Hit| faults(h).iter().map(|f| format!("{}: {f}", h.name)).collect::<Vec<_>>();
-    let words = each_of(measured.hits(), of_hit).concat();
+    let whole_force = request.whole_force;
+    let words = each_of(measured.hits(), |hit| judged(hit, whole_force));
+    let words = words.into_iter().collect::<Result<Vec<_>, String>>();
+    let words = words.map_err(|message| of(Kind::Refused, identification_failed(message)))?.concat();
     let (dt, decay, band, order) = (request.dt, request.decay, request.band, request.order);
+    let (added, dropped) = (request.add_poles, request.drop_poles);
     let found = work::run(py, true, move |_| -> Result<(FrequencyResponses, ModalFit), Error> {
         let responses = match &measured {
             Measured::Hits(hits) => {
-                frequency_responses(hits, motion, estimator, Windows { decay, whole_force: false })?
+                frequency_responses(hits, motion, estimator, Windows { decay, whole_force })?
             }
             Measured::Decays(decays) => free_responses(decays, dt, motion)?,
         };
@@ -104,9 +111,14 @@ pub(crate) fn _modal_fit<'py>(
             }
             _ => modal_fit(&responses, band, &way, order)?,
         };
+        let fit = if added.is_empty() && dropped.is_empty() {
+            fit
+        } else {
+            fit.overruled(&responses, &added, &dropped)?
+        };
         let fit = match &measured {
             Measured::Hits(hits) if decay == 0.0 => {
-                let windows = Windows { decay: early_decay(&responses), whole_force: false };
+                let windows = Windows { decay: early_decay(&responses), whole_force };
                 fit.scaled_at_begin(&frequency_responses(hits, motion, estimator, windows)?)?
             }
             _ => fit,
@@ -115,6 +127,25 @@ pub(crate) fn _modal_fit<'py>(
     })?;
     let (responses, fit) = found.map_err(|e| told_error(&e))?;
     told(py, &responses, &fit, words)
+}
+
+/// Faults of a hit in words. Responses over a force without a pulse are no frequency responses: such a hit is refused, unless the force is taken whole.
+/// Threads that work for the caller cannot make Python's exceptions, which wait for the lock that the caller holds: what is wrong is a text.
+fn judged(hit: &Hit, whole_force: bool) -> Result<Vec<String>, String> {
+    let mut words = Vec::new();
+    for fault in faults(hit) {
+        match fault {
+            Fault::NoPulse { .. } if whole_force => {}
+            Fault::NoPulse { .. } => {
+                return Err(format!(
+                    "{}: {fault}; leave the hit out, give the hammer's channel as force, or take the force from end to end with whole_force=True",
+                    hit.name
+                ));
+            }
+            _ => words.push(format!("{}: {fault}", hit.name)),
+        }
+    }
+    Ok(words)
 }
 
 /// Something that the records do not give is an identification's error; all else is a bad value.
@@ -235,7 +266,7 @@ fn told<'py>(
             table(&|k| fit.fitted.curves[k].iter().map(|v| v.im).collect())?,
         ),
     )?;
-    let doubt = fit.drive_point_doubt();
-    dict.set_item("remarks", words.into_iter().chain(doubt).collect::<Vec<String>>())?;
+    let doubts = [fit.drive_point_doubt(), fit.sideband_doubt()].into_iter().flatten();
+    dict.set_item("remarks", words.into_iter().chain(doubts).collect::<Vec<String>>())?;
     Ok(dict)
 }

@@ -42,6 +42,29 @@ def test_hits_give_modes_with_scale_and_standard_deviations():
     assert again.modes[1].frequency == fit.modes[1].frequency
 
 
+def test_modes_are_added_and_left_out_one_by_one():
+    force, motion = _hit(1)
+    options = {"quantity": "displacement", "band": (50, 250), "order": 20}
+    left = iwan.modal_fit(force, motion, 1 / RATE, drop_poles=[90.0], **options)
+    assert [mode.frequency for mode in left.modes] == pytest.approx([170.0], rel=1e-5)
+    again = iwan.modal_fit(force, motion, 1 / RATE, drop_poles=[90.0], add_poles=[90.1], **options)
+    assert [mode.frequency for mode in again.modes] == pytest.approx([90.0, 170.0], rel=1e-5)
+    with pytest.raises(iwan.InvalidValueError, match="frequency of a mode to leave out = 120"):
+        iwan.modal_fit(force, motion, 1 / RATE, drop_poles=[120.0], **options)
+    with pytest.raises(iwan.InvalidValueError, match="poles gives all modes"):
+        iwan.modal_fit(force, motion, 1 / RATE, poles=[90.0], add_poles=[170.0], **options)
+
+
+def test_a_force_without_a_pulse_is_refused_unless_it_is_taken_whole():
+    force, motion = _hit(1)
+    shaker = np.random.default_rng(3).standard_normal(N)
+    options = {"quantity": "displacement", "band": (50, 250), "order": 20}
+    with pytest.raises(iwan.IdentificationError, match=r"hit 1 \(counted from 0\): no pulse stands out .* whole_force=True") as refused:
+        iwan.modal_fit([force, shaker], [motion, motion], 1 / RATE, **options)
+    assert refused.value.kind == "refused"
+    assert iwan.modal_fit(force, motion, 1 / RATE, whole_force=True, **options).remarks == []
+
+
 def test_free_decays_need_no_force():
     motion = _hit(1)[1][:, 31:]
     fit = iwan.modal_fit(None, motion, 1 / RATE, quantity="displacement", band=(50, 250), order=20)

@@ -46,7 +46,7 @@ fn levels_of(test: &Test, args: &ModalArgs) -> Result<Vec<Level>, Failure> {
         return Err(Failure::input("--method subspace is for free decays without a force", remedy));
     }
     if test.hits.is_empty() {
-        return Ok(vec![fitted(measured(test, args)?, args)?]);
+        return Ok(vec![fitted(measured(test, args)?, args, true)?]);
     }
     let used: Vec<&Hit> = test.hits.iter().filter(|h| !h.left_out).map(|h| &h.hit).collect();
     let peaks: Vec<f64> = used.iter().map(|h| h.peak_force()).collect();
@@ -56,11 +56,12 @@ fn levels_of(test: &Test, args: &ModalArgs) -> Result<Vec<Level>, Failure> {
         EstimatorChoice::H2 => Estimator::H2,
         EstimatorChoice::Hv => Estimator::Hv,
     };
-    let one = |members: &Vec<usize>| {
+    let one = |(n, members): &(usize, Vec<usize>)| {
         let hits: Vec<&Hit> = members.iter().map(|i| used[*i]).collect();
         let responses =
             frequency_responses(&hits, test.motion, estimator, windows).map_err(|e| failed(&e))?;
-        let mut level = fitted(responses, args).map_err(|failure| shortened(failure, &hits))?;
+        let reported = n + 1 == args.level.get();
+        let mut level = fitted(responses, args, reported).map_err(|failure| shortened(failure, &hits))?;
         if args.exponential.is_none() {
             let decay = early_decay(&level.responses);
             let early = frequency_responses(&hits, test.motion, estimator, Windows { decay, ..windows });
@@ -70,7 +71,8 @@ fn levels_of(test: &Test, args: &ModalArgs) -> Result<Vec<Level>, Failure> {
         level.hits = hits.iter().map(|h| h.name.clone()).collect();
         Ok(level)
     };
-    each_of(&levels(&peaks), one).into_iter().collect()
+    let levels: Vec<(usize, Vec<usize>)> = levels(&peaks).into_iter().enumerate().collect();
+    each_of(&levels, one).into_iter().collect()
 }
 
 /// A hit shorter than this part of the longest is looked at where an analysis fails: all records are cut to it.
@@ -96,21 +98,45 @@ fn shortened(failure: Failure, hits: &[&Hit]) -> Failure {
     )
 }
 
-/// The modes of responses by the way that was asked for, and by another.
-fn fitted(responses: FrequencyResponses, args: &ModalArgs) -> Result<Level, Failure> {
+/// The modes of responses by the way that was asked for, and by another. Those to leave out must be among the modes of the level that is reported; other
+/// levels may lack them.
+fn fitted(responses: FrequencyResponses, args: &ModalArgs, reported: bool) -> Result<Level, Failure> {
     let (way, name, other) = match (args.poles.is_empty(), args.method) {
         (false, _) => (Analysis::Given(args.poles.clone()), "chart", Analysis::Chart),
         (true, WayChoice::Isolation) => (Analysis::Isolation, "chart", Analysis::Chart),
         (true, _) => (Analysis::Chart, "isolation", Analysis::Isolation),
     };
-    let fit = by(&responses, args, &way)?;
+    let fit = calibrated(overruled(found(&responses, args, &way)?, &responses, args, reported)?, args)?;
     let other = args.compare.then(|| by(&responses, args, &other).map(|fit| (name, fit))).transpose()?;
     Ok(Level { force: 0.0, hits: Vec::new(), responses, fit, other })
 }
 
+/// The modes that a way finds by itself.
 fn by(responses: &FrequencyResponses, args: &ModalArgs, way: &Analysis) -> Result<ModalFit, Failure> {
+    calibrated(found(responses, args, way)?, args)
+}
+
+fn found(responses: &FrequencyResponses, args: &ModalArgs, way: &Analysis) -> Result<ModalFit, Failure> {
     let order = args.order.get().min(responses.lines() / 4);
-    let fit = modal_fit(responses, args.band, way, order).map_err(|e| failed(&e))?;
+    modal_fit(responses, args.band, way, order).map_err(|e| failed(&e))
+}
+
+/// With the modes that the user adds and without those that the user leaves out.
+fn overruled(
+    fit: ModalFit,
+    responses: &FrequencyResponses,
+    args: &ModalArgs,
+    reported: bool,
+) -> Result<ModalFit, Failure> {
+    let counts = |f: &f64| reported || fit.mode_at(*f, responses).is_some();
+    let dropped: Vec<f64> = args.drop_poles.iter().copied().filter(counts).collect();
+    if args.add_poles.is_empty() && dropped.is_empty() {
+        return Ok(fit);
+    }
+    fit.overruled(responses, &args.add_poles, &dropped).map_err(|e| failed(&e))
+}
+
+fn calibrated(fit: ModalFit, args: &ModalArgs) -> Result<ModalFit, Failure> {
     let spread = args.calibration.map_or(0.0, |percent| 0.01 * percent);
     fit.with_calibration(spread).map_err(|e| failed(&e))
 }
@@ -122,16 +148,17 @@ fn free(test: &Test, args: &ModalArgs) -> Result<Level, Failure> {
     let responses = free_responses(&decays, dt, test.motion).map_err(said)?;
     let subspaces = args.method == WayChoice::Subspace;
     if !(args.poles.is_empty() && (subspaces || args.compare)) {
-        return fitted(responses, args);
+        return fitted(responses, args, true);
     }
     let order = args.order.get().min(responses.lines() / 4);
     let fit = modal_fit_by_subspaces(&responses, &decays, dt, args.band, order).map_err(said)?;
     if subspaces {
+        let fit = overruled(fit, &responses, args, true)?;
         let other = args.compare.then(|| by(&responses, args, &Analysis::Chart)).transpose()?;
         let other = other.map(|fit| ("chart", fit));
         return Ok(Level { force: 0.0, hits: Vec::new(), responses, fit, other });
     }
-    let mut level = fitted(responses, args)?;
+    let mut level = fitted(responses, args, true)?;
     level.other = Some(("subspace", fit));
     Ok(level)
 }

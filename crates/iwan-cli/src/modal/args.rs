@@ -89,6 +89,12 @@ pub(crate) struct ModalArgs {
     /// Frequencies of the modes in Hz, instead of looking for them: as in 120,245.5
     #[arg(long, value_name = "HZ,…", value_parser = positive, value_delimiter = ',')]
     pub(crate) poles: Vec<f64>,
+    /// Frequencies in Hz at which modes are added to those that were found, as poles of the chart that were not taken
+    #[arg(long, value_name = "HZ,…", value_parser = positive, value_delimiter = ',', conflicts_with = "poles")]
+    pub(crate) add_poles: Vec<f64>,
+    /// Frequencies in Hz of modes that were found and are left out again
+    #[arg(long, value_name = "HZ,…", value_parser = positive, value_delimiter = ',', conflicts_with = "poles")]
+    pub(crate) drop_poles: Vec<f64>,
     #[command(flatten)]
     pub(crate) common: Common,
 }
@@ -124,6 +130,8 @@ Examples:
   iwan modal decay.csv --free --from 0.1              free decays without a force
   iwan modal decay.csv --free --method subspace       the same by subspaces
   iwan modal hits.uff --method isolation --order 40   mode isolation instead of the stabilisation chart
+  iwan modal hits.uff --add-poles 245.5 --drop-poles 61,63.2
+                                                      one mode more than were found, and two fewer
   iwan fit --modal modal                              on to the joints' parameters, mode by mode
 
 Table of points (TOML):

@@ -1,5 +1,7 @@
 //! The report of `iwan modal`.
 
+use std::f64::consts::TAU;
+
 use maud::{Markup, html};
 
 use super::analysis::Level;
@@ -41,6 +43,7 @@ pub(super) fn render(
         (table(summary))
         h2 id="responses" { "Responses" }
         (grid(&figures))
+        (candidates(level))
         h2 id="shapes" { "Shapes" }
         div.figures { @for m in &level.fit.modes {
             (draw(&test.geometry, &level.fit.freedoms, &m.real_shape, &format!("{:.3} Hz, {:.4} %", m.frequency, 100.0 * m.damping_ratio)))
@@ -58,9 +61,10 @@ pub(super) fn render(
 }
 
 fn table(summary: &ModalSummary) -> Markup {
+    let sidebands = summary.modes.iter().any(|m| m.sideband_of.is_some());
     html! {
         div.wide { table {
-            thead { tr { th { "mode" } th { "frequency, Hz" } th { "\u{b1}" } th { "damping, %" } th { "\u{b1}" } th { "MPC" } } }
+            thead { tr { th { "mode" } th { "frequency, Hz" } th { "\u{b1}" } th { "damping, %" } th { "\u{b1}" } th { "MPC" } @if sidebands { th { "" } } } }
             tbody { @for (n, m) in summary.modes.iter().enumerate() { tr {
                 th { (n + 1) }
                 td { (format!("{:.5}", m.frequency)) }
@@ -68,9 +72,28 @@ fn table(summary: &ModalSummary) -> Markup {
                 td { (format!("{:.5}", 100.0 * m.damping_ratio)) }
                 td { (short(100.0 * m.damping_ratio_sd)) }
                 td { (format!("{:.4}", m.phase_collinearity)) }
+                @if let Some(of) = m.sideband_of { td { "probably a sideband of " (format!("{of:.3} Hz")) } }
             } } }
         } }
     }
+}
+
+/// Poles that stay in the stabilisation chart, and whether the fit has a mode there: what --add-poles and --drop-poles are given.
+fn candidates(level: &Level) -> Markup {
+    let taken = |frequency: f64| level.fit.mode_at(frequency, &level.responses).is_some();
+    html! { @if let Some(chart) = &level.fit.stabilisation {
+        p { "Poles that stay in the chart. --add-poles with the frequency of one that was not taken makes a mode of it, --drop-poles with that of a mode leaves it out." }
+        div.wide { table {
+            thead { tr { th { "pole" } th { "frequency, Hz" } th { "damping, %" } th { "stays over orders, %" } th { "mode" } } }
+            tbody { @for (n, c) in chart.candidates.iter().enumerate() { tr {
+                th { (n + 1) }
+                td { (format!("{:.4}", c.pole.norm() / TAU)) }
+                td { (format!("{:.4}", -100.0 * c.pole.re / c.pole.norm())) }
+                td { (format!("{:.0}", 100.0 * c.stays)) }
+                td { (if taken(c.pole.norm() / TAU) { "taken" } else { "not taken" }) }
+            } } }
+        } }
+    } }
 }
 
 /// Frequencies and damping level by level: what moves is not linear.

@@ -4,7 +4,7 @@ use std::fmt::Write;
 
 use iwan_modal::ModalFit;
 use iwan_modal::measure::Fault;
-use iwan_modal::modes::Scale;
+use iwan_modal::modes::{Scale, Sidebands};
 use serde::Serialize;
 use serde_json::{Map, Value, json};
 
@@ -34,6 +34,8 @@ pub(crate) struct ModeSummary {
     pub(crate) stretch: Option<f64>,
     pub(crate) phase_collinearity: f64,
     pub(crate) reciprocity: Option<f64>,
+    /// Frequency of the mode that this is probably a sideband of, Hz; null for a mode.
+    pub(crate) sideband_of: Option<f64>,
 }
 
 /// From when on a mode of the hardest hit is linear, by zeroed spectra.
@@ -119,8 +121,6 @@ pub(crate) struct ModalSummary {
 
 /// Below this mean coherence of a response in the band noise, or a channel that is not what it seems, decides.
 const INCOHERENT: f64 = 0.5;
-/// A channel in which the fit leaves this part of it does not move with the modes of the others.
-const STRANGER: f64 = 0.5;
 
 impl ModalSummary {
     pub(super) fn new(
@@ -132,7 +132,12 @@ impl ModalSummary {
     ) -> Self {
         let fit = &levels[chosen].fit;
         let by_name = |values: &[Value]| fit.names.iter().cloned().zip(values.iter().cloned()).collect();
-        let modes = fit.modes.iter().map(|m| ModeSummary {
+        let sidebands = fit.sidebands();
+        let carrier = |n: usize| {
+            let own = sidebands.iter().flat_map(|s| &s.all).find(|s| s.mode == n)?;
+            Some(fit.modes[own.of].frequency)
+        };
+        let modes = fit.modes.iter().enumerate().map(|(n, m)| ModeSummary {
             frequency: m.frequency,
             frequency_sd: m.frequency_sd,
             damping_ratio: m.damping_ratio,
@@ -144,6 +149,7 @@ impl ModalSummary {
             stretch: m.stretch,
             phase_collinearity: m.phase_collinearity,
             reciprocity: m.reciprocity,
+            sideband_of: carrier(n),
         });
         let level = |own: &Level| LevelSummary {
             force: own.force,
@@ -172,7 +178,12 @@ impl ModalSummary {
             other,
             linear_from: linearity.map(linear),
             hits: test.hits.iter().map(hit).collect(),
-            warnings: [warnings(test, &levels[chosen]), doubts(test, levels)].concat(),
+            warnings: [
+                warnings(test, &levels[chosen], &args.poles),
+                sidebands.iter().filter_map(|s| sideband_words(fit, s)).collect(),
+                doubts(test, levels),
+            ]
+            .concat(),
         }
     }
 }
@@ -234,7 +245,25 @@ fn without_remedy(name: &str, taken: &[&JudgedHit], fit: &ModalFit) -> String {
     )
 }
 
-fn warnings(test: &Test, level: &Level) -> Vec<String> {
+/// What is said where the modes leave most channels unexplained; `given` are the frequencies that the user gave.
+fn missing_modes(fit: &ModalFit, given: &[f64]) -> String {
+    let place = format!(
+        "the modes leave {:.0} % of the responses between {:.3} and {:.3} Hz",
+        100.0 * fit.fitted.misfit,
+        fit.band.0,
+        fit.band.1
+    );
+    if given.is_empty() {
+        return format!(
+            "{place}: noise, or motion that is no linear vibration; choose another --band, or hit harder"
+        );
+    }
+    format!(
+        "--poles: {place}, because other modes stand there too; give their frequencies as well, or choose the band around yours with --band"
+    )
+}
+
+fn warnings(test: &Test, level: &Level, given: &[f64]) -> Vec<String> {
     let mut warnings = test.warnings.clone();
     let taken: Vec<&JudgedHit> = test.hits.iter().filter(|h| !h.left_out).collect();
     let always = always_overloaded(&taken);
@@ -271,6 +300,7 @@ fn warnings(test: &Test, level: &Level) -> Vec<String> {
         let part = &v[at(fit.band.0).min(v.len() - 1)..=at(fit.band.1).min(v.len() - 1)];
         part.iter().sum::<f64>() / part.len() as f64
     };
+    let strangers = fit.strangers();
     for (k, f) in level.responses.functions.iter().enumerate() {
         if !f.coherence.is_empty() && lines(&f.coherence) < INCOHERENT {
             warnings.push(format!(
@@ -279,13 +309,16 @@ fn warnings(test: &Test, level: &Level) -> Vec<String> {
                 lines(&f.coherence)
             ));
         }
-        if fit.fitted.left[k] > STRANGER {
+        if strangers.contains(&k) {
             warnings.push(format!(
                 "{}: the modes leave {:.0} % of it: it does not move as the other channels do",
                 place(k),
                 100.0 * fit.fitted.left[k]
             ));
         }
+    }
+    if fit.leaves_most() {
+        warnings.push(missing_modes(fit, given));
     }
     if let (Some(doubt), Some(drive)) = (fit.drive_point_doubt(), fit.drive) {
         let at = &fit.freedoms[drive.freedom];
@@ -294,6 +327,12 @@ fn warnings(test: &Test, level: &Level) -> Vec<String> {
         warnings.push(format!("{}: {doubt}", place(k)));
     }
     warnings
+}
+
+/// What is said of sidebands, and how to go without them.
+fn sideband_words(fit: &ModalFit, found: &Sidebands) -> Option<String> {
+    let list: Vec<String> = found.all.iter().map(|s| format!("{:.2}", fit.modes[s.mode].frequency)).collect();
+    Some(format!("{}: leave them out with --drop-poles {}", fit.sideband_doubt()?, list.join(",")))
 }
 
 impl Summary for ModalSummary {

@@ -23,7 +23,8 @@ pub(super) fn variable(source: &FileBytes, bytes: &[u8], name: &str) -> Result<V
         _ => {
             let found = format!("an array of {} dimensions", array.shape.len());
             let place = format!("array '{name}', key 'shape'");
-            return Err(source.unsupported(place, found, "save arrays of one or two dimensions"));
+            let remedy = "save arrays of one or two dimensions: of several hits each in a file of its own, samples in rows and channels in columns";
+            return Err(source.unsupported(place, found, remedy));
         }
     };
     let values = array.numbers(source, name)?;

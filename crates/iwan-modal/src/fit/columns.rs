@@ -6,7 +6,6 @@ use rayon::prelude::*;
 use super::band::Band;
 use super::outside::OUTSIDE;
 use crate::number::{Complex, I};
-use crate::responses::PoleInRecord;
 
 /// Columns of a set of poles in a band; weighted, real parts above imaginary parts.
 pub(super) struct Columns {
@@ -42,14 +41,15 @@ impl Columns {
 /// into `slopes`, unless that is empty.
 fn mode(band: &Band, pole: Complex, values: &mut [f64], slopes: &mut [f64]) {
     let lines = band.lines();
-    let record = band.responses.record.as_ref();
-    let [own, conjugate] = [pole, pole.conj()].map(|p| (p, record.map(|r| r.at(p))));
-    let at = |k: usize, (p, in_record): &(Complex, Option<PoleInRecord<'_>>)| {
-        if let Some(pole) = in_record {
-            return pole.value(band.first + k, band.s[k], band.back[k]);
+    let in_record = band.responses.record.as_ref().map(|r| r.at(pole));
+    let at = |k: usize| {
+        if let Some(pole) = &in_record {
+            return pole.pair(band.first + k, band.s[k], band.back[k]);
         }
-        let direct = (band.s[k] - p).inv();
-        (direct, direct * direct)
+        [pole, pole.conj()].map(|p| {
+            let direct = (band.s[k] - p).inv();
+            (direct, direct * direct)
+        })
     };
     // What multiplies the residue, and what multiplies its conjugate.
     let put = |target: &mut [f64], k: usize, x: Complex, conjugate: Complex| {
@@ -61,7 +61,7 @@ fn mode(band: &Band, pole: Complex, values: &mut [f64], slopes: &mut [f64]) {
         target[3 * lines + k] = w * im.im;
     };
     for k in 0..lines {
-        let ((value, slope), (value_of, slope_of)) = (at(k, &own), at(k, &conjugate));
+        let [(value, slope), (value_of, slope_of)] = at(k);
         put(values, k, value, value_of);
         if !slopes.is_empty() {
             put(slopes, k, slope, slope_of);

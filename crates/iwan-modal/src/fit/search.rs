@@ -63,17 +63,27 @@ impl Fitted {
         Ok(Self::with_products(band, start)?.0)
     }
 
+    /// Poles, residues and standard deviations alone: `curves` stays empty.
+    pub(crate) fn without_curves(band: &Band, start: &[Complex]) -> Result<Self, Error> {
+        Ok(Self::searched(band, start, &[(STEPS, FOR_WEIGHTS), (STEPS, STILL)], false)?.0)
+    }
+
     /// The fit and the least squares that it ends with.
     pub(crate) fn with_products(band: &Band, start: &[Complex]) -> Result<(Self, Linear), Error> {
-        Self::searched(band, start, &[(STEPS, FOR_WEIGHTS), (STEPS, STILL)])
+        Self::searched(band, start, &[(STEPS, FOR_WEIGHTS), (STEPS, STILL)], true)
     }
 
-    /// Near enough to tell whether a mode is there.
+    /// Near enough to tell whether a mode is there; `curves` stays empty.
     pub(crate) fn rough(band: &Band, start: &[Complex]) -> Result<(Self, Linear), Error> {
-        Self::searched(band, start, &[(FEW, NEARLY_STILL)])
+        Self::searched(band, start, &[(FEW, NEARLY_STILL)], false)
     }
 
-    fn searched(band: &Band, start: &[Complex], rounds: &[(usize, f64)]) -> Result<(Self, Linear), Error> {
+    fn searched(
+        band: &Band,
+        start: &[Complex],
+        rounds: &[(usize, f64)],
+        with_curves: bool,
+    ) -> Result<(Self, Linear), Error> {
         let mut poles = start.to_vec();
         poles.sort_by(|a, b| a.im.total_cmp(&b.im));
         let mut linear = Linear::new(band, &poles, true)?;
@@ -90,12 +100,12 @@ impl Fitted {
         let (total, rest): (f64, f64) =
             linear.left.iter().enumerate().fold((0.0, 0.0), |(t, r), (c, l)| (t + size(c), r + l));
         let residues = |p: usize| (0..band.values.ncols()).map(|c| linear.residue(p, c)).collect();
-        let values = linear.rest(band);
+        let curves = if with_curves { curves(band, &linear.rest(band)) } else { Vec::new() };
         let fitted = Self {
             residues: (0..poles.len()).map(residues).collect(),
             left: linear.left.iter().enumerate().map(|(c, l)| (l / size(c)).sqrt()).collect(),
             first: band.first,
-            curves: (0..band.values.ncols()).map(|c| curve(band, &values, c)).collect(),
+            curves,
             misfit: (rest / total).sqrt(),
             certainty: Certainty::new(band, &poles, &linear, &noise),
             noise,
@@ -105,13 +115,14 @@ impl Fitted {
     }
 }
 
-/// The fit of a response at the lines of the band.
-fn curve(band: &Band, rest: &DMatrix<f64>, response: usize) -> Vec<Complex> {
-    let value = |k: usize| {
+/// The fit of each response at the lines of the band.
+fn curves(band: &Band, rest: &DMatrix<f64>) -> Vec<Vec<Complex>> {
+    let value = |k: usize, response: usize| {
         let weight = band.weights[k].max(f64::MIN_POSITIVE);
         (band.value(k, response) - at(rest, k, response)) / weight
     };
-    (0..band.lines()).map(value).collect()
+    let curve = |response: usize| (0..band.lines()).map(|k| value(k, response)).collect();
+    (0..band.values.ncols()).map(curve).collect()
 }
 
 /// Variance of each response's entries: what the fit leaves of them, and no less than the scatter of hits says.

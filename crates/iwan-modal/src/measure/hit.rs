@@ -102,7 +102,10 @@ impl Hit {
             let finding = format!("{} samples, the force has {n}", x.len());
             return Err(Error::refused(place, finding, "record all channels together"));
         }
-        if let Some(index) = x.iter().position(|v| !v.is_finite()) {
+        // All samples are looked at together first: nearly always all are finite.
+        if !x.iter().fold(true, |all, v| all & v.is_finite())
+            && let Some(index) = x.iter().position(|v| !v.is_finite())
+        {
             return Err(Error::NotFinite { place, index, value: x[index] });
         }
         if x.iter().all(|v| *v == x[0]) {

@@ -8,7 +8,7 @@ use super::set::{FiniteRecord, FrequencyResponses, Function};
 use super::transform::{Transform, quick_length};
 use crate::error::{Error, check};
 use crate::measure::{Channel, Hit, Motion, Pulse};
-use crate::number::{Complex, complex};
+use crate::number::{Complex, complex, sum};
 
 /// How averages over hits become a frequency response; G with two letters is the averaged product of spectra of force f and response y.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -174,7 +174,7 @@ fn exponential(decay: f64, samples: usize, dt: f64) -> Option<Vec<f64>> {
 
 /// Mean taken off, window on.
 fn prepared(x: &[f64], window: Option<&[f64]>) -> Vec<f64> {
-    let mean = x.iter().sum::<f64>() / x.len() as f64;
+    let mean = sum(x) / x.len() as f64;
     match window {
         Some(window) => x.iter().zip(window).map(|(x, w)| (x - mean) * w).collect(),
         None => x.iter().map(|x| x - mean).collect(),

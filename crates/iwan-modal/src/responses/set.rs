@@ -153,30 +153,57 @@ pub(crate) struct PoleInRecord<'a> {
 }
 
 impl PoleInRecord<'_> {
-    /// The contribution of a unit residue at a line, and its derivative with respect to the pole. `back` are e^(-s Δt) and e^(-s T).
-    pub(crate) fn value(&self, line: usize, s: Complex, back: [Complex; 2]) -> (Complex, Complex) {
+    /// The contributions of unit residues of the pole and of its conjugate at a line, each with its derivative with respect to its pole. `back` are e^(-s Δt) and
+    /// e^(-s T).
+    pub(crate) fn pair(&self, line: usize, s: Complex, back: [Complex; 2]) -> [(Complex, Complex); 2] {
         let (dt, length) = (self.record.dt, self.record.length);
-        let turn = self.turns[0] * back[0];
+        let once = |turn: Complex| inverse(1.0 - turn) * dt;
+        let turned = [self.turns[0] * back[0], self.turns[1] * back[1]];
+        let conjugate = [self.turns[0].conj() * back[0], self.turns[1].conj() * back[1]];
         if self.record.is_free() {
-            let rest = self.turns[1] * back[1];
-            let inverse = (1.0 - turn).inv() * dt;
-            let value = inverse * (1.0 - rest);
-            return (value, value * (turn * inverse) - inverse * rest * length);
+            let free = |[turn, rest]: [Complex; 2]| {
+                let once = once(turn);
+                let value = once * (1.0 - rest);
+                (value, value * (turn * once) - once * rest * length)
+            };
+            return [free(turned), free(conjugate)];
         }
-        let direct = (s - self.pole).inv();
+        let [direct, direct_conjugate] = [inverse(s - self.pole), inverse(s - self.pole.conj())];
         if (self.pole.re - s.re) * self.quiet < ENDED {
-            return (direct, direct * direct);
+            return [(direct, direct * direct), (direct_conjugate, direct_conjugate * direct_conjugate)];
         }
-        let (mut share, mut moment) = (complex(0.0, 0.0), complex(0.0, 0.0));
-        for ((f, m), weights) in self.forces.iter().zip(&self.record.weights) {
-            share += weights[line] * *f;
-            moment += weights[line] * *m;
-        }
-        let inverse = (1.0 - turn).inv() * dt;
-        let tail = self.turns[1] * back[1] * inverse;
-        let slope = tail * (share * (turn * inverse + length) - moment);
-        (direct - tail * share, direct * direct - slope)
+        let cut_off = |direct: Complex, [turn, rest]: [Complex; 2], (share, moment): (Complex, Complex)| {
+            let once = once(turn);
+            let tail = rest * once;
+            (direct - tail * share, direct * direct - tail * (share * (turn * once + length) - moment))
+        };
+        let [own, other] = self.shares(line);
+        [cut_off(direct, turned, own), cut_off(direct_conjugate, conjugate, other)]
     }
+
+    /// The pulses' transforms at the pole and at its conjugate, weighted as at a line, each with its derivative. That at the conjugate is the conjugate: both are
+    /// made of the same four products.
+    fn shares(&self, line: usize) -> [(Complex, Complex); 2] {
+        let (mut share, mut moment) = ([0.0; 4], [0.0; 4]);
+        for ((f, m), weights) in self.forces.iter().zip(&self.record.weights) {
+            let w = weights[line];
+            for (sums, x) in [(&mut share, f), (&mut moment, m)] {
+                sums[0] += w.re * x.re;
+                sums[1] += w.im * x.im;
+                sums[2] += w.re * x.im;
+                sums[3] += w.im * x.re;
+            }
+        }
+        let own = |x: [f64; 4]| complex(x[0] - x[1], x[2] + x[3]);
+        let conjugate = |x: [f64; 4]| complex(x[0] + x[1], x[3] - x[2]);
+        [(own(share), own(moment)), (conjugate(share), conjugate(moment))]
+    }
+}
+
+/// One over a number, with one division.
+fn inverse(z: Complex) -> Complex {
+    let power = z.norm_sqr().recip();
+    complex(z.re * power, -z.im * power)
 }
 
 /// Laplace variable at a line, 1/s.
@@ -196,10 +223,16 @@ mod tests {
         let records = [FiniteRecord::new(&[pulse], &[spectrum]), FiniteRecord::free(400, 1e-2)];
         let (pole, h, s) = (complex(-0.3, 20.0), 1e-6, laplace(13.0 / 4.0, 0.0));
         for record in &records {
-            let at = |p: Complex| record.at(p).value(13, s, record.turns(-s)).0;
-            let slope = record.at(pole).value(13, s, record.turns(-s)).1;
-            let found = (at(pole + h) - at(pole - h)) / (2.0 * h);
-            assert!((slope - found).norm() < 1e-6 * slope.norm(), "{slope} {found}");
+            let at = |p: Complex| record.at(p).pair(13, s, record.turns(-s)).map(|x| x.0);
+            let slopes = record.at(pole).pair(13, s, record.turns(-s)).map(|x| x.1);
+            let (above, below) = (at(pole + h), at(pole - h));
+            for (i, slope) in slopes.into_iter().enumerate() {
+                let found = (above[i] - below[i]) / (2.0 * h);
+                assert!((slope - found).norm() < 1e-6 * slope.norm(), "{slope} {found}");
+            }
+            // The conjugate's is what the conjugate has for a pole.
+            let (conjugate, alone) = (at(pole)[1], at(pole.conj())[0]);
+            assert!((conjugate - alone).norm() < 1e-13 * alone.norm(), "{conjugate} {alone}");
         }
     }
 
@@ -210,7 +243,7 @@ mod tests {
         for line in [3, 14, 40] {
             let s = laplace(f64::from(line) / (n as f64 * dt), 0.0);
             let sum: Complex = (0..n).map(|k| ((pole - s) * (k as f64 * dt)).exp() * dt).sum();
-            let (value, _) = record.at(pole).value(line as usize, s, record.turns(-s));
+            let [(value, _), _] = record.at(pole).pair(line as usize, s, record.turns(-s));
             assert!((value - sum).norm() < 1e-11 * sum.norm(), "{line}: {value} {sum}");
         }
     }

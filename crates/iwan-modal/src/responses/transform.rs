@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use rustfft::{Fft, FftPlanner};
 
-use crate::number::{Complex, complex};
+use crate::number::{Complex, complex, extent};
 
 /// Records give up to this part of their samples for a length of small prime factors: the transform of 20,001 samples (3 · 59 · 113) takes four
 /// times as long as that of 20,000, and a thousandth of a record carries a thousandth of what it tells.
@@ -102,7 +102,8 @@ impl Transform {
 
 /// A power of two that brings the largest value to between 1 and 2, and its inverse.
 fn scale(x: &[f64]) -> (f64, f64) {
-    let largest = x.iter().fold(0.0_f64, |m, x| m.max(x.abs()));
+    let (low, high) = extent(x);
+    let largest = high.max(-low);
     // Beyond that neither the power nor its inverse is a normal number; the scale of such a record stays a little off, which costs nothing.
     let exponent = if largest > 0.0 { largest.log2().floor().clamp(-1000.0, 1000.0) as i32 } else { 0 };
     (2.0_f64.powi(-exponent), 2.0_f64.powi(exponent))

@@ -68,7 +68,7 @@ class ModalFit:
     fitted: NDArray[np.complex128]
     """Those of the fit, responses x lines."""
     remarks: Sequence[str]
-    """What is wrong with hits or channels, in words."""
+    """What is wrong with hits or channels, and which modes are probably sidebands of others, in words."""
 
     def __repr__(self) -> str:
         return f"<iwan.ModalFit: {len(self.modes)} modes from {self.band[0]:.6g} to {self.band[1]:.6g} Hz>"
@@ -84,10 +84,13 @@ def modal_fit(
     quantity: Literal["acceleration", "velocity", "displacement"] = "acceleration",
     estimator: Literal["h1", "h2", "hv"] = "h1",
     decay: float = 0.0,
+    whole_force: bool = False,
     band: tuple[float, float] | None = None,
     method: Literal["chart", "isolation", "subspace"] = "chart",
     order: int = 60,
     poles: Sequence[float] | None = None,
+    add_poles: Sequence[float] = (),
+    drop_poles: Sequence[float] = (),
 ) -> ModalFit:
     """Modes from hits of a hammer, or from free decays.
 
@@ -100,14 +103,17 @@ def modal_fit(
         quantity: What the sensors measure.
         estimator: How hits are averaged: noise on the responses ("h1"), on the force ("h2"), on both ("hv").
         decay: Decay of an exponential window, 1/s; its damping is not in the result.
+        whole_force: Take the force as measured from end to end, noise after the pulse included, and without a pulse too.
         band: Edges in Hz; None: from ten cycles in a record to where the force has fallen by 30 dB.
         method: Where poles are looked for: stabilisation chart, mode isolation, or, of free decays, subspaces of the samples.
         order: Highest order of the chart.
         poles: Frequencies of the modes in Hz, instead of looking for them.
+        add_poles: Frequencies in Hz at which modes are added to those that were found.
+        drop_poles: Frequencies in Hz of modes that were found and are left out again.
 
     Raises:
         InvalidValueError: for values out of range and arrays that do not go together.
-        IdentificationError: where the records hold no mode, or cannot tell modes apart.
+        IdentificationError: where a force has no pulse, and where the records hold no mode, or cannot tell modes apart.
 
     Source: B. Peeters et al., Shock and Vibration 11:395, 2004; M. S. Allen, J. H. Ginsberg, MSSP 20, 2006; J.-N. Juang, R. S. Pappa,
     J. Guidance 8:620, 1985; then maximum likelihood with the end of the record in the model.
@@ -124,6 +130,8 @@ def modal_fit(
     >>> round(float(fit.modes[0].shape[1] / fit.modes[0].shape[0]), 6)
     0.5
     """
+    if poles is not None and (len(add_poles) or len(drop_poles)):
+        raise InvalidValueError("poles gives all modes: leave add_poles and drop_poles out, or poles")
     motions = np.asarray(responses, dtype=float)
     if motions.ndim == 2:
         motions = motions[None]
@@ -138,10 +146,13 @@ def modal_fit(
         "quantity": quantity,
         "estimator": estimator,
         "decay": float(decay),
+        "whole_force": bool(whole_force),
         "band": band,
         "method": method,
         "order": order,
         "poles": None if poles is None else [float(f) for f in poles],
+        "add_poles": [float(f) for f in add_poles],
+        "drop_poles": [float(f) for f in drop_poles],
     }
     found = _native._modal_fit(forces, motions, request)
 
