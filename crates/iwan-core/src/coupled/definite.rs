@@ -1,32 +1,37 @@
 //! Small symmetric matrices, row by row in a slice of the caller's.
 
-/// Replaces the lower triangle of a symmetric matrix by its Cholesky factor; false where it is not positive definite.
+/// Sum of the products of two rows as far as the shorter goes.
+fn products(a: &[f64], b: &[f64]) -> f64 {
+    a.iter().zip(b).map(|(a, b)| a * b).sum()
+}
+
+/// Replaces the lower triangle of a symmetric matrix by its Cholesky factor, whose diagonal is held as its reciprocal; false where it is
+/// not positive definite. What is above the diagonal is neither read nor changed.
 pub(super) fn factorise(order: usize, matrix: &mut [f64]) -> bool {
-    for j in 0..order {
-        for i in j..order {
-            let products: f64 = (0..j).map(|k| matrix[i * order + k] * matrix[j * order + k]).sum();
-            let rest = matrix[i * order + j] - products;
-            if i > j {
-                matrix[i * order + j] = rest / matrix[j * order + j];
-            } else if rest > 0.0 && rest.is_finite() {
-                matrix[i * order + i] = libm::sqrt(rest);
-            } else {
-                return false;
-            }
+    for i in 0..order {
+        let (done, rest) = matrix.split_at_mut(i * order);
+        let row = &mut rest[..=i];
+        for (j, other) in done.chunks_exact(order).enumerate() {
+            row[j] = (row[j] - products(&row[..j], &other[..j])) * other[j];
         }
+        let square = row[i] - products(&row[..i], &row[..i]);
+        if !(square > 0.0 && square.is_finite()) {
+            return false;
+        }
+        row[i] = 1.0 / libm::sqrt(square);
     }
     true
 }
 
-/// Solves with a Cholesky factor, in place.
+/// Solves with such a factor, in place.
 pub(super) fn solve(order: usize, factor: &[f64], x: &mut [f64]) {
-    for i in 0..order {
-        let known: f64 = (0..i).map(|k| factor[i * order + k] * x[k]).sum();
-        x[i] = (x[i] - known) / factor[i * order + i];
+    for (i, row) in factor[..order * order].chunks_exact(order).enumerate() {
+        x[i] = (x[i] - products(&row[..i], &x[..i])) * row[i];
     }
-    for i in (0..order).rev() {
-        let known: f64 = (i + 1..order).map(|k| factor[k * order + i] * x[k]).sum();
-        x[i] = (x[i] - known) / factor[i * order + i];
+    for (i, row) in factor[..order * order].chunks_exact(order).enumerate().rev() {
+        let (above, own) = x.split_at_mut(i);
+        own[0] *= row[i];
+        above.iter_mut().zip(row).for_each(|(x, r)| *x -= r * own[0]);
     }
 }
 

@@ -29,14 +29,60 @@ const MOST_ROUNDING: f64 = 1e-10;
 pub struct SeveralJoints<'a, J, State, S> {
     laws: &'a [J],
     states: &'a mut [State],
-    /// For each joint: ΔN sought, residual, direction, ΔN at the start of a line, tangent missing, work.
+    /// For each joint, one row after the other: see [`Rows`].
     vectors: S,
     /// I - D^½ c D^½.
     matrix: S,
 }
 
 /// Rows in [`SeveralJoints::vectors`].
-const ROWS: usize = 6;
+const ROWS: usize = 11;
+
+/// The rows by name.
+struct Rows<'a> {
+    /// Slip and force of each joint where it stands, which are kept between steps.
+    slip: &'a mut [f64],
+    force: &'a mut [f64],
+    /// ΔN sought, and the slips to which it leads.
+    n: &'a mut [f64],
+    to: &'a mut [f64],
+    residual: &'a mut [f64],
+    /// D, what the tangents there fall short of K.
+    slack: &'a mut [f64],
+    direction: &'a mut [f64],
+    /// ΔN at the start of a line.
+    start: &'a mut [f64],
+    /// D^½.
+    root: &'a mut [f64],
+    work: &'a mut [f64],
+    /// c times the direction.
+    gradient: &'a mut [f64],
+}
+
+impl<'a> Rows<'a> {
+    fn of(vectors: &'a mut [f64], joints: usize) -> Self {
+        let mut rows = vectors[..ROWS * joints].chunks_exact_mut(joints);
+        let mut row = || rows.next().unwrap_or_default();
+        Self {
+            slip: row(),
+            force: row(),
+            n: row(),
+            to: row(),
+            residual: row(),
+            slack: row(),
+            direction: row(),
+            start: row(),
+            root: row(),
+            work: row(),
+            gradient: row(),
+        }
+    }
+
+    /// How steeply the function falls along the direction: its product with c and the residual.
+    fn fall(&self) -> f64 {
+        self.gradient.iter().zip(&*self.residual).map(|(g, r)| g * r).sum()
+    }
+}
 
 impl<'a, State, J: Trial<State>, S: AsRef<[Lanes]> + AsMut<[Lanes]>> SeveralJoints<'a, J, State, S> {
     /// Laws and their states; `storage` gives room for so many groups.
@@ -51,7 +97,12 @@ impl<'a, State, J: Trial<State>, S: AsRef<[Lanes]> + AsMut<[Lanes]>> SeveralJoin
             if found < needed { Err(Error::Length { name: "storage", needed, found }) } else { Ok(room) }
         };
         let j = laws.len();
-        Ok(Self { laws, states, vectors: room(ROWS * j)?, matrix: room(j * j)? })
+        let mut joints = Self { laws, states, vectors: room(ROWS * j)?, matrix: room(j * j)? };
+        let rows = Rows::of(joints.vectors.as_mut().as_flattened_mut(), j);
+        for (i, (law, state)) in laws.iter().zip(&*joints.states).enumerate() {
+            (rows.slip[i], rows.force[i]) = (law.displacement(state), law.joint_force(state));
+        }
+        Ok(joints)
     }
 
     /// Solves with the compliance `c`, and moves the joints.
@@ -60,12 +111,10 @@ impl<'a, State, J: Trial<State>, S: AsRef<[Lanes]> + AsMut<[Lanes]>> SeveralJoin
         let Self { laws, states, vectors, matrix } = self;
         let (laws, states): (&[J], &mut [State]) = (laws, states);
         let matrix = &mut matrix.as_mut().as_flattened_mut()[..j * j];
-        let mut rows = vectors.as_mut().as_flattened_mut()[..ROWS * j].chunks_exact_mut(j);
-        let mut row = || rows.next().unwrap_or_default();
-        let (n, residual, direction, start, slack, work) = (row(), row(), row(), row(), row(), row());
+        let mut rows = Rows::of(vectors.as_mut().as_flattened_mut(), j);
         let mut at = Iterate { c, stiffness, ahead, laws, states: &*states, allowed: ROUNDING };
-        n.fill(0.0);
-        let mut settled = at.evaluate(n, residual, slack);
+        rows.n.fill(0.0);
+        let mut settled = at.evaluate(&mut rows);
         let mut rounds = 0;
         while !settled {
             rounds += 1;
@@ -77,51 +126,42 @@ impl<'a, State, J: Trial<State>, S: AsRef<[Lanes]> + AsMut<[Lanes]>> SeveralJoin
             if rounds > PATIENCE {
                 at.allowed = (2.0 * at.allowed).min(MOST_ROUNDING);
             }
-            newton_direction(c, slack, residual, (matrix, work, direction));
-            start.copy_from_slice(n);
-            let slope = form(c, direction, residual);
-            settled = search_line(slope, |length| {
-                n.iter_mut().zip(&*start).zip(&*direction).for_each(|((n, s), d)| *n = s + length * d);
-                (!at.evaluate(n, residual, slack)).then(|| form(c, direction, residual))
+            newton_direction(c, &mut rows, matrix);
+            rows.start.copy_from_slice(rows.n);
+            settled = search_line(rows.fall(), |length| {
+                let line = rows.start.iter().zip(&*rows.direction);
+                rows.n.iter_mut().zip(line).for_each(|(n, (s, d))| *n = s + length * d);
+                (!at.evaluate(&mut rows)).then(|| rows.fall())
             });
         }
         for i in 0..j {
-            let to = laws[i].displacement(&states[i]) + way(c, ahead, n, i);
-            laws[i].advance(&mut states[i], to);
+            rows.force[i] = laws[i].advance(&mut states[i], rows.to[i]);
+            rows.slip[i] = laws[i].displacement(&states[i]);
         }
         Ok(())
     }
 }
 
 /// Δs of joint `i`.
+#[inline]
 fn way(c: &[f64], ahead: &[f64], n: &[f64], i: usize) -> f64 {
     let row = &c[i * n.len()..(i + 1) * n.len()];
     ahead[i] - row.iter().zip(n).map(|(c, n)| c * n).sum::<f64>()
 }
 
-/// xᵀ c y.
-fn form(c: &[f64], x: &[f64], y: &[f64]) -> f64 {
-    let row = |i: usize| c[i * y.len()..(i + 1) * y.len()].iter().zip(y).map(|(c, y)| c * y).sum::<f64>();
-    x.iter().enumerate().map(|(i, x)| x * row(i)).sum()
-}
-
 /// δ with (I - D c) δ = R, by way of the symmetric I - D^½ c D^½, which is positive definite: δ = R + D^½ w with
 /// (I - D^½ c D^½) w = D^½ c R.
-fn newton_direction(
-    c: &[f64],
-    slack: &[f64],
-    residual: &[f64],
-    (matrix, work, direction): (&mut [f64], &mut [f64], &mut [f64]),
-) {
+fn newton_direction(c: &[f64], rows: &mut Rows<'_>, matrix: &mut [f64]) {
+    let Rows { slack, residual, direction, root, work, gradient, .. } = rows;
     let j = slack.len();
-    for i in 0..j {
-        let root = libm::sqrt(slack[i]);
-        let row = &c[i * j..(i + 1) * j];
-        work[i] = root * row.iter().zip(residual).map(|(c, r)| c * r).sum::<f64>();
-        for l in 0..j {
-            let unit = if i == l { 1.0 } else { 0.0 };
-            matrix[i * j + l] = unit - root * row[l] * libm::sqrt(slack[l]);
+    root.iter_mut().zip(&**slack).for_each(|(root, slack)| *root = libm::sqrt(*slack));
+    for (i, (row, of_matrix)) in c.chunks_exact(j).zip(matrix.chunks_exact_mut(j)).enumerate() {
+        work[i] = root[i] * row.iter().zip(&**residual).map(|(c, r)| c * r).sum::<f64>();
+        // The lower triangle is all that a Cholesky factor needs.
+        for ((entry, c), other) in of_matrix[..=i].iter_mut().zip(row).zip(&**root) {
+            *entry = -(root[i] * c * other);
         }
+        of_matrix[i] += 1.0;
     }
     // By construction of the modes it is definite; were it not, the residual alone still leads downhill.
     if definite::factorise(j, matrix) {
@@ -130,7 +170,10 @@ fn newton_direction(
         work.fill(0.0);
     }
     for i in 0..j {
-        direction[i] = residual[i] + libm::sqrt(slack[i]) * work[i];
+        direction[i] = residual[i] + root[i] * work[i];
+    }
+    for (gradient, row) in gradient.iter_mut().zip(c.chunks_exact(j)) {
+        *gradient = row.iter().zip(&**direction).map(|(c, d)| c * d).sum();
     }
 }
 
@@ -147,16 +190,17 @@ struct Iterate<'a, J, State> {
 
 impl<State, J: Trial<State>> Iterate<'_, J, State> {
     /// Residual ΔN(s(n)) - n and D at `n`; returns whether rounding is all that is left.
-    fn evaluate(&self, n: &[f64], residual: &mut [f64], slack: &mut [f64]) -> bool {
+    fn evaluate(&self, rows: &mut Rows<'_>) -> bool {
         let mut settled = true;
         for (i, (law, state)) in self.laws.iter().zip(self.states).enumerate() {
-            let (way, k) = (way(self.c, self.ahead, n, i), self.stiffness[i]);
-            let (from, before) = (law.displacement(state), law.joint_force(state));
-            let (force, tangent) = law.trial(state, from + way);
-            slack[i] = if tangent < k { k - tangent } else { 0.0 };
-            residual[i] = ((force - before) - k * way) - n[i];
-            let terms = force.abs() + before.abs() + k * (way.abs() + from.abs()) + n[i].abs();
-            settled &= residual[i].abs() <= self.allowed * terms;
+            let (way, k) = (way(self.c, self.ahead, rows.n, i), self.stiffness[i]);
+            let (from, before, n) = (rows.slip[i], rows.force[i], rows.n[i]);
+            rows.to[i] = from + way;
+            let (force, tangent) = law.trial(state, rows.to[i]);
+            rows.slack[i] = if tangent < k { k - tangent } else { 0.0 };
+            rows.residual[i] = ((force - before) - k * way) - n;
+            let terms = force.abs() + before.abs() + k * (way.abs() + from.abs()) + n.abs();
+            settled &= rows.residual[i].abs() <= self.allowed * terms;
         }
         settled
     }
@@ -180,8 +224,7 @@ impl<State, J: Trial<State>, S: AsRef<[Lanes]> + AsMut<[Lanes]>> JointsInMotion
             return Ok(());
         }
         self.step(modes.coupling(), modes.joint_stiffness(), ahead)?;
-        let j = self.laws.len();
-        change.copy_from_slice(&self.vectors.as_ref().as_flattened()[..j]);
+        change.copy_from_slice(Rows::of(self.vectors.as_mut().as_flattened_mut(), self.laws.len()).n);
         Ok(())
     }
 
@@ -194,11 +237,11 @@ impl<State, J: Trial<State>, S: AsRef<[Lanes]> + AsMut<[Lanes]>> JointsInMotion
     }
 
     fn slip(&self, index: usize) -> f64 {
-        self.laws[index].displacement(&self.states[index])
+        self.vectors.as_ref().as_flattened()[index]
     }
 
     fn force(&self, index: usize) -> f64 {
-        self.laws[index].joint_force(&self.states[index])
+        self.vectors.as_ref().as_flattened()[self.laws.len() + index]
     }
 
     fn stored_energy(&self, index: usize) -> f64 {

@@ -75,8 +75,9 @@ impl Sums {
                 }
             }
             Self::Windows { turn, length } => {
+                let weights = hann(*length);
                 for (n, pair) in out.chunks_exact_mut(2).enumerate() {
-                    let z = turned(samples, n * (length / 2), *length, *turn);
+                    let z = turned(samples, n * (length / 2), &weights, *turn);
                     pair.copy_from_slice(&z);
                 }
             }
@@ -84,13 +85,17 @@ impl Sums {
     }
 }
 
-/// Amplitude as cosine and sine at the first sample of all: about √(length/3) times that of a sinusoid.
-fn turned(samples: &[f64], first: usize, length: usize, turn: f64) -> [f64; 2] {
+/// Hann's window of so many samples.
+fn hann(length: usize) -> Vec<f64> {
+    (0..length).map(|n| (PI * (n as f64 + 0.5) / length as f64).sin().powi(2)).collect()
+}
+
+/// Amplitude as cosine and sine at the first sample of all, in a window that begins at sample `first`: about √(length/3) times that of a sinusoid.
+fn turned(samples: &[f64], first: usize, weights: &[f64], turn: f64) -> [f64; 2] {
     let (mut sums, mut square) = ([0.0; 2], 0.0);
     // By rotation, renewed every window: rounding grows by one unit a sample.
     let (mut at, step) = ((turn * first as f64).sin_cos(), turn.sin_cos());
-    for (n, x) in samples[first..first + length].iter().enumerate() {
-        let weight = (PI * (n as f64 + 0.5) / length as f64).sin().powi(2);
+    for (weight, x) in weights.iter().zip(&samples[first..first + weights.len()]) {
         sums[0] += weight * x * at.1;
         sums[1] += weight * x * at.0;
         square += weight * weight;
@@ -103,7 +108,7 @@ fn turned(samples: &[f64], first: usize, length: usize, turn: f64) -> [f64; 2] {
 /// A complex amplitude at the first sample, real and imaginary part of x ≈ Re Z exp(iωt), over the first `length` samples.
 pub(super) fn amplitude(samples: &[f64], length: usize, turn: f64) -> [f64; 2] {
     let length = length.min(samples.len());
-    let [c, s] = turned(samples, 0, length, turn);
+    let [c, s] = turned(samples, 0, &hann(length), turn);
     // Σ w cos² = length/4 for Hann's window, and Σ w² = 3 length/8.
     let scale = (2.0 / (0.375 * length as f64)).sqrt() * 0.25 * length as f64;
     [c / scale, -s / scale]

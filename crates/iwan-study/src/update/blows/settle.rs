@@ -10,11 +10,14 @@ use crate::update::fitted::holding;
 /// Shares of the blows, effort of the search from each point kept, and how many are kept: a mode that is a little off runs out of phase within a long
 /// record, where every start ends at a minimum of its own.
 const WINDOWS: [(f64, (usize, f64), usize); 3] =
-    [(0.1, (12, 1e-3), 2), (0.3, (12, 1e-3), 1), (1.0, (30, 1e-5), 1)];
+    [(0.1, (12, 1e-3), 2), (0.3, (12, 1e-3), 1), (1.0, (30, 1e-3), 1)];
 /// Starts that are searched from, of those that leave least in the first window. Not varied.
 const SEARCHED: usize = 3;
-/// Iterations and relative reduction of the last search: a millionth of the sum of squares is a ten-thousandth of a 95 % interval.
-const LAST: (usize, f64) = (40, 1e-6);
+/// Iterations and relative reduction of the search whose residuals tell how much each gate counts: weights need a per cent.
+const FOR_WEIGHTS: (usize, f64) = (12, 1e-3);
+/// Iterations and relative reduction of the last search: a hundred-thousandth of the sum of squares of some hundred residuals is a thousandth of the
+/// deviance at which a 95 % interval ends, and so a fifteenth of a standard deviation.
+const LAST: (usize, f64) = (40, 1e-5);
 /// Neighbours that agree widen variances by less than this where noise is left: Hann's windows that overlap by half make 1.4.
 const WHITE: f64 = 2.0;
 /// Of what finer steps change so much is taken for what they are off by elsewhere, so that intervals do not shrink to nothing where there is no noise. A
@@ -73,7 +76,12 @@ impl<'a> Fitting<'a> {
         let mut kept = self.nearest(starts);
         let mut found: Vec<Found> = Vec::new();
         for (n, (share, effort, keep)) in WINDOWS.into_iter().enumerate() {
+            let before = self.rings.samples.clone();
             self.rings.take(share);
+            // Of blows so short that this window is the last one again, the others have had their turn.
+            if n > 0 && self.rings.samples == before {
+                kept.truncate(keep);
+            }
             let free = self.free();
             found = kept.iter().filter_map(|x| near(&self.rings, x, &free, effort)).collect();
             go_on((n + 1) as f64 / (WINDOWS.len() + 1) as f64)?;
@@ -106,8 +114,8 @@ impl<'a> Fitting<'a> {
         starts
     }
 
-    fn settled(&self, found: Found) -> Found {
-        near(&self.rings, &found.x, &self.free(), LAST).unwrap_or(found)
+    fn settled(&self, found: Found, effort: (usize, f64)) -> Found {
+        near(&self.rings, &found.x, &self.free(), effort).unwrap_or(found)
     }
 
     fn weights(&self, found: &Found) -> Weights {
@@ -158,7 +166,7 @@ impl<'a> Fitting<'a> {
     pub(super) fn certain(&mut self, found: Found, go_on: GoOn<'_>) -> Result<Certain, Error> {
         let mut found = found;
         if self.rings.correct(&found.x) {
-            found = self.settled(found);
+            found = self.settled(found, FOR_WEIGHTS);
         }
         go_on(0.2)?;
         let weights = self.weights(&found);
@@ -166,7 +174,7 @@ impl<'a> Fitting<'a> {
         if is_noise {
             self.reweight(&weights);
         }
-        found = self.settled(found);
+        found = self.settled(found, LAST);
         go_on(0.3)?;
         let free = self.free();
         let freedom = (self.rings.count() as f64 - free.len() as f64).max(1.0);
