@@ -40,7 +40,7 @@ const ANEW: f64 = 8.0;
 const RECENT: usize = 23;
 /// A hit begins a stretch of its own when the swing rises by this factor from the cycle before to the two behind, …
 const RISE: f64 = 1.5;
-/// … and this many cycles pass until the next: an envelope needs as many. Of hits that follow each other sooner, the last at which the swing rises begins the stretch.
+/// … and this many cycles pass until the next: an envelope needs as many. Of hits that follow each other sooner, one behind which it is larger by as much begins the stretch.
 const CYCLES: f64 = 20.0;
 /// A lead-in goes as far from the zero line of the decay behind it as this part of its swing: less is noise, or a hand that finds its place.
 const LEAD_IN: f64 = 0.2;
@@ -122,10 +122,15 @@ impl Scale {
         let mut starts: Vec<usize> = Vec::new();
         let mut ends: Vec<usize> = Vec::new();
         for &onset in onsets.iter().filter(|onset| coarse.len() - **onset >= least && rises(**onset)) {
-            if starts.pop_if(|last| onset - *last < least).is_none() {
-                ends.push(onset);
+            match starts.last_mut().filter(|last| onset - **last < least) {
+                None => {
+                    starts.push(onset);
+                    ends.push(onset);
+                }
+                // The blow of one hit has several onsets.
+                Some(last) if behind(onset) >= RISE * behind(*last) => *last = onset,
+                Some(_) => {}
             }
-            starts.push(onset);
         }
         let decays_before = |first: usize| {
             let third = |n: usize| largest_swing(&coarse[n * first / 3..(n + 1) * first / 3], self.cycle);
@@ -138,7 +143,9 @@ impl Scale {
                 ends.insert(0, 0);
             } else {
                 let zero = quantile(&coarse[first..], 0.5);
-                let away = coarse[..first].iter().map(|x| (x - zero).abs()).fold(0.0, f64::max);
+                // What a blow itself moves before it is found is none.
+                let before = &coarse[..first.saturating_sub(self.cycle)];
+                let away = before.iter().map(|x| (x - zero).abs()).fold(0.0, f64::max);
                 lead_in = Some(first).filter(|_| away > LEAD_IN * behind(first));
             }
         }
