@@ -66,7 +66,7 @@ fn coupled(continuum: &Continuum<TabledFourParameter>, sliders: &Sliders<'_>, fo
         let oscillator = Oscillator::new(frequency, 0.0, 0.0, ResidualStiffness::Positive).unwrap();
         CoupledMode { oscillator, scheme: Newmark::average_acceleration(1e-5).unwrap(), shape_at_force: 1.0 }
     };
-    let (modes, storage) = ([mode(124.0), mode(700.0)], |_: usize| [[0.0; 4]; 4]);
+    let (modes, storage) = ([mode(124.0), mode(700.0)], |_: usize| [[0.0; 4]; 6]);
     let joint = |compliance| CoupledJoint {
         stiffness: 4.45e4,
         participation: &[1.0, -2.0],
