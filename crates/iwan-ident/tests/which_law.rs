@@ -52,6 +52,20 @@ fn the_law_is_named_and_its_parameters_are_held() {
     assert!(closed > 60 && 100 * held >= 90 * closed, "{held} of {closed}");
 }
 
+/// A linear mode whose frequency rises by 3e-4 a second "matched" a joint of χ = -0.98.
+#[test]
+fn a_frequency_that_drifts_with_time_is_no_joint() {
+    let (dt, omega, damping_ratio, rate) = (2e-4, TAU * 124.0, 2e-3, 3e-4);
+    let mut random = iwan_core::SplitMix64::new(1);
+    let at = |t: f64| (-damping_ratio * omega * t).exp() * (omega * t * (1.0 + 0.5 * rate * t)).cos();
+    let samples: Vec<f64> = (0..10_000).map(|n| at(f64::from(n) * dt) + 1e-4 * normal(&mut random)).collect();
+    let record = ModeRecord { samples: &samples, dt, quantity: Quantity::Acceleration };
+    let found = identify(&[record], &Settings::default()).unwrap();
+    assert_eq!(found.verdict.grade, Grade::Usable, "{}", found.verdict.misfit);
+    assert!(found.verdict.misfit.contains("drifts with time"), "{}", found.verdict.misfit);
+    assert!(found.profiles.parameters.iter().all(|p| p.low.is_none() && p.high.is_none()));
+}
+
 /// A cubic spring "matched" a tone without decay, of which noise alone is told.
 #[test]
 fn no_law_is_named_for_a_tone_that_does_not_decay() {

@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 
-use iwan_ident::signal::{Event, Hit, events, hits};
+use iwan_ident::signal::{Event, Hit, overview};
 
 use super::args::{Hits, RecordArgs};
 use super::reading::{Recording, read};
@@ -20,24 +20,21 @@ pub(crate) fn read_all(paths: &[PathBuf], args: &RecordArgs) -> Result<Vec<Recor
 /// The hits of a recording that are wanted, and a word on what disturbs it.
 fn stretches(mut recording: Recording, wanted: Hits) -> Result<Vec<Recording>, Failure> {
     let record = &recording.record;
-    let loudest = record.samples().iter().max_by(|a, b| peak(a).total_cmp(&peak(b)));
-    let Some(samples) = loudest else { return Ok(vec![recording]) };
-    // A record too short to be looked at is refused where it is used.
-    let found = hits(samples, record.dt()).unwrap_or_default();
-    let from = found.first().filter(|hit| hit.lead_in).map_or(0, |hit| hit.samples.start);
-    let disturbed = events(&samples[from..], record.dt()).unwrap_or_default();
-    let (name, start) = (recording.name.clone(), record.start());
-    if from > 0 {
-        let at = record.time(from);
+    let seen = overview(record.samples(), record.dt());
+    let found = &seen.hits;
+    let (name, start, release) = (recording.name.clone(), record.start(), seen.release());
+    if release > 0 {
+        let at = record.time(release);
         recording.warnings.push(format!(
             "{name}: before {at:.6} s the structure is pulled, held, handled or driven: the record begins there"
         ));
     }
-    let ringing = record.time(from);
-    recording.warnings.extend(disturbed.iter().filter_map(|event| disturbance(&name, ringing, event)));
-    for again in found.iter().flat_map(|hit| &hit.again) {
-        let at = start + again;
-        recording.warnings.push(format!("{name}: driven again at {at:.6} s, as by a double hit: behind it with --from {at:.4} the decay is free"));
+    // Clipping is what every fit looks after itself.
+    for event in seen.events.iter().filter(|event| !matches!(event, Event::Clipped { .. })) {
+        let at = start + event.time();
+        recording
+            .warnings
+            .push(format!("{name}: {event}, at {at:.6} s; cut there with --to {at:.4} or --from {at:.4}"));
     }
     let chosen: Vec<(usize, &Hit)> = match wanted {
         Hits::All => found.iter().enumerate().collect(),
@@ -52,10 +49,9 @@ fn stretches(mut recording: Recording, wanted: Hits) -> Result<Vec<Recording>, F
         }
     };
     if found.len() < 2 {
-        if from > 0 {
-            let end = record.time(samples.len() - 1);
-            let cut = record.between(Some(ringing), Some(end)).map_err(|e| Failure::said(&name, &e))?;
-            recording.record = cut;
+        if release > 0 {
+            let begin = record.time(release);
+            recording.record = record.between(Some(begin), None).map_err(|e| Failure::said(&name, &e))?;
         }
         return Ok(vec![recording]);
     }
@@ -78,23 +74,6 @@ fn stretches(mut recording: Recording, wanted: Hits) -> Result<Vec<Recording>, F
     Ok(cuts)
 }
 
-/// What disturbs a record that begins at `start`, with what to do about it; none for what every fit looks after itself.
-fn disturbance(name: &str, start: f64, event: &Event) -> Option<String> {
-    let (what, at) = match *event {
-        Event::Jump { time, size } => (format!("the zero line jumps by {size:.4}"), start + time),
-        Event::Wild { time, size, count } => {
-            let others = if count > 1 { format!(" ({count} such samples)") } else { String::new() };
-            (format!("one sample stands {size:.4} off its neighbours{others}"), start + time)
-        }
-        Event::Lost { time, count } => {
-            let others = if count > 1 { format!(" ({count} such places)") } else { String::new() };
-            (format!("the vibration breaks off, as where samples are lost{others}"), start + time)
-        }
-        _ => return None,
-    };
-    Some(format!("{name}: {what} at {at:.6} s; cut there with --to {at:.4} or --from {at:.4}"))
-}
-
 /// The stretch of a hit.
 fn cut(recording: &Recording, n: usize, hit: &Hit) -> Result<Recording, Failure> {
     let record = &recording.record;
@@ -102,9 +81,4 @@ fn cut(recording: &Recording, n: usize, hit: &Hit) -> Result<Recording, Failure>
     let name = format!("{}, hit {}", recording.name, n + 1);
     let cut = record.between(Some(ends.0), Some(ends.1)).map_err(|e| Failure::said(&name, &e))?;
     Ok(Recording { name, record: cut, quantity: recording.quantity, warnings: Vec::new() })
-}
-
-/// Largest magnitude.
-fn peak(samples: &[f64]) -> f64 {
-    samples.iter().map(|x| x.abs()).fold(0.0, f64::max)
 }

@@ -2,7 +2,7 @@
 
 /// The model matches if dissipation is missed by at most this part (root mean square): about what repeated hits of one specimen
 /// differ by. A judgement, not calibrated, …
-const DISSIPATION: f64 = 0.03;
+pub(crate) const DISSIPATION: f64 = 0.03;
 /// … as is the part of its measured shift by which frequency may be missed, unless noise explains more.
 const FREQUENCY: f64 = 0.1;
 /// Misfit, as a root mean square in standard deviations, that noise explains: two, as for an interval of 95 %.
@@ -40,6 +40,8 @@ pub(crate) struct Beside {
     pub(crate) leaves_noise: bool,
     /// It is known to miss something beside noise, and another law tells the record clearly better: it matches within no noise then.
     pub(crate) surpassed: bool,
+    /// A linear mode whose frequency drifts with time would leave the same record: it matches no joint then.
+    pub(crate) drift: bool,
 }
 
 /// How well a model describes records.
@@ -77,6 +79,8 @@ pub struct Verdict {
     /// Whether one four-parameter joint with a viscous damper matches dissipation and frequency together: dissipation
     /// within 3 %, frequency within a tenth of its shift, or both within twice their noise.
     pub adequate: bool,
+    /// Whether a linear mode whose frequency drifts with time would leave the same record: the frequency alone moves, and there is one record only.
+    pub drift: bool,
     /// How well it describes them: never better than dissipation and frequency both allow.
     pub grade: Grade,
     /// What does not fit, in words and numbers.
@@ -91,7 +95,7 @@ impl Verdict {
 
     /// The same beside what the record itself says.
     pub(crate) fn beside(beside: &Beside, dissipation: &[Compared], frequency: &[Compared]) -> Self {
-        let Beside { reasons, leaves_noise, surpassed } = beside;
+        let Beside { reasons, leaves_noise, surpassed, drift } = beside;
         let range = frequency
             .iter()
             .fold((f64::INFINITY, f64::NEG_INFINITY), |r, c| (r.0.min(c.measured), r.1.max(c.measured)));
@@ -109,7 +113,7 @@ impl Verdict {
         let excused = [limits[0].max(ends[0]), limits[1].max(ends[1])];
         let grade = match (within(excused), within(usable)) {
             _ if !reasons.is_empty() => Grade::No,
-            (true, _) if !surpassed => Grade::Matches,
+            (true, _) if !surpassed && !drift => Grade::Matches,
             (true, _) | (false, true) => Grade::Usable,
             (false, false) => Grade::No,
         };
@@ -124,6 +128,9 @@ impl Verdict {
                 Grade::Matches if within(limits) => "matches dissipation and frequency together",
                 Grade::Matches =>
                     "matches dissipation and frequency together, for it leaves nothing of the record but noise",
+                Grade::Usable if *drift =>
+                    "keeps both limits, but the damping ratio is the same at all amplitudes and only the frequency moves: so it does where the frequency of a linear mode drifts with time, by temperature or \
+                     mounting, and one record does not tell one from the other; a hit of another strength does",
                 Grade::Usable if within(limits) =>
                     "keeps both limits, but misses more than noise where another law does not: it is usable inside the amplitudes seen",
                 Grade::Usable =>
@@ -137,6 +144,7 @@ impl Verdict {
             frequency_misfit: f.misfit,
             frequency_shift: shift,
             adequate: grade == Grade::Matches,
+            drift: *drift,
             grade,
             misfit: [reasons.as_slice(), &[misfit]].concat().join("; "),
         }
@@ -195,6 +203,12 @@ mod tests {
             verdict.misfit
         );
         assert_eq!(Verdict::beside(&surpassed, &missed(0.5), &missed(0.0)).grade, Grade::No);
+        let drift = Verdict::beside(&Beside { drift: true, ..Beside::default() }, &missed(0.0), &missed(0.0));
+        assert!(
+            drift.grade == Grade::Usable && drift.misfit.contains("drifts with time"),
+            "{}",
+            drift.misfit
+        );
     }
 
     #[test]

@@ -148,6 +148,9 @@ impl Identification {
     fn untold_in_words(&self) -> Option<String> {
         match (untold(&self.verdict, self.laws.as_ref().ok()), &self.laws) {
             ([], _) => None,
+            _ if self.verdict.drift => {
+                Some("what may be a drift tells none of the joint's parameters".into())
+            }
             (_, Ok(laws)) if self.verdict.grade != Grade::No => Some(format!(
                 "these records speak against the joint and for {}: K_T, F_S and beta, which a bend of the curves would tell, are left open",
                 laws.chosen().law.words

@@ -1,8 +1,9 @@
 //! Laws compared on the records of a mode, beside or without the fit of the Iwan joint.
 
+use super::extrapolation::Extrapolation;
 use super::prepared::Prepared;
 use super::settings::{ModeRecord, Settings};
-use crate::curve_fit::{Grade, Verdict};
+use crate::curve_fit::{DISSIPATION, Grade, Verdict};
 use crate::error::Error;
 use crate::laws::{Comparison, Estimate, FittedLaw, Joint, LawMode, Source, compare};
 use crate::parameters::{Parameter, Parameters};
@@ -46,14 +47,22 @@ pub(super) fn of_prepared(prepared: &[Prepared<'_>], iwan: Option<&Parameters>) 
 }
 
 /// What the records do not tell of an Iwan joint, whatever its profiles say: a joint that does not describe the records has parameters, but not
-/// those of the structure; and where it misses something and the evidence for another law is strong, the bend that a fit makes of that is no macro-slip.
+/// those of the structure; nor has one that may be a drift; and where it misses something and the evidence for another law is strong, the bend that a fit makes of that is no macro-slip.
 pub(super) fn untold(verdict: &Verdict, laws: Option<&Comparison>) -> &'static [Parameter] {
     let against = laws.is_some_and(|laws| laws.speaks_against("iwan"));
     match verdict.grade {
         Grade::No => &Parameter::ALL,
+        _ if verdict.drift => &Parameter::ALL,
         Grade::Usable if against => &[Parameter::KT, Parameter::FS, Parameter::Beta],
         Grade::Usable | Grade::Matches => &[],
     }
+}
+
+/// Whether a linear mode has the damping of the record at all amplitudes and only the frequency moves, as evenly as the logarithm of the amplitude: the joint found for it never comes near its rest.
+/// In one decay that is what a frequency does that drifts with time.
+pub(super) fn only_the_frequency_moves(laws: &Comparison, extrapolation: Extrapolation) -> bool {
+    let damped_alike = laws.named("linear").is_some_and(|linear| linear.dissipation_misfit <= DISSIPATION);
+    damped_alike && laws.speaks_against("linear") && !extrapolation.untold().is_empty()
 }
 
 /// Laws that tell the records as well as the joint or better, where that is known to miss something (`missed`): what they say of a parameter that both

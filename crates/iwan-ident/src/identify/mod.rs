@@ -6,8 +6,8 @@
 mod settings;
 mod prepared;
 mod days;
-mod laws;
 mod extrapolation;
+mod laws;
 mod identification;
 mod minimum;
 mod linear;
@@ -149,15 +149,17 @@ fn identification(
     let laws = laws::of_prepared(&prepared, Some(&refined.parameters));
     let speaks_against = laws.as_ref().is_ok_and(|laws| laws.speaks_against("iwan"));
     let against = outside_band(&prepared, &refined).into_iter().chain(left_over(refined.relative_residual));
+    let extrapolation = Extrapolation::of(&curves, refined.parameters.frequency);
     let beside = Beside {
         reasons: against.collect(),
         leaves_noise: refined.leaves_noise(task.count()),
         surpassed: speaks_against && refined.discrepancy.is_found(),
+        drift: records.len() == 1
+            && laws.as_ref().is_ok_and(|laws| laws::only_the_frequency_moves(laws, extrapolation)),
     };
     let verdict = verdict(&beside, &curves, &model_curves, &refined.starts);
     let others = laws::as_likely(refined.discrepancy.is_found(), laws.as_ref().ok());
     let profiles = laws::with_others(profiles, &others).without(laws::untold(&verdict, laws.as_ref().ok()));
-    let extrapolation = Extrapolation::of(&curves, refined.parameters.frequency);
     let profiles =
         profiles.without(extrapolation.untold()).open_beyond(Parameter::Frequency, extrapolation.limit());
     let as_likely = others.iter().map(|law| law.law.name).collect();

@@ -32,5 +32,6 @@ pub use spectrum::{Band, SpectralLine, amplitude_spectrum, automatic_band};
 pub use spot::{Spot, spot};
 pub use strangers::Intruder;
 pub use survey::{
-    Event, Hit, SpectralPeak, Spectrogram, band_near, events, hits, spectral_peaks, spectrogram,
+    Event, Hit, Overview, SpectralPeak, Spectrogram, band_near, events, hits, overview, spectral_peaks,
+    spectrogram,
 };

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from os import PathLike
 from typing import TYPE_CHECKING, Any, Literal, TypeAlias, TypeVar, cast
 
@@ -308,9 +308,11 @@ def fit(
     check_hits(hits)
     failures: dict[int, Exception] = {}
     groups: dict[int, list[_native.Record]] = {}
+    seen: dict[int, list[str]] = {}
     for i, record in enumerate(records):
         try:
-            groups[i] = stretches(several(record), dt, start, stop, hits).records
+            pieces = stretches(several(record), dt, start, stop, hits)
+            groups[i], seen[i] = pieces.records, pieces.notes
         except IwanError as error:
             failures[i] = error
     natives: list[_native._Identified | Exception] | None = None
@@ -339,7 +341,8 @@ def fit(
             failures[i] = one
         else:
             native = None if natives is None else cast(_native._Identified, natives[n])
-            fits[i] = made(one, group, request, force_axis, native)
+            fit = made(one, group, request, force_axis, native)
+            fits[i] = replace(fit, notes=[*seen[i], *fit.notes])
     return Fits(fits, dict(sorted(failures.items())))
 
 

@@ -394,7 +394,7 @@ class Stretches:
 
     records: list[Record]
     notes: list[str]
-    """Which hits of a record they are, and where a structure is let go."""
+    """Which hits of a record they are, where a structure is let go, and what disturbs them."""
 
 
 def check_hits(hits: str | int) -> None:
@@ -423,6 +423,11 @@ def stretches(
             notes.append(f"{place}{len(found)} hits, at {times} s; {which} (hits=)")
         elif found[0].start > record.start:
             notes.append(f"{place}before {found[0].start:.6f} s the structure is pulled, held, handled or driven: the record begins there")
+        # Clipping is what every fit looks after itself.
+        for seen in record.disturbances():
+            if seen["kind"] != "clipped":
+                at = f"{seen['time']:.6f}"
+                notes.append(f"{place}{seen['what']}, at {at} s; cut there with stop={at} or start={at}")
         if hits == "all":
             used.extend(found)
             continue

@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 
 use iwan_ident::curves;
-use iwan_ident::signal::SpectralPeak;
+use iwan_ident::signal::{Event, Overview, SpectralPeak};
 use iwan_io::{Format, Quantity, ReadOptions, UnknownTimeUnit};
 use numpy::{PyArray1, PyArray2, PyArrayMethods, PyUntypedArrayMethods};
 use pyo3::IntoPyObjectExt;
@@ -81,6 +81,15 @@ impl Record {
         let record = iwan_io::Record::new(self.dt, rows, self.names.clone());
         let record = record.and_then(|record| record.with_start(self.start));
         Ok(record.map_err(|error| value(error.to_string()))?.with_quantity(self.quantity, self.unit.clone()))
+    }
+
+    /// The record of the library with what is seen when it is looked over.
+    fn overview(&self, py: Python<'_>) -> PyResult<(iwan_io::Record, Overview)> {
+        let record = self.whole(py)?;
+        work::run(py, true, move |_| {
+            let seen = iwan_ident::signal::overview(record.samples(), record.dt());
+            (record, seen)
+        })
     }
 
     /// Index of a channel by name or number; the only one when neither is given.
@@ -258,23 +267,35 @@ impl Record {
     /// >>> [round(hit.start, 2) for hit in record.hits()]
     /// [0.3, 2.3]
     fn hits(&self, py: Python<'_>) -> PyResult<Vec<Self>> {
-        let record = self.whole(py)?;
-        let (record, found) = work::run(py, true, move |_| {
-            let peak = |x: &[f64]| x.iter().map(|x| x.abs()).fold(0.0, f64::max);
-            let loudest = record.samples().iter().max_by(|a, b| peak(a).total_cmp(&peak(b)));
-            // A record too short to be looked at is refused where it is used.
-            let found = loudest.map(|x| iwan_ident::signal::hits(x, record.dt()).unwrap_or_default());
-            (record, found.unwrap_or_default())
-        })?;
-        let whole = 0..self.__len__(py);
-        let alone = found.len() < 2 && !found.first().is_some_and(|hit| hit.lead_in);
-        let stretches = if alone { vec![whole] } else { found.into_iter().map(|hit| hit.samples).collect() };
+        let (record, seen) = self.overview(py)?;
         let cut = |stretch: std::ops::Range<usize>| {
             let (first, last) = (record.time(stretch.start), record.time(stretch.end - 1));
             let cut = record.between(Some(first), Some(last)).map_err(|error| value(error.to_string()))?;
             Ok(Self { warnings: self.warnings.clone(), ..Self::wrap(py, &cut)? })
         };
-        stretches.into_iter().map(cut).collect()
+        seen.stretches().into_iter().map(cut).collect()
+    }
+
+    /// What disturbs the record from its release on: a list of dicts with `time` (s, on the record's own clock), `kind` ("clipped", "jump", "wild",
+    /// "lost" or "driven") and `what` (the same in words). Samples stand at the end of their range, the zero line jumps, samples are wild or
+    /// lost, the decay is driven again.
+    ///
+    /// >>> import numpy as np
+    /// >>> t = np.arange(3000) / 1000.0
+    /// >>> decay = np.exp(-t) * np.sin(200.0 * t)
+    /// >>> record = iwan.Record(decay + np.where(t < 2.0, 0.0, 0.05), dt=1e-3)
+    /// >>> [(seen["kind"], round(seen["time"], 1)) for seen in record.disturbances()]
+    /// [('jump', 2.0)]
+    fn disturbances<'py>(&self, py: Python<'py>) -> PyResult<Vec<Bound<'py, PyDict>>> {
+        let (record, seen) = self.overview(py)?;
+        let told = |event: &Event| {
+            let dict = PyDict::new(py);
+            dict.set_item("time", record.start() + event.time())?;
+            dict.set_item("kind", kind(event))?;
+            dict.set_item("what", event.to_string())?;
+            Ok(dict)
+        };
+        seen.events.iter().map(told).collect()
     }
 
     /// The peaks of the spectrum of the ring-down, all channels together, by frequency: a list of dicts with `frequency` (Hz), `height` (over
@@ -397,6 +418,17 @@ pub(crate) fn read_record(
     let record = work::run(py, true, move |_| iwan_io::read(path, &options))?;
     let record = record.map_err(|error| reading(&error))?;
     Record::wrap(py, &record.between(start, stop).map_err(|error| value(error.to_string()))?)
+}
+
+/// The word that Python has for what disturbs a record.
+fn kind(event: &Event) -> &'static str {
+    match event {
+        Event::Clipped { .. } => "clipped",
+        Event::Jump { .. } => "jump",
+        Event::Wild { .. } => "wild",
+        Event::Lost { .. } => "lost",
+        _ => "driven",
+    }
 }
 
 /// Reads a record from the bytes of a file.

@@ -57,24 +57,62 @@ pub enum Event {
         /// How many places there are.
         count: usize,
     },
+    /// The decay is driven again, too early or too weakly for a stretch of its own: a double hit, or another disturbance.
+    Driven {
+        /// s from the first sample.
+        time: f64,
+    },
 }
 
+impl Event {
+    /// When it happens, s from the first sample: the first time where it happens more than once.
+    #[must_use]
+    pub fn time(&self) -> f64 {
+        match *self {
+            Self::Clipped { from: time, .. }
+            | Self::Jump { time, .. }
+            | Self::Wild { time, .. }
+            | Self::Lost { time, .. }
+            | Self::Driven { time } => time,
+        }
+    }
+
+    /// The same event in a record that begins `by` seconds earlier.
+    pub(super) fn later(mut self, by: f64) -> Self {
+        match &mut self {
+            Self::Clipped { from, to, .. } => {
+                *from += by;
+                *to += by;
+            }
+            Self::Jump { time, .. }
+            | Self::Wild { time, .. }
+            | Self::Lost { time, .. }
+            | Self::Driven { time } => *time += by,
+        }
+        self
+    }
+}
+
+/// What happens, in words without the time.
 impl std::fmt::Display for Event {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        match self {
-            Self::Clipped { from, to, level } => {
-                write!(f, "clipped at {level:.6} from {from:.6} to {to:.6} s")
+        let others = |f: &mut std::fmt::Formatter<'_>, count: usize, what: &str| {
+            if count > 1 { write!(f, " ({count} such {what})") } else { Ok(()) }
+        };
+        match *self {
+            Self::Clipped { level, .. } => {
+                write!(f, "the samples stand at the end of their range, {level:.4}")
             }
-            Self::Jump { time, size } => write!(f, "the zero line jumps by {size:.6} at {time:.6} s"),
-            Self::Wild { time, size, count } => {
-                write!(
-                    f,
-                    "the sample at {time:.6} s stands alone, {size:.6} off its neighbours ({count} in all)"
-                )
+            Self::Jump { size, .. } => write!(f, "the zero line jumps by {size:.4}"),
+            Self::Wild { size, count, .. } => {
+                write!(f, "one sample stands {size:.4} off its neighbours")?;
+                others(f, count, "samples")
             }
-            Self::Lost { time, count } => {
-                write!(f, "samples are missing before {time:.6} s ({count} places in all)")
+            Self::Lost { count, .. } => {
+                write!(f, "the vibration breaks off, as where samples are lost")?;
+                others(f, count, "places")
             }
+            Self::Driven { .. } => write!(f, "the decay is driven again, as by a double hit"),
         }
     }
 }

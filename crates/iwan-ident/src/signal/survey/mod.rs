@@ -6,10 +6,12 @@ mod swing;
 mod hits;
 mod breaks;
 mod events;
+mod overview;
 mod spectrogram;
 
 pub use events::{Event, events};
 pub use hits::{Hit, hits};
+pub use overview::{Overview, overview};
 pub(super) use peak_list::band_among;
 pub use peak_list::{SpectralPeak, band_near, spectral_peaks};
 pub use spectrogram::{Spectrogram, spectrogram};
