@@ -295,6 +295,12 @@ fn together(grid: Grid, measured: &[Measured], sources: &[Source<'_>]) -> Option
     Some(Together { grid, information, smooth, near, ladder, scales, seen, cycles, scatter })
 }
 
+/// Coordinates of a joint with nothing of the terms beside it.
+fn with_none_of(beside: &[Term], mut joint: Vec<f64>) -> Vec<f64> {
+    joint.extend(beside.iter().flat_map(|term| term.coordinates()).map(|_| 0.0));
+    joint
+}
+
 fn range(y: &[f64]) -> f64 {
     let ends = y.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |r, y| (r.0.min(*y), r.1.max(*y)));
     ends.1 - ends.0
@@ -304,18 +310,25 @@ impl Together {
     /// All laws, each with the discrepancy that it needs.
     fn laws(&self, iwan: Option<&Parameters>) -> Vec<FittedLaw> {
         let (amplitudes, smooth) = (self.grid.amplitudes(), self.seen_curves());
-        let one = |law: &Candidate| {
+        // Coordinates of the joint alone, from which it is sought beside other parts as well: what has more parts is no less likely than what has fewer.
+        let mut alone: Option<Vec<f64>> = None;
+        let mut one = |law: &Candidate| {
             let problem =
                 Problem::new(law.terms, self.scales, &amplitudes, &self.information, &self.near, &smooth);
-            let more: Vec<Vec<f64>> = match law.terms {
+            let more = match law.terms {
                 [Term::Iwan, beside @ ..] => {
-                    iwan.and_then(|p| self.scales.of_iwan(p, beside)).into_iter().collect()
+                    let found = iwan.and_then(|p| self.scales.of_iwan(p));
+                    [found, alone.clone()].into_iter().flatten().map(|x| with_none_of(beside, x)).collect()
                 }
                 _ => vec![],
             };
-            self.fitted_law(*law, &problem, &problem.fit(&self.ladder, &more)?)
+            let fitted = problem.fit(&self.ladder, &more)?;
+            if let [Term::Iwan] = law.terms {
+                alone = Some(fitted.at.x.clone());
+            }
+            self.fitted_law(*law, &problem, &fitted)
         };
-        CANDIDATES.iter().filter_map(one).collect()
+        CANDIDATES.iter().filter_map(&mut one).collect()
     }
 
     /// ln λ and ω of the smooth curves at the places that the records saw, where damping is positive.

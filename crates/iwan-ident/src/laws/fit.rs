@@ -182,9 +182,15 @@ impl<'a> Problem<'a> {
         all.min_by(|a, b| a.cost.total_cmp(&b.cost)).map(|best| best.x)
     }
 
-    /// The law with the discrepancy that makes it likeliest, and its evidence with that.
+    /// The law with the discrepancy that makes it likeliest, and its evidence with that; sought from the coordinates nearest to the smooth curves and from those of `more`.
     pub(super) fn fit<'l>(&self, ladder: &'l Ladder, more: &[Vec<f64>]) -> Option<Fitted<'l>> {
-        let mut x = self.nearest(more)?;
+        let nearest = self.nearest(more);
+        let all = nearest.iter().chain(more).filter_map(|x| self.fit_from(ladder, x));
+        all.min_by(|a, b| a.criterion.total_cmp(&b.criterion))
+    }
+
+    fn fit_from<'l>(&self, ladder: &'l Ladder, x: &[f64]) -> Option<Fitted<'l>> {
+        let mut x = x.to_vec();
         let last = self.search(LAST_STEPS, TOLERANCE);
         let mut whitener = self.size(ladder, &x)?;
         for _ in 0..ROUNDS {

@@ -195,8 +195,8 @@ impl Scales {
         make(share * 2.0 * self.omega * self.shift / unit).ok()
     }
 
-    /// Coordinates of an Iwan joint with a viscous damper, and of terms beside it where their searches begin.
-    pub(super) fn of_iwan(&self, p: &Parameters, beside: &[Term]) -> Option<Vec<f64>> {
+    /// Coordinates of an Iwan joint with a viscous damper.
+    pub(super) fn of_iwan(&self, p: &Parameters) -> Option<Vec<f64>> {
         let (_, joint) = p.model().ok()?;
         let omega0 = TAU * p.frequency;
         let softening = joint.r() * self.amplitude.powf(p.chi + 1.0) / self.stiffness(0.0);
@@ -204,7 +204,6 @@ impl Scales {
         let (offset, viscous) = ((omega0 - self.omega) / self.shift, p.damping_ratio * omega0 / self.rate);
         let x = [offset, viscous, softening.ln(), p.chi, knee, p.beta / (1.0 + p.beta)];
         let all = coordinates(&[Term::Iwan]);
-        let of_joint = x.iter().zip(all).map(|(x, c)| x.clamp(c.bounds.0, c.bounds.1));
-        Some(of_joint.chain(beside.iter().flat_map(|t| t.coordinates()).map(|c| c.starts[0])).collect())
+        Some(x.iter().zip(all).map(|(x, c)| x.clamp(c.bounds.0, c.bounds.1)).collect())
     }
 }

@@ -126,6 +126,7 @@ impl Task {
         self.forget_parts();
         let minimum = self.finish(rough)?;
         let minimum = self.by_other_powers(minimum)?;
+        let minimum = self.by_first_samples(minimum)?;
         self.discounted(minimum, &[first])
     }
 

@@ -61,6 +61,11 @@ pub(super) fn valleys(scan: &[Minimum]) -> Vec<Minimum> {
     found
 }
 
+/// Knees a hundredth and more from another, to both sides.
+pub(super) fn close_to(knee: f64) -> Vec<f64> {
+    (1..=CLOSE).flat_map(|i| [-1.0, 1.0].map(|sign| knee + sign * FINE_STEP * f64::from(i))).collect()
+}
+
 impl Task {
     /// The largest amplitude of the records, by their own starts.
     pub(super) fn loudest(&self) -> f64 {
@@ -176,9 +181,7 @@ impl Task {
             let between = knees.windows(2).map(|pair| 0.5 * (pair[0] + pair[1])).collect::<Vec<_>>();
             knees.extend(between);
         }
-        let close =
-            (1..=CLOSE).flat_map(|i| [-1.0, 1.0].map(|sign| best.x[KNEE] + sign * FINE_STEP * f64::from(i)));
-        knees.extend(close.filter(|k| (low..=high).contains(k)));
+        knees.extend(close_to(best.x[KNEE]).into_iter().filter(|k| (low..=high).contains(k)));
         knees.sort_by(|a, b| b.total_cmp(a));
         let split = knees.partition_point(|k| *k > best.x[KNEE]);
         let go = |side: &[f64]| self.outwards(best, side, (margin, tolerance), !all);

@@ -6,7 +6,7 @@ use rustfft::num_complex::Complex64;
 
 use super::amplitudes::whitening::Whitening;
 use super::amplitudes::windows::{OVERLAP, Windows};
-use super::release::TurningPoint;
+use super::release::{Sampling, TurningPoint};
 use super::ring_down::RingDown;
 use crate::curves::Quantity;
 use crate::error::{Error, check, check_dt, check_per_cycle, check_samples};
@@ -29,6 +29,8 @@ const LEFT_OF_OTHERS: f64 = 0.05;
 /// Noise and residuals relative to a record below which it counts as clean: 80 dB, which no measured one reaches. Simulated ones do, and sliders, filters or time steps are not in the law. At
 /// 40 dB the allowance for that moved best fits by more than their intervals.
 pub(super) const CLEAN: f64 = 1e-4;
+/// Cycles of a record without noise that are kept as samples: the joint slips as a whole in the first ones.
+const HEAD: f64 = 3.0;
 /// Samples a cycle below which a record is refused, those of the highest frequency in the span of common analysers being 2.56: nearer to two the
 /// mode and its image about half the sampling rate are one to the filter.
 const PER_CYCLE: f64 = 2.5;
@@ -75,6 +77,8 @@ pub(super) struct Windowed {
     beside: Vec<f64>,
     /// Standard deviation of the noise that the samples show, relative to their root mean square; none of a record in a band, whose filter took it away.
     sample_noise: Option<f64>,
+    /// The samples of the first cycles of a record that shows no noise, of which windows keep two numbers a cycle; none of others.
+    pub(super) head: Vec<f64>,
 }
 
 impl Windowed {
@@ -119,7 +123,12 @@ impl Windowed {
                 let square = record.samples.iter().map(|x| x * x).sum::<f64>() / record.samples.len() as f64;
                 noise / square.sqrt()
             }),
+            head: vec![],
         };
+        if windowed.is_without_noise() {
+            let length = ((HEAD * per_cycle) as usize).min(record.samples.len());
+            windowed.head = record.samples[..length].to_vec();
+        }
         windowed.beside = windowed.left_of(record.beside);
         windowed.take_noise(Noise { floor: windowed.root_mean_square(), part: 0.0 });
         Ok(windowed)
@@ -154,6 +163,15 @@ impl Windowed {
         self.noise = noise;
         let of_noise = self.white.iter().map(|z| noise.floor.hypot(noise.part * z.norm()));
         self.deviations = of_noise.zip(&self.beside).map(|(noise, beside)| noise.hypot(*beside)).collect();
+    }
+
+    /// Root mean square of what a model misses of the first samples, over that of these; none of a record that keeps none.
+    pub(super) fn misses_of_head(&self, parameters: &Parameters, start: TurningPoint) -> Option<f64> {
+        let sampling = Sampling { dt: self.dt, count: self.head.len() };
+        let model = start.samples(parameters, sampling, self.quantity).ok()?;
+        let missed = model.iter().zip(&self.head).map(|(m, x)| (x - m).powi(2)).sum::<f64>();
+        let all = self.head.iter().map(|x| x * x).sum::<f64>();
+        (all > 0.0).then(|| (missed / all).sqrt())
     }
 
     pub(super) fn root_mean_square(&self) -> f64 {

@@ -4,12 +4,14 @@ use std::f64::consts::TAU;
 
 use iwan_machine::threads::{both, in_parallel};
 
-use super::knees::{STEP, valleys};
+use super::knees::{STEP, close_to, valleys};
+use super::record::Windowed;
+use super::release::TurningPoint;
 use super::task::{Effort, FINE, ROUGH, Task, Workspace, no_ring_down};
 use crate::curve_fit::predict;
 use crate::error::Error;
 use crate::parameters::{COUNT, Parameter, Parameters};
-use crate::search::{CHI, Chart, DIRAC, Minimum, TOLERANCE};
+use crate::search::{CHI, Chart, DIRAC, KNEE, Minimum, TOLERANCE};
 
 /// Powers χ of the further starts, at the same softening: what measured joints have. A slope off a short or noisy curve can be
 /// mistaken by half.
@@ -26,6 +28,11 @@ const EXACT: f64 = 1e-4;
 /// Valleys of a scan that searches on the records themselves go on from. A judgement, not varied: the sweep along all knees that
 /// follows looks at the others once more.
 const KEPT: usize = 4;
+
+/// Part of the first samples that a model of a record without noise misses at least before another knee is looked for: the law itself misses 1e-9, …
+const TOLD: f64 = 1e-6;
+/// … and part of it that the model of the other knee misses at most.
+const FAR_BETTER: f64 = 0.1;
 
 /// Rounds in which sampling and minimum are brought into agreement without noise; each brings them nearer by the part that
 /// sampling adds to the record, a thousandth and less. Where they are spent the last is taken.
@@ -195,6 +202,43 @@ impl Task {
             }
         }
         Ok(best)
+    }
+
+    /// Largest part that a model misses of the first samples of a record; none where a record has noise.
+    fn misses_of_heads(&self, x: &[f64]) -> Option<f64> {
+        let parameters = self.chart.parameters(x);
+        let one = |(start, record): (TurningPoint, &Windowed)| record.misses_of_head(&parameters, start);
+        self.starts_at(x)
+            .into_iter()
+            .zip(&self.records)
+            .map(one)
+            .try_fold(0.0, |most, part| Some(part?.max(most)))
+    }
+
+    /// The minimum again, or one with another knee that tells the first samples of records without noise far better. Windows have two numbers a cycle: where the joint slips as a whole in the first
+    /// half cycle only, a knee, a Dirac, a release and its time can be found for two knees that tell all windows to the last digit.
+    pub(super) fn by_first_samples(&mut self, minimum: Minimum) -> Result<Minimum, Error> {
+        let Some(missed) = self.misses_of_heads(&minimum.x).filter(|missed| *missed > TOLD) else {
+            return Ok(minimum);
+        };
+        if self.knee().is_none() || self.is_micro_slip(&minimum.x) || !self.is_free_of_noise(&minimum) {
+            return Ok(minimum);
+        }
+        let near = |at: &f64| {
+            let mut work = Workspace::default();
+            let held = self.at_knee(&[&self.start_at_knee(&minimum.x, *at)], *at, ROUGH, &mut work)?;
+            Some((self.misses_of_heads(&held.x)?, held))
+        };
+        let knees = close_to(minimum.x[KNEE]);
+        let found = in_parallel(&knees, knees.len(), &near).into_iter().flatten();
+        let Some((_, held)) = found.min_by(|a, b| a.0.total_cmp(&b.0)) else { return Ok(minimum) };
+        let mut task = self.clone();
+        let other = task.finish(&held)?;
+        if task.misses_of_heads(&other.x).is_none_or(|part| part > FAR_BETTER * missed) {
+            return Ok(minimum);
+        }
+        *self = task;
+        Ok(other)
     }
 
     /// The least sum of squares when the joint never slips as a whole, from several points. None where a given K_T, F_S or
