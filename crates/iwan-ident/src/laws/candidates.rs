@@ -12,6 +12,13 @@ pub struct Candidate {
     pub(super) terms: &'static [Term],
 }
 
+impl Candidate {
+    /// Whether it has an Iwan joint, whose coordinates come first.
+    pub(super) const fn has_iwan(&self) -> bool {
+        matches!(self.terms, [Term::Iwan, ..])
+    }
+}
+
 /// All of them. Every law has a stiffness and a viscous damper; the order is that of the number of parameters.
 pub const CANDIDATES: &[Candidate] = &[
     Candidate { name: "linear", words: "a linear mode with viscous damping", terms: &[] },

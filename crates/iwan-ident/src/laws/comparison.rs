@@ -13,7 +13,7 @@ use super::mode::LawMode;
 use super::slow::{
     Backbone, Covariances, Grid, Information, Measured, Scatter, Smooth, Source, guess, measure, specimen,
 };
-use super::terms::{Scales, Term};
+use super::terms::{Scales, Term, coordinates};
 use crate::curve_fit::{Compared, Grade, Verdict};
 use crate::curves::Curves;
 use crate::error::{Error, check};
@@ -295,9 +295,9 @@ fn together(grid: Grid, measured: &[Measured], sources: &[Source<'_>]) -> Option
     Some(Together { grid, information, smooth, near, ladder, scales, seen, cycles, scatter })
 }
 
-/// Coordinates of a joint with nothing of the terms beside it.
-fn with_none_of(beside: &[Term], mut joint: Vec<f64>) -> Vec<f64> {
-    joint.extend(beside.iter().flat_map(|term| term.coordinates()).map(|_| 0.0));
+/// Coordinates of a law with a joint, with nothing of what is beside it.
+fn beside_a_joint(law: &Candidate, mut joint: Vec<f64>) -> Vec<f64> {
+    joint.resize(coordinates(law.terms).len(), 0.0);
     joint
 }
 
@@ -310,25 +310,41 @@ impl Together {
     /// All laws, each with the discrepancy that it needs.
     fn laws(&self, iwan: Option<&Parameters>) -> Vec<FittedLaw> {
         let (amplitudes, smooth) = (self.grid.amplitudes(), self.seen_curves());
-        // Coordinates of the joint alone, from which it is sought beside other parts as well: what has more parts is no less likely than what has fewer.
-        let mut alone: Option<Vec<f64>> = None;
-        let mut one = |law: &Candidate| {
-            let problem =
-                Problem::new(law.terms, self.scales, &amplitudes, &self.information, &self.near, &smooth);
-            let more = match law.terms {
-                [Term::Iwan, beside @ ..] => {
-                    let found = iwan.and_then(|p| self.scales.of_iwan(p));
-                    [found, alone.clone()].into_iter().flatten().map(|x| with_none_of(beside, x)).collect()
-                }
-                _ => vec![],
-            };
-            let fitted = problem.fit(&self.ladder, &more)?;
-            if let [Term::Iwan] = law.terms {
-                alone = Some(fitted.at.x.clone());
-            }
-            self.fitted_law(*law, &problem, &fitted)
+        let problem = |law: &Candidate| {
+            Problem::new(law.terms, self.scales, &amplitudes, &self.information, &self.near, &smooth)
         };
-        CANDIDATES.iter().filter_map(&mut one).collect()
+        let mut joints: Vec<Vec<f64>> = iwan.and_then(|p| self.scales.of_iwan(p)).into_iter().collect();
+        let mut fits: Vec<(Candidate, Problem<'_>, Fitted<'_>)> = vec![];
+        for law in CANDIDATES {
+            let problem = problem(law);
+            let known = joints.iter().filter(|_| law.has_iwan());
+            let more: Vec<_> = known.map(|x| beside_a_joint(law, x.clone())).collect();
+            let Some(fitted) = problem.fit(&self.ladder, &more) else { continue };
+            if let [Term::Iwan] = law.terms {
+                joints.push(fitted.at.x.clone());
+            }
+            fits.push((*law, problem, fitted));
+        }
+        self.exchange(&mut fits);
+        fits.iter().filter_map(|(law, problem, fitted)| self.fitted_law(*law, problem, fitted)).collect()
+    }
+
+    /// Lets the joint alone go on from where it was found beside another part that tells the records better, and these from there: what has more parts is no less likely than what has fewer, but for
+    /// their price.
+    fn exchange<'a>(&'a self, fits: &mut [(Candidate, Problem<'_>, Fitted<'a>)]) {
+        let Some(alone) = fits.iter().position(|(law, ..)| matches!(law.terms, [Term::Iwan])) else { return };
+        let (_, problem, first) = fits[alone].clone();
+        let better =
+            fits.iter().filter(|(law, _, fitted)| law.has_iwan() && fitted.criterion < first.criterion);
+        let joints = better.map(|(_, _, fitted)| fitted.at.x[..first.at.x.len()].to_vec());
+        let best = joints.fold(first.clone(), |best, x| best.or_better(problem.fit_from(&self.ladder, &x)));
+        if best.criterion < first.criterion {
+            for (law, problem, fitted) in fits.iter_mut().filter(|(law, ..)| law.has_iwan()) {
+                let x = beside_a_joint(law, best.at.x.clone());
+                *fitted = fitted.clone().or_better(problem.fit_from(&self.ladder, &x));
+            }
+            fits[alone].2 = best;
+        }
     }
 
     /// ln λ and ω of the smooth curves at the places that the records saw, where damping is positive.

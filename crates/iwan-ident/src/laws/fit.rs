@@ -69,6 +69,13 @@ pub(super) struct Fitted<'a> {
     pub(super) criterion: f64,
 }
 
+impl Fitted<'_> {
+    /// The likelier of two fits.
+    pub(super) fn or_better(self, other: Option<Self>) -> Self {
+        other.filter(|other| other.criterion < self.criterion).unwrap_or(self)
+    }
+}
+
 /// A law with one coordinate held.
 #[derive(Debug, Clone)]
 pub(super) struct Held {
@@ -189,7 +196,8 @@ impl<'a> Problem<'a> {
         all.min_by(|a, b| a.criterion.total_cmp(&b.criterion))
     }
 
-    fn fit_from<'l>(&self, ladder: &'l Ladder, x: &[f64]) -> Option<Fitted<'l>> {
+    /// The same next to some coordinates.
+    pub(super) fn fit_from<'l>(&self, ladder: &'l Ladder, x: &[f64]) -> Option<Fitted<'l>> {
         let mut x = x.to_vec();
         let last = self.search(LAST_STEPS, TOLERANCE);
         let mut whitener = self.size(ladder, &x)?;
