@@ -103,10 +103,22 @@ pub fn fit_coupled(task: &CoupledTask<'_>) -> Result<CoupledFit, Error> {
             ));
             break;
         }
-        all.push(fitting.found(Sharing::Shared(joints), |form| {
+        let found = fitting.found(Sharing::Shared(joints), |form| {
             let from_curves = if joints == 1 { shared(form, &modes) } else { Vec::new() };
             [shared(form, &own), from_curves].concat()
-        })?);
+        });
+        match found {
+            Ok(found) => all.push(found),
+            // What could not be searched for says nothing against the models that were found.
+            Err(Error::Refused { finding, .. }) => {
+                let plural = if joints == 1 { "joint" } else { "joints" };
+                warnings.push(format!(
+                    "{joints} shared {plural} could not be held against the records: {finding}"
+                ));
+                break;
+            }
+            Err(error) => return Err(error),
+        }
         done(FITTED[2])?;
     }
     let criteria = criteria(&all);
