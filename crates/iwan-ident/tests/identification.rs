@@ -413,11 +413,11 @@ fn two_and_a_half_samples_a_cycle_are_enough() {
 }
 
 /// Tables of half cycles are off by 4e-5 where macro-slip ends: without noise that put K_T off by 1e-3 inside an interval of 2.5e-4 (12). Where the joint slips as a whole in the first half cycle
-/// only, two knees tell all windows to the last digit: K_T off by 4 % inside an interval of 0.3 % (169).
+/// only, two knees tell all windows to the last digit: K_T off by 4 % inside an interval of 0.3 % (149, 169).
 #[test]
 fn records_without_noise_through_macro_slip_close_no_wrong_interval() {
     // Numbers of the softening records that `scripts/validate` draws.
-    for number in [12, 169] {
+    for number in [12, 149, 169] {
         let mut random = SplitMix64::new(1000 + number);
         let frequency = scale(&mut random, 20.0, 1000.0);
         let ratio = scale(&mut random, 0.05, 3.0);
@@ -438,14 +438,12 @@ fn records_without_noise_through_macro_slip_close_no_wrong_interval() {
         let found = identified(&[samples], dt);
         for parameter in Parameter::ALL {
             let (profile, value) = (found.profile(parameter), truth.get(parameter));
-            // Of the second, windows alone do not tell two knees apart.
-            assert!(
-                number == 169 || profile.low.is_some() && profile.high.is_some(),
-                "{parameter:?} is open"
-            );
+            // Of the others, windows alone do not tell two knees apart.
+            assert!(number > 12 || profile.low.is_some() && profile.high.is_some(), "{parameter:?} is open");
             holds(&found, &truth, parameter);
             let off = (found.parameters.get(parameter) / value - 1.0).abs();
-            assert!(off < 1e-4, "{number}: {parameter:?} is off by {off}");
+            // The first samples of number 149, ten a cycle, leave its knee to half a per cent; the intervals are open.
+            assert!(off < if number == 149 { 5e-3 } else { 1e-4 }, "{number}: {parameter:?} is off by {off}");
         }
     }
 }

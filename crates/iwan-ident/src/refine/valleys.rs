@@ -217,12 +217,22 @@ impl Task {
 
     /// The minimum again, or one with another knee that tells the first samples of records without noise far better. Windows have two numbers a cycle: where the joint slips as a whole in the first
     /// half cycle only, a knee, a Dirac, a release and its time can be found for two knees that tell all windows to the last digit.
-    pub(super) fn by_first_samples(&mut self, minimum: Minimum) -> Result<Minimum, Error> {
+    pub(super) fn by_first_samples(&mut self, mut minimum: Minimum) -> Result<Minimum, Error> {
+        for _ in 0..SETTLING {
+            match self.other_by_first_samples(&minimum)? {
+                Some((task, other)) => (*self, minimum) = (task, other),
+                None => break,
+            }
+        }
+        Ok(minimum)
+    }
+
+    fn other_by_first_samples(&self, minimum: &Minimum) -> Result<Option<(Self, Minimum)>, Error> {
         let Some(missed) = self.misses_of_heads(&minimum.x).filter(|missed| *missed > TOLD) else {
-            return Ok(minimum);
+            return Ok(None);
         };
-        if self.knee().is_none() || self.is_micro_slip(&minimum.x) || !self.is_free_of_noise(&minimum) {
-            return Ok(minimum);
+        if self.knee().is_none() || self.is_micro_slip(&minimum.x) || !self.is_free_of_noise(minimum) {
+            return Ok(None);
         }
         let near = |at: &f64| {
             let mut work = Workspace::default();
@@ -231,14 +241,11 @@ impl Task {
         };
         let knees = close_to(minimum.x[KNEE]);
         let found = in_parallel(&knees, knees.len(), &near).into_iter().flatten();
-        let Some((_, held)) = found.min_by(|a, b| a.0.total_cmp(&b.0)) else { return Ok(minimum) };
+        let Some((_, held)) = found.min_by(|a, b| a.0.total_cmp(&b.0)) else { return Ok(None) };
         let mut task = self.clone();
         let other = task.finish(&held)?;
-        if task.misses_of_heads(&other.x).is_none_or(|part| part > FAR_BETTER * missed) {
-            return Ok(minimum);
-        }
-        *self = task;
-        Ok(other)
+        let better = task.misses_of_heads(&other.x).is_some_and(|part| part <= FAR_BETTER * missed);
+        Ok(better.then_some((task, other)))
     }
 
     /// The least sum of squares when the joint never slips as a whole, from several points. None where a given K_T, F_S or
