@@ -4,14 +4,14 @@
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 
-use iwan_core::{Backbone, Continuum, Hysteresis, Newmark, Reversal, Samples, SplitMix64};
+use iwan_core::{Backbone, Continuum, Hysteresis, Newmark, Reversal, Samples};
 use iwan_ident::curves::Quantity;
 use iwan_ident::identify::{Held, Identification, ModeRecord, Settings, identify, identify_until};
 use iwan_ident::{Error, Parameter, Parameters};
 
-use crate::law_records::in_noise::{InNoise, in_noise, phi_max, ring_down};
-use crate::law_records::random::{between, scale};
+use crate::law_records::in_noise::{MadeRecord, in_noise};
 use crate::law_records::sliders::{README, STEP, blow};
+use crate::law_records::softening::softening;
 
 const MODE_1: Parameters =
     Parameters { frequency: 124.0, damping_ratio: 2.5e-4, k_t: 4.45e4, f_s: 239.4, chi: -0.183, beta: 0.3 };
@@ -259,7 +259,7 @@ fn noise_at_20_decibels_brings_no_wrong_certainty() {
 #[test]
 fn what_another_knee_accepts_lies_inside_the_interval() {
     for seed in [10, 29, 38] {
-        let InNoise { truth, dt, samples } = in_noise(seed, 20.0).unwrap();
+        let MadeRecord { truth, dt, samples } = in_noise(seed, 20.0).unwrap();
         let found = identified(&[samples], dt);
         assert!(found.profile(Parameter::DampingRatio).identifiable(), "{seed}");
         for parameter in Parameter::ALL {
@@ -418,23 +418,7 @@ fn two_and_a_half_samples_a_cycle_are_enough() {
 fn records_without_noise_through_macro_slip_close_no_wrong_interval() {
     // Numbers of the softening records that `scripts/validate` draws.
     for number in [12, 149, 169] {
-        let mut random = SplitMix64::new(1000 + number);
-        let frequency = scale(&mut random, 20.0, 1000.0);
-        let ratio = scale(&mut random, 0.05, 3.0);
-        let truth = Parameters {
-            frequency,
-            damping_ratio: scale(&mut random, 1e-4, 3e-3),
-            k_t: (std::f64::consts::TAU * frequency).powi(2) * ratio / (1.0 + ratio),
-            f_s: scale(&mut random, 10.0, 1000.0),
-            chi: between(&mut random, -0.8, 0.0),
-            beta: scale(&mut random, 0.02, 3.0),
-        };
-        let [start, cycles, per_cycle] =
-            [(0.2, 4.0), (20.0, 500.0), (10.0, 100.0)].map(|(low, high)| scale(&mut random, low, high));
-        assert!(start > 1.0 && cycles < 1000.0);
-        let dt = 1.0 / (frequency * per_cycle);
-        let displacement = start * phi_max(&truth).unwrap();
-        let samples = ring_down(&truth, displacement, dt, (cycles * per_cycle) as usize).unwrap();
+        let MadeRecord { truth, dt, samples } = softening(number).unwrap();
         let found = identified(&[samples], dt);
         for parameter in Parameter::ALL {
             let (profile, value) = (found.profile(parameter), truth.get(parameter));

@@ -14,16 +14,16 @@ mod in_noise;
 mod random;
 #[path = "../../tests/law_records/sliders.rs"]
 mod sliders;
+#[path = "../../tests/law_records/softening.rs"]
+mod softening;
 mod tally;
 
-use std::f64::consts::TAU;
-
-use in_noise::{InNoise, add_noise, in_noise, moderate, phi_max, ring_down};
+use in_noise::{MadeRecord, add_noise, in_noise, moderate, phi_max, ring_down};
 use iwan_core::SplitMix64;
 use iwan_ident::identify::Settings;
 use iwan_ident::signal::Options;
 use iwan_ident::{Error, Parameters};
-use random::{between, normal, scale, uniform};
+use random::{normal, scale, uniform};
 use tally::{Trial, run};
 
 /// Hits of a specimen in `repeats`.
@@ -32,26 +32,12 @@ const HITS: usize = 4;
 const SCATTER: [f64; 2] = [0.003, 0.03];
 
 fn noisy(seed: u64, decibels: f64) -> Result<Trial, Error> {
-    let InNoise { truth, dt, samples } = in_noise(seed, decibels)?;
+    let MadeRecord { truth, dt, samples } = in_noise(seed, decibels)?;
     Ok(Trial { truths: vec![truth], records: vec![samples], dt, settings: Settings::default() })
 }
 
 fn softening(seed: u64) -> Result<Trial, Error> {
-    let mut random = SplitMix64::new(1000 + seed);
-    let frequency = scale(&mut random, 20.0, 1000.0);
-    let ratio = scale(&mut random, 0.05, 3.0);
-    let truth = Parameters {
-        frequency,
-        damping_ratio: scale(&mut random, 1e-4, 3e-3),
-        k_t: (TAU * frequency).powi(2) * ratio / (1.0 + ratio),
-        f_s: scale(&mut random, 10.0, 1000.0),
-        chi: between(&mut random, -0.8, 0.0),
-        beta: scale(&mut random, 0.02, 3.0),
-    };
-    let (start, cycles, per_cycle) =
-        (scale(&mut random, 0.2, 4.0), scale(&mut random, 20.0, 500.0), scale(&mut random, 10.0, 100.0));
-    let dt = 1.0 / (frequency * per_cycle);
-    let samples = ring_down(&truth, start * phi_max(&truth)?, dt, (cycles * per_cycle) as usize)?;
+    let MadeRecord { truth, dt, samples } = softening::softening(seed)?;
     Ok(Trial { truths: vec![truth], records: vec![samples], dt, settings: Settings::default() })
 }
 

@@ -23,6 +23,10 @@ const USABLE_FREQUENCY: f64 = 0.5;
 /// a tenth of the energy is left.
 const MOST_LEFT: f64 = 0.3;
 
+/// What a joint does that a drift does as well.
+const DRIFT: &str = "follows both, but the damping ratio is the same at all amplitudes and only the frequency moves: so it does where the frequency of a linear mode drifts with time, by temperature \
+                     or mounting, and one record does not tell one from the other; a hit of another strength does";
+
 /// A measured value of a curve, its standard deviation, and the model's value.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Compared {
@@ -79,7 +83,7 @@ pub struct Verdict {
     /// Whether one four-parameter joint with a viscous damper matches dissipation and frequency together: dissipation
     /// within 3 %, frequency within a tenth of its shift, or both within twice their noise.
     pub adequate: bool,
-    /// Whether a linear mode whose frequency drifts with time would leave the same record: the frequency alone moves, and there is one record only.
+    /// Whether the joint describes the record, but a linear mode whose frequency drifts with time would leave the same: the frequency alone moves, and there is one record only.
     pub drift: bool,
     /// How well it describes them: never better than dissipation and frequency both allow.
     pub grade: Grade,
@@ -117,6 +121,7 @@ impl Verdict {
             (true, _) | (false, true) => Grade::Usable,
             (false, false) => Grade::No,
         };
+        let drift = *drift && grade != Grade::No;
         let misfit = format!(
             "dissipation is missed by {:.2} % (limit {:.2} %), frequency by {:.4} Hz of a shift of {shift:.4} Hz (limit \
              {:.4} Hz): one four-parameter Iwan joint with a viscous damper {}",
@@ -128,9 +133,7 @@ impl Verdict {
                 Grade::Matches if within(limits) => "matches dissipation and frequency together",
                 Grade::Matches =>
                     "matches dissipation and frequency together, for it leaves nothing of the record but noise",
-                Grade::Usable if *drift =>
-                    "keeps both limits, but the damping ratio is the same at all amplitudes and only the frequency moves: so it does where the frequency of a linear mode drifts with time, by temperature or \
-                     mounting, and one record does not tell one from the other; a hit of another strength does",
+                Grade::Usable if drift => DRIFT,
                 Grade::Usable if within(limits) =>
                     "keeps both limits, but misses more than noise where another law does not: it is usable inside the amplitudes seen",
                 Grade::Usable =>
@@ -144,7 +147,7 @@ impl Verdict {
             frequency_misfit: f.misfit,
             frequency_shift: shift,
             adequate: grade == Grade::Matches,
-            drift: *drift,
+            drift,
             grade,
             misfit: [reasons.as_slice(), &[misfit]].concat().join("; "),
         }
@@ -203,12 +206,22 @@ mod tests {
             verdict.misfit
         );
         assert_eq!(Verdict::beside(&surpassed, &missed(0.5), &missed(0.0)).grade, Grade::No);
-        let drift = Verdict::beside(&Beside { drift: true, ..Beside::default() }, &missed(0.0), &missed(0.0));
-        assert!(
-            drift.grade == Grade::Usable && drift.misfit.contains("drifts with time"),
-            "{}",
-            drift.misfit
-        );
+    }
+
+    #[test]
+    fn what_may_be_a_drift_is_usable_at_best() {
+        let beside = Beside { drift: true, ..Beside::default() };
+        let missed = |by: f64| -> Vec<Compared> {
+            (0..10)
+                .map(|i| Compared { measured: f64::from(i), deviation: 0.0, model: f64::from(i) + by })
+                .collect()
+        };
+        let drift = Verdict::beside(&beside, &missed(0.0), &missed(0.0));
+        assert!(drift.grade == Grade::Usable && drift.drift, "{}", drift.misfit);
+        assert!(drift.misfit.contains("drifts with time"), "{}", drift.misfit);
+        // What is not described at all is no drift either.
+        let other = Verdict::beside(&beside, &missed(0.5), &missed(0.0));
+        assert!(other.grade == Grade::No && !other.drift, "{}", other.misfit);
     }
 
     #[test]

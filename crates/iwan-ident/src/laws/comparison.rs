@@ -310,13 +310,12 @@ impl Together {
     /// All laws, each with the discrepancy that it needs.
     fn laws(&self, iwan: Option<&Parameters>) -> Vec<FittedLaw> {
         let (amplitudes, smooth) = (self.grid.amplitudes(), self.seen_curves());
-        let problem = |law: &Candidate| {
-            Problem::new(law.terms, self.scales, &amplitudes, &self.information, &self.near, &smooth)
-        };
+        // Where the joint is known to lie: by the fit on the records, and by itself once it has been sought.
         let mut joints: Vec<Vec<f64>> = iwan.and_then(|p| self.scales.of_iwan(p)).into_iter().collect();
         let mut fits: Vec<(Candidate, Problem<'_>, Fitted<'_>)> = vec![];
         for law in CANDIDATES {
-            let problem = problem(law);
+            let problem =
+                Problem::new(law.terms, self.scales, &amplitudes, &self.information, &self.near, &smooth);
             let known = joints.iter().filter(|_| law.has_iwan());
             let more: Vec<_> = known.map(|x| beside_a_joint(law, x.clone())).collect();
             let Some(fitted) = problem.fit(&self.ladder, &more) else { continue };
@@ -334,12 +333,12 @@ impl Together {
     fn exchange<'a>(&'a self, fits: &mut [(Candidate, Problem<'_>, Fitted<'a>)]) {
         let Some(alone) = fits.iter().position(|(law, ..)| matches!(law.terms, [Term::Iwan])) else { return };
         let (_, problem, first) = fits[alone].clone();
-        let better =
-            fits.iter().filter(|(law, _, fitted)| law.has_iwan() && fitted.criterion < first.criterion);
+        let beside = |law: &Candidate| matches!(law.terms, [Term::Iwan, _, ..]);
+        let better = fits.iter().filter(|(law, _, fitted)| beside(law) && fitted.criterion < first.criterion);
         let joints = better.map(|(_, _, fitted)| fitted.at.x[..first.at.x.len()].to_vec());
         let best = joints.fold(first.clone(), |best, x| best.or_better(problem.fit_from(&self.ladder, &x)));
         if best.criterion < first.criterion {
-            for (law, problem, fitted) in fits.iter_mut().filter(|(law, ..)| law.has_iwan()) {
+            for (law, problem, fitted) in fits.iter_mut().filter(|(law, ..)| beside(law)) {
                 let x = beside_a_joint(law, best.at.x.clone());
                 *fitted = fitted.clone().or_better(problem.fit_from(&self.ladder, &x));
             }

@@ -8,7 +8,7 @@ use iwan_ident::{Error, Parameters};
 use super::random::{between, normal, scale};
 
 /// A record and what made it.
-pub(crate) struct InNoise {
+pub(crate) struct MadeRecord {
     pub(crate) truth: Parameters,
     pub(crate) dt: f64,
     pub(crate) samples: Vec<f64>,
@@ -59,7 +59,7 @@ pub(crate) fn add_noise(samples: &mut [f64], decibels: f64, random: &mut SplitMi
 }
 
 /// A joint of 1 to 30 % of the stiffness, released at 0.1 to 2 φ_max, 40 to 400 cycles, in noise of so many decibels below the record's root mean square.
-pub(crate) fn in_noise(seed: u64, decibels: f64) -> Result<InNoise, Error> {
+pub(crate) fn in_noise(seed: u64, decibels: f64) -> Result<MadeRecord, Error> {
     let mut random = SplitMix64::new(5000 + seed);
     let frequency = scale(&mut random, 20.0, 1000.0);
     let truth = moderate(&mut random, frequency);
@@ -68,5 +68,5 @@ pub(crate) fn in_noise(seed: u64, decibels: f64) -> Result<InNoise, Error> {
     let start = scale(&mut random, 0.1, 2.0);
     let mut samples = ring_down(&truth, start * phi_max(&truth)?, dt, (cycles * per_cycle) as usize)?;
     add_noise(&mut samples, decibels, &mut random);
-    Ok(InNoise { truth, dt, samples })
+    Ok(MadeRecord { truth, dt, samples })
 }

@@ -8,6 +8,7 @@
 pub(crate) mod in_noise;
 pub(crate) mod random;
 pub(crate) mod sliders;
+pub(crate) mod softening;
 
 use std::f64::consts::TAU;
 

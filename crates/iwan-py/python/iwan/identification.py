@@ -415,7 +415,7 @@ def stretches(
         record = as_record(one, dt=dt)
         if start is not None or stop is not None:
             record = record.between(start, stop)
-        found = record.hits()
+        found, disturbances = record._overview()
         place = f"record {n}: " if len(records) > 1 else ""
         if len(found) > 1:
             times = ", ".join(f"{hit.start:.4f}" for hit in found)
@@ -424,7 +424,7 @@ def stretches(
         elif found[0].start > record.start:
             notes.append(f"{place}before {found[0].start:.6f} s the structure is pulled, held, handled or driven: the record begins there")
         # Clipping is what every fit looks after itself.
-        for seen in record.disturbances():
+        for seen in disturbances:
             if seen["kind"] != "clipped":
                 at = f"{seen['time']:.6f}"
                 notes.append(f"{place}{seen['what']}, at {at} s; cut there with stop={at} or start={at}")

@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 
 use iwan_ident::curves;
-use iwan_ident::signal::{Event, Overview, SpectralPeak};
+use iwan_ident::signal::{Event, SpectralPeak};
 use iwan_io::{Format, Quantity, ReadOptions, UnknownTimeUnit};
 use numpy::{PyArray1, PyArray2, PyArrayMethods, PyUntypedArrayMethods};
 use pyo3::IntoPyObjectExt;
@@ -81,15 +81,6 @@ impl Record {
         let record = iwan_io::Record::new(self.dt, rows, self.names.clone());
         let record = record.and_then(|record| record.with_start(self.start));
         Ok(record.map_err(|error| value(error.to_string()))?.with_quantity(self.quantity, self.unit.clone()))
-    }
-
-    /// The record of the library with what is seen when it is looked over.
-    fn overview(&self, py: Python<'_>) -> PyResult<(iwan_io::Record, Overview)> {
-        let record = self.whole(py)?;
-        work::run(py, true, move |_| {
-            let seen = iwan_ident::signal::overview(record.samples(), record.dt());
-            (record, seen)
-        })
     }
 
     /// Index of a channel by name or number; the only one when neither is given.
@@ -267,13 +258,7 @@ impl Record {
     /// >>> [round(hit.start, 2) for hit in record.hits()]
     /// [0.3, 2.3]
     fn hits(&self, py: Python<'_>) -> PyResult<Vec<Self>> {
-        let (record, seen) = self.overview(py)?;
-        let cut = |stretch: std::ops::Range<usize>| {
-            let (first, last) = (record.time(stretch.start), record.time(stretch.end - 1));
-            let cut = record.between(Some(first), Some(last)).map_err(|error| value(error.to_string()))?;
-            Ok(Self { warnings: self.warnings.clone(), ..Self::wrap(py, &cut)? })
-        };
-        seen.stretches().into_iter().map(cut).collect()
+        Ok(self.overview(py)?.0)
     }
 
     /// What disturbs the record from its release on: a list of dicts with `time` (s, on the record's own clock), `kind` ("clipped", "jump", "wild",
@@ -287,15 +272,31 @@ impl Record {
     /// >>> [(seen["kind"], round(seen["time"], 1)) for seen in record.disturbances()]
     /// [('jump', 2.0)]
     fn disturbances<'py>(&self, py: Python<'py>) -> PyResult<Vec<Bound<'py, PyDict>>> {
-        let (record, seen) = self.overview(py)?;
+        Ok(self.overview(py)?.1)
+    }
+
+    /// `hits` and `disturbances` for the time of one.
+    #[pyo3(name = "_overview")]
+    fn overview<'py>(&self, py: Python<'py>) -> PyResult<(Vec<Self>, Vec<Bound<'py, PyDict>>)> {
+        let record = self.whole(py)?;
+        let (record, seen) = work::run(py, true, move |_| {
+            let seen = iwan_ident::signal::overview(record.samples(), record.dt());
+            (record, seen)
+        })?;
+        let cut = |stretch: std::ops::Range<usize>| {
+            let (first, last) = (record.time(stretch.start), record.time(stretch.end - 1));
+            let cut = record.between(Some(first), Some(last)).map_err(|error| value(error.to_string()))?;
+            Ok(Self { warnings: self.warnings.clone(), ..Self::wrap(py, &cut)? })
+        };
         let told = |event: &Event| {
             let dict = PyDict::new(py);
             dict.set_item("time", record.start() + event.time())?;
-            dict.set_item("kind", kind(event))?;
+            dict.set_item("kind", event.name())?;
             dict.set_item("what", event.to_string())?;
             Ok(dict)
         };
-        seen.events.iter().map(told).collect()
+        let hits = seen.stretches().into_iter().map(cut).collect::<PyResult<_>>()?;
+        Ok((hits, seen.events.iter().map(told).collect::<PyResult<_>>()?))
     }
 
     /// The peaks of the spectrum of the ring-down, all channels together, by frequency: a list of dicts with `frequency` (Hz), `height` (over
@@ -418,17 +419,6 @@ pub(crate) fn read_record(
     let record = work::run(py, true, move |_| iwan_io::read(path, &options))?;
     let record = record.map_err(|error| reading(&error))?;
     Record::wrap(py, &record.between(start, stop).map_err(|error| value(error.to_string()))?)
-}
-
-/// The word that Python has for what disturbs a record.
-fn kind(event: &Event) -> &'static str {
-    match event {
-        Event::Clipped { .. } => "clipped",
-        Event::Jump { .. } => "jump",
-        Event::Wild { .. } => "wild",
-        Event::Lost { .. } => "lost",
-        _ => "driven",
-    }
 }
 
 /// Reads a record from the bytes of a file.

@@ -77,6 +77,18 @@ impl Event {
         }
     }
 
+    /// What kind it is, in a word: `clipped`, `jump`, `wild`, `lost` or `driven`.
+    #[must_use]
+    pub const fn name(&self) -> &'static str {
+        match self {
+            Self::Clipped { .. } => "clipped",
+            Self::Jump { .. } => "jump",
+            Self::Wild { .. } => "wild",
+            Self::Lost { .. } => "lost",
+            Self::Driven { .. } => "driven",
+        }
+    }
+
     /// The same event in a record that begins `by` seconds earlier.
     pub(super) fn later(mut self, by: f64) -> Self {
         match &mut self {
