@@ -18,11 +18,15 @@ pub(crate) fn or_dash(value: Option<f64>, text: fn(f64) -> String) -> String {
     value.map_or_else(|| "-".into(), text)
 }
 
-/// An interval as text: open ends say so.
+/// An interval as text: open ends say so. Closed ends are rounded outwards, so that a best value next to an end is never shown beyond it.
 pub(crate) fn interval(low: Option<f64>, high: Option<f64>) -> String {
     match (low, high) {
         (Some(low), Some(high)) => {
             let decimals = decimals(high - low);
+            let unit = 10_f64.powi(decimals as i32);
+            // What binary fractions are off by does not move an end by a whole unit.
+            let (low, high) =
+                ((low * unit + ROUNDING).floor() / unit, (high * unit - ROUNDING).ceil() / unit);
             format!("{low:.decimals$} to {high:.decimals$}")
         }
         (Some(low), None) => format!("> {}, open above", short(low)),
@@ -30,6 +34,9 @@ pub(crate) fn interval(low: Option<f64>, high: Option<f64>) -> String {
         (None, None) => "open on both sides".into(),
     }
 }
+
+/// Share of the last digit that an end may lie beyond it: a hundredth of a hundredth of the interval, far more than the rounding of its binary digits.
+const ROUNDING: f64 = 1e-3;
 
 /// Decimals with which both ends of an interval of this width show where it begins and ends, to a tenth of the width or better:
 /// two digits of the width. At most 14, which is what a number of size 1 has; six where the width is nothing.
@@ -40,6 +47,15 @@ fn decimals(width: f64) -> usize {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn closed_ends_are_rounded_outwards_and_round_ends_stay() {
+        assert_eq!(interval(Some(143.26), Some(149.74)), "143.2 to 149.8");
+        assert_eq!(interval(Some(0.3), Some(0.35)), "0.300 to 0.350");
+        assert_eq!(interval(Some(-0.2968), Some(-0.2711)), "-0.297 to -0.271");
+        assert_eq!(interval(Some(124.0), Some(124.0)), "124.000000 to 124.000000");
+        assert_eq!(interval(None, Some(2.0)), "< 2.000, open below");
+    }
 
     #[test]
     fn digits_are_significant_and_large_or_small_numbers_have_exponents() {

@@ -10,8 +10,9 @@ use super::run::{Clock, run};
 use super::series::{Sums, amplitude};
 use super::unknowns::{Sharing, Values};
 
-/// Periods of the slowest mode over which the shapes at the load are first taken from, as if the modes were linear.
-const FIRST_PERIODS: f64 = 5.0;
+/// Periods of the slowest mode behind the largest load over which the shapes at it are first taken from, as if the modes were linear. Joints soften and damp a mode that is
+/// five times as fast within five periods of the slowest so far that its shape comes out half as large as it is.
+const FIRST_PERIODS: f64 = 1.0;
 /// Periods of a mode whose amplitude is where a free decay begins: its joints soften and damp it by a few per cent in that time.
 const AT_FIRST: f64 = 4.0;
 
@@ -28,6 +29,12 @@ impl Opened {
     /// Time steps of all records together.
     pub(super) fn steps(&self) -> usize {
         self.records.iter().map(|record| record.clock.steps_for(record.motions[0].len())).sum()
+    }
+
+    /// Largest amplitude of each mode.
+    pub(super) fn largest(&self) -> Vec<f64> {
+        let modes = self.sizes.first().map_or(0, Vec::len);
+        (0..modes).map(|r| self.sizes.iter().map(|of_record| of_record[r]).fold(0.0, f64::max)).collect()
     }
 
     /// Clocks of the same records with so many times the steps, and more sliders.
@@ -92,7 +99,9 @@ pub(super) fn shapes_at_force(task: &CoupledTask<'_>, opened: &Opened, linear: &
     let (mut square, mut right) = (DMatrix::zeros(n, n), DVector::zeros(n));
     for (k, record) in task.records.iter().enumerate() {
         let all = record.motions[0].len();
-        let samples = ((FIRST_PERIODS / (slowest * record.dt)) as usize).clamp(16, all);
+        let load = record.force.as_deref().unwrap_or(&[]);
+        let peak = (0..load.len()).max_by(|a, b| load[*a].abs().total_cmp(&load[*b].abs())).unwrap_or(0);
+        let samples = (peak + (FIRST_PERIODS / (slowest * record.dt)) as usize).clamp(16.min(all), all);
         let clock = &opened.records[k].clock;
         let Some(motions) = run((Sharing::Linear, &unit), k, clock, samples, task.quantity) else { continue };
         // Soft blows shall count as much as hard ones.

@@ -3,6 +3,8 @@
 
 use std::sync::atomic::Ordering;
 
+use iwan_machine::threads::in_parallel;
+
 use super::model::CoupledModel;
 use crate::error::Error;
 use crate::estimate::{Found, Model, Weights, near};
@@ -59,12 +61,14 @@ fn nearest(model: &mut CoupledModel<'_>, starts: &[Vec<f64>]) -> Vec<Vec<f64>> {
         return starts.to_vec();
     }
     model.take(WINDOWS[0].0);
-    let mut residuals = vec![0.0; model.count()];
-    let mut left = |x: &Vec<f64>| {
+    let threads = std::mem::replace(&mut model.threads, 1);
+    let left = in_parallel(starts, threads, &|x| {
+        let mut residuals = vec![0.0; model.count()];
         let known = model.evaluate(x, &mut residuals, None);
         if known { residuals.iter().map(|r| r * r).sum::<f64>() } else { f64::INFINITY }
-    };
-    let mut all: Vec<(f64, &Vec<f64>)> = starts.iter().map(|x| (left(x), x)).collect();
+    });
+    model.threads = threads;
+    let mut all: Vec<(f64, &Vec<f64>)> = left.into_iter().zip(starts).collect();
     all.sort_by(|a, b| a.0.total_cmp(&b.0));
     all.into_iter().take(SEARCHED).map(|(_, x)| x.clone()).collect()
 }

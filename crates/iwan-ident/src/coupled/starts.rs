@@ -1,7 +1,25 @@
 //! Where searches begin.
 
+use iwan_core::SplitMix64;
+
 use super::unknowns::{Form, Sharing, Values};
 use crate::parameters::Parameters;
+
+/// Joints drawn at random for each mode, of which the likeliest join the starts. What a mode shows by itself of a joint that others move too can be off by
+/// ten in K_T and ninety in F_S: then no start next to it leads to the joint.
+const DRAWN: usize = 1000;
+/// Where they are drawn from, evenly in the logarithm: K_T over ω² of the first mode, F_S over the force K_T s of a joint that sticks in the largest slip s,
+/// participations over ω_r/ω_1; and evenly, χ and compliance times K_T. Joints of structures take some hundredths of a mode's stiffness; ten times the force is far
+/// from macro-slip, a hundredth of it far beyond.
+const DRAWN_SHARE: (f64, f64) = (0.003, 0.5);
+const DRAWN_FORCE: (f64, f64) = (0.01, 10.0);
+const DRAWN_PARTICIPATION: (f64, f64) = (0.1, 10.0);
+const DRAWN_CHI: (f64, f64) = (-0.8, 0.0);
+const DRAWN_COMPLIANCE: (f64, f64) = (0.0, 0.4);
+/// β of all of them: no blow tells it before the rest is told.
+const DRAWN_BETA: f64 = 0.1;
+/// Seed of the draws: any gives joints all over the same ranges.
+const SEED: u64 = 16;
 
 /// Factors on K_T and F_S: a knee that was not seen can be mistaken by two either way.
 const FACTORS: [[f64; 2]; 5] = [[1.0, 1.0], [1.0, 2.0], [2.0, 1.0], [0.5, 1.0], [1.0, 0.5]];
@@ -68,6 +86,52 @@ pub(super) fn shared(form: &Form, modes: &[Parameters]) -> Vec<Vec<f64>> {
         }
     }
     starts
+}
+
+/// Numbers between bounds, from a stream that is the same in every run.
+struct Draws(SplitMix64);
+
+impl Draws {
+    fn evenly(&mut self, (low, high): (f64, f64)) -> f64 {
+        low + (high - low) * 0.5 * (self.0.next_symmetric() + 1.0)
+    }
+
+    fn by_size(&mut self, (low, high): (f64, f64)) -> f64 {
+        self.evenly((low.ln(), high.ln())).exp()
+    }
+}
+
+/// Joints from all over what is plausible: of modes that share one joint, or of modes with a joint each; `largest` are the amplitudes of the modes.
+pub(super) fn drawn(form: &Form, modes: &[Parameters], largest: &[f64]) -> Vec<Vec<f64>> {
+    let mut draws = Draws(SplitMix64::new(SEED));
+    let omega: Vec<f64> = modes.iter().map(|m| std::f64::consts::TAU * m.frequency).collect();
+    let law = |omega: f64, slip: f64, draws: &mut Draws| {
+        let k_t = draws.by_size(DRAWN_SHARE) * omega * omega;
+        [k_t, draws.by_size(DRAWN_FORCE) * k_t * slip, draws.evenly(DRAWN_CHI), DRAWN_BETA]
+    };
+    let mut one = || match form.sharing {
+        Sharing::Shared(_) => {
+            let b: Vec<f64> = (0..modes.len())
+                .map(|r| match r {
+                    0 => 1.0,
+                    _ => {
+                        let sign = draws.evenly((-1.0, 1.0)).signum();
+                        sign * draws.by_size(DRAWN_PARTICIPATION) * omega[r] / omega[0]
+                    }
+                })
+                .collect();
+            let slip = b.iter().zip(largest).map(|(b, q)| b.abs() * q).sum();
+            let law = law(omega[0], slip, &mut draws);
+            let compliance = draws.evenly(DRAWN_COMPLIANCE);
+            form.start(modes, &[law], &[b], compliance)
+        }
+        _ => {
+            let laws: Vec<[f64; 4]> =
+                omega.iter().zip(largest).map(|(omega, q)| law(*omega, *q, &mut draws)).collect();
+            form.start(modes, &laws, &form.reference.participation, 0.0)
+        }
+    };
+    (0..DRAWN * modes.len()).map(|_| one()).collect()
 }
 
 /// Starts of as many joints as modes, each with a mode of its own and some of the others.

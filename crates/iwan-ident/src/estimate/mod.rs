@@ -6,8 +6,10 @@
 mod model;
 mod minimum;
 mod told;
+mod clusters;
 mod profiles;
 
+pub use clusters::widening;
 pub use minimum::{Found, Weights, least, near};
 pub use model::Model;
 pub use profiles::{About, Interval, intervals};

@@ -9,7 +9,7 @@ use crate::error::Error;
 /// What is taken for granted of each unknown, as a standard deviation in its own (logarithmic) unit: a factor of e^3.5 = 33 either way at
 /// one, of 1,100 at two, beyond which no engineer would call a value plausible. It keeps what nothing tells from being infinitely
 /// uncertain, and is no prior of the fit.
-const PLAUSIBLE: f64 = 3.5;
+pub(super) const PLAUSIBLE: f64 = 3.5;
 
 /// A direction of the unknowns that the data tell to a certain accuracy.
 #[derive(Debug, Clone, PartialEq)]
