@@ -98,7 +98,12 @@ impl CoupledTask<'_> {
                 check_samples("force", force, FEWEST, "record longer")?;
                 check_length("force", force.len(), samples)?;
                 let peak = force.iter().fold(0.0, |most: f64, f| most.max(f.abs()));
-                check("force", peak, peak > 0.0, "not zero throughout", "leave it out for a free decay")?;
+                if peak == 0.0 {
+                    return Err(Error::Refused {
+                        finding: format!("{}: the force is zero throughout", record.name),
+                        remedy: "name the channel that holds the force, or leave the force of all records out: they are free decays then",
+                    });
+                }
             }
             let all = self.records.iter().chain(self.held_out);
             if all.clone().any(|other| other.force.is_some() != record.force.is_some()) {
