@@ -74,14 +74,15 @@ pub(super) fn one_sided(model: &FittedSharing) -> Vec<String> {
     let mut words = Vec::new();
     for joint in 0..model.values.laws.len() {
         let (least, most) = ratios(model, joint);
-        let name = if model.values.laws.len() == 1 { String::new() } else { format!(" {}", joint + 1) };
+        let name =
+            if model.values.laws.len() == 1 { "the joint".into() } else { format!("joint {}", joint + 1) };
         if most < PASSED {
             words.push(format!(
-                "the records hold soft blows only: they do not tell where joint{name} slips as a whole; add a hard blow, or do not trust predictions of harder ones"
+                "the records hold soft blows only: they do not tell where {name} slips as a whole; add a hard blow, or do not trust predictions of harder ones"
             ));
         } else if least > HARD {
             words.push(format!(
-                "the records hold hard blows only: in the softest of them joint{name} slips {} times as far as where it slips as a whole; add a soft blow, or do not \
+                "the records hold hard blows only: in the softest of them {name} slips {} times as far as where it slips as a whole; add a soft blow, or do not \
                  trust predictions of softer ones",
                 about(least)
             ));
