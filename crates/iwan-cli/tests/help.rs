@@ -17,6 +17,7 @@ fn help_texts() {
         "modal --help",
         "modes --help",
         "quasi-static --help",
+        "update --help",
         "reproduce --help",
         "scenario --help",
         "completions --help",

@@ -52,7 +52,14 @@ fn what_does_not_fit_is_named() {
     std::fs::write(place.path().join("short.csv"), "displacement,frequency\n1e-4,100\n").unwrap();
     std::fs::write(place.path().join("few.csv"), "displacement,frequency,damping_ratio\n1e-4,100,1e-3\n")
         .unwrap();
+    let broken = "# measured\ndisplacement,frequency,damping_ratio\n1e-4,130,1e-3\n2e-4,nan,1e-3\n";
+    std::fs::write(place.path().join("broken.csv"), broken).unwrap();
+    let rows: String = (1..8).map(|i| format!("{i}e-4,{},0\n", 132 - i)).collect();
+    std::fs::write(place.path().join("zero.csv"), format!("displacement,frequency,damping_ratio\n{rows}"))
+        .unwrap();
     for (arguments, said) in [
+        ("update --out o --curves bending-1=broken.csv", "broken.csv, line 4, column 2 (`frequency`)"),
+        ("update --out o --curves bending-1=zero.csv", "0 or less in all entries"),
         ("update --out o --curves bending-1=short.csv", "there is no column `damping_ratio`"),
         ("update --out o --curves few.csv", "does not say which modes"),
         ("update --out o --curves a,b=few.csv", "2 modes are named, the file has 1"),

@@ -94,6 +94,99 @@ fn links_are_found_from_two_modes_and_washers_are_named() {
         assert!(loss.abs() < 0.03, "{i} {loss}");
         assert!((held.frequency_after[i] / held.frequency[i] - 1.0).abs() < 1e-4);
     }
+    // The linear damping of the mode was not measured: no band holds its damping.
+    let prediction = held.prediction.as_ref().unwrap();
+    assert!(prediction.damping_inside.is_none() && prediction.damping_misfit.abs() < 0.03, "{prediction:?}");
+    assert!(
+        prediction.not_predicted.iter().any(|why| why.contains("linear (viscous) damping was not measured"))
+    );
+    assert!(held.log_damping_sd.iter().all(|sd| sd.is_infinite()));
+    assert!(prediction.frequency_inside == Some(1.0), "{prediction:?}");
+    // Only modes that tell what is open, at amplitudes that were reached.
+    let reached = found
+        .curves
+        .iter()
+        .filter(|c| !c.held_out)
+        .flat_map(|c| &c.displacement)
+        .fold(0.0_f64, |m, q| m.max(*q));
+    for next in &found.next_modes {
+        assert!(
+            next.displacement <= reached && next.parameter.contains("washer") && next.remaining < 0.5,
+            "{next:?}"
+        );
+    }
+    assert!(found.measure_next.starts_with("measure next: "), "{}", found.measure_next);
+}
+
+/// A mode kept out which the washers' joints move: they are not told by the others, and what they may do stands in the band.
+#[test]
+fn open_joints_widen_predictions() {
+    let truth = truth();
+    let named = start(paper::structure(Configuration::A, 1).unwrap());
+    let curves = vec![curve(&truth, "bending 1", 1.0, 0.0, 1)];
+    // Start values of the washers are those of the file, and no curve moves them from there.
+    let held_out = vec![curve(&truth, "bending 2", 1.0, 0.0, 3), curve(&truth, "bending 3", 1.0, 0.0, 3)];
+    let laws: Vec<_> = (0..4).map(|joint| (joint, first())).collect();
+    let groups = groups_that_move_alike(&named, &laws, &["bending 1"]).unwrap();
+    let task = UpdateTask {
+        named: &named,
+        groups,
+        corrections: vec![],
+        viscous: false,
+        curves,
+        held_out,
+        threads: 2,
+    };
+    let found = update(&task, UNWATCHED).unwrap();
+    for held in found.curves.iter().filter(|curve| curve.held_out) {
+        let prediction = held.prediction.as_ref().unwrap();
+        assert!(prediction.damping_inside.is_some_and(|share| share > 0.9), "{} {prediction:?}", held.mode);
+        assert!(prediction.frequency_inside.is_some_and(|share| share > 0.9), "{} {prediction:?}", held.mode);
+    }
+}
+
+/// Curves of other modes and in other units are named, with what helps.
+#[test]
+fn mistakes_in_curves_are_named() {
+    let named = truth();
+    let clean = [curve(&named, "bending 1", 1.0, 0.0, 1), curve(&named, "bending 3", 1.0, 0.0, 2)];
+    let with = |change: &dyn Fn(&mut [MeasuredCurve; 2])| {
+        let mut curves = clean.clone();
+        change(&mut curves);
+        let laws: Vec<_> = (0..4).map(|joint| (joint, first())).collect();
+        let groups = groups_that_move_alike(&named, &laws, &["bending 1", "bending 3"]).unwrap();
+        let curves = curves.to_vec();
+        let task = UpdateTask {
+            named: &named,
+            groups,
+            corrections: vec![],
+            viscous: true,
+            curves,
+            held_out: vec![],
+            threads: 2,
+        };
+        match update(&task, UNWATCHED) {
+            Ok(found) => {
+                let closed = found.groups.iter().any(|g| g.k_t.identifiable);
+                assert!(found.verdict.adequate || !closed, "{found:?}");
+                found.verdict.in_words
+            }
+            Err(error) => error.to_string(),
+        }
+    };
+    let scaled = |values: &mut Vec<f64>, factor: f64| values.iter_mut().for_each(|v| *v *= factor);
+    let exchanged = with(&|[a, b]| std::mem::swap(&mut a.mode, &mut b.mode));
+    assert!(exchanged.contains("it is that of bending"), "{exchanged}");
+    let turns = with(&|all| all.iter_mut().for_each(|c| scaled(&mut c.frequency, std::f64::consts::TAU)));
+    assert!(turns.contains("rad/s"), "{turns}");
+    let per_cent = with(&|all| all.iter_mut().for_each(|c| scaled(&mut c.damping_ratio, 100.0)));
+    assert!(per_cent.contains("per cent"), "{per_cent}");
+    for factor in [1e3, 1e-3] {
+        let millimetres = with(&|all| all.iter_mut().for_each(|c| scaled(&mut c.displacement, factor)));
+        assert!(millimetres.contains("by 1000"), "{millimetres}");
+    }
+    let reversed = with(&|all| all.iter_mut().for_each(|c| c.displacement.reverse()));
+    assert!(reversed.contains("opposite order"), "{reversed}");
 }
 
 #[test]
@@ -105,6 +198,10 @@ fn wrong_structures_are_told() {
     let found = updated(&start(stiff), curves(), vec![]);
     assert!(!found.verdict.adequate);
     assert!(found.verdict.in_words.contains("bending"), "{}", found.verdict.in_words);
+    // What does not describe the data has no parameters that are told.
+    let all = found.groups.iter().flat_map(|g| [g.k_t, g.f_s, g.chi, g.beta]);
+    assert!(all.into_iter().all(|e| e.low.is_none() && e.high.is_none() && !e.identifiable));
+    assert!(found.verdict.in_words.contains("left open") && found.next_modes.is_empty());
     let [named] = &found.corrections[..] else { panic!("{:?}", found.corrections) };
     assert!((named.factor * 1.03 - 1.0).abs() < 2e-3 && named.adequate, "{named:?}");
     // Patches that stay flexible in place of rigid ones: the mode and the amplitude are named.

@@ -1,8 +1,9 @@
 //! Options of `iwan modes`.
 
 use std::num::NonZeroUsize;
+use std::path::PathBuf;
 
-use clap::{Args, ValueEnum};
+use clap::{Args, ValueEnum, ValueHint};
 
 use crate::args::Common;
 use crate::structures::StructureArgs;
@@ -15,6 +16,9 @@ use crate::structures::StructureArgs;
 #[derive(Debug, Args)]
 #[command(after_help = MODES_EXAMPLES)]
 pub(crate) struct ModesArgs {
+    /// Folder for the results; without it `iwan-modes`, or the next free number behind it
+    #[arg(long, value_name = "DIR", value_hint = ValueHint::DirPath)]
+    pub(crate) out: Option<PathBuf>,
     #[command(flatten)]
     pub(crate) structure: StructureArgs,
     /// Number of elastic modes

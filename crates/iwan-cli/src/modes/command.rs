@@ -22,7 +22,7 @@ const SHAPES: &str = "modes.vtu";
 /// Runs the command.
 pub(crate) fn run(args: &ModesArgs) -> Result<(), Failure> {
     let (source, file) = load(&args.structure)?;
-    let place = args.structure.place("iwan-modes");
+    let place = args.structure.place(args.out.as_deref(), "iwan-modes");
     let mut files: Vec<String> = [TABLE, SHAPES, SUMMARY, PAGE].map(String::from).to_vec();
     let format = args.write_matrices.map(format_of);
     files.extend(format.into_iter().flat_map(matrix_file_names));

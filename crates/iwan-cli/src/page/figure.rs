@@ -84,10 +84,10 @@ impl Axis {
 }
 
 impl Axis {
-    /// The titles of both axes, each with the power of ten taken out of its labels.
-    pub(super) fn titles(x: &Self, y: &Self, x_exponent: i32, y_exponent: i32) -> Markup {
+    /// The titles of both axes, each with the power of ten taken out of its labels; `before` is the room that long labels need before the drawing.
+    pub(super) fn titles(x: &Self, y: &Self, x_exponent: i32, y_exponent: i32, before: f64) -> Markup {
         let (middle_x, middle_y) = (0.5 * (LEFT + RIGHT), 0.5 * (TOP + BOTTOM));
-        let turned = format!("translate(17 {middle_y}) rotate(-90)");
+        let turned = format!("translate({} {middle_y}) rotate(-90)", 17.0 - before);
         html! {
             text.label x=(middle_x) y=(HEIGHT - 10.0) text-anchor="middle" { (x.title(x_exponent)) }
             text.label transform=(turned) text-anchor="middle" { (y.title(y_exponent)) }
@@ -120,7 +120,7 @@ pub(crate) struct Figure {
 pub(super) const WIDTH: f64 = 600.0;
 /// Height of the drawing. A matter of taste, from 300 to 400.
 pub(super) const HEIGHT: f64 = 350.0;
-/// Left edge of the plane: labels of seven digits (style.css sets them 13 high) and the turned title stand before it.
+/// Left edge of the plane: labels of [`SHORT`] characters (style.css sets them 13 high) and the turned title stand before it.
 pub(super) const LEFT: f64 = 84.0;
 /// Right edge of the plane: half of a label at the last tick stands behind it.
 pub(super) const RIGHT: f64 = 578.0;
@@ -131,6 +131,8 @@ pub(super) const BOTTOM: f64 = 296.0;
 /// Width of a character of the legend: the mean of a font without serifs, 13 high. Names of wide letters come out longer and
 /// take from the gap behind them.
 const CHARACTER: f64 = 7.3;
+/// Characters of a label on the axis of y for which there is room beside the turned title; longer ones make the drawing wider, to the left.
+const SHORT: usize = 6;
 /// Room that an entry of the legend takes beside its name: its mark (28) and the gap before the next entry (16).
 const KEY: f64 = 44.0;
 /// Height of a line of the legend, for letters 13 high; further lines make the drawing higher, the plane stays.
@@ -175,6 +177,15 @@ impl Plane {
     }
 }
 
+impl Ticks {
+    /// Room before the drawing that labels on the axis of y need, where they are long.
+    pub(super) fn room_before(&self) -> f64 {
+        let lengths =
+            self.ticks.iter().filter_map(|tick| tick.label.as_ref()).map(|label| label.chars().count());
+        CHARACTER * lengths.max().unwrap_or(0).saturating_sub(SHORT) as f64
+    }
+}
+
 impl Figure {
     /// The figure with its caption.
     pub(crate) fn draw(&self) -> Markup {
@@ -182,7 +193,8 @@ impl Figure {
         let (x_ticks, y_ticks) = plane.ticks();
         let legend = self.legend_lines();
         let above = LINE * legend.len().saturating_sub(1) as f64;
-        let box_ = format!("0 {} {WIDTH} {}", -above, HEIGHT + above);
+        let before = y_ticks.room_before();
+        let box_ = format!("{} {} {} {}", -before, -above, WIDTH + before, HEIGHT + above);
         html! {
             figure {
                 figcaption { strong { (self.title) } }
@@ -191,7 +203,7 @@ impl Figure {
                     @for layer in &self.layers { (draw_layer(&plane, layer)) }
                     (self.draw_marker(&plane))
                     rect class="frame" x=(LEFT) y=(TOP) width=(RIGHT - LEFT) height=(BOTTOM - TOP) {}
-                    (Axis::titles(&self.x, &self.y, x_ticks.exponent, y_ticks.exponent))
+                    (Axis::titles(&self.x, &self.y, x_ticks.exponent, y_ticks.exponent, before))
                     (draw_legend(&legend))
                 }
                 p.caption { (self.caption) }

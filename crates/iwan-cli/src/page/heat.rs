@@ -43,10 +43,11 @@ impl HeatMap {
             y: Scale::around(self.y.spread, ends(self.up), false),
         };
         let (x_ticks, y_ticks) = plane.ticks();
+        let before = y_ticks.room_before();
         html! {
             figure {
                 figcaption { strong { (self.title) } }
-                svg viewBox=(format!("0 0 {WIDTH} {HEIGHT}")) role="img" aria-label=(self.title) {
+                svg viewBox=(format!("{} 0 {} {HEIGHT}", -before, WIDTH + before)) role="img" aria-label=(self.title) {
                     (self.cells())
                     @if let Some((low, high)) = self.band {
                         @for edge in [low, high] {
@@ -56,7 +57,7 @@ impl HeatMap {
                     }
                     (grid(&plane, &x_ticks, &y_ticks, false))
                     rect class="frame" x=(LEFT) y=(TOP) width=(RIGHT - LEFT) height=(BOTTOM - TOP) {}
-                    (Axis::titles(&self.x, &self.y, x_ticks.exponent, y_ticks.exponent))
+                    (Axis::titles(&self.x, &self.y, x_ticks.exponent, y_ticks.exponent, before))
                     (self.legend())
                 }
                 p.caption { (self.caption) }

@@ -1,6 +1,8 @@
 //! Options of `iwan quasi-static`.
 
-use clap::Args;
+use std::path::PathBuf;
+
+use clap::{Args, ValueHint};
 
 use crate::args::{Common, positive};
 use crate::structures::StructureArgs;
@@ -14,6 +16,9 @@ use crate::structures::StructureArgs;
 #[derive(Debug, Args)]
 #[command(after_help = QUASI_STATIC_EXAMPLES)]
 pub(crate) struct QuasiStaticArgs {
+    /// Folder for the results; without it `iwan-quasi-static`, or the next free number behind it
+    #[arg(long, value_name = "DIR", value_hint = ValueHint::DirPath)]
+    pub(crate) out: Option<PathBuf>,
     #[command(flatten)]
     pub(crate) structure: StructureArgs,
     /// Mode by name, as `iwan modes` calls it (`bending 1` or `bending-1`); may be given several times; without any the first

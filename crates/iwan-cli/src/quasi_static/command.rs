@@ -25,7 +25,7 @@ const COUPLED: &str = "coupled.toml";
 /// Runs the command.
 pub(crate) fn run(args: &QuasiStaticArgs) -> Result<(), Failure> {
     let (InputText { name: source, .. }, file) = load(&args.structure)?;
-    let place = args.structure.place("iwan-quasi-static");
+    let place = args.structure.place(args.out.as_deref(), "iwan-quasi-static");
     let mut session = Session::open(place, &args.common, [TABLE, SUMMARY, PAGE, COUPLED])?;
     session.notes(&file.notes);
 

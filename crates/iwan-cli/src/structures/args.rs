@@ -1,20 +1,17 @@
 //! Options of the commands that work on finite-element structures.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use clap::{Args, ValueHint};
 
 use crate::session::Place;
 
-/// The structure, and where results go.
+/// The structure, and whether results may be replaced. Each command has `--out` itself, as its help names the folder that is taken without it.
 #[derive(Debug, Args)]
 pub(crate) struct StructureArgs {
     /// Structure file (TOML); without one the built-in `paper-a` is taken
     #[arg(value_name = "STRUCTURE.toml", value_hint = ValueHint::FilePath)]
     pub(crate) path: Option<PathBuf>,
-    /// Folder for the results; without it `iwan-modes` or `iwan-quasi-static`, or the next free number behind it
-    #[arg(long, value_name = "DIR", value_hint = ValueHint::DirPath)]
-    pub(crate) out: Option<PathBuf>,
     /// Overwrite results that are there already
     #[arg(long)]
     pub(crate) force: bool,
@@ -22,7 +19,7 @@ pub(crate) struct StructureArgs {
 
 impl StructureArgs {
     /// Where results go.
-    pub(crate) fn place(&self, default: &'static str) -> Place<'_> {
-        Place { given: self.out.as_deref(), default, force: self.force }
+    pub(crate) fn place<'a>(&self, out: Option<&'a Path>, default: &'static str) -> Place<'a> {
+        Place { given: out, default, force: self.force }
     }
 }

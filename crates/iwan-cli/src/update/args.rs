@@ -17,6 +17,9 @@ use crate::structures::StructureArgs;
 #[derive(Debug, Args)]
 #[command(after_help = UPDATE_EXAMPLES)]
 pub(crate) struct UpdateArgs {
+    /// Folder for the results; without it `iwan-update`, or the next free number behind it
+    #[arg(long, value_name = "DIR", value_hint = ValueHint::DirPath)]
+    pub(crate) out: Option<PathBuf>,
     #[command(flatten)]
     pub(crate) structure: StructureArgs,
     /// Curves of one or several modes: fit.json of `iwan fit`, envelope.csv of `iwan envelope`, curves.csv of `iwan quasi-static`, or a

@@ -26,7 +26,7 @@ pub(crate) fn run(args: &UpdateArgs) -> Result<(), Failure> {
     };
     let (curves, held_out) = (all(&args.curves)?, all(&args.held_out)?);
     let (source, file) = load(&args.structure)?;
-    let place = args.structure.place("iwan-update");
+    let place = args.structure.place(args.out.as_deref(), "iwan-update");
     let mut session = Session::open(place, &args.common, [WHOLE, UPDATED, SUMMARY, PAGE])?;
     session.notes(&file.notes);
     let bar = session.bar("modes");

@@ -65,9 +65,10 @@ fn of_json(path: &Path) -> Result<Vec<Read>, Failure> {
     let column = |mode: &Value, key: &str| -> Result<Vec<f64>, Failure> {
         let values = mode["curves"][key].as_array();
         let values = values.ok_or_else(|| refused(&format!("has no list `curves.{key}` of a mode")))?;
-        let number =
-            |v: &Value| v.as_f64().ok_or_else(|| refused(&format!("`curves.{key}` holds {v}, no number")));
-        values.iter().map(number).collect()
+        let number = |(i, v): (usize, &Value)| {
+            v.as_f64().ok_or_else(|| refused(&format!("`curves.{key}[{i}]` of a mode is {v}, no number")))
+        };
+        values.iter().enumerate().map(number).collect()
     };
     let one = |mode: &Value| {
         Ok(Read {
@@ -101,6 +102,17 @@ fn of_table(path: &Path) -> Result<Vec<Read>, Failure> {
         }
         (None, None) => return Err(missing("damping_ratio")),
     };
+    for (n, (name, values)) in table.names().iter().zip(table.columns()).enumerate() {
+        let is_used =
+            ["displacement", "frequency", "damping_ratio", "dissipation", "mode"].contains(&name.as_str());
+        let Some(row) = values.iter().position(|value| !value.is_finite()).filter(|_| is_used) else {
+            continue;
+        };
+        let (line, column) = (table.line(row).unwrap_or(0), n + 1);
+        let message =
+            format!("{place}, line {line}, column {column} (`{name}`): {} is no finite number", values[row]);
+        return Err(Failure::input(message, "leave the row out, or write what was measured"));
+    }
     let number = |i: usize| table.column("mode").map_or(1.0, |mode| mode[i]);
     let mut numbers: Vec<f64> = (0..table.rows()).map(number).collect();
     numbers.dedup();

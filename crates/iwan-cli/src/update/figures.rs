@@ -4,8 +4,11 @@ use iwan_study::update::{ComparedBlow, ComparedCurve, TradeOff};
 
 use crate::page::figure::{Axis, DEVIATIONS, Figure, Layer, Mark, colour};
 
-/// The band of a curve as a closed line.
+/// The band of a curve as a closed line; empty where nothing bounds it.
 fn band(q: &[f64], values: &[f64], half: impl Fn(usize) -> (f64, f64)) -> Vec<(f64, f64)> {
+    if (0..q.len()).any(|i| !(half(i).0.is_finite() && half(i).1.is_finite())) {
+        return Vec::new();
+    }
     let upper = (0..q.len()).map(|i| (q[i], values[i] + half(i).1));
     let lower = (0..q.len()).rev().map(|i| (q[i], values[i] - half(i).0));
     upper.chain(lower).collect()
@@ -31,6 +34,15 @@ fn layers(
     layers
 }
 
+/// What the band says.
+const fn open(band: &[(f64, f64)]) -> &'static str {
+    if band.is_empty() {
+        "There is no band: nothing bounds how far this may be off."
+    } else {
+        "The pale band is what the curves leave open (95 %)."
+    }
+}
+
 /// Frequency and damping of a mode.
 pub(super) fn figures(curve: &ComparedCurve) -> [Figure; 2] {
     let held = if curve.held_out { " The mode was kept out of the fit." } else { "" };
@@ -46,7 +58,7 @@ pub(super) fn figures(curve: &ComparedCurve) -> [Figure; 2] {
     [
         Figure {
             title: "Frequency".into(),
-            caption: format!("The pale band is what the curves leave open (95 %).{held}"),
+            caption: format!("{}{held}", open(&frequency)),
             x: Axis::log("modal displacement q", ""),
             y: Axis::linear("frequency", "Hz"),
             layers: layers(
@@ -60,7 +72,7 @@ pub(super) fn figures(curve: &ComparedCurve) -> [Figure; 2] {
         },
         Figure {
             title: "Damping ratio".into(),
-            caption: format!("Joints and viscous damping together.{held}"),
+            caption: format!("Joints and viscous damping together. {}{held}", open(&damping)),
             x: Axis::log("modal displacement q", ""),
             y: Axis::log("damping ratio", ""),
             layers: layers(

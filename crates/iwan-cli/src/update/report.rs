@@ -22,12 +22,17 @@ pub(super) fn render(summary: &UpdateSummary) -> String {
             "Joints of the structure from frequency and damping of its modes against amplitude, whose counterparts are curves of static loads, or from \
              blows, whose counterparts are transients of the structure. Written by iwan " (VERSION) "."
         }
-        (verdict(&summary.warnings, &html! { span { (summary.verdict.in_words) "." } }))
+        // What the verdict finds wrong stands among the warnings already.
+        @let is_told = !summary.warnings.contains(&summary.verdict.in_words);
+        (verdict(&summary.warnings, &html! { @if is_told { span { (summary.verdict.in_words) "." } } }))
         h2 { "Joints" }
         (estimates(summary))
         @for curve in curves {
             h2 { (curve.mode) @if curve.held_out { " (predicted)" } }
             p { "Measured: " (curve.source) }
+            @for p in summary.predictions.iter().filter(|p| curve.held_out && p.mode == curve.mode && p.source == curve.source) {
+                p { (p.in_words()) "." @for why in &p.prediction.not_predicted { " " (why) "." } }
+            }
             (grid(&figures(curve)))
         }
         (blows(summary.blows.as_deref().unwrap_or_default()))
@@ -94,8 +99,12 @@ fn told(summary: &UpdateSummary) -> Markup {
                 th { (t.deviation.map_or_else(|| "not told".into(), short)) } td.words { (t.combination) }
             } } }
         } }
+        @if !summary.measure_next.is_empty() { p { (summary.measure_next) "." } }
         @if !summary.next_modes.is_empty() {
-            p { "Modes not measured, those that would tell most first, at amplitudes at which no joint slips more than it did:" }
+            p {
+                "Modes not measured that would tell what is open, those that would tell most first, at amplitudes no larger than those measured, at which no \
+                 joint slips more than it did:"
+            }
             div.wide { table {
                 thead { tr { th { "mode" } th { "Hz" } th { "would tell best" } th { "its deviation after, over before" } th { "up to q" } } }
                 tbody { @for n in &summary.next_modes { tr {

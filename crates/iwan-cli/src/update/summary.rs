@@ -3,8 +3,8 @@
 use std::fmt::Write;
 
 use iwan_study::update::{
-    ComparedBlow, ComparedCurve, Estimated, JointUpdate, LinearCorrection, NextMode, StructureVerdict, Told,
-    TradeOff, Update,
+    ComparedBlow, ComparedCurve, Estimated, JointUpdate, LinearCorrection, NextMode, Prediction,
+    StructureVerdict, Told, TradeOff, Update,
 };
 use serde::Serialize;
 
@@ -18,6 +18,38 @@ pub(crate) struct NamedEstimate {
     pub(crate) name: String,
     #[serde(flatten)]
     pub(crate) estimate: Estimated,
+}
+
+/// A prediction with the mode and the file that it is held against.
+#[derive(Debug, Clone, Serialize)]
+pub(crate) struct NamedPrediction {
+    pub(crate) mode: String,
+    pub(crate) source: String,
+    #[serde(flatten)]
+    pub(crate) prediction: Prediction,
+}
+
+impl NamedPrediction {
+    /// How far it is off, and whether the band holds that.
+    pub(crate) fn in_words(&self) -> String {
+        let p = &self.prediction;
+        let band = |inside: Option<f64>| {
+            inside.map_or_else(
+                || "there is no band".into(),
+                |share| format!("{:.0} % of the amplitudes lie in the 95 % band", 100.0 * share),
+            )
+        };
+        format!(
+            "predicted {} ({}): the frequency is missed by at most {:.4} Hz ({:.4} %), {}; the damping ratio is missed by at most {:.1} %, {}",
+            self.mode,
+            self.source,
+            p.frequency_misfit.abs(),
+            100.0 * p.relative_frequency_misfit.abs(),
+            band(p.frequency_inside),
+            100.0 * p.damping_misfit.abs(),
+            band(p.damping_inside)
+        )
+    }
 }
 
 /// The joints of a structure and what is known about them.
@@ -37,6 +69,10 @@ pub(crate) struct UpdateSummary {
     pub(crate) told: Vec<Told>,
     /// Modes that would tell most, were they measured.
     pub(crate) next_modes: Vec<NextMode>,
+    /// That in words: also why no mode is named. Empty without curves.
+    pub(crate) measure_next: String,
+    /// Predictions of curves that were kept out.
+    pub(crate) predictions: Vec<NamedPrediction>,
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(crate) front: Option<Vec<TradeOff>>,
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -61,7 +97,8 @@ impl UpdateSummary {
                 .collect()
         };
         let mut warnings = Vec::new();
-        if !(found.verdict.adequate && found.verdict.systematic.is_empty()) {
+        let verdict = &found.verdict;
+        if !(verdict.adequate && verdict.systematic.is_empty() && verdict.hints.is_empty()) {
             warnings.push(found.verdict.in_words.clone());
         }
         warnings.extend(found.corrections.iter().map(|c| {
@@ -69,6 +106,15 @@ impl UpdateSummary {
             let then = if c.adequate { "tells all curves" } else { "comes nearer" };
             format!("with a factor of {:.4} on the stiffness of {} the structure {then}: {rest:.0} % of the misfit is left", c.factor, c.name)
         }));
+        let predictions: Vec<NamedPrediction> = found
+            .curves
+            .iter()
+            .filter_map(|curve| {
+                let (mode, source) = (curve.mode.clone(), curve.source.clone());
+                curve.prediction.clone().map(|prediction| NamedPrediction { mode, source, prediction })
+            })
+            .collect();
+        warnings.extend(predictions.iter().flat_map(|p| p.prediction.not_predicted.iter().cloned()));
         if !found.converged {
             warnings.push("the search did not settle: the values may not be the best".into());
         }
@@ -96,6 +142,8 @@ impl UpdateSummary {
             corrections: found.corrections.clone(),
             told: found.told.clone(),
             next_modes: found.next_modes.clone(),
+            measure_next: found.measure_next.clone(),
+            predictions,
             front: Some(found.front.clone()),
             curves: Some(found.curves.clone()),
             blows: (!found.blows.is_empty()).then(|| found.blows.clone()),
@@ -128,12 +176,11 @@ impl Summary for UpdateSummary {
         self.factors.iter().for_each(|f| line(&f.name, "factor", &f.estimate));
         self.viscous.iter().for_each(|v| line(&v.name, "damping ratio", &v.estimate));
         let _ = writeln!(text, "{}", self.verdict.in_words);
-        if let Some(next) = self.next_modes.first() {
-            let _ = writeln!(
-                text,
-                "measure next: {} ({:.1} Hz), which would tell most of {}",
-                next.mode, next.frequency, next.parameter
-            );
+        for prediction in &self.predictions {
+            let _ = writeln!(text, "{}", prediction.in_words());
+        }
+        if !self.measure_next.is_empty() {
+            let _ = writeln!(text, "{}", self.measure_next);
         }
         text
     }

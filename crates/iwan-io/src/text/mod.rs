@@ -28,6 +28,7 @@ pub struct Columns {
     names: Vec<String>,
     units: Vec<String>,
     values: Vec<Vec<f64>>,
+    lines: Vec<u64>,
     warnings: Vec<Warning>,
 }
 
@@ -63,6 +64,18 @@ impl Columns {
         self.values.first().map_or(0, Vec::len)
     }
 
+    /// Line of the file in which a row stands, counted from 1 as an editor shows it; rows are counted from 0. None beyond the last row.
+    ///
+    /// ```
+    /// let table = iwan_io::parse_table("one.csv".as_ref(), b"# a comment\nt;x\n0;1\n1;2\n")?;
+    /// assert_eq!((table.line(1), table.line(2)), (Some(4), None));
+    /// # Ok::<(), iwan_io::ReadError>(())
+    /// ```
+    #[must_use]
+    pub fn line(&self, row: usize) -> Option<u64> {
+        self.lines.get(row).copied()
+    }
+
     /// What the reader noticed.
     #[must_use]
     pub fn warnings(&self) -> &[Warning] {
@@ -93,17 +106,19 @@ pub fn read_table(path: impl AsRef<Path>) -> Result<Columns, ReadError> {
 /// As [`read_table`].
 pub fn parse_table(file: &Path, bytes: &[u8]) -> Result<Columns, ReadError> {
     let source = FileBytes { file, bytes };
-    let Table { columns, labels, warnings } = read(&source)?;
+    let Table { columns, lines, labels, warnings } = read(&source)?;
     if let Some(fault) = columns.iter().filter_map(|c| c.fault.as_ref()).min_by_key(|f| f.line) {
         return Err(fault.refusal(&source));
     }
     let (names, units) = labels.into_iter().map(|label| (label.name, label.unit)).unzip();
-    Ok(Columns { names, units, values: columns.into_iter().map(|c| c.values).collect(), warnings })
+    Ok(Columns { names, units, values: columns.into_iter().map(|c| c.values).collect(), lines, warnings })
 }
 
 /// Columns as they stand in the file, each with its own end.
 struct Table {
     columns: Vec<Column>,
+    /// Line of each row.
+    lines: Vec<u64>,
     labels: Vec<Label>,
     warnings: Vec<Warning>,
 }
@@ -115,15 +130,15 @@ fn read(source: &FileBytes) -> Result<Table, ReadError> {
         let place = format!("line {}", layout.first_row);
         return Err(source.malformed(place, found, format!("at most {MOST_COLUMNS}")));
     }
-    let columns = read_rows(source, &layout)?;
+    let (columns, lines) = read_rows(source, &layout)?;
     let skipped = layout.preamble;
     let warnings = if skipped > 0 { vec![Warning::Preamble { lines: skipped }] } else { Vec::new() };
-    Ok(Table { columns, labels: label(&layout), warnings })
+    Ok(Table { columns, lines, labels: label(&layout), warnings })
 }
 
 /// Time and channels of a text file.
 pub(crate) fn parse(source: FileBytes, options: &ReadOptions) -> Result<Raw, ReadError> {
-    let Table { columns, labels, warnings } = read(&source)?;
+    let Table { columns, labels, warnings, .. } = read(&source)?;
     let mut faults: Vec<(String, Fault)> = Vec::new();
     let mut variables = Vec::new();
     for (Column { values, fault, hole, .. }, Label { name, unit }) in columns.into_iter().zip(labels) {
@@ -201,7 +216,7 @@ fn label(layout: &Layout) -> Vec<Label> {
     (0..layout.fields).map(one).collect()
 }
 
-fn read_rows(source: &FileBytes, layout: &Layout) -> Result<Vec<Column>, ReadError> {
+fn read_rows(source: &FileBytes, layout: &Layout) -> Result<(Vec<Column>, Vec<u64>), ReadError> {
     let body = layout.body(source.bytes);
     let mut reader = csv::ReaderBuilder::new()
         .has_headers(false)
@@ -209,33 +224,37 @@ fn read_rows(source: &FileBytes, layout: &Layout) -> Result<Vec<Column>, ReadErr
         .delimiter(layout.separator.byte())
         .from_reader(&*body);
     let mut columns: Vec<Column> = (0..layout.fields).map(|_| Column::default()).collect();
+    let mut lines = Vec::new();
     let mut record = csv::ByteRecord::new();
     let in_file = |line: u64| layout.first_row as u64 + line - 1;
     loop {
         let line = reader.position().line();
         match reader.read_byte_record(&mut record) {
             Ok(true) => {}
-            Ok(false) => return Ok(columns),
+            Ok(false) => return Ok((columns, lines)),
             Err(e) => {
                 let place = format!("line {}", in_file(line));
                 return Err(source.malformed(place, e.to_string(), "a row of numbers"));
             }
         }
         let line = in_file(record.position().map_or(line, csv::Position::line));
-        push_row(source, layout, &record, line, &mut columns)?;
+        if push_row(source, layout, &record, line, &mut columns)? {
+            lines.push(line);
+        }
     }
 }
 
+/// Whether the line holds a row.
 fn push_row(
     source: &FileBytes,
     layout: &Layout,
     record: &csv::ByteRecord,
     line: u64,
     columns: &mut [Column],
-) -> Result<(), ReadError> {
+) -> Result<bool, ReadError> {
     let fields = layout.count(record);
     if fields == 0 || layout::is_comment(&record[0]) {
-        return Ok(());
+        return Ok(false);
     }
     if fields != layout.all() {
         let expected = format!("{} as in line {}", layout.all(), layout.first_row);
@@ -245,5 +264,5 @@ fn push_row(
         let at = layout.settings + i;
         column.push(layout, &record[at], (line, at));
     }
-    Ok(())
+    Ok(true)
 }

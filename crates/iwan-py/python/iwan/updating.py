@@ -90,9 +90,13 @@ class ComparedCurve:
     damping_ratio_after: Array
     """The same for the damping ratio."""
     frequency_sd: Array
-    """Standard deviations of `frequency_after` by what the curves leave open, Hz."""
+    """Standard deviations of `frequency_after` by what the curves leave open, Hz; nan where nothing bounds it."""
     log_damping_sd: Array
     """The same for the logarithm of the damping ratio."""
+    prediction: Mapping[str, Any] | None
+    """Of a curve that was kept out: `frequency_misfit` (Hz), `relative_frequency_misfit` and `damping_misfit` where each is missed most,
+    `frequency_inside` and `damping_inside` (share of the amplitudes in the 95 % band; None: there is no band), and `not_predicted`, what cannot
+    be predicted and why."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -145,7 +149,10 @@ class StructureUpdate:
     told: Sequence[Mapping[str, Any]]
     """Combinations of unknowns, the best told first: `deviation` (None: not told) and `combination` in words."""
     next_modes: Sequence[Mapping[str, Any]]
-    """Modes that would tell most, were they measured: `mode`, `frequency` (Hz), `parameter`, `remaining`, `displacement`, `gain`."""
+    """Modes that would tell what the curves leave open, those that would tell most first: `mode`, `frequency` (Hz), `parameter`, `remaining`,
+    `displacement` (at most the largest one measured), `gain`."""
+    measure_next: str
+    """That in words: also why no mode is named. Empty without curves."""
     front: Sequence[tuple[float, float]]
     """Best compromises: misfit of frequency over its measured shift, and of the logarithm of damping."""
     curves: Sequence[ComparedCurve]
@@ -292,7 +299,7 @@ def _made(told: dict[str, Any], text: str | None) -> StructureUpdate:
 
     def compared(curve: dict[str, Any]) -> ComparedCurve:
         kept = {key: np.asarray(curve[key], dtype=np.float64) for key in ComparedCurve.__annotations__ if isinstance(curve[key], list)}
-        return ComparedCurve(mode=curve["mode"], held_out=curve["held_out"], **kept)
+        return ComparedCurve(mode=curve["mode"], held_out=curve["held_out"], prediction=curve["prediction"], **kept)
 
     def struck(blow: dict[str, Any]) -> ComparedBlow:
         return ComparedBlow(**{**blow, **{key: np.asarray(blow[key], dtype=np.float64) for key in ("time", "measured", "computed")}})
@@ -306,6 +313,7 @@ def _made(told: dict[str, Any], text: str | None) -> StructureUpdate:
         corrections=told["corrections"],
         told=told["told"],
         next_modes=told["next_modes"],
+        measure_next=told["measure_next"],
         front=[(point["frequency"], point["damping"]) for point in told["front"]],
         curves=[compared(curve) for curve in told["curves"]],
         blows=[struck(blow) for blow in told["blows"]],

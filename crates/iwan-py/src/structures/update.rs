@@ -224,6 +224,7 @@ fn told(found: &Update) -> String {
         "corrections": found.corrections,
         "told": found.told,
         "next_modes": found.next_modes,
+        "measure_next": found.measure_next,
         "front": found.front,
         "curves": found.curves,
         "blows": found.blows,

@@ -11,6 +11,12 @@ use super::model::Beside;
 const ASKED: usize = 12;
 /// Amplitudes at which such a mode is taken to be measured, over two decades: as many as a short ring-down has independent values.
 const AMPLITUDES: usize = 12;
+/// A mode would tell an unknown where it leaves less than this part of the deviation that is plausible before: half, which takes a factor of 33 either way
+/// to one of six.
+const TELLS: f64 = 0.5;
+/// Relative deviations of a frequency and of a damping ratio that a further mode is measured with at best: what frequencies of one specimen do from day
+/// to day with temperature, and what its damping does from hit to hit. Judgements.
+const MEASURED_AT_BEST: (f64, f64) = (1e-4, 0.03);
 /// Weight of damping over that of frequency at the ends of the front: a thousand times more or less than the curves' own noise says.
 const FARTHEST: f64 = 1e3;
 
@@ -21,13 +27,14 @@ pub struct NextMode {
     pub mode: String,
     /// Stuck frequency with the joints found, Hz.
     pub frequency: f64,
-    /// Sum of ln(deviation before / deviation after) over all unknowns of the joints: what it would tell in all.
+    /// Sum of ln(deviation before / deviation after) over the parameters of the joints that the curves leave open: what it would tell in all.
     pub gain: f64,
-    /// What it would tell best: group and parameter, …
+    /// What of these it would tell best: group and parameter, …
     pub parameter: String,
     /// … and its standard deviation after over before.
     pub remaining: f64,
-    /// Largest modal displacement it would need: that at which no joint slips more than in the measured modes.
+    /// Largest modal displacement it would need: at most the largest one measured, and at most that at which no joint slips more than in the measured
+    /// modes.
     pub displacement: f64,
 }
 
@@ -47,12 +54,24 @@ pub struct TradeOff {
 /// Names of the parameters of a law, as in results.
 pub(super) const PARAMETERS: [&str; 4] = ["k_t", "f_s", "chi", "beta"];
 
-/// The modes not measured, those that would tell most first.
-pub(super) fn next_modes(fit: &Fit<'_>, named: &NamedModes, groups: &[String]) -> Vec<NextMode> {
+/// The modes not measured that would tell a parameter which the curves leave open, at amplitudes no larger than those measured; those that would tell most
+/// first. `open` are the numbers of these parameters among the coordinates.
+pub(super) fn next_modes(
+    fit: &Fit<'_>,
+    named: &NamedModes,
+    groups: &[String],
+    open: &[usize],
+) -> Vec<NextMode> {
     let Some(adjusted) = fit.model.adjusted(&fit.found.x) else { return Vec::new() };
     let reach = largest_slips(fit);
-    // The unknowns of all joints, those that the curves so far do not feel too.
-    let joints: Vec<usize> = (0..fit.model.first_factor()).collect();
+    let points = || fit.model.curves.iter().flat_map(|curve| &curve.points);
+    let farthest = points().map(|p| p.displacement).fold(0.0_f64, f64::max);
+    // Damping below the least that was measured drowns in what the structure loses elsewhere.
+    let least = points().map(|p| p.log_damping).fold(f64::INFINITY, f64::min).exp();
+    let (frequency_sd, damping_sd) = noise(&fit.model);
+    let (frequency_sd, damping_sd) =
+        (frequency_sd.max(MEASURED_AT_BEST.0), damping_sd.max(MEASURED_AT_BEST.1));
+    // With the unknowns that the curves so far do not feel.
     let all: Vec<usize> = (0..fit.model.bounds.len()).collect();
     let Ok(told) = Told::about(&fit.model, &fit.found, &all, fit.variance) else { return Vec::new() };
     let before = told.deviations();
@@ -60,29 +79,34 @@ pub(super) fn next_modes(fit: &Fit<'_>, named: &NamedModes, groups: &[String]) -
     let of = |mode: &iwan_fem::NamedMode| {
         let stuck = adjusted.mode(mode.pair.stuck).ok()?;
         let held = |(slip, reach): (usize, f64)| reach / stuck.shape()[slip].abs().max(f64::MIN_POSITIVE);
-        let largest = reach.iter().copied().enumerate().map(held).fold(f64::INFINITY, f64::min);
+        let largest = reach.iter().copied().enumerate().map(held).fold(farthest, f64::min);
         let below = |i: usize| 100.0_f64.powf(-(i as f64) / (AMPLITUDES as f64 - 1.0));
         let q: Vec<f64> = (0..AMPLITUDES).rev().map(|i| largest * below(i)).collect();
         let with = (mode.pair.stuck, None, Stiffness::FirstHarmonic);
         let said = fit.model.said(&adjusted, &fit.found.x, with, &q)?;
-        let (frequency_sd, damping_sd) = noise(&fit.model);
-        let slopes: Vec<Vec<f64>> = said
-            .iter()
-            .flat_map(|s| {
-                let of_frequency =
-                    s.frequency_by.iter().map(|by| by / (frequency_sd * s.frequency)).collect();
-                [of_frequency, s.log_damping_by.iter().map(|by| by / damping_sd).collect()]
-            })
-            .collect();
+        let mut slopes: Vec<Vec<f64>> = Vec::new();
+        for s in &said {
+            slopes.push(s.frequency_by.iter().map(|by| by / (frequency_sd * s.frequency)).collect());
+        }
+        // The mode has a linear damping of its own, which nobody knows before: only what damping does with amplitude tells of joints.
+        let ratios: Vec<f64> = said.iter().map(|s| s.log_damping.exp()).collect();
+        let unit = |ratio: f64| 1.0 / (damping_sd * (ratio + least));
+        let own: f64 = ratios.iter().map(|r| unit(*r).powi(2)).sum();
+        let of_damping = |i: usize, j: usize| said[i].log_damping_by[j] * ratios[i] * unit(ratios[i]);
+        let along = |j: usize| (0..said.len()).map(|i| unit(ratios[i]) * of_damping(i, j)).sum::<f64>() / own;
+        let along: Vec<f64> = all.iter().map(|j| along(*j)).collect();
+        for i in 0..said.len() {
+            slopes.push(all.iter().map(|j| of_damping(i, *j) - unit(ratios[i]) * along[*j]).collect());
+        }
         let finite = slopes.iter().flatten().all(|s: &f64| s.is_finite());
         let after = told.deviations_with(&slopes);
-        let share = |k: &usize| after[*k] / before[*k];
-        let best = (0..joints.len()).min_by(|a, b| share(a).total_cmp(&share(b))).filter(|_| finite)?;
-        Some(NextMode {
+        let share = |j: &usize| after[*j] / before[*j];
+        let best = *open.iter().min_by(|a, b| share(a).total_cmp(&share(b))).filter(|_| finite)?;
+        (share(&best) < TELLS).then(|| NextMode {
             mode: mode.name.clone(),
-            frequency: said.first()?.frequency,
-            gain: (0..joints.len()).map(|k| -share(&k).ln()).sum(),
-            parameter: format!("{} of {}", PARAMETERS[joints[best] % 4], groups[joints[best] / 4]),
+            frequency: said.first().map_or(0.0, |s| s.frequency),
+            gain: open.iter().map(|j| -share(j).ln()).sum(),
+            parameter: format!("{} of {}", PARAMETERS[best % 4], groups[best / 4]),
             remaining: share(&best),
             displacement: largest,
         })
@@ -91,6 +115,25 @@ pub(super) fn next_modes(fit: &Fit<'_>, named: &NamedModes, groups: &[String]) -
     let mut modes: Vec<NextMode> = others.filter_map(of).collect();
     modes.sort_by(|a, b| b.gain.total_cmp(&a.gain));
     modes
+}
+
+/// Which mode to measure next, in words.
+pub(super) fn in_words(adequate: bool, open: &[usize], modes: &[NextMode]) -> String {
+    match modes.first() {
+        _ if !adequate => {
+            "measure next: not said, as the structure does not describe what was measured".into()
+        }
+        _ if open.is_empty() => {
+            "measure next: nothing is needed, all parameters of the joints are told".into()
+        }
+        Some(next) => format!(
+            "measure next: {} ({:.1} Hz) up to the modal displacement {:.2e}, which would tell most of {}",
+            next.mode, next.frequency, next.displacement, next.parameter
+        ),
+        None => format!(
+            "measure next: none of the first {ASKED} elastic modes would tell what is open, at amplitudes up to those measured"
+        ),
+    }
 }
 
 /// Largest slip of each joint in the measured curves.

@@ -70,14 +70,22 @@ impl MeasuredCurve {
         for i in 0..n {
             let (q, f, z) = (self.displacement[i], self.frequency[i], self.damping_ratio[i]);
             if !(q.is_finite() && f.is_finite() && z.is_finite() && q > 0.0 && f > 0.0) {
-                let entry = i + 1;
-                return Err(refused(format!(
-                    "entry {entry}: displacement {q}, frequency {f}, damping ratio {z}"
-                )));
+                let columns =
+                    [("displacement", q, q > 0.0), ("frequency", f, f > 0.0), ("damping ratio", z, true)];
+                let bad = columns.iter().find(|(_, value, fits)| !(value.is_finite() && *fits));
+                let (name, value) = bad.map_or(("", f64::NAN), |(name, value, _)| (*name, *value));
+                return Err(refused(format!("the {name} is {value} in entry {} of {n}", i + 1)));
             }
             if z > 0.0 {
                 points.push(Point { displacement: q, frequency: f, log_damping: z.ln() });
             }
+        }
+        if points.is_empty() && n > 0 {
+            return Err(Error::Update {
+                place: format!("{}, {}", self.source, self.mode),
+                finding: "the damping ratio is 0 or less in all entries, so that nothing was lost at any amplitude: joints that slip lose energy".into(),
+                remedy: "give the measured damping ratio or dissipation; an empty column may have been filled with zeros",
+            });
         }
         if points.len() < FEWEST_POINTS {
             return Err(refused(format!("{} usable entries", points.len())));
@@ -137,9 +145,11 @@ mod tests {
     fn what_cannot_be_used_is_named() {
         let mut broken = curve(10);
         broken.frequency[3] = f64::NAN;
-        assert!(broken.points().unwrap_err().to_string().contains("entry 4"));
+        assert!(broken.points().unwrap_err().to_string().contains("the frequency is NaN in entry 4 of 10"));
         let mut negative = curve(6);
         negative.damping_ratio[..3].fill(-1e-3);
         assert!(negative.points().unwrap_err().to_string().contains("3 usable"));
+        negative.damping_ratio.fill(0.0);
+        assert!(negative.points().unwrap_err().to_string().contains("0 or less in all entries"));
     }
 }

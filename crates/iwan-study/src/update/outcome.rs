@@ -7,6 +7,7 @@ use serde::Serialize;
 use super::explain::LinearCorrection;
 use super::fitted::{Estimated, Fit, JointUpdate};
 use super::further::{NextMode, PARAMETERS, TradeOff};
+use super::predicted::Prediction;
 use super::task::UpdateTask;
 use super::verdict::StructureVerdict;
 
@@ -33,10 +34,12 @@ pub struct ComparedCurve {
     pub frequency_after: Vec<f64>,
     /// The same for the damping ratio.
     pub damping_ratio_after: Vec<f64>,
-    /// Standard deviation of the frequency found, Hz, by what the curves leave open.
+    /// Standard deviation of the frequency found, Hz, by what the curves leave open; infinite (null in files) where nothing bounds it.
     pub frequency_sd: Vec<f64>,
     /// The same for ln ζ.
     pub log_damping_sd: Vec<f64>,
+    /// Of a curve that was kept out: how far the prediction is off, and what cannot be predicted.
+    pub prediction: Option<Prediction>,
 }
 
 /// One mode at one point under a blow: how far the structure is from what was measured.
@@ -93,6 +96,8 @@ pub struct Update {
     pub corrections: Vec<LinearCorrection>,
     /// What to measure next.
     pub next_modes: Vec<NextMode>,
+    /// That in words, where there are curves: also why no mode is named.
+    pub measure_next: String,
     /// Compromises of frequency and damping.
     pub front: Vec<TradeOff>,
     /// Blows beside the structure's, where joints were found from blows: one entry for each point and mode of each.

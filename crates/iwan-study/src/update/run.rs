@@ -7,13 +7,15 @@ use iwan_ident::estimate::Interval;
 
 use super::explain::explanations;
 use super::fitted::{Estimated, Fit, JointUpdate};
-use super::further::{front, next_modes};
+use super::further::{front, in_words, next_modes};
 use super::group::JointGroup;
 use super::measured::Point;
-use super::model::{DAMPING_UNIT, Said};
+use super::mistakes::{hints, other_length, refuse};
+use super::model::{Beside, DAMPING_UNIT, Said};
 use super::outcome::{ComparedCurve, Update, names, told};
+use super::predicted::{Asked, Spread, held_against, spread};
 use super::task::{Placed, UpdateTask, checked, model, modes_of, placed, starts};
-use super::verdict::{Passing, StructureVerdict, departures};
+use super::verdict::{Departure, Passing, StructureVerdict, departures};
 use crate::error::Error;
 
 /// Modes of the reduced structure beside the attachment vectors, and as many above the highest mode measured: 40 of the paper's beam reach to
@@ -39,6 +41,8 @@ pub fn update(task: &UpdateTask<'_>, progress: Progress<'_>) -> Result<Update, E
     let measured = placed(task, &task.curves)?;
     let held_out = placed(task, &task.held_out)?;
     checked(task)?;
+    refuse(task.named, &measured)?;
+    refuse(task.named, &held_out)?;
     let highest = measured.iter().chain(&held_out).map(|p| p.mode).max().unwrap_or(0);
     let basis = MODES.max(2 * highest).min(assembled.unknowns());
     let reduced =
@@ -49,41 +53,104 @@ pub fn update(task: &UpdateTask<'_>, progress: Progress<'_>) -> Result<Update, E
     let model = model(task, &adjustable, &measured, &modes);
     let go_on = |share: f64| if progress(share).is_break() { Err(Error::Interrupted) } else { Ok(()) };
     go_on(0.25)?;
-    let mut fit = Fit::new(model, &starts(task, &measured, modes.len()))?;
-    go_on(0.5)?;
-    let intervals = fit.intervals(task.threads)?;
-    go_on(0.8)?;
-    let verdict = verdict(&fit, &measured)?;
-    let corrections =
-        if verdict.adequate { Vec::new() } else { explanations(task, &fit, &reduced, &measured) };
     let group_names: Vec<String> = task.groups.iter().map(|g| g.name.clone()).collect();
     let factors: Vec<String> = task.corrections.iter().map(|c| c.0.clone()).collect();
     let unknowns = names(&group_names, &factors, if task.viscous { &modes } else { &[] });
+    let starts = starts_with_curves(task, &model, &measured, modes.len())?;
+    let mut fit = Fit::new(model, &starts)?;
+    go_on(0.5)?;
+    let mut intervals = fit.intervals(task.threads)?;
+    go_on(0.8)?;
+    let found = joints(task, assembled, &fit, &intervals)?;
+    let verdict = verdict(task, &fit, &measured, &found)?;
+    let mut told = told(&fit, &unknowns);
+    if !verdict.adequate {
+        // Joints that do not tell the curves have parameters, but not those of the structure.
+        intervals.fill(Interval::default());
+        told.iter_mut().for_each(|combination| combination.deviation = None);
+    }
+    let corrections =
+        if verdict.adequate { Vec::new() } else { explanations(task, &fit, &reduced, &measured) };
     go_on(0.85)?;
     let front = front(&fit, FRONT);
+    let closed = |interval: &Interval| interval.low.is_some() && interval.high.is_some();
+    let open: Vec<usize> = (0..fit.model.first_factor()).filter(|j| !closed(&intervals[*j])).collect();
+    let adequate = verdict.adequate;
+    let next_modes = if adequate { next_modes(&fit, task.named, &group_names, &open) } else { Vec::new() };
     Ok(Update {
         groups: joints(task, assembled, &fit, &intervals)?,
         laws: fit.laws(),
         factors: factors.iter().enumerate().map(|(k, n)| (n.clone(), fit.factor(k, &intervals))).collect(),
         viscous: viscous(task, &fit, &intervals, &modes),
-        curves: compared(task, &fit, &measured, &held_out)?,
-        told: told(&fit, &unknowns),
+        curves: compared((task, &fit), &measured, &held_out, (&intervals, &unknowns, adequate))?,
+        told,
         verdict,
         corrections,
-        next_modes: next_modes(&fit, task.named, &group_names),
+        measure_next: in_words(adequate, &open, &next_modes),
+        next_modes,
         front,
         blows: Vec::new(),
         converged: fit.found.converged,
     })
 }
 
-fn verdict(fit: &Fit<'_>, measured: &[Placed<'_>]) -> Result<StructureVerdict, Error> {
+fn verdict(
+    task: &UpdateTask<'_>,
+    fit: &Fit<'_>,
+    measured: &[Placed<'_>],
+    found: &[JointUpdate],
+) -> Result<StructureVerdict, Error> {
     let said = said_of_all(fit)?;
+    let computed = Passing::computed(measured.iter().map(|p| p.points.len()));
     let beyond = |passing| {
         let pairs = measured.iter().zip(&said);
         pairs.flat_map(|(p, said)| departures(&p.curve.mode, &p.points, said, passing)).collect()
     };
-    Ok(StructureVerdict::new(beyond(Passing::REPEATS), beyond(Passing::COMPUTED)))
+    let missed: Vec<Departure> = beyond(Passing::REPEATS);
+    let suspected = if missed.is_empty() {
+        other_length(&task.groups, found)
+    } else {
+        let x = starts(task, measured, modes_of(measured).len()).remove(0);
+        hints(task.named, measured, &before(&fit.model, &x, measured))
+    };
+    Ok(StructureVerdict::new(missed, beyond(computed), suspected))
+}
+
+/// What the structure says of each curve with the joints of its file alone, where it can.
+fn before(model: &Beside<'_>, x: &[f64], measured: &[Placed<'_>]) -> Vec<Option<Vec<Said>>> {
+    let of = |placed: &Placed<'_>| {
+        let q: Vec<f64> = placed.points.iter().map(|p| p.displacement).collect();
+        model.said(&model.adjusted(x)?, x, (placed.mode, None, placed.curve.stiffness), &q)
+    };
+    measured.iter().map(of).collect()
+}
+
+/// Start values, of which the first has curves at the measured amplitudes.
+fn starts_with_curves(
+    task: &UpdateTask<'_>,
+    model: &Beside<'_>,
+    measured: &[Placed<'_>],
+    modes: usize,
+) -> Result<Vec<Vec<f64>>, Error> {
+    let mut all = starts(task, measured, modes);
+    let Some(first) = all.iter().position(|x| model.said_of_all(x).is_some()) else {
+        let before = before(model, &all[0], measured);
+        let slides = measured.iter().zip(&before).filter(|(_, said)| said.is_none());
+        let slides = slides.map(|(p, _)| (p.curve.mode.as_str(), p.points[p.points.len() - 1].displacement));
+        let (mode, q) = slides.last().unwrap_or(("the measured modes", f64::NAN));
+        let hints = hints(task.named, measured, &before);
+        return Err(Error::Update {
+            place: "update".into(),
+            finding: format!(
+                "with the joints of the file, and with others near them, no static load holds {mode} at the modal displacement {q:.3e}: all its joints \
+                 slide there{}",
+                hints.iter().map(|hint| format!("; {hint}")).collect::<String>()
+            ),
+            remedy: "check the unit of the displacement, leave out the largest amplitudes, or give the joints of the file a larger f_s",
+        });
+    };
+    all.swap(0, first);
+    Ok(all)
 }
 
 fn said_of_all(fit: &Fit<'_>) -> Result<Vec<Vec<Said>>, Error> {
@@ -123,10 +190,10 @@ fn viscous(
 
 /// Measured curves beside those of the structure before and after.
 fn compared(
-    task: &UpdateTask<'_>,
-    fit: &Fit<'_>,
+    (task, fit): (&UpdateTask<'_>, &Fit<'_>),
     measured: &[Placed<'_>],
     held_out: &[Placed<'_>],
+    (intervals, unknowns, adequate): (&[Interval], &[String], bool),
 ) -> Result<Vec<ComparedCurve>, Error> {
     let before = starts(task, measured, modes_of(measured).len()).remove(0);
     let mut undamped = before.clone();
@@ -150,8 +217,31 @@ fn compared(
         let of = |said: Option<&Vec<Said>>, get: &dyn Fn(&Said) -> f64| -> Vec<f64> {
             said.map(|said| said.iter().map(get).collect()).unwrap_or_default()
         };
+        let frequency_after = of(Some(&after), &|s| s.frequency);
+        let damping_ratio_after = of(Some(&after), &|s| s.log_damping.exp() + mean);
+        let mode = placed.curve.mode.replace('-', " ");
+        let spread = if held || !adequate {
+            let asked = Asked {
+                mode: &mode,
+                with,
+                points: &placed.points,
+                said: &after,
+                guessed: mean,
+                viscous: task.viscous,
+                adequate,
+            };
+            spread(fit, intervals, unknowns, asked)
+        } else {
+            Spread {
+                frequency: of(Some(&after), &|s| fit.told.deviation(&s.frequency_by)),
+                log_damping: of(Some(&after), &|s| fit.told.deviation(&s.log_damping_by)),
+                not_predicted: Vec::new(),
+            }
+        };
+        let prediction =
+            held.then(|| held_against(&placed.points, &frequency_after, &damping_ratio_after, &spread));
         all.push(ComparedCurve {
-            mode: placed.curve.mode.replace('-', " "),
+            mode,
             source: placed.curve.source.clone(),
             held_out: held,
             displacement: placed.points.iter().map(|p| p.displacement).collect(),
@@ -159,10 +249,11 @@ fn compared(
             damping_ratio: placed.points.iter().map(|p| p.log_damping.exp()).collect(),
             frequency_before: of(first.as_ref(), &|s| s.frequency),
             damping_ratio_before: of(first.as_ref(), &|s| s.log_damping.exp()),
-            frequency_after: of(Some(&after), &|s| s.frequency),
-            damping_ratio_after: of(Some(&after), &|s| s.log_damping.exp() + mean),
-            frequency_sd: of(Some(&after), &|s| fit.told.deviation(&s.frequency_by)),
-            log_damping_sd: of(Some(&after), &|s| fit.told.deviation(&s.log_damping_by)),
+            frequency_after,
+            damping_ratio_after,
+            frequency_sd: spread.frequency,
+            log_damping_sd: spread.log_damping,
+            prediction,
         });
     }
     Ok(all)

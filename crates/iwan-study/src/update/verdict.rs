@@ -1,5 +1,7 @@
 //! Whether the structure with its best joints tells the curves, and where it leaves them.
 
+use std::f64::consts::FRAC_PI_2;
+
 use serde::Serialize;
 
 use super::measured::Point;
@@ -10,7 +12,7 @@ const DISSIPATION: f64 = 0.03;
 /// Frequency missed by more than this part of its measured shift is none.
 const FREQUENCY: f64 = 0.1;
 /// A shift below this part of the frequency is none: ring-downs of real structures do not repeat better.
-const SHIFT_FLOOR: f64 = 1e-5;
+pub(super) const SHIFT_FLOOR: f64 = 1e-5;
 /// Neighbours over which misfits are averaged: noise then counts less than half, and a departure keeps its place.
 const NEIGHBOURS: usize = 5;
 /// Misfits that noise explains, in standard deviations of the average of so many neighbours: of a few hundred averages none is beyond four by
@@ -19,20 +21,75 @@ const NOISE: f64 = 4.0;
 
 /// What the structure's own curves are off by: twice what reduced quasi-static curves lose of dissipation and of the loss of frequency. A
 /// departure beyond it, and beyond noise, is real however small: the structure is another one.
-const OWN: f64 = 2e-3;
+pub(super) const OWN: f64 = 2e-3;
+
+/// A right structure is suspected by chance in so many of all updates.
+const SUSPECTED: f64 = 0.05;
+/// Second differences on either side of an average whose scatter tells the noise there. Noise may grow with the amplitude, as where it is a part of the
+/// shift of the frequency: more would mix in quieter amplitudes, fewer know too little of it.
+const BESIDE: usize = 4;
+/// Intervals of the midpoint rule for tails of Student's distribution: four digits of the quantile.
+const MIDPOINTS: usize = 200;
+/// Halvings of the quantile's interval: more than it has digits.
+const HALVINGS: usize = 50;
 
 /// What passes: of dissipation, and of the frequency over its measured shift.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Passing {
     dissipation: f64,
     shift: f64,
+    noise: Noise,
+}
+
+/// How far noise goes.
+#[derive(Debug, Clone, Copy)]
+enum Noise {
+    /// In standard deviations of an average, by the scatter of the whole curve.
+    Deviations(f64),
+    /// Beyond it goes this share of all averages, by the scatter beside each.
+    Chance(f64),
 }
 
 impl Passing {
     /// What repeated hits of one specimen differ by: enough for predictions.
-    pub(super) const REPEATS: Self = Self { dissipation: DISSIPATION, shift: FREQUENCY };
-    /// What the computation itself is off by.
-    pub(super) const COMPUTED: Self = Self { dissipation: OWN, shift: OWN };
+    pub(super) const REPEATS: Self =
+        Self { dissipation: DISSIPATION, shift: FREQUENCY, noise: Noise::Deviations(NOISE) };
+
+    /// What the computation itself is off by, and what noise does in one of twenty updates that compare curves of so many points.
+    pub(super) fn computed(points: impl Iterator<Item = usize>) -> Self {
+        // Frequency and damping of each curve.
+        let averages: usize = points.map(|n| 2 * (n - NEIGHBOURS.min(n) + 1)).sum();
+        let chance = SUSPECTED / (averages as f64).max(1.0);
+        Self { dissipation: OWN, shift: OWN, noise: Noise::Chance(chance) }
+    }
+}
+
+/// Student's t that is passed with this probability on both sides together, with any degrees of freedom: t = √ν tan θ, where θ has the density
+/// cos^(ν-1).
+fn passed_by(chance: f64, freedom: f64) -> f64 {
+    let beyond = |theta: f64| {
+        let step = (FRAC_PI_2 - theta) / MIDPOINTS as f64;
+        let density = |i: usize| (theta + (i as f64 + 0.5) * step).cos().powf(freedom - 1.0);
+        (0..MIDPOINTS).map(density).sum::<f64>() * step
+    };
+    let whole = beyond(0.0);
+    let (mut low, mut high) = (0.0, FRAC_PI_2);
+    for _ in 0..HALVINGS {
+        let middle = 0.5 * (low + high);
+        if beyond(middle) > chance * whole { low = middle } else { high = middle }
+    }
+    freedom.sqrt() * low.tan()
+}
+
+/// Standard deviation of the noise in values, and the degrees of freedom of that: what jumps between neighbours is noise. Of a straight line second
+/// differences leave nothing, of noise six times its variance.
+pub(super) fn scatter(values: &[f64]) -> (f64, f64) {
+    let count = values.len().saturating_sub(2) as f64;
+    let square: f64 = values.windows(3).map(|w| (w[0] - 2.0 * w[1] + w[2]).powi(2) / 6.0).sum();
+    // Neighbours among them have the correlations -4/6 and 1/6: twice the square of their mean over its variance.
+    let freedom = 36.0 * count * count
+        / (36.0 * count + 32.0 * (count - 1.0).max(0.0) + 2.0 * (count - 2.0).max(0.0)).max(1.0);
+    ((square / count.max(1.0)).sqrt(), freedom)
 }
 
 /// What is missed.
@@ -73,25 +130,35 @@ pub struct StructureVerdict {
     /// Where it does by that measure, and departs all the same by more than noise and its own errors, the worst first: another arrangement of
     /// joints tells these curves better.
     pub systematic: Vec<Departure>,
-    /// In words.
+    /// What may be wrong with the curves themselves, such as their units.
+    pub hints: Vec<String>,
+    /// All that in words.
     pub in_words: String,
 }
 
 /// Where one kind of values leaves what is said of them.
-fn departure(misfits: &[f64], floor: f64) -> Option<(usize, f64, f64, (usize, usize))> {
+fn departure(misfits: &[f64], floor: f64, noise: Noise) -> Option<(usize, f64, f64, (usize, usize))> {
     let n = misfits.len();
     let width = NEIGHBOURS.min(n);
-    // What jumps between neighbours is noise: of a straight line second differences leave nothing, of noise six times its variance.
-    let second = misfits.windows(3).map(|w| (w[0] - 2.0 * w[1] + w[2]).powi(2) / 6.0);
-    let noise = (second.sum::<f64>() / (n as f64 - 2.0).max(1.0)).sqrt();
-    let limit = floor.max(NOISE * noise / (width as f64).sqrt());
-    let mean = |i: usize| {
-        let from = i.saturating_sub(width / 2).min(n - width);
-        misfits[from..from + width].iter().sum::<f64>() / width as f64
+    let from = |i: usize| i.saturating_sub(width / 2).min(n - width);
+    let mean = |i: usize| misfits[from(i)..from(i) + width].iter().sum::<f64>() / width as f64;
+    let limit = |i: usize| {
+        let reach = match noise {
+            Noise::Deviations(most) => most * scatter(misfits).0,
+            Noise::Chance(chance) => {
+                // The outermost differences reach one value further than their middles.
+                let (first, last) = (from(i).saturating_sub(BESIDE + 1), from(i) + width + BESIDE + 1);
+                let (noise, freedom) = scatter(&misfits[first..last.min(n)]);
+                passed_by(chance, freedom) * noise
+            }
+        };
+        floor.max(reach / (width as f64).sqrt())
     };
-    let beyond: Vec<usize> = (0..n).filter(|i| mean(*i).abs() > limit).collect();
-    let worst = beyond.iter().copied().max_by(|a, b| mean(*a).abs().total_cmp(&mean(*b).abs()))?;
-    Some((worst, mean(worst), limit, (beyond[0], beyond[beyond.len() - 1])))
+    let limits: Vec<f64> = (0..n).map(limit).collect();
+    let badness = |i: usize| mean(i).abs() / limits[i];
+    let beyond: Vec<usize> = (0..n).filter(|i| badness(*i) > 1.0).collect();
+    let worst = beyond.iter().copied().max_by(|a, b| badness(*a).total_cmp(&badness(*b)))?;
+    Some((worst, mean(worst), limits[worst], (beyond[0], beyond[beyond.len() - 1])))
 }
 
 /// Where the structure leaves a curve, frequency and damping.
@@ -106,7 +173,7 @@ pub(super) fn departures(mode: &str, points: &[Point], said: &[Said], passing: P
     [(Quantity::Frequency, frequencies, frequency_floor), (Quantity::Damping, damping, passing.dissipation)]
         .into_iter()
         .filter_map(|(quantity, misfits, floor)| {
-            let (worst, misfit, limit, (first, last)) = departure(&misfits, floor)?;
+            let (worst, misfit, limit, (first, last)) = departure(&misfits, floor, passing.noise)?;
             let q = |i: usize| points[i].displacement;
             let (displacement, range) = (q(worst), (q(first), q(last)));
             Some(Departure { mode: mode.to_owned(), quantity, displacement, misfit, limit, range })
@@ -115,8 +182,12 @@ pub(super) fn departures(mode: &str, points: &[Point], said: &[Said], passing: P
 }
 
 impl StructureVerdict {
-    /// Of all departures beyond what passes, and of those beyond noise.
-    pub(super) fn new(mut departures: Vec<Departure>, mut systematic: Vec<Departure>) -> Self {
+    /// Of all departures beyond what passes, of those beyond noise, and of what may be wrong with curves that are left.
+    pub(super) fn new(
+        mut departures: Vec<Departure>,
+        mut systematic: Vec<Departure>,
+        hints: Vec<String>,
+    ) -> Self {
         let badness = |d: &Departure| d.misfit.abs() / d.limit;
         let worst_first = |a: &Departure, b: &Departure| badness(b).total_cmp(&badness(a));
         departures.sort_by(worst_first);
@@ -124,21 +195,26 @@ impl StructureVerdict {
         if !departures.is_empty() {
             systematic.clear();
         }
+        let hinted = hints.iter().map(|hint| format!("; {hint}")).collect::<String>();
         let in_words = match (departures.first(), systematic.first()) {
             (Some(worst), _) => {
-                format!("the structure with the best joints leaves the data: {}", worst.in_words())
+                format!(
+                    "the structure with the best joints leaves the data: {}{hinted}; the intervals of all unknowns are left open, as parameters of a structure \
+                     that does not describe the data say nothing about the joints",
+                    worst.in_words()
+                )
             }
             (None, Some(worst)) => format!(
                 "the structure with these joints tells frequency and damping of all measured modes as well as hits repeat, but departs from them \
-                 by more than noise and its own errors: {}; another arrangement of joints (one forgotten, or tied at one end) may be the true one, \
-                 and a mode that moves them in another way would tell",
+                 by more than its own errors and more than noise does in one of twenty updates: {}; another arrangement of joints (one forgotten, or tied at \
+                 one end) may be the true one, the intervals hold for this one alone, and a mode that moves the joints in another way would tell{hinted}",
                 worst.in_words()
             ),
-            (None, None) => {
-                "the structure with these joints tells frequency and damping of all measured modes".into()
-            }
+            (None, None) => format!(
+                "the structure with these joints tells frequency and damping of all measured modes{hinted}"
+            ),
         };
-        Self { adequate: departures.is_empty(), departures, systematic, in_words }
+        Self { adequate: departures.is_empty(), departures, systematic, hints, in_words }
     }
 }
 
@@ -172,10 +248,40 @@ mod tests {
         // Noise of 1 % that jumps: no departure.
         let noise = |i: usize| if (i * 7).is_multiple_of(3) { 0.01 } else { -0.006 };
         let flat: Vec<f64> = (0..30).map(noise).collect();
-        assert!(departure(&flat, 0.03).is_none());
+        let repeats = Passing::REPEATS.noise;
+        assert!(departure(&flat, 0.03, repeats).is_none());
         let bent: Vec<f64> =
             (0..30).map(|i| noise(i) + if i > 20 { 0.01 * (i - 20) as f64 } else { 0.0 }).collect();
-        let (worst, misfit, _, (first, last)) = departure(&bent, 0.03).unwrap();
+        let (worst, misfit, _, (first, last)) = departure(&bent, 0.03, repeats).unwrap();
         assert!(worst >= 27 && misfit > 0.05 && first > 22 && last == 29, "{worst} {misfit} {first}");
+    }
+
+    #[test]
+    fn quantiles_as_tabled() {
+        // Abramowitz and Stegun, Table 26.10, two-sided.
+        for (freedom, chance, t) in
+            [(2.0, 0.05, 4.303), (5.0, 0.05, 2.571), (10.0, 0.01, 3.169), (30.0, 0.001, 3.646)]
+        {
+            assert!((passed_by(chance, freedom) / t - 1.0).abs() < 1e-3, "{}", passed_by(chance, freedom));
+        }
+    }
+
+    /// Of 400 updates with four series of 25 misfits each that are noise alone, be it even or growing with the amplitude, about one in twenty is suspected.
+    #[test]
+    fn noise_alone_is_suspected_in_one_of_twenty() {
+        let mut random = iwan_core::SplitMix64::new(7);
+        let noise = Passing::computed([25, 25].into_iter()).noise;
+        for growth in [1.0_f64, 1.2] {
+            let mut suspected = 0;
+            for _ in 0..400 {
+                let mut series = || -> Vec<f64> {
+                    let mut normal = || (0..12).map(|_| random.next_symmetric()).sum::<f64>() / 2.0;
+                    (0..25).map(|i| growth.powi(i) * normal()).collect()
+                };
+                suspected +=
+                    i32::from((0..4).filter(|_| departure(&series(), 0.0, noise).is_some()).count() > 0);
+            }
+            assert!((2..=40).contains(&suspected), "{growth}: {suspected}");
+        }
     }
 }

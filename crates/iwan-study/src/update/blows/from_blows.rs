@@ -139,10 +139,12 @@ fn nothing() -> Update {
             adequate: true,
             departures: Vec::new(),
             systematic: Vec::new(),
+            hints: Vec::new(),
             in_words: String::new(),
         },
         corrections: Vec::new(),
         next_modes: Vec::new(),
+        measure_next: String::new(),
         front: Vec::new(),
         blows: Vec::new(),
         converged: true,
@@ -234,7 +236,13 @@ fn verdict(compared: &[ComparedBlow], is_noise: bool) -> StructureVerdict {
         ),
         (None, None) => String::new(),
     };
-    StructureVerdict { adequate: missed.is_none(), departures: Vec::new(), systematic: Vec::new(), in_words }
+    StructureVerdict {
+        adequate: missed.is_none(),
+        departures: Vec::new(),
+        systematic: Vec::new(),
+        hints: Vec::new(),
+        in_words,
+    }
 }
 
 #[cfg(test)]

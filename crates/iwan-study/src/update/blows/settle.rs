@@ -32,6 +32,13 @@ const NORMAL: f64 = 1.96;
 const PASSED: f64 = 1.5;
 /// A joint has a Dirac, β > 0, where the best fit without one has a deviance above this, as for modes that share joints.
 const DIRAC_SEEN: f64 = 25.0;
+/// The sum of squares, in units of the variance, at which a 95 % interval ends: the 95 % point of chi-square with one degree of freedom.
+const ENDS: f64 = 3.84;
+/// An end is tried by a run of the blows so many times as far from the best value: residuals that go on straight leave four times the deviance of the end
+/// there, and what they leave out has room.
+const AS_FAR: f64 = 2.0;
+/// An end farther than this from the best value in its coordinate, a factor of 7 on K_T and F_S, is none: residuals do not go on straight so far.
+const FARTHEST: f64 = 2.0;
 /// Effort of the search without a Dirac. A judgement.
 const WITHOUT: (usize, f64) = (15, 1e-4);
 /// A gate that misses more than this of the motion, and more than noise, is no match. A damping ratio that is wrong by 3 %, as repeated hits are, is 6 % of
@@ -189,11 +196,33 @@ impl<'a> Fitting<'a> {
         if let Ok(walked) = intervals(&straight, about, &free, self.rings.threads) {
             free.iter().zip(walked).for_each(|(j, interval)| all[*j] = widened(found.x[*j], interval));
         }
+        self.without_ends(about, &mut all);
         let told = Told::about(&straight, &found, &free, variance).map_err(&failed)?;
         go_on(0.6)?;
         let slip_ratios = self.rings.slip_ratios(&found.x);
         self.without_knees(about, (&slip_ratios, is_noise), &mut all);
         Ok(Certain { found, free, intervals: all, told, slip_ratios, is_noise })
+    }
+
+    /// Opens parameters of joints whose ends are those of residuals that go on straight only: where the blows themselves accept a value well beyond an end,
+    /// or the end lies too far away to be believed, the search stood somewhere in a valley that they do not bound.
+    fn without_ends(&self, about: About<'_>, intervals: &mut [Interval]) {
+        let mut residuals = vec![0.0; self.rings.count()];
+        let mut accepts = |j: usize, end: f64| {
+            let (best, (low, high)) = (about.found.x[j], self.rings.beside.bounds[j]);
+            let mut x = about.found.x.clone();
+            x[j] = (best + AS_FAR * (end - best)).clamp(low, high);
+            let known = self.rings.evaluate(&x, &mut residuals, None);
+            let cost: f64 = residuals.iter().map(|r| r * r).sum();
+            known && cost - about.found.cost < ENDS * about.variance
+        };
+        for (j, interval) in intervals.iter_mut().enumerate().take(self.rings.beside.first_factor()) {
+            let ends = [interval.low, interval.high];
+            let untold = |end: f64| (end - about.found.x[j]).abs() > FARTHEST || accepts(j, end);
+            if ends.into_iter().flatten().any(untold) {
+                *interval = Interval::default();
+            }
+        }
     }
 
     /// Opens the ends that need a knee which no blow has clearly passed, or which what is left shows: the joint may be as strong and as stiff as one likes.
