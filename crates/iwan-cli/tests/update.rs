@@ -54,7 +54,7 @@ fn what_does_not_fit_is_named() {
         .unwrap();
     let broken = "# measured\ndisplacement,frequency,damping_ratio\n1e-4,130,1e-3\n2e-4,nan,1e-3\n";
     std::fs::write(place.path().join("broken.csv"), broken).unwrap();
-    let rows: String = (1..8).map(|i| format!("{i}e-4,{},0\n", 132 - i)).collect();
+    let rows: String = (1..8).map(|i| format!("{i}e-4,{},0\n", 132 - i)).collect::<Vec<_>>().concat();
     std::fs::write(place.path().join("zero.csv"), format!("displacement,frequency,damping_ratio\n{rows}"))
         .unwrap();
     for (arguments, said) in [

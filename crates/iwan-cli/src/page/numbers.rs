@@ -23,7 +23,7 @@ pub(crate) fn interval(low: Option<f64>, high: Option<f64>) -> String {
     match (low, high) {
         (Some(low), Some(high)) => {
             let decimals = decimals(high - low);
-            let unit = 10_f64.powi(decimals as i32);
+            let unit = 10_f64.powf(decimals as f64).round();
             // What binary fractions are off by does not move an end by a whole unit.
             let (low, high) =
                 ((low * unit + ROUNDING).floor() / unit, (high * unit - ROUNDING).ceil() / unit);

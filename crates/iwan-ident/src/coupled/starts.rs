@@ -109,29 +109,23 @@ pub(super) fn drawn(form: &Form, modes: &[Parameters], largest: &[f64]) -> Vec<V
         let k_t = draws.by_size(DRAWN_SHARE) * omega * omega;
         [k_t, draws.by_size(DRAWN_FORCE) * k_t * slip, draws.evenly(DRAWN_CHI), DRAWN_BETA]
     };
-    let mut one = || match form.sharing {
-        Sharing::Shared(_) => {
-            let b: Vec<f64> = (0..modes.len())
-                .map(|r| match r {
-                    0 => 1.0,
-                    _ => {
-                        let sign = draws.evenly((-1.0, 1.0)).signum();
-                        sign * draws.by_size(DRAWN_PARTICIPATION) * omega[r] / omega[0]
-                    }
-                })
-                .collect();
-            let slip = b.iter().zip(largest).map(|(b, q)| b.abs() * q).sum();
-            let law = law(omega[0], slip, &mut draws);
-            let compliance = draws.evenly(DRAWN_COMPLIANCE);
-            form.start(modes, &[law], &[b], compliance)
-        }
-        _ => {
-            let laws: Vec<[f64; 4]> =
-                omega.iter().zip(largest).map(|(omega, q)| law(*omega, *q, &mut draws)).collect();
-            form.start(modes, &laws, &form.reference.participation, 0.0)
-        }
+    let alone = |draws: &mut Draws| {
+        let laws: Vec<[f64; 4]> =
+            omega.iter().zip(largest).map(|(omega, q)| law(*omega, *q, draws)).collect();
+        form.start(modes, &laws, &form.reference.participation, 0.0)
     };
-    (0..DRAWN * modes.len()).map(|_| one()).collect()
+    let together = |draws: &mut Draws| {
+        let mut b = vec![1.0];
+        for omega_r in &omega[1..] {
+            let sign = draws.evenly((-1.0, 1.0)).signum();
+            b.push(sign * draws.by_size(DRAWN_PARTICIPATION) * omega_r / omega[0]);
+        }
+        let slip = b.iter().zip(largest).map(|(b, q)| b.abs() * q).sum();
+        let law = law(omega[0], slip, draws);
+        form.start(modes, &[law], &[b], draws.evenly(DRAWN_COMPLIANCE))
+    };
+    let shared = matches!(form.sharing, Sharing::Shared(_));
+    (0..DRAWN * modes.len()).map(|_| if shared { together(&mut draws) } else { alone(&mut draws) }).collect()
 }
 
 /// Starts of as many joints as modes, each with a mode of its own and some of the others.

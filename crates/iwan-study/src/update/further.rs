@@ -95,8 +95,8 @@ pub(super) fn next_modes(
         let of_damping = |i: usize, j: usize| said[i].log_damping_by[j] * ratios[i] * unit(ratios[i]);
         let along = |j: usize| (0..said.len()).map(|i| unit(ratios[i]) * of_damping(i, j)).sum::<f64>() / own;
         let along: Vec<f64> = all.iter().map(|j| along(*j)).collect();
-        for i in 0..said.len() {
-            slopes.push(all.iter().map(|j| of_damping(i, *j) - unit(ratios[i]) * along[*j]).collect());
+        for (i, ratio) in ratios.iter().enumerate() {
+            slopes.push(all.iter().map(|j| of_damping(i, *j) - unit(*ratio) * along[*j]).collect());
         }
         let finite = slopes.iter().flatten().all(|s: &f64| s.is_finite());
         let after = told.deviations_with(&slopes);

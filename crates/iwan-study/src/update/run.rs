@@ -15,7 +15,7 @@ use super::model::{Beside, DAMPING_UNIT, Said};
 use super::outcome::{ComparedCurve, Update, names, told};
 use super::predicted::{Asked, Spread, held_against, spread};
 use super::task::{Placed, UpdateTask, checked, model, modes_of, placed, starts};
-use super::verdict::{Departure, Passing, StructureVerdict, departures};
+use super::verdict::{Departure, Passing, StructureVerdict, appended, departures};
 use crate::error::Error;
 
 /// Modes of the reduced structure beside the attachment vectors, and as many above the highest mode measured: 40 of the paper's beam reach to
@@ -67,7 +67,9 @@ pub fn update(task: &UpdateTask<'_>, progress: Progress<'_>) -> Result<Update, E
     if !verdict.adequate {
         // Joints that do not tell the curves have parameters, but not those of the structure.
         intervals.fill(Interval::default());
-        told.iter_mut().for_each(|combination| combination.deviation = None);
+        for combination in &mut told {
+            combination.deviation = None;
+        }
     }
     let corrections =
         if verdict.adequate { Vec::new() } else { explanations(task, &fit, &reduced, &measured) };
@@ -136,15 +138,16 @@ fn starts_with_curves(
     let Some(first) = all.iter().position(|x| model.said_of_all(x).is_some()) else {
         let before = before(model, &all[0], measured);
         let slides = measured.iter().zip(&before).filter(|(_, said)| said.is_none());
-        let slides = slides.map(|(p, _)| (p.curve.mode.as_str(), p.points[p.points.len() - 1].displacement));
-        let (mode, q) = slides.last().unwrap_or(("the measured modes", f64::NAN));
+        let mut slides =
+            slides.map(|(p, _)| (p.curve.mode.as_str(), p.points[p.points.len() - 1].displacement));
+        let (mode, q) = slides.next_back().unwrap_or(("the measured modes", f64::NAN));
         let hints = hints(task.named, measured, &before);
         return Err(Error::Update {
             place: "update".into(),
             finding: format!(
                 "with the joints of the file, and with others near them, no static load holds {mode} at the modal displacement {q:.3e}: all its joints \
                  slide there{}",
-                hints.iter().map(|hint| format!("; {hint}")).collect::<String>()
+                appended(&hints)
             ),
             remedy: "check the unit of the displacement, leave out the largest amplitudes, or give the joints of the file a larger f_s",
         });

@@ -195,7 +195,7 @@ impl StructureVerdict {
         if !departures.is_empty() {
             systematic.clear();
         }
-        let hinted = hints.iter().map(|hint| format!("; {hint}")).collect::<String>();
+        let hinted = appended(&hints);
         let in_words = match (departures.first(), systematic.first()) {
             (Some(worst), _) => {
                 format!(
@@ -237,6 +237,11 @@ impl Departure {
             self.mode, self.displacement, self.range.0, self.range.1
         )
     }
+}
+
+/// Hints behind a sentence.
+pub(super) fn appended(hints: &[String]) -> String {
+    hints.iter().fold(String::new(), |all, hint| all + "; " + hint)
 }
 
 #[cfg(test)]
