@@ -52,6 +52,8 @@ pub mod book {
     pub mod structures {}
     #[doc = include_str!("../book/src/update.md")]
     pub mod update {}
+    #[doc = include_str!("../book/src/beam.md")]
+    pub mod beam {}
     #[doc = include_str!("../book/src/matrices.md")]
     pub mod matrices {}
     #[doc = include_str!("../book/src/reproduce.md")]
