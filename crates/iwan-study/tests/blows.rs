@@ -98,7 +98,10 @@ fn links_are_found_from_blows_and_a_harder_one_is_predicted() {
     }
     // β stands at the onset of macro-slip alone: not told in noise.
     assert!(!links.beta.identifiable && links.slip_ratio > 2.0, "{links:?}");
-    assert!(![washers.k_t, washers.f_s, washers.beta].iter().any(|e| e.identifiable), "{washers:?}");
+    // Washers that hardly slip show nothing of their law's shape: the search ends at χ = -0.99, where nothing but the stiffness has an end.
+    assert!(!washers.k_t.identifiable && washers.k_t.low.is_none_or(|low| low < 2.75e5), "{washers:?}");
+    let open = |e: &iwan_study::update::Estimated| e.low.is_none() && e.high.is_none();
+    assert!([washers.f_s, washers.chi, washers.beta].iter().all(open), "{washers:?}");
     assert!(found.verdict.adequate, "{:?}", found.verdict);
     for blow in found.blows.iter().filter(|blow| blow.held_out) {
         assert!(blow.after < 0.02, "{blow:?}");

@@ -102,18 +102,13 @@ fn links_are_found_from_two_modes_and_washers_are_named() {
     );
     assert!(held.log_damping_sd.iter().all(|sd| sd.is_infinite()));
     assert!(prediction.frequency_inside == Some(1.0), "{prediction:?}");
-    // Only modes that tell what is open, at amplitudes that were reached.
-    let reached = found
-        .curves
-        .iter()
-        .filter(|c| !c.held_out)
-        .flat_map(|c| &c.displacement)
-        .fold(0.0_f64, |m, q| m.max(*q));
+    // Only modes that tell what is open, no faster than those measured were.
+    let measured = found.curves.iter().filter(|c| !c.held_out);
+    let speeds = measured.flat_map(|c| c.displacement.iter().zip(&c.frequency).map(|(q, f)| q * f));
+    let reached = speeds.fold(0.0_f64, f64::max);
     for next in &found.next_modes {
-        assert!(
-            next.displacement <= reached && next.parameter.contains("washer") && next.remaining < 0.5,
-            "{next:?}"
-        );
+        assert!(next.parameter.contains("washer") && next.remaining < 0.5, "{next:?}");
+        assert!(next.displacement * next.frequency <= 1.001 * reached, "{next:?}");
     }
     assert!(found.measure_next.starts_with("measure next: "), "{}", found.measure_next);
 }

@@ -18,6 +18,9 @@ pub(crate) fn or_dash(value: Option<f64>, text: fn(f64) -> String) -> String {
     value.map_or_else(|| "-".into(), text)
 }
 
+/// Share of the last digit by which an end may lie beyond what is shown: less than a thousandth of a tenth of the interval, and far more than the rounding of binary digits.
+const ROUNDING: f64 = 1e-3;
+
 /// An interval as text: open ends say so. Closed ends are rounded outwards, so that a best value next to an end is never shown beyond it.
 pub(crate) fn interval(low: Option<f64>, high: Option<f64>) -> String {
     match (low, high) {
@@ -34,9 +37,6 @@ pub(crate) fn interval(low: Option<f64>, high: Option<f64>) -> String {
         (None, None) => "open on both sides".into(),
     }
 }
-
-/// Share of the last digit that an end may lie beyond it: a hundredth of a hundredth of the interval, far more than the rounding of its binary digits.
-const ROUNDING: f64 = 1e-3;
 
 /// Decimals with which both ends of an interval of this width show where it begins and ends, to a tenth of the width or better:
 /// two digits of the width. At most 14, which is what a number of size 1 has; six where the width is nothing.

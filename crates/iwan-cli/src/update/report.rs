@@ -102,8 +102,8 @@ fn told(summary: &UpdateSummary) -> Markup {
         @if !summary.measure_next.is_empty() { p { (summary.measure_next) "." } }
         @if !summary.next_modes.is_empty() {
             p {
-                "Modes not measured that would tell what is open, those that would tell most first, at amplitudes no larger than those measured, at which no \
-                 joint slips more than it did:"
+                "Modes not measured that would tell what is open, those that would tell most first, at amplitudes at which they are no faster than the measured \
+                 ones were and no joint slips more than it did:"
             }
             div.wide { table {
                 thead { tr { th { "mode" } th { "Hz" } th { "would tell best" } th { "its deviation after, over before" } th { "up to q" } } }

@@ -60,8 +60,8 @@ const MOST_JOINTS: usize = 2;
 ///
 /// Searches start from the modes by themselves with several values of K_T and F_S and all signs of the participation, and from joints drawn from all over what
 /// is plausible, in windows that grow from a tenth of the records to the whole. Residuals are relative to each record and mode. The models are compared by Schwarz's criterion with
-/// as many independent residuals as their correlation leaves; intervals of the chosen one are by profile likelihood. Where it leaves noise, each
-/// series counts by its own.
+/// as many independent residuals as their correlation leaves; intervals of the chosen one are by profile likelihood, wider where it leaves more
+/// than noise ([`widening`]). Where it leaves noise, each series counts by its own.
 ///
 /// # Errors
 /// [`Error::OutOfRange`], [`Error::Length`], [`Error::NotFinite`], [`Error::TooShort`] and [`Error::Model`] for what does not fit;

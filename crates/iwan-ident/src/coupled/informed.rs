@@ -1,7 +1,7 @@
 //! What the levels of the records leave untold.
 
 use super::outcome::{CoupledEstimate, FittedSharing};
-use super::unknowns::Unknown;
+use super::unknowns::{CHI_RANGE, Unknown};
 
 /// Largest slip over φ_max that a knee must have been passed by to be told. Joints have their knee just below the loudest blow where there is none: the
 /// modal model's sliders, as every small defect at the loud start, are told by it. A judgement.
@@ -66,6 +66,12 @@ pub(super) fn without_knees(
             }
         }
     }
+    // At the end of its range χ is where the search ran to: one blow by itself told -0.98, within 0.04, of a joint of -0.3.
+    for e in &mut estimates {
+        if matches!(e.unknown, Unknown::Chi(_)) && (e.value <= CHI_RANGE.0 || e.value >= CHI_RANGE.1) {
+            (e.low, e.high) = (None, None);
+        }
+    }
     estimates
 }
 
@@ -94,4 +100,74 @@ pub(super) fn one_sided(model: &FittedSharing) -> Vec<String> {
 /// Two digits of a ratio, whole where it is large.
 fn about(ratio: f64) -> String {
     if ratio < 10.0 { format!("{ratio:.1}") } else { format!("{ratio:.0}") }
+}
+
+#[cfg(test)]
+mod tests {
+    use iwan_core::FourParameter;
+
+    use super::*;
+    use crate::coupled::{Sharing, Values};
+
+    /// Two modes that share a joint, in two records with these slips over φ_max.
+    fn fitted(chi: f64, slip_ratios: [f64; 2]) -> FittedSharing {
+        let values = Values {
+            frequency: vec![20.0, 52.0],
+            damping_ratio: vec![1e-3; 2],
+            laws: vec![FourParameter::new(1500.0, 20.0, chi, 0.1).unwrap()],
+            participation: vec![vec![1.0, -2.5]],
+            compliance: vec![0.0],
+            shape_at_sensor: vec![1.0; 2],
+            shape_at_force: vec![1.0; 2],
+            initial: Vec::new(),
+        };
+        FittedSharing {
+            sharing: Sharing::Shared(1),
+            values,
+            unknowns: 10,
+            criterion: 0.0,
+            misfits: Vec::new(),
+            held_out: Vec::new(),
+            misfit: 0.005,
+            held_out_misfit: None,
+            slip_ratios: slip_ratios.map(|ratio| vec![ratio]).to_vec(),
+            converged: true,
+            motions: Vec::new(),
+        }
+    }
+
+    /// Whether K_T, F_S, χ and β keep their lower and upper ends.
+    fn kept(chi: f64, slip_ratios: [f64; 2], left: &Left) -> [[bool; 2]; 4] {
+        let of =
+            |unknown, value: f64| CoupledEstimate { unknown, value, low: Some(value), high: Some(value) };
+        let all = vec![
+            of(Unknown::KT(0), 1500.0),
+            of(Unknown::FS(0), 20.0),
+            of(Unknown::Chi(0), chi),
+            of(Unknown::Beta(0), 0.1),
+        ];
+        let estimates = without_knees(&fitted(chi, slip_ratios), left, all);
+        let ends: Vec<[bool; 2]> = estimates.iter().map(|e| [e.low.is_some(), e.high.is_some()]).collect();
+        ends.try_into().unwrap()
+    }
+
+    #[test]
+    fn ends_that_the_records_do_not_hold_are_open() {
+        let (noise, misses) =
+            (Left { misfit: 0.005, is_noise: true }, Left { misfit: 0.05, is_noise: false });
+        assert_eq!(kept(-0.3, [0.1, 5.0], &noise), [[true; 2]; 4]);
+        let no_knee = [[true, false], [true, false], [true; 2], [false; 2]];
+        assert_eq!(kept(-0.3, [0.1, 1.2], &noise), no_knee);
+        assert_eq!(kept(-0.3, [0.1, 5.0], &misses), no_knee);
+        assert_eq!(kept(CHI_RANGE.0, [4.0, 5.0], &noise), [[true; 2], [true; 2], [false; 2], [true; 2]]);
+        assert!(misses.words()[0].contains("5.00 %") && noise.words().is_empty());
+    }
+
+    #[test]
+    fn soft_and_hard_blows_are_named() {
+        assert!(one_sided(&fitted(-0.3, [0.1, 5.0])).is_empty());
+        assert!(one_sided(&fitted(-0.3, [0.1, 1.2]))[0].contains("soft blows only"));
+        let hard = one_sided(&fitted(-0.3, [42.03, 107.0]));
+        assert!(hard[0].contains("in the softest of them the joint slips 42 times as far"), "{hard:?}");
+    }
 }

@@ -12,7 +12,7 @@ const DAMPING_UNIT: f64 = 1e-3;
 /// Largest damping ratio, in that unit: above a half there is no ring-down.
 const MOST_DAMPING: f64 = 500.0;
 /// Range of χ: the law needs -1 < χ < 1.
-const CHI_RANGE: (f64, f64) = (-0.98, 0.98);
+pub(super) const CHI_RANGE: (f64, f64) = (-0.98, 0.98);
 /// Most of K_T that can be the Dirac's, β/(1+β).
 const MOST_DIRAC: f64 = 0.98;
 /// Most of the joint's stiffness times the compliance of the modes left out: at 1 the step has no unique solution.

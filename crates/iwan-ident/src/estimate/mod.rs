@@ -9,6 +9,7 @@ mod told;
 mod clusters;
 mod profiles;
 
+pub use crate::student::student_quantile;
 pub use clusters::widening;
 pub use minimum::{Found, Weights, least, near};
 pub use model::Model;

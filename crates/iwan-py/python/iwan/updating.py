@@ -150,7 +150,7 @@ class StructureUpdate:
     """Combinations of unknowns, the best told first: `deviation` (None: not told) and `combination` in words."""
     next_modes: Sequence[Mapping[str, Any]]
     """Modes that would tell what the curves leave open, those that would tell most first: `mode`, `frequency` (Hz), `parameter`, `remaining`,
-    `displacement` (at most the largest one measured), `gain`."""
+    `displacement` (at which it is no faster than the measured modes were), `gain`."""
     measure_next: str
     """That in words: also why no mode is named. Empty without curves."""
     front: Sequence[tuple[float, float]]

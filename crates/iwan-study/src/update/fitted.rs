@@ -18,6 +18,11 @@ const MOST_BELIEVED: f64 = 10.0;
 /// Searches begun anew because an interval's walk met a better point, at most.
 const MOST_ANEW: usize = 3;
 
+/// Half width of a 95 % interval in standard deviations of a normal distribution.
+pub(super) const NORMAL: f64 = 1.96;
+/// The sum of squares, in units of the variance, at which a 95 % interval ends: the 95 % point of chi-square with one degree of freedom.
+pub(super) const ENDS: f64 = NORMAL * NORMAL;
+
 /// A value with its 95 % interval; null is open.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Estimated {

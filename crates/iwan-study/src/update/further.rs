@@ -33,8 +33,7 @@ pub struct NextMode {
     pub parameter: String,
     /// … and its standard deviation after over before.
     pub remaining: f64,
-    /// Largest modal displacement it would need: at most the largest one measured, and at most that at which no joint slips more than in the measured
-    /// modes.
+    /// Largest modal displacement it would need, at which it is at most as fast as the measured modes were and no joint slips more than in them.
     pub displacement: f64,
 }
 
@@ -54,7 +53,7 @@ pub struct TradeOff {
 /// Names of the parameters of a law, as in results.
 pub(super) const PARAMETERS: [&str; 4] = ["k_t", "f_s", "chi", "beta"];
 
-/// The modes not measured that would tell a parameter which the curves leave open, at amplitudes no larger than those measured; those that would tell most
+/// The modes not measured that would tell a parameter which the curves leave open, no faster than the measured ones were; those that would tell most
 /// first. `open` are the numbers of these parameters among the coordinates.
 pub(super) fn next_modes(
     fit: &Fit<'_>,
@@ -65,7 +64,8 @@ pub(super) fn next_modes(
     let Some(adjusted) = fit.model.adjusted(&fit.found.x) else { return Vec::new() };
     let reach = largest_slips(fit);
     let points = || fit.model.curves.iter().flat_map(|curve| &curve.points);
-    let farthest = points().map(|p| p.displacement).fold(0.0_f64, f64::max);
+    // A hammer gives modes about the same velocity, and to a fast one a small displacement.
+    let fastest = points().map(|p| p.displacement * p.frequency).fold(0.0_f64, f64::max);
     // Damping below the least that was measured drowns in what the structure loses elsewhere.
     let least = points().map(|p| p.log_damping).fold(f64::INFINITY, f64::min).exp();
     let (frequency_sd, damping_sd) = noise(&fit.model);
@@ -79,6 +79,7 @@ pub(super) fn next_modes(
     let of = |mode: &iwan_fem::NamedMode| {
         let stuck = adjusted.mode(mode.pair.stuck).ok()?;
         let held = |(slip, reach): (usize, f64)| reach / stuck.shape()[slip].abs().max(f64::MIN_POSITIVE);
+        let farthest = fastest / named.frequency_stuck(mode);
         let largest = reach.iter().copied().enumerate().map(held).fold(farthest, f64::min);
         let below = |i: usize| 100.0_f64.powf(-(i as f64) / (AMPLITUDES as f64 - 1.0));
         let q: Vec<f64> = (0..AMPLITUDES).rev().map(|i| largest * below(i)).collect();
@@ -131,7 +132,7 @@ pub(super) fn in_words(adequate: bool, open: &[usize], modes: &[NextMode]) -> St
             next.mode, next.frequency, next.displacement, next.parameter
         ),
         None => format!(
-            "measure next: none of the first {ASKED} elastic modes would tell what is open, at amplitudes up to those measured"
+            "measure next: none of the first {ASKED} elastic modes would tell what is open, at velocities up to those measured"
         ),
     }
 }

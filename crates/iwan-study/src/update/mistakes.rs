@@ -24,8 +24,7 @@ const OFF: f64 = 2.0;
 /// Amplitudes beyond this many times the onset of macro-slip, or below the inverse, look like another unit: metres and millimetres differ by 1000, start
 /// values of slip forces by 3 or so.
 const AMPLITUDES: f64 = 30.0;
-/// Damping beyond this many times that of the joints as given, and below the square of ten times it, looks like per cent: the factor is 100, and start
-/// values are off by 3 or so either way.
+/// Damping between these multiples of what the joints as given make looks like per cent: the factor is 100, and start values are off by 3 or so either way.
 const PER_CENT: (f64, f64) = (30.0, 300.0);
 /// A frequency rises with the amplitude where its mean over the upper third lies so much of it above that over the lower third: as much as temperature
 /// does from day to day.

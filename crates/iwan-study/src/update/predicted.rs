@@ -4,15 +4,11 @@ use iwan_fem::Stiffness;
 use iwan_ident::estimate::{Interval, near};
 use serde::Serialize;
 
-use super::fitted::Fit;
+use super::fitted::{ENDS, Fit, NORMAL};
 use super::measured::Point;
 use super::model::Said;
 use super::verdict::{OWN, SHIFT_FLOOR, scatter};
 
-/// Half width of a 95 % interval in standard deviations of a normal distribution.
-const NORMAL: f64 = 1.96;
-/// The sum of squares, in units of the variance, at which a 95 % interval ends: the 95 % point of chi-square with one degree of freedom.
-const ENDS: f64 = 3.84;
 /// Steps along the open side of an unknown, in its coordinate: up to a factor of 33 on K_T and F_S, beyond which no engineer would call a value
 /// plausible. χ and β/(1+β) end at their bounds before.
 const STEPS: [f64; 4] = [0.5, 1.0, 2.0, 3.5];

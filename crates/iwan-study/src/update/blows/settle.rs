@@ -5,7 +5,7 @@ use iwan_ident::estimate::{About, Found, Interval, Model, Told, Weights, interva
 use super::rings::{Rings, root_mean_square};
 use super::straight::Straight;
 use crate::error::Error;
-use crate::update::fitted::holding;
+use crate::update::fitted::{ENDS, NORMAL, holding};
 
 /// Shares of the blows, effort of the search from each point kept, and how many are kept: a mode that is a little off runs out of phase within a long
 /// record, where every start ends at a minimum of its own.
@@ -26,14 +26,10 @@ const STILL_STEPPING: f64 = 1.0;
 /// Standard deviation of an unknown that the computation itself has, in its coordinate (logarithms of K_T and F_S, mostly): reduced models, steps and sliders that are
 /// not those of the record put K_T, F_S and χ of configuration A off by 5e-4 to 1.3e-3 where noise alone would make 2e-4. No interval is narrower.
 const OWN: f64 = 1e-3;
-/// Half width of a 95 % interval in standard deviations.
-const NORMAL: f64 = 1.96;
 /// Largest slip over φ_max that a knee must have been passed by to be told, as for modes that share joints.
 const PASSED: f64 = 1.5;
 /// A joint has a Dirac, β > 0, where the best fit without one has a deviance above this, as for modes that share joints.
 const DIRAC_SEEN: f64 = 25.0;
-/// The sum of squares, in units of the variance, at which a 95 % interval ends: the 95 % point of chi-square with one degree of freedom.
-const ENDS: f64 = 3.84;
 /// An end is tried by a run of the blows so many times as far from the best value: residuals that go on straight leave four times the deviance of the end
 /// there, and what they leave out has room.
 const AS_FAR: f64 = 2.0;
@@ -226,6 +222,7 @@ impl<'a> Fitting<'a> {
     }
 
     /// Opens the ends that need a knee which no blow has clearly passed, or which what is left shows: the joint may be as strong and as stiff as one likes.
+    /// Where χ stands at the end of its range the search ran there: the blows show nothing that the law's shape explains, and only the stiffness has an end.
     fn without_knees(
         &self,
         about: About<'_>,
@@ -234,7 +231,12 @@ impl<'a> Fitting<'a> {
     ) {
         let misses = root_mean_square(self.rings.misfits(&about.found.x).into_iter().flatten().flatten());
         for (group, ratio) in slip_ratios.iter().enumerate() {
+            let (low, high) = self.rings.beside.bounds[4 * group + 2];
+            let chi = about.found.x[4 * group + 2];
             let of = &mut intervals[4 * group..4 * group + 4];
+            if chi <= low || chi >= high {
+                of[1..].fill(Interval::default());
+            }
             if *ratio < PASSED || misses > if is_noise { MOST_EXCUSED } else { MISSED } {
                 (of[0].high, of[1].high) = (None, None);
                 of[3] = Interval::default();
