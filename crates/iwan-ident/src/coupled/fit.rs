@@ -1,10 +1,11 @@
 //! All of it in one call.
 
 use std::ops::Range;
-use std::sync::atomic::Ordering;
+use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 
 use iwan_core::Progress;
 use iwan_core::progress::part;
+use iwan_machine::threads::in_parallel;
 
 use super::beginning::{Opened, shapes_at_force};
 use super::informed::{Left, one_sided, without_knees};
@@ -15,7 +16,7 @@ use super::search::{LAST, grown, reweight, settled, weights};
 use super::starts::{by_themselves, drawn, linear, shared, uncoupled};
 use super::unknowns::{Form, Given, Sharing, Unknown, Values};
 use crate::error::Error;
-use crate::estimate::{About, Found, Interval, Model, Told, Weights, intervals, near, widening};
+use crate::estimate::{About, Found, Interval, Model, Profiles, Told, Weights, near, widening};
 use crate::parameters::Parameters;
 
 /// Searches begun anew because an interval's walk met a better point, at most.
@@ -338,7 +339,7 @@ struct Certain<'a> {
 }
 
 impl<'a> Certain<'a> {
-    fn about(model: CoupledModel<'a>, found: Found, progress: Progress<'_>) -> Result<Self, Error> {
+    fn about(mut model: CoupledModel<'a>, found: Found, progress: Progress<'_>) -> Result<Self, Error> {
         let mut found = settled(&model, &found.x).unwrap_or(found);
         let free: Vec<usize> = (0..found.x.len()).collect();
         let wanted: Vec<usize> =
@@ -354,7 +355,11 @@ impl<'a> Certain<'a> {
             } else {
                 vec![1.0; free.len()]
             };
-            match walked(&model, about, (&wanted, &wider), progress)? {
+            // Each walk on a thread of its own: two records on two threads wait for each other at each step of a search.
+            let threads = std::mem::replace(&mut model.threads, 1);
+            let walked = walked(&model, about, (&wanted, &wider), (threads, progress))?;
+            model.threads = threads;
+            match walked {
                 Ok(mut all) => {
                     for (j, interval) in wanted.iter().zip(&mut all) {
                         let beta = matches!(model.form.unknowns[*j], Unknown::Beta(_));
@@ -404,25 +409,29 @@ fn stretches(model: &CoupledModel<'_>) -> Vec<Range<usize>> {
     model.ranges().into_iter().flat_map(of).filter(|stretch| !stretch.is_empty()).collect()
 }
 
-/// The intervals one after the other; `wider` are factors on the variance by unknown; a better minimum met on the way in their place.
+/// The intervals, walked on so many threads; `wider` are factors on the variance by unknown; a better minimum met on the way in their place.
 fn walked(
     model: &CoupledModel<'_>,
     about: About<'_>,
     (wanted, wider): (&[usize], &[f64]),
-    progress: Progress<'_>,
+    (threads, progress): (usize, Progress<'_>),
 ) -> Result<Result<Vec<Interval>, Found>, Error> {
-    let mut all = Vec::new();
-    for (n, j) in wanted.iter().enumerate() {
-        let about = About { variance: about.variance * wider[*j], ..about };
-        match intervals(model, about, &[*j], 1) {
-            Ok(one) => all.extend(one),
-            Err(better) => return Ok(Err(better)),
+    let profiles = Profiles::about(model, about);
+    let walks: Vec<(usize, f64)> = wanted.iter().flat_map(|j| [(*j, -1.0), (*j, 1.0)]).collect();
+    let (done, stopped, met) = (AtomicUsize::new(0), AtomicBool::new(false), AtomicBool::new(false));
+    let walk = |(j, direction): &(usize, f64)| {
+        // Walks are begun in their order: those before one that met a better point have begun, so that the first of them is the same whatever the threads.
+        if stopped.load(Ordering::Relaxed) || met.load(Ordering::Relaxed) {
+            return Ok(None);
         }
-        if progress((n + 1) as f64 / wanted.len() as f64).is_break() {
-            return Err(Error::Stopped);
-        }
-    }
-    Ok(Ok(all))
+        let end = profiles.end(*j, *direction, wider[*j]);
+        met.fetch_or(end.is_err(), Ordering::Relaxed);
+        let share = (done.fetch_add(1, Ordering::Relaxed) + 1) as f64 / walks.len() as f64;
+        stopped.fetch_or(progress(share).is_break(), Ordering::Relaxed);
+        end
+    };
+    let ends = in_parallel(&walks, threads, &walk);
+    if stopped.load(Ordering::Relaxed) { Err(Error::Stopped) } else { Ok(Interval::of_ends(ends)) }
 }
 
 /// Variance that the steps leave, in the unit of the residuals.

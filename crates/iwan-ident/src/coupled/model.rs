@@ -3,9 +3,10 @@
 use std::ops::Range;
 use std::sync::atomic::{AtomicBool, Ordering};
 
+use iwan_core::Sliders;
 use iwan_machine::threads::in_parallel;
 
-use super::run::{Clock, run};
+use super::run::{Clock, Motions, populations, room, run, run_with};
 use super::series::Sums;
 use super::unknowns::{Form, Unknown, Values};
 use crate::curves::Quantity;
@@ -123,9 +124,9 @@ impl<'a> CoupledModel<'a> {
         self.series.iter().map(|s| s.entries.clone()).collect()
     }
 
-    /// Entries of all series of record `k` by the model, each over its deviation; none where there is no model.
-    fn entries(&self, values: &Values, k: usize, clock: &Clock) -> Option<Vec<Vec<f64>>> {
-        let motions = self.motions_by(values, k, clock)?;
+    /// Entries of all series of record `k` by the model, each over its deviation.
+    fn entries(&self, values: &Values, k: usize, motions: Motions) -> Vec<Vec<f64>> {
+        let motions = self.at_sensors(values, k, motions);
         let of = |series: &Series| {
             let mut out = vec![0.0; series.entries.len()];
             series.sums.apply(&motions[series.motion], &mut out);
@@ -134,34 +135,35 @@ impl<'a> CoupledModel<'a> {
             }
             out
         };
-        Some(self.series.iter().filter(|s| s.record == k).map(of).collect())
+        self.series.iter().filter(|s| s.record == k).map(of).collect()
     }
 
     /// What the sensors of record `k` would show.
     pub(super) fn motions(&self, values: &Values, k: usize) -> Option<Vec<Vec<f64>>> {
-        self.motions_by(values, k, &self.records[k].clock)
+        let motions = self.run(values, k, &self.records[k].clock)?;
+        Some(self.at_sensors(values, k, motions))
     }
 
-    fn motions_by(&self, values: &Values, k: usize, clock: &Clock) -> Option<Vec<Vec<f64>>> {
-        let record = &self.records[k];
-        let motions = run((self.form.sharing, values), k, clock, self.samples[k], self.quantity)?.modes;
-        if record.motions.len() == motions.len() {
-            return Some(motions);
+    fn run(&self, values: &Values, k: usize, clock: &Clock) -> Option<Motions> {
+        run((self.form.sharing, values), k, clock, self.samples[k], self.quantity)
+    }
+
+    fn at_sensors(&self, values: &Values, k: usize, motions: Motions) -> Vec<Vec<f64>> {
+        let motions = motions.modes;
+        if self.records[k].motions.len() == motions.len() {
+            return motions;
         }
         let mut sum = vec![0.0; self.samples[k]];
         for (motion, shape) in motions.iter().zip(&values.shape_at_sensor) {
             sum.iter_mut().zip(motion).for_each(|(sum, q)| *sum += shape * q);
         }
-        Some(vec![sum])
+        vec![sum]
     }
 
     /// Largest slip over φ_max by record and joint.
     pub(super) fn slip_ratios(&self, x: &[f64]) -> Option<Vec<Vec<f64>>> {
         let values = self.form.values(x)?;
-        let one = |k: usize| {
-            let clock = &self.records[k].clock;
-            run((self.form.sharing, &values), k, clock, self.samples[k], self.quantity).map(|m| m.slip_ratios)
-        };
+        let one = |k: usize| self.run(&values, k, &self.records[k].clock).map(|m| m.slip_ratios);
         (0..self.records.len()).map(one).collect()
     }
 
@@ -175,7 +177,8 @@ impl<'a> CoupledModel<'a> {
             .enumerate()
             .flat_map(|(k, fine)| [(k, fine), (k, &self.records[k].clock)])
             .collect();
-        let work = |(k, clock): &(usize, &Clock)| self.entries(&values, *k, clock);
+        let work =
+            |(k, clock): &(usize, &Clock)| Some(self.entries(&values, *k, self.run(&values, *k, clock)?));
         let found = in_parallel(&jobs, self.threads, &work);
         let Some(found) = found.into_iter().collect::<Option<Vec<_>>>() else { return false };
         for (k, pair) in found.chunks_exact(2).enumerate() {
@@ -232,18 +235,31 @@ impl Model for CoupledModel<'_> {
         if self.stopped.load(Ordering::Relaxed) {
             return false;
         }
-        // Jobs: each record as it is, and each record with each unknown moved.
+        // Points: the one asked for, and each unknown moved.
+        let moved = |j: usize| self.form.values(&self.moved(x, j).0);
+        let unknowns = if derivatives.is_some() { self.form.unknowns.len() } else { 0 };
+        let points = std::iter::once(self.form.values(x)).chain((0..unknowns).map(moved));
+        let Some(points) = points.collect::<Option<Vec<Values>>>() else { return false };
+        // Sliders take as long as a thousand steps: records share them, and points whose laws are the same.
+        let bins = self.records.first().map_or(0, |record| record.clock.bins);
+        let is_own = |n: usize| n == 0 || points[n].laws != points[0].laws;
+        let own = |n: usize| if is_own(n) { room(points[n].laws.len(), bins) } else { Vec::new() };
+        let mut rooms: Vec<_> = (0..points.len()).map(own).collect();
+        let sliders = points.iter().zip(&mut rooms).map(|(point, room)| populations(&point.laws, bins, room));
+        let Some(sliders) = sliders.collect::<Option<Vec<Vec<Sliders<'_>>>>>() else { return false };
+        // Jobs: each record at the first point, and at those that change it.
         let mut jobs: Vec<(usize, Option<usize>)> = (0..self.records.len()).map(|k| (k, None)).collect();
-        if derivatives.is_some() {
-            let unknowns = || self.form.unknowns.iter().enumerate();
-            let of = |k: usize| {
-                unknowns().filter(move |(_, u)| Self::matters(**u, k)).map(move |(j, _)| (k, Some(j)))
-            };
-            jobs.extend((0..self.records.len()).flat_map(of));
-        }
+        let of = |k: usize| {
+            let all = self.form.unknowns.iter().enumerate().take(unknowns);
+            all.filter(move |(_, u)| Self::matters(**u, k)).map(move |(j, _)| (k, Some(j)))
+        };
+        jobs.extend((0..self.records.len()).flat_map(of));
         let work = |(k, unknown): &(usize, Option<usize>)| {
-            let at = unknown.map_or_else(|| x.to_vec(), |j| self.moved(x, j).0);
-            self.entries(&self.form.values(&at)?, *k, &self.records[*k].clock)
+            let n = unknown.map_or(0, |j| j + 1);
+            let (values, sliders) = (&points[n], &sliders[if is_own(n) { n } else { 0 }]);
+            let how = (self.samples[*k], self.quantity);
+            let motions = run_with((self.form.sharing, values), sliders, *k, &self.records[*k].clock, how)?;
+            Some(self.entries(values, *k, motions))
         };
         let found = in_parallel(&jobs, self.threads, &work);
         let series_of = |k: usize| self.series.iter().filter(move |s| s.record == k);

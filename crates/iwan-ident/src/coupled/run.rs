@@ -30,7 +30,7 @@ pub(super) struct Clock {
     /// Load at each step; empty: none.
     pub(super) force: Vec<f64>,
     /// Sliders of a joint.
-    bins: usize,
+    pub(super) bins: usize,
 }
 
 impl Clock {
@@ -134,13 +134,43 @@ struct Part<'a> {
     values: &'a Values,
 }
 
+/// Room for the sliders of so many joints.
+pub(super) fn room(joints: usize, bins: usize) -> Vec<Vec<Slider>> {
+    vec![vec![Slider::default(); Sliders::table_len(bins)]; joints]
+}
+
+/// The sliders of joints; none where a law has none.
+pub(super) fn populations<'a>(
+    laws: &[FourParameter],
+    bins: usize,
+    room: &'a mut [Vec<Slider>],
+) -> Option<Vec<Sliders<'a>>> {
+    let of = |(law, table): (&FourParameter, &'a mut Vec<Slider>)| {
+        Sliders::discretise(law, Grid::graded(bins), bins, table).ok()
+    };
+    laws.iter().zip(room).map(of).collect()
+}
+
 /// Runs the record `k` for so many samples; none where the modes and joints make no structure.
 pub(super) fn run(
-    (sharing, values): (Sharing, &Values),
+    of: (Sharing, &Values),
     k: usize,
     clock: &Clock,
     samples: usize,
     quantity: Quantity,
+) -> Option<Motions> {
+    let mut room = room(of.1.laws.len(), clock.bins);
+    let sliders = populations(&of.1.laws, clock.bins, &mut room)?;
+    run_with(of, &sliders, k, clock, (samples, quantity))
+}
+
+/// The same with sliders of the joints that are known.
+pub(super) fn run_with(
+    (sharing, values): (Sharing, &Values),
+    sliders: &[Sliders<'_>],
+    k: usize,
+    clock: &Clock,
+    (samples, quantity): (usize, Quantity),
 ) -> Option<Motions> {
     let n = values.frequency.len();
     let mut out = Motions { modes: vec![Vec::new(); n], slip_ratios: vec![0.0; values.laws.len()] };
@@ -150,7 +180,7 @@ pub(super) fn run(
         Sharing::Shared(j) => vec![Part { modes: (0..n).collect(), joints: (0..j).collect(), values }],
     };
     for part in parts {
-        part.run(k, clock, (samples, quantity), &mut out)?;
+        part.run(sliders, k, clock, (samples, quantity), &mut out)?;
     }
     Some(out)
 }
@@ -205,6 +235,7 @@ impl Part<'_> {
 
     fn run(
         &self,
+        sliders: &[Sliders<'_>],
         k: usize,
         clock: &Clock,
         (samples, quantity): (usize, Quantity),
@@ -235,13 +266,12 @@ impl Part<'_> {
             })
             .collect();
         let coupled = self.coupled(clock.step, &joints)?;
-        let bins = if self.joints.is_empty() { 1 } else { clock.bins };
-        let mut tables = vec![vec![Slider::default(); Sliders::table_len(bins)]; j];
-        let sliders = laws
-            .iter()
-            .zip(&mut tables)
-            .map(|(law, table)| Sliders::discretise(law, Grid::graded(bins), bins, table).ok())
-            .collect::<Option<Vec<_>>>()?;
+        let mut room = room(1, 1);
+        let sliders = if self.joints.is_empty() {
+            populations(&laws, 1, &mut room)?
+        } else {
+            self.joints.iter().map(|joint| sliders[*joint]).collect()
+        };
         let virgin = |law: &Sliders<'_>| law.virgin(vec![Run::default(); law.len()]).ok();
         let mut states = sliders.iter().map(virgin).collect::<Option<Vec<_>>>()?;
         let begin: [Vec<f64>; 2] =

@@ -10,6 +10,9 @@ use crate::search::Minimum;
 
 /// Steps and relative reduction of a search along a profile, as in the profiles of a mode.
 const ALONG: (usize, f64) = (60, 1e-5);
+/// Part of the sum of squares at an interval's end, less that at the minimum, which a search along the profile may leave where that is more: it moves
+/// the end by half of it. Intervals of models that miss something are as wide as that several times the least sum of squares.
+const LEFT: f64 = 1e-3;
 
 /// A 95 % interval; none: open.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
@@ -18,6 +21,14 @@ pub struct Interval {
     pub low: Option<f64>,
     /// Upper end.
     pub high: Option<f64>,
+}
+
+impl Interval {
+    /// Of lower and upper ends in turn; the first failure of them where there is one.
+    pub(crate) fn of_ends<E>(ends: Vec<Result<Option<f64>, E>>) -> Result<Vec<Self>, E> {
+        let ends = ends.into_iter().collect::<Result<Vec<_>, E>>()?;
+        Ok(ends.chunks_exact(2).map(|pair| Self { low: pair[0], high: pair[1] }).collect())
+    }
 }
 
 /// What an interval is taken about.
@@ -33,12 +44,14 @@ pub struct About<'a> {
     pub settled: bool,
 }
 
-/// A model as walks see it.
+/// A model as the walks along one unknown see it.
 struct Landscape<'a, M: Model + ?Sized> {
     model: &'a M,
     minimum: &'a [f64],
     /// Derivatives there, with respect to all unknowns.
-    slopes: Option<DMatrix<f64>>,
+    slopes: Option<&'a DMatrix<f64>>,
+    /// Relative reduction at which a search along it ends.
+    tolerance: f64,
 }
 
 /// What evaluations of one walk hand on.
@@ -63,12 +76,16 @@ impl<M: Model + ?Sized> Ground for Landscape<'_, M> {
     }
 
     fn minimise(&self, x: &[f64], free: Vec<usize>, work: &mut Buffers) -> Option<Minimum> {
-        search(self.model, &free, ALONG).run_along(&mut Squares(self.model), x, &mut work.slopes)
+        search(self.model, &free, (ALONG.0, self.tolerance)).run_along(
+            &mut Squares(self.model),
+            x,
+            &mut work.slopes,
+        )
     }
 
     /// A walk begins with these, its own unknown last: those that follow find them again.
     fn jacobian(&self, x: &[f64], free: Vec<usize>, work: &mut Buffers) -> Option<DMatrix<f64>> {
-        let known = self.slopes.as_ref().filter(|_| x == self.minimum).map(|all| all.select_columns(&free));
+        let known = self.slopes.filter(|_| x == self.minimum).map(|all| all.select_columns(&free));
         let all = known.or_else(|| Squares(self.model).derivatives_at(x, &free))?;
         work.slopes = Some(all.columns(0, free.len() - 1).into_owned());
         Some(all)
@@ -76,6 +93,48 @@ impl<M: Model + ?Sized> Ground for Landscape<'_, M> {
 
     fn is_at_edge(&self, _: &[f64]) -> bool {
         false
+    }
+}
+
+/// Walks along single unknowns about a minimum, all others that are free following. An unknown that is not free is one that the measurements
+/// hardly feel: what its walk gains in the last digits is passed over.
+pub(crate) struct Profiles<'a, M: Model + ?Sized> {
+    model: &'a M,
+    about: About<'a>,
+    minimum: Minimum,
+    slopes: Option<DMatrix<f64>>,
+}
+
+impl<'a, M: Model + ?Sized> Profiles<'a, M> {
+    pub(crate) fn about(model: &'a M, about: About<'a>) -> Self {
+        let all: Vec<usize> = (0..about.found.x.len()).collect();
+        let slopes = Squares(model).derivatives_at(&about.found.x, &all);
+        Self { model, about, minimum: Minimum::from(about.found), slopes }
+    }
+
+    /// The end of the interval of the unknown `of` in a direction, its variance wider by a factor; none: open.
+    ///
+    /// # Errors
+    /// A better minimum that was met on the way.
+    pub(crate) fn end(&self, of: usize, direction: f64, wider: f64) -> Result<Option<f64>, Found> {
+        let About { found, free, variance, settled } = self.about;
+        let freedom = (self.model.count() as f64 - free.len() as f64).max(1.0);
+        let mut scale = Scale::about(found.cost, (wider * variance).max(f64::MIN_POSITIVE), freedom);
+        if settled || !free.contains(&of) {
+            scale.better = f64::NEG_INFINITY;
+        }
+        let rise = scale.limit * scale.variance;
+        let ground = Landscape {
+            model: self.model,
+            minimum: &found.x,
+            slopes: self.slopes.as_ref(),
+            tolerance: ALONG.1.max(LEFT * rise / (found.cost + rise)),
+        };
+        let others: Vec<usize> = free.iter().copied().filter(|j| *j != of).collect();
+        match Walk::new(&ground, of, others, &self.minimum, &scale).go(direction).map_err(Found::from)? {
+            End::Open => Ok(None),
+            End::Closed(at) => Ok(Some(at)),
+        }
     }
 }
 
@@ -90,37 +149,8 @@ pub fn intervals<M: Model + ?Sized>(
     wanted: &[usize],
     threads: usize,
 ) -> Result<Vec<Interval>, Found> {
-    let (found, free) = (about.found, about.free);
-    let all: Vec<usize> = (0..found.x.len()).collect();
-    let slopes = Squares(model).derivatives_at(&found.x, &all);
-    let ground = Landscape { model, minimum: &found.x, slopes };
-    let of = |j: &usize| {
-        let settled = about.settled || !free.contains(j);
-        interval(&ground, About { settled, ..about }, *j)
-    };
-    in_parallel(wanted, threads, &of).into_iter().collect()
-}
-
-fn interval<M: Model + ?Sized>(
-    ground: &Landscape<'_, M>,
-    about: About<'_>,
-    of: usize,
-) -> Result<Interval, Found> {
-    let About { found, free, variance, settled } = about;
-    let freedom = (ground.model.count() as f64 - free.len() as f64).max(1.0);
-    let minimum = Minimum::from(found);
-    let mut scale = Scale::about(found.cost, variance.max(f64::MIN_POSITIVE), freedom);
-    if settled {
-        scale.better = f64::NEG_INFINITY;
-    }
-    let others: Vec<usize> = free.iter().copied().filter(|j| *j != of).collect();
-    let mut ends = [None, None];
-    for (end, direction) in ends.iter_mut().zip([-1.0, 1.0]) {
-        let mut walk = Walk::new(ground, of, others.clone(), &minimum, &scale);
-        *end = match walk.go(direction).map_err(Found::from)? {
-            End::Open => None,
-            End::Closed(at) => Some(at),
-        };
-    }
-    Ok(Interval { low: ends[0], high: ends[1] })
+    let profiles = Profiles::about(model, about);
+    let walks: Vec<(usize, f64)> = wanted.iter().flat_map(|j| [(*j, -1.0), (*j, 1.0)]).collect();
+    let ends = in_parallel(&walks, threads, &|(j, direction)| profiles.end(*j, *direction, 1.0));
+    Interval::of_ends(ends)
 }
