@@ -344,6 +344,11 @@ impl<'a> Certain<'a> {
         let free: Vec<usize> = (0..found.x.len()).collect();
         let wanted: Vec<usize> =
             free.iter().copied().filter(|j| is_of_structure(model.form.unknowns[*j])).collect();
+        // Where no blow tells a Dirac, searches end at any; a walk would meet the better minimum late, and all walks begin anew from there.
+        for j in free.iter().filter(|j| matches!(model.form.unknowns[**j], Unknown::Beta(_))) {
+            let lower = without_dirac(&model, &found, &free, *j).and_then(|found| settled(&model, &found.x));
+            found = lower.filter(|lower| lower.cost < found.cost).unwrap_or(found);
+        }
         for round in 0..=MOST_ANEW {
             let Weights { inflation, .. } = weights(&model, &found);
             let freedom = (model.count() as f64 - free.len() as f64).max(1.0);
@@ -442,12 +447,17 @@ fn still_stepping(model: &CoupledModel<'_>) -> f64 {
     model.series.iter().zip(model.ranges()).map(of).sum::<f64>() / (model.count() as f64).max(1.0)
 }
 
-/// Whether the records speak clearly against a joint without a Dirac; `beta` is the unknown.
-fn has_dirac(model: &CoupledModel<'_>, about: About<'_>, beta: usize) -> bool {
-    let mut start = about.found.x.clone();
+/// The best without a Dirac in one joint; `beta` is the unknown.
+fn without_dirac(model: &CoupledModel<'_>, found: &Found, free: &[usize], beta: usize) -> Option<Found> {
+    let mut start = found.x.clone();
     start[beta] = 0.0;
-    let others: Vec<usize> = about.free.iter().copied().filter(|j| *j != beta).collect();
-    let without = near(model, &start, &others, LAST);
+    let others: Vec<usize> = free.iter().copied().filter(|j| *j != beta).collect();
+    near(model, &start, &others, LAST)
+}
+
+/// Whether the records speak clearly against a joint without a Dirac.
+fn has_dirac(model: &CoupledModel<'_>, about: About<'_>, beta: usize) -> bool {
+    let without = without_dirac(model, about.found, about.free, beta);
     without.is_none_or(|without| without.cost - about.found.cost > DIRAC_SEEN * about.variance)
 }
 

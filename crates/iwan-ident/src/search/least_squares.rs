@@ -138,6 +138,13 @@ impl Search {
             let (mut part, mut taken) = (0.0, 0.0);
             while damping < most {
                 let next = self.step(&x, &matrix, &rotated, damping);
+                // More damping foretells less still.
+                let little = FORETOLD * self.tolerance * cost.max(self.floor);
+                if along
+                    && next.as_ref().is_some_and(|next| self.foretold(&matrix, &rotated, &x, next) < little)
+                {
+                    break;
+                }
                 let lower = next.as_ref().and_then(|next| evaluate(residuals, next, &mut trial));
                 if let (Some(next), Some(lower)) = (next, lower.filter(|c| *c < cost)) {
                     part = (cost - lower) / cost.max(self.floor);
@@ -179,6 +186,12 @@ impl Search {
     /// one-sided and kept up to date by the steps taken.
     fn is_final(&self) -> bool {
         self.tolerance < 1e-6
+    }
+
+    /// How much less the sum of squares would be at `to` if the residuals were straight.
+    fn foretold(&self, matrix: &DMatrix<f64>, rotated: &DVector<f64>, from: &[f64], to: &[f64]) -> f64 {
+        let step = DVector::from_iterator(self.free.len(), self.free.iter().map(|&j| to[j] - from[j]));
+        rotated.norm_squared() - (rotated + matrix * step).norm_squared()
     }
 
     /// What the next step foretells of the sum of squares `r`, by derivatives and a triangular factor that is nearly theirs.
