@@ -86,6 +86,7 @@ pub fn fit_static(curves: &StaticCurves<'_>, frequency: f64, k_t: f64) -> Result
         bounds: Chart::bounds().to_vec(),
         iterations: ITERATIONS,
         tolerance: TOLERANCE,
+        central: false,
         floor: 0.0,
         kept: None,
     };

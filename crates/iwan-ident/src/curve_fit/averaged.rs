@@ -130,6 +130,7 @@ pub fn fit(curves: &[Curves], first: &Parameters, held: &[Parameter]) -> Result<
         bounds: Chart::bounds().to_vec(),
         iterations: ITERATIONS,
         tolerance: TOLERANCE,
+        central: false,
         floor: 0.0,
         kept: None,
     };

@@ -45,7 +45,7 @@ pub(super) fn search<M: Model + ?Sized>(
     let bounds = model.bounds().to_vec();
     // Residuals are in standard deviations: a sum of squares of a millionth of one is none.
     let (count, free) = (model.count(), free.to_vec());
-    Search { count, free, bounds, iterations, tolerance, floor: 1e-6, kept: None }
+    Search { count, free, bounds, iterations, tolerance, central: false, floor: 1e-6, kept: None }
 }
 
 /// The least sum of squares over the unknowns in `free`; the others keep the values of the start.

@@ -8,11 +8,8 @@ use super::model::{Model, Squares};
 use crate::profile::{End, Ground, Scale, Walk};
 use crate::search::Minimum;
 
-/// Steps and relative reduction of a search along a profile, as in the profiles of a mode.
-const ALONG: (usize, f64) = (60, 1e-5);
-/// Part of the sum of squares at an interval's end, less that at the minimum, which a search along the profile may leave where that is more: it moves
-/// the end by half of it. Intervals of models that miss something are as wide as that several times the least sum of squares.
-const LEFT: f64 = 1e-3;
+/// Steps of a search along a profile, at most. A search that is not through then leaves the profile a little too high, and the interval too narrow.
+const ALONG: usize = 60;
 
 /// A 95 % interval; none: open.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
@@ -50,8 +47,6 @@ struct Landscape<'a, M: Model + ?Sized> {
     minimum: &'a [f64],
     /// Derivatives there, with respect to all unknowns.
     slopes: Option<&'a DMatrix<f64>>,
-    /// Relative reduction at which a search along it ends.
-    tolerance: f64,
 }
 
 /// What evaluations of one walk hand on.
@@ -75,12 +70,8 @@ impl<M: Model + ?Sized> Ground for Landscape<'_, M> {
         Some(work.residuals.iter().map(|r| r * r).sum::<f64>()).filter(|cost| known && cost.is_finite())
     }
 
-    fn minimise(&self, x: &[f64], free: Vec<usize>, work: &mut Buffers) -> Option<Minimum> {
-        search(self.model, &free, (ALONG.0, self.tolerance)).run_along(
-            &mut Squares(self.model),
-            x,
-            &mut work.slopes,
-        )
+    fn minimise(&self, x: &[f64], free: Vec<usize>, tolerance: f64, work: &mut Buffers) -> Option<Minimum> {
+        search(self.model, &free, (ALONG, tolerance)).run_along(&mut Squares(self.model), x, &mut work.slopes)
     }
 
     /// A walk begins with these, its own unknown last: those that follow find them again.
@@ -123,13 +114,7 @@ impl<'a, M: Model + ?Sized> Profiles<'a, M> {
         if settled || !free.contains(&of) {
             scale.better = f64::NEG_INFINITY;
         }
-        let rise = scale.limit * scale.variance;
-        let ground = Landscape {
-            model: self.model,
-            minimum: &found.x,
-            slopes: self.slopes.as_ref(),
-            tolerance: ALONG.1.max(LEFT * rise / (found.cost + rise)),
-        };
+        let ground = Landscape { model: self.model, minimum: &found.x, slopes: self.slopes.as_ref() };
         let others: Vec<usize> = free.iter().copied().filter(|j| *j != of).collect();
         match Walk::new(&ground, of, others, &self.minimum, &scale).go(direction).map_err(Found::from)? {
             End::Open => Ok(None),

@@ -136,6 +136,7 @@ impl<'a> Problem<'a> {
             bounds: self.coordinates.iter().map(|c| c.bounds).collect(),
             iterations,
             tolerance,
+            central: false,
             floor: 1.0,
             kept: None,
         }

@@ -8,6 +8,13 @@ use crate::student::{LEAST_FREEDOM, student};
 /// moves no end by more than 1.3 %. Smaller differences are the searches' tolerance.
 const BETTER: f64 = -0.1;
 
+/// Relative reduction of the sum of squares at which a search along a profile ends: a hundredth of the residuals'
+/// variance, nearly.
+const TOLERANCE: f64 = 1e-5;
+/// Part of what the sum of squares rises by up to an interval's end that a search along the profile may leave, where that is more: it moves the end by half of that
+/// part. Intervals that allow for what a model misses are as wide as a rise of several times the least sum of squares.
+const LEFT: f64 = 1e-3;
+
 /// What all profiles of a task share.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Scale {
@@ -46,5 +53,11 @@ impl Scale {
     /// Deviance of a point: the rise of the sum of squares over its least value, in units of the variance.
     pub(crate) fn rise(&self, found: &Minimum) -> f64 {
         (found.cost - self.least) / self.variance
+    }
+
+    /// Relative reduction of the sum of squares at which a search along the profile ends.
+    pub(super) fn tolerance(&self) -> f64 {
+        let rise = self.limit * self.variance;
+        TOLERANCE.max(LEFT * rise / (self.least + rise))
     }
 }

@@ -4,11 +4,8 @@ use nalgebra::DMatrix;
 
 use crate::parameters::Parameters;
 use crate::refine::{Effort, Task, Workspace};
-use crate::search::{Minimum, TOLERANCE as LAST};
+use crate::search::Minimum;
 
-/// Relative reduction of the sum of squares at which a search along a profile ends: a hundredth of the residuals'
-/// variance, nearly.
-const TOLERANCE: f64 = 1e-5;
 /// If the farthest accepted point has K_T > 0.9 ω0², the walk stopped at the model's limit K_T < ω0², not at evidence in the
 /// record: the end is reported as open.
 const MOST_JOINT: f64 = 0.9;
@@ -24,11 +21,18 @@ pub(crate) trait Ground {
     /// The sum of squares; none where there is no model.
     fn cost(&self, x: &[f64], work: &mut Self::Work) -> Option<f64>;
 
-    /// The least sum of squares over the coordinates in `free`, from `x`.
-    fn minimise(&self, x: &[f64], free: Vec<usize>, work: &mut Self::Work) -> Option<Minimum>;
+    /// The least sum of squares over the coordinates in `free`, from `x`, until an iteration brings less than the relative `tolerance`.
+    fn minimise(&self, x: &[f64], free: Vec<usize>, tolerance: f64, work: &mut Self::Work)
+    -> Option<Minimum>;
 
-    /// The same once more with all effort, for a point that would end an interval; none where the first search spared none.
-    fn deepened(&self, _found: &Minimum, _free: Vec<usize>, _work: &mut Self::Work) -> Option<Minimum> {
+    /// The same once more with central derivatives, for a point that would end an interval; none where the first search had them.
+    fn deepened(
+        &self,
+        _found: &Minimum,
+        _free: Vec<usize>,
+        _tolerance: f64,
+        _work: &mut Self::Work,
+    ) -> Option<Minimum> {
         None
     }
 
@@ -50,13 +54,19 @@ impl Ground for Task {
         Self::cost(self, x, work)
     }
 
-    fn minimise(&self, x: &[f64], free: Vec<usize>, work: &mut Workspace) -> Option<Minimum> {
-        Self::minimise(self, x, free, TOLERANCE, work)
+    fn minimise(&self, x: &[f64], free: Vec<usize>, tolerance: f64, work: &mut Workspace) -> Option<Minimum> {
+        Self::minimise(self, x, free, tolerance, work)
     }
 
     /// Where a valley is narrow and bent, searches with derivatives to one side end above its floor.
-    fn deepened(&self, found: &Minimum, free: Vec<usize>, work: &mut Workspace) -> Option<Minimum> {
-        self.widened.then(|| Self::minimise(self, &found.x, free, LAST, work)).flatten()
+    fn deepened(
+        &self,
+        found: &Minimum,
+        free: Vec<usize>,
+        tolerance: f64,
+        work: &mut Workspace,
+    ) -> Option<Minimum> {
+        self.widened.then(|| self.deepen(&found.x, free, tolerance, work)).flatten()
     }
 
     fn jacobian(&self, x: &[f64], free: Vec<usize>, work: &mut Workspace) -> Option<DMatrix<f64>> {

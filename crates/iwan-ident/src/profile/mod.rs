@@ -30,9 +30,6 @@ pub(crate) use ground::{Ground, is_all_joint};
 pub use outcome::{Profile, ProfilePoint, Profiles};
 pub(crate) use walk::{End, Walk};
 
-/// Relative reduction of the sum of squares at which the searches of a sweep end: the deviance then stands to a hundredth.
-const TOLERANCE: f64 = 1e-5;
-
 /// Macro-slip is seen when the best fit without it has a deviance above this. Two parameters more would gain 6 at the 95 %
 /// level; but the knee is sought along its whole range, and noise alone was seen to gain 19.6. With 25, none of 40 records of Table 2's mode 1
 /// at 0.3 φ_max and 40 dB claims macro-slip.
@@ -109,7 +106,7 @@ fn region(task: &Task, minimum: &Minimum, scale: &Scale) -> Result<Region, Minim
     let knees = task.knees();
     let range = [knees[knees.len() - 1], knees[0]];
     let limit = minimum.cost + scale.limit * scale.variance;
-    let mut found = task.sweep(minimum, limit, TOLERANCE);
+    let mut found = task.sweep(minimum, limit, scale.tolerance());
     found.extend(task.polished(&found));
     let walked = |direction: &f64| {
         let mut walk = Walk::new(task, knee, task.smooth(), minimum, scale);

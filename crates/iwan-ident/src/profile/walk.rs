@@ -102,7 +102,7 @@ impl<'a, G: Ground> Walk<'a, G> {
         ways.sort_by(|a, b| a.0.total_cmp(&b.0));
         let mut best: Option<Minimum> = None;
         for (_, x) in ways {
-            let found = self.task.minimise(&x, self.free.clone(), &mut self.work);
+            let found = self.task.minimise(&x, self.free.clone(), self.scale.tolerance(), &mut self.work);
             best = best.into_iter().chain(found).min_by(|a, b| a.cost.total_cmp(&b.cost));
             if best.as_ref().is_some_and(|b| self.scale.rise(b) < self.scale.limit) {
                 break;
@@ -110,7 +110,8 @@ impl<'a, G: Ground> Walk<'a, G> {
         }
         let Some(mut found) = best else { return Ok(None) };
         if self.scale.rise(&found) >= self.scale.limit {
-            let deepened = self.task.deepened(&found, self.free.clone(), &mut self.work);
+            let deepened =
+                self.task.deepened(&found, self.free.clone(), self.scale.tolerance(), &mut self.work);
             found = deepened.filter(|d| d.cost < found.cost).unwrap_or(found);
         }
         let deviance = self.scale.rise(&found);

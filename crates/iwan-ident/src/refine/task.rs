@@ -367,7 +367,7 @@ impl Task {
         let floor = self.count() as f64 * self.least_variance();
         let (count, bounds) = (self.count(), self.bounds());
         let kept = self.kept.clone().map(|checkpoint| Kept { checkpoint, stopped: self.stopped.clone() });
-        Search { count, free, bounds, iterations, tolerance, floor, kept }
+        Search { count, free, bounds, iterations, tolerance, central: false, floor, kept }
     }
 
     /// The least whitened sum of squares from `x`, until an iteration brings less than the relative `tolerance`.
@@ -379,6 +379,18 @@ impl Task {
         work: &mut Workspace,
     ) -> Option<Minimum> {
         self.minimise_with(x, free, Effort::until(tolerance), work)
+    }
+
+    /// The same with central derivatives.
+    pub(crate) fn deepen(
+        &self,
+        x: &[f64],
+        free: Vec<usize>,
+        tolerance: f64,
+        work: &mut Workspace,
+    ) -> Option<Minimum> {
+        let search = Search { central: true, ..self.search(free, Effort::until(tolerance)) };
+        search.run(&mut |x: &[f64], out: &mut [f64]| self.residuals(x, out, work), x)
     }
 
     /// The least whitened sum of squares from `x` that an effort finds.

@@ -55,6 +55,8 @@ pub(crate) struct Search {
     pub(crate) iterations: usize,
     /// Relative reduction of the sum of squares at which it ends.
     pub(crate) tolerance: f64,
+    /// Whether derivatives are central and made anew at each step whatever the tolerance: where a valley is narrow and bent, others end above its floor.
+    pub(crate) central: bool,
     /// Sum of squares that the residuals' own errors make: a reduction counts relative to this at least.
     pub(crate) floor: f64,
     /// Keeps where it ended, for a later process that searches the same.
@@ -135,16 +137,19 @@ impl Search {
             factors.q_tr_mul(&mut rotated);
             let (matrix, rotated) = (factors.r(), rotated.rows(0, self.free.len()).into_owned());
             let most = if fresh { MOST_DAMPING } else { damping * 100.0 };
-            let (mut part, mut taken) = (0.0, 0.0);
+            let (mut part, mut taken, mut tried) = (0.0, 0.0, false);
             while damping < most {
                 let next = self.step(&x, &matrix, &rotated, damping);
-                // More damping foretells less still.
+                // More damping foretells less still; a first step that it holds back says nothing of one with less. Where the minimum itself is wanted
+                // the first step is taken whatever it brings.
                 let little = FORETOLD * self.tolerance * cost.max(self.floor);
-                if along
-                    && next.as_ref().is_some_and(|next| self.foretold(&matrix, &rotated, &x, next) < little)
-                {
+                let is_idle = next.as_ref().is_some_and(|(_, foretold)| *foretold < little);
+                if is_idle && (tried || !self.is_final()) {
+                    taken = if tried { 0.0 } else { damping };
                     break;
                 }
+                let next = next.map(|(next, _)| next);
+                tried = true;
                 let lower = next.as_ref().and_then(|next| evaluate(residuals, next, &mut trial));
                 if let (Some(next), Some(lower)) = (next, lower.filter(|c| *c < cost)) {
                     part = (cost - lower) / cost.max(self.floor);
@@ -182,16 +187,10 @@ impl Search {
         Minimum { x, cost, converged: false }
     }
 
-    /// Whether the search wants the minimum itself: derivatives are central and made anew each time then; else they are
+    /// Whether the search wants the minimum itself, or its derivatives are central anyway: derivatives are central and made anew each time then; else they are
     /// one-sided and kept up to date by the steps taken.
     fn is_final(&self) -> bool {
-        self.tolerance < 1e-6
-    }
-
-    /// How much less the sum of squares would be at `to` if the residuals were straight.
-    fn foretold(&self, matrix: &DMatrix<f64>, rotated: &DVector<f64>, from: &[f64], to: &[f64]) -> f64 {
-        let step = DVector::from_iterator(self.free.len(), self.free.iter().map(|&j| to[j] - from[j]));
-        rotated.norm_squared() - (rotated + matrix * step).norm_squared()
+        self.central || self.tolerance < 1e-6
     }
 
     /// What the next step foretells of the sum of squares `r`, by derivatives and a triangular factor that is nearly theirs.
@@ -247,18 +246,19 @@ impl Search {
         Some(jacobian)
     }
 
-    /// The damped step from `x` for the triangular factor and the rotated residuals; coordinates that would leave their
-    /// bounds from there stay.
+    /// Where the damped step from `x` leads for the triangular factor and the rotated residuals, and how much less the sum of squares would be behind it if the
+    /// residuals were straight and the step were not cut; coordinates that would leave their bounds from there stay.
     fn step(
         &self,
         x: &[f64],
         matrix: &DMatrix<f64>,
         rotated: &DVector<f64>,
         damping: f64,
-    ) -> Option<Vec<f64>> {
+    ) -> Option<(Vec<f64>, f64)> {
         let mut moving: Vec<usize> = (0..self.free.len()).collect();
         loop {
-            let step = damped(&matrix.select_columns(&moving), rotated, damping)?;
+            let matrix = matrix.select_columns(&moving);
+            let step = damped(&matrix, rotated, damping)?;
             let leaves = |&(k, &i): &(usize, &usize)| {
                 let (low, high) = self.bounds[self.free[i]];
                 let at = x[self.free[i]];
@@ -272,7 +272,8 @@ impl Search {
                     next[j] =
                         (x[j] - step[k].clamp(-LONGEST, LONGEST)).clamp(self.bounds[j].0, self.bounds[j].1);
                 }
-                return Some(next);
+                let foretold = rotated.norm_squared() - (rotated - matrix * step).norm_squared();
+                return Some((next, foretold));
             };
             moving.remove(k);
             if moving.is_empty() {
@@ -324,6 +325,7 @@ mod tests {
             bounds: bounds.to_vec(),
             iterations: 200,
             tolerance: TOLERANCE,
+            central: false,
             floor: 0.0,
             kept: None,
         }

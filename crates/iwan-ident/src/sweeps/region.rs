@@ -34,14 +34,16 @@ impl Ground for Task<'_> {
         (known && cost.is_finite()).then_some(cost)
     }
 
-    fn minimise(&self, x: &[f64], free: Vec<usize>, _: &mut Buffers) -> Option<Minimum> {
+    // Sweeps have thousands of residuals: a tolerance of hundreds of them is too coarse.
+    fn minimise(&self, x: &[f64], free: Vec<usize>, _: f64, _: &mut Buffers) -> Option<Minimum> {
         Task::minimise(self, x, free, TOLERANCE, ITERATIONS)
     }
 
     fn jacobian(&self, x: &[f64], free: Vec<usize>, work: &mut Buffers) -> Option<DMatrix<f64>> {
         let bounds = Task::bounds(self);
         let (count, iterations, tolerance) = (self.count(), 0, FINE);
-        let search = Search { count, free, bounds, iterations, tolerance, floor: 0.0, kept: None };
+        let search =
+            Search { count, free, bounds, iterations, tolerance, central: false, floor: 0.0, kept: None };
         let mut residuals = |x: &[f64], out: &mut [f64]| self.residuals(x, out, work);
         let mut r = vec![0.0; self.count()];
         residuals(x, &mut r);

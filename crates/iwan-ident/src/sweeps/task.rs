@@ -234,7 +234,7 @@ impl<'a> Task<'a> {
         let mut buffers = Buffers::default();
         let bounds = self.bounds();
         let (count, floor) = (self.count(), 0.0);
-        let search = Search { count, free, bounds, iterations, tolerance, floor, kept: None };
+        let search = Search { count, free, bounds, iterations, tolerance, central: false, floor, kept: None };
         search.run(&mut |x: &[f64], out: &mut [f64]| self.residuals(x, out, &mut buffers), x)
     }
 

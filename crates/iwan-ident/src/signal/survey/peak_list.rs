@@ -122,8 +122,9 @@ impl Listed {
         let first = ((CYCLES / spectrum.length / spectrum.step).ceil() as usize).max(1);
         let stands =
             |k: &usize| spectrum.is_peak(*k) && power[*k] > ABOVE_NOISE * ABOVE_NOISE * floor[*k / length];
+        let saddles = saddles(power);
         let line = |k: usize| {
-            let prominence = (power[k] / saddle(power, k).max(f64::MIN_POSITIVE)).sqrt();
+            let prominence = (power[k] / saddles[k].max(f64::MIN_POSITIVE)).sqrt();
             Line { at: k, width: half_power_width(power, k), prominence }
         };
         let lines = (first..power.len() - 1).filter(stands).map(line).filter(|l| l.prominence >= PROMINENCE);
@@ -214,13 +215,26 @@ fn noise_around(noise: &[f64]) -> Vec<f64> {
     (0..medians.len()).map(least).collect()
 }
 
-/// The higher of the lowest powers on the ways to higher lines on either side; an end of the spectrum counts as one.
-fn saddle(power: &[f64], k: usize) -> f64 {
-    let lowest = |lines: &mut dyn Iterator<Item = usize>| {
-        lines.map(|i| power[i]).take_while(|p| *p <= power[k]).fold(f64::INFINITY, f64::min)
+/// At each line the higher of the lowest powers on the ways to higher lines on either side; an end of the spectrum counts as one.
+fn saddles(power: &[f64]) -> Vec<f64> {
+    let below = lowest_on_the_way(power.iter());
+    let above = lowest_on_the_way(power.iter().rev());
+    below.iter().zip(above.iter().rev()).map(|(a, b)| a.max(*b)).collect()
+}
+
+/// The lowest power between each line and the last one before it that is higher, or the first of all. Lines that a later one is not lower than are never asked for
+/// again, so that all are done in one go.
+fn lowest_on_the_way<'a>(power: impl Iterator<Item = &'a f64>) -> Vec<f64> {
+    let mut higher: Vec<(f64, f64)> = Vec::new();
+    let way = |p: &f64| {
+        let mut lowest = f64::INFINITY;
+        while let Some((height, before)) = higher.pop_if(|(height, _)| *height <= *p) {
+            lowest = lowest.min(height).min(before);
+        }
+        higher.push((*p, lowest));
+        lowest
     };
-    let (left, right) = (lowest(&mut (0..k).rev()), lowest(&mut (k + 1..power.len())));
-    left.max(right)
+    power.map(way).collect()
 }
 
 /// Lines between the half-power points, by straight lines between the lines of the spectrum; where one side turns up again before it
@@ -274,6 +288,24 @@ mod tests {
             // Skirts of the others pull a weak peak by a tenth of its width.
             assert!((peak.frequency / f - 1.0).abs() < 5e-4, "{peak:?}");
             assert!((peak.damping_ratio.unwrap() / z - 1.0).abs() < 0.1, "{peak:?} {z}");
+        }
+    }
+
+    #[test]
+    fn saddles_are_the_valleys_on_the_way_to_higher_lines() {
+        assert_eq!(saddles(&[3.0, 1.0, 2.0, 0.5, 4.0, 4.0, 2.0])[2], 1.0);
+        let mut state = 7_u64;
+        let mut line = || {
+            state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+            (state >> 60) as f64
+        };
+        let power: Vec<f64> = (0..300).map(|_| line()).collect();
+        for (k, found) in saddles(&power).into_iter().enumerate() {
+            let way = |lines: &mut dyn Iterator<Item = usize>| {
+                lines.map(|i| power[i]).take_while(|p| *p <= power[k]).fold(f64::INFINITY, f64::min)
+            };
+            let expected = way(&mut (0..k).rev()).max(way(&mut (k + 1..power.len())));
+            assert_eq!(found, expected, "{k}");
         }
     }
 
