@@ -121,6 +121,29 @@ fn a_shared_joint_is_found_from_far_away_starts() {
     assert!((value(Unknown::FS(0)) / LAW[1] - 1.0).abs() < 0.03, "{:?}", fit.estimates);
 }
 
+/// A hammer whose sensitivity is off by 6 % in one blow, and one whose channel lags by two samples.
+#[test]
+fn loads_that_do_not_go_with_their_motions_are_named() {
+    let records = [60.0, 600.0, 6000.0].map(|level| forced(level, SLIP));
+    let (mut weak, mut late) = (records.clone(), records);
+    for force in weak[1].force.iter_mut().flatten() {
+        *force /= 1.06;
+    }
+    let force = late[2].force.as_mut().unwrap();
+    force.rotate_right(2);
+    let named = |records: &[CoupledRecord]| fitted(records, &[], Seen::Modes).warnings.join("\n");
+    let after = |words: &str, what: &str| -> f64 {
+        let number = words.split(what).nth(1).and_then(|rest| rest.split(' ').find(|word| !word.is_empty()));
+        number.and_then(|number| number.parse().ok()).unwrap_or(f64::NAN)
+    };
+    let of_weak = named(&weak);
+    assert!((after(&of_weak, "600: its motion is that of a load") - 6.0).abs() < 0.3, "{of_weak}");
+    assert!(of_weak.contains("% larger than it says,"), "{of_weak}");
+    let of_late = named(&late);
+    assert!((after(&of_late, "6000: its motion is that of a load") - 2.0).abs() < 0.2, "{of_late}");
+    assert!(of_late.contains("s) earlier, which"), "{of_late}");
+}
+
 #[test]
 fn modes_that_share_nothing_are_told_and_soft_blows_are_named() {
     let records = [60.0, 200.0].map(|level| forced(level, 0.0));

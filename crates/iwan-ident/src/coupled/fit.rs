@@ -9,6 +9,7 @@ use iwan_machine::threads::in_parallel;
 
 use super::beginning::{Opened, shapes_at_force};
 use super::informed::{Left, one_sided, without_knees};
+use super::loads;
 use super::model::{CoupledModel, FIRST};
 use super::outcome::{CoupledCombination, CoupledEstimate, CoupledFit, FittedSharing, Misfit};
 use super::records::{CoupledRecord, CoupledTask};
@@ -105,7 +106,8 @@ pub fn fit_coupled(task: &CoupledTask<'_>) -> Result<CoupledFit, Error> {
     let mut all = vec![first, alone];
     let (steps, mut warnings) = (opened.steps(), Vec::new());
     for joints in 1..=MOST_JOINTS.min(modes.len()) {
-        if joints > 1 && !leaves_something(&all) {
+        // Further joints learn what is wrong with a load as well.
+        if joints > 1 && (!leaves_something(&all) || fitting.doubted(best_of(&all)).is_some()) {
             break;
         }
         if joints > 1 && steps > MOST_STEPS {
@@ -169,6 +171,7 @@ pub fn fit_coupled(task: &CoupledTask<'_>) -> Result<CoupledFit, Error> {
             100.0 * before
         ));
     }
+    warnings.extend(fitting.doubted(Some((&certain.model, &certain.found))));
     let left = Left { misfit: best.misfit, is_noise: certain.inflation <= WHITE };
     Ok(CoupledFit {
         warnings: [warnings, left.words(), one_sided(best)].concat(),
@@ -228,6 +231,13 @@ impl<'a> Fitting<'a> {
         let mut model = CoupledModel::new(form, &opened.records, opened.plans.clone(), task.quantity, how);
         let found = grown(&mut model, &starts)?;
         Ok((model, found))
+    }
+
+    /// The load that does not go with its motion, in words.
+    fn doubted(&self, best: Option<(&CoupledModel<'_>, &Found)>) -> Option<String> {
+        let (model, found) = best.filter(|_| forced(self.task))?;
+        let names: Vec<String> = self.task.records.iter().map(|r| r.name.clone()).collect();
+        loads::words(model, found, &names)
     }
 
     /// What a model says of all records.
@@ -310,8 +320,7 @@ fn mean(misfits: &[Misfit]) -> f64 {
 /// correlation in the best of them leaves.
 fn criteria(all: &[Fitted<'_>]) -> Vec<f64> {
     let count = all[0].0.count() as f64;
-    let best = all.iter().min_by(|a, b| a.1.cost.total_cmp(&b.1.cost));
-    let inflation = best.map_or(1.0, |(model, found)| weights(model, found).inflation);
+    let inflation = best_of(all).map_or(1.0, |(model, found)| weights(model, found).inflation);
     let own = (count / inflation).max(1.0);
     let of = |(_, found): &Fitted<'_>| {
         own * (found.cost / count).max(f64::MIN_POSITIVE).ln() + found.x.len() as f64 * own.ln()
@@ -319,10 +328,13 @@ fn criteria(all: &[Fitted<'_>]) -> Vec<f64> {
     all.iter().map(of).collect()
 }
 
+fn best_of<'f, 'a>(all: &'f [Fitted<'a>]) -> Option<(&'f CoupledModel<'a>, &'f Found)> {
+    all.iter().min_by(|a, b| a.1.cost.total_cmp(&b.1.cost)).map(|(model, found)| (model, found))
+}
+
 /// Whether the best model so far leaves anything that more joints could tell.
 fn leaves_something(all: &[Fitted<'_>]) -> bool {
-    let best = all.iter().min_by(|a, b| a.1.cost.total_cmp(&b.1.cost));
-    best.is_none_or(|(model, found)| {
+    best_of(all).is_none_or(|(model, found)| {
         let left = (found.cost / model.count() as f64).sqrt() * FIRST;
         left > LEAVES && weights(model, found).inflation > WHITE
     })

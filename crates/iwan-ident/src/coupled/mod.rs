@@ -14,6 +14,7 @@ mod starts;
 mod search;
 mod outcome;
 mod informed;
+mod loads;
 mod fit;
 
 pub use fit::fit_coupled;

@@ -202,6 +202,20 @@ impl<'a> CoupledModel<'a> {
         self.series.iter().any(|series| series.stepping > 0.0)
     }
 
+    /// The residuals of record `k`.
+    pub(super) fn rows_of(&self, k: usize) -> impl Iterator<Item = usize> + '_ {
+        self.series.iter().filter(move |s| s.record == k).flat_map(|s| s.entries.clone())
+    }
+
+    /// Residuals of record `k` by their places, and what another load at its steps changes in them; none where there is no model.
+    pub(super) fn changes_by_load(&self, x: &[f64], k: usize, load: Vec<f64>) -> Option<Vec<(usize, f64)>> {
+        let values = self.form.values(x)?;
+        let own = &self.records[k].clock;
+        let of = |clock: &Clock| Some(self.entries(&values, k, self.run(&values, k, clock)?).concat());
+        let (before, after) = (of(own)?, of(&own.with_load(load))?);
+        Some(self.rows_of(k).zip(after.iter().zip(before).map(|(a, b)| a - b)).collect())
+    }
+
     /// Whether an unknown changes record `k`.
     fn matters(unknown: Unknown, k: usize) -> bool {
         match unknown {

@@ -58,6 +58,16 @@ impl Clock {
         Self { step: dt * every as f64 / steps as f64, steps, every, force, bins }
     }
 
+    /// The same with another load at its steps.
+    pub(super) fn with_load(&self, force: Vec<f64>) -> Self {
+        Self { force, ..self.clone() }
+    }
+
+    /// Time between samples, s.
+    pub(super) fn sample(&self) -> f64 {
+        self.step * self.steps as f64 / self.every as f64
+    }
+
     /// Steps for so many samples.
     pub(super) fn steps_for(&self, samples: usize) -> usize {
         samples * self.steps / self.every

@@ -13,6 +13,7 @@ pub use crate::student::student_quantile;
 pub use clusters::widening;
 pub use minimum::{Found, Weights, least, near};
 pub use model::Model;
+pub(crate) use model::Squares;
 pub(crate) use profiles::Profiles;
 pub use profiles::{About, Interval, intervals};
 pub use told::{Combination, Told, silent};

@@ -17,11 +17,11 @@ pub trait Model: Sync {
 }
 
 /// A model as a least-squares problem.
-pub(super) struct Squares<'a, M: Model + ?Sized>(pub(super) &'a M);
+pub(crate) struct Squares<'a, M: Model + ?Sized>(pub(crate) &'a M);
 
 impl<M: Model + ?Sized> Squares<'_, M> {
     /// Derivatives with respect to the unknowns in `free`, one column each.
-    pub(super) fn derivatives_at(&self, x: &[f64], free: &[usize]) -> Option<DMatrix<f64>> {
+    pub(crate) fn derivatives_at(&self, x: &[f64], free: &[usize]) -> Option<DMatrix<f64>> {
         let (mut residuals, mut derivatives) =
             (vec![0.0; self.0.count()], vec![vec![0.0; self.0.count()]; x.len()]);
         let known = self.0.evaluate(x, &mut residuals, Some(&mut derivatives));
