@@ -76,6 +76,16 @@ fn hits_of_three_levels_tell_that_modes_share_a_joint() {
     assert!(fit["joints"][0]["k_t"]["identifiable"].as_bool().unwrap(), "{}", fit["joints"]);
     let page = std::fs::read_to_string(place.path().join("f/report.html")).unwrap();
     assert!(page.contains("Models side by side") && page.contains("(kept out)") && !page.contains("NaN"));
+    // A force that is left out may be the load, which a warning says.
+    let unnamed = iwan(place.path(), &format!("fit {files} --coupled --shapes shapes.csv --out g"));
+    assert!(unnamed.status.success() && shown(&unnamed).contains("say --load hammer"), "{}", shown(&unnamed));
+    // So may a channel that no shape has.
+    let bare = std::fs::read_to_string(place.path().join("hit-60.csv")).unwrap().replace(" [N]", "");
+    std::fs::write(place.path().join("bare.csv"), bare).unwrap();
+    let refused =
+        iwan(place.path(), "fit bare.csv --coupled --shapes shapes.csv --quantity acceleration --out h");
+    let text = shown(&refused);
+    assert!(text.contains("there is no column \"hammer\"") && text.contains("say --load CHANNEL"), "{text}");
     // The scenario runs as it is.
     let again = iwan(place.path(), "simulate f/scenario.toml --quiet --out again");
     assert!(again.status.success(), "{}", shown(&again));

@@ -15,6 +15,9 @@ use crate::session::Summary;
 /// is a glance; the table of the envelope has every sample.
 const ROWS: usize = 7;
 
+/// Channels that are all named; of more the first two and the last are.
+const MOST_NAMED: usize = 8;
+
 /// Methods whose damping ratios differ by less than this at half of the times agree well: on measured ring-downs with
 /// little noise they differ by 0.003 to 0.006.
 const WELL: f64 = 0.01;
@@ -148,7 +151,12 @@ impl RecordSummary {
     pub(crate) fn text(&self) -> String {
         let unit = if self.unit.is_empty() { String::new() } else { format!(" in {}", self.unit) };
         let (file, samples, rate) = (&self.file, self.samples, short(self.rate));
-        let channels = self.channels.join(", ");
+        let channels = match self.channels.as_slice() {
+            [first, second, .., last] if self.channels.len() > MOST_NAMED => {
+                format!("{} channels: {first}, {second}, …, {last}", self.channels.len())
+            }
+            all => all.join(", "),
+        };
         format!("{file}: {}{unit}, {samples} samples at {rate} Hz, from {channels}\n", self.quantity)
     }
 }

@@ -16,7 +16,7 @@ from iwan import _native
 from iwan._native import FourParameter, Mode, Record, _FittedCoupled
 from iwan.coupled import CoupledModes, SharedJoint
 from iwan.errors import InvalidValueError
-from iwan.identification import several, stretches
+from iwan.identification import disturbed, several, stretches
 from iwan.progress import Progress, bar
 from iwan.records import as_record
 from iwan.types import Array, EnvelopeMethod
@@ -54,7 +54,7 @@ class CoupledFit:
     in_words: Sequence[str]
     """What was found, in sentences."""
     warnings: Sequence[str]
-    """What the records do not hold or what was assumed, in sentences."""
+    """What disturbs the records, what they do not hold and what was assumed, in sentences."""
     initial: Sequence[tuple[Array, Array]]
     """Displacements and velocities of the modes at the first sample of each record fitted; 0 under a force."""
     measured: Sequence[Array]
@@ -106,19 +106,21 @@ def _given(
     cut: tuple[float | None, float | None],
     hits: str | int,
     names: tuple[str, str],
-) -> list[Given]:
-    """Records with their forces, cut alike."""
+) -> tuple[list[Given], list[str]]:
+    """Records with their forces, cut alike, and what is to be said of them."""
     word, of_forces = names
     listed = several(records)
     if forces is None:
-        used = stretches(listed, dt, *cut, hits).records
-        return [(f"{word}[{i}]", record, None) for i, record in enumerate(used)]
+        pieces = stretches(listed, dt, *cut, hits)
+        given = [(f"{word}[{i}]", record, None) for i, record in enumerate(pieces.records)]
+        return given, [f"{word}: {note}" for note in pieces.notes]
     if len(listed) == 1 and not isinstance(forces, (list, tuple)):
         forces = [forces]
     if not isinstance(forces, (list, tuple)) or len(forces) != len(listed):
         count = len(forces) if isinstance(forces, (list, tuple)) else 1
         raise InvalidValueError(f"{of_forces} must be one array for each of {len(listed)} records, but are {count}")
-    given: list[Given] = []
+    struck: list[Given] = []
+    notes: list[str] = []
     for i, (one, force) in enumerate(zip(listed, forces, strict=True)):
         record = as_record(one, dt=dt)
         own = force if isinstance(force, Record) else Record([force], dt=record.dt, start=record.start)
@@ -127,8 +129,9 @@ def _given(
             raise InvalidValueError(f"{of_forces}[{i}] has {shape} samples: give 1 x {record.samples.shape[1]}, as the record")
         if cut != (None, None):
             record, own = record.between(*cut), own.between(*cut)
-        given.append((f"{word}[{i}]", record, own.samples[0]))
-    return given
+        struck.append((f"{word}[{i}]", record, own.samples[0]))
+        notes.extend(f"{word}[{i}]: {note}" for note in disturbed(record._overview()[1]))
+    return struck, notes
 
 
 def fit_coupled(
@@ -191,10 +194,11 @@ def fit_coupled(
     if bands is not None and near is not None:
         raise InvalidValueError("near goes without bands: give one of them")
     cut = (start, stop)
-    fitted = _given(records, forces, dt, cut, hits, ("records", "forces"))
+    fitted, notes = _given(records, forces, dt, cut, hits, ("records", "forces"))
     kept_out: list[Given] = []
     if not (isinstance(predict, (list, tuple)) and len(predict) == 0):
-        kept_out = _given(predict, predict_forces, dt, cut, hits, ("predict", "predict_forces"))
+        kept_out, more = _given(predict, predict_forces, dt, cut, hits, ("predict", "predict_forces"))
+        notes += more
     asked = {
         "quantity": quantity,
         "shapes": None if shapes is None else shapes.tolist(),
@@ -207,10 +211,10 @@ def fit_coupled(
     }
     with bar(progress, _PARTS) as tell:
         found = _native._fit_coupled(fitted, kept_out, asked, tell)
-    return _made(found, partial(_native._fit_coupled, fitted, kept_out, asked, None))
+    return _made(found, notes, partial(_native._fit_coupled, fitted, kept_out, asked, None))
 
 
-def _made(found: _FittedCoupled, again: Callable[[], _FittedCoupled]) -> CoupledFit:
+def _made(found: _FittedCoupled, notes: list[str], again: Callable[[], _FittedCoupled]) -> CoupledFit:
     told, values = (json.loads(text) for text in found.told())
     modes = [
         Mode(frequency=frequency, damping_ratio=damping, shape_at_force=shape, name=name)
@@ -235,7 +239,7 @@ def _made(found: _FittedCoupled, again: Callable[[], _FittedCoupled]) -> Coupled
         told=[(one["deviation"], one["combination"]) for one in told["told"]],
         models=told["models"],
         in_words=told["in_words"],
-        warnings=told["warnings"],
+        warnings=[*notes, *told["warnings"]],
         initial=[(one[0], one[1]) for one in found.initial()],
         measured=[own for own, _ in found.motions()],
         motions=[model for _, model in found.motions()],

@@ -307,11 +307,11 @@ def fit(
     if sweeps is not None or backbones is not None:
         if law is not None:
             raise InvalidValueError("law: laws are compared on ring-downs alone; leave it out beside sweeps and backbones")
-        ring_downs = None
+        pieces, ring_downs = Stretches([], []), None
         if record is not None:
             pieces = stretches(several(record), dt, start, stop, hits)
             ring_downs = partial(_identify, pieces.records, arguments)
-        return fit_sweeps(sweeps, backbones, levels, mass, hold, ring_downs)
+        return fit_sweeps(sweeps, backbones, levels, mass, hold, ring_downs, pieces.notes)
     if record is None:
         raise InvalidTypeError("record is missing: give a record, or a shaker's test as sweeps= or backbones=")
     pieces = stretches(several(record), dt, start, stop, hits)
@@ -404,6 +404,16 @@ def check_hits(hits: str | int) -> None:
         raise InvalidValueError(f"hits = {hits!r}: must be 'all', 'first', or the number of a hit counted from 1")
 
 
+def disturbed(disturbances: Sequence[Mapping[str, Any]]) -> list[str]:
+    """What disturbs a record, in words with a remedy; but for clipping, which every fit looks after itself."""
+    words = []
+    for seen in disturbances:
+        if seen["kind"] != "clipped":
+            at = f"{seen['time']:.6f}"
+            words.append(f"{seen['what']}, at {at} s; cut there with stop={at} or start={at}")
+    return words
+
+
 def stretches(
     records: Sequence[Any], dt: float | None, start: float | None, stop: float | None, hits: str | int
 ) -> Stretches:
@@ -423,11 +433,7 @@ def stretches(
             notes.append(f"{place}{len(found)} hits, at {times} s; {which} (hits=)")
         elif found[0].start > record.start:
             notes.append(f"{place}before {found[0].start:.6f} s the structure is pulled, held, handled or driven: the record begins there")
-        # Clipping is what every fit looks after itself.
-        for seen in disturbances:
-            if seen["kind"] != "clipped":
-                at = f"{seen['time']:.6f}"
-                notes.append(f"{place}{seen['what']}, at {at} s; cut there with stop={at} or start={at}")
+        notes.extend(f"{place}{words}" for words in disturbed(disturbances))
         if hits == "all":
             used.extend(found)
             continue

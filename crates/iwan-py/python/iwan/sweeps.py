@@ -64,6 +64,8 @@ class SweepFit(SixParameters):
     """Values and deviances of each parameter's profile likelihood."""
     limit: float
     """Deviance at the ends of the intervals."""
+    notes: Sequence[str]
+    """What disturbs the ring-downs, and which hits of theirs were used."""
     _again: Callable[[], _FittedSweeps] = field(repr=False)
     """Fits again what was given."""
     _fitted: _FittedSweeps | None = field(default=None, repr=False)
@@ -145,6 +147,7 @@ def fit_sweeps(
     mass: float | None,
     hold: Mapping[str, float] | None,
     ring_downs: Callable[[], _Identified] | None,
+    notes: Sequence[str],
 ) -> SweepFit:
     """`iwan.fit` with sweeps or backbones."""
     held = list((hold or {}).items())
@@ -157,4 +160,4 @@ def fit_sweeps(
     joint = FourParameter(k_t=p["k_t"], f_s=p["f_s"], chi=p["chi"], beta=p["beta"])
     mode = Mode(frequency=p["frequency"], joint=joint, damping_ratio=p["damping_ratio"])
     bounded = {name: name not in dict(held) and None not in ends for name, ends in told["intervals"].items()}
-    return SweepFit(mode=mode, identifiable=bounded, _again=again, _fitted=fitted, **told)
+    return SweepFit(mode=mode, identifiable=bounded, notes=list(notes), _again=again, _fitted=fitted, **told)

@@ -9,7 +9,7 @@ use iwan_ident::coupled::{CoupledRecord, CoupledTask, Seen, UncoupledMode};
 use iwan_ident::curve_fit::{fit, start};
 use iwan_ident::curves::Quantity;
 use iwan_ident::signal::Method;
-use iwan_io::{ReadOptions, Record};
+use iwan_io::{ReadOptions, Record, Warning};
 
 use crate::failure::Failure;
 use crate::fit::args::FitArgs;
@@ -39,7 +39,14 @@ impl Measured {
         let fitted = files(&args.fit, args, load)?;
         let held = files(&args.held_out, args, load)?;
         let seen = if args.records.shapes.is_some() { Seen::Modes } else { Seen::Sum };
-        let modes = |recordings: &[Recording]| records::modes(recordings, &args.records);
+        // A channel that no shape has may be the load.
+        let modes = |recordings: &[Recording]| {
+            let found = records::modes(recordings, &args.records);
+            found.map_err(|failure| match load {
+                None if seen == Seen::Modes => failure.or("say --load CHANNEL if one of them is the load"),
+                _ => failure,
+            })
+        };
         Self::new(&fitted, &held, seen, args.method.method(), modes)
     }
 
@@ -135,7 +142,10 @@ pub(crate) type Loaded = (Recording, Option<Vec<f64>>);
 /// Recordings with their loads.
 fn files(paths: &[std::path::PathBuf], args: &FitArgs, load: Option<&str>) -> Result<Vec<Loaded>, Failure> {
     let Some(load) = load else {
-        let recordings = records::read_all(paths, &args.records)?;
+        let mut recordings = records::read_all(paths, &args.records)?;
+        if let Some(first) = recordings.first_mut() {
+            first.warnings.extend(without_load(&first.record));
+        }
         return Ok(recordings.into_iter().map(|recording| (recording, None)).collect());
     };
     let mut all = Vec::new();
@@ -157,6 +167,20 @@ fn files(paths: &[std::path::PathBuf], args: &FitArgs, load: Option<&str>) -> Re
         all.push((recording, Some(force)));
     }
     Ok(all)
+}
+
+/// What is to be said where a force is left out and no load is named.
+fn without_load(record: &Record) -> Option<String> {
+    let left_out = |warning: &Warning| match warning {
+        Warning::LeftOut { name, reason } if reason.contains(&iwan_io::Quantity::Force.to_string()) => {
+            Some(name.clone())
+        }
+        _ => None,
+    };
+    let name = record.warnings().iter().find_map(left_out)?;
+    Some(format!(
+        "no load is named: the records are taken for free decays behind their blows; say --load {name} if that is the load"
+    ))
 }
 
 /// One channel of a file, whatever it measures.
