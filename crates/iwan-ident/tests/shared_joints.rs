@@ -144,6 +144,25 @@ fn loads_that_do_not_go_with_their_motions_are_named() {
     assert!(of_late.contains("s) earlier, which"), "{of_late}");
 }
 
+/// A hammer with the other sign, and one in pounds beside newtons: fits of such records are bent as a whole.
+#[test]
+fn loads_of_another_sign_or_unit_are_named_by_how_records_begin() {
+    for (record, factor, words) in
+        [(1, -1.0, "600: it begins with -1.0"), (0, 4.448, "60: it begins with 0.2")]
+    {
+        let mut records = [60.0, 600.0, 6000.0].map(|level| forced(level, SLIP));
+        for force in records[record].force.iter_mut().flatten() {
+            *force *= factor;
+        }
+        let warnings = fitted(&records, &[], Seen::Modes).warnings;
+        assert!(
+            warnings[0].contains(words) && warnings[0].contains("check the sign and the unit"),
+            "{warnings:?}"
+        );
+        assert!(!warnings.iter().any(|w| w.contains("its motion is that of a load")), "{warnings:?}");
+    }
+}
+
 #[test]
 fn modes_that_share_nothing_are_told_and_soft_blows_are_named() {
     let records = [60.0, 200.0].map(|level| forced(level, 0.0));

@@ -252,11 +252,13 @@ pub(crate) fn agreement(spread: &Spread) -> String {
         d if d < FAIRLY => "the methods agree fairly",
         _ => "the methods disagree: trust the damping to that extent only",
     };
+    // Of a damping of next to nothing any difference is many times as much.
+    let percent = |x: f64| if x > 1.0 { "more than 100 %".into() } else { format!("{:.2} %", 100.0 * x) };
     format!(
-        "{verdict}: they differ by {:.2} % in damping at half of the times and by {:.2} % at most, by {:.4} Hz in \
+        "{verdict}: they differ by {} in damping at half of the times and by {} at most, by {:.4} Hz in \
          frequency and {:.2} % in amplitude at most",
-        100.0 * spread.median_damping_ratio,
-        100.0 * spread.damping_ratio,
+        percent(spread.median_damping_ratio),
+        percent(spread.damping_ratio),
         spread.frequency,
         100.0 * spread.amplitude
     )

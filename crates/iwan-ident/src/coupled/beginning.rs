@@ -1,6 +1,7 @@
 //! Where records begin, and how large their motions are: before any fit.
 
 use std::f64::consts::TAU;
+use std::ops::Range;
 
 use nalgebra::{DMatrix, DVector};
 
@@ -91,13 +92,18 @@ fn begin(task: &CoupledTask<'_>, record: &CoupledRecord, frequencies: &[f64], r:
     [q[0], -omega * q[1]]
 }
 
-/// Shapes at the load as linear modes would have them over the first periods of the records; one where that says nothing.
-pub(super) fn shapes_at_force(task: &CoupledTask<'_>, opened: &Opened, linear: &Values) -> Vec<f64> {
+/// Shapes at the load as linear modes would have them over the first periods of some records; none where that says nothing.
+pub(super) fn shapes_at_force(
+    task: &CoupledTask<'_>,
+    opened: &Opened,
+    linear: &Values,
+    of: Range<usize>,
+) -> Option<Vec<f64>> {
     let n = linear.frequency.len();
     let slowest = linear.frequency.iter().copied().fold(f64::INFINITY, f64::min);
     let unit = Values { shape_at_force: vec![1.0; n], ..linear.clone() };
     let (mut square, mut right) = (DMatrix::zeros(n, n), DVector::zeros(n));
-    for (k, record) in task.records.iter().enumerate() {
+    for (k, record) in task.records.iter().enumerate().filter(|(k, _)| of.contains(k)) {
         let all = record.motions[0].len();
         let load = record.force.as_deref().unwrap_or(&[]);
         let peak = (0..load.len()).max_by(|a, b| load[*a].abs().total_cmp(&load[*b].abs())).unwrap_or(0);
@@ -119,5 +125,5 @@ pub(super) fn shapes_at_force(task: &CoupledTask<'_>, opened: &Opened, linear: &
     }
     let solved = square.lu().solve(&right);
     let usable = |x: &DVector<f64>| x.iter().all(|x| x.is_finite() && *x != 0.0);
-    solved.filter(usable).map_or_else(|| vec![1.0; n], |x| x.iter().copied().collect())
+    solved.filter(usable).map(|x| x.iter().copied().collect())
 }

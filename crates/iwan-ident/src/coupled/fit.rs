@@ -104,10 +104,11 @@ pub fn fit_coupled(task: &CoupledTask<'_>) -> Result<CoupledFit, Error> {
     let own = alone.0.form.values(&alone.1.x).map_or_else(|| modes.clone(), |values| by_themselves(&values));
     done(FITTED[1])?;
     let mut all = vec![first, alone];
-    let (steps, mut warnings) = (opened.steps(), Vec::new());
+    let (steps, mut warnings) = (opened.steps(), loads::at_odds(task, &opened, &fitting.reference));
+    let at_odds = !warnings.is_empty();
     for joints in 1..=MOST_JOINTS.min(modes.len()) {
         // Further joints learn what is wrong with a load as well.
-        if joints > 1 && (!leaves_something(&all) || fitting.doubted(best_of(&all)).is_some()) {
+        if joints > 1 && (at_odds || !leaves_something(&all) || fitting.doubted(best_of(&all)).is_some()) {
             break;
         }
         if joints > 1 && steps > MOST_STEPS {
@@ -171,7 +172,9 @@ pub fn fit_coupled(task: &CoupledTask<'_>) -> Result<CoupledFit, Error> {
             100.0 * before
         ));
     }
-    warnings.extend(fitting.doubted(Some((&certain.model, &certain.found))));
+    if !at_odds {
+        warnings.extend(fitting.doubted(Some((&certain.model, &certain.found))));
+    }
     let left = Left { misfit: best.misfit, is_noise: certain.inflation <= WHITE };
     Ok(CoupledFit {
         warnings: [warnings, left.words(), one_sided(best)].concat(),
@@ -197,7 +200,9 @@ fn reference(task: &CoupledTask<'_>, opened: &Opened) -> Values {
     };
     values.shape_at_force = match task.shape_at_force {
         Some(shape) => shape.to_vec(),
-        None if forced(task) => shapes_at_force(task, opened, &values),
+        None if forced(task) => {
+            shapes_at_force(task, opened, &values, 0..task.records.len()).unwrap_or(values.shape_at_force)
+        }
         None => values.shape_at_force,
     };
     values

@@ -2,7 +2,10 @@
 
 use nalgebra::{DMatrix, DVector};
 
+use super::beginning::{Opened, shapes_at_force};
 use super::model::CoupledModel;
+use super::records::CoupledTask;
+use super::unknowns::Values;
 use crate::estimate::{Found, Model, Squares};
 
 /// Step of the difference by a factor on a load: its motion is nearly in proportion.
@@ -21,6 +24,46 @@ const EXPLAINED: f64 = 0.5;
 /// A gain or a delay is told alone where both together leave no more than this part of the root mean square less: a clock that lags by a fifth of a blow looks like a smaller
 /// load as well.
 const ALONE: f64 = 0.15;
+
+/// A record begins with so many times the motion that its load makes by the other records, or a part of that, where its load is in another unit: pounds are 4.4 newtons. A joint that slips
+/// takes less than half of a mode's first period.
+const OTHER_UNIT: f64 = 3.0;
+
+/// Records that begin as if their load had another sign or another unit than those of the others, in words. Such a load bends the fit so far that [`words`] would name another.
+pub(super) fn at_odds(task: &CoupledTask<'_>, opened: &Opened, reference: &Values) -> Vec<String> {
+    let count = task.records.len();
+    if task.records[0].force.is_none() || count < 2 && task.shape_at_force.is_none() {
+        return Vec::new();
+    }
+    let shapes: Vec<Option<Vec<f64>>> =
+        (0..count).map(|k| shapes_at_force(task, opened, reference, k..k + 1)).collect();
+    let usual = |mode: usize| -> Option<f64> {
+        if let Some(given) = task.shape_at_force {
+            return Some(given[mode]);
+        }
+        let mut all: Vec<f64> = shapes.iter().flatten().map(|shape| shape[mode]).collect();
+        all.sort_by(f64::total_cmp);
+        all.get(all.len() / 2).copied()
+    };
+    let Some(usual) = (0..task.modes.len()).map(usual).collect::<Option<Vec<f64>>>() else {
+        return Vec::new();
+    };
+    let of = |(k, shape): (usize, &Option<Vec<f64>>)| {
+        let mut ratios: Vec<f64> =
+            shape.as_ref()?.iter().zip(&usual).map(|(own, usual)| own / usual).collect();
+        ratios.sort_by(f64::total_cmp);
+        let (least, most) = (ratios[0], ratios[ratios.len() - 1]);
+        let odd = most < 0.0 || least > OTHER_UNIT || (least > 0.0 && most < 1.0 / OTHER_UNIT);
+        let than = if task.shape_at_force.is_some() { "the shapes at the load" } else { "the other records" };
+        odd.then(|| {
+            format!(
+                "{}: it begins with {:.2} to {:.2} times the motion that its load makes by {than}: check the sign and the unit of its force",
+                task.records[k].name, least, most
+            )
+        })
+    };
+    shapes.iter().enumerate().filter_map(of).collect()
+}
 
 /// A load that does not go with its record.
 struct Doubt {
