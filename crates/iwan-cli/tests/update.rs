@@ -36,12 +36,12 @@ fn curves_of_static_loads_give_the_joints_back() {
     for file in ["update.json", "summary.json", "updated.toml", "report.html"] {
         assert!(place.path().join("u").join(file).exists(), "{file}");
     }
-    // Where the curves feel nothing of the washers' joints, from the true values on, these keep them.
+    // Where the curves feel next to nothing of the washers' joints, from the true values on, these keep them.
     let output =
         iwan(place.path(), "update --json --quiet --out v --curves bending-1,bending-3=m/curves.csv");
     let kept: Value = serde_json::from_slice(&output.stdout).unwrap();
     let washers = kept["groups"][1]["k_t"]["value"].as_f64().unwrap();
-    assert!((washers / 2.75e5 - 1.0).abs() < 1e-9, "{washers}");
+    assert!((washers / 2.75e5 - 1.0).abs() < 1e-4, "{washers}");
     // The structure with the joints found opens.
     assert!(iwan(place.path(), "modes u/updated.toml --quiet --out again").status.success());
 }

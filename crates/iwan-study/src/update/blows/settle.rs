@@ -222,7 +222,8 @@ impl<'a> Fitting<'a> {
     }
 
     /// Opens the ends that need a knee which no blow has clearly passed, or which what is left shows: the joint may be as strong and as stiff as one likes.
-    /// Where χ stands at the end of its range the search ran there: the blows show nothing that the law's shape explains, and only the stiffness has an end.
+    /// Where χ stands at the end of its range the search ran there, and where χ is open towards it the search might have: the blows show nothing that the law's shape
+    /// explains, and only the stiffness has an end.
     fn without_knees(
         &self,
         about: About<'_>,
@@ -234,7 +235,7 @@ impl<'a> Fitting<'a> {
             let (low, high) = self.rings.beside.bounds[4 * group + 2];
             let chi = about.found.x[4 * group + 2];
             let of = &mut intervals[4 * group..4 * group + 4];
-            if chi <= low || chi >= high {
+            if chi <= low || chi >= high || of[2].low.is_none() || of[2].high.is_none() {
                 of[1..].fill(Interval::default());
             }
             if *ratio < PASSED || misses > if is_noise { MOST_EXCUSED } else { MISSED } {
