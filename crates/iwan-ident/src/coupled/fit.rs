@@ -49,6 +49,10 @@ const STILL_STEPPING: f64 = 0.1;
 /// about values from 0 to 0.024, and held the truth in 5. Without a Dirac those fits had deviances up to 22. As at the knee of a mode
 /// ([`profile`](mod@crate::profile)), 25 is a judgement.
 const DIRAC_SEEN: f64 = 25.0;
+/// Factor on the variance of what tells of a joint alone: K_T, F_S, χ, β and compliance. The sum of squares has a crease wherever a slider begins to slip, and searches end in one of several
+/// valleys between creases: estimates scatter by 1.2 to 1.3 times what the curvature of one valley says. In a hundred repeats at 40 dB intervals held the truth in 85 to 89 without, and in 94 to
+/// 96 with it.
+const CREASED: f64 = 1.5;
 /// Stretches of each series that pull for themselves. On the paper's beam whole series widen intervals by 14, halves by 10, quarters by 7 and eighths by 5: what is
 /// missed is alike for long. Whole series would say nothing of what only one of them tells, the damping of a mode in one record.
 const STRETCHES: usize = 2;
@@ -375,7 +379,9 @@ impl<'a> Certain<'a> {
             let wider = if inflation > WHITE {
                 widening(&model, &found.x, &free, variance, &stretches(&model))
             } else {
-                vec![1.0; free.len()]
+                free.iter()
+                    .map(|j| if is_of_joint(model.form.unknowns[*j]) { CREASED } else { 1.0 })
+                    .collect()
             };
             // Each walk on a thread of its own: two records on two threads wait for each other at each step of a search.
             let threads = std::mem::replace(&mut model.threads, 1);
@@ -476,6 +482,14 @@ fn without_dirac(model: &CoupledModel<'_>, found: &Found, free: &[usize], beta: 
 fn has_dirac(model: &CoupledModel<'_>, about: About<'_>, beta: usize) -> bool {
     let without = without_dirac(model, about.found, about.free, beta);
     without.is_none_or(|without| without.cost - about.found.cost > DIRAC_SEEN * about.variance)
+}
+
+/// Whether an unknown tells of a joint alone.
+fn is_of_joint(unknown: Unknown) -> bool {
+    matches!(
+        unknown,
+        Unknown::KT(_) | Unknown::FS(_) | Unknown::Chi(_) | Unknown::Beta(_) | Unknown::Compliance(_)
+    )
 }
 
 /// Whether an unknown is one of modes and joints, and not of a record.
