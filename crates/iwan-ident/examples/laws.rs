@@ -28,9 +28,13 @@ fn trial(law: &str, seed: u64, decibels: f64, tally: &mut Tally) {
     let samples = noisy(&clean, decibels, seed);
     let record = ModeRecord { samples: &samples, dt: clean.dt, quantity: Quantity::Displacement };
     let begun = std::time::Instant::now();
-    let Ok(found) = compare_laws(&[record], &Settings::default()) else {
-        tally.refused += 1;
-        return;
+    let found = match compare_laws(&[record], &Settings::default()) {
+        Ok(found) => found,
+        Err(error) => {
+            eprintln!("{law} {seed} refused: {error}");
+            tally.refused += 1;
+            return;
+        }
     };
     tally.seconds += begun.elapsed().as_secs_f64();
     if std::env::var_os("ALL").is_some() {

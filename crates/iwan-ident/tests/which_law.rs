@@ -54,6 +54,18 @@ fn the_law_is_named_and_its_parameters_are_held() {
 
 /// What has more parts is no less likely than what has fewer, but for their price. A search for the joint alone, or for the joint beside another part, that ended in a worse valley put the joint 50 behind
 /// a joint with quadratic damping on the joint's own record (9), and that 88 behind the joint alone (1).
+/// The frequency of dry friction behind a spring, and of a cubic spring, changes at a knee: two linear modes tell that better than smooth curves do, but it does not go back.
+#[test]
+fn one_mode_with_a_knee_is_not_taken_for_two() {
+    for (law, seeds) in [("jenkins", [1, 9, 24]), ("duffing-quadratic", [8, 24, 36])] {
+        for seed in seeds {
+            let clean = ring_down(law, seed);
+            let found = compared(&noisy(&clean, 40.0, seed), clean.dt);
+            assert_eq!(found.chosen().law.name, law, "{law} {seed}");
+        }
+    }
+}
+
 #[test]
 fn searches_for_a_joint_end_in_the_same_valley_with_and_without_another_part() {
     // Prices of one part reach from 4 to 21 in the first fifteen records.
