@@ -138,7 +138,8 @@ fn a_hit_that_cannot_be_followed_can_be_left_out() {
             s if s < 0.0 => 0.0,
             s => size * (-s).exp() * (std::f64::consts::TAU * frequency * s).sin(),
         };
-        let sum = wave(0.25, 1.0, 80.0) + wave(0.25, 0.5, 200.0) + wave(2.25, 3.0, 80.0);
+        let second = wave(2.25, 3.0, 80.0) + wave(2.25, 1.3, 200.0) + wave(2.25, 1.5, 203.0);
+        let sum = wave(0.25, 1.0, 80.0) + wave(0.25, 0.5, 200.0) + second;
         writeln!(text, "{t},{sum}").unwrap();
     }
     std::fs::write(place.path().join("two_hits.csv"), text).unwrap();
