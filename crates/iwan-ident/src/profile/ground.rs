@@ -66,11 +66,12 @@ impl Ground for Task {
         tolerance: f64,
         work: &mut Workspace,
     ) -> Option<Minimum> {
-        self.widened.then(|| self.deepen(&found.x, free, tolerance, work)).flatten()
+        let effort = Effort { central: true, ..Effort::until(tolerance) };
+        self.widened.then(|| self.minimise_with(&found.x, free, effort, work)).flatten()
     }
 
     fn jacobian(&self, x: &[f64], free: Vec<usize>, work: &mut Workspace) -> Option<DMatrix<f64>> {
-        let search = self.search(free, Effort { iterations: 0, tolerance: 0.0 });
+        let search = self.search(free, Effort::NONE);
         let mut residuals = |x: &[f64], out: &mut [f64]| self.residuals(x, out, work);
         let mut r = vec![0.0; self.count()];
         residuals(x, &mut r);

@@ -326,7 +326,7 @@ impl Task {
     /// The same with nodes so far apart in ln amplitude.
     fn look_at(&self, x: &[f64], spacing: f64, work: &mut Workspace) -> Option<Found> {
         let components = self.components(x, spacing, work)?;
-        let search = self.search(self.seen_at(x), Effort { iterations: 0, tolerance: 0.0 });
+        let search = self.search(self.seen_at(x), Effort::NONE);
         let mut r = vec![0.0; self.count()];
         let mut residuals = |x: &[f64], out: &mut [f64]| self.residuals(x, out, work);
         residuals(x, &mut r);

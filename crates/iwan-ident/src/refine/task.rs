@@ -124,18 +124,22 @@ pub(crate) struct Effort {
     pub(crate) iterations: usize,
     /// Relative reduction of the sum of squares at which it ends.
     pub(crate) tolerance: f64,
+    /// Whether derivatives are central whatever the tolerance.
+    pub(crate) central: bool,
 }
 
 impl Effort {
+    /// That of derivatives alone, without a step.
+    pub(crate) const NONE: Self = Self { iterations: 0, tolerance: 0.0, central: false };
     /// That of scans, whose points each go on from a neighbour.
-    pub(super) const SCAN: Self = Self { iterations: SCAN_ITERATIONS, tolerance: SCAN };
+    pub(super) const SCAN: Self = Self { iterations: SCAN_ITERATIONS, tolerance: SCAN, central: false };
     /// That of searches that are not the last.
-    pub(super) const ROUGH: Self = Self { iterations: ROUGH_ITERATIONS, tolerance: ROUGH };
+    pub(super) const ROUGH: Self = Self { iterations: ROUGH_ITERATIONS, tolerance: ROUGH, central: false };
 
     /// Until an iteration brings less than the relative `tolerance`: as many iterations as that needs.
-    pub(super) fn until(tolerance: f64) -> Self {
+    pub(crate) fn until(tolerance: f64) -> Self {
         let iterations = if tolerance > FINE { ROUGH_ITERATIONS } else { FINE_ITERATIONS };
-        Self { iterations, tolerance }
+        Self { iterations, tolerance, central: false }
     }
 }
 
@@ -363,11 +367,11 @@ impl Task {
 
     /// A search over the coordinates in `free`.
     pub(crate) fn search(&self, free: Vec<usize>, effort: Effort) -> Search {
-        let Effort { iterations, tolerance } = effort;
+        let Effort { iterations, tolerance, central } = effort;
         let floor = self.count() as f64 * self.least_variance();
         let (count, bounds) = (self.count(), self.bounds());
         let kept = self.kept.clone().map(|checkpoint| Kept { checkpoint, stopped: self.stopped.clone() });
-        Search { count, free, bounds, iterations, tolerance, central: false, floor, kept }
+        Search { count, free, bounds, iterations, tolerance, central, floor, kept }
     }
 
     /// The least whitened sum of squares from `x`, until an iteration brings less than the relative `tolerance`.
@@ -381,20 +385,8 @@ impl Task {
         self.minimise_with(x, free, Effort::until(tolerance), work)
     }
 
-    /// The same with central derivatives.
-    pub(crate) fn deepen(
-        &self,
-        x: &[f64],
-        free: Vec<usize>,
-        tolerance: f64,
-        work: &mut Workspace,
-    ) -> Option<Minimum> {
-        let search = Search { central: true, ..self.search(free, Effort::until(tolerance)) };
-        search.run(&mut |x: &[f64], out: &mut [f64]| self.residuals(x, out, work), x)
-    }
-
     /// The least whitened sum of squares from `x` that an effort finds.
-    pub(super) fn minimise_with(
+    pub(crate) fn minimise_with(
         &self,
         x: &[f64],
         free: Vec<usize>,

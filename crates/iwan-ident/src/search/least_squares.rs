@@ -92,7 +92,10 @@ impl Search {
     fn key(&self, start: &[f64], residuals: &[f64]) -> u128 {
         let bounds: Vec<f64> = self.bounds.iter().flat_map(|b| [b.0, b.1]).collect();
         let free = self.free.iter().fold(Digest::default(), |digest, j| digest.count(*j));
-        let effort = free.count(self.iterations).numbers(&[self.tolerance, self.floor]);
+        let effort = free
+            .count(self.iterations)
+            .count(usize::from(self.central))
+            .numbers(&[self.tolerance, self.floor]);
         effort.numbers(&bounds).numbers(start).numbers(residuals).value()
     }
 

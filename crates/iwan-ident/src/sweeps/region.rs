@@ -34,9 +34,8 @@ impl Ground for Task<'_> {
         (known && cost.is_finite()).then_some(cost)
     }
 
-    // Sweeps have thousands of residuals: a tolerance of hundreds of them is too coarse.
-    fn minimise(&self, x: &[f64], free: Vec<usize>, _: f64, _: &mut Buffers) -> Option<Minimum> {
-        Task::minimise(self, x, free, TOLERANCE, ITERATIONS)
+    fn minimise(&self, x: &[f64], free: Vec<usize>, tolerance: f64, _: &mut Buffers) -> Option<Minimum> {
+        Task::minimise(self, x, free, tolerance.min(TOLERANCE), ITERATIONS)
     }
 
     fn jacobian(&self, x: &[f64], free: Vec<usize>, work: &mut Buffers) -> Option<DMatrix<f64>> {
