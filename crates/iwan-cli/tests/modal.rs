@@ -126,6 +126,17 @@ fn files_that_do_not_belong_together_are_refused() {
     let text = std::fs::read_to_string(place.path().join("h1.csv")).unwrap();
     std::fs::write(place.path().join("none.csv"), text.replacen("hammer [N]", "a0 [m/s^2]", 1)).unwrap();
     refused(place.path(), "none.csv", &["none.csv", "no channel measures a force", "--hammer"]);
+    // A message that names all of many channels was longer than any screen.
+    let many: Vec<String> = (0..300).map(|k| format!("c{k}")).collect();
+    let rows: Vec<String> =
+        (0..64).map(|n| format!("{}{}\n", f64::from(n) * 1e-3, ",1".repeat(300))).collect();
+    std::fs::write(place.path().join("many.csv"), format!("t,{}\n{}", many.join(","), rows.concat()))
+        .unwrap();
+    refused(
+        place.path(),
+        "many.csv",
+        &["no channel measures a force (there are: c0, c1, ", ", c19 and 280 more)"],
+    );
     std::fs::write(place.path().join("volts.csv"), text.replacen("a2 [m/s^2]", "a2 [V]", 1)).unwrap();
     refused(place.path(), "volts.csv --at a1", &["volts.csv", "channel a2", "voltage"]);
     refused(place.path(), "h1.csv --at a1 --level 2 --band 60:480", &["--level 2", "1 levels"]);

@@ -4,6 +4,7 @@ use crate::error::ReadError;
 use crate::options::ReadOptions;
 use crate::record::RecordError;
 use crate::time_unit::TimeUnit;
+use iwan_machine::shortened;
 use std::path::Path;
 
 /// A file in memory.
@@ -68,7 +69,7 @@ impl FileBytes<'_> {
                 } else {
                     "say what the times are with --time-unit s|ms|us|ns|min|h, or give --rate HZ"
                 };
-                let (file, name, unit) = (self.file.into(), name.into(), shorten(bare, 40));
+                let (file, name, unit) = (self.file.into(), name.into(), shortened(bare, 40));
                 Err(ReadError::TimeUnit { file, name, unit, known: TimeUnit::KNOWN, remedy })
             }
         }
@@ -84,29 +85,5 @@ pub(crate) fn decode(bytes: &[u8]) -> String {
     match std::str::from_utf8(bytes) {
         Ok(text) => text.into(),
         Err(_) => bytes.iter().map(|&b| char::from(b)).collect(),
-    }
-}
-
-/// At most `limit` characters of a text for an error message.
-pub(crate) fn shorten(text: &str, limit: usize) -> String {
-    if text.chars().count() <= limit {
-        return text.into();
-    }
-    let mut short: String = text.chars().take(limit).collect();
-    short.push_str("...");
-    short
-}
-
-/// Names for an error message: the first twenty, and how many more there are.
-pub(crate) fn list<'a>(names: impl IntoIterator<Item = &'a str>) -> String {
-    // A message of more names is longer than a screen; how many are left out is said.
-    const SHOWN: usize = 20;
-    let mut names = names.into_iter();
-    let shown: Vec<String> = names.by_ref().take(SHOWN).map(|n| shorten(n, 60)).collect();
-    let rest = names.count();
-    match (shown.is_empty(), rest) {
-        (true, _) => "none".into(),
-        (_, 0) => shown.join(", "),
-        _ => format!("{} and {rest} more", shown.join(", ")),
     }
 }

@@ -7,10 +7,11 @@
 use crate::assembly::{Axis, Channel, Raw};
 use crate::bytes::{NumberType, Order, to_f64, u32_at};
 use crate::error::ReadError;
-use crate::file_bytes::{FileBytes, list};
+use crate::file_bytes::FileBytes;
 use crate::options::ReadOptions;
 use crate::quantity::Quantity;
 use crate::warning::Warning;
+use iwan_machine::listed;
 
 /// Linear samples.
 const LINEAR: u16 = 1;
@@ -146,7 +147,7 @@ fn channels(
     let wanted = if chosen { &options.channels } else { &all };
     let channel = |name: &String| {
         let Some(k) = all.iter().position(|n| n == name) else {
-            let (file, names) = (source.file.into(), list(all.iter().map(String::as_str)));
+            let (file, names) = (source.file.into(), listed(all.iter().map(String::as_str)));
             return Err(ReadError::UnknownName { file, role: "channel", name: name.clone(), names });
         };
         let values = samples.iter().skip(k).step_by(layout.channels).copied().collect();

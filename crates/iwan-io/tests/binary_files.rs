@@ -207,6 +207,21 @@ fn a_window_that_the_file_names_is_obeyed() {
 }
 
 #[test]
+fn uff_histories_of_one_name_are_told_apart_and_can_be_chosen() {
+    let file: Vec<u8> =
+        ["a", "a (2)", "b", "a", "a"].iter().zip(20..).flat_map(|(name, _)| uff_ascii(20, name)).collect();
+    let names = ["a", "a (2)", "b", "a (3)", "a (4)"];
+    assert_eq!(read("a.uff", &file).unwrap().names(), names);
+    let options = |name: &str| ReadOptions { channels: vec![name.into()], ..Default::default() };
+    for name in names {
+        let one = read_bytes("a.uff".as_ref(), &file, &options(name)).unwrap();
+        assert_eq!(one.names(), [name]);
+    }
+    let unknown = read_bytes("a.uff".as_ref(), &file, &options("a (5)")).unwrap_err().to_string();
+    assert!(unknown.contains("a, a (2), b, a (3), a (4)"), "{unknown}");
+}
+
+#[test]
 fn other_datasets_are_skipped_and_channels_joined() {
     let other = b"    -1\n    15\n         1         0         0        11  0.0  0.0  0.0\n    -1\n";
     let file =

@@ -9,6 +9,9 @@
 // The kinds of error that all crates share: this is the lowest of those that read files.
 mod kinds;
 
+// Lists of names in messages.
+mod names;
+
 // How much memory is free, and whether an estimate fits.
 pub mod memory;
 
@@ -23,3 +26,4 @@ pub mod checkpoint;
 
 pub use files::read_file;
 pub use kinds::Kind;
+pub use names::{listed, shortened};

@@ -1,5 +1,6 @@
 //! From a file to hits: which channel is the hammer, which are sensors, and where they are.
 
+use iwan_machine::listed;
 use std::collections::BTreeMap;
 use std::fs::File;
 use std::io::Read;
@@ -153,10 +154,10 @@ impl Record<'_> {
         let hammer = self.hammer(&measurement.channels, args).ok_or_else(|| {
             if let Some(name) = &args.hammer {
                 let message =
-                    format!("{place}: --hammer {name}: no channel is called that (there are: {})", names.join(", "));
+                    format!("{place}: --hammer {name}: no channel is called that (there are: {})", listed(names));
                 return Failure::input(message, "choose one of them");
             }
-            let message = format!("{place}: no channel measures a force (there are: {})", names.join(", "));
+            let message = format!("{place}: no channel measures a force (there are: {})", listed(names));
             Failure::input(message, "name the channel of the hammer with --hammer NAME, or give it role = \"force\" in the table of --points")
         })?;
         let (mut force, mut responses) = (None, Vec::new());
@@ -218,7 +219,7 @@ impl Record<'_> {
             format!(
                 "{}, channel {}: the unit \"{unit}\" is not known, samples are taken as they stand; scale in the table of --points changes them",
                 self.place,
-                names.join(", ")
+                listed(names)
             )
         }));
         said

@@ -1,5 +1,6 @@
 //! All files of a test together: one motion, the table's entries, hits that are left out.
 
+use iwan_machine::listed;
 use std::path::{Path, PathBuf};
 
 use iwan_input::{ModalTable, Role};
@@ -165,7 +166,7 @@ impl Test {
             if !found && name != "faulty" {
                 let all: Vec<&str> = self.hits.iter().map(|h| h.hit.name.as_str()).collect();
                 let message =
-                    format!("--leave-out {name}: there is no such hit (there are: {})", all.join("; "));
+                    format!("--leave-out {name}: there is no such hit (there are: {})", listed(all));
                 return Err(Failure::input(message, "choose one of those, or `faulty`"));
             }
         }

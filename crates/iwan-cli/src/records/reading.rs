@@ -1,5 +1,6 @@
 //! From record files and options to the records of single modes: one reading room for all commands.
 
+use iwan_machine::listed;
 use std::path::Path;
 
 use iwan_ident::channels::{NoMode, Shape, one_mode};
@@ -77,7 +78,7 @@ pub(crate) fn read(path: &Path, args: &RecordArgs) -> Result<Recording, Failure>
 /// What motion the channels measure. What is no motion, or is in a unit that is not known, is asked for and never taken for an
 /// acceleration.
 fn motion(name: &str, record: &Record, warnings: &mut Vec<String>) -> Result<Quantity, Failure> {
-    let channels = record.names().join(", ");
+    let channels = listed(record.names());
     match record.quantity() {
         iwan_io::Quantity::Acceleration => Ok(Quantity::Acceleration),
         iwan_io::Quantity::Velocity => Ok(Quantity::Velocity),
@@ -154,7 +155,7 @@ fn same_channels(recordings: &[Recording]) -> Result<(), Failure> {
     let first = &recordings[0];
     for other in &recordings[1..] {
         let differ = if other.record.names() != first.record.names() {
-            format!("channels {} and {}", first.record.names().join(", "), other.record.names().join(", "))
+            format!("channels {} and {}", listed(first.record.names()), listed(other.record.names()))
         } else if other.quantity != first.quantity {
             format!("{:?} and {:?}", first.quantity, other.quantity).to_lowercase()
         } else if other.record.unit() != first.record.unit() {

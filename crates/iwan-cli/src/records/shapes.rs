@@ -1,5 +1,6 @@
 //! Mode shapes from a table or a universal file.
 
+use iwan_machine::listed;
 use std::path::Path;
 
 use iwan_ident::signal::Options;
@@ -45,7 +46,7 @@ impl Shapes {
             found.ok_or_else(|| {
                 let message = format!(
                     "{name}: there is no column \"{channel}\" (there are: {})",
-                    table.names().join(", ")
+                    listed(table.names())
                 );
                 Failure::input(
                     message,

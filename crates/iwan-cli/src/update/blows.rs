@@ -1,5 +1,6 @@
 //! Blows on several points from record files.
 
+use iwan_machine::listed;
 use std::path::Path;
 
 use iwan_fem::{Kinematic, Output};
@@ -85,11 +86,11 @@ fn blow(
         let known: Vec<&str> = outputs.iter().map(|output| output.name.as_str()).collect();
         let message = format!(
             "{place}: no channel is called as a mode or an output of the structure; it has {}",
-            names.join(", ")
+            listed(names)
         );
         let remedy = format!(
             "call channels {} (or NAME.acceleration), or add [[output]] to the structure",
-            known.join(", ")
+            listed(known)
         );
         return Err(Failure::input(message, remedy));
     }

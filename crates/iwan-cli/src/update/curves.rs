@@ -1,5 +1,6 @@
 //! Curves of modes from files.
 
+use iwan_machine::listed;
 use std::path::Path;
 
 use iwan_fem::Stiffness;
@@ -87,7 +88,7 @@ fn of_table(path: &Path) -> Result<Vec<Read>, Failure> {
     let place = path.display().to_string();
     let table = iwan_io::read_table(path).map_err(|error| Failure::said(&place, &error))?;
     let missing = |name: &str| {
-        let message = format!("{place}: there is no column `{name}`; it has {}", table.names().join(", "));
+        let message = format!("{place}: there is no column `{name}`; it has {}", listed(table.names()));
         Failure::input(message, REMEDY)
     };
     let displacement = table.column("displacement").ok_or_else(|| missing("displacement"))?;

@@ -1,6 +1,7 @@
 //! Which joints share a law, and which parts of the stiffness may be wrong.
 
 use iwan_fem::Correction;
+use iwan_machine::listed;
 use iwan_study::update::{JointGroup, groups_that_move_alike};
 
 use super::args::UpdateArgs;
@@ -35,7 +36,7 @@ pub(super) fn groups(
                     laws.iter().map(|(n, _)| linear.file.structure.joints[*n].name.as_str()).collect();
                 let message =
                     format!("--group {given}: there is no joint \"{wanted}\" with a four-parameter law");
-                Failure::input(message, format!("choose from {}", known.join(", ")))
+                Failure::input(message, format!("choose from {}", listed(known)))
             })?;
             match &mut group {
                 Some(group) => group.joints.push(*number),
@@ -67,7 +68,7 @@ pub(super) fn corrections(
         };
         let found = linear.file.part(name).ok_or_else(|| {
             let message = format!("--correct {given}: the structure has no such part");
-            Failure::input(message, format!("choose from {}", linear.file.parts().join(", ")))
+            Failure::input(message, format!("choose from {}", listed(linear.file.parts())))
         })?;
         Ok((name.to_owned(), found, deviation))
     };

@@ -1,5 +1,6 @@
 //! The elastic modes of a structure by name, with all joints stuck and with all slipping.
 
+use iwan_machine::listed;
 use std::collections::BTreeMap;
 
 use super::class::Class;
@@ -138,8 +139,8 @@ impl NamedModes {
     pub fn named(&self, name: &str) -> Result<&NamedMode, Error> {
         let wanted = name.replace('-', " ");
         self.elastic.iter().find(|mode| mode.name == wanted).ok_or_else(|| {
-            let known: Vec<_> = self.elastic.iter().map(|mode| mode.name.as_str()).collect();
-            Error::MissingMode { name: name.to_owned(), known: known.join(", ") }
+            let known = listed(self.elastic.iter().map(|mode| &mode.name));
+            Error::MissingMode { name: name.to_owned(), known }
         })
     }
 

@@ -1,5 +1,6 @@
 //! A structure: mesh, materials, what connects its parts and what holds it.
 
+use iwan_machine::listed;
 use std::sync::Arc;
 
 use super::given::Given;
@@ -187,6 +188,5 @@ impl Structure {
 }
 
 fn missing<'a>(user: &str, kind: &'static str, name: &str, known: impl Iterator<Item = &'a String>) -> Error {
-    let known = known.map(String::as_str).collect::<Vec<_>>().join(", ");
-    Error::MissingSet { user: user.to_owned(), kind, name: name.to_owned(), known }
+    Error::MissingSet { user: user.to_owned(), kind, name: name.to_owned(), known: listed(known) }
 }

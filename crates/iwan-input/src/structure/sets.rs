@@ -1,5 +1,6 @@
 //! `[[set]]`: further sets by number or place, and the look-up of sets by name.
 
+use iwan_machine::listed;
 use std::collections::BTreeMap;
 
 use iwan_fem::mesh::Mesh;
@@ -165,17 +166,9 @@ pub(super) fn known(
     let names: Vec<&str> = sets.keys().map(String::as_str).collect();
     let message = format!("{key} = \"{name}\": there is no {word} set of that name");
     let remedy = match nearest(&name, &names) {
-        Some(near) => format!("did you mean \"{near}\"? The mesh has {}", list(&names)),
+        Some(near) => format!("did you mean \"{near}\"? The mesh has {}", listed(&names)),
         None if names.is_empty() => format!("the mesh has no {word} sets: add one with [[set]]"),
-        None => format!("choose one of {}, or add one with [[set]]", list(&names)),
+        None => format!("choose one of {}, or add one with [[set]]", listed(&names)),
     };
     Err(section.failure(key, &message, &remedy))
-}
-
-/// The first twenty names, and how many more there are.
-fn list(names: &[&str]) -> String {
-    // So many fit a few lines of a terminal.
-    const SHOWN: usize = 20;
-    let shown = names[..names.len().min(SHOWN)].join(", ");
-    if names.len() > SHOWN { format!("{shown} and {} more", names.len() - SHOWN) } else { shown }
 }

@@ -1,6 +1,7 @@
 //! A structure file in steady vibration: what drives the structure, where it is observed, and its modes and joints.
 
 use iwan_fem::{Assembled, Basis, Model, NamedModes, Progress, SteadyCoordinate, SteadySlip};
+use iwan_machine::listed;
 use iwan_sim::{JointedModes, Residual, SlipJoint, StuckMode};
 
 use super::file::StructureFile;
@@ -125,7 +126,7 @@ impl StructureFile {
                     let remedy = if known.is_empty() {
                         "add [[output]] with name, nodes and direction".to_owned()
                     } else {
-                        format!("give at = one of: {}", known.join(", "))
+                        format!("give at = one of: {}", listed(known))
                     };
                     InputError::new(format!("there is no [[output]] \"{name}\""), remedy)
                 })?)

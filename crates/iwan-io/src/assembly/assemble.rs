@@ -3,11 +3,12 @@
 use super::sampling::{self, Resampled, Times, UNIFORM};
 use super::scales::{Scale, scale};
 use crate::error::ReadError;
-use crate::file_bytes::{FileBytes, list};
+use crate::file_bytes::FileBytes;
 use crate::options::ReadOptions;
 use crate::quantity::Quantity;
 use crate::record::Record;
 use crate::warning::Warning;
+use iwan_machine::listed;
 
 /// When the samples were taken.
 pub(crate) enum Axis {
@@ -114,7 +115,7 @@ fn keep_one_quantity(source: &FileBytes, raw: &mut Raw, wanted: Option<Quantity>
         None if found.len() <= 1 => return Ok(()),
         None => {
             let found = found.iter().map(ToString::to_string).collect::<Vec<_>>().join(", ");
-            let names = list(raw.channels.iter().map(|c| c.name.as_str()));
+            let names = listed(raw.channels.iter().map(|c| c.name.as_str()));
             let found = format!("the channels measure different things ({found})");
             return Err(ReadError::Ambiguous { file: source.file.into(), found, names });
         }
@@ -158,7 +159,7 @@ fn describe(
     if found.len() > 1 || units.len() > 1 {
         let each: Vec<String> =
             channels.iter().map(|c| format!("{} {} [{}]", c.name, c.quantity, c.unit)).collect();
-        warnings.push(Warning::Mixed { list: list(each.iter().map(String::as_str)) });
+        warnings.push(Warning::Mixed { list: listed(each.iter().map(String::as_str)) });
     }
     let stored = if let [one] = found[..] { one } else { Quantity::Unknown };
     let used = wanted.unwrap_or(stored);
@@ -182,7 +183,7 @@ fn place_in_time(source: &FileBytes, raw: &mut Raw, options: &ReadOptions) -> Re
         (Some(dt), axis) => Ok(follow_rate(dt, axis, &mut raw.warnings)),
         (None, Axis::Even { start, step }) => Ok(Grid { start: *start, dt: *step }),
         (None, Axis::None) => {
-            let names = list(raw.channels.iter().map(|c| c.name.as_str()));
+            let names = listed(raw.channels.iter().map(|c| c.name.as_str()));
             let found = "no time is stored".into();
             Err(ReadError::NoTime { file: source.file.into(), found, names })
         }

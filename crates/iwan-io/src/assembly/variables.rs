@@ -6,11 +6,12 @@ use super::sampling;
 use super::units;
 use super::variable::Variable;
 use crate::error::ReadError;
-use crate::file_bytes::{FileBytes, list};
+use crate::file_bytes::FileBytes;
 use crate::options::ReadOptions;
 use crate::quantity::Quantity;
 use crate::time_unit::TimeUnit;
 use crate::warning::Warning;
+use iwan_machine::listed;
 
 /// Named arrays of one file with what the user says about them.
 pub(crate) struct Chooser<'a> {
@@ -27,7 +28,7 @@ impl Chooser<'_> {
         mut variables: Vec<Variable>,
         mut warnings: Vec<Warning>,
     ) -> Result<Raw, ReadError> {
-        let names = list(variables.iter().map(|v| v.name.as_str()));
+        let names = listed(variables.iter().map(|v| v.name.as_str()));
         let mut axis = self.stored_time(&mut variables, &names, &mut warnings)?;
         let mut length = length_of(&axis);
         if self.tabular && length.is_none() {
@@ -63,7 +64,7 @@ impl Chooser<'_> {
                 Some(time) if !self.options.channels.is_empty() => Some(time.into()),
                 _ if self.options.rate.is_some() => None,
                 _ => {
-                    let (file, times) = (self.source.file.into(), list(times.iter().copied()));
+                    let (file, times) = (self.source.file.into(), listed(times.iter().copied()));
                     return Err(ReadError::SeveralTimes { file, times, names: names.into() });
                 }
             },

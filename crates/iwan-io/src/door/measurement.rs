@@ -8,6 +8,7 @@ use crate::options::{Format, ReadOptions};
 use crate::quantity::Quantity;
 use crate::uff::{self, NodalDirection, UffFunction};
 use crate::warning::Warning;
+use std::collections::{HashMap, HashSet};
 use std::path::Path;
 
 /// One channel with what the file says about it.
@@ -81,10 +82,11 @@ const SAME_INTERVAL: f64 = 2e-5;
 fn universal(source: &FileBytes) -> Result<ModalTest, ReadError> {
     let (functions, warnings) = uff::functions(source.file, source.bytes)?;
     let mut test = ModalTest { measurements: Vec::new(), responses: Vec::new(), warnings };
+    let mut last = HashSet::new();
     for f in functions {
         match (f.kind, f.im.is_empty()) {
             (4, false) => test.responses.push(f),
-            (0 | 1, true) => add(source, &mut test.measurements, f)?,
+            (0 | 1, true) => add(source, (&mut test.measurements, &mut last), f)?,
             (kind, _) => {
                 let reason = format!(
                     "a function of type {kind}, neither a time response (1) nor a frequency response (4)"
@@ -103,9 +105,10 @@ fn universal(source: &FileBytes) -> Result<ModalTest, ReadError> {
 
 /// Channels of one name get their places into it: some programs write the same identification for all.
 fn tell_apart(measurement: &mut Measurement) {
-    let names: Vec<String> = measurement.channels.iter().map(|c| c.name.clone()).collect();
+    let mut counts: HashMap<String, usize> = HashMap::new();
+    measurement.channels.iter().for_each(|c| *counts.entry(c.name.clone()).or_default() += 1);
     for channel in &mut measurement.channels {
-        if names.iter().filter(|n| **n == channel.name).count() > 1 {
+        if counts[&channel.name] > 1 {
             channel.name = placed(channel);
         }
     }
@@ -115,16 +118,20 @@ fn placed(channel: &MeasuredChannel) -> String {
     channel.at.map_or_else(|| channel.name.clone(), |at| format!("{} at {at}", channel.name))
 }
 
-fn add(source: &FileBytes, all: &mut Vec<Measurement>, f: UffFunction) -> Result<(), ReadError> {
+/// What a channel of a measurement is known by: name, place and quantity.
+type Identity = (String, Option<NodalDirection>, Quantity);
+
+/// Adds a function to the last measurement, whose channels are `known`, or to a new one where it holds such a channel already.
+fn add(
+    source: &FileBytes,
+    (all, known): (&mut Vec<Measurement>, &mut HashSet<Identity>),
+    f: UffFunction,
+) -> Result<(), ReadError> {
     let at = (f.response.node != 0).then_some(f.response);
     let channel = MeasuredChannel { name: f.name, unit: f.unit, quantity: f.quantity, samples: f.re, at };
-    let again = |m: &Measurement| {
-        m.channels
-            .iter()
-            .any(|c| (&c.name, c.at, c.quantity) == (&channel.name, channel.at, channel.quantity))
-    };
+    let identity = (channel.name.clone(), channel.at, channel.quantity);
     match all.last_mut() {
-        Some(last) if !again(last) => {
+        Some(last) if known.insert(identity.clone()) => {
             let (dt, n, first) = (last.dt, last.channels[0].samples.len(), &last.channels[0]);
             if (f.step / dt - 1.0).abs() > SAME_INTERVAL || channel.samples.len() != n {
                 return Err(ReadError::Mismatch {
@@ -137,7 +144,10 @@ fn add(source: &FileBytes, all: &mut Vec<Measurement>, f: UffFunction) -> Result
             }
             last.channels.push(channel);
         }
-        _ => all.push(Measurement { dt: f.step, channels: vec![channel] }),
+        _ => {
+            *known = HashSet::from([identity]);
+            all.push(Measurement { dt: f.step, channels: vec![channel] });
+        }
     }
     Ok(())
 }

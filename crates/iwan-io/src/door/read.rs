@@ -2,10 +2,11 @@
 
 use crate::assembly::{Raw, assemble};
 use crate::error::ReadError;
-use crate::file_bytes::{FileBytes, decode, shorten};
+use crate::file_bytes::{FileBytes, decode};
 use crate::options::{Format, ReadOptions};
 use crate::record::Record;
 use crate::{lvm, mat, numpy, text, uff, wav};
+use iwan_machine::shortened;
 use std::path::Path;
 
 /// Reads a record; the format is found from the content and, where that does not tell, from the extension.
@@ -70,7 +71,7 @@ pub(super) fn parse(source: FileBytes, options: &ReadOptions) -> Result<Raw, Rea
             let start: String = decode(&source.bytes[..source.bytes.len().min(16)]);
             let start: String = start.chars().map(|c| if c.is_control() { '.' } else { c }).collect();
             let extension = source.file.extension().unwrap_or_default().display();
-            let found = format!("extension '{extension}', content '{}'", shorten(&start, 16));
+            let found = format!("extension '{extension}', content '{}'", shortened(&start, 16));
             Err(ReadError::UnknownFormat { file: source.file.into(), found })
         }
     }

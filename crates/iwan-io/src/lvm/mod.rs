@@ -8,8 +8,9 @@ mod segment;
 
 use crate::assembly::Raw;
 use crate::error::ReadError;
-use crate::file_bytes::{FileBytes, decode, shorten};
+use crate::file_bytes::{FileBytes, decode};
 use crate::options::ReadOptions;
+use iwan_machine::shortened;
 use segment::{Interval, Segment};
 
 /// First word of the file.
@@ -95,7 +96,7 @@ impl Lines<'_> {
                 ("X_Columns", other) => {
                     return Err(self.source.malformed(
                         Self::place(number),
-                        format!("X_Columns '{}'", shorten(other, 20)),
+                        format!("X_Columns '{}'", shortened(other, 20)),
                         "No, One or Multi",
                     ));
                 }
@@ -126,7 +127,7 @@ impl Lines<'_> {
             let wrong = || {
                 self.source.malformed(
                     Self::place(number),
-                    format!("'{}'", shorten(line, 60)),
+                    format!("'{}'", shortened(line, 60)),
                     "numbers for each channel",
                 )
             };
@@ -134,7 +135,7 @@ impl Lines<'_> {
                 "Channels" => {
                     channels = cells.get(1).and_then(|c| c.parse().ok()).unwrap_or(0);
                     if channels == 0 || channels > MOST_CHANNELS {
-                        let found = format!("{} channels", shorten(cells.get(1).unwrap_or(&""), 20));
+                        let found = format!("{} channels", shortened(cells.get(1).unwrap_or(&""), 20));
                         return Err(self.source.malformed(
                             Self::place(number),
                             found,
@@ -144,7 +145,7 @@ impl Lines<'_> {
                 }
                 "Y_Unit_Label" => segment.units = words(),
                 "X_Dimension" if cells[1..].iter().any(|c| !c.is_empty() && *c != "Time") => {
-                    let found = format!("'{}' along X", shorten(&cells[1..].join(" "), 40));
+                    let found = format!("'{}' along X", shortened(&cells[1..].join(" "), 40));
                     return Err(self.source.unsupported(Self::place(number), found, "save time histories"));
                 }
                 "X_Unit_Label" => segment.x_units = words(),
@@ -208,7 +209,7 @@ impl Lines<'_> {
             for k in 0..channels.min(cells.len()) {
                 let wrong = |found: &str| {
                     let place = format!("{}, column {}", Self::place(number), column(k) + skip + 1);
-                    self.source.malformed(place, format!("'{}'", shorten(found, 40)), "a number")
+                    self.source.malformed(place, format!("'{}'", shortened(found, 40)), "a number")
                 };
                 // Channels may end before others do.
                 let Some(cell) = value(column(k)) else { continue };

@@ -2,10 +2,11 @@
 
 use crate::assembly::{Axis, Channel, Raw, last_digit, units, unlike};
 use crate::error::ReadError;
-use crate::file_bytes::{FileBytes, list};
+use crate::file_bytes::FileBytes;
 use crate::options::ReadOptions;
 use crate::quantity::Quantity;
 use crate::warning::Warning;
+use iwan_machine::listed;
 
 /// The column of X and the header agree on the interval within this part of it, beside what both are rounded to: quartz clocks, of
 /// which each may follow one, differ by less. Frequencies are off by no more where the header is followed.
@@ -124,7 +125,7 @@ impl Segment {
                     file: source.file.into(),
                     role,
                     name: name.clone(),
-                    names: list(all),
+                    names: listed(all),
                 }
             })
         };

@@ -9,8 +9,9 @@ use super::matrix::{DEEPEST, Found, Said};
 use super::stored::{StoredMatrix, StoredNumbers};
 use crate::assembly::Variable;
 use crate::error::ReadError;
-use crate::file_bytes::{FileBytes, shorten};
+use crate::file_bytes::FileBytes;
 use crate::inflate::most;
+use iwan_machine::shortened;
 
 /// Longest text that is kept: units have some characters, and what is longer is no unit.
 const LONGEST_TEXT: usize = 1000;
@@ -100,7 +101,7 @@ impl Walk<'_> {
     fn spend(&mut self, path: &str, count: u64, what: impl Fn() -> String) -> Result<(), ReadError> {
         let needed = count.saturating_mul(8).saturating_add(LOOK);
         if needed > self.budget {
-            let place = format!("variable '{}'", shorten(path, 80));
+            let place = format!("variable '{}'", shortened(path, 80));
             let found = format!("{}, more than a file of {} bytes can hold", what(), self.source.bytes.len());
             return Err(self.source.malformed(
                 place,

@@ -5,7 +5,8 @@ use super::stored::{StoredMatrix, StoredNumbers};
 use crate::assembly::Variable;
 use crate::bytes::{Order, to_f64, u32_at};
 use crate::error::ReadError;
-use crate::file_bytes::{FileBytes, decode, shorten};
+use crate::file_bytes::{FileBytes, decode};
+use iwan_machine::shortened;
 
 /// Structs inside structs are followed to this depth; deeper ones are refused by name when they are asked for. The depth
 /// bounds the recursion on a damaged file; records known have three levels at most.
@@ -129,7 +130,7 @@ impl Reader<'_> {
         let values = self.numbers(cursor, "numbers", path)?;
         if rows.checked_mul(columns) != Some(values.len()) {
             let found = format!("{} values for {rows} x {columns}", values.len());
-            let place = format!("variable '{}'", shorten(path, 80));
+            let place = format!("variable '{}'", shortened(path, 80));
             return Err(self.source.malformed(place, found, "as many values as the dimensions say"));
         }
         Ok(Variable { name: path.into(), unit: String::new(), rows, columns, values })
@@ -139,7 +140,7 @@ impl Reader<'_> {
     fn numbers(&self, cursor: &mut Cursor, what: &str, path: &str) -> Result<Vec<f64>, ReadError> {
         let data = cursor.expect(what)?;
         let ElementType::Number(kind) = data.kind else {
-            let place = format!("variable '{}'", shorten(path, 80));
+            let place = format!("variable '{}'", shortened(path, 80));
             return Err(self.source.malformed(place, format!("{:?} data", data.kind), what));
         };
         Ok(to_f64(data.data, kind, self.order))
@@ -167,7 +168,7 @@ impl Reader<'_> {
         let width = cursor.expect("length of field names")?;
         let width = u32_at(width.data, 0, self.order).and_then(|w| usize::try_from(w).ok()).unwrap_or(0);
         if width == 0 || width > LONGEST_NAME {
-            let place = format!("struct '{}'", shorten(path, 80));
+            let place = format!("struct '{}'", shortened(path, 80));
             let found = format!("field names of {width} bytes");
             return Err(self.source.malformed(place, found, format!("1 to {LONGEST_NAME}")));
         }

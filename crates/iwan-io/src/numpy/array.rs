@@ -7,7 +7,8 @@ use std::path::Path;
 
 use crate::bytes::{NumberType, Order, to_f64};
 use crate::error::ReadError;
-use crate::file_bytes::{FileBytes, decode, shorten};
+use crate::file_bytes::{FileBytes, decode};
+use iwan_machine::shortened;
 
 /// Start of every NPY file.
 pub const NPY_MAGIC: &[u8] = b"\x93NUMPY";
@@ -73,7 +74,7 @@ impl<'a> NumpyArray<'a> {
         let text = decode(text);
         let place = |key: &str| format!("array '{name}', key '{key}'");
         let bad =
-            |key: &str, expected: &str| source.malformed(place(key), shorten(text.trim(), 120), expected);
+            |key: &str, expected: &str| source.malformed(place(key), shortened(text.trim(), 120), expected);
         let descr = value(&text, "descr").ok_or_else(|| bad("descr", "a type such as '<f8'"))?;
         let descr = quoted(descr).unwrap_or(descr.trim_start());
         let elements = elements(descr).ok_or_else(|| not_numbers(&source, name, descr))?;
@@ -133,7 +134,7 @@ impl<'a> NumpyArray<'a> {
 }
 
 fn not_numbers(source: &FileBytes, name: &str, descr: &str) -> ReadError {
-    let found = format!("type '{}'", shorten(descr, 40));
+    let found = format!("type '{}'", shortened(descr, 40));
     let remedy = "save real numbers: float32, float64 or integers of up to 64 bits";
     source.unsupported(format!("array '{name}', key 'descr'"), found, remedy)
 }

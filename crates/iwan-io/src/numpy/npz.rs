@@ -3,10 +3,11 @@
 use super::npy;
 use crate::assembly::{Chooser, Raw, clocks};
 use crate::error::ReadError;
-use crate::file_bytes::{FileBytes, decode, shorten};
+use crate::file_bytes::{FileBytes, decode};
 use crate::inflate::{most, read_limited, refused};
 use crate::options::ReadOptions;
 use crate::warning::Warning;
+use iwan_machine::shortened;
 use std::collections::{BTreeMap, HashSet};
 use std::io::Cursor;
 use std::path::Path;
@@ -59,7 +60,7 @@ fn each(
     let mut archive = ZipArchive::new(Cursor::new(source.bytes))
         .map_err(|e| source.malformed("zip directory", e.to_string(), "a zip archive of NPY arrays"))?;
     if let Some(name) = twice(source.bytes, archive.central_directory_start()) {
-        let found = format!("two entries '{}'", shorten(&name, 60));
+        let found = format!("two entries '{}'", shortened(&name, 60));
         return Err(source.malformed("zip directory", found, "names that differ"));
     }
     // One budget for all entries: those of a hostile archive may share their compressed bytes.

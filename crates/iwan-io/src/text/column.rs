@@ -2,7 +2,8 @@
 
 use super::layout::{self, Layout};
 use crate::error::ReadError;
-use crate::file_bytes::{FileBytes, decode, shorten};
+use crate::file_bytes::{FileBytes, decode};
+use iwan_machine::shortened;
 
 /// A cell that holds no number.
 pub(super) struct Fault {
@@ -42,7 +43,7 @@ impl Column {
         } else {
             self.hole |= !layout::is_blank(field);
             self.without += 1;
-            let found = || shorten(&decode(field), 40);
+            let found = || shortened(&decode(field), 40);
             self.fault.get_or_insert_with(|| Fault { line, column: column + 1, found: found() });
         }
     }

@@ -2,7 +2,8 @@
 
 use crate::assembly::units;
 use crate::error::ReadError;
-use crate::file_bytes::{FileBytes, decode, shorten};
+use crate::file_bytes::{FileBytes, decode};
+use iwan_machine::shortened;
 use std::borrow::Cow;
 
 /// Lines looked at to find the first row of numbers. Preambles of measuring programs have up to some dozen lines; a file
@@ -269,7 +270,7 @@ fn no_row(source: &FileBytes, lines: &[Line]) -> ReadError {
     let first = lines.iter().find(|l| !l.text.trim_ascii().is_empty());
     let found = first.map_or("an empty file".into(), |l| {
         let text: String = decode(l.text.trim_ascii()).chars().filter(|c| !c.is_control()).collect();
-        format!("'{}' and no row of numbers in the first {} lines", shorten(&text, 40), lines.len())
+        format!("'{}' and no row of numbers in the first {} lines", shortened(&text, 40), lines.len())
     });
     let place = format!("line {}", first.map_or(1, |l| l.number));
     source.malformed(place, found, "rows of numbers between comma, semicolon, tab or white space")

@@ -10,10 +10,11 @@ mod column;
 use crate::assembly::units::{self, Label};
 use crate::assembly::{Axis, Chooser, Raw, Variable};
 use crate::error::ReadError;
-use crate::file_bytes::{FileBytes, list};
+use crate::file_bytes::FileBytes;
 use crate::options::ReadOptions;
 use crate::warning::Warning;
 use column::{Column, Fault};
+use iwan_machine::listed;
 use layout::Layout;
 use std::path::Path;
 
@@ -169,8 +170,8 @@ fn one_length(source: &FileBytes, variables: &[Variable], options: &ReadOptions)
     }
     let each: Vec<String> = variables.iter().map(|v| format!("{} {}", v.name, v.values.len())).collect();
     let found =
-        format!("the columns have different numbers of rows ({})", list(each.iter().map(String::as_str)));
-    let names = list(variables.iter().map(|v| v.name.as_str()));
+        format!("the columns have different numbers of rows ({})", listed(each.iter().map(String::as_str)));
+    let names = listed(variables.iter().map(|v| v.name.as_str()));
     Err(ReadError::Ambiguous { file: source.file.into(), found, names })
 }
 

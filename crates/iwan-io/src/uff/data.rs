@@ -4,8 +4,9 @@ use super::header::Header;
 use super::sections::{Binary, Section, line_at};
 use crate::bytes::{NumberType, to_f64};
 use crate::error::ReadError;
-use crate::file_bytes::{FileBytes, decode, shorten};
+use crate::file_bytes::{FileBytes, decode};
 use crate::warning::Warning;
+use iwan_machine::shortened;
 
 /// A dataset with less than this part of its promised points is refused as a file cut short; from there on the count is
 /// taken to be wrong, and a warning says so. Wrong counts known from an analyser are off by a few points in 222,400, a
@@ -135,7 +136,7 @@ fn text_values(source: &FileBytes, section: &Section, widths: &[usize; 2]) -> Re
         values.truncate(before);
         if push_fields(line, widths, &mut values).is_none() {
             let place = format!("{}, data line {number}", section.place());
-            let found = format!("'{}'", shorten(decode(line).trim(), 80));
+            let found = format!("'{}'", shortened(decode(line).trim(), 80));
             return Err(source.malformed(place, found, "numbers"));
         }
     }

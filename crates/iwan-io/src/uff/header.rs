@@ -4,8 +4,9 @@ use super::nodal::NodalDirection;
 use super::sections::Section;
 use crate::assembly::units;
 use crate::error::ReadError;
-use crate::file_bytes::{FileBytes, decode, shorten};
+use crate::file_bytes::{FileBytes, decode};
 use crate::quantity::Quantity;
+use iwan_machine::shortened;
 
 /// What the header of a dataset 58 says.
 #[derive(Debug)]
@@ -108,7 +109,7 @@ fn field(
     let text = form.get(i).copied().unwrap_or("");
     text.replace(['D', 'd'], "e").parse().map_err(|_| {
         let place = format!("{}, record 7, field {}", section.place(), i + 1);
-        let found = if text.is_empty() { "nothing".into() } else { format!("'{}'", shorten(text, 40)) };
+        let found = if text.is_empty() { "nothing".into() } else { format!("'{}'", shortened(text, 40)) };
         source.malformed(place, found, what)
     })
 }

@@ -19,13 +19,16 @@ pub use functions::{UffFunction, functions};
 pub use model::{ROD, UffModel, model};
 pub use nodal::NodalDirection;
 
+use std::collections::HashMap;
+
 use crate::assembly::{Axis, Channel, Raw, unlike};
 use crate::error::ReadError;
-use crate::file_bytes::{FileBytes, list};
+use crate::file_bytes::FileBytes;
 use crate::options::ReadOptions;
 use crate::warning::Warning;
 use data::Points;
 use header::Header;
+use iwan_machine::listed;
 use qualifiers::Window;
 use sections::Section;
 
@@ -42,17 +45,20 @@ struct Function {
 pub(crate) fn parse(source: FileBytes, options: &ReadOptions) -> Result<Raw, ReadError> {
     let mut warnings = Vec::new();
     let mut functions: Vec<Function> = Vec::new();
-    let mut refused = None;
+    let (mut refused, mut names) = (None, Names::default());
     for (section, window) in qualifiers::split(&source, &mut warnings)? {
         let header = Header::parse(&source, &section)?;
-        let name = unique(header.name(section.index), &functions);
-        if !wanted(&name, options) {
-            continue;
-        }
+        let name = header.name(section.index);
         let windowed = Window::refusal(window, &header).map(|reason| (reason, qualifiers::REMEDY));
         if let Some((reason, remedy)) = header.refusal().map(|r| (r, HISTORIES)).or(windowed) {
-            warnings.push(Warning::LeftOut { name, reason: reason.clone() });
-            refused.get_or_insert((section.place(), reason, remedy));
+            if wanted(&name, options) {
+                warnings.push(Warning::LeftOut { name, reason: reason.clone() });
+                refused.get_or_insert((section.place(), reason, remedy));
+            }
+            continue;
+        }
+        let name = names.tell_apart(&name);
+        if !wanted(&name, options) {
             continue;
         }
         warnings.extend(Window::remark(window, &header, &name));
@@ -63,16 +69,34 @@ pub(crate) fn parse(source: FileBytes, options: &ReadOptions) -> Result<Raw, Rea
         let (place, reason, remedy) = refused.unwrap_or_else(none);
         return Err(source.unsupported(place, reason, remedy));
     }
-    join(&source, order(&source, functions, options)?, options, warnings)
+    join(&source, order(&source, functions, options, &names)?, options, warnings)
+}
+
+/// Names of time histories, in the order of the file.
+#[derive(Default)]
+struct Names {
+    all: Vec<String>,
+    /// How often a name was asked for.
+    asked: HashMap<String, usize>,
+}
+
+impl Names {
+    /// A name of its own: the second history of one name has (2) behind it, and so on.
+    fn tell_apart(&mut self, name: &str) -> String {
+        let mut own = name.to_owned();
+        while self.asked.contains_key(&own) {
+            let asked = self.asked.entry(name.to_owned()).or_default();
+            *asked += 1;
+            own = format!("{name} ({asked})");
+        }
+        self.asked.insert(own.clone(), 1);
+        self.all.push(own.clone());
+        own
+    }
 }
 
 fn wanted(name: &str, options: &ReadOptions) -> bool {
     options.channels.is_empty() || options.channels.iter().any(|c| c == name)
-}
-
-fn unique(name: String, functions: &[Function]) -> String {
-    let same = functions.iter().filter(|f| f.channel.name == name).count();
-    if same == 0 { name } else { format!("{name} ({})", functions.len() + 1) }
 }
 
 fn function(
@@ -106,6 +130,7 @@ fn order(
     source: &FileBytes,
     functions: Vec<Function>,
     options: &ReadOptions,
+    names: &Names,
 ) -> Result<Vec<Function>, ReadError> {
     if options.channels.is_empty() {
         return Ok(functions);
@@ -114,20 +139,14 @@ fn order(
     let mut ordered = Vec::new();
     for name in &options.channels {
         let slot = functions.iter_mut().find(|f| f.as_ref().is_some_and(|f| f.channel.name == *name));
-        match slot.and_then(Option::take) {
-            Some(function) => ordered.push(function),
-            None => return Err(unknown(source, name)),
-        }
+        let found = slot.and_then(Option::take).ok_or_else(|| {
+            let names = listed(&names.all);
+            let (file, name) = (source.file.into(), name.clone());
+            ReadError::UnknownName { file, role: "channel", name, names }
+        });
+        ordered.push(found?);
     }
     Ok(ordered)
-}
-
-fn unknown(source: &FileBytes, name: &str) -> ReadError {
-    let sections = sections::split(source, &mut Vec::new()).unwrap_or_default();
-    let names: Vec<String> =
-        sections.iter().filter_map(|s| Some(Header::parse(source, s).ok()?.name(s.index))).collect();
-    let names = list(names.iter().map(String::as_str));
-    ReadError::UnknownName { file: source.file.into(), role: "channel", name: name.into(), names }
 }
 
 /// One axis for all channels.

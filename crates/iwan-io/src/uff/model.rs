@@ -6,7 +6,7 @@ use std::path::Path;
 
 use super::nodal::{NodalMode, Node};
 use super::rows::{Rows, row};
-use super::sections::split_all;
+use super::sections::split;
 use super::shape::mode;
 use crate::error::ReadError;
 use crate::file_bytes::FileBytes;
@@ -77,7 +77,7 @@ pub fn model(name: &Path, bytes: &[u8]) -> Result<UffModel, ReadError> {
     let source = FileBytes { file: name, bytes };
     let mut others = Vec::new();
     let mut model = UffModel::default();
-    split_all(&source, &mut model.warnings, &mut |other| others.push(other))?;
+    split(&source, &mut model.warnings, &mut |other| others.push(other))?;
     for other in &others {
         let mut rows = Rows::new(&source, other);
         match other.number.as_str() {

@@ -4,7 +4,7 @@
 //! whether qualifiers stand before their function or behind it; a file that begins with them has them before, any other behind.
 
 use super::header::Header;
-use super::sections::{Section, line_at, split_all};
+use super::sections::{self, Section, line_at};
 use crate::error::ReadError;
 use crate::file_bytes::{FileBytes, decode};
 use crate::quantity::Quantity;
@@ -79,7 +79,7 @@ pub(super) fn split<'a>(
     warnings: &mut Vec<Warning>,
 ) -> Result<Vec<(Section<'a>, Option<Window>)>, ReadError> {
     let mut qualifiers = Vec::new();
-    let sections = split_all(source, warnings, &mut |other| {
+    let sections = sections::split(source, warnings, &mut |other| {
         if other.number == "1858" {
             qualifiers.push((other.offset, Window::parse(other.body)));
         }

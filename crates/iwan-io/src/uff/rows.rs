@@ -2,7 +2,8 @@
 
 use super::sections::{Other, line_at};
 use crate::error::ReadError;
-use crate::file_bytes::{FileBytes, decode, shorten};
+use crate::file_bytes::{FileBytes, decode};
+use iwan_machine::shortened;
 
 /// Rows of numbers of a dataset.
 pub(super) struct Rows<'s, 'a> {
@@ -34,7 +35,7 @@ impl<'s, 'a> Rows<'s, 'a> {
     pub(super) fn wrong(&self, found: &str, expected: &'static str) -> ReadError {
         self.source.malformed(
             format!("{}, row {}", self.place, self.row),
-            format!("'{}'", shorten(found, 60)),
+            format!("'{}'", shortened(found, 60)),
             expected,
         )
     }

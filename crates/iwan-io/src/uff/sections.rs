@@ -2,8 +2,9 @@
 
 use crate::bytes::Order;
 use crate::error::ReadError;
-use crate::file_bytes::{FileBytes, decode, shorten};
+use crate::file_bytes::{FileBytes, decode};
 use crate::warning::Warning;
+use iwan_machine::shortened;
 
 /// Columns of a line in a universal file. Some programs fill the closing `-1` up to there, and line ends come behind it;
 /// in binary data, what goes on for longer is no line.
@@ -43,14 +44,6 @@ impl Section<'_> {
     }
 }
 
-/// Finds all datasets 58 and 58b; others are passed over.
-pub(super) fn split<'a>(
-    source: &FileBytes<'a>,
-    warnings: &mut Vec<Warning>,
-) -> Result<Vec<Section<'a>>, ReadError> {
-    split_all(source, warnings, &mut |_| {})
-}
-
 /// A dataset of another number, in text.
 pub(super) struct Other<'a> {
     pub(super) number: String,
@@ -61,7 +54,7 @@ pub(super) struct Other<'a> {
 }
 
 /// Finds all datasets 58 and 58b, and hands the others on.
-pub(super) fn split_all<'a>(
+pub(super) fn split<'a>(
     source: &FileBytes<'a>,
     warnings: &mut Vec<Warning>,
     others: &mut dyn FnMut(Other<'a>),
@@ -107,14 +100,14 @@ fn binary_fields(source: &FileBytes, offset: usize, fields: &[String]) -> Result
         Some("1") => Order::Little,
         Some("2") => Order::Big,
         other => {
-            let found = format!("byte order {}", shorten(other.unwrap_or("missing"), 20));
+            let found = format!("byte order {}", shortened(other.unwrap_or("missing"), 20));
             return Err(source.malformed(place, found, "1 (little endian) or 2 (big endian)"));
         }
     };
     match fields.get(1).map(String::as_str) {
         Some("2") => {}
         other => {
-            let found = format!("floating-point format {}", shorten(other.unwrap_or("missing"), 20));
+            let found = format!("floating-point format {}", shortened(other.unwrap_or("missing"), 20));
             return Err(source.unsupported(place, found, "export as IEEE 754 (format 2) or as ASCII"));
         }
     }

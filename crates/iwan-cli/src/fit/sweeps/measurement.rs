@@ -1,5 +1,6 @@
 //! Files of a shaker's test as measurements of one mode.
 
+use iwan_machine::listed;
 use std::f64::consts::{PI, TAU};
 
 use iwan_ident::sweeps::{BackbonePoint, ResponsePoint, SteadyData};
@@ -108,7 +109,7 @@ impl<'a> Table<'a> {
         let values = self.named(names).ok_or_else(|| {
             let there: Vec<&str> = self.columns.iter().map(|(name, _)| name.as_str()).collect();
             let message = format!("{}: there is no column {}", self.file, names.join(" or "));
-            Failure::input(message, format!("name the column so; there are {}", there.join(", ")))
+            Failure::input(message, format!("name the column so; there are {}", listed(there)))
         })?;
         match values.iter().position(|v| !v.is_finite()) {
             Some(i) => {

@@ -8,6 +8,7 @@ use super::fields::number;
 use super::keyword::Keyword;
 use super::lines::Lines;
 use super::reader::{Body, Reader, within};
+use iwan_machine::listed;
 
 /// Nodes and nodes of elements that all instances together may have: a small file can ask for any number. Written out so many take some gigabytes.
 const MOST: usize = 50_000_000;
@@ -68,7 +69,7 @@ impl Reader {
         self.in_instance = true;
         let Some(part) = keyword.value("PART") else { return Ok(()) };
         let Some(body) = self.parts.get(&part.to_uppercase()) else {
-            let known = self.parts.keys().cloned().collect::<Vec<_>>().join(", ");
+            let known = listed(self.parts.keys());
             let expected = format!("a part defined above ({known})");
             return Err(source.malformed(keyword.place(source), format!("PART={part}"), expected));
         };

@@ -1,5 +1,6 @@
 //! Everything that was read of an Abaqus input file so far.
 
+use iwan_machine::listed;
 use std::collections::BTreeMap;
 
 use super::super::axes::Axes;
@@ -95,7 +96,7 @@ impl Reader {
         let Some(name) = keyword.value("INSTANCE") else { return Ok(self.within()) };
         let at = self.instances.iter().position(|known| known.eq_ignore_ascii_case(name));
         at.map(|at| at + 1).ok_or_else(|| {
-            let known = self.instances.join(", ");
+            let known = listed(&self.instances);
             let found = format!("the instance {name:?}");
             source.malformed(keyword.place(source), found, format!("an instance defined above ({known})"))
         })

@@ -1,5 +1,6 @@
 //! A matrix of a file, as keys of a table name it.
 
+use iwan_machine::listed;
 use std::path::{Path, PathBuf};
 
 use iwan_exchange::{ExchangeError, Format, Matrix};
@@ -32,11 +33,11 @@ pub(super) fn chosen(
     let at = match section.optional_text(&name_key)? {
         Some(wanted) => of(&wanted).ok_or_else(|| {
             let message = format!("{name_key} = \"{wanted}\": {} has no matrix of that name", path.display());
-            section.failure(&name_key, &message, &format!("choose one of {}", names.join(", ")))
+            section.failure(&name_key, &message, &format!("choose one of {}", listed(&names)))
         })?,
         None if matrices.len() == 1 => 0,
         None => usual.iter().find_map(|name| of(name)).ok_or_else(|| {
-            let message = format!("{} has the matrices {}", path.display(), names.join(", "));
+            let message = format!("{} has the matrices {}", path.display(), listed(&names));
             section.failure(key, &message, &format!("choose one with {name_key} = \"NAME\""))
         })?,
     };
