@@ -168,6 +168,13 @@ fn address_space() -> u64 {
     u64::MAX
 }
 
+/// Whether something bounds the addresses that this process may reserve, such as `ulimit -v`. Kernels of dense matrices reserve twice the largest cache of the processor on
+/// each thread: where this is bounded, small matrices are better factored without them.
+#[must_use]
+pub fn is_address_space_bounded() -> bool {
+    address_space() != u64::MAX
+}
+
 thread_local! {
     /// Whether this thread has been granted what kernels of dense matrices reserve on it.
     static GRANTED: Cell<bool> = const { Cell::new(false) };
@@ -180,7 +187,7 @@ thread_local! {
 /// # Errors
 /// [`Short`] where there is less; without that the kernels abort the process.
 pub fn ask_for_kernels(started: usize) -> Result<(), Short> {
-    if address_space() == u64::MAX || (started == 0 && GRANTED.get()) {
+    if !is_address_space_bounded() || (started == 0 && GRANTED.get()) {
         return Ok(());
     }
     let needed = 2 * largest_cache() * started.max(1) as u64;

@@ -71,11 +71,7 @@ impl Ground for Task {
     }
 
     fn jacobian(&self, x: &[f64], free: Vec<usize>, work: &mut Workspace) -> Option<DMatrix<f64>> {
-        let search = self.search(free, Effort::NONE);
-        let mut residuals = |x: &[f64], out: &mut [f64]| self.residuals(x, out, work);
-        let mut r = vec![0.0; self.count()];
-        residuals(x, &mut r);
-        search.jacobian(&mut residuals, x, &r)
+        self.linearised(x, free, work).map(|(_, slopes)| slopes)
     }
 
     fn is_at_edge(&self, x: &[f64]) -> bool {

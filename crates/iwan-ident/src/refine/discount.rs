@@ -36,6 +36,13 @@ impl Discount {
         let parts = self.directions.tr_mul(&r).component_mul(&self.weights);
         r.gemv(-1.0, &self.directions, &parts, 1.0);
     }
+
+    /// The same for each column of a matrix.
+    pub(super) fn apply_to_columns(&self, columns: &mut DMatrix<f64>) {
+        let mut parts = self.directions.tr_mul(columns);
+        parts.column_iter_mut().for_each(|mut part| part.component_mul_assign(&self.weights));
+        columns.gemm(-1.0, &self.directions, &parts, 1.0);
+    }
 }
 
 #[cfg(test)]
@@ -51,6 +58,9 @@ mod tests {
         for mut column in root.column_iter_mut() {
             discount.apply(column.as_mut_slice());
         }
+        let mut columns = DMatrix::identity(6, 6);
+        discount.apply_to_columns(&mut columns);
+        assert!((columns - &root).norm() < 1e-14);
         let white = &root * covariance * root.transpose();
         assert!((white - DMatrix::identity(6, 6)).norm() < 1e-12);
         assert!(Discount::new(&DMatrix::zeros(6, 2)).is_none());

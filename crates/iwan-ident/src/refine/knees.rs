@@ -7,6 +7,7 @@ use iwan_machine::threads::{both, in_parallel};
 
 use super::record::Windowed;
 use super::release::TurningPoint;
+use super::residuals::Kind;
 use super::task::{Effort, FINE, ROUGH, Task, Workspace};
 use crate::search::{CHI, DIRAC, KNEE, Minimum, SOFTENING, Scales};
 
@@ -142,13 +143,12 @@ impl Task {
     /// neighbour, every few also from `x`.
     pub(super) fn scan(&self, x: &[f64], work: &mut Workspace) -> Vec<Minimum> {
         let search = self.search(self.smooth(), Effort::SCAN);
-        let mut log = |x: &[f64], out: &mut [f64]| self.log_residuals(x, out, work);
         let mut found: Vec<Minimum> = vec![];
         for (i, at) in self.knees().into_iter().enumerate() {
             let near = found.last().map(|m| self.start_at_knee(&m.x, at));
-            let near = near.and_then(|x| search.run(&mut log, &x));
+            let near = near.and_then(|x| self.seek(Kind::Logarithms, &x, &search, work));
             let fresh = (near.is_none() || i % ANEW == 0).then(|| self.start_at_knee(x, at));
-            let fresh = fresh.and_then(|x| search.run(&mut log, &x));
+            let fresh = fresh.and_then(|x| self.seek(Kind::Logarithms, &x, &search, work));
             found.extend(fresh.into_iter().chain(near).min_by(|a, b| a.cost.total_cmp(&b.cost)));
         }
         found

@@ -14,6 +14,7 @@ mod amplitudes;
 mod record;
 mod discount;
 mod task;
+mod residuals;
 mod fields;
 mod sizes;
 mod knees;

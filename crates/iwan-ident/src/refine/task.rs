@@ -1,9 +1,9 @@
-//! The records in the form that searches work on: residuals, their weights, and one search.
+//! The records in the form that searches work on: unknowns with their bounds, weights, and the models that searches have in common.
 
 use std::collections::VecDeque;
 use std::f64::consts::{PI, TAU};
 use std::sync::Arc;
-use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::atomic::AtomicBool;
 
 use iwan_machine::checkpoint::Checkpoint;
 use rustfft::num_complex::Complex64;
@@ -12,7 +12,7 @@ use super::amplitudes::days;
 use super::amplitudes::slow::{Buffers, KEPT};
 use super::amplitudes::windows::Windows;
 use super::discount::Discount;
-use super::record::{Noise, Windowed, unwrapped};
+use super::record::{Noise, Windowed};
 use super::release::{Sampling, TurningPoint};
 use super::ring_down::{Discrepancy, Refined, RingDown};
 use crate::error::{Error, check};
@@ -68,8 +68,8 @@ pub(crate) struct Task {
 #[derive(Debug, Clone, Default)]
 pub(crate) struct Workspace {
     buffers: Buffers,
-    model: Vec<Complex64>,
-    /// Of each of several records as many models, those computed last: a record's own unknowns change no other record.
+    pub(super) model: Vec<Complex64>,
+    /// Of each record as many models, those computed last: a record's own unknowns change no other record.
     known: Vec<VecDeque<Known>>,
 }
 
@@ -83,15 +83,8 @@ struct Known {
 }
 
 impl Workspace {
-    /// Puts the model of a record into `model`; false where there is none.
-    fn compute(&mut self, parameters: &Parameters, start: TurningPoint, record: &Windowed) -> bool {
-        let windows = record.windows;
-        self.model.resize(windows.count, Complex64::default());
-        windows.of_model(parameters, start, record.quantity, &mut self.buffers, &mut self.model)
-    }
-
-    /// The same for the record of a place among several.
-    fn recall(
+    /// Puts the model of the record of a place into `model`; false where there is none.
+    pub(super) fn compute(
         &mut self,
         place: usize,
         parameters: &Parameters,
@@ -104,7 +97,9 @@ impl Workspace {
             self.model.clone_from(&found.model);
             return true;
         }
-        if !self.compute(parameters, start, record) {
+        let windows = record.windows;
+        self.model.resize(windows.count, Complex64::default());
+        if !windows.of_model(parameters, start, record.quantity, &mut self.buffers, &mut self.model) {
             return false;
         }
         let known = &mut self.known[place];
@@ -251,118 +246,16 @@ impl Task {
         }
     }
 
-    /// Whitened residuals over each record's standard deviation, without what the model is known to miss.
-    pub(crate) fn residuals(&self, x: &[f64], out: &mut [f64], work: &mut Workspace) -> bool {
-        let starts = self.starts_at(x);
-        self.chart.leaves_residual_stiffness(x)
-            && self.residuals_of(&self.chart.parameters(x), &starts, out, work)
-    }
-
-    /// The same for parameters and the turning points of the records.
-    pub(crate) fn residuals_of(
-        &self,
-        parameters: &Parameters,
-        starts: &[TurningPoint],
-        out: &mut [f64],
-        work: &mut Workspace,
-    ) -> bool {
-        let known = self.plain_residuals(parameters, starts, out, work);
-        self.of_days(starts, out);
-        if let Some(discount) = self.discount.as_ref().filter(|_| known) {
-            discount.apply(out);
-        }
-        known
-    }
-
-    /// What is taken for granted of the days, behind the residuals in windows.
-    fn of_days(&self, starts: &[TurningPoint], out: &mut [f64]) {
-        let days = starts.iter().map(|start| start.day / self.day_deviation);
-        out[self.in_windows()..].iter_mut().zip(days).for_each(|(o, day)| *o = day);
-    }
-
-    /// Whitened residuals in windows with all that the model misses.
-    fn plain_residuals(
-        &self,
-        parameters: &Parameters,
-        starts: &[TurningPoint],
-        out: &mut [f64],
-        work: &mut Workspace,
-    ) -> bool {
-        self.each_model(parameters, starts, work, |record, model, range| {
-            if self.by_logarithms {
-                record.ratios(model);
-            } else {
-                record.amplitudes.iter().zip(model.iter_mut()).for_each(|(z, m)| *m = z - *m);
-            }
-            record.whitening.apply(model);
-            let left = model.iter().zip(&record.deviations).map(|(r, deviation)| r / deviation);
-            out[range].chunks_exact_mut(2).zip(left).for_each(|(o, r)| (o[0], o[1]) = (r.re, r.im));
-        })
-    }
-
-    /// The model's amplitudes in each record's windows; none where there is no model.
-    pub(super) fn models(&self, x: &[f64], work: &mut Workspace) -> Option<Vec<Vec<Complex64>>> {
-        let (mut models, starts) = (vec![], self.starts_at(x));
-        let keep = |_: &Windowed, model: &mut [Complex64], _| models.push(model.to_vec());
-        self.each_model(&self.chart.parameters(x), &starts, work, keep).then_some(models)
-    }
-
     /// The turning point of each record.
     pub(super) fn starts_at(&self, x: &[f64]) -> Vec<TurningPoint> {
+        (0..self.records.len()).map(|place| self.start_at(x, place)).collect()
+    }
+
+    /// The turning point of the record of a place.
+    pub(super) fn start_at(&self, x: &[f64], place: usize) -> TurningPoint {
         let omega = TAU * self.chart.parameters(x).frequency;
-        let own = x[COUNT..].chunks_exact(OWN);
-        own.zip(&self.records).map(|(own, record)| record.start_at(own, omega, self.has_days())).collect()
-    }
-
-    /// Whitened sum of squares; none where there is no model.
-    pub(crate) fn cost(&self, x: &[f64], work: &mut Workspace) -> Option<f64> {
-        let mut out = vec![0.0; self.count()];
-        let cost = self.residuals(x, &mut out, work).then(|| out.iter().map(|r| r * r).sum::<f64>());
-        cost.filter(|c| c.is_finite())
-    }
-
-    /// Differences of log amplitudes and of unwrapped phases, weighted by amplitude.
-    pub(super) fn log_residuals(&self, x: &[f64], out: &mut [f64], work: &mut Workspace) -> bool {
-        out.fill(0.0);
-        let starts = self.starts_at(x);
-        self.of_days(&starts, out);
-        self.each_model(&self.chart.parameters(x), &starts, work, |record, model, range| {
-            let loudest = record.amplitudes.iter().map(|z| z.norm()).fold(0.0, f64::max);
-            let loud = record.amplitudes.iter().zip(unwrapped(&record.amplitudes, model)).take(record.loud());
-            for ((z, log), o) in loud.zip(out[range].chunks_exact_mut(2)) {
-                let weight = z.norm() / loudest;
-                (o[0], o[1]) = (weight * log.re, weight * log.im);
-            }
-        })
-    }
-
-    fn each_model(
-        &self,
-        parameters: &Parameters,
-        starts: &[TurningPoint],
-        work: &mut Workspace,
-        mut compare: impl FnMut(&Windowed, &mut [Complex64], std::ops::Range<usize>),
-    ) -> bool {
-        if self.stopped.load(Ordering::Relaxed) {
-            return false;
-        }
-        let mut from = 0;
-        for (place, (start, record)) in starts.iter().zip(&self.records).enumerate() {
-            let found = match self.records.len() {
-                1 => work.compute(parameters, *start, record),
-                // A day turns amplitudes that are known: it needs no ring-down of its own.
-                _ => work.recall(place, parameters, start.on_mean_day(), record),
-            };
-            if !found {
-                return false;
-            }
-            let model = &mut work.model;
-            model.iter_mut().zip(&record.sampling).for_each(|(m, s)| *m += s);
-            days::turn(model, &record.windows, TAU * parameters.frequency, start.day);
-            compare(record, model, from..from + 2 * record.windows.count);
-            from += 2 * record.windows.count;
-        }
-        true
+        let own = &x[COUNT + OWN * place..COUNT + OWN * (place + 1)];
+        self.records[place].start_at(own, omega, self.has_days())
     }
 
     /// A search over the coordinates in `free`.
@@ -372,29 +265,6 @@ impl Task {
         let (count, bounds) = (self.count(), self.bounds());
         let kept = self.kept.clone().map(|checkpoint| Kept { checkpoint, stopped: self.stopped.clone() });
         Search { count, free, bounds, iterations, tolerance, central, floor, kept }
-    }
-
-    /// The least whitened sum of squares from `x`, until an iteration brings less than the relative `tolerance`.
-    pub(crate) fn minimise(
-        &self,
-        x: &[f64],
-        free: Vec<usize>,
-        tolerance: f64,
-        work: &mut Workspace,
-    ) -> Option<Minimum> {
-        self.minimise_with(x, free, Effort::until(tolerance), work)
-    }
-
-    /// The least whitened sum of squares from `x` that an effort finds.
-    pub(crate) fn minimise_with(
-        &self,
-        x: &[f64],
-        free: Vec<usize>,
-        effort: Effort,
-        work: &mut Workspace,
-    ) -> Option<Minimum> {
-        let mut residuals = |x: &[f64], out: &mut [f64]| self.residuals(x, out, work);
-        self.search(free, effort).run(&mut residuals, x)
     }
 
     /// Takes what sampling adds to the model's amplitudes from the ring-down at `x`: harmonics that fold back at few

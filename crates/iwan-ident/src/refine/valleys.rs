@@ -7,6 +7,7 @@ use iwan_machine::threads::{both, in_parallel};
 use super::knees::{STEP, close_to, valleys};
 use super::record::Windowed;
 use super::release::TurningPoint;
+use super::residuals::Kind;
 use super::task::{Effort, FINE, ROUGH, Task, Workspace, no_ring_down};
 use crate::curve_fit::predict;
 use crate::error::Error;
@@ -105,8 +106,7 @@ impl Task {
         let search = self.search(self.without_knee(), Effort::ROUGH);
         let from = |x: &Vec<f64>| {
             let mut work = Workspace::default();
-            let mut log = |x: &[f64], out: &mut [f64]| self.log_residuals(x, out, &mut work);
-            search.run(&mut log, &self.unseen(x))
+            self.seek(Kind::Logarithms, &self.unseen(x), &search, &mut work)
         };
         let mut found: Vec<Minimum> = in_parallel(bases, bases.len(), &from).into_iter().flatten().collect();
         found.sort_by(|a, b| a.cost.total_cmp(&b.cost));
@@ -282,8 +282,8 @@ impl Task {
         let mut x = task.coordinates(linear)?;
         x[COUNT..].copy_from_slice(&minimum.x[COUNT..]);
         let mut work = Workspace::default();
-        let mut log = |x: &[f64], out: &mut [f64]| task.log_residuals(x, out, &mut work);
-        let near = task.search(task.free(), Effort::ROUGH).run(&mut log, &x).ok_or_else(no_ring_down)?;
+        let search = task.search(task.free(), Effort::ROUGH);
+        let near = task.seek(Kind::Logarithms, &x, &search, &mut work).ok_or_else(no_ring_down)?;
         let found = task.minimise(&near.x, task.free(), TOLERANCE, &mut work).ok_or_else(no_ring_down)?;
         Ok((task, found))
     }

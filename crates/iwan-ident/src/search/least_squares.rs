@@ -147,7 +147,7 @@ impl Search {
                 // the first step is taken whatever it brings.
                 let little = FORETOLD * self.tolerance * cost.max(self.floor);
                 let is_idle = next.as_ref().is_some_and(|(_, foretold)| *foretold < little);
-                if is_idle && (tried || !self.is_final()) {
+                if is_idle && (tried || !self.is_central()) {
                     taken = if tried { 0.0 } else { damping };
                     break;
                 }
@@ -179,7 +179,7 @@ impl Search {
                 *known = Some(jacobian);
                 return Minimum { x, cost, converged: true };
             }
-            fresh = slow || self.is_final();
+            fresh = slow || self.is_central();
             if fresh {
                 damping = damping.min(if slow { LITTLE_DAMPING } else { 1.0 });
                 let Some(anew) = self.jacobian(residuals, &x, &r) else { break };
@@ -192,7 +192,7 @@ impl Search {
 
     /// Whether the search wants the minimum itself, or its derivatives are central anyway: derivatives are central and made anew each time then; else they are
     /// one-sided and kept up to date by the steps taken.
-    fn is_final(&self) -> bool {
+    pub(crate) fn is_central(&self) -> bool {
         self.central || self.tolerance < 1e-6
     }
 
@@ -213,6 +213,15 @@ impl Search {
         }
     }
 
+    /// Where differences along a coordinate are taken: from the first to the second of two values between the bounds.
+    pub(crate) fn apart(at: f64, (low, high): (f64, f64), central: bool) -> [f64; 2] {
+        match at + STEP {
+            to if to > high => [at, at - STEP],
+            to if central => [(at - STEP).max(low), to],
+            to => [at, to],
+        }
+    }
+
     /// Derivatives of the residuals, which are `r` at `x`, with respect to the free coordinates.
     pub(crate) fn jacobian<P: Problem + ?Sized>(
         &self,
@@ -227,12 +236,8 @@ impl Search {
         let mut jacobian = DMatrix::zeros(self.count, self.free.len());
         for (column, &j) in self.free.iter().enumerate() {
             let mut moved = x.to_vec();
-            let (low, high) = self.bounds[j];
-            let (mut to, mut from) = (x[j] + STEP, x[j]);
-            if to > high {
-                to = x[j] - STEP;
-            } else if self.is_final() {
-                from = (x[j] - STEP).max(low);
+            let [from, to] = Self::apart(x[j], self.bounds[j], self.is_central());
+            if from != x[j] {
                 moved[j] = from;
                 evaluate(residuals, &moved, &mut below)?;
             }

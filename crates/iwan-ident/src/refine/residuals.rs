@@ -1,0 +1,303 @@
+//! What searches compare: residuals of the records, their derivatives, and searches over them.
+//!
+//! Derivatives are differences. What a record has of its own changes its own residuals and no others, so that a joint fit of many records costs little more for them
+//! than for the parameters that all share.
+
+use std::f64::consts::TAU;
+use std::ops::Range;
+use std::sync::atomic::Ordering;
+
+use nalgebra::DMatrix;
+use rustfft::num_complex::Complex64;
+
+use super::amplitudes::days;
+use super::record::{Windowed, unwrapped};
+use super::release::TurningPoint;
+use super::task::{Effort, OWN, Task, Workspace};
+use crate::parameters::{COUNT, Parameters};
+use crate::search::{Minimum, Problem, Search};
+
+/// What is compared.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Kind {
+    /// Whitened amplitudes, over each record's standard deviation.
+    Whitened,
+    /// Log amplitudes and unwrapped phases, weighted by amplitude: for first searches, which must not lose a cycle.
+    Logarithms,
+}
+
+/// The residuals of records as what is sought by least squares.
+pub(crate) struct OfRecords<'a> {
+    task: &'a Task,
+    kind: Kind,
+    /// Whether differences are taken to both sides.
+    central: bool,
+    work: &'a mut Workspace,
+}
+
+impl Problem for OfRecords<'_> {
+    fn residuals(&mut self, x: &[f64], out: &mut [f64]) -> bool {
+        match self.kind {
+            Kind::Whitened => self.task.residuals(x, out, self.work),
+            Kind::Logarithms => self.task.all_records(self.kind, x, out, self.work),
+        }
+    }
+
+    fn derivatives(&mut self, x: &[f64], free: &[usize]) -> Option<DMatrix<f64>> {
+        let (task, rows, bounds) = (self.task, self.task.rows(), self.task.bounds());
+        let mut base = vec![0.0; task.count()];
+        task.all_records(self.kind, x, &mut base, self.work).then_some(())?;
+        let mut out = DMatrix::zeros(task.count(), free.len());
+        let (mut above, mut below) = (base.clone(), base.clone());
+        let mut moved = x.to_vec();
+        for (mut column, &j) in out.column_iter_mut().zip(free) {
+            let own = j.checked_sub(COUNT).map(|own| own / OWN);
+            let mut at = |place: f64, out: &mut [f64]| {
+                moved[j] = place;
+                let known = match own {
+                    Some(own) => task.one_record(self.kind, &moved, own, (&rows[own], out), self.work),
+                    None => task.all_records(self.kind, &moved, out, self.work),
+                };
+                moved[j] = x[j];
+                known.then_some(())
+            };
+            let [from, to] = Search::apart(x[j], bounds[j], self.central);
+            at(to, &mut above)?;
+            if from != x[j] {
+                at(from, &mut below)?;
+            }
+            let mut differ = |rows: Range<usize>| {
+                for i in rows {
+                    column[i] = (above[i] - below[i]) / (to - from);
+                    (above[i], below[i]) = (base[i], base[i]);
+                }
+            };
+            match own {
+                Some(own) => {
+                    differ(rows[own].clone());
+                    differ(task.row_of_day(own));
+                }
+                None => differ(0..base.len()),
+            }
+        }
+        if let (Some(discount), Kind::Whitened) = (&task.discount, self.kind) {
+            discount.apply_to_columns(&mut out);
+        }
+        out.iter().all(|d| d.is_finite()).then_some(out)
+    }
+}
+
+impl Task {
+    /// The residuals as a problem for searches of an effort.
+    pub(super) fn problem<'a>(
+        &'a self,
+        kind: Kind,
+        search: &Search,
+        work: &'a mut Workspace,
+    ) -> OfRecords<'a> {
+        OfRecords { task: self, kind, central: search.is_central(), work }
+    }
+
+    /// Whitened residuals over each record's standard deviation, without what the model is known to miss.
+    pub(crate) fn residuals(&self, x: &[f64], out: &mut [f64], work: &mut Workspace) -> bool {
+        let starts = self.starts_at(x);
+        self.chart.leaves_residual_stiffness(x)
+            && self.residuals_of(&self.chart.parameters(x), &starts, out, work)
+    }
+
+    /// The same for parameters and the turning points of the records.
+    pub(crate) fn residuals_of(
+        &self,
+        parameters: &Parameters,
+        starts: &[TurningPoint],
+        out: &mut [f64],
+        work: &mut Workspace,
+    ) -> bool {
+        let known = self.plain_residuals(parameters, starts, out, work);
+        if let Some(discount) = self.discount.as_ref().filter(|_| known) {
+            discount.apply(out);
+        }
+        known
+    }
+
+    /// Whitened residuals with all that the model misses.
+    pub(super) fn plain_residuals(
+        &self,
+        parameters: &Parameters,
+        starts: &[TurningPoint],
+        out: &mut [f64],
+        work: &mut Workspace,
+    ) -> bool {
+        let one = |(place, rows): (usize, &Range<usize>)| {
+            let known = self.model_of(place, parameters, starts[place], work);
+            known && {
+                self.compare(Kind::Whitened, place, &mut work.model, &mut out[rows.clone()]);
+                self.of_day(place, starts[place], out);
+                true
+            }
+        };
+        self.rows().iter().enumerate().all(one)
+    }
+
+    /// Residuals of all records at a point, with all that the model misses.
+    fn all_records(&self, kind: Kind, x: &[f64], out: &mut [f64], work: &mut Workspace) -> bool {
+        out.fill(0.0);
+        (kind == Kind::Logarithms || self.chart.leaves_residual_stiffness(x))
+            && self
+                .rows()
+                .iter()
+                .enumerate()
+                .all(|(place, rows)| self.one_record(kind, x, place, (rows, out), work))
+    }
+
+    /// Those of one record, into its rows.
+    fn one_record(
+        &self,
+        kind: Kind,
+        x: &[f64],
+        place: usize,
+        (rows, out): (&Range<usize>, &mut [f64]),
+        work: &mut Workspace,
+    ) -> bool {
+        let (parameters, start) = (self.chart.parameters(x), self.start_at(x, place));
+        let known = self.model_of(place, &parameters, start, work);
+        if known {
+            self.compare(kind, place, &mut work.model, &mut out[rows.clone()]);
+            self.of_day(place, start, out);
+        }
+        known
+    }
+
+    /// Rows of each record's residuals in windows.
+    fn rows(&self) -> Vec<Range<usize>> {
+        let mut from = 0;
+        let one = |record: &Windowed| {
+            let rows = from..from + 2 * record.windows.count;
+            from = rows.end;
+            rows
+        };
+        self.records.iter().map(one).collect()
+    }
+
+    /// The row of what is taken for granted of a record's day, behind the residuals in windows; none where records do not differ by the day.
+    fn row_of_day(&self, place: usize) -> Range<usize> {
+        let row = self.in_windows() + place;
+        if self.has_days() { row..row + 1 } else { 0..0 }
+    }
+
+    fn of_day(&self, place: usize, start: TurningPoint, out: &mut [f64]) {
+        out[self.row_of_day(place)].fill(start.day / self.day_deviation);
+    }
+
+    /// What is left of a record beside the amplitudes of a model, which serve as a buffer.
+    fn compare(&self, kind: Kind, place: usize, model: &mut [Complex64], out: &mut [f64]) {
+        let record = &self.records[place];
+        match kind {
+            Kind::Whitened => {
+                if self.by_logarithms {
+                    record.ratios(model);
+                } else {
+                    record.amplitudes.iter().zip(model.iter_mut()).for_each(|(z, m)| *m = z - *m);
+                }
+                record.whitening.apply(model);
+                let left = model.iter().zip(&record.deviations).map(|(r, deviation)| r / deviation);
+                out.chunks_exact_mut(2).zip(left).for_each(|(o, r)| (o[0], o[1]) = (r.re, r.im));
+            }
+            Kind::Logarithms => {
+                out.fill(0.0);
+                let loudest = record.amplitudes.iter().map(|z| z.norm()).fold(0.0, f64::max);
+                let loud =
+                    record.amplitudes.iter().zip(unwrapped(&record.amplitudes, model)).take(record.loud());
+                for ((z, log), o) in loud.zip(out.chunks_exact_mut(2)) {
+                    let weight = z.norm() / loudest;
+                    (o[0], o[1]) = (weight * log.re, weight * log.im);
+                }
+            }
+        }
+    }
+
+    /// Puts the model's amplitudes in a record's windows into the workspace; false where there is no model, or the search was stopped.
+    fn model_of(
+        &self,
+        place: usize,
+        parameters: &Parameters,
+        start: TurningPoint,
+        work: &mut Workspace,
+    ) -> bool {
+        if self.stopped.load(Ordering::Relaxed) {
+            return false;
+        }
+        let record = &self.records[place];
+        // A day turns amplitudes that are known: it needs no ring-down of its own.
+        let found = work.compute(place, parameters, start.on_mean_day(), record);
+        if found {
+            let model = &mut work.model;
+            model.iter_mut().zip(&record.sampling).for_each(|(m, s)| *m += s);
+            days::turn(model, &record.windows, TAU * parameters.frequency, start.day);
+        }
+        found
+    }
+
+    /// The model's amplitudes in each record's windows; none where there is no model.
+    pub(super) fn models(&self, x: &[f64], work: &mut Workspace) -> Option<Vec<Vec<Complex64>>> {
+        let parameters = self.chart.parameters(x);
+        let mut one = |(place, start): (usize, &TurningPoint)| {
+            self.model_of(place, &parameters, *start, work).then(|| work.model.clone())
+        };
+        self.starts_at(x).iter().enumerate().map(&mut one).collect()
+    }
+
+    /// Whitened sum of squares; none where there is no model.
+    pub(crate) fn cost(&self, x: &[f64], work: &mut Workspace) -> Option<f64> {
+        let mut out = vec![0.0; self.count()];
+        let cost = self.residuals(x, &mut out, work).then(|| out.iter().map(|r| r * r).sum::<f64>());
+        cost.filter(|c| c.is_finite())
+    }
+
+    /// Residuals at a point and their derivatives with respect to the coordinates in `free`; none where there is no model.
+    pub(crate) fn linearised(
+        &self,
+        x: &[f64],
+        free: Vec<usize>,
+        work: &mut Workspace,
+    ) -> Option<(Vec<f64>, DMatrix<f64>)> {
+        let mut r = vec![0.0; self.count()];
+        self.residuals(x, &mut r, work).then_some(())?;
+        let search = self.search(free, Effort::NONE);
+        let slopes = self.problem(Kind::Whitened, &search, work).derivatives(x, &search.free)?;
+        Some((r, slopes))
+    }
+
+    /// The least whitened sum of squares from `x`, until an iteration brings less than the relative `tolerance`.
+    pub(crate) fn minimise(
+        &self,
+        x: &[f64],
+        free: Vec<usize>,
+        tolerance: f64,
+        work: &mut Workspace,
+    ) -> Option<Minimum> {
+        self.minimise_with(x, free, Effort::until(tolerance), work)
+    }
+
+    /// The least whitened sum of squares from `x` that an effort finds.
+    pub(crate) fn minimise_with(
+        &self,
+        x: &[f64],
+        free: Vec<usize>,
+        effort: Effort,
+        work: &mut Workspace,
+    ) -> Option<Minimum> {
+        self.seek(Kind::Whitened, x, &self.search(free, effort), work)
+    }
+
+    /// Where a search over residuals of a kind ends.
+    pub(super) fn seek(
+        &self,
+        kind: Kind,
+        x: &[f64],
+        search: &Search,
+        work: &mut Workspace,
+    ) -> Option<Minimum> {
+        search.run(&mut self.problem(kind, search, work), x)
+    }
+}
