@@ -27,6 +27,9 @@ const MOST_LEFT: f64 = 0.3;
 const DRIFT: &str = "follows both, but the damping ratio is the same at all amplitudes and only the frequency moves: so it does where the frequency of a linear mode drifts with time, by temperature \
                      or mounting, and one record does not tell one from the other; a hit of another strength does";
 
+/// What speaks against a joint that keeps the limits.
+const DRIVEN: &str = "follows both, but the decay is driven again within the stretch that is compared, as by a double hit: what a second blow does is taken for the joint's; cut the record there";
+
 /// A measured value of a curve, its standard deviation, and the model's value.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Compared {
@@ -42,10 +45,19 @@ pub(crate) struct Beside {
     pub(crate) reasons: Vec<String>,
     /// The model's ring-down was subtracted from the record and left white noise.
     pub(crate) leaves_noise: bool,
-    /// It is known to miss something beside noise, and another law tells the record clearly better: it matches within no noise then.
-    pub(crate) surpassed: bool,
-    /// A linear mode whose frequency drifts with time would leave the same record: it matches no joint then.
-    pub(crate) drift: bool,
+    /// Why it matches within no noise, whatever the curves say.
+    pub(crate) doubt: Option<Doubt>,
+}
+
+/// Why a model that keeps the limits is usable at best.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Doubt {
+    /// The decay is driven again within the stretch that is compared: no joint is told by what a second blow does.
+    Driven,
+    /// A linear mode whose frequency drifts with time would leave the same record.
+    Drift,
+    /// It is known to miss something beside noise, and another law tells the record clearly better.
+    Surpassed,
 }
 
 /// How well a model describes records.
@@ -99,7 +111,7 @@ impl Verdict {
 
     /// The same beside what the record itself says.
     pub(crate) fn beside(beside: &Beside, dissipation: &[Compared], frequency: &[Compared]) -> Self {
-        let Beside { reasons, leaves_noise, surpassed, drift } = beside;
+        let Beside { reasons, leaves_noise, doubt } = beside;
         let range = frequency
             .iter()
             .fold((f64::INFINITY, f64::NEG_INFINITY), |r, c| (r.0.min(c.measured), r.1.max(c.measured)));
@@ -117,11 +129,11 @@ impl Verdict {
         let excused = [limits[0].max(ends[0]), limits[1].max(ends[1])];
         let grade = match (within(excused), within(usable)) {
             _ if !reasons.is_empty() => Grade::No,
-            (true, _) if !surpassed && !drift => Grade::Matches,
+            (true, _) if doubt.is_none() => Grade::Matches,
             (true, _) | (false, true) => Grade::Usable,
             (false, false) => Grade::No,
         };
-        let drift = *drift && grade != Grade::No;
+        let drift = *doubt == Some(Doubt::Drift) && grade != Grade::No;
         let misfit = format!(
             "dissipation is missed by {:.2} % (limit {:.2} %), frequency by {:.4} Hz of a shift of {shift:.4} Hz (limit \
              {:.4} Hz): one four-parameter Iwan joint with a viscous damper {}",
@@ -133,6 +145,7 @@ impl Verdict {
                 Grade::Matches if within(limits) => "matches dissipation and frequency together",
                 Grade::Matches =>
                     "matches dissipation and frequency together, for it leaves nothing of the record but noise",
+                Grade::Usable if *doubt == Some(Doubt::Driven) && within(usable) => DRIVEN,
                 Grade::Usable if drift => DRIFT,
                 Grade::Usable if within(limits) =>
                     "keeps both limits, but misses more than noise where another law does not: it is usable inside the amplitudes seen",
@@ -192,7 +205,7 @@ mod tests {
     /// A joint with a little quadratic damping missed 1.9 % of dissipation and "matched", beside the sentence that the record speaks against it.
     #[test]
     fn a_law_that_another_surpasses_is_usable_at_best() {
-        let surpassed = Beside { surpassed: true, ..Beside::default() };
+        let surpassed = Beside { doubt: Some(Doubt::Surpassed), ..Beside::default() };
         let missed = |by: f64| -> Vec<Compared> {
             (0..10)
                 .map(|i| Compared { measured: f64::from(i), deviation: 0.0, model: f64::from(i) + by })
@@ -209,8 +222,18 @@ mod tests {
     }
 
     #[test]
+    fn what_is_driven_again_is_usable_at_best() {
+        let driven = Beside { doubt: Some(Doubt::Driven), ..Beside::default() };
+        let same = |by: f64| vec![Compared { measured: 1.0, deviation: 0.0, model: 1.0 + by }; 10];
+        let verdict = Verdict::beside(&driven, &same(0.0), &same(0.0));
+        assert!(verdict.grade == Grade::Usable && !verdict.adequate, "{}", verdict.misfit);
+        assert!(verdict.misfit.contains("driven again"), "{}", verdict.misfit);
+        assert_eq!(Verdict::beside(&driven, &same(0.5), &same(0.0)).grade, Grade::No);
+    }
+
+    #[test]
     fn what_may_be_a_drift_is_usable_at_best() {
-        let beside = Beside { drift: true, ..Beside::default() };
+        let beside = Beside { doubt: Some(Doubt::Drift), ..Beside::default() };
         let missed = |by: f64| -> Vec<Compared> {
             (0..10)
                 .map(|i| Compared { measured: f64::from(i), deviation: 0.0, model: f64::from(i) + by })

@@ -17,7 +17,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 
 use iwan_machine::checkpoint::Checkpoint;
 
-use crate::curve_fit::{Beside, Compared, Fit, Start, Verdict, fit_from, left_over, start};
+use crate::curve_fit::{Beside, Compared, Doubt, Fit, Start, Verdict, fit_from, left_over, start};
 use crate::curves::Curves;
 use crate::error::{Error, check};
 use crate::likelihood::Likelihood;
@@ -150,12 +150,17 @@ fn identification(
     let speaks_against = laws.as_ref().is_ok_and(|laws| laws.speaks_against("iwan"));
     let against = outside_band(&prepared, &refined).into_iter().chain(left_over(refined.relative_residual));
     let extrapolation = Extrapolation::of(&curves, refined.parameters.frequency);
+    let drifts = records.len() == 1
+        && laws.as_ref().is_ok_and(|laws| laws::only_the_frequency_moves(laws, extrapolation));
+    let doubts = [
+        (prepared.iter().any(Prepared::is_driven_again), Doubt::Driven),
+        (drifts, Doubt::Drift),
+        (speaks_against && refined.discrepancy.is_found(), Doubt::Surpassed),
+    ];
     let beside = Beside {
         reasons: against.collect(),
         leaves_noise: refined.leaves_noise(task.count()),
-        surpassed: speaks_against && refined.discrepancy.is_found(),
-        drift: records.len() == 1
-            && laws.as_ref().is_ok_and(|laws| laws::only_the_frequency_moves(laws, extrapolation)),
+        doubt: doubts.into_iter().find(|(is_so, _)| *is_so).map(|(_, doubt)| doubt),
     };
     let verdict = verdict(&beside, &curves, &model_curves, &refined.starts);
     let others = laws::as_likely(refined.discrepancy.is_found(), laws.as_ref().ok());

@@ -5,7 +5,7 @@ use crate::curves::{Curves, ForceAxis};
 use crate::error::Error;
 use crate::parameters::Parameters;
 use crate::refine::{RingDown, Sampling, TurningPoint, check_rate};
-use crate::signal::{Band, Envelope, Isolated, isolate, taken_as};
+use crate::signal::{Band, Envelope, Isolated, hits, isolate, taken_as};
 
 /// A record with its mode taken out, its curves, and the samples that are compared with the model.
 pub(super) struct Prepared<'a> {
@@ -56,6 +56,16 @@ impl<'a> Prepared<'a> {
     /// Band and spectral peak of the mode.
     pub(super) fn band(&self) -> Band {
         self.isolated.band
+    }
+
+    /// Whether the record is driven again within the samples that are compared, a cycle behind the first of them and more.
+    pub(super) fn is_driven_again(&self) -> bool {
+        let dt = self.record.dt;
+        let from = self.first as f64 * dt + 1.0 / self.isolated.band.peak;
+        let to = (self.first + self.stretch.len()) as f64 * dt;
+        let inside = |time: &f64| (from..to).contains(time);
+        let hits = hits(self.record.samples, dt).unwrap_or_default();
+        hits.iter().any(|hit| inside(&hit.time) || hit.again.iter().any(inside))
     }
 
     pub(super) fn notes(&self) -> impl Iterator<Item = String> + '_ {

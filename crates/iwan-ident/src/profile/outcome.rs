@@ -52,7 +52,9 @@ impl Profiles {
     pub(crate) fn holding(mut self, parameter: Parameter, [low, high]: [Option<f64>; 2]) -> Self {
         let own = |profile: &&mut Profile| !profile.held && profile.parameter == parameter;
         for profile in self.parameters.iter_mut().filter(own) {
-            profile.low = profile.low.zip(low).map(|(a, b)| a.min(b));
+            // That a joint's stiffness or force is above zero tells nothing of it.
+            let is_told = |low: &f64| *low > 0.0 || !matches!(parameter, Parameter::KT | Parameter::FS);
+            profile.low = profile.low.zip(low).map(|(a, b)| a.min(b)).filter(is_told);
             profile.high = profile.high.zip(high).map(|(a, b)| a.max(b));
         }
         self
@@ -75,5 +77,28 @@ impl Profiles {
         };
         self.parameters.iter_mut().filter(beyond).for_each(|profile| profile.high = None);
         self
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_stiffness_above_zero_is_open_on_both_sides() {
+        let one = |parameter| Profile {
+            parameter,
+            value: 2.0,
+            low: Some(1.0),
+            high: Some(3.0),
+            points: vec![],
+            held: false,
+        };
+        let parameters = vec![one(Parameter::KT), one(Parameter::DampingRatio)];
+        let profiles = Profiles { parameters, limit: 4.0, variance: 1.0 };
+        let profiles = profiles.holding(Parameter::KT, [Some(0.0), None]);
+        let profiles = profiles.holding(Parameter::DampingRatio, [Some(0.0), Some(2.0)]);
+        let ends: Vec<_> = profiles.parameters.iter().map(|p| (p.low, p.high)).collect();
+        assert_eq!(ends, [(None, None), (Some(0.0), Some(3.0))]);
     }
 }
