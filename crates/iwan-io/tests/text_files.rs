@@ -404,3 +404,18 @@ fn a_table_of_more_columns_than_any_instrument_has_is_refused() {
         &message[..200.min(message.len())]
     );
 }
+
+/// A force in pounds was combined with accelerations in g.
+#[test]
+fn what_is_no_motion_is_left_out_beside_one() {
+    for unit in ["Pounds", "lbf", "Pferd"] {
+        let record = accepted(&format!("t [s],force [{unit}],acc [g]\n0,1,2\n0.5,2,3\n1,4,5\n"));
+        assert_eq!((record.names(), record.quantity()), (&["acc".to_owned()][..], Quantity::Acceleration));
+        let [Warning::LeftOut { name, reason }] = record.warnings() else {
+            panic!("{:?}", record.warnings())
+        };
+        assert!(name == "force" && (reason.contains(unit) || reason.contains("measures force")), "{reason}");
+    }
+    // Without a unit it may be a motion like the others.
+    assert_eq!(accepted("t [s],x,acc [g]\n0,1,2\n0.5,2,3\n1,4,5\n").names().len(), 2);
+}

@@ -14,8 +14,8 @@ const STEP: f64 = 1e-5;
 /// Share of a damper or a spring below which its logarithm has no interval.
 const NOTHING: f64 = 1e-9;
 
-/// A coordinate this near to the end of its range stands at it: the end is where searches stop, and no finding.
-const AT_LIMIT: f64 = 1e-6;
+/// A coordinate this near to the end of its range stands at it: the end is where searches stop, and no finding. Coordinates are of order one, and searches stop some 1e-5 before it.
+const AT_LIMIT: f64 = 1e-3;
 /// A parameter hangs on such a coordinate where the width of its prior moves it by more than this part of its standard deviation.
 const HANGS: f64 = 0.1;
 

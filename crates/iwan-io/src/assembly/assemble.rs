@@ -97,14 +97,17 @@ pub(crate) fn all_channels(
     Ok((dt, raw.channels, raw.warnings))
 }
 
-/// Leaves out channels of another quantity than the one wanted; what is no motion beside one kind of motion is left out, too.
+/// Leaves out channels of another quantity than the one wanted; what is no motion beside one kind of motion is left out, too, and what has a unit that is not known.
 fn keep_one_quantity(source: &FileBytes, raw: &mut Raw, wanted: Option<Quantity>) -> Result<(), ReadError> {
     let found = quantities(&raw.channels);
     let motions: Vec<Quantity> = found.iter().copied().filter(|q| q.is_motion()).collect();
+    // A unit that is not known is no unit of a motion, all of which are.
+    let is_foreign = |c: &Channel| c.quantity == Quantity::Unknown && !c.unit.is_empty();
+    let is_mixed = found.len() > 1 || raw.channels.iter().any(is_foreign);
     let kept = match wanted {
         Some(wanted) if found.contains(&wanted) => wanted,
         Some(_) => return Ok(()),
-        None if motions.len() == 1 && found.len() > 1 => motions[0],
+        None if motions.len() == 1 && is_mixed => motions[0],
         // Beside a force, what is not known may be the motion.
         None if motions.is_empty()
             && !found.is_empty()
@@ -122,13 +125,17 @@ fn keep_one_quantity(source: &FileBytes, raw: &mut Raw, wanted: Option<Quantity>
     };
     let warnings = &mut raw.warnings;
     raw.channels.retain(|c| {
-        let keep = c.quantity == kept || c.quantity == Quantity::Unknown;
-        if !keep {
-            let other = if kept == Quantity::Unknown { "a motion".into() } else { kept.to_string() };
-            let reason = format!("it measures {}, not {other}", c.quantity);
-            warnings.push(Warning::LeftOut { name: c.name.clone(), reason });
-        }
-        keep
+        let other = if kept == Quantity::Unknown { "a motion".into() } else { kept.to_string() };
+        let reason = match c.quantity {
+            Quantity::Unknown if kept.is_motion() && is_foreign(c) => {
+                format!("what \"{}\" measures is not known, and beside it stands {other}", c.unit)
+            }
+            Quantity::Unknown => return true,
+            quantity if quantity == kept => return true,
+            quantity => format!("it measures {quantity}, not {other}"),
+        };
+        warnings.push(Warning::LeftOut { name: c.name.clone(), reason });
+        false
     });
     Ok(())
 }

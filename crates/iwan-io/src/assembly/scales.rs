@@ -106,7 +106,9 @@ fn others(text: &str) -> Option<Scale> {
         "MN" => (Quantity::Force, "N", Some(1e6)),
         // Somebody's millinewton or meganewton, written in small letters.
         "mn" => (Quantity::Force, "N", None),
-        "lb" | "lbf" => (Quantity::Force, "N", Some(POUND_FORCE)),
+        "lb" | "lbf" | "lbs" | "pound" | "pounds" | "Pound" | "Pounds" => {
+            (Quantity::Force, "N", Some(POUND_FORCE))
+        }
         "kgf" => (Quantity::Force, "N", Some(GRAVITY)),
         "Pa" | "pa" | "pascal" => (Quantity::Pressure, "Pa", Some(1.0)),
         "hPa" | "hpa" | "mbar" => (Quantity::Pressure, "Pa", Some(1e2)),
