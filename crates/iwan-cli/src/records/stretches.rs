@@ -44,7 +44,12 @@ fn stretches(mut recording: Recording, wanted: Hits) -> Result<Vec<Recording>, F
                 vec![(n, hit)]
             } else {
                 let message = format!("{name}: there is no hit {} ({} found)", n + 1, found.len());
-                return Err(Failure::input(message, "choose --hits all, first, or one of those"));
+                let remedy = match found.len() {
+                    0 => "leave --hits out, and cut with --from and --to",
+                    1 => "leave --hits out, or give first",
+                    _ => "choose --hits all, first, or one of those",
+                };
+                return Err(Failure::input(message, remedy));
             }
         }
     };

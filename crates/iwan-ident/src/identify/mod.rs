@@ -135,7 +135,8 @@ fn identification(
     let OnCurves { start, fit } = on_curves(&on_mean_day, &settings.held)?;
     let ring_downs: Vec<RingDown<'_>> = prepared.iter().map(Prepared::ring_down).collect();
     let held: Vec<Parameter> = settings.held.iter().map(|h| h.parameter).collect();
-    let mut task = Task::new(&ring_downs, &fit.parameters, &held)?;
+    let task = Task::new(&ring_downs, &fit.parameters, &held);
+    let mut task = task.map_err(|e| prepared.iter().fold(e, |e, p| p.refused(e)))?;
     (task.stopped, task.kept) = (stopped.clone(), kept.cloned());
     task.begin_with(days.as_deref());
     let Found { minimum, profiles } = minimum_and_profiles(&mut task, &fit.parameters)?;

@@ -58,6 +58,11 @@ impl<'a> Prepared<'a> {
         self.isolated.band
     }
 
+    /// The reason why the mode of this record could not be followed, with what stands in its band.
+    pub(super) fn refused(&self, error: Error) -> Error {
+        self.isolated.refused(error)
+    }
+
     /// Whether the record is driven again within the samples that are compared, a cycle behind the first of them and more.
     pub(super) fn is_driven_again(&self) -> bool {
         let dt = self.record.dt;

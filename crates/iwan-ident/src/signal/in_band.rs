@@ -74,8 +74,17 @@ pub(super) fn in_band(x: &[f64], dt: f64, options: &Options) -> Result<InBand, E
     if let Some(gone) = gone_by(x, 1).filter(|gone| !goes_on(&x[*gone..], dt, band.peak)) {
         let shorter = self::band(&x[..gone], dt, options);
         if let Some(found) = shorter.ok().filter(|_| gone >= SAMPLES) {
-            notes.push(format!("behind {:.6} s there is nothing but noise: cut there", gone as f64 * dt));
-            (band, x) = (found, &x[..gone]);
+            let seconds = gone as f64 * dt;
+            if goes_on(&x[gone..], dt, found.peak) {
+                notes.push(format!(
+                    "a line at {:.6} Hz that does not decay is louder than the mode behind {seconds:.6} s: the mode is looked for before",
+                    band.peak
+                ));
+            } else {
+                notes.push(format!("behind {seconds:.6} s there is nothing but noise: cut there"));
+                x = &x[..gone];
+            }
+            band = found;
         }
     }
     let automatic = if options.band.is_none() { " (automatic)" } else { "" };
@@ -118,6 +127,7 @@ pub(super) fn behind_filter(
         scatter: 0.0,
         begin: 0,
         beside: None,
+        strangers: Vec::new(),
     };
     mode.end_at_noise(must_decay)?;
     let Some(filter) = filter else { return Ok(InBand { mode, gate: None }) };

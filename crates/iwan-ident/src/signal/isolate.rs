@@ -3,7 +3,13 @@
 use super::beside::others;
 use super::in_band::{InBand, Options, behind_filter, in_band};
 use super::isolated::Isolated;
+use super::spectrum::{Band, automatic_band};
+use super::survey::{SpectralPeak, spectral_peaks};
 use crate::error::Error;
+
+/// A peak behind the loudest sample that is so many times as high as the mode chosen is named: the two spectra weight the record differently, and modes of about the same height change
+/// places. A judgement.
+const LOUDER: f64 = 1.5;
 
 /// Takes one mode out of a uniformly sampled record `x` (any unit, every `dt` seconds).
 ///
@@ -14,7 +20,8 @@ use crate::error::Error;
 /// [`Error::Refused`] for a record with two modes in the band, without decay, or clipped to its end;
 /// [`Error::TooShort`], [`Error::NotFinite`], [`Error::OutOfRange`].
 pub fn isolate(x: &[f64], dt: f64, options: &Options) -> Result<Isolated, Error> {
-    let InBand { mut mode, gate } = in_band(x, dt, options)?;
+    let found = in_band(x, dt, options);
+    let InBand { mut mode, gate } = found.map_err(|e| beside_a_louder(e, x, dt, options))?;
     let x = &x[..mode.samples.len()];
     let beside = gate.filter(|_| !mode.is_alone(x)).and_then(|gate| others(x, &mode, &gate, options));
     if let Some(beside) = beside {
@@ -27,9 +34,47 @@ pub fn isolate(x: &[f64], dt: f64, options: &Options) -> Result<Isolated, Error>
             mode.notes.push(beside.in_words());
         }
     }
-    mode.refuse_second_line()?;
-    // A record too short for its spectrum has been refused by now.
-    let strangers = mode.intruders(x).unwrap_or_default();
-    mode.notes.extend(strangers.iter().map(ToString::to_string));
+    // A record too short for its spectrum is refused by now.
+    let peaks = spectral_peaks(&[x], dt).unwrap_or_default();
+    mode.strangers = mode.intruders_among(&peaks, x);
+    mode.refuse_second_line().map_err(|e| mode.refused(e))?;
+    mode.notes.extend(mode.strangers.iter().map(ToString::to_string));
+    let louder = louder(&peaks, &mode.band).filter(|_| chooses(options));
+    mode.notes.extend(louder.map(|peak| {
+        let note = "the mode of this band was chosen because it is highest in the spectrum of the whole record; behind the loudest sample the highest is that at";
+        format!("{note} {peak:.2} Hz (--mode {peak:.2})")
+    }));
     Ok(mode)
+}
+
+/// Whether the mode is chosen by its height alone.
+fn chooses(options: &Options) -> bool {
+    options.band.is_none() && options.near.is_none()
+}
+
+/// The frequency (Hz) of the highest of some peaks where it is much higher than all in the band.
+fn louder(peaks: &[SpectralPeak], band: &Band) -> Option<f64> {
+    let inside = |p: &&SpectralPeak| (band.low..=band.high).contains(&p.frequency);
+    let own = peaks.iter().filter(inside).map(|p| p.height).fold(0.0, f64::max);
+    let highest = peaks.iter().max_by(|a, b| a.height.total_cmp(&b.height))?;
+    (own > 0.0 && highest.height > LOUDER * own).then_some(highest.frequency)
+}
+
+/// A mode that is too short to be followed says so; if it was chosen by its height in the spectrum of the whole record, and another one is higher behind the loudest sample, that
+/// may be the one that is meant.
+fn beside_a_louder(error: Error, x: &[f64], dt: f64, options: &Options) -> Error {
+    let Error::TooShort { what, found, needed, .. } = error else { return error };
+    let peaks = spectral_peaks(&[x], dt).unwrap_or_default();
+    let chosen = automatic_band(x, dt, None).ok().filter(|_| chooses(options));
+    let Some((band, peak)) = chosen.and_then(|band| Some((band, louder(&peaks, &band)?))) else {
+        return error;
+    };
+    Error::Refused {
+        finding: format!(
+            "{what}: {found} found, at least {needed} needed, of the mode at {:.2} Hz, which is highest in the spectrum of the whole record; behind the loudest sample the highest is \
+             that at {peak:.2} Hz",
+            band.peak
+        ),
+        remedy: "name the mode that is meant (--mode HZ)",
+    }
 }

@@ -6,6 +6,7 @@ use super::defects::clipped_until;
 use super::first_peak::{behind_the_blow, first_of_the_largest};
 use super::raw::{BEYOND, Raw, raw, widened};
 use super::spectrum::{Band, is_alone};
+use super::strangers::Intruder;
 use super::transients::{Ends, Gate, Known};
 use crate::error::Error;
 use crate::smooth::{Points, Polynomial, Smooth};
@@ -38,6 +39,10 @@ const ABOVE_NOISE: f64 = 5.0;
 /// leave 3 %, and 24 allowed take twelve or thirteen.
 pub(crate) const MAX_ORDER: usize = 12;
 
+/// What helps where a line stands in the band.
+const BEFORE: &str =
+    "end the record where the mode is still much louder than that line (--to), or record without it";
+
 /// A mode by itself.
 #[derive(Debug, Clone)]
 pub struct Isolated {
@@ -62,6 +67,8 @@ pub struct Isolated {
     pub(crate) begin: usize,
     /// What other modes had in the band before they were taken out of the record; none where none were.
     pub(crate) beside: Option<Vec<f64>>,
+    /// Lines that stand in the band and are not of the mode.
+    pub(super) strangers: Vec<Intruder>,
 }
 
 /// Some samples of a mode.
@@ -88,6 +95,21 @@ impl Isolated {
     #[must_use]
     pub fn trusted(&self) -> (f64, f64) {
         (self.time(self.window.start), self.time(self.window.end - 1))
+    }
+
+    /// The reason why a mode could not be followed; lines in its band that are not of it belong to that.
+    pub(crate) fn refused(&self, error: Error) -> Error {
+        let lines: Vec<String> = self.strangers.iter().map(ToString::to_string).collect();
+        match error {
+            Error::TooShort { what, found, needed, .. } if !lines.is_empty() => Error::Refused {
+                finding: format!("{what}: {found} found, at least {needed} needed; {}", lines.join("; ")),
+                remedy: BEFORE,
+            },
+            Error::Refused { finding, .. } if !lines.is_empty() => {
+                Error::Refused { finding: format!("{finding}; {}", lines.join("; ")), remedy: BEFORE }
+            }
+            error => error,
+        }
     }
 
     /// Whether the mode is the only one that stands out of the record `x` it was taken from.

@@ -1,9 +1,10 @@
-//! Lines that fall into a mode's band and are not of it: harmonics of a stronger mode, and the mains.
+//! Lines that fall into a mode's band and are not of it: harmonics of a stronger mode, the mains, and other tones.
 
 use super::mains::{Line, lines};
+use super::tone::tone;
 use crate::error::Error;
 use crate::signal::isolated::Isolated;
-use crate::signal::survey::spectral_peaks;
+use crate::signal::survey::{SpectralPeak, spectral_peaks};
 
 /// Harmonics that friction and clearance make strong enough to matter.
 const HARMONICS: [u32; 2] = [2, 3];
@@ -31,6 +32,13 @@ pub enum Intruder {
         /// Amplitude, in the unit of the record; under a mode that is loud to the end what is left of it where modes beside the band were taken off, a third at least.
         amplitude: f64,
     },
+    /// A line in what is left when the mode has died away, which does not decay.
+    Tone {
+        /// Hz.
+        frequency: f64,
+        /// In the unit of the record.
+        amplitude: f64,
+    },
 }
 
 impl std::fmt::Display for Intruder {
@@ -44,6 +52,11 @@ impl std::fmt::Display for Intruder {
                            it is a part of what is seen here"
                 )
             }
+            Self::Tone { frequency, amplitude } => write!(
+                f,
+                "in the last third of the record a line at {frequency:.3} Hz, amplitude {amplitude:.2e}, does not decay and stands in the band: a tone that somebody drives, or a mode of much \
+                 less damping; damping beats with it, and where the mode sinks to it, it is not the mode that is seen"
+            ),
             Self::Mains { base, order, amplitude } => {
                 let frequency = base * f64::from(*order);
                 write!(
@@ -57,8 +70,8 @@ impl std::fmt::Display for Intruder {
 }
 
 impl Isolated {
-    /// The lines that fall into the band of the mode and are not of it: second and third harmonics of modes below it that are not much weaker, and
-    /// multiples of the mains frequency that do not decay, also next to the band. `x`: the record that the mode was taken out of.
+    /// The lines that fall into the band of the mode and are not of it: second and third harmonics of modes below it that are not much weaker,
+    /// multiples of the mains frequency that do not decay, also next to the band, and what else is steady in it when the mode has died away. `x`: the record that the mode was taken out of.
     ///
     /// # Errors
     /// Those of [`spectral_peaks`].
@@ -74,7 +87,11 @@ impl Isolated {
     /// # Ok::<(), iwan_ident::Error>(())
     /// ```
     pub fn intruders(&self, x: &[f64]) -> Result<Vec<Intruder>, Error> {
-        let peaks = spectral_peaks(&[x], self.dt)?;
+        Ok(self.intruders_among(&spectral_peaks(&[x], self.dt)?, x))
+    }
+
+    /// The same where the peaks of the record are known.
+    pub(in crate::signal) fn intruders_among(&self, peaks: &[SpectralPeak], x: &[f64]) -> Vec<Intruder> {
         let inside = |f: f64| (self.band.low..=self.band.high).contains(&f);
         let own = peaks.iter().filter(|p| inside(p.frequency)).map(|p| p.height).fold(0.0, f64::max);
         let strong = peaks.iter().filter(|p| p.frequency < self.band.low && p.height >= STRONG * own);
@@ -87,9 +104,9 @@ impl Isolated {
             HARMONICS.into_iter().filter(|order| inside(f64::from(*order) * p.frequency)).map(line)
         });
         let mains = lines(self, x).into_iter();
-        Ok(harmonics
-            .chain(mains.map(|Line { base, order, amplitude }| Intruder::Mains { base, order, amplitude }))
-            .collect())
+        let mains = mains.map(|Line { base, order, amplitude }| Intruder::Mains { base, order, amplitude });
+        let tone = tone(self, x).map(|(frequency, amplitude)| Intruder::Tone { frequency, amplitude });
+        harmonics.chain(mains).chain(tone).collect()
     }
 }
 

@@ -59,6 +59,14 @@ pub(super) fn lines(mode: &Isolated, x: &[f64]) -> Vec<Line> {
     all.filter_map(line).collect()
 }
 
+/// Whether a frequency known to within `line` (Hz) may be a multiple of the mains.
+pub(super) fn is_multiple(frequency: f64, line: f64) -> bool {
+    FREQUENCIES.iter().any(|base| {
+        let order = (frequency / base).round();
+        (1.0..=f64::from(HIGHEST)).contains(&order) && (frequency - order * base).abs() < WANDER + 0.5 * line
+    })
+}
+
 /// Amplitude of a line about a frequency that stands out of the last third of a record and was there before; none of the mode itself.
 fn behind(mode: &Isolated, x: &[f64], frequency: f64) -> Option<f64> {
     let (dt, third) = (mode.dt, x.len() / 3);

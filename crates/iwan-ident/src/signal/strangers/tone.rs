@@ -1,0 +1,109 @@
+//! A line in a mode's band that is still there when the mode has died away, and does not decay.
+
+use crate::signal::isolated::Isolated;
+use crate::signal::spectrum::amplitude_spectrum;
+
+use super::mains::is_multiple;
+
+/// Parts of the record of which the last two are compared with each other and with the loudest before.
+const PARTS: usize = 6;
+/// The mode has died away where the highest line of its band in the last part is this much lower than in the loudest part. A judgement: with less the mode itself might be the line.
+const DIED: f64 = 3.0;
+/// The line stands so many times out of those around it: noise lets it differ by a tenth then from one part to the other.
+const STANDS: f64 = 20.0;
+/// It differs by at most this from one part to the other, …
+const EVEN: f64 = 0.03;
+/// … and by so many times what stands around it: a normal variable's standard deviation is 0.85 medians of its magnitude in a plane.
+const SCATTER: f64 = 2.0;
+/// Lines to either side that the Hann window makes of one, and lines behind them of which the median is what stands around.
+const OWN: usize = 3;
+const AROUND: usize = 12;
+
+/// Frequency (Hz) and amplitude of the highest steady line in the band of a mode that was taken out of the record `x`; none of the mains, which is named as such.
+pub(super) fn tone(mode: &Isolated, x: &[f64]) -> Option<(f64, f64)> {
+    let length = x.len() / PARTS;
+    let part = |n: usize| amplitude_spectrum(&x[n * length..(n + 1) * length], mode.dt).ok();
+    let (before, last) = (part(PARTS - 2)?, part(PARTS - 1)?);
+    let step = last[1].frequency;
+    let inside = |k: usize| (mode.band.low..=mode.band.high).contains(&(k as f64 * step));
+    let amplitude = |k: usize| last[k].amplitude;
+    let highest = (AROUND..last.len().saturating_sub(AROUND))
+        .filter(|&k| inside(k) && amplitude(k) > amplitude(k - 1) && amplitude(k) >= amplitude(k + 1))
+        .max_by(|&i, &j| amplitude(i).total_cmp(&amplitude(j)))?;
+    let around = |side: fn(usize, usize) -> usize| {
+        let mut lines: Vec<f64> = (OWN..AROUND).map(|k| amplitude(side(highest, k))).collect();
+        let middle = lines.len() / 2;
+        *lines.select_nth_unstable_by(middle, f64::total_cmp).1
+    };
+    let around = around(|k, n| k - n).max(around(|k, n| k + n));
+    // By the energy of three lines, which hangs little on where the tone lies between them.
+    let size = |lines: &[crate::signal::SpectralLine]| {
+        lines[highest - 1..=highest + 1].iter().map(|l| l.amplitude.powi(2)).sum::<f64>().sqrt()
+    };
+    let (ends, now) = (size(&before), size(&last));
+    let steady = (ends / now).ln().abs() < EVEN + SCATTER * around / now;
+    let loudest = (0..PARTS - 2)
+        .filter_map(part)
+        .map(|lines| (0..lines.len()).filter(|&k| inside(k)).map(|k| lines[k].amplitude).fold(0.0, f64::max));
+    let died = loudest.fold(0.0, f64::max) > DIED * amplitude(highest);
+    let shares = [highest - 1, highest, highest + 1].map(|k| (k as f64 * step, amplitude(k).powi(2)));
+    let weight: f64 = shares.iter().map(|(_, w)| w).sum();
+    let frequency = shares.iter().map(|(f, w)| f * w).sum::<f64>() / weight;
+    (steady && died && amplitude(highest) > STANDS * around && !is_multiple(frequency, step))
+        .then_some((frequency, amplitude(highest)))
+}
+
+#[cfg(test)]
+mod tests {
+    use std::f64::consts::TAU;
+
+    use crate::error::Error;
+    use crate::signal::{Intruder, Isolated, Options, isolate};
+
+    /// A mode of 140 Hz, a tone beside it and noise.
+    fn found(
+        offset: f64,
+        tone: f64,
+        noise: f64,
+        rate_of_tone: f64,
+    ) -> Result<(Isolated, Vec<Intruder>), Error> {
+        let mut random = iwan_core::SplitMix64::new(3);
+        let mut sample = |t: f64| {
+            let mode = (-1.1 * t).exp() * (TAU * 139.74 * t).sin();
+            let other = tone * (-rate_of_tone * t).exp() * (TAU * (139.74 + offset) * t).sin();
+            mode + other + noise * random.next_symmetric()
+        };
+        let x: Vec<f64> = (0..40_000).map(|n| sample(f64::from(n) / 4000.0)).collect();
+        let options = Options { band: Some((110.0, 170.0)), ..Options::default() };
+        let mode = isolate(&x, 1.0 / 4000.0, &options)?;
+        let found = mode.intruders(&x)?;
+        Ok((mode, found))
+    }
+
+    #[test]
+    fn a_steady_tone_beside_a_decay_is_told() {
+        for offset in [-3.0, 9.0] {
+            for noise in [0.0, 1e-3] {
+                let (mode, found) = found(offset, 2e-3, noise, 0.0).unwrap();
+                let [Intruder::Tone { frequency, amplitude }] = found[..] else {
+                    panic!("{offset} {noise}: {found:?}")
+                };
+                assert!((frequency - 139.74 - offset).abs() < 0.2, "{offset}: {frequency}");
+                assert!((amplitude / 2e-3 - 1.0).abs() < 0.15, "{offset}: {amplitude}");
+                assert!(mode.notes.contains(&found[0].to_string()), "{:?}", mode.notes);
+            }
+        }
+        // So near that the mode cannot be followed to where it sinks to the tone: then the tone is the reason.
+        let refused = found(0.3, 2e-3, 0.0, 0.0).unwrap_err().to_string();
+        assert!(refused.contains("a line at 140.0") && refused.contains("--to"), "{refused}");
+    }
+
+    #[test]
+    fn decays_and_noise_are_no_tones() {
+        for (tone, noise, rate) in
+            [(0.0, 0.0, 0.0), (0.0, 1e-3, 0.0), (0.0, 0.1, 0.0), (2e-3, 0.0, 0.1), (2e-3, 1e-4, 0.1)]
+        {
+            assert_eq!(found(9.0, tone, noise, rate).unwrap().1, [], "{tone} {noise} {rate}");
+        }
+    }
+}
