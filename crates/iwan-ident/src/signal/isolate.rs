@@ -71,7 +71,7 @@ fn beside_a_louder(error: Error, x: &[f64], dt: f64, options: &Options) -> Error
     };
     Error::Refused {
         finding: format!(
-            "{what}: {found} found, at least {needed} needed, of the mode at {:.2} Hz, which is highest in the spectrum of the whole record; behind the loudest sample the highest is \
+            "{what}: {found} found, at least {needed} needed, of the mode at {:.2} Hz, which is highest in the spectrum of the whole record. Behind the loudest sample the highest is \
              that at {peak:.2} Hz",
             band.peak
         ),

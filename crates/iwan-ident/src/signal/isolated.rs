@@ -102,12 +102,16 @@ impl Isolated {
         let lines: Vec<String> = self.strangers.iter().map(ToString::to_string).collect();
         match error {
             Error::TooShort { what, found, needed, .. } if !lines.is_empty() => Error::Refused {
-                finding: format!("{what}: {found} found, at least {needed} needed; {}", lines.join("; ")),
+                finding: format!(
+                    "{what}: {found} found, at least {needed} needed. What stands in its way: {}",
+                    lines.join(", and ")
+                ),
                 remedy: BEFORE,
             },
-            Error::Refused { finding, .. } if !lines.is_empty() => {
-                Error::Refused { finding: format!("{finding}; {}", lines.join("; ")), remedy: BEFORE }
-            }
+            Error::Refused { finding, .. } if !lines.is_empty() => Error::Refused {
+                finding: format!("{finding}. What stands in its way: {}", lines.join(", and ")),
+                remedy: BEFORE,
+            },
             error => error,
         }
     }

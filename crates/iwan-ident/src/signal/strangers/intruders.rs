@@ -54,8 +54,8 @@ impl std::fmt::Display for Intruder {
             }
             Self::Tone { frequency, amplitude } => write!(
                 f,
-                "in the last third of the record a line at {frequency:.3} Hz, amplitude {amplitude:.2e}, does not decay and stands in the band: a tone that somebody drives, or a mode of much \
-                 less damping; damping beats with it, and where the mode sinks to it, it is not the mode that is seen"
+                "in the last third of the record a line at {frequency:.3} Hz, amplitude {amplitude:.2e}, does not decay and stands in the band or next to it: a tone that somebody drives, or a mode of much \
+                 less damping. Damping beats with it, and where the mode sinks to it, it is not the mode that is seen"
             ),
             Self::Mains { base, order, amplitude } => {
                 let frequency = base * f64::from(*order);

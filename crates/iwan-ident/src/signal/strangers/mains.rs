@@ -12,7 +12,7 @@ const FREQUENCIES: [f64; 2] = [50.0, 60.0];
 /// Highest multiple that grids are judged by (IEC 61000-4-7); bands of kilohertz would hold thousands of further ones, which take time and are not there.
 const HIGHEST: u32 = 40;
 /// Lines so near to the band, relative to the mode's frequency, are looked for as well: an automatic band ends between the two, and its filter lets a part of the line pass.
-const BESIDE: f64 = 0.05;
+pub(super) const BESIDE: f64 = 0.05;
 /// The mains wander by this much, Hz: 0.2 Hz is the range in which grids of Europe and North America are kept.
 const WANDER: f64 = 0.2;
 /// A line of the mains stands out of its neighbours by this factor, …

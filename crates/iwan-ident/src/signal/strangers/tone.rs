@@ -1,9 +1,9 @@
-//! A line in a mode's band that is still there when the mode has died away, and does not decay.
+//! A line in a mode's band, or next to it, that is still there when the mode has died away, and does not decay.
 
 use crate::signal::isolated::Isolated;
 use crate::signal::spectrum::amplitude_spectrum;
 
-use super::mains::is_multiple;
+use super::mains::{BESIDE, is_multiple};
 
 /// Parts of the record of which the last two are compared with each other and with the loudest before.
 const PARTS: usize = 6;
@@ -19,13 +19,14 @@ const SCATTER: f64 = 2.0;
 const OWN: usize = 3;
 const AROUND: usize = 12;
 
-/// Frequency (Hz) and amplitude of the highest steady line in the band of a mode that was taken out of the record `x`; none of the mains, which is named as such.
+/// Frequency (Hz) and amplitude of the highest steady line in the band of a mode, or next to it, that was taken out of the record `x`; none of the mains, which is named as such.
 pub(super) fn tone(mode: &Isolated, x: &[f64]) -> Option<(f64, f64)> {
     let length = x.len() / PARTS;
     let part = |n: usize| amplitude_spectrum(&x[n * length..(n + 1) * length], mode.dt).ok();
     let (before, last) = (part(PARTS - 2)?, part(PARTS - 1)?);
     let step = last[1].frequency;
-    let inside = |k: usize| (mode.band.low..=mode.band.high).contains(&(k as f64 * step));
+    let beside = BESIDE * mode.band.peak;
+    let inside = |k: usize| (mode.band.low - beside..=mode.band.high + beside).contains(&(k as f64 * step));
     let amplitude = |k: usize| last[k].amplitude;
     let highest = (AROUND..last.len().saturating_sub(AROUND))
         .filter(|&k| inside(k) && amplitude(k) > amplitude(k - 1) && amplitude(k) >= amplitude(k + 1))
