@@ -1,11 +1,18 @@
 //! What a fit itself casts doubt on: channels, modes that are missing, modes that are none.
 
 use crate::analysis::ModalFit;
-use crate::modes::{Mode, Sideband, Sidebands, sidebands};
+use crate::modes::{Mode, Sideband, Sidebands, mac, sidebands};
 use crate::number::median;
 
 /// Part of the modes whose drive point answers against its force from which a channel is doubted: a mode with a node there may do so by noise.
 const DOUBTFUL: f64 = 0.34;
+
+/// Modes are parts of one where they stand nearer than this many times the sum of their half widths, …
+const WITHIN: f64 = 2.0;
+/// … have one shape by this modal assurance criterion, …
+const ONE_SHAPE: f64 = 0.95;
+/// … and are so many at least: two modes next to each other occur, and one channel gives all of them one shape.
+const PARTS: usize = 3;
 
 /// A channel of which the fit leaves this part does not move with the modes of the others …
 const STRANGER: f64 = 0.5;
@@ -74,5 +81,38 @@ impl ModalFit {
             found.frequency,
             list(&|n| found.all.iter().any(|s| s.of == n)),
         ))
+    }
+
+    /// Modes that are probably parts of one: three and more of one shape that stand within their widths of one another, as linear modes tell a decay whose frequency changes with
+    /// amplitude. Their indices, group by group.
+    #[must_use]
+    pub fn parts_of_one(&self) -> Vec<Vec<usize>> {
+        let of_one = |a: &Mode, b: &Mode| {
+            let half = |m: &Mode| m.frequency * m.damping_ratio;
+            b.frequency - a.frequency < WITHIN * (half(a) + half(b)) && mac(&a.shape, &b.shape) > ONE_SHAPE
+        };
+        let groups = self.modes.chunk_by(of_one);
+        let mut first = 0;
+        let indices = groups.map(|group| {
+            first += group.len();
+            (first - group.len()..first).collect::<Vec<usize>>()
+        });
+        indices.filter(|group| group.len() >= PARTS).collect()
+    }
+
+    /// What is said of modes that are probably parts of one.
+    #[must_use]
+    pub fn parts_doubt(&self) -> Option<String> {
+        let list = |group: &Vec<usize>| {
+            let all: Vec<String> = group.iter().map(|n| format!("{:.2}", self.modes[*n].frequency)).collect();
+            all.join(", ")
+        };
+        let groups: Vec<String> = self.parts_of_one().iter().map(list).collect();
+        (!groups.is_empty()).then(|| {
+            format!(
+                "modes within their widths of one another that have one shape are probably one mode each, whose frequency changes while it decays: those at {} Hz",
+                groups.join(" Hz, and those at ")
+            )
+        })
     }
 }

@@ -4,8 +4,8 @@
 use std::f64::consts::TAU;
 
 use crate::support::Normal;
-use iwan_modal::measure::{Channel, Freedom, Motion};
-use iwan_modal::responses::free_responses;
+use iwan_modal::measure::{Channel, Freedom, Hit, Motion};
+use iwan_modal::responses::{Disagreement, disagreements, free_responses};
 use iwan_modal::{Analysis, ModalFit, modal_fit};
 
 const DT: f64 = 1e-3;
@@ -114,4 +114,68 @@ fn modes_that_were_found_are_overruled_one_by_one() {
     assert!(nothing_there.contains("140") && nothing_there.contains("133.0"), "{nothing_there}");
     let outside = found().overruled(&responses, &[400.0], &[]).unwrap_err().to_string();
     assert!(outside.contains("400") && outside.contains("within the band"), "{outside}");
+}
+
+/// A decay whose frequency falls with its amplitude, as that of a bolted joint; linear modes tell it in parts.
+#[test]
+fn parts_of_a_decay_that_is_not_linear_are_named() {
+    let decays = |softening: f64| -> Vec<Channel> {
+        let channel = |i: usize| {
+            let mut noise = Normal::new(7 + i as u64);
+            let mut phase = 0.0;
+            let value = |n: usize| {
+                let t = n as f64 * DT;
+                let amplitude = (-4.0 * t).exp();
+                phase += TAU * DT * (133.0 - softening * amplitude);
+                (1.0 + i as f64) * amplitude * f64::cos(phase) + 1e-4 * noise.next()
+            };
+            let samples = (0..SAMPLES).map(value).collect();
+            let name = format!("a{i}");
+            Channel { freedom: Freedom::point(&name), name, samples }
+        };
+        (0..3).map(channel).collect()
+    };
+    let band = (100.0, 160.0);
+    let linear = fit(decays(0.0), band, &Analysis::Chart);
+    assert_eq!((linear.modes.len(), linear.parts_doubt()), (1, None), "{:?}", listed(&linear));
+    let falling = fit(decays(4.0), band, &Analysis::Chart);
+    let doubt = falling.parts_doubt().unwrap_or_else(|| panic!("{:?}", listed(&falling)));
+    assert!(doubt.contains("133.0") || doubt.contains("132.9"), "{doubt}");
+}
+
+/// Hits between which the structure was warmed up, so that its first mode falls by one per cent.
+#[test]
+fn a_mode_that_moves_between_hits_is_named() {
+    let channel = |name: &str, samples| Channel { name: name.into(), freedom: Freedom::point(name), samples };
+    let hit = |name: &str, first: f64| {
+        let force = (0..SAMPLES).map(|n| if n == 10 { 1.0 } else { 0.0 }).collect();
+        let mut noise = Normal::new(3);
+        let sample = |n: usize| {
+            let t = (n as f64 - 10.0) * DT;
+            let mode = |f: f64, damping: f64| {
+                if t < 0.0 { 0.0 } else { (-damping * TAU * f * t).exp() * (TAU * f * t).sin() }
+            };
+            mode(first, 2e-3) + 0.4 * mode(243.0, 2e-3) + 1e-3 * noise.next()
+        };
+        let samples = (0..SAMPLES).map(sample).collect();
+        Hit {
+            name: name.into(),
+            dt: DT,
+            force: channel("hammer", force),
+            responses: vec![channel("a", samples)],
+        }
+    };
+    let found =
+        |second| disagreements(&[hit("cold", 133.0), hit("warm", second), hit("again", 132.9)]).unwrap();
+    let [Disagreement::Shifted { hits, frequencies, width }] = &found(131.7)[..] else {
+        panic!("{:?}", found(131.7))
+    };
+    assert_eq!(hits, &["warm", "cold"]);
+    assert!(
+        (frequencies[0] - 131.7).abs() < 0.05 && (frequencies[1] - 133.0).abs() < 0.05,
+        "{frequencies:?}"
+    );
+    // Half-power width 2ζf, and that of a record of four seconds.
+    assert!((0.5..0.9).contains(width), "{width}");
+    assert_eq!(found(132.8), []);
 }

@@ -266,7 +266,7 @@ fn told<'py>(
             table(&|k| fit.fitted.curves[k].iter().map(|v| v.im).collect())?,
         ),
     )?;
-    let doubts = [fit.drive_point_doubt(), fit.sideband_doubt()].into_iter().flatten();
+    let doubts = [fit.drive_point_doubt(), fit.sideband_doubt(), fit.parts_doubt()].into_iter().flatten();
     dict.set_item("remarks", words.into_iter().chain(doubts).collect::<Vec<String>>())?;
     Ok(dict)
 }

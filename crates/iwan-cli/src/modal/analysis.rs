@@ -246,8 +246,11 @@ pub(super) fn partners(a: &ModalFit, b: &ModalFit) -> Vec<Option<(usize, f64)>> 
     let partner = |mode: &iwan_modal::modes::Mode| {
         let candidates =
             b.modes.iter().enumerate().filter(|(_, other)| near(mode.frequency, other.frequency));
-        let alike = candidates.map(|(i, _)| (i, alike(a, mode, b, i)));
-        alike.max_by(|x, y| x.1.total_cmp(&y.1))
+        let alike = candidates.map(|(i, other)| (i, alike(a, mode, b, i), other.frequency));
+        // Shapes of one channel are all alike: then the nearest is meant.
+        let worth = |mac: f64, frequency: f64| mac - SAME_SHAPE * (frequency / mode.frequency).ln().abs();
+        let best = alike.max_by(|x, y| worth(x.1, x.2).total_cmp(&worth(y.1, y.2)));
+        best.map(|(i, mac, _)| (i, mac))
     };
     a.modes.iter().map(partner).collect()
 }
@@ -261,6 +264,9 @@ pub(super) fn alike(a: &ModalFit, mode: &iwan_modal::modes::Mode, b: &ModalFit, 
     let (x, y): (Vec<_>, Vec<_>) = common.unzip();
     mac(&x, &y)
 }
+
+/// A modal assurance criterion that is lower by this part counts as much as a frequency that is farther by a factor e: within the neighbourhood that decides between equals alone.
+const SAME_SHAPE: f64 = 1e-4;
 
 /// A mode of a bolted structure moves less than this part of its frequency from level to level. A judgement: the paper's moves by 2 %.
 const NEIGHBOURHOOD: f64 = 0.1;

@@ -263,6 +263,20 @@ fn missing_modes(fit: &ModalFit, given: &[f64]) -> String {
     )
 }
 
+/// Modes of which the damping is not told.
+fn without_damping(fit: &ModalFit) -> Option<String> {
+    let is_not_told = |m: &&iwan_modal::modes::Mode| m.damping_ratio < m.damping_ratio_sd;
+    let list: Vec<String> =
+        fit.modes.iter().filter(is_not_told).map(|m| format!("{:.2}", m.frequency)).collect();
+    (!list.is_empty()).then(|| {
+        format!(
+            "the damping of {} modes is less than its standard deviation: lines that do not decay, or parts of a mode that moves between hits; leave them out with --drop-poles {}",
+            list.len(),
+            list.join(",")
+        )
+    })
+}
+
 fn warnings(test: &Test, level: &Level, given: &[f64]) -> Vec<String> {
     let mut warnings = test.warnings.clone();
     let taken: Vec<&JudgedHit> = test.hits.iter().filter(|h| !h.left_out).collect();
@@ -287,6 +301,10 @@ fn warnings(test: &Test, level: &Level, given: &[f64]) -> Vec<String> {
             100.0 * (stretch - 1.0)
         ));
     }
+    warnings.extend(without_damping(fit));
+    warnings.extend(fit.parts_doubt().map(|doubt| {
+        format!("{doubt}; iwan envelope shows how it changes (--mode HZ), softer hits leave one mode of it, and --drop-poles leaves parts out")
+    }));
     let place = |k: usize| {
         let f = &level.responses.functions[k];
         let named = |h: &&JudgedHit| {

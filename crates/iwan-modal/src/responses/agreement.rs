@@ -1,4 +1,4 @@
-//! Whether hits agree channel by channel: cables that were swapped, sensors that were turned round between hits.
+//! Whether hits agree channel by channel: cables that were swapped, sensors that were turned round, structures that changed between hits.
 
 use std::borrow::Borrow;
 use std::fmt;
@@ -6,6 +6,7 @@ use std::fmt;
 use rayon::prelude::*;
 
 use super::estimate::common_times;
+use super::shift::{Shift, shift};
 use super::transform::Transform;
 use crate::error::Error;
 use crate::measure::{Hit, Pulse};
@@ -42,6 +43,15 @@ pub enum Disagreement {
         /// Name of another hit.
         other: String,
     },
+    /// A mode does not stand at the same frequency.
+    Shifted {
+        /// Names of the two hits between which it moves most.
+        hits: [String; 2],
+        /// Its frequencies there, Hz.
+        frequencies: [f64; 2],
+        /// Its width at half power, Hz.
+        width: f64,
+    },
 }
 
 impl fmt::Display for Disagreement {
@@ -53,11 +63,17 @@ impl fmt::Display for Disagreement {
             Self::Reversed { hit, channel, other } => {
                 write!(f, "{hit}: channel {channel} is reversed against {other}")
             }
+            Self::Shifted { hits: [a, b], frequencies, width } => write!(
+                f,
+                "the mode at {:.3} Hz in {a} stands at {:.3} Hz in {b}, and is {width:.2} Hz wide: the structure changed between hits, and their average shows one mode as several; \
+                 analyse hits that are alike, without the others (--leave-out)",
+                frequencies[0], frequencies[1]
+            ),
         }
     }
 }
 
-/// Channels of hits at one point that do not go with those of the other hits there. Of two hits the second is named, as nothing says which of them
+/// Channels of hits at one point that do not go with those of the other hits there, and modes that move between hits. Of two hits the second is named, as nothing says which of them
 /// is wrong; of more the one that is alone.
 ///
 /// # Errors
@@ -144,7 +160,23 @@ fn of_group(hits: &[&Hit], dt: f64, samples: usize) -> Vec<Disagreement> {
             }
         }
     }
+    found.extend(shifted(hits, &all, 1.0 / (samples as f64 * dt)));
     found
+}
+
+/// Whether a mode moves from hit to hit, by the sum of all channels; `step` is the distance of lines, Hz.
+fn shifted(hits: &[&Hit], products: &[Products], step: f64) -> Option<Disagreement> {
+    let whole = |p: &Products| -> Vec<f64> {
+        let lines = p.0.first().map_or(0, Vec::len);
+        (0..lines).map(|k| p.0.iter().map(|channel| channel[k].norm()).sum()).collect()
+    };
+    let Shift { hits: moved, lines, width } = shift(&products.iter().map(whole).collect::<Vec<_>>())?;
+    Some(Disagreement::Shifted {
+        hits: moved.map(|h| hits[h].name.clone()),
+        // The first line, the mean, is not among the products.
+        frequencies: lines.map(|line| (line + 1.0) * step),
+        width: width * step,
+    })
 }
 
 /// Correlation of a channel's products with those of all other hits in a channel: the sum of all less `own`.

@@ -4,6 +4,7 @@ mod set;
 mod transform;
 mod estimate;
 mod free;
+mod shift;
 mod agreement;
 
 pub use agreement::{Disagreement, disagreements};
