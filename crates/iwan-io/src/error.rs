@@ -141,7 +141,7 @@ pub enum ReadError {
         rate: f64,
     },
     /// The times increase unevenly.
-    #[error("{}: '{name}' is not uniform: the interval before row {} of the numbers (sample {sample} counted from 0) is {interval:e} s, the mean is {dt:e} s, allowed is a deviation of {allowed:.1e} of it; resample with --resample, or give --rate HZ", .file.display(), .sample + 1)]
+    #[error("{}: '{name}' is not uniform: the interval before row {} of the numbers (sample {sample} counted from 0) is {interval:e} s, the mean is {dt:e} s, and the times lie up to {off:.2} of an interval off an even grid, allowed is {allowed}; resample with --resample, or give --rate HZ", .file.display(), .sample + 1)]
     NotUniform {
         /// File.
         file: PathBuf,
@@ -153,7 +153,9 @@ pub enum ReadError {
         interval: f64,
         /// Mean interval in seconds.
         dt: f64,
-        /// Relative deviation allowed.
+        /// Largest distance of a time from the nearest even grid, in intervals.
+        off: f64,
+        /// The distance that is allowed.
         allowed: f64,
     },
     /// The times are in something that is no known unit of time.

@@ -419,3 +419,24 @@ fn what_is_no_motion_is_left_out_beside_one() {
     // Without a unit it may be a motion like the others.
     assert_eq!(accepted("t [s],x,acc [g]\n0,1,2\n0.5,2,3\n1,4,5\n").names().len(), 2);
 }
+
+/// Loggers write the time of day, with strokes below the header, and a date above the table.
+#[test]
+fn times_of_day_are_times() {
+    let logger = "2024-03-01 10:00:00\nTimestamp, Angle(deg)\n-----------------\n23:59:59.998, 1.5\n23:59:59.999, 2\n00:00:00.000, 1\n";
+    let record = accepted(logger);
+    assert_eq!((record.names(), record.channel(0)), (&["Angle".to_owned()][..], &[1.5, 2.0, 1.0][..]));
+    assert!((record.dt() - 1e-3).abs() < 1e-9 && (record.start() - 86399.998).abs() < 1e-9);
+    let dated =
+        "time;acc [m/s^2]\n01.03.2024 10:00:00,25;1,5\n01.03.2024 10:00:00,50;2\n01.03.2024 10:00:00,75;3\n";
+    assert_eq!((accepted(dated).dt(), accepted(dated).start()), (0.25, 36000.25));
+    // A number among them is a damaged cell, and a clock among numbers is one.
+    let damaged = "time;acc [m/s^2]\n10:00:00;1\n10:00:01;2\n17;3\n10:00:03;4\n";
+    assert!(
+        refused(damaged).contains("line 4, column 1") && refused(damaged).contains("'17'"),
+        "{}",
+        refused(damaged)
+    );
+    let damaged = "time;acc [m/s^2]\n0;1\n1;2\n10:00:02;3\n3;4\n";
+    assert!(refused(damaged).contains("'10:00:02'"), "{}", refused(damaged));
+}

@@ -1,6 +1,6 @@
 //! From what a reader found to a checked record: quantity, unit, and a uniform grid of times.
 
-use super::sampling::{self, Resampled, Times, UNIFORM};
+use super::sampling::{self, JITTER, Resampled, Times, UNIFORM};
 use super::scales::{Scale, scale};
 use crate::error::ReadError;
 use crate::file_bytes::FileBytes;
@@ -244,9 +244,9 @@ fn follow_times(source: &FileBytes, raw: &mut Raw, resample: bool) -> Result<Gri
             let rate = (samples - 1) as f64 / (values[samples - 1] - start);
             Err(ReadError::TimeRepeated { file, name, sample, value, count, samples, rate })
         }
-        Times::Uneven { dt, sample, .. } => {
+        Times::Uneven { dt, sample, off } => {
             let interval = values[sample] - values[sample - 1];
-            Err(ReadError::NotUniform { file, name, sample, interval, dt, allowed: UNIFORM })
+            Err(ReadError::NotUniform { file, name, sample, interval, dt, off, allowed: JITTER })
         }
     }
 }

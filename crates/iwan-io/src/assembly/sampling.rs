@@ -8,7 +8,7 @@ pub(crate) const UNIFORM: f64 = 1e-3;
 /// Times that lie within this part of an interval of an even grid count as even, with a word about it: samples of a sinusoid with
 /// ten of them a cycle are then off by 2π/10 · 5e-3 of its amplitude at most, 50 dB below it. Published records whose times
 /// were rounded and shifted afterwards lie within it.
-const JITTER: f64 = 5e-3;
+pub(crate) const JITTER: f64 = 5e-3;
 
 /// Rounding of the written times is tolerated up to this part of an interval: a sample that is missing moves the grid by one
 /// interval, two units of rounding, which half a unit on either side cannot hide.
@@ -39,8 +39,8 @@ pub(crate) enum Times {
     Unordered { sample: usize },
     /// Never decreasing, but the same as the time before it at this sample, and at `count` samples in all.
     Repeated { sample: usize, count: usize },
-    /// Increasing, but uneven; the worst interval ends at this sample.
-    Uneven { dt: f64, sample: usize, deviation: f64 },
+    /// Increasing, but uneven; the worst interval ends at this sample, and the times lie up to `off` intervals off an even grid.
+    Uneven { dt: f64, sample: usize, off: f64 },
 }
 
 /// Judges at least two finite times.
@@ -67,7 +67,7 @@ pub(crate) fn judge(times: &[f64]) -> Times {
     if even.jitter <= JITTER * even.dt {
         return Times::Near { dt: even.dt, jitter: even.jitter };
     }
-    Times::Uneven { dt, sample, deviation }
+    Times::Uneven { dt, sample, off: even.jitter / even.dt }
 }
 
 fn mean_interval(times: &[f64]) -> f64 {

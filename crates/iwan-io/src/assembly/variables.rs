@@ -174,7 +174,7 @@ impl Chooser<'_> {
         }
         let mean = (v[v.len() - 1] - v[0]) / (v.len() - 1) as f64;
         let found = format!(
-            "no column is called time, but '{name}' rises from row to row, unevenly, by {mean:.4e} on average, and may be it"
+            "no column is called time, but '{name}' rises from row to row, unevenly, by {mean:.4e} on average, and may be it (--time '{name}' --resample)"
         );
         Err(ReadError::NoTime { file: self.source.file.into(), found, names: names.into() })
     }

@@ -1,5 +1,6 @@
 //! One column of a table, to its own end.
 
+use super::clock::Clocks;
 use super::layout::{self, Layout};
 use crate::error::ReadError;
 use crate::file_bytes::{FileBytes, decode};
@@ -31,12 +32,14 @@ pub(super) struct Column {
     pub(super) hole: bool,
     /// Cells without a number behind the last one.
     without: usize,
+    /// Where the column holds times of day in place of numbers.
+    clocks: Option<Clocks>,
 }
 
 impl Column {
     /// Takes the cell in a line, counted from 1, and a column of the file, counted from 0.
     pub(super) fn push(&mut self, layout: &Layout, field: &[u8], (line, column): (u64, usize)) {
-        if let Some(value) = layout.number(field) {
+        if let Some(value) = self.value(layout, field) {
             self.hole |= self.without > 0;
             self.values.extend(std::iter::repeat_n(f64::NAN, std::mem::take(&mut self.without)));
             self.values.push(value);
@@ -46,5 +49,22 @@ impl Column {
             let found = || shortened(&decode(field), 40);
             self.fault.get_or_insert_with(|| Fault { line, column: column + 1, found: found() });
         }
+    }
+
+    /// Whether the column holds times of day, in seconds.
+    pub(super) fn is_clock(&self) -> bool {
+        self.clocks.is_some()
+    }
+
+    /// A number, or a time of day in a column of such.
+    fn value(&mut self, layout: &Layout, field: &[u8]) -> Option<f64> {
+        if self.clocks.is_none() {
+            let number = layout.number(field);
+            if number.is_some() || !self.values.is_empty() {
+                return number;
+            }
+        }
+        let clock = layout.clock(field)?;
+        self.clocks.get_or_insert_default().seconds(clock)
     }
 }

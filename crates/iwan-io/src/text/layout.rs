@@ -1,5 +1,6 @@
 //! How a text file is laid out: separator, decimal sign, header.
 
+use super::clock::Clock;
 use crate::assembly::units;
 use crate::error::ReadError;
 use crate::file_bytes::{FileBytes, decode};
@@ -104,10 +105,10 @@ impl Layout {
         let fields = separator.split(lines[at].text).len();
         let damaged = |l: &Line| {
             let cells = separator.split(l.text);
-            !is_comment(l.text) && cells.len() == fields && number(cells[0], separator).is_some()
+            !is_comment(l.text) && cells.len() == fields && is_value(cells[0], separator)
         };
         let at = lines[..at].iter().position(damaged).unwrap_or(at);
-        let above: Vec<&Line> = lines[..at].iter().filter(|l| !l.text.trim_ascii().is_empty()).collect();
+        let above: Vec<&Line> = lines[..at].iter().filter(|l| !is_rule(l.text)).collect();
         let Header { names, units, used } = header(&above, separator, fields);
         let plain = above.iter().filter(|l| !is_comment(l.text)).count();
         let (first_row, offset) = (lines[at].number, lines[at].offset);
@@ -179,6 +180,10 @@ impl Layout {
     pub(super) fn number(&self, field: &[u8]) -> Option<f64> {
         number(field, self.separator)
     }
+
+    pub(super) fn clock(&self, field: &[u8]) -> Option<Clock> {
+        clock(field, self.separator)
+    }
 }
 
 /// What stands just above the rows.
@@ -197,8 +202,7 @@ fn header(above: &[&Line], separator: Separator, fields: usize) -> Header {
         let cells: Vec<String> = split_quoted(separator, text);
         (cells.len() == fields).then_some(cells)
     };
-    let words =
-        |row: &[String]| row.iter().all(|c| !c.is_empty() && number(c.as_bytes(), separator).is_none());
+    let words = |row: &[String]| row.iter().all(|c| !c.is_empty() && !is_value(c.as_bytes(), separator));
     let Some((last, rest)) = above.split_last() else { return Header::default() };
     let Some(lower) = cells(last) else { return Header::default() };
     let plain = |l: &Line| usize::from(!is_comment(l.text));
@@ -233,7 +237,24 @@ pub(super) fn is_comment(line: &[u8]) -> bool {
 
 fn is_row(separator: Separator, line: &[u8], least: usize) -> bool {
     let fields = separator.split(line);
-    fields.len() >= least && fields.iter().all(|f| number(f, separator).is_some())
+    let is_number = |f: &&[u8]| number(f, separator).is_some();
+    // A line with a clock alone is the date of a file.
+    fields.len() >= least && fields.iter().any(is_number) && fields.iter().all(|f| is_value(f, separator))
+}
+
+/// Whether a line is empty, or made of strokes that part a header from its rows.
+fn is_rule(line: &[u8]) -> bool {
+    line.iter().all(|b| b.is_ascii_whitespace() || b"-=_|+,;".contains(b))
+}
+
+/// Whether a cell holds a number or a time of day.
+fn is_value(field: &[u8], separator: Separator) -> bool {
+    number(field, separator).is_some() || clock(field, separator).is_some()
+}
+
+fn clock(field: &[u8], separator: Separator) -> Option<Clock> {
+    let text = std::str::from_utf8(field).ok()?.trim().trim_matches('"').trim();
+    if separator.decimal_comma() { Clock::in_cell(&text.replace(',', ".")) } else { Clock::in_cell(text) }
 }
 
 /// Whether nothing stands in a cell; R writes `NA` where nothing was measured.

@@ -2,8 +2,9 @@
 //!
 //! Comments start with `#` or `%`. A header of names is optional, a second one of units too; units may also stand
 //! behind the name as in `acc [m/s^2]`. Where the columns are separated by something else, the decimal sign may be
-//! a comma. Quoting follows RFC 4180. Of a record only the columns that are chosen need to be whole, and they may end before others.
+//! a comma. A column of times of day, with dates or without, is read as seconds since midnight. Quoting follows RFC 4180. Of a record only the columns that are chosen need to be whole, and they may end before others.
 
+mod clock;
 mod layout;
 mod column;
 
@@ -134,7 +135,11 @@ fn read(source: &FileBytes) -> Result<Table, ReadError> {
     let (columns, lines) = read_rows(source, &layout)?;
     let skipped = layout.preamble;
     let warnings = if skipped > 0 { vec![Warning::Preamble { lines: skipped }] } else { Vec::new() };
-    Ok(Table { columns, lines, labels: label(&layout), warnings })
+    let mut labels = label(&layout);
+    for (label, _) in labels.iter_mut().zip(&columns).filter(|(_, column)| column.is_clock()) {
+        label.unit = "s".into();
+    }
+    Ok(Table { columns, lines, labels, warnings })
 }
 
 /// Time and channels of a text file.
