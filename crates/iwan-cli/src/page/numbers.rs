@@ -25,17 +25,27 @@ const ROUNDING: f64 = 1e-3;
 pub(crate) fn interval(low: Option<f64>, high: Option<f64>) -> String {
     match (low, high) {
         (Some(low), Some(high)) => {
+            let exponent = exponent(low.abs().max(high.abs()));
+            let size = 10_f64.powi(exponent);
+            let (low, high) = (low / size, high / size);
             let decimals = decimals(high - low);
             let unit = 10_f64.powf(decimals as f64).round();
             // What binary fractions are off by does not move an end by a whole unit.
             let (low, high) =
                 ((low * unit + ROUNDING).floor() / unit, (high * unit - ROUNDING).ceil() / unit);
-            format!("{low:.decimals$} to {high:.decimals$}")
+            let power = if exponent == 0 { String::new() } else { format!("e{exponent}") };
+            format!("{low:.decimals$}{power} to {high:.decimals$}{power}")
         }
         (Some(low), None) => format!("> {}, open above", short(low)),
         (None, Some(high)) => format!("< {}, open below", short(high)),
         (None, None) => "open on both sides".into(),
     }
+}
+
+/// The power of ten that both ends of an interval share, as [`short`] writes numbers of this size.
+fn exponent(size: f64) -> i32 {
+    let is_plain = size == 0.0 || (1e-3..1e5).contains(&size);
+    if is_plain || !size.is_finite() { 0 } else { size.log10().floor() as i32 }
 }
 
 /// Decimals with which both ends of an interval of this width show where it begins and ends, to a tenth of the width or better:
@@ -54,6 +64,9 @@ mod tests {
         assert_eq!(interval(Some(0.3), Some(0.35)), "0.300 to 0.350");
         assert_eq!(interval(Some(-0.2968), Some(-0.2711)), "-0.297 to -0.271");
         assert_eq!(interval(Some(124.0), Some(124.0)), "124.000000 to 124.000000");
+        assert_eq!(interval(Some(-347_000.0), Some(-306_000.0)), "-3.47e5 to -3.06e5");
+        assert_eq!(interval(Some(1.229_86e12), Some(1.271_79e12)), "1.229e12 to 1.272e12");
+        assert_eq!(interval(Some(0.0), Some(2.5e-6)), "0.0e-6 to 2.5e-6");
         assert_eq!(interval(None, Some(2.0)), "< 2.000, open below");
     }
 

@@ -167,7 +167,7 @@ fn peaks(rest: &[f64], mode: &Isolated, own: &[f64], gate: &Gate) -> Peaks {
 fn followed(rest: &[f64], dt: f64, band: Band, gate: &Gate, options: &Options) -> Option<Other> {
     let options =
         Options { band: Some((band.low, band.high)), near: None, order: None, window: None, ..*options };
-    let InBand { mode, gate: own } = behind_filter(rest, dt, band, &options, None).ok()?;
+    let InBand { mode, gate: own, .. } = behind_filter(rest, dt, band, &options, None).ok()?;
     // All modes begin with the same blow.
     let samples = mode.continued(&Gate { begin: gate.begin, ..own? })?;
     (power(&without(rest, &samples, gate.begin)) < power(rest)).then_some(Other { band, samples })

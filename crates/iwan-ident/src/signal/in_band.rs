@@ -51,6 +51,8 @@ pub(super) struct InBand {
     pub(super) mode: Isolated,
     /// None without a filter.
     pub(super) gate: Option<Gate>,
+    /// What had been noted of the record before its band was looked at.
+    pub(super) of_record: Vec<String>,
 }
 
 /// Takes what the band holds out of a record, whether it is one mode or more.
@@ -102,7 +104,8 @@ pub(super) fn behind_filter(
     notes: Option<Vec<String>>,
 ) -> Result<InBand, Error> {
     let must_decay = notes.is_some();
-    let mut notes = notes.unwrap_or_default();
+    let of_record = notes.unwrap_or_default();
+    let mut notes = of_record.clone();
     let (mut x, mut behind) = (x, filtered(x, dt, band, options)?);
     let cycles = (BLOCK / (band.peak * dt)).ceil() as usize;
     if let Some(gone) = gone_by(&behind.samples, cycles).filter(|gone| must_decay && *gone >= SAMPLES) {
@@ -130,13 +133,13 @@ pub(super) fn behind_filter(
         strangers: Vec::new(),
     };
     mode.end_at_noise(must_decay)?;
-    let Some(filter) = filter else { return Ok(InBand { mode, gate: None }) };
+    let Some(filter) = filter else { return Ok(InBand { mode, gate: None, of_record }) };
     let (begin, shown) = mode.begin(x, trim);
     mode.begin = begin;
     let ends = Ends { x, filter: &filter, decay: begin..x.len(), reach: trim };
     let may_widen = shown && options.window.is_none() && clipped_until(x).is_none();
     mode.without_transients(x, &ends, may_widen)?;
-    Ok(InBand { mode, gate: Some(Gate { filter, begin, reach: trim }) })
+    Ok(InBand { mode, gate: Some(Gate { filter, begin, reach: trim }), of_record })
 }
 
 /// The mode of samples of which all but the mode is known from another record: behind the same filter, in the same window, with the transients of the

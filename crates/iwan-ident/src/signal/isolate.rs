@@ -21,12 +21,12 @@ const LOUDER: f64 = 1.5;
 /// [`Error::TooShort`], [`Error::NotFinite`], [`Error::OutOfRange`].
 pub fn isolate(x: &[f64], dt: f64, options: &Options) -> Result<Isolated, Error> {
     let found = in_band(x, dt, options);
-    let InBand { mut mode, gate } = found.map_err(|e| beside_a_louder(e, x, dt, options))?;
+    let InBand { mut mode, gate, of_record } = found.map_err(|e| beside_a_louder(e, x, dt, options))?;
     let x = &x[..mode.samples.len()];
     let beside = gate.filter(|_| !mode.is_alone(x)).and_then(|gate| others(x, &mode, &gate, options));
     if let Some(beside) = beside {
         let rest: Vec<f64> = x.iter().zip(&beside.samples).map(|(x, other)| x - other).collect();
-        let again = behind_filter(&rest, dt, mode.band, options, Some(mode.notes.clone()));
+        let again = behind_filter(&rest, dt, mode.band, options, Some(of_record));
         if let Ok(InBand { mode: mut found, .. }) = again {
             found.beside =
                 Some(mode.samples.iter().zip(&found.samples).map(|(with, own)| with - own).collect());
