@@ -1,6 +1,6 @@
 //! Modes from hits, for `iwan.modal_fit`.
 
-use iwan_machine::Kind;
+use iwan_machine::{Kind, listed};
 use iwan_modal::measure::{Channel, Fault, Freedom, Hit, Motion, faults};
 use iwan_modal::responses::{Estimator, FrequencyResponses, Windows, free_responses, frequency_responses};
 use iwan_modal::{Analysis, Error, ModalFit, each_of, early_decay, modal_fit, modal_fit_by_subspaces};
@@ -23,7 +23,7 @@ pub(crate) struct Request {
     estimator: String,
     decay: f64,
     whole_force: bool,
-    band: Option<(f64, f64)>,
+    band: Option<[f64; 2]>,
     method: String,
     order: usize,
     poles: Option<Vec<f64>>,
@@ -96,7 +96,8 @@ pub(crate) fn _modal_fit<'py>(
     let words = each_of(measured.hits(), |hit| judged(hit, whole_force));
     let words = words.into_iter().collect::<Result<Vec<_>, String>>();
     let words = words.map_err(|message| of(Kind::Refused, identification_failed(message)))?.concat();
-    let (dt, decay, band, order) = (request.dt, request.decay, request.band, request.order);
+    let (dt, decay, order) = (request.dt, request.decay, request.order);
+    let band = request.band.map(Into::into);
     let (added, dropped) = (request.add_poles, request.drop_poles);
     let found = work::run(py, true, move |_| -> Result<(FrequencyResponses, ModalFit), Error> {
         let responses = match &measured {
@@ -200,6 +201,13 @@ fn hits(forces: &Bound<'_, PyAny>, channels: Vec<Vec<Channel>>, request: &Reques
     let at = request.force_at.clone().unwrap_or_else(|| "force".into());
     let freedom = Freedom::parse(&at)
         .ok_or_else(|| value(format!("force_at = \"{at}\" is no POINT or POINT:DIRECTION")))?;
+    let is_there = |name: &String| Freedom::parse(name).is_some_and(|own| own.is_at(&freedom));
+    if request.force_at.is_some() && !request.names.iter().any(is_there) {
+        let names = listed(&request.names);
+        return Err(value(format!(
+            "force_at = \"{at}\" is no channel: the names are {names}; leave it out where nothing was measured there"
+        )));
+    }
     let hit = |(h, responses): (usize, Vec<Channel>)| Hit {
         name: format!("hit {h} (counted from 0)"),
         dt: request.dt,

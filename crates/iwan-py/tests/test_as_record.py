@@ -131,3 +131,15 @@ def test_masked_samples_are_no_measurement():
     with pytest.raises(iwan.InvalidValueError, match="under a mask"):
         iwan.as_record({"t": T, "a": masked})
     assert iwan.as_record(np.ma.masked_array(A), dt=0.1).dt == 0.1
+
+
+def test_times_in_an_index_and_in_a_column_are_the_same_record():
+    t = 0.25 * np.arange(4)
+    for name, scale in [("time [s]", 1.0), ("t_ms", 1e3), ("Time (ms)", 1e3)]:
+        frame = pandas.DataFrame({name: scale * t, "velocity [mm/s]": [1.0, 2.0, 4.0, 3.0]})
+        column, index = iwan.as_record(frame), iwan.as_record(frame.set_index(name))
+        assert column == index and column.quantity == "velocity" and column.unit == "mm/s", name
+        assert index.dt == pytest.approx(0.25)
+    missing = pandas.DataFrame({"acc": pandas.array([1, None, 2, 3], dtype="Int64")}, index=t)
+    with pytest.raises(iwan.RecordError, match="acc"):
+        iwan.as_record(missing)

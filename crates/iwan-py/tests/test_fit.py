@@ -243,3 +243,15 @@ def test_stretches_hits_and_the_mode_are_chosen_by_argument():
     assert "dt is missing" in str(many.failures[1])
     with pytest.raises(iwan.InvalidValueError, match="'last'"):
         iwan.ensemble.fit([several], hits="last")
+
+
+def test_names_that_are_none_are_refused_before_the_fit_and_a_fit_shows_itself_in_a_line(quiet):
+    assert len(repr(quiet)) < 200 and "grade matches" in repr(quiet)
+    record = ring_down(0.2).acceleration
+    with pytest.raises(iwan.InvalidValueError, match="force_axis"):
+        iwan.fit(record, dt=DT, force_axis="sideways")
+    for order in (0, 31, 100):
+        with pytest.raises(iwan.InvalidValueError, match=f"order = {order} is out of range: 1 to 30"):
+            iwan.envelope(record, dt=DT, order=order)
+    # A list is as good as a tuple.
+    assert iwan.envelope(record, dt=DT, band=[100, 150], window=[0.0, 0.4]).method == "hilbert"

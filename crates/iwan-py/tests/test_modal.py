@@ -88,3 +88,16 @@ def test_what_does_not_go_together_is_refused():
         iwan.modal_fit(force, motion, 1 / RATE, method="fourier")
     with pytest.raises(iwan.IdentificationError, match="no mode"):
         iwan.modal_fit(force, motion, 1 / RATE, quantity="displacement", band=(300, 500), order=20)
+
+
+def test_what_is_no_channel_and_no_real_number_is_refused():
+    force, motion = _hit(1)
+    options = {"names": ["tip", "b", "c"], "quantity": "displacement", "band": [50, 250], "order": 20}
+    assert iwan.modal_fit(force, motion, 1 / RATE, force_at="tip", **options).mass_normalised
+    with pytest.raises(iwan.InvalidValueError, match="force_at = \"top\" is no channel: the names are tip, b, c"):
+        iwan.modal_fit(force, motion, 1 / RATE, force_at="top", **options)
+    with pytest.raises(iwan.InvalidValueError, match="responses hides numbers under a mask"):
+        iwan.modal_fit(force, np.ma.masked_greater(motion, 1e-4), 1 / RATE, **options)
+    for wrong in (motion * 1j, [iwan.Record(motion, dt=1 / RATE)], iwan.Record(motion, dt=1 / RATE)):
+        with pytest.raises(iwan.InvalidTypeError, match="responses"):
+            iwan.modal_fit(force, wrong, 1 / RATE, **options)

@@ -1,6 +1,8 @@
 """What disturbs records is said by fits of several modes and by fits beside a shaker's test, too."""
 
 import numpy as np
+import pandas
+import pytest
 
 import iwan
 
@@ -31,3 +33,45 @@ def test_fits_beside_sweeps_say_where_a_structure_is_let_go() -> None:
     assert list(iwan.fit(rung, dt=2e-4, sweeps=[shaker]).notes) == []
     notes = iwan.fit(np.concatenate([rung, rung]), dt=2e-4, sweeps=[shaker]).notes
     assert any("before 0.400000 s" in note and "the record begins there" in note for note in notes), notes
+
+
+def _decays() -> tuple[np.ndarray, np.ndarray]:
+    t = np.arange(8192) / 2048
+    one = np.exp(-1.5 * t) * np.sin(2 * np.pi * 60.0 * t)
+    return t, np.concatenate([one, 0.8 * one])
+
+
+def test_an_envelope_through_two_hits_says_so() -> None:
+    _, x = _decays()
+    record = iwan.Record(x, dt=1 / 2048, quantity="velocity")
+    envelope = iwan.envelope(record)
+    assert any(note.startswith("2 hits, at ") and "Record.hits" in note for note in envelope.notes), envelope.notes
+    assert envelope.notes == iwan.ensemble.envelope([record])[0].notes
+    one = iwan.envelope(record.hits()[0])
+    assert not any("hits" in note for note in one.notes)
+    # It knows what it is of, which figures ask it for.
+    assert envelope.quantity == "velocity" and iwan.envelope(x[:8192], dt=1 / 2048).quantity == "acceleration"
+
+
+def test_lists_of_tables_are_records_and_not_channels() -> None:
+    t, x = _decays()
+    one, other = x[:8192], x[8192:]
+    tables = [pandas.Series(x, index=pandas.Index(t, name="time [s]"), name="acc") for x in (one, other)]
+    assert len(iwan.identification.several(tables)) == len(iwan.identification.several([one, other])) == 2
+    assert len(iwan.identification.several([pandas.Series(one), other])) == 2
+    assert len(iwan.identification.several([{"time": t, "acc": one}, {"time": t, "acc": other}])) == 2
+    assert len(iwan.identification.several([list(one), list(other)])) == 1
+
+
+def test_records_in_different_units_are_not_fitted_together() -> None:
+    _, x = _decays()
+    records = [iwan.Record(x[:8192], dt=1 / 2048, quantity="acceleration", unit=unit) for unit in ("g", "m/s^2")]
+    with pytest.raises(iwan.InvalidValueError, match='acceleration in "g" and acceleration in "m/s\\^2"'):
+        iwan.fit(records)
+
+
+def test_what_a_shakers_test_has_no_use_for_is_refused(mode: iwan.Mode) -> None:
+    shaker = iwan.frf(mode, band=(112.0, 128.0), force=[1.0], points=20)
+    for given, said in [({"band": (900.0, 10.0)}, "band"), ({"method": "typo"}, "method"), ({"force_axis": "joint"}, "force_axis")]:
+        with pytest.raises(iwan.InvalidValueError, match=said):
+            iwan.fit(sweeps=[shaker], **given)  # type: ignore[call-overload]

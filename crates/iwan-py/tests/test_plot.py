@@ -226,3 +226,10 @@ def test_all_that_a_steady_vibration_has_is_drawn():
         assert len(iwan.plot.frf(STEADY, show=show).lines) >= 2
     for show, lines in (("frequency", 1), ("damping_ratio", 1), ("harmonics", 1), ("slips", 0)):
         assert len(iwan.plot.backbone(FREE, show=show).lines) == lines
+
+
+def test_envelopes_say_what_they_are_of():
+    envelope = iwan.envelope(iwan.Record(RESPONSE.velocity[20:], dt=1e-4, quantity="velocity"))
+    drawn = [iwan.plot.frequency(envelope, quantity=quantity).lines[0].get_xdata() for quantity in (None, "velocity")]
+    np.testing.assert_array_equal(*drawn)
+    assert drawn[0].max() > 10 * iwan.plot.frequency(envelope, quantity="acceleration").lines[0].get_xdata().max()

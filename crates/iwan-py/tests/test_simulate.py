@@ -228,3 +228,17 @@ def test_ctrl_c_is_honoured_at_once(call):
         process.send_signal(signal.SIGINT)
         answer, errors = process.communicate(timeout=60)
     assert answer == "interrupted\n", answer + errors
+
+
+def test_more_sliders_than_any_machine_has_are_refused(mode, joint):
+    calls = [
+        lambda n: iwan.simulate(mode, dt=1e-5, duration=0.01, sliders=n),
+        lambda n: joint.force_history([1e-3, 2e-3], sliders=n),
+        lambda n: joint.discretise(n),
+    ]
+    for call in calls:
+        for number in (10_000_001, 10**12):
+            with pytest.raises(iwan.InvalidValueError, match=f"sliders = {number} is out of range: at most 10000000"):
+                call(number)
+    with pytest.raises(iwan.InvalidValueError, match="points"):
+        iwan.frf(mode, band=(112.0, 128.0), force=[1.0], points=10**12)

@@ -21,6 +21,9 @@ const SAMPLES: usize = 64;
 /// a longer record.
 const LEAST_WINDOW: usize = 16;
 
+/// Highest order that is taken: curves of more swing between the values that they go through, and degree 100 gave frequencies of megahertz. No record tried asked for more than 13.
+const MOST_ORDER: usize = 30;
+
 /// Cycles of the blocks in which the energy behind the filter is followed. A judgement: one is less than the filter remembers.
 const BLOCK: f64 = 2.0;
 
@@ -63,6 +66,11 @@ pub(super) struct InBand {
 pub(super) fn in_band(x: &[f64], dt: f64, options: &Options) -> Result<InBand, Error> {
     check_dt(dt)?;
     check_samples("record", x, SAMPLES, "record longer")?;
+    if let Some(order) = options.order {
+        let allowed = format!("1 to {MOST_ORDER}");
+        let remedy = "leave it out: Schwarz's criterion finds it";
+        check("order", order as f64, (1..=MOST_ORDER).contains(&order), &allowed, remedy)?;
+    }
     let mut notes = Vec::new();
     let mut band = band(x, dt, options)?;
     let end = stops_at(x, (0.5 / (band.peak * dt)).ceil() as usize).unwrap_or(x.len());

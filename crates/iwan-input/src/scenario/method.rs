@@ -19,7 +19,7 @@ pub(crate) const TIME_KEYS: &[&str] = &["step", "duration"];
 
 /// Sliders at most: this many take 1.2 GB and a minute for the built-in scenario. They gain nothing, as the error of cutting the
 /// density is 4e-4 with 100 sliders and 2e-9 with 100,000, and the continuum has none.
-const MOST_SLIDERS: usize = 10_000_000;
+pub const MOST_SLIDERS: usize = 10_000_000;
 
 /// Why the keys of a method do not go together; whoever read them says where they stand.
 #[derive(Debug, Clone, PartialEq)]

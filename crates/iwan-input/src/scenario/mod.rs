@@ -19,7 +19,7 @@ mod schema_tests;
 pub use built_in::{BuiltIn, SCHEMA, built_in};
 pub use force::{Force, ForceFile};
 pub use joint::ScenarioJoint;
-pub use method::{JointChoice, Overrides};
+pub use method::{JointChoice, MOST_SLIDERS, Overrides};
 pub use mode::ScenarioMode;
 pub use read::Scenario;
 pub use steady::SteadyScenario;

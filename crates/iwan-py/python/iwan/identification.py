@@ -95,6 +95,9 @@ class Fit(SixParameters):
     """Records and arguments, to identify again."""
     _identified: _Identified | None = field(default=None, repr=False)
 
+    def __repr__(self) -> str:
+        return f"<iwan.Fit: {self.frequency:.6g} Hz, {self.joint}, grade {self.grade}>"
+
     @property
     def law_mode(self) -> Mode:
         """The mode by the law `law`. Raises `iwan.InvalidValueError` where there is none.
@@ -304,9 +307,15 @@ def fit(
     (True, '239')
     """
     arguments = request(channel, quantity, shape, mass, band, near, mode, method, filter_order, window, order, hold)
+    if force_axis not in ("modal", "joint"):
+        raise InvalidValueError(f"force_axis = {force_axis!r} must be 'modal' or 'joint'")
     if sweeps is not None or backbones is not None:
         if law is not None:
             raise InvalidValueError("law: laws are compared on ring-downs alone; leave it out beside sweeps and backbones")
+        if force_axis != "modal":
+            raise InvalidValueError("force_axis is of the curves of ring-downs: leave it out beside sweeps and backbones")
+        if record is None:
+            _without_a_record(arguments, start=start, stop=stop)
         pieces, ring_downs = Stretches([], []), None
         if record is not None:
             pieces = stretches(several(record), dt, start, stop, hits)
@@ -318,6 +327,16 @@ def fit(
     identified = _identify(pieces.records, arguments)
     found = made(identified.told(force_axis), pieces.records, arguments, force_axis, identified)
     return by_law(replace(found, notes=[*pieces.notes, *found.notes]), law)
+
+
+def _without_a_record(arguments: Mapping[str, Any], **times: float | None) -> None:
+    """What a ring-down is looked at with is refused where there is none."""
+    plain = {"method": "hilbert", "filter_order": 3}
+    ring_down = ("channel", "quantity", "shape", "band", "near", "mode", "method", "filter_order", "window", "order")
+    given = {name: arguments[name] for name in ring_down} | times
+    named = [name for name, value in given.items() if value is not None and value != plain.get(name)]
+    if named:
+        raise InvalidValueError(f"{named[0]} is for a ring-down, and there is none: leave it out, or give a record")
 
 
 def by_law(found: Fit, law: str | None) -> Fit:
@@ -445,7 +464,13 @@ def stretches(
 
 
 def several(record: Any) -> list[Any]:
-    """A list of records: a list of numbers, or of lists of numbers, is one record."""
-    if isinstance(record, (list, tuple)) and record and isinstance(record[0], (Record, np.ndarray)):
+    """A list of records: a list of numbers, of lists of numbers, or of datasets of `pyuff` (one channel each) is one record."""
+
+    def is_record(one: Any) -> bool:
+        table = hasattr(one, "to_numpy") and (hasattr(one, "index") or hasattr(one, "dims"))
+        named = isinstance(one, Mapping) and "ordinate_spec_data_type" not in one
+        return table or named or isinstance(one, (Record, np.ndarray))
+
+    if isinstance(record, (list, tuple)) and record and all(is_record(one) for one in record):
         return list(record)
     return [record]

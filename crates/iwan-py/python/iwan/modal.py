@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from iwan import _native
-from iwan.errors import InvalidValueError
+from iwan.errors import InvalidTypeError, InvalidValueError
 from iwan.types import Array
 
 __all__ = ["ModalFit", "ModalMode", "modal_fit"]
@@ -74,6 +74,18 @@ class ModalFit:
         return f"<iwan.ModalFit: {len(self.modes)} modes from {self.band[0]:.6g} to {self.band[1]:.6g} Hz>"
 
 
+def _real(name: str, values: Any) -> NDArray[np.float64]:
+    """Real numbers, none of them hidden under a mask."""
+    if isinstance(values, _native.Record):
+        raise InvalidTypeError(f"{name} is an iwan.Record: give its samples, {name}=record.samples, and dt=record.dt")
+    if np.ma.is_masked(values):
+        raise InvalidValueError(f"{name} hides numbers under a mask: cut them off, or fill them (.filled)")
+    array = np.asarray(values)
+    if array.dtype.kind not in "fiu":
+        raise InvalidTypeError(f"{name} holds {array.dtype}: give real numbers")
+    return array.astype(np.float64, copy=False)
+
+
 def modal_fit(
     force: ArrayLike | None,
     responses: ArrayLike,
@@ -132,17 +144,17 @@ def modal_fit(
     """
     if poles is not None and (len(add_poles) or len(drop_poles)):
         raise InvalidValueError("poles gives all modes: leave add_poles and drop_poles out, or poles")
-    motions = np.asarray(responses, dtype=float)
+    motions = _real("responses", responses)
     if motions.ndim == 2:
         motions = motions[None]
     if motions.ndim != 3:
         raise InvalidValueError(f"responses has {motions.ndim} dimensions: give (hits, channels, samples)")
-    forces = None if force is None else np.atleast_2d(np.asarray(force, dtype=float))
+    forces = None if force is None else np.atleast_2d(_real("force", force))
     given = [str(n) for n in range(motions.shape[1])] if names is None else [str(name) for name in names]
     request: dict[str, Any] = {
         "dt": float(dt),
         "names": given,
-        "force_at": force_at,
+        "force_at": None if force_at is None else str(force_at),
         "quantity": quantity,
         "estimator": estimator,
         "decay": float(decay),

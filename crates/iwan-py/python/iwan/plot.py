@@ -133,14 +133,15 @@ def _named(envelopes: Envelopes) -> list[tuple[str, Envelope]]:
     return list(envelopes.items())
 
 
-def _displacement(envelope: Envelope, quantity: str) -> Array:
+def _displacement(envelope: Envelope, quantity: str | None) -> Array:
     """Amplitude of displacement: A, A/omega or A/omega^2 (Sec. 2.3)."""
+    quantity = envelope.quantity if quantity is None else quantity
     if quantity not in _POWERS:
         raise InvalidValueError(f"quantity = '{quantity}' is not known: choose one of {', '.join(_POWERS)}")
     return np.asarray(envelope.amplitude / (2 * np.pi * envelope.frequency) ** _POWERS[quantity])
 
 
-def _amplitudes(envelopes: Sequence[tuple[str, Envelope]], quantity: str, modes: Sequence[Mode]) -> Array:
+def _amplitudes(envelopes: Sequence[tuple[str, Envelope]], quantity: str | None, modes: Sequence[Mode]) -> Array:
     """Where to draw the modes: over the measured range, or four decades about the onset of macro-slip."""
     seen = [_displacement(envelope, quantity) for _, envelope in envelopes]
     if seen:
@@ -152,7 +153,7 @@ def _amplitudes(envelopes: Sequence[tuple[str, Envelope]], quantity: str, modes:
 
 
 def _against_amplitude(
-    envelopes: Envelopes, mode: Mode | Mapping[str, Mode] | None, quantity: str, name: str, scale: float, ax: Axes
+    envelopes: Envelopes, mode: Mode | Mapping[str, Mode] | None, quantity: str | None, name: str, scale: float, ax: Axes
 ) -> Axes:
     named = _named(envelopes)
     modes = {"model": mode} if isinstance(mode, Mode) else dict(mode or {})
@@ -173,13 +174,13 @@ def frequency(
     envelopes: Envelopes = None,
     *,
     mode: Mode | Mapping[str, Mode] | None = None,
-    quantity: str = "acceleration",
+    quantity: str | None = None,
     ax: Axes | None = None,
 ) -> Axes:
     """Draw frequency against the amplitude of displacement.
 
-    `envelopes`: one `Envelope` or several by name, of records of `quantity` ("acceleration", "velocity", "displacement"); `mode`:
-    one `Mode` or several by name, drawn by first-harmonic balance. One of the two is enough.
+    `envelopes`: one `Envelope` or several by name; `quantity`: what their amplitudes are of ("acceleration", "velocity", "displacement"), None:
+    what each says itself; `mode`: one `Mode` or several by name, drawn by first-harmonic balance. One of the two is enough.
 
     >>> mode = iwan.Mode(frequency=124.0, joint=iwan.FourParameter(k_t=4.45e4, f_s=239.4, chi=-0.183, beta=0.3))
     >>> iwan.plot.frequency(mode=mode).get_ylabel()
@@ -195,7 +196,7 @@ def damping(
     envelopes: Envelopes = None,
     *,
     mode: Mode | Mapping[str, Mode] | None = None,
-    quantity: str = "acceleration",
+    quantity: str | None = None,
     ax: Axes | None = None,
 ) -> Axes:
     """Draw the damping ratio, in per cent, against the amplitude of displacement; arguments as in `frequency`.

@@ -118,8 +118,8 @@ def _of_pandas(
     resample: bool,
 ) -> Record:
     """A Series or a DataFrame. Its index holds the times, unless it counts rows or `time` names a column."""
-    columns = {str(name): data[name].to_numpy() for name in data.columns} if hasattr(data, "columns") else {
-        str(data.name or "channel 0"): data.to_numpy()
+    columns = {str(name): _plain(data[name]) for name in data.columns} if hasattr(data, "columns") else {
+        str(data.name or "channel 0"): _plain(data)
     }
     index = data.index
     counts_rows = type(index).__name__ == "RangeIndex" and index.name is None
@@ -127,14 +127,28 @@ def _of_pandas(
         if len(columns) == 1:
             raise RecordError("the index counts rows and is no time: give dt=, or times as the index")
         return _of_names(columns, dt, time, channels, quantity, resample)
-    if channels:
-        missing = [name for name in channels if name not in columns]
-        if missing:
-            raise RecordError(f"there is no column {missing[0]!r}; there are: {', '.join(columns)}")
-        columns = {name: columns[name] for name in channels}
+    if dt is not None:
+        return _of_names(columns, dt, None, channels, quantity, resample)
     if getattr(index, "tz", None) is not None:
         index = index.tz_convert(None)
-    return _on_axis(columns, _seconds(np.asarray(index), str(index.name or "")), dt, quantity)
+    axis = _seconds(np.asarray(index), str(index.name or ""))
+    if axis.size < 2:
+        raise RecordError(f"{axis.size} times: a record needs at least 2 samples")
+    if _INDEX in columns:
+        raise RecordError(f"a column is called {_INDEX!r} beside an index of times: rename it, or give time= or dt=")
+    return _of_names({_INDEX: axis, **columns}, None, _INDEX, channels, quantity, resample)
+
+
+_INDEX = "index [s]"
+"""Name of the times of an index among the columns, with their unit."""
+
+
+def _plain(column: Any) -> np.ndarray[Any, Any]:
+    """Numbers of a column; pandas' own types of numbers with nothing where one is missing."""
+    values = column.to_numpy()
+    if values.dtype == object and getattr(column.dtype, "kind", "O") in "fiu":
+        return np.asarray(column.to_numpy(dtype=np.float64, na_value=np.nan))
+    return np.asarray(values)
 
 
 _UNITS = {"s": 1.0, "ms": 1e-3, "us": 1e-6, "µs": 1e-6, "μs": 1e-6, "ns": 1e-9, "min": 60.0, "h": 3600.0}
@@ -149,7 +163,7 @@ def _seconds(axis: np.ndarray[Any, Any], name: str, unit: str = "") -> np.ndarra
         return axis / np.timedelta64(1, "s")
     if axis.dtype.kind not in "fiu":
         raise InvalidTypeError(f"the index holds {axis.dtype}, no times: give dt=, or times in seconds as the index")
-    found = re.search(r"[\[(]([^\])]*)[\])]\s*$", name)
+    found = re.search(r"[\[(]([^\])]*)[\])]\s*$", name) or re.search(r"[_ ,](ms|us|µs|μs|ns|s)$", name)
     unit = unit.strip() or (found.group(1).strip() if found else "")
     words = {"second": "s", "millisecond": "ms", "microsecond": "us", "nanosecond": "ns", "minute": "min", "hour": "h", "sec": "s"}
     unit = words.get(unit.lower().rstrip("s"), unit)

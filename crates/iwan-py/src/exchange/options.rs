@@ -1,6 +1,7 @@
 //! Arguments that stand for choices of the libraries.
 
 use iwan_core::{Grid, Representation};
+use iwan_input::scenario::MOST_SLIDERS;
 use iwan_sim::Method;
 use pyo3::prelude::*;
 
@@ -16,6 +17,11 @@ pub(crate) fn representation_of(
     let Some(bins) = sliders else { return Ok(Representation::Continuum) };
     if bins == 0 {
         return Err(value("sliders = 0 is out of range: at least 1, or None for the exact continuum"));
+    }
+    if bins > MOST_SLIDERS {
+        return Err(value(format!(
+            "sliders = {bins} is out of range: at most {MOST_SLIDERS}, or None for the exact continuum, which has no error of cutting"
+        )));
     }
     let Some(grid) = grid else { return Ok(Representation::Sliders { bins, grid: graded(bins) }) };
     let grid = match (grid.extract::<String>().as_deref(), grid.extract::<f64>()) {

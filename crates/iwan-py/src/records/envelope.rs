@@ -1,6 +1,7 @@
 //! Amplitude, frequency and damping of one mode against time.
 
-use iwan_ident::signal::{self, Method, Options};
+use iwan_ident::curves::Quantity;
+use iwan_ident::signal::{self, Event, Method, Options};
 use numpy::PyArray1;
 use pyo3::IntoPyObjectExt;
 use pyo3::prelude::*;
@@ -10,6 +11,7 @@ use crate::exchange::errors::{identification, identification_at, value};
 use crate::exchange::options::{thread_count, unknown};
 use crate::exchange::pickle::Remake;
 use crate::exchange::work;
+use crate::records::identified::motion;
 use crate::records::mode_records::{Modal, band_of_mode, modal};
 
 /// Amplitude, frequency and damping ratio of one mode against time. Made by `envelope`.
@@ -19,8 +21,10 @@ use crate::records::mode_records::{Modal, band_of_mode, modal};
 #[pyclass(frozen, module = "iwan")]
 #[derive(Debug)]
 pub(crate) struct Envelope {
-    pub(crate) envelope: signal::Envelope,
+    pub(crate) curves: signal::Envelope,
     pub(crate) start: f64,
+    /// What the amplitude is of.
+    pub(crate) quantity: Quantity,
 }
 
 #[pymethods]
@@ -28,78 +32,88 @@ impl Envelope {
     /// Times on the record's own clock, s.
     #[getter]
     fn t(&self, py: Python<'_>) -> Py<PyArray1<f64>> {
-        array(py, self.envelope.t.iter().map(|t| self.start + t).collect())
+        array(py, self.curves.t.iter().map(|t| self.start + t).collect())
+    }
+
+    /// What the amplitude is of: "acceleration", "velocity" or "displacement".
+    #[getter]
+    fn quantity(&self) -> &'static str {
+        match self.quantity {
+            Quantity::Displacement => "displacement",
+            Quantity::Velocity => "velocity",
+            Quantity::Acceleration => "acceleration",
+        }
     }
 
     /// Amplitude, in the unit of the record.
     #[getter]
     fn amplitude(&self, py: Python<'_>) -> Py<PyArray1<f64>> {
-        array(py, self.envelope.amplitude.clone())
+        array(py, self.curves.amplitude.clone())
     }
 
     /// Frequency, Hz.
     #[getter]
     fn frequency(&self, py: Python<'_>) -> Py<PyArray1<f64>> {
-        array(py, self.envelope.frequency.clone())
+        array(py, self.curves.frequency.clone())
     }
 
     /// Damping ratio (0.01 = 1 %).
     #[getter]
     fn damping_ratio(&self, py: Python<'_>) -> Py<PyArray1<f64>> {
-        array(py, self.envelope.damping_ratio.clone())
+        array(py, self.curves.damping_ratio.clone())
     }
 
     /// Standard deviation of the logarithm of the amplitude.
     #[getter]
     fn log_amplitude_sd(&self, py: Python<'_>) -> Py<PyArray1<f64>> {
-        array(py, self.envelope.log_amplitude_sd.clone())
+        array(py, self.curves.log_amplitude_sd.clone())
     }
 
     /// Standard deviation of the frequency, Hz.
     #[getter]
     fn frequency_sd(&self, py: Python<'_>) -> Py<PyArray1<f64>> {
-        array(py, self.envelope.frequency_sd.clone())
+        array(py, self.curves.frequency_sd.clone())
     }
 
     /// Standard deviation of the damping ratio.
     #[getter]
     fn damping_ratio_sd(&self, py: Python<'_>) -> Py<PyArray1<f64>> {
-        array(py, self.envelope.damping_ratio_sd.clone())
+        array(py, self.curves.damping_ratio_sd.clone())
     }
 
     /// Start and end of the window in which all this can be trusted, s.
     #[getter]
     fn trusted(&self) -> (f64, f64) {
-        (self.start + self.envelope.trusted.0, self.start + self.envelope.trusted.1)
+        (self.start + self.curves.trusted.0, self.start + self.curves.trusted.1)
     }
 
     /// How it was found.
     #[getter]
     fn method(&self) -> &'static str {
-        self.envelope.method.name()
+        self.curves.method.name()
     }
 
     /// Degree of the polynomial (Hilbert), number of spline intervals (peaks), cycles in a neighbourhood (the others).
     #[getter]
     fn order(&self) -> usize {
-        self.envelope.order
+        self.curves.order
     }
 
     /// Standard deviation of the noise in the band, in the unit of the record.
     #[getter]
     fn noise(&self) -> f64 {
-        self.envelope.noise
+        self.curves.noise
     }
 
     /// What was found and done, in words.
     #[getter]
     fn notes(&self) -> Vec<String> {
-        self.envelope.notes.clone()
+        self.curves.notes.clone()
     }
 
     fn __reduce__<'py>(slf: &Bound<'py, Self>) -> PyResult<Remake<'py>> {
         let (py, this) = (slf.py(), slf.get());
-        let e = &this.envelope;
+        let e = &this.curves;
         let curves = [
             &e.t,
             &e.amplitude,
@@ -110,12 +124,12 @@ impl Envelope {
             &e.damping_ratio_sd,
         ];
         let figures = (this.start, e.trusted, e.order, e.noise);
-        let arguments = (curves, figures, e.method.name(), &e.notes);
+        let arguments = (curves, figures, e.method.name(), &e.notes, this.quantity());
         Ok((py.import("iwan._native")?.getattr("_envelope")?, arguments.into_bound_py_any(py)?))
     }
 
     fn __len__(&self) -> usize {
-        self.envelope.t.len()
+        self.curves.t.len()
     }
 
     fn __repr__(&self) -> String {
@@ -130,11 +144,13 @@ type Figures = (f64, (f64, f64), usize, f64);
 
 /// Makes a pickled `Envelope` again.
 #[pyfunction]
+#[pyo3(signature = (curves, figures, method, notes, quantity = "acceleration"))]
 pub(crate) fn _envelope(
     curves: [Vec<f64>; 7],
     figures: Figures,
     method: &str,
     notes: Vec<String>,
+    quantity: &str,
 ) -> PyResult<Envelope> {
     let [t, amplitude, frequency, damping_ratio, log_amplitude_sd, frequency_sd, damping_ratio_sd] = curves;
     let (start, trusted, order, noise) = figures;
@@ -152,7 +168,7 @@ pub(crate) fn _envelope(
         noise,
         notes,
     };
-    Ok(Envelope { envelope, start })
+    Ok(Envelope { curves: envelope, start, quantity: motion(quantity)? })
 }
 
 /// Envelope and frequency of one mode of a record.
@@ -184,26 +200,24 @@ pub(crate) fn envelope(
     record: &Bound<'_, PyAny>,
     dt: Option<f64>,
     channel: Option<&Bound<'_, PyAny>>,
-    band: Option<(f64, f64)>,
+    band: Option<[f64; 2]>,
     near: Option<f64>,
     method: &str,
     filter_order: usize,
-    window: Option<(f64, f64)>,
+    window: Option<[f64; 2]>,
     order: Option<usize>,
     mode: Option<f64>,
 ) -> PyResult<Envelope> {
     let method = method_named(method)?;
     let band = match (mode, band, near) {
-        (None, band, _) => band,
+        (None, band, _) => band.map(Into::into),
         (Some(mode), None, None) => Some(band_of_mode(record, dt, channel, mode)?),
         _ => return Err(value("mode goes without band and near: give one of them")),
     };
-    let options = Options { band, near, filter_order, window, order };
-    let Modal { samples, dt, start, notes, .. } = one(record, dt, channel, &options)?;
-    let made = work::run(record.py(), true, move |_| signal::envelope(&samples, dt, method, &options))?;
-    let mut envelope = made.map_err(identification)?;
-    envelope.notes.splice(..0, notes);
-    Ok(Envelope { envelope, start })
+    let options = Options { band, near, filter_order, window: window.map(Into::into), order };
+    let modal = one(record, dt, channel, &options)?;
+    let made = work::run(record.py(), true, move |_| of_modal(modal, method, &options))?;
+    made.map_err(identification)
 }
 
 /// Envelopes of many records, on threads: `iwan.ensemble.envelope`.
@@ -215,30 +229,51 @@ pub(crate) fn _envelopes(
     records: Vec<Bound<'_, PyAny>>,
     dt: Option<f64>,
     channel: Option<&Bound<'_, PyAny>>,
-    band: Option<(f64, f64)>,
+    band: Option<[f64; 2]>,
     near: Option<f64>,
     method: &str,
     filter_order: usize,
-    window: Option<(f64, f64)>,
+    window: Option<[f64; 2]>,
     order: Option<usize>,
     first: usize,
     threads: Option<usize>,
     progress: Option<&Bound<'_, PyAny>>,
 ) -> PyResult<Vec<Envelope>> {
     let (method, threads) = (method_named(method)?, thread_count(threads)?);
+    let (band, window) = (band.map(Into::into), window.map(Into::into));
     let options = Options { band, near, filter_order, window, order };
     let channels = records.iter().map(|record| one(record, dt, channel, &options));
     let channels = channels.collect::<PyResult<Vec<_>>>()?;
     let made = work::watched(py, progress, move |control| {
-        work::each(channels, threads, control, |Modal { samples, dt, start, notes, .. }| {
-            signal::envelope(&samples, dt, method, &options).map(|mut envelope| {
-                envelope.notes.splice(..0, notes);
-                Envelope { envelope, start }
-            })
-        })
+        work::each(channels, threads, control, |modal| of_modal(modal, method, &options))
     })?;
     let made = made.unwrap_or_default().into_iter().enumerate();
     made.map(|(i, result)| result.map_err(|error| identification_at(first + i, error))).collect()
+}
+
+/// The envelope of a mode, with what disturbs its record.
+fn of_modal(modal: Modal, method: Method, options: &Options) -> Result<Envelope, iwan_ident::Error> {
+    let Modal { samples, dt, start, notes, quantity, .. } = modal;
+    let mut envelope = signal::envelope(&samples, dt, method, options)?;
+    let mut before = notes;
+    if options.window.is_none() {
+        let seen = signal::overview(std::slice::from_ref(&samples), dt);
+        if seen.hits.len() > 1 {
+            let times: Vec<String> = seen.hits.iter().map(|hit| format!("{:.4}", start + hit.time)).collect();
+            before.push(format!(
+                "{} hits, at {} s: one envelope goes through all of them, and is none of a ring-down; take one hit (Record.hits, Record.between)",
+                seen.hits.len(),
+                times.join(", ")
+            ));
+        }
+        // Clipping is what the envelope looks after itself.
+        let events = seen.events.iter().filter(|event| !matches!(event, Event::Clipped { .. }));
+        before.extend(events.map(|event| {
+            format!("{event}, at {:.6} s; cut there with Record.between", start + event.time())
+        }));
+    }
+    envelope.notes.splice(..0, before);
+    Ok(Envelope { curves: envelope, start, quantity })
 }
 
 /// The mode of one record.

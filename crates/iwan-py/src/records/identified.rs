@@ -35,12 +35,12 @@ pub(crate) struct Request<'py> {
     quantity: Option<String>,
     shape: Option<Vec<f64>>,
     mass: Option<f64>,
-    band: Option<(f64, f64)>,
+    band: Option<[f64; 2]>,
     near: Option<f64>,
     mode: Option<f64>,
     method: String,
     filter_order: usize,
-    window: Option<(f64, f64)>,
+    window: Option<[f64; 2]>,
     order: Option<usize>,
     hold: Vec<(String, f64)>,
 }
@@ -55,7 +55,8 @@ impl Request<'_> {
                 .ok_or_else(|| unknown("hold", name, &names()))
         };
         let held = self.hold.iter().map(parameter).collect::<PyResult<Vec<_>>>()?;
-        let Self { band, near, filter_order, window, order, .. } = *self;
+        let Self { near, filter_order, order, .. } = *self;
+        let (band, window) = (self.band.map(Into::into), self.window.map(Into::into));
         let options = Options { band, near, filter_order, window, order };
         Ok(Settings { options, method: method_named(&self.method)?, held })
     }
@@ -176,7 +177,8 @@ impl Identified {
         dict.set_item("curves", self.curves(py, &found.curves, force_axis)?)?;
         dict.set_item("model_curves", self.curves(py, &found.model_curves, force_axis)?)?;
         let envelopes = found.envelopes.iter().zip(&self.0.records);
-        let envelopes = envelopes.map(|(e, r)| Py::new(py, Envelope { envelope: e.clone(), start: r.start }));
+        let envelopes = envelopes
+            .map(|(e, r)| Py::new(py, Envelope { curves: e.clone(), start: r.start, quantity: r.quantity }));
         dict.set_item("envelopes", envelopes.collect::<PyResult<Vec<_>>>()?)?;
         Ok(dict)
     }

@@ -44,6 +44,15 @@ pub(crate) fn modal(
         let (a, b) = (first.get().names.join(", "), other.get().names.join(", "));
         return Err(value(format!("records do not belong together: channels {a} and {b}")));
     }
+    let of = |r: &Bound<'_, Record>| (r.get().quantity, r.get().unit.clone());
+    if let Some(other) = records.iter().find(|r| of(r) != of(first)) {
+        let word = |r: &Bound<'_, Record>| format!("{} in \"{}\"", r.get().quantity, r.get().unit);
+        return Err(value(format!(
+            "records do not belong together: {} and {}; give records of one quantity in one unit (iwan.read_record converts with unit=)",
+            word(first),
+            word(other)
+        )));
+    }
     let (quantity, mut notes) = first.get().motion(quantity)?;
     let all = 0..first.get().names.len();
     let chosen = if channel.is_some() { first.get().index(channel).map(|i| i..i + 1)? } else { all };

@@ -54,7 +54,7 @@ pub(crate) struct Record {
     pub(crate) dt: f64,
     pub(crate) start: f64,
     pub(crate) names: Vec<String>,
-    quantity: Quantity,
+    pub(crate) quantity: Quantity,
     pub(crate) unit: String,
     warnings: Vec<String>,
     /// Channels x samples, float64, read-only.

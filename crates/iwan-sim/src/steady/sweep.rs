@@ -69,6 +69,9 @@ impl Sweep {
     /// Points per level at least: with fewer the two sides of a resonance are corners.
     pub const LEAST_POINTS: usize = 16;
 
+    /// Points per level at most: a thousand times what a picture shows. They take a second and 100 MB a level and harmonic.
+    pub const MOST_POINTS: usize = 1_000_000;
+
     /// Points per level unless the user says otherwise: a resonance looks smooth at any width of a page.
     pub const DEFAULT_POINTS: usize = 400;
 
@@ -90,8 +93,8 @@ impl Sweep {
         if self.levels.is_empty() {
             return Err(Error::Length { name: "levels", needed: 1, found: 0 }.into());
         }
-        if self.points < Self::LEAST_POINTS {
-            return refuse("points", self.points as f64, "must be 16 at least");
+        if !(Self::LEAST_POINTS..=Self::MOST_POINTS).contains(&self.points) {
+            return refuse("points", self.points as f64, "must be 16 to 1,000,000");
         }
         iwan_core::Harmonics::odd(self.harmonics)?;
         Ok(())
