@@ -78,7 +78,9 @@ impl Isolated {
             .collect();
         let rms = norm(&left) / (left.len() as f64).sqrt();
         let line = strongest_line(&left, raw.t[1] - raw.t[0]);
-        if rms < NOTED || line.share < SHARE {
+        // Of a line that is there throughout the residual is less than its amplitude; more is what a curve leaves where the mode has nearly gone.
+        let size = rms.min(line.relative);
+        if size < NOTED || line.share < SHARE {
             return Ok(());
         }
         let finding = format!(
@@ -88,7 +90,7 @@ impl Isolated {
             100.0 * line.relative
         );
         let remedy = "narrow the band to one mode, or separate the modes by mode shapes (modal filter)";
-        self.note_or_refuse(finding, rms, remedy)
+        self.note_or_refuse(finding, size, remedy)
     }
 
     fn note_or_refuse(&mut self, finding: String, size: f64, remedy: &'static str) -> Result<(), Error> {
