@@ -102,3 +102,31 @@ fn hits_of_three_levels_tell_that_modes_share_a_joint() {
         assert!(!place.path().join("wrong").exists());
     }
 }
+
+/// Two linear modes, struck at the twentieth sample, without noise: all models leave next to nothing, and the one with the fewest unknowns is right. Joints of no strength were found.
+#[test]
+fn linear_modes_without_noise_need_no_joint() {
+    let place = folder("");
+    let rate = 1024.0;
+    let decay = |f: f64, damping: f64, t: f64| {
+        let omega = std::f64::consts::TAU * f;
+        (-damping * omega * t).exp() * ((1.0 - damping * damping).sqrt() * omega * t).sin() / omega
+    };
+    // Blows of three equal samples.
+    let at = |n: i32| -> f64 {
+        let since = (20..23).map(|blow| f64::from(n - blow) / rate).filter(|t| *t > 0.0);
+        since.map(|t| decay(80.0, 0.01, t) + 0.16 * decay(150.0, 0.005, t)).sum()
+    };
+    let mut text = String::from("time [s],displacement [m]\n");
+    for n in 0..4096 {
+        writeln!(text, "{},{}", f64::from(n) / rate, at(n)).unwrap();
+    }
+    std::fs::write(place.path().join("lin.csv"), text).unwrap();
+    let out = iwan(place.path(), "fit lin.csv --coupled --band 70:90 --band 140:160 --json --quiet --out f");
+    assert!(out.status.success(), "{}", shown(&out));
+    let found: Value = serde_json::from_slice(&out.stdout).unwrap();
+    let models = found["models"].as_array().unwrap();
+    let criterion = |name: &str| models.iter().find(|m| m["name"] == name).unwrap()["criterion"].as_f64();
+    assert_eq!(criterion("linear"), Some(0.0), "{models:#?}");
+    assert!(criterion("uncoupled") > Some(10.0), "{models:#?}");
+}

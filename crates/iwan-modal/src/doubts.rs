@@ -14,6 +14,9 @@ const ONE_SHAPE: f64 = 0.95;
 /// … and are so many at least: two modes next to each other occur, and one channel gives all of them one shape.
 const PARTS: usize = 3;
 
+/// A pole that was given moves by at most this part of its frequency where a mode stands there: who reads a frequency off a picture is off by less. A judgement.
+const MOVED: f64 = 0.03;
+
 /// A channel of which the fit leaves this part does not move with the modes of the others …
 const STRANGER: f64 = 0.5;
 /// … where of the others it leaves at most this part of that, by their median: modes that are missing are missing in all of them.
@@ -81,6 +84,24 @@ impl ModalFit {
             found.frequency,
             list(&|n| found.all.iter().any(|s| s.of == n)),
         ))
+    }
+
+    /// What is said where poles that were given near these frequencies (Hz) moved away from them: no mode stands there, or one that was not given is told by them.
+    #[must_use]
+    pub fn moved_doubt(&self, given: &[f64]) -> Option<String> {
+        let mut given = given.to_vec();
+        given.sort_by(f64::total_cmp);
+        let moved = |(from, mode): (&f64, &Mode)| {
+            let far = (mode.frequency / from - 1.0).abs() > MOVED;
+            far.then(|| format!("{from:.2} Hz to {:.2} Hz", mode.frequency))
+        };
+        let list: Vec<String> = given.iter().zip(&self.modes).filter_map(moved).collect();
+        (!list.is_empty()).then(|| {
+            format!(
+                "no mode stands where a pole was given: the fit moved it from {}",
+                list.join(", and from ")
+            )
+        })
     }
 
     /// Modes that are probably parts of one: three and more of one shape that stand within their widths of one another, as linear modes tell a decay whose frequency changes with

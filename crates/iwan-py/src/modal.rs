@@ -70,6 +70,7 @@ pub(crate) fn _modal_fit<'py>(
         // Their poles come from the samples, not from the responses.
         ("subspace", Analysis::Chart),
     ];
+    let given = request.poles.clone().unwrap_or_default();
     let subspaces = request.poles.is_none() && request.method == "subspace";
     if subspaces && forces.is_some() {
         return Err(value("method = \"subspace\" is for free decays: give force = None"));
@@ -127,7 +128,7 @@ pub(crate) fn _modal_fit<'py>(
         Ok((responses, fit))
     })?;
     let (responses, fit) = found.map_err(|e| told_error(&e))?;
-    told(py, &responses, &fit, words)
+    told(py, &responses, &fit, &given, words)
 }
 
 /// Faults of a hit in words. Responses over a force without a pulse are no frequency responses: such a hit is refused, unless the force is taken whole.
@@ -225,6 +226,7 @@ fn told<'py>(
     py: Python<'py>,
     responses: &FrequencyResponses,
     fit: &ModalFit,
+    given: &[f64],
     words: Vec<String>,
 ) -> PyResult<Bound<'py, PyDict>> {
     let modes = PyList::empty(py);
@@ -274,7 +276,9 @@ fn told<'py>(
             table(&|k| fit.fitted.curves[k].iter().map(|v| v.im).collect())?,
         ),
     )?;
-    let doubts = [fit.drive_point_doubt(), fit.sideband_doubt(), fit.parts_doubt()].into_iter().flatten();
+    let doubts = [fit.drive_point_doubt(), fit.sideband_doubt(), fit.parts_doubt(), fit.moved_doubt(given)]
+        .into_iter()
+        .flatten();
     dict.set_item("remarks", words.into_iter().chain(doubts).collect::<Vec<String>>())?;
     Ok(dict)
 }

@@ -255,3 +255,25 @@ def test_names_that_are_none_are_refused_before_the_fit_and_a_fit_shows_itself_i
             iwan.envelope(record, dt=DT, order=order)
     # A list is as good as a tuple.
     assert iwan.envelope(record, dt=DT, band=[100, 150], window=[0.0, 0.4]).method == "hilbert"
+
+
+@pytest.mark.parametrize(
+    ("given", "error", "said"),
+    [
+        ({"hold": ["damping_ratio"]}, iwan.InvalidTypeError, "hold must give each parameter its value"),
+        ({"near": "124"}, iwan.InvalidTypeError, "near must be a number, not str"),
+        ({"order": -1}, iwan.InvalidValueError, "order = -1"),
+        ({"band": (100.0, 140.0, 180.0)}, iwan.InvalidValueError, "band = "),
+        ({"hits": 0}, iwan.InvalidValueError, "hits = 0"),
+    ],
+)
+def test_arguments_that_cannot_be_meant_are_named(given, error, said):
+    with pytest.raises(error, match=re.escape(said)):
+        iwan.fit(ring_down(0.2).acceleration, dt=DT, **given)
+
+
+def test_what_is_no_array_says_what_to_do():
+    with pytest.raises(iwan.InvalidTypeError, match="read it with iwan.read_record"):
+        iwan.fit("hit.csv")
+    with pytest.raises(iwan.InvalidValueError, match="transpose it"):
+        iwan.fit(np.zeros((1000, 2)), dt=DT)

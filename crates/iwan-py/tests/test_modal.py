@@ -101,3 +101,11 @@ def test_what_is_no_channel_and_no_real_number_is_refused():
     for wrong in (motion * 1j, [iwan.Record(motion, dt=1 / RATE)], iwan.Record(motion, dt=1 / RATE)):
         with pytest.raises(iwan.InvalidTypeError, match="responses"):
             iwan.modal_fit(force, wrong, 1 / RATE, **options)
+
+
+def test_poles_that_move_away_from_where_they_were_given_are_named():
+    force, motion = _hit(1)
+    options = {"quantity": "displacement", "band": (50, 250), "order": 20}
+    assert iwan.modal_fit(force, motion, 1 / RATE, poles=[90.2, 169.0], **options).remarks == []
+    [remark] = iwan.modal_fit(force, motion, 1 / RATE, poles=[75.0, 170.0], **options).remarks
+    assert "moved it from 75.00 Hz to 90.00 Hz" in remark

@@ -302,6 +302,7 @@ fn warnings(test: &Test, level: &Level, given: &[f64]) -> Vec<String> {
         ));
     }
     warnings.extend(without_damping(fit));
+    warnings.extend(fit.moved_doubt(given).map(|doubt| format!("--poles: {doubt}")));
     warnings.extend(fit.parts_doubt().map(|doubt| {
         format!("{doubt}; iwan envelope shows how it changes (--mode HZ), softer hits leave one mode of it, and --drop-poles leaves parts out")
     }));

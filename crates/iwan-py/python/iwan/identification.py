@@ -365,6 +365,17 @@ def request(
     hold: Mapping[str, float] | None,
 ) -> dict[str, Any]:
     """The arguments of a fit as the compiled part takes them."""
+    if hold is not None and not isinstance(hold, Mapping):
+        raise InvalidTypeError(f"hold must give each parameter its value, as {{'damping_ratio': 0.0}}, not {type(hold).__name__}")
+    for name, value in (("mass", mass), ("near", near), ("mode", mode)):
+        if value is not None and not isinstance(value, (int, float, np.integer, np.floating)):
+            raise InvalidTypeError(f"{name} must be a number, not {type(value).__name__}")
+    for name, count in (("filter_order", filter_order), ("order", order)):
+        if count is not None and (not isinstance(count, (int, np.integer)) or count < 0):
+            raise InvalidValueError(f"{name} = {count!r} must be a whole number that is not negative")
+    for name, pair in (("band", band), ("window", window)):
+        if pair is not None and np.shape(pair) != (2,):
+            raise InvalidValueError(f"{name} = {pair!r} must be two numbers: the lower and the upper end")
     return {
         "channel": channel,
         "quantity": quantity,
@@ -418,7 +429,7 @@ class Stretches:
 
 def check_hits(hits: str | int) -> None:
     """Which hits are wanted: refused unless it is a choice that there can be."""
-    number = isinstance(hits, int) and not isinstance(hits, bool) and hits > 0
+    number = isinstance(hits, (int, np.integer)) and not isinstance(hits, bool) and hits > 0
     if not number and hits not in ("all", "first"):
         raise InvalidValueError(f"hits = {hits!r}: must be 'all', 'first', or the number of a hit counted from 1")
 

@@ -68,7 +68,7 @@ class ModalFit:
     fitted: NDArray[np.complex128]
     """Those of the fit, responses x lines."""
     remarks: Sequence[str]
-    """What is wrong with hits or channels, and which modes are probably sidebands of others, in words."""
+    """What is wrong with hits or channels, which modes are probably sidebands or parts of others, and which given poles moved away, in words."""
 
     def __repr__(self) -> str:
         return f"<iwan.ModalFit: {len(self.modes)} modes from {self.band[0]:.6g} to {self.band[1]:.6g} Hz>"

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import io
+import os
 import re
 from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
@@ -57,9 +58,18 @@ def as_record(
         return _of_pandas(data, dt, time, channels, quantity, resample)
     if hasattr(data, "coords") and hasattr(data, "dims"):
         return _of_xarray(data, dt, quantity)
+    if isinstance(data, (str, os.PathLike)):
+        raise InvalidTypeError(f"{os.fspath(data)!r} is a path: read it with iwan.read_record")
     if dt is None:
         raise InvalidValueError("dt is missing: a bare array needs its sampling interval in seconds, dt=")
+    shape = np.shape(data)
+    if len(shape) == 2 and shape[1] < _FEWEST <= shape[0]:
+        raise InvalidValueError(f"the array has the shape {shape}: it must be channels x samples; transpose it")
     return Record(data, dt=dt, quantity=quantity or "unknown")
+
+
+_FEWEST = 16
+"""Samples that any method needs: an array with fewer of them in a row, and more rows, stands the other way round."""
 
 
 def _of_uff(sets: Sequence[Mapping[str, Any]]) -> Record:
