@@ -36,9 +36,9 @@ pub fn isolate(x: &[f64], dt: f64, options: &Options) -> Result<Isolated, Error>
     }
     // A record too short for its spectrum is refused by now.
     let peaks = spectral_peaks(&[x], dt).unwrap_or_default();
-    mode.strangers = mode.intruders_among(&peaks, x);
+    mode.strangers = mode.intruders_among(&peaks, x).iter().map(ToString::to_string).collect();
     mode.refuse_second_line().map_err(|e| mode.refused(e))?;
-    mode.notes.extend(mode.strangers.iter().map(ToString::to_string));
+    mode.notes.extend(mode.strangers.iter().cloned());
     let louder = louder(&peaks, &mode.band).filter(|_| chooses(options));
     mode.notes.extend(louder.map(|peak| {
         let note = "the mode of this band was chosen because it is highest in the spectrum of the whole record; behind the loudest sample the highest is that at";

@@ -6,7 +6,6 @@ use super::defects::clipped_until;
 use super::first_peak::{behind_the_blow, first_of_the_largest};
 use super::raw::{BEYOND, Raw, raw, widened};
 use super::spectrum::{Band, is_alone};
-use super::strangers::Intruder;
 use super::transients::{Ends, Gate, Known};
 use crate::error::Error;
 use crate::smooth::{Points, Polynomial, Smooth};
@@ -67,8 +66,8 @@ pub struct Isolated {
     pub(crate) begin: usize,
     /// What other modes had in the band before they were taken out of the record; none where none were.
     pub(crate) beside: Option<Vec<f64>>,
-    /// Lines that stand in the band and are not of the mode.
-    pub(super) strangers: Vec<Intruder>,
+    /// What stands in the band and is not of the mode, in words.
+    pub(super) strangers: Vec<String>,
 }
 
 /// Some samples of a mode.
@@ -99,17 +98,16 @@ impl Isolated {
 
     /// The reason why a mode could not be followed; lines in its band that are not of it belong to that.
     pub(crate) fn refused(&self, error: Error) -> Error {
-        let lines: Vec<String> = self.strangers.iter().map(ToString::to_string).collect();
+        let lines = self.strangers.join(", and ");
         match error {
             Error::TooShort { what, found, needed, .. } if !lines.is_empty() => Error::Refused {
                 finding: format!(
-                    "{what}: {found} found, at least {needed} needed. What stands in its way: {}",
-                    lines.join(", and ")
+                    "{what}: {found} found, at least {needed} needed. What stands in its way: {lines}"
                 ),
                 remedy: BEFORE,
             },
             Error::Refused { finding, .. } if !lines.is_empty() => Error::Refused {
-                finding: format!("{finding}. What stands in its way: {}", lines.join(", and ")),
+                finding: format!("{finding}. What stands in its way: {lines}"),
                 remedy: BEFORE,
             },
             error => error,

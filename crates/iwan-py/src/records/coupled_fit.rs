@@ -16,7 +16,7 @@ use crate::exchange::errors::{computation, identification, in_python, value, wri
 use crate::exchange::options::thread_count;
 use crate::exchange::work;
 use crate::records::envelope::method_named;
-use crate::records::identified::motion;
+use crate::records::mode_records::motion;
 use crate::records::record::Record;
 
 /// What progress counts to.

@@ -11,8 +11,7 @@ use crate::exchange::errors::{identification, identification_at, value};
 use crate::exchange::options::{thread_count, unknown};
 use crate::exchange::pickle::Remake;
 use crate::exchange::work;
-use crate::records::identified::motion;
-use crate::records::mode_records::{Modal, band_of_mode, modal};
+use crate::records::mode_records::{Modal, band_of_mode, modal, motion};
 
 /// Amplitude, frequency and damping ratio of one mode against time. Made by `envelope`.
 ///

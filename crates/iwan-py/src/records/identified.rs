@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use std::sync::Arc;
 
 use iwan_cli::{FittedMode, FittedRecord};
-use iwan_ident::curves::{Curves, ForceAxis, Quantity};
+use iwan_ident::curves::{Curves, ForceAxis};
 use iwan_ident::identify::{Held, Identification, ModeRecord, Settings, identify_until};
 use iwan_ident::laws::{Backbone, FittedLaw};
 use iwan_ident::likelihood::{Buffers, Likelihood as Library};
@@ -22,7 +22,7 @@ use crate::exchange::errors::{computation, identification, value, writing};
 use crate::exchange::options::{thread_count, unknown};
 use crate::exchange::work::{self, Control};
 use crate::records::envelope::{Envelope, method_named};
-use crate::records::mode_records::{Modal, band_of_mode, modal};
+use crate::records::mode_records::{Modal, band_of_mode, modal, motion};
 
 /// Parameters that are sought by their logarithms in a likelihood.
 const LOGARITHMIC: [Parameter; 3] = [Parameter::KT, Parameter::FS, Parameter::Beta];
@@ -449,14 +449,5 @@ impl Likelihood {
             })
         })?;
         shaped(py, shape[..shape.len() - 1].to_vec(), logs.unwrap_or_default().concat())
-    }
-}
-
-pub(crate) fn motion(name: &str) -> PyResult<Quantity> {
-    match name {
-        "acceleration" => Ok(Quantity::Acceleration),
-        "velocity" => Ok(Quantity::Velocity),
-        "displacement" => Ok(Quantity::Displacement),
-        _ => Err(unknown("quantity", name, &["acceleration", "velocity", "displacement"])),
     }
 }

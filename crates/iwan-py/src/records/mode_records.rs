@@ -10,6 +10,7 @@ use pyo3::prelude::*;
 use pyo3::types::IntoPyDict;
 
 use crate::exchange::errors::{identification, value};
+use crate::exchange::options::unknown;
 use crate::records::record::Record;
 
 /// The record of one mode.
@@ -109,4 +110,14 @@ fn taken<'py>(record: &Bound<'py, PyAny>, dt: Option<f64>) -> PyResult<Bound<'py
     let options = [("dt", dt)].into_py_dict(py)?;
     let made = py.import(intern!(py, "iwan.records"))?.getattr(intern!(py, "as_record"))?;
     Ok(made.call((record,), Some(&options))?.cast_into()?)
+}
+
+/// A motion by its name.
+pub(crate) fn motion(name: &str) -> PyResult<curves::Quantity> {
+    match name {
+        "acceleration" => Ok(curves::Quantity::Acceleration),
+        "velocity" => Ok(curves::Quantity::Velocity),
+        "displacement" => Ok(curves::Quantity::Displacement),
+        _ => Err(unknown("quantity", name, &["acceleration", "velocity", "displacement"])),
+    }
 }
