@@ -273,3 +273,52 @@ fn a_decay_at_the_begin_of_a_long_record_is_found() {
         found.trusted
     );
 }
+
+/// Hum that is louder than the end of a decay is higher than the mode in the spectrum of the whole record. The mode goes on below it, and the record is not cut where the sum of both is steady.
+#[test]
+fn hum_that_is_louder_than_the_end_of_a_decay_does_not_end_it() {
+    let (dt, f, damping) = (1.0 / 2048.0, 6.9, 0.006);
+    let mut noise = noise(5);
+    let at = |t: f64| {
+        let mode = (-damping * TAU * f * t).exp() * (TAU * f * t).cos();
+        mode + 0.3 * (TAU * 50.01 * t).sin()
+    };
+    let x: Vec<f64> = (0..40_960).map(|n| at(f64::from(n) * dt) + 1e-4 * noise()).collect();
+    let found = envelope(&x, dt, Method::Hilbert, &Options::default()).unwrap();
+    assert!(found.trusted.1 > 14.0, "{:?} {:?}", found.trusted, found.notes);
+    assert!(
+        found.notes.iter().any(|n| n.contains("50.01") && n.contains("does not decay")),
+        "{:?}",
+        found.notes
+    );
+    for t in [2.0, 8.0, 14.0] {
+        let at = found.at(t).unwrap();
+        assert!(
+            (at.frequency / f - 1.0).abs() < 1e-3 && (at.damping_ratio / damping - 1.0).abs() < 0.02,
+            "{at:?}"
+        );
+    }
+}
+
+/// The mode that is highest in the spectrum of the whole record is taken; another one that is higher behind the blow is named, also where the one taken cannot be followed.
+#[test]
+fn a_mode_that_is_higher_behind_the_blow_is_named() {
+    let wave = |t: f64, a: f64, rate: f64, f: f64| a * (-rate * t).exp() * (TAU * f * t).cos();
+    let both = |t: f64| wave(t, 1.0, 6.0, 301.0) + wave(t, 0.1, 0.4, 80.0);
+    let found = found(&record(both));
+    assert!((found.frequency[0] - 80.0).abs() < 0.1, "{}", found.frequency[0]);
+    assert!(found.notes.iter().any(|n| n.contains("301.0") && n.contains("--mode")), "{:?}", found.notes);
+    let named = |options: &Options| {
+        let one = envelope(&record(both), DT, Method::Hilbert, options).unwrap();
+        one.notes.iter().any(|n| n.contains("--mode"))
+    };
+    assert!(!named(&Options { near: Some(80.0), ..Options::default() }));
+    // Of the mode at 12 Hz there are too few cycles.
+    let slow = |t: f64| wave(t, 1.0, 6.0, 301.0) + wave(t, 0.12, 0.4, 12.0);
+    let refused =
+        envelope(&record(slow)[..4000], DT, Method::Hilbert, &Options::default()).unwrap_err().to_string();
+    assert!(
+        refused.contains("of the mode at 11.9") && refused.contains("301.0") && refused.contains("--mode HZ"),
+        "{refused}"
+    );
+}

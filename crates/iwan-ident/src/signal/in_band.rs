@@ -7,7 +7,8 @@ use super::filter::{Butterworth, Passband};
 use super::first_peak::first_of_the_largest;
 use super::isolated::{CYCLES, Isolated};
 use super::raw::raw;
-use super::spectrum::{Band, automatic_band, given_band, goes_on};
+use super::spectrum::{Band, automatic_band, given_band, goes_on, is_steady};
+use super::survey::{band_near, spectral_peaks};
 use super::transients::{Ends, Gate};
 use crate::error::{Error, check, check_dt, check_samples};
 
@@ -23,6 +24,9 @@ const LEAST_WINDOW: usize = 16;
 
 /// Highest order that is taken: curves of more swing between the values that they go through, and degree 100 gave frequencies of megahertz. No record tried asked for more than 13.
 const MOST_ORDER: usize = 30;
+
+/// A mode of this part of the height of a steady tone is looked for in its place: lower ones are what any record of a shaker holds beside the tone that is meant. A judgement.
+const BESIDE_A_TONE: f64 = 0.1;
 
 /// Cycles of the blocks in which the energy behind the filter is followed. A judgement: one is less than the filter remembers.
 const BLOCK: f64 = 2.0;
@@ -84,18 +88,17 @@ pub(super) fn in_band(x: &[f64], dt: f64, options: &Options) -> Result<InBand, E
     if let Some(gone) = gone_by(x, 1).filter(|gone| !goes_on(&x[*gone..], dt, band.peak)) {
         let shorter = self::band(&x[..gone], dt, options);
         if let Some(found) = shorter.ok().filter(|_| gone >= SAMPLES) {
-            let seconds = gone as f64 * dt;
-            if goes_on(&x[gone..], dt, found.peak) {
-                notes.push(format!(
-                    "a line at {:.6} Hz that does not decay is louder than the mode behind {seconds:.6} s: the mode is looked for before",
-                    band.peak
-                ));
-            } else {
-                notes.push(format!("behind {seconds:.6} s there is nothing but noise: cut there"));
-                x = &x[..gone];
-            }
-            band = found;
+            notes.push(format!("behind {:.6} s there is nothing but noise: cut there", gone as f64 * dt));
+            (band, x) = (found, &x[..gone]);
         }
+    }
+    if let Some((found, tone)) =
+        beside_a_tone(x, dt, &band).filter(|_| options.band.is_none() && options.near.is_none())
+    {
+        notes.push(format!(
+            "a line at {tone:.6} Hz is highest and does not decay: the highest mode that does is taken (--mode {tone:.4} takes the line)"
+        ));
+        band = found;
     }
     let automatic = if options.band.is_none() { " (automatic)" } else { "" };
     notes
@@ -165,6 +168,16 @@ pub(crate) fn taken_as(mode: &Isolated, x: &[f64], options: &Options) -> Result<
         taken.without_transients(x, &ends, false)?;
     }
     Ok(Isolated { noise: mode.noise, scatter: mode.scatter, ..taken })
+}
+
+/// The band of the highest mode that decays, where the highest line of the spectrum is a tone that somebody drives, and the frequency of that line; none where it decays itself, or nothing
+/// else does that is not much lower.
+fn beside_a_tone(x: &[f64], dt: f64, band: &Band) -> Option<(Band, f64)> {
+    is_steady(x, dt, band.peak).then_some(())?;
+    let peaks = spectral_peaks(&[x], dt).ok()?;
+    let decays = peaks.iter().filter(|p| p.height > BESIDE_A_TONE && goes_on(x, dt, p.frequency));
+    let mode = decays.max_by(|a, b| a.height.total_cmp(&b.height))?;
+    Some((band_near(&[x], dt, mode.frequency).ok()?, band.peak))
 }
 
 fn band(x: &[f64], dt: f64, options: &Options) -> Result<Band, Error> {

@@ -57,7 +57,7 @@ fn louder(peaks: &[SpectralPeak], band: &Band) -> Option<f64> {
     let inside = |p: &&SpectralPeak| (band.low..=band.high).contains(&p.frequency);
     let own = peaks.iter().filter(inside).map(|p| p.height).fold(0.0, f64::max);
     let highest = peaks.iter().max_by(|a, b| a.height.total_cmp(&b.height))?;
-    (own > 0.0 && highest.height > LOUDER * own).then_some(highest.frequency)
+    (highest.height > LOUDER * own).then_some(highest.frequency)
 }
 
 /// A mode that is too short to be followed says so; if it was chosen by its height in the spectrum of the whole record, and another one is higher behind the loudest sample, that

@@ -37,6 +37,8 @@ const ABOVE_NOISE: f64 = 7.0;
 const NOISE: f64 = 0.1;
 /// … and falls to this part from one half of the samples to the other: less is a line that somebody drives. Judgements, not varied.
 const FALLS: f64 = 0.9;
+/// A tone that somebody drives differs by at most this between the halves, as a logarithm: a mode that differs by less tells next to nothing of its damping.
+const STEADY: f64 = 0.03;
 /// A peak needs this many cycles in the record: below lie offset and drift.
 const CYCLES: f64 = 5.0;
 
@@ -273,20 +275,43 @@ pub(super) fn given_band(x: &[f64], dt: f64, low: f64, high: f64) -> Result<Band
 
 /// Whether a line at this frequency (Hz) stands out of the noise in the first half of some samples, and is lower in the second: a decay that goes on.
 pub(super) fn goes_on(x: &[f64], dt: f64, frequency: f64) -> bool {
-    let halves = [&x[..x.len() / 2], &x[x.len() / 2..]];
-    if halves[0].len() < 16 {
+    if x.len() < 32 {
         return true;
     }
-    let [first, second] = halves.map(|half| Spectrum::new(half, dt));
-    let around = |spectrum: &Spectrum, part: f64, least: usize| {
-        let (at, reach) = (frequency / spectrum.step, (part * frequency / spectrum.step).max(least as f64));
-        let last = spectrum.lines.len() - 1;
-        spectrum.lines[((at - reach).max(0.0) as usize).min(last)..=((at + reach) as usize).min(last)]
-            .to_vec()
-    };
-    let highest = |spectrum: &Spectrum| around(spectrum, OWN, 3).into_iter().fold(0.0, f64::max);
-    let (height, noise) = (highest(&first), median(around(&first, NOISE, 20)));
-    height > ABOVE_NOISE * noise && highest(&second) < FALLS * height
+    let [first, second] = in_halves(x, dt, frequency);
+    first.height > ABOVE_NOISE * first.noise && second.height < FALLS * first.height
+}
+
+/// Whether a line at this frequency (Hz) stands out of the noise in both halves of some samples, as high in one as in the other.
+pub(super) fn is_steady(x: &[f64], dt: f64, frequency: f64) -> bool {
+    if x.len() < 32 {
+        return false;
+    }
+    let halves = in_halves(x, dt, frequency);
+    let [first, second] = &halves;
+    halves.iter().all(|h| h.height > ABOVE_NOISE * h.noise)
+        && (second.height / first.height).ln().abs() < STEADY
+}
+
+/// A line in a part of a record, and the noise around it.
+struct Around {
+    height: f64,
+    noise: f64,
+}
+
+/// The line at a frequency (Hz) in both halves of some samples.
+fn in_halves(x: &[f64], dt: f64, frequency: f64) -> [Around; 2] {
+    [&x[..x.len() / 2], &x[x.len() / 2..]].map(|half| {
+        let spectrum = Spectrum::new(half, dt);
+        let around = |part: f64, least: usize| {
+            let (at, reach) =
+                (frequency / spectrum.step, (part * frequency / spectrum.step).max(least as f64));
+            let last = spectrum.lines.len() - 1;
+            spectrum.lines[((at - reach).max(0.0) as usize).min(last)..=((at + reach) as usize).min(last)]
+                .to_vec()
+        };
+        Around { height: around(OWN, 3).into_iter().fold(0.0, f64::max), noise: median(around(NOISE, 20)) }
+    })
 }
 
 /// The line that carries most of a complex residual.
