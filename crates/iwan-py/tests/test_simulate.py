@@ -192,7 +192,7 @@ def test_the_lock_is_released_during_long_work(mode, blow):
 
 LONG = {
     "newmark": "iwan.simulate(mode, dt=1e-6, duration=25.0, initial=(1e-3, 0.0), sliders=None)",
-    "companion runs": "iwan.simulate([mode] * 2, dt=1e-6, duration=20.0, initial=(1e-3, 0.0), sliders=None, threads=2)",
+    "companion runs": "iwan.simulate([mode] * 2, dt=1e-6, duration=12.0, initial=(1e-3, 0.0), sliders=None, threads=2)",
     "event": "iwan.simulate(mode, method='event', sliders=2000, dt=1e-5, duration=60.0, initial=(1e-2, 0.0))",
     "history": "joint.force_history(np.tile([0.0, 1e-3, -1e-2], 40_000_000))",
 }
