@@ -132,7 +132,8 @@ pub fn free() -> Free {
     let mut system = System::new();
     system.refresh_memory_specifics(MemoryRefreshKind::nothing().with_ram());
     let machine = system.available_memory();
-    let machine = system.cgroup_limits().map_or(machine, |group| machine.min(group.free_memory));
+    let machine =
+        system.cgroup_limits().map_or(machine, |group| machine.min(left(group.total_memory, group.rss)));
     let mut free = Free { bytes: machine, bound: Bound::Machine };
     let (limit, address_space) = (limit(), address_space());
     if limit == u64::MAX && address_space == u64::MAX {
@@ -147,6 +148,12 @@ pub fn free() -> Free {
         }
     }
     free
+}
+
+/// What a control group may still take of its total, where processes of it hold `held`. Its own count of what is free takes the files that the system keeps in memory as used, though they make
+/// room: on a machine of 24 GB that had read 20 GB of files and used 0.9, a response of 2.9 GB was refused.
+fn left(total: u64, held: u64) -> u64 {
+    total.saturating_sub(held)
 }
 
 /// What this process has: memory in use, and addresses reserved.
@@ -230,4 +237,17 @@ pub fn ask(what: impl Into<String>, needed: u64, remedy: impl Into<String>) -> R
         return Ok(());
     }
     Err(Short { what: what.into(), needed, free, remedy: remedy.into() })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn files_that_the_system_keeps_are_no_memory_in_use() {
+        // 20 GB of files were read in a group of 24 GB whose processes hold 0.9.
+        assert_eq!(left(24_000_000_000, 900_000_000), 23_100_000_000);
+        assert_eq!(left(1_000_000_000, 2_000_000_000), 0);
+        assert!(free().bytes > 0);
+    }
 }
