@@ -76,30 +76,28 @@ pub(super) fn in_band(x: &[f64], dt: f64, options: &Options) -> Result<InBand, E
         check("order", order as f64, (1..=MOST_ORDER).contains(&order), &allowed, remedy)?;
     }
     let mut notes = Vec::new();
-    let mut band = band(x, dt, options)?;
+    let Chosen { mut band, mut tone } = chosen(x, dt, options)?;
     let end = stops_at(x, (0.5 / (band.peak * dt)).ceil() as usize).unwrap_or(x.len());
     if end < x.len() {
         notes.push(format!("the samples are constant from {:.6} s on: cut there", end as f64 * dt));
         check_samples("record before its constant tail", &x[..end], SAMPLES, "record longer")?;
-        band = self::band(&x[..end], dt, options)?;
+        Chosen { band, tone } = chosen(&x[..end], dt, options)?;
     }
     let mut x = &x[..end];
     // A spectrum of the whole record sees little of a decay at its very begin, and all of the noise.
     if let Some(gone) = gone_by(x, 1).filter(|gone| !goes_on(&x[*gone..], dt, band.peak)) {
-        let shorter = self::band(&x[..gone], dt, options);
+        let shorter = chosen(&x[..gone], dt, options);
         if let Some(found) = shorter.ok().filter(|_| gone >= SAMPLES) {
             notes.push(format!("behind {:.6} s there is nothing but noise: cut there", gone as f64 * dt));
-            (band, x) = (found, &x[..gone]);
+            Chosen { band, tone } = found;
+            x = &x[..gone];
         }
     }
-    if let Some((found, tone)) =
-        beside_a_tone(x, dt, &band).filter(|_| options.band.is_none() && options.near.is_none())
-    {
-        notes.push(format!(
+    notes.extend(tone.map(|tone| {
+        format!(
             "a line at {tone:.6} Hz is highest and does not decay: the highest mode that does is taken (--mode {tone:.4} takes the line)"
-        ));
-        band = found;
-    }
+        )
+    }));
     let automatic = if options.band.is_none() { " (automatic)" } else { "" };
     notes
         .push(format!("band {:.6} to {:.6} Hz{automatic}, peak at {:.6} Hz", band.low, band.high, band.peak));
@@ -170,14 +168,28 @@ pub(crate) fn taken_as(mode: &Isolated, x: &[f64], options: &Options) -> Result<
     Ok(Isolated { noise: mode.noise, scatter: mode.scatter, ..taken })
 }
 
-/// The band of the highest mode that decays, where the highest line of the spectrum is a tone that somebody drives, and the frequency of that line; none where it decays itself, or nothing
-/// else does that is not much lower.
-fn beside_a_tone(x: &[f64], dt: f64, band: &Band) -> Option<(Band, f64)> {
+/// A band, and the tone that is higher than its mode.
+struct Chosen {
+    band: Band,
+    tone: Option<f64>,
+}
+
+/// The band that is asked for; where none is, that of the highest mode that decays, if the highest line of the spectrum is a tone that somebody drives.
+fn chosen(x: &[f64], dt: f64, options: &Options) -> Result<Chosen, Error> {
+    let band = band(x, dt, options)?;
+    let is_automatic = options.band.is_none() && options.near.is_none();
+    let beside = if is_automatic { beside_a_tone(x, dt, &band) } else { None };
+    let tone = beside.map(|_| band.peak);
+    Ok(Chosen { band: beside.unwrap_or(band), tone })
+}
+
+/// The band of the highest mode that decays; none where the highest line decays itself, or nothing else does that is not much lower.
+fn beside_a_tone(x: &[f64], dt: f64, band: &Band) -> Option<Band> {
     is_steady(x, dt, band.peak).then_some(())?;
     let peaks = spectral_peaks(&[x], dt).ok()?;
     let decays = peaks.iter().filter(|p| p.height > BESIDE_A_TONE && goes_on(x, dt, p.frequency));
     let mode = decays.max_by(|a, b| a.height.total_cmp(&b.height))?;
-    Some((band_near(&[x], dt, mode.frequency).ok()?, band.peak))
+    band_near(&[x], dt, mode.frequency).ok()
 }
 
 fn band(x: &[f64], dt: f64, options: &Options) -> Result<Band, Error> {
