@@ -11,8 +11,8 @@ const PARTS: usize = 6;
 const DIED: f64 = 3.0;
 /// The line stands so many times out of those around it: noise lets it differ by a tenth then from one part to the other.
 const STANDS: f64 = 20.0;
-/// It differs by at most this from one part to the other, …
-const EVEN: f64 = 0.03;
+/// It differs by at most this from one part to the other, for a rest of the mode may beat with it, …
+const EVEN: f64 = 0.1;
 /// … and by so many times what stands around it: a normal variable's standard deviation is 0.85 medians of its magnitude in a plane.
 const SCATTER: f64 = 2.0;
 /// Lines to either side that the Hann window makes of one, and lines behind them of which the median is what stands around.
