@@ -121,3 +121,23 @@ fn what_cannot_be_used_is_named() {
     points[3].amplitude = f64::NAN;
     assert!(matches!(refused(&[SteadyData::Response(points)]), Error::OutOfRange { name: "amplitude", .. }));
 }
+
+/// Knees a little below the largest amplitude, which few points go beyond: between the knees that were tried lay the only ones that tell the curves, and a joint that sticks was found, with
+/// intervals that excluded the truth.
+#[test]
+fn a_knee_next_to_the_largest_amplitude_is_found() {
+    for force in [92.0, 96.0, 100.0, 105.0, 110.0, 120.0] {
+        for forces in [&[force][..], &[1.0, force]] {
+            let SteadyData::Response(points) = swept(forces, 0.0, 0.0, 1) else { unreachable!() };
+            let thin = SteadyData::Response(points.into_iter().step_by(3).collect());
+            let found = fit_steady(&[thin], None, &[]).unwrap();
+            let off = |p: Parameter| (found.parameters.get(p) / TRUTH.get(p) - 1.0).abs();
+            assert!(found.errors[0][0] < 1e-6, "{forces:?} {:?} {:?}", found.errors, found.parameters);
+            assert!(
+                off(Parameter::Frequency) < 1e-7 && off(Parameter::Chi) < 1e-4,
+                "{forces:?} {:?}",
+                found.parameters
+            );
+        }
+    }
+}

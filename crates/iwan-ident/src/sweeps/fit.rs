@@ -150,9 +150,14 @@ fn deepest<'a>(
 ) -> Result<(Task<'a>, Minimum), Error> {
     let shown: Vec<SteadyData> = shown(data).iter().map(thinned).collect();
     let rough = Task::new(&shown, None, &task.held, &starts[0]);
+    let largest = task.sets.iter().flat_map(|set| set.data.amplitudes()).fold(0.0, f64::max);
     let mut valleys: Vec<(f64, Parameters)> =
         starts.iter().flat_map(|start| along_knees(&rough, start)).collect();
     valleys.sort_by(|a, b| a.0.total_cmp(&b.0));
+    // A joint that sticks throughout is one valley, however far its knee lies.
+    let sticks = |p: &Parameters| p.model().is_ok_and(|(_, joint)| joint.phi_max() >= largest);
+    let mut seen = false;
+    valleys.retain(|(_, p)| !sticks(p) || !std::mem::replace(&mut seen, true));
     let follow = |(_, parameters): &(f64, Parameters)| {
         let mut task = task.clone();
         let mut x = task.coordinates(parameters).ok()?;

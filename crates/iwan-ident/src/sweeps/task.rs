@@ -22,8 +22,12 @@ const MOST_DRIFT: f64 = 0.1;
 const LEAST_ERROR: f64 = 1e-9;
 /// The knees that are tried, over the largest amplitude, …
 const KNEES: [f64; 2] = [0.05, 10.0];
-/// … and how many in a decade.
+/// … and how many in a decade; …
 const PER_DECADE: f64 = 8.0;
+/// … and more of them within this distance of the largest amplitude, as a logarithm, where few amplitudes lie beyond the knee: with eight in a decade a knee at 0.9 of the largest was
+/// passed over, and curves without noise were told by a joint that sticks, with 0.8 % of error and a frequency that their interval excluded.
+const NEAR: f64 = 0.7;
+const CLOSE_PER_DECADE: f64 = 40.0;
 /// Unknowns of a ring-down: ln of the release over the one found before, and its phase.
 const OWN: usize = 2;
 
@@ -104,8 +108,17 @@ impl<'a> Task<'a> {
     /// Knees through the whole range, the largest first.
     pub(super) fn knees(&self) -> Vec<f64> {
         let [low, high] = self.knee_range();
-        let count = ((high - low) / LN_10 * PER_DECADE).ceil() as usize;
-        (0..=count).map(|i| (high - i as f64 / PER_DECADE * LN_10).max(low)).collect()
+        let mut at = high;
+        let next = |at: f64| {
+            let near = at <= self.largest_knee() + NEAR && at > self.largest_knee() - NEAR;
+            at - LN_10 / if near { CLOSE_PER_DECADE } else { PER_DECADE }
+        };
+        let mut knees = vec![at];
+        while at > low {
+            at = next(at).max(low);
+            knees.push(at);
+        }
+        knees
     }
 
     /// The unknowns on which the sum of squares depends smoothly at `x`: not the knee, and not the Dirac where no amplitude reaches it.
