@@ -86,28 +86,23 @@ impl ModalFit {
         ))
     }
 
-    /// What is said where poles that were given near these frequencies (Hz) moved away from them: no mode stands there, or one that was not given is told by them.
+    /// What is said where poles that were given at these frequencies (Hz) moved away from them: no mode stands there, or one that was not given is told by them.
     #[must_use]
     pub fn moved_doubt(&self, given: &[f64]) -> Option<String> {
-        let mut given = given.to_vec();
-        given.sort_by(f64::total_cmp);
-        let moved = |(from, mode): (&f64, &Mode)| {
-            let far = (mode.frequency / from - 1.0).abs() > MOVED;
-            far.then(|| format!("{from:.2} Hz to {:.2} Hz", mode.frequency))
+        let off = |from: f64, mode: &Mode| (mode.frequency / from).ln().abs();
+        let moved = |from: &f64| {
+            let nearest = self.modes.iter().min_by(|a, b| off(*from, a).total_cmp(&off(*from, b)))?;
+            let is_far = off(*from, nearest) > MOVED;
+            is_far.then(|| format!("{from:.2} Hz (the nearest at {:.2} Hz)", nearest.frequency))
         };
-        let list: Vec<String> = given.iter().zip(&self.modes).filter_map(moved).collect();
-        (!list.is_empty()).then(|| {
-            format!(
-                "no mode stands where a pole was given: the fit moved it from {}",
-                list.join(", and from ")
-            )
-        })
+        let list: Vec<String> = given.iter().filter_map(moved).collect();
+        (!list.is_empty())
+            .then(|| format!("the fit has no mode where a pole was given, at {}", list.join(", at ")))
     }
 
     /// Modes that are probably parts of one: three and more of one shape that stand within their widths of one another, as linear modes tell a decay whose frequency changes with
     /// amplitude. Their indices, group by group.
-    #[must_use]
-    pub fn parts_of_one(&self) -> Vec<Vec<usize>> {
+    fn parts_of_one(&self) -> Vec<Vec<usize>> {
         let of_one = |a: &Mode, b: &Mode| {
             let half = |m: &Mode| m.frequency * m.damping_ratio;
             b.frequency - a.frequency < WITHIN * (half(a) + half(b)) && mac(&a.shape, &b.shape) > ONE_SHAPE

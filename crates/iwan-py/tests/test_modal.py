@@ -108,4 +108,4 @@ def test_poles_that_move_away_from_where_they_were_given_are_named():
     options = {"quantity": "displacement", "band": (50, 250), "order": 20}
     assert iwan.modal_fit(force, motion, 1 / RATE, poles=[90.2, 169.0], **options).remarks == []
     [remark] = iwan.modal_fit(force, motion, 1 / RATE, poles=[75.0, 170.0], **options).remarks
-    assert "moved it from 75.00 Hz to 90.00 Hz" in remark
+    assert "at 75.00 Hz (the nearest at 90.00 Hz)" in remark

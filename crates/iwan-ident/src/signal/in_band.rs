@@ -139,7 +139,7 @@ pub(super) fn behind_filter(
         scatter: 0.0,
         begin: 0,
         beside: None,
-        strangers: Vec::new(),
+        steady: Vec::new(),
     };
     mode.end_at_noise(must_decay)?;
     let Some(filter) = filter else { return Ok(InBand { mode, gate: None, of_record }) };
@@ -168,14 +168,14 @@ pub(crate) fn taken_as(mode: &Isolated, x: &[f64], options: &Options) -> Result<
     Ok(Isolated { noise: mode.noise, scatter: mode.scatter, ..taken })
 }
 
-/// A band, and the tone that is higher than its mode.
-struct Chosen {
-    band: Band,
+/// A band, and the frequency (Hz) of the tone that is higher than its mode.
+pub(super) struct Chosen {
+    pub(super) band: Band,
     tone: Option<f64>,
 }
 
 /// The band that is asked for; where none is, that of the highest mode that decays, if the highest line of the spectrum is a tone that somebody drives.
-fn chosen(x: &[f64], dt: f64, options: &Options) -> Result<Chosen, Error> {
+pub(super) fn chosen(x: &[f64], dt: f64, options: &Options) -> Result<Chosen, Error> {
     let band = band(x, dt, options)?;
     let is_automatic = options.band.is_none() && options.near.is_none();
     let beside = if is_automatic { beside_a_tone(x, dt, &band) } else { None };

@@ -1,9 +1,9 @@
 //! One mode out of a record that may hold others.
 
 use super::beside::others;
-use super::in_band::{InBand, Options, behind_filter, in_band};
+use super::in_band::{InBand, Options, behind_filter, chosen, in_band};
 use super::isolated::Isolated;
-use super::spectrum::{Band, automatic_band};
+use super::spectrum::{Band, is_steady};
 use super::survey::{SpectralPeak, spectral_peaks};
 use crate::error::Error;
 
@@ -36,10 +36,11 @@ pub fn isolate(x: &[f64], dt: f64, options: &Options) -> Result<Isolated, Error>
     }
     // A record too short for its spectrum is refused by now.
     let peaks = spectral_peaks(&[x], dt).unwrap_or_default();
-    mode.strangers = mode.intruders_among(&peaks, x).iter().map(ToString::to_string).collect();
+    let strangers = mode.intruders_among(&peaks, x);
+    mode.steady = strangers.iter().filter(|line| line.is_steady()).map(ToString::to_string).collect();
     mode.refuse_second_line().map_err(|e| mode.refused(e))?;
-    mode.notes.extend(mode.strangers.iter().cloned());
-    let louder = louder(&peaks, &mode.band).filter(|_| chooses(options));
+    mode.notes.extend(strangers.iter().map(ToString::to_string));
+    let louder = louder(&peaks, &mode.band).filter(|peak| chooses(options) && !is_steady(x, dt, *peak));
     mode.notes.extend(louder.map(|peak| {
         let note = "the mode of this band was chosen because it is highest in the spectrum of the whole record; behind the loudest sample the highest is that at";
         format!("{note} {peak:.2} Hz (--mode {peak:.2})")
@@ -65,10 +66,9 @@ fn louder(peaks: &[SpectralPeak], band: &Band) -> Option<f64> {
 fn beside_a_louder(error: Error, x: &[f64], dt: f64, options: &Options) -> Error {
     let Error::TooShort { what, found, needed, .. } = error else { return error };
     let peaks = spectral_peaks(&[x], dt).unwrap_or_default();
-    let chosen = automatic_band(x, dt, None).ok().filter(|_| chooses(options));
-    let Some((band, peak)) = chosen.and_then(|band| Some((band, louder(&peaks, &band)?))) else {
-        return error;
-    };
+    let band = chosen(x, dt, options).ok().filter(|_| chooses(options)).map(|chosen| chosen.band);
+    let louder = band.and_then(|band| Some((band, louder(&peaks, &band)?)));
+    let Some((band, peak)) = louder.filter(|(_, peak)| !is_steady(x, dt, *peak)) else { return error };
     Error::Refused {
         finding: format!(
             "{what}: {found} found, at least {needed} needed, of the mode at {:.2} Hz, which is highest in the spectrum of the whole record. Behind the loudest sample the highest is \

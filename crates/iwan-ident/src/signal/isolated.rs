@@ -38,7 +38,7 @@ const ABOVE_NOISE: f64 = 5.0;
 /// leave 3 %, and 24 allowed take twelve or thirteen.
 pub(crate) const MAX_ORDER: usize = 12;
 
-/// What helps where a line stands in the band.
+/// What helps where a line that does not decay stands in the band.
 const BEFORE: &str =
     "end the record where the mode is still much louder than that line (--to), or record without it";
 
@@ -66,8 +66,8 @@ pub struct Isolated {
     pub(crate) begin: usize,
     /// What other modes had in the band before they were taken out of the record; none where none were.
     pub(crate) beside: Option<Vec<f64>>,
-    /// What stands in the band and is not of the mode, in words.
-    pub(super) strangers: Vec<String>,
+    /// What does not decay in the band or next to it, in words.
+    pub(super) steady: Vec<String>,
 }
 
 /// Some samples of a mode.
@@ -96,9 +96,9 @@ impl Isolated {
         (self.time(self.window.start), self.time(self.window.end - 1))
     }
 
-    /// The reason why a mode could not be followed; lines in its band that are not of it belong to that.
+    /// The reason why a mode could not be followed; lines that do not decay belong to that.
     pub(crate) fn refused(&self, error: Error) -> Error {
-        let lines = self.strangers.join(", and ");
+        let lines = self.steady.join(", and ");
         match error {
             Error::TooShort { what, found, needed, .. } if !lines.is_empty() => Error::Refused {
                 finding: format!(

@@ -28,7 +28,9 @@ pub(crate) use in_band::taken_as;
 pub use isolate::isolate;
 pub(crate) use isolated::HARDLY;
 pub use isolated::Isolated;
-pub use spectrum::{Band, SpectralLine, amplitude_spectrum, automatic_band};
+pub use spectrum::{
+    Band, SpectralLine, amplitude_spectrum, automatic_band, half_power_width, is_peak, vertex,
+};
 pub use spot::{Spot, spot};
 pub use strangers::Intruder;
 pub use survey::{

@@ -105,15 +105,12 @@ impl Spectrum {
     }
 
     fn is_peak(&self, k: usize) -> bool {
-        self.lines[k] > self.lines[k - 1] && self.lines[k] >= self.lines[k + 1]
+        is_peak(&self.lines, k)
     }
 
     /// Frequency of the peak at line `k`, by a parabola through the logarithms.
     fn frequency(&self, k: usize) -> f64 {
-        let [a, b, c] = [k - 1, k, k + 1].map(|k| self.lines[k].max(f64::MIN_POSITIVE).ln());
-        let curvature = a - 2.0 * b + c;
-        let shift = if curvature < 0.0 { (0.5 * (a - c) / curvature).clamp(-0.5, 0.5) } else { 0.0 };
-        (k as f64 + shift) * self.step
+        vertex(&self.lines, k) * self.step
     }
 
     /// Nearest peak on one side of line `k` that stands by itself: high enough, with a valley of half its height before.
@@ -131,8 +128,53 @@ impl Spectrum {
     }
 }
 
+/// Whether a line of a spectrum is higher than the one before it, and no lower than the one behind; `k` is neither the first nor the last.
+#[must_use]
+pub fn is_peak(lines: &[f64], k: usize) -> bool {
+    lines[k] > lines[k - 1] && lines[k] >= lines[k + 1]
+}
+
+/// Place of the maximum about a peak at line `k`, in lines, by a parabola through the logarithms of three: for magnitudes and powers alike, exact for a Gaussian.
+///
+/// ```
+/// let lines: Vec<f64> = (0..9).map(|k| (-0.3 * (f64::from(k) - 4.2_f64).powi(2)).exp()).collect();
+/// assert!(iwan_ident::signal::is_peak(&lines, 4));
+/// assert!((iwan_ident::signal::vertex(&lines, 4) - 4.2).abs() < 1e-12);
+/// ```
+#[must_use]
+pub fn vertex(lines: &[f64], k: usize) -> f64 {
+    let [a, b, c] = [k - 1, k, k + 1].map(|k| lines[k].max(f64::MIN_POSITIVE).ln());
+    let curvature = a - 2.0 * b + c;
+    let shift = if curvature < 0.0 { (0.5 * (a - c) / curvature).clamp(-0.5, 0.5) } else { 0.0 };
+    k as f64 + shift
+}
+
+/// Lines between the half-power points of a peak at line `k` of a power spectrum, by straight lines between the lines; where one side turns up again before it
+/// falls so far, twice the other side. None where neither side falls to a half.
+#[must_use]
+pub fn half_power_width(power: &[f64], k: usize) -> Option<f64> {
+    let half = 0.5 * power[k];
+    let side = |lines: &mut dyn Iterator<Item = usize>| {
+        let mut last = power[k];
+        for (n, i) in lines.enumerate() {
+            if power[i] <= half {
+                return Some(n as f64 + (last - half) / (last - power[i]));
+            }
+            if power[i] > last {
+                return None;
+            }
+            last = power[i];
+        }
+        None
+    };
+    match (side(&mut (0..k).rev()), side(&mut (k + 1..power.len()))) {
+        (Some(a), Some(b)) => Some(a + b),
+        (one, other) => one.or(other).map(|side| 2.0 * side),
+    }
+}
+
 /// The middle one of some lines, of which there is one at least.
-fn median(mut lines: Vec<f64>) -> f64 {
+pub(super) fn median(mut lines: Vec<f64>) -> f64 {
     let middle = lines.len() / 2;
     *lines.select_nth_unstable_by(middle, f64::total_cmp).1
 }

@@ -1,5 +1,7 @@
 //! Whether a peak stands at one frequency in all hits: what warms up, loosens or was taken apart between hits moves it.
 
+use iwan_ident::signal::{half_power_width, is_peak, vertex};
+
 use crate::number::median;
 
 /// Peaks that are compared: the highest of the first hit.
@@ -56,10 +58,6 @@ pub(super) fn shift(spectra: &[Vec<f64>]) -> Option<Shift> {
     candidates.into_iter().take(PEAKS).filter_map(moved).max_by(|a, b| parts(a).total_cmp(&parts(b)))
 }
 
-fn is_peak(x: &[f64], k: usize) -> bool {
-    x[k] > x[k - 1] && x[k] >= x[k + 1]
-}
-
 /// The highest peak about a line; none where it is not alone, or hardly stands out.
 fn highest_near(x: &[f64], line: usize, highest: f64) -> Option<Peak> {
     let reach = ((ALONE * line as f64).ceil() as usize).max(8);
@@ -73,37 +71,23 @@ fn highest_near(x: &[f64], line: usize, highest: f64) -> Option<Peak> {
     if !is_alone || !stands || top == near.start || top + 1 == near.end {
         return None;
     }
-    let half = x[top] * std::f64::consts::FRAC_1_SQRT_2;
-    let side = |lines: &mut dyn Iterator<Item = usize>| {
-        let mut last = x[top];
-        for (n, k) in lines.enumerate() {
-            if x[k] <= half {
-                return Some(n as f64 + (last - half) / (last - x[k]));
-            }
-            last = x[k];
-        }
-        None
-    };
-    let width = side(&mut (0..top).rev())? + side(&mut (top + 1..x.len()))?;
-    let [a, b, c] = [top - 1, top, top + 1].map(|k| x[k].max(f64::MIN_POSITIVE).ln());
-    let curvature = a - 2.0 * b + c;
-    let aside = if curvature < 0.0 { (0.5 * (a - c) / curvature).clamp(-0.5, 0.5) } else { 0.0 };
-    Some(Peak { line: top as f64 + aside, height: x[top] / highest, width })
+    let power: Vec<f64> = x.iter().map(|x| x * x).collect();
+    Some(Peak { line: vertex(x, top), height: x[top] / highest, width: half_power_width(&power, top)? })
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
 
-    /// Magnitudes of two modes at these lines, with this half width each.
-    fn spectrum(modes: [f64; 2], half: f64) -> Vec<f64> {
+    /// Magnitudes of two modes at these lines, with this half width each, the second so many times as high.
+    fn spectrum(modes: [f64; 2], half: f64, second: f64) -> Vec<f64> {
         let mode = |k: f64, at: f64| 1.0 / ((k - at).powi(2) + half * half).sqrt();
-        (0..2000).map(|k| mode(f64::from(k), modes[0]) + 0.3 * mode(f64::from(k), modes[1])).collect()
+        (0..2000).map(|k| mode(f64::from(k), modes[0]) + second * mode(f64::from(k), modes[1])).collect()
     }
 
     #[test]
     fn a_mode_that_moves_between_hits_is_found() {
-        let spectra = [[300.0, 900.0], [301.0, 912.0], [302.0, 908.0]].map(|m| spectrum(m, 4.0));
+        let spectra = [[300.0, 900.0], [301.0, 912.0], [302.0, 908.0]].map(|m| spectrum(m, 4.0, 0.3));
         let found = shift(&spectra).unwrap();
         assert_eq!(found.hits, [0, 1]);
         assert!((found.lines[1] - found.lines[0] - 12.0).abs() < 0.1 && (found.width - 8.0).abs() < 0.2);
@@ -111,9 +95,11 @@ mod tests {
 
     #[test]
     fn modes_that_stay_or_stand_beside_others_are_none() {
-        assert!(shift(&[[300.0, 900.0], [301.0, 902.0]].map(|m| spectrum(m, 4.0))).is_none());
-        // Two modes in each hit, of which one may be higher in one and the other in the other.
-        assert!(shift(&[[300.0, 306.0], [300.0, 306.0]].map(|m| spectrum(m, 1.0))).is_none());
+        assert!(shift(&[[300.0, 900.0], [301.0, 902.0]].map(|m| spectrum(m, 4.0, 0.3))).is_none());
+        // Two modes next to each other, of which one is higher in one hit and the other in the other; one of them alone would have moved.
+        let beside = |second| spectrum([300.0, 308.0], 1.0, second);
+        assert!(shift(&[beside(0.8), beside(1.25)]).is_none());
+        assert!(shift(&[beside(0.1), beside(10.0)]).is_some());
         assert!(shift(&[vec![1.0; 100], vec![1.0; 100]]).is_none());
         assert!(shift(&[vec![], vec![]]).is_none());
     }

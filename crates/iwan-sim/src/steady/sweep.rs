@@ -69,7 +69,7 @@ impl Sweep {
     /// Points per level at least: with fewer the two sides of a resonance are corners.
     pub const LEAST_POINTS: usize = 16;
 
-    /// Points per level at most: a thousand times what a picture shows. They take a second and 100 MB a level and harmonic.
+    /// Points per level at most: a thousand times what a picture shows. They take 0.3 s and 100 MB a level.
     pub const MOST_POINTS: usize = 1_000_000;
 
     /// Points per level unless the user says otherwise: a resonance looks smooth at any width of a page.

@@ -41,6 +41,13 @@ pub enum Intruder {
     },
 }
 
+impl Intruder {
+    /// Whether it is a line that does not decay.
+    pub(in crate::signal) fn is_steady(&self) -> bool {
+        !matches!(self, Self::Harmonic { .. })
+    }
+}
+
 impl std::fmt::Display for Intruder {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         match self {

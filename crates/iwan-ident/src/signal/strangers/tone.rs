@@ -1,7 +1,7 @@
 //! A line in a mode's band, or next to it, that is still there when the mode has died away, and does not decay.
 
 use crate::signal::isolated::Isolated;
-use crate::signal::spectrum::amplitude_spectrum;
+use crate::signal::spectrum::{amplitude_spectrum, is_peak, median, vertex};
 
 use super::mains::{BESIDE, is_multiple};
 
@@ -22,36 +22,29 @@ const AROUND: usize = 12;
 /// Frequency (Hz) and amplitude of the highest steady line in the band of a mode, or next to it, that was taken out of the record `x`; none of the mains, which is named as such.
 pub(super) fn tone(mode: &Isolated, x: &[f64]) -> Option<(f64, f64)> {
     let length = x.len() / PARTS;
-    let part = |n: usize| amplitude_spectrum(&x[n * length..(n + 1) * length], mode.dt).ok();
+    let step = 1.0 / (length as f64 * mode.dt);
+    let part = |n: usize| -> Option<Vec<f64>> {
+        let lines = amplitude_spectrum(&x[n * length..(n + 1) * length], mode.dt).ok()?;
+        Some(lines.iter().map(|line| line.amplitude).collect())
+    };
     let (before, last) = (part(PARTS - 2)?, part(PARTS - 1)?);
-    let step = last[1].frequency;
     let beside = BESIDE * mode.band.peak;
     let inside = |k: usize| (mode.band.low - beside..=mode.band.high + beside).contains(&(k as f64 * step));
-    let amplitude = |k: usize| last[k].amplitude;
     let highest = (AROUND..last.len().saturating_sub(AROUND))
-        .filter(|&k| inside(k) && amplitude(k) > amplitude(k - 1) && amplitude(k) >= amplitude(k + 1))
-        .max_by(|&i, &j| amplitude(i).total_cmp(&amplitude(j)))?;
-    let around = |side: fn(usize, usize) -> usize| {
-        let mut lines: Vec<f64> = (OWN..AROUND).map(|k| amplitude(side(highest, k))).collect();
-        let middle = lines.len() / 2;
-        *lines.select_nth_unstable_by(middle, f64::total_cmp).1
-    };
-    let around = around(|k, n| k - n).max(around(|k, n| k + n));
+        .filter(|&k| inside(k) && is_peak(&last, k))
+        .max_by(|&i, &j| last[i].total_cmp(&last[j]))?;
+    let below = median(last[highest - AROUND..=highest - OWN].to_vec());
+    let around = median(last[highest + OWN..=highest + AROUND].to_vec()).max(below);
     // By the energy of three lines, which hangs little on where the tone lies between them.
-    let size = |lines: &[crate::signal::SpectralLine]| {
-        lines[highest - 1..=highest + 1].iter().map(|l| l.amplitude.powi(2)).sum::<f64>().sqrt()
-    };
+    let size = |lines: &[f64]| lines[highest - 1..=highest + 1].iter().map(|l| l * l).sum::<f64>().sqrt();
     let (ends, now) = (size(&before), size(&last));
-    let steady = (ends / now).ln().abs() < EVEN + SCATTER * around / now;
-    let loudest = (0..PARTS - 2)
-        .filter_map(part)
-        .map(|lines| (0..lines.len()).filter(|&k| inside(k)).map(|k| lines[k].amplitude).fold(0.0, f64::max));
-    let died = loudest.fold(0.0, f64::max) > DIED * amplitude(highest);
-    let shares = [highest - 1, highest, highest + 1].map(|k| (k as f64 * step, amplitude(k).powi(2)));
-    let weight: f64 = shares.iter().map(|(_, w)| w).sum();
-    let frequency = shares.iter().map(|(f, w)| f * w).sum::<f64>() / weight;
-    (steady && died && amplitude(highest) > STANDS * around && !is_multiple(frequency, step))
-        .then_some((frequency, amplitude(highest)))
+    let is_steady = (ends / now).ln().abs() < EVEN + SCATTER * around / now;
+    let in_band =
+        |lines: Vec<f64>| (0..lines.len()).filter(|&k| inside(k)).map(|k| lines[k]).fold(0.0, f64::max);
+    let loudest = (0..PARTS - 2).filter_map(part).map(in_band).fold(0.0, f64::max);
+    let (frequency, amplitude) = (vertex(&last, highest) * step, last[highest]);
+    let stands = amplitude > STANDS * around && loudest > DIED * amplitude;
+    (is_steady && stands && !is_multiple(frequency, step)).then_some((frequency, amplitude))
 }
 
 #[cfg(test)]
@@ -89,7 +82,7 @@ mod tests {
                 let [Intruder::Tone { frequency, amplitude }] = found[..] else {
                     panic!("{offset} {noise}: {found:?}")
                 };
-                assert!((frequency - 139.74 - offset).abs() < 0.2, "{offset}: {frequency}");
+                assert!((frequency - 139.74 - offset).abs() < 0.03, "{offset}: {frequency}");
                 assert!((amplitude / 2e-3 - 1.0).abs() < 0.15, "{offset}: {amplitude}");
                 assert!(mode.notes.contains(&found[0].to_string()), "{:?}", mode.notes);
             }

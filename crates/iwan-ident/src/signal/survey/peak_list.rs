@@ -2,7 +2,7 @@
 
 use super::ring::{RingSpectrum, Window, decay_rate};
 use crate::error::{Error, check};
-use crate::signal::spectrum::{Band, Neighbour, STRONG};
+use crate::signal::spectrum::{Band, Neighbour, STRONG, half_power_width};
 
 /// A peak stands out of the noise when its amplitude is this many times the median of it around: of a million lines of noise the highest
 /// reaches 4.5 times, and a median of some tens of independent lines is a fifth off.
@@ -235,29 +235,6 @@ fn lowest_on_the_way<'a>(power: impl Iterator<Item = &'a f64>) -> Vec<f64> {
         lowest
     };
     power.map(way).collect()
-}
-
-/// Lines between the half-power points, by straight lines between the lines of the spectrum; where one side turns up again before it
-/// falls so far, twice the other side.
-fn half_power_width(power: &[f64], k: usize) -> Option<f64> {
-    let half = 0.5 * power[k];
-    let side = |lines: &mut dyn Iterator<Item = usize>| {
-        let mut last = power[k];
-        for (n, i) in lines.enumerate() {
-            if power[i] <= half {
-                return Some(n as f64 + (last - half) / (last - power[i]));
-            }
-            if power[i] > last {
-                return None;
-            }
-            last = power[i];
-        }
-        None
-    };
-    match (side(&mut (0..k).rev()), side(&mut (k + 1..power.len()))) {
-        (Some(a), Some(b)) => Some(a + b),
-        (one, other) => one.or(other).map(|side| 2.0 * side),
-    }
 }
 
 #[cfg(test)]

@@ -6,6 +6,7 @@ use rustfft::FftPlanner;
 use rustfft::num_complex::Complex64;
 
 use crate::error::{Error, check_dt, check_samples};
+use crate::signal::spectrum::{is_peak, vertex};
 
 /// Samples that a record needs behind its loudest one.
 const LEAST: usize = 64;
@@ -58,14 +59,11 @@ impl RingSpectrum {
 
     /// Frequency of the peak at line `k`, by a parabola through the logarithms.
     pub(super) fn frequency(&self, k: usize) -> f64 {
-        let [a, b, c] = [k - 1, k, k + 1].map(|k| self.power[k].max(f64::MIN_POSITIVE).ln());
-        let curvature = a - 2.0 * b + c;
-        let shift = if curvature < 0.0 { (0.5 * (a - c) / curvature).clamp(-0.5, 0.5) } else { 0.0 };
-        (k as f64 + shift) * self.step
+        vertex(&self.power, k) * self.step
     }
 
     pub(super) fn is_peak(&self, k: usize) -> bool {
-        self.power[k] > self.power[k - 1] && self.power[k] >= self.power[k + 1]
+        is_peak(&self.power, k)
     }
 }
 
