@@ -15,6 +15,7 @@ mod search;
 mod outcome;
 mod informed;
 mod loads;
+mod intervals;
 mod fit;
 
 pub use fit::fit_coupled;

@@ -22,6 +22,9 @@ const SEARCHED: usize = 20;
 /// Searches of [`LAST`] at most that go on from the last window where it ended before its minimum; not varied. A model that is not at its
 /// minimum after all of them says so (`converged`).
 const FURTHER: usize = 4;
+/// What white noise leaves: neighbours that agree widen variances by less than this. Hann's windows that overlap by half share a sixth of their
+/// variance, which makes 1.4.
+const WHITE: f64 = 2.0;
 
 /// The unknowns that tell the records best. The whole of them is taken in the end.
 pub(super) fn grown(model: &mut CoupledModel<'_>, starts: &[Vec<f64>]) -> Result<Found, Error> {
@@ -91,6 +94,11 @@ pub(super) fn reweight(model: &mut CoupledModel<'_>, found: &Found) {
     for (series, relative) in model.series.iter_mut().zip(all) {
         series.deviation = (relative.max(floor) * series.size).max(f64::MIN_POSITIVE);
     }
+}
+
+/// Whether neighbours that widen variances so much agree no more than those of white noise.
+pub(super) fn is_white(inflation: f64) -> bool {
+    inflation <= WHITE
 }
 
 /// Deviations of the series in their unit, and how much neighbours agree: of a mode's windows each part of the complex amplitude with the same
