@@ -458,3 +458,16 @@ fn sliders_in_place_of_the_continuum_exclude_no_truth() {
         assert!(told || !(500.0..2000.0).contains(&amplitude), "{sliders} {amplitude} {seconds}");
     }
 }
+
+/// A tone of a shaker that falls by half a per cent in four seconds: linear, Iwan and every other law follow it, so that none is told.
+#[test]
+fn a_tone_that_hardly_falls_is_refused() {
+    let dt = 1e-3;
+    let tone = |n: u32| (1.0 - 0.005 * f64::from(n) / 4000.0) * (345.0 * f64::from(n) * dt).sin();
+    let clean: Vec<f64> = (0..4000).map(tone).collect();
+    for samples in [&clean, &noisy(&clean, 50.0, 5)] {
+        let record = ModeRecord { samples, dt, quantity: Quantity::Acceleration };
+        let refused = identify(&[record], &Settings::default()).unwrap_err().to_string();
+        assert!(refused.contains("the amplitude changes by 0.") && refused.contains("driven"), "{refused}");
+    }
+}

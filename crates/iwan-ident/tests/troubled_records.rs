@@ -231,6 +231,24 @@ fn silence_noise_and_steady_vibration_are_refused() {
     assert!(refused(&x).contains("record[100]"));
 }
 
+/// A mode of 80 Hz and 1 % damping under white noise, as under traffic or wind: no part of it is a free decay. "Record longer" and "name the mode" were the remedies.
+#[test]
+fn vibration_under_random_forces_is_named() {
+    let (rate, turn) = (-0.01 * OMEGA * DT, OMEGA * DT);
+    let (a, b) = (2.0 * rate.exp() * turn.cos(), -(2.0 * rate).exp());
+    for seed in 1..9 {
+        let mut force = noise(seed);
+        let (mut before, mut last) = (0.0, 0.0);
+        let mut next = || {
+            (before, last) = (last, a * last + b * before + force());
+            last
+        };
+        let x: Vec<f64> = (0..45_000).map(|_| next()).skip(4_000).collect();
+        let refused = envelope(&x, DT, Method::Hilbert, &Options::default()).unwrap_err().to_string();
+        assert!(refused.contains("rises slowly") || refused.contains("two components"), "{seed}: {refused}");
+    }
+}
+
 #[test]
 fn a_short_record_is_refused_with_the_number_of_cycles() {
     let x = record(decay);

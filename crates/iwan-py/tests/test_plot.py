@@ -233,3 +233,17 @@ def test_envelopes_say_what_they_are_of():
     drawn = [iwan.plot.frequency(envelope, quantity=quantity).lines[0].get_xdata() for quantity in (None, "velocity")]
     np.testing.assert_array_equal(*drawn)
     assert drawn[0].max() > 10 * iwan.plot.frequency(envelope, quantity="acceleration").lines[0].get_xdata().max()
+
+
+def test_envelopes_have_their_band_and_axes_are_those_of_the_points():
+    envelope = iwan.envelope(iwan.Record(RESPONSE.acceleration[20:], dt=1e-4, quantity="acceleration"))
+    _, ax = pyplot.subplots()
+    iwan.plot.damping(envelope, ax=ax)
+    (band,) = ax.collections
+    outline = band.get_paths()[0].vertices[: 2 * len(envelope)]
+    upper, lower = outline[: len(envelope), 1], outline[len(envelope) :, 1][::-1]
+    np.testing.assert_allclose(upper, 100 * (envelope.damping_ratio + 1.96 * envelope.damping_ratio_sd), rtol=1e-12)
+    np.testing.assert_allclose(lower, 100 * (envelope.damping_ratio - 1.96 * envelope.damping_ratio_sd), rtol=1e-12)
+    points = ax.lines[0].get_ydata()
+    low, high = ax.get_ylim()
+    assert low < points.min() and high > points.max() and high / low < 2 * points.max() / points.min()

@@ -1,11 +1,11 @@
 //! A record prepared for the comparison with a model, and the model's curves taken as the record's were.
 
 use super::settings::{ModeRecord, Settings};
-use crate::curves::{Curves, ForceAxis};
+use crate::curves::{Curves, ForceAxis, lost};
 use crate::error::Error;
 use crate::parameters::Parameters;
 use crate::refine::{RingDown, Sampling, TurningPoint, check_rate};
-use crate::signal::{Band, Envelope, Isolated, hits, isolate, taken_as};
+use crate::signal::{Band, Envelope, HARDLY, Isolated, hits, isolate, taken_as};
 
 /// A record with its mode taken out, its curves, and the samples that are compared with the model.
 pub(super) struct Prepared<'a> {
@@ -29,6 +29,16 @@ impl<'a> Prepared<'a> {
         check_rate(1.0 / (isolated.band.peak * record.dt))?;
         let envelope = isolated.envelope(settings.method, settings.options.order)?;
         let curves = Curves::new(&envelope, record.quantity, ForceAxis::Modal)?;
+        let lost = lost([&curves]);
+        if lost < HARDLY {
+            return Err(Error::Refused {
+                finding: format!(
+                    "the amplitude changes by {:.2} % in all: a tone that is driven, or a record too short to tell its damping",
+                    100.0 * lost
+                ),
+                remedy: "record longer, or what is behind the end of the drive",
+            });
+        }
         let automatic = settings.options.band.is_none() && settings.options.window.is_none();
         let raw = settings.options.filter_order == 0 || (automatic && isolated.is_alone(record.samples));
         let (stretch, beside, first, band) = if raw {

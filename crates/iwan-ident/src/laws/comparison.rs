@@ -15,7 +15,7 @@ use super::slow::{
 };
 use super::terms::{Scales, Term, coordinates};
 use crate::curve_fit::{Compared, Grade, Verdict};
-use crate::curves::Curves;
+use crate::curves::{Curves, lost};
 use crate::error::{Error, check};
 use crate::parameters::Parameters;
 use crate::signal::HARDLY;
@@ -89,9 +89,7 @@ struct Together {
 /// [`Error::TooShort`] for a record of fewer than a dozen cycles; [`Error::Refused`] where no smooth curves follow a record, or where all together see less than 2 % of amplitude.
 pub fn compare(sources: &[Source<'_>], iwan: Option<&Parameters>) -> Result<Comparison, Error> {
     check("records", sources.len() as f64, !sources.is_empty(), "at least one", "give a record")?;
-    let seen = sources.iter().flat_map(|s| &s.curves.displacement);
-    let (least, most) = seen.fold((f64::INFINITY, 0.0_f64), |(a, b), x| (a.min(*x), b.max(*x)));
-    let lost = 1.0 - least / most;
+    let lost = lost(sources.iter().map(|s| s.curves));
     if lost < HARDLY {
         return Err(Error::Refused {
             finding: format!("over {:.2} % of amplitude all laws look alike", 100.0 * lost),

@@ -8,7 +8,7 @@ use super::first_peak::first_of_the_largest;
 use super::isolated::{CYCLES, Isolated};
 use super::raw::raw;
 use super::spectrum::{Band, automatic_band, given_band, goes_on, is_steady};
-use super::survey::{band_near, spectral_peaks};
+use super::survey::{band_near, slow_rises, spectral_peaks};
 use super::transients::{Ends, Gate};
 use crate::error::{Error, check, check_dt, check_samples};
 
@@ -166,6 +166,13 @@ pub(crate) fn taken_as(mode: &Isolated, x: &[f64], options: &Options) -> Result<
         taken.without_transients(x, &ends, false)?;
     }
     Ok(Isolated { noise: mode.noise, scatter: mode.scatter, ..taken })
+}
+
+/// How often the amplitude in the band of a record rises again, slowly, and the band's peak, Hz; none where there is no such band.
+pub(super) fn rises(x: &[f64], dt: f64, options: &Options) -> Option<(usize, f64)> {
+    let band = chosen(x, dt, options).ok()?.band;
+    let samples = filtered(x, dt, band, options).ok()?.samples;
+    Some((slow_rises(&samples, (1.0 / (band.peak * dt)).round() as usize), band.peak))
 }
 
 /// A band, and the frequency (Hz) of the tone that is higher than its mode.

@@ -1,7 +1,7 @@
 //! One mode out of a record that may hold others.
 
 use super::beside::others;
-use super::in_band::{InBand, Options, behind_filter, chosen, in_band};
+use super::in_band::{InBand, Options, behind_filter, chosen, in_band, rises};
 use super::isolated::Isolated;
 use super::spectrum::{Band, is_steady};
 use super::survey::{SpectralPeak, spectral_peaks};
@@ -10,6 +10,9 @@ use crate::error::Error;
 /// A peak behind the loudest sample that is so many times as high as the mode chosen is named: the two spectra weight the record differently, and modes of about the same height change
 /// places. A judgement.
 const LOUDER: f64 = 1.5;
+
+/// An amplitude that rises slowly so many times is driven all the time: once it does so where a resonance builds up before its decay.
+const AGAIN: usize = 2;
 
 /// Takes one mode out of a uniformly sampled record `x` (any unit, every `dt` seconds).
 ///
@@ -21,7 +24,9 @@ const LOUDER: f64 = 1.5;
 /// [`Error::TooShort`], [`Error::NotFinite`], [`Error::OutOfRange`].
 pub fn isolate(x: &[f64], dt: f64, options: &Options) -> Result<Isolated, Error> {
     let found = in_band(x, dt, options);
-    let InBand { mut mode, gate, of_record } = found.map_err(|e| beside_a_louder(e, x, dt, options))?;
+    let InBand { mut mode, gate, of_record } = found.map_err(|e| {
+        driven_throughout(&e, x, dt, options).unwrap_or_else(|| beside_a_louder(e, x, dt, options))
+    })?;
     let x = &x[..mode.samples.len()];
     let beside = gate.filter(|_| !mode.is_alone(x)).and_then(|gate| others(x, &mode, &gate, options));
     if let Some(beside) = beside {
@@ -59,6 +64,20 @@ fn louder(peaks: &[SpectralPeak], band: &Band) -> Option<f64> {
     let own = peaks.iter().filter(inside).map(|p| p.height).fold(0.0, f64::max);
     let highest = peaks.iter().max_by(|a, b| a.height.total_cmp(&b.height))?;
     (highest.height > LOUDER * own).then_some(highest.frequency)
+}
+
+/// Why a mode that comes and goes cannot be followed; none where it does not.
+fn driven_throughout(error: &Error, x: &[f64], dt: f64, options: &Options) -> Option<Error> {
+    let of_record = matches!(error, Error::TooShort { .. } | Error::Refused { .. });
+    let (rises, peak) = rises(x, dt, options).filter(|(rises, _)| of_record && *rises >= AGAIN)?;
+    Some(Error::Refused {
+        finding: format!(
+            "the amplitude at {peak:.4} Hz rises slowly, {rises} times in {:.1} s, where that of a ring-down falls: it is driven all the time, as by traffic, wind or a machine, or modes \
+             beat",
+            x.len() as f64 * dt
+        ),
+        remedy: "record a free decay, as behind a hit, a pluck or a shaker that is switched off, or cut one out of the record (--from, --to)",
+    })
 }
 
 /// A mode that is too short to be followed says so; if it was chosen by its height in the spectrum of the whole record, and another one is higher behind the loudest sample, that

@@ -43,6 +43,8 @@ __all__ = [
 
 _MEASURED: dict[str, Any] = {"marker": ".", "markersize": 4, "linestyle": "none"}
 _MODEL: dict[str, Any] = {"color": "black", "linewidth": 1.0}
+# Standard deviations on each side of a value within which 95 % of a normal distribution lie.
+_WITHIN = 1.96
 _POWERS = {"acceleration": 2, "velocity": 1, "displacement": 0}
 
 Envelopes: TypeAlias = Envelope | Mapping[str, Envelope] | None
@@ -152,14 +154,23 @@ def _amplitudes(envelopes: Sequence[tuple[str, Envelope]], quantity: str | None,
     return np.geomspace(1e-3 * min(ends), 10 * max(ends), 201)
 
 
+def _band(ax: Axes, x: Array, values: Array, half_width: Array, color: Any) -> None:
+    """Shade a band about values. Axes are not widened for it: where an envelope has sunk into noise the band is wider than all that it tells."""
+    from matplotlib.collections import PolyCollection
+
+    outline = np.concatenate([np.column_stack([x, values + half_width]), np.column_stack([x, values - half_width])[::-1]])
+    ax.add_collection(PolyCollection([outline], facecolor=color, edgecolor="none", alpha=0.25), autolim=False)
+
+
 def _against_amplitude(
     envelopes: Envelopes, mode: Mode | Mapping[str, Mode] | None, quantity: str | None, name: str, scale: float, ax: Axes
 ) -> Axes:
     named = _named(envelopes)
     modes = {"model": mode} if isinstance(mode, Mode) else dict(mode or {})
     for label, envelope in named:
-        values = scale * getattr(envelope, name)
-        ax.plot(_displacement(envelope, quantity), values, label=label, **_MEASURED)
+        amplitude, values = _displacement(envelope, quantity), scale * getattr(envelope, name)
+        (line,) = ax.plot(amplitude, values, label=label, **_MEASURED)
+        _band(ax, amplitude, values, _WITHIN * scale * getattr(envelope, f"{name}_sd"), line.get_color())
     amplitude = _amplitudes(named, quantity, list(modes.values()))
     for style, (label, one) in zip(("-", "--", ":", "-.") * len(modes), modes.items(), strict=False):
         values = scale * (one.frequency_at(amplitude) if name == "frequency" else one.damping_ratio_at(amplitude))
@@ -179,8 +190,8 @@ def frequency(
 ) -> Axes:
     """Draw frequency against the amplitude of displacement.
 
-    `envelopes`: one `Envelope` or several by name; `quantity`: what their amplitudes are of ("acceleration", "velocity", "displacement"), None:
-    what each says itself; `mode`: one `Mode` or several by name, drawn by first-harmonic balance. One of the two is enough.
+    `envelopes`: one `Envelope` or several by name, each with a 95 % band by its standard deviations; `quantity`: what their
+    amplitudes are of ("acceleration", "velocity", "displacement"), None: what each says itself; `mode`: one `Mode` or several by name, drawn by first-harmonic balance. One of the two is enough.
 
     >>> mode = iwan.Mode(frequency=124.0, joint=iwan.FourParameter(k_t=4.45e4, f_s=239.4, chi=-0.183, beta=0.3))
     >>> iwan.plot.frequency(mode=mode).get_ylabel()
@@ -261,9 +272,9 @@ def fitted(
         color, label = f"C{int(number)}", f"record {int(number)}"
         force, values = mine["force"], scale * mine[show]
         if show == "frequency":
-            low, high = values - 1.96 * mine["frequency_sd"], values + 1.96 * mine["frequency_sd"]
+            low, high = values - _WITHIN * mine["frequency_sd"], values + _WITHIN * mine["frequency_sd"]
         else:
-            low, high = (values * np.exp(sign * 1.96 * mine["log_dissipation_sd"]) for sign in (-1, 1))
+            low, high = (values * np.exp(sign * _WITHIN * mine["log_dissipation_sd"]) for sign in (-1, 1))
         ax.fill_between(force, low, high, color=color, alpha=0.25, linewidth=0.0)
         ax.plot(force, values, color=color, label=label, **_MEASURED)
         ax.plot(model["force"], scale * model[show], **_MODEL)
@@ -295,11 +306,11 @@ def updated(
         color, q = f"C{i}", curve.displacement
         label = f"{curve.mode} (predicted)" if curve.held_out else curve.mode
         if show == "damping_ratio":
-            scale, after, half = 100.0, curve.damping_ratio_after, np.exp(1.96 * curve.log_damping_sd)
+            scale, after, half = 100.0, curve.damping_ratio_after, np.exp(_WITHIN * curve.log_damping_sd)
             low, high = after / half, after * half
             measured, before = curve.damping_ratio, curve.damping_ratio_before
         else:
-            scale, after, half = 1.0 / float(np.max(curve.frequency)), curve.frequency_after, 1.96 * curve.frequency_sd
+            scale, after, half = 1.0 / float(np.max(curve.frequency)), curve.frequency_after, _WITHIN * curve.frequency_sd
             low, high = after - half, after + half
             measured, before = curve.frequency, curve.frequency_before
         ax.fill_between(q, scale * low, scale * high, color=color, alpha=0.25, linewidth=0.0)

@@ -15,3 +15,4 @@ pub use overview::{Overview, overview};
 pub(super) use peak_list::band_among;
 pub use peak_list::{SpectralPeak, band_near, spectral_peaks};
 pub use spectrogram::{Spectrogram, spectrogram};
+pub(super) use swing::slow_rises;

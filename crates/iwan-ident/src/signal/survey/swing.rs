@@ -16,6 +16,13 @@ const CYCLES: usize = 10;
 /// beat is above for twice as long as it takes to fall.
 const LONGER: usize = 3;
 
+/// An amplitude has turned when it has fallen to this part of its last high, or when its last low is this part of it.
+const HALF: f64 = 0.5;
+/// Highs that count reach this part of the largest amplitude: those of noise behind a decay are lower.
+const RISEN: f64 = 0.3;
+/// A rise is sudden if it takes the middle half of its way within so many cycles: a step is spread over three by the median, and a blow lasts a cycle or two.
+const SUDDEN: usize = 5;
+
 /// The value below which a part of all lies; 0 of nothing.
 pub(super) fn quantile(x: &[f64], part: f64) -> f64 {
     let mut sorted = x.to_vec();
@@ -49,6 +56,36 @@ pub(super) fn driven_until(x: &[f64], cycle: usize) -> Option<usize> {
     (steady >= CYCLES && steady > LONGER * fall).then_some(end * cycle)
 }
 
+/// How often the amplitude of a vibration with so many samples a `cycle` rises again, slowly, to a good part of its largest: what a blow makes is there within a few cycles. Once is a
+/// resonance that builds up; a vibration that is driven all the time comes and goes.
+pub(in crate::signal) fn slow_rises(x: &[f64], cycle: usize) -> usize {
+    let swings: Vec<f64> = x.chunks_exact(cycle.max(1)).map(|one| swing(one, 0..one.len())).collect();
+    let smooth: Vec<f64> = swings.windows(SMOOTHED).map(|w| quantile(w, 0.5)).collect();
+    let least = RISEN * smooth.iter().copied().fold(0.0, f64::max);
+    let is_slow = |low: usize, high: usize| {
+        let level = |part: f64| smooth[low] + part * (smooth[high] - smooth[low]);
+        let upper = (low..=high).find(|i| smooth[*i] >= level(0.75)).unwrap_or(high);
+        let lower = (low..upper).rev().find(|i| smooth[*i] <= level(0.25)).unwrap_or(low);
+        upper - lower > SUDDEN
+    };
+    let (mut rises, mut low, mut high) = (0, 0, 0);
+    // Going up from the last low to a new high, or down from that to a new low.
+    let mut up = true;
+    for (i, now) in smooth.iter().enumerate() {
+        if up && *now > smooth[high] {
+            high = i;
+        } else if !up && *now < smooth[low] {
+            low = i;
+        } else if up && HALF * smooth[high] > *now {
+            rises += usize::from(smooth[high] > least && is_slow(low, high));
+            (up, low) = (false, i);
+        } else if !up && HALF * now > smooth[low] {
+            (up, high) = (true, i);
+        }
+    }
+    rises + usize::from(up && high > low && smooth[high] > least && is_slow(low, high))
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -71,5 +108,16 @@ mod tests {
         assert_eq!(driven_until(&wave(|_| 1.0), CYCLE), None);
         assert_eq!(driven_until(&wave(|n| (1.0 - n / 8000.0).max(0.0)), CYCLE), None, "dry friction");
         assert_eq!(driven_until(&wave(|n| (n / 1200.0).cos()), CYCLE), None, "a beat");
+    }
+
+    #[test]
+    fn amplitudes_that_come_and_go_are_told_from_blows() {
+        // From one low of the beat to the next are 400 cycles of twenty samples over two.
+        assert_eq!(slow_rises(&wave(|n| (std::f64::consts::TAU * n / 4000.0).sin()), CYCLE), 4);
+        assert_eq!(slow_rises(&wave(|n| 1.0 - (-1e-3 * n).exp()), CYCLE), 1, "a resonance that builds up");
+        assert_eq!(slow_rises(&wave(|n| (-1e-3 * n).exp()), CYCLE), 0);
+        let hits = wave(|n| if n < 500.0 { 1e-3 } else { (-2e-3 * ((n - 500.0) % 2500.0)).exp() });
+        assert_eq!(slow_rises(&hits, CYCLE), 0);
+        assert_eq!(slow_rises(&[], CYCLE), 0);
     }
 }
