@@ -199,7 +199,7 @@ impl<'a> Problem<'a> {
         all.min_by(|a, b| a.criterion.total_cmp(&b.criterion))
     }
 
-    /// The same, sought next to the coordinates `x` only.
+    /// The law with the discrepancy that makes it likeliest, sought next to the coordinates `x` only.
     pub(super) fn fit_from<'l>(&self, ladder: &'l Ladder, x: &[f64]) -> Option<Fitted<'l>> {
         let mut x = x.to_vec();
         let last = self.search(LAST_STEPS, TOLERANCE);

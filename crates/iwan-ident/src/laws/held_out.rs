@@ -17,9 +17,9 @@ const UNSEEN: f64 = 1e-9;
 /// Misfit of a law at amplitudes to which it was not fitted: root mean squares over all stretches.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct HeldOut {
-    /// Of ln D.
+    /// Misfit of ln D (D: dissipation per cycle).
     pub dissipation: f64,
-    /// Of the frequency, Hz.
+    /// Misfit of the frequency, Hz.
     pub frequency: f64,
 }
 

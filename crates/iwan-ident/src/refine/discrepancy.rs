@@ -36,14 +36,14 @@ const NO_SLIP: f64 = 0.07;
 const FAR_MORE: f64 = 1.2;
 /// Part of a sum of squares below which another one counts as deeper: a difference of less than half a per cent is a tolerance of the searches.
 const DEEPER: f64 = 0.995;
-/// Least part of the residuals that counts as degrees of freedom: from fewer no variance can be had.
+/// Least part of the residuals that counts as degrees of freedom: no variance can be estimated from fewer.
 const LEAST_FREEDOM: f64 = 0.1;
 
 /// Number of ratios that are tried of the noise that grows with the amplitude to the common noise, at the largest amplitude; the first ratio is one.
 const RATIOS: i32 = 16;
 /// Factor from one of these ratios to the next. The last one is 30,000, which is more than any record's range.
 const RATIO_STEP: f64 = 2.0;
-/// Gain of the log likelihood below which noise does not grow with the amplitude: white noise alone reaches it in 2 records of 100.
+/// Gain of the log likelihood below which noise counts as the same at all amplitudes: noise alone reaches it in 2 records of 100.
 const GAIN: f64 = 2.0;
 
 /// The kind of records that only a simulation makes: they show no noise, or the minimum leaves none.
@@ -343,7 +343,7 @@ impl Task {
         self.look_at(x, SPACING, work)
     }
 
-    /// The same with nodes `spacing` apart in ln amplitude.
+    /// What the residuals at a point say about processes with nodes `spacing` apart in ln amplitude.
     fn look_at(&self, x: &[f64], spacing: f64, work: &mut Workspace) -> Option<Found> {
         let components = self.components(x, spacing, work)?;
         let (r, jacobian) = self.linearised(x, self.seen_at(x), work)?;

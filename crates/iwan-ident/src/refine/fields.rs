@@ -19,11 +19,11 @@ use super::task::{Task, Workspace};
 /// dissipation counts as likelier than the small bends that measured curves have, and the best fit of the double beam's fifth hit misses dissipation
 /// by that much.
 const LENGTH: f64 = 0.3;
-/// Distance of the nodes in ln amplitude, between which a discrepancy is straight: about `LENGTH`, so that each node tells what its neighbours do
+/// Distance of the nodes in ln amplitude, between which a discrepancy is linear: about `LENGTH`, so that each node tells what its neighbours do
 /// not.
 pub(super) const SPACING: f64 = 0.25;
 /// The same distance for one record without noise. The sliders of a joint begin to slip one by one, at distances of 0.05 and more, and a process that
-/// is straight between wider nodes would miss what they do. With more records the distance grows, because time grows with the cube of the number of
+/// is linear between wider nodes would miss what they do. With more records the distance grows, because time grows with the cube of the number of
 /// nodes.
 pub(super) const FINEST: f64 = 0.05;
 /// Windows below this part of the largest amplitude have the discrepancy of the last node: their weight is a thousandth, and noise hides what a slow

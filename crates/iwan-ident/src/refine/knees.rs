@@ -255,7 +255,7 @@ impl Task {
     }
 
     /// Half cycles of the model's ring-downs in which the joint slips as a whole, summed over the records. In a record in a band those half cycles do
-    /// not count that one window (the gate) covers: what filter and windows make of the sudden begin of other modes lasts as long, and looks like a
+    /// not count that one window (the gate) covers: what filter and windows make of the sudden onset of other modes lasts as long, and looks like a
     /// knee just below the largest amplitude.
     pub(crate) fn slipping_half_cycles(&self, x: &[f64]) -> usize {
         let Ok((oscillator, joint)) = self.chart.parameters(x).model() else { return 0 };

@@ -17,8 +17,8 @@ use crate::signal::sample_noise;
 /// a phase is lost there. The last search sees all windows.
 const LOUD: f64 = 0.03;
 
-/// Standard deviation that is put down to the forward model's own error, relative to a record's amplitudes: of noise-free records that the half-cycle
-/// map itself made it leaves 1e-7 to 5e-6. Without this floor the intervals of a record without noise would have no width.
+/// Standard deviation that is put down to the forward model's own error, relative to a record's amplitudes: the half-cycle map leaves 1e-7 to 5e-6 of
+/// noise-free records that it made itself. Without this floor the intervals of a record without noise would have no width.
 const NOISE_FLOOR: f64 = 1e-6;
 /// Part of what sampling adds to the amplitudes that counts as an error: the addition is computed at one point of the search and used next to it.
 const SAMPLING_ERROR: f64 = 0.01;
@@ -26,8 +26,8 @@ const SAMPLING_ERROR: f64 = 0.01;
 /// the beginning; the value is a judgement, with room for records that are shorter or noisier. The remainder beats slowly with the mode, and a joint
 /// would follow the beats.
 const LEFT_OF_OTHERS: f64 = 0.05;
-/// Noise and residuals relative to a record below which the record counts as clean: 80 dB, which no measured record reaches. Simulated records do,
-/// and their sliders, filters or time steps are not in the law, which intervals of clean records allow for. With 40 dB as the limit this allowance
+/// Noise and residuals relative to a record below which the record counts as clean: 80 dB, which no measured record reaches. Simulated records do.
+/// Their sliders, filters or time steps are not in the law, and intervals of clean records allow for that. With 40 dB as the limit, this allowance
 /// moved best fits by more than their intervals.
 pub(super) const CLEAN: f64 = 1e-4;
 /// Cycles of a record without noise that are kept as samples, because the joint slips as a whole in the first ones.

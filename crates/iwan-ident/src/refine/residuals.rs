@@ -105,7 +105,7 @@ impl Task {
             && self.residuals_of(&self.chart.parameters(x), &starts, out, work)
     }
 
-    /// The same for given parameters and the turning points of the records.
+    /// Whitened residuals over their standard deviations, with the discount, for given parameters and turning points of the records.
     pub(crate) fn residuals_of(
         &self,
         parameters: &Parameters,
@@ -179,7 +179,7 @@ impl Task {
         self.records.iter().map(one).collect()
     }
 
-    /// The row, behind the residuals in windows, of the residual that holds a record's day to the scatter taken for granted; empty where records do
+    /// The row, after the residuals in windows, of the residual that holds a record's day to the scatter taken for granted; empty where records do
     /// not differ by the day.
     fn row_of_day(&self, place: usize) -> Range<usize> {
         let row = self.in_windows() + place;

@@ -27,21 +27,21 @@ pub struct RingDown<'a> {
 /// zero where only noise is left.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct Discrepancy {
-    /// Of ln D, the same in all records.
+    /// Of ln D: the part that all records share.
     pub dissipation: f64,
-    /// Of ln ω, the same in all records.
+    /// Of ln ω: the part that all records share.
     pub frequency: f64,
-    /// Of ln D, different at each level of force: what moves beside the mode, such as other modes that keep a joint slipping, differs from level to
-    /// level.
+    /// Of ln D: the part that each level of force has of its own. What moves beside the mode, such as other modes that keep a joint slipping, differs
+    /// from level to level.
     pub dissipation_of_level: f64,
-    /// Of ln ω, different at each level of force.
+    /// Of ln ω: the part that each level of force has of its own.
     pub frequency_of_level: f64,
-    /// Of ln D, different in each record, including an offset that is the same at all amplitudes.
+    /// Of ln D: the part that each record has of its own, including its offset that is the same at all amplitudes.
     pub dissipation_of_record: f64,
-    /// Of ln ω, different in each record, the day's included.
+    /// Of ln ω: the part that each record has of its own, without the offset of its day.
     pub frequency_of_record: f64,
-    /// Of ln D, the same in all records: what intervals allow for in records without noise, which say too little about what the law misses. Zero for
-    /// other records, and where the law itself made the records.
+    /// Of ln D: the part, shared by all records, that intervals allow for in records without noise, which say too little about what the law misses.
+    /// Zero for other records, and where the law itself made the records.
     pub allowed: f64,
 }
 

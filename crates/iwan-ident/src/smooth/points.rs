@@ -21,7 +21,7 @@ const ROUNDING: f64 = 1e-26;
 
 /// Points (t, y) with weights; `effective` is the number of independent points among them.
 ///
-/// Neighbouring samples behind a filter of bandwidth B repeat each other: about B values a second are independent. Criteria and variances use the
+/// Neighbouring samples after a filter of bandwidth B repeat each other: about B values a second are independent. Criteria and variances use the
 /// number of independent points in place of the number of all.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Points<'a> {

@@ -16,15 +16,15 @@ use crate::student::student;
 /// Relative sizes of the decay rate that are tried, as the least size and a number: zero, then from the least on each twice the one below, up to a
 /// half.
 const DECAY: (f64, i32) = (1e-3, 10);
-/// The same for the frequency: up to a half per cent.
+/// Relative sizes of the frequency that are tried, in the same form: up to a half per cent.
 const OMEGA: (f64, i32) = (3e-7, 15);
 
 /// Standard deviations of one hit from the specimen's mean.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Scatter {
-    /// Of the decay rate, relative.
+    /// Standard deviation of the decay rate, relative.
     pub decay: f64,
-    /// Of the frequency, relative.
+    /// Standard deviation of the frequency, relative.
     pub frequency: f64,
     /// Number of hits that the scatter was estimated from; below two it is not known, and taken as zero.
     pub hits: usize,

@@ -34,7 +34,7 @@ const ABOVE: f64 = 0.03;
 /// Most half cycles by whose decay a node in micro-slip lies below the amplitude at which its computation begins, and one half cycle more.
 pub(super) const BELOW: f64 = SETTLING as f64 + 2.0;
 /// Fastest decay, in ln amplitude per half cycle, for which the tips of loops in micro-slip count as settled; faster decays are computed one by one.
-/// Amplitudes of the test in `decay` are then off by 1.2e-5 at most, by 5e-6 to 8e-6 where all of the decay is micro-slip. Half this value would
+/// Amplitudes of the test in `decay` are then off by 1.2e-5 at most, by 5e-6 to 8e-6 where the decay begins in micro-slip. Half this value would
 /// halve the latter errors, and decays above it would be computed one by one.
 pub(super) const FASTEST: f64 = 0.008;
 /// Fastest decay at φ_max, in ln amplitude per half cycle, by a table in macro-slip, in which every half cycle shall end with the joint slipping as a
