@@ -1,5 +1,4 @@
-//! The offsets in frequency at which several records stand from each other at the same amplitude: the search for each day's frequency begins with
-//! them.
+//! By how much the frequencies of several records differ at the same amplitude: the search for each day's frequency begins with these differences.
 
 use super::prepared::Prepared;
 use crate::curves::Curves;

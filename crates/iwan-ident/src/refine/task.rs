@@ -28,8 +28,8 @@ pub(super) const OWN: usize = 3;
 const OWN_FREQUENCY: f64 = 0.5;
 /// Place of that frequency among the unknowns of a record.
 pub(super) const DAY: usize = 2;
-/// Relative reduction of the sum of squares at which searches end that are not the last: enough to tell which valley (local minimum along the knee)
-/// is the deepest.
+/// Relative reduction of the sum of squares at which all searches but the last end: enough to tell which valley (local minimum along the knee) is the
+/// deepest.
 pub(super) const ROUGH: f64 = 1e-4;
 /// Relative reduction of the sum of squares at which searches for a minimum under noise end: of some 200 residuals it moves the deviance by 4e-4, a
 /// ten-thousandth of the limit.

@@ -26,7 +26,7 @@ impl<F: FnMut(&[f64], &mut [f64]) -> bool + ?Sized> Problem for F {
     }
 }
 
-/// Relative reduction of the sum of squares at which a search ends that wants the minimum itself.
+/// Relative reduction of the sum of squares at which a search for the minimum itself ends.
 pub(crate) const TOLERANCE: f64 = 1e-8;
 /// Half step of the differences, in coordinates of order one: near the cube root of rounding, where central differences are
 /// best (relative errors of 1e-10); one-sided ones are good to 1e-5, enough for a direction.
