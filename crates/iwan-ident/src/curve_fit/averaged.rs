@@ -13,27 +13,27 @@ use crate::error::{Error, check};
 use crate::parameters::{COUNT, Parameter, Parameters};
 use crate::search::{Chart, Search, TOLERANCE};
 
-/// Least relative standard deviation of a dissipation: what averaging neglects (second order in the damping) and what smooth
-/// curves are wrong by beyond their noise. Without a floor the loudest, cleanest stretch would decide alone. A judgement, as is
-/// the ratio of the two floors: with it dissipation weighs 500 times less than frequency, relative to themselves.
+/// Least standard deviation of a dissipation, relative: what averaging neglects (second order in the damping), and errors of smooth curves beyond
+/// their noise. Without this floor the loudest, cleanest stretch would decide alone. A judgement, as is the ratio of the two floors: with it
+/// dissipation weighs 500 times less than frequency, both relative to themselves.
 pub(crate) const DISSIPATION_FLOOR: f64 = 5e-3;
-/// Least standard deviation of a frequency, relative to it: the same.
+/// Least standard deviation of a frequency, relative, for the same reasons.
 pub(crate) const FREQUENCY_FLOOR: f64 = 1e-5;
-/// Steps of a search at most; ten to fifty are usual. A fit that does not settle is taken where it stands and judged by its misfit.
+/// Most steps of a search; ten to fifty are usual. A fit that does not settle is taken where it stands and judged by its misfit.
 const ITERATIONS: usize = 300;
 
-/// What a set of curves and a model have in common, and what not.
+/// A model fitted to curves, and how well it matches them.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Fit {
     /// The parameters.
     pub parameters: Parameters,
-    /// Largest displacement amplitude over φ_max: macro-slip is seen from 1 on.
+    /// Largest displacement amplitude over φ_max: from 1 on macro-slip is seen.
     pub slip_ratio: f64,
-    /// How far off the model is.
+    /// How far the model is from the curves.
     pub verdict: Verdict,
 }
 
-/// What a model says at one displacement amplitude.
+/// Dissipation and frequency of a model at one displacement amplitude.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Predicted {
     /// Energy dissipated per cycle, mass-normalised.
@@ -42,10 +42,10 @@ pub struct Predicted {
     pub frequency: f64,
 }
 
-/// Dissipation per cycle and frequency of the model at a displacement amplitude.
+/// Dissipation per cycle and frequency of the model at a displacement amplitude (mass-normalised), by averaging.
 ///
 /// # Errors
-/// [`Error::Model`].
+/// [`Error::Model`] when the parameters are no model.
 ///
 /// ```
 /// use iwan_ident::{Parameters, curve_fit::predict};
@@ -59,7 +59,7 @@ pub fn predict(parameters: &Parameters, displacement: f64) -> Result<Predicted, 
     Ok(predictor(parameters)?(displacement))
 }
 
-/// [`predict`] for many displacements.
+/// [`predict`] for many displacements: the model is made once.
 fn predictor(parameters: &Parameters) -> Result<impl Fn(f64) -> Predicted + use<>, Error> {
     let (oscillator, joint) = parameters.model()?;
     Ok(move |displacement: f64| {
@@ -69,7 +69,7 @@ fn predictor(parameters: &Parameters) -> Result<impl Fn(f64) -> Predicted + use<
     })
 }
 
-/// An entry of a curve with a positive dissipation, and the standard deviations that it counts with.
+/// An entry of a curve with a positive dissipation, and the standard deviations with which it counts.
 #[derive(Debug, Clone, Copy)]
 struct Entry {
     displacement: f64,
@@ -148,7 +148,7 @@ fn middle(entries: &[Entry]) -> f64 {
     (entries.iter().map(|e| e.displacement.ln()).sum::<f64>() / entries.len() as f64).exp()
 }
 
-/// Fits from several starts and keeps the best: slopes and knees can be mistaken for one another.
+/// Fits from several start values and keeps the best fit: slopes and knees can be mistaken for one another.
 ///
 /// # Errors
 /// As [`fit`]; the first error when no start succeeds.
@@ -178,7 +178,7 @@ fn residuals(entries: &[Entry], parameters: &Parameters, out: &mut [f64]) -> boo
     true
 }
 
-/// The fit with its verdict.
+/// The fit, with the verdict on it.
 fn judged(entries: &[Entry], parameters: Parameters) -> Result<Fit, Error> {
     let (mut dissipation, mut frequency) = (vec![], vec![]);
     for e in entries {

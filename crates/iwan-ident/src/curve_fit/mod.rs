@@ -1,4 +1,4 @@
-//! Parameters off curves of dissipation and frequency, and how far off the model is.
+//! Parameters found on curves of dissipation and frequency, and how far off the model is.
 
 mod start;
 mod verdict;

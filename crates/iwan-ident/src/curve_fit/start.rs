@@ -6,36 +6,36 @@ use crate::curves::{Curves, Line, straight_line};
 use crate::error::Error;
 use crate::parameters::Parameters;
 
-/// Entries of positive dissipation that are needed: a line at low force and a range of frequency.
+/// Entries of positive dissipation that are needed for a line at low force and a range of frequency. Fewer are refused.
 const NEEDED: usize = 8;
-/// Part of the range of ln force that counts as low force: below the knee wherever there is one, and long enough for a slope.
-/// A judgement, for a start that the fit improves.
+/// Part of the range of ln force that counts as low force: it lies below the knee wherever there is one, and is long enough for a slope. A judgement,
+/// for a start that the fit improves.
 const LOW: f64 = 0.4;
-/// Range into which χ is brought for a start, with a note: measured joints lie between -0.9 …
+/// Least χ of a start; a smaller one is raised to it, with a note. Measured joints lie between -0.9 and a little above 0.
 const CHI_LOW: f64 = -0.9;
-/// … and a little above 0, which is what the slope of a viscous damper beside a joint looks like.
+/// Largest χ of a start; a larger one is lowered to it, with a note. The slope of a viscous damper beside a joint looks like a χ a little above 0.
 const CHI_HIGH: f64 = 0.2;
-/// K_T over ω0² is brought above this for a start, the shift of a frequency that is known to five digits, …
+/// Least K_T over ω0² of a start, to which a smaller value is raised: the shift of a frequency that is known to five digits.
 const LEAST_JOINT: f64 = 1e-5;
-/// … and below this, so that K_∞ stays well positive.
+/// Largest K_T over ω0² of a start, so that K_∞ stays well positive.
 const MOST_JOINT: f64 = 0.9;
-/// β from which Eq. 14 is searched for a root: no Dirac for every purpose, …
+/// Least β at which Eq. 14 is searched for a root: no Dirac for every purpose.
 const BETA_LOW: f64 = 1e-4;
-/// … and to which: nothing but the Dirac.
+/// Largest β at which Eq. 14 is searched for a root: nothing but the Dirac.
 const BETA_HIGH: f64 = 1e3;
-/// β where Eq. 14 has no root: that of the paper's first mode (Table 2).
+/// β that is taken where Eq. 14 has no root: that of the paper's first mode (Table 2).
 const BETA_WITHOUT_ROOT: f64 = 0.3;
-/// Halvings of ln β: its range of 16 comes down to 1e-17.
+/// Halvings of the range of ln β: the range of 16 comes down to 1e-17.
 const HALVINGS: usize = 60;
-/// ζ_v over the smallest damping ratio of the curve: friction is never quite gone at the quiet end. A judgement, for a start.
+/// ζ_v of a start over the smallest damping ratio of the curve: friction is never quite gone at the quiet end. A judgement, for a start.
 const VISCOUS_SHARE: f64 = 0.3;
-/// The most that ζ_v is at a start: above 5 % there is no ring-down to speak of.
+/// Largest ζ_v of a start: above 5 % there is no ring-down to speak of.
 const MOST_VISCOUS: f64 = 0.05;
 
 /// Start values and how they came about.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Start {
-    /// The values.
+    /// The start values.
     pub parameters: Parameters,
     /// Slope χ + 3 of ln D over ln force at low force, before it was brought into range.
     pub slope: f64,
@@ -90,9 +90,9 @@ pub fn start(curves: &Curves) -> Result<Start, Error> {
 
 /// What the curve says at low force.
 struct LowForce {
-    /// Slope of ln D over ln force as it is.
+    /// Slope of ln D over ln force, as it was found.
     slope: f64,
-    /// That slope less 3, brought into range.
+    /// This slope less 3, brought into the range of a start.
     chi: f64,
     /// ln D at a force of 1 on the line of slope χ + 3.
     intercept: f64,
@@ -114,15 +114,15 @@ fn low_force(curves: &Curves, entries: &[usize], notes: &mut Vec<String>) -> Low
         "slope {slope:.3} of dissipation over force gives chi = {:.3}: {chi:.2} taken",
         slope - 3.0
     ));
-    // Through the middle of the points with the slope χ + 3 that is used from here on.
+    // The line through the middle of the points, with the slope χ + 3 that is used from here on.
     let middle =
         low.iter().fold((0.0, 0.0), |s, p| (s.0 + p.0 / low.len() as f64, s.1 + p.1 / low.len() as f64));
     LowForce { slope, chi, intercept: middle.1 - (chi + 3.0) * middle.0 }
 }
 
-/// The root β of Eq. 14, corrected:
-/// F_S^(χ+1) = 4 (χ+1) K_T^(χ+2) (β + c)^(χ+1) / (C K_x^(χ+3) (χ+2)(χ+3) (1+β)^(χ+2)) with c = (χ+1)/(χ+2) and ln C the
-/// intercept of ln D over ln force; K_x turns displacement into that force. None without a root in 1e-4 .. 1e3.
+/// The root β of Eq. 14, corrected: F_S^(χ+1) = 4 (χ+1) K_T^(χ+2) (β + c)^(χ+1) / (C K_x^(χ+3) (χ+2)(χ+3) (1+β)^(χ+2)) with c = (χ+1)/(χ+2). ln C is
+/// the `intercept` of ln D over ln force, and K_x the stiffness that turns displacement into this force. None where there is no root between 1e-4 and
+/// 1e3.
 #[must_use]
 pub fn beta_root(intercept: f64, k_x: f64, k_t: f64, f_s: f64, chi: f64) -> Option<f64> {
     let c = (chi + 1.0) / (chi + 2.0);
@@ -156,7 +156,7 @@ mod tests {
 
     #[test]
     fn eq_14_returns_beta_of_table_2() {
-        // D = C f^(χ+3) at f = ω0² u exactly, in micro-slip.
+        // In micro-slip D = C f^(χ+3) holds exactly at f = ω0² u.
         let joint = FourParameter::new(4.45e4, 239.4, -0.183, 0.3).unwrap();
         let k_x = (TAU * 124.0).powi(2);
         let u = 0.1 * joint.phi_max();

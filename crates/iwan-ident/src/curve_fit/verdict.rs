@@ -1,33 +1,33 @@
-//! How well one four-parameter joint with a viscous damper tells dissipation and frequency together: a grade with its numbers.
+//! How well one four-parameter joint with a viscous damper matches dissipation and frequency together: a grade with its numbers.
 
-/// The model matches if dissipation is missed by at most this part (root mean square): about what repeated hits of one specimen
-/// differ by. A judgement, not calibrated, …
+/// Misfit of the dissipation, relative and as a root mean square, up to which the model matches: about what repeated hits on one specimen differ by.
+/// A judgement, not calibrated.
 pub(crate) const DISSIPATION: f64 = 0.03;
-/// … as is the part of its measured shift by which frequency may be missed, unless noise explains more.
+/// Misfit of the frequency, as a part of its measured shift, up to which the model matches, unless noise explains more. A judgement, not calibrated.
 const FREQUENCY: f64 = 0.1;
 /// Misfit, as a root mean square in standard deviations, that noise explains: two, as for an interval of 95 %.
 const NOISE: f64 = 2.0;
-/// A shift of the frequency below this part of it is none: ring-downs of real structures do not repeat better.
+/// Part of the frequency below which neither a shift nor a misfit of it counts: ring-downs of real structures do not repeat better.
 const SHIFT_FLOOR: f64 = 1e-5;
-/// Most of the dissipation that noise excuses, relative: of curves that scatter by more nothing can be said to match.
+/// Largest misfit of dissipation that the curves' own noise excuses, relative: nothing can be said to match curves that scatter by more.
 const MOST_EXCUSED: f64 = 0.10;
-/// Misfits up to so many times the limits without noise match where the model's ring-down leaves nothing of the record but white noise: the ends of
-/// smoothed curves scatter by more than they say. What the curves' own noise excuses already is not excused twice.
+/// Factor on the limits without noise up to which misfits match where the model's ring-down leaves nothing of the record but white noise: the ends of
+/// smoothed curves scatter by more than they say. A misfit that the curves' own noise excuses already is not excused twice.
 const EXCUSED: f64 = 2.0;
-/// Part of the dissipation that a usable model misses at most: a prediction is then better than the factor of two between
-/// damping by one blow and by one ten times as hard. A judgement, …
+/// Misfit of the dissipation, relative, up to which a model is usable: a prediction is then better than the factor of two between damping by one blow
+/// and by one ten times as hard. A judgement.
 const USABLE_DISSIPATION: f64 = 0.25;
-/// … as is the part of the frequency's shift.
+/// Misfit of the frequency, as a part of its measured shift, up to which a model is usable. A judgement.
 const USABLE_FREQUENCY: f64 = 0.5;
-/// Residual, as a part of the records' amplitudes, from which on a model does not describe them whatever the curves say: with 30 %
-/// a tenth of the energy is left.
+/// Residual, as a part of the records' amplitudes, above which a model does not describe them whatever the curves say: with 30 % a tenth of the
+/// energy is left.
 const MOST_LEFT: f64 = 0.3;
 
-/// What a joint does that a drift does as well.
+/// Words for a joint that keeps the limits where a linear mode with a drifting frequency does so as well.
 const DRIFT: &str = "follows both, but the damping ratio is the same at all amplitudes and only the frequency moves: so it does where the frequency of a linear mode drifts with time, by temperature \
                      or mounting, and one record does not tell one from the other; a hit of another strength does";
 
-/// What speaks against a joint that keeps the limits.
+/// Words for a joint that keeps the limits where a second blow speaks against it.
 const DRIVEN: &str = "follows both, but the decay is driven again within the stretch that is compared, as by a double hit: what a second blow does is taken for the joint's; cut the record there";
 
 /// A measured value of a curve, its standard deviation, and the model's value.
@@ -38,36 +38,36 @@ pub(crate) struct Compared {
     pub(crate) model: f64,
 }
 
-/// What a record says of a model beside its curves.
+/// What a record says about a model beside its curves.
 #[derive(Debug, Default)]
 pub(crate) struct Beside {
-    /// What speaks against it, in words: any of it makes the model none, whatever the curves say.
+    /// Reasons against the model, in words: with any of them the grade is `No`, whatever the curves say.
     pub(crate) reasons: Vec<String>,
-    /// The model's ring-down was subtracted from the record and left white noise.
+    /// Whether the model's ring-down was subtracted from the record and left white noise.
     pub(crate) leaves_noise: bool,
-    /// Why it matches within no noise, whatever the curves say.
+    /// Why the model is usable at best, whatever the curves say; none where there is no such reason.
     pub(crate) doubt: Option<Doubt>,
 }
 
 /// Why a model that keeps the limits is usable at best.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Doubt {
-    /// The decay is driven again within the stretch that is compared: no joint is told by what a second blow does.
+    /// The decay is driven again within the stretch that is compared: what a second blow does tells of no joint.
     Driven,
     /// A linear mode whose frequency drifts with time would leave the same record.
     Drift,
-    /// It is known to miss something beside noise, and another law tells the record clearly better.
+    /// The model is known to miss something beside noise, and another law describes the record clearly better.
     Surpassed,
 }
 
 /// How well a model describes records.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum Grade {
-    /// It does not describe them.
+    /// The model does not describe the records.
     No,
-    /// It misses more than noise explains, but is near enough to predict with, inside the amplitudes seen.
+    /// The model misses more than noise explains, but is near enough to predict with, inside the amplitudes seen.
     Usable,
-    /// It matches within noise, or within what repeated hits differ by.
+    /// The model matches within noise, or within what repeated hits differ by.
     Matches,
 }
 
@@ -83,10 +83,11 @@ impl Grade {
     }
 }
 
-/// The answer in numbers and in words.
+/// How well a model describes records, in numbers and in words.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Verdict {
-    /// Root-mean-square misfit of ln D; values that are known worse than to the limit without noise weigh less by their variance.
+    /// Root-mean-square misfit of ln D (D: dissipation per cycle). Values whose standard deviation exceeds the limit without noise weigh less, by
+    /// their variance.
     pub dissipation_misfit: f64,
     /// Root-mean-square misfit of the frequency, Hz, weighted in the same way.
     pub frequency_misfit: f64,
@@ -95,21 +96,22 @@ pub struct Verdict {
     /// Whether one four-parameter joint with a viscous damper matches dissipation and frequency together: dissipation
     /// within 3 %, frequency within a tenth of its shift, or both within twice their noise.
     pub adequate: bool,
-    /// Whether the joint describes the record, but a linear mode whose frequency drifts with time would leave the same: the frequency alone moves, and there is one record only.
+    /// Whether the joint describes the record, but a linear mode whose frequency drifts with time would leave the same one: only the frequency moves,
+    /// and there is one record only.
     pub drift: bool,
-    /// How well it describes them: never better than dissipation and frequency both allow.
+    /// How well the model describes the records: never better than dissipation and frequency both allow.
     pub grade: Grade,
     /// What does not fit, in words and numbers.
     pub misfit: String,
 }
 
 impl Verdict {
-    /// From ln D and frequency (Hz) at the same amplitudes alone.
+    /// The verdict from ln D and frequency (Hz) at the same amplitudes alone.
     pub(crate) fn new(dissipation: &[Compared], frequency: &[Compared]) -> Self {
         Self::beside(&Beside::default(), dissipation, frequency)
     }
 
-    /// The same beside what the record itself says.
+    /// The verdict from the curves and from what the record itself says.
     pub(crate) fn beside(beside: &Beside, dissipation: &[Compared], frequency: &[Compared]) -> Self {
         let Beside { reasons, leaves_noise, doubt } = beside;
         let range = frequency
@@ -123,7 +125,7 @@ impl Verdict {
         let limits = [DISSIPATION.max(noise[0]), (FREQUENCY * shift).max(noise[1]).max(smallest)];
         let usable =
             [USABLE_DISSIPATION.max(noise[0]), (USABLE_FREQUENCY * shift).max(noise[1]).max(smallest)];
-        // What cannot be compared at all is no match.
+        // Misfits that cannot be computed (NaN) are no match.
         let within = |limits: [f64; 2]| d.misfit <= limits[0] && f.misfit <= limits[1];
         let ends = if *leaves_noise { [EXCUSED * DISSIPATION, EXCUSED * FREQUENCY * shift] } else { limits };
         let excused = [limits[0].max(ends[0]), limits[1].max(ends[1])];
@@ -167,15 +169,15 @@ impl Verdict {
     }
 }
 
-/// What speaks against a model that leaves such a part of the records' amplitudes, whatever the curves say; none where it leaves little.
+/// The reason against a model that leaves a large part of the records' amplitudes, whatever the curves say; none where it leaves little.
 pub(crate) fn left_over(relative_residual: f64) -> Option<String> {
     let left = 100.0 * relative_residual;
     (relative_residual > MOST_LEFT)
         .then(|| format!("its ring-down leaves {left:.0} % of the records' amplitudes"))
 }
 
-/// How far a model is from measured values, and how far noise is; root mean squares, in which a value that is known worse than to `limit` weighs less by
-/// its variance: where a decay sinks into noise, its curves tell nothing of a model, and excuse nothing of it elsewhere.
+/// How far a model and noise are from measured values, as root mean squares. A value whose standard deviation exceeds `limit` weighs less, by its
+/// variance: where a decay sinks into noise its curves tell nothing about a model, and excuse nothing elsewhere.
 struct Distance {
     misfit: f64,
     noise: f64,
@@ -202,7 +204,8 @@ mod tests {
         Verdict::beside(&Beside { leaves_noise: true, ..Beside::default() }, dissipation, frequency)
     }
 
-    /// A joint with a little quadratic damping missed 1.9 % of dissipation and "matched", beside the sentence that the record speaks against it.
+    /// A case that was seen: a joint with a little quadratic damping missed 1.9 % of dissipation and "matched", beside the sentence that the record
+    /// speaks against it.
     #[test]
     fn a_law_that_another_surpasses_is_usable_at_best() {
         let surpassed = Beside { doubt: Some(Doubt::Surpassed), ..Beside::default() };
@@ -242,7 +245,7 @@ mod tests {
         let drift = Verdict::beside(&beside, &missed(0.0), &missed(0.0));
         assert!(drift.grade == Grade::Usable && drift.drift, "{}", drift.misfit);
         assert!(drift.misfit.contains("drifts with time"), "{}", drift.misfit);
-        // What is not described at all is no drift either.
+        // A record that the model does not describe at all is no drift either.
         let other = Verdict::beside(&beside, &missed(0.5), &missed(0.0));
         assert!(other.grade == Grade::No && !other.drift, "{}", other.misfit);
     }
@@ -270,7 +273,7 @@ mod tests {
         let against = Beside { reasons: left_over(0.33).into_iter().collect(), ..Beside::default() };
         let refused = Verdict::beside(&against, &exact, &exact);
         assert_eq!(refused.grade, Grade::No);
-        // Its sentence said "matches" and "usable" all the same.
+        // The sentence of such a verdict once said "matches" and "usable" all the same.
         assert_eq!(left_over(0.3), None);
         assert!(
             !refused.misfit.contains("matches") && refused.misfit.contains("leaves 33 %"),
@@ -279,8 +282,8 @@ mod tests {
         );
     }
 
-    /// A pendulum on a clock that stutters: its curves scatter by 8 %, an Iwan joint misses 15 % of its dissipation, and what is left
-    /// has no correlation. It is no match.
+    /// A case that was seen, a pendulum on a clock that stutters: its curves scatter by 8 %, an Iwan joint misses 15 % of its dissipation, and the
+    /// residuals have no correlation. It is no match.
     #[test]
     fn two_excuses_do_not_add_up() {
         let exact: Vec<Compared> = (0..10)
@@ -296,7 +299,8 @@ mod tests {
         assert_eq!(Verdict::new(&ends, &exact).grade, Grade::Usable);
     }
 
-    /// Behind a decay that sank into noise, curves are off by their own deviations. They neither speak against the model nor excuse it.
+    /// Behind a decay that sank into noise, curves are off by their own standard deviations. Such values neither speak against the model nor excuse
+    /// it.
     #[test]
     fn a_tail_in_noise_tells_nothing() {
         let known = |by: f64| (0..10).map(move |i| (f64::from(i), 0.01, by));

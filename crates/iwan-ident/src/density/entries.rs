@@ -1,18 +1,17 @@
-//! What of the curves the density is fitted to.
+//! The entries of the curves to which the density is fitted.
 
 use std::f64::consts::TAU;
 
 use crate::curve_fit::{DISSIPATION_FLOOR, FREQUENCY_FLOOR};
 use crate::curves::Curves;
 
-/// Entries of one curve that are used, at most: a smooth curve holds a dozen independent values, and the time of the solution
-/// grows with the entries.
+/// Most entries of one curve that are used: a smooth curve holds a dozen independent values, and the time of the solution grows with the entries.
+/// Longer curves are thinned.
 const ENTRIES: usize = 150;
-/// Part of a curve that is left out at either end, where smooth curves through records know only one side and are worst.
-/// A judgement.
+/// Part of a curve that is left out at either end, where smooth curves through records know one side only and are worst. A judgement.
 const ENDS: f64 = 0.04;
-/// A slope d ln ω/d ln u beyond this is noise and taken as none: a joint that makes up all stiffness in macro-slip reaches -1/2, one
-/// of a tenth of it -0.05.
+/// Steepest slope d ln ω/d ln u that is believed; a steeper one is noise and counts as zero. A joint that makes up all stiffness in macro-slip
+/// reaches -1/2, a joint of a tenth of it -0.05.
 const STEEPEST: f64 = 0.3;
 
 /// An entry of a curve.
@@ -27,9 +26,9 @@ pub(super) struct Entry {
 
 /// The usable entries of a curve, thinned.
 ///
-/// Curves take the energy of a cycle from the velocity amplitude v = ω u (Eq. 7); where ω falls with u, v falls slower than
-/// u does. The energy itself falls as the work of the force at the tips, (K_∞ + F(u)/u) u du, which is ω² u du but for
-/// a hundredth of the softening: D of a cycle is that of the curves over 1 + d ln ω/d ln u.
+/// Curves take the energy of a cycle from the velocity amplitude v = ω u (Eq. 7); where ω falls with u, v falls more slowly than u. The energy itself
+/// falls by the work of the force at the tips, (K_∞ + F(u)/u) u du, which is ω² u du but for a hundredth of the softening. So the dissipation D of a
+/// cycle is the curves' value over 1 + d ln ω/d ln u.
 pub(super) fn entries(curves: &Curves) -> Vec<Entry> {
     let stride = curves.t.len().div_ceil(ENTRIES).max(1);
     let last = curves.t.len().saturating_sub(1);

@@ -1,4 +1,4 @@
-//! A density of any form, and what it says.
+//! A density of sliders of any form, and what it says about the four-parameter form.
 
 use std::f64::consts::{PI, TAU};
 
@@ -7,18 +7,18 @@ use iwan_core::{Backbone, DensityPoint, Oscillator, ResidualStiffness, Tabulated
 use crate::curve_fit::{Predicted, Verdict};
 use crate::error::Error;
 
-/// Mean squared residual, in units of the curves' variance, up to which the curves count as explained: 1 is expected, and the
-/// deviations of smooth curves are themselves known to a factor of √2 or so.
+/// Mean squared residual, in units of the curves' variance, up to which the curves count as explained: 1 is expected, and the standard deviations of
+/// smooth curves are themselves known to a factor of √2 or so.
 const EXPLAINED: f64 = 2.0;
 
-/// What the density is to match.
+/// The curves that the density shall match.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Evidence {
     /// Dissipation and frequency, each by its standard deviation.
     #[default]
     Both,
-    /// Dissipation alone, which determines the density by itself: D'' = 4 u ρ(u). What frequency it predicts shows whether
-    /// sliders explain both. Only ω0 is taken from the frequency.
+    /// Dissipation alone, which determines the density by itself: D'' = 4 u ρ(u). The frequency that this density predicts shows whether sliders
+    /// explain both curves. Only ω0 is taken from the frequency.
     Dissipation,
 }
 
@@ -33,24 +33,24 @@ pub struct FreeForm {
     pub frequency: f64,
     /// Viscous damping ratio.
     pub damping_ratio: f64,
-    /// Smallest and largest amplitude seen. Sliders stronger than the largest never slipped: their stiffness is part of
-    /// K_∞. Of those weaker than the smallest only the slip force of all together is known.
+    /// Smallest and largest amplitude seen. Sliders stronger than the largest amplitude never slipped: their stiffness is part of K_∞. Of sliders
+    /// weaker than the smallest amplitude only the sum of their slip forces is known.
     pub informed: (f64, f64),
-    /// Mean squared residual in standard deviations of the curves, at least those that averaging neglects: 1 where the
-    /// density explains the curves.
+    /// Mean squared residual in standard deviations of the curves, which are at least as large as what averaging neglects: 1 where the density
+    /// explains the curves.
     pub mean_square: f64,
-    /// Root-mean-square misfit of ln D.
+    /// Root-mean-square misfit of ln D (D: dissipation per cycle).
     pub dissipation_misfit: f64,
     /// Root-mean-square misfit of the frequency, Hz.
     pub frequency_misfit: f64,
-    /// What it was to match.
+    /// The curves that the density was to match.
     pub evidence: Evidence,
     /// Weight of the regularisation relative to the curves.
     pub regularisation: f64,
 }
 
 impl FreeForm {
-    /// Density at a strength: straight lines between the points, 0 outside.
+    /// Density at a strength: linear between the points, 0 outside.
     #[must_use]
     pub fn at(&self, strength: f64) -> f64 {
         let next = self.strength.partition_point(|s| *s <= strength);
@@ -79,7 +79,7 @@ impl FreeForm {
         Ok(Tabulated::new(&self.strength, &self.density, 0.0, points)?)
     }
 
-    /// The oscillator and the joint in it.
+    /// The oscillator, and the joint that it holds.
     ///
     /// # Errors
     /// [`Error::Model`] when the density is zero or takes more stiffness than ω0².
@@ -101,7 +101,7 @@ impl FreeForm {
         Ok(Predicted { dissipation: law.dissipation(displacement) + viscous, frequency: omega / TAU })
     }
 
-    /// What the free form says about the four-parameter one, in words and numbers.
+    /// What the free form says about the four-parameter form `four`, in words and numbers.
     #[must_use]
     pub fn words(&self, four: &Verdict) -> String {
         let explains = self.mean_square < EXPLAINED;

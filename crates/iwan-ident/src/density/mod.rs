@@ -7,14 +7,14 @@
 //! ω²(u) = ω0² - ∫ ρ(φ) [1 - K_1,φ(u)] dφ
 //! ```
 //!
-//! with D_φ and K_1,φ of one Jenkins element of unit stiffness and strength φ (first-harmonic balance, as in
-//! [`predict`](crate::curve_fit::predict)). ρ is taken as linear between points in geometric progression, all unknowns as >= 0. A
-//! straight line through ln D over ln u gives a power law; the curvature of ρ over that law (in ln φ) is what the
-//! regularisation makes small: where the curves say nothing, the density goes on as a power law.
+//! with D_φ and K_1,φ of one Jenkins element of unit stiffness and strength φ (first-harmonic balance, as in [`predict`](crate::curve_fit::predict)).
+//! ρ is taken as linear between points in geometric progression, and all unknowns as >= 0. A straight line through ln D over ln u gives a power law;
+//! the regularisation makes the curvature (in ln φ) of the ratio of ρ to this law small: where the curves say nothing, the density goes on as a power
+//! law.
 //!
-//! Regularisation: the discrepancy principle (V. A. Morozov, 1966; P. C. Hansen, *Rank-Deficient and Discrete Ill-Posed
-//! Problems*, 1998, ch. 7): the smoothest density whose mean squared residual, in standard deviations of the curves, is 1.
-//! Where no density comes as near as that, the smoothest one within 10 % of the least residual there is.
+//! The regularisation follows the discrepancy principle (V. A. Morozov, 1966; P. C. Hansen, *Rank-Deficient and Discrete Ill-Posed Problems*, 1998,
+//! ch. 7): the density is the smoothest one whose mean squared residual, in standard deviations of the curves, is 1. Where no density comes as near
+//! as that, it is the smoothest one within 10 % of the least residual.
 
 mod entries;
 mod free_form;
@@ -26,10 +26,10 @@ use entries::{Entry, entries};
 pub use free_form::{Evidence, FreeForm};
 use problem::Problem;
 
-/// Entries that are needed: a power law, a damper and a frequency have four numbers. Fewer entries are refused.
+/// Entries that are needed, because a power law, a damper and a frequency have four numbers. Fewer entries are refused.
 const NEEDED: usize = 8;
 
-/// The density that matches the curves of one or several force levels best, without an assumption on its form.
+/// The density that matches the curves of one or several force levels best, without an assumption about its form.
 ///
 /// # Errors
 /// [`Error::TooShort`] with fewer than eight entries of positive dissipation; [`Error::Refused`] when amplitudes hardly

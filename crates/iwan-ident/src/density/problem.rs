@@ -1,4 +1,4 @@
-//! The linear problem behind the density.
+//! The linear least-squares problem behind the density.
 
 use std::f64::consts::{PI, TAU};
 
@@ -11,60 +11,60 @@ use crate::curves::straight_line;
 use crate::error::Error;
 use crate::search::solve_non_negative;
 
-/// Points of the density in a factor of ten: neighbours lie 18 % apart, closer than two features that curves of ringing down could
-/// tell apart. The regularisation keeps more points from showing more.
+/// Points of the density in a factor of ten: neighbours lie 18 % apart, closer than two features that curves of ring-downs could tell apart. The
+/// regularisation keeps more points from showing more.
 const PER_DECADE: f64 = 14.0;
-/// The density begins at this part of the smallest amplitude. Weaker sliders slip at every amplitude seen and add next to nothing
-/// to the dissipation; with χ = -0.9 they would hold (1/300)^0.1 = 57 % of the softening, which goes into ω0.
+/// Part of the smallest amplitude at which the density begins. Weaker sliders slip at every amplitude seen and add next to nothing to the
+/// dissipation; with χ = -0.9 they would hold (1/300)^0.1 = 57 % of the softening, which goes into ω0.
 const BELOW: f64 = 1.0 / 300.0;
-/// Least weight of the regularisation as a power of ten, relative to the curves' part of the problem: it no longer acts …
+/// Least weight of the regularisation relative to the curves' part of the problem, as a power of ten: the regularisation no longer acts.
 const LEAST_WEIGHT: f64 = -10.0;
-/// … and the most: the power law alone is left. Between them lies the weight that the discrepancy principle asks for.
+/// Largest weight, as a power of ten: the power law alone is left. Between the two lies the weight that the discrepancy principle asks for.
 const MOST_WEIGHT: f64 = 4.0;
-/// Halvings of that range: 14 decades to 1.3e-8 of a decade.
+/// Halvings of the range between these two: 14 decades come down to 1.3e-8 of a decade.
 const HALVINGS: usize = 30;
-/// Mean squared residual over the least there is, where noise does not explain the least: the smoothest density that is within a
-/// tenth of the best. A judgement.
+/// Mean squared residual over the least possible one that is accepted where noise does not explain the least: the smoothest density within a tenth of
+/// the best is taken. A judgement.
 const NEARLY: f64 = 1.1;
-/// Part of the largest diagonal that keeps the problem definite: a few hundred times rounding, far below what the curves say.
+/// Part of the largest diagonal entry that is added to the diagonal, which keeps the problem definite: a few hundred times rounding, far below what
+/// the curves say.
 const RIDGE: f64 = 1e-13;
-/// Largest over smallest amplitude, at least: a slope needs two ends. Below it the record is refused.
+/// Least ratio of the largest to the smallest amplitude: a slope needs two ends. Below it the record is refused.
 const APART: f64 = 1.2;
-/// Least χ of the power law that the density is relative to, …
+/// Least χ of the power law that the density is relative to.
 const CHI_LOW: f64 = -0.9;
-/// … and the largest. A slope beyond them comes from noise or from another law; the density bends away from the power law
-/// then, at the price of its roughness.
+/// Largest χ of that power law. A slope beyond these two comes from noise or from another law; the density then bends away from the power law, at the
+/// price of its roughness.
 const CHI_HIGH: f64 = 0.5;
-/// Unit of ω0² above its reference, as a part of ω², where the frequency does not change: any small number does, as it only
-/// scales an unknown.
+/// Unit of ω0² above its reference, as a part of ω², where the frequency does not change: any small number does, because it only scales an unknown.
 const LEAST_SHIFT: f64 = 1e-6;
-/// Factor on the deviations of the frequency when dissipation alone is to be matched: a weight of 1e-8 of the usual lets the frequency
-/// decide nothing and keeps its unknown definite.
+/// Factor on the standard deviations of the frequency where dissipation alone is to be matched: with a weight of 1e-8 of the usual one the frequency
+/// decides nothing, and its unknown stays definite.
 const IGNORED: f64 = 1e4;
 
-/// The linear problem: unknowns are the ratios of ρ to a power law, the viscous damper, and ω0² above a reference.
+/// The linear problem. The unknowns are the ratios of ρ to a power law at the strengths, the viscous damper, and ω0² above a reference.
 pub(super) struct Problem<'a> {
     entries: &'a [Entry],
     strength: Vec<f64>,
-    /// The power law at the strengths.
+    /// Density of the power law at the strengths.
     law: Vec<f64>,
-    /// Value of 2 ζ_v ω0 for an unknown of 1.
+    /// Value of 2 ζ_v ω0 (1/s) where the damper's unknown is 1.
     viscous: f64,
-    /// ω² below all others: ω0² is counted from there, …
+    /// A value of ω² below all measured ones, from which ω0² is counted.
     reference: f64,
-    /// … in units of this.
+    /// Unit in which ω0² is counted from there.
     shift: f64,
     informed: (f64, f64),
     evidence: Evidence,
-    /// Residual = matrix x - right, in standard deviations: first dissipations, then frequencies.
+    /// Residual = matrix x - right, in standard deviations: first the dissipations, then the squared frequencies.
     matrix: DMatrix<f64>,
     right: DVector<f64>,
 }
 
-/// A solution under a regularisation.
+/// The solution with a given regularisation.
 pub(super) struct Regularised {
     x: DVector<f64>,
-    /// Mean squared residual of what is to be matched.
+    /// Mean squared residual of the curves that are to be matched.
     mean_square: f64,
     /// Weight of the regularisation relative to the curves.
     weight: f64,
@@ -106,7 +106,7 @@ impl<'a> Problem<'a> {
         Ok(problem)
     }
 
-    /// The rows of all entries.
+    /// Fills the rows of all entries.
     fn fill(&mut self) -> Result<(), Error> {
         let (n, count) = (self.entries.len(), self.strength.len());
         for j in 0..count {
@@ -128,16 +128,16 @@ impl<'a> Problem<'a> {
         Ok(())
     }
 
-    /// Standard deviation of ω², as it counts.
+    /// Standard deviation that ω² counts with.
     fn deviation(&self, e: &Entry) -> f64 {
         let factor = if self.evidence == Evidence::Both { 1.0 } else { IGNORED };
         2.0 * e.omega * e.omega_sd * factor
     }
 
-    /// The law whose density is the power law at one point, and zero at its neighbours.
+    /// The law whose density is the power law's at point `j`, falls linearly to its neighbours and is zero beyond.
     fn hat(&self, j: usize) -> Result<Tabulated<[DensityPoint; 3]>, Error> {
         let ratio = self.strength[1] / self.strength[0];
-        // Beside the first and the last point stand none: half a hat, and next to nothing.
+        // The first and the last point have a neighbour on one side only: half a hat, without density beyond them.
         let last = self.strength.len() - 1;
         let (at, height) = (self.strength[j], self.law[j]);
         let strength = match j {
@@ -154,7 +154,7 @@ impl<'a> Problem<'a> {
         Ok(Tabulated::new(&strength, &density, 0.0, [DensityPoint::default(); 3])?)
     }
 
-    /// Squared second differences of the ratios to the power law.
+    /// Sum of squared second differences of the ratios to the power law, as a quadratic form of the unknowns.
     fn roughness(&self) -> DMatrix<f64> {
         let size = self.matrix.ncols();
         let mut sum = DMatrix::zeros(size, size);
@@ -168,14 +168,14 @@ impl<'a> Problem<'a> {
         sum
     }
 
-    /// Mean squared residual of what is to be matched.
+    /// Mean squared residual of the curves that are to be matched.
     fn mean_square(&self, x: &DVector<f64>) -> f64 {
         let rows = if self.evidence == Evidence::Both { self.right.len() } else { self.entries.len() };
         let residual = &self.matrix * x - &self.right;
         residual.rows(0, rows).norm_squared() / rows as f64
     }
 
-    /// The smoothest solution that explains the curves.
+    /// The smoothest solution that explains the curves; none where the problem has no solution.
     pub(super) fn solve(&self) -> Option<Regularised> {
         let (normal, right) = (self.matrix.tr_mul(&self.matrix), self.matrix.tr_mul(&self.right));
         let roughness = self.roughness();
@@ -226,14 +226,14 @@ impl<'a> Problem<'a> {
     }
 }
 
-/// Strengths in geometric progression from below the smallest to the largest amplitude.
+/// Strengths in geometric progression, from below the smallest amplitude to the largest.
 fn grid((smallest, largest): (f64, f64)) -> Vec<f64> {
     let first = BELOW * smallest;
     let steps = ((largest / first).log10() * PER_DECADE).ceil();
     (0..=steps as usize).map(|i| first * (largest / first).powf(i as f64 / steps)).collect()
 }
 
-/// The power law R φ^χ through the middle of the dissipations: D = 4 R u^(χ+3) / ((χ+2)(χ+3)).
+/// The power law R φ^χ at the strengths, through the mean of ln D: D = 4 R u^(χ+3) / ((χ+2)(χ+3)).
 fn power_law(points: &[(f64, f64)], chi: f64, strength: &[f64]) -> Vec<f64> {
     let level = points.iter().map(|(u, d)| d - (chi + 3.0) * u).sum::<f64>() / points.len() as f64;
     let r = 0.25 * (chi + 2.0) * (chi + 3.0);

@@ -1,19 +1,19 @@
-//! How far the frequency at rest lies beyond all frequencies that were seen, and what a fit does not tell then.
+//! How far the frequency at rest (at small amplitude) lies above all frequencies that were seen, and which parameters a fit does not tell then.
 
 use crate::curves::Curves;
 use crate::parameters::Parameter;
 
-/// Part of the range of frequencies seen by which the frequency at rest may lie above them before a sentence says so. A joint goes on to stiffen
-/// below the quietest cycle: of forty random ring-downs of 60 to 300 cycles thirty go beyond this, half beyond 0.85, one beyond 10.
+/// Distance of the frequency at rest above those seen, in ranges of the frequencies seen, from which on a sentence says so. A joint goes on to
+/// stiffen below the quietest cycle: of forty random ring-downs of 60 to 300 cycles thirty go beyond this, half beyond 0.85, one beyond 10.
 const EXTRAPOLATED: f64 = 0.5;
-/// Times that range from which on frequency and damping at rest and χ have no interval. Of 43 random joints of 150 sliders in noise, and of short records through macro-slip, those from
-/// 13 times on missed χ by up to 25 widths of its interval; below 3 none missed it by more than 0.4. Of 40 joints in
-/// noise of 20 dB six were beyond, of which four missed the damping ratio.
+/// Distance, in ranges of the frequencies seen, from which on frequency and damping at rest and χ have no interval. Of 43 random joints of 150
+/// sliders in noise, and of short records through macro-slip, those from 13 ranges on missed χ by up to 25 widths of its interval; below 3 ranges
+/// none missed χ by more than 0.4 widths. Of 40 joints in noise of 20 dB six were beyond this limit, of which four missed the damping ratio.
 const FAR: f64 = 5.0;
-/// Part of the frequency below which it lies far in no case: linear modes have no range to compare with.
+/// Part of the frequency below which that distance is never too far: linear modes have no range to compare it with.
 const LITTLE: f64 = 1e-3;
 
-/// A frequency at rest beside the frequencies seen, all Hz.
+/// The frequency at rest, and the lowest and highest frequency seen, all in Hz.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Extrapolation {
     at_rest: f64,
@@ -27,13 +27,13 @@ impl Extrapolation {
         Self { at_rest, low: all().fold(f64::INFINITY, f64::min), high: all().fold(0.0, f64::max) }
     }
 
-    /// Whether the frequency at rest lies above those seen by more than so many times their range.
+    /// Whether the frequency at rest lies above those seen by more than `times` their range.
     fn is_beyond(self, times: f64) -> bool {
         self.high > 0.0 && self.at_rest - self.high > times * (self.high - self.low)
     }
 
-    /// What the fit does not tell: a mode that is in macro-slip throughout has its frequency at rest and χ by the form of the law alone, and
-    /// with them how much of its damping is viscous: friction of χ near -1 damps like a viscous damper.
+    /// The parameters that the fit does not tell. A mode that is in macro-slip throughout has its frequency at rest and χ by the form of the law
+    /// alone, and with them the viscous part of its damping: friction of χ near -1 damps like a viscous damper.
     pub(super) fn untold(self) -> &'static [Parameter] {
         if self.high > 0.0 && self.at_rest > self.limit() {
             &[Parameter::Frequency, Parameter::DampingRatio, Parameter::Chi]
@@ -42,12 +42,12 @@ impl Extrapolation {
         }
     }
 
-    /// Frequency from which on no interval has an upper end: as far above those seen as where none is left.
+    /// Frequency (Hz) above which no interval has an upper end: as far above those seen as where no interval is left.
     pub(super) fn limit(self) -> f64 {
         self.high + (FAR * (self.high - self.low)).max(LITTLE * self.high)
     }
 
-    /// The same in words; none where the frequency at rest is not extrapolated.
+    /// The extrapolation in words; none where the frequency at rest is not extrapolated.
     pub(super) fn in_words(self) -> Option<String> {
         let untold = match self.untold() {
             [] => "",
@@ -67,7 +67,7 @@ mod tests {
     use super::*;
     use crate::curves::ForceAxis;
 
-    /// A joint that slipped as a whole in all 40 cycles was told to have χ between -0.951 and -0.935 where it had -0.538.
+    /// A case that was seen: a joint that slipped as a whole in all 40 cycles was said to have χ between -0.951 and -0.935 where it had -0.538.
     #[test]
     fn a_mode_that_is_never_seen_near_its_rest_is_not_told() {
         let of = |frequency: [f64; 2]| Curves {
@@ -90,7 +90,7 @@ mod tests {
         assert_eq!(near.untold(), []);
         assert!(near.in_words().unwrap().ends_with("63.8800 Hz"));
         assert_eq!(Extrapolation::of(&seen, 63.9).in_words(), None);
-        // A linear mode shifts by nothing, and its frequency is told.
+        // A linear mode has no shift of the frequency, and its frequency is told.
         assert_eq!(Extrapolation::of(&[of([120.0, 120.0])], 120.01).untold(), []);
         assert_eq!(Extrapolation::of(&[], 120.0).in_words(), None);
         assert!((far.limit() - (63.88 + 5.0 * 0.07)).abs() < 1e-9);

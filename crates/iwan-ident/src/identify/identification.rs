@@ -1,4 +1,4 @@
-//! What an identification finds, and how it says so.
+//! The result of an identification, in numbers and in words.
 
 use super::extrapolation::Extrapolation;
 use super::laws::untold;
@@ -12,24 +12,24 @@ use crate::profile::{Profile, Profiles};
 use crate::refine::{Discrepancy, Refined};
 use crate::signal::Envelope;
 
-/// Relative scatter of the days' frequencies below which no sentence says so: ring-downs of real structures do not repeat better.
+/// Relative scatter of the days' frequencies up to which no sentence mentions it: ring-downs of real structures do not repeat better.
 const LEAST_TOLD: f64 = 1e-5;
 
-/// The simplest model: a linear mode with viscous damping, and whether it is enough.
+/// The simplest model, a linear mode with viscous damping, and whether it is enough.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Linear {
     /// Frequency, Hz.
     pub frequency: f64,
     /// Viscous damping ratio.
     pub damping_ratio: f64,
-    /// Root mean square of its residuals over that of the records' amplitudes.
+    /// Root mean square of its residuals over root mean square of the records' amplitudes.
     pub relative_residual: f64,
-    /// Schwarz's criterion of the linear model less that of the full one: below 0 the joint is not needed.
+    /// Schwarz's criterion of the linear model less that of the model with a joint: below 0 the joint is not needed.
     pub criterion: f64,
 }
 
 impl Linear {
-    /// Whether the records are told as well without a joint, whatever that is worth: see [`Identification::needs_no_joint`].
+    /// Whether a linear mode describes the records as well as the joint, even where neither describes them: see [`Identification::needs_no_joint`].
     #[must_use]
     pub fn is_enough(&self) -> bool {
         self.criterion < 0.0
@@ -41,31 +41,32 @@ impl Linear {
 pub struct Identification {
     /// The parameters.
     pub parameters: Parameters,
-    /// Their profiles, with the 95 % intervals.
+    /// Profiles of the parameters, with the 95 % intervals.
     pub profiles: Profiles,
-    /// The refinement behind them.
+    /// The refinement on the records that gave the parameters.
     pub refined: Refined,
     /// The records' likelihood, for samplers.
     pub likelihood: Likelihood,
-    /// Start values off the curves of the loudest record.
+    /// Start values read off the curves of the loudest record.
     pub start: Start,
-    /// The fit on the curves that the refinement began with.
+    /// The fit on the curves with which the refinement began.
     pub fit: Fit,
     /// Envelope of each record.
     pub envelopes: Vec<Envelope>,
     /// Curves of each record, against modal force.
     pub curves: Vec<Curves>,
-    /// The same curves of the model's ring-downs, by the same method.
+    /// Curves of the model's ring-downs, one per record, made by the same method.
     pub model_curves: Vec<Curves>,
-    /// First sample of each record that was compared with the model.
+    /// Index of the first sample of each record that was compared with the model.
     pub first_samples: Vec<usize>,
     /// The linear mode with viscous damping.
     pub linear: Linear,
-    /// Other laws on the same records, and smooth curves; why there are none where there are none.
+    /// Other laws on the same records, and smooth curves; where there are none, the error that says why.
     pub laws: Result<Comparison, Error>,
-    /// Names of the other laws that tell the records as well as the joint, which is known to miss something, or better: the intervals hold theirs.
+    /// Names of the other laws that describe the records as well as the joint, or better, where the joint is known to miss something: the intervals
+    /// contain theirs.
     pub as_likely: Vec<&'static str>,
-    /// Whether the model matches, how far off it is.
+    /// Whether the model matches the records, and how far off it is.
     pub verdict: Verdict,
     /// What was found and done, in words.
     pub notes: Vec<String>,
@@ -82,7 +83,7 @@ impl Identification {
         &self.profiles.parameters[place]
     }
 
-    /// Smallest and largest amplitude of the modal displacement that the records hold; none where they hold no curve.
+    /// Smallest and largest modal displacement amplitude (mass-normalised) that the records hold; none where they hold no curve.
     #[must_use]
     pub fn informed(&self) -> Option<[f64; 2]> {
         let all = || self.curves.iter().flat_map(|c| c.displacement.iter().copied()).filter(|a| *a > 0.0);
@@ -98,7 +99,7 @@ impl Identification {
         (days().map(|day| (day - mean).powi(2)).sum::<f64>() / (count - 1.0).max(1.0)).sqrt()
     }
 
-    /// What the model misses beside noise, and what intervals allow for beside that, in words; none where only noise is left.
+    /// What the model misses beside noise, and what intervals allow for in addition, in words; none where only noise is left.
     fn discrepancy_in_words(&self) -> Vec<String> {
         let found = &self.refined.discrepancy;
         let hertz = |relative: f64| relative * self.parameters.frequency;
@@ -138,7 +139,8 @@ impl Identification {
         misses.into_iter().chain(clean).collect()
     }
 
-    /// Whether a linear mode tells the records as well as the joint, which describes them: what neither describes needs another law.
+    /// Whether a linear mode describes the records as well as the joint does, and the joint describes them: records that neither describes need
+    /// another law.
     #[must_use]
     pub fn needs_no_joint(&self) -> bool {
         self.linear.is_enough() && self.verdict.grade != Grade::No
@@ -159,7 +161,7 @@ impl Identification {
         }
     }
 
-    /// What other laws add to the intervals.
+    /// In words: the laws whose intervals are contained in those of the joint's parameters.
     fn others_in_words(&self) -> Option<String> {
         (!self.as_likely.is_empty() && self.verdict.grade != Grade::No).then(|| {
             let names = self.as_likely.join(", ");
@@ -167,7 +169,8 @@ impl Identification {
         })
     }
 
-    /// What the records do not tell, in words: open intervals, a joint that is not needed, a model that does not fit.
+    /// The verdict, what the model misses, and what the records do not tell, in words: open intervals, a joint that is not needed, a model that does
+    /// not fit.
     #[must_use]
     pub fn in_words(&self) -> Vec<String> {
         let mut words = vec![self.verdict.misfit.clone()];

@@ -9,8 +9,8 @@ use crate::laws::{Comparison, Estimate, FittedLaw, Joint, LawMode, Source, compa
 use crate::parameters::{Parameter, Parameters};
 use crate::profile::Profiles;
 
-/// All laws on the records of a mode, without the simulation in the loop that [`identify`](super::identify()) needs: less than
-/// a second a record.
+/// Compares all laws on the records of a mode, without the simulation in the loop that [`identify`](super::identify()) needs: this takes less than a
+/// second a record.
 ///
 /// # Errors
 /// As [`isolate`](crate::signal::isolate) and [`compare`].
@@ -34,7 +34,7 @@ pub fn compare_laws(records: &[ModeRecord<'_>], settings: &Settings) -> Result<C
     of_prepared(&prepared, None)
 }
 
-/// The same of records that are prepared already.
+/// Compares all laws on prepared records; `iwan` are parameters of the joint at which its search begins as well.
 pub(super) fn of_prepared(prepared: &[Prepared<'_>], iwan: Option<&Parameters>) -> Result<Comparison, Error> {
     let sources: Vec<Source<'_>> = prepared
         .iter()
@@ -46,8 +46,9 @@ pub(super) fn of_prepared(prepared: &[Prepared<'_>], iwan: Option<&Parameters>) 
     compare(&sources, iwan)
 }
 
-/// What the records do not tell of an Iwan joint, whatever its profiles say: a joint that does not describe the records has parameters, but not
-/// those of the structure; nor has one that may be a drift; and where it misses something and the evidence for another law is strong, the bend that a fit makes of that is no macro-slip.
+/// The parameters of an Iwan joint that the records do not tell, whatever its profiles say. A joint that does not describe the records has
+/// parameters, but not those of the structure; the same holds for a joint that may be a drift. Where the joint misses something and the evidence for
+/// another law is strong, a bend that the joint makes of this is no macro-slip.
 pub(super) fn untold(verdict: &Verdict, laws: Option<&Comparison>) -> &'static [Parameter] {
     let against = laws.is_some_and(|laws| laws.speaks_against("iwan"));
     match verdict.grade {
@@ -58,21 +59,21 @@ pub(super) fn untold(verdict: &Verdict, laws: Option<&Comparison>) -> &'static [
     }
 }
 
-/// Whether a linear mode has the damping of the record at all amplitudes and only the frequency moves, as evenly as the logarithm of the amplitude: the joint found for it never comes near its rest.
-/// In one decay that is what a frequency does that drifts with time.
+/// Whether a linear mode has the damping of the record at all amplitudes and only the frequency moves, as evenly as ln amplitude: the joint found for
+/// such a record never comes near its rest. In one decay a frequency that drifts with time does the same.
 pub(super) fn only_the_frequency_moves(laws: &Comparison, extrapolation: Extrapolation) -> bool {
     let damped_alike = laws.named("linear").is_some_and(|linear| linear.dissipation_misfit <= DISSIPATION);
     damped_alike && laws.speaks_against("linear") && !extrapolation.untold().is_empty()
 }
 
-/// Laws that tell the records as well as the joint or better, where that is known to miss something (`missed`): what they say of a parameter that both
-/// have is as likely.
+/// Laws that describe the records as well as the joint or better, where the joint is known to miss something (`missed`): what they say about a
+/// parameter that both have is as likely.
 pub(super) fn as_likely(missed: bool, laws: Option<&Comparison>) -> Vec<&FittedLaw> {
     let near = laws.into_iter().flat_map(Comparison::near);
     near.filter(|law| missed && law.law.name != "iwan").collect()
 }
 
-/// Intervals that hold those of other laws.
+/// The profiles with intervals widened to contain those of other laws for the same parameters.
 pub(super) fn with_others(mut profiles: Profiles, others: &[&FittedLaw]) -> Profiles {
     for law in others {
         for estimate in &law.parameters {
@@ -84,8 +85,8 @@ pub(super) fn with_others(mut profiles: Profiles, others: &[&FittedLaw]) -> Prof
     profiles
 }
 
-/// The comparison where the law `iwan` has the parameters, intervals and verdict of the fit on the records themselves: a page says one thing of
-/// one law.
+/// The comparison in which the law `iwan` has the parameters, intervals and verdict of the fit on the records themselves, so that a page says only
+/// one thing about this law.
 pub(super) fn beside(
     found: Comparison,
     parameters: &Parameters,

@@ -1,4 +1,4 @@
-//! The simplest law: no joint at all.
+//! The simplest law: a linear mode without a joint.
 
 use std::f64::consts::TAU;
 
@@ -9,11 +9,11 @@ use crate::parameters::Parameters;
 use crate::refine::Task;
 use crate::search::Minimum;
 
-/// Part of ω0² that stands for no joint at all: the frequency then shifts by 5e-10 at most, far below what any record tells.
-/// Next to nothing in place of nothing, because the joint's law needs K_T > 0.
+/// Part of ω0² that stands for no joint at all: the frequency then shifts by 5e-10 at most, far below what any record tells. The value is not zero
+/// because the joint's law needs K_T > 0.
 const NO_JOINT: f64 = 1e-9;
 
-/// The linear mode on the same records, from the mean damping of the curves.
+/// The linear mode fitted to the same records, beginning with the mean damping of the curves.
 pub(super) fn linear(
     task: &Task,
     minimum: &Minimum,

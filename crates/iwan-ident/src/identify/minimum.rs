@@ -1,4 +1,4 @@
-//! The minimum that no profile finds a better one to.
+//! The minimum to which no profile finds a better one.
 
 use crate::error::Error;
 use crate::parameters::Parameters;
@@ -6,21 +6,21 @@ use crate::profile::{Extent, Known, Profiles, SLIP_SEEN, extent, profiles};
 use crate::refine::{Clean, Solved, Task, Workspace};
 use crate::search::Minimum;
 
-/// Searches that begin anew because a profile found a better minimum, at most. A judgement: each costs as much as all
-/// profiles together. When they are spent the profiles are taken as they are, and points below the minimum count as on it.
+/// Most searches that begin anew because a profile found a better minimum. A judgement: each costs as much as all profiles together. When they are
+/// spent the profiles are taken as they are, and points below the minimum count as on it.
 const ANEW: usize = 3;
 
-/// Relative residual below which the fit in micro-slip is sought from other powers too: with so little noise valleys are narrow, and a short record, whose
-/// dissipation is not seen to change, begins its searches anywhere. Above, noise fills them.
+/// Relative residual below which the fit in micro-slip is sought from other powers χ too. With so little noise valleys (local minima) are narrow, and
+/// a short record, whose dissipation is not seen to change, begins its searches anywhere. Above this residual noise fills the valleys.
 const QUIET: f64 = 2e-3;
 
-/// A minimum and the profiles about it.
+/// A minimum, and the profiles about it.
 pub(super) struct Found {
     pub(super) minimum: Minimum,
     pub(super) profiles: Profiles,
 }
 
-/// Searches until no profile finds a better minimum. Where the records do not see macro-slip, the best fit without it.
+/// Searches until no profile finds a better minimum. Where the records do not see macro-slip the result is the best fit without it.
 pub(super) fn minimum_and_profiles(task: &mut Task, first: &Parameters) -> Result<Found, Error> {
     let Solved { best, micro_slip } = task.solve(first)?;
     let start = task.coordinates(first)?;
@@ -31,7 +31,7 @@ pub(super) fn minimum_and_profiles(task: &mut Task, first: &Parameters) -> Resul
         let without = without_macro_slip(task, near.as_deref(), &minimum);
         let extent = extent(task, &minimum, without.as_ref().map(|w| &w.minimum));
         let clean = task.clean(&minimum);
-        // Macro-slip that is seen, but not beyond what is allowed for: the intervals are those without it, the best values those with it.
+        // Macro-slip is seen, but not beyond what the law may miss: the intervals are those without macro-slip, the best values those with it.
         let explained = match &without {
             Some(without) if clean == Some(Clean::Nearly) && extent != Extent::MicroSlip => {
                 without.explains(&minimum)?
@@ -72,21 +72,21 @@ pub(super) fn minimum_and_profiles(task: &mut Task, first: &Parameters) -> Resul
     }
 }
 
-/// The best fit without macro-slip, and the task with what sampling adds to that ring-down: each of two fits that are compared
-/// is sampled as the record was.
+/// The best fit without macro-slip, and its task with what sampling adds to that ring-down: each of two fits that are compared is sampled as the
+/// record was.
 struct WithoutMacroSlip {
     task: Task,
     minimum: Minimum,
 }
 
 impl WithoutMacroSlip {
-    /// Brought to the minimum without what it is found to miss; `others` are further starts.
+    /// The minimum with a discount for what this fit is found to miss, and its task; `others` are further starts.
     fn discounted(mut self, others: &[&[f64]]) -> Result<(Task, Minimum), Error> {
         let minimum = self.task.discounted(self.minimum, others)?;
         Ok((self.task, minimum))
     }
 
-    /// Whether what the law may miss of a clean record explains as well what macro-slip does.
+    /// Whether what the law may miss of a clean record explains the gain as well as macro-slip does.
     fn explains(&self, minimum: &Minimum) -> Result<bool, Error> {
         let gain = self.task.slip_gains(&self.minimum, minimum)?;
         Ok(gain.is_some_and(|gain| gain <= SLIP_SEEN))

@@ -33,9 +33,9 @@ use minimum::{Found, minimum_and_profiles};
 use prepared::Prepared;
 pub use settings::{Held, ModeRecord, Settings};
 
-/// The further starts on the curves: steeper and flatter powers than the slope suggests, and a joint three times stiffer or half
-/// as stiff. Slopes and knees can be mistaken for one another; a fit on curves costs milliseconds, so each is tried. Which
-/// ones is a judgement, and not varied.
+/// Further starts of the fit on the curves: steeper and flatter powers χ than the slope suggests, and a joint three times as stiff or half as stiff.
+/// Slopes and knees can be mistaken for one another; a fit on curves costs milliseconds, so each start is tried. Which ones is a judgement, and not
+/// varied.
 const OTHER_STARTS: [OtherStart; 4] = [
     OtherStart { chi: -0.5, k_t: 1.0 },
     OtherStart { chi: -0.2, k_t: 1.0 },
@@ -43,17 +43,18 @@ const OTHER_STARTS: [OtherStart; 4] = [
     OtherStart { chi: 0.1, k_t: 0.5 },
 ];
 
-/// Smallest and largest ratio of a quieter record's spectral peak to a louder one's for one mode: a joint softens with amplitude, by
-/// 30 % where it carries most of the stiffness; …
+/// Largest ratio of a quieter record's spectral peak to a louder record's for one mode: a joint softens with amplitude, by 30 % where it carries most
+/// of the stiffness. Records beyond it are refused.
 const SOFTENING: f64 = 1.3;
-/// … and what goes the other way is the day's temperature, mounting and the width of a spectral line.
+/// Smallest such ratio: a quieter record's peak lies lower only by the day's temperature, the mounting and the width of a spectral line. Records
+/// below it are refused.
 const STIFFENING: f64 = 0.98;
 
-/// By so much, as a logarithm, the frequencies of hits of one mode differ at most at the same amplitude. Hits of a day differ by a thousandth, a joint that was taken apart and bolted again
-/// by one or two per cent. A judgement.
+/// Largest difference of ln frequency between hits of one mode at the same amplitude; records beyond it are refused. Hits of a day differ by a
+/// thousandth, a joint that was taken apart and bolted again by one or two per cent. A judgement.
 const OTHER_DAY: f64 = 0.04;
 
-/// A start on the curves beside the graphical one.
+/// A start of the fit on the curves, beside the graphical one.
 struct OtherStart {
     chi: f64,
     /// K_T over that of the graphical start.
@@ -92,8 +93,8 @@ pub fn identify(records: &[ModeRecord<'_>], settings: &Settings) -> Result<Ident
     identification(records, settings, &Arc::default(), None)
 }
 
-/// [`identify`] that keeps the ends of its searches: another process with the same records, settings and checkpoint goes on where this one
-/// ended, and ends with the same bits.
+/// [`identify`], with the ends of its searches kept in a checkpoint: another process with the same records, settings and checkpoint goes on where
+/// this one ended, and arrives at the same bits.
 ///
 /// # Errors
 /// As [`identify`].
@@ -189,13 +190,13 @@ fn identification(
     })
 }
 
-/// What the curves alone say.
+/// Start values and fit that follow from the curves alone.
 struct OnCurves {
     start: Start,
     fit: Fit,
 }
 
-/// Start values and the fit on the curves.
+/// Start values from the curves of the loudest record, and the fit on the curves of all records.
 fn on_curves(curves: &[Curves], held: &[Held]) -> Result<OnCurves, Error> {
     let loudest = curves.iter().max_by(|a, b| largest(a).total_cmp(&largest(b)));
     let mut start = start(loudest.ok_or(Error::Length { name: "curves", needed: 1, found: 0 })?)?;
@@ -218,8 +219,8 @@ fn on_curves(curves: &[Curves], held: &[Held]) -> Result<OnCurves, Error> {
     Ok(OnCurves { start, fit })
 }
 
-/// Compares curves and the model's at the times they share; frequencies as they would be on the mean day, so that what hits stray by is neither a misfit nor
-/// a shift.
+/// Compares the curves of records and model at the times that they share. Frequencies are those of the mean day, so that what hits stray by is
+/// neither a misfit nor a shift.
 fn verdict(beside: &Beside, curves: &[Curves], model: &[Curves], starts: &[TurningPoint]) -> Verdict {
     let (mut dissipation, mut frequency) = (vec![], vec![]);
     for ((record, model), start) in curves.iter().zip(model).zip(starts) {
@@ -243,7 +244,8 @@ fn verdict(beside: &Beside, curves: &[Curves], model: &[Curves], starts: &[Turni
     Verdict::beside(beside, &dissipation, &frequency)
 }
 
-/// What speaks against a frequency outside the band in which the mode was looked for: it is not that mode's.
+/// The reason against a fit whose frequency lies outside the band in which the mode was looked for: the frequency is not that mode's. None where it
+/// lies inside.
 fn outside_band(prepared: &[Prepared<'_>], refined: &Refined) -> Option<String> {
     let frequency = refined.parameters.frequency;
     let Band { low, high, peak } =
@@ -253,7 +255,8 @@ fn outside_band(prepared: &[Prepared<'_>], refined: &Refined) -> Option<String> 
     ))
 }
 
-/// Refuses records that cannot be hits of one mode: equal samples, and peaks that no softening brings together.
+/// Refuses records that cannot be hits of one mode: equal samples, peaks that no softening brings together, and frequencies too far apart at the same
+/// amplitude.
 fn check_together(records: &[ModeRecord<'_>], prepared: &[Prepared<'_>]) -> Result<(), Error> {
     for (i, a) in records.iter().enumerate() {
         if let Some(j) = (0..i).find(|j| records[*j].samples == a.samples && records[*j].dt == a.dt) {

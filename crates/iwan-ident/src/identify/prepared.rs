@@ -1,4 +1,4 @@
-//! A record prepared for the comparison with a model, and the model's curves taken as the record's were.
+//! A record prepared for the comparison with a model, and the model's curves, made as the record's were.
 
 use super::settings::{ModeRecord, Settings};
 use crate::curves::{Curves, ForceAxis, lost};
@@ -15,11 +15,11 @@ pub(super) struct Prepared<'a> {
     pub(super) curves: Curves,
     /// Samples that are compared with the model.
     stretch: Vec<f64>,
-    /// What was taken off them for other modes.
+    /// Samples of other modes that were subtracted from the stretch; none where nothing was.
     beside: Option<Vec<f64>>,
-    /// Index of the first of them.
+    /// Index, in the record, of the first sample that is compared.
     pub(super) first: usize,
-    /// Width of their band, Hz; none: the record as it is.
+    /// Width of the band that these samples were filtered to, Hz; none: the record as it is.
     band: Option<f64>,
 }
 
@@ -68,12 +68,12 @@ impl<'a> Prepared<'a> {
         self.isolated.band
     }
 
-    /// The reason why the mode of this record could not be followed, with what stands in its band.
+    /// The reason why the mode of this record could not be followed, with a word on what else stands in its band.
     pub(super) fn refused(&self, error: Error) -> Error {
         self.isolated.refused(error)
     }
 
-    /// Whether the record is driven again within the samples that are compared, a cycle behind the first of them and more.
+    /// Whether the record is driven again within the samples that are compared, at least a cycle after the first of them.
     pub(super) fn is_driven_again(&self) -> bool {
         let dt = self.record.dt;
         let from = self.first as f64 * dt + 1.0 / self.isolated.band.peak;
@@ -95,8 +95,8 @@ impl<'a> Prepared<'a> {
         self.envelope.notes.iter().cloned().chain([own])
     }
 
-    /// Curves of the model's ring-down, taken as the record's were: its samples stand in the record in place of the record's own from the first that is
-    /// compared on, so that filter and smooth curves see the same before it, and err alike.
+    /// Curves of the model's ring-down, made as the record's were. From the first compared sample on, the model's samples take the place of the
+    /// record's own, so that filter and smooth curves see the same before that sample, and err alike.
     pub(super) fn model_curves(
         &self,
         parameters: &Parameters,
@@ -115,7 +115,7 @@ impl<'a> Prepared<'a> {
         Ok(model.at(&self.curves.t))
     }
 
-    /// The record before the first sample that is compared; of one in a band, only the mode, from where it begins.
+    /// The record before the first sample that is compared; for a record in a band, only the mode, from where it begins.
     fn before(&self) -> Vec<f64> {
         if self.band.is_none() {
             return self.record.samples[..self.first].to_vec();

@@ -1,4 +1,4 @@
-//! What an identification is given.
+//! The input of an identification.
 
 use crate::curves::Quantity;
 use crate::parameters::Parameter;
@@ -15,21 +15,21 @@ pub struct ModeRecord<'a> {
     pub quantity: Quantity,
 }
 
-/// How an identification goes about it; `Settings::default()` finds everything itself.
+/// Settings of an identification; `Settings::default()` finds everything by itself.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Settings {
-    /// How the mode is taken out of each record.
+    /// How the mode is isolated in each record.
     pub options: Options,
-    /// The envelope that curves and verdict are made from.
+    /// The envelope from which curves and verdict are made.
     pub method: Method,
     /// Parameters that keep a given value.
     pub held: Vec<Held>,
 }
 
-/// A parameter that keeps its value.
+/// A parameter that keeps a given value.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Held {
-    /// Which one.
+    /// The parameter.
     pub parameter: Parameter,
     /// Its value.
     pub value: f64,

@@ -7,19 +7,19 @@ use super::terms::Term;
 pub struct Candidate {
     /// Name in results and for `--law`: plain kebab-case.
     pub name: &'static str,
-    /// What it is made of, in words.
+    /// The law in words.
     pub words: &'static str,
     pub(super) terms: &'static [Term],
 }
 
 impl Candidate {
-    /// Whether it has an Iwan joint, whose coordinates come first.
+    /// Whether the law has an Iwan joint, whose coordinates then come first among those of its terms.
     pub(super) const fn has_iwan(&self) -> bool {
         matches!(self.terms, [Term::Iwan, ..])
     }
 }
 
-/// All of them. Every law has a stiffness and a viscous damper; the order is that of the number of parameters.
+/// All laws, by ascending number of parameters. Every law has a stiffness and a viscous damper.
 pub const CANDIDATES: &[Candidate] = &[
     Candidate { name: "linear", words: "a linear mode with viscous damping", terms: &[] },
     Candidate {
@@ -92,12 +92,12 @@ pub const CANDIDATES: &[Candidate] = &[
 ];
 
 impl Candidate {
-    /// Whether it is an Iwan joint with something beside it.
+    /// Whether the law is an Iwan joint with a further part beside it.
     pub(super) fn is_combined(&self) -> bool {
         matches!(self.terms, [Term::Iwan, _, ..])
     }
 
-    /// The law of a name; none where there is none.
+    /// The law with this name; none where there is no such law.
     #[must_use]
     pub fn named(name: &str) -> Option<&'static Self> {
         CANDIDATES.iter().find(|c| c.name == name)

@@ -1,4 +1,4 @@
-//! All laws on the same records, and the one to take.
+//! All laws fitted to the same records, and the law to take.
 
 use std::f64::consts::TAU;
 
@@ -20,73 +20,75 @@ use crate::error::{Error, check};
 use crate::parameters::Parameters;
 use crate::signal::HARDLY;
 
-/// Difference of the criterion up to which a law is as good as the best: evidence of a factor e (R. E. Kass and A. E. Raftery, Bayes
-/// factors, J. Am. Statist. Assoc. 90:773, 1995: "not worth more than a bare mention").
+/// Difference of the criterion (twice the negative logarithm of the evidence) up to which a law is as good as the best: evidence of a factor e (R. E.
+/// Kass and A. E. Raftery, Bayes factors, J. Am. Statist. Assoc. 90:773, 1995: "not worth more than a bare mention").
 const AS_GOOD: f64 = 2.0;
-/// Difference of the criterion from which on evidence is strong, by the same scale.
+/// Difference of the criterion from which on evidence is strong, by the scale of Kass and Raftery.
 const STRONG: f64 = 6.0;
-/// Factor by which the grid reaches beyond the amplitudes of the envelopes: a ring-down begins before its envelope is trusted.
+/// Factor by which the grid of amplitudes reaches beyond those of the envelopes: a ring-down begins before its envelope is trusted.
 const BEYOND: f64 = 1.1;
 
-/// A law with what the records say of it.
+/// A law, and what the records say about it.
 #[derive(Debug, Clone)]
 pub struct FittedLaw {
-    /// Which one.
+    /// The law.
     pub law: Candidate,
-    /// Twice the negative logarithm of its evidence with the discrepancy that it needs, less that of the best law: 0 is the best.
+    /// Criterion: twice the negative logarithm of the law's evidence, with the discrepancy that the law needs, less that of the best law: 0 is the
+    /// best.
     pub criterion: f64,
-    /// Root-mean-square misfit of ln D against the smooth curves, over the cycles of the records.
+    /// Root-mean-square misfit of ln D (D: dissipation per cycle) against the smooth curves, over the cycles of the records.
     pub dissipation_misfit: f64,
-    /// Root-mean-square misfit of the frequency, Hz.
+    /// Root-mean-square misfit of the frequency against the smooth curves, Hz.
     pub frequency_misfit: f64,
     /// Size of the slow discrepancy that is estimated with the law: of the decay rate, relative, and of the frequency, Hz.
     pub discrepancy: (f64, f64),
-    /// What it misses of thirds of the amplitudes (in ln a) that it was not fitted to; none where the records saw too few.
+    /// Misfit in thirds of the amplitudes (in ln a) to which the law was not fitted; none where the records saw too few amplitudes.
     pub held_out: Option<HeldOut>,
-    /// How well it describes the records.
+    /// How well the law describes the records.
     pub grade: Grade,
-    /// Its parameters with intervals.
+    /// The law's parameters with intervals.
     pub parameters: Vec<Estimate>,
     /// The mode with this law.
     pub mode: LawMode,
 }
 
-/// What records say of all laws.
+/// What records say about all laws.
 #[derive(Debug, Clone)]
 pub struct Comparison {
     /// All laws that could be fitted, in the order of the list.
     pub laws: Vec<FittedLaw>,
-    /// Place of the simplest that is as good as the best.
+    /// Index in `laws` of the simplest law that is as good as the best.
     pub chosen: usize,
-    /// Smooth curves with bands.
+    /// Smooth curves of frequency and damping ratio against amplitude, with bands.
     pub backbone: Backbone,
     /// Displacement amplitude at the first sample of each record.
     pub released: Vec<f64>,
-    /// Standard deviation of the noise over the root mean square of each record, as the windows see them.
+    /// Standard deviation of the noise over the root mean square of the record, as the windows see both, one per record.
     pub noise: Vec<f64>,
 }
 
-/// What all laws are fitted to.
+/// What all laws are fitted to, and compared with.
 struct Together {
     grid: Grid,
     information: Information,
     smooth: Smooth,
-    /// Its decay rates, none of which is nothing.
+    /// Decay rates of the smooth curves (1/s), raised where they are next to zero or negative.
     near: Vec<f64>,
     ladder: Ladder,
     scales: Scales,
-    /// Places on the grid that the records saw.
+    /// Indices of the grid's amplitudes that the records saw.
     seen: Vec<usize>,
-    /// Of each cycle of the records' curves: the place on the grid next to its amplitude.
+    /// For each cycle of the records' curves: index of the seen amplitude next to that of the cycle.
     cycles: Vec<usize>,
-    /// How far hits stray from each other, with the covariance of that.
+    /// How far hits stray from each other, with the covariance of the straying.
     scatter: (Scatter, DMatrix<f64>),
 }
 
-/// Fits all laws to the ring-downs of a mode; `iwan` is where the search for the four-parameter joint also begins.
+/// Fits all laws to the ring-downs of a mode. The search for the four-parameter joint begins at the parameters `iwan` as well, where they are given.
 ///
 /// # Errors
-/// [`Error::TooShort`] for a record of fewer than a dozen cycles; [`Error::Refused`] where no smooth curves follow a record, or where all together see less than 2 % of amplitude.
+/// [`Error::TooShort`] for a record of fewer than a dozen cycles; [`Error::Refused`] where no smooth curves follow a record, or where all records
+/// together see less than 2 % of amplitude.
 pub fn compare(sources: &[Source<'_>], iwan: Option<&Parameters>) -> Result<Comparison, Error> {
     check("records", sources.len() as f64, !sources.is_empty(), "at least one", "give a record")?;
     let lost = lost(sources.iter().map(|s| s.curves));
@@ -125,18 +127,20 @@ pub fn compare(sources: &[Source<'_>], iwan: Option<&Parameters>) -> Result<Comp
     })
 }
 
-/// What the evidence of a law counts for in the choice: a joint with something beside it combines two laws of the list, follows many a smooth curve, and has its knee sought along
-/// its whole range; so it is taken where the evidence for it is strong. Of a hundred pendulums in noise of 40 dB nine were taken for a joint with dry friction without that.
+/// The criterion of a law as it counts in the choice. A joint with a further part combines two laws of the list, follows many a smooth curve, and has
+/// its knee sought along its whole range; so it is taken only where the evidence for it is strong. Without that, nine of a hundred pendulums in noise
+/// of 40 dB were taken for a joint with dry friction.
 fn weighed(law: &FittedLaw) -> f64 {
     law.criterion + if law.law.is_combined() { STRONG } else { 0.0 }
 }
 
-/// Of laws that are as good and match neither, one that misses so many times as much of both curves as another is not taken for its fewer parameters. A judgement.
+/// Ratio of misfits from which on a law is not taken for its fewer parameters: another law is as good by evidence, neither matches the records, and
+/// the other misses less of both curves by this factor. A judgement.
 const FARTHER: f64 = 2.0;
 
-/// The simplest of the laws that are as good as the best: one that describes the records goes before one that does not, unless the evidence
-/// is strong. Evidence is that of the loudest cycles where noise is small, so that it is not heard for a law which misses more of both
-/// curves than another whose grade is better. None of no laws.
+/// Index of the simplest of the laws that are as good as the best; none where there are no laws. A law that describes the records goes before one
+/// that does not, unless the evidence against it is strong. Where noise is small, evidence comes from the loudest cycles alone; so the evidence for a
+/// law is not heard where another law of a better grade misses less of both curves.
 fn choice(laws: &[FittedLaw]) -> Option<usize> {
     let surpassed = |l: &FittedLaw| {
         laws.iter().any(|other| {
@@ -152,7 +156,7 @@ fn choice(laws: &[FittedLaw]) -> Option<usize> {
     let of_grade = || open.iter().filter(|(_, l)| l.grade == grade);
     let least = of_grade().map(|(_, l)| weighed(l)).fold(f64::INFINITY, f64::min);
     let good = || of_grade().filter(|(_, l)| weighed(l) <= least + AS_GOOD);
-    // Simplicity is no reason to take a law that is much farther from both curves.
+    // Fewer parameters are no reason to take a law that is much farther from both curves.
     let far = |l: &FittedLaw| {
         l.grade != Grade::Matches
             && good().any(|(_, other)| {
@@ -168,7 +172,7 @@ fn choice(laws: &[FittedLaw]) -> Option<usize> {
 }
 
 impl Comparison {
-    /// The same where more is known of the law of a name; the choice is made anew.
+    /// The same comparison where more is known of the law with this name; the choice is made anew.
     pub(crate) fn knowing(mut self, name: &str, more: impl FnOnce(&mut FittedLaw)) -> Self {
         if let Some(law) = self.laws.iter_mut().find(|l| l.law.name == name) {
             more(law);
@@ -183,7 +187,7 @@ impl Comparison {
         &self.laws[self.chosen]
     }
 
-    /// Whether the evidence against a law is strong.
+    /// Whether the evidence against the law with this name is strong; also where it could not be fitted.
     #[must_use]
     pub fn speaks_against(&self, name: &str) -> bool {
         let own = self.named(name).map_or(f64::INFINITY, |law| law.criterion);
@@ -196,7 +200,7 @@ impl Comparison {
         self.laws.iter().filter(move |law| law.criterion <= limit && law.grade != Grade::No)
     }
 
-    /// The law to take in one sentence, beside what an Iwan joint misses.
+    /// The law to take in one sentence, with its misfit and that of an Iwan joint.
     #[must_use]
     pub fn in_words(&self) -> String {
         let law = self.chosen();
@@ -225,14 +229,14 @@ impl Comparison {
         }
     }
 
-    /// The law of a name, if it could be fitted.
+    /// The law with this name, if it could be fitted.
     #[must_use]
     pub fn named(&self, name: &str) -> Option<&FittedLaw> {
         self.laws.iter().find(|l| l.law.name == name)
     }
 }
 
-/// Amplitudes from the smallest to the largest that any record holds.
+/// The grid of amplitudes, from the smallest to the largest that any record holds.
 fn grid(sources: &[Source<'_>]) -> Grid {
     let (mut low, mut high) = (f64::INFINITY, 0.0_f64);
     for Source { curves, first, .. } in sources {
@@ -265,7 +269,7 @@ fn together(grid: Grid, measured: &[Measured], sources: &[Source<'_>]) -> Option
     let (information, scatter, straying) =
         specimen(&all, &covariances, &mean, (mean[mean.len() - 1], shift))?;
     let smooth = Smooth::new(&information, &covariances, &near)?;
-    // Once more about what was found: discrepancies are relative to it.
+    // The covariances are made once more, relative to the curves that were found.
     let mut found = smooth.rates.clone();
     found.decay.iter_mut().for_each(|d| *d = d.max(0.05 * rate));
     let shift = range(&seen.iter().map(|&i| found.omega[i]).collect::<Vec<_>>())
@@ -293,7 +297,7 @@ fn together(grid: Grid, measured: &[Measured], sources: &[Source<'_>]) -> Option
     Some(Together { grid, information, smooth, near, ladder, scales, seen, cycles, scatter })
 }
 
-/// Coordinates of a law with a joint, with nothing of what is beside it.
+/// Coordinates of a law with a joint and further parts, where the further parts are zero.
 fn beside_a_joint(law: &Candidate, mut joint: Vec<f64>) -> Vec<f64> {
     joint.resize(coordinates(law.terms).len(), 0.0);
     joint
@@ -308,7 +312,7 @@ impl Together {
     /// All laws, each with the discrepancy that it needs.
     fn laws(&self, iwan: Option<&Parameters>) -> Vec<FittedLaw> {
         let (amplitudes, smooth) = (self.grid.amplitudes(), self.seen_curves());
-        // Where the joint is known to lie: by the fit on the records, and by itself once it has been sought.
+        // Coordinates where the joint is known to lie: by the fit on the records, and by the fit of the joint alone once that is done.
         let mut joints: Vec<Vec<f64>> = iwan.and_then(|p| self.scales.of_iwan(p)).into_iter().collect();
         let mut fits: Vec<(Candidate, Problem<'_>, Fitted<'_>)> = vec![];
         for law in CANDIDATES {
@@ -326,8 +330,8 @@ impl Together {
         fits.iter().filter_map(|(law, problem, fitted)| self.fitted_law(*law, problem, fitted)).collect()
     }
 
-    /// Lets the joint alone go on from where it was found beside another part that tells the records better, and these from there: what has more parts is no less likely than what has fewer, but for
-    /// their price.
+    /// Lets the joint alone go on from where it was found beside a further part that describes the records better, and the joints with further parts
+    /// from there: a law with more parts is no less likely than one with fewer, but for the price of its parameters.
     fn exchange<'a>(&'a self, fits: &mut [(Candidate, Problem<'_>, Fitted<'a>)]) {
         let Some(alone) = fits.iter().position(|(law, ..)| matches!(law.terms, [Term::Iwan])) else { return };
         let (_, problem, first) = fits[alone].clone();
@@ -344,7 +348,7 @@ impl Together {
         }
     }
 
-    /// ln λ and ω of the smooth curves at the places that the records saw, where damping is positive.
+    /// Index, ln λ (decay rate) and ω of the smooth curves at the amplitudes that the records saw, where damping is positive.
     fn seen_curves(&self) -> Vec<(usize, f64, f64)> {
         let curve = |&i: &usize| (i, self.smooth.rates.decay[i].ln(), self.smooth.rates.omega[i]);
         self.seen.iter().map(curve).filter(|c| c.1.is_finite()).collect()
@@ -361,7 +365,7 @@ impl Together {
             discrepancy: (size.decay, size.omega * self.scales.shift / TAU),
             held_out: problem.held_out(fitted, &stretches(&self.seen), &self.smooth.rates, &self.cycles),
             grade: verdict.grade,
-            // A law that does not describe the records tells nothing of the structure.
+            // A law that does not describe the records tells nothing about the structure.
             parameters: match verdict.grade {
                 Grade::No => estimates(problem, fitted).into_iter().map(Estimate::untold).collect(),
                 Grade::Matches | Grade::Usable => estimates(problem, fitted),
@@ -370,14 +374,14 @@ impl Together {
         })
     }
 
-    /// The law's curves against the smooth ones, cycle by cycle and by the limits of every fit.
+    /// The law's curves against the smooth ones, cycle by cycle, by the same limits as in every fit.
     fn verdict(&self, mode: &LawMode) -> Option<Verdict> {
         let rates = mode.rates(&self.grid.amplitudes()).ok()?;
         let (mut dissipation, mut frequency) = (vec![], vec![]);
         for &i in &self.cycles {
             let law = rates[i];
             let (decay, omega) = (self.smooth.rates.decay[i], self.smooth.rates.omega[i]);
-            // D = 2π a² ω λ at the same amplitude.
+            // D = 2π a² ω λ: at the same amplitude ω λ is compared.
             if decay > 0.0 && law.decay > 0.0 {
                 dissipation.push(Compared {
                     measured: (decay * omega).ln(),
@@ -436,7 +440,7 @@ mod tests {
         assert_eq!(choice(&[]), None);
     }
 
-    /// A spring beyond a gap with nothing in it was taken for its fewer parameters where an Iwan joint misses a third as much.
+    /// A case that was seen: a spring beyond a gap was taken for its fewer parameters where an Iwan joint misses a third as much.
     #[test]
     fn simplicity_is_no_reason_to_miss_more_of_both_curves() {
         let place = |name| CANDIDATES.iter().position(|c| c.name == name).unwrap();

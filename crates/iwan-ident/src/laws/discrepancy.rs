@@ -1,33 +1,33 @@
-//! Sizes of what a law misses, on a ladder, with the covariance of all residuals for each.
+//! Sizes of what a law misses, on a ladder of values, with the covariance of all residuals for each size.
 
 use nalgebra::{DMatrix, DVector};
 
 use super::slow::Covariances;
 use super::slow::Information;
 
-/// Steps of the ladder, each twice the one below.
+/// Steps (rungs) of the ladder, each twice the one below.
 const RUNGS: i32 = 9;
-/// Least part of a decay rate that a law is taken to miss: averaging is of first order in the damping, and ring-downs of real
-/// structures repeat worse. A judgement.
+/// Smallest size on the ladder, as a part of the decay rate: averaging is of first order in the damping, and ring-downs of real structures repeat
+/// worse than this. A judgement.
 const DECAY_FLOOR: f64 = 2e-3;
-/// Least part of the frequency's shift that a law is taken to miss, for the same reasons, …
+/// Smallest size on the ladder, as a part of the frequency's shift, for the same reasons.
 const SHIFT_FLOOR: f64 = 3e-3;
-/// … and of the frequency itself.
+/// Smallest size on the ladder as a part of the frequency itself, for the same reasons; the larger of the two counts.
 const FREQUENCY_FLOOR: f64 = 2e-6;
 
-/// A size of the discrepancy: relative in the decay rate, in parts of its shift in the frequency.
+/// A size of the discrepancy: of the decay rate, relative, and of the frequency, in parts of its shift.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Size {
     pub(super) decay: f64,
     pub(super) omega: f64,
 }
 
-/// Residuals with a discrepancy of some size are independent and of variance 1 after this.
+/// Makes residuals with a discrepancy of some size independent and of variance one.
 #[derive(Debug, Clone)]
 pub(super) struct Whitener {
     pub(super) size: Size,
     lower: DMatrix<f64>,
-    /// Logarithm of the determinant of the covariance.
+    /// ln of the determinant of the residuals' covariance.
     pub(super) log_determinant: f64,
 }
 
@@ -51,15 +51,15 @@ impl Whitener {
     }
 }
 
-/// All sizes that are tried.
+/// All sizes that are tried: every pair of a decay rate's and a frequency's.
 #[derive(Debug, Clone)]
 pub(super) struct Ladder {
     pub(super) rungs: Vec<Whitener>,
 }
 
 impl Ladder {
-    /// For information about curves; `shift` and `frequency` are the range of the circular frequency and itself, 1/s. Errors of the
-    /// covariance `always` are there at every size.
+    /// The ladder for information about curves; `shift` and `frequency` are the range of the circular frequency and the frequency itself, 1/s. Errors
+    /// of the covariance `always` are there at every size.
     pub(super) fn new(
         information: &Information,
         covariances: &Covariances,
@@ -83,7 +83,7 @@ impl Ladder {
         Some(Self { rungs })
     }
 
-    /// The rung of the least `criterion`, first along one size, then along the other, until neither gains.
+    /// The rung with the least `criterion`, sought along one size, then along the other, until neither gains.
     pub(super) fn least(&self, criterion: impl Fn(&Whitener) -> f64) -> &Whitener {
         let side = RUNGS as usize;
         let mut known = vec![f64::NAN; self.rungs.len()];

@@ -7,36 +7,39 @@ use super::mode::{Joint, LawMode};
 use super::slow::HALF_WIDTH;
 use super::terms::knee;
 
-/// Part of its prior's standard deviation below which a parameter counts as told by the records.
+/// Part of its prior's standard deviation below which a parameter's standard deviation must lie for the parameter to count as told by the records.
 const TOLD: f64 = 0.3;
-/// Step of the differences in the coordinates.
+/// Step of the differences in the coordinates, which are of order one.
 const STEP: f64 = 1e-5;
-/// Share of a damper or a spring below which its logarithm has no interval.
+/// Size of a positive parameter below which its logarithm has no interval.
 const NOTHING: f64 = 1e-9;
 
-/// A coordinate this near to the end of its range stands at it: the end is where searches stop, and no finding. Coordinates are of order one, and searches stop some 1e-5 before it.
+/// Distance from an end of its range within which a coordinate stands at that end: there the search stopped, and it found nothing. Coordinates are of
+/// order one, and searches stop some 1e-5 before an end.
 const AT_LIMIT: f64 = 1e-3;
-/// A parameter hangs on such a coordinate where the width of its prior moves it by more than this part of its standard deviation.
+/// A parameter hangs on a coordinate at an end of its range where the prior's width of the coordinate moves the parameter by more than this part of
+/// its standard deviation. It then has no interval.
 const HANGS: f64 = 0.1;
 
-/// Amplitudes at which a knee is tried on either side of the best one.
+/// Number of knees that are tried on either side of the best one.
 const KNEES: usize = 10;
 /// Increase of the sum of squares up to which a knee is accepted: the 95 % quantile of χ² with one degree of freedom.
 const ACCEPTED: f64 = 3.841;
-/// Part of its value by which a parameter must lie off the best, at the last knee that was tried, to be moving still.
+/// Relative distance from the best value beyond which a parameter still moves at the last knee that was tried, so that its interval is open on that
+/// side.
 const MOVING: f64 = 0.2;
 
-/// A parameter of a law.
+/// A parameter of a law, with its interval.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Estimate {
     /// Its name: `frequency`, `damping_ratio`, `coulomb_force`, `quadratic_c`, `damping_c`, `damping_n`, `cubic_k`, `spring_k`,
     /// `spring_exponent`, `pinning_k`, `pinning_gap`, `k_t`, `f_s`, `chi`, `beta`.
     pub name: &'static str,
-    /// Its value, mass-normalised.
+    /// Its value, mass-normalised; `frequency` in Hz.
     pub value: f64,
     /// Lower end of the interval of 95 %; none: open.
     pub low: Option<f64>,
-    /// Upper end; none: open.
+    /// Upper end of the interval of 95 %; none: open.
     pub high: Option<f64>,
 }
 
@@ -46,7 +49,7 @@ impl Estimate {
         Self { low: None, high: None, ..self }
     }
 
-    /// Grows to hold another interval of the same parameter.
+    /// Widens the interval to contain that of another estimate of the same parameter.
     fn include(&mut self, other: &Self) {
         let join =
             |a: Option<f64>, b: Option<f64>, pick: fn(f64, f64) -> f64| a.zip(b).map(|(a, b)| pick(a, b));
@@ -54,7 +57,7 @@ impl Estimate {
         self.high = join(self.high, other.high, f64::max);
     }
 
-    /// Opens towards a value far from the best.
+    /// Opens the interval on the side of `last`, where this value lies far from the best one.
     fn open_towards(&mut self, last: &Self) {
         let away = (last.value - self.value) / self.value.abs();
         if away > MOVING {
@@ -65,7 +68,7 @@ impl Estimate {
     }
 }
 
-/// A value, and whether it is positive by nature: its interval is then one of the logarithm.
+/// A parameter with its name, and whether it is positive by nature: its interval is then one of the logarithm.
 #[derive(Debug, Clone, Copy)]
 struct Named {
     name: &'static str,
@@ -73,7 +76,7 @@ struct Named {
     positive: bool,
 }
 
-/// The parameters of a mode in the order of tables.
+/// The parameters of a mode, in the order of the tables.
 fn values(mode: &LawMode) -> Vec<Named> {
     let positive = |name, value| Named { name, value, positive: true };
     let any = |name, value| Named { name, value, positive: false };
@@ -108,13 +111,13 @@ fn values(mode: &LawMode) -> Vec<Named> {
     out
 }
 
-/// The parameters of a fitted law with their intervals. A law whose curves have a knee is fitted with the knee at many amplitudes, and
-/// an interval holds that of every knee which the records accept.
+/// The parameters of a fitted law with their intervals. A law whose curves have a knee is fitted with the knee held at many values, and an interval
+/// contains those of all knees that the records accept.
 pub(super) fn estimates(problem: &Problem<'_>, fitted: &Fitted<'_>) -> Vec<Estimate> {
     let mut out = about(problem, &fitted.at, true);
     let Some(place) = knee(problem.terms) else { return out };
     let (at, ends) = (fitted.at.x[place], problem.knees());
-    // Upwards and downwards from the best, each from its neighbour.
+    // Upwards and downwards from the best knee, each fit beginning at its neighbour.
     for end in [ends.1, ends.0] {
         let (mut x, mut last) = (fitted.at.x.clone(), None);
         let mut open = true;
@@ -131,7 +134,7 @@ pub(super) fn estimates(problem: &Problem<'_>, fitted: &Fitted<'_>) -> Vec<Estim
             open = true;
             last = Some((one, k));
         }
-        // Accepted to the very end: what still moves there has no end on that side.
+        // The records accept all knees up to the last one: a parameter that still moves there has no end on that side.
         if let (true, Some((last, KNEES))) = (open, last) {
             out.iter_mut().zip(&last).for_each(|(all, last)| all.open_towards(last));
         }
@@ -139,13 +142,12 @@ pub(super) fn estimates(problem: &Problem<'_>, fitted: &Fitted<'_>) -> Vec<Estim
     out
 }
 
-/// The parameters at some coordinates, with intervals from the covariance. Where the records say next to nothing the interval is open if
-/// `may_open`.
+/// The parameters at some coordinates, with intervals from the covariance. With `may_open` an interval is open where the records say next to nothing.
 fn about(problem: &Problem<'_>, fitted: &At, may_open: bool) -> Vec<Estimate> {
     let own = values(&fitted.mode);
     let logs =
         |v: &Named, w: &Named| if v.positive { (w.value / v.value).abs().ln() } else { w.value - v.value };
-    // Rows: parameters, columns: coordinates. One-sided at a bound.
+    // Rows: parameters, columns: coordinates. Differences are one-sided, and point inwards at an upper bound.
     let mut slopes = vec![vec![0.0; fitted.x.len()]; own.len()];
     for j in 0..fitted.x.len() {
         let step = if fitted.x[j] + STEP > problem.coordinates[j].bounds.1 { -STEP } else { STEP };
@@ -166,7 +168,7 @@ fn about(problem: &Problem<'_>, fitted: &At, may_open: bool) -> Vec<Estimate> {
         sum.max(0.0).sqrt()
     };
     let prior = |i: usize, j: usize| if i == j { problem.coordinates[i].width.powi(2) } else { 0.0 };
-    // Zero is what a share can be at least; all other ends are those of the search.
+    // Zero is the least that a share can be; all other ends of ranges are only those of the search.
     let stands = |(x, end): (f64, f64)| end != 0.0 && (x - end).abs() < AT_LIMIT;
     let at_limit = |j: usize| {
         let (x, (low, high)) = (fitted.x[j], problem.coordinates[j].bounds);
@@ -178,7 +180,7 @@ fn about(problem: &Problem<'_>, fitted: &At, may_open: bool) -> Vec<Estimate> {
         let least = HANGS * deviation(slope);
         limits.iter().any(|j| slope[*j].abs() * problem.coordinates[*j].width > least)
     };
-    // A spring whose exponent stands at its limit carries the frequency at rest far from all that was seen.
+    // A spring whose exponent stands at an end of its range carries the frequency at rest far from all frequencies that were seen.
     let carried = own.iter().zip(&slopes).any(|(v, slope)| v.name == "spring_exponent" && hangs(slope));
     let one = |(v, slope): (&Named, &Vec<f64>)| {
         let sd = deviation(slope);
@@ -193,7 +195,7 @@ fn about(problem: &Problem<'_>, fitted: &At, may_open: bool) -> Vec<Estimate> {
 
 fn interval(v: &Named, half: f64, told: bool) -> Estimate {
     let (low, high) = if v.positive {
-        // Of either sign, as a softening spring is.
+        // The value may have either sign, as that of a softening spring.
         let ends = (v.value * (-half).exp(), v.value * half.exp());
         (ends.0.min(ends.1), ends.0.max(ends.1))
     } else {

@@ -1,4 +1,4 @@
-//! One law fitted to the curves: its coordinates, the size of what it misses, and its evidence.
+//! One law fitted to the curves: its coordinates, the size of the discrepancy that it needs, and its evidence.
 
 use nalgebra::{DMatrix, DVector};
 
@@ -8,83 +8,84 @@ use super::slow::Information;
 use super::terms::{Coordinate, Scales, Term, coordinates};
 use crate::search::{Search, TOLERANCE};
 
-/// Rounds in which coordinates and sizes are made to agree: the sizes stand on a ladder, so that they settle soon.
+/// Most rounds in which coordinates and sizes of the discrepancy are made to agree: the sizes stand on a ladder, so that they settle soon.
 const ROUNDS: usize = 4;
-/// Steps of a search from one of many starts, and of the last.
+/// Most iterations of a search from one of many starts, and of the last search.
 const FIRST_STEPS: usize = 30;
 const LAST_STEPS: usize = 100;
-/// … and of one with a coordinate held, from a neighbour.
+/// Most iterations of a search with a coordinate held, from a neighbour.
 const HELD_STEPS: usize = 40;
-/// Precision of a coordinate that is held, in units of its prior: its standard deviation is then a millionth.
+/// Precision (inverse variance) that holds a coordinate, in units of its prior: its standard deviation is then a millionth of the prior's.
 const HELD: f64 = 1e12;
 /// Relative reduction of the sum of squares at which a first search ends.
 const FIRST_TOLERANCE: f64 = 1e-4;
 
-/// Logarithm of a law's decay rate over that of the curves up to which their difference counts as it is, as records tell it. Beyond, where a law misses them, its logarithm counts: a
-/// discrepancy is a factor, and what is too large by a factor is as wrong as what is too small by it. Differences relative to the curves drew laws to where curves have least damping:
-/// a linear mode to 4e-5 between curves of 4e-5 and 3e-4.
+/// Logarithm of a law's decay rate over that of the curves up to which their difference counts as it is, in the form in which records tell it.
+/// Beyond, where the law misses the curves, the logarithm itself counts: a discrepancy is a factor, and a rate that is too large by a factor is as
+/// wrong as one that is too small by it. Differences relative to the curves drew laws to where curves have least damping: a linear mode to 4e-5
+/// between curves of 4e-5 and 3e-4.
 const AS_TOLD: f64 = 0.2;
 
-/// Least decay rate of a law in parts of that of the curves, for its logarithm.
+/// Least decay rate of a law as a part of that of the curves, so that it has a logarithm.
 const LEAST_DECAY: f64 = 1e-6;
 
-/// A decay rate that is off by the logarithm `away`, relative to that of the curves less one.
+/// The relative deviation that counts for a decay rate which is off by the logarithm `away`: exact up to `AS_TOLD`, straight in the logarithm beyond.
 fn off(away: f64) -> f64 {
     let inside = away.clamp(-AS_TOLD, AS_TOLD);
     inside.exp_m1() + inside.exp() * (away - inside)
 }
 
-/// A law before its parameters are known.
+/// A law to be fitted, with what it is fitted to.
 #[derive(Debug, Clone)]
 pub(super) struct Problem<'a> {
     pub(super) terms: &'a [Term],
     pub(super) scales: Scales,
     pub(super) amplitudes: &'a [f64],
     pub(super) information: &'a Information,
-    /// Decay rates of the curves at all amplitudes, about which discrepancies are factors.
+    /// Decay rates of the curves at all amplitudes, 1/s; discrepancies are factors on these.
     pub(super) decay: &'a [f64],
-    /// Places among the amplitudes that the records saw, with ln λ and ω there by smooth curves.
+    /// Index of each amplitude that the records saw, with ln λ and ω of the smooth curves there.
     pub(super) smooth: &'a [(usize, f64, f64)],
     pub(super) coordinates: Vec<Coordinate>,
 }
 
-/// A law at some coordinates.
+/// A law with its parameters at some coordinates.
 #[derive(Debug, Clone)]
 pub(super) struct At {
     pub(super) x: Vec<f64>,
     pub(super) mode: LawMode,
-    /// Covariance of the coordinates, with the prior.
+    /// Covariance of the coordinates, with the prior included.
     pub(super) covariance: DMatrix<f64>,
 }
 
-/// A law with its parameters.
+/// A fitted law.
 #[derive(Debug, Clone)]
 pub(super) struct Fitted<'a> {
     pub(super) at: At,
-    /// The discrepancy.
+    /// The discrepancy that goes with the law.
     pub(super) whitener: &'a Whitener,
-    /// Sum of squares with it.
+    /// Sum of squares of the residuals, whitened with this discrepancy.
     pub(super) cost: f64,
     /// Twice the negative logarithm of the evidence.
     pub(super) criterion: f64,
 }
 
 impl Fitted<'_> {
-    /// The likelier of two fits.
+    /// The fit with the larger evidence of two.
     pub(super) fn or_better(self, other: Option<Self>) -> Self {
         other.filter(|other| other.criterion < self.criterion).unwrap_or(self)
     }
 }
 
-/// A law with one coordinate held.
+/// A law fitted with one coordinate held.
 #[derive(Debug, Clone)]
 pub(super) struct Held {
     pub(super) fitted: At,
-    /// Sum of squares.
+    /// Sum of squares of the whitened residuals.
     pub(super) cost: f64,
 }
 
-/// Residuals and their derivatives at a point.
+/// Residuals and their derivatives with respect to the coordinates at a point.
 struct Local {
     residuals: DVector<f64>,
     jacobian: DMatrix<f64>,
@@ -102,7 +103,7 @@ impl<'a> Problem<'a> {
         Self { terms, scales, amplitudes, information, decay, smooth, coordinates: coordinates(terms) }
     }
 
-    /// Knees worth trying, as coordinates: from below the smallest amplitude to far above the largest, where there is none.
+    /// Lowest and highest knee worth trying, as coordinates: from below the smallest amplitude to far above the largest, where no knee is seen.
     pub(super) fn knees(&self) -> (f64, f64) {
         const BELOW: f64 = -0.5;
         const ABOVE: f64 = 3.0;
@@ -110,12 +111,12 @@ impl<'a> Problem<'a> {
         (log(self.amplitudes.first()) + BELOW, log(self.amplitudes.last()) + ABOVE)
     }
 
-    /// What the law misses of the information.
+    /// What the law misses of the information; none where the coordinates are no model.
     pub(super) fn residuals(&self, x: &[f64]) -> Option<DVector<f64>> {
         let mode = self.scales.mode(self.terms, x)?;
         let rates = mode.rates(self.amplitudes).ok()?;
         let n = rates.len();
-        // A law that drives the mode somewhere is as far off as one that hardly damps it.
+        // A law that drives the mode at some amplitude is as far off as one that hardly damps it.
         let least = |near: f64| LEAST_DECAY * near;
         let decay = rates
             .iter()
@@ -142,7 +143,7 @@ impl<'a> Problem<'a> {
         }
     }
 
-    /// The likeliest coordinates next to `x` by other residuals of as many values.
+    /// The coordinates next to `x` that make other residuals, of which there are as many, least in squares.
     pub(super) fn likeliest_by(
         &self,
         mut residuals: impl FnMut(&[f64], &mut [f64]) -> bool,
@@ -159,7 +160,7 @@ impl<'a> Problem<'a> {
         }
     }
 
-    /// All combinations of the coordinates' starts.
+    /// All combinations of the coordinates' start values.
     fn starts(&self) -> Vec<Vec<f64>> {
         let mut all = vec![vec![]];
         for coordinate in &self.coordinates {
@@ -172,8 +173,8 @@ impl<'a> Problem<'a> {
         all
     }
 
-    /// The coordinates whose curves lie nearest to the smooth ones, all amplitudes alike. A discrepancy bends after every smooth curve: a
-    /// search with one, from far away, would fit what is not smooth and leave the rest to it.
+    /// The coordinates whose curves lie nearest to the smooth ones, with all amplitudes weighted alike. A discrepancy can follow every smooth curve:
+    /// a search with a discrepancy, from far away, would fit what is not smooth and leave the rest to the discrepancy.
     fn nearest(&self, more: &[Vec<f64>]) -> Option<Vec<f64>> {
         let search = Search { count: 2 * self.smooth.len(), ..self.search(FIRST_STEPS, FIRST_TOLERANCE) };
         let mut residuals = |x: &[f64], out: &mut [f64]| {
@@ -190,14 +191,15 @@ impl<'a> Problem<'a> {
         all.min_by(|a, b| a.cost.total_cmp(&b.cost)).map(|best| best.x)
     }
 
-    /// The law with the discrepancy that makes it likeliest, and its evidence with that; sought from the coordinates nearest to the smooth curves and from those of `more`.
+    /// The law with the discrepancy that makes it likeliest, and its evidence; sought from the coordinates nearest to the smooth curves and from
+    /// those in `more`.
     pub(super) fn fit<'l>(&self, ladder: &'l Ladder, more: &[Vec<f64>]) -> Option<Fitted<'l>> {
         let nearest = self.nearest(more);
         let all = nearest.iter().chain(more).filter_map(|x| self.fit_from(ladder, x));
         all.min_by(|a, b| a.criterion.total_cmp(&b.criterion))
     }
 
-    /// The same next to some coordinates.
+    /// The law with the discrepancy that makes it likeliest, sought next to the coordinates `x` only.
     pub(super) fn fit_from<'l>(&self, ladder: &'l Ladder, x: &[f64]) -> Option<Fitted<'l>> {
         let mut x = x.to_vec();
         let last = self.search(LAST_STEPS, TOLERANCE);
@@ -230,7 +232,7 @@ impl<'a> Problem<'a> {
         Some(ladder.least(|rung| self.criterion(rung, &local)))
     }
 
-    /// The likeliest coordinates next to `x` with one of them held, and the sum of squares there, for the discrepancy of `whitener`.
+    /// The likeliest coordinates next to `x` with coordinate `held` kept, and the sum of squares there, for the discrepancy of `whitener`.
     pub(super) fn holding(&self, whitener: &Whitener, held: usize, x: &[f64]) -> Option<Held> {
         let found =
             self.search_but(Some(held), HELD_STEPS, FIRST_TOLERANCE).run(&mut self.whitened(whitener), x)?;
@@ -257,7 +259,7 @@ impl<'a> Problem<'a> {
         Some(Local { residuals, jacobian })
     }
 
-    /// Derivatives with respect to coordinates in units of their priors.
+    /// Derivatives of the whitened residuals with respect to coordinates in units of their priors' standard deviations.
     fn scaled(&self, whitener: &Whitener, local: &Local) -> DMatrix<f64> {
         let mut jacobian = whitener.matrix(&local.jacobian);
         for (mut column, c) in jacobian.column_iter_mut().zip(&self.coordinates) {
@@ -266,9 +268,9 @@ impl<'a> Problem<'a> {
         jacobian
     }
 
-    /// Twice the negative logarithm of the evidence by Laplace's method, about the point itself as the middle of the prior: the
-    /// coordinates integrated out, so that those which the records tell cost ln of the prior's width over that of the posterior, and
-    /// those which they do not tell cost nothing.
+    /// Twice the negative logarithm of the evidence by Laplace's method: the coordinates are integrated out, with the point itself as the middle of
+    /// the prior. Coordinates that the records tell then cost ln of the prior's width over that of the posterior, and coordinates that they do not
+    /// tell cost nothing.
     fn criterion(&self, whitener: &Whitener, local: &Local) -> f64 {
         let jacobian = self.scaled(whitener, local);
         let residuals = whitener.vector(&local.residuals);
@@ -282,7 +284,7 @@ impl<'a> Problem<'a> {
             + 2.0 * logs
     }
 
-    /// Of the coordinates in units of their priors, these included.
+    /// Precision (inverse covariance) of the coordinates in units of their priors, with the priors included.
     fn precision(&self, whitener: &Whitener, local: &Local) -> DMatrix<f64> {
         let jacobian = self.scaled(whitener, local);
         let p = self.coordinates.len();

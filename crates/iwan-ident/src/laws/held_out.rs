@@ -1,4 +1,4 @@
-//! Cross-validation: each law fitted without a stretch of amplitudes, and held against the curves there.
+//! Cross-validation: each law is fitted without a stretch of amplitudes, and compared with the curves there.
 
 use nalgebra::{DMatrix, DVector};
 
@@ -6,24 +6,24 @@ use super::fit::{Fitted, Problem};
 use super::mode::LawMode;
 use super::slow::Rates;
 
-/// Stretches into which the logarithms of the amplitudes are cut, each left out in turn: the lowest and the highest ask for extrapolation, the
-/// middle one for interpolation.
+/// Number of stretches into which the seen amplitudes are cut, equal in ln amplitude; each is left out in turn. The lowest and the highest stretch
+/// ask for extrapolation, the middle one for interpolation.
 const STRETCHES: usize = 3;
-/// Amplitudes that a stretch needs: with fewer it says nothing that the fit does not.
+/// Amplitudes that a stretch needs: with fewer it says nothing that the fit does not. Records that saw too few amplitudes have no cross-validation.
 const FEWEST: usize = 3;
-/// Part of the largest singular value below which a direction of the curves in a stretch is not seen by the records.
+/// Part of the largest singular value below which the records do not see a direction of the curves in a stretch.
 const UNSEEN: f64 = 1e-9;
 
-/// What a law misses of amplitudes that it was not fitted to: root mean squares over all stretches.
+/// Misfit of a law at amplitudes to which it was not fitted: root mean squares over all stretches.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct HeldOut {
-    /// Of ln D.
+    /// Misfit of ln D (D: dissipation per cycle).
     pub dissipation: f64,
-    /// Of the frequency, Hz.
+    /// Misfit of the frequency, Hz.
     pub frequency: f64,
 }
 
-/// The stretches of amplitudes by places on the grid, of those `seen`; none where records saw too few.
+/// The stretches of the `seen` amplitudes, as indices on the grid; none where the records saw too few amplitudes.
 pub(super) fn stretches(seen: &[usize]) -> Vec<&[usize]> {
     if seen.len() < STRETCHES * FEWEST {
         return Vec::new();
@@ -32,8 +32,8 @@ pub(super) fn stretches(seen: &[usize]) -> Vec<&[usize]> {
 }
 
 impl Problem<'_> {
-    /// The law without each of the `stretches`, against the `smooth` curves at the places of the `cycles` in it; none where there are no stretches, or
-    /// the law cannot be continued into one of them.
+    /// The misfit of the law fitted without each of the `stretches` in turn, against the `smooth` curves at those of `cycles` (indices on the grid)
+    /// that lie in the stretch. None where there are no stretches, or the law cannot be continued into one of them.
     pub(super) fn held_out(
         &self,
         fitted: &Fitted<'_>,
@@ -58,8 +58,8 @@ impl Problem<'_> {
         (count > 0.0).then(|| HeldOut { dissipation: mean(dissipation), frequency: mean(frequency) })
     }
 
-    /// The law fitted to what the records say beside the amplitudes of a stretch: its curves there may be any, so that their directions are
-    /// taken out of all residuals.
+    /// The law fitted without what the records say about the amplitudes of a stretch: its curves may be anything there, so that the residuals'
+    /// directions which they move are taken out.
     fn without(&self, fitted: &Fitted<'_>, stretch: &[usize]) -> Option<LawMode> {
         let whitener = fitted.whitener;
         let seen = whitener.matrix(&self.information.factor);
@@ -77,7 +77,7 @@ impl Problem<'_> {
     }
 }
 
-/// Orthonormal directions that the columns of a matrix span.
+/// Orthonormal directions that span the columns of a matrix.
 fn directions(columns: &DMatrix<f64>) -> Option<DMatrix<f64>> {
     let svd = columns.clone().svd(true, false);
     let most = svd.singular_values.max();

@@ -1,4 +1,4 @@
-//! A mode by a law: linear part, joint and parts, as a fit of laws finds it.
+//! A mode whose damping and stiffness follow a law: linear part, joint and further parts, as a fit of laws finds them.
 
 use iwan_core::{Backbone, FourParameter, Jenkins, ModalLaw, Oscillator, Part, ResidualStiffness};
 
@@ -22,7 +22,7 @@ pub struct LawMode {
     pub damping_ratio: f64,
     /// Its joint, if the law has one.
     pub joint: Option<Joint>,
-    /// Its further parts.
+    /// The further parts of the law.
     pub parts: Vec<Part>,
 }
 
@@ -36,8 +36,8 @@ pub struct Rate {
 }
 
 impl LawMode {
-    /// Decay rate and circular frequency of free motions with the displacement `amplitudes`, by averaging. The viscous
-    /// damper lowers the frequency to ω √(1-ζ²); what other parts do to it at second order is left out.
+    /// Decay rates and circular frequencies of free motions with the displacement `amplitudes` (mass-normalised), one per amplitude, by averaging.
+    /// The viscous damper lowers the frequency to ω √(1-ζ²); what other parts do to the frequency at second order is left out.
     ///
     /// # Errors
     /// [`Error::Model`] when a value is out of range, or a softening spring leaves no stiffness.

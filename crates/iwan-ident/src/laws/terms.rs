@@ -1,7 +1,7 @@
-//! What a law is made of, and the coordinates in which its parameters are sought.
+//! The terms that a law is made of, and the coordinates in which their parameters are sought.
 //!
-//! Dampers are sought as their share of the decay rate and springs as their share of the frequency's shift, both at the amplitude in
-//! the middle: all coordinates are then of order one, and an exponent does not change what its coefficient stands for.
+//! A damper is sought as its share of the decay rate and a spring as its share of the frequency's shift, both at the amplitude in the middle of those
+//! seen. So all coordinates are of order one, and an exponent does not change what the coefficient beside it stands for.
 
 use std::f64::consts::TAU;
 
@@ -10,21 +10,21 @@ use iwan_core::{Backbone, Coulomb, FourParameter, Jenkins, Part, Pinning, PowerD
 use super::mode::{Joint, LawMode};
 use crate::parameters::Parameters;
 
-/// K_T stays below this part of ω0², as in every search: K_∞ = ω0² - K_T must be positive.
+/// Largest part of ω0² that K_T may be, as in every search: K_∞ = ω0² - K_T must be positive. Above it there is no model.
 const MOST_JOINT: f64 = 0.999;
 
-/// One ingredient of a law beside stiffness and viscous damper, which every law has.
+/// One ingredient of a law beside the stiffness and the viscous damper that every law has.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Term {
-    /// Dry friction.
+    /// Dry friction, F sign v.
     Coulomb,
-    /// c |v| v.
+    /// Quadratic damping c |v| v.
     Quadratic,
-    /// c |v|^n sign v.
+    /// Damping by a power of the velocity, c |v|^n sign v.
     PowerDamping,
-    /// k u³.
+    /// Cubic spring k u³.
     Cubic,
-    /// k |u|^(m-1) u.
+    /// Power-law spring k |u|^(m-1) u.
     PowerSpring,
     /// A spring beyond a gap.
     Pinning,
@@ -34,13 +34,13 @@ pub(super) enum Term {
     Iwan,
 }
 
-/// A coordinate: where it may go, and how far it is expected to be from its start before a record is seen.
+/// A coordinate: its range, and how far it is expected to lie from its start before a record is seen.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Coordinate {
     pub(super) bounds: (f64, f64),
-    /// Standard deviation of the prior that evidence needs: of order one by the choice of coordinates.
+    /// Standard deviation of the prior, which evidence needs: of order one by the choice of coordinates.
     pub(super) width: f64,
-    /// Where searches begin.
+    /// Values at which searches begin.
     pub(super) starts: &'static [f64],
 }
 
@@ -48,27 +48,28 @@ const fn coordinate(low: f64, high: f64, width: f64, starts: &'static [f64]) -> 
     Coordinate { bounds: (low, high), width, starts }
 }
 
-/// Frequency at small amplitude, less the one in the middle, in shifts.
+/// Frequency at small amplitude less the frequency at the amplitude in the middle, in units of the shift.
 const FREQUENCY: Coordinate = coordinate(-1e3, 1e3, 10.0, &[0.0]);
-/// Share of a damper: none is negative.
+/// Share of a damper in the decay rate at the amplitude in the middle: none is negative.
 const SHARE: Coordinate = coordinate(0.0, 1e3, 1.0, &[0.3]);
-/// Share of a spring, of either sign. The smaller start is for records of two decades, at whose end a cubic spring that makes a third of the shift in
-/// the middle would have eaten up all stiffness.
+/// Share of a spring in the frequency's shift at the amplitude in the middle, of either sign. The smaller start is for records of two decades of
+/// amplitude: a cubic spring that makes a third of the shift in the middle would have used up all stiffness at their end.
 const SPRING: Coordinate = coordinate(-1e3, 1e3, 1.0, &[-0.3, -3e-3]);
 
 impl Term {
-    /// Its coordinates.
+    /// The coordinates of the term.
     pub(super) const fn coordinates(self) -> &'static [Coordinate] {
-        /// Exponents: towards 0 a damper becomes dry friction, and 4 is beyond any fluid's.
+        /// Share and exponent of the velocity. Towards exponent 0 a damper becomes dry friction, and 4 is beyond any fluid's.
         const DAMPING: [Coordinate; 2] = [SHARE, coordinate(0.02, 4.0, 1.0, &[0.4, 1.6, 2.4])];
-        /// Logarithm of the exponent less 1: it is above 1, so that the spring has no stiffness at small amplitude.
+        /// Share, and ln of the exponent less 1: the exponent is above 1, so that the spring has no stiffness at small amplitude.
         const POWER: [Coordinate; 2] = [SPRING, coordinate(-4.0, 2.0, 1.0, &[-1.2, -0.3, 0.6])];
-        /// Logarithms over the amplitude in the middle.
+        /// Stiffness (of a Jenkins element its logarithm) over the stiffness that shifts the frequency by its range, and ln of gap or slip
+        /// displacement over the amplitude in the middle.
         const PINNING: [Coordinate; 2] =
             [coordinate(0.0, 1e3, 1.0, &[0.3]), coordinate(-3.0, 3.0, 1.0, &[-0.7, 0.0, 0.7])];
         const JENKINS: [Coordinate; 2] =
             [coordinate(-6.0, 12.0, 2.0, &[0.0, 2.0]), coordinate(-5.0, 5.0, 1.0, &[-1.0, 0.0, 1.0])];
-        /// Softening, χ, knee and share of the Dirac.
+        /// ln of the softening, χ, ln of the knee, and the Dirac's share β/(1+β).
         const IWAN: [Coordinate; 4] = [
             coordinate(-12.0, 8.0, 2.0, &[0.5]),
             coordinate(-0.99, 0.99, 0.5, &[-0.6, -0.2, 0.3]),
@@ -88,7 +89,8 @@ impl Term {
 }
 
 impl Term {
-    /// Place of the coordinate that says where its curves have a knee: along it the sum of squares has creases and several valleys.
+    /// Place, among the term's coordinates, of the one that says where its curves have a knee: along it the sum of squares has creases (bends) and
+    /// several local minima.
     pub(super) const fn knee(self) -> Option<usize> {
         match self {
             Self::Pinning | Self::Jenkins => Some(1),
@@ -98,7 +100,7 @@ impl Term {
     }
 }
 
-/// Place of the knee among the coordinates of a law of some terms, if one has a knee.
+/// Place of the knee among all coordinates of a law with these terms, if a term has a knee.
 pub(super) fn knee(terms: &[Term]) -> Option<usize> {
     let mut place = 2;
     for term in terms {
@@ -110,27 +112,27 @@ pub(super) fn knee(terms: &[Term]) -> Option<usize> {
     None
 }
 
-/// Coordinates of a law of some terms: those that every law has first.
+/// Coordinates of a law with these terms: first the two that every law has, then those of the terms in order.
 pub(super) fn coordinates(terms: &[Term]) -> Vec<Coordinate> {
     let own = terms.iter().flat_map(|term| term.coordinates().iter().copied());
     [FREQUENCY, SHARE].into_iter().chain(own).collect()
 }
 
-/// What coordinates are relative to.
+/// The values that coordinates are relative to.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Scales {
-    /// Amplitude in the middle.
+    /// Displacement amplitude in the middle of those that the records saw.
     pub(super) amplitude: f64,
-    /// Circular frequency there, rad/s.
+    /// Circular frequency at that amplitude, rad/s.
     pub(super) omega: f64,
-    /// Decay rate there, 1/s.
+    /// Decay rate at that amplitude, 1/s.
     pub(super) rate: f64,
-    /// Range of the circular frequency.
+    /// Range of the circular frequency over the amplitudes that the records saw, 1/s.
     pub(super) shift: f64,
 }
 
 impl Scales {
-    /// The mode at coordinates; none where there is no such model.
+    /// The mode at the coordinates `x`; none where there is no such model.
     pub(super) fn mode(&self, terms: &[Term], x: &[f64]) -> Option<LawMode> {
         let omega0 = self.omega + x[0] * self.shift;
         let viscous = x[1] * self.rate / omega0;
@@ -178,24 +180,24 @@ impl Scales {
         Some(())
     }
 
-    /// A stiffness from its logarithm over what shifts the frequency by its range.
+    /// A stiffness from the logarithm of its ratio to the stiffness that shifts the frequency by its range.
     fn stiffness(&self, log: f64) -> f64 {
         2.0 * self.omega * self.shift * log.exp()
     }
 
-    /// A damper that makes the `share` of the decay rate.
+    /// A damper that makes this share of the decay rate at the amplitude in the middle.
     fn damper<E>(&self, share: f64, make: impl Fn(f64) -> Result<Part, E>) -> Option<Part> {
         let unit = make(1.0).ok()?.dissipation(self.amplitude, self.omega);
         make(share * self.rate * TAU * self.amplitude.powi(2) * self.omega / unit).ok()
     }
 
-    /// A spring that makes the `share` of the frequency's shift.
+    /// A spring that makes this share of the frequency's shift at the amplitude in the middle.
     fn spring<E>(&self, share: f64, make: impl Fn(f64) -> Result<Part, E>) -> Option<Part> {
         let unit = make(1.0).ok()?.harmonic_stiffness(self.amplitude, self.omega);
         make(share * 2.0 * self.omega * self.shift / unit).ok()
     }
 
-    /// Coordinates of an Iwan joint with a viscous damper.
+    /// Coordinates of the law of an Iwan joint with a viscous damper, cut to their ranges; none where the parameters are no model.
     pub(super) fn of_iwan(&self, p: &Parameters) -> Option<Vec<f64>> {
         let (_, joint) = p.model().ok()?;
         let omega0 = TAU * p.frequency;

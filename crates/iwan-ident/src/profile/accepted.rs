@@ -1,5 +1,5 @@
-//! The points that measurements accept: at each knee the best of all others, how far these can move there, and the intervals that they
-//! leave together.
+//! The region: the points that measurements accept, namely the best fit at each knee, how far parameters can move from there, and the intervals that
+//! all points leave together.
 
 use nalgebra::{DMatrix, DVector};
 
@@ -10,25 +10,25 @@ use super::walk::{End, Walk};
 use crate::parameters::{COUNT, Parameter};
 use crate::search::{Chart, Minimum};
 
-/// Half step of the differences of a parameter with respect to the coordinates: these are closed forms, and central differences are
-/// best near the cube root of rounding.
+/// Half step of the differences of a parameter with respect to the coordinates. These are closed forms, for which central differences are best near
+/// the cube root of rounding.
 const STEP: f64 = 1e-5;
 
-/// A ground whose first coordinates are those of the six parameters.
+/// A ground (sum of squares) whose first coordinates are those of the six parameters.
 pub(crate) trait Charted: Ground {
-    /// What the coordinates mean.
+    /// The meaning of the coordinates.
     fn chart(&self) -> &Chart;
 
-    /// The coordinates on which the sum of squares depends smoothly at `x`: not the knee.
+    /// The coordinates on which the sum of squares depends smoothly at `x`: all that are sought but the knee.
     fn smooth_at(&self, x: &[f64]) -> Vec<usize>;
 }
 
-/// A point within the limit, with what is left of the deviance there.
+/// A point within the limit, with its deviance.
 #[derive(Debug, Clone)]
 pub(crate) struct Accepted {
     pub(crate) minimum: Minimum,
     deviance: f64,
-    /// Inverse of the triangular factor of the residuals' derivatives with respect to the smooth coordinates, and these.
+    /// Inverse of the triangular factor of the residuals' derivatives with respect to the smooth coordinates, and the indices of these.
     spread: Option<DMatrix<f64>>,
     smooth: Vec<usize>,
 }
@@ -37,17 +37,17 @@ pub(crate) struct Accepted {
 #[derive(Debug)]
 pub(crate) struct Region {
     points: Vec<Accepted>,
-    /// The largest knee that was tried is accepted: an upper end is not told.
+    /// Whether the largest knee that was tried is accepted: K_T and F_S then have no upper end, β has no end at all.
     to_largest_knee: bool,
-    /// The smallest one is.
+    /// Whether the smallest knee that was tried is accepted: K_T and F_S then have no lower end, β has no end at all.
     to_smallest_knee: bool,
 }
 
 impl Region {
-    /// Of the points found along all knees: `knee` is their coordinate with its range, where it is sought.
+    /// The region of the points `found` along all knees; `knee` is the index of the knee among the coordinates and its range, where it is sought.
     ///
     /// # Errors
-    /// A better minimum.
+    /// A better minimum, where one of the points has a deviance below [`Scale::better`].
     pub(crate) fn of<G: Charted>(
         ground: &G,
         mut found: Vec<Minimum>,
@@ -69,8 +69,8 @@ impl Region {
         Ok(Self { points, to_largest_knee, to_smallest_knee })
     }
 
-    /// The profile of a parameter with such a best value, which its interval contains; `end` walks to an end of its interval, downwards with -1 and
-    /// upwards with 1, and adds the points that it meets. `slips`: whether macro-slip is clearly seen.
+    /// The profile of a parameter with the best value `value`, which the interval contains. `end` walks to an end of the interval, downwards with -1
+    /// and upwards with 1, and adds the points that it meets. `slips` says whether macro-slip is clearly seen.
     pub(crate) fn profile<G: Charted>(
         &self,
         ground: &G,
@@ -91,7 +91,7 @@ impl Region {
         Profile { parameter, value, low, high, points, held }
     }
 
-    /// Whether this end of a parameter can be told at all.
+    /// Whether the records can tell this end of a parameter (the lower one with `low`) at all.
     fn tells(&self, parameter: Parameter, low: bool, slips: bool) -> bool {
         match parameter {
             Parameter::KT | Parameter::FS if low => !self.to_smallest_knee,
@@ -101,7 +101,7 @@ impl Region {
         }
     }
 
-    /// The point from which a parameter reaches farthest in a direction.
+    /// The accepted point from which a parameter reaches farthest in a direction, in the linearised model.
     pub(crate) fn farthest<G: Charted>(
         &self,
         ground: &G,
@@ -116,7 +116,7 @@ impl Region {
         Some(&farthest.minimum)
     }
 
-    /// The accepted points, those first that have the least against a value of a parameter in the linearised model.
+    /// The accepted points, ordered by the deviance that they have in the linearised model where a parameter has the given value, the least first.
     pub(crate) fn likeliest_at<G: Charted>(
         &self,
         ground: &G,
@@ -130,7 +130,7 @@ impl Region {
         points.into_iter().map(|(_, minimum)| minimum).collect()
     }
 
-    /// The end of an interval where a walk ends at `value`: no accepted point lies outside.
+    /// The end of an interval where a walk ends at `value`, moved outwards so that no accepted point lies outside.
     pub(crate) fn outermost<G: Charted>(
         &self,
         ground: &G,
@@ -144,7 +144,8 @@ impl Region {
 }
 
 impl<W: Charted> Walk<'_, W> {
-    /// The coordinates where the walk ends, the end of an interval of its parameter; none where it is open. The points it meets are added to `points`.
+    /// All coordinates at the end of the walk, which is an end of its parameter's interval; none where it is open. The points that the walk meets are
+    /// added to `points`.
     pub(crate) fn end(
         mut self,
         parameter: Parameter,
@@ -173,20 +174,20 @@ impl Accepted {
         Self { deviance: scale.rise(&minimum).max(0.0), minimum, spread, smooth }
     }
 
-    /// How far a parameter (its logarithm where it has one) can go from here in the linearised model before the limit is reached.
+    /// How far a parameter, on the scale of `scaled`, can go from here in the linearised model before the limit is reached.
     fn reach<G: Charted>(&self, ground: &G, scale: &Scale, parameter: Parameter) -> f64 {
         let left = (scale.limit - self.deviance).max(0.0);
         self.deviation(ground, scale, parameter) * left.sqrt()
     }
 
-    /// The deviance in the linearised model where a parameter has a value.
+    /// The deviance in the linearised model where a parameter has the given value.
     fn deviance_at<G: Charted>(&self, ground: &G, scale: &Scale, parameter: Parameter, value: f64) -> f64 {
         let away = scaled(parameter, value) - scaled(parameter, self.value(ground, parameter));
         let deviation = self.deviation(ground, scale, parameter).max(f64::MIN_POSITIVE);
         self.deviance + (away / deviation).powi(2)
     }
 
-    /// Standard deviation of a parameter (its logarithm where it has one) in the linearised model.
+    /// Standard deviation of a parameter, on the scale of `scaled`, in the linearised model.
     fn deviation<G: Charted>(&self, ground: &G, scale: &Scale, parameter: Parameter) -> f64 {
         let Some(spread) = &self.spread else { return 0.0 };
         let slope = |j: &usize| {
@@ -209,7 +210,7 @@ impl Accepted {
     }
 }
 
-/// The scale on which intervals are sought: logarithms of what is positive.
+/// A parameter on the scale on which its interval is sought: as it is, β as β/(1+β), and the logarithm of what is positive.
 fn scaled(parameter: Parameter, value: f64) -> f64 {
     match parameter {
         Parameter::DampingRatio | Parameter::Chi => value,

@@ -5,7 +5,7 @@ use crate::refine::Task;
 use crate::search::{Chart, Minimum};
 
 impl Task {
-    /// The same task in the chart that has the parameter as a coordinate.
+    /// The same task in the chart in which the parameter is a coordinate.
     pub(super) fn charting(&self, parameter: Parameter) -> Self {
         let coordinates: Vec<Parameter> = self.held().iter().copied().chain([parameter]).collect();
         let mut task = self.clone();
@@ -13,12 +13,12 @@ impl Task {
         task
     }
 
-    /// A minimum of another chart's task in the coordinates of this one.
+    /// A minimum of `other`, the same task in another chart, in the coordinates of this task.
     pub(super) fn from(&self, other: &Self, minimum: &Minimum) -> Minimum {
         Minimum { x: other.converted(&self.chart, &minimum.x), ..*minimum }
     }
 
-    /// Coordinates in another chart; as they are where the parameters are no model.
+    /// The point `x` in the coordinates of another chart; unchanged where its parameters are no model.
     fn converted(&self, chart: &Chart, x: &[f64]) -> Vec<f64> {
         let mut moved = x.to_vec();
         if let Ok(own) = chart.coordinates(&self.chart.parameters(x)) {

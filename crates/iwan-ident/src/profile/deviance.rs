@@ -1,29 +1,28 @@
-//! The unit of deviances, and how high one may be inside a 95 % interval.
+//! The unit of deviances, and the largest deviance inside a 95 % interval.
 
 use crate::refine::Task;
 use crate::search::Minimum;
 use crate::student::{LEAST_FREEDOM, student};
 
-/// A deviance so far below zero is a better minimum, and the search begins anew from there: a fortieth of the limit of 3.84, which
-/// moves no end by more than 1.3 %. Smaller differences are the searches' tolerance.
+/// Deviance below which a point counts as a better minimum, from which the search begins anew: a fortieth of the limit of 3.84, which moves no end of
+/// an interval by more than 1.3 %. Smaller differences are a tolerance of the searches.
 const BETTER: f64 = -0.1;
 
-/// Relative reduction of the sum of squares at which a search along a profile ends: a hundredth of the residuals'
-/// variance, nearly.
+/// Relative reduction of the sum of squares at which a search along a profile ends: nearly a hundredth of the residuals' variance.
 const TOLERANCE: f64 = 1e-5;
-/// Part of what the sum of squares rises by up to an interval's end that a search along the profile may leave, where that is more: it moves the end by half of that
-/// part. Intervals that allow for what a model misses are as wide as a rise of several times the least sum of squares.
+/// Part of the rise of the sum of squares up to an interval's end that a search along the profile may leave, where this is more than `TOLERANCE`: it
+/// moves the end by half of that part. Intervals that allow for what a model misses are as wide as a rise of several times the least sum of squares.
 const LEFT: f64 = 1e-3;
 
-/// What all profiles of a task share.
+/// The unit and the limit of deviance that all profiles of a task share.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Scale {
     /// Least sum of squares, that of the best fit.
     pub(crate) least: f64,
-    /// Variance of the residuals in their unit.
+    /// Variance of the residuals, in the unit in which they are compared.
     pub(crate) variance: f64,
     pub(crate) limit: f64,
-    /// A deviance below this is a better minimum.
+    /// Deviance below which a point counts as a better minimum.
     pub(crate) better: f64,
 }
 
@@ -32,10 +31,11 @@ impl Scale {
         let freedom = (task.count() - task.free().len()) as f64;
         let refined = task.refined(minimum);
         let r = refined.correlation;
-        // What is allowed for a clean record is in units of the noise that was found with it: a smaller sum of squares by chance does not make it smaller.
-        // Nor does one that is smaller than what is known to be left of other modes.
+        // The allowance for a clean record is in units of the noise that was found with it: a sum of squares that is smaller by chance does not make
+        // the allowance smaller.
+        // Nor does a sum of squares that is smaller than what is known to remain of other modes.
         let least = if task.widened || task.is_beside_others() { 1.0 } else { task.least_variance() };
-        // Neighbours that agree say the same twice.
+        // Neighbouring residuals that are correlated say the same twice.
         let inflation = if refined.leaves_noise(task.count()) { 1.0 } else { (1.0 + r) / (1.0 - r.min(0.9)) };
         Self {
             least: minimum.cost,
@@ -45,7 +45,7 @@ impl Scale {
         }
     }
 
-    /// About a least sum of squares with a variance that is known or found elsewhere, on so many degrees of freedom.
+    /// The scale about a least sum of squares, with a variance on `freedom` degrees of freedom that is known or found elsewhere.
     pub(crate) fn about(least: f64, variance: f64, freedom: f64) -> Self {
         Self { least, variance, limit: student(freedom.max(LEAST_FREEDOM)).powi(2), better: BETTER }
     }

@@ -1,7 +1,7 @@
 //! The end of an interval: where the records contradict a parameter at every knee.
 //!
-//! The sum of squares is smooth only where the knee is held, so a walk keeps its own. Where it ends, other knees may still accept the value; from one that does
-//! the walk goes on.
+//! The sum of squares is smooth only where the knee is held, so a walk keeps its own knee. Where the walk ends, other knees may still accept the
+//! value; from one that does the walk goes on.
 
 use super::accepted::Region;
 use super::deviance::Scale;
@@ -11,34 +11,37 @@ use crate::parameters::Parameter;
 use crate::refine::{Task, Workspace};
 use crate::search::{DIRAC, Minimum};
 
-/// Times that a walk goes on from another knee. In noise of 20 dB most ends need one or none; where they are spent the end stands where the last walk ended.
+/// Most times that a walk goes on from another knee. In noise of 20 dB most ends need one or none; where they are spent the end stands where the last
+/// walk ended.
 const FURTHER: usize = 4;
-/// Knees that are tried at an end, the likeliest by the linearised model. A scan of all knees there held the truth no more often, and took half as long again.
+/// Other knees that are tried at an end, the likeliest by the linearised model. A scan of all knees there held the truth no more often, and took half
+/// as long again.
 const TRIED: usize = 4;
-/// How far they are from each other at least, in ln φ_max: nearer ones tell the same under noise. A judgement.
+/// Least distance of these knees from each other, in ln φ_max: nearer ones tell the same under noise. A judgement.
 const APART: f64 = 0.1;
-/// Part of the limit below which another knee accepts an end: what lies nearer to it is a tolerance of the searches.
+/// Part of the limit below which the deviance must lie for another knee to accept an end: what lies nearer to the limit is a tolerance of the
+/// searches.
 const ACCEPTS: f64 = 0.9;
 /// Relative reduction of the sum of squares at which searches at other knees end: of some 200 residuals it moves the deviance by 0.02.
 const TOLERANCE: f64 = 1e-4;
 
-/// What the ends of a parameter's interval are sought in.
+/// What the search for the ends of a parameter's interval needs.
 pub(super) struct Ends<'a> {
     pub(super) task: &'a Task,
-    /// What the records accept at each knee.
+    /// The points that the records accept at each knee.
     pub(super) region: &'a Region,
     pub(super) scale: &'a Scale,
     pub(super) parameter: Parameter,
 }
 
 impl Ends<'_> {
-    /// The end in a direction; none where the interval is open. Points that are met are added to `points`.
+    /// The end in a direction (-1: lower, 1: upper); none where the interval is open. Points that are met on the way are added to `points`.
     pub(super) fn seek(&self, direction: f64, points: &mut Vec<ProfilePoint>) -> Option<f64> {
         let farthest = self.region.farthest(self.task, self.scale, self.parameter, direction)?;
         let charting = self.task.charting(self.parameter);
         let coordinate = charting.chart.index(self.parameter)?;
         let mut start = charting.from(self.task, farthest);
-        // Without noise valleys are so narrow that a walk's own is all there is.
+        // Without noise valleys are so narrow that other knees are not tried.
         let mut further = if charting.is_free_of_noise(&start) { 0 } else { FURTHER };
         loop {
             let free = following(&charting, coordinate, &start.x);
@@ -53,7 +56,7 @@ impl Ends<'_> {
         }
     }
 
-    /// The likeliest point with the coordinate where `end` has it, at another knee that accepts it.
+    /// The best point at another knee that accepts the value which the coordinate has in `end`; none where no other knee does.
     fn at_another_knee(&self, charting: &Task, coordinate: usize, end: &[f64]) -> Option<Minimum> {
         let knee = charting.knee()?;
         let value = charting.chart.parameters(end).get(self.parameter);
@@ -76,7 +79,7 @@ impl Ends<'_> {
     }
 }
 
-/// The coordinates that follow at a held knee: without macro-slip the Dirac is nowhere seen.
+/// The coordinates that follow at a held knee: all smooth ones but the walk's own, and without macro-slip not the Dirac, which is nowhere seen then.
 fn following(charting: &Task, coordinate: usize, x: &[f64]) -> Vec<usize> {
     let unseen = |j: usize| j == DIRAC && charting.is_micro_slip(x);
     charting.smooth().into_iter().filter(|j| *j != coordinate && !unseen(*j)).collect()

@@ -1,4 +1,4 @@
-//! What a walk goes over: a sum of squares of coordinates between bounds.
+//! The ground that a walk goes over: a sum of squares as a function of coordinates between bounds.
 
 use nalgebra::DMatrix;
 
@@ -6,8 +6,8 @@ use crate::parameters::Parameters;
 use crate::refine::{Effort, Task, Workspace};
 use crate::search::Minimum;
 
-/// If the farthest accepted point has K_T > 0.9 ω0², the walk stopped at the model's limit K_T < ω0², not at evidence in the
-/// record: the end is reported as open.
+/// Part of ω0² above which K_T at the farthest accepted point opens an end: the walk then stopped at the model's limit K_T < ω0², and not at evidence
+/// in the record.
 const MOST_JOINT: f64 = 0.9;
 
 /// A sum of squares that profiles are taken of.
@@ -25,7 +25,8 @@ pub(crate) trait Ground {
     fn minimise(&self, x: &[f64], free: Vec<usize>, tolerance: f64, work: &mut Self::Work)
     -> Option<Minimum>;
 
-    /// The same once more with central derivatives, for a point that would end an interval; none where the first search had them.
+    /// A second search with central derivatives from `found`, for a point that would end an interval; none where the first search had central
+    /// derivatives.
     fn deepened(
         &self,
         _found: &Minimum,
@@ -39,7 +40,7 @@ pub(crate) trait Ground {
     /// Derivatives of the residuals with respect to the coordinates in `free`, one column each.
     fn jacobian(&self, x: &[f64], free: Vec<usize>, work: &mut Self::Work) -> Option<DMatrix<f64>>;
 
-    /// Whether a point lies next to the edge of what a model can be.
+    /// Whether a point lies next to the edge of what a model can be, so that an end of an interval there is open.
     fn is_at_edge(&self, x: &[f64]) -> bool;
 }
 
@@ -58,7 +59,7 @@ impl Ground for Task {
         Self::minimise(self, x, free, tolerance, work)
     }
 
-    /// Where a valley is narrow and bent, searches with derivatives to one side end above its floor.
+    /// Where a valley is narrow and bent, searches with one-sided derivatives end above its floor.
     fn deepened(
         &self,
         found: &Minimum,
@@ -79,7 +80,7 @@ impl Ground for Task {
     }
 }
 
-/// Whether nearly all stiffness is the joint's.
+/// Whether the joint has nearly all stiffness of the mode.
 pub(crate) fn is_all_joint(p: &Parameters) -> bool {
     p.k_t > MOST_JOINT * (std::f64::consts::TAU * p.frequency).powi(2)
 }

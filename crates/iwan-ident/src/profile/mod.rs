@@ -1,14 +1,14 @@
-//! Profile likelihood: what a record tells about each parameter, and where it tells nothing.
+//! Profile likelihood: what records tell about each parameter, and where they tell nothing.
 //!
-//! A parameter is held at a value and all others follow; the rise of the weighted sum of squares over its least value, in
-//! units of the residual variance, is the deviance. The 95 % interval reaches to where it is the square of Student's t.
-//! Where it never gets there, up to the edge of what a model can be, the interval is open. Reference: D. M. Bates,
-//! D. G. Watts, *Nonlinear Regression Analysis and Its Applications*, Wiley 1988, Sec. 6.1 (profile t).
+//! One parameter is held at a value and all others follow. The deviance is the rise of the weighted sum of squares over its least value, in units of
+//! the residuals' variance. The 95 % interval reaches to where the deviance is the square of Student's t. Where it never gets there, up to the edge
+//! of what a model can be, the interval is open. Reference: D. M. Bates, D. G. Watts, *Nonlinear Regression Analysis and Its Applications*, Wiley
+//! 1988, Sec. 6.1 (profile t).
 //!
-//! The sum of squares has a crease wherever an amplitude of the ring-down equals φ_max, so that a walk along a parameter can end
-//! in a valley of its own. Therefore the knee is taken through its whole range first, all others following; the points that
-//! the records accept there are the region, and an interval is the reach of all of them together: it contains each
-//! parameter of every point that any other profile accepts.
+//! The sum of squares has a crease (a bend) wherever an amplitude of the ring-down equals the knee φ_max, so that a walk along a parameter can end in
+//! a valley (a local minimum along the knee) of its own. Therefore the knee is taken through its whole range first, all others following. The points
+//! that the records accept there are the region, and an interval is the reach of all of them together: it contains the parameter's value at each
+//! point that any other profile accepts.
 
 mod outcome;
 mod deviance;
@@ -30,47 +30,48 @@ pub(crate) use ground::{Ground, is_all_joint};
 pub use outcome::{Profile, ProfilePoint, Profiles};
 pub(crate) use walk::{End, Walk};
 
-/// Macro-slip is seen when the best fit without it has a deviance above this. Two parameters more would gain 6 at the 95 %
-/// level; but the knee is sought along its whole range, and noise alone was seen to gain 19.6. With 25, none of 40 records of Table 2's mode 1
-/// at 0.3 φ_max and 40 dB claims macro-slip.
+/// Deviance of the best fit without macro-slip above which macro-slip is seen. Two parameters more would gain 6 at the 95 % level; but the knee is
+/// sought along its whole range, and noise alone was seen to gain 19.6. With 25, none of 40 records of Table 2's mode 1 at 0.3 φ_max and 40 dB claims
+/// macro-slip.
 pub(crate) const SLIP_SEEN: f64 = 25.0;
-/// The knee lies clearly inside the data when the largest amplitude is so many times φ_max: any small defect of a record's loud
-/// start (a second mode, clipping, the hammer's rebound) looks like a knee just below the largest amplitude.
+/// Largest amplitude over φ_max from which on the knee lies clearly inside the data: any small defect of a record's loud start (a second mode,
+/// clipping, the hammer's rebound) looks like a knee just below the largest amplitude. Below this ratio K_T and F_S have no upper end, β has no end.
 const CLEARLY_INSIDE: f64 = 1.1;
 
-/// Half cycles of macro-slip that are needed: the first amplitude and phase are unknown, and knee, Dirac and stiffness bring three
-/// unknowns more. With three half cycles or less two joints of quite different size can tell the whole record alike.
+/// Half cycles of macro-slip that are needed for an upper end of K_T and F_S and for the ends of β: the first amplitude and phase are unknown,
+/// and knee, Dirac and stiffness bring three unknowns more. With three half cycles or less two joints of quite different size can match the whole record alike.
 const SLIPPING: usize = 4;
 
 /// How much of the knee the records see.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Extent {
-    /// Macro-slip: all parameters follow.
+    /// Macro-slip is clearly seen: the records tell all parameters.
     Full,
-    /// Something like macro-slip at the very largest amplitudes: the best fit has it, but of K_T and F_S only the least is told.
+    /// Something like macro-slip appears at the very largest amplitudes only. The best fit has macro-slip, but K_T and F_S have a lower end only.
     Edge,
-    /// No macro-slip: the minimum is that without it, although noise may be told a little better with it. Of K_T and F_S only
-    /// the least that the records need is known.
+    /// No macro-slip is seen: the minimum is the one without macro-slip, although noise may be matched a little better with it. Only the least K_T
+    /// and F_S that the records need are known.
     MicroSlip,
 }
 
-/// A minimum and what is taken for granted about it.
+/// A minimum, and what its profiles take for granted.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Known<'a> {
     pub(crate) minimum: &'a Minimum,
-    /// The point whose parameters are given: the minimum itself, or that without what intervals allow for. It lies inside all intervals.
+    /// The point whose parameters are reported: the minimum itself, or the minimum before intervals allow for what a law may miss. All intervals
+    /// contain it.
     pub(crate) given: &'a [f64],
     pub(crate) extent: Extent,
-    /// Whether a better point, should a walk meet one, is passed over: else the walk ends there.
+    /// Whether a walk passes over a better point that it meets; otherwise the walk ends there.
     pub(crate) settled: bool,
 }
 
-/// The profiles about a minimum; a better point when there is one and nothing is settled.
+/// The profiles about a minimum; as an error a better minimum, where there is one and nothing is settled.
 pub(crate) fn profiles(task: &Task, known: Known<'_>) -> Result<Profiles, Minimum> {
     let settled = known.settled || known.extent == Extent::MicroSlip;
     let scale = Scale::new(task, known.minimum, settled);
     let region = region(task, known.minimum, &scale)?;
-    // What a walk meets beside the region is a tolerance of the searches, not another valley.
+    // A lower sum of squares that a walk meets beside the region is a tolerance of the searches, and no other valley.
     let scale = Scale { better: f64::NEG_INFINITY, ..scale };
     let parameters = in_parallel(&Parameter::ALL, Parameter::ALL.len(), &|parameter| {
         profile(task, known, &region, &scale, *parameter)
@@ -78,8 +79,8 @@ pub(crate) fn profiles(task: &Task, known: Known<'_>) -> Result<Profiles, Minimu
     Ok(Profiles { parameters, limit: scale.limit, variance: scale.variance })
 }
 
-/// How much of the knee the records see: what they have against the best fit without macro-slip. All of it where given
-/// parameters decide that, so that there is no such fit.
+/// How much of the knee the records see, by the deviance of the best fit without macro-slip (`micro_slip`). There is no such fit where given
+/// parameters decide about macro-slip; the extent is full then.
 pub(crate) fn extent(task: &Task, minimum: &Minimum, micro_slip: Option<&Minimum>) -> Extent {
     let scale = Scale::new(task, minimum, true);
     if micro_slip.is_some_and(|m| scale.rise(m) <= SLIP_SEEN) {
@@ -87,7 +88,7 @@ pub(crate) fn extent(task: &Task, minimum: &Minimum, micro_slip: Option<&Minimum
     } else if !task.is_open() {
         Extent::Full
     } else if task.is_beside_others() {
-        // What is left of near modes beats through the whole record, and a knee follows it.
+        // What remains of near modes beats through the whole record, and a knee follows the beats.
         Extent::Edge
     } else if task.slip_ratio(&minimum.x) < CLEARLY_INSIDE || task.slipping_half_cycles(&minimum.x) < SLIPPING
     {
@@ -97,7 +98,7 @@ pub(crate) fn extent(task: &Task, minimum: &Minimum, micro_slip: Option<&Minimum
     }
 }
 
-/// All points that the records accept, from the minimum along all knees, or where the knee is not sought the minimum alone.
+/// All points that the records accept: from the minimum along all knees, or the minimum alone where the knee is not sought.
 fn region(task: &Task, minimum: &Minimum, scale: &Scale) -> Result<Region, Minimum> {
     let mut work = Workspace::default();
     let Some(knee) = task.knee() else {

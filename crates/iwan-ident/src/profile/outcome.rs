@@ -1,25 +1,25 @@
-//! What a profile says.
+//! The results of profiles.
 
 use crate::parameters::Parameter;
 
 /// What the records tell about one parameter.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Profile {
-    /// Which one.
+    /// The parameter.
     pub parameter: Parameter,
-    /// The value of the best fit.
+    /// Its value at the best fit.
     pub value: f64,
     /// Lower end of the 95 % interval; none: open.
     pub low: Option<f64>,
     /// Upper end of the 95 % interval; none: open.
     pub high: Option<f64>,
-    /// The points at which it was computed, by ascending value; the 95 % limit is [`Profiles::limit`].
+    /// The points at which the profile was computed, by ascending value; the 95 % limit of their deviance is [`Profiles::limit`].
     pub points: Vec<ProfilePoint>,
-    /// Whether it was held and not sought.
+    /// Whether the parameter was given and not sought.
     pub held: bool,
 }
 
-/// A value of a parameter, and what the records have against it.
+/// A value of a parameter, and the deviance of the best fit with that value.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ProfilePoint {
     /// The value.
@@ -48,11 +48,11 @@ pub struct Profiles {
 }
 
 impl Profiles {
-    /// The same where the interval of a parameter holds another one: an end that is open in either of them is open.
+    /// The same profiles with the interval of a parameter widened to contain another interval: an end that is open in either of them is open.
     pub(crate) fn holding(mut self, parameter: Parameter, [low, high]: [Option<f64>; 2]) -> Self {
         let own = |profile: &&mut Profile| !profile.held && profile.parameter == parameter;
         for profile in self.parameters.iter_mut().filter(own) {
-            // That a joint's stiffness or force is above zero tells nothing of it.
+            // It tells nothing of a joint that its stiffness or slip force is above zero.
             let is_told = |low: &f64| *low > 0.0 || !matches!(parameter, Parameter::KT | Parameter::FS);
             profile.low = profile.low.zip(low).map(|(a, b)| a.min(b)).filter(is_told);
             profile.high = profile.high.zip(high).map(|(a, b)| a.max(b));
@@ -60,7 +60,7 @@ impl Profiles {
         self
     }
 
-    /// The same where the records do not tell `parameters`: their intervals are open on both sides.
+    /// The same profiles where the records do not tell `parameters`: these intervals are open on both sides.
     pub(crate) fn without(mut self, parameters: &[Parameter]) -> Self {
         let open = |profile: &&mut Profile| !profile.held && parameters.contains(&profile.parameter);
         self.parameters
@@ -70,7 +70,7 @@ impl Profiles {
         self
     }
 
-    /// The same where no value of `parameter` above a limit is told: an interval that reaches beyond it is open above.
+    /// The same profiles where no value of `parameter` above a limit is told: an interval that reaches beyond the limit is open above.
     pub(crate) fn open_beyond(mut self, parameter: Parameter, limit: f64) -> Self {
         let beyond = |profile: &&mut Profile| {
             !profile.held && profile.parameter == parameter && profile.high.is_some_and(|high| high > limit)

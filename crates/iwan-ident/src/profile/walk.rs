@@ -1,31 +1,32 @@
-//! A walk from the minimum along one coordinate, to where the records contradict.
+//! A walk from the minimum along one coordinate, all others following, to where the records contradict the coordinate's value.
 
 use super::deviance::Scale;
 use super::ground::Ground;
 use crate::search::{Minimum, following};
 
-/// An interval that reaches this far from its value, in coordinates (logarithms, mostly), is open: a factor of 1,100 either
-/// way, beyond which no engineer would call the parameter known.
+/// Distance from the best value, in coordinates (logarithms, mostly), from which on an interval is open: a factor of 1,100 either way, beyond which
+/// no engineer would call the parameter known.
 const FARTHEST: f64 = 7.0;
-/// First step when the curvature says nothing: a tenth of a logarithm. Steps grow by up to four from there.
+/// First step where the curvature says nothing: a tenth of a logarithm. From there steps grow by up to four times.
 const FIRST_STEP: f64 = 0.1;
-/// How far a line through two points is followed, in distances between them: beyond, it is a worse beginning than the nearest point
-/// itself. A judgement; a bad beginning costs time, not the result.
+/// How far a line through two points is followed, in distances between them: beyond, the line is a worse beginning for a search than the nearest
+/// point itself. A judgement; a bad beginning costs time, not the result.
 const FARTHEST_AHEAD: f64 = 5.0;
-/// Steps outwards; a walk that is still inside the limit then is open.
+/// Most steps outwards; the end is open if the walk is still inside the limit after them.
 const OUTWARDS: usize = 24;
-/// Rounds to bring an end to the precision: halves alone would bring it to 2^-16 of the last step. Where they are spent the
-/// end is where the line through the last two points puts it.
+/// Most rounds that bring an end to its precision: halving alone would bring the end to 2^-16 of the last step. Where they are spent the end is where
+/// the line through the last two points puts it.
 const INWARDS: usize = 16;
-/// Roots of deviances this many times the limit's are too far for a straight line: halves close in faster there.
+/// Ratio of roots of deviances, outside point over limit, above which a straight line between the two points is no use: halving closes in faster
+/// there.
 const FAR_OUTSIDE: f64 = 4.0;
-/// Factor on either side of the limit by which a deviance jumps where a search has lost the valley: along a valley that is followed it changes by less between
-/// points so near. A judgement.
+/// Factor on either side of the limit by which a deviance jumps where a search has lost the valley; along a valley that is followed the deviance
+/// changes by less between points so near. A judgement.
 const JUMP: f64 = 1.5;
-/// Times that a walk sets out anew from where its search lost the valley. Each gets some steps farther; when they are spent the end stands where the valley was lost last.
+/// Most times that a walk sets out anew from where its search lost the valley. Each time gets some steps farther; when they are spent the end stands
+/// where the valley was lost last.
 const ANEW: usize = 8;
-/// Relative precision of the distance of an end, as the root of the deviance: half a per cent of an interval's half width, below
-/// what anyone reads off it.
+/// Relative precision of an end's distance, as the root of the deviance: half a per cent of an interval's half width, below what anyone reads off it.
 const PRECISION: f64 = 5e-3;
 /// A walk along one coordinate.
 pub(crate) struct Walk<'a, G: Ground> {
@@ -33,15 +34,15 @@ pub(crate) struct Walk<'a, G: Ground> {
     pub(super) coordinate: usize,
     /// The coordinates that follow.
     pub(super) free: Vec<usize>,
-    /// Where it begins.
+    /// The minimum at which the walk begins.
     pub(super) minimum: &'a Minimum,
     pub(super) scale: &'a Scale,
-    /// Whether an end where the joint takes nearly all stiffness is open: it is the model's, not the records'.
+    /// Whether an end is open where the joint has nearly all stiffness: the model then makes the end, not the records.
     pub(crate) stiffness_ends: bool,
-    /// How the others follow next to the minimum, per unit of the coordinate.
+    /// Change of the coordinates that follow per unit of the walk's coordinate, next to the minimum.
     tangent: Option<Vec<f64>>,
     work: G::Work,
-    /// Where it has been, in the order of time.
+    /// The points that the walk has visited, in the order of time.
     pub(crate) visited: Vec<Visited>,
 }
 
@@ -54,14 +55,14 @@ pub(crate) struct Visited {
     pub(crate) deviance: f64,
 }
 
-/// A place on the way, and its deviance.
+/// A value of the walk's coordinate, and the deviance there.
 #[derive(Debug, Clone, Copy)]
 struct Place {
     at: f64,
     deviance: f64,
 }
 
-/// How a walk ended.
+/// The end of a walk: open, or closed at a value of its coordinate.
 pub(crate) enum End {
     Open,
     Closed(f64),
@@ -89,10 +90,10 @@ impl<'a, G: Ground> Walk<'a, G> {
         }
     }
 
-    /// Deviance with the coordinate held at `at`; none where there is no model.
+    /// Deviance with the coordinate held at `at`; none where there is no model, and as an error a better minimum where one is found.
     ///
-    /// Begun from the nearest known point and on the line through the two nearest; the likelier is taken, the other one only
-    /// where it says that the record forbids the value.
+    /// Searches begin at the nearest known point and on the line through the two nearest ones. The beginning with the lower sum of squares is tried
+    /// first, the other one only where the first search says that the records forbid the value.
     fn deviance(&mut self, at: f64) -> Result<Option<f64>, Minimum> {
         let mut plain = self.nearest(at);
         plain[self.coordinate] = at;
@@ -126,7 +127,8 @@ impl<'a, G: Ground> Walk<'a, G> {
         Ok(Some(deviance.max(0.0)))
     }
 
-    /// On the straight line through the two points nearest to `at`, next to the minimum on its tangent; inside the bounds.
+    /// A point at `at` on the straight line through the two points nearest to it, or, next to the minimum, on the minimum's tangent; inside the
+    /// bounds.
     fn ahead(&self, at: f64) -> Vec<f64> {
         let own = (self.minimum.x[self.coordinate], &self.minimum.x);
         let mut all: Vec<(f64, &Vec<f64>)> =
@@ -158,8 +160,8 @@ impl<'a, G: Ground> Walk<'a, G> {
         nearest.map_or_else(|| self.minimum.x.clone(), |p| p.1.clone())
     }
 
-    /// Walks outwards until the deviance passes the limit, then to the limit itself. Where the deviance jumps there, far inside the limit on one side and far outside on the
-    /// other, the search has lost a valley that is narrow and bent: from its last point the walk sets out anew, by shorter steps.
+    /// Walks outwards until the deviance passes the limit, then closes in on the limit. Where the deviance jumps there, from far inside the limit to
+    /// far outside, the search has lost a valley that is narrow and bent: the walk sets out anew from the last point inside, by shorter steps.
     pub(crate) fn go(&mut self, direction: f64) -> Result<End, Minimum> {
         let start = self.minimum.x[self.coordinate];
         let mut step = self.first_step();
@@ -176,7 +178,7 @@ impl<'a, G: Ground> Walk<'a, G> {
         }
     }
 
-    /// The last point inside the limit and the first outside, from a point and a first step on; none where the way is open.
+    /// The last point inside the limit and the first one outside, walking from the point `inside` with a first step; none where the way is open.
     fn outwards(
         &mut self,
         mut inside: Place,
@@ -199,7 +201,7 @@ impl<'a, G: Ground> Walk<'a, G> {
             {
                 return Ok(None);
             }
-            // Where the root of the deviance grows evenly, a little beyond the limit.
+            // The next step leads a little beyond the limit, if the root of the deviance grows evenly with the distance.
             let growth = (self.scale.limit / deviance.max(1e-3 * self.scale.limit)).sqrt();
             step = (1.1 * growth * (at - start).abs() - (at - start).abs()).clamp(0.3 * step, 4.0 * step);
             inside = Place { at, deviance };
@@ -207,25 +209,26 @@ impl<'a, G: Ground> Walk<'a, G> {
         Ok(None)
     }
 
-    /// Whether the deviance jumps over the limit between two points.
+    /// Whether the deviance jumps over the limit between a point inside and one outside.
     fn jumps(&self, inside: Place, outside: Place) -> bool {
         inside.deviance < self.scale.limit / JUMP && outside.deviance > self.scale.limit * JUMP
     }
 
-    /// Where the limit lies between a point inside and one outside, by the line through the roots of the deviances, or halfway where they are too far apart for that.
+    /// Where the limit lies between a point inside (0) and one outside (1): by the line through the roots of their deviances, or halfway where these
+    /// are too far apart for a line.
     fn share(&self, inside: Place, outside: Place) -> f64 {
         let root = self.scale.limit.sqrt();
         let (a, b) = (inside.deviance.sqrt(), outside.deviance.sqrt());
         if b > FAR_OUTSIDE * root { 0.5 } else { ((root - a) / (b - a)).clamp(0.0, 1.0) }
     }
 
-    /// The end of an interval between its last point inside and the first outside: the first where there is no model beyond.
+    /// The end of an interval between its last point inside and the first one outside, or the point inside where there is no model beyond.
     fn between(&self, inside: Place, outside: Place) -> f64 {
         let share = if outside.deviance.is_finite() { self.share(inside, outside) } else { 0.0 };
         inside.at + share * (outside.at - inside.at)
     }
 
-    /// Whether the farthest point inside needs nearly all stiffness to be the joint's: the end is not the record's then.
+    /// Whether at the farthest point inside nearly all stiffness is the joint's: the model then makes the end, not the record.
     fn all_of_stiffness(&self) -> bool {
         let inside = self.visited.iter().filter(|p| p.deviance < self.scale.limit);
         let start = self.minimum.x[self.coordinate];
@@ -233,7 +236,8 @@ impl<'a, G: Ground> Walk<'a, G> {
         farthest.is_some_and(|farthest| self.task.is_at_edge(&farthest.minimum.x))
     }
 
-    /// From a point inside and one outside to two that are next to each other or to the limit. None where the way ends not at the limit but at the edge of the model.
+    /// From a point inside the limit and one outside to two that are next to each other or to the limit. None where the way ends at the edge of the
+    /// model and such an end is open.
     fn close_in(&mut self, mut inside: Place, mut outside: Place) -> Result<Option<[Place; 2]>, Minimum> {
         let (root, start) = (self.scale.limit.sqrt(), self.minimum.x[self.coordinate]);
         for _ in 0..INWARDS {
@@ -242,19 +246,19 @@ impl<'a, G: Ground> Walk<'a, G> {
             if near(inside.deviance) || near(outside.deviance) || narrow {
                 break;
             }
-            // Off both ends, so that each round closes in whatever the line says.
+            // Away from both ends, so that each round closes in whatever the line says.
             let share = self.share(inside, outside).clamp(0.05, 0.95);
             let at = inside.at + share * (outside.at - inside.at);
             let deviance = self.deviance(at)?.unwrap_or(f64::INFINITY);
             let place = Place { at, deviance };
             if deviance < self.scale.limit { inside = place } else { outside = place }
         }
-        // Where there is no model beyond, the model itself ends the interval: of joint and force that is no finding.
+        // Where there is no model beyond, the model itself ends the interval: this says nothing about the joint and its slip force.
         let ends_model = !outside.deviance.is_finite() || self.all_of_stiffness();
         Ok((!self.stiffness_ends || !ends_model).then_some([inside, outside]))
     }
 
-    /// Student's t times the standard deviation by curvature.
+    /// First step: Student's t times the standard deviation of the coordinate by the curvature at the minimum. The tangent is computed with it.
     fn first_step(&mut self) -> f64 {
         let free: Vec<usize> = self.free.iter().copied().chain([self.coordinate]).collect();
         let place = Some(free.len() - 1);

@@ -1,11 +1,12 @@
-//! Residuals discounted by what the model is known to miss: with covariance 1 + M Mᵀ in place of 1 their inverse root is taken of it.
+//! Residuals discounted for what the model is known to miss: where their covariance is 1 + M Mᵀ in place of 1, they are multiplied by its inverse
+//! square root.
 
 use nalgebra::{DMatrix, DVector, DVectorViewMut};
 
-/// Directions whose added variance is below this part of the noise's are left as they are.
+/// Directions in which M adds less than this part of the noise's variance are left as they are.
 const LEAST: f64 = 1e-4;
 
-/// (1 + M Mᵀ)^(-1/2) = 1 - B diag(w) Bᵀ, with orthonormal columns B.
+/// The matrix (1 + M Mᵀ)^(-1/2) = 1 - B diag(w) Bᵀ, with orthonormal columns B (`directions`) and `weights` w.
 #[derive(Debug, Clone)]
 pub(super) struct Discount {
     directions: DMatrix<f64>,
@@ -13,7 +14,7 @@ pub(super) struct Discount {
 }
 
 impl Discount {
-    /// Of columns M, in units of the residuals' noise; none where they add nothing.
+    /// From the columns of M, in units of the residuals' noise; none where they add nothing.
     pub(super) fn new(columns: &DMatrix<f64>) -> Option<Self> {
         let eigen = columns.tr_mul(columns).symmetric_eigen();
         let kept: Vec<usize> =
@@ -37,7 +38,7 @@ impl Discount {
         r.gemv(-1.0, &self.directions, &parts, 1.0);
     }
 
-    /// The same for each column of a matrix.
+    /// Applies the discount to each column of a matrix.
     pub(super) fn apply_to_columns(&self, columns: &mut DMatrix<f64>) {
         let mut parts = self.directions.tr_mul(columns);
         parts.column_iter_mut().for_each(|mut part| part.component_mul_assign(&self.weights));

@@ -1,4 +1,4 @@
-//! What the model misses is found out, and what it explains is discounted.
+//! What the model misses is estimated, and the residuals are discounted for it.
 
 use iwan_machine::threads::in_parallel;
 use nalgebra::{DMatrix, DVector};
@@ -14,46 +14,48 @@ use crate::error::Error;
 use crate::parameters::{COUNT, Parameter};
 use crate::search::{DIRAC, Minimum};
 
-/// Rounds in which the discrepancies' sizes, the noise and the best fit are brought into agreement. With three, ends of searches on measured records were still apart by
-/// hundreds in ln likelihood; most agree after four to ten. The best round is taken, also where they are spent.
+/// Most rounds in which the discrepancies' sizes, the noise and the best fit are brought into agreement. With three, ends of searches on measured
+/// records were still apart by hundreds in ln likelihood; most agree after four to ten. The best round is taken, also where all rounds are spent.
 const ROUNDS: usize = 12;
-/// Change of the log likelihood from one round to the next at which they agree.
+/// Change of the log likelihood from one round to the next below which the rounds agree.
 const AGREED: f64 = 0.1;
-/// Size of a discrepancy that is expected before a record is seen, and that searches begin with: dissipation of repeated hits differs by some
-/// per cent. Larger ones count as less likely by a factor of e for each time this.
+/// Size of a discrepancy, as a standard deviation of ln D, that is expected before a record is seen and that searches begin with: dissipation of
+/// repeated hits differs by some per cent. Larger sizes count as less likely, by a factor of e for each multiple of this.
 const TYPICAL: f64 = 0.03;
-/// Relative residual below which a record is the law's own: what exact steps of the law make leaves 1e-11 and less, twenty sliders in 24 cycles 2e-6, and Newmark's steps of a thousandth
-/// of a cycle 6e-8.
+/// Relative residual below which a record counts as made by the law itself: exact steps of the law leave 1e-11 and less, twenty sliders in 24 cycles
+/// 2e-6, and Newmark's steps of a thousandth of a cycle 6e-8.
 const OF_THE_LAW: f64 = 1e-8;
-/// Part of dissipation by which a law without macro-slip may be off in a clean record. Joints of twenty sliders released at 0.1 to 0.8 times φ_max look like macro-slip with
-/// gains in deviance of up to 26 where 5 % are allowed, half of that with 7 %. Records from 2.3 times φ_max keep no more, those from eight times a gain of 14 in 24 cycles and some 250 in
-/// 240: where 25 are asked for these alone tell of macro-slip.
+/// Part of dissipation by which a law without macro-slip may be off in a clean record. Joints of twenty sliders released at 0.1 to 0.8 times φ_max
+/// look like macro-slip, with gains in deviance of up to 26 where 5 % are allowed and half of that with 7 %. Records released at 2.3 times φ_max keep
+/// no larger gain; records released at eight times φ_max keep a gain of 14 in 24 cycles and some 250 in 240 cycles. Where a gain of 25 is asked for,
+/// only the last ones tell of macro-slip.
 const NO_SLIP: f64 = 0.07;
-/// Times by which a discrepancy is far larger than another. Of fifteen hits of the paper's beam, five of each level, one end needed 0.42 and missed 45 % of dissipation, the
-/// other needed 0.055 and missed 8 %. Of nine measured records one changes between 1.2 and 1.5: the double beam's sixth hit, which misses 7 % with 1.2 and 10 % with 1.5.
+/// Ratio of two discrepancies from which on the larger one is far larger. Of fifteen hits of the paper's beam, five at each level, one end of the
+/// search needed a discrepancy of 0.42 and missed 45 % of dissipation, the other needed 0.055 and missed 8 %. Of nine measured records one changes
+/// between ratios of 1.2 and 1.5: the double beam's sixth hit, which misses 7 % with 1.2 and 10 % with 1.5.
 const FAR_MORE: f64 = 1.2;
-/// Part of a sum of squares below which another counts as deeper: what is less than half a per cent is a tolerance of the searches.
+/// Part of a sum of squares below which another one counts as deeper: a difference of less than half a per cent is a tolerance of the searches.
 const DEEPER: f64 = 0.995;
-/// Part of the residuals that is taken to be free at least: of fewer no variance can be had.
+/// Least part of the residuals that counts as degrees of freedom: no variance can be estimated from fewer.
 const LEAST_FREEDOM: f64 = 0.1;
 
-/// Ratios of the noise that goes with the amplitude to the common one that are tried, at the largest amplitude: from one, …
+/// Number of ratios that are tried of the noise that grows with the amplitude to the common noise, at the largest amplitude; the first ratio is one.
 const RATIOS: i32 = 16;
-/// … each so many times the one before, to 30,000, which is more than any record's range.
+/// Factor from one of these ratios to the next. The last one is 30,000, which is more than any record's range.
 const RATIO_STEP: f64 = 2.0;
-/// Gain of the log likelihood below which noise goes not with the amplitude: noise alone reaches it in 2 records of 100.
+/// Gain of the log likelihood below which noise counts as the same at all amplitudes: noise alone reaches it in 2 records of 100.
 const GAIN: f64 = 2.0;
 
-/// Records that nothing but a simulation makes: they show no noise, or the minimum leaves none of it.
+/// The kind of records that only a simulation makes: they show no noise, or the minimum leaves none.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Clean {
     /// The law itself made them.
     OfTheLaw,
-    /// Something that is nearly the law: sliders in place of the continuum, another program, time steps.
+    /// Something that is nearly the law made them: sliders in place of the continuum, another program, time steps.
     Nearly,
 }
 
-/// What the residuals at a point say about the processes.
+/// What the residuals at a point say about the discrepancy processes.
 struct Found {
     components: Vec<Component>,
     jacobian: DMatrix<f64>,
@@ -62,20 +64,20 @@ struct Found {
     likeliest: Likeliest,
 }
 
-/// A fit with the discrepancies that go with it.
+/// A fit, and the discrepancies found with it.
 struct Settled {
     task: Task,
     minimum: Minimum,
-    /// ln of the restricted likelihood of both, up to a constant.
+    /// ln of the restricted likelihood of fit and discrepancies, up to a constant.
     likelihood: f64,
-    /// The largest discrepancy of dissipation that is found there.
+    /// Size of the discrepancies of ln D that are found at the minimum, all together.
     missed: f64,
 }
 
 impl Settled {
-    /// The likelier of two ends. But one that needs far more of a discrepancy than the other is none, whatever its likelihood: what all repeats of a hit have in common
-    /// beside slow bends, such as the other modes' traces, counts once for each of them, and parameters that follow it leave
-    /// the rest to the discrepancy.
+    /// The likelier of two ends of searches. But an end that needs a far larger discrepancy than the other one is not taken, whatever its likelihood:
+    /// what all repeats of a hit have in common beside slow bends, such as traces of other modes, counts once for each repeat, so that parameters
+    /// which follow these traces and leave the rest to the discrepancy look likely.
     fn or_better(self, other: Self) -> Self {
         let far = |more: &Self, less: &Self| more.missed > TYPICAL && more.missed > FAR_MORE * less.missed;
         let other_wins = far(&self, &other) || (!far(&other, &self) && other.likelihood > self.likelihood);
@@ -83,7 +85,8 @@ impl Settled {
     }
 }
 
-/// The likeliest noise of a record whose windows' residuals have such sums of squares (real and imaginary part), of which only a `part` is free.
+/// The likeliest noise of a record. `squares` are the sums of squares of each window's residual (real and imaginary part), of which the `part` is
+/// degrees of freedom.
 fn likeliest_noise(record: &Windowed, squares: &[f64], part: f64) -> Noise {
     let freedom = 2.0 * squares.len() as f64 * part;
     let of = |ratio: f64| {
@@ -103,7 +106,7 @@ fn likeliest_noise(record: &Windowed, squares: &[f64], part: f64) -> Noise {
     Noise { floor: floor.max(record.floor()), part: ratio * floor }
 }
 
-/// The sizes by their names.
+/// The processes' sizes as a discrepancy.
 fn named(components: &[Component], sizes: &[f64]) -> Discrepancy {
     let mut all = Discrepancy::default();
     for (Component { kind, shift, .. }, size) in components.iter().zip(sizes) {
@@ -120,7 +123,8 @@ fn named(components: &[Component], sizes: &[f64]) -> Discrepancy {
 }
 
 impl Task {
-    /// The minimum next to a rough one, without what the model is found to miss there. `first` is what the curves say.
+    /// The minimum next to a rough one, with a discount for what the model is found to miss there. `first` are the coordinates of the parameters that
+    /// the curves give.
     pub(crate) fn finished(&mut self, rough: &Minimum, first: &[f64]) -> Result<Minimum, Error> {
         (self.discount, self.by_logarithms) = (None, false);
         self.forget_parts();
@@ -130,8 +134,8 @@ impl Task {
         self.discounted(minimum, &[first])
     }
 
-    /// The minimum again, or a deeper one that searches from other powers find: over a few cycles a small power with a higher frequency looks much the same, and
-    /// what it misses would be taken for a discrepancy.
+    /// The minimum again, or a deeper one that searches from other powers χ find: over a few cycles a small power with a higher frequency looks much
+    /// the same, and what such a fit misses would be taken for a discrepancy.
     fn by_other_powers(&mut self, minimum: Minimum) -> Result<Minimum, Error> {
         let seen = self.seen_at(&minimum.x);
         let others = self.other_powers(&minimum.x);
@@ -143,9 +147,9 @@ impl Task {
         }
     }
 
-    /// Finds out at a minimum what the model misses, discounts it, and goes on to the minimum of what is left. Where it misses anything
-    /// the search begins at `others` as well, the curves' parameters and where it has ended before: least squares that know of no discrepancy buy phase at the
-    /// price of damping. The best end is taken.
+    /// Estimates at a minimum what the model misses, discounts the residuals for it, and goes on to the minimum of what is left. Where the model
+    /// misses anything the search begins at `others` as well (the curves' parameters, and where the search has ended before): least squares that know
+    /// of no discrepancy buy phase at the price of damping. The best end is taken.
     pub(crate) fn discounted(&mut self, best: Minimum, others: &[&[f64]]) -> Result<Minimum, Error> {
         let mut work = Workspace::default();
         let known = self.by_logarithms;
@@ -153,7 +157,7 @@ impl Task {
         self.forget_parts();
         let mut best = best;
         if known {
-            // Found with another discount: its sum of squares is not that of the residuals as they are.
+            // This point was found with another discount, so that its sum of squares is not that of the residuals as they are.
             self.weigh(&best.x, &mut work);
             best = self.minimise(&best.x, self.seen_at(&best.x), FINE, &mut work).ok_or_else(no_ring_down)?;
         }
@@ -170,7 +174,7 @@ impl Task {
         Ok(minimum)
     }
 
-    /// The minimum next to one with the scatter of days that is found there.
+    /// The minimum next to `best`, with the scatter of days that is found there; `best` itself where records have no days.
     fn with_days(&mut self, best: Minimum, found: Option<&Found>, work: &mut Workspace) -> Option<Minimum> {
         if !self.has_days() {
             return Some(best);
@@ -182,8 +186,9 @@ impl Task {
         self.minimise(&x, self.seen_at(&x), FINE, work)
     }
 
-    /// A point with the mode's frequency where the days' mean is zero, for a search to begin with. Records keep their own frequencies. The sum of squares tells the mean of two or three
-    /// days from their scatter by next to nothing, so that without this step the frequency stays near where the search began: two hits at 439.16 Hz had a mode of 437.9 Hz, and half of the dissipation was missed.
+    /// A point for a search to begin with: `x` with the mode's frequency moved so that the mean of the days is zero; records keep their own
+    /// frequencies. The sum of squares hardly tells the mean of two or three days from their scatter, so that without this step the frequency stays
+    /// near where the search began: two hits at 439.16 Hz had a mode of 437.9 Hz, and half of the dissipation was missed.
     fn on_mean_day(&self, x: &[f64]) -> Vec<f64> {
         let days: Vec<f64> = self.starts_at(x).iter().map(|start| start.day).collect();
         let mut x = x.to_vec();
@@ -193,13 +198,13 @@ impl Task {
         x
     }
 
-    /// Takes over the scatter of the days at a point where the residuals have such derivatives.
+    /// Takes over the scatter of the days at the point `x`, where the residuals have the derivatives `jacobian`.
     fn take_days(&mut self, x: &[f64], jacobian: &DMatrix<f64>) {
         let days: Vec<f64> = self.starts_at(x).iter().map(|start| start.day).collect();
         if !self.has_days() {
             return;
         }
-        // What was taken for granted is the scatter and what is not known of it; the estimate goes on from the scatter.
+        // The deviation taken for granted was the scatter, widened for few records; the estimate goes on from the scatter itself.
         let (mut jacobian, unknowns) = (jacobian.clone(), self.seen_at(x));
         let inflated = days::of_few(1.0, days.len());
         jacobian.rows_mut(self.in_windows(), days.len()).scale_mut(inflated);
@@ -212,21 +217,22 @@ impl Task {
         };
         let known = days.iter().map(|day| day * day).sum::<f64>();
         let unknown = (0..days.len()).filter_map(uncertain).sum::<f64>();
-        // A step of expectation and maximisation: the mean day is among what is not known, so that the division is by all days.
+        // A step of expectation and maximisation: the mean of the days is among the unknowns, so that the division is by the number of all days.
         let scatter = ((known + unknown) / days.len() as f64).sqrt();
         self.day_deviation = days::of_few(scatter.max(days::LEAST), days.len());
     }
 
-    /// What clean records are; none where samples show noise and the minimum leaves it.
+    /// The kind of clean records that these are; none where samples show noise and the minimum leaves it.
     pub(crate) fn clean(&self, minimum: &Minimum) -> Option<Clean> {
         let residual = self.refined(minimum).relative_residual;
         let clean = residual < CLEAN || self.records.iter().all(Windowed::is_without_noise);
         clean.then_some(if residual < OF_THE_LAW { Clean::OfTheLaw } else { Clean::Nearly })
     }
 
-    /// The task for intervals of clean records, and its minimum next to one: what they cannot show widens the intervals all the same. Where they are not the law's own it may
-    /// be off by what is expected of laws, and changes from window to window that no process follows, such as those of a joint of few sliders, are in none of their
-    /// windows' noise. Minima are not sought so: what a record of a few cycles tells of the power is next to nothing then.
+    /// The task for intervals of clean records, and its minimum next to `minimum`: what clean records cannot show widens their intervals all the
+    /// same. Where the law itself did not make them, it may be off by what is expected of laws; and changes from window to window that no process
+    /// follows, such as those of a joint of few sliders, are not in the windows' noise, which is therefore raised. Best fits are not sought with this
+    /// allowance: in a record of a few cycles next to nothing would be left that tells χ.
     pub(crate) fn widened(&self, minimum: &Minimum, clean: Clean) -> Result<(Self, Minimum), Error> {
         let (mut task, minimum) = self.allowing(minimum, clean, |found| {
             let (expected, likeliest) = (found.projected.expected_sizes()?, &found.likeliest.sizes);
@@ -243,7 +249,7 @@ impl Task {
         Ok((task, minimum))
     }
 
-    /// The same with sizes of the processes by what is found at the minimum; where there are none task and minimum stay as they are.
+    /// The task and its minimum with processes of the given `sizes`, by what is found at the minimum; both stay as they are where nothing is found.
     fn allowing(
         &self,
         minimum: &Minimum,
@@ -272,19 +278,20 @@ impl Task {
         Ok((task, minimum))
     }
 
-    /// By how much the deviance of a fit without macro-slip falls with macro-slip, where a law without it may miss a little of records that are nearly the law's own; none
-    /// where no search ends. A joint of few sliders looks like macro-slip wherever one of them begins to slip.
+    /// By how much the deviance of a fit without macro-slip falls with macro-slip, where the law without it may miss a little (`NO_SLIP`) of records
+    /// that are nearly the law's own; none where no search ends. Without this allowance a joint of few sliders looks like macro-slip wherever one of
+    /// the sliders begins to slip.
     pub(crate) fn slip_gains(&self, without: &Minimum, with: &Minimum) -> Result<Option<f64>, Error> {
-        // Sizes that are found without macro-slip would explain all of it.
+        // Sizes that are found without macro-slip would explain all of the gain.
         let sizes = |found: &Found| Some(vec![NO_SLIP; found.components.len()]);
-        // The second time what the law may miss is that at the first end, which lies far from the best fit that allows for nothing.
+        // The second round takes the allowance at the end of the first, which lies far from the best fit without any allowance.
         let near = self.allowing(without, Clean::Nearly, sizes)?.1;
         let (allowing, without) = self.allowing(&near, Clean::Nearly, sizes)?;
         let with = allowing.minimise(&with.x, allowing.free(), FINE, &mut Workspace::default());
         Ok(with.map(|with| without.cost - with.cost))
     }
 
-    /// The unknowns that the records see at a point.
+    /// The unknowns that the records see at a point: without macro-slip neither the knee nor the Dirac.
     fn seen_at(&self, x: &[f64]) -> Vec<usize> {
         if self.is_open() && self.is_micro_slip(x) {
             self.smooth().into_iter().filter(|j| *j != DIRAC).collect()
@@ -293,14 +300,14 @@ impl Task {
         }
     }
 
-    /// Sizes and the fit that goes with them, in turn, from a point on.
+    /// Estimates the sizes of the discrepancies and the fit that goes with them in turn, beginning at a point.
     fn settled(mut self, from: &[f64], work: &mut Workspace) -> Option<Settled> {
         self.by_logarithms = true;
         let scales = self.wandering(from, work)?;
         let components = self.components(from, SPACING, work)?;
         let typical = vec![TYPICAL; components.len()];
         self.take(&components, &typical, &scales);
-        // The starts of the records alone: sizes and noise are those at the parameters that the search begins with.
+        // Only the records' own unknowns are sought here: sizes and noise are those at the parameters that the search begins with.
         let own = self.free().into_iter().filter(|j| *j >= COUNT).collect();
         let mut minimum = self.minimise(from, own, FINE, work)?;
         let (mut best, mut before) = (None::<Settled>, f64::NEG_INFINITY);
@@ -331,12 +338,12 @@ impl Task {
         best
     }
 
-    /// What the residuals as they are say about the processes.
+    /// What the residuals at a point, as they are without a discount, say about the processes.
     fn look(&self, x: &[f64], work: &mut Workspace) -> Option<Found> {
         self.look_at(x, SPACING, work)
     }
 
-    /// The same with nodes so far apart in ln amplitude.
+    /// What the residuals at a point say about processes with nodes `spacing` apart in ln amplitude.
     fn look_at(&self, x: &[f64], spacing: f64, work: &mut Workspace) -> Option<Found> {
         let components = self.components(x, spacing, work)?;
         let (r, jacobian) = self.linearised(x, self.seen_at(x), work)?;
@@ -346,7 +353,7 @@ impl Task {
         Some(Found { components, jacobian, residuals: r, projected, likeliest })
     }
 
-    /// Takes over each record's noise, and the discount of processes of such sizes.
+    /// Takes over each record's noise, and the discount for processes of the given sizes.
     fn take(&mut self, components: &[Component], sizes: &[f64], noise: &[Noise]) {
         let mut columns = DMatrix::zeros(self.count(), components.iter().map(|c| c.columns.ncols()).sum());
         let (mut from, mut row) = (0, 0);
@@ -369,7 +376,7 @@ impl Task {
         self.discrepancy = named(components, sizes);
     }
 
-    /// Noise of each record: of what neither parameters nor processes explain.
+    /// The noise of each record, estimated from what neither parameters nor processes explain.
     fn noise(&self, found: &Found) -> Vec<Noise> {
         let mut left = DVector::from_column_slice(&found.residuals);
         let mut from = 0;
@@ -393,7 +400,8 @@ impl Task {
         self.records.iter().map(of).collect()
     }
 
-    /// The same before anything is known: what the residuals change by from window to window beside an even course.
+    /// The noise of each record before any size is known, estimated from second differences of the residuals from window to window, in which a slow
+    /// course is left out.
     fn wandering(&self, x: &[f64], work: &mut Workspace) -> Option<Vec<Noise>> {
         let mut r = vec![0.0; self.count()];
         if !self.residuals(x, &mut r, work) {
@@ -406,7 +414,7 @@ impl Task {
             let bends: Vec<f64> = (0..part.len().saturating_sub(4))
                 .map(|i| part[i] - 2.0 * part[i + 2] + part[i + 4])
                 .collect();
-            // A second difference of white noise has six times its variance.
+            // A second difference of white noise has six times the variance of the noise.
             let square = bends.iter().map(|b| b * b).sum::<f64>() / (6.0 * bends.len().max(1) as f64);
             Noise { floor: (record.noise.floor * square.sqrt()).max(record.floor()), part: 0.0 }
         };

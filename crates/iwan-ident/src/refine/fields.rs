@@ -1,12 +1,12 @@
-//! What a model may miss: its dissipation and its frequency off by parts that vary slowly with amplitude.
+//! What a model may miss: its dissipation and its frequency may be off by parts that vary slowly with amplitude.
 //!
-//! D(a) exp(d(ln a)) in place of D(a) and ω(a) (1 + w(ln a)) in place of ω(a), where d and w are Gaussian processes of zero mean
-//! (M. C. Kennedy, A. O'Hagan, *Bayesian calibration of computer models*, J. R. Stat. Soc. B 63:425, 2001). Along a ring-down
-//! d ln a = -Λ dt, so that the complex amplitudes of the model become z exp(g + iψ) with g = -∫ d(l) dl from ln a to its first
-//! value and ψ = ∫ ω w dt: the logarithms of the amplitudes are linear in the values of d and w at nodes.
+//! The truth is D(a) exp(d(ln a)) in place of D(a), and ω(a) (1 + w(ln a)) in place of ω(a), where d and w are Gaussian processes of zero mean (M. C.
+//! Kennedy, A. O'Hagan, *Bayesian calibration of computer models*, J. R. Stat. Soc. B 63:425, 2001). Along a ring-down d ln a = -Λ dt, with the decay
+//! rate Λ, so that the complex amplitudes of the model become z exp(g + iψ) with g = -∫ d(l) dl from ln a to its first value and ψ = ∫ ω w dt: the
+//! logarithms of the amplitudes are linear in the values of d and w at nodes.
 //!
-//! Both come from one cause, a hysteresis of another form. So both have one size, w relative to the frequency's shift over the amplitudes
-//! seen as d to the dissipation.
+//! The two processes have one cause, a hysteresis of another form. So they share one size: w relative to the frequency's shift over the amplitudes
+//! seen is as large as d relative to the dissipation.
 
 use nalgebra::DMatrix;
 use rustfft::num_complex::Complex64;
@@ -15,28 +15,31 @@ use super::amplitudes::days::LEVEL;
 use super::record::Windowed;
 use super::task::{Task, Workspace};
 
-/// Distance in ln amplitude over which a discrepancy changes: a factor of 1.35. With a factor of e an even offset of 10 to 15 % of dissipation
-/// counts as likelier than the small bends that measured curves have, and the best fit of the double beam's fifth hit misses dissipation by that.
+/// Distance in ln amplitude over which a discrepancy changes: a factor of 1.35 in amplitude. With a factor of e, an even offset of 10 to 15 % of
+/// dissipation counts as likelier than the small bends that measured curves have, and the best fit of the double beam's fifth hit misses dissipation
+/// by that much.
 const LENGTH: f64 = 0.3;
-/// Distance of the nodes in ln amplitude, between which a discrepancy is straight: about that length, so that a node tells what its neighbours do not.
+/// Distance of the nodes in ln amplitude, between which a discrepancy is linear: about `LENGTH`, so that each node tells what its neighbours do
+/// not.
 pub(super) const SPACING: f64 = 0.25;
-/// The same for one record without noise: there a process that is straight between nodes would miss what the sliders of a joint make, which begin to slip one
-/// by one, at distances of 0.05 and more. With more records the distance grows, because time grows with the cube of the number of nodes.
+/// The same distance for one record without noise. The sliders of a joint begin to slip one by one, at distances of 0.05 and more, and a process that
+/// is linear between wider nodes would miss what they do. With more records the distance grows, because time grows with the cube of the number of
+/// nodes.
 pub(super) const FINEST: f64 = 0.05;
-/// Windows below this part of the largest amplitude have the discrepancy of the last node: they weigh a thousandth, and noise
-/// hides what a slow process does there.
+/// Windows below this part of the largest amplitude have the discrepancy of the last node: their weight is a thousandth, and noise hides what a slow
+/// process does there.
 const LOWEST: f64 = 1e-3;
 
-/// Least relative shift of the frequency that a discrepancy of dissipation is related to: ring-downs of real structures do not repeat
-/// better than a tenth of it.
+/// Least relative shift of the frequency to which the discrepancy is related; a smaller shift is raised to it. Ring-downs of real structures do not
+/// repeat better than a tenth of it.
 const LEAST_SHIFT: f64 = 1e-4;
 
-/// Part of the frequency's shift that is as wrong as the same part of dissipation: by the limits of the verdict, which are 3 % of dissipation and
-/// a tenth of the shift. With one in place of three the frequency is bought at the price of damping: the best fit of the double beam's sixth hit then misses
-/// 18 % of dissipation in place of 5 %.
+/// How many times larger an error of the frequency relative to its shift is than an error of dissipation that counts the same: by the limits of the
+/// verdict, which are 3 % of dissipation and a tenth of the shift. With one in place of three, frequency is bought at the price of damping: the best
+/// fit of the double beam's sixth hit then misses 18 % of dissipation in place of 5 %.
 const PART_OF_SHIFT: f64 = 3.0;
 
-/// A process whose size is one variance: columns of the residuals' derivatives for values that are independent and of variance one.
+/// Processes that share one size. The columns are the residuals' derivatives with respect to values that are independent and of variance one.
 #[derive(Debug, Clone)]
 pub(super) struct Component {
     pub(super) kind: Kind,
@@ -45,21 +48,21 @@ pub(super) struct Component {
     pub(super) columns: DMatrix<f64>,
 }
 
-/// Whose discrepancy a process is.
+/// The records that share a process.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Kind {
-    /// The same in all records.
+    /// All records share it.
     Shared,
-    /// The same in all records of a level.
+    /// The records of a level share it.
     OfLevel,
-    /// Every record's own.
+    /// Every record has its own.
     OfRecord,
-    /// Every record's own dissipation, at all amplitudes alike: suspension and preload differ from hit to hit. Frequencies that do are those of the
-    /// [`days`](super::amplitudes::days).
+    /// Every record has its own offset of ln D, the same at all amplitudes: suspension and preload differ from hit to hit. Offsets of the frequency
+    /// are those of the [`days`](super::amplitudes::days).
     Even,
 }
 
-/// Nodes in ln amplitude, from the smallest on.
+/// Nodes in ln amplitude, from the smallest amplitude on.
 struct Nodes {
     first: f64,
     spacing: f64,
@@ -77,13 +80,13 @@ impl Nodes {
         Self { first: low, spacing, count }
     }
 
-    /// Values of all hat functions at `log`.
+    /// Values at `log` of the hat functions of all nodes.
     fn hats(&self, log: f64) -> Vec<f64> {
         let place = ((log - self.first) / self.spacing).clamp(0.0, (self.count - 1) as f64);
         (0..self.count).map(|i| (1.0 - (place - i as f64).abs()).max(0.0)).collect()
     }
 
-    /// Lower triangular factor of the covariance of the nodes' values: a process of Ornstein and Uhlenbeck's, of variance one.
+    /// Lower triangular factor of the covariance of the nodes' values: an Ornstein-Uhlenbeck process of variance one.
     fn factor(&self) -> DMatrix<f64> {
         let covariance = DMatrix::from_fn(self.count, self.count, |i, j| {
             (-(self.spacing * i.abs_diff(j) as f64 / LENGTH)).exp()
@@ -92,7 +95,8 @@ impl Nodes {
     }
 }
 
-/// Records by the amplitude that they begin with, each level the places of its records.
+/// Groups records into levels by the amplitude that they begin with. `logs` are the ln amplitudes in each record's windows; each level lists the
+/// indices of its records.
 fn levels(logs: &[Vec<f64>]) -> Vec<Vec<usize>> {
     let first = |i: usize| logs[i].first().copied().unwrap_or(f64::NEG_INFINITY);
     let mut order: Vec<usize> = (0..logs.len()).collect();
@@ -108,7 +112,7 @@ fn levels(logs: &[Vec<f64>]) -> Vec<Vec<usize>> {
 }
 
 impl Task {
-    /// The processes at a point, their nodes so far apart in ln amplitude; none where there is no model.
+    /// The processes at a point, with nodes `spacing` apart in ln amplitude; none where there is no model.
     pub(super) fn components(&self, x: &[f64], spacing: f64, work: &mut Workspace) -> Option<Vec<Component>> {
         let models = self.models(x, work)?;
         let logs: Vec<Vec<f64>> =
@@ -157,7 +161,7 @@ impl Task {
 }
 
 impl Task {
-    /// Dissipation that records differ by at all amplitudes alike.
+    /// The process of each record's own offset of ln D, the same at all amplitudes.
     fn even(
         &self,
         models: &[Vec<Complex64>],
@@ -173,7 +177,7 @@ impl Task {
     }
 }
 
-/// Relative range of the frequency over the models' windows.
+/// Relative range of the frequency over the models' windows, times [`PART_OF_SHIFT`].
 fn shift(models: &[Vec<Complex64>], records: &[Windowed]) -> f64 {
     let (mut low, mut high) = (f64::INFINITY, f64::NEG_INFINITY);
     for (model, record) in models.iter().zip(records) {
@@ -186,23 +190,23 @@ fn shift(models: &[Vec<Complex64>], records: &[Windowed]) -> f64 {
     PART_OF_SHIFT * (high - low).max(LEAST_SHIFT)
 }
 
-/// ln of the displacement amplitude in each window of a model.
+/// ln of the displacement amplitude in each window of a model, up to a constant that all windows share.
 fn log_amplitudes(model: &[Complex64], record: &Windowed) -> Vec<f64> {
     let power = f64::from(record.quantity.power());
-    // A window's amplitude is that of the motion times its integral.
+    // A window's amplitude is the amplitude of the motion times the integral of the window.
     let constant = power * record.windows.omega.ln() + record.windows.hop.ln();
     model.iter().map(|z| z.norm().max(f64::MIN_POSITIVE).ln() - constant).collect()
 }
 
-/// Derivatives of the logarithms of a record's amplitudes with respect to ln D at all amplitudes alike. Where dissipation is larger amplitudes are
-/// smaller, and with a joint that softens the phase runs ahead.
+/// Derivatives of the logarithms of a record's complex amplitudes with respect to an offset of ln D that is the same at all amplitudes. With more
+/// dissipation amplitudes are smaller, and with a joint that softens the phase runs ahead.
 fn even(model: &[Complex64], logs: &[f64]) -> Vec<Complex64> {
     let mut turns = vec![Complex64::default(); model.len()];
     let (mut ahead, mut before) = (0.0, None::<f64>);
     for k in 1..model.len() {
         let (fallen, now) = (logs[k] - logs[0], (model[k] / model[k - 1]).arg());
         if let Some(before) = before.replace(now) {
-            // The phase from window to window changes with ln amplitude by the slope of the curve of frequency.
+            // The phase from window to window changes with ln amplitude by the slope of the curve of frequency over ln amplitude.
             let change = logs[k] - logs[k - 1];
             let slope = if change < 0.0 { (now - before) / change } else { 0.0 };
             ahead += slope * fallen;
@@ -212,7 +216,8 @@ fn even(model: &[Complex64], logs: &[f64]) -> Vec<Complex64> {
     turns
 }
 
-/// A record's residuals where logarithms of its amplitudes change by so much: real and imaginary parts one after the other.
+/// Change of a record's residuals where the logarithms of its amplitudes change by `turns`: real and imaginary part of each window, one after the
+/// other.
 fn column(record: &Windowed, mut turns: Vec<Complex64>) -> Vec<f64> {
     turns.iter_mut().zip(&record.amplitudes).for_each(|(turn, z)| *turn *= z);
     record.whitening.apply(&mut turns);
@@ -223,8 +228,8 @@ fn column(record: &Windowed, mut turns: Vec<Complex64>) -> Vec<f64> {
         .collect()
 }
 
-/// Derivatives of a record's residuals with respect to the nodes' values of ln D and of ln ω: real and imaginary parts of each window
-/// one after the other.
+/// Derivatives of a record's residuals with respect to the nodes' values of ln D (first matrix) and of ln ω (second), one column per node: real and
+/// imaginary part of each window, one after the other.
 fn derivatives(record: &Windowed, model: &[Complex64], logs: &[f64], nodes: &Nodes) -> [DMatrix<f64>; 2] {
     let radians = record.windows.hop * record.windows.omega;
     let mut out =

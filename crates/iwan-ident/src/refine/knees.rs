@@ -1,4 +1,8 @@
-//! The knee φ_max, sought along its whole range: with the knee held the sum of squares is smooth in all other unknowns.
+//! The knee φ_max, at which macro-slip begins, is sought along its whole range: with the knee held, the sum of squares is smooth in all other
+//! unknowns.
+//!
+//! A valley is a local minimum of the sum of squares along the knee. A crease is a bend of the sum of squares where an amplitude of the ring-down
+//! equals φ_max.
 
 use std::f64::consts::TAU;
 
@@ -11,43 +15,42 @@ use super::residuals::Kind;
 use super::task::{Effort, FINE, ROUGH, Task, Workspace};
 use crate::search::{CHI, DIRAC, KNEE, Minimum, SOFTENING, Scales};
 
-/// φ_max over the largest amplitude where no record reaches it: any larger one would do.
+/// φ_max over the largest amplitude where no record shall reach it: any larger value would do.
 pub(crate) const KNEE_UNSEEN: f64 = 2.0;
-/// Share β/(1+β) of the Dirac where a scan begins: any smooth start does, because it is sought with the knee held.
+/// Share β/(1+β) of the Dirac in the density where a scan begins: any smooth start does, because the share is sought with the knee held.
 const DIRAC_AT_FIRST: f64 = 0.2;
-/// The smallest such knee: where the stiffness of the mode forbids a larger one.
+/// The smallest φ_max over the largest amplitude that no record reaches, taken where the stiffness of the mode forbids a larger one.
 const JUST_UNSEEN: f64 = 1.02;
-/// Step of the scans in ln φ_max. The amplitudes of two cycles in macro-slip differ by a few to some twenty per cent, and a valley lies
+/// Step of the scans in ln φ_max. In macro-slip the amplitudes of successive cycles differ by a few to some twenty per cent, and a valley lies
 /// between two of them.
 pub(crate) const STEP: f64 = 0.05;
-/// Largest knee of a scan over the largest amplitude: outside what the records see, with room for a first amplitude that was
-/// estimated too small.
+/// Largest knee of a scan over the largest amplitude: outside what the records see, with room for a first amplitude that was estimated too small.
 const HIGHEST: f64 = 1.3;
-/// Smallest knee of a scan over the largest amplitude: a ring-down from sixteen times φ_max. Where the smallest amplitude is larger,
+/// Smallest knee of a scan over the largest amplitude: a ring-down from sixteen times φ_max. Where the smallest amplitude of the records is larger,
 /// the scan ends there.
 const LOWEST: f64 = 0.06;
-/// Where K_T or F_S is given the knee matters also beyond the records, up to so many times the largest amplitude.
+/// Largest knee of a scan over the largest amplitude where K_T or F_S is given: the knee then matters beyond the records too.
 const HIGHEST_GIVEN: f64 = 30.0;
-/// Step of a sweep in ln φ_max next to the minimum, and how many to either side. A strongly softening joint that
-/// dissipates most of the energy in its first cycle can have two knees some per cent apart that tell the rest alike, …
+/// Step of a sweep in ln φ_max next to the minimum. A strongly softening joint that dissipates most of the energy in its first cycle can have two
+/// knees some per cent apart that fit the other cycles alike, and both belong into the intervals.
 const FINE_STEP: f64 = 0.01;
-/// … and both belong into the intervals.
+/// Number of these steps to either side of the minimum.
 const CLOSE: i32 = 15;
-/// Slipping half cycles are counted up to here beyond the gate's: more are enough for every purpose.
+/// Slipping half cycles of a record are counted up to this number beyond the gate's: more are enough for every purpose.
 const MOST_SLIPPING: usize = 64;
-/// A scan begins anew from its first point so often: a neighbour that went astray then leads no further.
+/// A scan begins anew from its first point at every sixth knee, so that a neighbour which went astray leads no further.
 const ANEW: usize = 6;
-/// Deviances up to so many times the limit are looked at closely: beyond, a better search does not bring a point inside.
+/// Up to this many times the limit of an interval a deviance is looked at closely: beyond, a better search does not bring a point inside the limit.
 const MARGIN: f64 = 20.0;
-/// Knees in a row beyond the margin after which a sweep under noise ends. A judgement, not varied.
+/// Knees in a row beyond that margin after which a sweep under noise ends. A judgement, not varied.
 const PATIENCE: usize = 16;
-/// Part of ω0² that the joint has at most where it is chosen freely: K_∞ stays well positive.
+/// Largest K_T as a part of ω0² where K_T is chosen freely, so that K_∞ stays well positive.
 const MOST_JOINT: f64 = 0.9;
 
-/// Valleys of a sweep beside the minimum that are followed to their bottom: the deepest.
+/// Most valleys of a sweep that are followed to their bottom: the deepest ones.
 const POLISHED: usize = 8;
 
-/// The points of a scan that lie below their neighbours in ln φ_max, the deepest first.
+/// The valleys of a scan: the points that lie no higher than their neighbours in ln φ_max, the deepest first.
 pub(super) fn valleys(scan: &[Minimum]) -> Vec<Minimum> {
     let mut scan: Vec<&Minimum> = scan.iter().collect();
     scan.sort_by(|a, b| a.x[KNEE].total_cmp(&b.x[KNEE]));
@@ -62,18 +65,18 @@ pub(super) fn valleys(scan: &[Minimum]) -> Vec<Minimum> {
     found
 }
 
-/// Knees a hundredth and more from another, to both sides.
+/// Knees (in ln φ_max) at distances of a hundredth and more from another knee, to both sides.
 pub(super) fn close_to(knee: f64) -> Vec<f64> {
     (1..=CLOSE).flat_map(|i| [-1.0, 1.0].map(|sign| knee + sign * FINE_STEP * f64::from(i))).collect()
 }
 
 impl Task {
-    /// The largest amplitude of the records, by their own starts.
+    /// The largest first amplitude of the records, by their estimated turning points.
     pub(super) fn loudest(&self) -> f64 {
         self.records.iter().map(|r| r.start.displacement.abs()).fold(0.0, f64::max)
     }
 
-    /// The smallest amplitude of the records over the largest.
+    /// The smallest ratio, in any record, of the smallest to the largest amplitude in its windows.
     fn quietest(&self) -> f64 {
         let part = |r: &Windowed| {
             let norms = || r.amplitudes.iter().map(|z| z.norm());
@@ -82,12 +85,12 @@ impl Task {
         self.records.iter().map(part).fold(1.0, f64::min)
     }
 
-    /// Whether nothing but the records decides about the joint's size.
+    /// Whether nothing but the records decides about the joint's size: K_T, F_S and χ are all sought.
     pub(crate) fn is_open(&self) -> bool {
         self.chart.scales == Scales::SofteningAndKnee && self.free().contains(&CHI)
     }
 
-    /// Coordinates of the knees of a scan, from the largest to the smallest.
+    /// The knees of a scan as coordinates, from the largest to the smallest.
     pub(crate) fn knees(&self) -> Vec<f64> {
         let top = if self.is_open() { HIGHEST } else { HIGHEST_GIVEN };
         let middle = (self.loudest() / self.chart.amplitude).ln();
@@ -96,8 +99,8 @@ impl Task {
         (0..=count).map(|i| high - STEP * i as f64).collect()
     }
 
-    /// `x` with its knee where no record reaches it, and no Dirac where that is free; `x` itself where K_T and F_S are given, and the
-    /// knee with them.
+    /// `x` with its knee beyond all amplitudes of the records, and without a Dirac where its share is sought; `x` itself where K_T and F_S are given,
+    /// which fix the knee.
     pub(super) fn unseen(&self, x: &[f64]) -> Vec<f64> {
         let mut x = x.to_vec();
         if self.knee().is_none() {
@@ -108,7 +111,7 @@ impl Task {
         if self.free().contains(&DIRAC) {
             x[DIRAC] = 0.0;
         }
-        // As far away as the stiffness allows.
+        // The knee lies as far away as the stiffness allows.
         for beyond in [KNEE_UNSEEN, 1.4, 1.1, JUST_UNSEEN] {
             x[KNEE] = middle + beyond.ln();
             let p = self.chart.parameters(&x);
@@ -119,7 +122,7 @@ impl Task {
         x
     }
 
-    /// The start for a scan at the knee `at`: a softening like that of `x`, with some Dirac.
+    /// The start of a search with the knee held at `at`: softening as in `x`, with some Dirac where its share is sought and zero.
     pub(super) fn start_at_knee(&self, x: &[f64], at: f64) -> Vec<f64> {
         let mut x = x.to_vec();
         x[KNEE] = at;
@@ -129,7 +132,7 @@ impl Task {
         self.with_residual_stiffness(x)
     }
 
-    /// The same with the softening reduced until K_∞ is positive.
+    /// `x` with the softening reduced until K_∞ is positive.
     fn with_residual_stiffness(&self, mut x: Vec<f64>) -> Vec<f64> {
         let p = self.chart.parameters(&x);
         let most = MOST_JOINT * (TAU * p.frequency).powi(2);
@@ -139,8 +142,8 @@ impl Task {
         x
     }
 
-    /// Where the first searches, which compare logarithms, end at each knee of a scan, downwards from `x`: each goes on from its
-    /// neighbour, every few also from `x`.
+    /// Where the first searches, which compare logarithms, end at each knee of a scan, from the largest knee downwards: each search goes on from its
+    /// neighbour, and at every sixth knee another one begins at `x`.
     pub(super) fn scan(&self, x: &[f64], work: &mut Workspace) -> Vec<Minimum> {
         let search = self.search(self.smooth(), Effort::SCAN);
         let mut found: Vec<Minimum> = vec![];
@@ -154,7 +157,7 @@ impl Task {
         found
     }
 
-    /// The least sum of squares with the knee held at `at`, from each of `from`.
+    /// The least sum of squares with the knee held at `at`, among searches from each of `from`.
     pub(crate) fn at_knee(
         &self,
         from: &[&[f64]],
@@ -170,9 +173,9 @@ impl Task {
         ends.min_by(|a, b| a.cost.total_cmp(&b.cost))
     }
 
-    /// The least sums of squares at held knees, from `best` outwards to both sides; those below a margin of `limit` to the
-    /// relative `tolerance`. Under noise a sweep ends when none of the last few lies below that margin; without noise valleys
-    /// are so narrow that none is ever seen from afar, and the whole range is taken at half steps.
+    /// The least sums of squares at held knees, from `best` outwards to both sides. Points below a margin, `MARGIN` times as far above `best` as
+    /// `limit`, are sought to the relative `tolerance`. Under noise a sweep ends when none of the last few points lies below the margin; without
+    /// noise valleys are so narrow that none is ever seen from afar, and the whole range is taken at half steps.
     pub(crate) fn sweep(&self, best: &Minimum, limit: f64, tolerance: f64) -> Vec<Minimum> {
         let (mut knees, margin) = (self.knees(), best.cost + MARGIN * (limit - best.cost));
         let (high, low) = (knees[0], knees[knees.len() - 1]);
@@ -190,7 +193,7 @@ impl Task {
         [vec![best.clone()], above, below].concat()
     }
 
-    /// One side of a sweep; it may end early where no knee lies below the margin any more.
+    /// One side of a sweep; with `ends_early` it ends after `PATIENCE` knees in a row above the margin.
     fn outwards(
         &self,
         best: &Minimum,
@@ -219,7 +222,7 @@ impl Task {
         found
     }
 
-    /// The minima of all unknowns next to the valleys of a sweep, the deepest few.
+    /// The minima over all unknowns next to the deepest few valleys of a sweep.
     pub(crate) fn polished(&self, sweep: &[Minimum]) -> Vec<Minimum> {
         let mut found = valleys(sweep);
         found.truncate(POLISHED);
@@ -227,7 +230,8 @@ impl Task {
         in_parallel(&found, found.len(), &bottom).into_iter().flatten().collect()
     }
 
-    /// Creases are left by hops of the knee: it is moved, all else follows, then all are free.
+    /// Leaves creases by hops of the knee: the knee is moved by each of the `hops` to both sides, all else follows, then all unknowns are free. A hop
+    /// to a lower minimum is kept.
     pub(super) fn hop(&self, mut best: Minimum, hops: &[f64], work: &mut Workspace) -> Minimum {
         if self.knee().is_none() {
             return best;
@@ -250,8 +254,9 @@ impl Task {
         self.chart.parameters(x).model().map_or(f64::INFINITY, |(_, joint)| largest / joint.phi_max())
     }
 
-    /// Half cycles of the model's ring-downs that slip as a whole, of records in a band beyond those that the gate sees at once: what the gate makes of the
-    /// begin of other modes lasts as long, and looks like a knee just below the largest amplitude.
+    /// Half cycles of the model's ring-downs in which the joint slips as a whole, summed over the records. In a record in a band those half cycles do
+    /// not count that one window (the gate) covers: what filter and windows make of the sudden onset of other modes lasts as long, and looks like a
+    /// knee just below the largest amplitude.
     pub(crate) fn slipping_half_cycles(&self, x: &[f64]) -> usize {
         let Ok((oscillator, joint)) = self.chart.parameters(x).model() else { return 0 };
         let one = |(start, record): (TurningPoint, &Windowed)| -> Option<usize> {

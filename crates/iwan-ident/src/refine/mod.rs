@@ -1,12 +1,12 @@
 //! Simulation in the loop: the parameters whose ring-down is the record itself.
 //!
-//! Forward model: the half-cycle map of iwan-core; compared are complex amplitudes in windows (the room `amplitudes`),
-//! taken of record and model alike. Each record brings two unknowns of its own: amplitude and time of the turning point
-//! next to its first sample. The joint is taken to have been loaded along its virgin curve up to there: exact for
-//! a release from rest; later in a decay, where loops shrink slowly, the tips of the loops lie next to the virgin curve.
+//! The forward model is the half-cycle map of iwan-core. Record and model are compared by complex amplitudes in windows (the room `amplitudes`),
+//! taken of both alike. Each record brings unknowns of its own: amplitude and time of the turning point next to its first sample, and its frequency
+//! where records may differ by the day. The joint is taken to have been loaded along its virgin curve up to that turning point. This is exact for a
+//! release from rest; later in a decay, where loops shrink slowly, the tips of the loops lie next to the virgin curve.
 //!
-//! First the logarithms of the amplitudes, with unwrapped phases, are brought together from several starts: no cycle is
-//! lost on the way. Then the amplitudes themselves, weighted by each record's noise.
+//! First the logarithms of the amplitudes, with unwrapped phases, are matched from several starts, so that no cycle is lost on the way; then the
+//! amplitudes themselves, weighted by each record's noise.
 
 mod release;
 mod ring_down;
@@ -34,7 +34,7 @@ pub use ring_down::{Discrepancy, Refined, RingDown};
 pub(crate) use task::{Effort, Task, Workspace};
 pub(crate) use valleys::Solved;
 
-/// Refines parameters on the records themselves, several force levels at once; those in `held` keep their values.
+/// Refines parameters on the records themselves, several force levels at once, beginning with `first`; parameters in `held` keep their values there.
 ///
 /// # Errors
 /// [`Error::OutOfRange`], [`Error::NotFinite`], [`Error::TooShort`]; [`Error::Model`] when `first` is no model;

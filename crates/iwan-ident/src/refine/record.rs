@@ -1,4 +1,4 @@
-//! A record as the searches see it: amplitudes in windows, and the turning point that its own unknowns are relative to.
+//! A record as the searches see it: its amplitudes in windows, and the turning point that its own unknowns are relative to.
 
 use std::f64::consts::{PI, TAU};
 
@@ -13,28 +13,30 @@ use crate::error::{Error, check, check_dt, check_per_cycle, check_samples};
 use crate::parameters::Parameters;
 use crate::signal::sample_noise;
 
-/// Windows whose amplitude is below this part of the largest do not enter the first search, which compares logarithms and unwrapped
-/// phases: in noise of 30 dB a phase is lost there. The last search sees all windows.
+/// Part of the largest amplitude below which windows do not enter the first search, which compares logarithms and unwrapped phases: in noise of 30 dB
+/// a phase is lost there. The last search sees all windows.
 const LOUD: f64 = 0.03;
 
-/// Standard deviation that is put down to the forward model's own error, relative to a record's amplitudes: noise-free
-/// records of the half-cycle map itself leave 1e-7 to 5e-6. Without a floor a record without noise would have intervals of
-/// no width.
+/// Standard deviation that is put down to the forward model's own error, relative to a record's amplitudes: the half-cycle map leaves 1e-7 to 5e-6 of
+/// noise-free records that it made itself. Without this floor the intervals of a record without noise would have no width.
 const NOISE_FLOOR: f64 = 1e-6;
-/// Part of what sampling adds to the amplitudes by which that may be wrong: it is taken at one point and used next to it.
+/// Part of what sampling adds to the amplitudes that counts as an error: the addition is computed at one point of the search and used next to it.
 const SAMPLING_ERROR: f64 = 0.01;
-/// Part of what other modes had in a record that is left when they are taken out: of modes 8 % apart and half as loud three per cent at the begin. A judgement, with room for records that are
-/// shorter or noisier; what is left is slow beats, which a joint would follow.
+/// Part of other modes that is taken to remain in a record after they were subtracted. Of modes 8 % apart and half as loud three per cent remain at
+/// the beginning; the value is a judgement, with room for records that are shorter or noisier. The remainder beats slowly with the mode, and a joint
+/// would follow the beats.
 const LEFT_OF_OTHERS: f64 = 0.05;
-/// Noise and residuals relative to a record below which it counts as clean: 80 dB, which no measured one reaches. Simulated ones do, and sliders, filters or time steps are not in the law. At
-/// 40 dB the allowance for that moved best fits by more than their intervals.
+/// Noise and residuals relative to a record below which the record counts as clean: 80 dB, which no measured record reaches. Simulated records do.
+/// Their sliders, filters or time steps are not in the law, and intervals of clean records allow for that. With 40 dB as the limit, this allowance
+/// moved best fits by more than their intervals.
 pub(super) const CLEAN: f64 = 1e-4;
-/// Cycles of a record without noise that are kept as samples: the joint slips as a whole in the first ones.
+/// Cycles of a record without noise that are kept as samples, because the joint slips as a whole in the first ones.
 const HEAD: f64 = 3.0;
-/// Samples a cycle below which a record is refused, those of the highest frequency in the span of common analysers being 2.56: nearer to two the
-/// mode and its image about half the sampling rate are one to the filter.
+/// Samples per cycle below which a record is refused; the highest frequency in the span of common analysers has 2.56. Nearer to two, the filter
+/// cannot tell the mode from its image about half the sampling rate.
 const PER_CYCLE: f64 = 2.5;
-/// Most that half a cycle is taken to have lost of the amplitude: a strongly softening joint in macro-slip loses half.
+/// Largest ratio of two amplitudes half a cycle apart that an estimated turning point allows for; a larger one is cut to it. A strongly softening
+/// joint in macro-slip loses half of its amplitude in half a cycle.
 const MOST_DECAY: f64 = 3.0;
 
 /// Refuses records with too few samples a cycle.
@@ -43,12 +45,12 @@ pub(crate) fn check_rate(per_cycle: f64) -> Result<f64, Error> {
     check_per_cycle(per_cycle, PER_CYCLE, &allowed, "sample faster")
 }
 
-/// Noise that whitened amplitudes have.
+/// Noise of the whitened amplitudes.
 #[derive(Debug, Clone, Copy, Default)]
 pub(super) struct Noise {
     /// Standard deviation that all windows have in common.
     pub(super) floor: f64,
-    /// Standard deviation that goes with the amplitude, as a part of it.
+    /// Standard deviation that grows with the amplitude, as a part of it.
     pub(super) part: f64,
 }
 
@@ -60,24 +62,25 @@ pub(super) struct Windowed {
     pub(super) dt: f64,
     /// Number of samples.
     pub(super) samples: usize,
-    /// What sampling adds to the amplitudes of a model in continuous time ([`Task::take_samples`](super::task::Task)).
+    /// What sampling adds to the amplitudes of a model in continuous time, one value per window ([`Task::take_samples`](super::task::Task)).
     pub(super) sampling: Vec<Complex64>,
-    /// Amplitudes as they are, and whitened.
+    /// Complex amplitudes of the record, one per window: as they are, and whitened.
     pub(super) amplitudes: Vec<Complex64>,
     pub(super) white: Vec<Complex64>,
     /// Noise of the whitened amplitudes.
     pub(super) noise: Noise,
-    /// Standard deviation of each window's whitened residual, by which it is divided.
+    /// Standard deviation of each window's whitened residual; residuals are divided by it.
     pub(super) deviations: Vec<f64>,
-    /// The turning point that the unknowns are relative to.
+    /// The turning point that the record's own unknowns are relative to.
     pub(super) start: TurningPoint,
-    /// Whether the samples are those of a band.
+    /// Whether the samples were filtered to a band.
     banded: bool,
-    /// Standard deviations of what is left of other modes that were taken out, in the whitened amplitudes.
+    /// Standard deviations, one per window, of what remains of other modes after they were subtracted, in the whitened amplitudes.
     beside: Vec<f64>,
-    /// Standard deviation of the noise that the samples show, relative to their root mean square; none of a record in a band, whose filter took it away.
+    /// Standard deviation of the noise that the samples show, over their root mean square; none for a record in a band, whose filter took the noise
+    /// away.
     sample_noise: Option<f64>,
-    /// The samples of the first cycles of a record that shows no noise, of which windows keep two numbers a cycle; none of others.
+    /// The samples of the first cycles of a record that shows no noise, of which windows keep only two numbers a cycle; empty for other records.
     pub(super) head: Vec<f64>,
 }
 
@@ -87,8 +90,8 @@ impl Windowed {
         check_samples("record", record.samples, 32, "record longer")?;
         let per_cycle = 1.0 / (first.frequency * record.dt);
         check_rate(per_cycle)?;
-        // The windows pass ±3/(4H): half of the band at most, and half of the way to the mode's image, which sampling lays at
-        // 1/dt - f.
+        // The windows pass ±3/(4H) Hz: this is half of the band at most, and half of the distance between the mode and its image, which sampling puts
+        // at 1/dt - f.
         let cycles = record.band.map_or(1.0, |band| 1.5 * first.frequency / band);
         let cycles = cycles.max(1.5 / (per_cycle - 2.0));
         let seconds = (record.samples.len() - 1) as f64 * record.dt;
@@ -134,7 +137,8 @@ impl Windowed {
         Ok(windowed)
     }
 
-    /// Deviations by what is left of other modes of which so much was taken off; zeros where nothing was.
+    /// Standard deviations, one per window, of what remains of other modes after `taken` was subtracted from the record; zeros where no mode was
+    /// subtracted.
     fn left_of(&self, taken: Option<&[f64]>) -> Vec<f64> {
         let Some(taken) = taken else { return vec![0.0; self.windows.count] };
         let mut amplitudes = self.windows.of_samples(taken, self.dt);
@@ -142,30 +146,31 @@ impl Windowed {
         amplitudes.iter().map(|z| LEFT_OF_OTHERS * z.norm()).collect()
     }
 
-    /// Whether the samples show so little noise that only a simulation makes them.
+    /// Whether the samples show so little noise that they can only come from a simulation.
     pub(super) fn is_without_noise(&self) -> bool {
         self.sample_noise.is_some_and(|noise| noise < CLEAN)
     }
 
-    /// Whether other modes were taken out, so that deviations are known beside those that residuals show.
+    /// Whether other modes were subtracted, so that standard deviations are known beside those that residuals show.
     pub(super) fn is_beside_others(&self) -> bool {
         self.beside.iter().any(|b| *b > 0.0)
     }
 
-    /// Half cycles that a window of a record in a band sees at once; none of a record that is taken as it is.
+    /// Half cycles that one window of a record in a band covers; zero for a record that was not filtered.
     pub(super) fn gate_half_cycles(&self) -> usize {
         let cycles = OVERLAP as f64 * self.windows.hop * self.windows.omega / TAU;
         if self.banded { (2.0 * cycles).ceil() as usize } else { 0 }
     }
 
-    /// From now on residuals are divided by the deviations of such noise.
+    /// From now on residuals are divided by the standard deviations of this noise, together with what remains of other modes.
     pub(super) fn take_noise(&mut self, noise: Noise) {
         self.noise = noise;
         let of_noise = self.white.iter().map(|z| noise.floor.hypot(noise.part * z.norm()));
         self.deviations = of_noise.zip(&self.beside).map(|(noise, beside)| noise.hypot(*beside)).collect();
     }
 
-    /// Root mean square of what a model misses of the first samples, over that of these; none of a record that keeps none.
+    /// Root mean square of what the model misses of the first samples (`head`), over the root mean square of these; none for a record that keeps
+    /// none.
     pub(super) fn misses_of_head(&self, parameters: &Parameters, start: TurningPoint) -> Option<f64> {
         let sampling = Sampling { dt: self.dt, count: self.head.len() };
         let model = start.samples(parameters, sampling, self.quantity).ok()?;
@@ -178,15 +183,16 @@ impl Windowed {
         root_mean_square(&self.white)
     }
 
-    /// Standard deviation of whitened residuals that is the forward model's own.
+    /// Standard deviation of whitened residuals that is due to the forward model itself.
     pub(super) fn floor(&self) -> f64 {
         let mut sampling = self.sampling.clone();
         self.whitening.apply(&mut sampling);
         (NOISE_FLOOR * self.root_mean_square()).max(SAMPLING_ERROR * root_mean_square(&sampling))
     }
 
-    /// The turning point for the record's own unknowns: ln of the amplitude over the first guess, phase of the release, and ln of the record's own frequency at
-    /// small amplitude over the windows', of which a day is left where records have days.
+    /// The turning point for the record's own unknowns: ln of the amplitude over the first guess, phase of the release (rad), and ln of the record's
+    /// own frequency at small amplitude over that of the windows. The last one, less the same logarithm of the mode's frequency `omega` (rad/s), is
+    /// the day, where records have days.
     pub(super) fn start_at(&self, own: &[f64], omega: f64, has_day: bool) -> TurningPoint {
         TurningPoint {
             displacement: self.start.displacement * own[0].exp(),
@@ -195,18 +201,19 @@ impl Windowed {
         }
     }
 
-    /// ln of a frequency over that of the windows.
+    /// ln of the frequency `omega` (rad/s) over that of the windows.
     pub(super) fn ln_over_windows(&self, omega: f64) -> f64 {
         (omega / self.windows.omega).ln()
     }
 
-    /// Turns amplitudes of a model into the record's own times the logarithm of the ratio of the two: their difference to first order.
+    /// Replaces each amplitude of a model by the record's amplitude times the logarithm of the ratio of record to model: the difference of the two to
+    /// first order.
     pub(super) fn ratios(&self, model: &mut [Complex64]) {
         let logs: Vec<Complex64> = unwrapped(&self.amplitudes, model).collect();
         model.iter_mut().zip(&self.amplitudes).zip(logs).for_each(|((m, z), log)| *m = z * log);
     }
 
-    /// Windows of the first search.
+    /// Number of windows that the first search compares: all before the amplitude falls below `LOUD`, and at least eight.
     pub(super) fn loud(&self) -> usize {
         let loudest = self.amplitudes.iter().map(|z| z.norm()).fold(0.0, f64::max);
         let quiet = self.amplitudes.iter().position(|z| z.norm() < LOUD * loudest);
@@ -214,7 +221,7 @@ impl Windowed {
     }
 }
 
-/// Logarithms of the ratios of a record's amplitudes and a model's, their phases going on evenly from one to the next.
+/// Logarithms of the ratios of a record's amplitudes to a model's, with phases that go on without jumps from window to window.
 pub(super) fn unwrapped<'a>(
     record: &'a [Complex64],
     model: &'a [Complex64],
@@ -232,8 +239,8 @@ fn root_mean_square(values: &[Complex64]) -> f64 {
     (values.iter().map(Complex64::norm_sqr).sum::<f64>() / values.len().max(1) as f64).sqrt()
 }
 
-/// The turning point next to the first sample: amplitude and phase over the first cycle and
-/// the one half a cycle later, Hann-windowed, carried back to the first sample.
+/// Estimates the turning point next to the first sample: amplitude and phase over the first cycle and over the cycle that begins half a cycle later,
+/// Hann-windowed, are carried back to the first sample.
 fn turning_point(record: &RingDown<'_>, frequency: f64) -> TurningPoint {
     let omega = TAU * frequency;
     let cycle = ((1.0 / (frequency * record.dt)).round() as usize).min(record.samples.len() / 2);
@@ -259,7 +266,7 @@ fn turning_point(record: &RingDown<'_>, frequency: f64) -> TurningPoint {
     let phase = first.arg() + (omega - rate) * middle - lag;
     let turns = (phase / PI).round();
     let sign = if turns.rem_euclid(2.0) == 1.0 { -1.0 } else { 1.0 };
-    // The first amplitude is that half a cycle after the first sample, the second that half a cycle later.
+    // The first amplitude is that half a cycle after the first sample, the second that another half a cycle later.
     let decayed = (first.norm() / second.norm()).clamp(1.0, MOST_DECAY);
     TurningPoint {
         displacement: sign * decayed * first.norm() / rate.abs().powi(power),

@@ -6,19 +6,19 @@ use crate::curves::Quantity;
 use crate::error::Error;
 use crate::parameters::Parameters;
 
-/// What a record has of its own: the turning point of the motion from which the model's ring-down starts at rest, and the frequency of its day.
+/// The unknowns of one record: the turning point from which the model's ring-down starts at rest, and the frequency on the record's day.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct TurningPoint {
-    /// Displacement q, mass-normalised.
+    /// Displacement q at the turning point, mass-normalised.
     pub displacement: f64,
-    /// Time from the first sample, s: before it when negative.
+    /// Time of the turning point from the first sample, s: negative when it lies before that sample.
     pub time: f64,
-    /// ln of the frequency at small amplitude when the record was taken over the mode's: temperature and mounting differ from hit to hit. Zero for one
-    /// record alone.
+    /// ln of the frequency at small amplitude on the day of the record over that of the mode: temperature and mounting differ from hit to hit. Zero
+    /// for one record alone.
     pub day: f64,
 }
 
-/// At which times a ring-down is wanted.
+/// The times at which a ring-down is wanted.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Sampling {
     /// Sampling interval, s.
@@ -28,7 +28,7 @@ pub(crate) struct Sampling {
 }
 
 impl TurningPoint {
-    /// The mode on the day of the record.
+    /// The parameters of the mode on the day of the record.
     #[must_use]
     pub fn of_day(&self, parameters: &Parameters) -> Parameters {
         Parameters { frequency: parameters.frequency * self.day.exp(), ..*parameters }
@@ -39,7 +39,8 @@ impl TurningPoint {
         Self { day: 0.0, ..self }
     }
 
-    /// Samples of the model's ring-down from here. Before the release the motion is mirrored: it is a turning point.
+    /// Samples of the model's ring-down from this turning point, at the times of the sampling. Before the release the motion is mirrored in time,
+    /// because the release is a turning point.
     ///
     /// # Errors
     /// [`Error::Model`] when the parameters are no model.

@@ -1,7 +1,7 @@
-//! What searches compare: residuals of the records, their derivatives, and searches over them.
+//! What searches compare: residuals of the records, the derivatives of the residuals, and searches over them.
 //!
-//! Derivatives are differences. What a record has of its own changes its own residuals and no others, so that a joint fit of many records costs little more for them
-//! than for the parameters that all share.
+//! Derivatives are finite differences. An unknown that belongs to one record changes the residuals of that record only, so that a joint fit of many
+//! records costs little more for such unknowns than for the parameters that all records share.
 
 use std::f64::consts::TAU;
 use std::ops::Range;
@@ -17,20 +17,20 @@ use super::task::{Effort, OWN, Task, Workspace};
 use crate::parameters::{COUNT, Parameters};
 use crate::search::{Minimum, Problem, Search};
 
-/// What is compared.
+/// The form in which record and model are compared.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Kind {
-    /// Whitened amplitudes, over each record's standard deviation.
+    /// Whitened amplitudes, divided by their standard deviations.
     Whitened,
     /// Log amplitudes and unwrapped phases, weighted by amplitude: for first searches, which must not lose a cycle.
     Logarithms,
 }
 
-/// The residuals of records as what is sought by least squares.
+/// The residuals of the records as a least-squares problem.
 pub(crate) struct OfRecords<'a> {
     task: &'a Task,
     kind: Kind,
-    /// Whether differences are taken to both sides.
+    /// Whether differences are central.
     central: bool,
     work: &'a mut Workspace,
 }
@@ -88,7 +88,7 @@ impl Problem for OfRecords<'_> {
 }
 
 impl Task {
-    /// The residuals as a problem for searches of an effort.
+    /// The residuals as a least-squares problem, with the derivatives that the search wants.
     pub(super) fn problem<'a>(
         &'a self,
         kind: Kind,
@@ -98,14 +98,14 @@ impl Task {
         OfRecords { task: self, kind, central: search.is_central(), work }
     }
 
-    /// Whitened residuals over each record's standard deviation, without what the model is known to miss.
+    /// Whitened residuals over their standard deviations, with the discount for what the model is known to miss; false where there is no model.
     pub(crate) fn residuals(&self, x: &[f64], out: &mut [f64], work: &mut Workspace) -> bool {
         let starts = self.starts_at(x);
         self.chart.leaves_residual_stiffness(x)
             && self.residuals_of(&self.chart.parameters(x), &starts, out, work)
     }
 
-    /// The same for parameters and the turning points of the records.
+    /// Whitened residuals over their standard deviations, with the discount, for given parameters and turning points of the records.
     pub(crate) fn residuals_of(
         &self,
         parameters: &Parameters,
@@ -120,7 +120,7 @@ impl Task {
         known
     }
 
-    /// Whitened residuals with all that the model misses.
+    /// Whitened residuals over their standard deviations, without a discount.
     pub(super) fn plain_residuals(
         &self,
         parameters: &Parameters,
@@ -139,7 +139,7 @@ impl Task {
         self.rows().iter().enumerate().all(one)
     }
 
-    /// Residuals of all records at a point, with all that the model misses.
+    /// Residuals of all records at the coordinates `x`, without a discount.
     fn all_records(&self, kind: Kind, x: &[f64], out: &mut [f64], work: &mut Workspace) -> bool {
         out.fill(0.0);
         (kind == Kind::Logarithms || self.chart.leaves_residual_stiffness(x))
@@ -150,7 +150,7 @@ impl Task {
                 .all(|(place, rows)| self.one_record(kind, x, place, (rows, out), work))
     }
 
-    /// Those of one record, into its rows.
+    /// Residuals of record number `place`, into its rows and the row of its day.
     fn one_record(
         &self,
         kind: Kind,
@@ -168,7 +168,7 @@ impl Task {
         known
     }
 
-    /// Rows of each record's residuals in windows.
+    /// Rows of each record's residuals in windows, two per window.
     fn rows(&self) -> Vec<Range<usize>> {
         let mut from = 0;
         let one = |record: &Windowed| {
@@ -179,7 +179,8 @@ impl Task {
         self.records.iter().map(one).collect()
     }
 
-    /// The row of what is taken for granted of a record's day, behind the residuals in windows; none where records do not differ by the day.
+    /// The row, after the residuals in windows, of the residual that holds a record's day to the scatter taken for granted; empty where records do
+    /// not differ by the day.
     fn row_of_day(&self, place: usize) -> Range<usize> {
         let row = self.in_windows() + place;
         if self.has_days() { row..row + 1 } else { 0..0 }
@@ -189,7 +190,7 @@ impl Task {
         out[self.row_of_day(place)].fill(start.day / self.day_deviation);
     }
 
-    /// What is left of a record beside the amplitudes of a model, which serve as a buffer.
+    /// Residuals of record number `place` against the amplitudes of a model, which serve as a buffer.
     fn compare(&self, kind: Kind, place: usize, model: &mut [Complex64], out: &mut [f64]) {
         let record = &self.records[place];
         match kind {
@@ -216,7 +217,8 @@ impl Task {
         }
     }
 
-    /// Puts the model's amplitudes in a record's windows into the workspace; false where there is no model, or the search was stopped.
+    /// Puts the model's amplitudes in the windows of record number `place` into the workspace; false where there is no model, or the search was
+    /// stopped.
     fn model_of(
         &self,
         place: usize,
@@ -228,7 +230,7 @@ impl Task {
             return false;
         }
         let record = &self.records[place];
-        // A day turns amplitudes that are known: it needs no ring-down of its own.
+        // A day only turns the phases of amplitudes that are known, so that it needs no ring-down of its own.
         let found = work.compute(place, parameters, start.on_mean_day(), record);
         if found {
             let model = &mut work.model;
@@ -238,7 +240,7 @@ impl Task {
         found
     }
 
-    /// The model's amplitudes in each record's windows; none where there is no model.
+    /// The model's amplitudes in the windows, one vector per record; none where there is no model.
     pub(super) fn models(&self, x: &[f64], work: &mut Workspace) -> Option<Vec<Vec<Complex64>>> {
         let parameters = self.chart.parameters(x);
         let mut one = |(place, start): (usize, &TurningPoint)| {
@@ -247,14 +249,14 @@ impl Task {
         self.starts_at(x).iter().enumerate().map(&mut one).collect()
     }
 
-    /// Whitened sum of squares; none where there is no model.
+    /// Sum of squares of the whitened residuals, with the discount; none where there is no model.
     pub(crate) fn cost(&self, x: &[f64], work: &mut Workspace) -> Option<f64> {
         let mut out = vec![0.0; self.count()];
         let cost = self.residuals(x, &mut out, work).then(|| out.iter().map(|r| r * r).sum::<f64>());
         cost.filter(|c| c.is_finite())
     }
 
-    /// Residuals at a point and their derivatives with respect to the coordinates in `free`; none where there is no model.
+    /// Residuals at a point, and their derivatives with respect to the coordinates in `free`, one column each; none where there is no model.
     pub(crate) fn linearised(
         &self,
         x: &[f64],
@@ -268,7 +270,8 @@ impl Task {
         Some((r, slopes))
     }
 
-    /// The least whitened sum of squares from `x`, until an iteration brings less than the relative `tolerance`.
+    /// The least whitened sum of squares from `x` over the coordinates in `free`. The search ends when an iteration brings less than the relative
+    /// `tolerance`.
     pub(crate) fn minimise(
         &self,
         x: &[f64],
@@ -279,7 +282,7 @@ impl Task {
         self.minimise_with(x, free, Effort::until(tolerance), work)
     }
 
-    /// The least whitened sum of squares from `x` that an effort finds.
+    /// The least whitened sum of squares over the coordinates in `free` that a search of this effort finds from `x`.
     pub(crate) fn minimise_with(
         &self,
         x: &[f64],

@@ -1,8 +1,8 @@
 //! How large the discrepancies are: variance components by restricted maximum likelihood.
 //!
-//! Residuals at the best fit, r = J dx + Σ s_i Z_i u_i + e with u and e of variance one: J's part is projected out, and the sizes
-//! s_i maximise the likelihood of what is left, whose own variance is profiled out (H. D. Patterson, R. Thompson, Biometrika
-//! 58:545, 1971). Where the residuals are white all sizes come out as zero or next to it.
+//! Residuals at the best fit are r = J dx + Σ s_i Z_i u_i + e, with u and e of variance one, the derivatives J with respect to the sought parameters,
+//! and the columns Z_i of process i. What J explains is projected out; the sizes s_i maximise the likelihood of what is left, and the variance of e
+//! is profiled out (H. D. Patterson, R. Thompson, Biometrika 58:545, 1971). Where the residuals are white all sizes come out as zero or next to it.
 
 use faer::dyn_stack::{MemBuffer, MemStack};
 use faer::linalg::cholesky::llt::factor as llt;
@@ -11,35 +11,38 @@ use faer::{Mat, MatMut, Par, Spec};
 use iwan_machine::memory::is_address_space_bounded;
 use nalgebra::{DMatrix, DVector};
 
-/// Sizes that are tried first, in units of the values' own: a hundredth of a per cent to 30 %, in steps that the search halves.
+/// Sizes that are tried first, in units of the processes' values: a thousandth of a per cent to 30 %. The search goes on from the best of them by
+/// smaller steps (`STEP`).
 const FIRST: [f64; 6] = [1e-5, 1e-4, 1e-3, 1e-2, 0.1, 0.3];
-/// Rounds of the search over the logarithms of all sizes; each halves its step where none of its trials is better.
+/// Most rounds of the search over the logarithms of all sizes; a round without a better trial halves the step. Where they are spent the best trial so
+/// far counts.
 const ROUNDS: usize = 60;
-/// First and last step of that search, in ln: a size need not be known better than to a tenth.
+/// First and last step of that search, in ln size: a size need not be known better than to a tenth.
 const STEP: f64 = 1.2;
 const LAST_STEP: f64 = 0.1;
-/// Gain of the log likelihood below which a process is left out. Twice the gain by noise alone is zero for half of the records and χ² with one degree of
-/// freedom for the others (S. G. Self, K.-Y. Liang, J. Am. Stat. Assoc. 82:605, 1987): it passes 4 in 2 records of 100.
+/// Gain of the log likelihood below which a process is left out (its size becomes zero). Twice the gain by noise alone is zero for half of the
+/// records and χ² with one degree of freedom for the others (S. G. Self, K.-Y. Liang, J. Am. Stat. Assoc. 82:605, 1987): it passes 4 in 2 records of
+/// 100.
 const GAIN: f64 = 2.0;
 
-/// Sizes over which the mean is taken: from the smallest to the largest of these, in units of the values' own, …
+/// Smallest and largest size over which the mean size is taken, in units of the processes' values.
 const MEAN_OVER: [f64; 2] = [1e-6, 1.0];
-/// … in so many steps of the logarithm: a factor of 1.4 each.
+/// Steps between these two, equal in the logarithm: a factor of 1.4 each.
 const MEAN_STEPS: usize = 40;
 
-/// The sizes, and what follows from them.
+/// The likeliest sizes, and what follows from them.
 pub(super) struct Likeliest {
-    /// Of each process, in units of its values.
+    /// Size of each process, in units of its values.
     pub(super) sizes: Vec<f64>,
-    /// All values that are expected.
+    /// Expected values s_i u_i of the processes, one per column.
     pub(super) expected: DVector<f64>,
-    /// Number of values that the residuals tell, of all.
+    /// How many of these values the residuals determine: the degrees of freedom that the processes take.
     pub(super) explained: f64,
-    /// ln of the restricted likelihood up to a constant.
+    /// ln of the restricted likelihood, less the penalty on large sizes, up to a constant.
     pub(super) likelihood: f64,
 }
 
-/// Triangular factor of a symmetric positive definite matrix.
+/// Lower triangular factor of a symmetric positive definite matrix.
 struct Factors(DMatrix<f64>);
 
 impl Factors {
@@ -74,7 +77,7 @@ impl Factors {
     }
 }
 
-/// The triangular factor R of a matrix Q R.
+/// The triangular factor R of the QR decomposition of a matrix.
 fn triangular(mut matrix: DMatrix<f64>) -> DMatrix<f64> {
     if is_address_space_bounded() {
         return matrix.qr().unpack_r();
@@ -90,21 +93,22 @@ fn triangular(mut matrix: DMatrix<f64>) -> DMatrix<f64> {
     factor
 }
 
-/// A matrix for blocked factors: of several hundred rows and columns for a dozen records, where they are four to ten times as fast as plain ones.
+/// The view of a matrix that blocked factorisations take. For a dozen records matrices have several hundred rows and columns, where blocked
+/// factorisations are four to ten times as fast as plain ones.
 fn blocked(matrix: &mut DMatrix<f64>) -> MatMut<'_, f64> {
     let (rows, columns) = matrix.shape();
     MatMut::from_column_major_slice_mut(matrix.as_mut_slice(), rows, columns)
 }
 
-/// What is left of the residuals and of the processes' columns behind the projection.
+/// What is left of the residuals and of the processes' columns after the projection.
 pub(super) struct Projected {
-    /// Sums of products of all columns, …
+    /// Products of all columns with each other.
     gram: DMatrix<f64>,
-    /// … of columns and residuals, …
+    /// Products of the columns with the residuals.
     product: DVector<f64>,
-    /// … and of the residuals with themselves.
+    /// Sum of squares of the residuals.
     square: f64,
-    /// Degrees of freedom.
+    /// Degrees of freedom of the residuals.
     freedom: f64,
     /// Number of columns of each process.
     widths: Vec<usize>,
@@ -113,7 +117,7 @@ pub(super) struct Projected {
 }
 
 impl Projected {
-    /// Residuals `r` and the columns of processes, without what the `jacobian` of the sought parameters explains.
+    /// Takes from the residuals `r` and from the columns of the processes what the `jacobian` of the sought parameters explains.
     pub(super) fn new(jacobian: &DMatrix<f64>, r: &[f64], processes: &[&DMatrix<f64>], typical: f64) -> Self {
         let unknowns = jacobian.ncols();
         let widths: Vec<usize> = processes.iter().map(|z| z.ncols()).collect();
@@ -127,7 +131,7 @@ impl Projected {
         }
         columns.column_mut(from).copy_from_slice(r);
         let factor = triangular(columns);
-        // Below the rows of the jacobian's own factor stands that of what it does not explain; a column without effect has no row.
+        // Below the rows of the Jacobian's own factor stands the factor of what the Jacobian does not explain; a column without effect has no row.
         let is_own = |row: &usize| factor.row(*row).columns(0, unknowns).amax() > 0.0;
         let first = (0..unknowns.min(factor.nrows())).rev().find(is_own).map_or(0, |row| row + 1);
         let left = factor.view((first, unknowns), (factor.nrows() - first, total + 1));
@@ -142,19 +146,19 @@ impl Projected {
         }
     }
 
-    /// Each column's size.
+    /// The size of each column, which is that of its process.
     fn spread(&self, sizes: &[f64]) -> DVector<f64> {
         let all = self.widths.iter().zip(sizes).flat_map(|(n, s)| std::iter::repeat_n(*s, *n));
         DVector::from_iterator(self.widths.iter().sum(), all)
     }
 
-    /// Factors of 1 + S G S with the columns' sizes S.
+    /// Factors of 1 + S G S, with the columns' sizes S on a diagonal and the products G of the columns.
     fn factors(&self, s: &DVector<f64>) -> Option<Factors> {
         let entry = |i, j| s[i] * self.gram[(i, j)] * s[j] + f64::from(u8::from(i == j));
         Factors::new(DMatrix::from_fn(s.len(), s.len(), entry))
     }
 
-    /// ln of the restricted likelihood up to a constant, for sizes relative to the residuals' standard deviation; and that deviation.
+    /// ln of the restricted likelihood up to a constant, for sizes relative to the residuals' standard deviation; and this standard deviation.
     fn likelihood(&self, sizes: &[f64]) -> Option<(f64, f64)> {
         let s = self.spread(sizes);
         let factors = self.factors(&s)?;
@@ -171,7 +175,7 @@ impl Projected {
         likelihood - prior
     }
 
-    /// The sizes at which the restricted likelihood is largest, zero for processes that add nothing.
+    /// The sizes at which the restricted likelihood, with its penalty, is largest; zero for processes that add nothing.
     pub(super) fn sizes(&self) -> Option<Likeliest> {
         let relative = self.likeliest();
         let (_, deviation) = self.likelihood(&relative)?;
@@ -185,7 +189,8 @@ impl Projected {
         })
     }
 
-    /// The mean of each size over what the residuals allow and what is expected before they are seen, the others at their likeliest.
+    /// The mean of each size, weighted by its likelihood and by what is expected before the residuals are seen; the other sizes are held at their
+    /// likeliest values.
     pub(super) fn expected_sizes(&self) -> Option<Vec<f64>> {
         let likeliest = self.likeliest();
         let (_, deviation) = self.likelihood(&likeliest)?;
@@ -200,7 +205,7 @@ impl Projected {
             };
             let scores: Vec<f64> = trials.iter().map(|t| score(*t)).collect();
             let top = scores.iter().copied().fold(f64::NEG_INFINITY, f64::max);
-            // Steps of the logarithm are the longer the larger the size.
+            // Equal steps of the logarithm are the longer the larger the size, hence the factor t.
             let weights = || trials.iter().zip(&scores).map(|(t, s)| (t, t * (s - top).exp()));
             let mean = weights().map(|(t, w)| t * w).sum::<f64>() / weights().map(|(_, w)| w).sum::<f64>();
             mean * deviation
@@ -209,14 +214,14 @@ impl Projected {
         mean.iter().all(|m| m.is_finite()).then_some(mean)
     }
 
-    /// The same sizes relative to the residuals' standard deviation.
+    /// The likeliest sizes, relative to the residuals' standard deviation.
     fn likeliest(&self) -> Vec<f64> {
         let count = self.widths.len();
         let score = |sizes: &[f64]| self.score(sizes);
         let none = vec![0.0; count];
         let deviation = self.likelihood(&none).map_or(1.0, |l| l.1);
-        // All processes alike, and each one alone beside next to nothing: what one of them explains others explain in part, and the way from one to another leads
-        // through less likely sizes.
+        // All processes alike, and each process alone with the others next to nothing: what one process explains others explain in part, and the way
+        // from one to another leads through less likely sizes.
         let size = |first: f64, own: Option<usize>| -> Vec<f64> {
             (0..count)
                 .map(|i| if own.is_none_or(|own| own == i) { first } else { FIRST[0] } / deviation)

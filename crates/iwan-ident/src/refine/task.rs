@@ -1,4 +1,4 @@
-//! The records in the form that searches work on: unknowns with their bounds, weights, and the models that searches have in common.
+//! The records in the form that searches work on: unknowns with their bounds, weights, and computed models that evaluations have in common.
 
 use std::collections::VecDeque;
 use std::f64::consts::{PI, TAU};
@@ -19,26 +19,31 @@ use crate::error::{Error, check};
 use crate::parameters::{COUNT, Parameter, Parameters};
 use crate::search::{Chart, Kept, Minimum, Search};
 
-/// Unknowns of each record: ln of the first amplitude, phase of the release, ln of the record's own frequency at small amplitude over that of its windows. Not the day's
-/// over the mean: what a record tells is its own, and a mean that moves with all days is a long way for a search.
+/// Unknowns of each record: ln of the first amplitude over its guess, phase of the release, and ln of the record's own frequency at small amplitude
+/// over that of its windows. The third is not the day's frequency over the mean: a record tells its own frequency, and a mean that moves with all
+/// days is a long way for a search.
 pub(super) const OWN: usize = 3;
-/// Bounds of that: a joint that softens by a third hides as much of the frequency at rest.
+/// Bound, to either side, of ln of a record's own frequency over that of its windows: a joint that softens by a third hides as much of the frequency
+/// at rest.
 const OWN_FREQUENCY: f64 = 0.5;
-/// Place of the last among them.
+/// Place of that frequency among the unknowns of a record.
 pub(super) const DAY: usize = 2;
-/// Relative reduction of the sum of squares at which searches end that are not the last: enough to tell which valley is the deepest, …
+/// Relative reduction of the sum of squares at which all searches but the last end: enough to tell which valley (local minimum along the knee) is the
+/// deepest.
 pub(super) const ROUGH: f64 = 1e-4;
-/// … and of searches for a minimum under noise: of some 200 residuals it moves the deviance by 4e-4, a ten-thousandth of the limit.
+/// Relative reduction of the sum of squares at which searches for a minimum under noise end: of some 200 residuals it moves the deviance by 4e-4, a
+/// ten-thousandth of the limit.
 pub(super) const FINE: f64 = 2e-6;
-/// Values beyond the unknowns that are needed: with three the residuals' variance is known to a factor of three at least.
+/// Residuals that are needed beyond the number of unknowns; records with fewer are refused. With three the residuals' variance is known to a factor
+/// of three at least.
 const SPARE: usize = 3;
-/// Relative reduction and iterations of a scan's searches: from a neighbour one or two steps do, and only the shape of the valleys
-/// counts. Searches that find the deepest of them go on from there.
+/// Relative reduction at which a scan's searches end, and their most iterations: from a neighbouring knee one or two steps are enough, and only the
+/// shape of the valleys counts. Searches that find the deepest valley go on from there.
 const SCAN: f64 = 0.03;
 const SCAN_ITERATIONS: usize = 4;
-/// Iterations of a rough search, which goes on from where it stands in a later one, …
+/// Most iterations of a rough search; a later search goes on from where it stands.
 const ROUGH_ITERATIONS: usize = 30;
-/// … and of a fine one; when they are spent the result says that it has not converged.
+/// Most iterations of a fine search; when they are spent the result says that it has not converged.
 const FINE_ITERATIONS: usize = 100;
 /// The records in the form that the searches work on.
 #[derive(Debug, Clone)]
@@ -46,21 +51,22 @@ pub(crate) struct Task {
     pub(crate) chart: Chart,
     pub(super) records: Vec<Windowed>,
     pub(super) held: Vec<Parameter>,
-    /// What the model is known to miss.
+    /// The discount for what the model is known to miss; none where nothing is known.
     pub(super) discount: Option<Discount>,
     pub(super) discrepancy: Discrepancy,
-    /// Standard deviation of the days' frequencies that is taken for granted; each of several records has a residual that says so.
+    /// Standard deviation of the days' ln frequencies that is taken for granted; where records have days, each has a residual that holds its day to
+    /// it.
     pub(super) day_deviation: f64,
     /// Whether records may differ by the day.
     strays: bool,
-    /// Whether the discount is for what a clean record cannot show.
+    /// Whether the discount allows for what a clean record cannot show.
     pub(crate) widened: bool,
-    /// Whether residuals are logarithms of the ratio of record and model, times the record: to these, what the model misses adds up however
-    /// far the phases are apart.
+    /// Whether residuals are logarithms of the ratio of record to model, times the record: in these logarithms, what the model misses adds up however
+    /// far apart the phases are.
     pub(super) by_logarithms: bool,
     /// Once set there are no residuals any more, so that every search ends.
     pub(crate) stopped: Arc<AtomicBool>,
-    /// Where the ends of searches are kept.
+    /// The checkpoint in which ends of searches are kept; none: they are not kept.
     pub(crate) kept: Option<Arc<Checkpoint>>,
 }
 
@@ -69,7 +75,7 @@ pub(crate) struct Task {
 pub(crate) struct Workspace {
     buffers: Buffers,
     pub(super) model: Vec<Complex64>,
-    /// Of each record as many models, those computed last: a record's own unknowns change no other record.
+    /// The models computed last, one list per record: a record's own unknowns change no other record.
     known: Vec<VecDeque<Known>>,
 }
 
@@ -83,7 +89,7 @@ struct Known {
 }
 
 impl Workspace {
-    /// Puts the model of the record of a place into `model`; false where there is none.
+    /// Puts the model of record number `place` into `model`, computed or from the known ones; false where there is none.
     pub(super) fn compute(
         &mut self,
         place: usize,
@@ -103,7 +109,7 @@ impl Workspace {
             return false;
         }
         let known = &mut self.known[place];
-        // The oldest makes room, and lends its buffer.
+        // The oldest known model makes room, and lends its buffer.
         let mut model =
             if known.len() < KEPT { Vec::new() } else { known.pop_front().map_or(Vec::new(), |k| k.model) };
         model.clone_from(&self.model);
@@ -117,21 +123,21 @@ impl Workspace {
 pub(crate) struct Effort {
     /// Most iterations.
     pub(crate) iterations: usize,
-    /// Relative reduction of the sum of squares at which it ends.
+    /// Relative reduction of the sum of squares at which the search ends.
     pub(crate) tolerance: f64,
     /// Whether derivatives are central whatever the tolerance.
     pub(crate) central: bool,
 }
 
 impl Effort {
-    /// That of derivatives alone, without a step.
+    /// The effort of derivatives alone, without a step.
     pub(crate) const NONE: Self = Self { iterations: 0, tolerance: 0.0, central: false };
-    /// That of scans, whose points each go on from a neighbour.
+    /// The effort of scans, whose points each go on from a neighbour.
     pub(super) const SCAN: Self = Self { iterations: SCAN_ITERATIONS, tolerance: SCAN, central: false };
-    /// That of searches that are not the last.
+    /// The effort of searches that are not the last.
     pub(super) const ROUGH: Self = Self { iterations: ROUGH_ITERATIONS, tolerance: ROUGH, central: false };
 
-    /// Until an iteration brings less than the relative `tolerance`: as many iterations as that needs.
+    /// A search that ends when an iteration brings less than the relative `tolerance`, with as many iterations as this needs.
     pub(crate) fn until(tolerance: f64) -> Self {
         let iterations = if tolerance > FINE { ROUGH_ITERATIONS } else { FINE_ITERATIONS };
         Self { iterations, tolerance, central: false }
@@ -139,7 +145,7 @@ impl Effort {
 }
 
 impl Task {
-    /// Checks the records; `first` gives the frequency that the windows refer to.
+    /// Checks the records; the windows refer to the frequency of `first`.
     pub(crate) fn new(
         records: &[RingDown<'_>],
         first: &Parameters,
@@ -178,7 +184,7 @@ impl Task {
         Ok(task)
     }
 
-    /// Searches begin with such days, of mean zero; without any, records do not differ by the day.
+    /// Makes searches begin with these days (ln of frequency ratios, one per record, of mean zero); without any, records do not differ by the day.
     pub(crate) fn begin_with(&mut self, days: Option<&[f64]>) {
         self.strays = days.is_some();
         let days = days.unwrap_or_default();
@@ -206,7 +212,7 @@ impl Task {
         &self.held
     }
 
-    /// Unknowns without those that are held.
+    /// Indices of the unknowns that are sought: all but those held, and days only where records have days.
     pub(crate) fn free(&self) -> Vec<usize> {
         let all = COUNT + OWN * self.records.len();
         let is_day = |j: usize| j >= COUNT && (j - COUNT) % OWN == DAY;
@@ -220,7 +226,7 @@ impl Task {
         self.free().into_iter().filter(|j| knee != Some(*j)).collect()
     }
 
-    /// The knee's place among the coordinates, if it is sought.
+    /// Index of the knee among the coordinates, if it is sought.
     pub(crate) fn knee(&self) -> Option<usize> {
         self.chart.knee().filter(|j| self.free().contains(j))
     }
@@ -238,7 +244,7 @@ impl Task {
         Ok(x)
     }
 
-    /// The own frequencies of a point that comes from another with another frequency, so that its days stay.
+    /// Moves the records' own frequencies in `to` by as much as the mode's frequency has moved from `from`, so that the days stay.
     pub(super) fn keep_days(&self, from: &[f64], to: &mut [f64]) {
         if let Some(j) = self.chart.index(Parameter::Frequency) {
             let moved = to[j] - from[j];
@@ -251,7 +257,7 @@ impl Task {
         (0..self.records.len()).map(|place| self.start_at(x, place)).collect()
     }
 
-    /// The turning point of the record of a place.
+    /// The turning point of record number `place`.
     pub(super) fn start_at(&self, x: &[f64], place: usize) -> TurningPoint {
         let omega = TAU * self.chart.parameters(x).frequency;
         let own = &x[COUNT + OWN * place..COUNT + OWN * (place + 1)];
@@ -267,8 +273,8 @@ impl Task {
         Search { count, free, bounds, iterations, tolerance, central, floor, kept }
     }
 
-    /// Takes what sampling adds to the model's amplitudes from the ring-down at `x`: harmonics that fold back at few
-    /// samples a cycle, and the sum over samples in place of an integral.
+    /// Takes what sampling adds to the model's amplitudes from the ring-down at `x`: harmonics that fold back where a cycle has few samples, and the
+    /// difference between a sum over samples and an integral.
     pub(crate) fn take_samples(&mut self, x: &[f64], work: &mut Workspace) {
         let (parameters, starts) = (self.chart.parameters(x), self.starts_at(x));
         for (record, start) in self.records.iter_mut().zip(starts.into_iter().map(TurningPoint::on_mean_day))
@@ -285,8 +291,8 @@ impl Task {
         }
     }
 
-    /// Sets each record's noise to that of its residuals at `x`, the same for all windows; it stays where what the model misses is known, and noise
-    /// with it.
+    /// Sets each record's noise to that of its residuals at `x`, the same for all windows. Where a discount is in force the noise stays, because it
+    /// was estimated together with what the model misses.
     pub(super) fn weigh(&mut self, x: &[f64], work: &mut Workspace) {
         let mut out = vec![0.0; self.count()];
         if self.discount.is_some() {
@@ -307,20 +313,20 @@ impl Task {
         }
     }
 
-    /// Noise that is the same in all windows.
+    /// Makes the noise the same in all windows: the part that grows with the amplitude becomes zero.
     pub(super) fn forget_parts(&mut self) {
         for record in &mut self.records {
             record.take_noise(Noise { part: 0.0, ..record.noise });
         }
     }
 
-    /// Variance of residuals that the forward model itself accounts for.
+    /// Variance of the residuals that the forward model itself accounts for.
     pub(crate) fn least_variance(&self) -> f64 {
         let floor = |r: &Windowed| (r.floor() / r.noise.floor).powi(2);
         self.records.iter().map(floor).fold(0.0, f64::max)
     }
 
-    /// Whether deviations are known beside those that residuals show.
+    /// Whether standard deviations are known beside those that residuals show, because other modes were subtracted.
     pub(crate) fn is_beside_others(&self) -> bool {
         self.records.iter().any(Windowed::is_beside_others)
     }
@@ -336,7 +342,7 @@ impl Task {
             let n = 2 * record.windows.count;
             let part = &out[from..from + n];
             let sum = |part: &[f64]| part.iter().map(|r| r * r).sum::<f64>();
-            // Density of the noise in each quadrature is half the variance of a sample times dt.
+            // The density of the noise in each quadrature is half the variance of a sample times dt.
             noise.push(record.noise.floor * (sum(part) / n as f64).sqrt() * (2.0 / record.dt).sqrt());
             let left = plain[from..from + n].chunks_exact(2).zip(&record.deviations);
             square += left.map(|(r, deviation)| sum(r) * deviation.powi(2)).sum::<f64>();

@@ -1,4 +1,6 @@
-//! The searches: with the knee unseen, along all knees, from the best of these to the minimum itself, and without a joint.
+//! The searches: with the knee φ_max beyond all amplitudes, along all knees, from the best of these to the minimum itself, and without a joint.
+//!
+//! A valley is a local minimum of the sum of squares along the knee; `knees` says more.
 
 use std::f64::consts::TAU;
 
@@ -14,42 +16,43 @@ use crate::error::Error;
 use crate::parameters::{COUNT, Parameter, Parameters};
 use crate::search::{CHI, Chart, DIRAC, KNEE, Minimum, TOLERANCE};
 
-/// Powers χ of the further starts, at the same softening: what measured joints have. A slope off a short or noisy curve can be
-/// mistaken by half.
+/// Powers χ of further start values at the same softening: those that measured joints have. A slope that is read off a short or noisy curve can be
+/// wrong by half.
 const CHIS: [f64; 3] = [-0.75, -0.45, -0.15];
-/// Part of ω0² that the joint has at the start with next to none: it shifts the frequency by 5e-5, so that derivatives with respect
-/// to it are still seen.
+/// Part of ω0² that K_T has in the start with next to no joint: it shifts the frequency by 5e-5, so that derivatives with respect to the joint are
+/// still seen.
 const LITTLE_JOINT: f64 = 1e-4;
-/// Hops of ln φ_max over creases: half a step of the scan and less. Longer ones would repeat the scan.
+/// Hops of ln φ_max over creases (bends of the sum of squares): half a step of the scan and less. Longer ones would repeat the scan.
 const HOPS: [f64; 4] = [0.5 * STEP, 0.25 * STEP, 0.1 * STEP, 0.03 * STEP];
-/// Relative residual that hides the creases: above it noise decides, and hops cost time only.
+/// Relative residual above which no hops are tried: noise then hides the creases, and hops cost time only.
 const CREASE: f64 = 5e-4;
-/// Relative residual below which half cycles are computed one by one: twice the 4e-5 that tables left of a record without noise.
+/// Relative residual below which half cycles are computed one by one in place of tables: twice the 4e-5 that tables left of a record without noise.
 const EXACT: f64 = 1e-4;
-/// Valleys of a scan that searches on the records themselves go on from. A judgement, not varied: the sweep along all knees that
-/// follows looks at the others once more.
+/// Most valleys of a scan from which searches on the records themselves go on. A judgement, not varied: the sweep along all knees that follows looks
+/// at the other valleys once more.
 const KEPT: usize = 4;
 
-/// Part of the first samples that a model of a record without noise misses at least before another knee is looked for: the law's own parameters miss 1e-8 to 1e-7 of two records, a wrong knee 2e-3, …
+/// Part of the first samples that a model of a record without noise must miss for another knee to be looked for: the law's own parameters miss 1e-8
+/// to 1e-7 of two records, a wrong knee 2e-3.
 const TOLD: f64 = 1e-6;
-/// … and part of it that the model of the other knee misses at most.
+/// Part of that miss which the model with the other knee may have at most for it to be taken.
 const FAR_BETTER: f64 = 0.1;
 
-/// Rounds in which sampling and minimum are brought into agreement without noise; each brings them nearer by the part that
-/// sampling adds to the record, a thousandth and less. Where they are spent the last is taken.
+/// Most rounds in which what sampling adds and the minimum are brought into agreement without noise; each round brings them nearer by the part that
+/// sampling adds to the record, a thousandth and less. Where the rounds are spent the last one is taken.
 const SETTLING: usize = 6;
-/// Sum of squares, in units of the variance, that a round must still bring.
+/// Reduction of the sum of squares, in units of the variance, that a round must bring for another one to follow.
 const SETTLED: f64 = 0.01;
 
 /// What the searches found before any interval is sought.
 pub(crate) struct Solved {
     pub(crate) best: Minimum,
-    /// The best without macro-slip, where the records decide about that.
+    /// The best minimum without macro-slip; none where given parameters decide about macro-slip.
     pub(crate) micro_slip: Option<Minimum>,
 }
 
 impl Task {
-    /// `first`, the same softening with other powers, and next to no joint.
+    /// Start values of the searches: `first`, the same softening with other powers χ, and next to no joint.
     fn bases(&self, first: &Parameters) -> Result<Vec<Vec<f64>>, Error> {
         let x = self.coordinates(first)?;
         let mut bases = vec![x.clone()];
@@ -67,8 +70,8 @@ impl Task {
         Ok(bases)
     }
 
-    /// A point with other powers at the same softening, where the power is sought: with frequency and dissipation at the largest amplitude as they were, for a
-    /// start that is off by a cycle finds no way back.
+    /// Copies of `x` with other powers χ at the same softening, where χ is sought. Frequency and dissipation at the largest amplitude stay as they
+    /// were, because a start that is off by a cycle finds no way back.
     pub(crate) fn other_powers(&self, x: &[f64]) -> Vec<Vec<f64>> {
         let free = self.free();
         let loudest = self.loudest();
@@ -95,13 +98,13 @@ impl Task {
         if free.contains(&CHI) { CHIS.map(with).to_vec() } else { vec![] }
     }
 
-    /// The unknowns of a ring-down whose knee no record reaches; all of them where the knee is given.
+    /// The unknowns that are sought where no record reaches the knee: without the knee and the Dirac, unless the knee is given.
     fn without_knee(&self) -> Vec<usize> {
         let unseen = |j: usize| j == DIRAC && self.knee().is_some();
         self.smooth().into_iter().filter(|j| !unseen(*j)).collect()
     }
 
-    /// Where the first searches end without macro-slip, by ascending sum of squares.
+    /// Where the first searches, which compare logarithms, end without macro-slip from each of `bases`, by ascending sum of squares.
     fn logarithmic(&self, bases: &[Vec<f64>]) -> Vec<Minimum> {
         let search = self.search(self.without_knee(), Effort::ROUGH);
         let from = |x: &Vec<f64>| {
@@ -123,7 +126,7 @@ impl Task {
         found
     }
 
-    /// The best of all searches, roughly.
+    /// The best of all searches, to a rough tolerance.
     pub(crate) fn solve(&mut self, first: &Parameters) -> Result<Solved, Error> {
         let mut work = Workspace::default();
         let bases = self.bases(first)?;
@@ -150,18 +153,18 @@ impl Task {
         Ok(Solved { best, micro_slip })
     }
 
-    /// Whether so little is left at a minimum that its valley is narrower than any step of a scan: the others are far outside.
+    /// Whether so little is left at a minimum that its valley is narrower than any step of a scan, and other valleys lie far outside the limit.
     pub(crate) fn is_free_of_noise(&self, minimum: &Minimum) -> bool {
         self.refined(minimum).relative_residual < CREASE
     }
 
-    /// A minimum with its sum of squares by the weights of now.
+    /// A minimum with its sum of squares by the present weights.
     fn priced(&self, minimum: Minimum, work: &mut Workspace) -> Result<Minimum, Error> {
         let cost = self.cost(&minimum.x, work).ok_or_else(no_ring_down)?;
         Ok(Minimum { cost, ..minimum })
     }
 
-    /// The minimum itself, next to a rough one; weights and sampling are taken anew there.
+    /// The minimum itself, sought from a rough one; weights and what sampling adds are taken anew there.
     pub(crate) fn finish(&mut self, rough: &Minimum) -> Result<Minimum, Error> {
         let mut work = Workspace::default();
         let mut best = self.minimise(&rough.x, self.free(), FINE, &mut work).ok_or_else(no_ring_down)?;
@@ -188,7 +191,7 @@ impl Task {
         Ok(best)
     }
 
-    /// The deepest valley along all knees, where a record without noise has many.
+    /// The deepest valley along all knees, of which there are many for a record without noise.
     pub(super) fn deepest_of_all(&mut self, mut best: Minimum) -> Result<Minimum, Error> {
         for _ in 0..SETTLING {
             if self.knee().is_none() || !self.is_free_of_noise(&best) {
@@ -204,7 +207,7 @@ impl Task {
         Ok(best)
     }
 
-    /// Largest part that a model misses of the first samples of a record; none where a record has noise.
+    /// Largest part of a record's first samples that a model misses, over all records; none where a record has noise.
     fn misses_of_heads(&self, x: &[f64]) -> Option<f64> {
         let parameters = self.chart.parameters(x);
         let one = |(start, record): (TurningPoint, &Windowed)| record.misses_of_head(&parameters, start);
@@ -215,8 +218,9 @@ impl Task {
             .try_fold(0.0, |most, part| Some(part?.max(most)))
     }
 
-    /// The minimum again, or one with another knee that tells the first samples of records without noise far better. Windows have two numbers a cycle: where the joint slips as a whole in the first
-    /// half cycle only, a knee, a Dirac, a release and its time can be found for two knees that tell all windows to the last digit.
+    /// The minimum again, or one with another knee that matches the first samples of records without noise far better. Windows keep two numbers a
+    /// cycle: where the joint slips as a whole in the first half cycle only, two different knees, each with its own Dirac, release and time of
+    /// release, can match all windows to the last digit.
     pub(super) fn by_first_samples(&mut self, mut minimum: Minimum) -> Result<Minimum, Error> {
         for _ in 0..SETTLING {
             match self.other_by_first_samples(&minimum)? {
@@ -248,8 +252,8 @@ impl Task {
         Ok(better.then_some((task, other)))
     }
 
-    /// The least sum of squares when the joint never slips as a whole, from several points. None where a given K_T, F_S or
-    /// the stiffness of the mode forbids it.
+    /// The least sum of squares without macro-slip (the joint never slips as a whole), among searches from several points. None where a given K_T,
+    /// F_S or χ, or the stiffness of the mode, decides about macro-slip.
     pub(crate) fn micro_slip(&self, from: &[&[f64]]) -> Option<Minimum> {
         if !self.is_open() {
             return None;
@@ -263,13 +267,13 @@ impl Task {
         ends.min_by(|a, b| a.cost.total_cmp(&b.cost)).filter(|found| self.is_micro_slip(&found.x))
     }
 
-    /// Goes on from a better point; none when its valley is not deeper.
+    /// Goes on from a better point; none when the minimum found there is not lower than `than`.
     pub(crate) fn resume(&self, better: &Minimum, than: &Minimum) -> Option<Minimum> {
         let found = self.minimise(&better.x, self.free(), FINE, &mut Workspace::default())?;
         (found.cost < than.cost).then_some(found)
     }
 
-    /// The records without a joint: `linear` holds one that is as good as none.
+    /// The records fitted without a joint: `linear` holds parameters whose joint is as good as none.
     pub(crate) fn without_joint(
         &self,
         linear: &Parameters,

@@ -1,37 +1,37 @@
 //! The coordinates in which parameters are sought.
 //!
-//! A ring-down in micro-slip tells the frequency, the damping and, of the joint, the power χ and the level of its
-//! softening R u^(χ+1) at the amplitudes seen; where the density ends (the knee φ_max) and how much of it is the Dirac shows
-//! only in macro-slip. So these are the coordinates: what every record tells stands apart from what few records tell. The
-//! knee is a coordinate of its own because the sum of squares has a crease wherever an amplitude of the ring-down equals φ_max, and
-//! nowhere else: with the knee held, all other coordinates are sought on a smooth surface.
+//! A ring-down in micro-slip tells the frequency, the damping and, of the joint, the power χ and the level of its softening R u^(χ+1) at the
+//! amplitudes seen. Where the density ends (the knee φ_max) and how much of it is the Dirac shows only in macro-slip. So these are the coordinates:
+//! what every record tells stands apart from what few records tell. The knee is a coordinate of its own because the sum of squares has a crease (a
+//! bend) wherever an amplitude of the ring-down equals φ_max, and nowhere else: with the knee held, all other coordinates are sought on a smooth
+//! surface.
 
 use std::f64::consts::TAU;
 
 use crate::error::Error;
 use crate::parameters::{COUNT, Parameter, Parameters};
 
-/// A damping ratio of 0.1 % has the coordinate 1.
+/// Unit of the damping coordinate: a damping ratio of 0.1 % has the coordinate 1.
 const DAMPING_UNIT: f64 = 1e-3;
-/// K_T stays below this part of ω0²: K_∞ = ω0² - K_T must be positive. Beyond, there is no model.
+/// Largest part of ω0² that K_T may be: K_∞ = ω0² - K_T must be positive. Above it there is no model.
 const MOST_JOINT: f64 = 0.999;
 /// Range of χ: the law needs -1 < χ < 1.
 const CHI_RANGE: (f64, f64) = (-0.99, 0.99);
-/// Most of K_T that can be the Dirac's, β/(1+β): β = 999, a single slider for every purpose.
+/// Largest share β/(1+β) of K_T that the Dirac may have: β = 999, a single slider for every purpose.
 const MOST_DIRAC: f64 = 0.999;
-/// Place of the softening among the coordinates, where it is one, …
+/// Place of the softening among the coordinates, where the softening is one.
 pub(crate) const SOFTENING: usize = 2;
-/// … and of χ.
+/// Place of χ among the coordinates.
 pub(crate) const CHI: usize = 3;
-/// Place of the knee among the coordinates, where it is one.
+/// Place of the knee among the coordinates, where the knee is one.
 pub(crate) const KNEE: usize = 4;
-/// Place of β/(1+β).
+/// Place of the Dirac's share β/(1+β) among the coordinates.
 pub(crate) const DIRAC: usize = 5;
 
-/// Which quantities stand third and fifth; the others are ln f, ζ_v, χ and β/(1+β).
+/// The quantities in the third and fifth place; the other coordinates are ln f, ζ_v (in `DAMPING_UNIT`), χ and β/(1+β).
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Scales {
-    /// Softening and knee: for every search.
+    /// Softening and knee: for every search without given K_T and F_S.
     SofteningAndKnee,
     /// K_T and knee: where K_T is given.
     StiffnessAndKnee,
@@ -41,11 +41,11 @@ pub(crate) enum Scales {
     StiffnessAndForce,
 }
 
-/// Coordinates about an amplitude.
+/// The coordinates: what they are, and the amplitude that they are relative to.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Chart {
     pub(crate) scales: Scales,
-    /// Displacement at which the softening is taken, and which the knee is relative to.
+    /// Displacement at which the softening is taken, and to which the knee is relative.
     pub(crate) amplitude: f64,
 }
 
@@ -61,7 +61,7 @@ impl Chart {
         Self { scales, amplitude }
     }
 
-    /// Index of the coordinate that holds a parameter; none where the parameter is no coordinate.
+    /// Place of the coordinate that holds a parameter; none where the parameter is no coordinate.
     pub(crate) fn index(&self, parameter: Parameter) -> Option<usize> {
         match (parameter, self.scales) {
             (Parameter::Frequency, _) => Some(0),
@@ -75,15 +75,15 @@ impl Chart {
         }
     }
 
-    /// Index of the knee; none where K_T and F_S are given.
+    /// Place of the knee; none where K_T and F_S are given, which fix the knee.
     pub(crate) fn knee(&self) -> Option<usize> {
         (self.scales != Scales::StiffnessAndForce).then_some(KNEE)
     }
 
-    /// Coordinates of parameters, inside the bounds.
+    /// Coordinates of parameters, cut to their bounds.
     ///
     /// # Errors
-    /// [`Error::Model`] when they are no model.
+    /// [`Error::Model`] when the parameters are no model.
     pub(crate) fn coordinates(&self, p: &Parameters) -> Result<[f64; COUNT], Error> {
         let (_, joint) = p.model()?;
         let third = match self.scales {
@@ -107,7 +107,7 @@ impl Chart {
     pub(crate) fn parameters(&self, x: &[f64]) -> Parameters {
         let (frequency, damping_ratio, chi, dirac) = (x[0].exp(), DAMPING_UNIT * x[1], x[3], x[DIRAC]);
         let c = (chi + 1.0) / (chi + 2.0);
-        // F_S = φ_max K_T (d + c (1-d)), and K_T (1-d) = R φ_max^(χ+1)/(χ+1), with the Dirac's share d.
+        // F_S = φ_max K_T (d + c (1-d)) and K_T (1-d) = R φ_max^(χ+1)/(χ+1), where d is the Dirac's share of K_T.
         let shape = dirac + c * (1.0 - dirac);
         let phi_max = self.amplitude * x[4].exp();
         let (k_t, f_s) = match self.scales {
@@ -122,7 +122,7 @@ impl Chart {
         Parameters { frequency, damping_ratio, k_t, f_s, chi, beta: dirac / (1.0 - dirac) }
     }
 
-    /// Whether K_∞ of these coordinates is positive, so that there is a model.
+    /// Whether K_∞ is positive at these coordinates, so that there is a model.
     pub(crate) fn leaves_residual_stiffness(&self, x: &[f64]) -> bool {
         let p = self.parameters(x);
         p.k_t < MOST_JOINT * (TAU * p.frequency).powi(2)

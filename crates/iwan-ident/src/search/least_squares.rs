@@ -1,20 +1,20 @@
-//! Non-linear least squares between bounds, by Levenberg's and Marquardt's method (J. J. Moré, 1978, without the
-//! trust region: damping by the diagonal), with central differences and projection onto the bounds.
+//! Non-linear least squares between bounds, by the method of Levenberg and Marquardt (J. J. Moré, 1978, without the trust region: damping by the
+//! diagonal), with finite differences and projection onto the bounds.
 //!
-//! The problems here have a dozen unknowns and residuals that cost microseconds; what a search shall not do is leave the
-//! region in which a model exists, or stop where a bound and a valley meet.
+//! The problems here have a dozen unknowns and residuals that cost microseconds. A search shall not leave the region in which a model exists, nor
+//! stop where a bound and a valley meet (a valley: a direction along which the sum of squares hardly changes).
 
 use iwan_machine::checkpoint::Digest;
 use nalgebra::{DMatrix, DVector};
 
 use super::kept::{End, Kept};
 
-/// What is sought by least squares. A function of the coordinates and of the residuals to fill is one: its derivatives are differences.
+/// A least-squares problem. A function of the coordinates that fills the residuals is one; its derivatives are finite differences.
 pub(crate) trait Problem {
-    /// Residuals into the second argument; false where there are none.
+    /// Puts the residuals at `x` into `out`; false where there are none.
     fn residuals(&mut self, x: &[f64], out: &mut [f64]) -> bool;
 
-    /// Derivatives of the residuals with respect to the coordinates `free`, one column each; none where differences are to be taken.
+    /// Derivatives of the residuals with respect to the coordinates in `free`, one column each; none where finite differences are to be taken.
     fn derivatives(&mut self, _x: &[f64], _free: &[usize]) -> Option<DMatrix<f64>> {
         None
     }
@@ -26,23 +26,24 @@ impl<F: FnMut(&[f64], &mut [f64]) -> bool + ?Sized> Problem for F {
     }
 }
 
-/// Relative reduction of the sum of squares at which a search ends that wants the minimum itself.
+/// Relative reduction of the sum of squares at which a search for the minimum itself ends.
 pub(crate) const TOLERANCE: f64 = 1e-8;
 /// Half step of the differences, in coordinates of order one: near the cube root of rounding, where central differences are
 /// best (relative errors of 1e-10); one-sided ones are good to 1e-5, enough for a direction.
 const STEP: f64 = 1e-5;
-/// Damping at which no step is left: it is 1e-12 of the gradient's. A search that finds no descent up to there has ended.
+/// Damping at which no step is left: a step is then 1e-12 of the gradient's. A search that finds no descent up to this damping has ended.
 const MOST_DAMPING: f64 = 1e12;
-/// Damping that holds no step back which matters: valleys are up to a million times longer than wide, which is 1e-12 in squares,
-/// and a search ends only after a step with no more damping than this.
+/// Damping that holds back no step that matters: valleys are up to a million times longer than wide, which is 1e-12 in squares. A search ends only
+/// after a step with no more damping than this.
 const LITTLE_DAMPING: f64 = 1e-9;
-/// A search that began with the derivatives of a neighbour ends without making them anew where they foretell this part of the reduction at which a search ends:
-/// a third of what it may leave anyway. A judgement.
+/// A search that began with a neighbour's derivatives ends without new ones where these foretell less than this part of the reduction at which a
+/// search ends: a third of what the search may leave anyway. A judgement.
 const FORETOLD: f64 = 0.3;
-/// Longest step of a coordinate in one iteration: a factor of e for logarithms, beyond which a linearisation says nothing.
+/// Longest step of a coordinate in one iteration: a factor of e for logarithms, beyond which a linearisation says nothing. Longer steps are cut to
+/// it.
 const LONGEST: f64 = 1.0;
 
-/// Where a search goes and when it ends.
+/// What a search varies, and when it ends.
 #[derive(Debug, Clone)]
 pub(crate) struct Search {
     /// Number of residuals.
@@ -51,15 +52,16 @@ pub(crate) struct Search {
     pub(crate) free: Vec<usize>,
     /// Lower and upper bound of each coordinate.
     pub(crate) bounds: Vec<(f64, f64)>,
-    /// Most iterations.
+    /// Most iterations; a search that spends them has not converged.
     pub(crate) iterations: usize,
-    /// Relative reduction of the sum of squares at which it ends.
+    /// Relative reduction of the sum of squares at which the search ends.
     pub(crate) tolerance: f64,
-    /// Whether derivatives are central and made anew at each step whatever the tolerance: where a valley is narrow and bent, others end above its floor.
+    /// Whether derivatives are central and made anew at each step whatever the tolerance: where a valley is narrow and bent, searches with other
+    /// derivatives end above its floor.
     pub(crate) central: bool,
-    /// Sum of squares that the residuals' own errors make: a reduction counts relative to this at least.
+    /// Sum of squares that the residuals' own errors make: reductions are taken relative to this at least.
     pub(crate) floor: f64,
-    /// Keeps where it ended, for a later process that searches the same.
+    /// Where the end of the search is kept, for a later process that searches the same; none: it is not kept.
     pub(crate) kept: Option<Kept>,
 }
 
@@ -69,12 +71,12 @@ pub(crate) struct Minimum {
     pub(crate) x: Vec<f64>,
     /// Sum of squares.
     pub(crate) cost: f64,
-    /// Whether it ended by itself and not by the number of iterations.
+    /// Whether the search ended by itself and not by the number of iterations.
     pub(crate) converged: bool,
 }
 
 impl Search {
-    /// The least sum of squares from `start`; none when the start has no residuals, or fewer than there are unknowns.
+    /// The least sum of squares from `start`; none when there are no residuals at the start, or fewer of them than unknowns.
     pub(crate) fn run<P: Problem + ?Sized>(&self, residuals: &mut P, start: &[f64]) -> Option<Minimum> {
         let (r, cost) = self.begin(residuals, start)?;
         let Some(kept) = &self.kept else { return Some(self.go_on(residuals, start, (r, cost), &mut None)) };
@@ -87,8 +89,8 @@ impl Search {
         Some(end)
     }
 
-    /// What a search depends on: where it begins, and all residuals there. Two problems that differ in a record, a weight or a parameter
-    /// that is held differ in these.
+    /// A number for all that a search depends on: its settings, where it begins, and all residuals there. Two problems that differ in a record, a
+    /// weight or a held parameter differ in these residuals.
     fn key(&self, start: &[f64], residuals: &[f64]) -> u128 {
         let bounds: Vec<f64> = self.bounds.iter().flat_map(|b| [b.0, b.1]).collect();
         let free = self.free.iter().fold(Digest::default(), |digest, j| digest.count(*j));
@@ -106,8 +108,8 @@ impl Search {
         Some((r, cost))
     }
 
-    /// One of many searches along a way: with derivatives that are known from the last one, which serve as long as steps bring what they foretell, and
-    /// are left behind for the next.
+    /// One of many searches along a way. It begins with the derivatives `known` from the last search, which serve as long as steps bring what they
+    /// foretell, and leaves its own derivatives there for the next one.
     pub(crate) fn run_along<P: Problem + ?Sized>(
         &self,
         residuals: &mut P,
@@ -118,7 +120,7 @@ impl Search {
         Some(self.go_on(residuals, start, first, known))
     }
 
-    /// Goes on from the start, whose residuals and cost are known.
+    /// Searches from `start`, where residuals `r` and their sum of squares are known.
     fn go_on<P: Problem + ?Sized>(
         &self,
         residuals: &mut P,
@@ -134,7 +136,7 @@ impl Search {
             return Minimum { x, cost, converged: false };
         };
         for _ in 0..self.iterations {
-            // By orthogonal factors, not normal equations: valleys here are a million times longer than wide.
+            // Orthogonal factors in place of normal equations: valleys here are a million times longer than wide.
             let factors = jacobian.clone().qr();
             let mut rotated = DVector::from_column_slice(&r);
             factors.q_tr_mul(&mut rotated);
@@ -143,8 +145,8 @@ impl Search {
             let (mut part, mut taken, mut tried) = (0.0, 0.0, false);
             while damping < most {
                 let next = self.step(&x, &matrix, &rotated, damping);
-                // More damping foretells less still; a first step that it holds back says nothing of one with less. Where the minimum itself is wanted
-                // the first step is taken whatever it brings.
+                // A step with more damping foretells still less. A first step that damping holds back says nothing about a step with less damping.
+                // Where the minimum itself is wanted the first step is taken whatever it brings.
                 let little = FORETOLD * self.tolerance * cost.max(self.floor);
                 let is_idle = next.as_ref().is_some_and(|(_, foretold)| *foretold < little);
                 if is_idle && (tried || !self.is_central()) {
@@ -166,13 +168,13 @@ impl Search {
                 damping *= 30.0;
             }
             let slow = part < self.tolerance;
-            // Derivatives of a neighbour by which neither this step nor the next brings anything need not be made anew.
+            // Where neither this step nor the next one brings anything by a neighbour's derivatives, these need not be made anew.
             let little = FORETOLD * self.tolerance * cost.max(self.floor);
             if along && slow && !fresh && Self::ahead(&jacobian, &matrix, &r) < little {
                 *known = Some(jacobian);
                 return Minimum { x, cost, converged: true };
             }
-            // A step that brings little may be held back by its damping, or bent by a crease: twice it is the end.
+            // A step that brings little may be held back by its damping, or bent by a crease: after two such steps the search ends.
             let end = slow && fresh && (taken <= LITTLE_DAMPING || before);
             before = slow && fresh;
             if end {
@@ -190,19 +192,19 @@ impl Search {
         Minimum { x, cost, converged: false }
     }
 
-    /// Whether the search wants the minimum itself, or its derivatives are central anyway: derivatives are central and made anew each time then; else they are
-    /// one-sided and kept up to date by the steps taken.
+    /// Whether derivatives are central and made anew at each step: where the search wants the minimum itself, or asks for them. Otherwise derivatives
+    /// are one-sided and updated by the steps taken.
     pub(crate) fn is_central(&self) -> bool {
         self.central || self.tolerance < 1e-6
     }
 
-    /// What the next step foretells of the sum of squares `r`, by derivatives and a triangular factor that is nearly theirs.
+    /// By how much the next step should reduce the sum of squares of `r`, by the derivatives and a triangular factor that is nearly theirs.
     fn ahead(jacobian: &DMatrix<f64>, matrix: &DMatrix<f64>, r: &[f64]) -> f64 {
         let gradient = jacobian.tr_mul(&DVector::from_column_slice(r));
         matrix.tr_solve_upper_triangular(&gradient).map_or(f64::INFINITY, |step| step.norm_squared())
     }
 
-    /// Broyden's update (Math. Comp. 19:577, 1965): along the step taken the derivatives become what was seen.
+    /// Broyden's update (Math. Comp. 19:577, 1965): the derivatives along the step taken become those that were seen.
     fn update(&self, jacobian: &mut DMatrix<f64>, from: &[f64], to: &[f64], before: &[f64], after: &[f64]) {
         let step = DVector::from_iterator(self.free.len(), self.free.iter().map(|&j| to[j] - from[j]));
         let square = step.norm_squared();
@@ -213,7 +215,7 @@ impl Search {
         }
     }
 
-    /// Where differences along a coordinate are taken: from the first to the second of two values between the bounds.
+    /// The two values of a coordinate between which a difference is taken, both inside the bounds where the coordinate is.
     pub(crate) fn apart(at: f64, (low, high): (f64, f64), central: bool) -> [f64; 2] {
         match at + STEP {
             to if to > high => [at, at - STEP],
@@ -254,8 +256,8 @@ impl Search {
         Some(jacobian)
     }
 
-    /// Where the damped step from `x` leads for the triangular factor and the rotated residuals, and how much less the sum of squares would be behind it if the
-    /// residuals were straight and the step were not cut; coordinates that would leave their bounds from there stay.
+    /// Where the damped step from `x` leads, for the triangular factor and the rotated residuals, and by how much the step would reduce the sum of
+    /// squares if residuals were linear and the step were not cut. Coordinates at a bound that the step would cross stay.
     fn step(
         &self,
         x: &[f64],
@@ -291,13 +293,13 @@ impl Search {
     }
 }
 
-/// The least |A s - r|² + damping·|D s|², D the column norms of A.
+/// The step s with the least |A s - r|² + damping·|D s|², where D holds the column norms of A.
 fn damped(matrix: &DMatrix<f64>, rotated: &DVector<f64>, damping: f64) -> Option<DVector<f64>> {
     let (rows, columns) = matrix.shape();
     let mut stacked = DMatrix::zeros(rows + columns, columns);
     stacked.view_mut((0, 0), (rows, columns)).copy_from(matrix);
     let norms: Vec<f64> = matrix.column_iter().map(|c| c.norm()).collect();
-    // Without any effect a coordinate stays where it is.
+    // A coordinate without any effect stays where it is.
     let floor = 1e-7 * norms.iter().fold(f64::MIN_POSITIVE, |m, n| m.max(*n));
     for (i, norm) in norms.iter().enumerate() {
         stacked[(rows + i, i)] = damping.sqrt() * norm.max(floor);
@@ -309,7 +311,7 @@ fn damped(matrix: &DMatrix<f64>, rotated: &DVector<f64>, damping: f64) -> Option
     factors.r().solve_upper_triangular(&right.rows(0, columns))
 }
 
-/// How the coordinates of all columns but the last follow the last, so that the residuals stay as small as they can.
+/// How the coordinates of all other columns follow a change of the last one by 1, so that the residuals stay as small as they can.
 pub(crate) fn following(jacobian: &DMatrix<f64>) -> Option<Vec<f64>> {
     let last = jacobian.ncols().checked_sub(1)?;
     let step = damped(&jacobian.columns(0, last).into_owned(), &-jacobian.column(last), LITTLE_DAMPING)?;
@@ -356,7 +358,7 @@ mod tests {
 
     #[test]
     fn a_bound_in_the_valley_ends_the_search_on_it() {
-        // On x0 = 0.5 the least sum is at x1 = 0.25.
+        // With x0 = 0.5 the least sum of squares is at x1 = 0.25.
         let bounds = [(-2.0, 0.5), NONE];
         let found = search(2, &[0, 1], &bounds).run(&mut rosenbrock, &[-1.2, 1.0]).unwrap();
         assert!(found.x[0] == 0.5 && (found.x[1] - 0.25).abs() < 1e-6, "{:?}", found.x);

@@ -2,17 +2,17 @@
 //! (C. L. Lawson, R. J. Hanson, *Solving Least Squares Problems*, 1974, ch. 23; R. Bro, S. de Jong, J. Chemometrics 11,
 //! 393, 1997, doi:10.1002/(SICI)1099-128X(199709/10)11:5<393::AID-CEM483>3.0.CO;2-L).
 //!
-//! Written here: the ready-made ones bring a second linear algebra with them, and cannot go on from the solution of a
-//! neighbouring problem, which is what a search for a regularisation does all the time.
+//! This is written here because ready-made solvers bring a second linear algebra with them, and cannot go on from the solution of a neighbouring
+//! problem, which a search for a regularisation does all the time.
 
 use nalgebra::{DMatrix, DVector};
 
-/// A gradient below this part of the largest right-hand side is zero: ten thousand times rounding. A larger one would leave out
-/// unknowns that the solution has, a smaller one would let them come and go for ever.
+/// Part of the largest right-hand side below which a gradient counts as zero: ten thousand times rounding. A larger value would leave out unknowns
+/// that the solution has, a smaller one would let them come and go for ever.
 const TOLERANCE: f64 = 1e-11;
 
-/// Least x'Hx/2 - b'x over x >= 0 for a symmetric positive definite H, beginning with the unknowns in `positive` above
-/// zero; that set is brought up to date. None when H is not positive definite, or rounding keeps the search going.
+/// The least x'Hx/2 - b'x over x >= 0 for a symmetric positive definite H [n × n]. The search begins with the unknowns in `positive` above zero, and
+/// brings that set up to date. None when H is not positive definite, or rounding keeps the search going for more than 10 n rounds.
 pub(crate) fn solve(h: &DMatrix<f64>, b: &DVector<f64>, positive: &mut Vec<bool>) -> Option<DVector<f64>> {
     let n = b.len();
     positive.resize(n, false);
@@ -31,7 +31,7 @@ pub(crate) fn solve(h: &DMatrix<f64>, b: &DVector<f64>, positive: &mut Vec<bool>
     None
 }
 
-/// A start: the solution on the set, from which what came out negative has been dropped.
+/// A start: the solution on the set of positive unknowns, from which those that came out negative have been dropped.
 fn feasible(h: &DMatrix<f64>, b: &DVector<f64>, positive: &mut [bool]) -> Option<DVector<f64>> {
     loop {
         let x = on_set(h, b, positive)?;
@@ -48,7 +48,7 @@ fn feasible(h: &DMatrix<f64>, b: &DVector<f64>, positive: &mut [bool]) -> Option
     }
 }
 
-/// Goes towards the solution on the set, and drops what reaches zero on the way.
+/// Goes from `x` towards the solution on the set, and drops the unknowns that reach zero on the way.
 fn descend(
     h: &DMatrix<f64>,
     b: &DVector<f64>,
@@ -70,7 +70,7 @@ fn descend(
     }
 }
 
-/// The unconstrained solution on the unknowns of a set, the others zero.
+/// The unconstrained solution on the unknowns of the set, with the others zero.
 fn on_set(h: &DMatrix<f64>, b: &DVector<f64>, positive: &[bool]) -> Option<DVector<f64>> {
     let set: Vec<usize> = (0..b.len()).filter(|&i| positive[i]).collect();
     let mut x = DVector::zeros(b.len());

@@ -5,19 +5,19 @@ use nalgebra::{Matrix3, Vector3};
 
 use super::points::{Points, Smooth, Smoothed};
 
-/// Points that are fitted anew around every time asked for.
+/// Points to which a parabola is fitted anew around every time that is asked for.
 #[derive(Debug, Clone)]
 pub(crate) struct LocalFit {
     t: Vec<f64>,
     y: Vec<f64>,
     weight: Vec<f64>,
     half: f64,
-    /// Count over effective count.
+    /// Number of points over the number of independent ones.
     repeats: f64,
 }
 
 impl LocalFit {
-    /// Neighbourhoods reach `half` to either side; near the ends of the points they reach `half` inwards all the same.
+    /// Neighbourhoods reach `half` (in the unit of time) to either side; at the ends of the points they still reach `half` inwards.
     pub(crate) fn new(points: &Points<'_>, half: f64) -> Self {
         let repeats = points.t.len() as f64 / points.effective;
         let (t, y, weight) = (points.t.to_vec(), points.y.to_vec(), points.weight.to_vec());

@@ -1,6 +1,6 @@
-//! Noisy points, and what a smooth curve through them tells.
+//! Noisy points, and what a smooth curve through them says.
 
-/// Value and slope of a smooth curve, each with its standard deviation.
+/// Value and slope of a smooth curve at one time, each with its standard deviation.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Smoothed {
     pub(crate) value: f64,
@@ -15,14 +15,14 @@ pub(crate) trait Smooth {
     fn at(&self, t: f64) -> Smoothed;
 }
 
-/// Part of the weighted sum of squares of the data below which a sum of squared residuals is rounding: (450 ε)² with
-/// ε = 2.2e-16. Fits that reach it count as equally good, so that the one with the fewest coefficients is taken.
+/// Part of the weighted sum of squares of the data below which a sum of squared residuals is rounding: (450 ε)² with ε = 2.2e-16. Fits that reach it
+/// count as equally good, so that the fit with the fewest coefficients is taken.
 const ROUNDING: f64 = 1e-26;
 
-/// Points (t, y) with weights; `effective` is the number of independent ones among them.
+/// Points (t, y) with weights; `effective` is the number of independent points among them.
 ///
-/// Neighbouring samples behind a filter of bandwidth B repeat each other: about B values a second are independent.
-/// Criteria and variances use that number in place of the count.
+/// Neighbouring samples after a filter of bandwidth B repeat each other: about B values a second are independent. Criteria and variances use the
+/// number of independent points in place of the number of all.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Points<'a> {
     pub(crate) t: &'a [f64],
@@ -31,7 +31,7 @@ pub(crate) struct Points<'a> {
     pub(crate) effective: f64,
 }
 
-/// A range of times.
+/// A range of times, by its middle and half its length.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Stretch {
     pub(super) middle: f64,
@@ -39,7 +39,7 @@ pub(super) struct Stretch {
 }
 
 impl Points<'_> {
-    /// The range of times.
+    /// The range of times that the points cover.
     pub(super) fn stretch(&self) -> Stretch {
         let (first, last) = (self.t[0], self.t[self.t.len() - 1]);
         Stretch { middle: 0.5 * (first + last), half: 0.5 * (last - first) }
@@ -53,7 +53,7 @@ impl Points<'_> {
             + terms as f64 * self.effective.ln()
     }
 
-    /// Variance of a value of weight 1, times count over effective count.
+    /// Variance of a value of weight 1, times the number of points over the number of independent ones.
     pub(super) fn variance(&self, rss: f64, terms: usize) -> f64 {
         rss / (self.effective - terms as f64).max(1.0)
     }

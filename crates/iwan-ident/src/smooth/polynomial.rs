@@ -1,13 +1,13 @@
 //! Weighted least squares by polynomials that are orthogonal on the points themselves.
 //!
-//! G. E. Forsythe, Generation and use of orthogonal polynomials for data-fitting with a digital computer, J. SIAM
-//! 5(2), 74-88, 1957: a three-term recurrence; with equal weights these are the discrete Legendre polynomials.
-//! Coefficients do not change with the order, and have independent errors.
+//! G. E. Forsythe, Generation and use of orthogonal polynomials for data-fitting with a digital computer, J. SIAM 5(2), 74-88, 1957: the polynomials
+//! follow from a three-term recurrence; with equal weights they are the discrete Legendre polynomials. Their coefficients do not change with the
+//! order of the fit, and have independent errors.
 
 use super::points::{Points, Smooth, Smoothed, Stretch};
 
-/// Degrees above that of the fit whose coefficients count as errors of it: at the ends, where all polynomials are largest, what one or two more
-/// degrees would change is more than what scatter makes. One alone may be small by chance, where the curve is even or odd.
+/// Degrees above that of the fit whose coefficients count as its errors: at the ends, where all polynomials are largest, one or two more degrees
+/// would change the curve by more than scatter does. The coefficient of one degree alone may be small by chance, where the curve is even or odd.
 const LEFT_OUT: usize = 2;
 
 /// A fitted polynomial.
@@ -17,22 +17,22 @@ pub(crate) struct Polynomial {
     half: f64,
     /// One entry per degree.
     recurrence: Vec<Recurrence>,
-    /// Those of the fit, then those of the degrees above it.
+    /// Coefficients of the fit, then those of the degrees above it.
     coefficients: Vec<f64>,
-    /// Variances of the coefficients; of a degree that was left out the square of its coefficient, which the curve lacks.
+    /// Variances of the coefficients; for a degree that was left out, the square of its coefficient, which the curve lacks.
     variances: Vec<f64>,
     /// Degree of the fit.
     order: usize,
 }
 
-/// p_{k+1} = (s - a) p_k - b p_{k-1} in scaled time s.
+/// Recurrence p_{k+1} = (s - a) p_k - b p_{k-1} in scaled time s, from -1 to 1.
 #[derive(Debug, Clone, Copy)]
 struct Recurrence {
     a: f64,
     b: f64,
 }
 
-/// One of the polynomials at a time: its value and its derivative with respect to scaled time.
+/// One of the polynomials at one time: its value, and its derivative with respect to scaled time.
 #[derive(Debug, Clone, Copy)]
 struct Term {
     value: f64,
@@ -40,7 +40,7 @@ struct Term {
 }
 
 impl Polynomial {
-    /// The fit of the order that Schwarz's criterion likes best, from 1 to `max`; or of the order `given`.
+    /// The fit of the order, from 1 to `max`, for which Schwarz's criterion is least; or of the order `given`.
     pub(crate) fn fit(points: &Points<'_>, given: Option<usize>, max: usize) -> Self {
         let Stretch { middle: centre, half } = points.stretch();
         let most = points.t.len().saturating_sub(2);

@@ -4,8 +4,8 @@ use nalgebra::{Cholesky, DMatrix, DVector, Dyn};
 
 use super::points::{Points, Smooth, Smoothed, Stretch};
 
-/// Numbers of intervals to choose from: steps of a half to a third, finer than Schwarz's criterion can tell apart; 16
-/// intervals follow what twelve coefficients of a polynomial (the Hilbert method) follow, and more would follow noise.
+/// Numbers of intervals to choose from, in steps of a half to a third, finer than Schwarz's criterion can tell apart. Sixteen intervals follow what
+/// twelve coefficients of a polynomial (the Hilbert method) follow, and more would follow noise.
 const INTERVALS: [usize; 8] = [1, 2, 3, 4, 6, 8, 12, 16];
 
 /// A fitted cubic spline.
@@ -15,7 +15,7 @@ pub(crate) struct Spline {
     width: f64,
     intervals: usize,
     coefficients: DVector<f64>,
-    /// Factor of the normal matrix and variance of a value of weight 1.
+    /// Factor of the normal matrix, and (`variance`) variance of a value of weight 1.
     factor: Cholesky<f64, Dyn>,
     variance: f64,
 }
@@ -27,8 +27,8 @@ struct Scored {
 }
 
 impl Spline {
-    /// The spline with the number of intervals that Schwarz's criterion likes best, or with as many as `given`.
-    /// None when there are too few points.
+    /// The spline with the number of intervals for which Schwarz's criterion is least, or with as many as `given`. None when there are too few
+    /// points.
     pub(crate) fn fit(points: &Points<'_>, given: Option<usize>) -> Option<Self> {
         let candidates = given.map_or(INTERVALS.to_vec(), |m| vec![m]);
         candidates
@@ -73,9 +73,9 @@ impl Spline {
     }
 }
 
-/// The four B-splines that are not zero at a time.
+/// The four B-splines that are not zero at a time, with their values and slopes.
 struct Basis {
-    /// Index of the first.
+    /// Index of the first of them.
     first: usize,
     values: [f64; 4],
     slopes: [f64; 4],

@@ -1,8 +1,9 @@
-//! How far the curves of one hit of a specimen stray from those of the next.
+//! How far the curves of frequency and damping of one hit on a specimen stray from those of the next.
 //!
-//! A bolted structure does not repeat itself: joints settle, temperatures differ from hit to hit. Each hit's curves are taken for the specimen's
-//! plus an offset and a process of ln a of its own. Their sizes, one of each for damping and for frequency, are those that make all hits together likeliest with
-//! the specimen's curves integrated out (restricted maximum likelihood: D. A. Harville, J. Am. Statist. Assoc. 72:320, 1977).
+//! A bolted structure does not repeat itself: joints settle, and temperatures differ from hit to hit. The curves of each hit are taken for those of
+//! the specimen plus an offset and a process of ln a that belong to the hit. Offset and process have one size each for damping and for frequency. The
+//! four sizes make all hits together likeliest, with the specimen's curves integrated out (restricted maximum likelihood: D. A. Harville, J. Am.
+//! Statist. Assoc. 72:320, 1977).
 
 use std::collections::HashMap;
 
@@ -12,25 +13,26 @@ use super::linear::Information;
 use super::process::Covariances;
 use crate::student::student;
 
-/// Sizes that are tried: none, and from the least on each twice the one below. Decay rates, relative: up to a half.
+/// Relative sizes of the decay rate that are tried, as the least size and a number: zero, then from the least on each twice the one below, up to a
+/// half.
 const DECAY: (f64, i32) = (1e-3, 10);
-/// Frequencies, relative: up to a half per cent.
+/// Relative sizes of the frequency that are tried, in the same form: up to a half per cent.
 const OMEGA: (f64, i32) = (3e-7, 15);
 
 /// Standard deviations of one hit from the specimen's mean.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Scatter {
-    /// Of the decay rate, relative.
+    /// Standard deviation of the decay rate, relative.
     pub decay: f64,
-    /// Of the frequency, relative.
+    /// Standard deviation of the frequency, relative.
     pub frequency: f64,
-    /// Hits that it was estimated from; below two it is not known, and taken as none.
+    /// Number of hits that the scatter was estimated from; below two it is not known, and taken as zero.
     pub hits: usize,
 }
 
 impl Scatter {
-    /// Standard deviations that hold 95 % of further hits: each hit is one more draw of its offset, so that the quantile is Student's with one
-    /// degree of freedom less than hits.
+    /// Half width of the band that holds 95 % of further hits, in standard deviations of the scatter: each hit is one more draw of its offset, so
+    /// that this is Student's quantile with one degree of freedom less than hits.
     pub(crate) fn half_width(&self) -> f64 {
         if self.hits < 2 { 0.0 } else { student((self.hits - 1) as f64) }
     }
@@ -40,13 +42,13 @@ fn sizes((least, count): (f64, i32)) -> Vec<f64> {
     std::iter::once(0.0).chain((0..count).map(|i| least * 2.0_f64.powi(i))).collect()
 }
 
-/// What one hit strays by, of unit size each: an offset of the decay rates and one of the frequencies, and the processes.
+/// Covariances of what one hit strays by, each of unit size: offsets of decay rates and of frequencies, then the processes of both.
 struct Straying {
     parts: [DMatrix<f64>; 4],
 }
 
 impl Straying {
-    /// `ratio`: a relative frequency of 1 in shifts.
+    /// `ratio` is the circular frequency over its range: how many shifts a relative change of one makes.
     fn new(covariances: &Covariances, ratio: f64) -> Self {
         let offset = |process: &DMatrix<f64>| {
             let sd = process.diagonal().map(f64::sqrt);
@@ -63,15 +65,15 @@ impl Straying {
     }
 }
 
-/// All hits with given sizes.
+/// All hits together, with given sizes of the straying.
 struct Trial {
     information: Information,
     /// Twice the negative logarithm of the likelihood.
     deviance: f64,
 }
 
-/// What several hits tell of the specimen's curves with the scatter among them, and that scatter with its covariance. `mean` is the mean of the curves'
-/// prior, `omega` and `shift` are the circular frequency and its range, 1/s.
+/// What several hits tell about the specimen's curves, given the scatter among them; that scatter; and its covariance. `mean` is the mean of the
+/// curves' prior; `omega` and `shift` are the circular frequency and its range, 1/s.
 pub(crate) fn specimen(
     hits: &[Information],
     covariances: &Covariances,
@@ -92,7 +94,7 @@ pub(crate) fn specimen(
             one.map_or(f64::INFINITY, |t| t.deviance)
         })
     };
-    // Along one size after the other, until none gains.
+    // One size after the other is moved along its values, until none gains.
     let mut place = ladders.each_ref().map(|ladder| ladder.len() / 2);
     loop {
         let before = place;
@@ -114,7 +116,7 @@ pub(crate) fn specimen(
     Some((information, scatter, covariance))
 }
 
-/// The hits with a process of the given covariance in each.
+/// The hits together, where the curves of each hit stray with the covariance `straying`.
 fn trial(
     hits: &[Information],
     straying: &DMatrix<f64>,
@@ -127,7 +129,7 @@ fn trial(
         let whole = DMatrix::identity(rank, rank) + factor * straying * factor.transpose();
         let lower = whole.cholesky()?.l();
         deviance += 2.0 * lower.diagonal().iter().map(|d| d.ln()).sum::<f64>();
-        // About the mean, so that nothing cancels.
+        // Taken about the mean, so that no digits cancel.
         let target = lower.solve_lower_triangular(&(target - factor * mean))?;
         let factor = lower.solve_lower_triangular(factor)?;
         deviance += target.norm_squared();

@@ -1,7 +1,7 @@
 //! The slow flow: amplitude and phase of a free decay, given decay rate and frequency against amplitude.
 //!
-//! u' = -λ(u) for u = ln a and θ' = ω(u), by averaging ([`Averaging`](iwan_core::Averaging)); λ and ω are curves through
-//! values on a [`Grid`]. Neither needs to be positive: where noise hides the damping, its estimate may pass through zero.
+//! Averaging ([`Averaging`](iwan_core::Averaging)) gives u' = -λ(u) for u = ln a, and θ' = ω(u); λ and ω are curves through values on a [`Grid`].
+//! Neither needs to be positive: where noise hides the damping, its estimate may pass through zero.
 
 use rustfft::num_complex::Complex64;
 
@@ -15,23 +15,23 @@ pub(crate) struct Rates {
     pub(crate) omega: Vec<f64>,
 }
 
-/// Where a decay begins: logarithm of the displacement amplitude and phase against the reference, at the first sample.
+/// The beginning of a decay at the first sample: ln of the displacement amplitude, and phase against the reference in rad.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Beginning {
     pub(crate) log: f64,
     pub(crate) phase: f64,
 }
 
-/// A motion in the course of a decay.
+/// The motion in the course of a decay.
 #[derive(Debug, Clone)]
 pub(crate) struct Decay {
-    /// ½ of the complex amplitude of the measured quantity, less the reference phase, at each moment.
+    /// Half the complex amplitude of the measured quantity, less the reference phase, at each moment.
     pub(crate) slow: Vec<Complex64>,
     /// Logarithm of the displacement amplitude at the last moment.
     pub(crate) end: f64,
 }
 
-/// The decay at the moments of a record's windows, by the classical Runge-Kutta method.
+/// The decay at the moments of a record's windows, by the classical Runge-Kutta method, one step from moment to moment.
 pub(crate) fn decay(grid: &Grid, rates: &Rates, from: Beginning, windowed: &Windowed) -> Decay {
     let at = |u: f64| grid.at(u, &rates.decay, &rates.omega);
     let h = windowed.step;

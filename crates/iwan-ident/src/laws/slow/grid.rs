@@ -1,14 +1,14 @@
 //! Amplitudes, evenly apart in their logarithm, and curves through values at them.
 
-/// Most that the logarithms of two neighbouring amplitudes differ by, unless there are too many: cubics through the values of
-/// any power of the amplitude up to the third are then good to 1e-4.
+/// Largest distance of neighbouring amplitudes in ln a, unless there are too many of them: cubics through the values of any power of the amplitude up
+/// to the third are then good to 1e-4.
 const STEP: f64 = 0.15;
-/// Fewest amplitudes: a cubic has four values, and to see it bend there must be more.
+/// Fewest amplitudes: a cubic takes four values, and more are needed to see it bend.
 const FEWEST: usize = 8;
-/// Most amplitudes: two decades at `STEP`. More cost time and tell no more.
+/// Most amplitudes: two decades at `STEP`. More cost time and tell no more; a wider range has wider steps.
 const MOST: usize = 32;
 
-/// Amplitudes at which curves have their values.
+/// Amplitudes, equal steps of ln a apart, at which curves have their values.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Grid {
     low: f64,
@@ -16,7 +16,7 @@ pub(crate) struct Grid {
     count: usize,
 }
 
-/// Where a logarithm lies between the amplitudes: cubic weights of four neighbours.
+/// The place of a value of ln a between the amplitudes: the first of four neighbours, and their cubic weights.
 #[derive(Debug, Clone, Copy)]
 struct Place {
     first: usize,
@@ -24,7 +24,7 @@ struct Place {
 }
 
 impl Grid {
-    /// From one amplitude to another.
+    /// The grid from one amplitude to another.
     pub(crate) fn over(low: f64, high: f64) -> Self {
         let range = (high / low).ln().max(1e-3);
         let count = ((range / STEP).ceil() as usize + 1).clamp(FEWEST, MOST);
@@ -48,12 +48,12 @@ impl Grid {
         (0..self.count).map(|i| self.amplitude(i)).collect()
     }
 
-    /// Geometric mean of all.
+    /// Geometric mean of all amplitudes.
     pub(crate) fn middle(&self) -> f64 {
         (self.low + 0.5 * self.step * (self.count - 1) as f64).exp()
     }
 
-    /// Cubic through the four nearest values (Lagrange's); beyond the ends the last value is held.
+    /// The cubic through the four nearest values (Lagrange's); beyond the ends the last value is held.
     fn place(&self, log: f64) -> Place {
         let x = ((log - self.low) / self.step).clamp(0.0, (self.count - 1) as f64);
         let first = (x as usize).saturating_sub(1).min(self.count - 4);
@@ -62,7 +62,7 @@ impl Grid {
         Place { first, weights: [-b * c * d / 6.0, a * c * d / 2.0, -a * b * d / 2.0, a * b * c / 6.0] }
     }
 
-    /// Two curves at a logarithm.
+    /// The values of two curves at a value of ln a.
     pub(crate) fn at(&self, log: f64, one: &[f64], other: &[f64]) -> (f64, f64) {
         let Place { first, weights } = self.place(log);
         let sum = |y: &[f64]| (0..4).map(|i| weights[i] * y[first + i]).sum();

@@ -2,21 +2,21 @@
 
 use nalgebra::{DMatrix, DVector, SymmetricEigen};
 
-/// Share of the largest information below which a direction is none: its standard deviation is then thirty thousand times that of the
-/// best-known one, and rounding is all it holds.
+/// Part of the largest eigenvalue below which a direction counts as unknown: its standard deviation is then thirty thousand times that of the
+/// best-known direction, and rounding is all that it holds.
 const LEAST: f64 = 1e-9;
 
 /// What records tell about the values of curves on a grid, decay rates first, then circular frequencies.
 #[derive(Debug, Clone)]
 pub(crate) struct Information {
-    /// R, one row for each direction that is known at all.
+    /// The matrix R, one row for each direction that is known at all.
     pub(crate) factor: DMatrix<f64>,
-    /// z.
+    /// The observed values z, one per row.
     pub(crate) target: DVector<f64>,
 }
 
 impl Information {
-    /// From a log-likelihood -½ δᵀN δ + gᵀδ in the distance δ of the curves from `about`.
+    /// From the log-likelihood -½ δᵀN δ + gᵀδ, where δ is the distance of the curves from `about`, N the `matrix` and g the `gradient`.
     pub(crate) fn new(matrix: DMatrix<f64>, gradient: &DVector<f64>, about: &DVector<f64>) -> Self {
         let eigen = SymmetricEigen::new(matrix);
         let most = eigen.eigenvalues.max();
@@ -32,7 +32,7 @@ impl Information {
         Self { factor, target }
     }
 
-    /// What several tell together.
+    /// The information of several records together.
     pub(crate) fn sum(all: &[Self]) -> Self {
         if let [one] = all {
             return one.clone();
@@ -42,7 +42,7 @@ impl Information {
         for one in all {
             matrix += one.factor.transpose() * &one.factor;
         }
-        // About the weighted mean of the targets, so that nothing cancels: N c = Σ Rᵀz.
+        // Sums of Rᵀz, so that nothing cancels: N c = Σ Rᵀz.
         let mut gradient = DVector::zeros(unknowns);
         for one in all {
             gradient += one.factor.transpose() * &one.target;
@@ -51,7 +51,7 @@ impl Information {
     }
 }
 
-/// N with the last `count` unknowns integrated out, and the gradient with them.
+/// The matrix N with the last `count` unknowns integrated out, and the gradient with them; none where N does not determine these unknowns.
 pub(crate) fn without_last(
     matrix: &DMatrix<f64>,
     gradient: &DVector<f64>,
@@ -73,7 +73,7 @@ mod tests {
 
     #[test]
     fn what_is_told_of_two_unknowns_through_a_third() {
-        // c0 + n and c1 + n and n itself, each with variance 1: without n they have variance 2 and share 1.
+        // c0 + n, c1 + n and n itself are observed, each with variance 1: without n the first two have variance 2 and covariance 1.
         let rows = DMatrix::from_row_slice(3, 3, &[1.0, 0.0, 1.0, 0.0, 1.0, 1.0, 0.0, 0.0, 1.0]);
         let observed = DVector::from_row_slice(&[3.0, 5.0, 0.5]);
         let (matrix, gradient) = (rows.transpose() * &rows, rows.transpose() * &observed);

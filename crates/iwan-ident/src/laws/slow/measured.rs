@@ -1,8 +1,8 @@
 //! The curves of one record, with all that is known about their errors.
 //!
-//! Unknown are decay rate and frequency at the amplitudes of a grid and the beginning; given are complex amplitudes in
-//! windows. Gauss and Newton, with smooth curves as the prior whose roughness the record itself decides (empirical Bayes),
-//! lead to the curves; what is handed on is the record's own information without that prior.
+//! The unknowns are decay rate and frequency at the amplitudes of a grid, and the beginning of the decay; given are complex amplitudes in windows.
+//! The curves are found by Gauss-Newton steps, with smooth curves as the prior, whose roughness the record itself decides (empirical Bayes). What is
+//! handed on is the record's own information, without that prior.
 
 use nalgebra::{DMatrix, DVector, SymmetricEigen};
 
@@ -14,19 +14,19 @@ use super::windowed::{Source, Windowed};
 use crate::curves::Curves;
 use crate::error::Error;
 
-/// Steps of Gauss and Newton; six to ten are usual.
+/// Most Gauss-Newton steps; six to ten are usual. Where they are spent the last curves count.
 const ROUNDS: usize = 20;
-/// Change of the curves, in their standard deviations, at which they are found.
+/// Change of the curves, in their standard deviations, below which they count as found.
 const SETTLED: f64 = 0.02;
-/// Prior width of ln amplitude and phase at the beginning: wide enough to say nothing.
+/// Standard deviation of the prior of ln amplitude and phase (rad) at the beginning: wide enough to say nothing.
 const BEGINNING_WIDTH: f64 = 10.0;
 /// Noise that is put down to the windows and to averaging itself, relative to the amplitudes: as in `refine`.
 const NOISE_FLOOR: f64 = 1e-6;
-/// Least decay rate of a first guess, over the mean: the logarithm of a smaller one has no meaning.
+/// Least decay rate of a first guess, over the mean: the logarithm of a smaller rate has no meaning.
 const LEAST_RATE: f64 = 0.05;
-/// Times that windows are left out where the mode sinks into noise, each time with the noise estimated anew.
+/// Times that windows are left out where the mode sinks into noise; each time the noise is estimated anew.
 const CUTS: usize = 3;
-/// Step of the differences in the curves' own units: a tenth of a per cent of the mean decay rate.
+/// Step of the differences, in units of the unknowns: a tenth of a per cent of the mean decay rate for the curves.
 const STEP: f64 = 1e-3;
 
 /// The curves of one record.
@@ -37,25 +37,25 @@ pub(crate) struct Measured {
     pub(crate) noise: f64,
     /// Root mean square of the whitened values.
     pub(crate) level: f64,
-    /// Logarithms of the smallest and largest displacement amplitude seen.
+    /// ln of the smallest and of the largest displacement amplitude seen.
     pub(crate) span: (f64, f64),
     /// Displacement amplitude at the first sample.
     pub(crate) released: f64,
 }
 
-/// Units and prior of the unknowns.
+/// The record, and units and prior of the unknowns.
 struct Frame<'a> {
     grid: &'a Grid,
     windowed: &'a Windowed,
-    /// First guess of the decay rates, and the units of the unknowns.
+    /// First guess of decay rates and frequencies, to which the prior's covariances are relative.
     guess: Rates,
     mean: DVector<f64>,
-    /// Range of the frequency, 1/s.
+    /// Range of the circular frequency, 1/s.
     shift: f64,
     rate: f64,
 }
 
-/// The equations at a point, in their eigen-directions.
+/// The linearised equations at a point: rows and target in eigen-directions, in units of the unknowns; matrix and gradient of the normal equations.
 struct Linearised {
     rows: DMatrix<f64>,
     target: DVector<f64>,
@@ -63,14 +63,14 @@ struct Linearised {
     gradient: DVector<f64>,
 }
 
-/// A step with the prior.
+/// A Gauss-Newton step with the prior.
 struct Step {
     to: DVector<f64>,
-    /// Number of values that the unknowns take from the record.
+    /// Number of degrees of freedom that the unknowns take from the record.
     effective: f64,
 }
 
-/// First guesses on the grid from the envelope's curves.
+/// First guesses of decay rate and frequency on the grid, from the envelopes' curves.
 pub(crate) fn guess(grid: &Grid, curves: &[&Curves]) -> Rates {
     let mut points: Vec<(f64, f64, f64)> = curves
         .iter()
@@ -85,7 +85,7 @@ pub(crate) fn guess(grid: &Grid, curves: &[&Curves]) -> Rates {
     points.sort_by(|a, b| a.0.total_cmp(&b.0));
     let mean = points.iter().map(|p| p.1).sum::<f64>() / points.len().max(1) as f64;
     let at = |u: f64| {
-        // Mean of the points next to the amplitude: the envelope is smooth already, several hits are not.
+        // The mean of the points next to the amplitude: one envelope is smooth already, several hits together are not.
         let near = |p: &&(f64, f64, f64)| (p.0 - u).abs() < 0.1;
         let (n, sum) =
             points.iter().filter(near).fold((0.0, (0.0, 0.0)), |(n, s), p| (n + 1.0, (s.0 + p.1, s.1 + p.2)));
@@ -157,7 +157,7 @@ impl Frame<'_> {
         DMatrix::from_fn(matrix.nrows(), matrix.ncols(), |i, j| matrix[(i, j)] * units[i] * units[j])
     }
 
-    /// Prior covariances in units.
+    /// Prior covariances of the unknowns, in their units.
     fn prior(&self) -> Covariances {
         let n = self.count();
         let curves = Covariances::new(self.grid, &self.guess, self.shift);
@@ -166,7 +166,7 @@ impl Frame<'_> {
         prior
     }
 
-    /// The step from `x` with noise of variance `noise` and the likeliest roughnesses.
+    /// The step from `x` with noise of variance `noise` and the likeliest roughness of the curves.
     fn step(&self, x: &DVector<f64>, at: &Linearised, prior: &Covariances, noise: f64) -> Option<Step> {
         let units = self.units();
         let away = (&self.mean - x).component_div(&units);
@@ -179,7 +179,7 @@ impl Frame<'_> {
     }
 }
 
-/// The curves of a record on a grid.
+/// The curves of a record on a grid, from the windows in which the mode is louder than the noise.
 pub(crate) fn measure(grid: &Grid, source: &Source<'_>) -> Result<Measured, Error> {
     let mut windowed = Windowed::new(source)?;
     for _ in 0..CUTS {
@@ -251,7 +251,7 @@ fn settle(frame: &Frame<'_>, start: DVector<f64>) -> Result<Measured, Error> {
     let (rates, beginning) = frame.rates(&x);
     let end = decay(frame.grid, &rates, beginning, frame.windowed).end;
     let span = (end.min(beginning.log), end.max(beginning.log));
-    // Curves that ran away from all amplitudes of the envelope are none.
+    // Curves that ran away from all amplitudes of the envelope are refused.
     if !(span.0 <= frame.grid.log(n - 1) && span.1 >= frame.grid.log(0)) {
         return Err(lost());
     }
@@ -264,8 +264,8 @@ fn settle(frame: &Frame<'_>, start: DVector<f64>) -> Result<Measured, Error> {
     })
 }
 
-/// Times that the variance of a mean of neighbouring values exceeds that of independent ones: (1+ρ)/(1-ρ) for a correlation ρ from
-/// one to the next (G. E. P. Box and G. M. Jenkins); 1 where noise explains ρ.
+/// Factor by which the variance of a mean of neighbouring values exceeds that of independent ones: (1+ρ)/(1-ρ) for a correlation ρ from one value to
+/// the next (G. E. P. Box and G. M. Jenkins), at most 10; 1 where noise explains ρ.
 fn inflation(residuals: &DVector<f64>) -> f64 {
     let r = residuals.as_slice();
     let product: f64 = r.iter().zip(r.iter().skip(2)).map(|(a, b)| a * b).sum();
@@ -274,15 +274,15 @@ fn inflation(residuals: &DVector<f64>) -> f64 {
     if rho > noise { ((1.0 + rho) / (1.0 - rho)).min(10.0) } else { 1.0 }
 }
 
-/// Amplitude and phase at the first sample, from the first window.
+/// ln amplitude and phase at the first sample, from the first window.
 fn beginning(source: &Source<'_>, windowed: &Windowed, grid: &Grid, guess: &Rates) -> Beginning {
     let curves = source.curves;
     let next = curves.t.partition_point(|t| *t < source.first).min(curves.t.len() - 1);
-    // Back from the envelope's first value at the loudest decay rate.
+    // From the envelope's first value back to the first sample, by the decay rate at the largest amplitude.
     let back = (curves.t[next] - source.first).max(0.0) * guess.decay[grid.count() - 1];
     let log = curves.displacement[next].ln() + back.min(1.0);
     let model = windowed.of_motion(&decay(grid, guess, Beginning { log, phase: 0.0 }, windowed).slow);
-    // Complex ratio of record and model over the first windows.
+    // Complex ratio of record to model in the first window.
     let pair = |y: &[f64]| rustfft::num_complex::Complex64::new(y[0], y[1]);
     let ratio = pair(&windowed.values) / pair(&model);
     Beginning { log: log + ratio.norm().ln().clamp(-2.0, 2.0), phase: ratio.arg() }

@@ -1,4 +1,4 @@
-//! Curves, and what laws miss of them, as Gaussian processes of the logarithm of the amplitude.
+//! The curves of decay rate and frequency, and what laws miss of them, as Gaussian processes of ln a.
 //!
 //! C. E. Rasmussen and C. K. I. Williams, Gaussian Processes for Machine Learning, 2006, Sec. 2.7 (a straight line of unknown
 //! coefficients beneath the process) and 5.4.1 (sizes by the marginal likelihood); as a discrepancy of a law: M. C. Kennedy and A.
@@ -9,45 +9,46 @@ use nalgebra::{Cholesky, DMatrix, DVector, Dyn};
 use super::flow::Rates;
 use super::grid::Grid;
 
-/// Length over which a process keeps its value, in ln amplitude: a factor e. The process is Ornstein and Uhlenbeck's, which bends at any place: a
-/// smooth one (a squared exponential) has to grow to half the damping before it follows the small bends of measured curves, and then
-/// swallows what laws are told apart by. With a third of this length the pendulum's records no longer tell dry friction from a
-/// hysteresis, and further hits of the double beam stray from their bands.
+/// Length over which a process keeps its value, in ln amplitude: a factor e. The process is Ornstein and Uhlenbeck's, which may bend anywhere. A
+/// smooth process (a squared exponential) has to grow to half the damping before it follows the small bends of measured curves, and then follows
+/// everything by which laws are told apart. With a third of this length the pendulum's records no longer tell dry friction from a hysteresis, and
+/// further hits of the double beam stray from their bands.
 const LENGTH: f64 = 1.0;
-/// Part of a variance that is added on the diagonal, so that the matrix is positive definite in rounding.
+/// Part of a variance that is added on the diagonal, so that the matrix stays positive definite in rounding.
 const JITTER: f64 = 1e-8;
-/// Roughness of ln λ, and of the frequency in parts of its shift, that records may choose from: from next to a straight line in ln a
-/// to many times that.
+/// Sizes of the process of ln λ, and of the frequency in parts of its shift, from which records choose the likeliest: from next to a straight line in
+/// ln a to far rougher.
 const ROUGHNESS: [f64; 6] = [0.01, 0.03, 0.1, 0.3, 1.0, 3.0];
-/// Error of averaging: in the decay rate, relative and in damping ratios; in the frequency, relative and in squares of damping ratios. Under dry
-/// friction the fundamental lags by 4F/(π k a), 2 ζ, which changes the frequency by 4 ζ² and less; dampers that are a power of the velocity stay below.
+/// Error of averaging: of the decay rate, relative, in units of the damping ratio; of the frequency, relative, in units of the damping ratio squared.
+/// Under dry friction the fundamental lags by 4F/(π k a) = 2 ζ, which changes the frequency by 4 ζ² and less; dampers by a power of the velocity stay
+/// below.
 const SECOND_ORDER: f64 = 2.0;
-/// Width of level and slope: ln λ, and the frequency in parts of itself. Wide enough to say nothing.
+/// Prior standard deviations of level and slope: of ln λ, and of the frequency relative to itself. Both are wide enough to say nothing.
 const DECAY_WIDTH: f64 = 2.0;
 const OMEGA_WIDTH: f64 = 0.1;
 
-/// Covariances of the values of curves, decay rates first, then circular frequencies.
+/// Covariances of the values of curves on a grid: decay rates first, then circular frequencies.
 #[derive(Debug, Clone)]
 pub(crate) struct Covariances {
-    /// Of level and slope.
+    /// Covariance of level and slope.
     pub(crate) line: DMatrix<f64>,
-    /// Of decay rates that stray by a factor e, …
+    /// Covariance of decay rates that stray by a factor e.
     pub(crate) decay: DMatrix<f64>,
-    /// … and of frequencies that stray by their shift.
+    /// Covariance of frequencies that stray by their shift.
     pub(crate) omega: DMatrix<f64>,
 }
 
-/// The likeliest sizes, and the Cholesky factor of the covariance with them.
+/// The likeliest sizes of the two processes, and the Cholesky factor of the covariance with them.
 pub(crate) struct Likeliest {
     pub(crate) decay: f64,
     pub(crate) omega: f64,
     pub(crate) factor: Cholesky<f64, Dyn>,
-    /// Logarithm of the likelihood, less its constant.
+    /// ln of the likelihood, less its constant.
     pub(crate) log_likelihood: f64,
 }
 
 impl Covariances {
-    /// About curves `near` those sought; `shift` is the range of the frequency, 1/s.
+    /// Covariances relative to curves `near` those sought; `shift` is the range of the circular frequency, 1/s.
     pub(crate) fn new(grid: &Grid, near: &Rates, shift: f64) -> Self {
         let n = grid.count();
         let middle = grid.middle().ln();
@@ -70,7 +71,7 @@ impl Covariances {
         Self { line, decay, omega }
     }
 
-    /// Of what averaging itself leaves out, about curves `near` those sought: it is of first order in the damping.
+    /// Covariance of what averaging itself leaves out, which is of first order in the damping; relative to curves `near` those sought.
     pub(crate) fn of_averaging(&self, near: &Rates, shift: f64) -> DMatrix<f64> {
         let n = near.decay.len();
         let ratio = |i: usize| near.decay[i] / near.omega[i];
@@ -86,12 +87,12 @@ impl Covariances {
         Self { line: map(&self.line), decay: map(&self.decay), omega: map(&self.omega) }
     }
 
-    /// All together, with the sizes of the two processes.
+    /// The sum of the covariances, with the sizes of the two processes.
     pub(crate) fn whole(&self, decay: f64, omega: f64) -> DMatrix<f64> {
         &self.line + &self.decay * (decay * decay) + &self.omega * (omega * omega)
     }
 
-    /// The sizes that tell `observed` best, whose covariance is this one plus `noise` on the diagonal.
+    /// The sizes that make `observed` likeliest, whose covariance is this one plus `noise` on the diagonal.
     pub(crate) fn likeliest(&self, observed: &DVector<f64>, noise: f64) -> Option<Likeliest> {
         let mut best: Option<Likeliest> = None;
         for decay in ROUGHNESS {

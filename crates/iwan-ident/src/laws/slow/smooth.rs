@@ -1,4 +1,4 @@
-//! Smooth curves of frequency and damping with bands: a model of every record.
+//! Smooth curves of frequency and damping against amplitude, with bands: a model of every record.
 
 use nalgebra::{DMatrix, DVector};
 
@@ -8,17 +8,17 @@ use super::grid::Grid;
 use super::linear::Information;
 use super::process::{Covariances, Likeliest};
 
-/// Curves on a grid, and the covariance of their values.
+/// Curves on a grid: decay rates and circular frequencies, with the covariance of their values.
 #[derive(Debug, Clone)]
 pub(crate) struct Smooth {
     pub(crate) rates: Rates,
-    /// Of decay rates first, then circular frequencies.
+    /// Covariance of the values: decay rates first, then circular frequencies.
     pub(crate) covariance: DMatrix<f64>,
 }
 
 impl Smooth {
-    /// Level curves, the mean of the prior about curves `near` those sought: the envelope's would keep their wiggles, and seem to be certain of
-    /// them.
+    /// The mean of the curves' prior: constant values, the means over curves `near` those sought. With the envelope's curves as the mean, the result
+    /// would keep their wiggles and seem certain of them.
     pub(crate) fn mean(near: &Rates) -> DVector<f64> {
         let n = near.decay.len();
         let level = (near.decay.iter().map(|d| d.ln()).sum::<f64>() / n as f64).exp();
@@ -26,7 +26,7 @@ impl Smooth {
         DVector::from_fn(2 * n, |i, _| if i < n { level } else { omega })
     }
 
-    /// The curves that all information together makes likeliest, about curves `near` them.
+    /// The curves that all information together makes likeliest; the prior is relative to curves `near` them.
     pub(crate) fn new(information: &Information, covariances: &Covariances, near: &Rates) -> Option<Self> {
         let Information { factor, target } = information;
         let (n, mean) = (near.decay.len(), Self::mean(near));
@@ -44,20 +44,20 @@ impl Smooth {
         Some(Self { rates, covariance })
     }
 
-    /// Standard deviation of a decay rate.
+    /// Standard deviation of the decay rate at amplitude `i` of the grid, 1/s.
     pub(crate) fn decay_sd(&self, i: usize) -> f64 {
         self.covariance[(i, i)].max(0.0).sqrt()
     }
 
-    /// Standard deviation of a circular frequency.
+    /// Standard deviation of the circular frequency at amplitude `i` of the grid, rad/s.
     pub(crate) fn omega_sd(&self, i: usize) -> f64 {
         let i = i + self.rates.omega.len();
         self.covariance[(i, i)].max(0.0).sqrt()
     }
 }
 
-/// Frequency and damping ratio against amplitude with bands of 95 %, ascending in amplitude. Of several hits the bands are those of a further
-/// hit of the specimen; of one they are its own, and do not know how the next would differ.
+/// Frequency and damping ratio against amplitude with bands of 95 %, by ascending amplitude; all vectors have the same length. From several hits, the
+/// bands are those of a further hit on the specimen; from one hit they are its own, and do not know how the next would differ.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Backbone {
     /// Displacement amplitude, mass-normalised.
@@ -66,9 +66,9 @@ pub struct Backbone {
     pub frequency: Vec<f64>,
     /// Damping ratio: decay rate over circular frequency.
     pub damping_ratio: Vec<f64>,
-    /// Lower end of the frequency's band.
+    /// Lower end of the frequency's band, Hz.
     pub frequency_low: Vec<f64>,
-    /// Upper end of the frequency's band.
+    /// Upper end of the frequency's band, Hz.
     pub frequency_high: Vec<f64>,
     /// Lower end of the damping ratio's band.
     pub damping_ratio_low: Vec<f64>,
@@ -82,13 +82,13 @@ pub struct Backbone {
 pub(crate) const HALF_WIDTH: f64 = 1.959_964;
 
 impl Backbone {
-    /// Whether it has more than one amplitude: records that are trusted for an instant only leave a single one.
+    /// Whether there is more than one amplitude: records that are trusted for an instant only leave a single one.
     #[must_use]
     pub const fn is_curve(&self) -> bool {
         self.amplitude.len() > 1
     }
 
-    /// What several hits say of the specimen's repeatability; none of one hit.
+    /// What several hits say about the specimen's repeatability; none for one hit.
     #[must_use]
     pub fn scatter_in_words(&self) -> Option<String> {
         let Scatter { decay, frequency, hits } = self.scatter;
@@ -102,7 +102,7 @@ impl Backbone {
         })
     }
 
-    /// Of curves at the amplitudes of a grid that lie in a range, with the scatter of hits and its covariance.
+    /// The backbone of `smooth` curves at the amplitudes `seen` of a grid, with the scatter of hits and its covariance.
     pub(crate) fn new(
         grid: &Grid,
         smooth: &Smooth,

@@ -1,4 +1,4 @@
-//! A ring-down as a slow flow sees it: complex amplitudes in overlapping windows, with independent noise of equal variance.
+//! A ring-down as the slow flow sees it: complex amplitudes in overlapping windows, with independent noise of equal variance.
 //!
 //! z_k = ∫ w(t - kH) x(t) e^(-iθ(t)) dt with w = sin⁴(πt/4H) on 0 … 4H, as in [`refine`](mod@crate::refine), but with the
 //! measured phase θ in place of a fixed frequency: a mode that softens by a third stays in the middle of its windows.
@@ -11,27 +11,27 @@ use crate::curves::Curves;
 use crate::error::Error;
 use crate::refine::{OVERLAP, RingDown, Whitening};
 
-/// Moments at which the slow motion is taken between the beginnings of two windows: the sum over a window is then its
-/// integral to rounding as long as the phase strays by less than six turns of it.
+/// Moments, from window to window, at which the slow motion is taken: the sum over a window is then its integral to rounding, as long as the phase
+/// strays by less than six turns over the window.
 pub(crate) const PER_HOP: usize = 4;
-/// Most windows of a record: more say no more about a slow amplitude, and cost time.
+/// Most windows of a record: more say no more about a slow amplitude, and cost time. Longer records have longer windows.
 const MOST: f64 = 120.0;
-/// Fewest windows: amplitude and phase at five places.
+/// Fewest windows: amplitude and phase at five places. Shorter records are refused.
 const FEWEST: usize = 5;
-/// Part of the amplitude that is left from one window to the next where a mode stops: linear decays of 10 % of damping leave half.
+/// Ratio of the amplitudes of successive windows below which the mode has stopped: linear decays with 10 % of damping leave half of the amplitude.
 const STOPPED: f64 = 0.3;
-/// Times the noise that a window's amplitude must be. Below, a mode under dry friction may have stopped, which averaging does not
-/// know, and what a viscous decay tells more of its damping is a per cent of what it told before. A judgement.
+/// Least amplitude of a window over the noise. Below it a mode under dry friction may have stopped, which averaging does not know, and what a viscous
+/// decay would tell further about its damping is a per cent of what it told before. A judgement.
 const ABOVE_NOISE: f64 = 5.0;
 
-/// A ring-down with the curves that its envelope gave.
+/// A ring-down, with the curves that its envelope gave.
 #[derive(Debug, Clone, Copy)]
 pub struct Source<'a> {
-    /// Samples in free decay.
+    /// The ring-down: samples in free decay.
     pub ring_down: RingDown<'a>,
-    /// Time of the first of them on the time axis of the curves, s.
+    /// Time of the first sample on the time axis of the curves, s.
     pub first: f64,
-    /// Frequency and damping against time.
+    /// Frequency and damping of the envelope against time.
     pub curves: &'a Curves,
 }
 
@@ -44,11 +44,11 @@ pub(crate) struct Windowed {
     pub(crate) phase: Vec<f64>,
     count: usize,
     whitening: Whitening,
-    /// Absolute values before whitening, over those of noise of variance 1.
+    /// Magnitudes of the amplitudes before whitening, over the standard deviation that noise of variance one makes.
     loudness: Vec<f64>,
-    /// Whitened amplitudes: real and imaginary parts one after the other.
+    /// Whitened amplitudes: real and imaginary part of each window, one after the other.
     pub(crate) values: Vec<f64>,
-    /// How often the displacement was differentiated.
+    /// Number of times that the displacement was differentiated.
     pub(crate) power: i32,
 }
 
@@ -91,19 +91,20 @@ impl Windowed {
         Ok(windowed)
     }
 
-    /// First window in which the mode comes to rest, as under dry friction; their number if there is none.
+    /// Index of the first window in which the mode has come to rest, as under dry friction; the number of windows if there is none.
     fn stops(&self) -> usize {
         let stops = |pair: &[f64]| pair[1] < STOPPED * pair[0];
         self.loudness.windows(2).position(stops).map_or(self.count, |k| k + 1)
     }
 
-    /// Leaves out windows that are not louder than some times the noise, as its standard deviation in whitened values. Whether any were.
+    /// Leaves out windows that are not louder than `ABOVE_NOISE` times the `noise`, a standard deviation of whitened values. True if any were left
+    /// out.
     pub(crate) fn cut_at_noise(&mut self, noise: f64) -> bool {
         let quiet = self.loudness.iter().position(|l| *l < ABOVE_NOISE * noise).unwrap_or(self.count);
         self.cut_at(quiet)
     }
 
-    /// Keeps the windows that end before window `quiet` does; at least the fewest.
+    /// Keeps the windows that end before window `quiet` begins, and at least `FEWEST`. True if any were left out.
     fn cut_at(&mut self, quiet: usize) -> bool {
         let count =
             if quiet < self.count { (quiet + 1).saturating_sub(OVERLAP).max(FEWEST) } else { self.count };
@@ -115,7 +116,7 @@ impl Windowed {
         cut
     }
 
-    /// Of uniform samples from t = 0.
+    /// Complex amplitudes of uniform samples from t = 0, less their mean, one per window; `omega` is the reference frequency at the moments, rad/s.
     fn of_samples(&self, samples: &[f64], dt: f64, omega: &[f64]) -> Vec<Complex64> {
         let mean = samples.iter().sum::<f64>() / samples.len() as f64;
         let mut out = vec![Complex64::default(); self.count];
@@ -139,7 +140,7 @@ impl Windowed {
         out
     }
 
-    /// Of a slow motion: ½ of its complex amplitude, less the reference phase, at each moment; whitened.
+    /// Whitened amplitudes of a slow motion, which is given by half its complex amplitude, less the reference phase, at each moment.
     pub(crate) fn of_motion(&self, slow: &[Complex64]) -> Vec<f64> {
         const WIDE: usize = OVERLAP * PER_HOP;
         let weight: [f64; WIDE] =
@@ -156,7 +157,7 @@ impl Windowed {
     }
 }
 
-/// Frequency of curves at a time, Hz: straight lines between their entries, held beyond.
+/// Frequency of curves at a time, Hz: straight lines between their entries, the first or last value beyond.
 fn frequency_at(curves: &Curves, t: f64) -> f64 {
     let next = curves.t.partition_point(|s| *s <= t);
     if next == 0 || next == curves.t.len() {

@@ -1,4 +1,5 @@
-//! A model's ring-down in the windows: its half cycles one by one, or by a table where they are many and alike.
+//! A model's ring-down as complex amplitudes in the windows. Its half cycles are computed one by one, or taken from a table where they are many and
+//! alike.
 
 use std::f64::consts::{PI, TAU};
 
@@ -14,26 +15,28 @@ use crate::parameters::Parameters;
 use crate::refine::release::TurningPoint;
 use crate::turn::turn;
 
-/// Cycles from window to window from which on a window is a cubic over half a cycle: what is left of sin⁴ is below
-/// 40/24 (π/16/cycles)⁴ at the ends of the half cycle.
+/// Distance of neighbouring windows, in cycles, from which on a window counts as a cubic over half a cycle, so that four moments of each half cycle
+/// are enough: the part of sin⁴ that is left out is then below 40/24 (π/16/cycles)⁴ at the ends of the half cycle.
 const LONG: f64 = 3.0;
-/// Largest amplitude over φ_max of a decay that goes on by a table in micro-slip, where half cycles take next to nothing off it, …
+/// Largest amplitude over φ_max at which a decay goes on by a table in micro-slip, where a half cycle takes next to nothing off the amplitude.
 const MICRO: f64 = 0.96;
-/// … smallest one in macro-slip: nearer to the end the table needs as many half cycles as it saves, …
+/// Smallest amplitude over φ_max at which a decay goes on by a table in macro-slip: nearer to the end of macro-slip the table needs as many half
+/// cycles as it saves.
 const MACRO: f64 = 1.15;
-/// … and where that table ends: its last polynomial reaches below the amplitude, and the middle of its last half cycle shall not reach φ_max.
+/// Amplitude over φ_max at which a table in macro-slip ends: its last polynomial reaches below this amplitude, and the middle of its last half cycle
+/// shall not reach φ_max.
 const MACRO_ENDS: f64 = 1.05;
-/// Cycles that must be left for a table to be worth its ten nodes and more, of five half cycles each.
+/// Cycles that must be left of the record for a table to be worth its ten nodes and more, of five half cycles each.
 const LEFT: f64 = 60.0;
 
-/// A decay whose half cycles are of one kind.
+/// The kind of half cycles that a table holds: all in micro-slip, or all in macro-slip.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Regime {
     Micro,
     Macro,
 }
 
-/// What decays, and what of it is seen.
+/// The oscillator and the joint that decay, and the quantity whose amplitudes are wanted.
 #[derive(Clone, Copy)]
 struct Model<'a> {
     oscillator: &'a Oscillator,
@@ -43,8 +46,8 @@ struct Model<'a> {
 }
 
 impl Windows {
-    /// Complex amplitudes of the model's ring-down from rest at `start`; false when there is none. Before the release the
-    /// motion is mirrored: it is a turning point.
+    /// Complex amplitudes of the model's ring-down from rest at `start` into `out`, one per window; false when there is no ring-down. Before the
+    /// release the motion is mirrored in time, because the release is a turning point.
     pub(in crate::refine) fn of_model(
         &self,
         parameters: &Parameters,
@@ -103,7 +106,8 @@ impl Windows {
         true
     }
 
-    /// Whether a decay from here goes on through so many half cycles of one kind that a table of them is worth it.
+    /// The kind of table by which a decay can go on from the turning point `now`; none where too few cycles are left for a table to be worth it, and
+    /// where the amplitude is too close to φ_max.
     fn slow_regime(&self, now: &TurningPoint, phi_max: f64) -> Option<Regime> {
         let ratio = now.displacement.abs() / phi_max;
         let enough = now.time > 0.0 && (self.end() - now.time) * self.omega > LEFT * TAU;
@@ -115,9 +119,10 @@ impl Windows {
         }
     }
 
-    /// Adds half cycles one by one from a turning point on, to the end or until `left` names the kind of those that follow, from a turning point
-    /// and the larger change of ln amplitude by the last two half cycles: they differ where a decay goes on about a displacement that is not zero. `first` is the time of the release where
-    /// the decay begins with it. False where there is no decay.
+    /// Adds half cycles one by one from the turning point `now` on, until the last window ends or `left` names the kind of table by which the decay
+    /// can go on. `left` is given the turning point and the larger change of ln amplitude of the last two half cycles: the two changes differ where a
+    /// decay goes on about a displacement that is not zero. `first` is the time of the release where the decay begins with it. False where there is
+    /// no decay.
     fn add_plainly(
         &self,
         Model { oscillator, joint, tables, quantity }: Model<'_>,
@@ -157,7 +162,7 @@ impl Windows {
             let crosses = now.displacement * turned.displacement < 0.0;
             *now = TurningPoint { time: began + turned.time, displacement: turned.displacement, ..*now };
             logs = [logs[1], logs[2], logs[3], turned.displacement.abs().ln()];
-            // By half cycles of both signs: a decay out of macro-slip goes on about a displacement that is not zero.
+            // The mean over half cycles of both signs: a decay out of macro-slip goes on about a displacement that is not zero.
             let growth = 0.5 * (logs[3] - logs[1]);
             let bend = 0.5 * (logs[3] - logs[2] - logs[1] + logs[0]);
             let change = (logs[3] - logs[2]).abs().max((logs[2] - logs[1]).abs());
@@ -174,7 +179,7 @@ impl Windows {
         true
     }
 
-    /// Adds half cycles by a table from a turning point on: to the end, or to where the table has no more.
+    /// Adds half cycles from a table, from the turning point `now` on, until the last window ends or the table has no further half cycle.
     fn add_by_table(
         &self,
         Model { oscillator, joint, tables, quantity }: Model<'_>,
@@ -194,7 +199,7 @@ impl Windows {
         let mut table = Table::new(nodes, (oscillator, joint, tables), add);
         while now.time < self.end() {
             let Some(half) = table.at(log) else { break };
-            // The moments are about their own middle: `add_moments` turns them from the record's beginning.
+            // The moments refer to the middle of their half cycle: `add_moments` turns their phase to the record's beginning.
             let moments = Moments(half.moments.map(|m| m * sign));
             self.add_moments(now.time + quarter, &moments, quantity, out);
             (log, sign) = (log + half.growth, -sign);
@@ -202,12 +207,12 @@ impl Windows {
         }
     }
 
-    /// The integrand of a moment but for the window: x e^(-iω_r t) dt, for acceleration -v e^(-iω_r t) dt.
+    /// The integrand of a moment without the window: x e^(-iω_r t) dt, and for acceleration -v e^(-iω_r t) dt.
     fn term(&self, t: f64, motion: Motion, seconds: f64, quantity: Quantity) -> Complex64 {
         turn(self.omega * t) * (motion.seen(quantity) * seconds)
     }
 
-    /// Adds a node of the motion.
+    /// Adds the motion at one node of the quadrature to what is gathered for the windows.
     fn add(
         &self,
         t: f64,
@@ -220,7 +225,7 @@ impl Windows {
     }
 }
 
-/// Displacement and velocity at a moment.
+/// Displacement and velocity at one time.
 #[derive(Debug, Clone, Copy)]
 struct Motion {
     displacement: f64,
@@ -228,7 +233,7 @@ struct Motion {
 }
 
 impl Motion {
-    /// What windows are taken of: acceleration by parts, as minus the velocity.
+    /// The signal whose integrals in windows are taken. Acceleration is integrated by parts, so that minus the velocity stands for it.
     fn seen(self, quantity: Quantity) -> f64 {
         match quantity {
             Quantity::Displacement => self.displacement,
@@ -237,7 +242,7 @@ impl Motion {
         }
     }
 
-    /// The same at the same time before a turning point.
+    /// The motion as long before a turning point as this motion is after it.
     fn mirrored(self) -> Self {
         Self { velocity: -self.velocity, ..self }
     }
@@ -271,7 +276,7 @@ mod tests {
     fn amplitudes_of_the_model_are_those_of_its_samples() {
         let dt = 1.0 / (124.0 * 40.0);
         let joint = MODE.model().unwrap().1;
-        // Windows one cycle apart take every node, those five apart take half cycles.
+        // Windows one cycle apart are filled node by node, windows five cycles apart by the moments of half cycles.
         for (ratio, cycles, count) in [(0.1, 1.0, 46), (2.0, 1.0, 46), (0.1, 5.0, 6), (2.0, 5.0, 6)] {
             let samples = motion(ratio, dt, 2001);
             let windows = Windows::over(2000.0 * dt, 123.0, cycles);
@@ -284,7 +289,7 @@ mod tests {
                 assert!(windows.of_model(&MODE, start, quantity, &mut Buffers::default(), &mut model));
                 let record = windows.of_samples(&samples[i], dt);
                 for (k, (a, b)) in model.iter().zip(&record).enumerate() {
-                    // A residual displacement of the centre is slow, and its windows do not see it.
+                    // A residual displacement of the centre varies slowly, so that the windows do not see it.
                     let error = (a - b).norm() / b.norm();
                     assert!(error < 2e-5, "{ratio} {cycles} {quantity:?} window {k}: {error:e}");
                 }

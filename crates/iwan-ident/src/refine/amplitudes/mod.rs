@@ -1,5 +1,5 @@
-//! Complex amplitudes in windows, of a record and of a model's ring-down: slow decays by a table of half cycles, white noise made white again, and the phase that the
-//! frequency of a day adds.
+//! Complex amplitudes in windows, of a record and of a model's ring-down: the windows, slow decays by a table of half cycles, amplitudes whose white
+//! noise is made white again, and the phase that the frequency of a day adds.
 
 pub(super) mod slow;
 pub(super) mod windows;

@@ -1,9 +1,9 @@
 //! Half cycles of a slow decay: smooth functions of the amplitude, taken from a table.
 //!
-//! In micro-slip one half cycle follows from the amplitude alone (the tip of its loop has settled next to the virgin curve), in
-//! macro-slip as well (the tip lies on it), and all it gives (the amplitude after it, its duration, its moments) changes
-//! smoothly with the logarithm of the amplitude, but for a bend between the two. So the map is computed at a few amplitudes and interpolated by
-//! polynomials; the decay still goes from half cycle to half cycle.
+//! In micro-slip a half cycle follows from its amplitude alone, because the tip of its loop has settled next to the virgin curve; in macro-slip as
+//! well, because the tip lies on that curve. All that a half cycle gives (the amplitude after it, its duration, its moments) changes smoothly with ln
+//! amplitude, except for a bend between micro-slip and macro-slip. So half cycles are computed at a few amplitudes, the nodes of a table, and
+//! interpolated by polynomials; the decay still goes from half cycle to half cycle.
 
 use std::collections::VecDeque;
 
@@ -13,44 +13,47 @@ use rustfft::num_complex::Complex64;
 use crate::curves::Quantity;
 use crate::parameters::{COUNT, Parameters};
 
-/// Spacing of the table in the logarithm of the amplitude in micro-slip, where powers of the amplitude are all there is: a slow decay of a thousand cycles is
-/// then right to 1e-6 (the test in `windows`), …
+/// Spacing of a table's nodes in ln amplitude in micro-slip, where half cycles depend on powers of the amplitude only: a slow decay of a thousand
+/// cycles is then right to 1e-6 (the test in `decay`).
 const SPACING: f64 = 0.24;
-/// … and in macro-slip at most, where they change with the distance from φ_max.
+/// Largest spacing of a table's nodes in ln amplitude in macro-slip, where half cycles change with the distance from φ_max.
 const SPACING_IN_MACRO_SLIP: f64 = 0.12;
-/// Nodes of an interpolating polynomial. With four in place of six a third of the spacing had been needed.
+/// Nodes of an interpolating polynomial. Four nodes in place of six would have needed a third of the spacing.
 const POINTS: usize = 6;
-/// Half cycles before the one that is tabulated: the tip of the loop has settled by then to second order in the loss of a half cycle.
+/// Half cycles that are computed before the tabulated ones in micro-slip: by then the tip of the loop has settled to second order in the loss of a
+/// half cycle.
 const SETTLING: usize = 3;
 
 /// Amplitude over φ_max at which a table in micro-slip begins: the loops of its first node stay below φ_max.
 pub(super) const TOP: f64 = 0.99;
-/// Nodes in micro-slip at most: down to e^-1440 times the first amplitude, further than numbers reach.
+/// Most nodes of a table in micro-slip: they reach down to e^-1440 times the first amplitude, further than floating-point numbers do.
 const MOST: usize = 6000;
-/// How far above the first amplitude a table in macro-slip begins: it ends above φ_max, whatever rounding does to its first amplitude.
+/// How far above the decay's first amplitude a table in macro-slip begins, in ln amplitude: rounding does not put that amplitude outside the table,
+/// which ends above φ_max.
 const ABOVE: f64 = 0.03;
-/// Half cycles by whose decay a node of micro-slip lies below the amplitude at which it was begun, and one more.
+/// Most half cycles by whose decay a node in micro-slip lies below the amplitude at which its computation begins, and one half cycle more.
 pub(super) const BELOW: f64 = SETTLING as f64 + 2.0;
-/// Fastest decay, in the logarithm of the amplitude per half cycle, for which tips of loops in micro-slip count as settled.
-/// Amplitudes of the test in `windows` are then off by 1.2e-5 at most, 5e-6 to 8e-6 from micro-slip on; with half as much as this by half as much there, and faster
-/// decays would be computed one by one.
+/// Fastest decay, in ln amplitude per half cycle, for which the tips of loops in micro-slip count as settled; faster decays are computed one by one.
+/// Amplitudes of the test in `decay` are then off by 1.2e-5 at most, by 5e-6 to 8e-6 where the decay begins in micro-slip. Half this value would
+/// halve the latter errors, and decays above it would be computed one by one.
 pub(super) const FASTEST: f64 = 0.008;
-/// The same at φ_max for tables in macro-slip, of which no half cycle shall end without slipping as a whole.
+/// Fastest decay at φ_max, in ln amplitude per half cycle, by a table in macro-slip, in which every half cycle shall end with the joint slipping as a
+/// whole. At larger amplitudes the limit is lower by the factor φ_max over amplitude.
 pub(super) const FASTEST_IN_MACRO_SLIP: f64 = 0.06;
 
-/// What a half cycle is.
+/// What one half cycle, from turning point to turning point, does to the motion and adds to the windows.
 #[derive(Debug, Clone, Copy, Default)]
 pub(super) struct HalfCycle {
-    /// Change of the logarithm of the amplitude.
+    /// Change of ln amplitude.
     pub(super) growth: f64,
-    /// Seconds.
+    /// Duration, s.
     pub(super) duration: f64,
-    /// Integrals of x e^(-iω_r (t - m)) (t - m)^k about m, a quarter of the reference period behind the beginning; of a half cycle
-    /// that begins at a positive displacement.
+    /// Integrals of x e^(-iω_r (t - m)) (t - m)^k for k = 0 to 3, of a half cycle that begins at a positive displacement; m is a quarter of the
+    /// reference period after its beginning.
     pub(super) moments: [Complex64; 4],
 }
 
-/// Numbers in a half cycle.
+/// Real numbers in a half cycle: growth, duration and four complex moments.
 const VALUES: usize = 10;
 
 impl HalfCycle {
@@ -65,7 +68,8 @@ impl HalfCycle {
     }
 }
 
-/// The polynomial through neighbouring nodes, in Newton's form, and the logarithms between which it is taken.
+/// The polynomial through neighbouring nodes in Newton's form (`places` in ln amplitude, divided `differences`), and the ln amplitudes `from` (upper)
+/// and `to` (lower) between which it is used.
 #[derive(Debug, Clone, Copy)]
 struct Piece {
     places: [f64; POINTS],
@@ -75,7 +79,7 @@ struct Piece {
 }
 
 impl Piece {
-    /// Through nodes, for the logarithms from that of node `middle` to the next one's.
+    /// The polynomial through the nodes `through`, for ln amplitudes between node `middle` and the next one.
     fn new(through: &[Node; POINTS], middle: usize) -> Self {
         let places: [f64; POINTS] = std::array::from_fn(|i| through[i].0);
         let mut differences: [[f64; VALUES]; POINTS] = std::array::from_fn(|i| through[i].1.values());
@@ -98,7 +102,7 @@ impl Piece {
     }
 }
 
-/// A node of a half cycle for the moments: seconds from its beginning, displacement, velocity, weight.
+/// A node of the quadrature over a half cycle: seconds from the beginning of the half cycle, displacement, velocity, and weight in s.
 pub(super) struct Moment {
     pub(super) late: f64,
     pub(super) displacement: f64,
@@ -109,15 +113,15 @@ pub(super) struct Moment {
 /// Half cycles at a few amplitudes, each computed when it is first asked for.
 #[derive(Debug, Clone)]
 pub(super) struct Nodes {
-    /// Logarithm of the amplitude at which the first node is begun, and the distance to the next.
+    /// ln amplitude at which the computation of the first node begins, and the distance to the next node in ln amplitude.
     top: f64,
     spacing: f64,
     /// Number of nodes.
     count: usize,
     in_macro_slip: bool,
-    /// By ascending place.
+    /// What is known of each node, from the largest amplitude on.
     known: Vec<Known>,
-    /// Between a node and the next one, where it was asked for.
+    /// The polynomial between each node and the next one, where it was asked for.
     pieces: Vec<Option<Piece>>,
 }
 
@@ -128,38 +132,38 @@ type Node = (f64, HalfCycle);
 #[derive(Debug, Clone, Copy)]
 enum Known {
     NotYet,
-    /// Its half cycle is none of a slow decay.
+    /// Its half cycle decays too fast for a table, or cannot be computed.
     Unfit,
     Node(Node),
 }
 
 impl Nodes {
-    /// From φ_max downwards: the same nodes for every decay of an oscillator in micro-slip.
+    /// A table from φ_max downwards: the same nodes serve every decay of an oscillator in micro-slip.
     pub(super) fn in_micro_slip(phi_max: f64) -> Self {
         let top = (TOP * phi_max).ln();
         Self { top, spacing: SPACING, count: MOST, in_macro_slip: false, known: vec![], pieces: vec![] }
     }
 
-    /// From the logarithm of an amplitude down to the logarithm `floor`.
+    /// A table in macro-slip from the ln amplitude `log` down to the ln amplitude `floor`.
     pub(super) fn in_macro_slip(log: f64, floor: f64) -> Self {
         let top = log + ABOVE;
-        // Down to the floor there is room for as many nodes as a polynomial needs.
+        // Above the floor there is room for as many nodes as a polynomial needs.
         let spacing = SPACING_IN_MACRO_SLIP.min((top - floor) / POINTS as f64);
         let count = ((top - floor) / spacing) as usize + 1;
         Self { top, spacing, count, in_macro_slip: true, known: vec![], pieces: vec![] }
     }
 }
 
-/// What computations of models work in, and half cycles that they have in common.
+/// Buffers for the computation of models, and half cycles that several models have in common.
 #[derive(Debug, Clone, Default)]
 pub(in crate::refine) struct Buffers {
     pub(super) stack: Vec<Reversal>,
-    /// Of the models that were computed last.
+    /// Tables in micro-slip of the models that were computed last.
     tables: VecDeque<(TableOf, Nodes)>,
     commons: VecDeque<(Parameters, Common)>,
 }
 
-/// A model, and what its half cycles are found from.
+/// A model, and the tables from which its half cycles are found.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Common {
     pub(super) oscillator: Oscillator,
@@ -175,11 +179,12 @@ pub(super) struct TableOf {
     pub(super) quantity: Quantity,
 }
 
-/// Tables that are kept: those of a point of a search, of its neighbours along each of the parameters, and one to spare.
+/// Tables and models that are kept: those at one point of a search, at its neighbours along each of the parameters, and one to spare. The oldest
+/// makes room.
 pub(in crate::refine) const KEPT: usize = COUNT + 2;
 
 impl Buffers {
-    /// The model of parameters, known where it was met before; none where they are no model.
+    /// The model of these parameters, taken from the kept ones where it is among them; none where the parameters are no model.
     pub(super) fn common(&mut self, parameters: &Parameters) -> Option<Common> {
         if let Some((_, common)) = self.commons.iter().find(|(known, _)| known == parameters) {
             return Some(*common);
@@ -193,14 +198,14 @@ impl Buffers {
         Some(common)
     }
 
-    /// The nodes of a table in micro-slip, those of the same model where it was met before.
+    /// The nodes of a table in micro-slip, those kept for the same model where there are any.
     pub(super) fn nodes(&mut self, of: TableOf, phi_max: f64) -> Nodes {
         let place = self.tables.iter().position(|(known, _)| *known == of);
         let known = place.and_then(|i| self.tables.remove(i));
         known.map_or_else(|| Nodes::in_micro_slip(phi_max), |(_, nodes)| nodes)
     }
 
-    /// Keeps nodes for the next decay of the same model; the table that was not used for longest makes room.
+    /// Keeps nodes for the next decay of the same model; the table that was unused for longest makes room.
     pub(super) fn keep(&mut self, of: TableOf, nodes: Nodes) {
         if self.tables.len() >= KEPT {
             self.tables.pop_front();
@@ -221,16 +226,16 @@ pub(super) struct Table<'a, F> {
     oscillator: &'a Oscillator,
     joint: &'a FourParameter,
     tables: &'a HalfCycleTables,
-    /// The last decay, which the next one takes the place of.
+    /// The decay that computed the last node; the next node takes over its buffers.
     decay: Option<Decay<'a, FourParameter, [Reversal; SETTLING + 8]>>,
-    /// Adds a node to moments.
+    /// Adds a node of the quadrature to the moments of a half cycle.
     add: F,
-    /// Place of that of the last half cycle asked for.
+    /// Place of the polynomial that gave the last half cycle.
     piece: Option<usize>,
 }
 
 impl<'a, F: FnMut(Moment, &mut [Complex64; 4])> Table<'a, F> {
-    /// By nodes that may serve several decays of the same oscillator and joint, with the same moments.
+    /// A table on nodes that may serve several decays of the same oscillator and joint with the same moments.
     pub(super) fn new(
         nodes: &'a mut Nodes,
         (oscillator, joint, tables): (&'a Oscillator, &'a FourParameter, &'a HalfCycleTables),
@@ -239,18 +244,19 @@ impl<'a, F: FnMut(Moment, &mut [Complex64; 4])> Table<'a, F> {
         Self { nodes, oscillator, joint, tables, decay: None, add, piece: None }
     }
 
-    /// The polynomial of a place.
+    /// The polynomial between node `place` and the next one, where it is known.
     fn piece(&self, place: usize) -> Option<&Piece> {
         self.nodes.pieces.get(place)?.as_ref()
     }
 
-    /// The half cycle that begins at the logarithm of an amplitude; none above the first node and below the last, and where half cycles are none of a slow decay.
+    /// The half cycle that begins at the ln amplitude `log`; none above the first node, below the last one, and where half cycles decay too fast for
+    /// a table.
     pub(super) fn at(&mut self, log: f64) -> Option<HalfCycle> {
         let last = self.piece.and_then(|place| self.piece(place));
         if let Some(piece) = last.filter(|p| log <= p.from && log > p.to) {
             return Some(piece.at(log));
         }
-        // A node lies at the amplitude at which it was begun, or below it by less than the spacing.
+        // A node lies at the amplitude at which its computation began, or below it by less than the spacing.
         let begun = (self.nodes.top - log) / self.nodes.spacing;
         let begun = if begun >= 0.0 { begun as usize } else { return None };
         let is_above = |table: &mut Self, i: usize| table.node(i).is_some_and(|n| n.0 >= log);
@@ -259,7 +265,7 @@ impl<'a, F: FnMut(Moment, &mut [Complex64; 4])> Table<'a, F> {
         if let Some(piece) = self.piece(above) {
             return (log > piece.to).then(|| piece.at(log));
         }
-        // As many nodes below the place as above it, where the table goes so far.
+        // As many nodes below `log` as above it, where the table goes so far.
         let highest = self.nodes.count.checked_sub(POINTS)?;
         let first = (above + 1).saturating_sub(POINTS / 2).min(highest);
         let first = (first..=above.min(highest)).find(|i| self.node(*i).is_some())?;
@@ -276,7 +282,7 @@ impl<'a, F: FnMut(Moment, &mut [Complex64; 4])> Table<'a, F> {
         (log > piece.to).then(|| piece.at(log))
     }
 
-    /// A node, computed where it is asked for the first time.
+    /// Node `i`, computed when it is first asked for; none where it is unfit for a table.
     fn node(&mut self, i: usize) -> Option<Node> {
         if i >= self.nodes.count {
             return None;
@@ -296,8 +302,9 @@ impl<'a, F: FnMut(Moment, &mut [Complex64; 4])> Table<'a, F> {
         node
     }
 
-    /// The half cycle computed: in micro-slip after some that let the tip of the loop settle, and the mean of two, as the tips
-    /// alternate about where they settle. In macro-slip the tip lies on the virgin curve from the first on.
+    /// Computes the half cycle at the ln amplitude `log`. In micro-slip a few half cycles first let the tip of the loop settle, and the mean of the
+    /// next two is taken, because tips alternate about the curve on which they settle. In macro-slip the tip lies on the virgin curve from the first
+    /// half cycle on.
     fn computed(&mut self, log: f64) -> Option<Node> {
         let held = Motion::held_at(log.exp());
         let mut decay = if let Some(decay) = self.decay.take() {

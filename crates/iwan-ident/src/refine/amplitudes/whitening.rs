@@ -1,4 +1,4 @@
-//! Amplitudes in overlapping windows, made independent of each other.
+//! Complex amplitudes in overlapping windows, made independent of each other.
 
 use std::f64::consts::PI;
 
@@ -10,17 +10,17 @@ use super::windows::OVERLAP;
 /// both ends, so that the error falls with the sixth power of the step: 1e-12 with 100 steps, rounding with 400.
 const STEPS: i32 = 400;
 
-/// Turns amplitudes with white noise in the record into values with independent noise of equal variance.
+/// Turns amplitudes of a record with white noise into values with independent noise of equal variance.
 ///
-/// The Cholesky factor of the windows' overlaps, a band of four: z = L y, and E|y|² = 1 for noise of density 1
-/// (variance of a sample times dt).
+/// `rows` is the Cholesky factor L of the windows' overlaps, a band of four: z = L y, and E|y|² = 1 for noise of density 1 (the density is the
+/// variance of a sample times dt).
 #[derive(Debug, Clone)]
 pub(crate) struct Whitening {
     rows: Vec<[f64; OVERLAP]>,
 }
 
 impl Whitening {
-    /// For `count` windows, each `hop` seconds behind the one before.
+    /// For `count` windows, each beginning `hop` seconds after the one before.
     pub(crate) fn of(count: usize, hop: f64) -> Self {
         // ∫ sin⁴(x) sin⁴(x + iπ/4) over the common support, in units of H·4/π.
         let overlap: [f64; OVERLAP] = std::array::from_fn(|i| {

@@ -1,10 +1,10 @@
-//! What of a ring-down is compared with a model: complex amplitudes in overlapping windows.
+//! The part of a ring-down that is compared with a model: complex amplitudes in overlapping windows.
 //!
-//! z_k = ∫ w(t - kH) x(t) e^(-iω_r t) dt with w = sin⁴(πt/4H) on 0 … 4H and a fixed reference frequency ω_r, H a whole
-//! number of its cycles. The same linear functional is taken of record and model, so that nothing is lost to smoothing
-//! or to the windows' ends; offset, slow drift, harmonics and other modes (apart by more than 3/(4H) Hz) fall outside.
-//! Windows share a quarter and more of each other: [`Whitening`](super::whitening::Whitening) makes white noise of the record white again.
-//! The record is taken to be free of aliases: higher harmonics are not folded into the model's amplitudes.
+//! z_k = ∫ w(t - kH) x(t) e^(-iω_r t) dt with w = sin⁴(πt/4H) on 0 … 4H and a fixed reference frequency ω_r, of which H is a whole number of cycles.
+//! The same linear functional is taken of record and model, so that nothing is lost to smoothing or to the windows' ends; offset, slow drift,
+//! harmonics and other modes (more than 3/(4H) Hz away) fall outside. Neighbouring windows share a quarter and more of their length, which correlates
+//! the noise of their amplitudes: [`Whitening`](super::whitening::Whitening) makes white noise of the record white again. The record is taken to be
+//! free of aliases: higher harmonics are not folded into the model's amplitudes.
 
 use std::f64::consts::{PI, TAU};
 
@@ -13,30 +13,30 @@ use rustfft::num_complex::Complex64;
 use crate::curves::Quantity;
 use crate::turn::{cosine_and_sine, turn};
 
-/// Windows that cover a moment: sin⁴ windows shifted by a quarter of their length sum to a constant, so that no moment counts
-/// more than another.
+/// Number of windows that cover any one moment: sin⁴ windows shifted by a quarter of their length sum to a constant, so that no moment counts more
+/// than another.
 pub(crate) const OVERLAP: usize = 4;
-/// Most windows of a record: more say no more about a slow amplitude, and cost time. Longer records have longer windows.
+/// Most windows of a record: more say no more about a slowly varying amplitude, and cost time. Longer records have longer windows.
 const MOST: f64 = 120.0;
 
-/// Cycles that are computed one by one for a record without noise, a judgement between time and error. Longer records without noise, which only simulations make, keep the tables'
-/// error.
+/// Longest record without noise, in cycles, whose half cycles are all computed one by one: a judgement between time and error. Longer records without
+/// noise, which only simulations make, keep the error of the tables.
 const MOST_WITHOUT_TABLES: f64 = 1000.0;
 
 /// Where the windows lie.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(in crate::refine) struct Windows {
-    /// ω_r, rad/s.
+    /// Reference frequency ω_r, rad/s.
     pub(in crate::refine) omega: f64,
-    /// Step from window to window, s.
+    /// Step H from window to window, s.
     pub(in crate::refine) hop: f64,
     pub(in crate::refine) count: usize,
-    /// Whether a model's half cycles come from tables where these are many.
+    /// Whether half cycles of a model are taken from tables where they are many.
     pub(in crate::refine) tables: bool,
 }
 
 impl Windows {
-    /// As many as a record of `seconds` holds, at least `cycles` of the reference `frequency` (Hz) apart.
+    /// As many windows as a record of `seconds` holds, at least `cycles` of the reference `frequency` (Hz) apart.
     pub(in crate::refine) fn over(seconds: f64, frequency: f64, cycles: f64) -> Self {
         let cycles = cycles.max(seconds * frequency / MOST).ceil().max(1.0);
         let hop = cycles / frequency;
@@ -44,7 +44,7 @@ impl Windows {
         Self { omega: TAU * frequency, hop, count, tables: true }
     }
 
-    /// From now on a model's half cycles are computed one by one, where they are not too many for that.
+    /// From now on half cycles of a model are computed one by one, where the record is not too long for that.
     pub(in crate::refine) fn leave_tables(&mut self) {
         self.tables &= self.end() * self.omega > MOST_WITHOUT_TABLES * TAU;
     }
@@ -54,14 +54,14 @@ impl Windows {
         (self.count + OVERLAP - 1) as f64 * self.hop
     }
 
-    /// How many windows end before the time `t`, which is not negative, and cosine and sine of the angle 2x there of the last window that has begun.
+    /// Index of the last window that has begun by the time `t` (s, not negative), and cosine and sine of the angle 2x = π(t - kH)/2H in that window.
     fn phase_at(&self, t: f64) -> (usize, [f64; 2]) {
         let place = t / self.hop;
         let last = place as usize;
         (last, cosine_and_sine(0.5 * PI * (place - last as f64)))
     }
 
-    /// Complex amplitudes of uniform samples from t = 0.
+    /// Complex amplitudes of uniform samples from t = 0, less their mean, one per window; `dt` in s.
     pub(in crate::refine) fn of_samples(&self, samples: &[f64], dt: f64) -> Vec<Complex64> {
         let mean = samples.iter().sum::<f64>() / samples.len() as f64;
         let mut out = vec![Complex64::default(); self.count];
@@ -73,7 +73,7 @@ impl Windows {
         out
     }
 
-    /// Adds a half cycle about the time `t` to the windows that cover it, these by their Taylor series.
+    /// Adds the moments of a half cycle about the time `t` (s) to the windows that cover it, with each window's Taylor series about `t`.
     pub(super) fn add_moments(&self, t: f64, moments: &Moments, quantity: Quantity, out: &mut [Complex64]) {
         let (last, [c, s]) = self.phase_at(t);
         let rate = 0.5 * PI / self.hop;
@@ -91,8 +91,8 @@ impl Windows {
         self.spread(last, parts, turn(self.omega * t), quantity, out);
     }
 
-    /// Adds integrals to the last window that has begun and to the three before it: sin⁴x = ⅜ - ½ cos 2x + ⅛ cos 4x, and the angle 2x of each
-    /// is a quarter turn ahead of the next one's.
+    /// Adds integrals to the last window that has begun and to the three before it. A window is sin⁴x = ⅜ - ½ cos 2x + ⅛ cos 4x, and the angle 2x in
+    /// each window is a quarter turn ahead of the angle in the next one.
     fn spread(
         &self,
         last: usize,
@@ -103,7 +103,7 @@ impl Windows {
     ) {
         let (mut mean, mut double) = (mean * 0.375, double * 0.125);
         if quantity == Quantity::Acceleration {
-            // By parts: minus iω_r times the same, and the windows' derivatives.
+            // Integration by parts: minus iω_r times the same integrals, and those with the windows' derivatives.
             let (minus, rate) = (Complex64::new(0.0, -self.omega), 0.5 * PI / self.hop);
             mean *= minus;
             single = [single[0] * minus + single[1] * rate, single[1] * minus - single[0] * rate];
@@ -120,7 +120,8 @@ impl Windows {
         }
     }
 
-    /// Adds x dt at the time `t` to what is gathered, which is handed on where other windows begin.
+    /// Adds x dt at the time `t` (s) to what is gathered, which is handed on to the windows as soon as another window begins. Times before 0 are left
+    /// out.
     pub(super) fn gather(
         &self,
         t: f64,
@@ -150,7 +151,8 @@ impl Windows {
     }
 }
 
-/// Integrals of what is seen: as it is, times the cosine of the last window's angle 2x and of the angle a quarter turn ahead, and the same for 4x.
+/// Integrals of the signal times e^(-iω_r t): by itself, times the cosine of the last window's angle 2x and of the angle a quarter turn ahead, and
+/// the same for 4x.
 #[derive(Debug, Clone, Copy, Default)]
 struct Parts {
     mean: Complex64,
@@ -158,14 +160,14 @@ struct Parts {
     double: [Complex64; 2],
 }
 
-/// Integrals over a time in which no window begins.
+/// Integrals over a stretch of time in which no window begins; `last` is the window that began last before it.
 #[derive(Debug, Clone, Copy, Default)]
 pub(super) struct Gathered {
     last: usize,
     parts: Parts,
 }
 
-/// Integrals over a half cycle, times 0 to 3 powers of the time from its middle.
+/// Integrals over a half cycle of the signal times powers 0 to 3 of the time from the middle of the half cycle.
 #[derive(Debug, Clone, Copy, Default)]
 pub(super) struct Moments(pub(super) [Complex64; 4]);
 
