@@ -20,7 +20,7 @@ const MOVED: f64 = 0.03;
 
 /// A channel does not move with the modes of the others where the fit leaves more than this fraction of it (root mean square).
 const STRANGER: f64 = 0.5;
-/// Of the other channels the fit must then leave less than this fraction of that, by their median: modes that are missing are missing in all of them.
+/// Of the other channels the fit must then leave, by their median, less than this fraction of what it leaves of the one: modes that are missing are missing in all of them.
 const OTHERS: f64 = 0.5;
 
 impl ModalFit {

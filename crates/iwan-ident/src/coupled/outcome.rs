@@ -47,7 +47,7 @@ pub struct FittedSharing {
     pub motions: Vec<Vec<Vec<f64>>>,
 }
 
-/// A number with its 95 % interval; an end that is none is open.
+/// A number with its 95 % interval; an end that is `None` is open.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct CoupledEstimate {
     /// Which unknown it is.

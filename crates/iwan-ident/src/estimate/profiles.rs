@@ -11,7 +11,7 @@ use crate::search::Minimum;
 /// Largest number of steps of a search along a profile. A search that is not through by then leaves the profile a little too high, and the interval too narrow.
 const ALONG: usize = 60;
 
-/// A 95 % interval; an end that is none is open.
+/// A 95 % interval; an end that is `None` is open.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Interval {
     /// Lower end.

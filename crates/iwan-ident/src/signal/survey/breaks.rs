@@ -118,7 +118,7 @@ mod tests {
         let x = record();
         let none = |x: &[f64]| breaks(x, 15.0) == Breaks::default();
         assert!(none(&x));
-        // Another hit during the decay, a clipped begin and a fall to nothing.
+        // Another hit during the decay, a clipped start and a fall to nothing.
         let again: Vec<f64> = (0..x.len()).map(|n| x[n] + if n < 3000 { 0.0 } else { x[n - 2500] }).collect();
         assert!(none(&again));
         let clipped: Vec<f64> = x.iter().map(|x| x.clamp(-0.7, 0.7)).collect();

@@ -29,7 +29,7 @@ const LOUD: f64 = 2e-3;
 /// The error is also at least this many steps between the numbers that the record can hold: where a decay sinks into the last bit of a converter, errors of one step stand
 /// among zeros, and the prediction of a cycle in few samples weighs the rounding of several of them.
 const STEPS: f64 = 4.0;
-/// A driven sample belongs to the hit before it unless more than this many samples between them are not driven: half a cycle.
+/// A driven sample belongs to the hit before it unless at least this many samples between them are not driven: half a cycle.
 const QUIET: usize = 10;
 /// Within ORDER samples after a hit, the memory of the prediction, no other hit is told. Within the next CYCLES cycles only errors of at least this fraction of the hit's own
 /// count: smaller ones are what the prediction, or a joint that rattles, makes of the hit itself.
