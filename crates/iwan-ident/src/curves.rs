@@ -5,7 +5,7 @@ use std::f64::consts::TAU;
 use crate::error::{Error, check, check_length};
 use crate::signal::Envelope;
 
-/// What was measured.
+/// The quantity that a record measures.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Quantity {
     /// Acceleration q''.
@@ -18,7 +18,7 @@ pub enum Quantity {
 }
 
 impl Quantity {
-    /// How often the displacement was differentiated.
+    /// Number of time derivatives of the displacement that the quantity is: 2, 1 or 0.
     pub(crate) const fn power(self) -> i32 {
         match self {
             Self::Acceleration => 2,
@@ -31,7 +31,7 @@ impl Quantity {
 /// Which force stands on the abscissa of dissipation against force.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub enum ForceAxis {
-    /// Total modal force ω² q, equal to ω0² q at small amplitude.
+    /// Total modal force ω² q, equal to ω0² q at small amplitude; 1/s² times the displacement.
     #[default]
     Modal,
     /// Joint force |F_J| = (ω² - K_∞) q from Eq. 5, with K_∞ = ω0² - K_T: it needs ω0 (as a frequency in Hz) and K_T.
@@ -59,13 +59,13 @@ pub struct Curves {
     pub dissipation: Vec<f64>,
     /// Force on the named axis.
     pub force: Vec<f64>,
-    /// Which force that is.
+    /// The force that stands in `force`.
     pub axis: ForceAxis,
     /// Standard deviation of ln D: that of the damping ratio and of the amplitude.
     pub log_dissipation_sd: Vec<f64>,
     /// Standard deviation of the frequency, Hz.
     pub frequency_sd: Vec<f64>,
-    /// Independent values that the curves hold, for criteria and intervals: at most one per entry.
+    /// Number of independent values in the curves, for criteria and intervals: at most one per entry.
     pub independent: f64,
 }
 
@@ -103,7 +103,7 @@ impl Curves {
         for (i, rate) in rates.into_iter().enumerate() {
             let (omega, ratio) = (TAU * envelope.frequency[i], envelope.damping_ratio[i]);
             let q = envelope.amplitude[i] / omega.powi(power);
-            // -A'/A from its definition, then the velocity's: v = A ω^(1-power).
+            // The decay rate -A'/A follows from the damping ratio's definition, then that of the velocity amplitude v = A ω^(1-power).
             let decay = omega * ratio / (1.0 - ratio * ratio).sqrt();
             let decay = decay - (1.0 - f64::from(power)) * rate / envelope.frequency[i];
             let v = omega * q;
@@ -144,7 +144,7 @@ impl Curves {
         Ok(self)
     }
 
-    /// The same curves, by straight lines at those of the `times` that they cover.
+    /// The same curves, linearly interpolated at those of the `times` (s) that they cover.
     #[must_use]
     pub(crate) fn at(&self, times: &[f64]) -> Self {
         let own = &self.t;
@@ -172,7 +172,7 @@ impl Curves {
         }
     }
 
-    /// The line of ln D over ln force by least squares over the entries with D > 0 and a force between the two ends of
+    /// The least-squares line of ln D over ln force, through the entries with D > 0 and a force between the two ends of
     /// `range`: its slope is χ + 3 in micro-slip. None with fewer than three such entries.
     #[must_use]
     pub fn slope(&self, range: (f64, f64)) -> Option<Line> {
@@ -185,7 +185,7 @@ impl Curves {
     }
 }
 
-/// K_∞ on an axis: 0 for the modal force.
+/// Stiffness K_∞ (1/s²) that is subtracted from ω² on an axis: 0 for the modal force.
 fn residual(axis: ForceAxis) -> Result<f64, Error> {
     let ForceAxis::Joint { frequency, k_t } = axis else { return Ok(0.0) };
     let remedy = "give the small-amplitude frequency in Hz and the joint stiffness in 1/s^2";

@@ -67,7 +67,7 @@ pub enum Error {
 }
 
 impl Error {
-    /// Its kind in the catalogue of errors.
+    /// The error's kind in the catalogue of errors.
     #[must_use]
     pub fn kind(&self) -> Kind {
         match self {
@@ -80,7 +80,7 @@ impl Error {
     }
 }
 
-/// Passes `value` on when `ok` holds and it is finite, names it otherwise.
+/// Passes `value` on when `ok` holds and it is finite; else the error names it.
 pub(crate) fn check(
     name: &'static str,
     value: f64,
@@ -94,7 +94,7 @@ pub(crate) fn check(
     Err(Error::OutOfRange { name, value, allowed: allowed.to_owned(), remedy })
 }
 
-/// Samples in a cycle, told to as many digits as anyone reads.
+/// Checks the number of samples in a cycle; the error gives it to two decimals.
 pub(crate) fn check_per_cycle(
     found: f64,
     least: f64,
@@ -105,7 +105,7 @@ pub(crate) fn check_per_cycle(
     check("samples per cycle", told, found >= least, allowed, remedy).map(|_| found)
 }
 
-/// All samples finite, and at least `needed` of them.
+/// Checks that all samples are finite and that there are at least `needed` of them.
 pub(crate) fn check_samples(
     name: &'static str,
     x: &[f64],
@@ -121,12 +121,12 @@ pub(crate) fn check_samples(
     Ok(())
 }
 
-/// Compares the length of a slice with what is needed.
+/// Checks that a slice has the length that is needed.
 pub(crate) fn check_length(name: &'static str, found: usize, needed: usize) -> Result<(), Error> {
     if found == needed { Ok(()) } else { Err(Error::Length { name, needed, found }) }
 }
 
-/// A sampling interval in seconds.
+/// Checks a sampling interval in seconds.
 pub(crate) fn check_dt(dt: f64) -> Result<f64, Error> {
     check("dt", dt, dt > 0.0, "a sampling interval > 0 s", "give the sampling interval in seconds")
 }

@@ -10,15 +10,15 @@ use std::f64::consts::TAU;
 use crate::curves::Curves;
 use crate::error::{Error, check, check_length};
 
-/// Times at which levels are compared: smooth curves hold at most a dozen independent values, so that more times say the same.
+/// Number of times at which levels are compared: smooth curves hold at most a dozen independent values, so that more times say the same.
 const TIMES: usize = 40;
-/// Values of ζ_v, evenly up to the most that the curves allow, that are tried before the best is refined: the misfit may have
-/// several valleys, and one between two tries that are half a per cent of the range apart would be missed.
+/// Number of values of ζ_v, evenly from 0 up to the most that the curves allow, that are tried before the best is refined. The misfit may have
+/// several valleys (local minima); one that lies between two tries, half a per cent of the range apart, would be missed.
 const TRIED: usize = 200;
-/// Golden sections of the bracket: 0.618^60 brings it to 3e-13 of itself, which is rounding.
+/// Number of golden sections of the bracket: 0.618^60 brings it to 3e-13 of its length, which is rounding.
 const SECTIONS: usize = 60;
 
-/// What levels have in common.
+/// Viscous damping and power law of friction that all levels have in common.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Levels {
     /// Viscous damping ratio ζ_v.
@@ -27,16 +27,16 @@ pub struct Levels {
     pub slope: f64,
     /// RMS residual of ln D (friction part) about the common power law.
     pub misfit: f64,
-    /// From each level to the next.
+    /// Slopes from each level to the next.
     pub steps: Vec<LevelStep>,
 }
 
 /// Mean slope of ln D over ln F from one level to the next.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct LevelStep {
-    /// Of the dissipation as it is.
+    /// Slope of the whole dissipation.
     pub total: f64,
-    /// Without the viscous term.
+    /// Slope of the dissipation without the viscous term.
     pub friction: f64,
 }
 
@@ -97,7 +97,7 @@ pub fn compare_levels(curves: &[Curves], frequency: f64) -> Result<Levels, Error
     Ok(Levels { damping_ratio, slope, misfit, steps: steps.collect() })
 }
 
-/// The curves at the times all of them cover.
+/// The curves at TIMES times that all of them cover.
 fn at_equal_times(curves: &[Curves]) -> Result<Vec<Curves>, Error> {
     let ends = |c: &Curves| Some((*c.t.first()?, *c.t.last()?));
     let (mut from, mut to) = (f64::NEG_INFINITY, f64::INFINITY);
@@ -110,18 +110,18 @@ fn at_equal_times(curves: &[Curves]) -> Result<Vec<Curves>, Error> {
         let remedy = "choose windows that overlap";
         return Err(Error::Refused { finding: "the curves of the levels share no time".into(), remedy });
     }
-    // Inside the ends: rounding shall not lose one of them.
+    // The times lie inside the ends, so that rounding does not lose one of them.
     let time = |i: usize| from + (to - from) * (i as f64 + 0.5) / TIMES as f64;
     let times: Vec<f64> = (0..TIMES).map(time).collect();
     Ok(curves.iter().map(|c| c.at(&times)).collect())
 }
 
-/// Viscous dissipation for ζ_v = 1.
+/// Viscous dissipation of entry `i` per unit of ζ_v.
 fn viscous(c: &Curves, i: usize, omega: f64) -> f64 {
     TAU * omega * TAU * c.frequency[i] * c.displacement[i].powi(2)
 }
 
-/// The point (ln F, ln D of the friction) of an entry; none where the viscous term takes more than there is.
+/// The point (ln F, ln D) of an entry, D without the viscous term; none where the viscous term is larger than the dissipation.
 fn point(c: &Curves, i: usize, zeta: f64, omega: f64) -> Option<(f64, f64)> {
     let friction = c.dissipation[i] - zeta * viscous(c, i, omega);
     (friction > 0.0).then(|| (c.force[i].ln(), friction.ln()))
@@ -130,7 +130,7 @@ fn point(c: &Curves, i: usize, zeta: f64, omega: f64) -> Option<(f64, f64)> {
 /// The slope of ln D over ln F that all levels share, with an intercept of its own at each time.
 struct CommonSlope {
     slope: f64,
-    /// Root mean square of what is left.
+    /// Root mean square residual of ln D.
     misfit: f64,
 }
 
@@ -159,7 +159,7 @@ fn step([soft, hard]: [&Curves; 2], zeta: f64, omega: f64) -> f64 {
     sum / count
 }
 
-/// Where a function of 0 to `limit` is lowest: by trial, then by golden sections.
+/// The place between 0 and `limit` at which a function is lowest: by trial, then by golden sections.
 fn lowest(miss: &dyn Fn(f64) -> f64, limit: f64) -> f64 {
     let at = |i: usize| limit * i as f64 / TRIED as f64;
     let best = (0..TRIED).min_by(|&i, &j| miss(at(i)).total_cmp(&miss(at(j)))).unwrap_or(0);

@@ -7,7 +7,7 @@ use crate::refine::{Task, TurningPoint, Workspace};
 
 /// Logarithm of the likelihood of the records behind an identification, up to a constant.
 ///
-/// That of the complex amplitudes in windows that [`refine`](mod@crate::refine) compares, whitened; their variance is
+/// It is the likelihood of the complex amplitudes in windows that [`refine`](mod@crate::refine) compares, whitened. Their variance is
 /// that about the best fit, widened where neighbours are correlated, as in the profiles.
 #[derive(Debug, Clone)]
 pub struct Likelihood {
@@ -18,7 +18,7 @@ pub struct Likelihood {
     starts: Vec<TurningPoint>,
 }
 
-/// Buffers that evaluations one after the other share.
+/// Memory that successive evaluations share.
 #[derive(Debug, Default)]
 pub struct Buffers {
     work: Workspace,
@@ -36,19 +36,19 @@ impl Likelihood {
         &self.parameters
     }
 
-    /// Of each record at the best fit: the turning point next to its first sample.
+    /// The turning point next to the first sample of each record, at the best fit.
     #[must_use]
     pub fn starts(&self) -> &[TurningPoint] {
         &self.starts
     }
 
-    /// Whether records differ by the day, so that each turning point has a `day` that is sought with the rest.
+    /// Whether the frequency differs from day to day, so that each turning point has a `day` that is sought with the rest.
     #[must_use]
     pub fn has_days(&self) -> bool {
         self.task.has_days()
     }
 
-    /// Time in s by which the phase of a start is one radian.
+    /// Time in s in which the phase of a start changes by one radian.
     #[must_use]
     pub fn radian(&self) -> f64 {
         1.0 / (TAU * self.parameters.frequency)
@@ -59,7 +59,7 @@ impl Likelihood {
         self.task.count()
     }
 
-    /// Residuals in their standard deviations; false where there is no ring-down.
+    /// Residuals in standard deviations; false where the parameters have no ring-down.
     pub(crate) fn residuals(
         &self,
         parameters: &Parameters,
@@ -77,7 +77,7 @@ impl Likelihood {
     }
 
     /// ln of the likelihood of parameters and of each record's start, less that of a perfect match: -½ Σ r²/σ². None where
-    /// they are no model, where there is no ring-down, and with another number of starts than of records.
+    /// the parameters are no model or have no ring-down, and where there are not as many starts as records.
     ///
     /// An example: [`identify`](crate::identify::identify).
     #[must_use]

@@ -1,6 +1,6 @@
-//! Modal Iwan parameters from quasi-static curves: what a computed structure promises before any test.
+//! Modal Iwan parameters from the quasi-static curves of a computed structure, before any test.
 //!
-//! Secant frequency and dissipation over modal displacement, ω² = K_∞ + F(q)/q and D = D_joint(q), without noise and
+//! The curves are secant frequency and dissipation over modal displacement, ω² = K_∞ + F(q)/q and D = D_joint(q), without noise and
 //! with ω0 and K_T known; F_S, χ and β are sought.
 
 use std::f64::consts::TAU;
@@ -12,12 +12,12 @@ use crate::error::{Error, check_length};
 use crate::parameters::{Parameter, Parameters};
 use crate::search::{Chart, Minimum, Search, TOLERANCE};
 
-/// What a difference of one per cent of a dissipation, and of the whole loss of frequency, counts.
+/// Unit of the residuals: one per cent of a dissipation weighs as much as one per cent of the whole loss of frequency.
 const ONE_PER_CENT: f64 = 0.01;
-/// Steps of a search at most; a fit that does not settle within them is taken where it stands, and its misfit says so. Ten to
-/// fifty are usual.
+/// Largest number of steps of a search; ten to fifty are usual. A fit that does not settle within them is taken where it stands, and its misfit says
+/// so.
 const ITERATIONS: usize = 300;
-/// A joint stiffness below this part of ω0² is no joint's: slipping then changes the frequency by less than 5e-7, which no
+/// Least joint stiffness over ω0²: below it, slipping changes the frequency by less than 5e-7, which no
 /// measurement sees. Such a mode is refused as linear.
 const LEAST_STIFFNESS: f64 = 1e-6;
 
@@ -39,7 +39,7 @@ pub struct StaticFit {
     pub parameters: Parameters,
     /// Largest |D_model/D - 1|.
     pub dissipation_misfit: f64,
-    /// Largest difference of frequency over the loss of frequency from stuck to slipping.
+    /// Largest difference of frequency over the loss of frequency from all stuck to all slipping.
     pub frequency_misfit: f64,
 }
 
@@ -105,7 +105,7 @@ pub fn fit_static(curves: &StaticCurves<'_>, frequency: f64, k_t: f64) -> Result
     judged(curves, chart.parameters(&best.x))
 }
 
-/// F_S near the largest joint force, with several χ and β.
+/// Start values: F_S at the largest joint force, with several χ and β.
 fn starts(curves: &StaticCurves<'_>, frequency: f64, k_t: f64) -> Result<Vec<Parameters>, Error> {
     let k_inf = (TAU * frequency).powi(2) - k_t;
     let forces =
@@ -122,14 +122,14 @@ fn starts(curves: &StaticCurves<'_>, frequency: f64, k_t: f64) -> Result<Vec<Par
     Ok(starts)
 }
 
-/// Dissipation and secant frequency of the model.
+/// Dissipation and secant frequency (Hz) of the model at the displacement `q`.
 fn predict(parameters: &Parameters, q: f64) -> Option<Predicted> {
     let (oscillator, joint) = parameters.model().ok()?;
     let frequency = (oscillator.k_inf() + joint.force(q) / q).sqrt() / TAU;
     Some(Predicted { dissipation: joint.dissipation(q), frequency })
 }
 
-/// Frequency lost from stuck to slipping.
+/// Frequency (Hz) that a mode loses from stuck to slipping.
 fn loss(parameters: &Parameters) -> f64 {
     let slipping = ((TAU * parameters.frequency).powi(2) - parameters.k_t).max(0.0).sqrt() / TAU;
     parameters.frequency - slipping

@@ -2,17 +2,17 @@
 
 use std::f64::consts::FRAC_PI_2;
 
-/// 97.5 % point of the normal distribution: intervals hold 95 %.
+/// 97.5 % point of the normal distribution, for intervals of 95 %.
 pub(crate) const NORMAL: f64 = 1.959_963_984_540_054;
-/// Degrees of freedom that a fit has at least: a fit of fewer is refused before, and what correlated residuals leave of more is an estimate.
+/// Least number of degrees of freedom of a fit: a fit with fewer is refused before, and the number that correlated residuals leave is only an estimate.
 pub(crate) const LEAST_FREEDOM: f64 = 3.0;
-/// The same point of Student's with one degree of freedom, tan(0.475 π), …
+/// 97.5 % point of Student's t with one degree of freedom, tan(0.475 π).
 const OF_ONE: f64 = 12.706_204_736;
-/// … and with two, 0.95 √(2 / 0.0975).
+/// 97.5 % point of Student's t with two degrees of freedom, 0.95 √(2 / 0.0975).
 const OF_TWO: f64 = 4.302_652_730;
 
 /// 97.5 % point of Student's t with ν degrees of freedom: Abramowitz and Stegun 26.7.5, within 0.3 % from ν = 3 on, in closed form for one and
-/// two. Fewer than three that are no whole number count as the whole number below, fewer than one as one.
+/// two. A ν below three is rounded down to a whole number, and one below one counts as one.
 pub(crate) fn student(freedom: f64) -> f64 {
     let (z, n) = (NORMAL, freedom);
     if n < 3.0 {
@@ -28,14 +28,14 @@ pub(crate) fn student(freedom: f64) -> f64 {
     z + terms.iter().rev().fold(0.0, |sum, term| (sum + term) / n)
 }
 
-/// Intervals of the midpoint rule for tails of Student's distribution: four digits of the quantile.
+/// Number of intervals of the midpoint rule for tails of Student's distribution: it gives four digits of the quantile.
 const MIDPOINTS: usize = 200;
-/// Halvings of the quantile's interval: six digits.
+/// Number of halvings of the interval in which the quantile lies: six digits.
 const HALVINGS: usize = 20;
 
-/// Student's t beyond which, on both sides together, lies the probability `chance` (above 0, at most 1) with any degrees of freedom from 1 on, also such as are no whole
-/// number: for many comparisons at once, whose chances lie far below the 5 % that intervals have. By t = √ν tan θ, where θ has the density cos^(ν-1) (Abramowitz and Stegun
-/// 26.7.1), to 1e-3 of t.
+/// The value of Student's t beyond which, on both sides together, lies the probability `chance` (above 0, at most 1). The number of degrees of freedom is at least 1 and need
+/// not be whole. It serves many comparisons at once, whose chances lie far below the 5 % of intervals. By t = √ν tan θ, where θ has the density cos^(ν-1) (Abramowitz and
+/// Stegun 26.7.1), to 1e-3 of t.
 ///
 /// ```
 /// let t = iwan_ident::estimate::student_quantile(0.001, 30.0);

@@ -4,24 +4,24 @@ use std::f64::consts::TAU;
 
 use rustfft::num_complex::Complex64;
 
-/// Angles of the table in a whole turn: series of four terms for the rest of an angle, at most π/64, leave out less than 1e-16.
+/// Number of angles of the table in a whole turn: series of four terms for the rest of an angle, at most π/64, leave out less than 1e-16.
 const PARTS: usize = 64;
-/// Adding this and taking it off again rounds to the nearest whole number: beyond 2^52 there are no others.
+/// Adding this number and subtracting it again rounds to the nearest whole number, because beyond 2^52 there are no fractions.
 const ROUNDING: f64 = 6_755_399_441_055_744.0;
-/// An angle of the table in two parts. The first has 30 digits in base 2, so that it times the number of parts is exact for records of 100,000 turns, and
-/// right to 1e-8 for millions; the second holds what a turn of 2π has beyond the digits of a number, too.
+/// The angle between entries of the table, and the same in two parts. The first part has 30 binary digits, so that its product with the number of entries is exact for records
+/// of 100,000 turns, and right to 1e-8 for millions; the second part also holds what 2π has beyond the digits of a double.
 const STEP: f64 = TAU / PARTS as f64;
 const STEP_FIRST: f64 = f64::from_bits(STEP.to_bits() & !((1 << 23) - 1));
 const STEP_REST: f64 = (STEP - STEP_FIRST) + BEYOND_TAU / PARTS as f64;
-/// 2π less its nearest number.
+/// 2π less the double nearest to it.
 const BEYOND_TAU: f64 = 2.449293598294706e-16;
 
-/// Cosine and sine of the angles.
+/// Cosine and sine of the angles of the table.
 const TABLE: [[f64; 2]; PARTS] = {
     let mut table = [[0.0; 2]; PARTS];
     let mut k = 0;
     while k < PARTS {
-        // Within an eighth of a turn of an axis, where series are short.
+        // Every angle is taken from the nearest axis, at most an eighth of a turn away, where the series are short.
         let quarter = (k + PARTS / 8) / (PARTS / 4) % 4;
         let over = k as f64 - ((k + PARTS / 8) / (PARTS / 4) * (PARTS / 4)) as f64;
         let x = over * STEP;
@@ -50,7 +50,7 @@ pub(crate) fn cosine_and_sine(angle: f64) -> [f64; 2] {
     let shifted = angle * (1.0 / STEP) + ROUNDING;
     let whole = shifted - ROUNDING;
     let x = (angle - whole * STEP_FIRST) - whole * STEP_REST;
-    // The last digits of the shifted number are the whole number's.
+    // The last binary digits of the shifted number are those of the whole number.
     let [c, s] = TABLE[shifted.to_bits() as usize % PARTS];
     let square = x * x;
     let sine = x * (1.0 - square * (1.0 / 6.0 - square * (1.0 / 120.0 - square * (1.0 / 5040.0))));

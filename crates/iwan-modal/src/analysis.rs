@@ -10,58 +10,58 @@ use crate::number::{Complex, complex};
 use crate::poles::{Isolation, Stabilisation, chart, isolation, subspace};
 use crate::responses::FrequencyResponses;
 
-/// Without a band, lines count up to where the hammer's force falls below this part of its largest value: 30 dB, where common hammers leave
+/// Without a band, lines count up to where the spectrum of the hammer's force falls below this fraction of its largest value: 30 dB, below which common hammers leave
 /// nothing but noise.
 const FORCE_LEFT: f64 = 0.03;
-/// … and no higher than this part of the Nyquist frequency, above which recorders' filters act.
+/// Without a band, lines also count no higher than this fraction of the Nyquist frequency, above which the filters of recorders act.
 const BELOW_NYQUIST: f64 = 0.8;
-/// Lowest line that counts without a band: below, a record holds too few cycles.
+/// Lowest frequency without a band, in cycles of the record: below, a record holds too few cycles.
 const CYCLES: f64 = 10.0;
-/// Modes that are taken off what the chart's modes leave, at most.
+/// Largest number of modes that mode isolation adds to those of the chart.
 const MORE: usize = 20;
-/// Modes that mode isolation finds by itself, at most.
+/// Largest number of modes that mode isolation finds by itself.
 const MOST: usize = 60;
 
-/// By which way the first poles are found; the fit that follows is the same.
+/// The way in which the first poles are found; the fit that follows is the same for all.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub enum Analysis {
-    /// Stabilisation chart, then isolation of what it missed.
+    /// Stabilisation chart, then mode isolation on what the chart's modes leave.
     #[default]
     Chart,
     /// Mode isolation alone.
     Isolation,
     /// Poles near these frequencies (Hz), and no others.
     Given(Vec<f64>),
-    /// These poles to begin with (1/s, upper half plane), as of another method or program, such as [`subspace`](crate::poles::subspace); those
+    /// These poles as start (1/s, upper half plane), such as those of another method or program, for instance [`subspace`](crate::poles::subspace); poles
     /// that the responses do not need are left out.
     From(Vec<nalgebra::Complex<f64>>),
 }
 
-/// Modes with all that led to them.
+/// The modes of a fit, with all that led to them.
 #[derive(Debug)]
 pub struct ModalFit {
-    /// By ascending frequency.
+    /// The modes, by ascending frequency.
     pub modes: Vec<Mode>,
     /// Points and directions of the shapes' values.
     pub freedoms: Vec<Freedom>,
     /// Names of the shapes' channels.
     pub names: Vec<String>,
-    /// What the shapes are scaled by.
+    /// Whether the shapes are mass-normalised, or scaled to a largest value of 1.
     pub scale: Scale,
-    /// Where the hammer hits; none where no response was measured there.
+    /// The point that the hammer hits; none where no response was measured there.
     pub drive: Option<Drive>,
     /// Edges of the band, Hz.
     pub band: (f64, f64),
     /// The stabilisation chart; none where another way was chosen.
     pub stabilisation: Option<Stabilisation>,
-    /// Modes taken off one after another.
+    /// The modes that mode isolation found one after another; none where it was not used.
     pub isolation: Option<Isolation>,
-    /// Poles, residues, what is left.
+    /// Poles, residues, and what the fit leaves of the responses.
     pub fitted: Fitted,
 }
 
 impl ModalFit {
-    /// The modes of what was fitted in a band.
+    /// The modes among the fitted poles that lie in the band.
     fn of(band: &Band, fitted: Fitted) -> Result<Self, Error> {
         let (low, high) = band.edges();
         let inside = |p: Complex| (low..=high).contains(&(p.norm() / TAU));
@@ -87,7 +87,7 @@ impl ModalFit {
         })
     }
 
-    /// The mode at a frequency (Hz), to within half of its half-power width and one line.
+    /// Index of the mode at a frequency (Hz), to within half of its half-power width and one line; none where there is no mode.
     #[must_use]
     pub fn mode_at(&self, frequency: f64, responses: &FrequencyResponses) -> Option<usize> {
         let distance = |m: &Mode| (m.frequency - frequency).abs();
@@ -96,7 +96,7 @@ impl ModalFit {
         (distance(mode) <= -mode.pole.re / TAU + responses.step).then_some(n)
     }
 
-    /// The fit with modes at frequencies (Hz) added to those that were found, and others left out; all are fitted anew, and none is left out for taking off
+    /// The fit with modes at the frequencies `added` (Hz) and without those at `dropped` (Hz). All modes are fitted anew, and none is left out because it explains
     /// too little. `responses` are those of the fit.
     ///
     /// # Errors
@@ -130,9 +130,9 @@ impl ModalFit {
         self.drive.map(|d| d.sign * mode.real_shape[d.freedom])
     }
 
-    /// The standard deviations of the shapes with that of the sensors' gains in them, `spread` relative (0.01 for 1 %). An error e of a sensor's
-    /// gain goes into the shape there, and an error e of the drive point's sensor, or of the hammer, as -e/2 into all of a mass-normalised shape:
-    /// its scale is the root of the response at the drive point. Nothing in responses to one point of force tells such errors.
+    /// The fit with standard deviations of shapes that include those of the sensors' gains, `spread` relative (0.01 for 1 %). An error e of a sensor's
+    /// gain goes into the shape at that sensor. An error e of the drive point's sensor, or of the hammer, goes as -e/2 into all values of a mass-normalised shape, because
+    /// its scale is the root of the response at the drive point. Responses to one point of force do not show such errors.
     ///
     /// # Errors
     /// [`Error::OutOfRange`] for a spread that is negative or not below 1.
@@ -162,7 +162,7 @@ impl ModalFit {
     }
 }
 
-/// Finds the modes of frequency responses: in `band` (Hz), or as far up as the force reaches; by polynomials up to `order` (60 is a good choice).
+/// Finds the modes of frequency responses in `band` (Hz), or without one as far up as the force reaches, by polynomials up to `order` (60 is a good choice).
 ///
 /// # Errors
 /// [`Error::OutOfRange`] for band, order and given frequencies; [`Error::Refused`] where no mode is found.
@@ -199,9 +199,9 @@ pub fn modal_fit(
     Ok(ModalFit { stabilisation, isolation: steps, ..ModalFit::of(&band, fitted)? })
 }
 
-/// Finds the modes of free decays, each a set of channels sampled together every `dt` seconds, by [`subspace`]: in `band` (Hz), or up to 0.8 of the
-/// Nyquist frequency, by realizations up to `order`. `responses` are the [`free_responses`](crate::responses::free_responses) of the same decays,
-/// which poles and shapes are fitted to.
+/// Finds the modes of free decays, each a set of channels sampled together every `dt` seconds, by [`subspace`] with realizations up to `order`: in `band` (Hz), or without one up
+/// to 0.8 of the Nyquist frequency. `responses` are the [`free_responses`](crate::responses::free_responses) of the same decays, to
+/// which poles and shapes are fitted.
 ///
 /// # Errors
 /// As [`subspace`] and [`modal_fit`].
@@ -229,7 +229,7 @@ pub fn modal_fit_by_subspaces(
     Ok(ModalFit { stabilisation: Some(chart), ..fit })
 }
 
-/// From ten cycles in a record up to where the force has fallen.
+/// The band (Hz) from ten cycles in a record up to where the force has fallen.
 fn automatic_band(responses: &FrequencyResponses) -> (f64, f64) {
     let lines = responses.lines();
     let highest = (BELOW_NYQUIST * lines as f64) as usize;
@@ -239,7 +239,7 @@ fn automatic_band(responses: &FrequencyResponses) -> (f64, f64) {
     (CYCLES * responses.step, responses.frequency(last))
 }
 
-/// Poles at given frequencies, their damping that of the peak there by its half-power width, two lines at least.
+/// Poles at the given frequencies (Hz); the damping of each is that of the peak there by its half-power width, with two lines at least.
 fn given(band: &Band, frequencies: &[f64]) -> Result<Vec<Complex>, Error> {
     let (low, high) = band.edges();
     let composite = band.responses.composite();

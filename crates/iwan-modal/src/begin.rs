@@ -1,8 +1,8 @@
-//! The scale of shapes from the begin of the decay.
+//! The scale of shapes from the start of the decay.
 //!
-//! A mode that loses less and less as it decays is no exponential: one that is fitted to all of it begins too low, and the mass-normalised shape, whose
-//! square it carries, with it. Right after the blow a mode has the amplitude that the force's impulse gives it, linear or not; under a
-//! fast exponential window little else counts.
+//! The decay of a mode whose damping falls with amplitude is no exponential: one that is fitted to the whole decay starts too low, and so does the mass-normalised shape, the
+//! square of which is the exponential's factor. Right after the blow a mode has the amplitude that the force's impulse gives it, whether it is linear or not; under a fast
+//! exponential window little else counts.
 
 use crate::analysis::ModalFit;
 use crate::error::Error;
@@ -10,15 +10,15 @@ use crate::fit::{Band, Fitted};
 use crate::modes::{Scale, modes};
 use crate::responses::FrequencyResponses;
 
-/// Decay of the window for the begin of a record, in units of one over its length: of a ring-down in 200 cycles the first ten count. Half or twice
-/// of it moves the scale of the paper's beam by 0.1 %.
+/// Decay of the exponential window for the start of a record, in units of one over its length: of a ring-down in 200 cycles the first ten count. Half and twice
+/// this value move the scale of the paper's beam by 0.1 %.
 const EARLY: f64 = 30.0;
-/// A scale that differs by so many standard deviations …
+/// The shape of a mode is rescaled where the scale from the start differs by more than this many standard deviations.
 const SIGNIFICANT: f64 = 4.0;
-/// … and by this part is that of a mode that is not linear. Less is not worth the noise that the begin alone has more of.
+/// It must also differ by more than this fraction. Less is not worth the larger noise of the start alone.
 const NOT_LINEAR: f64 = 3e-3;
 
-/// Decay (1/s) of the exponential window under which the begin of the records of `responses` counts.
+/// Decay (1/s) of the exponential window under which mainly the start of the records of `responses` counts.
 ///
 /// ```
 /// use iwan_modal::measure::{Channel, Freedom, Motion};
@@ -34,9 +34,9 @@ pub fn early_decay(responses: &FrequencyResponses) -> f64 {
 }
 
 impl ModalFit {
-    /// The shapes scaled by `early`, the responses of the same hits under an exponential window of [`early_decay`]. Only where that scale differs by more than
-    /// 0.3 % and four standard deviations; such modes have a `stretch`. Frequencies and damping stay those of the whole decay. Without a drive
-    /// point, and where the window leaves modes that cannot be told apart, nothing changes.
+    /// The fit with shapes scaled by `early`, the responses of the same hits under an exponential window of [`early_decay`]. A shape is rescaled only where that scale differs
+    /// by more than 0.3 % and four standard deviations; such modes have a `stretch`. Frequencies and damping stay those of the whole decay. Without a drive point, and where
+    /// the windowed responses cannot tell the modes apart, nothing changes.
     ///
     /// # Errors
     /// [`Error::OutOfRange`] where `early` does not reach over the band of the fit.

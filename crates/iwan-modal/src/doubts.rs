@@ -1,29 +1,30 @@
-//! What a fit itself casts doubt on: channels, modes that are missing, modes that are none.
+//! What a fit itself casts doubt on: channels, missing modes, and modes that are probably not modes.
 
 use crate::analysis::ModalFit;
 use crate::modes::{Mode, Sideband, Sidebands, mac, sidebands};
 use crate::number::median;
 
-/// Part of the modes whose drive point answers against its force from which a channel is doubted: a mode with a node there may do so by noise.
+/// A channel is doubted from this fraction of modes on whose drive point moves against its force: single modes with a node there may do so by noise.
 const DOUBTFUL: f64 = 0.34;
 
-/// Modes are parts of one where they stand nearer than this many times the sum of their half widths, …
+/// Neighbouring modes are parts of one where they are nearer than this many times the sum of their half widths.
 const WITHIN: f64 = 2.0;
-/// … have one shape by this modal assurance criterion, …
+/// They must also have one shape, with at least this modal assurance criterion.
 const ONE_SHAPE: f64 = 0.95;
-/// … and are so many at least: two modes next to each other occur, and one channel gives all of them one shape.
+/// Least number of such modes in a row: two modes next to each other do occur, and with one channel all modes have one shape.
 const PARTS: usize = 3;
 
-/// A pole that was given moves by at most this part of its frequency where a mode stands there: who reads a frequency off a picture is off by less. A judgement.
+/// Largest relative distance of a pole from the frequency at which it was given: whoever reads a frequency off a picture is off by less. Beyond it the fit has no mode there.
+/// A judgement.
 const MOVED: f64 = 0.03;
 
-/// A channel of which the fit leaves this part does not move with the modes of the others …
+/// A channel does not move with the modes of the others where the fit leaves more than this fraction of it (root mean square).
 const STRANGER: f64 = 0.5;
-/// … where of the others it leaves at most this part of that, by their median: modes that are missing are missing in all of them.
+/// Of the other channels the fit must then leave, by their median, less than this fraction of what it leaves of the one: modes that are missing are missing in all of them.
 const OTHERS: f64 = 0.5;
 
 impl ModalFit {
-    /// A word where the response at the drive point goes against the force: a reversed direction, or swapped channels.
+    /// A sentence where the response at the drive point moves against the force, because a direction is reversed or channels are swapped; else none.
     #[must_use]
     pub fn drive_point_doubt(&self) -> Option<String> {
         let phases: Vec<f64> = self.modes.iter().filter_map(|m| m.drive_phase).collect();
@@ -37,7 +38,7 @@ impl ModalFit {
         })
     }
 
-    /// Responses that do not move with the modes of the others: the fit leaves more than half of them, and at most half as much of most others.
+    /// Indices of responses that do not move with the modes of the others: the fit leaves more than half of them, and at most half as much of most others.
     #[must_use]
     pub fn strangers(&self) -> Vec<usize> {
         let left = &self.fitted.left;
@@ -54,8 +55,8 @@ impl ModalFit {
         median(&self.fitted.left) > STRANGER
     }
 
-    /// Modes that are probably none but sidebands of stronger ones, made by a modulation as that of a soft suspension: weaker modes of the same shape that stand at one distance
-    /// from stronger ones, on both sides of two of them at least, and more often than chance would have it. None where there is no such distance.
+    /// Modes that are probably not modes but sidebands of stronger ones, made by a modulation such as that of a soft suspension: weaker modes of the same shape that stand at
+    /// one distance from stronger ones, on both sides of at least two of them, and more often than chance would have it. None where there is no such distance.
     #[must_use]
     pub fn sidebands(&self) -> Option<Sidebands> {
         let place = |m: &Mode| self.fitted.poles.iter().position(|p| *p == m.pole);
@@ -63,7 +64,7 @@ impl ModalFit {
         sidebands(&self.fitted, &chosen?)
     }
 
-    /// What is said of sidebands: which modes they are, and of which.
+    /// A sentence on sidebands: which modes they are, and of which modes; none where there are none.
     #[must_use]
     pub fn sideband_doubt(&self) -> Option<String> {
         let found = self.sidebands()?;
@@ -86,7 +87,7 @@ impl ModalFit {
         ))
     }
 
-    /// What is said where poles that were given at these frequencies (Hz) moved away from them: no mode stands there, or one that was not given is told by them.
+    /// A sentence where poles given at these frequencies (Hz) moved away from them: there is no mode there, or the pole went to a mode that was not given.
     #[must_use]
     pub fn moved_doubt(&self, given: &[f64]) -> Option<String> {
         let off = |from: f64, mode: &Mode| (mode.frequency / from).ln().abs();
@@ -100,8 +101,8 @@ impl ModalFit {
             .then(|| format!("the fit has no mode where a pole was given, at {}", list.join(", at ")))
     }
 
-    /// Modes that are probably parts of one: three and more of one shape that stand within their widths of one another, as linear modes tell a decay whose frequency changes with
-    /// amplitude. Their indices, group by group.
+    /// Modes that are probably parts of one: three or more of one shape that stand within their widths of one another. Linear modes describe a decay whose frequency changes with
+    /// amplitude in that way. Their indices, group by group.
     fn parts_of_one(&self) -> Vec<Vec<usize>> {
         let of_one = |a: &Mode, b: &Mode| {
             let half = |m: &Mode| m.frequency * m.damping_ratio;
@@ -116,7 +117,7 @@ impl ModalFit {
         indices.filter(|group| group.len() >= PARTS).collect()
     }
 
-    /// What is said of modes that are probably parts of one.
+    /// A sentence on modes that are probably parts of one; none where there are none.
     #[must_use]
     pub fn parts_doubt(&self) -> Option<String> {
         let list = |group: &Vec<usize>| {

@@ -51,7 +51,7 @@ pub enum Error {
 }
 
 impl Error {
-    /// Its kind in the catalogue of errors.
+    /// The error's kind in the catalogue of errors.
     #[must_use]
     pub fn kind(&self) -> Kind {
         match self {
@@ -73,7 +73,7 @@ impl Error {
     }
 }
 
-/// Passes `value` on when `ok` holds and it is finite, names it otherwise.
+/// Passes `value` on when `ok` holds and it is finite; else the error names it.
 pub(crate) fn check(
     name: &'static str,
     value: f64,
@@ -87,7 +87,7 @@ pub(crate) fn check(
     Err(Error::OutOfRange { name, value, allowed: allowed.into(), remedy })
 }
 
-/// The edges of a band, Hz, whose upper one `ok_above` allows.
+/// Checks the edges of a band, Hz; `ok_above` says whether the upper one is allowed.
 pub(crate) fn check_band(
     (low, high): (f64, f64),
     ok_above: bool,

@@ -2,10 +2,10 @@
 //!
 //! The way of the data: [`measure::Hit`] (force and responses of one blow) → [`responses::FrequencyResponses`] (H1, H2, Hv) →
 //! [`poles`] (where the modes are: least-squares complex frequency with a stabilisation chart, or mode isolation) → [`fit`] (all
-//! poles together by maximum likelihood, with the part that a finite record cuts off in the model) → [`modes`] (shapes).
+//! poles together by maximum likelihood; the model includes what the end of the record cuts off) → [`modes`] (shapes).
 //! [`modal_fit`] does all of it in one call. Units are the user's own consistent set; frequencies in Hz, damping as a ratio.
 
-// What everything stands on: refusals, complex numbers.
+// What all other modules use: errors, complex numbers.
 mod error;
 mod number;
 
@@ -24,19 +24,19 @@ pub mod poles;
 // What poles and residues say about modes.
 pub mod modes;
 
-// All of it in one call.
+// The whole analysis in one call.
 mod analysis;
 
 // What a fit itself casts doubt on.
 mod doubts;
 
-// The scale of shapes where a mode is not linear.
+// The scale of shapes of modes that are not linear.
 mod begin;
 
-// On how many threads.
+// The number of threads.
 mod threads;
 
-// From when on a decay is linear.
+// The time from which on a decay is linear.
 mod zeroed;
 
 pub use analysis::{Analysis, ModalFit, modal_fit, modal_fit_by_subspaces};

@@ -1,4 +1,4 @@
-//! Complex numbers, as the Fourier transforms and the matrices have them.
+//! Complex numbers, as the libraries for Fourier transforms and matrices use them, and sums.
 
 /// A complex number in double precision.
 pub(crate) type Complex = nalgebra::Complex<f64>;
@@ -11,14 +11,14 @@ pub(crate) const fn complex(re: f64, im: f64) -> Complex {
 /// The imaginary unit.
 pub(crate) const I: Complex = complex(0.0, 1.0);
 
-/// Median of finite values; 0 of nothing.
+/// Median of finite values; 0 where there are none.
 pub(crate) fn median(values: &[f64]) -> f64 {
     let mut sorted = values.to_vec();
     let middle = sorted.len() / 2;
     if sorted.is_empty() { 0.0 } else { *sorted.select_nth_unstable_by(middle, f64::total_cmp).1 }
 }
 
-/// Values that are taken together: sums and extremes of eight independent sequences keep a processor's units busy, and are the same on all machines.
+/// Number of independent sequences in sums and searches for extremes: eight keep a processor's units busy, and give the same result on all machines.
 const LANES: usize = 8;
 
 /// Sum of values.
@@ -31,13 +31,13 @@ pub(crate) fn sum(values: &[f64]) -> f64 {
     sums.iter().chain(rest).sum()
 }
 
-/// Smallest and largest of finite values; infinities of nothing.
+/// Smallest and largest of finite values; infinities where there are none.
 pub(crate) fn extent(values: &[f64]) -> (f64, f64) {
     let (chunks, rest) = values.as_chunks::<LANES>();
     let (mut low, mut high) = ([f64::INFINITY; LANES], [f64::NEG_INFINITY; LANES]);
     for chunk in chunks {
         for (i, x) in chunk.iter().enumerate() {
-            // Unlike `min` and `max`, which look for what is no number, a single instruction.
+            // A single instruction, unlike `min` and `max`, which also look for NaN.
             low[i] = if *x < low[i] { *x } else { low[i] };
             high[i] = if *x > high[i] { *x } else { high[i] };
         }

@@ -1,13 +1,13 @@
-//! On how many threads the methods work.
+//! The number of threads on which the methods work.
 
 use rayon::prelude::*;
 
 use crate::error::{Error, check};
 
-/// Does `work` on `threads` threads, which end with it; the bits are the same whatever their number.
+/// Does `work` on `threads` threads, which end when it is done; the result has the same bits for any number of threads.
 ///
 /// # Errors
-/// [`Error::OutOfRange`] for 0 threads, and where the system gives none.
+/// [`Error::OutOfRange`] for 0 threads; [`Error::Refused`] where the system gives none.
 ///
 /// ```
 /// assert_eq!(iwan_modal::on_threads(2, || 6 * 7)?, 42);
@@ -23,7 +23,7 @@ pub fn on_threads<T: Send>(threads: usize, work: impl FnOnce() -> T + Send) -> R
     Ok(pool.install(work))
 }
 
-/// `work` on every item, on the threads of [`on_threads`] where it is called there; the results are in the order of the items.
+/// Does `work` on every item, on the threads of [`on_threads`] if called from there; the results are in the order of the items.
 ///
 /// ```
 /// assert_eq!(iwan_modal::each_of(&[1, 2, 3], |n| n * n), [1, 4, 9]);

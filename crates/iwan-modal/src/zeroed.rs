@@ -1,4 +1,4 @@
-//! From when on a decay is linear: M. S. Allen, R. L. Mayes, *Estimating the degree of nonlinearity in transient responses with zeroed
+//! The time from which on a decay is linear: M. S. Allen, R. L. Mayes, *Estimating the degree of nonlinearity in transient responses with zeroed
 //! early-time fast Fourier transforms*, Mechanical Systems and Signal Processing 24:2049, 2010.
 
 use std::f64::consts::TAU;
@@ -12,26 +12,26 @@ use crate::measure::{Channel, Motion};
 use crate::number::Complex;
 use crate::responses::{FrequencyResponses, PoleInRecord, free_responses, laplace};
 
-/// Zeroed times at which spectra are taken: a fan of these is read at a glance, and the time is told to a thirtieth of the record.
+/// Number of zeroed times at which spectra are taken: so many are read at a glance, and the time is found to a thirtieth of the first half of the record.
 const TIMES: usize = 30;
-/// The model is fitted to the record from this part of it on, where the decay is most linear.
+/// The model is fitted to the record from this fraction of it on, where the decay is most linear.
 const LATE: f64 = 0.5;
-/// Half-power widths on either side of a mode in which its spectrum is compared, …
+/// Range on either side of a mode in which its spectrum is compared, in half-power half widths.
 const WIDTHS: f64 = 4.0;
-/// … and lines of the spectrum at least.
+/// Least range on either side, in lines of the spectrum.
 const LINES: f64 = 3.0;
-/// A decay is linear from where the model, carried backwards, keeps within this part of the mode's spectrum for good. A judgement: by that much
-/// noise of 30 dB and a neighbour in the band disturb it.
+/// A decay is linear from the time on from which the model, carried backwards, stays within this fraction of the mode's spectrum. A judgement: noise
+/// of 30 dB and a neighbour in the band disturb it by that much.
 const WITHIN: f64 = 0.05;
 
-/// Poles this many sums of their decays apart are two modes, nearer ones two halves of one peak. Two modes of one damping that are 1.5 half-power
+/// Two poles at least this many sums of their decays apart are two modes, nearer ones are two halves of one peak. Two modes of equal damping that are 1.5 half-power
 /// bandwidths apart have 1.5. A judgement.
 const APART: f64 = 1.25;
 
 /// The spectrum of a record whose samples before a time are zero.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ZeroedSpectrum {
-    /// That time, s from the first sample.
+    /// Time before which samples are zero, s from the first sample.
     pub time: f64,
     /// Magnitude at the lines from 0 on, unit of the record times s.
     pub magnitude: Vec<f64>,
@@ -39,29 +39,29 @@ pub struct ZeroedSpectrum {
     pub step: f64,
 }
 
-/// From when on a mode is linear.
+/// The time from which on one mode is linear.
 #[derive(Debug, Clone, PartialEq)]
 pub struct LinearFrom {
     /// Pole of the late decay, 1/s.
     pub pole: nalgebra::Complex<f64>,
-    /// How far the model carried backwards is off the mode's spectrum, at each zeroed time, relative.
+    /// Distance of the model, carried backwards, from the mode's spectrum over that spectrum, at each zeroed time.
     pub misfit: Vec<f64>,
-    /// First zeroed time (s) from which on that stays within 5 %; none where it never does before the late part.
+    /// First zeroed time (s) from which on the misfit stays within 5 %; none where it never does before the late part.
     pub time: Option<f64>,
     /// Amplitude of the mode at that time, in the unit of the record.
     pub amplitude: Option<f64>,
 }
 
-/// The fan of zeroed spectra and what it says of each mode.
+/// The zeroed spectra of a record and what they say of each mode.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Zeroed {
-    /// By ascending zeroed time.
+    /// The spectra, by ascending zeroed time.
     pub spectra: Vec<ZeroedSpectrum>,
     /// Modes of the late decay, by ascending frequency.
     pub modes: Vec<LinearFrom>,
 }
 
-/// Zeroed early-time spectra of a free decay `x`, sampled every `dt` seconds, and from when on each mode in `band` (Hz) is linear.
+/// Zeroed early-time spectra of a free decay `x`, sampled every `dt` seconds, and the time from which on each mode in `band` (Hz) is linear.
 ///
 /// # Errors
 /// As [`modal_fit`] and [`free_responses`] on the late half of the record; [`Error::OutOfRange`] for `dt`.
@@ -82,7 +82,7 @@ pub fn zeroed(x: &[f64], dt: f64, band: (f64, f64)) -> Result<Zeroed, Error> {
     let mut poles: Vec<Complex> = fit.modes.iter().map(|m| m.pole).collect();
     let band = Band::new(&late, band)?;
     let mut linear = Linear::new(&band, &poles, false)?;
-    // A single channel has no shapes by which two halves of a peak that is not linear yet could be told from two modes.
+    // A single channel has no shapes that would tell two halves of a peak that is not linear yet from two modes.
     loop {
         let apart = one_for_each_peak(&poles, &linear);
         if apart.len() == poles.len() {
@@ -122,7 +122,7 @@ pub fn zeroed(x: &[f64], dt: f64, band: (f64, f64)) -> Result<Zeroed, Error> {
     Ok(Zeroed { spectra, modes })
 }
 
-/// Of poles nearer than that the one of the higher peak.
+/// The poles without those that are too near to one with a higher peak.
 fn one_for_each_peak(poles: &[Complex], linear: &Linear) -> Vec<Complex> {
     let height = |p: usize| linear.residue(p, 0).norm() / poles[p].re.abs();
     let near = |p: usize, q: usize| (poles[p] - poles[q]).norm() < APART * (poles[p].re + poles[q].re).abs();
@@ -137,7 +137,7 @@ fn responses(x: &[f64], dt: f64) -> Result<FrequencyResponses, Error> {
     free_responses(&[vec![channel]], dt, Motion::Acceleration)
 }
 
-/// Distance of the spectrum around a mode from that of all modes carried back by a time, over the former.
+/// Relative distance between the spectrum around mode `p` and that of all modes carried backwards by `back` seconds.
 fn misfit(own: &FrequencyResponses, poles: &[Complex], amplitudes: &[Complex], p: usize, back: f64) -> f64 {
     let record = own.record.as_ref();
     let centre = poles[p].im / TAU;

@@ -1,20 +1,21 @@
-//! Which combination of channels is the record of one mode: by mode shapes, or by the shape that dominates in its band.
+//! Weights by which channels combine to the record of one mode: from mode shapes, or from the shape that dominates in its band.
 
 use super::modal::{ModalFilter, dominant_shape, scaled_average};
 use crate::error::{Error, check_length};
 use crate::signal::{Butterworth, Options, Passband, automatic_band};
 
-/// Noise that a modal filter may add, over that of the average. A judgement: below, a neighbour in the band costs more than noise does.
+/// Largest noise of a modal filter over that of the average of channels; a filter that adds more is not used. A judgement: below this, a neighbour in the band costs more than
+/// noise does.
 const AMPLIFIED: f64 = 2.0;
 
-/// Weights by which channels add up to the record of one mode, and how they came about.
+/// Weights by which channels add up to the record of one mode, and how these were found.
 ///
-/// Found once, it serves all records of the same channels: several force levels of one structure.
+/// A combination is found once and serves all records of the same channels: several force levels of one structure.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Combination {
     /// One weight per channel.
     pub weights: Vec<f64>,
-    /// What was found, in words: rank and condition, share of the energy, channels that do not fit.
+    /// What was found, in words: rank and condition, share of the energy, channels that do not move with the shape.
     pub notes: Vec<String>,
 }
 
@@ -26,7 +27,7 @@ impl Combination {
     }
 
     /// The combination for the shape that carries most of the energy in the band of `options`; amplitudes are those of
-    /// the channel that moves most. Without a band, that of the loudest channel is taken.
+    /// the channel that moves most. Where `options` name no band, the automatic band of the loudest channel is taken.
     ///
     /// # Errors
     /// [`Error::Length`]; [`Error::Refused`] for channels without motion or without a spectral peak; as
@@ -96,11 +97,11 @@ impl Combination {
     }
 
     /// The combination for one of several mass-normalised mode shapes: the modal filter where the shapes allow it, else the average of all
-    /// channels over their shape, weighted by its square (Sec. 4.4), which leaves it to the band to keep other modes out. A filter is not allowed that
-    /// amplifies noise by more than twice what the average does, or that has more modes than the channels tell apart.
+    /// channels, each over its shape value and weighted by that value's square (Sec. 4.4); the band must then keep other modes out. The filter is not used where it
+    /// amplifies noise more than twice as much as the average does, or where there are more modes than the channels tell apart.
     ///
     /// # Errors
-    /// As [`ModalFilter::new`] but for its rank; [`Error::Length`] for a mode that is not there.
+    /// As [`ModalFilter::new`] except for a rank that is too low; [`Error::Length`] for a mode that is not there.
     ///
     /// ```
     /// use iwan_ident::channels::Combination;
@@ -133,7 +134,7 @@ impl Combination {
                 shapes.len(),
                 length(&filter.weights) * own
             ))),
-            // A shape that is none by itself is refused; shapes that are not told apart leave the average.
+            // A shape that is no shape even by itself is refused; shapes that cannot be told apart leave the average.
             Err(Error::Refused { finding, .. }) if Self::of_shapes(alone).is_ok() => Ok(average(finding)),
             Err(error) => Err(error),
         }
@@ -155,7 +156,7 @@ impl Combination {
     }
 }
 
-/// Channels that do not move with a mode's shape in its band, in words: they are named and stay part of the average.
+/// A sentence on channels that do not move with a mode's shape in its band: they are named, and stay part of the average.
 ///
 /// # Errors
 /// As [`Combination::dominant`].
@@ -197,7 +198,7 @@ impl BandPassed {
     }
 }
 
-/// The channels in the band, which is that of the `reference` channel unless given.
+/// The channels in the band of `options`, or else in the automatic band of the `reference` channel.
 fn band_passed(
     channels: &[&[f64]],
     reference: usize,

@@ -1,4 +1,4 @@
-//! Many channels to the record of one mode: modal filter, the shape that dominates in a band, combinations of channels.
+//! From many channels to the record of one mode: modal filter, the shape that dominates in a band, combinations of channels.
 
 mod modal;
 mod combination;

@@ -4,11 +4,11 @@ use nalgebra::DMatrix;
 
 use crate::error::{Error, check, check_length, check_samples};
 
-/// Singular values below this part of the largest count as zero: shapes from a file have six digits or more, and rounding leaves
-/// 1e-16. Shapes that are told apart worse are refused with their rank.
+/// Singular values below this fraction of the largest count as zero: shapes from a file have six digits or more, and rounding leaves
+/// 1e-16. Shapes that the channels tell apart less well are refused with their rank.
 const RANK_TOLERANCE: f64 = 1e-10;
-/// A channel whose scaled record leaves the average by more than this part of its root mean square is an outlier, named and not
-/// dropped: calibration and shapes together are good to a few per cent. A judgement.
+/// A channel is an outlier where its record differs from its share of the average by more than this fraction of that share (root mean squares); it is named and not
+/// dropped. Calibration and shapes together are good to a few per cent. A judgement.
 const OUTLIER: f64 = 0.25;
 
 /// The pseudo-inverse Φ⁺ of a matrix of mode shapes: q'' = Φ⁺ x'' (Eq. 18).
@@ -74,7 +74,7 @@ impl ModalFilter {
         self.rank
     }
 
-    /// Largest over smallest singular value: by so much, at worst, is noise amplified against the signal.
+    /// Largest over smallest singular value: the factor by which noise is amplified against the signal at worst.
     #[must_use]
     pub fn condition(&self) -> f64 {
         self.condition
@@ -108,12 +108,12 @@ impl ModalFilter {
     }
 }
 
-/// One modal record averaged over channels, and the channels that do not fit.
+/// One modal record averaged over channels, and the channels that do not move with the shape.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Average {
     /// Modal record: Σ φ x / Σ φ².
     pub samples: Vec<f64>,
-    /// Root-mean-square distance of each channel's x - φ q from zero, over that of φ q.
+    /// For each channel the root mean square of x - φ q over that of φ q.
     pub misfit: Vec<f64>,
     /// Channels (by index) with a misfit above 25 %: named, and still part of the average.
     pub outliers: Vec<usize>,
@@ -162,7 +162,7 @@ pub struct DominantShape {
     pub share: f64,
 }
 
-/// First singular vector of the channels, for records without mode shapes.
+/// First singular vector of the channels, with the share of energy that moves in it; for records without mode shapes.
 ///
 /// # Errors
 /// [`Error::Length`]; [`Error::Refused`] for channels without motion.

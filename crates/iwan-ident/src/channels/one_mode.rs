@@ -1,4 +1,4 @@
-//! Recordings of the same channels as the records of one mode: what a program does before it looks at a mode.
+//! From recordings of the same channels to the records of one mode: what a program does before it looks at a mode.
 
 use super::combination::{Combination, strangers};
 use crate::error::Error;
@@ -18,11 +18,11 @@ pub struct Recording<'a> {
 /// What is known of a mode's shape.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Shape<'a> {
-    /// Nothing: a single channel stands for the mode, of several the shape that dominates in the band is taken.
+    /// Nothing: a single channel stands for the mode; of several channels the shape that dominates in the band is taken.
     Unknown,
     /// One of several mass-normalised mode shapes.
     Known {
-        /// `shapes[mode][channel]`: together they make the modal filter, where they allow it.
+        /// `shapes[mode][channel]`: together the shapes make the modal filter, where they allow it.
         shapes: &'a [Vec<f64>],
         /// Which of them is wanted.
         mode: usize,
@@ -38,7 +38,7 @@ pub struct OneMode {
     pub notes: Vec<String>,
 }
 
-/// Why recordings cannot be combined, and where that shows.
+/// Why recordings cannot be combined, and whether shapes or a recording are the reason.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum NoMode {
     /// In the mode shapes.
@@ -54,7 +54,7 @@ pub enum NoMode {
     },
 }
 
-/// The records of one mode out of recordings of the same channels; the first recording decides how these are combined.
+/// The records of one mode from recordings of the same channels; the first recording decides how channels are combined.
 ///
 /// # Errors
 /// [`NoMode`] with what [`Combination::of_shape`], [`Combination::dominant`], [`strangers`] or [`Combination::apply`]
@@ -102,7 +102,7 @@ pub fn one_mode(
     Ok(OneMode { records, notes: combination.notes })
 }
 
-/// Whether the channels move with the shape: with one channel there is nothing to compare, and a shape of another length
+/// A sentence on channels that do not move with the shape, if there are any. With one channel there is nothing to compare, and a shape of another length
 /// is refused when the channels are combined.
 fn doubts(recording: &Recording<'_>, shape: &[f64], options: &Options) -> Result<Option<String>, Error> {
     if recording.channels.len() < 2 || shape.len() != recording.channels.len() {

@@ -1,4 +1,4 @@
-//! Where records begin, and how large their motions are: before any fit.
+//! Initial motions of records and the size of their motions, before any fit.
 
 use std::f64::consts::TAU;
 use std::ops::Range;
@@ -11,13 +11,13 @@ use super::run::{Clock, run};
 use super::series::{Sums, amplitude};
 use super::unknowns::{Sharing, Values};
 
-/// Periods of the slowest mode behind the largest load over which the shapes at it are first taken from, as if the modes were linear. Joints soften and damp a mode that is
-/// five times as fast within five periods of the slowest so far that its shape comes out half as large as it is.
+/// Periods of the slowest mode, counted from the largest load, over which shapes at the load are first found as if the modes were linear. Within five such periods joints
+/// soften and damp a mode that is five times as fast so far that its shape comes out half as large as it is.
 const FIRST_PERIODS: f64 = 1.0;
-/// Periods of a mode whose amplitude is where a free decay begins: its joints soften and damp it by a few per cent in that time.
+/// Periods of a mode over which its amplitude at the start of a free decay is found: its joints soften and damp it by a few per cent in that time.
 const AT_FIRST: f64 = 4.0;
 
-/// Records with their clocks, sums, beginnings and sizes.
+/// Records with their clocks, plans of series, initial motions and sizes.
 #[derive(Debug, Clone)]
 pub(super) struct Opened {
     pub(super) records: Vec<Prepared>,
@@ -32,20 +32,20 @@ impl Opened {
         self.records.iter().map(|record| record.clock.steps_for(record.motions[0].len())).sum()
     }
 
-    /// Largest amplitude of each mode.
+    /// Largest amplitude of each mode in any record.
     pub(super) fn largest(&self) -> Vec<f64> {
         let modes = self.sizes.first().map_or(0, Vec::len);
         (0..modes).map(|r| self.sizes.iter().map(|of_record| of_record[r]).fold(0.0, f64::max)).collect()
     }
 
-    /// Clocks of the same records with so many times the steps, and more sliders.
+    /// Clocks of the same records with `times` times the steps, and more sliders.
     pub(super) fn finer(task: &CoupledTask<'_>, records: &[CoupledRecord], times: usize) -> Vec<Clock> {
         let fastest = task.modes.iter().map(|m| m.parameters.frequency).fold(0.0, f64::max);
         let of = |record: &CoupledRecord| Clock::finer(record.dt, record.force.as_deref(), fastest, times);
         records.iter().map(of).collect()
     }
 
-    /// Of the records, by the frequencies of the modes.
+    /// Prepares records by the start frequencies of the modes.
     pub(super) fn new(task: &CoupledTask<'_>, records: &[CoupledRecord]) -> Self {
         let frequencies: Vec<f64> = task.modes.iter().map(|m| m.parameters.frequency).collect();
         let fastest = frequencies.iter().copied().fold(0.0, f64::max);
@@ -76,7 +76,7 @@ impl Opened {
     }
 }
 
-/// Displacement and velocity of a mode at the first sample, from its amplitude over the first periods.
+/// Displacement and velocity of a mode `r` at the first sample, from its amplitude over the first periods.
 fn begin(task: &CoupledTask<'_>, record: &CoupledRecord, frequencies: &[f64], r: usize) -> [f64; 2] {
     let samples = &record.motions[if task.seen == Seen::Modes { r } else { 0 }];
     let omega = TAU * frequencies[r];
@@ -84,7 +84,7 @@ fn begin(task: &CoupledTask<'_>, record: &CoupledRecord, frequencies: &[f64], r:
     let apart = others.map(|(_, f)| (f - frequencies[r]).abs()).fold(f64::INFINITY, f64::min);
     let length = ((AT_FIRST / frequencies[r]).max(2.0 / apart) / record.dt).ceil() as usize;
     let [re, im] = amplitude(samples, length.max(8), omega * record.dt);
-    // q = Z exp(iωt) and the sensor shows (iω)^p of it.
+    // q = Re Z exp(iωt), and the sensor shows (iω)^p of it, with p the number of derivatives that it measures.
     let (mut q, power) = ([re, im], task.quantity.power());
     for _ in 0..power {
         q = [q[1] / omega, -q[0] / omega];
@@ -92,7 +92,7 @@ fn begin(task: &CoupledTask<'_>, record: &CoupledRecord, frequencies: &[f64], r:
     [q[0], -omega * q[1]]
 }
 
-/// Shapes at the load as linear modes would have them over the first periods of some records; none where that says nothing.
+/// Shapes of the modes at the load, by least squares over the first periods of the records `of`, as if the modes were linear; none where that has no solution.
 pub(super) fn shapes_at_force(
     task: &CoupledTask<'_>,
     opened: &Opened,
@@ -110,7 +110,7 @@ pub(super) fn shapes_at_force(
         let samples = (peak + (FIRST_PERIODS / (slowest * record.dt)) as usize).clamp(16.min(all), all);
         let clock = &opened.records[k].clock;
         let Some(motions) = run((Sharing::Linear, &unit), k, clock, samples, task.quantity) else { continue };
-        // Soft blows shall count as much as hard ones.
+        // Each motion counts relative to its own size, so that soft blows count as much as hard ones.
         for (m, measured) in record.motions.iter().enumerate() {
             let size: f64 = measured[..samples].iter().map(|x| x * x).sum::<f64>().max(f64::MIN_POSITIVE);
             let seen: Vec<usize> = if task.seen == Seen::Modes { vec![m] } else { (0..n).collect() };

@@ -1,4 +1,4 @@
-//! All of it in one call.
+//! The whole fit in one call: models, comparison, intervals and warnings.
 
 use std::ops::Range;
 use std::sync::atomic::Ordering;
@@ -19,37 +19,38 @@ use crate::error::Error;
 use crate::estimate::{Found, Model, near};
 use crate::parameters::Parameters;
 
-/// Further joints are tried where the best model leaves more than this share of the records, and leaves more than noise. Two modes and one joint leave 0.8 to
-/// 1.1 % of the paper's beam (1.8 % of its worst series), because the modes left out do not follow at once. Two joints then learn that: they leave 0.5 %, take
-/// twenty times as long, find K_T 42,000 for 31,600, and miss blows that were kept out by 5.4 % where one joint misses 3.5 %.
+/// Further joints are tried only where the best model leaves more than this share of the records, and more than noise. Two modes and one joint leave 0.8 to
+/// 1.1 % of the paper's beam (1.8 % of its worst series), because the modes left out do not follow at once. Two joints then fit that remainder: they leave 0.5 %, take
+/// twenty times as long, find K_T 42,000 instead of 31,600, and miss blows that were kept out by 5.4 % where one joint misses 3.5 %.
 const LEAVES: f64 = 0.02;
-/// Models that leave less than this share of the records are equally good: below are the error of time steps and the digits of files. Without it joints of next to no strength were
-/// found in linear modes without noise.
+/// Models that leave less than this share of the records count as equally good: smaller remainders are the error of time steps and the digits of files. Without this limit
+/// joints of next to no strength were found in linear modes without noise.
 const EXACT: f64 = 1e-5;
-/// Time steps of all records together up to which several joints are tried: four measured decays of 118,000 steps were not through after
+/// Largest number of time steps of all records together with which several joints are tried: four measured decays of 118,000 steps were not through after
 /// twenty minutes. With more, a warning says that they were not tried.
 const MOST_STEPS: usize = 50_000;
-/// So many times the steps of the search, and the square of that in sliders, are held against it at its end; what steps without end would change is extrapolated from there. Not extrapolated,
-/// a sixteenth of the change stays in the records, and moves the participations of ten thousand samples at 40 dB by two standard deviations.
+/// Factor on the number of steps (and its square on the number of sliders) of the finer run that the search is corrected by at its end; the change is extrapolated to
+/// infinitely fine steps. Not extrapolated, a sixteenth of the change stays in the records, and moves the participations of ten thousand samples at 40 dB by two standard
+/// deviations.
 const FINER: usize = 4;
-/// Corrections, each at the values that the one before led to. The first is made at values that are off by the steps; what it is off by itself moves K_T by more than a standard deviation
-/// at 40 dB. The second leaves the square of that.
+/// Number of corrections, each at the values that the one before led to. The first one is made at values that the coarse steps have moved; its own error moves K_T by more
+/// than a standard deviation at 40 dB. The second leaves the square of that error.
 const CORRECTIONS: usize = 2;
-/// A model that leaves so many times more with its time steps corrected than without is not where its search had ended. Found far from the right values, where nothing describes the
-/// records; a judgement.
+/// A warning is given where a model leaves this many times more with its time steps corrected than without: its minimum is then not where the search had ended. That was found
+/// far from the right values, where nothing describes the records. A judgement.
 const UNSETTLED: f64 = 2.0;
-/// Share of the work done when the linear modes, the uncoupled ones and those with shared joints are fitted; the rest are intervals. A judgement for
-/// progress alone.
+/// Share of the work done when the linear modes, the uncoupled ones and those with shared joints are fitted; the rest goes to intervals. A judgement that affects
+/// the display of progress alone.
 const FITTED: [f64; 3] = [0.02, 0.15, 0.45];
-/// Most joints that are tried. Two modes that share two joints have as many unknowns as can be told by two modes.
+/// Largest number of shared joints that is tried: two modes that share two joints have as many unknowns as two modes can tell.
 const MOST_JOINTS: usize = 2;
 
-/// Fits modes that share joints to several records at once, beside modes by themselves and linear modes.
+/// Fits modes that share joints to several records at once, and beside them modes with joints of their own and linear modes.
 ///
-/// Searches start from the modes by themselves with several values of K_T and F_S and all signs of the participation, and from joints drawn from all over what
-/// is plausible, in windows that grow from a tenth of the records to the whole. Residuals are relative to each record and mode. The models are compared by Schwarz's criterion with
-/// as many independent residuals as their correlation leaves; intervals of the chosen one are by profile likelihood, wider where it leaves more
-/// than noise ([`widening`]). Where it leaves noise, each series counts by its own.
+/// Searches start from the modes fitted by themselves, with several values of K_T and F_S and all signs of the participation, and from random joints in the whole plausible
+/// range. They run in windows that grow from a tenth of the records to the whole. Residuals are relative to each record and mode. The models are compared by Schwarz's
+/// criterion with as many independent residuals as their correlation leaves. Intervals of the chosen model are by profile likelihood, and wider where it leaves more than
+/// noise ([`widening`](crate::estimate::widening)). Where it leaves noise only, each series is weighted by its own noise.
 ///
 /// # Errors
 /// [`Error::OutOfRange`], [`Error::Length`], [`Error::NotFinite`], [`Error::TooShort`] and [`Error::Model`] for what does not fit;
@@ -93,7 +94,7 @@ pub fn fit_coupled(task: &CoupledTask<'_>) -> Result<CoupledFit, Error> {
     let (steps, mut warnings) = (opened.steps(), loads::at_odds(task, &opened, &fitting.reference));
     let at_odds = !warnings.is_empty();
     for joints in 1..=MOST_JOINTS.min(modes.len()) {
-        // Further joints learn what is wrong with a load as well.
+        // Further joints would also fit what is wrong with a load.
         if joints > 1 && (at_odds || !leaves_something(&all) || fitting.doubted(best_of(&all)).is_some()) {
             break;
         }
@@ -112,7 +113,7 @@ pub fn fit_coupled(task: &CoupledTask<'_>) -> Result<CoupledFit, Error> {
         });
         match found {
             Ok(found) => all.push(found),
-            // What could not be searched for says nothing against the models that were found.
+            // A model that could not be searched for says nothing against those that were found.
             Err(Error::Refused { finding, .. }) => {
                 let plural = if joints == 1 { "joint" } else { "joints" };
                 warnings.push(format!(
@@ -139,7 +140,7 @@ pub fn fit_coupled(task: &CoupledTask<'_>) -> Result<CoupledFit, Error> {
             found = settled(&model, &found.x).unwrap_or(found);
         }
     }
-    // What the law misses is a share of each motion, which all series keep; noise is what each of them shows.
+    // What the law misses is a share of each motion, and all series keep one relative deviation; noise is taken from each series itself.
     if is_white(weights(&model, &found).inflation) {
         reweight(&mut model, &found);
     }
@@ -171,7 +172,7 @@ pub fn fit_coupled(task: &CoupledTask<'_>) -> Result<CoupledFit, Error> {
     })
 }
 
-/// Start frequencies, shapes and beginnings.
+/// Start frequencies, shapes and initial motions.
 fn reference(task: &CoupledTask<'_>, opened: &Opened) -> Values {
     let n = task.modes.len();
     let mut values = Values {
@@ -207,7 +208,7 @@ struct Fitting<'a> {
 type Fitted<'a> = (CoupledModel<'a>, Found);
 
 impl<'a> Fitting<'a> {
-    /// The best of a model.
+    /// A model of one sharing with its minimum.
     fn found(
         &self,
         sharing: Sharing,
@@ -224,14 +225,14 @@ impl<'a> Fitting<'a> {
         Ok((model, found))
     }
 
-    /// The load that does not go with its motion, in words.
+    /// A sentence on the load that does not go with its motion, if there is one.
     fn doubted(&self, best: Option<(&CoupledModel<'_>, &Found)>) -> Option<String> {
         let (model, found) = best.filter(|_| forced(self.task))?;
         let names: Vec<String> = self.task.records.iter().map(|r| r.name.clone()).collect();
         loads::words(model, found, &names)
     }
 
-    /// What a model says of all records.
+    /// What a model at its minimum says of all records, those kept out included.
     fn told(&self, model: &CoupledModel<'_>, found: &Found, criterion: f64) -> Result<FittedSharing, Error> {
         let unknown = || Error::Refused {
             finding: "the best values have no motion".into(),
@@ -284,7 +285,7 @@ impl<'a> Fitting<'a> {
     }
 }
 
-/// Where records begin that a model is held against: their first displacements and velocities, and nothing else, are fitted to them.
+/// Initial displacements and velocities of records that a model predicts: these alone are fitted to the records.
 fn near_beginning(model: &CoupledModel<'_>, start: &[f64]) -> Vec<f64> {
     let free: Vec<usize> = (0..start.len()).collect();
     near(model, start, &free, (30, 1e-5)).map_or_else(|| start.to_vec(), |found| found.x)
@@ -307,8 +308,8 @@ fn mean(misfits: &[Misfit]) -> f64 {
     (misfits.iter().map(|m| m.relative * m.relative).sum::<f64>() / misfits.len().max(1) as f64).sqrt()
 }
 
-/// Schwarz's criterion of models that were fitted with the same deviations: N ln(cost/N) + k ln N, with the number N of residuals that the
-/// correlation in the best of them leaves.
+/// Schwarz's criterion N ln(cost/N) + k ln N of models that were fitted with the same standard deviations; k is the number of unknowns, and N the number of independent
+/// residuals, as the correlation in the best model leaves them.
 fn criteria(all: &[Fitted<'_>]) -> Vec<f64> {
     let count = all[0].0.count() as f64;
     let inflation = best_of(all).map_or(1.0, |(model, found)| weights(model, found).inflation);
@@ -323,7 +324,7 @@ fn best_of<'f, 'a>(all: &'f [Fitted<'a>]) -> Option<(&'f CoupledModel<'a>, &'f F
     all.iter().min_by(|a, b| a.1.cost.total_cmp(&b.1.cost)).map(|(model, found)| (model, found))
 }
 
-/// Whether the best model so far leaves anything that more joints could tell.
+/// Whether the best model so far leaves something that further joints could explain.
 fn leaves_something(all: &[Fitted<'_>]) -> bool {
     best_of(all).is_none_or(|(model, found)| {
         let left = (found.cost / model.count() as f64).sqrt() * FIRST;

@@ -1,25 +1,26 @@
-//! What the levels of the records leave untold.
+//! What the records do not tell because of how hard their blows are.
 
 use super::outcome::{CoupledEstimate, FittedSharing};
 use super::unknowns::{CHI_RANGE, Unknown};
 
-/// Largest slip over φ_max that a knee must have been passed by to be told. Joints have their knee just below the loudest blow where there is none: the
-/// modal model's sliders, as every small defect at the loud start, are told by it. A judgement.
+/// Largest slip over φ_max that the records must reach for a knee to be told. Where the records have no knee, the fit puts one just below the loudest blow: the
+/// modal model's sliders, as every small defect at the loud start, are described by it. A judgement.
 const PASSED: f64 = 1.5;
-/// A record begins softly enough to tell micro-slip where its largest slip is below this share. A judgement.
+/// A record begins softly enough to tell micro-slip where its largest slip over φ_max is below this value. A judgement.
 const HARD: f64 = 0.3;
 
-/// Where less than this is left the knee is told though what is left is not noise: by one joint of the paper's beam F_S comes within 5 %. A judgement.
+/// Where the model leaves less than this share of the motion, the knee counts as told even if the remainder is not noise: by one joint of the paper's beam F_S comes within 5
+/// %. A judgement.
 const KNEE_TOLD: f64 = 0.01;
 
-/// What is left below this share may be that of steps and sliders, of which 200 hold the dissipation per cycle within 0.14 %: it says nothing of the model.
+/// A remainder below this share of the motion may come from steps and sliders (200 sliders keep the dissipation per cycle within 0.14 %), and says nothing of the model.
 const OF_STEPS: f64 = 0.002;
 
-/// What the chosen model leaves of the records.
+/// What the chosen model leaves of the records: size and kind.
 pub(super) struct Left {
-    /// Relative misfit.
+    /// Relative misfit of the records fitted.
     pub(super) misfit: f64,
-    /// Whether it is noise.
+    /// Whether the remainder is noise.
     pub(super) is_noise: bool,
 }
 
@@ -28,7 +29,7 @@ impl Left {
         self.is_noise || self.misfit <= KNEE_TOLD
     }
 
-    /// A sentence where the law itself misses something.
+    /// A sentence that says so where the law itself misses something.
     pub(super) fn words(&self) -> Vec<String> {
         if self.is_noise || self.misfit < OF_STEPS {
             return Vec::new();
@@ -43,13 +44,13 @@ impl Left {
     }
 }
 
-/// Largest and smallest slip over φ_max of a joint in the records.
+/// Smallest and largest slip over φ_max of a joint in the records.
 fn ratios(model: &FittedSharing, joint: usize) -> (f64, f64) {
     let all = model.slip_ratios.iter().map(|of_joint| of_joint[joint]);
     all.fold((f64::INFINITY, 0.0_f64), |r, x| (r.0.min(x), r.1.max(x)))
 }
 
-/// The estimates without the ends that need a knee which the records have not clearly passed, or which a law that misses something shows: the joint
+/// The estimates without those interval ends that rest on a knee which the records have not clearly passed, or which is described by a law that misses something: then the joint
 /// may be as strong and as stiff as one likes.
 pub(super) fn without_knees(
     model: &FittedSharing,
@@ -66,7 +67,7 @@ pub(super) fn without_knees(
             }
         }
     }
-    // At the end of its range χ is where the search ran to: one blow by itself told -0.98, within 0.04, of a joint of -0.3.
+    // A χ at the end of its range is only where the search ran to: one blow by itself gave -0.98, within 0.04, for a joint with -0.3.
     for e in &mut estimates {
         if matches!(e.unknown, Unknown::Chi(_)) && (e.value <= CHI_RANGE.0 || e.value >= CHI_RANGE.1) {
             (e.low, e.high) = (None, None);
@@ -75,7 +76,7 @@ pub(super) fn without_knees(
     estimates
 }
 
-/// Sentences on joints that the records move too little, or never little enough.
+/// Sentences on joints that the records move too little, or in none of them little enough.
 pub(super) fn one_sided(model: &FittedSharing) -> Vec<String> {
     let mut words = Vec::new();
     for joint in 0..model.values.laws.len() {
@@ -109,7 +110,7 @@ mod tests {
     use super::*;
     use crate::coupled::{Sharing, Values};
 
-    /// Two modes that share a joint, in two records with these slips over φ_max.
+    /// A fit of two modes that share a joint, to two records with these slips over φ_max.
     fn fitted(chi: f64, slip_ratios: [f64; 2]) -> FittedSharing {
         let values = Values {
             frequency: vec![20.0, 52.0],

@@ -1,4 +1,4 @@
-//! The chosen model with its intervals.
+//! The chosen model and the intervals of its unknowns.
 
 use std::ops::Range;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
@@ -13,21 +13,22 @@ use super::unknowns::Unknown;
 use crate::error::Error;
 use crate::estimate::{About, Found, Interval, Model, Profiles, Told, Weights, near, widening};
 
-/// Searches begun anew because an interval's walk met a better point, at most.
+/// Largest number of times that all walks begin anew because one of them met a better point.
 const MOST_ANEW: usize = 3;
-/// Factor on the variance of what tells of a joint alone: K_T, F_S, χ, β and compliance. The sum of squares has a crease wherever a slider begins to slip, and searches end in one of several
-/// valleys between creases: estimates scatter by 1.2 to 1.3 times what the curvature of one valley says. In a hundred repeats at 40 dB intervals held the truth in 85 to 89 without, and in 94 to
-/// 96 with it.
+/// Factor on the variance of unknowns of a joint: K_T, F_S, χ, β and compliance. The sum of squares has a crease wherever a slider begins to slip, and searches end in one of
+/// several valleys (local minima) between creases: estimates scatter by 1.2 to 1.3 times what the curvature of one valley says. In a hundred repeats at 40 dB intervals held
+/// the truth in 85 to 89 without the factor, and in 94 to 96 with it.
 const CREASED: f64 = 1.5;
-/// Of what the correction changes so much is taken for what it is off by, so that intervals do not shrink to nothing where there is no noise. A judgement: next in the
-/// series is the fourth power of the step, less than what is taken off by the square of ω h, a fortieth at forty steps a period.
+/// Share of the correction for time steps that counts as its own error, so that intervals do not shrink to nothing where there is no noise. A judgement: the next term of the
+/// series is the fourth power of the step, smaller than the one subtracted by the square of ω h, a fortieth at forty steps a period.
 const STILL_STEPPING: f64 = 0.1;
-/// Stretches of each series that pull for themselves. On the paper's beam whole series widen intervals by 14, halves by 10, quarters by 7 and eighths by 5: what is
-/// missed is alike for long. Whole series would say nothing of what only one of them tells, the damping of a mode in one record.
+/// Number of stretches of each series that are taken for independent of each other. On the paper's beam whole series widen intervals by 14, halves by 10, quarters by 7 and
+/// eighths by 5: the remainder is alike over long times. Whole series would say nothing of an unknown that only one of them tells, such as the damping of a mode in one
+/// record.
 const STRETCHES: usize = 2;
-/// β is told where the best fit without a Dirac has a deviance above this. One parameter more gains 4 at the 95 % level; but a motion has a crease
-/// wherever a slider begins to slip, so that walks along β end in valleys of their own: of 7 repeats with β = 0.02 at 40 dB they ended within ±0.005
-/// about values from 0 to 0.024, and held the truth in 5. Without a Dirac those fits had deviances up to 22. As at the knee of a mode
+/// The interval of β is closed only where the best fit without a Dirac has a deviance above this. One parameter more gains 4 at the 95 % level; but a motion has a crease
+/// wherever a slider begins to slip, so that walks along β end in valleys of their own: in 7 repeats with β = 0.02 at 40 dB they ended within ±0.005
+/// about values from 0 to 0.024, and held the truth in 5. Without a Dirac those fits had deviances up to 22. As for the knee of a mode
 /// ([`profile`](mod@crate::profile)), 25 is a judgement.
 const DIRAC_SEEN: f64 = 25.0;
 
@@ -37,12 +38,12 @@ pub(super) struct Certain<'a> {
     pub(super) found: Found,
     intervals: Vec<(usize, Interval)>,
     told: Told,
-    /// How much the correlation of what is left widens variances.
+    /// Factor by which the correlation of the residuals widens variances.
     inflation: f64,
 }
 
 impl<'a> Certain<'a> {
-    /// Intervals about the best of a model.
+    /// Finds the intervals about the minimum of a model.
     pub(super) fn about(
         mut model: CoupledModel<'a>,
         found: Found,
@@ -52,7 +53,7 @@ impl<'a> Certain<'a> {
         let free: Vec<usize> = (0..found.x.len()).collect();
         let wanted: Vec<usize> =
             free.iter().copied().filter(|j| is_of_structure(model.form.unknowns[*j])).collect();
-        // Where no blow tells a Dirac, searches end at any; a walk would meet the better minimum late, and all walks begin anew from there.
+        // Where no blow tells a Dirac, searches end at any β; a walk would meet the better minimum late, and all walks would begin anew from there.
         for j in free.iter().filter(|j| matches!(model.form.unknowns[**j], Unknown::Beta(_))) {
             let lower = without_dirac(&model, &found, &free, *j).and_then(|found| settled(&model, &found.x));
             found = lower.filter(|lower| lower.cost < found.cost).unwrap_or(found);
@@ -62,7 +63,7 @@ impl<'a> Certain<'a> {
             let freedom = (model.count() as f64 - free.len() as f64).max(1.0);
             let variance = (inflation * found.cost / freedom).max(still_stepping(&model));
             let about = About { found: &found, free: &free, variance, settled: round == MOST_ANEW };
-            // Noise pulls nowhere; what the law misses pulls each stretch of a record its own way.
+            // Noise pulls in no direction; what the law misses pulls the unknowns another way in each stretch of a record.
             let wider = if is_white(inflation) {
                 free.iter()
                     .map(|j| if is_of_joint(model.form.unknowns[*j]) { CREASED } else { 1.0 })
@@ -70,7 +71,7 @@ impl<'a> Certain<'a> {
             } else {
                 widening(&model, &found.x, &free, variance, &stretches(&model))
             };
-            // Each walk on a thread of its own: two records on two threads wait for each other at each step of a search.
+            // Each walk has a thread of its own: two records on two threads would wait for each other at each step of a search.
             let threads = std::mem::replace(&mut model.threads, 1);
             let walked = walked(&model, about, (&wanted, &wider), (threads, progress))?;
             model.threads = threads;
@@ -92,7 +93,7 @@ impl<'a> Certain<'a> {
         Err(Error::Stopped)
     }
 
-    /// Whether what is left is noise, as far as its correlation says.
+    /// Whether the residuals are noise, as far as their correlation says.
     pub(super) fn leaves_noise(&self) -> bool {
         is_white(self.inflation)
     }
@@ -109,7 +110,7 @@ impl<'a> Certain<'a> {
         self.intervals.iter().map(of).collect()
     }
 
-    /// Combinations by the unknowns of the structure; the beginnings of records are left out.
+    /// Directions by the unknowns of the structure; the initial motions of records are left out.
     pub(super) fn combinations(&self) -> Vec<CoupledCombination> {
         let own: Vec<usize> = self.intervals.iter().map(|(j, _)| *j).collect();
         let of = |c: &crate::estimate::Combination| CoupledCombination {
@@ -120,7 +121,7 @@ impl<'a> Certain<'a> {
     }
 }
 
-/// Stretches of the residuals that are taken for independent of each other where the law misses something.
+/// Ranges of residuals that are taken for independent of each other where the law misses something.
 fn stretches(model: &CoupledModel<'_>) -> Vec<Range<usize>> {
     let of = |range: Range<usize>| {
         let (first, length) = (range.start, range.len());
@@ -129,7 +130,7 @@ fn stretches(model: &CoupledModel<'_>) -> Vec<Range<usize>> {
     model.ranges().into_iter().flat_map(of).filter(|stretch| !stretch.is_empty()).collect()
 }
 
-/// The intervals, walked on so many threads; `wider` are factors on the variance by unknown; a better minimum met on the way in their place.
+/// The intervals of the unknowns `wanted`, walked on `threads` threads; `wider` are factors on the variance by unknown. The error is a better minimum met on the way.
 fn walked(
     model: &CoupledModel<'_>,
     about: About<'_>,
@@ -140,7 +141,7 @@ fn walked(
     let walks: Vec<(usize, f64)> = wanted.iter().flat_map(|j| [(*j, -1.0), (*j, 1.0)]).collect();
     let (done, stopped, met) = (AtomicUsize::new(0), AtomicBool::new(false), AtomicBool::new(false));
     let walk = |(j, direction): &(usize, f64)| {
-        // Walks are begun in their order: those before one that met a better point have begun, so that the first of them is the same whatever the threads.
+        // Walks begin in their order. Those before a walk that met a better point have begun, so that the first better point is the same for any number of threads.
         if stopped.load(Ordering::Relaxed) || met.load(Ordering::Relaxed) {
             return Ok(None);
         }
@@ -154,7 +155,7 @@ fn walked(
     if stopped.load(Ordering::Relaxed) { Err(Error::Stopped) } else { Ok(Interval::of_ends(ends)) }
 }
 
-/// Variance that the steps leave, in the unit of the residuals.
+/// Variance of the residuals (in their unit) that the error of the steps still leaves.
 fn still_stepping(model: &CoupledModel<'_>) -> f64 {
     let of = |(series, range): (&Series, Range<usize>)| {
         range.len() as f64 * (STILL_STEPPING * series.stepping / series.deviation).powi(2)
@@ -162,7 +163,7 @@ fn still_stepping(model: &CoupledModel<'_>) -> f64 {
     model.series.iter().zip(model.ranges()).map(of).sum::<f64>() / (model.count() as f64).max(1.0)
 }
 
-/// The best without a Dirac in one joint; `beta` is the unknown.
+/// The minimum without a Dirac in one joint; `beta` is the index of that joint's β.
 fn without_dirac(model: &CoupledModel<'_>, found: &Found, free: &[usize], beta: usize) -> Option<Found> {
     let mut start = found.x.clone();
     start[beta] = 0.0;
@@ -170,13 +171,13 @@ fn without_dirac(model: &CoupledModel<'_>, found: &Found, free: &[usize], beta: 
     near(model, &start, &others, LAST)
 }
 
-/// Whether the records speak clearly against a joint without a Dirac.
+/// Whether the records speak clearly against a joint without a Dirac; `beta` is the index of the joint's β.
 fn has_dirac(model: &CoupledModel<'_>, about: About<'_>, beta: usize) -> bool {
     let without = without_dirac(model, about.found, about.free, beta);
     without.is_none_or(|without| without.cost - about.found.cost > DIRAC_SEEN * about.variance)
 }
 
-/// Whether an unknown tells of a joint alone.
+/// Whether an unknown belongs to a joint alone.
 fn is_of_joint(unknown: Unknown) -> bool {
     matches!(
         unknown,
@@ -184,7 +185,7 @@ fn is_of_joint(unknown: Unknown) -> bool {
     )
 }
 
-/// Whether an unknown is one of modes and joints, and not of a record.
+/// Whether an unknown belongs to modes and joints, and not to one record.
 fn is_of_structure(unknown: Unknown) -> bool {
     !matches!(unknown, Unknown::Displacement(..) | Unknown::Velocity(..))
 }

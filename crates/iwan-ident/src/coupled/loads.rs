@@ -1,4 +1,4 @@
-//! Loads that do not go with the motions: a force of another size, or on another clock.
+//! Loads that do not go with the motions of their records: a force of another size, or on another clock.
 
 use nalgebra::{DMatrix, DVector};
 
@@ -8,28 +8,29 @@ use super::records::CoupledTask;
 use super::unknowns::Values;
 use crate::estimate::{Found, Model, Squares};
 
-/// Step of the difference by a factor on a load: its motion is nearly in proportion.
+/// Relative change of a load by which the derivative for its gain is taken: the motion is nearly in proportion to the load.
 const GAIN_STEP: f64 = 0.01;
-/// … and by its delay, in samples of the record.
+/// Delay by which the derivative for the load's delay is taken, in samples of the record.
 const DELAY_STEP: f64 = 0.1;
-/// What is plausible before a record is seen, as standard deviations: the gain of a load cell, and samples by which channels are apart. Records that tell neither, such as a
-/// single one with an unknown shape at the load, have none then.
+/// Standard deviations of what is plausible before a record is seen: of the gain of a load cell, and of the delay between channels in samples. Where records tell neither,
+/// such as a single one with an unknown shape at the load, gain and delay then come out as none.
 const PLAUSIBLE: [f64; 2] = [0.3, 10.0];
-/// A load is named where its gain is off by more than this, or its clock by more than so many samples: load cells are calibrated to a per cent or two, and what a modal model
+/// A load is named where its gain is off by more than this, or its delay by more than this many samples: load cells are calibrated to a per cent or two, and what a modal model
 /// leaves out of the paper's beam looks like half a per cent and a tenth of a sample.
 const NAMED: [f64; 2] = [0.02, 0.5];
-/// … and the sum of squares of its record would fall below this share: the root mean square by three tenths.
+/// The sum of squares of the record must also fall below this share: the root mean square falls by three tenths.
 const EXPLAINED: f64 = 0.5;
 
-/// A gain or a delay is told alone where both together leave no more than this part of the root mean square less: a clock that lags by a fifth of a blow looks like a smaller
-/// load as well.
+/// A gain or a delay alone is named unless both together leave a root mean square that is smaller by more than this part: a clock that lags by a fifth of a blow looks like a
+/// smaller load as well.
 const ALONE: f64 = 0.15;
 
-/// A record begins with so many times the motion that its load makes by the other records, or a part of that, where its load is in another unit: pounds are 4.4 newtons. A joint that slips
-/// takes less than half of a mode's first period.
+/// A load is in another unit where the record begins with more than this many times the motion that its load makes in the other records, or with less than the inverse: pounds
+/// are 4.4 newtons. A joint that slips takes less than half of a mode's motion in its first period.
 const OTHER_UNIT: f64 = 3.0;
 
-/// Records that begin as if their load had another sign or another unit than those of the others, in words. Such a load bends the fit so far that [`words`] would name another.
+/// Sentences on records that begin as if their load had another sign or another unit than the loads of the others. Such a load bends the fit so far that [`words`] would name
+/// another.
 pub(super) fn at_odds(task: &CoupledTask<'_>, opened: &Opened, reference: &Values) -> Vec<String> {
     let count = task.records.len();
     if task.records[0].force.is_none() || count < 2 && task.shape_at_force.is_none() {
@@ -68,13 +69,13 @@ pub(super) fn at_odds(task: &CoupledTask<'_>, opened: &Opened, reference: &Value
 /// A load that does not go with its record.
 struct Doubt {
     record: usize,
-    /// Factor on the load less one, and delay in samples, with which the record would go better.
+    /// Gain less one, and delay in samples, with which the load would fit the record better.
     by: [f64; 2],
-    /// Sum of squares of the record's residuals with that over that without.
+    /// Sum of squares of the record's residuals with that gain and delay over that without.
     left: f64,
 }
 
-/// The load that explains most of what is left of its record, in words with the record's name; none where all go with their motions.
+/// A sentence on the load that explains most of the residuals of its record; none where all loads go with their motions.
 pub(super) fn words(model: &CoupledModel<'_>, found: &Found, names: &[String]) -> Option<String> {
     let free: Vec<usize> = (0..found.x.len()).collect();
     let jacobian = Squares(model).derivatives_at(&found.x, &free)?;
@@ -104,7 +105,7 @@ pub(super) fn words(model: &CoupledModel<'_>, found: &Found, names: &[String]) -
     ))
 }
 
-/// What a gain and a delay of one load would explain, all unknowns following.
+/// What a gain and a delay of the load of record `k` would explain when all unknowns follow.
 fn doubt(
     model: &CoupledModel<'_>,
     found: &Found,
@@ -139,7 +140,7 @@ fn doubt(
         }
         let mut right = DVector::zeros(count + parts.len());
         right.rows_mut(0, count).copy_from_slice(residuals);
-        // Unknowns that nothing tells stay where they are.
+        // Unknowns that no residual feels stay where they are.
         let solved = matrix.clone().svd(true, true).solve(&right, 1e-9 * matrix.norm()).ok()?;
         let after = right - matrix * &solved;
         let mut doubt =

@@ -1,8 +1,8 @@
-//! Several modes of several records at once: joints that the modes share, beside modes by themselves and linear modes.
+//! Several modes of several records at once: modes that share joints, beside modes with joints of their own and linear modes.
 //!
-//! The model is that of `iwan_core::CoupledModes`: stuck modes are linear oscillators, and each joint feels the sum of them. Whether modes
-//! share a joint is a hypothesis: [`fit_coupled`] fits the models that deny it as well, compares them by Schwarz's criterion on the same records
-//! and by what each says of records that it has not seen.
+//! The model is that of `iwan_core::CoupledModes`: stuck modes are linear oscillators, and the slip of each joint is a weighted sum of their displacements. Whether modes
+//! share a joint is a hypothesis. So [`fit_coupled`] also fits the models without shared joints, and compares all of them by Schwarz's criterion on the same records
+//! and by how well each predicts records that were kept out of the fit.
 
 mod records;
 mod unknowns;

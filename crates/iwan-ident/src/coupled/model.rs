@@ -1,4 +1,4 @@
-//! Residuals of all records, and their derivatives.
+//! Residuals of all records for a set of unknowns, and their derivatives.
 
 use std::ops::Range;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -12,10 +12,10 @@ use super::unknowns::{Form, Unknown, Values};
 use crate::curves::Quantity;
 use crate::estimate::Model;
 
-/// Steps of one-sided differences of whole runs, in coordinates of order one. A run is smooth but for creases of the size of a slider's share,
-/// over which a step must reach; curvature makes derivatives wrong by about as much as the step.
+/// Step of the one-sided differences of whole runs, in coordinates of order one. A run is smooth except for creases of the size of a slider's share,
+/// and the step must reach across these; curvature makes derivatives wrong by about as much as the step.
 const STEP: f64 = 3e-4;
-/// Relative deviation that a first search counts with: about the misfit of a good modal model.
+/// Relative standard deviation that the first searches assume: about the misfit of a good modal model.
 pub(super) const FIRST: f64 = 0.01;
 
 /// A record, ready to be compared.
@@ -25,12 +25,12 @@ pub(super) struct Prepared {
     pub(super) motions: Vec<Vec<f64>>,
 }
 
-/// Entries of one series of one record.
+/// Entries (see `series`) of one measured series of one record.
 #[derive(Debug, Clone)]
 pub(super) struct Series {
     pub(super) record: usize,
     pub(super) motion: usize,
-    /// The mode it tells of, where it is one.
+    /// The mode that the series belongs to, where it belongs to one.
     pub(super) mode: usize,
     pub(super) sums: Sums,
     /// Standard deviation of an entry.
@@ -38,14 +38,14 @@ pub(super) struct Series {
     /// Root mean square of the measured entries over the whole record.
     pub(super) size: f64,
     measured: Vec<f64>,
-    /// The measured entries, less what steps without end change in those of the model.
+    /// What the model's entries are compared with: the measured entries, less the change that infinitely fine steps would make in the model's.
     sought: Vec<f64>,
     entries: Range<usize>,
-    /// Root mean square of that; 0 as long as that is not known.
+    /// Root mean square of that change; 0 as long as it is not known.
     pub(super) stepping: f64,
 }
 
-/// Modes that share joints beside their records.
+/// The model of modes that share joints, together with the records that it is compared with.
 #[derive(Debug, Clone)]
 pub(super) struct CoupledModel<'a> {
     pub(super) form: Form,
@@ -54,16 +54,16 @@ pub(super) struct CoupledModel<'a> {
     pub(super) quantity: Quantity,
     pub(super) threads: usize,
     pub(super) stopped: &'a AtomicBool,
-    /// Samples of each record that count.
+    /// Number of samples of each record that are compared.
     samples: Vec<usize>,
     bounds: Vec<(f64, f64)>,
 }
 
-/// How a series is made: which record, motion and mode, and sums.
+/// How a series is made: indices of record, motion and mode, and the sums.
 pub(super) type Plan = (usize, usize, usize, Sums);
 
 impl<'a> CoupledModel<'a> {
-    /// All of the records.
+    /// The model compared with the whole of all records.
     pub(super) fn new(
         form: Form,
         records: &'a [Prepared],
@@ -97,7 +97,7 @@ impl<'a> CoupledModel<'a> {
         model
     }
 
-    /// Takes the first share of each record, and never less than one window.
+    /// Compares the first `share` of each record only, but never less than one window.
     pub(super) fn take(&mut self, share: f64) {
         let least = |k: usize| {
             let of = self.series.iter().filter(|s| s.record == k).map(|s| match s.sums {
@@ -119,12 +119,12 @@ impl<'a> CoupledModel<'a> {
         }
     }
 
-    /// The entries of each series.
+    /// Range of residuals of each series.
     pub(super) fn ranges(&self) -> Vec<Range<usize>> {
         self.series.iter().map(|s| s.entries.clone()).collect()
     }
 
-    /// Entries of all series of record `k` by the model, each over its deviation.
+    /// Entries of all series of record `k` as the model makes them, each over its standard deviation.
     fn entries(&self, values: &Values, k: usize, motions: Motions) -> Vec<Vec<f64>> {
         let motions = self.at_sensors(values, k, motions);
         let of = |series: &Series| {
@@ -138,7 +138,7 @@ impl<'a> CoupledModel<'a> {
         self.series.iter().filter(|s| s.record == k).map(of).collect()
     }
 
-    /// What the sensors of record `k` would show.
+    /// What the sensors of record `k` would show: one series of samples for each motion.
     pub(super) fn motions(&self, values: &Values, k: usize) -> Option<Vec<Vec<f64>>> {
         let motions = self.run(values, k, &self.records[k].clock)?;
         Some(self.at_sensors(values, k, motions))
@@ -160,16 +160,16 @@ impl<'a> CoupledModel<'a> {
         vec![sum]
     }
 
-    /// Largest slip over φ_max by record and joint.
+    /// Largest slip over φ_max: `[record][joint]`.
     pub(super) fn slip_ratios(&self, x: &[f64]) -> Option<Vec<Vec<f64>>> {
         let values = self.form.values(x)?;
         let one = |k: usize| self.run(&values, k, &self.records[k].clock).map(|m| m.slip_ratios);
         (0..self.records.len()).map(one).collect()
     }
 
-    /// Takes off the measured entries what steps without end would change in those of the model at `x`, by these clocks' finer ones: a search then ends where it
-    /// would with such steps, at the cost of the coarse ones (deferred correction). The error of a step goes with its square, so that what the finer steps change
-    /// is extrapolated (L. F. Richardson). False where there is no model.
+    /// Subtracts from the measured entries the change that infinitely fine steps would make in the model's entries at `x` (deferred correction): a search then ends where it
+    /// would with such steps, at the cost of the coarse ones. The change is found with the finer `clocks` and extrapolated, because the error of a step goes with its square
+    /// (L. F. Richardson). False where there is no model.
     pub(super) fn correct(&mut self, x: &[f64], clocks: &[Clock]) -> bool {
         let Some(values) = self.form.values(x) else { return false };
         let jobs: Vec<(usize, &Clock)> = clocks
@@ -197,17 +197,17 @@ impl<'a> CoupledModel<'a> {
         true
     }
 
-    /// Whether [`correct`](Self::correct) found the steps' error.
+    /// Whether [`correct`](Self::correct) has found the error of the steps.
     pub(super) fn is_corrected(&self) -> bool {
         self.series.iter().any(|series| series.stepping > 0.0)
     }
 
-    /// The residuals of record `k`.
+    /// Indices of the residuals of record `k`.
     pub(super) fn rows_of(&self, k: usize) -> impl Iterator<Item = usize> + '_ {
         self.series.iter().filter(move |s| s.record == k).flat_map(|s| s.entries.clone())
     }
 
-    /// Residuals of record `k` by their places, and what another load at its steps changes in them; none where there is no model.
+    /// Changes of the residuals of record `k`, with their indices, when its load at the steps is replaced by `load`; none where there is no model.
     pub(super) fn changes_by_load(&self, x: &[f64], k: usize, load: Vec<f64>) -> Option<Vec<(usize, f64)>> {
         let values = self.form.values(x)?;
         let own = &self.records[k].clock;
@@ -216,7 +216,7 @@ impl<'a> CoupledModel<'a> {
         Some(self.rows_of(k).zip(after.iter().zip(before).map(|(a, b)| a - b)).collect())
     }
 
-    /// Whether an unknown changes record `k`.
+    /// Whether an unknown has an effect on record `k`.
     fn matters(unknown: Unknown, k: usize) -> bool {
         match unknown {
             Unknown::Displacement(own, _) | Unknown::Velocity(own, _) => own == k,
@@ -224,9 +224,9 @@ impl<'a> CoupledModel<'a> {
         }
     }
 
-    /// Where a difference goes.
+    /// The point at which the difference for unknown `j` is taken, and its step.
     fn moved(&self, x: &[f64], j: usize) -> (Vec<f64>, f64) {
-        // A participation of another mode may be many times that of the first.
+        // The participation of another mode may be many times that of the first, so its step is relative.
         let many = matches!(self.form.unknowns[j], Unknown::Participation(..));
         let scale = if many { STEP * x[j].abs().max(1.0) } else { STEP };
         let step = if x[j] + scale > self.bounds[j].1 { -scale } else { scale };
@@ -249,19 +249,19 @@ impl Model for CoupledModel<'_> {
         if self.stopped.load(Ordering::Relaxed) {
             return false;
         }
-        // Points: the one asked for, and each unknown moved.
+        // Points at which the model is run: the one asked for, and one with each unknown moved.
         let moved = |j: usize| self.form.values(&self.moved(x, j).0);
         let unknowns = if derivatives.is_some() { self.form.unknowns.len() } else { 0 };
         let points = std::iter::once(self.form.values(x)).chain((0..unknowns).map(moved));
         let Some(points) = points.collect::<Option<Vec<Values>>>() else { return false };
-        // Sliders take as long as a thousand steps: records share them, and points whose laws are the same.
+        // Making sliders takes as long as a thousand steps: records share them, and so do points whose laws are the same.
         let bins = self.records.first().map_or(0, |record| record.clock.bins);
         let is_own = |n: usize| n == 0 || points[n].laws != points[0].laws;
         let own = |n: usize| if is_own(n) { room(points[n].laws.len(), bins) } else { Vec::new() };
         let mut rooms: Vec<_> = (0..points.len()).map(own).collect();
         let sliders = points.iter().zip(&mut rooms).map(|(point, room)| populations(&point.laws, bins, room));
         let Some(sliders) = sliders.collect::<Option<Vec<Vec<Sliders<'_>>>>>() else { return false };
-        // Jobs: each record at the first point, and at those that change it.
+        // Jobs: each record at the point asked for, and at those that have an effect on it.
         let mut jobs: Vec<(usize, Option<usize>)> = (0..self.records.len()).map(|k| (k, None)).collect();
         let of = |k: usize| {
             let all = self.form.unknowns.iter().enumerate().take(unknowns);

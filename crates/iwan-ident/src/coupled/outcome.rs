@@ -1,20 +1,20 @@
-//! What comes out.
+//! Results of a coupled fit.
 
 use super::unknowns::{Sharing, Unknown, Values};
 
-/// Models whose misfits of the records kept out differ by less than this factor predict equally well. A judgement.
+/// Two models predict equally well where their misfits of the records kept out differ by less than this factor. A judgement.
 const NEARLY: f64 = 1.05;
-/// A model that misses the records kept out by more than so many times what it leaves of those fitted is not to be trusted, unless it misses them by less than
+/// A model is not to be trusted where its misfit of the records kept out is more than this many times that of the records fitted, unless it is less than
 /// [`WELL`] of the motion. Blows five times as hard as any that were fitted are missed by up to five times as much by the right model of the paper's beam.
 const DISTRUSTED: f64 = 10.0;
 const WELL: f64 = 0.02;
 
-/// How far a model is from one series of a record.
+/// Distance of a model from one series of a record.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Misfit {
     /// Name of the record.
     pub record: String,
-    /// Number of the mode; of a sum of forced modes that is 0 for all.
+    /// Number of the mode; 0 throughout where the series is a sum of forced modes.
     pub mode: usize,
     /// Root mean square of the difference over that of the record.
     pub relative: f64,
@@ -23,36 +23,36 @@ pub struct Misfit {
 /// One of the models compared.
 #[derive(Debug, Clone, PartialEq)]
 pub struct FittedSharing {
-    /// Which modes share what.
+    /// Which modes share which joints.
     pub sharing: Sharing,
-    /// The best numbers.
+    /// The values at the minimum.
     pub values: Values,
     /// Number of unknowns.
     pub unknowns: usize,
     /// Schwarz's criterion less that of the best model: 0 for the best, and 10 and more speak clearly against a model.
     pub criterion: f64,
-    /// By record and mode, of the records that were fitted.
+    /// Misfits by record and mode of the records that were fitted.
     pub misfits: Vec<Misfit>,
-    /// Of the records that were kept out.
+    /// Misfits of the records that were kept out.
     pub held_out: Vec<Misfit>,
-    /// Root mean square of all misfits of the records fitted.
+    /// Root mean square of all misfits of the records that were fitted.
     pub misfit: f64,
-    /// The same of those kept out; none without.
+    /// Root mean square of all misfits of the records that were kept out; none where there are none.
     pub held_out_misfit: Option<f64>,
-    /// Largest slip over φ_max by record and joint.
+    /// Largest slip over φ_max: `[record][joint]`.
     pub slip_ratios: Vec<Vec<f64>>,
-    /// Whether the search ended by itself.
+    /// Whether the search reached a minimum.
     pub converged: bool,
-    /// What it shows at the sensors: by record (those fitted, then those kept out), motion and sample.
+    /// What the model shows at the sensors: `[record][motion][sample]`, first the records fitted, then those kept out.
     pub motions: Vec<Vec<Vec<f64>>>,
 }
 
-/// A number with its 95 % interval; none is open.
+/// A number with its 95 % interval; an end that is `None` is open.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct CoupledEstimate {
-    /// Which one.
+    /// Which unknown it is.
     pub unknown: Unknown,
-    /// The best value; of a compliance its product with K_T.
+    /// The best value; for a compliance its product with K_T.
     pub value: f64,
     /// Lower end.
     pub low: Option<f64>,
@@ -61,34 +61,34 @@ pub struct CoupledEstimate {
 }
 
 impl CoupledEstimate {
-    /// Whether the records bound it on both sides.
+    /// Whether the records bound the number on both sides.
     #[must_use]
     pub const fn identifiable(&self) -> bool {
         self.low.is_some() && self.high.is_some()
     }
 }
 
-/// A combination of unknowns in their coordinates (logarithms of K_T and F_S, per cent of frequencies), the worst told last.
+/// A direction in the coordinates of the unknowns (logarithms of K_T and F_S, per cent of frequencies); lists of them end with the least certain.
 #[derive(Debug, Clone, PartialEq)]
 pub struct CoupledCombination {
-    /// Standard deviation along it; infinite where nothing tells it.
+    /// Standard deviation along the direction; infinite where the records do not bound it.
     pub deviation: f64,
-    /// Share of each unknown, by the order of the estimates.
+    /// Component of each unknown, in the order of the estimates.
     pub direction: Vec<f64>,
 }
 
-/// All models, the one to take, and what is told of it.
+/// All models compared, the one to take, and what the records tell of it.
 #[derive(Debug, Clone, PartialEq)]
 pub struct CoupledFit {
     /// Linear, uncoupled, and with one or more shared joints.
     pub models: Vec<FittedSharing>,
-    /// Index of the one to take: the least criterion.
+    /// Index of the model to take, which has the least criterion.
     pub chosen: usize,
     /// Frequencies, damping and joints of the chosen model, with intervals.
     pub estimates: Vec<CoupledEstimate>,
-    /// What the records tell of them together.
+    /// How certain the estimates are together, by directions.
     pub combinations: Vec<CoupledCombination>,
-    /// What the records do not hold, in sentences.
+    /// What the records do not tell or what is doubtful in them, in sentences.
     pub warnings: Vec<String>,
 }
 

@@ -1,4 +1,4 @@
-//! What is fitted: records of several modes that move at once.
+//! The records that are fitted, in which several modes move at once, and what is known of the modes.
 
 use std::sync::atomic::AtomicBool;
 
@@ -8,7 +8,7 @@ use crate::curves::Quantity;
 use crate::error::{Error, check, check_dt, check_length, check_samples};
 use crate::parameters::Parameters;
 
-/// Fewest samples of a record: with fewer not even the slowest cycle of a mode is there.
+/// Least number of samples of a record: with fewer not even the slowest cycle of a mode is there, and the record is refused.
 const FEWEST: usize = 32;
 
 /// One blow or ring-down of all modes.
@@ -18,13 +18,13 @@ pub struct CoupledRecord {
     pub name: String,
     /// Sampling interval, s.
     pub dt: f64,
-    /// By [`Seen`]: one series for each mode, or one series that is the sum of all.
+    /// The measured series, as [`Seen`] says: one for each mode, or one that is the sum of all. All have the same number of samples.
     pub motions: Vec<Vec<f64>>,
-    /// Load at the samples; none: a free decay from the first sample on, of unknown displacement and velocity.
+    /// Load at each sample. None: a free decay from the first sample on, with unknown displacement and velocity of each mode there.
     pub force: Option<Vec<f64>>,
 }
 
-/// What the series of a record are.
+/// What the series of a record measure.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Seen {
     /// Modal coordinates by mass-normalised shapes: one series for each mode.
@@ -33,23 +33,23 @@ pub enum Seen {
     Sum,
 }
 
-/// A mode as it is fitted by itself, to start from: iwan-ident's other fits, or values read off curves.
+/// A mode fitted without the others, as a start: from this crate's other fits, or from values read off curves.
 #[derive(Debug, Clone, PartialEq)]
 pub struct UncoupledMode {
     /// Name of the mode.
     pub name: String,
-    /// Its parameters without the other modes.
+    /// The mode's parameters where the other modes are left out.
     pub parameters: Parameters,
 }
 
-/// What is given and what is sought.
+/// Records, start values and options of a fit.
 #[derive(Clone)]
 pub struct CoupledTask<'a> {
     /// Records that are fitted.
     pub records: &'a [CoupledRecord],
-    /// Records that are kept out of the fit and predicted.
+    /// Records that are kept out of the fit and predicted by it.
     pub held_out: &'a [CoupledRecord],
-    /// Modes by themselves, at least two.
+    /// The modes fitted one by one, at least two.
     pub modes: &'a [UncoupledMode],
     /// What the series measure.
     pub quantity: Quantity,
@@ -59,9 +59,9 @@ pub struct CoupledTask<'a> {
     pub shape_at_force: Option<&'a [f64]>,
     /// Number of threads; the results do not depend on it.
     pub threads: usize,
-    /// Set from outside to end soon.
+    /// Set to true from outside to end the fit soon.
     pub stopped: &'a AtomicBool,
-    /// Told the share done after each model and each interval; `Break` ends the fit there.
+    /// Called with the share of the work done after each model and each interval; `Break` ends the fit there.
     pub progress: Progress<'a>,
 }
 
@@ -73,7 +73,7 @@ impl std::fmt::Debug for CoupledTask<'_> {
 }
 
 impl CoupledTask<'_> {
-    /// Refuses what does not fit together.
+    /// Refuses records, modes and shapes that do not fit together.
     pub(super) fn check(&self) -> Result<(), Error> {
         let (modes, n) = (self.modes.len(), self.records.len());
         check("modes", modes as f64, modes >= 2, "at least two", "name the modes with --band or --mode")?;

@@ -1,4 +1,4 @@
-//! One record by the model.
+//! The motion of one record by the model, in time steps.
 
 use iwan_core::{
     CoupledJoint, CoupledMode, CoupledModes, CoupledMotion, CoupledRows, FourParameter, Grid, Lanes, Newmark,
@@ -9,45 +9,45 @@ use nalgebra::DMatrix;
 use super::unknowns::{Sharing, Values};
 use crate::curves::Quantity;
 
-/// Sliders of a joint. 200 hold the dissipation per cycle within 0.14 % from 0.001 to 0.3 φ_max, a fifth of the least misfit of a
+/// Number of sliders of a joint. 200 keep the dissipation per cycle within 0.14 % from 0.001 to 0.3 φ_max, a fifth of the least misfit of a
 /// modal model; a step costs the same for any number.
 const BINS: usize = 200;
-/// Steps in a period of the fastest mode, at least: prewarped average acceleration keeps its frequency, and the joint's force is then off
+/// Least number of steps in a period of the fastest mode: prewarped average acceleration keeps the mode's frequency, and the joint's force is then off
 /// by (2π/40)²/12 = 0.2 % of what it loses in a step.
 pub(super) const STEPS_A_PERIOD: f64 = 40.0;
-/// Samples stepped at a time: rows of four modes take 100 kB, which stay in the cache.
+/// Number of rows stepped at a time: those of four modes take 100 kB, which stay in the cache.
 const ROWS: usize = 1024;
 
-/// When and how a record is stepped: so many steps for each sample, or so many samples for each step.
+/// Times at which a record is stepped: several steps for each sample, or several samples for each step.
 #[derive(Debug, Clone)]
 pub(super) struct Clock {
     /// Step, s.
     pub(super) step: f64,
-    /// Steps for each sample; 1 where a step spans several.
+    /// Steps for each sample; 1 where a step spans several samples.
     steps: usize,
-    /// Samples for each step; 1 where a sample takes several.
+    /// Samples for each step; 1 where a sample takes several steps.
     every: usize,
-    /// Load at each step; empty: none.
+    /// Load at each step; empty where there is none.
     pub(super) force: Vec<f64>,
-    /// Sliders of a joint.
+    /// Number of sliders of a joint.
     pub(super) bins: usize,
 }
 
 impl Clock {
-    /// Steps for samples `dt` apart that resolve the frequency `fastest`. Records of many more samples than that are stepped from every second or third sample
-    /// to the next: what their sensors show in between follows by cubics, which are off by 1e-5 at forty steps a period.
+    /// Steps for samples `dt` apart that resolve the frequency `fastest` (Hz). Records of many more samples than that are stepped from every second or third sample
+    /// to the next; what their sensors show in between follows by cubics, which are off by 1e-5 at forty steps a period.
     pub(super) fn new(dt: f64, force: Option<&[f64]>, fastest: f64) -> Self {
         Self::of((dt, force), dt * fastest * STEPS_A_PERIOD, BINS)
     }
 
-    /// The same with so many times the steps, or more, and the square of that in sliders: both errors are of second order, and sliders cost nothing.
+    /// The same with `times` times the steps, or more, and with `times²` as many sliders: both errors are of second order, and sliders cost nothing.
     pub(super) fn finer(dt: f64, force: Option<&[f64]>, fastest: f64, times: usize) -> Self {
         let wanted = dt * fastest * STEPS_A_PERIOD;
         let own = if wanted > 1.0 { wanted.ceil() } else { 1.0 / samples_a_step(wanted) as f64 };
         Self::of((dt, force), times as f64 * own, times * times * BINS)
     }
 
-    /// With `wanted` steps for each sample, or a little more.
+    /// A clock with `wanted` steps for each sample, or a little more.
     fn of((dt, force): (f64, Option<&[f64]>), wanted: f64, bins: usize) -> Self {
         let (steps, every) = (wanted.ceil().max(1.0) as usize, samples_a_step(wanted));
         // A load between its samples is smooth where the record has more of them than the steps need.
@@ -63,17 +63,17 @@ impl Clock {
         Self { force, ..self.clone() }
     }
 
-    /// Time between samples, s.
+    /// Time between samples of the record, s.
     pub(super) fn sample(&self) -> f64 {
         self.step * self.steps as f64 / self.every as f64
     }
 
-    /// Steps for so many samples.
+    /// Number of steps for this many samples.
     pub(super) fn steps_for(&self, samples: usize) -> usize {
         samples * self.steps / self.every
     }
 
-    /// Rows that hold so many samples. Cubics want four.
+    /// Number of rows that hold this many samples; at least the four that cubics need.
     fn rows(&self, samples: usize) -> usize {
         if self.every == 1 {
             (samples - 1) * self.steps + 1
@@ -83,19 +83,19 @@ impl Clock {
     }
 }
 
-/// Samples that one step spans where `wanted` steps are wanted for each.
+/// Number of samples that one step spans where each sample needs `wanted` steps.
 fn samples_a_step(wanted: f64) -> usize {
     (1.0 / wanted).floor().max(1.0) as usize
 }
 
-/// Lagrange's weights of four values, one apart, at the place `s` behind the second of them.
+/// Lagrange's weights of four values, one apart, for a place at the distance `s` behind the second of them.
 fn cubic(s: f64) -> [f64; 4] {
     let (a, b, c, d) = (s + 1.0, s, s - 1.0, s - 2.0);
     [-b * c * d / 6.0, a * c * d / 2.0, -a * b * d / 2.0, a * b * c / 6.0]
 }
 
-/// A load at so many steps from each of its samples to the next: a cubic through four of them. Straight lines take the factor sinc²(π f dt) off its
-/// spectrum, 0.9 % at 52 Hz sampled at 1 kHz.
+/// A load at `steps` instants from each of its samples to the next, by a cubic through four samples. Straight lines would multiply the load's
+/// spectrum by sinc²(π f dt), which takes off 0.9 % at 52 Hz sampled at 1 kHz.
 #[must_use]
 pub fn between_samples(force: &[f64], steps: usize) -> Vec<f64> {
     let at = |n: isize| usize::try_from(n).ok().and_then(|n| force.get(n)).copied().unwrap_or(0.0);
@@ -108,12 +108,12 @@ pub fn between_samples(force: &[f64], steps: usize) -> Vec<f64> {
     (0..force.len() * steps).map(value).collect()
 }
 
-/// So many samples of which every `every`th is a row, by the cubic through the four rows about each; four rows at least.
+/// Interpolates to `samples` samples from rows that are every `every`th of them, by the cubic through the four rows about each sample; there are at least four rows.
 fn at_samples(rows: &[f64], every: usize, samples: usize) -> Vec<f64> {
     let weights = |first: f64| -> Vec<[f64; 4]> {
         (0..every).map(|i| cubic(first + i as f64 / every as f64)).collect()
     };
-    // The first interval and the last one have no row on their other side.
+    // The first and the last interval have no row on their outer side, so their cubics lean inwards.
     let last = rows.len() - 2;
     let mut out = vec![0.0; (last + 1) * every + 1];
     let fill = |out: &mut [f64], rows: &[f64], weights: &[[f64; 4]]| {
@@ -137,19 +137,19 @@ pub(super) struct Motions {
     pub(super) slip_ratios: Vec<f64>,
 }
 
-/// Modes and joints that move together.
+/// A group of modes and joints that move together.
 struct Part<'a> {
     modes: Vec<usize>,
     joints: Vec<usize>,
     values: &'a Values,
 }
 
-/// Room for the sliders of so many joints.
+/// Memory for the sliders of `joints` joints.
 pub(super) fn room(joints: usize, bins: usize) -> Vec<Vec<Slider>> {
     vec![vec![Slider::default(); Sliders::table_len(bins)]; joints]
 }
 
-/// The sliders of joints; none where a law has none.
+/// The sliders of joints with these laws; none where a law cannot be discretised.
 pub(super) fn populations<'a>(
     laws: &[FourParameter],
     bins: usize,
@@ -161,7 +161,7 @@ pub(super) fn populations<'a>(
     laws.iter().zip(room).map(of).collect()
 }
 
-/// Runs the record `k` for so many samples; none where the modes and joints make no structure.
+/// Motion of the modes in record `k` over `samples` samples; none where modes and joints make no structure that holds.
 pub(super) fn run(
     of: (Sharing, &Values),
     k: usize,
@@ -174,7 +174,7 @@ pub(super) fn run(
     run_with(of, &sliders, k, clock, (samples, quantity))
 }
 
-/// The same with sliders of the joints that are known.
+/// The same with sliders that are already made.
 pub(super) fn run_with(
     (sharing, values): (Sharing, &Values),
     sliders: &[Sliders<'_>],
@@ -200,7 +200,7 @@ fn storage(groups: usize) -> Vec<Lanes> {
 }
 
 impl Part<'_> {
-    /// Whether the structure keeps a positive stiffness when all joints slip: K^½ (ρ + Σ b bᵀ/ω²) K^½ < 1.
+    /// Whether the structure keeps a positive stiffness when all joints slip: the largest eigenvalue of K^½ (ρ + Σ b bᵀ/ω²) K^½ is below 1.
     fn holds(&self) -> bool {
         let v = self.values;
         let entry = |i: usize, l: usize| {
@@ -232,11 +232,11 @@ impl Part<'_> {
         CoupledModes::new(&modes, joints, storage).ok()
     }
 
-    /// Laws of the joints; of a linear mode one that is never felt.
+    /// Laws of the joints; for a linear mode one joint that has no effect.
     fn laws(&self) -> Option<Vec<FourParameter>> {
         let mut laws: Vec<FourParameter> = self.joints.iter().map(|j| self.values.laws[*j]).collect();
         if laws.is_empty() {
-            // It slips at displacements of 1e40 of any unit, and takes a billionth of the stiffness.
+            // This joint slips at displacements of 1e40 of any unit, and takes a billionth of the stiffness.
             let omega = std::f64::consts::TAU * self.values.frequency[self.modes[0]];
             laws.push(FourParameter::new(1e-9 * omega * omega, 1e40, 0.0, 0.0).ok()?);
         }
@@ -314,7 +314,7 @@ struct Stepping<'a> {
 type Motion = CoupledMotion<Vec<Lanes>>;
 
 impl Stepping<'_> {
-    /// One joint, by the path without iterations where that can be.
+    /// Steps a group with one joint, by the path without iterations.
     fn one(
         &self,
         law: &Sliders<'_>,
@@ -350,7 +350,7 @@ impl Stepping<'_> {
         })
     }
 
-    /// All samples, stretch by stretch; returns the largest slips.
+    /// Steps all samples, stretch by stretch, and returns the largest slip of each joint.
     fn stretches(
         &self,
         joints: usize,
@@ -387,7 +387,7 @@ impl Stepping<'_> {
         }
     }
 
-    /// Samples among the rows; the first row of all but the first stretch is the last of the one before.
+    /// Picks the samples out of the rows; the first row of every stretch but the first is the last row of the one before, and is passed over.
     fn hand_out(&self, (modal, first, count): (&[Vec<Lanes>; 3], usize, usize), out: &mut Motions) {
         let width = groups(self.part.modes.len());
         let rows = match self.quantity {
@@ -432,7 +432,7 @@ mod tests {
         assert!(worst < 2e-5, "{worst}");
     }
 
-    /// A record of more samples than the steps need is stepped from every fifth to the next, and shows the same at all of them.
+    /// A record of more samples than the steps need is stepped from every fifth sample to the next, and shows the same motion at all samples.
     #[test]
     fn steps_over_several_samples_show_what_steps_of_each_show() {
         let law = FourParameter::new(3e4, 140.0, -0.3, 0.1).unwrap();
@@ -462,7 +462,7 @@ mod tests {
             assert_eq!((found.len(), expected.len()), (19_998, 19_998));
             let size = expected.iter().map(|x| x * x).sum::<f64>().sqrt();
             let off = found.iter().zip(expected).map(|(a, b)| (a - b).powi(2)).sum::<f64>().sqrt();
-            // Of second order in the step, and 12 cycles of the fast mode's memory of the blow.
+            // The error is of second order in the step, and the fast mode's memory of the blow lasts 12 cycles.
             assert!(off < 5e-3 * size, "mode {mode}: {} of {size}", off / size);
         }
         let fine = Clock::finer(dt, Some(&force), 690.0, 4);

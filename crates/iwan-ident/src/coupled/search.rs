@@ -1,5 +1,5 @@
-//! The search in windows that grow: a mode that is a little off runs out of phase within a long record, where every start ends at a
-//! minimum of its own.
+//! The search in windows that grow from the start of the records: a mode whose frequency is a little off runs out of phase within a long record, and there every start ends in a
+//! local minimum of its own.
 
 use std::sync::atomic::Ordering;
 
@@ -9,24 +9,24 @@ use super::model::CoupledModel;
 use crate::error::Error;
 use crate::estimate::{Found, Model, Weights, near};
 
-/// Share of the records, iterations and relative reduction of the search from each point kept, and how many are kept.
+/// For each window: share of the records, (iterations, relative reduction) of the search from each point, and number of points kept.
 const WINDOWS: [(f64, (usize, f64), usize); 4] =
     [(0.1, (12, 1e-3), 4), (0.25, (12, 1e-3), 3), (0.5, (12, 1e-3), 2), (1.0, (40, 1e-5), 1)];
 /// Iterations and relative reduction of the last search: a millionth of the sum of squares is a ten-thousandth of a 95 % interval for the
 /// records at hand.
 pub(super) const LAST: (usize, f64) = (60, 1e-6);
 
-/// Starts that are searched from, of those that leave least. Twenty starts next to the modes' own curves, none held against the records first, led two modes
-/// that share a joint to a minimum that leaves 8 % in place of 0.04 %; the number itself was not varied.
+/// Number of starts that are searched from: those that leave the smallest sum of squares. Twenty starts next to the modes' own curves, not first compared with the records,
+/// led two modes that share a joint to a minimum that leaves 8 % instead of 0.04 %; the number itself was not varied.
 const SEARCHED: usize = 20;
-/// Searches of [`LAST`] at most that go on from the last window where it ended before its minimum; not varied. A model that is not at its
+/// Largest number of further searches of [`LAST`] where the one in the last window ended before its minimum; not varied. A model that is not at its
 /// minimum after all of them says so (`converged`).
 const FURTHER: usize = 4;
-/// What white noise leaves: neighbours that agree widen variances by less than this. Hann's windows that overlap by half share a sixth of their
-/// variance, which makes 1.4.
+/// Residuals are noise where the correlation of neighbours widens variances by less than this. Hann windows that overlap by half share a sixth of their
+/// variance, which makes 1.4 for white noise.
 const WHITE: f64 = 2.0;
 
-/// The unknowns that tell the records best. The whole of them is taken in the end.
+/// The unknowns with the least sum of squares, sought in growing windows; the last window is the whole of the records.
 pub(super) fn grown(model: &mut CoupledModel<'_>, starts: &[Vec<f64>]) -> Result<Found, Error> {
     let free: Vec<usize> = (0..model.form.unknowns.len()).collect();
     let mut kept = nearest(model, starts);
@@ -39,7 +39,7 @@ pub(super) fn grown(model: &mut CoupledModel<'_>, starts: &[Vec<f64>]) -> Result
         }
         found.sort_by(|a, b| a.cost.total_cmp(&b.cost));
         found.truncate(keep);
-        // A window too short to have residuals enough for the unknowns says nothing.
+        // In a window too short to have as many residuals as unknowns no search ends, and the points are kept.
         if !found.is_empty() {
             kept = found.iter().map(|found| found.x.clone()).collect();
         }
@@ -48,7 +48,7 @@ pub(super) fn grown(model: &mut CoupledModel<'_>, starts: &[Vec<f64>]) -> Result
         finding: format!("no start of the model \"{}\" has a motion", model.form.sharing.name()),
         remedy: "give longer records, or check frequencies and units of the modes",
     })?;
-    // A search that is still on its way would speak against its model by how far it has come.
+    // A search that has not reached its minimum would speak against its model by how far it still has to go.
     for _ in 0..FURTHER {
         if best.converged {
             break;
@@ -58,7 +58,7 @@ pub(super) fn grown(model: &mut CoupledModel<'_>, starts: &[Vec<f64>]) -> Result
     Ok(best)
 }
 
-/// The starts that leave least in the first window.
+/// The starts that leave the smallest sum of squares in the first window.
 fn nearest(model: &mut CoupledModel<'_>, starts: &[Vec<f64>]) -> Vec<Vec<f64>> {
     if starts.len() <= SEARCHED {
         return starts.to_vec();
@@ -76,14 +76,14 @@ fn nearest(model: &mut CoupledModel<'_>, starts: &[Vec<f64>]) -> Vec<Vec<f64>> {
     all.into_iter().take(SEARCHED).map(|(_, x)| x.clone()).collect()
 }
 
-/// The last search, from where others ended.
+/// The last search, from a point at which another search ended; none where that point has no motion.
 pub(super) fn settled(model: &CoupledModel<'_>, x: &[f64]) -> Option<Found> {
     let free: Vec<usize> = (0..model.form.unknowns.len()).collect();
     near(model, x, &free, LAST)
 }
 
-/// Takes the deviation of each series from what is left of it. None counts as better told than half the median of all: a series that a
-/// modal model happens to meet is not worth more than the model is.
+/// Sets the standard deviation of each series from its residuals, but to no less than half the median of all, relative to the series' size: a series that a
+/// modal model happens to meet well is not worth more than the model is.
 pub(super) fn reweight(model: &mut CoupledModel<'_>, found: &Found) {
     let weights = weights(model, found);
     let relative = |(series, w): (&super::model::Series, &f64)| w * series.deviation / series.size;
@@ -96,13 +96,13 @@ pub(super) fn reweight(model: &mut CoupledModel<'_>, found: &Found) {
     }
 }
 
-/// Whether neighbours that widen variances so much agree no more than those of white noise.
+/// Whether residuals whose correlation widens variances by `inflation` are as independent as white noise.
 pub(super) fn is_white(inflation: f64) -> bool {
     inflation <= WHITE
 }
 
-/// Deviations of the series in their unit, and how much neighbours agree: of a mode's windows each part of the complex amplitude with the same
-/// part of the next window, not with the other part of its own.
+/// Standard deviations of the series, in units of their present ones, and how far the correlation of neighbours widens variances. In a mode's windows each part of the complex
+/// amplitude is correlated with the same part of the next window, not with the other part of its own.
 pub(super) fn weights(model: &CoupledModel<'_>, found: &Found) -> Weights {
     let mut residuals = vec![0.0; model.count()];
     model.evaluate(&found.x, &mut residuals, None);

@@ -1,37 +1,37 @@
-//! What of a record is compared: sums over samples with weights, orthonormal, so that white noise keeps its deviation.
+//! What is compared of a record: weighted sums over its samples ("entries"), orthonormal, so that white noise keeps its standard deviation.
 
 use std::f64::consts::{PI, TAU};
 
-/// Entries in a period of the fastest mode where samples are averaged: 12 lose 1 % of its amplitude.
+/// Number of entries in a period of the fastest mode where samples are averaged: 12 lose 1 % of its amplitude.
 const ENTRIES_A_PERIOD: f64 = 12.0;
-/// Periods of a mode in a window about its frequency: 8 hold the amplitude of a mode with 1 % damping within a half of itself.
+/// Length of a window about a mode's frequency, in periods of the mode: over 8 the amplitude of a mode with 1 % damping falls to no less than about a half.
 const PERIODS: f64 = 8.0;
-/// Windows are longer than so many periods of the difference between neighbouring modes, so that each sees its own: the main lobe of
+/// A window is at least this many periods of the difference frequency of neighbouring modes long, so that it sees its own mode alone: the main lobe of
 /// Hann's window ends at 2.
 const APART: f64 = 4.0;
 
 /// How a series of samples becomes entries.
 #[derive(Debug, Clone)]
 pub enum Sums {
-    /// Over so many samples each.
+    /// Each entry sums this many successive samples.
     Blocks(usize),
-    /// Of the samples times cosine and sine of a circular frequency per sample, in Hann's windows of so many samples that overlap by half.
+    /// Entries come in pairs: samples times cosine and sine of a frequency, summed in Hann windows that overlap by half.
     Windows {
-        /// Circular frequency times sampling interval.
+        /// Phase advance from sample to sample, rad: circular frequency times sampling interval.
         turn: f64,
-        /// Samples of a window.
+        /// Number of samples of a window.
         length: usize,
     },
 }
 
 impl Sums {
-    /// For a forced record, in which all that happens counts.
+    /// Sums for a forced record, in which all motion counts; `fastest` is the highest frequency of a mode, Hz.
     #[must_use]
     pub fn of_forced(dt: f64, fastest: f64) -> Self {
         Self::Blocks(((1.0 / (dt * fastest * ENTRIES_A_PERIOD)).floor() as usize).max(1))
     }
 
-    /// For a free decay, about the mode `index` of these frequencies.
+    /// Sums for a free decay, about the frequency of the mode `index`; frequencies in Hz.
     #[must_use]
     pub fn of_free(dt: f64, frequencies: &[f64], index: usize) -> Self {
         let own = frequencies[index];
@@ -41,7 +41,7 @@ impl Sums {
         Self::Windows { turn: TAU * own * dt, length: (length.round() as usize).max(8) }
     }
 
-    /// Number of entries that so many samples make.
+    /// Number of entries that this many samples make.
     #[must_use]
     pub fn count(&self, samples: usize) -> usize {
         match self {
@@ -51,13 +51,13 @@ impl Sums {
         }
     }
 
-    /// Entries at one place: cosine and sine of a window.
+    /// Number of entries of one window: two, cosine and sine, or one for a block.
     #[must_use]
     pub const fn parts(&self) -> usize {
         if matches!(self, Self::Windows { .. }) { 2 } else { 1 }
     }
 
-    /// Samples that an entry is made of.
+    /// Number of samples that an entry is made of.
     #[must_use]
     pub const fn length(&self) -> usize {
         match self {
@@ -65,7 +65,7 @@ impl Sums {
         }
     }
 
-    /// The entries.
+    /// Fills `out` with the entries of the samples.
     pub fn apply(&self, samples: &[f64], out: &mut [f64]) {
         match self {
             Self::Blocks(block) => {
@@ -85,15 +85,15 @@ impl Sums {
     }
 }
 
-/// Hann's window of so many samples.
+/// Hann's window of `length` samples.
 fn hann(length: usize) -> Vec<f64> {
     (0..length).map(|n| (PI * (n as f64 + 0.5) / length as f64).sin().powi(2)).collect()
 }
 
-/// Amplitude as cosine and sine at the first sample of all, in a window that begins at sample `first`: about √(length/3) times that of a sinusoid.
+/// Amplitude (cosine and sine part, with the phase of the first sample of the record) in a window that begins at sample `first`: about √(length/3) times that of a sinusoid.
 fn turned(samples: &[f64], first: usize, weights: &[f64], turn: f64) -> [f64; 2] {
     let (mut sums, mut square) = ([0.0; 2], 0.0);
-    // By rotation, renewed every window: rounding grows by one unit a sample.
+    // Cosine and sine by rotation, begun anew in every window: rounding grows by one unit a sample.
     let (mut at, step) = ((turn * first as f64).sin_cos(), turn.sin_cos());
     for (weight, x) in weights.iter().zip(&samples[first..first + weights.len()]) {
         sums[0] += weight * x * at.1;
@@ -124,7 +124,7 @@ mod tests {
         let x: Vec<f64> = (0..400).map(|n| 2.0 * (turn * f64::from(n) + 0.7).cos()).collect();
         let [re, im] = amplitude(&x, 400, turn);
         assert!((re.hypot(im) - 2.0).abs() < 1e-3 && (im.atan2(re) - 0.7).abs() < 1e-3);
-        // A unit impulse anywhere: the squares of all weights of an entry add up to one.
+        // The response to a unit impulse anywhere: the squares of all weights of an entry add up to one.
         let sums = Sums::Windows { turn, length: 100 };
         let mut square = 0.0;
         for n in 0..100 {

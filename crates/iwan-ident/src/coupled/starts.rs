@@ -1,42 +1,42 @@
-//! Where searches begin.
+//! Start values of the searches.
 
 use iwan_core::SplitMix64;
 
 use super::unknowns::{Form, Sharing, Values};
 use crate::parameters::Parameters;
 
-/// Joints drawn at random for each mode, of which the likeliest join the starts. What a mode shows by itself of a joint that others move too can be off by
-/// ten in K_T and ninety in F_S: then no start next to it leads to the joint.
+/// Number of random starts for each mode, of which the likeliest join the others. What a mode by itself shows of a joint that others move as well can be off by a factor of
+/// ten in K_T and ninety in F_S: then no start near it leads to the joint.
 const DRAWN: usize = 1000;
-/// Where they are drawn from, evenly in the logarithm: K_T over ω² of the first mode, F_S over the force K_T s of a joint that sticks in the largest slip s,
-/// participations over ω_r/ω_1; and evenly, χ and compliance times K_T. Joints of structures take some hundredths of a mode's stiffness; ten times the force is far
+/// Ranges of the random starts. Evenly in the logarithm: K_T over ω² of the first mode (this range); F_S over the force K_T s of a joint that sticks at the largest slip s;
+/// participations over ω_r/ω_1. Evenly: χ, and compliance times K_T. Joints of structures take some hundredths of a mode's stiffness; ten times the force K_T s is far
 /// from macro-slip, a hundredth of it far beyond.
 const DRAWN_SHARE: (f64, f64) = (0.003, 0.5);
 const DRAWN_FORCE: (f64, f64) = (0.01, 10.0);
 const DRAWN_PARTICIPATION: (f64, f64) = (0.1, 10.0);
 const DRAWN_CHI: (f64, f64) = (-0.8, 0.0);
 const DRAWN_COMPLIANCE: (f64, f64) = (0.0, 0.4);
-/// β of all of them: no blow tells it before the rest is told.
+/// β of all random starts: no blow tells it before the other parameters are known.
 const DRAWN_BETA: f64 = 0.1;
-/// Seed of the draws: any gives joints all over the same ranges.
+/// Seed of the random numbers: any seed gives joints all over the same ranges.
 const SEED: u64 = 16;
 
-/// Factors on K_T and F_S: a knee that was not seen can be mistaken by two either way.
+/// Factors on K_T and F_S of a mode's own joint: a knee that the records did not reach can be mistaken by a factor of two either way.
 const FACTORS: [[f64; 2]; 5] = [[1.0, 1.0], [1.0, 2.0], [2.0, 1.0], [0.5, 1.0], [1.0, 0.5]];
-/// Factors on K_T and on F_S of a shared joint, all with all: what the modes show of it by themselves is the shared joint's only as long as one of them
-/// moves, and a knee that was not seen can be mistaken by four.
+/// Factors on K_T and on F_S of a shared joint, in all combinations: what the modes show of it by themselves holds for the shared joint only as long as one of them
+/// moves, and a knee that the records did not reach can be mistaken by a factor of four.
 const SHARED_K_T: [f64; 5] = [0.5, 0.7, 1.0, 1.4, 2.0];
 const SHARED_F_S: [f64; 5] = [0.25, 0.5, 1.0, 2.0, 4.0];
-/// Damping ratios of linear modes beside the one given.
+/// Damping ratios from which searches of linear modes start.
 const DAMPING: [f64; 3] = [5e-4, 2e-3, 8e-3];
-/// Compliance times K_T to start with: three modes of the paper's beam have 0.29.
+/// Compliance times K_T at the start: three modes of the paper's beam have 0.29.
 const COMPLIANCE: f64 = 0.2;
-/// More modes than this do not have all combinations of signs tried, but each sign by itself.
+/// Up to this number of modes all combinations of signs are tried; with more, each sign is turned by itself.
 const ALL_SIGNS: usize = 4;
-/// Participation of the other modes in a joint of several, over that of its own: no search leaves 0, where signs are alike.
+/// Participation of the other modes in one of several joints, over that of its own mode: no search leaves 0, where both signs are alike.
 const CROSS: f64 = 0.1;
 
-/// Starts of linear modes.
+/// Starts for linear modes, as coordinates.
 pub(super) fn linear(form: &Form, modes: &[Parameters]) -> Vec<Vec<f64>> {
     let one = |damping: &f64| {
         let damped = modes.iter().map(|m| Parameters { damping_ratio: *damping, ..*m }).collect::<Vec<_>>();
@@ -45,7 +45,7 @@ pub(super) fn linear(form: &Form, modes: &[Parameters]) -> Vec<Vec<f64>> {
     DAMPING.iter().map(one).collect()
 }
 
-/// Starts of modes with a joint each.
+/// Starts for modes with a joint each, as coordinates.
 pub(super) fn uncoupled(form: &Form, modes: &[Parameters]) -> Vec<Vec<f64>> {
     let one = |[k, f]: &[f64; 2]| {
         let laws: Vec<[f64; 4]> = modes.iter().map(|m| [k * m.k_t, f * m.f_s, m.chi, m.beta]).collect();
@@ -54,7 +54,7 @@ pub(super) fn uncoupled(form: &Form, modes: &[Parameters]) -> Vec<Vec<f64>> {
     FACTORS.iter().map(one).collect()
 }
 
-/// Parameters of the modes by themselves, as found.
+/// Parameters of the modes with joints of their own, as the search found them.
 pub(super) fn by_themselves(values: &Values) -> Vec<Parameters> {
     let one = |(r, law): (usize, &iwan_core::FourParameter)| Parameters {
         frequency: values.frequency[r],
@@ -67,8 +67,8 @@ pub(super) fn by_themselves(values: &Values) -> Vec<Parameters> {
     values.laws.iter().enumerate().map(one).collect()
 }
 
-/// Starts of modes that share joints. What a mode shows of a joint by itself is K_T,r ≈ b_r² K_T/(1 - ρ_r K_T), so |b_r| = √(K_T,r/K_T,1);
-/// signs do not show.
+/// Starts for modes that share joints. What mode r shows of a joint by itself is K_T,r ≈ b_r² K_T/(1 - ρ_r K_T), so |b_r| = √(K_T,r/K_T,1);
+/// the signs of b do not show in it.
 pub(super) fn shared(form: &Form, modes: &[Parameters]) -> Vec<Vec<f64>> {
     if let Sharing::Shared(joints) = form.sharing
         && joints > 1
@@ -88,7 +88,7 @@ pub(super) fn shared(form: &Form, modes: &[Parameters]) -> Vec<Vec<f64>> {
     starts
 }
 
-/// Numbers between bounds, from a stream that is the same in every run.
+/// Random numbers between bounds, the same in every run.
 struct Draws(SplitMix64);
 
 impl Draws {
@@ -101,7 +101,7 @@ impl Draws {
     }
 }
 
-/// Joints from all over what is plausible: of modes that share one joint, or of modes with a joint each; `largest` are the amplitudes of the modes.
+/// Random joints from the whole plausible range: one that all modes share, or one for each mode; `largest` are the amplitudes of the modes.
 pub(super) fn drawn(form: &Form, modes: &[Parameters], largest: &[f64]) -> Vec<Vec<f64>> {
     let mut draws = Draws(SplitMix64::new(SEED));
     let omega: Vec<f64> = modes.iter().map(|m| std::f64::consts::TAU * m.frequency).collect();
@@ -128,7 +128,7 @@ pub(super) fn drawn(form: &Form, modes: &[Parameters], largest: &[f64]) -> Vec<V
     (0..DRAWN * modes.len()).map(|_| if shared { together(&mut draws) } else { alone(&mut draws) }).collect()
 }
 
-/// Starts of as many joints as modes, each with a mode of its own and some of the others.
+/// Starts for several joints, each of which belongs to one mode and is moved a little by the others.
 fn several(form: &Form, modes: &[Parameters], joints: usize) -> Vec<Vec<f64>> {
     let laws: Vec<[f64; 4]> = modes[..joints].iter().map(|m| [m.k_t, m.f_s, m.chi, m.beta]).collect();
     let one = |sign: &f64| {
@@ -139,7 +139,7 @@ fn several(form: &Form, modes: &[Parameters], joints: usize) -> Vec<Vec<f64>> {
     [1.0, -1.0].iter().map(one).collect()
 }
 
-/// Signs of all modes, that of the first +1.
+/// Combinations of signs of all modes, that of the first +1.
 fn signs(modes: usize) -> Vec<Vec<f64>> {
     let others = modes - 1;
     let of = |bits: usize| {

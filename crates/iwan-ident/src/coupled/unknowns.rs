@@ -5,19 +5,19 @@ use iwan_core::FourParameter;
 use super::records::Seen;
 use crate::parameters::Parameters;
 
-/// A frequency moves by this share of itself when its coordinate moves by one: joints are worth some per cent.
+/// Relative change of a frequency when its coordinate changes by one: joints change frequencies by some per cent.
 const FREQUENCY_UNIT: f64 = 0.01;
-/// A damping ratio of 0.1 % has the coordinate 1.
+/// Damping ratio at which its coordinate is 1: 0.1 %.
 const DAMPING_UNIT: f64 = 1e-3;
-/// Largest damping ratio, in that unit: above a half there is no ring-down.
+/// Largest damping ratio, in that unit: with more than a half there is no ring-down.
 const MOST_DAMPING: f64 = 500.0;
-/// Range of χ: the law needs -1 < χ < 1.
+/// Range in which χ is sought: the law needs -1 < χ < 1.
 pub(super) const CHI_RANGE: (f64, f64) = (-0.98, 0.98);
-/// Most of K_T that can be the Dirac's, β/(1+β).
+/// Largest share β/(1+β) of K_T that the Dirac may have.
 const MOST_DIRAC: f64 = 0.98;
-/// Most of the joint's stiffness times the compliance of the modes left out: at 1 the step has no unique solution.
+/// Largest product of a joint's stiffness and the compliance of the modes left out: at 1 the time step has no unique solution.
 const MOST_COMPLIANCE: f64 = 0.95;
-/// Modes with larger shapes or slips than this many times the first are in other units.
+/// Largest participation, and largest ratio of a shape to that of the first mode: modes with larger ones are in other units.
 const MOST_SHAPE: f64 = 1e6;
 
 /// Which modes share which joints.
@@ -25,9 +25,9 @@ const MOST_SHAPE: f64 = 1e6;
 pub enum Sharing {
     /// No joint: linear modes with viscous damping.
     Linear,
-    /// A joint for each mode, moved by it alone.
+    /// A joint for each mode, moved by that mode alone.
     Uncoupled,
-    /// So many joints, each moved by all modes.
+    /// This many joints, each moved by all modes.
     Shared(usize),
 }
 
@@ -43,7 +43,7 @@ impl Sharing {
     }
 }
 
-/// One unknown number.
+/// One unknown number; modes `r`, joints `j` and records `k` are counted from 0.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Unknown {
     /// Stuck frequency of a mode.
@@ -58,21 +58,21 @@ pub enum Unknown {
     Chi(usize),
     /// β of a joint.
     Beta(usize),
-    /// Slip of a joint in a unit displacement of a mode.
+    /// Slip of a joint (first index) in a unit displacement of a mode (second index).
     Participation(usize, usize),
-    /// Compliance of a joint through the modes left out, times its K_T.
+    /// Compliance of a joint through the modes that are left out, times the joint's K_T.
     Compliance(usize),
-    /// Shape of a mode at the sensor, over that of the first.
+    /// Shape of a mode at the sensor over that of the first mode.
     ShapeAtSensor(usize),
     /// Shape of a mode at the load.
     ShapeAtForce(usize),
-    /// Displacement of a mode at the first sample of a record.
+    /// Displacement of a mode (second index) at the first sample of a record (first index).
     Displacement(usize, usize),
-    /// Velocity of a mode there.
+    /// Velocity of a mode there, with the same indices.
     Velocity(usize, usize),
 }
 
-/// Modes, joints and beginnings as numbers with units.
+/// Modes, joints and initial motions as numbers with units.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Values {
     /// Stuck frequency of each mode, Hz.
@@ -81,31 +81,31 @@ pub struct Values {
     pub damping_ratio: Vec<f64>,
     /// Law of each joint.
     pub laws: Vec<FourParameter>,
-    /// Slip of each joint in a unit displacement of each mode.
+    /// Slip of each joint in a unit displacement of each mode: `[joint][mode]`.
     pub participation: Vec<Vec<f64>>,
-    /// Compliance ρ of each joint through the modes left out.
+    /// Compliance ρ of each joint through the modes that are left out.
     pub compliance: Vec<f64>,
     /// Shape of each mode at the sensor.
     pub shape_at_sensor: Vec<f64>,
     /// Shape of each mode at the load.
     pub shape_at_force: Vec<f64>,
-    /// Displacement and velocity of each mode at the begin of each record.
+    /// Displacement and velocity of each mode at the start of each record: `[record][mode]`.
     pub initial: Vec<Vec<[f64; 2]>>,
 }
 
-/// A model: which numbers are unknown, and those that are not.
+/// A model: which numbers are unknown, and the values of the others.
 #[derive(Debug, Clone)]
 pub(super) struct Form {
     pub(super) sharing: Sharing,
     pub(super) unknowns: Vec<Unknown>,
-    /// Known numbers, and units of the unknown ones: a frequency near the stuck one, sizes of displacements by record and mode.
+    /// The known numbers, and the units of the unknown ones: frequencies near the stuck ones, shapes and initial motions.
     pub(super) reference: Values,
-    /// Largest displacement of each mode in each record.
+    /// Largest displacement of each mode in each record: `[record][mode]`.
     pub(super) sizes: Vec<Vec<f64>>,
 }
 
 impl Form {
-    /// A model of so many modes; `reference` holds start frequencies, shapes and beginnings.
+    /// A model of as many modes as `reference` has; `reference` holds start frequencies, shapes and initial motions.
     pub(super) fn new(sharing: Sharing, reference: &Values, sizes: &[Vec<f64>], given: Given) -> Self {
         let n = reference.frequency.len();
         let mut unknowns: Vec<Unknown> = (0..n).map(Unknown::Frequency).collect();
@@ -143,7 +143,7 @@ impl Form {
         Self { sharing, unknowns, reference, sizes: sizes.to_vec() }
     }
 
-    /// These numbers, of which the beginnings of records alone are unknown.
+    /// A model in which all numbers are known (`values`) except the initial motions of records, which start from `initial`; nothing is unknown where loads are known (`forced`).
     pub(super) fn of_beginnings(
         sharing: Sharing,
         values: &Values,
@@ -163,7 +163,7 @@ impl Form {
         Self { sharing, unknowns, reference, sizes: sizes.to_vec() }
     }
 
-    /// Bounds of the coordinates.
+    /// Bounds of the coordinates, one pair for each unknown.
     pub(super) fn bounds(&self) -> Vec<(f64, f64)> {
         let of = |unknown: &Unknown| match unknown {
             Unknown::Frequency(_) => (-50.0, 50.0),
@@ -178,7 +178,7 @@ impl Form {
         self.unknowns.iter().map(of).collect()
     }
 
-    /// The numbers at these coordinates; none where there is no such law.
+    /// The numbers at these coordinates; none where a joint has no valid law there.
     pub(super) fn values(&self, x: &[f64]) -> Option<Values> {
         let mut v = self.reference.clone();
         let mut laws: Vec<[f64; 4]> =
@@ -206,7 +206,7 @@ impl Form {
         for (compliance, law) in v.compliance.iter_mut().zip(&v.laws) {
             *compliance /= law.k_t();
         }
-        // Beginnings are what the sensor saw: the same motion for any shape there.
+        // Initial motions are sought as what the sensor saw: the same motion for any shape there.
         for r in 0..v.frequency.len() {
             let scale = v.shape_at_sensor[r];
             v.initial.iter_mut().for_each(|modes| modes[r] = modes[r].map(|x| x / scale));
@@ -214,7 +214,7 @@ impl Form {
         Some(v)
     }
 
-    /// The number behind a coordinate; of a compliance its product with K_T.
+    /// The number that belongs to a coordinate; for a compliance its product with K_T.
     pub(super) fn value(&self, unknown: Unknown, x: f64) -> f64 {
         let reference = &self.reference;
         match unknown {
@@ -233,7 +233,7 @@ impl Form {
         std::f64::consts::TAU * self.reference.frequency[r] * self.sizes[k][r]
     }
 
-    /// Coordinates of a start: modes with their damping ratios, laws, participation of each joint, compliance times K_T.
+    /// Coordinates of a start: modes with their damping ratios, laws {K_T, F_S, χ, β} of the joints, participation `[joint][mode]`, and compliance times K_T (`share`).
     pub(super) fn start(
         &self,
         modes: &[Parameters],
@@ -259,7 +259,7 @@ impl Form {
 }
 
 impl Sharing {
-    /// Number of joints of so many modes.
+    /// Number of joints where there are `modes` modes.
     #[must_use]
     pub const fn joints(self, modes: usize) -> usize {
         match self {
@@ -270,12 +270,12 @@ impl Sharing {
     }
 }
 
-/// What need not be sought.
+/// What is known and need not be sought.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Given {
     pub(super) seen: Seen,
     /// Whether the load is known.
     pub(super) forced: bool,
-    /// Whether the shapes at it are.
+    /// Whether the shapes of the modes at the load are known.
     pub(super) shape_at_force: bool,
 }

@@ -1,4 +1,4 @@
-//! What a model that misses something makes of its intervals.
+//! How much wider intervals are where the model misses something.
 
 use std::ops::Range;
 
@@ -7,12 +7,12 @@ use nalgebra::{DMatrix, DVector};
 use super::model::{Model, Squares};
 use super::told::PLAUSIBLE;
 
-/// By how much residuals that pull together widen the variance of each unknown in `free`, as factors of at least one.
+/// Factors (at least one) by which correlated residuals widen the variance of each unknown in `free`.
 ///
-/// A model that misses something leaves residuals that are alike throughout a stretch of a record: each stretch pulls the unknowns its own way, and how
-/// far the pulls differ says how far other records of the same structure would move them. Covariance from clusters of residuals, by
-/// K.-Y. Liang and S. L. Zeger, Biometrika 73 (1986), 13–22, of which H. White, Econometrica 50 (1982), 1–25 shows that it holds for models that
-/// are wrong. `variance` is that of the residuals in their unit, `clusters` their stretches. Unknowns at a bound are held; one for all where there are
+/// A model that misses something leaves residuals that are alike throughout a stretch of a record. Each stretch then pulls the unknowns its own way, and how
+/// far the pulls differ says how far other records of the same structure would move the unknowns. The covariance from clusters of residuals is that of
+/// K.-Y. Liang and S. L. Zeger, Biometrika 73 (1986), 13–22; H. White, Econometrica 50 (1982), 1–25 shows that it holds for models that
+/// are wrong. `variance` is that of the residuals in their unit, `clusters` are the stretches. Unknowns at a bound are held. All factors are one where there are
 /// no derivatives or fewer than two clusters.
 pub fn widening<M: Model + ?Sized>(
     model: &M,
@@ -50,7 +50,7 @@ mod tests {
     use super::*;
     use crate::estimate::near;
 
-    /// A mean of values, and a slope along their numbers.
+    /// A model of a constant and of a slope along the numbers of the values.
     struct Line(Vec<f64>);
 
     impl Model for Line {
@@ -84,7 +84,7 @@ mod tests {
         widening(&model, &found.x, &[0, 1], variance, &clusters)
     }
 
-    /// Offsets that blocks of 50 share have the variance of 20 values where 1,000 were counted: 50 times that of the mean.
+    /// Offsets that blocks of 50 values share give the mean the variance of 20 values where 1,000 were counted: 50 times as much.
     #[test]
     fn residuals_that_blocks_share_count_once_for_each_block() {
         let offset =

@@ -6,11 +6,11 @@ use super::model::{Model, Squares};
 use crate::error::{Error, check};
 use crate::search::{Minimum, Search, TOLERANCE};
 
-/// Steps of a search at most; ten to fifty are usual. A search that does not settle is taken where it stands, and `converged` says so.
+/// Largest number of steps of a search; ten to fifty are usual. A search that has not settled by then is taken where it stands, and `converged` says so.
 const ITERATIONS: usize = 200;
-/// Steps and relative reduction of the first, coarse search from each start: enough to tell valleys apart.
+/// Number of steps and relative reduction of the first, coarse search from each start: enough to tell valleys (local minima of the sum of squares) apart.
 const COARSE: (usize, f64) = (25, 1e-3);
-/// Of the coarse searches so many are carried on: the best may lie in a crease that the second leaves.
+/// Number of coarse searches that are carried on, the best first: the best may lie in a crease that the second leaves.
 const CARRIED_ON: usize = 2;
 
 /// Where a search ended.
@@ -20,7 +20,7 @@ pub struct Found {
     pub x: Vec<f64>,
     /// Sum of squares of the residuals.
     pub cost: f64,
-    /// Whether the search ended by itself.
+    /// Whether the search reached a minimum.
     pub converged: bool,
 }
 
@@ -36,14 +36,14 @@ impl From<&Found> for Minimum {
     }
 }
 
-/// The search over `free`.
+/// The search over the unknowns in `free`, with a largest number of iterations and a relative reduction at which it ends.
 pub(super) fn search<M: Model + ?Sized>(
     model: &M,
     free: &[usize],
     (iterations, tolerance): (usize, f64),
 ) -> Search {
     let bounds = model.bounds().to_vec();
-    // Residuals are in standard deviations: a sum of squares of a millionth of one is none.
+    // Residuals are in standard deviations, so a sum of squares of a millionth counts as zero.
     let (count, free) = (model.count(), free.to_vec());
     Search { count, free, bounds, iterations, tolerance, central: false, floor: 1e-6, kept: None }
 }
@@ -95,7 +95,7 @@ pub fn least<M: Model + ?Sized>(model: &M, starts: &[Vec<f64>], free: &[usize]) 
     })
 }
 
-/// The least sum of squares near one start, with so many iterations down to a relative reduction; none where the start has no residuals.
+/// The least sum of squares near one start; `effort` is a largest number of iterations and a relative reduction. None where the start has no residuals.
 #[must_use]
 pub fn near<M: Model + ?Sized>(
     model: &M,
@@ -109,20 +109,20 @@ pub fn near<M: Model + ?Sized>(
 /// Standard deviations of several series of residuals, found from the residuals themselves.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Weights {
-    /// Root mean square of each series, for the unknowns that it shares.
+    /// Root mean square of each series, less the freedom that the fitted unknowns took from it.
     pub deviations: Vec<f64>,
-    /// By how much neighbours that agree widen intervals, as a factor on the variance, >= 1.
+    /// Factor (>= 1) by which the correlation of neighbouring residuals widens variances.
     pub inflation: f64,
 }
 
-/// Neighbours are taken to agree by chance up to this many standard deviations of the correlation of white noise.
+/// A correlation of neighbours of up to this many standard deviations of that of white noise is taken for chance, and widens nothing.
 const BY_CHANCE: f64 = 2.0;
-/// Correlation beyond which intervals are widened no more: nineteen times the variance. Such residuals are a model that does not fit, which
+/// Correlation from which on variances are widened no more; the factor is then about nineteen. Residuals with more belong to a model that does not fit, which
 /// the verdict says.
 const MOST_CORRELATED: f64 = 0.9;
 
 impl Weights {
-    /// Of residuals in series one behind the other, of which `unknowns` were fitted to all together.
+    /// From residuals in series that stand one behind the other; `unknowns` were fitted to all of them together.
     #[must_use]
     pub fn of(residuals: &[f64], series: &[Range<usize>], unknowns: usize) -> Self {
         let total: usize = series.iter().map(ExactSizeIterator::len).sum();

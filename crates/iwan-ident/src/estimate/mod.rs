@@ -1,7 +1,7 @@
-//! Unknowns of any model that brings exact derivatives: least squares between bounds, profile likelihood, and what is told.
+//! Estimates of the unknowns of any model that brings its derivatives: least squares between bounds, profile likelihood, and how certain combinations are.
 //!
-//! The same searches and walks that identify a mode ([`profile`](mod@crate::profile)), for models that this crate does not know: the joints
-//! of a structure, modes that share joints.
+//! These are the searches and walks that identify a mode ([`profile`](mod@crate::profile)), for models that this crate does not know: the joints
+//! of a structure, or modes that share joints.
 
 mod model;
 mod minimum;

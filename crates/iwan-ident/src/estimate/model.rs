@@ -1,10 +1,10 @@
-//! What a model has to say of itself.
+//! What a model has to provide to be estimated.
 
 use nalgebra::DMatrix;
 
 use crate::search::Problem;
 
-/// Residuals of unknowns, each over its standard deviation.
+/// A model as residuals that depend on unknowns, each residual over its standard deviation.
 pub trait Model: Sync {
     /// Lower and upper bound of each unknown. Unknowns are of order one: logarithms and shares.
     fn bounds(&self) -> &[(f64, f64)];
@@ -12,15 +12,15 @@ pub trait Model: Sync {
     /// Number of residuals.
     fn count(&self) -> usize;
 
-    /// Fills the residuals and, where they are asked for, their derivatives: `derivatives[unknown][residual]`. False where there is no model.
+    /// Fills the residuals and, where they are asked for, their derivatives: `derivatives[unknown][residual]`. False where the model does not exist at `x`.
     fn evaluate(&self, x: &[f64], residuals: &mut [f64], derivatives: Option<&mut [Vec<f64>]>) -> bool;
 }
 
-/// A model as a least-squares problem.
+/// A model seen as a least-squares problem.
 pub(crate) struct Squares<'a, M: Model + ?Sized>(pub(crate) &'a M);
 
 impl<M: Model + ?Sized> Squares<'_, M> {
-    /// Derivatives with respect to the unknowns in `free`, one column each.
+    /// Derivatives of the residuals with respect to the unknowns in `free`, one column for each; none where the model does not exist or they are not finite.
     pub(crate) fn derivatives_at(&self, x: &[f64], free: &[usize]) -> Option<DMatrix<f64>> {
         let (mut residuals, mut derivatives) =
             (vec![0.0; self.0.count()], vec![vec![0.0; self.0.count()]; x.len()]);

@@ -8,10 +8,10 @@ use super::model::{Model, Squares};
 use crate::profile::{End, Ground, Scale, Walk};
 use crate::search::Minimum;
 
-/// Steps of a search along a profile, at most. A search that is not through then leaves the profile a little too high, and the interval too narrow.
+/// Largest number of steps of a search along a profile. A search that is not through by then leaves the profile a little too high, and the interval too narrow.
 const ALONG: usize = 60;
 
-/// A 95 % interval; none: open.
+/// A 95 % interval; an end that is `None` is open.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Interval {
     /// Lower end.
@@ -21,35 +21,35 @@ pub struct Interval {
 }
 
 impl Interval {
-    /// Of lower and upper ends in turn; the first failure of them where there is one.
+    /// From lower and upper ends in turn; the first failure among them where there is one.
     pub(crate) fn of_ends<E>(ends: Vec<Result<Option<f64>, E>>) -> Result<Vec<Self>, E> {
         let ends = ends.into_iter().collect::<Result<Vec<_>, E>>()?;
         Ok(ends.chunks_exact(2).map(|pair| Self { low: pair[0], high: pair[1] }).collect())
     }
 }
 
-/// What an interval is taken about.
+/// The minimum about which intervals are taken.
 #[derive(Debug, Clone, Copy)]
 pub struct About<'a> {
     /// The minimum.
     pub found: &'a Found,
-    /// Unknowns that follow.
+    /// Unknowns that follow when one of them is held.
     pub free: &'a [usize],
     /// Variance of the residuals in their unit.
     pub variance: f64,
-    /// Whether a better point, should a walk meet one, is passed over: else the walk ends there.
+    /// What happens when a walk meets a better point: where this is true it is passed over, else the walk ends there.
     pub settled: bool,
 }
 
-/// A model as the walks along one unknown see it.
+/// A model as seen by the walks along one unknown.
 struct Landscape<'a, M: Model + ?Sized> {
     model: &'a M,
     minimum: &'a [f64],
-    /// Derivatives there, with respect to all unknowns.
+    /// Derivatives at the minimum, with respect to all unknowns.
     slopes: Option<&'a DMatrix<f64>>,
 }
 
-/// What evaluations of one walk hand on.
+/// What one evaluation of a walk hands on to the next.
 #[derive(Default)]
 struct Buffers {
     residuals: Vec<f64>,
@@ -74,7 +74,7 @@ impl<M: Model + ?Sized> Ground for Landscape<'_, M> {
         search(self.model, &free, (ALONG, tolerance)).run_along(&mut Squares(self.model), x, &mut work.slopes)
     }
 
-    /// A walk begins with these, its own unknown last: those that follow find them again.
+    /// Derivatives with which a walk begins, its own unknown last; those of the unknowns that follow are kept for the searches of the walk.
     fn jacobian(&self, x: &[f64], free: Vec<usize>, work: &mut Buffers) -> Option<DMatrix<f64>> {
         let known = self.slopes.filter(|_| x == self.minimum).map(|all| all.select_columns(&free));
         let all = known.or_else(|| Squares(self.model).derivatives_at(x, &free))?;
@@ -87,8 +87,8 @@ impl<M: Model + ?Sized> Ground for Landscape<'_, M> {
     }
 }
 
-/// Walks along single unknowns about a minimum, all others that are free following. An unknown that is not free is one that the measurements
-/// hardly feel: what its walk gains in the last digits is passed over.
+/// Walks along single unknowns about a minimum; all others that are free follow. A better point met by the walk of an unknown that is not free is passed over: the measurements
+/// hardly feel such an unknown, and the gain is in the last digits.
 pub(crate) struct Profiles<'a, M: Model + ?Sized> {
     model: &'a M,
     about: About<'a>,
@@ -103,7 +103,7 @@ impl<'a, M: Model + ?Sized> Profiles<'a, M> {
         Self { model, about, minimum: Minimum::from(about.found), slopes }
     }
 
-    /// The end of the interval of the unknown `of` in a direction, its variance wider by a factor; none: open.
+    /// The end of the interval of the unknown `of` in a direction, with its variance multiplied by `wider`; none: open.
     ///
     /// # Errors
     /// A better minimum that was met on the way.
@@ -123,11 +123,11 @@ impl<'a, M: Model + ?Sized> Profiles<'a, M> {
     }
 }
 
-/// The intervals of the unknowns `wanted` about a minimum, all others that are free following, walked on so many threads. An unknown
-/// that is not free is one that the measurements hardly feel: what its walk gains in the last digits is passed over.
+/// The intervals of the unknowns `wanted` about a minimum, walked on `threads` threads; all others that are free follow. A better point met by the walk of an unknown
+/// that is not free is passed over: the measurements hardly feel such an unknown, and the gain is in the last digits.
 ///
 /// # Errors
-/// A better minimum that was met on the way: begin anew from there.
+/// A better minimum that was met on the way: the search is to begin anew from there.
 pub fn intervals<M: Model + ?Sized>(
     model: &M,
     about: About<'_>,

@@ -6,21 +6,21 @@ use super::minimum::Found;
 use super::model::{Model, Squares};
 use crate::error::Error;
 
-/// What is taken for granted of each unknown, as a standard deviation in its own (logarithmic) unit: a factor of e^3.5 = 33 either way at
-/// one, of 1,100 at two, beyond which no engineer would call a value plausible. It keeps what nothing tells from being infinitely
-/// uncertain, and is no prior of the fit.
+/// Standard deviation that is taken for granted of each unknown, in its own (logarithmic) unit: a factor of e^3.5 = 33 either way at
+/// one standard deviation, of 1,100 at two, beyond which no engineer would call a value plausible. It keeps the uncertainty of unknowns that no residual feels
+/// finite, and is no prior of the fit.
 pub(super) const PLAUSIBLE: f64 = 3.5;
 
-/// A direction of the unknowns that the data tell to a certain accuracy.
+/// A direction in the space of the unknowns, with the accuracy to which the data determine it.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Combination {
-    /// Standard deviation along the direction; infinite where nothing tells it.
+    /// Standard deviation along the direction; infinite where no residual feels it.
     pub deviation: f64,
-    /// The direction, of length 1, by the unknowns that were free.
+    /// The direction, of length 1, as components of the unknowns that were free.
     pub direction: Vec<f64>,
 }
 
-/// What the data tell next to a minimum, by curvature.
+/// What the data determine next to a minimum, from the curvature there.
 #[derive(Debug, Clone)]
 pub struct Told {
     free: Vec<usize>,
@@ -29,8 +29,8 @@ pub struct Told {
     combinations: Vec<Combination>,
 }
 
-/// Which of the unknowns leave the residuals as they are wherever they stand, by linearisation: moved through all that is plausible they
-/// change the sum of squares by less than one standard deviation's worth. Nothing is lost where a search holds them.
+/// The unknowns that hardly change the residuals, by linearisation: moved through all plausible values they
+/// change the sum of squares by less than one standard deviation's worth. A search may hold them without loss.
 ///
 /// # Errors
 /// [`Error::Refused`] where there are no derivatives.
@@ -45,7 +45,7 @@ pub fn silent<M: Model + ?Sized>(model: &M, x: &[f64], variance: f64) -> Result<
 }
 
 impl Told {
-    /// Of a minimum over the unknowns in `free`; `variance` is that of the residuals in their unit.
+    /// About a minimum over the unknowns in `free`; `variance` is that of the residuals in their unit.
     ///
     /// # Errors
     /// [`Error::Refused`] where the minimum has no derivatives.
@@ -77,13 +77,13 @@ impl Told {
         Ok(Self { free: free.to_vec(), covariance, combinations })
     }
 
-    /// Directions of the unknowns, the best told first.
+    /// Directions of the unknowns, the most certain first.
     #[must_use]
     pub fn combinations(&self) -> &[Combination] {
         &self.combinations
     }
 
-    /// Standard deviation of a prediction from its derivatives with respect to all unknowns.
+    /// Standard deviation of a prediction whose derivatives with respect to all unknowns are `slopes`.
     #[must_use]
     pub fn deviation(&self, slopes: &[f64]) -> f64 {
         let slopes = self.of_free(slopes);

@@ -1,8 +1,8 @@
-//! Modes beside the one that is looked for, taken out of the record before its band is.
+//! Modes beside the one that is looked for: they are subtracted from the record before its band is filtered.
 //!
-//! A band-pass filter leaves of a mode outside its band what its skirt lets through, and that beats with the mode inside. But such a mode is known as well
-//! as any other from a band of its own. So each is followed there, continued to the begin of the decay and to the end of the record, and subtracted;
-//! what is left tells the next one better, as in mode isolation (M. S. Allen, J. H. Ginsberg, Mech. Syst. Signal Process. 20:874, 2006).
+//! A band-pass filter lets a part of a mode outside its band through its skirt, and that part beats with the mode inside. But such a mode can be
+//! followed in a band of its own as well as any other. So each one is followed there, continued to the start of the decay and to the end of the record, and subtracted;
+//! the remaining record shows the next one better, as in mode isolation (M. S. Allen, J. H. Ginsberg, Mech. Syst. Signal Process. 20:874, 2006).
 
 use super::in_band::{InBand, Options, behind_filter};
 use super::isolated::Isolated;
@@ -10,26 +10,27 @@ use super::spectrum::Band;
 use super::survey::{SpectralPeak, band_among, spectral_peaks};
 use super::transients::Gate;
 
-/// Part of the mode's amplitude that another one leaves behind the filter from which on it is taken out. The windows of the fit have steeper skirts
-/// of their own. A judgement, not varied; less stays in the record.
+/// A mode outside the band is subtracted where its amplitude behind the filter exceeds this fraction of the followed mode's amplitude. The windows of the fit have
+/// steeper skirts of their own. A judgement, not varied; a mode below this limit stays in the record.
 const LEAK: f64 = 1e-4;
-/// The same inside the band, where what a smooth curve leaves of the mode itself has peaks of a thousandth: less is noted, and stays. A judgement: with
-/// that of outside such a trace was taken for a mode.
+/// The same limit for another mode inside the band. It is higher because a smooth curve through the followed mode leaves peaks of a thousandth of that mode there;
+/// a smaller second mode is only noted, and stays. A judgement: with the limit of modes outside, such a trace was taken for a mode.
 const INSIDE: f64 = 0.01;
-/// A mode of this part of the amplitude in the band is followed in a narrow band of its own where it is near: less can be a trace of the mode itself. As for neighbours of the automatic band.
+/// Another mode of at least this fraction of the followed mode's amplitude is followed in a band that is narrowed beside a near neighbour; a smaller one can be a trace
+/// of the followed mode itself. The same value as for neighbours of the automatic band.
 const NEIGHBOUR: f64 = 0.03;
-/// Modes that are taken out at most: those that leave most; further ones stay. Not varied.
+/// Largest number of modes that are subtracted: those that leave most behind the filter; further ones stay in the record. Not varied.
 const MOST: usize = 4;
-/// Rounds in which all modes are followed anew, each without the others, at most, …
+/// Largest number of rounds; in each round every mode is followed anew in the record without the others.
 const ROUNDS: usize = 8;
-/// … and the part of what is left that a round must still take away. Modes 8 % apart take all eight rounds, modes 30 % apart two.
+/// Least fraction of the remaining sum of squares that a round must take away, else it is the last. Modes 8 % apart in frequency take all eight rounds, modes 30 % apart two.
 const WORTH: f64 = 0.1;
-/// Distance in resolved lines from the mode's own peak within which a line is a trace of that mode. A judgement, not varied.
+/// Distance from the mode's own peak within which a line is a trace of that mode, in resolved lines (1/length of the decay). A judgement, not varied.
 const OWN_LINES: f64 = 3.0;
 
-/// What other modes have in a record.
+/// What other modes contribute to a record.
 pub(super) struct Others {
-    /// Their sum at all samples.
+    /// Sum of the other modes at all samples, in the unit of the record.
     pub(super) samples: Vec<f64>,
     /// Their frequencies, Hz.
     pub(super) frequencies: Vec<f64>,
@@ -43,13 +44,13 @@ impl Others {
     }
 }
 
-/// Another mode as it is known.
+/// Another mode: the band in which it is followed, and its samples over the whole record.
 struct Other {
     band: Band,
     samples: Vec<f64>,
 }
 
-/// The modes beside `mode` whose skirts reach into its band; none where there are none, or none can be followed.
+/// The modes beside `mode` whose skirts reach into its band; none where there are no such modes, or none of them can be followed.
 pub(super) fn others(x: &[f64], mode: &Isolated, gate: &Gate, options: &Options) -> Option<Others> {
     let own = alone(x, mode, gate, options)?;
     let rest = without(x, &own, gate.begin);
@@ -59,7 +60,8 @@ pub(super) fn others(x: &[f64], mode: &Isolated, gate: &Gate, options: &Options)
         let yields = |p: &SpectralPeak| peaks.level * p.height >= NEIGHBOUR;
         peaks.reaching.iter().map(|p| band_among(&all, p, yields(p), 0.5 / mode.dt)).collect()
     };
-    // Wide bands have a short memory, which the begin of the decay needs; but what is not known of a near mode yet stands in them, and keeps some from settling.
+    // Filters of wide bands have a short memory, which the start of the decay needs. But a wide band also holds what is not yet known of a near mode, and then some modes
+    // do not settle. So both kinds of bands are tried, and the one that leaves less is kept.
     let own_peak =
         SpectralPeak { frequency: mode.band.peak, height: f64::INFINITY, ..*peaks.reaching.first()? };
     let (wide, narrow) = (of(None), of(Some(own_peak)));
@@ -73,15 +75,15 @@ pub(super) fn others(x: &[f64], mode: &Isolated, gate: &Gate, options: &Options)
     })
 }
 
-/// Modes that were followed one by one, and what is left of the record without all of them.
+/// Modes that were followed one by one, and what remains of the record without all of them.
 struct Separated {
     others: Vec<Other>,
-    /// Sum of squares.
+    /// Sum of squares of the remaining record.
     left: f64,
 }
 
-/// The mode as it is known before others are followed: continued to both ends of its decay. Curves through a sum of two modes next to each other would beat with it, so the
-/// smaller one is taken out as a linear mode before.
+/// The followed mode as it is known before the others are: its samples, continued to both ends of its decay. Where the band holds two modes next to each other, smooth
+/// curves through their sum would follow the beat, so the smaller one is first subtracted as a linear mode.
 fn alone(x: &[f64], mode: &Isolated, gate: &Gate, options: &Options) -> Option<Vec<f64>> {
     let smaller = mode.smaller_of_two(gate);
     let rest = smaller.map(|other| without(x, &other, gate.begin));
@@ -89,7 +91,7 @@ fn alone(x: &[f64], mode: &Isolated, gate: &Gate, options: &Options) -> Option<V
     again.and_then(|found| found.mode.continued(gate)).or_else(|| mode.continued(gate))
 }
 
-/// Follows the mode and others in bands of their own in turn, each in what the others leave.
+/// Follows the mode and each of the others in its own band in turn, each in the record without the rest, and repeats that until a round takes too little away.
 fn separated(
     x: &[f64],
     (mode, own): (&Isolated, &[f64]),
@@ -133,17 +135,17 @@ fn with(rest: &[f64], mode: &[f64]) -> Vec<f64> {
     rest.iter().zip(mode).map(|(r, m)| r + m).collect()
 }
 
-/// The record from the begin of the decay on without a mode, and nothing before it.
+/// The record without a mode from the start of the decay on, and zeros before.
 fn without(x: &[f64], mode: &[f64], begin: usize) -> Vec<f64> {
     x.iter().zip(mode).enumerate().map(|(n, (x, mode))| if n < begin { 0.0 } else { x - mode }).collect()
 }
 
-/// Peaks of a record without the mode that is looked for.
+/// Peaks in the spectrum of a record from which the followed mode was subtracted.
 struct Peaks {
-    /// Amplitude of the highest over that of the mode.
+    /// Largest sample of that record over the largest sample of the mode.
     level: f64,
     all: Vec<SpectralPeak>,
-    /// Those that leave most behind the filter.
+    /// The peaks that leave most behind the filter, the largest first.
     reaching: Vec<SpectralPeak>,
 }
 
@@ -163,7 +165,7 @@ fn peaks(rest: &[f64], mode: &Isolated, own: &[f64], gate: &Gate) -> Peaks {
     Peaks { level, all, reaching }
 }
 
-/// A mode in a band, where that takes something out of what is left.
+/// Another mode as followed in its band; none where subtracting it does not make the remaining record smaller.
 fn followed(rest: &[f64], dt: f64, band: Band, gate: &Gate, options: &Options) -> Option<Other> {
     let options =
         Options { band: Some((band.low, band.high)), near: None, order: None, window: None, ..*options };

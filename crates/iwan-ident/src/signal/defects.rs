@@ -1,36 +1,37 @@
-//! What a record may suffer from: clipped peaks, a tail that was cut off and filled up or holds nothing but noise, noise.
+//! Defects of a record: clipped peaks, a tail that was cut off and filled up with equal samples or that holds nothing but noise, and the noise itself.
 
 use std::ops::Range;
 
-/// Equal samples in a row at an extreme value that count as clipped. Two occur by chance at the crests of a finely sampled
-/// sinusoid; …
+/// Equal samples in a row at an extreme value of the record that count as clipped. Two occur by chance at the crests of a finely sampled
+/// sinusoid.
 const CLIPPED_RUN: usize = 3;
-/// … in at least so many places: a digitised crest can be flat once.
+/// Least number of places with such runs in a clipped record: a digitised crest can be flat once.
 const CLIPPED_PLACES: usize = 2;
 
-/// Blocks in which the energy of a record is followed. A decay that fills less than one of them, a four-hundredth of the record, is not seen.
+/// Number of blocks in which the energy of a record is followed. A decay that fills less than one of them, a four-hundredth of the record, is not seen.
 const BLOCKS: usize = 400;
-/// A tail is told from a decay where the loudest block has this many times its energy, 20 dB: below, the decay is not much more than the noise.
+/// The loudest block must have this many times the energy of the tail (20 dB), else the record is not cut: the decay is then not much more than the noise.
 const LOUD: f64 = 100.0;
-/// The decay is gone in the first of two blocks of less than this many times the tail's energy. Half of it is the tail itself, twice of it ends the decay
-/// a third of an e-fold earlier.
+/// The decay is over at the first two successive blocks that have less than this many times the tail's energy. Half this value is the tail itself; twice this value
+/// would end the decay a third of an e-fold earlier.
 const GONE: f64 = 2.0;
-/// A later block of this many times the tail's energy is no noise: the record is left as it is. Noise in a narrow band reaches it once in many thousand blocks.
+/// A later block with this many times the tail's energy is not noise, and the record is left as it is. Noise in a narrow band reaches this once in many thousand blocks.
 const ANEW: f64 = 20.0;
-/// So many times the length of the decay stay, so that noise is seen behind it.
+/// The record is cut this many lengths of the decay behind its loudest block, so that some noise is seen behind the decay.
 const STAYS: f64 = 1.5;
-/// What stays is at most this part of the record; of a longer decay spectra and curves see enough.
+/// The record is cut only where less than this fraction of it is kept; of a longer decay spectra and curves see enough.
 const SHORT: f64 = 0.25;
 
-/// Coefficients of twelfth differences: they leave a millionth of a mode of twenty samples a cycle and a thousandth of one of ten, and enlarge noise 1,600 times.
+/// Coefficients of twelfth differences. They leave a millionth of a mode of twenty samples a cycle and a thousandth of one of ten, and enlarge the standard deviation of
+/// noise 1,600 times.
 const DIFFERENCES: [f64; 13] =
     [1.0, -12.0, 66.0, -220.0, 495.0, -792.0, 924.0, -792.0, 495.0, -220.0, 66.0, -12.0, 1.0];
 /// Median of the magnitude of a normal variable, in standard deviations.
 const MEDIAN: f64 = 0.6745;
 
-/// Standard deviation of the noise in samples of a vibration, by the median of their twelfth differences: where a spring changes once in a while, as
-/// sliders do that begin to slip, most differences know nothing of it. Below ten samples a cycle of the highest mode the vibration itself counts as noise. None for fewer
-/// samples than the differences need.
+/// Standard deviation of the noise in samples of a vibration (in their unit), from the median magnitude of their twelfth differences. The median is taken because a
+/// stiffness that changes now and then, as when sliders begin to slip, disturbs few of the differences. Below ten samples a cycle of the highest mode the vibration itself
+/// counts as noise. None for fewer than 13 samples, which the differences need.
 pub(crate) fn sample_noise(x: &[f64]) -> Option<f64> {
     let difference = |w: &[f64]| w.iter().zip(DIFFERENCES).map(|(x, c)| x * c).sum::<f64>().abs();
     let mut all: Vec<f64> = x.windows(DIFFERENCES.len()).map(difference).collect();
@@ -52,9 +53,9 @@ fn runs(x: &[f64], shortest: usize) -> impl Iterator<Item = Range<usize>> + '_ {
     })
 }
 
-/// The first sample behind the last clipped one, when the record is clipped.
+/// The first sample behind the last clipped one; none where the record is not clipped.
 ///
-/// Clipped: the largest or the smallest value of the record stands three times in a row, in two places or more.
+/// A record is clipped where its largest or its smallest value stands three times in a row, in two places or more.
 pub(crate) fn clipped_until(x: &[f64]) -> Option<usize> {
     let rails = x.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), v| (a.min(*v), b.max(*v)));
     let at_rail = |run: &Range<usize>| x[run.start] == rails.0 || x[run.start] == rails.1;
@@ -65,14 +66,14 @@ pub(crate) fn clipped_until(x: &[f64]) -> Option<usize> {
     (ends.len() >= CLIPPED_PLACES).then(|| ends.last().copied()).flatten()
 }
 
-/// Where the record ends in truth: the start of the first run of `longest` equal samples behind its largest sample.
+/// Where the record really ends: the start of the first run of `longest` (at least 8) equal samples that ends more than `longest` samples behind the largest sample.
 pub(crate) fn stops_at(x: &[f64], longest: usize) -> Option<usize> {
     let top = (0..x.len()).max_by(|&i, &j| x[i].abs().total_cmp(&x[j].abs()))?;
     runs(x, longest.max(8)).find(|run| run.end > top + longest).map(|run| run.start)
 }
 
-/// Where a record may end whose decay is over in a small part of it: some noise behind the decay stays. The energy of blocks of at least `least` samples is
-/// followed. None where the decay fills a quarter of the record, where the tail is not quiet, or where nothing rises above it.
+/// The sample at which a record may be cut because its decay is over in a small part of it; some noise behind the decay is kept. The energy is
+/// followed in blocks of at least `least` samples. None where the part kept would fill a quarter of the record, where the tail is not quiet, or where nothing rises above it.
 pub(super) fn gone_by(x: &[f64], least: usize) -> Option<usize> {
     let length = (x.len() / BLOCKS).max(least).max(8);
     let energy = |block: &[f64]| {

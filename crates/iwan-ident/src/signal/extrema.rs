@@ -1,6 +1,6 @@
 //! Extrema and zero crossings of an oscillation, between the samples.
 
-/// Height of an oscillation at one of its turns, between the samples.
+/// A turning point of an oscillation, between the samples.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Extremum {
     /// Time in samples.
@@ -11,8 +11,8 @@ pub(super) struct Extremum {
 
 /// Extrema of |x| between zero crossings: one per half cycle.
 ///
-/// Through the largest sample and its neighbours goes a sinusoid of `omega` (radian per sample); near a peak that is
-/// the parabola, and it stays right with few samples a cycle.
+/// The extremum is that of a sinusoid of `omega` (radian per sample) through the largest sample and its neighbours: near a peak it equals
+/// the parabola, and it stays accurate with few samples a cycle.
 pub(super) fn extrema(x: &[f64], omega: f64) -> Vec<Extremum> {
     let mut found = Vec::new();
     let mut from = 0;
@@ -37,7 +37,7 @@ fn crest(x: &[f64], n: usize, omega: f64) -> Extremum {
     Extremum { time: n as f64 + shift.clamp(-1.0, 1.0), height: x[n].hypot(quadrature) }
 }
 
-/// Zero crossings in samples, by straight lines: at a crossing the curvature of an oscillation vanishes.
+/// Zero crossings in samples, by straight lines, which suffice because the curvature of an oscillation vanishes at a crossing.
 pub(super) fn crossings(x: &[f64]) -> Vec<f64> {
     let crossing = |i: &usize| (x[*i - 1] >= 0.0) != (x[*i] >= 0.0);
     (1..x.len()).filter(crossing).map(|i| i as f64 - x[i] / (x[i] - x[i - 1])).collect()

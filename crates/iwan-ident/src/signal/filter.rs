@@ -31,7 +31,7 @@ pub enum Passband {
 struct Section {
     b: [f64; 3],
     a: [f64; 2],
-    /// Steady state for a constant input 1 to the whole filter.
+    /// State of the section's two delays when the input of the whole filter is constantly 1.
     steady: [f64; 2],
 }
 
@@ -125,7 +125,7 @@ impl Butterworth {
         self.sections.iter().map(each).product()
     }
 
-    /// Time in seconds after which what an impact leaves in the filter has fallen to 1/e: that of the slowest pole.
+    /// Memory of the filter in seconds: the time in which its response to an impact falls to 1/e, by its slowest pole.
     #[must_use]
     pub fn memory(&self) -> f64 {
         let radius = |s: &Section| {
@@ -182,7 +182,7 @@ fn warped(name: &'static str, edge: f64, nyquist: f64) -> Result<f64, Error> {
     Ok((0.5 * PI * edge / nyquist).tan())
 }
 
-/// The pole s in the z plane.
+/// The pole s mapped to the z plane by the bilinear transformation.
 fn bilinear(s: Complex64) -> Complex64 {
     (1.0 + s) / (1.0 - s)
 }
@@ -190,7 +190,7 @@ fn bilinear(s: Complex64) -> Complex64 {
 /// Section with the pole pair (s, s*), or the single real pole s, and its zeros at z = `zero`; gain 1 at `at`.
 fn one_sided(s: Complex64, zero: f64, at: Complex64) -> Section {
     let p = bilinear(s);
-    // A real pole carries rounding in its imaginary part; complex ones keep away from the axis by sin(π/20).
+    // The imaginary part of a real pole is rounding; complex poles keep away from the real axis by sin(π/20) of their modulus.
     let (b, a) = if s.im.abs() < 1e-9 * s.norm() {
         ([1.0, -zero, 0.0], [-p.re, 0.0])
     } else {

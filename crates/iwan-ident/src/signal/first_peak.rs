@@ -1,24 +1,24 @@
 //! Where a free decay begins.
 
-/// Samples of at least this part of the largest count as the largest: with sixteen samples a cycle or more the highest sample of a peak reaches it.
+/// A sample of at least this fraction of the largest counts as the largest: with sixteen samples a cycle or more the highest sample of a peak reaches it.
 const AS_LARGE: f64 = 0.98;
 
-/// From a peak of a free decay to where it crosses zero it takes a quarter of a cycle: somewhat less where a mode below adds to it, more
-/// where a joint softens in macro-slip. A half sine or a haversine a fifth of a cycle long falls in a tenth of a cycle and less.
+/// Time from a peak of a free decay to its next zero crossing, in cycles: a quarter of a cycle, somewhat less where a lower mode adds to it, more
+/// where a joint softens in macro-slip. A half sine or a haversine a fifth of a cycle long falls in a tenth of a cycle and less, and such a peak is passed over.
 const QUARTER: std::ops::RangeInclusive<f64> = 0.15..=0.45;
 
-/// Where amplitudes first come near their largest: the peaks of a mode that hardly decays are equal but for where samples meet them.
+/// Index at which amplitudes first come near their largest: the peaks of a mode that hardly decays differ only by where samples meet them, so the largest may be a late one.
 pub(super) fn first_of_the_largest(amplitudes: impl Iterator<Item = f64> + Clone) -> usize {
     let largest = amplitudes.clone().fold(0.0, f64::max);
     let first = amplitudes.clone().position(|x| x >= AS_LARGE * largest).unwrap_or(0);
-    // From there to the top of that peak.
+    // Goes on from there to the top of that peak.
     let rising =
         amplitudes.clone().skip(first).zip(amplitudes.skip(first + 1)).take_while(|(x, next)| next > x);
     first + rising.count()
 }
 
-/// The first peak from sample `peak` on that a quarter of a cycle of free decay follows, a cycle being `cycle` samples: under the blow itself an
-/// acceleration is that of the force, and falls faster. The same sample where none is found within two cycles.
+/// Index of the first peak from sample `peak` on that is followed by a quarter of a cycle of free decay, where a cycle is `cycle` samples. During the blow itself an
+/// acceleration follows the force, and falls faster. `peak` itself where none is found within two cycles.
 pub(super) fn behind_the_blow(x: &[f64], mean: f64, peak: usize, cycle: f64) -> usize {
     let mut at = peak;
     while ((at - peak) as f64) < 2.0 * cycle {

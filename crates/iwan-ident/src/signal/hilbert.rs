@@ -1,4 +1,4 @@
-//! Analytic signal by Fourier transform, and the cut to whole cycles that tames its ends.
+//! Analytic signal by Fourier transform, and the cut to whole cycles that keeps its errors at the ends small.
 
 use rustfft::FftPlanner;
 use rustfft::num_complex::Complex64;
@@ -10,8 +10,8 @@ pub type Analytic = Vec<Complex64>;
 
 /// Analytic signal x + i H(x), equal to `scipy.signal.hilbert(x)` to 1e-12 of the largest sample.
 ///
-/// The negative frequencies are removed from the discrete Fourier transform. That takes the signal for periodic: where
-/// its end does not meet its start, the ends are wrong. [`whole_cycles`] makes them meet in phase.
+/// The negative frequencies are removed from the discrete Fourier transform. The signal is thereby treated as periodic: where
+/// its end does not meet its start, the result is wrong near both ends. [`whole_cycles`] makes the ends meet in phase.
 ///
 /// # Errors
 /// [`Error::NotFinite`], [`Error::TooShort`] for an empty slice.
@@ -30,7 +30,7 @@ pub fn analytic_signal(x: &[f64]) -> Result<Analytic, Error> {
     planner.plan_fft_forward(n).process(&mut z);
     let half = 1.0 / n as f64;
     for (k, z) in z.iter_mut().enumerate() {
-        // 1 for frequency 0 and, of an even number, the Nyquist frequency; 2 for positive ones.
+        // Factor 1 for frequency 0 and, with an even number of samples, for the Nyquist frequency; 2 for positive frequencies, 0 for negative ones.
         *z *= match (2 * k).cmp(&n) {
             _ if k == 0 => half,
             std::cmp::Ordering::Less => 2.0 * half,

@@ -1,4 +1,4 @@
-//! What a band of a record holds: defects, band, filter, and the window in which the result can be trusted.
+//! One band of a record: defects, band, filter, and the window in which the result can be trusted.
 
 use std::ops::Range;
 
@@ -12,38 +12,40 @@ use super::survey::{band_near, slow_rises, spectral_peaks};
 use super::transients::{Ends, Gate};
 use crate::error::{Error, check, check_dt, check_samples};
 
-/// Times the filter's memory that are cut off at each end before the mode is known: e^-4 = 2 % of a transient is left. With half as much,
-/// damping by peaks of a clean linear record was off by 27 % inside the window in place of 0.04 %; with twice as much a record of 27 cycles
-/// (0.34 s at 80 Hz) is refused for want of eight.
+/// Length that is cut off at each end before the mode is known, in memories of the filter: e^-4 = 2 % of a transient is left. With half as much,
+/// damping by peaks of a clean linear record was off by 27 % inside the window instead of 0.04 %; with twice as much a record of 27 cycles
+/// (0.34 s at 80 Hz) is refused because fewer than eight cycles remain.
 const MEMORIES: f64 = 4.0;
-/// Samples that a record needs: eight cycles of eight samples. Fewer are refused.
+/// Least number of samples of a record: eight cycles of eight samples. Records with fewer are refused.
 const SAMPLES: usize = 64;
-/// Samples between start and end of a window, at least: below, nothing could be fitted, and the remedy is another window and not
+/// Least number of samples between start and end of a window: with fewer nothing could be fitted, and the remedy is another window and not
 /// a longer record.
 const LEAST_WINDOW: usize = 16;
 
-/// Highest order that is taken: curves of more swing between the values that they go through, and degree 100 gave frequencies of megahertz. No record tried asked for more than 13.
+/// Highest order that may be asked for; a higher one is refused. Curves of higher order swing between the values that they go through, and degree 100 gave frequencies of
+/// megahertz. No record tried needed more than 13.
 const MOST_ORDER: usize = 30;
 
-/// A mode of this part of the height of a steady tone is looked for in its place: lower ones are what any record of a shaker holds beside the tone that is meant. A judgement.
+/// A mode of at least this fraction of the height of a steady tone is taken instead of the tone. Any record of a shaker holds lower ones beside the tone that is meant, and
+/// they are left aside. A judgement.
 const BESIDE_A_TONE: f64 = 0.1;
 
-/// Cycles of the blocks in which the energy behind the filter is followed. A judgement: one is less than the filter remembers.
+/// Length in cycles of the blocks in which the energy of the filtered record is followed. A judgement: one cycle is less than the filter remembers.
 const BLOCK: f64 = 2.0;
 
-/// How a mode is taken out of a record. `Options::default()` finds everything itself.
+/// How a mode is taken out of a record. `Options::default()` finds all values automatically.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Options {
-    /// Band in Hz as (low, high); none: [`automatic_band`].
+    /// Band in Hz as (low, high); none: that of [`automatic_band`].
     pub band: Option<(f64, f64)>,
     /// Rough frequency of the mode in Hz, for the automatic band; none: the highest spectral peak.
     pub near: Option<f64>,
     /// Order of the Butterworth filter; 0: no filter, for records of one mode that start in free decay.
     pub filter_order: usize,
-    /// Window in seconds from the first sample; none: from three cycles behind the begin of a mode that is alone, of others from 4 filter
-    /// memories behind the largest amplitude, to 4 before the end, or to where the mode sinks into noise.
+    /// Window in seconds from the first sample. None: it starts three cycles behind the start of the decay where the mode is alone, else 4 filter memories behind
+    /// the largest amplitude; it ends 4 filter memories before the end of the record, or where the mode sinks into noise.
     pub window: Option<(f64, f64)>,
-    /// Degree of the polynomials (Hilbert) or number of spline intervals (peaks); none: Schwarz's criterion.
+    /// Degree of the polynomials (Hilbert) or number of spline intervals (peaks); none: chosen by Schwarz's criterion.
     pub order: Option<usize>,
 }
 
@@ -53,20 +55,20 @@ impl Default for Options {
     }
 }
 
-/// A mode behind the filter of its band, and what that filter does.
+/// A mode behind the filter of its band, with that filter and the start of the decay.
 pub(super) struct InBand {
     pub(super) mode: Isolated,
-    /// None without a filter.
+    /// None where no filter is used.
     pub(super) gate: Option<Gate>,
-    /// What had been noted of the record before its band was looked at.
+    /// Notes on the record from before its band was looked at.
     pub(super) of_record: Vec<String>,
 }
 
-/// Takes what the band holds out of a record, whether it is one mode or more.
+/// Takes one band out of a record, whether it holds one mode or more.
 ///
-/// In this order: samples are checked; a tail of equal samples is cut off, and a long one of noise; the window starts behind the last clipped
-/// sample; band and filter; trimming by the filter's memory; end at the noise; what the filter made of the mode's begin and end is taken
-/// off. Each step that finds something leaves a note.
+/// The steps, in this order: the samples are checked; the band is chosen; a tail of equal samples and a long tail of noise are cut off; the record is filtered; the window is
+/// trimmed by the filter's memory and starts behind the last clipped sample; it ends where the mode sinks into noise; the transients that the filter makes of the mode's start
+/// and end are subtracted. Each step that finds something leaves a note.
 pub(super) fn in_band(x: &[f64], dt: f64, options: &Options) -> Result<InBand, Error> {
     check_dt(dt)?;
     check_samples("record", x, SAMPLES, "record longer")?;
@@ -84,7 +86,7 @@ pub(super) fn in_band(x: &[f64], dt: f64, options: &Options) -> Result<InBand, E
         Chosen { band, tone } = chosen(&x[..end], dt, options)?;
     }
     let mut x = &x[..end];
-    // A spectrum of the whole record sees little of a decay at its very begin, and all of the noise.
+    // The spectrum of a whole record sees little of a decay at its very start, and all of the noise behind it.
     if let Some(gone) = gone_by(x, 1).filter(|gone| !goes_on(&x[*gone..], dt, band.peak)) {
         let shorter = chosen(&x[..gone], dt, options);
         if let Some(found) = shorter.ok().filter(|_| gone >= SAMPLES) {
@@ -104,7 +106,8 @@ pub(super) fn in_band(x: &[f64], dt: f64, options: &Options) -> Result<InBand, E
     behind_filter(x, dt, band, options, Some(notes))
 }
 
-/// The same in a band that is known, of samples that are checked. Without notes the mode is one beside: a line that does not decay is taken as well.
+/// The same in a known band, for samples that are checked. `notes` are those on the record; without them the mode is one beside the mode that is looked for, and a line that
+/// does not decay is taken as well.
 pub(super) fn behind_filter(
     x: &[f64],
     dt: f64,
@@ -151,8 +154,8 @@ pub(super) fn behind_filter(
     Ok(InBand { mode, gate: Some(Gate { filter, begin, reach: trim }), of_record })
 }
 
-/// The mode of samples of which all but the mode is known from another record: behind the same filter, in the same window, with the transients of the
-/// same begin taken off, and with the same weights. Smooth curves through both then err alike.
+/// The mode in samples `x`, taken as `mode` was taken out of another record: behind the same filter, in the same window, with the transients of the
+/// same start subtracted, and with the same weights. Smooth curves through both then have the same errors.
 ///
 /// # Errors
 /// As [`isolate`](super::isolate).
@@ -175,13 +178,13 @@ pub(super) fn rises(x: &[f64], dt: f64, options: &Options) -> Option<(usize, f64
     Some((slow_rises(&samples, (1.0 / (band.peak * dt)).round() as usize), band.peak))
 }
 
-/// A band, and the frequency (Hz) of the tone that is higher than its mode.
+/// A band, and the frequency (Hz) of a driven tone that is higher than the mode of that band; none where there is no such tone.
 pub(super) struct Chosen {
     pub(super) band: Band,
     tone: Option<f64>,
 }
 
-/// The band that is asked for; where none is, that of the highest mode that decays, if the highest line of the spectrum is a tone that somebody drives.
+/// The band that is asked for. Where none is, and the highest line of the spectrum is a tone that somebody drives, it is the band of the highest mode that decays.
 pub(super) fn chosen(x: &[f64], dt: f64, options: &Options) -> Result<Chosen, Error> {
     let band = band(x, dt, options)?;
     let is_automatic = options.band.is_none() && options.near.is_none();
@@ -190,7 +193,7 @@ pub(super) fn chosen(x: &[f64], dt: f64, options: &Options) -> Result<Chosen, Er
     Ok(Chosen { band: beside.unwrap_or(band), tone })
 }
 
-/// The band of the highest mode that decays; none where the highest line decays itself, or nothing else does that is not much lower.
+/// The band of the highest mode that decays. None where the highest line decays itself, or where no mode decays that is at least a tenth as high.
 fn beside_a_tone(x: &[f64], dt: f64, band: &Band) -> Option<Band> {
     is_steady(x, dt, band.peak).then_some(())?;
     let peaks = spectral_peaks(&[x], dt).ok()?;
@@ -209,12 +212,12 @@ fn band(x: &[f64], dt: f64, options: &Options) -> Result<Band, Error> {
     given_band(x, dt, low, high)
 }
 
-/// A record behind the filter.
+/// A record behind the filter of a band.
 struct Filtered {
     samples: Vec<f64>,
     /// Samples to trim at each end.
     trim: usize,
-    /// Independent values a second.
+    /// Independent values a second behind the filter.
     bandwidth: f64,
     filter: Option<Butterworth>,
 }
@@ -230,7 +233,7 @@ fn filtered(x: &[f64], dt: f64, band: Band, options: &Options) -> Result<Filtere
     Ok(Filtered { samples, trim, bandwidth: band.high - band.low, filter: Some(filter) })
 }
 
-/// The trusted window before noise is looked at.
+/// The trusted window, as a range of samples, before its end is cut at the noise.
 fn window(
     x: &[f64],
     samples: &[f64],
@@ -240,7 +243,7 @@ fn window(
     notes: &mut Vec<String>,
 ) -> Result<Range<usize>, Error> {
     let n = samples.len();
-    // At the last samples a filter shows its own end.
+    // The last samples hold the transient of the filter's own end, so the largest amplitude is not looked for there.
     let top = first_of_the_largest(samples[..n.saturating_sub(trim).max(1)].iter().map(|x| x.abs()));
     let mut start = if options.filter_order == 0 && options.window.is_some() { 0 } else { top + trim };
     let cycles = |samples: usize| (samples as f64 * dt * peak) as usize;

@@ -1,4 +1,4 @@
-//! One mode out of a record that may hold others.
+//! Takes one mode out of a record that may hold others.
 
 use super::beside::others;
 use super::in_band::{InBand, Options, behind_filter, chosen, in_band, rises};
@@ -7,8 +7,8 @@ use super::spectrum::{Band, is_steady};
 use super::survey::{SpectralPeak, spectral_peaks};
 use crate::error::Error;
 
-/// A peak behind the loudest sample that is so many times as high as the mode chosen is named: the two spectra weight the record differently, and modes of about the same height change
-/// places. A judgement.
+/// A note names another peak where it is more than this many times as high as the mode chosen, in the spectrum of what follows the loudest sample. That spectrum weights the
+/// record differently from the one by which the mode was chosen, and modes of about the same height change places. A judgement.
 const LOUDER: f64 = 1.5;
 
 /// An amplitude that rises slowly so many times is driven all the time: once it does so where a resonance builds up before its decay.
@@ -16,8 +16,8 @@ const AGAIN: usize = 2;
 
 /// Takes one mode out of a uniformly sampled record `x` (any unit, every `dt` seconds).
 ///
-/// What the band of the mode holds is taken out of the record; modes beside the band that reach into it are taken off before, and the band is
-/// looked at once more. Each step that finds something leaves a note, and so do lines that stand in the band and are not of the mode.
+/// The band of the mode is taken out of the record; then modes beside the band that reach into it are subtracted, and the band is
+/// looked at once more. Each step that finds something leaves a note, and so does each line in the band that does not belong to the mode.
 ///
 /// # Errors
 /// [`Error::Refused`] for a record with two modes in the band, without decay, or clipped to its end;
@@ -39,7 +39,7 @@ pub fn isolate(x: &[f64], dt: f64, options: &Options) -> Result<Isolated, Error>
             mode.notes.push(beside.in_words());
         }
     }
-    // A record too short for its spectrum is refused by now.
+    // Records too short for a spectrum are refused above.
     let peaks = spectral_peaks(&[x], dt).unwrap_or_default();
     let strangers = mode.intruders_among(&peaks, x);
     mode.steady = strangers.iter().filter(|line| line.is_steady()).map(ToString::to_string).collect();
@@ -53,12 +53,12 @@ pub fn isolate(x: &[f64], dt: f64, options: &Options) -> Result<Isolated, Error>
     Ok(mode)
 }
 
-/// Whether the mode is chosen by its height alone.
+/// Whether the mode is chosen by its height alone, because neither a band nor a frequency is given.
 fn chooses(options: &Options) -> bool {
     options.band.is_none() && options.near.is_none()
 }
 
-/// The frequency (Hz) of the highest of some peaks where it is much higher than all in the band.
+/// The frequency (Hz) of the highest of some peaks where it is much higher than all peaks in the band.
 fn louder(peaks: &[SpectralPeak], band: &Band) -> Option<f64> {
     let inside = |p: &&SpectralPeak| (band.low..=band.high).contains(&p.frequency);
     let own = peaks.iter().filter(inside).map(|p| p.height).fold(0.0, f64::max);
@@ -80,8 +80,8 @@ fn driven_throughout(error: &Error, x: &[f64], dt: f64, options: &Options) -> Op
     })
 }
 
-/// A mode that is too short to be followed says so; if it was chosen by its height in the spectrum of the whole record, and another one is higher behind the loudest sample, that
-/// may be the one that is meant.
+/// The error for a mode that is too short to be followed. If the mode was chosen by its height in the spectrum of the whole record, and another one is higher behind the
+/// loudest sample, the error names that one, which may be the mode that is meant.
 fn beside_a_louder(error: Error, x: &[f64], dt: f64, options: &Options) -> Error {
     let Error::TooShort { what, found, needed, .. } = error else { return error };
     let peaks = spectral_peaks(&[x], dt).unwrap_or_default();

@@ -1,4 +1,4 @@
-//! A mode by itself: the window in which it can be trusted, its noise, and what its begin and end leave behind a filter.
+//! One mode by itself: the window in which it can be trusted, its noise, and the transients that its start and end leave behind a filter.
 
 use std::ops::Range;
 
@@ -10,35 +10,35 @@ use super::transients::{Ends, Gate, Known};
 use crate::error::Error;
 use crate::smooth::{Points, Polynomial, Smooth};
 
-/// The window needs so many cycles: an envelope by polynomials has then some thirty values for three coefficients and more.
-/// Fewer are refused.
+/// Least number of cycles in the window: an envelope by polynomials then has some thirty values for three or more coefficients.
+/// A window with fewer is refused.
 pub(super) const CYCLES: usize = 8;
-/// … and so many values of amplitude and phase: four a cycle, less those of the three cycles that are trimmed.
+/// Least number of values of amplitude and phase in the window: four a cycle, less those of the three cycles that are trimmed.
 const VALUES: usize = 4 * CYCLES - 12;
-/// Times that the window is cut where the mode sinks into noise, each time with the noise estimated anew; one, two and
+/// Largest number of times that the window is cut where the mode sinks into noise, each time with the noise estimated anew; one, two and
 /// eight cuts give the same windows on the records tried.
 const CUTS: usize = 4;
-/// Times that the mode is continued and its transients taken off, each time from a better knowledge of it; a round that
-/// leaves more than the one before ends it. Other numbers were not tried.
+/// Largest number of rounds in which the mode is continued and its transients are subtracted, each from a better knowledge of the mode; a round that
+/// leaves more than the one before ends them. Other numbers were not tried.
 const PASSES: usize = 3;
-/// Blocks in which a quiet tail is looked for, and values that a block has at least: five cycles.
+/// Number of blocks in which a tail of noise is looked for, and least number of phase values in a block: five cycles of four.
 const PHASE_BLOCKS: usize = 40;
 const LEAST_BLOCK: usize = 20;
-/// Root mean square of the phase's second differences, rad at four values a cycle, from which on there counts noise alone. An estimate for a
+/// A block is noise alone where the root mean square of the phase's second differences exceeds this, in rad at four values a cycle. An estimate for a
 /// mode about as loud as the noise in its band; not varied.
 const WANDERING: f64 = 0.6;
-/// An amplitude that falls by less than this part over the window is that of a tone that somebody drives, or of a record too short to tell its damping. A judgement.
+/// An amplitude that falls by less than this fraction over the window is noted as that of a driven tone, or of a record too short to tell its damping. A judgement.
 pub(crate) const HARDLY: f64 = 0.02;
 /// Least relative scatter of an amplitude: that of rounding.
 const LEAST_SCATTER: f64 = 1e-12;
-/// The window ends where the amplitude falls to so many standard deviations of the noise in the band: there one value of
-/// ln A scatters by 20 %. Half and twice change nothing on the records tried down to 20 dB, which end before.
+/// The window ends where the amplitude falls to this many standard deviations of the noise in the band: there one value of
+/// ln A scatters by 20 %. Half and twice this value change nothing on the records tried down to 20 dB, which end before that point.
 const ABOVE_NOISE: f64 = 5.0;
-/// Highest degree of polynomials in time. On the Brake-Reuss record six degrees leave 6 % of damping at the start, twelve
-/// leave 3 %, and 24 allowed take twelve or thirteen.
+/// Highest degree of polynomials in time. On the Brake-Reuss record degree six leaves an error of 6 % of the damping at the start, degree twelve
+/// leaves 3 %, and where 24 are allowed, twelve or thirteen are taken.
 pub(crate) const MAX_ORDER: usize = 12;
 
-/// What helps where a line that does not decay stands in the band.
+/// Remedy where a line that does not decay stands in the band.
 const BEFORE: &str =
     "end the record where the mode is still much louder than that line (--to), or record without it";
 
@@ -51,7 +51,7 @@ pub struct Isolated {
     pub dt: f64,
     /// Band and spectral peak, Hz.
     pub band: Band,
-    /// Samples between which amplitude and frequency can be trusted.
+    /// Range of samples in which amplitude and frequency can be trusted.
     pub window: Range<usize>,
     /// Standard deviation of the noise in the band, in the unit of the record (0 when it is not seen).
     pub noise: f64,
@@ -62,22 +62,22 @@ pub struct Isolated {
     /// Relative scatter of the amplitude apart from noise.
     pub(crate) scatter: f64,
     pub(crate) raw: Raw,
-    /// The sample at which the mode's decay begins; the first without a filter.
+    /// The sample at which the mode's decay starts; 0 without a filter.
     pub(crate) begin: usize,
-    /// What other modes had in the band before they were taken out of the record; none where none were.
+    /// Contribution of other modes to each sample of the filtered record before they were subtracted; none where no mode was.
     pub(crate) beside: Option<Vec<f64>>,
-    /// What does not decay in the band or next to it, in words.
+    /// Lines in the band or next to it that do not decay, in words.
     pub(super) steady: Vec<String>,
 }
 
-/// Some samples of a mode.
+/// A stretch of a mode's samples.
 pub(crate) struct Stretch<'a> {
     /// Index of the first.
     pub(crate) first: usize,
     pub(crate) samples: &'a [f64],
 }
 
-/// How far one value of the log amplitude is off the smooth curve, squared, and the amplitude there.
+/// Squared deviation of one value of the log amplitude from the smooth curve, and the amplitude there.
 struct Scatter {
     amplitude: f64,
     square: f64,
@@ -96,7 +96,7 @@ impl Isolated {
         (self.time(self.window.start), self.time(self.window.end - 1))
     }
 
-    /// The reason why a mode could not be followed; lines that do not decay belong to that.
+    /// Adds the lines that do not decay to the reason why a mode could not be followed.
     pub(crate) fn refused(&self, error: Error) -> Error {
         let lines = self.steady.join(", and ");
         match error {
@@ -114,13 +114,13 @@ impl Isolated {
         }
     }
 
-    /// Whether the mode is the only one that stands out of the record `x` it was taken from.
+    /// Whether the mode is the only one that stands out of the spectrum of the record `x` it was taken from.
     pub(crate) fn is_alone(&self, x: &[f64]) -> bool {
         is_alone(&x[..self.samples.len()], self.dt, &self.band)
     }
 
-    /// Samples of the record `x` in free decay: from its largest on, or behind the last clipped one, to the end of the
-    /// trusted window; within `window` (s) if given.
+    /// Range of samples of the record `x` in free decay: from its first peak, or from behind the last clipped sample, to the end of the
+    /// trusted window; not before the start of `window` (s) if given.
     pub(crate) fn free_decay(&self, x: &[f64], window: Option<(f64, f64)>) -> Range<usize> {
         let x = &x[..self.samples.len()];
         let start = self.first_peak(x).max(clipped_until(x).unwrap_or(0));
@@ -128,8 +128,9 @@ impl Isolated {
         start.max(wanted).min(self.window.start)..self.window.end
     }
 
-    /// Where the mode begins, and whether the record itself shows it there: its first peak, but for one behind the mode's own largest amplitude or
-    /// a transient and more before it, which is that of another mode, of an offset or of a drift.
+    /// The sample at which the mode starts, and whether the record itself shows the start there. It is the record's first peak in free decay. Where that lies behind the
+    /// mode's own largest amplitude, or `trim` samples and more before it, it belongs to another mode, an offset or a drift, and the sample of the mode's own largest
+    /// amplitude is taken.
     pub(super) fn begin(&self, x: &[f64], trim: usize) -> (usize, bool) {
         let inside = self.samples.len().saturating_sub(trim).max(1);
         let largest = first_of_the_largest(self.samples[..inside].iter().map(|y| y.abs()));
@@ -137,20 +138,20 @@ impl Isolated {
         if own <= largest && own + trim > largest { (own, true) } else { (largest, false) }
     }
 
-    /// The first peak of the record `x` in free decay.
+    /// Index of the first peak of the record `x` in free decay.
     fn first_peak(&self, x: &[f64]) -> usize {
         let mean = x.iter().sum::<f64>() / x.len() as f64;
         let largest = first_of_the_largest(x.iter().map(|x| (x - mean).abs()));
         behind_the_blow(x, mean, largest, 1.0 / (self.band.peak * self.dt))
     }
 
-    /// The window and one cycle to either side: peaks and crossings then cover the whole window.
+    /// The window and one cycle to either side, so that peaks and crossings cover the whole window.
     pub(crate) fn stretch(&self) -> Stretch<'_> {
         let range = widened(&self.window, self.samples.len(), 1.0 / (self.band.peak * self.dt));
         Stretch { first: range.start, samples: &self.samples[range] }
     }
 
-    /// Weight of a logarithm of an amplitude or of a phase at this amplitude: scatter and noise together.
+    /// Weight of a value of ln A or of the phase at this amplitude, from scatter and noise together: 1 where there is no noise, less where noise exceeds the scatter.
     pub(crate) fn weight(&self, amplitude: f64) -> f64 {
         if self.noise == 0.0 { 1.0 } else { 1.0 / (1.0 + (self.noise / (self.scatter * amplitude)).powi(2)) }
     }
@@ -164,7 +165,7 @@ impl Isolated {
         Points { t, y, weight, effective: self.effective(t.len()) }
     }
 
-    /// Takes off what the filter makes of begin and end of the mode. Where no other mode begins there, the window then reaches back to the begin.
+    /// Subtracts the transients that the filter makes of start and end of the mode. Where no other mode starts there, the window is then widened back to the start.
     pub(super) fn without_transients(
         &mut self,
         x: &[f64],
@@ -205,7 +206,7 @@ impl Isolated {
         Ok(())
     }
 
-    /// Cuts the window where the mode sinks into the noise, which is estimated from the scatter of the amplitude; refuses one that does not decay if it must.
+    /// Cuts the window where the mode sinks into the noise, which is estimated from the scatter of the amplitude. With `must_decay` a mode that does not decay is refused.
     pub(super) fn end_at_noise(&mut self, must_decay: bool) -> Result<(), Error> {
         self.cut_noise_alone();
         let mut cut = None;
@@ -246,8 +247,8 @@ impl Isolated {
         Ok(())
     }
 
-    /// Cuts off a tail in which there is nothing but noise: the phase wanders there from value to value, where that of a mode goes
-    /// on evenly. A curve through the amplitudes of the whole record would bend to such a tail.
+    /// Cuts off a tail in which there is nothing but noise: there the phase wanders from value to value, while that of a mode advances
+    /// evenly. A curve through the amplitudes of the whole record would bend to such a tail.
     fn cut_noise_alone(&mut self) {
         let phase = &self.raw.phase;
         let wanders: Vec<f64> = phase.windows(3).map(|p| (p[2] - 2.0 * p[1] + p[0]).powi(2)).collect();
@@ -280,7 +281,8 @@ impl Isolated {
         })
     }
 
-    /// Scatter of the log amplitude: a constant part where it is loud, noise over amplitude where it is not.
+    /// Estimates scatter and noise from the deviations of the log amplitude from its smooth curve, which is returned: the relative `scatter` from the loudest quarter of the
+    /// values, the `noise` from the quietest.
     fn estimate_noise(&mut self) -> Polynomial {
         let count = self.raw.t.len();
         let weight = vec![1.0; count];

@@ -6,20 +6,20 @@ use super::extrema::extrema;
 use super::hilbert::{analytic_signal, whole_cycles};
 use crate::smooth::{Points, Polynomial, Smooth};
 
-/// Points per cycle that are kept: the automatic band is 0.55 of the frequency wide, so that four are seven times what the
-/// signal holds. Two and eight change damping within its scatter.
+/// Points per cycle that are kept. The automatic band is 0.55 of the frequency wide, so that four points a cycle are seven times as many as the signal has
+/// independent values. Two and eight change the damping within its scatter.
 const PER_CYCLE: f64 = 4.0;
-/// Cycles trimmed at each end behind the cut to whole cycles: the analytic signal of a finite record is wrong there by a few per
+/// Cycles trimmed at each end after the cut to whole cycles: there the analytic signal of a finite record is wrong by a few per
 /// cent, less with every cycle.
 const TRIMMED: f64 = 1.5;
-/// Cycles by which the transform reaches beyond the window where the record has them: one for the cut to whole cycles, one
+/// Cycles by which the transformed stretch reaches beyond the window where the record has them: one for the cut to whole cycles, one
 /// and a half for the trimming, and some to spare.
 pub(super) const BEYOND: f64 = 3.0;
-/// Highest degree of the curve by which the record is flattened: what is left needs only be flat enough to be periodic. One,
+/// Highest degree of the curve that flattens the record before the transform: the flattened record only needs to be flat enough to be periodic. Degrees one,
 /// three and ten give the same damping within 0.3 % on the Brake-Reuss record.
 const FLATTENING: usize = 5;
 
-/// Log amplitude and phase (without that of the reference frequency) at uniform times.
+/// Log amplitude and phase (rad, less the phase of the reference frequency) at uniform times (s).
 #[derive(Debug, Clone, Default)]
 pub(crate) struct Raw {
     pub(crate) t: Vec<f64>,
@@ -27,7 +27,7 @@ pub(crate) struct Raw {
     pub(crate) phase: Vec<f64>,
 }
 
-/// Hilbert transform of the samples in `window`; `centre` is the reference frequency in Hz.
+/// Log amplitude and phase by the Hilbert transform of the samples in `window`; `centre` is the reference frequency in Hz.
 ///
 /// Before the transform the samples are divided by a smooth curve through their peaks (by Bedrosian's theorem a slow
 /// factor passes the transform unchanged) and cut to whole cycles: the periodic continuation then has neither a jump in
@@ -68,7 +68,7 @@ pub(crate) fn raw(samples: &[f64], window: &Range<usize>, dt: f64, centre: f64) 
     raw
 }
 
-/// A window widened by some samples on either side, within the record.
+/// A window widened by `by` samples on either side, within a record of `samples` samples.
 pub(crate) fn widened(window: &Range<usize>, samples: usize, by: f64) -> Range<usize> {
     let by = by.ceil() as usize;
     window.start.saturating_sub(by)..(window.end + by).min(samples)

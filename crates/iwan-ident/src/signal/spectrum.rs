@@ -8,38 +8,43 @@ use rustfft::num_complex::Complex64;
 use crate::error::{Error, check, check_dt, check_samples};
 
 /// The automatic band reaches from 0.75 to 1.3 times the peak's frequency: wide enough that the filter's memory is two cycles, narrow
-/// enough that harmonics from 2 on stay outside. A judgement; `--band` overrules it. It does not reach …
+/// enough that harmonics from 2 on stay outside. A judgement; `--band` overrules it.
 const REACH: (f64, f64) = (0.75, 1.3);
-/// … beyond the geometric mean with a neighbouring peak of at least this part of its height (a tenth of that narrows
-/// the band of a mode beside a line of 3 %, ten times as much leaves a second mode of 20 % in it, which is refused), …
+/// The band ends at the geometric mean with a neighbouring peak of at least this fraction of the peak's height. A tenth of this value narrows
+/// the band of a mode beside a line of 3 %; ten times as much leaves a second mode of 20 % in the band, which is refused.
 const NEIGHBOUR: f64 = 0.03;
-/// and of this many times the median line, which noise alone does not reach, …
+/// Such a neighbour is also at least this many times the median line, which noise alone does not reach.
 const ABOVE_MEDIAN: f64 = 5.0;
-/// … nor more than so many times as far to one side as to a near neighbour on the other: a filter's skirts are as wide as its band, and let a neighbour through that is nearer than that. The
-/// first is for neighbours at 5 % and does nothing there; for nearer ones it falls in proportion to the distance, to the second. With twenty-five times modes 1 % apart were not
-/// separated, with twelve times the smaller of them was not, with 2.5 times both are. That is for neighbours of …
+/// Limits of the band on the side away from a strong neighbour, in distances from the peak to the band's edge on the neighbour's side: a filter's skirts are as wide as its
+/// band, and let a neighbour through that is nearer than that. The first factor is for neighbours 5 % away and changes nothing there; for nearer ones the factor falls in
+/// proportion to the distance, down to the second. With a factor of twenty-five modes 1 % apart were not separated, with twelve the smaller of them was not, with 2.5 both
+/// are.
 const ASIDE: (f64, f64) = (12.5, 2.0);
+/// Distance from the peak to the geometric mean with a neighbour 5 % away, relative to the peak's frequency.
 const FIVE_PER_CENT: f64 = 0.0247;
-/// … this part of the peak's height: friction that stops a mode makes ripples of some per cent beside its peak.
+/// A neighbour is strong, and limits the band on both sides, from this fraction of the peak's height on: friction that stops a mode makes ripples of some per cent beside its
+/// peak.
 pub(super) const STRONG: f64 = 0.1;
-/// … nor beyond this part of the Nyquist frequency, at which the bilinear transformation has no edge.
+/// The band reaches at most to this fraction of the Nyquist frequency, at which the bilinear transformation has no edge.
 const NYQUIST_PART: f64 = 0.95;
-/// A line of this part of the peak's height is another mode, and the record is compared in the band and not as it is: a mode of
-/// 2e-4 moves the amplitudes by as much, which is of the size of errors that fits of clean records leave. A judgement. …
+/// A line outside the band of at least this fraction of the peak's height is another mode, and the record is then compared in the band and not as it is: a mode of
+/// 2e-4 moves the amplitudes by as much, which is of the size of errors that fits of clean records leave. A judgement.
 const OTHER_MODE: f64 = 2e-4;
-/// … It is none where it lies this near to a multiple of the peak's frequency, relative to that: the harmonics of a mode whose frequency
+/// A line is not another mode where it lies within this fraction of a multiple of the peak's frequency: the harmonics of a mode whose frequency
 /// falls with amplitude are as wide as that.
 const HARMONIC: f64 = 0.03;
-/// A decay that goes on has its line within this part of the frequency, …
+/// The line of a decay is looked for within this fraction of its frequency on either side.
 const OWN: f64 = 0.01;
-/// … this many times above the median of the lines within the next part of it, which noise does not reach, …
+/// The line stands this many times above the median of the lines around it, which noise does not reach.
 const ABOVE_NOISE: f64 = 7.0;
+/// The median is that of the lines within this fraction of the frequency on either side.
 const NOISE: f64 = 0.1;
-/// … and falls to this part from one half of the samples to the other: less is a line that somebody drives. Judgements, not varied.
+/// A decay goes on where its line in the second half of the samples is below this fraction of that in the first; a line that falls less is one that somebody drives.
+/// Judgements, not varied, as are the three values above.
 const FALLS: f64 = 0.9;
-/// A tone that somebody drives differs by at most this between the halves, as a logarithm: a mode that differs by less tells next to nothing of its damping.
+/// Largest difference of a driven tone's height between the two halves, as a natural logarithm: a mode that differs by less tells next to nothing of its damping.
 const STEADY: f64 = 0.03;
-/// A peak needs this many cycles in the record: below lie offset and drift.
+/// Least number of cycles of a peak in the record: below lie offset and drift.
 const CYCLES: f64 = 5.0;
 
 /// A band in Hz and the spectral peak in it.
@@ -58,7 +63,7 @@ pub struct Band {
 pub(super) struct Neighbour {
     /// Hz.
     pub(super) frequency: f64,
-    /// Whether it is high enough to be no ripple of the other one.
+    /// Whether the peak is too high to be a ripple of the other one.
     pub(super) is_strong: bool,
 }
 
@@ -71,7 +76,7 @@ pub struct SpectralLine {
     pub amplitude: f64,
 }
 
-/// Hann-windowed amplitude spectrum of a record without its straight line.
+/// Hann-windowed spectrum of a record from which its straight line (offset and drift) was subtracted.
 struct Spectrum {
     /// Spacing of the lines, Hz.
     step: f64,
@@ -113,7 +118,7 @@ impl Spectrum {
         vertex(&self.lines, k) * self.step
     }
 
-    /// Nearest peak on one side of line `k` that stands by itself: high enough, with a valley of half its height before.
+    /// Nearest peak on one side of line `k` that stands by itself: high enough, and behind a valley of less than half its height. `lines` lead away from `k`.
     fn neighbour(&self, k: usize, lines: impl Iterator<Item = usize>) -> Option<Neighbour> {
         let least = (NEIGHBOUR * self.lines[k]).max(ABOVE_MEDIAN * median(self.lines.clone()));
         let mut valley = self.lines[k];
@@ -134,7 +139,7 @@ pub fn is_peak(lines: &[f64], k: usize) -> bool {
     lines[k] > lines[k - 1] && lines[k] >= lines[k + 1]
 }
 
-/// Place of the maximum about a peak at line `k`, in lines, by a parabola through the logarithms of three: for magnitudes and powers alike, exact for a Gaussian.
+/// Place of the maximum about a peak at line `k`, in lines, by a parabola through the logarithms of three lines: the same for magnitudes and powers, and exact for a Gaussian.
 ///
 /// ```
 /// let lines: Vec<f64> = (0..9).map(|k| (-0.3 * (f64::from(k) - 4.2_f64).powi(2)).exp()).collect();
@@ -149,8 +154,8 @@ pub fn vertex(lines: &[f64], k: usize) -> f64 {
     k as f64 + shift
 }
 
-/// Lines between the half-power points of a peak at line `k` of a power spectrum, by straight lines between the lines; where one side turns up again before it
-/// falls so far, twice the other side. None where neither side falls to a half.
+/// Width of a peak at line `k` of a power spectrum between its half-power points, in lines, by straight lines between the lines. Where one side rises again before it
+/// falls to a half, it is twice the other side. None where neither side falls to a half.
 #[must_use]
 pub fn half_power_width(power: &[f64], k: usize) -> Option<f64> {
     let half = 0.5 * power[k];
@@ -173,13 +178,14 @@ pub fn half_power_width(power: &[f64], k: usize) -> Option<f64> {
     }
 }
 
-/// The middle one of some lines, of which there is one at least.
+/// The median of some lines, of which there is one at least.
 pub(super) fn median(mut lines: Vec<f64>) -> f64 {
     let middle = lines.len() / 2;
     *lines.select_nth_unstable_by(middle, f64::total_cmp).1
 }
 
-/// Hann-windowed amplitude spectrum of a record without its straight line, every line up to the Nyquist frequency: a steady sinusoid of amplitude A shows as a peak of height A.
+/// Hann-windowed amplitude spectrum of a record less its straight line, with every line up to the Nyquist frequency: a steady sinusoid of amplitude A shows as a peak of
+/// height A.
 ///
 /// # Errors
 /// [`Error::OutOfRange`] for `dt`, [`Error::NotFinite`], [`Error::TooShort`] below 16 samples.
@@ -208,8 +214,8 @@ pub fn amplitude_spectrum(x: &[f64], dt: f64) -> Result<Vec<SpectralLine>, Error
 /// The automatic band around the highest spectral peak, or around the highest within 20 % of `near` (Hz).
 ///
 /// Rule: 0.75 to 1.3 times the peak's frequency, cut at the geometric mean with the next peak on either side that has
-/// 3 % of its height, stands out of the noise and has a valley before it, and at 95 % of the Nyquist frequency. Beside a neighbour of a tenth of its height that is nearer
-/// than 5 % the band is narrower on the other side as well, where the filter's skirt would let that neighbour through.
+/// 3 % of its height, stands out of the noise and has a valley before it, and at 95 % of the Nyquist frequency. Beside a neighbour of a tenth of the peak's height that is nearer
+/// than 5 %, the band is narrower on the other side as well, because the filter's skirt would let that neighbour through.
 ///
 /// # Errors
 /// [`Error::Refused`] when there is no peak that lasts five cycles; [`Error::NotFinite`], [`Error::TooShort`],
@@ -245,7 +251,7 @@ pub fn automatic_band(x: &[f64], dt: f64, near: Option<f64>) -> Result<Band, Err
 }
 
 impl Band {
-    /// The automatic band about a peak with neighbours below and above it. It reaches no farther to one side than a strong neighbour near on the other allows.
+    /// The automatic band about a peak (Hz) with neighbours below and above it. On each side it reaches no farther than a strong, near neighbour on the other side allows.
     pub(super) fn between(
         (below, above): (Option<Neighbour>, Option<Neighbour>),
         peak: f64,
@@ -277,7 +283,7 @@ pub(super) fn is_alone(x: &[f64], dt: f64, band: &Band) -> bool {
         order >= 2.0 && (f / (order * band.peak) - 1.0).abs() < HARMONIC
     };
     let stands_out = |k: usize| {
-        // Higher than what surrounds it: a skirt does not.
+        // A line stands out where it is three times as high as the lowest lines within 3 % on both sides; the skirt of another peak is not.
         let around = (
             line(0.97 * k as f64 * spectrum.step).min(k - 2),
             line(1.03 * k as f64 * spectrum.step).max(k + 2),
@@ -315,7 +321,7 @@ pub(super) fn given_band(x: &[f64], dt: f64, low: f64, high: f64) -> Result<Band
     Ok(Band { low, high, peak })
 }
 
-/// Whether a line at this frequency (Hz) stands out of the noise in the first half of some samples, and is lower in the second: a decay that goes on.
+/// Whether a line at this frequency (Hz) stands out of the noise in the first half of some samples, and is lower in the second half: a decay that goes on.
 pub(super) fn goes_on(x: &[f64], dt: f64, frequency: f64) -> bool {
     if x.len() < 32 {
         return true;
@@ -324,7 +330,7 @@ pub(super) fn goes_on(x: &[f64], dt: f64, frequency: f64) -> bool {
     first.height > ABOVE_NOISE * first.noise && second.height < FALLS * first.height
 }
 
-/// Whether a line at this frequency (Hz) stands out of the noise in both halves of some samples, as high in one as in the other.
+/// Whether a line at this frequency (Hz) stands out of the noise in both halves of some samples and is as high in one as in the other: a tone that is driven.
 pub(super) fn is_steady(x: &[f64], dt: f64, frequency: f64) -> bool {
     if x.len() < 32 {
         return false;
@@ -335,7 +341,7 @@ pub(super) fn is_steady(x: &[f64], dt: f64, frequency: f64) -> bool {
         && (second.height / first.height).ln().abs() < STEADY
 }
 
-/// A line in a part of a record, and the noise around it.
+/// Height of a line in a part of a record, and the median of the lines around it.
 struct Around {
     height: f64,
     noise: f64,
@@ -356,17 +362,17 @@ fn in_halves(x: &[f64], dt: f64, frequency: f64) -> [Around; 2] {
     })
 }
 
-/// The line that carries most of a complex residual.
+/// The line that has most of the power of a complex residual.
 pub(super) struct Strongest {
-    /// Distance from the reference frequency, Hz.
+    /// Distance from the reference frequency, Hz, with its sign.
     pub(super) offset: f64,
-    /// Amplitude over that of the mode.
+    /// Amplitude of the line over that of the mode.
     pub(super) relative: f64,
-    /// Part of the residual's power.
+    /// Part of the residual's power that the line has.
     pub(super) share: f64,
 }
 
-/// The strongest line of a residual, relative to the mode and sampled every `dt` seconds.
+/// The strongest line of a residual `z`, which is relative to the mode and sampled every `dt` seconds.
 pub(super) fn strongest_line(z: &[Complex64], dt: f64) -> Strongest {
     let n = z.len();
     let hann = |i: usize| (PI * (i as f64 + 0.5) / n as f64).sin().powi(2);

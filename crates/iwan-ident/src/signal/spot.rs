@@ -1,4 +1,4 @@
-//! A mode at one time, from two short windows.
+//! Amplitude, frequency and decay rate of a mode at one time, from two short windows.
 
 use std::f64::consts::{PI, TAU};
 
@@ -6,8 +6,8 @@ use rustfft::num_complex::Complex64;
 
 use crate::error::{Error, check, check_dt, check_samples};
 
-/// Whole cycles in the window of a [`spot`]: a compromise between neighbouring modes, which a longer window keeps out better, and
-/// the time over which amplitude and frequency are averaged.
+/// Whole cycles in the window of a [`spot`]: a longer window keeps neighbouring modes out better, but averages amplitude and frequency over
+/// more time.
 const SPOT_CYCLES: f64 = 6.0;
 
 /// A mode at one time.
@@ -21,8 +21,8 @@ pub struct Spot {
     pub decay_rate: f64,
 }
 
-/// Amplitude, frequency and decay of the record's component near `near` Hz around the time `t` (s), from two Hann-windowed
-/// demodulations over six cycles half a cycle before and behind it: nothing is smoothed over longer times.
+/// Amplitude, frequency and decay rate of the record's component near `near` Hz around the time `t` (s), from two Hann-windowed
+/// demodulations over six cycles each, half a cycle before and half a cycle behind `t`: nothing is smoothed over longer times.
 ///
 /// # Errors
 /// [`Error::OutOfRange`] when the windows reach beyond the record.
@@ -55,7 +55,7 @@ pub fn spot(x: &[f64], dt: f64, near: f64, t: f64) -> Result<Spot, Error> {
     })
 }
 
-/// Complex amplitude about a sample.
+/// Complex amplitude in a Hann window of `half` samples on either side of the sample `centre`; `omega` in radian per sample.
 fn hann_at(x: &[f64], centre: usize, half: usize, omega: f64) -> Complex64 {
     let (from, to) = (centre.saturating_sub(half), (centre + half).min(x.len() - 1));
     let term = |n: usize| {

@@ -1,8 +1,8 @@
-//! What a band-pass filter makes of the ends of a decay, and how it is taken off again.
+//! Transients that a band-pass filter makes of the ends of a decay, and how they are subtracted.
 //!
-//! A filter answers to the sudden begin of a decay, and to the end of the record, by transients of its own as long as its memory: they are
-//! those of the mode that begins and ends, and that mode is known from the middle of the record. So the mode is continued to both ends,
-//! the filter is given what the record holds beside it, from the begin of the decay on and without the blow before it, and the mode is put back.
+//! A filter answers to the sudden start of a decay, and to the end of the record, by transients as long as its memory. They are
+//! those of the mode that starts and ends, and that mode is known from the middle of the record. So the mode is continued to both ends and subtracted from the record;
+//! what remains, from the start of the decay on and without the blow before it, goes through the filter; then the mode is added again.
 
 use std::f64::consts::TAU;
 use std::ops::Range;
@@ -12,18 +12,18 @@ use super::raw::Raw;
 use crate::error::Error;
 use crate::smooth::{Points, Polynomial, Smooth};
 
-/// Lengths of the transient over which an end of the mode is fitted by itself, to be continued by one such length.
+/// Length over which an end of the mode is fitted by itself, to be continued beyond the window, in lengths of the transient; it is continued by one such length.
 const FITTED: f64 = 2.0;
-/// Points of the analytic signal that a fit of an end needs: five cycles of four. With fewer the mode is not continued.
+/// Least number of points of the analytic signal for the fit of an end: five cycles of four points. With fewer the mode is not continued.
 const LEAST_POINTS: usize = 20;
-/// Degree of the continuation: a straight line would miss how a joint bends ln A and the phase, and a cubic runs off. Not
+/// Degree of the polynomials that continue ln A and the phase: a straight line would miss how a joint bends both, and a cubic runs off. Not
 /// varied.
 const DEGREE: usize = 2;
-/// Part of the amplitude in the band outside the window that a continuation may leave: one that leaves more than half does not know the mode. A
-/// judgement, not varied.
+/// Largest remainder of a continuation outside the window, over the continued mode's amplitude there. Where more than half remains, the continuation does not know the mode, and
+/// is not used. A judgement, not varied.
 const LEFT: f64 = 0.5;
-/// An end of the decay within so many transients of the window is what the window begins or ends for; farther off something else is, and the
-/// mode is faded out in place of continued.
+/// An end of the decay within this many transients of the window is the reason why the window ends there, and the mode is continued to it. Where the end is farther off,
+/// something else lies between, and the mode is faded out instead.
 const NEAR: f64 = 1.5;
 
 /// A record whose mode begins and ends suddenly.
@@ -32,7 +32,7 @@ pub(super) struct Ends<'a> {
     /// The record.
     pub(super) x: &'a [f64],
     pub(super) filter: &'a Butterworth,
-    /// From the begin of the mode to the last sample.
+    /// Samples from the start of the mode to the last one.
     pub(super) decay: Range<usize>,
     /// Length of the filter's transients, in samples.
     pub(super) reach: usize,
@@ -50,14 +50,14 @@ pub(super) struct Gate {
 
 /// The record behind the filter, without transients of the mode.
 pub(super) struct Filtered {
-    /// From the begin of the decay on.
+    /// Samples from the start of the decay on.
     pub(super) samples: Vec<f64>,
-    /// Sum of squares that the filter leaves outside the window once the mode is taken out of the record: of an exactly known mode none.
+    /// Sum of squares that the filter leaves outside the window once the mode is subtracted from the record; 0 where the mode is known exactly.
     pub(super) left: f64,
 }
 
 impl Ends<'_> {
-    /// The filtered record with the mode's transients taken off, as far as the mode is known; none where that is too little, or where its
+    /// The filtered record with the mode's transients subtracted, as far as the mode is known. None where too little of it is known, or where its
     /// continuation does not fit the record.
     pub(super) fn filtered(&self, known: &Known<'_>, order: usize) -> Result<Option<Filtered>, Error> {
         let Some(mode) = known.continued(self.x.len(), &self.decay, self.reach, order) else {
@@ -82,9 +82,9 @@ impl Ends<'_> {
 /// A mode that is known in a window of a record.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Known<'a> {
-    /// ln A and the phase without that of the reference frequency, inside the window.
+    /// ln A and the phase (less that of the reference frequency) inside the window.
     pub(super) raw: &'a Raw,
-    /// Independent values among them.
+    /// Number of independent values among them.
     pub(super) effective: f64,
     pub(super) window: &'a Range<usize>,
     /// Sampling interval, s.
@@ -103,8 +103,8 @@ impl Curves {
 }
 
 impl Known<'_> {
-    /// The mode at all samples of the record, of which `decay` is free decay and transients are `reach` samples long: continued to the ends of
-    /// the decay where these are near the window, else faded out. None where the window holds too little of it.
+    /// The mode at all `samples` of the record: continued to the ends of its free `decay` where these are near the window, else faded out over `reach` samples, the length
+    /// of a transient. None where the window holds too little of it.
     pub(super) fn continued(
         &self,
         samples: usize,
@@ -117,7 +117,7 @@ impl Known<'_> {
         let middle = self.curves(|_| true, None, order)?;
         let begin = self.curves(|t| t <= first + stretch, Some(DEGREE), DEGREE)?;
         let end = self.curves(|t| t >= last - stretch, Some(DEGREE), DEGREE)?;
-        // From the begin's own curve over that of the middle to the end's.
+        // From the curve fitted at the start over that of the middle to that of the end.
         let curve = |t: f64| {
             let mut curve = middle.at(t.clamp(first, last));
             if t < first + stretch {
@@ -149,7 +149,7 @@ impl Known<'_> {
         mode.iter().all(|x| x.is_finite()).then_some(mode)
     }
 
-    /// Curves through the points at some of the times.
+    /// Curves through the points at the `wanted` times; the degree is `given`, or chosen up to `order`.
     fn curves(&self, wanted: impl Fn(f64) -> bool, given: Option<usize>, order: usize) -> Option<Curves> {
         let of = |y: &[f64]| {
             let (t, y): (Vec<f64>, Vec<f64>) =
@@ -168,7 +168,7 @@ fn mixed(a: [f64; 2], b: [f64; 2], share: f64) -> [f64; 2] {
     [0, 1].map(|i| a[i] + share * (b[i] - a[i]))
 }
 
-/// From 0 to 1 over 0 to 1, with slopes of nothing at both.
+/// Rises from 0 to 1 as s goes from 0 to 1, with zero slope at both ends.
 fn rise(s: f64) -> f64 {
     let s = s.clamp(0.0, 1.0);
     s * s * (3.0 - 2.0 * s)

@@ -1,8 +1,8 @@
-//! What a shaker test tells of one mode: steady responses, and backbones by phase resonance.
+//! Data of a shaker's test on one mode: steady responses, and backbones by phase resonance.
 
 use crate::error::{Error, check};
 
-/// One point of a stepped-sine response of one mode, mass-normalised: first harmonics.
+/// One point of a stepped-sine response of one mode, as first harmonics; mass-normalised.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ResponsePoint {
     /// Frequency of the excitation, Hz.
@@ -15,7 +15,7 @@ pub struct ResponsePoint {
     pub force: f64,
 }
 
-/// One point of a backbone as phase resonance or free decay tells it, mass-normalised.
+/// One point of a backbone, from phase resonance or free decay; mass-normalised.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct BackbonePoint {
     /// Amplitude of the modal displacement.
@@ -26,10 +26,10 @@ pub struct BackbonePoint {
     pub damping_ratio: f64,
 }
 
-/// One measurement, of one day: all its points share one linear drift of the frequency.
+/// One measurement of one day: all its points share one drift of the frequency.
 #[derive(Debug, Clone, PartialEq)]
 pub enum SteadyData {
-    /// Force- or response-controlled responses, at any number of levels.
+    /// Responses under controlled force or controlled motion, at any number of levels.
     Response(Vec<ResponsePoint>),
     /// Frequency and damping against amplitude.
     Backbone(Vec<BackbonePoint>),
@@ -59,7 +59,7 @@ impl SteadyData {
         }
     }
 
-    /// Refuses what cannot be computed with.
+    /// Refuses points that cannot be computed with.
     pub(super) fn checked(&self) -> Result<(), Error> {
         let positive =
             |name, value: f64| check(name, value, value > 0.0, "must be > 0", "leave the point out");

@@ -14,21 +14,21 @@ use crate::profile::Profile;
 use crate::search::{Minimum, TOLERANCE};
 use crate::student::{LEAST_FREEDOM, student};
 
-/// Points of each measurement in the first searches: with more, time is spent on digits that the next searches bring.
+/// Largest number of points of each measurement in the first searches: with more, time is spent on digits that the later searches bring anyway.
 const THINNED: usize = 120;
-/// Relative reduction of the sum of squares at which the first searches end: which valley is deepest shows long before.
+/// Relative reduction of the sum of squares at which the first searches end: which valley (local minimum) is deepest shows long before.
 const ROUGH: f64 = 1e-3;
-/// Iterations of the first searches, and of the last.
+/// Largest numbers of iterations of the first searches and of the last ones.
 const ITERATIONS: [usize; 2] = [25, 200];
-/// Macro-slip is seen when the best fit without it is worse by more than this: as in [`profile`](crate::profile), where its reasons stand.
+/// Macro-slip is seen when the best fit without it has a sum of squares that is larger by at least this: as in [`profile`](crate::profile), where the reasons stand.
 const SLIP_SEEN: f64 = 25.0;
-/// The knee over the largest amplitude where a search without macro-slip begins.
+/// Knee φ_max over the largest amplitude at which a search without macro-slip begins.
 const BEYOND: f64 = 1.5;
-/// Valleys that are followed to the end.
+/// Number of valleys that are followed to their minimum.
 const FOLLOWED: usize = 3;
-/// Rounds of weights and errors, and of better minima that profiles find.
+/// Number of rounds in which weights and errors are estimated, and largest number of better minima found by profiles from which these begin anew.
 const ROUNDS: usize = 3;
-/// Values beyond the unknowns that are needed.
+/// Least number of values beyond the number of unknowns; with fewer the fit is refused.
 const SPARE: usize = 3;
 
 /// A mode's parameters from steady vibration.
@@ -40,27 +40,27 @@ pub struct SteadyFit {
     pub profiles: Vec<Profile>,
     /// Deviance at the ends of the intervals.
     pub limit: f64,
-    /// Drift of the frequency of each measurement, relative: beside the ring-downs, without these beside the first measurement.
+    /// Relative drift of the frequency of each measurement: against the ring-downs, or where there are none against the first measurement.
     pub drifts: Vec<f64>,
-    /// Static flexibility of all other modes, as the measured point sees it; 0 where no response was measured.
+    /// Static flexibility of all other modes at the measured point; 0 where no response was measured.
     pub others: f64,
-    /// Relative errors of each measurement: of force and motion alike; of a backbone's frequency and of its damping.
+    /// Relative errors of each measurement: for a response that of force and motion, twice; for a backbone those of its frequency and its damping.
     pub errors: Vec<[f64; 2]>,
-    /// Smallest and largest amplitude of the modal displacement that the measurements hold.
+    /// Smallest and largest amplitude of the modal displacement in the measurements.
     pub informed: [f64; 2],
-    /// Whether macro-slip is seen: without it, only the least of K_T and F_S is told.
+    /// Whether macro-slip is seen: without it, only lower ends of K_T and F_S are told.
     pub slips: bool,
-    /// Whether the model matches what the points in resonance show of frequency and dissipation.
+    /// Whether the model matches the frequency and dissipation that the points in resonance show.
     pub verdict: Verdict,
-    /// Whether the search ended by itself.
+    /// Whether the search reached a minimum.
     pub converged: bool,
 }
 
-/// Fits one mode to stepped-sine responses and backbones, and to ring-downs by the likelihood that an identification of these made.
+/// Fits one mode to stepped-sine responses and backbones; also to ring-downs, by the likelihood that an identification of them made.
 ///
 /// Every point of a response is balanced by itself: with one harmonic, K_∞ + K_1(a) - ω² + i(cω + D/(πa²)) times the motion of
-/// amplitude a equals the force, so that points beyond a jump tell as much as others and no response is computed. Errors
-/// of force and motion are relative and alike; how large they are is estimated for each measurement. Other modes add a
+/// amplitude a equals the force. So points beyond a jump tell as much as others, and no response is computed. Errors
+/// of force and motion are relative and of the same size, which is estimated for each measurement. Other modes add a
 /// static flexibility. Each measurement has its own small drift of the linear frequency.
 ///
 /// # Errors
@@ -112,7 +112,7 @@ pub fn fit_steady(
     let limit = student(((task.count() - task.free().len()) as f64).max(LEAST_FREEDOM)).powi(2);
     let mut round = 0;
     let profiles = loop {
-        // A better point that comes again and again is the searches' own tolerance.
+        // A better point that still comes in the last round is due to the searches' own tolerance.
         match profiles(&task, &minimum, Known { slips, limit, settled: round == ROUNDS }) {
             Err(better) => minimum = settled(&task, &better.x)?,
             Ok(all) => break all,
@@ -122,7 +122,7 @@ pub fn fit_steady(
     Ok(SteadyFit { profiles, limit, slips, ..result(&task, &minimum)? })
 }
 
-/// Whether macro-slip is seen, and the minimum: that without it where the best fit is hardly better with it.
+/// Whether macro-slip is seen, and the minimum to take: the one without macro-slip where the best fit is hardly better than it.
 fn seen_to_slip(task: &Task<'_>, minimum: Minimum) -> (bool, Minimum) {
     let Some(knee) = task.chart.knee() else { return (true, minimum) };
     let largest = task.largest_knee();
@@ -139,9 +139,9 @@ fn seen_to_slip(task: &Task<'_>, minimum: Minimum) -> (bool, Minimum) {
     }
 }
 
-/// The task with weights, and its minimum, in the deepest of the valleys that the starts lie in.
+/// The problem with its weights and its minimum, in the deepest of the valleys (local minima) that the starts lie in.
 ///
-/// First what the points in resonance show, as a backbone, is fitted: its residuals are smooth in the parameters, where a resonance
+/// What the points in resonance show is fitted first, as a backbone: its residuals are smooth in the parameters, where a resonance
 /// that is missed by its width leaves a hundred times the force.
 fn deepest<'a>(
     task: &Task<'a>,
@@ -154,7 +154,7 @@ fn deepest<'a>(
     let mut valleys: Vec<(f64, Parameters)> =
         starts.iter().flat_map(|start| along_knees(&rough, start)).collect();
     valleys.sort_by(|a, b| a.0.total_cmp(&b.0));
-    // A joint that sticks throughout is one valley, however far its knee lies.
+    // All joints that stick throughout are one valley, however far their knees lie.
     let sticks = |p: &Parameters| p.model().is_ok_and(|(_, joint)| joint.phi_max() >= largest);
     let mut seen = false;
     valleys.retain(|(_, p)| !sticks(p) || !std::mem::replace(&mut seen, true));
@@ -174,8 +174,8 @@ fn deepest<'a>(
     best.map(|(_, task, found)| (task, found)).ok_or_else(no_model)
 }
 
-/// The valleys along the knee: it is taken through its range, all else following, since the sum of squares has a crease wherever an
-/// amplitude equals it; from each least value on, all are free.
+/// The valleys along the knee φ_max, as sum of squares and parameters: the knee is taken through its range with all else following, since the sum of squares has a crease
+/// wherever an amplitude equals the knee; from each local minimum on, all unknowns are free.
 fn along_knees(task: &Task<'_>, start: &Parameters) -> Vec<(f64, Parameters)> {
     let Ok(mut x) = task.coordinates(start) else { return Vec::new() };
     let free = task.free();
@@ -211,7 +211,7 @@ fn settled(task: &Task<'_>, x: &[f64]) -> Result<Minimum, Error> {
     task.minimise(x, task.free(), TOLERANCE, ITERATIONS[1]).ok_or_else(no_model)
 }
 
-/// Every n-th point in the order of amplitude, so that few enough are left.
+/// Every n-th point, so that no more than THINNED are left; the points are in the order of amplitude.
 fn thinned(data: &SteadyData) -> SteadyData {
     let step = data.len().div_ceil(THINNED).max(1);
     match data {

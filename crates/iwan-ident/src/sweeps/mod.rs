@@ -1,4 +1,4 @@
-//! Parameters from a shaker's test: stepped-sine responses, phase-resonance backbones, and ring-downs with them.
+//! Parameters of a mode from a shaker's test: stepped-sine responses and phase-resonance backbones, alone or together with ring-downs.
 
 mod data;
 mod balance;

@@ -1,4 +1,4 @@
-//! The points that a shaker's test accepts: at each knee the best of all others.
+//! The points that a shaker's test accepts: for each knee (φ_max) the best values of all other unknowns.
 
 use nalgebra::DMatrix;
 
@@ -7,17 +7,17 @@ use crate::likelihood::Buffers;
 use crate::profile::{Charted, Ground, Region, Scale, is_all_joint};
 use crate::search::{Chart, Minimum, Search, TOLERANCE as FINE};
 
-/// Relative reduction of the sum of squares at which a search along the way ends: a hundredth of a residual's variance among a thousand.
+/// Relative reduction of the sum of squares at which a search on the way along the knees ends: a hundredth of a residual's variance among a thousand.
 const TOLERANCE: f64 = 1e-6;
-/// Iterations of such a search, which begins at its neighbour.
+/// Largest number of iterations of such a search, which begins at its neighbour's values.
 const ITERATIONS: usize = 40;
-/// Knees next to the best one: this many on either side, …
+/// Number of closely spaced knees on either side of the best one.
 const CLOSE: u32 = 12;
-/// … in steps of this part of the knee's standard deviation, …
+/// Their spacing, as a fraction of the knee's standard deviation.
 const SHARE: f64 = 0.25;
-/// … which is no more than this, in logarithms, where the curvature says nothing.
+/// Largest spacing, in logarithms, taken where the curvature says nothing.
 const LONGEST: f64 = 0.05;
-/// Deviances beyond this many limits end the way out: valleys farther up are not looked for next to the best knee.
+/// Next to the best knee a search does not begin from a neighbour whose deviance is beyond this many limits: valleys (local minima) farther up are not looked for there.
 const FAR: f64 = 4.0;
 
 impl Ground for Task<'_> {
@@ -64,7 +64,7 @@ impl Charted for Task<'_> {
     }
 }
 
-/// All points that the data accept, from the minimum along all knees, or where the knee is not sought the minimum alone.
+/// All points that the data accept: from the minimum along all knees, or the minimum alone where the knee is not sought.
 ///
 /// # Errors
 /// A better minimum.
@@ -78,7 +78,7 @@ pub(super) fn region(task: &Task<'_>, minimum: &Minimum, scale: &Scale) -> Resul
     Region::of(task, found, knee, scale, &mut work)
 }
 
-/// The best of all others at knees next to the minimum's, finely, and through the whole range.
+/// The best values of all other unknowns at knees near the minimum's, closely spaced, and at knees through the whole range.
 fn along(
     task: &Task<'_>,
     minimum: &Minimum,
@@ -109,14 +109,14 @@ fn along(
             found.push(next);
         }
     }
-    // What is best among them is free to move its knee as well.
+    // The best of them, where it is better than the minimum, is searched once more with its knee free.
     let best = found.iter().min_by(|a, b| a.cost.total_cmp(&b.cost)).filter(|m| m.cost < minimum.cost);
     let polished = best.and_then(|m| Task::minimise(task, &m.x, task.free(), TOLERANCE, ITERATIONS));
     found.extend(polished);
     found
 }
 
-/// A part of the knee's standard deviation by curvature, all others following.
+/// Spacing of the close knees: a fraction of the knee's standard deviation by curvature, all other unknowns following.
 fn step(task: &Task<'_>, minimum: &Minimum, knee: usize, work: &mut Buffers) -> f64 {
     let mut free = task.smooth(&minimum.x);
     free.push(knee);

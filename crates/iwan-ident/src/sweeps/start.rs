@@ -1,4 +1,4 @@
-//! Where the search begins: what the points show without a law.
+//! Start values of the search, from what the points show without a law.
 
 use std::f64::consts::{PI, TAU};
 
@@ -6,25 +6,25 @@ use super::data::{BackbonePoint, SteadyData};
 use crate::error::Error;
 use crate::parameters::Parameters;
 
-/// Powers that are tried: the literature's lie between.
+/// Powers χ that are tried: the values in the literature lie between them.
 const POWERS: [f64; 2] = [-0.6, -0.2];
-/// The knee over the largest amplitude: the search goes inwards from there.
+/// Start value of the knee φ_max over the largest amplitude: the search goes inwards from there.
 const KNEE: f64 = 10.0;
-/// The part of the smallest loss that is put down to viscous damping at first.
+/// Fraction of the smallest loss that is put down to viscous damping at the start.
 const VISCOUS: f64 = 0.3;
-/// Dirac's share at first.
+/// Start value of β, the Dirac's share.
 const BETA: f64 = 0.1;
-/// Points whose dynamic stiffness is this many times its imaginary part at most are in resonance: loss and stiffness show there.
+/// A point is in resonance, where it shows loss and stiffness, if its dynamic stiffness is at most this many times the imaginary part.
 pub(super) const RESONANT: f64 = 10.0;
 
-/// Squared circular frequency and loss (imaginary stiffness) at an amplitude.
+/// Squared circular frequency (`stiffness`) and imaginary stiffness (`loss`) at an amplitude.
 struct Seen {
     amplitude: f64,
     stiffness: f64,
     loss: f64,
 }
 
-/// First guesses, one for each power.
+/// Start values, one set for each power in POWERS.
 pub(super) fn guesses(sets: &[SteadyData]) -> Result<Vec<Parameters>, Error> {
     let mut seen = seen(sets);
     seen.sort_by(|a, b| a.amplitude.total_cmp(&b.amplitude));
@@ -61,14 +61,14 @@ pub(super) fn guesses(sets: &[SteadyData]) -> Result<Vec<Parameters>, Error> {
     Ok(POWERS.map(guess).to_vec())
 }
 
-/// What the points in resonance show; where none is, all that show a loss.
+/// Stiffness and loss of the points in resonance; where none is, of all points that show a loss.
 fn seen(sets: &[SteadyData]) -> Vec<Seen> {
     let all = |most: f64| -> Vec<Seen> { sets.iter().flat_map(|set| of_set(set, most)).collect() };
     let resonant = all(RESONANT);
     if resonant.is_empty() { all(f64::INFINITY) } else { resonant }
 }
 
-/// The same as backbones, one for each measurement that shows anything, in the order of amplitude.
+/// The same as backbones, one for each measurement that shows anything, its points in the order of amplitude.
 pub(super) fn shown(sets: &[SteadyData]) -> Vec<SteadyData> {
     let as_backbone = |most: f64| -> Vec<SteadyData> {
         let each = sets.iter().map(|set| {

@@ -1,4 +1,4 @@
-//! All measurements of a mode as one problem of least squares.
+//! All measurements of a mode as one least-squares problem.
 
 use std::f64::consts::{FRAC_PI_2, LN_10, TAU};
 
@@ -12,36 +12,38 @@ use crate::parameters::{COUNT, Parameter, Parameters};
 use crate::refine::TurningPoint;
 use crate::search::{Chart, DIRAC, Minimum, Search};
 
-/// Place of the other modes' flexibility among the unknowns, times ω0² of the first guess; the drifts stand behind it.
+/// Index of the other modes' flexibility among the unknowns, which is in units of 1/ω0² of the first guess; the drifts of the measurements stand behind it.
 pub(super) const OTHERS: usize = COUNT;
-/// A drift of 1e-4 of the frequency has the coordinate 1: what a few kelvin do to steel.
+/// Relative drift of the frequency whose coordinate is 1: what a few kelvin do to steel.
 const DRIFT_UNIT: f64 = 1e-4;
-/// Drifts beyond a tenth of the frequency are no drifts but another mode.
+/// Largest relative drift: a frequency that differs by more than a tenth is that of another mode.
 const MOST_DRIFT: f64 = 0.1;
-/// Least relative error of a measurement: what is left below it is rounding.
+/// Least relative error of a measurement: below it there is only rounding.
 const LEAST_ERROR: f64 = 1e-9;
-/// The knees that are tried, over the largest amplitude, …
+/// Range of knees φ_max that are tried, over the largest amplitude.
 const KNEES: [f64; 2] = [0.05, 10.0];
-/// … and how many in a decade; …
+/// Number of knees tried in a decade.
 const PER_DECADE: f64 = 8.0;
-/// … and more of them within this distance of the largest amplitude, as a logarithm, where few amplitudes lie beyond the knee: with eight in a decade a knee at 0.9 of the largest was
-/// passed over, and curves without noise were told by a joint that sticks, with 0.8 % of error and a frequency that their interval excluded.
+/// Within this distance of the largest amplitude (as a natural logarithm) more knees are tried, because few amplitudes lie beyond the knee there. With eight in a decade a
+/// knee at 0.9 of the largest amplitude was passed over, and curves without noise were fitted by a joint that sticks, with an error of 0.8 % and a frequency that the interval
+/// excluded.
 const NEAR: f64 = 0.7;
+/// Number of knees tried in a decade there.
 const CLOSE_PER_DECADE: f64 = 40.0;
-/// Unknowns of a ring-down: ln of the release over the one found before, and its phase.
+/// Number of unknowns of each ring-down: ln of its release amplitude over the one found before, and its phase.
 const OWN: usize = 2;
 
 /// A measurement with its weights.
 #[derive(Debug, Clone)]
 pub(super) struct Weighted<'a> {
     pub(super) data: &'a SteadyData,
-    /// Inverse Cholesky factors of what relative errors of size one leave unbalanced at each point of a response.
+    /// Whitening factor of each point of a response: the inverse Cholesky factor of the covariance of its unbalanced force for relative errors of size one.
     factors: Vec<Matrix2<f64>>,
-    /// Relative errors: of force and motion; of a backbone's frequency and of its damping.
+    /// Relative errors: for a response that of force and motion, twice; for a backbone those of its frequency and its damping.
     pub(super) errors: [f64; 2],
 }
 
-/// Measurements, and ring-downs beside them.
+/// The measurements of a mode, and the ring-downs beside them, as one problem.
 #[derive(Debug, Clone)]
 pub(super) struct Task<'a> {
     pub(super) chart: Chart,
@@ -50,9 +52,9 @@ pub(super) struct Task<'a> {
     pub(super) held: Vec<Parameter>,
     /// ω0² of the first guess.
     unit: f64,
-    /// Whether a response was measured, so that other modes show.
+    /// Whether a response is among the measurements, so that other modes show.
     responses: bool,
-    /// Least coordinate of the knee, where macro-slip is left out.
+    /// Lower bound of the knee's coordinate; it lies beyond all amplitudes where macro-slip is left out.
     least_knee: f64,
 }
 
@@ -82,7 +84,7 @@ impl<'a> Task<'a> {
         }
     }
 
-    /// The same without macro-slip: the knee lies beyond all that was measured.
+    /// The same problem without macro-slip: the knee lies beyond all amplitudes measured.
     pub(super) fn without_slip(&self) -> Self {
         Self { least_knee: self.largest_knee(), ..self.clone() }
     }
@@ -93,19 +95,19 @@ impl<'a> Task<'a> {
         (largest / self.chart.amplitude).ln()
     }
 
-    /// The knee's place among the coordinates, if it is sought.
+    /// Index of the knee among the coordinates, if it is sought.
     pub(super) fn knee(&self) -> Option<usize> {
         self.chart.knee().filter(|j| self.free().contains(j))
     }
 
-    /// Coordinates of the knees between which it is sought, ascending: from a twentieth of the largest amplitude, where next to everything
-    /// measured would be macro-slip, to where nothing tells it from one farther away.
+    /// Lowest and highest coordinate of the knee in the search: from a twentieth of the largest amplitude, where next to everything
+    /// measured would be macro-slip, to where nothing tells the knee from one farther away.
     pub(super) fn knee_range(&self) -> [f64; 2] {
         let largest = self.largest_knee();
         [(largest + KNEES[0].ln()).max(self.least_knee), largest + KNEES[1].ln()]
     }
 
-    /// Knees through the whole range, the largest first.
+    /// Coordinates of the knees that are tried through the whole range, the largest first.
     pub(super) fn knees(&self) -> Vec<f64> {
         let [low, high] = self.knee_range();
         let mut at = high;
@@ -121,14 +123,14 @@ impl<'a> Task<'a> {
         knees
     }
 
-    /// The unknowns on which the sum of squares depends smoothly at `x`: not the knee, and not the Dirac where no amplitude reaches it.
+    /// The unknowns on which the sum of squares depends smoothly at `x`: all but the knee, and but the Dirac where no amplitude reaches the knee.
     pub(super) fn smooth(&self, x: &[f64]) -> Vec<usize> {
         let knee = self.chart.knee();
         let unseen = knee.is_some_and(|knee| x[knee] >= self.largest_knee());
         self.free().into_iter().filter(|j| knee != Some(*j) && !(unseen && *j == DIRAC)).collect()
     }
 
-    /// The same with a further parameter held.
+    /// The same problem with a further parameter held.
     pub(super) fn holding(&self, parameter: Parameter) -> Self {
         let held: Vec<Parameter> = self.held.iter().copied().chain([parameter]).collect();
         Self { chart: Chart::holding(&held, self.chart.amplitude), held, ..self.clone() }
@@ -153,7 +155,7 @@ impl<'a> Task<'a> {
         self.own() + OWN * self.starts().len()
     }
 
-    /// The unknowns that are sought: the first measurement has the frequency of its day, the others drift from there.
+    /// The unknowns that are sought. Without ring-downs the first measurement sets the frequency and has no drift; the others drift from there.
     pub(super) fn free(&self) -> Vec<usize> {
         let first_drifts = self.ring_downs.is_some();
         let is_free = |j: &usize| match *j {
@@ -184,14 +186,14 @@ impl<'a> Task<'a> {
         Ok(x)
     }
 
-    /// The coordinates of another chart in this one's.
+    /// Coordinates of this problem for coordinates `x` of another one.
     pub(super) fn carried(&self, other: &Task<'_>, x: &[f64]) -> Result<Vec<f64>, Error> {
         let mut own = self.coordinates(&other.chart.parameters(x))?;
         own[COUNT..].copy_from_slice(&x[COUNT..]);
         Ok(own)
     }
 
-    /// Static flexibility of all other modes.
+    /// Static flexibility of all other modes at the measured point.
     pub(super) fn others(&self, x: &[f64]) -> f64 {
         x[OTHERS] / self.unit
     }
@@ -208,7 +210,7 @@ impl<'a> Task<'a> {
         self.drifts(x).into_iter().map(|drift| DayMode::new(&p, others, drift)).collect()
     }
 
-    /// Residuals in standard deviations; false where there is no model.
+    /// Residuals in standard deviations; false where the model does not exist at `x`.
     pub(super) fn residuals(&self, x: &[f64], out: &mut [f64], buffers: &mut Buffers) -> bool {
         if !self.chart.leaves_residual_stiffness(x) {
             return false;
@@ -251,13 +253,13 @@ impl<'a> Task<'a> {
         search.run(&mut |x: &[f64], out: &mut [f64]| self.residuals(x, out, &mut buffers), x)
     }
 
-    /// Sum of the logarithms of all errors, one for each value: the sum of squares alone does not tell valleys apart, since errors are
-    /// estimated in each.
+    /// Sum of the logarithms of all errors, one for each value. Valleys (local minima) are compared by it as well, since errors are
+    /// estimated in each of them and the sum of squares alone does not tell them apart.
     pub(super) fn spread(&self) -> f64 {
         self.sets.iter().map(|set| set.data.len() as f64 * set.errors.map(f64::ln).iter().sum::<f64>()).sum()
     }
 
-    /// Takes weights and errors of all measurements from the model at `x`; `unknowns` are spread over all residuals.
+    /// Sets weights and errors of all measurements from the model at `x`; the freedom that the unknowns take is spread evenly over all residuals.
     pub(super) fn weigh(&mut self, x: &[f64]) -> Result<(), Error> {
         let modes = self.modes(x)?;
         let share = self.free().len() as f64 / self.count() as f64;
@@ -315,9 +317,9 @@ impl Weighted<'_> {
     }
 }
 
-/// Errors before there is a model: part of a backbone's range of frequency, and of its damping.
+/// Errors before there is a model. For a backbone: a fraction of its range of frequency (in logarithms), and that fraction of the damping.
 fn first_errors(data: &SteadyData) -> [f64; 2] {
-    /// A twentieth of either is what separates valleys; the errors themselves are estimated afterwards.
+    /// A twentieth of either is enough to tell valleys (local minima) apart; the errors themselves are estimated afterwards.
     const PART: f64 = 0.05;
     let SteadyData::Backbone(points) = data else { return [PART; 2] };
     let logs = || points.iter().map(|p| p.frequency.ln());
@@ -325,13 +327,13 @@ fn first_errors(data: &SteadyData) -> [f64; 2] {
     [(PART * range).max(LEAST_ERROR), PART]
 }
 
-/// Before there is a model the force stands for all three errors.
+/// Weights before there is a model: the force stands for the effect of all three errors.
 fn first_factors(data: &SteadyData) -> Vec<Matrix2<f64>> {
     let SteadyData::Response(points) = data else { return Vec::new() };
     points.iter().map(|point| Matrix2::identity() / (std::f64::consts::SQRT_2 * point.force)).collect()
 }
 
-/// The inverse Cholesky factor of the covariance of what errors of amplitude, phase and force leave unbalanced.
+/// The inverse Cholesky factor of the covariance of the unbalanced force for relative errors of size one in amplitude, phase and force.
 fn factor([by_size, by_phase]: [Vector2<f64>; 2], force: f64) -> Option<Matrix2<f64>> {
     let covariance = by_size * by_size.transpose()
         + by_phase * by_phase.transpose()

@@ -1,4 +1,4 @@
-//! The lines of frequency responses that a fit looks at, weighted so that noise is equally large on all of them.
+//! The lines of frequency responses that a fit uses, weighted so that noise is equally large on all of them.
 
 use nalgebra::DMatrix;
 
@@ -7,12 +7,12 @@ use crate::error::{Error, check_band};
 use crate::number::{Complex, complex, median};
 use crate::responses::{FrequencyResponses, laplace};
 
-/// Lines that a fit needs at least: four for each of two modes, beside the residual terms.
+/// Least number of lines in a band: four for each of two modes, beside the residual terms. A band with fewer is refused.
 const FEWEST: usize = 16;
 
-/// A response's noise is at least this part of the median of all: a channel that fits too well by chance must not rule alone.
+/// Least standard deviation of a response's noise over the median of all: a channel that happens to be fitted too well must not decide the fit alone.
 const QUIETEST: f64 = 1e-2;
-/// Noise is at least this part of a response's root mean square: rounding in double precision, four decimal places of it.
+/// Least standard deviation of the noise over a response's root mean square: rounding in double precision, with four decimal places to spare.
 pub(super) const ROUNDING: f64 = 1e-12;
 
 /// A band of lines of all responses.
@@ -22,17 +22,17 @@ pub(crate) struct Band<'a> {
     pub(crate) first: usize,
     /// Laplace variable of each line, 1/s.
     pub(crate) s: Vec<Complex>,
-    /// e^(-s Δt) and e^(-s T) of each line, where the end of the record is in the model.
+    /// e^(-s Δt) and e^(-s T) of each line; empty where the end of the record is not in the model.
     pub(crate) back: Vec<[Complex; 2]>,
     /// Weight of each line, at most 1.
     pub(crate) weights: Vec<f64>,
-    /// Weighted responses: real parts of all lines above the imaginary parts, one column each.
+    /// Weighted responses, one column for each: real parts of all lines above the imaginary parts.
     pub(crate) values: DMatrix<f64>,
     /// Sum of squares of each column.
     pub(crate) squares: Vec<f64>,
-    /// Columns of what lies outside the band, one after another: the same for all poles.
+    /// Columns of the terms for what lies outside the band, one after another; they are the same for all poles.
     pub(super) outside: Vec<f64>,
-    /// Variance of each column's entries as the scatter of hits tells it; 0 where it does not.
+    /// Variance of each column's entries by the scatter of hits; 0 where it is not known.
     pub(crate) scatter: Vec<f64>,
 }
 
@@ -75,7 +75,7 @@ impl<'a> Band<'a> {
         Ok(Self { responses, first, s, back, weights, values, squares, outside, scatter })
     }
 
-    /// Variance of each response's entries: the scatter of hits, or that of the response itself where nothing tells it.
+    /// Variance of each response's entries: by the scatter of hits, or the mean square of the response itself where the scatter is not known.
     pub(crate) fn noise(&self) -> Vec<f64> {
         let rows = self.values.nrows() as f64;
         let size = |c: usize| self.squares[c] / rows;
@@ -99,7 +99,7 @@ impl<'a> Band<'a> {
         self.responses.frequency(self.first + line)
     }
 
-    /// Edges, Hz.
+    /// Lowest and highest frequency of the band, Hz.
     pub(crate) fn edges(&self) -> (f64, f64) {
         (self.frequency(0), self.frequency(self.lines() - 1))
     }
@@ -110,7 +110,7 @@ pub(crate) fn at(values: &DMatrix<f64>, line: usize, column: usize) -> Complex {
     complex(values[(line, column)], values[(values.nrows() / 2 + line, column)])
 }
 
-/// No variance far below the median of all.
+/// Raises variances that lie far below the median of all.
 pub(super) fn floored(mut noise: Vec<f64>) -> Vec<f64> {
     let least = (QUIETEST * QUIETEST * median(&noise)).max(f64::MIN_POSITIVE);
     for v in &mut noise {

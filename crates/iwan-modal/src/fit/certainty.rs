@@ -7,17 +7,17 @@ use super::band::Band;
 use super::linear::Linear;
 use crate::number::Complex;
 
-/// Covariances of what was fitted.
+/// Covariances of fitted poles and residues.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Certainty {
-    /// Of real and imaginary parts of the poles in turn, 1/s².
+    /// Covariance of the real and imaginary parts of the poles in turn, 1/s².
     poles: DMatrix<f64>,
-    /// Of real and imaginary parts of each residue: `residues[pole][response]` = (variance of re, of im, covariance).
+    /// Covariance of real and imaginary part of each residue: `residues[pole][response]` = (variance of re, variance of im, covariance).
     residues: Vec<Vec<[f64; 3]>>,
 }
 
 impl Certainty {
-    /// `noise`: variance of each response's entries.
+    /// Covariances at the fitted `poles`; `noise` is the variance of each response's entries.
     pub(super) fn new(band: &Band, poles: &[Complex], linear: &Linear, noise: &[f64]) -> Self {
         let precision: Vec<f64> = noise.iter().map(|v| v.recip()).collect();
         let n = poles.len();
@@ -52,7 +52,7 @@ impl Certainty {
     }
 }
 
-/// A residue is uncertain by itself and by all poles, which it follows: δR = Φ⁺ δy - Φ⁺ W δp.
+/// Covariance of one residue: it is uncertain by the noise of its response and because it follows all poles, δR = Φ⁺ δy - Φ⁺ W δp.
 fn residue(
     linear: &Linear,
     follow: &DMatrix<f64>,

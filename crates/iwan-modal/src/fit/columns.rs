@@ -1,4 +1,4 @@
-//! What a mode, and what modes outside the band, contribute to responses: columns of a real least-squares problem.
+//! Contributions of modes, inside and outside the band, to responses: columns of a real least-squares problem.
 
 use nalgebra::DMatrix;
 use rayon::prelude::*;
@@ -7,16 +7,16 @@ use super::band::Band;
 use super::outside::OUTSIDE;
 use crate::number::{Complex, I};
 
-/// Columns of a set of poles in a band; weighted, real parts above imaginary parts.
+/// The columns of a set of poles in a band: weighted, with real parts above imaginary parts.
 pub(super) struct Columns {
     /// Number of poles.
     pub(super) poles: usize,
-    /// Two for each pole (real and imaginary part of its residue), two for each term outside, then two for each pole with the slopes.
+    /// Two columns for each pole (real and imaginary part of its residue), two for each term outside, then two more for each pole where derivatives are wanted.
     pub(super) matrix: DMatrix<f64>,
 }
 
 impl Columns {
-    /// Of `poles`, 1/s, upper half plane; `slopes` adds the derivatives with respect to the poles.
+    /// Columns for `poles` (1/s, upper half plane); `slopes` adds their derivatives with respect to the poles.
     pub(super) fn new(band: &Band, poles: &[Complex], slopes: bool) -> Self {
         let (rows, n) = (2 * band.lines(), poles.len());
         let (own, around) = (2 * n * rows, 2 * OUTSIDE * rows);
@@ -31,13 +31,13 @@ impl Columns {
         Self { poles: n, matrix: DMatrix::from_vec(rows, values.len() / rows, values) }
     }
 
-    /// Columns whose coefficients are sought: all but the slopes.
+    /// Number of columns whose coefficients are sought: all but the derivatives.
     pub(super) fn linear(&self) -> usize {
         2 * (self.poles + OUTSIDE)
     }
 }
 
-/// The two columns of a pole, which multiply real and imaginary part of its residue, into `values`; their derivatives with respect to the pole
+/// Writes the two columns of a pole, which multiply real and imaginary part of its residue, into `values`, and their derivatives with respect to the pole
 /// into `slopes`, unless that is empty.
 fn mode(band: &Band, pole: Complex, values: &mut [f64], slopes: &mut [f64]) {
     let lines = band.lines();
@@ -51,7 +51,7 @@ fn mode(band: &Band, pole: Complex, values: &mut [f64], slopes: &mut [f64]) {
             (direct, direct * direct)
         })
     };
-    // What multiplies the residue, and what multiplies its conjugate.
+    // `x` multiplies the residue, `conjugate` multiplies its conjugate.
     let put = |target: &mut [f64], k: usize, x: Complex, conjugate: Complex| {
         let w = band.weights[k];
         let (re, im) = (x + conjugate, I * (x - conjugate));

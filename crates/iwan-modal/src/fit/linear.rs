@@ -1,4 +1,4 @@
-//! Residues by linear least squares for given poles, and what the poles' own change would do.
+//! Residues for given poles by linear least squares, and the products that tell how the poles should move.
 
 use nalgebra::{Cholesky, DMatrix, DVector, Dyn};
 use rayon::prelude::*;
@@ -8,36 +8,37 @@ use super::columns::Columns;
 use crate::error::Error;
 use crate::number::{Complex, complex};
 
-/// Responses whose products are computed together, each such group by itself: so many that matrices are worth it, and so few that fifty responses are work for
+/// Number of responses whose products are computed together: enough for products of matrices to pay, and few enough for fifty responses to be work for
 /// several threads.
 const AT_ONCE: usize = 16;
 
-/// What is left of a response is the difference of two sums of squares, which costs digits: below this part of the response it is taken from the
-/// residual itself, which costs twice the time. Ten digits are left there, and a search needs the first five.
+/// The sum of squares that is left of a response is a difference of two sums, which costs digits. Below this fraction of the response it is taken from the
+/// residuals themselves, which costs twice the time. Ten digits are left there, and a search needs the first five.
 const BY_PRODUCTS: f64 = 1e-6;
 
-/// Residues of given poles, with the products that a search for better poles needs.
+/// Least squares for given poles: residues, and the products that a search for better poles needs.
 pub(crate) struct Linear {
     /// Number of poles.
     pub(crate) poles: usize,
-    /// Coefficients of all linear columns, scaled back: rows as in the columns, one column for each response.
+    /// Coefficients of all linear columns in their original scale: one row for each of these columns, one column for each response.
     pub(crate) coefficients: DMatrix<f64>,
-    /// Sum of squares that is left of each response.
+    /// Sum of squares that the fit leaves of each response.
     pub(crate) left: Vec<f64>,
-    /// Inverse of the linear columns' normal matrix.
+    /// Inverse of the normal matrix of the linear columns.
     pub(crate) inverse: DMatrix<f64>,
-    /// Slopes, what lies in the linear columns' space taken off: products with each other and with what is left of the responses.
+    /// Products of the derivatives W⊥ with each other and with the residuals r; W⊥ is W without its part in the space of the linear columns Φ. None where no derivatives were
+    /// asked for.
     pub(super) slopes: Option<Slopes>,
     columns: Columns,
 }
 
-/// Products of the slope columns, two for each pole.
+/// Products of the derivative columns W, two for each pole.
 pub(super) struct Slopes {
     /// W⊥ᵀ W⊥.
     pub(super) among: DMatrix<f64>,
     /// W⊥ᵀ r, one column for each response.
     pub(super) with_left: DMatrix<f64>,
-    /// Φ⁺ W: how residues follow where poles move.
+    /// Φ⁺ W: how the coefficients follow when poles move.
     pub(super) follow: DMatrix<f64>,
 }
 
@@ -80,7 +81,7 @@ impl Linear {
         Ok(Self { poles: poles.len(), coefficients, left, inverse, slopes, columns })
     }
 
-    /// What is left of the responses, as they stand in the band.
+    /// Residuals of the responses, arranged and weighted as in the band.
     pub(crate) fn rest(&self, band: &Band) -> DMatrix<f64> {
         let sought = self.columns.matrix.columns(0, self.columns.linear());
         let of_some = |some: &Vec<usize>| {
@@ -99,7 +100,7 @@ impl Linear {
 }
 
 impl Linear {
-    /// By how much more of a response's sum of squares would be left without a pole, all others as they are: c P⁻¹ c of its two coefficients c and
+    /// Increase of a response's remaining sum of squares if one pole were left out and all others kept: cᵀ P⁻¹ c with its two coefficients c and
     /// their part P of the normal matrix's inverse.
     pub(crate) fn loss(&self, pole: usize, response: usize) -> f64 {
         let i = 2 * pole;
@@ -109,13 +110,13 @@ impl Linear {
     }
 }
 
-/// Numbers of the responses in groups of [`AT_ONCE`].
+/// Indices of the responses in groups of [`AT_ONCE`].
 fn groups(band: &Band) -> Vec<Vec<usize>> {
     let all: Vec<usize> = (0..band.values.ncols()).collect();
     all.chunks(AT_ONCE).map(<[usize]>::to_vec).collect()
 }
 
-/// Products of rows with all responses.
+/// Products of the rows of `turned` with all responses.
 pub(super) fn with_responses(band: &Band, turned: &DMatrix<f64>) -> DMatrix<f64> {
     let of_some =
         |some: &Vec<usize>| -> Vec<f64> { (turned * band.values.columns(some[0], some.len())).data.into() };
@@ -139,10 +140,10 @@ fn scale_rows(matrix: &mut DMatrix<f64>, scale: &[f64]) {
 }
 
 impl Slopes {
-    /// Normal matrix and gradient of the poles, real and imaginary parts in turn, for responses with the weights `precision`.
+    /// Normal matrix and gradient for real and imaginary parts of the poles in turn; responses have the weights `precision`.
     pub(super) fn normal(&self, linear: &Linear, precision: &[f64]) -> (DMatrix<f64>, DVector<f64>) {
         let n = linear.poles;
-        // What multiplies the two slope columns of a pole: (a, b) for its real part, (-b, a) for its imaginary part.
+        // Factors of the two derivative columns of a pole: (a, b) for its real part, (-b, a) for its imaginary part.
         let factors = |p: usize, c: usize| {
             let r = linear.residue(p, c);
             [[r.re, r.im], [-r.im, r.re]]
@@ -181,7 +182,7 @@ mod tests {
     use crate::measure::{Channel, Freedom, Motion};
     use crate::responses::free_responses;
 
-    /// What products give is what residuals give, for close poles, and for residuals on either side of the limit.
+    /// Products and residuals give the same, for close poles, and for remainders on either side of the limit.
     #[test]
     fn products_tell_what_residuals_do() {
         for (noise, below) in [(1e-1, false), (1e-2, false), (1e-4, true)] {
@@ -205,7 +206,7 @@ mod tests {
             let columns = Columns::new(&band, &poles, true);
             let n = columns.linear();
             let sought = columns.matrix.columns(0, n).into_owned();
-            // Orthogonal triangles, which square nothing.
+            // By orthogonal triangles, which square nothing.
             let q = sought.qr().q();
             let rest = &band.values - &q * (q.transpose() * &band.values);
             let own = columns.matrix.columns(n, 2 * poles.len());

@@ -1,6 +1,6 @@
-//! All poles together against all responses: maximum likelihood for white noise on the responses.
+//! The fit of all poles together to all responses: maximum likelihood for white noise on the responses.
 //!
-//! Poles are the only unknowns of the search, residues follow from them by linear least squares (variable projection: G. H. Golub,
+//! The poles are the only unknowns of the search; residues follow from them by linear least squares (variable projection: G. H. Golub,
 //! V. Pereyra, SIAM J. Numer. Anal. 10:413, 1973, with Kaufman's Jacobian, BIT 15:49, 1975). The model is that of the finite record
 //! (see [`FiniteRecord`](crate::responses::FiniteRecord)), so that no window is needed.
 

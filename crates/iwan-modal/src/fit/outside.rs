@@ -1,13 +1,13 @@
-//! What lies outside the band: columns that all fits of a band share.
+//! Columns for the modes outside the band, which all fits of a band share.
 
 use crate::number::Complex;
 
-/// Complex terms for what lies outside the band: s^(d-2) times a cubic in frequency, d = 0, 1, 2 for displacement, velocity, acceleration.
-/// The first is rigid motion and the modes below, the third the modes above; the other two take up what modes just outside the band
-/// make of it.
+/// Number of complex terms for what lies outside the band: s^(d-2) times a cubic in frequency, d = 0, 1, 2 for displacement, velocity, acceleration.
+/// The first term is rigid motion and the modes below, the third the modes above; the other two take up how modes just outside the band
+/// bend these.
 pub(super) const OUTSIDE: usize = 4;
 
-/// Columns of what lies outside a band with the edges (Hz), at the frequencies of its lines: real and imaginary part of the coefficient of each term.
+/// Columns of these terms at the `frequencies` (Hz) of a band's lines, for real and imaginary part of each coefficient; `power` is the d-2 of the motion.
 pub(super) fn outside(frequencies: &[f64], s: &[Complex], weights: &[f64], power: i32) -> Vec<f64> {
     let lines = s.len();
     let (low, high) = (frequencies[0], frequencies[lines - 1]);

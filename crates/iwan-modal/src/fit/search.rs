@@ -8,20 +8,20 @@ use super::linear::Linear;
 use crate::error::Error;
 use crate::number::{Complex, complex};
 
-/// Steps at most: from start values within a half-power bandwidth five to ten do.
+/// Largest number of steps: from start values within a half-power bandwidth five to ten are enough.
 const STEPS: usize = 40;
-/// The search ends where no pole moves by more than this part of its decay: a thousandth of what records usually tell.
+/// The search ends where no pole moves by more than this fraction of its decay: a thousandth of what records usually tell.
 const STILL: f64 = 1e-7;
-/// Steps shorter than the full one at most, each with ten times the damping of Levenberg and Marquardt.
+/// Largest number of trials for a step, each with ten times the damping of Levenberg and Marquardt of the one before, and so shorter.
 const TRIALS: usize = 12;
-/// A step is no worse while what is left grows by no more than this part, which is rounding.
+/// A step counts as no worse while the remaining sum of squares grows by no more than this fraction, which is rounding.
 const NO_HIGHER: f64 = 1e-10;
-/// After a first search responses are weighed by what is left of them, for the second. The first ends where no pole moves by more than this part of its decay: the weights are then right to some 1e-7, the second round
-/// goes on from there.
+/// The first search, whose remainder sets the weights of the responses for the second, ends where no pole moves by more than this fraction of its decay: the weights are then
+/// right to some 1e-7, and the second search goes on from there.
 const FOR_WEIGHTS: f64 = 1e-4;
-/// Steps of a search that only asks whether a mode is there.
+/// Largest number of steps of a search that only asks whether a mode is there.
 const FEW: usize = 6;
-/// … which ends where no pole moves by more than this part of its decay.
+/// Such a search ends where no pole moves by more than this fraction of its decay.
 const NEARLY_STILL: f64 = 1e-2;
 
 /// Poles fitted to all responses of a band.
@@ -31,21 +31,21 @@ pub struct Fitted {
     pub poles: Vec<nalgebra::Complex<f64>>,
     /// Residues, one row for each pole, one entry for each response: motion per force times 1/s.
     pub residues: Vec<Vec<nalgebra::Complex<f64>>>,
-    /// Variance of each response's weighted real and imaginary parts, as hits or what is left tell it.
+    /// Variance of each response's weighted real and imaginary parts: what the fit leaves, and no less than the scatter of hits.
     pub noise: Vec<f64>,
-    /// Standard deviations.
+    /// Standard deviations of poles and residues.
     pub certainty: Certainty,
-    /// Root mean square of what is left of each response over that of the response, weighted as the fit was.
+    /// Root mean square of the residuals of each response over that of the response, weighted as the fit was.
     pub left: Vec<f64>,
     /// First line of the band.
     pub first: usize,
-    /// The fit's responses at the lines of the band, one list for each response.
+    /// The fitted responses at the lines of the band, one list for each response.
     pub curves: Vec<Vec<nalgebra::Complex<f64>>>,
-    /// What is left of all responses together, relative.
+    /// Root mean square of the residuals of all responses together over that of the responses.
     pub misfit: f64,
 }
 
-/// Moves `start` (poles in the upper half plane, 1/s) until the responses between the edges (Hz) are fitted best.
+/// Moves poles from `start` (upper half plane, 1/s) until the responses between the edges (Hz) are fitted best.
 ///
 /// # Errors
 /// [`Error::OutOfRange`] for the band; [`Error::Refused`] where the lines cannot tell the poles apart.
@@ -63,17 +63,17 @@ impl Fitted {
         Ok(Self::with_products(band, start)?.0)
     }
 
-    /// Poles, residues and standard deviations alone: `curves` stays empty.
+    /// Fits poles and residues with their standard deviations only: `curves` stays empty.
     pub(crate) fn without_curves(band: &Band, start: &[Complex]) -> Result<Self, Error> {
         Ok(Self::searched(band, start, &[(STEPS, FOR_WEIGHTS), (STEPS, STILL)], false)?.0)
     }
 
-    /// The fit and the least squares that it ends with.
+    /// The fit, and the least squares that it ends with.
     pub(crate) fn with_products(band: &Band, start: &[Complex]) -> Result<(Self, Linear), Error> {
         Self::searched(band, start, &[(STEPS, FOR_WEIGHTS), (STEPS, STILL)], true)
     }
 
-    /// Near enough to tell whether a mode is there; `curves` stays empty.
+    /// A fit with few steps, near enough to tell whether a mode is there; `curves` stays empty.
     pub(crate) fn rough(band: &Band, start: &[Complex]) -> Result<(Self, Linear), Error> {
         Self::searched(band, start, &[(FEW, NEARLY_STILL)], false)
     }
@@ -115,7 +115,7 @@ impl Fitted {
     }
 }
 
-/// The fit of each response at the lines of the band.
+/// The fitted curve of each response at the lines of the band, without weights.
 fn curves(band: &Band, rest: &DMatrix<f64>) -> Vec<Vec<Complex>> {
     let value = |k: usize, response: usize| {
         let weight = band.weights[k].max(f64::MIN_POSITIVE);
@@ -125,7 +125,7 @@ fn curves(band: &Band, rest: &DMatrix<f64>) -> Vec<Vec<Complex>> {
     (0..band.values.ncols()).map(curve).collect()
 }
 
-/// Variance of each response's entries: what the fit leaves of them, and no less than the scatter of hits says.
+/// Variance of each response's entries: what the fit leaves, and no less than the scatter of hits.
 pub(crate) fn left_over(band: &Band, linear: &Linear) -> Vec<f64> {
     let rows = band.values.nrows() as f64;
     let free = rows - linear.coefficients.nrows() as f64;
@@ -138,7 +138,7 @@ fn cost(linear: &Linear, precision: &[f64]) -> f64 {
     linear.left.iter().zip(precision).map(|(l, p)| l * p).sum()
 }
 
-/// From poles and their least squares to better ones.
+/// Moves poles, with their least squares, to a smaller weighted sum of squares.
 fn search(
     band: &Band,
     mut poles: Vec<Complex>,
@@ -163,7 +163,7 @@ fn search(
             };
             let moved = moved(&poles, &step);
             let largest = furthest(&poles, &moved);
-            // Two poles that a step brought onto each other, or one that left the lines: a shorter step.
+            // Where a step brings two poles onto each other, or one away from the lines, a shorter step is tried.
             let Ok(tried) = Linear::new(band, &moved, true) else {
                 damping *= 10.0;
                 continue;
@@ -199,7 +199,7 @@ fn step(matrix: &DMatrix<f64>, gradient: &DVector<f64>, damping: f64) -> Option<
     step.iter().all(|x| x.is_finite()).then_some(step)
 }
 
-/// The poles moved; none crosses an axis, for it may lose at most nine tenths of its decay, and half of its frequency, in a step.
+/// The poles after a step. None crosses an axis: in one step a pole loses at most nine tenths of its decay and half of its frequency.
 fn moved(poles: &[Complex], step: &DVector<f64>) -> Vec<Complex> {
     let one = |(p, pole): (usize, &Complex)| {
         let re = (pole.re + step[2 * p]).min(0.1 * pole.re);
@@ -209,7 +209,7 @@ fn moved(poles: &[Complex], step: &DVector<f64>) -> Vec<Complex> {
     poles.iter().enumerate().map(one).collect()
 }
 
-/// Largest move of a pole over its decay.
+/// Largest move of any pole, relative to its decay.
 fn furthest(from: &[Complex], to: &[Complex]) -> f64 {
     from.iter().zip(to).map(|(a, b)| (b - a).norm() / a.re.abs().max(1e-9 * a.norm())).fold(0.0, f64::max)
 }

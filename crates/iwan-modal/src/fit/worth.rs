@@ -1,4 +1,4 @@
-//! Which modes the responses need: a mode that takes off no more than noise does, or that doubles another, is none.
+//! Which modes the responses need: a mode that explains no more than noise would, or that doubles another, is left out.
 
 use std::f64::consts::TAU;
 
@@ -8,37 +8,38 @@ use super::search::Fitted;
 use crate::error::Error;
 use crate::number::Complex;
 
-/// A mode takes at least this many times as much off the responses as fitting its residues to noise would: to white noise 1 on average. A judgement above what the best of all
-/// lines of noise does on many responses; on one or two chance asks for more.
+/// Least worth of a mode: how many times as much it takes off the responses' sum of squares as fitting its residues to white noise does on average. A judgement above what the
+/// best of all lines of noise reaches on many responses; on one or two, chance asks for more.
 const WORTH: f64 = 10.0;
-/// Probability with which noise alone may make a mode in a band, at most. A judgement: a thousandth of it asks for a third more on one response.
+/// Largest probability with which noise alone makes a mode in a band. A judgement: a thousandth of it asks for a third more worth on one response.
 const BY_CHANCE: f64 = 0.01;
-/// Decays that are as good as different ones at each line of a band, from a line's width to the band's. A judgement; ten times as many ask for an eighth more on one response.
+/// Number of decays, between a line's width and the band's, that chance can try independently at each line. A judgement; ten times as many ask for an eighth more worth on one
+/// response.
 const DECAYS: f64 = 3.0;
-/// Above this damping ratio what was fitted is no peak but a slope of the background.
+/// Largest damping ratio of a mode: beyond it, what was fitted is no peak but a slope of the background.
 const HIGHEST_DAMPING: f64 = 0.2;
-/// Two poles this many sums of their decays apart or closer, …
+/// Two poles may be halves of one peak where they are less than this many sums of their decays apart.
 const NEAR: f64 = 2.0;
-/// … with shapes of this modal assurance criterion, are two halves of one peak that is not quite linear. Modes that close and that alike cannot be told
+/// They are halves of one peak that is not quite linear where their shapes also have more than this modal assurance criterion. Modes so close and so alike cannot be told
 /// apart by any measurement at these points.
 const ALIKE: f64 = 0.95;
-/// Responses that make a shape that can be compared: with fewer the criterion is high by chance.
+/// Least number of responses for shapes to be compared: with fewer the criterion is high by chance.
 const ENOUGH: usize = 4;
 
-/// How much more is left without a mode, over what fitting a mode to noise takes off. `noise` is the variance of each response's entries.
+/// Worth of a mode: by how much more is left without it than with it, over what fitting a mode to noise takes off on average. `noise` is the variance of each response's entries.
 pub(crate) fn worth(without: &Linear, with: &Linear, noise: &[f64]) -> f64 {
     let gain = |c: usize| (without.left[c] - with.left[c]) / noise[c];
     (0..noise.len()).map(gain).sum::<f64>() / (2 * noise.len()) as f64
 }
 
-/// Worth that a mode needs in a band.
+/// Least worth of a mode in a band.
 pub(crate) fn least_worth(band: &Band) -> f64 {
     WORTH.max(by_chance(band.squares.len(), band.s.len()))
 }
 
-/// Worth that noise does not reach at the best of so many lines and all decays. What a pole and its residues take off noise of variance 1 is χ² distributed, with two values for the pole
-/// and two for each response, and exceeds the bound below with a probability of e^-l at most (B. Laurent, P. Massart, Ann. Statist. 28:1302, 2000, Lemma 1,
-/// doi:10.1214/aos/1015957395).
+/// Worth that the best line and decay of a band of noise does not reach. What a pole and its residues take off noise of variance 1 is χ² distributed, with two degrees of
+/// freedom for the pole and two for each response. With l the logarithm of the number of trials over BY_CHANCE, it exceeds the bound below with a probability of e^-l at most
+/// (B. Laurent, P. Massart, Ann. Statist. 28:1302, 2000, Lemma 1, doi:10.1214/aos/1015957395).
 fn by_chance(responses: usize, lines: usize) -> f64 {
     let residues = 2.0 * responses as f64;
     let (values, log) = (residues + 2.0, (DECAYS * lines as f64 / BY_CHANCE).ln());
@@ -52,7 +53,7 @@ fn alike(a: &[Complex], b: &[Complex]) -> f64 {
     product.norm_sqr() / (power(a) * power(b)).max(f64::MIN_POSITIVE)
 }
 
-/// Of each pair of poles that share one peak and one shape the weaker one.
+/// Of each pair of poles that share one peak and one shape, the index of the weaker one.
 pub(crate) fn twins(poles: &[Complex], residues: &[Vec<Complex>]) -> Vec<usize> {
     let strength = |p: usize| residues[p].iter().map(Complex::norm_sqr).sum::<f64>() / poles[p].re.powi(2);
     let mut weaker = Vec::new();
@@ -69,7 +70,7 @@ pub(crate) fn twins(poles: &[Complex], residues: &[Vec<Complex>]) -> Vec<usize> 
     weaker
 }
 
-/// Fits, and leaves out one needless mode after another, the most needless first.
+/// Fits, and leaves out needless modes one after another, the least needed first.
 pub(crate) fn pruned(band: &Band, start: &[Complex]) -> Result<Fitted, Error> {
     let mut poles: Vec<Complex> = start.iter().copied().filter(|p| !is_outside(band, p)).collect();
     loop {
@@ -112,7 +113,7 @@ mod tests {
     use crate::measure::{Channel, Freedom, Motion};
     use crate::responses::free_responses;
 
-    /// The best of 3,600 lines of noise: a worth of ten was too little on one response, and is enough on three.
+    /// The best of 3,600 lines of noise: a worth of ten is too little on one response, and enough on three.
     #[test]
     fn few_responses_ask_for_more() {
         let worth = [1, 2, 3, 54].map(|responses| by_chance(responses, 3600));

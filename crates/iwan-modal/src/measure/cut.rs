@@ -4,12 +4,12 @@ use super::hit::{Channel, Hit};
 use super::pulse::Pulse;
 use crate::number::median;
 
-/// Pulses of at least this part of the highest are hits of their own; lower ones are looked at as faults of the hit before.
+/// A pulse of at least this fraction of the highest is a hit of its own; lower ones are reported as faults of the hit before.
 const HIT: f64 = 0.1;
-/// Pulses this close to the one before, s, are a double hit: a hammer that bounces comes back after 5 to 50 ms, a hand strikes anew after more
+/// A pulse this close behind the one before (s) is a double hit: a hammer that bounces comes back after 5 to 50 ms, a hand strikes anew after more
 /// than 0.2 s.
 pub(super) const BOUNCE: f64 = 0.1;
-/// Samples that stay before a pulse when a record is cut: its foot, and enough to see whether something moved before.
+/// Number of samples that are kept before a pulse when a record is cut: its foot, and enough to see whether something moved before.
 const BEFORE: usize = 16;
 
 /// Cuts a record at its hits: each hit gets a name with its number, and ends where the next one begins. A record of one hit stays whole.
@@ -44,7 +44,7 @@ pub fn cut(record: Hit) -> Vec<Hit> {
     (0..starts.len()).map(stretch).collect()
 }
 
-/// First samples of the hits in a record of force.
+/// First samples of the pulses that are hits of their own.
 fn starts(force: &[f64], dt: f64) -> Vec<usize> {
     let (pulses, highest) = pulses(force);
     let mut starts: Vec<usize> = Vec::new();
@@ -64,7 +64,7 @@ pub(super) struct Touch {
     pub(super) peak: f64,
 }
 
-/// Samples that may lie below the noise's limit within one pulse: a pulse has one crest, its noise more.
+/// Largest number of successive samples below the noise's limit within one pulse: a pulse has one crest, noise on it makes more.
 const GAP: usize = 4;
 
 /// The pulses in a record of force, and the height of the highest.

@@ -1,4 +1,4 @@
-//! A point of the structure and the direction in which something is measured there.
+//! A point of the structure, and the direction in which a force acts or a motion is measured there.
 
 use std::fmt;
 
@@ -60,7 +60,7 @@ impl Direction {
         if self.0 < 0 { -1.0 } else { 1.0 }
     }
 
-    /// The same axis, along it.
+    /// The positive direction of the same axis.
     #[must_use]
     pub fn axis(self) -> Self {
         Self(self.0.abs())
@@ -96,7 +96,7 @@ pub struct Freedom {
 }
 
 impl Freedom {
-    /// A point without a direction of its own.
+    /// A point for which no direction is given.
     #[must_use]
     pub fn point(point: impl Into<String>) -> Self {
         Self { point: point.into(), direction: Direction::default() }
@@ -113,7 +113,7 @@ impl Freedom {
         }
     }
 
-    /// Whether both are at the same point along the same line, in whatever sense.
+    /// Whether both are at the same point along the same axis, in the same or the opposite sense.
     #[must_use]
     pub fn is_at(&self, other: &Self) -> bool {
         self.point == other.point && self.direction.axis() == other.direction.axis()

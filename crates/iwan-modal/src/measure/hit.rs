@@ -37,20 +37,20 @@ pub struct Channel {
     pub samples: Vec<f64>,
 }
 
-/// One blow: the force and what the sensors saw of it, over the same times.
+/// One blow: the force and the response of each sensor, over the same times.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Hit {
-    /// Such as the file, and the number of the hit in it; messages begin with it.
+    /// Name, such as the file with the number of the hit in it; messages begin with it.
     pub name: String,
     /// Sampling interval in s.
     pub dt: f64,
-    /// The hammer.
+    /// The hammer's channel.
     pub force: Channel,
-    /// The sensors.
+    /// The sensors' channels.
     pub responses: Vec<Channel>,
 }
 
-/// Samples that a hit needs at least: below that a spectrum has too few lines for any mode.
+/// Least number of samples of a hit: with fewer a spectrum has too few lines for any mode, and the hit is refused.
 const FEWEST: usize = 64;
 
 impl Hit {
@@ -60,14 +60,14 @@ impl Hit {
         self.force.samples.len()
     }
 
-    /// Largest deviation of the force from its median, with its sign taken off.
+    /// Largest magnitude of the force's deviation from its median.
     #[must_use]
     pub fn peak_force(&self) -> f64 {
         let zero = crate::number::median(&self.force.samples);
         self.force.samples.iter().map(|f| (f - zero).abs()).fold(0.0, f64::max)
     }
 
-    /// Interval, lengths and samples.
+    /// Checks interval, lengths and samples.
     ///
     /// # Errors
     /// [`Error::OutOfRange`] for the interval; [`Error::Refused`] for a hit without responses, channels of other lengths, too few
@@ -102,7 +102,7 @@ impl Hit {
             let finding = format!("{} samples, the force has {n}", x.len());
             return Err(Error::refused(place, finding, "record all channels together"));
         }
-        // All samples are looked at together first: nearly always all are finite.
+        // Whether all samples are finite is asked first, in one fast pass: nearly always they are.
         if !x.iter().fold(true, |all, v| all & v.is_finite())
             && let Some(index) = x.iter().position(|v| !v.is_finite())
         {

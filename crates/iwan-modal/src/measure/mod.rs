@@ -1,4 +1,4 @@
-//! What was measured: points with directions, one blow of the hammer with force and responses.
+//! What is measured: points with directions, one blow of the hammer with force and responses.
 
 mod freedom;
 mod hit;

@@ -2,11 +2,11 @@
 
 use crate::number::{Complex, complex, median};
 
-/// The force counts from where it leaves its noise by so many standard deviations: in 10⁶ samples of normal noise none does …
+/// The force counts from where it exceeds its noise by this many standard deviations: in 10⁶ samples of normal noise none does.
 const DEVIATIONS: f64 = 7.0;
-/// … and by this part of its largest value: what is below carries 1e-5 of the energy.
+/// The force must also exceed this fraction of its largest value: the part below carries 1e-5 of the energy.
 const PART: f64 = 5e-3;
-/// Samples on either side that stay, beside a quarter of the pulse's own length: the foot of the pulse and the filter's answer to it.
+/// Number of samples kept on either side, beside a quarter of the pulse's own length: the foot of the pulse and the filter's answer to it.
 const MARGIN: usize = 4;
 /// Root mean square of normal noise over its median magnitude.
 const NORMAL: f64 = 1.482_6;
@@ -16,16 +16,16 @@ const NORMAL: f64 = 1.482_6;
 pub struct Pulse {
     /// First sample that counts.
     pub start: usize,
-    /// Force from there on, its zero line taken off.
+    /// Force from there on, less its zero line.
     pub force: Vec<f64>,
-    /// Samples of the whole record.
+    /// Number of samples of the whole record.
     pub samples: usize,
     /// Sampling interval, s.
     pub dt: f64,
 }
 
 impl Pulse {
-    /// Cuts the pulse out of a record: the force window. With `whole`, nothing but the zero line is taken off.
+    /// Cuts the pulse out of a record (a force window) and subtracts the zero line. With `whole` only the zero line is subtracted.
     ///
     /// ```
     /// let mut force = vec![0.5; 400];
@@ -50,14 +50,14 @@ impl Pulse {
         Self { start, force: centred[start..=end].to_vec(), samples, dt }
     }
 
-    /// Force above which a sample belongs to the pulse.
+    /// Magnitude of the force above which a sample belongs to the pulse; `centred` is the force less its zero line.
     pub(crate) fn threshold(centred: &[f64]) -> f64 {
         let magnitudes: Vec<f64> = centred.iter().map(|f| f.abs()).collect();
         let peak = magnitudes.iter().copied().fold(0.0, f64::max);
         (DEVIATIONS * NORMAL * median(&magnitudes)).max(PART * peak)
     }
 
-    /// Laplace transform of the force at `s` (1/s), from the first sample of the record, and its derivative with respect to -s.
+    /// Laplace transform of the force at `s` (1/s), with time 0 at the first sample of the record, and its derivative with respect to -s.
     pub(crate) fn transform(&self, s: Complex) -> (Complex, Complex) {
         let turn = (-s * self.dt).exp();
         let mut factor = (-s * (self.start as f64 * self.dt)).exp() * self.dt;
@@ -70,7 +70,7 @@ impl Pulse {
         (sum, moment)
     }
 
-    /// The record that the pulse stands for, times e^(-decay t).
+    /// The whole record of the force, zero outside the pulse, times e^(-decay t).
     pub(crate) fn record(&self, decay: f64) -> Vec<f64> {
         let mut record = vec![0.0; self.samples];
         for (m, f) in self.force.iter().enumerate() {

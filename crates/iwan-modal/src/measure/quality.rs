@@ -1,4 +1,4 @@
-//! How good hits are: what is wrong with each is said, and left to the user.
+//! The quality of hits: what is wrong with each is reported, and what follows from it is left to the user.
 
 use std::fmt;
 
@@ -6,36 +6,36 @@ use super::cut::pulses;
 use super::hit::{Channel, Hit};
 use crate::number::{extent, median};
 
-/// A second pulse of this part of the first is a double hit: less changes responses by less than the spread of sensors.
+/// A second pulse of more than this fraction of the first makes a double hit: a smaller one changes responses by less than the spread of sensors.
 const DOUBLE: f64 = 0.02;
-/// Equal samples in a row at the largest or smallest value that count as overload, …
+/// Equal samples in a row at the largest or smallest value that count as overload.
 const RUN: usize = 3;
-/// … in so many places at least: a digitised crest can be flat once.
+/// Least number of places with such samples in an overloaded channel: a digitised crest can be flat once.
 const PLACES: usize = 2;
-/// Of a hammer, which has one crest, one run is enough that is this part of the samples above half of it: of a half sine digitised in 8 bits the crest is
-/// flat over a twelfth of them.
+/// A hammer's force has one crest, so that one run of equal samples is enough, if it is longer than this fraction of the samples above half the peak: of a half sine digitised
+/// in 8 bits the crest is flat over a twelfth of them.
 const CREST: f64 = 0.3;
-/// A response before the hit of this part of its peak is the decay of something else. Noise of 40 dB is below.
+/// A response before the hit of more than this fraction of its peak is the decay of an earlier motion. Noise of 40 dB is below.
 const MOVING: f64 = 0.05;
-/// Samples before the pulse at least: with fewer nothing can be said of what was there before, and the pulse's foot may be missing.
+/// Least number of samples before the pulse: with fewer nothing can be said of what was there before, and the pulse's foot may be missing.
 const BEFORE: usize = 8;
-/// Hits of one level differ by this factor at most; a gap of more begins the next level.
+/// Successive hits of one level, in the order of force, differ by less than this factor; a larger gap begins the next level.
 const LEVEL: f64 = 1.5;
 
 /// What is wrong with a hit.
 #[derive(Debug, Clone, PartialEq)]
 #[non_exhaustive]
 pub enum Fault {
-    /// The hammer came back.
+    /// The hammer bounced and hit a second time.
     DoubleHit {
-        /// s from the first sample.
+        /// Time of the second pulse, s from the first sample.
         time: f64,
-        /// Height over that of the first pulse.
+        /// Its height over that of the first pulse.
         part: f64,
     },
-    /// Samples stand at the end of the measuring range.
+    /// Samples of a channel stand at the end of its measuring range.
     Overload {
-        /// Channel.
+        /// Name of the channel.
         channel: String,
         /// The range, in the unit of the channel.
         level: f64,
@@ -47,14 +47,14 @@ pub enum Fault {
         /// Channel of the hammer.
         channel: String,
     },
-    /// The record begins with the hit.
+    /// The record begins with the hit, without samples before it.
     NoPretrigger {
         /// Samples before the pulse.
         samples: usize,
     },
-    /// A channel still moves when the hit comes: it came during the decay of the last one.
+    /// A channel still moves when the hit comes, because it came during the decay of the last one.
     StillMoving {
-        /// Channel that moves most, over its peak.
+        /// Name of the channel that moves most relative to its peak.
         channel: String,
         /// Largest value before the hit over the largest after it.
         part: f64,
@@ -132,7 +132,7 @@ fn overload(channel: &Channel) -> Option<Fault> {
             continue;
         }
         let run = x[from..].iter().take_while(|v| **v == x[from]).count();
-        // A zero line that never falls below zero is no range. Few channels have such a run: the median waits for one.
+        // A zero line below which a channel never falls is not the end of its range. Few channels have such a run, so the median is computed only when one does.
         if run >= RUN && x[from] != *zero.get_or_insert_with(|| median(x)) {
             (runs, samples) = (runs + 1, samples + run);
         }
@@ -142,7 +142,7 @@ fn overload(channel: &Channel) -> Option<Fault> {
     (runs >= PLACES).then(|| Fault::Overload { channel: channel.name.clone(), level, samples })
 }
 
-/// A hammer whose highest pulse is cut off.
+/// An overload of the hammer's channel where its highest pulse is cut off.
 fn flat_crest(force: &Channel) -> Option<Fault> {
     let x = &force.samples;
     let zero = median(x);
@@ -156,8 +156,9 @@ fn flat_crest(force: &Channel) -> Option<Fault> {
     flat.then(|| Fault::Overload { channel: force.name.clone(), level: x[at].abs(), samples: run })
 }
 
-/// Whether a channel is still before a sample without a doubt: its median, which costs more than all else, is then not needed. Where most samples lie neither
-/// below nor above a stretch, the median is in it; in the one looked at no zero line makes the begin larger than that part of the rest.
+/// Whether a channel is still before the sample `end` without a doubt; then its median, which costs more than all else, is not needed. The median lies within a stretch of
+/// values where fewer than half of the samples lie below the stretch and fewer than half above; within the stretch tested here no zero line makes the start larger than MOVING
+/// of the rest.
 fn surely_still(x: &[f64], end: usize) -> bool {
     let ((low, high), (least, most)) = (extent(&x[..end]), extent(&x[end..]));
     let within = 0.5 * MOVING * (most - least);
@@ -177,7 +178,7 @@ fn still_moving(hit: &Hit, end: usize) -> Option<Fault> {
     (part > MOVING).then(|| Fault::StillMoving { channel: channel.name.clone(), part })
 }
 
-/// Hits by level of force, the softest level first: indices of the hits. A level ends where the next harder hit is 1.5 times as hard.
+/// Indices of hits by level of force, the softest level first. A level ends where the next harder hit is at least 1.5 times as hard.
 ///
 /// ```
 /// let peaks = [50.0, 10.0, 55.0, 12.0, 200.0];
@@ -222,7 +223,7 @@ mod tests {
         if n < onset { 0.0 } else { (-2e-3 * (n - onset) as f64).exp() * (0.3 * (n - onset) as f64).sin() }
     }
 
-    /// Noise before the hit, on a zero line that is off: said from a twentieth of the peak on, with the short way past the median and without it.
+    /// Noise before the hit, on a zero line with an offset: reported from a twentieth of the peak on, both by the short way without the median and by the median.
     #[test]
     fn what_moves_before_the_hit_is_said_from_a_twentieth_of_the_peak_on() {
         let noise = |n: usize| f64::from(((n * 7919) % 1009) as u32) / 1009.0 - 0.5;
@@ -262,7 +263,7 @@ mod tests {
             "{:?}",
             faults(&cut_off)
         );
-        // Noise where the hammer should be.
+        // The channel of the hammer holds noise only.
         cut_off.force.samples = (0..2000).map(|n| f64::from((n * 7919) % 101 - 50)).collect();
         assert_eq!(faults(&cut_off), [Fault::NoPulse { channel: "hammer".into() }]);
         let late = faults(&hit(|n| decay(n, 3), 3));

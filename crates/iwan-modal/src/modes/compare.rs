@@ -1,4 +1,4 @@
-//! Shapes beside each other and by themselves.
+//! Measures of how alike two shapes are, and of how real one shape is.
 
 use crate::number::Complex;
 

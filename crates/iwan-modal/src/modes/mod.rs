@@ -1,4 +1,4 @@
-//! What poles and residues say about modes: mass-normalised shapes, how alike and how complex they are, reciprocity.
+//! Modes from poles and residues: mass-normalised shapes, how alike and how complex they are, reciprocity.
 
 mod compare;
 mod shape;

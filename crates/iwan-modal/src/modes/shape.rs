@@ -8,12 +8,12 @@ use crate::measure::Freedom;
 use crate::number::{Complex, I, complex};
 use crate::responses::{FrequencyResponses, Function};
 
-/// What the shapes of a fit are scaled by.
+/// How the shapes of a fit are scaled.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Scale {
-    /// By a point at which force and response were both measured: mass-normalised.
+    /// Mass-normalised, by a point at which force and response were both measured.
     DrivePoint,
-    /// No such point: the largest value is 1.
+    /// To a largest value of 1, where there is no such point.
     LargestIsOne,
 }
 
@@ -22,43 +22,43 @@ pub enum Scale {
 pub struct Mode {
     /// Pole, 1/s.
     pub pole: nalgebra::Complex<f64>,
-    /// |λ|/2π, Hz.
+    /// Natural frequency |λ|/2π, Hz.
     pub frequency: f64,
-    /// -Re λ/|λ|.
+    /// Damping ratio -Re λ/|λ|.
     pub damping_ratio: f64,
-    /// Standard deviation, Hz.
+    /// Standard deviation of the frequency, Hz.
     pub frequency_sd: f64,
-    /// Standard deviation.
+    /// Standard deviation of the damping ratio.
     pub damping_ratio_sd: f64,
-    /// Complex shape at the freedoms of the fit.
+    /// Complex shape, one value for each freedom of the fit.
     pub shape: Vec<nalgebra::Complex<f64>>,
-    /// Real shape: the complex one along its own line in the complex plane.
+    /// Real shape: the complex one projected onto the line in the complex plane along which it mainly lies.
     pub real_shape: Vec<f64>,
     /// Standard deviation of the real shape's values.
     pub shape_sd: Vec<f64>,
     /// Modal phase collinearity, 1 for a real shape.
     pub phase_collinearity: f64,
-    /// Cosine of the angle between the drive point's residue and that of a driven point that follows its force, 1 for real modes; -1 where a
+    /// Cosine of the angle between the drive point's residue and that of a point that moves with its force: 1 for real modes, -1 where a
     /// direction is reversed; none without a drive point.
     pub drive_phase: Option<f64>,
-    /// Factor by which the shape was stretched, where the begin of the decay gives another scale than all of it: the mode is not linear.
+    /// Factor by which the shape was stretched because the start of the decay gives another scale than the whole of it; the mode is then not linear. None where it was not.
     pub stretch: Option<f64>,
-    /// Largest difference between pairs that reciprocity makes equal, over the larger one; none where no pair was measured both ways.
+    /// Largest relative difference between pairs of response and force that reciprocity makes equal, over the larger one; none where no pair was measured both ways.
     pub reciprocity: Option<f64>,
 }
 
-/// Where the hammer hits, among the freedoms of the shapes; of several such points the first.
+/// The point that the hammer hits, among the freedoms of the shapes; the first one where there are several.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Drive {
     /// Index of the freedom.
     pub freedom: usize,
-    /// +1 where the freedom's direction is that of the force, -1 where it is against it.
+    /// +1 where the freedom's direction is that of the force, -1 where it is opposite.
     pub sign: f64,
-    /// Whether the hammer roved: the shape is that of the points of force, seen by one sensor.
+    /// Whether the hammer roved: the shape is then given at the points of force, as seen by one sensor.
     pub roving_hammer: bool,
 }
 
-/// Freedoms of the shapes, the channel names there, the scale, and the modes.
+/// Freedoms of the shapes, names of the channels there, scale, drive point, and the modes.
 pub(crate) struct Shapes {
     pub(crate) freedoms: Vec<Freedom>,
     pub(crate) names: Vec<String>,
@@ -67,7 +67,7 @@ pub(crate) struct Shapes {
     pub(crate) modes: Vec<Mode>,
 }
 
-/// Shapes from the residues of a fit; those poles that `inside` holds true for.
+/// Shapes from the residues of a fit, for the poles for which `inside` holds.
 pub(crate) fn modes(
     responses: &FrequencyResponses,
     fitted: &Fitted,
@@ -81,13 +81,13 @@ pub(crate) fn modes(
     Shapes { freedoms, names, scale, drive: pairs.drive(), modes }
 }
 
-/// Which function belongs to which row (response) and column (force) of a matrix of pairs.
+/// The functions as entries of a matrix, with rows for response freedoms and columns for force freedoms.
 struct Pairs {
     rows: Vec<Freedom>,
     columns: Vec<Freedom>,
     /// Row and column of each function.
     places: Vec<(usize, usize)>,
-    /// Row and column at the same point, and the sign between their directions.
+    /// Row and column of each pair at the same point, and the sign between their directions.
     drives: Vec<(usize, usize, f64)>,
 }
 
@@ -112,7 +112,7 @@ impl Pairs {
         Self { rows, columns, places, drives }
     }
 
-    /// Whether the shape is that of the points of force: a hammer that roves.
+    /// Whether the shape is given at the points of force, because the hammer roves.
     fn by_force(&self) -> bool {
         self.columns.len() > self.rows.len()
     }
@@ -120,12 +120,12 @@ impl Pairs {
     fn drive(&self) -> Option<Drive> {
         let (row, column, sign) = *self.drives.first()?;
         let roving_hammer = self.by_force();
-        // The points of force have the directions of the forces themselves.
+        // At the points of force the directions are those of the forces themselves.
         let (freedom, sign) = if roving_hammer { (column, 1.0) } else { (row, sign) };
         Some(Drive { freedom, sign, roving_hammer })
     }
 
-    /// Freedoms of the shape, and the names of the channels there: where two are called alike, or the hammer roves, the points.
+    /// Freedoms of the shape, and the names of the channels there; the names of the points where two channels have the same name, or the hammer roves.
     fn shape_side(&self, functions: &[Function]) -> (Vec<Freedom>, Vec<String>) {
         if self.by_force() {
             return (self.columns.clone(), self.columns.iter().map(Freedom::to_string).collect());
@@ -141,10 +141,10 @@ impl Pairs {
     }
 }
 
-/// Rounds of alternating least squares for two sides of a matrix of rank one: complete matrices need one, those with holes a few.
+/// Number of rounds of alternating least squares for the two factors of a matrix of rank one: complete matrices need one, those with missing entries a few.
 const ROUNDS: usize = 20;
 
-/// Values of rows and columns whose products are the residues of displacement over force.
+/// Values of rows and of columns whose products are the residues of displacement over force (`receptance`).
 fn sides(pairs: &Pairs, receptance: &[Complex]) -> (Vec<Complex>, Vec<Complex>) {
     let zero = complex(0.0, 0.0);
     let (mut u, mut v) = (vec![zero; pairs.rows.len()], vec![complex(1.0, 0.0); pairs.columns.len()]);
@@ -172,7 +172,7 @@ fn mode(responses: &FrequencyResponses, fitted: &Fitted, pairs: &Pairs, p: usize
     let factor = pole.powi(responses.motion.derivatives()).inv();
     let receptance: Vec<Complex> = fitted.residues[p].iter().map(|r| r * factor).collect();
     let (u, v) = sides(pairs, &receptance);
-    // α² makes φ_i φ_j / (2i ω_d) of u_i v_j: α u at the drive point is v/α there.
+    // With α² the products u_i v_j become φ_i φ_j / (2i ω_d): at the drive point α u equals v/α.
     let root = (2.0 * I * pole.im).sqrt();
     let (mut above, mut below) = (complex(0.0, 0.0), 0.0);
     for (i, j, sign) in &pairs.drives {
@@ -211,7 +211,7 @@ fn mode(responses: &FrequencyResponses, fitted: &Fitted, pairs: &Pairs, p: usize
     }
 }
 
-/// The shape with its largest value positive, along its own line in the complex plane, and the factor by which a shape without scale was stretched.
+/// The shape with its largest value positive, its real projection along its own line in the complex plane, and the factor by which a shape without a scale was stretched.
 fn oriented(mut shape: Vec<Complex>, free: bool) -> (Vec<Complex>, Vec<f64>, f64) {
     let square: Complex = shape.iter().map(|x| x * x).sum();
     let turn = Complex::from_polar(1.0, -0.5 * square.arg());
@@ -219,7 +219,7 @@ fn oriented(mut shape: Vec<Complex>, free: bool) -> (Vec<Complex>, Vec<f64>, f64
         shape.iter().copied().max_by(|a, b| a.norm().total_cmp(&b.norm())).unwrap_or(complex(1.0, 0.0));
     let sign = if (largest * turn).re < 0.0 { -1.0 } else { 1.0 };
     let stretch = if free { largest.norm().max(f64::MIN_POSITIVE).recip() } else { 1.0 };
-    // Mass-normalised complex shapes keep their phase: it belongs to the scale. Shapes without a scale are turned to the real line.
+    // Mass-normalised complex shapes keep their phase, which belongs to the scale. Shapes without a scale are turned to the real axis.
     let factor = if free { turn * sign * stretch } else { complex(sign, 0.0) };
     let real = shape.iter().map(|x| (x * turn).re * sign * stretch).collect();
     for x in &mut shape {
@@ -228,7 +228,7 @@ fn oriented(mut shape: Vec<Complex>, free: bool) -> (Vec<Complex>, Vec<f64>, f64
     (shape, real, stretch)
 }
 
-/// Of frequency (Hz) and damping ratio, from the covariance of the pole.
+/// Standard deviations of frequency (Hz) and damping ratio, from the covariance of the pole.
 fn deviations(pole: Complex, [re, im, both]: [f64; 3]) -> (f64, f64) {
     let size = pole.norm();
     let (a, b) = (pole.re / size, pole.im / size);
@@ -239,7 +239,7 @@ fn deviations(pole: Complex, [re, im, both]: [f64; 3]) -> (f64, f64) {
     (frequency, damping)
 }
 
-/// Of each value of the shape: its own residues', and that of the drive point's scale.
+/// Standard deviation of each value of the real shape: from the residues at its own freedom, and from that of the drive point through the scale.
 fn shape_deviations(
     fitted: &Fitted,
     pairs: &Pairs,
@@ -273,7 +273,7 @@ fn shape_deviations(
     real.iter().zip(&own).map(one).collect()
 }
 
-/// A real mode's residue at the drive point is φ²/(2i ω_d).
+/// Cosine of the phase at the drive point, where a real mode's residue is φ²/(2i ω_d); none without a drive point.
 fn drive_phase(pairs: &Pairs, receptance: &[Complex], pole: Complex) -> Option<f64> {
     let value = |(i, j, sign): &(usize, usize, f64)| {
         let k = pairs.places.iter().position(|place| place == &(*i, *j))?;
@@ -283,7 +283,7 @@ fn drive_phase(pairs: &Pairs, receptance: &[Complex], pole: Complex) -> Option<f
     (!pairs.drives.is_empty() && sum.norm() > 0.0).then(|| sum.re / sum.norm())
 }
 
-/// Pairs measured both ways: response at a and force at b, response at b and force at a.
+/// Largest relative difference of pairs measured both ways: response at a and force at b, response at b and force at a.
 fn reciprocity(pairs: &Pairs, receptance: &[Complex]) -> Option<f64> {
     let mut largest: Option<f64> = None;
     for (k, (i, j)) in pairs.places.iter().enumerate() {

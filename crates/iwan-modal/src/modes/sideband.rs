@@ -1,7 +1,7 @@
-//! Modes that are probably none: sidebands of a modulation.
+//! Modes that are probably not modes: sidebands of a modulation.
 //!
-//! A structure that sways on a soft suspension meets its modes at another stiffness, or its sensors at another angle, at each turn of the sway. A mode λ with
-//! the frequency modulated at ω by a motion that decays with σ has parts at λ - σ ± iω: of the mode's shape, weaker, no less damped, at one distance
+//! When a structure sways on a soft suspension, its modes have another stiffness, or its sensors another angle, at each instant of the sway. A mode λ whose
+//! frequency is modulated at ω by a motion that decays with σ has parts at λ - σ ± iω: they have the mode's shape, are weaker, no less damped, and stand at one distance
 //! on both sides of every mode. A fit takes them for modes.
 
 use std::f64::consts::TAU;
@@ -9,26 +9,26 @@ use std::f64::consts::TAU;
 use super::compare::mac;
 use crate::fit::Fitted;
 
-/// A sideband's peak is lower than this part of its mode's. A judgement: a modulation that turns the phase by one radian makes 0.58.
+/// A sideband's peak is lower than this fraction of its mode's peak. A judgement: a modulation that turns the phase by one radian makes 0.58.
 const LOWER: f64 = 0.5;
-/// It has the mode's shape by this modal assurance criterion: noise and the neighbours' sidebands disturb a weak peak.
+/// A sideband has the mode's shape, with at least this modal assurance criterion: noise and the neighbours' sidebands disturb a weak peak.
 const ALIKE: f64 = 0.9;
-/// It decays no slower than this part of the mode does. Noise may hide some of it.
+/// A sideband decays no slower than this fraction of the mode's decay. Noise may hide some of its decay.
 const DECAY: f64 = 0.8;
-/// It stands at most this part of the mode's frequency away: suspensions that count as soft are tuned to a tenth of the first mode or less (ISO 7626-5), and modes of strings and rods,
-/// which lie at equal distances too, are farther apart up to the tenth.
+/// A sideband stands at most this fraction of the mode's frequency away: suspensions that count as soft are tuned to a tenth of the first mode or less (ISO 7626-5), and modes
+/// of strings and rods, which lie at equal distances too, are farther apart up to the tenth mode.
 const REACH: f64 = 0.1;
-/// It stands at least this many sums of both decays away: nearer, it is a second half of the mode's own peak.
+/// A sideband stands at least this many sums of both decays away: a nearer one is a second half of the mode's own peak.
 const APART: f64 = 1.25;
-/// Its place is uncertain by this part of its half-power half width, for it is no pure exponential, …
+/// The place of a sideband is uncertain by this fraction of its half-power half width, because it is no pure exponential.
 const WIDTH: f64 = 0.5;
-/// … and by this many standard deviations, …
+/// Its place is also uncertain by this many standard deviations.
 const DEVIATIONS: f64 = 2.0;
-/// … together at most this part of its distance: what is less certain stands at many distances.
+/// Both together are at most this fraction of its distance: a less certain sideband would fit many distances.
 const CERTAIN: f64 = 0.25;
-/// Modes with sidebands on both sides that a modulation needs at least: two neighbours at one distance stand about one mode by chance.
+/// Least number of modes with sidebands on both sides: two neighbours at one distance stand about one mode by chance.
 const BOTH_SIDES: usize = 2;
-/// Probability with which as many modes stand at one distance by chance, at most.
+/// Largest probability with which as many modes stand at one distance by chance.
 const BY_CHANCE: f64 = 0.01;
 
 /// A mode that is probably a sideband of another.
@@ -45,7 +45,7 @@ pub struct Sideband {
 pub struct Sidebands {
     /// Frequency of the modulation, Hz.
     pub frequency: f64,
-    /// By ascending frequency.
+    /// The sidebands, by the index (and so the frequency) of their modes.
     pub all: Vec<Sideband>,
 }
 
@@ -54,22 +54,22 @@ pub struct Sidebands {
 struct Beside {
     mode: usize,
     of: usize,
-    /// Hz, below zero on the lower side.
+    /// Distance in frequency, Hz; negative below the stronger mode.
     distance: f64,
-    /// How far it may be off, Hz.
+    /// Uncertainty of that distance, Hz.
     uncertain: f64,
-    /// Distances that would have counted, Hz.
+    /// Width of the range of distances that would have counted, Hz.
     room: f64,
 }
 
-/// The modulation at whose distance most weaker modes stand beside stronger ones; none where chance does as much.
+/// The modulation at whose distance most weaker modes stand beside stronger ones, among the poles `chosen`; none where chance does as much.
 pub(crate) fn sidebands(fitted: &Fitted, chosen: &[usize]) -> Option<Sidebands> {
     let pairs = pairs(fitted, chosen);
     let at = |d: f64| -> Vec<Beside> {
         pairs.iter().copied().filter(|p| (p.distance.abs() - d).abs() < p.uncertain).collect()
     };
     let all = pairs.iter().map(|p| at(p.distance.abs())).max_by_key(Vec::len)?;
-    // The middle of all, each as certain as it is, counts again.
+    // The mean of all distances, weighted by their certainty, is the one at which they are counted again.
     let weight = |p: &Beside| p.uncertain.powi(-2);
     let sum: f64 = all.iter().map(|p| weight(p) * p.distance.abs()).sum();
     let frequency = sum / all.iter().map(weight).sum::<f64>();
@@ -82,7 +82,7 @@ pub(crate) fn sidebands(fitted: &Fitted, chosen: &[usize]) -> Option<Sidebands> 
         return None;
     }
     let place = |p: usize| chosen.iter().position(|q| *q == p);
-    // The sideband of a sideband is one of its mode too, at twice the distance. Each step leads to a higher peak.
+    // A sideband of a sideband also belongs to the mode, at twice the distance. Each step leads to a higher peak.
     let mode_of = |mut of: usize| {
         while let Some(next) = all.iter().find(|p| p.mode == of) {
             of = next.of;
@@ -91,17 +91,17 @@ pub(crate) fn sidebands(fitted: &Fitted, chosen: &[usize]) -> Option<Sidebands> 
     };
     let one = |p: &Beside| {
         let of = mode_of(p.of);
-        // From a sideband back to its mode: a second half of the mode's own peak.
+        // One that leads from a sideband back to its mode is a second half of the mode's own peak.
         apart(fitted, p.mode, of).then_some(Sideband { mode: place(p.mode)?, of: place(of)? })
     };
     let mut all: Vec<Sideband> = all.iter().filter_map(one).collect();
-    // One between two modes is named once.
+    // A sideband between two modes is named once.
     all.sort_by_key(|s| s.mode);
     all.dedup_by_key(|s| s.mode);
     Some(Sidebands { frequency, all })
 }
 
-/// Every mode of those `chosen` beside every stronger one that it might be a sideband of.
+/// Every mode of those `chosen`, paired with every stronger one of which it might be a sideband.
 fn pairs(fitted: &Fitted, chosen: &[usize]) -> Vec<Beside> {
     let decay = |p: usize| -fitted.poles[p].re;
     let height = |p: usize| {
@@ -111,7 +111,7 @@ fn pairs(fitted: &Fitted, chosen: &[usize]) -> Vec<Beside> {
     let heights: Vec<f64> = chosen.iter().map(|p| height(*p)).collect();
     let mut pairs = Vec::new();
     for (k, &of) in chosen.iter().enumerate() {
-        // A second half of a stronger peak has no sidebands of its own.
+        // A mode that is a second half of a stronger peak has no sidebands of its own.
         if (0..chosen.len()).any(|q| heights[q] > heights[k] && !apart(fitted, of, chosen[q])) {
             continue;
         }
@@ -134,13 +134,13 @@ fn pairs(fitted: &Fitted, chosen: &[usize]) -> Vec<Beside> {
     pairs
 }
 
-/// Whether two poles stand far enough from each other to be two peaks.
+/// Whether two poles are far enough from each other to be two peaks.
 fn apart(fitted: &Fitted, p: usize, q: usize) -> bool {
     let (a, b) = (fitted.poles[p], fitted.poles[q]);
     (a - b).norm() > APART * (a.re + b.re).abs()
 }
 
-/// Probability that a Poisson distributed number of this mean is so large or larger.
+/// Probability that a Poisson distributed number with this mean is `count` or larger.
 fn at_least(count: usize, mean: f64) -> f64 {
     let (mut term, mut below) = ((-mean).exp(), 0.0);
     for n in 0..count {

@@ -1,4 +1,4 @@
-//! The stabilisation chart, and what stays in it.
+//! The stabilisation chart, and the poles that stay in it.
 
 use super::polynomial::Denominator;
 use crate::error::{Error, check};
@@ -7,18 +7,18 @@ use crate::measure::Freedom;
 use crate::number::Complex;
 use crate::responses::FrequencyResponses;
 
-/// A pole stays from one order to the next when its frequency moves by less than this part of it …
+/// A pole stays from one order to the next where its frequency moves by less than the sum of three terms. The first is this fraction of the frequency.
 const FREQUENCY: f64 = 1e-3;
-/// … beside this part of the decay …
+/// The second term is this fraction of the decay.
 const DECAY: f64 = 0.4;
-/// … and this part of the distance of lines.
+/// The third term is this fraction of the distance of lines.
 const LINE: f64 = 0.2;
-/// Its damping stays within this part of itself. Common charts allow 5 %; light damping between the lines is found less well than that by
-/// the polynomials, and much better by the fit that follows.
+/// The damping of a pole that stays changes by less than this fraction. Common charts allow 5 %; but the polynomials find light damping between the lines less well than that,
+/// and the fit that follows finds it much better.
 const DAMPING: f64 = 0.5;
-/// Damping ratio of a mode at most: above that, a peak is no peak.
+/// Largest damping ratio of a mode: beyond it there is no peak.
 const HIGHEST_DAMPING: f64 = 0.2;
-/// A candidate stays over this part of the upper half of the orders. Less lets in poles of noise, which the fit then has to throw out; more loses
+/// A candidate stays over at least this fraction of the upper half of the orders. A smaller value lets in poles of noise, which the fit then has to throw out; a larger one loses
 /// weak modes, which have to be found again in what the fit leaves.
 const STAYS: f64 = 0.6;
 
@@ -31,25 +31,25 @@ pub struct ChartPole {
     pub frequency: f64,
     /// Ratio of critical damping.
     pub damping_ratio: f64,
-    /// Whether frequency and damping stay as at the order before.
+    /// Whether frequency and damping stay as they were at the order before.
     pub stable: bool,
 }
 
-/// A pole that stays.
+/// A pole that stays over most orders.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Candidate {
     /// Pole, 1/s.
     pub pole: nalgebra::Complex<f64>,
-    /// Part of the upper half of the orders at which it is there.
+    /// Fraction of the upper half of the orders at which the pole is found.
     pub stays: f64,
 }
 
-/// Poles of all orders, and those that stay.
+/// The poles of all orders, and those that stay.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Stabilisation {
-    /// Every pole that decays, order by order.
+    /// Every pole that decays and has a damping ratio of at most 0.2, order by order.
     pub poles: Vec<ChartPole>,
-    /// Those that stay, by ascending frequency.
+    /// The poles that stay, by ascending frequency.
     pub candidates: Vec<Candidate>,
 }
 
@@ -73,12 +73,12 @@ pub(crate) fn chart(band: &Band, highest: usize) -> Result<Stabilisation, Error>
     let matrix = matrix(band.responses);
     let orders: Vec<usize> = (2..=highest).step_by(2).collect();
     let found = Denominator::new(band, &matrix, &orders)?.poles();
-    // With an exponential window the responses are those at iω + decay, and so is what was found.
+    // With an exponential window the responses are those at iω + decay, and so are the poles found.
     let true_poles = |all: &Vec<Complex>| all.iter().map(|p| *p + band.responses.decay).collect();
     Ok(charted(&orders, &found.iter().map(true_poles).collect::<Vec<_>>(), band.responses.step))
 }
 
-/// The chart of poles that were found at each order; `step` is the distance of lines that the records' length allows, Hz.
+/// The chart of the poles found at each order; `step` is the distance of lines that the records' length allows, Hz.
 pub(super) fn charted(orders: &[usize], found: &[Vec<Complex>], step: f64) -> Stabilisation {
     let reach = LINE * std::f64::consts::TAU * step;
     let usable = |p: &&Complex| p.re < 0.0 && -p.re <= HIGHEST_DAMPING * p.norm();
@@ -95,7 +95,7 @@ pub(super) fn charted(orders: &[usize], found: &[Vec<Complex>], step: f64) -> St
     Stabilisation { poles, candidates: candidates(&found, reach) }
 }
 
-/// Responses of each output to all references; where pairs are missing, each response by itself with one denominator for all.
+/// For each output the indices of its responses to all references; where pairs are missing, each response by itself, with one denominator for all.
 fn matrix(responses: &FrequencyResponses) -> Vec<Vec<usize>> {
     let f = &responses.functions;
     let mut forces: Vec<_> = f.iter().map(|f| &f.force).collect();
@@ -104,7 +104,7 @@ fn matrix(responses: &FrequencyResponses) -> Vec<Vec<usize>> {
         list.sort();
         list.dedup();
     }
-    // Few against many: references are what there is less of, be it forces or sensors.
+    // The references are the fewer of the two, forces or sensors.
     let roving_hammer = forces.len() > outputs.len();
     if roving_hammer {
         std::mem::swap(&mut forces, &mut outputs);
@@ -125,7 +125,7 @@ fn same(p: Complex, q: Complex, reach: f64) -> bool {
     (p.im - q.im).abs() < near && (p.re / q.re).max(q.re / p.re) < 1.0 + DAMPING
 }
 
-/// Poles of the highest orders that are there at most of the orders below, down to half the highest.
+/// Poles of the higher orders that are also found at most orders below, down to half the highest.
 fn candidates(found: &[Vec<Complex>], reach: f64) -> Vec<Candidate> {
     let upper = &found[found.len() / 2..];
     let mut candidates: Vec<Candidate> = Vec::new();
@@ -155,7 +155,7 @@ fn candidates(found: &[Vec<Complex>], reach: f64) -> Vec<Candidate> {
     candidates
 }
 
-/// Median of frequency and of decay.
+/// A pole with the median frequency and the median decay.
 fn middle(members: &[Complex]) -> Complex {
     let part = |f: fn(&Complex) -> f64| crate::number::median(&members.iter().map(f).collect::<Vec<_>>());
     crate::number::complex(part(|p| p.re), part(|p| p.im))

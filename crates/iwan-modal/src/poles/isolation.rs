@@ -7,31 +7,31 @@ use crate::fit::{Band, Fitted, Linear, least_worth, left_over, twins, worth};
 use crate::number::Complex;
 use crate::responses::FrequencyResponses;
 
-/// Peaks in a row that prove to be no modes, after which the search ends: the strongest come first.
+/// Number of successive peaks that prove to be no modes after which the search ends: the strongest peaks come first.
 const IN_VAIN: usize = 3;
 
-/// One mode taken off.
+/// One mode that mode isolation found.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Step {
     /// Pole when it was isolated, 1/s.
     pub pole: nalgebra::Complex<f64>,
-    /// Height of its peak over the lines around it, in what the modes before it had left.
+    /// Height of its peak over the lines around it, in what the modes found before it had left.
     pub height: f64,
-    /// Root mean square of what is left with it over that of the responses.
+    /// Root mean square of the residuals with this mode over that of the responses.
     pub left: f64,
 }
 
-/// Modes one after another.
+/// Modes found one after another.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Isolation {
-    /// In the order in which they were found.
+    /// The steps, in the order in which modes were found.
     pub steps: Vec<Step>,
     /// Poles after all were refined together, 1/s, by ascending frequency.
     pub poles: Vec<nalgebra::Complex<f64>>,
 }
 
-/// Takes at most `most` modes off the responses between the edges (Hz), one after another, the strongest peak of the composite first, and
-/// refines all of them together after each.
+/// Takes at most `most` modes off the responses between the edges (Hz), one after another, the strongest peak of the composite first; all modes found so far are refined
+/// together after each.
 ///
 /// # Errors
 /// [`Error::OutOfRange`] for the band and for `most` (1 to 100); [`Error::Refused`] where two modes cannot be told apart.
@@ -40,7 +40,7 @@ pub fn isolate(responses: &FrequencyResponses, edges: (f64, f64), most: usize) -
     isolation(&Band::new(responses, edges)?, Vec::new(), most)
 }
 
-/// From modes that are known already.
+/// Mode isolation that starts from `poles` that are known already.
 pub(crate) fn isolation(band: &Band, mut poles: Vec<Complex>, most: usize) -> Result<Isolation, Error> {
     let (mut steps, mut passed) = (Vec::new(), Vec::new());
     let mut linear = Linear::new(band, &poles, false)?;

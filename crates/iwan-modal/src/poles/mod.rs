@@ -1,7 +1,7 @@
-//! Where the modes are: candidates for poles, by ways that know nothing of each other.
+//! Candidates for poles, found in several ways that are independent of each other.
 //!
-//! Least-squares complex frequency fits one rational function of many orders and looks for poles that stay; mode isolation takes one
-//! mode after another off the composite response; subspaces read poles off the samples of free decays.
+//! Least-squares complex frequency fits rational functions of many orders and looks for poles that stay from order to order; mode isolation takes one
+//! mode after another off the composite response; subspaces find poles from the samples of free decays.
 
 mod polynomial;
 mod chart;

@@ -11,20 +11,20 @@ use crate::error::Error;
 use crate::fit::Band;
 use crate::number::{Complex, complex};
 
-/// What the denominators of all orders follow from.
+/// Reduced normal equations from which the denominators of all orders follow.
 pub(super) struct Denominator {
-    /// Number of references: the blocks' size.
+    /// Number of references, which is the size of the blocks.
     references: usize,
-    /// Sums over all outputs of T - Sᵀ R⁻¹ S for each order asked for, in their order. R⁻¹ of a lower order is not a part of that of a higher one, but the leading
-    /// rows of L⁻¹ S are (R = L Lᵀ): from one order to the next the sum grows by the products of two rows.
+    /// For each order asked for, the sum over all outputs of T - Sᵀ R⁻¹ S. R⁻¹ of a lower order is not a part of that of a higher one, but the leading
+    /// rows of L⁻¹ S are (R = L Lᵀ): from one order to the next the sum changes by the products of the new rows.
     normal: Vec<DMatrix<f64>>,
-    /// Lowest frequency, Hz, and interval whose half sampling rate is the width of the band, s.
+    /// Lowest frequency of the band, Hz, and (`interval`) the sampling interval whose Nyquist frequency is the width of the band, s.
     low: f64,
     interval: f64,
 }
 
 impl Denominator {
-    /// From responses in a band, for ascending orders; `matrix[output]` are the responses of one output to all references.
+    /// The equations of responses in a band, for ascending orders; `matrix[output]` are the indices of the responses of one output to all references.
     pub(super) fn new(band: &Band, matrix: &[Vec<usize>], orders: &[usize]) -> Result<Self, Error> {
         let highest = orders.last().copied().unwrap_or(0);
         let noise = band.noise();
@@ -58,7 +58,7 @@ impl Denominator {
             lower.solve_lower_triangular(&cross).unwrap_or_else(|| DMatrix::zeros(highest + 1, side))
         };
         let reduced: Vec<DMatrix<f64>> = matrix.par_iter().map(reduced).collect();
-        // The other sum is linear in the products of responses: one transform serves all outputs.
+        // The sum of T is linear in the products of responses, so that one transform serves all outputs.
         let mut moments = DMatrix::zeros(side, side);
         for l in 0..references {
             for m in 0..references {
@@ -77,8 +77,8 @@ impl Denominator {
         Ok(Self { references, normal, low, interval: 0.5 / (high - low) })
     }
 
-    /// Poles (1/s, upper half plane, decaying) of the denominator of each order. Its last coefficient is one: then poles that noise
-    /// makes grow instead of decaying, and are left out here.
+    /// Poles (1/s, upper half plane, decaying) of the denominator of each order. Its last coefficient is fixed to one: poles that noise makes
+    /// then grow instead of decaying, and are left out here.
     pub(super) fn poles(&self) -> Vec<Vec<Complex>> {
         self.normal.par_iter().map(|normal| self.of(normal)).collect()
     }
@@ -90,7 +90,7 @@ impl Denominator {
         let left = normal.view((0, 0), (free, free)).into_owned();
         let right = -normal.view((0, free), (free, n)).into_owned();
         let Some(coefficients) = solve(&left, right) else { return Vec::new() };
-        // z^order = -Σ A_j z^j: rows of the companion matrix are blocks.
+        // z^order = -Σ A_j z^j; the rows of the companion matrix are blocks.
         let mut companion = DMatrix::zeros(free, free);
         for j in 0..order {
             for a in 0..n {
@@ -105,7 +105,7 @@ impl Denominator {
         companion.complex_eigenvalues().iter().filter_map(|z| self.pole(*z)).collect()
     }
 
-    /// The pole behind a root z = e^(-(s - s_low) Δ).
+    /// The pole that belongs to a root z = e^(-(s - s_low) Δ), with Δ the interval; none where it grows or lies outside the band.
     fn pole(&self, z: Complex) -> Option<Complex> {
         let log = -z.ln();
         let inside = z.norm() > 1.0 && (0.0..=PI).contains(&log.im);
@@ -113,7 +113,7 @@ impl Denominator {
     }
 }
 
-/// The sums of T - Sᵀ R⁻¹ S for each of the ascending orders, from the sum of T and L⁻¹ S of each output.
+/// The sums of T - Sᵀ R⁻¹ S for each of the ascending orders, from the sum of T over all outputs and from L⁻¹ S of each output.
 fn normal(
     mut sum: DMatrix<f64>,
     reduced: &[DMatrix<f64>],
@@ -143,28 +143,28 @@ fn solve(left: &DMatrix<f64>, right: DMatrix<f64>) -> Option<DMatrix<f64>> {
     let scaled = DMatrix::from_fn(n, n, |i, j| left[(i, j)] * scale[i] * scale[j]);
     let mut b = right;
     scale.iter().enumerate().for_each(|(i, s)| b.row_mut(i).scale_mut(*s));
-    // Without noise the matrix is singular above the true order: then the plain solution is of no use, and none is given.
+    // Without noise the matrix is singular above the true order; the solution is then of no use, and none is returned.
     let mut x = scaled.lu().solve(&b)?;
     scale.iter().enumerate().for_each(|(i, s)| x.row_mut(i).scale_mut(*s));
     x.iter().all(|v| v.is_finite()).then_some(x)
 }
 
-/// Real parts of Σ x_k z_k^m for |m| up to an order, z_k = e^(-iπ k/(lines - 1)).
+/// Real parts of Σ x_k z_k^m for all |m| up to an order, with z_k = e^(-iπ k/(lines - 1)).
 struct Lags {
-    /// From 0 upwards.
+    /// For m from 0 upwards.
     forward: Vec<f64>,
-    /// From 0 downwards.
+    /// For m from 0 downwards.
     backward: Vec<f64>,
 }
 
 impl Lags {
-    /// Entry of the Toeplitz matrix with conj(z^i) z^j.
+    /// Entry of the Toeplitz matrix that belongs to conj(z^i) z^j.
     fn at(&self, i: usize, j: usize) -> f64 {
         if j >= i { self.forward[j - i] } else { self.backward[i - j] }
     }
 }
 
-/// `transform` is of the length 2 (lines - 1).
+/// The sums for the values `x` at the lines, by `transform`, which has the length 2 (lines - 1).
 fn lags(x: &[Complex], highest: usize, transform: &dyn Fft<f64>) -> Lags {
     let length = transform.len();
     let mut buffer = x.to_vec();

@@ -1,4 +1,4 @@
-//! The strongest peak of what is left of responses, and the pole under it.
+//! The strongest peak of the residuals of responses, and the pole under it.
 
 use std::f64::consts::TAU;
 
@@ -7,17 +7,17 @@ use nalgebra::DMatrix;
 use crate::fit::{Band, at};
 use crate::number::{Complex, complex, median};
 
-/// A peak is worth a trial when it is this many times the median of the lines around it; whether it is a mode, the fit of one tells.
+/// A peak is tried as a mode when it is at least this many times the median of the lines around it; the fit decides whether it is one.
 const HEIGHT: f64 = 2.0;
-/// Part of the band on either side from which that median is taken: a damped peak may be a good part of it wide.
+/// Fraction of the band on either side over which that median is taken: a damped peak may be a good part of it wide.
 const AROUND: f64 = 0.125;
-/// The pole is looked for among lines in which the composite is above this part of the peak …
+/// The pole is found from the lines around the peak in which the composite is above this fraction of the peak.
 const FOOT: f64 = 0.25;
-/// … and among so many on either side at least, …
+/// Least number of such lines on either side.
 const LEAST: usize = 4;
-/// … at most so many.
+/// Largest number of such lines on either side.
 const MOST: usize = 200;
-/// Rounds of weighing lines by the distance from the pole (C. Sanathanan, J. Koerner, IEEE Trans. Automatic Control 8:56, 1963).
+/// Number of rounds in which lines are weighted by the inverse of their distance from the pole (C. Sanathanan, J. Koerner, IEEE Trans. Automatic Control 8:56, 1963).
 const ROUNDS: usize = 6;
 
 /// A peak of a composite response.
@@ -29,7 +29,7 @@ pub(super) struct Peak {
     pub(super) height: f64,
 }
 
-/// The strongest peak of `rest` (as the band's values stand), lines in `passed` left out; responses weighted by their noise.
+/// The strongest peak of `rest`, which is arranged as the band's values; lines near the frequencies in `passed` (Hz) are left out, and responses are weighted by their noise.
 pub(super) fn strongest_peak(
     band: &Band,
     rest: &DMatrix<f64>,
@@ -65,7 +65,7 @@ pub(super) fn strongest_peak(
     Some(Peak { pole, height })
 }
 
-/// One pole for all responses: s H = λ H + c0 + c1 s + c2 s², the polynomial different for each response.
+/// One pole λ for all responses H, from s H = λ H + c0 + c1 s + c2 s², with another polynomial for each response.
 fn pole(
     band: &Band,
     rest: &DMatrix<f64>,
@@ -95,12 +95,12 @@ fn pole(
         pole.re = pole.re.min(decay - 1e-4 * width);
     }
     let inside = pole.im >= band.s[first].im && pole.im <= band.s[last].im;
-    // A window's decay is no damping.
+    // The decay of an exponential window is no damping.
     let least = -1e-6 * pole.im;
     inside.then(|| complex(pole.re.min(least), pole.im))
 }
 
-/// Weighted 1, x, x² over the lines, orthonormal.
+/// Orthonormal basis of the weighted polynomials 1, x, x² over the lines.
 fn orthonormal(band: &Band, weight: &[f64], first: usize) -> Vec<Vec<Complex>> {
     let (count, middle) = (weight.len(), first + weight.len() / 2);
     let scale = (band.s[first + count - 1] - band.s[first]).norm();
@@ -117,7 +117,7 @@ fn orthonormal(band: &Band, weight: &[f64], first: usize) -> Vec<Vec<Complex>> {
     basis
 }
 
-/// What is left of a column when the basis is taken off.
+/// A column without its part in the space of the basis.
 fn freed(mut column: Vec<Complex>, basis: &[Vec<Complex>]) -> Vec<Complex> {
     for unit in basis {
         let part: Complex = unit.iter().zip(&column).map(|(u, x)| u.conj() * x).sum();

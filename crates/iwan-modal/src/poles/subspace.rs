@@ -13,21 +13,21 @@ use crate::measure::Channel;
 use crate::number::Complex;
 use crate::responses::common_length;
 
-/// The channels are combined to at most so many patterns, those of the most energy: more rows in time tell close modes better than more
-/// patterns than there are modes in a band.
+/// Largest number of combinations of channels; those of the most energy are taken. More rows in time tell close modes apart better than more
+/// combinations than there are modes in a band.
 const PATTERNS: usize = 16;
-/// Rows of the Hankel matrix at most: its products cost the square, their eigenvectors the cube.
+/// Largest number of rows of the Hankel matrix: its products cost the square of it, their eigenvectors the cube.
 const ROWS: usize = 320;
-/// Rows for each order at least.
+/// Least number of rows for each order.
 const ROWS_A_POLE: usize = 2;
-/// Samples are thinned to this many times the band's upper edge: what folds back then lies above the band by more than the filter needs.
+/// Sampling rate after thinning over the band's upper edge: what folds back then lies above the band by more than the filter needs.
 const RATE: f64 = 3.2;
-/// Taps of the low-pass before thinning for each sample that is kept, on either side. A Blackman window of that length falls by 70 dB within
+/// Number of taps of the low-pass before thinning, for each sample that is kept, on either side. A Blackman window of that length falls by 70 dB within
 /// RATE - 2 times the band's edge.
 const TAPS: usize = 8;
 
 /// The stabilisation chart of free decays, each a set of channels sampled together every `dt` seconds: poles between the edges (Hz) of
-/// realizations of all orders up to `highest`. Feed its candidates to [`Analysis::From`](crate::Analysis::From) for modes with shapes and standard
+/// realizations of all even orders up to `highest`. Its candidates, given to [`Analysis::From`](crate::Analysis::From), lead to modes with shapes and standard
 /// deviations.
 ///
 /// # Errors
@@ -76,10 +76,10 @@ pub fn subspace(
     Ok(charted(&orders, &found, 1.0 / (samples as f64 * dt)))
 }
 
-/// Every `stride`-th sample behind a low-pass without a memory beyond its taps: what it gives is a sum of the same decays.
+/// Every `stride`-th sample behind a low-pass that has no memory beyond its taps, so that its output is a sum of the same decays.
 fn thinned(channels: &[Channel], stride: usize, edge: f64) -> Vec<Vec<f64>> {
     let reach = if stride == 1 { 0 } else { TAPS * stride };
-    // Half way between the band's edge and what folds onto it.
+    // Half way between the band's edge and what folds onto it: the Nyquist frequency after thinning.
     let cut = if stride == 1 { 0.5 } else { 0.5 / stride as f64 };
     let tap = |k: usize| {
         let x = k as f64 - reach as f64;
@@ -99,7 +99,7 @@ fn thinned(channels: &[Channel], stride: usize, edge: f64) -> Vec<Vec<f64>> {
     channels.par_iter().map(one).collect()
 }
 
-/// Combinations of the channels of most energy, one in each column.
+/// The combinations of the channels with the most energy, one in each column.
 fn patterns(decays: &[Vec<Vec<f64>>]) -> DMatrix<f64> {
     let count = decays[0].len();
     let product = |i: usize, j: usize| -> f64 {
@@ -113,14 +113,14 @@ fn patterns(decays: &[Vec<Vec<f64>>]) -> DMatrix<f64> {
     DMatrix::from_fn(count, PATTERNS, |i, j| eigen.eigenvectors[(i, order[j])])
 }
 
-/// Indices from the largest value to the smallest.
+/// Indices of the values in descending order.
 fn by_size(values: &[f64]) -> Vec<usize> {
     let mut order: Vec<usize> = (0..values.len()).collect();
     order.sort_by(|a, b| values[*b].total_cmp(&values[*a]));
     order
 }
 
-/// H Hᵀ of the Hankel matrices of all decays, `blocks` samples in each column.
+/// Sum of H Hᵀ over the Hankel matrices H of all decays, with `blocks` successive samples in each column.
 fn products(decays: &[Vec<Vec<f64>>], patterns: &DMatrix<f64>, blocks: usize) -> DMatrix<f64> {
     let width = patterns.ncols();
     let side = blocks * width;
@@ -130,7 +130,7 @@ fn products(decays: &[Vec<Vec<f64>>], patterns: &DMatrix<f64>, blocks: usize) ->
         let columns = samples + 1 - blocks;
         let channels = DMatrix::from_fn(samples, decay.len(), |n, c| decay[c][n]);
         let combined = channels * patterns;
-        // Lag by lag: the product of two shifted stretches differs from that one sample earlier by what enters and what leaves.
+        // Lag by lag: the product of two stretches differs from that one sample earlier by the sample that enters and the one that leaves.
         for lag in 0..blocks {
             let mut block = combined.rows(0, columns).tr_mul(&combined.rows(lag, columns));
             for i in 0..blocks - lag {
@@ -152,9 +152,9 @@ fn products(decays: &[Vec<Vec<f64>>], patterns: &DMatrix<f64>, blocks: usize) ->
     sum
 }
 
-/// The signal's subspace, and how it goes on by one sample.
+/// The subspace of the signal, and its shift by one sample.
 struct Shift {
-    /// U₁ᵀ U₁ and U₁ᵀ U₂ with U₁ all but the last block of rows and U₂ all but the first; their leading parts serve all orders.
+    /// U₁ᵀ U₁ and U₁ᵀ U₂, where U₁ is the basis without its last block of rows and U₂ without its first; their leading parts serve all orders.
     own: DMatrix<f64>,
     cross: DMatrix<f64>,
 }
@@ -169,7 +169,7 @@ impl Shift {
         Self { own: first.tr_mul(&first), cross: first.tr_mul(&second) }
     }
 
-    /// Eigenvalues of the realization of order `n`; none where the subspace carries none.
+    /// Eigenvalues of the realization of order `n`; an empty list where the subspace carries none.
     fn eigenvalues(&self, n: usize) -> Vec<Complex> {
         let own = self.own.view((0, 0), (n, n)).into_owned();
         let Some(factor) = Cholesky::new(own) else { return Vec::new() };

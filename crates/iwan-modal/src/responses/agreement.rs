@@ -12,20 +12,20 @@ use crate::error::Error;
 use crate::measure::{Hit, Pulse};
 use crate::number::{Complex, complex};
 
-/// Lines count up to where the force's spectrum falls below this part of its largest value.
+/// Lines are compared up to where the force's spectrum falls below this fraction of its largest value.
 const FORCE_LEFT: f64 = 0.03;
-/// Correlation with the same channel of the other hits below which a channel is looked at: noise of 0 dB on both gives 0.5, a mode that moves
+/// A channel is looked at where its correlation with the same channel of the other hits is below this: noise of 0 dB on both gives 0.5, a mode that moves
 /// by its own width from hit to hit 0.7.
 const UNLIKE: f64 = 0.7;
-/// Correlation with another channel from which it is that one. A judgement: neighbours on a structure may be that alike, and are told apart
-/// because they are then alike themselves.
+/// A channel is another one where its correlation with that one is above this. A judgement: neighbours on a structure may be that alike, and are told apart
+/// because they are then above UNLIKE with themselves as well.
 const ALIKE: f64 = 0.9;
 
-/// A channel of a hit that does not go with the other hits.
+/// A channel of a hit, or a mode, that does not agree with the other hits.
 #[derive(Debug, Clone, PartialEq)]
 #[non_exhaustive]
 pub enum Disagreement {
-    /// Two channels are changed over.
+    /// Two channels are swapped.
     Swapped {
         /// Name of the hit.
         hit: String,
@@ -34,7 +34,7 @@ pub enum Disagreement {
         /// Name of another hit.
         other: String,
     },
-    /// A channel has the opposite sign.
+    /// A channel has the opposite sign of the same channel in the other hits.
     Reversed {
         /// Name of the hit.
         hit: String,
@@ -43,7 +43,7 @@ pub enum Disagreement {
         /// Name of another hit.
         other: String,
     },
-    /// A mode does not stand at the same frequency.
+    /// A mode has different frequencies in two hits.
     Shifted {
         /// Names of the two hits between which it moves most.
         hits: [String; 2],
@@ -73,7 +73,8 @@ impl fmt::Display for Disagreement {
     }
 }
 
-/// Channels of hits at one point that do not go with those of the other hits there, and modes that move between hits. Of two hits the second is named, as nothing says which of them
+/// Channels of hits at one point that do not agree with those of the other hits there, and modes that move between hits. Of two hits the second is named, as nothing says
+/// which of them is wrong; of more hits the one that differs from the rest.
 /// is wrong; of more the one that is alone.
 ///
 /// # Errors
@@ -105,7 +106,7 @@ pub fn disagreements<H: Borrow<Hit>>(hits: &[H]) -> Result<Vec<Disagreement>, Er
     Ok(groups.flat_map(|group| of_group(&group, dt, samples)).collect())
 }
 
-/// Products of a hit's force and responses, for those channels that all hits of the group have.
+/// Products of a hit's force and responses, `[channel][line]`, for the channels that all hits of the group have.
 struct Products(Vec<Vec<Complex>>);
 
 fn of_group(hits: &[&Hit], dt: f64, samples: usize) -> Vec<Disagreement> {
@@ -140,7 +141,7 @@ fn of_group(hits: &[&Hit], dt: f64, samples: usize) -> Vec<Disagreement> {
     };
     let sums: Vec<Vec<Complex>> = (0..common.len()).map(sum).collect();
     let name = |h: usize, c: usize| hits[h].responses[place(hits[h], c)].name.clone();
-    // Of two hits both would be named.
+    // Where there are only two hits, both would be named, so only the second is looked at.
     let first = usize::from(hits.len() == 2);
     let mut found = Vec::new();
     for h in first..hits.len() {
@@ -164,7 +165,7 @@ fn of_group(hits: &[&Hit], dt: f64, samples: usize) -> Vec<Disagreement> {
     found
 }
 
-/// Whether a mode moves from hit to hit, by the sum of all channels; `step` is the distance of lines, Hz.
+/// A mode that moves from hit to hit, found in the sum of all channels; `step` is the distance of lines, Hz.
 fn shifted(hits: &[&Hit], products: &[Products], step: f64) -> Option<Disagreement> {
     let whole = |p: &Products| -> Vec<f64> {
         let lines = p.0.first().map_or(0, Vec::len);
@@ -179,7 +180,7 @@ fn shifted(hits: &[&Hit], products: &[Products], step: f64) -> Option<Disagreeme
     })
 }
 
-/// Correlation of a channel's products with those of all other hits in a channel: the sum of all less `own`.
+/// Correlation of a channel's products with those of another channel in all other hits, which are `sum` less `own`.
 fn correlation(x: &[Complex], sum: &[Complex], own: &[Complex]) -> f64 {
     let (mut both, mut xx, mut yy) = (complex(0.0, 0.0), 0.0, 0.0);
     for ((x, sum), own) in x.iter().zip(sum).zip(own) {

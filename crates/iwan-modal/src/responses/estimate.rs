@@ -10,7 +10,7 @@ use crate::error::{Error, check};
 use crate::measure::{Channel, Hit, Motion, Pulse};
 use crate::number::{Complex, complex, sum};
 
-/// How averages over hits become a frequency response; G with two letters is the averaged product of spectra of force f and response y.
+/// How averages over hits become a frequency response. Gff, Gfy and so on are averaged products of the spectra of force f and response y.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Estimator {
     /// Gfy/Gff: noise on the responses averages out.
@@ -27,16 +27,16 @@ pub enum Estimator {
 pub struct Windows {
     /// Whether the force is taken as measured from end to end, noise after the pulse included; otherwise it is zero outside its pulse.
     pub whole_force: bool,
-    /// Decay of an exponential window on force and responses, 1/s; 0: none. It makes the responses those at s = iω + decay, which the fit
-    /// knows: no damping has to be taken off again.
+    /// Decay of an exponential window on force and responses, 1/s; 0: no window. With it the responses are those at s = iω + decay, which the fit
+    /// takes into account: no damping has to be subtracted again.
     pub decay: f64,
 }
 
-/// Sampling intervals may differ by this part: two units of the fifth and last digit that some files have.
+/// Sampling intervals of hits may differ by this fraction: two units of the fifth and last digit that some files have. With more they are refused.
 const SAME_INTERVAL: f64 = 2e-5;
 
-/// Frequency responses of all pairs of response and force in `hits`, averaged over the hits that hold the pair. Records longer than the
-/// shortest are cut to its length, and all by up to a thousandth to a length with small prime factors, whose transforms are quick.
+/// Frequency responses of all pairs of response and force in `hits`, each averaged over the hits that hold the pair. Records longer than the
+/// shortest are cut to its length; all are then cut by up to a thousandth to a length with small prime factors, whose transforms are quick.
 ///
 /// # Errors
 /// As [`Hit::check`]; [`Error::Refused`] without hits, where sampling intervals differ, and where a hit has two channels at one freedom.
@@ -75,7 +75,7 @@ pub fn frequency_responses<H: Borrow<Hit> + Sync>(
     transform.each(pulses.iter().map(|p| p.record(windows.decay)), |_, own| spectra.push(own.to_vec()));
     let pairs = pairs(&hits)?;
     let window = exponential(windows.decay, samples, dt);
-    // Two pairs at a time: an odd number of hits is then an even number of records.
+    // Two pairs are done together, so that their number of records is even for an odd number of hits as well.
     let functions = |some: &[Pair]| {
         let places: Vec<(usize, usize, usize)> = some
             .iter()
@@ -108,7 +108,7 @@ pub fn frequency_responses<H: Borrow<Hit> + Sync>(
     })
 }
 
-/// The interval of all hits, and the number of samples that all of them are cut to.
+/// The sampling interval of all hits, and the number of samples to which all of them are cut.
 pub(super) fn common_times(hits: &[&Hit]) -> Result<(f64, usize), Error> {
     let Some(first) = hits.first() else {
         return Err(Error::refused("frequency responses", "there is no hit", "give at least one"));
@@ -128,7 +128,7 @@ pub(super) fn common_times(hits: &[&Hit]) -> Result<(f64, usize), Error> {
     Ok((first.dt, quick_length(hits.iter().map(|h| h.samples()).min().unwrap_or(0))))
 }
 
-/// A pair of response and force, and in which hits and channels it was measured.
+/// A pair of response and force, with the (hit, channel) in which it was measured.
 struct Pair {
     places: Vec<(usize, usize)>,
 }
@@ -167,12 +167,12 @@ fn pairs(hits: &[&Hit]) -> Result<Vec<Pair>, Error> {
     Ok(pairs)
 }
 
-/// An exponential window at so many samples; none where it does not decay.
+/// An exponential window over `samples` samples; none where it does not decay.
 fn exponential(decay: f64, samples: usize, dt: f64) -> Option<Vec<f64>> {
     (decay > 0.0).then(|| (0..samples).map(|n| (-decay * n as f64 * dt).exp()).collect())
 }
 
-/// Mean taken off, window on.
+/// The samples less their mean, under the window.
 fn prepared(x: &[f64], window: Option<&[f64]>) -> Vec<f64> {
     let mean = sum(x) / x.len() as f64;
     match window {
@@ -183,7 +183,7 @@ fn prepared(x: &[f64], window: Option<&[f64]>) -> Vec<f64> {
 
 /// Sums over the hits of a pair at each line.
 struct Average {
-    /// Of |f|², of |y|² and of conj(f) y, for force f and response y.
+    /// Sums of |f|², of |y|² and of conj(f) y at each line, for force f and response y.
     sums: Vec<(f64, f64, Complex)>,
 }
 

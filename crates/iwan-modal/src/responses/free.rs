@@ -1,4 +1,4 @@
-//! Free decays without a force: their transforms stand for responses.
+//! Free decays without a measured force: their Fourier transforms take the place of responses.
 
 use rayon::prelude::*;
 
@@ -7,12 +7,12 @@ use super::transform::Transform;
 use crate::error::{Error, check};
 use crate::measure::{Channel, Freedom, Motion};
 
-/// Samples that a decay needs at least.
+/// Least number of samples of a decay; shorter ones are refused.
 const FEWEST: usize = 64;
 
-/// Free decays, each a set of channels sampled together every `dt` seconds, as "responses": one function for each channel of each decay, its
-/// transform, with the decay's number as the point of force. Poles and shapes of the modes are in them as in responses to a force, scale and
-/// participation are not.
+/// Free decays, each a set of channels sampled together every `dt` seconds, as "responses": for each channel of each decay one function, its
+/// transform, with the decay's number as the point of force. Such functions show poles and shapes of the modes as responses to a force do, but neither scale nor
+/// participation.
 ///
 /// # Errors
 /// [`Error::OutOfRange`] for `dt`; [`Error::Refused`] without decays, for lengths that differ, and for less than 64 samples;
@@ -59,7 +59,7 @@ pub fn free_responses(decays: &[Vec<Channel>], dt: f64, motion: Motion) -> Resul
     })
 }
 
-/// The number of samples that all channels of all decays have.
+/// The number of samples that all channels of all decays have; an error where they differ.
 pub(crate) fn common_length(decays: &[Vec<Channel>], dt: f64) -> Result<usize, Error> {
     check("dt", dt, dt > 0.0, "a sampling interval > 0 s", "give the sampling interval in seconds")?;
     let samples = decays.first().and_then(|d| d.first()).map_or(0, |c| c.samples.len());

@@ -1,4 +1,4 @@
-//! From hits to frequency responses: windows, averages, coherence, and what a record of finite length leaves out.
+//! From hits to frequency responses: windows, averages, coherence, and what the end of a record cuts off.
 
 mod set;
 mod transform;

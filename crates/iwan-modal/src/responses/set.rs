@@ -1,4 +1,4 @@
-//! Frequency responses of a measurement, with what they do not show by themselves.
+//! Frequency responses of a measurement, with what is needed to model the records that they come from.
 
 use crate::measure::{Freedom, Motion, Pulse};
 use crate::number::{Complex, I, complex};
@@ -35,7 +35,7 @@ pub struct FrequencyResponses {
     pub force: Vec<f64>,
     /// Decay of the exponential window, 1/s: the responses are those at s = iω + decay.
     pub decay: f64,
-    /// The records that they come from; none for responses that others computed.
+    /// The records that the responses come from; none for responses that other programs computed.
     pub record: Option<FiniteRecord>,
 }
 
@@ -61,28 +61,28 @@ impl FrequencyResponses {
     }
 }
 
-/// Most pulses whose form is kept: those of one hammer differ in height more than in form.
+/// Largest number of pulses whose form is kept: pulses of one hammer differ in height more than in form.
 const MOST: usize = 16;
 
-/// What the end of a record cuts off a free decay.
+/// The part of a free decay that the end of a record cuts off.
 ///
-/// A response that still moves when the record ends has a discrete Fourier transform without leakage of its own kind: at the lines
+/// The discrete Fourier transform of a response that still moves when the record ends has a known form: at the lines
 /// k/T of a record of length T, a decay c e^(λt) contributes c/(s-λ) less c e^((λ-s)T) Δt/(1 - e^((λ-s)Δt)), and c is the residue times
-/// the force's transform at λ. With that in the model no window is needed, and none costs damping.
+/// the force's transform at λ. With that in the model no window is needed, and so none adds damping.
 #[derive(Debug, Clone, PartialEq)]
 pub struct FiniteRecord {
     /// Length of the records, s.
     pub length: f64,
     /// Sampling interval, s.
     pub dt: f64,
-    /// What happened before the free decay; empty for free decays from the first sample on.
+    /// Force pulses before the free decay; empty for free decays from the first sample on.
     pulses: Vec<Pulse>,
-    /// Weight of each pulse at each line: the conjugate of its windowed spectrum over the sum of squares.
+    /// Weight of each pulse at each line: the conjugate of its windowed spectrum over the sum of squares of all pulses' spectra there.
     weights: Vec<Vec<Complex>>,
 }
 
 impl FiniteRecord {
-    /// Of records of hits: pulses and their windowed spectra at all lines.
+    /// For records of hits, from their pulses and the windowed spectra of these at all lines.
     pub(super) fn new(pulses: &[Pulse], spectra: &[Vec<Complex>]) -> Self {
         let stride = pulses.len().div_ceil(MOST);
         let chosen: Vec<usize> = (0..pulses.len()).step_by(stride).collect();
@@ -99,15 +99,15 @@ impl FiniteRecord {
         }
     }
 
-    /// Of free decays from the first of `samples` samples on: their "responses" are the transforms themselves.
+    /// For free decays from the first of `samples` samples on, whose "responses" are the transforms themselves.
     #[must_use]
     pub fn free(samples: usize, dt: f64) -> Self {
         Self { length: samples as f64 * dt, dt, pulses: Vec::new(), weights: Vec::new() }
     }
 
-    /// Of records of `length` seconds whose hits nobody kept: an impulse `delay` seconds after the first sample stands for the hammer. What
-    /// the true pulse makes different is smooth, and goes into the terms for what lies outside the band. `lines` of responses that reach the
-    /// Nyquist frequency give the sampling interval; `decay` is that of their exponential window, 1/s.
+    /// For records of `length` seconds whose hits were not kept: an impulse `delay` seconds after the first sample stands for the hammer. The difference from
+    /// the true pulse is smooth in frequency, and goes into the terms for what lies outside the band. The number of `lines`, of responses that reach the
+    /// Nyquist frequency, gives the sampling interval; `decay` is that of their exponential window, 1/s.
     #[must_use]
     pub fn of_impulse(length: f64, lines: usize, delay: f64, decay: f64) -> Self {
         let samples = 2 * lines.saturating_sub(1).max(1);
@@ -125,35 +125,36 @@ impl FiniteRecord {
         self.pulses.is_empty()
     }
 
-    /// The force's transform at each pole, ready for all lines.
+    /// The transforms of the force pulses at a pole, ready for use at all lines.
     pub(crate) fn at(&self, pole: Complex) -> PoleInRecord<'_> {
         let forces = self.pulses.iter().map(|p| p.transform(pole)).collect();
         let over = self.pulses.iter().map(|p| p.start + p.force.len()).max().unwrap_or(0) as f64 * self.dt;
         PoleInRecord { record: self, pole, turns: self.turns(pole), quiet: self.length - over, forces }
     }
 
-    /// e^(s Δt) and e^(s T).
+    /// The factors e^(s Δt) and e^(s T).
     pub(crate) fn turns(&self, s: Complex) -> [Complex; 2] {
         [(s * self.dt).exp(), (s * self.length).exp()]
     }
 }
 
-/// A decay that falls by e to this power after the last pulse has ended in the record: what is cut off is 1e-20 of it, far below rounding.
+/// Where a decay falls by more than e to this power between the end of the last pulse and that of the record, it has ended there: what is cut off is 1e-20 of it, far below
+/// rounding.
 const ENDED: f64 = -46.0;
 
-/// What the end of the record cuts off one mode.
+/// What the end of the record cuts off one mode, ready for use at all lines.
 pub(crate) struct PoleInRecord<'a> {
     pub(crate) record: &'a FiniteRecord,
     pole: Complex,
     /// e^(λ Δt) and e^(λ T).
     turns: [Complex; 2],
-    /// From the end of the last pulse to that of the record, s.
+    /// Time from the end of the last pulse to that of the record, s.
     quiet: f64,
     forces: Vec<(Complex, Complex)>,
 }
 
 impl PoleInRecord<'_> {
-    /// The contributions of unit residues of the pole and of its conjugate at a line, each with its derivative with respect to its pole. `back` are e^(-s Δt) and
+    /// The contributions of unit residues of the pole and of its conjugate at a line, each with its derivative with respect to its pole. `back` holds e^(-s Δt) and
     /// e^(-s T).
     pub(crate) fn pair(&self, line: usize, s: Complex, back: [Complex; 2]) -> [(Complex, Complex); 2] {
         let (dt, length) = (self.record.dt, self.record.length);
@@ -181,8 +182,8 @@ impl PoleInRecord<'_> {
         [cut_off(direct, turned, own), cut_off(direct_conjugate, conjugate, other)]
     }
 
-    /// The pulses' transforms at the pole and at its conjugate, weighted as at a line, each with its derivative. That at the conjugate is the conjugate: both are
-    /// made of the same four products.
+    /// The pulses' transforms at the pole and at its conjugate, weighted as at a line, each with its derivative. The unweighted transform at the conjugate is the conjugate of
+    /// that at the pole, so that both come from the same four products.
     fn shares(&self, line: usize) -> [(Complex, Complex); 2] {
         let (mut share, mut moment) = ([0.0; 4], [0.0; 4]);
         for ((f, m), weights) in self.forces.iter().zip(&self.record.weights) {
@@ -200,13 +201,13 @@ impl PoleInRecord<'_> {
     }
 }
 
-/// One over a number, with one division.
+/// The inverse of a complex number, with one division.
 fn inverse(z: Complex) -> Complex {
     let power = z.norm_sqr().recip();
     complex(z.re * power, -z.im * power)
 }
 
-/// Laplace variable at a line, 1/s.
+/// Laplace variable s = iω + decay at a frequency (Hz), 1/s.
 pub(crate) fn laplace(frequency: f64, decay: f64) -> Complex {
     I * (std::f64::consts::TAU * frequency) + decay
 }
@@ -230,7 +231,7 @@ mod tests {
                 let found = (above[i] - below[i]) / (2.0 * h);
                 assert!((slope - found).norm() < 1e-6 * slope.norm(), "{slope} {found}");
             }
-            // The conjugate's is what the conjugate has for a pole.
+            // What belongs to the conjugate is what the conjugate would have if it were the pole.
             let (conjugate, alone) = (at(pole)[1], at(pole.conj())[0]);
             assert!((conjugate - alone).norm() < 1e-13 * alone.norm(), "{conjugate} {alone}");
         }

@@ -1,41 +1,41 @@
-//! Whether a peak stands at one frequency in all hits: what warms up, loosens or was taken apart between hits moves it.
+//! Whether a peak has the same frequency in all hits: a structure that warms up, loosens or is taken apart between hits moves it.
 
 use iwan_ident::signal::{half_power_width, is_peak, vertex};
 
 use crate::number::median;
 
-/// Peaks that are compared: the highest of the first hit.
+/// Number of peaks that are compared: the highest of the first hit.
 const PEAKS: usize = 10;
-/// A peak stands so many times above the median of the lines around it, …
+/// A peak stands at least this many times above the median of the lines around it.
 const STANDS: f64 = 10.0;
-/// … and alone within this part of its frequency: no other one there has half of its height, so that two hits cannot take different ones. It is also how far a peak
-/// moves at most.
+/// A peak stands alone within this fraction of its frequency: no other one there has half of its height, so that different ones cannot be taken in two hits. It is also the
+/// largest distance by which a peak moves.
 const ALONE: f64 = 0.03;
-/// Peaks of two hits are one mode where they are alike in height within this factor, relative to the highest of each hit.
+/// Peaks of two hits belong to one mode where their heights, relative to the highest of each hit, agree within this factor.
 const ALIKE: f64 = 4.0;
-/// A peak has moved where its frequencies differ by more than this part of its width at half power: by less, averages smear it and do not split it.
+/// A peak has moved where its frequencies differ by more than this fraction of its width at half power: by less, averages smear the peak and do not split it.
 const MOVED: f64 = 0.5;
-/// … and by more than so many lines, which is what noise and the length of a record do.
+/// The frequencies must also differ by more than this many lines: less is what noise and the length of a record do.
 const LINES: f64 = 2.0;
 
 /// A peak that stands at different frequencies in two hits.
 pub(super) struct Shift {
-    /// The hits between which it moves most, and its lines there.
+    /// The hits in which the peak stands lowest and highest, and its lines there.
     pub(super) hits: [usize; 2],
     pub(super) lines: [f64; 2],
-    /// Lines between its half-power points.
+    /// Width between its half-power points, in lines.
     pub(super) width: f64,
 }
 
 /// A local maximum of a spectrum.
 struct Peak {
     line: f64,
-    /// Over the highest of the spectrum.
+    /// Height over the highest line of the spectrum.
     height: f64,
     width: f64,
 }
 
-/// The peak that moves most between hits, in its own width, if any moves; `spectra` are magnitudes at the same lines for each hit.
+/// The peak that moves most between hits relative to its width, if any moves; `spectra` are magnitudes at the same lines for each hit.
 pub(super) fn shift(spectra: &[Vec<f64>]) -> Option<Shift> {
     let highest: Vec<f64> = spectra.iter().map(|s| s.iter().copied().fold(0.0, f64::max)).collect();
     let lines = spectra.iter().map(Vec::len).min()?;
@@ -58,7 +58,7 @@ pub(super) fn shift(spectra: &[Vec<f64>]) -> Option<Shift> {
     candidates.into_iter().take(PEAKS).filter_map(moved).max_by(|a, b| parts(a).total_cmp(&parts(b)))
 }
 
-/// The highest peak about a line; none where it is not alone, or hardly stands out.
+/// The highest peak about a line; none where it does not stand alone, or hardly stands out.
 fn highest_near(x: &[f64], line: usize, highest: f64) -> Option<Peak> {
     let reach = ((ALONE * line as f64).ceil() as usize).max(8);
     let near = line.saturating_sub(reach).max(1)..(line + reach + 1).min(x.len() - 1);
@@ -79,7 +79,7 @@ fn highest_near(x: &[f64], line: usize, highest: f64) -> Option<Peak> {
 mod tests {
     use super::*;
 
-    /// Magnitudes of two modes at these lines, with this half width each, the second so many times as high.
+    /// Magnitudes of two modes at these lines, with this half width each; the height of the second is relative to the first.
     fn spectrum(modes: [f64; 2], half: f64, second: f64) -> Vec<f64> {
         let mode = |k: f64, at: f64| 1.0 / ((k - at).powi(2) + half * half).sqrt();
         (0..2000).map(|k| mode(f64::from(k), modes[0]) + second * mode(f64::from(k), modes[1])).collect()
@@ -96,7 +96,7 @@ mod tests {
     #[test]
     fn modes_that_stay_or_stand_beside_others_are_none() {
         assert!(shift(&[[300.0, 900.0], [301.0, 902.0]].map(|m| spectrum(m, 4.0, 0.3))).is_none());
-        // Two modes next to each other, of which one is higher in one hit and the other in the other; one of them alone would have moved.
+        // Two modes next to each other; in one hit the first is higher, in the other the second. Either of them alone would have seemed to move.
         let beside = |second| spectrum([300.0, 308.0], 1.0, second);
         assert!(shift(&[beside(0.8), beside(1.25)]).is_none());
         assert!(shift(&[beside(0.1), beside(10.0)]).is_some());

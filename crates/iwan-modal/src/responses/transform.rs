@@ -1,4 +1,4 @@
-//! Fourier transforms of real records, two at a time: one is the real part of what is transformed, the other its imaginary part.
+//! Fourier transforms of real records, two at a time: one record is the real part of what is transformed, the other the imaginary part.
 
 use std::sync::Arc;
 
@@ -6,10 +6,10 @@ use rustfft::{Fft, FftPlanner};
 
 use crate::number::{Complex, complex, extent};
 
-/// Records give up to this part of their samples for a length of small prime factors: the transform of 20,001 samples (3 · 59 · 113) takes four
+/// Records give up at most one sample in this many to reach a length of small prime factors: the transform of 20,001 samples (3 · 59 · 113) takes four
 /// times as long as that of 20,000, and a thousandth of a record carries a thousandth of what it tells.
 const GIVEN_UP: usize = 1000;
-/// Factors that the transforms are quick with.
+/// Prime factors with which the transforms are quick.
 const SMALL_FACTORS: [usize; 5] = [2, 3, 5, 7, 11];
 
 /// The largest length, at most a thousandth below `samples`, that has small prime factors alone; `samples` where there is none.
@@ -33,7 +33,7 @@ pub(super) struct Transform {
 }
 
 impl Transform {
-    /// Of `samples` samples every `dt` seconds.
+    /// Plans the transform of `samples` samples every `dt` seconds.
     pub(super) fn new(samples: usize, dt: f64) -> Self {
         Self { fft: FftPlanner::new().plan_fft_forward(samples), dt }
     }
@@ -50,8 +50,8 @@ impl Transform {
         found
     }
 
-    /// Hands out number and spectrum of each record, in order. Each is scaled by a power of two to a largest value between 1 and 2 before it
-    /// shares a transform with the next, so that a loud one leaves no rounding in a soft one.
+    /// Calls `take` with number and spectrum of each record, in order. Each record is scaled by a power of two to a largest value between 1 and 2 before it
+    /// shares a transform with the next, so that a loud record leaves no rounding in a soft one.
     pub(super) fn each(
         &self,
         records: impl IntoIterator<Item = Vec<f64>>,
@@ -104,7 +104,7 @@ impl Transform {
 fn scale(x: &[f64]) -> (f64, f64) {
     let (low, high) = extent(x);
     let largest = high.max(-low);
-    // Beyond that neither the power nor its inverse is a normal number; the scale of such a record stays a little off, which costs nothing.
+    // Beyond these exponents neither the power nor its inverse is a normal number; the scale of such a record then stays a little off, which does no harm.
     let exponent = if largest > 0.0 { largest.log2().floor().clamp(-1000.0, 1000.0) as i32 } else { 0 };
     (2.0_f64.powi(-exponent), 2.0_f64.powi(exponent))
 }

@@ -12,7 +12,7 @@ use super::traces::{Trace, Traces};
 use crate::error::Error;
 use crate::smooth::{LocalFit, Polynomial, Smooth, Spline};
 
-/// Half the stretch, in independent values, over which scatter is compared with that of the whole: some four automatic filter memories, the length of a
+/// Half length, in independent values, of the stretch whose scatter is compared with that of the whole window: some four memories of the automatic filter, the length of a
 /// transient. Not varied.
 const EIGHT: f64 = 8.0;
 
@@ -66,7 +66,7 @@ impl Isolated {
             |t: &[f64]| -> Vec<f64> { t.iter().map(|&t| self.weight(guide.at(t).value.exp())).collect() };
         let Fitted { curve: amplitude, order } =
             self.curve(&traces.amplitude, &weights(&traces.amplitude.t), method, order)?;
-        // The phase bends with the amplitude: it gets the same freedom at least.
+        // The phase bends with the amplitude, so its curve gets at least the order of the amplitude's.
         let least = (method == Method::Hilbert || method == Method::Peaks).then_some(order);
         let mut phase = self.curve(&traces.phase, &weights(&traces.phase.t), method, None)?;
         if let Some(least) = least.filter(|least| phase.order < *least) {
@@ -103,7 +103,7 @@ impl Isolated {
         Ok(envelope)
     }
 
-    /// The smooth curve of a method.
+    /// The smooth curve of a method through a trace.
     fn curve(
         &self,
         Trace { t, y }: &Trace,
@@ -153,9 +153,9 @@ struct Fitted {
     order: usize,
 }
 
-/// Range of times that both traces cover.
+/// Range of times (s) that both traces cover.
 fn common(a: &[f64], b: &[f64]) -> Result<(f64, f64), Error> {
-    /// Peaks or crossings that a spline of one interval and its criterion need, with some to spare.
+    /// Least number of peaks or crossings: what a spline of one interval and its criterion need, with some to spare. Fewer are refused.
     const NEEDED: usize = 8;
     let found = a.len().min(b.len());
     if found < NEEDED {

@@ -10,10 +10,10 @@ use rustfft::num_complex::Complex64;
 use super::super::isolated::Isolated;
 use super::traces::Traces;
 
-/// Whole cycles in the window, which passes ±4 f/CYCLES around the peak. Fewer let neighbouring modes in, more average over a decay
+/// Whole cycles in the window, which passes ±4 f/CYCLES around the peak. Fewer cycles let neighbouring modes in, more average over a decay
 /// that is fast. A judgement.
 const CYCLES: f64 = 8.0;
-/// Windows per window length: Hann windows overlap by 7/8, and nothing is lost between them. Four would do; more repeat.
+/// Windows per window length: successive Hann windows overlap by 7/8, and nothing is lost between them. Four would do; more repeat what is known.
 const OVERLAP: f64 = 8.0;
 
 /// Log amplitude and phase at the middles of overlapping windows.

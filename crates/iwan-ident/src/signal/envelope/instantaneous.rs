@@ -23,10 +23,10 @@ impl Method {
     /// All methods, the default first.
     pub const ALL: [Self; 5] =
         [Self::Hilbert, Self::Peaks, Self::PeakFitting, Self::Demodulation, Self::FreeVibration];
-    /// Those that have a way of their own to amplitude and phase, so that they are opinions of one another.
+    /// Methods that find amplitude and phase each in a way of its own, so that their results check one another.
     pub const INDEPENDENT: [Self; 4] = [Self::Hilbert, Self::Peaks, Self::PeakFitting, Self::Demodulation];
 
-    /// Its name in reports and options.
+    /// The method's name in reports and options.
     #[must_use]
     pub const fn name(self) -> &'static str {
         match self {
@@ -41,8 +41,8 @@ impl Method {
 
 /// Amplitude, frequency and damping ratio of one mode against time.
 ///
-/// All vectors have one entry per cycle of the trusted window. Standard deviations hold what scatters about the smooth
-/// curve, more where it scatters more than elsewhere (near a begin that other modes share) and where it does so slowly (where the curve
+/// All vectors have one entry per cycle of the trusted window. Standard deviations follow from the scatter about the smooth
+/// curve. They are widened where the scatter is larger than elsewhere (near a start that other modes share) and where residuals are correlated (where the curve
 /// bends too little). What several methods get wrong in different ways is in [`Spread`](crate::signal::Spread).
 #[derive(Debug, Clone, PartialEq)]
 pub struct Envelope {
@@ -60,15 +60,15 @@ pub struct Envelope {
     pub frequency_sd: Vec<f64>,
     /// Standard deviation of the damping ratio.
     pub damping_ratio_sd: Vec<f64>,
-    /// Start and end of the window in which all this can be trusted, s.
+    /// Start and end of the window in which the values can be trusted, s.
     pub trusted: (f64, f64),
-    /// How it was found.
+    /// The method that found the envelope.
     pub method: Method,
     /// Degree of the polynomial (Hilbert), number of spline intervals (peaks), cycles in a neighbourhood (the others).
     pub order: usize,
     /// Standard deviation of the noise in the band, in the unit of the record.
     pub noise: f64,
-    /// What was found and done, in words.
+    /// What was found and done on the way, in words.
     pub notes: Vec<String>,
 }
 
@@ -84,7 +84,7 @@ pub struct Instant {
 }
 
 impl Envelope {
-    /// The mode at a time of the trusted window, by straight lines between entries; none outside.
+    /// The mode at a time (s) of the trusted window, by linear interpolation between entries; none outside.
     #[must_use]
     pub fn at(&self, t: f64) -> Option<Instant> {
         let (first, last) = self.trusted;

@@ -6,7 +6,7 @@ use super::super::isolated::Isolated;
 use super::instantaneous::{Envelope, Method};
 use crate::error::Error;
 
-/// Points at which methods are compared: their disagreement is a median and a largest value, which more points do not change.
+/// Number of times at which methods are compared: their disagreement is given as a median and a largest value, which more times do not change.
 const POINTS: usize = 200;
 
 /// Largest differences between methods over the window that all of them trust.
@@ -20,7 +20,7 @@ pub struct Spread {
     pub frequency: f64,
     /// Largest difference in damping ratio over the mean of the methods.
     pub damping_ratio: f64,
-    /// Median over time of that difference.
+    /// Median over time of the difference in damping ratio over the mean of the methods.
     pub median_damping_ratio: f64,
 }
 
@@ -56,7 +56,7 @@ impl Spread {
     }
 }
 
-/// What several methods say of one quantity.
+/// Spread of one quantity over several methods.
 struct Scatter {
     /// Largest difference.
     difference: f64,
@@ -76,7 +76,7 @@ impl Scatter {
 pub struct Refusal {
     /// The method.
     pub method: Method,
-    /// Why.
+    /// Why it could not be used.
     pub error: Error,
 }
 
@@ -85,16 +85,16 @@ pub struct Refusal {
 pub struct Opinions {
     /// One envelope per method that could be used, in the order of [`Method::INDEPENDENT`].
     pub envelopes: Vec<Envelope>,
-    /// The others.
+    /// The methods that could not be used.
     pub refused: Vec<Refusal>,
-    /// How far they disagree.
+    /// How far the envelopes disagree.
     pub spread: Option<Spread>,
 }
 
 /// Envelope and frequency by all methods.
 ///
 /// # Errors
-/// As [`isolate`]; what a single method refuses stands in the result.
+/// As [`isolate`]; the refusal of a single method stands in the result.
 ///
 /// ```
 /// use iwan_ident::signal::{Options, opinions};

@@ -31,8 +31,8 @@ pub(super) fn half_cycle_phases(mode: &Isolated, peaks: &Trace) -> Trace {
     half_turns(&peaks.t, mode.band.peak)
 }
 
-/// The crest near the sample `n`: the least-squares curve (a + b s) cos ωs + (c + d s) sin ωs
-/// through the samples within a sixth of a cycle, s from `n`; its envelope and phase at the crest.
+/// The crest near the sample `n`, with its time (in samples) and height: that of the least-squares curve (a + b s) cos ωs + (c + d s) sin ωs
+/// through the samples within a sixth of a cycle, s counted from `n`. None where these samples reach beyond the record, or the crest is too far from `n`.
 fn fit_peak(x: &[f64], n: f64, omega: f64) -> Option<Extremum> {
     let reach = (FRAC_PI_3 / omega).max(2.0);
     let from = (n - reach).ceil();

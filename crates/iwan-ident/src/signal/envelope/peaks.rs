@@ -27,15 +27,15 @@ pub(super) fn peak_amplitudes(mode: &Isolated) -> Result<Trace, Error> {
     Ok(peaks.iter().map(|peak| ((first as f64 + peak.time) * mode.dt, peak.height.ln())).collect())
 }
 
-/// Phase at the zero crossings, less that of the reference frequency: each crossing is half a turn on.
+/// Phase (rad) at the zero crossings, less that of the reference frequency: each crossing is half a turn after the one before.
 pub(super) fn crossing_phases(mode: &Isolated) -> Trace {
     let Stretch { first, samples: x } = mode.stretch();
     let times: Vec<f64> = crossings(x).iter().map(|n| (first as f64 + n) * mode.dt).collect();
     half_turns(&times, mode.band.peak)
 }
 
-/// Phase k π - 2π f t at times that are half a cycle apart. Where noise makes three crossings out of one, the nearest
-/// count of half turns is taken.
+/// Phase k π - 2π f t (rad) at `times` (s) that are half a cycle apart. Where noise makes three crossings out of one, k is the nearest
+/// count of half turns.
 pub(super) fn half_turns(times: &[f64], frequency: f64) -> Trace {
     let mut trace = Trace::default();
     let (mut turns, mut last) = (0.0, times.first().copied().unwrap_or(0.0));

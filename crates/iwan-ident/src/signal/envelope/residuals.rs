@@ -1,20 +1,20 @@
-//! What a smooth curve leaves of its points, and how far that is from even, independent scatter.
+//! Residuals of points about a smooth curve, and how far they are from even, independent scatter.
 
 use super::traces::Trace;
 use crate::smooth::Smooth;
 
-/// Residuals of weight 1 along time.
+/// Residuals along time, scaled to weight 1.
 #[derive(Debug, Clone)]
 pub(super) struct Residuals {
     t: Vec<f64>,
-    /// Sums of squares up to each point, the first of none.
+    /// Sum of squares of the residuals before each point, and of all at the end; the first is 0.
     sums: Vec<f64>,
-    /// How much the residuals' correlation widens variances, beside that of the filter.
+    /// Factor by which the residuals' correlation widens variances, beyond the correlation that the filter makes; at least 1.
     slow: f64,
 }
 
 impl Residuals {
-    /// Of a curve through points with weights, `effective` of which the filter leaves independent.
+    /// Residuals of a curve through weighted points, of which the filter leaves `effective` independent.
     pub(super) fn new(trace: &Trace, weight: &[f64], curve: &dyn Smooth, effective: f64) -> Self {
         let point = |i: usize| weight[i].sqrt() * (trace.y[i] - curve.at(trace.t[i]).value);
         let values: Vec<f64> = (0..trace.t.len()).map(point).collect();
@@ -27,7 +27,7 @@ impl Residuals {
         Self { t: trace.t.clone(), slow: (widening(&values) / repeats).max(1.0), sums }
     }
 
-    /// Factor of standard deviations at the time `t`: of the residuals' correlation, and of their size within `reach` of it beside that of the whole.
+    /// Factor on standard deviations at the time `t` (s): for the residuals' correlation, and for their size within `reach` (s) of `t` where it is larger than over the whole.
     pub(super) fn inflation(&self, t: f64, reach: f64) -> f64 {
         let from = self.t.partition_point(|s| *s < t - reach);
         let to = self.t.partition_point(|s| *s <= t + reach);
@@ -38,7 +38,7 @@ impl Residuals {
     }
 }
 
-/// 1 + 2 Σ of the correlation at all lags, up to the first lag at which it is negative.
+/// 1 + 2 Σ of the residuals' correlation at all lags up to the first at which it is negative.
 fn widening(r: &[f64]) -> f64 {
     let square: f64 = r.iter().map(|r| r * r).sum();
     if square == 0.0 {
@@ -68,7 +68,7 @@ mod tests {
         assert!(even.inflation(200.0, 40.0) < 1.5 && even.inflation(0.0, 40.0) < 1.5);
         let begins = line(|i, random| if i < 40 { 5.0 * random } else { random });
         assert!(begins.inflation(0.0, 40.0) > 2.0 && begins.inflation(300.0, 40.0) < 1.5);
-        // A curve that bends where the fit is straight: half waves of a hundred points.
+        // A wave that bends where the fit is straight: half waves of a hundred points.
         let bends = line(|i, random| (i as f64 * 0.03).sin() + 0.01 * random);
         assert!(bends.inflation(200.0, 40.0) > 5.0);
         // Nothing left is nothing to widen.

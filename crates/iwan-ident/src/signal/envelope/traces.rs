@@ -1,6 +1,6 @@
 //! Points of log amplitude and of phase against time, before smoothing.
 
-/// A quantity at times.
+/// Values of a quantity at times.
 #[derive(Debug, Clone, Default)]
 pub(super) struct Trace {
     /// Times, s.
@@ -22,11 +22,11 @@ impl FromIterator<(f64, f64)> for Trace {
     }
 }
 
-/// What a method takes from a mode.
+/// Points of amplitude and phase that a method takes from a mode.
 #[derive(Debug, Clone, Default)]
 pub(super) struct Traces {
     /// Logarithm of the amplitude.
     pub(super) amplitude: Trace,
-    /// Phase, less that of the reference frequency.
+    /// Phase (rad), less that of the reference frequency.
     pub(super) phase: Trace,
 }

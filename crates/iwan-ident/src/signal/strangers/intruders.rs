@@ -1,4 +1,4 @@
-//! Lines that fall into a mode's band and are not of it: harmonics of a stronger mode, the mains, and other tones.
+//! Lines in a mode's band that do not belong to the mode: harmonics of a stronger mode, the mains, and other tones.
 
 use super::mains::{Line, lines};
 use super::tone::tone;
@@ -6,11 +6,11 @@ use crate::error::Error;
 use crate::signal::isolated::Isolated;
 use crate::signal::survey::{SpectralPeak, spectral_peaks};
 
-/// Harmonics that friction and clearance make strong enough to matter.
+/// Orders of harmonics that friction and clearance make strong enough to matter.
 const HARMONICS: [u32; 2] = [2, 3];
-/// A mode of this part of the height of the band's own peak makes harmonics that are seen in it: they are some per cent of it at most.
+/// A lower mode of at least this fraction of the height of the band's own peak makes harmonics that are seen in the band: they are some per cent of that mode at most.
 const STRONG: f64 = 0.3;
-/// A line in the band that is not of the mode.
+/// A line in the band of a mode that does not belong to the mode.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[non_exhaustive]
 pub enum Intruder {
@@ -27,12 +27,13 @@ pub enum Intruder {
     Mains {
         /// 50 or 60 Hz.
         base: f64,
-        /// Multiple of it.
+        /// Multiple of the base frequency.
         order: u32,
-        /// Amplitude, in the unit of the record; under a mode that is loud to the end what is left of it where modes beside the band were taken off, a third at least.
+        /// Amplitude, in the unit of the record. Under a mode that is loud to the end it is what remains of the line after modes beside the band were subtracted, a third at
+        /// least.
         amplitude: f64,
     },
-    /// A line in what is left when the mode has died away, which does not decay.
+    /// A line that does not decay, in what remains of the record when the mode has died away.
     Tone {
         /// Hz.
         frequency: f64,
@@ -77,8 +78,9 @@ impl std::fmt::Display for Intruder {
 }
 
 impl Isolated {
-    /// The lines that fall into the band of the mode and are not of it: second and third harmonics of modes below it that are not much weaker,
-    /// multiples of the mains frequency that do not decay, also next to the band, and what else is steady in it when the mode has died away. `x`: the record that the mode was taken out of.
+    /// The lines that fall into the band of the mode and do not belong to it: second and third harmonics of modes below it that are not much weaker; multiples of the mains
+    /// frequency that do not decay, also next to the band; and any other steady line that remains when the mode has died away. `x` is the record that the mode was taken out
+    /// of.
     ///
     /// # Errors
     /// Those of [`spectral_peaks`].
@@ -97,7 +99,7 @@ impl Isolated {
         Ok(self.intruders_among(&spectral_peaks(&[x], self.dt)?, x))
     }
 
-    /// The same where the peaks of the record are known.
+    /// The same for peaks of the record that are known.
     pub(in crate::signal) fn intruders_among(&self, peaks: &[SpectralPeak], x: &[f64]) -> Vec<Intruder> {
         let inside = |f: f64| (self.band.low..=self.band.high).contains(&f);
         let own = peaks.iter().filter(|p| inside(p.frequency)).map(|p| p.height).fold(0.0, f64::max);
@@ -122,7 +124,7 @@ mod tests {
     use super::*;
     use crate::signal::{Options, isolate};
 
-    /// A mode of 160 Hz or another, with hum at 149.95 Hz.
+    /// A mode of 160 Hz or of another frequency, with hum at 149.95 Hz.
     fn found(frequency: f64, rate: f64, hum: f64) -> Vec<Intruder> {
         let wave = |t: f64| {
             let mode = (-rate * t).exp() * (std::f64::consts::TAU * frequency * t).sin();

@@ -1,4 +1,4 @@
-//! What stands in the band of a mode and is not of it: a second mode, harmonics of a stronger one, the mains, and other tones.
+//! Components in the band of a mode that do not belong to it: a second mode, harmonics of a stronger one, the mains, and other tones.
 
 mod mains;
 mod tone;

@@ -11,47 +11,49 @@ use crate::signal::spectrum::strongest_line;
 use crate::signal::transients::Gate;
 use crate::smooth::{Points, Polynomial, Smooth};
 
-/// Relative residual that is noted when one spectral line makes most of it: damping beats by as much as the residual times
-/// the ratio of beat to decay. A judgement, …
+/// A second component is noted from this relative residual on, when one spectral line makes most of the residual: damping then beats by as much as the residual times
+/// the ratio of beat to decay. A judgement.
 const NOTED: f64 = 0.01;
-/// … as is the one that is refused: there the instantaneous frequency of the sum is no longer that of a mode.
+/// From this relative residual on the record is refused: the instantaneous frequency of the sum is no longer that of a mode. A judgement.
 const REFUSED: f64 = 0.1;
-/// Part of the residual's power in one line that makes it a component and not noise; a quarter and three quarters name the
+/// Least share of the residual's power in one line for it to be a component and not noise; a quarter and three quarters name the
 /// same components in the records tried (second modes of 3 to 50 %).
 const SHARE: f64 = 0.5;
-/// Values of the slow amplitude in which two modes are looked for: sixteen a beat of modes that a spectrum does not resolve, which beat eight times at most.
+/// Number of values of the slow amplitude (the complex amplitude relative to the reference frequency) in which two modes are looked for: sixteen a beat of modes that a spectrum
+/// does not resolve, which beat eight times at most.
 const VALUES: usize = 128;
-/// Two linear modes have as many parameters as cubics through log amplitude and phase. What they leave is less than this part of what cubics leave, which follow a mode
-/// whose frequency and damping depend on its amplitude, …
+/// Two linear modes must leave less than this fraction of what cubics through log amplitude and phase leave. Both have the same number of parameters; cubics follow one mode
+/// whose frequency and damping depend on its amplitude.
 const BETTER: f64 = 1.0 / 3.0;
-/// … and less than this part of the whole: what is neither is told by nothing here.
+/// Two linear modes must also leave less than this fraction of the whole slow amplitude: a record that neither they nor cubics describe is not judged here.
 const LEFT: f64 = 0.1;
-/// … and they beat once in the window at least: less is a curve like others.
+/// Least number of beats of the two modes in the window: with fewer, their sum is a curve like others.
 const BEATS: f64 = 1.0;
-/// The frequency of a sum of two modes goes up and down once a beat; that of one mode goes one way as it decays, also at the knee of dry friction, which two modes tell better than cubics
-/// do: one of them dies away then before the other has gone round it. What goes back in the frequency of the sum is at least this part of what goes forth. Of forty records with a Jenkins element ten were
-/// taken for two modes without, and five of forty with a cubic spring and quadratic damping. A judgement.
+/// The frequency of a sum of two modes goes up and down once a beat; that of one mode goes one way as it decays. So of two modes the smaller of the two excursions is at least
+/// this fraction of the larger one. The test is needed at the knee of dry friction, which two modes describe better than cubics do: one of them dies away there before the
+/// other has gone round it. Without it ten of forty records with a Jenkins element were taken for two modes, and five of forty with a cubic spring and quadratic damping. A
+/// judgement.
 const GOES_BACK: f64 = 0.25;
 
-/// Two linear modes that tell the slow amplitude of a record, the larger one first.
+/// Two linear modes whose sum describes the slow amplitude of a record, the larger one first.
 struct Pair {
-    /// Amplitude and phase at the first value.
+    /// Complex amplitude of each mode at the first value.
     sizes: [Complex64; 2],
-    /// Logarithms of amplitude and phase gained in a second.
+    /// Complex rate of each mode, 1/s: growth of ln A (real part) and of the phase (imaginary part, rad/s).
     rates: [Complex64; 2],
-    /// What both leave, and what cubics leave, relative to the whole.
+    /// Norms of what both modes leave and of what cubics leave, relative to the whole.
     left: [f64; 2],
 }
 
 impl Pair {
-    /// Amplitude of the smaller over that of the larger at the begin.
+    /// Amplitude of the smaller mode over that of the larger at the start.
     fn relative(&self) -> f64 {
         self.sizes[1].norm() / self.sizes[0].norm()
     }
 }
 
 impl Isolated {
-    /// Looks for a second component: two modes next to each other, or a spectral line in what the smooth envelope leaves over.
+    /// Notes or refuses a second component: two modes next to each other, or a spectral line in what the smooth envelope leaves over.
     pub(in crate::signal) fn refuse_second_line(&mut self) -> Result<(), Error> {
         if let Some(pair) = self.pair().filter(|pair| pair.relative() > NOTED) {
             let [a, b] = pair.rates.map(|rate| self.band.peak + rate.im / TAU);
@@ -78,7 +80,7 @@ impl Isolated {
             .collect();
         let rms = norm(&left) / (left.len() as f64).sqrt();
         let line = strongest_line(&left, raw.t[1] - raw.t[0]);
-        // Of a line that is there throughout the residual is less than its amplitude; more is what a curve leaves where the mode has nearly gone.
+        // Where a line is there throughout, the residual is less than its amplitude; a larger residual is what a curve leaves where the mode has nearly gone.
         let size = rms.min(line.relative);
         if size < NOTED || line.share < SHARE {
             return Ok(());
@@ -101,8 +103,8 @@ impl Isolated {
         Err(Error::Refused { finding, remedy })
     }
 
-    /// The two linear modes that tell the slow amplitude much better than smooth curves do, by the matrix pencil (Y. Hua, T. K. Sarkar, IEEE Trans. Acoust. Speech Signal Process.
-    /// 38:814, 1990, doi:10.1109/29.56027).
+    /// The two linear modes that describe the slow amplitude much better than smooth curves do, by the matrix pencil (Y. Hua, T. K. Sarkar, IEEE Trans. Acoust. Speech Signal
+    /// Process. 38:814, 1990, doi:10.1109/29.56027); none where there are no such modes.
     fn pair(&self) -> Option<Pair> {
         let raw = &self.raw;
         let length = raw.t.len().div_ceil(VALUES);
@@ -134,7 +136,7 @@ impl Isolated {
         let quarter = ((0.25 * z.len() as f64 / beats.max(1.0)) as usize).max(1);
         let [back, forth] = back_and_forth(&sum, quarter);
         let found = left < BETTER * cubics && left < LEFT && beats > BEATS && back > GOES_BACK * forth;
-        // A value is the mean of a block of samples of the analytic signal.
+        // Each value is the mean of a block of samples of the analytic signal; the amplitude at the start of the first block follows from it.
         let step = raw.t[1] - raw.t[0];
         let begin = |i: usize| {
             let block: Complex64 = (0..length).map(|k| poles[i].powf(k as f64 / length as f64)).sum();
@@ -148,20 +150,20 @@ impl Isolated {
         })
     }
 
-    /// The smaller of two linear modes that tell the slow amplitude, as it was before the filter, at all samples from the begin of the decay on; none where there are
-    /// none.
+    /// The smaller of the two linear modes that describe the slow amplitude, as it was before the filter: at all samples, with zeros before the start of the decay. None where
+    /// there are no two modes.
     pub(in crate::signal) fn smaller_of_two(&self, gate: &Gate) -> Option<Vec<f64>> {
         let Pair { sizes: [_, size], rates: [_, rate], .. } = self.pair()?;
         let rate = rate + Complex64::new(0.0, TAU * self.band.peak);
         let passed = gate.filter.gain(rate.im / TAU).powi(2);
-        // The phase of the slow amplitude is that of the reference frequency from the first sample on.
+        // The phase of the slow amplitude is relative to the reference frequency, counted from the first sample of the record on.
         let first = self.raw.t[0];
         let size = size / passed * Complex64::from_polar(1.0, TAU * (self.band.peak * first).fract());
         let at = |n: usize| (size * (rate * (self.time(n) - first)).exp()).re;
         Some((0..self.samples.len()).map(|n| if n < gate.begin { 0.0 } else { at(n) }).collect())
     }
 
-    /// What cubics through log amplitude and phase leave of slow amplitudes.
+    /// Norm of what cubics through log amplitude and phase leave of the slow amplitudes `z`.
     fn left_by_cubics(&self, z: &[Complex64]) -> f64 {
         let t: Vec<f64> = (0..z.len()).map(|n| n as f64).collect();
         let weight: Vec<f64> = z.iter().map(Complex64::norm_sqr).collect();
@@ -183,7 +185,7 @@ fn norm(z: &[Complex64]) -> f64 {
     z.iter().map(Complex64::norm_sqr).sum::<f64>().sqrt()
 }
 
-/// How far the frequency of slow amplitudes, as a mean over so many values, goes up and down: the lesser of the two, and the greater.
+/// The smaller and the larger of the largest rise and the largest fall of the frequency of slow amplitudes `z`, taken as a running mean over `over` values.
 fn back_and_forth(z: &[Complex64], over: usize) -> [f64; 2] {
     let mut phase = vec![0.0];
     for pair in z.windows(2) {
@@ -202,7 +204,7 @@ fn back_and_forth(z: &[Complex64], over: usize) -> [f64; 2] {
     [up.min(down), up.max(down)]
 }
 
-/// The two poles of evenly spaced values: factors from one to the next.
+/// The two poles of evenly spaced values: complex factors from one value to the next.
 fn poles(z: &[Complex64]) -> Option<[Complex64; 2]> {
     let rows = z.len() / 2;
     let hankel = DMatrix::from_fn(rows, z.len() - rows, |i, j| z[i + j]);

@@ -1,25 +1,27 @@
-//! A line in a mode's band, or next to it, that is still there when the mode has died away, and does not decay.
+//! A line in a mode's band, or next to it, that remains when the mode has died away and does not decay.
 
 use crate::signal::isolated::Isolated;
 use crate::signal::spectrum::{amplitude_spectrum, is_peak, median, vertex};
 
 use super::mains::{BESIDE, is_multiple};
 
-/// Parts of the record of which the last two are compared with each other and with the loudest before.
+/// Number of parts of the record; the last two are compared with each other and with the loudest of those before.
 const PARTS: usize = 6;
-/// The mode has died away where the highest line of its band in the last part is this much lower than in the loudest part. A judgement: with less the mode itself might be the line.
+/// The mode has died away where the line is lower by at least this factor than the highest line of the band in the loudest part. A judgement: with less the mode itself might
+/// be the line.
 const DIED: f64 = 3.0;
-/// The line stands so many times out of those around it: noise lets it differ by a tenth then from one part to the other.
+/// The line stands out of those around it by at least this factor: noise then lets it differ by a tenth from one part to the other.
 const STANDS: f64 = 20.0;
-/// It differs by at most this from one part to the other, for a rest of the mode may beat with it, …
+/// Allowed difference of the line from one part to the other, as a natural logarithm, because a rest of the mode may beat with it.
 const EVEN: f64 = 0.1;
-/// … and by so many times what stands around it: a normal variable's standard deviation is 0.85 medians of its magnitude in a plane.
+/// Further allowance, in ratios of the lines around to the line: a normal variable's standard deviation is 0.85 medians of its magnitude in a plane.
 const SCATTER: f64 = 2.0;
-/// Lines to either side that the Hann window makes of one, and lines behind them of which the median is what stands around.
+/// Lines up to OWN on either side may be made by the Hann window of the one line; the median of those from OWN to AROUND is what stands around it.
 const OWN: usize = 3;
 const AROUND: usize = 12;
 
-/// Frequency (Hz) and amplitude of the highest steady line in the band of a mode, or next to it, that was taken out of the record `x`; none of the mains, which is named as such.
+/// Frequency (Hz) and amplitude of the highest steady line in the band of `mode`, or next to it, where `x` is the record that the mode was taken out of. None of the mains,
+/// which are named as such.
 pub(super) fn tone(mode: &Isolated, x: &[f64]) -> Option<(f64, f64)> {
     let length = x.len() / PARTS;
     let step = 1.0 / (length as f64 * mode.dt);
@@ -35,7 +37,7 @@ pub(super) fn tone(mode: &Isolated, x: &[f64]) -> Option<(f64, f64)> {
         .max_by(|&i, &j| last[i].total_cmp(&last[j]))?;
     let below = median(last[highest - AROUND..=highest - OWN].to_vec());
     let around = median(last[highest + OWN..=highest + AROUND].to_vec()).max(below);
-    // By the energy of three lines, which hangs little on where the tone lies between them.
+    // The sizes are compared by the energy of three lines, which hardly depends on where the tone lies between them.
     let size = |lines: &[f64]| lines[highest - 1..=highest + 1].iter().map(|l| l * l).sum::<f64>().sqrt();
     let (ends, now) = (size(&before), size(&last));
     let is_steady = (ends / now).ln().abs() < EVEN + SCATTER * around / now;

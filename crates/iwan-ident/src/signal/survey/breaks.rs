@@ -1,40 +1,43 @@
-//! What no vibration does: samples that stand alone, and places where samples are missing.
+//! Breaks that no vibration makes: single wrong samples, and places where samples are missing.
 //!
-//! A vibration of eight samples a cycle and more goes through the cubic of the four samples about each to some per cent. What is left of that, with the signature of one
-//! wrong sample or of a step, and nothing like it nearby, is no noise; and where it is as loud before as behind, no hit.
+//! A vibration of eight samples a cycle and more follows the cubic through the four samples about each sample to some per cent. Where the deviation from that cubic has the
+//! signature of one wrong sample or of a step, and nothing like it is nearby, it is no noise; and where the record is as loud before the place as behind it, it is no hit.
 
-/// Weights of the neighbours, at one and at two samples' distance, in the cubic through them.
+/// Weights of the neighbours, at one and at two samples' distance, in the cubic through the four of them.
 const CUBIC: [f64; 2] = [4.0 / 6.0, -1.0 / 6.0];
-/// What one wrong sample leaves of itself, from two before it on.
+/// Signature of one wrong sample: deviations from the cubic relative to the sample's error, from two samples before it to two behind it.
 const LONE: [f64; 5] = [1.0 / 6.0, -4.0 / 6.0, 1.0, -4.0 / 6.0, 1.0 / 6.0];
-/// What a step from one sample to the next leaves.
+/// Signature of a step from one sample to the next: deviations from the cubic relative to the step.
 const STEP: [f64; 4] = [1.0 / 6.0, -0.5, 0.5, -1.0 / 6.0];
-/// Part of the sum of squares about a place that its signature has to explain.
+/// Least share of the sum of squares about a place that its signature explains.
 const EXPLAINED: f64 = 0.9;
-/// Samples on either side that have to be quiet, beyond the signature's own, …
+/// Samples on either side of the signature that have to be quiet.
 const BESIDE: usize = 24;
-/// … by this factor against what stands out. Of normal noise the largest of so many is 2.5 standard deviations: ten times that never happens.
+/// The quiet samples' deviations are smaller by this factor than the largest in the signature. Of normal noise the largest of so many is 2.5 standard deviations: ten times
+/// that never happens.
 const QUIET: f64 = 10.0;
-/// Cycles of the slowest peak on either side whose largest samples are compared, not fewer than so many samples, …
+/// Length on either side of a break over which the largest samples are compared, in cycles of the slowest peak.
 const CYCLES: f64 = 2.0;
+/// Least number of samples of that length.
 const LEAST: usize = 10 * BESIDE;
-/// … and their ratio at most: behind a hit it is louder, and noise alone stays well below.
+/// Largest ratio of the record's largest samples before and behind a break: behind a hit it is louder, and noise alone stays well below.
 const LOUDER: f64 = 1.4;
-/// Part of the largest sample from which on it matters: a wrong sample of a twentieth among thousands moves no curve.
+/// Least size of a break, as a fraction of the largest sample: a wrong sample of a twentieth among thousands moves no curve.
 const PART: f64 = 0.05;
-/// Wild samples, …
+/// Largest number of wild samples in a record. Where more are found, none is reported: what comes again and again belongs to the structure, as impacts and the steps of dry
+/// friction.
 const WILD: usize = 20;
-/// … and places with lost ones, that a record has at most: what comes again and again is the structure's, as impacts and the steps of dry friction.
+/// The same for places with lost samples.
 const LOST: usize = 3;
 
-/// Where a signature stands out.
+/// A place at which a signature stands out.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Place {
-    /// The wrong sample, or the first one behind a gap.
+    /// Index of the wrong sample, or of the first one behind a gap.
     pub(super) at: usize,
     /// How far the sample lies off its neighbours, or what the gap's two sides differ by, in the unit of the record.
     pub(super) size: f64,
-    /// Part of the sum of squares there that the signature explains.
+    /// Share of the sum of squares there that the signature explains.
     explained: f64,
 }
 
@@ -45,12 +48,12 @@ pub(super) struct Breaks {
     pub(super) lost: Vec<Place>,
 }
 
-/// Those of a record whose slowest peak has so many samples a `cycle`; none where there are more than a record has.
+/// The breaks of a record whose slowest peak has `cycle` samples a cycle. A list is empty where it would hold more than a record has of its kind.
 pub(super) fn breaks(x: &[f64], cycle: f64) -> Breaks {
     let reach = ((CYCLES * cycle) as usize).max(LEAST);
     let mean = x.iter().sum::<f64>() / x.len().max(1) as f64;
     let loud = |part: &[f64]| part.iter().map(|x| (x - mean).abs()).fold(0.0, f64::max);
-    // Behind the signature: it has two samples on either side.
+    // The signature itself is left out: it has two samples on either side.
     let alike = |p: &Place| {
         let (before, behind) = (&x[..p.at - 2], &x[p.at + 3..]);
         let (a, b) =
@@ -59,7 +62,7 @@ pub(super) fn breaks(x: &[f64], cycle: f64) -> Breaks {
     };
     let places = |signature: &[f64]| standing_out(x, signature).into_iter().filter(alike).collect::<Vec<_>>();
     let (lone, steps) = (places(&LONE), places(&STEP));
-    // The two signatures are alike: one that explains less than the other next to it is its shadow.
+    // The two signatures are alike: one that explains less than the other next to it is only the other's shadow.
     let without = |all: &[Place], others: &[Place], most: usize| -> Vec<Place> {
         let shadowed =
             |p: &Place| others.iter().any(|o| o.at.abs_diff(p.at) < BESIDE && o.explained > p.explained);
@@ -69,13 +72,13 @@ pub(super) fn breaks(x: &[f64], cycle: f64) -> Breaks {
     Breaks { wild: without(&lone, &steps, WILD), lost: without(&steps, &lone, LOST) }
 }
 
-/// What the cubic of its neighbours leaves of each sample but the first two and the last two.
+/// Deviation of each sample, except the first two and the last two, from the cubic through its four neighbours.
 fn left_over(x: &[f64]) -> Vec<f64> {
     let one = |w: &[f64]| w[2] - CUBIC[0] * (w[1] + w[3]) - CUBIC[1] * (w[0] + w[4]);
     x.windows(5).map(one).collect()
 }
 
-/// The samples at which a signature stands out.
+/// The places at which a signature stands out.
 fn standing_out(x: &[f64], signature: &[f64]) -> Vec<Place> {
     let (left, least) = (left_over(x), PART * x.iter().map(|x| x.abs()).fold(0.0, f64::max));
     let norm: f64 = signature.iter().map(|s| s * s).sum();
@@ -91,7 +94,7 @@ fn standing_out(x: &[f64], signature: &[f64]) -> Vec<Place> {
             && explained > EXPLAINED
             && peak(window) > QUIET * peak(before).max(peak(behind))
         {
-            // What is left begins with the third sample, and both signatures have two samples before the place itself.
+            // The first deviation is that of the third sample, and both signatures have two samples before the place itself.
             found.push(Place { at: i + BESIDE + 4, size, explained });
         }
     }
@@ -115,7 +118,7 @@ mod tests {
         let x = record();
         let none = |x: &[f64]| breaks(x, 15.0) == Breaks::default();
         assert!(none(&x));
-        // Another hit during the decay, a clipped begin and a fall to nothing.
+        // Another hit during the decay, a clipped start and a fall to nothing.
         let again: Vec<f64> = (0..x.len()).map(|n| x[n] + if n < 3000 { 0.0 } else { x[n - 2500] }).collect();
         assert!(none(&again));
         let clipped: Vec<f64> = x.iter().map(|x| x.clamp(-0.7, 0.7)).collect();

@@ -4,24 +4,25 @@ use super::breaks::{Breaks, Place, breaks};
 use super::peak_list::spectral_peaks;
 use crate::error::Error;
 
-/// Equal samples in a row at an extreme value that count as clipped, …
+/// Equal samples in a row at an extreme value that count as clipped.
 const RUN: usize = 3;
-/// … in this many places at least: a digitised crest can be flat once.
+/// Least number of places with such samples in a clipped record: a digitised crest can be flat once.
 const PLACES: usize = 2;
-/// Peaks of this part of the height of the highest move averages; the slowest of them says over what time they are taken.
+/// Only peaks of at least this fraction of the height of the highest move averages; the slowest of them sets the time over which averages are taken.
 const SEEN: f64 = 0.02;
-/// Cycles of that peak over which the zero line is averaged on either side of a jump.
+/// Cycles of that slowest peak over which the zero line is averaged on either side of a jump.
 const CYCLES: f64 = 10.0;
-/// A jump is this many times the median difference of neighbouring averages, …
+/// A jump is at least this many times the median difference of neighbouring averages.
 const MEDIANS: f64 = 12.0;
-/// … and this part of the largest sample: less is lost beside what else averages leave.
+/// A jump is also at least this fraction of the largest sample: a smaller one is lost in what else the averages leave.
 const PART: f64 = 5e-3;
-/// … or this part, where nothing was seen before the first average: a vibration that begins with the record leaves a sixtieth of itself in that, which is gone in the next, …
+/// The same fraction for the first average, before which nothing was seen: a vibration that begins with the record leaves a sixtieth of itself in that one, and nothing in the
+/// next.
 const AT_BEGIN: f64 = 0.05;
-/// … and between these parts of it are still there ten cycles away: less is a pulse, more is a drift.
+/// The fraction of a jump that is still there ten cycles away: with less it is a pulse, with more a drift.
 const LASTS: (f64, f64) = (0.7, 1.3);
 
-/// What disturbs a record at a time.
+/// A disturbance of a record, with its time.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[non_exhaustive]
 pub enum Event {
@@ -41,7 +42,7 @@ pub enum Event {
         /// In the unit of the record.
         size: f64,
     },
-    /// Samples that stand alone, as a disturbed transmission makes them.
+    /// Single samples stand alone, as a disturbed transmission makes them.
     Wild {
         /// The first of them, s from the first sample.
         time: f64,
@@ -50,14 +51,14 @@ pub enum Event {
         /// How many there are.
         count: usize,
     },
-    /// The vibration breaks off between two samples and goes on elsewhere: some in between are missing.
+    /// The vibration breaks off between two samples and goes on elsewhere: some samples in between are missing.
     Lost {
         /// First sample behind the first such place, s from the first sample.
         time: f64,
         /// How many places there are.
         count: usize,
     },
-    /// The decay is driven again, too early or too weakly for a stretch of its own: a double hit, or another disturbance.
+    /// The decay is driven again, too early or too weakly to begin a stretch of its own: a double hit, or another disturbance.
     Driven {
         /// s from the first sample.
         time: f64,
@@ -131,9 +132,9 @@ impl std::fmt::Display for Event {
 
 /// Clipping, the largest jump of the zero line, wild and lost samples in a record of any unit, sampled every `dt` seconds.
 ///
-/// Clipped: the largest or the smallest value stands three times in a row, in two places or more. A jump: averages over ten
-/// cycles of the slowest peak before and behind it differ twelve times as much as such averages do elsewhere. Wild and lost samples: what the cubic of its four
-/// neighbours leaves of a sample is ten times as large as about it and has the form that a single wrong sample or a step leaves; records of eight samples a cycle and more show that.
+/// Clipped: the largest or the smallest value stands three times in a row, in two places or more. A jump: averages over ten cycles of the slowest peak before and behind it
+/// differ twelve times as much as such averages do elsewhere. Wild and lost samples: the deviation of a sample from the cubic through its four neighbours is ten times as
+/// large as around it and has the form that a single wrong sample or a step leaves; only records of eight samples a cycle and more show that.
 ///
 /// # Errors
 /// [`Error::OutOfRange`] for `dt`, [`Error::NotFinite`], [`Error::TooShort`] below 64 samples.
@@ -153,7 +154,7 @@ pub fn events(x: &[f64], dt: f64) -> Result<Vec<Event>, Error> {
     let Breaks { wild, lost } = cycle.map_or_else(Breaks::default, |cycle| breaks(x, cycle));
     let first = |places: &[Place]| places.first().map(|p| (p.at as f64 * dt, p.size, places.len()));
     let wild = first(&wild).map(|(time, size, count)| Event::Wild { time, size, count });
-    // A zero line that jumps is a step, too.
+    // A jump of the zero line looks like lost samples as well, and is reported once.
     let lost = first(&lost).filter(|_| jump.is_none()).map(|(time, _, count)| Event::Lost { time, count });
     Ok(clipped(x, dt).into_iter().chain(jump).chain(wild).chain(lost).collect())
 }
@@ -184,7 +185,7 @@ fn clipped(x: &[f64], dt: f64) -> Option<Event> {
 
 /// The largest jump of the zero line, if it stands out; `cycle` in samples.
 fn jump(x: &[f64], dt: f64, cycle: f64) -> Option<Event> {
-    // Averages over three cycles, three times over: what oscillates falls by a thousand, and a hit with it.
+    // The record is averaged over a third of CYCLES, three times in succession: that makes an oscillation smaller by a thousand, and a hit with it.
     let length = (CYCLES / 3.0 * cycle).round().max(4.0) as usize;
     let zero = averaged(&averaged(&averaged(x, length)?, length)?, length)?;
     let reach = 3 * length;
@@ -194,7 +195,7 @@ fn jump(x: &[f64], dt: f64, cycle: f64) -> Option<Event> {
     let middle = sorted.len() / 2;
     let median = *sorted.select_nth_unstable_by(middle, f64::total_cmp).1;
     let loudest = x.iter().map(|x| x.abs()).fold(0.0, f64::max);
-    // What lasts is a jump; a pulse leaves nothing in averages that keep away from it.
+    // A jump lasts; a pulse leaves nothing in averages that keep away from it.
     let kept = |i: usize| zero[(i + 2 * reach).min(zero.len() - 1)] - zero[i.saturating_sub(reach)];
     let stands = |i: &usize| {
         let size = differences[*i];
@@ -204,12 +205,12 @@ fn jump(x: &[f64], dt: f64, cycle: f64) -> Option<Event> {
     };
     let at =
         (0..count).filter(stands).max_by(|&i, &j| differences[i].abs().total_cmp(&differences[j].abs()))?;
-    // Each average reaches so far ahead of its place, and the jump is in the middle between the two.
+    // Each average reaches ahead of its index by that much, and the jump is in the middle between the two averages.
     let i = at + reach / 2 + 3 * (length - 1) / 2;
     Some(Event::Jump { time: i as f64 * dt, size: differences[at] })
 }
 
-/// Mean of every `length` samples in a row.
+/// Running mean of `length` samples.
 fn averaged(x: &[f64], length: usize) -> Option<Vec<f64>> {
     let count = (x.len() + 1).checked_sub(length).filter(|n| *n > 0)?;
     let mut sum: f64 = x[..length].iter().sum();

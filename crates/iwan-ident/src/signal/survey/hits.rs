@@ -7,69 +7,70 @@ use super::swing::{driven_until, largest_swing, quantile, swing};
 use crate::error::Error;
 use crate::signal::defects::clipped_until;
 
-/// Samples a cycle of the strongest peak that are looked at: records of more are averaged over as many samples. Ten and forty find the
+/// Samples a cycle of the strongest peak at which hits are looked for: a record with more is averaged to as many (coarse) samples. Ten and forty find the
 /// same hits.
 const PER_CYCLE: f64 = 20.0;
-/// Order of the linear prediction: sixteen modes' worth. Sixteen leave more of a second hit's neighbours, 64 find the same.
+/// Order of the linear prediction, enough for sixteen modes. Order 16 leaves more beside a second hit, order 64 finds the same hits.
 const ORDER: usize = 32;
-/// Samples from which the median of the prediction error is taken on either side of a sample …
+/// Number of coarse samples on either side of a sample of which the median prediction error is taken.
 const AROUND: usize = 200;
-/// … without as many as this next to it, in which the hit itself is.
+/// Samples next to a sample that these medians leave out, because the hit itself is in them.
 const GUARD: usize = 2 * ORDER;
-/// Samples of silence before a hit, at least, …
+/// Least number of samples before a hit that begins in the first ORDER samples of a record.
 const SHORTEST: usize = 8;
-/// … and what is silence beside what follows.
+/// Such a hit is told only where the samples before it stay below this fraction of the amplitude that follows.
 const SILENCE: f64 = 0.1;
-/// A sample is driven when its prediction error is this many medians: 8 standard deviations of normal noise.
+/// A sample is driven when its prediction error is at least this many medians of the errors around it: 8 standard deviations of normal noise.
 const MEDIANS: f64 = 12.0;
-/// … and this part of the amplitude that follows; less is drift of the frequency, which the prediction does not know.
+/// The error of a driven sample is also at least this fraction of the amplitude that follows; less is drift of the frequency, which the prediction does not know.
 const PART: f64 = 5e-3;
-/// … and this part of the largest amplitude of the record: smaller ones are of no use and no harm.
+/// The error is also at least this fraction of the largest amplitude of the record: smaller hits are of no use and no harm.
 const LOUD: f64 = 2e-3;
-/// … and so many of the steps between the numbers that the record can hold: where a decay sinks into the last bit of a converter, errors of one step stand among zeros. The prediction
-/// of a cycle in few samples weighs the rounding of several of them.
+/// The error is also at least this many steps between the numbers that the record can hold: where a decay sinks into the last bit of a converter, errors of one step stand
+/// among zeros, and the prediction of a cycle in few samples weighs the rounding of several of them.
 const STEPS: f64 = 4.0;
-/// A driven sample belongs to the hit before it unless this many samples between them are not driven: half a cycle.
+/// A driven sample belongs to the hit before it unless at least this many samples between them are not driven: half a cycle.
 const QUIET: usize = 10;
-/// Of what follows a hit within the memory of the prediction nothing is told, and within the next cycles only errors of this part of its own count: the rest is what the prediction, or a joint that
-/// rattles, makes of the hit itself …
+/// Within ORDER samples after a hit, the memory of the prediction, no other hit is told. Within the next CYCLES cycles only errors of at least this fraction of the hit's own
+/// count: smaller ones are what the prediction, or a joint that rattles, makes of the hit itself.
 const ECHO: f64 = 0.05;
-/// … and only when they are this many times those …
+/// Within these cycles an error must also be this many times the median error of the samples just before.
 const ANEW: f64 = 8.0;
-/// … of so many samples before: a cycle.
+/// Number of samples before an error of which that median is taken: a cycle.
 const RECENT: usize = 23;
-/// A hit begins a stretch of its own when the swing rises by this factor from the cycle before to the two behind, …
+/// A hit begins a stretch of its own when the swing rises by at least this factor from the cycle before to the two cycles behind.
 const RISE: f64 = 1.5;
-/// … and this many cycles pass until the next: an envelope needs as many. Of hits that follow each other sooner, one behind which it is larger by as much begins the stretch.
+/// Least number of cycles between the starts of two stretches: an envelope needs as many. Where hits follow each other sooner, a later one behind which the swing is larger by
+/// RISE begins the stretch instead.
 const CYCLES: f64 = 20.0;
-/// A lead-in goes as far from the zero line of the decay behind it as this part of its swing: less is noise, or a hand that finds its place.
+/// A lead-in (see [`Hit::lead_in`]) leaves the zero line of the decay behind it by at least this fraction of the decay's swing: less is noise, or a hand that finds its place.
 const LEAD_IN: f64 = 0.2;
 
-/// A stretch of a record that begins with a hit, up to the next one or the end.
+/// A stretch of a record that begins with a hit, up to the next hit or the end of the record.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Hit {
     /// Samples of the stretch, the hit's first driven sample included.
     pub samples: Range<usize>,
     /// Time of the hit, s from the first sample of the record.
     pub time: f64,
-    /// Largest deviation from the mean within two cycles of it, in the unit of the record.
+    /// Largest deviation from the record's mean within two cycles of the hit, in the unit of the record.
     pub peak: f64,
-    /// Whether this is the first hit and the record before it is neither quiet nor a free decay: a structure that is pulled, held and let go, or handled, or driven at a resonance
-    /// until the force is taken away.
+    /// Whether this is the first hit and the record before it is a lead-in, neither quiet nor a free decay: the structure is pulled, held and let go, or handled, or driven at
+    /// a resonance until the force is taken away.
     pub lead_in: bool,
-    /// Times (s from the first sample of the record) at which the stretch is driven again, too early or too weakly for a stretch of their own:
+    /// Times (s from the first sample of the record) at which the stretch is driven again, too early or too weakly to begin a stretch:
     /// a double hit, or another disturbance.
     pub again: Vec<f64>,
 }
 
-/// The hits in a record of any unit, sampled every `dt` seconds; none where nothing is driven: in noise, or in a free decay from the first
+/// The hits in a record of any unit, sampled every `dt` seconds. The list is empty where nothing is driven: in noise, or in a free decay from the first
 /// sample on. A free decay before the first hit is a stretch of its own.
 ///
-/// What is pulled, held, handled or driven at constant amplitude before it is let go is a lead-in, and no stretch.
+/// A lead-in, in which the structure is pulled, held, handled or driven at constant amplitude before it is let go, is no stretch.
 ///
 /// A free vibration of any number of modes, beats and all, follows from its past by linear prediction (of order 32, by Burg's method, at
-/// twenty samples a cycle of the strongest peak). Where the prediction fails by far more than around, and by a part of the
-/// amplitude that follows, the structure is driven.
+/// twenty samples a cycle of the strongest peak). The structure is driven where the prediction error is far larger than around, and at least a certain part of the
+/// amplitude that follows.
 ///
 /// # Errors
 /// [`Error::OutOfRange`] for `dt`, [`Error::NotFinite`], [`Error::TooShort`] below 64 samples.
@@ -98,9 +99,9 @@ pub fn hits(x: &[f64], dt: f64) -> Result<Vec<Hit>, Error> {
     Ok(scale.stretches(x, mean, &coarse, &onsets))
 }
 
-/// How coarse samples lie in the record.
+/// Scale of the coarse samples, each of which is the mean of several samples of the record.
 struct Scale {
-    /// Samples of the record in each.
+    /// Samples of the record in each coarse sample.
     few: usize,
     dt: f64,
     /// Coarse samples in a cycle.
@@ -112,7 +113,7 @@ impl Scale {
         (onset * self.few) as f64 * self.dt
     }
 
-    /// The stretches that the onsets begin, and the onsets within them.
+    /// The stretches of the record `x` that the onsets begin, with the onsets within each.
     fn stretches(&self, x: &[f64], mean: f64, coarse: &[f64], onsets: &[usize]) -> Vec<Hit> {
         let least = (CYCLES * self.cycle as f64) as usize;
         let behind = |onset: usize| swing(coarse, onset..onset + 2 * self.cycle);
@@ -143,13 +144,13 @@ impl Scale {
                 ends.insert(0, 0);
             } else {
                 let zero = quantile(&coarse[first..], 0.5);
-                // What a blow itself moves before it is found is none.
+                // What the blow itself moves before its onset is found is no lead-in.
                 let before = &coarse[..first.saturating_sub(self.cycle)];
                 let away = before.iter().map(|x| (x - zero).abs()).fold(0.0, f64::max);
                 lead_in = Some(first).filter(|_| away > LEAD_IN * behind(first));
             }
         }
-        // A clipped decay is as steady as a tone.
+        // A clipped decay is as steady as a tone, so tones are looked for only in records that are not clipped.
         if clipped_until(x).is_none() {
             lead_in = self.without_tones(coarse, &mut starts, &mut ends).or(lead_in);
         }
@@ -169,7 +170,8 @@ impl Scale {
         starts.iter().enumerate().map(hit).collect()
     }
 
-    /// Lets stretches begin where a tone that is driven in them ends; a record without hits may be such a stretch. The begin of the first one, if it is.
+    /// Lets stretches in which a tone is driven begin where the tone ends; a record without hits may be such a stretch. Returns the new start of the first stretch, if it was
+    /// moved.
     fn without_tones(&self, coarse: &[f64], starts: &mut Vec<usize>, ends: &mut Vec<usize>) -> Option<usize> {
         let least = (CYCLES * self.cycle as f64) as usize;
         let (begins, stops) =
@@ -193,12 +195,12 @@ fn largest(x: &[f64], from: usize, to: usize) -> f64 {
     x[from.min(x.len())..to.min(x.len())].iter().map(|x| x.abs()).fold(0.0, f64::max)
 }
 
-/// The least by which two neighbours differ: one step of the converter where a record has few digits, and next to nothing where it has many.
+/// The smallest difference of two neighbouring samples that is not zero: one step of the converter where a record has few digits, and next to nothing where it has many.
 fn step_of(x: &[f64]) -> f64 {
     x.windows(2).map(|w| (w[1] - w[0]).abs()).filter(|d| *d > 0.0).fold(f64::INFINITY, f64::min)
 }
 
-/// Samples at which the vibration begins to be driven, where the record goes in steps of `step`.
+/// Coarse samples at which the vibration begins to be driven. A cycle is `cycle` coarse samples; the record goes in steps of `step`.
 fn onsets(x: &[f64], cycle: usize, step: f64) -> Vec<usize> {
     if x.len() < 4 * ORDER {
         return Vec::new();
@@ -208,7 +210,7 @@ fn onsets(x: &[f64], cycle: usize, step: f64) -> Vec<usize> {
     let usual = |i: usize| {
         let before = i.checked_sub(GUARD).map(|j| medians[j / AROUND]);
         let after = medians.get((i + GUARD).div_ceil(AROUND)).copied();
-        // A louder part beside a quiet one has the larger errors for good: the smaller median is that of the quiet one.
+        // A louder part beside a quiet one has larger errors throughout: the smaller median is that of the quiet part, so the larger one is taken.
         before.unwrap_or(0.0).max(after.unwrap_or(0.0))
     };
     let driven = |i: usize| {
@@ -218,7 +220,7 @@ fn onsets(x: &[f64], cycle: usize, step: f64) -> Vec<usize> {
     };
     let mut found: Vec<usize> = Vec::new();
     let (mut last, mut strongest) = (None::<usize>, 0.0_f64);
-    // Before the prediction has all it needs, only what follows silence is told: a free decay may begin with the record.
+    // Before the prediction has all the samples it needs, a hit is told only where it follows silence: a free decay may begin with the record.
     let told = |i: &usize| *i >= ORDER || largest(x, 0, *i) < SILENCE * largest(x, *i, i + cycle);
     for i in (SHORTEST..x.len()).filter(|i| told(i) && driven(*i)) {
         let e = error[i].abs();
@@ -249,7 +251,7 @@ fn block_medians(error: &[f64]) -> Vec<f64> {
     error.chunks(AROUND).map(median_of).collect()
 }
 
-/// What linear prediction from the samples before leaves of each sample; of the first ones from as many as there are. Coefficients by Burg's method (J. P. Burg,
+/// Error of the linear prediction of each sample from the samples before it; the first ones are predicted from as many as there are. Coefficients by Burg's method (J. P. Burg,
 /// *Maximum Entropy Spectral Analysis*, 1975), which keeps the prediction stable.
 fn prediction_error(x: &[f64]) -> Vec<f64> {
     let n = x.len();
@@ -348,7 +350,7 @@ mod tests {
             assert_eq!(found.len(), 1, "{scatter}: {found:?}");
             assert!(found[0].lead_in && (found[0].time - 1.5).abs() < 5e-3, "{scatter}: {found:?}");
         }
-        // A quiet begin is none.
+        // A quiet start is no lead-in.
         let found = hits(&record(&[&struck(0.5, 1.0)], 3.0, 1e-2), 1.0 / RATE).unwrap();
         assert!(found.len() == 1 && !found[0].lead_in, "{found:?}");
     }

@@ -1,4 +1,4 @@
-//! A record looked over before anything is taken out of it: its hits, and what disturbs it.
+//! A first look over a record before anything is taken out of it: its hits, and what disturbs it.
 
 use std::ops::Range;
 
@@ -10,19 +10,20 @@ use super::hits::{Hit, hits};
 pub struct Overview {
     /// The hits, as [`hits`] finds them.
     pub hits: Vec<Hit>,
-    /// What disturbs the record from its release on, with times in s from the first sample: defects as [`events`] finds them, then where it is driven again within a stretch.
+    /// Disturbances of the record from its release on, with times in s from the first sample: defects as [`events`] finds them, then the times at which it is driven again
+    /// within a stretch.
     pub events: Vec<Event>,
     length: usize,
 }
 
 impl Overview {
-    /// First sample of the record behind what is pulled, held, handled or driven before the first hit; 0 without a lead-in.
+    /// Index of the first sample behind the lead-in, in which the structure is pulled, held, handled or driven before the first hit; 0 without a lead-in.
     #[must_use]
     pub fn release(&self) -> usize {
         self.hits.first().filter(|hit| hit.lead_in).map_or(0, |hit| hit.samples.start)
     }
 
-    /// The samples of each record that a fit makes of this one: every stretch where there are several hits, else all from the release on.
+    /// Ranges of samples, one for each record that a fit makes of this one: every stretch where there are several hits, else all samples from the release on.
     #[must_use]
     pub fn stretches(&self) -> Vec<Range<usize>> {
         let alone = self.release()..self.length;
@@ -36,7 +37,7 @@ impl Overview {
 
 /// Looks over a record of any number of channels, sampled every `dt` seconds.
 ///
-/// A record without channels, and one too short or not finite to be looked at, has neither hits nor events: it is refused where it is used.
+/// A record without channels, or one too short or not finite, gives neither hits nor events: it is refused where it is used.
 ///
 /// ```
 /// let decay = |n: usize| (-4e-3 * n as f64).exp() * (0.6 * n as f64).sin();

@@ -4,30 +4,30 @@ use super::ring::{RingSpectrum, Window, decay_rate};
 use crate::error::{Error, check};
 use crate::signal::spectrum::{Band, Neighbour, STRONG, half_power_width};
 
-/// A peak stands out of the noise when its amplitude is this many times the median of it around: of a million lines of noise the highest
+/// A peak stands out of the noise when its amplitude is at least this many times the median noise around it: of a million lines of noise the highest
 /// reaches 4.5 times, and a median of some tens of independent lines is a fifth off.
 const ABOVE_NOISE: f64 = 7.0;
-/// … and out of the skirts of others when the valleys on both sides are this much lower. A judgement: half of it names ripples of
-/// skirts, twice of it leaves out modes 2 % beside others.
+/// A peak stands out of the skirts of others when the valleys on both sides (the lowest lines on the way to higher ones) are lower by this factor. A judgement: half of this
+/// value names ripples of skirts, twice this value leaves out modes 2 % beside others.
 const PROMINENCE: f64 = 2.0;
-/// A peak that only the second window shows stands this much above its valleys: noise that is not white has bumps of five.
+/// A peak that only the second window (Blackman-Harris) shows stands above its valleys by at least this factor: noise that is not white has bumps of five.
 const CLEAR: f64 = 10.0;
-/// Lines in each of the blocks of which the medians are taken, at most: 128 independent lines.
+/// Largest number of lines in each of the blocks of which the median noise is taken: 128 independent lines.
 const BLOCK: usize = 512;
-/// … of blocks at least.
+/// Least number of blocks.
 const BLOCKS: usize = 8;
-/// A peak needs this many cycles in the stretch: below lie offset and drift.
+/// Least number of cycles of a peak in the stretch: below lie offset and drift.
 const CYCLES: f64 = 5.0;
-/// Peaks of both windows are one where they are nearer to each other than this many of their widths: a peak whose frequency falls with
-/// amplitude stands higher when its loud part is not seen.
+/// Peaks of the two windows are one peak where they are nearer to each other than this many of their widths: a peak whose frequency falls with
+/// amplitude stands at a higher frequency when its loud part is not seen.
 const APART: f64 = 2.0;
-/// A mode that is asked for is at most this far from the frequency given, as a ratio.
+/// Largest ratio of the frequency asked for and that of the mode taken; farther off, the request is refused.
 const FAR: f64 = 1.2;
-/// A peak this near to another one, relative to its frequency, …
+/// A peak within this distance of another one, relative to its frequency, may be a part of that one where a mode is asked for.
 const BESIDE: f64 = 0.03;
-/// … and this many times lower, is a part of it where a mode is asked for.
+/// It is a part of the other one where that is more than this many times higher.
 const LOWER: f64 = 10.0;
-/// The band reaches up to the geometric mean with a neighbour of this part of the peak's height, as the automatic band does.
+/// The band ends at the geometric mean with a neighbour of at least this fraction of the peak's height, as the automatic band does.
 const NEIGHBOUR: f64 = 0.03;
 
 /// A peak of a ring-down's spectrum.
@@ -39,8 +39,8 @@ pub struct SpectralPeak {
     pub height: f64,
     /// Width at half its power, Hz, the window's own included; none where a neighbour hides it.
     pub width: Option<f64>,
-    /// Damping ratio of the linear mode with a peak of that width; none where the record is too short to tell. A frequency that changes
-    /// with amplitude widens the peak: then it is too large.
+    /// Damping ratio of the linear mode with a peak of that width; none where the record is too short to tell. Where the frequency changes
+    /// with amplitude, the peak is wider and this value too large.
     pub damping_ratio: Option<f64>,
     /// Height over that of the higher of the two valleys beside it.
     pub prominence: f64,
@@ -48,9 +48,8 @@ pub struct SpectralPeak {
 
 /// The peaks of the spectrum of a ring-down in one or several equally long channels (same unit, every `dt` seconds), by frequency.
 ///
-/// The spectrum is that of the stretch behind the loudest sample, under the falling half of a Hann window; peaks that the skirts of others
-/// hide in it are taken from that under a whole
-/// Blackman-Harris window. A peak is a line that stands
+/// The spectrum is that of the stretch behind the loudest sample, under the falling half of a Hann window. Peaks that the skirts of others
+/// hide in it are taken from the spectrum under a whole Blackman-Harris window. A peak is a line that stands
 /// seven times out of the noise around it, with valleys of half its height on both sides, and lasts for five cycles of the stretch.
 ///
 /// # Errors
@@ -69,9 +68,9 @@ pub fn spectral_peaks(channels: &[&[f64]], dt: f64) -> Result<Vec<SpectralPeak>,
     let falling = Listed::new(channels, dt, Window::Falling)?;
     let whole = Listed::new(channels, dt, Window::Whole)?;
     let highest = falling.lines.iter().map(|l| falling.spectrum.power[l.at]).fold(0.0, f64::max);
-    // A mode that another one's skirts hide at the start is seen when that has died away.
+    // A mode that the skirts of another one hide at the start is seen when that other one has died away.
     let hidden = |line: &&Line| {
-        // Without half-power points a bump is the ripple of a skirt.
+        // A bump without half-power points is the ripple of a skirt.
         if line.prominence < CLEAR || line.width.is_none() {
             return false;
         }
@@ -109,7 +108,7 @@ struct Listed {
 /// A line that is a peak.
 struct Line {
     at: usize,
-    /// Lines between its half-power points.
+    /// Width between its half-power points, in lines.
     width: Option<f64>,
     prominence: f64,
 }
@@ -135,8 +134,7 @@ impl Listed {
 
 /// The band around the spectral peak nearest to `near` Hz: 0.75 to 1.3 times its frequency, cut at the geometric mean with the next
 /// peak on either side that has 3 % of its height, and at 95 % of the Nyquist frequency, and narrower beside a strong one nearer than 5 %, as by
-/// [`automatic_band`](crate::signal::automatic_band). A peak beside one that is ten times
-/// higher, within 3 % of its frequency, is not meant.
+/// [`automatic_band`](crate::signal::automatic_band). A peak within 3 % of one that is ten times higher is never taken.
 ///
 /// # Errors
 /// Those of [`spectral_peaks`]; [`Error::OutOfRange`] for `near`; [`Error::Refused`] when there is no peak within 20 % of it.
@@ -174,7 +172,7 @@ pub fn band_near(channels: &[&[f64]], dt: f64, near: f64) -> Result<Band, Error>
     Ok(band_among(&others, mode, true, nyquist))
 }
 
-/// The band around one of some peaks, narrow where it `yields` to a near neighbour.
+/// The band around `mode`, one of some `peaks`; where it `yields`, a strong near neighbour makes it narrower.
 pub(in crate::signal) fn band_among(
     peaks: &[SpectralPeak],
     mode: &SpectralPeak,
@@ -196,7 +194,7 @@ fn block_length(lines: usize) -> usize {
     (lines / BLOCKS).clamp(1, BLOCK)
 }
 
-/// For each block of lines the median noise in it, or in one beside it where that is less: a mode that fills a block is no noise.
+/// For each block of lines the median noise in it, or in a block beside it where that is less: a mode that fills a block is no noise.
 fn noise_around(noise: &[f64]) -> Vec<f64> {
     let median = |block: &[f64]| {
         let mut sorted = block.to_vec();
@@ -215,15 +213,15 @@ fn noise_around(noise: &[f64]) -> Vec<f64> {
     (0..medians.len()).map(least).collect()
 }
 
-/// At each line the higher of the lowest powers on the ways to higher lines on either side; an end of the spectrum counts as one.
+/// For each line the higher of two valleys: the lowest powers on the ways to the next higher line on either side. An end of the spectrum counts as a higher line.
 fn saddles(power: &[f64]) -> Vec<f64> {
     let below = lowest_on_the_way(power.iter());
     let above = lowest_on_the_way(power.iter().rev());
     below.iter().zip(above.iter().rev()).map(|(a, b)| a.max(*b)).collect()
 }
 
-/// The lowest power between each line and the last one before it that is higher, or the first of all. Lines that a later one is not lower than are never asked for
-/// again, so that all are done in one go.
+/// The lowest power between each line and the last one before it that is higher, or the first line where none is. Lines that are not higher than a later one are never asked for
+/// again and are dropped, so that one pass over the spectrum does all.
 fn lowest_on_the_way<'a>(power: impl Iterator<Item = &'a f64>) -> Vec<f64> {
     let mut higher: Vec<(f64, f64)> = Vec::new();
     let way = |p: &f64| {

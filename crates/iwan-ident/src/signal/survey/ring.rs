@@ -8,11 +8,11 @@ use rustfft::num_complex::Complex64;
 use crate::error::{Error, check_dt, check_samples};
 use crate::signal::spectrum::{is_peak, vertex};
 
-/// Samples that a record needs behind its loudest one.
+/// Least number of samples of a record, and of the stretch behind its loudest one; with a shorter stretch the whole record is taken.
 const LEAST: usize = 64;
-/// A stretch behind the loudest sample of less than this part of the record is no ring-down of it: all of it is taken then.
+/// Where the stretch behind the loudest sample is shorter than this fraction of the record, it is no ring-down, and the whole record is taken.
 const PART: f64 = 0.2;
-/// Zeros added make lines this many times denser than the stretch's own: peaks and their half-power points are then met within 3 % of
+/// Zeros are appended until lines are at least this many times denser than the stretch's own: peaks and their half-power points are then met within 3 % of
 /// the window's width.
 const DENSER: usize = 4;
 
@@ -23,13 +23,13 @@ pub(super) struct RingSpectrum {
     /// Length of the stretch, s.
     pub(super) length: f64,
     pub(super) power: Vec<f64>,
-    /// Power of the noise in each line: what a line has more than the straight line through its neighbours on either side says. The skirts of
-    /// modes are smooth and leave nothing, noise leaves itself.
+    /// Power of the noise in each line: the deviation of the complex line from the straight line through its neighbours on either side. The skirts of
+    /// modes are smooth and leave nothing there, noise leaves itself.
     pub(super) noise: Vec<f64>,
 }
 
 impl RingSpectrum {
-    /// Of equally long channels sampled every `dt` seconds.
+    /// Spectrum of equally long channels sampled every `dt` seconds.
     pub(super) fn new(channels: &[&[f64]], dt: f64, window: Window) -> Result<Self, Error> {
         check_dt(dt)?;
         let n = channels.first().map_or(0, |c| c.len());
@@ -49,7 +49,7 @@ impl RingSpectrum {
             fft.process(&mut z);
             power.iter_mut().zip(&z).for_each(|(p, z)| *p += z.norm_sqr());
             for (k, noise) in noise.iter_mut().enumerate() {
-                // Four lines of the stretch's own away, where the window's have nothing in common.
+                // Neighbours four lines of the unpadded stretch away: at that distance the window leaves them nothing in common.
                 let (below, above) = (z[(k + padded - 4 * DENSER) % padded], z[(k + 4 * DENSER) % padded]);
                 *noise += (below - 2.0 * z[k] + above).norm_sqr() / 6.0;
             }
@@ -77,9 +77,9 @@ fn loudest(channels: &[&[f64]], n: usize) -> usize {
 /// Windows over the stretch.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Window {
-    /// The half of a Hann window that falls from 1 to 0: it sees what decays at once, and the step at its start makes skirts.
+    /// The half of a Hann window that falls from 1 to 0: it sees what decays at once, but the step at its start makes skirts.
     Falling,
-    /// A whole Blackman-Harris window: it is blind at the start, and neither skirts nor side lobes reach above -92 dB.
+    /// A whole Blackman-Harris window: it is blind at the start, but neither skirts nor side lobes reach above -92 dB.
     Whole,
 }
 
@@ -87,7 +87,7 @@ pub(super) enum Window {
 const BLACKMAN_HARRIS: [f64; 4] = [0.358_75, -0.488_29, 0.141_28, -0.011_68];
 
 impl Window {
-    /// At a part of the stretch, from 0 to 1.
+    /// Value of the window at a part of the stretch, from 0 to 1.
     fn at(self, part: f64) -> f64 {
         match self {
             Self::Falling => (0.5 * PI * part).cos().powi(2),
@@ -98,12 +98,12 @@ impl Window {
         }
     }
 
-    /// ∫ e^(-p t) w(t) dt over the stretch, for t from 0 to 1: both windows are sums of cosines.
+    /// ∫ e^(-p t) w(t) dt over the stretch, t from 0 to 1; in closed form, because both windows are sums of cosines.
     fn transformed(self, p: Complex64) -> Complex64 {
         let end = (-p).exp();
         let cosine = |turn: f64, ends: Complex64| {
             let below = p * p + turn * turn;
-            // At its own frequency a cosine leaves 1/2, and a constant 1.
+            // At its own frequency a cosine leaves 1/2, and a constant leaves 1.
             let own = if turn == 0.0 { 1.0 } else { 0.5 };
             if below.norm() < 1e-9 { Complex64::new(own, 0.0) } else { p * ends / below }
         };
@@ -117,7 +117,7 @@ impl Window {
     }
 }
 
-/// Without the mean that the window sees, under the window.
+/// Samples under the window, less the mean that the window sees.
 fn windowed(x: &[f64], window: Window) -> Vec<Complex64> {
     let n = x.len() as f64;
     let window: Vec<f64> = (0..x.len()).map(|i| window.at(i as f64 / n)).collect();
@@ -130,7 +130,7 @@ fn windowed(x: &[f64], window: Window) -> Vec<Complex64> {
 fn width_of(window: Window, rate: f64) -> f64 {
     let power = |offset: f64| window.transformed(Complex64::new(rate, 2.0 * PI * offset)).norm_sqr();
     let half = 0.5 * power(0.0);
-    // The windows alone have 0.64 and 0.95; a rate of r has r/(2π) more at most.
+    // Half the width is 0.64 and 0.95 lines for the windows alone; a rate of r adds r/(2π) at most.
     let (mut low, mut high) = (0.0, 2.0 + rate);
     for _ in 0..60 {
         let middle = 0.5 * (low + high);
@@ -140,9 +140,9 @@ fn width_of(window: Window, rate: f64) -> f64 {
 }
 
 /// Decay rate (1/s) of the oscillation whose peak is `width` Hz wide at half its power, in a stretch of `length` seconds; none where the
-/// window alone is as wide.
+/// window alone is nearly as wide.
 pub(super) fn decay_rate(window: Window, width: f64, length: f64) -> Option<f64> {
-    // Below, the stretch is too short to tell a decay from none: the rate would be known to a quarter at best.
+    // Least width over that of the window alone. Below, the stretch is too short to tell a decay from none: the rate would be known to a quarter at best.
     const TOLD: f64 = 1.1;
     let wanted = width * length;
     if wanted < TOLD * width_of(window, 0.0) {

@@ -7,14 +7,14 @@ use rustfft::num_complex::Complex64;
 
 use crate::error::{Error, check, check_dt, check_samples};
 
-/// Windows that lie one behind the other in a record: each is as long as this part of it. Longer ones blur the decay, shorter ones the
-/// frequencies; for a ring-down of some hundred cycles a thirtieth shows both.
+/// Number of windows that lie one behind the other in a record; it sets their length. Longer windows blur the decay, shorter ones the
+/// frequencies; for a ring-down of some hundred cycles a thirtieth of the record shows both.
 const WINDOWS: f64 = 30.0;
-/// Samples of a window, at least.
+/// Least number of samples of a window.
 const LEAST: usize = 32;
-/// Zeros make a window at most this many times longer: more lines between two of the window's own show nothing new.
+/// Appended zeros make a window at most this many times longer: more lines between two of the window's own show nothing new.
 const MOST_PADDED: usize = 16;
-/// Decibels below the highest cell at which the scale ends: four decades of amplitude, about what sensors have.
+/// Level at which the scale ends, in decibels relative to the highest cell: four decades of amplitude, about what sensors have.
 const FLOOR: f64 = -80.0;
 
 /// Magnitudes of short-time spectra.
@@ -63,7 +63,7 @@ pub fn spectrogram(
     let cells_wanted = most.0.min(most.1) as f64;
     check("cells", cells_wanted, cells_wanted >= 1.0, "at least 1", "give a number of cells")?;
     let length = ((x.len() as f64 / WINDOWS) as usize).max(LEAST);
-    // Two lines to a cell; where the range is too narrow for that, lines repeat themselves.
+    // Two lines to a cell, as far as the limit of the padding allows.
     let wanted = (2.0 * most.1 as f64 / ((high - low) * dt)) as usize;
     let padded = wanted.clamp(length, MOST_PADDED * length).next_power_of_two();
     let step = 1.0 / (padded as f64 * dt);

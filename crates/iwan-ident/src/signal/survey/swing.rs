@@ -2,18 +2,18 @@
 
 use std::ops::Range;
 
-/// Quantiles between which the swing is taken: a sinusoid keeps 95 % of its own between them, and two wild samples of twenty do not count.
+/// Quantiles between which the swing is taken: a sinusoid keeps 95 % of its amplitude between them, and two wild samples of twenty do not count.
 const QUANTILES: (f64, f64) = (0.1, 0.9);
 /// Cycles over which swings are smoothed by their median: noise of 10 % then leaves 2 % of the amplitude.
 const SMOOTHED: usize = 5;
-/// A steady vibration stays above this part of its largest amplitude, …
+/// A vibration is steady while its amplitude stays above this fraction of its largest.
 const STEADY: f64 = 0.95;
-/// … and its decay is timed down to this part of it.
+/// The decay behind it is timed from STEADY down to this fraction of the largest amplitude.
 const FALLEN: f64 = 0.8;
-/// It is steady for at least so many cycles …
+/// Least number of cycles for which the vibration is steady.
 const CYCLES: usize = 10;
-/// … and so many times as long as the decay takes from the one part to the other: a decay of constant damping ratio takes three times as long there as above, dry friction too, and a
-/// beat is above for twice as long as it takes to fall.
+/// The vibration is also steady for longer than this many times what its decay takes from STEADY to FALLEN. A free decay of constant damping ratio takes three times as long
+/// for that fall as it stays above STEADY, one by dry friction too; a beat stays above for twice as long as it takes to fall.
 const LONGER: usize = 3;
 
 /// An amplitude has turned when it has fallen to this part of its last high, or when its last low is this part of it.
@@ -23,26 +23,26 @@ const RISEN: f64 = 0.3;
 /// A rise is sudden if it takes the middle half of its way within so many cycles: a step is spread over three by the median, and a blow lasts a cycle or two.
 const SUDDEN: usize = 5;
 
-/// The value below which a part of all lies; 0 of nothing.
+/// The value below which a fraction `part` of all values lies; 0 where there are none.
 pub(super) fn quantile(x: &[f64], part: f64) -> f64 {
     let mut sorted = x.to_vec();
     let at = (part * x.len().saturating_sub(1) as f64).round() as usize;
     if sorted.is_empty() { 0.0 } else { *sorted.select_nth_unstable_by(at, f64::total_cmp).1 }
 }
 
-/// Half the way between low and high values of some samples.
+/// Half the distance between high and low values (QUANTILES) of some samples.
 pub(super) fn swing(x: &[f64], samples: Range<usize>) -> f64 {
     let part = &x[samples.start.min(x.len())..samples.end.min(x.len())];
     0.5 * (quantile(part, QUANTILES.1) - quantile(part, QUANTILES.0))
 }
 
-/// The largest swing in a cycle.
+/// The largest swing of any cycle.
 pub(super) fn largest_swing(x: &[f64], cycle: usize) -> f64 {
     x.chunks(cycle).map(|one| swing(one, 0..one.len())).fold(0.0, f64::max)
 }
 
-/// Where a vibration of constant amplitude, which somebody drives, goes over into a decay; none where the samples hold no such vibration. At a resonance it is driven until
-/// the force is taken away.
+/// The sample at which a vibration of constant amplitude, which somebody drives, goes over into a decay, as at a resonance that is driven until the force is taken away. None
+/// where the samples hold no such vibration. A cycle is `cycle` samples.
 pub(super) fn driven_until(x: &[f64], cycle: usize) -> Option<usize> {
     let swings: Vec<f64> = x.chunks_exact(cycle).map(|one| swing(one, 0..one.len())).collect();
     let smooth: Vec<f64> = swings.windows(SMOOTHED).map(|w| quantile(w, 0.5)).collect();
@@ -50,7 +50,8 @@ pub(super) fn driven_until(x: &[f64], cycle: usize) -> Option<usize> {
     let last = smooth.iter().rposition(|s| *s >= STEADY * largest)?;
     let steady = smooth[..=last].iter().rev().take_while(|s| **s >= STEADY * largest).count();
     let fall = smooth[last..].iter().position(|s| *s < FALLEN * largest)?;
-    // The force ends where the decay, followed backwards, meets the amplitude before it: as far above the one part as the decay takes from there to the other, by logarithms.
+    // The force ends where the decay, continued backwards, meets the steady amplitude: on a logarithmic scale the decay takes as long for each unit above STEADY as between
+    // STEADY and FALLEN.
     let above = STEADY.ln() / (FALLEN / STEADY).ln() * fall as f64;
     let end = (last + SMOOTHED / 2).saturating_sub(above as usize) + 1;
     (steady >= CYCLES && steady > LONGER * fall).then_some(end * cycle)
