@@ -55,7 +55,8 @@ impl Balance {
 
     /// The circular frequency at which the smallest force sustains the amplitude.
     fn easiest(&self, at: AtAmplitude) -> f64 {
-        // |Z|² = (K - ω²)² + (cω + h)² has zero derivative at ω² = K - c (cω + h)/(2ω). The correction to ω² = K is of second order in the damping, so a few rounds suffice.
+        // |Z|² = (K - ω²)² + (cω + h)² has zero derivative at ω² = K - c (cω + h)/(2ω). The correction to ω² = K is of second
+        // order in the damping, so a few rounds suffice.
         let mut omega = at.stiffness.max(0.0).sqrt();
         for _ in 0..4 {
             if omega == 0.0 || self.viscous == 0.0 {
