@@ -219,7 +219,7 @@ impl<'a> WithParts<'a> {
         }
     }
 
-    /// The time at which a mode at rest departs, as a share of what is left of the interval, and the direction in which it departs; none if
+    /// The time at which a mode at rest departs, as a share of the rest of the interval, and the direction in which it departs; none if
     /// it stays at rest. The force on the mode changes linearly from `drives[0]` to `drives[1]`.
     fn departure(&self, [now, end]: [f64; 2]) -> Option<(f64, f64)> {
         if now.abs() > self.friction {

@@ -82,8 +82,8 @@ impl SteadyCurve {
         folds.map(|w| Jump { frequency: w[1].frequency, amplitude: w[1].amplitude }).collect()
     }
 
-    /// The superharmonic resonances along the curve, harmonic by harmonic. In one the amplitude falls to 1/√2 of its maximum on both sides,
-    /// and the phase against that of the fundamental turns by at least [`TURN`].
+    /// The superharmonic resonances along the curve, harmonic by harmonic. At such a resonance the amplitude of the harmonic falls to 1/√2 of
+    /// its maximum on both sides, and the phase against that of the fundamental turns by at least π/4.
     #[must_use]
     pub fn superharmonics(&self) -> Vec<Superharmonic> {
         let count = self.points.iter().map(|point| point.harmonics.len()).min().unwrap_or(0);

@@ -174,7 +174,7 @@ impl Curve for Problem<'_> {
         self.balance.choose(&mut y[..n], state, keep)
     }
 
-    /// The scale of a slip is the size of all its harmonics together. A joint that hardly moves gets the part [`MINOR`] of the largest
+    /// The scale of a slip is the size of all its harmonics together. A joint that hardly moves gets the part `MINOR` of the largest
     /// slip, both relative to the joints' strengths.
     fn scales(&self, y: &[f64]) -> Vec<f64> {
         /// Part of the largest slip (relative to the strengths) that is the smallest scale of any joint: a joint that slips less may change
