@@ -1,13 +1,13 @@
 //! Cosine, sine and logarithm at compile time.
 //!
-//! Tables of the quadrature are constants, and `libm` cannot be called in one. Each function is a Taylor series on
-//! the range its one caller needs, with more terms than double precision asks for: they cost the compiler a moment
-//! and the program nothing, so none is left out to save work.
+//! The quadrature's tables are constants, and `libm` cannot be called while the compiler computes a constant. Each function is a Taylor
+//! series on the range that its one caller needs. The series have more terms than double precision needs; the surplus terms cost the
+//! compiler a moment and the running program nothing.
 
 /// `cos x` for 0 <= x <= π.
 ///
-/// Terms up to x^40: what is left out is below π^42/42! = 6e-31. Near π the terms reach 5 and cancel, which leaves
-/// 1e-15: enough for its caller, who wants a start value for Newton's method.
+/// The series ends at the term x^40; the terms left out are below π^42/42! = 6e-31. Near π the terms reach 5 and cancel, which leaves an
+/// error of 1e-15. That is enough for the caller, which uses the value to start Newton's method.
 pub(crate) const fn cosine(x: f64) -> f64 {
     let (mut term, mut sum, mut k) = (1.0, 1.0, 1.0);
     while k < 40.0 {
@@ -31,10 +31,10 @@ pub(crate) const fn sine(x: f64) -> f64 {
     sum
 }
 
-/// `ln x` for 0 < x <= 1: ln m = 2 artanh z with z = (m - 1)/(m + 1), the powers of two taken out.
+/// `ln x` for 0 < x <= 1: x = m 2^-n, and ln m = 2 artanh z with z = (m - 1)/(m + 1).
 ///
-/// Doubling x until it is 0.7 at least leaves m between 0.7 and 1.4, so |z| < 0.177; the 30 terms up to z^59 leave
-/// out less than 0.177^61/61 = 3e-48.
+/// Doubling x until it is at least 0.7 leaves m between 0.7 and 1.4, so |z| < 0.177; the 30 terms up to z^59 leave out less than
+/// 0.177^61/61 = 3e-48.
 pub(crate) const fn logarithm(x: f64) -> f64 {
     let (mut m, mut twos) = (x, 0.0);
     while m < 0.7 {

@@ -1,4 +1,4 @@
-//! The one error type: which quantity, what it was, what is allowed.
+//! The crate's one error type. Each error names the quantity, the value that was given and the range that is allowed.
 
 use core::fmt;
 
@@ -63,7 +63,7 @@ impl fmt::Display for Error {
 
 impl core::error::Error for Error {}
 
-/// Passes `value` on when `ok` holds, names it otherwise.
+/// Returns `value` when `ok` holds and `value` is finite; otherwise an error that names the quantity.
 pub(crate) fn check(name: &'static str, value: f64, ok: bool, allowed: &'static str) -> Result<f64, Error> {
     if ok && value.is_finite() { Ok(value) } else { Err(Error::OutOfRange { name, value, allowed }) }
 }

@@ -3,7 +3,8 @@
 //! The modules below stand in floors: each imports only from those above it.
 #![no_std]
 
-// The ground: errors, progress of long work, functions at compile time, line search, Gauss-Legendre rules.
+// Ground floor, which the rest of the crate uses: errors, progress of long work, functions at compile time, line search, Gauss-Legendre
+// rules.
 mod error;
 pub mod progress;
 mod random;
@@ -11,7 +12,7 @@ mod elementary;
 mod line_search;
 pub mod quadrature;
 
-// Laws: a joint is its virgin curve, and its cycles follow.
+// Laws: a joint law is given by its virgin curve (backbone), from which its cycles follow.
 mod law;
 
 // Parts: dampers and springs beside a joint, without memory.
@@ -20,7 +21,7 @@ mod parts;
 // Memories: the hysteretic force of a law along any history of displacement.
 mod memory;
 
-// Steps: a mode with a joint, in time steps or from event to event.
+// Steps: motion of one mode with a joint, by time steps or from event to event.
 mod step;
 
 // Coupled modes: linear oscillators that share joints.

@@ -1,8 +1,9 @@
-//! The search along a direction that makes Newton's method on a convex function find its way from anywhere.
+//! The line search with which Newton's method on a convex function converges from any start.
 
-/// Goes along a direction in which a convex function falls with `slope`: the whole step, or, where the function rises again
-/// at its end, shorter until it still falls there, but at most half as steeply as at the start. `fall` goes a part of
-/// the step and tells how steeply the function falls there, or nothing when that settles it, which is then returned.
+/// Searches along a direction in which a convex function falls with `slope` > 0 (minus its derivative for a step of length 1). The search
+/// takes the whole step if the function still falls at its end. Otherwise the search shortens the step until the function still falls at
+/// its end, but at most half as steeply as at the start. `fall` evaluates the function's fall after a given part of the step; it returns
+/// `None` when the caller accepts that point as the solution, and the search then returns true.
 ///
 /// ```
 /// // x²/2 - x from x = 0 with a step of 4: the function rises again behind x = 1.
@@ -30,7 +31,7 @@ pub fn search_line(slope: f64, mut fall: impl FnMut(f64) -> Option<f64>) -> bool
         if end - low.0 <= 1e-12 {
             return false;
         }
-        // Secant, kept a twentieth of the interval off its ends: next to an end it would hardly shorten the interval.
+        // Secant, kept a twentieth of the interval away from both ends: a point next to an end would hardly shorten the interval.
         let (secant, margin) = (low.0 + (end - low.0) * low.1 / (low.1 - below), 0.05 * (end - low.0));
         length = if secant > low.0 + margin { secant } else { low.0 + margin };
         length = if length < end - margin { length } else { end - margin };

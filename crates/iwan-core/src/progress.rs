@@ -1,13 +1,14 @@
-//! Progress of long work, and the word to stop it.
+//! Progress of long work, and how the listener stops the work.
 
 use core::ops::ControlFlow;
 
-/// What long work calls from time to time with the share done, from 0 to 1; `Break` asks it to stop.
+/// The listener that long work calls from time to time with the share done, from 0 to 1; a listener that returns `Break` asks the work to
+/// stop.
 ///
-/// It is a shared reference that any thread may call, because whoever listens is shared anyway: a bar on a
-/// terminal, a number that another thread shows, a flag that Ctrl-C sets. So work on many threads and work on one
-/// take the same thing, and since it is `Copy`, work hands it on to its parts as it is, or as a [`part`]. How soon
-/// a `Break` is heard, and which error tells of it, is said where the work is described.
+/// A listener is a shared reference that any thread may call, because several threads need it in any case: a bar on a terminal, a number
+/// that another thread shows, a flag that Ctrl-C sets. So work on one thread and work on many threads take the same type. The reference is
+/// `Copy`, so work passes it on to its parts unchanged, or as a [`part`]. How soon the work reacts to `Break`, and which error it then
+/// returns, stands in the documentation of the work.
 ///
 /// ```
 /// use core::ops::ControlFlow;
@@ -29,10 +30,10 @@ use core::ops::ControlFlow;
 /// ```
 pub type Progress<'a> = &'a (dyn Fn(f64) -> ControlFlow<()> + Sync);
 
-/// Nobody listens, and nobody stops the work.
+/// A listener that ignores the progress and never stops the work.
 pub const UNWATCHED: Progress<'static> = &|_| ControlFlow::Continue(());
 
-/// Progress through the part of a piece of work between two shares of the whole.
+/// Progress of a part of the work: the part's own share 0 to 1 is told as a share between `from` and `to` of the whole work.
 pub fn part(progress: Progress<'_>, [from, to]: [f64; 2]) -> impl Fn(f64) -> ControlFlow<()> + Sync {
     move |share| progress(from + (to - from) * share)
 }

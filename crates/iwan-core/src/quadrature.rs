@@ -15,9 +15,8 @@ pub struct Rule<const N: usize> {
     pub weights: [f64; N],
 }
 
-/// Rounds of Newton's method for a root. Tricomi's guess is off by less than 0.012 (N = 2, and less for more
-/// nodes), and the fourth round already changes nothing; eight are run without asking, because this is compile
-/// time.
+/// Rounds of Newton's method for a root. Tricomi's guess is off by less than 0.012 (N = 2, and less for more nodes), and the fourth round
+/// already changes nothing; all eight rounds are always run, because they only cost compile time.
 const ROUNDS: u32 = 8;
 
 /// Legendre polynomials of two successive degrees at one point.

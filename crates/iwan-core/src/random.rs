@@ -3,8 +3,9 @@
 /// SplitMix64: a stream of 64-bit numbers from a seed (G. L. Steele Jr., D. Lea, C. H. Flood, OOPSLA 2014,
 /// doi:10.1145/2660193.2660195).
 ///
-/// The state counts up by the golden ratio's odd 64-bit fraction, and each number is the state, mixed. Why an own one: a
-/// library's generator may change with its version, and probes, start vectors and synthetic noise would change with it.
+/// The state is a counter that grows by the odd 64-bit fraction of the golden ratio; each number is a mixture of the state's bits. The
+/// generator is written here because a library's generator may change with the library's version, and with it the probes, start vectors and
+/// synthetic noise.
 ///
 /// ```
 /// use iwan_core::SplitMix64;

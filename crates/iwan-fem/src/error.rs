@@ -1,4 +1,4 @@
-//! Why a structure or an analysis was refused: which node, element or joint, what was found, what helps.
+//! Errors of structures and analyses: which node, element or joint is concerned, what was found, and what helps.
 
 use iwan_machine::Kind;
 
@@ -29,7 +29,7 @@ pub enum Error {
         /// Number of the integration point, from 1.
         point: usize,
     },
-    /// A node that cannot play the part it was given.
+    /// A node that cannot be used as requested.
     #[error("node {label}: {finding}; {remedy}")]
     Node {
         /// The node's number.
@@ -42,9 +42,9 @@ pub enum Error {
     /// A set that does not exist.
     #[error("{user} refers to the {kind} set `{name}`, which does not exist; known sets: {known}")]
     MissingSet {
-        /// Who refers to it.
+        /// The joint, load or other item that refers to the set.
         user: String,
-        /// Nodes or elements.
+        /// `node` or `element`.
         kind: &'static str,
         /// The name that was looked up.
         name: String,
@@ -62,7 +62,7 @@ pub enum Error {
     /// A joint, tie, support or load that cannot work.
     #[error("{name}: {finding}; {remedy}")]
     Connection {
-        /// Its name.
+        /// Name of the joint, tie, support or load.
         name: String,
         /// What was found.
         finding: String,
@@ -72,17 +72,17 @@ pub enum Error {
     /// An analysis that the structure does not admit, or that failed its own check.
     #[error("{analysis}: {finding}; {remedy}")]
     Analysis {
-        /// Which analysis.
+        /// Name of the analysis.
         analysis: &'static str,
         /// What was found, with numbers.
         finding: String,
         /// What helps.
         remedy: &'static str,
     },
-    /// More memory would be needed than there is.
+    /// The computation needs more memory than is available.
     #[error(transparent)]
     Memory(#[from] iwan_machine::memory::Short),
-    /// An observer broke the analysis off.
+    /// The listener of the progress asked to stop.
     #[error("interrupted")]
     Interrupted,
     /// A joint law or a force refused its parameters.
@@ -91,7 +91,7 @@ pub enum Error {
 }
 
 impl Error {
-    /// Its kind in the catalogue of errors.
+    /// The error's kind in the catalogue of errors.
     #[must_use]
     pub fn kind(&self) -> Kind {
         match self {
@@ -106,12 +106,12 @@ impl Error {
     }
 }
 
-/// Passes `value` on when `ok` holds and it is finite, names it otherwise.
+/// Returns `value` when `ok` holds and `value` is finite; otherwise an error that names the quantity.
 pub(crate) fn check(name: &'static str, value: f64, ok: bool, allowed: &'static str) -> Result<f64, Error> {
     if ok && value.is_finite() { Ok(value) } else { Err(Error::OutOfRange { name, value, allowed }) }
 }
 
-/// What ends a search for more modes than the mass can move.
+/// The error of a search for more modes than the mass matrix allows.
 pub(crate) fn singular_mass() -> Error {
     Error::Analysis {
         analysis: "modes",

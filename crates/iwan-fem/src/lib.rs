@@ -1,13 +1,13 @@
 //! Finite-element truth model of bolted structures with discrete Iwan joints.
 //!
-//! The way of the data: [`mesh`] → matrices → modes → reduced model → joints → response → modal filter → record.
+//! The flow of data: [`mesh`] → matrices → modes → reduced model → joints → response → modal filter → record.
 //! Units are the user's own consistent set.
 
-// What everything stands on: why something was refused, vectors and matrices.
+// Ground floor, which the other modules use: errors, vectors and matrices.
 mod error;
 mod algebra;
 
-// The body: nodes and elements, what one element does, what the user says about the whole.
+// The structure: nodes and elements, the matrices of one element, the user's description of the whole.
 pub mod mesh;
 mod element;
 mod structure;
@@ -18,12 +18,12 @@ mod matrices;
 // Linear vibration: all joints stuck, or all slipping.
 mod modes;
 
-// With friction: in time, without time, and in steady vibration.
+// With friction: transients, static loads, and steady vibration.
 mod transient;
 mod quasi_static;
 mod steady;
 
-// What measurements change: joints and stiffness as unknowns, with derivatives.
+// Fits to measurements: joints and stiffness as unknowns, with derivatives.
 mod adjust;
 
 pub use adjust::{

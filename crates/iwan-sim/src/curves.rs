@@ -1,4 +1,4 @@
-//! A mode's curves, with memory of their own.
+//! A mode's curves, stored with their points.
 
 use iwan_core::{CurvePoint, Error, ModeCurves};
 
@@ -11,8 +11,8 @@ pub struct Curves {
 }
 
 impl Curves {
-    /// From two or more points: modal displacement `amplitude` > 0, ascending; `frequency` in Hz; `damping_ratio`.
-    /// Amplitudes above the largest are refused.
+    /// Curves through two or more points: modal displacement `amplitude` > 0, ascending; `frequency` in Hz; `damping_ratio`. A simulation
+    /// that exceeds the largest amplitude is refused.
     ///
     /// ```
     /// use iwan_core::{Motion, Pulse};
@@ -21,23 +21,23 @@ impl Curves {
     /// let mode = Mode { initial: Motion::held_at(5e-3), ..Mode::by_curves("measured", curves) };
     /// let response = simulate(&mode, &Pulse::None, &Settings::new(1e-5, 0.2))?;
     /// assert!((mode.frequency_at(1e-3)? - 123.0).abs() < 1e-9);
-    /// // The amplitude leaves the curves below: from then on their first values hold.
+    /// // The amplitude has not fallen below the smallest of the curves; there the values of the first point would hold.
     /// assert!(response.quality.outside_curves.below_from.is_none());
-    /// // It never goes beyond them unless that is allowed.
+    /// // An amplitude above the largest is refused unless extrapolation is allowed.
     /// let beyond = Mode { initial: Motion::held_at(0.02), ..mode };
     /// assert!(simulate(&beyond, &Pulse::None, &Settings::new(1e-5, 0.2)).is_err());
     /// # Ok::<(), Box<dyn std::error::Error>>(())
     /// ```
     ///
     /// # Errors
-    /// As [`ModeCurves::new`].
+    /// The errors of [`ModeCurves::new`].
     pub fn new(amplitude: Vec<f64>, frequency: Vec<f64>, damping_ratio: Vec<f64>) -> Result<Self, Error> {
         let buffer = vec![CurvePoint::default(); amplitude.len()];
         let points = ModeCurves::new(&amplitude, &frequency, &damping_ratio, buffer)?;
         Ok(Self { table: [amplitude, frequency, damping_ratio], points, extrapolate: false })
     }
 
-    /// The same with leave, or without, to go beyond the largest amplitude, where the values of the largest then hold.
+    /// The same curves with extrapolation beyond the largest amplitude allowed or not; there the values of the last point hold.
     #[must_use]
     pub fn extrapolating(self, allowed: bool) -> Self {
         Self { extrapolate: allowed, ..self }

@@ -1,50 +1,50 @@
-//! Amplitude, frequency, damping and dissipation of a free decay, read off the response's own extremes.
+//! Amplitude, frequency, damping and dissipation of a free decay, computed from the response's own extremes.
 //!
-//! Between two neighbouring extremes the response swings by 2A. The swings before and after an extreme give
-//! its amplitude √(A₋A₊) and, with the logarithmic decrement ln(A₋/A₊) = πζ/√(1-ζ²), its damping ratio; the time
-//! between its neighbours is a damped period. A constant offset of the motion drops out. For a linear
-//! oscillator frequency and damping ratio are exact, but for the interpolation of the extremes (fourth order).
+//! Between two neighbouring extremes the response swings by 2A. The swings before and after an extreme give its amplitude √(A₋A₊) and, with
+//! the logarithmic decrement ln(A₋/A₊) = πζ/√(1-ζ²), its damping ratio; the time between the extremes before and after is a damped period.
+//! A constant offset of the motion has no effect. For a linear oscillator frequency and damping ratio are exact except for the
+//! interpolation of the extremes (fourth order).
 
 use std::f64::consts::PI;
 
 use crate::response::Response;
 
-/// A largest or smallest value of a motion, between samples.
+/// A maximum or minimum of a motion, interpolated between samples.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Extreme {
-    /// Nearest sample.
+    /// Index of the nearest sample.
     pub sample: usize,
     /// Time, s.
     pub t: f64,
-    /// Value there.
+    /// Value of the motion at the extreme.
     pub value: f64,
 }
 
-/// What one cycle around an extreme shows.
+/// Amplitude, frequency and losses of the cycle around one extreme.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Cycle {
     /// Time of the extreme, s.
     pub t: f64,
-    /// Amplitude there.
+    /// Amplitude at the extreme.
     pub amplitude: f64,
     /// Undamped frequency, Hz.
     pub frequency: f64,
-    /// Damping ratio, all damping together.
+    /// Damping ratio of all losses together.
     pub damping_ratio: f64,
-    /// Area of the joint's loop: energy lost to friction around the extreme.
+    /// Area of the joint's loop: energy lost to friction in the cycle around the extreme.
     pub dissipation: f64,
 }
 
-/// A swing below this share of the largest is rounding, not motion, and makes no cycle. About an offset of the motion's own size
-/// rounding swings by some 1e-16, so that a ten-thousandth of what is told of a swing of 1e-12 is rounding; 1e-14 would do to keep
-/// noise out, and 1e-10 would still follow a ring-down through ten decades.
+/// Share of the largest swing below which a swing counts as rounding and makes no cycle. About an offset as large as the motion, rounding
+/// causes swings of some 1e-16, so the results for a swing of 1e-12 contain a ten-thousandth of rounding. 1e-14 would still keep rounding
+/// out, and 1e-10 would still follow a ring-down through ten decades.
 const STILL: f64 = 1e-12;
 
-/// Steps of Newton's method for an extreme: they begin within one sample of it, where the slope is nearly straight, and each
-/// doubles the digits.
+/// Number of steps of Newton's method for an extreme. They begin within one sample of it, where the slope is nearly linear, and each step
+/// doubles the number of correct digits.
 const STEPS: usize = 4;
 
-/// The extremes of `samples` from sample `first` on; the first and the last sample are none.
+/// The extremes of `samples` from sample `first` on; the first and the last sample never count as extremes.
 ///
 /// ```
 /// // A parabola has its top between two samples.
@@ -63,7 +63,7 @@ pub fn extremes(samples: &[f64], dt: f64, first: usize) -> Vec<Extreme> {
     turns.map(|n| extreme(samples, dt, n)).collect()
 }
 
-/// The extreme of the quartic through five samples, or of the parabola through three at the ends.
+/// The extreme near sample `n`: of the quartic through five samples, or of the parabola through three near the ends of the record.
 fn extreme(y: &[f64], dt: f64, n: usize) -> Extreme {
     let fits = n >= 2 && n + 2 < y.len();
     let [a, b, c, d, e] =
@@ -80,13 +80,13 @@ fn extreme(y: &[f64], dt: f64, n: usize) -> Extreme {
     let curvature = |x: f64| d2 + x * (d3 + x * d4 / 2.0);
     let newton = |x: f64, _: usize| x - slope(x) / curvature(x);
     let x = (0..STEPS).fold(0.0, newton);
-    // Rounding can spoil Newton's steps on a plateau: then the sample itself will do.
+    // On a plateau rounding can spoil Newton's steps; then the sample itself is the extreme.
     let x = if x.abs() <= 1.0 { x } else { 0.0 };
     let value = c + x * (d1 + x * (d2 / 2.0 + x * (d3 / 6.0 + x * d4 / 24.0)));
     Extreme { sample: n, t: (n as f64 + x) * dt, value }
 }
 
-/// The cycles of a response from time `start` on, s: when the force has settled.
+/// The cycles of a response from the time `start` (s) on; choose the time at which the force has settled.
 ///
 /// ```
 /// use iwan_core::{Motion, Pulse};
@@ -124,7 +124,7 @@ pub fn cycles(response: &Response, start: f64) -> Vec<Cycle> {
     extremes.windows(3).filter_map(cycle).collect()
 }
 
-/// ∮ F_J dq from sample `from` to `to`, about a cycle later; a chord closes the loop.
+/// ∮ F_J dq from sample `from` to sample `to`, about a cycle later; a straight line closes the loop.
 fn loop_area(response: &Response, from: usize, to: usize) -> f64 {
     let (q, force) = (&response.displacement, &response.joint_force);
     let along = |a: usize, b: usize| 0.5 * (force[a] + force[b]) * (q[b] - q[a]);
@@ -137,7 +137,7 @@ mod tests {
     use crate::{JointLaw, Method, Mode, Representation, Settings, simulate};
     use iwan_core::{Backbone, FourParameter, Pulse};
 
-    /// A free decay by formula: `offset` + e^(-ζ ω0 t) cos(ω_d t), `n` samples.
+    /// A free decay from its formula: `offset` + e^(-ζ ω0 t) cos(ω_d t), `n` samples.
     fn decay(f: f64, zeta: f64, offset: f64, dt: f64, n: usize) -> Response {
         let omega = 2.0 * PI * f;
         let damped = omega * (1.0 - zeta * zeta).sqrt();
@@ -176,7 +176,7 @@ mod tests {
         assert_eq!(cycles(&still, 0.0), []);
     }
 
-    /// Heavy damping about an offset: below 1e-16 the samples hold nothing but rounding, which has extremes too.
+    /// Heavy damping about an offset: once the motion is below 1e-16 the samples hold only rounding, which has extremes too.
     #[test]
     fn rounding_about_an_offset_is_no_cycle() {
         let response = decay(124.0, 0.1, 0.3, 1e-5, 60_000);

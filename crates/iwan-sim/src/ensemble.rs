@@ -1,4 +1,4 @@
-//! Many modes, each simulated by itself: figures and, where wanted, histories, on all threads.
+//! Many modes, each simulated by itself on all threads; the results are figures and, if requested, histories.
 
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::{Mutex, MutexGuard, PoisonError};
@@ -14,7 +14,7 @@ use crate::response::Response;
 use crate::settings::Settings;
 use crate::simulate::simulate_observed;
 
-/// A history that may be kept.
+/// A history that an ensemble can keep.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum History {
     /// Modal displacement.
@@ -38,7 +38,7 @@ impl History {
     }
 }
 
-/// What is told of each member.
+/// Results for one member.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Figures {
     /// Largest |q| among the samples.
@@ -47,7 +47,7 @@ pub struct Figures {
     pub final_displacement: f64,
     /// Peak |q| over φ_max: macro-slip above 1.
     pub slip_ratio: f64,
-    /// |residual| of the energy balance, relative.
+    /// |residual| of the energy balance, relative to the largest energy.
     pub energy_error: f64,
 }
 
@@ -58,11 +58,11 @@ pub struct Ensemble<'a> {
     pub members: usize,
     /// The mode of each member, by its index.
     pub mode: &'a (dyn Fn(usize) -> Result<Mode, Error> + Sync),
-    /// Force on all of them; a mode's `shape_at_force` scales it.
+    /// Force on all members; a mode's `shape_at_force` scales it.
     pub force: Pulse<'a>,
-    /// Time axis and method; quality figures are not estimated.
+    /// Time axis and method; error estimates (`quality`) are not computed.
     pub settings: Settings,
-    /// Histories to keep.
+    /// Histories that are kept.
     pub kept: &'a [History],
 }
 
@@ -75,14 +75,14 @@ impl std::fmt::Debug for Ensemble<'_> {
     }
 }
 
-/// What an ensemble returns.
+/// Results of an ensemble.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Outcome {
     /// One entry per member.
     pub figures: Vec<Figures>,
-    /// One list per kept history: the samples of the first member, of the second, and so on.
+    /// One list per kept history: the samples of the first member, then those of the second, and so on.
     pub histories: Vec<Vec<f64>>,
-    /// Samples of each member.
+    /// Number of samples per member.
     pub samples: usize,
 }
 
@@ -96,16 +96,14 @@ pub struct MemberError {
     pub source: SimulationError,
 }
 
-/// Members that a thread takes at a time, at most. A member takes some 10 µs at the least, so that already a few
-/// together hide the lock that hands them out; each chunk ends with a call of `progress`, which is to be heard
-/// before thousands are done.
+/// Largest number of members that a thread takes at a time. A member takes at least some 10 µs, so a few together already hide the cost of
+/// the lock that hands them out. Each chunk ends with a call of `progress`, which should come before thousands of members are done.
 const CHUNK: usize = 64;
 
-/// Chunks for each thread, at least, where there are members enough: threads then end within an eighth of their
-/// work of each other.
+/// Smallest number of chunks per thread, if there are enough members: the threads then end within an eighth of their work of each other.
 const CHUNKS_A_THREAD: usize = 8;
 
-/// Some members and the places of their results.
+/// Some consecutive members, with the memory for their results.
 struct Chunk<'a> {
     first: usize,
     figures: &'a mut [Figures],
@@ -113,12 +111,11 @@ struct Chunk<'a> {
 }
 
 impl Ensemble<'_> {
-    /// Simulates all members on up to `threads` threads, each with buffers of its own that serve again and again: the
-    /// same bits whatever their number.
+    /// Simulates all members on up to `threads` threads; each thread reuses its own buffers. The results have the same bits for any number
+    /// of threads. `progress` is called with the share of members done.
     ///
     /// # Errors
-    /// [`MemberError`] with the first member that failed; [`SimulationError::Interrupted`] when `progress` broke
-    /// off, which is called with the share of members done.
+    /// [`MemberError`] with the first member that failed, or with [`SimulationError::Interrupted`] when `progress` returned `Break`.
     ///
     /// ```
     /// use iwan_core::{FourParameter, Motion, Pulse};
@@ -155,7 +152,7 @@ impl Ensemble<'_> {
 }
 
 impl Ensemble<'_> {
-    /// Asks for the memory of figures and histories.
+    /// Checks that there is memory for figures and histories.
     fn ask(&self, samples: usize) -> Result<(), Short> {
         let row = samples.saturating_mul(self.kept.len()).saturating_mul(size_of::<f64>());
         let bytes = self.members.saturating_mul(row.saturating_add(size_of::<Figures>()));
@@ -165,7 +162,7 @@ impl Ensemble<'_> {
 }
 
 impl Outcome {
-    /// The members in their order, some at a time.
+    /// The members in their order, divided into chunks.
     fn chunks(&mut self, threads: usize) -> std::vec::IntoIter<Chunk<'_>> {
         let size = (self.figures.len() / (CHUNKS_A_THREAD * threads.max(1))).clamp(1, CHUNK);
         let row = size * self.samples.max(1);
@@ -187,8 +184,8 @@ struct Work<'a> {
 }
 
 impl Work<'_> {
-    /// Takes chunk after chunk until none is left or a member failed. Chunks begun are finished up to a failure of
-    /// their own, and they are handed out in order: the first failure is the same whatever the number of threads.
+    /// Takes chunk after chunk until none is left or a member has failed. Chunks are handed out in order, and a chunk that has begun is
+    /// finished unless one of its own members fails. So the reported first failure is the same for any number of threads.
     fn serve(&self, chunks: &Mutex<std::vec::IntoIter<Chunk<'_>>>) {
         let mut spare = Response::default();
         loop {
@@ -258,7 +255,7 @@ mod tests {
         Ensemble { members: 150, mode, force, settings, kept: &[History::Velocity, History::JointForce] }
     }
 
-    /// Buffers that serve again leave nothing behind, and threads change nothing.
+    /// Reused buffers leave no trace in the results, and neither does the number of threads.
     #[test]
     fn members_are_simulations_by_themselves() {
         for method in [Method::default_newmark(), Method::HalfCycle] {

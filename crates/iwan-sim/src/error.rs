@@ -1,36 +1,36 @@
-//! What can go wrong in a simulation.
+//! Errors of a simulation.
 
 use iwan_machine::Kind;
 
 /// A simulation that could not be set up or finished.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum SimulationError {
-    /// A parameter out of range, named.
+    /// A parameter out of range; the error names it.
     #[error(transparent)]
     Parameter(#[from] iwan_core::Error),
-    /// A parameter of one of several modes.
+    /// An error in one of several modes.
     #[error("mode \"{mode}\": {source}")]
     Mode {
         /// Name of the mode.
         mode: String,
-        /// What is wrong with it.
+        /// The error in that mode.
         source: Box<SimulationError>,
     },
-    /// A parameter of a joint that modes share.
+    /// An error in a joint that modes share.
     #[error("joint \"{joint}\": {source}")]
     Joint {
         /// Name of the joint.
         joint: String,
-        /// What is wrong with it.
+        /// The error in that joint.
         source: Box<SimulationError>,
     },
-    /// The numbers overflowed: from this time on the response is not finite.
+    /// The numbers overflowed; from the given time on the response is not finite.
     #[error("the response is not finite from t = {time} s on: check units, amplitude and time step")]
     NotFinite {
         /// Time of the first bad sample, s.
         time: f64,
     },
-    /// A spring that softens has taken all stiffness from the mode: its step has no solution.
+    /// A softening spring has cancelled all stiffness of the mode, so that its step has no solution.
     #[error(
         "from t = {time} s on the springs that soften leave the mode no stiffness, and it runs away: lower the amplitude, or \
          the spring's |k|"
@@ -52,7 +52,7 @@ pub enum SimulationError {
         /// Time at which the motion first goes beyond, s.
         time: f64,
     },
-    /// More memory would be needed than there is.
+    /// The computation needs more memory than is available.
     #[error(transparent)]
     Memory(#[from] iwan_machine::memory::Short),
     /// The caller asked to stop.
@@ -61,7 +61,7 @@ pub enum SimulationError {
 }
 
 impl SimulationError {
-    /// Its kind in the catalogue of errors.
+    /// The error's kind in the catalogue of errors.
     #[must_use]
     pub fn kind(&self) -> Kind {
         match self {

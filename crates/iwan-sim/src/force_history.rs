@@ -1,4 +1,4 @@
-//! A joint by itself, driven through given displacements.
+//! Force of a single joint that is driven through given displacements.
 
 use iwan_core::{
     Backbone, Continuum, Error, Hysteresis, Progress, Representation, Reversal, Run, Slider, Sliders, Spring,
@@ -9,7 +9,7 @@ use crate::error::SimulationError;
 use crate::joint_law::JointLaw;
 use crate::joint_law::with_law;
 
-/// Displacements between two calls of `progress`: some milliseconds of work.
+/// Number of displacements between two calls of `progress`: some milliseconds of work.
 const CHUNK: usize = 1 << 16;
 
 /// Hysteretic force of a joint at the displacements `u` through which it is driven from its virgin state,
@@ -27,7 +27,7 @@ const CHUNK: usize = 1 << 16;
 ///
 /// # Errors
 /// [`Error::Entry`] with the first displacement that is not finite, [`Error::Length`] or [`Error::OutOfRange`] for
-/// the sliders; [`SimulationError::Interrupted`] when `progress` breaks off.
+/// the sliders; [`SimulationError::Interrupted`] when `progress` returns `Break`.
 pub fn force_history(
     law: &JointLaw,
     u: &[f64],
@@ -54,7 +54,7 @@ pub fn force_history(
     }
 }
 
-/// With room for every reversal: nothing is forgotten.
+/// Drives the continuum with memory for every reversal, so that none is forgotten.
 fn continuum<B: Backbone>(law: &B, u: &[f64], progress: Progress<'_>) -> Result<Vec<f64>, SimulationError> {
     let turns = |w: &&[f64]| (w[1] - w[0]) * (w[2] - w[1]) <= 0.0;
     let reversals = u.windows(3).filter(turns).count();

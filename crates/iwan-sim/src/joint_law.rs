@@ -1,4 +1,4 @@
-//! The joint laws a mode can carry, behind one type.
+//! The joint laws that a mode can have, as one type.
 
 use iwan_core::{
     Backbone, DensityPoint, Error, FiveParameter, FourParameter, Jenkins, PowerLaw, Tabulated, Uniform,
@@ -12,7 +12,7 @@ pub type TabulatedDensity = Tabulated<Vec<DensityPoint>>;
 pub enum JointLaw {
     /// Segalman's four-parameter Iwan joint.
     FourParameter(FourParameter),
-    /// The same with dynamic below static friction.
+    /// Segalman's joint with dynamic friction below static friction.
     FiveParameter(FiveParameter),
     /// One Jenkins element.
     Jenkins(Jenkins),
@@ -37,8 +37,8 @@ macro_rules! with_law {
 pub(crate) use with_law;
 
 impl JointLaw {
-    /// A density ρ_i (stiffness/length) at the strengths φ_i (length), linear in between, and the
-    /// stiffness of a slider at the last strength.
+    /// A law from a density: ρ_i (stiffness/length) at the strengths φ_i (length), linear in between, and the stiffness `dirac` of a slider
+    /// at the last strength.
     ///
     /// # Errors
     /// As [`Tabulated::new`].
@@ -47,8 +47,8 @@ impl JointLaw {
         Tabulated::new(strength, density, dirac, points).map(Self::Tabulated)
     }
 
-    /// The law whose cycles are those after motions of amplitudes up to `largest`: another one only where friction drops once a
-    /// slider slips ([`FiveParameter::after`]).
+    /// The law whose cycles are those after motions of amplitudes up to `largest` (length). It differs from `self` only where friction
+    /// drops once a slider slips ([`FiveParameter::after`]).
     #[must_use]
     pub fn after(&self, largest: f64) -> Self {
         match self {
@@ -57,7 +57,7 @@ impl JointLaw {
         }
     }
 
-    /// Density ρ(φ) of the sliders at the strength φ (stiffness/length), sliders of a single strength left out: see
+    /// Density ρ(φ) of the sliders at the strength φ (stiffness/length). Sliders that all have one strength are not part of it: see
     /// [`dirac`](Self::dirac).
     #[must_use]
     pub fn density(&self, phi: f64) -> f64 {
@@ -140,7 +140,7 @@ mod tests {
 
     use super::*;
 
-    /// ∫ρ below a strength is the stiffness of the sliders there, and with the Dirac it is K_T.
+    /// ∫ρ up to a strength is the stiffness of the sliders below it; with the Dirac it is K_T.
     #[test]
     fn the_density_integrates_to_the_stiffness() {
         const RULE: Rule<16> = Rule::gauss_legendre();
@@ -153,7 +153,7 @@ mod tests {
         ];
         for law in laws {
             let (low, high) = law.strengths();
-            // φ = low + (high - low) s^4 tames the corner at 0; panels around the kinks of the table.
+            // φ = low + (high - low) s^4 flattens the corner at 0; panels lie between the kinks of the table.
             let integrand =
                 |s: f64| 4.0 * s.powi(3) * (high - low) * law.density(low + (high - low) * s.powi(4));
             let kink = 0.2_f64.powf(0.25);

@@ -1,14 +1,14 @@
-//! Ring-downs of modes with Iwan joints, where the allocation-free core meets memory.
+//! Ring-downs of modes with Iwan joints: the core, which allocates nothing, with owned memory, threads and error estimates.
 //!
 //! [`Mode`] + [`Pulse`](iwan_core::Pulse) + [`Settings`] -> [`simulate`] -> [`Response`].
 //!
 //! The modules below stand in floors: each imports only from those above it.
 
-// The ground: why a simulation fails, numbers as text, work on several threads.
+// Ground floor, which the other modules use: errors of a simulation, numbers as text.
 mod error;
 pub mod numbers;
 
-// What the user says: joint laws, curves, modes, time axis and method.
+// What the user describes: joint laws, curves, modes, time axis and method.
 mod joint_law;
 mod curves;
 mod mode;
@@ -21,13 +21,13 @@ mod cycles;
 // One mode by one method, with the companion runs that estimate its errors.
 mod methods;
 
-// Calls: a joint driven through displacements, modes under a force, responses of any length, many members of an ensemble.
+// Entry points: a joint driven through displacements, modes under a force, responses of any length, the many members of an ensemble.
 mod force_history;
 mod simulate;
 mod stream;
 mod ensemble;
 
-// Modes that share joints, in time.
+// Time responses of modes that share joints.
 mod coupled;
 
 // Steady vibration by harmonic balance: no time steps, no start values.

@@ -1,4 +1,4 @@
-//! A mode of a structure with the joint's part in it.
+//! A mode of a structure with its joint.
 
 use iwan_core::{Backbone, Error, Motion, Oscillator, Part, ResidualStiffness, sum_of_parts};
 
@@ -10,12 +10,12 @@ use crate::joint_law::JointLaw;
 pub struct Point {
     /// Name of the point, the same in every mode.
     pub name: String,
-    /// Mass-normalised mode shape φ there (mass^-½).
+    /// Mass-normalised mode shape φ at the point (mass^-½).
     pub shape: f64,
 }
 
-/// A mass-normalised mode: small-amplitude frequency, viscous damping in parallel, its joint and further parts; or, in
-/// their place, curves.
+/// A mass-normalised mode: its small-amplitude frequency, viscous damping in parallel, its joint and further parts; or curves in place of
+/// damping, joint and parts.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Mode {
     /// Name, unique among the modes of a structure.
@@ -28,7 +28,7 @@ pub struct Mode {
     pub joint: Option<JointLaw>,
     /// Dampers and springs beside the joint, mass-normalised.
     pub parts: Vec<Part>,
-    /// Curves in place of damping ratio, joint and parts, which are then left out; `frequency` is that of the smallest
+    /// Curves that replace damping ratio, joint and parts, which must then be left out; `frequency` is then the frequency at the smallest
     /// amplitude.
     pub curves: Option<Curves>,
     /// Whether K_∞ = ω0² - K_T may be zero or negative.
@@ -37,7 +37,7 @@ pub struct Mode {
     pub shape_at_force: f64,
     /// Points at which the physical response is wanted.
     pub outputs: Vec<Point>,
-    /// Modal displacement, to which the virgin joint is loaded, and velocity at t = 0.
+    /// Modal displacement and velocity at t = 0; the virgin joint is loaded statically to this displacement.
     pub initial: Motion,
 }
 
@@ -66,7 +66,7 @@ impl Mode {
         Self { curves: Some(curves), ..Self::new(name, frequency, None) }
     }
 
-    /// Whether the mode is an Iwan joint, or none, beside a viscous damper, and nothing else.
+    /// Whether the mode consists of an oscillator with a viscous damper and at most one Iwan joint: no parts and no curves.
     #[must_use]
     pub fn is_plain(&self) -> bool {
         self.parts.is_empty() && self.curves.is_none()
@@ -78,7 +78,7 @@ impl Mode {
         self.joint.as_ref().is_some_and(|law| law.friction_ratio() != 1.0)
     }
 
-    /// The mode whose cycles are those after motions of amplitudes up to `largest`: see [`JointLaw::after`].
+    /// The same mode with the cycles of its joint as they are after motions of amplitudes up to `largest`: see [`JointLaw::after`].
     #[must_use]
     pub fn after(&self, largest: f64) -> Self {
         Self { joint: self.joint.as_ref().map(|law| law.after(largest)), ..self.clone() }
@@ -108,8 +108,8 @@ impl Mode {
         Oscillator::new(self.frequency, self.damping_ratio, k_t, self.residual)
     }
 
-    /// Amplitude-dependent frequency in Hz by first-harmonic balance: ω² = K_∞ + K_1(a) of joint and parts at the modal
-    /// amplitude `a`; of a mode by curves what they say.
+    /// Amplitude-dependent frequency in Hz by first-harmonic balance: ω² = K_∞ + K_1(a) with joint and parts, at the modal amplitude `a`.
+    /// For a mode given by curves, the frequency of the curves.
     ///
     /// # Errors
     /// As [`oscillator`](Self::oscillator).
@@ -123,8 +123,8 @@ impl Mode {
         Ok((oscillator.k_inf() + (joint + parts)).max(0.0).sqrt() / (2.0 * std::f64::consts::PI))
     }
 
-    /// Energy that joint and parts take in a cycle of amplitude `a`, the viscous damper left out; of a mode by curves all
-    /// that it loses, 2π ζ ω² a².
+    /// Energy lost per cycle of amplitude `a` to joint and parts, without the viscous damper. For a mode given by curves, all of the loss,
+    /// 2π ζ ω² a².
     ///
     /// # Errors
     /// As [`oscillator`](Self::oscillator).
@@ -138,9 +138,8 @@ impl Mode {
         Ok(joint + sum_of_parts(&self.parts, |part| part.dissipation(a, omega)))
     }
 
-    /// Amplitude-dependent damping ratio ζ = ζ_v ω0/ω + D(a) / (2π ω² a²), with ω of
-    /// [`frequency_at`](Self::frequency_at) and the dissipation per cycle D of joint and parts; of a mode by curves what they
-    /// say.
+    /// Amplitude-dependent damping ratio ζ = ζ_v ω0/ω + D(a) / (2π ω² a²), with ω from [`frequency_at`](Self::frequency_at) and the
+    /// dissipation per cycle D of joint and parts. For a mode given by curves, the damping ratio of the curves.
     ///
     /// # Errors
     /// As [`oscillator`](Self::oscillator).

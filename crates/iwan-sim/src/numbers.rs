@@ -1,6 +1,6 @@
-//! Numbers as messages, tables and sentences write them.
+//! Numbers as text, for messages, tables and sentences.
 
-/// A number with four significant digits, plain where that is short: between 0.001 and 100,000.
+/// A number with four significant digits; without an exponent from 0.001 up to 100,000.
 ///
 /// ```
 /// use iwan_sim::numbers::short;
@@ -12,7 +12,7 @@ pub fn short(value: f64) -> String {
     significant(value, 4, 1e5)
 }
 
-/// A number with so many significant digits: plain from 0.001 up to `plain_below`, with an exponent elsewhere.
+/// A number with `digits` significant digits; without an exponent from 0.001 up to `plain_below`.
 ///
 /// ```
 /// assert_eq!(iwan_sim::numbers::significant(80.123_456_7, 7, 1e7), "80.12346");

@@ -1,4 +1,4 @@
-//! What a simulation returns.
+//! The result of a simulation.
 
 use iwan_core::{EnergyBalance, Samples};
 
@@ -7,25 +7,25 @@ use crate::mode::Mode;
 /// How far a response can be trusted. All errors are relative to the peak displacement.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Quality {
-    /// Estimated error from the time step (or, for methods without one, of the method); none if it was
-    /// not asked for or the response is too short to tell.
+    /// Estimated error of the time step, or, for methods without a time step, of the method. None if the estimate was not requested or the
+    /// response is too short for it.
     pub time_step_error: Option<f64>,
     /// Estimated error from cutting the density into sliders; 0 for the continuum.
     pub discretisation_error: Option<f64>,
-    /// Bound on the force error from reversals forgotten for lack of room; 0 = exact.
+    /// Bound on the force error from reversals forgotten because the memory was full; 0 means exact.
     pub forgotten_force: f64,
-    /// Where a mode by curves left them.
+    /// Times at which the amplitude of a mode given by curves is outside the curves.
     pub outside_curves: OutsideCurves,
 }
 
-/// Where the amplitude of a mode by curves lies outside of them: the values of the nearest point hold there.
+/// Times at which the amplitude of a mode given by curves is outside the curves. There the values of the nearest point hold.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct OutsideCurves {
-    /// Time from which on the amplitude stays below the smallest of the curves, s; none when it ends within.
+    /// Time from which the amplitude stays below the smallest of the curves, s; none if the response ends inside the curves.
     pub below_from: Option<f64>,
-    /// Time at which it first exceeds the largest, s, which only an explicit leave to extrapolate allows.
+    /// Time at which the amplitude first exceeds the largest of the curves, s; possible only where extrapolation is allowed.
     pub above_from: Option<f64>,
-    /// Largest amplitude beyond the curves; 0 without one.
+    /// Largest amplitude beyond the curves; 0 if the curves are not exceeded.
     pub largest_amplitude: f64,
 }
 
@@ -40,10 +40,10 @@ pub struct Response {
     pub velocity: Vec<f64>,
     /// Modal acceleration q''.
     pub acceleration: Vec<f64>,
-    /// Modal joint force F_J, that of the parts included; of a mode by curves its force beyond that of the undamped
-    /// linear mode at the smallest amplitude.
+    /// Modal joint force F_J with that of the parts. For a mode given by curves, its restoring force less that of the undamped linear mode
+    /// at the smallest amplitude.
     pub joint_force: Vec<f64>,
-    /// Energy balance over the whole response; by the half-cycle map up to the last turning point in it.
+    /// Energy balance over the whole response; with the half-cycle map, up to the last turning point in the response.
     pub energy: EnergyBalance,
     /// Error estimates.
     pub quality: Quality,
@@ -54,19 +54,19 @@ pub struct Response {
 }
 
 impl Response {
-    /// Room for `samples` samples, zeros at first.
+    /// A response with room for `samples` samples, all zero.
     pub(crate) fn zeros(dt: f64, samples: usize) -> Self {
         Self::default().cleared(dt, samples)
     }
 
-    /// Room for `samples` samples in the buffers of a response that is no longer needed; what stands in them is to be
-    /// overwritten.
+    /// A response with room for `samples` samples in the buffers of one that is no longer needed; the buffers may hold old values, which
+    /// the caller overwrites.
     pub(crate) fn cleared(mut self, dt: f64, samples: usize) -> Self {
         for buffer in
             [&mut self.displacement, &mut self.velocity, &mut self.acceleration, &mut self.joint_force]
         {
             if buffer.capacity() < samples {
-                // Fresh zeros come from the system without being written.
+                // New zeroed memory comes from the system without being written.
                 *buffer = vec![0.0; samples];
             } else {
                 buffer.resize(samples, 0.0);
@@ -77,7 +77,7 @@ impl Response {
         Self { dt, displacement, velocity, acceleration, joint_force, strongest, ..Self::default() }
     }
 
-    /// The buffers, lent to the core.
+    /// The buffers, borrowed for the core.
     pub(crate) fn samples(&mut self) -> Samples<'_> {
         Samples {
             displacement: &mut self.displacement,
@@ -102,8 +102,7 @@ impl Response {
     /// Largest |q|.
     #[must_use]
     pub fn peak_displacement(&self) -> f64 {
-        // Eight running maxima side by side, a matter of speed alone: a single one would wait for itself at every
-        // sample.
+        // Eight running maxima side by side, for speed alone: with a single one each sample would wait for the one before.
         let mut peaks = [0.0_f64; 8];
         let chunks = self.displacement.chunks_exact(peaks.len());
         let rest = chunks.remainder().iter().fold(0.0_f64, |peak, q| peak.max(q.abs()));
@@ -121,7 +120,7 @@ impl Response {
         self.peak_displacement() / self.strongest
     }
 
-    /// What is kept of it where the samples are not.
+    /// The figures that are kept of a response when its samples are not.
     #[must_use]
     pub fn totals(&self) -> Totals {
         Totals {
@@ -138,7 +137,7 @@ impl Response {
     }
 }
 
-/// What is kept of a mode's response, however long it is.
+/// Figures of a mode's response, of constant size for any length of response.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Totals {
     /// Time between samples, s.
@@ -149,7 +148,7 @@ pub struct Totals {
     pub peak_displacement: f64,
     /// Largest |q''|.
     pub peak_acceleration: f64,
-    /// q at the end.
+    /// Displacement at the last sample.
     pub final_displacement: f64,
     /// Energy balance over the whole response.
     pub energy: EnergyBalance,
@@ -169,8 +168,8 @@ impl Totals {
     }
 }
 
-/// Physical responses at the points named in the modes' outputs: Σ φ_r q_r, as displacement, velocity
-/// and acceleration. Points come in the order in which the modes first name them.
+/// Physical responses Σ φ_r q_r at the points named in the modes' outputs, as displacement, velocity and acceleration. Points are listed in
+/// the order in which the modes first name them.
 #[must_use]
 pub fn superpose(modes: &[Mode], responses: &[Response]) -> Vec<(String, [Vec<f64>; 3])> {
     let mut points: Vec<(String, [Vec<f64>; 3])> = Vec::new();

@@ -1,4 +1,4 @@
-//! How to simulate.
+//! Settings of a simulation: time axis and method.
 
 use iwan_core::{Error, Grid, Representation};
 
@@ -15,18 +15,18 @@ pub enum Method {
         gamma: f64,
         /// Whether the period error at small amplitude is removed; average acceleration only.
         prewarp: bool,
-        /// Sliders or continuum.
+        /// Sliders or continuum for the joint.
         joint: Representation,
     },
-    /// Half-cycle energy map once the force has settled; the force itself is stepped (Newmark, continuum).
+    /// Half-cycle energy map after the force has settled; until then time steps (Newmark, continuum).
     HalfCycle,
-    /// Averaging (Shetty and Allen, J. Vib. Acoust. 142(5), 2020) once the force has settled: approximate.
+    /// Averaging (Shetty and Allen, J. Vib. Acoust. 142(5), 2020) after the force has settled; approximate.
     Averaging,
-    /// Event-driven exact solution of a population of sliders: the reference, slow.
+    /// Event-driven exact solution of a population of sliders; slow, for reference.
     Event {
         /// Number of bins into which the density is cut.
         bins: usize,
-        /// Where the bins lie.
+        /// Grid on which the bins lie.
         grid: Grid,
     },
 }
@@ -44,7 +44,7 @@ impl Method {
 pub struct Settings {
     /// Time between samples, s; also the time step of Newmark's method.
     pub dt: f64,
-    /// Length of the response, s: samples at 0, dt, … up to the last one not after it.
+    /// Length of the response, s: samples at 0, dt, 2 dt, …; the last is not later than this.
     pub duration: f64,
     /// Method of integration.
     pub method: Method,
@@ -59,15 +59,17 @@ impl Settings {
         Self { dt, duration, method: Method::default_newmark(), quality: true }
     }
 
-    /// Asks for the memory of the responses of `modes` modes, and of `histories` further numbers a sample; nothing is taken.
+    /// Checks that there is memory for the responses of `modes` modes and for `histories` further numbers per sample; allocates nothing.
     ///
     /// # Errors
-    /// As [`samples`](Self::samples), and [`SimulationError::Memory`].
+    /// The errors of [`samples`](Self::samples), and [`SimulationError::Memory`].
     pub(crate) fn ask(&self, modes: usize, histories: usize) -> Result<(), SimulationError> {
-        /// Displacement, velocity, acceleration and joint force of a mode, and what the superposed motion of a point, the times and companion
-        /// runs add: three modes and a point took 5.3 numbers a sample and mode at 8 million samples.
+        /// Numbers per sample and mode that the check counts: displacement, velocity, acceleration and joint force, and the shares of the
+        /// superposed motion of a point, of the times and of the companion runs. Three modes and a point took 5.3 numbers per sample and
+        /// mode at 8 million samples.
         const NUMBERS: usize = 6;
-        /// What the companion runs of one mode add, under a force from a file: a run with the same step, one with twice the step, and two forces.
+        /// Numbers per sample that the companion runs of one mode add under a force from a file: a run with the same step, one with twice
+        /// the step, and two forces.
         const COMPANIONS: usize = 6;
         let samples = self.samples()?;
         let bytes = samples
@@ -89,8 +91,8 @@ impl Settings {
     /// [`Error::OutOfRange`] when the time step or the duration is not a finite number > 0, or their ratio is not
     /// between 1 and 1e11.
     pub fn samples(&self) -> Result<usize, Error> {
-        /// More samples than this, at 32 bytes each 3.2 TB, are a slip of the pen and not a wish: they are refused
-        /// by name before the memory is asked for. The number stands in the message.
+        /// Largest number of steps. More of them, with 32 bytes per sample 3.2 TB, must be a mistake in the input; they are refused by name
+        /// before memory is requested. The number is repeated in the message.
         const MOST: f64 = 1e11;
         let positive = |name, value: f64| {
             let allowed = "must be a finite number of seconds > 0";
@@ -102,7 +104,7 @@ impl Settings {
         };
         positive("time step", self.dt)?;
         positive("duration", self.duration)?;
-        // A duration that is a multiple of the step loses no sample to the rounding of two divisions.
+        // The small factor keeps the rounding of the division from losing the last sample when the duration is a multiple of the step.
         let value = (self.duration / self.dt * (1.0 + 4.0 * f64::EPSILON)).floor();
         if (1.0..MOST).contains(&value) {
             return Ok(value as usize + 1);

@@ -1,4 +1,4 @@
-//! From modes and a force to responses.
+//! Simulation of modes under a force.
 
 use std::sync::Mutex;
 
@@ -17,7 +17,7 @@ use crate::mode::Mode;
 use crate::response::Response;
 use crate::settings::{Method, Settings};
 
-/// Simulates one mode under `force` (physical; the mode's `shape_at_force` makes it modal).
+/// Simulates one mode under the physical `force`; the mode's `shape_at_force` makes it a modal force.
 ///
 /// ```
 /// use iwan_core::{FourParameter, Pulse};
@@ -38,11 +38,11 @@ pub fn simulate(mode: &Mode, force: &Pulse<'_>, settings: &Settings) -> Result<R
     simulate_observed(mode, force, settings, Response::default(), UNWATCHED)
 }
 
-/// Simulates several modes on up to `threads` threads: the same bits whatever their number.
+/// Simulates several modes on up to `threads` threads. The results have the same bits for any number of threads.
 ///
 /// # Errors
 /// [`SimulationError::Mode`] with the name of the first mode that failed, or
-/// [`SimulationError::Interrupted`] when `progress` broke off.
+/// [`SimulationError::Interrupted`] when `progress` returned `Break`.
 pub fn simulate_all(
     modes: &[Mode],
     force: &Pulse<'_>,
@@ -55,7 +55,7 @@ pub fn simulate_all(
     let next = Mutex::new(0..modes.len());
     let one = |index: usize| {
         let report = |share: f64| {
-            // Told under the lock, so that the shares rise.
+            // `progress` is called under the lock, so that the shares that it receives rise.
             let mut shares = done.lock().unwrap_or_else(std::sync::PoisonError::into_inner);
             shares[index] = share;
             progress(shares.iter().sum::<f64>() / shares.len() as f64)
@@ -83,10 +83,10 @@ pub(crate) fn in_mode(mode: &Mode, error: SimulationError) -> SimulationError {
     }
 }
 
-/// Refuses what cannot be sampled or would never end.
+/// Refuses a run with too many cycles, and a force that the time steps would not resolve.
 pub(crate) fn check_scales(mode: &Mode, force: &Pulse<'_>, settings: &Settings) -> Result<(), Error> {
-    /// Cycles of a run: at one sample a cycle a billion fill 32 GB, and methods that go from cycle to cycle take a
-    /// minute for them. More is a slip of the pen, refused by name. The number stands in the message.
+    /// Largest number of cycles of a run. At one sample a cycle, 1e9 cycles fill 32 GB, and methods that go from cycle to cycle need a
+    /// minute for them. More must be a mistake in the input and is refused by name. The number is repeated in the message.
     const MOST_CYCLES: f64 = 1e9;
     let cycles = mode.frequency * settings.duration;
     if cycles > MOST_CYCLES {
@@ -101,7 +101,7 @@ pub(crate) fn check_scales(mode: &Mode, force: &Pulse<'_>, settings: &Settings) 
     Ok(())
 }
 
-/// Refuses methods that are made for Iwan joints by Masing's rule alone.
+/// Refuses a method that the mode's law does not allow, such as one that rests on Masing's rule for a joint that does not follow it.
 pub(crate) fn check_method(mode: &Mode, method: Method) -> Result<(), Error> {
     let what = match (method, mode.is_plain()) {
         (Method::HalfCycle | Method::Event { .. }, true) if mode.friction_drops() => {
@@ -129,7 +129,7 @@ pub(crate) fn check_method(mode: &Mode, method: Method) -> Result<(), Error> {
     Err(Error::Unsupported { what })
 }
 
-/// Newmark's scheme at any step, for a mode of the circular frequency `omega0`.
+/// Newmark's scheme as a function of the time step, for a mode of the circular frequency `omega0` (rad/s).
 pub(crate) fn schemes(
     omega0: f64,
     beta: f64,
@@ -143,9 +143,9 @@ pub(crate) fn schemes(
     }
 }
 
-/// Number of steps after which the force no longer changes. A force that settles on a sample settles there: the
-/// rounding of the quotient adds no step. One that may stop while it acts is stepped one sample further: there its last impulse has gone in whole, also
-/// where it ends on a sample.
+/// Number of steps after which the force no longer changes. If the force settles on a sample, the rounding of the quotient adds no step. A
+/// force that may stop abruptly is stepped one sample further, so that its last impulse has acted completely, also where it ends on a
+/// sample.
 fn settled_after(force: &Pulse<'_>, dt: f64, samples: usize) -> Result<usize, Error> {
     let abrupt = matches!(force, Pulse::Step { .. } | Pulse::Sine { .. } | Pulse::Sampled { .. });
     let settled = force.settled();
@@ -159,7 +159,7 @@ fn settled_after(force: &Pulse<'_>, dt: f64, samples: usize) -> Result<usize, Er
     Err(Error::Unsupported { what })
 }
 
-/// Simulates in the buffers of `spare`, a response that is no longer needed.
+/// Simulates one mode; the buffers of `spare`, a response that is no longer needed, are reused.
 pub(crate) fn simulate_observed(
     mode: &Mode,
     force: &Pulse<'_>,

@@ -1,4 +1,4 @@
-//! Responses of any length, handed out as they come: what is kept of them does not grow with their length.
+//! Responses of any length, passed on in stretches as they are computed, in memory that does not grow with their length.
 
 use std::ops::ControlFlow;
 
@@ -17,21 +17,22 @@ use crate::response::{Response, Totals};
 use crate::settings::{Method, Settings};
 use crate::simulate::{check_method, check_scales, in_mode, schemes};
 
-/// Half cycles that a continuum remembers, 1 MB for each run: a mode of 0.003 % of critical damping has decayed to 0.2 % by then. The response says what forgetting the
-/// others may have cost.
+/// Largest number of half cycles that a continuum remembers in a stream; they take 1 MB for each run. A mode with 0.003 % of critical
+/// damping has decayed to 0.2 % by then. When the limit is reached, the innermost loops are forgotten, and `Quality::forgotten_force`
+/// bounds the error.
 const MOST: f64 = 65_536.0;
 
-/// What all modes did from one sample on.
+/// The samples of all modes in one stretch of time.
 #[derive(Debug)]
 pub struct Stretch<'a> {
-    /// Number of its first sample; that of the initial state is 0.
+    /// Index of the stretch's first sample; the initial state has index 0.
     pub first: usize,
-    /// Of each mode displacement, velocity, acceleration and joint force, as in [`Response`].
+    /// For each mode displacement, velocity, acceleration and joint force, as in [`Response`].
     pub modes: Vec<[&'a [f64]; 4]>,
 }
 
-/// Simulates several modes in time steps and hands their samples to `take`, 65,536 steps after the other: 4 MB for each mode
-/// with its companion runs. The samples are those of [`simulate`](crate::simulate()), bit by bit, the error estimates to rounding.
+/// Simulates several modes in time steps and passes their samples to `take` in stretches of 65,536 steps. Each mode with its companion runs
+/// takes 4 MB. The samples are those of [`simulate`](crate::simulate()) bit by bit, the error estimates to rounding.
 ///
 /// ```
 /// use std::ops::ControlFlow;
@@ -52,8 +53,8 @@ pub struct Stretch<'a> {
 /// ```
 ///
 /// # Errors
-/// As [`simulate_all`](crate::simulate_all); [`SimulationError::Parameter`] for methods other than Newmark's, and [`SimulationError::Interrupted`] when `take` breaks off,
-/// too.
+/// The errors of [`simulate_all`](crate::simulate_all); also [`SimulationError::Parameter`] for methods other than Newmark's, and
+/// [`SimulationError::Interrupted`] when `take` returns `Break`.
 pub fn stream(
     modes: &[Mode],
     force: &Pulse<'_>,
@@ -94,37 +95,37 @@ pub fn stream(
     runs.into_iter().map(|run| Ok(run.totals())).collect()
 }
 
-/// Steps from one sample to another. The last sample is that with which the next steps begin, and is theirs.
+/// The steps from sample `first` to sample `last`. The last sample is also the first of the next range and is counted there.
 #[derive(Clone, Copy)]
 struct Range {
     first: usize,
     last: usize,
-    /// Whether no steps follow.
+    /// Whether this is the last range.
     ends: bool,
 }
 
 impl Range {
-    /// Steps of a run whose own are so many times as long.
+    /// Number of steps in this range of a run whose steps are `stride` times as long.
     fn steps(self, stride: usize) -> usize {
         self.last / stride - self.first / stride
     }
 
-    /// Samples of such a run that are these steps' own.
+    /// Number of samples of such a run that belong to this range.
     fn count(self, stride: usize) -> usize {
         self.steps(stride) + usize::from(self.ends)
     }
 }
 
-/// What the runs of a mode borrow.
+/// Data of one mode that its runs borrow.
 struct Plan<'a> {
     mode: &'a Mode,
     dt: f64,
     samples: usize,
     joint: Representation,
     scheme: Newmark,
-    /// At twice the step, where that is not too long.
+    /// The scheme at twice the step, if that step is not too long for the mode.
     coarse: Option<Newmark>,
-    /// 2^order - 1, of the scheme's order.
+    /// 2^order - 1, with the order of the scheme.
     divisor: f64,
     rooms: [Room; 4],
     quality: bool,
@@ -157,11 +158,11 @@ impl<'a> Plan<'a> {
     }
 }
 
-/// One run with the samples of the stretch that it did last.
+/// One run, with its samples of the latest stretch.
 struct Buffered<'a> {
     stepped: Box<dyn Stepped + 'a>,
     response: Response,
-    /// How many samples of the steps lie in one of its own: 1 or 2.
+    /// Ratio of the run's step to that of the response: 1 or 2.
     stride: usize,
     peak: f64,
 }
@@ -179,7 +180,7 @@ impl<'a> Buffered<'a> {
         Ok(Self { stepped, response, stride, peak: 0.0 })
     }
 
-    /// Over the steps of `range`.
+    /// Advances the run over the steps of `range`.
     fn advance(&mut self, range: Range, force: &[f64]) -> Result<(), Error> {
         let mut samples = self.response.samples();
         self.stepped.advance(force, &mut samples.between(0, range.steps(self.stride)))?;
@@ -188,7 +189,7 @@ impl<'a> Buffered<'a> {
         Ok(())
     }
 
-    /// The balance of the last steps.
+    /// The energy balance of the latest steps.
     fn balance(&mut self, range: Range, force: &[f64]) -> EnergyBalance {
         let mut samples = self.response.samples();
         self.stepped.balance(force, &samples.between(0, range.steps(self.stride)))
@@ -204,39 +205,39 @@ impl<'a> Buffered<'a> {
     }
 }
 
-/// A run beside the one that is handed out.
+/// A companion run: computed beside the response to estimate its errors.
 struct Companion<'a> {
     run: Buffered<'a>,
-    /// Largest difference so far.
+    /// Largest difference so far between this run and the one that it is compared with.
     difference: f64,
 }
 
 impl<'a> Companion<'a> {
     fn new(run: Result<Buffered<'a>, SimulationError>) -> Option<Self> {
-        // One that does not work says nothing about the others.
+        // A companion that cannot be set up only removes its own estimate.
         run.ok().map(|run| Self { run, difference: 0.0 })
     }
 
-    /// Over the steps of `range`, with the modal force at its own steps; false where it has failed.
+    /// Advances over the steps of `range`, with the modal force at this run's own steps; returns false if the run has failed.
     fn advance(&mut self, range: Range, force: &[f64]) -> bool {
         self.run.advance(range, force).is_ok() && self.run.is_finite(range.count(self.run.stride))
     }
 }
 
-/// A mode that is handed out.
+/// A mode whose response is streamed, with its companion runs.
 struct Streamed<'a> {
     mode: &'a Mode,
     run: Buffered<'a>,
     force: Vec<f64>,
-    /// The same by steps twice as long.
+    /// Companion with steps twice as long.
     coarse: Option<Companion<'a>>,
-    /// Under a force from a file: by the steps themselves as the file does.
+    /// Companion for a force from a file: the same steps, under samples that act as the file's force does between the steps.
     whole: Option<Companion<'a>>,
-    /// Sliders against the continuum.
+    /// Companion without sliders (continuum), for the discretisation error.
     continuum: Option<Companion<'a>>,
-    /// Whether no joint is cut into sliders.
+    /// Whether no joint is cut into sliders and estimates are requested: the discretisation error is then 0.
     exact: bool,
-    /// Whether the force is from a file.
+    /// Whether the force comes from a file.
     unsmooth: bool,
     divisor: f64,
     follower: Option<Follower<'a>>,
@@ -283,7 +284,7 @@ impl<'a> Streamed<'a> {
         })
     }
 
-    /// Over the steps of `range` under the physical force, of which `samples` are those from the first step on, and all that is beside it.
+    /// Advances the mode and its companions over the steps of `range`; `samples` are those of the physical force from the first step on.
     fn advance(&mut self, range: Range, force: &Pulse<'_>, samples: &[f64]) -> Result<(), SimulationError> {
         let shape = self.mode.shape_at_force;
         self.force.clear();
@@ -318,7 +319,8 @@ impl<'a> Streamed<'a> {
         Ok(())
     }
 
-    /// Takes the companions on, those with double steps and those that do as a file does under the forces that these see, and compares.
+    /// Advances the companions and compares them. `double` is the force for steps twice as long, `whole` the force for the companion that
+    /// acts as the file does.
     fn compare(&mut self, range: Range, [double, whole]: [&[f64]; 2]) {
         let fine = &self.run.response.displacement;
         let companions = [&mut self.coarse, &mut self.continuum, &mut self.whole];
@@ -336,14 +338,14 @@ impl<'a> Streamed<'a> {
         }
         if let Some(coarse) = &mut self.coarse {
             let (double, divisor) = (coarse.run.displacement(range.count(2)), self.divisor);
-            // Without a file the steps themselves are whole.
+            // Without a force from a file the response itself takes the place of `whole`.
             let whole = self.whole.as_ref().map_or(fine, |whole| &whole.run.response.displacement);
             let most = between::error(fine, whole, double, divisor);
             coarse.difference = coarse.difference.max(most);
         }
     }
 
-    /// The first samples of the last steps.
+    /// The first `count` samples of the latest stretch.
     fn handed(&self, count: usize) -> [&[f64]; 4] {
         let Response { displacement, velocity, acceleration, joint_force, .. } = &self.run.response;
         [displacement, velocity, acceleration, joint_force].map(|x| &x[..count])

@@ -1,12 +1,12 @@
-//! Small symmetric matrices, row by row in a slice of the caller's.
+//! Small symmetric matrices, stored row by row in a slice that the caller provides.
 
-/// Sum of the products of two rows as far as the shorter goes.
+/// Sum of the products of two rows, up to the length of the shorter one.
 fn products(a: &[f64], b: &[f64]) -> f64 {
     a.iter().zip(b).map(|(a, b)| a * b).sum()
 }
 
-/// Replaces the lower triangle of a symmetric matrix by its Cholesky factor, whose diagonal is held as its reciprocal; false where it is
-/// not positive definite. What is above the diagonal is neither read nor changed.
+/// Replaces the lower triangle of a symmetric matrix by its Cholesky factor, of which the diagonal is stored as reciprocals. Returns false
+/// if the matrix is not positive definite. Entries above the diagonal are neither read nor changed.
 pub(super) fn factorise(order: usize, matrix: &mut [f64]) -> bool {
     for i in 0..order {
         let (done, rest) = matrix.split_at_mut(i * order);
@@ -23,7 +23,7 @@ pub(super) fn factorise(order: usize, matrix: &mut [f64]) -> bool {
     true
 }
 
-/// Solves with such a factor, in place.
+/// Solves with a factor from [`factorise`]; `x` holds the right-hand side, then the solution.
 pub(super) fn solve(order: usize, factor: &[f64], x: &mut [f64]) {
     for (i, row) in factor[..order * order].chunks_exact(order).enumerate() {
         x[i] = (x[i] - products(&row[..i], &x[..i])) * row[i];
@@ -35,10 +35,10 @@ pub(super) fn solve(order: usize, factor: &[f64], x: &mut [f64]) {
     }
 }
 
-/// Largest eigenvalue of a symmetric, positive semi-definite matrix by the power method, for a message: three digits
-/// are plenty, and a start along the row sums' signs is never orthogonal to it but by accident.
+/// Largest eigenvalue of a symmetric, positive semi-definite matrix by the power method. The value serves a message only, so three digits
+/// suffice. The start vector is only by accident orthogonal to the eigenvector.
 pub(super) fn largest_eigenvalue(order: usize, entry: impl Fn(usize, usize) -> f64, work: &mut [f64]) -> f64 {
-    /// Rounds of the power method: neighbouring eigenvalues 5 % apart are told apart to 1 % after so many.
+    /// Rounds of the power method: with this many, neighbouring eigenvalues 5 % apart are separated to 1 %.
     const ROUNDS: usize = 100;
     let (x, y) = work.split_at_mut(order);
     for (i, x) in x.iter_mut().enumerate() {

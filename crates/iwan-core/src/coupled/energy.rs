@@ -1,4 +1,4 @@
-//! Energy of coupled modes: where it came from and went.
+//! Energy balance of coupled modes.
 
 use super::lanes::{LANES, Lanes, groups};
 use super::modes::CoupledModes;
@@ -6,20 +6,20 @@ use super::stepper::CoupledRows;
 use crate::error::{Error, check_length};
 use crate::step::{EnergyBalance, JointEnergy, force_at};
 
-/// Works along a coupled motion, added up from its rows.
+/// Works along a coupled motion, summed over its rows.
 ///
-/// The stuck modes hold ½ q'² + ½ ω² q² each, a joint what its springs hold less the ½ K s² that the stuck modes count
-/// as theirs, and the modes left out ½ Nᵀ ρ N - f aᵀ N. The load works through φ q of all modes and through -aᵀ N.
+/// Each stuck mode holds ½ q'² + ½ ω² q². A joint holds the energy of its springs less the ½ K s² that is already part of the stuck modes.
+/// The modes left out hold ½ Nᵀ ρ N - f aᵀ N. The load does work through φ q of all modes and through -aᵀ N.
 #[derive(Debug, Clone)]
 pub struct CoupledEnergy<S> {
-    /// Works of the load, of dampers, and on the joints, by mode.
+    /// Works by mode: of the load, on the dampers (`viscous`), and on the joints (`handed`).
     input: S,
     viscous: S,
     handed: S,
-    /// Work of the load through the modes left out, and ∫ F ds of all joints.
+    /// Work of the load through the modes left out, and work ∫ F ds on all joints.
     aside: f64,
     joint: f64,
-    /// Kinetic and elastic energy by mode, and elastic energy of all else, at the start and at the end.
+    /// Kinetic and elastic energy by mode, and elastic energy of everything else (`rest`), each at the start and at the end.
     kinetic: [S; 2],
     elastic: [S; 2],
     rest: [f64; 2],
@@ -27,7 +27,7 @@ pub struct CoupledEnergy<S> {
 }
 
 impl<S: AsRef<[Lanes]> + AsMut<[Lanes]>> CoupledEnergy<S> {
-    /// No motion yet; `storage` gives room for so many groups.
+    /// The balance before any motion; `storage` must return room for the requested number of groups.
     ///
     /// # Errors
     /// [`Error::Length`] for too little room.
@@ -54,8 +54,8 @@ impl<S: AsRef<[Lanes]> + AsMut<[Lanes]>> CoupledEnergy<S> {
         })
     }
 
-    /// Adds the works from the first to the last of `rows`, at the first of which the load is `force[0]`. A motion in
-    /// several stretches begins each with the last row of the one before.
+    /// Adds the works from the first to the last row of `rows`; `force[0]` is the load at the first row. If a motion is given in several
+    /// stretches, each stretch begins with the last row of the one before.
     ///
     /// # Errors
     /// [`Error::Length`] when the rows disagree.
@@ -78,7 +78,7 @@ impl<S: AsRef<[Lanes]> + AsMut<[Lanes]>> CoupledEnergy<S> {
         Ok(())
     }
 
-    /// The works of the step that ends at sample `n`, as mean forces times ways.
+    /// Adds the works of the step that ends at sample `n`; each work is a mean force times an increment.
     fn step(&mut self, modes: &CoupledModes<S>, [before, p]: [f64; 2], (n, rows): (usize, &CoupledRows<'_>)) {
         let (width, j, mean) = (groups(modes.modes()), modes.joints(), 0.5 * (before + p));
         let missing = |n: usize, i: usize, k: f64| rows.joint_force[n * j + i] - k * rows.slip[n * j + i];
@@ -109,7 +109,7 @@ impl<S: AsRef<[Lanes]> + AsMut<[Lanes]>> CoupledEnergy<S> {
         }
     }
 
-    /// Takes down the energies at sample `n`, as those of the start or of the end.
+    /// Records the energies at sample `n` as those of the start (`end` = 0) or of the end (`end` = 1).
     fn hold(&mut self, modes: &CoupledModes<S>, end: usize, (p, n, rows): (f64, usize, &CoupledRows<'_>)) {
         let (width, j) = (groups(modes.modes()), modes.joints());
         for g in 0..width {
@@ -132,7 +132,7 @@ impl<S: AsRef<[Lanes]> + AsMut<[Lanes]>> CoupledEnergy<S> {
             .sum();
     }
 
-    /// The balance of all modes and joints, whose springs held and hold `stored`.
+    /// The balance of all modes and joints together; `stored` is the energy of the joints' springs at the start and at the end.
     #[must_use]
     pub fn balance(&self, stored: JointEnergy) -> EnergyBalance {
         let sum = |row: &S| row.as_ref().as_flattened().iter().sum::<f64>();
@@ -142,8 +142,7 @@ impl<S: AsRef<[Lanes]> + AsMut<[Lanes]>> CoupledEnergy<S> {
         closed(kinetic, elastic, stored, works)
     }
 
-    /// The balance of one mode: its `friction` is the work that it did on the joints, which hand some of it to other
-    /// modes.
+    /// The balance of one mode. Its `friction` is the work of the mode on the joints, which pass part of that work on to other modes.
     #[must_use]
     pub fn of_mode(&self, index: usize) -> EnergyBalance {
         let at = |row: &S| row.as_ref().as_flattened()[index];

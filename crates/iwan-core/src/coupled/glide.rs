@@ -1,7 +1,7 @@
-//! Up to four modes with one joint: all constants and the motion of the modes stay in registers.
+//! Fast time steps of up to four modes with one joint: all constants and the motion of the modes stay in registers.
 //!
-//! On sliders Newton's method is not needed. On a straight piece of slope k the step Δs = Δs* - c ΔN with ΔN = (k - K) Δs is one product, Δs = Δs*/(1 + c (k - K)).
-//! Where a slider breaks loose or the motion turns round, the general step takes over.
+//! On sliders no Newton iteration is needed. On a straight piece of slope k the step Δs = Δs* - c ΔN with ΔN = (k - K) Δs is one product,
+//! Δs = Δs*/(1 + c (k - K)). Where a slider breaks loose or the motion turns round, the general step takes over.
 
 use super::joints::{JointsInMotion, OneJoint};
 use super::lanes::{LANES, Lanes, dot, groups};
@@ -23,38 +23,38 @@ struct Constants {
     drive: Lanes,
     shape: Lanes,
     reach: Lanes,
-    /// What a unit of ΔN takes off q, v, v̄* and Δs*: a step waits for the one before through `on_ahead` alone.
+    /// Reductions of q, v, v̄* and Δs* by a unit of ΔN. Only `on_ahead` makes a step wait for the one before.
     on_q: Lanes,
     on_v: Lanes,
     on_mean: Lanes,
     on_ahead: f64,
     slip_at_force: f64,
-    /// K and c of the joint.
+    /// Initial stiffness K and coupling c of the joint.
     joint: f64,
     coupling: f64,
 }
 
-/// What one step hands to the next.
+/// The state passed from one step to the next.
 #[derive(Clone, Copy)]
 struct Motion {
     q: Lanes,
     v: Lanes,
     mean: Lanes,
-    /// N, and Δs* of the step that comes.
+    /// N at the present sample, and Δs* of the next step.
     missing: f64,
     ahead: f64,
 }
 
-/// A straight piece, in x = s - anchor.
+/// A straight piece of the joint's law, as a function of x = s - anchor.
 struct Piece {
     anchor: f64,
     reach: f64,
     base: f64,
     stiffness: f64,
-    /// N at x = 0, and its slope k - K.
+    /// N at x = 0, and the slope k - K of N.
     held: f64,
     slope: f64,
-    /// 1/(1 + c (k - K)), and (k - K) times that.
+    /// 1/(1 + c (k - K)), and (k - K) times that factor.
     gain: f64,
     yielding: f64,
 }
@@ -93,8 +93,7 @@ impl Constants {
         }
     }
 
-    /// Completes the step to a sample at which the load is `p` as if N were held, and begins the one after it, at the
-    /// end of which the load is `next`.
+    /// Completes the step to a sample with the load `p` as if N stayed constant, and begins the next step, at whose end the load is `next`.
     #[inline]
     fn held(&self, m: &Motion, [p, next]: [f64; 2]) -> Motion {
         let (mean, jump) = (0.5 * (p + next), next - p);
@@ -110,7 +109,7 @@ impl Constants {
         to
     }
 
-    /// What ΔN changes of that, and the accelerations under the load `p`.
+    /// Corrects that step for the change ΔN, and returns the accelerations under the load `p`.
     #[inline]
     fn changed(&self, m: &mut Motion, change: f64, p: f64) -> Lanes {
         let mut acceleration = [0.0; LANES];
@@ -127,8 +126,8 @@ impl Constants {
 }
 
 impl<S: AsRef<[Lanes]> + AsMut<[Lanes]>> CoupledModes<S> {
-    /// As [`integrate`](Self::integrate) for one joint on a population of sliders, several times faster with up to four
-    /// modes; more modes or joints take the general path.
+    /// Does what [`integrate`](Self::integrate) does for one joint on a population of sliders, several times faster with up to four modes.
+    /// More modes or more joints take the general path.
     ///
     /// # Errors
     /// As [`integrate`](Self::integrate).
@@ -215,7 +214,7 @@ impl<S: AsRef<[Lanes]> + AsMut<[Lanes]>> CoupledModes<S> {
     }
 }
 
-/// Steps from the second sample on.
+/// Computes the samples from the second on, with the joint on sliders.
 fn glide<R: AsRef<[Run]> + AsMut<[Run]>>(
     c: &Constants,
     m: &mut Motion,

@@ -1,4 +1,4 @@
-//! The joints as a step needs them: from the slips that would be to the forces that are.
+//! The joints within a time step of coupled modes: from the slips with N held constant to the slips and forces at the step's end.
 
 use super::lanes::Lanes;
 use super::modes::CoupledModes;
@@ -10,8 +10,8 @@ pub trait JointsInMotion {
     /// Number of joints.
     fn count(&self) -> usize;
 
-    /// Moves the joints by Δs = `ahead` - c ΔN, an implicit equation in the slips; `change` becomes ΔN. Of a way that
-    /// is not finite the changes are not finite either.
+    /// Moves the joints by Δs = `ahead` - c ΔN, which is an implicit equation in the slips, and writes ΔN to `change`. If `ahead` is not
+    /// finite, the changes are not finite either.
     ///
     /// # Errors
     /// [`Error::Unsupported`] when no solution is found.
@@ -22,7 +22,7 @@ pub trait JointsInMotion {
         change: &mut [f64],
     ) -> Result<(), Error>;
 
-    /// The same without inertia, with the compliance ρ in place of c: static load.
+    /// The same equation without inertia, for a static load: the compliance ρ stands in place of c.
     ///
     /// # Errors
     /// As [`solve`](Self::solve).
@@ -42,7 +42,7 @@ pub trait JointsInMotion {
     fn stored_energy(&self, index: usize) -> f64;
 }
 
-/// One joint, whose step is that of a single mode: any law and memory.
+/// One joint of any law and memory. Its step has the same form as that of a single mode.
 #[derive(Debug)]
 pub struct OneJoint<'a, J, State> {
     law: &'a J,
@@ -66,7 +66,7 @@ impl<State, J: Hysteresis<State>> JointsInMotion for OneJoint<'_, J, State> {
         1
     }
 
-    /// (1/c - K) Δs + ΔF = Δs*/c.
+    /// Solves (1/c - K) Δs + ΔF = Δs*/c.
     #[inline]
     fn solve<S: AsRef<[Lanes]> + AsMut<[Lanes]>>(
         &mut self,

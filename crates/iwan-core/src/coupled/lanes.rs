@@ -1,12 +1,12 @@
-//! Values of all modes in groups of four, which a processor handles at once.
+//! Values of all modes in groups of four, which a processor handles in one instruction.
 
-/// Values in a group.
+/// Number of values in a group.
 pub const LANES: usize = 4;
 
-/// Values of four modes side by side.
+/// Values of four modes.
 pub type Lanes = [f64; LANES];
 
-/// Groups that hold `count` values.
+/// Number of groups that hold `count` values.
 ///
 /// ```
 /// assert_eq!([1, 4, 5].map(iwan_core::groups), [1, 1, 2]);

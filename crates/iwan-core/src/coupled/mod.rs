@@ -1,4 +1,4 @@
-//! Coupled modes: linear oscillators in their stuck frequencies whose sum moves a few hysteretic joints.
+//! Coupled modes: linear oscillators at their stuck frequencies, whose displacements together move a few hysteretic joints.
 //!
 //! With modal displacements q_r and slips s_j,
 //!
@@ -6,11 +6,11 @@
 //!
 //! s_j = Σ_r b_jr q_r - Σ_l ρ_jl N_l + a_j f(t),   N_j = F_j[s_j] - K_j s_j.
 //!
-//! F_j is the hysteretic force of joint j and K_j its initial stiffness, so that N_j is what slip takes off a stuck
-//! joint. b are the slips of the stuck modes; the modes that are left out follow at once, with the static compliance ρ
-//! of the slips and the slips a of a unit load. That is the projection of a structure with discrete joints on its stuck
-//! modes, where the paper's modal joint (Deaner et al., Eq. 5) takes each mode to slip by itself; the residual
-//! compliance is that of R. R. Craig Jr. and C.-J. Chang (NASA CR-2893, 1977).
+//! F_j is the hysteretic force of joint j and K_j its initial stiffness, so N_j is the force of the joint less the force that it would have
+//! if stuck. b_jr is the slip of joint j in a unit displacement of stuck mode r. The modes that are left out follow statically, with the
+//! compliance ρ of the slips and the slips a of a unit load. This model is the projection of a structure with discrete joints on its stuck
+//! modes; the paper's modal joint (Deaner et al., Eq. 5) lets each mode slip by itself instead. The residual compliance is that of R. R.
+//! Craig Jr. and C.-J. Chang (NASA CR-2893, 1977).
 
 mod lanes;
 mod definite;

@@ -1,46 +1,46 @@
-//! What is coupled: modes, joints, and the constants of a time step.
+//! Modes, the joints that couple them, and the constants of a time step.
 
 use super::definite::{factorise, largest_eigenvalue};
 use super::lanes::{LANES, Lanes, groups};
 use crate::error::{Error, check, check_length};
 use crate::step::{Newmark, Oscillator};
 
-/// A stuck mode in coupled motion, mass-normalised, with the scheme that steps it.
+/// A stuck mode of a coupled motion, mass-normalised, with its time-stepping scheme.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct CoupledMode {
     /// Circular frequency with all joints stuck and viscous damping: an [`Oscillator`] without a joint.
     pub oscillator: Oscillator,
-    /// Average acceleration, prewarped to this mode or not.
+    /// Average acceleration, prewarped to this mode or plain.
     pub scheme: Newmark,
     /// Mass-normalised mode shape at the load: modal force = shape · force.
     pub shape_at_force: f64,
 }
 
-/// A joint between modes.
+/// A joint that couples modes.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct CoupledJoint<'a> {
     /// Initial stiffness K of its law.
     pub stiffness: f64,
-    /// Slip b in a unit displacement of each mode.
+    /// Slip b of the joint in a unit displacement of each mode.
     pub participation: &'a [f64],
-    /// Slip ρ from a unit force N on each joint, through the modes left out: a row of a symmetric matrix.
+    /// Slip ρ of this joint under a unit force N on each joint, through the modes left out: one row of a symmetric matrix.
     pub compliance: &'a [f64],
-    /// Slip a under a unit load, through the modes left out.
+    /// Slip a of the joint under a unit load, through the modes left out.
     pub slip_at_force: f64,
 }
 
 /// Stuck modes, the joints that couple them, and the constants of an average-acceleration step.
 ///
-/// With h and the factor σ on the force of each mode's [`Newmark`] scheme, e = h ζ ω + h² ω²/4, d = 1/(1 + e) and a
-/// bar for the mean over a step, the mean velocity of a step is
+/// Let h be the step and σ the factor on the force of each mode's [`Newmark`] scheme, e = h ζ ω + h² ω²/4, d = 1/(1 + e), and let a bar
+/// mark the mean over a step. The mean velocity of a step is
 ///
 /// v̄ = v + d \[h/2 (σ φ f̄ - ω² q - Σ b N) - e v\] - d h/4 Σ b ΔN,   q' = q + h v̄,   v' = 2 v̄ - v,
 ///
-/// and the slips move by Δs = Δs* - c ΔN, where Δs* = Σ b h v̄* + a Δf is their way with N held and
-/// c = ρ + B (d h²/4) Bᵀ. The equation has one solution for any laws of initial stiffness K where
-/// λ_max(K^½ c K^½) < 1, because all tangents of a law lie between 0 and K.
+/// and the slips move by Δs = Δs* - c ΔN. Here Δs* = Σ b h v̄* + a Δf is their increment with N held constant (v̄* is v̄ with ΔN = 0), and
+/// c = ρ + B (d h²/4) Bᵀ. For any laws of initial stiffness K the equation has one solution if λ_max(K^½ c K^½) < 1, because all tangents
+/// of a law lie between 0 and K.
 ///
-/// Memory is the caller's: `S` is an array of groups of four, or a vector.
+/// `S` is memory that the caller provides: an array of groups of four, or a vector.
 ///
 /// ```
 /// use iwan_core::{CoupledJoint, CoupledMode, CoupledModes, Newmark, Oscillator, ResidualStiffness};
@@ -62,7 +62,7 @@ pub struct CoupledJoint<'a> {
 pub struct CoupledModes<S> {
     modes: usize,
     joints: usize,
-    /// h of each mode.
+    /// Time step h of each mode, s.
     pub(super) step: S,
     /// d h/2.
     pub(super) push: S,
@@ -77,7 +77,7 @@ pub struct CoupledModes<S> {
     /// φ, and σ φ.
     pub(super) load: S,
     pub(super) drive: S,
-    /// b, and b h: for each joint the groups of modes one after the other.
+    /// b, and b h: for each joint, all groups of modes in a row.
     pub(super) participation: S,
     pub(super) reach: S,
     /// K, a, ρ and c of the joints.
@@ -87,17 +87,17 @@ pub struct CoupledModes<S> {
     coupling: S,
 }
 
-/// Relative difference of ρ_jl and ρ_lj that is rounding of whoever wrote them down.
+/// Largest relative difference of ρ_jl and ρ_lj that counts as rounding of the given numbers; a larger one is refused.
 const ASYMMETRY: f64 = 1e-9;
 
 impl<S: AsRef<[Lanes]> + AsMut<[Lanes]>> CoupledModes<S> {
-    /// Takes modes and joints; `storage` gives room for so many groups, and is asked for one joint times the
-    /// [`groups`] of modes, and for the groups of the joints' matrix, at most.
+    /// Takes modes and joints. `storage` must return room for the requested number of groups: at most one joint times the [`groups`] of
+    /// modes, or the groups of the joints' matrix.
     ///
     /// # Errors
-    /// [`Error::Length`] for no modes or joints, rows that do not fit, or too little room; [`Error::Entry`] and
-    /// [`Error::OutOfRange`] for numbers that are not finite, a joint that slips in no mode, compliances that are not
-    /// symmetric, and λ_max(K^½ c K^½) >= 1; [`Error::Unsupported`] for other schemes than average acceleration.
+    /// [`Error::Length`] for no modes or joints, rows that do not fit, or too little room; [`Error::Entry`] and [`Error::OutOfRange`] for
+    /// numbers that are not finite, a joint that slips in no mode, compliances that are not symmetric, and λ_max(K^½ c K^½) >= 1;
+    /// [`Error::Unsupported`] for schemes other than average acceleration.
     pub fn new(
         modes: &[CoupledMode],
         joints: &[CoupledJoint<'_>],
@@ -181,7 +181,7 @@ impl<S: AsRef<[Lanes]> + AsMut<[Lanes]>> CoupledModes<S> {
         }
     }
 
-    /// Whether I - K^½ c K^½ is positive definite.
+    /// Checks that I - K^½ c K^½ is positive definite.
     fn check_coupling(&self, mut matrix: S, [mut unit, mut work]: [S; 2]) -> Result<(), Error> {
         let (j, k, c) = (self.joints, self.joint_stiffness(), self.coupling());
         let scaled = |i: usize, l: usize| libm::sqrt(k[i]) * c[i * j + l] * libm::sqrt(k[l]);
@@ -189,7 +189,7 @@ impl<S: AsRef<[Lanes]> + AsMut<[Lanes]>> CoupledModes<S> {
         for at in 0..j * j {
             let (i, l) = (at / j, at % j);
             matrix[at] = if i == l { 1.0 } else { 0.0 } - scaled(i, l);
-            // Rounding leaves a compliance of rank one with an eigenvalue of -1e-16.
+            // Rounding can leave a compliance of rank one with an eigenvalue of -1e-16; 1e-9 on the diagonal keeps that from being refused.
             unit[at] = scaled(i, l) + if i == l { 1e-9 } else { 0.0 };
         }
         if !factorise(j, unit) {

@@ -1,16 +1,16 @@
-//! Where coupled modes are.
+//! The motion of coupled modes.
 
 use super::joints::JointsInMotion;
 use super::lanes::{LANES, Lanes, dot, groups};
 use super::modes::CoupledModes;
 use crate::error::{Error, check_length};
 
-/// Displacements and velocities of coupled modes, and what their joints' slip takes off.
+/// Displacements and velocities of coupled modes, and the forces N of their joints.
 #[derive(Debug, Clone)]
 pub struct CoupledMotion<S> {
     pub(super) q: S,
     pub(super) v: S,
-    /// v̄* of the step under way, with N held.
+    /// v̄* of the present step: the mean velocity with N held constant.
     pub(super) mean: S,
     /// Σ b N of each mode.
     pub(super) held: S,

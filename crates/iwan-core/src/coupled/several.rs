@@ -1,9 +1,8 @@
-//! Several joints in one step: Newton's method on the forces that slip takes off.
+//! Several joints in one step: Newton's method on the forces N.
 //!
-//! With n = ΔN and s(n) = s + Δs* - c n the step is n = N(s(n)) - N(s). The gradient of the convex function
-//! ½ nᵀ c n + Σ ∫ N ds along s(n) is c (n - ΔN(s(n))), and its Hessian c - c D c with D = K - dF/ds, so that Newton's
-//! method with a line search finds the solution from anywhere, for a singular c as well: joints that move alike need
-//! not be told apart.
+//! With n = ΔN and s(n) = s + Δs* - c n, the equation of the step is n = N(s(n)) - N(s). The gradient of the convex function ½ nᵀ c n + Σ ∫
+//! N ds along s(n) is c (n - ΔN(s(n))), and its Hessian is c - c D c with D = K - dF/ds. So Newton's method with a line search finds the
+//! solution from any start, even for a singular c: joints that move alike need not be distinguished.
 
 use super::definite;
 use super::joints::JointsInMotion;
@@ -13,44 +12,43 @@ use crate::error::{Error, check_length};
 use crate::line_search::search_line;
 use crate::memory::Trial;
 
-/// Rounds after which the method has failed, which is an error. Loads from micro-slip to far beyond macro-slip took up
-/// to ten.
+/// Number of rounds after which the method returns an error. Loads from micro-slip to far beyond macro-slip took up to ten.
 const MOST_ROUNDS: usize = 60;
-/// The residual that rounding of the terms leaves, in units of their sum: eight times the machine precision.
+/// Residual, in units of the sum of its terms, that counts as rounding: eight times the machine precision.
 const ROUNDING: f64 = 8.0 * f64::EPSILON;
-/// After so many rounds the residual allowed doubles with each further one, up to [`MOST_ROUNDING`]: what is left then
-/// is rounding of a law's own force.
+/// Number of rounds after which the allowed residual doubles with each further round, up to [`MOST_ROUNDING`]: what remains then is the
+/// rounding of a law's own force.
 const PATIENCE: usize = 20;
-/// Worse than this is no rounding.
+/// Largest residual, in units of the sum of its terms, that can pass as rounding of a law's force.
 const MOST_ROUNDING: f64 = 1e-10;
 
-/// Several joints of one kind of law and memory, whose trial points leave no trace.
+/// Several joints with one kind of law and memory; trial points leave no trace in their states.
 #[derive(Debug)]
 pub struct SeveralJoints<'a, J, State, S> {
     laws: &'a [J],
     states: &'a mut [State],
-    /// For each joint, one row after the other: see [`Rows`].
+    /// Working vectors, one entry per joint, one row after another: see [`Rows`].
     vectors: S,
     /// I - D^½ c D^½.
     matrix: S,
 }
 
-/// Rows in [`SeveralJoints::vectors`].
+/// Number of rows in [`SeveralJoints::vectors`].
 const ROWS: usize = 11;
 
 /// The rows by name.
 struct Rows<'a> {
-    /// Slip and force of each joint where it stands, which are kept between steps.
+    /// Slip and force of each joint at the start of the step; they are kept between steps.
     slip: &'a mut [f64],
     force: &'a mut [f64],
-    /// ΔN sought, and the slips to which it leads.
+    /// The ΔN that is sought, and the slips to which it leads.
     n: &'a mut [f64],
     to: &'a mut [f64],
     residual: &'a mut [f64],
-    /// D, what the tangents there fall short of K.
+    /// D: K less the tangent of each joint at the slips `to`.
     slack: &'a mut [f64],
     direction: &'a mut [f64],
-    /// ΔN at the start of a line.
+    /// ΔN at the start of a line search.
     start: &'a mut [f64],
     /// D^½.
     root: &'a mut [f64],
@@ -78,14 +76,14 @@ impl<'a> Rows<'a> {
         }
     }
 
-    /// How steeply the function falls along the direction: its product with c and the residual.
+    /// Slope with which the function falls along the direction: `gradient` · residual, where `gradient` is c times the direction.
     fn fall(&self) -> f64 {
         self.gradient.iter().zip(&*self.residual).map(|(g, r)| g * r).sum()
     }
 }
 
 impl<'a, State, J: Trial<State>, S: AsRef<[Lanes]> + AsMut<[Lanes]>> SeveralJoints<'a, J, State, S> {
-    /// Laws and their states; `storage` gives room for so many groups.
+    /// Several joints with their laws and states; `storage` must return room for the requested number of groups.
     ///
     /// # Errors
     /// [`Error::Length`] when there are not as many states as laws, or too little room.
@@ -105,7 +103,7 @@ impl<'a, State, J: Trial<State>, S: AsRef<[Lanes]> + AsMut<[Lanes]>> SeveralJoin
         Ok(joints)
     }
 
-    /// Solves with the compliance `c`, and moves the joints.
+    /// Solves the step with the compliance `c` and moves the joints.
     fn step(&mut self, c: &[f64], stiffness: &[f64], ahead: &[f64]) -> Result<(), Error> {
         let j = self.laws.len();
         let Self { laws, states, vectors, matrix } = self;
@@ -142,28 +140,28 @@ impl<'a, State, J: Trial<State>, S: AsRef<[Lanes]> + AsMut<[Lanes]>> SeveralJoin
     }
 }
 
-/// Δs of joint `i`.
+/// Slip increment Δs of joint `i` for ΔN = `n`.
 #[inline]
 fn way(c: &[f64], ahead: &[f64], n: &[f64], i: usize) -> f64 {
     let row = &c[i * n.len()..(i + 1) * n.len()];
     ahead[i] - row.iter().zip(n).map(|(c, n)| c * n).sum::<f64>()
 }
 
-/// δ with (I - D c) δ = R, by way of the symmetric I - D^½ c D^½, which is positive definite: δ = R + D^½ w with
-/// (I - D^½ c D^½) w = D^½ c R.
+/// Newton's direction δ with (I - D c) δ = R. It is found through the symmetric matrix I - D^½ c D^½, which is positive definite: δ = R +
+/// D^½ w with (I - D^½ c D^½) w = D^½ c R.
 fn newton_direction(c: &[f64], rows: &mut Rows<'_>, matrix: &mut [f64]) {
     let Rows { slack, residual, direction, root, work, gradient, .. } = rows;
     let j = slack.len();
     root.iter_mut().zip(&**slack).for_each(|(root, slack)| *root = libm::sqrt(*slack));
     for (i, (row, of_matrix)) in c.chunks_exact(j).zip(matrix.chunks_exact_mut(j)).enumerate() {
         work[i] = root[i] * row.iter().zip(&**residual).map(|(c, r)| c * r).sum::<f64>();
-        // The lower triangle is all that a Cholesky factor needs.
+        // A Cholesky factorisation needs the lower triangle only.
         for ((entry, c), other) in of_matrix[..=i].iter_mut().zip(row).zip(&**root) {
             *entry = -(root[i] * c * other);
         }
         of_matrix[i] += 1.0;
     }
-    // By construction of the modes it is definite; were it not, the residual alone still leads downhill.
+    // The check of the modes makes the matrix definite; if rounding spoils that, the residual alone still points downhill.
     if definite::factorise(j, matrix) {
         definite::solve(j, matrix, work);
     } else {
@@ -177,19 +175,19 @@ fn newton_direction(c: &[f64], rows: &mut Rows<'_>, matrix: &mut [f64]) {
     }
 }
 
-/// What the residual is made of.
+/// The quantities from which the residual is computed.
 struct Iterate<'a, J, State> {
     c: &'a [f64],
     stiffness: &'a [f64],
     ahead: &'a [f64],
     laws: &'a [J],
     states: &'a [State],
-    /// Residual that counts as settled, in units of the sum of its terms.
+    /// Largest residual that counts as settled, in units of the sum of its terms.
     allowed: f64,
 }
 
 impl<State, J: Trial<State>> Iterate<'_, J, State> {
-    /// Residual ΔN(s(n)) - n and D at `n`; returns whether rounding is all that is left.
+    /// Computes the residual ΔN(s(n)) - n and D at `n`; returns whether the residual is rounding alone.
     fn evaluate(&self, rows: &mut Rows<'_>) -> bool {
         let mut settled = true;
         for (i, (law, state)) in self.laws.iter().zip(self.states).enumerate() {

@@ -1,4 +1,4 @@
-//! Coupled modes in time steps, with any joints.
+//! Time steps of coupled modes with any joints.
 
 use super::joints::JointsInMotion;
 use super::lanes::{LANES, Lanes, dot, groups};
@@ -7,8 +7,8 @@ use super::motion::CoupledMotion;
 use crate::error::{Error, check_length};
 use crate::step::force_at;
 
-/// Where coupled modes are written: for each sample, the initial state first, a row of the [`groups`] of modes, or one
-/// number per joint.
+/// Output of coupled modes. For each sample, the initial state first, a slice holds one row: the [`groups`] of modes, or one number per
+/// joint.
 #[derive(Debug)]
 pub struct CoupledRows<'a> {
     /// Displacements q.
@@ -41,10 +41,10 @@ impl CoupledRows<'_> {
 }
 
 impl<S: AsRef<[Lanes]> + AsMut<[Lanes]>> CoupledModes<S> {
-    /// Steps from `motion`, which is the first sample, under the load `force`: one value per sample, zero behind the last.
+    /// Steps from `motion`, which is the first sample, under the load `force`, which has one value per sample and is zero after its end.
     ///
     /// # Errors
-    /// [`Error::Length`] when the rows disagree; as [`JointsInMotion::solve`].
+    /// [`Error::Length`] when the rows disagree; errors of [`JointsInMotion::solve`].
     ///
     /// ```
     /// use iwan_core::{
@@ -113,7 +113,7 @@ impl<S: AsRef<[Lanes]> + AsMut<[Lanes]>> CoupledModes<S> {
         self.predict(motion, force, 0);
     }
 
-    /// Begins the step from sample `n`: v̄* with N held, and Δs*.
+    /// Begins the step from sample `n`: computes v̄* with N held constant, and Δs*.
     #[inline]
     fn predict(&self, motion: &mut CoupledMotion<S>, force: &[f64], n: usize) {
         let (p, next) = (force_at(force, n), force_at(force, n + 1));
@@ -137,7 +137,7 @@ impl<S: AsRef<[Lanes]> + AsMut<[Lanes]>> CoupledModes<S> {
         }
     }
 
-    /// Ends the step with the changes ΔN.
+    /// Completes the step with the changes ΔN.
     #[inline]
     fn complete(&self, motion: &mut CoupledMotion<S>) {
         let width = groups(self.modes());

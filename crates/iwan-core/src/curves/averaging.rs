@@ -1,10 +1,10 @@
-//! Free decay of a mode by its curves: da/dt = -ζ(a) ω(a) a and dθ/dt = ω(a) with q = a cos θ.
+//! Free decay of a mode known by curves: da/dt = -ζ(a) ω(a) a and dθ/dt = ω(a) with q = a cos θ.
 
 use super::mode_curves::{CurvePoint, ModeCurves};
 use crate::error::{Error, check};
 use crate::step::{AmplitudePhase, EnergyBalance, Motion, Rates, Samples, SlowMotion};
 
-/// Free decay of a mode by its curves.
+/// Free decay of a mode known by curves, by averaging.
 ///
 /// ```
 /// use iwan_core::{AveragedCurves, CurvePoint, ModeCurves, Motion};
@@ -20,11 +20,11 @@ pub struct AveragedCurves<'a, P> {
     motion: SlowMotion<Borrowed<'a, P>>,
 }
 
-/// Curves that are lent.
+/// Borrowed curves.
 #[derive(Debug)]
 struct Borrowed<'a, P>(&'a ModeCurves<P>);
 
-// Not derived: copies of the points are not needed.
+// Not derived: a derived `Clone` would require that `P` is `Clone`.
 impl<P> Clone for Borrowed<'_, P> {
     fn clone(&self) -> Self {
         *self
@@ -45,7 +45,7 @@ impl<P: AsRef<[CurvePoint]>> Rates for Borrowed<'_, P> {
 }
 
 impl<'a, P: AsRef<[CurvePoint]>> AveragedCurves<'a, P> {
-    /// From the motion `start`, without force.
+    /// The decay that begins with the motion `start`, without force.
     ///
     /// # Errors
     /// [`Error::OutOfRange`] when a value is not finite.
@@ -54,14 +54,14 @@ impl<'a, P: AsRef<[CurvePoint]>> AveragedCurves<'a, P> {
         Ok(Self { motion: SlowMotion::new(Borrowed(curves), omega0, start)? })
     }
 
-    /// Amplitude and phase at the time `t` since the start, not before the last call's.
+    /// Amplitude and phase at the time `t` since the start; `t` must not be earlier than in the last call.
     pub fn at(&mut self, t: f64) -> AmplitudePhase {
         self.motion.at(t)
     }
 
-    /// Energy balance from the start to the time `t`, with the energy ½ ω(a)² a² of an amplitude. `viscous` is what the
-    /// damping took, `friction` what the change of stiffness with amplitude took or gave: with the curves alone nobody
-    /// knows where that energy goes, so the residual is that of the quadrature.
+    /// Energy balance from the start to the time `t`, with the energy ½ ω(a)² a² of a motion of amplitude a. `viscous` is the energy lost
+    /// to the damping, `friction` the energy lost or gained by the change of stiffness with amplitude. The curves alone do not tell where
+    /// that energy goes, so it closes the balance and the residual is 0.
     #[must_use]
     pub fn energy(&self, t: f64) -> EnergyBalance {
         let curves = self.motion.rates.0;
@@ -69,7 +69,7 @@ impl<'a, P: AsRef<[CurvePoint]>> AveragedCurves<'a, P> {
             let omega = curves.at(a).omega;
             0.5 * (omega * a) * (omega * a)
         };
-        // Powers of the damping: of ½ ω² a² at constant ω, and of nothing.
+        // The powers to integrate: that of the damping, with ½ ω² a² at constant ω, and a second one that is not used.
         let powers = |a: f64| {
             let rate = curves.at(a);
             [2.0 * rate.damping_ratio * rate.omega * energy(a), 0.0]
@@ -80,7 +80,7 @@ impl<'a, P: AsRef<[CurvePoint]>> AveragedCurves<'a, P> {
         EnergyBalance { initial, elastic, viscous, friction, scale: initial, ..EnergyBalance::default() }
     }
 
-    /// Writes the samples at 0, dt, 2 dt, …; the joint force as in [`CurveNewmark`](super::CurveNewmark).
+    /// Writes the samples at 0, dt, 2 dt, …; the joint force is defined as in [`CurveNewmark`](super::CurveNewmark).
     ///
     /// # Errors
     /// [`Error::Length`], or [`Error::OutOfRange`] when `dt` is not a finite number > 0.

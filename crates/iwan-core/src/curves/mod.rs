@@ -1,4 +1,4 @@
-//! Curves: a mode known by its frequency and damping ratio against amplitude, without a law that makes them.
+//! Curves: a mode known by its frequency and damping ratio against amplitude, without a joint law behind them.
 
 mod slopes;
 mod mode_curves;

@@ -1,4 +1,4 @@
-//! Frequency and damping ratio against amplitude, as smooth curves through given points.
+//! Frequency and damping ratio of a mode against amplitude, as smooth curves through given points.
 
 use core::f64::consts::PI;
 
@@ -11,11 +11,11 @@ pub struct CurvePoint {
     log_amplitude: f64,
     /// Circular frequency and damping ratio.
     values: [f64; 2],
-    /// Their derivatives with respect to the logarithm of the amplitude.
+    /// Derivatives of the values with respect to the logarithm of the amplitude.
     slopes: [f64; 2],
 }
 
-/// What the curves say at one amplitude.
+/// Frequency and damping at one amplitude.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Rate {
     /// Circular frequency ω, rad/s, undamped.
@@ -24,11 +24,11 @@ pub struct Rate {
     pub damping_ratio: f64,
 }
 
-/// A mode by its curves: monotone cubics (PCHIP) in the logarithm of the amplitude through the points, which keep to the
-/// values between two points and make no extreme of their own.
+/// A mode given by curves through points: monotone cubics (PCHIP) in the logarithm of the amplitude, which stay within the values of
+/// neighbouring points and have no extremum between them.
 ///
-/// Beyond the points the values of the nearest are held; [`range`](Self::range) tells where that begins, and whoever runs
-/// the mode says so. `P` holds the points: a slice lends the caller's memory, an array or vector owns it.
+/// Beyond the points the values of the nearest point are held. [`range`](Self::range) tells where the points end; callers that run the mode
+/// report it when the motion leaves the range. `P` holds the points: a slice lends the caller's memory, an array or vector owns it.
 ///
 /// ```
 /// use iwan_core::{CurvePoint, ModeCurves};
@@ -45,14 +45,15 @@ pub struct ModeCurves<P> {
     points: P,
 }
 
-/// Largest change of the frequency between two points, as a share of the lower one and for each factor e of the
-/// amplitude. The cubic is at most three times as steep as the line between the points; with less than a third the
-/// product a ω(a) therefore rises everywhere, and displacement and velocity have one amplitude. Joints change their
-/// frequency by a tenth of that.
+/// Largest change of the frequency between two points, as a share of the lower frequency and per factor e of the amplitude; a larger change
+/// is refused. The cubic is at most three times as steep as the line between the points. With less than a third, the product a ω(a)
+/// therefore rises everywhere, and a displacement with a velocity has exactly one amplitude. Joints change their frequency by a tenth of
+/// that.
 const STEEPEST: f64 = 1.0 / 3.0;
 
-/// Most rounds in which amplitude and frequency of a state are made to agree: each leaves at most the share |d ln ω/d ln
-/// a| < 1 of the error, for a joint a hundredth of it, so that a few rounds do.
+/// Largest number of rounds in which the amplitude and the frequency of a state are made consistent. Each round leaves at most the share |d
+/// ln ω/d ln a| < 1 of the error, for a joint a hundredth of it, so a few rounds suffice; after the last one the amplitude is used as it
+/// is.
 const MOST_ROUNDS: u32 = 200;
 
 impl<P: AsRef<[CurvePoint]> + AsMut<[CurvePoint]>> ModeCurves<P> {
@@ -127,13 +128,13 @@ impl<P: AsRef<[CurvePoint]>> ModeCurves<P> {
         (libm::exp(points[0].log_amplitude), libm::exp(points[points.len() - 1].log_amplitude))
     }
 
-    /// Highest circular frequency at any amplitude, rad/s: that of a point, as the cubics have no extremes of their own.
+    /// Highest circular frequency at any amplitude, rad/s: that of one of the points, because the cubics have no extremum between points.
     #[must_use]
     pub fn fastest(&self) -> f64 {
         self.points.as_ref().iter().fold(0.0, |most: f64, point| most.max(point.values[0]))
     }
 
-    /// Frequency and damping ratio at the amplitude `a`; beyond the points those of the nearest.
+    /// Frequency and damping ratio at the amplitude `a`; beyond the points, the values of the nearest point.
     #[must_use]
     pub fn at(&self, a: f64) -> Rate {
         let points = self.points.as_ref();
@@ -154,14 +155,14 @@ impl<P: AsRef<[CurvePoint]>> ModeCurves<P> {
         rate([value(0), value(1)])
     }
 
-    /// Amplitude of the analytic signal of a motion: a with a² = q² + (v/ω(a))², the amplitude that a harmonic motion of
-    /// the mode's own frequency has in this state.
+    /// Amplitude a of the analytic signal of a motion, with a² = q² + (v/ω(a))²: the amplitude of the harmonic motion at the mode's own
+    /// frequency that has this displacement and velocity.
     #[must_use]
     pub fn amplitude(&self, q: f64, v: f64) -> f64 {
         self.amplitude_near(q, v, self.points.as_ref()[0].values[0])
     }
 
-    /// The same, the search for the frequency beginning at `omega`.
+    /// The same amplitude, with the search started at the circular frequency `omega`.
     pub(super) fn amplitude_near(&self, q: f64, v: f64, omega: f64) -> f64 {
         let mut amplitude = libm::hypot(q, v / omega);
         for _ in 0..MOST_ROUNDS {

@@ -1,19 +1,19 @@
-//! Time steps of a mode by its curves, under any force.
+//! Time steps of a mode known by curves, under any force.
 //!
-//! q'' + 2 ζ(a) ω(a) q' + ω(a)² q = f(t) with a the amplitude of the analytic signal, a² = q² + (q'/ω(a))². In a free
-//! decay a hardly changes within a cycle, so that the mode has the frequency and the damping ratio of the curves at its
-//! amplitude, to first order in the damping, as in averaging.
+//! q'' + 2 ζ(a) ω(a) q' + ω(a)² q = f(t) with the amplitude a of the analytic signal, a² = q² + (q'/ω(a))². In a free decay a hardly
+//! changes within a cycle. The mode therefore has the frequency and the damping ratio of the curves at its amplitude, to first order in the
+//! damping, as in averaging.
 //!
-//! Each step is one of average acceleration with ω and ζ at the mean of the amplitudes at its two ends, which are made
-//! to agree with the motion; prewarped, it is exact for a constant ω.
+//! Each step is one of average acceleration with ω and ζ at the mean of the amplitudes at its two ends; amplitudes and motion are made
+//! consistent by iteration. The prewarped step is exact for a constant ω.
 
 use super::mode_curves::{CurvePoint, ModeCurves, Rate};
 use crate::error::{Error, check};
 use crate::step::{EnergyBalance, Motion, Samples, force_at};
 
-/// Most rounds in which a step and its mean amplitude are made to agree. Over a step the amplitude changes by the angle
-/// of the step times the damping ratio at most, or by what the force does, and the coefficients by a share of that: three
-/// rounds are the rule.
+/// Largest number of rounds in which a step and its mean amplitude are made consistent; after the last the step is taken as it is. Over a
+/// step the amplitude changes at most by the angle of the step times the damping ratio, or by the effect of the force, and ω and ζ change
+/// by a share of that. Usually three rounds suffice.
 const MOST_ROUNDS: u32 = 50;
 
 /// Time steps of a mode by its curves.
@@ -34,13 +34,13 @@ pub struct CurveNewmark<'a, P> {
     prewarp: bool,
 }
 
-/// Where a run by curves ends.
+/// The end of a run.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct CurvesEnd {
     /// Final displacement and velocity.
     pub motion: Motion,
-    /// Energy balance: `elastic` is ½ ω(a)² q², `viscous` what the damping took, `friction` what the change of stiffness
-    /// with amplitude took or gave.
+    /// Energy balance: `elastic` is ½ ω(a)² q², `viscous` the energy lost to the damping, `friction` the energy lost or gained by the
+    /// change of stiffness with amplitude.
     pub energy: EnergyBalance,
 }
 
@@ -53,8 +53,8 @@ struct Works {
 }
 
 impl<P: AsRef<[CurvePoint]>> ModeCurves<P> {
-    /// One sample of a response: q, q', q'' under the modal force `p`, and the joint force, which is what the mode's own
-    /// force has beyond that of the undamped linear mode at the smallest amplitude: (ω(a)² - ω(0)²) q + 2 ζ(a) ω(a) q'.
+    /// One sample of a response: q, q', q'' under the modal force `p`, and the joint force. The joint force is the mode's own force less
+    /// that of the undamped linear mode at the smallest amplitude: (ω(a)² - ω(0)²) q + 2 ζ(a) ω(a) q'.
     pub(super) fn sample(&self, q: f64, v: f64, amplitude: f64, p: f64) -> [f64; 4] {
         let Rate { omega, damping_ratio } = self.at(amplitude);
         let linear = self.at(0.0).omega;
@@ -65,18 +65,18 @@ impl<P: AsRef<[CurvePoint]>> ModeCurves<P> {
 }
 
 impl<'a, P: AsRef<[CurvePoint]>> CurveNewmark<'a, P> {
-    /// Steps of `dt` (s); with `prewarp` without period error at a constant amplitude.
+    /// Steps of length `dt` (s); with `prewarp` they have no period error at a constant amplitude.
     ///
     /// # Errors
-    /// [`Error::OutOfRange`] unless `dt` is > 0 and, prewarped, below half a period at all amplitudes.
+    /// [`Error::OutOfRange`] unless `dt` is > 0 and, if prewarped, shorter than half a period at all amplitudes.
     pub fn new(curves: &'a ModeCurves<P>, dt: f64, prewarp: bool) -> Result<Self, Error> {
         let fits = !prewarp || curves.fastest() * dt < core::f64::consts::PI;
         check("time step", dt, dt > 0.0 && fits, "must be > 0 and shorter than half a period of the mode")?;
         Ok(Self { curves, dt, prewarp })
     }
 
-    /// Integrates from the motion `start` over the samples; `force` holds one sample per time step, the first at the
-    /// start, and is zero behind its end.
+    /// Integrates over the samples from the motion `start`. `force` holds one value per time step, the first at the start; after its end
+    /// the force is zero.
     ///
     /// # Errors
     /// [`Error::Length`] when the buffers disagree.
@@ -116,7 +116,7 @@ impl<'a, P: AsRef<[CurvePoint]>> CurveNewmark<'a, P> {
         Ok(CurvesEnd { motion: at, energy })
     }
 
-    /// One step from `at`, whose amplitude is known, under a force that goes from `p[0]` to `p[1]`.
+    /// One step from the motion `at` with its `amplitude`, under a force that changes linearly from `p[0]` to `p[1]`.
     fn step(&self, at: Motion, amplitude: f64, p: [f64; 2], works: &mut Works) -> (Motion, f64) {
         let Motion { displacement: q, velocity: v } = at;
         let mut after = amplitude;
@@ -141,7 +141,7 @@ impl<'a, P: AsRef<[CurvePoint]>> CurveNewmark<'a, P> {
         (at, amplitude)
     }
 
-    /// Step in the formulas and factor on the force at the frequency `omega`.
+    /// Time step in the formulas (s) and factor on the force, at the circular frequency `omega`.
     fn warped(&self, omega: f64) -> (f64, f64) {
         let angle = omega * self.dt;
         if !self.prewarp || angle == 0.0 {

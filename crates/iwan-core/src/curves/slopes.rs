@@ -1,15 +1,15 @@
 //! Slopes of a monotone cubic through given points.
 
-/// One secant: how far the next point lies in x, and the slope to it.
+/// One secant between neighbouring points: its width in x, and its slope.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Secant {
     pub(super) width: f64,
     pub(super) slope: f64,
 }
 
-/// Slope at a point between two secants: their weighted harmonic mean, 0 where they have opposite signs, so that the
-/// cubic has no extreme between its points (F. N. Fritsch and J. Butland, A method for constructing local monotone
-/// piecewise cubic interpolants, SIAM J. Sci. Stat. Comput. 5:300, 1984; what PCHIP is in most libraries).
+/// Slope at a point between two secants: their weighted harmonic mean, or 0 where they have opposite signs, so that the cubic has no
+/// extremum between its points (F. N. Fritsch and J. Butland, A method for constructing local monotone piecewise cubic interpolants, SIAM
+/// J. Sci. Stat. Comput. 5:300, 1984; most libraries call this PCHIP).
 pub(super) fn inner(before: Secant, after: Secant) -> f64 {
     if before.slope * after.slope <= 0.0 {
         return 0.0;
@@ -18,8 +18,9 @@ pub(super) fn inner(before: Secant, after: Secant) -> f64 {
     (w + x) / (w / before.slope + x / after.slope)
 }
 
-/// Slope at the end of the `first` secant behind which `second` follows: that of the parabola through the three points,
-/// within 0 and three times the first slope (C. Moler, Numerical Computing with MATLAB, 2004, Sec. 3.6).
+/// Slope at an end point: that of the parabola through the end point and the next two, limited to between 0 and three times the first
+/// secant's slope (C. Moler, Numerical Computing with MATLAB, 2004, Sec. 3.6). `first` is the secant at the end point, `second` the one
+/// next to it.
 pub(super) fn end(first: Secant, second: Option<Secant>) -> f64 {
     let Some(second) = second else { return first.slope };
     let (h, g) = (first.width, second.width);
@@ -33,7 +34,7 @@ pub(super) fn end(first: Secant, second: Option<Secant>) -> f64 {
     }
 }
 
-/// The cubic of given ends and slopes on 0 <= s <= 1, the slopes times the width.
+/// The cubic on 0 <= s <= 1 with given values and slopes at both ends; the slopes are multiplied by the width.
 pub(super) fn hermite(s: f64, [a, da]: [f64; 2], [b, db]: [f64; 2]) -> f64 {
     let r = 1.0 - s;
     r * r * ((1.0 + 2.0 * s) * a + s * da) + s * s * ((1.0 + 2.0 * r) * b - r * db)

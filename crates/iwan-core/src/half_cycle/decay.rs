@@ -10,8 +10,8 @@ use crate::step::{EnergyBalance, JointEnergy, Motion, Oscillator, Samples, Works
 
 /// Free decay of a mode under a constant force: the half-cycle energy map.
 ///
-/// Exact but for the quadrature in the phase (12 nodes a half cycle). A start in mid-motion, and half cycles
-/// that close older loops, are integrated by an adaptive Runge-Kutta method up to the next reversal.
+/// The map is exact except for the quadrature over the phase (12 nodes a half cycle). Where the motion starts between turning points, and
+/// in half cycles that close older loops, an adaptive Runge-Kutta method integrates up to the next reversal.
 ///
 /// ```
 /// use iwan_core::{Backbone, Decay, FourParameter, Motion, Oscillator, ResidualStiffness, Reversal};
@@ -33,17 +33,17 @@ pub struct Decay<'a, B, S> {
     oscillator: Oscillator,
     joint: Continuum<&'a B>,
     memory: Reversals<S>,
-    /// Time, displacement and velocity up to which the memory stands.
+    /// Time, displacement and velocity that correspond to `memory`.
     now: Moment,
-    /// The latest half cycle of the map, and whether it is under way from `now`.
+    /// The latest half cycle of the map, and whether it starts at `now` and is not finished.
     half: HalfCycle,
     under_way: bool,
-    /// The clock of the half cycle under way, once asked for.
+    /// The clock of the unfinished half cycle, made when a time within it is asked for.
     clock: Option<PhaseClock>,
-    /// The motion at the start, and the energy that the joint's springs stored there.
+    /// The motion at the start, and the energy stored in the joint's springs at the start.
     start: Motion,
     stored: f64,
-    /// Works of the constant force, on the damper and on the joint since then.
+    /// Works since the start: of the constant force, on the damper and on the joint.
     works: Works,
 }
 
@@ -52,14 +52,14 @@ pub struct Decay<'a, B, S> {
 pub struct TurningPoint {
     /// Time since the start, s.
     pub time: f64,
-    /// Displacement there.
+    /// Displacement at the reversal.
     pub displacement: f64,
-    /// Joint force there.
+    /// Joint force at the reversal.
     pub joint_force: f64,
 }
 
-/// A point on the way of a half cycle and its share of time: Σ `weight` f is ∫ f dt over the half cycle, exact for
-/// smooth f as the map itself.
+/// A quadrature node of a half cycle with its weight in time: Σ `weight` f is ∫ f dt over the half cycle, for smooth f as exact as the map
+/// itself.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct PathNode {
     /// Time since the start, s.
@@ -68,14 +68,13 @@ pub struct PathNode {
     pub displacement: f64,
     /// Velocity.
     pub velocity: f64,
-    /// Weight in time, s.
+    /// Quadrature weight of the node, s.
     pub weight: f64,
 }
 
 impl<'a, B: Backbone, S: AsRef<[Reversal]> + AsMut<[Reversal]>> Decay<'a, B, S> {
-    /// From the virgin joint, loaded along its curve up to the displacement of `start` and released with its
-    /// velocity; `load` is a constant force. `stack` has room for the reversals: one per half cycle, at least
-    /// three.
+    /// A decay that starts from a virgin joint, loaded along its virgin curve up to the displacement of `start` and released with the
+    /// velocity of `start`; `load` is a constant force. `stack` provides room for reversals, one per half cycle and at least three.
     ///
     /// # Errors
     /// [`Error::Length`]; [`Error::OutOfRange`] when K_∞ <= 0 or a value is not finite.
@@ -92,7 +91,8 @@ impl<'a, B: Backbone, S: AsRef<[Reversal]> + AsMut<[Reversal]>> Decay<'a, B, S> 
         Self::from_memory(oscillator, law, load, memory, start.velocity)
     }
 
-    /// As [`new`](Self::new) without a load, by tables of the mode that several decays share; tables of another mode are not used.
+    /// Does what [`new`](Self::new) does without a load, with tables of the mode that several decays share. Tables of another mode are
+    /// ignored.
     ///
     /// ```
     /// use iwan_core::{
@@ -112,7 +112,7 @@ impl<'a, B: Backbone, S: AsRef<[Reversal]> + AsMut<[Reversal]>> Decay<'a, B, S> 
     /// ```
     ///
     /// # Errors
-    /// As [`new`](Self::new).
+    /// The errors of [`new`](Self::new).
     pub fn with_tables(
         oscillator: &Oscillator,
         law: &'a B,
@@ -126,7 +126,7 @@ impl<'a, B: Backbone, S: AsRef<[Reversal]> + AsMut<[Reversal]>> Decay<'a, B, S> 
         Self::with_map(Map::new(oscillator, law, 0.0, Some(tables))?, *oscillator, memory, start.velocity)
     }
 
-    /// From a state that time stepping has reached: `memory` and `velocity`.
+    /// A decay that continues from a state reached by time stepping, given by `memory` and `velocity`.
     ///
     /// # Errors
     /// [`Error::OutOfRange`] when K_∞ <= 0 or a value is not finite.
@@ -141,8 +141,8 @@ impl<'a, B: Backbone, S: AsRef<[Reversal]> + AsMut<[Reversal]>> Decay<'a, B, S> 
         Self::with_map(Map::new(oscillator, law, load, None)?, *oscillator, memory, velocity)
     }
 
-    /// Ends this decay, and begins another of the same mode under the same load as [`new`](Self::new) does: the tables of
-    /// the map and the stack are used again.
+    /// Ends this decay and begins another one of the same mode under the same load, as [`new`](Self::new) does; the tables of the map and
+    /// the stack are reused.
     ///
     /// ```
     /// use iwan_core::{Backbone, Decay, FourParameter, Motion, Oscillator, ResidualStiffness, Reversal};
@@ -191,12 +191,12 @@ impl<'a, B: Backbone, S: AsRef<[Reversal]> + AsMut<[Reversal]>> Decay<'a, B, S> 
         Ok(decay)
     }
 
-    /// The joint's memory as it stands at the last turning point.
+    /// The joint's memory at the last turning point.
     pub fn memory(&self) -> &Reversals<S> {
         &self.memory
     }
 
-    /// At rest: makes the memory point the way the mass will move.
+    /// For a start at rest: turns the memory towards the direction in which the mass will move.
     fn turn_towards_equilibrium(&mut self) {
         let pull = self.acceleration(&self.memory.branch(), self.now.q, 0.0);
         if pull * self.memory.direction() < 0.0 {
@@ -205,7 +205,7 @@ impl<'a, B: Backbone, S: AsRef<[Reversal]> + AsMut<[Reversal]>> Decay<'a, B, S> 
         self.set_out();
     }
 
-    /// Begins the half cycle from a reversal, if the map covers it.
+    /// Begins the half cycle that starts at a reversal, if the map covers it.
     #[inline]
     fn set_out(&mut self) {
         let branch = self.memory.branch_ref();
@@ -218,7 +218,7 @@ impl<'a, B: Backbone, S: AsRef<[Reversal]> + AsMut<[Reversal]>> Decay<'a, B, S> 
         self.map.load - self.map.viscous * v - self.map.k_inf * q - force
     }
 
-    /// Moves to the next turning point; none when the mass has come to rest or creeps towards it.
+    /// Moves to the next turning point; none if the mass is at rest or creeps towards rest.
     #[expect(
         clippy::should_implement_trait,
         reason = "an iterator would hide that the decay goes on behind it"
@@ -233,9 +233,9 @@ impl<'a, B: Backbone, S: AsRef<[Reversal]> + AsMut<[Reversal]>> Decay<'a, B, S> 
         Some(TurningPoint { time, displacement, joint_force: self.joint.joint_force(&self.memory) })
     }
 
-    /// As [`next`](Self::next), and hands over the nodes of the half cycle on the way, in the order of time: for
-    /// integrals over the motion that need no uniform samples. None as well where the map does not cover the half
-    /// cycle (a start in mid-motion, an older loop that closes).
+    /// Does what [`next`](Self::next) does and passes the nodes of the half cycle to `visit`, in the order of time, for integrals over the
+    /// motion that need no uniform samples. Returns none also where the map does not cover the half cycle (a start between turning points,
+    /// or an older loop that closes).
     ///
     /// ```
     /// use iwan_core::{Decay, FourParameter, Motion, Oscillator, ResidualStiffness, Reversal};
@@ -263,7 +263,7 @@ impl<'a, B: Backbone, S: AsRef<[Reversal]> + AsMut<[Reversal]>> Decay<'a, B, S> 
         self.next()
     }
 
-    /// Completes the half cycle of the map and sets out on the next.
+    /// Completes the half cycle of the map and begins the next.
     #[inline]
     fn finish(&mut self) {
         let half = &self.half;
@@ -282,7 +282,7 @@ impl<'a, B: Backbone, S: AsRef<[Reversal]> + AsMut<[Reversal]>> Decay<'a, B, S> 
         self.set_out();
     }
 
-    /// The motion at the time `t`, which must not lie before the last call's.
+    /// The motion at the time `t`; `t` must not be earlier than in the last call.
     fn motion_at(&mut self, t: f64) -> Motion {
         loop {
             if self.under_way {
@@ -298,7 +298,7 @@ impl<'a, B: Backbone, S: AsRef<[Reversal]> + AsMut<[Reversal]>> Decay<'a, B, S> 
         }
     }
 
-    /// Writes the samples at 0, dt, 2 dt, … from the start; call it once, on a fresh decay.
+    /// Writes the samples at 0, dt, 2 dt, … from the start. Call it once, on a new decay.
     ///
     /// # Errors
     /// [`Error::Length`], or [`Error::OutOfRange`] when `dt` is not a finite number > 0.
@@ -306,7 +306,7 @@ impl<'a, B: Backbone, S: AsRef<[Reversal]> + AsMut<[Reversal]>> Decay<'a, B, S> 
         self.sample_from(0.0, dt, out)
     }
 
-    /// As [`sample`](Self::sample), at `first`, `first` + dt, … seconds after the start.
+    /// Does what [`sample`](Self::sample) does at `first`, `first` + dt, … seconds after the start.
     ///
     /// # Errors
     /// As [`sample`](Self::sample); [`Error::OutOfRange`] when `first` is not a finite number >= 0.
@@ -333,35 +333,35 @@ impl<'a, B: Backbone, S: AsRef<[Reversal]> + AsMut<[Reversal]>> Decay<'a, B, S> 
     }
 }
 
-/// Most rounds in the search for a turning point or the end of a loop. Newton's method takes a few; where rounding
-/// of the motion hides the zero, the bracket is halved to the end, which is 1e-18 of the step.
+/// Largest number of rounds in the search for a turning point or for the end of a loop. Newton's method takes a few. Where rounding of the
+/// motion hides the zero, the bracket is halved until the limit is reached; it is then 1e-18 of the step.
 const MOST_BISECTIONS: u32 = 60;
 
-/// Longest Runge-Kutta step, rad of the mode at small amplitude; the tolerance mostly asks for less. From 0.02 to
-/// 0.2 neither the number of steps nor the error changes by much. It is what [`MOST_STEPS`] counts.
+/// Longest Runge-Kutta step, rad of the mode at small amplitude; the tolerance usually asks for shorter ones. From 0.02 to 0.2 neither the
+/// number of steps nor the error changes by much. [`MOST_STEPS`] counts steps of this length.
 const LONGEST_ANGLE: f64 = 0.05;
 
-/// Shortest step that the tolerance may ask for, over the longest: where rounding of the acceleration hides the
-/// error, steps would shrink for ever. Anything from 1e-8 to 1e-2 does.
+/// Shortest step that the tolerance may ask for, relative to the longest. Where rounding of the acceleration hides the error, steps would
+/// otherwise shrink without end; a step of this length is always accepted. Any value from 1e-8 to 1e-2 does.
 const SHORTEST: f64 = 1e-6;
 
-/// A function of the motion whose zero is sought, and its rate of change.
+/// A function of the motion whose zero is sought, and its rate of change in time.
 struct Crossing {
     value: f64,
     rate: f64,
 }
 
-/// Steps after which a motion without reversal is called creeping, and the decay ends: at [`LONGEST_ANGLE`] 50,000
-/// rad, 8,000 periods of the mode.
+/// Number of steps after which a motion without reversal counts as creeping, and the decay ends. At [`LONGEST_ANGLE`] they are 50,000 rad,
+/// 8,000 periods of the mode.
 const MOST_STEPS: u32 = 1_000_000;
 
-/// Relative error of the velocity per Runge-Kutta step. The first turning point then stands to 2e-12 in macro-slip
-/// and to 1e-14 in micro-slip; a decade more costs a digit and saves a third of the steps.
+/// Allowed relative error of the velocity per Runge-Kutta step. With it the first turning point is exact to 2e-12 in macro-slip and to
+/// 1e-14 in micro-slip; ten times the tolerance loses a digit and saves a third of the steps.
 const STEP_TOLERANCE: f64 = 1e-13;
 
-/// Mid-motion: adaptive integration on the branch, loop by loop.
+/// Motion between turning points where the map does not apply: adaptive integration on the branch, loop by loop.
 impl<B: Backbone, S: AsRef<[Reversal]> + AsMut<[Reversal]>> Decay<'_, B, S> {
-    /// Integrates up to the time `until` (false) or the next reversal (true); false as well at rest.
+    /// Integrates up to the time `until` (returns false) or to the next reversal (returns true); returns false also at rest.
     fn march(&mut self, until: f64) -> bool {
         let longest = LONGEST_ANGLE / libm::sqrt(self.map.k_inf + self.map.law.initial_stiffness());
         let mut h = longest;
@@ -416,7 +416,7 @@ impl<B: Backbone, S: AsRef<[Reversal]> + AsMut<[Reversal]>> Decay<'_, B, S> {
         false
     }
 
-    /// Takes over the end of a step, with the works by Simpson's rule on its midpoint.
+    /// Accepts the end of a step and adds the works, by Simpson's rule on the step's midpoint.
     fn accept(&mut self, branch: &Branch, next: Moment) {
         let middle = self.step(branch, 0.5 * (next.time - self.now.time)).end;
         let power = |v: f64| v * v * self.map.viscous;
@@ -428,8 +428,8 @@ impl<B: Backbone, S: AsRef<[Reversal]> + AsMut<[Reversal]>> Decay<'_, B, S> {
         self.now = next;
     }
 
-    /// The moment within a step of length `h` at which a function of the motion crosses zero, by Newton's method on
-    /// steps from the present state; a bracket catches what it would throw out.
+    /// The moment within a step of length `h` at which a function of the motion crosses zero, by Newton's method on steps from the present
+    /// state; a round that would leave the bracket bisects it instead.
     fn locate(&self, branch: &Branch, h: f64, f: impl Fn(&Moment) -> Crossing) -> Moment {
         let (mut low, mut high, mut at) = (0.0, h, h);
         let sign = f(&self.step(branch, h).end).value;
@@ -450,7 +450,7 @@ impl<B: Backbone, S: AsRef<[Reversal]> + AsMut<[Reversal]>> Decay<'_, B, S> {
         self.step(branch, at).end
     }
 
-    /// One step of length `h` from the present state, on the branch that holds there.
+    /// One Runge-Kutta step of length `h` (s) from the present state, on the present branch.
     fn step(&self, branch: &Branch, h: f64) -> Step {
         dormand_prince::step(self.now, h, |q, v| self.acceleration(branch, q, v))
     }

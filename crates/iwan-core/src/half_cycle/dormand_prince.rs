@@ -1,6 +1,6 @@
-//! One step of Dormand and Prince's Runge-Kutta pair, for motion that no half cycle covers.
+//! One step of the Runge-Kutta pair of Dormand and Prince, for motion that the half-cycle map does not cover.
 
-/// A state of motion.
+/// A state of motion: time (s), displacement and velocity.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Moment {
     pub(super) time: f64,
@@ -8,13 +8,13 @@ pub(super) struct Moment {
     pub(super) v: f64,
 }
 
-/// A step: where it ends, and the difference of the pair's two velocities there, without sign.
+/// Result of one step: its end, and the absolute difference of the pair's two velocities at the end.
 pub(super) struct Step {
     pub(super) end: Moment,
     pub(super) error: f64,
 }
 
-/// The lower triangle of the tableau; its last row is the solution of order 5 as well.
+/// The lower triangle of the tableau; its last row also holds the weights of the solution of order 5.
 const A: [&[f64]; 6] = [
     &[1.0 / 5.0],
     &[3.0 / 40.0, 9.0 / 40.0],
@@ -24,7 +24,7 @@ const A: [&[f64]; 6] = [
     &[35.0 / 384.0, 0.0, 500.0 / 1113.0, 125.0 / 192.0, -2187.0 / 6784.0, 11.0 / 84.0],
 ];
 
-/// Weights of order 5 less those of order 4.
+/// Weights of order 5 minus those of order 4.
 const ERROR: [f64; 7] =
     [71.0 / 57600.0, 0.0, -71.0 / 16695.0, 71.0 / 1920.0, -17253.0 / 339_200.0, 22.0 / 525.0, -1.0 / 40.0];
 

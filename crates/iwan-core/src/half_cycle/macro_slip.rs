@@ -1,20 +1,19 @@
 //! Half cycles through macro-slip under a power law.
 //!
-//! Beyond φ_max the force stays at F_S, and of what the mass has gained, P(y) = s y - ½ K_∞ y² - 4 G(y/2), only the
-//! part below y = 2 φ_max knows the power law: for a travel L beyond that, P(L) = W with the damping W/L² is a
-//! quadratic equation, and the phase needs powers at the nodes of its first panel alone.
+//! Beyond φ_max the force stays at F_S. So only the part of the gained energy P(y) = s y - ½ K_∞ y² - 4 G(y/2) below y = 2 φ_max depends on
+//! the power law. For a travel L beyond 2 φ_max, P(L) = W with the damping W/L² is a quadratic equation, and the phase needs powers only at
+//! the nodes of its first panel.
 
 use core::array::from_fn;
 
 use super::phase::{MOST_PASSES, NODES, Node, PANELS, Phase, Share};
 use crate::law::{Backbone, PowerLaw};
 
-/// Relative change of the travel at which the passes over the damping end: after three at ζ_v = 1 %, after four at
-/// 10 %, where turning points then stand to 5e-12. 1e-8 would save two and leave 1e-8.
+/// Relative change of the travel at which the passes over the damping end: after three passes at ζ_v = 1 %, after four at 10 %; turning
+/// points are then exact to 5e-12. A value of 1e-8 would save two passes and leave errors of 1e-8.
 const TRAVEL_TOLERANCE: f64 = 1e-12;
-/// Relative change of a share up to which its power follows from the one before by three terms of the series, which
-/// leave out less than 1e-4^4 = 1e-16. It spares powers in the later passes; from 0 to 1e-2 turning points agree to
-/// rounding.
+/// Largest relative change of a share for which its power is updated by three terms of a series, which leave out less than 1e-4^4 = 1e-16,
+/// instead of being computed anew. This saves powers in the later passes; with any value from 0 to 1e-2 turning points agree to rounding.
 const NEAR: f64 = 1e-4;
 
 /// The macro-slip half cycles of a mode.
@@ -29,22 +28,22 @@ pub(crate) struct MacroSlip {
     energy: f64,
     /// ½ K_T φ_max.
     half_force: f64,
-    /// Part of that work which softening takes, over φ_max.
+    /// Part of `energy` that is lost to softening, over φ_max.
     softening: f64,
     /// p = χ + 2.
     exponent: f64,
 }
 
-/// A half cycle found.
+/// A half cycle in macro-slip, as the solver finds it.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Slip {
     pub(crate) length: f64,
-    /// W/L².
+    /// Work of the damper over the square of the travel, W/L².
     pub(crate) damping: f64,
     pub(crate) phase: Phase,
 }
 
-/// Powers of the shares below φ_max, as they were computed last.
+/// The powers at the shares below φ_max, as last computed.
 struct Powers {
     exponent: f64,
     shares: [f64; NODES],
@@ -52,7 +51,7 @@ struct Powers {
 }
 
 impl MacroSlip {
-    /// None when the force goes on rising beyond the power law.
+    /// The solver for a mode; none if the force still rises beyond the limit of the power law.
     pub(crate) fn new<B: Backbone>(k_inf: f64, viscous: f64, law: &B, power: &PowerLaw) -> Option<Self> {
         let (limit, p) = (power.limit, power.exponent);
         let softening = power.coefficient * libm::pow(limit, p) / (p + 1.0);
@@ -70,7 +69,8 @@ impl MacroSlip {
         })
     }
 
-    /// The half cycle under `pull`, sought from a guess of its damping W/L²; none short of macro-slip.
+    /// The half cycle under `pull`, with the search started from a guess of its damping W/L²; none if the half cycle does not reach
+    /// macro-slip.
     pub(crate) fn half_cycle(&self, pull: f64, guess: f64) -> Option<Slip> {
         let mut slip =
             Slip { length: self.travel(pull, guess)?, damping: guess, phase: Phase::single([0.0; NODES]) };
@@ -96,7 +96,7 @@ impl MacroSlip {
         Some(slip)
     }
 
-    /// L with P(L) = damping·L², if it is beyond 2 φ_max:
+    /// Travel L with P(L) = damping·L²; none unless it exceeds 2 φ_max. The equation is
     /// (½ K_∞ + damping) L² - (s - 2 F_S) L - 4 (F_S φ_max - G(φ_max)) = 0.
     fn travel(&self, pull: f64, damping: f64) -> Option<f64> {
         let (a, b) = (0.5 * self.k_inf + damping, pull - 2.0 * self.slip_force);
@@ -132,7 +132,7 @@ impl MacroSlip {
 }
 
 impl Powers {
-    /// x^p at shares that are where they were before, or nearly.
+    /// x^p at the shares, from the stored powers if no share has changed by more than [`NEAR`].
     fn at(&mut self, shares: &[f64; NODES]) -> [f64; NODES] {
         let p = self.exponent;
         let moved: [f64; NODES] = from_fn(|i| (shares[i] - self.shares[i]) / self.shares[i]);

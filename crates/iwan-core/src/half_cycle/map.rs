@@ -1,15 +1,15 @@
-//! From one turning point to the next, without time steps.
+//! The half-cycle map: from one turning point to the next, without time steps.
 //!
-//! Between two reversals the force depends on displacement alone: at the distance y from the reversal
-//! (q_a, F_a), moving in direction d, Masing's rule gives F = F_a + 2 d F_virgin(y/2), so the mass has gained
+//! Between two reversals the force depends on the displacement alone. At the distance y from the reversal (q_a, F_a), in a motion in
+//! direction d, Masing's rule gives F = F_a + 2 d F_virgin(y/2), so the mass has gained the energy
 //!
 //! P(y) = s y - ½ K_∞ y² - 4 G(y/2),   s = d (f - K_∞ q_a - F_a),
 //!
-//! with G the work on the virgin curve and f a constant force. The next turning point is the root L of
-//! P(L) = W, W the work of the viscous damper. With y = ½L (1 - cos θ) the speed is ½L sin θ · Ω(θ) and Ω is
-//! a smooth function of the phase θ, near the circular frequency: the duration ∫dθ/Ω and
-//! W = c (L/2)² ∫Ω sin²θ dθ from 0 to π are Gauss-Legendre sums over a few nodes. With viscous damping
-//! Ω² itself has a term in ∫Ω sin², found by fixed-point passes that gain a factor of about ζ_v each.
+//! with G the work on the virgin curve and f a constant force. The next turning point is the root L of P(L) = W, where W is the work of the
+//! viscous damper. With y = ½L (1 - cos θ) the speed is ½L sin θ · Ω(θ), and Ω is a smooth function of the phase θ, close to the circular
+//! frequency. The duration ∫dθ/Ω and W = c (L/2)² ∫Ω sin²θ dθ, both from 0 to π, are Gauss-Legendre sums over a few nodes. With viscous
+//! damping Ω² itself contains a term in ∫Ω sin², which is found by fixed-point passes; each pass reduces the error by a factor of about
+//! ζ_v.
 
 use core::f64::consts::PI;
 
@@ -21,7 +21,7 @@ use crate::law::{Backbone, PowerLaw};
 use crate::memory::Branch;
 use crate::step::{Motion, Oscillator};
 
-/// What the half cycles of a mode are found from, tabled once: for decays of one mode that begin one after the other
+/// Tables from which the half cycles of a mode are found. They are made once and can be shared by several decays of the mode
 /// ([`Decay::with_tables`](super::Decay::with_tables)).
 #[derive(Debug, Clone, Copy)]
 pub struct HalfCycleTables {
@@ -30,7 +30,7 @@ pub struct HalfCycleTables {
     whole: Option<MacroSlip>,
 }
 
-/// All that the tables depend on.
+/// All quantities on which the tables depend.
 #[derive(Debug, Clone, Copy, PartialEq)]
 struct TablesOf {
     k_inf: f64,
@@ -49,7 +49,7 @@ impl TablesOf {
 }
 
 impl HalfCycleTables {
-    /// Of a mode.
+    /// The tables of a mode.
     pub fn new<B: Backbone>(oscillator: &Oscillator, law: &B) -> Self {
         Self::of(TablesOf::new(oscillator, law), law)
     }
@@ -65,7 +65,7 @@ impl HalfCycleTables {
 /// One half cycle from reversal to reversal.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct HalfCycle {
-    /// Displacement at its start, and direction of motion ±1.
+    /// Displacement at the start of the half cycle, and direction of motion ±1.
     start: f64,
     direction: f64,
     /// Travel L.
@@ -76,16 +76,16 @@ pub(crate) struct HalfCycle {
     pub(crate) joint: f64,
     /// Duration, s.
     pub(crate) duration: f64,
-    /// Joint force at its end.
+    /// Joint force at the end of the half cycle.
     pub(crate) force: f64,
-    /// In micro-slip under a power law: what the next half cycle starts from.
+    /// For micro-slip under a power law: the data from which the next half cycle follows.
     micro: Travel,
-    /// Ω, where it is not the micro-slip's.
+    /// Ω over the half cycle, unless the half cycle is one of micro-slip under a power law.
     phase: Phase,
 }
 
 impl HalfCycle {
-    /// No half cycle yet.
+    /// Placeholder for the absence of a half cycle.
     pub(crate) const NONE: Self = Self {
         start: 0.0,
         direction: 1.0,
@@ -98,43 +98,43 @@ impl HalfCycle {
         phase: Phase::single([0.0; NODES]),
     };
 
-    /// Displacement at its end.
+    /// Displacement at the end of the half cycle.
     #[inline]
     pub(crate) fn end(&self) -> f64 {
         self.start + self.direction * self.length
     }
 
-    /// Whether it stayed in micro-slip under a power law.
+    /// Whether the half cycle stayed in micro-slip under a power law.
     #[inline]
     pub(crate) fn is_micro_slip(&self) -> bool {
         self.micro.is_some()
     }
 
-    /// The motion at the time `t` after its start; `clock` is its own.
+    /// The motion at the time `t` after the start of the half cycle; `clock` must belong to this half cycle.
     pub(crate) fn at(&self, clock: &PhaseClock, t: f64) -> Motion {
         let Reading { value: theta, omega } = clock.at(t);
         let (s, c) = libm::sincos(0.5 * theta);
         self.motion(s * s, s * c * omega)
     }
 
-    /// The motion where the share of the travel and the speed over the travel are these.
+    /// The motion at the point given by the share y/L of the travel and by the speed over the travel y'/L.
     pub(crate) fn motion(&self, share: f64, speed: f64) -> Motion {
         let travel = self.direction * self.length;
         Motion { displacement: self.start + travel * share, velocity: travel * speed }
     }
 }
 
-/// A half cycle as its solver finds it.
+/// A half cycle as one of the solvers finds it.
 struct Found {
     length: f64,
-    /// W/L².
+    /// Work of the damper over the square of the travel, W/L².
     damping: f64,
-    /// Joint force at its end.
+    /// Joint force at the end of the half cycle.
     force: f64,
     phase: Phase,
 }
 
-/// Ω over a half cycle of a given travel, and ∫Ω sin²θ dθ.
+/// Ω over a half cycle of given travel, and ∫Ω sin²θ dθ.
 struct Settled {
     phase: Phase,
     work: f64,
@@ -158,10 +158,10 @@ pub(crate) struct Map<'a, B> {
 }
 
 impl<'a, B: Backbone> Map<'a, B> {
-    /// By tables of the mode, where these are known; tables of another mode are made anew.
+    /// The map of a mode. `known` tables are used if they belong to this mode; otherwise tables are made.
     ///
     /// # Errors
-    /// [`Error::OutOfRange`] unless K_∞ > 0: without it the mass need not turn round.
+    /// [`Error::OutOfRange`] unless K_∞ > 0: with K_∞ <= 0 the mass may never turn round.
     pub(crate) fn new(
         oscillator: &Oscillator,
         law: &'a B,
@@ -181,10 +181,10 @@ impl<'a, B: Backbone> Map<'a, B> {
         Ok(Self { law, k_inf, viscous: of.viscous, load, micro, whole })
     }
 
-    /// Turns `half`, the half cycle before, into the one that leaves the reversal at which `branch` starts; false
-    /// when the mass rests in equilibrium or the half cycle would close the loop around it (the caller then steps).
+    /// Replaces `half`, the half cycle before, by the one that begins at the start of `branch`. Returns false if the mass rests in
+    /// equilibrium or the half cycle would close the loop around it; the caller then integrates in steps.
     ///
-    /// It is changed in place: a copy would have to wait until what was just written to it has reached memory.
+    /// `half` is changed in place because a copy would have to wait until the last writes have reached memory.
     #[inline]
     pub(crate) fn half_cycle(&self, branch: &Branch, half: &mut HalfCycle) -> bool {
         let pull = branch.direction * (self.load - self.k_inf * branch.start.u - branch.start.force);
@@ -198,8 +198,8 @@ impl<'a, B: Backbone> Map<'a, B> {
             return false;
         }
         (half.start, half.direction) = (branch.start.u, branch.direction);
-        // A loop may close in macro-slip: there the force is F_S on both branches. The margin is rounding of the
-        // distance, a difference of displacements that are many times larger far beyond φ_max.
+        // A loop may close in macro-slip, where the force is F_S on both branches. The margin is the rounding of the distance, which far
+        // beyond φ_max is a difference of much larger displacements.
         let reaches = || {
             let rounding = 4.0 * f64::EPSILON * (libm::fabs(branch.start.u) + libm::fabs(branch.end));
             branch.virgin_distance(branch.end) + rounding >= self.law.strengths().1
@@ -221,7 +221,7 @@ impl<'a, B: Backbone> Map<'a, B> {
         true
     }
 
-    /// Works of the damper and on the joint: P(L) = W leaves the latter from the pull and the residual spring.
+    /// Works of the damper and on the joint. The work on the joint follows from P(L) = W, the pull and the residual spring.
     #[inline]
     fn works(&self, branch: &Branch, pull: f64, length: f64, damping: f64) -> HalfCycleWorks {
         let viscous = damping * length * length;
@@ -233,8 +233,8 @@ impl<'a, B: Backbone> Map<'a, B> {
     #[cold]
     fn macro_slip(&self, branch: &Branch, pull: f64, half: &mut HalfCycle) -> bool {
         let Some(whole) = &self.whole else { return false };
-        // The half cycle before tells the damping W/L² nearly. Without one the linear mode does: ¼ c ω ∫sin²θ dθ =
-        // π c ω/8.
+        // The half cycle before gives a good guess of the damping W/L². Without one the linear mode gives the guess: ¼ c ω ∫sin²θ dθ = π c
+        // ω/8.
         let guess = if half.length > 0.0 {
             half.viscous / (half.length * half.length)
         } else {
@@ -245,11 +245,10 @@ impl<'a, B: Backbone> Map<'a, B> {
         self.found(branch, pull, half, Found { length, damping, force, phase })
     }
 
-    /// A half cycle under any law at any amplitude, with passes over the travel because the damper's work depends
-    /// on it.
+    /// A half cycle under any law at any amplitude. The damper's work depends on the travel, so passes over both are made.
     #[cold]
     fn any_slip(&self, branch: &Branch, pull: f64, half: &mut HalfCycle) -> bool {
-        // G >= 0, so P < 0 here, and P is concave: Newton's method comes down monotonically.
+        // Since G >= 0, P < 0 at this start value, and P is concave: Newton's method descends monotonically to the root.
         let mut length = 2.0 * pull / self.k_inf;
         let (mut damping, mut duration) = (0.0, 0.0);
         let mut phase = HalfCycle::NONE.phase;
@@ -268,7 +267,7 @@ impl<'a, B: Backbone> Map<'a, B> {
         self.found(branch, pull, half, Found { length, damping, force, phase })
     }
 
-    /// Notes a half cycle down; false when it has no duration.
+    /// Stores a half cycle; returns false if it has no valid duration.
     fn found(
         &self,
         branch: &Branch,
@@ -282,10 +281,10 @@ impl<'a, B: Backbone> Map<'a, B> {
         duration > 0.0 && duration.is_finite()
     }
 
-    /// L with P(L) = damping·L², by Newton's method from `guess`.
+    /// Travel L with P(L) = damping·L², by Newton's method from `guess`.
     fn root(&self, pull: f64, damping: f64, guess: f64) -> Option<f64> {
-        /// Most rounds; a handful is the rule. Where they run out the last length stands, and the caller's passes
-        /// go on from it.
+        /// Largest number of rounds; usually a handful suffices. When it is reached, the last length is used, and the caller's passes
+        /// continue from it.
         const MOST: u32 = 100;
         let k = self.k_inf + 2.0 * damping;
         let mut length = guess;
@@ -295,7 +294,7 @@ impl<'a, B: Backbone> Map<'a, B> {
             let slope = pull - k * length - 2.0 * self.law.force(half);
             let step = -gained / slope;
             length += step;
-            // The iteration comes from the right, so a step to the right is rounding.
+            // The iteration approaches from the right, so a step to the right can only be rounding.
             if libm::fabs(step) <= 4.0 * f64::EPSILON * length || (round > 0 && step >= 0.0) {
                 break;
             }
@@ -303,7 +302,7 @@ impl<'a, B: Backbone> Map<'a, B> {
         (length > 0.0).then_some(length)
     }
 
-    /// The clock of a half cycle, for dense output.
+    /// The clock of a half cycle (phase as a function of time), for output within the half cycle.
     pub(crate) fn clock(&self, half: &HalfCycle) -> PhaseClock {
         self.phase(half).clock()
     }
@@ -316,8 +315,8 @@ impl<'a, B: Backbone> Map<'a, B> {
         }
     }
 
-    /// Ω and ∫Ω sin² for the travel L, the phase cut where the weakest and the strongest slider break
-    /// loose; the damper's work up to each node by fixed-point passes.
+    /// Ω and ∫Ω sin² for the travel L, with the phase cut where the weakest and the strongest slider break loose. The damper's work up to
+    /// each node is found by fixed-point passes.
     fn passes(&self, length: f64) -> Settled {
         let (weakest, strongest) = self.law.strengths();
         let cut = |phi: f64| 2.0 * libm::asin(libm::sqrt((2.0 * phi / length).min(1.0)));
@@ -333,8 +332,7 @@ impl<'a, B: Backbone> Map<'a, B> {
         Settled { phase, work }
     }
 
-    /// P(y) - (y/L) P(L) at a share x = y/L of the travel. The pull drops out of the difference, so its digits are
-    /// not lost in it.
+    /// P(y) - (y/L) P(L) at a share x = y/L of the travel. The pull cancels analytically, so that the difference loses no digits to it.
     fn gained(&self, length: f64, Share { gone: x, left: rest }: Share) -> f64 {
         let joint = x * self.law.energy(0.5 * length) - self.law.energy(0.5 * x * length);
         0.5 * self.k_inf * x * rest * length * length + 4.0 * joint

@@ -1,13 +1,13 @@
-//! Half cycles in micro-slip under a power law: one number, the relative softening, determines all of them.
+//! Half cycles in micro-slip under a power law. One number, the relative softening, determines each of them.
 //!
-//! With F_virgin(u) = K_T u - C u^p the energy gained is P(y) = s y - ½ω² y² + ρ y^(p+1), and with P(L) = W
-//! the phase velocity is Ω² = ω² [1 - ε τ(θ)] and a viscous term, τ = (1 - x^p)/(1 - x), x = sin²(θ/2). It depends on
-//! the relative softening ε = 2ρ L^(p-1)/ω² alone, and so do the duration and the damper's work.
+//! With F_virgin(u) = K_T u - C u^p the energy gained is P(y) = s y - ½ω² y² + ρ y^(p+1). With P(L) = W the square of the phase velocity is
+//! Ω² = ω² [1 - ε τ(θ)] plus a viscous term, with τ = (1 - x^p)/(1 - x) and x = sin²(θ/2). It depends on the relative softening ε = 2ρ
+//! L^(p-1)/ω² alone, and so do the duration and the damper's work.
 //!
-//! So does what follows. With the damping W/L² the pull at the start is s = [½ω² (1 - ε) + W/L²] L, that at the
-//! end, turned round, [½ω² (1 - p ε) - W/L²] L; it is the pull of the next half cycle, whose travel over L is thus
-//! a function of ε as well. All four are tabled once per mode as polynomials in ε: a half cycle leads to the next
-//! without a root to be found.
+//! The next half cycle also depends on ε alone. With the damping W/L² the pull at the start is s = [½ω² (1 - ε) + W/L²] L. The pull at the
+//! end, in the opposite direction, is [½ω² (1 - p ε) - W/L²] L. That is the pull of the next half cycle, so the ratio of the next travel to
+//! L is a function of ε as well. All four functions (duration, damping, ratio of travels, ratio of softenings) are tabled once per mode as
+//! polynomials in ε, so that one half cycle leads to the next without a search for a root.
 
 use core::array::from_fn;
 use core::f64::consts::PI;
@@ -16,30 +16,28 @@ use super::phase::{MATRIX, MOST_PASSES, NODES, PASS_TOLERANCE, Panel, Phase, RUL
 use crate::elementary::logarithm;
 use crate::law::PowerLaw;
 
-/// Most terms of the polynomials: two blocks of eight.
+/// Largest number of terms of the polynomials: two blocks of eight.
 const TERMS: usize = 16;
-/// How small the first term left out is to be, as -ln of it. Terms fall like (ε p / 4)^n at least, so that n
-/// follows from this: e^-32 = 1e-14. Turning points then stand to 1e-12, the rounding of the polynomials; with 24
-/// to 1e-11, with 16 to 1e-8.
+/// Required size of the first term left out, as minus its natural logarithm: e^-32 = 1e-14. Terms fall at least like (ε p / 4)^n, which
+/// gives the number of terms n. Turning points are then exact to 1e-12, the rounding of the polynomials; with 24 they are exact to 1e-11,
+/// with 16 to 1e-8.
 const DIGITS: f64 = 32.0;
-/// Fewest terms, for modes that soften so little that a straight line would do.
+/// Smallest number of terms, for modes that soften so little that a straight line would suffice.
 const FEWEST_TERMS: usize = 3;
-/// ε p up to which [`TERMS`] terms reach [`DIGITS`]: 16 ln(4/0.54) = 32. Where a mode softens more before φ_max the
-/// table ends there, and the general solver has the rest.
+/// Largest ε p for which [`TERMS`] terms reach [`DIGITS`]: 16 ln(4/0.54) = 32. If a mode softens more than that before φ_max, the table
+/// ends there, and the general solver takes the rest.
 const STRONGEST: f64 = 0.54;
-/// Largest relative error of the polynomials at the check points, or they are not used. Of 150 modes (K_∞ from 1e-4
-/// to 10 K_T, ζ_v up to 30 %, χ from -0.95 to 0.7) 134 pass; 1e-9 would pass all of them, 1e-13 refuses half for
-/// rounding.
+/// Largest relative error of the polynomials at the check points; with a larger error they are not used. Of 150 modes (K_∞ from 1e-4 to 10
+/// K_T, ζ_v up to 30 %, χ from -0.95 to 0.7) 134 pass. 1e-9 would pass all of them, 1e-13 refuses half because of rounding.
 const TABLE_TOLERANCE: f64 = 1e-11;
-/// Where the polynomials are held against the quadrature, in shares of the table: near both ends, between Chebyshev
-/// nodes.
+/// Points at which the polynomials are compared with the quadrature, as shares of the table: near both ends, between Chebyshev nodes.
 const CHECKED: [f64; 2] = [0.05, 0.97];
-/// Share by which the pull of a tabled half cycle may miss the one that acts; else the travel is solved anew. At
-/// 1e-13 these are one to five half cycles of 400. At 1e-14 rounding begins to ask for more, at 3e-15 for most; at
-/// 1e-12 none is saved and a digit is lost.
+/// Largest relative difference between the pull of a tabled half cycle and the pull that acts; beyond it the travel is solved anew. At
+/// 1e-13 that happens in one to five half cycles of 400. At 1e-14 rounding begins to cause more, at 3e-15 most; 1e-12 saves none of them
+/// and loses a digit.
 const PULL_TOLERANCE: f64 = 1e-13;
-/// Relative error of Ω at times within a half cycle, for dense output; its duration and travel come from the table.
-/// Displacements then stand to 1e-11, and a larger tolerance saves no time that can be measured.
+/// Allowed relative error of Ω at times within a half cycle, for output at uniform times; duration and travel of the half cycle come from
+/// the table. Displacements are then exact to 1e-11, and a larger tolerance saves no measurable time.
 const CLOCK_TOLERANCE: f64 = 1e-10;
 
 /// The micro-slip half cycles of a mode.
@@ -48,7 +46,7 @@ pub(crate) struct MicroSlip {
     /// ½ω² = ½ (K_∞ + K_T).
     half_stiffness: f64,
     viscous: f64,
-    /// ε of the travel 1.
+    /// ε of a half cycle of travel 1.
     softening: f64,
     /// p = χ + 2.
     exponent: f64,
@@ -58,17 +56,16 @@ pub(crate) struct MicroSlip {
     stiffness: f64,
     /// τ at the nodes.
     tau: [f64; NODES],
-    /// The shapes over ε, for argument ε·to_unit - 1 from -1 to 1.
+    /// The shapes as polynomials in ε·to_unit - 1, which runs from -1 to 1.
     to_unit: f64,
     terms: usize,
     shapes: [Shape; TERMS],
 }
 
-/// What depends on ε alone: the duration of a half cycle, its damping W/L², and the travel and ε of the next one
-/// over its own.
+/// The functions of ε: duration of a half cycle, its damping W/L², and the ratios of the next half cycle's travel and ε to its own.
 type Shape = [f64; 4];
 
-/// A half cycle found: what the next one starts from.
+/// A half cycle as found; the next one follows from it.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Travel {
     pub(crate) length: f64,
@@ -78,8 +75,8 @@ pub(crate) struct Travel {
 }
 
 impl MicroSlip {
-    /// For travels up to 2 φ_max, or up to the softening at which [`TERMS`] no longer do. None when the polynomials
-    /// miss the quadrature at the check points, as they do where K_∞ is next to nothing.
+    /// The tables for travels up to 2 φ_max, or up to the softening at which [`TERMS`] terms no longer suffice. None if the polynomials
+    /// differ from the quadrature at the check points by more than [`TABLE_TOLERANCE`], as happens where K_∞ is next to nothing.
     pub(crate) fn new(k_inf: f64, viscous: f64, law: &PowerLaw) -> Option<Self> {
         let p = law.exponent;
         let omega_squared = k_inf + law.stiffness;
@@ -111,10 +108,10 @@ impl MicroSlip {
         good.then_some(micro)
     }
 
-    /// Ω at the nodes for the softening ε, the damper's part by fixed-point passes.
+    /// Ω at the nodes for the softening ε; the damper's part is found by fixed-point passes.
     ///
-    /// Each pass shrinks the change by about the same factor, so the error that a pass leaves is near its change
-    /// times the ratio of that change to the one before. The passes end when this is below `tolerance`·Ω.
+    /// Each pass shrinks the change by about the same factor. The error left by a pass is therefore about its change times the ratio of
+    /// that change to the one before. The passes end when this estimate is below `tolerance`·Ω.
     fn omega(&self, softening: f64, tolerance: f64) -> [f64; NODES] {
         let base: [f64; NODES] = from_fn(|i| 2.0 * self.half_stiffness * (1.0 - softening * self.tau[i]));
         let mut omega = base.map(libm::sqrt);
@@ -145,7 +142,7 @@ impl MicroSlip {
         [panel.duration(), 0.25 * self.viscous * work]
     }
 
-    /// The shape from the table.
+    /// Evaluates the tabled shape at the softening ε.
     #[inline]
     fn shape(&self, softening: f64) -> Shape {
         let x = softening * self.to_unit - 1.0;
@@ -158,7 +155,7 @@ impl MicroSlip {
         shape
     }
 
-    /// Tables duration and damping first, then, which needs these, what the next half cycle is.
+    /// Tables duration and damping first, then the ratios of the next half cycle, which depend on both.
     fn fill_table(&mut self) {
         let n = self.terms;
         let nodes: [f64; TERMS] = from_fn(|i| libm::cos(PI * (i as f64 + 0.5) / n as f64));
@@ -174,7 +171,7 @@ impl MicroSlip {
         self.tabulate(2, &nodes[..n], &values);
     }
 
-    /// Interpolates two components of the shape, from the `first` on, at Chebyshev nodes by powers of the argument.
+    /// Interpolates two components of the shape, `first` and the one after it, at Chebyshev nodes; the result is in powers of the argument.
     fn tabulate(&mut self, first: usize, nodes: &[f64], values: &[[f64; 2]]) {
         let n = nodes.len();
         // Chebyshev coefficients from T_{k+1}(x) = 2 x T_k(x) - T_{k-1}(x) at the nodes.
@@ -187,7 +184,7 @@ impl MicroSlip {
                 (now, before) = (2.0 * x * now - before, now);
             }
         }
-        // The polynomials themselves by the same recurrence, as coefficients of powers.
+        // The Chebyshev polynomials by the same recurrence, as coefficients of powers.
         let (mut now, mut before) = ([0.0; TERMS], [0.0; TERMS]);
         now[0] = 1.0;
         for (k, c) in coefficients[..n].iter().enumerate() {
@@ -202,15 +199,15 @@ impl MicroSlip {
         }
     }
 
-    /// Pull over travel of a half cycle, which is P(L) = W over L².
+    /// Ratio of pull to travel of a half cycle, from P(L) = W divided by L².
     #[inline]
     fn pull_over_travel(&self, softening: f64, damping: f64) -> f64 {
         self.half_stiffness * (1.0 - softening) + damping
     }
 
-    /// Travel and ε of the half cycle behind one of softening ε, over its own.
+    /// Travel and ε of the half cycle that follows one of softening ε, relative to that one's own.
     ///
-    /// The pull there is ω² L - drop·L^p less the pull before, that is ½ω² (1 - p ε) - W/L² over L.
+    /// The pull at the turning point is ω² L - drop·L^p minus the pull at the start, that is [½ω² (1 - p ε) - W/L²] L.
     fn next_by_root(&self, softening: f64, damping: f64) -> [f64; 2] {
         let pull = self.half_stiffness * (1.0 - self.exponent * softening) - damping;
         let start = pull / self.pull_over_travel(softening, damping);
@@ -219,10 +216,10 @@ impl MicroSlip {
         [travel, growth(travel)]
     }
 
-    /// The travel under a pull by Newton's method; `softening` of a travel is ε. The pull over the travel is convex
-    /// and falling, so it needs no guard; the slope leaves out how the damping changes, which costs next to nothing.
+    /// The travel under a given pull, by Newton's method; `softening` gives ε for a travel. The ratio of pull to travel is convex and
+    /// falling, so Newton's method needs no bracket. The slope neglects the change of the damping, which costs next to nothing.
     fn root(&self, pull: f64, start: f64, softening: impl Fn(f64) -> f64) -> f64 {
-        /// Most rounds; a handful is the rule, and the last one is taken where they run out.
+        /// Largest number of rounds; usually a handful suffices. When it is reached, the last travel is used.
         const MOST: u32 = 60;
         let mut travel = start;
         for _ in 0..MOST {
@@ -238,15 +235,15 @@ impl MicroSlip {
         travel
     }
 
-    /// The half cycle under `pull`. `last` is the half cycle before and becomes this one; beyond the table it
-    /// stays as it is, and the answer is false.
+    /// Computes the half cycle under `pull`. `last` holds the half cycle before and is replaced by the new one. Beyond the table `last`
+    /// stays unchanged and the function returns false.
     #[inline]
     pub(crate) fn travel(&self, pull: f64, last: &mut Travel) -> bool {
         let [_, _, travel, growth] = last.shape;
         let next = self.at(last.length * travel, last.softening * growth);
         let expected = next.length * self.pull_over_travel(next.softening, next.damping());
-        // The prediction fails after a half cycle in macro-slip, and rarely from rounding; then the equation is
-        // solved anew.
+        // The prediction from `last` fails after a half cycle in macro-slip, and rarely because of rounding; then the equation is solved
+        // anew.
         if libm::fabs(expected - pull) <= PULL_TOLERANCE * pull {
             *last = next;
             return true;
@@ -259,7 +256,7 @@ impl MicroSlip {
         Travel { length, softening, shape: self.shape(softening) }
     }
 
-    /// None beyond the table.
+    /// Solves for the travel under `pull`; none beyond the table.
     #[cold]
     fn solve(&self, pull: f64) -> Option<Travel> {
         let softening = |length: f64| self.softening * libm::pow(length, self.exponent - 1.0);
@@ -271,19 +268,19 @@ impl MicroSlip {
         (length <= self.longest).then(|| self.at(length, softening(length)))
     }
 
-    /// Joint force gained over a half cycle, without direction: K_T L - drop·L^p.
+    /// Increase of the joint force over a half cycle, as a magnitude: K_T L - drop·L^p.
     #[inline]
     pub(crate) fn force(&self, travel: &Travel) -> f64 {
         (self.stiffness - (self.exponent + 1.0) * self.half_stiffness * travel.softening) * travel.length
     }
 
-    /// Ω over the half cycle, for dense output.
+    /// Ω over the half cycle, for output at times within it.
     pub(crate) fn phase(&self, travel: &Travel) -> Phase {
         Phase::single(self.omega(travel.softening, CLOCK_TOLERANCE))
     }
 }
 
-/// ln x at the nodes.
+/// ln x at the nodes, with x = sin²(θ/2).
 const LOG_SHARE: [f64; NODES] = {
     let mut log = [0.0; NODES];
     let mut i = 0;
@@ -294,7 +291,7 @@ const LOG_SHARE: [f64; NODES] = {
     log
 };
 
-/// ∫Ω sin²θ dθ from 0 to π is the sum over these times Ω at the nodes; sin²θ = 4 x (1 - x).
+/// Weights at the nodes with which the sum over Ω gives ∫Ω sin²θ dθ from 0 to π; sin²θ = 4 x (1 - x).
 const WORK: [f64; NODES] = {
     let mut weight = [0.0; NODES];
     let mut i = 0;
@@ -305,7 +302,7 @@ const WORK: [f64; NODES] = {
     weight
 };
 
-/// The damper's work up to node i enters there: Ω_i² gains c Σ_j coupling[j][i] Ω_j.
+/// Matrix of the damper's work in Ω²: Ω_i² gains c Σ_j coupling[j][i] Ω_j.
 const COUPLING: [[f64; NODES]; NODES] = {
     let mut matrix = [[0.0; NODES]; NODES];
     let mut i = 0;
@@ -322,7 +319,7 @@ const COUPLING: [[f64; NODES]; NODES] = {
     matrix
 };
 
-/// Σ c_k x^k of eight terms, pairs first: short chains for the processor.
+/// Σ c_k x^k of eight terms, summed in pairs so that the processor's chains of dependent operations stay short.
 #[inline]
 fn eight(c: &[Shape], x: f64) -> Shape {
     let (x2, c) = (x * x, &c[..8]);
@@ -334,7 +331,7 @@ fn eight(c: &[Shape], x: f64) -> Shape {
 }
 
 impl Travel {
-    /// Nothing to start from.
+    /// Placeholder for the absence of a half cycle.
     pub(crate) const NONE: Self = Self { length: 0.0, softening: 0.0, shape: [0.0; 4] };
 
     /// Whether there is a half cycle in micro-slip.
@@ -343,13 +340,13 @@ impl Travel {
         self.length > 0.0
     }
 
-    /// s.
+    /// Duration of the half cycle, s.
     #[inline]
     pub(crate) fn duration(&self) -> f64 {
         self.shape[0]
     }
 
-    /// W/L².
+    /// Work of the damper over the square of the travel, W/L².
     #[inline]
     pub(crate) fn damping(&self) -> f64 {
         self.shape[1]
@@ -361,7 +358,7 @@ mod tests {
     use super::*;
     use crate::law::{Backbone, FourParameter};
 
-    /// Mode 1 of Table 2 with other exponents and dampers.
+    /// Mode 1 of Table 2, and variants with other exponents and dampers.
     fn modes() -> impl Iterator<Item = MicroSlip> {
         [-0.95, -0.5, -0.183, -0.05].into_iter().flat_map(|chi| {
             let joint = FourParameter::new(4.45e4, 239.4, chi, 0.3).unwrap();

@@ -5,20 +5,20 @@ use core::f64::consts::PI;
 use crate::elementary::sine;
 use crate::quadrature::Rule;
 
-/// Nodes of the quadrature in the phase, per panel; an even number, as shares are found in pairs. Against 20 nodes,
-/// turning points and their times over 30 half cycles of smooth laws from 0.01 to 3 φ_max are off by 1e-8 with 8
-/// nodes and no damper, 3e-6 at ζ_v = 1 % and 6e-5 at 10 %; by 1e-9, 9e-8 and 2e-6 with 10; by 2e-10, 4e-9 and 4e-8
-/// with 12; by 5e-11, 5e-10 and 1e-9 with 14. A tabulated density has corners within the panels: with 12 it is off
-/// by 4e-8, and by 1e-6 at 10 %. Two nodes more cost a seventh of the time in macro-slip, nothing in micro-slip.
+/// Number of quadrature nodes in the phase, per panel; even, because shares are computed in pairs. Errors of turning points and their times
+/// against 20 nodes, over 30 half cycles of smooth laws from 0.01 to 3 φ_max: with 8 nodes 1e-8 without a damper, 3e-6 at ζ_v = 1 % and
+/// 6e-5 at 10 %; with 10 nodes 1e-9, 9e-8 and 2e-6; with 12 nodes 2e-10, 4e-9 and 4e-8; with 14 nodes 5e-11, 5e-10 and 1e-9. A tabulated
+/// density has corners within the panels: with 12 nodes its error is 4e-8, and 1e-6 at 10 %. Two more nodes cost a seventh of the time in
+/// macro-slip and nothing in micro-slip.
 pub(crate) const NODES: usize = 12;
-/// Panels of a half cycle: Ω has a corner where the weakest slider breaks loose and one where the strongest does,
-/// and is smooth below, between and above them.
+/// Number of panels of a half cycle: Ω has a corner where the weakest slider breaks loose and one where the strongest does, and is smooth
+/// below, between and above them.
 pub(crate) const PANELS: usize = 3;
-/// The rule in the phase.
+/// The Gauss-Legendre rule in the phase.
 pub(crate) const RULE: Rule<NODES> = Rule::gauss_legendre();
 /// Integrals from the start of a panel up to its nodes.
 pub(crate) const MATRIX: [[f64; NODES]; NODES] = RULE.integration_matrix();
-/// The transpose of [`MATRIX`]: a product with it adds whole columns, so no sum has to be taken across a register.
+/// The transpose of [`MATRIX`]: a product with it adds whole columns, so that no sum runs across the lanes of a register.
 const COLUMNS: [[f64; NODES]; NODES] = {
     let mut columns = [[0.0; NODES]; NODES];
     let mut i = 0;
@@ -32,7 +32,7 @@ const COLUMNS: [[f64; NODES]; NODES] = {
     }
     columns
 };
-/// x = sin²(θ/2) at the nodes of a whole half cycle: the share y/L of the travel.
+/// The share y/L of the travel at the nodes of a whole half cycle: x = sin²(θ/2).
 pub(crate) const SHARE: [f64; NODES] = {
     let mut share = [0.0; NODES];
     let mut i = 0;
@@ -44,22 +44,21 @@ pub(crate) const SHARE: [f64; NODES] = {
     share
 };
 
-/// Fixed-point passes for the damper's work end when the duration changes by less than this share. Turning points
-/// then stand to 5e-12 at ζ_v = 10 % and to 1e-13 at 1 %; 1e-10 leaves 2e-10, and 1e-14 gains next to nothing for a
-/// pass more.
+/// Relative change of the duration below which the fixed-point passes for the damper's work end. Turning points are then exact to 5e-12 at
+/// ζ_v = 10 % and to 1e-13 at 1 %; 1e-10 leaves errors of 2e-10, and 1e-14 gains next to nothing for one more pass.
 pub(crate) const PASS_TOLERANCE: f64 = 1e-12;
-/// Most fixed-point passes: 3 are needed at ζ_v = 0.025 %, 5 at 1 %, 11 at 10 %, 28 at 50 %. They run out from ζ_v
-/// = 0.7 on, where a mode hardly swings, and the last one is taken as it is.
+/// Largest number of fixed-point passes: 3 are needed at ζ_v = 0.025 %, 5 at 1 %, 11 at 10 %, 28 at 50 %. From ζ_v = 0.7 on, where a mode
+/// hardly swings, the limit is reached and the last pass is used.
 pub(crate) const MOST_PASSES: u32 = 60;
 
-/// Shortest panel, rad. A corner of Ω that close to another one or to an end is left to the neighbouring panel. It
-/// is arbitrary: limits from 1e-8 to 1e-2 gave the same bits in all that was tried, as such corners hardly occur.
+/// Shortest panel, rad. A corner of Ω closer than this to another corner or to an end gets no panel border of its own. The value is
+/// arbitrary: limits from 1e-8 to 1e-2 gave the same bits in all that was tried, because such corners hardly occur.
 const SLIVER: f64 = 1e-6;
 
-/// Step in the phase, rad, behind which Newton's method has found it: what is left is about its square. 1e-5 would
-/// do.
+/// Step in the phase, rad, below which Newton's method for the clock ends: the remaining error is about the square of the step. 1e-5 would
+/// suffice.
 const CLOCK_STEP: f64 = 1e-9;
-/// Most rounds of that search. The function is all but straight: three were never exceeded.
+/// Largest number of rounds of Newton's method for the clock. The function is nearly linear; three rounds were never exceeded.
 const CLOCK_ROUNDS: u32 = 8;
 
 /// A stretch of the phase on which Ω is smooth, with Ω at the nodes.
@@ -77,7 +76,7 @@ impl Panel {
         0.5 * (self.to - self.from)
     }
 
-    /// The shares of the travel at the nodes, which lie in pairs about the middle.
+    /// The shares of the travel at the nodes, computed in pairs, as the nodes are symmetric about the middle.
     pub(crate) fn shares(&self) -> [Share; NODES] {
         if self.from == 0.0 && self.to == PI {
             return core::array::from_fn(|i| Share { gone: SHARE[i], left: SHARE[NODES - 1 - i] });
@@ -94,7 +93,7 @@ impl Panel {
         shares
     }
 
-    /// ∫dθ/Ω.
+    /// Duration of the panel, ∫dθ/Ω.
     pub(crate) fn duration(&self) -> f64 {
         self.half_width() * RULE.weights.iter().zip(&self.omega).map(|(w, o)| w / o).sum::<f64>()
     }
@@ -109,7 +108,7 @@ impl Panel {
         })
     }
 
-    /// The Legendre coefficients of the polynomial through the 1/Ω at the nodes.
+    /// The Legendre coefficients of the polynomial through the values 1/Ω at the nodes.
     fn slowness(&self) -> [f64; NODES] {
         // Legendre polynomials at the nodes, by the three-term recurrence.
         let (mut at, mut before) = ([1.0; NODES], [0.0; NODES]);
@@ -125,15 +124,15 @@ impl Panel {
     }
 }
 
-/// Share of the travel at a phase: x = sin²(θ/2) = y/L has gone by, 1 - x is left. Both are kept, because near the
-/// end 1 - x would lose its digits to the difference.
+/// Share of the travel at a phase: x = sin²(θ/2) = y/L has been travelled, 1 - x is left. Both are stored, because near the end the
+/// difference 1 - x would lose its digits.
 #[derive(Debug, Clone, Copy, Default)]
 pub(crate) struct Share {
     pub(crate) gone: f64,
     pub(crate) left: f64,
 }
 
-/// A node in time.
+/// Time of a node, with its weight.
 #[derive(Debug, Clone, Copy)]
 struct Tick {
     /// Time from the start of the panel.
@@ -142,7 +141,7 @@ struct Tick {
     weight: f64,
 }
 
-/// A node of a half cycle on its way.
+/// A node of a half cycle with its place, speed and time.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Waypoint {
     /// Share y/L of the travel.
@@ -155,12 +154,12 @@ pub(crate) struct Waypoint {
     pub(crate) weight: f64,
 }
 
-/// What a clock tells: the time at a phase, or the phase at a time, and Ω there.
+/// Result of a clock: the time at a phase or the phase at a time, and Ω there.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Reading {
     /// The time or the phase that was asked for.
     pub(crate) value: f64,
-    /// Ω there.
+    /// Ω at that time or phase.
     pub(crate) omega: f64,
 }
 
@@ -193,8 +192,7 @@ impl Clock {
         Reading { value: self.half_width * time, omega: 1.0 / slowness }
     }
 
-    /// The phase at the time `t` from the start of the panel, and Ω there: Newton's method on a function that
-    /// is all but straight.
+    /// The phase at the time `t` from the start of the panel, and Ω there, by Newton's method on a nearly linear function.
     fn phase_at(&self, t: f64) -> Reading {
         let mut theta = self.from + 2.0 * self.half_width * (t / self.duration).clamp(0.0, 1.0);
         let mut omega = 0.0;
@@ -212,7 +210,7 @@ impl Clock {
 
 /// (2k+1)/(k+1), the factor of x P_k in the recurrence of Legendre polynomials.
 const RISE: [f64; NODES] = orders(true);
-/// k/(k+1), the factor of P_{k-1} in it.
+/// k/(k+1), the factor of P_{k-1} in that recurrence.
 const FALL: [f64; NODES] = orders(false);
 /// 1/(2k+1), the factor of P_{k+1} - P_{k-1} in ∫P_k.
 const SHARE_OF_ORDER: [f64; NODES] = {
@@ -236,7 +234,7 @@ const fn orders(rise: bool) -> [f64; NODES] {
     factor
 }
 
-/// What a node of the quadrature needs in every pass.
+/// Data of a quadrature node that every pass needs.
 #[derive(Debug, Clone, Copy, Default)]
 pub(crate) struct Node {
     /// Share y/L of the travel.
@@ -248,7 +246,7 @@ pub(crate) struct Node {
 }
 
 impl Node {
-    /// A node at its share of the travel.
+    /// The node at a share of the travel.
     pub(crate) fn new(share: Share, gained: f64) -> Self {
         Self { share: share.gone, sine_squared: 4.0 * share.gone * share.left, gained }
     }
@@ -267,7 +265,7 @@ impl Phase {
         Self { panels: [Panel { omega, ..Panel::WHOLE }; PANELS], used: 1 }
     }
 
-    /// Panels between the phases `first` and `last`; slivers go to their neighbours.
+    /// Panels with borders at the phases `first` and `last`; a panel shorter than [`SLIVER`] is merged with its neighbour.
     pub(crate) fn cut(first: f64, last: f64) -> Self {
         let mut phase = Self::single([0.0; NODES]);
         let mut start = 0.0;
@@ -284,15 +282,15 @@ impl Phase {
         phase
     }
 
-    /// Moves the cut of a half cycle in two panels; Ω at the nodes stays as a first guess.
+    /// Moves the border of a half cycle with two panels; the old Ω at the nodes serves as a first guess.
     pub(crate) fn cut_again(&mut self, at: f64) {
         if self.used == 2 {
             (self.panels[0].to, self.panels[1].from) = (at, at);
         }
     }
 
-    /// Ω from the energy gained, less the damper's work, by fixed-point passes; `work` is the guess of ∫Ω sin² that
-    /// goes with the Ω before. Returns the new one.
+    /// Computes Ω from the energy gained less the damper's work, by fixed-point passes. `work` is the guess of ∫Ω sin² that corresponds to
+    /// the present Ω; the new value is returned.
     pub(crate) fn settle(&mut self, nodes: &[[Node; NODES]; PANELS], viscous: f64, mut work: f64) -> f64 {
         let mut duration = 0.0;
         for _ in 0..MOST_PASSES {
@@ -305,8 +303,8 @@ impl Phase {
         work
     }
 
-    /// One pass over all nodes: Ω from the energy gained, less the damper's work from the Ω before, of which
-    /// `total` is ∫Ω sin². P(L) leaves that total over, so that the speed vanishes at the end. Returns the new total.
+    /// One pass over all nodes: Ω from the energy gained less the damper's work, which is computed from the old Ω; `total` is ∫Ω sin² of
+    /// the old Ω. At the end P(L) equals the total work, so that the speed vanishes there. Returns the new total.
     fn pass(&mut self, nodes: &[[Node; NODES]; PANELS], viscous: f64, total: f64) -> f64 {
         let (mut work_before, mut work) = (0.0, 0.0);
         for (panel, nodes) in self.panels[..self.used].iter_mut().zip(nodes) {
@@ -337,7 +335,7 @@ impl Phase {
         self.panels().iter().map(Panel::duration).sum()
     }
 
-    /// Hands over the nodes in the order of time.
+    /// Passes the nodes to `node` in the order of time.
     pub(crate) fn visit(&self, mut node: impl FnMut(Waypoint)) {
         let mut before = 0.0;
         for panel in self.panels() {
@@ -351,7 +349,7 @@ impl Phase {
         }
     }
 
-    /// The clock of the half cycle, for dense output.
+    /// The clock of the half cycle, for output at times within it.
     pub(crate) fn clock(&self) -> PhaseClock {
         let clocks = core::array::from_fn(|i| Clock::new(&self.panels[i.min(self.used - 1)]));
         PhaseClock { clocks, used: self.used }

@@ -1,9 +1,8 @@
 //! The virgin curve of a joint law, in closed form.
 //!
-//! Any parallel-series Iwan model is known by its virgin (backbone) curve F(u):
-//! its slider density is ρ(u) = -F''(u), and by Masing's rule so are all loops.
-//! A further family of joints is one file that implements [`Backbone`]. One whose friction drops once it slips does not
-//! obey that rule: it says so by [`Backbone::friction_ratio`], and brings its own cycles.
+//! A parallel-series Iwan model is completely given by its virgin (backbone) curve F(u): its slider density is ρ(u) = -F''(u), and Masing's
+//! rule gives all its loops. A further family of joints is one file that implements [`Backbone`]. A law whose friction drops once its
+//! sliders slip does not obey Masing's rule: it says so by [`Backbone::friction_ratio`] and brings formulas for its own cycles.
 
 use crate::error::Error;
 use crate::quadrature::Rule;
@@ -21,7 +20,7 @@ pub struct PowerLaw {
     pub limit: f64,
 }
 
-/// A backbone (virgin loading) curve and what follows from it.
+/// A backbone (virgin loading) curve and the quantities that follow from it.
 ///
 /// All functions take a joint displacement `u` of either sign in the user's
 /// length unit. Odd: [`force`](Self::force). Even: all others.
@@ -29,11 +28,11 @@ pub trait Backbone {
     /// Stiffness K_T at zero displacement (all sliders stick), > 0.
     fn initial_stiffness(&self) -> f64;
 
-    /// Force F_S when all sliders slip, > 0: of static friction, where friction drops once they do.
+    /// Force F_S > 0 at which all sliders slip. Where friction drops once sliders slip, F_S is the sum of the static limits.
     fn slip_force(&self) -> f64;
 
-    /// Ratio θ of dynamic to static friction of its sliders, 0 < θ <= 1. For θ = 1 loops follow the virgin curve by
-    /// Masing's rule; for θ < 1 they do not, and what rests on that rule refuses the law.
+    /// Ratio θ of dynamic to static friction of the sliders, 0 < θ <= 1. For θ = 1 loops follow the virgin curve by Masing's rule. For θ <
+    /// 1 they do not, and functions that rest on Masing's rule refuse the law.
     fn friction_ratio(&self) -> f64 {
         1.0
     }
@@ -60,7 +59,7 @@ pub trait Backbone {
         8.0 * self.energy(u) - 4.0 * u * self.force(u)
     }
 
-    /// Energy of the sliders' springs at a turning point of that cycle: by Masing's rule G(u) - D(u)/4.
+    /// Energy stored in the sliders' springs at a turning point of the closed cycle between -u and u: by Masing's rule G(u) - D(u)/4.
     fn energy_at_turn(&self, u: f64) -> f64 {
         let u = u.abs();
         self.energy(u) - 0.25 * self.dissipation(u)
@@ -74,20 +73,20 @@ pub trait Backbone {
     /// First-harmonic (harmonic-balance) stiffness K_1(u) = (1/πu) ∮ F cos θ dθ over a closed
     /// cycle of amplitude u, K_T at u = 0.
     ///
-    /// With Masing's rule K_1 = -(4/πu) ∫ F(u sin²(θ/2)) cos θ dθ from 0 to π; what lies below
-    /// the weakest and beyond the strongest slider is integrated in closed form.
+    /// With Masing's rule K_1 = -(4/πu) ∫ F(u sin²(θ/2)) cos θ dθ from 0 to π. The parts of the integral below the weakest and beyond the
+    /// strongest slider are taken in closed form.
     fn harmonic_stiffness(&self, u: f64) -> f64 {
         first_harmonic(self, u.abs())
     }
 
-    /// First-harmonic stiffness K_1 and dissipation D of a cycle of amplitude u at once: laws that share a power between them
-    /// override this.
+    /// First-harmonic stiffness K_1 and dissipation D of a cycle of amplitude u in one call. Laws whose two formulas contain the same power
+    /// override this default.
     #[inline]
     fn stiffness_and_dissipation(&self, u: f64) -> (f64, f64) {
         (self.harmonic_stiffness(u), self.dissipation(u))
     }
 
-    /// Force and tangent at once: laws that share a power between them override this.
+    /// Force F(u) and tangent K(u) in one call. Laws whose two formulas contain the same power override this default.
     #[inline]
     fn force_and_tangent(&self, u: f64) -> (f64, f64) {
         (self.force(u), self.tangent(u))
@@ -102,8 +101,8 @@ pub trait Backbone {
     /// Whether the tangent K(u) is smooth between the strengths of the weakest and the strongest slider.
     fn is_smooth(&self) -> bool;
 
-    /// The micro-slip power law, where the law has that form: lets the half-cycle map
-    /// reuse one power for a whole half cycle.
+    /// The parameters of the micro-slip power law, if the law has that form: with them the half-cycle map computes one power for a whole
+    /// half cycle.
     fn power_law(&self) -> Option<PowerLaw> {
         None
     }
@@ -119,10 +118,10 @@ pub(crate) fn check_masing<B: Backbone + ?Sized>(law: &B) -> Result<(), Error> {
     Err(Error::Unsupported { what })
 }
 
-/// Panels of 16 nodes in the first-harmonic quadrature, between the corners at the weakest and the strongest
-/// slider. A smooth density needs two (one leaves 3e-12 at χ = -0.95); more change rounding only. The others are
-/// for the corners of a tabulated density, which lie within the panels: for a table of four points one, two, four
-/// and eight leave 2e-5, 3e-6, 2e-7 and 3e-9.
+/// Panels of 16 nodes each in the first-harmonic quadrature, between the corners at the weakest and the strongest slider. A smooth density
+/// needs two panels (one leaves an error of 3e-12 at χ = -0.95); more panels change only the rounding. The other two panels are for the
+/// corners of a tabulated density, which lie within the panels: for a table of four points, one, two, four and eight panels leave errors of
+/// 2e-5, 3e-6, 2e-7 and 3e-9.
 const PANELS: u32 = 4;
 
 /// [`Backbone::harmonic_stiffness`] of any law by quadrature, for `u` > 0.
@@ -150,7 +149,8 @@ pub(crate) fn first_harmonic<B: Backbone + ?Sized>(law: &B, u: f64) -> f64 {
             RULE.integrate(from, from + width, |s| 2.0 * s * span * integrand(first + span * s * s))
         })
         .sum();
-    // sin π is not 0 once rounded, and F_S times what it is would outweigh the whole integral of a small cycle.
+    // Without macro-slip the term is set to 0: rounded, sin π is not 0, and F_S times that rounding would exceed the whole integral of a
+    // small cycle.
     let sliding = if u > strongest { -law.slip_force() * libm::sin(last) } else { 0.0 };
     -4.0 / (core::f64::consts::PI * u) * (stuck + slipping + sliding)
 }

@@ -1,12 +1,13 @@
-//! First-harmonic moments of powers of the way from a turning point: what K_1 of a power law is made of.
+//! First-harmonic moments of powers of the displacement measured from a turning point. The first-harmonic stiffness K_1 of a power law is a
+//! sum of them.
 
 use core::f64::consts::PI;
 
-/// x^(-p) ∫sin^(2p)(θ/2) cos θ dθ from 0 to where sin²(θ/2) = x < 1, which by parts is
-/// x^(-p) [2 x^(p+½) (1-x)^½ - p B_x(p+½, ½)]/(p+1); 0 < x <= 1. `beta` is the complete B(p+½, ½).
+/// x^(-p) ∫ sin^(2p)(θ/2) cos θ dθ from θ = 0 to the angle where sin²(θ/2) = x, for 0 < x <= 1. Integrated by parts: x^(-p) [2 x^(p+½)
+/// (1-x)^½ - p B_x(p+½, ½)]/(p+1). `beta` is the complete beta function B(p+½, ½).
 ///
-/// Beyond x = (a+1)/(a+b+2) the continued fraction of B_x(a, b) converges slowly, and that of 1 - x is taken:
-/// B_x(a, b) = B(a, b) - B_(1-x)(b, a) (DLMF 8.17.4).
+/// For x beyond (a+1)/(a+b+2) the continued fraction of B_x(a, b) converges slowly, and the fraction at 1 - x is used: B_x(a, b) = B(a, b)
+/// - B_(1-x)(b, a) (DLMF 8.17.4).
 pub(super) fn cosine_moment(p: f64, beta: f64, x: f64) -> f64 {
     let (a, b, root) = (p + 0.5, 0.5, libm::sqrt(x * (1.0 - x)));
     let incomplete = if x < (a + 1.0) / (a + b + 2.0) {
@@ -17,12 +18,14 @@ pub(super) fn cosine_moment(p: f64, beta: f64, x: f64) -> f64 {
     (2.0 * root - p * incomplete) / (p + 1.0)
 }
 
-/// Above this x the closed form of the linear spring's moment loses less than a digit by cancellation: its terms are six times their sum at 0.3.
+/// Value of x above which the closed form of the linear spring's moment loses less than a digit by cancellation: at 0.3 its terms are six
+/// times their sum. At and below it the general [`cosine_moment`] is used.
 const ELEMENTARY: f64 = 0.3;
 
-/// [`cosine_moment`] of p = 1, a linear spring: with sin²(θ/2) = x, (sin θ/2 - θ/4 - sin 2θ/8)/x.
+/// [`cosine_moment`] for p = 1, a linear spring: (sin θ/2 - θ/4 - sin 2θ/8)/x with sin²(θ/2) = x.
 pub(super) fn linear_moment(x: f64) -> f64 {
-    /// Above this the rounding of √x, over √(1 - x), is more than 1e-13 of asin √x, and 1e-8 of it next to 1.
+    /// Value of x above which asin √(1 - x) replaces asin √x: there the rounding of √x, divided by √(1 - x), exceeds 1e-13 of asin √x, and
+    /// next to 1 it reaches 1e-8.
     const NEXT_TO_ONE: f64 = 1.0 - 1e-6;
     if x <= ELEMENTARY {
         // B(3/2, ½) = π/2.
@@ -34,8 +37,8 @@ pub(super) fn linear_moment(x: f64) -> f64 {
     (0.5 * sine - 0.5 * half - 0.25 * sine * cosine) / x
 }
 
-/// Most terms of the continued fraction. It needs 35 at the most for χ <= 1 (all x, to the last bit), so the bound
-/// only keeps NaN, which never converges, from going round for ever.
+/// Largest number of terms of the continued fraction. For χ <= 1 it needs at most 35 terms (all x, to the last bit); the bound only stops
+/// the loop for NaN, which never converges.
 const MOST_TERMS: i32 = 200;
 
 /// The continued fraction of a B_x(a, b) / (x^a (1-x)^b), for x below (a+1)/(a+b+2): DLMF 8.17.22, by Lentz's method.

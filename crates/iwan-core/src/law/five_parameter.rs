@@ -1,10 +1,10 @@
-//! The Iwan joint with five parameters {K_T, F_S, χ, β, θ}: Segalman's, with dynamic below static friction.
+//! The Iwan joint with five parameters {K_T, F_S, χ, β, θ}: Segalman's four-parameter joint with dynamic friction below static friction.
 //!
-//! Source: M. P. Mignolet, P. Song and X. Q. Wang, A stochastic Iwan-type model for joint behavior variability modeling, J. Sound
-//! Vib. 349:289, 2015, doi:10.1016/j.jsv.2015.03.032, which lets each Jenkins element slide at a part θ of the force that it takes
-//! to break it loose; with Segalman's density (doi:10.1115/1.1989354) the virgin curve is the one that M. R. W. Brake uses
-//! (A reduced Iwan model that includes pinning for bolted joint mechanics, Nonlinear Dyn. 87:1335, 2017,
-//! doi:10.1007/s11071-016-3117-2). Masing's rule does not hold: cycles are derived here slider by slider.
+//! Source: M. P. Mignolet, P. Song and X. Q. Wang, A stochastic Iwan-type model for joint behavior variability modeling, J. Sound Vib.
+//! 349:289, 2015, doi:10.1016/j.jsv.2015.03.032, where each Jenkins element slides at a part θ of the force that breaks it loose. With
+//! Segalman's density (doi:10.1115/1.1989354) the virgin curve is the one that M. R. W. Brake uses (A reduced Iwan model that includes
+//! pinning for bolted joint mechanics, Nonlinear Dyn. 87:1335, 2017, doi:10.1007/s11071-016-3117-2). Masing's rule does not hold, so the
+//! cycles are derived here slider by slider.
 
 use core::f64::consts::PI;
 
@@ -14,13 +14,14 @@ use super::cosine_moment::{cosine_moment, linear_moment};
 use super::four_parameter::FourParameter;
 use crate::error::{Error, check};
 
-/// An Iwan joint of five parameters: a [`FourParameter`] joint whose sliders, once loose, rub with the part θ of the force that
-/// it took to break them loose, until the motion turns round and they stick again.
+/// An Iwan joint of five parameters: a [`FourParameter`] joint whose sliders, once loose, rub with the part θ of the force that broke them
+/// loose, until the motion turns round and they stick again.
 ///
-/// Its cycles depend on what was before. From rest a slider breaks loose where the displacement reaches its strength φ; one that
-/// slides goes on sliding down to the amplitude (1+θ)φ/2. So a cycle reached from below dissipates less than the same cycle in a
-/// decay. As made, a joint is virgin and [`dissipation`](Backbone::dissipation), [`harmonic_stiffness`](Backbone::harmonic_stiffness) and
-/// [`energy_at_turn`](Backbone::energy_at_turn) are those of cycles reached from rest; [`after`](Self::after) gives those of a decay.
+/// Its cycles depend on the earlier motion. From rest a slider breaks loose where the displacement reaches its strength φ; a slider that
+/// already slides goes on sliding down to the amplitude (1+θ)φ/2. So a cycle reached from smaller amplitudes dissipates less than the same
+/// cycle within a decay. A newly made joint is virgin: its [`dissipation`](Backbone::dissipation),
+/// [`harmonic_stiffness`](Backbone::harmonic_stiffness) and [`energy_at_turn`](Backbone::energy_at_turn) are those of cycles reached from
+/// rest; [`after`](Self::after) gives those of a decay.
 ///
 /// ```
 /// use iwan_core::{Backbone, FiveParameter};
@@ -34,7 +35,7 @@ use crate::error::{Error, check};
 /// ```
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct FiveParameter {
-    /// The sliders at their static limits.
+    /// The four-parameter joint of the static limits.
     sticking: FourParameter,
     breakaway: Breakaway,
     /// Largest amplitude of the motion so far.
@@ -69,14 +70,14 @@ impl FiveParameter {
         Ok(Self { sticking, breakaway: Breakaway { ratio: theta }, largest: 0.0 })
     }
 
-    /// The same joint after motions of amplitudes up to `largest` (length; infinite for any): cycles are then those
-    /// that a decay from there passes through.
+    /// The same joint after motions of amplitudes up to `largest` (length; infinite for a decay from any amplitude). Its cycles are then
+    /// those that a decay from `largest` passes through.
     #[must_use]
     pub fn after(self, largest: f64) -> Self {
         Self { largest: largest.abs(), ..self }
     }
 
-    /// The four-parameter joint of its static friction: K_T, F_S, χ, β and the density.
+    /// The four-parameter joint of the static friction, with K_T, F_S, χ, β and the density.
     #[must_use]
     pub const fn sticking(&self) -> &FourParameter {
         &self.sticking
@@ -107,7 +108,7 @@ impl FiveParameter {
         Below { strength: phi, stiffness, force, square }
     }
 
-    /// The sliders that slide in a cycle of amplitude `u` >= 0: those of the power law, and whether the Dirac does.
+    /// The sliders that slide in a cycle of amplitude `u` >= 0: moments of those of the power law, and whether the Dirac slider slides.
     fn sliding(&self, u: f64) -> (Below, bool) {
         let reach = self.breakaway.reach(u, self.largest);
         (self.below(reach), reach >= self.phi_max())
@@ -115,9 +116,9 @@ impl FiveParameter {
 
     /// First-harmonic stiffness of the sliders of the power law that slide in a cycle of amplitude `u` > 0.
     ///
-    /// On the way z from a turning point their force falls by K z - C z^(χ+2), with C = R (1+θ)^-(χ+1) [1/(χ+1) -
-    /// 2θ/((1+θ)(χ+2))], until at z = (1+θ)φ of the strongest all slide, and is constant behind; K_1 = -(2/πu) ∫(that) cos ψ dψ with
-    /// z = u (1 - cos ψ).
+    /// On the way z from a turning point the force of these sliders falls by K z - C z^(χ+2), with C = R (1+θ)^-(χ+1) [1/(χ+1) -
+    /// 2θ/((1+θ)(χ+2))], up to z = (1+θ)φ of the strongest slider, where all slide; beyond, the force is constant. K_1 is -(2/πu) times the
+    /// integral of this fall over cos ψ dψ, with z = u (1 - cos ψ).
     fn harmonic_of(&self, all: Below, u: f64) -> f64 {
         let (theta, p) = (self.theta(), self.sticking.chi() + 2.0);
         let x = (0.5 * (1.0 + theta) * all.strength / u).min(1.0);
@@ -178,7 +179,8 @@ impl Backbone for FiveParameter {
         if all { power + self.sticking.s() * self.breakaway.dissipation(self.phi_max(), u) } else { power }
     }
 
-    /// ½θ² ∫ρφ² of the sliders that slide, ½ K u² of those that stick, and what stays in the springs of those that slid and stick since.
+    /// Sum of three energies: ½θ² ∫ρφ² of the sliders that slide, ½ K u² of those that stick, and the energy left in the springs of those
+    /// that slid before and stick now.
     fn energy_at_turn(&self, u: f64) -> f64 {
         let (u, law) = (u.abs(), &self.sticking);
         let (below, all) = self.sliding(u);

@@ -32,7 +32,7 @@ pub struct FourParameter {
     /// K_T - S: the stiffness of the power-law part.
     pub(super) k_power: f64,
     s: f64,
-    /// Factor g by which the first harmonic softens more than the secant.
+    /// Factor g: the first-harmonic stiffness softens g times as much as the secant stiffness.
     harmonic: f64,
 }
 
@@ -84,13 +84,13 @@ impl FourParameter {
         })
     }
 
-    /// Joint stiffness K_T, all sliders stuck.
+    /// Joint stiffness K_T, with all sliders stuck.
     #[must_use]
     pub const fn k_t(&self) -> f64 {
         self.k_t
     }
 
-    /// Slip force F_S, all sliders slipping.
+    /// Slip force F_S, with all sliders slipping.
     #[must_use]
     pub const fn f_s(&self) -> f64 {
         self.f_s
@@ -146,9 +146,8 @@ impl FourParameter {
 
     /// Dissipation per cycle in macro-slip as printed in Eq. 17 of Deaner et al.: 4 u F_S.
     ///
-    /// Only the asymptote for u >> φ_max: at the onset of macro-slip it is 2.8, 4.7 and 5.3 times the exact value
-    /// ([`Backbone::dissipation`]) for Table 1 and modes 1 and 3 of Table 2, and still 7 to 9 % too high at 10
-    /// φ_max.
+    /// The formula is only the asymptote for u >> φ_max. At the onset of macro-slip it is 2.8, 4.7 and 5.3 times the exact value
+    /// ([`Backbone::dissipation`]) for Table 1 and for modes 1 and 3 of Table 2; at 10 φ_max it is still 7 to 9 % too high.
     #[must_use]
     pub fn dissipation_printed_eq17(&self, u: f64) -> f64 {
         4.0 * u.abs() * self.f_s
@@ -200,7 +199,7 @@ impl FourParameter {
 }
 
 impl FourParameter {
-    /// B(χ + 5/2, ½), which the factor g of micro-slip is made of.
+    /// Complete beta function B(χ + 5/2, ½), recovered from the micro-slip factor g.
     pub(super) fn complete_beta(&self) -> f64 {
         let p = self.chi + 2.0;
         0.25 * PI * self.harmonic * (p + 1.0) / p

@@ -1,4 +1,4 @@
-//! One spring in series with one friction slider (Jenkins element), the atom of all Iwan models.
+//! One spring in series with one friction slider (Jenkins element), of which all Iwan models consist.
 
 use super::backbone::Backbone;
 use crate::error::{Error, check};
@@ -59,7 +59,7 @@ impl Backbone for Jenkins {
         0.5 * self.k_t * stuck * stuck + self.f_s * (u.abs() - stuck)
     }
 
-    /// D = 4 F_S (u - F_S/K_T) once it slips.
+    /// D = 4 F_S (u - F_S/K_T) once the element slips, 0 before.
     fn dissipation(&self, u: f64) -> f64 {
         4.0 * self.f_s * (u.abs() - self.strength).max(0.0)
     }
@@ -82,7 +82,7 @@ impl Backbone for Jenkins {
     }
 }
 
-/// K_1/k of one Jenkins element at `ratio` = φ/u: 1 while it sticks.
+/// K_1/k of one Jenkins element at `ratio` = φ/u: 1 while the element sticks (`ratio` >= 1).
 pub(crate) fn jenkins_harmonic(ratio: f64) -> f64 {
     if ratio >= 1.0 || ratio.is_nan() {
         return 1.0;

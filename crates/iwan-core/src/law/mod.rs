@@ -1,5 +1,5 @@
-//! Joint laws: a law is its virgin curve, from which Masing's rule makes everything else; where friction drops once it
-//! slips, its cycles are derived slider by slider.
+//! Joint laws. A law is given by its virgin curve, from which Masing's rule gives all loops. Where friction drops once a slider slips, the
+//! rule does not hold and the cycles are derived slider by slider.
 
 mod backbone;
 mod jenkins;

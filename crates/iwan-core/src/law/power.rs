@@ -1,13 +1,12 @@
 //! x^p at a fixed exponent, several times faster than a general `pow`.
 
-/// Number of mantissa cells, 2^7: |δ| then stays below 2^-8, and the first term that the series of six leaves out
-/// is below 2e-19 of the value, for 2 kB of table. With 64 cells it would be 3e-17, still less than rounding; with
-/// 32 it would be 4e-15.
+/// Number of mantissa cells, 2^7. With it |δ| stays below 2^-8, and the first term that the series of six leaves out is below 2e-19 of the
+/// value; the table takes 2 kB. With 64 cells that term would be 3e-17, still below rounding; with 32 cells 4e-15.
 const CELLS: usize = 128;
 /// Bits of the mantissa that number the cell: [`CELLS`] = 2^7.
 const CELL_BITS: u32 = 7;
-/// Number of binary exponents in the table: it reaches down to x = 2^-63 = 1e-19, that is to displacements which no
-/// rounding of a motion of φ_max can tell from zero. Below, `libm::pow` takes over: slower, no less exact.
+/// Number of binary exponents in the table, which reaches down to x = 2^-63 = 1e-19: no smaller displacement can be told from zero beside a
+/// motion of φ_max. For smaller x `libm::pow` takes over, which is slower and as exact.
 const OCTAVES: usize = 64;
 
 /// The function x -> x^p, with p fixed at construction; made for 0 <= x <= 1.
@@ -62,18 +61,18 @@ impl FixedPower {
     #[inline]
     #[must_use]
     pub fn at(&self, x: f64) -> f64 {
-        /// Bits of the fraction of an IEEE 754 double.
+        /// Number of bits of the fraction of an IEEE 754 double.
         const FRACTION_BITS: u32 = f64::MANTISSA_DIGITS - 1;
         /// The exponent field of 1.0.
         const ONE: u64 = 1023;
-        /// The fraction's bits set.
+        /// A mask with all bits of the fraction set.
         const FRACTION: u64 = (1 << FRACTION_BITS) - 1;
-        /// Bits of the fraction within a cell.
+        /// Number of bits of the fraction below the cell's number.
         const BELOW_CELL: u32 = FRACTION_BITS - CELL_BITS;
-        /// The bit that stands for the middle of a cell.
+        /// The bit that moves the start of a cell to its middle.
         const HALF_CELL: u64 = 1 << (BELOW_CELL - 1);
         let bits = x.to_bits();
-        // A sign or an exponent above 1.0 wraps round to a huge number.
+        // For a negative x or x >= 2 the subtraction wraps round to a huge number, and `libm::pow` answers.
         let octave = ONE.wrapping_sub(bits >> FRACTION_BITS) as usize;
         if octave >= OCTAVES {
             return libm::pow(x, self.exponent);

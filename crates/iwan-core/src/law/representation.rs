@@ -1,4 +1,4 @@
-//! How a law stands in a computation: cut into sliders on a grid, or as it is.
+//! How a law enters a computation: cut into sliders on a grid, or as the continuous law.
 
 use crate::error::{Error, check};
 
@@ -12,16 +12,15 @@ pub enum Representation {
         /// Where the bins lie.
         grid: Grid,
     },
-    /// The law itself by Masing's rule with return-point memory.
+    /// The continuous law by Masing's rule, with return-point memory and no sliders.
     Continuum,
 }
 
 impl Representation {
-    /// Bins unless the user says otherwise.
+    /// Number of bins unless the user chooses another.
     ///
-    /// On the default grid of a mode they hold the dissipation per cycle within 0.5 % from 0.001 to 0.3 φ_max. The
-    /// number is a choice between digits and time: 50 bins hold 1.7 %, 200 hold 0.14 %, 400 hold 0.04 % (-0.5 <= χ
-    /// < 0).
+    /// On the default grid of a mode 100 bins keep the dissipation per cycle within 0.5 % from 0.001 to 0.3 φ_max (-0.5 <= χ < 0). More
+    /// bins cost time and gain accuracy: 50 bins keep it within 1.7 %, 200 within 0.14 %, 400 within 0.04 %.
     pub const DEFAULT_BINS: usize = 100;
 
     /// The default of a mode: `bins` sliders on [`Grid::graded`].
@@ -59,18 +58,18 @@ impl Representation {
 pub enum Grid {
     /// Bins of equal width between the weakest and the strongest slider.
     ///
-    /// The textbook choice, and a trap for ring-downs: nothing dissipates below the
-    /// first strength.
+    /// The textbook choice, but unsuitable for ring-downs: nothing dissipates at amplitudes below the first strength.
     Uniform,
-    /// Bins in geometric progression: the upper edge of the first lies at `smallest` of the way from the weakest to
-    /// the strongest slider, for most laws `smallest` φ_max, that of the last at the strongest.
+    /// Bins in geometric progression. The upper edge of the first bin lies at the part `smallest` of the way from the weakest to the
+    /// strongest slider (for most laws at `smallest` φ_max); the upper edge of the last bin lies at the strongest slider.
     ///
-    /// All below the first edge is one slider, so this is the amplitude down to which a motion still finds a density.
+    /// All strengths below the first edge are one slider. The first edge is therefore the smallest amplitude at which the sliders still
+    /// represent a density.
     Graded {
         /// Upper edge of the first bin over φ_max, between 0 and 1.
         smallest: f64,
     },
-    /// The same progression by the ratio of neighbouring edges: `bins` of them begin at ratio^-(bins - 1).
+    /// The same progression, given by the ratio of neighbouring edges: the upper edge of the first bin lies at ratio^-(bins - 1).
     Geometric {
         /// Ratio > 1 of neighbouring edges.
         ratio: f64,
@@ -78,25 +77,23 @@ pub enum Grid {
 }
 
 impl Grid {
-    /// Smallest strength of the default grid of a mode, over φ_max, times the number of bins.
+    /// Upper edge of the first bin on the default grid of a mode, over φ_max, times the number of bins.
     ///
-    /// At 100 bins that is 1e-4 φ_max and a ratio of 1.0975. All below the first edge is one slider, which asks for
-    /// a small edge, and bins are the wider the farther the same number reaches, which asks for a large one. What
-    /// 100 bins are wrong by at most, in the dissipation per cycle from 0.001 to 0.3 φ_max and for -0.5 <= χ < 0:
-    /// 60 % from an edge at 1e-3 φ_max, 3 % from 3e-4, 0.5 % from 1e-4, 0.7 % from 1e-5, 1.1 % from 1e-6. With the
-    /// number of bins in it the first edge falls as bins grow finer, so both errors vanish together, nearly as the
-    /// inverse square of that number.
+    /// At 100 bins the first edge lies at 1e-4 φ_max and the ratio of edges is 1.0975. All strengths below the first edge are one slider,
+    /// which calls for a small edge; but the farther a given number of bins reaches, the wider each bin, which calls for a large edge. The
+    /// largest error of 100 bins in the dissipation per cycle, from 0.001 to 0.3 φ_max and for -0.5 <= χ < 0, is 60 % with the first edge
+    /// at 1e-3 φ_max, 3 % at 3e-4, 0.5 % at 1e-4, 0.7 % at 1e-5 and 1.1 % at 1e-6. Because the edge is inversely proportional to the number
+    /// of bins, both errors vanish together as bins are added, nearly as the inverse square of their number.
     pub const SMALLEST_TIMES_BINS: f64 = 0.01;
 
     /// The default grid in a structure: graded from 1e-6 φ_max.
     ///
-    /// The joints of a structure slip unequally, and one grid serves them all. From 1e-6 φ_max, 100 bins hold the
-    /// dissipation per cycle within 1.1 % from 1e-5 to 0.3 φ_max (-0.5 <= χ < 0; the ratio is 1.15), where that of
-    /// a mode has lost all of it at 1e-4 φ_max and is within 0.5 % from 0.001 on.
+    /// The joints of a structure slip by very different amounts, and one grid serves them all. From 1e-6 φ_max, 100 bins keep the
+    /// dissipation per cycle within 1.1 % from 1e-5 to 0.3 φ_max (-0.5 <= χ < 0; the ratio of edges is 1.15). The default grid of a mode
+    /// keeps it within 0.5 % from 0.001 φ_max on, but has no dissipation left at 1e-4 φ_max.
     pub const IN_STRUCTURES: Self = Self::Graded { smallest: 1e-6 };
 
-    /// The default grid of a mode with so many bins: graded from
-    /// [`SMALLEST_TIMES_BINS`](Self::SMALLEST_TIMES_BINS)/`bins` φ_max.
+    /// The default grid of a mode with `bins` bins: graded from [`SMALLEST_TIMES_BINS`](Self::SMALLEST_TIMES_BINS)/`bins` φ_max.
     #[must_use]
     pub fn graded(bins: usize) -> Self {
         Self::Graded { smallest: Self::SMALLEST_TIMES_BINS / bins.max(1) as f64 }
@@ -105,7 +102,7 @@ impl Grid {
     /// The edges of `bins` bins between the strengths `low` and `high`.
     ///
     /// # Errors
-    /// [`Error::OutOfRange`] with the name of the grid's number.
+    /// [`Error::OutOfRange`] for the grid's `smallest` or `ratio`.
     pub(crate) fn edges(self, bins: usize, [low, high]: [f64; 2]) -> Result<Edges, Error> {
         let ratio = match self {
             Self::Uniform => None,

@@ -1,4 +1,4 @@
-//! How the four-parameter law changes with its parameters: exact derivatives for identification.
+//! Exact derivatives of the four-parameter law with respect to its parameters, for identification.
 
 use super::backbone::Backbone;
 use super::four_parameter::FourParameter;
@@ -7,17 +7,17 @@ use super::four_parameter::FourParameter;
 /// ln K_T, ln F_S, χ and β.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct LawSlopes {
-    /// N = F(u) - K_T u: what slip takes off the stuck joint, <= 0.
+    /// N = F(u) - K_T u <= 0: the force of the joint less the force that it would have if stuck.
     pub missing: f64,
     /// dN/du.
     pub missing_slope: f64,
-    /// Derivatives of N with respect to the parameters, u held.
+    /// Derivatives of N with respect to the parameters at constant u.
     pub missing_by: [f64; 4],
     /// Dissipation D(u) of a closed cycle.
     pub dissipation: f64,
     /// dD/du.
     pub dissipation_slope: f64,
-    /// Derivatives of D with respect to the parameters, u held.
+    /// Derivatives of D with respect to the parameters at constant u.
     pub dissipation_by: [f64; 4],
 }
 
@@ -43,16 +43,16 @@ impl FourParameter {
         let of_c = 1.0 / ((chi + 2.0) * (chi + 2.0) * (beta + c));
         let phi = [-1.0, 1.0, -of_c, 1.0 / (1.0 + beta) - 1.0 / (beta + c)];
         let power = [1.0, 0.0, 0.0, -1.0 / (1.0 + beta)];
-        // Of A, but for χ.
+        // Logarithmic derivatives of A; the term ln u of χ is added below.
         let mut a = [0.0; 4];
         for (a, (power, phi)) in a.iter_mut().zip(power.iter().zip(&phi)) {
             *a = power - (chi + 1.0) * phi;
         }
         a[2] -= 1.0 / (chi + 2.0) + libm::log(self.phi_max());
-        // Of the factor 4 (χ+1)/(χ+3) beside A.
+        // Logarithmic derivative with respect to χ of the factor 4 (χ+1)/(χ+3) beside A.
         let factor = 1.0 / (chi + 1.0) - 1.0 / (chi + 3.0);
         if u < self.phi_max() {
-            // Not as a difference: in small motion N is a small part of both.
+            // N is not computed as the difference F - K_T u: in small motion N is a small part of both terms.
             let share = libm::pow(u / self.phi_max(), chi + 1.0);
             let (missing, d) = (-u * self.k_power / (chi + 2.0) * share, self.dissipation(u));
             let log = if u > 0.0 { libm::log(u) } else { 0.0 };
@@ -72,7 +72,7 @@ impl FourParameter {
         let log = libm::log(edge);
         let by = |i: usize| {
             let shape = if i == 2 { log + factor } else { 0.0 };
-            // D(φ_max) = 4 A (χ+1)/(χ+3) φ_max^(χ+3), less 4 F_S φ_max.
+            // D(φ_max) = 4 A (χ+1)/(χ+3) φ_max^(χ+3), and its derivative less that of 4 F_S φ_max.
             let edge_part = at_edge * (a[i] + shape + (chi + 3.0) * phi[i]) - 4.0 * f * edge * phi[i];
             edge_part + if i == 1 { 4.0 * f * (u - edge) } else { 0.0 }
         };
@@ -107,8 +107,8 @@ mod tests {
                 let size = law(p).f_s();
                 for i in 0..4 {
                     let moved = |by: f64| core::array::from_fn(|j| p[j] + if i == j { by } else { 0.0 });
-                    // Four points, because φ_max holds 1/(χ+1): of two the error is h²/6 times a third derivative of 6/(χ+1)⁴. β
-                    // ends at 0: three points on one side.
+                    // Differences of four points, because φ_max contains 1/(χ+1): the error of two points is h²/6 times a third derivative
+                    // of 6/(χ+1)⁴. The range of β ends at 0, so there the difference takes three points on one side.
                     let at_end = i == 3 && p[3] == 0.0;
                     let allowed = if at_end { 2e-6 } else { 1e-8 };
                     let slope = |of: &dyn Fn([f64; 4], f64) -> f64| {

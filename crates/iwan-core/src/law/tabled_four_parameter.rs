@@ -1,16 +1,15 @@
-//! The four-parameter joint for time stepping: its one power taken from a table.
+//! The four-parameter joint for time stepping, with a table for the one power in its formulas.
 
 use super::backbone::{Backbone, PowerLaw};
 use super::four_parameter::FourParameter;
 use super::power::FixedPower;
 
-/// A [`FourParameter`] joint with a table for its power: the same law, to three units in the last place of the
-/// power, at a fraction of the time per evaluation. The table takes 2.6 kB and some 10 µs to build, so it pays from
-/// some hundreds of evaluations on.
+/// A [`FourParameter`] joint with a table for its power: the same law, with the power exact to three units in the last place, at a fraction
+/// of the time per evaluation. The table takes 2.6 kB and some 10 µs to build, so it saves time from some hundreds of evaluations on.
 #[derive(Debug, Clone)]
 pub struct TabledFourParameter {
     law: FourParameter,
-    /// 1/φ_max: a product in place of a quotient.
+    /// 1/φ_max, so that a product replaces a division.
     inverse_phi_max: f64,
     /// Factor (K_T - S)/(χ+2) of the power in F/u.
     softening: f64,

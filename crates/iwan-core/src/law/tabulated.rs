@@ -95,7 +95,7 @@ impl<P: AsRef<[DensityPoint]>> Tabulated<P> {
         &points[points.len() - 1]
     }
 
-    /// ∫ ρ, ∫ ρ φ and ∫ ρ φ² over the strengths below `phi`, the Dirac included once it slips.
+    /// ∫ ρ, ∫ ρ φ and ∫ ρ φ² over the strengths below `phi`; they include the Dirac slider once it slips.
     fn moments(&self, phi: f64) -> [f64; 3] {
         let last = self.last();
         if phi >= last.strength {

@@ -8,8 +8,7 @@ use crate::error::{Error, check};
 
 /// Sliders of equal stiffness, strengths uniform over φ_mean (1 ± width).
 ///
-/// `width` = 1 is the full band 0 … 2 F_S/K_T (the four-parameter joint with χ = 0, β = 0),
-/// `width` -> 0 a Jenkins element.
+/// `width` = 1 is the full band 0 … 2 F_S/K_T (the four-parameter joint with χ = 0, β = 0); `width` -> 0 approaches a Jenkins element.
 ///
 /// ```
 /// use iwan_core::{Backbone, Uniform};
@@ -47,7 +46,7 @@ impl Uniform {
         if (self.weakest..=self.strongest).contains(&phi) { self.density } else { 0.0 }
     }
 
-    /// Displacement into the band of strengths, 0 before it.
+    /// How far the displacement |u| exceeds the weakest strength (length); 0 below it.
     fn beyond_weakest(&self, u: f64) -> f64 {
         (u.abs() - self.weakest).max(0.0)
     }

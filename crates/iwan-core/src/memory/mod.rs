@@ -1,7 +1,6 @@
-//! Memories: how the hysteretic force of a law follows any history of displacement.
+//! Memories: evaluations of the hysteretic force of a law along any history of displacement.
 //!
-//! [`Hysteresis`] is what all of them can do; parameters and state are two values, so that one law drives many
-//! joints.
+//! [`Hysteresis`] is their common interface. Parameters and state are two values, so that one law drives many joints.
 
 mod hysteresis;
 mod no_joint;

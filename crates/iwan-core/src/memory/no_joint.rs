@@ -1,4 +1,4 @@
-//! The absent joint, for linear modes.
+//! The joint of a linear mode: none.
 
 use super::hysteresis::{Hysteresis, Trial};
 

@@ -1,4 +1,4 @@
-//! The readable reference: every slider visited at every step.
+//! The readable reference implementation: it visits every slider at every step.
 
 use super::hysteresis::Hysteresis;
 use super::sliders::Sliders;
@@ -70,8 +70,8 @@ impl<S: AsRef<[f64]> + AsMut<[f64]>> Hysteresis<Extensions<S>> for Plain<'_> {
         self.joint_force(state)
     }
 
-    /// Newton's method on a concave, piecewise-linear function: from zero it never overshoots and
-    /// ends exactly, after at most one round per slider.
+    /// Newton's method on a concave, piecewise-linear function: started from zero it never overshoots, and it ends at the exact solution
+    /// after at most one round per slider.
     fn solve(&self, state: &mut Extensions<S>, stiffness: f64, load: f64) -> f64 {
         if !load.is_finite() {
             return f64::NAN;

@@ -1,7 +1,7 @@
-//! A population of N Jenkins elements, kept in a slice of the caller's.
+//! A population of N Jenkins elements in a slice that the caller provides.
 //!
-//! The table is sorted by strength and carries the running sums that make the
-//! force of the whole population a matter of one look-up (see [`Runs`](crate::Runs)).
+//! The table is sorted by strength and carries running sums, so that the force of the whole population takes one look-up (see
+//! [`Runs`](crate::Runs)).
 
 use crate::error::{Error, check, check_length};
 use crate::law::{Backbone, Breakaway, Grid, jenkins_harmonic};
@@ -11,7 +11,7 @@ use crate::law::{Backbone, Breakaway, Grid, jenkins_harmonic};
 pub struct Slider {
     /// Strength φ: the extension at which it slips (length).
     pub(crate) strength: f64,
-    /// Its stiffness k.
+    /// Stiffness k of the element.
     pub(crate) stiffness: f64,
     /// Σ k φ of all weaker sliders.
     pub(crate) slip_force_below: f64,
@@ -33,23 +33,23 @@ pub struct Slider {
 /// ```
 #[derive(Debug, Clone, Copy)]
 pub struct Sliders<'a> {
-    /// Sorted by strength, closed by a sentinel of infinite reach and no stiffness.
+    /// Sorted by strength; the last entry is a sentinel of infinite reach without stiffness.
     table: &'a [Slider],
     /// Ratio of dynamic to static friction.
     friction_ratio: f64,
 }
 
-/// Reach of the sentinel behind the last slider, farther than any motion: finite, so that 0 · reach is 0 and not NaN.
+/// Reach of the sentinel behind the last slider, farther than any motion. It is finite so that 0 · reach is 0 and not NaN.
 const BEYOND: f64 = f64::MAX;
 
-/// Share of K_T that the bins must leave over for a Dirac at the strongest slider to be there. Below it the rest is
-/// rounding of K_T and of the bins' sum (2e-16 for laws in closed form, some more for a table of many points),
-/// which is not worth a slider; a Dirac as weak as that is dropped with it.
+/// Smallest share of K_T, left over by the bins, that counts as a Dirac at the strongest slider. A smaller rest is rounding of K_T and of
+/// the bins' sum (2e-16 for laws in closed form, somewhat more for a table of many points) and gets no slider; a real Dirac as weak as that
+/// is dropped too.
 const LEAST_DIRAC: f64 = 1e-14;
 
 impl<'a> Sliders<'a> {
-    /// Entries that [`discretise`](Self::discretise) needs at most for `bins` bins: the bins, the
-    /// Dirac at the strongest slider and a sentinel. Unused ones are left alone.
+    /// Largest number of entries that [`discretise`](Self::discretise) needs for `bins` bins: the bins, the Dirac at the strongest slider
+    /// and a sentinel. Entries that are not needed stay unchanged.
     #[must_use]
     pub const fn table_len(bins: usize) -> usize {
         bins + 2
@@ -62,7 +62,7 @@ impl<'a> Sliders<'a> {
     ///
     /// # Errors
     /// [`Error::Length`] when `table` is shorter than [`table_len`](Self::table_len) or `bins` is 0;
-    /// [`Error::OutOfRange`] for a grid whose number is out of range.
+    /// [`Error::OutOfRange`] for a grid whose `smallest` or `ratio` is out of range.
     pub fn discretise<B: Backbone + ?Sized>(
         law: &B,
         grid: Grid,
@@ -92,7 +92,7 @@ impl<'a> Sliders<'a> {
             let (from, to) = (edges.upper(i - 1), edges.upper(i));
             let (k, f) = (law.stiffness_below(to), law.force_below(to));
             let (dk, df) = (k - stiffness, f - slip);
-            // The centroid lies in its bin but for rounding.
+            // The centroid lies in its bin, except for rounding, which is clipped here.
             let lower = if i == 1 { low } else { from };
             push(dk, if dk > 0.0 { (df / dk).max(lower).min(to) } else { to });
             (stiffness, slip) = (k, f);
@@ -104,7 +104,8 @@ impl<'a> Sliders<'a> {
         Ok(Self { friction_ratio: law.friction_ratio(), ..Self::close(count, table) })
     }
 
-    /// The same sliders with a ratio 0 < `theta` <= 1 of dynamic to static friction: below 1 they are for [`StickSlip`](crate::StickSlip).
+    /// The same sliders with a ratio 0 < `theta` <= 1 of dynamic to static friction. A population with `theta` < 1 can be used by
+    /// [`StickSlip`](crate::StickSlip) only.
     ///
     /// # Errors
     /// [`Error::OutOfRange`] for `theta`.
@@ -144,7 +145,7 @@ impl<'a> Sliders<'a> {
         Ok(Self::close(n, table))
     }
 
-    /// Fills in the running sums (compensated: good to the last bit or two) and the sentinel.
+    /// Fills in the running sums (compensated, exact to the last bit or two) and the sentinel.
     fn close(count: usize, table: &'a mut [Slider]) -> Self {
         let mut below = Compensated::default();
         for slider in &mut table[..count] {
@@ -200,7 +201,7 @@ impl<'a> Sliders<'a> {
     }
 }
 
-/// The virgin curve of the population itself, piecewise linear, and cycles reached from rest.
+/// The population's own virgin curve, which is piecewise linear, and its cycles as reached from rest.
 impl Backbone for Sliders<'_> {
     fn initial_stiffness(&self) -> f64 {
         self.table[0].stiffness_from
@@ -272,7 +273,7 @@ impl Backbone for Sliders<'_> {
     }
 }
 
-/// A sum that carries its rounding error along (Neumaier, ZAMM 54:39, 1974, doi:10.1002/zamm.19740540106).
+/// A sum that also accumulates its rounding error (Neumaier, ZAMM 54:39, 1974, doi:10.1002/zamm.19740540106).
 #[derive(Debug, Clone, Copy, Default)]
 pub(crate) struct Compensated {
     sum: f64,

@@ -1,10 +1,9 @@
-//! A population whose friction drops once a slider slips: every slider remembers its spring and whether it slides.
+//! A population of sliders whose friction drops once they slip. Each slider remembers the extension of its spring and whether it slides.
 //!
-//! A slider sticks until its spring is stretched to the static limit φ, then slides with the spring at θφ until the motion turns
-//! round, and sticks again (Mignolet, Song and Wang 2015, doi:10.1016/j.jsv.2015.03.032). So the force jumps down where a slider
-//! breaks loose, a small motion back and forth is not forgotten when its loop closes, and run-length or return-point memory does
-//! not serve. [`Spring`]s are visited where one breaks loose and where the motion turns round; in between the population is one
-//! spring.
+//! A slider sticks until its spring is stretched to the static limit φ, then slides with the spring at θφ until the motion turns round, and
+//! sticks again (Mignolet, Song and Wang 2015, doi:10.1016/j.jsv.2015.03.032). So the force drops where a slider breaks loose, and a small
+//! motion back and forth still has an effect after its loop closes. Run-length and return-point memory cannot represent this. All
+//! [`Spring`]s are visited where one breaks loose and where the motion turns round; in between the population acts as one spring.
 
 use super::hysteresis::{Hysteresis, Trial};
 use super::sliders::Sliders;
@@ -30,16 +29,16 @@ use crate::law::Backbone;
 #[derive(Debug, Clone, Copy)]
 pub struct StickSlip<'a> {
     sliders: Sliders<'a>,
-    /// θ.
+    /// Ratio θ of dynamic to static friction.
     ratio: f64,
 }
 
 /// The spring of one slider.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct Spring {
-    /// Its extension, where the state's springs were last visited.
+    /// Extension of the spring when the state's springs were last visited.
     extension: f64,
-    /// Whether its slider slides in the state's direction, the spring being as long as it is.
+    /// Whether the slider slides in the state's direction; its spring then keeps its extension.
     slides: bool,
 }
 
@@ -49,28 +48,28 @@ pub struct Springs<S> {
     u: f64,
     /// Direction of the motion, ±1.
     direction: f64,
-    /// Displacement at which the springs were last visited, …
+    /// Displacement at which the springs were last visited.
     anchor: f64,
-    /// … the force there, …
+    /// Force at `anchor`.
     held: f64,
-    /// … stiffness of the springs that stick, …
+    /// Stiffness of the springs that stick.
     stiffness: f64,
-    /// … and direction · displacement at which the next of them breaks loose.
+    /// Direction · displacement at which the next of these springs breaks loose.
     reach: f64,
     list: S,
 }
 
-/// What a monotone motion ends with.
+/// Force, tangent and work at the end of a monotone motion.
 #[derive(Debug, Clone, Copy, Default)]
 struct Ahead {
     force: f64,
-    /// Stiffness of the springs that stick at its end.
+    /// Stiffness of the springs that stick at the end of the motion.
     tangent: f64,
     work: f64,
 }
 
 impl<'a> StickSlip<'a> {
-    /// The memory of `sliders`.
+    /// The memory of the population `sliders`.
     #[must_use]
     pub fn new(sliders: Sliders<'a>) -> Self {
         Self { sliders, ratio: sliders.friction_ratio() }
@@ -88,7 +87,7 @@ impl<'a> StickSlip<'a> {
         Ok(Springs { u: 0.0, direction: 1.0, anchor: 0.0, held: 0.0, stiffness, reach, list: springs })
     }
 
-    /// Strength, stiffness, extension and whether it slides on, of each slider as the motion begins to go in `direction`.
+    /// For each slider at the start of a motion in `direction`: strength, stiffness, extension, and whether it goes on sliding.
     fn at<'b, S: AsRef<[Spring]>>(
         &'b self,
         state: &'b Springs<S>,
@@ -107,7 +106,7 @@ impl<'a> StickSlip<'a> {
         let direction = 1.0_f64.copysign(du);
         let mut end = Ahead::default();
         for (phi, k, x, slides) in self.at(state, direction) {
-            // Its way until it breaks loose.
+            // Displacement from here until this slider breaks loose.
             let way = (phi - direction * x).max(0.0);
             if slides {
                 end.force += k * x;
@@ -125,17 +124,18 @@ impl<'a> StickSlip<'a> {
         end
     }
 
-    /// Whether a motion to `u` goes on with the springs that stick, no other breaking loose.
+    /// Whether no slider breaks loose in a motion to `u`, so that the population acts as one spring.
     fn glides<S>(state: &Springs<S>, u: f64) -> bool {
         state.direction * (u - state.u) >= 0.0 && state.direction * u < state.reach
     }
 
-    /// Force on the way with the springs that stick.
+    /// Force at `u` while no slider breaks loose.
     fn gliding<S>(state: &Springs<S>, u: f64) -> f64 {
         state.held + state.stiffness * (u - state.anchor)
     }
 
-    /// Force, tangent and way to the next break, at `passed` along a way in `direction` on which all that break by then slide.
+    /// Force, tangent and distance to the next break after the distance `passed` in `direction`, where every slider that breaks loose by
+    /// then slides.
     fn beyond<S: AsRef<[Spring]>>(&self, state: &Springs<S>, direction: f64, passed: f64) -> [f64; 3] {
         let (mut force, mut tangent, mut next) = (0.0, 0.0, f64::INFINITY);
         for (phi, k, x, slides) in self.at(state, direction) {
@@ -194,7 +194,8 @@ impl<S: AsRef<[Spring]> + AsMut<[Spring]>> Hysteresis<Springs<S>> for StickSlip<
         self.joint_force(state)
     }
 
-    /// From break to break, and the first solution on the way: behind a break the force is smaller, so that there may be another.
+    /// Steps from break to break to the first solution on the way. Behind a break the force is smaller, so there may be further solutions;
+    /// they are not looked for.
     fn solve(&self, state: &mut Springs<S>, stiffness: f64, load: f64) -> f64 {
         if !load.is_finite() {
             return f64::NAN;

@@ -1,7 +1,7 @@
 //! The integral of a power of the cosine over a quarter of a cycle.
 
-/// Largest exponent of a part. Beyond, a force is as good as a wall, for which there is [`Pinning`](super::Pinning),
-/// and from 340 on the Gamma function overflows. Laws of joints have exponents below 4.
+/// Largest exponent of a part. A force with a larger exponent acts like a wall, for which there is [`Pinning`](super::Pinning), and from
+/// 340 on the Gamma function overflows. A larger exponent is refused. Joint laws have exponents below 4.
 pub(super) const MOST_EXPONENT: f64 = 100.0;
 
 /// ∫ cos^p θ dθ from 0 to π/2, for p > -1: (√π/2) Γ((p+1)/2)/Γ((p+2)/2) (Abramowitz and Stegun 6.2.1, 6.2.2).
@@ -28,7 +28,7 @@ mod tests {
             assert!((quarter_integral(p) / exact - 1.0).abs() < 2e-15, "{p}");
         }
         for p in [1.2, 1.5, 2.3, 7.9, 31.0] {
-            // θ = π/2 (1 - s^4) flattens the corner where the cosine vanishes; eight panels follow a high power.
+            // θ = π/2 (1 - s^4) flattens the corner where the cosine vanishes; eight panels resolve a high power.
             let integrand = |s: f64| {
                 let to_corner = FRAC_PI_2 * s * s * s * s;
                 4.0 * FRAC_PI_2 * s * s * s * libm::pow(libm::sin(to_corner), p)

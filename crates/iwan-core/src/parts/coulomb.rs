@@ -2,13 +2,12 @@
 
 use crate::error::{Error, check};
 
-/// Coulomb friction: a force of constant size against the velocity, and at rest whatever holds the mode, up to that
-/// size. Mass-normalised.
+/// Coulomb friction: a force of constant size against the velocity; at rest, the force that holds the mode, up to that size.
+/// Mass-normalised.
 ///
-/// It is a slider without a spring: it sticks altogether, where an Iwan joint creeps. A motion of amplitude a loses D =
-/// 4 F a in one cycle, and a free decay on a linear spring k the amplitude 4 F/k, the same in every cycle, until it stops
-/// within F/k of the middle (J. P. Den Hartog, Forced vibrations with combined Coulomb and viscous friction, Trans. ASME
-/// 53:107, 1931).
+/// The part is a slider without a spring: at rest it does not move at all, where an Iwan joint creeps. A motion of amplitude a loses D = 4
+/// F a in one cycle. A free decay on a linear spring k loses the amplitude 4 F/k in every cycle, until it stops within F/k of the middle
+/// (J. P. Den Hartog, Forced vibrations with combined Coulomb and viscous friction, Trans. ASME 53:107, 1931).
 ///
 /// ```
 /// use iwan_core::Coulomb;

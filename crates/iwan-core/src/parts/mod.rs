@@ -1,8 +1,7 @@
-//! Parts of a modal law that stand beside its joint: dampers and springs that are no Iwan model, without memory.
+//! Parts of a modal law beside its joint: dampers and springs without memory, which are not Iwan models.
 //!
-//! A law of a mode is a sum: q'' + 2 ζ_v ω0 q' + K_∞ q + F_J(q) + Σ f_i(q, q') = f(t). Each part is one file with its
-//! force, its energy where it stores any, and what one cycle of amplitude a and circular frequency ω sees of it: the
-//! first-harmonic stiffness and the energy dissipated.
+//! The law of a mode is a sum: q'' + 2 ζ_v ω0 q' + K_∞ q + F_J(q) + Σ f_i(q, q') = f(t). Each part is one file with its force, its energy
+//! where it stores any, and its first-harmonic stiffness and dissipated energy in one cycle of amplitude a and circular frequency ω.
 
 mod cosine_power;
 mod power_damping;

@@ -1,4 +1,4 @@
-//! One part of a modal law, whichever it is, and the sum of several.
+//! One part of a modal law, of any kind, and sums over several parts.
 
 use super::coulomb::Coulomb;
 use super::pinning::Pinning;
@@ -35,7 +35,7 @@ pub fn sum_of_parts(parts: &[Part], property: impl Fn(&Part) -> f64) -> f64 {
 }
 
 impl Part {
-    /// Part of the force that the displacement `u` alone makes: that of the springs.
+    /// The elastic force: the part of the force that depends on the displacement `u` alone. Only springs and pinning have one.
     #[must_use]
     pub fn elastic_force(&self, u: f64) -> f64 {
         match self {
@@ -45,7 +45,7 @@ impl Part {
         }
     }
 
-    /// Force at the velocity `v` of the dampers that are continuous there: dry friction is in
+    /// Force of velocity damping at the velocity `v`. Dry friction, which jumps at v = 0, is not included: see
     /// [`friction`](Self::friction).
     #[must_use]
     pub fn damping_force(&self, v: f64) -> f64 {
@@ -58,14 +58,14 @@ impl Part {
         if let Self::PowerDamping(part) = self { part.slope(v) } else { 0.0 }
     }
 
-    /// Size of the dry friction: it acts against the velocity, and at rest it holds up to this size.
+    /// Size of the dry friction. It acts against the velocity; at rest it balances any force up to this size.
     #[must_use]
     pub fn friction(&self) -> f64 {
         if let Self::Coulomb(part) = self { part.size() } else { 0.0 }
     }
 
-    /// Force at the displacement `u` and the velocity `v`, as it acts against positive ones; at v = 0 without the dry
-    /// friction, which then has no value of its own.
+    /// Force at the displacement `u` and the velocity `v`, with the sign that opposes positive values. At v = 0 dry friction has no
+    /// definite value and is left out.
     #[must_use]
     pub fn force(&self, u: f64, v: f64) -> f64 {
         let friction = if v == 0.0 { 0.0 } else { self.friction().copysign(v) };

@@ -1,14 +1,14 @@
-//! A stop that is met beyond a gap.
+//! A stop behind a gap.
 
 use crate::error::{Error, check};
 use crate::law::jenkins_harmonic;
 
-/// Pinning: a spring k beyond a gap g on either side, f = k (|u| - g) sign u for |u| > g, without dissipation: the bolt's
-/// shank in its hole, a contact that stiffens. Mass-normalised.
+/// Pinning: a spring k behind a gap g on either side, f = k (|u| - g) sign u for |u| > g, without dissipation. It stands for a bolt's shank
+/// that meets its hole, or for a contact that stiffens. Mass-normalised.
 ///
-/// Its part in the stiffness of the first harmonic at the amplitude a > g is K_1 = (2k/π) (θ - sin θ cos θ) with cos θ =
-/// g/a (clearance: S. Natsiavas, Periodic response and stability of oscillators with symmetric trilinear restoring force,
-/// J. Sound Vib. 134:315, 1989, has the exact motion).
+/// Its first-harmonic stiffness at the amplitude a > g is K_1 = (2k/π) (θ - sin θ cos θ) with cos θ = g/a (S. Natsiavas, Periodic response
+/// and stability of oscillators with symmetric trilinear restoring force, J. Sound Vib. 134:315, 1989, has the exact motion with
+/// clearance).
 ///
 /// ```
 /// use iwan_core::Pinning;
@@ -24,7 +24,7 @@ pub struct Pinning {
 }
 
 impl Pinning {
-    /// Stiffness `k` >= 0 (1/s²) beyond the `gap` >= 0 (mass^½·length).
+    /// Stiffness `k` >= 0 (1/s²) beyond the `gap` > 0 (mass^½·length).
     ///
     /// # Errors
     /// [`Error::OutOfRange`] with the parameter's name.
@@ -51,7 +51,7 @@ impl Pinning {
         self.gap
     }
 
-    /// How far `u` lies beyond the gap, >= 0.
+    /// How far |u| exceeds the gap, >= 0.
     fn beyond(&self, u: f64) -> f64 {
         (libm::fabs(u) - self.gap).max(0.0)
     }
@@ -75,7 +75,7 @@ impl Pinning {
         0.5 * self.k * x * x
     }
 
-    /// Mean of the force over the displacements from `a` to `b`: work over way, without cancellation.
+    /// Mean of the force over the displacements from `a` to `b`, which is work over distance, computed without cancellation.
     #[must_use]
     pub fn mean_force(&self, a: f64, b: f64) -> f64 {
         if a == b {

@@ -3,8 +3,8 @@
 use super::cosine_power::{MOST_EXPONENT, quarter_integral};
 use crate::error::{Error, check};
 
-/// Velocity damping f = c |v|^n sign v, mass-normalised: n = 1 is a viscous damper, n = 2 a quadratic one, as air and
-/// water make it. [`Coulomb`](super::Coulomb) is its limit n -> 0.
+/// Velocity damping f = c |v|^n sign v, mass-normalised: n = 1 is a viscous damper, n = 2 a quadratic one, as in air and water.
+/// [`Coulomb`](super::Coulomb) is its limit n -> 0.
 ///
 /// A motion a cos ωt loses c (ωa)^(n+1)/ω ∮ |sin θ|^(n+1) dθ in one cycle,
 ///

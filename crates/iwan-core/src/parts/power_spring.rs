@@ -4,15 +4,15 @@ use super::cosine_power::{MOST_EXPONENT, quarter_integral};
 use crate::error::{Error, check};
 use crate::quadrature::Rule;
 
-/// Elastic spring f = k |u|^(m-1) u without dissipation, mass-normalised: m = 3 is Duffing's spring; k < 0 softens, as a
-/// contact does that opens.
+/// Elastic spring f = k |u|^(m-1) u without dissipation, mass-normalised. m = 3 is Duffing's spring; k < 0 softens, as a contact that opens
+/// does.
 ///
-/// Its part in the stiffness of the first harmonic is (4/π) k a^(m-1) ∫ cos^(m+1) θ dθ over a quarter of a cycle,
+/// Its first-harmonic stiffness is (4/π) k a^(m-1) ∫ cos^(m+1) θ dθ over a quarter of a cycle,
 ///
 /// K_1 = (2/√π) k a^(m-1) Γ(m/2 + 1)/Γ(m/2 + 3/2),
 ///
-/// which is (3/4) k a² for m = 3 (A. H. Nayfeh and D. T. Mook, Nonlinear Oscillations, 1979, Sec. 2.3). The exponent is
-/// above 1, so that the frequency at small amplitude stays that of the mode.
+/// which is (3/4) k a² for m = 3 (A. H. Nayfeh and D. T. Mook, Nonlinear Oscillations, 1979, Sec. 2.3). The exponent m is above 1, so that
+/// the spring does not change the mode's frequency at small amplitude.
 ///
 /// ```
 /// use iwan_core::PowerSpring;
@@ -30,9 +30,9 @@ pub struct PowerSpring {
     harmonic: f64,
 }
 
-/// Displacements whose relative distance times m + 1 is below this are near neighbours: the mean force between them is
-/// a quadrature, because the difference of the energies would cancel. At 0.5 the five nodes leave 1e-16 and the
-/// difference still has all its digits but one.
+/// Two displacements are near neighbours if their relative distance times m + 1 is at most this. The mean force between near neighbours is
+/// a quadrature, because the difference of the energies would cancel. At 0.5 the five nodes leave an error of 1e-16, and the difference has
+/// lost only one digit.
 const NEAR: f64 = 0.5;
 
 impl PowerSpring {
@@ -78,7 +78,7 @@ impl PowerSpring {
         self.k * libm::pow(libm::fabs(u), self.exponent + 1.0) / (self.exponent + 1.0)
     }
 
-    /// Mean of the force over the displacements from `a` to `b`: work over way, without cancellation.
+    /// Mean of the force over the displacements from `a` to `b`, which is work over distance, computed without cancellation.
     #[must_use]
     pub fn mean_force(&self, a: f64, b: f64) -> f64 {
         const RULE: Rule<5> = Rule::gauss_legendre();
@@ -107,13 +107,13 @@ mod tests {
             for (a, b) in [(0.3, 0.9), (-0.2, 0.7), (0.5, 0.5), (1.0, 1.0 + 0.4999 / (m + 1.0)), (0.0, 1e-3)]
             {
                 let fine = Rule::<64>::gauss_legendre();
-                // The kink at 0 is an end of the integration.
+                // The kink of the force at u = 0 is one end of the integration.
                 let work = |u: f64| fine.integrate(0.0, u, |x| spring.force(x));
                 let mean = if a == b { spring.force(a) } else { (work(b) - work(a)) / (b - a) };
                 let found = spring.mean_force(a, b);
                 assert!((found - mean).abs() <= 1e-8 * mean.abs(), "{k} {m} {a} {b}: {found} {mean}");
             }
-            // On both sides of the change of formula.
+            // Just below and just above the limit between quadrature and difference.
             let (near, far) = (1.0 + 0.499_999 / (m + 1.0), 1.0 + 0.500_001 / (m + 1.0));
             let (x, y) = (spring.mean_force(1.0, near), spring.mean_force(1.0, far));
             assert!((x / y - 1.0).abs() < 2e-6, "{m}: {x} {y}");

@@ -1,4 +1,4 @@
-//! From a steady motion to the Fourier coefficients of the joint's force and their derivatives.
+//! Fourier coefficients of the joint's force in a steady motion, with their derivatives.
 
 use super::harmonics::{Course, Harmonics};
 use super::turns::{farthest, from_turn};
@@ -8,14 +8,14 @@ use crate::law::{Backbone, check_masing};
 
 /// The force of a joint in steady motion, as Fourier coefficients.
 ///
-/// The motion u(θ) has the coefficients `displacement` in the order of [`Harmonics`]; `force` receives those of the force
-/// in the same order. `jacobian`, where wanted, receives their derivatives row by row: entry (i, j) at `i * len + j` is
-/// the derivative of `force[i]` with respect to `displacement[j]`.
+/// The motion u(θ) has the coefficients `displacement`, in the order of [`Harmonics`]; the coefficients of the force are written to `force`
+/// in the same order. `jacobian`, if given, receives their derivatives row by row: entry (i, j) at `i * len + j` is the derivative of
+/// `force[i]` with respect to `displacement[j]`.
 ///
-/// The law is the continuum's, without sliders and without samples: a steady loop is made of pieces of the virgin curve between
-/// turning points (Masing, 1926), each integrated by Gauss-Legendre rules; return-point memory leaves nothing of the
-/// time before. The joint was loaded from its virgin state to the farthest excursion, which matters for the mean force of
-/// motions with even harmonics only. Nothing is allocated.
+/// The law is evaluated as a continuum, without sliders and without samples. A steady loop consists of pieces of the virgin curve between
+/// turning points (Masing, 1926), each integrated by Gauss-Legendre rules; by return-point memory the time before has no effect. The joint
+/// is taken to be loaded from its virgin state to the farthest excursion; this matters only for the mean force of motions with even
+/// harmonics. The function allocates no memory.
 ///
 /// ```
 /// use iwan_core::{FourParameter, Harmonics, SteadyWork, steady_force};
@@ -65,8 +65,8 @@ pub fn steady_force<B: Backbone>(
     Ok(())
 }
 
-/// Finds the turning points and begins them with the farthest; returns half the range of the motion, or nothing where it
-/// does not move by more than rounding.
+/// Finds the turning points and orders them so that the farthest comes first. Returns half the range of the motion, or none if the motion
+/// is no larger than rounding.
 fn order_turns(course: &Course<'_>, work: &mut SteadyWork) -> Option<f64> {
     work.turns.find(course);
     if work.turns.count == 0 {
@@ -81,7 +81,7 @@ fn order_turns(course: &Course<'_>, work: &mut SteadyWork) -> Option<f64> {
     Some(others.fold(0.0, |most: f64, other| most.max(0.5 * (value - other).abs())))
 }
 
-/// The joint at rest: a displacement without motion, on the virgin curve, and sticking.
+/// The joint at rest: a constant displacement on the virgin curve, with all sliders stuck.
 fn at_rest<B: Backbone>(law: &B, course: &Course<'_>, force: &mut [f64], jacobian: Option<&mut [f64]>) {
     let mean = if course.harmonics.is_odd() { 0.0 } else { course.coefficients[0] };
     force.fill(0.0);
@@ -98,7 +98,7 @@ fn at_rest<B: Backbone>(law: &B, course: &Course<'_>, force: &mut [f64], jacobia
     }
 }
 
-/// 1 over the integral of the square of the harmonic's shape, over what was integrated.
+/// Normalisation of a Fourier coefficient: 1 over the integral of the square of the harmonic's shape over the period.
 fn norm(harmonics: Harmonics, n: usize) -> f64 {
     if n == 0 { 1.0 / harmonics.period() } else { 2.0 / harmonics.period() }
 }
@@ -113,7 +113,7 @@ fn project_force(harmonics: Harmonics, work: &SteadyWork, force: &mut [f64]) {
     }
 }
 
-/// Adds ∫ K φ_j φ_k to the products of the branches, by the integrals of K times e^(i(j±k)θ), and normalises.
+/// Adds ∫ K φ_j φ_k, from the integrals of K times e^(i(j±k)θ), to the products of the branches in `jacobian`, and normalises the sum.
 fn project_tangent(harmonics: Harmonics, work: &SteadyWork, jacobian: &mut [f64]) {
     let (count, moments) = (harmonics.len(), &work.sums.tangent);
     for j in harmonics.orders() {
@@ -122,7 +122,7 @@ fn project_tangent(harmonics: Harmonics, work: &SteadyWork, jacobian: &mut [f64]
             let column = harmonics.index(k);
             let [sum_c, sum_s] = moments[j + k].map(|part| 0.5 * part);
             let [c, s] = moments[j.abs_diff(k)].map(|part| 0.5 * part);
-            // sin((k - j)θ) turns its sign with k - j.
+            // sin((k - j)θ) changes its sign with k - j.
             let s = if k >= j { s } else { -s };
             let products = [[c + sum_c, sum_s + s], [sum_s - s, c - sum_c]];
             for (a, line) in products.iter().enumerate().take(1 + usize::from(j > 0)) {

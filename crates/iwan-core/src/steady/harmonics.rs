@@ -1,12 +1,12 @@
-//! Which harmonics a steady motion has, and its value and slopes at an angle.
+//! The set of harmonics of a steady motion, and the motion's value and slopes at an angle.
 
 use crate::error::{Error, check_length};
 
-/// The highest harmonic of a steady motion, which sizes the fixed memory of [`SteadyWork`](super::SteadyWork) (130 kB).
-/// Forced responses ask for 3 to 15; joints have forgotten the detail of a motion long before the 31st.
+/// The highest harmonic of a steady motion that is allowed; it determines the fixed memory of [`SteadyWork`](super::SteadyWork) (130 kB). A
+/// higher one is refused. Forced responses need 3 to 15 harmonics; the detail of a motion beyond the 31st has no effect on a joint.
 pub const MOST_HARMONICS: usize = 31;
 
-/// Coefficients of a motion with all harmonics at most: a mean, and a cosine and a sine of each.
+/// Largest number of coefficients of a motion: the mean, and a cosine and a sine of each harmonic.
 pub(super) const MOST_COEFFICIENTS: usize = 2 * MOST_HARMONICS + 1;
 
 /// The harmonics of a steady motion u(θ) = a_0 + Σ a_n cos nθ + b_n sin nθ, θ = Ω t.
@@ -28,8 +28,8 @@ pub struct Harmonics {
 }
 
 impl Harmonics {
-    /// The odd harmonics up to `highest` (odd, 1 to 31): motions whose second half repeats the first with the other
-    /// sign, as those of joints under forces without even harmonics do. Half the unknowns, half the work.
+    /// The odd harmonics up to `highest` (odd, 1 to 31), for motions whose second half period repeats the first with the opposite sign, as
+    /// with joints under forces without even harmonics. They need half the unknowns and half the work.
     ///
     /// # Errors
     /// [`Error::OutOfRange`].
@@ -75,7 +75,7 @@ impl Harmonics {
         (first..=self.highest).step_by(step)
     }
 
-    /// Where the cosine coefficient of the harmonic `n` stands; the sine's is the next.
+    /// Index of the cosine coefficient of the harmonic `n`; the sine coefficient is the next one.
     #[must_use]
     pub const fn index(self, n: usize) -> usize {
         if self.odd {
@@ -87,17 +87,17 @@ impl Harmonics {
         }
     }
 
-    /// The angle after which the motion repeats, but for its sign where harmonics are odd.
+    /// The angle after which the motion repeats; with odd harmonics it repeats with the opposite sign.
     pub(super) const fn period(self) -> f64 {
         if self.odd { core::f64::consts::PI } else { 2.0 * core::f64::consts::PI }
     }
 
-    /// Steps of one harmonic to the next.
+    /// Difference between successive harmonics.
     pub(super) const fn step(self) -> usize {
         if self.odd { 2 } else { 1 }
     }
 
-    /// The functions 1, cos nθ, sin nθ of all coefficients at an angle.
+    /// Values at an angle of the functions 1, cos nθ, sin nθ that belong to all coefficients.
     pub(super) fn shapes(self, theta: f64, out: &mut [f64]) {
         let (sine, cosine) = libm::sincos(theta);
         let step = if self.odd { turned([cosine, sine], [cosine, sine]) } else { [cosine, sine] };
@@ -118,12 +118,12 @@ pub(super) fn turned(a: [f64; 2], b: [f64; 2]) -> [f64; 2] {
     [a[0] * b[0] - a[1] * b[1], a[0] * b[1] + a[1] * b[0]]
 }
 
-/// A motion: its coefficients, and bounds that hold for all angles.
+/// A motion: its coefficients, and a bound of its third derivative.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Course<'a> {
     pub(super) harmonics: Harmonics,
     pub(super) coefficients: &'a [f64],
-    /// Σ n³ √(a_n² + b_n²): the third derivative is never larger.
+    /// Σ n³ √(a_n² + b_n²), a bound of the third derivative at all angles.
     pub(super) third: f64,
 }
 
@@ -152,13 +152,13 @@ impl<'a> Course<'a> {
         Ok(Self { harmonics, coefficients, third })
     }
 
-    /// At an angle.
+    /// Value, slope and curvature at an angle.
     pub(super) fn at(&self, theta: f64) -> Local {
         let (sine, cosine) = libm::sincos(theta);
         self.at_point([cosine, sine])
     }
 
-    /// At the angle whose cosine and sine are `first`.
+    /// Value, slope and curvature at the angle whose cosine and sine are `first`.
     pub(super) fn at_point(&self, first: [f64; 2]) -> Local {
         let odd = self.harmonics.odd;
         let step = if odd { turned(first, first) } else { first };
@@ -177,7 +177,8 @@ impl<'a> Course<'a> {
         Local { value, slope, curvature }
     }
 
-    /// The angle in [`low`, `high`], between which the motion is monotone and passes `target`, at which it has that value.
+    /// The angle at which the motion has the value `target`, between the angles `low` and `high`; between them the motion must be monotone
+    /// and pass `target`.
     pub(super) fn reaches(&self, target: f64, low: f64, high: f64) -> f64 {
         let rising = self.at(high).value > self.at(low).value;
         bracketed(low, high, |theta| {
@@ -188,7 +189,8 @@ impl<'a> Course<'a> {
     }
 }
 
-/// Most rounds for a root: Newton's method takes four to eight, and halving alone would be down to rounding after 52.
+/// Largest number of rounds for a root: Newton's method takes four to eight, and halving alone reaches rounding after 52. When it is
+/// reached, the last angle is used.
 const MOST_ROUNDS: u32 = 60;
 
 /// The root of a function (value and slope) that rises from negative at `low` to positive at `high`.

@@ -1,8 +1,7 @@
 //! Steady vibration: the Fourier coefficients of a joint's force and their derivatives, exact in the continuum.
 //!
-//! A steady loop is made of pieces of the virgin curve between the turning points of the motion. Within one period the
-//! largest excursion wipes out all history before it (return-point memory), so there is no second period, no sample and no
-//! slider.
+//! A steady loop consists of pieces of the virgin curve between the turning points of the motion. Within one period the largest excursion
+//! erases all earlier history (return-point memory). So no second period, no samples and no sliders are needed.
 
 mod harmonics;
 mod turns;

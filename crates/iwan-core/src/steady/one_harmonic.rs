@@ -1,13 +1,13 @@
-//! One harmonic, u = a cos θ: the force's coefficients in closed form in micro-slip, by quadrature beyond.
+//! Motion of one harmonic, u = a cos θ: the force's coefficients in closed form in micro-slip, by quadrature beyond.
 //!
 //! With F = K_T u - C u^p in micro-slip the loop is K_T a cos θ - C a^p [1 - 2 sin^(2p)(θ/2)] from 0 to π and its
 //! negative on the other half. Its odd coefficients are
 //!
 //! c_n = K_T a δ_n1 + 4 C a^p (-1)^n Γ(2p+1) / (4^p Γ(p+n+1) Γ(p-n+1)),  s_n = -(4/π) C a^p E_n,
 //!
-//! with E_n = 1/n - ∫ sin^(2p)(θ/2) sin nθ from 0 to π. Turning the path of that integral by a right angle at both ends makes
-//! E_n = -cos(πp) 4^-p Γ(n-p) Γ(2p+1) / Γ(n+p+1) - ∫ (cosh^(2p)(y/2) - 1) e^(-ny) dy over y > 0 for n > p, where nothing
-//! oscillates and nothing of the size 1/n is left to cancel; both parts have two-term recurrences that are stable upwards.
+//! with E_n = 1/n - ∫ sin^(2p)(θ/2) sin nθ from 0 to π. If the path of that integral is turned by a right angle at both ends, it becomes,
+//! for n > p, E_n = -cos(πp) 4^-p Γ(n-p) Γ(2p+1) / Γ(n+p+1) - ∫ (cosh^(2p)(y/2) - 1) e^(-ny) dy over y > 0. This form has no oscillating
+//! integrand and no terms of the size 1/n that cancel; both parts have two-term recurrences that are stable upwards.
 
 use core::f64::consts::PI;
 
@@ -16,11 +16,11 @@ use crate::error::{Error, check, check_length};
 use crate::law::{Backbone, PowerLaw, check_masing};
 use crate::quadrature::Rule;
 
-/// Number of odd harmonics at most.
+/// Largest number of odd harmonics.
 const MOST_ODD: usize = MOST_HARMONICS.div_ceil(2);
 
-/// Fourier coefficients of the force in a steady motion a cos θ: `cosine[i]` and `sine[i]` receive those of the harmonic
-/// n = 2i + 1; the even ones vanish by Masing's rule.
+/// Fourier coefficients of the force in a steady motion a cos θ. `cosine[i]` and `sine[i]` receive those of the harmonic n = 2i + 1; the
+/// even ones vanish by Masing's rule.
 ///
 /// `cosine[0]`/a is [`Backbone::harmonic_stiffness`], and -π a `sine[0]` is [`Backbone::dissipation`].
 ///
@@ -45,7 +45,7 @@ pub fn one_harmonic<B: Backbone>(law: &B, a: f64, cosine: &mut [f64], sine: &mut
         return Err(Error::Length { name: "cosine", needed: MOST_ODD, found: cosine.len() });
     }
     match law.power_law() {
-        // Beyond p = 3 the path cannot be turned for n = 3; no law of the literature goes there.
+        // For p >= 3 the integral's path cannot be turned at n = 3; no law of the literature has such an exponent.
         Some(power) if a <= power.limit && power.exponent > 1.0 && power.exponent < 3.0 => {
             closed_form(&power, a, cosine, sine);
         }
@@ -76,7 +76,7 @@ fn closed_form(law: &PowerLaw, a: f64, cosine: &mut [f64], sine: &mut [f64]) {
     }
 }
 
-/// The two parts of E_n on their way upwards.
+/// The two parts of E_n in the upward recurrence.
 struct Rest {
     p: f64,
     n: f64,
@@ -87,8 +87,8 @@ struct Rest {
 }
 
 impl Rest {
-    /// At n = 1. There the integral is [2 (1-q) - cos(πq) 4^-q Γ(2-q) Γ(2q+1) / Γ(q+1)] / (q+1) over 1 - q, because that
-    /// of sin^(2q)(θ/2) sin nθ vanishes at n = 0.
+    /// The parts at n = 1. There the integral is [2 (1-q) - cos(πq) 4^-q Γ(2-q) Γ(2q+1) / Γ(q+1)] / (q+1), divided by 1 - q, because the
+    /// integral of sin^(2q)(θ/2) sin nθ vanishes at n = 0.
     fn new(p: f64) -> Self {
         let q = p - 1.0;
         let zero =
@@ -110,7 +110,7 @@ impl Rest {
         self.n = n + 1.0;
     }
 
-    /// E_n for n >= 3. By parts ∫ (cosh^(2p) - 1) e^(-ny) = p [p/n - (p - ½) ∫ cosh^(2q) e^(-ny)] / (n² - p²).
+    /// E_n for n >= 3. Integration by parts gives ∫ (cosh^(2p) - 1) e^(-ny) = p [p/n - (p - ½) ∫ cosh^(2q) e^(-ny)] / (n² - p²).
     fn value(&self, whole: f64) -> f64 {
         let (n, p) = (self.n, self.p);
         let below = self.scaled / (n - (p - 1.0));
@@ -119,11 +119,12 @@ impl Rest {
     }
 }
 
-/// Angle of a panel of sixteen nodes times the highest harmonic, rad: the rule then holds to rounding.
+/// Largest angle of a panel of sixteen nodes times the highest harmonic, rad: up to it the rule is exact to rounding.
 const FASTEST: f64 = 4.0;
 
-/// Any law by parts: c_n + i s_n = (2a/iπn) ∫ K(a sin²(θ/2)) sin θ e^(inθ) dθ from 0 to where all sliders slip, since the
-/// force stands still from there on. A tangent without its corner at θ = 0: the first panel is crowded by s^4.
+/// Coefficients for any law, integrated by parts: c_n + i s_n = (2a/iπn) ∫ K(a sin²(θ/2)) sin θ e^(inθ) dθ from 0 to the angle where all
+/// sliders slip, because the force is constant beyond. The substitution by s^4 crowds the nodes at the start of a piece and so removes the
+/// tangent's corner there.
 fn by_parts<B: Backbone>(law: &B, a: f64, cosine: &mut [f64], sine: &mut [f64]) {
     cosine.fill(0.0);
     sine.fill(0.0);
@@ -141,16 +142,17 @@ fn by_parts<B: Backbone>(law: &B, a: f64, cosine: &mut [f64], sine: &mut [f64]) 
     }
     for (index, (c, s)) in cosine.iter_mut().zip(sine).enumerate() {
         let factor = 2.0 * a / (PI * (2 * index + 1) as f64);
-        // 1/i turns the integral: its imaginary part is the cosine's, its real part the sine's with the other sign.
+        // The factor 1/i exchanges the parts: the imaginary part of the integral gives the cosine's coefficient, minus the real part the
+        // sine's.
         (*c, *s) = (factor * *s, -factor * *c);
     }
 }
 
-/// Adds ∫ K sin θ e^(inθ) between two angles within which the tangent has no corner but at the first.
+/// Adds ∫ K sin θ e^(inθ) between two angles; the tangent may have a corner at the first angle only.
 fn between<B: Backbone>(law: &B, a: f64, [from, to]: [f64; 2], [re, im]: [&mut [f64]; 2]) {
     const RULE: Rule<16> = Rule::gauss_legendre();
     let span = to - from;
-    // dθ/ds is four times the span at the far end.
+    // At the far end dθ/ds is four times the span.
     let panels =
         if law.is_smooth() { 1.0 } else { 16.0 } + libm::ceil(4.0 * span * (2 * re.len()) as f64 / FASTEST);
     let width = 1.0 / panels;

@@ -1,28 +1,26 @@
-//! Fourier integrals of force and tangent over one stretch of angles, by a Gauss-Legendre rule.
+//! Fourier integrals of force and tangent over one interval of angles, by a Gauss-Legendre rule.
 
 use super::harmonics::{Course, MOST_HARMONICS};
 use crate::law::Backbone;
 use crate::memory::Branch;
 use crate::quadrature::Rule;
 
-/// Nodes of a stretch. Sixteen are four registers of four numbers, and hold an oscillation of [`FASTEST`] rad to
-/// rounding.
+/// Number of nodes of a stretch (an interval of angles). Sixteen fill four registers of four numbers, and integrate an oscillation of
+/// [`FASTEST`] rad to rounding.
 const NODES: usize = 16;
 const RULE: Rule<NODES> = Rule::gauss_legendre();
 
-/// One number for each node.
+/// One number per node.
 type Lanes = [f64; NODES];
 
-/// Longest stretch, rad: the offsets of its nodes from the middle then stay below 0.8, where twelve terms give their sine and
-/// cosine to rounding.
+/// Longest stretch, rad: the nodes are then less than 0.8 from the middle, where twelve terms give their sine and cosine to rounding.
 pub(super) const LONGEST: f64 = 1.6;
 
-/// Longest stretch times the highest harmonic, rad. Force and shape together then turn by three times as much at the
-/// most before the law adds overtones of its own, which sixteen nodes integrate to 1e-13.
+/// Longest stretch times the highest harmonic, rad. Force and shape together then turn by at most three times as much, without the
+/// overtones that the law adds; sixteen nodes integrate that to 1e-13.
 pub(super) const FASTEST: f64 = 6.0;
 
-/// Longest stretch with its nodes crowded at its start, times the highest harmonic: s^4 makes the far end four times as
-/// fast.
+/// The same limit (rad) for a stretch with its nodes crowded at its start: the substitution s^4 makes the far end four times as fast.
 pub(super) const FASTEST_CROWDED: f64 = 2.0;
 
 /// Nodes and weights of the stretch [0, 1].
@@ -31,7 +29,7 @@ struct Nodes {
     weight: Lanes,
 }
 
-/// Even, about the middle.
+/// Nodes symmetric about the middle of the stretch.
 const EVEN: Nodes = {
     let (mut at, mut weight, mut i) = ([0.0; NODES], [0.0; NODES], 0);
     while i < NODES {
@@ -41,8 +39,8 @@ const EVEN: Nodes = {
     Nodes { at, weight }
 };
 
-/// Crowded at the start by θ = s^4: behind a turning point the tangent falls like θ^(2χ+2), which this makes smooth
-/// enough for any χ > -1.
+/// Nodes crowded at the start of the stretch by θ = s^4. Behind a turning point the tangent falls like θ^(2χ+2); the substitution makes the
+/// integrand smooth enough for any χ > -1.
 const CROWDED: Nodes = {
     let (mut at, mut weight, mut i) = ([0.0; NODES], [0.0; NODES], 0);
     while i < NODES {
@@ -53,7 +51,7 @@ const CROWDED: Nodes = {
     Nodes { at, weight }
 };
 
-/// Weights of the Legendre coefficients of degrees 14 and 15: how much of a function the next degrees still carry.
+/// Weights that give the Legendre coefficients of degrees 14 and 15: they show how much of a function lies in still higher degrees.
 const TAILS: [Lanes; 2] = {
     let (mut tails, mut i) = ([[0.0; NODES]; 2], 0);
     while i < NODES {
@@ -71,7 +69,7 @@ const TAILS: [Lanes; 2] = {
     tails
 };
 
-/// Integrals ∫ F e^(inθ) and ∫ K e^(inθ), real and imaginary part by harmonic.
+/// Integrals ∫ F e^(inθ) and ∫ K e^(inθ), as real and imaginary part for each harmonic.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Sums {
     pub(super) force: [[f64; 2]; MOST_HARMONICS + 1],
@@ -82,14 +80,14 @@ impl Sums {
     pub(super) const ZERO: Self =
         Self { force: [[0.0; 2]; MOST_HARMONICS + 1], tangent: [[0.0; 2]; 2 * MOST_HARMONICS + 1] };
 
-    /// Sets to zero what the harmonics up to `highest` use.
+    /// Sets to zero the entries that the harmonics up to `highest` use.
     pub(super) fn clear(&mut self, highest: usize) {
         self.force[..=highest].fill([0.0; 2]);
         self.tangent[..=2 * highest].fill([0.0; 2]);
     }
 }
 
-/// A stretch of angles.
+/// An interval of angles: start and length in rad, and whether its nodes are crowded at the start.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Stretch {
     pub(super) start: f64,
@@ -107,7 +105,7 @@ pub(super) struct Panel {
 }
 
 impl Panel {
-    /// Evaluates a branch on a stretch.
+    /// Evaluates force and tangent of a branch at the nodes of a stretch.
     pub(super) fn evaluate<B: Backbone>(
         law: &B,
         course: &Course<'_>,
@@ -136,13 +134,12 @@ impl Panel {
         panel
     }
 
-    /// How large the last Legendre coefficients of the force are.
+    /// Sum of the absolute values of the force's last two Legendre coefficients.
     pub(super) fn tail(&self) -> f64 {
         dot(&self.force, &TAILS[0]).abs() + dot(&self.force, &TAILS[1]).abs()
     }
 
-    /// Adds the integrals of the force up to the harmonic `highest` and, `with_tangent`, those of the tangent up to
-    /// twice that.
+    /// Adds the integrals of the force up to the harmonic `highest`; if `with_tangent`, also those of the tangent up to twice `highest`.
     pub(super) fn add(&self, highest: usize, with_tangent: bool, sums: &mut Sums) {
         let [c, s] = &self.turn;
         let [mut re, mut im] = [self.weight, [0.0; NODES]];
@@ -189,8 +186,8 @@ fn values(course: &Course<'_>, turn: &[Lanes; 2]) -> Lanes {
     value
 }
 
-/// Cosine and sine of an angle up to 0.8 by their Taylor series up to the powers 16 and 17 (what is left out is below
-/// 0.8^18/18! = 3e-18): plain arithmetic, which the compiler does for several nodes at once.
+/// Cosine and sine of an angle up to 0.8 rad by their Taylor series up to the powers 16 and 17 (the terms left out are below 0.8^18/18! =
+/// 3e-18). The compiler can do this plain arithmetic for several nodes at once.
 #[inline]
 fn small_angle(x: f64) -> [f64; 2] {
     let y = -x * x;
@@ -205,7 +202,7 @@ fn small_angle(x: f64) -> [f64; 2] {
     [cosine, x * sine]
 }
 
-/// The sum of products, in four partial sums: the order is fixed, and four products are made at once.
+/// The sum of products, in four partial sums: the order of summation is fixed, and four products are made at once.
 #[inline]
 fn dot(a: &Lanes, b: &Lanes) -> f64 {
     let mut sums = [0.0; 4];

@@ -1,20 +1,20 @@
-//! Where a steady motion turns round: all angles, found with certainty.
+//! All angles at which a steady motion turns round, found with certainty.
 //!
-//! A stretch of angles is settled where Taylor's theorem with the bound of the third derivative says that the slope has
-//! no zero in it, or that the slope is monotone, so that the signs at its ends tell. All others are halved.
+//! A stretch (interval of angles) is settled in two cases. Taylor's theorem, with the bound of the third derivative, excludes a zero of the
+//! slope in it; or it shows that the slope is monotone, so that the signs at the ends decide. Every other stretch is halved.
 
 use super::harmonics::{Course, MOST_HARMONICS, bracketed};
 use core::f64::consts::PI;
 
-/// Turning points of one period at most: the slope has no more zeros than twice the highest harmonic.
+/// Largest number of turning points in one period: the slope has at most twice the highest harmonic as zeros.
 pub(super) const MOST_TURNS: usize = 2 * MOST_HARMONICS;
 
-/// Stretches per harmonic and period to begin with: with fewer the fundamental alone asks for halving, with more most
-/// are settled at first sight for nothing.
+/// Number of stretches per harmonic and period at the beginning. With fewer, the fundamental alone requires halving; with more, most
+/// stretches are settled at once and computed in vain.
 const STRETCHES: usize = 4;
 
-/// Stretches shorter than this (rad) are judged by the signs at their ends. A pair of turning points that hides in one
-/// makes a loop of 1e-21 of the third derivative: below rounding.
+/// Stretches shorter than this (rad) are judged by the signs at their ends. A pair of turning points hidden in such a stretch makes a loop
+/// of 1e-21 of the third derivative, which is below rounding.
 const SHORTEST: f64 = 1e-7;
 
 /// Angles at which a motion turns round, ascending.
@@ -32,14 +32,14 @@ impl Turns {
     }
 
     fn add(&mut self, angle: f64) {
-        // More than the slope can have are rounding's: the first ones stay.
+        // Turning points in excess of the possible number come from rounding; the first ones are kept.
         if self.count < MOST_TURNS {
             self.angles[self.count] = angle;
             self.count += 1;
         }
     }
 
-    /// Those of one period (of half a one, where harmonics are odd) from the angle 0 on.
+    /// Finds the turning points of one period from the angle 0 on (of half a period with odd harmonics).
     pub(super) fn find(&mut self, course: &Course<'_>) {
         self.count = 0;
         let harmonics = course.harmonics;
@@ -50,7 +50,7 @@ impl Turns {
         for i in 1..=count {
             let mut high = Edge::at(course, i as f64 * width);
             if i == count {
-                // The period closes: a turning point on the seam is found once, whatever rounding makes of the slope.
+                // The period closes here: a turning point at the seam must be found once, whatever rounding makes of the slope.
                 high.falls = first.falls != harmonics.is_odd();
             }
             self.search(course, low, high);
@@ -58,9 +58,9 @@ impl Turns {
         }
     }
 
-    /// Those between two angles, by halving until each stretch is settled.
+    /// Finds the turning points between two angles, by halving until each stretch is settled.
     fn search(&mut self, course: &Course<'_>, from: Edge, to: Edge) {
-        // Halves that wait, the next one on top; halving from STRETCHES per harmonic to SHORTEST takes 24 rounds.
+        // Upper ends of the stretches that wait, the next one on top. Halving from STRETCHES per harmonic down to SHORTEST takes 24 rounds.
         let mut waiting = [to; 32];
         let (mut depth, mut low) = (1, from);
         while depth > 0 {
@@ -90,7 +90,7 @@ struct Edge {
     angle: f64,
     slope: f64,
     curvature: f64,
-    /// Whether the motion falls here; at rest it does not.
+    /// Whether the motion falls at this end; at rest it counts as not falling.
     falls: bool,
 }
 
@@ -102,7 +102,7 @@ impl Edge {
     }
 }
 
-/// The zero of the slope between two ends at which its signs differ.
+/// The zero of the slope between two ends where its signs differ.
 fn root(course: &Course<'_>, low: Edge, high: Edge) -> f64 {
     let sign = if high.falls { -1.0 } else { 1.0 };
     bracketed(low.angle, high.angle, |angle| {
@@ -111,7 +111,7 @@ fn root(course: &Course<'_>, low: Edge, high: Edge) -> f64 {
     })
 }
 
-/// The angle of the largest excursion from zero among `turns`, and what the motion is there.
+/// Index of the turning point with the largest excursion from zero, and the displacement there.
 pub(super) fn farthest(course: &Course<'_>, turns: &[f64]) -> (usize, f64) {
     let mut best = (0, 0.0_f64);
     for (index, &angle) in turns.iter().enumerate() {
@@ -123,8 +123,8 @@ pub(super) fn farthest(course: &Course<'_>, turns: &[f64]) -> (usize, f64) {
     best
 }
 
-/// Brings the turning points into the order in which the motion meets them from the one at `index` on, which stands at
-/// the end again, one period later.
+/// Rotates the turning points into the order in which the motion meets them, beginning with the one at `index`; that one is repeated at the
+/// end, one period later.
 pub(super) fn from_turn(course: &Course<'_>, turns: &mut Turns, index: usize) {
     let (count, period) = (turns.count, course.harmonics.period());
     turns.angles[..count].rotate_left(index);

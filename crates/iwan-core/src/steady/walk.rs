@@ -1,4 +1,4 @@
-//! One period along the branches of a steady loop: turning points, closed loops, corners of the law.
+//! The walk through one period of a steady motion, along the branches of its loop: turning points, closed loops, corners of the law.
 
 use super::harmonics::{Course, Harmonics, MOST_COEFFICIENTS, MOST_HARMONICS};
 use super::panel::{FASTEST, FASTEST_CROWDED, LONGEST, Panel, Stretch, Sums};
@@ -6,14 +6,14 @@ use super::turns::{MOST_TURNS, Turns};
 use crate::law::Backbone;
 use crate::memory::{Branch, Reversal};
 
-/// Reversals that may be remembered at once: all turning points of a period.
+/// Largest number of reversals remembered at once: all turning points of a period.
 const MOST_DEPTH: usize = MOST_TURNS + 1;
 
-/// A vector over the coefficients of the motion.
+/// A vector with one entry per coefficient of the motion.
 type Vector = [f64; MOST_COEFFICIENTS];
 
-/// What the branch behind one reversal adds to the derivatives of the force's coefficients: a product of two vectors, and
-/// of two more.
+/// Contribution of the branch behind one reversal to the derivatives of the force's coefficients: the sum of two products of two vectors
+/// each.
 #[derive(Debug, Clone, Copy)]
 struct Level {
     reversal: Reversal,
@@ -39,14 +39,14 @@ impl Level {
     };
 }
 
-/// The memory of a steady loop's computation: 130 kB of fixed size, to be made once and used again.
+/// Working memory for the computation of steady loops: 130 kB of fixed size. Make it once and reuse it.
 #[derive(Debug, Clone)]
 pub struct SteadyWork {
     pub(super) turns: Turns,
     levels: [Level; MOST_DEPTH],
     /// Integrals over the period.
     pub(super) sums: Sums,
-    /// Integrals over the branch piece at hand.
+    /// Integrals over the present piece of a branch.
     piece: Sums,
 }
 
@@ -65,36 +65,36 @@ impl Default for SteadyWork {
     }
 }
 
-/// What stays the same along one period.
+/// Quantities that stay the same along one period.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Walk<'a, B> {
     pub(super) law: &'a B,
     pub(super) course: Course<'a>,
-    /// Where a Legendre tail of the force is small enough.
+    /// Size of the Legendre tail of the force below which a stretch is accurate enough.
     pub(super) tolerance: f64,
     pub(super) with_tangent: bool,
 }
 
-/// A Legendre tail of the force is small enough below this part of the loop's softening: the rule takes degrees up to 31
-/// exactly, so what it is wrong by is about the square of what degree 15 still carries. With it the errors of the tests stay
-/// below 1e-10 of the slip force.
+/// Part of the loop's softening below which a Legendre tail of the force is small enough. The rule integrates degrees up to 31 exactly, so
+/// its error is about the square of the part that degree 15 still carries. With this value the errors in the tests stay below 1e-10 of the
+/// slip force. A stretch with a larger tail is divided.
 const SOFTENING_TAIL: f64 = 1e-6;
 
-/// The same times this, where nodes are crowded at a turning point: there the force goes like s^(8χ+16), whose tail is large
-/// although the rule integrates it.
+/// Factor on that limit where nodes are crowded at a turning point: there the force grows like s^(8χ+16), which has a large tail although
+/// the rule integrates it.
 const CROWDED_TAIL: f64 = 1e4;
 
-/// The same below this part of the loop's force: its rounding.
+/// Part of the loop's force, added to that limit for its rounding.
 const FORCE_TAIL: f64 = 2e-14;
 
-/// The tolerance of a loop of half width `reach`.
+/// The limit of the tail for a loop of half width `reach`.
 pub(super) fn tolerance<B: Backbone>(law: &B, reach: f64) -> f64 {
     let force = law.force(reach);
     SOFTENING_TAIL * (law.initial_stiffness() * reach - force).min(force) + FORCE_TAIL * force
 }
 
-/// Stretches shorter than this part of a branch piece are taken as they are: at a corner within the law that it does not
-/// tell of, what is left is of the order of this.
+/// Shortest stretch, as a part of its branch piece, that is still divided. At a corner within the law that the law's strengths do not
+/// announce, the remaining error is of the order of this part.
 const SHORTEST: f64 = 1e-9;
 
 impl<B: Backbone> Walk<'_, B> {
@@ -106,8 +106,8 @@ impl<B: Backbone> Walk<'_, B> {
         self.course.harmonics
     }
 
-    /// Integrates along the period whose turning points stand in `work.turns`, from the farthest one to itself.
-    /// `jacobian` receives the products of the branches.
+    /// Integrates along the period whose turning points are in `work.turns`, from the farthest one back to itself; adds the products of the
+    /// branches to `jacobian`.
     pub(super) fn go(&self, work: &mut SteadyWork, jacobian: &mut [f64]) {
         let turns = work.turns;
         work.sums.clear(self.highest());
@@ -133,7 +133,7 @@ impl<B: Backbone> Walk<'_, B> {
         }
     }
 
-    /// A fresh level behind a reversal.
+    /// Prepares a level for the branch behind a new reversal.
     fn open(&self, level: &mut Level, reversal: Reversal, angle: f64) {
         level.reversal = reversal;
         if self.with_tangent {
@@ -147,7 +147,7 @@ impl<B: Backbone> Walk<'_, B> {
         Branch::behind(level.reversal, level.direction, level.direction * f64::INFINITY)
     }
 
-    /// Leaves the branch at `depth` where the motion turns round; returns the new depth.
+    /// Starts a new branch where the motion turns round, on top of the one at `depth`; returns the new depth.
     fn turn(&self, work: &mut SteadyWork, depth: usize, angle: f64) -> usize {
         let (before, after) = work.levels.split_at_mut(depth + 1);
         let (from, Some(to)) = (&before[depth], after.first_mut()) else { return depth };
@@ -162,13 +162,13 @@ impl<B: Backbone> Walk<'_, B> {
         depth + 1
     }
 
-    /// From one turning point to the next; returns the depth there.
+    /// Follows the motion from one turning point to the next; returns the depth at the end.
     fn arc(&self, work: &mut SteadyWork, mut depth: usize, ends: [f64; 2], jacobian: &mut [f64]) -> usize {
         let [mut at, end] = ends;
         let last = self.course.at(end).value;
         work.levels[depth].direction = if last < work.levels[depth].reversal.u { -1.0 } else { 1.0 };
         let direction = work.levels[depth].direction;
-        // The branch behind the reversal number n > 1 ends where the one before it lies: both are forgotten there.
+        // The branch behind the reversal number n > 1 ends at the displacement of the reversal before it; there both are forgotten.
         while depth > 1 && direction * (last - work.levels[depth - 1].reversal.u) > 0.0 {
             let closing = self.course.reaches(work.levels[depth - 1].reversal.u, at, end);
             self.piece(work, depth, [at, closing]);
@@ -181,7 +181,7 @@ impl<B: Backbone> Walk<'_, B> {
         depth
     }
 
-    /// Along one branch, from corner to corner of the law.
+    /// Integrates along one branch, from corner to corner of the law.
     fn piece(&self, work: &mut SteadyWork, depth: usize, ends: [f64; 2]) {
         let [mut at, end] = ends;
         if end <= at {
@@ -204,7 +204,7 @@ impl<B: Backbone> Walk<'_, B> {
         self.take(work, depth, ends);
     }
 
-    /// Along a piece without corners, in stretches as long as the rule allows.
+    /// Integrates along a piece without corners, in stretches as long as the rule allows.
     fn smooth(&self, branch: &Branch, ends: [f64; 2], mut crowded: bool, sums: &mut Sums) {
         let [mut at, end] = ends;
         let whole = end - at;
@@ -216,7 +216,7 @@ impl<B: Backbone> Walk<'_, B> {
         let mut length = if crowded { (FASTEST_CROWDED / highest).min(0.5 * LONGEST) } else { longest };
         loop {
             let left = end - at;
-            // What is left is shared out evenly rather than leaving a rest.
+            // The rest is divided evenly, so that no short stretch is left at the end.
             let now = if length < left { length.min(left / libm::ceil(left / length)) } else { left };
             let stretch = Stretch { start: at, length: now, crowded };
             let panel = Panel::evaluate(self.law, &self.course, branch, stretch);
@@ -235,7 +235,7 @@ impl<B: Backbone> Walk<'_, B> {
         }
     }
 
-    /// Adds the integrals of a piece to those of the period and of its branch.
+    /// Adds the integrals of a piece to those of the period and of the branch.
     fn take(&self, work: &mut SteadyWork, depth: usize, ends: [f64; 2]) {
         let (highest, piece, sums) = (self.highest(), &work.piece, &mut work.sums);
         for (sum, part) in sums.force[..=highest].iter_mut().zip(&piece.force) {
@@ -260,7 +260,7 @@ impl<B: Backbone> Walk<'_, B> {
         }
     }
 
-    /// A branch is left for good: its products go into the derivatives of the force's coefficients.
+    /// Clears a branch that the motion does not return to: adds its products to the derivatives of the force's coefficients.
     fn close(&self, level: &Level, jacobian: &mut [f64]) {
         if !self.with_tangent {
             return;

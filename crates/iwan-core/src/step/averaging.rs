@@ -1,9 +1,9 @@
-//! Averaging: slow amplitude and phase instead of the oscillation.
+//! Averaging: the slowly varying amplitude and phase are integrated instead of the oscillation itself.
 //!
 //! da/dt = -D(a)/(2π a ω) - ζ_v ω0 a and dθ/dt = ω(a) with q = a cos θ (M. Shetty and M. S. Allen, Fast
 //! simulation of a single degree-of-freedom system consisting of an Iwan element using the method of
-//! averaging, J. Vib. Acoust. 142(5), 2020). Here ω² = K_∞ + K_1(a) with the first-harmonic stiffness K_1 in
-//! place of the secant, which cuts the mean frequency error many times. First order in the damping: an approximation.
+//! averaging, J. Vib. Acoust. 142(5), 2020). Here ω² = K_∞ + K_1(a) contains the first-harmonic stiffness K_1 in place of the secant
+//! stiffness, which makes the error of the mean frequency many times smaller. Averaging is an approximation of first order in the damping.
 
 use core::f64::consts::PI;
 
@@ -46,7 +46,7 @@ impl<B: Backbone> Rates for ModalLaw<'_, B> {
 }
 
 impl<'a, B: Backbone> Averaging<'a, B> {
-    /// From the motion `start`, without force.
+    /// Averaging of a free decay that begins with the motion `start`.
     ///
     /// # Errors
     /// [`Error::OutOfRange`] when a value is not finite or K_∞ <= 0.
@@ -54,13 +54,13 @@ impl<'a, B: Backbone> Averaging<'a, B> {
         Self::of_law(ModalLaw::new(*oscillator, Some(law), &[]), start)
     }
 
-    /// The same for a law with parts, with or without a joint.
+    /// Averaging for a law with parts, with or without a joint.
     ///
-    /// Dry friction takes the amplitude to zero in a finite time; where it stops the mode for good, within F/K of the
-    /// middle, averaging does not see.
+    /// Dry friction takes the amplitude to zero in a finite time. In reality it stops the mode for good somewhere within F/K of the middle;
+    /// averaging does not represent that.
     ///
     /// # Errors
-    /// As [`new`](Self::new), or when a spring that softens leaves no stiffness at the start.
+    /// The errors of [`new`](Self::new); also [`Error::OutOfRange`] when a softening spring leaves no stiffness at the start.
     pub fn of_law(law: ModalLaw<'a, B>, start: Motion) -> Result<Self, Error> {
         let oscillator = law.oscillator();
         let k_inf = oscillator.k_inf();
@@ -85,19 +85,19 @@ impl<'a, B: Backbone> Averaging<'a, B> {
         self.law().decay_rate(amplitude)
     }
 
-    /// Amplitude and phase at the time `t` since the start, not before the last call's.
+    /// Amplitude and phase at the time `t` since the start; `t` must not be earlier than in the last call.
     pub fn at(&mut self, t: f64) -> AmplitudePhase {
         self.motion.at(t)
     }
 
-    /// Energy balance from the start to the time `t` in terms of the amplitude: what friction and damper took by the
-    /// averaged equations against the energy at the turning points ½ K_∞ a² + G(a). The residual is averaging's own.
+    /// Energy balance from the start to the time `t` in terms of the amplitude: the work of friction and damper by the averaged equations,
+    /// against the energy at the turning points ½ K_∞ a² + G(a). The residual is the error of averaging itself.
     #[must_use]
     pub fn energy(&self, t: f64) -> EnergyBalance {
         let law = self.law();
         let elastic = |a: f64| 0.5 * law.oscillator().k_inf() * a * a;
         let stored = |a: f64| law.added_energy(a);
-        // Powers of friction and damper.
+        // Powers lost to friction and to the damper.
         let powers = |a: f64| {
             let omega = law.frequency(a);
             let damper = 0.5 * law.oscillator().viscous() * (omega * a) * (omega * a);

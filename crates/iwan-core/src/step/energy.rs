@@ -5,7 +5,7 @@ use super::newmark::Newmark;
 use super::oscillator::Oscillator;
 use super::response::{Samples, force_at};
 
-/// Where the energy of a mode came from and went (mass-normalised: length²·mass/s²).
+/// Sources and losses of a mode's energy (mass-normalised: length²·mass/s²).
 ///
 /// `initial + input = kinetic + elastic + stored + viscous + friction + residual`.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
@@ -24,30 +24,29 @@ pub struct EnergyBalance {
     pub viscous: f64,
     /// Work of friction in the joint.
     pub friction: f64,
-    /// What the integration gained or lost.
+    /// Energy that the numerical integration gained (negative) or lost (positive).
     pub residual: f64,
-    /// Largest of the initial energy, the net input and the kinetic energy at the end: what the residual is
-    /// measured against.
+    /// Largest of the initial energy, the net input and the kinetic energy at the end; the residual is measured against it.
     pub scale: f64,
 }
 
 /// Energy of the joint's springs before and after a response.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct JointEnergy {
-    /// Before.
+    /// Energy before the response.
     pub start: f64,
-    /// After.
+    /// Energy after the response.
     pub end: f64,
 }
 
-/// Works along a motion.
+/// Works of forces along a motion.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub(crate) struct Works {
-    /// Of the applied force.
+    /// Work of the applied force on the mode.
     pub(crate) force: f64,
-    /// On the viscous damper.
+    /// Work of the mode on the viscous damper.
     pub(crate) damper: f64,
-    /// On the joint, ∫ F_J dq.
+    /// Work of the mode on the joint, ∫ F_J dq.
     pub(crate) joint: f64,
 }
 
@@ -99,10 +98,10 @@ impl EnergyBalance {
 }
 
 impl Newmark {
-    /// The balance of a response of this scheme, with mean forces times increments: for average acceleration
-    /// the residual is rounding alone, otherwise it is the scheme's numerical damping.
+    /// Energy balance of a response of this scheme; each work is the sum of mean forces times increments. For average acceleration the
+    /// residual is rounding alone; otherwise it is the scheme's numerical damping.
     ///
-    /// The input counts the force as the scheme applies it, the prewarping factor included.
+    /// The input counts the force as the scheme applies it, including the prewarping factor.
     #[must_use]
     pub fn energy(
         &self,

@@ -1,9 +1,9 @@
-//! The exact solution of a slider population, from event to event.
+//! The exact solution of a mode with a slider population, from event to event.
 //!
-//! Between two events (a slider breaks loose, the motion turns round, the force changes its formula) the mode
-//! is linear, and its Taylor series in time converges everywhere: a few terms over a fraction of a period are
-//! exact to rounding, resonance, critical damping and negative stiffness included. Events are roots
-//! of that polynomial. Slow beside the time steppers, and the reference for their order.
+//! Between two events (a slider breaks loose, the motion turns round, the force changes its formula) the mode is linear. Its Taylor series
+//! in time converges everywhere: a few terms over a fraction of a period are exact to rounding, even at resonance, critical damping and
+//! negative stiffness. Events are roots of that polynomial. The method is slow compared with the time steppers; it is the reference for
+//! their order of accuracy.
 
 use super::energy::{EnergyBalance, JointEnergy, Works};
 use super::motion::Motion;
@@ -14,21 +14,20 @@ use crate::error::{Error, check};
 use crate::memory::{Hysteresis, Run, Runs, Segment, Sliders};
 use crate::quadrature::Rule;
 
-/// Terms of the series. With [`ANGLE`] the first one left out is 0.5^18/18! = 6e-22 of the motion; fifteen would
-/// leave 0.5^15/15! = 2e-17.
+/// Number of terms of the series. With [`ANGLE`] the first term left out is 0.5^18/18! = 6e-22 of the motion; with fifteen terms it would
+/// be 0.5^15/15! = 2e-17.
 const TERMS: usize = 18;
-/// Largest angle per series, rad of the fastest of ω0, the force and √|K_∞|. Within half a radian the velocity has
-/// one extremum at the most, on which the search for turning points relies; a smaller angle costs time and changes
-/// rounding only (a test).
+/// Largest angle per series, rad of the fastest of ω0, the force and √|K_∞|. Within half a radian the velocity has at most one extremum;
+/// the search for turning points relies on that. A smaller angle costs time and changes only the rounding (a test shows it).
 const ANGLE: f64 = 0.5;
-/// For the works of damper and force over one series: exact up to degree 15, beyond which the product of two series
-/// over half a radian is below rounding.
+/// Quadrature of the works of damper and force over one series. It is exact up to degree 15; beyond, the product of two series over half a
+/// radian is below rounding.
 const RULE: Rule<8> = Rule::gauss_legendre();
-/// Most rounds in the search for a root, which halve its bracket where Newton's method would leave it. Up to 62
-/// were seen, for roots next to zero; 80 halvings leave less than the rounding of any time.
+/// Largest number of rounds in the search for a root; a round halves the bracket where Newton's method would leave it. Up to 62 rounds were
+/// seen, for roots next to zero; 80 halvings leave less than the rounding of any time, so the last value is returned.
 const MOST_ROUNDS: u32 = 80;
-/// Share of the output interval within which two times are one: a change of the force's formula so close ahead has
-/// already happened. Rounding leaves some 1e-16 of the time; a step between two such times would be of no length.
+/// Share of the output interval within which two times count as equal: a change of the force's formula that lies closer ahead counts as
+/// past. Rounding leaves some 1e-16 of the time, and a step between two such times would have no length.
 const SAME_TIME: f64 = 1e-12;
 
 /// Event-driven integration of a mode with a population of sliders.
@@ -73,7 +72,7 @@ impl Series {
         Self(slope)
     }
 
-    /// The root of `self - level` in [0, h], where the ends have opposite signs (or the first is zero).
+    /// The root of `self - level` in [0, h]. At the two ends the difference must have opposite signs, or be zero at the first.
     fn root(&self, level: f64, h: f64) -> f64 {
         let slope = self.derivative();
         let (mut low, mut high, mut t) = (0.0, h, h);
@@ -96,9 +95,9 @@ impl Series {
     }
 }
 
-/// How a stretch of linear motion ends.
+/// The event that ends a piece of linear motion.
 enum Event {
-    /// The time is over.
+    /// The time interval is over.
     Time,
     /// The motion turns round.
     Turn,
@@ -106,14 +105,14 @@ enum Event {
     Break,
 }
 
-/// When and how a stretch of linear motion ends.
+/// When and by which event a piece of linear motion ends.
 struct Ending {
-    /// Time from its start.
+    /// Time since the start of the piece, s.
     after: f64,
     event: Event,
 }
 
-/// The motion at one instant, and the works so far.
+/// The motion at one instant, and the works up to then.
 struct Course {
     q: f64,
     v: f64,
@@ -141,8 +140,8 @@ impl<'a> EventDriven<'a> {
         Ok(Self { oscillator: *oscillator, sliders, force: force.checked()?, force_scale, angle: ANGLE })
     }
 
-    /// The same with another angle (rad at small amplitude, 0 < angle <= 0.5) per series: the results must
-    /// agree to rounding.
+    /// The same solution with another largest angle per series (rad at small amplitude, 0 < angle <= 0.5). The results must agree to
+    /// rounding.
     ///
     /// # Errors
     /// [`Error::OutOfRange`].
@@ -151,7 +150,7 @@ impl<'a> EventDriven<'a> {
         Ok(Self { angle, ..self })
     }
 
-    /// Integrates from the joint's `state` and `velocity`, with output every `dt`.
+    /// Integrates from the displacement in the joint's `state` and from `velocity`, with one output sample every `dt` (s).
     ///
     /// # Errors
     /// [`Error::Length`] when the buffers disagree, [`Error::OutOfRange`] for the time step.
@@ -181,7 +180,7 @@ impl<'a> EventDriven<'a> {
         Ok(EnergyBalance::close(&self.oscillator, [start, course.motion()], stored, course.works))
     }
 
-    /// From the time `t` to `t + dt`.
+    /// Integrates from the time `t` to `t + dt`.
     fn advance<S: AsRef<[Run]> + AsMut<[Run]>>(
         &self,
         state: &mut Runs<S>,
@@ -207,7 +206,7 @@ impl<'a> EventDriven<'a> {
         }
     }
 
-    /// Linear motion over at most `h`; returns the time passed.
+    /// Follows one piece of linear motion over at most the time `h`; returns the time passed.
     fn piece<S: AsRef<[Run]> + AsMut<[Run]>>(
         &self,
         state: &mut Runs<S>,
@@ -247,7 +246,8 @@ impl<'a> EventDriven<'a> {
         passed
     }
 
-    /// Taylor series of the displacement: (n+1)(n+2) c_{n+2} = p_n - c (n+1) c_{n+1} - (K_∞ + K) c_n.
+    /// Taylor coefficients c_n of the displacement: (n+1)(n+2) c_{n+2} = p_n - c (n+1) c_{n+1} - (K_∞ + K) c_n, with the viscous
+    /// coefficient c.
     fn series(&self, course: &Course, segment: &Segment, stretch: &Stretch) -> Series {
         let (k, c) = (self.oscillator.k_inf(), self.oscillator.viscous());
         let slope = k + segment.stiffness;
@@ -264,12 +264,12 @@ impl<'a> EventDriven<'a> {
     }
 }
 
-/// Sign of the motion's next change: of the first derivative that does not vanish.
+/// Direction, ±1, in which the motion goes next: the sign of the first derivative that does not vanish.
 fn heading(series: &Series) -> f64 {
     series.0.iter().skip(1).find(|c| **c != 0.0).map_or(0.0, |c| 1.0_f64.copysign(*c))
 }
 
-/// When and how the motion in direction `heading` ends within `h`.
+/// Time and kind of the first event within `h` in a motion in direction `heading`.
 fn first_event(series: &Series, segment: &Segment, heading: f64, h: f64) -> Ending {
     let velocity = series.derivative();
     let turn = turning_time(&velocity, heading, h);
@@ -282,11 +282,11 @@ fn first_event(series: &Series, segment: &Segment, heading: f64, h: f64) -> Endi
     Ending { after: monotone, event }
 }
 
-/// First time in (0, h] at which the velocity has changed sign, if it does. Over the short span of a series the
-/// velocity has at most one extremum, where it may dip through zero and come back.
+/// First time in (0, h] at which the velocity has changed sign, or none. Over the short span of a series the velocity has at most one
+/// extremum, where it may pass through zero and come back.
 fn turning_time(velocity: &Series, heading: f64, h: f64) -> Option<f64> {
     if heading * velocity.at(h) < 0.0 {
-        // At rest at the start, the root at zero is not meant.
+        // If the motion starts at rest, the root at zero must not be found.
         return Some(departed(velocity, h));
     }
     let acceleration = velocity.derivative();
@@ -295,7 +295,7 @@ fn turning_time(velocity: &Series, heading: f64, h: f64) -> Option<f64> {
     (heading * velocity.at(lowest) < 0.0).then(|| departed(velocity, lowest))
 }
 
-/// Root of the velocity in (0, h], with the root at 0 of a motion that starts at rest divided out.
+/// Root of the velocity in (0, h]. If the motion starts at rest, its root at 0 is divided out first.
 fn departed(velocity: &Series, h: f64) -> f64 {
     if velocity.0[0] != 0.0 {
         return velocity.root(0.0, h);

@@ -1,4 +1,4 @@
-//! Steps: a mode with a joint in motion, from sample to sample, from event to event, or by its slow amplitude.
+//! Steps: the motion of a mode with a joint, computed from sample to sample, from event to event, or by its slow amplitude and phase.
 
 mod motion;
 mod oscillator;

@@ -1,4 +1,4 @@
-//! The whole law of a mode as one cycle sees it: stiffness and dissipation against amplitude.
+//! The whole law of a mode in terms of one cycle: first-harmonic stiffness and dissipation against amplitude.
 
 use core::f64::consts::PI;
 
@@ -26,7 +26,7 @@ pub struct ModalLaw<'a, B> {
     parts: &'a [Part],
 }
 
-// Not derived: copies of the borrowed law are not needed.
+// Not derived: a derived `Clone` would require that the borrowed law is `Clone`.
 impl<B> Clone for ModalLaw<'_, B> {
     fn clone(&self) -> Self {
         *self
@@ -36,7 +36,7 @@ impl<B> Clone for ModalLaw<'_, B> {
 impl<B> Copy for ModalLaw<'_, B> {}
 
 impl<'a, B: Backbone> ModalLaw<'a, B> {
-    /// `oscillator` with the `joint` whose K_T it was made with, and `parts`.
+    /// The law of `oscillator` with `parts` and with the `joint` whose K_T the oscillator was made with.
     #[must_use]
     pub const fn new(oscillator: Oscillator, joint: Option<&'a B>, parts: &'a [Part]) -> Self {
         Self { oscillator, joint, parts }
@@ -48,14 +48,14 @@ impl<'a, B: Backbone> ModalLaw<'a, B> {
         &self.oscillator
     }
 
-    /// First-harmonic stiffness of the joint and the parts, without K_∞, at the amplitude `a` and circular frequency `w`.
+    /// First-harmonic stiffness of the joint and the parts at the amplitude `a` and circular frequency `w` (rad/s), without K_∞.
     #[must_use]
     pub fn added_stiffness(&self, a: f64, w: f64) -> f64 {
         let joint = self.joint.map_or(0.0, |law| law.harmonic_stiffness(a));
         joint + sum_of_parts(self.parts, |part| part.harmonic_stiffness(a, w))
     }
 
-    /// Energy lost in one cycle to the joint and the parts, without the viscous damper.
+    /// Energy lost per cycle to the joint and the parts, without the viscous damper.
     #[must_use]
     pub fn added_dissipation(&self, a: f64, w: f64) -> f64 {
         let joint = self.joint.map_or(0.0, |law| law.dissipation(a));
@@ -75,24 +75,24 @@ impl<'a, B: Backbone> ModalLaw<'a, B> {
         self.oscillator.k_inf() + self.added_stiffness(a, w)
     }
 
-    /// Energy lost in one cycle of the whole mode: π c ω a² of the viscous damper, D of the joint, Σ of the parts.
+    /// Energy lost per cycle by the whole mode: π c ω a² to the viscous damper, D to the joint, and the sum over the parts.
     #[must_use]
     pub fn dissipation(&self, a: f64, w: f64) -> f64 {
         PI * self.oscillator.viscous() * w * a * a + self.added_dissipation(a, w)
     }
 
-    /// Circular frequency ω(a) with ω² the harmonic stiffness, rad/s; NaN where a softening spring leaves none.
+    /// Circular frequency ω(a), rad/s, where ω² is the harmonic stiffness; NaN where a softening spring makes that negative.
     #[must_use]
     pub fn frequency(&self, a: f64) -> f64 {
         // The stiffness of the present parts does not depend on ω.
         libm::sqrt(self.harmonic_stiffness(a, self.oscillator.omega0()))
     }
 
-    /// Decay rate -a'/a of a free motion of amplitude `a` > 0: D/(2π a² ω), the viscous damper included, 1/s.
+    /// Decay rate -a'/a of a free motion of amplitude `a` > 0, 1/s: D/(2π a² ω) with the viscous damper included in D.
     #[must_use]
     pub fn decay_rate(&self, a: f64) -> f64 {
         let viscous = 0.5 * self.oscillator.viscous();
-        // Where a² underflows, friction has long vanished beside the damper, and dry friction has stopped the motion.
+        // Where a² underflows, the joint's friction is negligible beside the damper, and dry friction has already stopped the motion.
         if a * a <= f64::MIN_POSITIVE {
             return viscous;
         }

@@ -23,10 +23,9 @@ use crate::memory::Hysteresis;
 /// The force p acts in the direction of q; spring, damper and joint act against it: F is positive where the joint
 /// pulls back from a positive q.
 ///
-/// Why this form: the unknown is the increment, so the displacement's own digits do not cancel in the step's
-/// equation, and [`Hysteresis::solve`] gets it as it stands. The acceleration is never integrated but taken from
-/// the equation of motion at every step, so rounding does not accumulate: each step starts from a state that is in
-/// balance.
+/// Why this form: the unknown is the increment Δq, so the digits of the displacement itself do not cancel in the step's equation, and
+/// [`Hysteresis::solve`] solves that equation as it stands. The acceleration is never integrated; it follows from the equation of motion at
+/// every step, so rounding does not accumulate: each step starts from a state in balance.
 ///
 /// ```
 /// use iwan_core::{Newmark, NoJoint, Oscillator, ResidualStiffness, Samples};
@@ -44,13 +43,13 @@ use crate::memory::Hysteresis;
 pub struct Newmark {
     beta: f64,
     gamma: f64,
-    /// Step in the formulas (s): dt, or the prewarped one.
+    /// Time step h in the formulas (s): dt, or the prewarped step h'.
     step: f64,
-    /// Factor on the applied force: 1, or the prewarped one.
+    /// Factor on the applied force: 1 for the plain scheme, ω0 dt / sin(ω0 dt) for the prewarped one.
     force_scale: f64,
 }
 
-/// The factors of a step as [`Newmark`] writes it: of Δq, v_0 and a_0 in v_1, and of v_0 and a_0 in the load.
+/// Factors of one step in the equations of [`Newmark`]: of Δq, v_0 and a_0 in v_1, and of v_0 and a_0 in the load.
 struct Coefficients {
     velocity_increment: f64,
     velocity_velocity: f64,
@@ -69,8 +68,8 @@ impl Newmark {
         Self::new(dt, 0.25, 0.5)
     }
 
-    /// The general scheme: 0 < `beta` <= 1/2 and 1/2 <= `gamma` <= 1; γ > 1/2 damps numerically,
-    /// β < γ/2 is stable only for steps short against the period.
+    /// The general scheme: 0 < `beta` <= 1/2 and 1/2 <= `gamma` <= 1. γ > 1/2 gives numerical damping; with β < γ/2 the scheme is stable
+    /// only for steps that are short against the period.
     ///
     /// # Errors
     /// [`Error::OutOfRange`] with the name of the parameter.
@@ -83,13 +82,13 @@ impl Newmark {
 
     /// Average acceleration without period error for the small-amplitude oscillator.
     ///
-    /// The formulas get the step h' = (2/ω0) tan(ω0 dt/2), which maps the rule's frequency back onto ω0 (the
-    /// bilinear transform's prewarping), and the force the factor ω0 dt / sin(ω0 dt), which gives an impulse its
-    /// exact response. That factor shifts what a lasting force does meanwhile, such as a static displacement, by
-    /// (ω0 dt)²/6, which is 1e-5 at 124 Hz and dt = 1e-5 s: of second order, as the scheme is.
+    /// The formulas use the step h' = (2/ω0) tan(ω0 dt/2), which maps the rule's frequency back onto ω0 (the bilinear transform's
+    /// prewarping). The force is multiplied by ω0 dt / sin(ω0 dt), so that the response to an impulse is exact. That factor changes the
+    /// effect of a lasting force, such as a static displacement, by the part (ω0 dt)²/6 (1e-5 at 124 Hz and dt = 1e-5 s), which is of
+    /// second order like the scheme.
     ///
     /// # Errors
-    /// [`Error::OutOfRange`] unless 0 < ω0 dt < π (two samples a cycle).
+    /// [`Error::OutOfRange`] unless 0 < ω0 dt < π (more than two samples a cycle).
     pub fn prewarped(dt: f64, omega0: f64) -> Result<Self, Error> {
         let angle = omega0 * dt;
         let fits = angle > 0.0 && angle < core::f64::consts::PI;
@@ -104,14 +103,14 @@ impl Newmark {
         self.force_scale
     }
 
-    /// Whether the scheme is prewarped (for steps so short that it makes a difference at all).
+    /// Whether the scheme is prewarped. False also for steps so short that prewarping changes no bit.
     #[must_use]
     pub fn is_prewarped(&self) -> bool {
         self.force_scale != 1.0
     }
 
-    /// The same scheme over a `share` of the step, for an oscillator of the circular frequency `omega0`: a prewarped one
-    /// stays prewarped.
+    /// The same scheme over a `share` of the step, for an oscillator of the circular frequency `omega0` (rad/s); a prewarped scheme stays
+    /// prewarped.
     pub(crate) fn shortened(&self, omega0: f64, share: f64) -> Self {
         if share == 1.0 {
             return *self;
@@ -123,23 +122,23 @@ impl Newmark {
         Self { step: 2.0 / omega0 * libm::tan(0.5 * angle), force_scale: angle / libm::sin(angle), ..*self }
     }
 
-    /// Step in the formulas, s.
+    /// Time step h in the formulas, s.
     pub(crate) const fn step(&self) -> f64 {
         self.step
     }
 
-    /// Whether the average-acceleration formulas hold.
+    /// Whether the scheme is average acceleration (β = 1/4, γ = 1/2).
     pub(crate) fn is_average_acceleration(&self) -> bool {
         self.beta == 0.25 && self.gamma == 0.5
     }
 
-    /// Coefficient of the displacement increment in one step's equation, without the joint.
+    /// Coefficient of Δq in the equation of one step, without the joint.
     fn effective_stiffness(&self, oscillator: &Oscillator) -> f64 {
         let (h, c) = (self.step, oscillator.viscous());
         1.0 / (self.beta * h * h) + c * self.gamma / (self.beta * h) + oscillator.k_inf()
     }
 
-    /// Checks that one step's equation has a unique solution.
+    /// Returns that coefficient, after a check that the equation of one step has a unique solution.
     ///
     /// # Errors
     /// [`Error::OutOfRange`] when a negative K_∞ outweighs the inertia term.
@@ -149,7 +148,7 @@ impl Newmark {
         Ok(stiffness)
     }
 
-    /// The coefficients of the step for the viscous coefficient `c`.
+    /// Factors of one step for the viscous coefficient `c` (1/s).
     fn coefficients(&self, c: f64) -> Coefficients {
         let (b, g, h) = (self.beta, self.gamma, self.step);
         let (velocity_velocity, velocity_acceleration) = (1.0 - g / b, h * (1.0 - 0.5 * g / b));
@@ -162,10 +161,9 @@ impl Newmark {
         }
     }
 
-    /// Integrates from the state (`velocity` and where the joint's `state` stands) over the samples; returns the
-    /// final velocity.
+    /// Integrates over the samples from the initial `velocity` and the displacement in the joint's `state`; returns the final velocity.
     ///
-    /// `force` holds one sample per time step, the first at the initial state, and is zero behind its end.
+    /// `force` holds one value per time step, the first at the initial state; after its end the force is zero.
     ///
     /// # Errors
     /// [`Error::Length`] when the buffers disagree; [`Error::OutOfRange`] as in the constructors.
@@ -188,7 +186,7 @@ impl Newmark {
         let mut a = p - c * v - (k * q + joint_force);
         out.set(0, [q, v, a, joint_force]);
         for n in 1..samples {
-            // The scheme's acceleration balances the scaled force.
+            // The acceleration of the scheme is the one that balances the force times the prewarping factor.
             let a_scheme = a + (self.force_scale - 1.0) * p;
             p = force_at(force, n);
             let known = (self.force_scale * p + factors.load_velocity * v) - (k * q + joint_force);

@@ -5,7 +5,7 @@
 
 use crate::error::{Error, check};
 
-/// Viscous damping and residual stiffness of a mass-normalised mode; the joint is kept beside it.
+/// Small-amplitude frequency, viscous damping and residual stiffness of a mass-normalised mode. The joint is a separate value.
 ///
 /// ```
 /// use iwan_core::{Oscillator, ResidualStiffness};
@@ -23,13 +23,13 @@ pub struct Oscillator {
     k_inf: f64,
 }
 
-/// What to do about a joint that is stiffer than its mode.
+/// Whether a joint that is stiffer than its mode is allowed.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum ResidualStiffness {
     /// K_∞ = ω0² - K_T must be positive.
     #[default]
     Positive,
-    /// K_∞ <= 0 is meant: nothing but the joint holds the mass.
+    /// K_∞ <= 0 is allowed: then nothing but the joint holds the mass.
     Any,
 }
 

@@ -1,22 +1,20 @@
-//! Average acceleration on a mode with a joint and parts.
+//! Time steps by average acceleration for a mode with a joint and parts.
 //!
 //! One step of length h solves for the increment x = Δq, with the velocity v_1 = 2x/h - v_0,
 //!
 //! (4/h² + 2c/h + K_∞) x + F_J(q_0 + x) - F_J(q_0) + 2 G(q_0, q_0 + x) + 2 d(x/h) + 2 s F =
 //! σ (p_0 + p_1) + 4v_0/h - 2 K_∞ q_0 - 2 F_J(q_0).
 //!
-//! G is the mean force of the springs over the way (work over way), so that the step takes from the motion exactly what
-//! their energy gains (O. Gonzalez, Time integration and discrete Hamiltonian systems, J. Nonlinear Sci. 6:449, 1996,
-//! in one dimension); d are the dampers at the mean velocity x/h, so that they never give energy back, and a mode that
-//! creeps under a root of the velocity creeps at its own pace (with the mean of the forces at both ends it would go twice
-//! as fast); s F is dry friction in the direction s of the motion, σ the prewarping factor. A joint whose force jumps on the
-//! way enters by its mean force, too ([`Trial::mean_beyond_ends`]): with the mean of both ends a jump would cost an error of
-//! first order in the step.
+//! G is the mean force of the springs over the step's displacement (work over distance), so that the step takes from the motion exactly the
+//! energy that the springs gain (O. Gonzalez, Time integration and discrete Hamiltonian systems, J. Nonlinear Sci. 6:449, 1996, in one
+//! dimension). d is the force of the dampers at the mean velocity x/h, so that they never give energy back, and a mode that creeps under a
+//! damper with n < 1 creeps at the right speed (with the mean of the forces at both ends it would creep twice as fast). s F is dry friction
+//! in the direction s of the motion, and σ the prewarping factor. A joint whose force jumps within the step also enters by its mean force
+//! ([`Trial::mean_beyond_ends`]): with the mean of both ends a jump would cause an error of first order in the step.
 //!
-//! Dry friction is set-valued at rest and is not smoothed. A step in which the velocity changes its sign is cut where
-//! it vanishes; there the mode sticks while the force that it withstands is at most F, and slides on in the direction
-//! of that force when it is more. Between two such points the friction is constant, so that a linear mode under it is
-//! as exact as it is without.
+//! Dry friction is set-valued at rest and is not smoothed. A step in which the velocity changes its sign is cut where the velocity
+//! vanishes. There the mode sticks while the other forces on it are at most F, and slides on in the direction of those forces when they
+//! exceed F. Between two such points the friction is constant, so a linear mode with dry friction is computed as exactly as without.
 
 use super::energy::{EnergyBalance, JointEnergy, Works};
 use super::motion::Motion;
@@ -27,43 +25,43 @@ use crate::error::Error;
 use crate::memory::Trial;
 use crate::parts::{Part, sum_of_parts};
 
-/// Rounds of Newton's method in a step; it doubles the digits and takes three or four, and bisects where it would leave
-/// the bracket: from an increment of the size of the motion, 100 rounds leave less than rounding.
+/// Largest number of rounds of Newton's method in a step; usually it takes three or four, and it bisects where it would leave the bracket.
+/// From an increment as large as the motion, 100 bisections leave less than rounding, so the last value is used.
 const MOST_ROUNDS: u32 = 100;
-/// Units in the last place by which the rounding of a step's forces hides its solution.
+/// Units in the last place of a step's forces below which a correction is rounding; the iteration then ends.
 const ROUNDING: f64 = 4.0;
-/// Share of the velocity in play below which the slope of a damper with n < 1 is taken as it is there: at rest it is
+/// Least velocity, as a share of the velocities of the step, at which the slope of a damper is evaluated. For n < 1 the slope at rest is
 /// infinite, and Newton's method would stand still.
 const LEAST_VELOCITY: f64 = 1e-6;
-/// Turning points within one sampling interval, at most. A mode sampled twice a cycle has one; should there be more, as
-/// under a force that changes faster than it is sampled, the last piece is taken in one step.
+/// Largest number of turning points within one sampling interval. A mode sampled twice a cycle has one. If there are more, as under a force
+/// that changes faster than it is sampled, the rest of the interval is taken in one step.
 const MOST_TURNS: u32 = 16;
-/// Rounds in the search for a turning point. The secant needs about eight; 60 halvings leave less than rounding.
+/// Largest number of rounds in the search for a turning point. The secant needs about eight; 60 halvings leave less than rounding.
 const TURNING_ROUNDS: u32 = 60;
 
-/// A mode with joint and parts, for time steps.
+/// Time stepping of a mode with a joint and parts.
 #[derive(Debug, Clone, Copy)]
 pub struct WithParts<'a> {
     scheme: Newmark,
     oscillator: Oscillator,
     parts: &'a [Part],
-    /// Σ of the dry friction.
+    /// Sum of the sizes of dry friction of all parts.
     friction: f64,
-    /// Whether steps are cut where the velocity vanishes: for dry friction, and for dampers with n < 1, whose force
-    /// jumps there nearly as much.
+    /// Whether steps are cut where the velocity vanishes. They are for dry friction, and for dampers with n < 1, whose force changes there
+    /// almost as abruptly.
     cuts: bool,
 }
 
-/// Where a run with parts ends.
+/// The end of a run with parts.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct PartsEnd {
     /// Final velocity.
     pub velocity: f64,
-    /// Energy balance of the run; `friction` holds what the joint and the parts took, `stored` also the parts' springs.
+    /// Energy balance of the run; `friction` is the loss to the joint and the parts, and `stored` includes the parts' springs.
     pub energy: EnergyBalance,
 }
 
-/// The moving state.
+/// The moving state: displacement, velocity and joint force.
 #[derive(Clone, Copy)]
 struct At {
     q: f64,
@@ -71,14 +69,14 @@ struct At {
     joint: f64,
 }
 
-/// One step: the increment, and the velocity after it.
+/// Result of one step: the increment of the displacement, and the velocity after the step.
 #[derive(Clone, Copy)]
 struct Stride {
     x: f64,
     v: f64,
 }
 
-/// A piece of the sampling interval: scheme, applied forces at its ends, direction of dry friction.
+/// A piece of the sampling interval: its scheme, the applied forces at its two ends, the direction of dry friction.
 #[derive(Clone, Copy)]
 struct Piece {
     scheme: Newmark,
@@ -87,7 +85,7 @@ struct Piece {
 }
 
 impl<'a> WithParts<'a> {
-    /// `oscillator` with `parts`, by `scheme`, which must be average acceleration, prewarped or not.
+    /// Time stepping of `oscillator` with `parts` by `scheme`, which must be average acceleration, prewarped or not.
     ///
     /// # Errors
     /// [`Error::Unsupported`] for another scheme; [`Error::OutOfRange`] when the step is too long for a negative K_∞.
@@ -103,8 +101,8 @@ impl<'a> WithParts<'a> {
         Ok(Self { scheme: *scheme, oscillator: *oscillator, parts, friction, cuts })
     }
 
-    /// Integrates from the state (`velocity` and where the joint's `state` stands) over the samples; `force` as in
-    /// [`Newmark::integrate`]. The joint force that is written is that of joint and parts together.
+    /// Integrates over the samples from the initial `velocity` and the displacement in the joint's `state`; `force` is as in
+    /// [`Newmark::integrate`]. The joint force in the output is that of joint and parts together.
     ///
     /// # Errors
     /// [`Error::Length`] when the buffers disagree.
@@ -150,14 +148,14 @@ impl<'a> WithParts<'a> {
         Ok(PartsEnd { velocity: at.v, energy })
     }
 
-    /// The force that acts on the mode at rest under `p`, dry friction left out.
+    /// The force on the mode at rest under the applied force `p`, without dry friction.
     fn drive(&self, at: &At, p: f64) -> f64 {
         p - self.oscillator.k_inf() * at.q
             - at.joint
             - sum_of_parts(self.parts, |part| part.elastic_force(at.q))
     }
 
-    /// Writes sample `n`, at which the force is `p`.
+    /// Writes sample `n`, where the applied force is `p`.
     fn write(&self, at: &At, p: f64, n: usize, out: &mut Samples<'_>) {
         let damping = sum_of_parts(self.parts, |part| part.damping_force(at.v));
         let drive = self.drive(at, p);
@@ -171,7 +169,7 @@ impl<'a> WithParts<'a> {
         out.set(n, [at.q, at.v, a, at.joint + elastic + damping + friction]);
     }
 
-    /// From one sample to the next, under a force that goes from `p[0]` to `p[1]` in a straight line.
+    /// Steps from one sample to the next, under an applied force that changes linearly from `p[0]` to `p[1]`.
     fn interval<State, J: Trial<State>>(
         &self,
         joint: &J,
@@ -221,8 +219,8 @@ impl<'a> WithParts<'a> {
         }
     }
 
-    /// When, as a share of what is left of the interval, a mode at rest departs, and in which direction: the force on it
-    /// goes from `drives[0]` to `drives[1]` in a straight line. None when it stays.
+    /// The time at which a mode at rest departs, as a share of the rest of the interval, and the direction in which it departs; none if
+    /// it stays at rest. The force on the mode changes linearly from `drives[0]` to `drives[1]`.
     fn departure(&self, [now, end]: [f64; 2]) -> Option<(f64, f64)> {
         if now.abs() > self.friction {
             return Some((0.0, 1.0_f64.copysign(now)));
@@ -234,7 +232,7 @@ impl<'a> WithParts<'a> {
         Some(((self.friction - direction * now) / (direction * (end - now)), direction))
     }
 
-    /// Solves one step from `at`; the joint's memory stays as it is.
+    /// Solves one step from `at`, without moving the joint's memory.
     fn stride<State, J: Trial<State>>(&self, joint: &J, state: &State, at: &At, piece: &Piece) -> Stride {
         let (h, k, c) = (piece.scheme.step(), self.oscillator.k_inf(), self.oscillator.viscous());
         let stiffness = 4.0 / (h * h) + 2.0 * c / h + k;
@@ -245,7 +243,7 @@ impl<'a> WithParts<'a> {
         let scale = applied.abs() + (4.0 * at.v / h).abs() + 2.0 * (k * at.q).abs() + 2.0 * at.joint.abs();
         let noise = ROUNDING * f64::EPSILON * scale / stiffness;
         let (mut low, mut high) = (f64::NEG_INFINITY, f64::INFINITY);
-        // From where the step would end without dampers: at rest their slope may be infinite.
+        // The start value is the end of the step without dampers, because at rest the slope of a damper may be infinite.
         let (mut x, mut before) = (known / stiffness, f64::INFINITY);
         for _ in 0..MOST_ROUNDS {
             let (u, v) = (at.q + x, x / h);
@@ -262,7 +260,8 @@ impl<'a> WithParts<'a> {
             let damper = sum_of_parts(self.parts, |part| part.damping_slope(v.abs().max(least)));
             let spring = sum_of_parts(self.parts, |part| part.tangent(u));
             let steady = stiffness + tangent + spring + 2.0 / h * damper;
-            // Behind a break next to the step's start the mean force falls steeply: half of the slope is left at least.
+            // Just behind a break near the step's start the mean force falls steeply. At least half of the other slope is kept, so that the
+            // slope stays positive.
             let slope = steady + if jumps == 0.0 { 0.0 } else { (2.0 * jumps_slope).max(-0.5 * steady) };
             let newton = x - residual / slope;
             let bracketed = low.is_finite() && high.is_finite();
@@ -280,7 +279,7 @@ impl<'a> WithParts<'a> {
         Stride { x, v: 2.0 * x / h - at.v }
     }
 
-    /// Takes a step that was solved: the joint follows, and every force has done its work.
+    /// Completes a step that was solved: moves the joint and adds the work of every force.
     fn take<State, J: Trial<State>>(
         &self,
         joint: &J,
@@ -305,8 +304,8 @@ impl<'a> WithParts<'a> {
     }
 }
 
-/// The share of a step after which the velocity vanishes, given the velocities at both its ends, the first >= 0 and the
-/// last < 0, and the velocity after any share; none when the motion does not get away from rest at all.
+/// The share of a step after which the velocity vanishes. Given are the velocities at both ends, the first >= 0 and the last < 0, and a
+/// function for the velocity after any share. None if the motion does not leave rest at all.
 fn turning_share([first, last]: [f64; 2], velocity: impl Fn(f64) -> f64) -> Option<f64> {
     let (mut low, mut high) = ([0.0, first], [1.0, last]);
     if first == 0.0 {
@@ -323,7 +322,7 @@ fn turning_share([first, last]: [f64; 2], velocity: impl Fn(f64) -> f64) -> Opti
         if now.abs() <= rest || high[0] - low[0] <= f64::EPSILON {
             return Some(share);
         }
-        // The Illinois variant of regula falsi: an end that stays twice counts half.
+        // The Illinois variant of regula falsi: the value at an end that stays twice in a row is halved.
         let stays = now * side > 0.0;
         if now > 0.0 {
             low = [share, now];

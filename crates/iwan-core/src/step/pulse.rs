@@ -32,7 +32,7 @@ pub enum Pulse<'a> {
         /// Duration T.
         duration: f64,
     },
-    /// A from t = 0 on, up to the end T (may be infinite).
+    /// Force A from t = 0 until t = T (T may be infinite).
     Step {
         /// Force A.
         amplitude: f64,
@@ -48,7 +48,7 @@ pub enum Pulse<'a> {
         /// Duration T.
         duration: f64,
     },
-    /// Samples from t = 0, linear in between, zero behind the last.
+    /// Samples from t = 0 on, linear in between, zero after the last.
     Sampled {
         /// Time between samples.
         dt: f64,
@@ -57,7 +57,7 @@ pub enum Pulse<'a> {
     },
 }
 
-/// A stretch on which f(t) = offset + slope·t + amplitude·cos(omega·t + phase), t counted from its start.
+/// A stretch of time on which f(t) = offset + slope·t + amplitude·cos(omega·t + phase), with t measured from its start.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Stretch {
     pub(crate) offset: f64,
@@ -65,7 +65,7 @@ pub(crate) struct Stretch {
     pub(crate) amplitude: f64,
     pub(crate) omega: f64,
     pub(crate) phase: f64,
-    /// Time at which the stretch ends, counted from t = 0.
+    /// Time at which the stretch ends, measured from t = 0 of the pulse.
     pub(crate) until: f64,
 }
 
@@ -137,7 +137,7 @@ impl Pulse<'_> {
         }
     }
 
-    /// Time from which on the force no longer changes; infinite for an endless sine.
+    /// Time after which the force no longer changes; infinite for an endless sine.
     #[must_use]
     pub fn settled(&self) -> f64 {
         match *self {
@@ -156,9 +156,9 @@ impl Pulse<'_> {
         }
     }
 
-    /// Longest time step, s, that samples the force at all: a quarter of a pulse's duration or of a sine's period.
-    /// Three samples then lie within the pulse whatever its phase, and a sine is not taken for a slower one; the
-    /// accuracy of such a step is another matter, which the response reports.
+    /// Longest time step, s, at which samples still represent the force: a quarter of a pulse's duration or of a sine's period. At least
+    /// three samples then lie within the pulse whatever its phase, and a sine is not mistaken for a slower one. Longer steps are refused by
+    /// the callers; the accuracy of a step within the limit is reported with the response.
     #[must_use]
     pub fn longest_step(&self) -> f64 {
         match *self {
@@ -168,7 +168,7 @@ impl Pulse<'_> {
         }
     }
 
-    /// The stretch that begins at, or runs on at, time `t`, with its formula counted from `t`.
+    /// The stretch that begins at, or contains, the time `t`; its formula measures time from `t`.
     pub(crate) fn stretch(&self, t: f64) -> Stretch {
         let cosine = |offset: f64, amplitude: f64, omega: f64, phase: f64, until: f64| Stretch {
             offset,
@@ -190,7 +190,7 @@ impl Pulse<'_> {
                 cosine(0.0, amplitude, 2.0 * PI * frequency, -0.5 * PI, duration)
             }
             Self::Sampled { dt, samples } => {
-                // A time that rounding left just short of a sample belongs to the sample.
+                // A time that rounding left just before a sample counts as that sample's time.
                 let n = libm::floor(t / dt * (1.0 + 4.0 * f64::EPSILON));
                 if n >= (samples.len() - 1) as f64 {
                     return Stretch::constant(0.0, f64::INFINITY);
@@ -204,15 +204,15 @@ impl Pulse<'_> {
         }
     }
 
-    /// Writes f(n dt) for n = 0, 1, …; returns how many samples come before the force is zero for good.
+    /// Writes f(n dt) for n = 0, 1, …; returns the number of samples after which the force stays zero.
     ///
-    /// A force that ends abruptly within a step keeps its impulse: its last sample is weighted so that
-    /// the trapezoidal rule integrates it to the end, which keeps time stepping second order.
+    /// A force that ends abruptly within a step keeps its impulse: its last sample is weighted so that the trapezoidal rule integrates the
+    /// force exactly up to its end. Time stepping then stays second order.
     pub fn sample(&self, dt: f64, out: &mut [f64]) -> usize {
         self.sample_from(0, dt, out)
     }
 
-    /// As [`sample`](Self::sample) for n = `first`, `first` + 1, …: a long history in pieces.
+    /// Does what [`sample`](Self::sample) does for n = `first`, `first` + 1, …, so that a long history can be written in pieces.
     ///
     /// ```
     /// let blow = iwan_core::Pulse::HalfSine { amplitude: 2.0, duration: 1e-3 };
@@ -233,7 +233,7 @@ impl Pulse<'_> {
             let n = libm::floor(end * (1.0 + 4.0 * f64::EPSILON));
             let place = (n as usize).checked_sub(first);
             if let Some((place, sample)) = place.and_then(|place| Some((place, out.get_mut(place)?))) {
-                // The first sample stands for half a step only.
+                // The first sample stands for half a step only, so its weight is doubled.
                 let weight = if n == 0.0 { 2.0 * end } else { 0.5 + (end - n).max(0.0) };
                 *sample = value * weight;
                 last = last.max(place + 1);
@@ -242,14 +242,14 @@ impl Pulse<'_> {
         last
     }
 
-    /// End of a force that stops while it acts, in steps, and the force at the last sample before.
+    /// For a force that ends while it is not zero: the time of its end, in steps, and the force at the last sample before the end.
     fn abrupt_end(&self, dt: f64) -> Option<(f64, f64)> {
         let before = |end: f64| libm::floor(end * (1.0 + 4.0 * f64::EPSILON)) * dt;
         let (duration, endless) = match *self {
             Self::Sampled { samples, .. } => {
                 let end = self.settled() / dt;
                 let (last, at) = (samples[samples.len() - 1], before(end));
-                // The last sample itself where the axes meet, else on the line to it.
+                // The last sample itself if the two time axes meet there, otherwise the value on the line that leads to it.
                 let value = if at >= self.settled() { last } else { self.at(at) };
                 return (last != 0.0).then_some((end, value));
             }

@@ -1,8 +1,8 @@
-//! Buffers of a response: the caller's memory, one sample per time step.
+//! Buffers of a response in the caller's memory, with one sample per time step.
 
 use crate::error::{Error, check_length};
 
-/// Where a time integration writes. All slices have one entry per sample, the initial state first.
+/// Output of a time integration. All slices have one entry per sample, the initial state first.
 #[derive(Debug)]
 pub struct Samples<'a> {
     /// Displacement q.
@@ -71,7 +71,7 @@ impl Samples<'_> {
     }
 }
 
-/// The force history: one sample per time step, zero behind the last.
+/// The force at sample `n` of a history with one value per time step; zero after its end.
 #[inline]
 pub(crate) fn force_at(force: &[f64], n: usize) -> f64 {
     force.get(n).copied().unwrap_or(0.0)

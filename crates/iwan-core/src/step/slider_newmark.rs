@@ -1,8 +1,7 @@
-//! Average acceleration on a population of sliders, without Newton's method.
+//! Time steps by average acceleration on a population of sliders, without Newton's method.
 //!
-//! One implicit step on sliders is a monotone, piecewise-linear equation: the sign of its residual is the direction
-//! of motion, and its solution lies on the first straight piece that reaches it. [`Piece`] holds the recurrence
-//! between two breaks.
+//! One implicit step on sliders is a monotone, piecewise-linear equation. The sign of its residual is the direction of motion, and its
+//! solution lies on the first straight piece that reaches it. [`Piece`] holds the recurrence between two breaks (sliders breaking loose).
 
 use super::newmark::Newmark;
 use super::oscillator::Oscillator;
@@ -25,9 +24,9 @@ struct Scheme {
 
 /// The constants of a step while no slider breaks loose.
 ///
-/// With the velocity v, x = q - anchor, s = K_∞ q + F_J(q), w = (2/h) v, l the mean of the forces at both ends of
-/// the step (times the prewarping factor) and r = l + w - s, one step of average acceleration is keff Δq + ΔF_J = 2
-/// r. On a straight piece of slope K, with a prime for the step after,
+/// With the velocity v, x = q - anchor, s = K_∞ q + F_J(q), w = (2/h) v, l the mean of the applied forces at both ends of the step (times
+/// the prewarping factor) and r = l + w - s, one step of average acceleration is keff Δq + ΔF_J = 2 r. On a straight piece of slope K, with
+/// a prime for the next step,
 ///
 /// Δq = 2 r/(keff + K),   x' = x + Δq,   s' = held + slope x',   w' = (4/h²) Δq - w,
 ///
@@ -35,21 +34,20 @@ struct Scheme {
 ///
 /// e' = l'' + (w - s) - (4/h² + (K_∞ + K)) Δq.
 ///
-/// Forces are positive as in [`Newmark`]: p acts in the direction of q, s against it.
+/// Signs are those of [`Newmark`]: p acts in the direction of q, s against it.
 ///
-/// Why this form: with Δq = inverse·r, a step waits for the one before through one product and one sum, r' = e +
-/// gain·r. All else, which is e, w, s, the outputs and the test for a break, runs beside that chain and is taken
-/// from the state itself and not summed up, so rounding does not accumulate: 20,000 steps stay within 1e-11 of a
-/// run in double-double arithmetic (a test).
+/// Why this form: with Δq = inverse·r, a step depends on the step before through one product and one sum only, r' = e + gain·r. All else
+/// (e, w, s, the outputs and the test for a break) is computed beside that chain. These quantities follow from the state itself and are not
+/// summed up, so rounding does not accumulate: 20,000 steps stay within 1e-11 of a run in double-double arithmetic (a test shows it).
 #[derive(Clone, Copy)]
 struct Piece {
-    /// Displacement from which x counts.
+    /// Displacement from which x is measured.
     anchor: f64,
     /// End of the piece, in direction·x.
     reach: f64,
     /// Joint force at x = 0.
     joint: f64,
-    /// Its slope K.
+    /// Slope K of the joint force.
     joint_slope: f64,
     /// s at x = 0.
     held: f64,
@@ -63,16 +61,15 @@ struct Piece {
     loss: f64,
 }
 
-/// Steps written out in the body of the inner loop, so that the state need not be moved between registers after
-/// each of them. It is a matter of speed alone: from five on the compiler makes a loop of them again.
+/// Number of steps written out in the body of the inner loop, so that the state stays in its registers between them. The value affects
+/// speed alone: from five on the compiler turns the body into a loop again.
 const UNROLLED: usize = 3;
 
-/// Breaks that a step passes one by one before the general search of [`Runs::aim`] takes over. With one, a run on a
-/// thousand sliders takes up to a quarter more time than with four; 8 and more gain a tenth at most, on the finest
-/// grids.
+/// Number of breaks that a step passes one by one before the general search of [`Runs::aim`] takes over. With one, a run on a thousand
+/// sliders takes up to a quarter more time than with four; 8 and more gain a tenth at most, on the finest grids.
 const WALK: usize = 4;
 
-/// What one step hands to the next, in the letters of [`Piece`].
+/// The state passed from one step to the next, in the symbols of [`Piece`].
 #[derive(Clone, Copy)]
 struct Motion {
     /// Displacement from the piece's anchor.
@@ -81,17 +78,18 @@ struct Motion {
     w: f64,
     /// K_∞ q + F_J.
     s: f64,
-    /// Half the load of the step that comes.
+    /// r of the next step: half its load.
     r: f64,
 }
 
 /// The applied force of a run.
 trait Load: Copy {
-    /// The force p at sample `n`, and l of the step from it: the mean with the sample after, scaled.
+    /// The applied force p at sample `n`, and l of the step that starts there: the mean of p and the next sample's force, times the
+    /// prewarping factor.
     fn at(&self, n: usize) -> (f64, f64);
 }
 
-/// A history of samples, times the prewarping factor `scale`.
+/// A force history of samples, with the prewarping factor `scale`.
 #[derive(Clone, Copy)]
 struct Applied<'a> {
     force: &'a [f64],
@@ -106,7 +104,7 @@ impl Load for Applied<'_> {
     }
 }
 
-/// No force any more. It is -0.0 and not 0.0, because x + -0.0 is x for every x: the compiler leaves the sum out.
+/// The force after the end of its history. It is -0.0 and not 0.0 because x + -0.0 is x for every x, so the compiler leaves the sum out.
 #[derive(Clone, Copy)]
 struct Free;
 
@@ -135,7 +133,7 @@ impl Scheme {
         }
     }
 
-    /// Writes sample `n`, at which the force is `p`.
+    /// Writes sample `n`, where the applied force is `p`.
     #[inline]
     fn write(&self, piece: &Piece, motion: &Motion, p: f64, n: usize, out: &mut Samples<'_>) {
         let v = self.to_velocity * motion.w;
@@ -158,7 +156,7 @@ impl Scheme {
         let end = if UP { piece.reach } else { -piece.reach };
         let mut out = out.tail(n + 1);
         let steps = out.displacement.len();
-        // With one length for all four slices the compiler checks one bound a step and not four.
+        // With one common length for all four slices the compiler checks one bound per step instead of four.
         out = out.first(steps);
         let mut e = (load.at(n + 1).1 - m.w) - m.s;
         let mut done = 0;
@@ -181,8 +179,8 @@ impl Scheme {
         n + done
     }
 
-    /// One step in which the next slider alone breaks loose, onto the piece `ahead`; false, and nothing done,
-    /// when the step does not end there.
+    /// Does one step in which only the next slider breaks loose, so that it ends on the piece `ahead`. Returns false, and changes nothing,
+    /// if the step does not end there.
     #[inline]
     fn slip_once<S: AsRef<[Run]> + AsMut<[Run]>>(
         &self,
@@ -199,7 +197,7 @@ impl Scheme {
         let end = x + dq;
         if direction * rest > 0.0 && direction * end <= ahead.reach {
             state.pass(1);
-            // As in gliding: the residual does not wait for the new state.
+            // As in `glide`, the next residual r is computed without waiting for the new state.
             let r = ((load - motion.w) - (ahead.held + ahead.slope * x)) + ahead.gain * rest;
             let (w, s) = (self.inertia * dq - motion.w, ahead.held + ahead.slope * end);
             *motion = Motion { x: end, w, s, r };
@@ -209,8 +207,7 @@ impl Scheme {
         false
     }
 
-    /// One step in which a few sliders of the topmost run break loose; false, and nothing done, when it
-    /// is more than that.
+    /// Does one step in which up to [`WALK`] sliders of the topmost run break loose. Returns false, and changes nothing, if more do.
     #[inline]
     fn slip<S: AsRef<[Run]> + AsMut<[Run]>>(
         &self,
@@ -239,7 +236,7 @@ impl Scheme {
         false
     }
 
-    /// Ends a step of `dq` on a new piece.
+    /// Completes a step of the increment `dq` that ends on a new piece.
     #[inline]
     fn settle(&self, piece: &Piece, motion: &mut Motion, dq: f64, load: f64) {
         let (x, w) = (motion.x + dq, self.inertia * dq - motion.w);
@@ -247,7 +244,7 @@ impl Scheme {
         *motion = Motion { x, w, s, r: (load + w) - s };
     }
 
-    /// One step in which sliders break loose or the motion turns round.
+    /// Does one step in which any number of sliders break loose or the motion turns round.
     #[inline(never)]
     fn cross<S: AsRef<[Run]> + AsMut<[Run]>>(
         &self,
@@ -281,7 +278,7 @@ impl Scheme {
         let mut out = out.between(0, last);
         let mut n = first;
         loop {
-            // The piece behind the next break is made ready while the steps before the break run.
+            // The piece behind the next break is computed in advance, beside the steps before the break.
             let ahead = state.segment_after(table, 1).map(|segment| self.piece(&segment));
             n = if state.direction() > 0.0 {
                 self.glide::<true>(piece, motion, load, n, &mut out)
@@ -305,7 +302,7 @@ impl Scheme {
 impl Newmark {
     /// As [`integrate`](Self::integrate) for a population of sliders, an order of magnitude faster.
     ///
-    /// Other schemes than average acceleration take the general path. Returns the final velocity.
+    /// Schemes other than average acceleration take the general path. Returns the final velocity.
     ///
     /// # Errors
     /// As [`integrate`](Self::integrate).

@@ -1,11 +1,11 @@
-//! Slow motion: amplitude and phase of a free oscillation, given how fast the one falls and the other turns.
+//! Slow motion of a free oscillation: its amplitude and phase, from the decay rate and the frequency at each amplitude.
 
 use core::f64::consts::PI;
 
 use super::motion::Motion;
 use crate::error::{Error, check};
 
-/// What drives the slow motion.
+/// Rates of the slow motion as functions of the amplitude a.
 pub(crate) trait Rates {
     /// Circular frequency ω(a), rad/s.
     fn frequency(&self, amplitude: f64) -> f64;
@@ -23,7 +23,7 @@ pub struct AmplitudePhase {
     pub phase: f64,
 }
 
-/// The slow motion from a start on, step by step.
+/// The slow motion from a given start, integrated step by step.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct SlowMotion<R> {
     pub(crate) rates: R,
@@ -35,8 +35,8 @@ pub(crate) struct SlowMotion<R> {
 
 /// Logarithm of the amplitude and phase, with their rates.
 ///
-/// Why the logarithm: its rate is the decay rate, which changes slowly over a ring-down while a falls by decades,
-/// and a step can never overshoot into a negative amplitude.
+/// Why the logarithm: its rate is the decay rate, which changes slowly over a ring-down while the amplitude falls by decades; and a step
+/// can never overshoot into a negative amplitude.
 #[derive(Debug, Clone, Copy, PartialEq)]
 struct Slow {
     log_amplitude: f64,
@@ -47,35 +47,36 @@ struct Slow {
     omega: f64,
 }
 
-/// One step: its length in s and where it ends.
+/// One step: its length (s) and the state at its end.
 #[derive(Debug, Clone, Copy)]
 struct Step {
     length: f64,
     end: Slow,
 }
 
-/// Most rounds in which amplitude and frequency at the start are made to agree. The frequency depends on the
-/// amplitude weakly, so each round gains digits; should these not do, the last is taken, which is in error by less
-/// than averaging is.
+/// Largest number of rounds in which amplitude and frequency at the start are made consistent. The frequency depends weakly on the
+/// amplitude, so each round gains digits. If the rounds do not suffice, the last result is used; its error is smaller than that of
+/// averaging.
 const MOST_ROUNDS: u32 = 50;
 
-/// Steps a cycle for what is lost in it: 1 + 20 ζ, rounded up, which is two up to a damping ratio of 5 %. The steps
-/// are then in error by 1e-8 (ζ <= 1 %) to 5e-8 (10 %) up to φ_max and by 1e-5 beyond, where averaging itself is by
-/// 1e-5 to 1e-2. Anything from 5 to 80 does as well.
+/// Growth of the number of steps per cycle with the damping ratio ζ: there are 1 + 20 ζ steps, rounded up, which is two up to a damping
+/// ratio of 5 %. The error of the steps is then 1e-8 (ζ <= 1 %) to 5e-8 (10 %) up to φ_max and 1e-5 beyond, where averaging itself has
+/// errors of 1e-5 to 1e-2. Any value from 5 to 80 does as well.
 const STEPS_A_CYCLE: f64 = 20.0;
 
 impl<R: Rates + Copy> SlowMotion<R> {
-    /// From the motion `start`, without force; `omega0` is where the search for the frequency there begins.
+    /// The slow motion that begins with the motion `start`, without force. The search for the frequency at the start begins at `omega0`
+    /// (rad/s).
     ///
     /// # Errors
-    /// [`Error::OutOfRange`] when a value is not finite, or the frequency at the start is not.
+    /// [`Error::OutOfRange`] when a value is not finite, or when the mode has no stiffness at the start.
     pub(crate) fn new(rates: R, omega0: f64, start: Motion) -> Result<Self, Error> {
         let Motion { displacement: q, velocity: v } = start;
         check("displacement", q, true, "must be a finite number")?;
         check("velocity", v, true, "must be a finite number")?;
         let unset = Slow { log_amplitude: 0.0, phase: 0.0, growth: 0.0, omega: 0.0 };
         let mut decay = Self { rates, start: unset, time: 0.0, now: unset, next: None };
-        // The amplitude of a start in motion depends on the frequency, and that on the amplitude.
+        // For a start in motion the amplitude depends on the frequency, and the frequency on the amplitude.
         let mut omega = omega0;
         for _ in 0..MOST_ROUNDS {
             let before = omega;
@@ -97,7 +98,7 @@ impl<R: Rates + Copy> SlowMotion<R> {
         Slow { log_amplitude, phase, growth, omega }
     }
 
-    /// The classical Runge-Kutta step of about one cycle, shorter where much is lost in a cycle.
+    /// One classical Runge-Kutta step of about one cycle, shorter where the motion loses much in a cycle.
     fn step(&self) -> Step {
         let at = self.now;
         let cycle = 2.0 * PI / at.omega;
@@ -112,7 +113,7 @@ impl<R: Rates + Copy> SlowMotion<R> {
         Step { length: h, end }
     }
 
-    /// Amplitude and phase at the time `t` since the start, not before the last call's.
+    /// Amplitude and phase at the time `t` since the start; `t` must not be earlier than in the last call.
     pub(crate) fn at(&mut self, t: f64) -> AmplitudePhase {
         if self.start.log_amplitude == f64::NEG_INFINITY {
             return AmplitudePhase { amplitude: 0.0, phase: self.start.phase };
@@ -134,8 +135,8 @@ impl<R: Rates + Copy> SlowMotion<R> {
         }
     }
 
-    /// Works of two powers, functions of the amplitude, from the start to the time `t`: Simpson's rule in intervals of
-    /// one cycle. With them the amplitudes at the start and at the end.
+    /// Works of two powers, given as functions of the amplitude, from the start to the time `t`, by Simpson's rule on intervals of one
+    /// cycle; and the amplitudes at the start and at `t`.
     pub(crate) fn works(&self, t: f64, powers: impl Fn(f64) -> [f64; 2]) -> ([f64; 2], [f64; 2]) {
         let mut decay = Self { time: 0.0, now: self.start, next: None, ..*self };
         let first = decay.at(0.0).amplitude;

@@ -1,8 +1,9 @@
 //! A reduced structure whose joints and stiffness can be changed without the mesh.
 //!
-//! In the coordinates of the reduced model mass is 1 and the stuck stiffness Λ. Another joint stiffness adds (K_T' - K_T) b bᵀ
-//! for each slip, another material (c - 1) Vᵀ K_m V: small dense matrices. Modes and attachment vectors stay those of the structure
-//! as given; frequencies are then too high in the second order of what the basis does not hold.
+//! In the coordinates of the reduced model the mass is 1 and the stuck stiffness is Λ. Another joint stiffness adds (K_T' - K_T) b bᵀ for
+//! each slip, another material (c - 1) Vᵀ K_m V; both are small dense matrices. The basis of modes and attachment vectors stays that of the
+//! structure as given, so frequencies are too high by an error of second order in the part of the new modes that the basis does not
+//! contain.
 
 use std::fmt;
 
@@ -18,16 +19,16 @@ use crate::transient::Reduced;
 /// A part of the linear stiffness that may be wrong by a factor.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum Correction {
-    /// Young's modulus of all elements that no named material claims.
+    /// Young's modulus of all elements that belong to no named material.
     GeneralMaterial,
-    /// Young's modulus of the material of this number among [`Structure::materials`].
+    /// Young's modulus of the material with this index in [`Structure::materials`].
     Material(usize),
-    /// Springs to the ground of the lump of this number among [`Structure::lumps`].
+    /// Springs to the ground of the lump with this index in [`Structure::lumps`].
     Springs(usize),
 }
 
 impl Correction {
-    /// The structure with this part of the stiffness twice as large.
+    /// The structure with this part of the stiffness doubled.
     fn doubled(self, structure: &Structure) -> Option<Structure> {
         let mut structure = structure.clone();
         let stiffer = |m: &Material| Material::new(2.0 * m.young(), m.poisson(), m.density()).ok();
@@ -46,21 +47,21 @@ impl Correction {
     }
 }
 
-/// A reduced structure with what may be changed in it.
+/// A reduced structure with the quantities that may be changed.
 #[derive(Clone)]
 pub struct Adjustable {
     /// Λ of the coordinates that strain the structure, 1/s².
     pub(super) eigenvalues: Vec<f64>,
-    /// Rigid motions before them.
+    /// Number of rigid motions, which come before these coordinates.
     pub(super) zero: usize,
-    /// Coordinates that are modes; the others are attachment vectors.
+    /// Number of coordinates that are modes, rigid motions included; the others are attachment vectors.
     modes: usize,
-    /// Slips with a law.
+    /// Laws of the slips that have one.
     pub(super) laws: Vec<Law>,
     names: Vec<String>,
     /// b by slip and coordinate.
     pub(super) participation: Vec<Vec<f64>>,
-    /// Vᵀ K_m V of the parts that may be corrected.
+    /// Vᵀ K_m V of each part that may be corrected.
     pub(super) corrections: Vec<Mat<f64>>,
 }
 
@@ -74,17 +75,18 @@ impl fmt::Debug for Adjustable {
 }
 
 impl Adjustable {
-    /// Of a reduced model, with these parts of the stiffness to be corrected.
+    /// The adjustable form of a reduced model, with the parts of the stiffness that may be corrected.
     ///
     /// # Errors
-    /// [`Error::Analysis`] for a part that the structure does not have, or matrices in place of elements; as [`Structure::assemble`].
+    /// [`Error::Analysis`] for a part that the structure does not have, or for matrices in place of elements; errors of
+    /// [`Structure::assemble`].
     ///
     /// ```
     /// use iwan_fem::{Adjustable, Basis, Correction, mesh::beam::Configuration, paper};
     /// let assembled = paper::structure(Configuration::A, 1)?.assemble()?;
     /// let reduced = assembled.reduce(20, Basis::default())?;
     /// let adjustable = Adjustable::new(&reduced, &[Correction::GeneralMaterial])?;
-    /// // One material: all frequencies of the structure without joints go with the root of its modulus.
+    /// // With one material, all frequencies of the structure without joints are proportional to the square root of its modulus.
     /// let stiffer = adjustable.at(&[], &[], &[1.21])?;
     /// assert!(stiffer.mode(6)?.omega_squared() > 1.15 * reduced.eigenvalues()[6]);
     /// assert_eq!(adjustable.slips().len(), 8);
@@ -118,13 +120,13 @@ impl Adjustable {
         &self.names
     }
 
-    /// Slip in a stuck mode, by its number among all modes, zero modes included; 0 for a rigid motion.
+    /// Slip in a stuck mode; the index `mode` counts all modes, zero modes included. 0 for a rigid motion.
     #[must_use]
     pub fn participation(&self, slip: usize, mode: usize) -> f64 {
         mode.checked_sub(self.zero).map_or(0.0, |k| self.participation[slip][k])
     }
 
-    /// Coordinate of a stuck mode by its number among all modes.
+    /// Coordinate of a stuck mode, whose index counts all modes.
     pub(super) fn coordinate(&self, mode: usize) -> Result<usize, Error> {
         let elastic = (self.zero..self.modes).contains(&mode);
         mode.checked_sub(self.zero).filter(|_| elastic).ok_or_else(|| Error::Analysis {
@@ -135,7 +137,7 @@ impl Adjustable {
     }
 }
 
-/// Vᵀ K_m V of a part of the stiffness.
+/// Vᵀ K_m V of one part of the stiffness.
 fn projected(
     assembled: &Assembled,
     reduced: &Reduced<'_>,

@@ -1,4 +1,4 @@
-//! The structure with other joints and another stiffness: its stuck modes.
+//! The structure with other joints and another stiffness, and its stuck modes.
 
 use faer::Mat;
 use iwan_core::FourParameter;
@@ -7,12 +7,12 @@ use super::adjustable::Adjustable;
 use crate::algebra::{product, symmetric_eigen};
 use crate::error::{Error, check};
 
-/// An adjusted structure. Unknowns stand in this order: ln K_T, ln F_S, χ, β of the first group of slips, then of the next, …, then
+/// An adjusted structure. The unknowns are, in this order, ln K_T, ln F_S, χ, β of the first group of slips, then of the next groups, then
 /// the logarithms of the factors on the corrected parts of the stiffness.
 #[derive(Debug)]
 pub struct Adjusted<'a> {
     pub(super) adjustable: &'a Adjustable,
-    /// Group of each slip.
+    /// Group of each slip; none for a slip that keeps its own law.
     pub(super) group: Vec<Option<usize>>,
     pub(super) laws: Vec<FourParameter>,
     /// ω² of the stuck modes.
@@ -21,16 +21,17 @@ pub struct Adjusted<'a> {
     pub(super) slips: Vec<Vec<f64>>,
     /// Φ by coordinate and mode.
     pub(super) shapes: Mat<f64>,
-    /// Derivatives of the stiffness with respect to the logarithm of each K_T and of each factor, in the modes.
+    /// Derivatives of the stiffness with respect to the logarithm of each K_T and of each factor, in the coordinates of the adjusted modes.
     pub(super) perturbations: Vec<Mat<f64>>,
 }
 
 impl Adjustable {
-    /// With other laws at groups of slips (numbers among [`slips`](Self::slips)) and these factors on the corrected parts.
+    /// The structure with other laws at groups of slips (indices into [`slips`](Self::slips)) and with these factors on the corrected
+    /// parts.
     ///
     /// # Errors
-    /// [`Error::OutOfRange`] for a factor that is not > 0; [`Error::Analysis`] for lists of the wrong length, a slip in two groups, and
-    /// where the structure is not stable.
+    /// [`Error::OutOfRange`] for a factor that is not > 0; [`Error::Analysis`] for lists of the wrong length, a slip in two groups, or an
+    /// unstable structure.
     pub fn at(
         &self,
         groups: &[Vec<usize>],
@@ -111,7 +112,7 @@ impl Adjusted<'_> {
         4 * self.laws.len() + self.adjustable.corrections.len()
     }
 
-    /// Unknown that the perturbation of this number goes with.
+    /// Index of the unknown to which the perturbation with this index belongs.
     pub(super) fn unknown_of(&self, perturbation: usize) -> usize {
         let groups = self.laws.len();
         if perturbation < groups { 4 * perturbation } else { 4 * groups + perturbation - groups }

@@ -9,49 +9,49 @@ use super::equilibrium::Equilibrium;
 use super::mode::AdjustedMode;
 use crate::error::{Error, check};
 
-/// Which stiffness the frequency of a curve stands for.
+/// The stiffness from which the frequency of a curve is computed.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Stiffness {
-    /// The first harmonic of a closed loop: what a ring-down or a steady vibration shows.
+    /// The first-harmonic stiffness of a closed loop, which a ring-down or a steady vibration shows.
     #[default]
     FirstHarmonic,
-    /// The secant α/q of the virgin curve: what `iwan quasi-static` writes.
+    /// The secant stiffness α/q of the virgin curve, which `iwan quasi-static` writes.
     Secant,
 }
 
-/// A point of a modal curve; derivatives are with respect to the unknowns of [`Adjusted`].
+/// A point of a modal curve. Derivatives are with respect to the unknowns of [`Adjusted`].
 #[derive(Debug, Clone, PartialEq)]
 pub struct CurvePoint {
     /// Modal displacement.
     pub displacement: f64,
     /// ω², 1/s².
     pub omega_squared: f64,
-    /// Its derivatives.
+    /// Derivatives of ω².
     pub omega_squared_by: Vec<f64>,
     /// Dissipation per cycle in the joints.
     pub dissipation: f64,
-    /// Its derivatives.
+    /// Derivatives of the dissipation.
     pub dissipation_by: Vec<f64>,
     /// Slips at the modal displacement.
     pub slips: Vec<f64>,
 }
 
-/// Nodes of the first harmonic's quadrature, with the angle θ = π s²: one panel leaves 3e-12 of a four-parameter law in micro-slip; in macro-slip the
-/// corner at φ_max leaves 1e-4 of the loss of stiffness.
+/// Quadrature of the first harmonic, with the angle θ = π s². One panel leaves an error of 3e-12 for a four-parameter law in micro-slip; in
+/// macro-slip the corner at φ_max leaves 1e-4 of the loss of stiffness.
 const RULE: Rule<16> = Rule::gauss_legendre();
 
-/// The modal force that slip takes off, φ_sᵀ N, and its derivatives.
+/// The modal force φ_sᵀ N, by which the joints' forces differ from stuck ones, and its derivatives.
 struct Missing {
     force: f64,
     by: Vec<f64>,
 }
 
 impl AdjustedMode {
-    /// The curve at modal displacements > 0, ascending.
+    /// The curve at modal displacements > 0, in ascending order.
     ///
     /// # Errors
-    /// [`Error::OutOfRange`] for a displacement that is not a finite number > 0; [`Error::Analysis`] where no static load holds the
-    /// structure there.
+    /// [`Error::OutOfRange`] for a displacement that is not a finite number > 0; [`Error::Analysis`] if no static load holds the structure
+    /// at the displacement.
     ///
     /// ```
     /// use iwan_fem::{Adjustable, Basis, Stiffness, mesh::beam::Configuration, paper};
@@ -59,10 +59,10 @@ impl AdjustedMode {
     /// let adjustable = Adjustable::new(&assembled.reduce(40, Basis::default())?, &[])?;
     /// let adjusted = adjustable.at(&[vec![0, 2]], &[paper::joint()?], &[])?;
     /// let point = &adjusted.mode(6)?.curve(&adjusted, &[1.989e-4], Stiffness::Secant)?[0];
-    /// // As the static loads on the structure itself say.
+    /// // The values agree with static loads on the structure itself.
     /// assert!((point.omega_squared.sqrt() / std::f64::consts::TAU - 132.2419).abs() < 0.01);
     /// assert!((point.dissipation / 4.726e-5 - 1.0).abs() < 0.01);
-    /// // More slip force, less slip.
+    /// // A larger slip force reduces slip.
     /// assert!(point.dissipation_by[1] < 0.0 && point.omega_squared_by[1] > 0.0);
     /// # Ok::<(), iwan_fem::Error>(())
     /// ```
@@ -101,7 +101,7 @@ impl AdjustedMode {
             Some(found)
         };
         if stiffness == Stiffness::FirstHarmonic {
-            // K_1 = -(4/πq) ∫ F(q sin²(θ/2)) cos θ dθ from 0 to π, of which the linear part is ω0².
+            // K_1 = -(4/πq) ∫ F(q sin²(θ/2)) cos θ dθ from 0 to π; the linear part of F gives ω0².
             for (node, weight) in nodes() {
                 let theta = PI * node * node;
                 let half = (0.5 * theta).sin();

@@ -1,4 +1,4 @@
-//! The slips of a mode at a modal displacement, and how they change with the unknowns.
+//! The slips of a mode at a given modal displacement, and their derivatives with respect to the unknowns.
 
 use iwan_core::LawSlopes;
 
@@ -6,22 +6,22 @@ use super::adjusted::Adjusted;
 use super::mode::AdjustedMode;
 use crate::algebra::solve_small;
 
-/// The slips are found when they hold to this part of the largest: next to rounding.
+/// Residual of the slips' equilibrium, as a part of the largest slip, at which the iteration ends; it is close to rounding.
 const SETTLED: f64 = 1e-13;
-/// Steps of Newton's method at most, as in the curves of the structure itself: up to 8 find the slips, and where they run out parts slide
-/// freely.
+/// Largest number of steps of Newton's method, as for the curves of the structure itself. Up to 8 find the slips; if they do not suffice,
+/// parts slide freely and there is no equilibrium.
 const MOST_ROUNDS: usize = 60;
-/// Halvings of a step at most: after 30 it is rounding.
+/// Largest number of halvings of a step: after 30 it is rounding.
 const MOST_HALVINGS: usize = 30;
 
-/// Slips in equilibrium with what the laws say there.
+/// The slips in equilibrium, with their laws' values and derivatives at these slips.
 pub(super) struct Equilibrium {
     pub(super) slips: Vec<f64>,
-    /// Of each slip, with the signs of the slip for N and its derivatives.
+    /// Law of each slip; N and its derivatives have the sign of the slip.
     pub(super) laws: Vec<LawSlopes>,
 }
 
-/// The law of slip `i` at `s` of either sign.
+/// The law of slip `i` at the slip `s`, of either sign.
 fn law_at(adjusted: &Adjusted<'_>, i: usize, s: f64) -> LawSlopes {
     let u = s.abs();
     let mut slopes = if let Some(group) = adjusted.group[i] {
@@ -48,7 +48,7 @@ fn law_at(adjusted: &Adjusted<'_>, i: usize, s: f64) -> LawSlopes {
 }
 
 impl AdjustedMode {
-    /// s + H N(s) = φ_s q from the slips `start`, by Newton's method; none where no static load holds the parts.
+    /// Solves s + H N(s) = φ_s q by Newton's method from the slips `start`; none if no static load holds the parts.
     pub(super) fn equilibrium(
         &self,
         adjusted: &Adjusted<'_>,
@@ -84,7 +84,7 @@ impl AdjustedMode {
                 let (laws, residual, shorter) = evaluate(&moved);
                 (shorter < norm).then_some((moved, laws, residual, shorter))
             });
-            // Rounding leaves a few units more than the goal where slips cancel in the sum.
+            // Where slips cancel in the sum, rounding leaves a residual that is some units larger than the tolerance.
             let Some(found) = better else {
                 return (norm <= 100.0 * SETTLED * size).then_some(Equilibrium { slips, laws });
             };
@@ -93,7 +93,7 @@ impl AdjustedMode {
         None
     }
 
-    /// I + H dN/ds.
+    /// The matrix I + H dN/ds.
     fn matrix(&self, laws: &[LawSlopes]) -> Vec<f64> {
         let n = laws.len();
         let mut matrix: Vec<f64> =
@@ -102,7 +102,8 @@ impl AdjustedMode {
         matrix
     }
 
-    /// ds by slip and unknown, slip by slip, at the modal displacement `q`; none where the slips have no derivatives.
+    /// Derivatives of the slips with respect to the unknowns, slip by slip, at the modal displacement `q`; none if the matrix of the
+    /// equilibrium is singular.
     pub(super) fn slips_by(&self, adjusted: &Adjusted<'_>, q: f64, at: &Equilibrium) -> Option<Vec<f64>> {
         let (n, unknowns) = (self.shape.len(), self.unknowns);
         if unknowns == 0 {

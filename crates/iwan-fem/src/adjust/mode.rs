@@ -1,15 +1,16 @@
-//! A stuck mode of an adjusted structure with what its static curve needs, and the derivatives of that.
+//! A stuck mode of an adjusted structure, with the quantities of its static curve and their derivatives.
 //!
-//! With the modal displacement q held, slips follow from s + H N(s) = φ_s q, where H is the flexibility of the slips through all other
-//! modes, N = F - K_T s. Eigenvectors change by dφ = Σ_i φ_i (φ_iᵀ dK φ)/(ω² - ω_i²) (R. L. Fox and M. P. Kapoor, AIAA J. 6:2426, 1968).
+//! With the modal displacement q held, the slips follow from s + H N(s) = φ_s q, where H is the flexibility of the slips through all other
+//! modes and N = F - K_T s. Eigenvectors change by dφ = Σ_i φ_i (φ_iᵀ dK φ)/(ω² - ω_i²) (R. L. Fox and M. P. Kapoor, AIAA J. 6:2426, 1968).
 
 use super::adjusted::Adjusted;
 use crate::error::Error;
 
-/// Modes whose ω² differ by less than this part are one eigenspace: what couples them would be rounding over rounding.
+/// Relative difference of ω² below which two modes count as one eigenspace: the derivative between them would be a quotient of rounding
+/// errors, and is set to 0.
 const SAME: f64 = 1e-9;
 
-/// A stuck mode, its slips, and the flexibility that the other modes give these.
+/// A stuck mode, its slips, and the flexibility of the slips through the other modes.
 #[derive(Debug, Clone)]
 pub struct AdjustedMode {
     pub(super) omega_squared: f64,
@@ -21,7 +22,7 @@ pub struct AdjustedMode {
     pub(super) unknowns: usize,
 }
 
-/// What one logarithm of a stiffness changes.
+/// Derivatives with respect to one logarithm of a stiffness.
 #[derive(Debug, Clone)]
 pub(super) struct Perturbed {
     pub(super) unknown: usize,
@@ -53,7 +54,7 @@ impl AdjustedMode {
             (0..n).map(|i| if distinct(&i) { x[(i, r)] / (own - values[i]) } else { 0.0 }).collect();
         let shape: Vec<f64> =
             slips.iter().map(|p| sign * p.iter().zip(&moved).map(|(p, m)| p * m).sum::<f64>()).collect();
-        // dG = -P W⁻¹ X W⁻¹ Pᵀ of all modes, less the mode's own φφᵀ/ω².
+        // dG = -P W⁻¹ X W⁻¹ Pᵀ of all modes, minus the derivative of the mode's own part φφᵀ/ω².
         let weighted: Vec<Vec<f64>> =
             slips.iter().map(|p| p.iter().zip(values).map(|(p, w)| p / w).collect()).collect();
         let image = |a: usize| -> Vec<f64> {
@@ -94,16 +95,15 @@ impl AdjustedMode {
 }
 
 impl Adjusted<'_> {
-    /// The stuck mode that is most like stuck mode `mode` of the structure as it was given, by its number among all modes, zero modes
-    /// included.
+    /// The stuck mode that resembles stuck mode `mode` of the structure as given most; the index counts all modes, zero modes included.
     ///
     /// # Errors
-    /// [`Error::Analysis`] where there is no such elastic mode.
+    /// [`Error::Analysis`] if there is no such elastic mode.
     pub fn mode(&self, mode: usize) -> Result<AdjustedMode, Error> {
         let k = self.adjustable.coordinate(mode)?;
         let like = |i: &usize| self.shapes[(k, *i)].abs();
         let found = (0..self.values.len()).max_by(|a, b| like(a).total_cmp(&like(b))).unwrap_or(k);
-        // The sign of the shape stays that of the structure as given.
+        // The shape keeps the sign that it has in the structure as given.
         let sign = if self.shapes[(k, found)] < 0.0 { -1.0 } else { 1.0 };
         Ok(AdjustedMode::new(self, found, sign))
     }

@@ -1,7 +1,7 @@
-//! An adjusted structure under a blow: all modes of the reduced model and all joints in time.
+//! An adjusted structure under a blow: the transient of all modes of the reduced model with all joints.
 //!
-//! In the stuck modes of the adjusted structure a blow is that of [`iwan_core::CoupledModes`] with no compliance, as no mode is left out:
-//! q_r'' + 2ζω q' + ω² q + Σ b N = φ f, s = B q. Rigid motions are integrals of the force.
+//! In the stuck modes of the adjusted structure the equations are those of [`iwan_core::CoupledModes`] with zero compliance, because no
+//! mode is left out: q_r'' + 2ζω q' + ω² q + Σ b N = φ f, s = B q. Rigid motions are integrals of the force.
 
 use iwan_core::{
     CoupledJoint, CoupledMode, CoupledModes, CoupledMotion, CoupledRows, Grid, Lanes, Newmark, Oscillator,
@@ -14,14 +14,16 @@ use crate::error::Error;
 use crate::structure::Law;
 use crate::transient::Reduced;
 
-/// Above this angle in a step a mode is not prewarped: its tangent would lengthen the step without end at two steps a cycle.
+/// Angle ω dt of a step, rad, above which a mode is not prewarped: the tangent of prewarping would lengthen the step without limit as two
+/// steps a cycle are approached.
 const PREWARPED: f64 = 1.0;
-/// A joint that slips less than this share of the most moved one in all modes is left stuck: rounding of a projection.
+/// Largest slip in all modes, as a share of that of the most mobile joint, up to which a joint is left stuck: so small a slip is rounding
+/// of a projection.
 const UNMOVED: f64 = 1e-9;
-/// Samples stepped at a time: rows of fifty modes take 400 kB, which stay in the cache.
+/// Number of samples stepped at a time: the rows of fifty modes take 400 kB and stay in the cache.
 const ROWS: usize = 256;
 
-/// A functional of the unknowns, a load or an output, in the coordinates of a reduced model: rigid motions apart.
+/// A linear functional of the unknowns (a load or an output) in the coordinates of a reduced model, with rigid motions kept separately.
 #[derive(Debug, Clone, PartialEq)]
 pub struct InCoordinates {
     rigid: Vec<f64>,
@@ -29,7 +31,7 @@ pub struct InCoordinates {
 }
 
 impl Adjustable {
-    /// A functional of the unknowns in the coordinates of the reduced model that this was made of.
+    /// A functional of the unknowns in the coordinates of `reduced`, the reduced model of which this was made.
     ///
     /// # Errors
     /// [`Error::Analysis`] for coefficients of another structure.
@@ -53,60 +55,60 @@ impl Adjustable {
     }
 }
 
-/// A blow from rest, and what is read of it.
+/// A blow on a structure at rest, and the outputs.
 #[derive(Debug, Clone, Copy)]
 pub struct Blow<'a> {
-    /// Time step, s.
+    /// Force at each step, the first at t = 0; zero after the last.
     pub step: f64,
     /// Force at each step, the first at t = 0; zero behind the last.
     pub force: &'a [f64],
-    /// Where it acts.
+    /// The load: where the force acts.
     pub load: &'a InCoordinates,
-    /// Where it is read, and what.
+    /// The outputs: where the motion is recorded.
     pub outputs: &'a [InCoordinates],
-    /// What is read there.
+    /// The recorded quantity.
     pub kinematic: Kinematic,
-    /// Steps from one sample to the next.
+    /// Number of steps from one sample to the next.
     pub every: usize,
     /// Number of samples, the first at t = 0.
     pub samples: usize,
-    /// Sliders of each joint.
+    /// Number of bins (sliders) of each joint.
     pub bins: usize,
 }
 
-/// What is read of an output.
+/// The quantity that is recorded at an output.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Kinematic {
-    /// Its displacement.
+    /// The displacement.
     Displacement,
-    /// Its velocity.
+    /// The velocity.
     Velocity,
-    /// Its acceleration.
+    /// The acceleration.
     Acceleration,
 }
 
-/// What a blow does.
+/// The response to a blow.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Struck {
-    /// What was read of each output at the samples.
+    /// The recorded quantity of each output at the samples.
     pub motion: Vec<Vec<f64>>,
-    /// Largest slip of each joint, by the slips of the structure with a law.
+    /// Largest slip of each joint, in the order of the structure's slips that have a law.
     pub slips: Vec<f64>,
 }
 
-/// The slips that move, and functionals by the modes.
+/// The slips that move, and the functionals in terms of the modes.
 struct Parts {
     slips: Vec<usize>,
-    /// φ_r of a functional by all modes.
+    /// Modal value φ_r of the load in each mode.
     load: Vec<f64>,
     outputs: Vec<Vec<f64>>,
 }
 
 impl Adjusted<'_> {
-    /// Motions under a blow, with the viscous damping ratio that `damping` gives for the frequency of a mode in Hz.
+    /// The response to a blow; `damping` gives the viscous damping ratio of a mode from its frequency in Hz.
     ///
     /// # Errors
-    /// [`Error::Analysis`] for a structure that cannot be stepped so: laws, compliance, or slips that do not settle.
+    /// [`Error::Analysis`] for a structure that cannot be stepped: because of its laws, its compliance, or slips that do not settle.
     ///
     /// ```
     /// use iwan_core::Pulse;
@@ -191,7 +193,7 @@ impl Adjusted<'_> {
         if known { Ok(found) } else { Err(failed(&"the motion grows beyond all bounds")) }
     }
 
-    /// Law of a slip: its group's, or its own.
+    /// The law of a slip: that of its group, or the structure's own.
     fn law(&self, slip: usize) -> Law {
         match self.group[slip] {
             Some(group) => std::sync::Arc::new(self.laws[group]),
@@ -232,7 +234,7 @@ impl Adjusted<'_> {
         };
         let modes =
             (0..self.values.len()).map(mode).collect::<Result<Vec<_>, _>>().map_err(|e| failed(&e))?;
-        // No mode is left out.
+        // No mode is left out, so the compliance is zero.
         let compliance = vec![0.0; laws.len()];
         let rows: Vec<Vec<f64>> = parts.slips.iter().map(|s| self.slips[*s].clone()).collect();
         let joints: Vec<CoupledJoint<'_>> = rows
@@ -249,13 +251,13 @@ impl Adjusted<'_> {
     }
 }
 
-/// An output by the modes that move, and by the rigid motion of a unit mass.
+/// An output as a combination of the elastic modes and of the rigid motion of a unit mass.
 struct Reading {
     rigid: f64,
     shape: Vec<f64>,
 }
 
-/// An output by its shapes.
+/// The coefficients of an output.
 fn reading(blow: &Blow<'_>, parts: &Parts, output: usize) -> Reading {
     let shape = parts.outputs[output].clone();
     let rigid = blow.outputs[output].rigid.iter().zip(&blow.load.rigid).map(|(a, b)| a * b).sum();
@@ -278,7 +280,7 @@ fn rigid_motion(blow: &Blow<'_>) -> Vec<f64> {
             before = *x;
             *x = sum;
         }
-        // The first sum held the first value twice over one half step: nothing has moved yet.
+        // The first sum added half a step before t = 0, where nothing has moved yet; its value is subtracted.
         let first = motion[0];
         for x in &mut motion {
             *x -= first;

@@ -1,7 +1,7 @@
-//! Small dense matrices, on the thread that asks.
+//! Small dense matrices, computed on the calling thread.
 //!
-//! faer's methods and operators go by a setting of the whole process, which is all cores: threads that spin beside a time
-//! step, and that a forked process would miss. These call the functions below them instead.
+//! faer's methods and operators follow a setting for the whole process, which is all cores: their threads would spin beside a time step,
+//! and a forked process would lack them. The functions here call faer's underlying functions without threads instead.
 
 use faer::diag::Diag;
 use faer::dyn_stack::{MemBuffer, MemStack};
@@ -11,17 +11,16 @@ use faer::linalg::matmul::matmul;
 use faer::linalg::svd::{ComputeSvdVectors, svd, svd_scratch};
 use faer::{Accum, Mat, MatRef, Par, Spec};
 
-/// Eigenvalues ascending and eigenvectors, column by column.
+/// Eigenvalues in ascending order, and eigenvectors column by column.
 pub(crate) struct Eigen {
     pub(crate) values: Vec<f64>,
     pub(crate) vectors: Mat<f64>,
 }
 
-/// Of a symmetric matrix, by its lower triangle; none when it is not finite.
+/// Eigenvalues and eigenvectors of a symmetric matrix, given by its lower triangle; none if the matrix is not finite.
 ///
-/// faer leaves errors of the size of the machine precision whatever the size of the matrix: of a matrix whose entries are about 1e-6
-/// six digits would be lost. So the matrix is brought to size 1 by a power of two, which rounds nothing, and the eigenvalues are
-/// brought back.
+/// faer leaves errors of the size of the machine precision whatever the size of the matrix, so a matrix with entries of about 1e-6 would
+/// lose six digits. Therefore the matrix is scaled to size 1 by a power of two, which rounds nothing, and the eigenvalues are scaled back.
 pub(crate) fn symmetric_eigen(matrix: &Mat<f64>) -> Option<Eigen> {
     let (n, spec) = (matrix.nrows(), Spec::default());
     let largest = matrix.norm_max();
@@ -35,7 +34,7 @@ pub(crate) fn symmetric_eigen(matrix: &Mat<f64>) -> Option<Eigen> {
     Some(Eigen { values: values.column_vector().iter().map(|value| value * size).collect(), vectors })
 }
 
-/// Singular values descending, left and right singular vectors, column by column; none when the matrix is not finite.
+/// Singular values in descending order, left and right singular vectors column by column; none if the matrix is not finite.
 pub(crate) fn thin_svd(matrix: &Mat<f64>) -> Option<(Vec<f64>, Mat<f64>, Mat<f64>)> {
     let (m, n, spec) = (matrix.nrows(), matrix.ncols(), Spec::default());
     let size = m.min(n);
@@ -48,7 +47,7 @@ pub(crate) fn thin_svd(matrix: &Mat<f64>) -> Option<(Vec<f64>, Mat<f64>, Mat<f64
     Some((values.column_vector().iter().copied().collect(), left, right))
 }
 
-/// Inverse of a symmetric positive definite matrix, by its lower triangle; none when it is not positive definite.
+/// Inverse of a symmetric positive definite matrix, given by its lower triangle; none if the matrix is not positive definite.
 pub(crate) fn positive_inverse(mut matrix: Mat<f64>) -> Option<Mat<f64>> {
     let (n, spec) = (matrix.nrows(), Spec::default());
     let mut buffer = MemBuffer::new(llt::factor::cholesky_in_place_scratch::<f64>(n, Par::Seq, spec));
@@ -56,11 +55,11 @@ pub(crate) fn positive_inverse(mut matrix: Mat<f64>) -> Option<Mat<f64>> {
     llt::factor::cholesky_in_place(matrix.as_mut(), none, Par::Seq, MemStack::new(&mut buffer), spec).ok()?;
     let mut inverse = Mat::identity(n, n);
     llt::solve::solve_in_place(matrix.as_ref(), inverse.as_mut(), Par::Seq, MemStack::new(&mut buffer));
-    // One triangle for both, so that rounding leaves no difference.
+    // The upper triangle is copied from the lower one, so that rounding leaves no asymmetry.
     Some(Mat::from_fn(n, n, |i, j| inverse[(i.max(j), i.min(j))]))
 }
 
-/// A B.
+/// The product A B.
 pub(crate) fn product(a: MatRef<'_, f64>, b: MatRef<'_, f64>) -> Mat<f64> {
     let mut out = Mat::zeros(a.nrows(), b.ncols());
     matmul(&mut out, Accum::Replace, a, b, 1.0, Par::Seq);
@@ -75,12 +74,12 @@ mod tests {
         matrix.norm_max()
     }
 
-    /// Small and large matrices keep as many digits as others.
+    /// Matrices of very small and very large entries keep as many digits as others.
     #[test]
     fn the_size_of_a_matrix_does_not_matter() {
-        // Large enough for the divide-and-conquer method, in which the digits are lost.
+        // Large enough for the divide-and-conquer method, in which the digits would be lost.
         let n = 240;
-        // Eigenvalues over twelve decades, mixed by a reflection.
+        // Eigenvalues over twelve decades, with eigenvectors mixed by a reflection.
         let w: Vec<f64> = (0..n).map(|i| 1.0 + (i as f64).sin()).collect();
         let norm: f64 = w.iter().map(|w| w * w).sum();
         let value = |i: usize| 10.0_f64.powf(-12.0 * i as f64 / n as f64);

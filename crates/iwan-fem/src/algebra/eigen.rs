@@ -1,10 +1,10 @@
-//! Lowest eigenpairs of K φ = λ M φ: block Lanczos on (K + σM)⁻¹ M, guarded by a Sturm count.
+//! Lowest eigenpairs of K φ = λ M φ: block Lanczos on (K + σM)⁻¹ M, with a Sturm count that proves that none is missing.
 //!
-//! R. G. Grimes, J. G. Lewis and H. D. Simon, SIAM J. Matrix Anal. Appl. 15:228, 1994, doi:10.1137/S0895479888151111;
-//! here with full reorthogonalisation and without restarts. K may be singular (free structures): the shift σ > 0 makes
-//! K + σM positive definite. Blocks find repeated eigenvalues; the number of negative pivots of K - μM counts all
-//! eigenvalues below μ, and as long as it exceeds the number found, new random directions join the search. M times the
-//! basis is kept beside the basis: a column costs one product with M.
+//! R. G. Grimes, J. G. Lewis and H. D. Simon, SIAM J. Matrix Anal. Appl. 15:228, 1994, doi:10.1137/S0895479888151111; here with full
+//! reorthogonalisation and without restarts. K may be singular (free structures): the shift σ > 0 makes K + σM positive definite. Blocks
+//! find repeated eigenvalues. The number of negative pivots of K - μM is the number of all eigenvalues below μ; as long as it exceeds the
+//! number found, new random columns join the search. M times the basis is stored beside the basis, so that a new column takes one product
+//! with M.
 
 use faer::linalg::matmul::matmul;
 use faer::{Accum, Mat, MatMut, MatRef};
@@ -18,43 +18,50 @@ use super::workers::Workers;
 use crate::error::{Error, singular_mass};
 use iwan_core::Progress;
 
-/// Columns per block: a solve takes a group of them. Of an eigenvalue that is repeated more often the first block finds no more than
-/// this many; the Sturm count sees that and random columns join the search.
+/// Number of columns per block, as many as one group of a solve holds. Of an eigenvalue that is repeated more often, the first block finds
+/// no more than this many; the Sturm count reveals that, and random columns join the search.
 const BLOCK: usize = LANES;
-/// Residual of (K + σM)⁻¹M φ - θ φ relative to θ at which a pair counts as converged; eigenvalues are better by its square. Of 20 modes of
-/// the paper's beam the last then solves K φ = ω² M φ to 3e-6; at 1e-5 a fifth fewer columns leave 3e-3, at 1e-11 a fifth more leave 5e-9.
+/// Residual of (K + σM)⁻¹M φ - θ φ relative to θ at which a pair counts as converged; the relative error of its eigenvalue is about the
+/// square. Of 20 modes of the paper's beam the last then satisfies K φ = ω² M φ to 3e-6. With 1e-5 a fifth fewer columns leave 3e-3, with
+/// 1e-11 a fifth more leave 5e-9.
 const CONVERGED: f64 = 1e-8;
-/// Neighbouring eigenvalues further apart than this, relatively, can be told apart by a shift between them: far above their errors, far
-/// below the distance of modes that are not repeated (1e-10 to 1e-3 lead to the same searches). Else the shift goes behind the next.
+/// Relative distance of neighbouring eigenvalues above which a shift between them separates them; otherwise the shift is placed beyond the
+/// next eigenvalue. The value is far above the errors of eigenvalues and far below the distance of modes that are not repeated; 1e-10 to
+/// 1e-3 lead to the same searches.
 const GAP: f64 = 1e-6;
-/// A column of which no more than this part remains depends on the basis but for rounding, and a random one takes its place. What is
-/// left out here is missing in the residuals of all pairs, and the columns of rigid motions are longer than those of high modes by many
-/// decades: the limit stands at rounding. Beams and cubes do not come near it; at least 2e-4 remains of their columns.
+/// Remaining part of a column's length, after the basis is removed from it, up to which the column counts as dependent on the basis; a
+/// random column replaces it. The part left out is missing in the residuals of all pairs, and columns of rigid motions are longer than
+/// those of high modes by many decades, so the limit lies at rounding. Beams and cubes do not come near it: at least 2e-4 of their columns
+/// remains.
 const DEPENDENT: f64 = 1e-15;
-/// A column of which no more than this part remains is made orthogonal to the basis once more, as what rounding left has grown with it;
-/// when less than half is left then, it was rounding. In beams and cubes no column is so weak, but with a hundredth of the shift eight are.
+/// Remaining part of a column's length below which the column is made orthogonal to the basis once more, because its rounding errors have
+/// grown in proportion. If less than half remains then, it was rounding, and a random column replaces it. No column of beams and cubes is
+/// so weak, but with a hundredth of the shift eight are.
 const WEAK: f64 = 1e-4;
-/// Part of a column's length below which M times what remains is computed anew: the difference of longer products has lost three digits.
+/// Remaining part of a column's length below which its product with M is computed anew, because three digits were lost in the difference of
+/// longer products.
 const CANCELLED: f64 = 1e-3;
-/// Most passes over the whole basis. One was enough in all beams and cubes that were tried; a fourth would take off rounding alone.
+/// Largest number of passes over the whole basis. One was enough in all beams and cubes that were tried; a fourth would remove rounding
+/// alone.
 const PASSES: usize = 3;
-/// A pass that takes no more than this part off a column's length leaves it orthogonal to rounding. The first one takes 1e-12 to 1e-10; a
-/// limit below 1e-15 would force all passes, and a search for 400 modes would take more than twice the time.
+/// Part of a column's length up to which a pass counts as having removed rounding only, so that no further pass is made. The first pass
+/// removes 1e-12 to 1e-10; a limit below 1e-15 would force all passes, and a search for 400 modes would take more than twice the time.
 const ORTHOGONAL: f64 = 1e-6;
-/// Operations for all eigenpairs of a dense symmetric matrix, over the cube of its order, by which another look is weighed against more
-/// columns. Only the time depends on it: from 0 to 300 a search for 400 modes of the paper's beam takes 848 to 912 columns.
+/// Operations for all eigenpairs of a dense symmetric matrix, over the cube of its order. With it the cost of solving the projected problem
+/// is compared with that of more columns. It affects only the time: from 0 to 300 a search for 400 modes of the paper's beam takes 848 to
+/// 912 columns.
 const DENSE: f64 = 30.0;
-/// Part of the columns expected that are added before the next look, as pairs converge faster towards the end. Only the time depends on
-/// it: at 0.4 and at 1.2 searches take up to a sixth fewer columns or up to a sixth more, in no order.
+/// Part of the expected number of missing columns that is added before the projected problem is solved again, because pairs converge faster
+/// towards the end. It affects only the time: at 0.4 and at 1.2 searches take up to a sixth fewer or more columns, without a trend.
 const MOST_OF: f64 = 0.8;
-/// Part of a vector's largest component from which on one decides on its sign. Components that are equal by symmetry differ by rounding
-/// and all pass, and the last of them decides: rounding does not.
+/// Part of a vector's largest component above which components count as large. The last large component determines the vector's sign.
+/// Components that are equal by symmetry differ by rounding and are all large, so rounding does not affect the choice.
 const LARGE: f64 = 0.9;
-/// Columns that the search usually takes, per mode, by which its progress is measured: 4.4 for 20 modes of the paper's beam, 2.3 for 400.
-/// Where more are needed the progress waits at its end.
+/// Number of columns per mode that the search usually takes, for the progress report: 4.4 for 20 modes of the paper's beam, 2.3 for 400. If
+/// a search needs more, the reported progress stays at its end.
 const USUAL: f64 = 4.5;
 
-/// The pencil, what is wanted of it, and how.
+/// The eigenvalue problem, its shift, and the analysis of the factor's pattern.
 pub(crate) struct Problem<'a> {
     pub(crate) stiffness: &'a Symmetric,
     pub(crate) mass: &'a Symmetric,
@@ -62,7 +69,7 @@ pub(crate) struct Problem<'a> {
     pub(crate) analysis: &'a Analysis,
 }
 
-/// Eigenvalues ascending and M-orthonormal eigenvectors, one after the other.
+/// Eigenvalues in ascending order, and M-orthonormal eigenvectors, one after another.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Pairs {
     pub(crate) values: Vec<f64>,
@@ -70,12 +77,12 @@ pub(crate) struct Pairs {
 }
 
 impl Problem<'_> {
-    /// K + σM, factored.
+    /// The Cholesky factor of K + σM.
     pub(crate) fn factor(&self) -> Result<Cholesky, Error> {
         Cholesky::new(self.analysis, &self.stiffness.plus(self.shift, self.mass))
     }
 
-    /// The lowest `count` pairs, none missed.
+    /// The lowest `count` pairs, with none missing.
     pub(crate) fn lowest(
         &self,
         count: usize,
@@ -118,7 +125,7 @@ impl Problem<'_> {
         }
     }
 
-    /// How many leading pairs have converged up to a gap, and a shift in that gap; no shift when the basis is complete.
+    /// The number of leading pairs that have converged up to a gap, and a shift in that gap; no shift if the basis is complete.
     fn bound(&self, ritz: &Ritz, count: usize, complete: bool) -> Option<(usize, Option<f64>)> {
         let value = |i: usize| 1.0 / ritz.values[i] - self.shift;
         if complete {
@@ -129,10 +136,12 @@ impl Problem<'_> {
             .map(|i| (i, Some(0.5 * (value(i) + value(i - 1)))))
     }
 
-    /// Sturm count; a shift that meets an eigenvalue of a leading part is moved a little.
+    /// Number of eigenvalues below `above`, by a Sturm count. If the shift coincides with an eigenvalue of a leading part of the matrix, it
+    /// is moved slightly.
     fn count_below(&self, above: f64) -> Result<usize, Error> {
         let mut last = None;
-        // A hundredth of the gap that the shift stands in: no eigenvalue of the whole matrix comes near it.
+        // The movement is a hundredth of the smallest gap ([`GAP`]) in which the shift lies, so no eigenvalue of the whole matrix comes
+        // near it.
         for nudge in [0.0, 1e-8, -1e-8] {
             let shifted = self.stiffness.plus(-(above + nudge * (above.abs() + self.shift)), self.mass);
             match negative_eigenvalues(self.analysis, &shifted) {
@@ -143,8 +152,8 @@ impl Problem<'_> {
         Err(last.expect("three attempts were made"))
     }
 
-    /// The first `count` pairs, each vector with the sign that makes the last of its largest components positive: rounding does not
-    /// turn it.
+    /// The first `count` pairs. Each vector gets the sign that makes the last of its large components positive, so that rounding does not
+    /// change the sign.
     fn pairs(&self, search: &Search<'_>, ritz: &Ritz, count: usize) -> Pairs {
         let values = ritz.values[..count].iter().map(|theta| 1.0 / theta - self.shift).collect();
         let mut vectors = search.combine(&ritz.combinations, count);
@@ -158,7 +167,7 @@ impl Problem<'_> {
     }
 }
 
-/// Ritz values θ descending, the combinations of the basis, relative residuals.
+/// Ritz values θ in descending order, the combinations of the basis, and relative residuals.
 struct Ritz {
     values: Vec<f64>,
     combinations: Mat<f64>,
@@ -172,18 +181,18 @@ impl Ritz {
     }
 }
 
-/// The basis and the projection of the operator on it.
+/// The basis, and the projection of the operator on it.
 struct Search<'a> {
     mass: &'a Symmetric,
     factor: &'a Cholesky,
     workers: Workers,
     n: usize,
-    /// M-orthonormal columns V one after the other; the projection is known on the first `columns` of them.
+    /// M-orthonormal columns V, one after another; the projection is known for the first `columns` of them.
     basis: Vec<f64>,
     /// M V.
     weighted: Vec<f64>,
     columns: usize,
-    /// First column of the block expanded last.
+    /// First column of the block that was expanded last.
     previous: usize,
     /// Projection H = Vᵀ M (K + σM)⁻¹ M V, column by column: entries from the top to at least the diagonal.
     projection: Vec<Vec<f64>>,
@@ -211,14 +220,14 @@ impl<'a> Search<'a> {
         Ok(search)
     }
 
-    /// Columns of the basis, those not yet expanded included.
+    /// Number of columns of the basis, including those not yet expanded.
     fn held(&self) -> usize {
         self.basis.len() / self.n
     }
 
-    /// Columns to add before the projection's eigenproblem is worth another look: most of what is missing to the `wanted`
-    /// pairs at the rate at which they converged between the last two looks (columns, pairs), and not so few that
-    /// looking costs more than searching.
+    /// Number of columns to add before the projected eigenproblem is solved again. It is most of the number that is missing for the
+    /// `wanted` pairs, at the rate at which pairs converged between the last two solutions (columns, pairs), but not so few that the
+    /// solutions cost more than the search.
     fn until_next_look(&self, last: (usize, usize), here: (usize, usize), wanted: usize) -> usize {
         let k = here.0 as f64;
         let a_column = 4.0 * self.factor.entries() as f64 + 8.0 * self.n as f64 * k;
@@ -241,7 +250,7 @@ impl<'a> Search<'a> {
         out
     }
 
-    /// Appends random columns, orthonormal to the basis.
+    /// Appends random columns that are orthonormal to the basis.
     fn widen(&mut self, columns: usize) {
         for _ in 0..columns.min(self.n - self.held()) {
             self.push_random();
@@ -266,7 +275,8 @@ impl<'a> Search<'a> {
         self.weighted.extend(weighted);
     }
 
-    /// Takes the part of the basis from its column `first` on off the columns; returns the coefficients on the whole basis.
+    /// Subtracts from the columns their part in the basis, from its column `first` on; returns the coefficients with respect to the whole
+    /// basis.
     fn remove(&self, first: usize, columns: &mut [f64]) -> Mat<f64> {
         let width = columns.len() / self.n;
         let mut coefficients = Mat::zeros(self.held(), width);
@@ -281,9 +291,10 @@ impl<'a> Search<'a> {
         coefficients
     }
 
-    /// Takes the basis' part off what the operator made of the pending columns; returns the coefficients.
+    /// Subtracts the basis from the result of the operator on the pending columns; returns the coefficients.
     ///
-    /// But for rounding that part is in the last two blocks: they go first, and one pass over all takes the rest.
+    /// Except for rounding, the result lies in the last two blocks. So these are subtracted first, and one pass over the whole basis
+    /// removes the rest.
     fn remove_basis(&self, columns: &mut [f64]) -> Mat<f64> {
         let mut coefficients = self.remove(self.previous, columns);
         for _ in 0..PASSES {
@@ -296,7 +307,7 @@ impl<'a> Search<'a> {
         coefficients
     }
 
-    /// Applies the operator to the pending columns, extends the projection and appends what is new as pending columns.
+    /// Applies the operator to the pending columns, extends the projection, and appends the new directions as pending columns.
     fn expand(&mut self) {
         let (from, to) = (self.columns, self.held());
         let mut next = self.weighted[from * self.n..to * self.n].to_vec();
@@ -310,7 +321,7 @@ impl<'a> Search<'a> {
         let removed: Vec<f64> = (0..width).map(|k| coefficients.col(k).squared_norm_l2()).collect();
         let remainder = next.clone();
         self.append(next, &removed);
-        // Coefficients of the remainder on the new columns: the residual of every Ritz pair follows from them.
+        // Coefficients of the remainder in the new columns; the residual of every Ritz pair follows from them.
         let added = self.view(&self.weighted[to * self.n..]);
         let mut pending = Mat::zeros(added.ncols(), width);
         let remainder = self.view(&remainder);
@@ -320,8 +331,8 @@ impl<'a> Search<'a> {
         self.pending = pending;
     }
 
-    /// Orthonormalises columns among themselves, after the basis' part, of squared length `removed`, was taken off them, and
-    /// appends them; those that depend on what is there give way to random ones.
+    /// Orthonormalises columns among themselves and appends them; the basis, with a part of the squared length `removed`, was subtracted
+    /// from them before. Columns that depend on the basis are replaced by random ones.
     fn append(&mut self, mut columns: Vec<f64>, removed: &[f64]) {
         let first = self.held() * self.n;
         let mut weighted = self.mass_times(&columns);
@@ -384,7 +395,7 @@ impl<'a> Search<'a> {
         Ok(Ritz { values, combinations, residuals })
     }
 
-    /// The first `count` combinations of the basis.
+    /// The vectors of the first `count` combinations of the basis.
     fn combine(&self, combinations: &Mat<f64>, count: usize) -> Vec<f64> {
         let mut vectors = vec![0.0; self.n * count];
         let basis = self.view(&self.basis[..self.columns * self.n]);
@@ -401,7 +412,7 @@ mod tests {
     use super::*;
     use crate::algebra::Site;
 
-    /// An eigenvalue twelve times over: a block of eight finds eight at first, the Sturm count knows of the others.
+    /// An eigenvalue that occurs twelve times: a block of eight first finds eight, and the Sturm count reveals the others.
     #[test]
     fn eigenvalues_repeated_more_often_than_a_block_is_wide() {
         let n = 400;

@@ -1,4 +1,4 @@
-//! Sparse Cholesky and LDLᵀ factors, with a probe of each.
+//! Sparse Cholesky and LDLᵀ factors; each is tested by a solve (probe) before it is used.
 
 use std::sync::Arc;
 
@@ -23,16 +23,17 @@ use super::workers::Workers;
 use crate::error::Error;
 use iwan_machine::memory::ask;
 
-/// Largest backward error ‖A z - b‖ / (‖A‖ ‖z‖) that a sound factorisation leaves. Usual is 1e-16 to 1e-15 for K + σM and up to 1e-12
-/// for shifted, indefinite matrices, which are factored without pivoting. A factor that is worse is refused: the eigensolver moves its
-/// shift a little and tries again, every other analysis ends with an error.
+/// Largest backward error ‖A z - b‖ / (‖A‖ ‖z‖) of an acceptable factorisation. Usual values are 1e-16 to 1e-15 for K + σM and up to 1e-12
+/// for shifted, indefinite matrices, which are factored without pivoting. A factor with a larger error is refused: the eigensolver moves
+/// its shift slightly and tries again, every other analysis ends with an error.
 const SOUND: f64 = 1e-10;
-/// Up to so many unknowns minimum degree is tried beside nested dissection, and the order that leaves fewer entries is taken. Minimum
-/// degree leaves a fifth less in the paper's beam of 4,514 unknowns, a tenth less with the mesh twice as fine (25,418), but 40 % more
-/// when it is three times as fine, and 25 to 70 % more in cubes. The second order takes 4 ms for 4,514 unknowns and 0.3 s for 75,000.
+/// Largest number of unknowns for which minimum degree is tried beside nested dissection; the order with fewer entries in the factor is
+/// used. Minimum degree gives a fifth fewer in the paper's beam of 4,514 unknowns and a tenth fewer with the mesh twice as fine (25,418),
+/// but 40 % more when it is three times as fine, and 25 to 70 % more in cubes. The second order takes 4 ms for 4,514 unknowns and 0.3 s for
+/// 75,000.
 const SLENDER: usize = 20_000;
 
-/// Order of elimination and the pattern of the factor: one for all matrices of a structure.
+/// Order of elimination and pattern of the factor, shared by all matrices of a structure.
 #[derive(Debug, Clone)]
 pub(crate) struct Analysis {
     symbolic: Arc<SymbolicCholesky<u32>>,
@@ -40,14 +41,14 @@ pub(crate) struct Analysis {
 }
 
 impl Analysis {
-    /// For matrices whose pattern is that of `matrix`, or part of it.
+    /// The analysis for matrices whose pattern is that of `matrix` or a part of it.
     pub(crate) fn new(matrix: &Symmetric, sites: &[Site]) -> Result<Self, Error> {
         let forward = nested_dissection(matrix, sites);
         let mut inverse = vec![0; forward.len()];
         forward.iter().enumerate().for_each(|(k, &j)| inverse[j as usize] = k as u32);
         let dissected = PermRef::new_checked(&forward, &inverse, forward.len());
         let mut symbolic = symbolic(matrix, SymmetricOrdering::Custom(dissected))?;
-        // Without positions there is nothing to cut, and the order is none.
+        // Without different positions there is nothing to cut, and nested dissection gives no useful order.
         let placed = sites.windows(2).any(|pair| pair[0].position != pair[1].position);
         if matrix.order() <= SLENDER || !placed {
             let of_least_degree = self::symbolic(matrix, SymmetricOrdering::Amd)?;
@@ -59,13 +60,13 @@ impl Analysis {
         Ok(Self { symbolic: Arc::new(symbolic), branches })
     }
 
-    /// Numbers of a factor.
+    /// Number of entries of a factor.
     pub(crate) fn entries(&self) -> usize {
         self.symbolic.len_val()
     }
 }
 
-/// Pattern of the factor in an order of elimination.
+/// Pattern of the factor for a given order of elimination.
 fn symbolic(
     matrix: &Symmetric,
     ordering: SymmetricOrdering<'_, u32>,
@@ -112,7 +113,7 @@ pub(crate) struct Cholesky {
 }
 
 impl Cholesky {
-    /// Factors and probes.
+    /// Factors the matrix and tests the factor.
     pub(crate) fn new(analysis: &Analysis, matrix: &Symmetric) -> Result<Self, Error> {
         Self::with(analysis, matrix, &Workers::for_entries(analysis.symbolic.len_val())?)
     }
@@ -141,12 +142,12 @@ impl Cholesky {
         Factor { supernodes: supernodes(&self.symbolic), values: &self.values }
     }
 
-    /// Entries of the factor.
+    /// Number of entries of the factor.
     pub(crate) fn entries(&self) -> usize {
         self.values.len()
     }
 
-    /// x = A⁻¹ x for columns of n entries one after the other, a group of them at a time.
+    /// Replaces x by A⁻¹ x, for columns of n entries one after another; a group of columns is solved at a time.
     pub(crate) fn solve_columns(&self, x: &mut [f64], workers: &Workers) {
         let (forward, inverse) = self.symbolic.perm().expect("an order was given").arrays();
         let n = forward.len();
@@ -161,14 +162,14 @@ impl Cholesky {
         }
     }
 
-    /// x = A⁻¹ x.
+    /// Replaces x by A⁻¹ x.
     pub(crate) fn solve(&self, x: &mut [f64]) {
         self.solve_with(x, &mut Vec::new(), &mut Vec::new());
     }
 
-    /// [`Self::solve`] with memory that is there already: what a time step needs.
+    /// [`Self::solve`] with working memory that the caller reuses, as a time step needs it.
     ///
-    /// faer's own solve is written for many columns; a single one is bound by reading the factor twice.
+    /// faer's own solve is written for many columns; the time of a single column is that of reading the factor twice.
     pub(crate) fn solve_with(&self, x: &mut [f64], permuted: &mut Vec<f64>, local: &mut Vec<f64>) {
         let (forward, inverse) = self.symbolic.perm().expect("an order was given").arrays();
         permuted.clear();
@@ -178,9 +179,9 @@ impl Cholesky {
     }
 }
 
-/// Number of negative eigenvalues of a symmetric matrix, by the signs of D in A = L D Lᵀ (Sylvester's law of inertia).
+/// Number of negative eigenvalues of a symmetric matrix, from the signs of D in A = L D Lᵀ (Sylvester's law of inertia).
 ///
-/// There is no pivoting: the probe refuses a factor that lost its digits, and the caller moves its shift.
+/// The factorisation does not pivot. The probe refuses a factor that has lost its digits, and the caller then moves its shift.
 pub(crate) fn negative_eigenvalues(analysis: &Analysis, matrix: &Symmetric) -> Result<usize, Error> {
     let symbolic = &analysis.symbolic;
     let mut values = vec![0.0; symbolic.len_val()];
@@ -200,12 +201,12 @@ pub(crate) fn negative_eigenvalues(analysis: &Analysis, matrix: &Symmetric) -> R
         let stack = MemStack::new(&mut buffer);
         LdltRef::new(symbolic, &values).solve_in_place_with_conj(Conj::No, columns, Par::Seq, stack);
     })?;
-    // The diagonal of each supernode's block holds D.
+    // The diagonal of each supernode's block is D.
     let factor = Factor { supernodes: supernodes(symbolic), values: &values };
     Ok(factor.diagonal().filter(|d| *d < 0.0).count())
 }
 
-/// Solves for a random right-hand side and compares.
+/// Tests a factor: solves for a random right-hand side and checks the backward error.
 fn probe(matrix: &Symmetric, solve: impl Fn(&mut [f64])) -> Result<(), Error> {
     let right = random(matrix.order(), 1);
     let mut solution = right.clone();
@@ -236,7 +237,7 @@ mod tests {
         let right = x.clone();
         factor.solve_columns(&mut x, workers);
         for (x, right) in x.chunks_exact(matrix.order()).zip(right.chunks_exact(matrix.order())) {
-            // As one right-hand side by itself, but for rounding.
+            // The same as for one right-hand side alone, except for rounding.
             let mut alone = right.to_vec();
             factor.solve(&mut alone);
             let error: Vec<f64> = alone.iter().zip(x).map(|(a, b)| a - b).collect();
@@ -248,7 +249,8 @@ mod tests {
         x
     }
 
-    /// The factor of a block is large enough for threads: their number leaves no trace, in branches and trunk.
+    /// The factor of a block is large enough for threads. Their number must leave no trace in the results, neither in the branches nor in
+    /// the trunk.
     #[test]
     fn threads_change_no_bit() {
         let lines = uniform(-0.5, 0.5, 15);

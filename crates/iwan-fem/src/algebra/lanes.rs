@@ -1,11 +1,11 @@
-//! Values handled side by side: sums in a fixed order, whatever the width of the registers.
+//! Values handled side by side, with sums in a fixed order for any width of the vector registers.
 #![expect(clippy::inline_always, reason = "what is not inlined does not get the wide registers")]
 
-/// Values are handled in groups of this many: one register of AVX-512, two of AVX2, four of SSE2. The number is fixed, so that
-/// sums have one order and therefore the same bits on every machine; with another one the last digits of all results change.
+/// Number of values in a group: one register of AVX-512, two of AVX2, four of SSE2. The number is fixed so that sums have one order, and
+/// therefore the same bits, on every machine; another number would change the last digits of all results.
 pub(crate) const LANES: usize = 8;
 
-/// One value for each member of a group.
+/// One value for each lane.
 pub(crate) type Group = [f64; LANES];
 
 /// Values in groups, the last one filled up with zeros.

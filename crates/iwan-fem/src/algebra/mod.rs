@@ -1,4 +1,4 @@
-//! Vectors and matrices, small and dense, large and sparse. Nothing here knows what the unknowns mean.
+//! Vectors and matrices, small and dense, large and sparse. The module does not know what the unknowns mean.
 
 mod lanes;
 mod workers;

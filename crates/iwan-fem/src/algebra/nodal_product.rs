@@ -1,9 +1,9 @@
-//! K x from differences of neighbouring displacements: where stiffness is large and strain small, digits survive.
+//! K x from differences of neighbouring displacements, which keeps its digits where stiffness is large and strain small.
 //!
-//! A stiffness matrix answers a common displacement of all nodes with next to nothing, but its entries are large: in
-//! Σ_J K_IJ u_J the terms cancel, and rounding leaves a force that does spurious work. With D_I = Σ_J K_IJ, summed once with
-//! care, the same product is D_I u_I + Σ_J K_IJ (u_J - u_I), whose terms are as small as the strains. The blocks are also
-//! read in a row, which takes less time than single entries do.
+//! A common displacement of all nodes causes next to no force, but the entries of the stiffness matrix are large: in Σ_J K_IJ u_J the terms
+//! cancel, and rounding leaves a force that does spurious work. With D_I = Σ_J K_IJ, summed once with compensation, the same product is D_I
+//! u_I + Σ_J K_IJ (u_J - u_I), whose terms are as small as the strains. The blocks are also read one after another, which takes less time
+//! than reading single entries.
 
 use std::collections::BTreeMap;
 
@@ -11,23 +11,23 @@ use super::sparse::Symmetric;
 
 type Block = [f64; 9];
 
-/// A stiffness matrix laid out for products.
+/// A stiffness matrix in the layout for this product.
 pub(crate) struct NodalProduct {
-    /// First of the three displacements of each node, or of a joint's reference.
+    /// Index of the first of the three displacements of each node, or of a joint's reference.
     nodes: Vec<u32>,
     /// D of each node, row by row.
     common: Vec<Block>,
-    /// Where the couplings of each node to later ones begin.
+    /// Start of the couplings of each node to later nodes.
     starts: Vec<u32>,
-    /// First displacement of the other node, and K_IJ row by row.
+    /// Index of the first displacement of the other node, and K_IJ row by row.
     others: Vec<u32>,
     couplings: Vec<Block>,
-    /// Entries of unknowns that are no displacements, such as slips and rotations.
+    /// Entries of unknowns that are not displacements of nodes, such as slips and rotations.
     rest: Symmetric,
 }
 
 impl NodalProduct {
-    /// For a matrix in which `nodes` are the first of the three displacements of each node, ascending.
+    /// The product for a matrix in which `nodes` are the indices of the first of the three displacements of each node, ascending.
     pub(crate) fn new(matrix: &Symmetric, nodes: Vec<u32>) -> Self {
         let mut node_of = vec![None; matrix.order()];
         for (number, &first) in nodes.iter().enumerate() {
@@ -104,7 +104,7 @@ impl NodalProduct {
     }
 }
 
-/// Adds to a sum and to what rounding takes from it (Neumaier, ZAMM 54:39, 1974, doi:10.1002/zamm.19740540106).
+/// Adds a value to a compensated sum: the sum and its rounding error (Neumaier, ZAMM 54:39, 1974, doi:10.1002/zamm.19740540106).
 fn add((sum, lost): &mut (f64, f64), value: f64) {
     let total = *sum + value;
     *lost += if sum.abs() >= value.abs() { (*sum - total) + value } else { (value - total) + *sum };
@@ -118,7 +118,7 @@ mod tests {
     use crate::mesh::beam::Configuration;
     use crate::paper;
 
-    /// A `x` with products and sums in doubled precision.
+    /// A `x` with products and sums in twice the working precision.
     fn doubled(matrix: &Symmetric, x: &[f64]) -> Vec<f64> {
         let mut sums = vec![(0.0, 0.0); x.len()];
         for j in 0..x.len() {

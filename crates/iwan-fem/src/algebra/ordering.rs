@@ -1,17 +1,16 @@
-//! In which order unknowns are eliminated: nested dissection by position.
+//! Order of elimination of the unknowns: nested dissection by position.
 //!
-//! A. George, SIAM J. Numer. Anal. 10:345, 1973, doi:10.1137/0710032. A part is cut across its longest extent; the nodes on
-//! one side that touch the other side separate the two and are eliminated last. Nodes are ordered, not unknowns: those of
-//! one node stay together.
+//! A. George, SIAM J. Numer. Anal. 10:345, 1973, doi:10.1137/0710032. A part is cut across its longest extent; the nodes on one side that
+//! are coupled to the other side separate the two and are eliminated last. Nodes are ordered, not unknowns: the unknowns of a node stay
+//! together.
 
 use super::sparse::Symmetric;
 
-/// Parts of at most this many nodes are not cut any further. Anything from 1 to 12 leaves the same entries in the factor within 4 %
-/// (beams of 4,500 to 75,000 unknowns, cubes of 4,000 to 28,000); 40 leaves 3 to 15 % more,
-/// 150 up to half as many again.
+/// Largest number of nodes of a part that is not cut any further. Any value from 1 to 12 gives the same number of entries in the factor
+/// within 4 % (beams of 4,500 to 75,000 unknowns, cubes of 4,000 to 28,000); 40 gives 3 to 15 % more, 150 up to half as many again.
 const LEAF: usize = 12;
 
-/// Where an unknown sits.
+/// Position and group of an unknown.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Site {
     pub(crate) position: [f64; 3],
@@ -19,7 +18,7 @@ pub(crate) struct Site {
     pub(crate) group: u32,
 }
 
-/// Order of elimination: entry k is the unknown that comes k-th.
+/// The order of elimination: entry k is the unknown that is eliminated k-th.
 pub(crate) fn nested_dissection(matrix: &Symmetric, sites: &[Site]) -> Vec<u32> {
     let nodes = Nodes::new(matrix, sites);
     let mut order = Vec::with_capacity(nodes.members.len());
@@ -28,7 +27,7 @@ pub(crate) fn nested_dissection(matrix: &Symmetric, sites: &[Site]) -> Vec<u32> 
     order.iter().flat_map(|&node| nodes.members[node as usize].iter().copied()).collect()
 }
 
-/// Groups of unknowns at one position, and which groups meet.
+/// Groups of unknowns with a common position, and the groups to which each is coupled.
 struct Nodes {
     members: Vec<Vec<u32>>,
     positions: Vec<[f64; 3]>,
@@ -55,7 +54,7 @@ impl Nodes {
             let column = group_of[j];
             for &i in matrix.column(j).0 {
                 let row = group_of[i as usize];
-                // Consecutive entries mostly repeat the group: cheap to keep out here, the rest is removed below.
+                // Consecutive entries mostly repeat the group. Those repetitions are cheap to leave out here; the others are removed below.
                 if row != column && neighbours[column as usize].last() != Some(&row) {
                     neighbours[column as usize].push(row);
                     neighbours[row as usize].push(column);
@@ -69,7 +68,7 @@ impl Nodes {
         Self { members, positions, neighbours }
     }
 
-    /// Appends the order of a part; `side` marks who is on which side of the present cut.
+    /// Appends the order of a part; `side` marks the side of the present cut on which each node lies.
     fn dissect(&self, mut part: Vec<u32>, order: &mut Vec<u32>, side: &mut [u32], mark: &mut u32) {
         if part.len() <= LEAF {
             order.extend(part);
@@ -102,7 +101,7 @@ impl Nodes {
         order.extend(separator);
     }
 
-    /// Axis of the longest extent and a coordinate that halves the part; none when all are in one place.
+    /// Axis of the longest extent, and a coordinate that halves the part; none if all nodes are at one place.
     fn cut(&self, part: &mut [u32]) -> Option<(usize, f64)> {
         let coordinate = |node: u32, axis: usize| self.positions[node as usize][axis];
         let extent = |axis: usize| {

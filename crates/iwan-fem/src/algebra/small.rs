@@ -1,7 +1,7 @@
-//! Equations of a handful of unknowns, solved where they stand: the slips of a few joints.
+//! Systems of a handful of equations, solved in place, for the slips of a few joints.
 
-/// A X = B by Gaussian elimination with pivots from the rows; A is n by n, row by row, and X stands in place of B, n by `columns`, row by row.
-/// False where A is singular or not finite.
+/// Solves A X = B by Gaussian elimination with row pivoting. A is n by n, row by row; B is n by `columns`, row by row, and is replaced by
+/// X. Returns false if A is singular or not finite.
 pub(crate) fn solve_small(a: &mut [f64], b: &mut [f64], n: usize, columns: usize) -> bool {
     for k in 0..n {
         let size = |i: &usize| a[i * n + k].abs();

@@ -1,8 +1,9 @@
-//! Symmetric sparse matrices, kept as their lower triangle; they add.
+//! Symmetric sparse matrices, stored as their lower triangle, with sums of matrices.
 
 use super::lanes::{LANES, total};
 
-/// A symmetric matrix: the lower triangle column by column, rows ascending, diagonal first and always there.
+/// A symmetric matrix. The lower triangle is stored column by column with ascending rows; each column begins with its diagonal entry, which
+/// is always stored.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Symmetric {
     starts: Vec<u32>,
@@ -11,7 +12,7 @@ pub struct Symmetric {
 }
 
 impl Symmetric {
-    /// From the rows below and on the diagonal of each column, ascending; all values zero.
+    /// A matrix with all values zero and the given pattern: for each column the rows on and below the diagonal, ascending.
     pub(crate) fn with_pattern(columns: impl Iterator<Item = Vec<u32>>) -> Self {
         let (mut starts, mut rows) = (vec![0], Vec::new());
         for column in columns {
@@ -29,7 +30,7 @@ impl Symmetric {
         Self { starts: (0..=n).collect(), rows: (0..n).collect(), values }
     }
 
-    /// From the entries (column, row) with column <= row; what is missing is zero.
+    /// From the entries at (column, row) with column <= row; entries that are not given are zero.
     pub(crate) fn from_entries(order: usize, entries: &std::collections::BTreeMap<(u32, u32), f64>) -> Self {
         let mut matrix = Self::with_pattern((0..order as u32).map(|j| {
             let below = entries.range((j, j + 1)..(j + 1, 0)).map(|(&(_, i), _)| i);
@@ -41,7 +42,8 @@ impl Symmetric {
         matrix
     }
 
-    /// From entries (row, column, value) of the lower triangle, row >= column, in any order; those at one place add up in the order given.
+    /// From entries (row, column, value) of the lower triangle, row >= column, in any order; entries at one place are added in the order
+    /// given.
     ///
     /// # Panics
     /// When an entry lies above the diagonal or outside `order` rows.
@@ -93,7 +95,7 @@ impl Symmetric {
         self.starts.len() - 1
     }
 
-    /// Stored entries: those on and below the diagonal.
+    /// Number of stored entries: those on and below the diagonal.
     #[must_use]
     pub fn stored(&self) -> usize {
         self.values.len()
@@ -130,7 +132,7 @@ impl Symmetric {
         self.values[first + at] += value;
     }
 
-    /// This matrix plus `factor` times another one of the same order, on the union of the patterns.
+    /// This matrix plus `factor` times another matrix of the same order, on the union of the patterns.
     ///
     /// # Panics
     /// When the orders differ.
@@ -162,7 +164,7 @@ impl Symmetric {
         Self { starts, rows, values }
     }
 
-    /// The matrix without entries that are exactly zero; the diagonal stays.
+    /// The matrix without entries that are exactly zero; diagonal entries stay.
     pub(crate) fn without_zeros(&self) -> Self {
         let (mut starts, mut rows, mut values) = (vec![0], Vec::new(), Vec::new());
         for j in 0..self.order() {
@@ -212,7 +214,7 @@ impl Symmetric {
 }
 
 impl Symmetric {
-    /// `x`ᵀ A `x` in doubled precision: where stiffness is large and strain small, the terms cancel.
+    /// `x`ᵀ A `x` in twice the working precision, because its terms cancel where stiffness is large and strain small.
     ///
     /// T. Ogita, S. M. Rump and S. Oishi, SIAM J. Sci. Comput. 26:1955, 2005, doi:10.1137/030601818.
     pub(crate) fn square(&self, x: &[f64]) -> f64 {
@@ -221,7 +223,7 @@ impl Symmetric {
             let (rows, values) = self.column(j);
             for (k, (&i, &value)) in rows.iter().zip(values).enumerate() {
                 let xi = x[i as usize];
-                // Off the diagonal each entry stands for two.
+                // An entry off the diagonal counts twice.
                 let weight = if k == 0 { value } else { 2.0 * value };
                 let product = xi * xj;
                 let lost = xi.mul_add(xj, -product);
@@ -237,7 +239,8 @@ impl Symmetric {
     }
 }
 
-/// Inner product, in as many partial sums as a group has lanes: vectorises, and always in the same order.
+/// Inner product, in as many partial sums as a group has lanes, so that the compiler uses vector registers and the order of summation is
+/// fixed.
 pub(crate) fn dot(x: &[f64], y: &[f64]) -> f64 {
     assert_eq!(x.len(), y.len(), "vectors of one length");
     let (a, b) = (x.chunks_exact(LANES), y.chunks_exact(LANES));
@@ -256,7 +259,7 @@ pub(crate) fn scale(x: &mut [f64], factor: f64) {
     }
 }
 
-/// Largest |x|; NaN when there is one.
+/// Largest |x|; NaN if one of the values is NaN.
 pub(crate) fn largest(x: &[f64]) -> f64 {
     x.iter().fold(0.0, |m, x| if x.is_nan() || x.abs() > m { x.abs() } else { m })
 }

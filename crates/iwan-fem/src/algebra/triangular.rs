@@ -1,9 +1,9 @@
-//! Solves with the factor of a sparse matrix: for one right-hand side, and for a group of them on two threads.
+//! Solves with the factor of a sparse matrix, for one right-hand side, or for a group of them on two threads.
 //!
-//! faer's own solves are written for many columns. One alone is bound by how often the factor is read; a group of them
-//! is worth a lane each. Below the last separator of a nested dissection the elimination falls into two branches that
-//! do not know each other: each thread reads one. What a branch takes off the unknowns of the separator is added up apart
-//! and joined in a fixed order, so the bits do not depend on the threads.
+//! faer's own solves are written for many columns. The time of a single column depends on how often the factor is read; the columns of a
+//! group take one lane each. Below the last separator of a nested dissection the elimination falls into two branches that are not coupled,
+//! and each thread works on one branch. The contributions of the two branches to the unknowns of the separator are summed separately and
+//! joined in a fixed order, so the bits do not depend on the number of threads.
 #![expect(clippy::inline_always, reason = "what is not inlined does not get the wide registers")]
 
 use std::ops::Range;
@@ -13,9 +13,10 @@ use faer::sparse::linalg::cholesky::supernodal::SymbolicSupernodalCholesky;
 use super::lanes::{Group, LANES, total};
 use super::workers::Workers;
 
-/// Columns eliminated together, so that the entries they share are read and written once for four columns.
+/// Number of columns eliminated together, so that the entries that they share are read and written once for four columns.
 const TOGETHER: usize = 4;
-/// The smaller branch holds at least this part of the factor, so that two threads share half of the work; else all is trunk.
+/// Smallest share of the factor in the smaller branch, so that two threads share at least half of the work; otherwise the whole factor is
+/// trunk.
 const BALANCED: f64 = 0.25;
 
 /// The entries of a factor L or of L and D, supernode by supernode.
@@ -34,19 +35,19 @@ impl<'a> Factor<'a> {
         Columns { start, width: end - start, pattern: node.pattern(), entries }
     }
 
-    /// The diagonal.
+    /// The diagonal entries.
     pub(crate) fn diagonal(&self) -> impl Iterator<Item = f64> + '_ {
         let columns = (0..self.supernodes.n_supernodes()).map(|s| self.columns(s));
         columns.flat_map(|columns| (0..columns.width).map(move |k| columns.column(k).0))
     }
 
-    /// x = (L Lᵀ)⁻¹ x in the order of elimination, with memory for one supernode.
+    /// Replaces x by (L Lᵀ)⁻¹ x, in the order of elimination; `local` is working memory for one supernode.
     pub(crate) fn solve_one(&self, x: &mut [f64], local: &mut Vec<f64>) {
-        // The widest registers at hand; nothing is contracted, so the bits are the same in all of them.
+        // The widest vector registers of the processor. No product is fused with a sum, so the bits are the same with any width.
         pulp::Arch::new().dispatch(One { factor: *self, x, local });
     }
 
-    /// The same for a group of right-hand sides.
+    /// The same solve for a group of right-hand sides.
     pub(crate) fn solve_group(&self, branches: Branches, x: &mut [Group], workers: &Workers) {
         let Branches { middle, trunk } = branches;
         let begin = |s: usize| self.supernodes.supernode_begin().get(s).map_or(x.len(), |&b| b as usize);
@@ -85,7 +86,7 @@ impl<'a> Factor<'a> {
     }
 }
 
-/// Two runs of supernodes that do not know each other, [0, middle) and [middle, trunk), and the trunk that knows both.
+/// Two ranges of supernodes that are not coupled, [0, middle) and [middle, trunk), and the trunk, which is coupled to both.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) struct Branches {
     middle: usize,
@@ -93,10 +94,10 @@ pub(crate) struct Branches {
 }
 
 impl Branches {
-    /// All is trunk.
+    /// No branches: the whole factor is trunk.
     pub(crate) const NONE: Self = Self { middle: 0, trunk: 0 };
 
-    /// Of a factor's pattern; all of it is trunk where there are no two branches of some weight.
+    /// The branches of a factor's pattern; the whole factor is trunk if there are no two branches of sufficient size.
     pub(crate) fn of(supernodes: &SymbolicSupernodalCholesky<u32>) -> Self {
         let (count, starts) = (supernodes.n_supernodes(), supernodes.col_ptr_for_val());
         let ends = supernodes.supernode_end();
@@ -111,7 +112,7 @@ impl Branches {
             if below < 2.0 * BALANCED * weight {
                 break;
             }
-            // No supernode before the middle has its parent behind it but in the trunk.
+            // The parent of each supernode before `middle` lies before `middle` or in the trunk.
             let mut reached = 0;
             let mut best = (0.0, 0);
             for (s, &parent) in parents[..trunk].iter().enumerate() {
@@ -129,7 +130,7 @@ impl Branches {
     }
 }
 
-/// [`Factor::solve_one`].
+/// Arguments of [`Factor::solve_one`].
 struct One<'a> {
     factor: Factor<'a>,
     x: &'a mut [f64],
@@ -139,7 +140,7 @@ struct One<'a> {
 impl pulp::NullaryFnOnce for One<'_> {
     type Output = ();
 
-    // Loops and not closures here and in all that is called: what is not inlined does not get the registers.
+    // Here and in all called functions there are loops, not closures: code that is not inlined does not use the wide registers.
     #[inline(always)]
     fn call(self) {
         let count = self.factor.supernodes.n_supernodes();
@@ -152,13 +153,13 @@ impl pulp::NullaryFnOnce for One<'_> {
     }
 }
 
-/// A run of supernodes with its own unknowns, from `offset` on, and those behind them all.
+/// A range of supernodes with its own unknowns, which begin at `offset`, and the unknowns of the trunk.
 struct Branch<'a> {
     factor: Factor<'a>,
     supernodes: Range<usize>,
     offset: usize,
     own: &'a mut [Group],
-    /// Going forward, what is taken off them; going back, their values.
+    /// In the forward solve the contributions to the trunk's unknowns; in the backward solve the values of these.
     above: &'a mut [Group],
 }
 
@@ -217,25 +218,25 @@ impl pulp::NullaryFnOnce for Backward<'_> {
     }
 }
 
-/// The columns of a supernode, one after the other: a lower triangle, and the rows below it.
+/// The columns of a supernode, one after another: a lower triangle, and the rows below it.
 struct Columns<'a> {
-    /// First unknown of the triangle, and its order.
+    /// First unknown of the triangle, and the triangle's order.
     start: usize,
     width: usize,
-    /// Unknowns of the rows below.
+    /// Unknowns of the rows below the triangle.
     pattern: &'a [u32],
     entries: &'a [f64],
 }
 
 impl<'a> Columns<'a> {
-    /// Diagonal entry of column `k`, and what lies below it.
+    /// Diagonal entry of column `k`, and the entries below it.
     #[inline(always)]
     fn column(&self, k: usize) -> (f64, &'a [f64]) {
         let height = self.width + self.pattern.len();
         (self.entries[k * height + k], &self.entries[k * height + k + 1..(k + 1) * height])
     }
 
-    /// Solves with the triangle and takes the columns off what comes later.
+    /// Solves with the triangle, and subtracts the columns' contributions from the later unknowns.
     #[inline(always)]
     fn forward(&self, x: &mut [f64], local: &mut Vec<f64>) {
         local.clear();
@@ -255,7 +256,7 @@ impl<'a> Columns<'a> {
         }
     }
 
-    /// N columns from `k` on.
+    /// Eliminates N columns from `k` on.
     #[inline(always)]
     fn eliminate<const N: usize>(&self, k: usize, local: &mut [f64]) {
         let (top, rest) = local.split_at_mut(k + N);
@@ -311,7 +312,7 @@ impl<'a> Columns<'a> {
         x[self.start..self.start + self.width].copy_from_slice(&local[..self.width]);
     }
 
-    /// Products of column `k`, and of the next one if there is one, with what is known behind both.
+    /// Products of column `k`, and of the next one if there is one, with the known unknowns after both.
     #[inline(always)]
     fn products(&self, k: usize, local: &[f64]) -> [f64; 2] {
         let other = (k + 1).min(self.width - 1);
@@ -339,7 +340,7 @@ impl<'a> Columns<'a> {
         sums
     }
 
-    /// [`forward`](Self::forward) for a group, in `local` alone.
+    /// [`forward`](Self::forward) for a group, working in `local` alone.
     #[inline(always)]
     fn forward_group(&self, local: &mut [Group]) {
         let whole = self.width - self.width % TOGETHER;
@@ -381,7 +382,7 @@ impl<'a> Columns<'a> {
         }
     }
 
-    /// [`backward`](Self::backward) for a group, in `local` alone.
+    /// [`backward`](Self::backward) for a group, working in `local` alone.
     #[inline(always)]
     fn backward_group(&self, local: &mut [Group]) {
         let whole = self.width - self.width % TOGETHER;

@@ -1,32 +1,32 @@
-//! Threads for large dense work: the same bits whatever their number.
+//! Threads for large dense work, with the same bits for any number of threads.
 //!
-//! How work is cut depends on its size alone, and no sum is cut: each entry of a product is summed by one thread, in the
-//! order in which a single thread would. The threads end with the work: none is left behind for a fork to lose.
+//! How work is divided depends on its size alone, and no sum is divided: each entry of a product is summed by one thread, in the order in
+//! which a single thread would sum it. The threads end with the work, so that no process forks while threads of a pool exist.
 
 use faer::Par;
 use iwan_machine::memory::ask_for_kernels;
 
 use crate::error::Error;
 
-/// Entries of a factor from which on threads are worth their start: the paper's beam has 0.35 million, a cube of 10,000 unknowns
-/// about 4 million. How much threads gain above depends on what else the cores do; the bits do not depend on them.
+/// Number of entries of a factor above which threads save more time than their start takes: the paper's beam has 0.35 million, a cube of
+/// 10,000 unknowns about 4 million. The gain above depends on the load of the other cores; the bits do not depend on it.
 const LARGE: usize = 4_000_000;
-/// Parts that dense work is cut into, whatever the number of threads: with more cores than this some stand idle.
+/// Number of parts into which dense work is divided, for any number of threads: with more cores than this some are idle.
 const PARTS: usize = 8;
 
-/// Threads, or none.
+/// A pool of threads, or none for small work.
 pub(crate) struct Workers {
     pool: Option<rayon::ThreadPool>,
 }
 
 impl Workers {
-    /// For work with a factor of so many entries; as many threads as there are cores, or as RAYON_NUM_THREADS says.
+    /// The threads for work with a factor of this many entries: as many threads as cores, or as many as RAYON_NUM_THREADS says.
     ///
     /// # Errors
-    /// Too little address space for what the kernels reserve on each thread.
+    /// An error if there is too little address space for what the kernels reserve on each thread.
     pub(crate) fn for_entries(entries: usize) -> Result<Self, Error> {
         let pool = (entries >= LARGE).then(|| rayon::ThreadPoolBuilder::new().build());
-        // Where no thread can be had, the work is done without.
+        // If no thread can be created, the work is done on the calling thread.
         let pool = pool.and_then(Result::ok);
         ask_for_kernels(pool.as_ref().map_or(0, rayon::ThreadPool::current_num_threads))?;
         Ok(Self { pool })
@@ -47,7 +47,7 @@ impl Workers {
         self.pool.is_some()
     }
 
-    /// Does work, which may be cut as the argument says.
+    /// Runs `work`; its argument says how it may be divided.
     pub(crate) fn run<R: Send>(&self, work: impl FnOnce(Par) -> R + Send) -> R {
         match &self.pool {
             Some(pool) => pool.install(|| work(Par::rayon(PARTS))),
@@ -55,7 +55,7 @@ impl Workers {
         }
     }
 
-    /// Does two things, at the same time where there are threads.
+    /// Runs two functions, at the same time if there are threads.
     pub(crate) fn both(&self, first: impl FnOnce() + Send, second: impl FnOnce() + Send) {
         if let Some(pool) = &self.pool {
             pool.join(first, second);

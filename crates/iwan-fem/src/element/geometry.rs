@@ -2,7 +2,7 @@
 
 use crate::error::Error;
 
-/// An element with a Jacobian determinant that is not positive.
+/// Finding of an element whose Jacobian determinant is not positive.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct NoVolume {
     determinant: f64,
@@ -10,7 +10,7 @@ pub(crate) struct NoVolume {
 }
 
 impl NoVolume {
-    /// The error that names the element.
+    /// The error that names the element by its number.
     pub(crate) fn in_element(self, label: u64) -> Error {
         Error::Element { label, determinant: self.determinant, point: self.point }
     }
@@ -22,14 +22,14 @@ pub(crate) const TWO: [(f64, f64); 2] = [(-0.577_350_269_189_625_8, 1.0), (0.577
 pub(crate) const THREE: [(f64, f64); 3] =
     [(-0.774_596_669_241_483_4, 5.0 / 9.0), (0.0, 8.0 / 9.0), (0.774_596_669_241_483_4, 5.0 / 9.0)];
 
-/// Points (ξ, η, ζ) and weights of the product rule.
+/// Points (ξ, η, ζ) and weights of the product of a rule in three directions.
 pub(crate) fn points(rule: &[(f64, f64)]) -> impl Iterator<Item = ([f64; 3], f64)> + '_ {
     rule.iter().flat_map(move |&(z, c)| {
         rule.iter().flat_map(move |&(y, b)| rule.iter().map(move |&(x, a)| ([x, y, z], a * b * c)))
     })
 }
 
-/// J_ab = ∂x_b/∂ξ_a inverted, and its determinant.
+/// The inverse of J_ab = ∂x_b/∂ξ_a, and its determinant.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Jacobian {
     inverse: [[f64; 3]; 3],
@@ -37,7 +37,7 @@ pub(crate) struct Jacobian {
 }
 
 impl Jacobian {
-    /// From the derivatives ∂N_i/∂ξ_a of the shape functions at integration point `point`.
+    /// The Jacobian from the derivatives ∂N_i/∂ξ_a of the shape functions at integration point number `point`.
     pub(crate) fn new(
         derivatives: &[[f64; 3]],
         positions: &[[f64; 3]],
@@ -57,8 +57,9 @@ impl Jacobian {
         };
         let determinant = j[0][0] * cofactor(0, 0) + j[0][1] * cofactor(0, 1) + j[0][2] * cofactor(0, 2);
         let size: f64 = j.iter().map(|row| row.iter().map(|x| x * x).sum::<f64>().sqrt()).product();
-        // Beside the product of the lengths of its rows, which it equals in a brick, a determinant this small is rounding: the element
-        // is flat. Rounding leaves 1e-16, and the mesh check already refuses 1e-6: the limit lies between the two.
+        // In a brick the determinant equals the product of the lengths of the Jacobian's rows. A determinant as small as this beside that
+        // product is rounding, and the element is flat. Rounding leaves 1e-16, and the mesh check already refuses 1e-6; the limit lies
+        // between the two.
         if determinant.is_nan() || determinant <= 1e-12 * size {
             return Err(NoVolume { determinant, point });
         }

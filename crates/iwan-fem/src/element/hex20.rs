@@ -40,7 +40,7 @@ const NODES: [[f64; 3]; 20] = {
 pub(super) fn functions(at: [f64; 3]) -> ([f64; 20], [[f64; 3]; 20]) {
     let (mut values, mut derivatives) = ([0.0; 20], [[0.0; 3]; 20]);
     for (i, node) in NODES.iter().enumerate() {
-        // Each direction contributes 1 + x_i x, or the bubble 1 - x² along a mid-edge node's own edge.
+        // Each direction contributes the factor 1 + x_i x, or 1 - x² along the edge of a mid-edge node.
         let factor: [f64; 3] =
             std::array::from_fn(|a| if node[a] == 0.0 { 1.0 - at[a] * at[a] } else { 1.0 + node[a] * at[a] });
         let slope: [f64; 3] = std::array::from_fn(|a| if node[a] == 0.0 { -2.0 * at[a] } else { node[a] });

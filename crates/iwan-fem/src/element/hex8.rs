@@ -1,4 +1,4 @@
-//! Eight-node hexahedron, displacements alone.
+//! Eight-node hexahedron, with displacements only.
 //!
 //! ```text
 //!          7--------6        ζ
@@ -9,8 +9,8 @@
 //!        0--------1      -1 <= ξ, η, ζ <= 1
 //! ```
 //!
-//! N_i = (1 + ξ_i ξ)(1 + η_i η)(1 + ζ_i ζ)/8, integrated with 2 x 2 x 2 points. Locks in bending: the element of
-//! T. J. R. Hughes, The Finite Element Method, 1987, Sec. 3.5.
+//! N_i = (1 + ξ_i ξ)(1 + η_i η)(1 + ζ_i ζ)/8, integrated with 2 x 2 x 2 points. The element locks in bending; it is that of T. J. R.
+//! Hughes, The Finite Element Method, 1987, Sec. 3.5.
 
 use super::geometry::{Jacobian, NoVolume, TWO, points};
 use super::isotropic::{GradientProducts, add_mass};

@@ -1,4 +1,4 @@
-//! Eight-node hexahedron with incompatible modes: bends without locking.
+//! Eight-node hexahedron with incompatible modes, which bends without locking.
 //!
 //! ```text
 //!      ____                  u = Σ N_i u_i + (1 - ξ²) a_1 + (1 - η²) a_2 + (1 - ζ²) a_3
@@ -6,21 +6,20 @@
 //!    |      |   needs 1 - ξ²: nine internal unknowns a, condensed in the element
 //! ```
 //!
-//! E. L. Wilson et al., Incompatible displacement models, 1973; R. L. Taylor, P. J. Beresford and E. L. Wilson, Int. J. Numer.
-//! Meth. Eng. 10:1211, 1976, doi:10.1002/nme.1620100602 (QM6): the internal modes' gradients use the Jacobian at the centre,
-//! scaled by j_0/j, so that a constant stress does no work on them and distorted elements pass the patch test.
-//! The internal modes carry no inertia.
+//! E. L. Wilson et al., Incompatible displacement models, 1973; R. L. Taylor, P. J. Beresford and E. L. Wilson, Int. J. Numer. Meth. Eng.
+//! 10:1211, 1976, doi:10.1002/nme.1620100602 (QM6). The gradients of the internal modes use the Jacobian at the centre, scaled by j_0/j, so
+//! that a constant stress does no work on them and distorted elements pass the patch test. The internal modes carry no inertia.
 
 use super::geometry::{Jacobian, NoVolume, TWO, points};
 use super::hex8;
 use super::isotropic::{GradientProducts, add_mass};
 use super::material::Material;
 
-/// Nodes and internal functions.
+/// Number of functions: eight of the nodes and three internal ones.
 const FUNCTIONS: usize = 11;
-/// Displacement unknowns of the nodes.
+/// Number of displacement unknowns of the nodes.
 const OUTER: usize = 24;
-/// Those and the internal unknowns.
+/// Number of these and the internal unknowns together.
 const ALL: usize = 33;
 
 /// Stiffness (24 x 24) and mass (8 x 8).
@@ -55,7 +54,7 @@ pub(super) fn matrices(
     Ok(())
 }
 
-/// Eliminates the internal unknowns, last one first: K_uu - K_ua K_aa⁻¹ K_au stays in the leading block.
+/// Eliminates the internal unknowns, the last one first; K_uu - K_ua K_aa⁻¹ K_au remains in the leading block.
 ///
 /// K_aa is positive definite for any admissible material and volume, so no pivoting is needed.
 fn condense(k: &mut [f64; ALL * ALL]) {

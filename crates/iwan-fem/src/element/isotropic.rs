@@ -1,7 +1,7 @@
-//! From gradients of shape functions to stiffness, for isotropic elasticity.
+//! Stiffness from the gradients of shape functions, for isotropic elasticity.
 //!
-//! With H = ∫ ∇N_i ∇N_jᵀ the stiffness between functions i and j is K_ij = λ H + μ Hᵀ + μ tr(H) I: nine products
-//! per integration point and pair, where the product of strain matrices needs a hundred.
+//! With H = ∫ ∇N_i ∇N_jᵀ the stiffness between functions i and j is K_ij = λ H + μ Hᵀ + μ tr(H) I. This takes nine products per integration
+//! point and pair, whereas the product of strain matrices takes a hundred.
 
 use super::material::Material;
 

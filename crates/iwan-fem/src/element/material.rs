@@ -2,10 +2,11 @@
 
 use crate::error::{Error, check};
 
-/// Moduli and densities beyond these are slips of the pen: in every system of units in use they lie between 1e-15 and 1e15. Squares of
-/// what they are multiplied with stay far from the ends of floating point, where searches for modes had no end.
+/// Smallest modulus and density that is accepted. Values outside the range must be mistakes in the input: in every system of units in use
+/// they lie between 1e-15 and 1e15. With the range, squares of their products stay far from the limits of floating point, where searches
+/// for modes did not end.
 const SMALLEST: f64 = 1e-30;
-/// The other end.
+/// Largest modulus and density that is accepted.
 const LARGEST: f64 = 1e30;
 
 /// An isotropic linear elastic material in the user's consistent units.

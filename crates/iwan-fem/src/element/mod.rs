@@ -1,4 +1,4 @@
-//! Stiffness and mass of one element: one file per element, each with its drawing.
+//! Stiffness and mass of one element. Each element has one file, with a drawing of its nodes.
 
 mod material;
 mod geometry;
@@ -19,20 +19,20 @@ use geometry::NoVolume;
 pub use material::Material;
 pub(crate) use quality::{corner_quality, least_quality_inside};
 
-/// Formulation of eight-node hexahedra; all other elements have displacements alone.
+/// Formulation of eight-node hexahedra; all other elements have displacements only.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Formulation {
-    /// With nine condensed incompatible modes: bends without locking ([`Shape::Hex8`] of Abaqus' C3D8I kind).
+    /// With nine condensed incompatible modes, without locking in bending ([`Shape::Hex8`], as Abaqus' C3D8I).
     #[default]
     IncompatibleModes,
-    /// Displacements alone, 2 x 2 x 2 points: locks in bending; for comparison with other codes (C3D8, stdBrick).
+    /// With displacements only and 2 x 2 x 2 points: locks in bending; for comparison with other programs (C3D8, stdBrick).
     Displacement,
 }
 
-/// How inertia is spread over the nodes of an element.
+/// Distribution of the mass over the nodes of an element.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Inertia {
-    /// ∫ρ N_i N_j by the element's integration points: exact in bricks, to CalculiX's rules in tetrahedra and wedges.
+    /// ∫ρ N_i N_j by the element's integration points: exact in bricks; by CalculiX's rules in tetrahedra and wedges.
     #[default]
     Consistent,
     /// Diagonal of the consistent matrix, scaled to the element's mass (Hinton, Rock and Zienkiewicz, Earthquake Eng.
@@ -50,7 +50,7 @@ pub struct ElementMatrices {
 }
 
 impl ElementMatrices {
-    /// Computes both for an element with the given shape and node `positions` (one per node, in the order of [`Shape`]).
+    /// Computes stiffness and mass for an element of the given shape and node `positions` (one per node, in the order of [`Shape`]).
     ///
     /// # Errors
     /// [`Error::Element`], with `label`, for an element whose Jacobian is not positive at all integration points.
@@ -79,7 +79,7 @@ impl ElementMatrices {
         Ok(matrices)
     }
 
-    /// [`Self::of`] in memory that is there already.
+    /// [`Self::of`] in memory that is reused.
     pub(crate) fn compute(
         &mut self,
         shape: Shape,
@@ -112,7 +112,7 @@ impl ElementMatrices {
     }
 }
 
-/// Leaves the diagonal, scaled to the sum of all entries.
+/// Keeps the diagonal only, scaled so that its sum is that of all entries.
 fn lump(mass: &mut [f64], n: usize) {
     let total: f64 = mass.iter().sum();
     let diagonal: f64 = mass.iter().step_by(n + 1).sum();

@@ -1,5 +1,5 @@
-//! Quality of an element: its scaled Jacobian determinant, 1 for a brick, a regular tetrahedron and a wedge on a regular triangle, 0
-//! where it is collapsed, negative where it is inverted.
+//! Quality of an element: its scaled Jacobian determinant. It is 1 for a brick, a regular tetrahedron and a wedge on a regular triangle, 0
+//! for a collapsed element, and negative for an inverted one.
 //!
 //! P. M. Knupp, Int. J. Numer. Meth. Eng. 48:1165, 2000 (the determinant of the edges at a corner over the product of their lengths,
 //! scaled by that of the ideal element).
@@ -29,7 +29,8 @@ fn corners(shape: Shape) -> &'static [[f64; 3]] {
     }
 }
 
-/// One over the determinant of the unit edges at a corner of the ideal element: √2 of the regular tetrahedron, 2/√3 of the wedge.
+/// Scale factor of the shape: one over the determinant of the unit edges at a corner of the ideal element, √2 for the regular tetrahedron
+/// and 2/√3 for the wedge.
 fn ideal(shape: Shape) -> f64 {
     match shape {
         Shape::Hex8 | Shape::Hex20 => 1.0,
@@ -63,8 +64,8 @@ pub(crate) fn least_quality_inside(shape: Shape, positions: &[[f64; 3]]) -> f64 
     }
 }
 
-/// Determinant of the tangents ∂x/∂ξ along three directions over the product of their lengths, against the ideal element's, at most 1;
-/// 0 where a tangent has no length.
+/// Determinant of the tangents ∂x/∂ξ along three directions over the product of their lengths, divided by that of the ideal element, at
+/// most 1; 0 if a tangent has no length.
 fn scaled(shape: Shape, positions: &[[f64; 3]], at: [f64; 3], directions: [[f64; 3]; 3]) -> f64 {
     let [x, y, z] = match shape {
         Shape::Hex8 => tangents(&hex8::derivatives(at), positions),
@@ -101,7 +102,7 @@ fn tangents(derivatives: &[[f64; 3]], positions: &[[f64; 3]]) -> [[f64; 3]; 3] {
 mod tests {
     use super::*;
 
-    /// The reference element, stretched, with nodes in the middle of straight edges.
+    /// The reference element, stretched, with mid-edge nodes in the middle of straight edges.
     fn stretched(shape: Shape, sides: [f64; 3]) -> Vec<[f64; 3]> {
         let corner = |i: usize| -> [f64; 3] { std::array::from_fn(|a| corners(shape)[i][a] * sides[a]) };
         let middle = |&(i, j): &(usize, usize)| std::array::from_fn(|a| 0.5 * (corner(i)[a] + corner(j)[a]));
@@ -119,7 +120,7 @@ mod tests {
         }
     }
 
-    /// Regular tetrahedra and wedges have quality 1 at every corner, mirrored ones -1, and flat ones none.
+    /// Regular tetrahedra and wedges have quality 1 at every corner, mirrored ones -1, and flat ones 0.
     #[test]
     fn tetrahedra_and_wedges_are_measured_against_regular_ones() {
         for shape in [Shape::Tet4, Shape::Tet10, Shape::Wedge6, Shape::Wedge15] {

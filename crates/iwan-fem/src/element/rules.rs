@@ -1,15 +1,15 @@
-//! Integration rules of tetrahedra and wedges, and stiffness and mass of an element that is integrated by a rule.
+//! Integration rules for tetrahedra and wedges, and stiffness and mass of an element integrated by such a rule.
 //!
-//! Number and places of the points are those of CalculiX (G. Dhondt, CalculiX User's Manual, Sec. "Element types"): one and four points
-//! in tetrahedra, two and nine in wedges, for stiffness and mass alike. The stiffness of elements with straight edges is exact but for the
-//! six-node wedge. The mass is that of the points: its total is exact, and so is its rate of convergence (P. G. Ciarlet, The Finite
-//! Element Method for Elliptic Problems, Sec. 4.1, wants degree 2p - 2 of elements of degree p).
+//! Number and places of the points are those of CalculiX (G. Dhondt, CalculiX User's Manual, Sec. "Element types"): one and four points in
+//! tetrahedra, two and nine in wedges, for stiffness and mass alike. The stiffness of elements with straight edges is exact, except for the
+//! six-node wedge. The mass is integrated with the same points: its total is exact, and so is its rate of convergence (P. G. Ciarlet, The
+//! Finite Element Method for Elliptic Problems, Sec. 4.1, requires degree 2p - 2 for elements of degree p).
 
 use super::geometry::{Jacobian, NoVolume};
 use super::isotropic::{GradientProducts, add_mass};
 use super::material::Material;
 
-/// A point of the reference element and its weight.
+/// A point of the reference element, with its weight.
 pub(super) type Point = ([f64; 3], f64);
 
 /// Degree 1: the centre of the reference tetrahedron, whose volume is 1/6.
@@ -22,12 +22,12 @@ pub(super) const TETRAHEDRON_4: [Point; 4] =
 const A: f64 = 0.138_196_601_125_010_5;
 const B: f64 = 0.585_410_196_624_968_5;
 
-/// Two points on the axis of the wedge: its triangle by the centre, its height by two Gauss points.
+/// Two points on the axis of the wedge: the centre of the triangle, times two Gauss points along the height.
 pub(super) const WEDGE_2: [Point; 2] = [([THIRD, THIRD, -GAUSS_2], 0.5), ([THIRD, THIRD, GAUSS_2], 0.5)];
 const THIRD: f64 = 1.0 / 3.0;
 const GAUSS_2: f64 = 0.577_350_269_189_625_8;
 
-/// Nine points: the triangle by three of degree 2, the height by three Gauss points.
+/// Nine points: three points of degree 2 in the triangle, times three Gauss points along the height.
 pub(super) const WEDGE_9: [Point; 9] = {
     let triangle = [[1.0 / 6.0, 1.0 / 6.0], [2.0 / 3.0, 1.0 / 6.0], [1.0 / 6.0, 2.0 / 3.0]];
     let line = super::geometry::THREE;
@@ -63,8 +63,8 @@ pub(super) fn integrate<const N: usize>(
     Ok(())
 }
 
-/// What every set of shape functions must do, for the tests of the elements: N_i is 1 at its own node and 0 at the others, the sum is 1
-/// everywhere, and derivatives agree with differences.
+/// Properties that every set of shape functions must have, for the tests of the elements: N_i is 1 at its own node and 0 at the others, the
+/// sum is 1 everywhere, and derivatives agree with difference quotients.
 #[cfg(test)]
 pub(super) fn assert_interpolation<const N: usize>(functions: Functions<N>, nodes: &[[f64; 3]; N]) {
     for (i, node) in nodes.iter().enumerate() {

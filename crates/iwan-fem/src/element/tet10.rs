@@ -9,8 +9,8 @@
 //!    0-----4-----1
 //! ```
 //!
-//! With the barycentric coordinates L: N = L(2L - 1) at corners, 4 L_a L_b at the middle of a-b; four points (O. C. Zienkiewicz and
-//! R. L. Taylor, The Finite Element Method, Vol. 1, Sec. 8.12).
+//! With the barycentric coordinates L: N = L(2L - 1) at corners and 4 L_a L_b in the middle of edge a-b; integrated with four points (O. C.
+//! Zienkiewicz and R. L. Taylor, The Finite Element Method, Vol. 1, Sec. 8.12).
 
 use super::geometry::NoVolume;
 use super::material::Material;

@@ -9,8 +9,8 @@
 //!    0---------1       ξ, η, ζ >= 0, ξ + η + ζ <= 1
 //! ```
 //!
-//! N = (1 - ξ - η - ζ, ξ, η, ζ), integrated with one point (T. J. R. Hughes, The Finite Element Method, 1987, App. 3.I). Much too stiff
-//! in bending and where the material hardly changes its volume: a mesh of it earns a remark.
+//! N = (1 - ξ - η - ζ, ξ, η, ζ), integrated with one point (T. J. R. Hughes, The Finite Element Method, 1987, App. 3.I). The element is
+//! much too stiff in bending and for nearly incompressible material; the check of a mesh with such elements makes a remark.
 
 use super::geometry::NoVolume;
 use super::material::Material;
@@ -19,7 +19,7 @@ use super::rules::{TETRAHEDRON_1, integrate};
 /// Corners of the reference tetrahedron.
 pub(super) const CORNERS: [[f64; 3]; 4] =
     [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
-/// ∂N_i/∂ξ_a, which are the same everywhere.
+/// ∂N_i/∂ξ_a, which are constant.
 pub(super) const SLOPES: [[f64; 3]; 4] =
     [[-1.0, -1.0, -1.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
 

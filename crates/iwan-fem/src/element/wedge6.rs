@@ -10,9 +10,10 @@
 //!          1
 //! ```
 //!
-//! N = L(1 - ζ)/2 below and L(1 + ζ)/2 above, L = (1 - ξ - η, ξ, η); two points on the axis, as in CalculiX's C3D6. For filling
-//! meshes of hexahedra and tetrahedra: stiff in bending like the four-node tetrahedron. On the axis a twist of the two triangles about it
-//! strains nothing: one element alone, or a column of single ones, twists freely; where a second element shares an upright face none does.
+//! N = L(1 - ζ)/2 at the bottom and L(1 + ζ)/2 at the top, L = (1 - ξ - η, ξ, η); integrated with two points on the axis, as in CalculiX's
+//! C3D6. The element is meant for filling meshes of hexahedra and tetrahedra; it is stiff in bending like the four-node tetrahedron. A
+//! twist of the two triangles about the axis causes no strain on the axis. Therefore one element alone, or a column of single ones, twists
+//! freely; where a second element shares an upright face there is no such motion.
 
 use super::geometry::NoVolume;
 use super::material::Material;

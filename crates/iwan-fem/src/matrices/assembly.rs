@@ -15,7 +15,7 @@ use crate::element::ElementMatrices;
 use crate::error::{Error, check};
 use crate::structure::Structure;
 
-/// Matrices of a structure in the unknowns y, x = T y: K_∞ without joints, M, and the slips on which the joints act.
+/// Matrices of a structure in the unknowns y, with x = T y: K_∞ without joints, M, and the slips on which the joints act.
 #[derive(Debug, Clone)]
 pub struct Assembled {
     structure: Structure,
@@ -32,14 +32,14 @@ impl Structure {
     /// Assembles stiffness and mass.
     ///
     /// # Errors
-    /// [`Error`] names the element, node, set or joint that does not fit, and the remedy.
+    /// [`Error`] with the element, node, set or joint that does not fit, and a remedy.
     pub fn assemble(&self) -> Result<Assembled, Error> {
         let found = self.assemble_unheld()?;
         check_held(self, &found.transformation, &found.stiffness)?;
         Ok(found)
     }
 
-    /// The same without asking whether each node is held by something.
+    /// The same without the check that something holds each node.
     pub(super) fn assemble_unheld(&self) -> Result<Assembled, Error> {
         self.check_lumps()?;
         let rotations = Rotations::new(self);
@@ -74,23 +74,24 @@ impl Structure {
     }
 }
 
-/// Forces above this part of the largest stiffness times the motion are not rounding: the motion is held somewhere. Rigid motions of the
-/// free beam leave up to 2e-16; one spring to the ground counts from 1e-12 of the largest entry on, and below that the motion is
-/// integrated as if it were free.
+/// Largest force of a free motion, as a part of the largest stiffness entry times the motion, that counts as rounding; with a larger force
+/// the motion is not free. Rigid motions of the free beam leave up to 2e-16. A spring to the ground counts from 1e-12 of the largest entry
+/// on; below that the motion is integrated as if it were free.
 const STRAINED: f64 = 1e-12;
 
-/// A motion that adds less than this to those found already is one of them, such as a rotation where nodes have no positions: the mass of
-/// what is left, against the largest, by its root.
+/// Smallest length by which a motion must exceed those found already, relative to the largest possible; a smaller one is a combination of
+/// these, such as a rotation where nodes have no positions. Lengths are roots of the mass form.
 const ALONE: f64 = 1e-9;
-/// The same for given matrices, which another program rounded to fewer digits when it wrote them: a text of 12 digits leaves 1e-12 to 1e-11.
+/// The limit [`STRAINED`] for given matrices, which another program rounded to fewer digits when it wrote them: a text with 12 digits
+/// leaves 1e-12 to 1e-11.
 const STRAINED_AS_GIVEN: f64 = 1e-9;
 
-/// Unknowns of an element, ascending, and its displacements in them.
+/// Unknowns of an element, ascending, and the element's displacements in terms of them.
 struct Local {
     unknowns: Vec<u32>,
     /// For each displacement of the element: position in `unknowns` and coefficient.
     rows: Vec<Vec<(usize, f64)>>,
-    /// Each displacement is an unknown of its own.
+    /// Whether each displacement is an unknown itself.
     plain: bool,
 }
 
@@ -109,7 +110,7 @@ impl Local {
         Self { unknowns, rows, plain }
     }
 
-    /// Adds Tᵀ A T of one element, where A couples the displacements for which `entry` is not none.
+    /// Adds Tᵀ A T of one element; A couples the displacements for which `entry` returns a value.
     fn scatter(
         &self,
         into: &mut Symmetric,
@@ -146,7 +147,7 @@ impl Local {
     }
 }
 
-/// Both matrices of all elements, on one pattern.
+/// Stiffness and mass of all elements, on one pattern.
 fn assemble_elements(
     structure: &Structure,
     transformation: &Transformation,
@@ -173,7 +174,7 @@ fn assemble_elements(
     Ok((stiffness, mass.without_zeros()))
 }
 
-/// Which unknowns meet in an element.
+/// The pattern of unknowns that occur together in an element.
 fn pattern(order: usize, locals: &[Local]) -> Symmetric {
     let mut meets: Vec<Vec<u32>> = vec![Vec::new(); order];
     for (e, local) in locals.iter().enumerate() {
@@ -197,7 +198,7 @@ fn pattern(order: usize, locals: &[Local]) -> Symmetric {
     }))
 }
 
-/// Adds masses and springs at nodes.
+/// Adds the masses and springs of the lumps.
 fn add_lumps(
     structure: &Structure,
     transformation: &Transformation,
@@ -224,7 +225,7 @@ fn add_lumps(
     Ok((stiffness, mass))
 }
 
-/// Names a node that no element holds.
+/// Reports a node or rotation that no element holds.
 fn check_held(
     structure: &Structure,
     transformation: &Transformation,
@@ -255,7 +256,7 @@ impl Assembled {
         &self.structure
     }
 
-    /// x = T y.
+    /// The transformation T in x = T y.
     pub(super) fn transformation(&self) -> &Transformation {
         &self.transformation
     }
@@ -281,7 +282,7 @@ impl Assembled {
         &self.stiffness
     }
 
-    /// Stiffness K_0 with all joints stuck: K_∞ and the joints' K_T on the diagonal.
+    /// Stiffness K_0 with all joints stuck: K_∞ plus K_T of the joints on the diagonal.
     #[must_use]
     pub fn stuck_stiffness(&self) -> Symmetric {
         let mut joints = vec![0.0; self.unknowns()];
@@ -297,7 +298,7 @@ impl Assembled {
         &self.mass
     }
 
-    /// Viscous damping that was given with the matrices.
+    /// Viscous damping, if it was given with the matrices.
     #[must_use]
     pub fn damping(&self) -> Option<&Symmetric> {
         self.damping.as_ref()
@@ -320,7 +321,7 @@ impl Assembled {
         all
     }
 
-    /// Mass-normalised rigid motions that strain nothing: six of a free structure.
+    /// Mass-normalised rigid motions that cause no strain: six for a free structure.
     pub(crate) fn free_motions(&self) -> Vec<Vec<f64>> {
         let mut motions: Vec<Vec<f64>> = Vec::new();
         for motion in 0..6 {
@@ -341,12 +342,12 @@ impl Assembled {
         motions
     }
 
-    /// The shift once it is known.
+    /// The shift, once it has been computed.
     pub(crate) fn known_shift(&self) -> &OnceLock<f64> {
         &self.shift
     }
 
-    /// Takes the parts along mass-normalised motions off a vector.
+    /// Subtracts from a vector its parts along mass-normalised motions.
     pub(crate) fn remove(&self, from: &mut [f64], motions: &[Vec<f64>]) {
         for motion in motions {
             let part = self.mass.form(motion, from);
@@ -354,7 +355,7 @@ impl Assembled {
         }
     }
 
-    /// Displacements of all nodes from the unknowns: x, y, z of the first node, then of the second, …
+    /// Displacements of all nodes from the unknowns `y`: x, y, z of the first node, then of the second, and so on.
     ///
     /// # Panics
     /// When `y` has fewer entries than there are unknowns.
@@ -363,7 +364,7 @@ impl Assembled {
         self.transformation.apply(y, 3 * self.structure.mesh.positions.len())
     }
 
-    /// Unknowns and coefficients that make up the displacement of a node (index into the mesh) along x, y or z (0, 1, 2): one row of T.
+    /// Unknowns and coefficients that give the displacement of a node (index into the mesh) along x, y or z (0, 1, 2): one row of T.
     ///
     /// # Panics
     /// When there is no such node or axis.
@@ -373,7 +374,7 @@ impl Assembled {
         self.transformation.row(3 * node + axis)
     }
 
-    /// Forces on the unknowns of the total force `force` (x, y, z), shared equally by the nodes of a set.
+    /// Forces on the unknowns that represent the total force `force` (x, y, z), distributed equally over the nodes of a set.
     ///
     /// # Errors
     /// [`Error::MissingSet`]; [`Error::Connection`] for an empty set; [`Error::OutOfRange`] for a force that is not finite.
@@ -394,30 +395,31 @@ impl Assembled {
         Ok(out)
     }
 
-    /// Coefficients that read the mean displacement of a set along `direction` from the unknowns: what
-    /// [`load`](Self::load) does work on.
+    /// Coefficients that give the mean displacement of a set along `direction` from the unknowns: the displacement on which
+    /// [`load`](Self::load) does work.
     ///
     /// # Errors
-    /// As [`load`](Self::load).
+    /// The errors of [`load`](Self::load).
     pub fn gauge(&self, set: &str, direction: [f64; 3]) -> Result<Vec<f64>, Error> {
         self.load(set, direction)
     }
 
-    /// K_∞ laid out for products.
+    /// K_∞ in the layout for products.
     pub(crate) fn nodal_stiffness(&self) -> NodalProduct {
         NodalProduct::new(&self.stiffness, triples(&self.transformation.places))
     }
 
-    /// Bytes that a search for `count` modes takes at most, about, from the order of elimination, and those of one factor of the stiffness
-    /// among them. Two factors stand side by side: that by which modes are sought, and that which counts whether one was missed.
+    /// Approximate upper bound of the bytes that a search for `count` modes takes, from the order of elimination, and the bytes of one
+    /// factor of the stiffness, which are part of it. Two factors are held at once: the one for the search, and the one for the count that
+    /// shows whether a mode was missed.
     ///
     /// # Errors
-    /// [`Error::Analysis`] where even the factor's pattern does not fit into memory.
+    /// [`Error::Analysis`] if even the pattern of the factor does not fit into memory.
     pub fn search_bytes(&self, count: usize) -> Result<[u64; 2], Error> {
-        /// Matrices of the stiffness's size that are held with their copies while one is factored: 9 to 11 in blocks and slender bars of
-        /// 59,000 to 308,000 unknowns.
+        /// Number of matrices as large as the stiffness that are held, with their copies, while one is factored: 9 to 11 in blocks and
+        /// slender bars of 59,000 to 308,000 unknowns.
         const MATRICES: u64 = 11;
-        /// Vectors for each mode that is sought, with their images: the search looks at more modes than are wanted.
+        /// Number of vectors, with their images, per mode: the search works with more columns than modes are requested.
         const VECTORS: u64 = 8;
         let number = size_of::<f64>() as u64;
         let factor = self.analysis()?.entries() as u64 * number;
@@ -426,19 +428,19 @@ impl Assembled {
         Ok([2 * factor + MATRICES * matrix + vectors, factor])
     }
 
-    /// Refuses a search for so many modes for which there is no memory.
+    /// Refuses a search for `count` modes if there is not enough memory.
     pub(crate) fn ask_for_search(&self, count: usize) -> Result<(), Error> {
         let remedy = "take a coarser mesh, fewer modes, or a machine with more memory";
         Ok(iwan_machine::memory::ask("a search for modes", self.search_bytes(count)?[0], remedy)?)
     }
 
-    /// Order of elimination for all matrices of the structure, found once.
+    /// The order of elimination for all matrices of the structure, computed once.
     pub(crate) fn analysis(&self) -> Result<&Analysis, Error> {
         if let Some(analysis) = self.analysis.get() {
             return Ok(analysis);
         }
         let sites: Vec<Site> = self.transformation.places.iter().map(|place| place.site).collect();
-        // Both patterns: a condensed mass couples what the stiffness does not.
+        // The pattern is that of stiffness and mass together: a condensed mass couples unknowns that the stiffness does not.
         let analysis = Analysis::new(&self.stiffness.plus(1.0, &self.mass), &sites)?;
         Ok(self.analysis.get_or_init(|| analysis))
     }

@@ -1,4 +1,4 @@
-//! Inertia forces where the base moves: supports and the ground end of springs.
+//! Inertia forces under an acceleration of the base, that is of supports and of the ground ends of springs.
 
 use std::collections::HashMap;
 
@@ -10,22 +10,22 @@ use crate::error::{Error, check};
 use crate::mesh::{Freedom, Rule};
 use crate::structure::Row;
 
-/// Where a motion stands in the equations.
+/// Place of a motion in the equations.
 #[derive(Debug, Clone, Copy)]
 enum At {
     /// A row of T.
     Freedom(usize),
-    /// An unknown that no node has.
+    /// An unknown that belongs to no node.
     Unknown(usize),
 }
 
 impl Assembled {
-    /// Forces on the unknowns, which move relative to the base, where the base is accelerated by 1 along `direction` (x, y, z; its
-    /// length counts): -Tᵀ M ι with ι the motion of the whole structure with its base, supported nodes included, whose mass
-    /// pulls at their neighbours where masses are consistent.
+    /// Forces on the unknowns, which are relative to the base, when the base is accelerated by 1 along `direction` (x, y, z; its length
+    /// counts): -Tᵀ M ι. ι is the rigid motion of the whole structure with its base. It includes the supported nodes, because their
+    /// consistent mass also acts on their neighbours.
     ///
     /// # Errors
-    /// [`Error::OutOfRange`] for a direction that is not finite or of no length.
+    /// [`Error::OutOfRange`] for a direction that is not finite or has no length.
     ///
     /// ```
     /// use iwan_fem::mesh::block::{block, uniform};
@@ -38,7 +38,7 @@ impl Assembled {
     /// structure.supports.push(Support { name: "wall".into(), nodes: "end".into(), fixed: [true; 3] });
     /// let assembled = structure.assemble()?;
     /// let force = assembled.base_force([1.0, 0.0, 0.0])?;
-    /// // Half of the element at the wall hangs on the wall.
+    /// // Half of the mass of the element at the wall is carried by the wall directly.
     /// assert!((force.iter().sum::<f64>() + 3.5).abs() < 1e-12);
     /// # Ok::<(), iwan_fem::Error>(())
     /// ```
@@ -63,7 +63,8 @@ impl Assembled {
             match places.get(&unheld.unknown(j)) {
                 Some(At::Freedom(dof)) => self.transformation().add_force(*dof, -inertia, &mut out),
                 Some(At::Unknown(own)) => out[*own] -= inertia,
-                // All unknowns without supports are nodes', joints' or the matrices' own, and these are the same with them.
+                // Not reached: every unknown of the structure without supports belongs to a node, a joint or the matrices, and has a place
+                // here too.
                 None => {}
             }
         }
@@ -77,7 +78,7 @@ impl Assembled {
         self.mass().form(&moved, &moved)
     }
 
-    /// Where each unknown that the structure might have stands: as a row of T, or, for what no node has, as an unknown.
+    /// Place of each unknown that the structure may have: a row of T, or, for an unknown that belongs to no node, an unknown.
     fn freedoms(&self) -> HashMap<Unknown, At> {
         let structure = self.structure();
         let nodes = structure.mesh.positions.len();

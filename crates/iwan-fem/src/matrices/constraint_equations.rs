@@ -1,6 +1,7 @@
-//! From the constraints of a mesh file to equations: rigid groups, weighted means, points of faces, linear equations.
+//! Equations from the constraints of a mesh file: rigid groups, weighted means, points of faces, linear equations.
 //!
-//! Nodes of solid elements have no rotations. A node that others follow rigidly, or that follows a mean in its rotations, gets three of its own.
+//! Nodes of solid elements have no rotations. A node that others follow rigidly, or whose rotations follow a mean, gets three rotations of
+//! its own.
 
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -13,12 +14,12 @@ use crate::error::Error;
 use crate::mesh::{Constraint, Directions, Freedom, Mesh, Rule, Weighted};
 use crate::structure::Structure;
 
-/// First degree of freedom of the rotations of each node that has any.
+/// First degree of freedom of the rotations, for each node that has rotations.
 #[derive(Debug, Clone, Default)]
 pub(crate) struct Rotations(BTreeMap<usize, usize>);
 
 impl Rotations {
-    /// Rotations of reference nodes, behind the displacements of all nodes.
+    /// Rotations of reference nodes, numbered after the displacements of all nodes.
     pub(crate) fn new(structure: &Structure) -> Self {
         let reference = |constraint: &Constraint| match &constraint.rule {
             Rule::Rigid { reference, .. } => Some(*reference),
@@ -30,12 +31,12 @@ impl Rotations {
         Self(nodes.into_iter().enumerate().map(|(index, node)| (node, first + 3 * index)).collect())
     }
 
-    /// What the degrees of freedom behind the displacements mean.
+    /// Meaning of the degrees of freedom after the displacements.
     pub(crate) fn meaning(&self) -> Vec<Unknown> {
         self.0.keys().flat_map(|&node| (0..3).map(move |axis| Unknown::Rotation { node, axis })).collect()
     }
 
-    /// Degree of freedom of a component of a node; none for rotations of a node that has none.
+    /// Degree of freedom of a component of a node; none for a rotation of a node that has no rotations.
     pub(crate) fn dof(&self, Freedom { node, component }: Freedom) -> Option<usize> {
         match component.checked_sub(3) {
             None => Some(3 * node + component),
@@ -44,8 +45,8 @@ impl Rotations {
     }
 }
 
-/// Writes the equations of all constraints: first what is held, then what follows rigidly or lies on faces, means, and last linear
-/// equations, into which all that is put.
+/// Writes the equations of all constraints in this order: held freedoms, rigid groups, points on faces, means, and linear equations. Each
+/// is expressed in terms of those before it.
 pub(crate) fn constrain(
     structure: &Structure,
     rotations: &Rotations,
@@ -118,7 +119,8 @@ impl Writer<'_, '_> {
         self.equations.equation(&sources, first.as_slice())
     }
 
-    /// Terms of the displacement along (0 to 2) and rotation about (3 to 5) a direction that a reference node's rigid motion gives at an arm.
+    /// Terms of the displacement along a direction (`component` 0 to 2), or of the rotation about it (3 to 5), that the rigid motion of a
+    /// reference node causes at the end of an arm.
     fn motion(
         &self,
         reference: usize,
@@ -154,7 +156,7 @@ impl Writer<'_, '_> {
             let lead = self.motion(reference, arm, component, direction);
             let follow = (0..3).filter_map(|a| Some((Source::Displacement(own(a)?), direction[a])));
             let terms: Vec<_> = follow.chain(lead.into_iter().map(|(source, c)| (source, -c))).collect();
-            // The component of the node that the direction has most of; in global axes the one it is.
+            // The node's component for which the direction has the largest entry; in global axes this is the direction itself.
             let along = largest(direction);
             let preferred: Vec<usize> = own(along).into_iter().collect();
             let terms: Vec<_> = terms.into_iter().filter(|(_, c)| *c != 0.0).collect();
@@ -163,8 +165,9 @@ impl Writer<'_, '_> {
         Ok(())
     }
 
-    /// The least-squares motion q = A⁻¹ Σ w Sᵀ u at the nodes' weighted centre, A = Σ w Sᵀ S, with S u = u + θ x r in the components that count; from there to the
-    /// reference node rigidly (MSC Nastran Quick Reference Guide, RBE3).
+    /// Writes the mean: the least-squares motion q = A⁻¹ Σ w Sᵀ u at the nodes' weighted centre, with A = Σ w Sᵀ S and S u = u + θ x r in
+    /// the components that count. The motion of the reference node follows rigidly from that at the centre (MSC Nastran Quick Reference
+    /// Guide, RBE3).
     fn mean(
         &mut self,
         reference: usize,
@@ -179,7 +182,7 @@ impl Writer<'_, '_> {
         });
         let arm = |node: usize| -> [f64; 3] { std::array::from_fn(|a| positions[node][a] - centre[a]) };
         let size = nodes.iter().map(|n| norm(arm(n.node))).fold(0.0, f64::max);
-        // Rotations times the size of the set, so that all six unknowns are lengths.
+        // Rotations are multiplied by the size of the set, so that all six unknowns are lengths.
         let row = |node: usize, direction: [f64; 3]| -> [f64; 6] {
             let spin = cross(arm(node), direction).map(|x| x / size);
             std::array::from_fn(|k| if k < 3 { direction[k] } else { spin[k - 3] })
@@ -194,7 +197,8 @@ impl Writer<'_, '_> {
                 }
             }
         }
-        // The smallest of the six is the square of the nodes' width across their line over their length: below a millionth of it nothing is left.
+        // The smallest eigenvalue of the six is the square of the ratio of the set's width to its length. Below a ratio of a millionth no
+        // rotation follows.
         let inverse = Some(matrix).filter(|m| size > 0.0 && least(m) > 1e-12).and_then(positive_inverse);
         let inverse = inverse.ok_or_else(|| {
             let finding = format!(
@@ -240,8 +244,8 @@ impl Writer<'_, '_> {
     }
 }
 
-/// Where all that follows a reference node is on one line with it, or at its place, rotation about that line means nothing: it is held, unless something
-/// else speaks of it.
+/// Holds rotations that have no effect: if all nodes that follow a reference node lie on one line with it, or at its place, the rotation
+/// about that line is held, unless another constraint or an inertia involves it.
 fn turn_about_lines(
     structure: &Structure,
     rotations: &Rotations,
@@ -282,15 +286,15 @@ fn turn_about_lines(
     Ok(())
 }
 
-/// Directions about which a group with these arms can turn without moving anything: the line of the arms, or all three; none of a group that
-/// spans a plane.
+/// Directions about which a group with these arms can turn without moving anything: the line of the arms, or all three axes if the arms
+/// have no length; none for a group that spans a plane.
 fn free_lines(arms: &[[f64; 3]]) -> Option<Vec<[f64; 3]>> {
     let longest = arms.iter().copied().max_by(|a, b| norm(*a).total_cmp(&norm(*b)))?;
     if norm(longest) == 0.0 {
         return Some(crate::mesh::GLOBAL.to_vec());
     }
     let along = longest.map(|x| x / norm(longest));
-    // A thousandth of the length, as for the patches of joints: files of six digits round far less.
+    // The limit is a thousandth of the length, as for the patches of joints; files with six digits round far less.
     let on_line = arms.iter().all(|arm| norm(cross(*arm, along)) <= 1e-3 * norm(longest));
     on_line.then(|| vec![along])
 }
@@ -308,7 +312,7 @@ fn largest(v: [f64; 3]) -> usize {
     (1..3).fold(0, |best, a| if v[a].abs() > v[best].abs() { a } else { best })
 }
 
-/// Smallest eigenvalue of a symmetric matrix; minus one where there is none to be had.
+/// Smallest eigenvalue of a symmetric matrix; -1 if it cannot be computed.
 fn least(matrix: &Mat<f64>) -> f64 {
     matrix.self_adjoint_eigenvalues(faer::Side::Lower).map_or(-1.0, |values| values[0])
 }

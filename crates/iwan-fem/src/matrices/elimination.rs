@@ -1,4 +1,4 @@
-//! Elimination of everything that is tied: x = T y, with the slips among the unknowns y.
+//! Elimination of all dependent displacements: x = T y, with the slips among the unknowns y.
 //!
 //! A joint's stiffness is then an entry on the diagonal and each Iwan element acts on one scalar unknown; there are
 //! neither penalties nor multipliers, and the matrices stay symmetric and positive (semi-)definite.
@@ -10,15 +10,17 @@ use crate::algebra::Site;
 use crate::error::Error;
 use crate::mesh::Mesh;
 
-/// A coefficient beside the largest one given that is rounding: what cancels in a constraint that holds already.
+/// Size of a coefficient, relative to the largest given one, up to which it counts as rounding: terms cancel in a constraint that already
+/// holds.
 const CANCELLED: f64 = 1e-12;
-/// A coefficient beside the largest that is not divided by although the user named its displacement first: that would lose six digits.
+/// Size of a coefficient, relative to the largest, below which the equation is not divided by it even if the user named its displacement
+/// first: the division would lose six digits.
 const SMALL: f64 = 1e-6;
 
-/// What a displacement follows: another displacement or an unknown that is no displacement of a node.
+/// What a displacement follows: another displacement, or an unknown that is not a displacement of a node.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub(crate) enum Source {
-    /// Degree of freedom 3 node + axis, or one of the further ones behind them.
+    /// Degree of freedom 3 node + axis, or one of the further degrees of freedom after these.
     Displacement(usize),
     /// Index into [`Equations::extra`].
     Extra(usize),
@@ -28,14 +30,14 @@ pub(crate) enum Source {
 #[derive(Debug)]
 pub(crate) struct Equations<'a> {
     mesh: &'a Mesh,
-    /// Meaning of the degrees of freedom behind the displacements of all nodes: rotations and generalised coordinates.
+    /// Meaning of the degrees of freedom after the displacements of all nodes: rotations and generalised coordinates.
     further: Vec<Unknown>,
-    /// Terms of each dependent displacement.
+    /// Terms of each dependent displacement; none for independent ones.
     rows: Vec<Option<Vec<(Source, f64)>>>,
-    /// Who made it dependent: index into `names`.
+    /// The item that made the displacement dependent: an index into `names`.
     owners: Vec<usize>,
     names: Vec<String>,
-    /// Unknowns that are no displacements of nodes, with their positions.
+    /// Unknowns that are not displacements of nodes, with their positions.
     pub(crate) extra: Vec<(Unknown, [f64; 3])>,
 }
 
@@ -49,18 +51,18 @@ impl<'a> Equations<'a> {
         self.mesh
     }
 
-    /// Whoever adds equations from now on is called `name`.
+    /// Sets the name of the item to which the equations added from now on belong.
     pub(crate) fn owner(&mut self, name: String) {
         self.names.push(name);
     }
 
-    /// Adds an unknown that is no displacement of a node.
+    /// Adds an unknown that is not a displacement of a node.
     pub(crate) fn add_extra(&mut self, unknown: Unknown, position: [f64; 3]) -> Source {
         self.extra.push((unknown, position));
         Source::Extra(self.extra.len() - 1)
     }
 
-    /// Makes the displacement of a node along an axis a sum of terms; none: it is fixed.
+    /// Makes the displacement of a node along an axis a sum of terms; without terms it is fixed.
     pub(crate) fn set(&mut self, node: usize, axis: usize, terms: Vec<(Source, f64)>) -> Result<(), Error> {
         let dof = 3 * node + axis;
         let owner = self.names.len() - 1;
@@ -77,9 +79,9 @@ impl<'a> Equations<'a> {
         Ok(())
     }
 
-    /// Makes Σ c x = 0 hold: what others eliminated already is put in, then one displacement of the rest is eliminated, the first of
-    /// `preferred` that is there with a coefficient that is not small, or else the one with the largest. Nothing is done where
-    /// the equation holds already.
+    /// Makes Σ c x = 0 hold. Displacements that are already eliminated are replaced by their terms; then one of the remaining displacements
+    /// is eliminated. It is the first in `preferred` that occurs with a coefficient that is not small, otherwise the one with the largest
+    /// coefficient. Nothing is done if the equation already holds.
     pub(crate) fn equation(&mut self, terms: &[(Source, f64)], preferred: &[usize]) -> Result<(), Error> {
         let mut sum: BTreeMap<Source, f64> = BTreeMap::new();
         for &(source, coefficient) in terms {
@@ -114,7 +116,7 @@ impl<'a> Equations<'a> {
         Ok(())
     }
 
-    /// Adds a term, with what it follows put in.
+    /// Adds a term to a sum; a dependent displacement is replaced by its terms.
     fn expand(
         &self,
         source: Source,
@@ -136,7 +138,7 @@ impl<'a> Equations<'a> {
         row.iter().try_for_each(|&(other, c)| self.expand(other, c * coefficient, depth + 1, sum))
     }
 
-    /// Number of the node of a displacement or rotation, for messages.
+    /// Number of the node to which a displacement or rotation belongs, for messages.
     fn label(&self, dof: usize) -> u64 {
         let node = match dof.checked_sub(3 * self.mesh.positions.len()).map(|at| self.further[at]) {
             None => dof / 3,
@@ -202,13 +204,13 @@ impl<'a> Equations<'a> {
     }
 }
 
-/// The mean position of all nodes.
+/// Mean position of all nodes.
 fn middle(mesh: &Mesh) -> [f64; 3] {
     let n = mesh.positions.len().max(1) as f64;
     std::array::from_fn(|a| mesh.positions.iter().map(|p| p[a]).sum::<f64>() / n)
 }
 
-/// Names of the axes in messages.
+/// Names of the axes, for messages.
 pub(crate) const AXES: [&str; 3] = ["x", "y", "z"];
 
 /// Expands chains of equations.
@@ -220,8 +222,8 @@ struct Resolver<'a> {
     depth: usize,
 }
 
-/// Chains of dependence longer than this are circles, and refused as such: a face that follows a patch whose nodes follow another patch,
-/// and so on, is a chain of as many links as parts are bolted in a row.
+/// Largest length of a chain of dependence; a longer one counts as a circle and is refused. A face that follows a patch whose nodes follow
+/// another patch, and so on, makes a chain of as many links as parts are bolted in a row.
 const LONGEST_CHAIN: usize = 64;
 
 impl Resolver<'_> {
@@ -269,18 +271,18 @@ pub(crate) struct Transformation {
 }
 
 impl Transformation {
-    /// Unknowns and coefficients that make up the displacement 3 node + axis.
+    /// Unknowns and coefficients that give the displacement 3 node + axis.
     pub(crate) fn row(&self, dof: usize) -> &[(u32, f64)] {
         &self.terms[self.starts[dof] as usize..self.starts[dof + 1] as usize]
     }
 
-    /// The first `count` of x = T y.
+    /// The first `count` entries of x = T y.
     pub(crate) fn apply(&self, y: &[f64], count: usize) -> Vec<f64> {
         let value = |dof| self.row(dof).iter().map(|&(j, c)| c * y[j as usize]).sum();
         (0..count).map(value).collect()
     }
 
-    /// Adds Tᵀ of a force on one displacement to a vector of forces on the unknowns.
+    /// Adds to a vector of forces on the unknowns Tᵀ of a force on one displacement.
     pub(crate) fn add_force(&self, dof: usize, force: f64, out: &mut [f64]) {
         self.row(dof).iter().for_each(|&(j, c)| out[j as usize] += c * force);
     }

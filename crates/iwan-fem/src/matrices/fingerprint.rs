@@ -1,9 +1,10 @@
-//! Whether matrices are the ones that something was computed of.
+//! A fingerprint of the matrices, to recognise results that were computed from the same ones.
 
 use super::assembly::Assembled;
 use crate::algebra::Symmetric;
 
-/// FNV-1a of 64 bits (G. Fowler, L. C. Noll, K.-P. Vo), word by word: it tells a changed model, and is no protection against malice.
+/// FNV-1a with 64 bits (G. Fowler, L. C. Noll, K.-P. Vo), word by word. It detects a changed model, but does not protect against deliberate
+/// forgery.
 struct Fnv(u64);
 
 impl Fnv {
@@ -20,8 +21,8 @@ impl Fnv {
 }
 
 impl Assembled {
-    /// A number that changes with any entry of the mass or of the stiffness with all joints stuck or slipping, and with the order of the
-    /// unknowns. It is the same on all machines.
+    /// A number that changes with any entry of the mass, of the damping, or of the stiffness with all joints stuck or slipping, and with
+    /// the order of the unknowns. It is the same on all machines.
     ///
     /// ```
     /// use iwan_fem::{mesh::beam::Configuration, paper};

@@ -1,10 +1,10 @@
-//! Matrices of another program, in the unknowns.
+//! Matrices from another program, transformed to the unknowns.
 
 use super::elimination::Transformation;
 use crate::algebra::Symmetric;
 use crate::structure::Given;
 
-/// Given matrices in the unknowns.
+/// The given matrices in terms of the unknowns.
 pub(super) struct InUnknowns {
     pub(super) stiffness: Symmetric,
     pub(super) mass: Symmetric,
@@ -20,7 +20,8 @@ pub(super) fn assemble(nodes: usize, given: &Given, transformation: &Transformat
             let (rows, columns) = (transformation.row(dofs[i]), transformation.row(dofs[j]));
             for &(p, c) in rows {
                 for &(q, d) in columns {
-                    // Off the diagonal an entry stands for two, which meet in one place where both belong to one unknown.
+                    // An entry off the diagonal stands for two; if both displacements depend on one unknown, the two are added at one
+                    // place.
                     let twice = if i != j && p == q { 2.0 } else { 1.0 };
                     if i != j || q <= p {
                         entries.push((p.max(q), p.min(q), twice * c * d * value));

@@ -1,4 +1,4 @@
-//! From joints, ties and supports to equations.
+//! Equations of joints, ties and supports.
 
 use faer::Mat;
 
@@ -9,16 +9,16 @@ use crate::algebra::positive_inverse;
 use crate::error::Error;
 use crate::structure::{Given, Interface, Joint, Law, Patch, Row, Structure, Support};
 
-/// A slip of an assembled structure.
+/// A slip of an assembled structure and its unknown.
 #[derive(Clone)]
 pub struct SlipUnknown {
-    /// Name: that of the joint, the direction and, node to node, the node.
+    /// Name: those of the joint and the direction, and, with node-to-node joints, the number of the node.
     pub name: String,
-    /// Number of the joint among those of the structure; joints between rows of given matrices are counted after them.
+    /// Index of the joint in the structure; joints between rows of given matrices are counted after these.
     pub joint: usize,
-    /// Its number among the unknowns.
+    /// Index of the slip among the unknowns.
     pub unknown: usize,
-    /// The law; none slides freely.
+    /// The law; a slip without a law slides freely.
     pub law: Option<Law>,
 }
 
@@ -31,7 +31,7 @@ impl std::fmt::Debug for SlipUnknown {
     }
 }
 
-/// The slips found while the equations are written; `unknown` counts extra unknowns until all are known.
+/// The slips found while the equations are written. Until all equations are known, `unknown` counts the extra unknowns only.
 pub(crate) type Slips = Vec<SlipUnknown>;
 
 /// Writes the equations of all joints, then of all supports, then of the constraints of the mesh file.
@@ -66,7 +66,7 @@ pub(crate) fn connect<'a>(
     Ok((equations, slips))
 }
 
-/// Rotations and generalised coordinates of given matrices, in the order of their rows.
+/// Rotations and generalised coordinates of given matrices, in the order of the matrices' rows.
 fn further(given: &Given) -> Vec<Unknown> {
     let meaning = |(row, of): (usize, &Row)| match *of {
         Row::Displacement { .. } => None,
@@ -76,7 +76,7 @@ fn further(given: &Given) -> Vec<Unknown> {
     given.rows.iter().enumerate().filter_map(meaning).collect()
 }
 
-/// Displacements of nodes that given matrices neither have nor recover are held.
+/// Holds the displacements of nodes for which given matrices have neither a row nor a recovery.
 fn hold_unknown(equations: &mut Equations<'_>, given: &Given) -> Result<(), Error> {
     equations.owner("the matrices, which have no row for it,".into());
     let mut known = vec![false; 3 * equations.mesh().positions.len()];
@@ -124,14 +124,15 @@ impl Writer<'_, '_> {
         self.equations.mesh().positions[node]
     }
 
-    /// Unit vectors of the slips.
+    /// Unit vectors of the joint's slip directions.
     fn directions(&self) -> Result<Vec<[f64; 3]>, Error> {
         let unit = |d: [f64; 3]| {
             let length = d.iter().map(|x| x * x).sum::<f64>().sqrt();
             (length > 0.0 && length.is_finite()).then(|| d.map(|x| x / length))
         };
         let units: Option<Vec<_>> = self.joint.slips.iter().map(|slip| unit(slip.direction)).collect();
-        // Cosines below 1e-9 are rounding of the directions given; oblique slips would count twice what they share.
+        // Cosines below 1e-9 are rounding of the given directions. With oblique slips, the motion that they have in common would count
+        // twice.
         let orthogonal = |units: &Vec<[f64; 3]>| {
             let product = |a: &[f64; 3], b: &[f64; 3]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
             (0..units.len()).all(|i| (0..i).all(|j| product(&units[i], &units[j]).abs() < 1e-9))
@@ -143,7 +144,7 @@ impl Writer<'_, '_> {
         })
     }
 
-    /// Adds the joint's slips at a place and the terms they contribute to the displacements of whatever follows.
+    /// Adds the joint's slips at a place, and returns their terms in the displacements of the nodes that follow.
     fn add_slips(&mut self, at: [f64; 3], node: Option<usize>) -> Result<Rows, Error> {
         let mut rows = Rows::default();
         for (k, direction) in self.directions()?.into_iter().enumerate() {
@@ -168,7 +169,7 @@ impl Writer<'_, '_> {
         rows.into_iter().enumerate().try_for_each(|(axis, terms)| self.equations.set(node, axis, terms))
     }
 
-    /// The face follows one rigid motion of the patch.
+    /// The whole face follows one rigid motion of the patch.
     fn whole(&mut self, face: &[usize], patch: &[usize], kind: Patch) -> Result<(), Error> {
         let frame = Frame::new(patch.iter().map(|&node| self.position(node)), self.joint)?;
         let motion: Vec<Rows> = match kind {
@@ -196,8 +197,7 @@ impl Writer<'_, '_> {
         Ok(())
     }
 
-    /// Each node of the face follows the node of the patch at its place.
-    /// With `free`, only the displacements along the slips do so.
+    /// Each node of the face follows the node of the patch at the same place. With `free`, it does so only along the slips.
     fn node_to_node(&mut self, face: &[usize], patch: &[usize], free: bool) -> Result<(), Error> {
         let distance = |a: [f64; 3], b: [f64; 3]| (0..3).map(|i| (a[i] - b[i]).powi(2)).sum::<f64>().sqrt();
         let positions = &self.equations.mesh().positions;
@@ -209,7 +209,7 @@ impl Writer<'_, '_> {
                 .map(|&other| (other, distance(at, self.position(other))))
                 .min_by(|a, b| a.1.total_cmp(&b.1))
                 .expect("the patch has nodes");
-            // Against the diagonal of the mesh: files with seven digits round less, and matching meshes differ by no more.
+            // The limit is relative to the diagonal of the mesh: files with seven digits round less, and matching meshes differ by no more.
             let alone = free && face.len() == 1 && patch.len() == 1;
             if gap > 1e-6 * size && !alone {
                 return Err(Error::Node {
@@ -244,13 +244,13 @@ impl Writer<'_, '_> {
     }
 }
 
-/// Smallest or largest coordinates.
+/// Smallest or largest coordinates of all positions.
 fn extreme(positions: &[[f64; 3]], choose: impl Fn(f64, f64) -> f64) -> [f64; 3] {
     let start = positions.first().copied().unwrap_or_default();
     positions.iter().fold(start, |m, p| std::array::from_fn(|a| choose(m[a], p[a])))
 }
 
-/// u = u_ref + θ x r.
+/// Terms of the rigid motion u = u_ref + θ x r.
 fn rigid_rows(sources: &[Source; 6], arm: [f64; 3]) -> Rows {
     std::array::from_fn(|axis| {
         let rotation = (0..3).map(|about| {
@@ -263,7 +263,7 @@ fn rigid_rows(sources: &[Source; 6], arm: [f64; 3]) -> Rows {
     })
 }
 
-/// Centre and inverse inertia of a patch's nodes, equally weighted.
+/// Centre and inverse inertia of a patch's nodes, each with weight one.
 struct Frame {
     centre: [f64; 3],
     inverse_inertia: [[f64; 3]; 3],
@@ -328,12 +328,13 @@ fn inverse(m: &[[f64; 3]; 3]) -> Option<[[f64; 3]; 3]> {
     };
     let determinant: f64 = (0..3).map(|b| m[0][b] * cofactor(0, b)).sum();
     let size: f64 = (m[0][0] + m[1][1] + m[2][2]) / 3.0;
-    // Against the mean of the diagonal: nodes on a line, no farther off it than a hundred-thousandth of its length, leave less.
+    // The limit is relative to the mean of the diagonal. Nodes that are no farther from a line than a hundred-thousandth of its length give
+    // a smaller determinant.
     (determinant > 1e-9 * size.powi(3))
         .then(|| std::array::from_fn(|a| std::array::from_fn(|b| cofactor(b, a) / determinant)))
 }
 
-/// Inverse of the matrix that ties the slips together, which is symmetric and positive definite, row by row.
+/// Inverse, row by row, of the symmetric positive definite matrix that couples the slips.
 pub(crate) fn inverse_of(n: usize, entry: impl Fn(usize, usize) -> f64) -> Result<Vec<f64>, Error> {
     if n == 0 {
         return Ok(Vec::new());

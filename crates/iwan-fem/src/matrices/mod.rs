@@ -1,4 +1,4 @@
-//! From the description of a structure to its equations: stiffness and mass in unknowns that are displacements and slips.
+//! Equations of a structure from its description: stiffness and mass for unknowns that are displacements and slips.
 
 mod unknowns;
 mod elimination;

@@ -1,4 +1,4 @@
-//! Rigid bodies without extent at nodes: mass, and inertia where the node can turn.
+//! Point masses at nodes, with inertia where the node has rotations.
 
 use std::collections::BTreeMap;
 
@@ -9,7 +9,8 @@ use crate::error::Error;
 use crate::mesh::{Freedom, PointMass};
 use crate::structure::Structure;
 
-/// The mass with all bodies at nodes added, and the stiffness with room at the same places: both are factored on the stiffness's pattern.
+/// Returns the mass with all point masses added, and the stiffness with zeros at the same places, because both are factored on the pattern
+/// of the stiffness.
 pub(crate) fn add(
     structure: &Structure,
     rotations: &Rotations,
@@ -49,7 +50,7 @@ pub(crate) fn add(
     Ok((stiffness.plus(0.0, &added), mass.plus(1.0, &added).without_zeros()))
 }
 
-/// Mass of displacements and rotations of the node: with the offset e, the centre moves by u + θ x e.
+/// Mass matrix for displacements and rotations of the node; with the offset e, the centre of mass moves by u + θ x e.
 fn matrix(body: &PointMass) -> [[f64; 6]; 6] {
     let [x, y, z] = body.offset;
     // u + θ x e = u + E θ.
@@ -71,7 +72,7 @@ fn matrix(body: &PointMass) -> [[f64; 6]; 6] {
 mod tests {
     use super::*;
 
-    /// Kinetic energy of a turning body: its own inertia and its mass on a circle.
+    /// Kinetic energy of a rotating body: that of its own inertia, and that of its mass on a circle.
     #[test]
     fn an_offset_adds_steiners_part() {
         let body = PointMass {
@@ -83,7 +84,7 @@ mod tests {
         };
         let m = matrix(&body);
         assert_eq!((m[3][3], m[4][4], m[5][5]), (0.5, 0.6 + 18.0, 0.7 + 18.0));
-        // Turning about z with unit speed moves the centre along y with speed 3.
+        // A rotation about z with unit speed moves the centre of mass along y with speed 3.
         assert_eq!((m[1][5], m[2][4], m[5][1]), (6.0, -6.0, 6.0));
     }
 }

@@ -1,4 +1,4 @@
-//! Combinations of rows of given matrices: displacements that are recovered, and joints between rows.
+//! Equations for combinations of rows of given matrices: recovered displacements, and joints between rows.
 
 use super::elimination::{Equations, Source};
 use super::joint_equations::{SlipUnknown, Slips};
@@ -8,7 +8,7 @@ use crate::error::Error;
 use crate::mesh::Mesh;
 use crate::structure::{Given, Row};
 
-/// The terms of a combination; none where it names rows that are not there, or numbers that are not finite.
+/// The terms of a combination; none if it refers to rows that do not exist or has coefficients that are not finite.
 fn sources(dofs: &[usize], terms: &[(usize, f64)]) -> Option<Vec<(Source, f64)>> {
     let source =
         |&(row, c): &(usize, f64)| Some((Source::Displacement(*dofs.get(row)?), c)).filter(|_| c.is_finite());
@@ -20,8 +20,8 @@ fn refused(name: &str, finding: &str) -> Error {
     Error::Connection { name: name.into(), finding: finding.into(), remedy }
 }
 
-/// Writes the equations of recovered displacements, then those of joints between rows.
-/// These are counted after the `joints` between node sets.
+/// Writes the equations of recovered displacements, then those of joints between rows. The latter are counted after the `joints` between
+/// node sets.
 pub(super) fn connect(
     equations: &mut Equations<'_>,
     slips: &mut Slips,
@@ -32,7 +32,7 @@ pub(super) fn connect(
     slip(equations, slips, given, joints)
 }
 
-/// Recovered displacements follow the rows: u = Σ c x.
+/// Makes recovered displacements follow the rows: u = Σ c x.
 fn recover(equations: &mut Equations<'_>, given: &Given) -> Result<(), Error> {
     equations.owner("the recovery matrix".into());
     let dofs = given.freedoms(equations.mesh().positions.len());
@@ -45,7 +45,7 @@ fn recover(equations: &mut Equations<'_>, given: &Given) -> Result<(), Error> {
     Ok(())
 }
 
-/// Each slip s = Σ c x becomes an unknown of its own, in place of one of its rows: that with the largest coefficient among those that nothing else
+/// Makes each slip s = Σ c x an unknown in place of one of its rows: the row with the largest coefficient among those that nothing else
 /// determines.
 fn slip(equations: &mut Equations<'_>, slips: &mut Slips, given: &Given, joints: usize) -> Result<(), Error> {
     let dofs = given.freedoms(equations.mesh().positions.len());
@@ -68,7 +68,8 @@ fn slip(equations: &mut Equations<'_>, slips: &mut Slips, given: &Given, joints:
     Ok(())
 }
 
-/// What the slips between rows see of a rigid motion of everything: nothing, but for those to the ground and those of parts that are apart.
+/// Sets the slips between rows for a rigid motion of the whole structure. They are zero, except for slips to the ground and slips between
+/// unconnected parts.
 pub(super) fn move_slips(given: &Given, mesh: &Mesh, slips: &[SlipUnknown], motion: usize, into: &mut [f64]) {
     let first = slips.len() - given.relative.len();
     let seen = |&(row, c): &(usize, f64)| {
@@ -85,7 +86,7 @@ pub(super) fn move_slips(given: &Given, mesh: &Mesh, slips: &[SlipUnknown], moti
     }
 }
 
-/// Where a slip sits: the mean position of the nodes whose displacements it compares.
+/// Position of a slip: the mean position of the nodes whose displacements it compares.
 fn place(equations: &Equations<'_>, given: &Given, terms: &[(usize, f64)]) -> [f64; 3] {
     let node = |&(row, _): &(usize, f64)| match given.rows[row] {
         Row::Displacement { node, .. } | Row::Rotation { node, .. } => Some(node),

@@ -1,14 +1,15 @@
-//! Forces on, and readings of, combinations of rows of given matrices.
+//! Forces on combinations of rows of given matrices, and outputs of such combinations.
 
 use super::assembly::Assembled;
 use crate::error::{Error, check};
 
 impl Assembled {
-    /// Forces on the unknowns of a force of 1 on Σ c x, a combination of rows of the given matrices (from 0); with them Σ c x is read as well.
+    /// Forces on the unknowns that represent a unit force on Σ c x, a combination of rows of the given matrices (rows counted from 0). The
+    /// same coefficients give Σ c x as an output.
     ///
     /// # Errors
-    /// [`Error::Connection`] for a structure without given matrices and for a row that they do not have; [`Error::OutOfRange`] for a coefficient that
-    /// is not finite.
+    /// [`Error::Connection`] for a structure without given matrices, and for a row that does not exist; [`Error::OutOfRange`] for a
+    /// coefficient that is not finite.
     ///
     /// ```
     /// use iwan_fem::{mesh::beam::Configuration, paper};

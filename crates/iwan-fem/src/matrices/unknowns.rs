@@ -1,4 +1,4 @@
-//! What the unknowns of the equations mean.
+//! The meaning of the unknowns of the equations.
 
 use crate::algebra::Site;
 
@@ -12,7 +12,7 @@ pub enum Unknown {
         /// Axis.
         axis: usize,
     },
-    /// Rotation of a node about x, y or z (0, 1, 2), of given matrices.
+    /// Rotation of a node about x, y or z (0, 1, 2): of a row of given matrices, or of the reference node of a constraint.
     Rotation {
         /// Index of the node.
         node: usize,
@@ -21,34 +21,34 @@ pub enum Unknown {
     },
     /// A generalised coordinate of given matrices.
     Generalised {
-        /// Its row in the matrices.
+        /// Its row in the matrices, from 0.
         row: usize,
     },
-    /// Motion of the reference of a joint's rigid patch: displacements (0 to 2) and rotations (3 to 5).
+    /// Motion of the reference point of a joint's rigid patch: displacements (0 to 2) and rotations (3 to 5).
     Reference {
         /// Index of the joint.
         joint: usize,
         /// Component.
         component: usize,
     },
-    /// Slip of a joint, an unknown of its own.
+    /// Slip of a joint, which is an unknown itself.
     Slip {
-        /// Index into the slips.
+        /// Index of the slip.
         slip: usize,
     },
 }
 
-/// The place of an unknown: what it means and where it sits, for the order of elimination and for rigid motions.
+/// Meaning and position of an unknown, for the order of elimination and for rigid motions.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Place {
     pub(crate) unknown: Unknown,
-    /// Unknowns of one node or reference share a group.
+    /// Position and group; unknowns of one node or reference point share a group.
     pub(crate) site: Site,
 }
 
 impl Place {
-    /// Value of this unknown when the structure moves as a rigid body: displacement along (0 to 2) or rotation about
-    /// (3 to 5) an axis through `centre`, small.
+    /// Value of this unknown in a small rigid motion of the structure: displacement along (0 to 2) or rotation about (3 to 5) an axis
+    /// through `centre`.
     pub(crate) fn rigid(&self, motion: usize, centre: [f64; 3]) -> f64 {
         let (axis, rotation) = match self.unknown {
             Unknown::Displacement { axis, .. } => (axis, None),
@@ -70,7 +70,7 @@ impl Place {
     }
 }
 
-/// First unknowns of all triples of displacements along x, y and z of one node or reference, ascending.
+/// Index of the first unknown of each triple of displacements along x, y and z of one node or reference point, ascending.
 pub(crate) fn triples(places: &[Place]) -> Vec<u32> {
     let axis = |place: &Place| match place.unknown {
         Unknown::Displacement { axis, .. } => Some(axis),
@@ -83,7 +83,7 @@ pub(crate) fn triples(places: &[Place]) -> Vec<u32> {
     (0..places.len()).filter(|&j| places[j..].get(..3).is_some_and(triple)).map(|j| j as u32).collect()
 }
 
-/// a x b.
+/// Cross product a x b.
 pub(crate) fn cross(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
     [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
 }

@@ -1,6 +1,6 @@
-//! Axes other than the global ones, and coordinates other than rectangular ones.
+//! Local axes, and cylindrical and spherical coordinates.
 
-/// Axes in which positions are given: origin and the directions of x, y and z.
+/// Axes in which positions are given: the origin and the directions of x, y and z.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Axes {
     pub(super) origin: [f64; 3],
@@ -13,11 +13,11 @@ impl Default for Axes {
     }
 }
 
-/// Two lines closer to parallel than this (sine of the angle) span no plane: files of seven digits leave 1e-7.
+/// Two lines span no plane if the sine of the angle between them is below this; numbers of seven digits in a file leave errors of 1e-7.
 const PARALLEL: f64 = 1e-6;
 
 impl Axes {
-    /// Local x along `along`, y in the plane of `along` and `inside`, on the side of `inside`; none when they span no plane.
+    /// Axes with x along `along` and y in the plane of `along` and `inside`, on the side of `inside`; none if the two span no plane.
     pub(super) fn spanned(origin: [f64; 3], along: [f64; 3], inside: [f64; 3]) -> Option<Self> {
         let (x, towards) = (unit(along)?, unit(inside)?);
         let normal = cross(x, towards);
@@ -25,7 +25,7 @@ impl Axes {
         Some(Self { origin, directions: [x, cross(z, x), z] })
     }
 
-    /// Global position of local coordinates.
+    /// Global position of a point given in local coordinates.
     pub(super) fn global(&self, local: [f64; 3]) -> [f64; 3] {
         std::array::from_fn(|a| {
             self.origin[a] + (0..3).map(|k| local[k] * self.directions[k][a]).sum::<f64>()
@@ -46,7 +46,7 @@ fn cross(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
     [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
 }
 
-/// What the three coordinates of a node are.
+/// Meaning of the three coordinates of a node.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Coordinates {
     Rectangular,
@@ -59,7 +59,7 @@ pub(super) enum Coordinates {
 }
 
 impl Coordinates {
-    /// As rectangular coordinates.
+    /// Converts the coordinates to rectangular ones.
     pub(super) fn rectangular(self, [a, b, c]: [f64; 3]) -> [f64; 3] {
         let (sin, cos) = b.to_radians().sin_cos();
         match self {
@@ -74,7 +74,7 @@ impl Coordinates {
     }
 }
 
-/// A point turned about the line from `a` to `b` by an angle in degrees, right-handed (O. Rodrigues' formula).
+/// Rotates a point about the line from `a` to `b` by an angle in degrees, right-handed (O. Rodrigues' formula).
 pub(super) fn turned(point: [f64; 3], a: [f64; 3], b: [f64; 3], degrees: f64) -> [f64; 3] {
     let Some(axis) = unit(std::array::from_fn(|i| b[i] - a[i])) else { return point };
     let arm: [f64; 3] = std::array::from_fn(|i| point[i] - a[i]);

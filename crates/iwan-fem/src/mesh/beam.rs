@@ -10,12 +10,13 @@
 //!                    -1.25          1.25
 //! ```
 //!
-//! The paper gives the sizes of beam and link and 1,554 nodes; washers and mesh lines are inferred. Inches.
+//! The paper gives the dimensions of beam and link and the number of nodes, 1,554; the washers and the mesh lines are inferred. Lengths in
+//! inches.
 
 use super::block::{Lines, Part, refined, uniform};
 use super::topology::Mesh;
 
-/// What the paper leaves open, decided in two ways.
+/// Two choices for the details that the paper does not give.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum Configuration {
     /// Uniform mesh, washers 0.125 thick; meant for rigid patches.
@@ -25,14 +26,14 @@ pub enum Configuration {
     B,
 }
 
-/// Half length and half width of the beam, and its thickness.
+/// Half length, half width and thickness of the beam, in.
 const BEAM: [f64; 3] = [10.0, 1.0, 0.25];
-/// Half length of the link, half width of link and washers, thickness of the link.
+/// Half length of the link, half width of link and washers, and thickness of the link, in.
 const LINK: [f64; 3] = [1.75, 0.25, 0.125];
-/// Where a washer begins and ends along the beam, on both sides of the middle.
+/// Distance from the middle of the beam at which a washer begins and ends, on both sides, in.
 const WASHER: [f64; 2] = [1.0, 1.5];
 
-/// The four interfaces: name, side (-1 left, 1 right) and whether it is the link's (above the beam).
+/// The four interfaces: name, side (-1 left, 1 right) and whether the interface is one of the link's, above the beam.
 pub const INTERFACES: [(&str, f64, bool); 4] = [
     ("left link", -1.0, true),
     ("right link", 1.0, true),
@@ -40,7 +41,7 @@ pub const INTERFACES: [(&str, f64, bool); 4] = [
     ("right washer", 1.0, false),
 ];
 
-/// The mesh, every cell cut into `refinement`³ (1 gives the paper's 1,554 nodes).
+/// Mesh of the beam, with every cell divided into `refinement`³ cells (1 gives the paper's 1,554 nodes).
 ///
 /// Node sets: `tip`, the upper edge at x = 10; for each of the [`INTERFACES`] `NAME face`, the washer's nodes, and
 /// `NAME patch`, the beam's nodes inside the washer's footprint. Element sets: `beam`, `link`, `washers`.
@@ -87,7 +88,7 @@ pub fn beam(configuration: Configuration, refinement: usize) -> Mesh {
     mesh
 }
 
-/// Whether `x` lies between two lines, or on one: rounding of 1e-9 in is granted, where cells are 0.25 in wide.
+/// Whether `x` lies between two mesh lines or on one of them; 1e-9 in allows for rounding, where cells are 0.25 in wide.
 fn close_to(x: f64, from: f64, to: f64) -> bool {
     x > from - 1e-9 && x < to + 1e-9
 }
@@ -100,7 +101,7 @@ fn nodes(mesh: &Mesh, among: std::ops::Range<usize>, keep: impl Fn([f64; 3]) -> 
 mod tests {
     use super::*;
 
-    /// Refinement keeps volumes, sets and the nodes' count.
+    /// Refinement preserves the volumes and the sets, and gives the expected number of nodes.
     #[test]
     fn both_configurations_have_the_papers_nodes() {
         for configuration in [Configuration::A, Configuration::B] {

@@ -17,14 +17,14 @@ pub fn uniform(from: f64, to: f64, cells: usize) -> Vec<f64> {
     (0..=cells).map(|i| from + (to - from) * i as f64 / cells as f64).collect()
 }
 
-/// Each cell between neighbouring `lines` cut into `parts` equal ones.
+/// Mesh lines in which each cell between neighbouring `lines` is cut into `parts` equal cells.
 #[must_use]
 pub fn refined(lines: &[f64], parts: usize) -> Vec<f64> {
     let cells = lines.windows(2).flat_map(|w| uniform(w[0], w[1], parts).into_iter().take(parts));
     cells.chain(lines.last().copied()).collect()
 }
 
-/// A mesh of one block, element set `block`.
+/// A mesh of one block, with the element set `block`.
 ///
 /// ```
 /// use iwan_fem::mesh::block::{block, uniform};
@@ -65,10 +65,10 @@ impl Part {
         mesh.element_sets.entry(set.to_owned()).or_default().extend(first..mesh.elements.len());
     }
 
-    /// The node at a position, made when there is none.
+    /// The node at a position, which is created if there is none.
     fn node(&mut self, mesh: &mut Mesh, at: [f64; 3]) -> usize {
-        // Positions on equal mesh lines differ by rounding at most: they are the same to 1e-9 of the unit of length, which is far below
-        // the cells of any block that is given in that unit.
+        // Positions on equal mesh lines differ by rounding at most. They count as equal to 1e-9 of the unit of length, which is far below
+        // the cells of any block given in that unit.
         let key = at.map(|c| (c * 1e9).round() as i64);
         *self.nodes.entry(key).or_insert_with(|| {
             mesh.positions.push(at);

@@ -1,6 +1,6 @@
-//! What a mesh file says beside its elements: constraints, masses at points, and materials.
+//! Contents of a mesh file besides elements and sets: constraints, point masses, and materials.
 
-/// Displacement along (0 to 2) or rotation about (3 to 5) x, y, z of a node.
+/// A freedom of a node: displacement along (0 to 2) or rotation about (3 to 5) x, y, z.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct Freedom {
     /// Index into [`Mesh::positions`](super::Mesh::positions).
@@ -9,29 +9,29 @@ pub struct Freedom {
     pub component: usize,
 }
 
-/// Three directions at right angles, in which components are counted.
+/// Three orthogonal directions of components.
 pub type Directions = [[f64; 3]; 3];
 
 /// The global axes.
 pub const GLOBAL: Directions = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
 
-/// A node among those whose mean a reference follows.
+/// One of the nodes whose mean motion a reference node follows.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Weighted {
     /// Index of the node.
     pub node: usize,
     /// Weight > 0.
     pub weight: f64,
-    /// Which of its displacements along the directions of the constraint count.
+    /// Which of the node's displacements, along the directions of the constraint, enter the mean.
     pub components: [bool; 3],
 }
 
-/// How motions depend on each other, linear at small motion.
+/// A linear relation between motions, for small motion.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Rule {
-    /// Σ c u = 0; the first term is eliminated where that is possible (Abaqus `*EQUATION`, Nastran MPC).
+    /// Σ c u = 0; the freedom of the first term is eliminated if possible (Abaqus `*EQUATION`, Nastran MPC).
     Equation(Vec<(Freedom, f64)>),
-    /// These displacements and rotations are zero. Rotations of nodes that have none do not matter.
+    /// These displacements and rotations are zero. Rotations of nodes that have none are ignored.
     Held(Vec<Freedom>),
     /// Nodes follow the rigid motion of a reference node, which has rotations of its own (RBE2, kinematic coupling, rigid body):
     /// u = u_ref + θ x r in the chosen components, and θ where the node has rotations.
@@ -45,7 +45,8 @@ pub enum Rule {
         /// Directions of the components.
         directions: Directions,
     },
-    /// A reference node follows the rigid motion that fits those of weighted nodes best, by least squares (RBE3, distributing coupling).
+    /// A reference node follows the rigid motion that fits the motion of weighted nodes best, by least squares (RBE3, distributing
+    /// coupling).
     Mean {
         /// Index of the reference node.
         reference: usize,
@@ -56,7 +57,7 @@ pub enum Rule {
         /// Directions of the components.
         directions: Directions,
     },
-    /// A node follows the sum of others: the point of a face on which it lies (ties between meshes that do not match).
+    /// A node follows a weighted sum of other nodes: the point of a face on which it lies (for ties between meshes that do not match).
     Interpolated {
         /// Index of the node.
         node: usize,
@@ -65,17 +66,17 @@ pub enum Rule {
     },
 }
 
-/// A constraint with the name that errors carry.
+/// A constraint with its name for error messages.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Constraint {
-    /// Keyword and name or place in the file.
+    /// Name: the keyword, with the name or place in the file.
     pub name: String,
-    /// What it demands.
+    /// The relation that the constraint demands.
     pub rule: Rule,
 }
 
 impl Constraint {
-    /// Indices of all nodes it mentions, in no order.
+    /// Indices of all nodes of the constraint, in no particular order.
     ///
     /// ```
     /// use iwan_fem::mesh::{Constraint, Rule};
@@ -101,28 +102,28 @@ impl Constraint {
     }
 }
 
-/// A rigid body without extent at a node (Nastran CONM2, Abaqus `*MASS` and `*ROTARY INERTIA`).
+/// A point mass with inertia at a node (Nastran CONM2, Abaqus `*MASS` and `*ROTARY INERTIA`).
 #[derive(Debug, Clone, PartialEq)]
 pub struct PointMass {
-    /// Name for errors.
+    /// Name, for error messages.
     pub name: String,
     /// Index of the node.
     pub node: usize,
     /// Mass >= 0.
     pub mass: f64,
-    /// From the node to the centre of mass.
+    /// Vector from the node to the centre of mass.
     pub offset: [f64; 3],
     /// Inertia about the centre of mass, symmetric: on the diagonal ∫(y² + z²) dm, off it -∫xy dm.
     pub inertia: [[f64; 3]; 3],
 }
 
-/// A material and the set of elements that have it.
+/// A material with the set of elements that have it.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Section {
     /// Name of the element set.
     pub elements: String,
     /// Young's modulus, Poisson's ratio, mass density.
     pub constants: [f64; 3],
-    /// Material as the file names it.
+    /// Name of the material in the file.
     pub material: String,
 }

@@ -1,9 +1,9 @@
-//! Why a mesh file could not be read, and what a reader noticed in one that could.
+//! Errors and warnings of the readers of mesh files.
 
 use iwan_machine::Kind;
 use std::path::PathBuf;
 
-/// Why a mesh file could not be read: file, place, what stands there, what is allowed, what helps.
+/// Error in a mesh file: the file, the place, what the reader found, what is allowed, and a remedy.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum MeshError {
@@ -15,24 +15,24 @@ pub enum MeshError {
         /// Reason given by the operating system.
         source: std::io::Error,
     },
-    /// Neither a Gmsh nor an Abaqus mesh.
+    /// The file is not of a known format (Gmsh, Abaqus or Nastran).
     #[error("{}: unknown format ({found}); known are Gmsh MSH 4.1 and 2.2 (.msh), Abaqus input (.inp) and Nastran bulk data (.bdf): export to one of these", .file.display())]
     UnknownFormat {
         /// File.
         file: PathBuf,
-        /// What was looked at.
+        /// What the reader examined, for the message.
         found: String,
     },
-    /// Something the format allows and this reader does not take.
+    /// The file uses a feature of the format that this reader does not support.
     #[error("{}: {place}: {found} cannot be read; {remedy}", .file.display())]
     Unsupported {
         /// File.
         file: PathBuf,
         /// Line or byte, element or node.
         place: String,
-        /// What stands there.
+        /// What the reader found.
         found: String,
-        /// What helps.
+        /// Remedy, for the message.
         remedy: String,
     },
     /// The bytes break the rules of the format.
@@ -42,15 +42,15 @@ pub enum MeshError {
         file: PathBuf,
         /// Line or byte, element or node.
         place: String,
-        /// What stands there.
+        /// What the reader found.
         found: String,
-        /// What may stand there.
+        /// What is allowed there.
         expected: String,
     },
 }
 
 impl MeshError {
-    /// Its kind in the catalogue of errors.
+    /// Kind of the error in the catalogue of errors.
     #[must_use]
     pub fn kind(&self) -> Kind {
         match self {
@@ -63,35 +63,35 @@ impl MeshError {
     }
 }
 
-/// One remark about a mesh file that could be read all the same.
+/// Warning about a mesh file that could be read.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 #[non_exhaustive]
 pub enum MeshWarning {
-    /// A keyword, card or section that leaves the model as it is was passed over.
+    /// A keyword, card or section was passed over because it leaves the model unchanged.
     #[error(
         "{name} was passed over ({times} times, first at {place}): it leaves nodes, elements, connections, stiffness and mass as they are"
     )]
     PassedOver {
         /// Keyword or section.
         name: String,
-        /// Line or byte of the first one.
+        /// Line or byte of the first occurrence.
         place: String,
-        /// How often it occurs.
+        /// Number of occurrences.
         times: usize,
     },
-    /// A keyword that changes the model was passed over because the user said so.
+    /// A keyword that changes the model was ignored at the user's request.
     #[error(
         "{name} was ignored as asked ({times} times, first at {place}): the structure is without what it says"
     )]
     Ignored {
         /// Keyword.
         name: String,
-        /// Line of the first one.
+        /// Line of the first occurrence.
         place: String,
-        /// How often it occurs.
+        /// Number of occurrences.
         times: usize,
     },
-    /// An element type that names a formulation; the analysis chooses its own.
+    /// An element type implies a formulation; the analysis chooses its own.
     #[error(
         "{place}: {found} is read as {read_as}; the formulation is chosen by the structure, not by the mesh file"
     )]
@@ -100,10 +100,10 @@ pub enum MeshWarning {
         place: String,
         /// Element type of the file.
         found: String,
-        /// What it is read as.
+        /// What the element type is read as.
         read_as: &'static str,
     },
-    /// A range of numbers in a set that does not end, or begin, at a number of the file.
+    /// A range of numbers in a set begins or ends at a number that the file does not have.
     #[error(
         "{place}: the {word} set {set} runs from {first} to {last}, and {missing} is no {word} of this file: it has {found} members of that range"
     )]
@@ -118,50 +118,50 @@ pub enum MeshWarning {
         first: u64,
         /// Last number of the range.
         last: u64,
-        /// The end that is not there.
+        /// End of the range that the file does not have.
         missing: u64,
-        /// How many of the range are there.
+        /// Number of members of the range that the file has.
         found: usize,
     },
-    /// Numbers of an instance that were shifted because another has the same.
+    /// The numbers of an instance were shifted because another instance has the same ones.
     #[error("nodes and elements of instance {instance} are numbered from {shift} on: its node 1 is {}", .shift + 1)]
     Renumbered {
         /// Instance.
         instance: String,
-        /// What was added to its numbers.
+        /// Number added to the numbers of its nodes and elements.
         shift: u64,
     },
-    /// How a constraint was obeyed.
+    /// Remark on how a constraint was applied.
     #[error("{name}: {reason}")]
     Constraint {
         /// Keyword, name and place.
         name: String,
-        /// What was done or left.
+        /// What was done, or left undone.
         reason: String,
     },
-    /// Surface or line elements without a section: they have no stiffness, and their nodes are a set.
+    /// Surface or line elements have no section and therefore no stiffness; their nodes form a set.
     #[error("{place}: {times} elements {found} have no section and so no stiffness or mass: {as_set}")]
     Skin {
         /// Line of the first such block.
         place: String,
         /// Element type of the file.
         found: String,
-        /// How many elements.
+        /// Number of elements.
         times: usize,
-        /// What became of them.
+        /// Use that is made of the elements.
         as_set: String,
     },
-    /// Named groups that no entity refers to, or groups without entities.
+    /// Named groups of different dimension share a name.
     #[error("{place}: {reason}")]
     Groups {
         /// Section.
         place: String,
-        /// What is odd.
+        /// What is unusual.
         reason: String,
     },
 }
 
-/// What helps with a keyword or card `name` that may not be passed over, by a list of names and remedies.
+/// Remedy for a keyword or card `name` that may not be passed over, from a list of names and remedies.
 pub(super) fn remedy_among(known: &[(&str, &str)], name: &str) -> String {
     let own = known.iter().find(|known| known.0 == name);
     let what = own

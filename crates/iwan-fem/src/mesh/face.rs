@@ -1,33 +1,33 @@
-//! The outside of a mesh, and a face of an element: its nodes, its shape functions, the point of it that is nearest to another point, its area.
+//! Outer faces of a mesh, and geometry of a face of an element: nodes, shape functions, nearest point and area.
 
 use std::collections::BTreeMap;
 
 use super::topology::Mesh;
 
-/// A side of an element.
+/// A face of an element.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct Face {
     /// Index of the element.
     pub element: usize,
-    /// Number of the side, from 0, in the order of the faces of its shape.
+    /// Number of the face, from 0, in the order of the faces of the element's shape.
     pub side: usize,
 }
 
-/// A point of a face.
+/// A point of a face, nearest to a given point.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Foot {
     /// Values of the shape functions, in the order of [`Face::nodes`].
     pub(crate) values: Vec<f64>,
     pub(crate) position: [f64; 3],
-    /// Distance from the point that was projected.
+    /// Distance from the given point.
     pub(crate) distance: f64,
 }
 
 impl Face {
-    /// Indices of its nodes: corners, counter-clockwise seen from outside, then the middles of its edges where the element has nodes there.
+    /// Indices of the nodes: corners, counter-clockwise when seen from outside, then the mid-edge nodes if the element has any.
     ///
     /// # Panics
-    /// When the element has no such side.
+    /// When the element has no face of this number.
     ///
     /// ```
     /// use iwan_fem::mesh::{Face, block::{block, uniform}};
@@ -51,7 +51,7 @@ impl Face {
         nodes
     }
 
-    /// Its area over its nodes: ∫N_i dA.
+    /// Share of each node in the area of the face: the integral of its shape function, ∫N_i dA.
     pub(crate) fn tributary(&self, mesh: &Mesh) -> Vec<(usize, f64)> {
         let nodes = self.nodes(mesh);
         let positions: Vec<[f64; 3]> = nodes.iter().map(|n| mesh.positions[*n]).collect();
@@ -65,12 +65,13 @@ impl Face {
         nodes.into_iter().zip(areas).collect()
     }
 
-    /// The nearest point of the face, its edges included; none when the search does not settle.
+    /// Point of the face, edges included, that is nearest to `point`; none if the face is degenerate (its two tangents are parallel).
     pub(crate) fn nearest(&self, mesh: &Mesh, point: [f64; 3]) -> Option<Foot> {
         let nodes = self.nodes(mesh);
         let positions: Vec<[f64; 3]> = nodes.iter().map(|n| mesh.positions[*n]).collect();
         let mut at = start(nodes.len());
-        // Gauss-Newton for the foot of the perpendicular, held inside the face. On a plane face of straight edges two steps are exact.
+        // Gauss-Newton steps to the foot of the perpendicular, kept inside the face. On a plane face with straight edges two steps are
+        // exact.
         for _ in 0..50 {
             let (values, slopes) = functions(nodes.len(), at);
             let gap = minus(point, interpolate(&values, &positions));
@@ -96,8 +97,8 @@ impl Face {
 }
 
 impl Mesh {
-    /// The outer faces: index of the element, and of the nodes at the corners, counter-clockwise seen from outside. A triangle
-    /// repeats its third corner as the fourth.
+    /// Outer faces: the index of the element, and the indices of the nodes at the corners, counter-clockwise when seen from outside. A
+    /// triangle repeats its third corner as the fourth.
     ///
     /// ```
     /// use iwan_fem::mesh::block::{block, uniform};
@@ -113,7 +114,8 @@ impl Mesh {
                 let corners: [usize; 4] = std::array::from_fn(corner);
                 let mut key = corners;
                 key.sort_unstable();
-                // A face of two elements is inside. Two triangles that differ in the corner they repeat are one face.
+                // A face that two elements share is inside. For triangles the key leaves out the repeated corner, which may differ between
+                // the two elements.
                 if face.len() == 3 {
                     key = [corners[0], corners[1], corners[2], usize::MAX];
                     key.sort_unstable();
@@ -124,7 +126,7 @@ impl Mesh {
         seen.into_values().flatten().collect()
     }
 
-    /// The outer faces whose corners all belong to a set of nodes (indices, ascending).
+    /// Outer faces whose corners all belong to a set of nodes (indices, ascending).
     pub(crate) fn faces_within(&self, nodes: &[usize]) -> Vec<Face> {
         let all = |corners: &[usize]| corners.iter().all(|n| nodes.binary_search(n).is_ok());
         let outer = self.outer_faces().into_iter().filter(|(_, corners)| all(corners));
@@ -142,7 +144,7 @@ impl Mesh {
     }
 }
 
-/// Faces of three and six nodes are triangles (ξ, η >= 0, ξ + η <= 1), others squares (-1 <= ξ, η <= 1).
+/// Whether a face with this number of nodes (3 or 6) is a triangle (ξ, η >= 0, ξ + η <= 1); other faces are squares (-1 <= ξ, η <= 1).
 fn is_triangle(nodes: usize) -> bool {
     matches!(nodes, 3 | 6)
 }
@@ -151,7 +153,7 @@ fn start(nodes: usize) -> [f64; 2] {
     if is_triangle(nodes) { [1.0 / 3.0; 2] } else { [0.0; 2] }
 }
 
-/// The point of the reference face nearest to another.
+/// The point of the reference face that is nearest to the given point.
 fn inside(nodes: usize, [x, y]: [f64; 2]) -> [f64; 2] {
     if !is_triangle(nodes) {
         return [x.clamp(-1.0, 1.0), y.clamp(-1.0, 1.0)];
@@ -164,7 +166,7 @@ fn inside(nodes: usize, [x, y]: [f64; 2]) -> [f64; 2] {
     [along, 1.0 - along]
 }
 
-/// Shape functions and their slopes along ξ and η, corners first.
+/// Shape functions and their derivatives with respect to ξ and η; corners first.
 fn functions(nodes: usize, [x, y]: [f64; 2]) -> (Vec<f64>, Vec<[f64; 2]>) {
     if is_triangle(nodes) { triangle(nodes, [x, y]) } else { square(nodes, [x, y]) }
 }
@@ -214,7 +216,7 @@ fn square(nodes: usize, [x, y]: [f64; 2]) -> (Vec<f64>, Vec<[f64; 2]>) {
     (values, slopes)
 }
 
-/// Points and weights: exact for the shape functions of plane faces with straight edges.
+/// Points and weights of the quadrature, exact for the shape functions of plane faces with straight edges.
 fn rule(nodes: usize) -> Vec<([f64; 2], f64)> {
     if is_triangle(nodes) {
         let (a, b) = (1.0 / 6.0, 2.0 / 3.0);

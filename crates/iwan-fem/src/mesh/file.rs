@@ -1,4 +1,5 @@
-//! A mesh file: its bytes with its path, so that every error can name file and place, the files that it includes, and what a reader makes of it.
+//! A mesh file: its bytes with its path, so that every error can name file and place; the files that it includes; and the result of reading
+//! it.
 
 use std::borrow::Cow;
 use std::path::{Path, PathBuf};
@@ -7,23 +8,23 @@ use super::constraint::{Constraint, PointMass, Section};
 use super::error::{MeshError, MeshWarning};
 use super::topology::Mesh;
 
-/// A mesh file, read.
+/// The contents of a mesh file.
 #[derive(Debug, Clone, PartialEq)]
 pub struct MeshFile {
-    /// The mesh as the file has it; [`Structure::check`](crate::Structure::check) tells whether it can be computed with.
+    /// The mesh as it is in the file; [`Structure::check`](crate::Structure::check) tells whether it can be computed.
     pub mesh: Mesh,
-    /// What was passed over or read in another sense than the file's.
+    /// Warnings of contents that were passed over, or read in a sense other than the file's.
     pub warnings: Vec<MeshWarning>,
     /// Constraints of the file.
     pub constraints: Vec<Constraint>,
     /// Masses at nodes.
     pub masses: Vec<PointMass>,
-    /// Materials of element sets; where sets overlap the later entry holds.
+    /// Materials of element sets; where sets overlap, the later entry applies.
     pub sections: Vec<Section>,
 }
 
 impl MeshFile {
-    /// A mesh with warnings and nothing else.
+    /// A mesh with warnings and without constraints, masses and materials.
     #[must_use]
     pub fn plain(mesh: Mesh, warnings: Vec<MeshWarning>) -> Self {
         Self { mesh, warnings, constraints: Vec::new(), masses: Vec::new(), sections: Vec::new() }
@@ -35,27 +36,27 @@ impl MeshFile {
 pub(super) struct FileBytes<'a> {
     pub(super) file: &'a Path,
     pub(super) bytes: &'a [u8],
-    /// Where its lines come from when it is put together of several files; empty when it is not.
+    /// Origin of the lines if the text is composed of several files; otherwise empty.
     pub(super) pieces: &'a [Piece],
 }
 
-/// Lines of one file among those of several.
+/// Consecutive lines of one file in a text composed of several.
 #[derive(Debug, Clone)]
 pub(super) struct Piece {
-    /// Number, from 1, of its first line in the whole text.
+    /// Number of its first line in the whole text, from 1.
     pub(super) first: usize,
-    /// File it comes from, and the number of that line there.
+    /// File from which it comes, and the number of that line in the file.
     pub(super) file: PathBuf,
     pub(super) line: usize,
 }
 
 impl FileBytes<'_> {
-    /// Number, from 1, of the line that holds the byte at `offset`.
+    /// Number of the line that contains the byte at `offset`, from 1.
     pub(super) fn line(&self, offset: usize) -> usize {
         self.bytes[..offset.min(self.bytes.len())].split(|b| *b == b'\n').count()
     }
 
-    /// A line for messages, by its number in the whole text.
+    /// The description of a line for messages, from its number in the whole text.
     pub(super) fn at_line(&self, number: usize) -> String {
         match self.pieces[..self.pieces.partition_point(|piece| piece.first <= number)].last() {
             Some(piece) if piece.file != self.file => {
@@ -87,7 +88,7 @@ impl FileBytes<'_> {
     }
 }
 
-/// Characters of each part of a message: names in a file may have any length, and nobody reads so many.
+/// Largest number of characters of each part of a message; longer parts are cut. Names in a file may have any length.
 const LONGEST: usize = 400;
 
 fn shown(part: impl Into<String>) -> String {
@@ -99,24 +100,24 @@ fn shown(part: impl Into<String>) -> String {
     part
 }
 
-/// Files may include files so deep: a chain longer than this is a circle.
+/// Largest depth of files that include files; a longer chain counts as a circle and is refused.
 const DEEPEST: usize = 16;
-/// Files one file may include, in all.
+/// Largest number of files that one file may include in all; more are refused.
 const MOST: usize = 10_000;
 
-/// How a format includes other files.
+/// The way in which a format includes other files.
 #[derive(Clone, Copy)]
 pub(super) struct Include {
-    /// Its word, for messages.
+    /// The keyword, for messages.
     pub(super) word: &'static str,
-    /// What a line of it looks like.
+    /// The form of such a line, for messages.
     pub(super) form: &'static str,
     pub(super) is_one: fn(&[u8]) -> bool,
-    /// The file that such a line names.
+    /// The name of the file in such a line.
     pub(super) input: fn(&[u8]) -> Option<PathBuf>,
 }
 
-/// The text with all includes in their places, and where its pieces come from; the text itself where there are none.
+/// The text with all included files inserted, and the origin of its pieces; the text itself if there are no includes.
 pub(super) fn expand<'a>(
     source: FileBytes<'a>,
     folder: Option<&Path>,
@@ -178,7 +179,7 @@ impl Expanded {
         Ok(())
     }
 
-    /// From here on lines are those of a file, the next one being `line`.
+    /// Records that the following lines come from `file`, the next one being its line number `line`.
     fn begin(&mut self, file: &Path, line: usize) {
         self.pieces.push(Piece { first: self.lines + 1, file: file.into(), line });
     }

@@ -1,4 +1,4 @@
-//! From the numbers of a file to indices.
+//! Converts the numbers of a file to indices.
 
 /// Numbers of nodes or elements in ascending order, each with its index.
 #[derive(Debug, Clone, Default)]
@@ -6,7 +6,7 @@ pub(super) struct Labels {
     sorted: Vec<(u64, usize)>,
 }
 
-/// A number that two items have.
+/// A number that two items share.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) struct Twice {
     pub(super) label: u64,

@@ -1,4 +1,4 @@
-//! Nodes, elements and named sets: what every reader delivers and the assembly starts from.
+//! Nodes, elements and named sets: the result of every reader and the input of the assembly.
 
 mod topology;
 mod face;

@@ -1,4 +1,4 @@
-//! One door to all mesh formats.
+//! Reading of a mesh in any of the formats.
 
 use std::path::Path;
 
@@ -6,28 +6,28 @@ use super::error::MeshError;
 use super::file::{FileBytes, MeshFile, expand, quote};
 use super::{abaqus, gmsh, nastran};
 
-/// Reads a mesh: Gmsh MSH 4.1 or 2.2 (ASCII or binary) Abaqus input or Nastran bulk data; the format is found from the content and, where that
-/// does not tell, from the extension.
+/// Reads a mesh: Gmsh MSH 4.1 or 2.2 (ASCII or binary), Abaqus input, or Nastran bulk data. The format is recognised from the content or,
+/// if that is not conclusive, from the extension.
 ///
-/// Elements: hexahedra of 8 and 20, tetrahedra of 4 and 10, wedges of 6 and 15 nodes, also mixed. Gmsh: a physical group of volumes gives a set of elements and a set of their nodes, a
-/// group of points, curves or surfaces a set of nodes. Abaqus: nodes, elements (C3D8 and its kin, C3D20, C3D4, C3D10, C3D6, C3D15), sets,
-/// surfaces, parts with their instances, includes, ties, couplings, equations, rigid bodies, boundary conditions, masses, materials with
-/// their sections. Nastran: grids in any system, solid elements, RBE2, RBE3, MPC, SPC, CONM2, MAT1. What leaves the model as it is, by a list, is
-/// passed over with a remark; everything else is refused by name.
+/// Elements: hexahedra of 8 and 20, tetrahedra of 4 and 10, wedges of 6 and 15 nodes, also mixed. Gmsh: a physical group of volumes gives a
+/// set of elements and a set of their nodes; a group of points, curves or surfaces gives a set of nodes. Abaqus: nodes, elements (C3D8 and
+/// its variants, C3D20, C3D4, C3D10, C3D6, C3D15), sets, surfaces, parts with their instances, includes, ties, couplings, equations, rigid
+/// bodies, boundary conditions, masses, materials with their sections. Nastran: grids in any system, solid elements, RBE2, RBE3, MPC, SPC,
+/// CONM2, MAT1. Contents that leave the model as it is, by a list, are passed over with a remark; everything else is refused by name.
 ///
-/// Memory: at most 160 bytes for each byte of the file, and 64 KiB. No count in a file is trusted for an allocation.
+/// Memory: at most 160 bytes per byte of the file, plus 64 KiB. Memory is never allocated by a count that a file merely states.
 ///
 /// # Errors
-/// [`MeshError`] names the file, the place in it, what stands there, what is allowed and what helps.
+/// [`MeshError`] with the file, the place in it, what is there, what is allowed and what helps.
 pub fn read(path: impl AsRef<Path>) -> Result<MeshFile, MeshError> {
     read_ignoring(path, &[])
 }
 
-/// [`read`], passing over the keywords called `ignored` although they change the model: what they say is the caller's business. Each one
-/// met is a warning.
+/// [`read`], passing over the keywords `ignored` although they change the model; the caller must take care of their content. Each keyword
+/// passed over in this way gives a warning.
 ///
 /// # Errors
-/// As [`read`].
+/// The errors of [`read`].
 pub fn read_ignoring(path: impl AsRef<Path>, ignored: &[String]) -> Result<MeshFile, MeshError> {
     let file = path.as_ref();
     let bytes =
@@ -35,10 +35,10 @@ pub fn read_ignoring(path: impl AsRef<Path>, ignored: &[String]) -> Result<MeshF
     parse(file, &bytes, ignored, Some(file.parent().unwrap_or(Path::new(""))))
 }
 
-/// The same from bytes in memory; `file` serves the extension and the messages only.
+/// [`read`] from bytes in memory; `file` is used for its extension and for messages only.
 ///
 /// # Errors
-/// As [`read`].
+/// The errors of [`read`].
 pub fn read_bytes(file: &Path, bytes: &[u8]) -> Result<MeshFile, MeshError> {
     parse(file, bytes, &[], None)
 }
@@ -70,7 +70,8 @@ fn parse(
     placed(source, read)
 }
 
-/// Coordinates are finite in the file; systems and instances far away may move nodes out of all numbers.
+/// Refuses positions that are not finite. Coordinates in the file are finite, but coordinate systems and instances with very large numbers
+/// can make positions overflow.
 fn placed(source: FileBytes, read: MeshFile) -> Result<MeshFile, MeshError> {
     let mesh = &read.mesh;
     let lost = mesh.positions.iter().zip(&mesh.node_labels).find(|(p, _)| !p.iter().all(|x| x.is_finite()));

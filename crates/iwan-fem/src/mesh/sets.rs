@@ -1,10 +1,10 @@
-//! Named sets under construction, with a bound on their total size.
+//! Named sets under construction, with a limit on their total size.
 
 use std::collections::BTreeMap;
 
-/// Entries that all sets of a file may have together, per byte of the file. Sets of sets and entities in many groups
-/// could otherwise grow with the square (or worse) of the file. An entry that is written out takes two bytes at least, a digit and a comma,
-/// so that ordinary files stay far below; one that would pass the limit is refused with the place.
+/// Number of entries that all sets of a file together may have, per byte of the file. Without a limit, sets of sets and entities in many
+/// groups could grow with the square (or a higher power) of the file's size. A written entry takes at least two bytes, a digit and a comma,
+/// so ordinary files stay far below. The set that would exceed the limit is refused with its place in the file.
 pub(super) const ENTRIES_PER_BYTE: usize = 2;
 
 /// Named sets of indices.
@@ -15,10 +15,10 @@ pub(super) struct Sets {
     limit: usize,
 }
 
-/// The sets of a file would become larger than is kept in memory.
+/// The error for sets that would become larger than the limit.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) struct TooLarge {
-    /// Entries allowed.
+    /// Number of entries allowed.
     pub(super) limit: usize,
 }
 
@@ -28,7 +28,7 @@ impl Sets {
         Self { named: BTreeMap::new(), entries: 0, limit: length.saturating_mul(ENTRIES_PER_BYTE) }
     }
 
-    /// Adds to the set called `name`, which is made when it is not there.
+    /// Adds members to the set called `name`, which is created if it does not exist.
     pub(super) fn extend(
         &mut self,
         name: &str,
@@ -48,12 +48,12 @@ impl Sets {
         Ok(())
     }
 
-    /// Members of a set so far, in no order, doubles possible.
+    /// Members of a set so far, in no particular order and possibly repeated.
     pub(super) fn get(&self, name: &str) -> Option<&[usize]> {
         self.named.get(name).map(Vec::as_slice)
     }
 
-    /// The sets, each ascending without doubles.
+    /// The finished sets, each in ascending order without repetitions.
     pub(super) fn finish(self) -> BTreeMap<String, Vec<usize>> {
         let mut sets = self.named;
         for set in sets.values_mut() {

@@ -1,4 +1,4 @@
-//! Ties between meshes that do not match: every node of one side follows the point of the other side's faces on which it lies.
+//! Ties between meshes that do not match: every node of one side follows the point of the other side's faces on which the node lies.
 
 use super::constraint::{Constraint, Rule};
 use super::face::{Face, Foot};
@@ -7,35 +7,37 @@ use super::topology::Mesh;
 /// A tie between two sides.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Sides<'a> {
-    /// Name for errors.
+    /// Name, for messages.
     pub(crate) name: &'a str,
-    /// Indices of the nodes that follow.
+    /// Indices of the following nodes.
     pub(crate) nodes: &'a [usize],
-    /// Faces that lead.
+    /// Leading faces.
     pub(crate) faces: &'a [Face],
-    /// Nodes farther than this from every face are left free; none for a twentieth of the faces' mean size.
+    /// Nodes farther from every face than this are left free, in the user's unit of length; none selects a twentieth of the mean size of
+    /// the faces.
     pub(crate) tolerance: Option<f64>,
 }
 
-/// What a tie found.
+/// Result of a tie.
 #[derive(Debug, Clone, Default)]
 pub(crate) struct Tied {
     pub(crate) constraints: Vec<Constraint>,
-    /// Nodes that follow, with the points of the faces below them.
+    /// Following nodes, each with the nearest point of its leading face.
     pub(crate) feet: Vec<(usize, [f64; 3])>,
-    /// Largest distance between a node that follows and its face.
+    /// Largest distance between a following node and its face.
     pub(crate) gap: f64,
-    /// Nodes that are too far from the faces.
+    /// Nodes that are too far from the faces and stay free.
     pub(crate) free: Vec<usize>,
 }
 
-/// Abaqus' default: five per cent of the typical size of the leading facets (Abaqus Analysis User's Guide, "Mesh tie constraints").
+/// Abaqus' default: five per cent of the typical size of the leading faces (Abaqus Analysis User's Guide, "Mesh tie constraints").
 const TOLERANCE: f64 = 0.05;
 
 impl Mesh {
-    /// Projects the nodes onto the faces. Nodes that belong to a leading face themselves stay as they are.
+    /// Projects the nodes onto the faces. Nodes that themselves belong to a leading face are left as they are.
     ///
-    /// Time grows with the product of both sides, after a look at boxes around the faces.
+    /// Computing time grows with the number of nodes times the number of faces; a test against a box around each face avoids most
+    /// projections.
     pub(crate) fn tie(&self, sides: Sides) -> Tied {
         let boxes: Vec<Bounds> = sides.faces.iter().map(|face| Bounds::of(self, *face)).collect();
         let mean = boxes.iter().map(Bounds::diagonal).sum::<f64>() / boxes.len().max(1) as f64;
@@ -74,14 +76,15 @@ impl Mesh {
     }
 }
 
-/// A box around a face.
+/// A box around a face, parallel to the axes.
 struct Bounds {
     low: [f64; 3],
     high: [f64; 3],
 }
 
 impl Bounds {
-    /// Curved faces bulge out of the box of their nodes by less than a quarter of it.
+    /// Box around the nodes of a face; for faces with mid-edge nodes, a quarter of its size is added on each side, as a curved face bulges
+    /// out of this box by less.
     fn of(mesh: &Mesh, face: Face) -> Self {
         let (mut low, mut high) = ([f64::INFINITY; 3], [f64::NEG_INFINITY; 3]);
         let nodes = face.nodes(mesh);
@@ -104,7 +107,7 @@ impl Bounds {
         (0..3).map(|a| (self.high[a] - self.low[a]).powi(2)).sum::<f64>().sqrt()
     }
 
-    /// Distance of a point from the box; 0 inside.
+    /// Distance of a point from the box; 0 inside the box.
     fn distance(&self, point: [f64; 3]) -> f64 {
         (0..3)
             .map(|a| (self.low[a] - point[a]).max(point[a] - self.high[a]).max(0.0).powi(2))

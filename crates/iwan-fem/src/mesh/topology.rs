@@ -2,9 +2,9 @@
 
 use std::collections::BTreeMap;
 
-/// Topology of an element; the formulation on it is chosen by the analysis.
+/// Topology of an element; the analysis chooses the formulation.
 ///
-/// Corners and mid-edge nodes stand in the order of Abaqus and CalculiX.
+/// Corners and mid-edge nodes are in the order of Abaqus and CalculiX.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 #[non_exhaustive]
 pub enum Shape {
@@ -38,7 +38,7 @@ impl Shape {
         }
     }
 
-    /// Number of corners: they come first among the nodes.
+    /// Number of corners, which come first among the nodes.
     #[must_use]
     pub const fn corners(self) -> usize {
         match self {
@@ -48,13 +48,13 @@ impl Shape {
         }
     }
 
-    /// Whether there are nodes in the middle of the edges.
+    /// Whether the shape has nodes in the middle of its edges.
     #[must_use]
     pub const fn has_middles(self) -> bool {
         self.nodes() > self.corners()
     }
 
-    /// Corners at the ends of each edge, in the order in which the shape with mid-edge nodes has these.
+    /// Corners at the two ends of each edge, in the order of the mid-edge nodes.
     ///
     /// ```
     /// use iwan_fem::mesh::Shape;
@@ -70,7 +70,7 @@ impl Shape {
         }
     }
 
-    /// Corners of each face, counter-clockwise seen from outside, in the order of Abaqus' and CalculiX's faces S1, S2, ...
+    /// Corners of each face, counter-clockwise when seen from outside, in the order of the faces S1, S2, ... of Abaqus and CalculiX.
     ///
     /// ```
     /// use iwan_fem::mesh::Shape;
@@ -104,7 +104,7 @@ const WEDGE_FACES: &[&[usize]] = &[&[0, 2, 1], &[3, 4, 5], &[0, 1, 4, 3], &[1, 2
 /// One element.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Element {
-    /// Number of the element in the file it came from: errors name it.
+    /// Number of the element in the mesh file, used in errors.
     pub label: u64,
     /// Topology.
     pub shape: Shape,
@@ -117,7 +117,7 @@ pub struct Element {
 pub struct Mesh {
     /// Position of each node, in the user's unit of length.
     pub positions: Vec<[f64; 3]>,
-    /// Number of each node in the file it came from: errors name it.
+    /// Number of each node in the mesh file, used in errors.
     pub node_labels: Vec<u64>,
     /// Elements.
     pub elements: Vec<Element>,
@@ -125,6 +125,6 @@ pub struct Mesh {
     pub node_sets: BTreeMap<String, Vec<usize>>,
     /// Named sets of elements, as indices into [`Mesh::elements`], ascending.
     pub element_sets: BTreeMap<String, Vec<usize>>,
-    /// Instances of parts by their names, with what was added to the numbers of their nodes and elements.
+    /// Instances of parts by name, with the number that was added to the numbers of their nodes and elements.
     pub instances: BTreeMap<String, u64>,
 }

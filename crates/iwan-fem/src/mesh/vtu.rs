@@ -1,6 +1,6 @@
-//! Meshes with fields for ParaView: VTU (XML unstructured grid, raw appended data) and PVD (a series in time).
+//! Output of meshes with fields for ParaView: VTU (XML unstructured grid, raw appended data) and PVD (a series in time).
 //!
-//! Layout after "VTK XML Formats" of the VTK documentation. Written here because a grid is a page of XML and a run of
+//! Layout after "VTK XML Formats" of the VTK documentation. The writer is our own because a grid takes only a page of XML and runs of
 //! numbers, while the crate for it brings readers of other formats and dependencies from 2017.
 
 use std::fmt::Write;
@@ -12,18 +12,18 @@ use super::topology::{Element, Mesh, Shape};
 pub struct Field<'a> {
     /// Name, as ParaView shows it.
     pub name: &'a str,
-    /// Three values (x, y, z) or one for each node, node by node.
+    /// Three values (x, y, z) or one value per node, node by node.
     pub values: &'a [f64],
 }
 
-/// Data as they are stored, with the offsets they will have.
+/// The appended data, in the order in which they are stored.
 #[derive(Default)]
 struct Appended {
     bytes: Vec<u8>,
 }
 
 impl Appended {
-    /// Adds an array: its length in bytes, then its bytes. Returns its element.
+    /// Adds an array (its length in bytes, then its bytes), and returns the XML element that refers to it.
     fn array(&mut self, attributes: &str, data: impl Iterator<Item = u8>) -> String {
         let (offset, start) = (self.bytes.len(), self.bytes.len() + 8);
         self.bytes.extend_from_slice(&[0; 8]);
@@ -44,7 +44,7 @@ impl Appended {
     }
 }
 
-/// A mesh with `fields` as the bytes of a `.vtu` file; node and element numbers of the mesh file are added to them.
+/// A mesh with `fields`, as the bytes of a `.vtu` file; the numbers of nodes and elements in the mesh file are added as further fields.
 ///
 /// # Panics
 /// When a field has neither one nor three values for each node.
@@ -92,7 +92,7 @@ pub fn grid(mesh: &Mesh, fields: &[Field]) -> Vec<u8> {
     file
 }
 
-/// A series of grids as the text of a `.pvd` file: time in s and the path of each `.vtu`, relative to it.
+/// A series of grids, as the text of a `.pvd` file: time in s, and the path of each `.vtu` file relative to it.
 #[must_use]
 pub fn series<'a>(frames: impl Iterator<Item = (f64, &'a str)>) -> String {
     let mut text = String::from(
@@ -105,7 +105,7 @@ pub fn series<'a>(frames: impl Iterator<Item = (f64, &'a str)>) -> String {
     text + "</Collection>\n</VTKFile>\n"
 }
 
-/// VTK's number of the cell type.
+/// VTK's number for the type of cell.
 fn cell_type(shape: Shape) -> u8 {
     match shape {
         Shape::Hex8 => 12,
@@ -117,15 +117,15 @@ fn cell_type(shape: Shape) -> u8 {
     }
 }
 
-/// Nodes as VTK wants them: in the order of [`Shape`], but the bottom triangle of the six-node wedge is seen from below (VTK's
-/// vtkWedge: "a triangle whose normal points outward").
+/// The element's nodes in VTK's order: that of [`Shape`], except that VTK sees the bottom triangle of the six-node wedge from below
+/// (vtkWedge: "a triangle whose normal points outward").
 fn in_vtk_order(element: &Element) -> impl Iterator<Item = usize> + '_ {
     const WEDGE: [usize; 6] = [0, 2, 1, 3, 5, 4];
     let turned = element.shape == Shape::Wedge6;
     (0..element.nodes.len()).map(move |at| element.nodes[if turned { WEDGE[at] } else { at }])
 }
 
-/// A text inside an attribute.
+/// A text escaped for use in an XML attribute.
 fn escaped(text: &str) -> String {
     text.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;").replace('"', "&quot;")
 }

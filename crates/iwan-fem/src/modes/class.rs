@@ -1,4 +1,4 @@
-//! What a mode looks like: bending, lateral, torsion, axial.
+//! Classification of modes by their motion: bending, lateral, torsion, axial.
 
 use faer::Mat;
 
@@ -19,12 +19,12 @@ pub enum Class {
     Torsion,
     /// Cross-sections move along the longest axis.
     Axial,
-    /// None of these makes up half of the motion.
+    /// None of these motions makes up half of the mode.
     Other,
 }
 
 impl Class {
-    /// The kind of motion in a word.
+    /// The name of the motion.
     #[must_use]
     pub fn word(self) -> &'static str {
         match self {
@@ -39,10 +39,10 @@ impl Class {
 }
 
 impl Assembled {
-    /// Kind of motion in a mode.
+    /// Class of a mode.
     ///
-    /// In each of forty slices across the longest principal axis the mean displacement and the rotation about that axis are
-    /// taken; the class is the motion that holds at least half of Σ |u|² over the nodes.
+    /// The nodes are divided into forty slices along the longest principal axis. Each slice contributes its mean displacement and its
+    /// rotation about that axis. The class is the motion that holds at least half of Σ |u|² over the nodes.
     ///
     /// # Panics
     /// When `modes` belongs to another structure or has no mode `index`.
@@ -62,11 +62,11 @@ impl Assembled {
     }
 }
 
-/// Number of slices across the longest axis: in the paper's beam each holds two planes of nodes. A slice without nodes is left out; a half
-/// wave should be longer than a slice.
+/// Number of slices along the longest axis: in the paper's beam each holds two planes of nodes. A slice without nodes is left out. Half a
+/// wave of a mode should be longer than a slice.
 const SLICES: usize = 40;
 
-/// Nodes in principal axes, longest first, with the slice each is in.
+/// Nodes in principal axes, longest first, and the slice of each node.
 struct Slices {
     axes: [[f64; 3]; 3],
     positions: Vec<[f64; 3]>,
@@ -91,7 +91,7 @@ impl Slices {
         Self { axes, positions, slice }
     }
 
-    /// Parts of Σ|u|² in axial, lateral and bending motion of the slices and in their rotation.
+    /// Shares of Σ|u|² in the slices' axial, lateral and bending motion and in their rotation.
     fn shares(&self, displacements: &[f64]) -> [f64; 4] {
         let local: Vec<[f64; 3]> = displacements
             .chunks_exact(3)

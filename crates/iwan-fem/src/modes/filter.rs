@@ -1,7 +1,7 @@
 //! Modal coordinates from a few displacements: the pseudo-inverse of the mode shapes (Deaner et al., Eq. 18).
 //!
-//! With all unknowns at hand q = φᵀ M x is exact ([`Assembled::modal_output`]); with sensors at some displacements only, the
-//! shapes there may not tell the modes apart: rank and condition say how well they do.
+//! With all unknowns known, q = φᵀ M x is exact ([`Assembled::modal_output`]). With sensors at a few displacements only, the shapes there
+//! may not distinguish all modes; rank and condition number of the filter tell how well they do.
 
 use faer::Mat;
 
@@ -10,15 +10,15 @@ use crate::algebra::{dot, thin_svd};
 use crate::error::Error;
 use crate::matrices::Assembled;
 
-/// Singular values below this part of the largest count as zero, and the modes they tell apart are left out. Rounding leaves 1e-15; of the
-/// 50 modes seen along z on the top face of the paper's beam the last that counts has 3e-5, the other three less than
-/// this.
+/// Singular values below this part of the largest count as zero, and the combinations of modes that belong to them are left out. Rounding
+/// leaves 1e-15. Of the 50 modes of the paper's beam seen along z on its top face, the smallest singular value that counts is 3e-5, and the
+/// other three are below this limit.
 const RANK_TOLERANCE: f64 = 1e-9;
 
-/// q = Φ⁺ x for displacements (or accelerations) x at given degrees of freedom.
+/// Modal filter q = Φ⁺ x for displacements (or accelerations) x at given degrees of freedom.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ModalFilter {
-    /// Row by row: one row per mode.
+    /// Φ⁺ row by row, one row per mode.
     inverse: Vec<f64>,
     channels: usize,
     rank: usize,
@@ -26,7 +26,7 @@ pub struct ModalFilter {
 }
 
 impl Assembled {
-    /// The filter that reads all `modes` from displacements 3 node + axis.
+    /// The filter that computes all `modes` from displacements; the degree of freedom of a node along an axis has the number 3 node + axis.
     ///
     /// # Errors
     /// [`Error::Analysis`] for no degrees of freedom, one that does not exist, or shapes that vanish at all of them.
@@ -69,13 +69,13 @@ impl Assembled {
 }
 
 impl ModalFilter {
-    /// Number of modes that the displacements tell apart.
+    /// Number of modes that the displacements distinguish.
     #[must_use]
     pub fn rank(&self) -> usize {
         self.rank
     }
 
-    /// Largest over smallest singular value above zero: by so much, at worst, is noise amplified against the signal.
+    /// Condition number: largest over smallest non-zero singular value. Noise is amplified against the signal by at most this factor.
     #[must_use]
     pub fn condition(&self) -> f64 {
         self.condition

@@ -1,4 +1,4 @@
-//! What joints do to a mode: the stuck mode, its slipping counterpart, and the stiffness between them.
+//! The effect of the joints on a mode: the stuck mode, its slipping counterpart, and the stiffness between them.
 
 use super::linear::Modes;
 use crate::algebra::dot;
@@ -11,14 +11,14 @@ pub struct JointMode {
     pub stuck: usize,
     /// Index of the slipping mode.
     pub slipping: usize,
-    /// Their modal assurance criterion, 1 = same shape.
+    /// Modal assurance criterion of the two modes; 1 means the same shape.
     pub mac: f64,
-    /// Modal joint stiffness K_T = ω0² - ω∞², 1/s²; negative where slipping only frees inertia.
+    /// Modal joint stiffness K_T = ω0² - ω∞², 1/s²; negative if slipping does nothing but free inertia.
     pub k_t: f64,
 }
 
 impl Assembled {
-    /// Modal assurance criterion of two modes' shapes (R. J. Allemang and D. L. Brown, IMAC 1982): 1 = same shape.
+    /// Modal assurance criterion of two mode shapes (R. J. Allemang and D. L. Brown, IMAC 1982); 1 means the same shape.
     ///
     /// # Panics
     /// When a mode belongs to another structure or does not exist.
@@ -28,13 +28,13 @@ impl Assembled {
         dot(&a, &b).powi(2) / (dot(&a, &a) * dot(&b, &b))
     }
 
-    /// For each elastic stuck mode the slipping mode that resembles it most, and K_T = ω0² - ω∞².
+    /// For each elastic stuck mode the slipping mode with the highest modal assurance criterion, and K_T = ω0² - ω∞².
     ///
     /// # Panics
     /// When a mode belongs to another structure.
     #[must_use]
     pub fn joint_modes(&self, stuck: &Modes, slipping: &Modes) -> Vec<JointMode> {
-        // Of given matrices the displacements of nodes may be few, or none: there all unknowns count, with their masses.
+        // With given matrices there may be few nodes with displacements, or none; then all unknowns are compared, weighted with the mass.
         let weighted = self.structure().given.is_some();
         let shapes = |modes: &Modes, mass: bool| -> Vec<Vec<f64>> {
             let shape = |i| match (weighted, mass) {

@@ -1,4 +1,4 @@
-//! Modes that an earlier run found, in place of a search.
+//! Modes that an earlier run found, used instead of a search.
 
 use super::linear::{Limit, Modes};
 use crate::algebra::Pairs;
@@ -7,14 +7,14 @@ use crate::matrices::Assembled;
 use crate::structure::{Kept, KeptModes};
 
 impl Modes {
-    /// To be kept.
+    /// These modes in the form in which they are kept.
     pub(crate) fn to_keep(&self) -> KeptModes {
         let values = (0..self.len()).map(|index| self.eigenvalue(index)).collect();
         let vectors = (0..self.len()).flat_map(|index| self.shape(index).iter().copied()).collect();
         KeptModes { values, vectors, zero: self.zero_modes() }
     }
 
-    /// As they were kept.
+    /// Modes from the form in which they were kept.
     pub(crate) fn of_kept(kept: &KeptModes, limit: Limit, unknowns: usize) -> Self {
         let pairs = Pairs { values: kept.values.clone(), vectors: kept.vectors.clone() };
         Self::found(limit, pairs, unknowns, kept.zero)
@@ -22,10 +22,10 @@ impl Modes {
 }
 
 impl Assembled {
-    /// What the structure brings with it, once it is seen to belong to these matrices.
+    /// The modes that the structure holds from an earlier run, after a check that they belong to these matrices.
     ///
     /// # Errors
-    /// [`Error::Analysis`] where it does not.
+    /// [`Error::Analysis`] if they belong to other matrices or are damaged.
     pub(crate) fn kept(&self) -> Result<Option<&Kept>, Error> {
         let Some(kept) = self.structure().kept.as_deref() else { return Ok(None) };
         let refused = |finding: String| {

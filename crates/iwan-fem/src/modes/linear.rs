@@ -8,7 +8,7 @@ use crate::matrices::Assembled;
 use iwan_core::Progress;
 use iwan_core::progress::UNWATCHED;
 
-/// What the joints do while a structure vibrates linearly.
+/// State of the joints in a linear vibration.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Limit {
     /// All sliders stick: K_0 = K_∞ + K_T, the limit of small amplitudes.
@@ -17,7 +17,7 @@ pub enum Limit {
     Slipping,
 }
 
-/// Mass-normalised modes, by ascending frequency, zero modes first.
+/// Mass-normalised modes in order of ascending frequency; zero modes come first.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Modes {
     limit: Limit,
@@ -26,29 +26,30 @@ pub struct Modes {
     zero: usize,
 }
 
-/// The shift as part of the squared first axial frequency of a free bar as long as the structure's diagonal. It lies near the first elastic
-/// eigenvalue of a slender structure (1.3 times that of the paper's beam), as high eigenvalues lose a digit for each decade that they lie
-/// above it: a hundredth of it costs nearly three digits of mode 400, a hundred times it calls two bending modes of a bar zero that is
-/// 1,000 times as long as thick.
+/// The shift σ, as a part of the squared first axial frequency of a free bar as long as the diagonal of the structure. It lies near the
+/// first elastic eigenvalue of a slender structure (1.3 times that of the paper's beam), because high eigenvalues lose a digit for each
+/// decade by which they exceed it. A hundredth of this value costs nearly three digits of mode 400; with a hundred times, two bending modes
+/// of a bar 1,000 times as long as thick count as zero modes.
 const SHIFT: f64 = 1e-3;
-/// The shift with which the first eigenvalue of given matrices is sought, as part of the largest ratio of diagonal entries, which is near
-/// the highest eigenvalue: the first elastic ones of fine meshes lie 1e-6 to 1e-9 below that, and so much is lost of the digits of theirs
-/// that lie below the shift, which a first look can spare.
+/// The shift with which the first eigenvalue of given matrices is sought, as a part of the largest ratio of diagonal entries. That ratio is
+/// near the highest eigenvalue. The first elastic eigenvalues of fine meshes lie 1e-6 to 1e-9 below it; those below the shift lose digits
+/// in proportion, which does not matter in a first search.
 const CRUDE: f64 = 1e-6;
-/// An eigenvalue below this part of the crude shift is rounding: of K + σM it leaves 1e-10 of its highest eigenvalue, 1e-10 / 1e-6 of
-/// the shift at worst, by which a few zero modes more are looked at.
+/// Part of the crude shift below which an eigenvalue counts as rounding. Rounding leaves 1e-10 of the highest eigenvalue of K + σM, which
+/// is at worst 1e-10 / 1e-6 of the shift; if some zero modes exceed the limit, a few more eigenvalues are computed.
 const NOTHING: f64 = 1e-5;
-/// Eigenvalues of the first look: six rigid motions and some more.
+/// Number of eigenvalues of the first search: six rigid motions and some more.
 const FIRST_LOOK: usize = 12;
-/// Zero modes have eigenvalues below this part of the shift. Rounding leaves 1e-12 to 1e-9 of it; the first elastic eigenvalue of a free
-/// bar L long and h thick is 4,200 (h/L)² of it, so that a bar more than 6,000 times as long as thick would lose its first mode.
+/// Part of the shift below which an eigenvalue belongs to a zero mode. Rounding leaves 1e-12 to 1e-9 of the shift. The first elastic
+/// eigenvalue of a free bar of length L and thickness h is 4,200 (h/L)² of the shift, so a bar more than 6,000 times as long as thick would
+/// lose its first mode.
 const ZERO: f64 = 1e-4;
 
 impl Assembled {
-    /// σ > 0 for which K + σM is positive definite and well conditioned, 1/s².
+    /// The shift σ > 0, 1/s², for which K + σM is positive definite and well conditioned.
     ///
     /// # Errors
-    /// As [`modes`](Self::modes): for given matrices it takes a factorisation.
+    /// The errors of [`modes`](Self::modes): for given matrices the shift takes a factorisation.
     pub(crate) fn shift(&self) -> Result<f64, Error> {
         if let Some(known) = self.known_shift().get() {
             return Ok(*known);
@@ -86,7 +87,7 @@ impl Assembled {
         }
     }
 
-    /// From the speed of sound and the extent.
+    /// The shift from the speed of sound and the size of the structure.
     fn shift_of_a_bar(&self) -> f64 {
         let structure = self.structure();
         let speed = structure
@@ -113,7 +114,7 @@ impl Assembled {
         }
     }
 
-    /// The lowest `count` modes, zero modes included; none is missed, repeated ones included.
+    /// The lowest `count` modes, including zero modes. No mode is missed, and repeated frequencies appear as often as they occur.
     ///
     /// # Errors
     /// [`Error::Analysis`] for a count out of range, or when a factorisation fails its probe.
@@ -129,16 +130,16 @@ impl Assembled {
         self.modes_observed(limit, count, UNWATCHED)
     }
 
-    /// [`modes`](Self::modes) with a progress report, by what the search usually takes, that may break it off. A
-    /// factorisation is not broken off.
+    /// [`modes`](Self::modes) with a progress report, which estimates the usual course of the search and whose listener may stop it. A
+    /// factorisation is not interrupted.
     ///
     /// # Errors
-    /// As [`modes`](Self::modes), and [`Error::Interrupted`].
+    /// The errors of [`modes`](Self::modes), and [`Error::Interrupted`].
     pub fn modes_observed(&self, limit: Limit, count: usize, progress: Progress<'_>) -> Result<Modes, Error> {
         self.modes_and_factor(limit, count, progress).map(|(modes, _)| modes)
     }
 
-    /// K + σM, factored.
+    /// The Cholesky factor of K + σM.
     pub(crate) fn shifted_factor(&self, limit: Limit) -> Result<Cholesky, Error> {
         let (stiffness, analysis) = (self.stiffness(limit), self.analysis()?);
         Problem { stiffness: &stiffness, mass: self.mass(), shift: self.shift()?, analysis }.factor()
@@ -162,12 +163,12 @@ impl Assembled {
 }
 
 impl Modes {
-    /// Modes with their parts.
+    /// Modes from their parts.
     pub(super) fn found(limit: Limit, pairs: Pairs, unknowns: usize, zero: usize) -> Self {
         Self { limit, pairs, unknowns, zero }
     }
 
-    /// The same modes as those of the other limit, where there are no slips that tell the two apart.
+    /// The same modes under the name of the other limit, for a structure without slips, where both limits are the same.
     pub(super) fn called(self, limit: Limit) -> Self {
         Self { limit, ..self }
     }
@@ -190,13 +191,13 @@ impl Modes {
         self.limit
     }
 
-    /// Number of zero modes: rigid motions, and sliding without stiffness.
+    /// Number of zero modes: rigid motions, and parts that slide without stiffness.
     #[must_use]
     pub fn zero_modes(&self) -> usize {
         self.zero
     }
 
-    /// ω² of mode `index`, 1/s²; zero modes carry what rounding leaves.
+    /// ω² of mode `index`, 1/s²; for zero modes it is a rounding error.
     ///
     /// # Panics
     /// When there is no such mode; so do the other accessors.

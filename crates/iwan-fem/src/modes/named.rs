@@ -14,22 +14,22 @@ use iwan_core::Progress;
 use iwan_core::progress::UNWATCHED;
 use iwan_core::progress::part;
 
-/// Rigid motions of a free structure.
+/// Number of rigid motions of a free structure.
 const RIGID: usize = 6;
-/// Bending modes that [`NamedModes::first_bending`] takes: the paper shows as many.
+/// Number of bending modes that [`NamedModes::first_bending`] takes, as many as the paper shows.
 const FIRST: usize = 3;
-/// Shapes less alike than this (MAC) are not the same mode, by the custom of modal testing; the paper's beam has 0.9989 and more. Below
-/// it a bending mode is warned about, and its K_T is told all the same.
+/// Smallest modal assurance criterion (MAC) of two shapes that count as the same mode, by the custom of modal testing; the paper's beam has
+/// 0.9989 and more. For a bending mode below it a warning is given, and its K_T is reported all the same.
 const ALIKE: f64 = 0.9;
 
-/// Damping that couples two modes by more than this part of the geometric mean of their own is told: a judgement, ten times what light
-/// proportional damping leaves after rounding to a few digits, and a third of what close modes need to exchange energy.
+/// Coupling of two modes by the damping, over the geometric mean of their own damping, above which a warning is given. A judgement: ten
+/// times what light proportional damping leaves after rounding to a few digits, and a third of what close modes need to exchange energy.
 const COUPLED: f64 = 0.1;
 
 /// An elastic mode.
 #[derive(Debug, Clone, PartialEq)]
 pub struct NamedMode {
-    /// Kind of motion and number among its kind, such as `bending 1`.
+    /// Kind of motion, and number among the modes of that kind, such as `bending 1`.
     pub name: String,
     /// Kind of motion.
     pub class: Class,
@@ -55,36 +55,36 @@ pub struct NamedModes {
     pub stuck: Modes,
     /// Modes with all joints slipping.
     pub slipping: Modes,
-    /// The elastic stuck modes, ascending.
+    /// The elastic stuck modes, frequencies ascending.
     pub elastic: Vec<NamedMode>,
 }
 
 impl NamedModes {
-    /// Elastic modes among which the command line and the Python package look names up. On the paper's beam they
-    /// reach to 10 kHz and take a fraction of a second; a name beyond them is answered with the list of those there are.
+    /// Number of elastic modes among which the command line and the Python package look for names. On the paper's beam these modes reach to
+    /// 10 kHz and take a fraction of a second; for a name beyond them the error lists the known names.
     pub const LOOKED_UP: usize = 40;
 
-    /// Computes at least `count` elastic modes in both limits, where there are as many, and names the first `count`. Where the structure
-    /// brings [modes](Structure::kept) with it these are taken, as many as there are.
+    /// Computes at least `count` elastic modes in both limits, if the structure has as many, and names the first `count`. If the structure
+    /// holds [modes](Structure::kept) of an earlier run, these are used, as many as there are.
     ///
     /// # Errors
-    /// As [`Structure::assemble`] and [`Assembled::modes`].
+    /// The errors of [`Structure::assemble`] and [`Assembled::modes`].
     pub fn new(structure: &Structure, count: usize) -> Result<Self, Error> {
         Self::observed(structure, count, UNWATCHED)
     }
 
-    /// [`new`](Self::new) with a progress report that may break it off.
+    /// [`new`](Self::new) with a progress report whose listener may stop it.
     ///
     /// # Errors
-    /// As [`new`](Self::new), and [`Error::Interrupted`].
+    /// The errors of [`new`](Self::new), and [`Error::Interrupted`].
     pub fn observed(structure: &Structure, count: usize, progress: Progress<'_>) -> Result<Self, Error> {
         Self::of(structure.assemble()?, count, progress)
     }
 
-    /// [`observed`](Self::observed) of a structure whose matrices are assembled already.
+    /// [`observed`](Self::observed) for a structure whose matrices are already assembled.
     ///
     /// # Errors
-    /// As [`Assembled::modes`], and [`Error::Interrupted`].
+    /// The errors of [`Assembled::modes`], and [`Error::Interrupted`].
     pub fn of(assembled: Assembled, count: usize, progress: Progress<'_>) -> Result<Self, Error> {
         if let Some(kept) = assembled.kept()? {
             let n = assembled.unknowns();
@@ -102,7 +102,7 @@ impl NamedModes {
         }
         let wanted = count.saturating_add(RIGID).min(most);
         assembled.ask_for_search(wanted)?;
-        // Without slips both limits are one matrix, and one search serves both.
+        // Without slips both limits have the same matrix, and one search gives both.
         let joined = assembled.slips().is_empty();
         let first = if joined { 1.0 } else { 0.5 };
         let stuck = assembled.modes_observed(Limit::Stuck, wanted, &part(progress, [0.0, first]))?;
@@ -126,16 +126,16 @@ impl NamedModes {
         self.stuck.frequency(mode.pair.stuck)
     }
 
-    /// Frequency of its slipping counterpart, Hz.
+    /// Frequency of the mode's slipping counterpart, Hz.
     #[must_use]
     pub fn frequency_slipping(&self, mode: &NamedMode) -> f64 {
         self.slipping.frequency(mode.pair.slipping)
     }
 
-    /// The mode of this name; hyphens may stand for blanks.
+    /// The mode of this name; hyphens in `name` count as blanks.
     ///
     /// # Errors
-    /// [`Error::MissingMode`] with the names there are.
+    /// [`Error::MissingMode`] with the known names.
     pub fn named(&self, name: &str) -> Result<&NamedMode, Error> {
         let wanted = name.replace('-', " ");
         self.elastic.iter().find(|mode| mode.name == wanted).ok_or_else(|| {
@@ -144,7 +144,7 @@ impl NamedModes {
         })
     }
 
-    /// The first three bending modes, or the first three of all where nothing bends.
+    /// The first three bending modes, or the first three modes of any kind if there is no bending mode.
     #[must_use]
     pub fn first_bending(&self) -> Vec<NamedMode> {
         let bending = self.elastic.iter().filter(|mode| mode.class == Class::Bending);
@@ -152,10 +152,10 @@ impl NamedModes {
         if bending.is_empty() { self.elastic.iter().take(FIRST).cloned().collect() } else { bending }
     }
 
-    /// The modes of these names, or the first bending modes where there is no name.
+    /// The modes of these names, or the first bending modes if no name is given.
     ///
     /// # Errors
-    /// As [`named`](Self::named).
+    /// The errors of [`named`](Self::named).
     pub fn chosen(&self, names: &[String]) -> Result<Vec<NamedMode>, Error> {
         if names.is_empty() {
             return Ok(self.first_bending());
@@ -163,7 +163,7 @@ impl NamedModes {
         names.iter().map(|name| self.named(name).cloned()).collect()
     }
 
-    /// How strongly given damping couples the named modes, where it does: reduced models take its diagonal alone.
+    /// A warning if given damping couples the named modes noticeably: reduced models use its diagonal alone.
     fn damping_left_out(&self) -> Option<String> {
         let damping = self.assembled.damping()?;
         let shape = |mode: &NamedMode| self.stuck.shape(mode.pair.stuck);
@@ -183,7 +183,7 @@ impl NamedModes {
         })
     }
 
-    /// What the user should know about the modes.
+    /// Warnings about the modes for the user.
     #[must_use]
     pub fn warnings(&self) -> Vec<String> {
         let mut warnings = Vec::new();
@@ -206,8 +206,8 @@ impl NamedModes {
     }
 }
 
-/// A body that nothing holds has six rigid motions without stiffness: where fewer are found, rounding has taken the digits of all low
-/// modes.
+/// Refuses a free body with fewer than six zero modes: a body that nothing holds has six rigid motions without stiffness, and if fewer are
+/// found, rounding has destroyed the digits of all low modes.
 fn check_rigid_motions(structure: &Structure, stuck: &Modes) -> Result<(), Error> {
     let held = !structure.supports.is_empty()
         || !structure.constraints.is_empty()

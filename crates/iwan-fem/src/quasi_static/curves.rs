@@ -1,10 +1,9 @@
-//! Modal joint curves without a transient: the structure under static loads that would bend it into a mode.
+//! Modal joint curves without a transient, from static loads that bend the structure into the shape of a mode.
 //!
-//! K_∞ x + E F(s) = α M φ on the virgin curves (H. Festjens et al., Int. J. Mech. Sci. 75:170, 2013,
-//! doi:10.1016/j.ijmecsci.2013.06.010; M. S. Allen et al., IMAC 2016). With z = K_0⁺ e the flexibility of each slip against
-//! the stuck structure, s = φ_s α/ω0² - G N(s), N = F - K_T s, G = Eᵀ K_0⁺ E: a system for the slips alone. The modal
-//! displacement q = α/ω0² - φ_sᵀ N/ω0² gives the secant frequency ω² = α/q; by Masing's rule each joint closes a loop of
-//! amplitude |s|, so that the dissipation per cycle is the sum of the joints' own.
+//! K_∞ x + E F(s) = α M φ on the virgin curves (H. Festjens et al., Int. J. Mech. Sci. 75:170, 2013, doi:10.1016/j.ijmecsci.2013.06.010; M.
+//! S. Allen et al., IMAC 2016). With z = K_0⁺ e the displacement of the stuck structure under a unit force on each slip, s = φ_s α/ω0² - G
+//! N(s) with N = F - K_T s and G = Eᵀ K_0⁺ E: a system for the slips alone. The modal displacement q = α/ω0² - φ_sᵀ N/ω0² gives the secant
+//! frequency ω² = α/q. By Masing's rule each joint closes a loop of amplitude |s|, so the dissipation per cycle is the sum over the joints.
 
 use std::f64::consts::PI;
 
@@ -24,47 +23,49 @@ pub struct ModalCurves {
     pub frequency: Vec<f64>,
     /// Dissipation per cycle of amplitude q.
     pub dissipation: Vec<f64>,
-    /// Modal joint force: what the joints contribute to α beyond the slipping structure, α - ω∞² q.
+    /// Modal joint force: the contribution of the joints to α beyond the slipping structure, α - ω∞² q.
     pub joint_force: Vec<f64>,
-    /// Slips at each amplitude, by slip: `slips[slip][amplitude]`.
+    /// Slip of each joint at each amplitude: `slips[slip][amplitude]`.
     pub slips: Vec<Vec<f64>>,
 }
 
-/// Analysis of one stuck mode.
+/// The quasi-static analysis of one stuck mode.
 #[derive(Debug, Clone)]
 pub struct QuasiStatic<'a> {
     assembled: &'a Assembled,
     eigenvalue: f64,
     /// Squared frequency of the slipping mode, 1/s².
     slipping: f64,
-    /// φ at the slips.
+    /// φ_s: the mode shape at the slips.
     shape: Vec<f64>,
     /// G⁻¹, row by row.
     stiffness: Vec<f64>,
 }
 
-/// Rounds after which neither the load that reaches an amplitude nor the equilibrium of the slips under a load is sought any longer. Where
-/// there is one, up to 8 rounds find it; they run out where the joints slide freely and no static load holds them, which is an error.
+/// Largest number of rounds, both in the search for the load that reaches an amplitude and in the search for the equilibrium of the slips
+/// under a load. Where there is a solution, up to 8 rounds find it. The rounds do not suffice where the joints slide freely and no static
+/// load holds them, which is an error.
 const MOST_ROUNDS: usize = 200;
-/// Equilibrium of the slips holds to this part of the forces, and the amplitude to this part of itself. 1e-15 is beyond rounding: the
-/// curves of the paper's beam then end early. At 1e-8 that of torsion goes on for two decades in which parts slide.
+/// Tolerance of the equilibrium of the slips, relative to the forces, and of the amplitude, relative to itself. 1e-15 is beyond rounding:
+/// the curves of the paper's beam then end early. With 1e-8 its curve of torsion goes on for two decades in which parts slide.
 const SETTLED: f64 = 1e-12;
-/// What is added to the diagonal of Newton's matrix, relatively: with all joints in macro-slip parts may slide freely, which makes it
-/// singular; the equilibrium itself is not touched. Without it the curves of the paper's beam end at about the onset of macro-slip; 1e-4 gives the
-/// same curves to 12 digits.
+/// Part of the diagonal that is added to the diagonal of Newton's matrix. With all joints in macro-slip parts may slide freely, which makes
+/// the matrix singular. The addition does not change the equilibrium. Without it the curves of the paper's beam end at about the onset of
+/// macro-slip; 1e-4 gives the same curves to 12 digits.
 const SLIDING: f64 = 1e-8;
-/// Iterations that carry (K_0 + σM)⁻¹ over to K_0⁺; in each the error along a mode shrinks by σ/(ω² + σ). The first elastic mode of the
-/// paper's beam has ω² = 0.76 σ: after 60 its error is rounding, after 20 the curves are good to seven digits. In a free bar more than about 100
-/// times as long as thick, or a clamped one more than about 20 times, the first mode lies so far below σ that its part of the
-/// flexibility is not complete after 60 (by these formulas 1e-3 of it is missing at 190 and at 30 times), and nothing says so.
+/// Iterations that turn (K_0 + σM)⁻¹ into K_0⁺; each reduces the error along a mode by the factor σ/(ω² + σ). The first elastic mode of the
+/// paper's beam has ω² = 0.76 σ: after 60 iterations its error is rounding, after 20 the curves are good to seven digits. A limitation
+/// without a message: in a free bar more than about 100 times as long as thick, or a clamped one more than about 20 times, the first mode
+/// lies so far below σ that its part of the flexibility is not complete after 60 iterations (by these formulas 1e-3 of it is missing at 190
+/// and at 30 times).
 const REFINEMENTS: usize = 60;
 
 impl Assembled {
-    /// Prepares quasi-static curves of stuck mode `index`; `joint_mode` tells its slipping counterpart
-    /// ([`joint_modes`](Self::joint_modes)), whose ω∞² the joint force counts from.
+    /// Prepares quasi-static curves of stuck mode `index`. `slipping_eigenvalue` is ω∞² of its slipping counterpart
+    /// ([`joint_modes`](Self::joint_modes)), from which the joint force is measured.
     ///
     /// # Errors
-    /// [`Error::Analysis`] for modes that are not stuck, or a zero mode; as [`modes`](Self::modes) else.
+    /// [`Error::Analysis`] for modes that are not stuck or for a zero mode; otherwise the errors of [`modes`](Self::modes).
     ///
     /// ```
     /// use iwan_fem::{Limit, mesh::beam::Configuration, paper};
@@ -97,7 +98,7 @@ impl Assembled {
     }
 }
 
-/// K_0⁺ e of each slip: displacements under a unit force on it, without what moves the structure as a whole.
+/// K_0⁺ e of each slip: displacements under a unit force on the slip, without the motion of the structure as a whole.
 pub(super) fn static_flexibility(
     assembled: &Assembled,
     stuck: &Modes,
@@ -148,10 +149,10 @@ impl QuasiStatic<'_> {
         Ok(curves)
     }
 
-    /// The load that bends the structure to the modal displacement `q`, and the slips there.
+    /// The load that bends the structure to the modal displacement `q`, and the slips under it.
     ///
-    /// q grows with the load, and the secant frequency lies between those of the stuck and the slipping
-    /// structure: bisection, quickened by secants, on α.
+    /// q grows with the load, and the secant frequency lies between those of the stuck and the slipping structure. The search for α is a
+    /// bisection, accelerated by secants.
     fn load_for(&self, q: f64) -> Result<(f64, Vec<f64>), Error> {
         let (mut slips, mut low, mut high) = (vec![0.0; self.shape.len()], 0.0, self.eigenvalue * q);
         let mut excess = |alpha: f64| -> Result<(f64, Vec<f64>), Error> {
@@ -159,13 +160,13 @@ impl QuasiStatic<'_> {
             Ok((self.displacement(alpha, &slips) - q, slips.clone()))
         };
         let (mut at_low, mut top) = (-q, excess(high)?);
-        // Mode shapes whose joints add inertia rather than stiffness may need a load above the stuck one.
+        // A mode whose joints add inertia rather than stiffness may need a load above that of the stuck structure.
         while top.0 < 0.0 {
             (low, at_low) = (high, top.0);
-            // The factor only decides how soon the right load is enclosed.
+            // The factor only affects how soon the load is bracketed.
             high *= 1.5;
             top = excess(high)?;
-            // A structure a million times as stiff as stuck does not exist: the search below says that no load was found.
+            // No structure is a million times as stiff as with all joints stuck; the search below then reports that no load was found.
             if high > 1e6 * self.eigenvalue * q {
                 break;
             }
@@ -186,7 +187,7 @@ impl QuasiStatic<'_> {
         Err(Error::Analysis { analysis: "quasi-static analysis", finding, remedy })
     }
 
-    /// N_i = F - K_T s on the virgin curve, and its derivative.
+    /// N_i = F - K_T s on the virgin curve, and its derivative with respect to s.
     fn missing_force(&self, i: usize, s: f64) -> (f64, f64) {
         self.assembled.slips()[i].law.as_ref().map_or((0.0, 0.0), |law| {
             let (force, tangent) = (law.force(s), law.tangent(s));
@@ -201,8 +202,8 @@ impl QuasiStatic<'_> {
         (alpha - joints) / self.eigenvalue
     }
 
-    /// G⁻¹ s + N(s) = G⁻¹ φ_s α/ω0², by Newton's method with a line search from the slips given: the left side is the
-    /// gradient of a convex function.
+    /// Solves G⁻¹ s + N(s) = G⁻¹ φ_s α/ω0² by Newton's method with a line search, from the given slips. The left side is the gradient of a
+    /// convex function.
     fn equilibrium(&self, alpha: f64, slips: &mut [f64]) -> Result<(), Error> {
         let n = slips.len();
         let goal: Vec<f64> = self.shape.iter().map(|phi| phi * alpha / self.eigenvalue).collect();

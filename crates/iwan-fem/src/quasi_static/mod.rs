@@ -1,4 +1,4 @@
-//! Modal curves without a transient: frequency and dissipation over amplitude from static loads.
+//! Modal curves without a transient: frequency and dissipation against amplitude, from static loads.
 
 mod curves;
 mod range;

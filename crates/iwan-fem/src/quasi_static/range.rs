@@ -1,19 +1,20 @@
-//! Which amplitudes the quasi-static curves of a mode cover.
+//! The amplitudes that the quasi-static curves of a mode cover.
 
 use super::curves::ModalCurves;
 use crate::error::{Error, check};
 use crate::modes::{NamedMode, NamedModes};
 
-/// Range of displacements over where the first joint begins macro-slip: three decades of micro-slip, enough for its power law, and one of
-/// macro-slip, in which the frequency nears that of the slipping structure.
+/// Default range of displacements, over the displacement at which the first joint begins macro-slip. It covers three decades of micro-slip,
+/// enough for the joint's power law, and one of macro-slip, in which the frequency approaches that of the slipping structure.
 const RANGE: (f64, f64) = (1e-3, 10.0);
 
-/// Numbers that each point of a curve takes: displacement, force, frequency, dissipation, what each joint does, and room for their growth.
+/// Numbers of memory per point of a curve: displacement, force, frequency, dissipation, values of each joint, and room for the vectors'
+/// growth.
 const NUMBERS_A_POINT: u64 = 32;
 
 impl NamedModes {
-    /// The modal displacement at which, linearly, the first joint reaches the strength of its strongest slider; none where
-    /// no joint slips in the mode.
+    /// The modal displacement at which, by the linear mode shape, the first joint reaches the strength of its strongest slider; none if no
+    /// joint slips in the mode.
     #[must_use]
     pub fn onset(&self, mode: &NamedMode) -> Option<f64> {
         let shape = self.stuck.shape(mode.pair.stuck);
@@ -24,12 +25,12 @@ impl NamedModes {
         Some(reach.fold(f64::INFINITY, f64::min)).filter(|q| q.is_finite())
     }
 
-    /// `points` modal displacements evenly spaced on a logarithmic scale; by default from a thousandth to ten times the
+    /// `points` modal displacements, evenly spaced on a logarithmic scale; by default from a thousandth to ten times the
     /// [`onset`](Self::onset).
     ///
     /// # Errors
-    /// [`Error::OutOfRange`] for an end that is not > 0, fewer than 2 points, or an empty range; [`Error::Analysis`] where
-    /// no joint slips and an end is missing.
+    /// [`Error::OutOfRange`] for an end that is not > 0, fewer than 2 points, or an empty range; [`Error::Analysis`] if no joint slips and
+    /// an end is not given.
     pub fn amplitudes(
         &self,
         mode: &NamedMode,
@@ -59,11 +60,11 @@ impl NamedModes {
         Ok((0..points).map(|i| from * (to / from).powf(i as f64 / last)).collect())
     }
 
-    /// Quasi-static curves of a mode at these modal displacements. Where parts begin to slide freely no static load holds
-    /// them: the curves end there, or that is an error when they must be `whole`.
+    /// Quasi-static curves of a mode at the given modal displacements. Where parts begin to slide freely no static load holds them: the
+    /// curves end there, or, if they must be `whole`, that is an error.
     ///
     /// # Errors
-    /// As [`Assembled::quasi_static`](crate::Assembled::quasi_static) and [`QuasiStatic::curves`](crate::QuasiStatic::curves).
+    /// The errors of [`Assembled::quasi_static`](crate::Assembled::quasi_static) and [`QuasiStatic::curves`](crate::QuasiStatic::curves).
     pub fn static_curves(
         &self,
         mode: &NamedMode,

@@ -1,48 +1,48 @@
-//! What a few stuck modes leave out of the slips: static compliance.
+//! Static compliance of the slips, through the modes that a few stuck modes leave out.
 
 use super::curves::static_flexibility;
 use crate::algebra::dot;
 use crate::error::Error;
 use crate::modes::{Limit, NamedMode, NamedModes};
 
-/// Slips in a few stuck modes, and through all the others under static forces: s = Σ b_r q_r - ρ N + a f.
+/// Slips in a few stuck modes, and through all other modes under static forces: s = Σ b_r q_r - ρ N + a f.
 ///
-/// The modes left out follow forces at once, as far below their frequencies (R. R. Craig Jr. and C.-J. Chang,
-/// NASA CR-2893, 1977): ρ = Eᵀ K_0⁺ E - Σ b bᵀ/ω² over the modes kept.
+/// The modes left out follow forces statically, as they do far below their own frequencies (R. R. Craig Jr. and C.-J. Chang, NASA CR-2893,
+/// 1977): ρ = Eᵀ K_0⁺ E - Σ b bᵀ/ω² over the kept modes.
 #[derive(Debug, Clone, PartialEq)]
 pub struct SlipStatics {
     /// b by slip and mode: `participation[slip][mode]`.
     pub participation: Vec<Vec<f64>>,
     /// ρ by slip and slip.
     pub compliance: Vec<Vec<f64>>,
-    /// a by slip: slip under the load.
+    /// a by slip: slip under a unit load, through the modes left out.
     pub at_force: Vec<f64>,
 }
 
-/// Slip in any of the modes over the largest slip of all below which a joint counts as stuck in these modes. A judgement: an interface that slips a
-/// hundredth of another one dissipates next to nothing beside it.
+/// Largest slip in any of the modes, over the largest slip of all joints, up to which a joint counts as stuck in these modes. A judgement:
+/// an interface that slips a hundredth of another one dissipates next to nothing beside it.
 const STUCK: f64 = 0.01;
-/// Difference of slips, over the largest of all, below which two joints move alike. The two ends of the paper's link differ by 0.0045 in bending 2,
-/// which hardly moves them.
+/// Largest difference of slips, over the largest of all, up to which two joints count as moving alike. The two ends of the paper's link
+/// differ by 0.0045 in bending 2, in which they hardly slip.
 const ALIKE: f64 = 0.01;
 
-/// Slips that move alike in a few modes.
+/// Slips that move alike in a few modes and can be treated as one.
 #[derive(Debug, Clone, PartialEq)]
 pub struct SlipGroup {
-    /// Numbers of the slips, each with its sign against the first.
+    /// Indices of the slips, each with its sign relative to the first.
     pub members: Vec<(usize, f64)>,
 }
 
 impl SlipGroup {
-    /// Mean over the members, signs included.
+    /// Mean of a quantity over the members, with their signs.
     fn mean(&self, of: &dyn Fn(usize) -> f64) -> f64 {
         self.members.iter().map(|(i, sign)| sign * of(*i)).sum::<f64>() / self.members.len() as f64
     }
 }
 
 impl SlipStatics {
-    /// The slips among `wanted` that these modes move, joined where they move alike and `same` allows it (as where their laws are equal); and those
-    /// that stay stuck.
+    /// Groups the slips in `wanted`. Returned are the groups of slips that move alike in these modes and for which `same` holds (for
+    /// example equal laws), and the slips that stay stuck.
     #[must_use]
     pub fn groups(
         &self,
@@ -75,7 +75,7 @@ impl SlipStatics {
         (groups, stuck)
     }
 
-    /// The same with groups in place of slips: the mean slip of each, under a force that its members share.
+    /// The same quantities for groups in place of slips: the mean slip of each group, under a force that its members share equally.
     #[must_use]
     pub fn of_groups(&self, groups: &[SlipGroup]) -> Self {
         let modes = self.participation.first().map_or(0, Vec::len);
@@ -94,7 +94,7 @@ impl SlipStatics {
     }
 }
 
-/// Slips of the whole structure under static forces, from which a few modes take their part.
+/// Slips of the whole structure under static forces; the part of a few modes can be subtracted ([`beside`](Self::beside)).
 #[derive(Debug, Clone)]
 pub struct SlipFlexibility<'a> {
     named: &'a NamedModes,
@@ -105,11 +105,11 @@ pub struct SlipFlexibility<'a> {
 }
 
 impl NamedModes {
-    /// Slips under unit forces on each slip, and under the load `forces`, one entry per unknown
+    /// Slips under unit forces on each slip, and under the load `forces`, which has one entry per unknown
     /// ([`Assembled::load`](crate::Assembled::load)).
     ///
     /// # Errors
-    /// As [`Assembled::modes`](crate::Assembled::modes); [`Error::Analysis`] for the load of another structure.
+    /// The errors of [`Assembled::modes`](crate::Assembled::modes); [`Error::Analysis`] for the load of another structure.
     pub fn slip_flexibility(&self, forces: Vec<f64>) -> Result<SlipFlexibility<'_>, Error> {
         let assembled = &self.assembled;
         let unknowns = assembled.unknowns();
@@ -131,7 +131,7 @@ impl NamedModes {
 }
 
 impl SlipFlexibility<'_> {
-    /// Slips in these modes, and those that the others add under static forces on slips and under the load.
+    /// Slips in the given modes, and those that all other modes add under static forces on the slips and under the load.
     ///
     /// ```
     /// use iwan_fem::{NamedModes, mesh::beam::Configuration, paper};

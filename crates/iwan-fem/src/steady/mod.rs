@@ -1,4 +1,4 @@
-//! Steady vibration of structures: what harmonic balance needs of the reduced model.
+//! Steady vibration of structures: the reduced model in the form that harmonic balance needs.
 
 mod slip_modes;
 

@@ -1,4 +1,4 @@
-//! The reduced model as steady vibration sees it: coordinates that only the joints couple.
+//! The reduced model in the form for steady vibration: coordinates that are coupled by the joints only.
 
 use crate::error::{Error, check};
 use crate::structure::Law;
@@ -11,18 +11,18 @@ pub struct SteadyCoordinate {
     pub omega: f64,
     /// Viscous damping ratio.
     pub damping_ratio: f64,
-    /// Its part in the load.
+    /// Modal force of the coordinate per unit of the load.
     pub at_force: f64,
-    /// Its part in the output.
+    /// Output per unit of the coordinate.
     pub at_output: f64,
 }
 
-/// A slip with a law, in the coordinates.
+/// A slip with a law, in terms of the coordinates.
 #[derive(Clone)]
 pub struct SteadySlip {
     /// Name of the slip.
     pub name: String,
-    /// Its law.
+    /// The law of the slip.
     pub law: Law,
     /// Slip per unit of each coordinate.
     pub participation: Vec<f64>,
@@ -37,22 +37,22 @@ impl std::fmt::Debug for SteadySlip {
     }
 }
 
-/// The coordinates of a reduced model (modes, then attachment vectors, which carry the static flexibility of all modes left
-/// out) and the slips that couple them.
+/// The coordinates of a reduced model and the slips that couple them. The coordinates are modes, followed by attachment vectors, which
+/// contain the static flexibility of all modes left out.
 #[derive(Debug, Clone)]
 pub struct SteadyModel {
-    /// Coordinates, in the order of the reduced model's.
+    /// The coordinates, in the order of the reduced model.
     pub coordinates: Vec<SteadyCoordinate>,
-    /// Slips with a law; those without slide freely and couple nothing.
+    /// The slips with a law; slips without a law slide freely and couple nothing.
     pub slips: Vec<SteadySlip>,
 }
 
 impl Reduced<'_> {
-    /// The model for steady vibration under a force along `load`, observed along `output`: both one entry per unknown
+    /// The model for steady vibration under a force along `load`, observed along `output`; both have one entry per unknown
     /// ([`Assembled::load`](crate::Assembled::load), [`Output`](crate::Output)).
     ///
     /// # Errors
-    /// [`Error::Analysis`] where load or output belong to another structure; [`Error::OutOfRange`] for damping beyond critical.
+    /// [`Error::Analysis`] if load or output belong to another structure; [`Error::OutOfRange`] for damping at or above critical.
     ///
     /// ```
     /// use iwan_fem::{Basis, mesh::beam::Configuration, paper};
@@ -86,7 +86,7 @@ impl Reduced<'_> {
             coordinates.push(SteadyCoordinate { omega, damping_ratio, at_force, at_output });
         }
         let rigid = |k: usize| coordinates[k].omega == 0.0;
-        // A rigid motion does not slip: what rounding says of it is left out.
+        // A rigid motion causes no slip, so the rounding errors in its entries are set to 0.
         let part = |k: usize, unknown: usize| if rigid(k) { 0.0 } else { self.column(k)[unknown] };
         let slips = self.assembled().slips().iter().filter_map(|slip| {
             let participation = (0..self.coordinates()).map(|k| part(k, slip.unknown)).collect();

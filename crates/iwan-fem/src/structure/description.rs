@@ -1,4 +1,4 @@
-//! A structure: mesh, materials, what connects its parts and what holds it.
+//! A structure: mesh, materials, the connections of its parts, and its supports.
 
 use iwan_machine::listed;
 use std::sync::Arc;
@@ -10,10 +10,10 @@ use crate::element::{Formulation, Inertia, Material};
 use crate::error::{Error, check};
 use crate::mesh::{Constraint, Mesh, PointMass, Sides};
 
-/// Nodes that do not move in some of the directions x, y, z.
+/// A support: nodes that do not move in some of the directions x, y, z.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Support {
-    /// Name, for errors.
+    /// Name, for error messages.
     pub name: String,
     /// Node set.
     pub nodes: String,
@@ -21,10 +21,10 @@ pub struct Support {
     pub fixed: [bool; 3],
 }
 
-/// A mass or a spring to the ground, shared equally by the nodes of a set.
+/// A mass or a spring to the ground, distributed equally over the nodes of a set.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Lump {
-    /// Name, for errors.
+    /// Name, for error messages.
     pub name: String,
     /// Node set.
     pub nodes: String,
@@ -48,9 +48,9 @@ pub struct Lump {
 pub struct Structure {
     /// The mesh.
     pub mesh: Mesh,
-    /// Material of all elements that no entry of `materials` claims.
+    /// Material of all elements that are in no set of `materials`.
     pub material: Material,
-    /// Materials of element sets; where sets overlap the later entry holds.
+    /// Materials of element sets; where sets overlap, the later entry applies.
     pub materials: Vec<(String, Material)>,
     /// Formulation of eight-node hexahedra.
     pub formulation: Formulation,
@@ -66,14 +66,14 @@ pub struct Structure {
     pub constraints: Vec<Constraint>,
     /// Masses with inertia at nodes.
     pub masses: Vec<PointMass>,
-    /// Stiffness and mass from another program. With them the elements of the mesh serve pictures only, and materials nothing.
+    /// Stiffness and mass from another program. With them the elements of the mesh are used for pictures only, and materials are not used.
     pub given: Option<Given>,
-    /// Modes and a reduced basis of an earlier time, in place of factorisations.
+    /// Modes and a reduced basis from an earlier run, used instead of factorisations.
     pub kept: Option<Arc<Kept>>,
 }
 
 impl Structure {
-    /// A structure of one material, free in space; the public fields take what else there is.
+    /// A structure of one material, free in space; further properties are set in the public fields.
     #[must_use]
     pub fn new(mesh: Mesh, material: Material) -> Self {
         Self {
@@ -92,12 +92,13 @@ impl Structure {
         }
     }
 
-    /// Ties the nodes of the set `face` to the outer faces of the mesh whose corners all belong to the set `patch`: each follows the point of a face
-    /// on which it lies, and is moved there first. The meshes need not match. Nodes farther from all faces than `tolerance` stay free; without
-    /// one that is a twentieth of the faces' mean size. Returns the largest distance by which a node was moved, and how many stay free.
+    /// Ties the nodes of the set `face` to the outer faces of the mesh whose corners all belong to the set `patch`. Each node is moved to
+    /// the nearest point of a face and then follows that point. The meshes need not match. Nodes farther from all faces than `tolerance`
+    /// (length) stay free; the default is a twentieth of the faces' mean size. Returns the largest distance by which a node was moved, and
+    /// the number of nodes that stay free.
     ///
     /// # Errors
-    /// [`Error::MissingSet`]; [`Error::Connection`] where the patch has no faces or no node is near them.
+    /// [`Error::MissingSet`]; [`Error::Connection`] if the patch has no faces or no node is near them.
     ///
     /// ```
     /// use iwan_fem::mesh::block::{block, uniform};
@@ -150,7 +151,7 @@ impl Structure {
         Ok((tied.gap, tied.free.len()))
     }
 
-    /// Nodes of a set, with an error that says who asked.
+    /// Nodes of a set; the error for a missing set names `user`, the item that refers to it.
     pub(crate) fn nodes(&self, user: &str, name: &str) -> Result<&[usize], Error> {
         let sets = &self.mesh.node_sets;
         sets.get(name).map(Vec::as_slice).ok_or_else(|| missing(user, "node", name, sets.keys()))
@@ -169,7 +170,7 @@ impl Structure {
         Ok(materials)
     }
 
-    /// Checks the numbers of lumps.
+    /// Checks the values of lumps and point masses.
     pub(crate) fn check_lumps(&self) -> Result<(), Error> {
         for lump in &self.lumps {
             check("lumped mass", lump.mass, lump.mass >= 0.0, "must be a finite number >= 0")?;

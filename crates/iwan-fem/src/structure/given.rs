@@ -1,9 +1,9 @@
-//! Stiffness and mass that another program computed, in place of elements.
+//! Stiffness and mass from another program, in place of elements.
 
 use super::interface::Law;
 use crate::algebra::Symmetric;
 
-/// What a row of given matrices is.
+/// Meaning of a row of given matrices.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum Row {
     /// Displacement of a node (index into the mesh) along x, y or z (0, 1, 2).
@@ -35,16 +35,16 @@ pub struct Recovered {
     pub terms: Vec<(usize, f64)>,
 }
 
-/// A joint between given rows: its law acts on Σ c x, one row of a matrix of relative displacements.
+/// A joint between rows of given matrices: its law acts on the slip Σ c x, one row of a matrix of relative displacements.
 #[derive(Clone)]
 pub struct RelativeSlip {
-    /// Name of the slip: that of the joint and the row.
+    /// Name of the slip: the names of joint and row.
     pub name: String,
     /// Rows of the matrices (from 0) and coefficients.
     pub terms: Vec<(usize, f64)>,
-    /// The law; none slides freely.
+    /// The law; a slip without a law slides freely.
     pub law: Option<Law>,
-    /// Whether it acts against the ground: then it may see the structure move as a whole.
+    /// Whether the joint acts against the ground; only then may its slip contain rigid motion of the structure.
     pub to_ground: bool,
 }
 
@@ -57,27 +57,28 @@ impl std::fmt::Debug for RelativeSlip {
     }
 }
 
-/// Stiffness and mass from another program: they stand in place of all elements. Nodes of the mesh say where rows are.
+/// Stiffness and mass from another program, in place of all elements. The nodes of the mesh give the positions of the rows.
 #[derive(Debug, Clone)]
 pub struct Given {
-    /// What each row is; no two rows are the same displacement or rotation.
+    /// Meaning of each row; no two rows are the same displacement or rotation.
     pub rows: Vec<Row>,
     /// Stiffness of everything but the joints of the structure.
     pub stiffness: Symmetric,
     /// Mass.
     pub mass: Symmetric,
-    /// Viscous damping; none: none.
+    /// Viscous damping, if there is some.
     pub damping: Option<Symmetric>,
-    /// Whether the nodes have positions. Without them rotations of a set of nodes are unknown, and so are rigid rotations.
+    /// Whether the nodes have positions. Without positions rotations of a set of nodes and rigid rotations are unknown.
     pub placed: bool,
-    /// Displacements of further nodes, for outputs, loads and pictures.
+    /// Displacements of further nodes in terms of the rows, for outputs, loads and pictures.
     pub recovered: Vec<Recovered>,
-    /// Joints by rows of a matrix of relative displacements.
+    /// Joints that act on rows of a matrix of relative displacements.
     pub relative: Vec<RelativeSlip>,
 }
 
 impl Given {
-    /// Number of each row among the degrees of freedom: the three displacements of each of `nodes` nodes, then all other rows in their order.
+    /// Index of each row among the degrees of freedom: first the three displacements of each of `nodes` nodes, then all other rows in their
+    /// order.
     pub(crate) fn freedoms(&self, nodes: usize) -> Vec<usize> {
         let mut further = 3 * nodes;
         let number = |row: &Row| match *row {

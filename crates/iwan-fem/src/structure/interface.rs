@@ -1,4 +1,4 @@
-//! Bolted interfaces: what follows what, where it slips and by which law.
+//! Bolted interfaces: which nodes follow which, where they slip, and by which law.
 
 use std::fmt;
 use std::sync::Arc;
@@ -8,22 +8,23 @@ use iwan_core::Backbone;
 /// A joint law that any number of joints and threads share.
 pub type Law = Arc<dyn Backbone + Send + Sync>;
 
-/// How a patch of nodes defines the motion that a washer's face follows.
+/// How a patch of nodes defines the motion that the face of a joint follows.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Patch {
     /// All nodes of the patch move as one rigid body (RBE2).
     Rigid,
-    /// The rigid motion that fits the patch's nodes best, equally weighted; the patch stays flexible (RBE3).
+    /// The face follows the rigid motion that fits the displacements of the patch's nodes best, equally weighted; the patch stays flexible
+    /// (RBE3).
     #[default]
     Averaging,
 }
 
-/// A direction in which a joint slips, and its law there.
+/// A direction in which a joint slips, with the law for that direction.
 #[derive(Clone)]
 pub struct Slip {
-    /// Direction of the slip (face relative to patch); of any length > 0, orthogonal to the joint's other ones.
+    /// Direction of the slip (face relative to patch), of any length > 0 and orthogonal to the joint's other directions.
     pub direction: [f64; 3],
-    /// The joint's law; none lets the joint slide freely.
+    /// The joint's law; without one the joint slides freely.
     pub law: Option<Law>,
 }
 
@@ -37,26 +38,26 @@ impl fmt::Debug for Slip {
 /// What the nodes of a joint's face follow.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Interface {
-    /// The whole face follows one rigid motion of the patch: one slip per direction.
+    /// The whole face follows one rigid motion of the patch: one slip per direction for the whole joint.
     Whole(Patch),
-    /// Each node of the face follows the patch's node at its place: a slip per direction and node, each with the whole law.
+    /// Each node of the face follows the patch's node at the same place: one slip per direction and node, each with the whole law.
     NodeToNode,
-    /// As [`NodeToNode`](Self::NodeToNode), but the nodes are tied in no direction: the law acts between their displacements along the slips,
-    /// which must be x, y or z. For structures that connect the nodes in the other directions by themselves.
+    /// As with [`NodeToNode`](Self::NodeToNode), but the nodes are tied in no direction: the law acts between their displacements along the
+    /// slips, which must be x, y or z. This is for structures that connect the nodes in the other directions by other means.
     Directions,
 }
 
-/// A bolted interface: a face follows a patch but for the slips; all other motions, drilling included, are tied.
-/// Without slips it is a tie.
+/// A bolted interface: a face follows a patch except for the slips. All other motions, including drilling rotation, are tied. A joint
+/// without slips is a tie.
 #[derive(Debug, Clone)]
 pub struct Joint {
-    /// Name: errors and results carry it.
+    /// Name, used in errors and results.
     pub name: String,
-    /// Node set that follows.
+    /// The node set that follows.
     pub face: String,
-    /// Node set that is followed.
+    /// The node set that is followed.
     pub patch: String,
-    /// How.
+    /// How the face follows the patch.
     pub interface: Interface,
     /// Directions of slip, at most three.
     pub slips: Vec<Slip>,
@@ -74,7 +75,7 @@ impl Joint {
         Self { name: name.into(), face: face.into(), patch: patch.into(), interface, slips: Vec::new() }
     }
 
-    /// The joint with a further direction of slip and its law; `None` slides freely.
+    /// The joint with one more direction of slip and its law; with `None` it slides freely.
     #[must_use]
     pub fn slip(mut self, direction: [f64; 3], law: Option<Law>) -> Self {
         self.slips.push(Slip { direction, law });

@@ -1,5 +1,5 @@
-//! What the user describes: a mesh, materials, bolted interfaces, supports, masses and springs; and whether that can be
-//! computed with.
+//! The user's description of a structure: a mesh, materials, bolted interfaces, supports, masses and springs; and the check whether it can
+//! be computed.
 
 mod interface;
 mod given;

@@ -13,7 +13,7 @@ use crate::mesh::beam::{Configuration, INTERFACES, beam};
 /// The joint of the paper's Table 1: K_T = 2.75e5 lbf/in, F_S = 300 lbf, χ = -0.3, β = 0.02.
 ///
 /// # Errors
-/// None in fact.
+/// None occurs.
 pub fn joint() -> Result<FourParameter, Error> {
     Ok(FourParameter::new(2.75e5, 300.0, -0.3, 0.02)?)
 }
@@ -22,7 +22,7 @@ pub fn joint() -> Result<FourParameter, Error> {
 /// in configuration A, averaging ones in B. `refinement` 1 gives the paper's 1,554 nodes.
 ///
 /// # Errors
-/// None in fact.
+/// None occurs.
 ///
 /// ```
 /// use iwan_fem::{mesh::beam::Configuration, paper};

@@ -1,4 +1,4 @@
-//! Reduced transients whose basis grows until it no longer matters.
+//! Reduced transients whose basis grows until more modes no longer change the result.
 
 use super::reduction::{Basis, Reduced};
 use super::response::{History, StructureResponse};
@@ -9,12 +9,12 @@ use crate::matrices::Assembled;
 use iwan_core::progress::UNWATCHED;
 use iwan_core::progress::part;
 
-/// A reduced response with an estimate of what the reduction costs.
+/// A reduced response with an estimate of the error of the reduction.
 #[derive(Debug, Clone)]
 pub struct Converged<'a> {
-    /// The model with the largest basis.
+    /// The reduced model with the largest basis.
     pub reduced: Reduced<'a>,
-    /// Its response.
+    /// The response of that model.
     pub response: StructureResponse,
     /// Estimated error: twice the largest difference, over the outputs, between this response and that of half as many
     /// modes (root mean square of the accelerations' difference over that of the accelerations).
@@ -23,11 +23,11 @@ pub struct Converged<'a> {
     pub converged: bool,
 }
 
-/// Modes in the smallest basis tried: the second one, of 50, is good to 5e-4 under 1000 lbf on the paper's beam, so that the search mostly
-/// ends with it.
+/// Number of modes in the smallest basis. The second basis, of 50 modes, is accurate to 5e-4 under 1000 lbf on the paper's beam, so the
+/// search mostly ends with it.
 const FIRST: usize = 25;
-/// Modes in the largest: under 1000 lbf 400 are as good as 800, to 2e-6, and take a third of the time. Where they do not reach the
-/// tolerance, the response says so.
+/// Number of modes in the largest basis: under 1000 lbf 400 modes agree with 800 to 2e-6 and take a third of the time. If they do not reach
+/// the tolerance, [`Converged::converged`] is false.
 const LAST: usize = 400;
 
 impl Assembled {
@@ -35,16 +35,16 @@ impl Assembled {
     /// `tolerance` (relative root mean square), with at most 400 modes.
     ///
     /// # Errors
-    /// As [`Reduced::transient`](crate::Reduced::transient); [`Error::Analysis`] without outputs, as they are what is compared.
+    /// The errors of [`Reduced::transient`](crate::Reduced::transient); [`Error::Analysis`] without outputs, because these are compared.
     pub fn reduced_transient(&self, task: &Transient<'_>, tolerance: f64) -> Result<Converged<'_>, Error> {
         self.reduced_transient_observed(task, tolerance, UNWATCHED)
     }
 
-    /// [`reduced_transient`](Self::reduced_transient) with a progress report that may break it off, in which each basis takes half of what is
-    /// left, and with a checkpoint.
+    /// [`reduced_transient`](Self::reduced_transient) with a progress report whose listener may stop it, and with a checkpoint. Each basis
+    /// takes half of the share of progress that is left.
     ///
     /// # Errors
-    /// As [`reduced_transient`](Self::reduced_transient), and [`Error::Interrupted`].
+    /// The errors of [`reduced_transient`](Self::reduced_transient), and [`Error::Interrupted`].
     pub fn reduced_transient_observed<'w>(
         &self,
         task: &Transient<'_>,
@@ -81,7 +81,7 @@ impl Assembled {
     }
 }
 
-/// Root mean square of the difference of accelerations over that of the reference; 0 for two that do not move.
+/// Root mean square of the difference of two accelerations, over that of the reference; 0 if the reference does not move.
 fn distance(history: &History, reference: &History) -> f64 {
     let pairs = history.acceleration.iter().zip(&reference.acceleration);
     let difference: f64 = pairs.map(|(a, b)| (a - b).powi(2)).sum();

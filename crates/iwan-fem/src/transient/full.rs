@@ -1,8 +1,8 @@
 //! Time integration of the full model: average acceleration on all unknowns, Newton's method on the slips alone.
 //!
-//! M a + K_∞ x + E F(s) = p(t) g, s = Eᵀ x the slips. In the a-form of Newmark's scheme (β = 1/4, γ = 1/2; N. M. Newmark, J.
-//! Eng. Mech. Div. ASCE 85(3):67, 1959) A = M + dt²/4 K_∞ is factored once; a step is one solve for the
-//! acceleration with the joints' forces held, the small system of the slips, and its correction through the columns A⁻¹ E.
+//! The equations are M a + K_∞ x + E F(s) = p(t) g with the slips s = Eᵀ x. In the a-form of Newmark's scheme (β = 1/4, γ = 1/2; N. M.
+//! Newmark, J. Eng. Mech. Div. ASCE 85(3):67, 1959) A = M + dt²/4 K_∞ is factored once. A step consists of one solve for the acceleration
+//! with the joints' forces held, the small system of the slips, and the correction of the acceleration through the columns A⁻¹ E.
 
 use std::time::Instant;
 
@@ -25,10 +25,10 @@ impl Assembled {
         self.transient_observed(task, UNWATCHED)
     }
 
-    /// [`transient`](Self::transient) with a progress report that may break it off, and with a checkpoint from which it goes on.
+    /// [`transient`](Self::transient) with a progress report whose listener may stop it, and with a checkpoint from which it can continue.
     ///
     /// # Errors
-    /// As [`transient`](Self::transient), [`Error::Interrupted`], and [`Error::Analysis`] for a checkpoint that does not fit.
+    /// The errors of [`transient`](Self::transient), [`Error::Interrupted`], and [`Error::Analysis`] for a checkpoint that does not fit.
     pub fn transient_observed<'w>(
         &self,
         task: &Transient<'_>,
@@ -88,7 +88,7 @@ impl Assembled {
     }
 }
 
-/// Shows every number that one step leaves to the next, with the place of the load's point of attack among them.
+/// Passes every number that one step leaves to the next to `see`, including the displacement `before` of the load's point of attack.
 fn numbers(
     stepper: &mut FullStepper<'_>,
     joints: &mut Joints<'_>,
@@ -111,10 +111,10 @@ fn numbers(
     joints.each_number(see);
 }
 
-/// A linear functional by its coefficients that are not zero, and its values on the free motions.
+/// A linear functional of the unknowns: its non-zero coefficients, and its values on the free motions.
 pub(crate) struct Functional {
     terms: Vec<(usize, f64)>,
-    /// All coefficients, where most are not zero.
+    /// All coefficients, if more than a quarter of them are not zero.
     dense: Option<Vec<f64>>,
     free: Vec<f64>,
 }
@@ -122,8 +122,8 @@ pub(crate) struct Functional {
 impl Functional {
     fn new(coefficients: &[f64], motions: &[Vec<f64>]) -> Self {
         let terms: Vec<_> = coefficients.iter().copied().enumerate().filter(|(_, c)| *c != 0.0).collect();
-        // A few coefficients are read one by one, many in a row with the rest. Only the time depends on where one ends and the other begins;
-        // a quarter is a judgement.
+        // A few coefficients are read one by one, many are read together with the zeros in a row. The limit between the two affects only
+        // the time; a quarter is a judgement.
         let dense = (4 * terms.len() > coefficients.len()).then(|| coefficients.to_vec());
         Self { terms, dense, free: motions.iter().map(|motion| dot(motion, coefficients)).collect() }
     }
@@ -137,17 +137,17 @@ impl Functional {
     }
 }
 
-/// Rigid motions of a free structure, integrated apart: they grow without bound, and K_∞ times them is nothing but rounding.
+/// The rigid motions of a free structure, integrated separately: they grow without bound, and K_∞ times them is pure rounding.
 struct Free {
     motions: Vec<Vec<f64>>,
-    /// Force on each for p = 1.
+    /// Force on each motion for p = 1.
     load: Vec<f64>,
     displacement: Vec<f64>,
     velocity: Vec<f64>,
 }
 
 impl Free {
-    /// Splits load and initial velocity into what moves the free motions and the rest.
+    /// Splits load and initial velocity into the part that moves the free motions and the rest.
     fn split(assembled: &Assembled, task: &Transient<'_>) -> (Self, Vec<f64>, Vec<f64>) {
         let motions = assembled.free_motions();
         let mut rest = task.initial_velocity.clone().unwrap_or_else(|| vec![0.0; assembled.unknowns()]);
@@ -163,7 +163,7 @@ impl Free {
         (Self { motions, load, displacement, velocity }, held, rest)
     }
 
-    /// One step of average acceleration, which is `mean` times the load.
+    /// One step of average acceleration, in which the mean force is `mean` times the load.
     fn step(&mut self, h: f64, mean: f64) {
         for ((x, v), g) in self.displacement.iter_mut().zip(&mut self.velocity).zip(&self.load) {
             *x += h * (*v + 0.5 * h * mean * g);
@@ -172,7 +172,7 @@ impl Free {
     }
 }
 
-/// State and factors of the full model; x, v and a are without the free motions.
+/// State and factors of the full model; x, v and a do not contain the free motions.
 pub(crate) struct FullStepper<'a> {
     assembled: &'a Assembled,
     factor: Cholesky,
@@ -181,19 +181,19 @@ pub(crate) struct FullStepper<'a> {
     x: Vec<f64>,
     v: Vec<f64>,
     a: Vec<f64>,
-    /// K_∞ times the displacement that the next step predicts, and what that displacement has over the last one: summed
-    /// over increments, K_∞ x keeps the digits that large stiffness and small strain would cost.
+    /// K_∞ times the displacement predicted for the next step, and the increment of that displacement over the last prediction. K_∞ x is
+    /// summed over increments to keep the digits that a large stiffness would cost at small strain.
     internal: Vec<f64>,
     increment: Vec<f64>,
     free: Free,
-    /// The load, and the load without what accelerates the free motions.
+    /// The load as a functional, and the load without the part that accelerates the free motions.
     load: Functional,
     held_load: Vec<f64>,
-    /// Unknown of each slip, and A⁻¹ times its unit vector.
+    /// Index of the unknown of each slip, and A⁻¹ times its unit vector.
     unknowns: Vec<usize>,
     columns: Vec<Vec<f64>>,
     slips: SlipSolver,
-    /// S of the slips' system, the slips' way with the joints' forces held, S times that.
+    /// S of the slips' system, the slips' increments with the joints' forces held, and S times these increments.
     slip_stiffness: Square,
     slip_way: Vec<Group>,
     slip_load: Vec<Group>,
@@ -265,7 +265,7 @@ impl<'a> FullStepper<'a> {
         functional.at(&self.v) + dot(&functional.free, &self.free.velocity)
     }
 
-    /// At the force `p`.
+    /// Acceleration of the functional at the applied force `p`.
     pub(crate) fn acceleration(&self, functional: &Functional, p: f64) -> f64 {
         functional.at(&self.a) + p * dot(&functional.free, &self.free.load)
     }
@@ -281,7 +281,7 @@ impl<'a> FullStepper<'a> {
         Energies { kinetic: 0.5 * kinetic, elastic: 0.5 * stiffness.square(&self.x) }
     }
 
-    /// One step from the force `before` to the force `p`.
+    /// One step, over which the applied force changes from `before` to `p`.
     pub(crate) fn step(&mut self, joints: &mut Joints<'_>, before: f64, p: f64) -> Result<(), Error> {
         let (h, quarter) = (self.dt, 0.25 * self.dt * self.dt);
         for ((x, v), a) in self.x.iter_mut().zip(&mut self.v).zip(&self.a) {
@@ -314,7 +314,7 @@ impl<'a> FullStepper<'a> {
         Ok(())
     }
 
-    /// Lets the joints' forces change and takes what that does off the acceleration.
+    /// Solves for the joints' forces at the step's end, and subtracts their effect from the acceleration.
     fn correct(&mut self, joints: &mut Joints<'_>, quarter: f64) -> Result<(), Error> {
         for (i, &unknown) in self.unknowns.iter().enumerate() {
             let way = (self.x[unknown] - self.slips.slips()[i]) + quarter * self.a[unknown];

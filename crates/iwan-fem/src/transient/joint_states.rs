@@ -1,4 +1,4 @@
-//! The joints of a structure in motion: laws, memories, forces.
+//! The joints of a moving structure: their laws, memories and forces.
 
 use iwan_core::{
     Backbone, Continuum, Hysteresis, Reversal, Reversals, Run, Runs, Slider, Sliders, Straight, Trial,
@@ -8,32 +8,32 @@ use crate::error::Error;
 use crate::structure::Law;
 use iwan_core::Representation;
 
-/// Reversals that a joint in the continuum remembers before it begins to forget the smallest loops. In a ring-down
-/// each half cycle lies inside the one before, and both stay open: this is enough for 2,000 cycles. What forgetting may cost is bounded,
-/// and told as `StructureResponse::forgotten_force`.
+/// Number of reversals that a joint in the continuum remembers before it forgets its smallest loops. In a ring-down each half cycle lies
+/// inside the one before, and both stay open, so this suffices for 2,000 cycles. `StructureResponse::forgotten_force` bounds the force
+/// error of forgetting.
 const REVERSALS: usize = 4096;
 
 type SharedLaw = dyn Backbone + Send + Sync;
 
 /// One joint law and its state.
 enum Kernel<'t> {
-    /// No law: no force.
+    /// No law and therefore no force.
     Free,
     Sliders(Sliders<'t>, Runs<Vec<Run>>),
     Continuum(Continuum<&'t SharedLaw>, Box<Reversals<Vec<Reversal>>>),
 }
 
-/// A joint: law and state, where it stands, and two straight pieces: the one it moves on, which begins where it stands,
-/// and the one on which the last trial ended. The state itself is moved only when a trial leaves both.
+/// A joint: its law and state, its slip, and two straight pieces of its force. `piece` is the one on which the joint moves, and it begins
+/// at the joint's slip; `ahead` is the one on which the last trial ended. The state itself is moved only when a trial leaves both pieces.
 struct JointState<'t> {
     kernel: Kernel<'t>,
-    /// Where the joint stands; of sliders alone, as other states stand there themselves.
+    /// Slip of a joint on sliders; other states store their own slip.
     slip: f64,
     piece: Straight,
     ahead: Straight,
 }
 
-/// A piece on which nothing lies.
+/// A piece that contains no slip.
 const NO_PIECE: Straight = Straight {
     anchor: f64::NAN,
     base: f64::NAN,
@@ -52,14 +52,14 @@ impl<'t> JointState<'t> {
         Self { kernel, slip: 0.0, piece, ahead: NO_PIECE }
     }
 
-    /// Lets the state of sliders catch up with the slip; other states always keep up.
+    /// Moves the state of sliders to the joint's slip; other states are always up to date.
     fn catch_up(&mut self) {
         if let Kernel::Sliders(law, state) = &mut self.kernel {
             law.advance(state, self.slip);
         }
     }
 
-    /// Force and tangent at `s`, off the pieces that are known.
+    /// Force and tangent at the slip `s`, which lies on neither of the two pieces.
     fn look_ahead(&mut self, s: f64) -> (f64, f64) {
         self.catch_up();
         match &self.kernel {
@@ -72,7 +72,7 @@ impl<'t> JointState<'t> {
         }
     }
 
-    /// Moves to `s`, off the piece; returns the force there.
+    /// Moves the joint to the slip `s`, which lies off `piece`; returns the force at `s`.
     fn leave_piece(&mut self, s: f64) -> f64 {
         match &mut self.kernel {
             Kernel::Free => 0.0,
@@ -81,7 +81,7 @@ impl<'t> JointState<'t> {
                 if !self.ahead.holds(s) {
                     self.look_ahead(s);
                 } else if self.ahead.direction != self.piece.direction {
-                    // The state turns round where the joint stands.
+                    // The motion turns round at the joint's slip, so the state must be moved there first.
                     self.catch_up();
                 }
                 self.slip = s;
@@ -92,7 +92,7 @@ impl<'t> JointState<'t> {
     }
 }
 
-/// The joints of a structure, one per slip.
+/// The joints of a structure, one for each slip.
 pub(crate) struct Joints<'t> {
     joints: Vec<JointState<'t>>,
 }
@@ -107,7 +107,7 @@ pub(crate) fn tables(slips: usize, representation: Representation) -> Vec<Vec<Sl
 }
 
 impl<'t> Joints<'t> {
-    /// Virgin joints with the given laws; `tables` come from [`tables`].
+    /// Virgin joints with the given laws; `tables` must come from the function [`tables`].
     pub(crate) fn new(
         laws: impl Iterator<Item = Option<&'t Law>>,
         representation: Representation,
@@ -138,7 +138,7 @@ impl<'t> Joints<'t> {
         self.joints.len()
     }
 
-    /// Force and tangent of joint `i` at the slip `s`, which stays a trial.
+    /// Force and tangent of joint `i` at the slip `s`, without moving the joint.
     #[inline]
     pub(crate) fn trial(&mut self, i: usize, s: f64) -> (f64, f64) {
         let joint = &mut self.joints[i];
@@ -158,14 +158,14 @@ impl<'t> Joints<'t> {
             return joint.leave_piece(s);
         }
         if joint.ahead.direction != joint.piece.direction && s != joint.slip {
-            // What was seen after turning round here is no longer ahead.
+            // A trial from before this motion that turned round no longer lies ahead.
             joint.ahead = NO_PIECE;
         }
         (joint.slip, joint.piece.start) = (s, s);
         joint.piece.force(s)
     }
 
-    /// Shows every number of the joints' states.
+    /// Passes every number of the joints' states to `see`.
     pub(crate) fn each_number(&mut self, see: &mut dyn FnMut(&mut f64)) {
         for joint in &mut self.joints {
             match &mut joint.kernel {
@@ -192,7 +192,7 @@ impl<'t> Joints<'t> {
         self.joints.iter_mut().map(energy).sum()
     }
 
-    /// Largest bound on a joint's force error from forgotten loops; 0 = exact.
+    /// Largest bound on a joint's force error from forgotten loops; 0 means exact.
     pub(crate) fn forgotten(&self) -> f64 {
         let forgotten = |joint: &JointState<'_>| match &joint.kernel {
             Kernel::Continuum(_, state) => state.forgotten(),
@@ -211,7 +211,7 @@ mod tests {
     use super::*;
     use crate::algebra::random;
 
-    /// Pieces that are kept, states that lag behind, trials that turn round: the force is that of the plain state.
+    /// With stored pieces, states that lag behind and trials that turn round, the force must equal that of the plain state.
     #[test]
     fn forces_do_not_depend_on_the_trials_before() {
         let law: Law = Arc::new(FourParameter::new(2.75e5, 300.0, -0.3, 0.02).unwrap());
@@ -227,12 +227,12 @@ mod tests {
             let mut slip = 0.0;
             for seed in 0..4000 {
                 let r = random(8, seed);
-                // Steps from far below the weakest slider to beyond the strongest.
+                // Steps range from far below the weakest slider's strength to beyond the strongest.
                 let size = |x: f64| phi_max * 10.0_f64.powf(3.5 * x - 3.0);
                 for trial in 0..3 {
                     let at = slip + r[2 * trial] * size(r[2 * trial + 1]);
                     let (force, tangent) = joints.trial(0, at);
-                    // A fresh look from the state that always keeps up.
+                    // Evaluates anew from a state that is always up to date.
                     plain.joints[0].ahead = NO_PIECE;
                     plain.joints[0].piece = NO_PIECE;
                     let (expected, slope) = plain.trial(0, at);

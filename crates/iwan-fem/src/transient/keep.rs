@@ -1,4 +1,4 @@
-//! Modes and a reduced basis to be kept for later runs.
+//! Modes and a reduced basis, kept for later runs.
 
 use super::reduction::Basis;
 use crate::error::Error;
@@ -7,11 +7,11 @@ use crate::structure::{Kept, KeptModes};
 use iwan_core::Progress;
 
 impl NamedModes {
-    /// These modes and a reduced basis of `modes` stuck modes with the attachment vectors of the slips: all that a later run of the same
-    /// structure would factor for.
+    /// These modes and a reduced basis of `modes` stuck modes with the attachment vectors of the slips: all results for which a later run
+    /// of the same structure would need factorisations.
     ///
     /// # Errors
-    /// As [`Assembled::reduce_observed`](crate::Assembled::reduce_observed).
+    /// The errors of [`Assembled::reduce_observed`](crate::Assembled::reduce_observed).
     ///
     /// ```
     /// use std::sync::Arc;

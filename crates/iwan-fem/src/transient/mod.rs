@@ -1,4 +1,4 @@
-//! Structures with slipping joints in time: all unknowns, or a few coordinates that stand for them.
+//! Transients of structures with slipping joints, with all unknowns or with a few coordinates in their place.
 
 mod task;
 mod joint_states;

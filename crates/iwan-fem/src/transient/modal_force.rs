@@ -1,15 +1,15 @@
-//! The joints' force on one mode.
+//! The force of the joints on one mode.
 
 use super::response::{History, StructureResponse};
 use crate::matrices::Assembled;
 use crate::modes::Modes;
 
 impl Assembled {
-    /// Modal joint force of stuck mode `index` in a response: F_J = K_T q + Σ φ_s (F_s - k_s s), the force by which the
-    /// equation of the mode differs from that of the slipping structure, q'' + (ω0² - K_T) q + F_J = φᵀ f. With all joints
-    /// stuck it is K_T q (Deaner et al., Eq. 5).
+    /// Modal joint force of stuck mode `index` in a response: F_J = K_T q + Σ φ_s (F_s - k_s s). It is the force by which the mode's
+    /// equation differs from that of the slipping structure, q'' + (ω0² - K_T) q + F_J = φᵀ f. With all joints stuck it is K_T q (Deaner et
+    /// al., Eq. 5).
     ///
-    /// `modal` is the history of the mode's coordinate in the same response, `k_t` its modal joint stiffness in 1/s².
+    /// `modal` is the history of the mode's coordinate in the same response, `k_t` the mode's joint stiffness in 1/s².
     ///
     /// # Panics
     /// When `modes` or the response belong to another structure or there is no mode `index`.

@@ -1,4 +1,4 @@
-//! Which model of a structure is integrated, and what companion runs say about the errors of the response.
+//! The choice of the model that is integrated, and error estimates of the response from companion runs.
 
 use super::reduction::{Basis, Reduced};
 use super::response::{History, StructureResponse};
@@ -9,37 +9,37 @@ use crate::matrices::Assembled;
 use iwan_core::Representation;
 use iwan_core::progress::part;
 
-/// Which model is integrated.
+/// The model of a structure that is integrated.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Model {
     /// All unknowns.
     Full,
-    /// This many stuck modes and the attachment vectors of the slips.
+    /// A reduced model with this many stuck modes and the attachment vectors of the slips.
     Basis(usize),
-    /// The same with as many modes as the outputs' accelerations need for this relative error.
+    /// A reduced model with as many modes as the outputs' accelerations need for this relative error.
     Tolerance(f64),
-    /// The basis that the structure [brings with it](crate::Structure::kept).
+    /// The basis that the [structure holds](crate::Structure::kept).
     Kept,
 }
 
 impl Model {
-    /// The reduced model as good as most studies need: accelerations within 5 %, displacements far better. It is an estimate from the last
-    /// doubling of the basis; under 1000 lbf on the paper's beam 50 modes reach it, with a true error below 1e-3.
+    /// A reduced model accurate enough for most studies: accelerations within 5 %, displacements far better. The error is an estimate from
+    /// the last doubling of the basis; under 1000 lbf on the paper's beam 50 modes reach it, with a true error below 1e-3.
     pub const USUAL: Self = Self::Tolerance(0.05);
 }
 
-/// The response of a model, and what was reduced.
+/// The response of a model, with the reduced model.
 #[derive(Debug, Clone)]
 pub struct Integrated<'a> {
     /// The response.
     pub response: StructureResponse,
     /// The reduced model; none for the full one.
     pub reduced: Option<Reduced<'a>>,
-    /// Estimated error of the reduction, where it was sought.
+    /// Estimated error of the reduction, if the basis was sought by a tolerance.
     pub basis_error: Option<BasisError>,
 }
 
-/// What it costs to leave modes out of the basis.
+/// Error from the modes that the basis leaves out.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct BasisError {
     /// Estimated relative error of the outputs' accelerations, as in [`Converged::error`](crate::Converged::error).
@@ -48,21 +48,21 @@ pub struct BasisError {
     pub converged: bool,
 }
 
-/// Estimated errors, one per output, relative to its peak displacement.
+/// Estimated errors of a response, one per output, relative to the output's peak displacement.
 #[derive(Debug, Clone, PartialEq)]
 pub struct StepErrors {
-    /// Of the time step: against twice the step, as the scheme is of second order.
+    /// Error of the time step, from a run with twice the step; the scheme is of second order.
     pub time_step: Vec<f64>,
-    /// Of cutting the joints into sliders: against the continuum; none when that is what was integrated.
+    /// Error of the joints' sliders, against the continuum; none if the continuum was integrated.
     pub sliders: Option<Vec<f64>>,
 }
 
 impl Assembled {
-    /// Integrates a model of the structure. `watch` hears a share done that rises to 1; a search for the basis may end
-    /// before.
+    /// Integrates a model of the structure. The listener of `watch` is called with the share done, which rises to 1; a search for the basis
+    /// may end before 1.
     ///
     /// # Errors
-    /// As [`transient_observed`](Self::transient_observed) and [`reduced_transient`](Self::reduced_transient).
+    /// The errors of [`transient_observed`](Self::transient_observed) and [`reduced_transient`](Self::reduced_transient).
     pub fn integrate<'w>(
         &self,
         model: Model,
@@ -95,10 +95,10 @@ impl Assembled {
 }
 
 impl Assembled {
-    /// Modes in the basis of a model that says how many; of others those of the basis that the structure brings with it.
+    /// Number of modes in the basis: the one that `model` states, otherwise that of the basis which the structure holds.
     ///
     /// # Errors
-    /// [`Error::Analysis`] for a structure without one.
+    /// [`Error::Analysis`] if the structure holds no basis.
     pub fn basis_of(&self, model: Model) -> Result<usize, Error> {
         match (model, self.structure().kept.as_deref()) {
             (Model::Basis(modes), _) => Ok(modes),
@@ -113,7 +113,7 @@ impl Assembled {
 }
 
 impl Integrated<'_> {
-    /// Modes in the basis of the reduced model; none for the full one.
+    /// Number of modes in the basis of the reduced model; none for the full model.
     #[must_use]
     pub fn basis(&self) -> Option<usize> {
         self.reduced.as_ref().map(|reduced| reduced.modes().len())
@@ -121,10 +121,10 @@ impl Integrated<'_> {
 }
 
 impl Reduced<'_> {
-    /// Errors of a response of this model, by companion runs.
+    /// Errors of a response of this model, estimated by companion runs.
     ///
     /// # Errors
-    /// As [`transient_observed`](Self::transient_observed).
+    /// The errors of [`transient_observed`](Self::transient_observed).
     pub fn step_errors<'w>(
         &self,
         task: &Transient<'_>,
@@ -149,7 +149,7 @@ impl Reduced<'_> {
     }
 }
 
-/// Largest difference of displacements at the samples that two histories share, over the peak.
+/// Largest difference of displacements at the samples that two histories share, over the peak of `history`.
 fn difference(history: &History, other: &History, stride: usize) -> f64 {
     let peak = history.displacement.iter().fold(0.0, |most: f64, u| most.max(u.abs()));
     let pairs = history.displacement.iter().step_by(stride).zip(&other.displacement);

@@ -1,10 +1,10 @@
-//! Time integration of the reduced model: a step is one sweep over the coordinates and the small system of the slips.
+//! Time integration of the reduced model: a step is one sweep over the coordinates, and the small system of the slips.
 //!
-//! Average acceleration (Newmark β = 1/4, γ = 1/2) in the mean velocity v̄ of a step: with e = dt ζω + dt²λ/4 and
-//! d = 1/(1 + e) it is v̄ = v + d [dt/2 (p̄ g - λ q - Bᵀ N̄) - e v], q' = q + dt v̄, v' = 2 v̄ - v, where N = F(s) - K_T s is what
-//! the joints' forces differ from stuck ones. With N held over the step the slips move by Δs*; then
-//! (C⁻¹ - K_T) Δs + ΔF = C⁻¹ Δs* with C = dt²/4 B d Bᵀ. One sweep completes a step and begins the next. (As a whole, d v
-//! would do the same, but rounding of d would damp: some 1e-16 of the energy each step, always of one sign.)
+//! The scheme is average acceleration (Newmark β = 1/4, γ = 1/2) in the mean velocity v̄ of a step. With e = dt ζω + dt²λ/4 and d = 1/(1 +
+//! e) it is v̄ = v + d [dt/2 (p̄ g - λ q - Bᵀ N̄) - e v], q' = q + dt v̄, v' = 2 v̄ - v, where N = F(s) - K_T s is the difference of the
+//! joints' forces from those of stuck joints. With N held over the step the slips move by Δs*; then (C⁻¹ - K_T) Δs + ΔF = C⁻¹ Δs* with C =
+//! dt²/4 B d Bᵀ. One sweep completes a step and begins the next. (In exact arithmetic a first term d v would do the same, but the rounding
+//! of d would act as damping: some 1e-16 of the energy in each step, always of one sign.)
 #![expect(clippy::inline_always, reason = "what is not inlined does not get the wide registers")]
 
 use std::time::Instant;
@@ -21,10 +21,10 @@ use crate::matrices::inverse_of;
 use iwan_core::progress::UNWATCHED;
 
 impl Reduced<'_> {
-    /// Integrates the reduced model; outputs are functionals of the unknowns of the full one.
+    /// Integrates the reduced model; outputs are functionals of the unknowns of the full model.
     ///
     /// # Errors
-    /// As [`Assembled::transient`](crate::Assembled::transient).
+    /// The errors of [`Assembled::transient`](crate::Assembled::transient).
     ///
     /// ```
     /// use iwan_core::Pulse;
@@ -49,10 +49,10 @@ impl Reduced<'_> {
         self.transient_observed(task, UNWATCHED)
     }
 
-    /// [`transient`](Self::transient) with a progress report that may break it off, and with a checkpoint from which it goes on.
+    /// [`transient`](Self::transient) with a progress report whose listener may stop it, and with a checkpoint from which it can continue.
     ///
     /// # Errors
-    /// As [`transient`](Self::transient), [`Error::Interrupted`], and [`Error::Analysis`] for a checkpoint that does not fit.
+    /// The errors of [`transient`](Self::transient), [`Error::Interrupted`], and [`Error::Analysis`] for a checkpoint that does not fit.
     pub fn transient_observed<'w>(
         &self,
         task: &Transient<'_>,
@@ -75,7 +75,7 @@ impl Reduced<'_> {
         recorder.slips(&stepper.slips);
         let (force, start, clock) = (task.force(), stepper.energies(), Instant::now());
         let damped = self.damping().iter().any(|c| *c != 0.0);
-        // The widest registers at hand; nothing is contracted, so the bits are the same in all of them.
+        // The widest vector registers of the processor. No product is fused with a sum, so the bits are the same with any width.
         let registers = pulp::Arch::new();
         stepper.predict(0.5 * (force[0] + force.get(1).unwrap_or(&0.0)));
         let mut keeper = Keeper::new(&watch, assembled, task, &force, |digest| {
@@ -109,7 +109,7 @@ impl Reduced<'_> {
     }
 }
 
-/// Shows every number that one step leaves to the next.
+/// Passes every number that one step leaves to the next to `see`.
 fn numbers(stepper: &mut Stepper, joints: &mut Joints<'_>, see: &mut dyn FnMut(&mut f64)) {
     let lists = [
         &mut stepper.q,
@@ -124,14 +124,14 @@ fn numbers(stepper: &mut Stepper, joints: &mut Joints<'_>, see: &mut dyn FnMut(&
     joints.each_number(see);
 }
 
-/// A functional of the coordinates: one of them, or all weighted.
+/// A functional of the coordinates: a multiple of one coordinate, or a weighted sum of all.
 enum Reading {
     One(usize, f64),
     All(Vec<Group>),
 }
 
-/// Coefficients below this part of the largest are rounding of a projection: in a modal coordinate they are 1e-15 and less. A functional
-/// of which only one is left is read as that coordinate alone, which saves the sum over all in every step.
+/// Coefficients below this part of the largest count as rounding of a projection; those of a modal coordinate are 1e-15 or less. If only
+/// one coefficient is left, the functional is read as that coordinate alone, which saves the sum over all in every step.
 const ROUNDING: f64 = 1e-9;
 
 impl Reading {
@@ -167,7 +167,7 @@ struct Stepper {
     q: Vec<Group>,
     v: Vec<Group>,
     a: Vec<Group>,
-    /// v̄ of the step under way, with the joints' forces held.
+    /// v̄ of the present step, with the joints' forces held.
     mean: Vec<Group>,
     /// Bᵀ N.
     joint: Vec<Group>,
@@ -178,7 +178,7 @@ struct Stepper {
     excess: Vec<Group>,
     compliance: Vec<Group>,
     load: Vec<Group>,
-    /// B: for each slip the coordinates one after the other.
+    /// B: for each slip, all coordinates in a row.
     slip_shapes: Vec<Group>,
     /// Stiffness K_T of each slip's joint.
     k_t: Vec<f64>,
@@ -189,7 +189,7 @@ struct Stepper {
     slip_load: Vec<Group>,
     /// Change of N in the last step.
     change: Vec<f64>,
-    /// Δs*, per lane.
+    /// Bᵀ v̄, per lane; dt times its sum over the lanes is Δs*.
     ahead: Vec<Group>,
 }
 
@@ -257,7 +257,7 @@ impl Stepper {
         Energies { kinetic: total(&sums[0]), elastic: total(&sums[1]) - stuck }
     }
 
-    /// Begins the first step, in which the force is `p` on the mean.
+    /// Begins the first step, in which the mean force is `p`.
     fn predict(&mut self, p: f64) {
         let half = 0.5 * self.dt;
         for g in 0..self.q.len() {
@@ -267,7 +267,7 @@ impl Stepper {
         self.read_slips();
     }
 
-    /// Bᵀ v̄ into `ahead`.
+    /// Writes Bᵀ v̄ to `ahead`.
     #[inline(always)]
     fn read_slips(&mut self) {
         for (sum, shapes) in self.ahead.iter_mut().zip(self.slip_shapes.chunks_exact(self.mean.len())) {
@@ -281,7 +281,7 @@ impl Stepper {
         }
     }
 
-    /// Lets the joints' forces change over the step under way.
+    /// Solves for the joints' forces at the end of the present step.
     #[inline]
     fn solve_slips(&mut self, joints: &mut Joints<'_>) -> Result<(), Error> {
         for (i, sum) in self.ahead.iter().enumerate() {
@@ -297,8 +297,8 @@ impl Stepper {
         Ok(())
     }
 
-    /// Completes the step, at whose end the force is `p`, and begins the next one, in which it is `next` on the mean.
-    /// Returns how far the load's point of attack moved, and the energy lost in viscous damping.
+    /// Completes the step, at whose end the force is `p`, and begins the next step, in which the mean force is `next`. Returns the
+    /// displacement of the load's point of attack over the step, and the energy lost in viscous damping.
     #[inline(always)]
     fn sweep<const DAMPED: bool>(&mut self, p: f64, next: f64) -> (f64, f64) {
         let (h, half, quarter) = (self.dt, 0.5 * self.dt, 0.25 * self.dt);
@@ -311,7 +311,7 @@ impl Stepper {
                     change[l] += shapes[g][l] * n;
                 }
             }
-            // Copies, so that the compiler need not ask which of these might be the same.
+            // Local copies, so that the compiler knows that these arrays do not overlap.
             let (mut q, mut v, mut a) = (self.q[g], self.v[g], self.a[g]);
             let (mut joint, mut mean) = (self.joint[g], self.mean[g]);
             let (d, e, lambda) = (self.compliance[g], self.excess[g], self.eigenvalues[g]);
@@ -338,7 +338,7 @@ impl Stepper {
     }
 }
 
-/// [`Stepper::sweep`] in the widest registers at hand.
+/// [`Stepper::sweep`] in the widest vector registers of the processor.
 struct Sweep<'a> {
     stepper: &'a mut Stepper,
     damped: bool,

@@ -1,9 +1,9 @@
 //! Reduced model: stuck modes and the static attachment vectors of the slips.
 //!
-//! Modes alone cannot follow a local slip: the attachment vector z = (K_0 + σM)⁻¹ e of each slip carries the static
-//! flexibility of all modes left out (R. R. Craig Jr. and C.-J. Chang, NASA CR-2893, 1977). Attachment vectors are made
-//! orthogonal to the modes and diagonalised among themselves, so that mass and stuck stiffness of the reduced model are
-//! diagonal: q'' + Λ q + Bᵀ [F(s) - K_T s] = p(t) Vᵀ g, s = B q. The first coordinates are the modal coordinates.
+//! Modes alone cannot follow a local slip. The attachment vector z = (K_0 + σM)⁻¹ e of each slip adds the static flexibility of all modes
+//! that are left out (R. R. Craig Jr. and C.-J. Chang, NASA CR-2893, 1977). Attachment vectors are made orthogonal to the modes and
+//! diagonalised among themselves, so that mass and stuck stiffness of the reduced model are diagonal: q'' + Λ q + Bᵀ [F(s) - K_T s] = p(t)
+//! Vᵀ g, s = B q. The first coordinates are the modal coordinates.
 
 use faer::Mat;
 
@@ -15,13 +15,13 @@ use crate::structure::Kept;
 use iwan_core::Progress;
 use iwan_core::progress::UNWATCHED;
 
-/// What spans the reduced model.
+/// The vectors that span the reduced model.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Basis {
     /// Modes and attachment vectors of the slips.
     #[default]
     ModesAndAttachments,
-    /// Modes alone: wrong as soon as joints slip noticeably; kept to show it.
+    /// Modes alone. The result is wrong as soon as joints slip noticeably; the choice exists to show that.
     Modes,
 }
 
@@ -30,35 +30,36 @@ pub enum Basis {
 pub struct Reduced<'a> {
     assembled: &'a Assembled,
     modes: Modes,
-    /// Columns of V behind the modes.
+    /// Columns of V after the modes.
     attachments: Vec<Vec<f64>>,
-    /// Λ, 1/s²: those of the modes, then of the attachment vectors.
+    /// Λ, 1/s²: first those of the modes, then those of the attachment vectors.
     eigenvalues: Vec<f64>,
     /// 2ζω of each coordinate, 1/s.
     damping: Vec<f64>,
 }
 
-/// Attachment vectors whose part outside the modes and the other ones is smaller than this, relatively, add nothing and are left out: as
-/// when two joints act on one motion. It is a square of lengths, so that 1e-6 of a length is kept; those of the paper's beam are all
-/// above 4e-2.
+/// Limit below which an attachment vector is left out because it adds nothing to the modes and the other vectors, as when two joints act on
+/// one motion. The limit holds for the squared length of the vector's independent part, relative to the whole, so 1e-6 of a length is still
+/// kept. The vectors of the paper's beam are all above 4e-2.
 const DEPENDENT: f64 = 1e-12;
-/// What the modes leave of an attachment vector, over the whole of it, is rounding below this, a square of lengths as well: where modes span everything the
-/// square of 1e-16 is left. As a vector of its own, rounding would be a mode twice over.
+/// Limit below which the part of an attachment vector outside the modes is rounding, also for the squared length relative to the whole:
+/// where the modes span everything, the square of 1e-16 is left. Such a vector is left out, because normalised rounding would duplicate a
+/// mode.
 const ROUNDING: f64 = 1e-22;
 
 impl Assembled {
-    /// Reduces the structure to its lowest `modes` stuck modes, zero modes included, and the attachment vectors.
+    /// Reduces the structure to its lowest `modes` stuck modes, including zero modes, and the attachment vectors.
     ///
     /// # Errors
-    /// As [`modes`](Self::modes).
+    /// The errors of [`modes`](Self::modes).
     pub fn reduce(&self, modes: usize, basis: Basis) -> Result<Reduced<'_>, Error> {
         self.reduce_observed(modes, basis, UNWATCHED)
     }
 
-    /// [`reduce`](Self::reduce) with a progress report that may break it off.
+    /// [`reduce`](Self::reduce) with a progress report whose listener may stop it.
     ///
     /// # Errors
-    /// As [`modes_observed`](Self::modes_observed).
+    /// The errors of [`modes_observed`](Self::modes_observed).
     pub fn reduce_observed(
         &self,
         modes: usize,
@@ -97,8 +98,8 @@ impl<'a> Reduced<'a> {
         Self::damped(Self { assembled, modes, attachments, eigenvalues, damping: Vec::new() })
     }
 
-    /// With what the damping of given matrices takes from each coordinate alone: the diagonal of Vᵀ C V. What couples coordinates is left
-    /// out, as is usual where damping is light.
+    /// Adds the damping of given matrices: the diagonal of Vᵀ C V. The terms that couple coordinates are left out, as is usual where
+    /// damping is light.
     fn damped(mut self) -> Self {
         let own = |k: usize| {
             self.assembled.damping().map_or(0.0, |c| c.form(self.column(k), self.column(k)).max(0.0))
@@ -107,8 +108,9 @@ impl<'a> Reduced<'a> {
         self
     }
 
-    /// The same with viscous modal damping besides that of given matrices: every coordinate gets a term 2ζωq' with the ratio ζ that `ratio` gives for its
-    /// frequency in Hz. Rigid motions stay undamped. What a suspension or a sensor's cable takes besides the joints.
+    /// The same model with viscous modal damping in addition to that of given matrices. Every coordinate gets a term 2ζωq' with the ratio ζ
+    /// that `ratio` returns for its frequency in Hz; rigid motions stay undamped. This represents losses besides the joints, such as those
+    /// of a suspension or a sensor's cable.
     ///
     /// # Errors
     /// [`Error::OutOfRange`] for a ratio that is negative or not finite.
@@ -143,25 +145,25 @@ impl<'a> Reduced<'a> {
         self.assembled
     }
 
-    /// The stuck modes of the basis.
+    /// The stuck modes in the basis.
     #[must_use]
     pub fn modes(&self) -> &Modes {
         &self.modes
     }
 
-    /// Number of coordinates: modes and attachment vectors.
+    /// Number of coordinates: modes plus attachment vectors.
     #[must_use]
     pub fn coordinates(&self) -> usize {
         self.eigenvalues.len()
     }
 
-    /// Λ, 1/s²: ω² of the modes, then those of the attachment vectors.
+    /// Λ, 1/s²: ω² of the modes, then the eigenvalues of the attachment vectors.
     #[must_use]
     pub fn eigenvalues(&self) -> &[f64] {
         &self.eigenvalues
     }
 
-    /// Column k of the basis V, in the unknowns.
+    /// Column k of the basis V: one entry per unknown.
     ///
     /// # Panics
     /// When there is no such column.
@@ -170,7 +172,7 @@ impl<'a> Reduced<'a> {
         if k < self.modes.len() { self.modes.shape(k) } else { &self.attachments[k - self.modes.len()] }
     }
 
-    /// Vᵀ f: a functional of the unknowns in the coordinates.
+    /// Vᵀ f: the functional `f` of the unknowns, in terms of the coordinates.
     ///
     /// # Panics
     /// When `f` does not have one entry per unknown.
@@ -180,20 +182,20 @@ impl<'a> Reduced<'a> {
     }
 }
 
-/// Λ of the modes, with nothing left of what is rounding in rigid motions.
+/// Λ of the modes; those of rigid motions, which are rounding, are set to 0.
 fn eigenvalues_of(modes: &Modes) -> Vec<f64> {
     (0..modes.len()).map(|i| if i < modes.zero_modes() { 0.0 } else { modes.eigenvalue(i) }).collect()
 }
 
-/// (K_0 + σM)⁻¹ e of each slip without its part in the modes. The shift is so far below the first mode left out that
-/// what it changes lies in the modes.
+/// (K_0 + σM)⁻¹ e of each slip without its part in the modes. The shift σ is so far below the first mode left out that its effect lies
+/// within the modes.
 fn attachment_vectors(assembled: &Assembled, modes: &Modes, factor: &Cholesky) -> Vec<Vec<f64>> {
     let vector = |unknown: usize| -> Option<Vec<f64>> {
         let mut z = vec![0.0; assembled.unknowns()];
         z[unknown] = 1.0;
         factor.solve(&mut z);
         let whole = assembled.mass().form(&z, &z);
-        // Twice: what is left is small against what is taken off.
+        // The part in the modes is removed twice, because the remainder is small compared with what is removed.
         for _ in 0..2 {
             let weighted = assembled.mass().times(&z);
             for i in 0..modes.len() {
@@ -209,7 +211,7 @@ fn attachment_vectors(assembled: &Assembled, modes: &Modes, factor: &Cholesky) -
     assembled.slips().iter().filter_map(|slip| vector(slip.unknown)).collect()
 }
 
-/// Combinations of vectors of unit mass that are M-orthonormal and K_0-orthogonal, and their eigenvalues.
+/// Combinations of vectors of unit mass that are M-orthonormal and K_0-orthogonal, with their eigenvalues.
 fn diagonalise(assembled: &Assembled, vectors: &[Vec<f64>]) -> Result<(Vec<f64>, Vec<Vec<f64>>), Error> {
     let n = vectors.len();
     if n == 0 {

@@ -1,4 +1,4 @@
-//! What a transient gives: histories, slips, the balance of energy; and how they are recorded step by step.
+//! The result of a transient (histories, slips, energy balance), and its recording step by step.
 
 use iwan_core::EnergyBalance;
 
@@ -30,7 +30,7 @@ pub struct SlipHistory {
     pub slip: Vec<f64>,
     /// Joint force.
     pub force: Vec<f64>,
-    /// Largest |slip| over the strength φ_max of the strongest slider; 0 for a free slip.
+    /// Largest |slip| over the strength φ_max of the joint's strongest slider; 0 for a slip without a joint law.
     pub slip_ratio: f64,
 }
 
@@ -39,24 +39,24 @@ pub struct SlipHistory {
 pub struct StructureResponse {
     /// Time step, s.
     pub dt: f64,
-    /// The outputs asked for.
+    /// The requested outputs.
     pub outputs: Vec<History>,
-    /// All slips.
+    /// The histories of all slips.
     pub slips: Vec<SlipHistory>,
     /// Energy balance over the whole run: input = kinetic + elastic + stored + viscous +
     /// friction + residual.
     pub energy: EnergyBalance,
-    /// Bound on the joint forces' error from loops forgotten for want of memory; 0 = exact.
+    /// Bound on the joint forces' error from loops forgotten because memory was full; 0 means exact.
     pub forgotten_force: f64,
-    /// Wall-clock time of the stepping alone, s.
+    /// Wall-clock time of the time stepping alone, s.
     pub seconds: f64,
 }
 
-/// Steps between two calls of the observer: a step of the reduced model takes microseconds, one of the paper's full beam a
-/// millisecond, so that calls cost nothing and Ctrl-C is heard within a second.
+/// Number of steps between two calls of the listener. A step of the reduced model takes microseconds, one of the paper's full beam a
+/// millisecond; so the calls cost nothing, and Ctrl-C acts within a second.
 pub(crate) const OBSERVED: usize = 256;
 
-/// What is stored in a structure besides the springs of its joints.
+/// Energy of a structure without the springs of its joints.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Energies {
     pub(crate) kinetic: f64,
@@ -93,7 +93,7 @@ impl Recorder {
         }
     }
 
-    /// First sample of output `i`.
+    /// Records the first sample of output `i`.
     pub(crate) fn begin(&mut self, i: usize, velocity: f64, acceleration: f64) {
         let history = &mut self.outputs[i];
         history.displacement.push(0.0);
@@ -101,7 +101,7 @@ impl Recorder {
         history.acceleration.push(acceleration);
     }
 
-    /// Next sample of output `i`: displacement and velocity follow from the accelerations by the scheme's own rule.
+    /// Records the next sample of output `i`; displacement and velocity follow from the accelerations by the scheme's own rule.
     #[inline]
     pub(crate) fn output(&mut self, i: usize, acceleration: f64) {
         let (h, history) = (self.dt, &mut self.outputs[i]);
@@ -113,7 +113,7 @@ impl Recorder {
         history.acceleration.push(acceleration);
     }
 
-    /// Next sample of all slips, with the joints' work since the last one.
+    /// Records the next sample of all slips, and adds the joints' work since the last sample.
     #[inline]
     pub(crate) fn slips(&mut self, solver: &SlipSolver) {
         for (i, history) in self.slips.iter_mut().enumerate() {
@@ -137,18 +137,18 @@ impl Recorder {
         self.viscous += lost;
     }
 
-    /// Shows the works.
+    /// Passes the works to `see`.
     pub(crate) fn each_number(&mut self, see: &mut dyn FnMut(&mut f64)) {
         [&mut self.input, &mut self.viscous, &mut self.joint_work].into_iter().for_each(see);
     }
 
-    /// What was recorded so far: of each output three lists, of each slip two.
+    /// The histories recorded so far: three lists for each output, two for each slip.
     pub(crate) fn lists(&self) -> impl Iterator<Item = &[f64]> {
         let outputs = self.outputs.iter().flat_map(|o| [&o.displacement, &o.velocity, &o.acceleration]);
         outputs.chain(self.slips.iter().flat_map(|s| [&s.slip, &s.force])).map(Vec::as_slice)
     }
 
-    /// Goes on behind what was recorded before, `samples` of each; false where that does not fit.
+    /// Restores recorded histories of `samples` samples each; returns false if they do not fit.
     pub(crate) fn take_up(&mut self, mut lists: impl Iterator<Item = Vec<f64>>, samples: usize) -> bool {
         let outputs = self.outputs.iter_mut();
         let outputs = outputs.flat_map(|o| [&mut o.displacement, &mut o.velocity, &mut o.acceleration]);
@@ -162,7 +162,7 @@ impl Recorder {
         fits && lists.next().is_none()
     }
 
-    /// Completes the response from kinetic and elastic energy at both ends.
+    /// Completes the response; `start` and `end` are the energies at both ends.
     pub(crate) fn finish(
         mut self,
         joints: &mut Joints<'_>,
@@ -206,7 +206,7 @@ impl Recorder {
 }
 
 impl Assembled {
-    /// Strength of the strongest slider of each slip; infinite without a law.
+    /// Strength of the strongest slider of each slip; infinite for a slip without a law.
     pub(crate) fn strongest(&self) -> impl Iterator<Item = f64> + '_ {
         self.slips().iter().map(|slip| slip.law.as_ref().map_or(f64::INFINITY, |law| law.strengths().1))
     }

@@ -1,5 +1,5 @@
-//! A run as users ask for it: the response of a model with its errors, the joints' force on each mode, and pictures of the
-//! motion. The command line and the Python package both go this way.
+//! A run as users request it: the response of a model with its errors, the joints' force on each mode, and pictures of the motion. Both the
+//! command line and the Python package use this module.
 
 use super::model::{BasisError, Integrated, Model, StepErrors};
 use super::reduction::Reduced;
@@ -9,21 +9,21 @@ use super::watch::Watch;
 use crate::error::Error;
 use crate::modes::{NamedMode, NamedModes};
 
-/// What a run gives besides the response; all of it from the reduced model, so that the full one gives none.
+/// Results of a run besides the response. All need the reduced model; the full model gives none of them.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct Extras {
-    /// Whether to estimate the errors of time step and sliders, by one or two companion runs.
+    /// Whether to estimate the errors of time step and sliders, which takes one or two companion runs.
     pub errors: bool,
-    /// Number of pictures of the moving structure, by one more run.
+    /// Number of pictures of the moving structure; any number takes one more run.
     pub frames: usize,
 }
 
-/// A mode that moves at t = 0.
+/// A mode that has a velocity at t = 0.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ModalVelocity {
-    /// Name of the mode, as [`NamedModes::named`] takes it.
+    /// Name of the mode, in the form that [`NamedModes::named`] takes.
     pub mode: String,
-    /// Velocity of its coordinate, mass^½·length/s.
+    /// Velocity of the modal coordinate, mass^½·length/s.
     pub velocity: f64,
 }
 
@@ -32,34 +32,34 @@ pub struct ModalVelocity {
 pub struct Frame {
     /// Time, s.
     pub time: f64,
-    /// x, y, z of the first node, then of the second, …
+    /// Displacements x, y, z of the first node, then of the second, and so on.
     pub displacement: Vec<f64>,
 }
 
-/// A response with all that belongs to it.
+/// A response with all results that belong to it.
 #[derive(Debug, Clone)]
 pub struct Run {
-    /// The modes that were recorded; their histories come first in the response.
+    /// The recorded modes; their histories come first in the response's outputs.
     pub modes: Vec<NamedMode>,
     /// The response.
     pub response: StructureResponse,
     /// Modal joint forces, one history per recorded mode.
     pub joint_forces: Vec<Vec<f64>>,
-    /// Modes in the basis of the reduced model; none for the full one.
+    /// Number of modes in the basis of the reduced model; none for the full model.
     pub basis: Option<usize>,
-    /// Estimated error of the reduction, where it was sought.
+    /// Estimated error of the reduction, if the basis was sought by a tolerance.
     pub basis_error: Option<BasisError>,
-    /// Estimated errors of time step and sliders, where asked for.
+    /// Estimated errors of time step and sliders, if requested.
     pub errors: Option<StepErrors>,
-    /// Pictures of the motion at evenly spaced times, where asked for.
+    /// Pictures of the motion at evenly spaced times, if requested.
     pub frames: Vec<Frame>,
 }
 
 impl NamedModes {
-    /// Velocities of the unknowns in which these modes move as said; none without any: the structure is at rest.
+    /// Velocities of the unknowns at which the given modes move as stated; none if no mode is given and the structure starts at rest.
     ///
     /// # Errors
-    /// As [`named`](Self::named).
+    /// The errors of [`named`](Self::named).
     pub fn velocity(&self, moving: &[ModalVelocity]) -> Result<Option<Vec<f64>>, Error> {
         let mut sum = vec![0.0; self.assembled.unknowns()];
         for ModalVelocity { mode, velocity } in moving {
@@ -69,12 +69,11 @@ impl NamedModes {
         Ok((!moving.is_empty()).then_some(sum))
     }
 
-    /// Runs a transient whose first outputs are the coordinates of `modes`
-    /// ([`modal_output`](crate::Assembled::modal_output)). `watch` hears the share done of the response, then those of its
-    /// companions; a checkpoint of it keeps them all.
+    /// Runs a transient whose first outputs are the coordinates of `modes` ([`modal_output`](crate::Assembled::modal_output)). The listener
+    /// of `watch` is called with the share done of the response, then with those of the companion runs; a checkpoint holds all of them.
     ///
     /// # Errors
-    /// As [`Assembled::integrate`](crate::Assembled::integrate).
+    /// The errors of [`Assembled::integrate`](crate::Assembled::integrate).
     pub fn run<'w>(
         &self,
         modes: Vec<NamedMode>,
@@ -106,10 +105,10 @@ impl NamedModes {
 }
 
 impl Reduced<'_> {
-    /// Displacements of all nodes at `count` evenly spaced times, the first and the last sample among them.
+    /// Displacements of all nodes at `count` evenly spaced times; the first and the last sample are among them.
     ///
     /// # Errors
-    /// As [`transient`](Self::transient).
+    /// The errors of [`transient`](Self::transient).
     pub fn frames<'w>(
         &self,
         task: &Transient<'_>,

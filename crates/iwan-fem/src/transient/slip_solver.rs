@@ -1,39 +1,40 @@
-//! The small system that ties the slips of a structure together in one implicit time step.
+//! The small system for the slips of a structure in one implicit time step.
 //!
-//! S Δs + F(s + Δs) - F(s) = load, with S symmetric and positive definite: a Schur complement of the effective matrix. The left
-//! side is the gradient of a strictly convex function, so that Newton's method with a line search along the gradient
-//! finds the only solution from anywhere, on piecewise linear joints as on smooth ones. Trial points leave no trace in the
-//! joints' memory, and while no joint changes its tangent one round is exact.
+//! S Δs + F(s + Δs) - F(s) = load, with S symmetric and positive definite: a Schur complement of the effective matrix. The left side is the
+//! gradient of a strictly convex function. Therefore Newton's method with a line search along the gradient finds the unique solution from
+//! any start, on piecewise linear joints as well as on smooth ones. Trial points leave no trace in the joints' memory, and as long as no
+//! joint changes its tangent one round is exact.
 
 use super::joint_states::Joints;
 use crate::algebra::{Group, LANES, dot, search_line};
 use crate::error::Error;
 use crate::matrices::inverse_of;
 
-/// Rounds after which the method has failed, which is an error: one or two are usual, and six were the most in blows of 10 to 1e7 lbf on
-/// the paper's beam.
+/// Number of rounds after which the method returns an error. One or two are usual, and six were the most in blows of 10 to 1e7 lbf on the
+/// paper's beam.
 const MOST_ROUNDS: usize = 60;
-/// Updates of the inverse after which it is made afresh, so that rounding does not pile up. It is a guard: without it the balance of
-/// energy of 20,000 steps is as good. Made afresh at each update, a run takes up to twice the time.
+/// Number of rank-one updates of the inverse after which it is computed anew, so that rounding does not accumulate. It is a precaution:
+/// without it the energy balance of 20,000 steps is as good. If the inverse were computed anew at each update, a run would take up to twice
+/// the time.
 const MOST_UPDATES: usize = 64;
-/// The residual that rounding of the terms leaves, in units of their sum: eight times the machine precision. With two the
-/// continuum takes a third more rounds, with one some step waits for the patience below; a hundred times as much is seen in the balance of
-/// energy (1e-13 in place of 1e-14).
+/// Residual, in units of the sum of its terms, that counts as rounding: eight times the machine precision. With a factor of two the
+/// continuum takes a third more rounds, and with one some steps wait for [`PATIENCE`]; a hundred times as much shows in the energy balance
+/// (1e-13 in place of 1e-14).
 const ROUNDING: f64 = 8.0 * f64::EPSILON;
-/// In a badly conditioned system rounding leaves more: after so many rounds, which no other system needs, the residual allowed doubles
-/// with each further one,
+/// Number of rounds, which only badly conditioned systems need, after which the allowed residual doubles with each further round: in such
+/// systems rounding leaves more.
 const PATIENCE: usize = 25;
-/// up to this: worse is not rounding, and ends in an error.
+/// Largest residual, in units of the sum of its terms, that may count as rounding; with a larger one the step ends in an error.
 const MOST_ROUNDING: f64 = 1e-10;
 
-/// A symmetric matrix by columns, each in groups, the last one filled up with zeros.
+/// A symmetric matrix stored by columns, each in groups of lanes; the last group is filled up with zeros.
 pub(crate) struct Square {
     groups: usize,
     columns: Vec<Group>,
 }
 
 impl Square {
-    /// From entries row by row.
+    /// The matrix from its entries row by row.
     pub(crate) fn new(order: usize, entries: &[f64]) -> Self {
         let groups = order.div_ceil(LANES);
         let group = |j: usize, g: usize| -> Group {
@@ -64,18 +65,18 @@ impl Square {
     }
 }
 
-/// S, the tangents K last met, and (S + K)⁻¹.
+/// S, the tangents K last found, and (S + K)⁻¹.
 pub(crate) struct SlipSolver {
     count: usize,
     stiffness: Square,
-    /// Square roots of the diagonal of S: |S_ij| is at most the product of two of them.
+    /// Square roots of the diagonal of S; |S_ij| is at most the product of two of them.
     roots: Vec<Group>,
     tangents: Vec<Group>,
     inverse: Square,
     updates: usize,
-    /// Residual that counts as settled, in units of the sum of its terms.
+    /// Largest residual that counts as settled, in units of the sum of its terms.
     allowed: f64,
-    /// Largest force of each joint so far: what rounding of its force is measured against.
+    /// Largest force of each joint so far; the rounding of its force is measured against it.
     scale: Vec<Group>,
     /// Slips of all joints and their forces.
     slips: Vec<Group>,
@@ -89,7 +90,7 @@ pub(crate) struct SlipSolver {
 }
 
 impl SlipSolver {
-    /// For the matrix S, row by row, and joints that stand in their virgin state.
+    /// The solver for the matrix S, given row by row, and joints in their virgin state.
     pub(crate) fn new(stiffness: &[f64], joints: &mut Joints<'_>) -> Result<Self, Error> {
         let count = joints.len();
         let zero = || vec![[0.0; LANES]; count.div_ceil(LANES)];
@@ -119,7 +120,7 @@ impl SlipSolver {
         Ok(solver)
     }
 
-    /// Shows every number that one step leaves to the next.
+    /// Passes every number that one step leaves to the next to `see`.
     pub(crate) fn each_number(&mut self, see: &mut dyn FnMut(&mut f64)) {
         let lists = [
             &mut self.tangents,
@@ -135,7 +136,7 @@ impl SlipSolver {
         self.updates = updates as usize;
     }
 
-    /// Slips of all joints, filled up with zeros to whole groups.
+    /// Slips of all joints, followed by zeros that fill the last group.
     pub(crate) fn slips(&self) -> &[f64] {
         self.slips.as_flattened()
     }
@@ -150,7 +151,7 @@ impl SlipSolver {
         self.increments.as_flattened()
     }
 
-    /// (S + K)⁻¹ from scratch.
+    /// Computes (S + K)⁻¹ anew.
     fn invert(&mut self) -> Result<(), Error> {
         self.updates = 0;
         let tangents = self.tangents.as_flattened();
@@ -159,7 +160,7 @@ impl SlipSolver {
         Ok(())
     }
 
-    /// Takes over the tangents met at the trial point: rank-one updates of the inverse.
+    /// Adopts the tangents found at the trial point, by rank-one updates of the inverse.
     #[inline]
     fn follow_tangents(&mut self) -> Result<(), Error> {
         let groups = self.inverse.groups;
@@ -183,7 +184,7 @@ impl SlipSolver {
         if self.updates > MOST_UPDATES { self.invert() } else { Ok(()) }
     }
 
-    /// Residual at the present increments; returns whether rounding is all that is left of it.
+    /// Computes the residual at the present increments; returns whether it is rounding alone.
     #[inline]
     fn evaluate(&mut self, joints: &mut Joints<'_>, load: &[Group]) -> bool {
         self.stiffness.multiply(&self.increments, &mut self.residual);
@@ -206,11 +207,10 @@ impl SlipSolver {
         settled
     }
 
-    /// Solves one step and moves the joints; the increments stay in `increments`. Entries of `load` behind the last joint
-    /// are zero.
+    /// Solves one step and moves the joints; the increments remain in `increments`. Entries of `load` after the last joint must be zero.
     ///
     /// # Errors
-    /// [`Error::Analysis`] when the method does not settle, as with a load that is not finite.
+    /// [`Error::Analysis`] when the iteration does not converge, as with a load that is not finite.
     #[inline]
     pub(crate) fn step(&mut self, joints: &mut Joints<'_>, load: &[Group]) -> Result<(), Error> {
         self.inverse.multiply(load, &mut self.increments);
@@ -234,13 +234,14 @@ impl SlipSolver {
             self.slips[g][l] += self.increments[g][l];
             let force = joints.advance(i, self.slips[g][l]);
             self.forces[g][l] = force;
-            // `f64::max` would ask for NaN as well.
+            // Not `f64::max`, which takes time to treat NaN.
             self.scale[g][l] = if force.abs() > self.scale[g][l] { force.abs() } else { self.scale[g][l] };
         }
         Ok(())
     }
 
-    /// One Newton step, shortened where the gradient along it has changed sign; returns whether that settles it.
+    /// One step of Newton's method, shortened where the gradient along it has changed sign; returns whether the result is accepted as the
+    /// solution.
     fn newton_step(&mut self, joints: &mut Joints<'_>, load: &[Group]) -> bool {
         self.inverse.multiply(&self.residual, &mut self.direction);
         self.start.copy_from_slice(&self.increments);
@@ -279,7 +280,7 @@ mod tests {
     use crate::transient::joint_states::tables;
     use iwan_core::Representation;
 
-    /// Random systems, loads from micro-slip to far beyond macro-slip: the equation holds to rounding.
+    /// For random systems and loads from micro-slip to far beyond macro-slip the equation holds to rounding.
     #[test]
     fn the_equation_holds_whatever_the_load() {
         let law: Law = Arc::new(FourParameter::new(2.75e5, 300.0, -0.3, 0.02).unwrap());

@@ -1,4 +1,4 @@
-//! What is to be integrated: the force, the time axis, where the structure starts, what is recorded.
+//! The task of a transient: force, time axis, initial velocity, and what is recorded.
 
 use iwan_core::Pulse;
 
@@ -7,16 +7,16 @@ use crate::matrices::Assembled;
 use crate::modes::Modes;
 use iwan_core::Representation;
 
-/// A linear functional of the unknowns that is recorded: a displacement, a mean over nodes, a modal coordinate.
+/// A recorded output, a linear functional of the unknowns: a displacement, a mean over nodes, or a modal coordinate.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Output {
-    /// Name.
+    /// Name of the output.
     pub name: String,
-    /// Its coefficients, one per unknown.
+    /// Coefficients of the functional, one per unknown.
     pub coefficients: Vec<f64>,
 }
 
-/// A transient: force, time axis, initial velocity, joints' evaluation, what is recorded.
+/// A transient: force, time axis, initial velocity, representation of the joints, and outputs.
 #[derive(Debug, Clone)]
 pub struct Transient<'a> {
     /// Time step, s.
@@ -27,19 +27,19 @@ pub struct Transient<'a> {
     pub pulse: Pulse<'a>,
     /// Forces g on the unknowns for p = 1 ([`Assembled::load`]).
     pub load: Vec<f64>,
-    /// Velocities of the unknowns at t = 0; none: at rest. Displacements and joint forces are zero then.
+    /// Velocities of the unknowns at t = 0; none if the structure starts at rest. Displacements and joint forces are zero at t = 0.
     pub initial_velocity: Option<Vec<f64>>,
-    /// How the joints are evaluated.
+    /// Representation of the joints: sliders or continuum.
     pub representation: Representation,
-    /// What is recorded.
+    /// The outputs that are recorded.
     pub outputs: Vec<Output>,
 }
 
-/// More numbers than this (8 GB) are not kept in memory: the task is refused before anything is allocated.
+/// Largest number of recorded numbers (8 GB). A task that needs more is refused before anything is allocated.
 const MOST_NUMBERS: f64 = 1e9;
 
 impl Transient<'_> {
-    /// Number of whole time steps in a duration; a duration that is a multiple of the step loses none to rounding.
+    /// Number of whole time steps in a duration; rounding does not lose the last step of a duration that is a multiple of the step.
     #[must_use]
     pub fn steps_in(dt: f64, duration: f64) -> usize {
         (duration / dt * (1.0 + 1e-12)).floor() as usize
@@ -79,7 +79,7 @@ impl Transient<'_> {
         })
     }
 
-    /// Force at each sample.
+    /// Force p at each sample.
     pub(crate) fn force(&self) -> Vec<f64> {
         let mut force = vec![0.0; self.steps + 1];
         self.pulse.sample(self.dt, &mut force);

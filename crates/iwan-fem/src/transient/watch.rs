@@ -1,4 +1,4 @@
-//! Who watches a transient, and where its state is kept while it goes on.
+//! The listener of a transient's progress, and the checkpoint that keeps its state.
 
 use std::fmt;
 use std::ops::ControlFlow;
@@ -14,24 +14,24 @@ use crate::error::Error;
 use crate::matrices::Assembled;
 use crate::structure::Law;
 
-/// Points of a virgin curve by which a law is known, from a thousandth of the strongest slider's strength to ten times it: laws that
-/// agree in all of them to the last bit are the same.
+/// Number of points of a virgin curve by which laws are compared, from a thousandth of the strongest slider's strength to ten times it.
+/// Laws that agree in all of them to the last bit count as the same.
 const POINTS: i32 = 33;
 
-/// Who hears how far a transient is, and may break it off; and where its state is kept, so that it can go on in another process and end
-/// with the same bits.
+/// The listener of a transient's progress, which may stop it, and the checkpoint that keeps its state, so that another process can continue
+/// it and end with the same bits.
 ///
-/// What takes one takes a progress alone as well, by reference: `UNWATCHED`, or a function of the share that is done.
+/// Functions that take a `Watch` also take a progress alone, by reference: `UNWATCHED`, or a function of the share done.
 #[derive(Clone, Copy)]
 pub struct Watch<'a> {
-    /// Hears the share done.
+    /// The listener; it is called with the share done.
     pub progress: Progress<'a>,
-    /// Keeps the state; none: nothing is kept.
+    /// The checkpoint that keeps the state; none if nothing is kept.
     pub kept: Option<&'a Checkpoint>,
 }
 
 impl Watch<'_> {
-    /// The same checkpoint for a part of the work, with a progress of its own.
+    /// The same checkpoint with another listener, for a part of the work.
     pub(crate) fn with<'b>(&'b self, progress: Progress<'b>) -> Watch<'b> {
         Watch { progress, kept: self.kept }
     }
@@ -61,10 +61,10 @@ impl<'a, F: Fn(f64) -> ControlFlow<()> + Sync> From<&'a F> for Watch<'a> {
     }
 }
 
-/// Shows all numbers of something to a function, which may change them.
+/// A function that passes all numbers of a state to another function, which may change them.
 pub(crate) type EachNumber<'a> = &'a mut dyn FnMut(&mut dyn FnMut(&mut f64));
 
-/// Keeps the state of one transient from time to time.
+/// Saves the state of one transient from time to time.
 pub(crate) struct Keeper<'a> {
     kept: Option<(&'a Checkpoint, u128)>,
     last: Instant,
@@ -72,7 +72,7 @@ pub(crate) struct Keeper<'a> {
 }
 
 impl<'a> Keeper<'a> {
-    /// For the transient of a model of the structure that `model` tells from its others.
+    /// The keeper for one transient; `model` adds to the digest what distinguishes the model of the structure from others.
     pub(crate) fn new(
         watch: &Watch<'a>,
         assembled: &Assembled,
@@ -95,7 +95,7 @@ impl<'a> Keeper<'a> {
         }
     }
 
-    /// Takes up the state that was kept last, and returns how many steps are done; 0 where none is.
+    /// Restores the state that was saved last, and returns the number of steps done; 0 if there is none.
     pub(crate) fn resume(&self, recorder: &mut Recorder, numbers: EachNumber<'_>) -> Result<usize, Error> {
         let Some(State { steps, numbers: lists }) = self.kept.and_then(|(kept, key)| kept.state(key)) else {
             return Ok(0);
@@ -113,14 +113,14 @@ impl<'a> Keeper<'a> {
         if whole { Ok(steps) } else { Err(misfit()) }
     }
 
-    /// Keeps the state after `steps` steps where it is time to, …
+    /// Saves the state after `steps` steps if enough time has passed since the last time.
     pub(crate) fn keep_in_time(&mut self, steps: usize, recorder: &mut Recorder, numbers: EachNumber<'_>) {
         if self.kept.is_some() && self.last.elapsed() > self.wait {
             self.keep(steps, recorder, numbers);
         }
     }
 
-    /// … or in any case, as at the end.
+    /// Saves the state after `steps` steps in any case, as at the end.
     pub(crate) fn keep(&mut self, steps: usize, recorder: &mut Recorder, numbers: EachNumber<'_>) {
         if let Some((kept, key)) = self.kept {
             let mut written = Vec::new();
@@ -134,7 +134,7 @@ impl<'a> Keeper<'a> {
     }
 }
 
-/// Numbers that tell a law from others.
+/// Numbers by which a law is distinguished from others.
 fn points(law: Option<&Law>) -> Vec<f64> {
     let Some(law) = law else { return Vec::new() };
     let (weakest, strongest) = law.strengths();
@@ -143,7 +143,7 @@ fn points(law: Option<&Law>) -> Vec<f64> {
     curve.chain([weakest, strongest, law.initial_stiffness(), law.slip_force()]).collect()
 }
 
-/// A state whose check is right and whose numbers are not those of this transient.
+/// The error for a saved state that is undamaged but belongs to another transient.
 fn misfit() -> Error {
     Error::Analysis {
         analysis: "transient",

@@ -1,4 +1,4 @@
-//! Coupled modes: one joint, all modes. Stuck modes are linear oscillators, and each joint feels the sum of them.
+//! Coupled modes: several modes share a joint. Stuck modes are linear oscillators, and the slip of each joint is a sum over the modes.
 
 mod joint;
 mod response;

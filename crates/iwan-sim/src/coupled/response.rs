@@ -1,10 +1,10 @@
-//! What a simulation of coupled modes returns.
+//! The result of a simulation of coupled modes.
 
 use iwan_core::EnergyBalance;
 
 use crate::response::{Quality, Response};
 
-/// One joint in the course of a response.
+/// Slip and force of one joint over a response.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct JointHistory {
     /// Name of the joint.
@@ -13,11 +13,11 @@ pub struct JointHistory {
     pub slip: Vec<f64>,
     /// Force F.
     pub force: Vec<f64>,
-    /// Strength φ_max of its strongest slider.
+    /// Strength φ_max of the joint's strongest slider.
     pub strongest: f64,
-    /// Energy that its sliders took.
+    /// Energy dissipated by the joint's sliders.
     pub friction: f64,
-    /// Bound on the error of its force from reversals forgotten for lack of room; 0 = exact.
+    /// Bound on the error of the joint's force from reversals forgotten because memory was full; 0 means exact.
     pub forgotten_force: f64,
 }
 
@@ -44,15 +44,15 @@ impl JointHistory {
 /// Response of modes that joints couple.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct CoupledResponse {
-    /// One entry per mode. Of a mode that shares joints, `joint_force` is K_T q + Σ b N, what the joints add to the
-    /// slipping structure; `energy` is its own balance, whose friction is the work it did on the joints; `strongest` is
-    /// the displacement at which it would bring a joint to macro-slip by itself.
+    /// One entry per mode. For a mode that shares joints, `joint_force` is K_T q + Σ b N, the force that the joints add to the slipping
+    /// structure. Its `energy` is the mode's own balance, in which friction is the work that the mode did on the joints. Its `strongest` is
+    /// the displacement at which the mode alone would bring a joint to macro-slip.
     pub modes: Vec<Response>,
-    /// The shared joints, then the own joints of the modes they couple.
+    /// The shared joints, followed by the own joints of the coupled modes.
     pub joints: Vec<JointHistory>,
     /// Energy balance of all coupled modes and joints.
     pub energy: EnergyBalance,
-    /// Error estimates: the worst of the coupled modes.
+    /// Error estimates: for each kind the largest of all coupled modes.
     pub quality: Quality,
     /// Wall-clock time of the integration of the coupled modes, s.
     pub seconds: f64,

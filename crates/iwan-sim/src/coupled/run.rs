@@ -1,4 +1,4 @@
-//! Coupled modes in time steps, no questions asked.
+//! Coupled modes in time steps, without checks of the input.
 
 use std::time::Instant;
 
@@ -16,11 +16,11 @@ use crate::joint_law::with_law;
 use crate::methods::task::{CHUNK, MOST, finite, reversals};
 use crate::response::Response;
 
-/// Samples written at a time: with four modes their rows take 100 kB, which stay in the cache until they have been
-/// handed out mode by mode. From 256 to 4096 the time does not change.
+/// Number of samples computed before they are distributed to modes and joints. With four modes their rows take 100 kB and stay in the cache
+/// until then. From 256 to 4096 the time does not change.
 const ROWS: usize = 1024;
 
-/// Average acceleration on joints represented as asked; the response has the coupled modes only.
+/// Average acceleration with the joints in the given representation; the response contains the coupled modes only.
 pub(super) fn newmark(
     task: &Task<'_>,
     prewarp: bool,
@@ -73,11 +73,11 @@ struct Stepping<'a> {
     coupled: Coupled,
 }
 
-/// Modes and joints with memory of their own.
+/// Coupled modes that own their memory.
 type Coupled = CoupledModes<Vec<Lanes>>;
 
 impl Stepping<'_> {
-    /// Room for the reversals of a joint, which turns round at most as often as the fastest of its modes does.
+    /// Memory for the reversals of a joint, which turns round at most as often as the fastest of the modes.
     fn stack(&self) -> Vec<Reversal> {
         let fastest = self.task.modes.iter().map(|mode| mode.frequency).fold(0.0, f64::max);
         vec![Reversal::default(); reversals(fastest * self.task.dt * self.task.samples as f64, MOST)]
@@ -116,7 +116,7 @@ impl Stepping<'_> {
         Ok(response)
     }
 
-    /// One joint on sliders, by the quick path of up to four modes.
+    /// One joint on sliders, by the fast path for up to four modes.
     fn on_sliders(
         &self,
         law: &Sliders<'_>,
@@ -135,7 +135,7 @@ impl Stepping<'_> {
         self.steps(&mut joint, step, progress)
     }
 
-    /// Integrates stretch by stretch, balances the energy and checks that all is finite.
+    /// Integrates in stretches, computes the energy balance, and checks that all values are finite.
     fn steps<J: JointsInMotion>(
         &self,
         joints: &mut J,
@@ -205,7 +205,7 @@ impl Stepping<'_> {
         }
     }
 
-    /// Hands rows out to modes and joints, from sample `first` on.
+    /// Distributes rows to modes and joints, from sample `first` on.
     fn hand_out(&self, rows: &CoupledRows<'_>, first: usize, response: &mut CoupledResponse) {
         let (width, j) = (groups(self.task.modes.len()), self.task.joints.len());
         let samples = rows.slip.len() / j;
@@ -238,7 +238,7 @@ impl Stepping<'_> {
     }
 }
 
-/// Rows of a stretch.
+/// The rows of one stretch.
 struct Rows {
     width: usize,
     joints: usize,

@@ -1,4 +1,4 @@
-//! From modes that share joints and a force to responses.
+//! Simulation of modes that share joints.
 
 use iwan_core::progress::{Progress, UNWATCHED, part};
 use iwan_core::{Error, Pulse, Representation};
@@ -15,10 +15,10 @@ use crate::response::Response;
 use crate::settings::{Method, Settings};
 use crate::simulate::{check_scales, simulate_all};
 
-/// Simulates modes of which some share joints, under `force` (physical; a mode's `shape_at_force` makes it modal). A mode
-/// that moves no shared joint is simulated by itself, on up to `threads` threads.
+/// Simulates modes of which some share joints, under the physical `force`; a mode's `shape_at_force` makes it a modal force. A mode that
+/// moves no shared joint is simulated by itself, on up to `threads` threads.
 ///
-/// The frequency of a mode is that with all joints stuck. The equations are those of `iwan_core::CoupledModes`.
+/// The frequency of each mode is its frequency with all joints stuck. The equations are those of `iwan_core::CoupledModes`.
 ///
 /// ```
 /// use iwan_core::{FourParameter, Pulse, progress::UNWATCHED};
@@ -34,10 +34,10 @@ use crate::simulate::{check_scales, simulate_all};
 /// ```
 ///
 /// # Errors
-/// [`SimulationError::Joint`] and [`SimulationError::Mode`] with the name of what is out of range or does not fit,
-/// [`SimulationError::Parameter`] for joints that no step can solve or no stiffness holds and for methods other than
-/// Newmark's average acceleration, [`SimulationError::NotFinite`] on overflow, [`SimulationError::Interrupted`] when
-/// `progress` broke off.
+/// [`SimulationError::Joint`] and [`SimulationError::Mode`] with the name of the joint or mode whose value is out of range or does not fit;
+/// [`SimulationError::Parameter`] for joints for which a step has no unique solution or which no stiffness holds, and for methods other
+/// than Newmark's average acceleration; [`SimulationError::NotFinite`] on overflow; [`SimulationError::Interrupted`] when `progress`
+/// returned `Break`.
 pub fn simulate_coupled(
     modes: &[Mode],
     joints: &[SharedJoint],
@@ -80,7 +80,7 @@ pub fn simulate_coupled(
 /// Checks that modes, joints and settings can be simulated, without simulating.
 ///
 /// # Errors
-/// As [`simulate_coupled`] before its first step.
+/// The errors of [`simulate_coupled`] that occur before its first step.
 pub fn check_coupled(
     modes: &[Mode],
     joints: &[SharedJoint],
@@ -95,7 +95,7 @@ pub fn check_coupled(
     Ok(())
 }
 
-/// Whether the method prewarps, and how it sees joints.
+/// Whether the method prewarps, and its representation of joints.
 fn of_method(method: Method) -> Result<(bool, Representation), Error> {
     let what = match method {
         Method::Newmark { beta: 0.25, gamma: 0.5, prewarp, joint } => return Ok((prewarp, joint)),
@@ -107,11 +107,11 @@ fn of_method(method: Method) -> Result<(bool, Representation), Error> {
     Err(Error::Unsupported { what })
 }
 
-/// Shortest response, in samples of the companion, that gets an estimate: as for modes by themselves.
+/// Shortest response, in samples of the companion run, that gets an estimate; the same number as for a mode by itself.
 const FEWEST: usize = 8;
 
-/// Time-step error by Richardson extrapolation from the double step, discretisation error against the continuum there; under a force from a file as for a mode by
-/// itself.
+/// Time-step error by Richardson extrapolation from the double step; discretisation error against the continuum at the double step. Under a
+/// force from a file, estimates are made as for a mode by itself.
 fn estimate(
     (task, force): (&Task<'_>, &Pulse<'_>),
     response: &mut CoupledResponse,
@@ -124,7 +124,7 @@ fn estimate(
     let seen = for_companions(force, (dt, 1.0), 0, samples);
     let coarse = task.beside((&seen, dt, samples));
     let run = |task: &Task<'_>, joint| newmark(task, prewarp, joint, UNWATCHED);
-    // A double step that does not work says nothing about the single one.
+    // A double step that fails says nothing about the single step, so there is no estimate.
     let double = if samples < FEWEST { None } else { run(&coarse, joint).ok() };
     if progress(0.3).is_break() {
         return Err(SimulationError::Interrupted);

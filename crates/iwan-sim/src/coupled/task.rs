@@ -1,4 +1,4 @@
-//! What is run: the modes that share joints, and all joints that they move.
+//! A run of the modes that share joints, with all joints that they move.
 
 use iwan_core::{
     Backbone, CoupledJoint, CoupledMode, CoupledModes, Error, Lanes, Newmark, Oscillator, ResidualStiffness,
@@ -8,19 +8,19 @@ use super::joint::{SharedJoint, Statics, check_rows, of_joint};
 use crate::error::SimulationError;
 use crate::mode::Mode;
 
-/// Why a joint whose friction drops is refused.
+/// Message with which a joint whose friction drops is refused.
 const DROPS: &str = "joints of coupled modes follow Masing's rule, and one with theta < 1 (dynamic below static friction) does not: \
     leave theta out, or step its mode alone";
 
-/// Room for the core.
+/// Memory for the core: the requested number of groups.
 pub(super) fn storage(groups: usize) -> Vec<Lanes> {
     vec![[0.0; 4]; groups]
 }
 
-/// A run of coupled modes: force samples (physical, from t = 0, zero behind the last) and time axis.
+/// A run of coupled modes: force samples (physical, from t = 0, zero after the last) and time axis.
 pub(super) struct Task<'a> {
     pub(super) modes: Vec<&'a Mode>,
-    /// Shared joints, then the own joints of the modes; participation in `modes` only.
+    /// Shared joints, followed by the own joints of the modes; participations refer to `modes` only.
     pub(super) joints: Vec<SharedJoint>,
     pub(super) force: &'a [f64],
     pub(super) dt: f64,
@@ -29,23 +29,23 @@ pub(super) struct Task<'a> {
     pub(super) modal_stiffness: Vec<f64>,
 }
 
-/// Numbers of the modes that share joints, and of those that move by themselves.
+/// Indices of the modes that share joints, and of those that do not.
 pub(super) fn parted(modes: &[Mode], joints: &[SharedJoint]) -> [Vec<usize>; 2] {
     let shares = |r: &usize| joints.iter().any(|joint| joint.moved_by(*r));
     let (coupled, alone) = (0..modes.len()).partition(shares);
     [coupled, alone]
 }
 
-/// A row of numbers by joint, with zeros for joints that come behind.
+/// A row of numbers by joint, with zeros appended for the joints that follow.
 fn widened(row: &[f64], joints: usize) -> Vec<f64> {
     row.iter().copied().chain(std::iter::repeat(0.0)).take(joints).collect()
 }
 
-/// Modes (all of them), shared joints and the modes' own joints as they stand in the equations, checked for what does not fit,
-/// and for what nothing holds once the joints slip; with K_T of each mode.
+/// All shared joints and own joints of the modes as they stand in the equations, with K_T of each mode. The rows are checked, and so is
+/// that the structure still holds when all joints slip.
 ///
 /// # Errors
-/// As [`simulate_coupled`](super::simulate_coupled) where no step matters.
+/// The errors of [`simulate_coupled`](super::simulate_coupled) that do not depend on the time step.
 pub(crate) fn assembled(
     modes: &[Mode],
     shared: &[SharedJoint],
@@ -57,7 +57,7 @@ pub(crate) fn assembled(
 }
 
 impl<'a> Task<'a> {
-    /// The modes of these numbers with the joints.
+    /// The run of the modes with the indices `chosen`, with their joints.
     pub(super) fn new(
         all: &'a [Mode],
         chosen: &[usize],
@@ -99,13 +99,13 @@ impl<'a> Task<'a> {
         Ok(Self { modes, joints, force, dt, samples, modal_stiffness })
     }
 
-    /// Refuses what no step can solve, then what nothing holds once the joints slip.
+    /// Refuses joints for which a step has no unique solution, then joints that no stiffness holds once they slip.
     pub(super) fn check(&self, prewarp: bool) -> Result<(), SimulationError> {
         self.coupled(prewarp)?;
         Ok(Statics::new(&self.modes, &self.joints).check(&self.modes)?)
     }
 
-    /// The same under another force, with another time axis.
+    /// The same modes and joints under another force, with another time axis.
     pub(super) fn beside<'b>(&'b self, (force, dt, samples): (&'b [f64], f64, usize)) -> Task<'b> {
         Task {
             modes: self.modes.clone(),
@@ -117,7 +117,7 @@ impl<'a> Task<'a> {
         }
     }
 
-    /// Constants of the steps, each mode prewarped or not.
+    /// Constants of the time steps, with each mode prewarped or not.
     pub(super) fn coupled(&self, prewarp: bool) -> Result<CoupledModes<Vec<Lanes>>, SimulationError> {
         let mode = |mode: &&Mode| -> Result<CoupledMode, SimulationError> {
             let constants = || -> Result<CoupledMode, Error> {
@@ -133,7 +133,7 @@ impl<'a> Task<'a> {
             constants().map_err(|error| of_mode(mode, error))
         };
         let modes = self.modes.iter().map(mode).collect::<Result<Vec<_>, _>>()?;
-        // Each joint by itself first, so that a number out of range is told with its name.
+        // Each joint is checked by itself first, so that the error for a number out of range names the joint.
         for (i, joint) in self.joints.iter().enumerate() {
             let own = CoupledJoint { compliance: &joint.compliance[i..=i], ..of_row(joint) };
             CoupledModes::new(&modes, &[own], storage).map_err(|error| of_joint(&joint.name, error))?;

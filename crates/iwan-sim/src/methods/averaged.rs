@@ -1,4 +1,4 @@
-//! Averaging of modes with parts, by their curves or with friction that drops, once the force has settled.
+//! Averaging of a mode with parts, with curves, or with a joint whose friction drops, after the force has settled.
 
 use std::time::Instant;
 
@@ -16,7 +16,8 @@ use crate::methods::{outside, quality, run};
 use crate::mode::Mode;
 use crate::response::{Quality, Response};
 
-/// The force stepped finely, the decay behind it averaged; the error by time steps at the sampling interval when `wanted`.
+/// Steps the mode finely while the force acts, and averages the decay after it. If `wanted`, time steps at the sampling interval give an
+/// error estimate.
 pub(crate) fn simulate(
     job: Decaying<'_>,
     wanted: bool,
@@ -30,7 +31,7 @@ pub(crate) fn simulate(
     let mut response = spare.cleared(dt, samples);
     let clock = Instant::now();
     let (start, forced) = forced(job, &mut response)?;
-    // What slid in the loudest motion so far goes on sliding in the decay.
+    // Sliders that slid in the largest motion so far go on sliding in the decay.
     let before = response.displacement[..job.settled].iter();
     let largest = before.fold(start.displacement.abs(), |most: f64, q| most.max(q.abs()));
     let length = (samples - 1 - job.settled) as f64 * dt;
@@ -75,20 +76,21 @@ pub(crate) fn simulate(
     Ok(response)
 }
 
-/// How the joint is represented in steps beside the average: the continuum, or sliders where friction drops.
+/// Representation of the joint in the fine time steps: the continuum, or sliders where friction drops.
 fn finely(mode: &Mode) -> Representation {
-    /// Sliders: D of a thousand is a staircase of 1 % about that of the density, which a decay passes over.
+    /// Number of sliders. The dissipation D of a thousand sliders over amplitude is a staircase within 1 % of that of the density; a decay
+    /// averages over the stairs.
     const FINE: usize = 1000;
     if mode.friction_drops() { Representation::in_a_mode(FINE) } else { Representation::Continuum }
 }
 
-/// The same mode in time steps at the sampling interval, where that is short enough.
+/// The same mode in time steps at the sampling interval; none if that interval is too long.
 fn stepped(task: Task<'_>) -> Option<Response> {
     let scheme = Newmark::prewarped(task.dt, task.mode.oscillator().ok()?.omega0()).ok()?;
     run::newmark(task, &scheme, finely(task.mode), Response::default(), UNWATCHED).ok()
 }
 
-/// Steps the forced part finely and writes its samples; the motion and the energy at its end.
+/// Steps the forced part finely and writes its samples; returns the motion and the energy balance at its end.
 fn forced(job: Decaying<'_>, response: &mut Response) -> Result<(Motion, EnergyBalance), SimulationError> {
     let Task { mode, dt, .. } = job.task;
     if job.settled == 0 {

@@ -1,21 +1,22 @@
-//! What a force from a file does between the steps.
+//! The effect of a force from a file between the time steps.
 //!
-//! Time steps see a force at their own samples. A force from a file has samples of its own, is straight between them, and need not be smooth: where its samples lie
-//! between the steps, or are far more, the steps miss what no halving of their length would show. So companion runs take other samples: those under which the steps
-//! push a motion on as the file does.
+//! Time steps use the force at their own samples only. A force from a file has samples of its own, is linear between them, and need not be
+//! smooth. Where its samples lie between the steps, or are much denser, the steps miss a part of the force that halving the step would not
+//! reveal. So companion runs use other samples of the force: those under which the steps push a motion as the file's force does.
 
 use iwan_core::Pulse;
 
-/// Nodes of Gauss and Legendre's rule of three points on -1 to 1, and their weights: exact for a straight force times a cubic.
+/// Nodes and weights of the three-point Gauss-Legendre rule on -1 to 1: exact for a linear force times a cubic.
 const RULE: [(f64, f64); 3] =
     [(-0.774_596_669_241_483_4, 5.0 / 9.0), (0.0, 8.0 / 9.0), (0.774_596_669_241_483_4, 5.0 / 9.0)];
 
-/// Samples at n `dt`, n = `first`, `first` + 1, …, with which steps of average acceleration do as a force from a file does; returns how many
-/// come before all are zero. None for a force by a formula.
+/// Samples at n `dt`, n = `first`, `first` + 1, …, under which steps of average acceleration act as a force from a file does. Returns the
+/// number of samples after which all are zero; none if the force is given by a formula.
 ///
-/// Such steps work as the trapezoidal rule does: sample n counts `dt` times what a push at its time moves later. The file's force at a time between them is handed to the four
-/// samples around it, by the weights with which a cubic through four points gives the value there (at the start through the first four). What a push moves is smooth, a sine of the time
-/// that has passed since, so that this is as good as the file up to (ω dt)^4.
+/// Such steps act like the trapezoidal rule: sample n counts `dt` times the effect of an impulse at its time. The file's force at a time
+/// between samples is distributed to the four samples around it, with the weights of the cubic interpolation through four points (at the
+/// start through the first four). The effect of an impulse is a smooth function of its time, a sine of the time that has passed since, so
+/// the samples are equivalent to the file's force up to (ω dt)^4.
 pub(crate) fn as_the_file_does(force: &Pulse<'_>, dt: f64, first: usize, out: &mut [f64]) -> Option<usize> {
     let Pulse::Sampled { dt: own, samples } = *force else { return None };
     out.fill(0.0);
@@ -35,7 +36,7 @@ pub(crate) fn as_the_file_does(force: &Pulse<'_>, dt: f64, first: usize, out: &m
                 let push = 0.5 * (until - now).max(0.0) / dt * weight * value;
                 for (share, n) in cubic(node / dt - stencil as f64).into_iter().zip(stencil..) {
                     if let Some(sample) = n.checked_sub(first).and_then(|place| out.get_mut(place)) {
-                        // The first sample stands for half a step only.
+                        // The first sample stands for half a step only, so its weight is doubled.
                         *sample += push * share * if n == 0 { 2.0 } else { 1.0 };
                     }
                 }
@@ -46,16 +47,17 @@ pub(crate) fn as_the_file_does(force: &Pulse<'_>, dt: f64, first: usize, out: &m
     Some(out.iter().rposition(|p| *p != 0.0).map_or(0, |last| last + 1))
 }
 
-/// Weights of the values at 0, 1, 2 and 3 in that of the cubic through them at `x`.
+/// Weights of the values at 0, 1, 2 and 3 in the value at `x` of the cubic through them.
 fn cubic(x: f64) -> [f64; 4] {
     let [a, b, c, d] = [x, x - 1.0, x - 2.0, x - 3.0];
     [-b * c * d / 6.0, a * c * d / 2.0, -a * b * d / 2.0, a * b * c / 6.0]
 }
 
-/// Largest error of steps, over all samples of the double steps: what the file does and they miss, and a `divisor`-th of what steps
-/// twice as long differ by.
+/// Largest error of the displacement over all samples of the double steps. It is the sum of the effect of the file's force that the steps
+/// miss, and of the difference to steps twice as long, divided by `divisor`.
 ///
-/// `fine` are displacements under the samples that the steps see, `whole` and `double` under those that do as the file does; without a file `whole` is `fine`.
+/// `fine` are displacements under the force samples of the steps themselves; `whole` and `double` are those under samples that act as the
+/// file does, with the same steps and with double ones. Without a file `whole` is `fine`.
 pub(crate) fn error(fine: &[f64], whole: &[f64], double: &[f64], divisor: f64) -> f64 {
     let steps = fine.iter().step_by(2).zip(whole.iter().step_by(2)).zip(double);
     steps.fold(0.0, |most: f64, ((fine, whole), double)| {
@@ -79,7 +81,8 @@ mod tests {
         (0..count).map(|_| random.next_symmetric()).collect()
     }
 
-    /// The integral of a straight force times t³ - 2 t + 1 is known: so is the sum of the samples by the trapezoidal rule, whatever the two intervals.
+    /// The integral of a linear force times t³ - 2 t + 1 is known; the sum of the samples by the trapezoidal rule must equal it for any two
+    /// intervals.
     #[test]
     fn steps_push_a_cubic_as_the_file_does() {
         let file = file(40);
@@ -88,7 +91,7 @@ mod tests {
             let force = Pulse::Sampled { dt: own, samples: &file };
             let mut exact = 0.0;
             for (n, pair) in file.windows(2).enumerate() {
-                // Gauss and Legendre's rule again, which is exact.
+                // The integral by the Gauss-Legendre rule, which is exact here.
                 for (x, w) in RULE {
                     let at = 0.5 * (1.0 + x);
                     let value = pair[0] * (1.0 - at) + pair[1] * at;
@@ -117,12 +120,12 @@ mod tests {
     fn a_constant_force_is_seen_as_it_is_up_to_its_end() {
         let file = [6.0; 30];
         let seen = samples(&Pulse::Sampled { dt: 0.013, samples: &file }, 0.02, 0, 25);
-        // The first four make up for the corner at which the force begins.
+        // The first four samples compensate for the corner at which the force begins.
         assert!(seen[4..17].iter().all(|p| (p - 6.0).abs() < 1e-13), "{seen:?}");
         assert!(seen[21..].iter().all(|p| *p == 0.0), "{seen:?}");
     }
 
-    /// A force whose mean over every step is zero, where the steps see a constant one.
+    /// A force whose mean over every step is zero, although its samples at the steps are constant.
     #[test]
     fn what_swings_between_the_steps_is_next_to_nothing() {
         let file: Vec<f64> = (0..1000).map(|n| if n % 10 < 5 { 1.0 } else { -1.0 }).collect();

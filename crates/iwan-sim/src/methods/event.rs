@@ -1,4 +1,4 @@
-//! The event-driven reference on a mode.
+//! The event-driven reference method for one mode.
 
 use std::time::Instant;
 
@@ -14,24 +14,23 @@ use crate::methods::run::newmark;
 use crate::methods::task::{Task, finite};
 use crate::response::{Quality, Response};
 
-/// Share of the series' angle in the companion run that estimates the error. Its series must begin elsewhere than
-/// those of the run: with a share of 1 the two would be the same at long output intervals and claim perfection.
-/// From 0.3 to 0.95 they differ by the same few 1e-15.
+/// Angle of the series in the companion run that estimates the error, as a share of the angle in the run itself. The companion's series
+/// must begin at other times than those of the run: with a share of 1 both would be identical at long output intervals, and the estimate
+/// would be 0. From 0.3 to 0.95 the two differ by the same few 1e-15.
 const COMPANION: f64 = 0.62;
 
-/// Sliders by their bins and their grid.
+/// Number of bins and grid of the sliders.
 #[derive(Clone, Copy)]
 pub(crate) struct Cut {
     pub(crate) bins: usize,
     pub(crate) grid: Grid,
 }
 
-/// Stiffness of the slider that stands in for the joint of a linear mode, and the force at which it would slip: so
-/// weak that it adds nothing to any mode, so strong that it never slips, and neither product nor quotient of the
-/// two overflows.
+/// Stiffness (1/s²) and slip force of the slider that stands in for the joint of a linear mode. It is so weak that it adds nothing to any
+/// mode and so strong that it never slips, and neither the product nor the quotient of the two numbers overflows.
 const NO_JOINT: [f64; 2] = [1e-150, 1e150];
 
-/// Event-driven run, with error estimates when `wanted`.
+/// Event-driven run; with error estimates if `wanted`.
 pub(crate) fn simulate(
     task: Task<'_>,
     force: &Pulse<'_>,
@@ -91,7 +90,8 @@ fn run(
     finite(response)
 }
 
-/// Sliders against the continuum, both by Newmark's method at the sampling interval: none where that is too long.
+/// Difference between sliders and the continuum, both by Newmark's method at the sampling interval; none if that interval is too long for
+/// the mode.
 fn discretisation(task: Task<'_>, joint: Representation) -> Result<Option<f64>, SimulationError> {
     if task.mode.joint.is_none() {
         return Ok(Some(0.0));

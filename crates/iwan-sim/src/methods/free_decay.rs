@@ -1,4 +1,4 @@
-//! Methods for free decay: the force is stepped until it has settled, the decay that follows is not.
+//! Methods for free decay: time steps until the force has settled, then a method without time steps.
 
 use std::time::Instant;
 
@@ -15,35 +15,37 @@ use crate::methods::task::{Room, Task, add, finite, stepped_finely};
 use crate::response::{Quality, Response};
 use crate::settings::Method;
 
-/// Time steps of the forced part per small-amplitude period, at least. What they leave is told by half as many:
-/// 7e-7 of the peak for a haversine of a fifth of a period, 6e-7 when the force brings macro-slip. Twice as many
-/// would leave a quarter, at a time and a memory of twice as much.
+/// Smallest number of time steps of the forced part per small-amplitude period. Their error, estimated with half as many steps, is 7e-7 of
+/// the peak for a haversine of a fifth of a period and 6e-7 when the force causes macro-slip. Twice as many steps would leave a quarter of
+/// the error at twice the time and memory.
 const STEPS_A_PERIOD: f64 = 4000.0;
 
-/// Share of [`STEPS_A_PERIOD`] that falls into a quarter of a pulse, however short: 400 steps over the whole of it.
-/// Without them a pulse of 0.2 ms on a mode of 8 ms leaves 5e-6 of the peak, with them 3e-7.
+/// Smallest number of time steps in a quarter of a pulse, however short, as a share of [`STEPS_A_PERIOD`]: 400 steps in the whole pulse.
+/// Without them a pulse of 0.2 ms on a mode with a period of 8 ms leaves an error of 5e-6 of the peak, with them 3e-7.
 const SHARE_IN_A_PULSE: f64 = 0.025;
 
-/// Most samples of the forced part: at 32 bytes each 1.6 GB, which the machines of most users have. A force that
-/// lasts longer is refused by name, with the methods that step it at the sampling interval.
+/// Largest number of samples of the forced part: at 32 bytes each 1.6 GB, which most users' machines have. A force that lasts longer is
+/// refused by name, with the methods that step it at the sampling interval.
 const MOST_FORCED: f64 = 5e7;
 
-/// What is said at least, relative to the peak: where the map is exact, as for a joint that never slips, time steps beside it ([`first_cycles`]) differ by 1e-9 and less.
+/// Smallest error that is reported, relative to the peak. Where the map is exact, as for a joint that never slips, the time steps with
+/// which it is compared ([`first_cycles`]) differ from it by 1e-9 or less.
 const QUADRATURE_ERROR: f64 = 2e-9;
 
-/// Cycles of the decay that are stepped beside the map: 10 ms. Its error is one of phase, which grows in proportion to time in macro-slip, and by jumps where the corners of
-/// a tabulated density are passed. With four cycles, carried on in proportion, 0.17 to 0.22 of the true error was told of four tabulated densities in 800 sets, and up to 8.5 times
-/// a true 1e-8 of four-parameter joints that come out of macro-slip later.
+/// Number of cycles of the decay that are stepped to check the map; they take 10 ms of computing time. The map's error is one of phase. It
+/// grows in proportion to time in macro-slip, and by jumps where the motion passes the corners of a tabulated density. With only four
+/// cycles, extrapolated in proportion, the estimate was 0.17 to 0.22 of the true error for four tabulated densities in 800 sets, and up to
+/// 8.5 times a true error of 1e-8 for four-parameter joints that leave macro-slip later.
 const STEPPED_CYCLES: f64 = 40.0;
 
-/// The forced part, sampled finely, and the state that it ends in.
+/// The state at the end of the forced part.
 struct Forced<S> {
     memory: Reversals<S>,
     velocity: f64,
     energy: EnergyBalance,
 }
 
-/// What a free-decay method is given besides the mode: force, method, number of samples until the force has settled.
+/// Input of a free-decay method: the task, the force, the method, and the number of steps until the force has settled.
 #[derive(Clone, Copy)]
 pub(crate) struct Decaying<'a> {
     pub(crate) task: Task<'a>,
@@ -52,7 +54,7 @@ pub(crate) struct Decaying<'a> {
     pub(crate) settled: usize,
 }
 
-/// Half-cycle map or averaging, with the error estimate when `quality` is wanted.
+/// Half-cycle map or averaging; with error estimates if `wanted`.
 pub(crate) fn simulate(
     job: Decaying<'_>,
     wanted: bool,
@@ -60,7 +62,7 @@ pub(crate) fn simulate(
     progress: Progress<'_>,
 ) -> Result<Response, SimulationError> {
     let Some(law) = &job.task.mode.joint else {
-        // A linear mode has nothing to map: its series are exact.
+        // A linear mode needs no map: its Taylor series are exact.
         let cut = Cut { bins: 1, grid: Grid::Uniform };
         return event::simulate(job.task, job.force, cut, wanted, progress);
     };
@@ -79,7 +81,7 @@ pub(crate) fn simulate(
     })
 }
 
-/// Error of the forced part's steps by halving their number; for averaging, the distance to the map as well.
+/// Error of the forced part, estimated with half as many steps. For averaging, if larger, the difference to the half-cycle map.
 fn estimate<B: Backbone>(
     job: Decaying<'_>,
     law: &B,
@@ -98,8 +100,8 @@ fn estimate<B: Backbone>(
     Ok(Quality { time_step_error: Some(error), discretisation_error: Some(0.0), ..response.quality })
 }
 
-/// Error of the map, from its first cycles beside time steps from the same state on: two runs of fine steps are extrapolated, and the distance is carried on in
-/// proportion to time and to the amplitude that is left.
+/// Error of the map, estimated by time steps over the first cycles of the decay from the same state. Two runs of fine steps are
+/// extrapolated, and their distance to the map is scaled up in proportion to time and to the remaining amplitude.
 fn first_cycles<B: Backbone>(
     job: Decaying<'_>,
     law: &B,
@@ -111,7 +113,7 @@ fn first_cycles<B: Backbone>(
     let count = cycles.max(2).min(samples - 1 - job.settled);
     let (joint, load) = (Continuum::new(law), mode.shape_at_force * job.force.at(job.force.settled() + dt));
     let start = forced(job, &oscillator, law, STEPS_A_PERIOD, &mut Response::zeros(dt, job.settled + 1))?;
-    // An even number, so that half of it is another.
+    // An even number, so that its half is an integer too.
     let fraction = 2 * (0.5 * dt * mode.frequency * STEPS_A_PERIOD).ceil().max(1.0) as usize;
     let stepped = |fraction: usize| -> Result<Vec<f64>, SimulationError> {
         let scheme = Newmark::prewarped(dt / fraction as f64, oscillator.omega0())?;
@@ -125,7 +127,7 @@ fn first_cycles<B: Backbone>(
     let exact = fine.iter().zip(&coarse).map(|(fine, coarse)| fine + (fine - coarse) / 3.0);
     let decay = &response.displacement[job.settled..];
     let distance = exact.zip(decay).fold(0.0, |most: f64, (exact, q)| most.max((exact - q).abs()));
-    // Where time times amplitude is largest, against where the steps end.
+    // Largest product of time and amplitude over the whole decay, relative to that over the stepped cycles.
     let weighed =
         |range: std::ops::Range<usize>| range.fold(0.0, |most: f64, n| most.max(n as f64 * decay[n].abs()));
     let (seen, whole) = (weighed(0..count + 1), weighed(0..decay.len()));
@@ -172,14 +174,14 @@ fn decay<B: Backbone>(
     finite(response)
 }
 
-/// Steps of the forced part in one sampling interval.
+/// Number of time steps of the forced part per sampling interval.
 pub(crate) fn fraction(job: Decaying<'_>) -> Result<usize, Error> {
     fraction_of(job, STEPS_A_PERIOD)
 }
 
 fn fraction_of(job: Decaying<'_>, steps: f64) -> Result<usize, Error> {
     let Task { mode, dt, .. } = job.task;
-    // An even number, so that half of it is another.
+    // An even number, so that its half is an integer too.
     let resolved = (mode.frequency * steps).max(SHARE_IN_A_PULSE * steps / job.force.longest_step());
     let fraction = 2.0 * (0.5 * dt * resolved).ceil().max(1.0);
     let (name, value) = ("force duration", job.settled as f64 * dt);

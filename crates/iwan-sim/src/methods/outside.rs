@@ -1,13 +1,13 @@
-//! Where a mode by its curves leaves them.
+//! Times at which a mode given by curves leaves its curves.
 
 use crate::curves::Curves;
 use crate::error::SimulationError;
 use crate::response::{OutsideCurves, Response};
 
-/// Rounding of an amplitude, in shares of itself: a release at the largest amplitude itself is within.
+/// Relative rounding of an amplitude: a release exactly at the largest amplitude of the curves counts as within.
 const ROUNDING: f64 = 1e-12;
 
-/// Follows a motion sample by sample.
+/// Follows a motion sample by sample and records where its amplitude leaves the curves.
 #[derive(Debug)]
 pub(crate) struct Follower<'a> {
     curves: &'a Curves,
@@ -22,7 +22,7 @@ impl<'a> Follower<'a> {
         Self { curves, dt, samples: 0, last_within: None, outside: OutsideCurves::default() }
     }
 
-    /// The samples that come next.
+    /// Takes the next samples of the motion.
     pub(crate) fn follow(&mut self, displacement: &[f64], velocity: &[f64]) {
         let (smallest, largest) = self.curves.points().range();
         for (n, (q, v)) in (self.samples..).zip(displacement.iter().zip(velocity)) {
@@ -38,7 +38,7 @@ impl<'a> Follower<'a> {
         self.samples += displacement.len();
     }
 
-    /// Where the motion left the curves; an error where it went beyond them without leave.
+    /// Where the motion left the curves; an error if it exceeded the largest amplitude and extrapolation is not allowed.
     pub(crate) fn found(&self) -> Result<OutsideCurves, SimulationError> {
         let (amplitude, largest) = (self.outside.largest_amplitude, self.curves.points().range().1);
         if let Some(time) = self.outside.above_from.filter(|_| !self.curves.extrapolates()) {
@@ -50,7 +50,7 @@ impl<'a> Follower<'a> {
     }
 }
 
-/// Says where a response left the mode's curves, and refuses one that went beyond them without leave.
+/// Records in a response where it left the mode's curves, and refuses one that exceeded them without leave to extrapolate.
 pub(crate) fn within(curves: &Curves, mut response: Response) -> Result<Response, SimulationError> {
     let mut follower = Follower::new(curves, response.dt);
     follower.follow(&response.displacement, &response.velocity);

@@ -10,33 +10,34 @@ use crate::methods::task::{Task, for_companions};
 use crate::mode::Mode;
 use crate::response::{Quality, Response};
 
-/// Shortest response, in samples of the companion, that gets an estimate: over fewer points the largest difference
-/// says little, as they may all lie where two wrong responses cross. The number is arbitrary; responses that anyone
-/// looks at are longer.
+/// Shortest response, in samples of the companion run, that gets an estimate. Over fewer points the largest difference means little,
+/// because they may all lie where two wrong responses cross. The number is arbitrary; responses of practical interest are longer.
 pub(crate) const FEWEST: usize = 8;
 
-/// An error of displacement relative to a peak; where nothing moves, 1 for any error.
+/// An error of displacement relative to a peak. If the peak is 0, the result is 0 for no error and 1 for any other.
 pub(crate) fn relative(error: f64, peak: f64) -> f64 {
     if peak == 0.0 { f64::from(u8::from(error != 0.0)) } else { error / peak }
 }
 
-/// Largest difference to every `stride`-th sample of a finer response, relative to its peak.
+/// Largest difference between a response and every `stride`-th sample of a finer one, relative to the finer one's peak.
 pub(crate) fn difference(coarse: &Response, fine: &Response, stride: usize) -> f64 {
     let pairs = coarse.displacement.iter().zip(fine.displacement.iter().step_by(stride));
     let most = pairs.fold(0.0, |most: f64, (a, b)| most.max((a - b).abs()));
     relative(most, fine.peak_displacement())
 }
 
-/// Error of time steps relative to the peak, from steps twice as long and, under a force from a file, from a run that does as the file does ([`between::error`]).
+/// Error of time steps relative to the peak, from steps twice as long and, under a force from a file, from a run that acts as the file's
+/// force does ([`between::error`]).
 pub(crate) fn step_error(fine: &Response, whole: Option<&Response>, double: &Response, divisor: f64) -> f64 {
     let [steps, whole, double] = [fine, whole.unwrap_or(fine), double].map(|run| &run.displacement[..]);
     relative(between::error(steps, whole, double, divisor), fine.peak_displacement())
 }
 
-/// What a joint in sliders is held against: the continuum, or so many times finer sliders where it has none.
+/// The representation with which a joint on sliders is compared: the continuum, or four times as many sliders where the law has no
+/// continuum.
 ///
-/// A slider whose friction drops begins to dissipate by a jump, so that D of a population is a staircase about that of the density and the
-/// error falls with the inverse of their number: four times as many leave a quarter, which the difference is wrong by.
+/// A slider whose friction drops begins to dissipate with a jump. So the dissipation of a population is a staircase about that of the
+/// density, and its error falls with the inverse number of sliders: four times as many leave a quarter, by which the estimate is wrong.
 pub(crate) fn reference(mode: &Mode, joint: Representation) -> Representation {
     const FINER: usize = 4;
     match joint {
@@ -47,11 +48,12 @@ pub(crate) fn reference(mode: &Mode, joint: Representation) -> Representation {
     }
 }
 
-/// Estimates for a Newmark run: time-step error by Richardson extrapolation from the double step (the
-/// scheme's `order` 1 or 2), discretisation error against the continuum at that step.
+/// Error estimates for a Newmark run: the time-step error by Richardson extrapolation from the double step (the scheme has the `order` 1 or
+/// 2), the discretisation error against the continuum at the double step.
 ///
-/// A force from a file need not be smooth. What the steps do not see of it is told by a run of the same steps that does as the file does, double steps do so
-/// too, and sliders are held against the continuum at the step itself.
+/// A force from a file need not be smooth. The part of it that the steps miss is found by a run of the same steps that acts as the file's
+/// force does ([`as_the_file_does`](super::between::as_the_file_does)). The double steps then act as the file does, too, and sliders are
+/// compared with the continuum at the single step.
 pub(crate) fn of_newmark(
     (task, pulse): (Task<'_>, &Pulse<'_>),
     fine: &Response,
@@ -67,14 +69,14 @@ pub(crate) fn of_newmark(
     let linear = mode.joint.is_none();
     let finest = reference(mode, joint);
     quality.discretisation_error = (linear || joint == Representation::Continuum).then_some(0.0);
-    // A prewarped double step may already be too long for the mode: then there is nothing to compare.
+    // A prewarped double step may be too long for the mode; then there is no estimate.
     let Some(scheme) = scheme_at(coarse.dt).ok().filter(|_| coarse.samples >= FEWEST) else {
         return Ok(quality);
     };
     let run = |task: Task<'_>, scheme: &Newmark, joint| {
         newmark(task, scheme, joint, Response::default(), UNWATCHED)
     };
-    // A double step that does not work says nothing about the single one.
+    // A double step that fails says nothing about the single step, so there is no estimate.
     let Ok(double) = run(coarse, &scheme, joint) else { return Ok(quality) };
     if quality.discretisation_error.is_none() {
         quality.discretisation_error = if unsmooth {

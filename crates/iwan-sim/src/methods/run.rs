@@ -1,4 +1,4 @@
-//! One mode by Newmark's method, no questions asked.
+//! One mode by Newmark's method, without checks of the input.
 
 use std::time::Instant;
 
@@ -11,7 +11,7 @@ use crate::methods::task::{CHUNK, Room, Task, finite};
 use crate::mode::Mode;
 use crate::response::Response;
 
-/// Newmark's scheme on a joint represented as asked, in the buffers of `spare`.
+/// Newmark's scheme with the joint in the given representation; the buffers of `spare` are reused.
 pub(crate) fn newmark(
     task: Task<'_>,
     scheme: &Newmark,
@@ -59,7 +59,7 @@ pub(crate) fn strongest(mode: &Mode) -> f64 {
     law.map_or(f64::INFINITY, |law| law.strengths().1)
 }
 
-/// Why a response is not finite, where the mode says so.
+/// The reason why a response is not finite: a softening spring, if the mode has one.
 pub(crate) fn told(mode: &Mode, error: SimulationError) -> SimulationError {
     let softens = |part: &Part| matches!(part, Part::Spring(spring) if spring.k() < 0.0);
     match error {

@@ -1,4 +1,4 @@
-//! One mode in time steps that can be taken on, a stretch of samples at a time.
+//! One mode in time steps, which can be continued one stretch of samples after another.
 
 use iwan_core::{
     Backbone, Continuum, CurveNewmark, CurvePoint, EnergyBalance, Error, Hysteresis, JointEnergy, Motion,
@@ -12,21 +12,21 @@ use crate::joint_law::with_law;
 use crate::methods::task::{Room, Task};
 use crate::mode::Mode;
 
-/// A mode that stands at a sample.
+/// A mode at one of its samples, from which it can be stepped further.
 pub(crate) trait Stepped {
-    /// Steps over the samples of `out`, the first of which is where it stands, under the force from that sample on.
+    /// Steps over the samples of `out`, of which the first is the present sample; `force` begins at that sample.
     fn advance(&mut self, force: &[f64], out: &mut Samples<'_>) -> Result<(), Error>;
 
-    /// The energy balance of these steps, of which nothing but that is needed: it is asked for after all of them, or never.
+    /// The energy balance of the latest steps. A caller asks for it either after each `advance` or never.
     fn balance(&mut self, force: &[f64], out: &Samples<'_>) -> EnergyBalance;
 
-    /// Bound on the error of the joint's force from reversals that were forgotten.
+    /// Bound on the error of the joint's force from reversals that were forgotten because memory was full; 0 means exact.
     fn forgotten(&self) -> f64 {
         0.0
     }
 }
 
-/// The mode of a task at its first sample, by Newmark's scheme on a joint represented as asked.
+/// The mode of a task at its first sample, for Newmark's scheme with the joint in the given representation.
 pub(crate) fn begin<'a>(
     task: Task<'a>,
     scheme: &Newmark,
@@ -68,7 +68,7 @@ pub(crate) fn begin<'a>(
     }
 }
 
-/// What all modes with time steps of Newmark's begin with.
+/// Data with which every kind of mode stepped by Newmark's method begins.
 #[derive(Clone, Copy)]
 struct Begun<'a> {
     mode: &'a Mode,
@@ -77,7 +77,7 @@ struct Begun<'a> {
 }
 
 impl<'a> Begun<'a> {
-    /// In the continuum, with room for so many reversals.
+    /// The mode with its joint in the continuum, with room for `reversals` reversals.
     fn continuum<B: Backbone + 'a>(
         self,
         law: B,
@@ -88,7 +88,7 @@ impl<'a> Begun<'a> {
         self.with(joint, state, Reversals::forgotten)
     }
 
-    /// By the path that any joint can take, with the mode's parts beside it.
+    /// The mode on the path for any joint, with the mode's parts if it has some.
     fn with<S: 'a, J: Trial<S> + 'a>(
         self,
         joint: J,
@@ -104,7 +104,7 @@ impl<'a> Begun<'a> {
         self.beside_parts(joint, state, forgotten)
     }
 
-    /// By the path of modes with parts, of which there may be none: it knows of forces that jump.
+    /// The mode on the path for parts, even if it has none: this path handles joint forces that jump.
     fn beside_parts<S: 'a, J: Trial<S> + 'a>(
         self,
         joint: J,
@@ -137,16 +137,17 @@ impl<'a> Begun<'a> {
     }
 }
 
-/// A mode with its joint alone.
+/// A mode with a joint and no parts.
 struct Jointed<J, S, F> {
     scheme: Newmark,
     oscillator: Oscillator,
     joint: J,
     state: S,
     velocity: f64,
-    /// Energy of the joint's springs where the last balance ended: with many reversals it takes as long as many steps.
+    /// Energy of the joint's springs at the end of the last balance. It is kept because computing it takes as long as many steps if there
+    /// are many reversals.
     stored: f64,
-    /// Steps from a velocity on; returns the last one.
+    /// Steps the mode from a velocity; returns the final velocity.
     step: F,
     forgotten: fn(&S) -> f64,
 }
@@ -178,7 +179,7 @@ struct BesideParts<'a, J, S> {
     joint: J,
     state: S,
     velocity: f64,
-    /// Balance of the last steps.
+    /// Energy balance of the latest steps.
     energy: EnergyBalance,
     forgotten: fn(&S) -> f64,
 }
@@ -199,11 +200,11 @@ impl<J: Trial<S>, S> Stepped for BesideParts<'_, J, S> {
     }
 }
 
-/// A mode by its curves.
+/// A mode given by curves.
 struct ByCurves<'a, P> {
     stepper: CurveNewmark<'a, P>,
     at: Motion,
-    /// Balance of the last steps.
+    /// Energy balance of the latest steps.
     energy: EnergyBalance,
 }
 

@@ -1,4 +1,4 @@
-//! What is run: one mode under a force, and what every run of it needs.
+//! A run of one mode under a force, and what every such run needs.
 
 use iwan_core::{Pulse, Slider};
 
@@ -7,12 +7,11 @@ use crate::methods::between::as_the_file_does;
 use crate::mode::Mode;
 use crate::response::Response;
 
-/// Steps between two calls of `progress`, the unit in which long runs are cut: at 3 to 25 ns a step 0.2 to 1.6 ms,
-/// so that Ctrl-C is heard at once and a bar moves, at a cost that cannot be measured. Any number from 2^12 to 2^20
-/// does as well.
+/// Number of steps between two calls of `progress`, and unit into which long runs are cut. At 3 to 25 ns a step they take 0.2 to 1.6 ms, so
+/// that Ctrl-C acts at once and a bar moves, at a cost too small to measure. Any number from 2^12 to 2^20 does as well.
 pub(crate) const CHUNK: usize = 1 << 16;
 
-/// A run of one mode: force samples (modal, from t = 0, zero behind the last) and time axis.
+/// A run of one mode: force samples (modal, from t = 0, zero after the last) and time axis.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Task<'a> {
     pub(crate) mode: &'a Mode,
@@ -40,8 +39,9 @@ pub(crate) fn sampled(force: &Pulse<'_>, dt: f64, samples: usize) -> Vec<f64> {
     history
 }
 
-/// Force of a run whose steps are far finer than the response's: as the file does where it is from a file, so that what is left falls with the square of the step.
-/// With it goes what an acceleration at a sample lacks then, the force there less what does as the file does.
+/// Force for a run whose steps are far finer than the response's. A force from a file is replaced by samples that act as the file does, so
+/// that the remaining error falls with the square of the step. For such a force a second history is returned: the true force at the samples
+/// less these samples, which must be added to the accelerations.
 pub(crate) fn stepped_finely(
     mode: &Mode,
     force: &Pulse<'_>,
@@ -59,22 +59,22 @@ pub(crate) fn stepped_finely(
     (stepped, lacking)
 }
 
-/// Adds one history to another from the start on.
+/// Adds `one` to `other`, from the start on.
 pub(crate) fn add(one: &[f64], other: &mut [f64]) {
     other.iter_mut().zip(one).for_each(|(to, x)| *to += x);
 }
 
-/// The force, times `scale`, as companion runs see it in steps of `dt`, from their sample `first` on and over at most so many samples.
+/// The force, times `scale`, for companion runs in steps of `dt`: from their sample `first` on, at most `samples` samples.
 ///
-/// A force by a formula is sampled anew, so that where it stops between two steps its end is in its place for these steps, too. One from a file is told by the
-/// samples that do as the file does ([`as_the_file_does`]).
+/// A force given by a formula is sampled anew, so that an end between two steps is placed correctly for these steps, too. A force from a
+/// file is replaced by the samples that act as the file does ([`as_the_file_does`]).
 pub(crate) fn for_companions(
     force: &Pulse<'_>,
     (dt, scale): (f64, f64),
     first: usize,
     samples: usize,
 ) -> Vec<f64> {
-    // A cubic reaches two samples beyond the file's end.
+    // The cubic of [`as_the_file_does`] reaches two samples beyond the end of the file's force.
     let reach = ((force.settled() / dt) as usize).saturating_add(3);
     let constant = force.at(force.settled() + dt) != 0.0;
     let room = if constant { samples } else { samples.min(reach.saturating_sub(first)) };
@@ -91,39 +91,39 @@ pub(crate) fn for_companions(
 /// Memory that a run borrows.
 #[derive(Debug, Default)]
 pub(crate) struct Room {
-    /// Sliders, where the joint is cut into some.
+    /// Table of sliders, if the joint is cut into sliders.
     pub(crate) table: Vec<Slider>,
-    /// Number of reversals that are remembered, where it is not.
+    /// Number of reversals that are remembered, if the joint is a continuum.
     pub(crate) reversals: usize,
 }
 
 impl Room {
-    /// For the whole of a task.
+    /// Memory for the whole of a task.
     pub(crate) fn of(task: &Task<'_>) -> Self {
         let cycles = task.mode.frequency * task.dt * task.samples as f64;
         Self { table: Vec::new(), reversals: reversals(cycles, MOST) }
     }
 }
 
-/// Half cycles of a decay that are all remembered (16 MB). Behind them the smallest loops are forgotten, and
-/// the response says how much force that may have cost.
+/// Largest number of half cycles of a decay that are remembered (16 MB). Beyond it the smallest loops are forgotten, and the response
+/// reports the bound of the force error.
 pub(crate) const MOST: f64 = 1e6;
 
-/// Number of reversals of so many cycles: two a cycle in a decay, at most so many, and some for the force.
+/// Number of reversals in `cycles` cycles: two per cycle of a decay, at most `most`, and some for the force.
 pub(crate) fn reversals(cycles: f64, most: f64) -> usize {
-    /// Reversals that a force may add to those of the decay. A pulse makes a few; should a long irregular force
-    /// make more, the smallest loops go, as above.
+    /// Reversals that a force may add to those of the decay. A pulse adds a few; if a long irregular force adds more, the smallest loops
+    /// are forgotten, as above.
     const FORCED: usize = 64;
     FORCED + (2.0 * cycles).min(most) as usize
 }
 
-/// Number of the first sample with a value that is not finite.
+/// Index of the first sample at which a value is not finite.
 pub(crate) fn first_not_finite([displacement, velocity, acceleration]: [&[f64]; 3]) -> Option<usize> {
     let bad = |n: &usize| ![displacement[*n], velocity[*n], acceleration[*n]].iter().all(|x| x.is_finite());
     (0..displacement.len()).find(bad)
 }
 
-/// Passes a response on unless NaN or infinity crept in.
+/// Returns the response unless one of its values is not finite.
 pub(crate) fn finite(response: Response) -> Result<Response, SimulationError> {
     let motion = [&response.displacement, &response.velocity, &response.acceleration].map(Vec::as_slice);
     match first_not_finite(motion) {

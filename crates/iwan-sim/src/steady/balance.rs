@@ -1,7 +1,8 @@
-//! The equations of harmonic balance in the slips of the joints.
+//! The equations of harmonic balance, with the slips of the joints as unknowns.
 //!
-//! Unknowns are cosine and sine of each odd harmonic of each slip, x, and of one modal amplitude per harmonic, q. With the
-//! joints' forces beyond their initial stiffness, g = F - K_T x, and the flexibility R of all other modes,
+//! The unknowns are cosine and sine coefficient of each odd harmonic of each slip, x, and for each harmonic those of one modal amplitude,
+//! q, of the mode kept apart. With g = F - K_T x, the joints' forces beyond their initial stiffness, and the flexibility R of all other
+//! modes, the equations are
 //!
 //! x + R g - b q - R_f f = 0,   D q + bᵀ g - φ f = 0.
 //!
@@ -14,53 +15,53 @@ use super::jointed::JointedModes;
 use super::receptance::{C, Receptance, dynamic_stiffness, nearest};
 use crate::error::SimulationError;
 
-/// What stands behind the unknown amplitudes.
+/// The quantities besides the unknown amplitudes.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct State {
     /// Frequency, rad/s.
     pub(super) omega: f64,
     /// Amplitude of the excitation.
     pub(super) force: f64,
-    /// Damping taken from all modes, 1/s: 2 ζ ω of a nonlinear mode.
+    /// Damping subtracted from all modes, 1/s: for a nonlinear mode 2 ζ ω.
     pub(super) xi: f64,
 }
 
-/// Equations, unknowns and the memory they are evaluated in.
+/// The equations with their derivatives, and the memory for their evaluation.
 #[derive(Debug)]
 pub(super) struct Balance<'a> {
     pub(super) system: &'a JointedModes,
     harmonics: Harmonics,
-    /// The harmonics as numbers.
+    /// The orders of the harmonics as floating-point numbers.
     pub(super) orders: Vec<f64>,
-    /// The mode kept apart, for each harmonic.
+    /// Index of the mode kept apart, for each harmonic.
     pub(super) apart: Vec<usize>,
     work: Box<SteadyWork>,
     /// g, in the order of x.
     excess: Vec<f64>,
-    /// Derivatives of g of each joint, row by row.
+    /// Derivatives of g of each joint with respect to its slip's coefficients, row by row.
     slopes: Vec<f64>,
-    /// Equations.
+    /// Residuals of the equations.
     pub(super) residual: DVector<f64>,
-    /// Derivatives by x and q, then by ω, f and ξ.
+    /// Derivatives of the equations with respect to x and q, then to ω, f and ξ.
     pub(super) jacobian: DMatrix<f64>,
 }
 
-/// Columns behind the amplitudes.
+/// Columns of the derivatives by ω, f and ξ, counted from the end of the amplitudes.
 pub(super) const BY_OMEGA: usize = 0;
 pub(super) const BY_FORCE: usize = 1;
 pub(super) const BY_XI: usize = 2;
 const STATES: usize = 3;
 
-/// c (a - i b) as a pair.
+/// The product c (a - i b), as a pair.
 fn times(c: C, pair: [f64; 2]) -> [f64; 2] {
     [c.re * pair[0] + c.im * pair[1], c.re * pair[1] - c.im * pair[0]]
 }
 
 impl<'a> Balance<'a> {
-    /// With odd harmonics up to `highest`.
+    /// The equations with odd harmonics up to `highest`.
     ///
     /// # Errors
-    /// As [`Harmonics::odd`].
+    /// The errors of [`Harmonics::odd`].
     pub(super) fn new(system: &'a JointedModes, highest: usize) -> Result<Self, SimulationError> {
         let harmonics = Harmonics::odd(highest)?;
         let orders: Vec<f64> = harmonics.orders().map(|n| n as f64).collect();
@@ -79,17 +80,17 @@ impl<'a> Balance<'a> {
         })
     }
 
-    /// Number of unknown amplitudes, and of equations.
+    /// Number of unknown amplitudes, which is also the number of equations.
     pub(super) fn len(&self) -> usize {
         (self.system.joints.len() + 1) * self.each()
     }
 
-    /// Coefficients of one slip.
+    /// Number of coefficients of one slip.
     pub(super) fn each(&self) -> usize {
         self.harmonics.len()
     }
 
-    /// Where the modal amplitudes begin.
+    /// Index at which the modal amplitudes begin.
     pub(super) fn modal(&self) -> usize {
         self.system.joints.len() * self.each()
     }
@@ -112,11 +113,11 @@ impl<'a> Balance<'a> {
         Ok(())
     }
 
-    /// Chooses the modes kept apart anew, but for the first harmonic's where `keep` is given, and sets their amplitudes in `y`;
-    /// returns whether another one was chosen.
+    /// Chooses the modes kept apart anew and sets their amplitudes in `y`; for the first harmonic the mode `keep` is used, if given.
+    /// Returns whether a choice has changed.
     ///
     /// # Errors
-    /// As [`evaluate`](Self::evaluate).
+    /// The errors of [`evaluate`](Self::evaluate).
     pub(super) fn choose(
         &mut self,
         y: &mut [f64],
@@ -146,7 +147,7 @@ impl<'a> Balance<'a> {
         Ok(true)
     }
 
-    /// Amplitude of a mode at a harmonic, from the joints' forces as they were last evaluated.
+    /// Amplitude of a mode at a harmonic, from the joints' forces of the last evaluation.
     fn modal_amplitude(&self, mode: usize, h: usize, state: State) -> [f64; 2] {
         let own = &self.system.modes[mode];
         let mut load = [if h == 0 { own.at_force * state.force } else { 0.0 }, 0.0];
@@ -158,7 +159,7 @@ impl<'a> Balance<'a> {
         times(d.inv(), load)
     }
 
-    /// Equations and derivatives at the amplitudes `y`.
+    /// Evaluates the equations and their derivatives at the amplitudes `y`.
     ///
     /// # Errors
     /// [`SimulationError::Parameter`] where an amplitude is not finite.
@@ -175,7 +176,7 @@ impl<'a> Balance<'a> {
         Ok(())
     }
 
-    /// g of a joint at a harmonic.
+    /// g of one joint at one harmonic, as a pair.
     fn pair(&self, joint: usize, h: usize) -> [f64; 2] {
         let at = joint * self.each() + 2 * h;
         [self.excess[at], self.excess[at + 1]]
@@ -224,7 +225,7 @@ impl<'a> Balance<'a> {
         }
     }
 
-    /// The equation of the mode kept apart, over its stiffness ω_m², so that it weighs as the slips do.
+    /// The equation of the mode kept apart, divided by its stiffness ω_m², so that it has the same weight as those of the slips.
     fn modal_rows(&mut self, y: &[f64], state: State, h: usize, flexible: &Receptance) {
         let (each, count) = (self.each(), self.len());
         let row = self.modal() + 2 * h;
@@ -258,8 +259,8 @@ impl<'a> Balance<'a> {
         self.jacobian[(row, count + BY_FORCE)] = -scale * push;
     }
 
-    /// The response: amplitude pair of each harmonic, and the derivatives of the first one's by the amplitudes, ω, f
-    /// and ξ (two rows), from the joints' forces as they were last evaluated.
+    /// The response: the amplitude pair of each harmonic, and the derivatives of the first harmonic's pair with respect to the amplitudes,
+    /// ω, f and ξ (two rows). Both use the joints' forces of the last evaluation.
     pub(super) fn output(&self, y: &[f64], state: State) -> (Vec<[f64; 2]>, DMatrix<f64>) {
         let (each, count) = (self.each(), self.len());
         let mut by = DMatrix::zeros(2, count + STATES);
@@ -309,8 +310,8 @@ impl<'a> Balance<'a> {
         (pairs, by)
     }
 
-    /// Flexibilities of all modes but the one kept apart, with derivatives: from each joint to the response, and from the
-    /// excitation to it.
+    /// Flexibilities of all modes except the one kept apart, with their derivatives: from each joint to the response, and from the
+    /// excitation to the response.
     fn paths(&self, h: usize, n: f64, state: State) -> (Vec<[C; 3]>, [C; 3]) {
         let system = self.system;
         let zero = C::new(0.0, 0.0);

@@ -1,25 +1,26 @@
-//! Curves of solutions: predictor along the tangent, Newton's method across it, steps as long as the curve is straight.
+//! Continuation of solution curves by arc length: a predictor along the tangent, Newton's method across it, and a step length that follows
+//! the curve's bend.
 
 use nalgebra::{DMatrix, DVector};
 
 use crate::error::SimulationError;
 
-/// Equations, one fewer than unknowns: their solutions are a curve.
+/// A system with one equation fewer than unknowns, so that its solutions form a curve.
 pub(super) trait Curve {
-    /// Before a step: chooses what the equations may choose anew without leaving the solution; returns whether unknowns have
-    /// changed their meaning.
+    /// Called before a step. It may choose anew the meaning of unknowns, such as the mode kept apart, without leaving the solution; it
+    /// returns whether it did.
     ///
     /// # Errors
     /// [`SimulationError`] where an unknown is not finite.
     fn prepare(&mut self, y: &mut [f64]) -> Result<bool, SimulationError>;
 
-    /// Sizes of the unknowns: what is a large step in each.
+    /// Scale of each unknown: the change that counts as a step of length 1.
     fn scales(&self, y: &[f64]) -> Vec<f64>;
 
-    /// The longest step from a node that passes over nothing which the curve is known to do there.
+    /// The longest step from a node (in the scaled unknowns) that does not skip a feature of the curve known to lie there.
     fn longest(&self, from: &Node) -> f64;
 
-    /// Equations and their derivatives.
+    /// Evaluates the equations and their derivatives.
     ///
     /// # Errors
     /// [`SimulationError`] where an unknown is not finite.
@@ -31,26 +32,26 @@ pub(super) trait Curve {
     ) -> Result<(), SimulationError>;
 }
 
-/// A point on a curve with its direction there.
+/// A point on a curve, with the curve's direction at the point.
 #[derive(Debug, Clone)]
 pub(super) struct Node {
     pub(super) y: Vec<f64>,
-    /// Unit length in the scaled unknowns.
+    /// Tangent of the curve, of unit length in the scaled unknowns.
     pub(super) tangent: Vec<f64>,
 }
 
-/// Longest step in the scaled unknowns: a tenth of the motion's own size makes a curve of 25 points a decade.
+/// Longest step in the scaled unknowns: a tenth of the motion's own size gives a curve of 25 points a decade.
 const LONGEST: f64 = 0.1;
-/// First step.
+/// First step, in the scaled unknowns.
 const FIRST: f64 = 0.02;
-/// Shortest step: below it, what changes is rounding.
+/// Shortest step, in the scaled unknowns: below it only rounding changes, and the curve ends there.
 const SHORTEST: f64 = 1e-9;
-/// How far predictor and curve may be apart, in the scaled unknowns: straight lines between the points then look smooth,
-/// and Newton's method starts well within its reach.
+/// Desired distance between predictor and curve, in the scaled unknowns; it sets the length of the next step. With it straight lines
+/// between the points look smooth, and Newton's method starts well within its range of convergence.
 const BEND: f64 = 3e-3;
-/// Newton's method has converged where it moves by less than this, in the scaled unknowns; its error is then the square.
+/// Newton's method has converged when its step is shorter than this, in the scaled unknowns; the remaining error is about its square.
 const CONVERGED: f64 = 1e-9;
-/// Most rounds of Newton's method: it takes two to four from a start so near.
+/// Largest number of rounds of Newton's method: from so near a start it takes two to four. If they do not suffice, the step is shortened.
 const ROUNDS: usize = 8;
 
 /// Follows a curve.
@@ -61,11 +62,11 @@ pub(super) struct Follower<'a, P> {
     step: f64,
 }
 
-/// What Newton's method keeps.
+/// The additional equation of Newton's method.
 enum Across<'a> {
-    /// The unknown of this index.
+    /// The unknown of this index keeps its value.
     Held(usize),
-    /// The distance along a direction (given times the inverse squares of the scales) from a point.
+    /// The distance from a point along a direction stays zero. The direction is given times the inverse squares of the scales.
     Along(&'a [f64], &'a [f64]),
 }
 
@@ -75,7 +76,7 @@ impl<'a, P: Curve> Follower<'a, P> {
         Self { curve, residual, jacobian: DMatrix::zeros(unknowns - 1, unknowns), step: FIRST }
     }
 
-    /// Newton's method; returns whether it has converged, in few enough rounds.
+    /// Newton's method; returns whether it has converged within [`ROUNDS`].
     fn correct(
         &mut self,
         y: &mut [f64],
@@ -115,7 +116,7 @@ impl<'a, P: Curve> Follower<'a, P> {
         Ok(false)
     }
 
-    /// A point on the curve at which the unknown `held` keeps its value; none where Newton's method does not find it.
+    /// A point on the curve at which the unknown number `held` keeps its value; none if Newton's method does not find one.
     pub(super) fn at_held(&mut self, y: &[f64], held: usize) -> Result<Option<Vec<f64>>, SimulationError> {
         let mut y = y.to_vec();
         self.curve.prepare(&mut y)?;
@@ -124,7 +125,7 @@ impl<'a, P: Curve> Follower<'a, P> {
         Ok(found.then_some(y))
     }
 
-    /// The first node: the direction in which the unknown `leading` grows (or falls, with a negative `sign`).
+    /// The first node, with the tangent in the direction in which the unknown `leading` grows (`sign` = 1) or falls (`sign` = -1).
     pub(super) fn first(
         &mut self,
         y: Vec<f64>,
@@ -137,7 +138,7 @@ impl<'a, P: Curve> Follower<'a, P> {
         self.node(y, &guess)
     }
 
-    /// A point with its tangent, in the direction of `before`.
+    /// The node of a point on the curve; its tangent continues the direction `before`.
     fn node(&mut self, y: Vec<f64>, before: &[f64]) -> Result<Option<Node>, SimulationError> {
         let count = y.len();
         let scales = self.curve.scales(&y);
@@ -155,7 +156,8 @@ impl<'a, P: Curve> Follower<'a, P> {
         Ok(tangent.iter().all(|t| t.is_finite()).then_some(Node { y, tangent }))
     }
 
-    /// The point at the distance `step` from a node along its tangent.
+    /// The node at the distance `step` from `from` along its tangent, and the distance between predictor and curve there; none if Newton's
+    /// method does not converge.
     pub(super) fn at_distance(
         &mut self,
         from: &Node,
@@ -173,7 +175,7 @@ impl<'a, P: Curve> Follower<'a, P> {
         Ok(self.node(y, &from.tangent)?.map(|node| (node, bend)))
     }
 
-    /// The next node and the step that led to it; none where the curve cannot be followed.
+    /// The next node and the step that led to it; none if the curve cannot be followed any further.
     pub(super) fn next(&mut self, from: &mut Node) -> Result<Option<(Node, f64)>, SimulationError> {
         if self.curve.prepare(&mut from.y)?
             && let Some(turned) = self.node(from.y.clone(), &from.tangent)?
@@ -185,7 +187,7 @@ impl<'a, P: Curve> Follower<'a, P> {
             let step = self.step;
             let found = self.at_distance(from, step)?;
             if let Some((node, bend)) = found {
-                // The bend goes with the square of the step.
+                // The distance between predictor and curve grows with the square of the step.
                 let wanted = step * (BEND / bend.max(1e-12)).sqrt();
                 if bend < 4.0 * BEND || step < 1e-4 {
                     self.step = wanted.clamp(0.3 * step, 2.0 * step).min(LONGEST);
@@ -198,7 +200,7 @@ impl<'a, P: Curve> Follower<'a, P> {
     }
 }
 
-/// Solves with all unknowns in their scales, so that pivots are chosen among equals.
+/// Solves with all unknowns divided by their scales, so that pivots are chosen among numbers of equal size.
 fn solved(mut matrix: DMatrix<f64>, right: &DVector<f64>, scales: &[f64]) -> Option<DVector<f64>> {
     let mut right = right.clone();
     for (mut column, scale) in matrix.column_iter_mut().zip(scales) {

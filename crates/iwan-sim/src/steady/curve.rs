@@ -1,4 +1,4 @@
-//! What a steady forced response returns: points along a curve that may turn back in frequency.
+//! Results of a steady forced response: points along a curve that may turn back in frequency.
 
 use std::f64::consts::{FRAC_1_SQRT_2, TAU};
 
@@ -9,61 +9,62 @@ use super::sweep::Control;
 pub struct SteadyPoint {
     /// Frequency of the excitation, Hz.
     pub frequency: f64,
-    /// Amplitude of the response's first harmonic: a displacement.
+    /// Amplitude of the first harmonic of the response, a displacement.
     pub amplitude: f64,
-    /// Phase of the first harmonic against the excitation, rad: 0 well below a resonance, about -π/2 in it.
+    /// Phase of the first harmonic against the excitation, rad: 0 well below a resonance, about -π/2 at the resonance.
     pub phase: f64,
     /// Amplitude of the excitation: a force, or the acceleration of the base.
     pub excitation: f64,
-    /// Amplitudes and phases of the harmonics 3, 5, … (of n times the excitation's angle), where they were asked for.
+    /// Amplitudes and phases (rad, against n times the excitation's angle) of the harmonics n = 3, 5, …, if they were requested.
     pub harmonics: Vec<[f64; 2]>,
-    /// Amplitude of the first harmonic of each joint's slip, where joints were followed; empty for one mode with its first harmonic
-    /// alone, whose joint slips by the modal displacement.
+    /// Amplitude of the first harmonic of each joint's slip, if joints were computed. Empty for one mode with its first harmonic alone,
+    /// where the joint's slip is the modal displacement.
     pub slips: Vec<f64>,
 }
 
-/// A steady response at one level, along the curve: successive points are neighbours, and where several motions
-/// are possible at one frequency the curve passes through all of them.
+/// A steady response at one level, as a curve: successive points are neighbours. Where several motions are possible at one frequency, the
+/// curve passes through all of them.
 #[derive(Debug, Clone, PartialEq)]
 pub struct SteadyCurve {
-    /// What is held.
+    /// The quantity whose amplitude is held constant.
     pub control: Control,
-    /// At which amplitude.
+    /// The amplitude at which it is held.
     pub level: f64,
-    /// The points.
+    /// The points along the curve.
     pub points: Vec<SteadyPoint>,
-    /// What the reader should know: no resonance in the band, where a computation ended and why.
+    /// Remarks for the reader: no resonance in the band, or where and why a computation ended.
     pub remarks: Vec<String>,
 }
 
-/// A frequency at which the response jumps when the excitation's frequency creeps past it: the curve turns back there.
+/// A frequency at which the response jumps when the excitation's frequency is changed slowly past it: the curve turns back there.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Jump {
     /// Frequency, Hz.
     pub frequency: f64,
-    /// Amplitude of the point that loses its neighbours.
+    /// Amplitude of the response at the turn.
     pub amplitude: f64,
 }
 
-/// A superharmonic resonance: a harmonic of the response is in resonance with a mode of some n times the excitation's frequency.
+/// A superharmonic resonance: n times the excitation's frequency meets the frequency of some mode, so that harmonic n of the response is in
+/// resonance.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Superharmonic {
-    /// Which harmonic, 3, 5, …
+    /// The order n of the harmonic: 3, 5, …
     pub harmonic: usize,
-    /// Frequency of the excitation at which it is largest, Hz.
+    /// Frequency of the excitation at which the harmonic is largest, Hz.
     pub frequency: f64,
-    /// Amplitude of the harmonic there.
+    /// Largest amplitude of the harmonic.
     pub amplitude: f64,
 }
 
-/// How far a harmonic's phase turns, at the least, between the points at which a resonance has fallen to 1/√2 of its height. In the resonance
-/// of a linear mode that is π/2; where a harmonic is large only because the fundamental is, its phase follows the fundamental's and turns by
-/// next to nothing. Half of π/2 tells the two.
+/// Smallest turn of a harmonic's phase, rad, between the points at which its amplitude has fallen to 1/√2 of the maximum, that counts as a
+/// resonance. In the resonance of a linear mode the phase turns by π/2. A harmonic that is large only because the fundamental is large
+/// follows the fundamental's phase and turns by next to nothing. Half of π/2 separates the two cases.
 const TURN: f64 = std::f64::consts::FRAC_PI_4;
 
 impl SteadyCurve {
-    /// The point of the largest amplitude (of the smallest excitation, where the response is held): the resonance as it is
-    /// seen. None on an empty curve.
+    /// The resonance: the point of the largest amplitude, or, where the response is held, of the largest ratio of response to excitation.
+    /// None on an empty curve.
     #[must_use]
     pub fn peak(&self) -> Option<&SteadyPoint> {
         let size = |point: &SteadyPoint| {
@@ -72,7 +73,7 @@ impl SteadyCurve {
         self.points.iter().max_by(|a, b| size(a).total_cmp(&size(b)))
     }
 
-    /// Where the curve turns back in frequency.
+    /// The points at which the curve turns back in frequency.
     #[must_use]
     pub fn jumps(&self) -> Vec<Jump> {
         let turn =
@@ -81,8 +82,8 @@ impl SteadyCurve {
         folds.map(|w| Jump { frequency: w[1].frequency, amplitude: w[1].amplitude }).collect()
     }
 
-    /// The superharmonic resonances along the curve, harmonic by harmonic: an amplitude that falls to 1/√2 of its height on both sides
-    /// while the phase against that of the fundamental turns as a mode's does.
+    /// The superharmonic resonances along the curve, harmonic by harmonic. At such a resonance the amplitude of the harmonic falls to 1/√2 of
+    /// its maximum on both sides, and the phase against that of the fundamental turns by at least π/4.
     #[must_use]
     pub fn superharmonics(&self) -> Vec<Superharmonic> {
         let count = self.points.iter().map(|point| point.harmonics.len()).min().unwrap_or(0);
@@ -92,7 +93,7 @@ impl SteadyCurve {
     fn resonances(&self, index: usize) -> Vec<Superharmonic> {
         let (harmonic, points) = (2 * index + 3, &self.points);
         let amplitude = |i: usize| points[i].harmonics[index][0];
-        // Against n times the fundamental's angle.
+        // Phase against n times the fundamental's angle.
         let phase = |i: usize| points[i].harmonics[index][1] - harmonic as f64 * points[i].phase;
         let turned = |from: usize, to: usize| {
             let step = |i: usize| {
@@ -103,7 +104,7 @@ impl SteadyCurve {
         };
         let is_top = |i: &usize| amplitude(*i) > amplitude(i - 1) && amplitude(*i) >= amplitude(i + 1);
         let found = |top: usize| {
-            // Down to 1/√2 on both sides, without anything higher on the way.
+            // The points on both sides at which the amplitude has fallen to 1/√2; none if a higher point comes first.
             let fallen = |i: &usize| amplitude(*i) <= FRAC_1_SQRT_2 * amplitude(top);
             let higher = |i: &usize| amplitude(*i) > amplitude(top);
             let below = (0..top).rev().find(|i| fallen(i) || higher(i)).filter(fallen)?;

@@ -1,4 +1,4 @@
-//! Modes that several joints couple: what the harmonic balance of a structure, or of one mode with harmonics, works on.
+//! Modes coupled by joints: the system on which the harmonic balance of a structure, or of one mode with harmonics, works.
 
 use std::fmt;
 use std::sync::Arc;
@@ -16,23 +16,23 @@ pub struct StuckMode {
     pub omega: f64,
     /// Viscous damping ratio.
     pub damping_ratio: f64,
-    /// Modal force of a unit excitation (a force, or an acceleration of the base).
+    /// Modal force per unit of the excitation (a force, or an acceleration of the base).
     pub at_force: f64,
-    /// Response of a unit modal displacement.
+    /// Response per unit of modal displacement.
     pub at_output: f64,
 }
 
 /// A joint law that any number of joints and threads share.
 pub type SharedLaw = Arc<dyn Backbone + Send + Sync>;
 
-/// A joint between the modes.
+/// A joint that couples modes.
 #[derive(Clone)]
 pub struct SlipJoint {
     /// Its name, for messages.
     pub name: String,
     /// Its law.
     pub law: SharedLaw,
-    /// Its slip in unit modal displacement of each mode.
+    /// Slip of the joint in a unit displacement of each mode.
     pub participation: Vec<f64>,
 }
 
@@ -44,7 +44,7 @@ impl fmt::Debug for SlipJoint {
 }
 
 impl From<JointLaw> for SharedLaw {
-    /// With a table for its power where the law has one: steady loops take some hundred powers each.
+    /// A four-parameter law gets a table for its power, because a steady loop needs some hundred powers.
     fn from(law: JointLaw) -> Self {
         match law {
             JointLaw::FourParameter(law) => Arc::new(TabledFourParameter::new(law)),
@@ -53,16 +53,16 @@ impl From<JointLaw> for SharedLaw {
     }
 }
 
-/// What the modes that were left out do: static flexibilities.
+/// Static flexibilities of the modes that are left out.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Residual {
-    /// Slip of joint i from unit force pairs on joint j at `i * joints + j`; empty for none.
+    /// Slip of joint i under a unit pair of forces on joint j, at `i * joints + j`; empty for none.
     pub slips: Vec<f64>,
-    /// Slip of each joint from a unit excitation; empty for none.
+    /// Slip of each joint under a unit excitation; empty for none.
     pub force: Vec<f64>,
-    /// Response from unit force pairs on each joint; empty for none.
+    /// Response to a unit pair of forces on each joint; empty for none.
     pub output: Vec<f64>,
-    /// Response from a unit excitation.
+    /// Response to a unit excitation.
     pub direct: f64,
 }
 
@@ -78,8 +78,8 @@ impl JointedModes {
     /// Checks and takes modes, joints and residual flexibilities.
     ///
     /// # Errors
-    /// [`SimulationError::Parameter`] for what does not fit or is not finite, for a system without an elastic mode, and for a joint
-    /// that slips in a rigid motion: nothing would bring it back to its place.
+    /// [`SimulationError::Parameter`] for rows that do not fit or are not finite, for a system without an elastic mode, for a joint whose
+    /// friction drops, and for a joint that slips in a rigid motion, because nothing would return it to its place.
     pub fn new(
         modes: Vec<StuckMode>,
         joints: Vec<SlipJoint>,
@@ -103,7 +103,7 @@ impl JointedModes {
     /// One mode with its own joint, in modal coordinates; its response is `shape_at_output` times the modal displacement.
     ///
     /// # Errors
-    /// As [`Mode::oscillator`], and for a mode without a joint.
+    /// The errors of [`Mode::oscillator`]; also [`SimulationError::Parameter`] for a mode without a joint.
     pub fn of_mode(mode: &Mode, shape_at_output: f64) -> Result<Self, SimulationError> {
         let oscillator = mode.oscillator()?;
         let Some(law) = mode.joint.clone() else {
@@ -133,21 +133,21 @@ impl JointedModes {
         &self.joints
     }
 
-    /// Circular frequency of the lowest elastic mode: the unit of frequencies.
+    /// Circular frequency of the lowest elastic mode, rad/s; the unit of frequencies.
     pub(super) fn lowest(&self) -> f64 {
         self.modes.iter().map(|mode| mode.omega).filter(|omega| *omega > 0.0).fold(f64::INFINITY, f64::min)
     }
 
-    /// Whether joints slip in a mode, by more than rounding: symmetry keeps them from many.
+    /// Whether joints slip in a mode by more than rounding. In many modes symmetry prevents slip.
     pub(super) fn slips_in(&self, mode: usize) -> bool {
-        /// Of the paper's beam, rounding is below 1e-11 of the largest slip of any mode, the smallest that is none 1e-5.
+        /// Smallest slip, relative to the largest of any mode, that is not rounding. On the paper's beam rounding is below 1e-11, and the
+        /// smallest true slip is 1e-5.
         const ROUNDING: f64 = 1e-8;
         let most = |joint: &SlipJoint| joint.participation.iter().fold(0.0, |most: f64, b| most.max(b.abs()));
         self.joints.iter().any(|joint| joint.participation[mode].abs() > ROUNDING * most(joint))
     }
 
-    /// Slip at which the first joint is in macro-slip in the shape of a mode, as modal displacement; none where no joint slips in
-    /// it.
+    /// Modal displacement at which the first joint reaches macro-slip in the shape of a mode; none if no joint slips in the mode.
     #[must_use]
     pub fn macro_slip(&self, mode: usize) -> Option<f64> {
         if !self.slips_in(mode) {
@@ -177,7 +177,7 @@ impl StuckMode {
 
 impl SlipJoint {
     fn checked(&self, modes: &[StuckMode]) -> Result<(), SimulationError> {
-        /// Slip in a rigid motion over the largest in any mode: more than this is no rounding.
+        /// Largest slip in a rigid motion, relative to the largest in any mode, that counts as rounding; a larger one is refused.
         const RIGID: f64 = 1e-6;
         let found = self.participation.len();
         if found != modes.len() {

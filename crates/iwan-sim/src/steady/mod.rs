@@ -1,4 +1,4 @@
-//! Steady vibration: forced responses at given force or given response, and nonlinear modes.
+//! Steady vibration: forced responses at held force or held response, and nonlinear modes.
 
 mod sweep;
 mod curve;

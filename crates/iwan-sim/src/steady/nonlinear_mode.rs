@@ -1,8 +1,7 @@
-//! Nonlinear modes: frequency, damping and harmonics of a mode against its amplitude, by extended periodic motion.
+//! Nonlinear modes by the extended periodic motion concept: frequency, damping and harmonics of a mode against its amplitude.
 //!
-//! A free vibration that loses energy is not periodic. Krack (Computers & Structures 154:59, 2015,
-//! doi:10.1016/j.compstruc.2015.03.008) makes it so by a damping -ξ M q' of all modes that gives back what is lost; ξ = 2 ζ ω is
-//! the mode's damping then.
+//! A free vibration that loses energy is not periodic. Krack (Computers & Structures 154:59, 2015, doi:10.1016/j.compstruc.2015.03.008)
+//! makes it periodic by a negative damping -ξ M q' of all modes that returns the lost energy; the damping of the mode is then ξ = 2 ζ ω.
 
 use std::f64::consts::TAU;
 
@@ -13,7 +12,7 @@ use super::problems::{Problem, Task};
 use crate::error::SimulationError;
 use crate::mode::Mode;
 
-/// A mode at one amplitude.
+/// Frequency, damping and motion of a nonlinear mode at one amplitude.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct BackbonePoint {
     /// Amplitude of the first harmonic of the modal displacement.
@@ -24,21 +23,21 @@ pub struct BackbonePoint {
     pub damping_ratio: f64,
     /// First harmonic of each joint's slip: amplitude and phase (rad) against the modal displacement.
     pub slips: Vec<[f64; 2]>,
-    /// Amplitudes of the response's first harmonic and of those that follow, 1, 3, 5, …
+    /// Amplitudes of the response's harmonics 1, 3, 5, …
     pub response: Vec<f64>,
 }
 
 /// A nonlinear mode.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct NonlinearMode {
-    /// Amplitudes ascending.
+    /// The points, with ascending amplitudes.
     pub points: Vec<BackbonePoint>,
-    /// Where and why it ends before the largest amplitude asked for.
+    /// Where and why the computation ended before the largest requested amplitude.
     pub remarks: Vec<String>,
 }
 
-/// Frequency and damping of one mode against its modal amplitude, with odd harmonics up to `harmonics`; 1 is the closed form of
-/// [`Mode::frequency_at`] and [`Mode::damping_ratio_at`].
+/// Frequency and damping of one mode against its modal amplitude, with odd harmonics up to `harmonics`. With 1 the result is the closed
+/// form of [`Mode::frequency_at`] and [`Mode::damping_ratio_at`].
 ///
 /// # Errors
 /// [`SimulationError::Parameter`] for the mode, the harmonics, or amplitudes that are not finite, > 0 and ascending.
@@ -50,7 +49,7 @@ pub struct NonlinearMode {
 /// let mode = Mode::new("bending 1", 124.0, Some(JointLaw::FourParameter(joint)));
 /// let [one, seven] = [1, 7].map(|harmonics| backbone(&mode, harmonics, &[0.5 * joint.phi_max()]));
 /// let (one, seven) = (&one?.points[0], &seven?.points[0]);
-/// // Harmonics hardly matter to one mode: the joint is a small part of its stiffness.
+/// // For one mode harmonics hardly matter: the joint is a small part of its stiffness.
 /// assert!((one.frequency / seven.frequency - 1.0).abs() < 1e-5);
 /// # Ok::<(), iwan_sim::SimulationError>(())
 /// ```
@@ -84,15 +83,15 @@ fn checked(amplitudes: &[f64]) -> Result<(), SimulationError> {
     Ok(())
 }
 
-/// Largest ratio of successive amplitudes in one step: beyond, an amplitude between is computed first.
+/// Longest step of the logarithm of the amplitude. If requested amplitudes lie farther apart, amplitudes in between are computed first.
 const LONGEST: f64 = 1.0;
-/// Shortest step (of the logarithm) before the computation gives up.
+/// Shortest step of the logarithm of the amplitude; if even that fails, the computation ends with a remark.
 const SHORTEST: f64 = 1e-4;
 
-/// The nonlinear mode that grows out of the stuck mode number `mode`, at these amplitudes of its modal displacement.
+/// The nonlinear mode that begins as the stuck mode number `mode`, at the given amplitudes of that mode's displacement.
 ///
 /// # Errors
-/// As [`backbone`], and for a mode that is not there.
+/// The errors of [`backbone`]; also [`SimulationError::Parameter`] if `mode` is not the index of an elastic mode.
 pub fn nonlinear_mode(
     system: &JointedModes,
     mode: usize,
@@ -109,7 +108,7 @@ pub fn nonlinear_mode(
     let (count, modal) = (problem.unknowns(), problem.balance.modal());
     let mut branch = NonlinearMode::default();
     let Some(&first) = amplitudes.first() else { return Ok(branch) };
-    // The stuck mode, so far down that it is one.
+    // The start: the stuck mode at an amplitude so small that it is a solution to good accuracy.
     let mut here = first.min(START * system.macro_slip(mode).unwrap_or(first));
     let mut y = vec![0.0; count];
     let each = problem.balance.each();
@@ -151,8 +150,8 @@ pub fn nonlinear_mode(
     Ok(branch)
 }
 
-/// Amplitude over that of first macro-slip at which a nonlinear mode begins: the joints have lost less than a millionth of their
-/// stiffness there for χ of the literature, and for any χ the mode is near enough.
+/// Amplitude at which a nonlinear mode begins, over that of first macro-slip. There the joints have lost less than a millionth of their
+/// stiffness for the values of χ in the literature, and for any χ the stuck mode is close enough to start from.
 const START: f64 = 1e-6;
 
 fn point(problem: &mut Problem<'_>, y: &[f64]) -> Result<BackbonePoint, SimulationError> {

@@ -1,7 +1,7 @@
-//! The forced response of one mode by its first harmonic: explicit, for each amplitude two frequencies.
+//! The forced response of one mode by its first harmonic, in explicit form: two frequencies for each amplitude.
 //!
-//! With K(a) = K_∞ + K_1(a) and h(a) = D(a)/(π a²) harmonic balance says a |K - ω² + i (c ω + h)| = f. At a given
-//! amplitude K and h are numbers, and the two frequencies are roots of a polynomial: no iteration on the joint at all.
+//! With K(a) = K_∞ + K_1(a) and h(a) = D(a)/(π a²), harmonic balance gives a |K - ω² + i (c ω + h)| = f. At a given amplitude K and h are
+//! numbers, and the two frequencies are roots of a polynomial, so no iteration on the joint is needed.
 
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
@@ -24,7 +24,7 @@ struct AtAmplitude {
     loss: f64,
 }
 
-/// A mode ready for harmonic balance.
+/// The quantities of a mode that its harmonic balance needs.
 struct Balance {
     k_inf: f64,
     viscous: f64,
@@ -42,21 +42,21 @@ impl Balance {
         AtAmplitude { amplitude: a, stiffness, loss }
     }
 
-    /// K - ω² + i (c ω + h): real and imaginary part.
+    /// Dynamic stiffness K - ω² + i (c ω + h): real and imaginary part.
     fn dynamic_stiffness(&self, at: AtAmplitude, omega: f64) -> [f64; 2] {
         [at.stiffness - omega * omega, self.viscous * omega + at.loss]
     }
 
-    /// The modal force that keeps the amplitude going.
+    /// The modal force that sustains the amplitude at the frequency.
     fn force(&self, at: AtAmplitude, omega: f64) -> f64 {
         let [re, im] = self.dynamic_stiffness(at, omega);
         at.amplitude * re.hypot(im)
     }
 
-    /// The frequency at which the least force is needed.
+    /// The circular frequency at which the smallest force sustains the amplitude.
     fn easiest(&self, at: AtAmplitude) -> f64 {
-        // |Z|² = (K - ω²)² + (cω + h)²: its derivative vanishes at ω² = K - c (cω + h)/(2ω). The correction is of second
-        // order in the damping, so that a few rounds settle it.
+        // |Z|² = (K - ω²)² + (cω + h)² has zero derivative at ω² = K - c (cω + h)/(2ω). The correction to ω² = K is of second
+        // order in the damping, so a few rounds suffice.
         let mut omega = at.stiffness.max(0.0).sqrt();
         for _ in 0..4 {
             if omega == 0.0 || self.viscous == 0.0 {
@@ -64,7 +64,8 @@ impl Balance {
             }
             let square = at.stiffness - 0.5 * self.viscous * (self.viscous + at.loss / omega);
             let before = std::mem::replace(&mut omega, square.max(0.0).sqrt());
-            // A round shrinks the error by the first correction's share of the frequency: squared, 1e-8 is rounding.
+            // A round multiplies the error by the first correction's share of the frequency. After a change of 1e-8 the error is the square
+            // of that, which is rounding.
             if (omega - before).abs() <= 1e-8 * omega {
                 break;
             }
@@ -72,14 +73,14 @@ impl Balance {
         omega
     }
 
-    /// The frequency below (`side` = -1) or above (+1) resonance, where the force is `easiest`, at which the force `f` keeps the
-    /// amplitude going; none where it is too small for that at any frequency, or too large below resonance.
+    /// The frequency below (`side` = -1) or above (`side` = +1) the resonance `middle` at which the force `f` sustains the amplitude. None
+    /// if the force is too small for that at any frequency, or, below resonance, too large.
     fn frequency(&self, at: AtAmplitude, f: f64, side: f64, middle: f64) -> Option<f64> {
         let goal = f / at.amplitude;
         let [re, im] = self.dynamic_stiffness(at, middle);
         let spare = goal * goal - re * re - im * im;
         if spare < 0.0 {
-            // At the top of the curve both sides meet: rounding may leave a little less than nothing.
+            // At the top of the curve both sides meet; there rounding may make `spare` slightly negative.
             return (spare > -1e-9 * goal * goal).then_some(middle);
         }
         if side < 0.0 && at.stiffness * at.stiffness + at.loss * at.loss < goal * goal {
@@ -89,7 +90,7 @@ impl Balance {
         Some(self.polish(at, goal, start, middle, side))
     }
 
-    /// Newton's method on |Z|² = goal², from a start that is exact without viscous damping, on one side of `middle`.
+    /// Newton's method on |Z|² = goal², on one side of `middle`; without viscous damping the start is exact.
     fn polish(&self, at: AtAmplitude, goal: f64, start: f64, middle: f64, side: f64) -> f64 {
         let mut omega = start;
         if self.viscous == 0.0 {
@@ -103,7 +104,7 @@ impl Balance {
             if !next.is_finite() || (next - middle) * side < 0.0 {
                 break;
             }
-            // The error of a step of Newton's is its square over twice the distance to the middle, where the slope vanishes.
+            // The error after a step of Newton's method is the step squared over twice the distance to `middle`, where the slope vanishes.
             let done = (next - omega).powi(2) <= f64::EPSILON * omega * (next - middle).abs();
             omega = next;
             if done {
@@ -114,20 +115,21 @@ impl Balance {
     }
 }
 
-/// Rounds of Newton's method on the polynomial at most: its start is off by the viscous damping squared, and errors are squared each time.
+/// Largest number of rounds of Newton's method on the polynomial: the start is in error by the square of the viscous damping, and each
+/// round squares the error.
 const ROUNDS: usize = 8;
 
-/// Signs of the sides of a resonance: below it, and above.
+/// Signs of the two sides of a resonance: below and above.
 const SIDES: [f64; 2] = [-1.0, 1.0];
 
-/// Ratio of successive amplitudes in the search for the smallest and the largest one.
+/// Ratio of successive amplitudes in the search for the smallest and the largest amplitude.
 const SEARCH: f64 = 1.2;
 
-/// Largest amplitude in the search over the joint's largest strength: a force that friction cannot hold and no damper takes
-/// goes on for ever.
+/// Upper limit of the search for the largest amplitude, over the joint's largest strength. The limit is reached when the force exceeds
+/// friction and no damper limits the motion; the curve then gets a remark.
 const FARTHEST: f64 = 1e9;
 
-/// The steady forced responses of one mode by its first harmonic, one curve a level.
+/// The steady forced responses of one mode by its first harmonic, one curve per level.
 ///
 /// # Errors
 /// [`SimulationError::Parameter`] for the mode, the band and the levels, or shapes of zero.
@@ -153,7 +155,7 @@ fn balance(oscillator: &Oscillator, mode: &Mode) -> Balance {
     Balance { k_inf: oscillator.k_inf(), viscous: oscillator.viscous(), joint }
 }
 
-/// One mode, one sweep.
+/// One mode with one sweep.
 struct Task<'a> {
     balance: Balance,
     mode: &'a Mode,
@@ -177,7 +179,7 @@ impl Task<'_> {
     /// A point at a modal amplitude and a frequency.
     fn point(&self, at: AtAmplitude, omega: f64, excitation: f64) -> SteadyPoint {
         let [re, im] = self.balance.dynamic_stiffness(at, omega);
-        // The base pushes against its acceleration: the modal force is -Γ times it.
+        // The base drives the mode against its own acceleration: the modal force is -Γ times the acceleration.
         let sign = if self.sweep.control == Control::BaseAcceleration { -1.0 } else { 1.0 }
             * (self.mode.shape_at_force * self.shape_at_output).signum();
         let phase = if sign > 0.0 { -im.atan2(re) } else { PI - im.atan2(re) };
@@ -191,7 +193,7 @@ impl Task<'_> {
         }
     }
 
-    /// The response is held: at each frequency one force.
+    /// Response held constant: one force for each frequency.
     fn held(&self, level: f64, curve: &mut SteadyCurve) {
         let modal = level / self.shape_at_output.abs();
         for omega in self.frequencies(modal) {
@@ -201,7 +203,8 @@ impl Task<'_> {
         }
     }
 
-    /// Half of them evenly spaced, half at even steps of the phase, so that narrow resonances are seen.
+    /// The frequencies of a held response: half of them evenly spaced, half at even steps of the phase, so that narrow resonances are
+    /// resolved.
     fn frequencies(&self, level: f64) -> Vec<f64> {
         let (from, to) = (TAU * self.sweep.from, TAU * self.sweep.to);
         let half = self.sweep.points / 2;
@@ -224,8 +227,8 @@ impl Task<'_> {
         found
     }
 
-    /// The frequency at which the response lags by `angle`: K - ω² = (c ω + h) cot(angle), the amplitude's own change with
-    /// frequency taken in by a few rounds. A place for a point, so that digits do not matter.
+    /// The frequency at which the response lags by `angle` (rad): K - ω² = (c ω + h) cot(angle). A few rounds account for the change of the
+    /// amplitude with frequency. The frequency only places a point, so its accuracy does not matter.
     fn at_phase(&self, at: &impl Fn(f64) -> AtAmplitude, angle: f64) -> Option<f64> {
         let cot = angle.cos() / angle.sin();
         let mut omega = TAU * (self.sweep.from * self.sweep.to).sqrt();
@@ -238,7 +241,7 @@ impl Task<'_> {
         (omega > 0.0 && omega.is_finite()).then_some(omega)
     }
 
-    /// The force is held: at each amplitude two frequencies, below and above resonance.
+    /// Force held constant: at each amplitude two frequencies, below and above resonance.
     fn forced(&self, force: f64, curve: &mut SteadyCurve) {
         let ends = [self.sweep.from, self.sweep.to].map(|edge| self.smallest(TAU * edge, force));
         let top = self.largest(ends[0].min(ends[1]), force);
@@ -246,8 +249,8 @@ impl Task<'_> {
             curve.remarks.push(self.unbounded(force));
         }
         let top = if top.is_finite() { top } else { self.farthest() };
-        // Both sides at the same amplitudes, from the smaller one of the ends; a side that has fewer than half its points then by
-        // itself, from its own end.
+        // Both sides are sampled at the same amplitudes, from the smaller amplitude of the band's two ends upwards. A side that gets fewer
+        // than half its points is then sampled by itself, from the amplitude at its own end of the band.
         let (low, count) = (ends[0].min(ends[1]), self.sweep.points / 2);
         let mut sides = self.sampled(force, SIDES, [low.min(top), top], count);
         for ((points, side), end) in sides.iter_mut().zip(SIDES).zip(ends) {
@@ -261,17 +264,17 @@ impl Task<'_> {
                 points.splice(0..0, first);
             }
         }
-        // In the order along the curve: up on the lower side, down on the upper one.
+        // In order along the curve: upwards on the lower side, downwards on the upper side.
         let [up, down] = &mut sides;
         down.reverse();
         up.append(down);
         curve.points = std::mem::take(up);
     }
 
-    /// The points of one side within the band, amplitudes ascending. `range` is where they are sought, `ends` the amplitudes
+    /// The points of one side within the band, amplitudes ascending. `range` limits the amplitudes of the search; `ends` are the amplitudes
     /// at both ends of the band.
     fn side(&self, force: f64, side: f64, range: [f64; 2], ends: [f64; 2]) -> Vec<SteadyPoint> {
-        /// Rounds in which the amplitudes are confined to the band; two to three are the rule.
+        /// Largest number of rounds in which the amplitudes are confined to the band; usually two to three suffice.
         const ROUNDS: usize = 6;
         let (count, scale) = (self.sweep.points / 2, self.shape_at_output.abs());
         let mut reach = range;
@@ -284,7 +287,7 @@ impl Task<'_> {
             if points.len() * 4 >= count * 3 {
                 break;
             }
-            // Most amplitudes lie beyond the band: those within it again, more finely.
+            // Most amplitudes lie outside the band, so those inside are sampled again, more densely.
             let step = (reach[1] / reach[0]).powf(2.0 / count as f64);
             reach = match (points.first(), points.last()) {
                 (Some(low), Some(high)) => [low.amplitude / scale / step, high.amplitude / scale * step],
@@ -299,7 +302,7 @@ impl Task<'_> {
         points
     }
 
-    /// The points of each of these sides at `count` amplitudes.
+    /// The points of each of the given sides at `count` amplitudes.
     fn sampled<const N: usize>(
         &self,
         force: f64,
@@ -310,10 +313,10 @@ impl Task<'_> {
         let (from, to) = (self.sweep.from, self.sweep.to);
         let excitation = force / self.mode.shape_at_force.abs();
         let range = (high / low).ln();
-        // With room for the other side, which is appended.
+        // With room for the points of the other side, which are appended.
         let mut points = sides.map(|_| Vec::with_capacity(2 * count + 2));
         for i in 0..count {
-            // Crowded at the top, where frequencies go like the root of the amplitude's distance.
+            // Amplitudes are dense near the top, where the frequency changes with the square root of the amplitude's distance to the top.
             let y = 1.0 - i as f64 / (count - 1).max(1) as f64;
             let at = self.balance.at(high * (-range * y * y).exp());
             let middle = self.balance.easiest(at);
@@ -331,17 +334,17 @@ impl Task<'_> {
         FARTHEST * self.mode.joint.as_ref().map_or(1.0, |law| law.strengths().1)
     }
 
-    /// The smallest amplitude that the force drives at a frequency.
+    /// The smallest amplitude that the force sustains at a frequency.
     fn smallest(&self, omega: f64, force: f64) -> f64 {
         let k_t = self.mode.joint.as_ref().map_or(0.0, Backbone::initial_stiffness);
         let k = self.balance.k_inf + k_t;
-        // The dynamic stiffness differs by K_T at the most from that of small amplitudes.
+        // The dynamic stiffness differs from that at small amplitudes by at most K_T.
         let bound = (k - omega * omega).abs() + self.balance.viscous * omega + 2.0 * k_t;
         let missing = |a: f64| self.balance.force(self.balance.at(a), omega) - force;
         crossing(force / bound, self.farthest(), missing)
     }
 
-    /// The largest amplitude that the force drives at any frequency; infinite where nothing bounds it.
+    /// The largest amplitude that the force sustains at any frequency; infinite if nothing limits it.
     fn largest(&self, low: f64, force: f64) -> f64 {
         let missing = |a: f64| {
             let at = self.balance.at(a);
@@ -373,11 +376,12 @@ impl Task<'_> {
     }
 }
 
-/// Most rounds of closing in: halves alone would take 53. Where they are spent the lower end of the bracket is taken.
+/// Largest number of rounds of [`crossing`]: bisection alone would take 53. If they do not suffice, the lower end of the bracket is
+/// returned.
 const ROUNDS_IN: usize = 64;
 
-/// The first zero of a function that is negative at small `low`, by steps of a ratio and the Illinois method; `high` where there is
-/// none.
+/// The first zero of a function that is negative at small `low`, found by steps of the ratio [`SEARCH`] and then by the Illinois method;
+/// `high` if there is none.
 fn crossing(low: f64, high: f64, f: impl Fn(f64) -> f64) -> f64 {
     let (mut a, mut fa) = (low, f(low));
     if fa >= 0.0 {
@@ -401,7 +405,7 @@ fn crossing(low: f64, high: f64, f: impl Fn(f64) -> f64) -> f64 {
             break;
         }
         let value = f(at);
-        // An end that stays counts half, so that the other one passes the zero.
+        // The value at an end that stays is halved, so that the next point falls beyond the zero.
         if value < 0.0 {
             (a, fa) = (at, value);
             fb *= if last < 0.0 { 0.5 } else { 1.0 };

@@ -1,4 +1,4 @@
-//! The curves of steady vibration: force raised, frequency swept at held force or held response, nonlinear mode.
+//! The kinds of curves of steady vibration: force raised at one frequency, frequency swept at held force or held response, nonlinear mode.
 
 use std::ops::Range;
 
@@ -9,47 +9,47 @@ use super::continuation::{Curve, Node};
 use super::sweep::Control;
 use crate::error::SimulationError;
 
-/// What is unknown beside the amplitudes, and what is held.
+/// The quantities that are unknown besides the amplitudes, and those that are held.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) enum Task {
-    /// At this frequency (rad/s) the force, in units of `force`, rises.
+    /// The force rises, in units of `force`, at the circular frequency `omega` (rad/s).
     Raise { omega: f64, force: f64 },
-    /// At this amplitude of the excitation the frequency changes.
+    /// The frequency changes at the excitation's amplitude `force`.
     Forced { force: f64 },
-    /// The response is held: force, in units of `force`, and frequency change.
+    /// The response is held; the force, in units of `force`, and the frequency change.
     Held { control: Control, level: f64, force: f64 },
-    /// Free vibration of a mode that loses no energy by grace of a negative damping of all modes.
+    /// Free vibration of a mode, made periodic by a negative damping of all modes.
     Free { mode: usize },
 }
 
 /// A task with its equations.
 ///
-/// Unknowns are the amplitudes and behind them, by the task: the force (in its unit); the frequency (over the unit
-/// `ω_1`, the first mode's); force and frequency; the logarithm of the modal amplitude, where frequency and damping stand
-/// in the place of the first harmonic's modal amplitude.
+/// The unknowns are the amplitudes, followed by those of the task: the force (in its unit); or the frequency (in units of `unit`); or force
+/// and frequency; or, for free vibration, the logarithm of the modal amplitude, while frequency and damping take the place of the first
+/// harmonic's modal amplitude.
 #[derive(Debug)]
 pub(super) struct Problem<'a> {
     pub(super) balance: Balance<'a>,
     pub(super) task: Task,
     /// Unit of frequencies, rad/s.
     pub(super) unit: f64,
-    /// Part of the frequency that is a large step: a few half-power widths of a lightly damped mode.
+    /// Relative change of the frequency that counts as a step of length 1: a few half-power widths of a lightly damped mode.
     pub(super) width: f64,
 }
 
 impl<'a> Problem<'a> {
     pub(super) fn new(balance: Balance<'a>, task: Task, unit: f64) -> Self {
-        /// Part of a frequency that is a large step: curves that are flat in amplitude have some tens of points an octave.
+        /// Default of `width`: a curve that is flat in amplitude gets some tens of points per octave.
         const WIDTH: f64 = 0.3;
         Self { balance, task, unit, width: WIDTH }
     }
 
-    /// Number of unknowns: one more than equations.
+    /// Number of unknowns, one more than equations.
     pub(super) fn unknowns(&self) -> usize {
         self.balance.len() + if matches!(self.task, Task::Held { .. }) { 2 } else { 1 }
     }
 
-    /// The state of the structure at the unknowns.
+    /// Frequency, force and negative damping at the unknowns.
     pub(super) fn state(&self, y: &[f64]) -> State {
         let n = self.balance.len();
         match self.task {
@@ -63,7 +63,7 @@ impl<'a> Problem<'a> {
         }
     }
 
-    /// The amplitudes of all harmonics of slips and modes at the unknowns.
+    /// The amplitudes of all harmonics of slips and modes that belong to the unknowns.
     pub(super) fn amplitudes(&self, y: &[f64]) -> Vec<f64> {
         let n = self.balance.len();
         let mut amplitudes = y[..n].to_vec();
@@ -74,20 +74,20 @@ impl<'a> Problem<'a> {
         amplitudes
     }
 
-    /// The response: amplitude pair of each harmonic.
+    /// The response: the amplitude pair of each harmonic.
     ///
     /// # Errors
-    /// As [`Balance::evaluate`].
+    /// The errors of [`Balance::evaluate`].
     pub(super) fn response(&mut self, y: &[f64]) -> Result<Vec<[f64; 2]>, SimulationError> {
         let (amplitudes, state) = (self.amplitudes(y), self.state(y));
         self.balance.evaluate(&amplitudes, state)?;
         Ok(self.balance.output(&amplitudes, state).0)
     }
 
-    /// The logarithm of the first harmonic's amplitude of the response, and its derivative along a direction.
+    /// Derivative, along a direction, of the logarithm of the response's first harmonic amplitude.
     ///
     /// # Errors
-    /// As [`Balance::evaluate`].
+    /// The errors of [`Balance::evaluate`].
     pub(super) fn growth(&mut self, y: &[f64], direction: &[f64]) -> Result<f64, SimulationError> {
         let (amplitudes, state) = (self.amplitudes(y), self.state(y));
         self.balance.evaluate(&amplitudes, state)?;
@@ -109,7 +109,7 @@ impl<'a> Problem<'a> {
         Ok((a * moved(0) + b * moved(1)) / (a * a + b * b))
     }
 
-    /// Copies the derivatives of the equations by the amplitudes and by what stands behind them.
+    /// Copies the derivatives of the equations with respect to the amplitudes and to the task's own unknowns.
     fn columns(&self, y: &[f64], jacobian: &mut DMatrix<f64>) {
         let n = self.balance.len();
         let all = &self.balance.jacobian;
@@ -143,7 +143,7 @@ impl<'a> Problem<'a> {
         [a.hypot(b), (-b).atan2(a)]
     }
 
-    /// The equation of a held response: log |u| - log(level at this frequency) = 0.
+    /// The equation of a held response: log |u| - log(displacement level at this frequency) = 0.
     fn hold(&self, y: &[f64], state: State, residual: &mut DVector<f64>, jacobian: &mut DMatrix<f64>) {
         let Task::Held { control, level, force } = self.task else { return };
         let n = self.balance.len();
@@ -174,10 +174,11 @@ impl Curve for Problem<'_> {
         self.balance.choose(&mut y[..n], state, keep)
     }
 
-    /// A slip's size is that of all its harmonics together; a joint that hardly moves is measured by the largest slip (in
-    /// shares of the strengths), and not below a part of rounding of its own strength.
+    /// The scale of a slip is the size of all its harmonics together. A joint that hardly moves gets the part `MINOR` of the largest
+    /// slip, both relative to the joints' strengths.
     fn scales(&self, y: &[f64]) -> Vec<f64> {
-        /// A joint that slips less than this part of the one that slips most may change by as much at once.
+        /// Part of the largest slip (relative to the strengths) that is the smallest scale of any joint: a joint that slips less may change
+        /// by that much in one step.
         const MINOR: f64 = 0.05;
         let (each, n, modal) = (self.balance.each(), self.balance.len(), self.balance.modal());
         let amplitudes = self.amplitudes(y);
@@ -186,13 +187,13 @@ impl Curve for Problem<'_> {
             self.balance.system.joints.iter().map(|joint| joint.law.strengths().1).collect();
         let share = |j: usize| size(&amplitudes[j * each..][..each]) / strengths[j];
         let most = (0..strengths.len()).map(share).fold(0.0, f64::max);
-        // At rest, whatever brings macro-slip is a large step.
+        // At rest the slip at macro-slip is the scale.
         let most = if most > 0.0 { most } else { 1.0 };
         let mut scales = Vec::with_capacity(n + 2);
         for (j, strength) in strengths.iter().enumerate() {
             scales.extend(vec![strength * share(j).max(MINOR * most); each]);
         }
-        // A modal amplitude that passes through zero is measured by what brings the slips about.
+        // A modal amplitude that passes through zero is scaled by the modal displacement that causes the present slips.
         let usual = self.balance.system.macro_slip(self.balance.apart[0]).map_or(0.0, |q| MINOR * most * q);
         let moving = size(&amplitudes[modal..]).max(usual);
         let moving = if moving > 0.0 { moving } else { 1.0 };
@@ -209,14 +210,16 @@ impl Curve for Problem<'_> {
         scales
     }
 
-    /// A harmonic in resonance is small beside the fundamental, so that the curve hardly bends: steps shrink towards the frequencies
-    /// of modes over the harmonics' orders.
+    /// A harmonic in resonance is small compared with the fundamental, so the curve hardly bends there. Therefore steps shrink near the
+    /// frequencies at which a harmonic meets a mode: the modes' frequencies over the harmonics' orders.
     fn longest(&self, from: &Node) -> f64 {
-        /// Part of the way to such a frequency that a step may take: slip lowers a resonance by some per cent and widens it by about a tenth of that.
+        /// Largest step, as a part of the distance to such a frequency. Slip lowers a resonance by some per cent and widens it by about a
+        /// tenth of that.
         const PART: f64 = 0.1;
-        /// Least step as a part of the frequency: the half-power width of a mode of 0.025 %, which no bolted structure has in motion.
+        /// Shortest step, as a part of the frequency: the half-power width of a mode with 0.025 % of critical damping, less than any bolted
+        /// structure has in motion.
         const LEAST: f64 = 5e-4;
-        /// Farther away than this part of the frequency no slip moves the resonance.
+        /// Relative distance to such a frequency beyond which steps are not shortened: slip does not move the resonance that far.
         const NEAR: f64 = 0.1;
         if !matches!(self.task, Task::Forced { .. } | Task::Held { .. }) {
             return f64::INFINITY;

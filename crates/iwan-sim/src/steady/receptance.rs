@@ -1,7 +1,7 @@
-//! The linear structure at one harmonic: dynamic flexibility between slips, one mode kept apart.
+//! The linear structure at one harmonic: dynamic flexibility between slips, with one mode kept apart.
 //!
-//! Near a resonance the flexibility of that mode grows without bound, so it is not summed: its amplitude stays an unknown with an
-//! equation of its own, and nothing is ever divided by a small number.
+//! The mode kept apart is the one nearest to resonance, whose flexibility would grow without bound. It is not part of the sum: its
+//! amplitude stays an unknown with an equation of its own, so that nothing is divided by a small number.
 
 use nalgebra::Complex;
 
@@ -9,32 +9,34 @@ use super::jointed::JointedModes;
 
 pub(super) type C = Complex<f64>;
 
-/// The flexibility of all modes but one at a harmonic, with its derivatives by frequency and by negative damping.
+/// The flexibility of all modes except the one kept apart at a harmonic, with its derivatives with respect to frequency and negative
+/// damping.
 #[derive(Debug, Clone)]
 pub(super) struct Receptance {
-    /// The mode kept apart.
+    /// Index of the mode kept apart.
     pub(super) apart: usize,
-    /// Dynamic stiffness of that mode, and its derivatives.
+    /// Dynamic stiffness of that mode, and its two derivatives.
     pub(super) stiffness: [C; 3],
-    /// Between slips: value and derivatives at `i * joints + j`.
+    /// Flexibility between slips at `i * joints + j`: value and two derivatives.
     pub(super) slips: [Vec<C>; 3],
-    /// From the excitation to slips.
+    /// Flexibility from the excitation to each slip: value and two derivatives.
     pub(super) force: [Vec<C>; 3],
 }
 
-/// D = ω_k² - (nω)² + i nω (c_k - ξ) with its derivatives by ω and by ξ.
+/// Dynamic stiffness D = ω_k² - (nω)² + i nω (c_k - ξ) of mode k, with its derivatives with respect to ω and ξ.
 pub(super) fn dynamic_stiffness(system: &JointedModes, mode: usize, n: f64, omega: f64, xi: f64) -> [C; 3] {
     let own = &system.modes[mode];
     let viscous = 2.0 * own.damping_ratio * own.omega - xi;
     [
-        // (ω_k - nω)(ω_k + nω) keeps its digits near resonance.
+        // The product (ω_k - nω)(ω_k + nω) keeps its digits near resonance.
         C::new((own.omega - n * omega) * (own.omega + n * omega), n * omega * viscous),
         C::new(-2.0 * n * n * omega, n * viscous),
         C::new(0.0, -n * omega),
     ]
 }
 
-/// The elastic mode in which joints slip whose frequency is nearest to the harmonic; where joints slip in none, any.
+/// The elastic mode nearest in frequency to the harmonic, among the modes in which joints slip; among all elastic modes if joints slip in
+/// none.
 pub(super) fn nearest(system: &JointedModes, n: f64, omega: f64) -> usize {
     let gap = |mode: usize| {
         let idle = if system.slips_in(mode) { 0.0 } else { f64::MAX.sqrt() };
@@ -45,7 +47,7 @@ pub(super) fn nearest(system: &JointedModes, n: f64, omega: f64) -> usize {
 }
 
 impl Receptance {
-    /// At the harmonic `n` of the frequency `omega`, with the damping of all modes lowered by `xi` (1/s).
+    /// The flexibility at the harmonic `n` of the circular frequency `omega` (rad/s), with the damping of all modes lowered by `xi` (1/s).
     pub(super) fn at(system: &JointedModes, apart: usize, n: f64, omega: f64, xi: f64) -> Self {
         let count = system.joints.len();
         let zero = C::new(0.0, 0.0);

@@ -1,4 +1,4 @@
-//! Forced responses of modes with joints, harmonics included, along the whole curve.
+//! Forced responses of modes with joints, with harmonics, along the whole curve.
 
 use std::f64::consts::TAU;
 
@@ -13,12 +13,11 @@ use super::sweep::{Control, Sweep};
 use crate::error::SimulationError;
 use crate::mode::Mode;
 
-/// The steady forced responses of one mode, one curve a level: by the first harmonic explicitly, with harmonics along the
-/// whole curve.
+/// The steady forced responses of one mode, one curve per level. With one harmonic the curve is explicit; with more harmonics it is
+/// followed by arc length.
 ///
-/// `shape_at_output` turns the modal displacement into the response that is held or returned (1: the modal displacement
-/// itself); the force acts through the mode's `shape_at_force`, which under base excitation is the mode's
-/// participation φᵀM1.
+/// `shape_at_output` converts the modal displacement to the response that is held or returned (1 for the modal displacement itself). The
+/// force acts through the mode's `shape_at_force`, which under base excitation is the mode's participation φᵀM1.
 ///
 /// # Errors
 /// [`SimulationError::Parameter`] for the mode, the band and the levels, or shapes of zero.
@@ -31,7 +30,7 @@ use crate::mode::Mode;
 /// let sweep = Sweep { from: 110.0, to: 130.0, control: Control::Force, levels: vec![20.0], harmonics: 1, points: 200 };
 /// let curves = forced_response(&mode, &sweep, 1.0)?;
 /// let peak = curves[0].peak().ok_or(iwan_core::Error::Unsupported { what: "no point" })?;
-/// // The force equals what friction takes: f = D/(π a).
+/// // The force balances friction: f = D/(π a).
 /// use iwan_core::Backbone;
 /// assert!((joint.dissipation(peak.amplitude) / (std::f64::consts::PI * peak.amplitude) / 20.0 - 1.0).abs() < 1e-9);
 /// # Ok::<(), iwan_sim::SimulationError>(())
@@ -41,7 +40,7 @@ pub fn forced_response(
     sweep: &Sweep,
     shape_at_output: f64,
 ) -> Result<Vec<SteadyCurve>, SimulationError> {
-    // The explicit curve checks all input; its ends of the band serve both.
+    // The explicit response checks all input; its remarks also serve the response with harmonics.
     let explicit = explicit_response(mode, sweep, shape_at_output)?;
     if sweep.harmonics == 1 || mode.joint.is_none() {
         return Ok(explicit);
@@ -57,11 +56,11 @@ pub fn forced_response(
     Ok(curves)
 }
 
-/// The steady forced responses of modes that joints couple, one curve a level, with odd harmonics up to `sweep.harmonics`.
+/// The steady forced responses of modes that joints couple, one curve per level, with odd harmonics up to `sweep.harmonics`.
 ///
-/// Each curve begins at the lower end of the band, where the force is raised from nothing, and is followed by arc length through
-/// all frequencies at which it turns back. A curve that cannot be followed to the upper end is followed from there as
-/// well, and says where it ends.
+/// Each curve begins at the lower end of the band, where the force is raised from zero to the level. From there it is followed by arc
+/// length through all frequencies at which it turns back. If a curve cannot be followed to the upper end of the band, it is also followed
+/// from that end, and a remark says where it ends.
 ///
 /// # Errors
 /// [`SimulationError::Parameter`] for the band and the levels.
@@ -70,10 +69,11 @@ pub fn forced_response_of(system: &JointedModes, sweep: &Sweep) -> Result<Vec<St
     sweep.levels.iter().map(|&level| one_level(system, sweep, level)).collect()
 }
 
-/// Points of a curve at most: a handful of resonances, each with some hundred points, are far below.
+/// Largest number of points of a curve; a handful of resonances, each with some hundred points, stay far below. When it is reached, the
+/// curve ends with a remark.
 const MOST_POINTS: usize = 20_000;
 
-/// Slips beyond this many times the strength of a joint end a curve: nothing but viscous damping is left to hold the motion.
+/// Slip, over the strength of a joint, beyond which a curve ends with a remark: nothing but viscous damping limits the motion there.
 const FARTHEST: f64 = 1e6;
 
 fn one_level(system: &JointedModes, sweep: &Sweep, level: f64) -> Result<SteadyCurve, SimulationError> {
@@ -88,7 +88,7 @@ fn one_level(system: &JointedModes, sweep: &Sweep, level: f64) -> Result<SteadyC
     Ok(curve)
 }
 
-/// The curve from the lower (`sign` = 1) or the upper edge of the band, and whether it reached the other one.
+/// The curve from the lower (`sign` = 1) or the upper (`sign` = -1) edge of the band, and whether it reached the other edge.
 fn from_edge(
     system: &JointedModes,
     sweep: &Sweep,
@@ -129,17 +129,17 @@ fn from_edge(
     Ok((sheet.points, whole))
 }
 
-/// The amplitudes at one frequency and the force for them: the force is raised from nothing to the level, or until the response
-/// has it.
+/// The amplitudes at one frequency, and the force that causes them. The force is raised from zero to the level, or, where the response is
+/// held, until the response reaches the level.
 fn raised(
     system: &JointedModes,
     sweep: &Sweep,
     level: f64,
     omega: f64,
 ) -> Result<Option<(Vec<f64>, f64)>, SimulationError> {
-    /// First force over the level: the motion is still linear there; smaller where it is not.
+    /// First forces to try, over the level. At 1e-3 the motion is usually still linear; the smaller ones are for where it is not.
     const STARTS: [f64; 3] = [1e-3, 1e-6, 1e-9];
-    /// Steps at most: a force of a thousand times the first takes some hundred.
+    /// Largest number of steps; a thousandfold increase of the force takes some hundred.
     const STEPS: usize = 5000;
     let held = sweep.control.holds_response();
     let force = if held { unit_force(system, sweep, level, omega) } else { level };
@@ -177,7 +177,7 @@ fn raised(
     Ok(None)
 }
 
-/// The motion under a small force, from rest: once with the sizes of macro-slip, once with its own.
+/// The motion under a small force, found from rest in two passes: first with the scales of macro-slip, then with the motion's own.
 fn from_rest(
     follower: &mut Follower<'_, Problem<'_>>,
     y: &[f64],
@@ -189,7 +189,7 @@ fn from_rest(
     }
 }
 
-/// The force that makes a response of the level in the stuck structure: the unit in which a held response's force is sought.
+/// The force that causes a response of the level in the stuck structure; it is the unit of the force where the response is held.
 fn unit_force(system: &JointedModes, sweep: &Sweep, level: f64, omega: f64) -> f64 {
     let mut flexibility = C::new(system.residual.direct, 0.0);
     for (mode, own) in system.modes.iter().enumerate() {
@@ -197,22 +197,22 @@ fn unit_force(system: &JointedModes, sweep: &Sweep, level: f64, omega: f64) -> f
         flexibility += d.inv() * own.at_force * own.at_output;
     }
     let force = sweep.control.displacement(level, omega) / flexibility.norm();
-    // In resonance without damping, or where the excitation does not reach the response: any unit will do.
+    // At an undamped resonance, or if the excitation does not reach the response, the unit is 1.
     if force > 0.0 && force.is_finite() { force } else { 1.0 }
 }
 
-/// A curve that is being written down.
+/// A curve while its points are collected.
 struct Sheet<'a> {
     points: Vec<SteadyPoint>,
     sweep: &'a Sweep,
-    /// The frequency at which it ends, in the unit of the unknowns.
+    /// The frequency at which the curve ends, in units of the unknown frequency.
     edge: f64,
     sign: f64,
     count: usize,
 }
 
 impl Sheet<'_> {
-    /// Follows the curve to the edge; returns whether it got there.
+    /// Follows the curve to the edge; returns whether the edge was reached.
     fn follow(
         &mut self,
         follower: &mut Follower<'_, Problem<'_>>,
@@ -252,7 +252,7 @@ impl Sheet<'_> {
         Ok(false)
     }
 
-    /// Adds the tops of amplitude and the turns of frequency that lie between two nodes.
+    /// Adds the maxima of amplitude and the turns of frequency that lie between two nodes.
     fn between(
         &mut self,
         follower: &mut Follower<'_, Problem<'_>>,
@@ -297,14 +297,14 @@ impl Sheet<'_> {
     }
 }
 
-/// Where and why a curve ends.
+/// The remark that says where and why a curve ends.
 fn ended(problem: &mut Problem<'_>, node: &Node, why: &str) -> Result<String, SimulationError> {
     let [a, b] = problem.response(&node.y)?[0];
     let frequency = problem.state(&node.y).omega / TAU;
     Ok(format!("{why}: it ends at {frequency:.6} Hz with the amplitude {:.4e}", a.hypot(b)))
 }
 
-/// Whether a joint slips beyond all measure.
+/// Whether a joint slips by more than [`FARTHEST`] times its strength.
 fn slides(problem: &Problem<'_>, node: &Node) -> bool {
     let each = problem.balance.each();
     problem.balance.system.joints.iter().enumerate().any(|(j, joint)| {
@@ -313,8 +313,8 @@ fn slides(problem: &Problem<'_>, node: &Node) -> bool {
     })
 }
 
-/// The node between two at which a quantity that changes its sign vanishes, by the Illinois method; with its distance from
-/// the first.
+/// The node between two nodes at which a quantity vanishes that changes its sign between them, by the Illinois method; with its distance
+/// from the first node.
 fn zero<'p>(
     follower: &mut Follower<'_, Problem<'p>>,
     from: &Node,
@@ -322,9 +322,10 @@ fn zero<'p>(
     ends: [f64; 2],
     of: impl Fn(&mut Problem<'p>, &Node) -> Result<f64, SimulationError>,
 ) -> Result<Option<(f64, Node)>, SimulationError> {
-    /// Rounds at most; five to seven are the rule.
+    /// Largest number of rounds; usually five to seven suffice. The last node is used then.
     const ROUNDS: usize = 12;
-    /// Where the quantity has become this small, the point lies on the top of its curve to rounding.
+    /// Size of the quantity, relative to its larger end value, at which the search ends: the node is then the extremum of its curve to
+    /// rounding.
     const SMALL: f64 = 1e-9;
     let ([mut a, mut b], [mut fa, mut fb]) = ([0.0, step], ends);
     let size = fa.abs().max(fb.abs());

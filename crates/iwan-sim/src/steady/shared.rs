@@ -1,4 +1,4 @@
-//! Modes that share joints, as a scenario or a program names them, for harmonic balance.
+//! Modes that share joints, as a scenario or a program describes them, prepared for harmonic balance.
 
 use std::f64::consts::TAU;
 
@@ -9,18 +9,18 @@ use crate::coupled::{SharedJoint, assembled};
 use crate::error::SimulationError;
 use crate::mode::Mode;
 
-/// Frequencies of a mode, Hz: with all joints slipping and with all joints stuck.
+/// Frequencies of a mode with all joints slipping and with all joints stuck, Hz.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct StuckRange {
-    /// As static loads see it once every joint slips.
+    /// Frequency with all joints slipping, from the stiffness under static loads, Hz.
     pub slipping: f64,
-    /// At small amplitude.
+    /// Frequency at small amplitude, with all joints stuck, Hz.
     pub stuck: f64,
 }
 
 impl JointedModes {
-    /// Modes that share joints (the equations are those of `iwan_core::CoupledModes`); a mode's own joint is one that it shares
-    /// with none. The response of a unit displacement of each mode is an entry of `at_output`.
+    /// The system of modes that share joints, with the equations of `iwan_core::CoupledModes`; a mode's own joint counts as a joint that no
+    /// other mode shares. `at_output` has the response per unit of displacement of each mode.
     ///
     /// ```
     /// use iwan_core::FourParameter;
@@ -35,8 +35,9 @@ impl JointedModes {
     /// ```
     ///
     /// # Errors
-    /// [`SimulationError::Joint`] and [`SimulationError::Mode`] with the name of what is out of range or does not fit (parts and
-    /// curves among them: the modes are linear beside the joints), [`SimulationError::Parameter`] for joints that no stiffness holds.
+    /// [`SimulationError::Joint`] and [`SimulationError::Mode`] with the name of the joint or mode whose value is out of range or does not
+    /// fit (a mode with parts or curves does not, because the modes are linear beside the joints); [`SimulationError::Parameter`] for
+    /// joints that no stiffness holds.
     pub fn of_coupled(
         modes: &[Mode],
         shared: &[SharedJoint],
@@ -66,8 +67,8 @@ impl JointedModes {
         Self::new(stuck.collect(), joints.into_iter().map(slip).collect(), residual)
     }
 
-    /// The same under an acceleration of the base, where each `at_force` is a mode's participation φᵀM1: the responses are
-    /// relative to the base, which pushes the other way.
+    /// The same system under an acceleration of the base, where each `at_force` is a mode's participation φᵀM1. The responses are relative
+    /// to the base, so the signs of the excitation are reversed.
     #[must_use]
     pub fn on_moving_base(mut self) -> Self {
         for mode in &mut self.modes {
@@ -82,10 +83,10 @@ impl JointedModes {
 }
 
 impl StuckRange {
-    /// Of each mode, by itself under static loads.
+    /// The range of each mode, by itself, under static loads.
     ///
     /// # Errors
-    /// As [`JointedModes::of_coupled`].
+    /// The errors of [`JointedModes::of_coupled`].
     pub fn of_coupled(modes: &[Mode], shared: &[SharedJoint]) -> Result<Vec<Self>, SimulationError> {
         let (_, lost) = assembled(modes, shared)?;
         let range = |(mode, k_t): (&Mode, &f64)| {

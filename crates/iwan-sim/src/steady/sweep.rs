@@ -1,17 +1,17 @@
-//! What a steady forced response is asked for: a band of frequencies, what is held, at which levels.
+//! The request for a steady forced response: the band of frequencies, the quantity that is held, and its levels.
 
 use iwan_core::Error;
 
 use crate::error::SimulationError;
 
-/// What the control of a shaker holds while the frequency changes.
+/// The quantity that a shaker's control holds while the frequency changes.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Control {
     /// The amplitude of the force.
     Force,
-    /// The amplitude of the acceleration of the base on which the structure stands: the response is relative to it.
+    /// The amplitude of the acceleration of the base on which the structure stands; the response is relative to the base.
     BaseAcceleration,
-    /// The amplitude of the response as displacement (of its first harmonic, as controllers track it).
+    /// The amplitude of the response as displacement; controllers track its first harmonic.
     Displacement,
     /// The amplitude of the response as velocity.
     Velocity,
@@ -20,13 +20,13 @@ pub enum Control {
 }
 
 impl Control {
-    /// Whether the response is held, so that the force follows from it.
+    /// Whether the response is held, so that the force follows from the response.
     #[must_use]
     pub const fn holds_response(self) -> bool {
         matches!(self, Self::Displacement | Self::Velocity | Self::Acceleration)
     }
 
-    /// Its name in scenarios and tables.
+    /// Name in scenarios and tables.
     #[must_use]
     pub const fn name(self) -> &'static str {
         match self {
@@ -38,7 +38,7 @@ impl Control {
         }
     }
 
-    /// Displacement amplitude of a response at `level` and the circular frequency `omega` (rad/s).
+    /// Displacement amplitude of a response at the given `level` and circular frequency `omega` (rad/s).
     pub(crate) fn displacement(self, level: f64, omega: f64) -> f64 {
         match self {
             Self::Velocity => level / omega,
@@ -48,31 +48,31 @@ impl Control {
     }
 }
 
-/// Steady forced responses over a band of frequencies.
+/// A request for steady forced responses over a band of frequencies.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Sweep {
     /// Lower end of the band, Hz, > 0.
     pub from: f64,
     /// Upper end of the band, Hz.
     pub to: f64,
-    /// What is held.
+    /// The quantity whose amplitude is held.
     pub control: Control,
-    /// Its amplitudes, each > 0.
+    /// Amplitudes at which it is held, each > 0.
     pub levels: Vec<f64>,
-    /// The highest harmonic of the response, odd: 1 is harmonic balance of the fundamental alone.
+    /// The highest harmonic of the response, an odd number; 1 is harmonic balance with the fundamental alone.
     pub harmonics: usize,
-    /// Points per level, about; at least [`Sweep::LEAST_POINTS`].
+    /// Approximate number of points per level; at least [`Sweep::LEAST_POINTS`].
     pub points: usize,
 }
 
 impl Sweep {
-    /// Points per level at least: with fewer the two sides of a resonance are corners.
+    /// Smallest number of points per level: with fewer the two sides of a resonance look angular.
     pub const LEAST_POINTS: usize = 16;
 
-    /// Points per level at most: a thousand times what a picture shows. They take 0.3 s and 100 MB a level.
+    /// Largest number of points per level: a thousand times what a picture shows. They take 0.3 s and 100 MB per level.
     pub const MOST_POINTS: usize = 1_000_000;
 
-    /// Points per level unless the user says otherwise: a resonance looks smooth at any width of a page.
+    /// Default number of points per level: a resonance looks smooth at any width of a page.
     pub const DEFAULT_POINTS: usize = 400;
 
     /// Checks band, levels and harmonics.

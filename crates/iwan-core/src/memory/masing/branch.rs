@@ -1,18 +1,18 @@
-//! Branches: the force between a reversal and the closing of its loop, by Masing's rule.
+//! Branches: the force between a reversal and the point where the loop closes, by Masing's rule.
 
 use crate::law::Backbone;
 
 /// A point at which the motion turned round.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct Reversal {
-    /// Displacement there.
+    /// Displacement at the turning point.
     pub(crate) u: f64,
-    /// Force there.
+    /// Force at the turning point.
     pub(crate) force: f64,
 }
 
 impl Reversal {
-    /// No reversal yet.
+    /// Placeholder where there is no reversal yet.
     pub(crate) const NONE: Self = Self { u: 0.0, force: 0.0 };
 
     pub(crate) const fn new(u: f64, force: f64) -> Self {
@@ -23,11 +23,10 @@ impl Reversal {
 /// The branch on which a state moves: F = F_a + scale·direction·F_virgin(u'), where u' = (u - u_a)·direction/scale
 /// and (u_a, F_a) is `start`.
 ///
-/// Why this form: with scale 2 it is Masing's rule behind a reversal, with scale 1 the virgin curve, so that one
-/// formula without a question serves both.
+/// With scale 2 this is Masing's rule behind a reversal, with scale 1 the virgin curve; one formula without a case distinction serves both.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Branch {
-    /// The reversal, or the origin of the virgin curve, that it left.
+    /// The point at which the branch began: a reversal, or the origin of the virgin curve.
     pub(crate) start: Reversal,
     /// Factor on the virgin curve: 2 behind a reversal (Masing), 1 on the virgin curve itself.
     pub(crate) scale: f64,
@@ -35,7 +34,7 @@ pub(crate) struct Branch {
     to_virgin: f64,
     /// Direction of motion, ±1.
     pub(crate) direction: f64,
-    /// Where it closes a loop and ends (infinite on the virgin curve).
+    /// Displacement at which the branch closes a loop and ends (infinite on the virgin curve).
     pub(crate) end: f64,
 }
 
@@ -52,7 +51,7 @@ impl Branch {
         Self { start, scale: 2.0, to_virgin: 0.5 * direction, direction, end }
     }
 
-    /// Shows every number.
+    /// Passes every number of the branch to `see`.
     pub(super) fn each_number(&mut self, see: &mut dyn FnMut(&mut f64)) {
         let Self { start: Reversal { u, force }, scale, to_virgin, direction, end } = self;
         [u, force, scale, to_virgin, direction, end].into_iter().for_each(see);
@@ -72,7 +71,7 @@ impl Branch {
         (self.start.force + self.scale * self.direction * force, tangent)
     }
 
-    /// Whether the branch left at `u`.
+    /// Whether the branch begins at the displacement `u`.
     pub(crate) fn start_is(&self, u: f64) -> bool {
         self.start.u == u
     }
@@ -82,7 +81,7 @@ impl Branch {
         self.start.force * (u - self.start.u) + self.scale * self.scale * law.energy(self.virgin_distance(u))
     }
 
-    /// Whether `u` lies beyond the end.
+    /// Whether `u` lies beyond the end of the branch.
     #[inline]
     pub(crate) fn passed_by(&self, u: f64) -> bool {
         self.direction * (u - self.end) > 0.0

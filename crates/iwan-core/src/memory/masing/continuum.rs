@@ -1,4 +1,4 @@
-//! The continuum itself: explicit and implicit steps, stored energy.
+//! The continuous law under Masing's rule: explicit and implicit steps, stored energy.
 
 use super::branch::{Branch, Reversal};
 use super::reversals::{Prepared, Reversals};
@@ -50,7 +50,7 @@ impl<B: Backbone> Continuum<B> {
 }
 
 impl<B: Backbone> Continuum<B> {
-    /// Whether neither the weakest nor the strongest slider breaks loose between `a` and `b`.
+    /// Whether no corner of the virgin curve (the weakest or the strongest slider breaking loose) lies between `a` and `b`.
     #[inline]
     fn no_corner(&self, branch: &Branch, a: f64, b: f64) -> bool {
         let (weakest, strongest) = self.law.strengths();
@@ -60,24 +60,24 @@ impl<B: Backbone> Continuum<B> {
     }
 }
 
-/// Newton's method ends when what its next round would still change of the force is below this share of the step's
-/// `stiffness`·Δu, estimated from how the tangent changed over the step. It is far below rounding (1e-16) because
-/// the estimate is rough near a reversal, where the curvature is infinite for χ < 0. From 1e-14 to 1e-18 responses
-/// differ by rounding and take the same time; 1e-12 leaves 4e-12 at long steps, and from 1e-20 on most steps need a
-/// second evaluation.
+/// Newton's method ends when the change of the force expected from its next round is below this share of the step's `stiffness`·Δu. The
+/// expected change is estimated from how the tangent changed over the step. The share is far below rounding (1e-16) because the estimate is
+/// rough near a reversal, where the curvature is infinite for χ < 0. From 1e-14 to 1e-18 responses differ by rounding and take the same
+/// time; 1e-12 leaves errors of 4e-12 at long steps, and from 1e-20 on most steps need a second evaluation.
 const NEWTON_ERROR: f64 = 1e-18;
 
-/// Units in the last place by which rounding of displacements and forces hides the solution of a step. Without this
-/// bound, steps of a motion that has died away go to and fro in their rounding until [`MOST_ROUNDS`] end them; with
-/// any from 1 to 16 they end within three rounds.
+/// Rounding, in units in the last place of displacements and forces, below which a correction of the step is meaningless. When a correction
+/// falls below it, the iteration ends. Without this bound, steps of a motion that has died away oscillate within their rounding until
+/// [`MOST_ROUNDS`] end them; with any value from 1 to 16 they end within three rounds.
 const ROUNDING: f64 = 4.0;
 
-/// A trial point so many steps away tells no step: the way back to the solution leaves rounding so many times larger. Sixteen
-/// give away four of 53 bits; a judgement, not varied. Beyond, one more round is made.
+/// Largest distance of a trial point from the start, in lengths of the step, from which the solution is accepted. From a trial point this
+/// many steps away, the correction back to the solution multiplies rounding by the same factor: sixteen lose four of 53 bits. A judgement;
+/// not varied. Beyond it one more round is made.
 const FAR: f64 = 16.0;
 
-/// Most rounds of Newton's method; a handful is the rule. A law so crooked that these do not suffice is met as well
-/// as the last of them did, and the time stepping goes on.
+/// Largest number of rounds of Newton's method; a handful is usual. If a very irregular law needs more, the step ends with the result of
+/// the last round, and the time stepping goes on.
 const MOST_ROUNDS: u32 = 100;
 
 impl<B: Backbone, S: AsRef<[Reversal]> + AsMut<[Reversal]>> Hysteresis<Reversals<S>> for Continuum<B> {
@@ -102,13 +102,12 @@ impl<B: Backbone, S: AsRef<[Reversal]> + AsMut<[Reversal]>> Hysteresis<Reversals
         state.force
     }
 
-    /// By Newton's method. Along a monotone motion the force is concave, closing of loops included, so after one
-    /// round the iteration stands short of the solution and never passes it: a trial point closes only loops that
-    /// the solution closes as well, and the state need not be restored.
+    /// One implicit step by Newton's method. Along a monotone motion the force is concave, even where loops close. So after one round the
+    /// iteration stands short of the solution and never passes it: a trial point closes only loops that the solution closes as well, and
+    /// the state need not be restored.
     ///
-    /// The first trial point is told by the trail of past displacements, and the force there was evaluated during
-    /// the step before: in a ring-down at small steps no other evaluation is needed, and nothing waits for that
-    /// one.
+    /// The first trial point is extrapolated from the past displacements, and the force at that point was evaluated during the step before.
+    /// In a ring-down at small steps no other evaluation is needed, so the processor does not wait for one.
     #[inline]
     fn solve(&self, state: &mut Reversals<S>, stiffness: f64, load: f64) -> f64 {
         if load == 0.0 {
@@ -136,7 +135,7 @@ impl<B: Backbone, S: AsRef<[Reversal]> + AsMut<[Reversal]>> Hysteresis<Reversals
             let error = ((tangent - k) * step * step).abs();
             let du = way + step;
             let small = step.abs() <= f64::EPSILON * du.abs();
-            // The tangents of a trial point that stands at the start but for rounding tell nothing of a step beyond it.
+            // If the trial point coincides with the start but for rounding, the two tangents say nothing of a step beyond it.
             let accurate = step.abs() <= way.abs()
                 && way.abs() <= FAR * du.abs()
                 && error <= NEWTON_ERROR * (stiffness * du * way).abs()
@@ -145,8 +144,7 @@ impl<B: Backbone, S: AsRef<[Reversal]> + AsMut<[Reversal]>> Hysteresis<Reversals
                 state.rest_at(u + du, (trial_force + k * step, k));
                 return du;
             }
-            // What is left is hidden by the rounding of forces and displacements, and further rounds would go to
-            // and fro in it.
+            // Rounding of forces and displacements hides what is left, and further rounds would oscillate within it.
             let force_scale = load.abs() + force.abs() + trial_force.abs();
             let noise = ROUNDING * f64::EPSILON * (u.abs() + trial.abs() + force_scale * inverse);
             if step.abs() <= noise || round == MOST_ROUNDS {
@@ -156,8 +154,8 @@ impl<B: Backbone, S: AsRef<[Reversal]> + AsMut<[Reversal]>> Hysteresis<Reversals
             if !step.is_finite() {
                 break;
             }
-            // From a trial point beyond the solution, where the tangent is small, the round may lead behind the start, where there is no
-            // branch; a step as stiff as the virgin joint never passes the solution.
+            // From a trial point beyond the solution, where the tangent is small, Newton's step may lead back behind the start, where the
+            // branch does not exist. A step with the stiffness of the virgin joint never passes the solution, so it replaces Newton's step.
             let behind = branch.direction * du < 0.0;
             at.u = u + if behind { load / (stiffness + self.law.initial_stiffness()) } else { du };
             branch = state.close_loops_before(at.u);
@@ -166,8 +164,8 @@ impl<B: Backbone, S: AsRef<[Reversal]> + AsMut<[Reversal]>> Hysteresis<Reversals
         f64::NAN
     }
 
-    /// ½∫ρ x², range by range of the sliders that last slipped together: those weaker than the
-    /// way of the present branch, then those between the ways of two successive branches.
+    /// ½∫ρ x², summed over ranges of sliders that last slipped together: first the sliders weaker than the way travelled on the present
+    /// branch, then those between the ways of successive branches.
     fn stored_energy(&self, state: &Reversals<S>) -> f64 {
         let mut energy = 0.0;
         let mut low = [0.0; 3];

@@ -1,24 +1,24 @@
-//! The stack of reversals: where loops begin, close and are forgotten.
+//! The stack of reversals: where loops begin, where they close, and when they are forgotten.
 
 use super::branch::{Branch, Reversal};
 use crate::law::Backbone;
 
-/// The state of a [`Continuum`](crate::Continuum): where it stands and the reversal points not yet forgotten.
+/// The state of a [`Continuum`](crate::Continuum): displacement, force, and the reversal points that still matter.
 ///
-/// `S` holds the stack: an array makes the state `Copy`, a slice or vector lends the caller's
-/// memory. A decaying oscillation adds one entry per half cycle. When the stack is full the
-/// innermost loop is forgotten and [`forgotten`](Self::forgotten) grows by the force that this may cost.
+/// `S` holds the stack: an array makes the state `Copy`, a slice or vector lends the caller's memory. A decaying oscillation adds one entry
+/// per half cycle. When the stack is full, the innermost loop is forgotten and [`forgotten`](Self::forgotten) grows by the largest force
+/// error that this can cause.
 #[derive(Debug, Clone, Copy)]
 pub struct Reversals<S> {
     pub(super) u: f64,
     pub(super) force: f64,
     pub(super) tangent: f64,
     pub(super) branch: Branch,
-    /// Where the next implicit step should end, evaluated on the present branch; NaN when that is not known.
+    /// Force and tangent at the expected end of the next implicit step, on the present branch; NaN when there is no expectation.
     pub(super) prepared: Prepared,
     /// Displacement before the last implicit step, and its first, second and third backward differences.
     trail: [f64; 4],
-    /// Displacement at which the virgin curve starts: moved by macro-slip.
+    /// Displacement at which the virgin curve starts; macro-slip moves it.
     pub(super) origin: f64,
     /// Number of reversals remembered.
     pub(super) depth: usize,
@@ -26,7 +26,7 @@ pub struct Reversals<S> {
     pub(super) stack: S,
 }
 
-/// An evaluation of the present branch ahead of the motion.
+/// Force and tangent of the present branch at a displacement that the motion has not reached yet.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Prepared {
     pub(super) u: f64,
@@ -39,7 +39,7 @@ impl Prepared {
 }
 
 impl<S> Reversals<S> {
-    /// The virgin state again, in the same memory.
+    /// The virgin state again, in the same memory, for a law with this initial stiffness.
     pub(crate) fn into_virgin(self, initial_stiffness: f64) -> Self {
         Self::virgin(self.stack, initial_stiffness)
     }
@@ -63,7 +63,7 @@ impl<S> Reversals<S> {
 }
 
 impl<S: AsRef<[Reversal]> + AsMut<[Reversal]>> Reversals<S> {
-    /// Shows every number of the state, as [`Runs::each_number`](crate::Runs::each_number) does.
+    /// Passes every number of the state to `see`, as [`Runs::each_number`](crate::Runs::each_number) does.
     ///
     /// ```
     /// use iwan_core::{Continuum, FourParameter, Hysteresis, Reversal};
@@ -92,10 +92,10 @@ impl<S: AsRef<[Reversal]> + AsMut<[Reversal]>> Reversals<S> {
         }
     }
 
-    /// Bound on the force error from loops forgotten because the stack was full; 0 = exact.
+    /// Bound on the force error from loops that were forgotten because the stack was full; 0 means exact.
     ///
-    /// Sliders are non-expansive: two histories of one population never drift apart, so the force gap at
-    /// the moment of forgetting bounds all later ones, and the gaps add.
+    /// Sliders are non-expansive: two histories of one population never drift apart. So the force error at the moment of forgetting bounds
+    /// all later errors, and the errors of several moments add.
     pub const fn forgotten(&self) -> f64 {
         self.forgotten
     }
@@ -105,13 +105,13 @@ impl<S: AsRef<[Reversal]> + AsMut<[Reversal]>> Reversals<S> {
         self.branch.direction
     }
 
-    /// The branch on which the state moves, where it is kept.
+    /// The branch on which the state moves, by reference.
     #[inline]
     pub(crate) fn branch_ref(&self) -> &Branch {
         &self.branch
     }
 
-    /// The branch on which the state moves.
+    /// The branch on which the state moves, as a copy.
     #[inline]
     pub(crate) fn branch(&self) -> Branch {
         self.branch
@@ -135,9 +135,8 @@ impl<S: AsRef<[Reversal]> + AsMut<[Reversal]>> Reversals<S> {
         (self.u, self.force, self.tangent) = (u, force, tangent);
     }
 
-    /// Evaluates the branch where the step after this one should end, which is told by the cubic through the last
-    /// four displacements, taken two steps on. The processor can do so beside the solution of this step, because it
-    /// needs nothing of it.
+    /// Evaluates the branch at the expected end of the step after this one, extrapolated by the cubic through the last four displacements,
+    /// two steps on. The evaluation needs no result of the present step, so the processor can do both at once.
     #[inline]
     pub(super) fn look_ahead<B: Backbone>(&mut self, law: &B) -> Prepared {
         let [a, first, second, _] = self.trail;
@@ -149,7 +148,7 @@ impl<S: AsRef<[Reversal]> + AsMut<[Reversal]>> Reversals<S> {
         Prepared { u, force, tangent }
     }
 
-    /// Forgets the loops that motion up to `u` closes and returns the branch that holds there.
+    /// Forgets the loops that a motion up to `u` closes, and returns the branch that holds at `u`.
     #[inline]
     pub(crate) fn close_loops_before(&mut self, u: f64) -> Branch {
         while self.branch.passed_by(u) {
@@ -158,41 +157,41 @@ impl<S: AsRef<[Reversal]> + AsMut<[Reversal]>> Reversals<S> {
         self.branch
     }
 
-    /// Goes on behind the end of a branch: the loop that closes there is forgotten.
+    /// Continues behind the end of a branch: the loop that closes there is forgotten.
     pub(crate) fn forget_closed_loop(&mut self) {
         self.depth = self.depth.saturating_sub(2);
         self.branch = self.branch_at(self.depth, self.branch.direction);
         self.prepared = Prepared::NOTHING;
     }
 
-    /// Turns round where the state stands.
+    /// Reverses the direction of motion at the present displacement.
     pub(crate) fn reverse<B: Backbone>(&mut self, law: &B) {
         self.prepared = Prepared::NOTHING;
         let travelled = self.branch.virgin_distance(self.u);
         let (direction, strongest) = (self.branch.direction, law.strengths().1);
         if travelled == 0.0 {
-            // No way gone since the last reversal: it is undone.
+            // The motion has gone no way since the last reversal, so that reversal is undone.
             self.depth = self.depth.saturating_sub(1);
             self.branch = self.branch_at(self.depth, -direction);
             self.tangent = self.branch.force_and_tangent(law, self.u).1;
         } else {
             if travelled >= strongest {
-                // Macro-slip wipes the memory; the virgin curve now starts φ_max behind.
+                // Macro-slip erases the memory; the virgin curve now starts φ_max behind the present point.
                 (self.depth, self.origin) = (0, self.u - direction * strongest);
             }
             self.turn(law);
         }
     }
 
-    /// Moves to `u`, short of the strongest slider and of the end of the branch, where the force is `force`, and
-    /// turns round: [`reverse`](Self::reverse) without its questions.
+    /// Moves to `u` on the present branch, where the force is `force`, and turns round. `u` must lie before the end of the branch and
+    /// before macro-slip; the checks of [`reverse`](Self::reverse) are left out.
     #[inline]
     pub(crate) fn turn_within<B: Backbone>(&mut self, u: f64, force: f64, law: &B) {
         (self.u, self.force, self.prepared) = (u, force, Prepared::NOTHING);
         self.turn(law);
     }
 
-    /// Remembers the present point and leaves it the other way.
+    /// Stores the present point as a reversal and starts the branch in the other direction.
     #[inline]
     fn turn<B: Backbone>(&mut self, law: &B) {
         let direction = self.branch.direction;

@@ -1,4 +1,4 @@
-//! The force ahead of a continuum under return-point memory.
+//! The force that a continuum under return-point memory would have at another displacement, without moving the state.
 
 use super::branch::{Branch, Reversal};
 use super::continuum::Continuum;
@@ -7,7 +7,8 @@ use crate::law::Backbone;
 use crate::memory::hysteresis::Trial;
 
 impl<S: AsRef<[Reversal]> + AsMut<[Reversal]>> Reversals<S> {
-    /// The branch that motion to `u` would be on: [`reverse`](Self::reverse) and closed loops without their traces.
+    /// The branch on which a motion to `u` would end: the same as [`reverse`](Self::reverse) with closing of loops, but the state stays
+    /// unchanged.
     fn branch_towards(&self, u: f64, strongest: f64) -> Branch {
         let mut branch = self.branch;
         let (mut depth, mut origin) = (self.depth, self.origin);
@@ -36,7 +37,7 @@ impl<S: AsRef<[Reversal]> + AsMut<[Reversal]>> Reversals<S> {
 }
 
 impl<B: Backbone, S: AsRef<[Reversal]> + AsMut<[Reversal]>> Trial<Reversals<S>> for Continuum<B> {
-    /// As the motion itself, but for a full stack, whose forgotten loop is still remembered here.
+    /// The result equals that of the motion itself, except with a full stack: the motion would forget a loop that is still remembered here.
     fn trial(&self, state: &Reversals<S>, u: f64) -> (f64, f64) {
         if u == state.u {
             return (state.force, state.tangent);

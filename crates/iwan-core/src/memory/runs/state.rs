@@ -1,4 +1,4 @@
-//! The list of runs: how it changes along a motion, and the force it stands for.
+//! The list of runs: how a motion changes it, and the force that it represents.
 
 use super::straight::{Segment, Straight};
 use crate::error::{Error, check_length};
@@ -6,14 +6,14 @@ use crate::law::check_masing;
 use crate::memory::hysteresis::Hysteresis;
 use crate::memory::sliders::{Slider, Sliders};
 
-/// Sliders that last slipped together: those from the frontier (or the end of the run above) to `end`.
+/// A run: sliders that last slipped together, from the frontier (or from the end of the run above it on the list) to `end`.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct Run {
-    /// One past the last slider.
+    /// Index one past the run's last slider.
     pub(super) end: usize,
-    /// Direction in which they slipped last; 0 = never.
+    /// Direction in which the sliders slipped last, ±1; 0 if they never slipped.
     pub(super) sign: f64,
-    /// Displacement at which they stuck.
+    /// Displacement at which they stopped slipping and stuck.
     pub(super) anchor: f64,
     /// Force of all older runs at `anchor`.
     pub(super) carried: f64,
@@ -21,8 +21,8 @@ pub struct Run {
 
 /// The state of a population under run-length memory.
 ///
-/// `S` holds the runs: an array makes the state `Copy`, a slice or vector lends the
-/// caller's memory. One entry per slider always suffices: runs own disjoint, non-empty ranges.
+/// `S` holds the runs: an array makes the state `Copy`, a slice or vector lends the caller's memory. One entry per slider always suffices,
+/// because the runs' ranges are disjoint and not empty.
 ///
 /// ```
 /// use iwan_core::{Hysteresis, Run, Slider, Sliders};
@@ -45,10 +45,9 @@ pub struct Runs<S> {
     pub(super) list: S,
 }
 
-/// Breaks passed one by one before the search along the strengths begins to gallop. Small motions pass a few, for
-/// which looking one by one is soonest done; in a jump over hundreds of sliders every look before the gallop is
-/// lost. It is a matter of speed alone: from 1 to 8 times differ by a few per cent, for large jumps by a third, and
-/// at 64 large jumps take six times as long.
+/// Number of sliders that are tested one by one for slip before the search along the strengths doubles its stride. Small motions pass a few
+/// sliders, which testing one by one finds soonest; in a jump over hundreds of sliders these first tests are wasted. The value affects
+/// speed alone: from 1 to 8 times differ by a few per cent, for large jumps by a third, and at 64 large jumps take six times as long.
 const WALK: usize = 4;
 
 impl Sliders<'_> {
@@ -66,7 +65,7 @@ impl Sliders<'_> {
         Ok(Runs { u: 0.0, direction: 1.0, frontier: 0, top: 0, list: runs })
     }
 
-    /// The straight piece on which `state` moves on.
+    /// The straight piece of F(u) on which the next motion of `state` begins.
     ///
     /// ```
     /// use iwan_core::{Hysteresis, Run, Slider, Sliders};
@@ -89,8 +88,9 @@ impl Sliders<'_> {
 }
 
 impl<S: AsRef<[Run]> + AsMut<[Run]>> Runs<S> {
-    /// Shows every number of the state, in an order that the numbers before tell: to write a state down, and, where `see` changes them, to
-    /// take up one that was written down. Places are whole numbers, and are kept inside the list.
+    /// Passes every number of the state to `see`. A `see` that copies the numbers saves the state; a `see` that overwrites them restores a
+    /// saved one. The order of the numbers depends only on numbers passed before. Indices are passed as whole numbers, and restored ones
+    /// are limited to the length of the list.
     ///
     /// ```
     /// use iwan_core::{Hysteresis, Run, Slider, Sliders};
@@ -133,15 +133,14 @@ impl<S: AsRef<[Run]> + AsMut<[Run]>> Runs<S> {
         self.direction
     }
 
-    /// Records a displacement on the present segment.
+    /// Sets the displacement, which must lie on the present straight piece.
     #[inline]
     pub(crate) fn rest_at(&mut self, u: f64) {
         self.u = u;
     }
 
-    /// How far, in units of its strength, a slider of the topmost run moves from the run's anchor
-    /// until it slips: 2 when the run slipped the other way, 1 when virgin, 0 when it slipped this
-    /// way and only comes back to its limit.
+    /// Distance, in units of its strength, that a slider of the topmost run moves from the run's anchor until it slips: 2 if the run last
+    /// slipped in the other direction, 1 if it is virgin, 0 if it last slipped in this direction and only returns to its limit.
     #[inline]
     fn travel(&self) -> f64 {
         1.0 - self.run().sign * self.direction
@@ -152,14 +151,14 @@ impl<S: AsRef<[Run]> + AsMut<[Run]>> Runs<S> {
         self.segment_at(table, self.frontier)
     }
 
-    /// The segment after `breaks` more sliders of the topmost run, if that has so many and one left.
+    /// The segment after `breaks` more sliders of the topmost run have slipped; none if fewer than that are left and one behind them.
     #[inline]
     pub(crate) fn segment_after(&self, table: &[Slider], breaks: usize) -> Option<Segment> {
         let j = self.frontier + breaks;
         (j < self.run().end && self.travel() > 0.0).then(|| self.segment_at(table, j))
     }
 
-    /// That many sliders of the topmost run slip.
+    /// Lets the next `breaks` sliders of the topmost run slip.
     #[inline]
     pub(crate) fn pass(&mut self, breaks: usize) {
         self.frontier += breaks;
@@ -176,7 +175,7 @@ impl<S: AsRef<[Run]> + AsMut<[Run]>> Runs<S> {
         Segment { anchor: run.anchor, base, stiffness: next.stiffness_from, reach }
     }
 
-    /// Turns round: the sliders that were slipping become a run.
+    /// Reverses the direction of motion: the sliders that were slipping become a run.
     pub(crate) fn reverse(&mut self, table: &[Slider]) {
         let j = self.frontier;
         if j > 0 {
@@ -193,7 +192,7 @@ impl<S: AsRef<[Run]> + AsMut<[Run]>> Runs<S> {
         self.direction = -self.direction;
     }
 
-    /// Moves the frontier past all sliders for which `slips(segment that ends with their break)`.
+    /// Moves the frontier past all sliders for which `slips` holds; `slips` is given the segment that ends where the slider breaks loose.
     #[inline]
     pub(crate) fn pass_breaks(&mut self, table: &[Slider], slips: impl Fn(&Segment) -> bool) {
         while self.frontier + 1 < table.len() && slips(&self.segment(table)) {
@@ -207,7 +206,7 @@ impl<S: AsRef<[Run]> + AsMut<[Run]>> Runs<S> {
         }
     }
 
-    /// The slider at the frontier (or the whole run that comes back to its limit) begins to slip.
+    /// The slider at the frontier begins to slip, or the whole run if it only returns to its limit.
     pub(crate) fn break_loose(&mut self, table: &[Slider]) {
         let end = self.run().end;
         self.frontier = if self.travel() == 0.0 { end } else { self.frontier + 1 };
@@ -216,7 +215,7 @@ impl<S: AsRef<[Run]> + AsMut<[Run]>> Runs<S> {
         }
     }
 
-    /// First slider behind the frontier, up to `end`, that does not slip; the frontier's own does.
+    /// First slider behind the frontier, up to `end`, that does not slip; the slider at the frontier does slip.
     fn first_stuck(&self, table: &[Slider], end: usize, slips: &impl Fn(&Segment) -> bool) -> usize {
         let slips_at = |j: usize| slips(&self.segment_at(table, j));
         let (mut low, mut step) = (self.frontier, 1);
@@ -244,23 +243,23 @@ impl<S: AsRef<[Run]> + AsMut<[Run]>> Runs<S> {
         if self.top > 0 {
             self.top -= 1;
         } else {
-            // Everything slips: an empty virgin run stands for "no one left to slip".
+            // All sliders slip. An empty virgin run stands for the absence of stuck sliders.
             self.list.as_mut()[0] = Run { end: sliders, anchor: self.u, ..Run::default() };
         }
     }
 
-    /// Prepares the step with stiffness·(u' - u) + F(u') - F(u) = `load`: turns round and passes breaks as
-    /// needed, so that u' lies on the present segment. Returns F(u).
+    /// Prepares the implicit step with stiffness·(u' - u) + F(u') - F(u) = `load`: reverses the direction and passes breaks as needed, so
+    /// that u' lies on the present segment. Returns F(u).
     ///
-    /// The equation is monotone and piecewise linear, so the sign of `load` is the direction
-    /// before anything is solved, and no iteration is needed.
+    /// The equation is monotone and piecewise linear, so the sign of `load` gives the direction before anything is solved, and no iteration
+    /// is needed.
     #[inline]
     pub(crate) fn aim(&mut self, table: &[Slider], stiffness: f64, load: f64) -> f64 {
         if load * self.direction < 0.0 {
             self.reverse(table);
         }
         let (u, force, direction) = (self.u, self.force_in(table), self.direction);
-        // The load that brings the displacement to the end of a segment is passed.
+        // A slider slips if `load` exceeds the load that brings the displacement to the end of its segment.
         self.pass_breaks(table, |s| {
             let x = direction * s.reach;
             let needed = stiffness * (x - (u - s.anchor)) + (s.base + s.stiffness * x - force);

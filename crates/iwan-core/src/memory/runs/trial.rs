@@ -1,11 +1,11 @@
-//! The force ahead of a population under run-length memory.
+//! The force that a population under run-length memory would have at another displacement, without moving the state.
 
 use super::state::{Run, Runs};
 use super::straight::{Segment, Straight};
 use crate::memory::hysteresis::Trial;
 use crate::memory::sliders::{Slider, Sliders};
 
-/// A state's runs as they would be: those of the list below `below`, and the topmost one.
+/// The state's runs as they would be after a motion: a topmost run, and the runs of the state's list below index `below`.
 struct View {
     direction: f64,
     frontier: usize,
@@ -32,7 +32,7 @@ impl View {
 }
 
 impl<S: AsRef<[Run]> + AsMut<[Run]>> Runs<S> {
-    /// The runs after a reversal, or as they are.
+    /// The runs as they would be after a reversal if `reverse` holds, otherwise as they are.
     fn view(&self, table: &[Slider], reverse: bool) -> View {
         let (run, frontier) = (*self.run(), self.frontier);
         if !reverse {

@@ -1,8 +1,8 @@
-//! Sets, surfaces and constraints as they are written, before the numbers and names in them are looked up.
+//! Sets, surfaces and constraints as the file writes them, before their numbers and names are looked up.
 
 use super::keyword::Keyword;
 
-/// What a set is a set of.
+/// Type of the members of a set.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum SetKind {
     Nodes,
@@ -18,7 +18,7 @@ impl SetKind {
     }
 }
 
-/// A member as written.
+/// Member of a set as the file writes it.
 #[derive(Debug, Clone)]
 pub(super) enum Item {
     Number(u64),
@@ -32,7 +32,7 @@ pub(super) enum Item {
     NodesOf(String),
 }
 
-/// Additions to a set as written.
+/// Members that one keyword adds to a set, as the file writes them.
 #[derive(Debug, Clone)]
 pub(super) struct Definition {
     pub(super) kind: SetKind,
@@ -40,38 +40,38 @@ pub(super) struct Definition {
     /// Line of the keyword, counted from 1.
     pub(super) line: usize,
     pub(super) items: Vec<Item>,
-    /// Instance to which its numbers and names belong; 0 outside of all.
+    /// Instance to which the numbers and names belong; 0 outside all instances.
     pub(super) within: usize,
 }
 
 impl Definition {
-    /// A set of the items just read.
+    /// Definition of a set from the items that were just read.
     pub(super) fn of(kind: SetKind, name: &str, line: usize, numbers: Vec<u64>, within: usize) -> Self {
         let items = numbers.into_iter().map(Item::Number).collect();
         Self { kind, name: name.into(), line, items, within }
     }
 }
 
-/// A line of data, as words.
+/// One line of data, split into fields.
 #[derive(Debug, Clone)]
 pub(super) struct Row {
-    /// Counted from 1.
+    /// Number of the line, counted from 1.
     pub(super) line: usize,
     pub(super) fields: Vec<String>,
 }
 
-/// A keyword with the data under it, kept until all names are known.
+/// A keyword with its data, kept until all names are known.
 #[derive(Debug, Clone)]
 pub(super) struct Pending {
     pub(super) keyword: Keyword,
     pub(super) rows: Vec<Row>,
-    /// Steps begun before it; 0 in the model itself.
+    /// Number of steps that begin before the keyword; 0 before the first step.
     pub(super) step: usize,
-    /// Instance to which its numbers and names belong; 0 outside of all.
+    /// Instance to which the numbers and names belong; 0 outside all instances.
     pub(super) within: usize,
 }
 
-/// A surface as written, and its name.
+/// Name of a surface and its definition as the file writes it.
 #[derive(Debug, Clone)]
 pub(super) struct SurfaceText {
     pub(super) name: String,

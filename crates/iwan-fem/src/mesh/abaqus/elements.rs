@@ -1,4 +1,4 @@
-//! `*ELEMENT`.
+//! Reader of `*ELEMENT`.
 
 use super::super::error::MeshError;
 use super::super::file::{FileBytes, quote};
@@ -10,7 +10,7 @@ use super::keyword::Keyword;
 use super::lines::Lines;
 use super::reader::{ReadAs, Reader, Skin, number_of, within};
 
-/// An element type, and what it is read as where the name promises a formulation of its own.
+/// An element type of Abaqus; `read_as` is what it is read as if its name implies a formulation of its own.
 struct ElementType {
     name: &'static str,
     shape: Shape,
@@ -36,7 +36,8 @@ static TYPES: &[ElementType] = &[
     entry("C3D15", Shape::Wedge15, None),
 ];
 
-/// Elements of lines and surfaces, which Gmsh writes beside those of volumes: without a section they are no part of the model.
+/// Line and surface elements with their numbers of nodes. Gmsh writes them beside the volume elements; without a section they are no part
+/// of the model.
 static SKINS: &[(&str, usize)] = &[
     ("T3D2", 2),
     ("T3D3", 3),
@@ -74,7 +75,7 @@ static SKINS: &[(&str, usize)] = &[
 ];
 
 impl Reader {
-    /// Reads numbers and nodes; the nodes stay numbers of the file until [`resolve`].
+    /// Reads the numbers and nodes of elements; the nodes remain numbers of the file until [`resolve`].
     pub(super) fn elements(&mut self, lines: &mut Lines, keyword: &Keyword) -> Result<(), MeshError> {
         keyword.only(lines.source, &["TYPE", "ELSET"])?;
         let given = keyword.required(lines.source, "TYPE")?;
@@ -116,7 +117,7 @@ impl Reader {
 }
 
 impl Reader {
-    /// Elements of a surface or a line: their nodes are a set. That no section gives them stiffness is seen when all is read.
+    /// Reads surface or line elements, whose nodes form a set. Whether a section gives them stiffness is checked at the end of the file.
     fn skin(
         &mut self,
         lines: &mut Lines,
@@ -162,7 +163,7 @@ impl Reader {
         Ok(())
     }
 
-    /// Nodes of surface or line elements as a set of nodes, each once.
+    /// Defines a node set from the nodes of surface or line elements, each node once.
     pub(super) fn nodes_of_skin(&mut self, name: &str, line: usize, mut nodes: Vec<u64>) {
         nodes.sort_unstable();
         nodes.dedup();
@@ -170,7 +171,7 @@ impl Reader {
         self.body().definitions.push(definition);
     }
 
-    /// Elements of one node: what `*MASS` gives to them comes later.
+    /// Reads mass elements, which have one node each; `*MASS` gives their mass later.
     fn mass_elements(&mut self, lines: &mut Lines, keyword: &Keyword) -> Result<(), MeshError> {
         let set = self.named(keyword.required(lines.source, "ELSET")?).to_uppercase();
         let own = self.within();
@@ -185,7 +186,7 @@ impl Reader {
         Ok(())
     }
 
-    /// A name with that of the present instance in front.
+    /// Name preceded by that of the present instance.
     pub(super) fn named(&self, name: &str) -> String {
         match self.within().checked_sub(1) {
             Some(at) => format!("{}.{name}", self.instances[at]),
@@ -194,7 +195,7 @@ impl Reader {
     }
 }
 
-/// The next element and the byte of its line; lines that end in a comma continue.
+/// Reads the next element and the byte offset of its first line; a line that ends in a comma is continued on the next one.
 fn element(lines: &mut Lines, kind: &ElementType) -> Result<Option<(Element, usize)>, MeshError> {
     let Some(mut line) = lines.next_data() else { return Ok(None) };
     let offset = line.offset;
@@ -229,7 +230,7 @@ fn element(lines: &mut Lines, kind: &ElementType) -> Result<Option<(Element, usi
     }
 }
 
-/// From numbers of the file to indices.
+/// Replaces the numbers of the nodes of elements by indices.
 pub(super) fn resolve(
     source: FileBytes,
     elements: &mut [Element],

@@ -6,10 +6,11 @@ use super::super::error::MeshError;
 use super::super::file::{FileBytes, quote};
 use super::lines::Line;
 
-/// Numbers of nodes and elements stay below this, so that there is room for the instance beside them.
+/// Numbers of nodes and elements must be smaller than this, because labels carry the number of the instance in the bits above
+/// (`reader::BITS`).
 const LARGEST: u64 = 1 << 40;
 
-/// A whole number > 0.
+/// Reads a whole number > 0.
 pub(super) fn whole(
     source: FileBytes,
     line: &Line,
@@ -24,7 +25,7 @@ pub(super) fn whole(
     })
 }
 
-/// A finite number; `D` for the exponent is understood.
+/// Reads a finite number; `D` is accepted as the letter of the exponent.
 pub(super) fn number(
     source: FileBytes,
     line: &Line,

@@ -1,4 +1,4 @@
-//! `*INCLUDE`: how it names its file.
+//! Form of `*INCLUDE`, which names another file.
 
 use std::path::PathBuf;
 
@@ -16,7 +16,7 @@ fn is_include(line: &[u8]) -> bool {
         && word.get(7).is_none_or(|next| *next == b',' || next.is_ascii_whitespace())
 }
 
-/// Value of INPUT.
+/// Value of the parameter INPUT.
 fn input(line: &[u8]) -> Option<PathBuf> {
     line.split(|b| *b == b',').find_map(|field| {
         let at = field.iter().position(|b| *b == b'=')?;

@@ -1,15 +1,15 @@
-//! `*NAME, PARAMETER=VALUE, FLAG`.
+//! Keyword lines, `*NAME, PARAMETER=VALUE, FLAG`.
 
 use super::super::error::MeshError;
 use super::super::file::{FileBytes, quote};
 use super::lines::{Line, Lines};
 
-/// A keyword with its parameters, continued lines joined.
+/// A keyword with its parameters, from all lines that a comma continues.
 #[derive(Debug, Clone)]
 pub(super) struct Keyword {
-    /// In capitals, single blanks between words, without the star.
+    /// Name in capitals, with single blanks between words and without the star.
     pub(super) name: String,
-    /// Line, counted from 1.
+    /// Number of the line, counted from 1.
     pub(super) line: usize,
     parameters: Vec<(String, Option<String>)>,
 }
@@ -33,7 +33,7 @@ impl Keyword {
         Ok(Self { name, line: line.number, parameters })
     }
 
-    /// Where it is, for messages.
+    /// Place of the keyword in the file, for messages.
     pub(super) fn place(&self, source: FileBytes) -> String {
         source.at_line(self.line)
     }
@@ -42,7 +42,7 @@ impl Keyword {
         source.unsupported(self.place(source), found, remedy)
     }
 
-    /// Whether a parameter is there, with or without a value.
+    /// Whether the keyword has the parameter, with or without a value.
     pub(super) fn has(&self, name: &str) -> bool {
         self.parameters.iter().any(|p| p.0 == name)
     }
@@ -52,7 +52,7 @@ impl Keyword {
         self.parameters.iter().find(|p| p.0 == name).and_then(|p| p.1.as_deref())
     }
 
-    /// Value of a parameter that must be there.
+    /// Value of a mandatory parameter; an error if the value is missing.
     pub(super) fn required(&self, source: FileBytes, name: &str) -> Result<&str, MeshError> {
         self.value(name).filter(|value| !value.is_empty()).ok_or_else(|| {
             source.malformed(
@@ -63,7 +63,7 @@ impl Keyword {
         })
     }
 
-    /// Refuses parameters other than `known`: they would change the meaning of the data.
+    /// Refuses parameters other than `known`, because they would change the meaning of the data.
     pub(super) fn only(&self, source: FileBytes, known: &[&str]) -> Result<(), MeshError> {
         let Some((name, _)) = self.parameters.iter().find(|p| !known.contains(&p.0.as_str())) else {
             return Ok(());
@@ -74,13 +74,13 @@ impl Keyword {
     }
 }
 
-/// Name of a keyword: capitals, single blanks, no star.
+/// Name of a keyword: in capitals, with single blanks and without the star.
 pub(super) fn name(bytes: &[u8]) -> String {
-    // No keyword is as long; what is no keyword at all need not fill the screen.
+    // No keyword is longer than 60 characters; the cut keeps messages about other text short.
     words(bytes).trim_start_matches('*').trim().chars().take(60).collect()
 }
 
-/// Capitals, single blanks.
+/// Text in capitals, with single blanks between words.
 fn words(bytes: &[u8]) -> String {
     let text = String::from_utf8_lossy(bytes).to_uppercase();
     text.split_whitespace().collect::<Vec<_>>().join(" ")
@@ -93,7 +93,7 @@ fn parameter(field: &[u8]) -> (String, Option<String>) {
     }
 }
 
-/// A label as it was written, without quotes.
+/// Label as the file writes it, without quotes.
 pub(super) fn label(bytes: &[u8]) -> String {
     let bytes = bytes.trim_ascii();
     let bytes = bytes.strip_prefix(b"\"").and_then(|b| b.strip_suffix(b"\"")).unwrap_or(bytes);

@@ -1,13 +1,12 @@
-//! Which keywords may be passed over, and what helps with those that may not.
+//! Lists of the keywords that may be passed over, and of those that may not, with a remedy for each of the latter.
 //!
-//! A keyword that is on neither list is refused too: only what is known to leave nodes, elements, sets, stiffness and mass as they are is
-//! passed over.
+//! A keyword that is on neither list is refused too: the reader passes over only what is known to leave nodes, elements, sets, stiffness
+//! and mass unchanged.
 
 use crate::mesh::error::remedy_among;
 
-/// Keywords that leave nodes, elements, sets and their connections as they are: titles, materials and sections (materials stand in the
-/// structure file), names for faces, laws of contact (the contact itself is refused), amplitudes, and the steps with their procedures,
-/// loads and outputs.
+/// Keywords that leave nodes, elements, sets and connections unchanged: titles, properties of materials that are not used here, laws of
+/// contact (contact itself is refused), amplitudes, and steps with their procedures, loads and outputs.
 static HARMLESS: &[&str] = &[
     // Titles and printing.
     "HEADING",
@@ -15,25 +14,25 @@ static HARMLESS: &[&str] = &[
     "FILE FORMAT",
     "RESTART",
     "PHYSICAL CONSTANTS",
-    // Materials and sections: the structure file gives them.
+    // Properties of materials beyond stiffness and density, which the model does not use.
     "EXPANSION",
     "CONDUCTIVITY",
     "SPECIFIC HEAT",
     "PLASTIC",
     "DAMPING",
-    // What a material does beyond its linear stiffness.
+    // Behaviour of a material beyond its linear stiffness.
     "CREEP",
     "RATE DEPENDENT",
     "CYCLIC HARDENING",
     "DAMAGE INITIATION",
     "DAMAGE EVOLUTION",
-    // Names, and laws of what is refused where it is used.
+    // Laws of interaction, which matter only to contact (refused below), and curves over time.
     "SURFACE INTERACTION",
     "SURFACE BEHAVIOR",
     "FRICTION",
     "AMPLITUDE",
     "TIME POINTS",
-    // Steps, procedures, loads and outputs: the command line and the structure file say what is computed.
+    // Steps, procedures, loads and outputs: the command line and the structure file define the computation.
     "STEP",
     "END STEP",
     "STATIC",
@@ -103,7 +102,7 @@ static HARMLESS: &[&str] = &[
     "INCREMENTATION OUTPUT",
 ];
 
-/// Keywords that change the model, with what helps.
+/// Keywords that change the model, each with a remedy for the message.
 static CHANGES: &[(&str, &str)] = &[
     ("INITIAL CONDITIONS", "stress in the unloaded structure stiffens it, which is not computed here"),
     ("SHELL SECTION", "shells come in by [matrices]"),
@@ -139,7 +138,7 @@ pub(super) fn is_harmless(name: &str) -> bool {
     HARMLESS.contains(&name)
 }
 
-/// What helps with a keyword that may not be passed over.
+/// Remedy for a keyword that may not be passed over.
 pub(super) fn remedy(name: &str) -> String {
     remedy_among(CHANGES, name)
 }
@@ -150,7 +149,7 @@ mod tests {
 
     #[test]
     fn no_keyword_is_on_both_lists() {
-        // Initial conditions are harmless unless they are stresses.
+        // Initial conditions other than stresses are harmless, so this keyword is on both lists.
         assert!(CHANGES.iter().all(|(name, _)| !is_harmless(name) || *name == "INITIAL CONDITIONS"));
         assert!(remedy("SPRING").starts_with("springs to the ground") && remedy("XYZ").contains("not known"));
     }

@@ -1,20 +1,20 @@
-//! Lines of an input file without comments and blank lines.
+//! Lines of an input file, without comments and blank lines.
 
 use super::super::file::{FileBytes, quote};
 
 /// One line.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Line<'a> {
-    /// Counted from 1.
+    /// Number of the line, counted from 1.
     pub(super) number: usize,
-    /// Byte at which it begins.
+    /// Byte offset at which the line begins.
     pub(super) offset: usize,
-    /// Without blanks at its ends.
+    /// Text without blanks at the two ends.
     pub(super) text: &'a [u8],
 }
 
 impl<'a> Line<'a> {
-    /// Where it is, for messages.
+    /// Place of the line in the file, for messages.
     pub(super) fn place(&self, source: FileBytes) -> String {
         source.at_line(self.number)
     }
@@ -23,24 +23,24 @@ impl<'a> Line<'a> {
         self.text.starts_with(b"*")
     }
 
-    /// The text for a message.
+    /// Text of the line as messages quote it.
     pub(super) fn quoted(&self) -> String {
         quote(self.text, 60)
     }
 
-    /// Whether a comma at its end says that the next line belongs to it.
+    /// Whether the line ends in a comma, so that the next line continues it.
     pub(super) fn continues(&self) -> bool {
         self.text.ends_with(b",")
     }
 
-    /// The fields between its commas; a comma at the end begins no field.
+    /// Fields between the commas; a comma at the end of the line begins no field.
     pub(super) fn fields(&self) -> impl Iterator<Item = &'a [u8]> + use<'a> {
         let text = self.text.strip_suffix(b",").unwrap_or(self.text);
         text.split(|b| *b == b',').map(<[u8]>::trim_ascii)
     }
 }
 
-/// The lines of a file, one after another.
+/// Iterates over the lines of a file.
 pub(super) struct Lines<'a> {
     pub(super) source: FileBytes<'a>,
     at: usize,
@@ -68,7 +68,7 @@ impl<'a> Lines<'a> {
         }
     }
 
-    /// The next line if it is data, not a keyword.
+    /// The next line if it is a line of data; a keyword line stays unread.
     pub(super) fn next_data(&mut self) -> Option<Line<'a>> {
         let (at, number) = (self.at, self.number);
         match self.next() {

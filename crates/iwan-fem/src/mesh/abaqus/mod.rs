@@ -1,8 +1,8 @@
-//! Abaqus input: nodes, elements, sets, surfaces, parts with their instances, and constraints (Abaqus Keywords Reference; CalculiX reads
-//! the same).
+//! Reader of Abaqus input files: nodes, elements, sets, surfaces, parts with their instances, and constraints (Abaqus Keywords Reference;
+//! CalculiX reads the same format).
 //!
-//! Keywords that are known to leave the model as it is are passed over with a remark; those that change it are obeyed or refused by name,
-//! unless the user wants them to be ignored.
+//! Keywords that are known to leave the model unchanged are passed over with a warning; keywords that change the model are obeyed or
+//! refused by name, unless the user asks to ignore them.
 
 mod lines;
 mod fields;
@@ -34,9 +34,9 @@ use surfaces::Surfaces;
 
 pub(in crate::mesh) use include::INCLUDE;
 
-/// Mesh and remarks of an Abaqus input file with all includes in their places.
+/// Mesh and warnings of an Abaqus input file in which all includes are already inserted.
 ///
-/// `ignored` are names of keywords that are passed over although they change the model.
+/// `ignored` lists keywords that are passed over although they change the model.
 pub(super) fn parse(source: FileBytes, ignored: &[String]) -> Result<MeshFile, MeshError> {
     let mut lines = Lines::new(source);
     let mut ignored: Vec<String> = ignored.iter().map(|name| keyword::name(name.as_bytes())).collect();
@@ -100,7 +100,7 @@ impl Reader {
         }
     }
 
-    /// A keyword with its data, for when all names are known.
+    /// Keeps a keyword with its data until all names are known.
     fn kept(&self, lines: &mut Lines, keyword: &Keyword) -> Result<Pending, MeshError> {
         let mut rows = Vec::new();
         while let Some(line) = lines.next_data() {
@@ -111,7 +111,7 @@ impl Reader {
         Ok(Pending { keyword: keyword.clone(), rows, within, step: self.steps })
     }
 
-    /// Refuses what the file leaves open, or what several steps may say differently.
+    /// Refuses a part that is not closed, and `*BOUNDARY` inside a step if there are several steps, as each step may hold other nodes.
     fn whole(&self, source: FileBytes) -> Result<(), MeshError> {
         if let Some((name, _)) = &self.part {
             return Err(source.malformed(
@@ -132,7 +132,7 @@ impl Reader {
         }
     }
 
-    /// Refuses sections of surface and line elements: these have a stiffness then.
+    /// Refuses sections of surface and line elements: with a section these elements would have a stiffness.
     fn no_skin_has_a_section(&self, source: FileBytes) -> Result<(), MeshError> {
         let parts = self.parts.values().flat_map(|body| &body.pending);
         for text in self.main.pending.iter().chain(parts) {
@@ -201,7 +201,7 @@ impl Reader {
         Ok(MeshFile { mesh, warnings, constraints, masses, sections })
     }
 
-    /// What was passed over or read in another sense.
+    /// Warnings of keywords that were passed over, element types whose formulation is not taken over, and elements without a section.
     fn remarks(&mut self, source: FileBytes) -> Vec<MeshWarning> {
         let formulations = std::mem::take(&mut self.formulations).into_iter();
         let formulations = formulations.map(|(found, ReadAs { line, read_as })| MeshWarning::Formulation {
@@ -230,8 +230,8 @@ impl Reader {
         formulations.chain(passed_over).chain(skins).collect()
     }
 
-    /// Numbers that are the file's own where no two instances share one; otherwise each instance's are shifted by a round number. The names of the sets
-    /// of a single instance stand alone.
+    /// Final numbers of nodes and elements: the file's own if no two instances share a number; otherwise the numbers of each instance are
+    /// shifted by a multiple of a power of ten. If there is a single instance, its name is removed from the names of the sets.
     fn number(
         &self,
         mesh: &mut Mesh,
@@ -246,7 +246,7 @@ impl Reader {
         let (shared_nodes, last_node) = own(&mut mesh.node_labels.iter().copied());
         let (shared_elements, last_element) = own(&mut mesh.elements.iter().map(|e| e.label));
         let shared = shared_nodes || shared_elements;
-        // A power of ten keeps the file's number readable at the end of the new one.
+        // A power of ten keeps the file's number readable as the last digits of the new number.
         let stride = if shared { 10_u64.pow(1 + last_node.max(last_element).max(1).ilog10()) } else { 0 };
         let numbered = |label: u64| number_of(label) + stride * instance_of(label) as u64;
         mesh.node_labels.iter_mut().for_each(|label| *label = numbered(*label));
@@ -279,8 +279,8 @@ impl Reader {
     }
 }
 
-/// Nodes of all surfaces that can be looked up, by their names: joints and ties of the structure file may name them. One that cannot and that
-/// nothing refers to does no harm.
+/// Nodes of all surfaces by name, as joints and ties of the structure file may name surfaces. A surface that cannot be looked up is left
+/// out: it does no harm as long as nothing refers to it.
 fn surface_nodes(
     mesh: &Mesh,
     surfaces: &Surfaces,

@@ -1,4 +1,4 @@
-//! `*NODE`.
+//! Reader of `*NODE`.
 
 use super::super::error::MeshError;
 use super::definition::{Definition, SetKind};
@@ -9,7 +9,7 @@ use super::reader::{Reader, number_of, within};
 use super::system::coordinates;
 
 impl Reader {
-    /// Reads numbers and positions; coordinates left out are zero.
+    /// Reads the numbers and positions of nodes; an omitted coordinate is zero.
     pub(super) fn nodes(&mut self, lines: &mut Lines, keyword: &Keyword) -> Result<(), MeshError> {
         keyword.only(lines.source, &["NSET", "SYSTEM"])?;
         let coordinates = coordinates(lines, keyword)?;
@@ -26,7 +26,7 @@ impl Reader {
                     *value = number(lines.source, &line, field, format_args!("{axis} of node {label}"))?;
                 }
             }
-            // Direction cosines of shell normals may follow; they mean nothing to solids.
+            // Direction cosines of shell normals may follow the coordinates; solid elements do not use them.
             body.positions.push(axes.global(coordinates.rectangular(position)));
             body.node_labels.push(within(own, label));
             body.node_lines.push(line.offset);

@@ -1,4 +1,4 @@
-//! `*PART`, `*ASSEMBLY` and `*INSTANCE`: parts are written out for each of their instances, moved and turned.
+//! `*PART`, `*ASSEMBLY` and `*INSTANCE`: each part is copied for each of its instances, shifted and rotated.
 
 use super::super::axes::{Axes, turned};
 use super::super::error::MeshError;
@@ -10,7 +10,8 @@ use super::lines::Lines;
 use super::reader::{Body, Reader, within};
 use iwan_machine::listed;
 
-/// Nodes and nodes of elements that all instances together may have: a small file can ask for any number. Written out so many take some gigabytes.
+/// Largest number of nodes and nodes of elements of all instances together, because a small file can demand any number of them; more are
+/// refused. So many take some gigabytes.
 const MOST: usize = 50_000_000;
 
 impl Reader {
@@ -88,7 +89,8 @@ impl Reader {
 }
 
 impl Body {
-    /// A part as an instance: moved, its numbers marked, its names with that of the instance in front.
+    /// Adds a part as an instance: its nodes are moved, its numbers are marked with the instance, and its names get the instance's name in
+    /// front.
     fn add(&mut self, part: &Self, index: usize, instance: &str, place: &Placement) {
         let named = |name: &str| format!("{instance}.{name}");
         self.positions.extend(part.positions.iter().map(|p| place.global(*p)));
@@ -117,11 +119,11 @@ impl Body {
     }
 }
 
-/// Where an instance stands: moved first, then turned about a line (Abaqus Keywords Guide, *INSTANCE).
+/// Placement of an instance: first shifted, then rotated about a line (Abaqus Keywords Guide, *INSTANCE).
 #[derive(Debug, Clone, Copy, Default)]
 struct Placement {
     shift: [f64; 3],
-    /// Two points of the line, and the angle in degrees.
+    /// Two points of the line, and the angle of rotation in degrees.
     turn: Option<([f64; 3], [f64; 3], f64)>,
 }
 
@@ -166,7 +168,7 @@ impl Placement {
     }
 }
 
-/// Refuses data under a keyword that has none.
+/// Refuses data lines after a keyword that has none.
 fn no_data(lines: &mut Lines, keyword: &Keyword) -> Result<(), MeshError> {
     match lines.next_data() {
         Some(line) => {

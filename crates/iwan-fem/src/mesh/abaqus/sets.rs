@@ -1,4 +1,4 @@
-//! `*NSET`, `*ELSET` and the sets named by `*NODE` and `*ELEMENT`.
+//! `*NSET`, `*ELSET`, and the sets named in `*NODE` and `*ELEMENT`.
 
 use std::collections::BTreeMap;
 
@@ -55,8 +55,8 @@ impl Reader {
         Ok(())
     }
 
-    /// Takes surface and line elements out of a set of elements, as which Gmsh writes a physical group of a surface: their nodes are a set of nodes of that name.
-    /// Whether there were any.
+    /// Removes surface and line elements from a set of elements, where Gmsh writes a physical group of a surface in this form. Their nodes
+    /// become a set of nodes of the same name. Returns whether there were any.
     fn take_skin(&mut self, name: &str, line: usize, items: &mut Vec<Item>) -> bool {
         let mut nodes = Vec::new();
         let skin = &self.body().skin;
@@ -85,12 +85,12 @@ impl Reader {
     }
 }
 
-/// The sets of one kind while they are filled.
+/// The sets of one kind while they are being filled.
 pub(super) struct Filling<'a> {
     labels: &'a Labels,
     instances: &'a [String],
     sets: Sets,
-    /// First spelling of each name by its capitals: Abaqus does not tell capitals from small letters.
+    /// First spelling of each name, by the name in capitals: Abaqus does not distinguish capitals from small letters.
     spelling: BTreeMap<String, String>,
 }
 
@@ -99,19 +99,19 @@ impl<'a> Filling<'a> {
         Self { labels, instances, sets: Sets::new(length), spelling: BTreeMap::new() }
     }
 
-    /// Members of a set by its name as an instance calls it: its own set, or one outside.
+    /// Members of a set by its name within an instance: the instance's own set, or one outside.
     pub(super) fn members(&self, name: &str, instance: usize) -> Option<&[usize]> {
         self.sets.get(&self.spelled(name, instance)?)
     }
 
-    /// The name under which that set is found in the mesh.
+    /// The name of that set in the mesh.
     pub(super) fn spelled(&self, name: &str, instance: usize) -> Option<String> {
         let own = instance.checked_sub(1).map(|at| format!("{}.{name}", self.instances[at]).to_uppercase());
         let own = own.and_then(|own| self.spelling.get(&own));
         own.or_else(|| self.spelling.get(&name.to_uppercase())).cloned()
     }
 
-    /// Index of a node or element by its number, as an instance calls it, or by `INSTANCE.NUMBER`.
+    /// Index of a node or element by its number within an instance, or by `INSTANCE.NUMBER`.
     pub(super) fn numbered(&self, text: &str, instance: usize) -> Option<usize> {
         if let Ok(number) = text.parse::<u64>() {
             return self.labels.index(within(instance, number));
@@ -141,7 +141,7 @@ pub(super) fn resolve<'a>(
     nodes: &'a Labels,
     elements: &'a Labels,
 ) -> Result<Named<'a>, MeshError> {
-    // What instances repeat counts as if it were written out.
+    // The limit counts entries that instances repeat as if they were written in the file.
     let length = source.bytes.len().max(mesh.positions.len() + 8 * mesh.elements.len());
     let mut node_sets = Filling::new(nodes, instances, length);
     let mut element_sets = Filling::new(elements, instances, length);
@@ -165,7 +165,7 @@ pub(super) fn resolve<'a>(
     Ok(Named { nodes: node_sets, elements: element_sets, warnings })
 }
 
-/// What to say of a range with an end that is not in the file: most likely the set was meant for another mesh.
+/// A warning for a range of which an end is not in the file: most likely the set was meant for another mesh.
 fn beyond(
     source: FileBytes,
     definition: &Definition,
@@ -187,7 +187,7 @@ fn beyond(
     })
 }
 
-/// Indices of what one item names.
+/// Indices of the members that one item names.
 fn members(
     source: FileBytes,
     mesh: &Mesh,
@@ -230,7 +230,7 @@ fn members(
     }
 }
 
-/// The nodes of some elements, ascending, each once.
+/// The nodes of some elements, in ascending order without repetitions.
 pub(super) fn nodes_of(mesh: &Mesh, elements: &[usize]) -> Vec<usize> {
     let mut elements = elements.to_vec();
     elements.sort_unstable();

@@ -1,4 +1,4 @@
-//! `*SURFACE`: faces of elements, or nodes.
+//! Surfaces (`*SURFACE`): faces of elements, or nodes.
 
 use std::collections::BTreeMap;
 
@@ -9,16 +9,16 @@ use super::super::topology::Mesh;
 use super::definition::{Pending, SurfaceText};
 use super::sets::Named;
 
-/// A surface, looked up.
+/// A surface whose elements and nodes were looked up.
 #[derive(Debug, Clone, Default)]
 pub(super) struct Surface {
-    /// Faces, ascending; none of a surface of nodes.
+    /// Faces, ascending; empty for a surface of nodes.
     pub(super) faces: Vec<Face>,
-    /// Nodes, ascending: those of the faces, or those given.
+    /// Nodes, ascending: those of the faces, or those that the file lists.
     pub(super) nodes: Vec<usize>,
 }
 
-/// Finds surfaces by their names.
+/// Finds surfaces by name.
 pub(super) struct Surfaces<'a> {
     source: FileBytes<'a>,
     instances: &'a [String],
@@ -31,7 +31,7 @@ impl<'a> Surfaces<'a> {
         Self { source, instances, texts }
     }
 
-    /// Faces and nodes of the surface that an instance calls so; none where there is none of this name.
+    /// Faces and nodes of the surface that has this name within an instance; none if no surface has this name.
     pub(super) fn find(
         &self,
         mesh: &Mesh,
@@ -92,7 +92,7 @@ impl<'a> Surfaces<'a> {
     }
 }
 
-/// Nodes of a set, or one node by its number.
+/// Nodes of a set, or the node with this number; ascending.
 pub(super) fn nodes(named: &Named, text: &str, instance: usize) -> Option<Vec<usize>> {
     let set = named.nodes.members(text, instance).map(|members| {
         let mut members = members.to_vec();
@@ -108,7 +108,8 @@ fn elements(named: &Named, text: &str, instance: usize) -> Option<Vec<usize>> {
     set.or_else(|| named.elements.numbered(text, instance).map(|element| vec![element]))
 }
 
-/// Sides called S1 to S6 of some elements; without a name those of them that are outer faces of the mesh. None for another name.
+/// Sides S1 to S6 of the elements. Without a name, those faces of the elements that are outer faces of the mesh; none for another name or a
+/// side that an element lacks.
 fn sides(mesh: &Mesh, elements: &[usize], name: &str) -> Option<Vec<Face>> {
     if name.is_empty() {
         let mut own = elements.to_vec();

@@ -1,4 +1,4 @@
-//! `*SYSTEM` and the parameter SYSTEM of `*NODE`: nodes in local coordinates.
+//! `*SYSTEM` and the parameter SYSTEM of `*NODE`: positions of nodes in local coordinates.
 
 use super::super::axes::{Axes, Coordinates};
 use super::super::error::MeshError;
@@ -6,7 +6,7 @@ use super::fields::number;
 use super::keyword::Keyword;
 use super::lines::{Line, Lines};
 
-/// The parameter SYSTEM of `*NODE`.
+/// Type of coordinates that the parameter SYSTEM of `*NODE` selects.
 pub(super) fn coordinates(lines: &Lines, keyword: &Keyword) -> Result<Coordinates, MeshError> {
     match keyword.value("SYSTEM").map(str::to_ascii_uppercase).as_deref() {
         None if !keyword.has("SYSTEM") => Ok(Coordinates::Rectangular),
@@ -20,7 +20,7 @@ pub(super) fn coordinates(lines: &Lines, keyword: &Keyword) -> Result<Coordinate
     }
 }
 
-/// Numbers of a line; those left out are none.
+/// Numbers of a line; none for an omitted number.
 fn numbers<const N: usize>(lines: &Lines, line: &Line) -> Result<[Option<f64>; N], MeshError> {
     let mut out = [None; N];
     for (value, field) in out.iter_mut().zip(line.fields()) {
@@ -31,9 +31,9 @@ fn numbers<const N: usize>(lines: &Lines, line: &Line) -> Result<[Option<f64>; N
     Ok(out)
 }
 
-/// Reads `*SYSTEM`: point a is the origin, b on the local x-axis, c in the local xy-plane on the side of y. Without c the z-axis stays
-/// and the x-axis is projected into the xy-plane; with a alone the axes are moved, without any data they are the global ones again
-/// (Abaqus Keywords Guide, *SYSTEM).
+/// Reads `*SYSTEM`: point a is the origin, b lies on the local x-axis, c in the local xy-plane on the side of positive y. Without c the
+/// z-axis stays global and the x-axis is projected into the global xy-plane; with a alone the axes are only moved; without any data the
+/// axes are the global ones again (Abaqus Keywords Guide, *SYSTEM).
 pub(super) fn read(lines: &mut Lines, keyword: &Keyword) -> Result<Axes, MeshError> {
     keyword.only(lines.source, &[])?;
     let Some(first) = lines.next_data() else { return Ok(Axes::default()) };

@@ -1,22 +1,22 @@
-//! Reads the numbers of a MSH file, ASCII or binary, and never past the end.
+//! Reads the numbers of a MSH file, ASCII or binary, without ever reading past the end.
 
 use std::fmt::Display;
 
 use super::super::error::MeshError;
 use super::super::file::{FileBytes, quote};
 
-/// How numbers are stored.
+/// The encoding of numbers in the file.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Encoding {
     Ascii,
-    /// Little or big endian, with the bytes of a `size_t`.
+    /// Little or big endian, with the number of bytes of a `size_t`.
     Binary {
         big: bool,
         size: usize,
     },
 }
 
-/// A place in a MSH file.
+/// A position in a MSH file.
 pub(super) struct Cursor<'a> {
     pub(super) source: FileBytes<'a>,
     at: usize,
@@ -29,7 +29,7 @@ pub(super) struct Cursor<'a> {
 pub(super) enum Version {
     /// 4.1.
     Four,
-    /// 2, 2.1 and 2.2, which differ in sections that mean nothing to a mesh.
+    /// 2, 2.1 and 2.2, which differ only in sections that are not needed for a mesh.
     Two,
 }
 
@@ -88,7 +88,7 @@ impl<'a> Cursor<'a> {
         Ok(())
     }
 
-    /// Moves behind the end of the present line.
+    /// Moves to the start of the next line.
     fn line_end(&mut self) {
         let rest = &self.source.bytes[self.at..];
         self.at += rest.iter().position(|b| *b == b'\n').map_or(rest.len(), |n| n + 1);
@@ -103,17 +103,17 @@ impl<'a> Cursor<'a> {
         self.encoding != Encoding::Ascii
     }
 
-    /// Byte at which the cursor is.
+    /// Byte offset of the cursor.
     pub(super) fn offset(&self) -> usize {
         self.at
     }
 
-    /// Where the cursor is, for messages: this counts lines, so call it for messages only.
+    /// The cursor's position, for messages. It counts lines, so it is slow; use it for messages only.
     pub(super) fn place(&self) -> String {
         self.place_at(self.at)
     }
 
-    /// Where a byte is, for messages: a line in ASCII files, a byte in binary ones.
+    /// The position of a byte, for messages: a line in ASCII files, a byte offset in binary ones.
     pub(super) fn place_at(&self, offset: usize) -> String {
         match self.encoding {
             Encoding::Ascii => format!("line {}", self.source.line(offset)),
@@ -141,7 +141,7 @@ impl<'a> Cursor<'a> {
         }
     }
 
-    /// Demands the line that ends a section.
+    /// Reads the line that ends a section; anything else is an error.
     pub(super) fn end_section(&mut self, name: &str) -> Result<(), MeshError> {
         self.skip_blanks();
         let start = self.at;
@@ -155,7 +155,7 @@ impl<'a> Cursor<'a> {
         Err(self.source.malformed(self.place_at(start), found, format!("{expected} (is a count too small?)")))
     }
 
-    /// Moves behind the line that ends a section.
+    /// Moves to the line after the end of a section.
     pub(super) fn skip_section(&mut self, name: &str) -> Result<(), MeshError> {
         let mark = format!("$End{name}");
         let rest = &self.source.bytes[self.at..];
@@ -168,7 +168,7 @@ impl<'a> Cursor<'a> {
         Ok(())
     }
 
-    /// The rest of the present line or, at its end, the next one; for the ASCII lines of binary files too.
+    /// The rest of the present line, or at its end the next line; also for the ASCII lines of binary files.
     pub(super) fn text_line(&mut self) -> &'a [u8] {
         self.skip_blanks();
         let start = self.at;
@@ -230,7 +230,7 @@ impl<'a> Cursor<'a> {
         }
     }
 
-    /// A `double`; it must be finite.
+    /// A `double`, which must be finite.
     pub(super) fn number(&mut self, what: impl Display) -> Result<f64, MeshError> {
         let value: f64 = match self.encoding {
             Encoding::Ascii => self.parsed(&what)?,
@@ -243,7 +243,7 @@ impl<'a> Cursor<'a> {
         Err(self.source.malformed(self.place(), value.to_string(), format!("{what}: a finite number")))
     }
 
-    /// A number of a node, an element or a tag of version 2, where all are `int`: it is not negative.
+    /// A number of a node, an element or a tag of version 2, where all are of type `int`; it must not be negative.
     fn label(&mut self, what: impl Display) -> Result<u64, MeshError> {
         let start = self.at;
         let value = self.integer(&what)?;
@@ -252,7 +252,7 @@ impl<'a> Cursor<'a> {
         })
     }
 
-    /// A count that stands in a line of text, in binary files too: version 2.
+    /// A count in a line of text, as in version 2, in binary files too.
     pub(super) fn text_count(&mut self, what: impl Display, words: usize) -> Result<usize, MeshError> {
         self.skip_blanks();
         let start = self.at;
@@ -263,14 +263,14 @@ impl<'a> Cursor<'a> {
         self.fits(start, count, what, words)
     }
 
-    /// A count of items that need `words` numbers each, at least; more than the rest of the file can hold is an error.
+    /// A count of items that need at least `words` numbers each. A count for which the rest of the file has no room is an error.
     pub(super) fn count(&mut self, what: impl Display, words: usize) -> Result<usize, MeshError> {
         let start = self.at;
         let count = self.size(&what)?;
         self.fits(start, count, what, words)
     }
 
-    /// A count, if the rest of the file has room for it.
+    /// Returns a count if the rest of the file has room for it.
     fn fits(&self, start: usize, count: u64, what: impl Display, words: usize) -> Result<usize, MeshError> {
         let least = match self.encoding {
             Encoding::Ascii => 2,

@@ -2,14 +2,14 @@
 
 use super::super::topology::Shape;
 
-/// What is done with an element.
+/// Use of an element.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Use {
     /// An element of the mesh.
     Element(Shape),
-    /// Points, edges and faces: their nodes belong to the sets of their physical groups.
+    /// Points, edges and faces: their nodes become members of the sets of their physical groups.
     Set,
-    /// Refused, with the remedy.
+    /// Refused, with this remedy.
     Refused(&'static str),
 }
 
@@ -60,7 +60,7 @@ impl ElementType {
         self.number
     }
 
-    /// Dimension of the entities that have such elements.
+    /// Dimension of the entities that contain such elements.
     pub(super) const fn dimension(&self) -> i32 {
         match (self.role, self.number) {
             (Use::Set, 15) => 0,
@@ -71,14 +71,14 @@ impl ElementType {
     }
 }
 
-/// The type with this number; none for those of third and higher order.
+/// The type with this number; none for types of third and higher order.
 pub(super) fn find(number: i32) -> Option<&'static ElementType> {
     TYPES.iter().find(|known| known.number == number)
 }
 
-/// Gmsh's place of each node of a shape; none where the orders agree (Gmsh reference manual, "Node ordering").
+/// Position in Gmsh's list of each node of a shape; none if the orders agree (Gmsh reference manual, "Node ordering").
 ///
-/// Gmsh's mid-edge nodes follow, in hexahedra, the edges 0-1, 0-3, 0-4, 1-2, 1-5, 2-3, 2-6, 3-7, 4-5, 4-7, 5-6, 6-7; in tetrahedra
+/// Gmsh lists mid-edge nodes in this order of edges: in hexahedra 0-1, 0-3, 0-4, 1-2, 1-5, 2-3, 2-6, 3-7, 4-5, 4-7, 5-6, 6-7; in tetrahedra
 /// 0-1, 1-2, 2-0, 3-0, 3-2, 3-1; in prisms 0-1, 0-2, 0-3, 1-2, 1-4, 2-5, 3-4, 3-5, 4-5.
 pub(super) fn places(shape: Shape) -> Option<&'static [usize]> {
     match shape {

@@ -29,7 +29,7 @@ pub(super) fn read(cursor: &mut Cursor, reader: &mut Reader) -> Result<(), MeshE
     numbered_once(cursor, reader)
 }
 
-/// Refuses a number that two elements have.
+/// Refuses an element number that occurs twice.
 pub(super) fn numbered_once(cursor: &Cursor, reader: &Reader) -> Result<(), MeshError> {
     Labels::new(reader.mesh.elements.iter().map(|e| e.label)).map(|_| ()).map_err(
         |Twice { label, .. }| {
@@ -71,7 +71,7 @@ fn block(cursor: &mut Cursor, reader: &mut Reader) -> Result<usize, MeshError> {
     Ok(count)
 }
 
-/// The element type with a number.
+/// The element type with this number.
 pub(super) fn known(cursor: &Cursor, start: usize, number: i32) -> Result<&'static ElementType, MeshError> {
     element_types::find(number).ok_or_else(|| {
         let remedy = "mesh in first or second order (in Gmsh: Mesh.ElementOrder = 1 or 2)";
@@ -79,7 +79,7 @@ pub(super) fn known(cursor: &Cursor, start: usize, number: i32) -> Result<&'stat
     })
 }
 
-/// Refuses elements that cannot be computed with.
+/// Refuses elements with which the program cannot compute.
 pub(super) fn usable(cursor: &Cursor, start: usize, kind: &ElementType, label: u64) -> Result<(), MeshError> {
     let Use::Refused(remedy) = kind.role else { return Ok(()) };
     let found = format!("element {label}, a {} (type {}),", kind.name, kind.number());

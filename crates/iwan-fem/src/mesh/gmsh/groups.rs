@@ -1,4 +1,4 @@
-//! `$PhysicalNames` and `$Entities`: which entity belongs to which physical group.
+//! `$PhysicalNames` and `$Entities`: the physical groups to which each entity belongs.
 
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -7,12 +7,12 @@ use super::super::file::quote;
 use super::super::sets::Sets;
 use super::cursor::Cursor;
 
-/// Dimension and number, of an entity or of a group.
+/// Dimension and number of an entity or a physical group.
 pub(super) type Key = (i32, i32);
 
 const DIMENSIONS: [&str; 4] = ["point", "curve", "surface", "volume"];
 
-/// Names of the groups and groups of the entities.
+/// Names of the physical groups, and the groups of each entity.
 #[derive(Debug, Default)]
 pub(super) struct Groups {
     names: BTreeMap<Key, String>,
@@ -20,7 +20,7 @@ pub(super) struct Groups {
 }
 
 impl Groups {
-    /// Reads `$PhysicalNames`: ASCII lines in binary files too.
+    /// Reads `$PhysicalNames`, which are ASCII lines in binary files too.
     pub(super) fn names(&mut self, cursor: &mut Cursor) -> Result<(), MeshError> {
         let place = cursor.place();
         let first = cursor.text_line();
@@ -76,26 +76,26 @@ impl Groups {
         Ok(())
     }
 
-    /// Names of the sets to which the elements of an entity belong; groups without a name are called after their
-    /// dimension and number, such as `surface 7`.
+    /// Names of the sets to which the elements of an entity belong. A group without a name is called by its dimension and number, such as
+    /// `surface 7`.
     pub(super) fn sets_of(&self, entity: Key) -> Vec<String> {
         let groups = self.entities.get(&entity).map_or(&[][..], Vec::as_slice);
         groups.iter().map(|group| self.name((entity.0, *group))).collect()
     }
 
-    /// Name of a physical group, given or made of its dimension and number.
+    /// Name of a physical group: the given one, or one made of its dimension and number.
     pub(super) fn name(&self, group: Key) -> String {
         let made = || format!("{} {}", DIMENSIONS[group.0.clamp(0, 3) as usize], group.1);
         self.names.get(&group).cloned().unwrap_or_else(made)
     }
 
-    /// Makes empty sets of the names that nothing belongs to, so that a user of one hears that it is empty rather than
-    /// missing; tells of what is odd.
+    /// Creates empty sets for group names without members, so that an item that refers to such a set is told that it is empty rather than
+    /// missing. Returns warnings.
     pub(super) fn finish(&self, node_sets: &mut Sets, element_sets: &mut Sets) -> Vec<MeshWarning> {
         let mut dimensions: BTreeMap<&str, BTreeSet<i32>> = BTreeMap::new();
         for ((dimension, _), name) in &self.names {
             dimensions.entry(name).or_default().insert(*dimension);
-            // Nothing is added to the sets, so their limit cannot be passed.
+            // Nothing is added to the sets, so their limit cannot be exceeded.
             let _ = node_sets.extend(name, std::iter::empty());
             if *dimension == 3 {
                 let _ = element_sets.extend(name, std::iter::empty());

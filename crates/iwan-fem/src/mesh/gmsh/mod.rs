@@ -1,7 +1,7 @@
 //! Gmsh MSH 4.1 and 2.2, ASCII and binary (Gmsh reference manual, "MSH file format").
 //!
-//! Sections `$PhysicalNames`, `$Entities`, `$Nodes` and `$Elements` are read, others passed over. Written here because
-//! the one crate for the format stops with a panic on some input and knows no physical groups.
+//! The sections `$PhysicalNames`, `$Entities`, `$Nodes` and `$Elements` are read, others are passed over. The reader is our own because the
+//! one crate for the format stops with a panic on some input and does not read physical groups.
 
 mod cursor;
 mod element_types;

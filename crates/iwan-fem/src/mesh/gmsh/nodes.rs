@@ -21,7 +21,7 @@ pub(super) fn read(cursor: &mut Cursor, mesh: &mut Mesh) -> Result<Labels, MeshE
     numbered_once(cursor, mesh)
 }
 
-/// Numbers of all nodes; one that two have is refused.
+/// Numbers of all nodes; a number that occurs twice is refused.
 pub(super) fn numbered_once(cursor: &Cursor, mesh: &Mesh) -> Result<Labels, MeshError> {
     Labels::new(mesh.node_labels.iter().copied()).map_err(|Twice { label, .. }| {
         cursor.source.malformed(

@@ -1,4 +1,4 @@
-//! Everything that was read of a MSH file so far.
+//! All contents of a MSH file that have been read so far.
 
 use super::super::labels::Labels;
 use super::super::sets::Sets;
@@ -17,17 +17,17 @@ pub(super) struct Reader {
     pub(super) passed_over: Vec<PassedOver>,
 }
 
-/// A section that means nothing to a mesh.
+/// A section that is not needed for a mesh and is passed over.
 pub(super) struct PassedOver {
     pub(super) name: String,
-    /// Byte at which the first of this name begins.
+    /// Byte at which the first section of this name begins.
     pub(super) offset: usize,
-    /// How often it occurs.
+    /// Number of such sections.
     pub(super) times: usize,
 }
 
 impl Reader {
-    /// Nothing read yet of a file of `length` bytes.
+    /// The reader before a file of `length` bytes is read.
     pub(super) fn new(length: usize) -> Self {
         Self {
             mesh: Mesh::default(),

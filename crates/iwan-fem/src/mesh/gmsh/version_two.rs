@@ -1,5 +1,5 @@
 //! `$Nodes` and `$Elements` of version 2, where every element carries the number of its physical group (Gmsh reference manual, "MSH file
-//! format version 2 (Legacy)"). Counts stand in lines of text, numbers are `int` and `double` in binary files.
+//! format version 2 (Legacy)"). Counts are lines of text; in binary files the numbers are of type `int` and `double`.
 
 use super::super::error::MeshError;
 use super::super::labels::Labels;
@@ -29,7 +29,7 @@ pub(super) fn elements(cursor: &mut Cursor, reader: &mut Reader) -> Result<(), M
     while seen < count {
         let start = cursor.offset();
         if cursor.is_binary() {
-            // A head for as many elements of one type as it says.
+            // A header applies to as many elements of one type as it states.
             let number = cursor.integer("the type of the elements")?;
             let follow = cursor.size("the number of elements that follow")?;
             let tags = cursor.size("the number of tags")?;

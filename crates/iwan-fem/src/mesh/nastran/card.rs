@@ -1,4 +1,4 @@
-//! Cards: a name and fields, over several lines, in three forms.
+//! Cards: a name and fields, over one or several lines, in small, large or free fields.
 
 use super::super::error::MeshError;
 use super::super::file::{FileBytes, quote};
@@ -6,15 +6,15 @@ use super::super::file::{FileBytes, quote};
 /// A card.
 #[derive(Debug, Clone)]
 pub(super) struct Card<'a> {
-    /// In capitals, without the star of large fields.
+    /// Name in capitals, without the star that marks large fields.
     pub(super) name: String,
-    /// Line of its name, counted from 1.
+    /// Number of the line of the name, counted from 1.
     pub(super) line: usize,
-    /// The fields behind the name, eight to a line.
+    /// The fields after the name, eight per line.
     pub(super) fields: Vec<&'a str>,
 }
 
-/// What the case control chose.
+/// Numbers of the sets that the case control selects.
 #[derive(Debug, Clone, Copy, Default)]
 pub(super) struct Selected {
     pub(super) spc: Option<i64>,
@@ -30,11 +30,11 @@ pub(super) struct Cards<'a> {
 }
 
 impl<'a> Cards<'a> {
-    /// Lines without comments; those before `BEGIN BULK` tell which sets are chosen.
+    /// Takes lines without comments; the lines before `BEGIN BULK` tell which sets are selected.
     pub(super) fn new(source: FileBytes<'a>) -> Self {
         let text = source.bytes.split(|b| *b == b'\n').enumerate();
         let line = |(index, bytes): (usize, &'a [u8])| {
-            // Comments may hold any bytes; what is not ASCII elsewhere is no number and found out there.
+            // Comments may contain any bytes; elsewhere a character that is not ASCII cannot be part of a number and is reported there.
             let line = std::str::from_utf8(bytes)
                 .unwrap_or_else(|e| std::str::from_utf8(&bytes[..e.valid_up_to()]).unwrap_or_default());
             let line = line.split('$').next().unwrap_or_default().trim_end();
@@ -60,7 +60,7 @@ impl<'a> Cards<'a> {
         cards
     }
 
-    /// The next card; none at `ENDDATA` and at the end.
+    /// The next card; none at `ENDDATA` and at the end of the file.
     pub(super) fn next(&mut self) -> Result<Option<Card<'a>>, MeshError> {
         let Some(&(number, line)) = self.lines.get(self.at) else { return Ok(None) };
         self.at += 1;
@@ -95,7 +95,8 @@ fn continues(line: &str) -> bool {
     first.is_empty() || first.starts_with('+') || first.starts_with('*')
 }
 
-/// Adds the fields of a line, and returns the first, which is its name. A line of large fields has half of the eight of a card.
+/// Adds the fields of a line, and returns the first one, which is the name. A line of large fields holds four fields, half of a card's
+/// eight.
 fn split<'a>(line: &'a str, fields: &mut Vec<&'a str>) -> &'a str {
     if line.contains(',') {
         let mut all = line.split(',').map(str::trim);
@@ -112,7 +113,7 @@ fn split<'a>(line: &'a str, fields: &mut Vec<&'a str>) -> &'a str {
     name
 }
 
-/// Columns of a line; what is beyond its end is empty. Letters of several bytes end it.
+/// Columns of a line; empty beyond the end of the line or at characters of several bytes.
 fn part(line: &str, from: usize, width: usize) -> &str {
     line.get(from..(from + width).min(line.len())).unwrap_or_default()
 }
@@ -122,7 +123,7 @@ impl<'a> Card<'a> {
         source.at_line(self.line)
     }
 
-    /// Field number `at`, the first behind the name being 0; empty where there is none.
+    /// Field number `at`, counted from 0 after the name; empty if there is none.
     pub(super) fn field(&self, at: usize) -> &'a str {
         self.fields.get(at).copied().unwrap_or_default()
     }
@@ -145,7 +146,7 @@ impl<'a> Card<'a> {
         source.unsupported(self.place(source), found, remedy)
     }
 
-    /// A whole number, `default` where the field is empty.
+    /// A whole number; `default` if the field is empty.
     pub(super) fn integer(
         &self,
         source: FileBytes,
@@ -157,7 +158,7 @@ impl<'a> Card<'a> {
         value.ok_or_else(|| self.malformed(source, format!("{text:?} in field {}", at + 2), "a whole number"))
     }
 
-    /// A number of a node, element, property, ...: > 0.
+    /// A number of a node, element, property, and so on, which must be > 0.
     pub(super) fn label(&self, source: FileBytes, at: usize) -> Result<u64, MeshError> {
         let value = self.integer(source, at, None)?;
         u64::try_from(value).ok().filter(|value| *value > 0).ok_or_else(|| {
@@ -165,7 +166,7 @@ impl<'a> Card<'a> {
         })
     }
 
-    /// A finite number, `default` where the field is empty.
+    /// A finite number; `default` if the field is empty.
     pub(super) fn real(&self, source: FileBytes, at: usize, default: Option<f64>) -> Result<f64, MeshError> {
         let text = self.field(at);
         let value = if text.is_empty() { default } else { real(text) };
@@ -173,7 +174,7 @@ impl<'a> Card<'a> {
             .ok_or_else(|| self.malformed(source, format!("{text:?} in field {}", at + 2), "a finite number"))
     }
 
-    /// Digits from 1 to 6 as components; an empty field and 0 are none.
+    /// Digits from 1 to 6 as components; an empty field and 0 mean no component.
     pub(super) fn components(&self, source: FileBytes, at: usize) -> Result<[bool; 6], MeshError> {
         let mut components = [false; 6];
         for digit in self.field(at).chars().filter(|digit| *digit != '0') {
@@ -187,7 +188,7 @@ impl<'a> Card<'a> {
     }
 }
 
-/// A number as Nastran writes it: `1.5`, `1.5-3`, `1.5E-3`, `1.5D-3`.
+/// A number in the forms that Nastran accepts: `1.5`, `1.5-3`, `1.5E-3`, `1.5D-3`.
 pub(super) fn real(text: &str) -> Option<f64> {
     let plain = text.to_ascii_lowercase().replace('d', "e");
     let value = plain.parse::<f64>().ok().or_else(|| {

@@ -12,20 +12,20 @@ use super::grids::Grids;
 use super::reader::Reader;
 use super::systems::Systems;
 
-/// What every card needs.
+/// Data that every card needs, and the constraints collected so far.
 struct Context<'a> {
     source: FileBytes<'a>,
     grids: &'a Grids,
     mesh: &'a Mesh,
     constraints: Vec<Constraint>,
-    /// Components of each node that are held already.
+    /// Components of each node that are already held.
     held: Vec<[bool; 6]>,
 }
 
-/// Characters of a card's number in the name of its constraint: a large field has so many.
+/// Number of characters of a card's number in the name of its constraint, as many as a large field has.
 const NUMBER: usize = 16;
 
-/// Constraints and masses of the file.
+/// Constraints and point masses of the file.
 pub(super) fn read(
     source: FileBytes,
     reader: &Reader,
@@ -58,7 +58,7 @@ pub(super) fn read(
     Ok((context.constraints, masses))
 }
 
-/// Numbers of the sets that hold: the one chosen with all it adds up, or the only one there is.
+/// Numbers of the sets that apply: the selected set with all sets that it adds up, or the only set in the file.
 fn sets(
     source: FileBytes,
     cards: &[Card],
@@ -100,7 +100,8 @@ impl Context<'_> {
         self.constraints.push(Constraint { name, rule });
     }
 
-    /// Holds components of nodes, each in the node's own directions, unless they are held already: all that are global by one constraint.
+    /// Holds components of nodes, each in the node's own directions, unless they are already held; all that are global become one
+    /// constraint.
     fn hold(&mut self, name: String, nodes: &[usize], components: [bool; 6]) {
         let mut together = Vec::new();
         for &node in nodes {
@@ -112,7 +113,7 @@ impl Context<'_> {
                 let base = component / 3 * 3;
                 match terms[..] {
                     [(freedom, _)] => together.push(freedom),
-                    // Held along all three directions, or about any, a node is held in all.
+                    // A node that is held along all three directions, or about any direction, is held along or about all three global axes.
                     _ if base == 3 || components[..3] == [true; 3] => {
                         together.extend((base..base + 3).map(|component| Freedom { node, component }));
                     }
@@ -127,7 +128,7 @@ impl Context<'_> {
         }
     }
 
-    /// A component along the node's own directions, in global ones.
+    /// A component along one of the node's own directions, in terms of global components.
     fn terms(&self, node: usize, component: usize, factor: f64) -> Vec<(Freedom, f64)> {
         let direction = self.grids.directions(self.mesh, node)[component % 3];
         let base = component / 3 * 3;
@@ -170,7 +171,7 @@ impl Context<'_> {
         let reference = self.grids.node(self.source, card, 1)?;
         let components = card.components(self.source, 2)?;
         for at in (3..card.fields.len()).filter(|at| !card.field(*at).is_empty()) {
-            // A real number at the end is a coefficient of expansion.
+            // A real number at the end of the card is a coefficient of thermal expansion.
             if card.field(at).parse::<i64>().is_err() && real(card.field(at)).is_some() {
                 continue;
             }
@@ -192,7 +193,7 @@ impl Context<'_> {
             if text.is_empty() {
                 at += 1;
             } else if text.chars().next().is_some_and(char::is_alphabetic) {
-                // UM names which components are eliminated, ALPHA an expansion: neither changes what holds here.
+                // After UM the card lists the components to be eliminated, after ALPHA a thermal expansion; neither changes the constraint.
                 break;
             } else if text.parse::<i64>().is_err() {
                 let weight = card.real(source, at, None)?;
@@ -232,7 +233,7 @@ impl Context<'_> {
         Ok(())
     }
 
-    /// Three terms a line in groups of node, component and coefficient: the first field and the last of each line are empty.
+    /// Terms of node, component and coefficient, two to a line; the first field and the last of each line are empty.
     fn equation(&mut self, card: &Card) -> Result<(), MeshError> {
         let mut terms = Vec::new();
         for line in 0..card.fields.len().div_ceil(8) {
@@ -258,7 +259,8 @@ impl Context<'_> {
     }
 }
 
-/// A body at a node; its offset and inertia count in a system of their own, or (number -1) its offset is a place in global axes.
+/// A point mass at a node. Its offset and inertia are in a coordinate system given by its number; for the number -1 the offset is a
+/// position in global axes.
 fn mass(context: &Context, card: &Card, systems: &Systems, factor: f64) -> Result<PointMass, MeshError> {
     let source = context.source;
     let node = context.grids.node(source, card, 1)?;
@@ -284,7 +286,7 @@ fn mass(context: &Context, card: &Card, systems: &Systems, factor: f64) -> Resul
         offset = std::array::from_fn(|i| local[i] - context.mesh.positions[node][i]);
     }
     let [xx, yx, yy, zx, zy, zz] = [value(8)?, value(9)?, value(10)?, value(11)?, value(12)?, value(13)?];
-    // The card has ∫xy dm with its own sign; the matrix has it negative.
+    // The card contains ∫xy dm with a positive sign; in the inertia matrix it is negative.
     let own = [[xx, -yx, -zx], [-yx, yy, -zy], [-zx, -zy, zz]];
     let mut inertia = [[0.0; 3]; 3];
     for (i, row) in inertia.iter_mut().enumerate() {

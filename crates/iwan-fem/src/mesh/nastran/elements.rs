@@ -11,11 +11,12 @@ use super::card::Card;
 use super::grids::Grids;
 use super::reader::Reader;
 
-/// Nastran's place of each node: its mid-edge nodes follow the bottom edges, the upright ones, the top ones.
+/// Position in Nastran's list of each node in the order of [`Shape`]: Nastran lists mid-edge nodes of the bottom edges first, then those of
+/// the upright and of the top edges.
 const HEX20: [usize; 20] = [0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 16, 17, 18, 19, 12, 13, 14, 15];
 const WEDGE15: [usize; 15] = [0, 1, 2, 3, 4, 5, 6, 7, 8, 12, 13, 14, 9, 10, 11];
 
-/// Reads all elements into the mesh, with a set of elements and one of nodes for each property, and their materials.
+/// Reads all elements into the mesh, with a set of elements and a set of nodes for each property; returns the properties' materials.
 pub(super) fn read(
     source: FileBytes,
     reader: &Reader,
@@ -75,7 +76,7 @@ fn nodes(source: FileBytes, card: &Card, grids: &Grids) -> Result<(Shape, Vec<us
     Ok((shape, places.iter().map(|at| found[*at]).collect()))
 }
 
-/// Material of a property; none where the file gives it no MAT1: the structure file must then.
+/// Material of a property; none if the file gives no MAT1 for it, in which case the structure file must give one.
 fn section(
     source: FileBytes,
     reader: &Reader,
@@ -92,7 +93,7 @@ fn section(
     let optional = |at: usize| -> Result<Option<f64>, MeshError> {
         if material.field(at).is_empty() { Ok(None) } else { material.real(source, at, None).map(Some) }
     };
-    // Two of E, G and ν: the third follows.
+    // Two of E, G and ν are needed; the third follows.
     let (e, g, nu) = (optional(1)?, optional(2)?, optional(3)?);
     let (young, poisson) = match (e, g, nu) {
         (Some(e), _, Some(nu)) => (e, nu),

@@ -1,4 +1,4 @@
-//! `GRID`: nodes, and the systems in which their components count.
+//! `GRID`: nodes, and the coordinate systems of their components.
 
 use super::super::constraint::GLOBAL;
 use super::super::error::MeshError;
@@ -9,12 +9,12 @@ use super::card::Card;
 use super::reader::Reader;
 use super::systems::{System, Systems};
 
-/// Nodes by their numbers.
+/// Nodes with their numbers.
 pub(super) struct Grids {
     pub(super) labels: Labels,
-    /// System of the components of each node that does not count them in global axes.
+    /// System of the components of each node; none for global axes.
     systems: Vec<Option<System>>,
-    /// Components that are held for good, with the line.
+    /// Components that are held permanently (field PS), with the line.
     pub(super) held: Vec<(usize, [bool; 6], usize)>,
 }
 
@@ -28,7 +28,7 @@ impl Grids {
     ) -> Result<Self, MeshError> {
         let (mut used, mut held) = (Vec::new(), Vec::new());
         for card in &reader.grids {
-            // A field left out is that of GRDSET, which has its fields at the same places.
+            // An empty field has the value of GRDSET, whose fields are at the same places.
             let filled = |at: usize| match (&reader.defaults, card.field(at)) {
                 (Some(defaults), "") => defaults,
                 _ => card,
@@ -69,7 +69,7 @@ impl Grids {
         Ok(Self { labels, systems: used, held })
     }
 
-    /// Index of the node whose number stands in a field.
+    /// Index of the node whose number is in a field.
     pub(super) fn node(&self, source: FileBytes, card: &Card, at: usize) -> Result<usize, MeshError> {
         let label = card.label(source, at)?;
         self.labels.index(label).ok_or_else(|| {
@@ -77,7 +77,7 @@ impl Grids {
         })
     }
 
-    /// Directions in which the components of a node count.
+    /// Directions of the components of a node.
     pub(super) fn directions(&self, mesh: &Mesh, node: usize) -> [[f64; 3]; 3] {
         self.systems[node].map_or(GLOBAL, |system| system.directions(mesh.positions[node]))
     }

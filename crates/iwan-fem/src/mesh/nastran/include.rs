@@ -1,11 +1,11 @@
-//! `INCLUDE`: how it names its file; and tabs, which stand for blanks up to the next of eight columns.
+//! `INCLUDE` with its file name; and tabs, which stand for blanks up to the next column divisible by eight.
 
 use std::borrow::Cow;
 use std::path::PathBuf;
 
 use super::super::file::Include;
 
-/// `INCLUDE 'FILE'`.
+/// The form `INCLUDE 'FILE'`.
 pub(in crate::mesh) const INCLUDE: Include =
     Include { word: "INCLUDE", form: "INCLUDE 'FILE' on one line", is_one: is_include, input };
 
@@ -15,7 +15,7 @@ fn is_include(line: &[u8]) -> bool {
         && line.get(7).is_some_and(|next| next.is_ascii_whitespace() || matches!(next, b'\'' | b'"' | b'='))
 }
 
-/// What stands between quotes, or behind the word.
+/// The file name: the text between quotes, or after the word.
 fn input(line: &[u8]) -> Option<PathBuf> {
     let rest = std::str::from_utf8(line.trim_ascii().get(7..)?).ok()?.trim().trim_start_matches('=').trim();
     let name = match rest.chars().next()? {
@@ -25,7 +25,7 @@ fn input(line: &[u8]) -> Option<PathBuf> {
     (!name.is_empty()).then(|| PathBuf::from(name))
 }
 
-/// The text with tabs written out as blanks, where it has any.
+/// The text with each tab replaced by blanks.
 pub(super) fn without_tabs(bytes: &[u8]) -> Cow<'_, [u8]> {
     if !bytes.contains(&b'\t') {
         return Cow::Borrowed(bytes);

@@ -1,8 +1,9 @@
-//! Which cards may be passed over, and what helps with those that may not.
+//! Cards that may be passed over, and remedies for cards that may not.
 
 use crate::mesh::error::remedy_among;
 
-/// Cards that leave nodes, elements, stiffness, mass and connections as they are: what is computed, loads, tables, and sets for it.
+/// Cards that leave nodes, elements, stiffness, mass and connections as they are: choices of the analysis, loads, tables, and sets for
+/// these.
 static HARMLESS: &[&str] = &[
     "EIGRL", "EIGR", "EIGB", "EIGC", "LOAD", "FORCE", "FORCE1", "FORCE2", "MOMENT", "PLOAD", "PLOAD1",
     "PLOAD2", "PLOAD4", "GRAV", "RFORCE", "TEMP", "TEMPD", "DLOAD", "DAREA", "DELAY", "DPHASE", "RLOAD1",
@@ -12,12 +13,12 @@ static HARMLESS: &[&str] = &[
     "DTI", "ECHOON", "ECHOOFF", "MDLPRM", "CORD3G", "RANDPS", "RANDT1", "TABRND1", "USET", "USET1", "SUPORT",
     "SUPORT1", "SPCD", "PLOTEL3", "PLOTEL4", "PLOTEL6", "PLOTEL8", "EIGP", "TABLES1", "TABLEST", "TEMPRB",
     "TEMPP1", "NLPCI", "NLPARM1", "MODTRAK", "SWLDPRM",
-    // Materials of heat, and properties of elements that are refused themselves.
+    // Materials for heat, and properties of elements that are refused themselves.
     "MAT4", "MAT5", "MATT4", "PSHELL", "PCOMP", "PCOMPG", "PBAR", "PBARL", "PBEAM", "PBEAML", "PROD", "PTUBE",
     "PSHEAR", "PBUSH", "PBUSHT", "PELAS", "PELAST", "PDAMP", "PVISC", "PGAP", "MAT2", "MAT8",
 ];
 
-/// Cards that change the model, with what helps.
+/// Cards that change the model, each with a remedy.
 static CHANGES: &[(&str, &str)] = &[
     ("INCLUDE", "write it as INCLUDE 'FILE' on a line of its own"),
     ("CROD", "rods come in as matrices: export K and M (DMIG or OP4) and give [matrices]"),
@@ -49,7 +50,7 @@ pub(super) fn is_harmless(name: &str) -> bool {
     HARMLESS.contains(&name)
 }
 
-/// What helps with a card that may not be passed over.
+/// A remedy for a card that may not be passed over.
 pub(super) fn remedy(name: &str) -> String {
     remedy_among(CHANGES, name)
 }

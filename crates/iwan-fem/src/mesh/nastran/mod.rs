@@ -1,8 +1,8 @@
 //! Nastran bulk data in small, large and free fields (MSC Nastran Quick Reference Guide).
 //!
-//! `GRID` with `CORD2R`, `CORD2C` and `CORD2S`, `CHEXA`, `CPENTA`, `CTETRA`, `PSOLID` with `MAT1`, `RBE2`, `RBE3`, `MPC`, `CONM2`, `SPC` and `SPC1` are
-//! obeyed. Cards that leave the model as it is are passed over with a remark; all others are refused by name, unless the user wants them
-//! to be ignored.
+//! The cards `GRID` with `CORD2R`, `CORD2C` and `CORD2S`, `CHEXA`, `CPENTA`, `CTETRA`, `PSOLID` with `MAT1`, `RBE2`, `RBE3`, `MPC`,
+//! `CONM2`, `SPC` and `SPC1` are read. Cards that leave the model as it is are passed over with a remark. All other cards are refused by
+//! name, unless the user lets them be ignored.
 
 mod include;
 mod card;
@@ -24,7 +24,8 @@ use reader::Reader;
 
 pub(in crate::mesh) use include::INCLUDE;
 
-/// Whether a text looks like bulk data: `BEGIN BULK`, or a first card that only bulk data and its control sections have.
+/// Whether a text looks like bulk data: it contains `BEGIN BULK` first, or its first card occurs only in bulk data and its control
+/// sections.
 pub(super) fn is_bulk_data(bytes: &[u8]) -> bool {
     const FIRST: [&str; 8] = ["GRID", "CEND", "SOL ", "SOL,", "CORD2", "CHEXA", "CTETRA", "BEGIN"];
     let lines = bytes.split(|b| *b == b'\n').map(<[u8]>::trim_ascii).filter(|line| !line.is_empty());
@@ -33,7 +34,8 @@ pub(super) fn is_bulk_data(bytes: &[u8]) -> bool {
     first.is_some_and(|word| FIRST.iter().any(|known| word.starts_with(known)))
 }
 
-/// Mesh and remarks of bulk data with all includes in their places; `ignored` are names of cards that are passed over although they change the model.
+/// Mesh and remarks from bulk data with all includes inserted; `ignored` are names of cards that are passed over although they change the
+/// model.
 pub(super) fn parse(source: FileBytes, ignored: &[String]) -> Result<MeshFile, MeshError> {
     let bytes = include::without_tabs(source.bytes);
     let source = FileBytes { bytes: &bytes, ..source };

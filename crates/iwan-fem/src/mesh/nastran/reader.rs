@@ -1,4 +1,4 @@
-//! All cards that matter, by what they are.
+//! All cards that matter, sorted by kind.
 
 use std::collections::BTreeMap;
 
@@ -7,12 +7,12 @@ use super::super::file::FileBytes;
 use super::card::Card;
 use super::known;
 
-/// Cards until all are read.
+/// The cards, collected until all are read.
 #[derive(Default)]
 pub(super) struct Reader<'a> {
     pub(super) systems: BTreeMap<i64, Card<'a>>,
     pub(super) grids: Vec<Card<'a>>,
-    /// Defaults of GRID.
+    /// Defaults of GRID (card GRDSET).
     pub(super) defaults: Option<Card<'a>>,
     pub(super) elements: Vec<Card<'a>>,
     pub(super) properties: BTreeMap<u64, Card<'a>>,
@@ -20,13 +20,13 @@ pub(super) struct Reader<'a> {
     pub(super) connections: Vec<Card<'a>>,
     /// Factor of PARAM, WTMASS.
     pub(super) mass_factor: Option<f64>,
-    /// Line of the first, and how many.
+    /// For each name the line of its first card, and the number of cards.
     pub(super) passed_over: BTreeMap<String, (usize, usize)>,
     pub(super) ignored: BTreeMap<String, (usize, usize)>,
 }
 
 impl<'a> Reader<'a> {
-    /// Puts a card where it belongs.
+    /// Adds a card to the list of its kind; refuses a card that may change the model and is not known.
     pub(super) fn card(
         &mut self,
         source: FileBytes,

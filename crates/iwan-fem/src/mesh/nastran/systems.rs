@@ -1,4 +1,4 @@
-//! `CORD2R`, `CORD2C` and `CORD2S`: coordinate systems, each in another one.
+//! `CORD2R`, `CORD2C` and `CORD2S`: coordinate systems, each defined in another one.
 
 use std::collections::BTreeMap;
 
@@ -7,14 +7,14 @@ use super::super::error::MeshError;
 use super::super::file::FileBytes;
 use super::card::Card;
 
-/// A system in global axes.
+/// A coordinate system in global axes.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct System {
     pub(super) axes: Axes,
     pub(super) kind: Coordinates,
 }
 
-/// Systems by their numbers; 0 is the global one.
+/// Systems by number; 0 is the global system.
 pub(super) type Systems = BTreeMap<i64, System>;
 
 impl System {
@@ -22,14 +22,15 @@ impl System {
         self.axes.global(self.kind.rectangular(local))
     }
 
-    /// Directions of its components at a point: along the radius, around and along the axis for round ones.
+    /// Directions of the system's components at a point: for cylindrical and spherical systems along the radius and along the angles or the
+    /// axis.
     pub(super) fn directions(&self, at: [f64; 3]) -> [[f64; 3]; 3] {
         let [x, y, z] = self.axes.directions;
         let arm: [f64; 3] = std::array::from_fn(|i| at[i] - self.axes.origin[i]);
         let along = |d: [f64; 3]| arm.iter().zip(d).map(|(a, b)| a * b).sum::<f64>();
         let (p, q, r) = (along(x), along(y), along(z));
         let flat = p.hypot(q);
-        // On the axis the radius has no direction: Nastran takes that of angle zero.
+        // On the axis the radius has no direction; Nastran uses the direction of angle zero.
         let (cos, sin) = if flat > 0.0 { (p / flat, q / flat) } else { (1.0, 0.0) };
         let mix = |a: f64, b: f64, c: f64| std::array::from_fn(|i| a * x[i] + b * y[i] + c * z[i]);
         match self.kind {
@@ -44,11 +45,11 @@ impl System {
     }
 }
 
-/// All systems in global axes.
+/// All systems, transformed to global axes.
 pub(super) fn resolve(source: FileBytes, cards: &BTreeMap<i64, Card>) -> Result<Systems, MeshError> {
     let mut systems = Systems::new();
     systems.insert(0, System { axes: Axes::default(), kind: Coordinates::Rectangular });
-    // Each round resolves those whose own system is known.
+    // Each round resolves the systems whose reference system is known.
     let mut open: Vec<(&i64, &Card)> = cards.iter().collect();
     while !open.is_empty() {
         let before = open.len();
@@ -71,7 +72,7 @@ pub(super) fn resolve(source: FileBytes, cards: &BTreeMap<i64, Card>) -> Result<
     Ok(systems)
 }
 
-/// Origin A, z-axis towards B, xz-plane through C.
+/// Reads a system by its origin A, a point B on the z-axis and a point C in the xz-plane.
 fn read(source: FileBytes, card: &Card, base: System) -> Result<System, MeshError> {
     let kind = match card.name.as_str() {
         "CORD2R" => Coordinates::Rectangular,
@@ -87,7 +88,7 @@ fn read(source: FileBytes, card: &Card, base: System) -> Result<System, MeshErro
     }
     let [a, b, c] = points;
     let minus = |p: [f64; 3]| -> [f64; 3] { std::array::from_fn(|i| p[i] - a[i]) };
-    // Spanned with z first gives (z, x, z × x = y): turned round to x, y, z.
+    // Spanning with z first gives the directions (z, x, z × x = y); they are reordered to x, y, z.
     let spanned = Axes::spanned(a, minus(b), minus(c));
     let Some(Axes { origin, directions: [z, x, y] }) = spanned else {
         return Err(card.malformed(

@@ -1,4 +1,4 @@
-//! Ties and joints that cannot work.
+//! Checks of ties and joints.
 
 use std::collections::BTreeMap;
 
@@ -8,21 +8,22 @@ use super::link::Link;
 use super::nodes::{COINCIDENT, distance};
 use crate::mesh::Mesh;
 
-/// Nodes are on a line when none is farther from it than this share of its length: far above the rounding of a file with six digits,
-/// far below the width of a patch that is meant. Beyond it the rotation about the line follows from the patch, however badly.
+/// Nodes count as lying on a line when none is farther from it than this share of its length. The limit is far above the rounding of a file
+/// with six digits and far below the intended width of a patch. Beyond it the patch determines the rotation about the line, even if
+/// inaccurately.
 const ON_A_LINE: f64 = 1e-3;
-/// A gap between the two sides larger than this share of the smaller side is worth a remark, as the joint then bridges it rigidly; one
-/// larger than the side itself is a defect. Faces that touch have none.
+/// Gap between the two sides of a joint, as a share of the smaller side, above which a remark is made, because the joint then bridges the
+/// gap rigidly. A gap larger than the smaller side is a defect. Faces that touch have no gap.
 const GAP: f64 = 0.1;
 
-/// A link under examination.
+/// A link (tie or joint) under examination.
 struct Case<'a> {
     mesh: &'a Mesh,
     link: &'a Link<'a>,
     findings: &'a mut Findings,
 }
 
-/// Checks every link by itself, then all together.
+/// Checks each link by itself, then all together.
 pub(super) fn check(mesh: &Mesh, sizes: &[f64], links: &[Link], findings: &mut Findings) {
     for link in links {
         let mut case = Case { mesh, link, findings };
@@ -51,7 +52,7 @@ impl Case<'_> {
         list(nodes, |node| self.mesh.node_labels[*node].to_string())
     }
 
-    /// Whether both sides have nodes (sets without are reported elsewhere), and none in common.
+    /// Whether both sides have nodes and no node in common. Empty sets are reported elsewhere.
     fn sides_are_apart(&mut self) -> bool {
         let (face, patch) = (self.link.face, self.link.patch);
         let mut sorted = patch.to_vec();
@@ -113,7 +114,7 @@ impl Case<'_> {
     }
 }
 
-/// A node can follow one link only.
+/// Reports nodes that follow more than one link; a node can follow only one.
 fn followers(mesh: &Mesh, links: &[Link], findings: &mut Findings) {
     let mut leaders: BTreeMap<usize, &str> = BTreeMap::new();
     for link in links {
@@ -130,7 +131,7 @@ fn followers(mesh: &Mesh, links: &[Link], findings: &mut Findings) {
     }
 }
 
-/// Whether all nodes are on one line, or at one point.
+/// Whether all nodes lie on one line or at one point.
 fn on_a_line(mesh: &Mesh, nodes: &[usize]) -> bool {
     let at = |node: &usize| mesh.positions[*node];
     let first = at(&nodes[0]);
@@ -160,7 +161,7 @@ fn extent(mesh: &Mesh, nodes: &[usize]) -> f64 {
     distance(low, high)
 }
 
-/// The smallest distance between the two sides, and where it is.
+/// The smallest distance between the two sides, and the two nodes between which it lies.
 fn nearest(mesh: &Mesh, face: &[usize], patch: &[usize]) -> (f64, usize, usize) {
     let pairs = face.iter().flat_map(|a| patch.iter().map(move |b| (*a, *b)));
     pairs.fold((f64::INFINITY, face[0], patch[0]), |best, (a, b)| {

@@ -1,12 +1,12 @@
-//! What can be wrong with a mesh, and how it is said.
+//! Defects and remarks that a check of a mesh can find, with their texts.
 
 use std::fmt;
 
-/// Something that makes a computation impossible or wrong. Numbers are those of the mesh file.
+/// A defect: it makes a computation impossible or wrong. Numbers of elements and nodes are those of the mesh file.
 #[derive(Debug, Clone, PartialEq)]
 #[non_exhaustive]
 pub enum Defect {
-    /// Elements whose nodes run the wrong way round.
+    /// Elements whose nodes are listed in the wrong orientation.
     Inverted {
         /// Elements.
         elements: Vec<u64>,
@@ -16,7 +16,7 @@ pub enum Defect {
         /// Element and the node at its worst corner.
         corners: Vec<(u64, u64)>,
     },
-    /// Elements with a determinant that is not positive inside, or an edge of no length.
+    /// Elements whose Jacobian determinant is not positive inside, or that have an edge without length.
     Collapsed {
         /// Elements.
         elements: Vec<u64>,
@@ -41,13 +41,13 @@ pub enum Defect {
         /// Pairs of nodes.
         pairs: Vec<(u64, u64)>,
     },
-    /// A part that neither elements nor ties or joints connect with the rest.
+    /// A part that neither elements nor ties or joints connect with the rest of the structure.
     Unconnected {
-        /// Number of its elements.
+        /// Number of elements of the part.
         elements: usize,
-        /// One of them.
+        /// Number of one of its elements.
         element: u64,
-        /// A node of it and a node of another part at the same place, if there are.
+        /// A node of the part and a node of another part at the same place, if there are any.
         touching: Option<(u64, u64)>,
     },
     /// A tie or joint that cannot work.
@@ -61,31 +61,31 @@ pub enum Defect {
     },
     /// A set that does not exist.
     MissingSet {
-        /// Who refers to it.
+        /// The item that refers to the set.
         user: String,
         /// `node` or `element`.
         kind: &'static str,
-        /// Its name.
+        /// Name of the set.
         name: String,
-        /// The sets there are.
+        /// Names of the sets that exist.
         known: Vec<String>,
     },
     /// A set without members.
     EmptySet {
-        /// Who refers to it.
+        /// The item that refers to the set.
         user: String,
         /// `node` or `element`.
         kind: &'static str,
-        /// Its name.
+        /// Name of the set.
         name: String,
     },
     /// No elements at all.
     Empty,
-    /// Given matrices that no structure has.
+    /// A given matrix that cannot belong to a structure.
     Matrix {
         /// `stiffness` or `mass`.
         matrix: &'static str,
-        /// Row, with its node and component, both from the file.
+        /// The row, with its node and component, in the numbering of the file.
         row: String,
         /// What is wrong, with values.
         reason: String,
@@ -94,20 +94,20 @@ pub enum Defect {
     },
 }
 
-/// Something that is allowed, but seldom meant.
+/// A remark: something that is allowed, but seldom intended.
 #[derive(Debug, Clone, PartialEq)]
 #[non_exhaustive]
 pub enum Remark {
-    /// Elements far from a brick.
+    /// Elements whose shape is far from a brick.
     Distorted {
         /// Element and its least scaled Jacobian determinant (1 for a brick).
         elements: Vec<(u64, f64)>,
     },
     /// Four-node tetrahedra.
     Stiff {
-        /// How many there are.
+        /// Number of such elements.
         count: usize,
-        /// The first of them.
+        /// Number of the first of them.
         element: u64,
     },
     /// Nodes of two parts at the same place which no tie or joint connects.
@@ -115,11 +115,11 @@ pub enum Remark {
         /// Pairs of nodes.
         pairs: Vec<(u64, u64)>,
     },
-    /// A tie or joint that works otherwise than one might think.
+    /// A tie or joint that may work differently from what the user expects.
     Link {
         /// Name of the tie or joint.
         name: String,
-        /// What is odd.
+        /// What is unusual.
         reason: String,
     },
 }
@@ -127,9 +127,9 @@ pub enum Remark {
 /// What a check found.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Findings {
-    /// What makes a computation impossible or wrong.
+    /// Findings that make a computation impossible or wrong.
     pub defects: Vec<Defect>,
-    /// What is allowed, but seldom meant.
+    /// Findings that are allowed, but seldom intended.
     pub remarks: Vec<Remark>,
 }
 
@@ -142,9 +142,9 @@ impl Findings {
     }
 }
 
-/// The first ten and how many more there are.
+/// The first ten items, and the number of further ones.
 pub(super) fn list<T>(items: &[T], show: impl Fn(&T) -> String) -> String {
-    // So many fit a line or two of a terminal.
+    // Ten items fit into a line or two of a terminal.
     const SHOWN: usize = 10;
     let mut text = items.iter().take(SHOWN).map(show).collect::<Vec<_>>().join(", ");
     if items.len() > SHOWN {

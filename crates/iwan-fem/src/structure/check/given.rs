@@ -1,4 +1,4 @@
-//! Given matrices: whether they can be a stiffness and a mass, and whether the joints fit them.
+//! Checks of given matrices: whether they can be a stiffness and a mass, and whether the joints fit them.
 
 use super::super::description::Structure;
 use super::super::given::{Given, RelativeSlip, Row};
@@ -9,11 +9,11 @@ use super::link::{Link, links};
 use crate::algebra::Symmetric;
 use crate::mesh::Mesh;
 
-/// An entry may be larger than the geometric mean of its two diagonal entries by this part of it: in a semi-definite matrix it is never
-/// larger, and files round. A single-precision file leaves 1e-7.
+/// Part by which an entry may exceed the geometric mean of its two diagonal entries. In a semi-definite matrix it never exceeds that mean,
+/// but files contain rounded numbers; a single-precision file leaves 1e-7.
 const ROUNDED: f64 = 1e-6;
 
-/// Everything that is checked before anything is computed.
+/// Checks everything that can be checked before the first computation.
 pub(super) fn check(structure: &Structure, findings: &mut Findings) {
     let Some(given) = &structure.given else { return };
     let mesh = &structure.mesh;
@@ -45,11 +45,12 @@ pub(super) fn check(structure: &Structure, findings: &mut Findings) {
     }
 }
 
-/// What a relative displacement may see of a motion of the whole structure along an axis, beside the sum of its coefficients: files of six digits
-/// leave 1e-6 for each of some hundred entries.
+/// Largest sum of a relative displacement's coefficients along an axis, relative to the sum of their absolute values, that counts as zero.
+/// Files with six digits leave 1e-6 for each of some hundred entries.
 const UNMOVED: f64 = 1e-4;
 
-/// A relative displacement does not see the structure move as a whole, unless it is one to the ground: otherwise a sign is turned, or a side is missing.
+/// Reports a relative displacement that is not zero when the whole structure moves along an axis, unless it is one to the ground: a sign is
+/// wrong, or a side is missing.
 fn relative(given: &Given, slip: &RelativeSlip, findings: &mut Findings) {
     if slip.to_ground {
         return;
@@ -71,7 +72,7 @@ fn relative(given: &Given, slip: &RelativeSlip, findings: &mut Findings) {
     }
 }
 
-/// A row in the words of the file.
+/// A row, described in the numbering of the file.
 fn describe(mesh: &Mesh, given: &Given, row: usize) -> String {
     const AXES: [&str; 3] = ["x", "y", "z"];
     match given.rows[row] {
@@ -85,8 +86,8 @@ fn describe(mesh: &Mesh, given: &Given, row: usize) -> String {
     }
 }
 
-/// Necessary conditions of a semi-definite matrix that can be seen in its entries: the first row that breaks one is named. Whether all
-/// of it is semi-definite the factorisation tells.
+/// Checks conditions that every entry of a semi-definite matrix must meet; the first row that violates one is reported. Whether the whole
+/// matrix is semi-definite is found by the factorisation.
 fn definite(mesh: &Mesh, given: &Given, name: &'static str, matrix: &Symmetric, findings: &mut Findings) {
     let mut add = |row: usize, reason: String, remedy| {
         findings.defects.push(Defect::Matrix {
@@ -118,10 +119,10 @@ fn definite(mesh: &Mesh, given: &Given, name: &'static str, matrix: &Symmetric, 
     }
 }
 
-/// Part of each node: nodes that the stiffness connects, by the smallest of them.
+/// Part to which each node belongs, by the smallest index in it; a part is a set of nodes that the stiffness connects.
 fn parts(mesh: &Mesh, given: &Given) -> Vec<usize> {
     let nodes = mesh.positions.len();
-    // Behind the nodes one place for each row that is none.
+    // After the nodes there is one place for each row that belongs to no node.
     let mut parent: Vec<usize> = (0..nodes + given.rows.len()).collect();
     let place = |row: usize| match given.rows[row] {
         Row::Displacement { node, .. } | Row::Rotation { node, .. } => node,
@@ -143,7 +144,7 @@ fn parts(mesh: &Mesh, given: &Given) -> Vec<usize> {
     (0..nodes).map(|node| root(&mut parent, node)).collect()
 }
 
-/// Both sides of a joint: whether they belong to one part, and whether positions are known where they are needed.
+/// Checks both sides of a joint: whether they belong to one part, and whether positions are known where they are needed.
 fn sides(mesh: &Mesh, given: &Given, parts: &[usize], link: &Link, findings: &mut Findings) {
     let (Some(&a), Some(&b)) = (link.face.first(), link.patch.first()) else { return };
     let name = link.name.clone();

@@ -1,4 +1,4 @@
-//! Whether a mesh can be computed with: every defect is named with the numbers of its elements and nodes, and a remedy.
+//! The check whether a mesh can be computed. Each defect is reported with the numbers of its elements and nodes and with a remedy.
 
 mod finding;
 mod link;
@@ -17,17 +17,16 @@ use link::{links, name};
 pub use nodes::COINCIDENT;
 
 impl Structure {
-    /// Checks the mesh and everything that refers to it.
+    /// Checks the mesh and all items that refer to it.
     ///
-    /// Defects: elements that are inverted, collapsed or use a node twice (the Jacobian determinant at the integration
-    /// points and at the corners must be positive), elements with the same nodes, nodes without an element, nodes at
-    /// the same place within one part, parts that nothing connects with the rest, sets that are missing or empty, and
-    /// ties and joints that cannot work. Two nodes are at the same place when they are closer than [`COINCIDENT`] of
-    /// the shortest edge at either. Nodes of two *different* parts at the same place are a remark unless a tie or joint
-    /// connects them: contact faces are meant to be so.
+    /// Defects are: elements that are inverted, collapsed or use a node twice (the Jacobian determinant at the integration points and at
+    /// the corners must be positive); elements with the same nodes; nodes without an element; nodes at the same place within one part;
+    /// parts that nothing connects with the rest; sets that are missing or empty; and ties and joints that cannot work. Two nodes count as
+    /// at the same place when they are closer than [`COINCIDENT`] of the shortest edge at either. Nodes of two *different* parts at the
+    /// same place are only a remark, and none if a tie or joint connects them: contact faces are meshed so on purpose.
     ///
-    /// Time grows with the size of the mesh, but for the nearest pair between the two sides of a joint, which takes the
-    /// product of their sizes.
+    /// The time grows with the size of the mesh; the search for the nearest pair of nodes between the two sides of a joint takes time
+    /// proportional to the product of their sizes.
     #[must_use]
     pub fn check(&self) -> Findings {
         let (mesh, mut findings) = (&self.mesh, Findings::default());
@@ -50,7 +49,7 @@ impl Structure {
     }
 }
 
-/// Sets that are referred to must exist and have members.
+/// Reports sets that are referred to but do not exist or are empty.
 fn sets(structure: &Structure, findings: &mut Findings) {
     let Mesh { node_sets, element_sets, .. } = &structure.mesh;
     let mut look_up = |user: String, kind, name: &str, sets: &BTreeMap<String, Vec<usize>>| {

@@ -1,4 +1,4 @@
-//! Nodes without elements, and nodes at the same place.
+//! Checks of nodes: nodes without elements, and nodes at the same place.
 
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -8,11 +8,11 @@ use super::link::Link;
 use super::parts::Parts;
 use crate::mesh::{Constraint, Element, Mesh};
 
-/// Two nodes closer than this share of the shortest edge at either are at the same place: files with six digits
-/// round much less, and no sound element is so thin.
+/// Two nodes closer than this share of the shortest edge at either count as at the same place. Files with six digits round much less, and
+/// no sound element is so thin.
 pub const COINCIDENT: f64 = 1e-3;
 
-/// Nodes that belong to no element and to no constraint.
+/// Reports nodes that belong to no element and to no constraint.
 pub(super) fn orphans(structure: &Structure, parts: &Parts, findings: &mut Findings) {
     let mesh = &structure.mesh;
     let mentioned: BTreeSet<usize> = structure.constraints.iter().flat_map(Constraint::nodes).collect();
@@ -30,7 +30,7 @@ pub(super) fn edges(mesh: &Mesh, element: &Element) -> impl Iterator<Item = f64>
     element.shape.edges().iter().map(move |&(a, b)| distance(at(a), at(b)))
 }
 
-/// For each node the shortest distance to a neighbour along an edge; infinite for nodes without an element.
+/// For each node the shortest edge length (or half of it, with middle nodes) of its elements; infinite for nodes without an element.
 pub(super) fn sizes(mesh: &Mesh) -> Vec<f64> {
     let mut sizes = vec![f64::INFINITY; mesh.positions.len()];
     for element in &mesh.elements {
@@ -55,7 +55,7 @@ pub(super) fn coincident(mesh: &Mesh, sizes: &[f64]) -> Vec<(usize, usize)> {
     if width <= 0.0 {
         return Vec::new();
     }
-    // Nodes sorted by cells of the largest tolerance: partners are in the same cell or a neighbour of it.
+    // Nodes are sorted by cells as wide as the largest tolerance; a node's partners are in its own cell or in a neighbouring one.
     let cell = |position: [f64; 3]| position.map(|x| (x / width).floor() as i64);
     let mut cells: Vec<([i64; 3], usize)> =
         (0..mesh.positions.len()).map(|node| (cell(mesh.positions[node]), node)).collect();
@@ -81,7 +81,7 @@ pub(super) fn coincident(mesh: &Mesh, sizes: &[f64]) -> Vec<(usize, usize)> {
     pairs
 }
 
-/// Tells of pairs that no link explains: within a part they are a defect, between parts a remark.
+/// Reports pairs that no link or constraint explains: a defect within a part, a remark between two parts.
 pub(super) fn report(
     mesh: &Mesh,
     parts: &Parts,
@@ -103,7 +103,7 @@ pub(super) fn report(
     }
 }
 
-/// The pairs whose nodes are on the two sides of a link.
+/// The pairs whose two nodes lie on the two sides of a link.
 fn linked<'a>(pairs: &'a [(usize, usize)], links: &[Link]) -> BTreeSet<&'a (usize, usize)> {
     let sides: Vec<(BTreeSet<usize>, BTreeSet<usize>)> = links
         .iter()
@@ -120,7 +120,7 @@ fn linked<'a>(pairs: &'a [(usize, usize)], links: &[Link]) -> BTreeSet<&'a (usiz
 
 /// The pairs whose nodes both belong to one constraint.
 fn constrained<'a>(pairs: &'a [(usize, usize)], constraints: &[Constraint]) -> Vec<&'a (usize, usize)> {
-    // Constraints of each node that is in a pair; few are.
+    // The constraints of each node that occurs in a pair; few nodes do.
     let mut of: BTreeMap<usize, BTreeSet<usize>> =
         pairs.iter().flat_map(|(a, b)| [(*a, BTreeSet::new()), (*b, BTreeSet::new())]).collect();
     for (index, constraint) in constraints.iter().enumerate() {

@@ -1,16 +1,16 @@
-//! Parts: what elements connect, and what ties and joints connect.
+//! Parts of a mesh: the sets of nodes that elements connect, and that ties and joints connect further.
 
 use super::finding::{Defect, Findings};
 use super::link::Link;
 use crate::mesh::{Constraint, Mesh, Rule};
 
-/// Parts of a mesh: sets of nodes that elements connect.
+/// The parts of a mesh, by elements alone: sets of nodes that elements connect.
 pub(super) struct Parts {
-    /// Part of each node, as the index of one node of it; none for nodes without an element.
+    /// Part of each node, named by the index of one of the part's nodes; none for nodes without an element.
     of_node: Vec<Option<usize>>,
 }
 
-/// Disjoint sets with path halving.
+/// Disjoint sets with path halving (union-find).
 struct Forest {
     parent: Vec<usize>,
 }
@@ -36,7 +36,7 @@ impl Forest {
 }
 
 impl Parts {
-    /// Parts by elements alone.
+    /// The parts that elements alone connect.
     pub(super) fn new(mesh: &Mesh) -> Self {
         let mut forest = Forest::new(mesh.positions.len());
         let mut used = vec![false; mesh.positions.len()];
@@ -56,7 +56,7 @@ impl Parts {
     }
 }
 
-/// Parts that ties and joints leave alone; the one with most elements is not reported.
+/// Reports the parts that no tie or joint connects with the rest; the part with most elements counts as the rest.
 pub(super) fn unconnected(
     mesh: &Mesh,
     parts: &Parts,

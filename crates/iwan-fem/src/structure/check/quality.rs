@@ -1,14 +1,15 @@
-//! Elements one by one: shape and nodes.
+//! Checks of single elements: shape and nodes.
 
 use super::finding::{Defect, Findings, Remark};
 use super::nodes::edges;
 use crate::element::{corner_quality, least_quality_inside};
 use crate::mesh::{Element, Mesh, Shape};
 
-/// A scaled determinant below this is none, as is a ratio of edges: of two edges at an angle of 0.06 thousandths of a degree the scaled
-/// determinant is 1e-6, which no mesher means. Files with seven digits round to 1e-7 of the coordinates.
+/// Limit below which a scaled determinant, or a ratio of edge lengths, counts as zero. Two edges at an angle of 0.06 thousandths of a
+/// degree have a scaled determinant of 1e-6, which no mesh generator intends. Files with seven digits round to 1e-7 of the coordinates.
 const NONE: f64 = 1e-6;
-/// Below this an element is called badly distorted, which is a remark and refuses nothing. 0.1 is an angle of six degrees between edges.
+/// Scaled determinant below which an element is reported as badly distorted, in a remark that refuses nothing. 0.1 is an angle of six
+/// degrees between edges.
 const POOR: f64 = 0.1;
 
 #[derive(Default)]
@@ -20,7 +21,7 @@ struct Lists {
     distorted: Vec<(u64, f64)>,
 }
 
-/// Shape of every element, and elements with the same nodes.
+/// Checks the shape of every element, and finds elements with the same nodes.
 pub(super) fn check(mesh: &Mesh, findings: &mut Findings) {
     if mesh.elements.is_empty() {
         findings.defects.push(Defect::Empty);
@@ -75,14 +76,14 @@ impl Lists {
     }
 }
 
-/// Whether an edge is next to nothing beside the longest.
+/// Whether an edge has practically no length compared with the longest.
 fn is_flat(mesh: &Mesh, element: &Element) -> bool {
     let lengths = edges(mesh, element);
     let longest = lengths.clone().fold(0.0, f64::max);
     lengths.into_iter().any(|length| length <= NONE * longest)
 }
 
-/// A node that occurs twice.
+/// A node that occurs twice in an element, if there is one.
 fn repeated(nodes: &[usize]) -> Option<usize> {
     nodes.iter().enumerate().find(|(at, node)| nodes[..*at].contains(node)).map(|(_, node)| *node)
 }

@@ -1,4 +1,4 @@
-//! `*COUPLING`, `*RIGID BODY` and `*MASS`: groups of nodes and their reference.
+//! Readers of `*COUPLING`, `*RIGID BODY` and `*MASS`.
 
 use std::collections::BTreeMap;
 
@@ -10,7 +10,7 @@ use super::super::surfaces::Surface;
 use super::lookup::Lookup;
 use super::outcome::Outcome;
 
-/// Reads `*COUPLING` with `*KINEMATIC` or `*DISTRIBUTING` under it.
+/// Reads `*COUPLING` with the `*KINEMATIC` or `*DISTRIBUTING` that follows.
 pub(super) fn coupling(
     lookup: &Lookup,
     mesh: &Mesh,
@@ -51,7 +51,7 @@ pub(super) fn coupling(
             let found = format!("WEIGHTING METHOD={method}");
             return Err(kind.keyword.refused(source, &found, "give UNIFORM"));
         }
-        // "Only rotational degrees of freedom can be released" (Abaqus Keywords Guide, *DISTRIBUTING).
+        // Translations always stay coupled: "Only rotational degrees of freedom can be released" (Abaqus Keywords Guide, *DISTRIBUTING).
         components[..3].fill(true);
         let nodes = weighted(mesh, &surface, reference);
         Rule::Mean { reference, components, nodes, directions: GLOBAL }
@@ -59,8 +59,8 @@ pub(super) fn coupling(
     out.push(lookup, text, Constraint { name, rule })
 }
 
-/// Weights of a surface of elements are the areas that belong to its nodes, those of nodes are equal (Abaqus Analysis Guide, "Coupling
-/// constraints").
+/// Weights of the nodes of a surface: the tributary area of each node if the surface consists of element faces, otherwise 1 (Abaqus
+/// Analysis Guide, "Coupling constraints").
 fn weighted(mesh: &Mesh, surface: &Surface, reference: usize) -> Vec<Weighted> {
     let mut weights: BTreeMap<usize, f64> = BTreeMap::new();
     if surface.faces.is_empty() {
@@ -71,12 +71,12 @@ fn weighted(mesh: &Mesh, surface: &Surface, reference: usize) -> Vec<Weighted> {
             *weights.entry(node).or_insert(0.0) += area;
         }
     }
-    // Corners of faces with eight nodes have a negative area: they take no part then.
+    // Corners of faces with eight nodes have a negative area: such nodes take no part.
     let sound = weights.into_iter().filter(|(node, weight)| *node != reference && *weight > 0.0);
     sound.map(|(node, weight)| Weighted { node, weight, components: [true; 3] }).collect()
 }
 
-/// Reads a rigid body: the nodes of elements, and sets of nodes, that follow its reference node.
+/// Reads a rigid body: the nodes of element sets, and node sets, that follow the reference node.
 pub(super) fn rigid_body(
     lookup: &Lookup,
     mesh: &Mesh,
@@ -113,7 +113,7 @@ pub(super) fn rigid_body(
     out.push(lookup, text, Constraint { name: lookup.title(text, "REF NODE"), rule })
 }
 
-/// Reads the mass of the elements of one node that a set holds: each of them has it.
+/// Reads the mass of the mass elements in a set; every element of the set has this mass.
 pub(super) fn mass(lookup: &Lookup, text: &Pending, out: &mut Outcome) -> Result<(), MeshError> {
     let source = lookup.source;
     text.keyword.only(source, &["ELSET"])?;

@@ -1,4 +1,4 @@
-//! `*EQUATION`, `*MPC` and `*BOUNDARY`.
+//! Readers of `*EQUATION`, `*MPC` and `*BOUNDARY`.
 
 use super::super::super::constraint::{Constraint, Freedom, GLOBAL, Rule};
 use super::super::super::error::MeshError;
@@ -7,8 +7,8 @@ use super::super::definition::{Pending, Row};
 use super::lookup::Lookup;
 use super::outcome::Outcome;
 
-/// Reads equations: the number of terms, then node or set, degree of freedom and coefficient of each. A set stands for one equation each of its nodes,
-/// in the order of their numbers.
+/// Reads equations: first the number of terms, then the node or set, the degree of freedom and the coefficient of each term. Sets of n
+/// nodes give n equations, one for each node, in the order of the nodes in the mesh.
 pub(super) fn equation(lookup: &Lookup, text: &Pending, out: &mut Outcome) -> Result<(), MeshError> {
     text.keyword.only(lookup.source, &[])?;
     let name = lookup.title(text, "NAME");
@@ -60,7 +60,8 @@ pub(super) fn equation(lookup: &Lookup, text: &Pending, out: &mut Outcome) -> Re
     Ok(())
 }
 
-/// Reads `TYPE, a, b`: BEAM (a follows b rigidly, turning with it), TIE and PIN (equal displacements), LINK (equal distance).
+/// Reads `TYPE, a, b`: BEAM (a follows b as on a rigid arm, including rotation), TIE and PIN (equal displacements), LINK (constant
+/// distance, linearised).
 pub(super) fn multi_point(
     lookup: &Lookup,
     mesh: &Mesh,
@@ -95,7 +96,7 @@ pub(super) fn multi_point(
     Ok(())
 }
 
-/// Rules of one pair of nodes.
+/// Constraints between two nodes.
 fn pair(
     lookup: &Lookup,
     mesh: &Mesh,
@@ -134,7 +135,7 @@ fn pair(
     }
 }
 
-/// Components that are held by a word (Abaqus Keywords Guide, *BOUNDARY).
+/// Components that a word of `*BOUNDARY` holds at zero (Abaqus Keywords Guide, *BOUNDARY).
 fn by_word(word: &str) -> Option<&'static [usize]> {
     Some(match word {
         "ENCASTRE" => &[0, 1, 2, 3, 4, 5],
@@ -149,7 +150,7 @@ fn by_word(word: &str) -> Option<&'static [usize]> {
     })
 }
 
-/// Components that are held by the first and the last of them.
+/// Components that a row of `*BOUNDARY` holds at zero, from the first to the last one given.
 fn by_number(lookup: &Lookup, row: &Row) -> Result<Vec<usize>, MeshError> {
     let first = lookup.component(row, 1)?;
     let given = |at: usize| row.fields.get(at).is_some_and(|field| !field.is_empty());
@@ -162,7 +163,7 @@ fn by_number(lookup: &Lookup, row: &Row) -> Result<Vec<usize>, MeshError> {
     Ok((first..=last).collect())
 }
 
-/// Reads nodes that are held: `node or set, first, last` or a word such as ENCASTRE.
+/// Reads the nodes held at zero: `node or set, first, last`, or a word such as ENCASTRE in place of the two numbers.
 pub(super) fn boundary(lookup: &Lookup, text: &Pending, out: &mut Outcome) -> Result<(), MeshError> {
     text.keyword.only(lookup.source, &[])?;
     let mut held = Vec::new();

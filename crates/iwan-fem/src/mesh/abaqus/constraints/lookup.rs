@@ -1,4 +1,4 @@
-//! Names and numbers of a constraint to nodes.
+//! Converts the names and numbers in the text of a constraint to nodes.
 
 use std::collections::BTreeMap;
 
@@ -9,14 +9,14 @@ use super::super::definition::{Pending, Row};
 use super::super::sets::Named;
 use super::super::surfaces::{Surface, Surfaces, nodes};
 
-/// Everything that has a name.
+/// All named items of the file.
 pub(in super::super) struct Lookup<'a> {
     pub(in super::super) source: FileBytes<'a>,
     pub(in super::super) named: &'a Named<'a>,
     pub(in super::super) surfaces: &'a Surfaces<'a>,
-    /// Nodes of mass elements by the name of their set in capitals, with the instance in front.
+    /// Nodes of the mass elements, by the name of their element set in capitals, preceded by that of the instance.
     pub(in super::super) mass_elements: &'a BTreeMap<String, Vec<u64>>,
-    /// Index of a node by its number and instance.
+    /// Returns the index of a node from its label (number and instance).
     pub(in super::super) index: &'a dyn Fn(u64) -> Option<usize>,
     pub(in super::super) instances: &'a [String],
 }
@@ -26,7 +26,7 @@ impl Lookup<'_> {
         self.source.at_line(row.line)
     }
 
-    /// Nodes of a set or one node by its number; ascending.
+    /// Nodes of a set, or the node with this number; ascending.
     pub(super) fn nodes(&self, text: &Pending, row: &Row, name: &str) -> Result<Vec<usize>, MeshError> {
         nodes(self.named, name, text.within).filter(|nodes| !nodes.is_empty()).ok_or_else(|| {
             let expected = "a node, or a node set with nodes, of this file";
@@ -34,7 +34,7 @@ impl Lookup<'_> {
         })
     }
 
-    /// The one node that a parameter names.
+    /// The single node that a parameter names.
     pub(super) fn reference(&self, text: &Pending, parameter: &str) -> Result<usize, MeshError> {
         let name = text.keyword.required(self.source, parameter)?;
         match nodes(self.named, name, text.within).as_deref() {
@@ -54,7 +54,7 @@ impl Lookup<'_> {
         }
     }
 
-    /// A surface by its name, or a node set as a surface of nodes.
+    /// Surface of this name, or a node set as a surface without faces.
     pub(super) fn surface(&self, mesh: &Mesh, text: &Pending, name: &str) -> Result<Surface, MeshError> {
         if let Some(surface) = self.surfaces.find(mesh, self.named, name, text.within)? {
             return Ok(surface);
@@ -66,7 +66,7 @@ impl Lookup<'_> {
         })
     }
 
-    /// A number of a row.
+    /// Number in field `at` of a row.
     pub(super) fn number(&self, row: &Row, at: usize, what: &str) -> Result<f64, MeshError> {
         let text = row.fields.get(at).map(String::as_str).unwrap_or_default();
         let value = text.parse().or_else(|_| text.to_ascii_lowercase().replacen('d', "e", 1).parse::<f64>());
@@ -75,7 +75,7 @@ impl Lookup<'_> {
         })
     }
 
-    /// A component, 0 to 5, written 1 to 6.
+    /// Component 0 to 5, which the file writes as 1 to 6.
     pub(super) fn component(&self, row: &Row, at: usize) -> Result<usize, MeshError> {
         let text = row.fields.get(at).map(String::as_str).unwrap_or_default();
         let value = text.parse::<usize>().ok().filter(|value| (1..=6).contains(value));
@@ -88,7 +88,7 @@ impl Lookup<'_> {
         })
     }
 
-    /// Keyword with its name for errors.
+    /// Name of the constraint for messages: keyword, own name and place.
     pub(super) fn title(&self, text: &Pending, parameter: &str) -> String {
         let keyword = &text.keyword;
         let own = keyword.value(parameter).map(|name| format!(" `{name}`")).unwrap_or_default();

@@ -1,4 +1,4 @@
-//! `*TIE`, `*EQUATION`, `*MPC`, `*COUPLING`, `*RIGID BODY`, `*BOUNDARY`, `*MASS`: obeyed, or refused by name.
+//! Applies `*TIE`, `*EQUATION`, `*MPC`, `*COUPLING`, `*RIGID BODY`, `*BOUNDARY` and `*MASS`; unsupported variants are refused by name.
 
 mod lookup;
 mod outcome;
@@ -13,7 +13,7 @@ use super::definition::Pending;
 pub(super) use lookup::Lookup;
 use outcome::Outcome;
 
-/// Keywords that are kept until all names are known.
+/// Keywords whose data are kept until all names are known.
 pub(super) const KEPT: &[&str] = &[
     "TIE",
     "EQUATION",
@@ -30,7 +30,7 @@ pub(super) const KEPT: &[&str] = &[
     "SOLID SECTION",
 ];
 
-/// Obeys all of them in the order of the file. Nodes that are tied are moved onto the faces below them.
+/// Applies the kept keywords in the order of the file. Tied nodes are moved onto the faces that they follow, unless ADJUST=NO.
 pub(super) fn resolve(lookup: &Lookup, mesh: &mut Mesh, pending: &[Pending]) -> Result<Outcome, MeshError> {
     let mut outcome = Outcome::new(lookup, mesh);
     let mut rest = pending.iter().peekable();

@@ -1,4 +1,4 @@
-//! What the constraints of a file come to.
+//! Constraints, masses and sections that result from the kept keywords.
 
 use super::super::super::constraint::{Constraint, PointMass, Rule, Section};
 use super::super::super::error::{MeshError, MeshWarning};
@@ -6,20 +6,21 @@ use super::super::super::topology::Mesh;
 use super::super::definition::Pending;
 use super::lookup::Lookup;
 
-/// Bytes of constraints that a byte of the file may ask for, and no fewer than eight times as many for each node, as instances have nodes that the
-/// file writes once. Holding all nodes takes three of them, tying all of them in all directions some twenty; a file that ties a set again
-/// and again would fill any memory. Any factor from twenty on does as well.
+/// Bytes of memory for constraints that each byte of the file allows; the limit is at least eight times as many bytes for each node, as
+/// instances repeat nodes that the file writes once. Holding all nodes takes three bytes per byte of the file, tying all nodes in all
+/// directions about twenty; a file that ties a set again and again would fill any memory. Beyond the limit the file is refused. Any factor
+/// from twenty on does as well.
 const PER_BYTE: usize = 40;
 const PER_NODE: usize = 8 * PER_BYTE;
 
-/// What the kept keywords say.
+/// Results of the kept keywords.
 #[derive(Debug)]
 pub(in super::super) struct Outcome {
     pub(in super::super) constraints: Vec<Constraint>,
     pub(in super::super) masses: Vec<PointMass>,
     pub(in super::super) sections: Vec<Section>,
     pub(in super::super) warnings: Vec<MeshWarning>,
-    /// Bytes that further constraints may take.
+    /// Bytes that further constraints may still take.
     left: usize,
 }
 
@@ -31,7 +32,7 @@ impl Outcome {
         Self { constraints, masses, sections: Vec::new(), warnings: Vec::new(), left }
     }
 
-    /// A further constraint.
+    /// Adds a constraint, if the limit of memory permits.
     pub(super) fn push(
         &mut self,
         lookup: &Lookup,
@@ -43,7 +44,7 @@ impl Outcome {
         Ok(())
     }
 
-    /// Takes bytes of those that are left.
+    /// Subtracts `bytes` from the remaining memory; an error if too little remains.
     pub(super) fn take(&mut self, lookup: &Lookup, text: &Pending, bytes: usize) -> Result<(), MeshError> {
         let Some(left) = self.left.checked_sub(bytes) else {
             let found = format!("*{}, with which sets are held or tied again and again,", text.keyword.name);
@@ -55,7 +56,7 @@ impl Outcome {
     }
 }
 
-/// Bytes of a constraint.
+/// Memory that a constraint takes, in bytes.
 fn size(constraint: &Constraint) -> usize {
     let listed = match &constraint.rule {
         Rule::Equation(terms) => size_of_val(&terms[..]),

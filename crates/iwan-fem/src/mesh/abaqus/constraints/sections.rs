@@ -1,4 +1,4 @@
-//! `*MATERIAL` with `*ELASTIC` and `*DENSITY`, and `*SOLID SECTION`: which elements have which material.
+//! Materials of element sets, from `*MATERIAL` with `*ELASTIC` and `*DENSITY`, and `*SOLID SECTION`.
 
 use std::collections::BTreeMap;
 
@@ -7,15 +7,15 @@ use super::super::super::error::MeshError;
 use super::super::definition::Pending;
 use super::lookup::Lookup;
 
-/// Young's modulus and Poisson's ratio, and density, as far as they are given.
+/// Young's modulus and Poisson's ratio, and the density, as far as the file gives them.
 #[derive(Debug, Clone, Copy, Default)]
 struct Constants {
     elastic: Option<[f64; 2]>,
     density: Option<f64>,
 }
 
-/// Materials of element sets. Sections whose material is not isotropic, changes with temperature, or has no density, are left to the structure
-/// file.
+/// Reads the materials of element sets. A section is left to the structure file if its material is not isotropic, depends on temperature,
+/// or has no density.
 pub(super) fn read(lookup: &Lookup, pending: &[Pending]) -> Result<Vec<Section>, MeshError> {
     let (mut materials, mut current): (BTreeMap<String, Constants>, _) = (BTreeMap::new(), None);
     for text in pending {

@@ -1,4 +1,4 @@
-//! `*TIE`.
+//! Reader of `*TIE`.
 
 use super::super::super::error::{MeshError, MeshWarning};
 use super::super::super::tie::Sides;
@@ -7,7 +7,8 @@ use super::super::definition::Pending;
 use super::lookup::Lookup;
 use super::outcome::Outcome;
 
-/// Reads `slave surface, master surface`; nodes of the first follow the faces of the second and, unless ADJUST=NO, are moved onto them first.
+/// Reads `slave surface, master surface`: nodes of the slave surface follow the faces of the master surface; unless ADJUST=NO, they are
+/// first moved onto these faces.
 pub(super) fn read(
     lookup: &Lookup,
     mesh: &mut Mesh,
