@@ -297,6 +297,7 @@ fn errors_of_abaqus_files_name_line_element_and_node() {
             "line 12: found the degree of freedom \"7\", expected a number from 1 to 6",
         ),
         ("*EQUATION\n3\n11, 1, 1., 12, 1, -1.\n", "line 11: found 2 terms of an equation, expected 3"),
+        ("*BOUNDARY\n11, 3, 1\n", "line 11: found degrees of freedom from 3 to 1, expected first <= last"),
         (
             "*BOUNDARY\n11, 1, 3, 0.1\n",
             "line 11: a displacement that is not zero cannot be read; hold the node at zero",

@@ -7,6 +7,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use iwan_core::{Backbone, Continuum, Hysteresis, Newmark, Reversal, Samples};
 use iwan_ident::curves::Quantity;
 use iwan_ident::identify::{Held, Identification, ModeRecord, Settings, identify, identify_until};
+use iwan_ident::refine::{RingDown, refine};
 use iwan_ident::{Error, Parameter, Parameters};
 
 use crate::law_records::in_noise::{MadeRecord, in_noise};
@@ -470,4 +471,14 @@ fn a_tone_that_hardly_falls_is_refused() {
         let refused = identify(&[record], &Settings::default()).unwrap_err().to_string();
         assert!(refused.contains("the amplitude changes by 0.") && refused.contains("driven"), "{refused}");
     }
+}
+
+/// A record of three cycles has no windows: beside a long one it made a panic.
+#[test]
+fn a_record_too_short_for_its_unknowns_is_refused_beside_a_long_one() {
+    let (dt, quantity) = (8e-4, Quantity::Acceleration);
+    let long = record(&MODE_1, 0.3, dt, 1200);
+    let ring_down = |samples| RingDown { samples, dt, quantity, band: None, beside: None };
+    let refused = refine(&[ring_down(&long), ring_down(&long[..33])], &MODE_1, &[]).unwrap_err().to_string();
+    assert!(refused.contains("independent amplitudes of a record: 0 found, at least 4 needed"), "{refused}");
 }

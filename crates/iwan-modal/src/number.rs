@@ -11,6 +11,14 @@ pub(crate) const fn complex(re: f64, im: f64) -> Complex {
 /// The imaginary unit.
 pub(crate) const I: Complex = complex(0.0, 1.0);
 
+/// Modal assurance criterion of two shapes of equal length: |a* b|² over their squared lengths; 0 for a shape without length.
+pub(crate) fn assurance(a: &[Complex], b: &[Complex]) -> f64 {
+    let product: Complex = a.iter().zip(b).map(|(a, b)| a.conj() * b).sum();
+    let power = |x: &[Complex]| x.iter().map(Complex::norm_sqr).sum::<f64>();
+    let whole = power(a) * power(b);
+    if whole > 0.0 { product.norm_sqr() / whole } else { 0.0 }
+}
+
 /// Median of finite values; 0 where there are none.
 pub(crate) fn median(values: &[f64]) -> f64 {
     let mut sorted = values.to_vec();

@@ -77,8 +77,9 @@ pub fn beam(configuration: Configuration, refinement: usize) -> Mesh {
         let first = mesh.positions.len();
         part.add(&mut mesh, "washers", &lines(along(from, to), &narrow, z));
         let face = nodes(&mesh, first..mesh.positions.len(), |p| p[2] == plane);
-        let inside =
-            |p: [f64; 3]| close_to(p[0], from, to) && close_to(p[1], narrow[0], narrow[1]) && p[2] == plane;
+        let inside = |p: [f64; 3]| {
+            lies_between(p[0], from, to) && lies_between(p[1], narrow[0], narrow[1]) && p[2] == plane
+        };
         let patch = nodes(&mesh, 0..beam_nodes, inside);
         mesh.node_sets.insert(format!("{name} face"), face);
         mesh.node_sets.insert(format!("{name} patch"), patch);
@@ -89,7 +90,7 @@ pub fn beam(configuration: Configuration, refinement: usize) -> Mesh {
 }
 
 /// Whether `x` lies between two mesh lines or on one of them; 1e-9 in allows for rounding, where cells are 0.25 in wide.
-fn close_to(x: f64, from: f64, to: f64) -> bool {
+fn lies_between(x: f64, from: f64, to: f64) -> bool {
     x > from - 1e-9 && x < to + 1e-9
 }
 

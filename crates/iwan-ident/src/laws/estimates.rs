@@ -11,8 +11,9 @@ use super::terms::knee;
 const TOLD: f64 = 0.3;
 /// Step of the differences in the coordinates, which are of order one.
 const STEP: f64 = 1e-5;
-/// Size of a positive parameter below which its logarithm has no interval.
-const NOTHING: f64 = 1e-9;
+/// Half width, as a logarithm, from which on the interval of a positive parameter counts as open: a factor of a million to either side tells nothing. A share of next to nothing
+/// has such an interval, whatever its unit.
+const WIDEST: f64 = 14.0;
 
 /// Distance from an end of its range within which a coordinate stands at that end: there the search stopped, and it found nothing. Coordinates are of
 /// order one, and searches stop some 1e-5 before an end.
@@ -186,7 +187,7 @@ fn about(problem: &Problem<'_>, fitted: &At, may_open: bool) -> Vec<Estimate> {
         let sd = deviation(slope);
         let untold = hangs(slope) || carried && v.name == "frequency";
         let known =
-            !untold && sd < TOLD * variance(slope, &prior) && (!v.positive || v.value.abs() > NOTHING);
+            !untold && sd < TOLD * variance(slope, &prior) && (!v.positive || HALF_WIDTH * sd < WIDEST);
         let told = known || !may_open;
         interval(v, HALF_WIDTH * sd, told)
     };

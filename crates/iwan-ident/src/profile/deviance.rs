@@ -37,6 +37,8 @@ impl Scale {
         let least = if task.widened || task.is_beside_others() { 1.0 } else { task.least_variance() };
         // Neighbouring residuals that are correlated say the same twice.
         let inflation = if refined.leaves_noise(task.count()) { 1.0 } else { (1.0 + r) / (1.0 - r.min(0.9)) };
+        // Neighbours that alternate make no interval narrower: what the law misses was set aside, and the correlation of the rest is one of few values.
+        let inflation = inflation.max(1.0);
         Self {
             least: minimum.cost,
             variance: inflation * (minimum.cost / freedom).max(least),

@@ -43,7 +43,7 @@ const ANEW: usize = 6;
 /// Up to this many times the limit of an interval a deviance is looked at closely: beyond, a better search does not bring a point inside the limit.
 const MARGIN: f64 = 20.0;
 /// Knees in a row beyond that margin after which a sweep under noise ends. A judgement, not varied.
-const PATIENCE: usize = 16;
+const PATIENCE: usize = 17;
 /// Largest K_T as a part of ω0² where K_T is chosen freely, so that K_∞ stays well positive.
 const MOST_JOINT: f64 = 0.9;
 
@@ -215,7 +215,7 @@ impl Task {
             near.clone_from(&minimum.x);
             outside = if minimum.cost < margin { 0 } else { outside + 1 };
             found.push(minimum);
-            if outside > PATIENCE && ends_early {
+            if outside >= PATIENCE && ends_early {
                 break;
             }
         }

@@ -39,6 +39,9 @@ const PER_CYCLE: f64 = 2.5;
 /// joint in macro-slip loses half of its amplitude in half a cycle.
 const MOST_DECAY: f64 = 3.0;
 
+/// Windows that a record needs: a single one has two numbers, fewer than the record has unknowns of its own.
+const WINDOWS: usize = 2;
+
 /// Refuses records with too few samples a cycle.
 pub(crate) fn check_rate(per_cycle: f64) -> Result<f64, Error> {
     let allowed = format!("at least {PER_CYCLE}");
@@ -96,15 +99,17 @@ impl Windowed {
         let cycles = cycles.max(1.5 / (per_cycle - 2.0));
         let seconds = (record.samples.len() - 1) as f64 * record.dt;
         let windows = Windows::over(seconds, first.frequency, cycles);
+        if windows.count < WINDOWS {
+            return Err(Error::TooShort {
+                what: "independent amplitudes of a record",
+                found: 2 * windows.count,
+                needed: 2 * WINDOWS,
+                remedy: "record longer",
+            });
+        }
         let amplitudes = windows.of_samples(record.samples, record.dt);
         let loudest = amplitudes.iter().map(|z| z.norm()).fold(0.0, f64::max);
-        check(
-            "amplitude of the record",
-            loudest,
-            windows.count == 0 || loudest > 0.0,
-            "> 0",
-            "check the channel",
-        )?;
+        check("amplitude of the record", loudest, loudest > 0.0, "> 0", "check the channel")?;
         let whitening = Whitening::of(windows.count, windows.hop);
         let mut white = amplitudes.clone();
         whitening.apply(&mut white);

@@ -26,7 +26,7 @@ const LITTLE_JOINT: f64 = 1e-4;
 const HOPS: [f64; 4] = [0.5 * STEP, 0.25 * STEP, 0.1 * STEP, 0.03 * STEP];
 /// Relative residual above which no hops are tried: noise then hides the creases, and hops cost time only.
 const CREASE: f64 = 5e-4;
-/// Relative residual below which half cycles are computed one by one in place of tables: twice the 4e-5 that tables left of a record without noise.
+/// Relative residual below which half cycles are computed one by one in place of tables: two and a half times the 4e-5 that tables left of a record without noise.
 const EXACT: f64 = 1e-4;
 /// Most valleys of a scan from which searches on the records themselves go on. A judgement, not varied: the sweep along all knees that follows looks
 /// at the other valleys once more.

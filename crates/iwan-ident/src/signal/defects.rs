@@ -54,16 +54,19 @@ fn runs(x: &[f64], shortest: usize) -> impl Iterator<Item = Range<usize>> + '_ {
 }
 
 /// The first sample behind the last clipped one; none where the record is not clipped.
-///
-/// A record is clipped where its largest or its smallest value stands three times in a row, in two places or more.
 pub(crate) fn clipped_until(x: &[f64]) -> Option<usize> {
+    clipped_runs(x).last().map(|run| run.end)
+}
+
+/// The runs of clipped samples: those where the largest or the smallest value of the record stands three times in a row. Empty where there are fewer than two such places.
+pub(super) fn clipped_runs(x: &[f64]) -> Vec<Range<usize>> {
     let rails = x.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), v| (a.min(*v), b.max(*v)));
-    let at_rail = |run: &Range<usize>| x[run.start] == rails.0 || x[run.start] == rails.1;
-    if rails.0 == rails.1 {
-        return None;
+    if rails.0 >= rails.1 {
+        return Vec::new();
     }
-    let ends: Vec<usize> = runs(x, CLIPPED_RUN).filter(at_rail).map(|run| run.end).collect();
-    (ends.len() >= CLIPPED_PLACES).then(|| ends.last().copied()).flatten()
+    let at_rail = |run: &Range<usize>| x[run.start] == rails.0 || x[run.start] == rails.1;
+    let found: Vec<Range<usize>> = runs(x, CLIPPED_RUN).filter(at_rail).collect();
+    if found.len() < CLIPPED_PLACES { Vec::new() } else { found }
 }
 
 /// Where the record really ends: the start of the first run of `longest` (at least 8) equal samples that ends more than `longest` samples behind the largest sample.

@@ -30,6 +30,9 @@ const MOST_ORDER: usize = 30;
 /// they are left aside. A judgement.
 const BESIDE_A_TONE: f64 = 0.1;
 
+/// Half width, over its peak, of the band in which an amplitude that comes and goes is followed: what passes can change within some three cycles. A judgement.
+const WIDE: f64 = 0.15;
+
 /// Length in cycles of the blocks in which the energy of the filtered record is followed. A judgement: one cycle is less than the filter remembers.
 const BLOCK: f64 = 2.0;
 
@@ -171,9 +174,17 @@ pub(crate) fn taken_as(mode: &Isolated, x: &[f64], options: &Options) -> Result<
     Ok(Isolated { noise: mode.noise, scatter: mode.scatter, ..taken })
 }
 
-/// How often the amplitude in the band of a record rises again, slowly, and the band's peak, Hz; none where there is no such band.
+/// How often the amplitude about the peak of a record's band rises again, slowly, and the frequency of the peak, Hz; none where there is no such band.
+///
+/// The band may be as narrow as one line of the spectrum of a long random vibration, and what is behind such a filter hardly varies. So the amplitude is followed in a band that is
+/// wide enough for changes within a few cycles.
 pub(super) fn rises(x: &[f64], dt: f64, options: &Options) -> Option<(usize, f64)> {
-    let band = chosen(x, dt, options).ok()?.band;
+    let Band { low, high, peak } = chosen(x, dt, options).ok()?.band;
+    let band = Band {
+        low: low.min(peak * (1.0 - WIDE)),
+        high: high.max((peak * (1.0 + WIDE)).min(0.5 * (high + 0.5 / dt))),
+        peak,
+    };
     let samples = filtered(x, dt, band, options).ok()?.samples;
     Some((slow_rises(&samples, (1.0 / (band.peak * dt)).round() as usize), band.peak))
 }

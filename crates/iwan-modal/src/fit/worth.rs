@@ -6,7 +6,7 @@ use super::band::Band;
 use super::linear::Linear;
 use super::search::Fitted;
 use crate::error::Error;
-use crate::number::Complex;
+use crate::number::{Complex, assurance};
 
 /// Least worth of a mode: how many times as much it takes off the responses' sum of squares as fitting its residues to white noise does on average. A judgement above what the
 /// best of all lines of noise reaches on many responses; on one or two, chance asks for more.
@@ -46,13 +46,6 @@ fn by_chance(responses: usize, lines: usize) -> f64 {
     (values + 2.0 * (values * log).sqrt() + 2.0 * log) / residues
 }
 
-/// Modal assurance criterion of two rows of residues: 1 for the same shape.
-fn alike(a: &[Complex], b: &[Complex]) -> f64 {
-    let product: Complex = a.iter().zip(b).map(|(a, b)| a.conj() * b).sum();
-    let power = |x: &[Complex]| x.iter().map(Complex::norm_sqr).sum::<f64>();
-    product.norm_sqr() / (power(a) * power(b)).max(f64::MIN_POSITIVE)
-}
-
 /// Of each pair of poles that share one peak and one shape, the index of the weaker one.
 pub(crate) fn twins(poles: &[Complex], residues: &[Vec<Complex>]) -> Vec<usize> {
     let strength = |p: usize| residues[p].iter().map(Complex::norm_sqr).sum::<f64>() / poles[p].re.powi(2);
@@ -60,7 +53,7 @@ pub(crate) fn twins(poles: &[Complex], residues: &[Vec<Complex>]) -> Vec<usize> 
     for p in 0..poles.len() {
         for q in 0..p {
             let near = (poles[p] - poles[q]).norm() < NEAR * (poles[p].re + poles[q].re).abs();
-            if residues[p].len() >= ENOUGH && near && alike(&residues[p], &residues[q]) > ALIKE {
+            if residues[p].len() >= ENOUGH && near && assurance(&residues[p], &residues[q]) > ALIKE {
                 weaker.push(if strength(p) < strength(q) { p } else { q });
             }
         }

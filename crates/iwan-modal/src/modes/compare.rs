@@ -1,6 +1,6 @@
 //! Measures of how alike two shapes are, and of how real one shape is.
 
-use crate::number::Complex;
+use crate::number::assurance;
 
 /// Modal assurance criterion of two shapes, 0 (nothing in common) to 1 (the same but for a complex factor): R. J. Allemang, D. L. Brown,
 /// *A correlation coefficient for modal vector analysis*, Proc. 1st IMAC, 1982. 0 for a shape without length, and for shapes of different length.
@@ -13,10 +13,7 @@ use crate::number::Complex;
 /// ```
 #[must_use]
 pub fn mac(a: &[nalgebra::Complex<f64>], b: &[nalgebra::Complex<f64>]) -> f64 {
-    let product: Complex = a.iter().zip(b).map(|(a, b)| a.conj() * b).sum();
-    let power = |x: &[Complex]| x.iter().map(Complex::norm_sqr).sum::<f64>();
-    let whole = power(a) * power(b);
-    if whole > 0.0 && a.len() == b.len() { product.norm_sqr() / whole } else { 0.0 }
+    if a.len() == b.len() { assurance(a, b) } else { 0.0 }
 }
 
 /// Modal phase collinearity, 1 for a real shape in whatever phase, 0 for one that turns: R. S. Pappa, K. B. Elliott, A. Schenk, *Consistent-mode

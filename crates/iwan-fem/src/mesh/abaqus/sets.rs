@@ -207,7 +207,7 @@ fn members(
             Some(index) => Ok(vec![index]),
             None => Err(fail(
                 format!("{word} {number}"),
-                &format!("the number of an {word} of this file, or of the instance named"),
+                &format!("one of the {word}s of this file, or of the instance named"),
             )),
         },
         Item::Range { first, last, .. } if last < first => {

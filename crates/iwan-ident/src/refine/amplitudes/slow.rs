@@ -14,7 +14,7 @@ use crate::curves::Quantity;
 use crate::parameters::{COUNT, Parameters};
 
 /// Spacing of a table's nodes in ln amplitude in micro-slip, where half cycles depend on powers of the amplitude only: a slow decay of a thousand
-/// cycles is then right to 1e-6 (the test in `decay`).
+/// cycles is then right to 1.5e-5 of its amplitudes (the test in `decay`), most of which is the settling of loops (see [`FASTEST`]).
 const SPACING: f64 = 0.24;
 /// Largest spacing of a table's nodes in ln amplitude in macro-slip, where half cycles change with the distance from φ_max.
 const SPACING_IN_MACRO_SLIP: f64 = 0.12;

@@ -3,11 +3,8 @@
 use super::breaks::{Breaks, Place, breaks};
 use super::peak_list::spectral_peaks;
 use crate::error::Error;
+use crate::signal::defects::clipped_runs;
 
-/// Equal samples in a row at an extreme value that count as clipped.
-const RUN: usize = 3;
-/// Least number of places with such samples in a clipped record: a digitised crest can be flat once.
-const PLACES: usize = 2;
 /// Only peaks of at least this fraction of the height of the highest move averages; the slowest of them sets the time over which averages are taken.
 const SEEN: f64 = 0.02;
 /// Cycles of that slowest peak over which the zero line is averaged on either side of a jump.
@@ -160,27 +157,10 @@ pub fn events(x: &[f64], dt: f64) -> Result<Vec<Event>, Error> {
 }
 
 fn clipped(x: &[f64], dt: f64) -> Option<Event> {
-    let (low, high) = x.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), v| (a.min(*v), b.max(*v)));
-    if low >= high {
-        return None;
-    }
-    let (mut from, mut runs) = (0, Vec::new());
-    for i in 1..=x.len() {
-        if i < x.len() && x[i] == x[from] {
-            continue;
-        }
-        if i - from >= RUN && (x[from] == low || x[from] == high) {
-            runs.push(from..i);
-        }
-        from = i;
-    }
+    let runs = clipped_runs(x);
     let (first, last) = (runs.first()?, runs.last()?);
     let level = x[first.start].abs();
-    (runs.len() >= PLACES).then(|| Event::Clipped {
-        from: first.start as f64 * dt,
-        to: (last.end - 1) as f64 * dt,
-        level,
-    })
+    Some(Event::Clipped { from: first.start as f64 * dt, to: (last.end - 1) as f64 * dt, level })
 }
 
 /// The largest jump of the zero line, if it stands out; `cycle` in samples.

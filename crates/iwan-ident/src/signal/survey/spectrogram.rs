@@ -84,7 +84,9 @@ pub fn spectrogram(
         fft.process(&mut z);
         let highest = |c: usize| {
             let (from, to) = ((edges[c] / step).ceil() as usize, (edges[c + 1] / step).ceil() as usize);
-            let lines = from.min(padded / 2)..to.min(padded / 2 + 1);
+            // A cell between two lines shows the line above it.
+            let from = from.min(padded / 2);
+            let lines = from..to.clamp(from + 1, padded / 2 + 1);
             z[lines].iter().map(Complex64::norm_sqr).fold(0.0, f64::max)
         };
         decibels.push((0..cells).map(highest).collect());
@@ -115,6 +117,14 @@ mod tests {
         let shown = spectrogram(&sweep, dt, (0.0, 500.0), (60, 100)).unwrap();
         let peak = |row: &Vec<f64>| (0..100).max_by(|&i, &j| row[i].total_cmp(&row[j])).unwrap();
         assert!(peak(&shown.decibels[50]) > peak(&shown.decibels[10]) + 10);
+    }
+
+    /// Cells narrower than the lines of the longest transform had nothing in them, and were drawn as silence.
+    #[test]
+    fn narrow_ranges_have_no_empty_cells() {
+        let x: Vec<f64> = (0..2000).map(|n| (0.7 * f64::from(n)).sin()).collect();
+        let shown = spectrogram(&x, 1e-3, (111.0, 112.0), (10, 200)).unwrap();
+        assert!(shown.decibels.iter().flatten().all(|d| *d > -20.0), "{:?}", shown.decibels[5]);
     }
 
     #[test]

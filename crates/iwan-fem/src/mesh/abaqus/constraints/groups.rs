@@ -32,10 +32,7 @@ pub(super) fn coupling(
     let surface = lookup.surface(mesh, text, text.keyword.required(source, "SURFACE")?)?;
     let mut components = [false; 6];
     for row in &kind.rows {
-        let first = lookup.component(row, 0)?;
-        let given = row.fields.get(1).is_some_and(|field| !field.is_empty());
-        let last = if given { lookup.component(row, 1)? } else { first };
-        components.iter_mut().take(last + 1).skip(first).for_each(|c| *c = true);
+        components[lookup.components(row, 0)?].fill(true);
     }
     if kind.rows.is_empty() {
         components = [true; 6];

@@ -152,15 +152,14 @@ fn by_word(word: &str) -> Option<&'static [usize]> {
 
 /// Components that a row of `*BOUNDARY` holds at zero, from the first to the last one given.
 fn by_number(lookup: &Lookup, row: &Row) -> Result<Vec<usize>, MeshError> {
-    let first = lookup.component(row, 1)?;
-    let given = |at: usize| row.fields.get(at).is_some_and(|field| !field.is_empty());
-    let last = if given(2) { lookup.component(row, 2)? } else { first };
-    if given(3) && lookup.number(row, 3, "the displacement")? != 0.0 {
+    let components = lookup.components(row, 1)?;
+    let given = row.fields.get(3).is_some_and(|field| !field.is_empty());
+    if given && lookup.number(row, 3, "the displacement")? != 0.0 {
         let found = "a displacement that is not zero";
         let remedy = "hold the node at zero: loads are given in the structure file";
         return Err(lookup.source.unsupported(lookup.place(row), found, remedy));
     }
-    Ok((first..=last).collect())
+    Ok(components.collect())
 }
 
 /// Reads the nodes held at zero: `node or set, first, last`, or a word such as ENCASTRE in place of the two numbers.

@@ -1,6 +1,7 @@
 //! Converts the names and numbers in the text of a constraint to nodes.
 
 use std::collections::BTreeMap;
+use std::ops::RangeInclusive;
 
 use super::super::super::error::MeshError;
 use super::super::super::file::FileBytes;
@@ -86,6 +87,18 @@ impl Lookup<'_> {
                 "a number from 1 to 6",
             )
         })
+    }
+
+    /// Components from the one in field `at` of a row to the one in the next field; where that is empty, the one alone.
+    pub(super) fn components(&self, row: &Row, at: usize) -> Result<RangeInclusive<usize>, MeshError> {
+        let first = self.component(row, at)?;
+        let given = row.fields.get(at + 1).is_some_and(|field| !field.is_empty());
+        let last = if given { self.component(row, at + 1)? } else { first };
+        if last < first {
+            let found = format!("degrees of freedom from {} to {}", first + 1, last + 1);
+            return Err(self.source.malformed(self.place(row), found, "first <= last"));
+        }
+        Ok(first..=last)
     }
 
     /// Name of the constraint for messages: keyword, own name and place.
