@@ -96,6 +96,21 @@ def test_a_fit_pickles(quiet):
     np.testing.assert_array_equal(again(theta), first(theta))
 
 
+@pytest.mark.parametrize("slip_ratio", [0.15, 0.3, 0.6])
+def test_a_mode_by_curves_begins_at_the_largest_amplitude_that_was_measured(slip_ratio):
+    """That of the first sample of the free decay; the curves ended at the next point of their grid, up to 7 % below."""
+    found = iwan.fit(ring_down(slip_ratio, 0.8).acceleration, dt=DT)
+    largest = found.backbone["amplitude"][-1]
+    assert largest == pytest.approx(slip_ratio * JOINT.phi_max, rel=5e-3)
+    assert largest >= found.curves["displacement"].max()
+    again = iwan.simulate(found.curve_mode, dt=DT, duration=0.2, initial=(largest, 0.0))
+    assert np.abs(again.displacement).max() == largest
+    with pytest.raises(iwan.ComputationError, match="beyond the largest of the curves, ([-0-9.e]+),") as beyond:
+        iwan.simulate(found.curve_mode, dt=DT, duration=0.2, initial=(1.01 * largest, 0.0))
+    [said] = re.findall("largest of the curves, ([-0-9.e]+),", str(beyond.value))
+    assert float(said) == pytest.approx(largest, rel=1e-12)
+
+
 def test_bad_arguments_are_named():
     x = ring_down(0.2).acceleration
     for options, message in [

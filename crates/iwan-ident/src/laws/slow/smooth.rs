@@ -56,7 +56,8 @@ impl Smooth {
     }
 }
 
-/// Frequency and damping ratio against amplitude with bands of 95 %, ascending in amplitude. Of several hits the bands are those of a further
+/// Frequency and damping ratio against amplitude with bands of 95 %, ascending in amplitude, from the smallest to the largest that the records' free
+/// decays hold: the largest is that at the first sample of the loudest one. Of several hits the bands are those of a further
 /// hit of the specimen; of one they are its own, and do not know how the next would differ.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Backbone {
@@ -102,24 +103,25 @@ impl Backbone {
         })
     }
 
-    /// Of curves at the amplitudes of a grid that lie in a range, with the scatter of hits and its covariance.
+    /// Of curves on a grid from one logarithm of the amplitude to another, with the scatter of hits and its covariance.
     pub(crate) fn new(
         grid: &Grid,
         smooth: &Smooth,
-        seen: &[usize],
+        span: (f64, f64),
         (scatter, straying): (Scatter, &DMatrix<f64>),
     ) -> Self {
         let mut out = Self { scatter, ..Self::default() };
         let turn = std::f64::consts::TAU;
         let (n, wide) = (grid.count(), scatter.half_width());
-        let half = |sd: f64, i: usize| {
-            let own = wide * straying[(i, i)].max(0.0).sqrt();
-            (HALF_WIDTH * sd).hypot(own)
-        };
-        for &i in seen {
-            let (decay, omega) = (smooth.rates.decay[i], smooth.rates.omega[i]);
-            let (d, w) = (half(smooth.decay_sd(i), i), half(smooth.omega_sd(i), n + i));
-            out.amplitude.push(grid.amplitude(i));
+        for log in grid.within(span) {
+            let place = grid.place(log);
+            let half = |from: usize| {
+                let own = wide * place.variance(straying, from).sqrt();
+                (HALF_WIDTH * place.variance(&smooth.covariance, from).sqrt()).hypot(own)
+            };
+            let (decay, omega) = (place.of(&smooth.rates.decay), place.of(&smooth.rates.omega));
+            let (d, w) = (half(0), half(n));
+            out.amplitude.push(log.exp());
             out.frequency.push(omega / turn);
             out.frequency_low.push((omega - w) / turn);
             out.frequency_high.push((omega + w) / turn);
