@@ -96,6 +96,27 @@ def test_a_fit_pickles(quiet):
     np.testing.assert_array_equal(again(theta), first(theta))
 
 
+def test_a_likelihood_pickles(loud, tmp_path):
+    """As samplers on several processes need it: another process evaluates it to the same bits, without a fit."""
+    hits = [iwan.Record(ring_down(s, 0.3).velocity, dt=DT, quantity="velocity") for s in (0.3, 0.31)]
+    for found in (loud, iwan.fit(hits, hold={"damping_ratio": 1e-3})):
+        first = iwan.log_likelihood(found)
+        kept = pickle.dumps(first)
+        back = pickle.loads(kept)
+        assert back.names == first.names and len(kept) < 200_000
+        np.testing.assert_array_equal(back.best, first.best)
+        theta = first.best + 1e-4 * np.random.default_rng(0).standard_normal((5, len(first.names)))
+        np.testing.assert_array_equal(back(theta), first(theta))
+        (tmp_path / "kept.pickle").write_bytes(pickle.dumps((first, theta)))
+        program = "import pickle; f, x = pickle.load(open('kept.pickle', 'rb')); print(f(x).tobytes().hex())"
+        run = subprocess.run([sys.executable, "-c", program], cwd=tmp_path, check=True, capture_output=True, text=True)
+        assert run.stdout.strip() == first(theta).tobytes().hex()
+        make, (version, numbers, free) = first._native.__reduce__()
+        for broken in (("0.0.0", numbers, free), (version, numbers[:-1], free), (version, numbers[:40], free)):
+            with pytest.raises(iwan.InvalidValueError, match="make it again with iwan.log_likelihood"):
+                make(*broken)
+
+
 @pytest.mark.parametrize("slip_ratio", [0.15, 0.3, 0.6])
 def test_a_mode_by_curves_begins_at_the_largest_amplitude_that_was_measured(slip_ratio):
     """That of the first sample of the free decay; the curves ended at the next point of their grid, up to 7 % below."""

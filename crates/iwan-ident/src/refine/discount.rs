@@ -8,8 +8,8 @@ const LEAST: f64 = 1e-4;
 /// (1 + M Mᵀ)^(-1/2) = 1 - B diag(w) Bᵀ, with orthonormal columns B.
 #[derive(Debug, Clone)]
 pub(super) struct Discount {
-    directions: DMatrix<f64>,
-    weights: DVector<f64>,
+    pub(super) directions: DMatrix<f64>,
+    pub(super) weights: DVector<f64>,
 }
 
 impl Discount {

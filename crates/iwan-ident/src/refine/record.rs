@@ -72,11 +72,11 @@ pub(super) struct Windowed {
     /// The turning point that the unknowns are relative to.
     pub(super) start: TurningPoint,
     /// Whether the samples are those of a band.
-    banded: bool,
+    pub(super) banded: bool,
     /// Standard deviations of what is left of other modes that were taken out, in the whitened amplitudes.
-    beside: Vec<f64>,
+    pub(super) beside: Vec<f64>,
     /// Standard deviation of the noise that the samples show, relative to their root mean square; none of a record in a band, whose filter took it away.
-    sample_noise: Option<f64>,
+    pub(super) sample_noise: Option<f64>,
     /// The samples of the first cycles of a record that shows no noise, of which windows keep two numbers a cycle; none of others.
     pub(super) head: Vec<f64>,
 }

@@ -52,7 +52,7 @@ pub(crate) struct Task {
     /// Standard deviation of the days' frequencies that is taken for granted; each of several records has a residual that says so.
     pub(super) day_deviation: f64,
     /// Whether records may differ by the day.
-    strays: bool,
+    pub(super) strays: bool,
     /// Whether the discount is for what a clean record cannot show.
     pub(crate) widened: bool,
     /// Whether residuals are logarithms of the ratio of record and model, times the record: to these, what the model misses adds up however

@@ -14,12 +14,14 @@ use iwan_ident::refine::TurningPoint;
 use iwan_ident::signal::Options;
 use iwan_ident::{Parameter, Parameters, Verdict};
 use numpy::PyArrayDyn;
+use pyo3::IntoPyObjectExt;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
 use crate::exchange::array::{Numbers, array, shaped};
 use crate::exchange::errors::{computation, identification, value, writing};
 use crate::exchange::options::{thread_count, unknown};
+use crate::exchange::pickle::Remake;
 use crate::exchange::work::{self, Control};
 use crate::records::envelope::{Envelope, method_named};
 use crate::records::mode_records::{Modal, band_of_mode, modal, motion};
@@ -355,6 +357,19 @@ impl Identified {
     }
 }
 
+/// Makes a pickled likelihood again: of the version of the package, numbers of the library and the parameters that are sought.
+#[pyfunction]
+pub(crate) fn _likelihood(version: &str, numbers: Vec<f64>, free: Vec<String>) -> PyResult<Likelihood> {
+    const OWN: &str = env!("CARGO_PKG_VERSION");
+    let library = Library::of_numbers(&numbers).filter(|_| version == OWN).ok_or_else(|| {
+        value(format!(
+            "this likelihood was pickled by iwan {version} and cannot be read by iwan {OWN}: make it again with iwan.log_likelihood"
+        ))
+    })?;
+    let named = |name: &String| Parameter::ALL.into_iter().find(|parameter| parameter.name() == name);
+    Ok(Likelihood { library: Arc::new(library), free: free.iter().filter_map(named).collect() })
+}
+
 /// The likelihood of a fit's records: logarithms for one or many sets of coordinates at once.
 #[pyclass(frozen, module = "iwan._native", name = "_Likelihood")]
 #[derive(Debug)]
@@ -391,6 +406,13 @@ impl Likelihood {
 
 #[pymethods]
 impl Likelihood {
+    fn __reduce__<'py>(slf: &Bound<'py, Self>) -> PyResult<Remake<'py>> {
+        let (py, this) = (slf.py(), slf.get());
+        let free: Vec<&str> = this.free.iter().map(|parameter| parameter.name()).collect();
+        let arguments = (env!("CARGO_PKG_VERSION"), array(py, this.library.numbers()), free);
+        Ok((py.import("iwan._native")?.getattr("_likelihood")?, arguments.into_bound_py_any(py)?))
+    }
+
     /// Names of the coordinates.
     #[getter]
     fn names(&self) -> Vec<String> {
