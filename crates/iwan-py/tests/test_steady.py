@@ -137,6 +137,7 @@ def test_a_structure_is_driven_and_freely_vibrating(beam):
         ({"force": [1.0], "at": "moon"}, "moon"),
         ({"force": [1.0], "damping_ratio": 1.0}, "damping_ratio = 1"),
         ({"force": [1.0], "basis": 0}, "basis = 0"),
+        ({"force": [1.0], "basis": 10**6}, r"basis = 1000000 is out of range: 1 to \d+, as many as the structure has unknowns"),
     ],
 )
 def test_bad_values_of_structures_are_named(beam, options, message):

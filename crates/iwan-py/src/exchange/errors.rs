@@ -191,12 +191,12 @@ pub(crate) fn input(place: &str, error: &InputError) -> PyErr {
 
 /// An error of iwan-fem: what could not be set up is a bad value, the rest failed.
 pub(crate) fn fem(name: &str, error: &iwan_fem::Error) -> PyErr {
-    use iwan_fem::Error::{Analysis, Element, Interrupted, Model, Node, OutOfRange};
+    use iwan_fem::Error::{Analysis, Element, Interrupted, Model, Modes, Node, OutOfRange};
     let exception = match error {
         OutOfRange { name: "time step", value: dt, allowed } => {
             value(format!("dt = {dt} is out of range: {allowed}"))
         }
-        OutOfRange { .. } => value(error.to_string()),
+        OutOfRange { .. } | Modes { .. } => value(error.to_string()),
         Model(error) => core(*error),
         Analysis { .. } | Interrupted => python::ComputationError::new_err(format!("{name}: {error}")),
         Element { .. } | Node { .. } => python::StructureError::new_err(format!("{name}: {error}")),
