@@ -11,8 +11,9 @@ use numpy::{PyArray1, PyArray2};
 use pyo3::prelude::*;
 use serde_json::json;
 
+use crate::exchange::arguments::{Call, in_python};
 use crate::exchange::array::{Numbers, array, frozen_rows};
-use crate::exchange::errors::{computation, identification, in_python, value, writing};
+use crate::exchange::errors::{computation, identification_of, value_of, writing};
 use crate::exchange::options::thread_count;
 use crate::exchange::work;
 use crate::records::envelope::method_named;
@@ -69,8 +70,8 @@ pub(crate) fn _fit_coupled(
     })?;
     match found {
         Ok(made) => Ok(FittedCoupled(Arc::new(made))),
-        Err(Fault::Given(message)) => Err(value(in_python(&message))),
-        Err(Fault::Fit(error)) => Err(identification(error)),
+        Err(Fault::Given(message)) => Err(value_of(Call::SeveralModes, &message)),
+        Err(Fault::Fit(error)) => Err(identification_of(Call::SeveralModes, "", error)),
     }
 }
 
@@ -85,7 +86,7 @@ fn struck(
     (name, record, force): Given<'_>,
     quantity: Option<&str>,
 ) -> PyResult<StruckRecord> {
-    let (quantity, warnings) = record.get().motion(quantity.map(motion).transpose()?)?;
+    let (quantity, warnings) = record.get().motion(quantity.map(motion).transpose()?, Call::SeveralModes)?;
     let force = force.map(|force| Numbers::vector("forces", &force)).transpose()?;
     let record = record.get().whole(py)?;
     Ok(StruckRecord { name, record, quantity, warnings, force })
@@ -93,7 +94,7 @@ fn struck(
 
 #[pymethods]
 impl FittedCoupled {
-    /// `fit.json` of the command, and the numbers of the chosen model.
+    /// `fit.json` of the command with arguments in place of its options, and the numbers of the chosen model.
     fn told(&self) -> PyResult<(String, String)> {
         let (test, fit) = &*self.0;
         let best = fit.best();
@@ -114,7 +115,8 @@ impl FittedCoupled {
             "participation": v.participation,
             "compliance": v.compliance,
         });
-        Ok((test.json(fit).map_err(computation)?, values.to_string()))
+        let told = test.json(fit).map_err(computation)?;
+        Ok((in_python(&told, Call::SeveralModes), values.to_string()))
     }
 
     /// What was measured and what the chosen model shows: series x samples of each record, those fitted and then those kept out.

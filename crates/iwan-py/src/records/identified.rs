@@ -18,6 +18,7 @@ use pyo3::IntoPyObjectExt;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
+use crate::exchange::arguments::{Call, in_python};
 use crate::exchange::array::{Numbers, array, shaped};
 use crate::exchange::errors::{computation, identification, value, writing};
 use crate::exchange::options::{thread_count, unknown};
@@ -74,7 +75,8 @@ impl Request<'_> {
         }
         let quantity = self.quantity.as_deref().map(motion).transpose()?;
         let shape = self.shape.as_deref();
-        let mut records = modal(records, None, self.channel.as_ref(), quantity, shape, &settings.options)?;
+        let mut records =
+            modal(records, None, self.channel.as_ref(), quantity, shape, &settings.options, Call::Other)?;
         scale(&mut records, self.mass)?;
         let mass_normalised = self.mass.is_some() || shape.is_some();
         Ok(Task { records, mass_normalised, settings })
@@ -172,9 +174,10 @@ impl Identified {
         dict.set_item("frequency_misfit", found.verdict.frequency_misfit)?;
         dict.set_item("relative_residual", found.refined.relative_residual)?;
         dict.set_item("joint_needed", !found.needs_no_joint())?;
-        let own = self.0.records.iter().flat_map(|record| record.notes.iter().cloned());
-        dict.set_item("notes", own.chain(found.notes.iter().cloned()).collect::<Vec<_>>())?;
-        dict.set_item("words", found.in_words())?;
+        let said = |words: &String| in_python(words, Call::Other);
+        let own = self.0.records.iter().flat_map(|record| &record.notes);
+        dict.set_item("notes", own.chain(&found.notes).map(said).collect::<Vec<_>>())?;
+        dict.set_item("words", found.in_words().iter().map(said).collect::<Vec<_>>())?;
         self.laws(&dict)?;
         dict.set_item("curves", self.curves(py, &found.curves, force_axis)?)?;
         dict.set_item("model_curves", self.curves(py, &found.model_curves, force_axis)?)?;
@@ -320,7 +323,10 @@ impl Identified {
             }
             Err(error) => {
                 dict.set_item("law", py.None())?;
-                dict.set_item("law_words", format!("laws were not compared: {error}"))?;
+                dict.set_item(
+                    "law_words",
+                    in_python(&format!("laws were not compared: {error}"), Call::Other),
+                )?;
                 dict.set_item("backbone", PyDict::new(py))?;
                 dict.set_item("laws", Vec::<Bound<'_, PyDict>>::new())
             }

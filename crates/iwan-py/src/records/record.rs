@@ -10,8 +10,9 @@ use pyo3::IntoPyObjectExt;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
+use crate::exchange::arguments::{Call, in_python};
 use crate::exchange::array::{Numbers, array, freeze, frozen_rows};
-use crate::exchange::errors::{identification, in_python, reading, value, wrong_type};
+use crate::exchange::errors::{identification, no_record, reading, value, value_of, wrong_type};
 use crate::exchange::options::choose;
 use crate::exchange::pickle::Remake;
 use crate::exchange::work;
@@ -70,7 +71,7 @@ impl Record {
             names: record.names().to_vec(),
             quantity: record.quantity(),
             unit: record.unit().to_owned(),
-            warnings: record.warnings().iter().map(|w| in_python(&w.to_string())).collect(),
+            warnings: record.warnings().iter().map(|w| in_python(&w.to_string(), Call::File)).collect(),
             samples: frozen_rows(py, record.samples())?,
         })
     }
@@ -80,7 +81,7 @@ impl Record {
         let rows = self.samples.bind(py).readonly().as_array().outer_iter().map(|row| row.to_vec()).collect();
         let record = iwan_io::Record::new(self.dt, rows, self.names.clone());
         let record = record.and_then(|record| record.with_start(self.start));
-        Ok(record.map_err(|error| value(error.to_string()))?.with_quantity(self.quantity, self.unit.clone()))
+        Ok(record.map_err(|error| no_record(&error))?.with_quantity(self.quantity, self.unit.clone()))
     }
 
     /// Index of a channel by name or number; the only one when neither is given.
@@ -108,10 +109,11 @@ impl Record {
 }
 
 impl Record {
-    /// What motion was measured, and what had to be assumed.
+    /// What motion was measured, and what had to be assumed, in the words of a call.
     pub(crate) fn motion(
         &self,
         given: Option<curves::Quantity>,
+        call: Call,
     ) -> PyResult<(curves::Quantity, Vec<String>)> {
         match (given, self.quantity) {
             (Some(given), _) => Ok((given, Vec::new())),
@@ -124,13 +126,13 @@ impl Record {
                 } else {
                     format!("is a {other}")
                 };
-                Err(value(format!(
-                    "the record {what}, not known as a motion: choose another channel, or say with quantity= what motion it is proportional to"
-                )))
+                let remedy =
+                    "choose another channel, or say with --quantity what motion it is proportional to";
+                Err(value_of(call, &format!("the record {what}, not known as a motion: {remedy}")))
             }
             _ => {
-                let note = "what was measured is not known: taken as acceleration, quantity= says otherwise";
-                Ok((curves::Quantity::Acceleration, vec![note.to_owned()]))
+                let note = "what was measured is not known: taken as acceleration, --quantity says otherwise";
+                Ok((curves::Quantity::Acceleration, vec![in_python(note, call)]))
             }
         }
     }
@@ -166,7 +168,7 @@ impl Record {
         };
         let names = names.unwrap_or_else(|| (0..channels).map(|i| format!("channel {i}")).collect());
         let record = iwan_io::Record::new(dt, rows, names).and_then(|record| record.with_start(start));
-        let record = record.map_err(|error| value(error.to_string()))?;
+        let record = record.map_err(|error| no_record(&error))?;
         Self::wrap(py, &record.with_quantity(choose("quantity", quantity, &QUANTITIES)?, unit))
     }
 
@@ -244,7 +246,7 @@ impl Record {
     /// array([[1., 4., 9.]])
     #[pyo3(signature = (start = None, stop = None))]
     fn between(&self, py: Python<'_>, start: Option<f64>, stop: Option<f64>) -> PyResult<Self> {
-        let cut = self.whole(py)?.between(start, stop).map_err(|error| value(error.to_string()))?;
+        let cut = self.whole(py)?.between(start, stop).map_err(|error| no_record(&error))?;
         Ok(Self { warnings: self.warnings.clone(), ..Self::wrap(py, &cut)? })
     }
 
@@ -285,7 +287,7 @@ impl Record {
         })?;
         let cut = |stretch: std::ops::Range<usize>| {
             let (first, last) = (record.time(stretch.start), record.time(stretch.end - 1));
-            let cut = record.between(Some(first), Some(last)).map_err(|error| value(error.to_string()))?;
+            let cut = record.between(Some(first), Some(last)).map_err(|error| no_record(&error))?;
             Ok(Self { warnings: self.warnings.clone(), ..Self::wrap(py, &cut)? })
         };
         let told = |event: &Event| {
@@ -417,8 +419,8 @@ pub(crate) fn read_record(
         time_unit.map(str::parse).transpose().map_err(|e: UnknownTimeUnit| value(e.to_string()))?;
     let options = ReadOptions { format, time, channels, rate, quantity, resample, time_unit, unit };
     let record = work::run(py, true, move |_| iwan_io::read(path, &options))?;
-    let record = record.map_err(|error| reading(&error))?;
-    Record::wrap(py, &record.between(start, stop).map_err(|error| value(error.to_string()))?)
+    let record = record.map_err(|error| reading(Call::File, &error))?;
+    Record::wrap(py, &record.between(start, stop).map_err(|error| no_record(&error))?)
 }
 
 /// Reads a record from the bytes of a file.
@@ -437,5 +439,5 @@ pub(crate) fn _read_bytes(
     let quantity = quantity.map(|name| choose("quantity", name, &QUANTITIES)).transpose()?;
     let options = ReadOptions { time, channels, rate, quantity, resample, ..ReadOptions::default() };
     let record = iwan_io::read_bytes(&name, bytes, &options);
-    Record::wrap(py, &record.map_err(|error| reading(&error))?)
+    Record::wrap(py, &record.map_err(|error| reading(Call::Data, &error))?)
 }

@@ -11,6 +11,7 @@ use iwan_io::ReadError;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
+use crate::exchange::arguments::Call;
 use crate::exchange::array::{Numbers, array};
 use crate::exchange::errors::{computation, identification, reading, record, value, writing};
 use crate::exchange::options::unknown;
@@ -29,7 +30,7 @@ impl Source<'_> {
         match self {
             Self::File(path) => match std::fs::metadata(&path) {
                 Ok(_) => Ok(SweepSource::File(path)),
-                Err(source) => Err(reading(&ReadError::Io { file: path, source })),
+                Err(source) => Err(reading(Call::File, &ReadError::Io { file: path, source })),
             },
             Self::Columns(name, columns) => {
                 let columns = columns
