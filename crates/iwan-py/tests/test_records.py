@@ -1,6 +1,8 @@
 """Records from files and arrays, and envelopes."""
 
 import os
+import pickle
+import re
 from pathlib import Path
 
 import numpy as np
@@ -85,6 +87,17 @@ def test_a_record_is_checked_and_frozen():
 def test_bad_records_are_named(samples, options, message):
     with pytest.raises(iwan.InvalidValueError, match=message):
         iwan.Record(samples, **({"dt": 0.1} | options))
+
+
+def test_a_unit_of_another_quantity_is_refused():
+    for quantity, unit, of in [("acceleration", "N", "force"), ("force", "m/s^2", "acceleration"), ("displacement", "mm/s", "velocity")]:
+        said = f"unit = '{unit}' is a unit of {of}, and quantity = '{quantity}'"
+        with pytest.raises(iwan.InvalidValueError, match=re.escape(said)):
+            iwan.Record([1.0, 2.0], dt=0.1, quantity=quantity, unit=unit)
+    # Volts of a sensor are a unit of whatever it measures; a unit that is not known contradicts nothing.
+    for quantity, unit in [("acceleration", "g"), ("acceleration", "mV"), ("velocity", "counts"), ("unknown", "N"), ("force", "")]:
+        record = iwan.Record([1.0, 2.0], dt=0.1, quantity=quantity, unit=unit)
+        assert pickle.loads(pickle.dumps(record)) == record and record.unit == unit
 
 
 @pytest.mark.parametrize("method", ["hilbert", "peaks", "pff", "demodulation"])

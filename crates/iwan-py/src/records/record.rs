@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use iwan_ident::curves;
 use iwan_ident::signal::{Event, SpectralPeak};
-use iwan_io::{Format, Quantity, ReadOptions, UnknownTimeUnit};
+use iwan_io::{Format, Quantity, ReadOptions, UnknownTimeUnit, quantity_of_unit};
 use numpy::{PyArray1, PyArray2, PyArrayMethods, PyUntypedArrayMethods};
 use pyo3::IntoPyObjectExt;
 use pyo3::prelude::*;
@@ -41,8 +41,9 @@ const FORMATS: [(&str, Format); 7] = [
 /// One or many channels sampled together at a constant interval; checked once, frozen, picklable.
 ///
 /// `samples`: real numbers, channels x samples (or one dimension for one channel), all finite, at least two;
-/// `dt`: sampling interval > 0 (s); `names`: one for each channel; `quantity`: "acceleration", "velocity", "displacement",
-/// "force", "pressure", "voltage", "strain" or "unknown"; `unit`: as text; `start`: time of the first sample (s).
+/// `dt`: sampling interval > 0 (s); `names`: one for each channel;
+/// `quantity`: "acceleration", "velocity", "displacement", "force", "pressure", "voltage", "strain" or "unknown"; `unit`: as text, and no unit
+/// of another quantity, but for volts, in which sensors give whatever they measure; `start`: time of the first sample (s).
 ///
 /// Raises `iwan.InvalidValueError` naming channel and sample.
 ///
@@ -109,6 +110,36 @@ impl Record {
 }
 
 impl Record {
+    /// From an array, as it was given.
+    fn of_samples(
+        samples: &Bound<'_, PyAny>,
+        dt: f64,
+        names: Option<Vec<String>>,
+        quantity: &str,
+        unit: &str,
+        start: f64,
+    ) -> PyResult<Self> {
+        let py = samples.py();
+        let Numbers { values, shape } = Numbers::read("samples", samples)?;
+        let (channels, length) = match shape[..] {
+            [n] => (1, n),
+            [channels, n] => (channels, n),
+            _ => {
+                return Err(value(format!(
+                    "samples has the shape {shape:?}: give channels x samples, or one dimension for one channel"
+                )));
+            }
+        };
+        let rows: Vec<Vec<f64>> = if length == 0 {
+            vec![Vec::new(); channels]
+        } else {
+            values.chunks(length).map(<[f64]>::to_vec).collect()
+        };
+        let names = names.unwrap_or_else(|| (0..channels).map(|i| format!("channel {i}")).collect());
+        let record = iwan_io::Record::new(dt, rows, names).and_then(|record| record.with_start(start));
+        let record = record.map_err(|error| no_record(&error))?;
+        Self::wrap(py, &record.with_quantity(choose("quantity", quantity, &QUANTITIES)?, unit))
+    }
     /// What motion was measured, and what had to be assumed, in the words of a call.
     pub(crate) fn motion(
         &self,
@@ -150,26 +181,9 @@ impl Record {
         unit: &str,
         start: f64,
     ) -> PyResult<Self> {
-        let py = samples.py();
-        let Numbers { values, shape } = Numbers::read("samples", samples)?;
-        let (channels, length) = match shape[..] {
-            [n] => (1, n),
-            [channels, n] => (channels, n),
-            _ => {
-                return Err(value(format!(
-                    "samples has the shape {shape:?}: give channels x samples, or one dimension for one channel"
-                )));
-            }
-        };
-        let rows: Vec<Vec<f64>> = if length == 0 {
-            vec![Vec::new(); channels]
-        } else {
-            values.chunks(length).map(<[f64]>::to_vec).collect()
-        };
-        let names = names.unwrap_or_else(|| (0..channels).map(|i| format!("channel {i}")).collect());
-        let record = iwan_io::Record::new(dt, rows, names).and_then(|record| record.with_start(start));
-        let record = record.map_err(|error| no_record(&error))?;
-        Self::wrap(py, &record.with_quantity(choose("quantity", quantity, &QUANTITIES)?, unit))
+        let record = Self::of_samples(samples, dt, names, quantity, unit, start)?;
+        check_unit(record.quantity, unit)?;
+        Ok(record)
     }
 
     /// Sampling interval, s.
@@ -361,6 +375,18 @@ impl Record {
     }
 }
 
+/// Refuses a unit that is known to be of another quantity than the one that was named. Volts are a unit of every quantity: sensors give them.
+fn check_unit(quantity: Quantity, unit: &str) -> PyResult<()> {
+    let of_unit = quantity_of_unit(unit);
+    let fits = [quantity, Quantity::Unknown, Quantity::Voltage].contains(&of_unit);
+    if fits || quantity == Quantity::Unknown {
+        return Ok(());
+    }
+    Err(value(format!(
+        "unit = '{unit}' is a unit of {of_unit}, and quantity = '{quantity}': give the unit in which the samples are, or quantity = '{of_unit}'"
+    )))
+}
+
 /// Names, quantity, unit and warnings, as pickled.
 type Described = (Vec<String>, String, String, Vec<String>);
 
@@ -373,7 +399,7 @@ pub(crate) fn _record(
     described: Described,
 ) -> PyResult<Record> {
     let (names, quantity, unit, warnings) = described;
-    Ok(Record { warnings, ..Record::new(samples, dt, Some(names), &quantity, &unit, start)? })
+    Ok(Record { warnings, ..Record::of_samples(samples, dt, Some(names), &quantity, &unit, start)? })
 }
 
 /// Reads a record from a file: CSV and other text (header and delimiter are found), NPY/NPZ, UFF/UNV dataset 58 and 58b,
