@@ -100,6 +100,25 @@ def test_a_unit_of_another_quantity_is_refused():
         assert pickle.loads(pickle.dumps(record)) == record and record.unit == unit
 
 
+def test_an_interval_that_may_be_a_rate_is_named(tmp_path):
+    said = r"the samples are 1000 s apart: the record lasts 63000 s and holds no frequency above 0.0005 Hz; .* dt = 0.001 s"
+    x = np.sin(np.arange(64.0))
+    for call in [
+        lambda: iwan.Record(x, dt=1000.0),
+        lambda: iwan.as_record(x, dt=1000.0),
+        lambda: iwan.as_record({"acc": x}, dt=1000.0),
+    ]:
+        with pytest.warns(UserWarning, match=said):
+            record = call()
+    # Said once, where the record is made; slow pendulums are sampled at 10 Hz, tides at 1 Hz.
+    assert record.between(0.0, 10_000.0) and pickle.loads(pickle.dumps(record)) == record
+    for dt in (0.1, 1.0):
+        assert iwan.Record(x, dt=dt).dt == dt
+    (tmp_path / "r.csv").write_text("a\n" + "".join(f"{v}\n" for v in x))
+    with pytest.warns(UserWarning, match=said):
+        iwan.read_record(tmp_path / "r.csv", rate=1e-3)
+
+
 @pytest.mark.parametrize("method", ["hilbert", "peaks", "pff", "demodulation"])
 def test_every_method_finds_a_linear_mode(method):
     envelope = iwan.envelope(decay(), dt=1 / 4096, method=method)

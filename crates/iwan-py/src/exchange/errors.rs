@@ -41,6 +41,12 @@ pub(crate) fn value_of(call: Call, message: &str) -> PyErr {
     value(in_python(message, call))
 }
 
+/// A warning of Python's: `UserWarning`.
+pub(crate) fn warn(py: Python<'_>, message: &str) -> PyResult<()> {
+    let message = std::ffi::CString::new(in_python(message, Call::Other))?;
+    PyErr::warn(py, &py.get_type::<pyo3::exceptions::PyUserWarning>(), &message, 1)
+}
+
 /// A computation that failed: `iwan.ComputationError`.
 pub(crate) fn computation(message: String) -> PyErr {
     python::ComputationError::new_err(in_python(&message, Call::Other))

@@ -12,7 +12,7 @@ use pyo3::types::PyDict;
 
 use crate::exchange::arguments::{Call, in_python};
 use crate::exchange::array::{Numbers, array, freeze, frozen_rows};
-use crate::exchange::errors::{identification, no_record, reading, value, value_of, wrong_type};
+use crate::exchange::errors::{identification, no_record, reading, value, value_of, warn, wrong_type};
 use crate::exchange::options::choose;
 use crate::exchange::pickle::Remake;
 use crate::exchange::work;
@@ -28,6 +28,10 @@ const QUANTITIES: [(&str, Quantity); 8] = [
     ("unknown", Quantity::Unknown),
 ];
 
+/// Interval in s beyond which a warning says what it means: structures of metres swing within seconds and are sampled many times in each
+/// of their cycles. A judgement, and no refusal: what swings for minutes is sampled slowly.
+const FAR_APART: f64 = 1.0;
+
 const FORMATS: [(&str, Format); 7] = [
     ("text", Format::Text),
     ("npy", Format::Npy),
@@ -41,7 +45,7 @@ const FORMATS: [(&str, Format); 7] = [
 /// One or many channels sampled together at a constant interval; checked once, frozen, picklable.
 ///
 /// `samples`: real numbers, channels x samples (or one dimension for one channel), all finite, at least two;
-/// `dt`: sampling interval > 0 (s); `names`: one for each channel;
+/// `dt`: sampling interval > 0 (s), with a warning for more than 1 s, where a rate may have been meant; `names`: one for each channel;
 /// `quantity`: "acceleration", "velocity", "displacement", "force", "pressure", "voltage", "strain" or "unknown"; `unit`: as text, and no unit
 /// of another quantity, but for volts, in which sensors give whatever they measure; `start`: time of the first sample (s).
 ///
@@ -140,6 +144,21 @@ impl Record {
         let record = record.map_err(|error| no_record(&error))?;
         Self::wrap(py, &record.with_quantity(choose("quantity", quantity, &QUANTITIES)?, unit))
     }
+    /// The record, with a warning where its samples lie so far apart that a rate may have been meant.
+    fn warned(self, py: Python<'_>) -> PyResult<Self> {
+        if self.dt > FAR_APART {
+            let (dt, seconds) = (self.dt, self.dt * (self.__len__(py) - 1) as f64);
+            let message = format!(
+                "the samples are {dt} s apart: the record lasts {seconds} s and holds no frequency above {} Hz; where {dt} is the sampling \
+                 rate in Hz, the interval is dt = {} s",
+                0.5 / dt,
+                1.0 / dt
+            );
+            warn(py, &message)?;
+        }
+        Ok(self)
+    }
+
     /// What motion was measured, and what had to be assumed, in the words of a call.
     pub(crate) fn motion(
         &self,
@@ -183,7 +202,7 @@ impl Record {
     ) -> PyResult<Self> {
         let record = Self::of_samples(samples, dt, names, quantity, unit, start)?;
         check_unit(record.quantity, unit)?;
-        Ok(record)
+        record.warned(samples.py())
     }
 
     /// Sampling interval, s.
@@ -446,7 +465,7 @@ pub(crate) fn read_record(
     let options = ReadOptions { format, time, channels, rate, quantity, resample, time_unit, unit };
     let record = work::run(py, true, move |_| iwan_io::read(path, &options))?;
     let record = record.map_err(|error| reading(Call::File, &error))?;
-    Record::wrap(py, &record.between(start, stop).map_err(|error| no_record(&error))?)
+    Record::wrap(py, &record.between(start, stop).map_err(|error| no_record(&error))?)?.warned(py)
 }
 
 /// Reads a record from the bytes of a file.
@@ -465,5 +484,5 @@ pub(crate) fn _read_bytes(
     let quantity = quantity.map(|name| choose("quantity", name, &QUANTITIES)).transpose()?;
     let options = ReadOptions { time, channels, rate, quantity, resample, ..ReadOptions::default() };
     let record = iwan_io::read_bytes(&name, bytes, &options);
-    Record::wrap(py, &record.map_err(|error| reading(Call::Data, &error))?)
+    Record::wrap(py, &record.map_err(|error| reading(Call::Data, &error))?)?.warned(py)
 }
