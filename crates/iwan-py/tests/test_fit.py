@@ -1,5 +1,6 @@
 """Identification on records of known truth, and the likelihood behind it."""
 
+import json
 import os
 import pickle
 import re
@@ -9,6 +10,7 @@ import sys
 import sysconfig
 import textwrap
 import time
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -184,6 +186,16 @@ def test_the_report_is_that_of_the_command(tmp_path, monkeypatch):
     fit = iwan.fit(iwan.read_record("a.csv"))
     fit.report("ours.html", names=["a.csv"])
     assert Path("ours.html").read_text() == (Path("out") / "report.html").read_text()
+    # And the same JSON, but for the names of the files beside it.
+    told = fit.to_json("ours.json", names=["a.csv"])
+    command = json.loads((Path("out") / "fit.json").read_text())
+    assert command.pop("files") and json.loads(told) == command and Path("ours.json").read_text() == told
+    with pytest.raises(iwan.ExistingFileError, match="force=True"):
+        fit.to_json("ours.json")
+    with pytest.raises(iwan.InvalidValueError, match="2 entries for 1 records"):
+        fit.to_json(names=["a", "b"])
+    assert json.loads(replace(fit, law="linear").to_json())["modes"][0]["law"] == "linear"
+    assert pickle.loads(pickle.dumps(fit)).to_json(names=["a.csv"]) == told
 
 
 def test_reports_appear_whole_or_not_at_all(quiet, tmp_path):

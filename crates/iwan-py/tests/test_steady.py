@@ -1,5 +1,6 @@
 """Forced responses and backbones: the balance itself, options, errors."""
 
+import json
 import pickle
 
 import numpy as np
@@ -213,6 +214,9 @@ def test_a_fit_of_sweeps_writes_the_page_of_the_command(mode, joint, tmp_path):
     with pytest.raises(iwan.ExistingFileError):
         fit.report(tmp_path / "page.html")
     fit.report(tmp_path / "page.html", force=True)
+    told = json.loads(fit.to_json(tmp_path / "fit.json"))
+    assert told["modes"][0]["k_t"]["value"] == fit.joint.k_t and "files" not in told
+    assert json.loads((tmp_path / "fit.json").read_text()) == told
 
 
 def universal(path, frequency, responses):

@@ -142,6 +142,20 @@ class Fit(SixParameters):
         """
         self._again().report(path, None if names is None else list(names), self.force_axis, force)
 
+    def to_json(
+        self, path: str | PathLike[str] | None = None, *, names: Sequence[str] | None = None, force: bool = False
+    ) -> str:
+        """Everything that was found as JSON: the text of `fit.json` of `iwan fit`, but for the names of the files beside it.
+
+        `path`: where to write it besides, whole or not at all; None: nowhere; `names`: what the records are called in it; `force`: overwrite
+        what is there.
+
+        Raises as `report`.
+
+        Example: that of `examples/2_fit_of_a_record.py`.
+        """
+        return self._again().json(path, None if names is None else list(names), self.force_axis, self.law, force)
+
     def _again(self) -> _Identified:
         """What the compiled part knows; a fit that came out of a pickle is identified again, with the same bits."""
         return _identify(self._records, self._request) if self._identified is None else self._identified

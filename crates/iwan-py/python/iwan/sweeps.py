@@ -83,6 +83,18 @@ class SweepFit(SixParameters):
         fitted = self._again() if self._fitted is None else self._fitted
         fitted.report(path, force)
 
+    def to_json(self, path: str | os.PathLike[str] | None = None, *, force: bool = False) -> str:
+        """Everything that was found as JSON: the text of `fit.json` of `iwan fit`, but for the names of the files beside it.
+
+        `path`: where to write it besides, whole or not at all; None: nowhere; `force`: overwrite what is there.
+
+        Raises as `report`.
+
+        Example: that of the book's chapter on steady vibration.
+        """
+        fitted = self._again() if self._fitted is None else self._fitted
+        return fitted.json(path, force)
+
     def __getstate__(self) -> dict[str, Any]:
         return {**self.__dict__, "_fitted": None}
 

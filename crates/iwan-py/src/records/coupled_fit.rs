@@ -1,6 +1,5 @@
 //! Modes that may share joints, from records of several modes at once: `iwan.fit_coupled`.
 
-use std::io::Write;
 use std::path::PathBuf;
 use std::sync::Arc;
 
@@ -13,7 +12,8 @@ use serde_json::json;
 
 use crate::exchange::arguments::{Call, in_python};
 use crate::exchange::array::{Numbers, array, frozen_rows};
-use crate::exchange::errors::{computation, identification_of, value_of, writing};
+use crate::exchange::errors::{identification_of, value_of};
+use crate::exchange::files::{kept, write};
 use crate::exchange::options::thread_count;
 use crate::exchange::work;
 use crate::records::envelope::method_named;
@@ -95,7 +95,7 @@ fn struck(
 #[pymethods]
 impl FittedCoupled {
     /// `fit.json` of the command with arguments in place of its options, and the numbers of the chosen model.
-    fn told(&self) -> PyResult<(String, String)> {
+    fn told(&self) -> (String, String) {
         let (test, fit) = &*self.0;
         let best = fit.best();
         let v = &best.values;
@@ -115,8 +115,12 @@ impl FittedCoupled {
             "participation": v.participation,
             "compliance": v.compliance,
         });
-        let told = test.json(fit).map_err(computation)?;
-        Ok((in_python(&told, Call::SeveralModes), values.to_string()))
+        (in_python(&test.json(fit), Call::SeveralModes), values.to_string())
+    }
+
+    /// `fit.json` of the command; in a file, too, where one is named.
+    fn json(&self, py: Python<'_>, path: Option<PathBuf>, force: bool) -> PyResult<String> {
+        kept(py, path.as_deref(), self.0.0.json(&self.0.1), force)
     }
 
     /// What was measured and what the chosen model shows: series x samples of each record, those fitted and then those kept out.
@@ -138,8 +142,6 @@ impl FittedCoupled {
     fn report(&self, py: Python<'_>, path: PathBuf, force: bool) -> PyResult<()> {
         let made = self.0.clone();
         let page = work::run(py, true, move |_| made.0.page(&made.1))?;
-        let written =
-            py.detach(|| iwan_io::atomic::write_file(&path, force, |w| w.write_all(page.as_bytes())));
-        written.map_err(|error| writing(&error))
+        write(py, &path, &page, force)
     }
 }

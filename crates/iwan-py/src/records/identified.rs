@@ -1,6 +1,5 @@
 //! Identification: records in, parameters with intervals, curves and a verdict out. `iwan.fit` is its face.
 
-use std::io::Write;
 use std::path::PathBuf;
 use std::sync::Arc;
 
@@ -20,7 +19,8 @@ use pyo3::types::PyDict;
 
 use crate::exchange::arguments::{Call, in_python};
 use crate::exchange::array::{Numbers, array, shaped};
-use crate::exchange::errors::{computation, identification, value, writing};
+use crate::exchange::errors::{computation, identification, value};
+use crate::exchange::files::{kept, write};
 use crate::exchange::options::{thread_count, unknown};
 use crate::exchange::pickle::Remake;
 use crate::exchange::work::{self, Control};
@@ -188,7 +188,7 @@ impl Identified {
         Ok(dict)
     }
 
-    /// Writes the page of `iwan fit`, whole or not at all.
+    /// Writes the page of `iwan fit`.
     fn report(
         &self,
         py: Python<'_>,
@@ -197,17 +197,28 @@ impl Identified {
         force_axis: &str,
         force: bool,
     ) -> PyResult<()> {
-        let made = self.0.clone();
-        let names = names.unwrap_or_else(|| self.names());
-        if names.len() != made.records.len() {
-            let (n, records) = (names.len(), made.records.len());
-            return Err(value(format!("names has {n} entries for {records} records: give one for each")));
-        }
-        let joint_force = force_axis == "joint";
-        let page = work::run(py, true, move |_| page(&made, names, joint_force))?.map_err(computation)?;
-        let written =
-            py.detach(|| iwan_io::atomic::write_file(&path, force, |w| w.write_all(page.as_bytes())));
-        written.map_err(|error| writing(&error))
+        let (made, joint_force) = (self.0.clone(), force_axis == "joint");
+        let names = self.called(names)?;
+        let page = work::run(py, true, move |_| made.with(names, joint_force, iwan_cli::fit_page))?;
+        let page = page.map_err(computation)?;
+        write(py, &path, &page, force)
+    }
+
+    /// `fit.json` of `iwan fit`, for the law of that name; in a file, too, where one is named.
+    fn json(
+        &self,
+        py: Python<'_>,
+        path: Option<PathBuf>,
+        names: Option<Vec<String>>,
+        force_axis: &str,
+        law: Option<String>,
+        force: bool,
+    ) -> PyResult<String> {
+        let (made, joint_force) = (self.0.clone(), force_axis == "joint");
+        let names = self.called(names)?;
+        let json = move |mode: &FittedMode<'_>| iwan_cli::fit_json(mode, law.as_deref());
+        let text = work::run(py, true, move |_| made.with(names, joint_force, json))?;
+        kept(py, path.as_deref(), text.map_err(computation)?, force)
     }
 
     /// The likelihood of the records.
@@ -279,26 +290,28 @@ fn backbone<'py>(py: Python<'py>, b: &Backbone) -> PyResult<Bound<'py, PyDict>> 
     Ok(dict)
 }
 
-/// The page of `iwan fit`.
-fn page(made: &Made, names: Vec<String>, joint_force: bool) -> Result<String, String> {
-    let record = |(name, record): (String, &Modal)| FittedRecord {
-        name,
-        channels: record.channels.clone(),
-        unit: record.unit.clone(),
-        quantity: record.quantity,
-        dt: record.dt,
-        start: record.start,
-        samples: record.samples.clone(),
-    };
-    let records: Vec<_> = names.into_iter().zip(&made.records).map(record).collect();
-    iwan_cli::fit_page(&FittedMode {
-        records: &records,
-        settings: &made.settings,
-        found: &made.found,
-        notes: made.records.first().map_or(&[], |record| record.notes.as_slice()),
-        mass_normalised: made.mass_normalised,
-        joint_force,
-    })
+impl Made {
+    /// What the command line makes of the fit, whose records have these names.
+    fn with<T>(&self, names: Vec<String>, joint_force: bool, made: impl FnOnce(&FittedMode<'_>) -> T) -> T {
+        let record = |(name, record): (String, &Modal)| FittedRecord {
+            name,
+            channels: record.channels.clone(),
+            unit: record.unit.clone(),
+            quantity: record.quantity,
+            dt: record.dt,
+            start: record.start,
+            samples: record.samples.clone(),
+        };
+        let records: Vec<_> = names.into_iter().zip(&self.records).map(record).collect();
+        made(&FittedMode {
+            records: &records,
+            settings: &self.settings,
+            found: &self.found,
+            notes: self.records.first().map_or(&[], |record| record.notes.as_slice()),
+            mass_normalised: self.mass_normalised,
+            joint_force,
+        })
+    }
 }
 
 impl Identified {
@@ -308,6 +321,16 @@ impl Identified {
             1 => vec!["record".into()],
             count => (1..=count).map(|i| format!("record {i}")).collect(),
         }
+    }
+
+    /// The names that were given for the records, one for each, or what they are called without.
+    fn called(&self, names: Option<Vec<String>>) -> PyResult<Vec<String>> {
+        let Some(names) = names else { return Ok(self.names()) };
+        let (given, records) = (names.len(), self.0.records.len());
+        if given == records {
+            return Ok(names);
+        }
+        Err(value(format!("names has {given} entries for {records} records: give one for each")))
     }
 
     /// What the comparison of laws found, or why there is none.

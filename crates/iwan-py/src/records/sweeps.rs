@@ -1,6 +1,5 @@
 //! Shaker's tests: responses and backbones in, parameters with intervals out. `iwan.fit(sweeps=)` is its face.
 
-use std::io::Write;
 use std::path::PathBuf;
 use std::sync::Arc;
 
@@ -13,7 +12,8 @@ use pyo3::types::PyDict;
 
 use crate::exchange::arguments::Call;
 use crate::exchange::array::{Numbers, array};
-use crate::exchange::errors::{computation, identification, reading, record, value, writing};
+use crate::exchange::errors::{computation, identification, reading, record, value};
+use crate::exchange::files::{kept, write};
 use crate::exchange::options::unknown;
 use crate::exchange::work;
 use crate::records::identified::{Identified, six};
@@ -107,12 +107,17 @@ impl FittedSweeps {
         Ok(dict)
     }
 
+    /// `fit.json` of `iwan fit`; in a file, too, where one is named.
+    fn json(&self, py: Python<'_>, path: Option<PathBuf>, force: bool) -> PyResult<String> {
+        let made = self.0.clone();
+        let text = work::run(py, true, move |_| made.0.json(&made.1))?;
+        kept(py, path.as_deref(), text.map_err(computation)?, force)
+    }
+
     /// Writes the page of `iwan fit`, whole or not at all.
     fn report(&self, py: Python<'_>, path: PathBuf, force: bool) -> PyResult<()> {
         let made = self.0.clone();
         let page = work::run(py, true, move |_| made.0.page(&made.1))?.map_err(computation)?;
-        let written =
-            py.detach(|| iwan_io::atomic::write_file(&path, force, |w| w.write_all(page.as_bytes())));
-        written.map_err(|error| writing(&error))
+        write(py, &path, &page, force)
     }
 }
