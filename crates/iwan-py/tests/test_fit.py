@@ -134,6 +134,20 @@ def test_a_mode_by_curves_begins_at_the_largest_amplitude_that_was_measured(slip
     assert float(said) == pytest.approx(largest, rel=1e-12)
 
 
+def test_a_fit_tells_a_terminal_for_how_long_it_has_been_at_work(capfd, mode):
+    record = ring_down(0.2, 0.25).acceleration
+    iwan.fit(record, dt=DT, progress=True)
+    assert re.fullmatch(r"(\ridentifying, \d+ s)+\n", capfd.readouterr().err)
+    shaker = iwan.frf(mode, band=(112.0, 128.0), force=[1.0, 100.0], points=40)
+    iwan.fit(record, dt=DT, sweeps=[shaker], progress=True)
+    assert re.fullmatch(r"(\rfitting, \d+ s)+\n", capfd.readouterr().err)
+    # Nothing where standard error is no terminal.
+    iwan.fit(record, dt=DT)
+    assert capfd.readouterr().err == ""
+    with pytest.raises(iwan.InvalidTypeError, match="cannot say how far it is"):
+        iwan.fit(record, dt=DT, progress=print)
+
+
 def test_bad_arguments_are_named():
     x = ring_down(0.2).acceleration
     for options, message in [

@@ -493,6 +493,7 @@ def _fit_sweeps(
     mass: float | None,
     hold: Sequence[tuple[str, float]],
     ring_downs: _Identified | None,
+    progress: Callable[[int], object] | None,
 ) -> _FittedSweeps: ...
 @final
 class _FittedSweeps:
@@ -586,7 +587,9 @@ class _Likelihood:
     def best(self) -> Array: ...
     def log(self, theta: ArrayLike, threads: int | None) -> Array: ...
 
-def _identify(records: Sequence[Record | ArrayLike], request: Mapping[str, Any]) -> _Identified: ...
+def _identify(
+    records: Sequence[Record | ArrayLike], request: Mapping[str, Any], progress: Callable[[int], object] | None = None
+) -> _Identified: ...
 def _identify_many(
     groups: Sequence[Sequence[Record | ArrayLike]],
     request: Mapping[str, Any],

@@ -29,6 +29,7 @@ from iwan._native import (
 )
 from iwan._six import Interval, SixParameters
 from iwan.errors import InvalidTypeError, InvalidValueError
+from iwan.progress import busy
 from iwan.records import as_record
 from iwan.sweeps import Measurement, SweepFit, fit_sweeps
 from iwan.types import Array, EnvelopeMethod
@@ -211,6 +212,7 @@ def fit(
     force_axis: Literal["modal", "joint"] = "modal",
     hold: Mapping[str, float] | None = None,
     law: str | None = None,
+    progress: bool | None = None,
 ) -> Fit: ...
 @overload
 def fit(
@@ -235,6 +237,7 @@ def fit(
     stop: float | None = None,
     hits: Literal["all", "first"] | int = "all",
     hold: Mapping[str, float] | None = None,
+    progress: bool | None = None,
 ) -> SweepFit: ...
 @overload
 def fit(
@@ -259,6 +262,7 @@ def fit(
     stop: float | None = None,
     hits: Literal["all", "first"] | int = "all",
     hold: Mapping[str, float] | None = None,
+    progress: bool | None = None,
 ) -> SweepFit: ...
 def fit(
     record: Record | ArrayLike | Sequence[Record | ArrayLike] | None = None,
@@ -284,6 +288,7 @@ def fit(
     force_axis: Literal["modal", "joint"] = "modal",
     hold: Mapping[str, float] | None = None,
     law: str | None = None,
+    progress: bool | None = None,
 ) -> Fit | SweepFit:
     """Identify the parameters of a mode with a four-parameter Iwan joint and a viscous damper.
 
@@ -294,7 +299,8 @@ def fit(
     `order`: as in `iwan.envelope`. `start`, `stop`: only the samples between these times (s, on the record's own clock). `hits`: which
     hits of a record that holds several (`Record.hits`): all, each as a record of its own, the first, or a number counted from 1. `force_axis`: of the curves. `hold`: parameters that keep a value, such as
     `{"damping_ratio": 0.0}`. `law`: name of the law that `Fit.law` and `Fit.law_mode` shall be of, in place of the one that the records
-    favour; the book's chapter on laws has the names.
+    favour; the book's chapter on laws has the names. `progress`: True, False, or None: where standard error is a terminal, a line says for how
+    long the fit has been at work; how far it is, it cannot say.
 
     `sweeps`, `backbones`: a shaker's test of the mode in place of the record or beside it, one measurement for each day: a file as
     `iwan fit --sweep --backbone` reads it, a mapping with arrays `frequency` (Hz), a motion (`amplitude`, `displacement`, `velocity` or
@@ -337,11 +343,12 @@ def fit(
         if record is not None:
             pieces = stretches(several(record), dt, start, stop, hits)
             ring_downs = partial(_identify, pieces.records, arguments)
-        return fit_sweeps(sweeps, backbones, levels, mass, hold, ring_downs, pieces.notes)
+        return fit_sweeps(sweeps, backbones, levels, mass, hold, ring_downs, pieces.notes, progress)
     if record is None:
         raise InvalidTypeError("record is missing: give a record, or a shaker's test as sweeps= or backbones=")
     pieces = stretches(several(record), dt, start, stop, hits)
-    identified = _identify(pieces.records, arguments)
+    with busy(progress, "identifying") as tell:
+        identified = _identify(pieces.records, arguments, tell)
     found = made(identified.told(force_axis), pieces.records, arguments, force_axis, identified)
     return by_law(replace(found, notes=[*pieces.notes, *found.notes]), law)
 

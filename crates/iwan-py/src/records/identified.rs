@@ -117,15 +117,17 @@ pub(super) struct Made {
 #[derive(Debug)]
 pub(crate) struct Identified(pub(super) Arc<Made>);
 
-/// Identifies a mode from its records at several force levels.
+/// Identifies a mode from its records at several force levels. `progress` is called from time to time, as a sign of life.
 #[pyfunction]
-pub(crate) fn _identify(
-    py: Python<'_>,
-    records: Vec<Bound<'_, PyAny>>,
-    request: Request<'_>,
+#[pyo3(signature = (records, request, progress = None))]
+pub(crate) fn _identify<'py>(
+    py: Python<'py>,
+    records: Vec<Bound<'py, PyAny>>,
+    request: Request<'py>,
+    progress: Option<&Bound<'py, PyAny>>,
 ) -> PyResult<Identified> {
     let task = request.task(&records, &request.settings()?)?;
-    work::run(py, true, move |control| task.run(control))?.map_err(identification)
+    work::watched(py, progress, move |control| task.run(control))?.map_err(identification)
 }
 
 /// Identifies many modes, each from its records, on threads: for each what was found, or the exception that says why not.

@@ -57,8 +57,9 @@ impl Source<'_> {
 #[derive(Debug)]
 pub(crate) struct FittedSweeps(Arc<(SweepTest, SteadyFit)>);
 
-/// The parameters of a mode from responses and backbones, with identified ring-downs or without.
+/// The parameters of a mode from responses and backbones, with identified ring-downs or without. `progress` is called from time to time.
 #[pyfunction]
+#[expect(clippy::too_many_arguments, reason = "the arguments of a function of Python, and who hears of it")]
 pub(crate) fn _fit_sweeps<'py>(
     py: Python<'py>,
     sweeps: Vec<Source<'py>>,
@@ -67,6 +68,7 @@ pub(crate) fn _fit_sweeps<'py>(
     mass: Option<f64>,
     hold: Vec<(String, f64)>,
     ring_downs: Option<&Bound<'py, Identified>>,
+    progress: Option<&Bound<'py, PyAny>>,
 ) -> PyResult<FittedSweeps> {
     if let Some(mass) = mass.filter(|mass| !(*mass > 0.0 && mass.is_finite())) {
         return Err(value(format!("mass = {mass} is out of range: must be a finite number > 0")));
@@ -86,7 +88,7 @@ pub(crate) fn _fit_sweeps<'py>(
     let sources = sources.collect::<PyResult<Vec<_>>>()?;
     let ring_downs = ring_downs.map(|found| (found.get().names(), &found.get().0.found));
     let test = SweepTest::read(sources, mass, &levels, ring_downs).map_err(record)?;
-    let (test, fit) = work::run(py, true, move |_| {
+    let (test, fit) = work::watched(py, progress, move |_| {
         let fit = test.fit(&hold);
         (test, fit)
     })?;
