@@ -148,6 +148,12 @@ def test_a_fit_tells_a_terminal_for_how_long_it_has_been_at_work(capfd, mode):
         iwan.fit(record, dt=DT, progress=print)
 
 
+def test_a_law_that_is_none_is_refused_before_the_fit(monkeypatch):
+    monkeypatch.setattr("iwan.identification._identify", lambda *_: pytest.fail("the fit has begun"))
+    with pytest.raises(iwan.InvalidValueError, match="law = 'ivan' is not known: choose one of 'linear', .*'iwan'"):
+        iwan.fit(ring_down(0.2).acceleration, dt=DT, law="ivan")
+
+
 def test_bad_arguments_are_named():
     x = ring_down(0.2).acceleration
     for options, message in [

@@ -24,6 +24,7 @@ from iwan._native import (
     PowerDamping,
     Record,
     Spring,
+    _check_law,
     _identify,
     _Identified,
 )
@@ -330,6 +331,8 @@ def fit(
     (True, '239')
     """
     arguments = request(channel, quantity, shape, mass, band, near, mode, method, filter_order, window, order, hold)
+    if law is not None:
+        _check_law(law)
     if force_axis not in ("modal", "joint"):
         raise InvalidValueError(f"force_axis = {force_axis!r} must be 'modal' or 'joint'")
     if sweeps is not None or backbones is not None:
@@ -369,7 +372,7 @@ def by_law(found: Fit, law: str | None) -> Fit:
         return found
     names = [one["name"] for one in found.laws]
     if law not in names:
-        said = f"must be one of {', '.join(names)}" if names else found.law_words
+        said = f"could not be fitted to these records: choose from {', '.join(names)}" if names else found.law_words
         raise InvalidValueError(f"law = {law!r}: {said}")
     return replace(found, law=law)
 

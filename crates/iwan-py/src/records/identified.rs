@@ -6,7 +6,7 @@ use std::sync::Arc;
 use iwan_cli::{FittedMode, FittedRecord};
 use iwan_ident::curves::{Curves, ForceAxis};
 use iwan_ident::identify::{Held, Identification, ModeRecord, Settings, identify_until};
-use iwan_ident::laws::{Backbone, FittedLaw};
+use iwan_ident::laws::{Backbone, CANDIDATES, FittedLaw};
 use iwan_ident::likelihood::{Buffers, Likelihood as Library};
 use iwan_ident::profile::Profile;
 use iwan_ident::refine::TurningPoint;
@@ -116,6 +116,13 @@ pub(super) struct Made {
 #[pyclass(frozen, module = "iwan._native", name = "_Identified")]
 #[derive(Debug)]
 pub(crate) struct Identified(pub(super) Arc<Made>);
+
+/// Refuses the name of a law that is not in the list.
+#[pyfunction]
+pub(crate) fn _check_law(law: &str) -> PyResult<()> {
+    let names: Vec<&str> = CANDIDATES.iter().map(|candidate| candidate.name).collect();
+    if names.contains(&law) { Ok(()) } else { Err(unknown("law", law, &names)) }
+}
 
 /// Identifies a mode from its records at several force levels. `progress` is called from time to time, as a sign of life.
 #[pyfunction]
