@@ -7,7 +7,7 @@ from typing import Any, Final, Literal, final, overload
 from numpy.typing import ArrayLike
 from xarray import Dataset
 
-from iwan.types import Array, Energy, EnvelopeMethod, Grid, Method, Motion, Quantity, Statistics
+from iwan.types import Array, Energy, EnvelopeMethod, Grid, Method, Motion, Pair, Quantity, Statistics
 
 __version__: Final[str]
 
@@ -403,11 +403,11 @@ def envelope(
     *,
     dt: float | None = None,
     channel: str | int | None = None,
-    band: tuple[float, float] | None = None,
+    band: Pair | None = None,
     near: float | None = None,
     method: EnvelopeMethod = "hilbert",
     filter_order: int = 3,
-    window: tuple[float, float] | None = None,
+    window: Pair | None = None,
     order: int | None = None,
     mode: float | None = None,
 ) -> Envelope: ...
@@ -434,11 +434,11 @@ def _envelopes(
     *,
     dt: float | None,
     channel: str | int | None,
-    band: tuple[float, float] | None,
+    band: Pair | None,
     near: float | None,
     method: EnvelopeMethod,
     filter_order: int,
-    window: tuple[float, float] | None,
+    window: Pair | None,
     order: int | None,
     first: int,
     threads: int | None,

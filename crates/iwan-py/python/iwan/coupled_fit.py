@@ -19,7 +19,7 @@ from iwan.errors import InvalidValueError
 from iwan.identification import disturbed, several, stretches
 from iwan.progress import Progress, bar
 from iwan.records import as_record
-from iwan.types import Array, EnvelopeMethod
+from iwan.types import Array, EnvelopeMethod, Pair
 from iwan.updating import Estimate
 
 __all__ = ["CoupledFit", "fit_coupled"]
@@ -153,7 +153,7 @@ def fit_coupled(
     forces: ArrayLike | Sequence[ArrayLike | Record] | None = None,
     shapes: ArrayLike | None = None,
     frequencies: Sequence[float] | None = None,
-    bands: Sequence[tuple[float, float]] | None = None,
+    bands: Sequence[Pair] | None = None,
     near: Sequence[float] | None = None,
     shape_at_force: Sequence[float] | None = None,
     predict: Record | ArrayLike | Sequence[Record | ArrayLike] = (),
