@@ -12,6 +12,7 @@ use iwan_io::Record;
 use crate::failure::Failure;
 use crate::fit::{CoupledResults, Loaded, Measured};
 use crate::records::{Recording, Shapes, Sought};
+use crate::session::alone;
 
 /// A record with its force, where that is known.
 #[derive(Debug, Clone)]
@@ -88,11 +89,9 @@ impl CoupledTest {
     }
 
     /// `fit.json` of `iwan fit --coupled`.
-    ///
-    /// # Errors
-    /// Why there is none, in words.
-    pub fn json(&self, fit: &CoupledFit) -> Result<String, String> {
-        serde_json::to_string(&CoupledResults::new(&self.0, fit).summary).map_err(|error| error.to_string())
+    #[must_use]
+    pub fn json(&self, fit: &CoupledFit) -> String {
+        alone(&CoupledResults::new(&self.0, fit).summary)
     }
 
     /// The page of `iwan fit --coupled`: self-contained HTML.

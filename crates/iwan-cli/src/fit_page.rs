@@ -1,4 +1,4 @@
-//! `report.html` of a fit that was made elsewhere: the page of `iwan fit`.
+//! `report.html` and `fit.json` of a fit that was made elsewhere: those of `iwan fit`.
 
 use iwan_ident::curves::Quantity;
 use iwan_ident::identify::{Identification, Settings};
@@ -9,6 +9,7 @@ use crate::failure::Failure;
 use crate::fit::{FitSummary, Reported, as_scenario, render};
 use crate::identified::{Identified, extract};
 use crate::records::{Axis, ModalRecord, Recording, Units, Wanted};
+use crate::session::alone;
 
 /// A record as it was identified.
 #[derive(Debug, Clone)]
@@ -54,27 +55,56 @@ pub fn fit_page(mode: &FittedMode<'_>) -> Result<String, String> {
     page(mode).map_err(|failure| failure.to_string())
 }
 
+/// `fit.json`: everything that was found. `law` is the name of the law that was asked for in place of the chosen one.
+///
+/// # Errors
+/// As [`fit_page`].
+pub fn fit_json(mode: &FittedMode<'_>, law: Option<&str>) -> Result<String, String> {
+    let Told { mut summary, .. } = Told::of(mode).map_err(|failure| failure.to_string())?;
+    if let Some(law) = law {
+        summary.modes.iter_mut().for_each(|mode| mode.law = Some(law.to_owned()));
+    }
+    Ok(alone(&summary))
+}
+
+/// What the page and the summary are made of.
+struct Told {
+    identified: [Identified; 1],
+    summary: FitSummary,
+    units: Units,
+}
+
 fn page(mode: &FittedMode<'_>) -> Result<String, Failure> {
-    let recordings = mode.records.iter().map(recording).collect::<Result<Vec<_>, _>>()?;
-    let Some(first) = recordings.first() else {
-        return Err(Failure::input("there is no record", "give at least one"));
-    };
-    let wanted = Wanted {
-        name: "mode 1".into(),
-        number: 0,
-        options: mode.settings.options,
-        records: (mode.records.iter().enumerate())
-            .map(|(source, record)| ModalRecord { source, samples: record.samples.clone() })
-            .collect(),
-        notes: mode.notes.to_vec(),
-    };
-    let axis = if mode.joint_force { Axis::Joint } else { Axis::Modal };
-    let extractions = extract(&recordings, &wanted, mode.settings.method)?;
-    let identified = [Identified::of(&recordings, &wanted, extractions, axis, mode.found.clone())?];
-    let units = Units::new(first.record.unit(), first.quantity, mode.mass_normalised);
-    let summary = FitSummary::new(&recordings, &identified, axis, &units);
+    let Told { identified, summary, units } = Told::of(mode)?;
     let toml = to_toml(&as_scenario(&identified, &summary.title(), |_| None)?, "");
     Ok(render(&Reported { identified: &identified, summary: &summary, units: &units, toml: &toml }))
+}
+
+impl Told {
+    fn of(mode: &FittedMode<'_>) -> Result<Self, Failure> {
+        let recordings = mode.records.iter().map(recording).collect::<Result<Vec<_>, _>>()?;
+        let Some(first) = recordings.first() else {
+            return Err(Failure::input("there is no record", "give at least one"));
+        };
+        let wanted = Wanted {
+            name: "mode 1".into(),
+            number: 0,
+            options: mode.settings.options,
+            records: (mode.records.iter().enumerate())
+                .map(|(source, record)| ModalRecord { source, samples: record.samples.clone() })
+                .collect(),
+            notes: mode.notes.to_vec(),
+        };
+        let axis = if mode.joint_force { Axis::Joint } else { Axis::Modal };
+        let extractions = extract(&recordings, &wanted, mode.settings.method)?;
+        let identified = [Identified::of(&recordings, &wanted, extractions, axis, mode.found.clone())?];
+        let units = Units::new(first.record.unit(), first.quantity, mode.mass_normalised);
+        let mut summary = FitSummary::new(&recordings, &identified, axis, &units);
+        for (told, record) in summary.records.iter_mut().zip(mode.records) {
+            told.channels.clone_from(&record.channels);
+        }
+        Ok(Self { identified, summary, units })
+    }
 }
 
 fn recording(record: &FittedRecord) -> Result<Recording, Failure> {

@@ -43,5 +43,5 @@ mod cli;
 
 pub use cli::run;
 pub use coupled_test::{CoupledTest, ModesSought, StruckRecord};
-pub use fit_page::{FittedMode, FittedRecord, fit_page};
+pub use fit_page::{FittedMode, FittedRecord, fit_json, fit_page};
 pub use sweep_test::{SweepKind, SweepSource, SweepTest};

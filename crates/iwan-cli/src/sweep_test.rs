@@ -7,6 +7,7 @@ use iwan_ident::sweeps::SteadyFit;
 use iwan_ident::{Error, Parameter};
 
 use crate::fit::{Content, Measurement, Results, RingDowns, Scaling, ShakerTest, read_columns};
+use crate::session::alone;
 
 /// Where a measurement comes from.
 #[derive(Debug, Clone)]
@@ -75,6 +76,16 @@ impl SweepTest {
     /// Why there is none, in words: a mode that cannot be driven at the measured levels.
     pub fn page(&self, fit: &SteadyFit) -> Result<String, String> {
         Results::new(&self.0, fit).map(|results| results.page).map_err(|failure| failure.to_string())
+    }
+
+    /// `fit.json` of `iwan fit`.
+    ///
+    /// # Errors
+    /// As [`page`](Self::page).
+    pub fn json(&self, fit: &SteadyFit) -> Result<String, String> {
+        Results::new(&self.0, fit)
+            .map(|results| alone(&results.summary))
+            .map_err(|failure| failure.to_string())
     }
 }
 

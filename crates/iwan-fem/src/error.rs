@@ -16,6 +16,16 @@ pub enum Error {
         /// The allowed range, in words and numbers.
         allowed: &'static str,
     },
+    /// A number of modes that is none, or more than there are.
+    #[error("{name} = {value} is out of range: 1 to {most}, as many as the structure has unknowns")]
+    Modes {
+        /// What the number is called.
+        name: &'static str,
+        /// The number that was given.
+        value: usize,
+        /// The largest number there can be.
+        most: usize,
+    },
     /// An element that is not a volume.
     #[error(
         "element {label} is inverted or collapsed: its Jacobian determinant is {determinant:.3e} at integration \
@@ -95,7 +105,7 @@ impl Error {
     #[must_use]
     pub fn kind(&self) -> Kind {
         match self {
-            Self::OutOfRange { .. } | Self::Model(_) => Kind::Value,
+            Self::OutOfRange { .. } | Self::Modes { .. } | Self::Model(_) => Kind::Value,
             Self::Element { .. } | Self::Node { .. } | Self::Connection { .. } => Kind::Structure,
             Self::MissingSet { .. } => Kind::MissingSet,
             Self::MissingMode { .. } => Kind::MissingMode,

@@ -216,6 +216,12 @@ fn models_by_their_names() {
     for model in [Model::Full, Model::Basis(50), Model::Tolerance(0.5)] {
         assert_eq!(assembled.integrate(model, &task, &off).unwrap_err(), Error::Interrupted);
     }
+    // As many modes as there are unknowns, and no more: a basis is not cut in silence.
+    let most = assembled.unknowns();
+    for modes in [0, most + 1] {
+        let error = assembled.integrate(Model::Basis(modes), &task, UNWATCHED).unwrap_err();
+        assert_eq!(error, Error::Modes { name: "basis", value: modes, most }, "{error}");
+    }
     let endless = Transient { steps: usize::MAX, ..task };
     let error = assembled.integrate(Model::Basis(50), &endless, UNWATCHED).unwrap_err();
     assert!(error.to_string().contains("8 GB"), "{error}");

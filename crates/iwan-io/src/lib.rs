@@ -34,6 +34,7 @@ mod door;
 pub mod atomic;
 mod table;
 
+pub use assembly::quantity_of_unit;
 pub use bytes::{NumberType, Order};
 pub use door::{MeasuredChannel, Measurement, ModalTest, read, read_bytes, read_modal_test};
 pub use error::ReadError;

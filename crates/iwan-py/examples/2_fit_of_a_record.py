@@ -4,6 +4,8 @@
 # computer, so that the truth is known.
 
 # %%
+import json
+
 import numpy as np
 from matplotlib import pyplot
 
@@ -48,3 +50,10 @@ figure.savefig("fit_of_a_record.png")
 
 # %%
 fit.report("fit.html", names=["hammer.csv"])
+
+# %% [markdown]
+# And as JSON for other programs, with the same content as `fit.json` of the command `iwan fit`.
+
+# %%
+found = json.loads(fit.to_json("fit.json", names=["hammer.csv"]))
+assert found["modes"][0]["k_t"]["value"] == fit.joint.k_t

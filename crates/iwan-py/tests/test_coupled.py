@@ -142,6 +142,8 @@ def test_a_coupled_fit_out_of_a_pickle_writes_the_same_report(fitted, tmp_path) 
     assert repr(again) == repr(found) and vars(again)["estimates"] == found.estimates
     found.report(tmp_path / "one.html")
     again.report(tmp_path / "two.html")
+    told = json.loads(found.to_json(tmp_path / "fit.json"))
+    assert told["chosen"] == found.chosen and "files" not in told and again.to_json() == (tmp_path / "fit.json").read_text()
     page = (tmp_path / "one.html").read_bytes()
     assert page == (tmp_path / "two.html").read_bytes() and b"Models side by side" in page
     with pytest.raises(iwan.ExistingFileError):

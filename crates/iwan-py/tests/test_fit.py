@@ -1,5 +1,6 @@
 """Identification on records of known truth, and the likelihood behind it."""
 
+import json
 import os
 import pickle
 import re
@@ -9,6 +10,7 @@ import sys
 import sysconfig
 import textwrap
 import time
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -96,6 +98,62 @@ def test_a_fit_pickles(quiet):
     np.testing.assert_array_equal(again(theta), first(theta))
 
 
+def test_a_likelihood_pickles(loud, tmp_path):
+    """As samplers on several processes need it: another process evaluates it to the same bits, without a fit."""
+    hits = [iwan.Record(ring_down(s, 0.3).velocity, dt=DT, quantity="velocity") for s in (0.3, 0.31)]
+    for found in (loud, iwan.fit(hits, hold={"damping_ratio": 1e-3})):
+        first = iwan.log_likelihood(found)
+        kept = pickle.dumps(first)
+        back = pickle.loads(kept)
+        assert back.names == first.names and len(kept) < 200_000
+        np.testing.assert_array_equal(back.best, first.best)
+        theta = first.best + 1e-4 * np.random.default_rng(0).standard_normal((5, len(first.names)))
+        np.testing.assert_array_equal(back(theta), first(theta))
+        (tmp_path / "kept.pickle").write_bytes(pickle.dumps((first, theta)))
+        program = "import pickle; f, x = pickle.load(open('kept.pickle', 'rb')); print(f(x).tobytes().hex())"
+        run = subprocess.run([sys.executable, "-c", program], cwd=tmp_path, check=True, capture_output=True, text=True)
+        assert run.stdout.strip() == first(theta).tobytes().hex()
+        make, (version, numbers, free) = first._native.__reduce__()
+        for broken in (("0.0.0", numbers, free), (version, numbers[:-1], free), (version, numbers[:40], free)):
+            with pytest.raises(iwan.InvalidValueError, match="make it again with iwan.log_likelihood"):
+                make(*broken)
+
+
+@pytest.mark.parametrize("slip_ratio", [0.15, 0.3, 0.6])
+def test_a_mode_by_curves_begins_at_the_largest_amplitude_that_was_measured(slip_ratio):
+    """That of the first sample of the free decay; the curves ended at the next point of their grid, up to 7 % below."""
+    found = iwan.fit(ring_down(slip_ratio, 0.8).acceleration, dt=DT)
+    largest = found.backbone["amplitude"][-1]
+    assert largest == pytest.approx(slip_ratio * JOINT.phi_max, rel=5e-3)
+    assert largest >= found.curves["displacement"].max()
+    again = iwan.simulate(found.curve_mode, dt=DT, duration=0.2, initial=(largest, 0.0))
+    assert np.abs(again.displacement).max() == largest
+    with pytest.raises(iwan.ComputationError, match="beyond the largest of the curves, ([-0-9.e]+),") as beyond:
+        iwan.simulate(found.curve_mode, dt=DT, duration=0.2, initial=(1.01 * largest, 0.0))
+    [said] = re.findall("largest of the curves, ([-0-9.e]+),", str(beyond.value))
+    assert float(said) == pytest.approx(largest, rel=1e-12)
+
+
+def test_a_fit_tells_a_terminal_for_how_long_it_has_been_at_work(capfd, mode):
+    record = ring_down(0.2, 0.25).acceleration
+    iwan.fit(record, dt=DT, progress=True)
+    assert re.fullmatch(r"(\ridentifying, \d+ s)+\n", capfd.readouterr().err)
+    shaker = iwan.frf(mode, band=(112.0, 128.0), force=[1.0, 100.0], points=40)
+    iwan.fit(record, dt=DT, sweeps=[shaker], progress=True)
+    assert re.fullmatch(r"(\rfitting, \d+ s)+\n", capfd.readouterr().err)
+    # Nothing where standard error is no terminal.
+    iwan.fit(record, dt=DT)
+    assert capfd.readouterr().err == ""
+    with pytest.raises(iwan.InvalidTypeError, match="cannot say how far it is"):
+        iwan.fit(record, dt=DT, progress=print)
+
+
+def test_a_law_that_is_none_is_refused_before_the_fit(monkeypatch):
+    monkeypatch.setattr("iwan.identification._identify", lambda *_: pytest.fail("the fit has begun"))
+    with pytest.raises(iwan.InvalidValueError, match="law = 'ivan' is not known: choose one of 'linear', .*'iwan'"):
+        iwan.fit(ring_down(0.2).acceleration, dt=DT, law="ivan")
+
+
 def test_bad_arguments_are_named():
     x = ring_down(0.2).acceleration
     for options, message in [
@@ -148,6 +206,16 @@ def test_the_report_is_that_of_the_command(tmp_path, monkeypatch):
     fit = iwan.fit(iwan.read_record("a.csv"))
     fit.report("ours.html", names=["a.csv"])
     assert Path("ours.html").read_text() == (Path("out") / "report.html").read_text()
+    # And the same JSON, but for the names of the files beside it.
+    told = fit.to_json("ours.json", names=["a.csv"])
+    command = json.loads((Path("out") / "fit.json").read_text())
+    assert command.pop("files") and json.loads(told) == command and Path("ours.json").read_text() == told
+    with pytest.raises(iwan.ExistingFileError, match="force=True"):
+        fit.to_json("ours.json")
+    with pytest.raises(iwan.InvalidValueError, match="2 entries for 1 records"):
+        fit.to_json(names=["a", "b"])
+    assert json.loads(replace(fit, law="linear").to_json())["modes"][0]["law"] == "linear"
+    assert pickle.loads(pickle.dumps(fit)).to_json(names=["a.csv"]) == told
 
 
 def test_reports_appear_whole_or_not_at_all(quiet, tmp_path):

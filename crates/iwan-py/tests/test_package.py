@@ -8,6 +8,7 @@ import subprocess
 import sys
 from pathlib import Path
 
+import matplotlib
 import numpy as np
 import pytest
 
@@ -104,14 +105,30 @@ def test_errors_are_one_tree():
 PAGES = {"package": HERE.parent / "README.md", "project": HERE.parents[2] / "README.md", "book": HERE.parents[2] / "book/src/python.md"}
 
 
+BOOK = HERE.parents[2] / "book/src"
+
+
+def blocks_of(page):
+    found = re.findall(r"```python\n(.*?)```", page.read_text(), flags=re.S)
+    assert found
+    return found
+
+
 @pytest.mark.parametrize("page", PAGES.values(), ids=PAGES.keys())
 def test_readme_examples(page):
-    text = page.read_text()
-    blocks = re.findall(r"```python\n(.*?)```", text, flags=re.S)
-    assert blocks
+    """Blocks of a page that is read from its begin to its end."""
     names = {}
-    for block in blocks:
+    for block in blocks_of(page):
         exec(compile(block, str(page), "exec"), names)
+
+
+@pytest.mark.parametrize("page", sorted(page.stem for page in BOOK.glob("*.md") if "```python" in page.read_text() and page.stem != "python"))
+def test_blocks_of_the_other_chapters_run_alone(page, tmp_path, monkeypatch):
+    """Each of them: they stand in the middle of pages, and are what a reader copies."""
+    monkeypatch.chdir(tmp_path)
+    matplotlib.use("Agg")
+    for block in blocks_of(BOOK / f"{page}.md"):
+        exec(compile(block, page, "exec"), {})
 
 
 def test_the_version_is_the_distributions():

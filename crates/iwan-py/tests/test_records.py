@@ -1,6 +1,8 @@
 """Records from files and arrays, and envelopes."""
 
 import os
+import pickle
+import re
 from pathlib import Path
 
 import numpy as np
@@ -85,6 +87,36 @@ def test_a_record_is_checked_and_frozen():
 def test_bad_records_are_named(samples, options, message):
     with pytest.raises(iwan.InvalidValueError, match=message):
         iwan.Record(samples, **({"dt": 0.1} | options))
+
+
+def test_a_unit_of_another_quantity_is_refused():
+    for quantity, unit, of in [("acceleration", "N", "force"), ("force", "m/s^2", "acceleration"), ("displacement", "mm/s", "velocity")]:
+        said = f"unit = '{unit}' is a unit of {of}, and quantity = '{quantity}'"
+        with pytest.raises(iwan.InvalidValueError, match=re.escape(said)):
+            iwan.Record([1.0, 2.0], dt=0.1, quantity=quantity, unit=unit)
+    # Volts of a sensor are a unit of whatever it measures; a unit that is not known contradicts nothing.
+    for quantity, unit in [("acceleration", "g"), ("acceleration", "mV"), ("velocity", "counts"), ("unknown", "N"), ("force", "")]:
+        record = iwan.Record([1.0, 2.0], dt=0.1, quantity=quantity, unit=unit)
+        assert pickle.loads(pickle.dumps(record)) == record and record.unit == unit
+
+
+def test_an_interval_that_may_be_a_rate_is_named(tmp_path):
+    said = r"the samples are 1000 s apart: the record lasts 63000 s and holds no frequency above 0.0005 Hz; .* dt = 0.001 s"
+    x = np.sin(np.arange(64.0))
+    for call in [
+        lambda: iwan.Record(x, dt=1000.0),
+        lambda: iwan.as_record(x, dt=1000.0),
+        lambda: iwan.as_record({"acc": x}, dt=1000.0),
+    ]:
+        with pytest.warns(UserWarning, match=said):
+            record = call()
+    # Said once, where the record is made; slow pendulums are sampled at 10 Hz, tides at 1 Hz.
+    assert record.between(0.0, 10_000.0) and pickle.loads(pickle.dumps(record)) == record
+    for dt in (0.1, 1.0):
+        assert iwan.Record(x, dt=dt).dt == dt
+    (tmp_path / "r.csv").write_text("a\n" + "".join(f"{v}\n" for v in x))
+    with pytest.warns(UserWarning, match=said):
+        iwan.read_record(tmp_path / "r.csv", rate=1e-3)
 
 
 @pytest.mark.parametrize("method", ["hilbert", "peaks", "pff", "demodulation"])

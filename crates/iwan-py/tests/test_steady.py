@@ -1,5 +1,6 @@
 """Forced responses and backbones: the balance itself, options, errors."""
 
+import json
 import pickle
 
 import numpy as np
@@ -137,6 +138,7 @@ def test_a_structure_is_driven_and_freely_vibrating(beam):
         ({"force": [1.0], "at": "moon"}, "moon"),
         ({"force": [1.0], "damping_ratio": 1.0}, "damping_ratio = 1"),
         ({"force": [1.0], "basis": 0}, "basis = 0"),
+        ({"force": [1.0], "basis": 10**6}, r"basis = 1000000 is out of range: 1 to \d+, as many as the structure has unknowns"),
     ],
 )
 def test_bad_values_of_structures_are_named(beam, options, message):
@@ -212,6 +214,9 @@ def test_a_fit_of_sweeps_writes_the_page_of_the_command(mode, joint, tmp_path):
     with pytest.raises(iwan.ExistingFileError):
         fit.report(tmp_path / "page.html")
     fit.report(tmp_path / "page.html", force=True)
+    told = json.loads(fit.to_json(tmp_path / "fit.json"))
+    assert told["modes"][0]["k_t"]["value"] == fit.joint.k_t and "files" not in told
+    assert json.loads((tmp_path / "fit.json").read_text()) == told
 
 
 def universal(path, frequency, responses):

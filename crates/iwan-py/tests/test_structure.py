@@ -205,6 +205,7 @@ def test_errors_name_file_line_and_key(beam, tmp_path, monkeypatch):
         ({"model": "full", "basis": 10}, "do not apply"),
         ({"basis": 10, "tolerance": 0.1}, "exclude each other"),
         ({"basis": 0}, "basis = 0"),
+        ({"basis": 10**6}, r"basis = 1000000 is out of range: 1 to \d+, as many as the structure has unknowns"),
         ({"tolerance": -0.1}, "tolerance = -0.1"),
         ({"modes": ["bending 77"]}, 'no mode "bending 77"'),
         ({"velocity": {"sideways": 1.0}}, 'no mode "sideways"'),
@@ -213,6 +214,9 @@ def test_errors_name_file_line_and_key(beam, tmp_path, monkeypatch):
     ]:
         with pytest.raises(iwan.InvalidValueError, match=message):
             beam.simulate(**(run | options))
+    with pytest.raises(iwan.InvalidValueError, match="modes = 1000000 is out of range: 1 to"):
+        beam.write_reduced("reduced", modes=10**6)
+    assert not Path("reduced").exists()
     response = beam.simulate(basis=25, quality=False, **run)
     for arguments, message in [
         ({"name": "root"}, "choose from bending 1"),

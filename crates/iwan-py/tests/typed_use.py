@@ -28,3 +28,7 @@ assert_type(truth.record("bending 1"), iwan.Record)
 beam.simulate(dt=1e-5, duration=0.1, model="half")  # type: ignore[arg-type]
 fits = iwan.ensemble.fit([record, [record, record]], hold={"damping_ratio": 0.0})
 assert_type(fits.parameters["chi"], NDArray[np.float64])
+assert_type(iwan.fit(record, band=[1.0, 2.0], window=(0.0, 1.0)), iwan.Fit)
+assert_type(iwan.ensemble.envelope([record], band=[1.0, 2.0], window=[0.0, 1.0]), list[iwan.Envelope])
+beam.frf(band=[125.0, 140.0], force=[1.0])
+iwan.fit_coupled(record, bands=[[100.0, 120.0], (200.0, 220.0)])

@@ -20,7 +20,7 @@ use crate::failure::{Failure, VERSION};
 use crate::output;
 use crate::progress::{self, Bar};
 pub(crate) use results::Results;
-pub(crate) use summary::Summary;
+pub(crate) use summary::{Summary, alone};
 
 /// Name of the summary in the folder of every command.
 pub(crate) const SUMMARY: &str = "summary.json";

@@ -32,6 +32,7 @@ struct Whole<'a, S> {
     version: &'static str,
     #[serde(flatten)]
     summary: &'a S,
+    #[serde(skip_serializing_if = "<[String]>::is_empty")]
     files: &'a [String],
     /// Where the files are: on standard output only, so that the folder may be moved.
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -43,6 +44,11 @@ struct Whole<'a, S> {
 /// The summary as it stands in its file.
 pub(super) fn written(summary: &impl Summary, files: &[String]) -> String {
     json(&Whole { version: VERSION, summary, files, folder: None, seconds: None })
+}
+
+/// The summary as other programs get it, who have no folder of files.
+pub(crate) fn alone(summary: &impl Summary) -> String {
+    written(summary, &[])
 }
 
 /// The summary as standard output shows it.

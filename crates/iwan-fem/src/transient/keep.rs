@@ -11,7 +11,7 @@ impl NamedModes {
     /// of the same structure would need factorisations.
     ///
     /// # Errors
-    /// The errors of [`Assembled::reduce_observed`](crate::Assembled::reduce_observed).
+    /// [`Error::Modes`] for no modes, or more than there are unknowns; the errors of [`Assembled::reduce_observed`](crate::Assembled::reduce_observed).
     ///
     /// ```
     /// use std::sync::Arc;
@@ -24,7 +24,7 @@ impl NamedModes {
     /// # Ok::<(), iwan_fem::Error>(())
     /// ```
     pub fn keep(&self, modes: usize, progress: Progress<'_>) -> Result<Kept, Error> {
-        let modes = modes.min(self.assembled.unknowns());
+        let modes = self.assembled.check_modes("modes", modes)?;
         let reduced = self.assembled.reduce_observed(modes, Basis::default(), progress)?;
         let behind = reduced.modes().len()..reduced.coordinates();
         let attachments = KeptModes {

@@ -77,7 +77,7 @@ impl Assembled {
                 Ok(Integrated { response, reduced: None, basis_error: None })
             }
             Model::Basis(_) | Model::Kept => {
-                let modes = self.basis_of(model)?.min(self.unknowns());
+                let modes = self.basis_of(model)?;
                 let (reducing, stepping) =
                     (part(watch.progress, [0.0, 0.5]), part(watch.progress, [0.5, 1.0]));
                 let reduced = self.reduce_observed(modes, Basis::default(), &reducing)?;
@@ -98,10 +98,10 @@ impl Assembled {
     /// Number of modes in the basis: the one that `model` states, otherwise that of the basis which the structure holds.
     ///
     /// # Errors
-    /// [`Error::Analysis`] if the structure holds no basis.
+    /// [`Error::Modes`] for no modes, or more than there are unknowns; [`Error::Analysis`] if the structure holds no basis.
     pub fn basis_of(&self, model: Model) -> Result<usize, Error> {
         match (model, self.structure().kept.as_deref()) {
-            (Model::Basis(modes), _) => Ok(modes),
+            (Model::Basis(modes), _) => self.check_modes("basis", modes),
             (_, Some(kept)) => Ok(kept.basis.values.len()),
             (_, None) => Err(Error::Analysis {
                 analysis: "the reduced model",
@@ -109,6 +109,12 @@ impl Assembled {
                 remedy: "name the folder with reduced = \"FOLDER\", or choose another model",
             }),
         }
+    }
+
+    /// A number of modes that the structure can have.
+    pub(crate) fn check_modes(&self, name: &'static str, value: usize) -> Result<usize, Error> {
+        let most = self.unknowns();
+        if (1..=most).contains(&value) { Ok(value) } else { Err(Error::Modes { name, value, most }) }
     }
 }
 

@@ -87,6 +87,9 @@ struct OtherStart {
 /// let other = Parameters { chi: -0.19, ..found.parameters };
 /// let best = likelihood.log(&found.parameters, likelihood.starts(), &mut buffers).unwrap();
 /// assert!(best > likelihood.log(&other, likelihood.starts(), &mut buffers).unwrap());
+/// // In another process, with the same bits.
+/// let there = iwan_ident::likelihood::Likelihood::of_numbers(&likelihood.numbers()).unwrap();
+/// assert_eq!(there.log(&other, there.starts(), &mut buffers), likelihood.log(&other, likelihood.starts(), &mut buffers));
 /// # Ok::<(), iwan_ident::Error>(())
 /// ```
 pub fn identify(records: &[ModeRecord<'_>], settings: &Settings) -> Result<Identification, Error> {

@@ -76,6 +76,8 @@ struct Together {
     near: Vec<f64>,
     ladder: Ladder,
     scales: Scales,
+    /// ln of the smallest and of the largest amplitude that the records saw.
+    span: (f64, f64),
     /// Indices of the grid's amplitudes that the records saw.
     seen: Vec<usize>,
     /// For each cycle of the records' curves: index of the seen amplitude next to that of the cycle.
@@ -119,7 +121,7 @@ pub fn compare(sources: &[Source<'_>], iwan: Option<&Parameters>) -> Result<Comp
         backbone: Backbone::new(
             &together.grid,
             &together.smooth,
-            &together.seen,
+            together.span,
             (together.scatter.0, &together.scatter.1),
         ),
         released: measured.iter().map(|m| m.released).collect(),
@@ -294,7 +296,8 @@ fn together(grid: Grid, measured: &[Measured], sources: &[Source<'_>]) -> Option
     let cycles = curves.iter().flat_map(|c| c.displacement.iter().filter_map(next)).collect();
     let near = found.decay;
     let scatter = (scatter, straying);
-    Some(Together { grid, information, smooth, near, ladder, scales, seen, cycles, scatter })
+    let span = (low, high);
+    Some(Together { grid, information, smooth, near, ladder, scales, span, seen, cycles, scatter })
 }
 
 /// Coordinates of a law with a joint and further parts, where the further parts are zero.

@@ -9,8 +9,8 @@ const LEAST: f64 = 1e-4;
 /// The matrix (1 + M Mᵀ)^(-1/2) = 1 - B diag(w) Bᵀ, with orthonormal columns B (`directions`) and `weights` w.
 #[derive(Debug, Clone)]
 pub(super) struct Discount {
-    directions: DMatrix<f64>,
-    weights: DVector<f64>,
+    pub(super) directions: DMatrix<f64>,
+    pub(super) weights: DVector<f64>,
 }
 
 impl Discount {

@@ -77,12 +77,12 @@ pub(super) struct Windowed {
     /// The turning point that the record's own unknowns are relative to.
     pub(super) start: TurningPoint,
     /// Whether the samples were filtered to a band.
-    banded: bool,
+    pub(super) banded: bool,
     /// Standard deviations, one per window, of what remains of other modes after they were subtracted, in the whitened amplitudes.
-    beside: Vec<f64>,
+    pub(super) beside: Vec<f64>,
     /// Standard deviation of the noise that the samples show, over their root mean square; none for a record in a band, whose filter took the noise
     /// away.
-    sample_noise: Option<f64>,
+    pub(super) sample_noise: Option<f64>,
     /// The samples of the first cycles of a record that shows no noise, of which windows keep only two numbers a cycle; empty for other records.
     pub(super) head: Vec<f64>,
 }

@@ -58,7 +58,7 @@ pub(crate) struct Task {
     /// it.
     pub(super) day_deviation: f64,
     /// Whether records may differ by the day.
-    strays: bool,
+    pub(super) strays: bool,
     /// Whether the discount allows for what a clean record cannot show.
     pub(crate) widened: bool,
     /// Whether residuals are logarithms of the ratio of record to model, times the record: in these logarithms, what the model misses adds up however

@@ -79,13 +79,12 @@ impl StructureFile {
         let load = self.driven(assembled, task.drive)?;
         let (output, coefficients) = self.observed(assembled, task)?;
         let basis = match task.model {
-            Model::Basis(modes) => modes,
+            model @ Model::Basis(_) => assembled.basis_of(model)?,
             model if model == Model::Kept || self.structure.kept.is_some() => {
                 assembled.basis_of(Model::Kept)?
             }
-            _ => USUAL,
+            _ => USUAL.min(assembled.unknowns()),
         };
-        let basis = basis.min(assembled.unknowns());
         let reduced = assembled.reduce_observed(basis, Basis::default(), progress)?;
         let model = reduced.with_damping(|_| task.damping_ratio)?.steady_model(&load, &coefficients)?;
         if let Drive::Base(direction) = task.drive {

@@ -12,5 +12,6 @@ mod variables;
 pub(crate) use alike::unlike;
 pub(crate) use assemble::{Axis, Channel, Raw, all_channels, assemble};
 pub(crate) use sampling::last_digit;
+pub use units::quantity_of_unit;
 pub(crate) use variable::Variable;
 pub(crate) use variables::Chooser;

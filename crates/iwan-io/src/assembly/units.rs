@@ -34,8 +34,15 @@ pub(crate) fn base(name: &str) -> String {
     last.split(['[', '{']).next().unwrap_or(last).trim().to_lowercase()
 }
 
-/// Quantity that a unit label stands for: `m/s^2`, `(mm/s²)`, `g`, `N`, ...
-pub(crate) fn quantity_of_unit(unit: &str) -> Quantity {
+/// Quantity that a unit label stands for: `m/s^2`, `(mm/s²)`, `g`, `N`, ...; unknown where the unit is.
+///
+/// ```
+/// use iwan_io::{Quantity, quantity_of_unit};
+/// assert_eq!(quantity_of_unit("mm/s"), Quantity::Velocity);
+/// assert_eq!(quantity_of_unit("counts"), Quantity::Unknown);
+/// ```
+#[must_use]
+pub fn quantity_of_unit(unit: &str) -> Quantity {
     scale(unit).map_or(Quantity::Unknown, |s| s.quantity)
 }
 

@@ -7,7 +7,7 @@ from typing import Any, Final, Literal, final, overload
 from numpy.typing import ArrayLike
 from xarray import Dataset
 
-from iwan.types import Array, Energy, EnvelopeMethod, Grid, Method, Motion, Quantity, Statistics
+from iwan.types import Array, Energy, EnvelopeMethod, Grid, Method, Motion, Pair, Quantity, Statistics
 
 __version__: Final[str]
 
@@ -403,11 +403,11 @@ def envelope(
     *,
     dt: float | None = None,
     channel: str | int | None = None,
-    band: tuple[float, float] | None = None,
+    band: Pair | None = None,
     near: float | None = None,
     method: EnvelopeMethod = "hilbert",
     filter_order: int = 3,
-    window: tuple[float, float] | None = None,
+    window: Pair | None = None,
     order: int | None = None,
     mode: float | None = None,
 ) -> Envelope: ...
@@ -434,11 +434,11 @@ def _envelopes(
     *,
     dt: float | None,
     channel: str | int | None,
-    band: tuple[float, float] | None,
+    band: Pair | None,
     near: float | None,
     method: EnvelopeMethod,
     filter_order: int,
-    window: tuple[float, float] | None,
+    window: Pair | None,
     order: int | None,
     first: int,
     threads: int | None,
@@ -480,6 +480,7 @@ def _fit_coupled(
 @final
 class _FittedCoupled:
     def told(self) -> tuple[str, str]: ...
+    def json(self, path: str | PathLike[str] | None, force: bool) -> str: ...
     def motions(self) -> list[list[Array]]: ...
     def initial(self) -> list[list[Array]]: ...
     def report(self, path: str | PathLike[str], force: bool) -> None: ...
@@ -492,10 +493,12 @@ def _fit_sweeps(
     mass: float | None,
     hold: Sequence[tuple[str, float]],
     ring_downs: _Identified | None,
+    progress: Callable[[int], object] | None,
 ) -> _FittedSweeps: ...
 @final
 class _FittedSweeps:
     def told(self) -> dict[str, Any]: ...
+    def json(self, path: str | PathLike[str] | None, force: bool) -> str: ...
     def report(self, path: str | PathLike[str], force: bool) -> None: ...
 
 def _frf(
@@ -566,6 +569,14 @@ class _Identified:
     def report(
         self, path: str | PathLike[str], names: Sequence[str] | None, force_axis: str, force: bool
     ) -> None: ...
+    def json(
+        self,
+        path: str | PathLike[str] | None,
+        names: Sequence[str] | None,
+        force_axis: str,
+        law: str | None,
+        force: bool,
+    ) -> str: ...
     def likelihood(self) -> _Likelihood: ...
 
 @final
@@ -576,7 +587,10 @@ class _Likelihood:
     def best(self) -> Array: ...
     def log(self, theta: ArrayLike, threads: int | None) -> Array: ...
 
-def _identify(records: Sequence[Record | ArrayLike], request: Mapping[str, Any]) -> _Identified: ...
+def _check_law(law: str) -> None: ...
+def _identify(
+    records: Sequence[Record | ArrayLike], request: Mapping[str, Any], progress: Callable[[int], object] | None = None
+) -> _Identified: ...
 def _identify_many(
     groups: Sequence[Sequence[Record | ArrayLike]],
     request: Mapping[str, Any],

@@ -11,7 +11,7 @@ from iwan import _native
 from iwan._native import Joint, Mode, Pulse, Response
 from iwan.errors import InvalidTypeError, InvalidValueError
 from iwan.steady import Backbone, SteadyResponse, asked
-from iwan.types import Array, Grid
+from iwan.types import Array, Grid, Pair
 
 __all__ = ["CoupledModes", "CoupledResponse", "JointHistory", "SharedJoint"]
 
@@ -137,7 +137,7 @@ class CoupledModes:
     def frf(
         self,
         *,
-        band: tuple[float, float],
+        band: Pair,
         force: ArrayLike | None = None,
         base_acceleration: ArrayLike | None = None,
         displacement: ArrayLike | None = None,

@@ -19,7 +19,7 @@ from iwan.errors import InvalidValueError
 from iwan.identification import disturbed, several, stretches
 from iwan.progress import Progress, bar
 from iwan.records import as_record
-from iwan.types import Array, EnvelopeMethod
+from iwan.types import Array, EnvelopeMethod, Pair
 from iwan.updating import Estimate
 
 __all__ = ["CoupledFit", "fit_coupled"]
@@ -84,6 +84,18 @@ class CoupledFit:
         fitted = self._again() if self._fitted is None else self._fitted
         fitted.report(path, force)
 
+    def to_json(self, path: str | os.PathLike[str] | None = None, *, force: bool = False) -> str:
+        """Everything that was found as JSON: the text of `fit.json` of `iwan fit --coupled`, but for the names of the files beside it.
+
+        `path`: where to write it besides, whole or not at all; None: nowhere; `force`: overwrite what is there.
+
+        Raises as `report`.
+
+        Example: that of the book's chapter on modes that share joints.
+        """
+        fitted = self._again() if self._fitted is None else self._fitted
+        return fitted.json(path, force)
+
     def __getstate__(self) -> dict[str, Any]:
         return {**self.__dict__, "_fitted": None}
 
@@ -141,7 +153,7 @@ def fit_coupled(
     forces: ArrayLike | Sequence[ArrayLike | Record] | None = None,
     shapes: ArrayLike | None = None,
     frequencies: Sequence[float] | None = None,
-    bands: Sequence[tuple[float, float]] | None = None,
+    bands: Sequence[Pair] | None = None,
     near: Sequence[float] | None = None,
     shape_at_force: Sequence[float] | None = None,
     predict: Record | ArrayLike | Sequence[Record | ArrayLike] = (),

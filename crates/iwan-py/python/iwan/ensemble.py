@@ -20,7 +20,7 @@ from iwan._checkpoint import Checkpoint
 from iwan.errors import InvalidValueError, IwanError
 from iwan.identification import Fit, check_hits, made, request as _request, several, stretches
 from iwan.progress import Progress, bar
-from iwan.types import Array, EnvelopeMethod, Grid, History, Method
+from iwan.types import Array, EnvelopeMethod, Grid, History, Method, Pair
 
 if TYPE_CHECKING:
     from distributed import Client
@@ -191,11 +191,11 @@ def envelope(
     *,
     dt: float | None = None,
     channel: str | int | None = None,
-    band: tuple[float, float] | None = None,
+    band: Pair | None = None,
     near: float | None = None,
     method: EnvelopeMethod = "hilbert",
     filter_order: int = 3,
-    window: tuple[float, float] | None = None,
+    window: Pair | None = None,
     order: int | None = None,
     threads: int | None = None,
     client: Client | None = None,
@@ -271,12 +271,12 @@ def fit(
     quantity: Literal["acceleration", "velocity", "displacement"] | None = None,
     shape: Sequence[float] | None = None,
     mass: float | None = None,
-    band: tuple[float, float] | None = None,
+    band: Pair | None = None,
     near: float | None = None,
     mode: float | None = None,
     method: EnvelopeMethod = "hilbert",
     filter_order: int = 3,
-    window: tuple[float, float] | None = None,
+    window: Pair | None = None,
     order: int | None = None,
     start: float | None = None,
     stop: float | None = None,

@@ -24,14 +24,16 @@ from iwan._native import (
     PowerDamping,
     Record,
     Spring,
+    _check_law,
     _identify,
     _Identified,
 )
 from iwan._six import Interval, SixParameters
 from iwan.errors import InvalidTypeError, InvalidValueError
+from iwan.progress import busy
 from iwan.records import as_record
 from iwan.sweeps import Measurement, SweepFit, fit_sweeps
-from iwan.types import Array, EnvelopeMethod
+from iwan.types import Array, EnvelopeMethod, Pair
 
 __all__ = ["Fit", "fit"]
 
@@ -88,7 +90,7 @@ class Fit(SixParameters):
     thirds of the amplitudes that the law was not fitted to; None where the records saw too few), `dissipation_discrepancy` and `frequency_discrepancy` (what
     it misses beside noise as estimated with it; standard deviations, relative and in Hz), `grade`, `parameters` and `intervals` by name."""
     backbone: Mapping[str, Array]
-    """Smooth curves with bands of 95 %, of several hits those of a further hit: `amplitude`, `frequency` (Hz), `damping_ratio`, `frequency_low`, `frequency_high`,
+    """Smooth curves with bands of 95 %, from the smallest to the largest amplitude that was measured, of several hits those of a further hit: `amplitude`, `frequency` (Hz), `damping_ratio`, `frequency_low`, `frequency_high`,
     `damping_ratio_low`, `damping_ratio_high`; empty where laws could not be compared."""
     _records: Sequence[Any] = field(repr=False)
     _request: Mapping[str, Any] = field(repr=False)
@@ -112,6 +114,9 @@ class Fit(SixParameters):
     @property
     def curve_mode(self) -> Mode:
         """The mode by its smooth curves, without a law. Raises `iwan.InvalidValueError` where there are none.
+
+        It can begin at any amplitude up to `backbone["amplitude"][-1]`, the largest that was measured: that at the first sample of the loudest
+        free decay.
 
         Example: that of `iwan.fit`.
         """
@@ -138,6 +143,20 @@ class Fit(SixParameters):
         Example: that of `examples/2_fit_of_a_record.py`.
         """
         self._again().report(path, None if names is None else list(names), self.force_axis, force)
+
+    def to_json(
+        self, path: str | PathLike[str] | None = None, *, names: Sequence[str] | None = None, force: bool = False
+    ) -> str:
+        """Everything that was found as JSON: the text of `fit.json` of `iwan fit`, but for the names of the files beside it.
+
+        `path`: where to write it besides, whole or not at all; None: nowhere; `names`: what the records are called in it; `force`: overwrite
+        what is there.
+
+        Raises as `report`.
+
+        Example: that of `examples/2_fit_of_a_record.py`.
+        """
+        return self._again().json(path, None if names is None else list(names), self.force_axis, self.law, force)
 
     def _again(self) -> _Identified:
         """What the compiled part knows; a fit that came out of a pickle is identified again, with the same bits."""
@@ -181,12 +200,12 @@ def fit(
     quantity: Literal["acceleration", "velocity", "displacement"] | None = None,
     shape: Sequence[float] | None = None,
     mass: float | None = None,
-    band: tuple[float, float] | None = None,
+    band: Pair | None = None,
     near: float | None = None,
     mode: float | None = None,
     method: EnvelopeMethod = "hilbert",
     filter_order: int = 3,
-    window: tuple[float, float] | None = None,
+    window: Pair | None = None,
     order: int | None = None,
     start: float | None = None,
     stop: float | None = None,
@@ -194,6 +213,7 @@ def fit(
     force_axis: Literal["modal", "joint"] = "modal",
     hold: Mapping[str, float] | None = None,
     law: str | None = None,
+    progress: bool | None = None,
 ) -> Fit: ...
 @overload
 def fit(
@@ -207,17 +227,18 @@ def fit(
     quantity: Literal["acceleration", "velocity", "displacement"] | None = None,
     shape: Sequence[float] | None = None,
     mass: float | None = None,
-    band: tuple[float, float] | None = None,
+    band: Pair | None = None,
     near: float | None = None,
     mode: float | None = None,
     method: EnvelopeMethod = "hilbert",
     filter_order: int = 3,
-    window: tuple[float, float] | None = None,
+    window: Pair | None = None,
     order: int | None = None,
     start: float | None = None,
     stop: float | None = None,
     hits: Literal["all", "first"] | int = "all",
     hold: Mapping[str, float] | None = None,
+    progress: bool | None = None,
 ) -> SweepFit: ...
 @overload
 def fit(
@@ -231,17 +252,18 @@ def fit(
     quantity: Literal["acceleration", "velocity", "displacement"] | None = None,
     shape: Sequence[float] | None = None,
     mass: float | None = None,
-    band: tuple[float, float] | None = None,
+    band: Pair | None = None,
     near: float | None = None,
     mode: float | None = None,
     method: EnvelopeMethod = "hilbert",
     filter_order: int = 3,
-    window: tuple[float, float] | None = None,
+    window: Pair | None = None,
     order: int | None = None,
     start: float | None = None,
     stop: float | None = None,
     hits: Literal["all", "first"] | int = "all",
     hold: Mapping[str, float] | None = None,
+    progress: bool | None = None,
 ) -> SweepFit: ...
 def fit(
     record: Record | ArrayLike | Sequence[Record | ArrayLike] | None = None,
@@ -254,12 +276,12 @@ def fit(
     quantity: Literal["acceleration", "velocity", "displacement"] | None = None,
     shape: Sequence[float] | None = None,
     mass: float | None = None,
-    band: tuple[float, float] | None = None,
+    band: Pair | None = None,
     near: float | None = None,
     mode: float | None = None,
     method: EnvelopeMethod = "hilbert",
     filter_order: int = 3,
-    window: tuple[float, float] | None = None,
+    window: Pair | None = None,
     order: int | None = None,
     start: float | None = None,
     stop: float | None = None,
@@ -267,6 +289,7 @@ def fit(
     force_axis: Literal["modal", "joint"] = "modal",
     hold: Mapping[str, float] | None = None,
     law: str | None = None,
+    progress: bool | None = None,
 ) -> Fit | SweepFit:
     """Identify the parameters of a mode with a four-parameter Iwan joint and a viscous damper.
 
@@ -277,7 +300,8 @@ def fit(
     `order`: as in `iwan.envelope`. `start`, `stop`: only the samples between these times (s, on the record's own clock). `hits`: which
     hits of a record that holds several (`Record.hits`): all, each as a record of its own, the first, or a number counted from 1. `force_axis`: of the curves. `hold`: parameters that keep a value, such as
     `{"damping_ratio": 0.0}`. `law`: name of the law that `Fit.law` and `Fit.law_mode` shall be of, in place of the one that the records
-    favour; the book's chapter on laws has the names.
+    favour; the book's chapter on laws has the names. `progress`: True, False, or None: where standard error is a terminal, a line says for how
+    long the fit has been at work; how far it is, it cannot say.
 
     `sweeps`, `backbones`: a shaker's test of the mode in place of the record or beside it, one measurement for each day: a file as
     `iwan fit --sweep --backbone` reads it, a mapping with arrays `frequency` (Hz), a motion (`amplitude`, `displacement`, `velocity` or
@@ -307,6 +331,8 @@ def fit(
     (True, '239')
     """
     arguments = request(channel, quantity, shape, mass, band, near, mode, method, filter_order, window, order, hold)
+    if law is not None:
+        _check_law(law)
     if force_axis not in ("modal", "joint"):
         raise InvalidValueError(f"force_axis = {force_axis!r} must be 'modal' or 'joint'")
     if sweeps is not None or backbones is not None:
@@ -320,11 +346,12 @@ def fit(
         if record is not None:
             pieces = stretches(several(record), dt, start, stop, hits)
             ring_downs = partial(_identify, pieces.records, arguments)
-        return fit_sweeps(sweeps, backbones, levels, mass, hold, ring_downs, pieces.notes)
+        return fit_sweeps(sweeps, backbones, levels, mass, hold, ring_downs, pieces.notes, progress)
     if record is None:
         raise InvalidTypeError("record is missing: give a record, or a shaker's test as sweeps= or backbones=")
     pieces = stretches(several(record), dt, start, stop, hits)
-    identified = _identify(pieces.records, arguments)
+    with busy(progress, "identifying") as tell:
+        identified = _identify(pieces.records, arguments, tell)
     found = made(identified.told(force_axis), pieces.records, arguments, force_axis, identified)
     return by_law(replace(found, notes=[*pieces.notes, *found.notes]), law)
 
@@ -345,7 +372,7 @@ def by_law(found: Fit, law: str | None) -> Fit:
         return found
     names = [one["name"] for one in found.laws]
     if law not in names:
-        said = f"must be one of {', '.join(names)}" if names else found.law_words
+        said = f"could not be fitted to these records: choose from {', '.join(names)}" if names else found.law_words
         raise InvalidValueError(f"law = {law!r}: {said}")
     return replace(found, law=law)
 
@@ -355,12 +382,12 @@ def request(
     quantity: str | None,
     shape: Sequence[float] | None,
     mass: float | None,
-    band: tuple[float, float] | None,
+    band: Pair | None,
     near: float | None,
     mode: float | None,
     method: str,
     filter_order: int,
-    window: tuple[float, float] | None,
+    window: Pair | None,
     order: int | None,
     hold: Mapping[str, float] | None,
 ) -> dict[str, Any]:

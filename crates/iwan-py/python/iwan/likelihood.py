@@ -22,7 +22,8 @@ class LogLikelihood:
 
     Called with coordinates, one row or many (any shape with the last axis as long as `names`), it returns their logarithms
     (the shape without that axis), minus infinity where there is no model. Coordinates are those of the parameters that were
-    not held, `k_t`, `f_s` and `beta` by their logarithms, and for each record two that say how it began.
+    not held, `k_t`, `f_s` and `beta` by their logarithms, and for each record two that say how it began. It pickles, and another process of the
+    same version evaluates it to the same bits.
 
     >>> import emcee
     >>> joint = iwan.FourParameter(k_t=4.45e4, f_s=239.4, chi=-0.183, beta=0.3)

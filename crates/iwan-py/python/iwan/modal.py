@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from iwan import _native
 from iwan.errors import InvalidTypeError, InvalidValueError
-from iwan.types import Array
+from iwan.types import Array, Pair
 
 __all__ = ["ModalFit", "ModalMode", "modal_fit"]
 
@@ -97,7 +97,7 @@ def modal_fit(
     estimator: Literal["h1", "h2", "hv"] = "h1",
     decay: float = 0.0,
     whole_force: bool = False,
-    band: tuple[float, float] | None = None,
+    band: Pair | None = None,
     method: Literal["chart", "isolation", "subspace"] = "chart",
     order: int = 60,
     poles: Sequence[float] | None = None,

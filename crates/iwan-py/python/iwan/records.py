@@ -145,7 +145,7 @@ def _of_pandas(
     if axis.size < 2:
         raise RecordError(f"{axis.size} times: a record needs at least 2 samples")
     if _INDEX in columns:
-        raise RecordError(f"a column is called {_INDEX!r} beside an index of times: rename it, or give time= or dt=")
+        raise RecordError(f"a column is called {_INDEX!r} beside an index of times: rename it, or give dt=, or time= of iwan.as_record")
     return _of_names({_INDEX: axis, **columns}, None, _INDEX, channels, quantity, resample)
 
 

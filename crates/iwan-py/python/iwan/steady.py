@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike
 from iwan import _native
 from iwan._native import Mode
 from iwan.errors import InvalidTypeError, InvalidValueError
-from iwan.types import Array
+from iwan.types import Array, Pair
 
 if TYPE_CHECKING:
     from iwan.coupled import CoupledModes
@@ -82,7 +82,7 @@ class Backbone:
 
 
 def asked(
-    band: tuple[float, float], levels: Mapping[str, ArrayLike | None], harmonics: int, points: int
+    band: Pair, levels: Mapping[str, ArrayLike | None], harmonics: int, points: int
 ) -> tuple[str, ArrayLike, tuple[float, float], int, int]:
     """A sweep as the compiled part takes it, with the one kind of level that is given."""
     given = {name: values for name, values in levels.items() if values is not None}
@@ -105,7 +105,7 @@ class SteadyStructure:
     def frf(
         self,
         *,
-        band: tuple[float, float],
+        band: Pair,
         force: ArrayLike | None = None,
         base_acceleration: ArrayLike | None = None,
         displacement: ArrayLike | None = None,
@@ -198,7 +198,7 @@ def _whole(mode: object) -> CoupledModes | SteadyStructure | None:
 def frf(
     mode: Mode | CoupledModes | SteadyStructure,
     *,
-    band: tuple[float, float],
+    band: Pair,
     force: ArrayLike | None = None,
     base_acceleration: ArrayLike | None = None,
     displacement: ArrayLike | None = None,
@@ -214,7 +214,7 @@ def frf(
 def frf(
     mode: Sequence[Mode],
     *,
-    band: tuple[float, float],
+    band: Pair,
     force: ArrayLike | None = None,
     base_acceleration: ArrayLike | None = None,
     displacement: ArrayLike | None = None,
@@ -228,7 +228,7 @@ def frf(
 def frf(
     mode: Mode | CoupledModes | SteadyStructure | Sequence[Mode],
     *,
-    band: tuple[float, float],
+    band: Pair,
     force: ArrayLike | None = None,
     base_acceleration: ArrayLike | None = None,
     displacement: ArrayLike | None = None,

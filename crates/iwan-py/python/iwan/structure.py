@@ -338,7 +338,7 @@ class Structure(SteadyStructure):
         velocities at t = 0 s by mode, to start a ring-down in one; `dt`, `duration` (s); `modes`: names of modes whose coordinates
         are recorded, by the exact modal filter q = phi^T M x; the first three bending modes by default.
 
-        `model`: "reduced" to modes and attachment vectors of the slips, with `basis` modes or as many as the accelerations need for
+        `model`: "reduced" to modes and attachment vectors of the slips, with `basis` modes (at most as many as the structure has unknowns) or as many as the accelerations need for
         the relative error `tolerance` (0.05 by default); or "full", all unknowns. Average acceleration (Newmark beta = 1/4)
         without prewarping. `sliders` and `grid`: as in `iwan.simulate`, but
         graded sliders reach down to 1e-6 phi_max, since the joints of a structure slip unequally (in a mode: 0.01 phi_max over their number). `quality`: estimate the errors by companion runs of the
@@ -397,7 +397,7 @@ class Structure(SteadyStructure):
         A structure opened from it simulates with that basis unless told otherwise, with the same bits as `simulate(basis=modes)`, without a
         factorisation. Loads, outputs and laws in the folder's reduced-structure.toml may be changed as long as each joint keeps its K_T.
 
-        Raises `iwan.InvalidValueError` for modes < 1, `iwan.ExistingFileError` where a file is there already, unless `force`.
+        Raises `iwan.InvalidValueError` for modes < 1 or more than the structure has unknowns, `iwan.ExistingFileError` where a file is there already, unless `force`.
 
         >>> iwan.Structure.built_in("paper-a").write_reduced("reduced", modes=20)
         >>> iwan.Structure.load("reduced").modes(3).names

@@ -15,6 +15,7 @@ from iwan import _native
 from iwan._native import FourParameter, Mode, _FittedSweeps, _Identified
 from iwan._six import Interval, SixParameters
 from iwan.errors import InvalidTypeError
+from iwan.progress import busy
 from iwan.steady import Backbone, SteadyResponse
 from iwan.types import Array
 
@@ -24,6 +25,9 @@ Measurement: TypeAlias = (
     str | os.PathLike[str] | Mapping[str, ArrayLike] | SteadyResponse | Sequence[SteadyResponse] | Backbone
 )
 """One measurement, of one day: a file, arrays by name, or what `iwan.frf` and `iwan.backbone` return."""
+
+Tell: TypeAlias = Callable[[int], object] | None
+"""What hears from time to time that a fit is at work."""
 
 Columns: TypeAlias = tuple[str, list[tuple[str, Any]]]
 
@@ -83,6 +87,18 @@ class SweepFit(SixParameters):
         fitted = self._again() if self._fitted is None else self._fitted
         fitted.report(path, force)
 
+    def to_json(self, path: str | os.PathLike[str] | None = None, *, force: bool = False) -> str:
+        """Everything that was found as JSON: the text of `fit.json` of `iwan fit`, but for the names of the files beside it.
+
+        `path`: where to write it besides, whole or not at all; None: nowhere; `force`: overwrite what is there.
+
+        Raises as `report`.
+
+        Example: that of the book's chapter on steady vibration.
+        """
+        fitted = self._again() if self._fitted is None else self._fitted
+        return fitted.json(path, force)
+
     def __getstate__(self) -> dict[str, Any]:
         return {**self.__dict__, "_fitted": None}
 
@@ -135,9 +151,11 @@ def _fit(
     forces: list[float],
     mass: float | None,
     held: list[tuple[str, float]],
-    ring_downs: Callable[[], _Identified] | None,
+    ring_downs: Callable[[Tell], _Identified] | None,
+    tell: Tell = None,
 ) -> _FittedSweeps:
-    return _native._fit_sweeps(*given, forces, mass, held, None if ring_downs is None else ring_downs())
+    identified = None if ring_downs is None else ring_downs(tell)
+    return _native._fit_sweeps(*given, forces, mass, held, identified, tell)
 
 
 def fit_sweeps(
@@ -146,15 +164,17 @@ def fit_sweeps(
     levels: Sequence[float] | None,
     mass: float | None,
     hold: Mapping[str, float] | None,
-    ring_downs: Callable[[], _Identified] | None,
+    ring_downs: Callable[[Tell], _Identified] | None,
     notes: Sequence[str],
+    progress: bool | None,
 ) -> SweepFit:
     """`iwan.fit` with sweeps or backbones."""
     held = list((hold or {}).items())
     given = _sources(sweeps, "sweeps", "sweep"), _sources(backbones, "backbones", "backbone")
     forces = [float(level) for level in levels or ()]
     again = partial(_fit, given, forces, mass, held, ring_downs)
-    fitted = again()
+    with busy(progress, "fitting") as tell:
+        fitted = again(tell)
     told = fitted.told()
     p = told.pop("parameters")
     joint = FourParameter(k_t=p["k_t"], f_s=p["f_s"], chi=p["chi"], beta=p["beta"])

@@ -1,5 +1,6 @@
 """Types of arguments and results, for annotations."""
 
+from collections.abc import Sequence
 from typing import Literal, NotRequired, TypeAlias, TypedDict
 
 import numpy as np
@@ -22,6 +23,10 @@ History: TypeAlias = Literal["displacement", "velocity", "acceleration", "joint_
 
 Quantity: TypeAlias = Literal["acceleration", "velocity", "displacement", "force", "pressure", "voltage", "strain", "unknown"]
 """What a record measures."""
+
+
+Pair: TypeAlias = Sequence[float]
+"""Lower and upper end of a range, such as a band in Hz: a tuple, a list or any other sequence of two numbers."""
 
 
 class Statistics(TypedDict):

@@ -3,11 +3,13 @@
 use std::path::{Path, PathBuf};
 
 use iwan_input::InputError;
-use iwan_io::ReadError;
 use iwan_io::atomic::WriteError;
+use iwan_io::{ReadError, RecordError};
 use iwan_machine::Kind;
 use iwan_sim::SimulationError;
 use pyo3::prelude::*;
+
+use crate::exchange::arguments::{Call, in_python};
 
 mod python {
     #![allow(missing_docs, unreachable_pub, reason = "the macro writes these")]
@@ -31,12 +33,23 @@ pub(crate) fn of(kind: Kind, error: PyErr) -> PyErr {
 
 /// A bad value: `iwan.InvalidValueError`.
 pub(crate) fn value(message: impl Into<String>) -> PyErr {
-    python::InvalidValueError::new_err(message.into())
+    python::InvalidValueError::new_err(in_python(&message.into(), Call::Other))
+}
+
+/// A bad value that a call of its own kind was given.
+pub(crate) fn value_of(call: Call, message: &str) -> PyErr {
+    value(in_python(message, call))
+}
+
+/// A warning of Python's: `UserWarning`.
+pub(crate) fn warn(py: Python<'_>, message: &str) -> PyResult<()> {
+    let message = std::ffi::CString::new(in_python(message, Call::Other))?;
+    PyErr::warn(py, &py.get_type::<pyo3::exceptions::PyUserWarning>(), &message, 1)
 }
 
 /// A computation that failed: `iwan.ComputationError`.
 pub(crate) fn computation(message: String) -> PyErr {
-    python::ComputationError::new_err(message)
+    python::ComputationError::new_err(in_python(&message, Call::Other))
 }
 
 /// Memory that is lacking: `iwan.ComputationError`.
@@ -46,7 +59,12 @@ pub(crate) fn lacking(short: &iwan_machine::memory::Short) -> PyErr {
 
 /// A record that is none: `iwan.RecordError`.
 pub(crate) fn record(message: String) -> PyErr {
-    python::RecordError::new_err(in_python(&message))
+    python::RecordError::new_err(in_python(&message, Call::Other))
+}
+
+/// Values that do not make a record: `iwan.InvalidValueError`.
+pub(crate) fn no_record(error: &RecordError) -> PyErr {
+    of(error.kind(), value(error.to_string()))
 }
 
 /// A bad type: `iwan.InvalidTypeError`.
@@ -81,7 +99,7 @@ pub(crate) fn simulation(error: SimulationError) -> PyErr {
         SimulationError::Parameter(error) => core(error),
         SimulationError::Mode { mode, source } => simulation_at(&format!("mode \"{mode}\""), *source),
         SimulationError::Joint { joint, source } => simulation_at(&format!("joint \"{joint}\""), *source),
-        other => of(other.kind(), python::ComputationError::new_err(other.to_string())),
+        other => of(other.kind(), computation(other.to_string())),
     }
 }
 
@@ -89,65 +107,43 @@ pub(crate) fn simulation(error: SimulationError) -> PyErr {
 pub(crate) fn simulation_at(place: &str, error: SimulationError) -> PyErr {
     match error {
         SimulationError::Parameter(error) => value(format!("{place}: {error}")),
-        other => of(other.kind(), python::ComputationError::new_err(format!("{place}: {other}"))),
+        other => of(other.kind(), computation(format!("{place}: {other}"))),
     }
 }
 
 /// Records that do not tell what was asked: `iwan.IdentificationError`.
 pub(crate) fn identification_failed(message: String) -> PyErr {
-    python::IdentificationError::new_err(message)
+    python::IdentificationError::new_err(in_python(&message, Call::Other))
 }
 
 /// An error of iwan-ident.
 pub(crate) fn identification(error: iwan_ident::Error) -> PyErr {
-    told_at("", error)
+    identification_of(Call::Other, "", error)
 }
 
 /// An error of iwan-ident in one of several records.
-pub(crate) fn identification_at(record: usize, error: iwan_ident::Error) -> PyErr {
-    told_at(&format!("record {record} (counted from 0): "), error)
+pub(crate) fn identification_at(call: Call, record: usize, error: iwan_ident::Error) -> PyErr {
+    identification_of(call, &format!("record {record} (counted from 0): "), error)
 }
 
-fn told_at(place: &str, error: iwan_ident::Error) -> PyErr {
+/// An error of iwan-ident at a `place`, in the words of a call.
+pub(crate) fn identification_of(call: Call, place: &str, error: iwan_ident::Error) -> PyErr {
     use iwan_ident::Error::{Refused, TooShort};
-    let (message, kind) = (format!("{place}{error}"), error.kind());
+    let (message, kind) = (in_python(&format!("{place}{error}"), call), error.kind());
     let error = match error {
-        Refused { .. } | TooShort { .. } => python::IdentificationError::new_err(message),
+        Refused { .. } | TooShort { .. } => identification_failed(message),
         _ => value(message),
     };
     of(kind, error)
 }
 
-/// An error of the reader of records, with Python's arguments in place of the command line's options.
-pub(crate) fn reading(error: &ReadError) -> PyErr {
-    let message = in_python(&error.to_string());
+/// An error of the reader of records.
+pub(crate) fn reading(call: Call, error: &ReadError) -> PyErr {
+    let message = in_python(&error.to_string(), call);
     let ReadError::Io { file, source } = error else {
         return of(error.kind(), python::RecordError::new_err(message));
     };
     of(error.kind(), file_error(source, message, file.clone()))
-}
-
-/// What the reader of records says, with Python's arguments in place of the command line's options.
-pub(crate) fn in_python(text: &str) -> String {
-    const WORDS: [(&str, &str); 16] = [
-        ("--time-unit s|ms|us|ns|min|h", "time_unit="),
-        ("--time-unit ", "time_unit="),
-        ("leave --unit out", "leave unit= out"),
-        ("--rate HZ", "rate="),
-        ("--time NAME", "time="),
-        ("--channel NAME", "channels=[...]"),
-        ("--quantity", "quantity="),
-        ("--resample", "resample=True"),
-        ("--force", "force=True"),
-        ("--band LOW:HIGH", "bands="),
-        ("one --band", "one band"),
-        ("--mode HZ", "near="),
-        ("--shapes FILE", "shapes="),
-        ("choose one channel with --channel", "give one channel"),
-        ("--shapes", "shapes="),
-        ("a column `frequency` (Hz) in the file", "frequencies="),
-    ];
-    WORDS.iter().fold(text.to_owned(), |text, (from, to)| text.replace(from, to))
 }
 
 /// An error of the operating system.
@@ -165,7 +161,7 @@ const EEXIST: i32 = 17;
 
 /// An error of the writer of files.
 pub(crate) fn writing(error: &WriteError) -> PyErr {
-    let message = error.to_string().replace("--force", "force=True");
+    let message = in_python(&error.to_string(), Call::Other);
     let exception = match error {
         WriteError::Exists { path } => python::ExistingFileError::new_err((EEXIST, message, path.clone())),
         WriteError::Io { path, source, .. } => file_error(source, message, path.clone()),
@@ -183,23 +179,28 @@ pub(crate) fn missing_file(path: &Path, error: &std::io::Error) -> PyErr {
     file_error(error, message, path.to_path_buf())
 }
 
+/// A structure that cannot be computed with: `iwan.StructureError`.
+fn structure(message: &str) -> PyErr {
+    python::StructureError::new_err(in_python(message, Call::Other))
+}
+
 /// What is wrong in a structure file; `place` where the message does not name it.
 pub(crate) fn input(place: &str, error: &InputError) -> PyErr {
     let prefix = if place.is_empty() { String::new() } else { format!("{place}: ") };
-    of(error.kind, python::StructureError::new_err(format!("{prefix}{error}")))
+    of(error.kind, structure(&format!("{prefix}{error}")))
 }
 
 /// An error of iwan-fem: what could not be set up is a bad value, the rest failed.
 pub(crate) fn fem(name: &str, error: &iwan_fem::Error) -> PyErr {
-    use iwan_fem::Error::{Analysis, Element, Interrupted, Model, Node, OutOfRange};
+    use iwan_fem::Error::{Analysis, Element, Interrupted, Model, Modes, Node, OutOfRange};
     let exception = match error {
         OutOfRange { name: "time step", value: dt, allowed } => {
             value(format!("dt = {dt} is out of range: {allowed}"))
         }
-        OutOfRange { .. } => value(error.to_string()),
+        OutOfRange { .. } | Modes { .. } => value(error.to_string()),
         Model(error) => core(*error),
-        Analysis { .. } | Interrupted => python::ComputationError::new_err(format!("{name}: {error}")),
-        Element { .. } | Node { .. } => python::StructureError::new_err(format!("{name}: {error}")),
+        Analysis { .. } | Interrupted => computation(format!("{name}: {error}")),
+        Element { .. } | Node { .. } => structure(&format!("{name}: {error}")),
         _ => value(format!("{name}: {error}")),
     };
     of(error.kind(), exception)

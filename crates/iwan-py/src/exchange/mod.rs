@@ -1,7 +1,9 @@
-//! What passes between Python and Rust: arrays, exceptions, choices by name, texts that read back, and work without the
+//! What passes between Python and Rust: arrays, exceptions in Python's words, choices by name, texts that read back, texts as files, and work without the
 //! interpreter's lock.
 
+pub(crate) mod arguments;
 pub(crate) mod errors;
+pub(crate) mod files;
 pub(crate) mod array;
 pub(crate) mod options;
 pub(crate) mod pickle;

@@ -1,6 +1,5 @@
 //! Modes that may share joints, from records of several modes at once: `iwan.fit_coupled`.
 
-use std::io::Write;
 use std::path::PathBuf;
 use std::sync::Arc;
 
@@ -11,8 +10,10 @@ use numpy::{PyArray1, PyArray2};
 use pyo3::prelude::*;
 use serde_json::json;
 
+use crate::exchange::arguments::{Call, in_python};
 use crate::exchange::array::{Numbers, array, frozen_rows};
-use crate::exchange::errors::{computation, identification, in_python, value, writing};
+use crate::exchange::errors::{identification_of, value_of};
+use crate::exchange::files::{kept, write};
 use crate::exchange::options::thread_count;
 use crate::exchange::work;
 use crate::records::envelope::method_named;
@@ -69,8 +70,8 @@ pub(crate) fn _fit_coupled(
     })?;
     match found {
         Ok(made) => Ok(FittedCoupled(Arc::new(made))),
-        Err(Fault::Given(message)) => Err(value(in_python(&message))),
-        Err(Fault::Fit(error)) => Err(identification(error)),
+        Err(Fault::Given(message)) => Err(value_of(Call::SeveralModes, &message)),
+        Err(Fault::Fit(error)) => Err(identification_of(Call::SeveralModes, "", error)),
     }
 }
 
@@ -85,7 +86,7 @@ fn struck(
     (name, record, force): Given<'_>,
     quantity: Option<&str>,
 ) -> PyResult<StruckRecord> {
-    let (quantity, warnings) = record.get().motion(quantity.map(motion).transpose()?)?;
+    let (quantity, warnings) = record.get().motion(quantity.map(motion).transpose()?, Call::SeveralModes)?;
     let force = force.map(|force| Numbers::vector("forces", &force)).transpose()?;
     let record = record.get().whole(py)?;
     Ok(StruckRecord { name, record, quantity, warnings, force })
@@ -93,8 +94,8 @@ fn struck(
 
 #[pymethods]
 impl FittedCoupled {
-    /// `fit.json` of the command, and the numbers of the chosen model.
-    fn told(&self) -> PyResult<(String, String)> {
+    /// `fit.json` of the command with arguments in place of its options, and the numbers of the chosen model.
+    fn told(&self) -> (String, String) {
         let (test, fit) = &*self.0;
         let best = fit.best();
         let v = &best.values;
@@ -114,7 +115,12 @@ impl FittedCoupled {
             "participation": v.participation,
             "compliance": v.compliance,
         });
-        Ok((test.json(fit).map_err(computation)?, values.to_string()))
+        (in_python(&test.json(fit), Call::SeveralModes), values.to_string())
+    }
+
+    /// `fit.json` of the command; in a file, too, where one is named.
+    fn json(&self, py: Python<'_>, path: Option<PathBuf>, force: bool) -> PyResult<String> {
+        kept(py, path.as_deref(), self.0.0.json(&self.0.1), force)
     }
 
     /// What was measured and what the chosen model shows: series x samples of each record, those fitted and then those kept out.
@@ -136,8 +142,6 @@ impl FittedCoupled {
     fn report(&self, py: Python<'_>, path: PathBuf, force: bool) -> PyResult<()> {
         let made = self.0.clone();
         let page = work::run(py, true, move |_| made.0.page(&made.1))?;
-        let written =
-            py.detach(|| iwan_io::atomic::write_file(&path, force, |w| w.write_all(page.as_bytes())));
-        written.map_err(|error| writing(&error))
+        write(py, &path, &page, force)
     }
 }

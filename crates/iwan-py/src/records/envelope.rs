@@ -6,8 +6,9 @@ use numpy::PyArray1;
 use pyo3::IntoPyObjectExt;
 use pyo3::prelude::*;
 
+use crate::exchange::arguments::{Call, in_python};
 use crate::exchange::array::array;
-use crate::exchange::errors::{identification, identification_at, value};
+use crate::exchange::errors::{identification_at, identification_of, value};
 use crate::exchange::options::{thread_count, unknown};
 use crate::exchange::pickle::Remake;
 use crate::exchange::work;
@@ -216,7 +217,7 @@ pub(crate) fn envelope(
     let options = Options { band, near, filter_order, window: window.map(Into::into), order };
     let modal = one(record, dt, channel, &options)?;
     let made = work::run(record.py(), true, move |_| of_modal(modal, method, &options))?;
-    made.map_err(identification)
+    made.map_err(|error| identification_of(Call::Envelope, "", error))
 }
 
 /// Envelopes of many records, on threads: `iwan.ensemble.envelope`.
@@ -247,7 +248,8 @@ pub(crate) fn _envelopes(
         work::each(channels, threads, control, |modal| of_modal(modal, method, &options))
     })?;
     let made = made.unwrap_or_default().into_iter().enumerate();
-    made.map(|(i, result)| result.map_err(|error| identification_at(first + i, error))).collect()
+    made.map(|(i, result)| result.map_err(|error| identification_at(Call::Envelope, first + i, error)))
+        .collect()
 }
 
 /// The envelope of a mode, with what disturbs its record.
@@ -272,6 +274,7 @@ fn of_modal(modal: Modal, method: Method, options: &Options) -> Result<Envelope,
         }));
     }
     envelope.notes.splice(..0, before);
+    envelope.notes.iter_mut().for_each(|note| *note = in_python(note, Call::Envelope));
     Ok(Envelope { curves: envelope, start, quantity })
 }
 
@@ -283,7 +286,9 @@ fn one(
     options: &Options,
 ) -> PyResult<Modal> {
     let record = std::slice::from_ref(record);
-    modal(record, dt, channel, None, None, options)?.pop().ok_or_else(|| value("there is no record"))
+    modal(record, dt, channel, None, None, options, Call::Envelope)?
+        .pop()
+        .ok_or_else(|| value("there is no record"))
 }
 
 /// A method by its name.

@@ -1,25 +1,28 @@
 //! Identification: records in, parameters with intervals, curves and a verdict out. `iwan.fit` is its face.
 
-use std::io::Write;
 use std::path::PathBuf;
 use std::sync::Arc;
 
 use iwan_cli::{FittedMode, FittedRecord};
 use iwan_ident::curves::{Curves, ForceAxis};
 use iwan_ident::identify::{Held, Identification, ModeRecord, Settings, identify_until};
-use iwan_ident::laws::{Backbone, FittedLaw};
+use iwan_ident::laws::{Backbone, CANDIDATES, FittedLaw};
 use iwan_ident::likelihood::{Buffers, Likelihood as Library};
 use iwan_ident::profile::Profile;
 use iwan_ident::refine::TurningPoint;
 use iwan_ident::signal::Options;
 use iwan_ident::{Parameter, Parameters, Verdict};
 use numpy::PyArrayDyn;
+use pyo3::IntoPyObjectExt;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
+use crate::exchange::arguments::{Call, in_python};
 use crate::exchange::array::{Numbers, array, shaped};
-use crate::exchange::errors::{computation, identification, value, writing};
+use crate::exchange::errors::{computation, identification, value};
+use crate::exchange::files::{kept, write};
 use crate::exchange::options::{thread_count, unknown};
+use crate::exchange::pickle::Remake;
 use crate::exchange::work::{self, Control};
 use crate::records::envelope::{Envelope, method_named};
 use crate::records::mode_records::{Modal, band_of_mode, modal, motion};
@@ -72,7 +75,8 @@ impl Request<'_> {
         }
         let quantity = self.quantity.as_deref().map(motion).transpose()?;
         let shape = self.shape.as_deref();
-        let mut records = modal(records, None, self.channel.as_ref(), quantity, shape, &settings.options)?;
+        let mut records =
+            modal(records, None, self.channel.as_ref(), quantity, shape, &settings.options, Call::Other)?;
         scale(&mut records, self.mass)?;
         let mass_normalised = self.mass.is_some() || shape.is_some();
         Ok(Task { records, mass_normalised, settings })
@@ -113,15 +117,24 @@ pub(super) struct Made {
 #[derive(Debug)]
 pub(crate) struct Identified(pub(super) Arc<Made>);
 
-/// Identifies a mode from its records at several force levels.
+/// Refuses the name of a law that is not in the list.
 #[pyfunction]
-pub(crate) fn _identify(
-    py: Python<'_>,
-    records: Vec<Bound<'_, PyAny>>,
-    request: Request<'_>,
+pub(crate) fn _check_law(law: &str) -> PyResult<()> {
+    let names: Vec<&str> = CANDIDATES.iter().map(|candidate| candidate.name).collect();
+    if names.contains(&law) { Ok(()) } else { Err(unknown("law", law, &names)) }
+}
+
+/// Identifies a mode from its records at several force levels. `progress` is called from time to time, as a sign of life.
+#[pyfunction]
+#[pyo3(signature = (records, request, progress = None))]
+pub(crate) fn _identify<'py>(
+    py: Python<'py>,
+    records: Vec<Bound<'py, PyAny>>,
+    request: Request<'py>,
+    progress: Option<&Bound<'py, PyAny>>,
 ) -> PyResult<Identified> {
     let task = request.task(&records, &request.settings()?)?;
-    work::run(py, true, move |control| task.run(control))?.map_err(identification)
+    work::watched(py, progress, move |control| task.run(control))?.map_err(identification)
 }
 
 /// Identifies many modes, each from its records, on threads: for each what was found, or the exception that says why not.
@@ -170,9 +183,10 @@ impl Identified {
         dict.set_item("frequency_misfit", found.verdict.frequency_misfit)?;
         dict.set_item("relative_residual", found.refined.relative_residual)?;
         dict.set_item("joint_needed", !found.needs_no_joint())?;
-        let own = self.0.records.iter().flat_map(|record| record.notes.iter().cloned());
-        dict.set_item("notes", own.chain(found.notes.iter().cloned()).collect::<Vec<_>>())?;
-        dict.set_item("words", found.in_words())?;
+        let said = |words: &String| in_python(words, Call::Other);
+        let own = self.0.records.iter().flat_map(|record| &record.notes);
+        dict.set_item("notes", own.chain(&found.notes).map(said).collect::<Vec<_>>())?;
+        dict.set_item("words", found.in_words().iter().map(said).collect::<Vec<_>>())?;
         self.laws(&dict)?;
         dict.set_item("curves", self.curves(py, &found.curves, force_axis)?)?;
         dict.set_item("model_curves", self.curves(py, &found.model_curves, force_axis)?)?;
@@ -183,7 +197,7 @@ impl Identified {
         Ok(dict)
     }
 
-    /// Writes the page of `iwan fit`, whole or not at all.
+    /// Writes the page of `iwan fit`.
     fn report(
         &self,
         py: Python<'_>,
@@ -192,17 +206,28 @@ impl Identified {
         force_axis: &str,
         force: bool,
     ) -> PyResult<()> {
-        let made = self.0.clone();
-        let names = names.unwrap_or_else(|| self.names());
-        if names.len() != made.records.len() {
-            let (n, records) = (names.len(), made.records.len());
-            return Err(value(format!("names has {n} entries for {records} records: give one for each")));
-        }
-        let joint_force = force_axis == "joint";
-        let page = work::run(py, true, move |_| page(&made, names, joint_force))?.map_err(computation)?;
-        let written =
-            py.detach(|| iwan_io::atomic::write_file(&path, force, |w| w.write_all(page.as_bytes())));
-        written.map_err(|error| writing(&error))
+        let (made, joint_force) = (self.0.clone(), force_axis == "joint");
+        let names = self.called(names)?;
+        let page = work::run(py, true, move |_| made.with(names, joint_force, iwan_cli::fit_page))?;
+        let page = page.map_err(computation)?;
+        write(py, &path, &page, force)
+    }
+
+    /// `fit.json` of `iwan fit`, for the law of that name; in a file, too, where one is named.
+    fn json(
+        &self,
+        py: Python<'_>,
+        path: Option<PathBuf>,
+        names: Option<Vec<String>>,
+        force_axis: &str,
+        law: Option<String>,
+        force: bool,
+    ) -> PyResult<String> {
+        let (made, joint_force) = (self.0.clone(), force_axis == "joint");
+        let names = self.called(names)?;
+        let json = move |mode: &FittedMode<'_>| iwan_cli::fit_json(mode, law.as_deref());
+        let text = work::run(py, true, move |_| made.with(names, joint_force, json))?;
+        kept(py, path.as_deref(), text.map_err(computation)?, force)
     }
 
     /// The likelihood of the records.
@@ -274,26 +299,28 @@ fn backbone<'py>(py: Python<'py>, b: &Backbone) -> PyResult<Bound<'py, PyDict>> 
     Ok(dict)
 }
 
-/// The page of `iwan fit`.
-fn page(made: &Made, names: Vec<String>, joint_force: bool) -> Result<String, String> {
-    let record = |(name, record): (String, &Modal)| FittedRecord {
-        name,
-        channels: record.channels.clone(),
-        unit: record.unit.clone(),
-        quantity: record.quantity,
-        dt: record.dt,
-        start: record.start,
-        samples: record.samples.clone(),
-    };
-    let records: Vec<_> = names.into_iter().zip(&made.records).map(record).collect();
-    iwan_cli::fit_page(&FittedMode {
-        records: &records,
-        settings: &made.settings,
-        found: &made.found,
-        notes: made.records.first().map_or(&[], |record| record.notes.as_slice()),
-        mass_normalised: made.mass_normalised,
-        joint_force,
-    })
+impl Made {
+    /// What the command line makes of the fit, whose records have these names.
+    fn with<T>(&self, names: Vec<String>, joint_force: bool, made: impl FnOnce(&FittedMode<'_>) -> T) -> T {
+        let record = |(name, record): (String, &Modal)| FittedRecord {
+            name,
+            channels: record.channels.clone(),
+            unit: record.unit.clone(),
+            quantity: record.quantity,
+            dt: record.dt,
+            start: record.start,
+            samples: record.samples.clone(),
+        };
+        let records: Vec<_> = names.into_iter().zip(&self.records).map(record).collect();
+        made(&FittedMode {
+            records: &records,
+            settings: &self.settings,
+            found: &self.found,
+            notes: self.records.first().map_or(&[], |record| record.notes.as_slice()),
+            mass_normalised: self.mass_normalised,
+            joint_force,
+        })
+    }
 }
 
 impl Identified {
@@ -303,6 +330,16 @@ impl Identified {
             1 => vec!["record".into()],
             count => (1..=count).map(|i| format!("record {i}")).collect(),
         }
+    }
+
+    /// The names that were given for the records, one for each, or what they are called without.
+    fn called(&self, names: Option<Vec<String>>) -> PyResult<Vec<String>> {
+        let Some(names) = names else { return Ok(self.names()) };
+        let (given, records) = (names.len(), self.0.records.len());
+        if given == records {
+            return Ok(names);
+        }
+        Err(value(format!("names has {given} entries for {records} records: give one for each")))
     }
 
     /// What the comparison of laws found, or why there is none.
@@ -318,7 +355,10 @@ impl Identified {
             }
             Err(error) => {
                 dict.set_item("law", py.None())?;
-                dict.set_item("law_words", format!("laws were not compared: {error}"))?;
+                dict.set_item(
+                    "law_words",
+                    in_python(&format!("laws were not compared: {error}"), Call::Other),
+                )?;
                 dict.set_item("backbone", PyDict::new(py))?;
                 dict.set_item("laws", Vec::<Bound<'_, PyDict>>::new())
             }
@@ -353,6 +393,19 @@ impl Identified {
         dict.set_item("log_dissipation_sd", joined(&|c| &c.log_dissipation_sd))?;
         Ok(dict)
     }
+}
+
+/// Makes a pickled likelihood again: of the version of the package, numbers of the library and the parameters that are sought.
+#[pyfunction]
+pub(crate) fn _likelihood(version: &str, numbers: Vec<f64>, free: Vec<String>) -> PyResult<Likelihood> {
+    const OWN: &str = env!("CARGO_PKG_VERSION");
+    let library = Library::of_numbers(&numbers).filter(|_| version == OWN).ok_or_else(|| {
+        value(format!(
+            "this likelihood was pickled by iwan {version} and cannot be read by iwan {OWN}: make it again with iwan.log_likelihood"
+        ))
+    })?;
+    let named = |name: &String| Parameter::ALL.into_iter().find(|parameter| parameter.name() == name);
+    Ok(Likelihood { library: Arc::new(library), free: free.iter().filter_map(named).collect() })
 }
 
 /// The likelihood of a fit's records: logarithms for one or many sets of coordinates at once.
@@ -391,6 +444,13 @@ impl Likelihood {
 
 #[pymethods]
 impl Likelihood {
+    fn __reduce__<'py>(slf: &Bound<'py, Self>) -> PyResult<Remake<'py>> {
+        let (py, this) = (slf.py(), slf.get());
+        let free: Vec<&str> = this.free.iter().map(|parameter| parameter.name()).collect();
+        let arguments = (env!("CARGO_PKG_VERSION"), array(py, this.library.numbers()), free);
+        Ok((py.import("iwan._native")?.getattr("_likelihood")?, arguments.into_bound_py_any(py)?))
+    }
+
     /// Names of the coordinates.
     #[getter]
     fn names(&self) -> Vec<String> {

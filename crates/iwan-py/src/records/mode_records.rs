@@ -9,7 +9,8 @@ use pyo3::intern;
 use pyo3::prelude::*;
 use pyo3::types::IntoPyDict;
 
-use crate::exchange::errors::{identification, value};
+use crate::exchange::arguments::Call;
+use crate::exchange::errors::{identification, identification_of, value};
 use crate::exchange::options::unknown;
 use crate::records::record::Record;
 
@@ -30,7 +31,7 @@ pub(crate) struct Modal {
 }
 
 /// The records of one mode: the channel named, the only one, or a combination of all, by the mode's `shape` or else by the shape
-/// that dominates in the band of the first record. All records must have the same channels and quantity.
+/// that dominates in the band of the first record. All records must have the same channels and quantity. Errors name the arguments of `call`.
 pub(crate) fn modal(
     records: &[Bound<'_, PyAny>],
     dt: Option<f64>,
@@ -38,6 +39,7 @@ pub(crate) fn modal(
     quantity: Option<curves::Quantity>,
     shape: Option<&[f64]>,
     options: &Options,
+    call: Call,
 ) -> PyResult<Vec<Modal>> {
     let records = records.iter().map(|record| taken(record, dt)).collect::<PyResult<Vec<_>>>()?;
     let Some(first) = records.first() else { return Err(value("there is no record: give at least one")) };
@@ -54,7 +56,7 @@ pub(crate) fn modal(
             word(other)
         )));
     }
-    let (quantity, mut notes) = first.get().motion(quantity)?;
+    let (quantity, mut notes) = first.get().motion(quantity, call)?;
     let all = 0..first.get().names.len();
     let chosen = if channel.is_some() { first.get().index(channel).map(|i| i..i + 1)? } else { all };
     let rows = |record: &Bound<'_, Record>| -> Vec<Vec<f64>> {
@@ -72,7 +74,7 @@ pub(crate) fn modal(
     });
     let recordings: Vec<_> = recordings.collect();
     let mode = one_mode(&recordings, shape, options).map_err(|fault| match fault {
-        NoMode::Shapes(error) | NoMode::Recording { error, .. } => identification(error),
+        NoMode::Shapes(error) | NoMode::Recording { error, .. } => identification_of(call, "", error),
     })?;
     notes.extend(mode.notes);
     let one = |(record, samples): (&Bound<'_, Record>, Vec<f64>)| Modal {

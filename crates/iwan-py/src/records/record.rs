@@ -4,14 +4,15 @@ use std::path::PathBuf;
 
 use iwan_ident::curves;
 use iwan_ident::signal::{Event, SpectralPeak};
-use iwan_io::{Format, Quantity, ReadOptions, UnknownTimeUnit};
+use iwan_io::{Format, Quantity, ReadOptions, UnknownTimeUnit, quantity_of_unit};
 use numpy::{PyArray1, PyArray2, PyArrayMethods, PyUntypedArrayMethods};
 use pyo3::IntoPyObjectExt;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
+use crate::exchange::arguments::{Call, in_python};
 use crate::exchange::array::{Numbers, array, freeze, frozen_rows};
-use crate::exchange::errors::{identification, in_python, reading, value, wrong_type};
+use crate::exchange::errors::{identification, no_record, reading, value, value_of, warn, wrong_type};
 use crate::exchange::options::choose;
 use crate::exchange::pickle::Remake;
 use crate::exchange::work;
@@ -27,6 +28,10 @@ const QUANTITIES: [(&str, Quantity); 8] = [
     ("unknown", Quantity::Unknown),
 ];
 
+/// Interval in s beyond which a warning says what it means: structures of metres swing within seconds and are sampled many times in each
+/// of their cycles. A judgement, and no refusal: what swings for minutes is sampled slowly.
+const FAR_APART: f64 = 1.0;
+
 const FORMATS: [(&str, Format); 7] = [
     ("text", Format::Text),
     ("npy", Format::Npy),
@@ -40,8 +45,9 @@ const FORMATS: [(&str, Format); 7] = [
 /// One or many channels sampled together at a constant interval; checked once, frozen, picklable.
 ///
 /// `samples`: real numbers, channels x samples (or one dimension for one channel), all finite, at least two;
-/// `dt`: sampling interval > 0 (s); `names`: one for each channel; `quantity`: "acceleration", "velocity", "displacement",
-/// "force", "pressure", "voltage", "strain" or "unknown"; `unit`: as text; `start`: time of the first sample (s).
+/// `dt`: sampling interval > 0 (s), with a warning for more than 1 s, where a rate may have been meant; `names`: one for each channel;
+/// `quantity`: "acceleration", "velocity", "displacement", "force", "pressure", "voltage", "strain" or "unknown"; `unit`: as text, and no unit
+/// of another quantity, but for volts, in which sensors give whatever they measure; `start`: time of the first sample (s).
 ///
 /// Raises `iwan.InvalidValueError` naming channel and sample.
 ///
@@ -70,7 +76,7 @@ impl Record {
             names: record.names().to_vec(),
             quantity: record.quantity(),
             unit: record.unit().to_owned(),
-            warnings: record.warnings().iter().map(|w| in_python(&w.to_string())).collect(),
+            warnings: record.warnings().iter().map(|w| in_python(&w.to_string(), Call::File)).collect(),
             samples: frozen_rows(py, record.samples())?,
         })
     }
@@ -80,7 +86,7 @@ impl Record {
         let rows = self.samples.bind(py).readonly().as_array().outer_iter().map(|row| row.to_vec()).collect();
         let record = iwan_io::Record::new(self.dt, rows, self.names.clone());
         let record = record.and_then(|record| record.with_start(self.start));
-        Ok(record.map_err(|error| value(error.to_string()))?.with_quantity(self.quantity, self.unit.clone()))
+        Ok(record.map_err(|error| no_record(&error))?.with_quantity(self.quantity, self.unit.clone()))
     }
 
     /// Index of a channel by name or number; the only one when neither is given.
@@ -108,39 +114,8 @@ impl Record {
 }
 
 impl Record {
-    /// What motion was measured, and what had to be assumed.
-    pub(crate) fn motion(
-        &self,
-        given: Option<curves::Quantity>,
-    ) -> PyResult<(curves::Quantity, Vec<String>)> {
-        match (given, self.quantity) {
-            (Some(given), _) => Ok((given, Vec::new())),
-            (_, Quantity::Acceleration) => Ok((curves::Quantity::Acceleration, Vec::new())),
-            (_, Quantity::Velocity) => Ok((curves::Quantity::Velocity, Vec::new())),
-            (_, Quantity::Displacement) => Ok((curves::Quantity::Displacement, Vec::new())),
-            (_, other) if other != Quantity::Unknown || !self.unit.is_empty() => {
-                let what = if other == Quantity::Unknown {
-                    format!("is in '{}'", self.unit)
-                } else {
-                    format!("is a {other}")
-                };
-                Err(value(format!(
-                    "the record {what}, not known as a motion: choose another channel, or say with quantity= what motion it is proportional to"
-                )))
-            }
-            _ => {
-                let note = "what was measured is not known: taken as acceleration, quantity= says otherwise";
-                Ok((curves::Quantity::Acceleration, vec![note.to_owned()]))
-            }
-        }
-    }
-}
-
-#[pymethods]
-impl Record {
-    #[new]
-    #[pyo3(signature = (samples, *, dt, names = None, quantity = "unknown", unit = "", start = 0.0))]
-    fn new(
+    /// From an array, as it was given.
+    fn of_samples(
         samples: &Bound<'_, PyAny>,
         dt: f64,
         names: Option<Vec<String>>,
@@ -166,8 +141,68 @@ impl Record {
         };
         let names = names.unwrap_or_else(|| (0..channels).map(|i| format!("channel {i}")).collect());
         let record = iwan_io::Record::new(dt, rows, names).and_then(|record| record.with_start(start));
-        let record = record.map_err(|error| value(error.to_string()))?;
+        let record = record.map_err(|error| no_record(&error))?;
         Self::wrap(py, &record.with_quantity(choose("quantity", quantity, &QUANTITIES)?, unit))
+    }
+    /// The record, with a warning where its samples lie so far apart that a rate may have been meant.
+    fn warned(self, py: Python<'_>) -> PyResult<Self> {
+        if self.dt > FAR_APART {
+            let (dt, seconds) = (self.dt, self.dt * (self.__len__(py) - 1) as f64);
+            let message = format!(
+                "the samples are {dt} s apart: the record lasts {seconds} s and holds no frequency above {} Hz; where {dt} is the sampling \
+                 rate in Hz, the interval is dt = {} s",
+                0.5 / dt,
+                1.0 / dt
+            );
+            warn(py, &message)?;
+        }
+        Ok(self)
+    }
+
+    /// What motion was measured, and what had to be assumed, in the words of a call.
+    pub(crate) fn motion(
+        &self,
+        given: Option<curves::Quantity>,
+        call: Call,
+    ) -> PyResult<(curves::Quantity, Vec<String>)> {
+        match (given, self.quantity) {
+            (Some(given), _) => Ok((given, Vec::new())),
+            (_, Quantity::Acceleration) => Ok((curves::Quantity::Acceleration, Vec::new())),
+            (_, Quantity::Velocity) => Ok((curves::Quantity::Velocity, Vec::new())),
+            (_, Quantity::Displacement) => Ok((curves::Quantity::Displacement, Vec::new())),
+            (_, other) if other != Quantity::Unknown || !self.unit.is_empty() => {
+                let what = if other == Quantity::Unknown {
+                    format!("is in '{}'", self.unit)
+                } else {
+                    format!("is a {other}")
+                };
+                let remedy =
+                    "choose another channel, or say with --quantity what motion it is proportional to";
+                Err(value_of(call, &format!("the record {what}, not known as a motion: {remedy}")))
+            }
+            _ => {
+                let note = "what was measured is not known: taken as acceleration, --quantity says otherwise";
+                Ok((curves::Quantity::Acceleration, vec![in_python(note, call)]))
+            }
+        }
+    }
+}
+
+#[pymethods]
+impl Record {
+    #[new]
+    #[pyo3(signature = (samples, *, dt, names = None, quantity = "unknown", unit = "", start = 0.0))]
+    fn new(
+        samples: &Bound<'_, PyAny>,
+        dt: f64,
+        names: Option<Vec<String>>,
+        quantity: &str,
+        unit: &str,
+        start: f64,
+    ) -> PyResult<Self> {
+        let record = Self::of_samples(samples, dt, names, quantity, unit, start)?;
+        check_unit(record.quantity, unit)?;
+        record.warned(samples.py())
     }
 
     /// Sampling interval, s.
@@ -244,7 +279,7 @@ impl Record {
     /// array([[1., 4., 9.]])
     #[pyo3(signature = (start = None, stop = None))]
     fn between(&self, py: Python<'_>, start: Option<f64>, stop: Option<f64>) -> PyResult<Self> {
-        let cut = self.whole(py)?.between(start, stop).map_err(|error| value(error.to_string()))?;
+        let cut = self.whole(py)?.between(start, stop).map_err(|error| no_record(&error))?;
         Ok(Self { warnings: self.warnings.clone(), ..Self::wrap(py, &cut)? })
     }
 
@@ -285,7 +320,7 @@ impl Record {
         })?;
         let cut = |stretch: std::ops::Range<usize>| {
             let (first, last) = (record.time(stretch.start), record.time(stretch.end - 1));
-            let cut = record.between(Some(first), Some(last)).map_err(|error| value(error.to_string()))?;
+            let cut = record.between(Some(first), Some(last)).map_err(|error| no_record(&error))?;
             Ok(Self { warnings: self.warnings.clone(), ..Self::wrap(py, &cut)? })
         };
         let told = |event: &Event| {
@@ -359,6 +394,18 @@ impl Record {
     }
 }
 
+/// Refuses a unit that is known to be of another quantity than the one that was named. Volts are a unit of every quantity: sensors give them.
+fn check_unit(quantity: Quantity, unit: &str) -> PyResult<()> {
+    let of_unit = quantity_of_unit(unit);
+    let fits = [quantity, Quantity::Unknown, Quantity::Voltage].contains(&of_unit);
+    if fits || quantity == Quantity::Unknown {
+        return Ok(());
+    }
+    Err(value(format!(
+        "unit = '{unit}' is a unit of {of_unit}, and quantity = '{quantity}': give the unit in which the samples are, or quantity = '{of_unit}'"
+    )))
+}
+
 /// Names, quantity, unit and warnings, as pickled.
 type Described = (Vec<String>, String, String, Vec<String>);
 
@@ -371,7 +418,7 @@ pub(crate) fn _record(
     described: Described,
 ) -> PyResult<Record> {
     let (names, quantity, unit, warnings) = described;
-    Ok(Record { warnings, ..Record::new(samples, dt, Some(names), &quantity, &unit, start)? })
+    Ok(Record { warnings, ..Record::of_samples(samples, dt, Some(names), &quantity, &unit, start)? })
 }
 
 /// Reads a record from a file: CSV and other text (header and delimiter are found), NPY/NPZ, UFF/UNV dataset 58 and 58b,
@@ -417,8 +464,8 @@ pub(crate) fn read_record(
         time_unit.map(str::parse).transpose().map_err(|e: UnknownTimeUnit| value(e.to_string()))?;
     let options = ReadOptions { format, time, channels, rate, quantity, resample, time_unit, unit };
     let record = work::run(py, true, move |_| iwan_io::read(path, &options))?;
-    let record = record.map_err(|error| reading(&error))?;
-    Record::wrap(py, &record.between(start, stop).map_err(|error| value(error.to_string()))?)
+    let record = record.map_err(|error| reading(Call::File, &error))?;
+    Record::wrap(py, &record.between(start, stop).map_err(|error| no_record(&error))?)?.warned(py)
 }
 
 /// Reads a record from the bytes of a file.
@@ -437,5 +484,5 @@ pub(crate) fn _read_bytes(
     let quantity = quantity.map(|name| choose("quantity", name, &QUANTITIES)).transpose()?;
     let options = ReadOptions { time, channels, rate, quantity, resample, ..ReadOptions::default() };
     let record = iwan_io::read_bytes(&name, bytes, &options);
-    Record::wrap(py, &record.map_err(|error| reading(&error))?)
+    Record::wrap(py, &record.map_err(|error| reading(Call::Data, &error))?)?.warned(py)
 }

@@ -1,6 +1,5 @@
 //! Shaker's tests: responses and backbones in, parameters with intervals out. `iwan.fit(sweeps=)` is its face.
 
-use std::io::Write;
 use std::path::PathBuf;
 use std::sync::Arc;
 
@@ -11,8 +10,10 @@ use iwan_io::ReadError;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
+use crate::exchange::arguments::Call;
 use crate::exchange::array::{Numbers, array};
-use crate::exchange::errors::{computation, identification, reading, record, value, writing};
+use crate::exchange::errors::{computation, identification, reading, record, value};
+use crate::exchange::files::{kept, write};
 use crate::exchange::options::unknown;
 use crate::exchange::work;
 use crate::records::identified::{Identified, six};
@@ -29,7 +30,7 @@ impl Source<'_> {
         match self {
             Self::File(path) => match std::fs::metadata(&path) {
                 Ok(_) => Ok(SweepSource::File(path)),
-                Err(source) => Err(reading(&ReadError::Io { file: path, source })),
+                Err(source) => Err(reading(Call::File, &ReadError::Io { file: path, source })),
             },
             Self::Columns(name, columns) => {
                 let columns = columns
@@ -56,8 +57,9 @@ impl Source<'_> {
 #[derive(Debug)]
 pub(crate) struct FittedSweeps(Arc<(SweepTest, SteadyFit)>);
 
-/// The parameters of a mode from responses and backbones, with identified ring-downs or without.
+/// The parameters of a mode from responses and backbones, with identified ring-downs or without. `progress` is called from time to time.
 #[pyfunction]
+#[expect(clippy::too_many_arguments, reason = "the arguments of a function of Python, and who hears of it")]
 pub(crate) fn _fit_sweeps<'py>(
     py: Python<'py>,
     sweeps: Vec<Source<'py>>,
@@ -66,6 +68,7 @@ pub(crate) fn _fit_sweeps<'py>(
     mass: Option<f64>,
     hold: Vec<(String, f64)>,
     ring_downs: Option<&Bound<'py, Identified>>,
+    progress: Option<&Bound<'py, PyAny>>,
 ) -> PyResult<FittedSweeps> {
     if let Some(mass) = mass.filter(|mass| !(*mass > 0.0 && mass.is_finite())) {
         return Err(value(format!("mass = {mass} is out of range: must be a finite number > 0")));
@@ -85,7 +88,7 @@ pub(crate) fn _fit_sweeps<'py>(
     let sources = sources.collect::<PyResult<Vec<_>>>()?;
     let ring_downs = ring_downs.map(|found| (found.get().names(), &found.get().0.found));
     let test = SweepTest::read(sources, mass, &levels, ring_downs).map_err(record)?;
-    let (test, fit) = work::run(py, true, move |_| {
+    let (test, fit) = work::watched(py, progress, move |_| {
         let fit = test.fit(&hold);
         (test, fit)
     })?;
@@ -106,12 +109,17 @@ impl FittedSweeps {
         Ok(dict)
     }
 
+    /// `fit.json` of `iwan fit`; in a file, too, where one is named.
+    fn json(&self, py: Python<'_>, path: Option<PathBuf>, force: bool) -> PyResult<String> {
+        let made = self.0.clone();
+        let text = work::run(py, true, move |_| made.0.json(&made.1))?;
+        kept(py, path.as_deref(), text.map_err(computation)?, force)
+    }
+
     /// Writes the page of `iwan fit`, whole or not at all.
     fn report(&self, py: Python<'_>, path: PathBuf, force: bool) -> PyResult<()> {
         let made = self.0.clone();
         let page = work::run(py, true, move |_| made.0.page(&made.1))?.map_err(computation)?;
-        let written =
-            py.detach(|| iwan_io::atomic::write_file(&path, force, |w| w.write_all(page.as_bytes())));
-        written.map_err(|error| writing(&error))
+        write(py, &path, &page, force)
     }
 }

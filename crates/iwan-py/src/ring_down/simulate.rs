@@ -6,7 +6,7 @@ use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
 use crate::exchange::array::{Numbers, array};
-use crate::exchange::errors::{core, simulation, value, wrong_type};
+use crate::exchange::errors::{core, simulation, value, warn, wrong_type};
 use crate::exchange::options::{MethodOptions, method as method_named, representation_of, thread_count};
 use crate::exchange::work;
 use crate::ring_down::response::Response;
@@ -113,8 +113,7 @@ fn warn_of_curves(py: Python<'_>, response: &iwan_sim::Response) -> PyResult<()>
         format!("from t = {t} s on the amplitude exceeds the largest of the curves: frequency and damping are held")
     });
     for message in below.into_iter().chain(above) {
-        let message = std::ffi::CString::new(message)?;
-        PyErr::warn(py, &py.get_type::<pyo3::exceptions::PyUserWarning>(), &message, 1)?;
+        warn(py, &message)?;
     }
     Ok(())
 }

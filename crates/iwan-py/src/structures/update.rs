@@ -12,6 +12,7 @@ use iwan_study::update::{
 use pyo3::prelude::*;
 use serde_json::json;
 
+use crate::exchange::arguments::{Call, in_python};
 use crate::exchange::array::Numbers;
 use crate::exchange::errors::{computation, fem, value};
 use crate::exchange::options::{thread_count, unknown};
@@ -216,7 +217,7 @@ fn named_groups(
 
 /// All of it; `updating.py` makes values of that.
 fn told(found: &Update) -> String {
-    json!({
+    let told = json!({
         "groups": found.groups,
         "factors": found.factors,
         "viscous": found.viscous,
@@ -229,8 +230,8 @@ fn told(found: &Update) -> String {
         "curves": found.curves,
         "blows": found.blows,
         "converged": found.converged,
-    })
-    .to_string()
+    });
+    in_python(&told.to_string(), Call::Other)
 }
 
 fn refused(name: &str, error: &Error) -> PyErr {

@@ -13,7 +13,7 @@ use crate::failure::Failure;
 
 /// The results of one test.
 pub(crate) struct Results {
-    pub(super) summary: SweepSummary,
+    pub(crate) summary: SweepSummary,
     /// Columns of `curves.csv`.
     pub(super) table: Vec<(&'static str, Vec<f64>)>,
     /// The scenario.

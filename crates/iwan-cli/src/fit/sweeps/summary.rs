@@ -13,7 +13,7 @@ use crate::session::Summary;
 
 /// The fit of one mode.
 #[derive(Debug, Clone, Serialize)]
-pub(super) struct SweepSummary {
+pub(crate) struct SweepSummary {
     #[serde(skip)]
     pub(super) title: String,
     pub(super) records: Vec<String>,

@@ -56,8 +56,9 @@ impl Smooth {
     }
 }
 
-/// Frequency and damping ratio against amplitude with bands of 95 %, by ascending amplitude; all vectors have the same length. From several hits, the
-/// bands are those of a further hit on the specimen; from one hit they are its own, and do not know how the next would differ.
+/// Frequency and damping ratio against amplitude with bands of 95 %, by ascending amplitude, from the smallest to the largest amplitude of the records'
+/// free decays: the largest is that at the first sample of the loudest record. All vectors have the same length. From several hits, the bands are those of
+/// a further hit on the specimen; from one hit they are its own, and do not know how the next would differ.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Backbone {
     /// Displacement amplitude, mass-normalised.
@@ -102,24 +103,25 @@ impl Backbone {
         })
     }
 
-    /// The backbone of `smooth` curves at the amplitudes `seen` of a grid, with the scatter of hits and its covariance.
+    /// The backbone of `smooth` curves on a grid from one value of ln a to another, with the scatter of hits and its covariance.
     pub(crate) fn new(
         grid: &Grid,
         smooth: &Smooth,
-        seen: &[usize],
+        span: (f64, f64),
         (scatter, straying): (Scatter, &DMatrix<f64>),
     ) -> Self {
         let mut out = Self { scatter, ..Self::default() };
         let turn = std::f64::consts::TAU;
         let (n, wide) = (grid.count(), scatter.half_width());
-        let half = |sd: f64, i: usize| {
-            let own = wide * straying[(i, i)].max(0.0).sqrt();
-            (HALF_WIDTH * sd).hypot(own)
-        };
-        for &i in seen {
-            let (decay, omega) = (smooth.rates.decay[i], smooth.rates.omega[i]);
-            let (d, w) = (half(smooth.decay_sd(i), i), half(smooth.omega_sd(i), n + i));
-            out.amplitude.push(grid.amplitude(i));
+        for log in grid.within(span) {
+            let place = grid.place(log);
+            let half = |from: usize| {
+                let own = wide * place.variance(straying, from).sqrt();
+                (HALF_WIDTH * place.variance(&smooth.covariance, from).sqrt()).hypot(own)
+            };
+            let (decay, omega) = (place.of(&smooth.rates.decay), place.of(&smooth.rates.omega));
+            let (d, w) = (half(0), half(n));
+            out.amplitude.push(log.exp());
             out.frequency.push(omega / turn);
             out.frequency_low.push((omega - w) / turn);
             out.frequency_high.push((omega + w) / turn);
