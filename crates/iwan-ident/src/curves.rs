@@ -2,11 +2,13 @@
 
 use std::f64::consts::TAU;
 
+use serde::{Deserialize, Serialize};
+
 use crate::error::{Error, check, check_length};
 use crate::signal::Envelope;
 
 /// The quantity that a record measures.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
 pub enum Quantity {
     /// Acceleration q''.
     #[default]

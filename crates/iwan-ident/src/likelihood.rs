@@ -2,14 +2,16 @@
 
 use std::f64::consts::TAU;
 
-use crate::parameters::{Parameter, Parameters};
-use crate::refine::{Numbers, Reader, Task, TurningPoint, Workspace};
+use serde::{Deserialize, Serialize};
+
+use crate::parameters::Parameters;
+use crate::refine::{Task, TurningPoint, Workspace};
 
 /// Logarithm of the likelihood of the records behind an identification, up to a constant.
 ///
 /// It is the likelihood of the complex amplitudes in windows that [`refine`](mod@crate::refine) compares, whitened. Their variance is
 /// that about the best fit, widened where neighbours are correlated, as in the profiles.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, Serialize, Deserialize)]
 pub struct Likelihood {
     task: Task,
     /// Variance of the residuals in their unit.
@@ -28,30 +30,6 @@ pub struct Buffers {
 impl Likelihood {
     pub(crate) fn new(task: &Task, variance: f64, parameters: &Parameters, starts: &[TurningPoint]) -> Self {
         Self { task: task.clone(), variance, parameters: *parameters, starts: starts.to_vec() }
-    }
-
-    /// All of it as a row of numbers, for another process of the same version: [`of_numbers`](Self::of_numbers) makes it again, and what that
-    /// evaluates to has the same bits.
-    ///
-    /// An example: [`identify`](crate::identify::identify).
-    #[must_use]
-    pub fn numbers(&self) -> Vec<f64> {
-        let mut numbers = Numbers::default();
-        numbers.0.push(self.variance);
-        numbers.0.extend(Parameter::ALL.map(|parameter| self.parameters.get(parameter)));
-        numbers.task(&self.task, &self.starts);
-        numbers.0
-    }
-
-    /// What wrote such numbers; none where they are those of no likelihood.
-    #[must_use]
-    pub fn of_numbers(numbers: &[f64]) -> Option<Self> {
-        let mut reader = Reader(numbers);
-        let variance = reader.number()?;
-        let [frequency, damping_ratio, k_t, f_s, chi, beta] = reader.numbers()?;
-        let parameters = Parameters { frequency, damping_ratio, k_t, f_s, chi, beta };
-        let (task, starts) = reader.task()?;
-        reader.0.is_empty().then_some(Self { task, variance, parameters, starts })
     }
 
     /// The best fit.

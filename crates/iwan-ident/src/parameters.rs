@@ -1,6 +1,7 @@
 //! The parameters of a modal Iwan oscillator.
 
 use iwan_core::{FourParameter, Oscillator, ResidualStiffness};
+use serde::{Deserialize, Serialize};
 
 use crate::error::Error;
 
@@ -8,7 +9,7 @@ use crate::error::Error;
 pub(crate) const COUNT: usize = 6;
 
 /// One mode with a four-parameter Iwan joint and a viscous damper in parallel (Eq. 5).
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Parameters {
     /// Small-amplitude frequency ω0/2π, Hz.
     pub frequency: f64,
@@ -25,7 +26,7 @@ pub struct Parameters {
 }
 
 /// One of the six parameters.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize, Deserialize)]
 pub enum Parameter {
     /// Small-amplitude frequency.
     Frequency,

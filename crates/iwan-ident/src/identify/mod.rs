@@ -88,9 +88,9 @@ struct OtherStart {
 /// let best = likelihood.log(&found.parameters, likelihood.starts(), &mut buffers).unwrap();
 /// assert!(best > likelihood.log(&other, likelihood.starts(), &mut buffers).unwrap());
 /// // In another process, with the same bits.
-/// let there = iwan_ident::likelihood::Likelihood::of_numbers(&likelihood.numbers()).unwrap();
+/// let there: iwan_ident::likelihood::Likelihood = serde_json::from_str(&serde_json::to_string(likelihood)?)?;
 /// assert_eq!(there.log(&other, there.starts(), &mut buffers), likelihood.log(&other, likelihood.starts(), &mut buffers));
-/// # Ok::<(), iwan_ident::Error>(())
+/// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 pub fn identify(records: &[ModeRecord<'_>], settings: &Settings) -> Result<Identification, Error> {
     identification(records, settings, &Arc::default(), None)

@@ -2,15 +2,16 @@
 //! square root.
 
 use nalgebra::{DMatrix, DVector, DVectorViewMut};
+use serde::{Deserialize, Serialize};
 
 /// Directions in which M adds less than this part of the noise's variance are left as they are.
 const LEAST: f64 = 1e-4;
 
 /// The matrix (1 + M Mᵀ)^(-1/2) = 1 - B diag(w) Bᵀ, with orthonormal columns B (`directions`) and `weights` w.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, Serialize, Deserialize)]
 pub(super) struct Discount {
-    pub(super) directions: DMatrix<f64>,
-    pub(super) weights: DVector<f64>,
+    directions: DMatrix<f64>,
+    weights: DVector<f64>,
 }
 
 impl Discount {

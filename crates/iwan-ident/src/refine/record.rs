@@ -3,6 +3,7 @@
 use std::f64::consts::{PI, TAU};
 
 use rustfft::num_complex::Complex64;
+use serde::{Deserialize, Serialize};
 
 use super::amplitudes::whitening::Whitening;
 use super::amplitudes::windows::{OVERLAP, Windows};
@@ -49,7 +50,7 @@ pub(crate) fn check_rate(per_cycle: f64) -> Result<f64, Error> {
 }
 
 /// Noise of the whitened amplitudes.
-#[derive(Debug, Clone, Copy, Default)]
+#[derive(Debug, Clone, Copy, Default, Serialize, Deserialize)]
 pub(super) struct Noise {
     /// Standard deviation that all windows have in common.
     pub(super) floor: f64,
@@ -57,7 +58,7 @@ pub(super) struct Noise {
     pub(super) part: f64,
 }
 
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, Serialize, Deserialize)]
 pub(super) struct Windowed {
     pub(super) windows: Windows,
     pub(super) whitening: Whitening,
@@ -77,12 +78,12 @@ pub(super) struct Windowed {
     /// The turning point that the record's own unknowns are relative to.
     pub(super) start: TurningPoint,
     /// Whether the samples were filtered to a band.
-    pub(super) banded: bool,
+    banded: bool,
     /// Standard deviations, one per window, of what remains of other modes after they were subtracted, in the whitened amplitudes.
-    pub(super) beside: Vec<f64>,
+    beside: Vec<f64>,
     /// Standard deviation of the noise that the samples show, over their root mean square; none for a record in a band, whose filter took the noise
     /// away.
-    pub(super) sample_noise: Option<f64>,
+    sample_noise: Option<f64>,
     /// The samples of the first cycles of a record that shows no noise, of which windows keep only two numbers a cycle; empty for other records.
     pub(super) head: Vec<f64>,
 }

@@ -1,13 +1,14 @@
 //! Where a ring-down begins, and its samples from there.
 
 use iwan_core::{Decay, Motion, Reversal, Samples};
+use serde::{Deserialize, Serialize};
 
 use crate::curves::Quantity;
 use crate::error::Error;
 use crate::parameters::Parameters;
 
 /// The unknowns of one record: the turning point from which the model's ring-down starts at rest, and the frequency on the record's day.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct TurningPoint {
     /// Displacement q at the turning point, mass-normalised.
     pub displacement: f64,

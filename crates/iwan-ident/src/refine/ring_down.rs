@@ -1,5 +1,7 @@
 //! What goes into a refinement and what comes out.
 
+use serde::{Deserialize, Serialize};
+
 use super::release::TurningPoint;
 use crate::curves::Quantity;
 use crate::parameters::Parameters;
@@ -25,7 +27,7 @@ pub struct RingDown<'a> {
 
 /// Standard deviations of what a model misses of ln D and ln ω (D: dissipation per cycle, ω: frequency), which both vary slowly with ln amplitude;
 /// zero where only noise is left.
-#[derive(Debug, Clone, Copy, Default, PartialEq)]
+#[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize)]
 pub struct Discrepancy {
     /// Of ln D: the part that all records share.
     pub dissipation: f64,

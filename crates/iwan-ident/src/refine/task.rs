@@ -7,6 +7,7 @@ use std::sync::atomic::AtomicBool;
 
 use iwan_machine::checkpoint::Checkpoint;
 use rustfft::num_complex::Complex64;
+use serde::{Deserialize, Serialize};
 
 use super::amplitudes::days;
 use super::amplitudes::slow::{Buffers, KEPT};
@@ -46,7 +47,7 @@ const ROUGH_ITERATIONS: usize = 30;
 /// Most iterations of a fine search; when they are spent the result says that it has not converged.
 const FINE_ITERATIONS: usize = 100;
 /// The records in the form that the searches work on.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, Serialize, Deserialize)]
 pub(crate) struct Task {
     pub(crate) chart: Chart,
     pub(super) records: Vec<Windowed>,
@@ -58,15 +59,17 @@ pub(crate) struct Task {
     /// it.
     pub(super) day_deviation: f64,
     /// Whether records may differ by the day.
-    pub(super) strays: bool,
+    strays: bool,
     /// Whether the discount allows for what a clean record cannot show.
     pub(crate) widened: bool,
     /// Whether residuals are logarithms of the ratio of record to model, times the record: in these logarithms, what the model misses adds up however
     /// far apart the phases are.
     pub(super) by_logarithms: bool,
     /// Once set there are no residuals any more, so that every search ends.
+    #[serde(skip)]
     pub(crate) stopped: Arc<AtomicBool>,
     /// The checkpoint in which ends of searches are kept; none: they are not kept.
+    #[serde(skip)]
     pub(crate) kept: Option<Arc<Checkpoint>>,
 }
 

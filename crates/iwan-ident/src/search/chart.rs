@@ -8,6 +8,8 @@
 
 use std::f64::consts::TAU;
 
+use serde::{Deserialize, Serialize};
+
 use crate::error::Error;
 use crate::parameters::{COUNT, Parameter, Parameters};
 
@@ -29,7 +31,7 @@ pub(crate) const KNEE: usize = 4;
 pub(crate) const DIRAC: usize = 5;
 
 /// The quantities in the third and fifth place; the other coordinates are ln f, ζ_v (in `DAMPING_UNIT`), χ and β/(1+β).
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 pub(crate) enum Scales {
     /// Softening and knee: for every search without given K_T and F_S.
     SofteningAndKnee,
@@ -42,7 +44,7 @@ pub(crate) enum Scales {
 }
 
 /// The coordinates: what they are, and the amplitude that they are relative to.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub(crate) struct Chart {
     pub(crate) scales: Scales,
     /// Displacement at which the softening is taken, and to which the knee is relative.

@@ -395,11 +395,12 @@ impl Identified {
     }
 }
 
-/// Makes a pickled likelihood again: of the version of the package, numbers of the library and the parameters that are sought.
+/// Makes a pickled likelihood again: from the version of the package, the library's likelihood as JSON and the parameters that are sought.
 #[pyfunction]
-pub(crate) fn _likelihood(version: &str, numbers: Vec<f64>, free: Vec<String>) -> PyResult<Likelihood> {
+pub(crate) fn _likelihood(version: &str, json: &str, free: Vec<String>) -> PyResult<Likelihood> {
     const OWN: &str = env!("CARGO_PKG_VERSION");
-    let library = Library::of_numbers(&numbers).filter(|_| version == OWN).ok_or_else(|| {
+    let library: Option<Library> = serde_json::from_str(json).ok();
+    let library = library.filter(|_| version == OWN).ok_or_else(|| {
         value(format!(
             "this likelihood was pickled by iwan {version} and cannot be read by iwan {OWN}: make it again with iwan.log_likelihood"
         ))
@@ -447,7 +448,8 @@ impl Likelihood {
     fn __reduce__<'py>(slf: &Bound<'py, Self>) -> PyResult<Remake<'py>> {
         let (py, this) = (slf.py(), slf.get());
         let free: Vec<&str> = this.free.iter().map(|parameter| parameter.name()).collect();
-        let arguments = (env!("CARGO_PKG_VERSION"), array(py, this.library.numbers()), free);
+        let json = serde_json::to_string(&*this.library).map_err(|error| computation(error.to_string()))?;
+        let arguments = (env!("CARGO_PKG_VERSION"), json, free);
         Ok((py.import("iwan._native")?.getattr("_likelihood")?, arguments.into_bound_py_any(py)?))
     }
 

@@ -3,6 +3,7 @@
 use std::f64::consts::PI;
 
 use rustfft::num_complex::Complex64;
+use serde::{Deserialize, Serialize};
 
 use super::windows::OVERLAP;
 
@@ -14,7 +15,7 @@ const STEPS: i32 = 400;
 ///
 /// `rows` is the Cholesky factor L of the windows' overlaps, a band of four: z = L y, and E|y|² = 1 for noise of density 1 (the density is the
 /// variance of a sample times dt).
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, Serialize, Deserialize)]
 pub(crate) struct Whitening {
     rows: Vec<[f64; OVERLAP]>,
 }

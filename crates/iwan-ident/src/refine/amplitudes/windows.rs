@@ -9,6 +9,7 @@
 use std::f64::consts::{PI, TAU};
 
 use rustfft::num_complex::Complex64;
+use serde::{Deserialize, Serialize};
 
 use crate::curves::Quantity;
 use crate::turn::{cosine_and_sine, turn};
@@ -24,7 +25,7 @@ const MOST: f64 = 120.0;
 const MOST_WITHOUT_TABLES: f64 = 1000.0;
 
 /// Where the windows lie.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub(in crate::refine) struct Windows {
     /// Reference frequency ω_r, rad/s.
     pub(in crate::refine) omega: f64,
