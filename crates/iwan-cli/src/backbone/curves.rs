@@ -24,7 +24,7 @@ pub(crate) struct Traced {
     pub(crate) curve: NonlinearMode,
 }
 
-/// The highest harmonic: the one of the option, else the one of the scenario's [sweep], else 1.
+/// The highest harmonic: the one of the option, else the one of the scenario's `[sweep]`, else 1.
 pub(super) fn harmonics(args: &BackboneArgs, scenario: &SteadyScenario) -> Result<usize, Failure> {
     let of_sweep = scenario.sweep.as_ref().map(|table| table.sweep.harmonics);
     let highest = args.harmonics.or(of_sweep).unwrap_or(1);

@@ -107,7 +107,7 @@ fn range(mode: &Mode) -> Result<[f64; 2], SimulationError> {
     Ok([oscillator.k_inf().max(0.0).sqrt() / TAU, mode.frequency])
 }
 
-/// Refuses, for modes, the two keys of [sweep] that only structures have: a damping ratio for all modes, and the direction of base motion.
+/// Refuses, for modes, the two keys of `[sweep]` that only structures have: a damping ratio for all modes, and the direction of base motion.
 pub(super) fn refuse_of_structures(name: &str, table: &SweepTable) -> Result<(), Failure> {
     let refused = |key: &str, why: &str, remedy: &str| {
         Err(Failure::input(format!("{name}: [sweep]: {key} is for structures: {why}"), remedy))

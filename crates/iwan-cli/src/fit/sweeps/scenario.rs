@@ -42,7 +42,7 @@ pub(super) fn scenario(
     }
 }
 
-/// A [sweep] over the measured band with the levels of the quantity that was held first; none where no level held anything.
+/// A `[sweep]` over the measured band with the levels of the quantity that was held first; none where no level held anything.
 fn sweep(measurements: &[Measurement], root: Option<f64>) -> Option<SweepTable> {
     let held = || measurements.iter().flat_map(|m| &m.levels).filter_map(|level| level.held);
     let control = held().next()?.0;
