@@ -47,9 +47,9 @@ pub struct LaboratorySummary {
     pub chi_fitted: f64,
     /// How well that fit follows the curves, in words.
     pub misfit: String,
-    /// Largest difference between the slopes of the hits.
+    /// Range, largest minus smallest, of the slopes from hit to hit at equal times.
     pub drift: f64,
-    /// The same difference without the viscous term.
+    /// The same range without the viscous term.
     pub drift_without_viscous: f64,
 }
 
