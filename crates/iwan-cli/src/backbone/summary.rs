@@ -1,4 +1,4 @@
-//! What `iwan backbone` says: `summary.json` and the table on the terminal.
+//! The summary of `iwan backbone`: `summary.json` and the table on the terminal.
 
 use std::fmt::Write;
 

@@ -43,7 +43,7 @@ pub(super) fn joint_stiffness(found: &Reproduction) -> Finding {
     }
 }
 
-/// That mode 2 has no joint: slipping does not soften it.
+/// The finding on mode 2, which has no joint: slipping does not soften it.
 pub(super) fn second_mode(found: &Reproduction) -> Finding {
     let numbers: Vec<FindingNumber> = per_configuration(found, 1)
         .map(|mode| number(format!("k_t_{}", letter(mode.configuration).to_lowercase()), mode.k_t))

@@ -21,7 +21,7 @@ use crate::progress::Tally;
 /// Frequency and damping of a mode: the truth, and what the modal test of the softest hits finds (Table 3).
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Table3Row {
-    /// Such as `bending 1`.
+    /// Name of the mode, such as `bending 1`.
     pub mode: String,
     /// Frequency of the truth at small amplitude, Hz.
     pub frequency: f64,

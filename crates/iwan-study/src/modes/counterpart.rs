@@ -42,7 +42,7 @@ pub struct Counterpart {
     pub parameters: Parameters,
     /// Whether the fit follows the curves.
     pub adequate: bool,
-    /// How well it follows them, in words.
+    /// How well the fit follows the curves, in words.
     pub misfit: String,
     /// 95 % intervals of F_S, χ and β from the records themselves.
     pub intervals: Vec<Interval>,

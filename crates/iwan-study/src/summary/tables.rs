@@ -101,7 +101,7 @@ pub struct Table2Row {
     pub intervals: Vec<Interval>,
     /// Whether the fit follows the curves.
     pub adequate: Option<bool>,
-    /// How well it follows them, in words.
+    /// How well the fit follows the curves, in words.
     pub verdict: String,
 }
 

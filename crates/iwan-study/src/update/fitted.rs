@@ -15,7 +15,8 @@ pub(super) const LEAST_FREQUENCY: f64 = 1e-6;
 /// The standard deviation of a curve is at least the mean of its kind divided by this, however small its residuals are: an unknown that adapts to one
 /// curve alone would make this curve look perfect.
 const MOST_BELIEVED: f64 = 10.0;
-/// Most times that the search is begun anew because the walk along an interval met a better point.
+/// Most times that the search is begun anew because the walk along an interval (one unknown is moved step by step while the others are fitted) met a
+/// better point.
 const MOST_ANEW: usize = 3;
 
 /// Half width of a 95 % interval in standard deviations of a normal distribution.

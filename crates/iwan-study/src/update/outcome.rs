@@ -71,7 +71,7 @@ pub struct ComparedBlow {
 pub struct Told {
     /// Standard deviation along the combination; none where nothing determines it.
     pub deviation: Option<f64>,
-    /// Its largest terms, as `0.8 ln k_t of link - 0.6 ln f_s of link`.
+    /// Largest terms of the combination, as in `0.8 ln k_t of link - 0.6 ln f_s of link`.
     pub combination: String,
 }
 

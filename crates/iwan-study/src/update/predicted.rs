@@ -14,8 +14,8 @@ use super::verdict::{OWN, SHIFT_FLOOR, scatter};
 const STEPS: [f64; 4] = [0.5, 1.0, 2.0, 3.5];
 /// Iterations and relative reduction of the search for the other unknowns at such a step: few iterations show whether the curves accept the step.
 const EFFORT: (usize, f64) = (10, 1e-3);
-/// Where an open unknown changes the damping by more than this factor, a sentence says that the damping cannot be predicted: a prediction within a
-/// factor of two still serves a design. A judgement.
+/// Where an open unknown changes the damping by more than this factor, a sentence says that the prediction has a wide band only: a prediction within
+/// a factor of two still serves a design. A judgement.
 const MOST_DAMPING: f64 = 2.0;
 /// Limit for the frequency, as a part of its measured shift: where an open unknown changes it by more than half of the shift, the shift is not
 /// predicted.

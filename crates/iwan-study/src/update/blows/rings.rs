@@ -43,7 +43,7 @@ pub(super) struct Rings<'a> {
     pub(super) unfelt: Vec<usize>,
 }
 
-/// The computed response to a blow: amplitudes by gate, and the largest slip of each joint coordinate.
+/// The computed response to a blow: amplitudes by gate, and the largest value of each slip.
 pub(super) struct Rung {
     pub(super) amplitudes: Vec<Vec<f64>>,
     pub(super) slips: Vec<f64>,

@@ -192,7 +192,8 @@ impl<'a> Fitting<'a> {
         let variance = (inflation * found.cost / freedom).max(self.still_stepping());
         let failed = Error::identification("update");
         let straight = Straight::at(&self.rings, &found.x).map_err(&failed)?;
-        // A linearised model has no better point than the best: where a walk along an interval gains, the search had not quite ended.
+        // Walk: one unknown is moved step by step while the others are fitted. A linearised model has no better point than the best; where a walk
+        // still gains, the search had not quite ended.
         let about = About { found: &found, free: &free, variance, settled: true };
         let mut all = vec![Interval::default(); self.rings.beside.bounds.len()];
         // Unknowns that the blows do not feel are open: a walk along them has nowhere to end.
