@@ -14,7 +14,7 @@ use crate::failure::Failure;
 
 /// One level of force.
 pub(super) struct Level {
-    /// Mean peak force of the hits, in the unit of the file; 0 for responses that another program measured.
+    /// Mean peak force of the hits, in the unit of the hammer channel; 0 for responses that another program measured.
     pub(super) force: f64,
     /// Names of the level's hits.
     pub(super) hits: Vec<String>,
